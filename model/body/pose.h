@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+
+#include "model/base/realtime.h"
+#include "model/body/humanoid.h"
+
+namespace styled::body {
+
+using Vec3 = Eigen::Vector3f;
+using Quat = Eigen::Quaternionf;  // stored x,y,z,w
+
+// One pose of the canonical humanoid. `rotations[j]` is joint j's rotation relative to its parent
+// (the hips' relative to the world), unit length, identity at rest. Joint order: body::Joint.
+struct Pose {
+  Vec3 hips_position_m = Vec3(0, kHumanoid[kHips].y_m, 0);
+  std::array<Quat, kJointCount> rotations;
+
+  Pose() { rotations.fill(Quat::Identity()); }
+};
+
+// The same pose in world space.
+struct WorldPose {
+  std::array<Vec3, kJointCount> positions_m;
+  std::array<Quat, kJointCount> rotations;
+};
+
+// The joint's offset from its parent at rest, metres.
+inline Vec3 Offset(int joint) {
+  const JointRow& row = kHumanoid[joint];
+  return {row.x_m, row.y_m, row.z_m};
+}
+
+// Forward kinematics over the table's offsets. No state, no allocation; any thread.
+// Pinned by tests/unit/body/pose_test.cpp.
+STYLED_REALTIME void ForwardKinematics(const Pose& pose, WorldPose& world) noexcept;
+
+// The pose between `a` (share 0) and `b` (share 1): positions linear, rotations by slerp along the
+// shorter arc. For short gaps in a stream; clips are resampled with clip::Resample instead.
+STYLED_REALTIME void Interpolate(const Pose& a, const Pose& b, float share, Pose& out) noexcept;
+
+// Swaps left and right through the plane x = 0. Mirroring twice gives the pose back.
+STYLED_REALTIME void Mirror(const Pose& pose, Pose& out) noexcept;
+
+// The height of the lowest of both feet and toes, metres (world).
+STYLED_REALTIME float LowestFoot_m(const WorldPose& world) noexcept;
+
+// log of a unit quaternion as a rotation vector (axis times angle in radians, angle <= pi), and
+// back. Exact at zero, no branch on the axis.
+STYLED_REALTIME Vec3 Log(const Quat& rotation) noexcept;
+STYLED_REALTIME Quat Exp(const Vec3& rotation_vector) noexcept;
+
+}  // namespace styled::body

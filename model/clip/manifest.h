@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "model/base/status.h"
+
+namespace styled::clip {
+
+// One clip of a dataset, with its labels.
+struct ManifestEntry {
+  std::filesystem::path file;
+  std::string style;    // one of Manifest::styles
+  std::string content;  // one of Manifest::contents
+  std::string rig;      // a dialect of rig::BindDialect, "auto" by default
+  std::string split;    // "train", "judge" or "validation"
+  int take = 0;
+};
+
+// A dataset as a TOML manifest:
+//   name = "bandai-2"
+//   licence = "CC BY-NC 4.0"
+//   neutral = "neutral"                                   # the style that means "no style"
+//   styles = [ { name = "neutral", labels = ["normal"], aliases = [] }, ... ]  # neutral first
+//   contents = [ { name = "turn", labels = ["walk-turn-left", "walk-turn-right"] }, ... ]
+//   [[clips]]
+//   pattern = "bandai-2-train/dataset-2_{content}_{style}_{take}.bvh"   # or fixed style=/content=
+//   rig = "bandai-namco"
+//   split = "train"
+//   judge_share = 0.2    # of each (style, content) cell, the last takes in number go to "judge"
+// Paths are relative to the data folder given at load time. {content} and {style} match any of the
+// labels, the longest first; {take} digits; * anything.
+struct ManifestStyle {
+  std::string name;
+  std::vector<std::string> labels, aliases;
+};
+struct Manifest {
+  std::string name, licence;
+  std::vector<ManifestStyle> styles;
+  std::vector<std::string> contents;
+  std::vector<ManifestEntry> entries;  // sorted by path
+};
+
+// Errors name file, key, what was found and what was expected; a pattern that matches no file is an
+// error that names the pattern and the folder.
+Result<Manifest> LoadManifest(const std::filesystem::path& file,
+                              const std::filesystem::path& data_folder);
+
+}  // namespace styled::clip
