@@ -35,14 +35,14 @@ float ComputeFeatures(const Pose& pose, const FeatureParameters& parameters, Fea
     Quat q = pose.rotations[joint];
     if (joint == kHips) q = heading_from_world * q;
     if (q.coeffs().dot(parameters.hemisphere[joint].coeffs()) < 0) q.coeffs() = -q.coeffs();
-    Eigen::Map<Eigen::Vector4f>(&features[4 * joint]) = q.coeffs();
+    Eigen::Map<Eigen::Vector4f>(features.data() + 4 * joint) = q.coeffs();
 
     const Vec3 position = heading_from_world * (world.positions_m[joint] - pose.hips_position_m);
-    Eigen::Map<Vec3>(&features[kPositionBegin + 3 * joint]) = position;
+    Eigen::Map<Vec3>(features.data() + kPositionBegin + 3 * joint) = position;
 
     const Vec3 step_m =
         state.started ? Vec3(world.positions_m[joint] - state.positions_m[joint]) : Vec3::Zero();
-    Eigen::Map<Vec3>(&features[kVelocityBegin + 3 * joint]) =
+    Eigen::Map<Vec3>(features.data() + kVelocityBegin + 3 * joint) =
         heading_from_world * step_m * parameters.rate_hz;
   }
   features[kHipsHeightIndex] = pose.hips_position_m.y();
