@@ -1,0 +1,103 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/base/realtime.h"
+#include "model/base/status.h"
+#include "model/body/features.h"
+
+namespace styled::erd {
+
+inline constexpr int kLatent = 32;
+inline constexpr int kNeutralLayers = 6;
+inline constexpr int kStyleLayers = 4;
+inline constexpr int kMaxStyles = 32;       // neutral included
+inline constexpr int kMaxActive = 4;        // styles mixed at once
+
+struct StyleInfo {
+  std::string name;
+  std::vector<std::string> aliases;
+};
+
+// What the weights' metadata says (model/weights/FORMAT.md).
+struct Metadata {
+  std::vector<StyleInfo> styles;  // [0] is neutral
+  std::string licence, training;  // training: the JSON text
+  body::FeatureParameters features;
+};
+
+// Recurrent state of one branch: h and c per layer. Sized for the deepest.
+struct BranchState {
+  alignas(64) std::array<Eigen::Matrix<float, kLatent, 1>, kNeutralLayers> h, c;
+};
+
+// One recurrent state of one performer: r_0's and those of the style branches now alive, and the
+// features' memory. Value type, about 8 kB, no pointers; Network::Start fills it.
+struct State {
+  BranchState neutral;
+  std::array<BranchState, kMaxActive> branch;
+  std::array<int, kMaxActive> style;  // style index of branch[i], or -1: not alive
+};
+
+// A branch that is to run in a step: `style` 1..N-1 and its weight alpha >= 0.
+struct ActiveStyle {
+  int style = -1;
+  float weight = 0;
+};
+
+// What one step gives. Quaternions x,y,z,w per joint, unit length, hips in the heading frame.
+struct Decoded {
+  std::array<body::Quat, body::kJointCount> rotations;
+  std::array<float, body::kVelocityFeatures> velocities_m_s;
+  float hips_height_m;
+};
+struct StepOutput {
+  Decoded reconstruction;  // D(r_0(z), input style): what the network makes of the input
+  Decoded styled;          // D(z', target styles)
+};
+
+// Style-ERD at run time (the encoder, the recurrent branches, the decoder), stage 3 of the stylist:
+// one immutable network shared by all performers and threads, one State per recurrent stream.
+class Network {
+ public:
+  // Reads model/weights/FORMAT.md's file. Errors name file, tensor or key, expected and found.
+  static Result<std::shared_ptr<const Network>> Load(const std::filesystem::path& file);
+  static Result<std::shared_ptr<const Network>> Parse(std::span<const std::byte> bytes,
+                                                      const std::string& name);
+  ~Network();
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+
+  const Metadata& metadata() const { return metadata_; }
+  int style_count() const { return static_cast<int>(metadata_.styles.size()); }
+  // Index of a style by name or alias, case-insensitive; -1 if unknown.
+  int FindStyle(std::string_view name) const;
+
+  // Learned initial states, no branch alive. Noexcept, no allocation.
+  STYLED_REALTIME void Start(State& state) const noexcept;
+
+  // Advances `state` by one frame (equations in FORMAT.md). Branches of `active` that are not alive
+  // start from their learned state; branches alive but not in `active` are dropped. `input_style` is
+  // what the performer is taken to be (0 = neutral). At most kMaxActive entries of `active` with
+  // style >= 1; neutral entries and weights of 0 are allowed (weight 0 keeps the branch alive).
+  // Noexcept, no allocation, no lock. Pinned by tests/unit/erd and tests/parity.
+  STYLED_REALTIME void Step(const body::Features& features, int input_style,
+                            std::span<const ActiveStyle> active, State& state,
+                            StepOutput& out) const noexcept;
+
+ private:
+  struct Weights;
+  Network();
+  Metadata metadata_;
+  std::unique_ptr<Weights> weights_;
+};
+
+}  // namespace styled::erd
