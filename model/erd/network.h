@@ -20,7 +20,8 @@ inline constexpr int kLatent = 32;
 inline constexpr int kNeutralLayers = 6;
 inline constexpr int kStyleLayers = 4;
 inline constexpr int kMaxStyles = 32;       // neutral included
-inline constexpr int kMaxActive = 4;        // styles mixed at once
+inline constexpr int kMaxMix = 4;      // styles that a user may mix
+inline constexpr int kMaxActive = 8;   // branches alive at once: a mix and what it fades from
 
 struct StyleInfo {
   std::string name;

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "model/base/realtime.h"
+#include "model/body/features.h"
+#include "model/erd/network.h"
+#include "model/rig/binding.h"
+
+namespace styled::stylist {
+
+// What one performer is to look like. Weights are the user's mix times nothing: `strength` scales
+// them. Styles are indices of the network's metadata, 1..N-1; weights >= 0, sum <= 1.5.
+struct Settings {
+  std::array<erd::ActiveStyle, erd::kMaxMix> mix;  // unused entries have style -1
+  float strength = 1.0F;                           // 0..1.5; 0 fades to bypass
+  float transition_s = 0.4F;                       // >= 0; of the change to these settings
+  bool absolute = false;  // the paper's output instead of the detail-preserving one
+};
+
+enum class SettingsError { kNone, kUnknownStyle, kNeutralStyle, kDuplicateStyle, kWeight, kSum, kStrength, kTransition };
+
+// How streams are handled; the same for all performers. Defaults are those of styled.toml.
+struct Options {
+  float change_tau_s = 0.05F;   // low-pass on the change of style, never on the motion; 0 = none
+  float gap_reset_s = 0.25F;    // a longer hole in source time starts the recurrent state anew
+  float restart_fade_s = 0.2F;  // cross-fade over such a start
+  float jump_m = 1.0F;          // a root step beyond this (and 12 m/s) is held, canonical metres
+  int jump_accept_frames = 10;  // consistent frames after which a jump is believed
+  float foreign_begin_rad = 0.35F;  // rms reconstruction error where the style begins to fade out
+  float foreign_end_rad = 0.6F;     // ... and where it is gone
+  float foreign_fade_s = 0.3F;      // time constant of that fade
+  bool ground = true;  // lowest foot as high as the input's
+};
+
+enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist decides
+  kConcealed = 1,
+  kOutOfDomain = 8,
+  kHeld = 16,
+  kBypass = 32,
+  kNewSession = 64,
+  kFading = 128,
+};
+
+// One styled frame. Sized at construction for the binding's skeleton; owned by the caller.
+struct Output {
+  body::Pose canonical;
+  body::Pose canonical_input;  // the bound input, before styling
+  rig::RigPose rig;            // the same on the source skeleton; in bypass the input, bit for bit
+  rig::RigPose source;         // the input on the source skeleton, bad joints held
+  std::bitset<256> held;       // source joints whose input was bad and is held
+  std::uint32_t flags = 0;
+  std::uint32_t contacts = 0;  // bit 0 left, bit 1 right: within 4 cm of the lowest point so far
+  std::array<erd::ActiveStyle, erd::kMaxActive> in_force;  // styles and weights of this frame
+  int in_force_count = 0;
+  float reconstruction_rad = 0;  // rms joint angle between reconstruction and input
+
+  explicit Output(const rig::Skeleton& skeleton) : rig(skeleton), source(skeleton) {}
+};
+
+// One performer, frame after frame: bind, features, network, apply, unbind, ground. The daemon,
+// `stylize` and `styleeval` run this very code. Source time drives everything, so a replay is
+// deterministic. Construction allocates; Process and Set do not, do not lock, log or throw.
+// One thread at a time. Mathematics: style-ERD section "live" in model/stylist/README.md.
+class Stylist {
+ public:
+  Stylist(std::shared_ptr<const erd::Network> network, std::shared_ptr<const rig::Binding> binding,
+          const Options& options);
+  ~Stylist();
+  Stylist(Stylist&&) noexcept;
+  Stylist& operator=(Stylist&&) noexcept;
+
+  // Checks settings against a network; nothing changes.
+  static SettingsError Check(const Settings& settings, const erd::Network& network) noexcept;
+
+  // From the next frame on; `settings` must pass Check. Starts from the weights now in force.
+  STYLED_REALTIME void Set(const Settings& settings) noexcept;
+  const Settings& settings() const;
+
+  // Clears recurrent state, holds and filters; keeps the settings. The style in force is not faded.
+  STYLED_REALTIME void Reset() noexcept;
+
+  // Styles one frame. `time_ns` is source time and must be greater than the last frame's (the
+  // caller drops the others). `in` has the skeleton's joint count; non-finite or zero-length values
+  // are held per joint. Writes all of `out`.
+  STYLED_REALTIME void Process(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace styled::stylist
