@@ -1,0 +1,109 @@
+#include "proto/rigs/native/datagram.h"
+
+#include <array>
+#include <boost/crc.hpp>
+#include <cstring>
+
+#include "proto/rigs/native/header.h"
+
+namespace styled::native {
+namespace {
+
+using Crc = boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true>;
+
+// The checksum of a whole datagram, its own field taken as 0.
+std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept {
+  constexpr std::array<std::byte, header::kCrcSize> kZero{};
+  Crc crc;
+  crc.process_bytes(bytes.data(), header::kCrc);
+  crc.process_bytes(kZero.data(), kZero.size());
+  const auto rest = bytes.subspan(header::kCrc + header::kCrcSize);
+  crc.process_bytes(rest.data(), rest.size());
+  return crc.checksum();
+}
+
+}  // namespace
+
+std::string_view Name(DecodeResult result) noexcept {
+  switch (result) {
+    case DecodeResult::kOk:
+      return "ok";
+    case DecodeResult::kTooShort:
+      return "too_short";
+    case DecodeResult::kTooLong:
+      return "too_long";
+    case DecodeResult::kBadMagic:
+      return "bad_magic";
+    case DecodeResult::kBadVersion:
+      return "bad_version";
+    case DecodeResult::kLengthMismatch:
+      return "length_mismatch";
+    case DecodeResult::kBadChecksum:
+      return "bad_checksum";
+    case DecodeResult::kBadReserved:
+      return "bad_reserved";
+    case DecodeResult::kBadKind:
+      return "bad_kind";
+    case DecodeResult::kNoSession:
+      return "no_session";
+    case DecodeResult::kCount:
+      break;
+  }
+  return "unknown";
+}
+
+DecodeResult Decode(std::span<const std::byte> bytes, Datagram& datagram) noexcept {
+  if (bytes.size() < kHeaderSize) return DecodeResult::kTooShort;
+  if (bytes.size() > kMaxDatagramSize) return DecodeResult::kTooLong;
+  if (std::memcmp(bytes.data(), header::kMagicText.data(), header::kMagicText.size()) != 0) {
+    return DecodeResult::kBadMagic;
+  }
+  if (header::Read<std::uint8_t>(bytes, header::kVersion) != header::kVersionNumber) {
+    return DecodeResult::kBadVersion;
+  }
+  const std::size_t length = header::Read<std::uint32_t>(bytes, header::kLength);
+  if (length > kMaxPayloadSize) return DecodeResult::kTooLong;
+  if (length != bytes.size() - kHeaderSize) return DecodeResult::kLengthMismatch;
+  if (header::Read<std::uint32_t>(bytes, header::kCrc) != Checksum(bytes)) {
+    return DecodeResult::kBadChecksum;
+  }
+  if (header::Read<std::uint16_t>(bytes, header::kReserved) != 0) return DecodeResult::kBadReserved;
+  const Kind kind{header::Read<std::uint8_t>(bytes, header::kKind)};
+  if (kind != Kind::kBody && kind != Kind::kSourceFrame) return DecodeResult::kBadKind;
+  const auto session = header::Read<std::uint64_t>(bytes, header::kSession);
+  if (session == 0) return DecodeResult::kNoSession;
+
+  datagram.kind = kind;
+  datagram.session = session;
+  datagram.sequence = header::Read<std::uint64_t>(bytes, header::kSequence);
+  datagram.payload = bytes.subspan(kHeaderSize);
+  return DecodeResult::kOk;
+}
+
+std::size_t Encode(const Datagram& datagram, std::span<std::byte> out) noexcept {
+  const std::size_t length = datagram.payload.size();
+  const std::size_t size = kHeaderSize + length;
+  if (length > kMaxPayloadSize || size > out.size() || datagram.session == 0) return 0;
+
+  std::byte* const payload = out.data() + kHeaderSize;
+  if (length != 0 && payload != datagram.payload.data()) {
+    std::memcpy(payload, datagram.payload.data(), length);
+  }
+  std::memcpy(out.data(), header::kMagicText.data(), header::kMagicText.size());
+  header::Write<std::uint8_t>(out, header::kVersion, header::kVersionNumber);
+  header::Write<std::uint8_t>(out, header::kKind, static_cast<std::uint8_t>(datagram.kind));
+  header::Write<std::uint16_t>(out, header::kReserved, 0);
+  header::Write<std::uint32_t>(out, header::kLength, static_cast<std::uint32_t>(length));
+  header::Write<std::uint64_t>(out, header::kSession, datagram.session);
+  header::Write<std::uint64_t>(out, header::kSequence, datagram.sequence);
+  header::Write<std::uint32_t>(out, header::kCrc, Checksum(out.first(size)));
+  return size;
+}
+
+std::uint32_t Crc32c(std::span<const std::byte> bytes) noexcept {
+  Crc crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
+}
+
+}  // namespace styled::native
