@@ -9,7 +9,8 @@
 namespace styled::body {
 
 // What the network sees of one pose (style-ERD's r, p, v and the hips height), in this order:
-//   [0, 84)    r: local rotations x,y,z,w per joint, the heading taken out of the hips', each on the
+//   [0, 84)    r: local rotations x,y,z,w per joint, the heading taken out of the hips', each on
+//   the
 //              hemisphere of FeatureParameters::hemisphere
 //   [84, 147)  p: joint positions in the heading frame, m; origin at the hips
 //   [147, 210) v: joint velocities in the heading frame, m/s, root motion included: difference to
@@ -27,8 +28,8 @@ using Features = std::array<float, kFeatureCount>;
 
 // Set by the weights' metadata.
 struct FeatureParameters {
-  float rate_hz = 30.0F;          // the network's own rate; > 0
-  float heading_tau_s = 0.25F;    // time constant of the causal heading filter; 0 = unfiltered
+  float rate_hz = 30.0F;        // the network's own rate; > 0
+  float heading_tau_s = 0.25F;  // time constant of the causal heading filter; 0 = unfiltered
   std::array<Quat, kJointCount> hemisphere;  // r is flipped to dot(r, hemisphere) >= 0
 
   FeatureParameters() { hemisphere.fill(Quat::Identity()); }

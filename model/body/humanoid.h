@@ -35,7 +35,8 @@ enum Joint : int {
 };
 
 // One row of the table: VRM 1.0 bone name, parent (-1 for the root; parents precede children) and
-// the offset from the parent at rest in metres. The root's offset is its rest position: hips height.
+// the offset from the parent at rest in metres. The root's offset is its rest position: hips
+// height.
 struct JointRow {
   std::string_view name;
   int parent;

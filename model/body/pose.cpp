@@ -10,8 +10,7 @@ void ForwardKinematics(const Pose& pose, WorldPose& world) noexcept {
   world.rotations[kHips] = pose.rotations[kHips];
   for (int joint = 1; joint < kJointCount; ++joint) {
     const int parent = kHumanoid[joint].parent;
-    world.positions_m[joint] =
-        world.positions_m[parent] + world.rotations[parent] * Offset(joint);
+    world.positions_m[joint] = world.positions_m[parent] + world.rotations[parent] * Offset(joint);
     world.rotations[joint] = world.rotations[parent] * pose.rotations[joint];
   }
 }

@@ -19,7 +19,7 @@ namespace styled::erd {
 inline constexpr int kLatent = 32;
 inline constexpr int kNeutralLayers = 6;
 inline constexpr int kStyleLayers = 4;
-inline constexpr int kMaxStyles = 32;       // neutral included
+inline constexpr int kMaxStyles = 32;  // neutral included
 inline constexpr int kMaxMix = 4;      // styles that a user may mix
 inline constexpr int kMaxActive = 8;   // branches alive at once: a mix and what it fades from
 
@@ -40,29 +40,33 @@ struct BranchState {
   alignas(64) std::array<Eigen::Matrix<float, kLatent, 1>, kNeutralLayers> h, c;
 };
 
-// One recurrent state of one performer: r_0's and those of the style branches now alive, and the
-// features' memory. Value type, about 8 kB, no pointers; Network::Start fills it.
+// One recurrent state of one performer: r_0's and those of the style branches now alive. Value
+// type, about 9 kB, no pointers. Undefined until Network::Start fills it.
 struct State {
   BranchState neutral;
-  std::array<BranchState, kMaxActive> branch;
-  std::array<int, kMaxActive> style;  // style index of branch[i], or -1: not alive
+  std::array<BranchState, kMaxBranches> branch;
+  std::array<int, kMaxBranches> style;  // style index of branch[i], or -1: not alive
 };
 
-// A branch that is to run in a step: `style` 1..N-1 and its weight alpha >= 0.
+// A branch that is to run in a step: `style` 1..N-1 and its weight alpha, clamped to
+// [0, kMaxStrength]; not a number counts as 0.
 struct ActiveStyle {
   int style = -1;
   float weight = 0;
 };
 
-// What one step gives. Quaternions x,y,z,w per joint, unit length, hips in the heading frame.
+// What one step gives. Unit quaternions, the hips' in the heading frame; their sign is the
+// network's own, near the hemisphere of the features but not forced onto it.
 struct Decoded {
   std::array<body::Quat, body::kJointCount> rotations;
   std::array<float, body::kVelocityFeatures> velocities_m_s;
   float hips_height_m;
 };
 struct StepOutput {
-  Decoded reconstruction;  // D(r_0(z), input style): what the network makes of the input
-  Decoded styled;          // D(z', target styles)
+  // D(r_0(z), neutral), or D(r_0(z) + r_S(z), S) for an input of style S: what the network makes of
+  // the input.
+  Decoded reconstruction;
+  Decoded styled;  // D(z', target styles); no style active: the target is neutral
 };
 
 // Style-ERD at run time (the encoder, the recurrent branches, the decoder), stage 3 of the stylist:
@@ -86,10 +90,13 @@ class Network {
   STYLED_REALTIME void Start(State& state) const noexcept;
 
   // Advances `state` by one frame (equations in FORMAT.md). Branches of `active` that are not alive
-  // start from their learned state; branches alive but not in `active` are dropped. `input_style` is
-  // what the performer is taken to be (0 = neutral). At most kMaxActive entries of `active` with
-  // style >= 1; neutral entries and weights of 0 are allowed (weight 0 keeps the branch alive).
-  // Noexcept, no allocation, no lock. Pinned by tests/unit/erd and tests/parity.
+  // start from their learned state; branches alive but not in `active` are dropped. `input_style`
+  // is what the performer is taken to be (0 = neutral); its branch lives while it is named. Neutral
+  // entries of `active` and weights of 0 are allowed (weight 0 keeps the branch alive), a style
+  // named twice has the sum. Ignored: styles the network lacks, and those after the first
+  // kMaxActive. Standardized features are clamped to +-kMaxStandardized, not a number reads as the
+  // mean: no input can leave a non-finite state behind. Noexcept, no allocation, no lock. Pinned by
+  // tests/unit/erd and tests/parity.
   STYLED_REALTIME void Step(const body::Features& features, int input_style,
                             std::span<const ActiveStyle> active, State& state,
                             StepOutput& out) const noexcept;

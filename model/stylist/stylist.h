@@ -22,7 +22,16 @@ struct Settings {
   bool absolute = false;  // the paper's output instead of the detail-preserving one
 };
 
-enum class SettingsError { kNone, kUnknownStyle, kNeutralStyle, kDuplicateStyle, kWeight, kSum, kStrength, kTransition };
+enum class SettingsError {
+  kNone,
+  kUnknownStyle,
+  kNeutralStyle,
+  kDuplicateStyle,
+  kWeight,
+  kSum,
+  kStrength,
+  kTransition
+};
 
 // How streams are handled; the same for all performers. Defaults are those of styled.toml.
 struct Options {
@@ -34,7 +43,7 @@ struct Options {
   float foreign_begin_rad = 0.35F;  // rms reconstruction error where the style begins to fade out
   float foreign_end_rad = 0.6F;     // ... and where it is gone
   float foreign_fade_s = 0.3F;      // time constant of that fade
-  bool ground = true;  // lowest foot as high as the input's
+  bool ground = true;               // lowest foot as high as the input's
 };
 
 enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist decides

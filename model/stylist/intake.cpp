@@ -1,0 +1,77 @@
+#include "model/stylist/intake.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace styled::stylist {
+namespace {
+
+constexpr float kRunningFast_m_s = 12.0F;
+constexpr float kLongest = 1e9F;  // beyond this a coordinate is an error, whatever its unit
+
+bool Good(const rig::Vec3& translation) {
+  return translation.allFinite() && translation.cwiseAbs().maxCoeff() < kLongest;
+}
+
+bool Good(const rig::Quat& rotation) {
+  const float length2 = rotation.squaredNorm();
+  return std::isfinite(length2) && length2 > 1e-6F;
+}
+
+// Vectors of equal size; copies without allocating.
+void Copy(const rig::RigPose& from, rig::RigPose& to) {
+  std::copy(from.translations.begin(), from.translations.end(), to.translations.begin());
+  std::copy(from.rotations.begin(), from.rotations.end(), to.rotations.begin());
+}
+
+}  // namespace
+
+Intake::Intake(const rig::Skeleton& skeleton)
+    : clean_(skeleton), last_(skeleton), last_clean_(skeleton), rest_(skeleton) {}
+
+void Intake::HoldBadJoints(const rig::RigPose& in, rig::RigPose& source,
+                           std::bitset<256>& held) noexcept {
+  held.reset();
+  const rig::RigPose& before = has_last_ ? last_ : rest_;
+  const std::size_t joints = rest_.rotations.size();
+  for (std::size_t joint = 0; joint < joints; ++joint) {
+    const bool good = Good(in.translations[joint]) && Good(in.rotations[joint]);
+    const rig::RigPose& from = good ? in : before;
+    source.translations[joint] = from.translations[joint];
+    source.rotations[joint] = from.rotations[joint];
+    if (!good) held.set(joint);
+    clean_.translations[joint] = source.translations[joint];
+    clean_.rotations[joint] = source.rotations[joint].normalized();
+  }
+}
+
+Intake::Jump Intake::JudgeJump(double dt_s, float metres, const Options& options,
+                               rig::RigPose& source) noexcept {
+  const rig::Vec3& root = source.translations[0];
+  since_last_s_ += dt_s;
+  const auto near = [&](const rig::Vec3& to, double elapsed_s) {
+    const float reach_m =
+        std::max(options.jump_m, kRunningFast_m_s * static_cast<float>(elapsed_s));
+    return (root - to).norm() * metres <= reach_m;
+  };
+  Jump verdict = Jump::kNone;
+  if (has_last_ && !near(last_.translations[0], since_last_s_)) {
+    candidate_frames_ = candidate_frames_ > 0 && near(candidate_, dt_s) ? candidate_frames_ + 1 : 1;
+    candidate_ = root;
+    verdict = candidate_frames_ >= options.jump_accept_frames ? Jump::kAccepted : Jump::kHeld;
+  }
+  if (verdict == Jump::kHeld) {
+    since_last_s_ -= dt_s;  // a held pose gives a jump no time to become a walk
+    Copy(last_, source);
+    Copy(last_clean_, clean_);
+    return verdict;
+  }
+  Copy(source, last_);
+  Copy(clean_, last_clean_);
+  has_last_ = true;
+  since_last_s_ = 0;
+  candidate_frames_ = 0;
+  return verdict;
+}
+
+}  // namespace styled::stylist

@@ -1,0 +1,67 @@
+#include "model/stylist/mixer.h"
+
+namespace styled::stylist {
+
+Mixer::Slot& Mixer::SlotFor(int style) noexcept {
+  Slot* best = nullptr;
+  for (Slot& slot : slots_) {
+    if (slot.style == style) return slot;
+  }
+  for (Slot& slot : slots_) {
+    if (slot.style < 0) {
+      best = &slot;
+      break;
+    }
+    if (slot.weight.target == 0 && (best == nullptr || slot.weight.value < best->weight.value)) {
+      best = &slot;
+    }
+  }
+  *best = Slot{style, {}};  // at most kMaxMix < kMaxActive slots have a target: one is free
+  return *best;
+}
+
+void Mixer::Aim(const Settings& settings) noexcept {
+  for (Slot& slot : slots_) {
+    slot.weight.start = slot.weight.value;
+    slot.weight.target = 0;
+  }
+  presence_.start = presence_.value;
+  absolute_.start = absolute_.value;
+  presence_.target = 0;
+  absolute_.target = settings.absolute ? 1 : 0;
+  for (const erd::ActiveStyle& style : settings.mix) {
+    const float weight = style.weight * settings.strength;
+    if (style.style < 1 || weight <= 0) continue;
+    SlotFor(style.style).weight.target = weight;
+    presence_.target = 1;
+  }
+  duration_s_ = settings.transition_s;
+  elapsed_s_ = 0;
+  fading_ = true;
+}
+
+void Mixer::Advance(double dt_s) noexcept {
+  const bool at_once = duration_s_ <= 0 || !running_;
+  running_ = true;
+  if (fading_) {
+    elapsed_s_ += dt_s;
+    const float u = at_once ? 1.0F : static_cast<float>(elapsed_s_ / duration_s_);
+    fading_ = u < 1;
+    const float share = SmoothStep(u);
+    const auto move = [share](Fade& fade) {
+      fade.value = share >= 1 ? fade.target : fade.start + (fade.target - fade.start) * share;
+    };
+    move(presence_);
+    move(absolute_);
+    for (Slot& slot : slots_) {
+      move(slot.weight);
+      if (!fading_ && slot.weight.target == 0) slot = Slot{};
+    }
+  }
+  count_ = 0;
+  for (const Slot& slot : slots_) {
+    if (slot.style >= 1) active_[count_++] = {slot.style, slot.weight.value};
+  }
+}
+
+}  // namespace styled::stylist

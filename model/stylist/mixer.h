@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "model/base/realtime.h"
+#include "model/stylist/stylist.h"
+
+namespace styled::stylist {
+
+// The style weights in force, faded from what they were to what was last set. Time is source
+// time. Fixed size, no allocation; one thread.
+class Mixer {
+ public:
+  // Aims at `settings` from the next Advance on, starting from the weights now in force. When more
+  // than erd::kMaxActive branches would be alive, the faintest of those fading out is dropped.
+  STYLED_REALTIME void Aim(const Settings& settings) noexcept;
+
+  // Moves the fade on by `dt_s`, the time since the frame before; a new fade begins there. The
+  // first call of all shows the style at once.
+  STYLED_REALTIME void Advance(double dt_s) noexcept;
+
+  std::span<const erd::ActiveStyle> in_force() const { return {active_.data(), count_}; }
+  bool fading() const { return fading_; }
+  // No style in force and none coming.
+  bool empty() const { return count_ == 0; }
+  // 0..1: how far the absolute output stands in for the input, and for the detail-preserving one.
+  float presence() const { return presence_.value; }
+  float absolute() const { return absolute_.value; }
+
+ private:
+  struct Fade {
+    float start = 0, target = 0, value = 0;
+  };
+  struct Slot {
+    int style = -1;
+    Fade weight;
+  };
+  Slot& SlotFor(int style) noexcept;
+
+  std::array<Slot, erd::kMaxActive> slots_;
+  std::array<erd::ActiveStyle, erd::kMaxActive> active_;
+  std::size_t count_ = 0;
+  Fade presence_, absolute_;
+  double elapsed_s_ = 0;
+  float duration_s_ = 0;
+  bool fading_ = false, running_ = false;
+};
+
+// 3u^2 - 2u^3 on [0, 1]: fades that begin and end at rest.
+constexpr float SmoothStep(float u) {
+  u = u < 0 ? 0 : (u > 1 ? 1 : u);
+  return u * u * (3 - 2 * u);
+}
+
+}  // namespace styled::stylist

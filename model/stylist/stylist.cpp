@@ -1,0 +1,316 @@
+#include "model/stylist/stylist.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/stylist/grounding.h"
+#include "model/stylist/intake.h"
+#include "model/stylist/mixer.h"
+#include "model/stylist/ticks.h"
+
+namespace styled::stylist {
+namespace {
+
+using body::kJointCount;
+using body::Pose;
+using body::Quat;
+using body::Vec3;
+
+// A change of style: per joint the rotation vector (rad) that turns the input's local rotation into
+// the styled one, from the right.
+using Change = Eigen::Matrix<float, 3, kJointCount>;
+
+constexpr float kNothing_rad = 2e-4F;  // a change below 0.01 degrees is none
+constexpr double kGapFactor = 1.5;     // of the usual time between frames
+constexpr float kFloorRise_m_s = 0.02F;
+constexpr float kContactHeight_m = 0.04F;
+
+float DecayShare(double dt_s, float tau_s) {
+  return tau_s <= 0 ? 1.0F : 1.0F - std::exp(-static_cast<float>(dt_s) / tau_s);
+}
+
+}  // namespace
+
+struct Stylist::Impl {
+  Impl(std::shared_ptr<const erd::Network> the_network, std::shared_ptr<const rig::Binding> the_rig,
+       const Options& the_options)
+      : network(std::move(the_network)),
+        binding(std::move(the_rig)),
+        options(the_options),
+        intake(binding->skeleton()) {
+    for (erd::State& state : states) network->Start(state);
+  }
+
+  void Restart() noexcept;
+  void JudgeFrame(std::int64_t time_ns, double dt_s, Output& out) noexcept;
+  void StepNetwork(const Pose& input) noexcept;
+  void TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept;
+  void FollowChange(double dt_s, const Pose& input) noexcept;
+  void Apply(const Pose& input, Pose& styled) const noexcept;
+  bool Bypassed() const noexcept { return mixer.empty() && change.isZero(0.0F); }
+  std::uint32_t Contacts(double dt_s, const Pose& input) noexcept;
+
+  std::shared_ptr<const erd::Network> network;
+  std::shared_ptr<const rig::Binding> binding;
+  Options options;
+  Settings settings;
+
+  Intake intake;
+  Mixer mixer;
+  Ticks ticks;
+  std::array<erd::State, kMaxInterleaved> states;
+  std::array<body::FeatureState, kMaxInterleaved> memories;
+  std::array<Change, kMaxInterleaved> wanted;  // each state's latest change
+  std::bitset<kMaxInterleaved> stepped;
+  erd::Decoded last_styled;  // of the newest tick, for the absolute output
+  float last_heading_rad = 0;
+
+  Change filtered = Change::Zero();   // detail-preserving change, low-passed
+  Change change = Change::Zero();     // what is applied
+  Change fade_from = Change::Zero();  // what was applied when the state was restarted
+  float restart_fade = 1.0F;          // 0 at a restart, 1 when it is over
+  bool filter_started = false;
+
+  Pose last_input;
+  std::int64_t last_ns = 0;
+  bool started = false, fresh_session = true;
+  float reconstruction_rad = 0, familiar = 1.0F;  // familiar: 1 = at home, 0 = foreign
+  float floor_m = 0;
+  std::array<Vec3, 4> last_feet;
+};
+
+Stylist::Stylist(std::shared_ptr<const erd::Network> network,
+                 std::shared_ptr<const rig::Binding> binding, const Options& options)
+    : impl_(std::make_unique<Impl>(std::move(network), std::move(binding), options)) {}
+Stylist::~Stylist() = default;
+Stylist::Stylist(Stylist&&) noexcept = default;
+Stylist& Stylist::operator=(Stylist&&) noexcept = default;
+
+SettingsError Stylist::Check(const Settings& settings, const erd::Network& network) noexcept {
+  float sum = 0;
+  for (std::size_t i = 0; i < settings.mix.size(); ++i) {
+    const erd::ActiveStyle& style = settings.mix[i];
+    if (style.style < 0) continue;
+    if (style.style == 0) return SettingsError::kNeutralStyle;
+    if (style.style >= network.style_count()) return SettingsError::kUnknownStyle;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (settings.mix[j].style == style.style) return SettingsError::kDuplicateStyle;
+    }
+    if (!(style.weight >= 0 && style.weight <= 1.5F)) return SettingsError::kWeight;
+    sum += style.weight;
+  }
+  if (!(settings.strength >= 0 && settings.strength <= 1.5F)) return SettingsError::kStrength;
+  if (!(sum * std::max(1.0F, settings.strength) <= 1.5001F)) return SettingsError::kSum;
+  if (!(settings.transition_s >= 0 && settings.transition_s <= 60)) {
+    return SettingsError::kTransition;
+  }
+  return SettingsError::kNone;
+}
+
+void Stylist::Set(const Settings& settings) noexcept {
+  impl_->settings = settings;
+  impl_->mixer.Aim(settings);
+}
+
+const Settings& Stylist::settings() const { return impl_->settings; }
+
+void Stylist::Reset() noexcept {
+  impl_->Restart();
+  impl_->intake.Reset();
+  impl_->started = false;  // the next frame's time may be anything
+  impl_->fresh_session = true;
+}
+
+void Stylist::Process(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept {
+  Impl& s = *impl_;
+  const double dt_s = s.started ? static_cast<double>(time_ns - s.last_ns) * 1e-9 : 0.0;
+  out.flags = 0;
+
+  // 1 bind: the source pose, bad joints held, as a pose of the canonical humanoid.
+  s.intake.HoldBadJoints(in, out.source, out.held);
+  s.JudgeFrame(time_ns, dt_s, out);
+  s.binding->Bind(s.intake.clean(), out.canonical_input);
+
+  // 2 features, 3 network: every recurrent state whose tick is due.
+  s.mixer.Advance(dt_s);
+  s.StepNetwork(out.canonical_input);
+
+  // 4 apply: the change of style, low-passed, on the performer's own motion.
+  s.FollowChange(dt_s, out.canonical_input);
+  s.Apply(out.canonical_input, out.canonical);
+
+  if (s.Bypassed()) {
+    out.canonical = out.canonical_input;
+    std::copy(out.source.translations.begin(), out.source.translations.end(),
+              out.rig.translations.begin());
+    std::copy(out.source.rotations.begin(), out.source.rotations.end(), out.rig.rotations.begin());
+    out.flags |= kBypass;
+  } else {
+    // 5 unbind: back onto the source skeleton.
+    s.binding->Unbind(out.canonical, s.intake.clean(), out.rig);
+    // 6 feet: on each output skeleton, the lowest foot as high as the input's.
+    if (s.options.ground) {
+      Ground(out.canonical_input, out.canonical);
+      Ground(*s.binding, s.intake.clean(), out.rig);
+    }
+  }
+
+  out.contacts = s.Contacts(dt_s, out.canonical_input);
+  out.reconstruction_rad = s.reconstruction_rad;
+  if (out.held.any()) out.flags |= kHeld;
+  if (s.mixer.fading()) out.flags |= kFading;
+  if (s.familiar < 0.5F) out.flags |= kOutOfDomain;
+  if (s.fresh_session) out.flags |= kNewSession;
+  const auto in_force = s.mixer.in_force();
+  std::copy(in_force.begin(), in_force.end(), out.in_force.begin());
+  out.in_force_count = static_cast<int>(in_force.size());
+
+  s.last_input = out.canonical_input;
+  s.last_ns = time_ns;
+  s.started = true;
+  s.fresh_session = false;
+}
+
+// Recurrent state, ticks and filter anew; what is applied is faded over from.
+void Stylist::Impl::Restart() noexcept {
+  ticks.Restart();
+  for (erd::State& state : states) network->Start(state);
+  memories.fill(body::FeatureState());
+  stepped.reset();
+  fade_from = change;
+  restart_fade = started ? 0.0F : 1.0F;
+  filter_started = false;
+  reconstruction_rad = 0;
+}
+
+// Jumps, gaps and changes of rate.
+void Stylist::Impl::JudgeFrame(std::int64_t time_ns, double dt_s, Output& out) noexcept {
+  const Intake::Jump jump = intake.JudgeJump(dt_s, binding->scale(), options, out.source);
+  if (jump == Intake::Jump::kHeld) {
+    out.held.set(0);
+  } else if (jump == Intake::Jump::kAccepted) {
+    Restart();
+    fresh_session = true;
+  }
+  const double usual_s = ticks.frame_period_s();
+  if (started && usual_s > 0 && dt_s > kGapFactor * usual_s) {
+    out.flags |= kConcealed;
+    if (dt_s > options.gap_reset_s) Restart();
+  }
+  const float rate_hz = network->metadata().features.rate_hz;
+  if (!ticks.Begin(time_ns, rate_hz)) {
+    Restart();
+    (void)ticks.Begin(time_ns, rate_hz);
+  }
+}
+
+void Stylist::Impl::StepNetwork(const Pose& input) noexcept {
+  const body::FeatureParameters& parameters = network->metadata().features;
+  Ticks::Tick tick;
+  while (ticks.Next(tick)) {
+    Pose between;
+    const bool exact = tick.share >= 1.0F || !started;  // started: there is a last input
+    if (!exact) body::Interpolate(last_input, input, tick.share, between);
+    const Pose& pose = exact ? input : between;
+    const auto state = static_cast<std::size_t>(tick.state);
+    body::Features features;
+    last_heading_rad = body::ComputeFeatures(pose, parameters, memories[state], features);
+    erd::StepOutput step;
+    network->Step(features, 0, mixer.in_force(), states[state], step);
+    TakeChange(tick.state, pose, step);
+  }
+}
+
+// The change of style that one step asks for, and how well the network knows the pose.
+void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept {
+  const Quat heading_from_world = body::Yaw(-last_heading_rad);
+  Change& wish = wanted[static_cast<std::size_t>(state)];
+  float error2 = 0;
+  for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+    const Quat& rec = step.reconstruction.rotations[joint];
+    Quat in = input.rotations[joint];
+    if (joint == body::kHips) in = heading_from_world * in;
+    wish.col(static_cast<Eigen::Index>(joint)) =
+        body::Log(rec.conjugate() * step.styled.rotations[joint]);
+    error2 += body::Log(in.conjugate() * rec).squaredNorm();
+  }
+  stepped.set(static_cast<std::size_t>(state));
+  last_styled = step.styled;
+  reconstruction_rad = std::sqrt(error2 / kJointCount);
+}
+
+// Low-passes the change. The mean over the interleaved states is a box filter over one period of
+// the network, whose notch lies on the ripple that their disagreement makes; a one-pole follows.
+void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
+  const int used = std::max(1, ticks.interleaved());
+  Change target = Change::Zero();
+  int count = 0;
+  for (int state = 0; state < used; ++state) {
+    if (!stepped.test(static_cast<std::size_t>(state))) continue;
+    target += wanted[static_cast<std::size_t>(state)];
+    ++count;
+  }
+  if (count > 0) target /= static_cast<float>(count);
+
+  // A foreign pose fades the style out.
+  const float span = std::max(1e-3F, options.foreign_end_rad - options.foreign_begin_rad);
+  const float at_home = 1.0F - SmoothStep((reconstruction_rad - options.foreign_begin_rad) / span);
+  familiar += (at_home - familiar) * (started ? DecayShare(dt_s, options.foreign_fade_s) : 1.0F);
+
+  const float share = filter_started ? DecayShare(dt_s, options.change_tau_s) : 1.0F;
+  filtered += share * (target - filtered);
+  filter_started = true;
+  if (mixer.empty() && filtered.cwiseAbs().maxCoeff() < kNothing_rad) filtered.setZero();
+  change = filtered;
+
+  if (mixer.absolute() > 0 && count > 0) {
+    const Quat world_from_heading = body::Yaw(last_heading_rad);
+    for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+      Quat styled = last_styled.rotations[joint];
+      if (joint == body::kHips) styled = world_from_heading * styled;
+      const Vec3 wish = mixer.presence() * body::Log(input.rotations[joint].conjugate() * styled);
+      auto column = change.col(static_cast<Eigen::Index>(joint));
+      column += mixer.absolute() * (wish - column);
+    }
+  }
+
+  if (familiar < 1.0F) change *= familiar;
+  if (restart_fade < 1.0F) {
+    restart_fade = options.restart_fade_s > 0
+                       ? restart_fade + static_cast<float>(dt_s) / options.restart_fade_s
+                       : 1.0F;
+    change = fade_from + SmoothStep(restart_fade) * (change - fade_from);
+  }
+}
+
+void Stylist::Impl::Apply(const Pose& input, Pose& styled) const noexcept {
+  styled.hips_position_m = input.hips_position_m;
+  for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+    const Vec3 turn = change.col(static_cast<Eigen::Index>(joint));
+    styled.rotations[joint] = (input.rotations[joint] * body::Exp(turn)).normalized();
+  }
+}
+
+// A foot is down while it is near the lowest point of the recent past and slow.
+std::uint32_t Stylist::Impl::Contacts(double dt_s, const Pose& input) noexcept {
+  constexpr std::array<int, 4> kFeet = {body::kLeftFoot, body::kLeftToes, body::kRightFoot,
+                                        body::kRightToes};
+  constexpr std::array<float, 4> kRestHeight_m = {0.09F, 0.02F, 0.09F, 0.02F};
+  body::WorldPose world;
+  body::ForwardKinematics(input, world);
+  const float lowest_m = body::LowestFoot_m(world);
+  floor_m =
+      started ? std::min(floor_m + kFloorRise_m_s * static_cast<float>(dt_s), lowest_m) : lowest_m;
+  std::uint32_t contacts = 0;
+  for (std::size_t i = 0; i < kFeet.size(); ++i) {
+    const Vec3& foot = world.positions_m[static_cast<std::size_t>(kFeet[i])];
+    const float height_m = foot.y() - floor_m - (kRestHeight_m[i] - 0.02F);
+    const bool slow =
+        !started || dt_s <= 0 || (foot - last_feet[i]).norm() < 0.5F * static_cast<float>(dt_s);
+    if (height_m < kContactHeight_m && slow) contacts |= i < 2 ? 1U : 2U;
+    last_feet[i] = foot;
+  }
+  return contacts;
+}
+
+}  // namespace styled::stylist

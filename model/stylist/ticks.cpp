@@ -1,0 +1,71 @@
+#include "model/stylist/ticks.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace styled::stylist {
+namespace {
+
+constexpr double kSnap = 0.2;  // of a tick's period
+
+int StatesFor(double frame_period_s, double network_rate_hz) {
+  const long states = std::lround(1.0 / (frame_period_s * network_rate_hz));
+  return static_cast<int>(std::clamp(states, 1L, static_cast<long>(kMaxInterleaved)));
+}
+
+}  // namespace
+
+void Ticks::Restart() noexcept { *this = Ticks(); }
+
+void Ticks::Measure(double dt_s) noexcept {
+  history_s_[static_cast<std::size_t>(history_next_)] = dt_s;
+  history_next_ = (history_next_ + 1) % kHistory;
+  history_count_ = std::min(history_count_ + 1, kHistory);
+  std::array<double, kHistory> sorted = history_s_;
+  const auto end = sorted.begin() + history_count_;
+  const auto middle = sorted.begin() + (history_count_ - 1) / 2;
+  std::nth_element(sorted.begin(), middle, end);
+  frame_period_s_ = *middle;
+}
+
+bool Ticks::Begin(std::int64_t time_ns, float network_rate_hz) noexcept {
+  last_ns_ = now_ns_;
+  now_ns_ = time_ns;
+  if (!started_) {
+    started_ = true;
+    origin_ns_ = last_ns_ = time_ns;
+    next_tick_ = 0;
+    return true;
+  }
+  Measure(static_cast<double>(time_ns - last_ns_) * 1e-9);
+  const int states = StatesFor(frame_period_s_, network_rate_hz);
+  if (interleaved_ == 0) {
+    interleaved_ = states;
+    tick_period_s_ = 1.0 / (static_cast<double>(network_rate_hz) * states);
+  }
+  disagreements_ = states == interleaved_ ? 0 : disagreements_ + 1;
+  return disagreements_ < kHistory;
+}
+
+bool Ticks::Next(Tick& tick) noexcept {
+  if (interleaved_ == 0) {  // the first frame, whatever the rate will be
+    if (next_tick_ > 0) return false;
+    next_tick_ = 1;
+    tick = {0, 1.0F};
+    return true;
+  }
+  const double due_s = static_cast<double>(next_tick_) * tick_period_s_;
+  const double now_s = static_cast<double>(now_ns_ - origin_ns_) * 1e-9;
+  const double after_s = due_s - now_s;  // > 0: the tick lies in the future
+  if (after_s > kSnap * tick_period_s_) return false;
+  const double frame_s = static_cast<double>(now_ns_ - last_ns_) * 1e-9;
+  float share = 1.0F;
+  if (-after_s > kSnap * tick_period_s_ && frame_s > 0) {
+    share = static_cast<float>(std::clamp(1.0 + after_s / frame_s, 0.0, 1.0));
+  }
+  tick = {static_cast<int>(next_tick_ % interleaved_), share};
+  ++next_tick_;
+  return true;
+}
+
+}  // namespace styled::stylist
