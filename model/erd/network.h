@@ -21,7 +21,10 @@ inline constexpr int kNeutralLayers = 6;
 inline constexpr int kStyleLayers = 4;
 inline constexpr int kMaxStyles = 32;  // neutral included
 inline constexpr int kMaxMix = 4;      // styles that a user may mix
-inline constexpr int kMaxActive = 8;   // branches alive at once: a mix and what it fades from
+inline constexpr int kMaxActive = 8;   // styles alive at once: a mix and what it fades from
+inline constexpr int kMaxBranches = kMaxActive + 1;  // and the input's own style
+inline constexpr float kMaxStrength = 1.5F;          // of one style
+inline constexpr float kMaxStandardized = 50.0F;     // deviations; no real pose comes near
 
 struct StyleInfo {
   std::string name;

@@ -236,7 +236,7 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
   }
   stepped.set(static_cast<std::size_t>(state));
   last_styled = step.styled;
-  reconstruction_rad = std::sqrt(error2 / kJointCount);
+  reconstruction_rad = std::sqrt(error2 / static_cast<float>(kJointCount));
 }
 
 // Low-passes the change. The mean over the interleaved states is a box filter over one period of
