@@ -1,0 +1,171 @@
+// stylize: BVH in, BVH out, through the very stylist that the daemon runs.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "model/clip/clip.h"
+#include "model/erd/network.h"
+#include "model/erd/shipped_weights.h"
+#include "model/rig/dialects.h"
+#include "model/stylist/stylist.h"
+
+namespace {
+
+using styled::Result;
+using styled::Status;
+
+struct Arguments {
+  std::string style;
+  float strength = 1.0F;
+  std::vector<std::string> mix;
+  bool absolute = false, no_bypass = false, bind_only = false, list = false;
+  std::string weights, rig = "auto", in, out;
+};
+
+int Fail(const Status& status) {
+  std::fprintf(stderr, "stylize: %s\n", status.message().c_str());
+  return 1;
+}
+
+std::string StyleNames(const styled::erd::Network& network) {
+  std::string names;
+  for (const styled::erd::StyleInfo& style : network.metadata().styles) {
+    names += (names.empty() ? "" : ", ") + style.name;
+  }
+  return names;
+}
+
+// "S=A" or "S" into a style index and a weight; the neutral style asks for nothing.
+Status AddStyle(const styled::erd::Network& network, const std::string& text, const char* option,
+                styled::stylist::Settings& settings) {
+  const std::size_t equals = text.find('=');
+  const std::string name = text.substr(0, equals);
+  float weight = 1.0F;
+  if (equals != std::string::npos) {
+    const std::string number = text.substr(equals + 1);
+    char* end = nullptr;
+    weight = std::strtof(number.c_str(), &end);
+    if (number.empty() || *end != '\0') {
+      return Status::Error(std::string(option) + ": '" + text + "': expected STYLE=WEIGHT");
+    }
+  }
+  const int style = network.FindStyle(name);
+  if (style < 0) {
+    return Status::Error(std::string(option) + ": unknown style '" + name + "'; expected one of " +
+                         StyleNames(network));
+  }
+  if (style == 0) return Status::Ok();
+  for (styled::erd::ActiveStyle& entry : settings.mix) {
+    if (entry.style < 0) {
+      entry = {style, weight};
+      return Status::Ok();
+    }
+  }
+  return Status::Error(std::string(option) + ": more than " +
+                       std::to_string(styled::erd::kMaxMix) + " styles");
+}
+
+const char* Explain(styled::stylist::SettingsError error) {
+  using Error = styled::stylist::SettingsError;
+  switch (error) {
+    case Error::kDuplicateStyle:
+      return "a style is named twice";
+    case Error::kWeight:
+      return "a weight is outside 0 to 1.5";
+    case Error::kSum:
+      return "the weights times the strength sum to more than 1.5";
+    case Error::kStrength:
+      return "--strength is outside 0 to 1.5";
+    default:
+      return "the style settings are not valid";
+  }
+}
+
+int Run(const Arguments& arguments) {
+  auto weights = styled::erd::FindWeights(arguments.weights);
+  if (!weights.ok()) return Fail(weights.status());
+  auto network = styled::erd::Network::Load(weights.value());
+  if (!network.ok()) return Fail(network.status());
+  if (arguments.list) {
+    std::printf("%s\n", StyleNames(*network.value()).c_str());
+    return 0;
+  }
+
+  styled::stylist::Settings settings;
+  settings.strength = arguments.strength;
+  settings.transition_s = 0;
+  settings.absolute = arguments.absolute;
+  if (!arguments.style.empty()) {
+    const Status status = AddStyle(*network.value(), arguments.style, "--style", settings);
+    if (!status.ok()) return Fail(status);
+  }
+  for (const std::string& entry : arguments.mix) {
+    const Status status = AddStyle(*network.value(), entry, "--mix", settings);
+    if (!status.ok()) return Fail(status);
+  }
+  const auto error = styled::stylist::Stylist::Check(settings, *network.value());
+  if (error != styled::stylist::SettingsError::kNone) return Fail(Status::Error(Explain(error)));
+
+  auto clip = styled::clip::ReadBvh(arguments.in);
+  if (!clip.ok()) return Fail(clip.status());
+  auto bound = styled::rig::BindDialect(clip.value().skeleton, arguments.rig);
+  if (!bound.ok()) return Fail(Status::Error(arguments.in + ": " + bound.status().message()));
+  const auto binding = std::make_shared<const styled::rig::Binding>(std::move(bound.value()));
+
+  auto& frames = clip.value().frames;
+  if (arguments.bind_only) {
+    styled::body::Pose pose;
+    styled::rig::RigPose out(clip.value().skeleton);
+    for (styled::rig::RigPose& frame : frames) {
+      binding->Bind(frame, pose);
+      binding->Unbind(pose, frame, out);
+      std::swap(frame, out);
+    }
+  } else {
+    styled::stylist::Options options;
+    options.bypass = !arguments.no_bypass;
+    styled::stylist::Stylist stylist(network.value(), binding, options);
+    stylist.Set(settings);
+    styled::stylist::Output out(clip.value().skeleton);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const double time_s = static_cast<double>(i) / clip.value().rate_hz;
+      stylist.Process(static_cast<std::int64_t>(time_s * 1e9), frames[i], out);
+      std::swap(frames[i], out.rig);
+    }
+  }
+  const Status written = styled::clip::WriteBvh(clip.value(), arguments.out);
+  return written.ok() ? 0 : Fail(written);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Restyles a BVH clip: same skeleton, frame count and rate.", "stylize");
+  app.add_option("-s,--style", arguments.style, "target style, STYLE or STYLE=WEIGHT");
+  app.add_option("-a,--strength", arguments.strength, "0 to 1.5; 0 gives the input back")
+      ->capture_default_str();
+  app.add_option("-m,--mix", arguments.mix, "a further style, STYLE=WEIGHT; at most 4 in all")
+      ->take_all();
+  app.add_flag("--absolute", arguments.absolute,
+               "the paper's output instead of the detail-preserving one");
+  app.add_flag("--no-bypass", arguments.no_bypass,
+               "without a style, still go through bind, network and unbind");
+  app.add_flag("--bind-only", arguments.bind_only,
+               "only bind to the canonical humanoid and back, without the network");
+  app.add_option("-w,--weights", arguments.weights, "weights file (default: the shipped one)");
+  app.add_option("--rig", arguments.rig, "rig dialect, e.g. bandai-namco, cmu")
+      ->capture_default_str();
+  app.add_flag("--list", arguments.list, "print the styles of the weights");
+  CLI::Option* in = app.add_option("in", arguments.in, "input BVH");
+  CLI::Option* out = app.add_option("out", arguments.out, "output BVH");
+  CLI11_PARSE(app, argc, argv);
+  if (!arguments.list && (in->empty() || out->empty())) {
+    std::fprintf(stderr, "stylize: expected an input and an output file; see --help\n");
+    return 2;
+  }
+  return Run(arguments);
+}

@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# Installs what is missing on Debian 12 through apt-get, then configures and builds a preset.
+#   sim/setup.sh run            what the daemon, the simulator and the clients need
+#   sim/setup.sh test           the same, and the tests
+#   sim/setup.sh train          the same, and libtorch for styletrain and styleeval
+# Without apt-get or root it only says what is missing. Meant to be sourced too: it defines
+# styled_install LEVEL and styled_build PRESET [CMAKE OPTIONS...].
+
+styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev libboost1.81-dev libzmq3-dev
+  cppzmq-dev libprotobuf-dev protobuf-compiler libspdlog-dev libtomlplusplus-dev libcli11-dev
+  nlohmann-json3-dev libncurses-dev libpng-dev)
+styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev libbenchmark-dev
+  clang-format-16 clang-tidy-16 xz-utils procps)
+styled_packages_train=("${styled_packages_test[@]}" libtorch-dev libopenblas0-pthread)
+
+styled_install() {
+  local list="styled_packages_$1[@]" missing=() package
+  for package in "${!list}"; do
+    [ "$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null)" = "install ok installed" ] ||
+      missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  local sudo=()
+  if [ "$(id -u)" != 0 ]; then
+    if ! command -v sudo >/dev/null; then
+      echo "missing packages, and neither root nor sudo to install them: ${missing[*]}" >&2
+      return 1
+    fi
+    sudo=(sudo)
+  fi
+  if ! command -v apt-get >/dev/null; then
+    echo "missing packages, and no apt-get to install them: ${missing[*]}" >&2
+    return 1
+  fi
+  echo "installing ${#missing[@]} packages: ${missing[*]}"
+  "${sudo[@]}" apt-get update -q >/dev/null &&
+    "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -q -y --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+styled_build() {
+  local preset=$1
+  shift
+  local log="$styled_root/build/$preset.log"
+  mkdir -p "$styled_root/build"
+  (cd "$styled_root" && cmake --preset "$preset" "$@" >"$log" 2>&1 &&
+    cmake --build --preset "$preset" >>"$log" 2>&1) && return 0
+  echo "the build of preset '$preset' failed; the end of $log:" >&2
+  tail -n 40 "$log" >&2
+  return 1
+}
+
+if [ "${BASH_SOURCE[0]}" = "$0" ]; then
+  set -eu
+  case "${1:-}" in
+    run) styled_install run && styled_build release -DSTYLED_TESTS=OFF -DSTYLED_TRAIN=OFF ;;
+    test) styled_install test && styled_build release ;;
+    train) styled_install train && styled_build release ;;
+    *)
+      echo "usage: sim/setup.sh run|test|train" >&2
+      exit 2
+      ;;
+  esac
+fi

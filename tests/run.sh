@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# Installs, builds and passes every test. Options:
+#   --quick      the release build's tests only: no sanitizers, no lint
+#   --no-torch   do not install libtorch; trainer and live parity tests are then left out (where
+#                libtorch is already there they run)
+# Data from $STYLED_DATA (default ../shared/data beside the checkout) is used where it exists; tests
+# that need it say "skipped, no data" otherwise.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+cd "$root"
+. sim/setup.sh
+
+quick=no
+level=train
+for option in "$@"; do
+  case "$option" in
+    --quick) quick=yes ;;
+    --no-torch) level=test ;;
+    *)
+      echo "unknown option '$option'; expected --quick or --no-torch" >&2
+      exit 2
+      ;;
+  esac
+done
+export STYLED_DATA=${STYLED_DATA:-$(cd .. && pwd)/shared/data}
+export OMP_NUM_THREADS=1 OMP_WAIT_POLICY=passive
+
+started=$SECONDS
+passed=0
+failed=0
+step() {  # step NAME COMMAND...: runs it, says how long it took, counts a failure
+  local name=$1 begun=$SECONDS
+  shift
+  if "$@"; then
+    echo "== $name: ok ($((SECONDS - begun)) s)"
+  else
+    echo "== $name: FAILED ($((SECONDS - begun)) s)"
+    failed=$((failed + 1))
+  fi
+}
+
+run_ctest() {  # run_ctest PRESET [ctest options]: adds its counts to passed and failed
+  local preset=$1 log="build/$1-tests.log"
+  shift
+  set +e
+  ctest --test-dir "build/$preset" --output-on-failure --no-tests=error "$@" >"$log" 2>&1
+  set -e
+  local total bad
+  total=$(sed -n 's/.*tests failed out of \([0-9]*\).*/\1/p' "$log" | tail -1)
+  bad=$(sed -n 's/.*tests passed, \([0-9]*\) tests failed.*/\1/p' "$log" | tail -1)
+  grep -h "skipped, no data" "$log" | sort | uniq -c | sort -rn | head -3 || true
+  if [ -z "$total" ]; then
+    tail -n 30 "$log"
+    return 1
+  fi
+  passed=$((passed + total - bad))
+  [ "$bad" = 0 ] && return 0
+  failed=$((failed + bad - 1))  # step counts one
+  sed -n '/The following tests FAILED/,$p' "$log"
+  grep -h -B2 -A12 "Failure$" "$log" | head -n 120
+  return 1
+}
+
+step "install" styled_install "$level"
+[ "$failed" = 0 ] || exit 1
+step "build" styled_build release -DSTYLED_TESTS=ON
+[ "$failed" = 0 ] || { echo "0 passed, 1 failed"; exit 1; }
+step "tests" run_ctest release -j2
+if [ "$quick" = no ]; then
+  step "lint" tests/lint.sh
+  for sanitizer in asan tsan; do
+    step "build ($sanitizer)" styled_build "$sanitizer"
+    step "tests ($sanitizer)" run_ctest "$sanitizer" -j2 -LE "release-only"
+  done
+fi
+echo "took $((SECONDS - started)) s"
+echo "$passed passed, $failed failed"
+[ "$failed" = 0 ]
