@@ -1,0 +1,383 @@
+// ReadBvh and ParseBvh. One pass over the text, no stream, no locale.
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "model/clip/clip.h"
+
+namespace styled::clip {
+namespace {
+
+using rig::Quat;
+using rig::Vec3;
+
+constexpr int kMaxJoints = 1024;
+constexpr int kMaxDepth = 256;
+
+char Lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+
+bool SameWord(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (Lower(a[i]) != Lower(b[i])) return false;
+  }
+  return true;
+}
+
+bool ToDouble(std::string_view word, double& value) {
+  if (!word.empty() && word[0] == '+') word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  // Positions and angles become floats: what overflows there is no number either.
+  return error == std::errc() && end == word.data() + word.size() && std::abs(value) < 1e30;
+}
+
+// Words and lines of the text.
+class Scanner {
+ public:
+  explicit Scanner(std::string_view text) : text_(text) {
+    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;  // byte order mark
+  }
+
+  int line() const { return line_; }
+  std::size_t left() const { return text_.size() - at_; }
+
+  // The next word, over line ends; empty at the end of the text. "{" and "}" are words.
+  std::string_view Word() {
+    while (at_ < text_.size() && (IsBlank(text_[at_]) || text_[at_] == '\n')) {
+      if (text_[at_++] == '\n') ++line_;
+    }
+    return Take();
+  }
+  // The next word on this line; empty where there is none.
+  std::string_view WordOnLine() {
+    while (at_ < text_.size() && IsBlank(text_[at_])) ++at_;
+    return at_ < text_.size() && text_[at_] != '\n' ? Take() : std::string_view();
+  }
+  // The rest of this line without blanks around it, and without an opening brace, which stays.
+  std::string_view RestOfLine() {
+    while (at_ < text_.size() && IsBlank(text_[at_])) ++at_;
+    const std::size_t begin = at_;
+    while (at_ < text_.size() && text_[at_] != '\n' && text_[at_] != '{' && text_[at_] != '}') {
+      ++at_;
+    }
+    std::size_t end = at_;
+    while (end > begin && IsBlank(text_[end - 1])) --end;
+    return text_.substr(begin, end - begin);
+  }
+
+ private:
+  std::string_view Take() {
+    const std::size_t begin = at_;
+    if (at_ < text_.size() && (text_[at_] == '{' || text_[at_] == '}')) {
+      return text_.substr(at_++, 1);
+    }
+    while (at_ < text_.size() && !IsBlank(text_[at_]) && text_[at_] != '\n' && text_[at_] != '{' &&
+           text_[at_] != '}') {
+      ++at_;
+    }
+    return text_.substr(begin, at_ - begin);
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+};
+
+// What a message quotes: printable and short.
+std::string Quote(std::string_view word) {
+  if (word.empty()) return "the end";
+  std::string quoted = "\"";
+  for (char c : word.substr(0, 40)) quoted += c >= ' ' && c <= '~' ? c : '?';
+  return quoted + (word.size() > 40 ? "...\"" : "\"");
+}
+
+// "30" for 0.0333333: within a ten-thousandth of a whole or an NTSC rate, that rate is meant.
+double NearestRate(double rate_hz) {
+  const double whole = std::round(rate_hz);
+  const double ntsc = std::round(rate_hz * 1.001) * 1000.0 / 1001.0;
+  for (double nominal : {whole, ntsc}) {
+    if (nominal >= 1 && std::abs(rate_hz / nominal - 1) < 1e-4) return nominal;
+  }
+  return rate_hz;
+}
+
+class Parser {
+ public:
+  Parser(std::string_view text, const std::string& name) : scan_(text), name_(name) {
+    size_ = text.size();
+  }
+
+  Result<Clip> Run() {
+    if (!Hierarchy() || !Motion()) return Status::Error(error_);
+    return std::move(clip_);
+  }
+
+ private:
+  bool Fail(const std::string& found, const std::string& expected) {
+    error_ =
+        name_ + ":" + std::to_string(scan_.line()) + ": found " + found + ", expected " + expected;
+    return false;
+  }
+  bool Expect(std::string_view keyword) {
+    const std::string_view word = scan_.Word();
+    return SameWord(word, keyword) || Fail(Quote(word), std::string(keyword));
+  }
+  bool Number(double& value, const std::string& what) {
+    const std::string_view word = scan_.Word();
+    return ToDouble(word, value) || Fail(Quote(word), what + ", a finite number");
+  }
+  bool Offset(Vec3& offset) {
+    for (int axis = 0; axis < 3; ++axis) {
+      double value = 0;
+      if (!Number(value, "three OFFSET values")) return false;
+      offset[axis] = static_cast<float>(value);
+    }
+    return true;
+  }
+
+  bool Hierarchy() {
+    if (!Expect("HIERARCHY")) return false;
+    const std::string_view root = scan_.Word();
+    if (!SameWord(root, "ROOT")) return Fail(Quote(root), "ROOT");
+    std::vector<int> open;
+    if (!Joint(-1, open)) return false;
+    while (!open.empty()) {
+      const int joint = open.back();
+      const std::string_view word = scan_.Word();
+      if (SameWord(word, "OFFSET")) {
+        if (!Offset(clip_.skeleton.offsets[joint])) return false;
+      } else if (SameWord(word, "CHANNELS")) {
+        if (!Channels(joint)) return false;
+      } else if (SameWord(word, "JOINT")) {
+        if (!Joint(joint, open)) return false;
+      } else if (SameWord(word, "End")) {
+        if (!EndSite(joint)) return false;
+      } else if (word == "}") {
+        open.pop_back();
+      } else {
+        return Fail(Quote(word), "OFFSET, CHANNELS, JOINT, End Site or }");
+      }
+    }
+    return true;
+  }
+
+  bool Joint(int parent, std::vector<int>& open) {
+    const std::string_view joint_name = scan_.RestOfLine();
+    if (joint_name.empty()) return Fail("no name", "a joint name");
+    if (clip_.skeleton.joint_count() >= kMaxJoints) {
+      return Fail("one more joint", "at most " + std::to_string(kMaxJoints));
+    }
+    if (open.size() >= kMaxDepth) {
+      return Fail("one more level", "at most " + std::to_string(kMaxDepth) + " joints in a chain");
+    }
+    if (!Expect("{")) return false;
+    open.push_back(clip_.skeleton.joint_count());
+    clip_.skeleton.names.emplace_back(joint_name);
+    clip_.skeleton.parents.push_back(parent);
+    clip_.skeleton.offsets.emplace_back(Vec3::Zero());
+    clip_.channels.emplace_back();
+    clip_.end_sites.emplace_back();
+    return true;
+  }
+
+  bool EndSite(int joint) {
+    Vec3 offset = Vec3::Zero();
+    if (!Expect("Site")) return false;
+    scan_.RestOfLine();  // some exporters name it
+    if (!Expect("{") || !Expect("OFFSET") || !Offset(offset) || !Expect("}")) return false;
+    clip_.end_sites[joint].push_back(offset);
+    return true;
+  }
+
+  bool Channels(int joint) {
+    static constexpr std::pair<std::string_view, char> kKinds[] = {
+        {"Xposition", 'X'}, {"Yposition", 'Y'}, {"Zposition", 'Z'},
+        {"Xrotation", 'x'}, {"Yrotation", 'y'}, {"Zrotation", 'z'},
+    };
+    std::string& channels = clip_.channels[joint];
+    if (!channels.empty()) return Fail("CHANNELS again", "them once per joint");
+    const std::string_view count_word = scan_.Word();
+    double count = 0;
+    if (!ToDouble(count_word, count) || !(count >= 0 && count <= 6) || count != std::floor(count)) {
+      return Fail(Quote(count_word), "0 to 6 channels");
+    }
+    for (int i = 0; i < static_cast<int>(count); ++i) {
+      const std::string_view word = scan_.Word();
+      char kind = 0;
+      for (const auto& [name, letter] : kKinds) {
+        if (SameWord(word, name)) kind = letter;
+      }
+      if (kind == 0) return Fail(Quote(word), "a channel such as Xposition or Zrotation");
+      if (channels.find(kind) != std::string::npos) {
+        return Fail(Quote(word) + " twice", "each channel of a joint once");
+      }
+      channels += kind;
+    }
+    channel_count_ += channels.size();
+    return true;
+  }
+
+  bool Motion() {
+    const std::string_view word = scan_.Word();
+    if (SameWord(word, "ROOT")) return Fail("a second ROOT", "one skeleton in a file");
+    if (!SameWord(word, "MOTION")) return Fail(Quote(word), "MOTION");
+    if (channel_count_ == 0) return Fail("no channels in any joint", "at least one");
+
+    // "Frames:" and "Frames :" both occur.
+    std::string_view label = scan_.Word();
+    if (SameWord(label, "Frames") && !Expect(":")) return false;
+    if (!SameWord(label, "Frames") && !SameWord(label, "Frames:")) {
+      return Fail(Quote(label), "Frames:");
+    }
+    const std::string_view frames_word = scan_.Word();
+    std::uint64_t frames = 0;
+    const auto parsed =
+        std::from_chars(frames_word.data(), frames_word.data() + frames_word.size(), frames);
+    if (parsed.ec != std::errc() || parsed.ptr != frames_word.data() + frames_word.size() ||
+        frames == 0) {
+      return Fail(Quote(frames_word), "a number of frames above 0");
+    }
+
+    if (!Expect("Frame")) return false;
+    label = scan_.Word();
+    if (SameWord(label, "Time") && !Expect(":")) return false;
+    if (!SameWord(label, "Time") && !SameWord(label, "Time:")) return Fail(Quote(label), "Time:");
+    double frame_time_s = 0;
+    if (!Number(frame_time_s, "a frame time in seconds")) return false;
+    // A little beyond both ends, because frame times are rounded.
+    if (!(frame_time_s > 0.000999 && frame_time_s < 1.001)) {
+      return Fail(std::to_string(frame_time_s) + " s", "a frame time of 0.001 to 1 s");
+    }
+    clip_.rate_hz = NearestRate(1.0 / frame_time_s);
+
+    // A value takes two characters at least, so the text bounds what a false count may reserve.
+    const std::uint64_t most = scan_.left() / (2 * channel_count_) + 1;
+    if (frames > most) {
+      return Fail(std::to_string(frames) + " frames, more than the rest of the file can hold",
+                  "as many as there are rows");
+    }
+    const std::uint64_t joints = clip_.skeleton.names.size();
+    if (frames * joints > 4 * size_ + 65536) {
+      return Fail(std::to_string(frames) + " frames of " + std::to_string(joints) +
+                      " joints with hardly a channel",
+                  "channels for the joints");
+    }
+    clip_.frames.reserve(frames);
+    return Rows(frames);
+  }
+
+  bool Rows(std::uint64_t frames) {
+    const rig::RigPose rest(clip_.skeleton);
+    for (std::uint64_t frame = 0; frame < frames; ++frame) {
+      std::string_view word = scan_.Word();
+      if (word.empty()) {
+        return Fail("the end after " + std::to_string(frame) + " rows",
+                    std::to_string(frames) + " as in Frames:");
+      }
+      clip_.frames.push_back(rest);
+      if (!Row(word, frame)) return false;
+      if (frame > 0) KeepSigns(clip_.frames[frame - 1], clip_.frames[frame]);
+    }
+    const std::string_view word = scan_.Word();
+    return word.empty() || Fail(Quote(word) + " after the last row",
+                                std::to_string(frames) + " rows as in Frames:");
+  }
+
+  bool Row(std::string_view word, std::uint64_t frame) {
+    rig::RigPose& pose = clip_.frames.back();
+    std::size_t read = 0;
+    for (std::size_t joint = 0; joint < clip_.channels.size(); ++joint) {
+      Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+      for (char kind : clip_.channels[joint]) {
+        if (word.empty()) {
+          return Fail(std::to_string(read) + " values in row " + std::to_string(frame + 1),
+                      std::to_string(channel_count_));
+        }
+        double value = 0;
+        if (!ToDouble(word, value)) {
+          return Fail(Quote(word) + " as value " + std::to_string(read + 1) + " of row " +
+                          std::to_string(frame + 1),
+                      "a finite number");
+        }
+        if (kind <= 'Z') {
+          pose.translations[joint][kind - 'X'] = static_cast<float>(value);
+        } else {
+          const double half = std::remainder(value, 720.0) * (std::numbers::pi / 360.0);
+          Eigen::Quaterniond turn(std::cos(half), 0, 0, 0);
+          turn.vec()[kind - 'x'] = std::sin(half);
+          rotation = rotation * turn;
+        }
+        ++read;
+        word = scan_.WordOnLine();
+      }
+      pose.rotations[joint] = rotation.cast<float>().normalized();
+    }
+    return word.empty() || Fail("more than " + std::to_string(channel_count_) + " values in row " +
+                                    std::to_string(frame + 1),
+                                std::to_string(channel_count_));
+  }
+
+  static void KeepSigns(const rig::RigPose& previous, rig::RigPose& pose) {
+    for (std::size_t joint = 0; joint < pose.rotations.size(); ++joint) {
+      Quat& q = pose.rotations[joint];
+      if (q.dot(previous.rotations[joint]) < 0) q.coeffs() = -q.coeffs();
+    }
+  }
+
+  Scanner scan_;
+  const std::string& name_;
+  std::size_t size_ = 0;
+  std::size_t channel_count_ = 0;
+  Clip clip_;
+  std::string error_;
+};
+
+}  // namespace
+
+Result<Clip> ParseBvh(std::string_view text, const std::string& name) {
+  return Parser(text, name).Run();
+}
+
+Result<Clip> ReadBvh(const std::filesystem::path& file) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"),
+                                                               &std::fclose);
+  if (!stream)
+    return Status::Error(file.string() + ": found no readable file, expected a BVH file");
+  constexpr std::size_t kBlock = std::size_t{1} << 18;
+  constexpr std::size_t kMaxSize = std::size_t{1} << 31;
+  std::string text;
+  for (std::size_t got = kBlock; got == kBlock;) {
+    if (text.size() > kMaxSize) {
+      return Status::Error(file.string() + ": found more than 2 GiB, expected a BVH file");
+    }
+    const std::size_t size = text.size();
+    text.resize(size + kBlock);
+    got = std::fread(text.data() + size, 1, kBlock, stream.get());
+    text.resize(size + got);
+  }
+  if (std::ferror(stream.get()) != 0) {
+    return Status::Error(file.string() + ": found a file that cannot be read, expected a BVH file");
+  }
+  return ParseBvh(text, file.string());
+}
+
+std::vector<body::Pose> ToCanonical(const Clip& clip, const rig::Binding& binding) {
+  std::vector<body::Pose> poses(clip.frames.size());
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    binding.Bind(clip.frames[frame], poses[frame]);
+    if (frame == 0) continue;
+    for (int joint = 0; joint < body::kJointCount; ++joint) {
+      Quat& q = poses[frame].rotations[joint];
+      if (q.dot(poses[frame - 1].rotations[joint]) < 0) q.coeffs() = -q.coeffs();
+    }
+  }
+  return poses;
+}
+
+}  // namespace styled::clip

@@ -1,0 +1,373 @@
+#include "model/clip/manifest.h"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <tuple>
+
+namespace styled::clip {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A label of file names and the name it stands for.
+struct Label {
+  std::string label, name;
+};
+
+struct Values {
+  std::string style, content;  // by name, not by label
+  int take = 0;
+};
+
+// One [[clips]] table.
+struct Rule {
+  std::string pattern, style, content, rig = "auto", split = "train";
+  double judge_share = 0;
+};
+
+// Matches `text` (one relative path) against a pattern; backtracks over labels, digits and '*'.
+class Matcher {
+ public:
+  Matcher(const std::vector<Label>& styles, const std::vector<Label>& contents)
+      : styles_(styles), contents_(contents) {}
+
+  std::optional<Values> Match(std::string_view pattern, std::string_view text) const {
+    Values values;
+    if (!Step(pattern, text, values)) return std::nullopt;
+    return values;
+  }
+
+ private:
+  bool Step(std::string_view pattern, std::string_view text, Values& values) const {
+    if (pattern.empty()) return text.empty();
+    if (pattern.starts_with("{style}")) {
+      return Labels(styles_, pattern.substr(7), text, values, values.style);
+    }
+    if (pattern.starts_with("{content}")) {
+      return Labels(contents_, pattern.substr(9), text, values, values.content);
+    }
+    if (pattern.starts_with("{take}")) {
+      std::size_t digits = 0;
+      while (digits < text.size() && digits < 9 && text[digits] >= '0' && text[digits] <= '9') {
+        ++digits;
+      }
+      for (; digits > 0; --digits) {
+        if (!Step(pattern.substr(6), text.substr(digits), values)) continue;
+        values.take = std::stoi(std::string(text.substr(0, digits)));
+        return true;
+      }
+      return false;
+    }
+    if (pattern[0] == '*') {
+      for (std::size_t skip = 0;; ++skip) {
+        if (Step(pattern.substr(1), text.substr(skip), values)) return true;
+        if (skip == text.size() || text[skip] == '/') return false;
+      }
+    }
+    return !text.empty() && text[0] == pattern[0] &&
+           Step(pattern.substr(1), text.substr(1), values);
+  }
+
+  // Labels stand longest first.
+  bool Labels(const std::vector<Label>& labels, std::string_view rest, std::string_view text,
+              Values& values, std::string& found) const {
+    for (const Label& label : labels) {
+      if (!text.starts_with(label.label)) continue;
+      if (!Step(rest, text.substr(label.label.size()), values)) continue;
+      found = label.name;
+      return true;
+    }
+    return false;
+  }
+
+  const std::vector<Label>& styles_;
+  const std::vector<Label>& contents_;
+};
+
+class Loader {
+ public:
+  Loader(const fs::path& file, const fs::path& data_folder) : file_(file), data_(data_folder) {}
+
+  Result<Manifest> Run() {
+    toml::table root;
+    try {
+      root = toml::parse_file(file_.string());
+    } catch (const toml::parse_error& error) {
+      return Status::Error(file_.string() + ":" + std::to_string(error.source().begin.line) +
+                           ": found " + std::string(error.description()) + ", expected TOML");
+    }
+    if (!Head(root) || !Styles(root) || !Contents(root) || !Clips(root)) {
+      return Status::Error(error_);
+    }
+    std::sort(manifest_.entries.begin(), manifest_.entries.end(),
+              [](const ManifestEntry& a, const ManifestEntry& b) { return a.file < b.file; });
+    for (std::size_t i = 1; i < manifest_.entries.size(); ++i) {
+      if (manifest_.entries[i].file == manifest_.entries[i - 1].file) {
+        return Status::Error(file_.string() + ": found " + manifest_.entries[i].file.string() +
+                             " under two patterns, expected each clip once");
+      }
+    }
+    return std::move(manifest_);
+  }
+
+ private:
+  bool Fail(const toml::node& at, const std::string& key, const std::string& found,
+            const std::string& expected) {
+    error_ = file_.string() + ":" + std::to_string(at.source().begin.line) + ": " + key +
+             ": found " + found + ", expected " + expected;
+    return false;
+  }
+  bool OnlyKeys(const toml::table& table, std::initializer_list<std::string_view> known) {
+    for (const auto& [key, node] : table) {
+      if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+      std::string names;
+      for (std::string_view name : known) names += (names.empty() ? "" : ", ") + std::string(name);
+      return Fail(node, std::string(key.str()), "an unknown key", "one of " + names);
+    }
+    return true;
+  }
+  // Leaves `out` alone where the key is missing and not required.
+  bool String(const toml::table& table, std::string_view key, bool required, std::string& out) {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) {
+      return !required || Fail(table, std::string(key), "nothing", "a string");
+    }
+    const auto* value = node->as_string();
+    if (value == nullptr || value->get().empty()) {
+      return Fail(*node, std::string(key), "something else", "a string that is not empty");
+    }
+    out = value->get();
+    return true;
+  }
+  bool Strings(const toml::table& table, std::string_view key, bool required,
+               std::vector<std::string>& out) {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) {
+      return !required || Fail(table, std::string(key), "nothing", "an array of strings");
+    }
+    const toml::array* array = node->as_array();
+    if (array == nullptr || (required && array->empty())) {
+      return Fail(*node, std::string(key), array == nullptr ? "something else" : "an empty array",
+                  "an array of strings");
+    }
+    for (const toml::node& item : *array) {
+      const auto* value = item.as_string();
+      if (value == nullptr || value->get().empty()) {
+        return Fail(item, std::string(key), "something else in the array",
+                    "strings that are not empty");
+      }
+      out.push_back(value->get());
+    }
+    return true;
+  }
+  // An array of tables under `key`, which must not be empty.
+  const toml::array* Tables(const toml::table& root, std::string_view key) {
+    const toml::node* node = root.get(key);
+    const toml::array* array = node == nullptr ? nullptr : node->as_array();
+    if (array != nullptr && !array->empty() && array->is_homogeneous(toml::node_type::table)) {
+      return array;
+    }
+    Fail(node == nullptr ? static_cast<const toml::node&>(root) : *node, std::string(key),
+         node == nullptr ? "nothing" : "something else", "an array of tables, at least one");
+    return nullptr;
+  }
+  bool AddLabels(const toml::node& at, const std::string& key, const std::string& name,
+                 const std::vector<std::string>& names, std::vector<Label>& labels) {
+    for (const std::string& label : names) {
+      for (const Label& known : labels) {
+        if (known.label == label) {
+          return Fail(at, key, "label \"" + label + "\" twice", "each label once");
+        }
+      }
+      labels.push_back({label, name});
+    }
+    return true;
+  }
+  static void LongestFirst(std::vector<Label>& labels) {
+    std::stable_sort(labels.begin(), labels.end(), [](const Label& a, const Label& b) {
+      return a.label.size() > b.label.size();
+    });
+  }
+
+  bool Head(const toml::table& root) {
+    return OnlyKeys(root, {"name", "licence", "neutral", "styles", "contents", "clips"}) &&
+           String(root, "name", true, manifest_.name) &&
+           String(root, "licence", true, manifest_.licence) &&
+           String(root, "neutral", true, neutral_);
+  }
+
+  bool Styles(const toml::table& root) {
+    const toml::array* styles = Tables(root, "styles");
+    if (styles == nullptr) return false;
+    for (const toml::node& node : *styles) {
+      const toml::table& table = *node.as_table();
+      ManifestStyle style;
+      if (!OnlyKeys(table, {"name", "labels", "aliases"}) ||
+          !String(table, "name", true, style.name) ||
+          !Strings(table, "labels", true, style.labels) ||
+          !Strings(table, "aliases", false, style.aliases) ||
+          !AddLabels(node, "styles", style.name, style.labels, styles_)) {
+        return false;
+      }
+      for (const ManifestStyle& known : manifest_.styles) {
+        if (known.name == style.name) {
+          return Fail(node, "styles", "\"" + style.name + "\" twice", "each style once");
+        }
+      }
+      manifest_.styles.push_back(std::move(style));
+    }
+    if (manifest_.styles[0].name != neutral_) {
+      return Fail(*styles, "styles", "\"" + manifest_.styles[0].name + "\" first",
+                  "the neutral style \"" + neutral_ + "\" first");
+    }
+    LongestFirst(styles_);
+    return true;
+  }
+
+  bool Contents(const toml::table& root) {
+    const toml::array* contents = Tables(root, "contents");
+    if (contents == nullptr) return false;
+    for (const toml::node& node : *contents) {
+      const toml::table& table = *node.as_table();
+      std::string name;
+      std::vector<std::string> labels;
+      if (!OnlyKeys(table, {"name", "labels"}) || !String(table, "name", true, name) ||
+          !Strings(table, "labels", true, labels) ||
+          !AddLabels(node, "contents", name, labels, contents_)) {
+        return false;
+      }
+      if (std::find(manifest_.contents.begin(), manifest_.contents.end(), name) !=
+          manifest_.contents.end()) {
+        return Fail(node, "contents", "\"" + name + "\" twice", "each content once");
+      }
+      manifest_.contents.push_back(std::move(name));
+    }
+    LongestFirst(contents_);
+    return true;
+  }
+
+  bool Clips(const toml::table& root) {
+    const toml::array* clips = Tables(root, "clips");
+    if (clips == nullptr) return false;
+    for (const toml::node& node : *clips) {
+      Rule rule;
+      if (!ReadRule(*node.as_table(), rule) || !Collect(node, rule)) return false;
+    }
+    return true;
+  }
+
+  bool ReadRule(const toml::table& table, Rule& rule) {
+    if (!OnlyKeys(table, {"pattern", "style", "content", "rig", "split", "judge_share"}) ||
+        !String(table, "pattern", true, rule.pattern) ||
+        !String(table, "style", false, rule.style) ||
+        !String(table, "content", false, rule.content) || !String(table, "rig", false, rule.rig) ||
+        !String(table, "split", false, rule.split)) {
+      return false;
+    }
+    for (const auto& [key, fixed] : {std::pair{"style", &rule.style}, {"content", &rule.content}}) {
+      const bool in_pattern = rule.pattern.find("{" + std::string(key) + "}") != std::string::npos;
+      if (in_pattern != fixed->empty()) {
+        return Fail(table, key, in_pattern ? "it fixed and in the pattern" : "nothing",
+                    "it either fixed or as {" + std::string(key) + "} in the pattern");
+      }
+    }
+    const auto names = [](const auto& list, const std::string& name, auto member) {
+      return std::any_of(list.begin(), list.end(),
+                         [&](const auto& item) { return member(item) == name; });
+    };
+    if (!rule.style.empty() &&
+        !names(manifest_.styles, rule.style, [](const ManifestStyle& s) { return s.name; })) {
+      return Fail(table, "style", "\"" + rule.style + "\"", "the name of one of the styles");
+    }
+    if (!rule.content.empty() &&
+        !names(manifest_.contents, rule.content, [](const std::string& s) { return s; })) {
+      return Fail(table, "content", "\"" + rule.content + "\"", "the name of one of the contents");
+    }
+    if (rule.split != "train" && rule.split != "judge" && rule.split != "validation") {
+      return Fail(table, "split", "\"" + rule.split + "\"", "train, judge or validation");
+    }
+    if (const toml::node* node = table.get("judge_share")) {
+      const auto share = node->value<double>();
+      if (!share || !(*share >= 0 && *share < 1)) {
+        return Fail(*node, "judge_share", share ? std::to_string(*share) : "something else",
+                    "a number from 0 to below 1");
+      }
+      if (rule.split != "train") {
+        return Fail(*node, "judge_share", "it with split \"" + rule.split + "\"",
+                    "it with split \"train\" only");
+      }
+      rule.judge_share = *share;
+    }
+    return true;
+  }
+
+  bool Collect(const toml::node& at, const Rule& rule) {
+    // The folder above the first component that is not a plain name.
+    const std::size_t plain = rule.pattern.substr(0, rule.pattern.find_first_of("{*")).rfind('/');
+    const fs::path folder =
+        plain == std::string::npos ? data_ : data_ / rule.pattern.substr(0, plain);
+    const std::size_t first = manifest_.entries.size();
+    const Matcher matcher(styles_, contents_);
+    std::error_code code;
+    fs::recursive_directory_iterator walk(folder, code);
+    for (; !code && walk != fs::recursive_directory_iterator(); walk.increment(code)) {
+      std::error_code ignored;
+      if (!walk->is_regular_file(ignored)) continue;
+      const std::string path = walk->path().lexically_relative(data_).generic_string();
+      const std::optional<Values> values = matcher.Match(rule.pattern, path);
+      if (!values) continue;
+      manifest_.entries.push_back({walk->path(), rule.style.empty() ? values->style : rule.style,
+                                   rule.content.empty() ? values->content : rule.content, rule.rig,
+                                   rule.split, values->take});
+    }
+    if (manifest_.entries.size() == first) {
+      return Fail(at, "pattern", "no file for \"" + rule.pattern + "\" in " + data_.string(),
+                  "at least one");
+    }
+    SetAside(first, rule.judge_share);
+    return true;
+  }
+
+  // The last takes of every (style, content) cell go to the judge; each cell keeps one at least.
+  void SetAside(std::size_t first, double share) {
+    if (share <= 0) return;
+    std::map<std::tuple<std::string, std::string>, std::vector<ManifestEntry*>> cells;
+    for (std::size_t i = first; i < manifest_.entries.size(); ++i) {
+      ManifestEntry& entry = manifest_.entries[i];
+      cells[{entry.style, entry.content}].push_back(&entry);
+    }
+    for (auto& [cell, entries] : cells) {
+      std::sort(entries.begin(), entries.end(), [](const ManifestEntry* a, const ManifestEntry* b) {
+        return std::tie(a->take, a->file) < std::tie(b->take, b->file);
+      });
+      const auto count = static_cast<double>(entries.size());
+      const auto aside =
+          std::min(static_cast<std::size_t>(std::lround(share * count)), entries.size() - 1);
+      for (std::size_t i = entries.size() - aside; i < entries.size(); ++i) {
+        entries[i]->split = "judge";
+      }
+    }
+  }
+
+  const fs::path& file_;
+  const fs::path& data_;
+  std::string neutral_;
+  std::vector<Label> styles_, contents_;
+  Manifest manifest_;
+  std::string error_;
+};
+
+}  // namespace
+
+Result<Manifest> LoadManifest(const fs::path& file, const fs::path& data_folder) {
+  return Loader(file, data_folder).Run();
+}
+
+}  // namespace styled::clip

@@ -1,0 +1,150 @@
+// Resample and ResamplePoses: natural cubic splines (C2) through equally spaced frames.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "model/clip/clip.h"
+
+namespace styled::clip {
+namespace {
+
+using rig::Quat;
+using rig::Vec3;
+using Row = Eigen::RowVectorXd;
+// One row per frame, one column per number that moves.
+using Samples = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// Second derivatives per frame interval squared, zero at both ends: the tridiagonal system
+// m[k-1] + 4 m[k] + m[k+1] = 6 (y[k-1] - 2 y[k] + y[k+1]), solved forward and back.
+Samples SecondDerivatives(const Samples& y) {
+  const Eigen::Index last = y.rows() - 1;
+  Samples m = Samples::Zero(y.rows(), y.cols());
+  std::vector<double> upper(y.rows(), 0.0);
+  for (Eigen::Index k = 1; k < last; ++k) {
+    const double pivot = 4.0 - upper[k - 1];
+    upper[k] = 1.0 / pivot;
+    m.row(k) = (6.0 * (y.row(k - 1) - 2.0 * y.row(k) + y.row(k + 1)) - m.row(k - 1)) / pivot;
+  }
+  for (Eigen::Index k = last - 1; k > 0; --k) m.row(k) -= upper[k] * m.row(k + 1);
+  return m;
+}
+
+// Where a new frame lies: `share` of the way from frame `index` to the next one.
+struct Place {
+  Eigen::Index index;
+  double share;
+};
+std::vector<Place> Places(std::size_t frames, double rate_hz, double new_rate_hz) {
+  std::vector<Place> places;
+  if (frames == 0) return places;
+  const double step = rate_hz / new_rate_hz;
+  const double end = static_cast<double>(frames - 1);
+  const auto count = static_cast<std::size_t>(std::floor(end / step + 1e-6)) + 1;
+  places.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    double at = std::min(static_cast<double>(i) * step, end);
+    if (std::abs(at - std::round(at)) < 1e-6) at = std::round(at);
+    const double index = std::floor(at);
+    places.push_back({static_cast<Eigen::Index>(index), at - index});
+  }
+  return places;
+}
+
+void Evaluate(const Samples& y, const Samples& m, const Place& place, Row& out) {
+  out = y.row(place.index);
+  if (place.share == 0) return;
+  const double b = place.share, a = 1.0 - b;
+  out = a * out + b * y.row(place.index + 1) +
+        ((a * a * a - a) * m.row(place.index) + (b * b * b - b) * m.row(place.index + 1)) / 6.0;
+}
+
+// Writes `q` in the sign that continues row `frame - 1`.
+void PutRotation(Samples& y, std::size_t frame, Eigen::Index column, const Quat& q) {
+  const Eigen::RowVector4d now = q.coeffs().cast<double>().transpose();
+  const bool flip = frame > 0 && now.dot(y.block<1, 4>(frame - 1, column)) < 0;
+  y.block<1, 4>(frame, column) = flip ? Eigen::RowVector4d(-now) : now;
+}
+Quat GetRotation(const Row& row, Eigen::Index column) {
+  const Eigen::Vector4d q = row.segment<4>(column).transpose();
+  return Quat(Eigen::Vector4f(q.normalized().cast<float>()));
+}
+Vec3 GetPosition(const Row& row, Eigen::Index column) {
+  return row.segment<3>(column).transpose().cast<float>();
+}
+
+}  // namespace
+
+Clip Resample(const Clip& clip, double rate_hz) {
+  Clip out;
+  out.skeleton = clip.skeleton;
+  out.channels = clip.channels;
+  out.end_sites = clip.end_sites;
+  out.rate_hz = rate_hz;
+  if (clip.frames.empty()) return out;
+
+  // Joints that only rotate keep their translation exactly.
+  const int joints = clip.skeleton.joint_count();
+  std::vector<int> moving;
+  for (int joint = 0; joint < joints; ++joint) {
+    const Vec3& first = clip.frames[0].translations[joint];
+    for (const rig::RigPose& frame : clip.frames) {
+      if (frame.translations[joint] == first) continue;
+      moving.push_back(joint);
+      break;
+    }
+  }
+
+  const Eigen::Index positions = 4 * joints;
+  Samples y(clip.frames.size(), positions + 3 * static_cast<Eigen::Index>(moving.size()));
+  for (std::size_t frame = 0; frame < clip.frames.size(); ++frame) {
+    const rig::RigPose& pose = clip.frames[frame];
+    for (int joint = 0; joint < joints; ++joint) {
+      PutRotation(y, frame, 4 * joint, pose.rotations[joint]);
+    }
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      y.block<1, 3>(frame, positions + 3 * i) =
+          pose.translations[moving[i]].cast<double>().transpose();
+    }
+  }
+  const Samples m = SecondDerivatives(y);
+  Row row(y.cols());
+  rig::RigPose pose = clip.frames[0];
+  for (const Place& place : Places(clip.frames.size(), clip.rate_hz, rate_hz)) {
+    Evaluate(y, m, place, row);
+    for (int joint = 0; joint < joints; ++joint) {
+      pose.rotations[joint] = GetRotation(row, 4 * joint);
+    }
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      pose.translations[moving[i]] = GetPosition(row, positions + 3 * i);
+    }
+    out.frames.push_back(pose);
+  }
+  return out;
+}
+
+std::vector<body::Pose> ResamplePoses(const std::vector<body::Pose>& poses, double rate_hz,
+                                      double new_rate_hz) {
+  constexpr Eigen::Index kHipsColumn = 4 * body::kJointCount;
+  Samples y(poses.size(), kHipsColumn + 3);
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    for (int joint = 0; joint < body::kJointCount; ++joint) {
+      PutRotation(y, frame, 4 * joint, poses[frame].rotations[joint]);
+    }
+    y.block<1, 3>(frame, kHipsColumn) = poses[frame].hips_position_m.cast<double>().transpose();
+  }
+  std::vector<body::Pose> out;
+  if (poses.empty()) return out;
+  const Samples m = SecondDerivatives(y);
+  Row row(y.cols());
+  for (const Place& place : Places(poses.size(), rate_hz, new_rate_hz)) {
+    Evaluate(y, m, place, row);
+    body::Pose& pose = out.emplace_back();
+    for (int joint = 0; joint < body::kJointCount; ++joint) {
+      pose.rotations[joint] = GetRotation(row, 4 * joint);
+    }
+    pose.hips_position_m = GetPosition(row, kHipsColumn);
+  }
+  return out;
+}
+
+}  // namespace styled::clip

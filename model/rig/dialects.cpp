@@ -1,0 +1,253 @@
+#include "model/rig/dialects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/rig/dialect_rests.h"
+
+namespace styled::rig {
+namespace {
+
+using body::kHumanoid;
+using body::kJointCount;
+using JointMap = std::array<int, kJointCount>;
+
+// Where a dialect's T-pose comes from.
+enum class Rest {
+  kIdentity,     // the zero pose is a T-pose
+  kBandaiNamco,  // constants
+  kRokoko,       // constants, unless the decoder already took them out
+  kCmu,          // the zero pose with its legs closed, swung
+};
+struct Dialect {
+  std::string_view name;
+  Rest rest;
+};
+constexpr Dialect kDialects[] = {
+    {"bandai-namco", Rest::kBandaiNamco},
+    {"cmu", Rest::kCmu},
+    {"canonical", Rest::kIdentity},
+    {"vrm", Rest::kIdentity},
+    {"unity", Rest::kIdentity},
+    {"vmc", Rest::kIdentity},
+    {"mixamo", Rest::kIdentity},
+    {"hik", Rest::kIdentity},
+    {"lafan1", Rest::kIdentity},
+    {"xsens", Rest::kIdentity},
+    {"motive", Rest::kIdentity},
+    {"rokoko", Rest::kRokoko},
+    {"axis", Rest::kIdentity},
+    {"mocopi", Rest::kIdentity},
+};
+
+std::string KnownDialects() {
+  std::string known = "auto";
+  for (const Dialect& dialect : kDialects) known.append(", ").append(dialect.name);
+  return known;
+}
+
+Status RequireMapped(const JointMap& map, std::string_view dialect) {
+  std::string missing;
+  for (int c = 0; c < kJointCount; ++c) {
+    const bool optional = c == body::kSpine || c == body::kChest || c == body::kNeck ||
+                          c == body::kLeftShoulder || c == body::kRightShoulder ||
+                          c == body::kLeftHand || c == body::kRightHand || c == body::kLeftFoot ||
+                          c == body::kRightFoot || c == body::kLeftToes || c == body::kRightToes;
+    if (!optional && map[c] < 0) missing.append(" ").append(kHumanoid[c].name);
+  }
+  if (missing.empty()) return Status::Ok();
+  return Status::Error("rig: dialect " + std::string(dialect) + ": found no joint named like" +
+                       missing + ", expected the names of one of " + KnownDialects() +
+                       "; name the joints in the config otherwise");
+}
+
+// World positions of all joints when their world rotations are `rest`, hips' ancestors included.
+std::vector<Vec3> RestPositions(const Skeleton& skeleton, const std::vector<Quat>& rest) {
+  std::vector<Vec3> positions(skeleton.offsets);
+  for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
+    const int parent = skeleton.parents[joint];
+    positions[joint] = positions[parent] + rest[parent] * skeleton.offsets[joint];
+  }
+  return positions;
+}
+
+// The signed coordinate axis next to `direction`.
+Vec3 NearestAxis(const Vec3& direction) {
+  int axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  return Vec3::Unit(axis) * (direction[axis] < 0 ? -1.0F : 1.0F);
+}
+
+// A T-pose judged by its joint positions: which source axes point up, forward and left, and what is
+// wrong with it ("" where nothing is).
+struct Judgement {
+  std::string fault;
+  Quat canonical_from_source = Quat::Identity();
+};
+Judgement JudgeTPose(const Skeleton& skeleton, const JointMap& map, const std::vector<Quat>& rest) {
+  const std::vector<Vec3> positions = RestPositions(skeleton, rest);
+  const auto at = [&](int c) { return positions[map[c]]; };
+  const Vec3 up_bone = at(body::kHead) - at(body::kHips);
+  const Vec3 left_bone = at(body::kLeftUpperLeg) - at(body::kRightUpperLeg);
+  if (up_bone.norm() <= 0 || left_bone.norm() <= 0) {
+    return {"the hips and the head, or both upper legs, at the same place"};
+  }
+  const Vec3 up = NearestAxis(up_bone);
+  const Vec3 left = NearestAxis(left_bone);
+  if (up.dot(left) != 0) return {"the upper legs above one another"};
+  Judgement judged;
+  Eigen::Matrix3f axes;
+  axes.row(0) = left;
+  axes.row(1) = up;
+  axes.row(2) = left.cross(up);
+  judged.canonical_from_source = Quat(axes).normalized();
+
+  constexpr float kTolerance_deg = 25.0F;
+  const auto check = [&](int from, int to, const Vec3& expected, const char* what) {
+    if (!judged.fault.empty() || map[from] < 0 || map[to] < 0) return;
+    const Vec3 bone = at(to) - at(from);
+    if (bone.norm() <= 0) return;
+    const float angle_deg =
+        std::acos(std::clamp(bone.normalized().dot(expected), -1.0F, 1.0F)) * 180.0F / 3.14159265F;
+    if (angle_deg > kTolerance_deg) {
+      judged.fault = std::string(kHumanoid[from].name) + " to " + std::string(kHumanoid[to].name) +
+                     " " + std::to_string(std::lround(angle_deg)) + " degrees away from " + what;
+    }
+  };
+  check(body::kHips, body::kHead, up, "up");
+  check(body::kLeftUpperArm, body::kLeftLowerArm, left, "the left");
+  check(body::kLeftLowerArm, body::kLeftHand, left, "the left");
+  check(body::kRightUpperArm, body::kRightLowerArm, -left, "the right");
+  check(body::kRightLowerArm, body::kRightHand, -left, "the right");
+  check(body::kLeftUpperLeg, body::kLeftLowerLeg, -up, "down");
+  check(body::kLeftLowerLeg, body::kLeftFoot, -up, "down");
+  check(body::kRightUpperLeg, body::kRightLowerLeg, -up, "down");
+  check(body::kRightLowerLeg, body::kRightFoot, -up, "down");
+  if (judged.fault.empty() && map[body::kLeftFoot] >= 0 && map[body::kLeftToes] >= 0 &&
+      (at(body::kLeftToes) - at(body::kLeftFoot)).dot(left.cross(up)) < 0) {
+    judged.fault = "toes that point backward, as in a left-handed skeleton that is not mirrored";
+  }
+  return judged;
+}
+
+std::vector<Quat> IdentityRest(const Skeleton& skeleton) {
+  return std::vector<Quat>(skeleton.names.size(), Quat::Identity());
+}
+
+// Constants by canonical joint; joints that are not mapped take those of the joint above them.
+std::vector<Quat> ConstantRest(const Skeleton& skeleton, const JointMap& map,
+                               const RestTable& table) {
+  std::vector<Quat> rest = IdentityRest(skeleton);
+  std::vector<bool> mapped(rest.size(), false);
+  for (int c = 0; c < kJointCount; ++c) {
+    if (map[c] < 0) continue;
+    rest[map[c]] = Quat(table[c].w, table[c].x, table[c].y, table[c].z).normalized();
+    mapped[map[c]] = true;
+  }
+  for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
+    if (!mapped[joint]) rest[joint] = rest[skeleton.parents[joint]];
+  }
+  return rest;
+}
+
+// The zero pose stands with its legs spread by 20 degrees each; closing them at the hip joints
+// makes it the standing pose that RestBySwing wants.
+std::vector<Quat> CmuRest(const Skeleton& skeleton, const JointMap& map,
+                          const Quat& canonical_from_source) {
+  RigPose standing(skeleton);
+  const std::vector<Vec3> positions = RestPositions(skeleton, IdentityRest(skeleton));
+  const Vec3 down = canonical_from_source.conjugate() * -Vec3::UnitY();
+  for (auto [upper, lower] : {std::pair{body::kLeftUpperLeg, body::kLeftLowerLeg},
+                              std::pair{body::kRightUpperLeg, body::kRightLowerLeg}}) {
+    const Vec3 thigh = positions[map[lower]] - positions[map[upper]];
+    if (thigh.norm() > 0) standing.rotations[map[upper]] = Quat::FromTwoVectors(thigh, down);
+  }
+  return RestBySwing(skeleton, map, standing, canonical_from_source);
+}
+
+// The rest pose of one dialect, and whether it makes a T-pose of this skeleton.
+struct Candidate {
+  std::vector<Quat> rest;
+  Judgement judged;
+};
+Candidate Try(const Skeleton& skeleton, const JointMap& map, Rest dialect) {
+  Candidate candidate{IdentityRest(skeleton), {}};
+  candidate.judged = JudgeTPose(skeleton, map, candidate.rest);
+  if (dialect == Rest::kCmu && candidate.judged.fault.empty()) {
+    candidate.rest = CmuRest(skeleton, map, candidate.judged.canonical_from_source);
+  }
+  if (dialect == Rest::kRokoko && !candidate.judged.fault.empty()) {
+    candidate.rest = ConstantRest(skeleton, map, kRokokoRest);
+    candidate.judged = JudgeTPose(skeleton, map, candidate.rest);
+  }
+  if (dialect == Rest::kBandaiNamco) {
+    candidate.rest = ConstantRest(skeleton, map, kBandaiNamcoRest);
+    candidate.judged = JudgeTPose(skeleton, map, candidate.rest);
+  }
+  return candidate;
+}
+
+bool HasNames(const Skeleton& skeleton, std::initializer_list<std::string_view> names) {
+  for (std::string_view name : names) {
+    bool found = false;
+    for (const std::string& joint : skeleton.names) found = found || joint == name;
+    if (!found) return false;
+  }
+  return true;
+}
+
+Rest Recognize(const Skeleton& skeleton) {
+  if (HasNames(skeleton, {"Hips", "Chest", "Shoulder_L", "UpperArm_L", "LowerLeg_R", "Toes_R"})) {
+    return Rest::kBandaiNamco;
+  }
+  if (HasNames(skeleton, {"LHipJoint", "RHipJoint", "LowerBack"})) return Rest::kCmu;
+  if (HasNames(skeleton, {"hip", "leftUpLeg", "leftLowerArm", "rightToe"})) return Rest::kRokoko;
+  return Rest::kIdentity;
+}
+
+}  // namespace
+
+Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect) {
+  if (skeleton.joint_count() == 0 || skeleton.parents.size() != skeleton.names.size() ||
+      skeleton.offsets.size() != skeleton.names.size() || skeleton.parents[0] != -1) {
+    return Binding::Make({skeleton, {}, {}, Quat::Identity()});  // which says what is wrong
+  }
+  for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
+    if (skeleton.parents[joint] < 0 || skeleton.parents[joint] >= joint) {
+      return Binding::Make({skeleton, {}, {}, Quat::Identity()});
+    }
+  }
+  Rest rest = Rest::kIdentity;
+  bool known = dialect == "auto";
+  if (known) rest = Recognize(skeleton);
+  for (const Dialect& row : kDialects) {
+    if (row.name != dialect) continue;
+    rest = row.rest;
+    known = true;
+  }
+  if (!known) {
+    return Status::Error("rig: found dialect " + std::string(dialect) + ", expected one of " +
+                         KnownDialects());
+  }
+
+  const JointMap map = MapJointNames(skeleton);
+  if (Status status = RequireMapped(map, dialect); !status.ok()) return status;
+  Candidate candidate = Try(skeleton, map, rest);
+  if (!candidate.judged.fault.empty() && dialect == "auto" && rest != Rest::kIdentity) {
+    candidate = Try(skeleton, map, Rest::kIdentity);  // known names on a body normalized since
+  }
+  if (!candidate.judged.fault.empty()) {
+    return Status::Error("rig: dialect " + std::string(dialect) +
+                         ": found a rest pose that is no T-pose (" + candidate.judged.fault +
+                         "), expected one within 25 degrees; give the rest rotations in the "
+                         "config, or name another dialect of " +
+                         KnownDialects());
+  }
+  return Binding::Make(
+      {skeleton, map, std::move(candidate.rest), candidate.judged.canonical_from_source});
+}
+
+}  // namespace styled::rig

@@ -1,0 +1,190 @@
+// MapJointNames: the naming habits of the field, as tables of aliases.
+#include <cctype>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "model/rig/dialects.h"
+
+namespace styled::rig {
+namespace {
+
+using body::kJointCount;
+
+// Aliases are lower case without separators, the better one first.
+struct Alias {
+  body::Joint joint;
+  std::vector<std::string_view> names;
+};
+
+// Spine and chest are numbered differently everywhere: the first row whose both names exist wins.
+struct SpineAlias {
+  std::string_view spine, chest;
+};
+constexpr SpineAlias kSpines[] = {
+    {"lowerback", "spine"},      // CMU's BVH files; Spine1 is composed
+    {"lowerback", "upperback"},  // CMU's ASF files; thorax is composed
+    {"l5", "t12"},               // Xsens; L3 and T8 are composed
+    {"ab", "chest"},             // Motive
+    {"abdomen", "chest"},
+    {"torso2", "torso4"},  // mocopi, of torso_1 to torso_7
+    {"spine", "chest"},    // VRM, Rokoko, Bandai-Namco
+    {"spine", "spine1"},   // Mixamo, HIK, LaFAN1, Axis, Biped
+    {"spine", "spine2"},   // Axis without Spine1
+    {"spine01", "spine02"},
+    {"spine1", "spine2"},  // SMPL
+};
+
+const std::vector<Alias>& CentreAliases() {
+  static const std::vector<Alias> kAliases = {
+      {body::kHips, {"hips", "hip", "pelvis"}},
+      {body::kNeck, {"neck", "neck1", "neck01", "lowerneck"}},
+      {body::kHead, {"head"}},
+  };
+  return kAliases;
+}
+
+// Without their side.
+const std::vector<Alias>& LeftAliases() {
+  static const std::vector<Alias> kAliases = {
+      {body::kLeftShoulder, {"shoulder", "clavicle", "collar"}},
+      {body::kLeftUpperArm, {"upperarm", "arm", "uarm", "uparm", "humerus"}},
+      {body::kLeftLowerArm, {"lowerarm", "forearm", "farm", "lowarm", "radius"}},
+      {body::kLeftHand, {"hand", "wrist"}},
+      {body::kLeftUpperLeg, {"upperleg", "upleg", "thigh", "femur"}},
+      {body::kLeftLowerLeg, {"lowerleg", "lowleg", "leg", "shin", "calf", "tibia"}},
+      {body::kLeftFoot, {"foot"}},
+      {body::kLeftToes, {"toes", "toe", "toebase", "ball"}},
+  };
+  return kAliases;
+}
+
+// SMPL means other joints by "shoulder" and "foot" than everybody else.
+const std::vector<Alias>& SmplLeftAliases() {
+  static const std::vector<Alias> kAliases = {
+      {body::kLeftShoulder, {"collar"}}, {body::kLeftUpperArm, {"shoulder"}},
+      {body::kLeftLowerArm, {"elbow"}},  {body::kLeftHand, {"wrist"}},
+      {body::kLeftUpperLeg, {"hip"}},    {body::kLeftLowerLeg, {"knee"}},
+      {body::kLeftFoot, {"ankle"}},      {body::kLeftToes, {"foot"}},
+  };
+  return kAliases;
+}
+
+bool IsSeparator(char c) { return c == '_' || c == ' ' || c == '-' || c == '.'; }
+
+// The length of the prefix up to a separator that every name carries ("Skeleton_", "J_Bip_").
+std::size_t CommonPrefix(const std::vector<std::string>& names) {
+  if (names.size() < 3) return 0;
+  std::size_t common = names[0].size();
+  for (const std::string& name : names) {
+    std::size_t same = 0;
+    while (same < common && same < name.size() && name[same] == names[0][same]) ++same;
+    common = same;
+  }
+  while (common > 0 && !IsSeparator(names[0][common - 1])) --common;
+  return common;
+}
+
+std::string Fold(std::string_view name) {
+  std::string folded;
+  for (char c : name) {
+    if (!IsSeparator(c)) {
+      folded += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  return folded;
+}
+
+// Drops what exporters put before the joint's own name.
+std::string_view StripPrefix(std::string_view folded) {
+  if (folded.starts_with("mixamorig")) {
+    folded.remove_prefix(9);
+    while (!folded.empty() && std::isdigit(static_cast<unsigned char>(folded[0])) != 0) {
+      folded.remove_prefix(1);
+    }
+    return folded;
+  }
+  for (std::string_view prefix : {"valvebiped", "jbip", "bip001", "bip01"}) {
+    if (folded.starts_with(prefix) && folded.size() > prefix.size()) {
+      folded.remove_prefix(prefix.size());
+    }
+  }
+  return folded;
+}
+
+class NameTable {
+ public:
+  explicit NameTable(const Skeleton& skeleton) {
+    std::vector<std::string> names = skeleton.names;
+    for (std::string& name : names) name.erase(0, name.rfind(':') + 1);  // npos + 1 is 0
+    const std::size_t prefix = CommonPrefix(names);
+    for (std::size_t joint = 0; joint < names.size(); ++joint) {
+      const std::string folded = Fold(std::string_view(names[joint]).substr(prefix));
+      joints_.emplace(std::string(StripPrefix(folded)), static_cast<int>(joint));
+    }
+  }
+
+  // The joint of that name, the first in file order where there are two; -1 where there is none.
+  int Find(const std::string& name) const {
+    const auto found = joints_.find(name);
+    return found == joints_.end() ? -1 : found->second;
+  }
+  int FindCentre(std::string_view base) const {
+    const int joint = Find(std::string(base));
+    return joint >= 0 ? joint : Find(std::string("c").append(base));
+  }
+  int FindSided(std::string_view base, bool left) const {
+    const std::string name(base);
+    const std::string word = left ? "left" : "right";
+    const std::string letter = left ? "l" : "r";
+    for (const std::string& candidate : {word + name, name + word, letter + name, name + letter}) {
+      if (const int joint = Find(candidate); joint >= 0) return joint;
+    }
+    return -1;
+  }
+
+ private:
+  std::map<std::string, int> joints_;
+};
+
+}  // namespace
+
+std::array<int, kJointCount> MapJointNames(const Skeleton& skeleton) {
+  const NameTable table(skeleton);
+  std::array<int, kJointCount> map;
+  map.fill(-1);
+
+  for (const Alias& alias : CentreAliases()) {
+    for (std::string_view name : alias.names) {
+      if (map[alias.joint] < 0) map[alias.joint] = table.FindCentre(name);
+    }
+  }
+  if (map[body::kHips] < 0 && table.Find("torso1") >= 0) map[body::kHips] = table.Find("root");
+
+  for (const SpineAlias& alias : kSpines) {
+    const int spine = table.FindCentre(alias.spine);
+    const int chest = table.FindCentre(alias.chest);
+    if (spine < 0 || chest < 0) continue;
+    map[body::kSpine] = spine;
+    map[body::kChest] = chest;
+    break;
+  }
+  // A back of one joint.
+  if (map[body::kSpine] < 0) map[body::kSpine] = table.FindCentre("spine");
+  for (std::string_view name : {"chest", "upperchest", "thorax"}) {
+    if (map[body::kChest] < 0) map[body::kChest] = table.FindCentre(name);
+  }
+
+  const bool smpl = table.FindSided("knee", true) >= 0 && table.FindSided("ankle", true) >= 0;
+  for (const Alias& alias : smpl ? SmplLeftAliases() : LeftAliases()) {
+    for (bool left : {true, false}) {
+      int& joint = map[left ? alias.joint : body::MirrorJoint(alias.joint)];
+      for (std::string_view name : alias.names) {
+        if (joint < 0) joint = table.FindSided(name, left);
+      }
+    }
+  }
+  return map;
+}
+
+}  // namespace styled::rig

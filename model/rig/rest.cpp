@@ -1,0 +1,124 @@
+// RestBySwing: where a rig's T-pose comes from when its files do not carry one.
+#include <cmath>
+
+#include "model/rig/binding.h"
+
+namespace styled::rig {
+namespace {
+
+using body::kHumanoid;
+using body::kJointCount;
+
+// The next joint along the chain that a bone points to; -1 for the ends of the body.
+constexpr std::array<int, kJointCount> kBoneEnd = [] {
+  std::array<int, kJointCount> end{};
+  end.fill(-1);
+  // Later children first, so that the spine's own chain wins over shoulders and legs.
+  for (int joint = kJointCount - 1; joint > 0; --joint) end[kHumanoid[joint].parent] = joint;
+  return end;
+}();
+static_assert(kBoneEnd[body::kHips] == body::kSpine && kBoneEnd[body::kChest] == body::kNeck);
+
+// The standing pose in canonical axes, source units, by canonical joint.
+struct Standing {
+  std::array<bool, kJointCount> mapped{};
+  std::array<Vec3, kJointCount> positions;
+  float smallest_bone = 0;  // shorter ones have no direction
+};
+
+// Direction of the bone that begins at `joint`, standing and in T-pose.
+struct Bone {
+  bool found = false;
+  Vec3 standing, rest;
+};
+Bone FindBone(const Standing& pose, int joint) {
+  Vec3 rest = Vec3::Zero();
+  for (int end = kBoneEnd[joint]; end >= 0; end = kBoneEnd[end]) {
+    rest += body::Offset(end);
+    if (!pose.mapped[end]) continue;
+    const Vec3 bone = pose.positions[end] - pose.positions[joint];
+    if (bone.norm() > pose.smallest_bone) return {true, bone.normalized(), rest.normalized()};
+  }
+  return {};
+}
+
+// The line from the right one to the left one of a pair of joints; zero where there is none.
+Vec3 Across(const Standing& pose, body::Joint left, body::Joint right) {
+  if (!pose.mapped[left] || !pose.mapped[right]) return Vec3::Zero();
+  const Vec3 across = pose.positions[left] - pose.positions[right];
+  return across.norm() > pose.smallest_bone ? Vec3(across.normalized()) : Vec3(Vec3::Zero());
+}
+
+// The rotation that takes `left` to +X and the plane of `left` and `up` to that of +X and +Y.
+Quat SwingTwoAxes(const Vec3& left, const Vec3& up) {
+  Eigen::Matrix3f axes;  // rows: where +X, +Y and +Z come from
+  axes.row(0) = left;
+  axes.row(1) = (up - left * left.dot(up)).normalized();
+  axes.row(2) = left.cross(Vec3(axes.row(1).transpose()));
+  return Quat(axes).normalized();
+}
+
+// The turn about the vertical that makes `forward` face +Z.
+Quat FaceForward(const Vec3& forward) {
+  const float yaw_rad = std::atan2(forward.x(), forward.z());
+  return Quat(Eigen::AngleAxisf(-yaw_rad, Vec3::UnitY()));
+}
+
+Quat Swing(const Standing& pose, int joint, const Quat& parent_swing, const Quat& hips_swing) {
+  const Bone bone = FindBone(pose, joint);
+  if (joint == body::kHead) return FaceForward(hips_swing.conjugate() * Vec3::UnitZ());
+  if (!bone.found) return parent_swing;
+  if (joint == body::kLeftFoot || joint == body::kRightFoot) return FaceForward(bone.standing);
+  Vec3 left = Vec3::Zero();
+  if (joint == body::kHips) left = Across(pose, body::kLeftUpperLeg, body::kRightUpperLeg);
+  if (joint == body::kChest) {
+    left = Across(pose, body::kLeftShoulder, body::kRightShoulder);
+    if (left.isZero()) left = Across(pose, body::kLeftUpperArm, body::kRightUpperArm);
+  }
+  if (!left.isZero()) return SwingTwoAxes(left, bone.standing);
+  return Quat::FromTwoVectors(parent_swing * bone.standing, bone.rest) * parent_swing;
+}
+
+}  // namespace
+
+std::vector<Quat> RestBySwing(const Skeleton& skeleton,
+                              const std::array<int, body::kJointCount>& source_joint,
+                              const RigPose& standing, const Quat& canonical_from_source) {
+  std::vector<Vec3> positions;
+  std::vector<Quat> rest;
+  WorldTransforms(skeleton, standing, positions, rest);
+
+  Standing pose;
+  for (int c = 0; c < kJointCount; ++c) {
+    pose.mapped[c] = source_joint[c] >= 0;
+    if (pose.mapped[c]) pose.positions[c] = canonical_from_source * positions[source_joint[c]];
+  }
+  if (pose.mapped[body::kHips] && pose.mapped[body::kLeftUpperLeg] &&
+      pose.mapped[body::kLeftLowerLeg]) {
+    pose.smallest_bone =
+        1e-3F * (pose.positions[body::kLeftLowerLeg] - pose.positions[body::kLeftUpperLeg]).norm();
+  }
+
+  std::array<Quat, kJointCount> swing;
+  for (int c = 0; c < kJointCount; ++c) {
+    const int parent = kHumanoid[c].parent;
+    const Quat inherited = parent < 0 ? Quat::Identity() : swing[parent];
+    swing[c] = pose.mapped[c] ? Swing(pose, c, inherited, swing[body::kHips]) : inherited;
+  }
+
+  // Every source joint takes the swing of the nearest mapped joint above it.
+  std::vector<int> owner(skeleton.joint_count(), -1);
+  for (int c = 0; c < kJointCount; ++c) {
+    if (source_joint[c] >= 0) owner[source_joint[c]] = c;
+  }
+  for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
+    if (owner[joint] < 0 && joint > 0) owner[joint] = owner[skeleton.parents[joint]];
+    if (owner[joint] < 0) continue;
+    const Quat source_swing =
+        canonical_from_source.conjugate() * swing[owner[joint]] * canonical_from_source;
+    rest[joint] = (source_swing * rest[joint]).normalized();
+  }
+  return rest;
+}
+
+}  // namespace styled::rig
