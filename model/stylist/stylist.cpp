@@ -139,7 +139,7 @@ void Stylist::Process(std::int64_t time_ns, const rig::RigPose& in, Output& out)
   s.FollowChange(dt_s, out.canonical_input);
   s.Apply(out.canonical_input, out.canonical);
 
-  if (s.Bypassed()) {
+  if (s.options.bypass && s.Bypassed()) {
     out.canonical = out.canonical_input;
     std::copy(out.source.translations.begin(), out.source.translations.end(),
               out.rig.translations.begin());

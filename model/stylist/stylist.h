@@ -43,7 +43,8 @@ struct Options {
   float foreign_begin_rad = 0.35F;  // rms reconstruction error where the style begins to fade out
   float foreign_end_rad = 0.6F;     // ... and where it is gone
   float foreign_fade_s = 0.3F;      // time constant of that fade
-  bool ground = true;               // lowest foot as high as the input's
+  bool ground = true;      // lowest foot as high as the input's
+  bool bypass = true;      // false: without style too, every pose goes through bind and unbind
 };
 
 enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist decides

@@ -64,8 +64,8 @@ Status AddStyle(const styled::erd::Network& network, const std::string& text, co
       return Status::Ok();
     }
   }
-  return Status::Error(std::string(option) + ": more than " +
-                       std::to_string(styled::erd::kMaxMix) + " styles");
+  return Status::Error(std::string(option) + ": more than " + std::to_string(styled::erd::kMaxMix) +
+                       " styles");
 }
 
 const char* Explain(styled::stylist::SettingsError error) {
@@ -84,57 +84,78 @@ const char* Explain(styled::stylist::SettingsError error) {
   }
 }
 
-int Run(const Arguments& arguments) {
-  auto weights = styled::erd::FindWeights(arguments.weights);
-  if (!weights.ok()) return Fail(weights.status());
-  auto network = styled::erd::Network::Load(weights.value());
-  if (!network.ok()) return Fail(network.status());
-  if (arguments.list) {
-    std::printf("%s\n", StyleNames(*network.value()).c_str());
-    return 0;
-  }
-
+Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
+                                                const styled::erd::Network& network) {
   styled::stylist::Settings settings;
   settings.strength = arguments.strength;
   settings.transition_s = 0;
   settings.absolute = arguments.absolute;
   if (!arguments.style.empty()) {
-    const Status status = AddStyle(*network.value(), arguments.style, "--style", settings);
-    if (!status.ok()) return Fail(status);
+    const Status status = AddStyle(network, arguments.style, "--style", settings);
+    if (!status.ok()) return status;
   }
   for (const std::string& entry : arguments.mix) {
-    const Status status = AddStyle(*network.value(), entry, "--mix", settings);
-    if (!status.ok()) return Fail(status);
+    const Status status = AddStyle(network, entry, "--mix", settings);
+    if (!status.ok()) return status;
   }
-  const auto error = styled::stylist::Stylist::Check(settings, *network.value());
-  if (error != styled::stylist::SettingsError::kNone) return Fail(Status::Error(Explain(error)));
+  const auto error = styled::stylist::Stylist::Check(settings, network);
+  if (error != styled::stylist::SettingsError::kNone) return Status::Error(Explain(error));
+  return settings;
+}
 
+// Binds and unbinds every frame: what the trip to the canonical humanoid and back does to a clip.
+void BindOnly(const styled::rig::Binding& binding, styled::clip::Clip& clip) {
+  styled::body::Pose pose;
+  styled::rig::RigPose out(clip.skeleton);
+  for (styled::rig::RigPose& frame : clip.frames) {
+    binding.Bind(frame, pose);
+    binding.Unbind(pose, frame, out);
+    std::swap(frame, out);
+  }
+}
+
+Result<std::shared_ptr<const styled::erd::Network>> LoadNetwork(const Arguments& arguments) {
+  auto weights = styled::erd::FindWeights(arguments.weights);
+  if (!weights.ok()) return weights.status();
+  return styled::erd::Network::Load(weights.value());
+}
+
+Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Binding> binding,
+               styled::clip::Clip& clip) {
+  auto network = LoadNetwork(arguments);
+  if (!network.ok()) return network.status();
+  auto settings = ParseSettings(arguments, *network.value());
+  if (!settings.ok()) return settings.status();
+  styled::stylist::Options options;
+  options.bypass = !arguments.no_bypass;
+  styled::stylist::Stylist stylist(network.value(), std::move(binding), options);
+  stylist.Set(settings.value());
+  styled::stylist::Output out(clip.skeleton);
+  for (std::size_t i = 0; i < clip.frames.size(); ++i) {
+    const double time_s = static_cast<double>(i) / clip.rate_hz;
+    stylist.Process(static_cast<std::int64_t>(time_s * 1e9), clip.frames[i], out);
+    std::swap(clip.frames[i], out.rig);
+  }
+  return Status::Ok();
+}
+
+int Run(const Arguments& arguments) {
+  if (arguments.list) {
+    auto network = LoadNetwork(arguments);
+    if (!network.ok()) return Fail(network.status());
+    std::printf("%s\n", StyleNames(*network.value()).c_str());
+    return 0;
+  }
   auto clip = styled::clip::ReadBvh(arguments.in);
   if (!clip.ok()) return Fail(clip.status());
   auto bound = styled::rig::BindDialect(clip.value().skeleton, arguments.rig);
   if (!bound.ok()) return Fail(Status::Error(arguments.in + ": " + bound.status().message()));
   const auto binding = std::make_shared<const styled::rig::Binding>(std::move(bound.value()));
-
-  auto& frames = clip.value().frames;
   if (arguments.bind_only) {
-    styled::body::Pose pose;
-    styled::rig::RigPose out(clip.value().skeleton);
-    for (styled::rig::RigPose& frame : frames) {
-      binding->Bind(frame, pose);
-      binding->Unbind(pose, frame, out);
-      std::swap(frame, out);
-    }
+    BindOnly(*binding, clip.value());
   } else {
-    styled::stylist::Options options;
-    options.bypass = !arguments.no_bypass;
-    styled::stylist::Stylist stylist(network.value(), binding, options);
-    stylist.Set(settings);
-    styled::stylist::Output out(clip.value().skeleton);
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      const double time_s = static_cast<double>(i) / clip.value().rate_hz;
-      stylist.Process(static_cast<std::int64_t>(time_s * 1e9), frames[i], out);
-      std::swap(frames[i], out.rig);
-    }
+    const Status status = Restyle(arguments, binding, clip.value());
+    if (!status.ok()) return Fail(status);
   }
   const Status written = styled::clip::WriteBvh(clip.value(), arguments.out);
   return written.ok() ? 0 : Fail(written);

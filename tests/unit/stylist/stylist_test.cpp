@@ -1,0 +1,317 @@
+#include "model/stylist/stylist.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "model/rig/dialects.h"
+#include "tests/unit/erd/random_weights.h"
+
+namespace styled::stylist {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+rig::Skeleton CanonicalSkeleton() {
+  rig::Skeleton skeleton;
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    skeleton.names.emplace_back(body::kHumanoid[static_cast<std::size_t>(joint)].name);
+    skeleton.parents.push_back(body::kHumanoid[static_cast<std::size_t>(joint)].parent);
+    skeleton.offsets.push_back(body::Offset(joint));
+  }
+  return skeleton;
+}
+
+bool SameBits(const rig::RigPose& a, const rig::RigPose& b) {
+  const std::size_t joints = a.rotations.size();
+  return std::memcmp(a.rotations.data(), b.rotations.data(), joints * sizeof(rig::Quat)) == 0 &&
+         std::memcmp(a.translations.data(), b.translations.data(), joints * sizeof(rig::Vec3)) == 0;
+}
+
+float Apart_rad(const body::Pose& a, const body::Pose& b) {
+  float most = 0;
+  for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+    most = std::max(most, body::Log(a.rotations[joint].conjugate() * b.rotations[joint]).norm());
+  }
+  return most;
+}
+
+// A body that walks on the spot along a slow curve: enough to keep every feature moving.
+rig::RigPose PoseAt(double time_s, const rig::Skeleton& skeleton) {
+  rig::RigPose pose(skeleton);
+  const auto t = static_cast<float>(time_s);
+  pose.translations[0] = rig::Vec3(0.5F * std::sin(0.3F * t), 0.97F + 0.01F * std::sin(12 * t),
+                                   0.8F * t);
+  for (std::size_t joint = 0; joint < pose.rotations.size(); ++joint) {
+    const float swing = 0.2F * std::sin(6 * t + static_cast<float>(joint));
+    pose.rotations[joint] = rig::Quat(Eigen::AngleAxisf(swing, rig::Vec3::UnitX()));
+  }
+  pose.rotations[0] =
+      rig::Quat(Eigen::AngleAxisf(0.3F * std::cos(0.3F * t), rig::Vec3::UnitY()));
+  return pose;
+}
+
+struct StylistTest : testing::Test {
+  std::shared_ptr<const erd::Network> network = erd::RandomNetwork(5, 1);
+  rig::Skeleton skeleton = CanonicalSkeleton();
+  std::shared_ptr<const rig::Binding> binding = [this] {
+    auto bound = rig::BindDialect(skeleton, "canonical");
+    EXPECT_TRUE(bound.ok()) << (bound.ok() ? "" : bound.status().message());
+    return std::make_shared<const rig::Binding>(std::move(bound.value()));
+  }();
+  Options options;
+  Output out{skeleton};
+
+  static Settings Style(int style, float weight = 1.0F, float transition_s = 0) {
+    Settings settings;
+    settings.mix[0] = {style, weight};
+    settings.transition_s = transition_s;
+    return settings;
+  }
+  static std::int64_t Time(int frame, double rate_hz = 120) {
+    return std::llround(1e9 * frame / rate_hz);
+  }
+  void Feed(Stylist& stylist, int frame, double rate_hz = 120) {
+    const std::int64_t time_ns = Time(frame, rate_hz);
+    stylist.Process(time_ns, PoseAt(static_cast<double>(time_ns) * 1e-9, skeleton), out);
+  }
+};
+
+TEST_F(StylistTest, SettingsThatCannotBeAreNamed) {
+  const auto check = [this](const Settings& settings) { return Stylist::Check(settings, *network); };
+  EXPECT_EQ(check(Style(1)), SettingsError::kNone);
+  EXPECT_EQ(check(Style(0)), SettingsError::kNeutralStyle);
+  EXPECT_EQ(check(Style(5)), SettingsError::kUnknownStyle);
+  EXPECT_EQ(check(Style(1, kNaN)), SettingsError::kWeight);
+  EXPECT_EQ(check(Style(1, -0.1F)), SettingsError::kWeight);
+  EXPECT_EQ(check(Style(1, 1.6F)), SettingsError::kWeight);
+  EXPECT_EQ(check(Style(1, 1, kNaN)), SettingsError::kTransition);
+  EXPECT_EQ(check(Style(1, 1, 61)), SettingsError::kTransition);
+  Settings settings = Style(1);
+  settings.mix[1] = {1, 0.1F};
+  EXPECT_EQ(check(settings), SettingsError::kDuplicateStyle);
+  settings.mix[1] = {2, 0.6F};
+  EXPECT_EQ(check(settings), SettingsError::kSum);
+  settings = Style(1);
+  settings.strength = kNaN;
+  EXPECT_EQ(check(settings), SettingsError::kStrength);
+  settings.strength = 1.6F;
+  EXPECT_EQ(check(settings), SettingsError::kStrength);
+}
+
+TEST_F(StylistTest, WithoutAStyleTheSourceLeavesBitForBit) {
+  Stylist stylist(network, binding, options);
+  for (int frame = 0; frame < 100; ++frame) {
+    rig::RigPose in = PoseAt(frame / 120.0, skeleton);
+    in.rotations[3].coeffs() *= 1.0001F;  // not quite unit, as rigs send it
+    stylist.Process(Time(frame), in, out);
+    ASSERT_TRUE(SameBits(out.rig, in));
+    ASSERT_TRUE(out.flags & kBypass);
+  }
+}
+
+TEST_F(StylistTest, AStyleChangesThePoseFromTheFirstFrame) {
+  Stylist stylist(network, binding, options);
+  stylist.Set(Style(2));
+  Feed(stylist, 0);
+  EXPECT_FALSE(out.flags & kBypass);
+  EXPECT_TRUE(out.flags & kNewSession);
+  EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-3F);
+  ASSERT_EQ(out.in_force_count, 1);
+  EXPECT_EQ(out.in_force[0].style, 2);
+}
+
+TEST_F(StylistTest, BypassIsEnteredByAFadeAndThenExact) {
+  Stylist stylist(network, binding, options);
+  stylist.Set(Style(2));
+  for (int frame = 0; frame < 120; ++frame) Feed(stylist, frame);
+  Settings none;
+  none.transition_s = 0.3F;
+  stylist.Set(none);
+  int first_exact = -1;
+  body::Pose before = out.canonical;
+  for (int frame = 120; frame < 480; ++frame) {
+    Feed(stylist, frame);
+    EXPECT_LT(Apart_rad(before, out.canonical), 0.1F) << "no pop at frame " << frame;
+    before = out.canonical;
+    if (first_exact < 0 && (out.flags & kBypass)) first_exact = frame;
+  }
+  EXPECT_GT(first_exact, 120 + 36);
+  EXPECT_LT(first_exact, 120 + 36 + 120);
+  EXPECT_TRUE(SameBits(out.rig, out.source));
+}
+
+TEST_F(StylistTest, TheSameStreamGivesTheSameBits) {
+  Stylist a(network, binding, options), b(network, binding, options);
+  Output other(skeleton);
+  for (int frame = 0; frame < 300; ++frame) {
+    if (frame == 50) a.Set(Style(1, 1, 0.2F)), b.Set(Style(1, 1, 0.2F));
+    if (frame == 150) a.Set(Style(3, 0.5F, 0.2F)), b.Set(Style(3, 0.5F, 0.2F));
+    const rig::RigPose in = PoseAt(frame / 120.0, skeleton);
+    a.Process(Time(frame), in, out);
+    b.Process(Time(frame), in, other);
+    ASSERT_TRUE(SameBits(out.rig, other.rig)) << frame;
+  }
+}
+
+TEST_F(StylistTest, TheChangeDoesNotDependOnWhereThePerformerStandsOrFaces) {
+  Stylist here(network, binding, options), there(network, binding, options);
+  here.Set(Style(2));
+  there.Set(Style(2));
+  const rig::Quat turn(Eigen::AngleAxisf(2.1F, rig::Vec3::UnitY()));
+  Output moved(skeleton);
+  for (int frame = 0; frame < 240; ++frame) {
+    rig::RigPose in = PoseAt(frame / 120.0, skeleton);
+    here.Process(Time(frame), in, out);
+    in.translations[0] = turn * in.translations[0] + rig::Vec3(3, 0, -7);
+    in.rotations[0] = turn * in.rotations[0];
+    there.Process(Time(frame), in, moved);
+    rig::RigPose back = moved.rig;
+    back.rotations[0] = turn.conjugate() * back.rotations[0];
+    for (std::size_t joint = 0; joint < skeleton.names.size(); ++joint) {
+      ASSERT_LT(body::Log(back.rotations[joint].conjugate() * out.rig.rotations[joint]).norm(),
+                2e-3F)
+          << frame << " " << skeleton.names[joint];
+    }
+  }
+}
+
+TEST_F(StylistTest, TheLowestFootStaysAsHighAsTheInputs) {
+  Stylist stylist(network, binding, options);
+  stylist.Set(Style(4, 1.5F));
+  for (int frame = 0; frame < 120; ++frame) {
+    Feed(stylist, frame);
+    body::WorldPose in, styled;
+    body::ForwardKinematics(out.canonical_input, in);
+    body::ForwardKinematics(out.canonical, styled);
+    ASSERT_NEAR(body::LowestFoot_m(in), body::LowestFoot_m(styled), 1e-5F);
+    ASSERT_NEAR(out.rig.translations[0].y(), out.canonical.hips_position_m.y(), 1e-5F);
+  }
+}
+
+TEST_F(StylistTest, AShortGapIsBridgedAndFlagged) {
+  Stylist straight(network, binding, options), holed(network, binding, options);
+  straight.Set(Style(1));
+  holed.Set(Style(1));
+  Output whole(skeleton);
+  for (int frame = 0; frame < 200; ++frame) {
+    const rig::RigPose in = PoseAt(frame / 120.0, skeleton);
+    straight.Process(Time(frame), in, whole);
+    if (frame >= 100 && frame < 106) continue;
+    holed.Process(Time(frame), in, out);
+    EXPECT_EQ((out.flags & kConcealed) != 0, frame == 106) << frame;
+  }
+  EXPECT_LT(Apart_rad(whole.canonical, out.canonical), 0.02F);
+}
+
+TEST_F(StylistTest, ALongGapStartsAnewWithoutAPop) {
+  Stylist stylist(network, binding, options);
+  stylist.Set(Style(1));
+  for (int frame = 0; frame < 200; ++frame) Feed(stylist, frame);
+  const body::Pose change_before = out.canonical, input_before = out.canonical_input;
+  const double resume = 200 + 120 * 2;
+  stylist.Process(Time(static_cast<int>(resume)), PoseAt(199 / 120.0, skeleton), out);
+  EXPECT_TRUE(out.flags & kConcealed);
+  EXPECT_LT(Apart_rad(input_before, out.canonical_input), 1e-5F);
+  EXPECT_LT(Apart_rad(change_before, out.canonical), 1e-3F) << "the fade begins at what was applied";
+}
+
+TEST_F(StylistTest, BadJointsAreHeldAndNamedAndNothingElseSuffers) {
+  Stylist stylist(network, binding, options);
+  stylist.Set(Style(1));
+  for (int frame = 0; frame < 60; ++frame) Feed(stylist, frame);
+  rig::RigPose in = PoseAt(60 / 120.0, skeleton);
+  in.rotations[7].coeffs().setConstant(kNaN);
+  in.rotations[9].coeffs().setZero();
+  stylist.Process(Time(60), in, out);
+  EXPECT_TRUE(out.flags & kHeld);
+  EXPECT_EQ(out.held.count(), 2U);
+  EXPECT_TRUE(out.held.test(7) && out.held.test(9));
+  for (const rig::Quat& q : out.rig.rotations) EXPECT_NEAR(q.norm(), 1.0F, 1e-4F);
+}
+
+TEST_F(StylistTest, NothingThatComesInMakesAnythingNonFiniteGoOut) {
+  Stylist stylist(network, binding, options);
+  Settings settings = Style(1, 1.0F, 0.1F);
+  settings.mix[1] = {3, 0.5F};
+  stylist.Set(settings);
+  unsigned seed = 7;
+  const auto random = [&seed] { return seed = seed * 1664525U + 1013904223U; };
+  std::int64_t time_ns = 0;
+  for (int frame = 0; frame < 3000; ++frame) {
+    rig::RigPose in = PoseAt(frame / 120.0, skeleton);
+    for (int k = 0; k < 4; ++k) {
+      std::uint32_t bits = random();
+      float poison = 0;
+      std::memcpy(&poison, &bits, 4);
+      auto& q = in.rotations[random() % in.rotations.size()];
+      q.coeffs()[static_cast<Eigen::Index>(random() % 4)] = poison;
+      if (random() % 8 == 0) {
+        in.translations[0][static_cast<Eigen::Index>(random() % 3)] = poison;
+      }
+    }
+    time_ns += 1 + random() % 40'000'000;
+    stylist.Process(time_ns, in, out);
+    ASSERT_TRUE(out.canonical.hips_position_m.allFinite());
+    for (std::size_t joint = 0; joint < out.rig.rotations.size(); ++joint) {
+      ASSERT_TRUE(out.rig.translations[joint].allFinite()) << frame;
+      ASSERT_NEAR(out.rig.rotations[joint].norm(), 1.0F, 1e-3F) << frame << " " << joint;
+    }
+  }
+}
+
+TEST_F(StylistTest, AResetBeginsANewSessionWhateverItsClock) {
+  Stylist stylist(network, binding, options);
+  stylist.Set(Style(1));
+  for (int frame = 1000; frame < 1100; ++frame) Feed(stylist, frame);
+  stylist.Reset();
+  Feed(stylist, 0);
+  EXPECT_TRUE(out.flags & kNewSession);
+  ASSERT_EQ(out.in_force_count, 1);
+  Feed(stylist, 1);
+  EXPECT_FALSE(out.flags & kNewSession);
+}
+
+TEST_F(StylistTest, AForeignPoseFadesTheStyleOutAndIsFlagged) {
+  options.foreign_begin_rad = 0;  // a random network knows no pose at all
+  options.foreign_end_rad = 1e-3F;
+  Stylist stylist(network, binding, options);
+  stylist.Set(Style(1));
+  for (int frame = 0; frame < 240; ++frame) Feed(stylist, frame);
+  EXPECT_TRUE(out.flags & kOutOfDomain);
+  EXPECT_LT(Apart_rad(out.canonical, out.canonical_input), 0.01F);
+}
+
+TEST_F(StylistTest, TheAbsoluteOutputIsTheDecodersOwn) {
+  Stylist stylist(network, binding, options);
+  Settings settings = Style(2);
+  settings.absolute = true;
+  options.foreign_begin_rad = 100;
+  options.foreign_end_rad = 101;
+  Stylist unfaded(network, binding, options);
+  unfaded.Set(settings);
+  erd::State state;
+  network->Start(state);
+  body::FeatureState memory;
+  for (int frame = 0; frame < 60; ++frame) {
+    Feed(unfaded, frame, 30);
+    body::Features features;
+    const float heading_rad = body::ComputeFeatures(
+        out.canonical_input, network->metadata().features, memory, features);
+    erd::StepOutput step;
+    const erd::ActiveStyle active{2, 1.0F};
+    network->Step(features, 0, std::span(&active, 1), state, step);
+    for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+      body::Quat wanted = step.styled.rotations[joint];
+      if (joint == body::kHips) wanted = body::Yaw(heading_rad) * wanted;
+      ASSERT_LT(body::Log(wanted.conjugate() * out.canonical.rotations[joint]).norm(), 1e-3F)
+          << frame << " " << joint;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace styled::stylist
