@@ -1,0 +1,130 @@
+// Drives a fuzz target without libFuzzer: every seed as it is, then seeded mutations of each (same
+// seeds, same run). main [--runs=N] [--seed=N] [--seconds=S] FILE-OR-FOLDER...
+// Stops after S seconds, so that ctest's bound holds on a slow machine.
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <vector>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct Options {
+  long runs = 20000;  // mutations of each seed
+  unsigned seed = 1;
+  double seconds = 4;
+  std::vector<Bytes> seeds;
+};
+
+Bytes Read(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) {
+    std::fprintf(stderr, "%s: cannot be opened\n", file.c_str());
+    std::exit(2);
+  }
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+void AddSeeds(const std::string& place, std::vector<Bytes>& seeds) {
+  if (!std::filesystem::is_directory(place)) return seeds.push_back(Read(place));
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(place)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());  // the folder's own order differs between machines
+  for (const auto& file : files) seeds.push_back(Read(file));
+}
+
+Options Parse(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument.starts_with("--runs=")) {
+      options.runs = std::atol(argument.c_str() + 7);
+    } else if (argument.starts_with("--seed=")) {
+      options.seed = static_cast<unsigned>(std::atol(argument.c_str() + 7));
+    } else if (argument.starts_with("--seconds=")) {
+      options.seconds = std::atof(argument.c_str() + 10);
+    } else {
+      AddSeeds(argument, options.seeds);
+    }
+  }
+  return options;
+}
+
+// One small change: what breaks length fields, counts and signs most often.
+void Mutate(Bytes& bytes, std::mt19937& random) {
+  const auto below = [&random](std::size_t n) { return static_cast<std::size_t>(random()) % n; };
+  constexpr std::uint8_t kTelling[] = {0x00, 0x01, 0x7f, 0x80, 0xff, '0', '9', '-', '"', '{'};
+  if (bytes.empty()) bytes.push_back(static_cast<std::uint8_t>(random()));
+  // Half of all changes in the first 64 bytes: headers are there.
+  const std::size_t reach = below(2) == 0 ? std::min<std::size_t>(bytes.size(), 64) : bytes.size();
+  const std::size_t at = below(reach);
+  const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+  switch (below(7)) {
+    case 0:
+      *place ^= static_cast<std::uint8_t>(1U << below(8));
+      break;
+    case 1:
+      *place = static_cast<std::uint8_t>(random());
+      break;
+    case 2:
+      *place = kTelling[below(std::size(kTelling))];
+      break;
+    case 3:
+      bytes.insert(place, kTelling[below(std::size(kTelling))]);
+      break;
+    case 4: {  // cut a piece out
+      const std::size_t length = std::min(bytes.size() - at, 1 + below(16));
+      bytes.erase(place, place + static_cast<std::ptrdiff_t>(length));
+      break;
+    }
+    case 5:  // truncate
+      bytes.resize(at);
+      break;
+    default: {  // repeat a piece
+      const std::size_t length = std::min(bytes.size() - at, 1 + below(32));
+      const Bytes piece(place, place + static_cast<std::ptrdiff_t>(length));
+      bytes.insert(place, piece.begin(), piece.end());
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Options options = Parse(argc, argv);
+  if (options.seeds.empty()) {
+    std::fprintf(stderr, "usage: %s [--runs=N] [--seed=N] [--seconds=S] FILE-OR-FOLDER...\n",
+                 argv[0]);
+    return 2;
+  }
+  for (const Bytes& seed : options.seeds) LLVMFuzzerTestOneInput(seed.data(), seed.size());
+
+  // Round by round over all seeds: a run cut short has still touched each.
+  const auto end =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds);
+  std::mt19937 random(options.seed);
+  long inputs = static_cast<long>(options.seeds.size());
+  for (long run = 0; run < options.runs && std::chrono::steady_clock::now() < end; ++run) {
+    for (const Bytes& seed : options.seeds) {
+      Bytes bytes = seed;
+      for (unsigned changes = 1 + random() % 4; changes > 0; --changes) Mutate(bytes, random);
+      LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
+      ++inputs;
+    }
+  }
+  std::printf("%ld inputs\n", inputs);
+  return 0;
+}
