@@ -257,7 +257,8 @@ void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
   const float at_home = 1.0F - SmoothStep((reconstruction_rad - options.foreign_begin_rad) / span);
   familiar += (at_home - familiar) * (started ? DecayShare(dt_s, options.foreign_fade_s) : 1.0F);
 
-  const float share = filter_started ? DecayShare(dt_s, options.change_tau_s) : 1.0F;
+  const bool first = !filter_started;
+  const float share = !first ? DecayShare(dt_s, options.change_tau_s) : 1.0F;
   filtered += share * (target - filtered);
   filter_started = true;
   if (mixer.empty() && filtered.cwiseAbs().maxCoeff() < kNothing_rad) filtered.setZero();
@@ -276,9 +277,7 @@ void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
 
   if (familiar < 1.0F) change *= familiar;
   if (restart_fade < 1.0F) {
-    restart_fade = options.restart_fade_s > 0
-                       ? restart_fade + static_cast<float>(dt_s) / options.restart_fade_s
-                       : 1.0F;
+    if (!first) restart_fade += static_cast<float>(dt_s) / std::max(1e-3F, options.restart_fade_s);
     change = fade_from + SmoothStep(restart_fade) * (change - fade_from);
   }
 }

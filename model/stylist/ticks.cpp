@@ -35,25 +35,29 @@ bool Ticks::Begin(std::int64_t time_ns, float network_rate_hz) noexcept {
     started_ = true;
     origin_ns_ = last_ns_ = time_ns;
     next_tick_ = 0;
+    tick_period_s_ = 1.0 / network_rate_hz;
     return true;
   }
   Measure(static_cast<double>(time_ns - last_ns_) * 1e-9);
   const int states = StatesFor(frame_period_s_, network_rate_hz);
   if (interleaved_ == 0) {
-    interleaved_ = states;
-    tick_period_s_ = 1.0 / (static_cast<double>(network_rate_hz) * states);
+    if (history_count_ < kDecide) return true;
+    Interleave(states, network_rate_hz);
   }
   disagreements_ = states == interleaved_ ? 0 : disagreements_ + 1;
   return disagreements_ < kHistory;
 }
 
+// From one state to `states`: the first keeps its ticks, the others begin at the next of theirs.
+void Ticks::Interleave(int states, double network_rate_hz) noexcept {
+  interleaved_ = states;
+  tick_period_s_ = 1.0 / (network_rate_hz * states);
+  const double now = static_cast<double>(now_ns_ - origin_ns_) * 1e-9 / tick_period_s_;
+  const auto due = static_cast<std::int64_t>(std::ceil(now - kSnap));
+  next_tick_ = std::max((next_tick_ - 1) * states + 1, std::min(due, next_tick_ * states));
+}
+
 bool Ticks::Next(Tick& tick) noexcept {
-  if (interleaved_ == 0) {  // the first frame, whatever the rate will be
-    if (next_tick_ > 0) return false;
-    next_tick_ = 1;
-    tick = {0, 1.0F};
-    return true;
-  }
   const double due_s = static_cast<double>(next_tick_) * tick_period_s_;
   const double now_s = static_cast<double>(now_ns_ - origin_ns_) * 1e-9;
   const double after_s = due_s - now_s;  // > 0: the tick lies in the future
@@ -63,7 +67,7 @@ bool Ticks::Next(Tick& tick) noexcept {
   if (-after_s > kSnap * tick_period_s_ && frame_s > 0) {
     share = static_cast<float>(std::clamp(1.0 + after_s / frame_s, 0.0, 1.0));
   }
-  tick = {static_cast<int>(next_tick_ % interleaved_), share};
+  tick = {static_cast<int>(next_tick_ % std::max(1, interleaved_)), share};
   ++next_tick_;
   return true;
 }

@@ -39,13 +39,15 @@ class Ticks {
 
  private:
   STYLED_REALTIME void Measure(double dt_s) noexcept;
+  STYLED_REALTIME void Interleave(int states, double network_rate_hz) noexcept;
 
   static constexpr int kHistory = 9;
+  static constexpr int kDecide = 7;  // intervals measured before more than one state is used
   std::array<double, kHistory> history_s_{};
   int history_count_ = 0, history_next_ = 0, disagreements_ = 0;
   double frame_period_s_ = 0;
 
-  int interleaved_ = 0;  // 0: before the second frame, one state
+  int interleaved_ = 0;  // 0: not yet decided, one state
   double tick_period_s_ = 0;
   std::int64_t origin_ns_ = 0, last_ns_ = 0, now_ns_ = 0;
   std::int64_t next_tick_ = 0;

@@ -86,7 +86,8 @@ TEST(MixerTest, HastyCommandsNeverAskForMoreBranchesThanThereAre) {
   mixer.Advance(0.0);
   for (int round = 0; round < 50; ++round) {
     const int first = 1 + (round * 4) % 28;
-    mixer.Aim(Of({{first, 0.25F}, {first + 1, 0.25F}, {first + 2, 0.25F}, {first + 3, 0.25F}}, 5.0F));
+    mixer.Aim(
+        Of({{first, 0.25F}, {first + 1, 0.25F}, {first + 2, 0.25F}, {first + 3, 0.25F}}, 5.0F));
     mixer.Advance(0.01);
     EXPECT_LE(mixer.in_force().size(), static_cast<std::size_t>(erd::kMaxActive));
     for (int style = first; style < first + 4; ++style) EXPECT_GE(WeightOf(mixer, style), 0.0F);

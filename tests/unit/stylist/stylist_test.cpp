@@ -43,14 +43,13 @@ float Apart_rad(const body::Pose& a, const body::Pose& b) {
 rig::RigPose PoseAt(double time_s, const rig::Skeleton& skeleton) {
   rig::RigPose pose(skeleton);
   const auto t = static_cast<float>(time_s);
-  pose.translations[0] = rig::Vec3(0.5F * std::sin(0.3F * t), 0.97F + 0.01F * std::sin(12 * t),
-                                   0.8F * t);
+  pose.translations[0] =
+      rig::Vec3(0.5F * std::sin(0.3F * t), 0.97F + 0.01F * std::sin(12 * t), 0.8F * t);
   for (std::size_t joint = 0; joint < pose.rotations.size(); ++joint) {
     const float swing = 0.2F * std::sin(6 * t + static_cast<float>(joint));
     pose.rotations[joint] = rig::Quat(Eigen::AngleAxisf(swing, rig::Vec3::UnitX()));
   }
-  pose.rotations[0] =
-      rig::Quat(Eigen::AngleAxisf(0.3F * std::cos(0.3F * t), rig::Vec3::UnitY()));
+  pose.rotations[0] = rig::Quat(Eigen::AngleAxisf(0.3F * std::cos(0.3F * t), rig::Vec3::UnitY()));
   return pose;
 }
 
@@ -81,7 +80,9 @@ struct StylistTest : testing::Test {
 };
 
 TEST_F(StylistTest, SettingsThatCannotBeAreNamed) {
-  const auto check = [this](const Settings& settings) { return Stylist::Check(settings, *network); };
+  const auto check = [this](const Settings& settings) {
+    return Stylist::Check(settings, *network);
+  };
   EXPECT_EQ(check(Style(1)), SettingsError::kNone);
   EXPECT_EQ(check(Style(0)), SettingsError::kNeutralStyle);
   EXPECT_EQ(check(Style(5)), SettingsError::kUnknownStyle);
@@ -216,7 +217,8 @@ TEST_F(StylistTest, ALongGapStartsAnewWithoutAPop) {
   stylist.Process(Time(static_cast<int>(resume)), PoseAt(199 / 120.0, skeleton), out);
   EXPECT_TRUE(out.flags & kConcealed);
   EXPECT_LT(Apart_rad(input_before, out.canonical_input), 1e-5F);
-  EXPECT_LT(Apart_rad(change_before, out.canonical), 1e-3F) << "the fade begins at what was applied";
+  EXPECT_LT(Apart_rad(change_before, out.canonical), 1e-3F)
+      << "the fade begins at what was applied";
 }
 
 TEST_F(StylistTest, BadJointsAreHeldAndNamedAndNothingElseSuffers) {
@@ -299,8 +301,8 @@ TEST_F(StylistTest, TheAbsoluteOutputIsTheDecodersOwn) {
   for (int frame = 0; frame < 60; ++frame) {
     Feed(unfaded, frame, 30);
     body::Features features;
-    const float heading_rad = body::ComputeFeatures(
-        out.canonical_input, network->metadata().features, memory, features);
+    const float heading_rad =
+        body::ComputeFeatures(out.canonical_input, network->metadata().features, memory, features);
     erd::StepOutput step;
     const erd::ActiveStyle active{2, 1.0F};
     network->Step(features, 0, std::span(&active, 1), state, step);

@@ -32,11 +32,16 @@ std::vector<double> Regular(double rate_hz, int frames, double start_s = 5.0) {
 TEST(TicksTest, AtFourTimesTheNetworksRateFourStatesTakeTurnsOnTheFramesThemselves) {
   Ticks ticks;
   const auto steps = Feed(ticks, Regular(120, 40));
-  ASSERT_EQ(steps.size(), 40U);
-  for (int i = 0; i < 40; ++i) {
-    EXPECT_EQ(steps[static_cast<std::size_t>(i)].frame, i);
-    EXPECT_EQ(steps[static_cast<std::size_t>(i)].state, i % 4);
-    EXPECT_EQ(steps[static_cast<std::size_t>(i)].share, 1.0F);
+  // Until the rate is known only the first state is stepped, at its own ticks.
+  ASSERT_EQ(steps.size(), 35U);
+  EXPECT_EQ(steps[0].frame, 0);
+  EXPECT_EQ(steps[1].frame, 4);
+  EXPECT_EQ(steps[0].state + steps[1].state, 0);
+  for (int i = 7; i < 40; ++i) {
+    const Step& step = steps[static_cast<std::size_t>(i - 5)];
+    EXPECT_EQ(step.frame, i);
+    EXPECT_EQ(step.state, i % 4);
+    EXPECT_EQ(step.share, 1.0F);
   }
 }
 
@@ -55,12 +60,22 @@ TEST(TicksTest, AMissedTickIsMadeUpByInterpolationInOrder) {
   auto times = Regular(120, 20);
   times.erase(times.begin() + 10, times.begin() + 13);
   const auto steps = Feed(ticks, times);
-  ASSERT_EQ(steps.size(), 20U);
-  for (std::size_t i = 0; i < steps.size(); ++i) EXPECT_EQ(steps[i].state, static_cast<int>(i % 4));
-  EXPECT_EQ(steps[10].frame, 10);
-  EXPECT_NEAR(steps[10].share, 0.25F, 1e-3F);
-  EXPECT_NEAR(steps[12].share, 0.75F, 1e-3F);
-  EXPECT_EQ(steps[13].share, 1.0F);
+  ASSERT_EQ(steps.size(), 15U);
+  const auto at = [&steps](int tick) { return steps[static_cast<std::size_t>(tick - 5)]; };
+  for (int tick = 7; tick < 20; ++tick) EXPECT_EQ(at(tick).state, tick % 4);
+  EXPECT_EQ(at(10).frame, 10);
+  EXPECT_NEAR(at(10).share, 0.25F, 1e-3F);
+  EXPECT_NEAR(at(12).share, 0.75F, 1e-3F);
+  EXPECT_EQ(at(13).share, 1.0F);
+}
+
+TEST(TicksTest, AnUnevenFirstIntervalDoesNotDecideTheRate) {
+  Ticks ticks;
+  auto times = Regular(120, 30);
+  times[1] += 0.004;
+  times[2] += 0.002;
+  Feed(ticks, times);
+  EXPECT_EQ(ticks.interleaved(), 4);
 }
 
 TEST(TicksTest, JitterWithinAFifthOfAPeriodIsSnapped) {
@@ -79,7 +94,7 @@ TEST(TicksTest, AChangedRateIsReportedOnceItHasLasted) {
   }
   EXPECT_TRUE(changed);
   ticks.Restart();
-  Feed(ticks, Regular(60, 5, 2));
+  Feed(ticks, Regular(60, 9, 2));
   EXPECT_EQ(ticks.interleaved(), 2);
 }
 
