@@ -1,0 +1,81 @@
+// styletrain: trains the style network on a dataset manifest, or exports a run's weights.
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <iostream>
+
+#include "model/train/trainer.h"
+
+int main(int argc, char** argv) {
+  styled::train::TrainConfig config;
+  std::vector<std::string> export_paths;
+  const char* data = std::getenv("STYLED_DATA");
+  config.data = data != nullptr ? data : "../shared/data";
+  config.manifest = "model/weights/manifests/bandai-2.toml";
+  for (int i = 0; i < argc; ++i) config.command += (i > 0 ? " " : "") + std::string(argv[i]);
+
+  CLI::App app{"Trains the style network of Style-ERD."};
+  app.set_config("--config", "", "TOML file with any of these options");
+  app.add_option("--export", export_paths, "RUN FILE: write the weights of a run and end")
+      ->expected(2);
+  app.add_option("--manifest", config.manifest, "Dataset manifest")->capture_default_str();
+  app.add_option("--data", config.data, "Folder of the unpacked data (default $STYLED_DATA)")
+      ->capture_default_str();
+  app.add_option("--out", config.out, "Folder of the run");
+  app.add_option("--minutes", config.minutes, "Length of the run in wall time, all resumes");
+  app.add_option("--iterations", config.iterations, "Length of the run in iterations");
+  app.add_option("--seed", config.seed)->capture_default_str();
+  app.add_flag("--resume", config.resume, "Continue the run in --out; give the same flags");
+  app.add_option("--device", config.device)
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->capture_default_str();
+  app.add_option("--threads", config.threads)->capture_default_str();
+  app.add_option("--rate", config.rate_hz, "The network's rate, Hz")->capture_default_str();
+  app.add_option("--heading-tau", config.heading_tau_s, "Heading filter, s")
+      ->capture_default_str();
+  app.add_option("--window", config.window, "Frames that are judged")->capture_default_str();
+  app.add_option("--per-style", config.per_style)->capture_default_str();
+  app.add_option("--carry", config.carry, "Share of windows that start with carried states")
+      ->capture_default_str();
+  app.add_option("--session-start", config.session_start)->capture_default_str();
+  app.add_option("--generator-rate", config.generator_rate)->capture_default_str();
+  app.add_option("--critic-rate", config.critic_rate)->capture_default_str();
+  app.add_option("--beta1", config.beta1)->capture_default_str();
+  app.add_option("--beta2", config.beta2)->capture_default_str();
+  app.add_option("--decay-from", config.decay_from)->capture_default_str();
+  app.add_option("--decay-to", config.decay_to)->capture_default_str();
+  app.add_option("--ema", config.ema)->capture_default_str();
+  app.add_option("--w-rotation", config.w_rotation)->capture_default_str();
+  app.add_option("--w-position", config.w_position)->capture_default_str();
+  app.add_option("--w-velocity", config.w_velocity)->capture_default_str();
+  app.add_option("--w-height", config.w_height)->capture_default_str();
+  app.add_option("--w-adversarial", config.w_adversarial)->capture_default_str();
+  app.add_option("--w-perceptual", config.w_perceptual)->capture_default_str();
+  app.add_option("--w-penalty", config.w_penalty)->capture_default_str();
+  app.add_option("--w-smooth", config.w_smooth)->capture_default_str();
+  app.add_option("--smooth-from", config.smooth_from)->capture_default_str();
+  app.add_option("--smooth-full", config.smooth_full)->capture_default_str();
+  app.add_option("--judge-published", config.judge_published,
+                 "1: judges see the detail-preserving output, 0: the absolute one")
+      ->capture_default_str();
+  app.add_option("--judge-root", config.judge_root, "Judged velocities include the hips' path")
+      ->capture_default_str();
+  app.add_option("--classifier-iterations", config.classifier_iterations)->capture_default_str();
+  app.add_option("--checkpoint-minutes", config.checkpoint_minutes)->capture_default_str();
+  app.add_option("--log-every", config.log_every)->capture_default_str();
+  app.add_option("--monitor-every", config.monitor_every)->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+
+  if (export_paths.empty() && config.out.empty()) {
+    std::cerr << "styletrain: --out or --export is needed\n";
+    return 2;
+  }
+  const styled::Status status = export_paths.empty()
+                                    ? styled::train::Train(config)
+                                    : styled::train::ExportRun(export_paths[0], export_paths[1]);
+  if (!status.ok()) {
+    std::cerr << "styletrain: " << status.message() << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,175 @@
+#include "model/train/checkpoint.h"
+
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "model/body/features.h"
+#include "model/body/humanoid.h"
+
+namespace styled::train {
+namespace {
+
+using torch::Tensor;
+using Json = nlohmann::ordered_json;
+
+Tensor FromString(const std::string& text) {
+  Tensor bytes = torch::empty({static_cast<int64_t>(text.size())}, torch::kUInt8);
+  std::memcpy(bytes.data_ptr(), text.data(), text.size());
+  return bytes;
+}
+
+std::filesystem::path Partial(std::filesystem::path file) { return file += ".partial"; }
+
+Status Rename(const std::filesystem::path& file) {
+  std::error_code error;
+  std::filesystem::rename(Partial(file), file, error);
+  return error ? Status::Error(file.string() + ": " + error.message()) : Status::Ok();
+}
+
+}  // namespace
+
+Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& file) {
+  try {
+    torch::serialize::OutputArchive archive;
+    std::string names;
+    for (const auto& [name, tensor] : checkpoint.tensors) {
+      archive.write("t." + name, tensor.detach().cpu());
+      names += "t." + name + "\n";
+    }
+    for (const auto& [name, text] : checkpoint.strings) {
+      archive.write("s." + name, FromString(text));
+      names += "s." + name + "\n";
+    }
+    archive.write("names", FromString(names));
+    archive.save_to(Partial(file).string());
+  } catch (const std::exception& error) {
+    return Status::Error(file.string() + ": " + error.what());
+  }
+  return Rename(file);
+}
+
+Status ReadCheckpoint(const std::filesystem::path& file, Checkpoint& checkpoint) {
+  try {
+    torch::serialize::InputArchive archive;
+    archive.load_from(file.string(), torch::kCPU);
+    const auto text = [&archive](const std::string& key) {
+      Tensor bytes;
+      archive.read(key, bytes);
+      return std::string(static_cast<const char*>(bytes.data_ptr()), bytes.numel());
+    };
+    std::istringstream names(text("names"));
+    for (std::string name; std::getline(names, name);) {
+      if (name.starts_with("t.")) {
+        archive.read(name, checkpoint.tensors[name.substr(2)]);
+      } else {
+        checkpoint.strings[name.substr(2)] = text(name);
+      }
+    }
+  } catch (const std::exception& error) {
+    return Status::Error(file.string() + ": not a checkpoint of styletrain: " + error.what());
+  }
+  return Status::Ok();
+}
+
+std::string WeightsMetadata::ToJson(const GeneratorShape& shape) const {
+  char hash[17];
+  std::snprintf(hash, sizeof hash, "%016llx",
+                static_cast<unsigned long long>(body::HumanoidHash()));
+  Json json;
+  json["version"] = 1;
+  json["humanoid_hash"] = hash;
+  for (const auto& [name, aliases] : styles) {
+    json["styles"].push_back(Json{{"name", name}, {"aliases", aliases}});
+  }
+  json["contents"] = Json::array();
+  json["rate_hz"] = rate_hz;
+  json["heading_tau_s"] = heading_tau_s;
+  json["latent"] = shape.latent;
+  json["encoder"] = shape.encoder;
+  json["decoder"] = shape.decoder;
+  json["neutral_layers"] = shape.neutral_layers;
+  json["style_layers"] = shape.style_layers;
+  json["gates"] = "ifgo";
+  json["training"] = Json::parse(training);
+  json["licence"] = licence;
+  return json.dump();
+}
+
+Result<GeneratorShape> ShapeFromJson(const std::string& text) {
+  try {
+    const Json json = Json::parse(text);
+    GeneratorShape shape;
+    shape.styles = static_cast<int64_t>(json.at("styles").size());
+    shape.latent = json.at("latent");
+    shape.encoder = json.at("encoder").get<std::vector<int64_t>>();
+    shape.decoder = json.at("decoder").get<std::vector<int64_t>>();
+    shape.neutral_layers = json.at("neutral_layers");
+    shape.style_layers = json.at("style_layers");
+    return shape;
+  } catch (const std::exception& error) {
+    return Status::Error(std::string("weights metadata: ") + error.what());
+  }
+}
+
+Status WriteWeights(const Generator& generator, const Tensor& mean, const Tensor& deviation,
+                    const std::string& json, const std::filesystem::path& file) {
+  // 1. Tensors under the names of the format.
+  std::vector<std::pair<std::string, Tensor>> tensors;
+  const auto add = [&tensors](const std::string& name, const Tensor& tensor) {
+    tensors.emplace_back(name, tensor.detach().cpu().to(torch::kFloat32).contiguous());
+  };
+  add("feature.mean", mean);
+  add("feature.deviation", deviation);
+  const auto add_stack = [&add](const Stack& stack, int64_t first_style) {
+    for (int64_t group = 0; group < stack.groups; ++group) {
+      for (std::size_t layer = 0; layer < stack.input.size(); ++layer) {
+        const std::string prefix =
+            "recurrent." + std::to_string(first_style + group) + "." + std::to_string(layer) + ".";
+        add(prefix + "input", stack.input[layer][group]);
+        add(prefix + "hidden", stack.hidden[layer][group]);
+        add(prefix + "bias", stack.bias[layer][group]);
+        add(prefix + "h0", stack.h0[layer][group]);
+        add(prefix + "c0", stack.c0[layer][group]);
+      }
+    }
+  };
+  add_stack(generator.neutral, 0);
+  add_stack(generator.branches, 1);
+  for (const auto& [name, tensor] : generator.parameters.named()) {
+    if (!name.starts_with("neutral.") && !name.starts_with("branches.")) add(name, tensor);
+  }
+
+  // 2. The header.
+  Json header;
+  header["__metadata__"] = {{"styled", json}};
+  int64_t offset = 0;
+  for (const auto& [name, tensor] : tensors) {
+    const int64_t bytes = tensor.numel() * 4;
+    header[name] = {{"dtype", "F32"},
+                    {"shape", tensor.sizes().vec()},
+                    {"data_offsets", {offset, offset + bytes}}};
+    offset += bytes;
+  }
+  std::string text = header.dump();
+  text.append((8 - text.size() % 8) % 8, ' ');
+
+  // 3. Length, header, data.
+  std::ofstream out(Partial(file), std::ios::binary);
+  uint64_t length = text.size();
+  char length_bytes[8];
+  for (char& byte : length_bytes) {
+    byte = static_cast<char>(length & 0xFFU);
+    length >>= 8;
+  }
+  out.write(length_bytes, 8);
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  for (const auto& [name, tensor] : tensors) {
+    out.write(static_cast<const char*>(tensor.data_ptr()), tensor.numel() * 4);
+  }
+  out.close();
+  if (!out) return Status::Error(file.string() + ": cannot be written");
+  return Rename(file);
+}
+
+}  // namespace styled::train

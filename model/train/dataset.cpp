@@ -1,0 +1,191 @@
+#include "model/train/dataset.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
+
+#include "model/clip/clip.h"
+#include "model/rig/dialects.h"
+
+namespace styled::train {
+namespace {
+
+constexpr float kRotationFloor = 0.02F;
+constexpr float kPositionFloor_m = 0.01F;
+constexpr float kVelocityFloor_mps = 0.05F;
+constexpr float kHeightFloor_m = 0.01F;
+
+float DeviationFloor(int feature) {
+  if (feature < body::kPositionBegin) return kRotationFloor;
+  if (feature < body::kVelocityBegin) return kPositionFloor_m;
+  if (feature < body::kHipsHeightIndex) return kVelocityFloor_mps;
+  return kHeightFloor_m;
+}
+
+int IndexOf(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+void RunHeadingFilter(const body::FeatureParameters& parameters, TrainingClip& clip) {
+  body::FeatureState state;
+  body::Features features;
+  for (const body::Pose& pose : clip.poses) {
+    body::ComputeFeatures(pose, parameters, state, features);
+    clip.heading_cos.push_back(state.heading_cos);
+    clip.heading_sin.push_back(state.heading_sin);
+  }
+}
+
+}  // namespace
+
+void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, bool session_start,
+                const body::FeatureParameters& parameters, const WindowView& out) {
+  const auto pose_at = [&](int frame) {
+    body::Pose pose = clip.poses[frame];
+    if (mirrored) body::Mirror(pose, pose);
+    return pose;
+  };
+
+  body::FeatureState state;
+  float last_heading_rad = 0.0F;
+  body::Vec3 last_hips_m = body::Vec3::Zero();
+  if (start > 0 && !session_start) {
+    const body::Pose before = pose_at(start - 1);
+    body::WorldPose world;
+    body::ForwardKinematics(before, world);
+    state.started = true;
+    state.positions_m = world.positions_m;
+    state.heading_cos = clip.heading_cos[start - 1];
+    state.heading_sin = clip.heading_sin[start - 1] * (mirrored ? -1.0F : 1.0F);
+    last_heading_rad = std::atan2(state.heading_sin, state.heading_cos);
+    last_hips_m = before.hips_position_m;
+  }
+
+  body::Features features;
+  for (int t = 0; t < length; ++t) {
+    const body::Pose pose = pose_at(start + t);
+    const bool first = !state.started;
+    const float heading_rad = body::ComputeFeatures(pose, parameters, state, features);
+    std::copy(features.begin(), features.end(), out.features + t * out.feature_stride);
+    if (out.yaw_change_rad != nullptr) {
+      out.yaw_change_rad[t * out.yaw_stride] = first ? 0.0F : heading_rad - last_heading_rad;
+    }
+    if (out.hips_step_m != nullptr) {
+      const body::Vec3 step =
+          first ? body::Vec3(body::Vec3::Zero())
+                : body::Vec3(body::Yaw(-heading_rad) * (pose.hips_position_m - last_hips_m));
+      Eigen::Map<body::Vec3>(out.hips_step_m + t * out.step_stride) = step;
+    }
+    last_heading_rad = heading_rad;
+    last_hips_m = pose.hips_position_m;
+  }
+}
+
+Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest, const std::string& split,
+                                            const body::FeatureParameters& parameters,
+                                            int min_frames) {
+  std::unordered_map<std::string, int> styles;
+  for (std::size_t i = 0; i < manifest.styles.size(); ++i) {
+    styles[manifest.styles[i].name] = static_cast<int>(i);
+  }
+  std::vector<TrainingClip> clips;
+  std::optional<rig::Binding> binding;  // of the last skeleton seen: most sets have only one
+  std::string bound_rig;
+  for (const clip::ManifestEntry& entry : manifest.entries) {
+    if (entry.split != split) continue;
+    Result<clip::Clip> source = clip::ReadBvh(entry.file);
+    if (!source.ok()) return source.status();
+    if (!binding || bound_rig != entry.rig || binding->skeleton() != source.value().skeleton) {
+      Result<rig::Binding> bound = rig::BindDialect(source.value().skeleton, entry.rig);
+      if (!bound.ok()) {
+        return Status::Error(entry.file.string() + ": " + bound.status().message());
+      }
+      binding.emplace(std::move(bound.value()));
+      bound_rig = entry.rig;
+    }
+    TrainingClip clip;
+    clip.file = entry.file.string();
+    clip.style = styles.at(entry.style);
+    clip.content = IndexOf(manifest.contents, entry.content);
+    clip.poses = clip::ToCanonical(source.value(), *binding);
+    if (std::abs(source.value().rate_hz / parameters.rate_hz - 1.0) > 1e-3) {
+      clip.poses =
+          clip::ResamplePoses(clip.poses, source.value().rate_hz, parameters.rate_hz);
+    }
+    if (static_cast<int>(clip.poses.size()) < min_frames) continue;
+    RunHeadingFilter(parameters, clip);
+    clips.push_back(std::move(clip));
+  }
+  if (clips.empty()) {
+    return Status::Error("manifest " + manifest.name + ": no clip of split \"" + split +
+                         "\" has " + std::to_string(min_frames) + " frames");
+  }
+  return clips;
+}
+
+void SetHemisphere(const body::Features& mean, body::FeatureParameters& parameters) {
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    parameters.hemisphere[joint].coeffs() =
+        Eigen::Map<const Eigen::Vector4f>(&mean[4 * joint]).normalized();
+  }
+}
+
+FeatureStatistics ComputeStatistics(const std::vector<TrainingClip>& clips,
+                                    body::FeatureParameters parameters) {
+  FeatureStatistics statistics;
+  // First on the hemisphere of identity, then on that of the first pass's mean.
+  for (int pass = 0; pass < 2; ++pass) {
+    Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(body::kFeatureCount);
+    Eigen::ArrayXd square = sum;
+    double count = 0;
+    std::vector<float> window;
+    for (const TrainingClip& clip : clips) {
+      const int length = static_cast<int>(clip.poses.size());
+      window.resize(static_cast<std::size_t>(length) * body::kFeatureCount);
+      for (const bool mirrored : {false, true}) {
+        FillWindow(clip, 0, length, mirrored, false, parameters, {.features = window.data()});
+        for (int t = 1; t < length; ++t) {  // the first frame's v = 0 is no velocity
+          const Eigen::ArrayXd x = Eigen::Map<const Eigen::ArrayXf>(
+                                       &window[t * body::kFeatureCount], body::kFeatureCount)
+                                       .cast<double>();
+          sum += x;
+          square += x.square();
+          count += 1;
+        }
+      }
+    }
+    const Eigen::ArrayXd mean = sum / count;
+    const Eigen::ArrayXd deviation = (square / count - mean.square()).max(0).sqrt();
+    for (int i = 0; i < body::kFeatureCount; ++i) {
+      statistics.mean[i] = static_cast<float>(mean[i]);
+      statistics.deviation[i] = std::max(static_cast<float>(deviation[i]), DeviationFloor(i));
+    }
+    SetHemisphere(statistics.mean, parameters);
+  }
+  return statistics;
+}
+
+Status CheckDataFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) {
+    return Status::Error("--data " + folder.string() + ": no such folder");
+  }
+  bool unpacked = false;
+  std::string archives;
+  for (const auto& item : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = item.path().filename().string();
+    if (name.ends_with(".tar.xz")) archives += " " + name;
+    if (item.is_directory() && name.find("-") != std::string::npos) unpacked = true;
+  }
+  if (!unpacked && !archives.empty()) {
+    return Status::Error("--data " + folder.string() + " holds only archives (" +
+                         archives.substr(1) +
+                         "). Unpack them, for example: mkdir -p data && for a in " +
+                         folder.string() +
+                         "/*.tar.xz; do tar -xJf \"$a\" -C data; done; then pass --data data");
+  }
+  return Status::Ok();
+}
+
+}  // namespace styled::train

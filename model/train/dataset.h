@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "model/base/status.h"
+#include "model/body/features.h"
+#include "model/clip/manifest.h"
+
+namespace styled::train {
+
+// One labelled clip as canonical poses at the network's rate.
+struct TrainingClip {
+  std::string file;
+  int style = 0;    // index into Manifest::styles
+  int content = 0;  // index into Manifest::contents
+  std::vector<body::Pose> poses;
+  // The heading filter's state after each frame, started at the clip's first frame.
+  std::vector<float> heading_cos, heading_sin;
+};
+
+// Mean and deviation of every feature over a set of clips and their mirror images. The mean of each
+// quaternion also defines its hemisphere.
+struct FeatureStatistics {
+  body::Features mean{}, deviation{};
+};
+
+// Where FillWindow writes, `length` frames each. Frame t of features starts at
+// features + t * feature_stride (floats), and so on; strides let a batch be time-major.
+struct WindowView {
+  float* features = nullptr;
+  long feature_stride = body::kFeatureCount;
+  float* yaw_change_rad = nullptr;  // heading now minus heading one frame ago; 0 in a first frame
+  long yaw_stride = 1;
+  float* hips_step_m = nullptr;  // hips now minus one frame ago, in the heading frame of now
+  long step_stride = 3;
+};
+
+// Writes frames [start, start + length) of a clip as the network sees them, through
+// body::ComputeFeatures. With `session_start` (or start = 0) the first frame has v = 0 and an
+// unfiltered heading, as in a new session; otherwise the window continues the clip's own past.
+void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, bool session_start,
+                const body::FeatureParameters& parameters, const WindowView& out);
+
+// Reads every clip of `split` with at least `min_frames` frames at `rate_hz`. Errors name the file.
+Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest, const std::string& split,
+                                            const body::FeatureParameters& parameters,
+                                            int min_frames);
+
+// Mean and deviation, deviations at least 0.02 (r), 0.01 m (p), 0.05 m/s (v), 0.01 m (height).
+FeatureStatistics ComputeStatistics(const std::vector<TrainingClip>& clips,
+                                    body::FeatureParameters parameters);
+
+// The hemisphere that statistics (or weights) define.
+void SetHemisphere(const body::Features& mean, body::FeatureParameters& parameters);
+
+// An error that says how to unpack the data if `folder` holds only archives of what is missing.
+Status CheckDataFolder(const std::filesystem::path& folder);
+
+}  // namespace styled::train

@@ -1,0 +1,133 @@
+#include "model/train/geometry.h"
+
+#include <vector>
+
+#include "model/body/humanoid.h"
+
+namespace styled::train {
+namespace {
+
+using torch::Tensor;
+
+// v turned by q: v + 2 w (u × v) + 2 u × (u × v), u the vector part.
+Tensor Rotate(const Tensor& q, const Tensor& v) {
+  const Tensor u = q.narrow(-1, 0, 3);
+  const Tensor twice = 2.0 * torch::cross(u, v.expand_as(u), -1);
+  return v + q.narrow(-1, 3, 1) * twice + torch::cross(u, twice, -1);
+}
+
+// The humanoid's joints by depth, so that a whole level is computed at once. Order of results:
+// `order` lists joints level by level, `inverse` undoes it.
+struct Levels {
+  std::vector<std::vector<int64_t>> joints;   // per level
+  std::vector<std::vector<int64_t>> parents;  // per level, as places within the level above
+  std::vector<int64_t> inverse;
+
+  Levels() {
+    std::vector<int64_t> depth(body::kJointCount, 0), place(body::kJointCount, 0), order;
+    for (int joint = 0; joint < body::kJointCount; ++joint) {
+      const int parent = body::kHumanoid[joint].parent;
+      depth[joint] = parent < 0 ? 0 : depth[parent] + 1;
+      const auto level = static_cast<std::size_t>(depth[joint]);
+      if (joints.size() <= level) {
+        joints.emplace_back();
+        parents.emplace_back();
+      }
+      place[joint] = static_cast<int64_t>(joints[level].size());
+      joints[level].push_back(joint);
+      parents[level].push_back(parent < 0 ? 0 : place[parent]);
+    }
+    for (const auto& level : joints) order.insert(order.end(), level.begin(), level.end());
+    inverse.resize(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) inverse[order[i]] = static_cast<int64_t>(i);
+  }
+};
+
+Tensor Indices(const std::vector<int64_t>& values, const torch::Device& device) {
+  return torch::tensor(values, torch::kInt64).to(device);
+}
+
+}  // namespace
+
+Tensor Multiply(const Tensor& a, const Tensor& b) {
+  const Tensor av = a.narrow(-1, 0, 3), aw = a.narrow(-1, 3, 1);
+  const Tensor bv = b.narrow(-1, 0, 3), bw = b.narrow(-1, 3, 1);
+  return torch::cat({aw * bv + bw * av + torch::cross(av, bv, -1),
+                     aw * bw - (av * bv).sum(-1, true)},
+                    -1);
+}
+
+Tensor Conjugate(const Tensor& q) {
+  return torch::cat({-q.narrow(-1, 0, 3), q.narrow(-1, 3, 1)}, -1);
+}
+
+Tensor LogQuaternion(const Tensor& q) {
+  const Tensor w = q.narrow(-1, 3, 1);
+  const Tensor sign = torch::where(w.detach() < 0, -torch::ones_like(w), torch::ones_like(w));
+  const Tensor v = sign * q.narrow(-1, 0, 3);
+  const Tensor sine = (v.square().sum(-1, true) + 1e-12).sqrt();
+  return v * (2.0 * torch::atan2(sine, sign * w) / sine);
+}
+
+Tensor SquaredHalfAngle(const Tensor& a, const Tensor& b) {
+  const Tensor e = 1.0 - (a * b).sum(-1).abs();
+  return e * (2.0 + e * (1.0 / 3.0 + e * (4.0 / 45.0)));
+}
+
+Tensor ToHemisphere(const Tensor& q, const Tensor& reference) {
+  const Tensor dot = (q.detach() * reference).sum(-1, true);
+  return torch::where(dot < 0, -q, q);
+}
+
+Tensor HipsRelativePositions(const Tensor& rotations) {
+  static const Levels levels;
+  const torch::Device device = rotations.device();
+  Tensor world_rotation;  // of the level above
+  Tensor position;
+  std::vector<Tensor> all;
+  for (std::size_t level = 0; level < levels.joints.size(); ++level) {
+    const Tensor local = rotations.index_select(-2, Indices(levels.joints[level], device));
+    if (level == 0) {
+      world_rotation = local;
+      position = torch::zeros_like(local.narrow(-1, 0, 3));
+    } else {
+      std::vector<float> offsets;
+      for (const int64_t joint : levels.joints[level]) {
+        const body::JointRow& row = body::kHumanoid[joint];
+        offsets.insert(offsets.end(), {row.x_m, row.y_m, row.z_m});
+      }
+      const Tensor offset = torch::tensor(offsets).view({-1, 3}).to(device);
+      const Tensor parents = Indices(levels.parents[level], device);
+      const Tensor parent_rotation = world_rotation.index_select(-2, parents);
+      position = position.index_select(-2, parents) + Rotate(parent_rotation, offset);
+      if (level + 1 < levels.joints.size()) world_rotation = Multiply(parent_rotation, local);
+    }
+    all.push_back(position);
+  }
+  return torch::cat(all, -2).index_select(-2, Indices(levels.inverse, device));
+}
+
+Tensor WorldVelocities(const Tensor& positions, const Tensor& yaw_change_rad,
+                       const Tensor& hips_step_m, const Tensor& lift_m, double rate_hz) {
+  const int64_t last = positions.size(0) - 1;
+  const Tensor before = positions.narrow(0, 0, last);
+  const Tensor now = positions.narrow(0, 1, last);
+  // The frame before, seen from the heading of now: turned by -yaw_change about +Y.
+  const Tensor cosine = yaw_change_rad.narrow(0, 1, last).cos().unsqueeze(-1);
+  const Tensor sine = yaw_change_rad.narrow(0, 1, last).sin().unsqueeze(-1);
+  const Tensor x = before.select(-1, 0), y = before.select(-1, 1), z = before.select(-1, 2);
+  const Tensor turned = torch::stack({x * cosine - z * sine, y, x * sine + z * cosine}, -1);
+  const Tensor rise = lift_m.narrow(0, 1, last) - lift_m.narrow(0, 0, last);
+  const Tensor none = torch::zeros_like(rise);
+  const Tensor step = hips_step_m.narrow(0, 1, last) + torch::stack({none, rise, none}, -1);
+  return (now - turned + step.unsqueeze(-2)) * rate_hz;
+}
+
+Tensor LowestFoot(const Tensor& positions) {
+  using namespace body;
+  const Tensor feet =
+      Indices({kLeftFoot, kLeftToes, kRightFoot, kRightToes}, positions.device());
+  return positions.select(-1, 1).index_select(-1, feet).amin(-1);
+}
+
+}  // namespace styled::train

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "model/body/pose.h"
+
+namespace styled::judge {
+
+// The figures by which styled motion is measured, as pure functions of poses, windows' verdicts and
+// feature vectors (style-ERD, "How quality is measured"). Poses
+// are canonical, metres, y up, at a constant rate. Nothing here needs torch; all of it allocates.
+// Pinned by tests/unit/judge/judge_metrics_test.cpp.
+
+// A mean pose's shift compared with the real one: `fraction` is its length along the real shift, in
+// real shifts; `cosine` their angle's. 1 and 1 are perfect. 0 and 0 if either is zero.
+struct Expression {
+  double fraction = 0, cosine = 0;
+};
+Expression MeasureExpression(const Eigen::VectorXd& shift, const Eigen::VectorXd& real_shift);
+
+// Frechet distance between the Gaussians fitted to two sample sets (one sample per row, at least
+// two rows each, equal columns): |mean difference|^2 + tr(A + B - 2 (A^1/2 B A^1/2)^1/2).
+double FrechetDistance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
+// The leading `dimensions` principal axes of `samples` (rows), fewer if there are fewer columns.
+struct Pca {
+  Eigen::RowVectorXd mean;
+  Eigen::MatrixXd axes;  // columns, orthonormal
+
+  Eigen::MatrixXd Project(const Eigen::MatrixXd& samples) const {
+    return (samples.rowwise() - mean) * axes;
+  }
+};
+Pca FitPca(const Eigen::MatrixXd& samples, int dimensions);
+
+// A mean that is gathered clip by clip.
+struct Mean {
+  double sum = 0, count = 0;
+
+  void Add(double value) { sum += value, count += 1; }
+  void Add(const Mean& other) { sum += other.sum, count += other.count; }
+  double value() const { return count > 0 ? sum / count : 0; }
+};
+
+// Joint jerk (m/s^3): third difference of the joints' world positions, the hips' horizontal path
+// taken out, averaged over joints and frames. Empty below four frames.
+Mean MeanJerk(std::span<const body::Pose> poses, double rate_hz);
+
+// Per frame (all but the first and last), the largest acceleration of any joint, m/s^2, in world.
+std::vector<double> LargestAccelerations(std::span<const body::Pose> poses, double rate_hz);
+
+// How the feet meet the floor. A foot is in contact while the *input's* toes are within 3 cm of the
+// lowest point the input's feet reach and move slower than 40 cm/s over the ground; skate is the
+// mean horizontal speed of the output's (input's) toes over those frames. The floor is that lowest
+// point too: penetration is how far the output's lowest foot is below it, 0 if above.
+struct FeetFigures {
+  Mean skate_in_cm_s, skate_out_cm_s, penetration_cm;
+  double deepest_cm = 0;
+
+  void Add(const FeetFigures& other);
+};
+FeetFigures MeasureFeet(std::span<const body::Pose> input, std::span<const body::Pose> output,
+                        double rate_hz);
+
+// Verdicts on the windows of one transferred (or real) clip.
+struct ClipVerdict {
+  int cell = 0;  // what is averaged in equal parts, e.g. content + contents * style
+  int clip = 0;  // the input clip: one clip transferred to six styles has six verdicts
+  double hits = 0, windows = 0;
+};
+
+// The mean over cells of each cell's share of hits, and its 95 % interval from a bootstrap over
+// clips (a clip's verdicts are drawn together, since they are not independent).
+struct Share {
+  double value = 0, low = 0, high = 0, worst = 1;
+  int worst_cell = -1;
+  double windows = 0;
+};
+Share MacroShare(std::span<const ClipVerdict> verdicts, std::uint64_t seed, int draws = 1000);
+
+// The `share` quantile (0..1) of values, by linear interpolation; 0 if there are none.
+double Quantile(std::vector<double> values, double share);
+
+}  // namespace styled::judge

@@ -1,0 +1,331 @@
+#include "model/train/judge/judge_report.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "model/clip/clip.h"
+
+namespace styled::judge {
+namespace {
+
+constexpr int kStride = 8;         // frames between judged windows
+constexpr int kSparseStride = 24;  // where there are clips in plenty
+constexpr int kFmdDimensions = 32;
+constexpr std::uint64_t kSeed = 1;
+
+nlohmann::json ToJson(const Share& share) {
+  return {{"value", share.value},
+          {"low", share.low},
+          {"high", share.high},
+          {"windows", share.windows},
+          {"worst", share.worst}};
+}
+
+std::vector<ClipVerdict> Of(std::span<const ClipVerdict> verdicts, int style, int contents) {
+  std::vector<ClipVerdict> of;
+  for (const ClipVerdict& verdict : verdicts) {
+    if (verdict.cell / contents == style) of.push_back(verdict);
+  }
+  return of;
+}
+
+}  // namespace
+
+Evaluator::Evaluator(const clip::Manifest& manifest, const Judges& judges,
+                     const std::vector<train::TrainingClip>& train,
+                     const std::vector<train::TrainingClip>& judge,
+                     const std::vector<train::TrainingClip>& validation)
+    : manifest_(manifest),
+      judges_(judges),
+      styles_(static_cast<int>(manifest.styles.size())),
+      contents_(static_cast<int>(manifest.contents.size())),
+      real_(static_cast<std::size_t>(styles_ * contents_)),
+      other_real_(real_) {
+  const auto sequence = [&](const train::TrainingClip& clip) {
+    return MakeSequence(clip.poses, clip.style, clip.content, false, judges.parameters());
+  };
+  std::vector<Eigen::RowVectorXd> embeddings;
+  for (const train::TrainingClip& clip : judge) {
+    const Eigen::MatrixXd e = judges.Judge(sequence(clip), kSparseStride).embedding;
+    for (Eigen::Index i = 0; i < e.rows(); ++i) embeddings.emplace_back(e.row(i));
+  }
+  Eigen::MatrixXd samples(static_cast<Eigen::Index>(embeddings.size()), embeddings.front().cols());
+  for (std::size_t i = 0; i < embeddings.size(); ++i) samples.row(i) = embeddings[i];
+  pca_ = FitPca(samples, kFmdDimensions);
+
+  for (const train::TrainingClip& clip : train) {
+    Gather(sequence(clip), kSparseStride, other_real_[cell_of(clip.style, clip.content)], nullptr,
+           nullptr);
+  }
+  for (std::size_t i = 0; i < validation.size(); ++i) {
+    const train::TrainingClip& clip = validation[i];
+    const int cell = cell_of(clip.style, clip.content);
+    ClipVerdict style{.cell = cell, .clip = static_cast<int>(i)};
+    ClipVerdict content = style;
+    Gather(sequence(clip), kStride, real_[cell], &style, &content);
+    real_styles_.push_back(style);
+    real_contents_.push_back(content);
+    real_[cell].jerk.Add(
+        MeanJerk(clip::ResamplePoses(clip.poses, kJudgeRate_hz, kStreamRate_hz), kStreamRate_hz));
+  }
+  real_style_ = MacroShare(real_styles_, kSeed);
+  real_content_ = MacroShare(real_contents_, kSeed);
+}
+
+void Evaluator::Gather(const Sequence& sequence, int stride, Cell& cell, ClipVerdict* style,
+                       ClipVerdict* content) const {
+  const Verdicts verdicts = judges_.Judge(sequence, stride);
+  for (std::size_t i = 0; i < verdicts.starts.size(); ++i) {
+    if (style != nullptr) style->hits += verdicts.style[i] == sequence.style;
+    if (content != nullptr) content->hits += verdicts.content[i] == sequence.content;
+    cell.embeddings.emplace_back(verdicts.embedding.row(static_cast<Eigen::Index>(i)));
+  }
+  if (style != nullptr) style->windows += static_cast<double>(verdicts.starts.size());
+  if (content != nullptr) content->windows += static_cast<double>(verdicts.starts.size());
+  for (const body::Features& frame : sequence.frames) {
+    cell.position_sum += Eigen::Map<const Eigen::VectorXf>(frame.data() + body::kPositionBegin,
+                                                           body::kPositionFeatures)
+                             .cast<double>();
+    cell.frames += 1;
+  }
+}
+
+Figures Evaluator::Measure(const std::string& name, std::span<const Transferred> clips) const {
+  Figures figures{.name = name, .styles = {}, .sra = {}, .cra = {}, .cra_input = {}};
+  figures.styles.resize(static_cast<std::size_t>(styles_));
+  Cells out(real_.size());
+  Cells in(real_.size());
+  std::vector<ClipVerdict> sra;
+  std::vector<ClipVerdict> cra;
+  std::vector<ClipVerdict> cra_input;
+  std::vector<Mean> jerk_30_out(out.size());
+  std::vector<Mean> jerk_30_in(out.size());
+  for (const Transferred& clip : clips) {
+    const int cell = cell_of(clip.style, clip.content);
+    ClipVerdict style{.cell = cell, .clip = clip.clip};
+    ClipVerdict content = style;
+    ClipVerdict content_input = style;
+    const Poses thin_out = Thin(clip.output);
+    const Poses thin_in = Thin(clip.input);
+    Gather(MakeSequence(thin_out, clip.style, clip.content, false, judges_.parameters()), kStride,
+           out[cell], &style, &content);
+    Gather(MakeSequence(thin_in, clip.style, clip.content, false, judges_.parameters()), kStride,
+           in[cell], nullptr, &content_input);
+    sra.push_back(style);
+    cra.push_back(content);
+    cra_input.push_back(content_input);
+    out[cell].jerk.Add(MeanJerk(clip.output, kStreamRate_hz));
+    in[cell].jerk.Add(MeanJerk(clip.input, kStreamRate_hz));
+    jerk_30_out[cell].Add(MeanJerk(thin_out, kJudgeRate_hz));
+    jerk_30_in[cell].Add(MeanJerk(thin_in, kJudgeRate_hz));
+    figures.styles[clip.style].feet.Add(MeasureFeet(clip.input, clip.output, kStreamRate_hz));
+  }
+  figures.sra = MacroShare(sra, kSeed);
+  figures.cra = MacroShare(cra, kSeed);
+  figures.cra_input = MacroShare(cra_input, kSeed);
+
+  for (int style = 1; style < styles_; ++style) {
+    StyleFigures& of = figures.styles[style];
+    of.sra = MacroShare(Of(sra, style, contents_), kSeed);
+    of.cra = MacroShare(Of(cra, style, contents_), kSeed);
+    of.cra_input = MacroShare(Of(cra_input, style, contents_), kSeed);
+    of.sra_real = MacroShare(Of(real_styles_, style, contents_), kSeed);
+    MeasureStyle(style, out, in, of);
+    double at_30_out = 0;
+    double at_30_in = 0;
+    for (int content = 0; content < contents_; ++content) {
+      at_30_out += jerk_30_out[cell_of(style, content)].value();
+      at_30_in += jerk_30_in[cell_of(style, content)].value();
+    }
+    of.jitter_clip = at_30_in > 0 ? at_30_out / at_30_in : 0;
+  }
+  return figures;
+}
+
+void Evaluator::MeasureStyle(int style, const Cells& out, const Cells& in,
+                             StyleFigures& figures) const {
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(body::kPositionFeatures);
+  Eigen::VectorXd real_shift = shift;
+  std::vector<int> counts(static_cast<std::size_t>(contents_), 0);
+  double jerk_out = 0;
+  double jerk_in = 0;
+  double jerk_real = 0;
+  for (int content = 0; content < contents_; ++content) {
+    const Cell& styled = out[cell_of(style, content)];
+    const Cell& input = in[cell_of(style, content)];
+    const Cell& real = real_[cell_of(style, content)];
+    const Cell& neutral = real_[cell_of(0, content)];
+    if (styled.frames == 0 || real.frames == 0 || neutral.frames == 0) continue;
+    const Eigen::VectorXd here = styled.MeanPose() - input.MeanPose();
+    const Eigen::VectorXd real_here = real.MeanPose() - neutral.MeanPose();
+    if (manifest_.contents[content] == "walk") {
+      figures.expression_walk = MeasureExpression(here, real_here);
+    }
+    shift += here;
+    real_shift += real_here;
+    jerk_out += styled.jerk.value();
+    jerk_in += input.jerk.value();
+    jerk_real += real.jerk.value();
+    counts[content] = static_cast<int>(
+        std::min({styled.embeddings.size(), real.embeddings.size(), input.embeddings.size(),
+                  other_real_[cell_of(style, content)].embeddings.size()}));
+    figures.fmd_windows += counts[content];
+  }
+  figures.expression = MeasureExpression(shift, real_shift);
+  figures.jitter_stream = jerk_in > 0 ? jerk_out / jerk_in : 0;
+  figures.jitter_real = jerk_in > 0 ? jerk_real / jerk_in : 0;
+  if (figures.fmd_windows < 2 * kFmdDimensions) return;
+  const Eigen::MatrixXd target = Pick(real_, style, counts);
+  figures.fmd = FrechetDistance(Pick(out, style, counts), target);
+  figures.fmd_real = FrechetDistance(Pick(other_real_, style, counts), target);
+  figures.fmd_neutral = FrechetDistance(Pick(in, style, counts), target);
+}
+
+Eigen::MatrixXd Evaluator::Pick(const Cells& cells, int style, std::span<const int> counts) const {
+  std::vector<Eigen::RowVectorXd> rows;
+  for (int content = 0; content < contents_; ++content) {
+    const std::vector<Eigen::RowVectorXd>& from = cells[cell_of(style, content)].embeddings;
+    for (int i = 0; i < counts[content]; ++i) {
+      rows.push_back(from[from.size() * static_cast<std::size_t>(i) / counts[content]]);
+    }
+  }
+  Eigen::MatrixXd samples(static_cast<Eigen::Index>(rows.size()), rows.front().cols());
+  for (std::size_t i = 0; i < rows.size(); ++i) samples.row(i) = rows[i];
+  return pca_.Project(samples);
+}
+
+std::string Evaluator::CellName(int cell) const {
+  if (cell < 0) return "none";
+  return manifest_.styles[cell / contents_].name + " " + manifest_.contents[cell % contents_];
+}
+
+nlohmann::json Evaluator::ToJson(const Figures& figures) const {
+  const auto with_worst = [this](const Share& share) {
+    nlohmann::json json = judge::ToJson(share);
+    json["worst_cell"] = CellName(share.worst_cell);
+    return json;
+  };
+  nlohmann::json json = {{"sra", with_worst(figures.sra)},
+                         {"cra", with_worst(figures.cra)},
+                         {"cra_of_inputs", with_worst(figures.cra_input)}};
+  for (int style = 1; style < styles_; ++style) {
+    const StyleFigures& of = figures.styles[style];
+    json["styles"][manifest_.styles[style].name] = {
+        {"sra", with_worst(of.sra)},
+        {"sra_of_real", with_worst(of.sra_real)},
+        {"cra", with_worst(of.cra)},
+        {"cra_of_inputs", with_worst(of.cra_input)},
+        {"expression", of.expression.fraction},
+        {"expression_cosine", of.expression.cosine},
+        {"expression_walk", of.expression_walk.fraction},
+        {"expression_walk_cosine", of.expression_walk.cosine},
+        {"fmd", of.fmd},
+        {"fmd_real_real", of.fmd_real},
+        {"fmd_neutral_target", of.fmd_neutral},
+        {"fmd_windows", of.fmd_windows},
+        {"jitter_120", of.jitter_stream},
+        {"jitter_30", of.jitter_clip},
+        {"jitter_120_of_real", of.jitter_real},
+        {"skate_in_cm_s", of.feet.skate_in_cm_s.value()},
+        {"skate_out_cm_s", of.feet.skate_out_cm_s.value()},
+        {"penetration_cm", of.feet.penetration_cm.value()},
+        {"deepest_cm", of.feet.deepest_cm}};
+  }
+  return json;
+}
+
+nlohmann::json Evaluator::RealToJson() const {
+  nlohmann::json json = {{"style", judge::ToJson(real_style_)},
+                         {"content", judge::ToJson(real_content_)}};
+  for (int style = 0; style < styles_; ++style) {
+    json["styles"][manifest_.styles[style].name] = {
+        {"style", judge::ToJson(MacroShare(Of(real_styles_, style, contents_), kSeed))},
+        {"content", judge::ToJson(MacroShare(Of(real_contents_, style, contents_), kSeed))}};
+  }
+  return json;
+}
+
+void Evaluator::Print(const Figures& figures) const {
+  std::printf("\n%s\n", figures.name.c_str());
+  std::printf(
+      "%-10s %-16s %-5s %-16s %-5s  %-11s %-11s  %-6s %-5s %-6s  %-6s %-5s %-5s  %-12s %-9s\n",
+      "style", "SRA [95 %]", "real", "CRA [95 %]", "in", "expr  cos", "walk  cos", "FMD", "real",
+      "neutr", "jit120", "jit30", "real", "skate cm/s", "floor cm");
+  StyleFigures mean;
+  double styles = 0;
+  const auto row = [](const char* name, const StyleFigures& of) {
+    std::printf(
+        "%-10s %.3f [%.2f %.2f] %.3f %.3f [%.2f %.2f] %.3f  %5.2f %5.2f %5.2f %5.2f  %6.2f %5.2f "
+        "%6.2f  %6.2f %5.2f %5.2f  %5.1f > %4.1f %4.2f %4.1f\n",
+        name, of.sra.value, of.sra.low, of.sra.high, of.sra_real.value, of.cra.value, of.cra.low,
+        of.cra.high, of.cra_input.value, of.expression.fraction, of.expression.cosine,
+        of.expression_walk.fraction, of.expression_walk.cosine, of.fmd, of.fmd_real, of.fmd_neutral,
+        of.jitter_stream, of.jitter_clip, of.jitter_real, of.feet.skate_in_cm_s.value(),
+        of.feet.skate_out_cm_s.value(), of.feet.penetration_cm.value(), of.feet.deepest_cm);
+  };
+  for (int style = 1; style < styles_; ++style) {
+    const StyleFigures& of = figures.styles[style];
+    row(manifest_.styles[style].name.c_str(), of);
+    styles += 1;
+    mean.sra_real.value += of.sra_real.value;
+    mean.expression.fraction += of.expression.fraction;
+    mean.expression.cosine += of.expression.cosine;
+    mean.expression_walk.fraction += of.expression_walk.fraction;
+    mean.expression_walk.cosine += of.expression_walk.cosine;
+    mean.fmd += of.fmd;
+    mean.fmd_real += of.fmd_real;
+    mean.fmd_neutral += of.fmd_neutral;
+    mean.jitter_stream += of.jitter_stream;
+    mean.jitter_clip += of.jitter_clip;
+    mean.jitter_real += of.jitter_real;
+    mean.feet.Add(of.feet);
+  }
+  for (double* value :
+       {&mean.sra_real.value, &mean.expression.fraction, &mean.expression.cosine,
+        &mean.expression_walk.fraction, &mean.expression_walk.cosine, &mean.fmd, &mean.fmd_real,
+        &mean.fmd_neutral, &mean.jitter_stream, &mean.jitter_clip, &mean.jitter_real}) {
+    *value /= std::max(1.0, styles);
+  }
+  mean.sra = figures.sra;
+  mean.cra = figures.cra;
+  mean.cra_input = figures.cra_input;
+  row("mean", mean);
+  std::printf("%.0f windows; CRA over inputs %.3f; worst SRA %.2f (%s), worst CRA %.2f (%s)\n",
+              figures.sra.windows, figures.cra.value / std::max(1e-9, figures.cra_input.value),
+              figures.sra.worst, CellName(figures.sra.worst_cell).c_str(), figures.cra.worst,
+              CellName(figures.cra.worst_cell).c_str());
+}
+
+Reconstruction MeasureReconstruction(const erd::Network& network, std::span<const Poses> clips) {
+  Reconstruction figures;
+  const body::FeatureParameters& parameters = network.metadata().features;
+  for (const Poses& clip : clips) {
+    erd::State state;
+    network.Start(state);
+    body::FeatureState memory;
+    body::Features features;
+    erd::StepOutput step;
+    for (const body::Pose& pose : clip) {
+      const float heading_rad = body::ComputeFeatures(pose, parameters, memory, features);
+      network.Step(features, 0, {}, state, step);
+      body::Pose in = pose;
+      in.rotations[body::kHips] = body::Yaw(-heading_rad) * pose.rotations[body::kHips];
+      body::Pose rec = in;
+      std::copy(step.reconstruction.rotations.begin(), step.reconstruction.rotations.end(),
+                rec.rotations.begin());
+      body::WorldPose world_in;
+      body::WorldPose world_rec;
+      body::ForwardKinematics(in, world_in);
+      body::ForwardKinematics(rec, world_rec);
+      for (int joint = 0; joint < body::kJointCount; ++joint) {
+        figures.angle_deg.Add(
+            body::Log(in.rotations[joint].conjugate() * rec.rotations[joint]).norm() * 180 / M_PI);
+        figures.position_cm.Add(
+            100 * (world_in.positions_m[joint] - world_rec.positions_m[joint]).norm());
+      }
+    }
+  }
+  return figures;
+}
+
+}  // namespace styled::judge

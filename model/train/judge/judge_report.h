@@ -1,0 +1,96 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/clip/manifest.h"
+#include "model/train/judge/judge_metrics.h"
+#include "model/train/judge/judge_nets.h"
+#include "model/train/judge/judge_stream.h"
+
+namespace styled::judge {
+
+// A clip as styled by something that is to be judged; both at kStreamRate_hz, equally long.
+struct Transferred {
+  int clip = 0;     // which input, for the bootstrap
+  int style = 0;    // the target
+  int content = 0;  // the input's
+  std::span<const body::Pose> input;
+  Poses output;
+};
+
+// Every figure of style-ERD's table for one target style, over all contents in equal parts.
+struct StyleFigures {
+  Share sra, cra;
+  Share sra_real;   // the style judge on real clips of the target
+  Share cra_input;  // the content judge on the inputs
+  Expression expression, expression_walk;
+  double fmd = 0, fmd_real = 0, fmd_neutral = 0;  // real: target against the training clips' target
+  double fmd_windows = 0;                         // on either side
+  double jitter_stream = 0, jitter_clip = 0;      // jerk out over in, at 120 Hz and at 30
+  double jitter_real = 0;                         // real target's over the input's, at 120 Hz
+  FeetFigures feet;
+};
+
+struct Figures {
+  std::string name;
+  std::vector<StyleFigures> styles;  // [0], neutral, is empty
+  Share sra, cra, cra_input;         // over all cells
+};
+
+// Judges transferred clips against what real clips say. Construction looks at all real clips once.
+class Evaluator {
+ public:
+  // `validation` is what outputs are compared with; `train` gives the other real set of the
+  // Frechet distance, `judge` the principal axes. The manifest and judges must outlive this.
+  Evaluator(const clip::Manifest& manifest, const Judges& judges,
+            const std::vector<train::TrainingClip>& train,
+            const std::vector<train::TrainingClip>& judge,
+            const std::vector<train::TrainingClip>& validation);
+
+  const Share& real_style() const { return real_style_; }
+  const Share& real_content() const { return real_content_; }
+  Figures Measure(const std::string& name, std::span<const Transferred> clips) const;
+
+  std::string CellName(int cell) const;
+  nlohmann::json ToJson(const Figures& figures) const;
+  void Print(const Figures& figures) const;
+  nlohmann::json RealToJson() const;
+
+ private:
+  // What one (style, content) cell of real or transferred clips adds up to.
+  struct Cell {
+    Eigen::VectorXd position_sum = Eigen::VectorXd::Zero(body::kPositionFeatures);
+    double frames = 0;
+    std::vector<Eigen::RowVectorXd> embeddings;
+    Mean jerk;
+
+    Eigen::VectorXd MeanPose() const { return position_sum / std::max(1.0, frames); }
+  };
+  using Cells = std::vector<Cell>;  // style * contents + content
+
+  int cell_of(int style, int content) const { return style * contents_ + content; }
+  void Gather(const Sequence& sequence, int stride, Cell& cell, ClipVerdict* style,
+              ClipVerdict* content) const;
+  void MeasureStyle(int style, const Cells& out, const Cells& in, StyleFigures& figures) const;
+  // Equal numbers of windows of each content, as rows in principal axes.
+  Eigen::MatrixXd Pick(const Cells& cells, int style, std::span<const int> counts) const;
+
+  const clip::Manifest& manifest_;
+  const Judges& judges_;
+  int styles_, contents_;
+  Pca pca_;
+  Cells real_, other_real_;
+  std::vector<ClipVerdict> real_styles_, real_contents_;
+  Share real_style_, real_content_;
+};
+
+// How well the network knows neutral clips it never saw: rec against the input.
+struct Reconstruction {
+  Mean angle_deg, position_cm;
+};
+Reconstruction MeasureReconstruction(const erd::Network& network, std::span<const Poses> clips);
+
+}  // namespace styled::judge

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/base/status.h"
+#include "model/body/pose.h"
+#include "model/erd/network.h"
+#include "model/stylist/stylist.h"
+
+namespace styled::judge {
+
+using Poses = std::vector<body::Pose>;
+
+// The rate at which weights are judged, as live: recorded clips are brought to it by
+// clip::ResamplePoses, styled frame by frame, and every fourth frame goes to the judges.
+inline constexpr double kStreamRate_hz = 120.0;
+inline constexpr int kStreamPerJudge = 4;
+
+// Every kStreamPerJudge-th pose.
+Poses Thin(std::span<const body::Pose> poses);
+
+// A binding of the canonical humanoid to itself.
+Result<std::shared_ptr<const rig::Binding>> CanonicalBinding();
+
+// The settings of one style at full strength, at once.
+stylist::Settings OneStyle(int style, bool absolute);
+
+// What the stylist publishes for `input` (at kStreamRate_hz) as one session. `switches` take effect
+// at their frame, in ascending order.
+struct Switch {
+  std::size_t frame = 0;
+  stylist::Settings settings;
+};
+Poses StyleStream(const std::shared_ptr<const erd::Network>& network,
+                  const std::shared_ptr<const rig::Binding>& binding,
+                  const stylist::Options& options, std::span<const Switch> switches,
+                  std::span<const body::Pose> input);
+
+// The baseline that a network must beat: a constant rotation per joint.
+struct ConstantOffset {
+  std::array<body::Quat, body::kJointCount> offset;
+  body::Pose Apply(const body::Pose& pose) const;  // grounded as the stylist grounds
+};
+
+// Clips played back to back as one performer: each is turned and moved so that it begins where and
+// as its predecessor ends, the last and first `blend` frames overlapping.
+struct Chain {
+  struct Part {
+    int clip = 0;           // index into the clips given
+    std::size_t begin = 0;  // first and one-past-last frame that belong to this clip alone
+    std::size_t end = 0;
+  };
+  Poses poses;
+  std::vector<Part> parts;
+};
+// Repeats `clips` in turn until `seconds` are over, then plays each once more. Clips shorter than
+// 3 * blend are left out. The rate is that of the clips.
+Chain ChainClips(std::span<const Poses> clips, double rate_hz, double seconds, int blend);
+
+}  // namespace styled::judge

@@ -1,0 +1,124 @@
+#include "model/train/monitor.h"
+
+#include <algorithm>
+
+#include "model/train/geometry.h"
+
+namespace styled::train {
+namespace {
+
+using torch::Tensor;
+
+// Mean joint jerk, up to a factor of the rate: [T, B, 63] -> scalar.
+double MeanJerk(const Tensor& positions) {
+  const Tensor p = positions.view({positions.size(0), positions.size(1), -1, 3});
+  return p.diff(3, 0).square().sum(-1).sqrt().mean().item<double>();
+}
+
+}  // namespace
+
+Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int contents,
+                 const body::FeatureParameters& parameters, const Tensor& mean,
+                 const Tensor& deviation)
+    : styles_(styles) {
+  // 1. The mean pose of every cell.
+  std::vector<float> frames;
+  Tensor sum = torch::zeros({styles, contents, body::kPositionFeatures}, torch::kFloat64);
+  Tensor count = torch::zeros({styles, contents, 1}, torch::kFloat64);
+  for (const TrainingClip& clip : clips) {
+    const int length = static_cast<int>(clip.poses.size());
+    frames.resize(static_cast<std::size_t>(length) * body::kFeatureCount);
+    FillWindow(clip, 0, length, false, false, parameters, {.features = frames.data()});
+    const Tensor x = torch::from_blob(frames.data(), {length, body::kFeatureCount});
+    sum[clip.style][clip.content] +=
+        x.narrow(1, body::kPositionBegin, body::kPositionFeatures).to(torch::kFloat64).sum(0);
+    count[clip.style][clip.content] += length;
+  }
+
+  // 2. Fixed windows: the first clips of each neutral cell, from their middle.
+  std::vector<Tensor> windows;
+  std::vector<int> window_content;
+  std::vector<int> kept;
+  for (int content = 0; content < contents; ++content) {
+    int found = 0;
+    for (const TrainingClip& clip : clips) {
+      const int length = static_cast<int>(clip.poses.size());
+      if (clip.style != 0 || clip.content != content || length <= kFrames) continue;
+      if (found == kWindowsPerContent) break;
+      Tensor window = torch::empty({kFrames, body::kFeatureCount});
+      FillWindow(clip, (length - kFrames) / 2, kFrames, false, false, parameters,
+                 {.features = window.data_ptr<float>()});
+      windows.push_back(window);
+      window_content.push_back(static_cast<int>(kept.size()));
+      ++found;
+    }
+    bool complete = found > 0;
+    for (int style = 0; style < styles; ++style) {
+      complete = complete && count[style][content].item<double>() > 0;
+    }
+    if (complete) {
+      kept.push_back(content);
+    } else {
+      windows.resize(windows.size() - found);
+      window_content.resize(windows.size());
+    }
+  }
+  TORCH_CHECK(!windows.empty(), "the validation split has no neutral clip of ", kFrames + 1,
+              " frames");
+  features_ = torch::stack(windows, 1).to(mean.device());
+  u_ = (features_ - mean) / deviation;
+  content_ = torch::zeros({static_cast<int64_t>(kept.size()),
+                           static_cast<int64_t>(windows.size())});
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    content_[window_content[i]][static_cast<int64_t>(i)] = 1.0F;
+  }
+  content_ = (content_ / content_.sum(1, true)).to(mean.device());
+  const Tensor kept_index =
+      torch::tensor(std::vector<int64_t>(kept.begin(), kept.end()), torch::kInt64);
+  const Tensor means = (sum / count.clamp_min(1)).index_select(1, kept_index);
+  real_shift_ = (means - means.narrow(0, 0, 1)).to(torch::kFloat32).to(mean.device());
+}
+
+MonitorRow Monitor::Evaluate(const Generator& generator) const {
+  torch::NoGradGuard no_grad;
+  const int64_t batch = u_.size(1);
+  const int64_t branches = styles_ - 1;
+  const Tensor styles = torch::zeros({batch}, torch::kInt64).to(u_.device());
+  const Tensor z = generator.Encode(u_, styles);
+  StackState neutral_state = generator.neutral.Initial(batch);
+  StackState branch_state = generator.branches.Initial(batch);
+  const Tensor r0 = generator.Neutral(z, neutral_state);
+  const Tensor residual = generator.Branches(z.repeat({1, branches, 1}), branch_state);
+  const Tensor one_hot = torch::eye(styles_).to(u_.device());
+  const Tensor rec = generator.Decode(r0, one_hot.narrow(0, 0, 1).expand({batch, -1})).rotations;
+  const Tensor input = features_.narrow(2, 0, body::kRotationFeatures)
+                           .reshape({kFrames, batch, body::kJointCount, 4});
+  const Tensor positions =
+      features_.narrow(2, body::kPositionBegin, body::kPositionFeatures)
+          .narrow(0, kSkipped, kFrames - kSkipped);
+  const double input_jerk = MeanJerk(positions);
+
+  MonitorRow row;
+  const Tensor dot = (rec * input).sum(-1).abs().clamp_max(1.0);
+  row.reconstruction_deg = torch::acos(dot).mean().item<double>() * 2.0 * 180.0 / M_PI;
+  for (int64_t style = 1; style < styles_; ++style) {
+    const Tensor sty = generator
+                           .Decode(r0 + residual.narrow(1, (style - 1) * batch, batch),
+                                   one_hot.narrow(0, style, 1).expand({batch, -1}))
+                           .rotations;
+    const Tensor published = Multiply(input, Multiply(Conjugate(rec), sty));
+    const Tensor styled = HipsRelativePositions(published)
+                              .narrow(0, kSkipped, kFrames - kSkipped)
+                              .flatten(2, 3);
+    const Tensor shift = torch::matmul(content_, (styled - positions).mean(0)).flatten();
+    const Tensor real = real_shift_[style].flatten();
+    const double along = torch::dot(shift, real).item<double>();
+    const double real_norm = real.norm().item<double>();
+    row.expression.push_back(along / (real_norm * real_norm));
+    row.cosine.push_back(along / (real_norm * shift.norm().item<double>() + 1e-12));
+    row.jerk_ratio.push_back(MeanJerk(styled) / input_jerk);
+  }
+  return row;
+}
+
+}  // namespace styled::train

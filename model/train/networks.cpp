@@ -1,0 +1,188 @@
+#include "model/train/networks.h"
+
+#include <cmath>
+
+#include "model/body/features.h"
+#include "model/train/lstm.h"
+
+namespace styled::train {
+namespace {
+
+using torch::Tensor;
+namespace F = torch::nn::functional;
+
+constexpr double kLeak = 0.2;
+
+// [T, B, C] -> [T, B, kernel * C]: each frame with its neighbours, the ends repeated. A convolution
+// over time is then one matrix product, and so are its first and second derivatives.
+Tensor Neighbours(const Tensor& x, int64_t kernel) {
+  const int64_t half = kernel / 2;
+  const int64_t frames = x.size(0);
+  std::vector<Tensor> padded(half, x.narrow(0, 0, 1));
+  padded.push_back(x);
+  padded.insert(padded.end(), half, x.narrow(0, frames - 1, 1));
+  const Tensor all = torch::cat(padded, 0);
+  std::vector<Tensor> shifted;
+  for (int64_t k = 0; k < kernel; ++k) shifted.push_back(all.narrow(0, k, frames));
+  return torch::cat(shifted, 2);
+}
+
+Tensor InstanceNorm(const Tensor& x) {
+  const Tensor centred = x - x.mean(0, true);
+  return centred * (centred.square().mean(0, true) + 1e-5).rsqrt();
+}
+
+Tensor Leaky(const Tensor& x) { return torch::leaky_relu(x, kLeak); }
+
+}  // namespace
+
+Affine::Affine(Parameters& parameters, const std::string& name, int64_t in, int64_t out) {
+  const double bound = 1.0 / std::sqrt(static_cast<double>(in));
+  weight = parameters.Add(name + ".weight", {out, in}, bound);
+  bias = parameters.Add(name + ".bias", {out}, bound);
+}
+
+Tensor Affine::operator()(const Tensor& x) const { return torch::linear(x, weight, bias); }
+
+Stack::Stack(Parameters& parameters, const std::string& name, int64_t groups_, int64_t layers,
+             int64_t width)
+    : groups(groups_) {
+  const double bound = 1.0 / std::sqrt(static_cast<double>(width));
+  for (int64_t layer = 0; layer < layers; ++layer) {
+    const std::string prefix = name + "." + std::to_string(layer) + ".";
+    input.push_back(parameters.Add(prefix + "input", {groups, 4 * width, width}, bound));
+    hidden.push_back(parameters.Add(prefix + "hidden", {groups, 4 * width, width}, bound));
+    bias.push_back(parameters.Add(prefix + "bias", {groups, 4 * width}, bound));
+    h0.push_back(parameters.Add(prefix + "h0", {groups, width}, bound));
+    c0.push_back(parameters.Add(prefix + "c0", {groups, width}, bound));
+  }
+}
+
+StackState Stack::Initial(int64_t samples) const {
+  StackState state;
+  for (std::size_t layer = 0; layer < input.size(); ++layer) {
+    state.h.push_back(h0[layer].unsqueeze(1).expand({-1, samples, -1}));
+    state.c.push_back(c0[layer].unsqueeze(1).expand({-1, samples, -1}));
+  }
+  return state;
+}
+
+Tensor Stack::operator()(Tensor x, StackState& state) const {
+  for (std::size_t layer = 0; layer < input.size(); ++layer) {
+    auto [y, last_c] =
+        LstmLayer(x, input[layer], hidden[layer], bias[layer], state.h[layer], state.c[layer]);
+    state.h[layer] = y.select(1, y.size(1) - 1).detach().clone();
+    state.c[layer] = last_c.detach();
+    x = y;
+  }
+  return x;
+}
+
+Generator::Generator(const GeneratorShape& shape_, const Tensor& mean, const Tensor& deviation)
+    : shape(shape_),
+      rotation_mean_(mean.narrow(0, 0, body::kRotationFeatures)),
+      rotation_deviation_(deviation.narrow(0, 0, body::kRotationFeatures)) {
+  int64_t width = body::kFeatureCount + shape.styles;
+  std::vector<int64_t> widths = shape.encoder;
+  widths.push_back(shape.latent);
+  for (const int64_t next : widths) {
+    encoder_.emplace_back(parameters, "encoder." + std::to_string(encoder_.size()), width, next);
+    width = next;
+  }
+  neutral = Stack(parameters, "neutral", 1, shape.neutral_layers, shape.latent);
+  branches = Stack(parameters, "branches", shape.styles - 1, shape.style_layers, shape.latent);
+  width = shape.latent + shape.styles;
+  for (const int64_t next : shape.decoder) {
+    decoder_.emplace_back(parameters, "decoder." + std::to_string(decoder_.size()), width, next);
+    width = next;
+  }
+  rotation_ = Affine(parameters, "head.rotation", width, body::kRotationFeatures);
+  velocity_ = Affine(parameters, "head.velocity", width, body::kVelocityFeatures);
+  height_ = Affine(parameters, "head.height", width, 1);
+  parameters.Flatten(mean.device());
+}
+
+Tensor Generator::Encode(const Tensor& u, const Tensor& styles) const {
+  const Tensor one_hot = torch::one_hot(styles, shape.styles).to(u.dtype());
+  Tensor x = torch::cat({u, one_hot.unsqueeze(0).expand({u.size(0), -1, -1})}, 2);
+  for (std::size_t i = 0; i < encoder_.size(); ++i) {
+    x = encoder_[i](x);
+    if (i + 1 < encoder_.size()) x = torch::relu(x);
+  }
+  return x;
+}
+
+Tensor Generator::Neutral(const Tensor& z, StackState& state) const {
+  return neutral(z.unsqueeze(0), state).squeeze(0);
+}
+
+Tensor Generator::Branches(const Tensor& z, StackState& state) const {
+  const int64_t groups = branches.groups;
+  const Tensor grouped =
+      z.view({z.size(0), groups, z.size(1) / groups, z.size(2)}).transpose(0, 1).contiguous();
+  return branches(grouped, state).transpose(0, 1).reshape(z.sizes());
+}
+
+Decoded Generator::Decode(const Tensor& z, const Tensor& target) const {
+  Tensor x = torch::cat({z, target.unsqueeze(0).expand({z.size(0), -1, -1})}, 2);
+  for (const Affine& layer : decoder_) x = torch::relu(layer(x));
+  const Tensor raw = (rotation_(x) * rotation_deviation_ + rotation_mean_)
+                         .view({x.size(0), x.size(1), body::kJointCount, 4});
+  Decoded out;
+  out.rotations = raw * (raw.square().sum(-1, true) + 1e-12).rsqrt();
+  out.velocities = velocity_(x);
+  out.height = height_(x);
+  return out;
+}
+
+Critic::Critic(int64_t features, int64_t labels, int64_t frames) {
+  int64_t width = features;
+  for (const int64_t next : {84, 56, 36, 24, 16}) {
+    convolutions_.emplace_back(parameters, "convolution." + std::to_string(convolutions_.size()),
+                               3 * width, next);
+    width = next;
+  }
+  attention_.emplace_back(parameters, "attention.0", labels, 64);
+  attention_.emplace_back(parameters, "attention.1", 64, 64);
+  feature_attention_ = Affine(parameters, "attention.feature", 64, width);
+  time_attention_ = Affine(parameters, "attention.time", 64, frames);
+}
+
+Tensor Critic::operator()(const Tensor& x, const Tensor& labels) const {
+  Tensor m = x;
+  for (std::size_t i = 0; i < convolutions_.size(); ++i) {
+    m = convolutions_[i](Neighbours(m, 3));
+    if (i + 1 < convolutions_.size()) m = Leaky(m);
+  }
+  Tensor attention = labels;
+  for (const Affine& layer : attention_) attention = Leaky(layer(attention));
+  const Tensor wf = feature_attention_(attention);              // [B, 16]
+  const Tensor wt = time_attention_(attention).transpose(0, 1);  // [T, B]
+  return ((m * wf.unsqueeze(0)).sum(2) * wt).sum(0);
+}
+
+ContentClassifier::ContentClassifier(int64_t features, int64_t contents) {
+  int64_t width = features;
+  for (int layer = 0; layer < 4; ++layer) {
+    convolutions_.emplace_back(parameters, "convolution." + std::to_string(layer), 5 * width,
+                               width / 2);
+    width /= 2;
+  }
+  head_ = Affine(parameters, "head", 2 * width, contents);
+}
+
+std::vector<Tensor> ContentClassifier::Maps(const Tensor& x) const {
+  std::vector<Tensor> maps{x};
+  for (const Affine& convolution : convolutions_) {
+    maps.push_back(Leaky(InstanceNorm(convolution(Neighbours(maps.back(), 5)))));
+  }
+  maps.erase(maps.begin());
+  return maps;
+}
+
+Tensor ContentClassifier::Logits(const Tensor& x) const {
+  const Tensor last = Maps(x).back();
+  return head_(torch::cat({last.mean(0), last.amax(0)}, 1));
+}
+
+}  // namespace styled::train

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include <string>
+#include <vector>
+
+#include "model/train/adam.h"
+
+// The three networks of Style-ERD. Everything is time-major: [T, B, features].
+namespace styled::train {
+
+// y = W x + b on the last dimension.
+struct Affine {
+  torch::Tensor weight, bias;
+  Affine() = default;
+  Affine(Parameters& parameters, const std::string& name, int64_t in, int64_t out);
+  torch::Tensor operator()(const torch::Tensor& x) const;
+};
+
+struct GeneratorShape {
+  int64_t styles = 7;  // neutral included
+  int64_t latent = 32;
+  std::vector<int64_t> encoder{64};
+  std::vector<int64_t> decoder{58, 86, 128};
+  int64_t neutral_layers = 6, style_layers = 4;
+};
+
+// The states of a stack of LSTM layers: per layer [groups, samples, Z].
+struct StackState {
+  std::vector<torch::Tensor> h, c;
+};
+
+// A stack of LSTM layers for each of G groups, with learned initial states.
+struct Stack {
+  int64_t groups = 1;
+  std::vector<torch::Tensor> input, hidden, bias, h0, c0;  // per layer, first dimension G
+
+  Stack() = default;
+  Stack(Parameters& parameters, const std::string& name, int64_t groups, int64_t layers,
+        int64_t width);
+  // The learned states, for `samples` samples of each group.
+  StackState Initial(int64_t samples) const;
+  // x [G, T, N, Z]; `state` is where the window starts and, detached, where it ended.
+  torch::Tensor operator()(torch::Tensor x, StackState& state) const;
+};
+
+// What the decoder says of a frame, standardization undone.
+struct Decoded {
+  torch::Tensor rotations;   // [T, B, 21, 4], unit
+  torch::Tensor velocities;  // [T, B, 63], standardized
+  torch::Tensor height;      // [T, B, 1], standardized
+};
+
+// Encoder, neutral branch, style branches, decoder of model/weights/FORMAT.md, no content input.
+class Generator {
+ public:
+  Generator(const GeneratorShape& shape, const torch::Tensor& mean, const torch::Tensor& deviation);
+
+  // u [T, B, 211] standardized features, styles [B] int64: z [T, B, Z].
+  torch::Tensor Encode(const torch::Tensor& u, const torch::Tensor& styles) const;
+  // z [T, B, Z] of all samples.
+  torch::Tensor Neutral(const torch::Tensor& z, StackState& state) const;
+  // z [T, (styles-1) * n, Z], ordered by style: each block of n goes through its own branch.
+  torch::Tensor Branches(const torch::Tensor& z, StackState& state) const;
+  // target [B, N]: the decoder's style input.
+  Decoded Decode(const torch::Tensor& z, const torch::Tensor& target) const;
+
+  Parameters parameters;
+  GeneratorShape shape;
+  Stack neutral, branches;
+
+ private:
+  torch::Tensor rotation_mean_, rotation_deviation_;
+  std::vector<Affine> encoder_, decoder_;
+  Affine rotation_, velocity_, height_;
+};
+
+// FT-Att discriminator D_S(p, v | S, C), eq. 1. x [24, B, 126] standardized positions and
+// velocities, labels [B, styles + contents] one-hots; the score is [B].
+class Critic {
+ public:
+  Critic(int64_t features, int64_t labels, int64_t frames);
+  torch::Tensor operator()(const torch::Tensor& x, const torch::Tensor& labels) const;
+
+  Parameters parameters;
+
+ private:
+  std::vector<Affine> convolutions_;
+  std::vector<Affine> attention_;
+  Affine feature_attention_, time_attention_;
+};
+
+// D_C on standardized [r, p, v]: x [T, B, 210]. Channels are halved by every layer, kernel 5.
+class ContentClassifier {
+ public:
+  ContentClassifier(int64_t features, int64_t contents);
+  // The feature maps after each layer, for the perceptual loss (eq. 7).
+  std::vector<torch::Tensor> Maps(const torch::Tensor& x) const;
+  torch::Tensor Logits(const torch::Tensor& x) const;
+
+  Parameters parameters;
+
+ private:
+  std::vector<Affine> convolutions_;
+  Affine head_;
+};
+
+}  // namespace styled::train

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "model/train/dataset.h"
+
+namespace styled::train {
+
+// Which windows a batch is made of. A batch has `2 * per_style` slots for each style besides
+// neutral, in order of style: first `per_style` neutral windows that are transferred to the style,
+// then `per_style` windows of the style that are transferred to neutral. A slot keeps its role, so
+// that recurrent states can be carried from one iteration to the next. Contents are drawn evenly,
+// clips of a content by length. Deterministic; Save and Restore are exact.
+class Sampler {
+ public:
+  struct Options {
+    int styles = 0, contents = 0;
+    int per_style = 3;
+    int length = 25;  // frames per window
+    double carry = 0.5, session_start = 0.25;
+    uint64_t seed = 1;
+  };
+  struct Window {
+    int clip = -1;
+    int start = 0;
+    bool mirrored = false;
+    bool session_start = false;
+    bool carried = false;  // its states continue those at the end of the slot's last window
+  };
+
+  // `clips` must outlive the sampler.
+  Sampler(const std::vector<TrainingClip>& clips, const Options& options);
+
+  int slots() const { return static_cast<int>(last_.size()); }
+  int OwnStyle(int slot) const;
+  int TargetStyle(int slot) const;
+
+  // The next batch, one window per slot. A carried window continues the last one where the clip is
+  // long enough, else it is a random one that starts warm.
+  const std::vector<Window>& Next();
+
+  // A window of any style, for the classifier.
+  Window Any(int style);
+
+  std::string Save() const;
+  void Restore(const std::string& text);
+
+ private:
+  struct Cell {
+    std::vector<int> clips;
+    std::vector<int64_t> places;  // running total of places where a window may start
+  };
+
+  double Uniform();
+  int64_t Below(int64_t bound);
+  bool IsNeutralSlot(int slot) const;
+
+  const std::vector<TrainingClip>& clips_;
+  Options options_;
+  std::mt19937_64 random_;
+  std::vector<std::vector<Cell>> cells_;  // per style, the contents that it has
+  std::vector<Window> last_;
+};
+
+}  // namespace styled::train

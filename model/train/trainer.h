@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "model/base/status.h"
+
+namespace styled::train {
+
+// Everything a run depends on besides its data. Every field is a flag of styletrain; the defaults
+// are those of the shipped weights.
+struct TrainConfig {
+  std::filesystem::path manifest, data, out;
+  std::string command;   // recorded in the weights' metadata
+  double minutes = 0;    // length of the run in wall time, over all resumes; 0: by iterations
+  int64_t iterations = 0;
+  uint64_t seed = 1;
+  bool resume = false;
+  std::string device = "auto";  // "auto", "cpu" or "cuda"
+  int threads = 1;
+
+  double rate_hz = 30.0;
+  double heading_tau_s = 0.25;
+  int window = 24;     // frames that are judged; the generator runs over one more
+  int per_style = 3;   // windows per batch: per style so many styled ones, and as many neutral ones
+  double carry = 0.5;  // share of windows that start from states carried over from the slot's last
+  double session_start = 0.25;  // share of the others that begin like a new session
+
+  double generator_rate = 8e-4, critic_rate = 4e-4;
+  double beta1 = 0.9, beta2 = 0.999;
+  double decay_from = 0.67, decay_to = 0.2;  // learning rates fall linearly over the last third
+  double ema = 0.999;                        // running mean of the weights, which is what is saved
+
+  double w_rotation = 0.05;  // eq. 2, summed over joints and frames, as in the authors' code
+  double w_position = 5.0;   // mean squared distance, m²; ½ in eq. 3, here in balance with the above
+  double w_velocity = 0.05, w_height = 0.05;  // mean squares of the heads, standardized
+  double w_adversarial = 1.0, w_perceptual = 0.1, w_penalty = 128.0;
+  double w_smooth = 10.0;     // second difference of the change of style
+  double smooth_from = 0.2, smooth_full = 0.3;  // share of the run over which it is ramped in
+  bool judge_published = true;  // judges see the detail-preserving output; false: the absolute one
+  bool judge_root = true;       // velocities that judges see include the path of the hips
+
+  int classifier_iterations = 1500;
+  double checkpoint_minutes = 5.0;
+  int log_every = 100, monitor_every = 500;
+};
+
+// Trains until minutes or iterations are over. Writes into `out`: checkpoint.pt (replaced
+// atomically), weights.safetensors (running mean, at every checkpoint), log.csv, monitor.csv.
+// A resumed run continues bit for bit where the checkpoint was made, given the same flags.
+Status Train(const TrainConfig& config);
+
+// Writes the weights of a run's checkpoint (model/weights/FORMAT.md).
+Status ExportRun(const std::filesystem::path& run, const std::filesystem::path& file);
+
+}  // namespace styled::train
