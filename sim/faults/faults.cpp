@@ -1,0 +1,130 @@
+#include "sim/faults/faults.h"
+
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include "proto/rigs/native/datagram.h"
+#include "proto/rigs/native/header.h"
+
+namespace styled::faults {
+namespace {
+
+constexpr std::string_view kWords =
+    "loss, duplicate, reorder, corrupt, truncate, nan, oversized, restart, late (each = a "
+    "probability), seed, late-ms or restart-pause-ms";
+
+bool ParseNumber(std::string_view text, double& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+}
+
+Fault FaultByName(std::string_view name) {
+  for (std::size_t i = 1; i < static_cast<std::size_t>(Fault::kCount); ++i) {
+    if (Name(static_cast<Fault>(i)) == name) return static_cast<Fault>(i);
+  }
+  return Fault::kNone;
+}
+
+// One "word=value" of the list.
+Status ParseItem(std::string_view item, Spec& spec) {
+  const auto wrong = [item](std::string_view expected) {
+    return Status::Error("faults: '" + std::string(item) + "': expected " + std::string(expected));
+  };
+  const std::size_t equals = item.find('=');
+  if (equals == std::string_view::npos) return wrong("word=value");
+  const std::string_view word = item.substr(0, equals), text = item.substr(equals + 1);
+  if (word == "seed") {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), spec.seed);
+    if (error != std::errc() || end != text.data() + text.size()) {
+      return wrong("a whole number from 0");
+    }
+    return Status::Ok();
+  }
+  double value = 0;
+  const bool is_number = ParseNumber(text, value);
+  if (word == "late-ms" || word == "restart-pause-ms") {
+    if (!is_number || value < 0 || value > 60000) return wrong("milliseconds from 0 to 60000");
+    (word == "late-ms" ? spec.late_ms : spec.restart_pause_ms) = value;
+    return Status::Ok();
+  }
+  const Fault fault = FaultByName(word);
+  if (fault == Fault::kNone) return wrong(kWords);
+  if (!is_number || value < 0 || value > 1) return wrong("a probability from 0 to 1");
+  spec.probability[static_cast<std::size_t>(fault)] = value;
+  return Status::Ok();
+}
+
+}  // namespace
+
+std::string_view Name(Fault fault) noexcept {
+  constexpr std::array<std::string_view, static_cast<std::size_t>(Fault::kCount)> kNames{
+      "none",     "loss", "duplicate", "reorder", "corrupt",
+      "truncate", "nan",  "oversized", "restart", "late"};
+  return kNames[static_cast<std::size_t>(fault)];
+}
+
+bool Spec::any() const noexcept {
+  for (const double p : probability) {
+    if (p > 0) return true;
+  }
+  return false;
+}
+
+Result<Spec> Parse(std::string_view text) {
+  Spec spec;
+  while (!text.empty()) {
+    const std::size_t comma = text.find(',');
+    if (const Status status = ParseItem(text.substr(0, comma), spec); !status.ok()) return status;
+    text = comma == std::string_view::npos ? std::string_view() : text.substr(comma + 1);
+  }
+  double sum = 0;
+  for (const double p : spec.probability) sum += p;
+  if (sum > 1 + 1e-9) {
+    return Status::Error("faults: the probabilities sum to " + std::to_string(sum) +
+                         ", expected at most 1 (a frame suffers one fault at a time)");
+  }
+  return spec;
+}
+
+Faults::Faults(const Spec& spec, std::uint64_t stream)
+    : spec_(spec), random_(spec.seed * 0x9E3779B97F4A7C15ULL + stream) {}
+
+double Faults::Uniform() noexcept {
+  return static_cast<double>(random_() >> 11) * 0x1p-53;  // [0, 1), the same on every platform
+}
+
+std::uint32_t Faults::Choose(std::uint32_t below) noexcept {
+  assert(below > 0);
+  return static_cast<std::uint32_t>(Uniform() * below);
+}
+
+Fault Faults::Draw() noexcept {
+  double at = Uniform();
+  Fault fault = Fault::kNone;
+  for (std::size_t i = 1; i < spec_.probability.size() && fault == Fault::kNone; ++i) {
+    if (at < spec_.probability[i]) fault = static_cast<Fault>(i);
+    at -= spec_.probability[i];
+  }
+  if (spare_next_) fault = Fault::kNone;
+  spare_next_ = fault == Fault::kReorder;
+  ++counts_[static_cast<std::size_t>(fault)];
+  return fault;
+}
+
+std::size_t Faults::Damage(Fault fault, std::byte* datagram, std::size_t size) noexcept {
+  assert(size > native::kHeaderSize);
+  if (fault == Fault::kTruncate) {
+    const auto payload = static_cast<std::uint32_t>(size - native::kHeaderSize);
+    return native::kHeaderSize + Choose(payload);
+  }
+  if (fault == Fault::kCorrupt) {
+    const auto begin = static_cast<std::uint32_t>(native::header::kCrc);
+    const std::uint32_t bit = Choose((static_cast<std::uint32_t>(size) - begin) * 8);
+    datagram[begin + bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
+  }
+  return size;
+}
+
+}  // namespace styled::faults

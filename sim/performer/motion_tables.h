@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "model/body/humanoid.h"
+
+// The numbers of the synthetic performer. A motion is a function from time to channels: per joint
+// (body::Joint order) the rotation vector of its local rotation (rad), the heading taken out of the
+// hips', then the hips' place relative to the path: sideways (to the left), height and forward (m).
+// In these coordinates, where the T-pose is 0, poses may be added and blended.
+namespace styled::performer {
+
+inline constexpr int kSideways = 3 * body::kJointCount;
+inline constexpr int kHeight = kSideways + 1;
+inline constexpr int kForward = kSideways + 2;
+inline constexpr int kChannelCount = kSideways + 3;
+using Channels = std::array<float, kChannelCount>;
+
+// A truncated Fourier series over the gait's phase (0 .. 1): mean, then cosine and sine of each
+// harmonic. Phase 0: the left foot passes the right one.
+template <int kOrder>
+using Series = std::array<float, 2 * kOrder + 1>;
+inline constexpr int kGaitOrder = 5;
+inline constexpr int kTurnOrder = 2;
+
+extern const Channels kStand;
+extern const std::array<Series<kGaitOrder>, kChannelCount> kWalk;
+extern const std::array<Series<kTurnOrder>, kChannelCount> kWalkTurn;  // per rad/s to the left
+extern const std::array<Series<kGaitOrder>, kChannelCount> kRun;
+
+// One channel of a gesture, relative to standing: uniform cubic B-splines with a knot every
+// kKnot_s, from 0 to the plateau and back to 0, and a periodic part on the plateau (cosine and
+// sine of three harmonics). The spline's ends (0, and the plateau = last of `rise`) count thrice.
+struct GestureRow {
+  int channel;
+  std::array<float, 7> rise;
+  std::array<float, 6> fall;
+  std::array<float, 6> cycle;
+};
+inline constexpr double kKnot_s = 0.125;
+inline constexpr double kEdge_s = 9 * kKnot_s;  // how long a rise or a fall takes
+
+struct Gesture {
+  std::span<const GestureRow> rows;
+  double cycle_hz;
+};
+
+extern const Gesture kRaiseOne, kWaveOne;  // of the left hand
+extern const Gesture kRaiseBoth, kWaveBoth;
+
+// How far one gait cycle goes (m), how many there are per second, and when a foot stands: the
+// phases of the left foot's contact (of the right one's half a cycle later) and their blurred
+// edges.
+struct Gait {
+  double stride_m, cycles_hz;
+  double land, lift, blur;
+};
+inline constexpr Gait kWalkGait{1.358, 0.904, 0.25, 0.68, 0.07};
+inline constexpr Gait kRunGait{2.363, 1.304, 0.36, 0.50, 0.055};
+// In a walking turn of w rad/s: shorter by so many metres, and drifting sideways (m/s) per rad/s.
+inline constexpr double kTurnShortens_m = 0.265;
+inline constexpr double kTurnDrift_m = -0.175;
+// The height of the toe joint over the floor while the foot stands, m.
+inline constexpr double kToeHeight_m = 0.045;
+
+}  // namespace styled::performer

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "model/base/status.h"
+
+namespace styled::performer {
+
+// What the synthetic performer can do.
+enum class Motion : std::uint8_t {
+  kStand,
+  kWalk,
+  kRun,
+  kTurnLeft,  // a walking turn
+  kTurnRight,
+  kWaveLeft,
+  kWaveRight,
+  kWaveBoth,
+  kRaiseLeft,
+  kRaiseRight,
+  kRaiseBoth,
+  kCount
+};
+
+// "stand", "walk", "run", "turn-left", "wave-both", ...: the words of ParseScript().
+std::string_view Name(Motion motion) noexcept;
+
+struct ScriptItem {
+  Motion motion = Motion::kStand;
+  double seconds = 1;
+};
+
+// "stand:2,walk:5,turn-left:3": what to do and for how many seconds (0.1 .. 3600; without a number
+// 4). "" is an empty script. Errors name the item and what was expected.
+Result<std::vector<ScriptItem>> ParseScript(std::string_view text);
+
+}  // namespace styled::performer

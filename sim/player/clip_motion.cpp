@@ -1,0 +1,122 @@
+#include "sim/player/clip_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+
+namespace styled::player {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSeam_s = 0.3;
+
+bool IsBvh(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".bvh";
+}
+
+// The turn about +Y in a rotation.
+rig::Quat TurnOf(const rig::Quat& q) {
+  const float norm = std::hypot(q.w(), q.y());
+  if (norm < 1e-6F) return rig::Quat::Identity();
+  return {q.w() / norm, 0, q.y() / norm, 0};
+}
+
+}  // namespace
+
+Result<std::vector<fs::path>> FindClips(const std::vector<fs::path>& paths) {
+  std::vector<fs::path> files;
+  for (const fs::path& path : paths) {
+    std::error_code error;
+    if (!fs::is_directory(path, error)) {
+      if (!fs::exists(path, error)) {
+        return Status::Error(path.string() +
+                             ": not found, expected a BVH file or a folder of them");
+      }
+      files.push_back(path);
+      continue;
+    }
+    const std::size_t before = files.size();
+    for (const fs::directory_entry& entry : fs::directory_iterator(path, error)) {
+      if (entry.is_regular_file(error) && IsBvh(entry.path())) files.push_back(entry.path());
+    }
+    if (files.size() == before) {
+      return Status::Error(path.string() + ": no *.bvh in it, expected at least one");
+    }
+    std::sort(files.begin() + static_cast<std::ptrdiff_t>(before), files.end());
+  }
+  return files;
+}
+
+Result<std::unique_ptr<ClipMotion>> ClipMotion::Make(std::vector<fs::path> files,
+                                                     ClipMotionOptions options) {
+  std::unique_ptr<ClipMotion> motion(new ClipMotion);
+  motion->files_ = std::move(files);
+  motion->options_ = std::move(options);
+  const std::size_t first = motion->options_.first % motion->files_.size();
+  if (Status status = motion->Load(first); !status.ok()) return status;
+  return motion;
+}
+
+Status ClipMotion::Load(std::size_t file) {
+  Result<clip::Clip> read = clip::ReadBvh(files_[file]);
+  if (!read.ok()) return read.status();
+  if (read.value().frames.empty()) {
+    return Status::Error(files_[file].string() + ": no frames, expected at least one");
+  }
+  clip_ = clip::Resample(read.value(), options_.rate_hz);
+  file_ = file;
+  frame_ = 0;
+  seam_.clear();
+  turn_ = rig::Quat::Identity();
+  shift_ = rig::Vec3::Zero();
+  body_ = {clip_.skeleton, {}, options_.metres_per_unit, options_.dialect};
+  return Status::Ok();
+}
+
+Motion::Step ClipMotion::Next(rig::RigPose& pose) {
+  if (frame_ == clip_.frames.size()) {
+    ++files_played_;
+    if (files_played_ >= files_.size() && !options_.loop) return Step::kEnd;
+    if (files_.size() > 1) {
+      error_ = Load((file_ + 1) % files_.size());
+      return error_.ok() ? Step::kNewBody : Step::kError;
+    }
+    JoinPasses(pose);
+  }
+  pose = clip_.frames[frame_];
+  rig::Vec3& place = pose.translations[0];
+  place = turn_ * place + shift_;
+  pose.rotations[0] = turn_ * pose.rotations[0];
+  const double share = static_cast<double>(frame_) / (kSeam_s * options_.rate_hz);
+  if (!seam_.empty() && share < 1) {
+    const double faded = 1 - share * share * share * (10 + share * (6 * share - 15));
+    const auto weight = static_cast<float>(faded);
+    for (std::size_t j = 0; j < seam_.size(); ++j) {
+      pose.rotations[j] = (pose.rotations[j] * body::Exp(weight * seam_[j])).normalized();
+    }
+    place.y() += weight * seam_height_;
+  }
+  ++frame_;
+  return Step::kPose;
+}
+
+// `last` is the last pose sent; the pass that follows begins as if one frame later.
+void ClipMotion::JoinPasses(const rig::RigPose& last) {
+  frame_ = std::min<std::size_t>(1, clip_.frames.size() - 1);
+  const rig::RigPose& first = clip_.frames[0];
+  turn_ = TurnOf(last.rotations[0] * first.rotations[0].conjugate());
+  shift_ = last.translations[0] - turn_ * first.translations[0];
+  seam_height_ = shift_.y();
+  shift_.y() = 0;
+  seam_.resize(first.rotations.size());
+  for (std::size_t j = 0; j < seam_.size(); ++j) {
+    const rig::Quat from = j == 0 ? turn_ * first.rotations[0] : first.rotations[j];
+    seam_[j] = body::Log(from.conjugate() * last.rotations[j]);
+  }
+}
+
+}  // namespace styled::player

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "model/base/status.h"
+#include "sim/player/clock.h"
+#include "sim/player/link.h"
+#include "sim/player/stream.h"
+
+namespace styled::player {
+
+struct PlayerOptions {
+  double rate_hz = 120;  // 1 .. 1000, all performers
+  double seconds = 0;    // stop after so much source time; 0 = when the motion ends
+};
+
+struct PlayerCounts {
+  std::uint64_t ticks = 0;       // of the rate, all performers together one
+  std::uint64_t late_ticks = 0;  // begun more than a whole period behind time
+  std::int64_t wall_ns = 0;
+};
+
+// Plays performers into a link, paced by an absolute clock: tick i of performer k of n is due at
+// start + (i + k / n) periods, whatever happened before; what is overdue is sent at once, nothing
+// is skipped. Runs on the caller's thread. Pinned by tests/unit/sim/player_test.cpp.
+class Player {
+ public:
+  Player(PlayerOptions options, std::vector<Stream> streams);
+
+  // Returns when every motion has ended, after `seconds`, when `stop` is set, or on an error.
+  Status Run(Clock& clock, Link& link, const std::atomic<bool>& stop);
+
+  const std::vector<Stream>& streams() const { return streams_; }
+  const PlayerCounts& counts() const { return counts_; }
+
+ private:
+  PlayerOptions options_;
+  std::vector<Stream> streams_;
+  PlayerCounts counts_;
+};
+
+// "performers=1 frames=2400 bodies=20 datagrams=2420 bytes=... sessions=1 seconds=20.00
+// late_ticks=0", then the faults that occurred, "loss=12 ...": words and numbers for tests.
+std::string Summary(const Player& player);
+
+}  // namespace styled::player

@@ -1,0 +1,200 @@
+// stylesim stands in for a rig: it plays BVH files or its own synthetic performer to the daemon
+// over the native protocol (proto/styled/v1/WIRE.md), with seeded faults, or writes the performer
+// as BVH.
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sim/faults/faults.h"
+#include "sim/performer/performer.h"
+#include "sim/player/clip_motion.h"
+#include "sim/player/clock.h"
+#include "sim/player/link.h"
+#include "sim/player/performer_motion.h"
+#include "sim/player/player.h"
+
+namespace {
+
+using styled::Result;
+using styled::Status;
+namespace performer = styled::performer;
+namespace player = styled::player;
+namespace faults = styled::faults;
+
+struct Arguments {
+  std::string to = "udp://127.0.0.1:7000";
+  std::vector<std::filesystem::path> clips;
+  std::string performer = "sim";
+  int performers = 1;
+  double rate_hz = 120, seconds = 0, start_wait_ms = 0;
+  bool loop = false;
+  std::uint64_t seed = 1;
+  std::string script, faults, dialect = "auto";
+  float metres_per_unit = 0;
+  std::filesystem::path write;
+};
+
+std::atomic<bool> stop_requested{false};
+
+extern "C" void RequestStop(int) { stop_requested = true; }
+
+void AddOptions(CLI::App& app, Arguments& a) {
+  app.add_option("--to", a.to, "where to send: udp://HOST:PORT or tcp://HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--bvh", a.clips,
+                 "BVH files, or folders of them, instead of the synthetic performer; several are "
+                 "played one after the other, each as a new session");
+  app.add_option("--performer", a.performer,
+                 "its name, 1 to 32 of A-Za-z0-9_-; of several NAME-1, NAME-2, ...")
+      ->capture_default_str();
+  app.add_option("--performers", a.performers,
+                 "how many at once; the k-th begins with the k-th file, or is another person")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--rate", a.rate_hz, "frames per second; clips are resampled (C2)")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--seconds", a.seconds,
+                 "stop after so long (0: at the motion's end, if it has one)")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  app.add_flag("--loop", a.loop, "begin the files again after the last");
+  app.add_option("--seed", a.seed, "of the synthetic performer")->capture_default_str();
+  app.add_option("--script", a.script,
+                 "what the synthetic performer does, for ever, e.g. stand:2,walk:5,turn-left:3; "
+                 "words: stand, walk, run, turn-left, turn-right, {wave,raise}-{left,right,both}. "
+                 "Without it: random order");
+  app.add_option("--dialect", a.dialect, "rig dialect of the files, sent in the body")
+      ->capture_default_str();
+  app.add_option("--metres-per-unit", a.metres_per_unit,
+                 "unit of the files, sent in the body (0: unknown, scaled by hips height)")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--faults", a.faults,
+                 "WORD=PROBABILITY,...: loss, duplicate, reorder, corrupt, truncate, nan, "
+                 "oversized, restart, late; and seed=N, late-ms=100, restart-pause-ms=150");
+  app.add_option("--start-wait-ms", a.start_wait_ms, "how long to wait for a TCP listener")
+      ->check(CLI::Range(0.0, 600000.0))
+      ->capture_default_str();
+  app.add_option("--write", a.write,
+                 "write the synthetic performer as a BVH file (centimetres) instead of sending it; "
+                 "needs --seconds");
+}
+
+int Fail(const Status& status) {
+  std::fprintf(stderr, "stylesim: %s\n", status.message().c_str());
+  return 1;
+}
+
+std::string PerformerName(const Arguments& a, int k) {
+  return a.performers == 1 ? a.performer : a.performer + "-" + std::to_string(k + 1);
+}
+
+Status Check(const Arguments& a, const faults::Spec& spec) {
+  const std::string longest = PerformerName(a, a.performers - 1);
+  if (!player::IsPerformerName(longest)) {
+    return Status::Error("--performer '" + longest + "': expected 1 to 32 of A-Za-z0-9_-");
+  }
+  const auto truncate = static_cast<std::size_t>(faults::Fault::kTruncate);
+  if (player::IsStream(a.to) && spec.probability[truncate] > 0) {
+    return Status::Error(
+        "--faults truncate: expected a udp:// address (a record cut short would "
+        "tear the TCP stream)");
+  }
+  if (!a.write.empty() && (!a.clips.empty() || a.seconds <= 0)) {
+    return Status::Error("--write: expected --seconds above 0 and no --bvh");
+  }
+  return Status::Ok();
+}
+
+std::unique_ptr<player::Motion> MakePerformer(const Arguments& a,
+                                              const std::vector<performer::ScriptItem>& script,
+                                              int k) {
+  const auto index = static_cast<std::uint64_t>(k);
+  return std::make_unique<player::PerformerMotion>(
+      performer::Vary(a.seed, index, script), performer::VaryProportions(a.seed, index), a.rate_hz);
+}
+
+Result<std::unique_ptr<player::Motion>> MakeClips(const Arguments& a,
+                                                  const std::vector<std::filesystem::path>& files,
+                                                  int k) {
+  auto made = player::ClipMotion::Make(
+      files, {a.rate_hz, a.dialect, a.metres_per_unit, a.loop, static_cast<std::size_t>(k)});
+  if (!made.ok()) return made.status();
+  return std::unique_ptr<player::Motion>(std::move(made.value()));
+}
+
+std::uint64_t NewSession() {
+  static std::random_device random;
+  const std::uint64_t id = (static_cast<std::uint64_t>(random()) << 32) | random();
+  return id == 0 ? 1 : id;
+}
+
+Result<std::vector<player::Stream>> MakeStreams(const Arguments& a,
+                                                const std::vector<performer::ScriptItem>& script,
+                                                const faults::Spec& spec) {
+  const auto files = player::FindClips(a.clips);
+  if (!files.ok()) return files.status();
+  std::vector<player::Stream> streams;
+  for (int k = 0; k < a.performers; ++k) {
+    std::unique_ptr<player::Motion> motion;
+    if (files.value().empty()) {
+      motion = MakePerformer(a, script, k);
+    } else {
+      auto clips = MakeClips(a, files.value(), k);
+      if (!clips.ok()) return clips.status();
+      motion = std::move(clips.value());
+    }
+    streams.emplace_back(player::StreamOptions{PerformerName(a, k), a.rate_hz, NewSession},
+                         std::move(motion), faults::Faults(spec, static_cast<std::uint64_t>(k)));
+  }
+  return streams;
+}
+
+int Run(const Arguments& a) {
+  const auto spec = faults::Parse(a.faults);
+  if (!spec.ok()) return Fail(spec.status());
+  const auto script = performer::ParseScript(a.script);
+  if (!script.ok()) return Fail(script.status());
+  if (const Status status = Check(a, spec.value()); !status.ok()) return Fail(status);
+  if (!a.write.empty()) {
+    const auto motion = MakePerformer(a, script.value(), 0);
+    const Status status = player::WriteMotion(*motion, a.seconds, a.rate_hz, a.write);
+    return status.ok() ? 0 : Fail(status);
+  }
+  auto streams = MakeStreams(a, script.value(), spec.value());
+  if (!streams.ok()) return Fail(streams.status());
+  auto link = player::Connect(a.to, a.start_wait_ms);
+  if (!link.ok()) return Fail(link.status());
+
+  player::SteadyClock clock;
+  player::Player player({a.rate_hz, a.seconds}, std::move(streams.value()));
+  const Status status = player.Run(clock, *link.value(), stop_requested);
+  std::printf("stylesim: %s\n", player::Summary(player).c_str());
+  return status.ok() ? 0 : Fail(status);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Stands in for a rig: plays BVH files, or a synthetic performer, to styled.",
+               "stylesim");
+  Arguments arguments;
+  AddOptions(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  // No SA_RESTART: a sleep between two frames ends with the signal.
+  struct sigaction action {};
+  action.sa_handler = RequestStop;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  try {
+    return Run(arguments);
+  } catch (const std::exception& error) {
+    return Fail(Status::Error(error.what()));
+  }
+}
