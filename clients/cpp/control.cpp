@@ -1,0 +1,212 @@
+#include "clients/cpp/control.h"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+#include <zmq.hpp>
+
+namespace styled::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr std::int64_t kMaxReplyBytes = 16 << 20;
+
+// The last part of a waiting message: the payload, with or without the empty delimiter before it.
+bool ReadLastPart(zmq::socket_t& socket, zmq::message_t& part) {
+  if (!socket.recv(part, zmq::recv_flags::dontwait)) return false;
+  while (socket.get(zmq::sockopt::rcvmore)) {
+    if (!socket.recv(part, zmq::recv_flags::none)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+struct Control::Impl {
+  ControlOptions options;
+  zmq::context_t context{1};
+  zmq::socket_t socket;
+  std::uint64_t next_id = 1;
+
+  // A new socket forgets what the old one still had to deliver.
+  void Open() {
+    socket = zmq::socket_t(context, zmq::socket_type::dealer);
+    socket.set(zmq::sockopt::linger, 0);
+    socket.set(zmq::sockopt::maxmsgsize, kMaxReplyBytes);
+    socket.set(zmq::sockopt::reconnect_ivl, 50);
+    socket.set(zmq::sockopt::handshake_ivl, 1000);
+    socket.connect(options.endpoint);
+  }
+
+  CallStatus NoAnswer() {
+    Open();
+    return {CallStatus::Kind::kNoAnswer, v1::CODE_OK,
+            "no daemon answers at " + options.endpoint + " within " +
+                std::to_string(options.timeout.count()) + " ms"};
+  }
+};
+
+Control::Control(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Control::~Control() = default;
+
+Result<std::unique_ptr<Control>> Control::Connect(const ControlOptions& options) {
+  if (options.timeout < milliseconds(1)) {
+    return styled::Status::Error("control: timeout is " + std::to_string(options.timeout.count()) +
+                                 " ms, expected 1 or more");
+  }
+  auto impl = std::make_unique<Impl>();
+  impl->options = options;
+  std::random_device random;  // so that no reply to an earlier program fits
+  impl->next_id = (std::uint64_t{random()} << 24U) + 1;
+  try {
+    impl->Open();
+  } catch (const zmq::error_t& error) {
+    return styled::Status::Error("control: cannot connect to '" + options.endpoint +
+                                 "': " + error.what() + "; expected e.g. " +
+                                 std::string(kDefaultControl) + " or ipc://PATH");
+  }
+  return std::unique_ptr<Control>(new Control(std::move(impl)));
+}
+
+CallStatus Control::Call(v1::Request& request, v1::Reply* reply) {
+  Impl& impl = *impl_;
+  const auto deadline = Clock::now() + impl.options.timeout;
+  request.set_id(impl.next_id++);
+  try {
+    const std::string bytes = request.SerializeAsString();
+    // The envelope of a REQ socket, which every ROUTER knows.
+    if (!impl.socket.send(zmq::message_t(), zmq::send_flags::sndmore | zmq::send_flags::dontwait) ||
+        !impl.socket.send(zmq::buffer(bytes), zmq::send_flags::dontwait)) {
+      return impl.NoAnswer();
+    }
+    zmq::message_t part;
+    for (;;) {
+      const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
+      if (left <= milliseconds(0)) return impl.NoAnswer();
+      zmq::pollitem_t item{impl.socket.handle(), 0, ZMQ_POLLIN, 0};
+      if (zmq::poll(&item, 1, left) == 0) return impl.NoAnswer();
+      if (!ReadLastPart(impl.socket, part)) continue;
+      if (!reply->ParseFromArray(part.data(), static_cast<int>(part.size()))) {
+        return {CallStatus::Kind::kGarbled, v1::CODE_OK,
+                "what answers at " + impl.options.endpoint + " is not a styled daemon"};
+      }
+      if (reply->id() == request.id()) break;
+      // A daemon that could not read us answers to id 0; anything else is an earlier call's.
+      if (reply->id() == 0 && reply->code() != v1::CODE_OK) break;
+    }
+  } catch (const zmq::error_t& error) {
+    impl.Open();
+    return {CallStatus::Kind::kNoAnswer, v1::CODE_OK,
+            std::string("interrupted: ") + error.what()};  // a signal
+  }
+  if (reply->code() == v1::CODE_OK) return {};
+  return {CallStatus::Kind::kRefused, reply->code(),
+          reply->reason().empty() ? CodeName(reply->code()) : reply->reason()};
+}
+
+CallStatus Control::Change(v1::Request& request, std::string_view performer, Applied* applied) {
+  request.set_performer(performer.data(), performer.size());
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && applied != nullptr) {
+    applied->assign(reply.applied().begin(), reply.applied().end());
+  }
+  return status;
+}
+
+CallStatus Control::List(v1::ListReply* out) {
+  v1::Request request;
+  request.mutable_list();
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && out != nullptr) out->Swap(reply.mutable_list());
+  return status;
+}
+
+CallStatus Control::Status(v1::StatusReply* out) {
+  v1::Request request;
+  request.mutable_status();
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && out != nullptr) out->Swap(reply.mutable_status());
+  return status;
+}
+
+CallStatus Control::Set(std::string_view performer, const v1::Set& change, Applied* applied) {
+  v1::Request request;
+  *request.mutable_set() = change;
+  return Change(request, performer, applied);
+}
+
+CallStatus Control::SetStyle(std::string_view performer, std::string_view style, float strength,
+                             Applied* applied) {
+  v1::Set change;
+  v1::StyleWeight& weight = *change.add_mix();
+  weight.set_style(style.data(), style.size());
+  weight.set_weight(1.0F);
+  change.set_strength(strength);
+  return Set(performer, change, applied);
+}
+
+CallStatus Control::Clear(std::string_view performer, Applied* applied) {
+  v1::Set change;
+  change.set_clear(true);
+  return Set(performer, change, applied);
+}
+
+CallStatus Control::Preset(std::string_view performer, const v1::Preset& preset, Applied* applied) {
+  v1::Request request;
+  *request.mutable_preset() = preset;
+  return Change(request, performer, applied);
+}
+
+CallStatus Control::Pin(std::string_view performer, bool pinned, Applied* applied) {
+  v1::Request request;
+  request.mutable_pin()->set_pinned(pinned);
+  return Change(request, performer, applied);
+}
+
+CallStatus Control::Reset(std::string_view performer, Applied* applied) {
+  v1::Request request;
+  request.mutable_reset();
+  return Change(request, performer, applied);
+}
+
+CallStatus Control::Panic(Applied* applied) {
+  v1::Request request;
+  request.mutable_panic();
+  return Change(request, kEveryone, applied);
+}
+
+std::string CodeName(v1::Code code) {
+  switch (code) {
+    case v1::CODE_OK:
+      return "OK";
+    case v1::CODE_MALFORMED:
+      return "MALFORMED";
+    case v1::CODE_UNKNOWN_COMMAND:
+      return "UNKNOWN_COMMAND";
+    case v1::CODE_UNKNOWN_STYLE:
+      return "UNKNOWN_STYLE";
+    case v1::CODE_UNKNOWN_PRESET:
+      return "UNKNOWN_PRESET";
+    case v1::CODE_UNKNOWN_PERFORMER:
+      return "UNKNOWN_PERFORMER";
+    case v1::CODE_OUT_OF_RANGE:
+      return "OUT_OF_RANGE";
+    case v1::CODE_PINNED:
+      return "PINNED";
+    case v1::CODE_UNAUTHORIZED:
+      return "UNAUTHORIZED";
+    case v1::CODE_TOO_LARGE:
+      return "TOO_LARGE";
+    case v1::CODE_BUSY:
+      return "BUSY";
+    default:
+      return "CODE_" + std::to_string(static_cast<int>(code));
+  }
+}
+
+}  // namespace styled::client

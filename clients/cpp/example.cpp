@@ -1,0 +1,33 @@
+// The whole of a subscriber: styles everyone, then prints where each performer's head is.
+//   example [PUBLISHER [CONTROL [STYLE]]]
+#include <cstdio>
+
+#include "clients/cpp/control.h"
+#include "clients/cpp/subscriber.h"
+#include "clients/cpp/transforms.h"
+#include "model/body/humanoid.h"
+
+int main(int argc, char** argv) {
+  namespace client = styled::client;
+  client::SubscriberOptions options;
+  options.streams = {client::Stream::kStyledCanonical};
+  if (argc > 1) options.endpoints = {argv[1]};
+  auto subscriber = client::Subscriber::Connect(options);
+  auto control =
+      client::Control::Connect({.endpoint = argc > 2 ? argv[2] : "tcp://127.0.0.1:7002"});
+  if (!subscriber.ok() || !control.ok()) return 2;
+  if (auto s = control.value()->SetStyle("*", argc > 3 ? argv[3] : "old", 0.8F); !s.ok()) {
+    std::fprintf(stderr, "style not set: %s\n", s.reason().c_str());
+  }
+  std::vector<client::Update> updates;
+  std::vector<client::Transform> joints;
+  for (;;) {  // a renderer's loop: whatever it misses while drawing is skipped
+    subscriber.value()->ReceiveLatest(std::chrono::milliseconds(1000), updates);
+    for (const client::Update& u : updates) {
+      if (u.kind != client::Update::Kind::kFrame || u.body == nullptr) continue;
+      if (WorldTransforms(*u.body, u.frame, joints) != client::FrameError::kNone) continue;
+      const auto& head = joints[styled::body::kHead].position;
+      std::printf("%s %.2f %.2f %.2f m\n", u.frame.performer().c_str(), head[0], head[1], head[2]);
+    }
+  }
+}

@@ -1,0 +1,364 @@
+#include "clients/cpp/stylectl/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "clients/cpp/control.h"
+#include "clients/cpp/stylectl/report.h"
+#include "clients/cpp/stylectl/suggest.h"
+#include "clients/cpp/subscriber.h"
+
+namespace styled::stylectl {
+namespace {
+
+using client::CallStatus;
+using nlohmann::json;
+
+struct Arguments {
+  client::ControlOptions control;
+  double timeout_s = 2.0;
+  bool json = false;
+  bool all_counters = false;
+  std::string performer{client::kEveryone};
+  std::string style, preset;
+  std::vector<std::string> mix;  // STYLE=WEIGHT
+  std::optional<double> strength;
+  std::optional<double> transition_ms;
+  bool absolute = false, detail = false;
+};
+
+// What a failed command leaves behind beside the reason.
+struct Failure {
+  std::string suggestion;
+  std::string expected;
+};
+
+std::optional<v1::StyleWeight> ParseWeight(const std::string& text) {
+  const std::size_t sign = text.rfind('=');
+  if (sign == std::string::npos || sign == 0) return std::nullopt;
+  float weight = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data() + sign + 1, end, weight);
+  if (error != std::errc() || stop != end) return std::nullopt;
+  v1::StyleWeight out;
+  out.set_style(text.substr(0, sign));
+  out.set_weight(weight);
+  return out;
+}
+
+std::string Join(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+class Program {
+ public:
+  Program(std::ostream& out, std::ostream& err) : out_(out), err_(err) { Declare(); }
+
+  int Run(std::vector<std::string> arguments);
+
+ private:
+  void Declare();
+  void DeclareSet();
+  CLI::App* Command(const std::string& name, const std::string& text);
+  void PerformerOf(CLI::App* command, bool required);
+
+  int Execute(const std::string& command);
+  int List();
+  int Status();
+  int Set();
+  int Changed(const CallStatus& status, const client::Applied& applied, const std::string& what);
+  int Fail(const CallStatus& status);
+  int Usage(const std::string& text);
+  Failure Explain(const CallStatus& status);
+  std::string NoteUnseen();
+
+  std::ostream& out_;
+  std::ostream& err_;
+  Arguments arguments_;
+  v1::Set change_;
+  CLI::App app_{"stylectl: ask and steer a running styled daemon", "stylectl"};
+  std::unique_ptr<client::Control> control_;
+};
+
+CLI::App* Program::Command(const std::string& name, const std::string& text) {
+  CLI::App* command = app_.add_subcommand(name, text);
+  command->fallthrough();  // --json and the like may stand behind the command
+  return command;
+}
+
+void Program::PerformerOf(CLI::App* command, bool required) {
+  command
+      ->add_option("PERFORMER", arguments_.performer,
+                   required ? "SOURCE.NAME, or '*' for everyone" : "SOURCE.NAME; default: everyone")
+      ->required(required)
+      ->check([](const std::string& id) {
+        if (id == client::kEveryone || client::IsPerformerId(id)) return std::string();
+        return "'" + id + "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each) or '*'";
+      });
+}
+
+void Program::Declare() {
+  app_.require_subcommand(1);
+  app_.set_version_flag("--version", "stylectl 0.1.0");
+  app_.add_option("--endpoint", arguments_.control.endpoint, "the daemon's control socket")
+      ->envname("STYLED_CONTROL")
+      ->capture_default_str();
+  app_.add_option("--timeout", arguments_.timeout_s, "seconds to wait for an answer")
+      ->check(CLI::Range(0.01, 600.0))
+      ->capture_default_str();
+  app_.add_flag("--json", arguments_.json, "one JSON object on standard output");
+  app_.footer(
+      "Exit codes: 0 done, 1 the daemon refused, 2 usage, 3 no daemon answers.\n"
+      "Examples:\n"
+      "  stylectl set '*' --style old --strength 0.8\n"
+      "  stylectl set rig.anna --mix old=0.6 --mix proud=0.4 --transition 1000\n"
+      "  stylectl clear rig.anna");
+  Command("list", "styles and presets");
+  CLI::App* status = Command("status", "the daemon, its performers, its counters");
+  status->add_flag("--all", arguments_.all_counters, "counters that are 0, too");
+  DeclareSet();
+  PerformerOf(Command("clear", "fade to bypass, the performer as captured"), false);
+  CLI::App* preset = Command("preset", "a named mix of the daemon's configuration");
+  preset->add_option("NAME", arguments_.preset, "as shown by list")->required();
+  PerformerOf(preset, false);
+  preset->add_option("--transition", arguments_.transition_ms, "fade, ms")
+      ->check(CLI::Range(0.0, 60000.0));
+  PerformerOf(Command("pin", "keep the style: commands to '*' pass the performer over"), true);
+  PerformerOf(Command("unpin", "undo pin"), true);
+  Command("panic", "everyone to bypass, pinned or not");
+  PerformerOf(Command("reset", "clear recurrent state, keep the settings"), true);
+}
+
+void Program::DeclareSet() {
+  CLI::App* set = Command("set", "style, strength and transition of a performer; the rest stays");
+  PerformerOf(set, true);
+  CLI::Option* style = set->add_option("--style", arguments_.style, "one style, at full weight");
+  set->add_option("--mix", arguments_.mix, "STYLE=WEIGHT, up to 4 times; weights sum to <= 1.5")
+      ->excludes(style)
+      ->allow_extra_args(false)  // one per --mix: what follows may be PERFORMER
+      ->check([](const std::string& text) {
+        return ParseWeight(text) ? std::string() : "'" + text + "' is not STYLE=WEIGHT";
+      });
+  set->add_option("--strength", arguments_.strength, "0 (bypass) to 1.5")
+      ->check(CLI::Range(0.0, 1.5));
+  set->add_option("--transition", arguments_.transition_ms, "fade, ms; of later changes, too")
+      ->check(CLI::Range(0.0, 60000.0));
+  CLI::Option* absolute =
+      set->add_flag("--absolute", arguments_.absolute, "the network's pose as it is");
+  set->add_flag("--detail", arguments_.detail, "keep the performer's own detail (default)")
+      ->excludes(absolute);
+}
+
+int Program::Run(std::vector<std::string> arguments) {
+  std::reverse(arguments.begin(), arguments.end());  // what CLI11 takes
+  try {
+    app_.parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app_.exit(error, out_, err_), kExitOk;
+    return Usage(error.what());
+  }
+  arguments_.control.timeout =
+      std::chrono::milliseconds(static_cast<int>(arguments_.timeout_s * 1000.0));
+  auto control = client::Control::Connect(arguments_.control);
+  if (!control.ok()) return Usage(control.status().message());
+  control_ = std::move(control.value());
+  return Execute(app_.get_subcommands().front()->get_name());
+}
+
+int Program::Execute(const std::string& command) {
+  const std::string& performer = arguments_.performer;
+  client::Applied applied;
+  if (command == "list") return List();
+  if (command == "status") return Status();
+  if (command == "set") return Set();
+  if (command == "clear") return Changed(control_->Clear(performer, &applied), applied, "bypass");
+  if (command == "panic") return Changed(control_->Panic(&applied), applied, "bypass");
+  if (command == "reset") return Changed(control_->Reset(performer, &applied), applied, "reset");
+  if (command == "pin" || command == "unpin") {
+    return Changed(control_->Pin(performer, command == "pin", &applied), applied, command + "ned");
+  }
+  v1::Preset preset;
+  preset.set_name(arguments_.preset);
+  if (arguments_.transition_ms) {
+    preset.set_transition_ms(static_cast<float>(*arguments_.transition_ms));
+  }
+  return Changed(control_->Preset(performer, preset, &applied), applied,
+                 "preset " + arguments_.preset);
+}
+
+int Program::List() {
+  v1::ListReply list;
+  if (const CallStatus status = control_->List(&list); !status.ok()) return Fail(status);
+  if (arguments_.json) {
+    json object = ListJson(list);
+    object["ok"] = true;
+    out_ << object.dump() << "\n";
+  } else {
+    out_ << ListText(list);
+  }
+  return kExitOk;
+}
+
+int Program::Status() {
+  v1::StatusReply reply;
+  if (const CallStatus status = control_->Status(&reply); !status.ok()) return Fail(status);
+  if (arguments_.json) {
+    json object = StatusJson(reply);
+    object["ok"] = true;
+    out_ << object.dump() << "\n";
+  } else {
+    out_ << StatusText(reply, arguments_.all_counters);
+  }
+  return kExitOk;
+}
+
+int Program::Set() {
+  if (!arguments_.style.empty()) {
+    change_.add_mix()->set_style(arguments_.style);
+    change_.mutable_mix(0)->set_weight(1.0F);
+  }
+  for (const std::string& text : arguments_.mix) *change_.add_mix() = *ParseWeight(text);
+  std::string what = change_.mix().empty() ? "" : MixText(change_.mix());
+  const auto add = [&what](const std::string& part) { what += (what.empty() ? "" : ", ") + part; };
+  if (arguments_.strength) {
+    change_.set_strength(static_cast<float>(*arguments_.strength));
+    add("strength " + CLI::detail::to_string(*arguments_.strength));
+  }
+  if (arguments_.transition_ms) {
+    change_.set_transition_ms(static_cast<float>(*arguments_.transition_ms));
+    add("transition " + CLI::detail::to_string(*arguments_.transition_ms) + " ms");
+  }
+  if (arguments_.absolute || arguments_.detail) {
+    change_.set_absolute(arguments_.absolute);
+    add(arguments_.absolute ? "absolute" : "detail-preserving");
+  }
+  if (what.empty()) {
+    return Usage(
+        "set: nothing to set; expected --style, --mix, --strength, --transition, "
+        "--absolute or --detail (to go to bypass: stylectl clear)");
+  }
+  client::Applied applied;
+  return Changed(control_->Set(arguments_.performer, change_, &applied), applied, what);
+}
+
+int Program::Changed(const CallStatus& status, const client::Applied& applied,
+                     const std::string& what) {
+  if (!status.ok()) return Fail(status);
+  const std::string note = NoteUnseen();
+  if (arguments_.json) {
+    json object{{"ok", true}, {"applied", AppliedJson(applied)}};
+    if (!note.empty()) object["note"] = note;
+    out_ << object.dump() << "\n";
+  } else {
+    out_ << AppliedText(applied, what);
+    if (!note.empty()) err_ << "note: " << note << "\n";
+  }
+  return kExitOk;
+}
+
+// A performer may be configured before it comes; a misspelt one would wait forever, silently.
+std::string Program::NoteUnseen() {
+  const std::string& wanted = arguments_.performer;
+  v1::StatusReply status;
+  if (wanted == client::kEveryone || !control_->Status(&status).ok()) return "";
+  std::vector<std::string> names;
+  for (const auto& performer : status.stats().performers()) {
+    if (performer.performer() == wanted && performer.sequence() > 0) return "";
+    if (performer.performer() != wanted) names.push_back(performer.performer());
+  }
+  std::string note = wanted + " has not been seen yet and is configured ahead";
+  if (const std::string near = Nearest(wanted, names); !near.empty()) {
+    note += "; did you mean " + near + "?";
+  } else if (!names.empty() && names.size() <= 8) {
+    note += " (here: " + Join(names) + ")";
+  }
+  return note;
+}
+
+// What was misspelt, found by asking the daemon what it knows.
+Failure Program::Explain(const CallStatus& status) {
+  Failure failure;
+  v1::ListReply list;
+  if (status.code() == v1::CODE_UNKNOWN_STYLE || status.code() == v1::CODE_UNKNOWN_PRESET) {
+    if (!control_->List(&list).ok()) return failure;
+  }
+  if (status.code() == v1::CODE_UNKNOWN_STYLE) {
+    std::vector<std::string> known, names;
+    for (const auto& style : list.styles()) {
+      if (style.neutral()) continue;
+      names.push_back(style.name());
+      known.push_back(style.name());
+      known.insert(known.end(), style.aliases().begin(), style.aliases().end());
+    }
+    for (const auto& wanted : change_.mix()) {
+      const auto same = [&](const std::string& name) {
+        return Distance(name, wanted.style()) == 0;
+      };
+      if (std::any_of(known.begin(), known.end(), same)) continue;
+      if (failure.suggestion.empty()) failure.suggestion = Nearest(wanted.style(), known);
+    }
+    failure.expected = "styles: " + Join(names);
+  } else if (status.code() == v1::CODE_UNKNOWN_PRESET) {
+    std::vector<std::string> names;
+    for (const auto& preset : list.presets()) names.push_back(preset.name());
+    failure.suggestion = Nearest(arguments_.preset, names);
+    failure.expected =
+        names.empty() ? "the configuration has no presets" : "presets: " + Join(names);
+  } else if (status.code() == v1::CODE_UNKNOWN_PERFORMER) {
+    v1::StatusReply reply;
+    if (!control_->Status(&reply).ok()) return failure;
+    std::vector<std::string> names;
+    for (const auto& entry : reply.stats().performers()) names.push_back(entry.performer());
+    failure.suggestion = Nearest(arguments_.performer, names);
+    failure.expected = names.empty() ? "no performer is here" : "performers: " + Join(names);
+  } else if (status.code() == v1::CODE_PINNED) {
+    failure.expected = "first: stylectl unpin " + arguments_.performer;
+  }
+  return failure;
+}
+
+int Program::Fail(const CallStatus& status) {
+  const bool refused = status.kind() == CallStatus::Kind::kRefused;
+  Failure failure;
+  if (refused) {
+    failure = Explain(status);
+  } else {
+    failure.expected =
+        "is styled running, and is its control socket there (control.bind in styled.toml)? "
+        "Another endpoint: --endpoint or STYLED_CONTROL";
+  }
+  err_ << "stylectl: " << status.reason();
+  if (!failure.suggestion.empty()) err_ << "; did you mean '" << failure.suggestion << "'?";
+  err_ << "\n";
+  if (!failure.expected.empty()) err_ << "  " << failure.expected << "\n";
+  if (arguments_.json) {
+    json object{{"ok", false},
+                {"code", refused ? client::CodeName(status.code()) : "NO_ANSWER"},
+                {"reason", status.reason()}};
+    if (!failure.suggestion.empty()) object["suggestion"] = failure.suggestion;
+    if (!failure.expected.empty()) object["expected"] = failure.expected;
+    out_ << object.dump() << "\n";
+  }
+  return refused ? kExitRefused : kExitNoDaemon;
+}
+
+int Program::Usage(const std::string& text) {
+  err_ << "stylectl: " << text << "\n  see stylectl --help, stylectl COMMAND --help\n";
+  if (arguments_.json) {
+    out_ << json{{"ok", false}, {"code", "USAGE"}, {"reason", text}}.dump() << "\n";
+  }
+  return kExitUsage;
+}
+
+}  // namespace
+
+int Run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err) {
+  return Program(out, err).Run(std::move(arguments));
+}
+
+}  // namespace styled::stylectl

@@ -1,0 +1,199 @@
+#include "clients/cpp/stylectl/report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace styled::stylectl {
+namespace {
+
+using nlohmann::json;
+
+std::string Number(double value, int digits) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  return text.data();
+}
+
+std::string Hex(std::uint64_t value) {
+  std::array<char, 24> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
+  return text.data();
+}
+
+std::string Duration(double seconds) {
+  const auto whole = static_cast<long long>(std::max(0.0, seconds));
+  if (whole < 60) return Number(seconds, 1) + " s";
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%lld:%02lld:%02lld", whole / 3600, whole / 60 % 60,
+                whole % 60);
+  return text.data();
+}
+
+std::size_t CodePoints(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
+bool IsNumber(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789.-") == std::string::npos;
+}
+
+json MixJson(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix) {
+  json out = json::array();
+  for (const auto& entry : mix)
+    out.push_back({{"style", entry.style()}, {"weight", entry.weight()}});
+  return out;
+}
+
+}  // namespace
+
+std::string Table(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths;
+  std::vector<bool> numbers;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    widths.resize(std::max(widths.size(), rows[row].size()), 0);
+    numbers.resize(widths.size(), true);
+    for (std::size_t column = 0; column < rows[row].size(); ++column) {
+      widths[column] = std::max(widths[column], CodePoints(rows[row][column]));
+      if (row > 0 && !IsNumber(rows[row][column])) numbers[column] = false;
+    }
+  }
+  std::string out;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t column = 0; column < row.size(); ++column) {
+      if (column > 0) line += "  ";
+      const std::string padding(widths[column] - CodePoints(row[column]), ' ');
+      line += numbers[column] ? padding + row[column] : row[column] + padding;
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    out += line + "\n";
+  }
+  return out;
+}
+
+std::string MixText(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix) {
+  std::string out;
+  for (const auto& entry : mix) {
+    if (!out.empty()) out += " + ";
+    out += entry.style() + " " + Number(entry.weight(), 2);
+  }
+  return out.empty() ? "bypass" : out;
+}
+
+std::string ListText(const v1::ListReply& list) {
+  std::vector<std::vector<std::string>> rows{{"STYLE", "ALSO"}};
+  for (const auto& style : list.styles()) {
+    std::string also;
+    for (const std::string& alias : style.aliases()) also += (also.empty() ? "" : ", ") + alias;
+    if (style.neutral()) also += also.empty() ? "(neutral)" : "  (neutral)";
+    rows.push_back({style.name(), also});
+  }
+  std::string out = Table(rows);
+  if (list.presets().empty()) return out;
+  rows = {{"PRESET", "MIX"}};
+  for (const auto& preset : list.presets()) rows.push_back({preset.name(), MixText(preset.mix())});
+  return out + "\n" + Table(rows);
+}
+
+std::string StatusText(const v1::StatusReply& status, bool all_counters) {
+  const v1::Stats& stats = status.stats();
+  int live = 0;
+  for (const auto& performer : stats.performers()) live += performer.live() ? 1 : 0;
+  std::string out = "styled " + status.version() + "  up " + Duration(status.uptime_s()) +
+                    "  weights " + status.weights() + "  epoch " + Hex(status.epoch()) + "\n" +
+                    std::to_string(stats.performers_size()) + " performer" +
+                    (stats.performers_size() == 1 ? "" : "s") + ", " + std::to_string(live) +
+                    " live\n";
+  if (stats.performers_size() > 0) {
+    std::vector<std::vector<std::string>> rows{{"PERFORMER", "STATE", "HZ", "P50 us", "P99 us",
+                                                "MAX us", "PUBLISHED", "LOST", "STRENGTH", "STYLE",
+                                                ""}};
+    for (const auto& performer : stats.performers()) {
+      std::string notes;
+      if (performer.pinned()) notes += "pinned";
+      if (!performer.preset().empty()) {
+        notes += std::string(notes.empty() ? "" : ", ") + "preset " + performer.preset();
+      }
+      rows.push_back({performer.performer(), performer.live() ? "live" : "silent",
+                      Number(performer.rate_hz(), 1), Number(performer.latency_p50_us(), 0),
+                      Number(performer.latency_p99_us(), 0), Number(performer.latency_max_us(), 0),
+                      std::to_string(performer.published()), std::to_string(performer.lost()),
+                      Number(performer.strength(), 2), MixText(performer.styles()), notes});
+    }
+    out += Table(rows);
+  }
+  std::vector<std::vector<std::string>> rows{{"COUNTER", "VALUE"}};
+  for (const auto& counter : stats.counters()) {
+    if (all_counters || counter.value() != 0) {
+      rows.push_back({counter.name(), std::to_string(counter.value())});
+    }
+  }
+  return rows.size() > 1 ? out + Table(rows) : out;
+}
+
+std::string AppliedText(const std::vector<v1::Applied>& applied, const std::string& what) {
+  if (applied.empty()) return what + ": set, no performer is here yet\n";
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& entry : applied) {
+    rows.push_back(
+        {entry.performer(), what, "from frame " + std::to_string(entry.first_sequence())});
+  }
+  return Table(rows);
+}
+
+json ListJson(const v1::ListReply& list) {
+  json styles = json::array(), presets = json::array();
+  for (const auto& style : list.styles()) {
+    json aliases = json::array();
+    for (const std::string& alias : style.aliases()) aliases.push_back(alias);
+    styles.push_back({{"name", style.name()}, {"aliases", aliases}, {"neutral", style.neutral()}});
+  }
+  for (const auto& preset : list.presets()) {
+    presets.push_back({{"name", preset.name()}, {"mix", MixJson(preset.mix())}});
+  }
+  return {{"styles", styles}, {"presets", presets}};
+}
+
+json StatusJson(const v1::StatusReply& status) {
+  const v1::Stats& stats = status.stats();
+  json counters = json::object(), performers = json::array();
+  for (const auto& counter : stats.counters()) counters[counter.name()] = counter.value();
+  for (const auto& performer : stats.performers()) {
+    performers.push_back({{"performer", performer.performer()},
+                          {"sequence", performer.sequence()},
+                          {"live", performer.live()},
+                          {"rate_hz", performer.rate_hz()},
+                          {"latency_p50_us", performer.latency_p50_us()},
+                          {"latency_p99_us", performer.latency_p99_us()},
+                          {"latency_max_us", performer.latency_max_us()},
+                          {"received", performer.received()},
+                          {"published", performer.published()},
+                          {"lost", performer.lost()},
+                          {"styles", MixJson(performer.styles())},
+                          {"strength", performer.strength()},
+                          {"preset", performer.preset()},
+                          {"pinned", performer.pinned()},
+                          {"joints", performer.joints()},
+                          {"dialect", performer.dialect()}});
+  }
+  return {{"version", status.version()},
+          {"epoch", Hex(status.epoch())},
+          {"uptime_s", status.uptime_s()},
+          {"weights", status.weights()},
+          {"wall_time_ns", stats.wall_time_ns()},
+          {"performers", performers},
+          {"counters", counters}};
+}
+
+json AppliedJson(const std::vector<v1::Applied>& applied) {
+  json out = json::array();
+  for (const auto& entry : applied) {
+    out.push_back({{"performer", entry.performer()}, {"first_sequence", entry.first_sequence()}});
+  }
+  return out;
+}
+
+}  // namespace styled::stylectl

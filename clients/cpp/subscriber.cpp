@@ -1,0 +1,359 @@
+#include "clients/cpp/subscriber.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <utility>
+#include <zmq.hpp>
+
+#include "clients/cpp/transforms.h"
+
+namespace styled::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr std::int64_t kMaxMessageBytes = 1 << 20;  // a body of 1024 long names fits
+constexpr int kMaxDrain = 10'000;                   // messages that one ReceiveLatest reads at most
+constexpr std::size_t kMaxPerformers = 4096;
+constexpr std::size_t kMaxBodies = 6;  // kept per performer: two outputs, and what they were before
+constexpr std::string_view kBodyTopic = "body/";
+constexpr std::string_view kStatisticsTopic = "stats/";
+
+struct StreamTopic {
+  Stream stream;
+  std::string_view prefix, suffix;
+  v1::Output output;
+};
+constexpr std::array<StreamTopic, 3> kStreamTopics{{
+    {Stream::kStyledRig, "styled/", "/rig/", v1::OUTPUT_RIG},
+    {Stream::kStyledCanonical, "styled/", "/canonical/", v1::OUTPUT_CANONICAL},
+    {Stream::kSource, "source/", "/", v1::OUTPUT_RIG},
+}};
+
+std::string Topic(const StreamTopic& row, std::string_view performer) {
+  return std::string(row.prefix).append(performer).append(row.suffix);
+}
+
+// The id between prefix and suffix, or "" where `topic` has another shape.
+std::string_view PerformerOf(std::string_view topic, std::string_view prefix,
+                             std::string_view suffix) {
+  if (topic.size() <= prefix.size() + suffix.size() || !topic.starts_with(prefix) ||
+      !topic.ends_with(suffix)) {
+    return {};
+  }
+  topic.remove_prefix(prefix.size());
+  topic.remove_suffix(suffix.size());
+  return IsPerformerId(topic) ? topic : std::string_view();
+}
+
+struct StreamState {
+  bool started = false;
+  std::uint64_t epoch = 0, sequence = 0;
+  std::shared_ptr<const v1::Body> body;
+};
+
+}  // namespace
+
+bool IsPerformerId(std::string_view id) noexcept {
+  const auto part = [](std::string_view text) {
+    const auto fits = [](char c) {
+      return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+             c == '_' || c == '-';
+    };
+    return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), fits);
+  };
+  const std::size_t dot = id.find('.');
+  return dot != std::string_view::npos && part(id.substr(0, dot)) && part(id.substr(dot + 1));
+}
+
+struct Subscriber::Impl {
+  SubscriberOptions options;
+  zmq::context_t context{1};
+  zmq::socket_t socket, monitor;
+  zmq::message_t topic, payload;
+  int links = 0;
+  SubscriberCounters counters;
+  std::map<std::string, StreamState, std::less<>> streams;  // by topic
+  std::map<std::string, std::vector<std::shared_ptr<const v1::Body>>, std::less<>> bodies;
+  std::map<std::string, std::size_t, std::less<>> newest;  // ReceiveLatest: topic to index in `out`
+  std::string last_topic;                                  // of the frame that was accepted last
+  v1::Body scratch_body;
+
+  void Open();
+  void SubscribeTo(std::string_view performer);
+  bool ReadMessage();  // into topic and payload; false if nothing is waiting
+  bool Wait(Clock::time_point deadline);
+  bool Accept(Update& out);
+  bool AcceptFrame(const StreamTopic& row, std::string_view performer, std::string_view name,
+                   Update& out);
+  bool AcceptBody(std::string_view performer, Update& out);
+  void FindBody(std::string_view performer, StreamState& state, const v1::Frame& frame);
+};
+
+void Subscriber::Impl::Open() {
+  socket = zmq::socket_t(context, zmq::socket_type::sub);
+  socket.set(zmq::sockopt::linger, 0);
+  socket.set(zmq::sockopt::rcvhwm, options.queue_messages);
+  socket.set(zmq::sockopt::maxmsgsize, kMaxMessageBytes);
+  socket.set(zmq::sockopt::reconnect_ivl, 100);
+  socket.set(zmq::sockopt::reconnect_ivl_max, 1000);
+  socket.set(zmq::sockopt::handshake_ivl, 1000);
+  socket.set(zmq::sockopt::heartbeat_ivl, 1000);  // a pulled cable is noticed, too
+  socket.set(zmq::sockopt::heartbeat_timeout, 3000);
+  std::array<char, 64> name{};
+  std::snprintf(name.data(), name.size(), "inproc://monitor-%p", static_cast<void*>(this));
+  if (zmq_socket_monitor(socket.handle(), name.data(),
+                         ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED) != 0) {
+    throw zmq::error_t();
+  }
+  monitor = zmq::socket_t(context, zmq::socket_type::pair);
+  monitor.set(zmq::sockopt::linger, 0);
+  monitor.connect(name.data());
+  if (options.performer.empty()) {
+    socket.set(zmq::sockopt::subscribe, kBodyTopic);  // who is there; then each one's own topics
+  } else {
+    SubscribeTo(options.performer);
+  }
+  if (options.statistics) socket.set(zmq::sockopt::subscribe, kStatisticsTopic);
+  for (const std::string& endpoint : options.endpoints) socket.connect(endpoint);
+}
+
+void Subscriber::Impl::SubscribeTo(std::string_view performer) {
+  if (!options.performer.empty()) {
+    socket.set(zmq::sockopt::subscribe, std::string(kBodyTopic).append(performer).append("/"));
+  }
+  for (const StreamTopic& row : kStreamTopics) {
+    if (std::find(options.streams.begin(), options.streams.end(), row.stream) !=
+        options.streams.end()) {
+      socket.set(zmq::sockopt::subscribe, Topic(row, performer));
+    }
+  }
+}
+
+bool Subscriber::Impl::Wait(Clock::time_point deadline) {
+  const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
+  zmq::pollitem_t item{socket.handle(), 0, ZMQ_POLLIN, 0};
+  try {
+    return zmq::poll(&item, 1, std::max(left, milliseconds(0))) > 0;
+  } catch (const zmq::error_t&) {
+    return false;  // interrupted by a signal
+  }
+}
+
+bool Subscriber::Impl::ReadMessage() {
+  try {
+    for (;;) {
+      if (!socket.recv(topic, zmq::recv_flags::dontwait)) return false;
+      int parts = 1;
+      while (socket.get(zmq::sockopt::rcvmore)) {  // the parts of a message arrive together
+        zmq::message_t& part = parts == 1 ? payload : topic;
+        if (!socket.recv(part, zmq::recv_flags::none)) break;
+        ++parts;
+      }
+      if (parts == 2) return true;
+      ++counters.malformed;
+    }
+  } catch (const zmq::error_t&) {
+    return false;
+  }
+}
+
+bool Subscriber::Impl::Accept(Update& out) {
+  const std::string_view name(static_cast<const char*>(topic.data()), topic.size());
+  if (name == kStatisticsTopic) {
+    if (!out.statistics.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
+      ++counters.malformed;
+      return false;
+    }
+    out.kind = Update::Kind::kStatistics;
+    return true;
+  }
+  if (const std::string_view performer = PerformerOf(name, kBodyTopic, "/"); !performer.empty()) {
+    return AcceptBody(performer, out);
+  }
+  for (const StreamTopic& row : kStreamTopics) {
+    const std::string_view performer = PerformerOf(name, row.prefix, row.suffix);
+    if (!performer.empty()) return AcceptFrame(row, performer, name, out);
+  }
+  ++counters.malformed;
+  return false;
+}
+
+bool Subscriber::Impl::AcceptBody(std::string_view performer, Update& out) {
+  v1::Body& body = scratch_body;
+  if (!body.ParseFromArray(payload.data(), static_cast<int>(payload.size())) ||
+      body.performer() != performer || Validate(body) != BodyError::kNone ||
+      (bodies.size() >= kMaxPerformers && !bodies.contains(performer))) {
+    ++counters.malformed;
+    return false;
+  }
+  auto known = bodies.find(performer);
+  if (known == bodies.end()) {
+    known = bodies.emplace(std::string(performer), 0).first;
+    if (options.performer.empty()) SubscribeTo(performer);
+  }
+  for (const auto& other : known->second) {
+    if (other->hash() == body.hash() && other->output() == body.output()) {
+      ++counters.replayed_bodies;
+      return false;
+    }
+  }
+  if (known->second.size() >= kMaxBodies) known->second.erase(known->second.begin());
+  known->second.push_back(std::make_shared<const v1::Body>(body));
+  ++counters.bodies;
+  out.kind = Update::Kind::kBody;
+  out.body = known->second.back();
+  return true;
+}
+
+void Subscriber::Impl::FindBody(std::string_view performer, StreamState& state,
+                                const v1::Frame& frame) {
+  if (state.body && state.body->hash() == frame.body_hash()) return;
+  state.body.reset();
+  const auto known = bodies.find(performer);
+  if (known == bodies.end()) return;
+  for (const auto& body : known->second) {
+    if (body->hash() == frame.body_hash() && body->output() == frame.output()) state.body = body;
+  }
+}
+
+bool Subscriber::Impl::AcceptFrame(const StreamTopic& row, std::string_view performer,
+                                   std::string_view name, Update& out) {
+  v1::Frame& frame = out.frame;
+  if (!frame.ParseFromArray(payload.data(), static_cast<int>(payload.size())) ||
+      frame.performer() != performer || frame.output() != row.output) {
+    ++counters.malformed;
+    return false;
+  }
+  auto found = streams.find(name);
+  if (found == streams.end()) {
+    if (streams.size() >= 3 * kMaxPerformers) return false;
+    found = streams.emplace(std::string(name), StreamState()).first;
+  }
+  StreamState& state = found->second;
+  const bool same_epoch = state.started && frame.epoch() == state.epoch;
+  if (same_epoch && frame.sequence() <= state.sequence) {
+    ++counters.repeated_frames;
+    return false;
+  }
+  FindBody(performer, state, frame);
+  if (state.body && Validate(frame, *state.body) != FrameError::kNone) {
+    ++counters.malformed;
+    return false;
+  }
+  out.kind = Update::Kind::kFrame;
+  out.stream = row.stream;
+  out.body = state.body;
+  out.missed = same_epoch ? frame.sequence() - state.sequence - 1 : 0;
+  out.skipped = 0;
+  out.new_epoch = state.started && !same_epoch;
+  state = {true, frame.epoch(), frame.sequence(), std::move(state.body)};
+  last_topic.assign(name);
+  ++counters.frames;
+  counters.missed += out.missed;
+  counters.epochs += out.new_epoch ? 1 : 0;
+  return true;
+}
+
+Subscriber::Subscriber(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Subscriber::~Subscriber() = default;
+
+Result<std::unique_ptr<Subscriber>> Subscriber::Connect(const SubscriberOptions& options) {
+  if (options.endpoints.empty()) return Status::Error("subscriber: no endpoint given");
+  if (options.queue_messages < 1) {
+    return Status::Error("subscriber: queue_messages is " + std::to_string(options.queue_messages) +
+                         ", expected 1 or more");
+  }
+  if (!options.performer.empty() && !IsPerformerId(options.performer)) {
+    return Status::Error("subscriber: performer '" + options.performer +
+                         "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each)");
+  }
+  auto impl = std::make_unique<Impl>();
+  impl->options = options;
+  try {
+    impl->Open();
+  } catch (const zmq::error_t& error) {
+    std::string endpoints;
+    for (const std::string& endpoint : options.endpoints) endpoints += " " + endpoint;
+    return Status::Error("subscriber: cannot connect to" + endpoints + ": " + error.what() +
+                         "; expected e.g. " + std::string(kDefaultPublisher) + " or ipc://PATH");
+  }
+  return std::unique_ptr<Subscriber>(new Subscriber(std::move(impl)));
+}
+
+bool Subscriber::Receive(milliseconds timeout, Update& out) {
+  const auto deadline = Clock::now() + timeout;
+  for (;;) {
+    while (impl_->ReadMessage()) {
+      if (impl_->Accept(out)) return true;
+    }
+    if (!impl_->Wait(deadline)) return false;
+  }
+}
+
+int Subscriber::ReceiveLatest(milliseconds timeout, std::vector<Update>& out) {
+  Impl& impl = *impl_;
+  impl.newest.clear();
+  std::size_t count = 0, statistics = 0;
+  bool has_statistics = false;
+  const auto deadline = Clock::now() + timeout;
+  for (int read = 0; read < kMaxDrain; ++read) {
+    if (!impl.ReadMessage()) {
+      if (count > 0 || !impl.Wait(deadline)) break;
+      continue;
+    }
+    if (out.size() == count) out.emplace_back();
+    if (!impl.Accept(out[count])) continue;
+    const Update& update = out[count];
+    std::size_t older = count;
+    if (update.kind == Update::Kind::kFrame) {
+      older = impl.newest.try_emplace(impl.last_topic, count).first->second;
+    } else if (update.kind == Update::Kind::kStatistics) {
+      older = std::exchange(has_statistics, true) ? statistics : (statistics = count);
+    }
+    if (older == count) {
+      ++count;
+      continue;
+    }
+    const Update& superseded = out[older];
+    if (update.kind == Update::Kind::kFrame) {
+      out[count].missed += superseded.missed;
+      out[count].skipped = superseded.skipped + 1;
+      out[count].new_epoch = update.new_epoch || superseded.new_epoch;
+    }
+    std::swap(out[older], out[count]);
+  }
+  out.resize(count);  // without the last one if it was rejected or superseded
+  return static_cast<int>(count);
+}
+
+int Subscriber::connected() {
+  try {
+    zmq::message_t event, address;
+    while (impl_->monitor.recv(event, zmq::recv_flags::dontwait)) {
+      if (event.more() && !impl_->monitor.recv(address, zmq::recv_flags::none)) break;
+      if (event.size() < 2) continue;
+      std::uint16_t number = 0;
+      std::copy_n(static_cast<const char*>(event.data()), 2, reinterpret_cast<char*>(&number));
+      // A handshake that failed ends in a disconnection, too, and was never counted.
+      impl_->links = std::max(0, impl_->links + (number == ZMQ_EVENT_HANDSHAKE_SUCCEEDED ? 1 : -1));
+    }
+  } catch (const zmq::error_t&) {
+    return impl_->links;
+  }
+  return impl_->links;
+}
+
+std::vector<std::string> Subscriber::performers() const {
+  std::vector<std::string> names;
+  for (const auto& [performer, bodies] : impl_->bodies) names.push_back(performer);
+  return names;
+}
+
+const SubscriberCounters& Subscriber::counters() const { return impl_->counters; }
+
+}  // namespace styled::client

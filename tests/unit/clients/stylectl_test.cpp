@@ -1,0 +1,222 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "clients/cpp/stylectl/cli.h"
+#include "clients/cpp/stylectl/report.h"
+#include "clients/cpp/stylectl/suggest.h"
+#include "tests/unit/clients/fake_daemon.h"
+
+namespace styled::stylectl {
+namespace {
+
+using client::FakeDaemon;
+
+v1::Reply Refusal(v1::Code code, const std::string& reason) {
+  v1::Reply reply;
+  reply.set_code(code);
+  reply.set_reason(reason);
+  return reply;
+}
+
+// Knows "old" (alias "elderly") and "proud", preset "scene", performer rig.anna.
+v1::Reply Answer(const v1::Request& request) {
+  v1::Reply reply;
+  if (request.has_list()) {
+    auto& neutral = *reply.mutable_list()->add_styles();
+    neutral.set_name("neutral");
+    neutral.set_neutral(true);
+    auto& old = *reply.mutable_list()->add_styles();
+    old.set_name("old");
+    old.add_aliases("elderly");
+    reply.mutable_list()->add_styles()->set_name("proud");
+    reply.mutable_list()->add_presets()->set_name("scene");
+    return reply;
+  }
+  if (request.has_status()) {
+    reply.mutable_status()->set_version("1.2.3");
+    auto& stats = *reply.mutable_status()->mutable_stats();
+    auto& anna = *stats.add_performers();
+    anna.set_performer("rig.anna");
+    anna.set_sequence(77);
+    anna.set_live(true);
+    anna.set_rate_hz(120);
+    auto& counter = *stats.add_counters();
+    counter.set_name("source.bad_crc");
+    counter.set_value(3);
+    stats.add_counters()->set_name("source.zero");
+    return reply;
+  }
+  for (const auto& entry : request.set().mix()) {
+    if (entry.style() != "old" && entry.style() != "elderly" && entry.style() != "proud") {
+      return Refusal(v1::CODE_UNKNOWN_STYLE, "set: unknown style '" + entry.style() + "'");
+    }
+  }
+  if (request.has_preset() && request.preset().name() != "scene") {
+    return Refusal(v1::CODE_UNKNOWN_PRESET, "preset: unknown preset");
+  }
+  auto& applied = *reply.add_applied();
+  applied.set_performer(request.performer());
+  applied.set_first_sequence(4711);
+  return reply;
+}
+
+class StylectlTest : public testing::Test {
+ protected:
+  v1::Request last_;
+  FakeDaemon daemon_{[this](const v1::Request& request) {
+    if (!request.has_list() && !request.has_status()) last_ = request;
+    return Answer(request);
+  }};
+  std::ostringstream out_, err_;
+
+  int Run(std::vector<std::string> arguments) {
+    out_.str("");
+    err_.str("");
+    arguments.insert(arguments.begin(), {"--endpoint", daemon_.control()});
+    return stylectl::Run(std::move(arguments), out_, err_);
+  }
+  bool Says(const std::string& text) const { return out_.str().find(text) != std::string::npos; }
+  bool Complains(const std::string& text) const {
+    return err_.str().find(text) != std::string::npos;
+  }
+};
+
+TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
+  EXPECT_EQ(Run({"list"}), kExitOk);
+  EXPECT_EQ(out_.str(),
+            "STYLE    ALSO\nneutral  (neutral)\nold      elderly\nproud\n\n"
+            "PRESET  MIX\nscene   bypass\n");
+  EXPECT_EQ(Run({"status"}), kExitOk);
+  EXPECT_TRUE(Says("styled 1.2.3"));
+  EXPECT_TRUE(Says("rig.anna   live   120.0"));
+  EXPECT_TRUE(Says("source.bad_crc      3"));
+  EXPECT_FALSE(Says("source.zero"));
+  EXPECT_EQ(Run({"status", "--all"}), kExitOk);
+  EXPECT_TRUE(Says("source.zero"));
+}
+
+TEST_F(StylectlTest, SetSendsWhatWasGivenAndNothingElse) {
+  EXPECT_EQ(Run({"set", "*", "--style", "old", "--strength", "0.8"}), kExitOk);
+  EXPECT_EQ(last_.performer(), "*");
+  EXPECT_EQ(last_.set().mix(0).style(), "old");
+  EXPECT_FLOAT_EQ(last_.set().strength(), 0.8F);
+  EXPECT_FALSE(last_.set().has_transition_ms());
+  EXPECT_FALSE(last_.set().has_absolute());
+  EXPECT_TRUE(Says("from frame 4711"));
+
+  EXPECT_EQ(Run({"set", "--mix", "old=0.6", "--mix", "proud=0.25", "rig.anna", "--transition",
+                 "1500", "--absolute"}),
+            kExitOk);
+  ASSERT_EQ(last_.set().mix_size(), 2);
+  EXPECT_FLOAT_EQ(last_.set().mix(1).weight(), 0.25F);
+  EXPECT_FLOAT_EQ(last_.set().transition_ms(), 1500);
+  EXPECT_TRUE(last_.set().absolute());
+  EXPECT_FALSE(last_.set().has_strength());
+
+  EXPECT_EQ(Run({"set", "rig.anna", "--detail"}), kExitOk);
+  EXPECT_TRUE(last_.set().has_absolute());
+  EXPECT_FALSE(last_.set().absolute());
+}
+
+TEST_F(StylectlTest, EveryOtherCommandSendsItself) {
+  EXPECT_EQ(Run({"clear"}), kExitOk);
+  EXPECT_TRUE(last_.set().clear());
+  EXPECT_EQ(last_.performer(), "*");
+  EXPECT_EQ(Run({"preset", "scene", "rig.anna", "--transition", "10"}), kExitOk);
+  EXPECT_EQ(last_.preset().name(), "scene");
+  EXPECT_FLOAT_EQ(last_.preset().transition_ms(), 10);
+  EXPECT_EQ(Run({"pin", "rig.anna"}), kExitOk);
+  EXPECT_TRUE(last_.pin().pinned());
+  EXPECT_EQ(Run({"unpin", "rig.anna"}), kExitOk);
+  EXPECT_TRUE(last_.has_pin());
+  EXPECT_FALSE(last_.pin().pinned());
+  EXPECT_EQ(Run({"panic"}), kExitOk);
+  EXPECT_TRUE(last_.has_panic());
+  EXPECT_EQ(Run({"reset", "*"}), kExitOk);
+  EXPECT_TRUE(last_.has_reset());
+}
+
+TEST_F(StylectlTest, AMisspeltStyleIsRefusedWithTheNearestName) {
+  EXPECT_EQ(Run({"set", "*", "--style", "eldrly"}), kExitRefused);
+  EXPECT_TRUE(out_.str().empty());
+  EXPECT_TRUE(Complains("unknown style 'eldrly'; did you mean 'elderly'?")) << err_.str();
+  EXPECT_TRUE(Complains("styles: old, proud")) << err_.str();
+  EXPECT_EQ(Run({"preset", "scnee"}), kExitRefused);
+  EXPECT_TRUE(Complains("did you mean 'scene'?")) << err_.str();
+}
+
+TEST_F(StylectlTest, AMisspeltPerformerIsNoted) {
+  EXPECT_EQ(Run({"set", "rig.ana", "--style", "old"}), kExitOk);
+  EXPECT_TRUE(Complains("did you mean rig.anna?")) << err_.str();
+  EXPECT_EQ(Run({"set", "rig.anna", "--style", "old"}), kExitOk);
+  EXPECT_TRUE(err_.str().empty()) << err_.str();
+}
+
+TEST_F(StylectlTest, JsonIsOneObjectPerCommandOnFailureToo) {
+  EXPECT_EQ(Run({"list", "--json"}), kExitOk);
+  EXPECT_EQ(nlohmann::json::parse(out_.str())["styles"][1]["aliases"][0], "elderly");
+  EXPECT_EQ(Run({"--json", "status"}), kExitOk);
+  auto object = nlohmann::json::parse(out_.str());
+  EXPECT_EQ(object["performers"][0]["performer"], "rig.anna");
+  EXPECT_EQ(object["counters"]["source.bad_crc"], 3);
+  EXPECT_EQ(Run({"--json", "set", "rig.anna", "--style", "old"}), kExitOk);
+  EXPECT_EQ(nlohmann::json::parse(out_.str())["applied"][0]["first_sequence"], 4711);
+  EXPECT_EQ(Run({"--json", "set", "*", "--style", "prod"}), kExitRefused);
+  object = nlohmann::json::parse(out_.str());
+  EXPECT_EQ(object["ok"], false);
+  EXPECT_EQ(object["code"], "UNKNOWN_STYLE");
+  EXPECT_EQ(object["suggestion"], "proud");
+}
+
+TEST_F(StylectlTest, AWrongCommandLineIsAUsageErrorAndAsksNobody) {
+  const std::vector<std::vector<std::string>> wrong = {
+      {},
+      {"dance"},
+      {"set"},
+      {"set", "*"},
+      {"set", "nodot", "--style", "old"},
+      {"set", "*", "--style", "old", "--strength", "2"},
+      {"set", "*", "--mix", "old"},
+      {"set", "*", "--mix", "old=x"},
+      {"set", "*", "--mix", "old=1", "--style", "old"},
+      {"set", "*", "--absolute", "--detail"},
+      {"set", "*", "--style", "old", "--transition", "-1"},
+      {"preset"},
+      {"pin"},
+      {"list", "--timeout", "0"},
+  };
+  for (const auto& arguments : wrong) {
+    EXPECT_EQ(Run(arguments), kExitUsage) << testing::PrintToString(arguments);
+    EXPECT_FALSE(err_.str().empty());
+  }
+  EXPECT_EQ(last_.command_case(), v1::Request::COMMAND_NOT_SET);
+}
+
+TEST(Stylectl, WithoutADaemonItSaysWhereItLookedAndWhatToCheck) {
+  std::ostringstream out, err;
+  EXPECT_EQ(
+      stylectl::Run({"status", "--endpoint", "tcp://127.0.0.1:9", "--timeout", "0.1"}, out, err),
+      kExitNoDaemon);
+  EXPECT_NE(err.str().find("tcp://127.0.0.1:9"), std::string::npos);
+  EXPECT_NE(err.str().find("STYLED_CONTROL"), std::string::npos);
+}
+
+TEST(Nearest, FindsWhatWasMeantAndOnlyThat) {
+  const std::vector<std::string> names{"old", "proud", "feminine", "masculine", "childlike"};
+  EXPECT_EQ(Nearest("OLD", names), "old");
+  EXPECT_EQ(Nearest("prodd", names), "proud");
+  EXPECT_EQ(Nearest("femnine", names), "feminine");
+  EXPECT_EQ(Nearest("child", names), "childlike");
+  EXPECT_EQ(Nearest("masculnie", names), "masculine");
+  EXPECT_EQ(Nearest("zombie", names), "");
+  EXPECT_EQ(Nearest("x", names), "");
+}
+
+TEST(Table, AlignsNumbersRightAndWordsLeft) {
+  EXPECT_EQ(Table({{"NAME", "N"}, {"é", "10"}, {"long", "9"}}), "NAME   N\né     10\nlong   9\n");
+}
+
+}  // namespace
+}  // namespace styled::stylectl
