@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   app.add_option("--out", config.out, "Folder of the run");
   app.add_option("--minutes", config.minutes, "Length of the run in wall time, all resumes");
   app.add_option("--iterations", config.iterations, "Length of the run in iterations");
+  app.add_option("--stop-at", config.stop_at, "End this session at an iteration; resume later");
   app.add_option("--seed", config.seed)->capture_default_str();
   app.add_flag("--resume", config.resume, "Continue the run in --out; give the same flags");
   app.add_option("--device", config.device)

@@ -1,8 +1,10 @@
 #include "model/train/checkpoint.h"
 
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "model/body/features.h"
 #include "model/body/humanoid.h"
@@ -29,6 +31,13 @@ Status Rename(const std::filesystem::path& file) {
 
 }  // namespace
 
+std::string Reason(const std::exception& error) {
+  const auto* torch_error = dynamic_cast<const c10::Error*>(&error);
+  const std::string text =
+      torch_error != nullptr ? torch_error->what_without_backtrace() : error.what();
+  return text.substr(0, text.find('\n'));
+}
+
 Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& file) {
   try {
     torch::serialize::OutputArchive archive;
@@ -44,7 +53,7 @@ Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path
     archive.write("names", FromString(names));
     archive.save_to(Partial(file).string());
   } catch (const std::exception& error) {
-    return Status::Error(file.string() + ": " + error.what());
+    return Status::Error(file.string() + ": " + Reason(error));
   }
   return Rename(file);
 }
@@ -67,7 +76,7 @@ Status ReadCheckpoint(const std::filesystem::path& file, Checkpoint& checkpoint)
       }
     }
   } catch (const std::exception& error) {
-    return Status::Error(file.string() + ": not a checkpoint of styletrain: " + error.what());
+    return Status::Error(file.string() + ": not a checkpoint of styletrain: " + Reason(error));
   }
   return Status::Ok();
 }
@@ -108,7 +117,7 @@ Result<GeneratorShape> ShapeFromJson(const std::string& text) {
     shape.style_layers = json.at("style_layers");
     return shape;
   } catch (const std::exception& error) {
-    return Status::Error(std::string("weights metadata: ") + error.what());
+    return Status::Error(std::string("weights metadata: ") + Reason(error));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <torch/torch.h>
 
+#include <exception>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -17,6 +18,9 @@ struct Checkpoint {
   std::map<std::string, torch::Tensor> tensors;
   std::map<std::string, std::string> strings;
 };
+
+// What went wrong, in one line: libtorch's exceptions carry a whole stack.
+std::string Reason(const std::exception& error);
 
 // Written beside `file` and renamed, so that a reader (or a crash) never sees half of it.
 Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& file);

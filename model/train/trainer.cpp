@@ -1,5 +1,6 @@
 #include "model/train/trainer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -539,7 +540,7 @@ Status Trainer::Restore() {
     unstack(t.at("branches.c"), branch_carried_.c);
     sampler_.Restore(checkpoint.strings.at("sampler"));
   } catch (const std::exception& error) {
-    return Status::Error(file.string() + ": " + error.what());
+    return Status::Error(file.string() + ": " + Reason(error));
   }
   RequireGradient(classifier_.parameters, false);
   return Status::Ok();
@@ -550,9 +551,9 @@ Status Trainer::Run() {
   auto last_log = Clock::now();
   auto last_save = Clock::now();
   int logged = 0;
-  while (true) {
+  for (;;) {
     const double progress = Progress();
-    if (progress >= 1.0) break;
+    if (progress >= 1.0 || (config_.stop_at > 0 && iteration_ >= config_.stop_at)) break;
     Step(progress);
     ++logged;
     if (iteration_ % config_.log_every == 0) {
@@ -571,9 +572,8 @@ Status Trainer::Run() {
       last_save = Clock::now();
     }
   }
-  const Status saved = Save();
-  if (saved.ok()) LogMonitor();
-  return saved;
+  if (iteration_ % config_.monitor_every != 0) LogMonitor();
+  return Save();
 }
 
 }  // namespace
@@ -628,7 +628,7 @@ Status Train(const TrainConfig& config) {
     }
     return trainer.Run();
   } catch (const std::exception& failure) {
-    return Status::Error(std::string("libtorch: ") + failure.what());
+    return Status::Error(std::string("libtorch: ") + Reason(failure));
   }
 }
 
@@ -648,7 +648,7 @@ Status ExportRun(const std::filesystem::path& run, const std::filesystem::path& 
     generator.parameters.flat().copy_(checkpoint.tensors.at("average"));
     return WriteWeights(generator, mean, deviation, metadata, file);
   } catch (const std::exception& failure) {
-    return Status::Error(source.string() + ": " + failure.what());
+    return Status::Error(source.string() + ": " + Reason(failure));
   }
 }
 

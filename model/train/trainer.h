@@ -15,6 +15,7 @@ struct TrainConfig {
   std::string command;   // recorded in the weights' metadata
   double minutes = 0;    // length of the run in wall time, over all resumes; 0: by iterations
   int64_t iterations = 0;
+  int64_t stop_at = 0;   // end this session at that iteration, the run's length unchanged; 0: no
   uint64_t seed = 1;
   bool resume = false;
   std::string device = "auto";  // "auto", "cpu" or "cuda"

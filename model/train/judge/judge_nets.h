@@ -36,7 +36,7 @@ struct Verdicts {
 
 struct JudgeSettings {
   int window = 32;  // frames at kJudgeRate_hz
-  int iterations = 3000;
+  int iterations = 1500;
   int batch = 64;
   unsigned seed = 1;
 };

@@ -1,0 +1,186 @@
+// Whole runs on a made-up data set of two styles and two contents: resuming, exporting, and the
+// runtime network against the training one.
+
+#include <gtest/gtest.h>
+#include <torch/torch.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "model/clip/clip.h"
+#include "model/erd/network.h"
+#include "model/train/checkpoint.h"
+#include "model/train/trainer.h"
+#include "tests/unit/train/walker.h"
+
+namespace styled::train {
+namespace {
+
+using torch::Tensor;
+
+rig::Skeleton CanonicalSkeleton() {
+  rig::Skeleton skeleton;
+  for (const body::JointRow& row : body::kHumanoid) {
+    skeleton.names.emplace_back(row.name);
+    skeleton.parents.push_back(row.parent);
+    skeleton.offsets.emplace_back(row.x_m, row.y_m, row.z_m);
+  }
+  return skeleton;
+}
+
+class Run : public testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = std::filesystem::temp_directory_path() /
+            ("styled_run_test_" + std::to_string(::getpid()));
+    for (const char* folder : {"set-train", "set-val"}) {
+      std::filesystem::create_directories(root_ / folder);
+    }
+    int phase = 0;
+    for (const std::string style : {"plain", "odd"}) {
+      for (const std::string content : {"walk", "wave"}) {
+        for (int take = 1; take <= 4; ++take) {
+          const TrainingClip walker = Walker(70, static_cast<float>(++phase));
+          clip::Clip clip;
+          clip.skeleton = CanonicalSkeleton();
+          for (const body::Pose& pose : walker.poses) {
+            rig::RigPose frame(clip.skeleton);
+            frame.translations[0] = pose.hips_position_m;
+            frame.rotations.assign(pose.rotations.begin(), pose.rotations.end());
+            clip.frames.push_back(frame);
+          }
+          const std::string name = content + "_" + style + "_" + std::to_string(take) + ".bvh";
+          const char* folder = take < 4 ? "set-train" : "set-val";
+          ASSERT_TRUE(clip::WriteBvh(clip, root_ / folder / name).ok());
+        }
+      }
+    }
+    std::ofstream(root_ / "manifest.toml") << R"(
+name = "made-up"
+licence = "none"
+neutral = "neutral"
+styles = [ { name = "neutral", labels = ["plain"], aliases = [] },
+           { name = "odd", labels = ["odd"], aliases = ["strange"] } ]
+contents = [ { name = "walk", labels = ["walk"] }, { name = "wave", labels = ["wave"] } ]
+[[clips]]
+pattern = "set-train/{content}_{style}_{take}.bvh"
+rig = "canonical"
+split = "train"
+judge_share = 0.25
+[[clips]]
+pattern = "set-val/{content}_{style}_{take}.bvh"
+rig = "canonical"
+split = "validation"
+)";
+  }
+  void TearDown() override { std::filesystem::remove_all(root_); }
+
+  TrainConfig Config(const std::string& out) const {
+    TrainConfig config;
+    config.manifest = root_ / "manifest.toml";
+    config.data = root_;
+    config.out = root_ / out;
+    config.device = "cpu";
+    config.iterations = 10;
+    config.classifier_iterations = 3;
+    config.smooth_from = 0.0;
+    config.monitor_every = 100;
+    return config;
+  }
+  static void Check(const Status& status) { ASSERT_TRUE(status.ok()) << status.message(); }
+
+  std::filesystem::path root_;
+};
+
+TEST_F(Run, ResumedIsBitForBitTheSameAsUninterrupted) {
+  Check(Train(Config("whole")));
+  TrainConfig config = Config("parts");
+  config.stop_at = 4;
+  Check(Train(config));
+  config.stop_at = 0;
+  config.resume = true;
+  Check(Train(config));
+
+  Checkpoint whole, parts;
+  Check(ReadCheckpoint(root_ / "whole" / "checkpoint.pt", whole));
+  Check(ReadCheckpoint(root_ / "parts" / "checkpoint.pt", parts));
+  ASSERT_EQ(whole.tensors.size(), parts.tensors.size());
+  for (const auto& [name, tensor] : whole.tensors) {
+    if (name == "elapsed_s") continue;
+    EXPECT_TRUE(torch::equal(tensor, parts.tensors.at(name))) << name;
+  }
+  EXPECT_EQ(whole.strings.at("sampler"), parts.strings.at("sampler"));
+
+  // The control: another seed is another run.
+  TrainConfig other = Config("other");
+  other.seed = 2;
+  Check(Train(other));
+  Checkpoint different;
+  Check(ReadCheckpoint(root_ / "other" / "checkpoint.pt", different));
+  EXPECT_FALSE(torch::equal(whole.tensors.at("generator"), different.tensors.at("generator")));
+}
+
+TEST_F(Run, ACheckpointOfOtherDataIsRefused) {
+  TrainConfig config = Config("run");
+  config.stop_at = 1;
+  Check(Train(config));
+  config.resume = true;
+  config.heading_tau_s = 0.5;
+  const Status status = Train(config);
+  ASSERT_FALSE(status.ok());
+  EXPECT_NE(status.message().find("other data or another rate"), std::string::npos);
+}
+
+// The runtime network, frame by frame, against the training network over the whole window.
+TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
+  Check(Train(Config("run")));
+  const std::filesystem::path file = root_ / "exported.safetensors";
+  Check(ExportRun(root_ / "run", file));
+  auto loaded = erd::Network::Load(file);
+  ASSERT_TRUE(loaded.ok()) << loaded.status().message();
+  const erd::Network& network = *loaded.value();
+  EXPECT_EQ(network.FindStyle("strange"), 1);
+
+  Checkpoint checkpoint;
+  Check(ReadCheckpoint(root_ / "run" / "checkpoint.pt", checkpoint));
+  const auto shape = ShapeFromJson(checkpoint.strings.at("metadata"));
+  ASSERT_TRUE(shape.ok());
+  const Tensor mean = checkpoint.tensors.at("mean"), deviation = checkpoint.tensors.at("deviation");
+  Generator generator(shape.value(), mean, deviation);
+  torch::NoGradGuard no_grad;
+  generator.parameters.flat().copy_(checkpoint.tensors.at("average"));
+
+  constexpr int kFrames = 60;
+  Tensor features = torch::empty({kFrames, 1, body::kFeatureCount});
+  FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.metadata().features,
+             {.features = features.data_ptr<float>()});
+  const Tensor z = generator.Encode((features - mean) / deviation, torch::zeros({1}, torch::kInt64));
+  StackState neutral = generator.neutral.Initial(1), branch = generator.branches.Initial(1);
+  const Tensor r0 = generator.Neutral(z, neutral);
+  const Tensor zs = r0 + generator.Branches(z, branch);
+  const Tensor rec = generator.Decode(r0, torch::tensor({{1.0F, 0.0F}})).rotations;
+  const Tensor sty = generator.Decode(zs, torch::tensor({{0.0F, 1.0F}})).rotations;
+
+  erd::State state;
+  network.Start(state);
+  erd::StepOutput out;
+  const std::array<erd::ActiveStyle, 1> active{{{.style = 1, .weight = 1.0F}}};
+  float largest = 0;
+  for (int t = 0; t < kFrames; ++t) {
+    body::Features x;
+    std::copy_n(features[t][0].data_ptr<float>(), x.size(), x.begin());
+    network.Step(x, 0, active, state, out);
+    for (int joint = 0; joint < body::kJointCount; ++joint) {
+      for (int k = 0; k < 4; ++k) {
+        largest = std::max(largest, std::abs(out.reconstruction.rotations[joint].coeffs()[k] -
+                                             rec[t][0][joint][k].item<float>()));
+        largest = std::max(largest, std::abs(out.styled.rotations[joint].coeffs()[k] -
+                                             sty[t][0][joint][k].item<float>()));
+      }
+    }
+  }
+  EXPECT_LT(largest, 2e-5F);
+}
+
+}  // namespace
+}  // namespace styled::train
