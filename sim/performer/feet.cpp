@@ -21,6 +21,7 @@ constexpr double kStepFrom_m = 0.035;  // a standing foot farther off takes a sm
 constexpr double kStepFrom_rad = 0.20;
 constexpr double kStep_s = 0.55, kStepHeight_m = 0.035;
 constexpr double kLift_s = 0.05;
+constexpr float kStretch = 0.99F, kSoft_m = 0.006F;  // of a leg drawn to its held foot
 
 struct Leg {
   int upper, lower, foot, toes;
@@ -34,9 +35,16 @@ Vector2d Toe(const body::WorldPose& world, const Leg& leg) {
   return {toe.x(), toe.z()};
 }
 
-double ToeYaw(const body::WorldPose& world, const Leg& leg) {
-  const Vec3 along = world.positions_m[leg.toes] - world.positions_m[leg.foot];
-  return std::atan2(along.x(), along.z());
+// The foot's heading, from its sideways axis: defined however steep the foot is.
+double FootYaw(const body::WorldPose& world, const Leg& leg) {
+  const Vec3 sideways = world.rotations[leg.foot] * Vec3::UnitX();
+  return std::atan2(-sideways.z(), sideways.x());
+}
+
+// 1 for a foot at the floor, towards 0 for one that a blend calls standing while it is in the air.
+double Near(double height_m) {
+  constexpr double kNear_m = 0.025;
+  return 1 / (1 + height_m * height_m / (kNear_m * kNear_m));
 }
 
 double Wrap(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
@@ -73,8 +81,10 @@ void Reach(const Leg& leg, const Vec3& hip, const Vec3& ankle_was, const Vec3& a
   const float l1 = body::Offset(leg.lower).norm(), l2 = body::Offset(leg.foot).norm();
   const float was = (ankle_was - hip).norm();
   float reach = (ankle - hip).norm();
-  if (reach > was) {  // towards the stretched leg, but never quite there
-    const float room = std::max(1e-4F, 0.9995F * (l1 + l2) - was);
+  if (reach > was) {
+    // Towards the stretched leg, but not near it: there a hair of reach bends the knee much. What
+    // the motion itself stretches farther stays as it is; the room ends smoothly.
+    const float room = kSoft_m * std::log1p(std::exp((kStretch * (l1 + l2) - was) / kSoft_m));
     reach = was + room * std::tanh((reach - was) / room);
   }
   const auto flexion = [l1, l2](float distance) {
@@ -98,7 +108,7 @@ void AdvanceFeet(const FeetInput& input, const body::WorldPose& world, double dt
     FootState& foot = state.feet[side];
     const Leg& leg = kLegs[side];
     const Vector2d toe_m = input.path_m + Toe(world, leg);
-    const double toe_yaw_rad = ToeYaw(world, leg);
+    const double foot_yaw_rad = FootYaw(world, leg);
     const double c = input.contact[side];
     if (foot.started && foot.stepping) {
       AdvanceStep(foot, dt_s);
@@ -107,14 +117,16 @@ void AdvanceFeet(const FeetInput& input, const body::WorldPose& world, double dt
       const Vector2d drift = toe_m - foot.toe_m;
       const double far = std::min(1.0, foot.offset_m.squaredNorm() / (kLongest_m * kLongest_m));
       foot.offset_m -= c * (1 - far) * drift + give_back * foot.offset_m;
-      foot.yaw_rad -= c * Wrap(toe_yaw_rad - foot.toe_yaw_rad) + give_back * foot.yaw_rad;
+      foot.yaw_rad -= c * Wrap(foot_yaw_rad - foot.foot_yaw_rad) + give_back * foot.yaw_rad;
       foot.yaw_rad = std::clamp(foot.yaw_rad, -0.8, 0.8);
     }
     foot.toe_m = toe_m;
-    foot.toe_yaw_rad = toe_yaw_rad;
+    foot.foot_yaw_rad = foot_yaw_rad;
     foot.started = true;
-    contacts += c * c;
-    error += c * c * (kToeHeight_m - world.positions_m[leg.toes].y());
+    const double below_m = kToeHeight_m - world.positions_m[leg.toes].y();
+    const double weight = c * c * Near(below_m);
+    contacts += weight;
+    error += weight * below_m;
   }
   // The body stands on the feet that carry it; a run's flight keeps what it had. Critically damped.
   const double grip = std::min(1.0, contacts);
@@ -137,8 +149,8 @@ void ApplyFeet(const FeetInput& input, const FeetState& state, const body::World
     Vec3 toe = world.positions_m[leg.toes];
     const Vec3 toe_to_ankle = ankle_was - toe;
     // Relative to the lifted body: what is left between this toe and the floor.
-    toe.y() += static_cast<float>(input.contact[side] *
-                                  (kToeHeight_m - state.lift_m - static_cast<double>(toe.y())));
+    const double below_m = kToeHeight_m - state.lift_m - static_cast<double>(toe.y());
+    toe.y() += static_cast<float>(input.contact[side] * Near(below_m) * below_m);
     if (foot.stepping) {
       const double s = foot.step * (1 - foot.step);
       toe.y() += static_cast<float>(kStepHeight_m * 64 * s * s * s);

@@ -12,9 +12,9 @@ namespace styled::performer {
 struct FootState {
   Eigen::Vector2d offset_m = Eigen::Vector2d::Zero();  // world x, z
   double yaw_rad = 0;
-  // The motion's own toe, one tick ago.
+  // Of the motion's own foot, one tick ago.
   Eigen::Vector2d toe_m = Eigen::Vector2d::Zero();
-  double toe_yaw_rad = 0;
+  double foot_yaw_rad = 0;
   bool started = false;
   // A small step that puts a standing foot back: progress 0 .. 1 where stepping.
   bool stepping = false;

@@ -176,8 +176,9 @@ struct Performer::State {
 
   void AdvanceGait(Core& core, double dt_s) const {
     const Kind kind = core.item.motion;
-    // A hand still high keeps the feet.
-    const bool waits = core.gesture.active && core.gesture.time.since_fall_s < 0.4;
+    // A hand still high, or a small step, keeps it from setting out.
+    const bool waits = (core.gesture.active && core.gesture.time.since_fall_s < 0.4) ||
+                       core.feet.feet[0].stepping || core.feet.feet[1].stepping;
     const double was = core.walk.value + core.run.value;
     core.walk.Advance(!waits && (kind == Kind::kWalk || IsTurn(kind)) ? 1 : 0, dt_s);
     core.run.Advance(!waits && kind == Kind::kRun ? 1 : 0, dt_s);
@@ -294,14 +295,12 @@ Performer::Performer(Performer&&) noexcept = default;
 Performer& Performer::operator=(Performer&&) noexcept = default;
 
 void Performer::Pose(double time_s, body::Pose& pose) noexcept {
-  const double ticks = std::max(0.0, time_s / kTick_s);
-  const auto whole = static_cast<std::uint64_t>(ticks + 1e-6);
-  for (; state_->ticks < whole || state_->ticks == 0; ++state_->ticks) {
-    state_->Advance(state_->core, kTick_s);
-  }
+  const auto whole = static_cast<std::uint64_t>(std::max(0.0, time_s) / kTick_s + 1e-6);
+  // Always one tick ahead: the first pose already stands on its feet.
+  for (; state_->ticks <= whole; ++state_->ticks) state_->Advance(state_->core, kTick_s);
   // Between two ticks: a shorter one, on a copy.
   Core core = state_->core;
-  const double rest_s = time_s - static_cast<double>(state_->ticks) * kTick_s;
+  const double rest_s = time_s - static_cast<double>(state_->ticks - 1) * kTick_s;
   if (rest_s > 1e-6) state_->Advance(core, rest_s);
   body::WorldPose world;
   state_->Pose(core, pose, world);
