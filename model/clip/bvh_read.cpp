@@ -33,8 +33,8 @@ bool SameWord(std::string_view a, std::string_view b) {
 bool ToDouble(std::string_view word, double& value) {
   if (!word.empty() && word[0] == '+') word.remove_prefix(1);
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  // Positions and angles become floats: what overflows there is no number either.
-  return error == std::errc() && end == word.data() + word.size() && std::abs(value) < 1e30;
+  return error == std::errc() && end == word.data() + word.size() &&
+         std::abs(value) < 1e9;  // false for NaN as well
 }
 
 // Words and lines of the text.

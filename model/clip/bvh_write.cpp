@@ -6,6 +6,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <string_view>
 
 #include "model/clip/clip.h"
 
@@ -47,8 +48,9 @@ class EulerSolver {
       return {Unwrap(std::atan2(sign_ * m(k, j), m(j, j)), near[0]),
               Unwrap(std::atan2(sign_ * m(i, k), m(i, i)), near[1])};
     }
-    // Around the gimbal only a + c or a - c is known, up to the rounding of the float rotation.
-    const bool gimbal = std::hypot(m(i, i), m(i, j)) < 1e-5;
+    // At the gimbal only a + c or a - c is known: what is left of a is the float rotation's
+    // rounding.
+    const bool gimbal = std::hypot(m(i, i), m(i, j)) < 1e-6;
     const double a = gimbal ? near[0] : std::atan2(-sign_ * m(j, k), m(k, k));
     const Angles first = Complete(m, a, near);
     if (previous == nullptr || gimbal) return first;
@@ -75,11 +77,10 @@ class EulerSolver {
   double sign_ = 1.0;
 };
 
-void Append(std::string& text, double value) {
-  std::array<char, 64> digits;
-  // Values beyond what a %.6f of 64 characters holds do not come out of ParseBvh (1e30 at most).
-  const auto result =
-      std::to_chars(digits.begin(), digits.end(), value, std::chars_format::fixed, 6);
+void Append(std::string& text, double value, int decimals = 6) {
+  std::array<char, 352> digits;  // holds every double
+  const auto result = std::to_chars(digits.data(), digits.data() + digits.size(), value,
+                                    std::chars_format::fixed, decimals);
   std::string_view word(digits.data(), result.ptr - digits.data());
   if (word == "-0.000000") word.remove_prefix(1);
   text += word;
@@ -170,13 +171,8 @@ class Writer {
   }
 
   void Motion() {
-    std::array<char, 32> frame_time;
-    std::snprintf(frame_time.data(), frame_time.size(), "%lld",
-                  static_cast<long long>(clip_.frames.size()));
-    text_ += std::string("MOTION\nFrames: ") + frame_time.data() + "\nFrame Time: ";
-    const auto result = std::to_chars(frame_time.begin(), frame_time.end(), 1.0 / clip_.rate_hz,
-                                      std::chars_format::fixed, 9);
-    text_.append(frame_time.data(), result.ptr);
+    text_ += "MOTION\nFrames: " + std::to_string(clip_.frames.size()) + "\nFrame Time: ";
+    Append(text_, 1.0 / clip_.rate_hz, 9);
     text_ += '\n';
 
     std::vector<EulerSolver> solvers;
@@ -216,6 +212,10 @@ std::string FormatBvh(const Clip& clip) { return Writer(clip).Run(); }
 Status WriteBvh(const Clip& clip, const std::filesystem::path& file) {
   if (clip.skeleton.joint_count() == 0 || clip.frames.empty()) {
     return Status::Error(file.string() + ": found a clip without joints or frames, expected both");
+  }
+  if (!(clip.rate_hz >= 1 && clip.rate_hz <= 1000)) {
+    return Status::Error(file.string() + ": found a rate of " + std::to_string(clip.rate_hz) +
+                         " Hz, expected 1 to 1000");
   }
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"),
                                                          &std::fclose);

@@ -30,7 +30,9 @@ struct ManifestEntry {
 //   split = "train"
 //   judge_share = 0.2    # of each (style, content) cell, the last takes in number go to "judge"
 // Paths are relative to the data folder given at load time. {content} and {style} match any of the
-// labels, the longest first; {take} digits; * anything.
+// labels, the longest first; {take} digits; * anything but "/". Files that match no label are left
+// out; a file under two patterns is an error, and so is a key that is not known. judge_share is
+// rounded per cell, which keeps one clip at least. Pinned by tests/unit/clip/manifest_test.cpp.
 struct ManifestStyle {
   std::string name;
   std::vector<std::string> labels, aliases;

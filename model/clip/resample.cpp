@@ -1,5 +1,6 @@
 // Resample and ResamplePoses: natural cubic splines (C2) through equally spaced frames.
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -75,6 +76,7 @@ Vec3 GetPosition(const Row& row, Eigen::Index column) {
 }  // namespace
 
 Clip Resample(const Clip& clip, double rate_hz) {
+  assert(rate_hz > 0 && clip.rate_hz > 0);
   Clip out;
   out.skeleton = clip.skeleton;
   out.channels = clip.channels;
@@ -124,6 +126,7 @@ Clip Resample(const Clip& clip, double rate_hz) {
 
 std::vector<body::Pose> ResamplePoses(const std::vector<body::Pose>& poses, double rate_hz,
                                       double new_rate_hz) {
+  assert(rate_hz > 0 && new_rate_hz > 0);
   constexpr Eigen::Index kHipsColumn = 4 * body::kJointCount;
   Samples y(poses.size(), kHipsColumn + 3);
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {

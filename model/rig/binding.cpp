@@ -37,9 +37,11 @@ Status ValidateSkeleton(const Skeleton& skeleton) {
                            skeleton.names[joint] + "): found parent " + std::to_string(parent) +
                            ", expected " + (joint == 0 ? "-1" : "an earlier joint"));
     }
-    if (!skeleton.offsets[joint].allFinite()) {
+    const Vec3& offset = skeleton.offsets[joint];
+    if (!offset.allFinite() || offset.cwiseAbs().maxCoeff() > 1e6F) {  // false for NaN as well
       return Status::Error("skeleton: joint " + skeleton.names[joint] +
-                           ": found an offset that is not finite, expected numbers");
+                           ": found an offset that is not finite or beyond a million units, "
+                           "expected less");
     }
   }
   return Status::Ok();

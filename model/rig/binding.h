@@ -37,10 +37,10 @@ struct BindingSpec {
 class Binding {
  public:
   // Refuses: an empty skeleton, one of more than kMaxSourceJoints, a parent that does not precede
-  // its child, an offset that is not finite, a rest rotation that is not of unit length, a source
-  // joint that does not exist or is given twice, no hips, a missing upper/lower leg, upper/lower
-  // arm, or head, neither feet nor toes (names them), or a T-pose whose feet are not below its
-  // hips.
+  // its child, an offset that is not finite or beyond a million units, a rest rotation that is not
+  // of unit length, a source joint that does not exist or is given twice, no hips, a missing
+  // upper/lower leg, upper/lower arm, or head, neither feet nor toes (names them), or a T-pose
+  // whose feet are not below its hips.
   static Result<Binding> Make(BindingSpec spec);
 
   const Skeleton& skeleton() const { return spec_.skeleton; }

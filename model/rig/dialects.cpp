@@ -112,7 +112,7 @@ Judgement JudgeTPose(const Skeleton& skeleton, const JointMap& map, const std::v
     if (bone.norm() <= 0) return;
     const float angle_deg =
         std::acos(std::clamp(bone.normalized().dot(expected), -1.0F, 1.0F)) * 180.0F / 3.14159265F;
-    if (angle_deg > kTolerance_deg) {
+    if (!(angle_deg <= kTolerance_deg)) {
       judged.fault = std::string(kHumanoid[from].name) + " to " + std::string(kHumanoid[to].name) +
                      " " + std::to_string(std::lround(angle_deg)) + " degrees away from " + what;
     }

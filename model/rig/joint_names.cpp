@@ -33,6 +33,7 @@ constexpr SpineAlias kSpines[] = {
     {"spine", "spine2"},   // Axis without Spine1
     {"spine01", "spine02"},
     {"spine1", "spine2"},  // SMPL
+    {"chest", "chest2"},   // Xsens MVN's BVH files; Chest3 and Chest4 are composed
 };
 
 const std::vector<Alias>& CentreAliases() {
@@ -54,18 +55,19 @@ const std::vector<Alias>& LeftAliases() {
       {body::kLeftUpperLeg, {"upperleg", "upleg", "thigh", "femur"}},
       {body::kLeftLowerLeg, {"lowerleg", "lowleg", "leg", "shin", "calf", "tibia"}},
       {body::kLeftFoot, {"foot"}},
-      {body::kLeftToes, {"toes", "toe", "toebase", "ball"}},
+      {body::kLeftToes, {"toes", "toe", "toebase", "toe0", "ball"}},
   };
   return kAliases;
 }
 
-// SMPL means other joints by "shoulder" and "foot" than everybody else.
-const std::vector<Alias>& SmplLeftAliases() {
+// SMPL and MVN's BVH files name the limbs by the joint, not by the bone below it, and so mean
+// other joints by "shoulder" and "foot".
+const std::vector<Alias>& JointWiseLeftAliases() {
   static const std::vector<Alias> kAliases = {
       {body::kLeftShoulder, {"collar"}}, {body::kLeftUpperArm, {"shoulder"}},
       {body::kLeftLowerArm, {"elbow"}},  {body::kLeftHand, {"wrist"}},
       {body::kLeftUpperLeg, {"hip"}},    {body::kLeftLowerLeg, {"knee"}},
-      {body::kLeftFoot, {"ankle"}},      {body::kLeftToes, {"foot"}},
+      {body::kLeftFoot, {"ankle"}},      {body::kLeftToes, {"foot", "toe", "toes"}},
   };
   return kAliases;
 }
@@ -104,7 +106,7 @@ std::string_view StripPrefix(std::string_view folded) {
     }
     return folded;
   }
-  for (std::string_view prefix : {"valvebiped", "jbip", "bip001", "bip01"}) {
+  for (std::string_view prefix : {"valvebiped", "jbip", "bip001", "bip01", "bip"}) {
     if (folded.starts_with(prefix) && folded.size() > prefix.size()) {
       folded.remove_prefix(prefix.size());
     }
@@ -175,8 +177,8 @@ std::array<int, kJointCount> MapJointNames(const Skeleton& skeleton) {
     if (map[body::kChest] < 0) map[body::kChest] = table.FindCentre(name);
   }
 
-  const bool smpl = table.FindSided("knee", true) >= 0 && table.FindSided("ankle", true) >= 0;
-  for (const Alias& alias : smpl ? SmplLeftAliases() : LeftAliases()) {
+  const bool joint_wise = table.FindSided("knee", true) >= 0 && table.FindSided("ankle", true) >= 0;
+  for (const Alias& alias : joint_wise ? JointWiseLeftAliases() : LeftAliases()) {
     for (bool left : {true, false}) {
       int& joint = map[left ? alias.joint : body::MirrorJoint(alias.joint)];
       for (std::string_view name : alias.names) {

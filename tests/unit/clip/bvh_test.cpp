@@ -1,0 +1,294 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <clocale>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <string>
+
+#include "model/clip/clip.h"
+#include "tests/unit/body/random_pose.h"
+
+namespace styled::clip {
+namespace {
+
+using body::Angle_rad;
+using rig::Quat;
+using rig::Vec3;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const char kSmall[] =
+    "HIERARCHY\n"                                                                 // 1
+    "ROOT Hips\n"                                                                 // 2
+    "{\n"                                                                         // 3
+    "  OFFSET 1 2 3\n"                                                            // 4
+    "  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"  // 5
+    "  JOINT Left Arm\n"                                                          // 6
+    "  {\n"                                                                       // 7
+    "    OFFSET 0 10 0\n"                                                         // 8
+    "    CHANNELS 3 Zrotation Yrotation Xrotation\n"                              // 9
+    "    End Site\n"                                                              // 10
+    "    {\n"                                                                     // 11
+    "      OFFSET 0 5 0\n"                                                        // 12
+    "    }\n"                                                                     // 13
+    "  }\n"                                                                       // 14
+    "}\n"                                                                         // 15
+    "MOTION\n"                                                                    // 16
+    "Frames: 2\n"                                                                 // 17
+    "Frame Time: 0.0333333\n"                                                     // 18
+    "4 5 6 90 0 0 0 0 90\n"                                                       // 19
+    "7 8 9 0 0 0 10 20 30\n";                                                     // 20
+
+std::string With(const std::string& from, const std::string& to) {
+  std::string text = kSmall;
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string Refusal(const std::string& text) {
+  const Result<Clip> clip = ParseBvh(text, "x.bvh");
+  return clip.ok() ? "accepted" : clip.status().message();
+}
+
+struct Case {
+  std::string text, message;
+};
+
+// What each broken file is told: file, line, what was found, what was expected.
+std::vector<Case> Broken() {
+  std::string deep = "HIERARCHY\nROOT a\n{\n", wide = "HIERARCHY\nROOT a\n{\n";
+  for (int i = 0; i < 300; ++i) deep += "JOINT b\n{\n";
+  for (int i = 0; i < 1100; ++i) wide += "JOINT b\n{\n}\n";
+  return {
+      {"", "x.bvh:1: found the end, expected HIERARCHY"},
+      {"MOTION", "x.bvh:1: found \"MOTION\", expected HIERARCHY"},
+      {With("ROOT", "JOINT"), "x.bvh:2: found \"JOINT\", expected ROOT"},
+      {With("ROOT Hips", "ROOT"), "x.bvh:2: found no name, expected a joint name"},
+      {With("JOINT Left Arm", "JOINT  {"), "x.bvh:6: found no name, expected a joint name"},
+      {With("Hips\n{", "Hips\n"), "x.bvh:4: found \"OFFSET\", expected {"},
+      {With("OFFSET 1 2 3", "OFFSET 1 2"), "x.bvh:5: found \"CHANNELS\", expected three OFFSET"},
+      {With("OFFSET 1 2 3", "OFFSET 1 nan 3"), "x.bvh:4: found \"nan\""},
+      {With("OFFSET 1 2 3", "OFFSET 1 2,5 3"), "x.bvh:4: found \"2,5\""},
+      {With("OFFSET 1 2 3", "WIDTH 3"), "x.bvh:4: found \"WIDTH\", expected OFFSET, CHANNELS"},
+      {With("CHANNELS 6", "CHANNELS 7"), "x.bvh:5: found \"7\", expected 0 to 6 channels"},
+      {With("CHANNELS 6", "CHANNELS -1"), "x.bvh:5: found \"-1\""},
+      {With("CHANNELS 6", "CHANNELS 2.5"), "x.bvh:5: found \"2.5\""},
+      {With("CHANNELS 6", "CHANNELS x"), "x.bvh:5: found \"x\""},
+      {With("Zposition", "Wposition"), "x.bvh:5: found \"Wposition\", expected a channel"},
+      {With("Zposition", "Xposition"), "x.bvh:5: found \"Xposition\" twice"},
+      {With("  JOINT Left", "CHANNELS 1 Xrotation\n  JOINT Left"), "x.bvh:6: found CHANNELS again"},
+      {With("End Site", "End Zone"), "x.bvh:10: found \"Zone\", expected Site"},
+      {With("MOTION", "ROOT Second"), "x.bvh:16: found a second ROOT, expected one skeleton"},
+      {With("MOTION", "EMOTION"), "x.bvh:16: found \"EMOTION\", expected MOTION"},
+      {With("Frames: 2", "2"), "x.bvh:17: found \"2\", expected Frames:"},
+      {With("Frames: 2", "Frames: 0"),
+       "x.bvh:17: found \"0\", expected a number of frames above 0"},
+      {With("Frames: 2", "Frames: -2"), "x.bvh:17: found \"-2\""},
+      {With("Frames: 2", "Frames: 99999999999999999999"), "x.bvh:17: found \"9999999"},
+      {With("Frames: 2", "Frames: 4000000000000"), "more than the rest of the file can hold"},
+      {With("Frames: 2", "Frames: 1"), "x.bvh:20: found \"7\" after the last row, expected 1 rows"},
+      {With("Frames: 2", "Frames: 3"), "found the end after 2 rows, expected 3"},
+      {With("Frame Time: 0.0333333", "Frame Time: 0"),
+       "x.bvh:18: found 0.000000 s, expected a frame"},
+      {With("Frame Time: 0.0333333", "Frame Time: 2"), "x.bvh:18: found 2.000000 s"},
+      {With("Frame Time: 0.0333333", "Frame Time: 0.0001"), "x.bvh:18: found 0.000100 s"},
+      {With("Frame Time: 0.0333333", "Frame Time: -0.03"), "x.bvh:18: found -0.030000 s"},
+      {With("Frame Time: 0.0333333", "Frame Time: inf"), "x.bvh:18: found \"inf\""},
+      {With("Frame Time", "Frame Rate"), "x.bvh:18: found \"Rate"},
+      {With("4 5 6 90", "4 5 6"), "x.bvh:19: found 8 values in row 1, expected 9"},
+      {With("20 30\n", "20\n"), "x.bvh:20: found 8 values in row 2, expected 9"},
+      {With("20 30\n", "20 30 40\n"), "x.bvh:20: found more than 9 values in row 2, expected 9"},
+      {With("4 5 6 90", "4 5 x 90"), "x.bvh:19: found \"x\" as value 3 of row 1"},
+      {With("4 5 6 90", "4 5 nan 90"), "x.bvh:19: found \"nan\" as value 3 of row 1"},
+      {With("4 5 6 90", "4 5 -inf 90"), "x.bvh:19: found \"-inf\" as value 3"},
+      {With("4 5 6 90", "4 5 1e300 90"), "x.bvh:19: found \"1e300\" as value 3"},
+      {With("4 5 6 90", "4 5 1.#QNAN 90"), "x.bvh:19: found \"1.#QNAN\" as value 3"},
+      {"HIERARCHY\nROOT a\n{\nCHANNELS 0\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n",
+       "x.bvh:6: found no channels in any joint, expected at least one"},
+      {deep, "found one more level, expected at most 256"},
+      {wide, "found one more joint, expected at most 1024"},
+  };
+}
+
+TEST(Bvh, TellsEachBrokenFileWhatWasFoundWhereAndWhatWasExpected) {
+  for (const Case& broken : Broken()) {
+    EXPECT_THAT(Refusal(broken.text), HasSubstr(broken.message));
+    EXPECT_THAT(Refusal(broken.text), StartsWith("x.bvh:"));
+  }
+}
+
+TEST(Bvh, RefusesAFileThatIsMissingOrAFolder) {
+  EXPECT_THAT(ReadBvh("/nonexistent/a.bvh").status().message(), HasSubstr("/nonexistent/a.bvh"));
+  EXPECT_FALSE(ReadBvh(std::filesystem::temp_directory_path()).ok());
+}
+
+TEST(Bvh, RefusesEveryPrefixOfAFileAndSurvivesIt) {
+  const std::string whole = kSmall;
+  // Without its last number's digits and line end the last row would still be whole.
+  for (std::size_t size = 0; size + 3 < whole.size(); ++size) {
+    EXPECT_NE(Refusal(whole.substr(0, size)), "accepted") << size;
+  }
+}
+
+TEST(Bvh, SurvivesGarbageOfEveryKind) {
+  std::mt19937 random(1);
+  const std::string words[] = {
+      "{",  "}",    "ROOT a", "JOINT b",  "OFFSET",
+      "1",  "-1e9", "MOTION", "Frames:",  "\n",
+      "\0", "nan",  "99",     "End Site", "CHANNELS 3 Xrotation Yrotation Zrotation"};
+  for (int round = 0; round < 20000; ++round) {
+    std::string text = kSmall;
+    for (unsigned edit = 0; edit <= random() % 4; ++edit) {
+      const std::size_t at = random() % text.size();
+      switch (random() % 4) {
+        case 0:
+          text[at] = static_cast<char>(random());
+          break;
+        case 1:
+          text.erase(at, random() % 20);
+          break;
+        case 2:
+          text.insert(at, words[random() % std::size(words)]);
+          break;
+        default:
+          text.insert(at, text.substr(random() % text.size(), random() % 60));
+      }
+      if (text.empty()) text = "x";
+    }
+    const Result<Clip> clip = ParseBvh(text, "garbage");
+    if (!clip.ok()) continue;
+    // What is accepted is whole and finite.
+    const int joints = clip.value().skeleton.joint_count();
+    EXPECT_GE(clip.value().rate_hz, 0.99);
+    for (const rig::RigPose& frame : clip.value().frames) {
+      ASSERT_EQ(static_cast<int>(frame.rotations.size()), joints);
+      for (const Quat& q : frame.rotations) ASSERT_NEAR(q.norm(), 1, 1e-4);
+      for (const Vec3& t : frame.translations) ASSERT_TRUE(t.allFinite());
+    }
+  }
+}
+
+TEST(Bvh, ReadsHierarchyChannelsAndEndSites) {
+  const Clip clip = ParseBvh(kSmall, "x").value();
+  EXPECT_THAT(clip.skeleton.names, testing::ElementsAre("Hips", "Left Arm"));
+  EXPECT_THAT(clip.skeleton.parents, testing::ElementsAre(-1, 0));
+  EXPECT_EQ(clip.skeleton.offsets[0], Vec3(1, 2, 3));
+  EXPECT_THAT(clip.channels, testing::ElementsAre("XYZzxy", "zyx"));
+  ASSERT_EQ(clip.end_sites[1].size(), 1U);
+  EXPECT_EQ(clip.end_sites[1][0], Vec3(0, 5, 0));
+  EXPECT_EQ(clip.rate_hz, 30.0) << "0.0333333 s means 30 Hz";
+  EXPECT_EQ(clip.frames.size(), 2U);
+}
+
+TEST(Bvh, PositionChannelsReplaceTheOffset) {
+  const Clip clip = ParseBvh(kSmall, "x").value();
+  EXPECT_EQ(clip.frames[0].translations[0], Vec3(4, 5, 6));
+  EXPECT_EQ(clip.frames[1].translations[0], Vec3(7, 8, 9));
+  EXPECT_EQ(clip.frames[0].translations[1], Vec3(0, 10, 0)) << "no channels: the offset";
+}
+
+TEST(Bvh, TurnsInChannelOrderFromLeftToRight) {
+  const Clip clip = ParseBvh(kSmall, "x").value();
+  const auto turn = [](float degrees, const Vec3& axis) {
+    return Quat(Eigen::AngleAxisf(degrees * 3.14159265F / 180, axis));
+  };
+  EXPECT_LT(Angle_rad(clip.frames[0].rotations[0], turn(90, Vec3::UnitZ())), 1e-6);
+  EXPECT_LT(Angle_rad(clip.frames[1].rotations[1],
+                      turn(10, Vec3::UnitZ()) * turn(20, Vec3::UnitY()) * turn(30, Vec3::UnitX())),
+            1e-6);
+}
+
+TEST(Bvh, AcceptsWhatExportersWrite) {
+  std::string crlf;
+  for (char c : std::string(kSmall)) crlf += c == '\n' ? "\r\n" : std::string(1, c);
+  const Case cases[] = {
+      {crlf, "CRLF"},
+      {"\xEF\xBB\xBF" + std::string(kSmall), "byte order mark"},
+      {With("HIERARCHY", "hierarchy"), "lower case"},
+      {With("Xrotation Yrotation", "xRotation YROTATION"), "mixed case"},
+      {With("Frames: 2", "Frames:\t2"), "tab"},
+      {With("Frames: 2", "Frames : 2"), "blank before the colon"},
+      {With("ROOT Hips\n{", "ROOT Hips {"), "brace on the name's line"},
+      {With("4 5 6", "  +4\t5.0e0   6 "), "plus, exponent, blanks"},
+      {With("90\n7", "90\n\n \n7"), "blank lines between rows"},
+      {std::string(kSmall) + "\n \n", "blank lines at the end"},
+      {With("End Site\n", "End Site LeftTip\n"), "a named end site"},
+  };
+  for (const Case& variant : cases) {
+    const Result<Clip> clip = ParseBvh(variant.text, "x");
+    ASSERT_TRUE(clip.ok()) << variant.message << ": " << clip.status().message();
+    EXPECT_EQ(clip.value().skeleton, ParseBvh(kSmall, "x").value().skeleton) << variant.message;
+    EXPECT_EQ(clip.value().frames[0].translations[0], Vec3(4, 5, 6)) << variant.message;
+  }
+}
+
+TEST(Bvh, ReadsPositionChannelsOnAnyJointAndInAnyOrder) {
+  const Clip clip =
+      ParseBvh(
+          "HIERARCHY ROOT a\n{ OFFSET 1 2 3 CHANNELS 1 Yrotation JOINT b\n{ OFFSET 4 5 6 "
+          "CHANNELS 3 Zposition Xrotation Xposition } } MOTION Frames: 1 Frame Time: 0.01\n"
+          "90 7 -90 8",
+          "x")
+          .value();
+  EXPECT_EQ(clip.frames[0].translations[0], Vec3(1, 2, 3));
+  EXPECT_EQ(clip.frames[0].translations[1], Vec3(8, 5, 7));
+  EXPECT_EQ(clip.rate_hz, 100.0);
+  EXPECT_NEAR(clip.frames[0].rotations[1].x(), -std::sqrt(0.5), 1e-6);
+}
+
+TEST(Bvh, TakesARoundedFrameTimeForTheRateThatIsMeant) {
+  for (auto [text, rate_hz] : {std::pair{"0.0083333", 120.0},
+                               {"0.008333", 120.0},
+                               {"0.0166667", 60.0},
+                               {"0.033367", 30000.0 / 1001},
+                               {"0.0417083", 24000.0 / 1001},
+                               {"0.04", 25.0},
+                               {"1", 1.0},
+                               {"0.001", 1000.0}}) {
+    const Result<Clip> clip = ParseBvh(With("0.0333333", text), "x");
+    ASSERT_TRUE(clip.ok()) << clip.status().message();
+    EXPECT_DOUBLE_EQ(clip.value().rate_hz, rate_hz) << text;
+  }
+  EXPECT_NEAR(ParseBvh(With("0.0333333", "0.03"), "x").value().rate_hz, 33.333, 1e-3);
+}
+
+TEST(Bvh, KeepsRotationsContinuousInSignWhereAnglesJump) {
+  const Clip clip =
+      ParseBvh(
+          "HIERARCHY ROOT a\n{ CHANNELS 1 Yrotation } MOTION Frames: 3 Frame Time: 0.1\n"
+          "179\n-179\n-177\n",
+          "x")
+          .value();
+  for (int frame = 1; frame < 3; ++frame) {
+    EXPECT_GT(clip.frames[frame].rotations[0].dot(clip.frames[frame - 1].rotations[0]), 0.99);
+  }
+}
+
+TEST(Bvh, DoesNotDependOnTheLocale) {
+  const char* locale = std::setlocale(LC_ALL, "de_DE.UTF-8");
+  const Clip clip = ParseBvh(With("4 5 6", "4.25 5 6"), "x").value();
+  EXPECT_EQ(clip.frames[0].translations[0].x(), 4.25F);
+  EXPECT_THAT(FormatBvh(clip), HasSubstr("4.250000"));
+  if (locale != nullptr) std::setlocale(LC_ALL, "C");
+}
+
+// Pins what the samples are known to be.
+TEST(Bvh, ReadsARealClip) {
+  const char* set = std::getenv("STYLED_DATA");
+  const std::filesystem::path file =
+      std::filesystem::path(set != nullptr ? set : STYLED_DATA_DEFAULT) /
+      "samples/dataset-1_walk_normal_001.bvh";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "skipped, no data (set STYLED_DATA)";
+  const Result<Clip> clip = ReadBvh(file);
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  EXPECT_EQ(clip.value().skeleton.joint_count(), 21);
+  EXPECT_EQ(clip.value().frames.size(), 195U);
+  EXPECT_EQ(clip.value().rate_hz, 30.0);
+  EXPECT_TRUE(clip.value().frames[0].translations[0].isApprox(Vec3(-1.714F, 90.27F, -407.123F)));
+}
+
+}  // namespace
+}  // namespace styled::clip

@@ -1,0 +1,175 @@
+#include "model/clip/manifest.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+#include <string>
+
+namespace styled::clip {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const char kHead[] =
+    "name = \"test\"\n"
+    "licence = \"none\"\n"
+    "neutral = \"neutral\"\n"
+    "styles = [ { name = \"neutral\", labels = [\"normal\"] },\n"
+    "  { name = \"old\", labels = [\"old\", \"elderly\"], aliases = [\"aged\"] },\n"
+    "  { name = \"very-old\", labels = [\"old_old\"] } ]\n"
+    "contents = [ { name = \"walk\", labels = [\"walk\"] },\n"
+    "  { name = \"turn\", labels = [\"walk-left\", \"walk-right\"] } ]\n";
+
+// A folder of empty files and a manifest over it.
+class ManifestTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("styled_manifest_" +
+               std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void Touch(const std::string& name) {
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name) << "x";
+  }
+  Result<Manifest> Load(const std::string& text) {
+    const fs::path file = folder_ / "manifest.toml";
+    std::ofstream(file) << text;
+    return LoadManifest(file, folder_);
+  }
+  std::string Refusal(const std::string& text) {
+    const Result<Manifest> manifest = Load(text);
+    return manifest.ok() ? "accepted" : manifest.status().message();
+  }
+  static std::string With(const std::string& from, const std::string& to) {
+    std::string text = kHead;
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to) + Rule("");
+  }
+  static std::string Rule(const std::string& more) {
+    return "[[clips]]\npattern = \"d/{content}_{style}_{take}.bvh\"\n" + more;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ManifestTest, NamesFileLineKeyAndWhatIsWrong) {
+  Touch("d/walk_normal_1.bvh");
+  ASSERT_EQ(Refusal(kHead + Rule("")), "accepted");
+  const std::pair<std::string, std::string> cases[] = {
+      {"name = ", "manifest.toml:1: found"},
+      {With("name = \"test\"\n", ""), "name: found nothing, expected a string"},
+      {With("licence = \"none\"", "licence = 3"), "manifest.toml:2: licence: found something else"},
+      {With("neutral = \"neutral\"", "neutral = \"old\""),
+       "expected the neutral style \"old\" first"},
+      {With("licence = \"none\"", "licence = \"none\"\nauthor = \"me\""),
+       "manifest.toml:3: author: found an unknown key"},
+      {With("labels = [\"normal\"]", "labels = []"), "labels: found an empty array"},
+      {With("labels = [\"normal\"]", "label = [\"normal\"]"), "label: found an unknown key"},
+      {With("labels = [\"normal\"]", "labels = [1]"), "found something else in the array"},
+      {With("\"elderly\"", "\"normal\""), "label \"normal\" twice"},
+      {With("very-old", "old"), "\"old\" twice, expected each style once"},
+      {With("name = \"turn\"", "name = \"walk\""), "\"walk\" twice, expected each content once"},
+      {With("styles = [", "contents = 1 # ["), "manifest.toml:"},
+      {"name = \"a\"\nlicence = \"b\"\nneutral = \"c\"\n", "styles: found nothing"},
+      {kHead, "clips: found nothing, expected an array of tables"},
+      {kHead + std::string("[[clips]]\nrig = \"cmu\"\n"), "pattern: found nothing"},
+      {kHead + std::string("[[clips]]\npattern = \"d/{content}_{take}.bvh\"\n"),
+       "style: found nothing, expected it either fixed or as {style}"},
+      {kHead + Rule("content = \"walk\"\n"), "content: found it fixed and in the pattern"},
+      {kHead + std::string("[[clips]]\npattern = \"d/{content}*\"\nstyle = \"drunk\"\n"),
+       "style: found \"drunk\", expected the name of one of the styles"},
+      {kHead + std::string("[[clips]]\npattern = \"d/*{style}*\"\ncontent = \"swim\"\n"),
+       "content: found \"swim\""},
+      {kHead + Rule("split = \"test\"\n"), "split: found \"test\", expected train, judge or valid"},
+      {kHead + Rule("judge_share = 1.0\n"), "judge_share: found 1.0"},
+      {kHead + Rule("judge_share = -0.1\n"), "judge_share: found -0.1"},
+      {kHead + Rule("judge_share = \"all\"\n"), "judge_share: found something else"},
+      {kHead + Rule("split = \"judge\"\njudge_share = 0.2\n"), "expected it with split \"train\""},
+      {kHead + Rule("") + Rule(""), "under two patterns, expected each clip once"},
+      {kHead + std::string("[[clips]]\npattern = \"e/{content}_{style}.bvh\"\n"),
+       "pattern: found no file for \"e/{content}_{style}.bvh\" in "},
+  };
+  for (const auto& [text, message] : cases) {
+    EXPECT_THAT(Refusal(text), HasSubstr(message));
+    EXPECT_THAT(Refusal(text), HasSubstr("manifest.toml"));
+  }
+  EXPECT_THAT(LoadManifest("/nonexistent.toml", "/").status().message(),
+              HasSubstr("/nonexistent.toml"));
+}
+
+TEST_F(ManifestTest, ReadsStylesContentsAndClipsSortedByPath) {
+  for (const char* name : {"d/walk_elderly_012.bvh", "d/walk-left_old_3.bvh", "d/walk_normal_1.bvh",
+                           "d/swim_normal_1.bvh", "d/walk_drunk_1.bvh", "d/walk_normal_x.bvh",
+                           "d/walk_normal_1.bvh.txt", "e/walk_normal_1.bvh"}) {
+    Touch(name);
+  }
+  const Result<Manifest> result = Load(kHead + Rule("rig = \"bandai-namco\"\n"));
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  const Manifest& manifest = result.value();
+  EXPECT_EQ(manifest.name, "test");
+  EXPECT_EQ(manifest.licence, "none");
+  ASSERT_EQ(manifest.styles.size(), 3U);
+  EXPECT_THAT(manifest.styles[1].aliases, testing::ElementsAre("aged"));
+  EXPECT_THAT(manifest.contents, testing::ElementsAre("walk", "turn"));
+  ASSERT_EQ(manifest.entries.size(), 3U);
+  const ManifestEntry& turn = manifest.entries[0];
+  EXPECT_EQ(turn.file, folder_ / "d/walk-left_old_3.bvh");
+  EXPECT_EQ(turn.content, "turn");
+  EXPECT_EQ(turn.style, "old");
+  EXPECT_EQ(turn.take, 3);
+  EXPECT_EQ(turn.rig, "bandai-namco");
+  EXPECT_EQ(turn.split, "train");
+  EXPECT_EQ(manifest.entries[1].style, "old") << "elderly";
+  EXPECT_EQ(manifest.entries[1].take, 12);
+  EXPECT_EQ(manifest.entries[2].style, "neutral");
+}
+
+TEST_F(ManifestTest, TriesTheLongestLabelFirst) {
+  Touch("d/walk_old_old_1.bvh");
+  const Result<Manifest> manifest = Load(kHead + Rule(""));
+  ASSERT_TRUE(manifest.ok()) << manifest.status().message();
+  EXPECT_EQ(manifest.value().entries[0].style, "very-old");
+}
+
+TEST_F(ManifestTest, FixedStyleAndContentAndStars) {
+  Touch("xia/old_01_000.bvh");
+  Touch("xia/deeper/old_01_000.bvh");
+  const Result<Manifest> manifest =
+      Load(kHead + std::string("[[clips]]\npattern = \"xia/{style}_01_*.bvh\"\ncontent = \"walk\"\n"
+                               "split = \"validation\"\n"));
+  ASSERT_TRUE(manifest.ok()) << manifest.status().message();
+  ASSERT_EQ(manifest.value().entries.size(), 1U) << "a star stays in its folder";
+  EXPECT_EQ(manifest.value().entries[0].content, "walk");
+  EXPECT_EQ(manifest.value().entries[0].rig, "auto");
+  EXPECT_EQ(manifest.value().entries[0].split, "validation");
+  EXPECT_EQ(manifest.value().entries[0].take, 0);
+}
+
+TEST_F(ManifestTest, SetsTheLastTakesOfEveryCellAsideForTheJudge) {
+  for (int take = 1; take <= 10; ++take) {
+    Touch("d/walk_normal_" + std::to_string(take) + ".bvh");
+    if (take <= 4) Touch("d/walk_old_" + std::to_string(take) + ".bvh");
+  }
+  Touch("d/walk-left_old_1.bvh");
+  const Result<Manifest> manifest = Load(kHead + Rule("judge_share = 0.25\n"));
+  ASSERT_TRUE(manifest.ok()) << manifest.status().message();
+  std::set<std::string> judged;
+  for (const ManifestEntry& entry : manifest.value().entries) {
+    if (entry.split == "judge") judged.insert(entry.file.filename().string());
+  }
+  EXPECT_THAT(judged, testing::ElementsAre("walk_normal_10.bvh", "walk_normal_8.bvh",
+                                           "walk_normal_9.bvh", "walk_old_4.bvh"))
+      << "by number, not by spelling; a cell of one clip keeps it";
+}
+
+}  // namespace
+}  // namespace styled::clip
