@@ -34,12 +34,13 @@ extern const std::array<Series<kGaitOrder>, kChannelCount> kRun;
 // sine of three harmonics). The spline's ends (0, and the plateau = last of `rise`) count thrice.
 struct GestureRow {
   int channel;
-  std::array<float, 7> rise;
-  std::array<float, 6> fall;
+  std::array<float, 5> rise;
+  std::array<float, 5> fall;
   std::array<float, 6> cycle;
 };
 inline constexpr double kKnot_s = 0.125;
-inline constexpr double kEdge_s = 9 * kKnot_s;  // how long a rise or a fall takes
+inline constexpr int kRiseKnots = 7, kFallKnots = 8;
+inline constexpr double kRise_s = kRiseKnots * kKnot_s, kFall_s = kFallKnots * kKnot_s;
 
 struct Gesture {
   std::span<const GestureRow> rows;
@@ -56,11 +57,13 @@ struct Gait {
   double stride_m, cycles_hz;
   double land, lift, blur;
 };
-inline constexpr Gait kWalkGait{1.358, 0.904, 0.25, 0.68, 0.07};
+inline constexpr Gait kWalkGait{1.366, 0.909, 0.25, 0.68, 0.07};
 inline constexpr Gait kRunGait{2.363, 1.304, 0.36, 0.50, 0.055};
 // In a walking turn of w rad/s: shorter by so many metres, and drifting sideways (m/s) per rad/s.
-inline constexpr double kTurnShortens_m = 0.265;
+inline constexpr double kTurnShortens_m = 0.23;
 inline constexpr double kTurnDrift_m = -0.175;
+// Straight walking drifts a little to the left of where the body faces, m/s.
+inline constexpr double kWalkDrift_m = 0.054;
 // The height of the toe joint over the floor while the foot stands, m.
 inline constexpr double kToeHeight_m = 0.045;
 

@@ -20,7 +20,8 @@ constexpr double kTick_s = 1.0 / 240;
 constexpr double kTurnRate_rad = 0.85;  // of a walking turn, per second
 constexpr double kBlend_s = 0.11;       // of each of the three stages of a follower
 constexpr double kHomeRadius_m = 5;     // in random order: farther out it turns home
-constexpr double kPauseBetweenRaises_s = 0.35;
+constexpr double kPauseBetweenRaises_s = 0.1;
+constexpr double kRaise_s = 2.1;  // one raise and the pause behind it
 constexpr double kPi = std::numbers::pi;
 
 bool IsTurn(Kind kind) { return kind == Kind::kTurnLeft || kind == Kind::kTurnRight; }
@@ -123,7 +124,7 @@ struct Performer::State {
     }
     return {
         static_cast<Kind>(static_cast<int>(Kind::kRaiseLeft) + static_cast<int>(3 * Draw(core))),
-        Draw(core) < 0.6 ? 2.6 : 5.2};
+        (Draw(core) < 0.6 ? 1 : 2) * between(2.0, 2.3)};
   }
 
   // --- gestures ---
@@ -132,14 +133,17 @@ struct Performer::State {
     gesture = {};
     gesture.kind = core.item.motion;
     gesture.active = true;
-    gesture.tempo = 0.95 + 0.12 * Draw(core);
+    gesture.tempo = 0.95 + 0.1 * Draw(core);
     gesture.size = 0.96 + 0.08 * Draw(core);
     gesture.time.cycle = Draw(core);
-    // A raised hand comes down by itself, a waving one when its time is over.
-    const double left_s = core.item.seconds - core.item_s;
-    gesture.hold_until_s = IsRaise(gesture.kind)
-                               ? kEdge_s + 0.15 * Draw(core)
-                               : std::max(kEdge_s + 0.5, gesture.tempo * left_s - kEdge_s);
+    double left_s = core.item.seconds - core.item_s;
+    if (IsRaise(gesture.kind)) {
+      // Hands go up and down as often as fits into the item; the hold takes up the rest.
+      const double times = std::max(1.0, std::round(left_s / kRaise_s));
+      left_s = std::clamp(left_s / times - kPauseBetweenRaises_s, 0.0, kRaise_s + 0.35);
+    }
+    gesture.hold_until_s =
+        std::max(kRise_s + (IsWave(gesture.kind) ? 0.5 : 0.0), gesture.tempo * left_s - kFall_s);
   }
 
   void AdvanceGesture(Core& core, double dt_s) const {
@@ -149,7 +153,8 @@ struct Performer::State {
       const Kind kind = core.item.motion;
       const bool still = core.walk.value + core.run.value < 0.25;
       // The first one at once, a further raise only where it fits.
-      const bool fits = core.item.seconds - core.item_s > 1.8 || core.rested_s > core.item_s;
+      const bool fits =
+          core.item.seconds - core.item_s > 0.8 * kRaise_s || core.rested_s > core.item_s;
       if ((IsWave(kind) || IsRaise(kind)) && still && fits &&
           core.rested_s > kPauseBetweenRaises_s) {
         BeginGesture(core);
@@ -162,10 +167,10 @@ struct Performer::State {
     if (time.since_fall_s >= 0) {
       time.since_fall_s += gesture.tempo * dt_s;
     } else {
-      const bool left = core.item.motion != gesture.kind && time.since_rise_s >= kEdge_s;
+      const bool left = core.item.motion != gesture.kind && time.since_rise_s >= kRise_s;
       if (left || time.since_rise_s >= gesture.hold_until_s) time.since_fall_s = 0;
     }
-    if (time.since_fall_s >= kEdge_s) {
+    if (time.since_fall_s >= kFall_s) {
       gesture.active = false;
       core.rested_s = 0;
     }
@@ -198,7 +203,7 @@ struct Performer::State {
         walk * (kWalkGait.stride_m - kTurnShortens_m * std::abs(turn_rad) * options.speed) +
         run * kRunGait.stride_m;
     const double forward_m = Amplitude(core.time_s) * stride_m * hz;
-    const double left_m = walk * kTurnDrift_m * turn_rad;
+    const double left_m = walk * (kWalkDrift_m * options.speed + kTurnDrift_m * turn_rad);
     core.phase += hz * dt_s;
     core.heading_rad += turn_rad * dt_s;
     const double sine = std::sin(core.heading_rad), cosine = std::cos(core.heading_rad);

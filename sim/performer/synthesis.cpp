@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-// A uniform cubic B-spline of 12 coefficients at `knots` (0 .. 9, clamped).
+// A uniform cubic B-spline over `length` knots at `knots` (clamped to 0 .. length).
 template <typename Coefficient>
-double Spline(const Coefficient& coefficient, double knots) noexcept {
-  const double at = std::clamp(knots, 0.0, 9.0);
-  const int first = std::min(8, static_cast<int>(at));
+double Spline(const Coefficient& coefficient, int length, double knots) noexcept {
+  const double at = std::clamp(knots, 0.0, static_cast<double>(length));
+  const int first = std::min(length - 1, static_cast<int>(at));
   const double f = at - first, g = 1 - f;
   return (g * g * g * coefficient(first) +
           (3 * f * f * f - 6 * f * f + 4) * coefficient(first + 1) +
@@ -70,7 +70,7 @@ void AddGesture(const Gesture& gesture, bool right, const GestureTime& time, dou
   // The periodic part sets in as the plateau is reached and leaves as the hand begins to fall.
   double periodic = 0;
   if (gesture.cycle_hz > 0) {
-    periodic = SmoothStep((time.since_rise_s - 0.7 * kEdge_s) / 0.4);
+    periodic = SmoothStep((time.since_rise_s - 0.7 * kRise_s) / 0.4);
     if (falling) periodic *= 1 - SmoothStep(time.since_fall_s / 0.35);
   }
   std::array<double, 6> basis;
@@ -79,11 +79,11 @@ void AddGesture(const Gesture& gesture, bool right, const GestureTime& time, dou
     basis[2 * k - 1] = periodic * std::sin(kTurn * k * time.cycle);
   }
   for (const GestureRow& row : gesture.rows) {
-    const auto rise = [&row](int i) { return i < 3 ? 0.0F : row.rise[std::min(i - 3, 6)]; };
+    const auto rise = [&row](int i) { return i < 3 ? 0.0F : row.rise[std::min(i - 3, 4)]; };
     const auto fall = [&row](int i) {
-      return i < 3 ? row.rise[6] : i < 9 ? row.fall[i - 3] : 0.0F;
+      return i < 3 ? row.rise[4] : i < 8 ? row.fall[i - 3] : 0.0F;
     };
-    double value = falling ? Spline(fall, knots) : Spline(rise, knots);
+    double value = falling ? Spline(fall, kFallKnots, knots) : Spline(rise, kRiseKnots, knots);
     for (int i = 0; i < 6; ++i) value += basis[i] * row.cycle[i];
     const Mirrored to = right ? MirrorChannel(row.channel) : Mirrored{row.channel, 1.0};
     out[to.channel] += static_cast<float>(weight * to.sign * value);
