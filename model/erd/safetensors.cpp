@@ -142,7 +142,7 @@ Result<SafetensorsView> ParseSafetensors(std::span<const std::byte> file, const 
     }
     Extent extent{0, 0, key};
     const std::string fault = ReadEntry(entry, data, view.tensors[key], extent);
-    if (!fault.empty()) return error("tensor '" + key + "': " + fault);
+    if (!fault.empty()) return error(std::string("tensor '").append(key).append("': ") + fault);
     extents.push_back(std::move(extent));
   }
   const std::string fault = CheckCover(extents, data.size());

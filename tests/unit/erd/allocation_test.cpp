@@ -37,10 +37,13 @@ void* Allocate(std::size_t size, std::align_val_t alignment) {
 }  // namespace
 
 #if COUNT_MALLOC
+// glibc's own names for what is replaced below.
+// NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
+// NOLINTEND(bugprone-reserved-identifier)
 void* malloc(std::size_t size) {
   Count();
   return __libc_malloc(size);
