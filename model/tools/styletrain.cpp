@@ -32,8 +32,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--threads", config.threads)->capture_default_str();
   app.add_option("--rate", config.rate_hz, "The network's rate, Hz")->capture_default_str();
-  app.add_option("--heading-tau", config.heading_tau_s, "Heading filter, s")
-      ->capture_default_str();
+  app.add_option("--heading-tau", config.heading_tau_s, "Heading filter, s")->capture_default_str();
   app.add_option("--window", config.window, "Frames that are judged")->capture_default_str();
   app.add_option("--per-style", config.per_style)->capture_default_str();
   app.add_option("--carry", config.carry, "Share of windows that start with carried states")

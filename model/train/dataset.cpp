@@ -82,7 +82,8 @@ void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, 
   }
 }
 
-Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest, const std::string& split,
+Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
+                                            const std::string& split,
                                             const body::FeatureParameters& parameters,
                                             int min_frames) {
   std::unordered_map<std::string, int> styles;
@@ -110,16 +111,15 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest, cons
     clip.content = IndexOf(manifest.contents, entry.content);
     clip.poses = clip::ToCanonical(source.value(), *binding);
     if (std::abs(source.value().rate_hz / parameters.rate_hz - 1.0) > 1e-3) {
-      clip.poses =
-          clip::ResamplePoses(clip.poses, source.value().rate_hz, parameters.rate_hz);
+      clip.poses = clip::ResamplePoses(clip.poses, source.value().rate_hz, parameters.rate_hz);
     }
     if (static_cast<int>(clip.poses.size()) < min_frames) continue;
     RunHeadingFilter(parameters, clip);
     clips.push_back(std::move(clip));
   }
   if (clips.empty()) {
-    return Status::Error("manifest " + manifest.name + ": no clip of split \"" + split +
-                         "\" has " + std::to_string(min_frames) + " frames");
+    return Status::Error("manifest " + manifest.name + ": no clip of split \"" + split + "\" has " +
+                         std::to_string(min_frames) + " frames");
   }
   return clips;
 }
@@ -179,11 +179,10 @@ Status CheckDataFolder(const std::filesystem::path& folder) {
     if (item.is_directory() && name.find("-") != std::string::npos) unpacked = true;
   }
   if (!unpacked && !archives.empty()) {
-    return Status::Error("--data " + folder.string() + " holds only archives (" +
-                         archives.substr(1) +
-                         "). Unpack them, for example: mkdir -p data && for a in " +
-                         folder.string() +
-                         "/*.tar.xz; do tar -xJf \"$a\" -C data; done; then pass --data data");
+    return Status::Error(
+        "--data " + folder.string() + " holds only archives (" + archives.substr(1) +
+        "). Unpack them, for example: mkdir -p data && for a in " + folder.string() +
+        "/*.tar.xz; do tar -xJf \"$a\" -C data; done; then pass --data data");
   }
   return Status::Ok();
 }

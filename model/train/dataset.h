@@ -44,7 +44,8 @@ void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, 
                 const body::FeatureParameters& parameters, const WindowView& out);
 
 // Reads every clip of `split` with at least `min_frames` frames at `rate_hz`. Errors name the file.
-Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest, const std::string& split,
+Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
+                                            const std::string& split,
                                             const body::FeatureParameters& parameters,
                                             int min_frames);
 

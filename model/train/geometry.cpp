@@ -52,9 +52,8 @@ Tensor Indices(const std::vector<int64_t>& values, const torch::Device& device) 
 Tensor Multiply(const Tensor& a, const Tensor& b) {
   const Tensor av = a.narrow(-1, 0, 3), aw = a.narrow(-1, 3, 1);
   const Tensor bv = b.narrow(-1, 0, 3), bw = b.narrow(-1, 3, 1);
-  return torch::cat({aw * bv + bw * av + torch::cross(av, bv, -1),
-                     aw * bw - (av * bv).sum(-1, true)},
-                    -1);
+  return torch::cat(
+      {aw * bv + bw * av + torch::cross(av, bv, -1), aw * bw - (av * bv).sum(-1, true)}, -1);
 }
 
 Tensor Conjugate(const Tensor& q) {
@@ -125,8 +124,7 @@ Tensor WorldVelocities(const Tensor& positions, const Tensor& yaw_change_rad,
 
 Tensor LowestFoot(const Tensor& positions) {
   using namespace body;
-  const Tensor feet =
-      Indices({kLeftFoot, kLeftToes, kRightFoot, kRightToes}, positions.device());
+  const Tensor feet = Indices({kLeftFoot, kLeftToes, kRightFoot, kRightToes}, positions.device());
   return positions.select(-1, 1).index_select(-1, feet).amin(-1);
 }
 

@@ -25,9 +25,9 @@ torch::Tensor ToHemisphere(const torch::Tensor& q, const torch::Tensor& referenc
 torch::Tensor HipsRelativePositions(const torch::Tensor& rotations);
 
 // Velocities (m/s) of time-major positions [T, B, 21, 3] that stand in each frame's own heading
-// frame, for frames 1..T-1: [T-1, B, 21, 3]. yaw_change_rad [T, B] and hips_step_m [T, B, 3] are the
-// performer's (FillWindow); `lift_m` [T, B] raises the whole body. The features' own v is this with
-// lift 0; tests/unit/train/geometry_test.cpp holds them together.
+// frame, for frames 1..T-1: [T-1, B, 21, 3]. yaw_change_rad [T, B] and hips_step_m [T, B, 3] are
+// the performer's (FillWindow); `lift_m` [T, B] raises the whole body. The features' own v is this
+// with lift 0; tests/unit/train/geometry_test.cpp holds them together.
 torch::Tensor WorldVelocities(const torch::Tensor& positions, const torch::Tensor& yaw_change_rad,
                               const torch::Tensor& hips_step_m, const torch::Tensor& lift_m,
                               double rate_hz);

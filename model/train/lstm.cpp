@@ -23,8 +23,8 @@ MatrixMap Group(const Tensor& tensor, long group, long rows, long columns) {
 // Gates are stored after their nonlinearity: that is what the backward pass needs.
 class LstmFunction : public torch::autograd::Function<LstmFunction> {
  public:
-  static torch::autograd::variable_list forward(torch::autograd::AutogradContext* context,
-                                                Tensor x, Tensor wi, Tensor wh, Tensor b, Tensor h0,
+  static torch::autograd::variable_list forward(torch::autograd::AutogradContext* context, Tensor x,
+                                                Tensor wi, Tensor wh, Tensor b, Tensor h0,
                                                 Tensor c0) {
     x = x.contiguous();
     wi = wi.contiguous();
@@ -49,7 +49,8 @@ class LstmFunction : public torch::autograd::Function<LstmFunction> {
       MatrixMap cell = Group(cells, g, s.frames * n, z);
       MatrixMap tanh_cell = Group(cell_tanh, g, s.frames * n, z);
       gate.noalias() = input * input_weight.transpose();
-      gate.rowwise() += Eigen::Map<const Eigen::RowVectorXf>(b.data_ptr<float>() + g * 4 * z, 4 * z);
+      gate.rowwise() +=
+          Eigen::Map<const Eigen::RowVectorXf>(b.data_ptr<float>() + g * 4 * z, 4 * z);
       for (long t = 0; t < s.frames; ++t) {
         auto at = gate.middleRows(t * n, n);
         const float* h_before = t == 0 ? h0.data_ptr<float>() + g * n * z : &output((t - 1) * n, 0);
@@ -118,8 +119,8 @@ class LstmFunction : public torch::autograd::Function<LstmFunction> {
       Group(dwi, g, 4 * z, z).noalias() = dgate.transpose() * Group(x, g, s.frames * n, z);
       MatrixMap dw = Group(dwh, g, 4 * z, z);
       dw.noalias() = dgate.topRows(n).transpose() * Group(h0, g, n, z);
-      dw.noalias() += dgate.bottomRows((s.frames - 1) * n).transpose() *
-                      output.topRows((s.frames - 1) * n);
+      dw.noalias() +=
+          dgate.bottomRows((s.frames - 1) * n).transpose() * output.topRows((s.frames - 1) * n);
       Eigen::Map<Eigen::RowVectorXf>(db.data_ptr<float>() + g * 4 * z, 4 * z) =
           dgate.colwise().sum();
     }

@@ -67,8 +67,8 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
               " frames");
   features_ = torch::stack(windows, 1).to(mean.device());
   u_ = (features_ - mean) / deviation;
-  content_ = torch::zeros({static_cast<int64_t>(kept.size()),
-                           static_cast<int64_t>(windows.size())});
+  content_ =
+      torch::zeros({static_cast<int64_t>(kept.size()), static_cast<int64_t>(windows.size())});
   for (std::size_t i = 0; i < windows.size(); ++i) {
     content_[window_content[i]][static_cast<int64_t>(i)] = 1.0F;
   }
@@ -93,9 +93,8 @@ MonitorRow Monitor::Evaluate(const Generator& generator) const {
   const Tensor rec = generator.Decode(r0, one_hot.narrow(0, 0, 1).expand({batch, -1})).rotations;
   const Tensor input = features_.narrow(2, 0, body::kRotationFeatures)
                            .reshape({kFrames, batch, body::kJointCount, 4});
-  const Tensor positions =
-      features_.narrow(2, body::kPositionBegin, body::kPositionFeatures)
-          .narrow(0, kSkipped, kFrames - kSkipped);
+  const Tensor positions = features_.narrow(2, body::kPositionBegin, body::kPositionFeatures)
+                               .narrow(0, kSkipped, kFrames - kSkipped);
   const double input_jerk = MeanJerk(positions);
 
   MonitorRow row;
@@ -107,9 +106,8 @@ MonitorRow Monitor::Evaluate(const Generator& generator) const {
                                    one_hot.narrow(0, style, 1).expand({batch, -1}))
                            .rotations;
     const Tensor published = Multiply(input, Multiply(Conjugate(rec), sty));
-    const Tensor styled = HipsRelativePositions(published)
-                              .narrow(0, kSkipped, kFrames - kSkipped)
-                              .flatten(2, 3);
+    const Tensor styled =
+        HipsRelativePositions(published).narrow(0, kSkipped, kFrames - kSkipped).flatten(2, 3);
     const Tensor shift = torch::matmul(content_, (styled - positions).mean(0)).flatten();
     const Tensor real = real_shift_[style].flatten();
     const double along = torch::dot(shift, real).item<double>();

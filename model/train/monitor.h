@@ -34,10 +34,10 @@ class Monitor {
   static constexpr int kWindowsPerContent = 6;
 
   int styles_;
-  torch::Tensor features_;     // [kFrames, B, 211]
-  torch::Tensor u_;            // standardized
-  torch::Tensor content_;      // [contents, B]: mean over a content's windows
-  torch::Tensor real_shift_;   // [styles, contents, 63]: real neutral -> real style
+  torch::Tensor features_;    // [kFrames, B, 211]
+  torch::Tensor u_;           // standardized
+  torch::Tensor content_;     // [contents, B]: mean over a content's windows
+  torch::Tensor real_shift_;  // [styles, contents, 63]: real neutral -> real style
 };
 
 }  // namespace styled::train

@@ -156,7 +156,7 @@ Tensor Critic::operator()(const Tensor& x, const Tensor& labels) const {
   }
   Tensor attention = labels;
   for (const Affine& layer : attention_) attention = Leaky(layer(attention));
-  const Tensor wf = feature_attention_(attention);              // [B, 16]
+  const Tensor wf = feature_attention_(attention);               // [B, 16]
   const Tensor wt = time_attention_(attention).transpose(0, 1);  // [T, B]
   return ((m * wf.unsqueeze(0)).sum(2) * wt).sum(0);
 }

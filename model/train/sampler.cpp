@@ -58,8 +58,8 @@ const std::vector<Sampler::Window>& Sampler::Next() {
     const Window before = last_[slot];
     const bool carried = before.clip >= 0 && Uniform() < options_.carry;
     Window window;
-    if (carried && before.start + 2 * options_.length <=
-                       static_cast<int>(clips_[before.clip].poses.size())) {
+    if (carried &&
+        before.start + 2 * options_.length <= static_cast<int>(clips_[before.clip].poses.size())) {
       window = before;
       window.start += options_.length;
       window.session_start = false;

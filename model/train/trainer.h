@@ -12,10 +12,10 @@ namespace styled::train {
 // are those of the shipped weights.
 struct TrainConfig {
   std::filesystem::path manifest, data, out;
-  std::string command;   // recorded in the weights' metadata
-  double minutes = 0;    // length of the run in wall time, over all resumes; 0: by iterations
+  std::string command;  // recorded in the weights' metadata
+  double minutes = 0;   // length of the run in wall time, over all resumes; 0: by iterations
   int64_t iterations = 0;
-  int64_t stop_at = 0;   // end this session at that iteration, the run's length unchanged; 0: no
+  int64_t stop_at = 0;  // end this session at that iteration, the run's length unchanged; 0: no
   uint64_t seed = 1;
   bool resume = false;
   std::string device = "auto";  // "auto", "cpu" or "cuda"
@@ -34,10 +34,10 @@ struct TrainConfig {
   double ema = 0.999;                        // running mean of the weights, which is what is saved
 
   double w_rotation = 0.05;  // eq. 2, summed over joints and frames, as in the authors' code
-  double w_position = 5.0;   // mean squared distance, m²; ½ in eq. 3, here in balance with the above
+  double w_position = 5.0;  // mean squared distance, m²; ½ in eq. 3, here in balance with the above
   double w_velocity = 0.05, w_height = 0.05;  // mean squares of the heads, standardized
   double w_adversarial = 1.0, w_perceptual = 0.1, w_penalty = 128.0;
-  double w_smooth = 10.0;     // second difference of the change of style
+  double w_smooth = 10.0;                       // second difference of the change of style
   double smooth_from = 0.2, smooth_full = 0.3;  // share of the run over which it is ramped in
   bool judge_published = true;  // judges see the detail-preserving output; false: the absolute one
   bool judge_root = true;       // velocities that judges see include the path of the hips

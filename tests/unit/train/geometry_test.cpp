@@ -61,9 +61,8 @@ TEST(Geometry, VelocitiesAgreeWithTheFeatures) {
 TEST(Geometry, LiftingTheBodyIsAVerticalVelocity) {
   const WindowTensors window(false);
   const Tensor lift = torch::arange(kFrames).to(torch::kFloat32).view({-1, 1}) * 0.01;
-  const Tensor change =
-      WorldVelocities(window.positions(), window.yaw, window.step, lift, 30.0) -
-      window.velocities().narrow(0, 1, kFrames - 1);
+  const Tensor change = WorldVelocities(window.positions(), window.yaw, window.step, lift, 30.0) -
+                        window.velocities().narrow(0, 1, kFrames - 1);
   EXPECT_NEAR(change.select(-1, 1).mean().item<double>(), 0.3, 1e-3);
   EXPECT_NEAR(change.select(-1, 0).abs().max().item<double>(), 0.0, 1e-3);
 }

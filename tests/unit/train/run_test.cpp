@@ -31,8 +31,8 @@ rig::Skeleton CanonicalSkeleton() {
 class Run : public testing::Test {
  protected:
   void SetUp() override {
-    root_ = std::filesystem::temp_directory_path() /
-            ("styled_run_test_" + std::to_string(::getpid()));
+    root_ =
+        std::filesystem::temp_directory_path() / ("styled_run_test_" + std::to_string(::getpid()));
     for (const char* folder : {"set-train", "set-val"}) {
       std::filesystem::create_directories(root_ / folder);
     }
@@ -154,7 +154,8 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
   Tensor features = torch::empty({kFrames, 1, body::kFeatureCount});
   FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.metadata().features,
              {.features = features.data_ptr<float>()});
-  const Tensor z = generator.Encode((features - mean) / deviation, torch::zeros({1}, torch::kInt64));
+  const Tensor z =
+      generator.Encode((features - mean) / deviation, torch::zeros({1}, torch::kInt64));
   StackState neutral = generator.neutral.Initial(1), branch = generator.branches.Initial(1);
   const Tensor r0 = generator.Neutral(z, neutral);
   const Tensor zs = r0 + generator.Branches(z, branch);

@@ -1,0 +1,409 @@
+#include "model/train/learner.h"
+
+#include <algorithm>
+#include <iostream>
+
+#include "model/train/geometry.h"
+
+namespace styled::train {
+namespace {
+
+using torch::Tensor;
+
+constexpr int64_t kJudgedFeatures = body::kPositionFeatures + body::kVelocityFeatures;
+constexpr int64_t kContentFeatures = body::kRotationFeatures + kJudgedFeatures;
+
+void RequireGradient(const Parameters& parameters, bool required) {
+  for (const auto& [name, tensor] : parameters.named()) tensor.requires_grad_(required);
+}
+
+Sampler::Options SamplerOptions(const TrainConfig& config, const clip::Manifest& manifest) {
+  return {.styles = static_cast<int>(manifest.styles.size()),
+          .contents = static_cast<int>(manifest.contents.size()),
+          .per_style = config.per_style,
+          .length = config.window + 1,
+          .carry = config.carry,
+          .session_start = config.session_start,
+          .seed = config.seed};
+}
+
+GeneratorShape Shape(const clip::Manifest& manifest) {
+  GeneratorShape shape;
+  shape.styles = static_cast<int64_t>(manifest.styles.size());
+  return shape;
+}
+
+Tensor ToTensor(const body::Features& features, const torch::Device& device) {
+  return torch::from_blob(const_cast<float*>(features.data()), {body::kFeatureCount})
+      .clone()
+      .to(device);
+}
+
+StackState Concrete(StackState state) {
+  for (Tensor& h : state.h) h = h.detach().clone();
+  for (Tensor& c : state.c) c = c.detach().clone();
+  return state;
+}
+
+// Learning rates are constant, then fall linearly.
+double Decay(const TrainConfig& config, double progress) {
+  if (progress <= config.decay_from) return 1.0;
+  const double share = std::min(1.0, (progress - config.decay_from) / (1.0 - config.decay_from));
+  return 1.0 + (config.decay_to - 1.0) * share;
+}
+
+}  // namespace
+
+void Tally::Add(const std::string& name, const Tensor& value) {
+  const auto found = std::find_if(sums_.begin(), sums_.end(),
+                                  [&name](const auto& item) { return item.first == name; });
+  if (found == sums_.end()) {
+    sums_.emplace_back(name, value.detach().clone());
+  } else {
+    found->second += value.detach();
+  }
+}
+
+std::vector<std::pair<std::string, double>> Tally::Take(int count) {
+  std::vector<std::pair<std::string, double>> means;
+  for (const auto& [name, sum] : sums_) means.emplace_back(name, sum.item<double>() / count);
+  sums_.clear();
+  return means;
+}
+
+Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
+                 const std::vector<TrainingClip>& clips, const FeatureStatistics& statistics,
+                 const body::FeatureParameters& parameters, const torch::Device& device)
+    : config_(config),
+      manifest_(manifest),
+      clips_(clips),
+      parameters_(parameters),
+      device_(device),
+      mean_(ToTensor(statistics.mean, device)),
+      deviation_(ToTensor(statistics.deviation, device)),
+      frames_(config.window + 1),
+      sampler_(clips, SamplerOptions(config, manifest)),
+      generator_(Shape(manifest), mean_, deviation_),
+      average_(Shape(manifest), mean_, deviation_),
+      critic_(kJudgedFeatures,
+              static_cast<int64_t>(manifest.styles.size() + manifest.contents.size()),
+              config.window),
+      classifier_(kContentFeatures, static_cast<int64_t>(manifest.contents.size())),
+      generator_adam_(generator_.parameters, config.beta1, config.beta2),
+      critic_adam_((critic_.parameters.Flatten(device), critic_.parameters), config.beta1,
+                   config.beta2) {
+  classifier_.parameters.Flatten(device);
+  RequireGradient(average_.parameters, false);
+  average_.parameters.flat().copy_(generator_.parameters.flat());
+
+  slots_ = sampler_.slots();
+  std::vector<int64_t> own, target;
+  for (int slot = 0; slot < slots_; ++slot) {
+    own.push_back(sampler_.OwnStyle(slot));
+    target.push_back(sampler_.TargetStyle(slot));
+  }
+  const int64_t styles = generator_.shape.styles;
+  own_ = torch::tensor(own, torch::kInt64).to(device);
+  target_ = torch::tensor(target, torch::kInt64).to(device);
+  own_one_hot_ = torch::one_hot(own_, styles).to(torch::kFloat32);
+  target_one_hot_ = torch::one_hot(target_, styles).to(torch::kFloat32);
+  styled_ = (own_ > 0).to(torch::kFloat32).view({1, -1, 1});
+
+  torch::NoGradGuard no_grad;
+  neutral_carried_ = Concrete(generator_.neutral.Initial(slots_));
+  branch_carried_ = Concrete(generator_.branches.Initial(slots_ / (styles - 1)));
+}
+
+Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) const {
+  const auto count = static_cast<int64_t>(windows.size());
+  Batch batch;
+  Tensor features = torch::empty({frames_, count, body::kFeatureCount});
+  Tensor yaw = torch::empty({frames_, count});
+  Tensor step = torch::empty({frames_, count, 3});
+  Tensor content = torch::zeros({count, static_cast<int64_t>(manifest_.contents.size())});
+  Tensor carried = torch::zeros({count}, torch::kBool);
+  for (int64_t i = 0; i < count; ++i) {
+    const Sampler::Window& window = windows[i];
+    FillWindow(clips_[window.clip], window.start, static_cast<int>(frames_), window.mirrored,
+               window.session_start, parameters_,
+               {.features = features.data_ptr<float>() + i * body::kFeatureCount,
+                .feature_stride = count * body::kFeatureCount,
+                .yaw_change_rad = yaw.data_ptr<float>() + i,
+                .yaw_stride = count,
+                .hips_step_m = step.data_ptr<float>() + i * 3,
+                .step_stride = count * 3});
+    content.data_ptr<float>()[i * content.size(1) + clips_[window.clip].content] = 1.0F;
+    carried.data_ptr<bool>()[i] = window.carried;
+  }
+  batch.features = features.to(device_);
+  batch.u = (batch.features - mean_) / deviation_;
+  batch.rotations = batch.features.narrow(2, 0, body::kRotationFeatures)
+                        .reshape({frames_, count, body::kJointCount, 4});
+  batch.positions = batch.features.narrow(2, body::kPositionBegin, body::kPositionFeatures)
+                        .reshape({frames_, count, body::kJointCount, 3});
+  batch.yaw_change_rad = yaw.to(device_);
+  batch.hips_step_m = step.to(device_);
+  batch.content = content.to(device_);
+  batch.carried = carried.to(device_);
+  return batch;
+}
+
+void Learner::TrainClassifier() {
+  Sampler::Options options = SamplerOptions(config_, manifest_);
+  options.seed += 1000003;
+  Sampler sampler(clips_, options);
+  Adam adam(classifier_.parameters);
+  const int styles = options.styles;
+  double loss_sum = 0, right_sum = 0;
+  for (int i = 0; i < config_.classifier_iterations; ++i) {
+    std::vector<Sampler::Window> windows;
+    for (int64_t k = 0; k < slots_; ++k)
+      windows.push_back(sampler.Any(static_cast<int>(k) % styles));
+    const Batch batch = MakeBatch(windows);
+    const Tensor u = batch.u.narrow(0, 1, frames_ - 1).narrow(2, 0, kContentFeatures);
+    const Tensor logits = classifier_.Logits(u);
+    const Tensor label = batch.content.argmax(1);
+    const Tensor loss = torch::nn::functional::cross_entropy(logits, label);
+    classifier_.parameters.ZeroGradient();
+    loss.backward();
+    adam.Step(classifier_.parameters, 1e-3 * (1.0 - 0.9 * i / config_.classifier_iterations));
+    loss_sum += loss.item<double>();
+    right_sum += (logits.argmax(1) == label).to(torch::kFloat32).mean().item<double>();
+    if ((i + 1) % 250 == 0) {
+      std::cout << "classifier " << i + 1 << ": loss " << loss_sum / 250 << ", right "
+                << right_sum / 250 << std::endl;
+      loss_sum = right_sum = 0;
+    }
+  }
+  RequireGradient(classifier_.parameters, false);
+}
+
+StackState Learner::Start(const Stack& stack, const StackState& carried, const Tensor& mask) const {
+  StackState state = stack.Initial(carried.h[0].size(1));
+  for (std::size_t layer = 0; layer < state.h.size(); ++layer) {
+    state.h[layer] = torch::where(mask, carried.h[layer], state.h[layer]);
+    state.c[layer] = torch::where(mask, carried.c[layer], state.c[layer]);
+  }
+  return state;
+}
+
+// What the critic sees: standardized positions and velocities, [T, B, 126].
+Tensor Learner::Judged(const Tensor& positions, const Tensor& velocities) const {
+  const Tensor raw = torch::cat({positions.flatten(2, 3), velocities.flatten(2, 3)}, 2);
+  return (raw - mean_.narrow(0, body::kPositionBegin, kJudgedFeatures)) /
+         deviation_.narrow(0, body::kPositionBegin, kJudgedFeatures);
+}
+
+Tensor Learner::Real(const Batch& batch) const {
+  if (config_.judge_root) {
+    return batch.u.narrow(0, 1, frames_ - 1)
+        .narrow(2, body::kPositionBegin, kJudgedFeatures)
+        .contiguous();
+  }
+  const Tensor still = torch::zeros_like(batch.hips_step_m);
+  return Judged(batch.positions.narrow(0, 1, frames_ - 1),
+                WorldVelocities(batch.positions, batch.yaw_change_rad, still,
+                                torch::zeros_like(batch.yaw_change_rad), config_.rate_hz));
+}
+
+// Every sample with its own style (rec) and with its target (sty): neutral windows are
+// reconstructed by r_0 alone and transferred with their slot's branch, styled ones the other way.
+Learner::Generated Learner::Generate(const Batch& batch) {
+  const Tensor z = generator_.Encode(batch.u, own_);
+  StackState neutral_state =
+      Start(generator_.neutral, neutral_carried_, batch.carried.view({1, -1, 1}));
+  StackState branch_state = Start(generator_.branches, branch_carried_,
+                                  batch.carried.view({generator_.branches.groups, -1, 1}));
+  const Tensor r0 = generator_.Neutral(z, neutral_state);
+  const Tensor residual = generator_.Branches(z, branch_state);
+  neutral_carried_ = neutral_state;
+  branch_carried_ = branch_state;
+  const Tensor own_residual = residual * styled_;
+  const Decoded decoded =
+      generator_.Decode(torch::cat({r0 + own_residual, r0 + residual - own_residual}, 1),
+                        torch::cat({own_one_hot_, target_one_hot_}, 0));
+
+  Generated out;
+  out.rec = decoded.rotations.narrow(1, 0, slots_);
+  out.rec_velocities = decoded.velocities.narrow(1, 0, slots_);
+  out.rec_height = decoded.height.narrow(1, 0, slots_);
+  const Tensor sty = decoded.rotations.narrow(1, slots_, slots_);
+  out.change = Multiply(Conjugate(out.rec), sty);
+  out.rotations = config_.judge_published ? Multiply(batch.rotations, out.change) : sty;
+  const Tensor positions = HipsRelativePositions(torch::cat({out.rec, out.rotations}, 1));
+  out.rec_positions = positions.narrow(1, 0, slots_);
+  const Tensor sty_positions = positions.narrow(1, slots_, slots_);
+  // The lowest foot stays as high as the input's.
+  const Tensor lift = LowestFoot(batch.positions) - LowestFoot(sty_positions);
+  const Tensor step = config_.judge_root ? batch.hips_step_m : torch::zeros_like(batch.hips_step_m);
+  out.fake =
+      Judged(sty_positions.narrow(0, 1, frames_ - 1),
+             WorldVelocities(sty_positions, batch.yaw_change_rad, step, lift, config_.rate_hz));
+  return out;
+}
+
+// Real +1, fake -1, and the gradient penalty on real windows (eq. 5, 6).
+void Learner::StepCritic(const Batch& batch, const Tensor& fake, double rate) {
+  const Tensor x = Real(batch).detach().requires_grad_(true);
+  const Tensor real_score = critic_(x, torch::cat({own_one_hot_, batch.content}, 1));
+  const Tensor fake_score = critic_(fake.detach(), torch::cat({target_one_hot_, batch.content}, 1));
+  const Tensor gradient = torch::autograd::grad({real_score.sum()}, {x}, {}, true, true)[0];
+  const Tensor penalty = gradient.square().sum(torch::IntArrayRef({0, 2})).mean();
+  const Tensor judgement = (real_score - 1.0).square().mean() + (fake_score + 1.0).square().mean();
+  critic_.parameters.ZeroGradient();
+  (judgement + config_.w_penalty * penalty).backward();
+  critic_adam_.Step(critic_.parameters, rate);
+  tally_.Add("critic", judgement);
+  tally_.Add("penalty", config_.w_penalty * penalty);
+  tally_.Add("real", real_score.mean());
+  tally_.Add("fake", fake_score.mean());
+}
+
+// Eq. 2 and 3, weighted.
+Tensor Learner::Reconstruction(const Batch& batch, const Generated& generated) {
+  const Tensor rotation =
+      SquaredHalfAngle(generated.rec, batch.rotations).sum(torch::IntArrayRef({0, 2})).mean();
+  const Tensor position = (generated.rec_positions - batch.positions).square().sum(-1).mean();
+  const Tensor velocity =
+      (generated.rec_velocities - batch.u.narrow(2, body::kVelocityBegin, body::kVelocityFeatures))
+          .square()
+          .mean();
+  const Tensor height =
+      (generated.rec_height - batch.u.narrow(2, body::kHipsHeightIndex, 1)).square().mean();
+  tally_.Add("rec_rad", (rotation / (frames_ * body::kJointCount)).sqrt() * 2.0);
+  tally_.Add("rec_m", position.sqrt());
+  tally_.Add("velocity", velocity);
+  tally_.Add("height", height);
+  return config_.w_rotation * rotation + config_.w_position * position +
+         config_.w_velocity * velocity + config_.w_height * height;
+}
+
+// Eq. 7: the classifier's feature maps before and after the transfer.
+Tensor Learner::Perceptual(const Batch& batch, const Generated& generated) const {
+  const Tensor mean = mean_.narrow(0, 0, body::kRotationFeatures);
+  const Tensor rotations = (ToHemisphere(generated.rotations.narrow(0, 1, frames_ - 1),
+                                         mean.view({body::kJointCount, 4}))
+                                .flatten(2, 3) -
+                            mean) /
+                           deviation_.narrow(0, 0, body::kRotationFeatures);
+  std::vector<Tensor> before;
+  {
+    torch::NoGradGuard no_grad;
+    before = classifier_.Maps(batch.u.narrow(0, 1, frames_ - 1).narrow(2, 0, kContentFeatures));
+  }
+  const std::vector<Tensor> after = classifier_.Maps(torch::cat({rotations, generated.fake}, 2));
+  Tensor sum = torch::zeros({}, batch.u.options());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    sum = sum + (after[i] - before[i]).square().mean();
+  }
+  return sum;
+}
+
+// The second difference over time of the change of style: what keeps the output from jerking.
+Tensor Learner::Smoothness(const Generated& generated) {
+  const Tensor log_change = LogQuaternion(generated.change);
+  const Tensor smooth = log_change.diff(2, 0).square().sum(torch::IntArrayRef({0, 2, 3})).mean();
+  tally_.Add("smooth", smooth);
+  tally_.Add("change_rad", log_change.detach().square().sum(-1).sqrt().mean());
+  return smooth;
+}
+
+void Learner::UpdateAverage() {
+  torch::NoGradGuard no_grad;
+  const auto n = static_cast<double>(iteration_);
+  const double keep = std::min(config_.ema, (1.0 + n) / (10.0 + n));
+  average_.parameters.flat().lerp_(generator_.parameters.flat(), 1.0 - keep);
+}
+
+void Learner::Step(double progress) {
+  const double decay = Decay(config_, progress);
+  const double smooth_share = std::clamp(
+      (progress - config_.smooth_from) / std::max(1e-9, config_.smooth_full - config_.smooth_from),
+      0.0, 1.0);
+  const Batch batch = MakeBatch(sampler_.Next());
+  const Generated generated = Generate(batch);
+  StepCritic(batch, generated.fake, config_.critic_rate * decay);
+
+  RequireGradient(critic_.parameters, false);
+  const Tensor adversarial =
+      critic_(generated.fake, torch::cat({target_one_hot_, batch.content}, 1)).square().mean();
+  tally_.Add("adversarial", adversarial);
+  Tensor loss = Reconstruction(batch, generated) + config_.w_adversarial * adversarial;
+  if (config_.w_perceptual > 0) {
+    const Tensor perceptual = Perceptual(batch, generated);
+    tally_.Add("perceptual", perceptual);
+    loss = loss + config_.w_perceptual * perceptual;
+  }
+  loss = loss + config_.w_smooth * smooth_share * Smoothness(generated);
+  tally_.Add("loss", loss);
+  generator_.parameters.ZeroGradient();
+  loss.backward();
+  RequireGradient(critic_.parameters, true);
+  generator_adam_.Step(generator_.parameters, config_.generator_rate * decay);
+  ++iteration_;
+  UpdateAverage();
+}
+
+bool Learner::Finite() const {
+  return torch::isfinite(generator_.parameters.flat()).all().item<bool>();
+}
+
+void Learner::Save(Checkpoint& checkpoint) const {
+  auto& t = checkpoint.tensors;
+  t["mean"] = mean_;
+  t["deviation"] = deviation_;
+  t["generator"] = generator_.parameters.flat();
+  t["average"] = average_.parameters.flat();
+  t["critic"] = critic_.parameters.flat();
+  t["classifier"] = classifier_.parameters.flat();
+  t["generator.first"] = generator_adam_.first;
+  t["generator.second"] = generator_adam_.second;
+  t["critic.first"] = critic_adam_.first;
+  t["critic.second"] = critic_adam_.second;
+  t["iteration"] = torch::tensor({iteration_}, torch::kInt64);
+  t["neutral.h"] = torch::stack(neutral_carried_.h);
+  t["neutral.c"] = torch::stack(neutral_carried_.c);
+  t["branches.h"] = torch::stack(branch_carried_.h);
+  t["branches.c"] = torch::stack(branch_carried_.c);
+  checkpoint.strings["sampler"] = sampler_.Save();
+}
+
+Status Learner::Restore(const Checkpoint& checkpoint) {
+  torch::NoGradGuard no_grad;
+  try {
+    const auto& t = checkpoint.tensors;
+    if (!torch::equal(t.at("mean"), mean_.cpu()) ||
+        !torch::equal(t.at("deviation"), deviation_.cpu())) {
+      return Status::Error("was made with other data or another rate");
+    }
+    generator_.parameters.flat().copy_(t.at("generator"));
+    average_.parameters.flat().copy_(t.at("average"));
+    critic_.parameters.flat().copy_(t.at("critic"));
+    classifier_.parameters.flat().copy_(t.at("classifier"));
+    generator_adam_.first.copy_(t.at("generator.first"));
+    generator_adam_.second.copy_(t.at("generator.second"));
+    critic_adam_.first.copy_(t.at("critic.first"));
+    critic_adam_.second.copy_(t.at("critic.second"));
+    iteration_ = t.at("iteration").item<int64_t>();
+    generator_adam_.steps = critic_adam_.steps = iteration_;
+    const auto unstack = [this](const Tensor& all, std::vector<Tensor>& layers) {
+      TORCH_CHECK(
+          all.size(0) == static_cast<int64_t>(layers.size()) && all[0].sizes() == layers[0].sizes(),
+          "carried states of another batch");
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        layers[i] = all[static_cast<int64_t>(i)].clone().to(device_);
+      }
+    };
+    unstack(t.at("neutral.h"), neutral_carried_.h);
+    unstack(t.at("neutral.c"), neutral_carried_.c);
+    unstack(t.at("branches.h"), branch_carried_.h);
+    unstack(t.at("branches.c"), branch_carried_.c);
+    sampler_.Restore(checkpoint.strings.at("sampler"));
+  } catch (const std::exception& error) {
+    return Status::Error(Reason(error));
+  }
+  RequireGradient(classifier_.parameters, false);
+  return Status::Ok();
+}
+
+}  // namespace styled::train

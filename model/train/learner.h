@@ -1,0 +1,109 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/base/status.h"
+#include "model/clip/manifest.h"
+#include "model/train/adam.h"
+#include "model/train/checkpoint.h"
+#include "model/train/dataset.h"
+#include "model/train/networks.h"
+#include "model/train/sampler.h"
+#include "model/train/trainer.h"
+
+namespace styled::train {
+
+// Sums of losses, kept on the device so that the log is the only place that waits for it.
+class Tally {
+ public:
+  void Add(const std::string& name, const torch::Tensor& value);
+  // The means over `count` iterations, in the order of the first Add; starts anew.
+  std::vector<std::pair<std::string, double>> Take(int count);
+
+ private:
+  std::vector<std::pair<std::string, torch::Tensor>> sums_;
+};
+
+// The networks being trained, their optimizers, and one iteration of training (style-ERD, section
+// 3.2 of the paper). Knows nothing of files, logs and clocks. `config`, `manifest` and `clips` must
+// outlive it. One thread.
+class Learner {
+ public:
+  Learner(const TrainConfig& config, const clip::Manifest& manifest,
+          const std::vector<TrainingClip>& clips, const FeatureStatistics& statistics,
+          const body::FeatureParameters& parameters, const torch::Device& device);
+
+  // Trains the content classifier on real windows of all styles, then freezes it.
+  void TrainClassifier();
+  // One iteration, critic first. `progress` 0..1 decides learning rates and the smoothness term.
+  void Step(double progress);
+
+  // Everything that the next Step depends on. Restore refuses a checkpoint of other statistics or
+  // another batch; it may then be half restored.
+  void Save(Checkpoint& checkpoint) const;
+  Status Restore(const Checkpoint& checkpoint);
+
+  bool Finite() const;
+  int64_t iteration() const { return iteration_; }
+  const Generator& average() const { return average_; }  // running mean of the weights
+  const torch::Tensor& mean() const { return mean_; }
+  const torch::Tensor& deviation() const { return deviation_; }
+  Tally& tally() { return tally_; }
+
+ private:
+  // A batch as tensors on the device, time-major: T = window + 1 frames (velocities need one more
+  // than is judged), B slots.
+  struct Batch {
+    torch::Tensor features, yaw_change_rad, hips_step_m;  // [T, B, 211], [T, B], [T, B, 3]
+    torch::Tensor u;                                      // standardized features
+    torch::Tensor rotations, positions;                   // views of features, [T, B, 21, 4 or 3]
+    torch::Tensor content;                                // [B, contents] one-hot
+    torch::Tensor carried;                                // [B] bool
+  };
+  // What the generator makes of a batch.
+  struct Generated {
+    torch::Tensor rec, rec_positions;          // D(own style), [T, B, 21, 4 or 3]
+    torch::Tensor rec_velocities, rec_height;  // the heads, standardized
+    torch::Tensor change;                      // rec⁻¹ ∘ sty, [T, B, 21, 4]
+    torch::Tensor rotations;                   // transferred, in the form that is judged
+    torch::Tensor fake;                        // transferred, as the critic sees it
+  };
+
+  Batch MakeBatch(const std::vector<Sampler::Window>& windows) const;
+  StackState Start(const Stack& stack, const StackState& carried, const torch::Tensor& mask) const;
+  torch::Tensor Judged(const torch::Tensor& positions, const torch::Tensor& velocities) const;
+  torch::Tensor Real(const Batch& batch) const;
+  Generated Generate(const Batch& batch);
+  void StepCritic(const Batch& batch, const torch::Tensor& fake, double rate);
+  torch::Tensor Reconstruction(const Batch& batch, const Generated& generated);
+  torch::Tensor Perceptual(const Batch& batch, const Generated& generated) const;
+  torch::Tensor Smoothness(const Generated& generated);
+  void UpdateAverage();
+
+  const TrainConfig& config_;
+  const clip::Manifest& manifest_;
+  const std::vector<TrainingClip>& clips_;
+  body::FeatureParameters parameters_;
+  torch::Device device_;
+  torch::Tensor mean_, deviation_;
+  int64_t frames_, slots_;
+
+  Sampler sampler_;
+  Generator generator_, average_;
+  Critic critic_;
+  ContentClassifier classifier_;
+  Adam generator_adam_, critic_adam_;
+
+  torch::Tensor own_, target_;                  // [B] int64
+  torch::Tensor own_one_hot_, target_one_hot_;  // [B, styles]
+  torch::Tensor styled_;  // [1, B, 1]: 1 where the slot's own style is not neutral
+  StackState neutral_carried_, branch_carried_;  // at the end of each slot's last window
+  int64_t iteration_ = 0;
+  Tally tally_;
+};
+
+}  // namespace styled::train
