@@ -1,0 +1,63 @@
+#include "daemon/config/address.h"
+
+#include <charconv>
+
+namespace styled::config {
+namespace {
+
+constexpr std::string_view kTcp = "tcp://";
+constexpr std::string_view kIpc = "ipc://";
+
+bool StartsWith(std::string_view text, std::string_view prefix) {
+  return text.substr(0, prefix.size()) == prefix;
+}
+
+}  // namespace
+
+Result<HostPort> ParseHostPort(std::string_view text) {
+  const auto refuse = [&text] {
+    return Status::Error("\"" + std::string(text) +
+                         "\" is no address: expected HOST:PORT, e.g. \"0.0.0.0:7000\"");
+  };
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return refuse();
+  std::string_view host = text.substr(0, colon);
+  const std::string_view port = text.substr(colon + 1);
+  if (host.front() == '[' && host.back() == ']' && host.size() > 2) {
+    host = host.substr(1, host.size() - 2);
+  } else if (host.find(':') != std::string_view::npos) {
+    return refuse();
+  }
+  HostPort parsed{std::string(host), 0};
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), parsed.port);
+  if (error != std::errc() || end != port.data() + port.size() || port.empty()) return refuse();
+  return parsed;
+}
+
+bool IsLocal(std::string_view endpoint) {
+  if (StartsWith(endpoint, kIpc) || StartsWith(endpoint, "inproc://")) return true;
+  if (!StartsWith(endpoint, kTcp)) return false;
+  const auto parsed = ParseHostPort(endpoint.substr(kTcp.size()));
+  if (!parsed.ok()) return false;
+  const std::string& host = parsed.value().host;
+  if (host == "localhost" || host == "::1") return true;
+  // 127.0.0.0/8, digits and dots only: "127.evil.example" is a name.
+  return StartsWith(host, "127.") && host.find_first_not_of("0123456789.") == std::string::npos;
+}
+
+Status CheckEndpoint(std::string_view endpoint) {
+  if (StartsWith(endpoint, kIpc)) {
+    const std::size_t length = endpoint.size() - kIpc.size();
+    if (length >= 1 && length <= 107) return Status::Ok();
+    return Status::Error("\"" + std::string(endpoint) +
+                         "\": the path must have 1 to 107 characters");
+  }
+  // libzmq writes "any port" as *; we take 0 like everywhere else.
+  if (StartsWith(endpoint, kTcp) && ParseHostPort(endpoint.substr(kTcp.size())).ok()) {
+    return Status::Ok();
+  }
+  return Status::Error("\"" + std::string(endpoint) +
+                       "\" is no endpoint: expected tcp://HOST:PORT or ipc://PATH");
+}
+
+}  // namespace styled::config

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "model/base/status.h"
+
+namespace styled::config {
+
+// "0.0.0.0:7000" or "[::]:7000", numeric. Port 0: the system chooses.
+struct HostPort {
+  std::string host;
+  std::uint16_t port = 0;
+};
+Result<HostPort> ParseHostPort(std::string_view text);
+
+// Whether a ZeroMQ endpoint can be reached from this machine only: ipc://, inproc://, or tcp:// to
+// 127.0.0.0/8, [::1] or localhost.
+bool IsLocal(std::string_view endpoint);
+
+// "ok", or why `endpoint` is no ZeroMQ address to bind: expects tcp://HOST:PORT or ipc://PATH.
+Status CheckEndpoint(std::string_view endpoint);
+
+}  // namespace styled::config

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/base/status.h"
+#include "model/stylist/stylist.h"
+
+// All that can be configured, one struct; styled.toml beside this file is its manual and says for
+// each key the unit, the range and the reason. Values here are the defaults.
+namespace styled::config {
+
+struct Source {
+  std::string name = "rig";  // [A-Za-z0-9_-]{1,32}
+  std::string type = "udp";  // "udp" or "tcp"
+  std::string listen;        // HOST:PORT
+  int receive_buffer_bytes = 4 << 20;
+  int max_connections = 64;  // tcp
+  friend bool operator==(const Source&, const Source&) = default;
+};
+
+struct Publish {
+  std::string address = "tcp://127.0.0.1:7001";
+  bool allow_unauthenticated_remote = false;
+  int high_water_mark = 64;
+  int send_buffer_bytes = 65536;
+  int max_subscriptions = 1024;
+  friend bool operator==(const Publish&, const Publish&) = default;
+};
+
+struct Control {
+  std::string address = "tcp://127.0.0.1:7002";
+  bool allow_unauthenticated_remote = false;
+  friend bool operator==(const Control&, const Control&) = default;
+};
+
+struct Model {
+  std::string weights;  // "" = as shipped
+  stylist::Options stylist;
+};
+
+struct Performers {
+  int max_performers = 64;
+  float stale_s = 0.25F;
+  float forget_s = 60.0F;
+  float takeover_s = 0.1F;
+  float clock_back_s = 1.0F;
+  float late_s = 0.025F;
+  float backlog_s = 0.1F;
+};
+
+struct Style {
+  std::string initial;  // a preset or a style; "" = bypass
+  float strength = 1.0F;
+  float transition_s = 0.4F;
+};
+
+struct Preset {
+  std::string name;
+  std::vector<std::pair<std::string, float>> mix;  // style or alias, weight
+  std::string place;                               // file:line, for complaints
+};
+
+struct State {
+  std::string dir;  // "" = settings are not kept
+};
+
+struct Log {
+  std::string level = "info";
+};
+
+struct Realtime {
+  bool lock_memory = true;
+  int priority = 0;
+  int cpu = -1;
+  friend bool operator==(const Realtime&, const Realtime&) = default;
+};
+
+struct Config {
+  std::vector<Source> sources{{"rig", "udp", "127.0.0.1:7000"}, {"rig", "tcp", "127.0.0.1:7000"}};
+  Publish publish;
+  Control control;
+  Model model;
+  Performers performers;
+  Style style;
+  std::vector<Preset> presets;
+  State state;
+  Log log;
+  Realtime realtime;
+};
+
+// One setting from the command line ("section.key=value") or the environment.
+struct Override {
+  std::string key;    // "publish.address", "source.0.listen"
+  std::string value;  // as TOML; what is no TOML is taken as a string
+  std::string place;  // "--set publish.address" or "STYLED_PUBLISH_ADDRESS", for complaints
+};
+
+// STYLED_<SECTION>_<KEY> of `environment` ("NAME=value" strings, ended by null). Other names that
+// begin with STYLED_ are not ours to judge, unless a section's name follows: then the key must
+// exist.
+Result<std::vector<Override>> EnvironmentOverrides(const char* const* environment);
+// "section.key=value".
+Result<Override> ParseOverride(const std::string& text);
+
+// The defaults, then `file` ("" = none), then `overrides` in order, then Validate. Errors name
+// file, line, key, what was expected and, for an unknown key, the nearest known one. Start-up and
+// reload only; allocates; any thread.
+Result<Config> Load(const std::string& file, const std::vector<Override>& overrides);
+
+// The rules that span keys: at least one source, loopback unless allowed, presets as the control
+// socket would accept them (style names are checked against the weights, by the supervisor).
+Status Validate(const Config& config);
+
+// The performer and source name rule of WIRE.md.
+bool IsName(std::string_view text) noexcept;
+
+}  // namespace styled::config

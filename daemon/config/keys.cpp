@@ -1,0 +1,212 @@
+#include "daemon/config/keys.h"
+
+#include <algorithm>
+#include <sstream>
+
+namespace styled::config {
+namespace {
+
+std::string Shown(const toml::node& node) {
+  std::ostringstream text;
+  node.visit([&text](const auto& value) { text << value; });
+  return text.str();
+}
+
+Status Expected(const std::string& what, const toml::node& node) {
+  return Status::Error("expected " + what + ", found " + Shown(node));
+}
+
+std::string Number(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+// A number in [low, high] of the file's unit; the struct holds it times `factor`.
+template <typename T, typename Field>
+Key<T> Float(std::string_view name, double low, double high, double factor, Field field) {
+  return {name, [=](const toml::node& node, T& out) {
+            const auto value = node.value<double>();
+            if (!node.is_number() || !value || !(*value >= low && *value <= high)) {
+              return Expected("a number from " + Number(low) + " to " + Number(high), node);
+            }
+            field(out) = static_cast<float>(*value * factor);
+            return Status::Ok();
+          }};
+}
+
+template <typename T, typename Field>
+Key<T> Integer(std::string_view name, std::int64_t low, std::int64_t high, Field field) {
+  return {name, [=](const toml::node& node, T& out) {
+            const auto value = node.value<std::int64_t>();
+            if (!node.is_integer() || *value < low || *value > high) {
+              return Expected(
+                  "a whole number from " + std::to_string(low) + " to " + std::to_string(high),
+                  node);
+            }
+            field(out) = static_cast<int>(*value);
+            return Status::Ok();
+          }};
+}
+
+template <typename T, typename Field>
+Key<T> Flag(std::string_view name, Field field) {
+  return {name, [=](const toml::node& node, T& out) {
+            if (!node.is_boolean()) return Expected("true or false", node);
+            field(out) = *node.value<bool>();
+            return Status::Ok();
+          }};
+}
+
+template <typename T, typename Field>
+Key<T> Text(std::string_view name, Field field) {
+  return {name, [=](const toml::node& node, T& out) {
+            if (!node.is_string()) return Expected("a string in quotes", node);
+            field(out) = *node.value<std::string>();
+            return Status::Ok();
+          }};
+}
+
+template <typename T, typename Field>
+Key<T> OneOf(std::string_view name, std::vector<std::string_view> words, Field field) {
+  return {name, [=](const toml::node& node, T& out) {
+            const auto value = node.value<std::string>();
+            if (value && std::find(words.begin(), words.end(), *value) != words.end()) {
+              field(out) = *value;
+              return Status::Ok();
+            }
+            std::string list;
+            for (const auto word : words) {
+              if (!list.empty()) list += ", ";
+              list.append("\"").append(word).append("\"");
+            }
+            return Expected("one of " + list, node);
+          }};
+}
+
+#define STYLED_FIELD(path) [](auto& c) -> auto& { return c.path; }
+
+constexpr double kMs = 1e-3;
+constexpr std::int64_t kGiB = 1 << 30;
+
+Section ModelSection() {
+  using C = Config;
+  return {
+      "model",
+      {Text<C>("weights", STYLED_FIELD(model.weights)),
+       Float<C>("change_tau_ms", 0, 1000, kMs, STYLED_FIELD(model.stylist.change_tau_s)),
+       Float<C>("gap_reset_ms", 10, 10000, kMs, STYLED_FIELD(model.stylist.gap_reset_s)),
+       Float<C>("restart_fade_ms", 0, 5000, kMs, STYLED_FIELD(model.stylist.restart_fade_s)),
+       Float<C>("jump_m", 0.1, 100, 1, STYLED_FIELD(model.stylist.jump_m)),
+       Integer<C>("jump_accept_frames", 1, 1000, STYLED_FIELD(model.stylist.jump_accept_frames)),
+       Float<C>("foreign_begin_rad", 0, 4, 1, STYLED_FIELD(model.stylist.foreign_begin_rad)),
+       Float<C>("foreign_end_rad", 0, 4, 1, STYLED_FIELD(model.stylist.foreign_end_rad)),
+       Float<C>("foreign_fade_ms", 0, 10000, kMs, STYLED_FIELD(model.stylist.foreign_fade_s)),
+       Flag<C>("ground", STYLED_FIELD(model.stylist.ground))}};
+}
+
+Section PerformersSection() {
+  using C = Config;
+  return {"performers",
+          {Integer<C>("max_performers", 1, 1024, STYLED_FIELD(performers.max_performers)),
+           Float<C>("stale_ms", 20, 60000, kMs, STYLED_FIELD(performers.stale_s)),
+           Float<C>("forget_s", 1, 86400, 1, STYLED_FIELD(performers.forget_s)),
+           Float<C>("takeover_ms", 10, 60000, kMs, STYLED_FIELD(performers.takeover_s)),
+           Float<C>("clock_back_ms", 10, 60000, kMs, STYLED_FIELD(performers.clock_back_s)),
+           Float<C>("late_ms", 1, 10000, kMs, STYLED_FIELD(performers.late_s)),
+           Float<C>("backlog_ms", 1, 10000, kMs, STYLED_FIELD(performers.backlog_s))}};
+}
+
+std::vector<Section> MakeSections() {
+  using C = Config;
+  return {
+      {"publish",
+       {Text<C>("address", STYLED_FIELD(publish.address)),
+        Flag<C>("allow_unauthenticated_remote", STYLED_FIELD(publish.allow_unauthenticated_remote)),
+        Integer<C>("high_water_mark", 1, 100000, STYLED_FIELD(publish.high_water_mark)),
+        Integer<C>("send_buffer_bytes", 4096, kGiB, STYLED_FIELD(publish.send_buffer_bytes)),
+        Integer<C>("max_subscriptions", 1, 100000, STYLED_FIELD(publish.max_subscriptions))}},
+      {"control",
+       {Text<C>("address", STYLED_FIELD(control.address)),
+        Flag<C>("allow_unauthenticated_remote",
+                STYLED_FIELD(control.allow_unauthenticated_remote))}},
+      ModelSection(),
+      PerformersSection(),
+      {"style",
+       {Text<C>("initial", STYLED_FIELD(style.initial)),
+        Float<C>("strength", 0, 1.5, 1, STYLED_FIELD(style.strength)),
+        Float<C>("transition_ms", 0, 60000, kMs, STYLED_FIELD(style.transition_s))}},
+      {"state", {Text<C>("dir", STYLED_FIELD(state.dir))}},
+      {"log",
+       {OneOf<C>("level", {"trace", "debug", "info", "warn", "error", "off"},
+                 STYLED_FIELD(log.level))}},
+      {"realtime",
+       {Flag<C>("lock_memory", STYLED_FIELD(realtime.lock_memory)),
+        Integer<C>("priority", 0, 99, STYLED_FIELD(realtime.priority)),
+        Integer<C>("cpu", -1, 1023, STYLED_FIELD(realtime.cpu))}},
+  };
+}
+
+std::size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+const std::vector<Section>& Sections() {
+  static const std::vector<Section> sections = MakeSections();
+  return sections;
+}
+
+const std::vector<Key<Source>>& SourceKeys() {
+  using S = Source;
+  static const std::vector<Key<Source>> keys{
+      Text<S>("name", STYLED_FIELD(name)),
+      OneOf<S>("type", {"udp", "tcp"}, STYLED_FIELD(type)),
+      Text<S>("listen", STYLED_FIELD(listen)),
+      Integer<S>("receive_buffer_bytes", 4096, kGiB, STYLED_FIELD(receive_buffer_bytes)),
+      Integer<S>("max_connections", 1, 1024, STYLED_FIELD(max_connections)),
+  };
+  return keys;
+}
+
+Status ReadPreset(const toml::node& node, Preset& preset) {
+  const toml::table* mix = node.as_table();
+  if (mix == nullptr || mix->empty()) {
+    return Expected("styles and weights, e.g. { elderly = 0.7, tired = 0.3 }", node);
+  }
+  for (const auto& [style, weight] : *mix) {
+    const auto value = weight.value<double>();
+    if (!weight.is_number() || !(*value >= 0 && *value <= 1.5)) {
+      return Expected("a weight from 0 to 1.5 for \"" + std::string(style.str()) + "\"", weight);
+    }
+    preset.mix.emplace_back(style.str(), static_cast<float>(*value));
+  }
+  return Status::Ok();
+}
+
+std::string Nearest(std::string_view text, const std::vector<std::string_view>& candidates) {
+  std::string_view best;
+  std::size_t best_distance = text.size() / 2 + 2;
+  for (const auto candidate : candidates) {
+    const std::size_t distance = EditDistance(text, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best.empty() ? "" : ", nearest is \"" + std::string(best) + "\"";
+}
+
+}  // namespace styled::config

@@ -1,0 +1,227 @@
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <filesystem>
+
+#include "daemon/config/config.h"
+#include "daemon/config/keys.h"
+
+namespace styled::config {
+namespace {
+
+// Where a node stands: "styled.toml:12", or the override's place.
+std::string Place(const toml::node& node, const std::string& origin, bool is_file) {
+  if (!is_file) return origin;
+  return origin + ":" + std::to_string(node.source().begin.line);
+}
+
+struct Layer {
+  std::string origin;
+  bool is_file = true;
+
+  Status Refuse(const toml::node& node, const std::string& key, const std::string& what) const {
+    return Status::Error(Place(node, origin, is_file) + ": " + key + ": " + what);
+  }
+};
+
+template <typename T>
+std::vector<std::string_view> Names(const std::vector<T>& rows) {
+  std::vector<std::string_view> names;
+  for (const auto& row : rows) names.push_back(row.name);
+  return names;
+}
+
+template <typename T>
+Status ApplyKey(const Layer& layer, const std::string& section, const std::vector<Key<T>>& keys,
+                std::string_view name, const toml::node& node, T& out) {
+  const std::string full = section + "." + std::string(name);
+  for (const auto& key : keys) {
+    if (key.name != name) continue;
+    const Status status = key.read(node, out);
+    return status.ok() ? status : layer.Refuse(node, full, status.message());
+  }
+  return layer.Refuse(node, full, "unknown key" + Nearest(name, Names(keys)));
+}
+
+Status ApplyPreset(const Layer& layer, std::string_view name, const toml::node& node,
+                   Config& config) {
+  Preset preset;
+  preset.name = name;
+  preset.place = Place(node, layer.origin, layer.is_file);
+  const std::string full = "presets." + preset.name;
+  if (!IsName(name)) {
+    return layer.Refuse(node, full, "a preset's name has 1 to 32 of A-Z a-z 0-9 _ -");
+  }
+  const Status status = ReadPreset(node, preset);
+  if (!status.ok()) return layer.Refuse(node, full, status.message());
+  std::erase_if(config.presets, [&preset](const Preset& p) { return p.name == preset.name; });
+  config.presets.push_back(std::move(preset));
+  return Status::Ok();
+}
+
+Status ApplySources(const Layer& layer, const toml::node& node, Config& config) {
+  const toml::array* tables = node.as_array();
+  if (tables == nullptr || !tables->is_array_of_tables()) {
+    return layer.Refuse(node, "source", "expected [[source]] tables, in double brackets");
+  }
+  config.sources.clear();
+  for (const auto& element : *tables) {
+    Source source;
+    for (const auto& [key, value] : *element.as_table()) {
+      const Status status = ApplyKey(layer, "source", SourceKeys(), key.str(), value, source);
+      if (!status.ok()) return status;
+    }
+    if (source.listen.empty()) {
+      return layer.Refuse(element, "source.listen", "missing; expected HOST:PORT");
+    }
+    config.sources.push_back(std::move(source));
+  }
+  return Status::Ok();
+}
+
+Status ApplySection(const Layer& layer, std::string_view name, const toml::node& node,
+                    Config& config) {
+  if (name == kSourceSection) return ApplySources(layer, node, config);
+  const auto section = std::find_if(Sections().begin(), Sections().end(),
+                                    [&](const Section& s) { return s.name == name; });
+  if (section == Sections().end() && name != kPresetsSection) {
+    auto known = Names(Sections());
+    known.push_back(kSourceSection);
+    known.push_back(kPresetsSection);
+    return layer.Refuse(node, std::string(name), "unknown section" + Nearest(name, known));
+  }
+  const toml::table* table = node.as_table();
+  if (table == nullptr) return layer.Refuse(node, std::string(name), "expected a [section]");
+  for (const auto& [key, value] : *table) {
+    const Status status =
+        name == kPresetsSection
+            ? ApplyPreset(layer, key.str(), value, config)
+            : ApplyKey(layer, std::string(name), section->keys, key.str(), value, config);
+    if (!status.ok()) return status;
+  }
+  return Status::Ok();
+}
+
+Status ApplyFile(const std::string& file, Config& config) {
+  if (std::filesystem::is_directory(file)) {
+    return Status::Error(file + ": is a folder; expected a TOML file");
+  }
+  try {
+    const toml::table table = toml::parse_file(file);
+    for (const auto& [name, node] : table) {
+      const Status status = ApplySection({file, true}, name.str(), node, config);
+      if (!status.ok()) return status;
+    }
+  } catch (const toml::parse_error& error) {
+    const auto line = error.source().begin.line;
+    return Status::Error(file + (line > 0 ? ":" + std::to_string(line) : std::string()) + ": " +
+                         std::string(error.description()));
+  }
+  return Status::Ok();
+}
+
+// "x=7" as TOML, else as the string that it is.
+toml::table ValueTable(const std::string& value) {
+  try {
+    return toml::parse("value = " + value + "\n");
+  } catch (const toml::parse_error&) {
+    toml::table table;
+    table.insert("value", value);
+    return table;
+  }
+}
+
+Status ApplySourceOverride(const Layer& layer, std::string_view rest, const toml::node& node,
+                           Config& config) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), index);
+  const auto used = static_cast<std::size_t>(end - rest.data());
+  if (error != std::errc() || used >= rest.size() || rest[used] != '.') {
+    return layer.Refuse(node, "source", "expected source.N.key, N counting from 0");
+  }
+  if (index >= config.sources.size()) {
+    return layer.Refuse(node, "source." + std::to_string(index),
+                        "there are " + std::to_string(config.sources.size()) + " sources");
+  }
+  return ApplyKey(layer, "source." + std::to_string(index), SourceKeys(), rest.substr(used + 1),
+                  node, config.sources[index]);
+}
+
+Status ApplyOverride(const Override& override_, Config& config) {
+  const Layer layer{override_.place, false};
+  const toml::table value = ValueTable(override_.value);
+  const toml::node& node = *value.get("value");
+  const std::string_view key = override_.key;
+  const std::size_t dot = key.find('.');
+  const std::string_view section = key.substr(0, dot);
+  const std::string_view rest = key.substr(dot + 1);
+  if (section == kSourceSection) return ApplySourceOverride(layer, rest, node, config);
+  if (section == kPresetsSection) return ApplyPreset(layer, rest, node, config);
+  for (const auto& known : Sections()) {
+    if (known.name == section) {
+      return ApplyKey(layer, std::string(section), known.keys, rest, node, config);
+    }
+  }
+  return layer.Refuse(node, std::string(section),
+                      "unknown section" + Nearest(section, Names(Sections())));
+}
+
+std::string Lower(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+}  // namespace
+
+Result<std::vector<Override>> EnvironmentOverrides(const char* const* environment) {
+  std::vector<Override> overrides;
+  for (; environment != nullptr && *environment != nullptr; ++environment) {
+    const std::string_view entry = *environment;
+    const std::size_t equals = entry.find('=');
+    if (!entry.starts_with("STYLED_") || equals == std::string_view::npos) continue;
+    const std::string variable(entry.substr(0, equals));
+    const std::string words = Lower(variable.substr(7));
+    for (const auto& section : Sections()) {
+      if (!words.starts_with(std::string(section.name) + "_")) continue;
+      const std::string key = words.substr(section.name.size() + 1);
+      const auto names = Names(section.keys);
+      if (std::find(names.begin(), names.end(), key) == names.end()) {
+        return Status::Error(variable + ": unknown key " + std::string(section.name) + "." + key +
+                             Nearest(key, names));
+      }
+      overrides.push_back(
+          {std::string(section.name) + "." + key, std::string(entry.substr(equals + 1)), variable});
+    }
+  }
+  return overrides;
+}
+
+Result<Override> ParseOverride(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::size_t dot = text.find('.');
+  if (equals == std::string::npos || dot == std::string::npos || dot > equals || dot == 0) {
+    return Status::Error("--set " + text + ": expected section.key=value");
+  }
+  const std::string key = text.substr(0, equals);
+  return Override{key, text.substr(equals + 1), "--set " + key};
+}
+
+Result<Config> Load(const std::string& file, const std::vector<Override>& overrides) {
+  Config config;
+  if (!file.empty()) {
+    const Status status = ApplyFile(file, config);
+    if (!status.ok()) return status;
+  }
+  for (const auto& override_ : overrides) {
+    const Status status = ApplyOverride(override_, config);
+    if (!status.ok()) return status;
+  }
+  const Status status = Validate(config);
+  if (!status.ok()) {
+    return file.empty() ? status : Status::Error(file + ": " + status.message());
+  }
+  return config;
+}
+
+}  // namespace styled::config

@@ -1,0 +1,86 @@
+#include <algorithm>
+
+#include "daemon/config/address.h"
+#include "daemon/config/config.h"
+#include "model/erd/network.h"
+
+namespace styled::config {
+namespace {
+
+Status CheckSources(const std::vector<Source>& sources) {
+  if (sources.empty()) return Status::Error("no [[source]]: nothing could come in");
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const std::string place = "source." + std::to_string(i) + ".";
+    if (!IsName(sources[i].name)) {
+      return Status::Error(place + "name: \"" + sources[i].name +
+                           "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
+    }
+    const auto address = ParseHostPort(sources[i].listen);
+    if (!address.ok()) return Status::Error(place + "listen: " + address.status().message());
+    for (std::size_t k = 0; k < i && address.value().port != 0; ++k) {
+      if (sources[k].type == sources[i].type && sources[k].listen == sources[i].listen) {
+        return Status::Error(place + "listen: " + sources[i].listen + " is taken by source." +
+                             std::to_string(k));
+      }
+    }
+  }
+  return Status::Ok();
+}
+
+Status CheckSocket(const std::string& section, const std::string& address, bool allowed,
+                   const std::string& who) {
+  const Status status = CheckEndpoint(address);
+  if (!status.ok()) return Status::Error(section + ".address: " + status.message());
+  if (IsLocal(address) || allowed) return Status::Ok();
+  return Status::Error(section + ".address: " + address +
+                       " can be reached from other machines, and " + who +
+                       " are not authenticated; expected a loopback or ipc:// address, or " +
+                       section + ".allow_unauthenticated_remote = true");
+}
+
+Status CheckPreset(const Preset& preset) {
+  float sum = 0;
+  for (const auto& [style, weight] : preset.mix) sum += weight;
+  if (preset.mix.size() > erd::kMaxMix) {
+    return Status::Error("presets." + preset.name + ": " + std::to_string(preset.mix.size()) +
+                         " styles; expected at most " + std::to_string(erd::kMaxMix));
+  }
+  if (sum > 1.5F) {
+    return Status::Error("presets." + preset.name + ": weights sum to " + std::to_string(sum) +
+                         "; expected at most 1.5");
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+bool IsName(std::string_view text) noexcept {
+  return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  });
+}
+
+Status Validate(const Config& config) {
+  Status status = CheckSources(config.sources);
+  if (!status.ok()) return status;
+  status = CheckSocket("publish", config.publish.address,
+                       config.publish.allow_unauthenticated_remote, "subscribers");
+  if (!status.ok()) return status;
+  status = CheckSocket("control", config.control.address,
+                       config.control.allow_unauthenticated_remote, "operators");
+  if (!status.ok()) return status;
+  if (config.model.stylist.foreign_begin_rad >= config.model.stylist.foreign_end_rad) {
+    return Status::Error("model.foreign_begin_rad: expected less than model.foreign_end_rad");
+  }
+  if (config.performers.late_s > config.performers.backlog_s) {
+    return Status::Error("performers.late_ms: expected at most performers.backlog_ms");
+  }
+  for (const auto& preset : config.presets) {
+    status = CheckPreset(preset);
+    if (!status.ok()) return status;
+  }
+  return Status::Ok();
+}
+
+}  // namespace styled::config

@@ -1,0 +1,147 @@
+#include "daemon/control/control_socket.h"
+
+#include <array>
+#include <cerrno>
+
+namespace styled::control {
+namespace {
+
+using runtime::Counter;
+
+constexpr int kPerCycle = 16;
+constexpr int kMaxInFlight = 32;      // half of what the rings hold
+constexpr std::size_t kMaxParts = 4;  // kept of a message; more are read and dropped
+
+}  // namespace
+
+ControlSocket::ControlSocket(runtime::ZmqSocket socket, pipeline::Mailboxes& mailboxes,
+                             runtime::Counters& counters)
+    : socket_(std::move(socket)), mailboxes_(mailboxes), counters_(counters) {
+  zmq_msg_init(&message_);
+}
+
+ControlSocket::~ControlSocket() { zmq_msg_close(&message_); }
+
+int ControlSocket::DoWork() {
+  int work = 0;
+  std::unique_ptr<pipeline::Exchange> exchange;
+  while (mailboxes_.replies.Pop(exchange)) {
+    --in_flight_;
+    ++work;
+    if (exchange->reply.code() != v1::CODE_OK) counters_.Add(Counter::kControlRefused);
+    Send(exchange->envelope, exchange->reply);
+  }
+  for (int i = 0; i < kPerCycle && Receive(); ++i) {
+    ++work;
+    counters_.Add(Counter::kControlRequests);
+    Handle();
+  }
+  return work;
+}
+
+bool ControlSocket::Receive() {
+  parts_.clear();
+  part_count_ = 0;
+  do {
+    if (zmq_msg_recv(&message_, socket_.get(), ZMQ_DONTWAIT) < 0) return false;
+    ++part_count_;
+    if (parts_.size() >= kMaxParts) continue;
+    const auto* data = static_cast<const std::byte*>(zmq_msg_data(&message_));
+    parts_.emplace_back(data, data + zmq_msg_size(&message_));
+  } while (zmq_msg_more(&message_) != 0);
+  return true;
+}
+
+void ControlSocket::Handle() {
+  auto exchange = std::make_unique<pipeline::Exchange>();
+  auto& envelope = exchange->envelope;
+  envelope.push_back(parts_.front());  // the peer, by ROUTER
+  const bool delimited = part_count_ >= 3 && parts_[1].empty();
+  if (delimited) envelope.emplace_back();
+  if (part_count_ != envelope.size() + 1) {
+    counters_.Add(Counter::kControlMalformed);
+    return Refuse(
+        envelope, v1::CODE_MALFORMED,
+        "request of " + std::to_string(part_count_ - envelope.size()) + " parts, expected one");
+  }
+  const auto& payload = parts_.back();
+  if (payload.size() > kMaxRequestBytes) {
+    counters_.Add(Counter::kControlTooLarge);
+    return Refuse(
+        envelope, v1::CODE_TOO_LARGE,
+        "request of " + std::to_string(payload.size()) + " bytes, expected at most 65536");
+  }
+  if (!exchange->request.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
+    counters_.Add(Counter::kControlMalformed);
+    return Refuse(envelope, v1::CODE_MALFORMED, "not a styled.v1.Request");
+  }
+  if (in_flight_ < kMaxInFlight && mailboxes_.commands.Push(std::move(exchange))) {
+    ++in_flight_;
+    mailboxes_.wake_pipeline.Signal();
+    return;
+  }
+  counters_.Add(Counter::kControlBusy);
+  v1::Reply reply;
+  reply.set_id(exchange->request.id());
+  reply.set_code(v1::CODE_BUSY);
+  reply.set_reason("too many requests are waiting; try again");
+  counters_.Add(Counter::kControlRefused);
+  Send(exchange->envelope, reply);
+}
+
+void ControlSocket::Refuse(const std::vector<std::vector<std::byte>>& envelope, v1::Code code,
+                           const std::string& reason) {
+  v1::Reply reply;
+  reply.set_code(code);
+  reply.set_reason(reason);
+  counters_.Add(Counter::kControlRefused);
+  Send(envelope, reply);
+}
+
+// To a peer that has gone, or does not read, the reply is lost.
+void ControlSocket::Send(const std::vector<std::vector<std::byte>>& envelope,
+                         const v1::Reply& reply) {
+  for (const auto& part : envelope) {
+    if (zmq_send(socket_.get(), part.data(), part.size(), ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0) return;
+  }
+  const std::string bytes = reply.SerializeAsString();
+  zmq_send(socket_.get(), bytes.data(), bytes.size(), ZMQ_DONTWAIT);
+}
+
+void ControlSocket::Run() {
+  while (!stop_.load(std::memory_order_relaxed)) {
+    if (DoWork() > 0) continue;
+    std::array<zmq_pollitem_t, 2> items{
+        zmq_pollitem_t{socket_.get(), 0, ZMQ_POLLIN, 0},
+        zmq_pollitem_t{nullptr, mailboxes_.wake_control.fd(), ZMQ_POLLIN, 0}};
+    zmq_poll(items.data(), static_cast<int>(items.size()), 1000);
+    if (items[1].revents != 0) mailboxes_.wake_control.Clear();
+  }
+}
+
+void ControlSocket::Stop() {
+  stop_.store(true, std::memory_order_relaxed);
+  mailboxes_.wake_control.Signal();
+}
+
+Result<std::unique_ptr<ControlSocket>> MakeControlSocket(void* context,
+                                                         const config::Control& config,
+                                                         pipeline::Mailboxes& mailboxes,
+                                                         runtime::Counters& counters,
+                                                         std::string& endpoint) {
+  runtime::ZmqSocket socket(context, ZMQ_ROUTER);
+  if (socket.get() == nullptr) return Status::Error("control: " + std::string(zmq_strerror(errno)));
+  socket.Set(ZMQ_LINGER, 100);
+  socket.Set(ZMQ_HANDSHAKE_IVL, 1000);
+  // Larger than kMaxRequestBytes, so that what is only a little too large is answered and not cut
+  // off.
+  socket.Set(ZMQ_MAXMSGSIZE, std::int64_t{1 << 20});
+  socket.Set(ZMQ_RCVHWM, 64);
+  socket.Set(ZMQ_SNDHWM, 64);
+  socket.Set(ZMQ_TCP_KEEPALIVE, 1);
+  const Status status = socket.Bind(config.address, "control.address", endpoint);
+  if (!status.ok()) return status;
+  return std::make_unique<ControlSocket>(std::move(socket), mailboxes, counters);
+}
+
+}  // namespace styled::control

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <zmq.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/pipeline/mailboxes.h"
+#include "daemon/runtime/counters.h"
+#include "daemon/runtime/zmq_socket.h"
+#include "model/base/status.h"
+
+namespace styled::control {
+
+inline constexpr std::size_t kMaxRequestBytes = 64 * 1024;
+
+// The control socket, on its own thread: parses requests, sends them to the pipeline between frames
+// and its replies back. What cannot be a request is answered here. Never waits for the pipeline.
+class ControlSocket {
+ public:
+  ControlSocket(runtime::ZmqSocket socket, pipeline::Mailboxes& mailboxes,
+                runtime::Counters& counters);
+  ~ControlSocket();
+  ControlSocket(const ControlSocket&) = delete;
+  ControlSocket& operator=(const ControlSocket&) = delete;
+
+  int DoWork();
+  void Run();   // DoWork until Stop(), waiting in between
+  void Stop();  // any thread
+
+ private:
+  // One message, its parts in `parts_`; false when there is none.
+  bool Receive();
+  void Handle();
+  void Refuse(const std::vector<std::vector<std::byte>>& envelope, v1::Code code,
+              const std::string& reason);
+  void Send(const std::vector<std::vector<std::byte>>& envelope, const v1::Reply& reply);
+
+  runtime::ZmqSocket socket_;
+  pipeline::Mailboxes& mailboxes_;
+  runtime::Counters& counters_;
+  zmq_msg_t message_;
+  std::vector<std::vector<std::byte>> parts_;
+  std::size_t part_count_ = 0;
+  int in_flight_ = 0;
+  std::atomic<bool> stop_{false};
+};
+
+Result<std::unique_ptr<ControlSocket>> MakeControlSocket(void* context,
+                                                         const config::Control& config,
+                                                         pipeline::Mailboxes& mailboxes,
+                                                         runtime::Counters& counters,
+                                                         std::string& endpoint);
+
+}  // namespace styled::control

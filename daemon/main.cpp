@@ -1,0 +1,108 @@
+// styled: arguments, configuration, signals, exit code. 0: clean stop. 1: could not run. 2: bad
+// arguments or configuration.
+#include <google/protobuf/stubs/logging.h>
+#include <signal.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "daemon/config/config.h"
+#include "daemon/runtime/realtime.h"
+#include "daemon/supervisor.h"
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kBadArguments = 2;
+
+struct Arguments {
+  std::string config_file, check_file, weights, ready_file;
+  std::vector<std::string> settings;
+};
+
+int Parse(int argc, char** argv, Arguments& arguments) {
+  CLI::App app{"styled: restyles live motion capture and publishes it over ZeroMQ"};
+  app.add_option("--config", arguments.config_file, "configuration file (TOML)");
+  app.add_option("--check-config", arguments.check_file, "check a configuration file and exit");
+  app.add_option("--set", arguments.settings, "section.key=value, over file and environment")
+      ->allow_extra_args(false);
+  app.add_option("--weights", arguments.weights, "weights file (as --set model.weights=FILE)");
+  app.add_option("--ready-file", arguments.ready_file,
+                 "where to write the endpoints, as JSON, once all is open");
+  app.set_version_flag("--version", STYLED_VERSION);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : kBadArguments;
+  }
+  return -1;
+}
+
+int Refuse(const styled::Status& status, int code) {
+  std::cerr << "styled: " << status.message() << "\n";
+  return code;
+}
+
+styled::Result<styled::Origin> MakeOrigin(const Arguments& arguments) {
+  styled::Origin origin;
+  origin.file = arguments.check_file.empty() ? arguments.config_file : arguments.check_file;
+  origin.ready_file = arguments.ready_file;
+  auto overrides = styled::config::EnvironmentOverrides(environ);
+  if (!overrides.ok()) return overrides.status();
+  origin.overrides = std::move(overrides.value());
+  for (const auto& setting : arguments.settings) {
+    auto parsed = styled::config::ParseOverride(setting);
+    if (!parsed.ok()) return parsed.status();
+    origin.overrides.push_back(std::move(parsed.value()));
+  }
+  if (!arguments.weights.empty()) {
+    origin.overrides.push_back({"model.weights", "'" + arguments.weights + "'", "--weights"});
+  }
+  return origin;
+}
+
+// In every thread to come: the supervisor reads them from a descriptor.
+void BlockSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  const int done = Parse(argc, argv, arguments);
+  if (done >= 0) return done;
+  auto origin = MakeOrigin(arguments);
+  if (!origin.ok()) return Refuse(origin.status(), kBadArguments);
+  auto config = styled::config::Load(origin.value().file, origin.value().overrides);
+  if (!config.ok()) return Refuse(config.status(), kBadArguments);
+  if (!arguments.check_file.empty()) {
+    std::cout << arguments.check_file << ": ok\n";
+    return 0;
+  }
+
+  BlockSignals();
+  spdlog::set_default_logger(spdlog::stderr_color_mt("styled"));
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
+  spdlog::set_level(spdlog::level::from_str(config.value().log.level));
+  google::protobuf::SetLogHandler(nullptr);  // hostile messages are counted, not printed
+  styled::runtime::HotSection::Find();
+  try {
+    styled::Supervisor supervisor(std::move(config.value()), std::move(origin.value()));
+    const styled::Status status = supervisor.Start();
+    if (!status.ok()) return Refuse(status, kFailed);
+    supervisor.Run();
+  } catch (const std::exception& error) {
+    std::cerr << "styled: " << error.what() << "\n";
+    return kFailed;
+  }
+  return 0;
+}

@@ -1,0 +1,121 @@
+#include "daemon/pipeline/body_binding.h"
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "model/rig/dialects.h"
+
+namespace styled::pipeline {
+namespace {
+
+using rig::Quat;
+using rig::Vec3;
+
+Status Count(const std::string& field, int found, int expected) {
+  if (found == expected) return Status::Ok();
+  return Status::Error("body: " + field + ": found " + std::to_string(found) +
+                       " values, expected " + std::to_string(expected));
+}
+
+Status ReadSkeleton(const v1::Body& body, rig::Skeleton& skeleton) {
+  const int joints = body.names_size();
+  if (joints < 1 || joints > rig::kMaxSourceJoints) {
+    return Status::Error("body: found " + std::to_string(joints) + " joints, expected 1 to " +
+                         std::to_string(rig::kMaxSourceJoints));
+  }
+  Status status = Count("parents", body.parents_size(), joints);
+  if (status.ok()) status = Count("offsets", body.offsets_size(), 3 * joints);
+  if (status.ok() && body.rest_size() > 0) status = Count("rest", body.rest_size(), 4 * joints);
+  if (!status.ok()) return status;
+  std::set<std::string> names;
+  for (int j = 0; j < joints; ++j) {
+    const std::string place = "body: joint " + std::to_string(j) + ": ";
+    const std::string& name = body.names(j);
+    if (name.empty() || name.size() > 128)
+      return Status::Error(place + "name is empty or too long");
+    if (!names.insert(name).second)
+      return Status::Error(place + "name \"" + name + "\" is used twice");
+    const int parent = body.parents(j);
+    if (j == 0 ? parent != -1 : parent < 0 || parent >= j) {
+      return Status::Error(place + "parent " + std::to_string(parent) +
+                           (j == 0 ? ", expected -1" : ", expected an earlier joint"));
+    }
+    const Vec3 offset(body.offsets(3 * j), body.offsets(3 * j + 1), body.offsets(3 * j + 2));
+    if (!offset.allFinite()) return Status::Error(place + "offset is not finite");
+    skeleton.names.push_back(name);
+    skeleton.parents.push_back(parent);
+    skeleton.offsets.push_back(offset);
+  }
+  return Status::Ok();
+}
+
+// The source axis (with its sign) nearest to a direction.
+Vec3 NearestAxis(const Vec3& direction) {
+  Eigen::Index axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  Vec3 nearest = Vec3::Zero();
+  nearest[axis] = direction[axis] < 0 ? -1.0F : 1.0F;
+  return nearest;
+}
+
+// Which source axes are left, up and forward, seen at the T-pose that the rests make.
+Status FindAxes(rig::BindingSpec& spec) {
+  const auto& skeleton = spec.skeleton;
+  std::vector<Vec3> positions(skeleton.offsets);
+  for (std::size_t j = 1; j < positions.size(); ++j) {
+    const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
+    positions[j] = positions[parent] + spec.rest_rotations[parent] * skeleton.offsets[j];
+  }
+  for (const int needed : {body::kLeftUpperArm, body::kRightUpperArm, body::kHead, body::kHips}) {
+    if (spec.source_joint[static_cast<std::size_t>(needed)] < 0) {
+      return Status::Error("body: no joint is the " +
+                           std::string(body::kHumanoid[static_cast<std::size_t>(needed)].name));
+    }
+  }
+  const auto at = [&](body::Joint joint) {
+    return positions[static_cast<std::size_t>(spec.source_joint[joint])];
+  };
+  const Vec3 left = NearestAxis(at(body::kLeftUpperArm) - at(body::kRightUpperArm));
+  const Vec3 up = NearestAxis(at(body::kHead) - at(body::kHips));
+  if (left.dot(up) != 0) return Status::Error("body: rest: does not make a T-pose");
+  Eigen::Matrix3f axes;
+  axes.row(0) = left;
+  axes.row(1) = up;
+  axes.row(2) = left.cross(up);
+  spec.canonical_from_source = Quat(axes).normalized();
+  return Status::Ok();
+}
+
+Result<rig::Binding> BindByRests(const v1::Body& body, rig::Skeleton skeleton) {
+  rig::BindingSpec spec;
+  spec.source_joint = rig::MapJointNames(skeleton);
+  spec.skeleton = std::move(skeleton);
+  for (int j = 0; j < body.names_size(); ++j) {
+    spec.rest_rotations.emplace_back(body.rest(4 * j + 3), body.rest(4 * j), body.rest(4 * j + 1),
+                                     body.rest(4 * j + 2));
+    if (!(std::abs(spec.rest_rotations.back().norm() - 1.0F) < 1e-3F)) {
+      return Status::Error("body: joint " + std::to_string(j) + ": rest is not of unit length");
+    }
+  }
+  const Status status = FindAxes(spec);
+  if (!status.ok()) return status;
+  return rig::Binding::Make(std::move(spec));
+}
+
+}  // namespace
+
+Result<BoundBody> BindBody(const v1::Body& body) {
+  rig::Skeleton skeleton;
+  const Status status = ReadSkeleton(body, skeleton);
+  if (!status.ok()) return status;
+  const std::string dialect = body.dialect().empty() ? "auto" : body.dialect();
+  const bool given = body.rest_size() > 0;
+  auto binding =
+      given ? BindByRests(body, std::move(skeleton)) : rig::BindDialect(skeleton, dialect);
+  if (!binding.ok()) return binding.status();
+  return BoundBody{std::make_shared<const rig::Binding>(std::move(binding.value())),
+                   given ? "given" : dialect};
+}
+
+}  // namespace styled::pipeline

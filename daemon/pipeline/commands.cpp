@@ -1,0 +1,260 @@
+#include "daemon/pipeline/commands.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace styled::pipeline {
+namespace {
+
+void Refuse(v1::Reply& reply, v1::Code code, std::string reason) {
+  reply.set_code(code);
+  reply.set_reason(std::move(reason));
+  reply.clear_applied();
+}
+
+bool InRange(float value, float low, float high) { return value >= low && value <= high; }
+
+// "SOURCE.NAME".
+bool IsId(std::string_view id) {
+  const std::size_t dot = id.find('.');
+  return dot != std::string_view::npos && config::IsName(id.substr(0, dot)) &&
+         config::IsName(id.substr(dot + 1));
+}
+
+bool CheckTransition(bool given, float transition_ms, v1::Reply& reply) {
+  if (!given || InRange(transition_ms, 0, 60000)) return true;
+  Refuse(reply, v1::CODE_OUT_OF_RANGE,
+         "transition_ms is " + std::to_string(transition_ms) + ", expected 0 to 60000");
+  return false;
+}
+
+}  // namespace
+
+bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
+  reply.set_id(request.id());
+  switch (request.command_case()) {
+    case v1::Request::kList:
+      List(reply);
+      return true;
+    case v1::Request::kSet:
+      Set(request, reply);
+      return true;
+    case v1::Request::kPin:
+      Pin(request, reply);
+      return true;
+    case v1::Request::kPreset:
+      Preset(request, reply);
+      return true;
+    case v1::Request::kPanic:
+      Panic(reply);
+      return true;
+    case v1::Request::kReset:
+      Reset(request, reply);
+      return true;
+    case v1::Request::kStatus:
+      return false;
+    case v1::Request::COMMAND_NOT_SET:
+      break;
+  }
+  Refuse(
+      reply, v1::CODE_UNKNOWN_COMMAND,
+      "no command that this daemon knows; expected list, set, pin, preset, panic, reset or status");
+  return true;
+}
+
+Commands::Targets Commands::Find(const std::string& performer, v1::Reply& reply) {
+  Targets targets;
+  if (performer == "*") {
+    targets.ok = targets.all = true;
+    for (const auto& [id, profile] : roster_.profiles) targets.profiles.push_back(profile.get());
+    return targets;
+  }
+  if (!IsId(performer)) {
+    Refuse(reply, v1::CODE_UNKNOWN_PERFORMER,
+           "performer \"" + performer.substr(0, 80) + "\": expected SOURCE.NAME or *");
+    return targets;
+  }
+  if (!roster_.KnowsSource(performer.substr(0, performer.find('.')))) {
+    std::string reason = "performer \"" + performer + "\": no such source; the sources are";
+    for (const auto& name : roster_.source_names()) reason += " " + name;
+    Refuse(reply, v1::CODE_UNKNOWN_PERFORMER, std::move(reason));
+    return targets;
+  }
+  Profile* profile = roster_.EnsureProfile(performer);
+  if (profile == nullptr) {
+    Refuse(reply, v1::CODE_BUSY, "too many performers are configured already");
+    return targets;
+  }
+  targets.ok = true;
+  targets.profiles.push_back(profile);
+  return targets;
+}
+
+void Commands::List(v1::Reply& reply) const {
+  auto& list = *reply.mutable_list();
+  const auto& styles = roster_.live().network->metadata().styles;
+  for (std::size_t i = 0; i < styles.size(); ++i) {
+    auto& info = *list.add_styles();
+    info.set_name(styles[i].name);
+    for (const auto& alias : styles[i].aliases) info.add_aliases(alias);
+    info.set_neutral(i == 0);
+  }
+  for (const auto& preset : roster_.live().presets) {
+    auto& info = *list.add_presets();
+    info.set_name(preset.name);
+    for (const auto& [style, weight] : preset.mix) {
+      auto& entry = *info.add_mix();
+      entry.set_style(style);
+      entry.set_weight(weight);
+    }
+  }
+}
+
+void Commands::Applied(const Profile& profile, v1::Reply& reply) const {
+  auto& applied = *reply.add_applied();
+  applied.set_performer(profile.id);
+  applied.set_first_sequence(profile.next_sequence);
+}
+
+template <typename Change>
+void Commands::ChangeLooks(const std::string& performer, Change change, v1::Reply& reply) {
+  const auto& network = *roster_.live().network;
+  const Targets targets = Find(performer, reply);
+  if (!targets.ok) return;
+  std::vector<std::pair<Profile*, Look>> wanted;
+  const auto add = [&](Profile& profile) {
+    if (profile.pinned) {
+      if (!targets.all) Refuse(reply, v1::CODE_PINNED, profile.id + " is pinned; unpin it first");
+      return targets.all;
+    }
+    Look look = profile.look;
+    change(look);
+    std::vector<std::string> unknown;
+    const auto error = stylist::Stylist::Check(Resolve(look, network, unknown), network);
+    if (error != stylist::SettingsError::kNone) {
+      Refuse(reply, v1::CODE_OUT_OF_RANGE, profile.id + ": " + Explain(error));
+      return false;
+    }
+    wanted.emplace_back(&profile, std::move(look));
+    return true;
+  };
+  for (Profile* profile : targets.profiles) {
+    if (add(*profile)) continue;
+    if (!targets.all) roster_.DropUnused(*profile);
+    return;
+  }
+  if (targets.all && !add(roster_.to_come)) return;
+  for (auto& [profile, look] : wanted) {
+    profile->look = std::move(look);
+    profile->configured = true;
+    if (Performer* live = roster_.LiveOf(*profile)) (void)live->ApplyLook(roster_.live());
+    if (profile != &roster_.to_come) Applied(*profile, reply);
+  }
+  changed_ = true;
+}
+
+void Commands::Set(const v1::Request& request, v1::Reply& reply) {
+  const v1::Set& set = request.set();
+  if (set.clear() && set.mix_size() > 0) {
+    return Refuse(reply, v1::CODE_MALFORMED, "set: clear and mix exclude each other");
+  }
+  if (set.mix_size() > erd::kMaxMix) {
+    return Refuse(reply, v1::CODE_OUT_OF_RANGE,
+                  "set: " + std::to_string(set.mix_size()) + " styles, expected at most " +
+                      std::to_string(erd::kMaxMix));
+  }
+  if (set.has_strength() && !InRange(set.strength(), 0, erd::kMaxStrength)) {
+    return Refuse(reply, v1::CODE_OUT_OF_RANGE,
+                  "set: strength is " + std::to_string(set.strength()) + ", expected 0 to 1.5");
+  }
+  if (!CheckTransition(set.has_transition_ms(), set.transition_ms(), reply)) return;
+  std::vector<std::pair<std::string, float>> mix;
+  for (const auto& entry : set.mix()) mix.emplace_back(entry.style(), entry.weight());
+  std::string why;
+  if (!ProperNames(*roster_.live().network, mix, why)) {
+    return Refuse(reply, v1::CODE_UNKNOWN_STYLE, "set: " + why);
+  }
+  ChangeLooks(
+      request.performer(),
+      [&](Look& look) {
+        if (set.clear() || !mix.empty()) {
+          look.mix = mix;
+          look.preset.clear();
+        }
+        if (set.has_strength()) look.strength = set.strength();
+        if (set.has_transition_ms()) look.transition_s = set.transition_ms() * 1e-3F;
+        if (set.has_absolute()) look.absolute = set.absolute();
+      },
+      reply);
+}
+
+void Commands::Preset(const v1::Request& request, v1::Reply& reply) {
+  const auto& presets = roster_.live().presets;
+  const std::string& name = request.preset().name();
+  const auto preset = std::find_if(presets.begin(), presets.end(),
+                                   [&name](const config::Preset& p) { return p.name == name; });
+  if (preset == presets.end()) {
+    std::string reason = "no preset \"" + name.substr(0, 64) + "\"; the presets are";
+    for (const auto& known : presets) reason += " " + known.name;
+    return Refuse(reply, v1::CODE_UNKNOWN_PRESET,
+                  presets.empty() ? "no presets are configured" : reason);
+  }
+  const bool timed = request.preset().has_transition_ms();
+  const float transition_ms = request.preset().transition_ms();
+  if (!CheckTransition(timed, transition_ms, reply)) return;
+  auto mix = preset->mix;
+  std::string why;
+  if (!ProperNames(*roster_.live().network, mix, why)) {
+    return Refuse(reply, v1::CODE_UNKNOWN_STYLE, "preset: " + why);
+  }
+  ChangeLooks(
+      request.performer(),
+      [&](Look& look) {
+        look.mix = mix;
+        look.preset = name;
+        if (timed) look.transition_s = transition_ms * 1e-3F;
+      },
+      reply);
+}
+
+void Commands::Pin(const v1::Request& request, v1::Reply& reply) {
+  const Targets targets = Find(request.performer(), reply);
+  for (Profile* profile : targets.profiles) {
+    profile->pinned = request.pin().pinned();
+    profile->configured = true;
+    changed_ = true;
+    Applied(*profile, reply);
+  }
+}
+
+void Commands::Panic(v1::Reply& reply) {
+  const auto clear = [&](Profile& profile) {
+    profile.look.mix.clear();
+    profile.look.preset.clear();
+    profile.configured = true;
+    if (Performer* live = roster_.LiveOf(profile)) (void)live->ApplyLook(roster_.live());
+  };
+  for (const auto& [id, profile] : roster_.profiles) {
+    clear(*profile);
+    Applied(*profile, reply);
+  }
+  clear(roster_.to_come);
+  changed_ = true;
+}
+
+void Commands::Reset(const v1::Request& request, v1::Reply& reply) {
+  if (request.performer() != "*") {
+    const Profile* known = roster_.FindProfile(request.performer());
+    if (known == nullptr || !known->seen) {
+      return Refuse(reply, v1::CODE_UNKNOWN_PERFORMER,
+                    "performer \"" + request.performer().substr(0, 80) + "\" was not seen yet");
+    }
+  }
+  const Targets targets = Find(request.performer(), reply);
+  for (Profile* profile : targets.profiles) {
+    if (Performer* live = roster_.LiveOf(*profile)) live->Restart();
+    Applied(*profile, reply);
+  }
+}
+
+}  // namespace styled::pipeline

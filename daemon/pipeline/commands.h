@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/pipeline/roster.h"
+#include "proto/styled/v1/control.pb.h"
+
+namespace styled::pipeline {
+
+// What control requests mean (control.proto), applied between frames, on the pipeline thread. A
+// request is checked whole before anything changes. Allocates.
+class Commands {
+ public:
+  explicit Commands(Roster& roster) : roster_(roster) {}
+
+  // Fills the reply's code, reason and answer. GetStatus is the pipeline's to answer: false for it.
+  bool Apply(const v1::Request& request, v1::Reply& reply);
+  // Whether settings changed since the last call: time to keep them.
+  bool TakeChanged() { return std::exchange(changed_, false); }
+  void MarkChanged() { changed_ = true; }
+
+ private:
+  // The profiles that a request names, one or all; empty, and the reply says why, on an error.
+  struct Targets {
+    bool ok = false, all = false;
+    std::vector<Profile*> profiles;
+  };
+  // An id not yet seen gets its profile.
+  Targets Find(const std::string& performer, v1::Reply& reply);
+  void List(v1::Reply& reply) const;
+  void Set(const v1::Request& request, v1::Reply& reply);
+  void Pin(const v1::Request& request, v1::Reply& reply);
+  void Preset(const v1::Request& request, v1::Reply& reply);
+  void Panic(v1::Reply& reply);
+  void Reset(const v1::Request& request, v1::Reply& reply);
+
+  // Changes the look of each target by `change`, all or none.
+  template <typename Change>
+  void ChangeLooks(const std::string& performer, Change change, v1::Reply& reply);
+  void Applied(const Profile& profile, v1::Reply& reply) const;
+
+  Roster& roster_;
+  bool changed_ = false;
+};
+
+}  // namespace styled::pipeline

@@ -1,0 +1,235 @@
+// The way of a frame through the pipeline: the hot half of pipeline.h.
+#include <algorithm>
+
+#include "daemon/config/config.h"
+#include "daemon/pipeline/pipeline.h"
+
+namespace styled::pipeline {
+namespace {
+
+using runtime::Counter;
+using runtime::kSecond_ns;
+using source::FrameResult;
+
+std::int64_t Nanoseconds(float seconds) {
+  return static_cast<std::int64_t>(static_cast<double>(seconds) * 1e9);
+}
+
+}  // namespace
+
+void Pipeline::OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) {
+  runtime::HotSection hot;
+  receive_ns_ = to_.clock.Now_ns();
+  wall_ns_ = to_.clock.Wall_ns();
+  to_.counters.Add(Counter::kSourceReceived, datagrams.size());
+  const bool full = datagrams.size() == source::kBatch;  // more may be waiting
+  // 1 decode all, so that each performer's newest frame is known
+  for (std::size_t i = 0; i < datagrams.size(); ++i) {
+    Decode(source, datagrams[i], items_[i]);
+    NoteNewest(static_cast<int>(i));
+  }
+  // 2 one after the other, to the subscribers
+  for (std::size_t i = 0; i < datagrams.size(); ++i) {
+    Item& item = items_[i];
+    if (!item.good) continue;
+    if (item.datagram.kind == native::Kind::kSourceFrame) {
+      hot.Enter();
+      TakeFrame(source, item, static_cast<int>(i), full, hot);
+    } else {
+      hot.Leave();
+      TakeBody(source, item);
+    }
+  }
+  for (const auto& performer : roster_.performers) performer->newest_in_batch = -1;
+}
+
+void Pipeline::NoteNewest(int index) noexcept {
+  const Item& item = items_[static_cast<std::size_t>(index)];
+  if (item.performer == nullptr) return;
+  int& newest = item.performer->newest_in_batch;
+  if (newest >= 0) {  // a duplicate or an old frame after it is not newer
+    const auto& best = items_[static_cast<std::size_t>(newest)].datagram;
+    if (best.session == item.datagram.session && best.sequence >= item.datagram.sequence) return;
+  }
+  newest = index;
+}
+
+void Pipeline::Decode(int source, std::span<const std::byte> bytes, Item& item) noexcept {
+  item.good = false;
+  item.performer = nullptr;
+  const auto result = native::Decode(bytes, item.datagram);
+  if (result != native::DecodeResult::kOk) {
+    to_.counters.Add(runtime::CounterOf(result));
+    return;
+  }
+  if (item.datagram.kind == native::Kind::kBody) {
+    item.good = true;
+    return;
+  }
+  const FrameResult read = source::ReadSourceFrame(item.datagram.payload, item.frame);
+  if (read != FrameResult::kOk) {
+    to_.counters.Add(read == FrameResult::kBadName ? Counter::kSourceBadName
+                                                   : Counter::kSourceMalformed);
+    return;
+  }
+  item.good = true;
+  item.performer = roster_.Find(source, item.frame.performer);
+}
+
+void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot) {
+  // A body earlier in the batch may have made the performer.
+  if (item.performer == nullptr) item.performer = roster_.Find(source, item.frame.performer);
+  if (item.performer == nullptr) {
+    to_.counters.Add(Counter::kPipelineBeforeBody);
+    return;
+  }
+  Performer& performer = *item.performer;
+  if (!Admit(performer, item)) return;
+
+  const std::int64_t now_ns = to_.clock.Now_ns();
+  const std::int64_t lateness_ns =
+      performer.schedule.Lateness_ns(performer.session.elapsed_ns(), now_ns);
+  if (PassOver(performer, index, full, lateness_ns)) {
+    to_.counters.Add(Counter::kPipelineBacklogDropped);
+    return;
+  }
+  const bool late = lateness_ns > Nanoseconds(roster_.live().performers.late_s);
+  Performer::Moment moment;
+  moment.elapsed_ns = performer.session.elapsed_ns();
+  moment.receive_ns = receive_ns_;
+  moment.publish_ns = to_.clock.Now_ns();
+  moment.wall_ns = wall_ns_;
+  moment.source_sequence = item.datagram.sequence;
+  moment.extra_flags = late ? v1::FLAG_LATE : v1::FLAG_NONE;
+  if (!performer.Style(item.frame, moment)) {
+    to_.counters.Add(Counter::kPipelineWrongSize);
+    return;
+  }
+  ++performer.received;
+  performer.live = true;
+  to_.counters.Add(Counter::kPipelineFrames);
+  if (late) to_.counters.Add(Counter::kPipelineLate);
+  hot.Leave();
+  performer.Send(to_.publisher, to_.clock.Now_ns());
+}
+
+bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
+  const auto count = [this](Counter counter) {
+    to_.counters.Add(counter);
+    return false;
+  };
+  const std::uint64_t lost = performer.session.lost();
+  switch (
+      performer.session.Admit(item.datagram.session, item.datagram.sequence, receive_ns_, rules_)) {
+    case Session::Arrival::kDuplicate:
+      return count(Counter::kPipelineDuplicate);
+    case Session::Arrival::kReordered:
+      return count(Counter::kPipelineReordered);
+    case Session::Arrival::kSecondSender:
+      return count(Counter::kPipelineSecondSender);
+    case Session::Arrival::kNewSession:
+      StartSession(performer);
+      break;
+    case Session::Arrival::kNext:
+      break;
+  }
+  if (performer.session.lost() > lost) {
+    to_.counters.Add(Counter::kPipelineLost, performer.session.lost() - lost);
+  }
+  // A session that has not sent its body may still name the last one's.
+  if (!performer.has_body() || (item.frame.body_crc == 0 && !performer.session_has_body)) {
+    return count(Counter::kPipelineBeforeBody);
+  }
+  if (item.frame.body_crc != 0 && item.frame.body_crc != performer.body_crc()) {
+    return count(performer.session_has_body ? Counter::kPipelineWrongBody
+                                            : Counter::kPipelineBeforeBody);
+  }
+  switch (performer.session.AdmitTime(item.frame.source_time_ns, rules_)) {
+    case Session::Time::kOld:
+      return count(Counter::kPipelineOldTime);
+    case Session::Time::kJump:
+      to_.counters.Add(Counter::kPipelineClockJumps);
+      StartSession(performer);
+      performer.session_has_body = true;  // the sender is the same
+      break;
+    case Session::Time::kNext:
+      break;
+  }
+  return true;
+}
+
+void Pipeline::StartSession(Performer& performer) noexcept {
+  to_.counters.Add(Counter::kPipelineSessions);
+  performer.session_has_body = false;
+  performer.schedule = Schedule();
+  performer.Restart();
+}
+
+// Up to backlog_s all late frames are published; beyond that the newest only. With a full batch the
+// newest may still be waiting: then nothing, but for one frame per backlog_s, so that a machine
+// that cannot keep up shows what it can.
+bool Pipeline::PassOver(Performer& performer, int index, bool full,
+                        std::int64_t lateness_ns) const noexcept {
+  const std::int64_t backlog_ns = Nanoseconds(roster_.live().performers.backlog_s);
+  if (lateness_ns <= backlog_ns) return false;
+  if (performer.newest_in_batch != index) return true;
+  return full && receive_ns_ - performer.last_send_ns < backlog_ns;
+}
+
+void Pipeline::TakeBody(int source, const Item& item) {
+  const std::string_view name = source::ReadPerformer(item.datagram.payload);
+  if (!config::IsName(name)) {
+    to_.counters.Add(Counter::kSourceBadName);
+    return;
+  }
+  Performer* performer = roster_.Find(source, name);
+  const bool fresh = performer == nullptr;
+  if (fresh) performer = roster_.Add(source, name);
+  if (performer == nullptr) {
+    to_.counters.Add(Counter::kPipelinePerformersRefused);
+    return;
+  }
+  const std::uint64_t lost = performer->session.lost();
+  const auto arrival =
+      performer->session.Admit(item.datagram.session, item.datagram.sequence, receive_ns_, rules_);
+  if (performer->session.lost() > lost) {
+    to_.counters.Add(Counter::kPipelineLost, performer->session.lost() - lost);
+  }
+  if (arrival == Session::Arrival::kDuplicate) {
+    return to_.counters.Add(Counter::kPipelineDuplicate);
+  }
+  if (arrival == Session::Arrival::kSecondSender) {
+    return to_.counters.Add(Counter::kPipelineSecondSender);
+  }
+  if (arrival == Session::Arrival::kNewSession) StartSession(*performer);
+  // A session's first body is welcome even when frames overtook it.
+  if (arrival == Session::Arrival::kReordered && performer->session_has_body) {
+    return to_.counters.Add(Counter::kPipelineReordered);
+  }
+  AdoptBody(*performer, item, fresh);
+}
+
+void Pipeline::AdoptBody(Performer& performer, const Item& item, bool fresh) {
+  const std::uint32_t crc = native::Crc32c(item.datagram.payload);
+  if (!performer.has_body() || crc != performer.body_crc()) {
+    const Status status = performer.TakeBody(item.datagram.payload, crc, roster_.live());
+    if (!status.ok()) {
+      to_.counters.Add(Counter::kPipelineBodiesRefused);
+      if (receive_ns_ - refused_body_said_ns_ > kSecond_ns) {
+        refused_body_said_ns_ = receive_ns_;
+        Say(Event::Level::kWarning, performer.profile.id + ": " + status.message());
+      }
+      performer.session_has_body = false;
+      if (fresh) roster_.Forget(performer);
+      return;
+    }
+    if (!fresh) to_.counters.Add(Counter::kPipelineBodyChanges);
+    Say(Event::Level::kInfo, performer.profile.id + ": body bound");
+    performer.SendBodies(to_.publisher);
+    performer.next_body_ns = receive_ns_ + kSecond_ns;
+  }
+  performer.session_has_body = true;
+  to_.counters.Add(Counter::kPipelineBodies);
+}
+
+}  // namespace styled::pipeline

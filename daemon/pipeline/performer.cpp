@@ -1,0 +1,215 @@
+#include "daemon/pipeline/performer.h"
+
+#include "daemon/publish/body_message.h"
+
+namespace styled::pipeline {
+
+using runtime::Counter;
+
+// All that depends on the body; made anew when it changes.
+struct Performer::Bound {
+  Bound(BoundBody the_body, const v1::Body& given, const std::string& id, std::uint64_t epoch,
+        const Live& live)
+      : body(std::move(the_body)),
+        network(live.network),
+        stylist(live.network, body.binding, live.stylist),
+        in(body.binding->skeleton()),
+        out(body.binding->skeleton()),
+        rig_body(publish::RigBody(id, *body.binding, given.metres_per_unit(), body.dialect)),
+        canonical_body(publish::CanonicalBody(id)),
+        rig_bytes(rig_body.SerializeAsString()),
+        canonical_bytes(canonical_body.SerializeAsString()) {
+    MakeMessages(id, epoch);
+  }
+
+  void MakeMessages(const std::string& id, std::uint64_t epoch) {
+    const int joints = body.binding->skeleton().joint_count();
+    const auto& styles = network->metadata().styles;
+    messages[kRigTopic].emplace(id, epoch, v1::OUTPUT_RIG, rig_body.hash(), joints, styles);
+    messages[kCanonicalTopic].emplace(id, epoch, v1::OUTPUT_CANONICAL, canonical_body.hash(),
+                                      static_cast<int>(body::kJointCount), styles);
+    messages[kSourceTopic].emplace(id, epoch, v1::OUTPUT_RIG, rig_body.hash(), joints, styles);
+  }
+
+  BoundBody body;
+  std::shared_ptr<const erd::Network> network;  // the messages refer to its style names
+  stylist::Stylist stylist;
+  rig::RigPose in;
+  stylist::Output out;
+  bool styled = false;  // `out` holds a frame
+  source::Timecode timecode;
+  bool has_timecode = false;
+  std::uint64_t source_time_ns = 0, source_sequence = 0;
+  v1::Body rig_body, canonical_body;
+  std::string rig_bytes, canonical_bytes;
+  std::array<std::optional<publish::FrameMessage>, 3> messages;
+};
+
+Performer::Performer(Profile& the_profile, int the_source, std::string the_name,
+                     std::uint64_t epoch, publish::Subscriptions& subscriptions,
+                     runtime::Counters& counters)
+    : source(the_source),
+      name(std::move(the_name)),
+      profile(the_profile),
+      epoch_(epoch),
+      subscriptions_(subscriptions),
+      counters_(counters) {
+  topics[kRigTopic].name = "styled/" + profile.id + "/rig/";
+  topics[kCanonicalTopic].name = "styled/" + profile.id + "/canonical/";
+  topics[kSourceTopic].name = "source/" + profile.id + "/";
+  topics[kBodyTopic].name = "body/" + profile.id + "/";
+  for (auto& topic : topics) subscriptions_.Register(topic);
+}
+
+Performer::~Performer() {
+  for (auto& topic : topics) subscriptions_.Unregister(topic);
+}
+
+Status Performer::TakeBody(std::span<const std::byte> payload, std::uint32_t crc,
+                           const Live& live_settings) {
+  v1::Body body;
+  if (!body.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
+    return Status::Error("body: not a styled.v1.Body");
+  }
+  auto bound = BindBody(body);
+  if (!bound.ok()) return bound.status();
+  bound_ =
+      std::make_unique<Bound>(std::move(bound.value()), body, profile.id, epoch_, live_settings);
+  body_crc_ = crc;
+  ready_ = {};
+  (void)ApplyLook(live_settings);
+  return Status::Ok();
+}
+
+std::vector<std::string> Performer::ApplyLook(const Live& live_settings) {
+  std::vector<std::string> unknown;
+  const auto settings = Resolve(profile.look, *live_settings.network, unknown);
+  if (bound_ != nullptr &&
+      stylist::Stylist::Check(settings, *live_settings.network) == stylist::SettingsError::kNone) {
+    bound_->stylist.Set(settings);
+  }
+  return unknown;
+}
+
+void Performer::Rebuild(const Live& live_settings) {
+  if (bound_ == nullptr) return;
+  bound_->network = live_settings.network;
+  bound_->stylist =
+      stylist::Stylist(live_settings.network, bound_->body.binding, live_settings.stylist);
+  bound_->MakeMessages(profile.id, epoch_);
+  bound_->styled = false;
+  ready_ = {};
+}
+
+void Performer::Restart() noexcept {
+  if (bound_ != nullptr) bound_->stylist.Reset();
+}
+
+bool Performer::Style(const source::SourceFrameView& view, Moment moment) noexcept {
+  Bound& b = *bound_;
+  if (!source::CopyPose(view, b.body.binding->skeleton().joint_count(), b.in)) return false;
+  b.stylist.Process(moment.elapsed_ns, b.in, b.out);
+  b.styled = true;
+  b.source_time_ns = view.source_time_ns;
+  b.source_sequence = moment.source_sequence;
+  b.has_timecode = view.has_timecode;
+  b.timecode = view.timecode;
+  CountFlags(b.out.flags);
+  measured_ = true;
+  Serialize(b.out.flags | moment.extra_flags, moment);
+  return true;
+}
+
+bool Performer::Repeat(Moment moment) noexcept {
+  if (bound_ == nullptr || !bound_->styled) return false;
+  measured_ = false;
+  const std::uint32_t once = v1::FLAG_CONCEALED | v1::FLAG_NEW_SESSION;
+  Serialize((bound_->out.flags & ~once) | v1::FLAG_STALE, moment);
+  return true;
+}
+
+void Performer::Serialize(std::uint32_t flags, const Moment& moment) noexcept {
+  Bound& b = *bound_;
+  publish::FrameHeader header;
+  header.sequence = profile.next_sequence++;
+  header.source_sequence = b.source_sequence;
+  header.source_time_ns = b.source_time_ns;
+  header.receive_time_ns = moment.receive_ns;
+  header.publish_time_ns = moment.publish_ns;
+  header.wall_time_ns = moment.wall_ns;
+  header.has_timecode = b.has_timecode;
+  header.timecode = b.timecode;
+  header.contacts = b.out.contacts;
+  receive_ns_ = moment.receive_ns;
+  ready_ = {};
+  for (std::size_t i = 0; i < ready_.size(); ++i) {
+    if (topics[i].wanted == 0) continue;
+    publish::FrameMessage& message = *b.messages[i];
+    // What is received and not held is bit for bit the source's.
+    const std::uint32_t own = i == kSourceTopic && !b.out.held.any() ? v1::FLAG_BYPASS : 0;
+    message.SetHeader(header, flags | own);
+    message.SetStyles({b.out.in_force.data(), static_cast<std::size_t>(b.out.in_force_count)});
+    for (std::size_t j = 0; b.out.held.any() && j < b.in.rotations.size(); ++j) {
+      if (b.out.held.test(j)) message.AddHeld(static_cast<int>(j));
+    }
+    if (i == kRigTopic) message.SetPose(b.out.rig.translations.front(), b.out.rig.rotations);
+    if (i == kSourceTopic)
+      message.SetPose(b.out.source.translations.front(), b.out.source.rotations);
+    if (i == kCanonicalTopic)
+      message.SetPose(b.out.canonical.hips_position_m, b.out.canonical.rotations);
+    ready_[i] = message.Serialize();
+  }
+}
+
+void Performer::CountFlags(std::uint32_t flags) noexcept {
+  if ((flags & stylist::kConcealed) != 0) counters_.Add(Counter::kStylistConcealed);
+  if ((flags & stylist::kHeld) != 0) counters_.Add(Counter::kStylistHeld);
+  if ((flags & stylist::kOutOfDomain) != 0) counters_.Add(Counter::kStylistOutOfDomain);
+  if ((flags & stylist::kFading) != 0) counters_.Add(Counter::kStylistFading);
+  if ((flags & stylist::kNewSession) != 0) counters_.Add(Counter::kStylistNewSession);
+}
+
+void Performer::Send(publish::Publisher& publisher, std::int64_t now_ns) {
+  for (std::size_t i = 0; i < ready_.size(); ++i) {
+    if (!ready_[i].empty()) publisher.Send(topics[i].name, ready_[i]);
+  }
+  ready_ = {};
+  ++published_;
+  last_send_ns = now_ns;
+  if (measured_) latency_.Add(now_ns - receive_ns_);
+}
+
+void Performer::SendBodies(publish::Publisher& publisher) {
+  for (auto& topic : topics) topic.asked = false;
+  if (bound_ == nullptr || topics[kBodyTopic].wanted == 0) return;
+  for (const std::string* bytes : {&bound_->rig_bytes, &bound_->canonical_bytes}) {
+    publisher.Send(topics[kBodyTopic].name, std::as_bytes(std::span(*bytes)));
+    counters_.Add(Counter::kPublishBodies);
+  }
+}
+
+void Performer::Sample(float seconds) {
+  rate_hz_ = static_cast<float>(published_ - published_at_sample_) / seconds;
+  published_at_sample_ = published_;
+  p50_us_ = latency_.Percentile_us(0.5F);
+  p99_us_ = latency_.Percentile_us(0.99F);
+  max_us_ = latency_.Max_us();
+  latency_.Clear();
+}
+
+void Performer::Describe(v1::PerformerStats& stats) const {
+  stats.set_rate_hz(rate_hz_);
+  stats.set_latency_p50_us(p50_us_);
+  stats.set_latency_p99_us(p99_us_);
+  stats.set_latency_max_us(max_us_);
+  stats.set_received(received);
+  stats.set_published(published_);
+  stats.set_lost(session.lost());
+  stats.set_live(live);
+  if (bound_ != nullptr) {
+    stats.set_joints(static_cast<std::uint32_t>(bound_->in.rotations.size()));
+    stats.set_dialect(bound_->body.dialect);
+  }
+}
+
+}  // namespace styled::pipeline

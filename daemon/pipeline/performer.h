@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "daemon/pipeline/body_binding.h"
+#include "daemon/pipeline/mailboxes.h"
+#include "daemon/pipeline/profile.h"
+#include "daemon/pipeline/schedule.h"
+#include "daemon/pipeline/session.h"
+#include "daemon/publish/frame_message.h"
+#include "daemon/publish/publisher.h"
+#include "daemon/publish/subscriptions.h"
+#include "daemon/runtime/counters.h"
+#include "daemon/runtime/histogram.h"
+#include "daemon/source/source_frame.h"
+#include "model/stylist/stylist.h"
+#include "proto/styled/v1/stats.pb.h"
+
+namespace styled::pipeline {
+
+// What is published of a performer; each serialized only while somebody subscribes.
+enum TopicIndex : std::uint8_t {
+  kRigTopic,
+  kCanonicalTopic,
+  kSourceTopic,
+  kBodyTopic,
+  kTopicCount
+};
+
+// The live state of one performer, from its first body until it is forgotten. Pipeline thread only.
+class Performer {
+ public:
+  // `profile` and the references outlive it. `source` and `name` make up the profile's id.
+  Performer(Profile& profile, int source, std::string name, std::uint64_t epoch,
+            publish::Subscriptions& subscriptions, runtime::Counters& counters);
+  ~Performer();
+  Performer(const Performer&) = delete;
+  Performer& operator=(const Performer&) = delete;
+
+  // Binds a new body and makes the stylist for it. Allocates. An error leaves the last body.
+  Status TakeBody(std::span<const std::byte> payload, std::uint32_t crc, const Live& live);
+  bool has_body() const { return bound_ != nullptr; }
+  std::uint32_t body_crc() const { return body_crc_; }
+
+  // The settings of the profile, from the next frame on. Weights or options changed: new stylist.
+  // Allocate; return the styles of the profile that the network lacks.
+  std::vector<std::string> ApplyLook(const Live& live);
+  void Rebuild(const Live& live);
+
+  // The recurrent state starts anew; the next frame's source time may be anything.
+  STYLED_REALTIME void Restart() noexcept;
+
+  // One frame: copies, styles and serializes for the topics that are wanted. False, and nothing
+  // happens, when the frame has another joint count than the body. `elapsed_ns` as the session's.
+  struct Moment {
+    std::int64_t elapsed_ns = 0;
+    std::int64_t receive_ns = 0, publish_ns = 0, wall_ns = 0;
+    std::uint64_t source_sequence = 0;
+    std::uint32_t extra_flags = 0;
+  };
+  STYLED_REALTIME bool Style(const source::SourceFrameView& view, Moment moment) noexcept;
+  // The last pose again, flagged stale. False when there is none.
+  STYLED_REALTIME bool Repeat(Moment moment) noexcept;
+  // Sends what Style or Repeat serialized, and measures from moment.receive_ns to now.
+  void Send(publish::Publisher& publisher, std::int64_t now_ns);
+  void SendBodies(publish::Publisher& publisher);
+
+  // Of the last second; called once a second.
+  void Sample(float seconds);
+  void Describe(v1::PerformerStats& stats) const;
+
+  Session session;
+  Schedule schedule;
+  const int source;
+  const std::string name;
+  bool session_has_body = false;  // this session sent its body
+  bool live = false;              // not stale
+  std::int64_t next_body_ns = 0, last_send_ns = 0;
+  std::uint64_t received = 0;  // frames accepted
+  int newest_in_batch = -1;    // scratch of the pipeline
+  std::array<publish::Topic, kTopicCount> topics;
+  Profile& profile;
+
+ private:
+  struct Bound;
+  void Serialize(std::uint32_t flags, const Moment& moment) noexcept;
+  void CountFlags(std::uint32_t flags) noexcept;
+
+  std::uint64_t epoch_;
+  publish::Subscriptions& subscriptions_;
+  runtime::Counters& counters_;
+  std::unique_ptr<Bound> bound_;
+  std::uint32_t body_crc_ = 0;
+  std::array<std::span<const std::byte>, 3> ready_;  // serialized, per topic; empty: not wanted
+  std::int64_t receive_ns_ = 0;
+  bool measured_ = false;
+  std::uint64_t published_ = 0, published_at_sample_ = 0;
+  runtime::Histogram latency_;
+  float rate_hz_ = 0, p50_us_ = 0, p99_us_ = 0, max_us_ = 0;
+};
+
+}  // namespace styled::pipeline

@@ -1,0 +1,212 @@
+#include "daemon/pipeline/pipeline.h"
+
+#include <algorithm>
+
+namespace styled::pipeline {
+namespace {
+
+using runtime::Counter;
+using runtime::kSecond_ns;
+
+constexpr int kSubscriptionsPerCycle = 16;
+constexpr int kCommandsPerCycle = 8;
+constexpr std::int64_t kBudget_ns = kSecond_ns / 120;
+
+std::int64_t Nanoseconds(float seconds) {
+  return static_cast<std::int64_t>(static_cast<double>(seconds) * 1e9);
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const Surroundings& surroundings, std::vector<std::string> source_names,
+                   std::vector<std::unique_ptr<source::Transport>> transports,
+                   std::shared_ptr<const Live> live, std::uint64_t epoch, int max_subscriptions)
+    : to_(surroundings),
+      transports_(std::move(transports)),
+      subscriptions_(max_subscriptions, to_.counters),
+      roster_(std::move(source_names), std::move(live), epoch, subscriptions_, to_.counters),
+      commands_(roster_),
+      started_ns_(to_.clock.Now_ns()),
+      next_stats_ns_(started_ns_ + kSecond_ns),
+      last_stats_ns_(started_ns_) {
+  rules_ = {Nanoseconds(roster_.live().performers.takeover_s),
+            Nanoseconds(roster_.live().performers.clock_back_s)};
+  subscriptions_.Register(stats_topic_);
+}
+
+int Pipeline::DoWork() {
+  const std::int64_t begin_ns = to_.clock.Now_ns();
+  int work = 0;
+  for (const auto& transport : transports_) work += transport->DoWork(*this);
+  // Nobody is silent whose frames may still wait in a socket.
+  constexpr int kBusyCycles = 64;
+  const bool drained = work == 0 || ++busy_cycles_ >= kBusyCycles;
+  if (drained) busy_cycles_ = 0;
+  work += DoCommands();
+  work += DoReloads();
+  work += DoTimers(begin_ns, drained);
+  work += DoSubscriptions();
+  if (work > 0) {
+    const std::int64_t cycle_ns = to_.clock.Now_ns() - begin_ns;
+    longest_cycle_ns_ = std::max(longest_cycle_ns_, cycle_ns);
+    if (cycle_ns > kBudget_ns) to_.counters.Add(Counter::kPipelineOverBudget);
+  }
+  return work;
+}
+
+std::int64_t Pipeline::NextDeadline_ns() const {
+  std::int64_t next_ns = next_stats_ns_;
+  for (const auto& performer : roster_.performers) {
+    const auto& limits = roster_.live().performers;
+    const float patience_s = performer->live ? limits.stale_s : limits.forget_s;
+    next_ns = std::min({next_ns, performer->next_body_ns,
+                        performer->session.last_arrival_ns() + Nanoseconds(patience_s)});
+  }
+  return next_ns;
+}
+
+int Pipeline::DoCommands() {
+  std::unique_ptr<Exchange> exchange;
+  int work = 0;
+  while (work < kCommandsPerCycle && to_.mailboxes.commands.Pop(exchange)) {
+    ++work;
+    Answer(*exchange);
+    to_.counters.Add(Counter::kPipelineCommands);
+    // Never full: the control thread keeps fewer in flight than the ring holds.
+    if (to_.mailboxes.replies.Push(std::move(exchange))) to_.mailboxes.wake_control.Signal();
+  }
+  if (commands_.TakeChanged()) {
+    auto kept = roster_.Keep();
+    if (!to_.mailboxes.profiles.Push(std::move(kept))) commands_.MarkChanged();
+  }
+  return work;
+}
+
+void Pipeline::Answer(Exchange& exchange) {
+  if (commands_.Apply(exchange.request, exchange.reply)) return;
+  auto& status = *exchange.reply.mutable_status();
+  status.set_version(STYLED_VERSION);
+  status.set_epoch(roster_.epoch());
+  status.set_uptime_s(static_cast<double>(to_.clock.Now_ns() - started_ns_) * 1e-9);
+  status.set_weights(roster_.live().weights_name);
+  FillStats(*status.mutable_stats());
+}
+
+int Pipeline::DoReloads() {
+  std::shared_ptr<const Live> live;
+  if (!to_.mailboxes.reloads.Pop(live)) return 0;
+  for (auto& complaint : roster_.Take(std::move(live))) {
+    Say(Event::Level::kWarning, std::move(complaint));
+  }
+  rules_ = {Nanoseconds(roster_.live().performers.takeover_s),
+            Nanoseconds(roster_.live().performers.clock_back_s)};
+  return 1;
+}
+
+int Pipeline::DoSubscriptions() {
+  int work = 0;
+  while (work < kSubscriptionsPerCycle && to_.publisher.NextSubscription(subscription_)) {
+    ++work;
+    if (subscription_.subscribe) {
+      subscriptions_.Subscribe(subscription_.topic);
+    } else {
+      subscriptions_.Unsubscribe(subscription_.topic);
+    }
+  }
+  if (work == 0) return 0;
+  for (const auto& performer : roster_.performers) {
+    const auto asked = [](const publish::Topic& topic) { return topic.asked; };
+    if (std::any_of(performer->topics.begin(), performer->topics.end(), asked)) {
+      performer->SendBodies(to_.publisher);
+    }
+  }
+  return work;
+}
+
+int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
+  const auto& limits = roster_.live().performers;
+  int work = 0;
+  for (std::size_t i = 0; i < roster_.performers.size();) {
+    Performer& performer = *roster_.performers[i++];
+    const std::int64_t silence_ns = now_ns - performer.session.last_arrival_ns();
+    if (drained && performer.live && silence_ns >= Nanoseconds(limits.stale_s)) {
+      Stale(performer, now_ns);
+      ++work;
+    }
+    if (drained && silence_ns >= Nanoseconds(limits.forget_s)) {
+      Say(Event::Level::kInfo, performer.profile.id + ": forgotten after silence");
+      to_.counters.Add(Counter::kPipelineForgotten);
+      roster_.Forget(performer);
+      --i;
+      ++work;
+    } else if (now_ns >= performer.next_body_ns) {
+      performer.next_body_ns = now_ns + kSecond_ns;
+      performer.SendBodies(to_.publisher);
+      ++work;
+    }
+  }
+  if (now_ns >= next_stats_ns_) {
+    PublishStats();
+    ++work;
+  }
+  return work;
+}
+
+void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {
+  performer.live = false;
+  Performer::Moment moment;
+  moment.receive_ns = performer.session.last_arrival_ns();
+  moment.publish_ns = now_ns;
+  moment.wall_ns = to_.clock.Wall_ns();
+  if (!performer.Repeat(moment)) return;
+  performer.Send(to_.publisher, now_ns);
+  to_.counters.Add(Counter::kPipelineStale);
+}
+
+void Pipeline::FillStats(v1::Stats& stats) {
+  stats.set_epoch(roster_.epoch());
+  stats.set_wall_time_ns(static_cast<std::uint64_t>(to_.clock.Wall_ns()));
+  for (int i = 0; i < static_cast<int>(Counter::kCount); ++i) {
+    auto& counter = *stats.add_counters();
+    counter.set_name(std::string(runtime::Name(static_cast<Counter>(i))));
+    counter.set_value(to_.counters.Get(static_cast<Counter>(i)));
+  }
+  for (const auto& [id, profile] : roster_.profiles) {
+    auto& row = *stats.add_performers();
+    row.set_performer(id);
+    row.set_sequence(profile->next_sequence - 1);
+    row.set_strength(profile->look.strength);
+    row.set_pinned(profile->pinned);
+    row.set_preset(profile->look.preset);
+    for (const auto& [style, weight] : profile->look.mix) {
+      auto& entry = *row.add_styles();
+      entry.set_style(style);
+      entry.set_weight(weight);
+    }
+    if (const Performer* live = roster_.LiveOf(*profile)) live->Describe(row);
+  }
+}
+
+void Pipeline::PublishStats() {
+  const std::int64_t now_ns = to_.clock.Now_ns();
+  const float seconds = static_cast<float>(now_ns - last_stats_ns_) * 1e-9F;
+  last_stats_ns_ = now_ns;
+  next_stats_ns_ = std::max(next_stats_ns_ + kSecond_ns, now_ns + kSecond_ns / 2);
+  for (const auto& performer : roster_.performers) performer->Sample(seconds);
+  to_.counters.Set(Counter::kPipelineLongestCycleUs,
+                   static_cast<std::uint64_t>(longest_cycle_ns_ / 1000));
+  longest_cycle_ns_ = 0;
+  if (stats_topic_.wanted == 0) return;
+  v1::Stats stats;
+  FillStats(stats);
+  stats.SerializeToString(&stats_bytes_);
+  to_.publisher.Send(stats_topic_.name, std::as_bytes(std::span(stats_bytes_)));
+}
+
+void Pipeline::Say(Event::Level level, std::string text) {
+  if (!to_.mailboxes.events.Push({level, std::move(text)})) {
+    to_.counters.Add(Counter::kPipelineEventsDropped);
+  }
+}
+
+}  // namespace styled::pipeline

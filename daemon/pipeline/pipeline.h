@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/commands.h"
+#include "daemon/pipeline/mailboxes.h"
+#include "daemon/pipeline/roster.h"
+#include "daemon/publish/publisher.h"
+#include "daemon/publish/subscriptions.h"
+#include "daemon/runtime/clock.h"
+#include "daemon/runtime/counters.h"
+#include "daemon/runtime/realtime.h"
+#include "daemon/source/source_frame.h"
+#include "daemon/source/transport.h"
+
+namespace styled::pipeline {
+
+// What the pipeline works with; all of it outlives it.
+struct Surroundings {
+  runtime::Clock& clock;
+  runtime::Counters& counters;
+  publish::Publisher& publisher;
+  Mailboxes& mailboxes;
+};
+
+// The one thread that frames walk through, from the datagram's arrival to zmq_send, without a queue
+// between. DoWork() is bounded and never blocks; whoever calls it waits, where there is nothing to
+// do, for the transports, the publisher and mailboxes.wake_pipeline, no longer than until
+// NextDeadline_ns(). From a performer's second frame on nothing between receive and zmq_send
+// allocates, locks, logs or throws (tests/realtime).
+class Pipeline final : public source::Receiver {
+ public:
+  // `source_names[i]` is the name of what transports call source i. Epoch: random, of this start.
+  Pipeline(const Surroundings& surroundings, std::vector<std::string> source_names,
+           std::vector<std::unique_ptr<source::Transport>> transports,
+           std::shared_ptr<const Live> live, std::uint64_t epoch, int max_subscriptions);
+  // Settings of the last run; before the first DoWork.
+  void Restore(std::vector<Profile> profiles) { roster_.Restore(std::move(profiles)); }
+
+  // How much was done; 0: nothing to do before NextDeadline_ns(), unless something arrives.
+  int DoWork();
+  std::int64_t NextDeadline_ns() const;
+  const std::vector<std::unique_ptr<source::Transport>>& transports() const { return transports_; }
+
+  void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override;
+
+ private:
+  // One datagram of a batch, decoded.
+  struct Item {
+    bool good = false;
+    native::Datagram datagram;
+    source::SourceFrameView frame;
+    Performer* performer = nullptr;
+  };
+
+  int DoCommands();
+  int DoReloads();
+  int DoSubscriptions();
+  int DoTimers(std::int64_t now_ns, bool drained);
+
+  // Step 1 of a batch: header, checksum, name; refusals are counted.
+  STYLED_REALTIME void Decode(int source, std::span<const std::byte> bytes, Item& item) noexcept;
+  STYLED_REALTIME void NoteNewest(int index) noexcept;
+  void TakeBody(int source, const Item& item);
+  void TakeFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
+  // Whether the frame's session, sequence and body are the performer's next; counts if not.
+  STYLED_REALTIME bool Admit(Performer& performer, const Item& item) noexcept;
+  STYLED_REALTIME void StartSession(Performer& performer) noexcept;
+  void AdoptBody(Performer& performer, const Item& item, bool fresh);
+  STYLED_REALTIME bool PassOver(Performer& performer, int index, bool full,
+                                std::int64_t lateness_ns) const noexcept;
+  void Stale(Performer& performer, std::int64_t now_ns);
+  void Answer(Exchange& exchange);
+  void FillStats(v1::Stats& stats);
+  void PublishStats();
+  void Say(Event::Level level, std::string text);
+
+  Surroundings to_;
+  std::vector<std::unique_ptr<source::Transport>> transports_;
+  publish::Subscriptions subscriptions_;
+  Roster roster_;
+  Commands commands_;
+  SessionRules rules_;
+  std::int64_t receive_ns_ = 0, wall_ns_ = 0;  // of the batch at hand
+  std::array<Item, source::kBatch> items_;
+  publish::SubscriptionEvent subscription_;
+  publish::Topic stats_topic_{"stats/"};
+  std::int64_t started_ns_, next_stats_ns_, last_stats_ns_;
+  std::int64_t longest_cycle_ns_ = 0;
+  int busy_cycles_ = 0;  // since the last look at silence
+  std::int64_t refused_body_said_ns_ = 0;
+  std::string stats_bytes_;
+};
+
+}  // namespace styled::pipeline

@@ -1,0 +1,79 @@
+#include "daemon/pipeline/profile.h"
+
+#include <algorithm>
+
+namespace styled::pipeline {
+
+stylist::Settings Resolve(const Look& look, const erd::Network& network,
+                          std::vector<std::string>& unknown) {
+  stylist::Settings settings;
+  settings.strength = look.strength;
+  settings.transition_s = look.transition_s;
+  settings.absolute = look.absolute;
+  std::size_t used = 0;
+  for (const auto& [style, weight] : look.mix) {
+    const int index = network.FindStyle(style);
+    if (index < 0) {
+      unknown.push_back(style);
+    } else if (used < settings.mix.size()) {
+      settings.mix[used++] = {index, weight};
+    }
+  }
+  return settings;
+}
+
+bool ProperNames(const erd::Network& network, std::vector<std::pair<std::string, float>>& mix,
+                 std::string& why) {
+  for (auto& [style, weight] : mix) {
+    const int index = network.FindStyle(style);
+    if (index < 0) {
+      why = "no style \"" + style.substr(0, 64) + "\"; expected one of";
+      for (int i = 1; i < network.style_count(); ++i) {
+        why += (i == 1 ? " " : ", ") + network.metadata().styles[static_cast<std::size_t>(i)].name;
+      }
+      return false;
+    }
+    style = network.metadata().styles[static_cast<std::size_t>(index)].name;
+  }
+  return true;
+}
+
+bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
+            const erd::Network& network, Look& look, std::string& why) {
+  const auto preset = std::find_if(presets.begin(), presets.end(),
+                                   [&name](const config::Preset& p) { return p.name == name; });
+  auto mix = preset != presets.end() ? preset->mix
+                                     : std::vector<std::pair<std::string, float>>{{name, 1.0F}};
+  if (!ProperNames(network, mix, why)) return false;
+  look.mix = std::move(mix);
+  look.preset = preset != presets.end() ? name : "";
+  std::vector<std::string> unknown;
+  const auto error = stylist::Stylist::Check(Resolve(look, network, unknown), network);
+  if (error != stylist::SettingsError::kNone) why = Explain(error);
+  return error == stylist::SettingsError::kNone;
+}
+
+std::string Explain(stylist::SettingsError error) {
+  using stylist::SettingsError;
+  switch (error) {
+    case SettingsError::kNone:
+      return "";
+    case SettingsError::kUnknownStyle:
+      return "unknown style";
+    case SettingsError::kNeutralStyle:
+      return "neutral is no target style; use clear";
+    case SettingsError::kDuplicateStyle:
+      return "a style is named twice";
+    case SettingsError::kWeight:
+      return "a weight is not within 0 to 1.5";
+    case SettingsError::kSum:
+      return "weights, times a strength above 1, sum to more than 1.5";
+    case SettingsError::kStrength:
+      return "strength is not within 0 to 1.5";
+    case SettingsError::kTransition:
+      return "transition is not within 0 to 60000 ms";
+  }
+  return "";
+}
+
+}  // namespace styled::pipeline

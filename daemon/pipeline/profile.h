@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "model/erd/network.h"
+#include "model/stylist/stylist.h"
+
+namespace styled::pipeline {
+
+// What a performer is to look like, by name, so that it outlives weights, sessions and restarts.
+struct Look {
+  std::vector<std::pair<std::string, float>> mix;  // styles by their network's name
+  float strength = 1.0F;
+  float transition_s = 0.4F;
+  bool absolute = false;
+  std::string preset;  // the one that set the mix, or ""
+};
+
+// What belongs to a performer's id and not to its sender.
+struct Profile {
+  std::string id;  // SOURCE.NAME; "*": of performers to come
+  Look look;
+  bool pinned = false;
+  bool configured = false;          // somebody set it: kept when the performer is forgotten
+  bool seen = false;                // it has sent
+  std::uint64_t next_sequence = 1;  // of the next frame; 1 is the first
+};
+
+// The look in terms of a network's indices. Styles that it does not know are left out and named in
+// `unknown`. Allocates; not for the hot path.
+stylist::Settings Resolve(const Look& look, const erd::Network& network,
+                          std::vector<std::string>& unknown);
+
+// The mix of a preset or, failing that, of the style of that name at weight 1. False when `name` is
+// neither, or the mix does not pass Stylist::Check: `why` says so.
+bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
+            const erd::Network& network, Look& look, std::string& why);
+
+// Whether styles of `mix` are the network's, with their proper names in return.
+bool ProperNames(const erd::Network& network, std::vector<std::pair<std::string, float>>& mix,
+                 std::string& why);
+
+// "weights sum to more than 1.5", ...
+std::string Explain(stylist::SettingsError error);
+
+}  // namespace styled::pipeline

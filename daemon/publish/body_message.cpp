@@ -1,0 +1,70 @@
+#include "daemon/publish/body_message.h"
+
+#include <cstring>
+#include <span>
+
+#include "model/body/humanoid.h"
+
+namespace styled::publish {
+namespace {
+
+class Fnv {
+ public:
+  void Add(const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < size; ++i) hash_ = (hash_ ^ bytes[i]) * 1099511628211ULL;
+  }
+  std::uint64_t hash() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 14695981039346656037ULL;
+};
+
+}  // namespace
+
+std::uint64_t BodyHash(const v1::Body& body) {
+  Fnv fnv;
+  for (const auto& name : body.names()) fnv.Add(name.c_str(), name.size() + 1);
+  for (const std::int32_t parent : body.parents()) fnv.Add(&parent, sizeof parent);
+  for (const float value : body.offsets()) fnv.Add(&value, sizeof value);
+  for (const float value : body.rest()) fnv.Add(&value, sizeof value);
+  return fnv.hash();
+}
+
+v1::Body RigBody(const std::string& performer, const rig::Binding& binding, float metres_per_unit,
+                 const std::string& dialect) {
+  v1::Body body;
+  body.set_performer(performer);
+  const rig::Skeleton& skeleton = binding.skeleton();
+  for (const auto& name : skeleton.names) body.add_names(name);
+  for (const int parent : skeleton.parents) body.add_parents(parent);
+  for (const auto& offset : skeleton.offsets) {
+    for (const float value : std::span(offset.data(), 3)) body.add_offsets(value);
+  }
+  for (const auto& rest : binding.spec().rest_rotations) {
+    for (const float value : std::span(rest.coeffs().data(), 4)) body.add_rest(value);
+  }
+  body.set_metres_per_unit(metres_per_unit);
+  body.set_dialect(dialect);
+  body.set_output(v1::OUTPUT_RIG);
+  body.set_hash(BodyHash(body));
+  return body;
+}
+
+v1::Body CanonicalBody(const std::string& performer) {
+  v1::Body body;
+  body.set_performer(performer);
+  for (const auto& row : body::kHumanoid) {
+    body.add_names(std::string(row.name));
+    body.add_parents(row.parent);
+    for (const float value : {row.x_m, row.y_m, row.z_m}) body.add_offsets(value);
+    for (const float value : {0.0F, 0.0F, 0.0F, 1.0F}) body.add_rest(value);
+  }
+  body.set_metres_per_unit(1);
+  body.set_dialect("canonical");
+  body.set_output(v1::OUTPUT_CANONICAL);
+  body.set_hash(BodyHash(body));
+  return body;
+}
+
+}  // namespace styled::publish

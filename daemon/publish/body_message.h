@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "model/rig/binding.h"
+#include "proto/styled/v1/body.pb.h"
+
+namespace styled::publish {
+
+// FNV-1a (64 bit) over each name and a zero byte, the parents as 32-bit and offsets and rest as
+// IEEE floats, little-endian. Frames carry the hash of their body.
+std::uint64_t BodyHash(const v1::Body& body);
+
+// The bodies that subscribers get, hash filled in: the rig's skeleton as received with the T-pose
+// rests that its binding uses, and the canonical humanoid.
+v1::Body RigBody(const std::string& performer, const rig::Binding& binding, float metres_per_unit,
+                 const std::string& dialect);
+v1::Body CanonicalBody(const std::string& performer);
+
+}  // namespace styled::publish

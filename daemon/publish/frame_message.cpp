@@ -1,0 +1,90 @@
+#include "daemon/publish/frame_message.h"
+
+#include <cassert>
+#include <cstring>
+
+namespace styled::publish {
+
+FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, v1::Output output,
+                           std::uint64_t body_hash, int joint_count,
+                           const std::vector<erd::StyleInfo>& styles)
+    : spare_timecode_(std::make_unique<v1::Timecode>()), styles_(styles) {
+  std::size_t longest = 0;
+  for (const auto& style : styles) longest = std::max(longest, style.name.size());
+  frame_.set_performer(performer);
+  frame_.set_epoch(epoch);
+  frame_.set_output(output);
+  frame_.set_body_hash(body_hash);
+  frame_.mutable_root_position()->Resize(3, 0);
+  frame_.mutable_rotations()->Resize(4 * joint_count, 0);
+  // Fill what varies to its largest once: protobuf keeps cleared elements for the next frames.
+  frame_.mutable_held_joints()->Resize(joint_count, 1U << 14U);
+  for (int i = 0; i < erd::kMaxActive; ++i) {
+    auto* const style = frame_.add_styles();
+    style->set_style(std::string(longest, 'x'));
+    style->set_weight(1);
+  }
+  constexpr std::size_t kScalars = 256;  // 17 fields, the timecode among them
+  buffer_.resize(frame_.ByteSizeLong() + kScalars);
+  frame_.clear_held_joints();
+  frame_.clear_styles();
+}
+
+void FrameMessage::SetHeader(const FrameHeader& header, std::uint32_t flags) noexcept {
+  frame_.set_sequence(header.sequence);
+  frame_.set_source_sequence(header.source_sequence);
+  frame_.set_source_time_ns(header.source_time_ns);
+  frame_.set_receive_time_ns(static_cast<std::uint64_t>(header.receive_time_ns));
+  frame_.set_publish_time_ns(static_cast<std::uint64_t>(header.publish_time_ns));
+  frame_.set_wall_time_ns(static_cast<std::uint64_t>(header.wall_time_ns));
+  frame_.set_contacts(header.contacts);
+  frame_.set_flags(flags);
+  frame_.clear_held_joints();
+  if (!header.has_timecode) {
+    if (frame_.has_timecode()) spare_timecode_.reset(frame_.unsafe_arena_release_timecode());
+    return;
+  }
+  if (!frame_.has_timecode()) {
+    frame_.unsafe_arena_set_allocated_timecode(spare_timecode_.release());
+  }
+  v1::Timecode& timecode = *frame_.mutable_timecode();
+  timecode.set_hours(header.timecode.hours);
+  timecode.set_minutes(header.timecode.minutes);
+  timecode.set_seconds(header.timecode.seconds);
+  timecode.set_frames(header.timecode.frames);
+  timecode.set_rate(header.timecode.rate);
+  timecode.set_drop_frame(header.timecode.drop_frame);
+}
+
+void FrameMessage::SetStyles(std::span<const erd::ActiveStyle> in_force) noexcept {
+  frame_.clear_styles();
+  for (const auto& active : in_force) {
+    if (active.style < 0 || active.style >= static_cast<int>(styles_.size())) continue;
+    auto* const style = frame_.add_styles();
+    style->set_style(styles_[static_cast<std::size_t>(active.style)].name);
+    style->set_weight(active.weight);
+  }
+}
+
+void FrameMessage::AddHeld(int joint) noexcept {
+  frame_.add_held_joints(static_cast<std::uint32_t>(joint));
+}
+
+void FrameMessage::SetPose(const rig::Vec3& root_position,
+                           std::span<const rig::Quat> rotations) noexcept {
+  assert(static_cast<std::size_t>(frame_.rotations_size()) == 4 * rotations.size());
+  std::memcpy(frame_.mutable_root_position()->mutable_data(), root_position.data(),
+              3 * sizeof(float));
+  std::memcpy(frame_.mutable_rotations()->mutable_data(), rotations.front().coeffs().data(),
+              4 * sizeof(float) * rotations.size());
+}
+
+std::span<const std::byte> FrameMessage::Serialize() noexcept {
+  const std::size_t size = frame_.ByteSizeLong();
+  if (size > buffer_.size()) return {};  // cannot be: sized for the largest
+  auto* const begin = reinterpret_cast<std::uint8_t*>(buffer_.data());
+  frame_.SerializeWithCachedSizesToArray(begin);
+  return {buffer_.data(), size};
+}
+
+}  // namespace styled::publish

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/source/source_frame.h"
+#include "model/base/realtime.h"
+#include "model/erd/network.h"
+#include "model/rig/skeleton.h"
+#include "proto/styled/v1/frame.pb.h"
+
+namespace styled::publish {
+
+// What the frames of one pose have in common on all topics.
+struct FrameHeader {
+  std::uint64_t sequence = 0, source_sequence = 0;
+  std::uint64_t source_time_ns = 0;
+  std::int64_t receive_time_ns = 0, publish_time_ns = 0, wall_time_ns = 0;
+  bool has_timecode = false;
+  source::Timecode timecode;
+  std::uint32_t contacts = 0;
+};
+
+// One topic's `Frame` of one performer, made once and refilled for each pose. Construction
+// allocates all that later frames need; the rest does not. Pipeline thread only.
+class FrameMessage {
+ public:
+  // `style_names` are the network's, by index, and outlive the message.
+  FrameMessage(const std::string& performer, std::uint64_t epoch, v1::Output output,
+               std::uint64_t body_hash, int joint_count, const std::vector<erd::StyleInfo>& styles);
+
+  STYLED_REALTIME void SetHeader(const FrameHeader& header, std::uint32_t flags) noexcept;
+  STYLED_REALTIME void SetStyles(std::span<const erd::ActiveStyle> in_force) noexcept;
+  STYLED_REALTIME void AddHeld(int joint) noexcept;
+  STYLED_REALTIME void SetPose(const rig::Vec3& root_position,
+                               std::span<const rig::Quat> rotations) noexcept;
+  // Valid until the next call.
+  STYLED_REALTIME std::span<const std::byte> Serialize() noexcept;
+
+ private:
+  v1::Frame frame_;
+  std::unique_ptr<v1::Timecode> spare_timecode_;  // in the frame while the rig sends one
+  const std::vector<erd::StyleInfo>& styles_;
+  std::vector<std::byte> buffer_;
+};
+
+}  // namespace styled::publish

@@ -1,0 +1,73 @@
+#include "daemon/publish/publisher.h"
+
+#include <cerrno>
+
+#include "daemon/runtime/zmq_socket.h"
+
+namespace styled::publish {
+namespace {
+
+using runtime::Counter;
+
+class ZmqPublisher final : public Publisher {
+ public:
+  ZmqPublisher(runtime::ZmqSocket socket, runtime::Counters& counters)
+      : socket_(std::move(socket)), counters_(counters) {
+    zmq_msg_init(&message_);
+  }
+  ~ZmqPublisher() override { zmq_msg_close(&message_); }
+
+  void Send(std::string_view topic, std::span<const std::byte> payload) noexcept override {
+    if (zmq_send(socket_.get(), topic.data(), topic.size(), ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0 ||
+        zmq_send(socket_.get(), payload.data(), payload.size(), ZMQ_DONTWAIT) < 0) {
+      counters_.Add(Counter::kPublishFailed);
+      return;
+    }
+    counters_.Add(Counter::kPublishMessages);
+  }
+
+  bool NextSubscription(SubscriptionEvent& event) override {
+    while ((socket_.Get(ZMQ_EVENTS) & ZMQ_POLLIN) != 0) {
+      if (zmq_msg_recv(&message_, socket_.get(), ZMQ_DONTWAIT) < 0) return false;
+      const auto* data = static_cast<const char*>(zmq_msg_data(&message_));
+      const std::size_t size = zmq_msg_size(&message_);
+      // libzmq passes on what else a peer sends; nobody has a reason to.
+      if (size == 0 || (data[0] != 0 && data[0] != 1) || zmq_msg_more(&message_) != 0) {
+        counters_.Add(Counter::kPublishBadMessages);
+        continue;
+      }
+      event.subscribe = data[0] == 1;
+      event.topic.assign(data + 1, size - 1);
+      return true;
+    }
+    return false;
+  }
+
+  int fd() const override { return socket_.Get(ZMQ_FD); }
+
+ private:
+  runtime::ZmqSocket socket_;
+  runtime::Counters& counters_;
+  zmq_msg_t message_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Publisher>> MakeZmqPublisher(void* context, const config::Publish& config,
+                                                    runtime::Counters& counters,
+                                                    std::string& endpoint) {
+  runtime::ZmqSocket socket(context, ZMQ_XPUB);
+  if (socket.get() == nullptr) return Status::Error("publish: " + std::string(zmq_strerror(errno)));
+  socket.Set(ZMQ_XPUB_VERBOSE, 1);
+  socket.Set(ZMQ_SNDHWM, config.high_water_mark);
+  socket.Set(ZMQ_SNDBUF, config.send_buffer_bytes);
+  socket.Set(ZMQ_LINGER, 100);
+  socket.Set(ZMQ_HANDSHAKE_IVL, 1000);
+  socket.Set(ZMQ_MAXMSGSIZE, std::int64_t{1024});  // of what peers send: subscriptions
+  socket.Set(ZMQ_TCP_KEEPALIVE, 1);
+  const Status status = socket.Bind(config.address, "publish.address", endpoint);
+  if (!status.ok()) return status;
+  return std::unique_ptr<Publisher>(std::make_unique<ZmqPublisher>(std::move(socket), counters));
+}
+
+}  // namespace styled::publish

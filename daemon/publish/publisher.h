@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "daemon/config/config.h"
+#include "daemon/runtime/counters.h"
+#include "model/base/status.h"
+
+namespace styled::publish {
+
+struct SubscriptionEvent {
+  bool subscribe = false;
+  std::string topic;
+};
+
+// Where frames leave: two parts, topic and payload. Pipeline thread only.
+class Publisher {
+ public:
+  virtual ~Publisher() = default;
+  // Sends at once or drops, never blocks. `payload` may be reused on return.
+  virtual void Send(std::string_view topic, std::span<const std::byte> payload) noexcept = 0;
+  // The next change of subscriptions; false when there is none.
+  virtual bool NextSubscription(SubscriptionEvent& event) = 0;
+  // Edge-triggered: call NextSubscription until it says false before waiting on it. -1: none.
+  virtual int fd() const = 0;
+};
+
+// Opens the XPUB socket. `context` is the process' ZeroMQ context. Subscribers that do not read
+// lose frames at their queue (high_water_mark); nobody else notices. `endpoint` receives the
+// address bound.
+Result<std::unique_ptr<Publisher>> MakeZmqPublisher(void* context, const config::Publish& config,
+                                                    runtime::Counters& counters,
+                                                    std::string& endpoint);
+
+}  // namespace styled::publish

@@ -1,0 +1,52 @@
+#include "daemon/publish/subscriptions.h"
+
+#include <algorithm>
+#include <array>
+
+namespace styled::publish {
+namespace {
+
+// Longer than any topic of ours: "styled/" 32 "." 32 "/canonical/".
+constexpr std::size_t kLongest = 96;
+
+bool CanMatch(std::string_view prefix) {
+  constexpr std::array<std::string_view, 4> kRoots{"styled/", "source/", "body/", "stats/"};
+  return prefix.size() <= kLongest &&
+         std::any_of(kRoots.begin(), kRoots.end(), [prefix](std::string_view root) {
+           return root.starts_with(prefix) || prefix.starts_with(root);
+         });
+}
+
+}  // namespace
+
+void Subscriptions::Register(Topic& topic) {
+  topic.wanted = 0;
+  for (const auto& prefix : active_) topic.wanted += topic.name.starts_with(prefix);
+  topics_.push_back(&topic);
+}
+
+void Subscriptions::Unregister(Topic& topic) { std::erase(topics_, &topic); }
+
+void Subscriptions::Subscribe(std::string_view prefix) {
+  std::string key(prefix);
+  const bool known = active_.contains(key);
+  if (!known && (active_.size() >= max_ || !CanMatch(prefix))) {
+    counters_.Add(runtime::Counter::kPublishSubscriptionsRefused);
+    return;
+  }
+  for (Topic* topic : topics_) {
+    if (!topic->name.starts_with(prefix)) continue;
+    topic->wanted += known ? 0 : 1;
+    topic->asked = true;
+  }
+  if (!known) active_.insert(std::move(key));
+  counters_.Set(runtime::Counter::kPublishSubscriptions, active_.size());
+}
+
+void Subscriptions::Unsubscribe(std::string_view prefix) {
+  if (active_.erase(std::string(prefix)) == 0) return;
+  for (Topic* topic : topics_) topic->wanted -= topic->name.starts_with(prefix);
+  counters_.Set(runtime::Counter::kPublishSubscriptions, active_.size());
+}
+
+}  // namespace styled::publish

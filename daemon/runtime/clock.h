@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <ctime>
+
+namespace styled::runtime {
+
+inline constexpr std::int64_t kMillisecond_ns = 1'000'000;
+inline constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+// Where loops take their time from: passed in, so that tests move it and never sleep. Any thread.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  // Never goes back; the origin means nothing.
+  virtual std::int64_t Now_ns() const noexcept = 0;
+  // Unix time.
+  virtual std::int64_t Wall_ns() const noexcept = 0;
+};
+
+class SystemClock final : public Clock {
+ public:
+  std::int64_t Now_ns() const noexcept override { return Read(CLOCK_MONOTONIC); }
+  std::int64_t Wall_ns() const noexcept override { return Read(CLOCK_REALTIME); }
+
+ private:
+  static std::int64_t Read(clockid_t id) noexcept {
+    timespec time{};
+    clock_gettime(id, &time);
+    return time.tv_sec * kSecond_ns + time.tv_nsec;
+  }
+};
+
+}  // namespace styled::runtime

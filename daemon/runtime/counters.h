@@ -1,0 +1,114 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string_view>
+
+#include "model/base/realtime.h"
+#include "proto/rigs/native/datagram.h"
+
+namespace styled::runtime {
+
+// Everything that the daemon counts, by name `folder.event` (Name()). Hostile or late input is
+// never logged where it happens: it is counted here, and the supervisor says once a second which
+// counts of trouble grew.
+enum class Counter : std::uint8_t {
+  kSourceReceived,  // datagrams and records
+  // In the order of native::DecodeResult from kTooShort on.
+  kSourceTooShort,
+  kSourceTooLong,
+  kSourceBadMagic,
+  kSourceBadVersion,
+  kSourceLengthMismatch,
+  kSourceBadChecksum,
+  kSourceBadReserved,
+  kSourceBadKind,
+  kSourceNoSession,
+  kSourceMalformed,      // not the protobuf message that the header says
+  kSourceBadName,        // performer's name is not [A-Za-z0-9_-]{1,32}
+  kSourceKernelDropped,  // the socket's buffer was full
+  kSourceTcpAccepted,
+  kSourceTcpRefused,   // more connections than max_connections
+  kSourceTcpBroken,    // stream out of step: closed; the reason is counted beside
+  kSourceTcpCutShort,  // closed by the sender within a record
+  kPipelineFrames,     // accepted
+  kPipelineBodies,     // accepted, repetitions included
+  kPipelineBodyChanges,
+  kPipelineBodiesRefused,
+  kPipelineBeforeBody,  // frames whose session has sent no body
+  kPipelineWrongSize,   // frames whose joint count is not the body's
+  kPipelineWrongBody,   // frames that name another body than the last
+  kPipelineDuplicate,   // sequence seen before
+  kPipelineReordered,   // sequence older than the last, not seen before
+  kPipelineOldTime,     // source time not after the last frame's
+  kPipelineLost,        // sequence numbers skipped (those that come later as reordered included)
+  kPipelineSecondSender,
+  kPipelineSessions,        // started
+  kPipelineClockJumps,      // sessions started because the sender's clock jumped
+  kPipelineLate,            // frames published with FLAG_LATE
+  kPipelineBacklogDropped,  // frames passed over because a newer one was waiting
+  kPipelineStale,           // frames published with FLAG_STALE
+  kPipelinePerformers,      // now
+  kPipelinePerformersRefused,
+  kPipelineForgotten,
+  kPipelineCommands,
+  kPipelineOverBudget,      // cycles longer than a frame's period at 120 Hz
+  kPipelineLongestCycleUs,  // of the last second
+  kPipelineEventsDropped,   // messages to the log that found its ring full
+  kStylistConcealed,        // frames with the flag, as the next four
+  kStylistHeld,
+  kStylistOutOfDomain,
+  kStylistFading,
+  kStylistNewSession,
+  kPublishMessages,
+  kPublishFailed,
+  kPublishBodies,
+  kPublishSubscriptions,         // now, distinct
+  kPublishSubscriptionsRefused,  // over max_subscriptions, or matching nothing we publish
+  kPublishBadMessages,           // from subscribers, and no subscription
+  kControlRequests,
+  kControlRefused,  // answered with any code but CODE_OK; the next three are among them
+  kControlMalformed,
+  kControlTooLarge,
+  kControlBusy,
+  kConfigReloads,
+  kConfigReloadsRefused,
+  kStateWrites,
+  kStateWritesFailed,
+  kCount
+};
+
+// The counter of a decoder's refusal (not kOk).
+constexpr Counter CounterOf(native::DecodeResult result) {
+  return static_cast<Counter>(static_cast<int>(Counter::kSourceTooShort) +
+                              static_cast<int>(result) -
+                              static_cast<int>(native::DecodeResult::kTooShort));
+}
+
+// "source.bad_checksum".
+std::string_view Name(Counter counter) noexcept;
+// Whether growth of it deserves a line in the log.
+bool IsTrouble(Counter counter) noexcept;
+
+// The table: always on, lock-free, any thread.
+class Counters {
+ public:
+  STYLED_REALTIME void Add(Counter counter, std::uint64_t amount = 1) noexcept {
+    At(counter).fetch_add(amount, std::memory_order_relaxed);
+  }
+  STYLED_REALTIME void Set(Counter counter, std::uint64_t value) noexcept {
+    At(counter).store(value, std::memory_order_relaxed);
+  }
+  std::uint64_t Get(Counter counter) const noexcept {
+    return values_[static_cast<std::size_t>(counter)].load(std::memory_order_relaxed);
+  }
+
+ private:
+  std::atomic<std::uint64_t>& At(Counter counter) noexcept {
+    return values_[static_cast<std::size_t>(counter)];
+  }
+  std::array<std::atomic<std::uint64_t>, static_cast<std::size_t>(Counter::kCount)> values_{};
+};
+
+}  // namespace styled::runtime

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <zmq.h>
+
+#include <string>
+
+#include "daemon/runtime/descriptor.h"
+#include "model/base/status.h"
+
+namespace styled::runtime {
+
+// Owns a ZeroMQ socket; one thread at a time.
+class ZmqSocket {
+ public:
+  ZmqSocket() = default;
+  ZmqSocket(void* context, int type) : socket_(zmq_socket(context, type)) {}
+  ~ZmqSocket() {
+    if (socket_ != nullptr) zmq_close(socket_);
+  }
+  ZmqSocket(ZmqSocket&& other) noexcept
+      : socket_(std::exchange(other.socket_, nullptr)), lock_(std::move(other.lock_)) {}
+  ZmqSocket& operator=(ZmqSocket&& other) noexcept {
+    std::swap(socket_, other.socket_);
+    std::swap(lock_, other.lock_);
+    return *this;
+  }
+
+  void* get() const { return socket_; }
+  bool Set(int option, int value) {
+    return zmq_setsockopt(socket_, option, &value, sizeof value) == 0;
+  }
+  bool Set(int option, std::int64_t value) {
+    return zmq_setsockopt(socket_, option, &value, sizeof value) == 0;
+  }
+  // What `option` (int) holds; 0 on failure.
+  int Get(int option) const {
+    int value = 0;
+    std::size_t size = sizeof value;
+    zmq_getsockopt(socket_, option, &value, &size);
+    return value;
+  }
+
+  // Binds `address` (port 0: any) and writes the endpoint bound. An ipc path is locked first:
+  // libzmq would silently take it from a daemon that runs. `key` names the address in errors.
+  Status Bind(const std::string& address, const std::string& key, std::string& endpoint);
+
+ private:
+  void* socket_ = nullptr;
+  Descriptor lock_;
+};
+
+}  // namespace styled::runtime

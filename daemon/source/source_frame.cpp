@@ -1,0 +1,175 @@
+#include "daemon/source/source_frame.h"
+
+#include <bit>
+#include <cstring>
+
+#include "daemon/config/config.h"
+
+static_assert(std::endian::native == std::endian::little, "floats are copied as they lie");
+
+namespace styled::source {
+namespace {
+
+// Protobuf's wire types.
+enum Wire : std::uint32_t { kVarint = 0, kFixed64 = 1, kBytes = 2, kFixed32 = 5 };
+
+// A cursor over protobuf's encoding. Every method returns false at the first malformed byte.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
+  bool AtEnd() const noexcept { return bytes_.empty(); }
+
+  bool Varint(std::uint64_t& value) noexcept {
+    value = 0;
+    for (unsigned shift = 0; shift < 64; shift += 7) {
+      if (bytes_.empty()) return false;
+      const auto byte = std::to_integer<std::uint64_t>(bytes_.front());
+      bytes_ = bytes_.subspan(1);
+      value |= (byte & 0x7FU) << shift;
+      if (byte < 0x80U) return true;
+    }
+    return false;
+  }
+
+  bool Tag(std::uint32_t& field, std::uint32_t& wire) noexcept {
+    std::uint64_t tag = 0;
+    if (!Varint(tag) || tag > 0xFFFFFFFFU) return false;
+    field = static_cast<std::uint32_t>(tag >> 3U);
+    wire = static_cast<std::uint32_t>(tag & 7U);
+    return field != 0;
+  }
+
+  bool Bytes(std::span<const std::byte>& value) noexcept {
+    std::uint64_t length = 0;
+    if (!Varint(length) || length > bytes_.size()) return false;
+    value = bytes_.first(static_cast<std::size_t>(length));
+    bytes_ = bytes_.subspan(static_cast<std::size_t>(length));
+    return true;
+  }
+
+  template <typename T>
+  bool Fixed(T& value) noexcept {
+    if (bytes_.size() < sizeof value) return false;
+    std::memcpy(&value, bytes_.data(), sizeof value);
+    bytes_ = bytes_.subspan(sizeof value);
+    return true;
+  }
+
+  bool Skip(std::uint32_t wire) noexcept {
+    std::uint64_t number = 0;
+    std::uint32_t word = 0;
+    std::span<const std::byte> bytes;
+    switch (wire) {
+      case kVarint:
+        return Varint(number);
+      case kFixed64:
+        return Fixed(number);
+      case kBytes:
+        return Bytes(bytes);
+      case kFixed32:
+        return Fixed(word);
+      default:
+        return false;  // groups: retired from proto3
+    }
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+};
+
+std::string_view AsText(std::span<const std::byte> bytes) noexcept {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+bool ReadTimecode(std::span<const std::byte> bytes, Timecode& timecode) noexcept {
+  Reader reader(bytes);
+  while (!reader.AtEnd()) {
+    std::uint32_t field = 0;
+    std::uint32_t wire = 0;
+    std::uint64_t number = 0;
+    if (!reader.Tag(field, wire)) return false;
+    if (field == 5 && wire == kFixed32) {
+      if (!reader.Fixed(timecode.rate)) return false;
+    } else if (wire == kVarint) {
+      if (!reader.Varint(number)) return false;
+      if (field == 1) timecode.hours = static_cast<std::uint32_t>(number);
+      if (field == 2) timecode.minutes = static_cast<std::uint32_t>(number);
+      if (field == 3) timecode.seconds = static_cast<std::uint32_t>(number);
+      if (field == 4) timecode.frames = static_cast<std::uint32_t>(number);
+      if (field == 6) timecode.drop_frame = number != 0;
+    } else if (!reader.Skip(wire)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// One field of a SourceFrame; its tag has been read.
+bool ReadField(Reader& reader, std::uint32_t field, std::uint32_t wire,
+               SourceFrameView& view) noexcept {
+  std::span<const std::byte> bytes;
+  if (wire == kBytes) {
+    if (!reader.Bytes(bytes)) return false;
+    switch (field) {
+      case 1:
+        view.performer = AsText(bytes);
+        return true;
+      case 3:
+        view.has_timecode = true;
+        return ReadTimecode(bytes, view.timecode);
+      case 4:
+        view.root_position = bytes;
+        return bytes.size() % sizeof(float) == 0;
+      case 5:
+        view.rotations = bytes;
+        return bytes.size() % sizeof(float) == 0;
+      default:
+        return field != 2 && field != 6;
+    }
+  }
+  if (field == 2 && wire == kVarint) return reader.Varint(view.source_time_ns);
+  if (field == 6 && wire == kFixed32) return reader.Fixed(view.body_crc);
+  return field > 6 && reader.Skip(wire);
+}
+
+}  // namespace
+
+FrameResult ReadSourceFrame(std::span<const std::byte> payload, SourceFrameView& view) noexcept {
+  view = SourceFrameView();
+  Reader reader(payload);
+  while (!reader.AtEnd()) {
+    std::uint32_t field = 0;
+    std::uint32_t wire = 0;
+    if (!reader.Tag(field, wire) || !ReadField(reader, field, wire, view)) {
+      return FrameResult::kMalformed;
+    }
+  }
+  return config::IsName(view.performer) ? FrameResult::kOk : FrameResult::kBadName;
+}
+
+std::string_view ReadPerformer(std::span<const std::byte> payload) noexcept {
+  Reader reader(payload);
+  while (!reader.AtEnd()) {
+    std::uint32_t field = 0;
+    std::uint32_t wire = 0;
+    std::span<const std::byte> bytes;
+    if (!reader.Tag(field, wire)) return {};
+    if (field == 1)
+      return wire == kBytes && reader.Bytes(bytes) ? AsText(bytes) : std::string_view();
+    if (!reader.Skip(wire)) return {};
+  }
+  return {};
+}
+
+bool CopyPose(const SourceFrameView& view, int joint_count, rig::RigPose& pose) noexcept {
+  const auto joints = static_cast<std::size_t>(joint_count);
+  static_assert(sizeof(rig::Vec3) == 3 * sizeof(float));
+  static_assert(sizeof(rig::Quat) == 4 * sizeof(float));  // coefficients x,y,z,w
+  if (view.root_position.size() != sizeof(rig::Vec3)) return false;
+  if (view.rotations.size() != joints * sizeof(rig::Quat)) return false;
+  std::memcpy(pose.translations.front().data(), view.root_position.data(), sizeof(rig::Vec3));
+  std::memcpy(pose.rotations.front().coeffs().data(), view.rotations.data(), view.rotations.size());
+  return true;
+}
+
+}  // namespace styled::source

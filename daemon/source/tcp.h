@@ -1,0 +1,17 @@
+#pragma once
+
+#include <memory>
+
+#include "daemon/config/config.h"
+#include "daemon/runtime/counters.h"
+#include "daemon/source/transport.h"
+#include "model/base/status.h"
+
+namespace styled::source {
+
+// The same datagrams as records of TCP connections, each connection with a buffer of its own. A
+// stream that falls out of step is closed and counted with its reason.
+Result<std::unique_ptr<Transport>> MakeTcp(const config::Source& config, int source,
+                                           runtime::Counters& counters);
+
+}  // namespace styled::source

@@ -1,0 +1,262 @@
+#include "daemon/supervisor.h"
+
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <spdlog/spdlog.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+#include <zmq.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "daemon/pipeline/keeping.h"
+#include "daemon/runtime/descriptor.h"
+#include "daemon/runtime/realtime.h"
+#include "daemon/source/tcp.h"
+#include "daemon/source/udp.h"
+
+namespace styled {
+namespace {
+
+constexpr int kTick_ms = 200;
+
+std::uint64_t RandomEpoch() {
+  std::random_device device;
+  const std::uint64_t high = device();
+  return (high << 32U) | device() | 1U;
+}
+
+std::string StateFile(const config::Config& config) {
+  return config.state.dir.empty() ? "" : config.state.dir + "/performers.toml";
+}
+
+}  // namespace
+
+Supervisor::Supervisor(config::Config config, Origin origin)
+    : config_(std::move(config)),
+      origin_(std::move(origin)),
+      context_(zmq_ctx_new()),
+      epoch_(RandomEpoch()) {}
+
+Supervisor::~Supervisor() {
+  if (pipeline_loop_ != nullptr) pipeline_loop_->Stop();
+  if (control_ != nullptr) control_->Stop();
+  if (pipeline_thread_.joinable()) pipeline_thread_.join();
+  if (control_thread_.joinable()) control_thread_.join();
+  pipeline_.reset();
+  publisher_.reset();
+  control_.reset();
+  zmq_ctx_term(context_);
+}
+
+Status Supervisor::Start() {
+  auto live = MakeLive(config_, nullptr, weights_crc_);
+  if (!live.ok()) return live.status();
+  live_ = live.value();
+  Status status = OpenSources();
+  if (status.ok()) status = OpenSockets();
+  if (!status.ok()) return status;
+  std::vector<std::string> names;
+  for (const auto& source : config_.sources) names.push_back(source.name);
+  pipeline_ = std::make_unique<pipeline::Pipeline>(
+      pipeline::Surroundings{clock_, counters_, *publisher_, mailboxes_}, std::move(names),
+      std::move(transports_), live_, epoch_, config_.publish.max_subscriptions);
+  RestoreProfiles();
+  if (config_.realtime.lock_memory) {
+    for (const auto& refused : runtime::LockMemory()) spdlog::warn("{}", refused);
+  }
+  StartThreads();
+  status = WriteReadyFile();
+  if (status.ok()) {
+    spdlog::info("styled {} ready: weights {}, publishing on {}, control on {}", STYLED_VERSION,
+                 live_->weights_name, publish_endpoint_, control_endpoint_);
+  }
+  return status;
+}
+
+Status Supervisor::OpenSources() {
+  for (std::size_t i = 0; i < config_.sources.size(); ++i) {
+    const auto& source = config_.sources[i];
+    const auto make = source.type == "udp" ? source::MakeUdp : source::MakeTcp;
+    auto transport = make(source, static_cast<int>(i), counters_);
+    if (!transport.ok()) {
+      return Status::Error("source." + std::to_string(i) +
+                           ".listen: " + transport.status().message());
+    }
+    source_endpoints_.push_back(transport.value()->endpoint());
+    spdlog::info("source {} listens on {} {}", source.name, source.type, source_endpoints_.back());
+    transports_.push_back(std::move(transport.value()));
+  }
+  return Status::Ok();
+}
+
+Status Supervisor::OpenSockets() {
+  auto publisher =
+      publish::MakeZmqPublisher(context_, config_.publish, counters_, publish_endpoint_);
+  if (!publisher.ok()) return publisher.status();
+  publisher_ = std::move(publisher.value());
+  auto control = control::MakeControlSocket(context_, config_.control, mailboxes_, counters_,
+                                            control_endpoint_);
+  if (!control.ok()) return control.status();
+  control_ = std::move(control.value());
+  return Status::Ok();
+}
+
+// A broken state file is no reason not to start.
+void Supervisor::RestoreProfiles() {
+  const std::string file = StateFile(config_);
+  if (file.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directories(config_.state.dir, error);
+  auto kept = pipeline::ReadProfiles(file);
+  if (!kept.ok()) {
+    spdlog::error("settings of the last run are lost: {}", kept.status().message());
+    return;
+  }
+  spdlog::info("{} performers' settings restored from {}", kept.value().size(), file);
+  pipeline_->Restore(std::move(kept.value()));
+}
+
+void Supervisor::StartThreads() {
+  pipeline_loop_ =
+      std::make_unique<pipeline::PipelineThread>(*pipeline_, *publisher_, mailboxes_, clock_);
+  pipeline_thread_ = std::thread([this] {
+    pthread_setname_np(pthread_self(), "pipeline");
+    const runtime::Scheduling scheduling{config_.realtime.lock_memory, config_.realtime.priority,
+                                         config_.realtime.cpu};
+    for (const auto& refused : runtime::ApplyScheduling(scheduling)) {
+      spdlog::warn("pipeline thread: {}", refused);
+    }
+    pipeline_loop_->Run();
+  });
+  control_thread_ = std::thread([this] {
+    pthread_setname_np(pthread_self(), "control");
+    control_->Run();
+  });
+}
+
+Status Supervisor::WriteReadyFile() const {
+  if (origin_.ready_file.empty()) return Status::Ok();
+  nlohmann::json ready{{"pid", getpid()},
+                       {"publish", publish_endpoint_},
+                       {"control", control_endpoint_},
+                       {"weights", live_->weights_name},
+                       {"epoch", epoch_}};
+  for (std::size_t i = 0; i < config_.sources.size(); ++i) {
+    ready["sources"].push_back({{"name", config_.sources[i].name},
+                                {"type", config_.sources[i].type},
+                                {"listen", source_endpoints_[i]}});
+  }
+  const std::string fresh = origin_.ready_file + ".new";
+  std::ofstream out(fresh);
+  out << ready.dump(2) << "\n";
+  out.close();
+  if (!out || std::rename(fresh.c_str(), origin_.ready_file.c_str()) != 0) {
+    return Status::Error("--ready-file " + origin_.ready_file + ": cannot be written");
+  }
+  return Status::Ok();
+}
+
+void Supervisor::Run() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
+  const runtime::Descriptor signal_fd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
+  std::int64_t next_log_ns = clock_.Now_ns() + runtime::kSecond_ns;
+  while (true) {
+    pollfd waiting{signal_fd.get(), POLLIN, 0};
+    poll(&waiting, 1, kTick_ms);
+    signalfd_siginfo caught{};
+    while (read(signal_fd.get(), &caught, sizeof caught) == sizeof caught) {
+      if (caught.ssi_signo == SIGHUP) {
+        Reload();
+        continue;
+      }
+      spdlog::info("{}: stopping", caught.ssi_signo == SIGTERM ? "SIGTERM" : "SIGINT");
+      pipeline_loop_->Stop();
+      pipeline_thread_.join();
+      KeepProfiles();
+      LogEvents();
+      return;
+    }
+    LogEvents();
+    KeepProfiles();
+    if (clock_.Now_ns() < next_log_ns) continue;
+    next_log_ns = clock_.Now_ns() + runtime::kSecond_ns;
+    LogTrouble();
+  }
+}
+
+void Supervisor::Reload() {
+  const auto refuse = [this](const std::string& why) {
+    counters_.Add(runtime::Counter::kConfigReloadsRefused);
+    spdlog::error("reload refused, the running configuration stays: {}", why);
+  };
+  auto fresh = config::Load(origin_.file, origin_.overrides);
+  if (!fresh.ok()) return refuse(fresh.status().message());
+  std::uint32_t crc = weights_crc_;
+  auto live = MakeLive(fresh.value(), live_.get(), crc);
+  if (!live.ok()) return refuse(live.status().message());
+  auto parcel = live.value();
+  if (!mailboxes_.reloads.Push(std::move(parcel)))
+    return refuse("the last reload is still under way");
+  mailboxes_.wake_pipeline.Signal();
+  WarnOfRestartKeys(fresh.value());
+  live_ = live.value();
+  weights_crc_ = crc;
+  config_.log = fresh.value().log;
+  config_.presets = fresh.value().presets;
+  spdlog::set_level(spdlog::level::from_str(config_.log.level));
+  counters_.Add(runtime::Counter::kConfigReloads);
+  spdlog::info("reloaded: weights {}, {} presets", live_->weights_name, live_->presets.size());
+}
+
+void Supervisor::WarnOfRestartKeys(const config::Config& fresh) const {
+  const auto warn = [](const char* section) {
+    spdlog::warn("reload: [{}] changed; it takes a restart", section);
+  };
+  if (fresh.sources != config_.sources) warn("source");
+  if (!(fresh.publish == config_.publish)) warn("publish");
+  if (!(fresh.control == config_.control)) warn("control");
+  if (!(fresh.realtime == config_.realtime)) warn("realtime");
+  if (fresh.state.dir != config_.state.dir) warn("state");
+}
+
+void Supervisor::LogEvents() {
+  pipeline::Event event;
+  while (mailboxes_.events.Pop(event)) {
+    const bool warning = event.level == pipeline::Event::Level::kWarning;
+    spdlog::log(warning ? spdlog::level::warn : spdlog::level::info, "{}", event.text);
+  }
+}
+
+// Once a second, what grew: never a line per packet.
+void Supervisor::LogTrouble() {
+  for (std::size_t i = 0; i < logged_.size(); ++i) {
+    const auto counter = static_cast<runtime::Counter>(i);
+    const std::uint64_t value = counters_.Get(counter);
+    if (runtime::IsTrouble(counter) && value != logged_[i]) {
+      spdlog::warn("{}: {} more, {} in all", runtime::Name(counter), value - logged_[i], value);
+    }
+    logged_[i] = value;
+  }
+}
+
+void Supervisor::KeepProfiles() {
+  std::unique_ptr<std::vector<pipeline::Profile>> kept;
+  while (mailboxes_.profiles.Pop(kept)) {
+  }
+  const std::string file = StateFile(config_);
+  if (kept == nullptr || file.empty()) return;
+  const Status status = pipeline::WriteProfiles(file, *kept);
+  counters_.Add(status.ok() ? runtime::Counter::kStateWrites
+                            : runtime::Counter::kStateWritesFailed);
+  if (!status.ok()) spdlog::error("settings are not kept: {}", status.message());
+}
+
+}  // namespace styled

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/control/control_socket.h"
+#include "daemon/pipeline/mailboxes.h"
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/pipeline_thread.h"
+#include "daemon/publish/publisher.h"
+#include "daemon/runtime/clock.h"
+#include "daemon/runtime/counters.h"
+
+namespace styled {
+
+// Where the configuration came from, so that SIGHUP can read it again.
+struct Origin {
+  std::string file;  // "" = none
+  std::vector<config::Override> overrides;
+  std::string ready_file;  // "" = none
+};
+
+// Puts the daemon together and watches over it, on the main thread: signals, reloads, the state
+// file, the log. Threads: this one, the pipeline, control, and ZeroMQ's own.
+class Supervisor {
+ public:
+  Supervisor(config::Config config, Origin origin);
+  ~Supervisor();
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  // Opens everything, says READY. Errors: weights, addresses. SIGTERM, SIGINT and SIGHUP must be
+  // blocked in the process.
+  Status Start();
+  // Until SIGTERM or SIGINT.
+  void Run();
+
+ private:
+  Status OpenSources();
+  Status OpenSockets();
+  void RestoreProfiles();
+  void StartThreads();
+  Status WriteReadyFile() const;
+  void Reload();
+  void LogEvents();
+  void LogTrouble();
+  void KeepProfiles();
+  void WarnOfRestartKeys(const config::Config& fresh) const;
+
+  config::Config config_;
+  Origin origin_;
+  runtime::SystemClock clock_;
+  runtime::Counters counters_;
+  pipeline::Mailboxes mailboxes_;
+  void* context_;
+  std::uint64_t epoch_;
+  std::shared_ptr<const pipeline::Live> live_;
+  std::uint32_t weights_crc_ = 0;
+  std::string publish_endpoint_, control_endpoint_;
+  std::vector<std::string> source_endpoints_;
+  std::vector<std::unique_ptr<source::Transport>> transports_;
+  std::unique_ptr<publish::Publisher> publisher_;
+  std::unique_ptr<control::ControlSocket> control_;
+  std::unique_ptr<pipeline::Pipeline> pipeline_;
+  std::unique_ptr<pipeline::PipelineThread> pipeline_loop_;
+  std::thread pipeline_thread_, control_thread_;
+  std::array<std::uint64_t, static_cast<std::size_t>(runtime::Counter::kCount)> logged_{};
+};
+
+// What a configuration means together with its weights: reads them, checks presets and the initial
+// style against them. `running`: used on where the file holds the same bytes (of CRC `crc`,
+// updated).
+Result<std::shared_ptr<const pipeline::Live>> MakeLive(const config::Config& config,
+                                                       const pipeline::Live* running,
+                                                       std::uint32_t& crc);
+
+}  // namespace styled

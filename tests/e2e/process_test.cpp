@@ -1,0 +1,162 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/support/daemon.h"
+#include "tests/support/rig.h"
+
+namespace styled::support {
+namespace {
+
+bool LogSays(const Daemon& daemon, const std::string& text, double seconds = 5) {
+  for (double waited = 0; waited < seconds; waited += 0.02) {
+    if (daemon.Log().find(text) != std::string::npos) return true;
+    Sleep(0.02);
+  }
+  return false;
+}
+
+struct Outcome {
+  int code;
+  std::string text;
+};
+
+Outcome RunStyled(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
+                  const std::map<std::string, std::string>& environment = {}) {
+  std::vector<std::string> all{Binary()};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  const std::string log = folder / ("log" + std::to_string(arguments.size()) + ".txt");
+  Child child(all, log, environment);
+  const int code = child.Wait(10).value_or(-1);
+  return {code, ReadText(log)};
+}
+
+TEST(ProcessTest, StopsCleanlyOnSigtermAndOnSigint) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    Daemon daemon;
+    const UdpLink link(daemon.udp);
+    Rig rig("a");
+    link.Send(rig.Body());
+    for (int i = 0; i < 10; ++i) link.Send(rig.Frame());
+    daemon.child->Signal(signal);
+    EXPECT_EQ(daemon.child->Wait(5).value_or(-1), 0) << daemon.Log();
+  }
+}
+
+TEST(ProcessTest, SighupTakesOverAGoodConfigurationAndFramesGoOn) {
+  Daemon daemon({}, "[presets]\nmild = { s1 = 0.3 }\n");
+  Subscriber subscriber(daemon.publish, {"body/", "styled/rig.a/rig/"});
+  ControlClient control(daemon.control);
+  const UdpLink link(daemon.udp);
+  Rig rig("a");
+  link.Send(rig.Body());
+  ASSERT_TRUE(subscriber.WaitForBody());
+  Paced(120, 120, [&](int i) {
+    link.Send(rig.Frame());
+    if (i == 40) {
+      daemon.Configure("[presets]\nwild = { s2 = 1.2 }\n");
+      daemon.child->Signal(SIGHUP);
+    }
+  });
+  ASSERT_TRUE(LogSays(daemon, "reloaded:"));
+  v1::Request list;
+  list.mutable_list();
+  const auto presets = control.Ask(list).list();
+  ASSERT_EQ(presets.presets_size(), 1);
+  EXPECT_EQ(presets.presets(0).name(), "wild");
+  ASSERT_TRUE(subscriber.WaitForFrames(120, "styled/"));
+  EXPECT_EQ(control.Counter("config.reloads"), 1U);
+
+  // Other weights, with other styles.
+  WriteRandomWeights(daemon.folder / "weights.safetensors", 3, 2);
+  daemon.child->Signal(SIGHUP);
+  ASSERT_EQ(control.CounterSoon("config.reloads", 2), 2U) << daemon.Log();
+  EXPECT_EQ(control.Ask(list).list().styles_size(), 3);
+  Paced(60, 120, [&](int) { link.Send(rig.Frame()); });
+  ASSERT_TRUE(subscriber.WaitForFrames(180, "styled/"));
+}
+
+TEST(ProcessTest, SighupWithABadConfigurationKeepsTheRunningOneAndSaysWhy) {
+  Daemon daemon({}, "[presets]\nmild = { s1 = 0.3 }\n");
+  ControlClient control(daemon.control);
+  daemon.Configure("[presets]\nmild = { nostyle = 0.3 }\n");
+  daemon.child->Signal(SIGHUP);
+  EXPECT_TRUE(LogSays(daemon, "no style \"nostyle\""));
+  daemon.Configure("[performers]\nstale_mss = 3\n");
+  daemon.child->Signal(SIGHUP);
+  EXPECT_TRUE(LogSays(daemon, "unknown key, nearest is \"stale_ms\""));
+  WriteText(daemon.folder / "weights.safetensors", "no weights");
+  daemon.Configure("");
+  daemon.child->Signal(SIGHUP);
+  EXPECT_EQ(control.CounterSoon("config.reloads_refused", 3), 3U) << daemon.Log();
+  EXPECT_EQ(control.Counter("config.reloads"), 0U);
+  v1::Request list;
+  list.mutable_list();
+  EXPECT_EQ(control.Ask(list).list().presets_size(), 1);
+  EXPECT_EQ(control.SetStyle("rig.a", "style4").code(), v1::CODE_OK);
+}
+
+TEST(ProcessTest, APortInUseIsSaidClearly) {
+  Daemon daemon;
+  TemporaryFolder folder;
+  const std::vector<std::string> common{"--weights", daemon.folder / "weights.safetensors"};
+  const auto with = [&](std::vector<std::string> settings) {
+    settings.insert(settings.begin(), common.begin(), common.end());
+    return RunStyled(folder, settings);
+  };
+  Outcome outcome = with({"--set", "source.0.listen=" + daemon.udp});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.text.find("source.0.listen: udp " + daemon.udp + ": in use"), std::string::npos)
+      << outcome.text;
+  outcome = with({"--set", "source.0.listen=127.0.0.1:0", "--set", "source.1.listen=127.0.0.1:0",
+                  "--set", "publish.address=" + daemon.publish});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.text.find("publish.address: " + daemon.publish + ": in use"), std::string::npos)
+      << outcome.text;
+}
+
+TEST(ProcessTest, BadArgumentsAndConfigurationsEndWithTwoAndTheReason) {
+  TemporaryFolder folder;
+  const std::string file = folder / "bad.toml";
+  WriteText(file, "[publish]\naddress = \"tcp://127.0.0.1:7001\"\nhigh_water_marc = 3\n");
+  Outcome outcome = RunStyled(folder, {"--check-config", file});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.text.find(file + ":3: publish.high_water_marc: unknown key, nearest is "
+                                     "\"high_water_mark\""),
+            std::string::npos)
+      << outcome.text;
+  WriteText(file, "[publish]\nhigh_water_mark = 10\n");
+  EXPECT_EQ(RunStyled(folder, {"--check-config", file}).code, 0);
+  outcome =
+      RunStyled(folder, {"--check-config", file}, {{"STYLED_PUBLISH_HIGH_WATER_MARK", "lots"}});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.text.find("STYLED_PUBLISH_HIGH_WATER_MARK: publish.high_water_mark: expected a "
+                              "whole number from 1 to 100000"),
+            std::string::npos)
+      << outcome.text;
+  EXPECT_EQ(RunStyled(folder, {"--no-such-option"}).code, 2);
+  outcome = RunStyled(folder, {"--set", "publish.address=tcp://0.0.0.0:7001"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.text.find("not authenticated"), std::string::npos) << outcome.text;
+  outcome = RunStyled(folder, {"--weights", folder / "none.safetensors"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.text.find("none.safetensors"), std::string::npos) << outcome.text;
+}
+
+TEST(ProcessTest, TroubleIsLoggedOnceASecondWithACount) {
+  Daemon daemon;
+  const UdpLink link(daemon.udp);
+  Paced(200, 200, [&](int) { link.Send(Bytes(10, std::byte{1})); });
+  EXPECT_TRUE(LogSays(daemon, "source.too_short:", 3));
+  Sleep(1.2);
+  const std::string log = daemon.Log();
+  int lines = 0;
+  for (std::size_t at = log.find("source.too_short:"); at != std::string::npos;
+       at = log.find("source.too_short:", at + 1)) {
+    ++lines;
+  }
+  EXPECT_LE(lines, 4);
+  EXPECT_NE(log.find("200 in all"), std::string::npos) << log;
+}
+
+}  // namespace
+}  // namespace styled::support

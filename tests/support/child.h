@@ -1,0 +1,50 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace styled::support {
+
+// A child process of a test, its stderr in a file. Killed on destruction.
+class Child {
+ public:
+  // `environment` is added to the test's own. Aborts where the program cannot be started.
+  Child(const std::vector<std::string>& arguments, const std::string& stderr_file,
+        const std::map<std::string, std::string>& environment = {});
+  ~Child();
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  void Signal(int signal) const;
+  // The exit code, 128 + signal where a signal ended it; nothing when it still runs after
+  // `seconds`.
+  std::optional<int> Wait(double seconds);
+  bool Running() { return !Wait(0).has_value(); }
+  pid_t pid() const { return pid_; }
+
+ private:
+  pid_t pid_;
+  std::optional<int> exit_;
+};
+
+// A folder of its own under the system's temporary folder, removed with all in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string operator/(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
+std::string ReadText(const std::string& file);  // "" where there is none
+void WriteText(const std::string& file, const std::string& text);
+
+}  // namespace styled::support

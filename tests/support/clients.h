@@ -1,0 +1,79 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "proto/styled/v1/body.pb.h"
+#include "proto/styled/v1/control.pb.h"
+#include "proto/styled/v1/frame.pb.h"
+#include "proto/styled/v1/stats.pb.h"
+
+namespace styled::support {
+
+// One message of the publisher as it came.
+struct Message {
+  std::string topic, payload;
+};
+
+// A subscriber that collects all it gets on a thread of its own. Every method: the test's thread.
+class Subscriber {
+ public:
+  Subscriber(const std::string& endpoint, const std::vector<std::string>& topics);
+  ~Subscriber();
+  Subscriber(const Subscriber&) = delete;
+  Subscriber& operator=(const Subscriber&) = delete;
+
+  // Frames and bodies so far, of topics that begin with `prefix`.
+  std::vector<v1::Frame> Frames(const std::string& prefix = "") const;
+  std::vector<v1::Body> Bodies() const;
+  std::optional<v1::Stats> LastStats() const;
+  // Waits until `done`; false after `seconds`.
+  bool WaitFor(const std::function<bool()>& done, double seconds) const;
+  bool WaitForFrames(std::size_t count, const std::string& prefix = "", double seconds = 10) const;
+  // Returns when the publisher certainly knows the subscriptions: a body of `performer` came.
+  bool WaitForBody(double seconds = 10) const;
+
+ private:
+  void Run();
+  void* context_;
+  void* socket_;
+  std::atomic<bool> stop_{false};
+  mutable std::mutex mutex_;
+  std::vector<Message> messages_;
+  std::thread thread_;
+};
+
+// The control socket's other end: DEALER, one request at a time.
+class ControlClient {
+ public:
+  explicit ControlClient(const std::string& endpoint);
+  ~ControlClient();
+  ControlClient(const ControlClient&) = delete;
+  ControlClient& operator=(const ControlClient&) = delete;
+
+  // The reply; one with code CODE_BUSY and reason "no reply" where none comes within 5 s.
+  v1::Reply Ask(v1::Request request);
+  // The parts as they are.
+  v1::Reply AskRaw(const std::vector<std::string>& parts);
+
+  v1::Reply SetStyle(const std::string& performer, const std::string& style, float weight = 1,
+                     float transition_ms = -1);
+  v1::StatusReply Status();
+  std::uint64_t Counter(const std::string& name);
+  // Waits until the counter has `value`; returns what it has at last.
+  std::uint64_t CounterSoon(const std::string& name, std::uint64_t value);
+  v1::PerformerStats Performer(const std::string& id);
+
+ private:
+  void* context_;
+  void* socket_;
+  std::uint64_t next_id_ = 1;
+};
+
+}  // namespace styled::support

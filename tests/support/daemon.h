@@ -1,0 +1,44 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/child.h"
+#include "tests/support/clients.h"
+
+namespace styled::support {
+
+// The real `styled` as a child, all ports chosen by the system, with random weights (styles
+// "neutral", "style1" ... "style4", aliases "s1" ...), UDP source "rig" and TCP source "tcp".
+class Daemon {
+ public:
+  // `settings` as of --set: "performers.stale_ms=100". By default the limits on time are so wide
+  // that a busy machine does not make frames late or senders silent. `extra` is TOML for the file.
+  explicit Daemon(std::vector<std::string> settings = {}, const std::string& extra = "",
+                  const std::map<std::string, std::string>& environment = {});
+
+  // Starts it (again, after Stop) and waits until it is ready; a test failure if it is not.
+  void Start();
+  // SIGTERM; its exit code, or -1 when it did not end within 5 s.
+  int Stop();
+  void Configure(const std::string& extra);  // rewrites the file; SIGHUP is the test's
+
+  std::string udp, tcp, publish, control;  // addresses
+  std::string Log() const { return ReadText(folder / "stderr.txt"); }
+
+  TemporaryFolder folder;
+  std::unique_ptr<Child> child;
+
+ private:
+  std::vector<std::string> settings_;
+  std::map<std::string, std::string> environment_;
+};
+
+// Writes random weights of `styles` styles, neutral included.
+void WriteRandomWeights(const std::string& file, int styles = 5, unsigned seed = 1);
+// The path of the daemon's binary.
+std::string Binary();
+
+}  // namespace styled::support
