@@ -329,13 +329,15 @@ int Program::Fail(const CallStatus& status) {
     failure = Explain(status);
   } else {
     failure.expected =
-        "is styled running, and is its control socket there (control.bind in styled.toml)? "
+        "is styled running, and is its control socket there (control.address in styled.toml)? "
         "Another endpoint: --endpoint or STYLED_CONTROL";
   }
   err_ << "stylectl: " << status.reason();
   if (!failure.suggestion.empty()) err_ << "; did you mean '" << failure.suggestion << "'?";
   err_ << "\n";
-  if (!failure.expected.empty()) err_ << "  " << failure.expected << "\n";
+  // Most reasons say themselves what was expected.
+  const bool said = status.reason().find("expected") != std::string::npos;
+  if (!failure.expected.empty() && !said) err_ << "  " << failure.expected << "\n";
   if (arguments_.json) {
     json object{{"ok", false},
                 {"code", refused ? client::CodeName(status.code()) : "NO_ANSWER"},

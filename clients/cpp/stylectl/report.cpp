@@ -123,6 +123,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                       std::to_string(performer.published()), std::to_string(performer.lost()),
                       Number(performer.strength(), 2), MixText(performer.styles()), notes});
     }
+    std::sort(rows.begin() + 1, rows.end());  // by performer
     out += Table(rows);
   }
   std::vector<std::vector<std::string>> rows{{"COUNTER", "VALUE"}};

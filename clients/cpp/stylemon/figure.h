@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "clients/cpp/stylemon/canvas.h"
+#include "clients/cpp/transforms.h"
+#include "model/body/humanoid.h"
+
+namespace styled::stylemon {
+
+// What the picture needs to know of a skeleton; found once per body, by joint names. A joint that
+// the names do not tell is -1, and is then simply drawn as a line like the others.
+struct Anatomy {
+  std::vector<int> parents;                  // per joint of the body
+  std::vector<Ink> inks;                     // per joint: the bone from its parent
+  std::array<int, body::kJointCount> joint;  // the body's joint for each canonical one, or -1
+  float height = 0;           // standing, body units, from bone lengths; 0 = names do not tell
+  float metres_per_unit = 0;  // 0 = unknown
+};
+
+// `body` must have passed client::Validate.
+Anatomy Analyse(const v1::Body& body);
+
+// The yaw (rad, about +Y; 0 = facing +Z) that the hips and shoulders face; false where the names do
+// not tell them. +Y up is assumed.
+bool Facing(const Anatomy& anatomy, const std::vector<client::Transform>& joints, float& yaw_rad);
+
+// The lowest joint's height, body units.
+float Lowest(const std::vector<client::Transform>& joints);
+
+enum class Side : std::uint8_t {
+  kSide,   // from its right: it faces to the right of the picture
+  kFront,  // from the front: its left is on the right of the picture
+};
+
+// How a figure is looked at. The hips stay in the middle of the picture and the floor at its lower
+// edge; the marks on the floor move instead.
+struct Pose {
+  const Anatomy* anatomy = nullptr;                        // not null
+  const std::vector<client::Transform>* joints = nullptr;  // not null; the anatomy's joint count
+  Side side = Side::kSide;
+  float yaw_rad = 0;           // what is taken for its front; usually a calmed Facing
+  float height = 0;            // body units; > 0: what fills most of the picture
+  float floor = 0;             // height of the floor, body units
+  float travel = 0;            // body units, along the picture's x: how far the hips have gone
+  std::uint32_t contacts = 0;  // bits as in Frame.contacts
+};
+
+// The height to pass in Pose: 1.75 m where the unit is known and the figure is of human size, so
+// that performers compare; else the figure's own; else `seen` (the largest extent seen; may be 0).
+float PictureHeight(const Anatomy& anatomy, float seen);
+
+// Unit vector of the picture's x axis in the world.
+Eigen::Vector3f PictureX(Side side, float yaw_rad);
+
+// Draws the stick figure and its floor into `area`. Pure: the same arguments give the same cells.
+void Draw(const Pose& pose, const DotRect& area, Canvas& canvas);
+
+}  // namespace styled::stylemon

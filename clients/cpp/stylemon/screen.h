@@ -1,0 +1,72 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clients/cpp/stylemon/canvas.h"
+#include "clients/cpp/stylemon/figure.h"
+#include "clients/cpp/stylemon/meter.h"
+#include "clients/cpp/transforms.h"
+#include "proto/styled/v1/frame.pb.h"
+
+namespace styled::stylemon {
+
+enum class Link : std::uint8_t {
+  kNever,  // no daemon has answered yet
+  kThere,  // connected
+  kLost,   // was connected, is not; reconnecting
+};
+
+// One stream of the performer looked at, ready to draw.
+struct Figure {
+  bool here = false;  // a frame with its body has come
+  std::shared_ptr<const Anatomy> anatomy;
+  std::vector<client::Transform> joints;
+  v1::Frame frame;
+  double age_s = 0;  // since the frame came
+};
+
+struct PerformerLine {
+  std::string performer;
+  bool live = false;
+  std::string note;  // style and strength that are set, "pinned"
+};
+
+// All that a picture shows. Filled by Monitor, or by a test.
+struct View {
+  std::string publisher, control;
+  Link link = Link::kNever;
+  double link_s = 0;  // how long it has been so
+  std::vector<PerformerLine> performers;
+  int selected = -1;  // index into performers
+  Figure input, styled;
+  Side side = Side::kSide;
+  float yaw_rad = 0, height = 0, floor = 0, travel = 0;  // as in Pose; both figures'
+  Meter::Reading reading;
+  std::string set;  // what is set for the performer: "old 1.00, strength 0.80"; "" = unknown
+  std::vector<std::string> styles;  // keys 1-9
+  std::string message;              // outcome of the last key
+  bool message_bad = false;
+  bool paused = false;
+};
+
+// The whole terminal: header, performers, both figures, figures in numbers, keys. Any size; what
+// does not fit is left out from the edges in.
+void DrawScreen(const View& view, Canvas& canvas);
+
+// Both figures side by side with their captions, in the given cells.
+void DrawFigures(const View& view, int column, int row, int columns, int rows, Canvas& canvas);
+
+// One line: performer, rate, latencies, drops, flags, style in force, contacts. When there is no
+// stream to tell about, what is missing and what to do.
+std::string StatusLine(const View& view);
+
+// What keeps the picture from moving, with what to check; "" if nothing does.
+std::string Trouble(const View& view);
+
+std::string FlagNames(std::uint32_t flags);      // "concealed fading"; "" for none
+std::string StylesText(const v1::Frame& frame);  // "old 0.80 + proud 0.20", "bypass"
+
+}  // namespace styled::stylemon
