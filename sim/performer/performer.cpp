@@ -316,6 +316,14 @@ void Performer::Pose(double time_s, body::Pose& pose) noexcept {
 
 performer::Motion Performer::motion() const noexcept { return state_->core.item.motion; }
 
+std::array<double, 2> Performer::contacts() const noexcept {
+  FeetInput input = state_->Feet(state_->core);
+  for (int side = 0; side < 2; ++side) {
+    if (state_->core.feet.feet[side].stepping) input.contact[side] = 0;
+  }
+  return input.contact;
+}
+
 Options Vary(std::uint64_t seed, std::uint64_t k, std::vector<ScriptItem> script) {
   const std::uint64_t own = Mix(seed * 1000003 + k);
   return {own, 0.92 + 0.16 * Unit(own + 1), Unit(own + 2), std::move(script)};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -38,6 +39,9 @@ class Performer {
 
   // What is being done at the time of the last Pose(): changes when a transition begins.
   performer::Motion motion() const noexcept;
+
+  // How firmly the left and the right foot stand then: 1 held to its place, 0 in the air.
+  std::array<double, 2> contacts() const noexcept;
 
  private:
   struct State;

@@ -1,0 +1,135 @@
+#include "sim/player/player.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/sim/fakes.h"
+
+namespace styled::player {
+namespace {
+
+using testing::FakeClock;
+using testing::FakeLink;
+using testing::FakeMotion;
+
+std::vector<Stream> Streams(int count, int frames, double rate_hz) {
+  std::vector<Stream> streams;
+  for (int k = 0; k < count; ++k) {
+    streams.emplace_back(
+        StreamOptions{"amy-" + std::to_string(k), rate_hz, [] { return std::uint64_t{1}; }},
+        std::make_unique<FakeMotion>(frames), faults::Faults(faults::Spec{}));
+  }
+  return streams;
+}
+
+std::vector<std::int64_t> FrameTimes(const FakeLink& link, std::string_view performer) {
+  std::vector<std::int64_t> times;
+  const auto received = testing::Receive(link);
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    if (received[i].is_frame() && received[i].frame.performer() == performer) {
+      times.push_back(link.times_ns[i]);
+    }
+  }
+  return times;
+}
+
+TEST(Player, SendsEveryFrameAtItsTimeWhateverASleepIsLate) {
+  FakeClock clock;
+  clock.oversleep_ns = 300'000;
+  const std::int64_t start_ns = clock.now_ns;
+  FakeLink link(&clock);
+  Player player({120, 0}, Streams(1, 1200, 120));
+  const std::atomic<bool> stop{false};
+  ASSERT_TRUE(player.Run(clock, link, stop).ok());
+  const auto times = FrameTimes(link, "amy-0");
+  ASSERT_EQ(times.size(), 1200U);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double due_ns = static_cast<double>(start_ns) + static_cast<double>(i) * 1e9 / 120;
+    EXPECT_GE(static_cast<double>(times[i]), due_ns - 1) << i;
+    EXPECT_LE(static_cast<double>(times[i]), due_ns + 300'001) << i;
+  }
+  EXPECT_EQ(player.counts().late_ticks, 0U);
+}
+
+TEST(Player, CatchesUpAfterADelayAndSkipsNothing) {
+  FakeClock clock;
+  clock.cost_ns = 5'000'000;  // each look at the clock: at 120 Hz more than a period per tick
+  FakeLink link(&clock);
+  Player player({120, 0}, Streams(1, 200, 120));
+  const std::atomic<bool> stop{false};
+  ASSERT_TRUE(player.Run(clock, link, stop).ok());
+  EXPECT_EQ(FrameTimes(link, "amy-0").size(), 200U);
+  EXPECT_GT(player.counts().late_ticks, 150U);
+  EXPECT_EQ(clock.sleeps, 0);
+}
+
+TEST(Player, SpreadsSeveralPerformersOverThePeriod) {
+  FakeClock clock;
+  const std::int64_t start_ns = clock.now_ns;
+  FakeLink link(&clock);
+  Player player({100, 0}, Streams(4, 10, 100));
+  const std::atomic<bool> stop{false};
+  ASSERT_TRUE(player.Run(clock, link, stop).ok());
+  for (int k = 0; k < 4; ++k) {
+    const auto times = FrameTimes(link, "amy-" + std::to_string(k));
+    ASSERT_EQ(times.size(), 10U);
+    for (int i = 0; i < 10; ++i) {
+      EXPECT_EQ(times[i], start_ns + i * 10'000'000 + k * 2'500'000);
+    }
+  }
+}
+
+TEST(Player, EndsAfterItsSeconds) {
+  FakeClock clock;
+  FakeLink link(&clock);
+  Player player({120, 2}, Streams(2, 100000, 120));
+  const std::atomic<bool> stop{false};
+  ASSERT_TRUE(player.Run(clock, link, stop).ok());
+  EXPECT_EQ(FrameTimes(link, "amy-0").size(), 240U);
+  EXPECT_EQ(FrameTimes(link, "amy-1").size(), 240U);
+  EXPECT_EQ(player.counts().ticks, 240U);
+}
+
+TEST(Player, StopsWhenAskedTo) {
+  FakeClock clock;
+  FakeLink link(&clock);
+  Player player({120, 0}, Streams(1, 100000, 120));
+  const std::atomic<bool> stop{true};
+  ASSERT_TRUE(player.Run(clock, link, stop).ok());
+  EXPECT_TRUE(link.sent.empty());
+}
+
+TEST(Player, EndsWithTheLinksReason) {
+  FakeClock clock;
+  FakeLink link(&clock);
+  link.fail = true;
+  Player player({120, 0}, Streams(1, 10, 120));
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(player.Run(clock, link, stop).message(), "no link");
+}
+
+TEST(Player, SumsUpInWordsAndNumbers) {
+  FakeClock clock;
+  FakeLink link(&clock);
+  Player player({120, 0}, Streams(3, 120, 120));
+  const std::atomic<bool> stop{false};
+  ASSERT_TRUE(player.Run(clock, link, stop).ok());
+  const std::string line = Summary(player);
+  EXPECT_NE(line.find("performers=3 frames=360 bodies=3 datagrams=363 bytes="), std::string::npos)
+      << line;
+  EXPECT_NE(line.find(" sessions=3 "), std::string::npos) << line;
+  EXPECT_EQ(line.find("loss="), std::string::npos) << line;
+}
+
+TEST(Link, RefusesAnAddressItDoesNotUnderstand) {
+  for (const char* url :
+       {"", "localhost:7000", "http://localhost:7000", "udp://localhost", "udp://:7000",
+        "udp://localhost:", "udp://localhost:0", "udp://localhost:65536", "tcp://localhost:7x"}) {
+    const auto link = Connect(url, 0);
+    ASSERT_FALSE(link.ok()) << url;
+    EXPECT_NE(link.status().message().find("expected udp://HOST:PORT"), std::string::npos)
+        << link.status().message();
+  }
+}
+
+}  // namespace
+}  // namespace styled::player
