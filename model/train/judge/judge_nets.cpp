@@ -11,6 +11,9 @@ namespace styled::judge {
 namespace {
 
 constexpr float kFeatureNoise = 0.15F;   // on standardized features, while training
+// And a constant offset per window and feature: what a whole recording session shares (where the
+// markers sat, who the actor was) must not decide what a style is.
+constexpr float kOffsetNoise = 0.5F;
 constexpr float kRotationNoise = 0.03F;  // the auto-encoder's, on quaternions
 constexpr float kDropout = 0.3F;
 constexpr float kRate = 1e-3F;
@@ -183,7 +186,8 @@ void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int
     sampler.Fill(batch, windows.data_ptr<float>(), style_label.data_ptr<std::int64_t>(),
                  content_label.data_ptr<std::int64_t>());
     const torch::Tensor x = Standardize(windows);
-    const torch::Tensor noisy = x + kFeatureNoise * torch::randn_like(x);
+    const torch::Tensor noisy = x + kFeatureNoise * torch::randn_like(x) +
+                                kOffsetNoise * torch::randn({batch, body::kFeatureCount, 1});
     const torch::Tensor style_loss =
         torch::nn::functional::cross_entropy(style(noisy), style_label);
     const torch::Tensor content_loss =
