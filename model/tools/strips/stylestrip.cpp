@@ -1,0 +1,186 @@
+// Draws strips of stick figures: the input on top, below it what each style makes of it, at the
+// same moments. The figures come from the very stylist that the daemon runs, at 120 Hz.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+
+#include "model/clip/clip.h"
+#include "model/rig/dialects.h"
+#include "model/tools/strips/canvas.h"
+#include "model/train/judge/judge_stream.h"
+#include "sim/performer/performer.h"
+
+namespace {
+
+namespace body = styled::body;
+namespace clip = styled::clip;
+namespace judge = styled::judge;
+namespace performer = styled::performer;
+using judge::Poses;
+using styled::Result;
+using styled::Status;
+using styled::strips::Canvas;
+using styled::strips::Color;
+
+constexpr Color kLeft{36, 106, 190}, kRight{205, 70, 50}, kTrunk{60, 60, 60}, kFloor{200, 200, 200};
+constexpr int kColumn_px = 96, kRow_px = 190, kMargin_px = 14, kLabel_px = 20;
+constexpr float kScale_px = 92;  // per metre
+constexpr int kBlendFrames = 40;
+
+struct Arguments {
+  std::string input, weights, out, script;
+  std::vector<std::string> styles;
+  double start_s = 0, after_s = 0, every_s = 0.15;
+  int figures = 12;
+  float strength = 1;
+  bool front = false, absolute = false;
+};
+
+Result<Poses> LoadInput(const Arguments& arguments) {
+  const double rate = judge::kStreamRate_hz;
+  const double needed_s = arguments.start_s + arguments.every_s * arguments.figures;
+  Poses poses;
+  if (!arguments.script.empty()) {
+    auto script = performer::ParseScript(arguments.script);
+    if (!script.ok()) return script.status();
+    performer::Options options;
+    options.script = script.value();
+    performer::Performer human(options);
+    const auto frames = static_cast<std::size_t>((arguments.after_s + needed_s) * rate) + 1;
+    poses.resize(frames);
+    for (std::size_t i = 0; i < frames; ++i) human.Pose(static_cast<double>(i) / rate, poses[i]);
+    return poses;
+  }
+  auto source = clip::ReadBvh(arguments.input);
+  if (!source.ok()) return source.status();
+  auto binding = styled::rig::BindDialect(source.value().skeleton);
+  if (!binding.ok()) return Status::Error(arguments.input + ": " + binding.status().message());
+  poses = clip::ResamplePoses(clip::ToCanonical(source.value(), binding.value()),
+                              source.value().rate_hz, rate);
+  if (arguments.after_s > 0) {
+    judge::Chain chain = judge::ChainClips({&poses, 1}, rate, arguments.after_s, kBlendFrames);
+    if (chain.poses.empty()) return Status::Error(arguments.input + ": too short to be looped");
+    poses = std::move(chain.poses);
+  }
+  return poses;
+}
+
+// One figure seen from its right side (or from the front), its hips over `centre_px`.
+void DrawFigure(const body::Pose& pose, float heading_rad, float floor_m, bool front,
+                float centre_px, float floor_px, Canvas& canvas) {
+  body::WorldPose world;
+  body::ForwardKinematics(pose, world);
+  const body::Quat heading_from_world = body::Yaw(-heading_rad);
+  const auto place = [&](int joint) {
+    const body::Vec3 p = heading_from_world * (world.positions_m[joint] - pose.hips_position_m);
+    return std::pair{centre_px + kScale_px * (front ? p.x() : p.z()),
+                     floor_px - kScale_px * (world.positions_m[joint].y() - floor_m)};
+  };
+  const auto side = [](int joint) {
+    if ((joint >= body::kLeftShoulder && joint <= body::kLeftHand) ||
+        (joint >= body::kLeftUpperLeg && joint <= body::kLeftToes)) {
+      return 0;
+    }
+    return body::MirrorJoint(joint) == joint ? 1 : 2;
+  };
+  for (const int layer : {0, 1, 2}) {  // the far side first
+    for (int joint = 1; joint < body::kJointCount; ++joint) {
+      if (side(joint) != layer) continue;
+      const auto [x0, y0] = place(body::kHumanoid[joint].parent);
+      const auto [x1, y1] = place(joint);
+      canvas.Line(x0, y0, x1, y1, 3.5F, layer == 0 ? kLeft : layer == 1 ? kTrunk : kRight);
+    }
+  }
+  const body::Quat head = heading_from_world * world.rotations[body::kHead];
+  const body::Vec3 crown = head * body::Vec3(0, 0.12F, 0.02F);
+  const auto [x, y] = place(body::kHead);
+  canvas.Line(x, y, x + kScale_px * (front ? crown.x() : crown.z()), y - kScale_px * crown.y(), 13,
+              kTrunk);
+}
+
+Status Run(const Arguments& arguments) {
+  Result<Poses> input = LoadInput(arguments);
+  if (!input.ok()) return input.status();
+  const Poses& poses = input.value();
+  const double rate = judge::kStreamRate_hz;
+  const auto first = static_cast<std::size_t>((arguments.after_s + arguments.start_s) * rate);
+  const auto step = static_cast<std::size_t>(arguments.every_s * rate);
+  if (first + step >= poses.size()) {
+    return Status::Error("the input ends before --start: it is " +
+                         std::to_string(static_cast<double>(poses.size()) / rate) + " s long");
+  }
+  const int figures =
+      std::min<int>(arguments.figures, static_cast<int>((poses.size() - 1 - first) / step) + 1);
+
+  std::vector<std::pair<std::string, Poses>> rows = {{"input", poses}};
+  if (!arguments.styles.empty()) {
+    auto network = styled::erd::Network::Load(arguments.weights);
+    if (!network.ok()) return network.status();
+    auto binding = judge::CanonicalBinding();
+    if (!binding.ok()) return binding.status();
+    for (const std::string& style : arguments.styles) {
+      const int index = network.value()->FindStyle(style);
+      if (index < 1) return Status::Error(arguments.weights + ": no style \"" + style + "\"");
+      judge::Switch start{0, judge::OneStyle(index, arguments.absolute)};
+      start.settings.strength = arguments.strength;
+      rows.emplace_back(
+          style, judge::StyleStream(network.value(), binding.value(), {}, {&start, 1}, poses));
+    }
+  }
+
+  float floor_m = 1e9F;
+  body::WorldPose world;
+  for (const body::Pose& pose : poses) {
+    body::ForwardKinematics(pose, world);
+    floor_m = std::min(floor_m, body::LowestFoot_m(world));
+  }
+  const int width = 2 * kMargin_px + figures * kColumn_px;
+  const int row_px = kRow_px + kLabel_px;
+  Canvas canvas(width, static_cast<int>(rows.size()) * row_px + kMargin_px);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const float top = static_cast<float>(row) * row_px;
+    const float floor_px = top + row_px - 4;
+    canvas.Text(kMargin_px, top + 8, rows[row].first, 2, kTrunk);
+    canvas.Line(kMargin_px, floor_px + 2, static_cast<float>(width - kMargin_px), floor_px + 2, 1,
+                kFloor);
+    for (int i = 0; i < figures; ++i) {
+      const std::size_t frame = first + static_cast<std::size_t>(i) * step;
+      // All rows share the input's heading, so that they can be compared.
+      body::ForwardKinematics(poses[frame], world);
+      DrawFigure(rows[row].second[frame], body::Heading_rad(world), floor_m, arguments.front,
+                 kMargin_px + (static_cast<float>(i) + 0.5F) * kColumn_px, floor_px, canvas);
+    }
+  }
+  return canvas.WritePng(arguments.out);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Draws strips of stick figures: the input, and below it each style.");
+  app.add_option("input", arguments.input, "BVH file");
+  app.add_option("--synthetic", arguments.script,
+                 "Instead of a file, the synthetic performer by this script, e.g. walk:5");
+  app.add_option("--weights", arguments.weights, "Weights file");
+  app.add_option("--style", arguments.styles, "A row in this style; may be repeated");
+  app.add_option("--strength", arguments.strength, "0 to 1.5")->capture_default_str();
+  app.add_option("-o,--out", arguments.out, "PNG to write")->required();
+  app.add_option("--start", arguments.start_s, "First figure, seconds")->capture_default_str();
+  app.add_option("--after", arguments.after_s,
+                 "Stream so many seconds before (the clip is looped, its path continued)")
+      ->capture_default_str();
+  app.add_option("--every", arguments.every_s, "Seconds between figures")->capture_default_str();
+  app.add_option("--figures", arguments.figures, "Figures per row")->capture_default_str();
+  app.add_flag("--front", arguments.front, "Seen from the front, not from the right");
+  app.add_flag("--absolute", arguments.absolute, "The paper's absolute output");
+  CLI11_PARSE(app, argc, argv);
+  if (arguments.input.empty() == arguments.script.empty()) {
+    std::cerr << "stylestrip: give either a BVH file or --synthetic\n";
+    return 2;
+  }
+  const Status status = Run(arguments);
+  if (status.ok()) return 0;
+  std::cerr << "stylestrip: " << status.message() << "\n";
+  return 1;
+}
