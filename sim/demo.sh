@@ -86,7 +86,7 @@ if ! [ -s "$work/ready.json" ]; then
   exit 1
 fi
 endpoint() { sed -n "s/.*\"$1\": *\"\([^\"]*\)\".*/\1/p" "$work/ready.json" | head -1; }
-source_at=$(endpoint demo)
+source_at=udp://$(endpoint listen)
 publish_at=$(endpoint publish)
 control_at=$(endpoint control)
 
@@ -96,8 +96,8 @@ sim=$!
 pids+=("$sim")
 
 control() { "$bin/stylectl" --endpoint "$control_at" "$@"; }
-monitor=("$bin/stylemon" --publish "$publish_at" --control "$control_at")
-if [ "$plain" = yes ]; then monitor+=(--plain --every-ms 2000); fi
+monitor=("$bin/stylemon" --publisher "$publish_at" --control "$control_at")
+if [ "$plain" = yes ]; then monitor+=(--plain --every 2000); fi
 if [ "$plain" = no ] && [ "$seconds" = 0 ]; then setsid=(); else setsid=(setsid); fi
 "${setsid[@]}" "${monitor[@]}" &
 mon=$!
