@@ -22,9 +22,13 @@ void WriteRandomWeights(const std::string& file, int styles, unsigned seed) {
 std::string Binary() { return STYLED_BINARY; }
 
 Daemon::Daemon(std::vector<std::string> settings, const std::string& extra,
-               const std::map<std::string, std::string>& environment)
+               const std::map<std::string, std::string>& environment, const std::string& weights)
     : settings_(std::move(settings)), environment_(environment) {
-  WriteRandomWeights(folder / "weights.safetensors");
+  if (weights.empty()) {
+    WriteRandomWeights(folder / "weights.safetensors");
+  } else {
+    std::filesystem::copy_file(weights, folder / "weights.safetensors");
+  }
   Configure(extra);
   Start();
 }

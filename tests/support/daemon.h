@@ -16,8 +16,10 @@ class Daemon {
  public:
   // `settings` as of --set: "performers.stale_ms=100". By default the limits on time are so wide
   // that a busy machine does not make frames late or senders silent. `extra` is TOML for the file.
+  // `weights`: a file to use instead of random ones, if not empty.
   explicit Daemon(std::vector<std::string> settings = {}, const std::string& extra = "",
-                  const std::map<std::string, std::string>& environment = {});
+                  const std::map<std::string, std::string>& environment = {},
+                  const std::string& weights = "");
 
   // Starts it (again, after Stop) and waits until it is ready; a test failure if it is not.
   void Start();

@@ -1,0 +1,86 @@
+// The promise of the hot path, on the release binary: between receive and the entry of zmq_send no
+// allocation, lock, log or exception. And that the hook would see them.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sstream>
+
+#include "tests/support/daemon.h"
+#include "tests/support/rig.h"
+
+namespace styled::support {
+namespace {
+
+struct Report {
+  std::map<std::string, unsigned long> counts;
+  std::string text;
+};
+
+Report ReadReport(const std::string& file) {
+  Report report;
+  report.text = ReadText(file);
+  std::istringstream lines(report.text);
+  std::string name;
+  unsigned long count = 0;
+  while (lines >> name && name != "caller" && lines >> count) report.counts[name] = count;
+  return report;
+}
+
+// A second of all that frames can meet: styles that change, joints that break, frames lost,
+// doubled, late and damaged, timecode that comes and goes, several performers, all topics
+// subscribed.
+Report Play(const std::string& provoke) {
+  TemporaryFolder folder;
+  const std::string file = folder / "report.txt";
+  std::map<std::string, std::string> environment{{"LD_PRELOAD", STYLED_HOOK},
+                                                 {"STYLED_HOOK_REPORT", file}};
+  if (!provoke.empty()) environment["STYLED_HOOK_PROVOKE"] = provoke;
+  Daemon daemon({}, "", environment);
+  Subscriber subscriber(daemon.publish, {""});
+  ControlClient control(daemon.control);
+  const UdpLink link(daemon.udp);
+  const TcpLink tcp(daemon.tcp);
+  std::vector<Rig> rigs;
+  for (int i = 0; i < 4; ++i) rigs.emplace_back("p" + std::to_string(i), 10 + i);
+  for (auto& rig : rigs) link.Send(rig.Body());
+  Rig over_tcp("t");
+  tcp.Send(over_tcp.Body());
+  EXPECT_TRUE(subscriber.WaitForBody());
+  Paced(provoke.empty() ? 360 : 30, 120, [&](int i) {
+    if (i % 60 == 10) (void)control.SetStyle("*", i % 120 == 10 ? "style1" : "style3", 0.9F, 150);
+    tcp.Send(over_tcp.Frame());
+    for (std::size_t r = 0; r < rigs.size(); ++r) {
+      Bytes bytes = rigs[r].Frame([&](v1::SourceFrame& frame) {
+        if (i % 3 == 0) frame.mutable_timecode()->set_frames(7);
+        if (i % 17 == 5) frame.set_rotations(12, std::numeric_limits<float>::quiet_NaN());
+        if (i % 71 == 70) frame.add_rotations(1);
+      });
+      if (i % 23 == 7) continue;
+      if (i % 29 == 3) bytes[60] ^= std::byte{1};
+      link.Send(bytes);
+      if (i % 13 == 2) link.Send(bytes);
+    }
+  });
+  Sleep(0.3);
+  EXPECT_EQ(daemon.Stop(), 0) << daemon.Log();
+  return ReadReport(file);
+}
+
+TEST(HotSectionTest, NothingIsAllocatedLockedLoggedOrThrownBetweenReceiveAndSend) {
+  const Report report = Play("");
+  ASSERT_GT(report.counts.at("sections"), 1000U) << report.text;
+  for (const char* const kind : {"malloc", "free", "lock", "write", "throw"}) {
+    EXPECT_EQ(report.counts.at(kind), 0U) << kind << "\n" << report.text;
+  }
+}
+
+TEST(HotSectionTest, TheHookSeesEachOfThemWhenItHappens) {
+  for (const std::string kind : {"malloc", "free", "lock", "write", "throw"}) {
+    const Report report = Play(kind);
+    EXPECT_GE(report.counts.at(kind), report.counts.at("sections")) << kind << "\n" << report.text;
+    EXPECT_GT(report.counts.at("sections"), 20U) << kind;
+  }
+}
+
+}  // namespace
+}  // namespace styled::support

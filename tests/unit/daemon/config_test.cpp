@@ -1,0 +1,139 @@
+#include "daemon/config/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "daemon/config/address.h"
+#include "tests/support/child.h"
+
+namespace styled::config {
+namespace {
+
+using testing::HasSubstr;
+
+class ConfigTest : public testing::Test {
+ protected:
+  Result<Config> LoadText(const std::string& text, const std::vector<std::string>& settings = {}) {
+    support::WriteText(file_, text);
+    std::vector<Override> overrides;
+    for (const auto& setting : settings) overrides.push_back(ParseOverride(setting).value());
+    return Load(file_, overrides);
+  }
+  std::string Complaint(const std::string& text, const std::vector<std::string>& settings = {}) {
+    const auto config = LoadText(text, settings);
+    return config.ok() ? "" : config.status().message();
+  }
+  support::TemporaryFolder folder_;
+  std::string file_ = folder_ / "c.toml";
+};
+
+TEST_F(ConfigTest, DefaultsNeedNoFileAndAreLocal) {
+  const auto config = Load("", {});
+  ASSERT_TRUE(config.ok()) << config.status().message();
+  EXPECT_EQ(config.value().sources.size(), 2U);
+  EXPECT_TRUE(IsLocal(config.value().publish.address));
+  EXPECT_TRUE(IsLocal(config.value().control.address));
+}
+
+TEST_F(ConfigTest, TheManualIsTheDefaultsAndNamesEveryKey) {
+  const std::string manual = support::ReadText(STYLED_MANUAL);
+  ASSERT_FALSE(manual.empty());
+  EXPECT_EQ(Complaint(manual), "");
+  // Uncommenting every key gives a valid file with the very same values.
+  const std::string all = std::regex_replace(manual, std::regex("\n# ([a-z_]+ = )"), "\n$1");
+  const auto config = LoadText(all);
+  ASSERT_TRUE(config.ok()) << config.status().message();
+  const Config defaults;
+  EXPECT_EQ(config.value().sources, defaults.sources);
+  EXPECT_TRUE(config.value().publish == defaults.publish);
+  EXPECT_TRUE(config.value().control == defaults.control);
+  EXPECT_TRUE(config.value().realtime == defaults.realtime);
+  EXPECT_FLOAT_EQ(config.value().model.stylist.gap_reset_s, defaults.model.stylist.gap_reset_s);
+  EXPECT_FLOAT_EQ(config.value().model.stylist.change_tau_s, defaults.model.stylist.change_tau_s);
+  EXPECT_FLOAT_EQ(config.value().performers.stale_s, defaults.performers.stale_s);
+  EXPECT_FLOAT_EQ(config.value().performers.late_s, defaults.performers.late_s);
+  EXPECT_FLOAT_EQ(config.value().style.transition_s, defaults.style.transition_s);
+  for (const std::string key : {"receive_buffer_bytes", "max_connections", "max_subscriptions",
+                                "weights", "jump_accept_frames", "foreign_fade_ms", "ground",
+                                "clock_back_ms", "backlog_ms", "initial", "dir", "level", "cpu"}) {
+    EXPECT_THAT(manual, HasSubstr(key));
+  }
+}
+
+TEST_F(ConfigTest, ComplaintsNameFileLineKeyAndWhatWasExpected) {
+  EXPECT_EQ(Complaint("\n[publish]\nadress = 'x'\n"),
+            file_ + ":3: publish.adress: unknown key, nearest is \"address\"");
+  EXPECT_EQ(Complaint("[perfomers]\n"),
+            file_ + ":1: perfomers: unknown section, nearest is \"performers\"");
+  EXPECT_THAT(Complaint("[performers]\nstale_ms = 5\n"),
+              HasSubstr(":2: performers.stale_ms: expected a number from 20 to 60000, found 5"));
+  EXPECT_THAT(Complaint("[performers]\nmax_performers = 1.5\n"),
+              HasSubstr("expected a whole number"));
+  EXPECT_THAT(Complaint("[log]\nlevel = 'loud'\n"), HasSubstr("expected one of \"trace\""));
+  EXPECT_THAT(Complaint("[model]\nground = 1\n"), HasSubstr("expected true or false"));
+  EXPECT_THAT(Complaint("[model\n"), HasSubstr(file_ + ":1: "));
+  EXPECT_THAT(Complaint("[source]\nname = 'x'\n"), HasSubstr("double brackets"));
+  EXPECT_THAT(Complaint("[[source]]\nname = 'x'\n"), HasSubstr("source.listen: missing"));
+  EXPECT_THAT(Complaint("[[source]]\nlisten = 'nowhere'\n"), HasSubstr("expected HOST:PORT"));
+  EXPECT_THAT(Complaint("[presets]\nx = 3\n"),
+              HasSubstr(":2: presets.x: expected styles and weights"));
+  EXPECT_THAT(Complaint("[presets]\nx = { a=1, b=1 }\n"), HasSubstr("at most 1.5"));
+  EXPECT_THAT(Complaint("[presets]\nx = { a=0.1, b=0.1, c=0.1, d=0.1, e=0.1 }\n"),
+              HasSubstr("at most 4"));
+  EXPECT_THAT(Complaint("[performers]\nlate_ms = 200\n"),
+              HasSubstr("at most performers.backlog_ms"));
+  const auto missing = Load(folder_ / "none.toml", {});
+  EXPECT_THAT(missing.status().message(), HasSubstr("none.toml"));
+}
+
+TEST_F(ConfigTest, OtherMachinesAreLetInOnlyByAKeyThatSaysSo) {
+  for (const std::string address : {"tcp://0.0.0.0:1", "tcp://*:1", "tcp://192.168.1.2:1",
+                                    "tcp://127.example.org:1", "tcp://[::]:1"}) {
+    EXPECT_THAT(Complaint("[publish]\naddress = '" + address + "'\n"),
+                HasSubstr("not authenticated"))
+        << address;
+    EXPECT_EQ(
+        Complaint("[publish]\naddress = '" + address + "'\nallow_unauthenticated_remote = true\n"),
+        "");
+    EXPECT_THAT(Complaint("[control]\naddress = '" + address + "'\n"),
+                HasSubstr("not authenticated"));
+  }
+  for (const std::string address :
+       {"tcp://127.0.0.1:0", "tcp://localhost:9", "tcp://[::1]:9", "ipc:///tmp/x"}) {
+    EXPECT_EQ(Complaint("[publish]\naddress = '" + address + "'\n"), "") << address;
+  }
+}
+
+TEST_F(ConfigTest, TheCommandLineWinsOverTheEnvironmentAndThatOverTheFile) {
+  const char* const environment[] = {"HOME=/", "STYLED_PERFORMERS_STALE_MS=300", "STYLED_DATA=/x",
+                                     "STYLED_LOG_LEVEL=debug", nullptr};
+  auto overrides = EnvironmentOverrides(environment).value();
+  ASSERT_EQ(overrides.size(), 2U);
+  overrides.push_back(ParseOverride("log.level=error").value());
+  overrides.push_back(ParseOverride("presets.p={a=0.5}").value());
+  overrides.push_back(ParseOverride("source.1.listen=127.0.0.1:9").value());
+  support::WriteText(file_, "[performers]\nstale_ms = 500\nforget_s = 9\n[log]\nlevel = 'warn'\n");
+  const auto config = Load(file_, overrides);
+  ASSERT_TRUE(config.ok()) << config.status().message();
+  EXPECT_FLOAT_EQ(config.value().performers.stale_s, 0.3F);
+  EXPECT_FLOAT_EQ(config.value().performers.forget_s, 9);
+  EXPECT_EQ(config.value().log.level, "error");
+  EXPECT_EQ(config.value().presets.at(0).name, "p");
+  EXPECT_EQ(config.value().sources.at(1).listen, "127.0.0.1:9");
+}
+
+TEST_F(ConfigTest, OverridesAreAsStrictAsTheFile) {
+  EXPECT_THAT(
+      Complaint("", {"publish.adress=x"}),
+      HasSubstr("--set publish.adress: publish.adress: unknown key, nearest is \"address\""));
+  EXPECT_THAT(Complaint("", {"nothing.at=1"}), HasSubstr("unknown section"));
+  EXPECT_THAT(Complaint("", {"source.7.listen=127.0.0.1:1"}), HasSubstr("there are 2 sources"));
+  EXPECT_FALSE(ParseOverride("nonsense").ok());
+  const char* const typo[] = {"STYLED_PUBLISH_ADRESS=x", nullptr};
+  EXPECT_THAT(EnvironmentOverrides(typo).status().message(), HasSubstr("nearest is \"address\""));
+}
+
+}  // namespace
+}  // namespace styled::config

@@ -1,0 +1,236 @@
+#include "daemon/pipeline/pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "tests/support/rig.h"
+#include "tests/unit/erd/random_weights.h"
+
+namespace styled::pipeline {
+namespace {
+
+using runtime::Counter;
+constexpr std::int64_t kMs = 1'000'000;
+
+class FakeClock final : public runtime::Clock {
+ public:
+  std::int64_t Now_ns() const noexcept override { return now_ns; }
+  std::int64_t Wall_ns() const noexcept override { return now_ns + 1'700'000'000'000'000'000; }
+  std::int64_t now_ns = 1'000'000'000'000;
+};
+
+class FakePublisher final : public publish::Publisher {
+ public:
+  void Send(std::string_view topic, std::span<const std::byte> payload) noexcept override {
+    const std::string bytes(reinterpret_cast<const char*>(payload.data()), payload.size());
+    if (topic.starts_with("body/")) {
+      ++bodies;
+    } else if (topic == "stats/") {
+      ++stats;
+    } else {
+      frames.emplace_back().ParseFromString(bytes);
+    }
+  }
+  bool NextSubscription(publish::SubscriptionEvent& event) override {
+    if (events.empty()) return false;
+    event = events.front();
+    events.pop_front();
+    return true;
+  }
+  int fd() const override { return -1; }
+
+  std::vector<v1::Frame> frames;
+  int bodies = 0, stats = 0;
+  std::deque<publish::SubscriptionEvent> events;
+};
+
+// The pipeline with a clock that the test moves, no sockets and no sleep.
+class PipelineTest : public testing::Test {
+ protected:
+  PipelineTest() { publisher_.events.push_back({true, "styled/rig.a/rig/"}); }
+
+  std::shared_ptr<Live> MakeLive() const {
+    auto live = std::make_shared<Live>();
+    live->network = network_;
+    live->weights_name = "random";
+    live->performers = limits_;
+    return live;
+  }
+  Pipeline& pipeline() {
+    if (pipeline_ == nullptr) {
+      pipeline_ = std::make_unique<Pipeline>(
+          Surroundings{clock_, counters_, publisher_, mailboxes_}, std::vector<std::string>{"rig"},
+          std::vector<std::unique_ptr<source::Transport>>(), MakeLive(), 77, 100);
+      Work();
+    }
+    return *pipeline_;
+  }
+  void Work() {
+    while (pipeline_->DoWork() > 0) {
+    }
+  }
+  void Deliver(const std::vector<support::Bytes>& datagrams) {
+    std::vector<std::span<const std::byte>> spans(datagrams.begin(), datagrams.end());
+    pipeline().OnDatagrams(0, spans);
+    Work();
+  }
+  void Pass(std::int64_t ms) {
+    clock_.now_ns += ms * kMs;
+    pipeline();
+    Work();
+  }
+  v1::Reply Ask(const v1::Request& request) {
+    auto exchange = std::make_unique<Exchange>();
+    exchange->request = request;
+    EXPECT_TRUE(mailboxes_.commands.Push(std::move(exchange)));
+    pipeline();
+    Work();
+    EXPECT_TRUE(mailboxes_.replies.Pop(exchange));
+    return exchange->reply;
+  }
+  std::uint64_t Count(Counter counter) const { return counters_.Get(counter); }
+  const std::vector<v1::Frame>& frames() const { return publisher_.frames; }
+
+  std::shared_ptr<const erd::Network> network_ = erd::RandomNetwork(5, 1);
+  config::Performers limits_;
+  FakeClock clock_;
+  runtime::Counters counters_;
+  FakePublisher publisher_;
+  Mailboxes mailboxes_;
+  support::Rig rig_{"a"};
+  std::unique_ptr<Pipeline> pipeline_;
+};
+
+TEST_F(PipelineTest, AFrameLeavesInTheSameCallItCameIn) {
+  Deliver({rig_.Body(), rig_.Frame()});
+  ASSERT_EQ(frames().size(), 1U);
+  EXPECT_EQ(frames()[0].sequence(), 1U);
+  EXPECT_EQ(frames()[0].epoch(), 77U);
+  EXPECT_EQ(frames()[0].performer(), "rig.a");
+}
+
+TEST_F(PipelineTest, UpToTheBacklogAllLateFramesArePublishedBeyondItTheNewestOnly) {
+  Deliver({rig_.Body(), rig_.Frame()});
+  for (int i = 0; i < 20; ++i) {
+    Pass(8);
+    Deliver({rig_.Frame()});
+  }
+  publisher_.frames.clear();
+  // 80 ms pile up: all come, the early ones late.
+  std::vector<support::Bytes> pile;
+  for (int i = 0; i < 10; ++i) pile.push_back(rig_.Frame());
+  Pass(80);
+  Deliver(pile);
+  ASSERT_EQ(frames().size(), 10U);
+  EXPECT_EQ(frames().front().flags() & v1::FLAG_LATE, v1::FLAG_LATE);
+  EXPECT_EQ(frames().back().flags() & v1::FLAG_LATE, 0U);
+  // 200 ms pile up, and then 120 ms of nothing: only the newest.
+  publisher_.frames.clear();
+  pile.clear();
+  for (int i = 0; i < 24; ++i) pile.push_back(rig_.Frame());
+  Pass(320);
+  publisher_.frames.clear();  // the stale one
+  Deliver(pile);
+  ASSERT_EQ(frames().size(), 1U);
+  EXPECT_EQ(frames()[0].source_sequence(), rig_.sequence - 1);
+  EXPECT_NE(frames()[0].flags() & v1::FLAG_LATE, 0U);
+  EXPECT_NE(frames()[0].flags() & v1::FLAG_CONCEALED, 0U) << "the rest is a gap";
+  EXPECT_EQ(Count(Counter::kPipelineBacklogDropped), 23U);
+}
+
+TEST_F(PipelineTest, SilenceIsStaleOnceThenNothingThenForgotten) {
+  Deliver({rig_.Body(), rig_.Frame()});
+  Pass(249);
+  EXPECT_EQ(frames().size(), 1U);
+  EXPECT_EQ(pipeline().NextDeadline_ns(), clock_.now_ns + 1 * kMs);
+  Pass(1);
+  ASSERT_EQ(frames().size(), 2U);
+  EXPECT_EQ(frames()[1].flags() & v1::FLAG_STALE, v1::FLAG_STALE);
+  Pass(30'000);
+  EXPECT_EQ(frames().size(), 2U);
+  EXPECT_EQ(Count(Counter::kPipelinePerformers), 1U);
+  Pass(29'750);
+  EXPECT_EQ(Count(Counter::kPipelinePerformers), 0U);
+  // Back again: its sequence goes on.
+  Deliver({rig_.Body(), rig_.Frame()});
+  ASSERT_EQ(frames().size(), 3U);
+  EXPECT_EQ(frames()[2].sequence(), 3U);
+}
+
+TEST_F(PipelineTest, TheReplyNamesTheFirstSequenceUnderTheChange) {
+  Deliver({rig_.Body(), rig_.Frame(), rig_.Frame()});
+  v1::Request request;
+  request.set_performer("rig.a");
+  auto& mix = *request.mutable_set()->add_mix();
+  mix.set_style("S1");
+  mix.set_weight(1);
+  request.mutable_set()->set_transition_ms(0);
+  const v1::Reply reply = Ask(request);
+  ASSERT_EQ(reply.code(), v1::CODE_OK) << reply.reason();
+  EXPECT_EQ(reply.applied(0).first_sequence(), 3U);
+  Deliver({rig_.Frame()});
+  ASSERT_EQ(frames()[2].sequence(), 3U);
+  ASSERT_EQ(frames()[2].styles_size(), 1);
+  EXPECT_EQ(frames()[2].styles(0).style(), "style1");
+}
+
+TEST_F(PipelineTest, ABodyThatFramesOvertookIsTaken) {
+  const support::Bytes body = rig_.Body();
+  const support::Bytes first = rig_.Frame();
+  Deliver({rig_.Frame()});
+  EXPECT_EQ(Count(Counter::kPipelineBeforeBody), 1U);
+  Deliver({first, body, rig_.Frame()});
+  EXPECT_EQ(frames().size(), 1U);
+  EXPECT_EQ(Count(Counter::kPipelineBeforeBody), 2U);
+}
+
+TEST_F(PipelineTest, ANewSessionMayNameTheLastBodyByItsChecksum) {
+  const support::Bytes body = rig_.Body();
+  Deliver({body, rig_.Frame()});
+  Pass(150);
+  support::Rig restarted("a", 99);
+  restarted.sequence = 1;  // its body was lost
+  Deliver({restarted.Frame()});
+  EXPECT_EQ(Count(Counter::kPipelineBeforeBody), 1U);
+  const auto payload = std::span(body).subspan(native::kHeaderSize);
+  Deliver({restarted.Frame([&](v1::SourceFrame& f) { f.set_body_crc(native::Crc32c(payload)); })});
+  ASSERT_EQ(frames().size(), 2U);
+  EXPECT_EQ(frames()[1].flags() & v1::FLAG_NEW_SESSION, v1::FLAG_NEW_SESSION);
+}
+
+TEST_F(PipelineTest, BodiesGoOutOnChangeOnceASecondAndToNewSubscribers) {
+  Deliver({rig_.Body()});
+  EXPECT_EQ(publisher_.bodies, 0) << "nobody subscribed to them";
+  publisher_.events.push_back({true, "body/"});
+  Pass(0);
+  EXPECT_EQ(publisher_.bodies, 2);
+  publisher_.events.push_back({true, "body/"});
+  Pass(0);
+  EXPECT_EQ(publisher_.bodies, 4) << "the second subscriber too";
+  Pass(1000);
+  EXPECT_EQ(publisher_.bodies, 6);
+}
+
+TEST_F(PipelineTest, NewWeightsKeepLooksByName) {
+  v1::Request request;
+  request.set_performer("*");
+  auto& mix = *request.mutable_set()->add_mix();
+  mix.set_style("style1");
+  mix.set_weight(0.5F);
+  request.mutable_set()->set_transition_ms(0);
+  ASSERT_EQ(Ask(request).code(), v1::CODE_OK);
+  Deliver({rig_.Body(), rig_.Frame()});
+  ASSERT_EQ(frames()[0].styles_size(), 1);
+  network_ = erd::RandomNetwork(3, 9);
+  std::shared_ptr<const Live> live = MakeLive();
+  ASSERT_TRUE(mailboxes_.reloads.Push(std::move(live)));
+  Pass(8);
+  Deliver({rig_.Frame()});
+  ASSERT_EQ(frames().size(), 2U);
+  ASSERT_EQ(frames()[1].styles_size(), 1);
+  EXPECT_EQ(frames()[1].styles(0).style(), "style1");
+}
+
+}  // namespace
+}  // namespace styled::pipeline
