@@ -13,6 +13,7 @@
 #include "model/train/judge/judge_report.h"
 #include "model/train/judge/judge_response.h"
 #include "model/train/judge/judge_stream.h"
+#include "sim/performer/performer.h"
 
 namespace {
 
@@ -30,7 +31,7 @@ constexpr int kAbsent = -1;
 struct Arguments {
   std::string weights, manifest, data, cache, json;
   double long_s = 60;
-  bool absolute = false;
+  bool absolute = false, synthetic = false;
   judge::JudgeSettings judges;
   styled::stylist::Options stylist;
   float transition_s = 0.4F;
@@ -299,6 +300,90 @@ void JudgeWeights(const Arguments& arguments, const Data& data, const Styler& st
                       {"acceleration_steady", response.steady}};
 }
 
+// What the synthetic performer is asked for as one content, and for how long at a time.
+struct Performance {
+  const char* content;
+  std::vector<styled::performer::ScriptItem> script;
+};
+
+std::vector<Performance> Performances() {
+  using enum styled::performer::Motion;
+  constexpr double kPause_s = 1.5;  // gestures fall back to rest in it
+  return {{"walk", {{kWalk, 60}}},
+          {"run", {{kRun, 60}}},
+          {"turn", {{kTurnLeft, 6}, {kWalk, 1.5}, {kTurnRight, 6}, {kWalk, 1.5}}},
+          {"raise",
+           {{kRaiseLeft, 2},
+            {kStand, kPause_s},
+            {kRaiseRight, 2},
+            {kStand, kPause_s},
+            {kRaiseBoth, 2},
+            {kStand, kPause_s}}},
+          {"wave",
+           {{kWaveLeft, 6},
+            {kStand, kPause_s},
+            {kWaveRight, 6},
+            {kStand, kPause_s},
+            {kWaveBoth, 6},
+            {kStand, kPause_s}}}};
+}
+
+// Does the content judge, trained on real clips, recognize the synthetic performer? Counted are
+// windows throughout which it does only what belongs to the content (a pause belongs to none).
+void JudgeSynthetic(const Data& data, const judge::Judges& judges,
+                    const judge::Evaluator& evaluator, nlohmann::json& json) {
+  namespace performer = styled::performer;
+  constexpr int kPerformers = 6;
+  constexpr int kSeconds = 60;
+  const std::vector<std::string>& contents = data.manifest.contents;
+  std::printf("\nsynthetic performer, windows that the content judge recognizes\n");
+  std::vector<judge::ClipVerdict> verdicts;
+  for (const Performance& performance : Performances()) {
+    const auto found = std::find(contents.begin(), contents.end(), performance.content);
+    if (found == contents.end()) continue;
+    const int content = static_cast<int>(found - contents.begin());
+    const performer::Motion pause = performance.script.back().motion;
+    const bool pauses = performance.script.size() > 1;
+    std::vector<int> answers(contents.size(), 0);
+    for (int k = 0; k < kPerformers; ++k) {
+      performer::Performer human(
+          performer::Vary(1, static_cast<std::uint64_t>(k), performance.script));
+      judge::Poses poses(static_cast<std::size_t>(kSeconds * judge::kJudgeRate_hz));
+      std::vector<int> counted(poses.size(), 0);  // frames since the last pause
+      for (std::size_t i = 0; i < poses.size(); ++i) {
+        human.Pose(static_cast<double>(i) / judge::kJudgeRate_hz, poses[i]);
+        const bool paused = pauses && human.motion() == pause;
+        counted[i] = paused ? 0 : (i > 0 ? counted[i - 1] : 0) + 1;
+      }
+      const judge::Verdicts said =
+          judges.Judge(judge::MakeSequence(poses, 0, content, false, judges.parameters()), 8);
+      judge::ClipVerdict verdict{.cell = content, .clip = k};
+      for (std::size_t i = 0; i < said.starts.size(); ++i) {
+        // Frame f of the sequence is pose f + 1.
+        const int window = judges.settings().window;
+        if (counted[static_cast<std::size_t>(said.starts[i] + window)] < window) continue;
+        verdict.windows += 1;
+        verdict.hits += said.content[i] == content;
+        ++answers[static_cast<std::size_t>(said.content[i])];
+      }
+      verdicts.push_back(verdict);
+    }
+    double total = 0;
+    for (const int count : answers) total += count;
+    const double share = answers[static_cast<std::size_t>(content)] / std::max(1.0, total);
+    std::printf("  %-6s %.3f of %4.0f:", performance.content, share, total);
+    for (std::size_t i = 0; i < contents.size(); ++i) {
+      std::printf("  %s %d", contents[i].c_str(), answers[i]);
+    }
+    std::printf("\n");
+    json["synthetic"][performance.content] = {{"recognized", share}, {"windows", total}};
+  }
+  const judge::Share all = judge::MacroShare(verdicts, 1);
+  std::printf("  mean   %.3f [%.3f %.3f]; on real clips %.3f\n", all.value, all.low, all.high,
+              evaluator.real_content().value);
+  json["synthetic"]["mean"] = all.value;
+}
+
 Status Run(const Arguments& arguments) {
   Result<Data> loaded = Load(arguments);
   if (!loaded.ok()) return loaded.status();
@@ -323,6 +408,8 @@ Status Run(const Arguments& arguments) {
       evaluator.CellName(style.worst_cell).c_str(), content.value, content.low, content.high,
       content.worst, evaluator.CellName(content.worst_cell).c_str());
   nlohmann::json json = {{"judges_on_real", evaluator.RealToJson()}};
+
+  if (arguments.synthetic) JudgeSynthetic(data, judges, evaluator, json);
 
   const std::vector<judge::ConstantOffset> baselines = Baselines(data);
   const std::vector<int> all(data.manifest.styles.size(), 0);
@@ -369,6 +456,10 @@ int main(int argc, char** argv) {
   app.add_option("--change-tau", arguments.stylist.change_tau_s,
                  "Low-pass on the change of style, seconds")
       ->capture_default_str();
+  app.add_flag("--synthetic", arguments.synthetic,
+               "Does the content judge recognize the synthetic performer?");
+  app.add_flag("!--no-ground", arguments.stylist.ground,
+               "Do not shift the styled body vertically: what of jitter and skate is grounding");
   app.add_option("--transition", arguments.transition_s, "Cross-fade of a switch, seconds")
       ->capture_default_str();
   app.add_option("--judge-iterations", arguments.judges.iterations, "Training steps of the judges")

@@ -10,10 +10,11 @@
 namespace styled::judge {
 namespace {
 
-constexpr float kFeatureNoise = 0.15F;   // on standardized features, while training
-// And a constant offset per window and feature: what a whole recording session shares (where the
-// markers sat, who the actor was) must not decide what a style is.
-constexpr float kOffsetNoise = 0.5F;
+constexpr float kFeatureNoise = 0.15F;  // on standardized features, while training
+// And, for the style judge, a constant offset per window and feature, as large as the feature's own
+// deviation: what a recording session shares (markers, actor) must not decide what a style is, and
+// a small constant signature must not pass for one.
+constexpr float kOffsetNoise = 1.0F;
 constexpr float kRotationNoise = 0.03F;  // the auto-encoder's, on quaternions
 constexpr float kDropout = 0.3F;
 constexpr float kRate = 1e-3F;
@@ -186,10 +187,10 @@ void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int
     sampler.Fill(batch, windows.data_ptr<float>(), style_label.data_ptr<std::int64_t>(),
                  content_label.data_ptr<std::int64_t>());
     const torch::Tensor x = Standardize(windows);
-    const torch::Tensor noisy = x + kFeatureNoise * torch::randn_like(x) +
-                                kOffsetNoise * torch::randn({batch, body::kFeatureCount, 1});
+    const torch::Tensor noisy = x + kFeatureNoise * torch::randn_like(x);
+    const torch::Tensor offset = kOffsetNoise * torch::randn({batch, body::kFeatureCount, 1});
     const torch::Tensor style_loss =
-        torch::nn::functional::cross_entropy(style(noisy), style_label);
+        torch::nn::functional::cross_entropy(style(noisy + offset), style_label);
     const torch::Tensor content_loss =
         torch::nn::functional::cross_entropy(content(noisy), content_label);
     const torch::Tensor r = Rotations(windows);

@@ -5,6 +5,7 @@
 
 #include "model/body/features.h"
 #include "model/rig/dialects.h"
+#include "model/stylist/grounding.h"
 
 namespace styled::judge {
 
@@ -60,10 +61,7 @@ body::Pose ConstantOffset::Apply(const body::Pose& pose) const {
   for (int joint = 0; joint < body::kJointCount; ++joint) {
     out.rotations[joint] = (pose.rotations[joint] * offset[joint]).normalized();
   }
-  body::WorldPose before, after;
-  body::ForwardKinematics(pose, before);
-  body::ForwardKinematics(out, after);
-  out.hips_position_m.y() += body::LowestFoot_m(before) - body::LowestFoot_m(after);
+  stylist::Ground(pose, out);
   return out;
 }
 
