@@ -2,7 +2,10 @@
 
 #include <zmq.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
+#include <utility>
 
 #include "daemon/runtime/descriptor.h"
 #include "model/base/status.h"
