@@ -35,16 +35,16 @@ enum class SettingsError {
 
 // How streams are handled; the same for all performers. Defaults are those of styled.toml.
 struct Options {
-  float change_tau_s = 0.05F;   // low-pass on the change of style, never on the motion; 0 = none
-  float gap_reset_s = 0.25F;    // a longer hole in source time starts the recurrent state anew
-  float restart_fade_s = 0.2F;  // cross-fade over such a start
-  float jump_m = 1.0F;          // a root step beyond this (and 12 m/s) is held, canonical metres
-  int jump_accept_frames = 10;  // consistent frames after which a jump is believed
-  float foreign_begin_rad = 0.35F;  // rms reconstruction error where the style begins to fade out
-  float foreign_end_rad = 0.6F;     // ... and where it is gone
-  float foreign_fade_s = 0.3F;      // time constant of that fade
-  bool ground = true;      // lowest foot as high as the input's
-  bool bypass = true;      // false: without style too, every pose goes through bind and unbind
+  float change_tau_s = 0.05F;      // low-pass on the change of style, never on the motion; 0 = none
+  float gap_reset_s = 0.25F;       // a longer hole in source time starts the recurrent state anew
+  float restart_fade_s = 0.2F;     // cross-fade over such a start
+  float jump_m = 1.0F;             // a root step beyond this (and 12 m/s) is held, canonical metres
+  int jump_accept_frames = 10;     // consistent frames after which a jump is believed
+  float foreign_begin_rad = 0.7F;  // rms reconstruction error where the style begins to fade out
+  float foreign_end_rad = 1.1F;    // ... and where it is gone
+  float foreign_fade_s = 0.3F;     // time constant of that fade
+  bool ground = true;              // lowest foot as high as the input's
+  bool bypass = true;  // false: without style too, every pose goes through bind and unbind
 };
 
 enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist decides
