@@ -5,9 +5,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <stdexcept>
 
 #include "model/body/features.h"
 #include "model/body/humanoid.h"
+#include "model/erd/safetensors.h"
+#include "model/train/dataset.h"
 
 namespace styled::train {
 namespace {
@@ -27,6 +30,49 @@ Status Rename(const std::filesystem::path& file) {
   std::error_code error;
   std::filesystem::rename(Partial(file), file, error);
   return error ? Status::Error(file.string() + ": " + error.message()) : Status::Ok();
+}
+
+// The generator's parameters under the names of the format; views, not copies.
+std::vector<std::pair<std::string, Tensor>> FormatTensors(const Generator& generator) {
+  std::vector<std::pair<std::string, Tensor>> tensors;
+  const auto add_stack = [&tensors](const Stack& stack, int64_t first_style) {
+    for (int64_t group = 0; group < stack.groups; ++group) {
+      for (std::size_t layer = 0; layer < stack.input.size(); ++layer) {
+        const std::string prefix =
+            "recurrent." + std::to_string(first_style + group) + "." + std::to_string(layer) + ".";
+        tensors.emplace_back(prefix + "input", stack.input[layer][group]);
+        tensors.emplace_back(prefix + "hidden", stack.hidden[layer][group]);
+        tensors.emplace_back(prefix + "bias", stack.bias[layer][group]);
+        tensors.emplace_back(prefix + "h0", stack.h0[layer][group]);
+        tensors.emplace_back(prefix + "c0", stack.c0[layer][group]);
+      }
+    }
+  };
+  add_stack(generator.neutral, 0);
+  add_stack(generator.branches, 1);
+  for (const auto& [name, tensor] : generator.parameters.named()) {
+    if (!name.starts_with("neutral.") && !name.starts_with("branches.")) {
+      tensors.emplace_back(name, tensor);
+    }
+  }
+  return tensors;
+}
+
+// The named tensor of a weights file; throws where it is missing or has another shape.
+Tensor TensorOf(const erd::SafetensorsView& view, const std::string& name,
+                torch::IntArrayRef shape) {
+  const auto found = view.tensors.find(name);
+  if (found == view.tensors.end()) throw std::runtime_error("no tensor " + name);
+  const erd::TensorView& tensor = found->second;
+  if (tensor.dtype != "F32" || !shape.equals(tensor.shape)) {
+    std::ostringstream text;
+    text << "tensor " << name << ": found " << tensor.dtype << " "
+         << torch::IntArrayRef(tensor.shape) << ", expected F32 " << shape;
+    throw std::runtime_error(text.str());
+  }
+  Tensor out = torch::empty(shape);
+  std::memcpy(out.data_ptr(), tensor.bytes.data(), tensor.bytes.size());
+  return out;
 }
 
 }  // namespace
@@ -130,24 +176,7 @@ Status WriteWeights(const Generator& generator, const Tensor& mean, const Tensor
   };
   add("feature.mean", mean);
   add("feature.deviation", deviation);
-  const auto add_stack = [&add](const Stack& stack, int64_t first_style) {
-    for (int64_t group = 0; group < stack.groups; ++group) {
-      for (std::size_t layer = 0; layer < stack.input.size(); ++layer) {
-        const std::string prefix =
-            "recurrent." + std::to_string(first_style + group) + "." + std::to_string(layer) + ".";
-        add(prefix + "input", stack.input[layer][group]);
-        add(prefix + "hidden", stack.hidden[layer][group]);
-        add(prefix + "bias", stack.bias[layer][group]);
-        add(prefix + "h0", stack.h0[layer][group]);
-        add(prefix + "c0", stack.c0[layer][group]);
-      }
-    }
-  };
-  add_stack(generator.neutral, 0);
-  add_stack(generator.branches, 1);
-  for (const auto& [name, tensor] : generator.parameters.named()) {
-    if (!name.starts_with("neutral.") && !name.starts_with("branches.")) add(name, tensor);
-  }
+  for (const auto& [name, tensor] : FormatTensors(generator)) add(name, tensor);
 
   // 2. The header.
   Json header;
@@ -179,6 +208,36 @@ Status WriteWeights(const Generator& generator, const Tensor& mean, const Tensor
   out.close();
   if (!out) return Status::Error(file.string() + ": cannot be written");
   return Rename(file);
+}
+
+Result<LoadedWeights> ReadWeights(const std::filesystem::path& file) {
+  const Result<std::vector<std::byte>> bytes = erd::ReadFile(file);
+  if (!bytes.ok()) return bytes.status();
+  const Result<erd::SafetensorsView> view = erd::ParseSafetensors(bytes.value(), file.string());
+  if (!view.ok()) return view.status();
+  try {
+    const torch::NoGradGuard no_grad;
+    LoadedWeights out;
+    const std::string& text = view.value().metadata.at("styled");
+    const Result<GeneratorShape> shape = ShapeFromJson(text);
+    if (!shape.ok()) return Status::Error(file.string() + ": " + shape.status().message());
+    const Json json = Json::parse(text);
+    for (const Json& style : json.at("styles")) out.styles.push_back(style.at("name"));
+    out.mean = TensorOf(view.value(), "feature.mean", {body::kFeatureCount});
+    out.deviation = TensorOf(view.value(), "feature.deviation", {body::kFeatureCount});
+    out.generator = std::make_unique<Generator>(shape.value(), out.mean, out.deviation);
+    for (const auto& [name, tensor] : FormatTensors(*out.generator)) {
+      tensor.copy_(TensorOf(view.value(), name, tensor.sizes()));
+    }
+    out.features.rate_hz = json.at("rate_hz");
+    out.features.heading_tau_s = json.at("heading_tau_s");
+    body::Features mean;
+    std::copy_n(out.mean.data_ptr<float>(), mean.size(), mean.begin());
+    SetHemisphere(mean, out.features);
+    return out;
+  } catch (const std::exception& error) {
+    return Status::Error(file.string() + ": " + Reason(error));
+  }
 }
 
 }  // namespace styled::train

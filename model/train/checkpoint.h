@@ -5,10 +5,12 @@
 #include <exception>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "model/base/status.h"
+#include "model/body/features.h"
 #include "model/train/networks.h"
 
 namespace styled::train {
@@ -42,5 +44,15 @@ Status WriteWeights(const Generator& generator, const torch::Tensor& mean,
 
 // The shape that a ToJson string describes.
 Result<GeneratorShape> ShapeFromJson(const std::string& json);
+
+// What WriteWeights wrote, back in a generator on the CPU: shipped weights under the trainer's own
+// code, for tests/parity. Errors name file and tensor.
+struct LoadedWeights {
+  std::unique_ptr<Generator> generator;
+  torch::Tensor mean, deviation;
+  body::FeatureParameters features;  // rate, heading filter, hemisphere
+  std::vector<std::string> styles;   // names; [0] is neutral
+};
+Result<LoadedWeights> ReadWeights(const std::filesystem::path& file);
 
 }  // namespace styled::train
