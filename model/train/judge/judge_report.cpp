@@ -130,6 +130,17 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
     of.cra = MacroShare(Of(cra, style, contents_), kSeed);
     of.cra_input = MacroShare(Of(cra_input, style, contents_), kSeed);
     of.sra_real = MacroShare(Of(real_styles_, style, contents_), kSeed);
+    for (int content = 0; content < contents_; ++content) {
+      const auto share = [&](const std::vector<ClipVerdict>& verdicts) {
+        Mean mean;
+        for (const ClipVerdict& verdict : verdicts) {
+          if (verdict.cell == cell_of(style, content)) mean.Add({verdict.hits, verdict.windows});
+        }
+        return mean.value();
+      };
+      of.sra_by_content.push_back(share(sra));
+      of.cra_by_content.push_back(share(cra));
+    }
     MeasureStyle(style, out, in, of);
     double at_30_out = 0;
     double at_30_in = 0;
@@ -146,6 +157,8 @@ void Evaluator::MeasureStyle(int style, const Cells& out, const Cells& in,
                              StyleFigures& figures) const {
   Eigen::VectorXd shift = Eigen::VectorXd::Zero(body::kPositionFeatures);
   Eigen::VectorXd real_shift = shift;
+  Eigen::VectorXd other_shift = shift;
+  figures.expression_by_content.resize(static_cast<std::size_t>(contents_));
   std::vector<int> counts(static_cast<std::size_t>(contents_), 0);
   double jerk_out = 0;
   double jerk_in = 0;
@@ -158,9 +171,12 @@ void Evaluator::MeasureStyle(int style, const Cells& out, const Cells& in,
     if (styled.frames == 0 || real.frames == 0 || neutral.frames == 0) continue;
     const Eigen::VectorXd here = styled.MeanPose() - input.MeanPose();
     const Eigen::VectorXd real_here = real.MeanPose() - neutral.MeanPose();
+    figures.expression_by_content[content] = MeasureExpression(here, real_here);
     if (manifest_.contents[content] == "walk") {
-      figures.expression_walk = MeasureExpression(here, real_here);
+      figures.expression_walk = figures.expression_by_content[content];
     }
+    other_shift += other_real_[cell_of(style, content)].MeanPose() -
+                   other_real_[cell_of(0, content)].MeanPose();
     shift += here;
     real_shift += real_here;
     jerk_out += styled.jerk.value();
@@ -172,6 +188,7 @@ void Evaluator::MeasureStyle(int style, const Cells& out, const Cells& in,
     figures.fmd_windows += counts[content];
   }
   figures.expression = MeasureExpression(shift, real_shift);
+  figures.expression_real = MeasureExpression(other_shift, real_shift);
   figures.jitter_stream = jerk_in > 0 ? jerk_out / jerk_in : 0;
   figures.jitter_real = jerk_in > 0 ? jerk_real / jerk_in : 0;
   if (figures.fmd_windows < 2 * kFmdDimensions) return;
@@ -219,6 +236,8 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
         {"expression_cosine", of.expression.cosine},
         {"expression_walk", of.expression_walk.fraction},
         {"expression_walk_cosine", of.expression_walk.cosine},
+        {"expression_of_training_clips", of.expression_real.fraction},
+        {"expression_cosine_of_training_clips", of.expression_real.cosine},
         {"fmd", of.fmd},
         {"fmd_real_real", of.fmd_real},
         {"fmd_neutral_target", of.fmd_neutral},
@@ -230,6 +249,14 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
         {"skate_out_cm_s", of.feet.skate_out_cm_s.value()},
         {"penetration_cm", of.feet.penetration_cm.value()},
         {"deepest_cm", of.feet.deepest_cm}};
+    nlohmann::json& by_content = json["styles"][manifest_.styles[style].name]["by_content"];
+    for (int content = 0; content < contents_; ++content) {
+      const Expression& expression = of.expression_by_content[content];
+      by_content[manifest_.contents[content]] = {{"sra", of.sra_by_content[content]},
+                                                 {"cra", of.cra_by_content[content]},
+                                                 {"expression", expression.fraction},
+                                                 {"expression_cosine", expression.cosine}};
+    }
   }
   return json;
 }
@@ -248,19 +275,22 @@ nlohmann::json Evaluator::RealToJson() const {
 void Evaluator::Print(const Figures& figures) const {
   std::printf("\n%s\n", figures.name.c_str());
   std::printf(
-      "%-10s %-16s %-5s %-16s %-5s  %-11s %-11s  %-6s %-5s %-6s  %-6s %-5s %-5s  %-12s %-9s\n",
-      "style", "SRA [95 %]", "real", "CRA [95 %]", "in", "expr  cos", "walk  cos", "FMD", "real",
-      "neutr", "jit120", "jit30", "real", "skate cm/s", "floor cm");
+      "%-10s %-16s %-5s %-16s %-5s  %-11s %-11s %-11s  %-6s %-5s %-6s  %-6s %-5s %-5s  %-12s "
+      "%-9s\n",
+      "style", "SRA [95 %]", "real", "CRA [95 %]", "in", "expr  cos", "walk  cos", "real  cos",
+      "FMD", "real", "neutr", "jit120", "jit30", "real", "skate cm/s", "floor cm");
   StyleFigures mean;
   double styles = 0;
   const auto row = [](const char* name, const StyleFigures& of) {
     std::printf(
-        "%-10s %.3f [%.2f %.2f] %.3f %.3f [%.2f %.2f] %.3f  %5.2f %5.2f %5.2f %5.2f  %6.2f %5.2f "
+        "%-10s %.3f [%.2f %.2f] %.3f %.3f [%.2f %.2f] %.3f  %5.2f %5.2f %5.2f %5.2f %5.2f %5.2f  "
+        "%6.2f %5.2f "
         "%6.2f  %6.2f %5.2f %5.2f  %5.1f > %4.1f %4.2f %4.1f\n",
         name, of.sra.value, of.sra.low, of.sra.high, of.sra_real.value, of.cra.value, of.cra.low,
         of.cra.high, of.cra_input.value, of.expression.fraction, of.expression.cosine,
-        of.expression_walk.fraction, of.expression_walk.cosine, of.fmd, of.fmd_real, of.fmd_neutral,
-        of.jitter_stream, of.jitter_clip, of.jitter_real, of.feet.skate_in_cm_s.value(),
+        of.expression_walk.fraction, of.expression_walk.cosine, of.expression_real.fraction,
+        of.expression_real.cosine, of.fmd, of.fmd_real, of.fmd_neutral, of.jitter_stream,
+        of.jitter_clip, of.jitter_real, of.feet.skate_in_cm_s.value(),
         of.feet.skate_out_cm_s.value(), of.feet.penetration_cm.value(), of.feet.deepest_cm);
   };
   for (int style = 1; style < styles_; ++style) {
@@ -272,6 +302,8 @@ void Evaluator::Print(const Figures& figures) const {
     mean.expression.cosine += of.expression.cosine;
     mean.expression_walk.fraction += of.expression_walk.fraction;
     mean.expression_walk.cosine += of.expression_walk.cosine;
+    mean.expression_real.fraction += of.expression_real.fraction;
+    mean.expression_real.cosine += of.expression_real.cosine;
     mean.fmd += of.fmd;
     mean.fmd_real += of.fmd_real;
     mean.fmd_neutral += of.fmd_neutral;
@@ -282,7 +314,8 @@ void Evaluator::Print(const Figures& figures) const {
   }
   for (double* value :
        {&mean.sra_real.value, &mean.expression.fraction, &mean.expression.cosine,
-        &mean.expression_walk.fraction, &mean.expression_walk.cosine, &mean.fmd, &mean.fmd_real,
+        &mean.expression_walk.fraction, &mean.expression_walk.cosine,
+        &mean.expression_real.fraction, &mean.expression_real.cosine, &mean.fmd, &mean.fmd_real,
         &mean.fmd_neutral, &mean.jitter_stream, &mean.jitter_clip, &mean.jitter_real}) {
     *value /= std::max(1.0, styles);
   }

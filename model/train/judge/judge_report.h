@@ -26,7 +26,10 @@ struct StyleFigures {
   Share sra, cra;
   Share sra_real;   // the style judge on real clips of the target
   Share cra_input;  // the content judge on the inputs
+  std::vector<double> sra_by_content, cra_by_content;
   Expression expression, expression_walk;
+  Expression expression_real;  // the training clips' shift, neutral to target: what can be reached
+  std::vector<Expression> expression_by_content;
   double fmd = 0, fmd_real = 0, fmd_neutral = 0;  // real: target against the training clips' target
   double fmd_windows = 0;                         // on either side
   double jitter_stream = 0, jitter_clip = 0;      // jerk out over in, at 120 Hz and at 30
