@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "tests/unit/erd/random_weights.h"
+
+namespace styled::erd {
+
+// A performer's worth of steps for a bench: made-up features, `styles` styles at equal weights.
+struct StepRun {
+  static constexpr int kFrames = 256;
+
+  std::shared_ptr<const Network> network;
+  std::vector<body::Features> frames{kFrames};
+  std::vector<ActiveStyle> active;
+  State state;
+  StepOutput out;
+  int frame = 0;
+
+  StepRun(std::shared_ptr<const Network> the_network, int styles)
+      : network(std::move(the_network)) {
+    for (int f = 0; f < kFrames; ++f) {
+      for (int i = 0; i < body::kFeatureCount; ++i) {
+        frames[f][i] = 0.5F * std::sin(0.01F * static_cast<float>(f * (1 + i % 7) + 37 * i));
+      }
+    }
+    for (int s = 1; s <= styles; ++s) active.push_back({s, 1.0F / static_cast<float>(styles)});
+    network->Start(state);
+  }
+  const body::Features& NextFrame() { return frames[frame++ % kFrames]; }
+  void Step() { network->Step(NextFrame(), 0, active, state, out); }
+};
+
+// Other work between two frames at 120 Hz: 8 MB through the caches, so that a step finds the L2
+// cold.
+class OtherWork {
+ public:
+  int Read() const { return std::accumulate(data_.begin(), data_.end(), 0); }
+
+ private:
+  std::vector<int> data_ = std::vector<int>((std::size_t{8} << 20) / sizeof(int), 1);
+};
+
+}  // namespace styled::erd

@@ -1,0 +1,231 @@
+// Our step, hot and L2-cold, and libtorch's forward of the same network, weights and frames beside
+// it, in one run: one performer, one style, one frame at a time, one thread. libtorch runs eagerly
+// without gradients, in three forms: the recurrent layers op by op, by at::lstm, which takes all
+// layers in one call, and by the trainer's own kernel, which is no libtorch at all. All are timed
+// in turn in many short rounds, so that a busy machine is unfair to none of them; the medians are
+// compared. Never asserted by wall time.
+#include <torch/torch.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <tuple>
+
+#include "model/train/checkpoint.h"
+#include "model/train/lstm.h"
+#include "tests/bench/step_run.h"
+
+namespace styled::erd {
+namespace {
+
+using torch::Tensor;
+
+constexpr int kRounds = 40;
+
+enum class Recurrent { kOps, kLstm, kTrainer };
+
+// One frame at a time through the trainer's generator, of whose branches only one runs.
+class TorchRun {
+ public:
+  TorchRun(const train::LoadedWeights& weights, int style, Recurrent recurrent)
+      : generator_(*weights.generator),
+        recurrent_(recurrent),
+        mean_(weights.mean),
+        deviation_(weights.deviation),
+        neutral_(generator_.neutral),
+        branch_(Only(generator_.branches, style)),
+        neutral_state_(neutral_.Initial(1)),
+        branch_state_(branch_.Initial(1)),
+        neutral_fused_(neutral_),
+        branch_fused_(branch_) {
+    own_style_ = torch::zeros({1}, torch::kInt64);
+    own_ = torch::zeros({1, generator_.shape.styles});
+    own_[0][0] = 1.0;
+    target_ = torch::zeros({1, generator_.shape.styles});
+    target_[0][style] = 1.0;
+  }
+
+  void Step(const body::Features& features) {
+    const Tensor x = torch::from_blob(const_cast<float*>(features.data()),
+                                      {1, 1, body::kFeatureCount}, torch::kFloat32);
+    const Tensor z = generator_.Encode((x - mean_) / deviation_, own_style_);
+    const Tensor r0 = Run(neutral_, neutral_state_, neutral_fused_, z);
+    const Tensor rs = Run(branch_, branch_state_, branch_fused_, z);
+    reconstruction = generator_.Decode(r0, own_).rotations;
+    styled = generator_.Decode(r0 + rs, target_).rotations;
+  }
+
+  Tensor reconstruction, styled;
+
+ private:
+  // A stack as at::lstm takes it: all layers in one call.
+  struct Fused {
+    explicit Fused(const train::Stack& stack) : layers(static_cast<int64_t>(stack.input.size())) {
+      for (int64_t l = 0; l < layers; ++l) {
+        const Tensor bias = stack.bias[l][0].contiguous();
+        parameters.insert(parameters.end(),
+                          {stack.input[l][0].contiguous(), stack.hidden[l][0].contiguous(), bias,
+                           torch::zeros_like(bias)});
+      }
+      std::vector<Tensor> h, c;
+      for (int64_t l = 0; l < layers; ++l) {
+        h.push_back(stack.h0[l]);
+        c.push_back(stack.c0[l]);
+      }
+      state = {torch::stack(h), torch::stack(c)};
+    }
+    Tensor operator()(const Tensor& z) {
+      auto [y, h, c] = torch::lstm(z, state, parameters, true, layers, 0.0, false, false, false);
+      state = {h, c};
+      return y;
+    }
+    int64_t layers;
+    std::vector<Tensor> parameters, state;
+  };
+
+  Tensor Run(const train::Stack& stack, train::StackState& state, Fused& fused,
+             const Tensor& z) const {
+    if (recurrent_ == Recurrent::kLstm) return fused(z);
+    Tensor x = z.unsqueeze(0);
+    if (recurrent_ == Recurrent::kTrainer) return stack(x, state)[0];
+    for (std::size_t l = 0; l < stack.input.size(); ++l) {
+      std::tie(x, state.c[l]) = train::LstmLayerByOps(x, stack.input[l], stack.hidden[l],
+                                                      stack.bias[l], state.h[l], state.c[l]);
+      state.h[l] = x.squeeze(1);
+    }
+    return x[0];
+  }
+
+  static train::Stack Only(const train::Stack& all, int style) {
+    train::Stack one;
+    for (std::size_t l = 0; l < all.input.size(); ++l) {
+      const auto slice = [style](const Tensor& tensor) {
+        return tensor.narrow(0, style - 1, 1).contiguous();
+      };
+      one.input.push_back(slice(all.input[l]));
+      one.hidden.push_back(slice(all.hidden[l]));
+      one.bias.push_back(slice(all.bias[l]));
+      one.h0.push_back(slice(all.h0[l]));
+      one.c0.push_back(slice(all.c0[l]));
+    }
+    return one;
+  }
+
+  const train::Generator& generator_;
+  Recurrent recurrent_;
+  Tensor mean_, deviation_, own_style_, own_, target_;
+  train::Stack neutral_, branch_;
+  train::StackState neutral_state_, branch_state_;
+  Fused neutral_fused_, branch_fused_;
+};
+
+// Largest difference between our outputs of a frame and libtorch's.
+double Difference(const StepOutput& ours, const TorchRun& theirs) {
+  double largest = 0;
+  const auto compare = [&largest](const Decoded& decoded, const Tensor& rotations) {
+    const float* values = rotations.data_ptr<float>();
+    for (int i = 0; i < body::kRotationFeatures; ++i) {
+      const double found = decoded.rotations[i / 4].coeffs()[i % 4];
+      largest = std::max(largest, std::abs(found - values[i]));
+    }
+  };
+  compare(ours.reconstruction, theirs.reconstruction);
+  compare(ours.styled, theirs.styled);
+  return largest;
+}
+
+struct Timing {
+  const char* name;
+  int steps;  // per round
+  std::function<void()> before, step;
+  std::vector<double> times_us = {};
+
+  void Round() {
+    using Clock = std::chrono::steady_clock;
+    for (int i = 0; i < steps; ++i) {
+      if (before) before();
+      const auto begin = Clock::now();
+      step();
+      times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+    }
+  }
+  double Percentile_us(int percent) {
+    std::sort(times_us.begin(), times_us.end());
+    return times_us[times_us.size() * static_cast<std::size_t>(percent) / 100];
+  }
+};
+
+Result<train::LoadedWeights> LoadRandomWeights(int styles, unsigned seed) {
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("styled-torch-bench-" + std::to_string(getpid()) + ".safetensors");
+  const auto bytes = RandomWeights(styles, seed).Bytes();
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  auto weights = train::ReadWeights(file);
+  std::filesystem::remove(file);
+  return weights;
+}
+
+int Main() {
+  torch::set_num_threads(1);
+  const torch::NoGradGuard no_grad;
+  constexpr int kStyles = 7;
+  auto weights = LoadRandomWeights(kStyles, 1);
+  if (!weights.ok()) {
+    std::fprintf(stderr, "%s\n", weights.status().message().c_str());
+    return 1;
+  }
+  const auto network = RandomNetwork(kStyles, 1);
+  StepRun hot(network, 1), cold(network, 1);
+  StepRun inputs(network, 1);  // for its frames
+  TorchRun ops(weights.value(), 1, Recurrent::kOps), lstm(weights.value(), 1, Recurrent::kLstm),
+      trainer(weights.value(), 1, Recurrent::kTrainer);
+  const OtherWork other;
+  int sink = 0;
+  std::vector<Timing> timings{
+      {"our step, hot", 500, nullptr, [&] { hot.Step(); }},
+      {"our step, L2-cold", 50, [&] { sink += other.Read(); }, [&] { cold.Step(); }},
+      {"libtorch, op by op", 25, nullptr, [&] { ops.Step(inputs.NextFrame()); }},
+      {"libtorch, at::lstm", 25, nullptr, [&] { lstm.Step(inputs.NextFrame()); }},
+      {"libtorch, at::lstm, L2-cold", 25, [&] { sink += other.Read(); },
+       [&] { lstm.Step(inputs.NextFrame()); }},
+      {"libtorch, the trainer's kernel", 25, nullptr, [&] { trainer.Step(inputs.NextFrame()); }},
+  };
+
+  // The same work first: equal outputs on equal frames.
+  StepRun check(network, 1);
+  double difference = 0;
+  for (int i = 0; i < StepRun::kFrames; ++i) {
+    check.Step();
+    for (TorchRun* run : {&ops, &lstm, &trainer}) {
+      run->Step(check.frames[i]);
+      difference = std::max(difference, Difference(check.out, *run));
+    }
+  }
+
+  for (int round = 0; round < kRounds + 1; ++round) {
+    for (Timing& timing : timings) timing.Round();
+    if (round > 0) continue;
+    for (Timing& timing : timings) timing.times_us.clear();  // the first round warms up
+  }
+  std::printf("one performer, one style, one frame, one thread; largest difference %.1e\n\n",
+              difference);
+  std::printf("%-32s %9s %9s %12s\n", "", "p50 us", "p99 us", "of our hot");
+  const double ours_us = timings[0].Percentile_us(50);
+  for (Timing& timing : timings) {
+    const double p50_us = timing.Percentile_us(50);
+    std::printf("%-32s %9.2f %9.2f %11.1fx\n", timing.name, p50_us, timing.Percentile_us(99),
+                p50_us / ours_us);
+  }
+  return difference < 1e-4 && sink != 1 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace styled::erd
+
+int main() { return styled::erd::Main(); }
