@@ -3,18 +3,6 @@
 #include <algorithm>
 
 namespace styled::pipeline {
-namespace {
-
-bool SameOptions(const stylist::Options& a, const stylist::Options& b) {
-  return a.change_tau_s == b.change_tau_s && a.gap_reset_s == b.gap_reset_s &&
-         a.restart_fade_s == b.restart_fade_s && a.jump_m == b.jump_m &&
-         a.jump_accept_frames == b.jump_accept_frames &&
-         a.foreign_begin_rad == b.foreign_begin_rad && a.foreign_end_rad == b.foreign_end_rad &&
-         a.foreign_fade_s == b.foreign_fade_s && a.ground == b.ground && a.bypass == b.bypass;
-}
-
-}  // namespace
-
 Roster::Roster(std::vector<std::string> source_names, std::shared_ptr<const Live> live,
                std::uint64_t epoch, publish::Subscriptions& subscriptions,
                runtime::Counters& counters)
@@ -124,7 +112,7 @@ std::unique_ptr<std::vector<Profile>> Roster::Keep() const {
 
 std::vector<std::string> Roster::Take(std::shared_ptr<const Live> live) {
   const bool rebuild =
-      live->network != live_->network || !SameOptions(live->stylist, live_->stylist);
+      live->network != live_->network || live->stylist != live_->stylist;
   const auto before = std::exchange(live_, std::move(live));
   InitializeToCome();
   std::vector<std::string> complaints;

@@ -1,7 +1,9 @@
 #include "model/stylist/grounding.h"
 
 #include <algorithm>
-#include <limits>
+#include <array>
+#include <cmath>
+#include <cstddef>
 
 namespace styled::stylist {
 namespace {
@@ -18,29 +20,65 @@ rig::Vec3 WorldPosition(const rig::Skeleton& skeleton, const rig::RigPose& pose,
   return position;
 }
 
-float LowestFoot(const rig::Binding& binding, const rig::RigPose& pose, const rig::Vec3& up) {
-  float lowest = std::numeric_limits<float>::max();
+constexpr float kSoft_m = 0.01F;
+
+// -w log(sum exp(-h/w)): never above the lowest height, smooth where two heights meet.
+class SoftMinimum {
+ public:
+  explicit SoftMinimum(float width) : width_(width) {}
+  void Add(float height) {
+    if (count_ < heights_.size()) heights_[count_++] = height;
+  }
+  float Value() const {
+    const auto end = heights_.begin() + static_cast<std::ptrdiff_t>(count_);
+    const float lowest = *std::min_element(heights_.begin(), end);
+    float sum = 0;
+    for (auto height = heights_.begin(); height != end; ++height) {
+      sum += std::exp((lowest - *height) / width_);
+    }
+    return lowest - width_ * std::log(sum);
+  }
+
+ private:
+  float width_;
+  std::array<float, 4> heights_{};
+  std::size_t count_ = 0;
+};
+
+float SoftLowest_m(const body::Pose& pose) {
+  body::WorldPose world;
+  body::ForwardKinematics(pose, world);
+  SoftMinimum lowest(kSoft_m);
+  for (int foot : kFeet) lowest.Add(world.positions_m[static_cast<std::size_t>(foot)].y());
+  return lowest.Value();
+}
+
+float SoftLowest(const rig::Binding& binding, const rig::RigPose& pose, const rig::Vec3& up) {
+  SoftMinimum lowest(kSoft_m / binding.scale());
   for (int foot : kFeet) {
     const int joint = binding.spec().source_joint[static_cast<std::size_t>(foot)];
-    if (joint < 0) continue;
-    lowest = std::min(lowest, WorldPosition(binding.skeleton(), pose, joint).dot(up));
+    if (joint >= 0) lowest.Add(WorldPosition(binding.skeleton(), pose, joint).dot(up));
   }
-  return lowest;
+  return lowest.Value();  // a binding has at least one foot
+}
+
+rig::Vec3 Up(const rig::Binding& binding) {
+  return binding.spec().canonical_from_source.conjugate() * rig::Vec3::UnitY();
 }
 
 }  // namespace
 
-void Ground(const body::Pose& input, body::Pose& styled) noexcept {
-  body::WorldPose world;
-  body::ForwardKinematics(input, world);
-  const float wanted_m = body::LowestFoot_m(world);
-  body::ForwardKinematics(styled, world);
-  styled.hips_position_m.y() += wanted_m - body::LowestFoot_m(world);
+float GroundShift_m(const body::Pose& input, const body::Pose& styled) noexcept {
+  return SoftLowest_m(input) - SoftLowest_m(styled);
 }
 
-void Ground(const rig::Binding& binding, const rig::RigPose& input, rig::RigPose& styled) noexcept {
-  const rig::Vec3 up = binding.spec().canonical_from_source.conjugate() * rig::Vec3::UnitY();
-  const float shift = LowestFoot(binding, input, up) - LowestFoot(binding, styled, up);
+float GroundShift(const rig::Binding& binding, const rig::RigPose& input,
+                  const rig::RigPose& styled) noexcept {
+  const rig::Vec3 up = Up(binding);
+  return SoftLowest(binding, input, up) - SoftLowest(binding, styled, up);
+}
+
+void ShiftUp(const rig::Binding& binding, float shift, rig::RigPose& styled) noexcept {
   const rig::Skeleton& skeleton = binding.skeleton();
   const auto hips = static_cast<std::size_t>(binding.spec().source_joint[body::kHips]);
   // The shift is along the world's up; the hips' translation is in their parent's frame.
@@ -50,7 +88,23 @@ void Ground(const rig::Binding& binding, const rig::RigPose& input, rig::RigPose
     world_from_parent =
         styled.rotations[static_cast<std::size_t>(above)].normalized() * world_from_parent;
   }
-  styled.translations[hips] += world_from_parent.conjugate() * (shift * up);
+  styled.translations[hips] += world_from_parent.conjugate() * (shift * Up(binding));
+}
+
+float Glide::Follow(float target, float dt_s, float tau_s) noexcept {
+  if (!started_ || tau_s <= 0) {
+    started_ = true;
+    value_ = target;
+    velocity_ = 0;
+    return value_;
+  }
+  // The exact solution over dt of x'' = (target - x) / tau^2 - 2 x' / tau.
+  const float decay = std::exp(-dt_s / tau_s);
+  const float apart = value_ - target;
+  const float slope = velocity_ + apart / tau_s;
+  value_ = target + (apart + slope * dt_s) * decay;
+  velocity_ = (velocity_ - slope * dt_s / tau_s) * decay;
+  return value_;
 }
 
 }  // namespace styled::stylist

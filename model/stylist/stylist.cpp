@@ -21,6 +21,7 @@ using body::Vec3;
 using Change = Eigen::Matrix<float, 3, kJointCount>;
 
 constexpr float kNothing_rad = 2e-4F;  // a change below 0.01 degrees is none
+constexpr float kNothing_m = 2e-4F;    // nor is a shift below a fifth of a millimetre
 constexpr double kGapFactor = 1.5;     // of the usual time between frames
 constexpr float kFloorRise_m_s = 0.02F;
 constexpr float kContactHeight_m = 0.04F;
@@ -47,7 +48,8 @@ struct Stylist::Impl {
   void TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept;
   void FollowChange(double dt_s, const Pose& input) noexcept;
   void Apply(const Pose& input, Pose& styled) const noexcept;
-  bool Bypassed() const noexcept { return mixer.empty() && change.isZero(0.0F); }
+  void Ground(double dt_s, Output& out) noexcept;
+  bool Bypassed() const noexcept;
   std::uint32_t Contacts(double dt_s, const Pose& input) noexcept;
 
   std::shared_ptr<const erd::Network> network;
@@ -75,6 +77,7 @@ struct Stylist::Impl {
   std::int64_t last_ns = 0;
   bool started = false, fresh_session = true;
   float reconstruction_rad = 0, familiar = 1.0F;  // familiar: 1 = at home, 0 = foreign
+  Glide shift_m, rig_shift;  // of the canonical humanoid and of the source skeleton, its units
   float floor_m = 0;
   std::array<Vec3, 4> last_feet;
 };
@@ -145,14 +148,13 @@ void Stylist::Process(std::int64_t time_ns, const rig::RigPose& in, Output& out)
               out.rig.translations.begin());
     std::copy(out.source.rotations.begin(), out.source.rotations.end(), out.rig.rotations.begin());
     out.flags |= kBypass;
+    s.shift_m.Rest();
+    s.rig_shift.Rest();
   } else {
     // 5 unbind: back onto the source skeleton.
     s.binding->Unbind(out.canonical, s.intake.clean(), out.rig);
     // 6 feet: on each output skeleton, the lowest foot as high as the input's.
-    if (s.options.ground) {
-      Ground(out.canonical_input, out.canonical);
-      Ground(*s.binding, s.intake.clean(), out.rig);
-    }
+    if (s.options.ground) s.Ground(dt_s, out);
   }
 
   out.contacts = s.Contacts(dt_s, out.canonical_input);
@@ -288,6 +290,19 @@ void Stylist::Impl::Apply(const Pose& input, Pose& styled) const noexcept {
     const Vec3 turn = change.col(static_cast<Eigen::Index>(joint));
     styled.rotations[joint] = (input.rotations[joint] * body::Exp(turn)).normalized();
   }
+}
+
+bool Stylist::Impl::Bypassed() const noexcept {
+  return mixer.empty() && change.isZero(0.0F) && std::abs(shift_m.value()) < kNothing_m &&
+         std::abs(rig_shift.value()) * binding->scale() < kNothing_m;
+}
+
+void Stylist::Impl::Ground(double dt_s, Output& out) noexcept {
+  const auto dt = static_cast<float>(dt_s);
+  out.canonical.hips_position_m.y() +=
+      shift_m.Follow(GroundShift_m(out.canonical_input, out.canonical), dt, options.ground_tau_s);
+  const float wanted = GroundShift(*binding, intake.clean(), out.rig);
+  ShiftUp(*binding, rig_shift.Follow(wanted, dt, options.ground_tau_s), out.rig);
 }
 
 // A foot is down while it is near the lowest point of the recent past and slow.

@@ -44,7 +44,10 @@ struct Options {
   float foreign_end_rad = 1.1F;    // ... and where it is gone
   float foreign_fade_s = 0.3F;     // time constant of that fade
   bool ground = true;              // lowest foot as high as the input's
+  float ground_tau_s = 0.03F;      // smoothing of the vertical shift that this takes; 0 = none
   bool bypass = true;  // false: without style too, every pose goes through bind and unbind
+
+  friend bool operator==(const Options&, const Options&) = default;
 };
 
 enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist decides

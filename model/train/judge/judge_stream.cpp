@@ -61,7 +61,7 @@ body::Pose ConstantOffset::Apply(const body::Pose& pose) const {
   for (int joint = 0; joint < body::kJointCount; ++joint) {
     out.rotations[joint] = (pose.rotations[joint] * offset[joint]).normalized();
   }
-  stylist::Ground(pose, out);
+  out.hips_position_m.y() += stylist::GroundShift_m(pose, out);
   return out;
 }
 
