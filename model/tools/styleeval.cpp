@@ -58,7 +58,7 @@ std::uint64_t Fnv1a(std::string_view text, std::uint64_t hash = 1469598103934665
 
 // Names judges by all that they depend on.
 std::string JudgeKey(const Data& data, const judge::JudgeSettings& settings) {
-  std::string text = std::to_string(body::HumanoidHash());
+  std::string text = std::to_string(body::HumanoidHash()) + judge::kJudgeRecipe;
   for (const train::TrainingClip& c : data.judge) {
     text += std::filesystem::path(c.file).filename().string() + std::to_string(c.style) +
             std::to_string(c.content) + std::to_string(c.poses.size());

@@ -11,10 +11,12 @@ namespace styled::judge {
 namespace {
 
 constexpr float kFeatureNoise = 0.15F;  // on standardized features, while training
-// And, for the style judge, a constant offset per window and feature, as large as the feature's own
-// deviation: what a recording session shares (markers, actor) must not decide what a style is, and
-// a small constant signature must not pass for one.
-constexpr float kOffsetNoise = 1.0F;
+// And a constant offset per window and feature, in the features' own deviations: what a recording
+// session shares (markers, actor) must not decide what a style is, and a small constant signature
+// must not pass for one. The content judge meets poses between styles; half a deviation is what
+// served it best on styles left out of its training.
+constexpr float kStyleOffset = 1.0F;
+constexpr float kContentOffset = 0.5F;
 constexpr float kRotationNoise = 0.03F;  // the auto-encoder's, on quaternions
 constexpr float kDropout = 0.3F;
 constexpr float kRate = 1e-3F;
@@ -188,11 +190,13 @@ void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int
                  content_label.data_ptr<std::int64_t>());
     const torch::Tensor x = Standardize(windows);
     const torch::Tensor noisy = x + kFeatureNoise * torch::randn_like(x);
-    const torch::Tensor offset = kOffsetNoise * torch::randn({batch, body::kFeatureCount, 1});
+    const auto with_offset = [&noisy](float deviation) {
+      return noisy + deviation * torch::randn({noisy.size(0), body::kFeatureCount, 1});
+    };
     const torch::Tensor style_loss =
-        torch::nn::functional::cross_entropy(style(noisy + offset), style_label);
+        torch::nn::functional::cross_entropy(style(with_offset(kStyleOffset)), style_label);
     const torch::Tensor content_loss =
-        torch::nn::functional::cross_entropy(content(noisy), content_label);
+        torch::nn::functional::cross_entropy(content(with_offset(kContentOffset)), content_label);
     const torch::Tensor r = Rotations(windows);
     const torch::Tensor corrupt = r + kRotationNoise * torch::randn_like(r) - RotationMean();
     const torch::Tensor decoded =

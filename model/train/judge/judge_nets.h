@@ -16,6 +16,10 @@ namespace styled::judge {
 // The rate at which judges look at motion; clips and published frames are brought to it.
 inline constexpr double kJudgeRate_hz = 30.0;
 
+// Stands for what settings do not say (layers, noise): change it with them, so that judges trained
+// otherwise are not read from a cache.
+inline constexpr const char* kJudgeRecipe = "2";
+
 // The features of one clip from its second frame on (the first has no velocity), and its labels.
 struct Sequence {
   int style = 0;    // index into Manifest::styles
