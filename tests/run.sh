@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs, builds and passes every test. Options:
-#   --quick      the release build's tests only: no sanitizers, no lint
+#   --full       clang-tidy, and the tests under ASan+UBSan and TSan, too: about an hour on two cores
 #   --no-torch   do not install libtorch; trainer and live parity tests are then left out (where
 #                libtorch is already there they run)
 # Data from $STYLED_DATA (default ../shared/data beside the checkout) is used where it exists; tests
@@ -10,14 +10,14 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 cd "$root"
 . sim/setup.sh
 
-quick=no
+full=no
 level=train
 for option in "$@"; do
   case "$option" in
-    --quick) quick=yes ;;
+    --full) full=yes ;;
     --no-torch) level=test ;;
     *)
-      echo "unknown option '$option'; expected --quick or --no-torch" >&2
+      echo "unknown option '$option'; expected --full or --no-torch" >&2
       exit 2
       ;;
   esac
@@ -68,8 +68,9 @@ step "install" styled_install "$level"
 step "build" styled_build release -DSTYLED_TESTS=ON
 [ "$failed" = 0 ] || { echo "0 passed, 1 failed"; exit 1; }
 step "tests" run_ctest release -j2
-if [ "$quick" = no ]; then
-  step "lint" tests/lint.sh
+step "lint" tests/lint.sh
+if [ "$full" = yes ]; then
+  step "clang-tidy" tests/lint.sh --tidy
   for sanitizer in asan tsan; do
     step "build ($sanitizer)" styled_build "$sanitizer"
     step "tests ($sanitizer)" run_ctest "$sanitizer" -j2
