@@ -186,7 +186,8 @@ TEST(Performer, NeverBendsAKneeBackwards) {
 }
 
 TEST(Performer, GoesWhereTheScriptSays) {
-  const auto walked = [](std::string_view script) {
+  // A Vec3 by name: Eigen's difference would refer to a recording that is gone.
+  const auto walked = [](std::string_view script) -> body::Vec3 {
     const Recording r = Record(Scripted(script), 10);
     return r.poses.back().hips_position_m - r.poses.front().hips_position_m;
   };
