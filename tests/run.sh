@@ -30,6 +30,7 @@ export UBSAN_OPTIONS="print_stacktrace=1 halt_on_error=1"
 started=$SECONDS
 passed=0
 failed=0
+skipped=0
 step() {  # step NAME COMMAND...: runs it, says how long it took, counts a failure
   local name=$1 begun=$SECONDS
   shift
@@ -47,7 +48,7 @@ run_ctest() {  # run_ctest PRESET [ctest options]: adds its counts to passed and
   set +e
   ctest --test-dir "build/$preset" --output-on-failure --no-tests=error "$@" >"$log" 2>&1
   set -e
-  local total bad
+  local total bad missed
   total=$(sed -n 's/.*tests failed out of \([0-9]*\).*/\1/p' "$log" | tail -1)
   bad=$(sed -n 's/.*tests passed, \([0-9]*\) tests failed.*/\1/p' "$log" | tail -1)
   grep -h "skipped, no data" "$log" | sort | uniq -c | sort -rn | head -3 || true
@@ -55,7 +56,9 @@ run_ctest() {  # run_ctest PRESET [ctest options]: adds its counts to passed and
     tail -n 30 "$log"
     return 1
   fi
-  passed=$((passed + total - bad))
+  missed=$(grep -c '\*\*\*Skipped' "$log" || true)
+  skipped=$((skipped + missed))
+  passed=$((passed + total - bad - missed))
   [ "$bad" = 0 ] && return 0
   failed=$((failed + bad - 1))  # step counts one
   sed -n '/The following tests FAILED/,$p' "$log"
@@ -77,5 +80,5 @@ if [ "$full" = yes ]; then
   done
 fi
 echo "took $((SECONDS - started)) s"
-echo "$passed passed, $failed failed"
+echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" = 0 ]
