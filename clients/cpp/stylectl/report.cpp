@@ -138,6 +138,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
 std::string AppliedText(const std::vector<v1::Applied>& applied, const std::string& what) {
   if (applied.empty()) return what + ": set, no performer is here yet\n";
   std::vector<std::vector<std::string>> rows;
+  rows.reserve(applied.size());
   for (const auto& entry : applied) {
     rows.push_back(
         {entry.performer(), what, "from frame " + std::to_string(entry.first_sequence())});

@@ -47,6 +47,7 @@ TEST(ControlTest, EveryCallCarriesItsCommandAndPerformer) {
   ASSERT_TRUE(control->Clear(kEveryone).ok());
   ASSERT_TRUE(control->Panic().ok());
 
+  daemon.Synchronize();
   ASSERT_EQ(seen.size(), 8U);
   EXPECT_TRUE(seen[0].has_list());
   EXPECT_TRUE(seen[1].has_status());

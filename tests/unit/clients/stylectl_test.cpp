@@ -75,7 +75,10 @@ class StylectlTest : public testing::Test {
     out_.str("");
     err_.str("");
     arguments.insert(arguments.begin(), {"--endpoint", daemon_.control()});
-    return stylectl::Run(std::move(arguments), out_, err_);
+    daemon_.Synchronize();  // what was read of the last request, before the handler writes the next
+    const int code = stylectl::Run(std::move(arguments), out_, err_);
+    daemon_.Synchronize();
+    return code;
   }
   bool Says(const std::string& text) const { return out_.str().find(text) != std::string::npos; }
   bool Complains(const std::string& text) const {
