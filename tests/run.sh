@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs, builds and passes every test. Options:
-#   --full       clang-tidy, and the tests under ASan+UBSan and TSan, too: about an hour on two cores
+#   --full       clang-tidy, and the tests under ASan+UBSan and TSan, too
 #   --no-torch   do not install libtorch; trainer and live parity tests are then left out (where
 #                libtorch is already there they run)
 # Data from $STYLED_DATA (default ../shared/data beside the checkout) is used where it exists; tests
