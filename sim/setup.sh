@@ -56,8 +56,8 @@ if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   set -eu
   case "${1:-}" in
     run) styled_install run && styled_build release -DSTYLED_TESTS=OFF -DSTYLED_TRAIN=OFF ;;
-    test) styled_install test && styled_build release ;;
-    train) styled_install train && styled_build release ;;
+    test) styled_install test && styled_build release -DSTYLED_TESTS=ON ;;
+    train) styled_install train && styled_build release -DSTYLED_TRAIN=ON ;;
     *)
       echo "usage: sim/setup.sh run|test|train" >&2
       exit 2

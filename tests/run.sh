@@ -68,7 +68,7 @@ run_ctest() {  # run_ctest PRESET [ctest options]: adds its counts to passed and
 
 step "install" styled_install "$level"
 [ "$failed" = 0 ] || exit 1
-step "build" styled_build release -DSTYLED_TESTS=ON
+step "build" styled_build release -DSTYLED_TESTS=ON -DSTYLED_TRAIN=ON
 [ "$failed" = 0 ] || { echo "0 passed, 1 failed"; exit 1; }
 step "tests" run_ctest release -j2
 step "lint" tests/lint.sh
