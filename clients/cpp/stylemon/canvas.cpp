@@ -65,7 +65,7 @@ void Canvas::Text(int column, int row, std::string_view text, Ink ink, int width
     if (glyph < 32 || glyph == 127) glyph = U' ';  // names come from the network
     if (!utf8_ && glyph > 126) glyph = U'?';
     if (column < 0) continue;
-    Spot& spot = spots_[static_cast<std::size_t>(row * columns_ + column)];
+    Spot& spot = spots_[Index(column, row)];
     spot.text = glyph;
     spot.ink = ink;
   }
@@ -76,7 +76,7 @@ void Canvas::Dot(int x, int y, char stroke, Ink ink, const DotRect& clip) {
     return;
   }
   if (x < 0 || y < 0 || x >= 2 * columns_ || y >= 4 * rows_) return;
-  Spot& spot = spots_[static_cast<std::size_t>((y / 4) * columns_ + x / 2)];
+  Spot& spot = spots_[Index(x / 2, y / 4)];
   if (spot.text != 0) return;
   spot.dots |= kBraille[static_cast<std::size_t>(x % 2)][static_cast<std::size_t>(y % 4)];
   spot.stroke = stroke;
@@ -123,7 +123,7 @@ void Canvas::Circle(float x, float y, float radius, Ink ink, const DotRect& clip
 }
 
 Cell Canvas::At(int column, int row) const {
-  const Spot& spot = spots_[static_cast<std::size_t>(row * columns_ + column)];
+  const Spot& spot = spots_[Index(column, row)];
   if (spot.text != 0) return {spot.text, spot.ink};
   if (spot.dots == 0) return {U' ', Ink::kPlain};
   const auto braille = static_cast<char32_t>(0x2800U + spot.dots);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -67,6 +68,11 @@ class Canvas {
     char stroke = ' ';      // the same without UTF-8
     Ink ink = Ink::kPlain;
   };
+  // Which spot stands in a cell, which must be inside.
+  std::size_t Index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(column);
+  }
   void Dot(int x, int y, char stroke, Ink ink, const DotRect& clip);
 
   int columns_, rows_;

@@ -51,8 +51,12 @@ void DrawFloor(const Pose& pose, const Projection& view, const DotRect& area, Ca
   canvas.Line(left, view.floor_y, right, view.floor_y, Ink::kFloor, area);
   const float every = kMarkEvery * pose.height * view.scale;
   if (every < 4) return;
-  const float first = view.middle - std::fmod(pose.travel * view.scale, every);
-  for (float x = first - every * std::ceil((first - left) / every); x <= right; x += every) {
+  const float near_middle = view.middle - std::fmod(pose.travel * view.scale, every);
+  const float first = near_middle - every * std::ceil((near_middle - left) / every);
+  if (!std::isfinite(first)) return;
+  const int marks = static_cast<int>((right - first) / every) + 1;
+  for (int mark = 0; mark < marks; ++mark) {
+    const float x = first + every * static_cast<float>(mark);
     canvas.Line(x, view.floor_y, x, view.floor_y + 2, Ink::kFloor, area);
   }
 }

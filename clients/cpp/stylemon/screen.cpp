@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 
 namespace styled::stylemon {
@@ -11,18 +10,15 @@ namespace {
 
 constexpr double kSilent_s = 1.0;  // a stream without frames for longer is called silent
 
-__attribute__((format(printf, 1, 2))) std::string Format(const char* format, ...) {
-  std::array<char, 256> text{};
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text.data(), text.size(), format, arguments);
-  va_end(arguments);
+std::string Fixed(double value, int decimals, int width = 0) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%*.*f", width, decimals, value);
   return text.data();
 }
 
 std::string Milliseconds(double p50, double p99) {
   if (!std::isfinite(p50)) return "-";
-  return Format("%.2f/%.2f ms", p50, p99);
+  return Fixed(p50, 2) + "/" + Fixed(p99, 2) + " ms";
 }
 
 std::string Selected(const View& view) {
@@ -67,7 +63,7 @@ void DrawHeader(const View& view, Canvas& canvas) {
     canvas.Text(column, 0, view.link == Link::kLost ? "daemon away" : "no daemon yet", Ink::kBad);
   }
   if (view.paused) canvas.Text(column + 15, 0, "paused", Ink::kWarn);
-  const std::string right = view.side == Side::kSide ? "side view" : "front view";
+  const char* right = view.side == Side::kSide ? "side view" : "front view";
   canvas.Text(canvas.columns() - Width(right), 0, right, Ink::kDim);
 }
 
@@ -110,7 +106,7 @@ void DrawNumbers(const View& view, int row, Canvas& canvas) {
     canvas.Text(column, row + line, value, ink);
     column += Width(value) + 3;
   };
-  put(0, "rate", Format("%5.1f Hz", reading.rate_hz), moving ? Ink::kPlain : Ink::kBad);
+  put(0, "rate", Fixed(reading.rate_hz, 1, 5) + " Hz", moving ? Ink::kPlain : Ink::kBad);
   put(0, "in daemon p50/p99", Milliseconds(reading.daemon_p50_ms, reading.daemon_p99_ms),
       Ink::kPlain);
   put(0, "to here", Milliseconds(reading.end_p50_ms, reading.end_p99_ms), Ink::kPlain);
@@ -165,7 +161,7 @@ std::string FlagNames(std::uint32_t flags) {
 std::string StylesText(const v1::Frame& frame) {
   std::string out;
   for (const auto& entry : frame.styles()) {
-    out += (out.empty() ? "" : " + ") + entry.style() + Format(" %.2f", entry.weight());
+    out += (out.empty() ? "" : " + ") + entry.style() + " " + Fixed(entry.weight(), 2);
   }
   return out.empty() ? "bypass" : out;
 }
@@ -175,25 +171,24 @@ std::string Trouble(const View& view) {
     return "no daemon answers at " + view.publisher + ": is styled running? (--publisher)";
   }
   if (view.link == Link::kLost) {
-    return "daemon away for " + Format("%.0f", view.link_s) + " s: reconnecting to " +
-           view.publisher;
+    return "daemon away for " + Fixed(view.link_s, 0) + " s: reconnecting to " + view.publisher;
   }
   if (view.performers.empty())
     return "connected, but no performer yet: is a rig, or stylesim, sending?";
   if (!view.styled.here) return Selected(view) + " sends nothing yet";
   if (view.styled.age_s > kSilent_s) {
-    return Selected(view) + " silent for " + Format("%.0f", view.styled.age_s) + " s";
+    return Selected(view) + " silent for " + Fixed(view.styled.age_s, 0) + " s";
   }
   return "";
 }
 
 std::string StatusLine(const View& view) {
-  if (const std::string trouble = Trouble(view); !trouble.empty()) return trouble;
+  if (std::string trouble = Trouble(view); !trouble.empty()) return trouble;
   const Meter::Reading& reading = view.reading;
   const v1::Frame& frame = view.styled.frame;
   const std::string flags = FlagNames(frame.flags());
-  return Selected(view) + Format(" #%llu", static_cast<unsigned long long>(frame.sequence())) +
-         Format("  %.1f Hz", reading.rate_hz) + "  daemon " +
+  return Selected(view) + " #" + std::to_string(frame.sequence()) + "  " +
+         Fixed(reading.rate_hz, 1) + " Hz" + "  daemon " +
          Milliseconds(reading.daemon_p50_ms, reading.daemon_p99_ms) + "  here " +
          Milliseconds(reading.end_p50_ms, reading.end_p99_ms) + "  dropped " +
          std::to_string(reading.dropped) + "  style " + StylesText(frame) + "  contacts " +
@@ -206,8 +201,9 @@ void DrawFigures(const View& view, int column, int row, int columns, int rows, C
   const DotRect left{2 * column, 4 * row, 2 * half, 4 * rows};
   const DotRect right{2 * (column + half + 1), 4 * row, 2 * half, 4 * rows};
   DrawOne(view, view.input, "input", true, left, canvas);
-  const std::string styles = view.styled.here ? StylesText(view.styled.frame) : "";
-  DrawOne(view, view.styled, styles.empty() ? "styled" : "styled: " + styles, true, right, canvas);
+  DrawOne(view, view.styled,
+          view.styled.here ? "styled: " + StylesText(view.styled.frame) : "styled", true, right,
+          canvas);
 }
 
 void DrawScreen(const View& view, Canvas& canvas) {
