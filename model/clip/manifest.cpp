@@ -30,6 +30,8 @@ struct Values {
 struct Rule {
   std::string pattern, style, content, rig = "auto", split = "train";
   double judge_share = 0;
+  double from = 0, to = 1, repeat_s = 0;
+  std::vector<std::string> except;  // patterns of files that are not meant
 };
 
 // Matches `text` (one relative path) against a pattern; backtracks over labels, digits and '*'.
@@ -103,15 +105,19 @@ class Loader {
       return Status::Error(file_.string() + ":" + std::to_string(error.source().begin.line) +
                            ": found " + std::string(error.description()) + ", expected TOML");
     }
-    if (!Head(root) || !Styles(root) || !Contents(root) || !Clips(root)) {
+    if (!Head(root) || !Styles(root) || !Contents(root) || !Still(root) || !Clips(root)) {
       return Status::Error(error_);
     }
     std::sort(manifest_.entries.begin(), manifest_.entries.end(),
-              [](const ManifestEntry& a, const ManifestEntry& b) { return a.file < b.file; });
+              [](const ManifestEntry& a, const ManifestEntry& b) {
+                return std::tie(a.file, a.from) < std::tie(b.file, b.from);
+              });
     for (std::size_t i = 1; i < manifest_.entries.size(); ++i) {
-      if (manifest_.entries[i].file == manifest_.entries[i - 1].file) {
-        return Status::Error(file_.string() + ": found " + manifest_.entries[i].file.string() +
-                             " under two patterns, expected each clip once");
+      const ManifestEntry& before = manifest_.entries[i - 1];
+      const ManifestEntry& entry = manifest_.entries[i];
+      if (entry.file == before.file && entry.from < before.to) {
+        return Status::Error(file_.string() + ": found " + entry.file.string() +
+                             " under two patterns, expected each part of a clip once");
       }
     }
     return std::move(manifest_);
@@ -197,7 +203,7 @@ class Loader {
   }
 
   bool Head(const toml::table& root) {
-    return OnlyKeys(root, {"name", "licence", "neutral", "styles", "contents", "clips"}) &&
+    return OnlyKeys(root, {"name", "licence", "neutral", "styles", "contents", "still", "clips"}) &&
            String(root, "name", true, manifest_.name) &&
            String(root, "licence", true, manifest_.licence) &&
            String(root, "neutral", true, neutral_);
@@ -239,7 +245,7 @@ class Loader {
       std::string name;
       std::vector<std::string> labels;
       if (!OnlyKeys(table, {"name", "labels"}) || !String(table, "name", true, name) ||
-          !Strings(table, "labels", true, labels) ||
+          !Strings(table, "labels", false, labels) ||
           !AddLabels(node, "contents", name, labels, contents_)) {
         return false;
       }
@@ -250,6 +256,40 @@ class Loader {
       manifest_.contents.push_back(std::move(name));
     }
     LongestFirst(contents_);
+    return true;
+  }
+
+  // Leaves `out` alone where the key is missing; `out` is then from `low` up.
+  bool Number(const toml::table& table, std::string_view key, double low, double& out) {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return true;
+    const auto value = node->value<double>();
+    if (!value || !(*value >= low)) {
+      return Fail(*node, std::string(key), value ? std::to_string(*value) : "something else",
+                  "a number from " + std::to_string(low) + " up");
+    }
+    out = *value;
+    return true;
+  }
+
+  bool Still(const toml::table& root) {
+    const toml::node* node = root.get("still");
+    if (node == nullptr) return true;
+    const toml::table* table = node->as_table();
+    if (table == nullptr) return Fail(*node, "still", "something else", "a table");
+    if (!OnlyKeys(*table, {"content", "speed_mps"}) ||
+        !String(*table, "content", true, manifest_.still_content) ||
+        !Number(*table, "speed_mps", 0, manifest_.still_speed_mps)) {
+      return false;
+    }
+    if (std::find(manifest_.contents.begin(), manifest_.contents.end(), manifest_.still_content) ==
+        manifest_.contents.end()) {
+      return Fail(*node, "content", "\"" + manifest_.still_content + "\"",
+                  "the name of one of the contents");
+    }
+    if (!(manifest_.still_speed_mps > 0)) {
+      return Fail(*node, "speed_mps", "nothing", "a number above 0");
+    }
     return true;
   }
 
@@ -264,11 +304,14 @@ class Loader {
   }
 
   bool ReadRule(const toml::table& table, Rule& rule) {
-    if (!OnlyKeys(table, {"pattern", "style", "content", "rig", "split", "judge_share"}) ||
+    if (!OnlyKeys(table, {"pattern", "style", "content", "rig", "split", "judge_share", "time",
+                          "repeat_s", "except"}) ||
         !String(table, "pattern", true, rule.pattern) ||
         !String(table, "style", false, rule.style) ||
         !String(table, "content", false, rule.content) || !String(table, "rig", false, rule.rig) ||
-        !String(table, "split", false, rule.split)) {
+        !String(table, "split", false, rule.split) ||
+        !Number(table, "repeat_s", 0, rule.repeat_s) || !Time(table, rule) ||
+        !Strings(table, "except", false, rule.except)) {
       return false;
     }
     for (const auto& [key, fixed] : {std::pair{"style", &rule.style}, {"content", &rule.content}}) {
@@ -308,6 +351,21 @@ class Loader {
     return true;
   }
 
+  bool Time(const toml::table& table, Rule& rule) {
+    const toml::node* node = table.get("time");
+    if (node == nullptr) return true;
+    const toml::array* array = node->as_array();
+    const bool pair = array != nullptr && array->size() == 2;
+    const auto from = pair ? (*array)[0].value<double>() : std::nullopt;
+    const auto to = pair ? (*array)[1].value<double>() : std::nullopt;
+    if (!from || !to || !(*from >= 0 && *from < *to && *to <= 1)) {
+      return Fail(*node, "time", "something else", "[from, to] with 0 <= from < to <= 1");
+    }
+    rule.from = *from;
+    rule.to = *to;
+    return true;
+  }
+
   bool Collect(const toml::node& at, const Rule& rule) {
     // The folder above the first component that is not a plain name.
     const std::size_t plain = rule.pattern.substr(0, rule.pattern.find_first_of("{*")).rfind('/');
@@ -322,10 +380,14 @@ class Loader {
       if (!walk->is_regular_file(ignored)) continue;
       const std::string path = walk->path().lexically_relative(data_).generic_string();
       const std::optional<Values> values = matcher.Match(rule.pattern, path);
-      if (!values) continue;
+      if (!values || std::any_of(rule.except.begin(), rule.except.end(), [&](const auto& except) {
+            return matcher.Match(except, path).has_value();
+          })) {
+        continue;
+      }
       manifest_.entries.push_back({walk->path(), rule.style.empty() ? values->style : rule.style,
                                    rule.content.empty() ? values->content : rule.content, rule.rig,
-                                   rule.split, values->take});
+                                   rule.split, values->take, rule.from, rule.to, rule.repeat_s});
     }
     if (manifest_.entries.size() == first) {
       return Fail(at, "pattern", "no file for \"" + rule.pattern + "\" in " + data_.string(),

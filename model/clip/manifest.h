@@ -16,6 +16,8 @@ struct ManifestEntry {
   std::string rig;      // a dialect of rig::BindDialect, "auto" by default
   std::string split;    // "train", "judge" or "validation"
   int take = 0;
+  double from = 0, to = 1;  // the part of the clip that is meant, as shares of its duration
+  double repeat_s = 0;      // a loop: repeated, its path going on, until it lasts at least so long
 };
 
 // A dataset as a TOML manifest:
@@ -29,10 +31,15 @@ struct ManifestEntry {
 //   rig = "bandai-namco"
 //   split = "train"
 //   judge_share = 0.2    # of each (style, content) cell, the last takes in number go to "judge"
+//   time = [0.0, 0.75]   # only this part of each clip: one clip may serve several splits in turn
+//   repeat_s = 8.0       # the clips are loops (the last frame shows the first again), to be
+//   repeated except = ["*/dataset-2_run_*"]   # files that the pattern does not mean [still] #
+//   stretches in which nothing moves faster are another content content = "stand" speed_mps = 0.15
 // Paths are relative to the data folder given at load time. {content} and {style} match any of the
 // labels, the longest first; {take} digits; * anything but "/". Files that match no label are left
-// out; a file under two patterns is an error, and so is a key that is not known. judge_share is
-// rounded per cell, which keeps one clip at least. Pinned by tests/unit/clip/manifest_test.cpp.
+// out; a file under two patterns whose parts in time overlap is an error, and so is a key that is
+// not known. judge_share is rounded per cell, which keeps one clip at least. Pinned by
+// tests/unit/clip/manifest_test.cpp.
 struct ManifestStyle {
   std::string name;
   std::vector<std::string> labels, aliases;
@@ -41,7 +48,9 @@ struct Manifest {
   std::string name, licence;
   std::vector<ManifestStyle> styles;
   std::vector<std::string> contents;
-  std::vector<ManifestEntry> entries;  // sorted by path
+  std::vector<ManifestEntry> entries;  // sorted by path, then by `from`
+  std::string still_content;           // one of contents; empty: standing has no label of its own
+  double still_speed_mps = 0;
 };
 
 // Errors name file, key, what was found and what was expected; a pattern that matches no file is an

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   app.add_option("--data", config.data, "Folder of the unpacked data (default $STYLED_DATA)")
       ->capture_default_str();
   app.add_option("--out", config.out, "Folder of the run");
+  app.add_option("--init", config.init, "Weights to start from; styles are matched by name");
   app.add_option("--minutes", config.minutes, "Length of the run in wall time, all resumes");
   app.add_option("--iterations", config.iterations, "Length of the run in iterations");
   app.add_option("--stop-at", config.stop_at, "End this session at an iteration; resume later");

@@ -27,17 +27,64 @@ int IndexOf(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-void RunHeadingFilter(const body::FeatureParameters& parameters, TrainingClip& clip) {
+// One pass over a clip: the heading filter's states, and which frames are still.
+void RunFilters(const body::FeatureParameters& parameters, double still_speed_mps,
+                TrainingClip& clip) {
   body::FeatureState state;
   body::Features features;
+  int still = 0;
   for (const body::Pose& pose : clip.poses) {
+    const bool first = !state.started;
     body::ComputeFeatures(pose, parameters, state, features);
     clip.heading_cos.push_back(state.heading_cos);
     clip.heading_sin.push_back(state.heading_sin);
+    if (still_speed_mps <= 0) continue;
+    const auto velocities = Eigen::Map<const Eigen::Matrix<float, 3, body::kJointCount>>(
+        &features[body::kVelocityBegin]);
+    if (!first && velocities.colwise().norm().maxCoeff() < static_cast<float>(still_speed_mps)) {
+      ++still;
+    }
+    clip.still_count.push_back(still);
   }
 }
 
+// Where the performer stands and looks, as a transform on the floor.
+struct Place {
+  float heading_rad;
+  body::Vec3 hips_m;
+};
+Place PlaceOf(const body::Pose& pose) {
+  body::WorldPose world;
+  body::ForwardKinematics(pose, world);
+  return {body::Heading_rad(world), pose.hips_position_m};
+}
+
 }  // namespace
+
+int TrainingClip::ContentOf(int start, int length) const {
+  if (still_count.empty()) return content;
+  const int still = still_count[start + length - 1] - (start > 0 ? still_count[start - 1] : 0);
+  return 2 * still > length ? still_content : content;
+}
+
+std::vector<body::Pose> RepeatLoop(const std::vector<body::Pose>& loop, int frames) {
+  std::vector<body::Pose> out = loop;
+  if (loop.size() < 2) return out;
+  const Place first = PlaceOf(loop.front());
+  while (static_cast<int>(out.size()) < frames) {
+    const Place last = PlaceOf(out.back());
+    const body::Quat turn = body::Yaw(last.heading_rad - first.heading_rad);
+    for (std::size_t i = 1; i < loop.size(); ++i) {
+      body::Pose pose = loop[i];
+      const float height_m = pose.hips_position_m.y();
+      pose.hips_position_m = last.hips_m + turn * (pose.hips_position_m - first.hips_m);
+      pose.hips_position_m.y() = height_m;
+      pose.rotations[body::kHips] = turn * pose.rotations[body::kHips];
+      out.push_back(pose);
+    }
+  }
+  return out;
+}
 
 void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, bool session_start,
                 const body::FeatureParameters& parameters, const WindowView& out) {
@@ -113,8 +160,20 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
     if (std::abs(source.value().rate_hz / parameters.rate_hz - 1.0) > 1e-3) {
       clip.poses = clip::ResamplePoses(clip.poses, source.value().rate_hz, parameters.rate_hz);
     }
+    if (entry.repeat_s > 0) {
+      clip.poses =
+          RepeatLoop(clip.poses, static_cast<int>(std::ceil(entry.repeat_s * parameters.rate_hz)));
+    }
+    const auto frame_at = [&clip](double share) {
+      return static_cast<long>(std::lround(share * static_cast<double>(clip.poses.size())));
+    };
+    clip.poses = {clip.poses.begin() + frame_at(entry.from),
+                  clip.poses.begin() + frame_at(entry.to)};
     if (static_cast<int>(clip.poses.size()) < min_frames) continue;
-    RunHeadingFilter(parameters, clip);
+    if (!manifest.still_content.empty()) {
+      clip.still_content = IndexOf(manifest.contents, manifest.still_content);
+    }
+    RunFilters(parameters, manifest.still_speed_mps, clip);
     clips.push_back(std::move(clip));
   }
   if (clips.empty()) {

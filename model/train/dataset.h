@@ -18,6 +18,13 @@ struct TrainingClip {
   std::vector<body::Pose> poses;
   // The heading filter's state after each frame, started at the clip's first frame.
   std::vector<float> heading_cos, heading_sin;
+  // Up to and with each frame, how many are still (Manifest::still_speed_mps); empty: not asked.
+  std::vector<int> still_count;
+  int still_content = -1;
+
+  // The content of frames [start, start + length): the clip's, or that of standing where most of
+  // them are still.
+  int ContentOf(int start, int length) const;
 };
 
 // Mean and deviation of every feature over a set of clips and their mirror images. The mean of each
@@ -42,6 +49,10 @@ struct WindowView {
 // unfiltered heading, as in a new session; otherwise the window continues the clip's own past.
 void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, bool session_start,
                 const body::FeatureParameters& parameters, const WindowView& out);
+
+// The poses of a loop, whose last frame shows the first again, repeated with its path going on
+// until there are at least `frames`.
+std::vector<body::Pose> RepeatLoop(const std::vector<body::Pose>& loop, int frames);
 
 // Reads every clip of `split` with at least `min_frames` frames at `rate_hz`. Errors name the file.
 Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,

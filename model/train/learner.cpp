@@ -122,6 +122,7 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   Tensor step = torch::empty({frames_, count, 3});
   Tensor content = torch::zeros({count, static_cast<int64_t>(manifest_.contents.size())});
   Tensor carried = torch::zeros({count}, torch::kBool);
+  Tensor paired = torch::zeros({count});
   for (int64_t i = 0; i < count; ++i) {
     const Sampler::Window& window = windows[i];
     FillWindow(clips_[window.clip], window.start, static_cast<int>(frames_), window.mirrored,
@@ -132,7 +133,8 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
                 .yaw_stride = count,
                 .hips_step_m = step.data_ptr<float>() + i * 3,
                 .step_stride = count * 3});
-    content.data_ptr<float>()[i * content.size(1) + clips_[window.clip].content] = 1.0F;
+    content.data_ptr<float>()[i * content.size(1) + window.content] = 1.0F;
+    paired.data_ptr<float>()[i] = window.paired ? 1.0F : 0.0F;
     carried.data_ptr<bool>()[i] = window.carried;
   }
   batch.features = features.to(device_);
@@ -145,7 +147,80 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   batch.hips_step_m = step.to(device_);
   batch.content = content.to(device_);
   batch.carried = carried.to(device_);
+  batch.paired = paired.to(device_);
   return batch;
+}
+
+Status Learner::Adopt(const LoadedWeights& weights) {
+  const torch::NoGradGuard no_grad;
+  const Generator& from = *weights.generator;
+  const int64_t known = from.shape.styles;
+  // 1. Which of its styles each of ours starts as: the one of the same name, or the nearest, by
+  // mean pose in the contents that both have.
+  const auto styles = static_cast<int64_t>(manifest_.styles.size());
+  const auto contents = static_cast<int64_t>(manifest_.contents.size());
+  Tensor means = torch::zeros({styles, contents, body::kPositionFeatures});
+  Tensor frames = torch::zeros({styles, contents, 1});
+  std::vector<float> features;
+  for (const TrainingClip& clip : clips_) {
+    const int length = static_cast<int>(clip.poses.size());
+    features.resize(static_cast<std::size_t>(length) * body::kFeatureCount);
+    FillWindow(clip, 0, length, false, false, parameters_, {.features = features.data()});
+    means[clip.style][clip.content] +=
+        torch::from_blob(features.data(), {length, body::kFeatureCount})
+            .narrow(1, body::kPositionBegin, body::kPositionFeatures)
+            .sum(0);
+    frames[clip.style][clip.content] += length;
+  }
+  means = means / frames.clamp_min(1);
+  const auto distance = [&](int64_t a, int64_t b) {
+    const Tensor both = ((frames[a] > 0) * (frames[b] > 0)).to(torch::kFloat32);
+    if (both.sum().item<double>() == 0) return 1e9;
+    return ((means[a] - means[b]).square().sum(1, true) * both).sum().item<double>() /
+           both.sum().item<double>();
+  };
+  std::vector<int64_t> source;
+  std::vector<int64_t> ours_of(known, -1);  // our index of each of its styles
+  for (int64_t style = 0; style < styles; ++style) {
+    const auto found =
+        std::find(weights.styles.begin(), weights.styles.end(), manifest_.styles[style].name);
+    source.push_back(found == weights.styles.end() ? -1 : found - weights.styles.begin());
+    if (source.back() >= 0) ours_of[source.back()] = style;
+  }
+  if (source[0] != 0) return Status::Error("its neutral style has another name");
+  for (int64_t style = 1; style < styles; ++style) {
+    if (source[style] >= 0) continue;
+    for (int64_t other = 1; other < known; ++other) {
+      if (ours_of[other] < 0) continue;
+      if (source[style] >= 0 &&
+          distance(style, ours_of[other]) >= distance(style, ours_of[source[style]])) {
+        continue;
+      }
+      source[style] = other;
+    }
+    if (source[style] < 0) return Status::Error("has none of the manifest's styles");
+    std::cout << manifest_.styles[style].name << " starts as " << weights.styles[source[style]]
+              << std::endl;
+  }
+
+  // 2. Shared parameters as they are; per style, rows of branches and columns of one-hot inputs.
+  const Tensor index = torch::tensor(source, torch::kInt64);
+  const Tensor branch_index = index.narrow(0, 1, index.size(0) - 1) - 1;
+  for (const auto& [name, tensor] : generator_.parameters.named()) {
+    Tensor value = from.parameters.Find(name).detach();
+    if (name.starts_with("branches.")) value = value.index_select(0, branch_index);
+    if (name == "encoder.0.weight" || name == "decoder.0.weight") {
+      const int64_t plain = value.size(1) - known;
+      value = torch::cat(
+          {value.narrow(1, 0, plain), value.narrow(1, plain, known).index_select(1, index)}, 1);
+    }
+    if (value.sizes() != tensor.sizes()) return Status::Error("tensor " + name + " does not fit");
+    tensor.copy_(value);
+  }
+  average_.parameters.flat().copy_(generator_.parameters.flat());
+  neutral_carried_ = Concrete(generator_.neutral.Initial(slots_));
+  branch_carried_ = Concrete(generator_.branches.Initial(slots_ / (generator_.shape.styles - 1)));
+  return Status::Ok();
 }
 
 void Learner::TrainClassifier() {
@@ -242,6 +317,12 @@ Learner::Generated Learner::Generate(const Batch& batch) {
   return out;
 }
 
+// The mean over windows whose target the critic knows in their content: where a label pair was
+// never recorded, "fake" would follow from the labels alone.
+Tensor Learner::PairedMean(const Batch& batch, const Tensor& score) const {
+  return (score * batch.paired).sum() / batch.paired.sum().clamp_min(1.0);
+}
+
 // Real +1, fake -1, and the gradient penalty on real windows (eq. 5, 6).
 void Learner::StepCritic(const Batch& batch, const Tensor& fake, double rate) {
   const Tensor x = Real(batch).detach().requires_grad_(true);
@@ -249,7 +330,8 @@ void Learner::StepCritic(const Batch& batch, const Tensor& fake, double rate) {
   const Tensor fake_score = critic_(fake.detach(), torch::cat({target_one_hot_, batch.content}, 1));
   const Tensor gradient = torch::autograd::grad({real_score.sum()}, {x}, {}, true, true)[0];
   const Tensor penalty = gradient.square().sum(torch::IntArrayRef({0, 2})).mean();
-  const Tensor judgement = (real_score - 1.0).square().mean() + (fake_score + 1.0).square().mean();
+  const Tensor judgement =
+      (real_score - 1.0).square().mean() + PairedMean(batch, (fake_score + 1.0).square());
   critic_.parameters.ZeroGradient();
   (judgement + config_.w_penalty * penalty).backward();
   critic_adam_.Step(critic_.parameters, rate);
@@ -325,8 +407,8 @@ void Learner::Step(double progress) {
   StepCritic(batch, generated.fake, config_.critic_rate * decay);
 
   RequireGradient(critic_.parameters, false);
-  const Tensor adversarial =
-      critic_(generated.fake, torch::cat({target_one_hot_, batch.content}, 1)).square().mean();
+  const Tensor adversarial = PairedMean(
+      batch, critic_(generated.fake, torch::cat({target_one_hot_, batch.content}, 1)).square());
   tally_.Add("adversarial", adversarial);
   Tensor loss = Reconstruction(batch, generated) + config_.w_adversarial * adversarial;
   if (config_.w_perceptual > 0) {

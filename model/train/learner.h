@@ -37,6 +37,10 @@ class Learner {
           const std::vector<TrainingClip>& clips, const FeatureStatistics& statistics,
           const body::FeatureParameters& parameters, const torch::Device& device);
 
+  // Starts from trained weights instead of random ones: what the styles share, and the branches of
+  // those that `weights` has by name. Another style starts as a copy of the one nearest to it in
+  // mean pose. The statistics must be those of `weights`.
+  Status Adopt(const LoadedWeights& weights);
   // Trains the content classifier on real windows of all styles, then freezes it.
   void TrainClassifier();
   // One iteration, critic first. `progress` 0..1 decides learning rates and the smoothness term.
@@ -63,6 +67,7 @@ class Learner {
     torch::Tensor rotations, positions;                   // views of features, [T, B, 21, 4 or 3]
     torch::Tensor content;                                // [B, contents] one-hot
     torch::Tensor carried;                                // [B] bool
+    torch::Tensor paired;  // [B] 1 where the critic knows real motion of that style and content
   };
   // What the generator makes of a batch.
   struct Generated {
@@ -78,6 +83,7 @@ class Learner {
   torch::Tensor Judged(const torch::Tensor& positions, const torch::Tensor& velocities) const;
   torch::Tensor Real(const Batch& batch) const;
   Generated Generate(const Batch& batch);
+  torch::Tensor PairedMean(const Batch& batch, const torch::Tensor& score) const;
   void StepCritic(const Batch& batch, const torch::Tensor& fake, double rate);
   torch::Tensor Reconstruction(const Batch& batch, const Generated& generated);
   torch::Tensor Perceptual(const Batch& batch, const Generated& generated) const;

@@ -21,7 +21,7 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
                  const body::FeatureParameters& parameters, const Tensor& mean,
                  const Tensor& deviation)
     : styles_(styles) {
-  // 1. The mean pose of every cell.
+  // 1. The mean pose of every cell that there is.
   std::vector<float> frames;
   Tensor sum = torch::zeros({styles, contents, body::kPositionFeatures}, torch::kFloat64);
   Tensor count = torch::zeros({styles, contents, 1}, torch::kFloat64);
@@ -52,16 +52,7 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
       window_content.push_back(static_cast<int>(kept.size()));
       ++found;
     }
-    bool complete = found > 0;
-    for (int style = 0; style < styles; ++style) {
-      complete = complete && count[style][content].item<double>() > 0;
-    }
-    if (complete) {
-      kept.push_back(content);
-    } else {
-      windows.resize(windows.size() - found);
-      window_content.resize(windows.size());
-    }
+    if (found > 0) kept.push_back(content);
   }
   TORCH_CHECK(!windows.empty(), "the validation split has no neutral clip of ", kFrames + 1,
               " frames");
@@ -76,7 +67,9 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
   const Tensor kept_index =
       torch::tensor(std::vector<int64_t>(kept.begin(), kept.end()), torch::kInt64);
   const Tensor means = (sum / count.clamp_min(1)).index_select(1, kept_index);
-  real_shift_ = (means - means.narrow(0, 0, 1)).to(torch::kFloat32).to(mean.device());
+  present_ = (count.index_select(1, kept_index) > 0).to(torch::kFloat32);  // [styles, kept, 1]
+  real_shift_ = ((means - means.narrow(0, 0, 1)) * present_).to(torch::kFloat32).to(mean.device());
+  present_ = present_.to(mean.device());
 }
 
 MonitorRow Monitor::Evaluate(const Generator& generator) const {
@@ -108,11 +101,12 @@ MonitorRow Monitor::Evaluate(const Generator& generator) const {
     const Tensor published = Multiply(input, Multiply(Conjugate(rec), sty));
     const Tensor styled =
         HipsRelativePositions(published).narrow(0, kSkipped, kFrames - kSkipped).flatten(2, 3);
-    const Tensor shift = torch::matmul(content_, (styled - positions).mean(0)).flatten();
+    const Tensor shift =
+        (torch::matmul(content_, (styled - positions).mean(0)) * present_[style]).flatten();
     const Tensor real = real_shift_[style].flatten();
     const double along = torch::dot(shift, real).item<double>();
     const double real_norm = real.norm().item<double>();
-    row.expression.push_back(along / (real_norm * real_norm));
+    row.expression.push_back(along / (real_norm * real_norm + 1e-12));
     row.cosine.push_back(along / (real_norm * shift.norm().item<double>() + 1e-12));
     row.jerk_ratio.push_back(MeanJerk(styled) / input_jerk);
   }

@@ -11,7 +11,8 @@
 namespace styled::train {
 
 // A cheap look at how a run learns, on fixed windows of neutral validation clips, in the published
-// (detail-preserving) form. Not the evaluation: styleeval judges published poses.
+// (detail-preserving) form, over the contents in which a style was recorded. Not the evaluation:
+// styleeval judges published poses.
 struct MonitorRow {
   double reconstruction_deg = 0;   // mean angle per joint between rec and input
   std::vector<double> expression;  // per style: shift of the mean pose along the real one's
@@ -38,6 +39,7 @@ class Monitor {
   torch::Tensor u_;           // standardized
   torch::Tensor content_;     // [contents, B]: mean over a content's windows
   torch::Tensor real_shift_;  // [styles, contents, 63]: real neutral -> real style
+  torch::Tensor present_;     // [styles, contents, 1]: 1 where the style was recorded
 };
 
 }  // namespace styled::train

@@ -4,20 +4,35 @@
 #include <sstream>
 
 namespace styled::train {
+namespace {
+
+// A cell with fewer windows than this is noise (a clip that stands still for an instant).
+constexpr std::size_t kFewestPlaces = 8;
+
+}  // namespace
 
 Sampler::Sampler(const std::vector<TrainingClip>& clips, const Options& options)
     : clips_(clips), options_(options), random_(options.seed), cells_(options.styles) {
   std::vector<std::vector<Cell>> all(options.styles, std::vector<Cell>(options.contents));
   for (std::size_t i = 0; i < clips.size(); ++i) {
-    const int64_t places = static_cast<int64_t>(clips[i].poses.size()) - options.length + 1;
-    if (places <= 0) continue;
-    Cell& cell = all[clips[i].style][clips[i].content];
-    cell.clips.push_back(static_cast<int>(i));
-    cell.places.push_back(places + (cell.places.empty() ? 0 : cell.places.back()));
+    const int places = static_cast<int>(clips[i].poses.size()) - options.length + 1;
+    for (int start = 0; start < places; ++start) {
+      Cell& cell = all[clips[i].style][clips[i].ContentOf(start, options.length)];
+      cell.places.emplace_back(static_cast<int>(i), start);
+    }
   }
   for (int style = 0; style < options.styles; ++style) {
-    for (Cell& cell : all[style]) {
-      if (!cell.clips.empty()) cells_[style].push_back(std::move(cell));
+    for (int content = 0; content < options.contents; ++content) {
+      Cell& cell = all[style][content];
+      cell.content = content;
+      if (cell.places.size() >= kFewestPlaces) cells_[style].push_back(std::move(cell));
+    }
+  }
+  // Of a neutral window's contents, those that its target has.
+  paired_.resize(options.styles);
+  for (int style = 0; style < options.styles; ++style) {
+    for (std::size_t i = 0; i < cells_[0].size(); ++i) {
+      if (Has(style, cells_[0][i].content)) paired_[style].push_back(static_cast<int>(i));
     }
   }
   last_.resize(static_cast<std::size_t>(2) * options.per_style * (options.styles - 1));
@@ -41,16 +56,23 @@ int64_t Sampler::Below(int64_t bound) {
   return std::min(static_cast<int64_t>(Uniform() * static_cast<double>(bound)), bound - 1);
 }
 
-Sampler::Window Sampler::Any(int style) {
-  const Cell& cell = cells_[style][Below(static_cast<int64_t>(cells_[style].size()))];
-  const int64_t place = Below(cell.places.back());
-  const auto found = std::upper_bound(cell.places.begin(), cell.places.end(), place);
-  const auto index = found - cell.places.begin();
+bool Sampler::Has(int style, int content) const {
+  return std::any_of(cells_[style].begin(), cells_[style].end(),
+                     [content](const Cell& cell) { return cell.content == content; });
+}
+
+Sampler::Window Sampler::From(const Cell& cell) {
+  const auto& [clip, start] = cell.places[Below(static_cast<int64_t>(cell.places.size()))];
   Window window;
-  window.clip = cell.clips[index];
-  window.start = static_cast<int>(place - (index == 0 ? 0 : cell.places[index - 1]));
+  window.clip = clip;
+  window.start = start;
   window.mirrored = Uniform() < 0.5;
+  window.content = cell.content;
   return window;
+}
+
+Sampler::Window Sampler::Any(int style) {
+  return From(cells_[style][Below(static_cast<int64_t>(cells_[style].size()))]);
 }
 
 const std::vector<Sampler::Window>& Sampler::Next() {
@@ -63,11 +85,18 @@ const std::vector<Sampler::Window>& Sampler::Next() {
       window = before;
       window.start += options_.length;
       window.session_start = false;
+      window.content = clips_[window.clip].ContentOf(window.start, options_.length);
     } else {
-      window = Any(OwnStyle(slot));
+      const std::vector<int>& paired = paired_[TargetStyle(slot)];
+      if (IsNeutralSlot(slot) && !paired.empty() && Uniform() >= options_.unpaired) {
+        window = From(cells_[0][paired[Below(static_cast<int64_t>(paired.size()))]]);
+      } else {
+        window = Any(OwnStyle(slot));
+      }
       window.session_start = !carried && Uniform() < options_.session_start;
     }
     window.carried = carried;
+    window.paired = Has(TargetStyle(slot), window.content);
     last_[slot] = window;
   }
   return last_;
@@ -78,7 +107,7 @@ std::string Sampler::Save() const {
   out << random_;
   for (const Window& w : last_) {
     out << ' ' << w.clip << ' ' << w.start << ' ' << w.mirrored << ' ' << w.session_start << ' '
-        << w.carried;
+        << w.carried << ' ' << w.content << ' ' << w.paired;
   }
   return out.str();
 }
@@ -86,7 +115,9 @@ std::string Sampler::Save() const {
 void Sampler::Restore(const std::string& text) {
   std::istringstream in(text);
   in >> random_;
-  for (Window& w : last_) in >> w.clip >> w.start >> w.mirrored >> w.session_start >> w.carried;
+  for (Window& w : last_) {
+    in >> w.clip >> w.start >> w.mirrored >> w.session_start >> w.carried >> w.content >> w.paired;
+  }
 }
 
 }  // namespace styled::train

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/train/dataset.h"
@@ -13,7 +14,8 @@ namespace styled::train {
 // neutral, in order of style: first `per_style` neutral windows that are transferred to the style,
 // then `per_style` windows of the style that are transferred to neutral. A slot keeps its role, so
 // that recurrent states can be carried from one iteration to the next. Contents are drawn evenly,
-// clips of a content by length. Deterministic; Save and Restore are exact.
+// windows of a content too; a neutral window mostly has a content in which its target style was
+// recorded. Deterministic; Save and Restore are exact.
 class Sampler {
  public:
   struct Options {
@@ -21,6 +23,7 @@ class Sampler {
     int per_style = 3;
     int length = 25;  // frames per window
     double carry = 0.5, session_start = 0.25;
+    double unpaired = 0.1;  // share of neutral windows of any content
     uint64_t seed = 1;
   };
   struct Window {
@@ -29,6 +32,8 @@ class Sampler {
     bool mirrored = false;
     bool session_start = false;
     bool carried = false;  // its states continue those at the end of the slot's last window
+    int content = 0;
+    bool paired = true;  // its target style was recorded in this content, so a critic can compare
   };
 
   // `clips` must outlive the sampler.
@@ -50,18 +55,21 @@ class Sampler {
 
  private:
   struct Cell {
-    std::vector<int> clips;
-    std::vector<int64_t> places;  // running total of places where a window may start
+    int content = 0;
+    std::vector<std::pair<int, int>> places;  // clip and first frame of every window
   };
 
   double Uniform();
   int64_t Below(int64_t bound);
   bool IsNeutralSlot(int slot) const;
+  bool Has(int style, int content) const;
+  Window From(const Cell& cell);
 
   const std::vector<TrainingClip>& clips_;
   Options options_;
   std::mt19937_64 random_;
   std::vector<std::vector<Cell>> cells_;  // per style, the contents that it has
+  std::vector<std::vector<int>> paired_;  // per target style, indices into cells_[0]
   std::vector<Window> last_;
 };
 

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "model/train/checkpoint.h"
@@ -47,7 +48,8 @@ class Trainer {
                  learner_.deviation()) {}
 
   // Trains the classifier, or reads the checkpoint, then trains until the run's (or session's) end.
-  Status Run();
+  // A new run starts from `init` where there is one.
+  Status Run(const LoadedWeights* init);
 
  private:
   Status Save();
@@ -153,7 +155,13 @@ Status Trainer::Restore() {
   return Status::Ok();
 }
 
-Status Trainer::Run() {
+Status Trainer::Run(const LoadedWeights* init) {
+  if (init != nullptr && !config_.resume) {
+    const Status adopted = learner_.Adopt(*init);
+    if (!adopted.ok()) {
+      return Status::Error("--init " + config_.init.string() + ": " + adopted.message());
+    }
+  }
   if (config_.resume) {
     const Status restored = Restore();
     if (!restored.ok()) return restored;
@@ -223,7 +231,24 @@ Status Train(const TrainConfig& config) {
   Result<std::vector<TrainingClip>> validation =
       LoadClips(manifest.value(), "validation", parameters, config.window + 1);
   if (!validation.ok()) return validation.status();
-  const FeatureStatistics statistics = ComputeStatistics(clips.value(), parameters);
+  std::optional<LoadedWeights> init;
+  FeatureStatistics statistics;
+  if (config.init.empty()) {
+    statistics = ComputeStatistics(clips.value(), parameters);
+  } else {
+    Result<LoadedWeights> loaded = ReadWeights(config.init);
+    if (!loaded.ok()) return Status::Error("--init " + loaded.status().message());
+    init.emplace(std::move(loaded.value()));
+    if (init->features.rate_hz != parameters.rate_hz ||
+        init->features.heading_tau_s != parameters.heading_tau_s) {
+      return Status::Error(
+          "--init " + config.init.string() +
+          ": has another rate or heading filter than --rate and --heading-tau say");
+    }
+    std::copy_n(init->mean.data_ptr<float>(), body::kFeatureCount, statistics.mean.begin());
+    std::copy_n(init->deviation.data_ptr<float>(), body::kFeatureCount,
+                statistics.deviation.begin());
+  }
   SetHemisphere(statistics.mean, parameters);
   std::cout << clips.value().size() << " training clips, " << validation.value().size()
             << " validation clips, " << SecondsSince(begin) << " s" << std::endl;
@@ -234,7 +259,7 @@ Status Train(const TrainConfig& config) {
     torch::manual_seed(config.seed);
     Trainer trainer(config, manifest.value(), clips.value(), validation.value(), statistics,
                     parameters, cuda ? torch::Device(torch::kCUDA) : torch::Device(torch::kCPU));
-    return trainer.Run();
+    return trainer.Run(init ? &*init : nullptr);
   } catch (const std::exception& failure) {
     return Status::Error(std::string("libtorch: ") + Reason(failure));
   }

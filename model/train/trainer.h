@@ -12,8 +12,9 @@ namespace styled::train {
 // are those of the shipped weights.
 struct TrainConfig {
   std::filesystem::path manifest, data, out;
-  std::string command;  // recorded in the weights' metadata
-  double minutes = 0;   // length of the run in wall time, over all resumes; 0: by iterations
+  std::filesystem::path init;  // weights to start from (a .safetensors file); empty: random ones
+  std::string command;         // recorded in the weights' metadata
+  double minutes = 0;          // length of the run in wall time, over all resumes; 0: by iterations
   int64_t iterations = 0;
   int64_t stop_at = 0;  // end this session at that iteration, the run's length unchanged; 0: no
   uint64_t seed = 1;

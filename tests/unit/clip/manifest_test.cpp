@@ -94,7 +94,17 @@ TEST_F(ManifestTest, NamesFileLineKeyAndWhatIsWrong) {
       {kHead + Rule("judge_share = -0.1\n"), "judge_share: found -0.1"},
       {kHead + Rule("judge_share = \"all\"\n"), "judge_share: found something else"},
       {kHead + Rule("split = \"judge\"\njudge_share = 0.2\n"), "expected it with split \"train\""},
-      {kHead + Rule("") + Rule(""), "under two patterns, expected each clip once"},
+      {kHead + Rule("") + Rule(""), "under two patterns, expected each part of a clip once"},
+      {kHead + Rule("time = [0.0, 0.6]\n") + Rule("time = [0.5, 1.0]\n"), "under two patterns"},
+      {kHead + Rule("time = [0.5, 0.5]\n"), "time: found something else, expected [from, to]"},
+      {kHead + Rule("time = 0.5\n"), "time: found something else"},
+      {kHead + Rule("repeat_s = -1\n"), "repeat_s: found -1"},
+      {kHead + Rule("except = \"d/*\"\n"), "except: found something else, expected an array"},
+      {kHead + Rule("except = [\"d/*\"]\n"), "pattern: found no file"},
+      {kHead + std::string("[still]\ncontent = \"stand\"\nspeed_mps = 0.1\n") + Rule(""),
+       "content: found \"stand\", expected the name of one of the contents"},
+      {kHead + std::string("[still]\ncontent = \"walk\"\n") + Rule(""),
+       "speed_mps: found nothing, expected a number above 0"},
       {kHead + std::string("[[clips]]\npattern = \"e/{content}_{style}.bvh\"\n"),
        "pattern: found no file for \"e/{content}_{style}.bvh\" in "},
   };
@@ -152,6 +162,27 @@ TEST_F(ManifestTest, FixedStyleAndContentAndStars) {
   EXPECT_EQ(manifest.value().entries[0].rig, "auto");
   EXPECT_EQ(manifest.value().entries[0].split, "validation");
   EXPECT_EQ(manifest.value().entries[0].take, 0);
+}
+
+TEST_F(ManifestTest, OneClipServesSeveralSplitsInTurn) {
+  Touch("d/walk_old_1.bvh");
+  Touch("d/turn_old_1.bvh");
+  Touch("d/walk-left_old_1.bvh");
+  const Result<Manifest> result =
+      Load(kHead + std::string("[still]\ncontent = \"turn\"\nspeed_mps = 0.2\n") +
+           Rule("split = \"validation\"\ntime = [0.75, 1.0]\nexcept = [\"*/walk-left*\"]\n") +
+           Rule("time = [0.0, 0.75]\nrepeat_s = 4\nexcept = [\"*/walk-left*\"]\n"));
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  const Manifest& manifest = result.value();
+  ASSERT_EQ(manifest.entries.size(), 2U);
+  EXPECT_EQ(manifest.entries[0].split, "train");
+  EXPECT_EQ(manifest.entries[0].from, 0.0);
+  EXPECT_EQ(manifest.entries[0].to, 0.75);
+  EXPECT_EQ(manifest.entries[0].repeat_s, 4.0);
+  EXPECT_EQ(manifest.entries[1].split, "validation");
+  EXPECT_EQ(manifest.entries[1].repeat_s, 0.0);
+  EXPECT_EQ(manifest.still_content, "turn");
+  EXPECT_EQ(manifest.still_speed_mps, 0.2);
 }
 
 TEST_F(ManifestTest, SetsTheLastTakesOfEveryCellAsideForTheJudge) {

@@ -51,6 +51,41 @@ TEST(Dataset, StatisticsStandardizeAndKeepTheirFloors) {
   EXPECT_NEAR(statistics.mean[body::kPositionBegin + 3 * body::kHead], 0.0F, 1e-4);
 }
 
+// A walker that comes back to its first pose after 20 frames, 0.6 m on and turned by 30 degrees.
+TEST(Dataset, ALoopGoesOnAlongItsPath) {
+  std::vector<body::Pose> loop(21);
+  for (int t = 0; t <= 20; ++t) {
+    const float round = static_cast<float>(t) / 20.0F;
+    loop[t].hips_position_m += body::Vec3(0, 0, 0.6F * round);
+    loop[t].rotations[body::kHips] = body::Yaw(0.5236F * round);
+    loop[t].rotations[body::kLeftUpperLeg] =
+        body::Exp(body::Vec3(0.5F * std::sin(6.2832F * round), 0, 0));
+  }
+  const std::vector<body::Pose> out = RepeatLoop(loop, 60);
+  ASSERT_EQ(out.size(), 61U);
+  for (std::size_t i = 1; i < out.size(); ++i) {
+    const body::Quat turn = out[i - 1].rotations[body::kHips].conjugate() * out[i].rotations[0];
+    EXPECT_NEAR((out[i].hips_position_m - out[i - 1].hips_position_m).norm(), 0.03, 1e-4) << i;
+    EXPECT_NEAR(body::Log(turn).y(), 0.5236 / 20, 1e-4) << i;
+  }
+  // The second round walks where the first one looked at its end.
+  const body::Vec3 step = out[21].hips_position_m - out[20].hips_position_m;
+  EXPECT_NEAR(std::atan2(step.x(), step.z()), 0.5236, 1e-3);
+}
+
+TEST(Dataset, AWindowIsStandingWhereMostOfItIsStill) {
+  TrainingClip clip;
+  clip.content = 3;
+  EXPECT_EQ(clip.ContentOf(0, 10), 3) << "not asked for";
+  clip.still_content = 0;
+  int still = 0;
+  for (int t = 0; t < 40; ++t) clip.still_count.push_back(still += t >= 20 ? 1 : 0);
+  EXPECT_EQ(clip.ContentOf(0, 20), 3);
+  EXPECT_EQ(clip.ContentOf(14, 10), 3);
+  EXPECT_EQ(clip.ContentOf(16, 10), 0);
+  EXPECT_EQ(clip.ContentOf(30, 10), 0);
+}
+
 TEST(Dataset, ArchivesThatAreNotUnpackedAreNamed) {
   const auto folder = std::filesystem::temp_directory_path() / "styled_dataset_test";
   std::filesystem::create_directories(folder);

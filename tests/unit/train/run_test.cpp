@@ -1,6 +1,7 @@
 // Whole runs on a made-up data set of two styles and two contents: resuming, exporting, and the
 // runtime network against the training one.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 #include <unistd.h>
@@ -129,6 +130,56 @@ TEST_F(Run, ACheckpointOfOtherDataIsRefused) {
   const Status status = Train(config);
   ASSERT_FALSE(status.ok());
   EXPECT_NE(status.message().find("other data or another rate"), std::string::npos);
+}
+
+// A third style is added to trained weights: what they had stays, the new one begins as the odd
+// one.
+TEST_F(Run, ARunStartsFromWeights) {
+  Check(Train(Config("first")));
+  std::filesystem::create_directories(root_ / "more");
+  for (const char* content : {"walk", "wave"}) {
+    std::filesystem::copy_file(root_ / "set-train" / (std::string(content) + "_odd_1.bvh"),
+                               root_ / "more" / (std::string(content) + "_new_1.bvh"));
+  }
+  std::ifstream in(root_ / "manifest.toml");
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  text.replace(text.find("aliases = [\"strange\"] }"), 23,
+               "aliases = [] }, { name = \"new\", labels = [\"new\"] }");
+  text += "[[clips]]\npattern = \"more/{content}_{style}_{take}.bvh\"\nrig = \"canonical\"\n";
+  std::ofstream(root_ / "more.toml") << text;
+  TrainConfig config = Config("second");
+  config.manifest = root_ / "more.toml";
+  config.init = root_ / "first" / "weights.safetensors";
+  config.iterations = 1;
+  config.generator_rate = 0;
+  Check(Train(config));
+
+  const auto before = ReadWeights(config.init);
+  const auto after = ReadWeights(root_ / "second" / "weights.safetensors");
+  ASSERT_TRUE(before.ok() && after.ok()) << after.status().message();
+  EXPECT_THAT(after.value().styles, testing::ElementsAre("neutral", "odd", "new"));
+  EXPECT_TRUE(torch::equal(before.value().mean, after.value().mean));
+  const auto decode = [](const LoadedWeights& weights, int64_t style) {
+    const torch::NoGradGuard no_grad;
+    const Generator& generator = *weights.generator;
+    const Tensor u = torch::ones({5, 1, body::kFeatureCount}) * 0.3;
+    const Tensor z = generator.Encode(u, torch::zeros({1}, torch::kInt64));
+    StackState neutral = generator.neutral.Initial(1), branch = generator.branches.Initial(1);
+    const int64_t branches = generator.branches.groups;
+    const Tensor residual =
+        generator.Branches(z.repeat({1, branches, 1}), branch).narrow(1, style - 1, 1);
+    const Tensor target = torch::one_hot(torch::tensor({style}), branches + 1).to(torch::kFloat32);
+    return generator.Decode(generator.Neutral(z, neutral) + residual, target).rotations;
+  };
+  const Tensor odd = decode(before.value(), 1);
+  EXPECT_LT((decode(after.value(), 1) - odd).abs().max().item<float>(), 1e-6F);
+  EXPECT_LT((decode(after.value(), 2) - odd).abs().max().item<float>(), 1e-6F);
+
+  config.rate_hz = 20;
+  config.out = root_ / "third";
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("has another rate"));
+  config.init = root_ / "manifest.toml";
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("--init "));
 }
 
 // The runtime network, frame by frame, against the training network over the whole window.

@@ -43,6 +43,28 @@ TEST(Sampler, SlotsKeepTheirRolesAndWindowsFitTheirClips) {
   EXPECT_NEAR(carried, 800, 100);
 }
 
+// Style 2 was never recorded in content 1: its neutral windows seldom are of it, and then say so.
+TEST(Sampler, NeutralWindowsHaveContentsOfTheirTargetOrAreUnpaired) {
+  std::vector<TrainingClip> clips = Clips();
+  clips.pop_back();
+  Sampler sampler(clips, kOptions);
+  int foreign = 0, count = 0;
+  for (int i = 0; i < 500; ++i) {
+    const auto windows = sampler.Next();
+    for (int slot = 0; slot < 8; ++slot) {
+      if (sampler.TargetStyle(slot) != 2) {
+        EXPECT_TRUE(windows[slot].paired);
+        continue;
+      }
+      EXPECT_EQ(windows[slot].paired, windows[slot].content == 0);
+      EXPECT_EQ(windows[slot].content, clips[windows[slot].clip].content);
+      foreign += windows[slot].paired ? 0 : 1;
+      ++count;
+    }
+  }
+  EXPECT_NEAR(static_cast<double>(foreign) / count, 0.05, 0.03);
+}
+
 TEST(Sampler, SaveAndRestoreAreExact) {
   const std::vector<TrainingClip> clips = Clips();
   Sampler sampler(clips, kOptions);
