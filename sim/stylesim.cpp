@@ -3,6 +3,7 @@
 // as BVH.
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -25,6 +26,8 @@ using styled::Status;
 namespace performer = styled::performer;
 namespace player = styled::player;
 namespace faults = styled::faults;
+
+constexpr int kBadArguments = 2;
 
 struct Arguments {
   std::string to = "udp://127.0.0.1:7000";
@@ -96,6 +99,10 @@ std::string PerformerName(const Arguments& a, int k) {
 }
 
 Status Check(const Arguments& a, const faults::Spec& spec) {
+  // CLI11's ranges let it through, and a clock paced by it would never wait.
+  if (std::isnan(a.rate_hz + a.seconds + a.start_wait_ms) || std::isnan(a.metres_per_unit)) {
+    return Status::Error("a value is nan; expected a number");
+  }
   const std::string longest = PerformerName(a, a.performers - 1);
   if (!player::IsPerformerName(longest)) {
     return Status::Error("--performer '" + longest + "': expected 1 to 32 of A-Za-z0-9_-");
@@ -186,7 +193,11 @@ int main(int argc, char** argv) {
                "stylesim");
   Arguments arguments;
   AddOptions(app, arguments);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kBadArguments;
+  }
   // No SA_RESTART: a sleep between two frames ends with the signal.
   struct sigaction action {};
   action.sa_handler = RequestStop;

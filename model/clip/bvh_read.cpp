@@ -30,6 +30,8 @@ bool SameWord(std::string_view a, std::string_view b) {
   return true;
 }
 
+constexpr const char* kNumber = "a number within 1e9 of 0";
+
 bool ToDouble(std::string_view word, double& value) {
   if (!word.empty() && word[0] == '+') word.remove_prefix(1);
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -128,14 +130,13 @@ class Parser {
     const std::string_view word = scan_.Word();
     return SameWord(word, keyword) || Fail(Quote(word), std::string(keyword));
   }
-  bool Number(double& value, const std::string& what) {
-    const std::string_view word = scan_.Word();
-    return ToDouble(word, value) || Fail(Quote(word), what + ", a finite number");
-  }
   bool Offset(Vec3& offset) {
     for (int axis = 0; axis < 3; ++axis) {
       double value = 0;
-      if (!Number(value, "three OFFSET values")) return false;
+      const std::string_view word = scan_.Word();
+      if (!ToDouble(word, value)) {
+        return Fail(Quote(word), std::string("three OFFSET values, each ") + kNumber);
+      }
       offset[axis] = static_cast<float>(value);
     }
     return true;
@@ -249,10 +250,10 @@ class Parser {
     if (SameWord(label, "Time") && !Expect(":")) return false;
     if (!SameWord(label, "Time") && !SameWord(label, "Time:")) return Fail(Quote(label), "Time:");
     double frame_time_s = 0;
-    if (!Number(frame_time_s, "a frame time in seconds")) return false;
+    const std::string_view time_word = scan_.Word();
     // A little beyond both ends, because frame times are rounded.
-    if (!(frame_time_s > 0.000999 && frame_time_s < 1.001)) {
-      return Fail(std::to_string(frame_time_s) + " s", "a frame time of 0.001 to 1 s");
+    if (!ToDouble(time_word, frame_time_s) || !(frame_time_s > 0.000999 && frame_time_s < 1.001)) {
+      return Fail(Quote(time_word), "a frame time of 0.001 to 1 s");
     }
     clip_.rate_hz = NearestRate(1.0 / frame_time_s);
 
@@ -303,7 +304,7 @@ class Parser {
         if (!ToDouble(word, value)) {
           return Fail(Quote(word) + " as value " + std::to_string(read + 1) + " of row " +
                           std::to_string(frame + 1),
-                      "a finite number");
+                      kNumber);
         }
         if (kind <= 'Z') {
           pose.translations[joint][kind - 'X'] = static_cast<float>(value);

@@ -17,6 +17,8 @@ namespace {
 using styled::Result;
 using styled::Status;
 
+constexpr int kBadArguments = 2;
+
 struct Arguments {
   std::string style;
   float strength = 1.0F;
@@ -170,23 +172,30 @@ int main(int argc, char** argv) {
   app.add_option("-a,--strength", arguments.strength, "0 to 1.5; 0 gives the input back")
       ->capture_default_str();
   app.add_option("-m,--mix", arguments.mix, "a further style, STYLE=WEIGHT; at most 4 in all")
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);  // one per --mix: what follows may be the input
   app.add_flag("--absolute", arguments.absolute,
                "the paper's output instead of the detail-preserving one");
   app.add_flag("--no-bypass", arguments.no_bypass,
                "without a style, still go through bind, network and unbind");
   app.add_flag("--bind-only", arguments.bind_only,
-               "only bind to the canonical humanoid and back, without the network");
+               "only bind to the canonical humanoid and back, without the network")
+      ->excludes("--style")
+      ->excludes("--mix");
   app.add_option("-w,--weights", arguments.weights, "weights file (default: the shipped one)");
   app.add_option("--rig", arguments.rig, "rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();
   app.add_flag("--list", arguments.list, "print the styles of the weights");
   CLI::Option* in = app.add_option("in", arguments.in, "input BVH");
   CLI::Option* out = app.add_option("out", arguments.out, "output BVH");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kBadArguments;
+  }
   if (!arguments.list && (in->empty() || out->empty())) {
     std::fprintf(stderr, "stylize: expected an input and an output file; see --help\n");
-    return 2;
+    return kBadArguments;
   }
   return Run(arguments);
 }

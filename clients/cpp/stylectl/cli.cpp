@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -103,7 +104,7 @@ void Program::PerformerOf(CLI::App* command, bool required) {
 }
 
 void Program::Declare() {
-  app_.require_subcommand(1);
+  app_.require_subcommand(0, 1);  // none: said by Run, after what was not expected
   app_.set_version_flag("--version", "stylectl 0.1.0");
   app_.add_option("--endpoint", arguments_.control.endpoint, "the daemon's control socket")
       ->envname("STYLED_CONTROL")
@@ -116,7 +117,7 @@ void Program::Declare() {
       "Exit codes: 0 done, 1 the daemon refused, 2 usage, 3 no daemon answers.\n"
       "Examples:\n"
       "  stylectl set '*' --style old --strength 0.8\n"
-      "  stylectl set rig.anna --mix old=0.6 --mix proud=0.4 --transition 1000\n"
+      "  stylectl set rig.anna --mix old=0.6 --mix feminine=0.4 --transition 1000\n"
       "  stylectl clear rig.anna");
   Command("list", "styles and presets");
   CLI::App* status = Command("status", "the daemon, its performers, its counters");
@@ -162,6 +163,8 @@ int Program::Run(std::vector<std::string> arguments) {
     if (error.get_exit_code() == 0) return app_.exit(error, out_, err_), kExitOk;
     return Usage(error.what());
   }
+  if (app_.get_subcommands().empty()) return Usage("a command is required");
+  if (std::isnan(arguments_.timeout_s)) return Usage("--timeout: nan; expected 0.01 to 600");
   arguments_.control.timeout =
       std::chrono::milliseconds(static_cast<int>(arguments_.timeout_s * 1000.0));
   auto control = client::Control::Connect(arguments_.control);
@@ -313,7 +316,10 @@ Failure Program::Explain(const CallStatus& status) {
     v1::StatusReply reply;
     if (!control_->Status(&reply).ok()) return failure;
     std::vector<std::string> names;
-    for (const auto& entry : reply.stats().performers()) names.push_back(entry.performer());
+    for (const auto& entry : reply.stats().performers()) {
+      // One that is only configured ahead is listed too, and may be the very one.
+      if (entry.performer() != arguments_.performer) names.push_back(entry.performer());
+    }
     failure.suggestion = Nearest(arguments_.performer, names);
     failure.expected = names.empty() ? "no performer is here" : "performers: " + Join(names);
   } else if (status.code() == v1::CODE_PINNED) {

@@ -42,6 +42,7 @@ v1::Reply Answer(const v1::Request& request) {
     anna.set_sequence(77);
     anna.set_live(true);
     anna.set_rate_hz(120);
+    stats.add_performers()->set_performer("cam.zed");
     auto& counter = *stats.add_counters();
     counter.set_name("source.bad_crc");
     counter.set_value(3);
@@ -52,6 +53,9 @@ v1::Reply Answer(const v1::Request& request) {
     if (entry.style() != "old" && entry.style() != "elderly" && entry.style() != "proud") {
       return Refusal(v1::CODE_UNKNOWN_STYLE, "set: unknown style '" + entry.style() + "'");
     }
+  }
+  if (request.has_reset() && request.performer() == "cam.zed") {
+    return Refusal(v1::CODE_UNKNOWN_PERFORMER, "performer \"cam.zed\" was not seen yet");
   }
   if (request.has_preset() && request.preset().name() != "scene") {
     return Refusal(v1::CODE_UNKNOWN_PRESET, "preset: unknown preset");
@@ -93,7 +97,7 @@ TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
             "PRESET  MIX\nscene   bypass\n");
   EXPECT_EQ(Run({"status"}), kExitOk);
   EXPECT_TRUE(Says("styled 1.2.3"));
-  EXPECT_TRUE(Says("rig.anna   live   120.0"));
+  EXPECT_TRUE(Says("rig.anna   live    120.0"));
   EXPECT_TRUE(Says("source.bad_crc      3"));
   EXPECT_FALSE(Says("source.zero"));
   EXPECT_EQ(Run({"status", "--all"}), kExitOk);
@@ -157,6 +161,16 @@ TEST_F(StylectlTest, AMisspeltPerformerIsNoted) {
   EXPECT_TRUE(err_.str().empty()) << err_.str();
 }
 
+TEST_F(StylectlTest, APerformerConfiguredAheadIsNotSuggestedInItsOwnStead) {
+  EXPECT_EQ(Run({"reset", "cam.zed"}), kExitRefused);
+  EXPECT_TRUE(Complains("was not seen yet\n  performers: rig.anna\n")) << err_.str();
+}
+
+TEST_F(StylectlTest, AnUnknownCommandIsNamed) {
+  EXPECT_EQ(Run({"dance"}), kExitUsage);
+  EXPECT_TRUE(Complains("dance")) << err_.str();
+}
+
 TEST_F(StylectlTest, JsonIsOneObjectPerCommandOnFailureToo) {
   EXPECT_EQ(Run({"list", "--json"}), kExitOk);
   EXPECT_EQ(nlohmann::json::parse(out_.str())["styles"][1]["aliases"][0], "elderly");
@@ -189,6 +203,7 @@ TEST_F(StylectlTest, AWrongCommandLineIsAUsageErrorAndAsksNobody) {
       {"preset"},
       {"pin"},
       {"list", "--timeout", "0"},
+      {"list", "--timeout", "nan"},
   };
   for (const auto& arguments : wrong) {
     EXPECT_EQ(Run(arguments), kExitUsage) << testing::PrintToString(arguments);

@@ -1,0 +1,71 @@
+// The offline programs as somebody at a shell meets them.
+#include <gtest/gtest.h>
+
+#include "tests/support/child.h"
+
+namespace styled::support {
+namespace {
+
+class ToolsTest : public testing::Test {
+ protected:
+  // Runs `arguments`; what it said to stderr is in said_.
+  int Run(std::vector<std::string> arguments) {
+    const std::string log = folder_ / ("log" + std::to_string(runs_++) + ".txt");
+    Child child(arguments, log);
+    const int code = child.Wait(60).value_or(-1);
+    said_ = ReadText(log);
+    return code;
+  }
+  // A second of the synthetic performer as BVH.
+  std::string Walk() {
+    const std::string file = folder_ / "walk.bvh";
+    EXPECT_EQ(Run({STYLESIM_BINARY, "--write", file, "--seconds", "1", "--rate", "30"}), 0)
+        << said_;
+    return file;
+  }
+
+  TemporaryFolder folder_;
+  std::string said_;
+
+ private:
+  int runs_ = 0;
+};
+
+TEST_F(ToolsTest, StylizeTakesItsFilesBehindAMix) {
+  const std::string in = Walk(), out = folder_ / "out.bvh";
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "elderly=0.5", "--mix", "active=0.3", "--mix",
+                 "youthful=0.1", in, out}),
+            0)
+      << said_;
+  const std::string mixed = ReadText(out);
+  ASSERT_EQ(Run({STYLIZE_BINARY, in, out, "--style", "elderly=0.5"}), 0) << said_;
+  EXPECT_NE(mixed, "");
+  EXPECT_NE(ReadText(out), mixed);
+}
+
+TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
+  const std::string in = Walk(), out = folder_ / "out.bvh";
+  for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
+           {STYLIZE_BINARY},
+           {STYLIZE_BINARY, "--no-such-option", in, out},
+           {STYLIZE_BINARY, "--strength", "much", in, out},
+           {STYLIZE_BINARY, "--bind-only", "--style", "elderly", in, out},
+           {STYLESIM_BINARY, "--rate", "0"}}) {
+    EXPECT_EQ(Run(wrong), 2) << testing::PrintToString(wrong);
+    EXPECT_NE(said_, "");
+  }
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "zombie", in, out}), 1);
+  EXPECT_NE(said_.find("unknown style 'zombie'"), std::string::npos) << said_;
+  WriteText(in, "HIERARCHY\n");
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, out}), 1);
+  EXPECT_NE(said_.find(in + ":2: found the end, expected ROOT"), std::string::npos) << said_;
+}
+
+// Without a pace it would flood whoever listens.
+TEST_F(ToolsTest, StylesimRefusesARateThatIsNoNumber) {
+  EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--rate", "nan"}), 1);
+  EXPECT_NE(said_.find("nan"), std::string::npos) << said_;
+}
+
+}  // namespace
+}  // namespace styled::support
