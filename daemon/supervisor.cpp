@@ -62,6 +62,7 @@ Status Supervisor::Start() {
   if (status.ok()) status = OpenSockets();
   if (!status.ok()) return status;
   std::vector<std::string> names;
+  names.reserve(config_.sources.size());
   for (const auto& source : config_.sources) names.push_back(source.name);
   pipeline_ = std::make_unique<pipeline::Pipeline>(
       pipeline::Surroundings{clock_, counters_, *publisher_, mailboxes_}, std::move(names),

@@ -68,7 +68,7 @@ Key<T> Text(std::string_view name, Field field) {
 }
 
 template <typename T, typename Field>
-Key<T> OneOf(std::string_view name, std::vector<std::string_view> words, Field field) {
+Key<T> OneOf(std::string_view name, const std::vector<std::string_view>& words, Field field) {
   return {name, [=](const toml::node& node, T& out) {
             const auto value = node.value<std::string>();
             if (value && std::find(words.begin(), words.end(), *value) != words.end()) {
@@ -84,7 +84,7 @@ Key<T> OneOf(std::string_view name, std::vector<std::string_view> words, Field f
           }};
 }
 
-#define STYLED_FIELD(path) [](auto& c) -> auto& { return c.path; }
+#define STYLED_FIELD(path) ([](auto& c) -> auto& { return c.path; })
 
 constexpr double kMs = 1e-3;
 constexpr std::int64_t kGiB = 1 << 30;

@@ -27,6 +27,7 @@ struct Layer {
 template <typename T>
 std::vector<std::string_view> Names(const std::vector<T>& rows) {
   std::vector<std::string_view> names;
+  names.reserve(rows.size());
   for (const auto& row : rows) names.push_back(row.name);
   return names;
 }
@@ -68,7 +69,7 @@ Status ApplySources(const Layer& layer, const toml::node& node, Config& config) 
   for (const auto& element : *tables) {
     Source source;
     for (const auto& [key, value] : *element.as_table()) {
-      const Status status = ApplyKey(layer, "source", SourceKeys(), key.str(), value, source);
+      Status status = ApplyKey(layer, "source", SourceKeys(), key.str(), value, source);
       if (!status.ok()) return status;
     }
     if (source.listen.empty()) {
@@ -93,10 +94,9 @@ Status ApplySection(const Layer& layer, std::string_view name, const toml::node&
   const toml::table* table = node.as_table();
   if (table == nullptr) return layer.Refuse(node, std::string(name), "expected a [section]");
   for (const auto& [key, value] : *table) {
-    const Status status =
-        name == kPresetsSection
-            ? ApplyPreset(layer, key.str(), value, config)
-            : ApplyKey(layer, std::string(name), section->keys, key.str(), value, config);
+    Status status = name == kPresetsSection ? ApplyPreset(layer, key.str(), value, config)
+                                            : ApplyKey(layer, std::string(name), section->keys,
+                                                       key.str(), value, config);
     if (!status.ok()) return status;
   }
   return Status::Ok();
@@ -109,7 +109,7 @@ Status ApplyFile(const std::string& file, Config& config) {
   try {
     const toml::table table = toml::parse_file(file);
     for (const auto& [name, node] : table) {
-      const Status status = ApplySection({file, true}, name.str(), node, config);
+      Status status = ApplySection({file, true}, name.str(), node, config);
       if (!status.ok()) return status;
     }
   } catch (const toml::parse_error& error) {
@@ -183,15 +183,14 @@ Result<std::vector<Override>> EnvironmentOverrides(const char* const* environmen
     const std::string variable(entry.substr(0, equals));
     const std::string words = Lower(variable.substr(7));
     for (const auto& section : Sections()) {
-      if (!words.starts_with(std::string(section.name) + "_")) continue;
-      const std::string key = words.substr(section.name.size() + 1);
+      const std::string name(section.name);
+      if (!words.starts_with(name + "_")) continue;
+      const std::string key = words.substr(name.size() + 1);
       const auto names = Names(section.keys);
       if (std::find(names.begin(), names.end(), key) == names.end()) {
-        return Status::Error(variable + ": unknown key " + std::string(section.name) + "." + key +
-                             Nearest(key, names));
+        return Status::Error(variable + ": unknown key " + name + "." + key + Nearest(key, names));
       }
-      overrides.push_back(
-          {std::string(section.name) + "." + key, std::string(entry.substr(equals + 1)), variable});
+      overrides.push_back({name + "." + key, std::string(entry.substr(equals + 1)), variable});
     }
   }
   return overrides;

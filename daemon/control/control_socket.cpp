@@ -75,18 +75,19 @@ void ControlSocket::Handle() {
     counters_.Add(Counter::kControlMalformed);
     return Refuse(envelope, v1::CODE_MALFORMED, "not a styled.v1.Request");
   }
-  if (in_flight_ < kMaxInFlight && mailboxes_.commands.Push(std::move(exchange))) {
-    ++in_flight_;
-    mailboxes_.wake_pipeline.Signal();
+  if (in_flight_ == kMaxInFlight) {
+    counters_.Add(Counter::kControlBusy);
+    counters_.Add(Counter::kControlRefused);
+    v1::Reply reply;
+    reply.set_id(exchange->request.id());
+    reply.set_code(v1::CODE_BUSY);
+    reply.set_reason("too many requests are waiting; try again");
+    Send(exchange->envelope, reply);
     return;
   }
-  counters_.Add(Counter::kControlBusy);
-  v1::Reply reply;
-  reply.set_id(exchange->request.id());
-  reply.set_code(v1::CODE_BUSY);
-  reply.set_reason("too many requests are waiting; try again");
-  counters_.Add(Counter::kControlRefused);
-  Send(exchange->envelope, reply);
+  ++in_flight_;
+  mailboxes_.commands.Push(std::move(exchange));  // never full: it holds more than are in flight
+  mailboxes_.wake_pipeline.Signal();
 }
 
 void ControlSocket::Refuse(const std::vector<std::vector<std::byte>>& envelope, v1::Code code,

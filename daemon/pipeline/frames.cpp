@@ -9,11 +9,8 @@ namespace {
 
 using runtime::Counter;
 using runtime::kSecond_ns;
+using runtime::Nanoseconds;
 using source::FrameResult;
-
-std::int64_t Nanoseconds(float seconds) {
-  return static_cast<std::int64_t>(static_cast<double>(seconds) * 1e9);
-}
 
 }  // namespace
 

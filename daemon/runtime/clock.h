@@ -8,6 +8,10 @@ namespace styled::runtime {
 inline constexpr std::int64_t kMillisecond_ns = 1'000'000;
 inline constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
+constexpr std::int64_t Nanoseconds(float seconds) {
+  return static_cast<std::int64_t>(static_cast<double>(seconds) * 1e9);
+}
+
 // Where loops take their time from: passed in, so that tests move it and never sleep. Any thread.
 class Clock {
  public:
