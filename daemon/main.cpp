@@ -85,6 +85,10 @@ int main(int argc, char** argv) {
   auto config = styled::config::Load(origin.value().file, origin.value().overrides);
   if (!config.ok()) return Refuse(config.status(), kBadArguments);
   if (!arguments.check_file.empty()) {
+    // Presets are only as right as the weights that they are for.
+    std::uint32_t crc = 0;
+    const auto live = styled::MakeLive(config.value(), nullptr, crc);
+    if (!live.ok()) return Refuse(live.status(), kBadArguments);
     std::cout << arguments.check_file << ": ok\n";
     return 0;
   }

@@ -28,21 +28,25 @@ Status ReadSkeleton(const v1::Body& body, rig::Skeleton& skeleton) {
   if (status.ok()) status = Count("offsets", body.offsets_size(), 3 * joints);
   if (status.ok() && body.rest_size() > 0) status = Count("rest", body.rest_size(), 4 * joints);
   if (!status.ok()) return status;
+  if (!std::isfinite(body.metres_per_unit()) || body.metres_per_unit() < 0) {
+    return Status::Error("body: metres_per_unit: found " + std::to_string(body.metres_per_unit()) +
+                         ", expected a length in metres, or 0 where it is unknown");
+  }
   std::set<std::string> names;
   for (int j = 0; j < joints; ++j) {
-    const std::string place = "body: joint " + std::to_string(j) + ": ";
+    const auto refuse = [j](const std::string& what) {
+      return Status::Error("body: joint " + std::to_string(j) + ": " + what);
+    };
     const std::string& name = body.names(j);
-    if (name.empty() || name.size() > 128)
-      return Status::Error(place + "name is empty or too long");
-    if (!names.insert(name).second)
-      return Status::Error(place + "name \"" + name + "\" is used twice");
+    if (name.empty() || name.size() > 128) return refuse("name is empty or too long");
+    if (!names.insert(name).second) return refuse("name \"" + name + "\" is used twice");
     const int parent = body.parents(j);
     if (j == 0 ? parent != -1 : parent < 0 || parent >= j) {
-      return Status::Error(place + "parent " + std::to_string(parent) +
-                           (j == 0 ? ", expected -1" : ", expected an earlier joint"));
+      return refuse("parent " + std::to_string(parent) +
+                    (j == 0 ? ", expected -1" : ", expected an earlier joint"));
     }
     const Vec3 offset(body.offsets(3 * j), body.offsets(3 * j + 1), body.offsets(3 * j + 2));
-    if (!offset.allFinite()) return Status::Error(place + "offset is not finite");
+    if (!offset.allFinite()) return refuse("offset is not finite");
     skeleton.names.push_back(name);
     skeleton.parents.push_back(parent);
     skeleton.offsets.push_back(offset);

@@ -7,14 +7,11 @@ namespace {
 
 using runtime::Counter;
 using runtime::kSecond_ns;
+using runtime::Nanoseconds;
 
 constexpr int kSubscriptionsPerCycle = 16;
 constexpr int kCommandsPerCycle = 8;
 constexpr std::int64_t kBudget_ns = kSecond_ns / 120;
-
-std::int64_t Nanoseconds(float seconds) {
-  return static_cast<std::int64_t>(static_cast<double>(seconds) * 1e9);
-}
 
 }  // namespace
 
@@ -204,6 +201,10 @@ void Pipeline::PublishStats() {
 }
 
 void Pipeline::Say(Event::Level level, std::string text) {
+  // It may quote what a stranger sent: no second line, no terminal's escape.
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7F') c = '?';
+  }
   if (!to_.mailboxes.events.Push({level, std::move(text)})) {
     to_.counters.Add(Counter::kPipelineEventsDropped);
   }

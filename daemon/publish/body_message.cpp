@@ -28,6 +28,8 @@ std::uint64_t BodyHash(const v1::Body& body) {
   for (const std::int32_t parent : body.parents()) fnv.Add(&parent, sizeof parent);
   for (const float value : body.offsets()) fnv.Add(&value, sizeof value);
   for (const float value : body.rest()) fnv.Add(&value, sizeof value);
+  const float unit_m = body.metres_per_unit();
+  fnv.Add(&unit_m, sizeof unit_m);
   return fnv.hash();
 }
 

@@ -8,8 +8,8 @@
 
 namespace styled::publish {
 
-// FNV-1a (64 bit) over each name and a zero byte, the parents as 32-bit and offsets and rest as
-// IEEE floats, little-endian. Frames carry the hash of their body.
+// FNV-1a (64 bit) over each name and a zero byte, the parents as 32-bit and offsets, rest and the
+// unit as IEEE floats, little-endian. Frames carry the hash of their body.
 std::uint64_t BodyHash(const v1::Body& body);
 
 // The bodies that subscribers get, hash filled in: the rig's skeleton as received with the T-pose

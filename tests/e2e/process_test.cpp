@@ -125,7 +125,15 @@ TEST(ProcessTest, BadArgumentsAndConfigurationsEndWithTwoAndTheReason) {
             std::string::npos)
       << outcome.text;
   WriteText(file, "[publish]\nhigh_water_mark = 10\n");
-  EXPECT_EQ(RunStyled(folder, {"--check-config", file}).code, 0);
+  const std::string weights = folder / "weights.safetensors";
+  WriteRandomWeights(weights);
+  EXPECT_EQ(RunStyled(folder, {"--check-config", file, "--weights", weights}).code, 0);
+  WriteText(file, "[presets]\nmild = { nostyle = 0.3 }\n");
+  outcome = RunStyled(folder, {"--weights", weights, "--check-config", file});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.text.find(file + ":2: presets.mild: no style \"nostyle\""), std::string::npos)
+      << outcome.text;
+  WriteText(file, "");
   outcome =
       RunStyled(folder, {"--check-config", file}, {{"STYLED_PUBLISH_HIGH_WATER_MARK", "lots"}});
   EXPECT_EQ(outcome.code, 2);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <limits>
 
 #include "tests/support/rig.h"
 #include "tests/unit/erd/random_weights.h"
@@ -108,6 +109,36 @@ TEST_F(PipelineTest, AFrameLeavesInTheSameCallItCameIn) {
   EXPECT_EQ(frames()[0].sequence(), 1U);
   EXPECT_EQ(frames()[0].epoch(), 77U);
   EXPECT_EQ(frames()[0].performer(), "rig.a");
+}
+
+TEST_F(PipelineTest, ABodyInOtherUnitsHasAnotherHash) {
+  v1::Body body = rig_.MakeBody();
+  for (const float unit_m : {1.0F, 0.01F}) {
+    body.set_metres_per_unit(unit_m);
+    Deliver({rig_.Datagram(native::Kind::kBody, body.SerializeAsString()), rig_.Frame()});
+  }
+  ASSERT_EQ(frames().size(), 2U);
+  EXPECT_NE(frames()[0].body_hash(), frames()[1].body_hash());
+}
+
+TEST_F(PipelineTest, AUnitThatIsNoLengthIsRefused) {
+  v1::Body body = rig_.MakeBody();
+  for (const float unit_m :
+       {-1.0F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    body.set_metres_per_unit(unit_m);
+    Deliver({rig_.Datagram(native::Kind::kBody, body.SerializeAsString()), rig_.Frame()});
+  }
+  EXPECT_EQ(Count(Counter::kPipelineBodiesRefused), 3U);
+  EXPECT_TRUE(frames().empty());
+}
+
+TEST_F(PipelineTest, WhatAStrangerSentIsQuotedWithoutControlCharacters) {
+  v1::Body body = rig_.MakeBody();
+  body.set_dialect("a\nb\x1b[31m");
+  Deliver({rig_.Datagram(native::Kind::kBody, body.SerializeAsString())});
+  Event event;
+  ASSERT_TRUE(mailboxes_.events.Pop(event));
+  EXPECT_NE(event.text.find("found dialect a?b?[31m"), std::string::npos) << event.text;
 }
 
 TEST_F(PipelineTest, UpToTheBacklogAllLateFramesArePublishedBeyondItTheNewestOnly) {
