@@ -35,7 +35,8 @@ int main(int argc, char** argv) {
   app.add_option("--rate", config.rate_hz, "The network's rate, Hz")->capture_default_str();
   app.add_option("--heading-tau", config.heading_tau_s, "Heading filter, s")->capture_default_str();
   app.add_option("--window", config.window, "Frames that are judged")->capture_default_str();
-  app.add_option("--per-style", config.per_style)->capture_default_str();
+  auto* per_style = app.add_option("--per-style", config.per_style, "Windows per style in a batch")
+                        ->capture_default_str();
   app.add_option("--carry", config.carry, "Share of windows that start with carried states")
       ->capture_default_str();
   app.add_option("--session-start", config.session_start)->capture_default_str();
@@ -65,7 +66,18 @@ int main(int argc, char** argv) {
   app.add_option("--checkpoint-minutes", config.checkpoint_minutes)->capture_default_str();
   app.add_option("--log-every", config.log_every)->capture_default_str();
   app.add_option("--monitor-every", config.monitor_every)->capture_default_str();
+  CLI::App* add =
+      app.add_subcommand("add-style", "Teach trained weights one more style")->fallthrough();
+  add->footer(
+      "styletrain add-style --name NAME --init W.safetensors --manifest M.toml --data DIR --out "
+      "RUN "
+      "--minutes 20\nThe manifest has the neutral style and NAME. All that W has is frozen and "
+      "comes "
+      "out bit for bit; all other options of styletrain hold, --per-style is 12.");
+  add->add_option("--name", config.add_style, "The new style, as the manifest names it")
+      ->required();
   CLI11_PARSE(app, argc, argv);
+  if (add->parsed() && per_style->count() == 0) config.per_style = 12;
 
   if (export_paths.empty() && config.out.empty()) {
     std::cerr << "styletrain: --out or --export is needed\n";

@@ -222,6 +222,7 @@ Result<LoadedWeights> ReadWeights(const std::filesystem::path& file) {
     const Result<GeneratorShape> shape = ShapeFromJson(text);
     if (!shape.ok()) return Status::Error(file.string() + ": " + shape.status().message());
     const Json json = Json::parse(text);
+    out.metadata = text;
     for (const Json& style : json.at("styles")) out.styles.push_back(style.at("name"));
     out.mean = TensorOf(view.value(), "feature.mean", {body::kFeatureCount});
     out.deviation = TensorOf(view.value(), "feature.deviation", {body::kFeatureCount});
@@ -238,6 +239,34 @@ Result<LoadedWeights> ReadWeights(const std::filesystem::path& file) {
   } catch (const std::exception& error) {
     return Status::Error(file.string() + ": " + Reason(error));
   }
+}
+
+std::unique_ptr<Generator> AppendStyle(const Generator& base, const Generator& two,
+                                       const Tensor& mean, const Tensor& deviation) {
+  const torch::NoGradGuard no_grad;
+  GeneratorShape shape = base.shape;
+  ++shape.styles;
+  auto out = std::make_unique<Generator>(shape, mean, deviation);
+  for (const auto& [name, tensor] : out->parameters.named()) {
+    Tensor value = base.parameters.Find(name).detach();
+    const Tensor added = two.parameters.Find(name).detach();
+    if (name.starts_with("branches.")) value = torch::cat({value, added}, 0);
+    if (name == "encoder.0.weight" || name == "decoder.0.weight") {
+      value = torch::cat({value, added.narrow(1, added.size(1) - 1, 1)}, 1);
+    }
+    tensor.copy_(value);
+  }
+  return out;
+}
+
+std::string AppendStyle(const std::string& base, const std::string& name,
+                        const std::vector<std::string>& aliases, const std::string& training) {
+  Json json = Json::parse(base);
+  json["styles"].push_back(Json{{"name", name}, {"aliases", aliases}});
+  Json& how = json["training"];
+  if (!how.is_object()) how = Json::object();
+  how["added"].push_back(Json::parse(training));
+  return json.dump();
 }
 
 }  // namespace styled::train

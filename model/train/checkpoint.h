@@ -52,7 +52,17 @@ struct LoadedWeights {
   torch::Tensor mean, deviation;
   body::FeatureParameters features;  // rate, heading filter, hemisphere
   std::vector<std::string> styles;   // names; [0] is neutral
+  std::string metadata;              // the JSON text
 };
 Result<LoadedWeights> ReadWeights(const std::filesystem::path& file);
+
+// `base` with one more style behind its own, that of a network of neutral and this style alone
+// whose other parameters are base's: the new branch and the new columns of the style inputs. What
+// base had is copied bit for bit.
+std::unique_ptr<Generator> AppendStyle(const Generator& base, const Generator& two,
+                                       const torch::Tensor& mean, const torch::Tensor& deviation);
+// The metadata for it: the style is added, `training` goes under "added" into how it was trained.
+std::string AppendStyle(const std::string& base, const std::string& name,
+                        const std::vector<std::string>& aliases, const std::string& training);
 
 }  // namespace styled::train

@@ -109,6 +109,8 @@ Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
   target_one_hot_ = torch::one_hot(target_, styles).to(torch::kFloat32);
   styled_ = (own_ > 0).to(torch::kFloat32).view({1, -1, 1});
 
+  if (!config.add_style.empty()) FreezeAllButTheNewStyle();
+
   torch::NoGradGuard no_grad;
   neutral_carried_ = Concrete(generator_.neutral.Initial(slots_));
   branch_carried_ = Concrete(generator_.branches.Initial(slots_ / (styles - 1)));
@@ -151,56 +153,52 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   return batch;
 }
 
+// For each of our styles, the style of `from` whose branch reconstructs windows of it best.
+std::vector<int64_t> Learner::NearestStyles(const Generator& from) const {
+  constexpr int64_t kWindows = 32;
+  Sampler::Options options = SamplerOptions(config_, manifest_);
+  options.seed += 2000003;
+  Sampler sampler(clips_, options);
+  const int64_t branches = from.branches.groups;
+  const Tensor styles = torch::arange(1, branches + 1).repeat_interleave(kWindows);
+  std::vector<int64_t> nearest{0};
+  for (int style = 1; style < options.styles; ++style) {
+    std::vector<Sampler::Window> windows;
+    for (int64_t i = 0; i < kWindows; ++i) windows.push_back(sampler.Any(style));
+    const Batch batch = MakeBatch(windows);
+    const Tensor z = from.Encode(batch.u.cpu().repeat({1, branches, 1}), styles);
+    StackState neutral_state = from.neutral.Initial(kWindows * branches);
+    StackState branch_state = from.branches.Initial(kWindows);
+    const Tensor target = torch::one_hot(styles, branches + 1).to(torch::kFloat32);
+    const Tensor rec =
+        from.Decode(from.Neutral(z, neutral_state) + from.Branches(z, branch_state), target)
+            .rotations;
+    const Tensor error = SquaredHalfAngle(rec, batch.rotations.cpu().repeat({1, branches, 1, 1}));
+    nearest.push_back(1 + error.mean(torch::IntArrayRef({0, 2}))
+                              .view({branches, kWindows})
+                              .mean(1)
+                              .argmin()
+                              .item<int64_t>());
+  }
+  return nearest;
+}
+
 Status Learner::Adopt(const LoadedWeights& weights) {
   const torch::NoGradGuard no_grad;
   const Generator& from = *weights.generator;
   const int64_t known = from.shape.styles;
-  // 1. Which of its styles each of ours starts as: the one of the same name, or the nearest, by
-  // mean pose in the contents that both have.
-  const auto styles = static_cast<int64_t>(manifest_.styles.size());
-  const auto contents = static_cast<int64_t>(manifest_.contents.size());
-  Tensor means = torch::zeros({styles, contents, body::kPositionFeatures});
-  Tensor frames = torch::zeros({styles, contents, 1});
-  std::vector<float> features;
-  for (const TrainingClip& clip : clips_) {
-    const int length = static_cast<int>(clip.poses.size());
-    features.resize(static_cast<std::size_t>(length) * body::kFeatureCount);
-    FillWindow(clip, 0, length, false, false, parameters_, {.features = features.data()});
-    means[clip.style][clip.content] +=
-        torch::from_blob(features.data(), {length, body::kFeatureCount})
-            .narrow(1, body::kPositionBegin, body::kPositionFeatures)
-            .sum(0);
-    frames[clip.style][clip.content] += length;
-  }
-  means = means / frames.clamp_min(1);
-  const auto distance = [&](int64_t a, int64_t b) {
-    const Tensor both = ((frames[a] > 0) * (frames[b] > 0)).to(torch::kFloat32);
-    if (both.sum().item<double>() == 0) return 1e9;
-    return ((means[a] - means[b]).square().sum(1, true) * both).sum().item<double>() /
-           both.sum().item<double>();
-  };
-  std::vector<int64_t> source;
-  std::vector<int64_t> ours_of(known, -1);  // our index of each of its styles
-  for (int64_t style = 0; style < styles; ++style) {
-    const auto found =
-        std::find(weights.styles.begin(), weights.styles.end(), manifest_.styles[style].name);
-    source.push_back(found == weights.styles.end() ? -1 : found - weights.styles.begin());
-    if (source.back() >= 0) ours_of[source.back()] = style;
-  }
-  if (source[0] != 0) return Status::Error("its neutral style has another name");
-  for (int64_t style = 1; style < styles; ++style) {
-    if (source[style] >= 0) continue;
-    for (int64_t other = 1; other < known; ++other) {
-      if (ours_of[other] < 0) continue;
-      if (source[style] >= 0 &&
-          distance(style, ours_of[other]) >= distance(style, ours_of[source[style]])) {
-        continue;
-      }
-      source[style] = other;
+  // 1. Which of its styles each of ours starts as.
+  std::vector<int64_t> source = NearestStyles(from);
+  for (std::size_t style = 0; style < source.size(); ++style) {
+    const std::string& name = manifest_.styles[style].name;
+    const auto found = std::find(weights.styles.begin(), weights.styles.end(), name);
+    if (found != weights.styles.end()) {
+      source[style] = found - weights.styles.begin();
+    } else if (style == 0) {
+      return Status::Error("has no style \"" + name + "\", which the manifest calls neutral");
+    } else {
+      std::cout << name << " starts as " << weights.styles[source[style]] << std::endl;
     }
-    if (source[style] < 0) return Status::Error("has none of the manifest's styles");
-    std::cout << manifest_.styles[style].name << " starts as " << weights.styles[source[style]]
-              << std::endl;
   }
 
   // 2. Shared parameters as they are; per style, rows of branches and columns of one-hot inputs.
@@ -221,6 +219,20 @@ Status Learner::Adopt(const LoadedWeights& weights) {
   neutral_carried_ = Concrete(generator_.neutral.Initial(slots_));
   branch_carried_ = Concrete(generator_.branches.Initial(slots_ / (generator_.shape.styles - 1)));
   return Status::Ok();
+}
+
+// The one branch, and its columns of the style inputs of encoder and decoder.
+void Learner::FreezeAllButTheNewStyle() {
+  const torch::NoGradGuard no_grad;
+  trained_ = torch::zeros_like(generator_.parameters.flat());
+  for (const auto& [name, tensor] : generator_.parameters.named()) {
+    const Tensor mask =
+        trained_.narrow(0, tensor.storage_offset(), tensor.numel()).view(tensor.sizes());
+    if (name.starts_with("branches.")) mask.fill_(1);
+    if (name == "encoder.0.weight" || name == "decoder.0.weight") {
+      mask.select(1, mask.size(1) - 1).fill_(1);
+    }
+  }
 }
 
 void Learner::TrainClassifier() {
@@ -421,6 +433,7 @@ void Learner::Step(double progress) {
   generator_.parameters.ZeroGradient();
   loss.backward();
   RequireGradient(critic_.parameters, true);
+  if (trained_.defined()) generator_.parameters.gradient().mul_(trained_);
   generator_adam_.Step(generator_.parameters, config_.generator_rate * decay);
   ++iteration_;
   UpdateAverage();

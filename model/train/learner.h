@@ -38,8 +38,8 @@ class Learner {
           const body::FeatureParameters& parameters, const torch::Device& device);
 
   // Starts from trained weights instead of random ones: what the styles share, and the branches of
-  // those that `weights` has by name. Another style starts as a copy of the one nearest to it in
-  // mean pose. The statistics must be those of `weights`.
+  // those that `weights` has by name. Another style starts as a copy of the one whose branch
+  // reconstructs it best. The statistics must be those of `weights`.
   Status Adopt(const LoadedWeights& weights);
   // Trains the content classifier on real windows of all styles, then freezes it.
   void TrainClassifier();
@@ -79,6 +79,8 @@ class Learner {
   };
 
   Batch MakeBatch(const std::vector<Sampler::Window>& windows) const;
+  std::vector<int64_t> NearestStyles(const Generator& from) const;
+  void FreezeAllButTheNewStyle();
   StackState Start(const Stack& stack, const StackState& carried, const torch::Tensor& mask) const;
   torch::Tensor Judged(const torch::Tensor& positions, const torch::Tensor& velocities) const;
   torch::Tensor Real(const Batch& batch) const;
@@ -104,6 +106,7 @@ class Learner {
   ContentClassifier classifier_;
   Adam generator_adam_, critic_adam_;
 
+  torch::Tensor trained_;                       // 1 where a parameter is trained; undefined: all
   torch::Tensor own_, target_;                  // [B] int64
   torch::Tensor own_one_hot_, target_one_hot_;  // [B, styles]
   torch::Tensor styled_;  // [1, B, 1]: 1 where the slot's own style is not neutral

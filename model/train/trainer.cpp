@@ -9,6 +9,7 @@
 #include <optional>
 #include <sstream>
 
+#include "model/erd/network.h"
 #include "model/train/checkpoint.h"
 #include "model/train/learner.h"
 #include "model/train/monitor.h"
@@ -33,15 +34,36 @@ void AppendRow(const std::filesystem::path& file, const std::string& header,
   out << row << '\n';
 }
 
+// What --add-style needs: weights that lack the style, and a manifest of neutral and it.
+Status CheckAddStyle(const TrainConfig& config, const clip::Manifest& manifest,
+                     const LoadedWeights& init) {
+  std::string found;
+  for (const clip::ManifestStyle& style : manifest.styles) found += " \"" + style.name + "\"";
+  if (manifest.styles.size() != 2 || manifest.styles[1].name != config.add_style) {
+    return Status::Error(config.manifest.string() + ": styles: found" + found +
+                         ", expected the neutral style and \"" + config.add_style + "\"");
+  }
+  if (std::find(init.styles.begin(), init.styles.end(), config.add_style) != init.styles.end()) {
+    return Status::Error("add-style: " + config.init.string() + " already has a style \"" +
+                         config.add_style + "\"");
+  }
+  if (init.styles.size() >= erd::kMaxStyles) {
+    return Status::Error("add-style: " + config.init.string() + " already has " +
+                         std::to_string(init.styles.size()) + " styles, the most there can be");
+  }
+  return Status::Ok();
+}
+
 // A run: a learner with a clock, a log and a folder.
 class Trainer {
  public:
   Trainer(const TrainConfig& config, const clip::Manifest& manifest,
           const std::vector<TrainingClip>& clips, const std::vector<TrainingClip>& validation,
           const FeatureStatistics& statistics, const body::FeatureParameters& parameters,
-          const torch::Device& device)
+          const LoadedWeights* init, const torch::Device& device)
       : config_(config),
         manifest_(manifest),
+        init_(init),
         learner_(config, manifest, clips, statistics, parameters, device),
         monitor_(validation, static_cast<int>(manifest.styles.size()),
                  static_cast<int>(manifest.contents.size()), parameters, learner_.mean(),
@@ -49,7 +71,7 @@ class Trainer {
 
   // Trains the classifier, or reads the checkpoint, then trains until the run's (or session's) end.
   // A new run starts from `init` where there is one.
-  Status Run(const LoadedWeights* init);
+  Status Run();
 
  private:
   Status Save();
@@ -62,6 +84,7 @@ class Trainer {
 
   const TrainConfig& config_;
   const clip::Manifest& manifest_;
+  const LoadedWeights* const init_;
   Learner learner_;
   Monitor monitor_;
   double elapsed_before_s_ = 0;
@@ -117,6 +140,16 @@ void Trainer::LogMonitor() {
 }
 
 std::string Trainer::Metadata() const {
+  const std::string training = nlohmann::json{
+      {"command", config_.command},
+      {"data", manifest_.name},
+      {"seed", config_.seed},
+      {"iterations", learner_.iteration()},
+      {"wall_time_s",
+       std::round(Elapsed())}}.dump();
+  if (!config_.add_style.empty()) {
+    return AppendStyle(init_->metadata, config_.add_style, manifest_.styles[1].aliases, training);
+  }
   WeightsMetadata metadata;
   for (const clip::ManifestStyle& style : manifest_.styles) {
     metadata.styles.emplace_back(style.name, style.aliases);
@@ -124,23 +157,25 @@ std::string Trainer::Metadata() const {
   metadata.rate_hz = config_.rate_hz;
   metadata.heading_tau_s = config_.heading_tau_s;
   metadata.licence = manifest_.licence;
-  metadata.training = nlohmann::json{{"command", config_.command},
-                                     {"data", manifest_.name},
-                                     {"seed", config_.seed},
-                                     {"iterations", learner_.iteration()},
-                                     {"wall_time_s", std::round(Elapsed())}}
-                          .dump();
+  metadata.training = training;
   return metadata.ToJson(learner_.average().shape);
 }
 
 Status Trainer::Save() {
   Checkpoint checkpoint;
   learner_.Save(checkpoint);
+  std::unique_ptr<Generator> appended;
+  if (!config_.add_style.empty()) {
+    appended =
+        AppendStyle(*init_->generator, learner_.average(), learner_.mean(), learner_.deviation());
+  }
+  const Generator& weights = appended ? *appended : learner_.average();
+  checkpoint.tensors["weights"] = weights.parameters.flat();  // what is exported
   checkpoint.tensors["elapsed_s"] = torch::tensor({Elapsed()}, torch::kFloat64);
   checkpoint.strings["metadata"] = Metadata();
   const Status written = WriteCheckpoint(checkpoint, config_.out / "checkpoint.pt");
   if (!written.ok()) return written;
-  return WriteWeights(learner_.average(), learner_.mean(), learner_.deviation(), Metadata(),
+  return WriteWeights(weights, learner_.mean(), learner_.deviation(), Metadata(),
                       config_.out / "weights.safetensors");
 }
 
@@ -155,9 +190,9 @@ Status Trainer::Restore() {
   return Status::Ok();
 }
 
-Status Trainer::Run(const LoadedWeights* init) {
-  if (init != nullptr && !config_.resume) {
-    const Status adopted = learner_.Adopt(*init);
+Status Trainer::Run() {
+  if (init_ != nullptr && !config_.resume) {
+    const Status adopted = learner_.Adopt(*init_);
     if (!adopted.ok()) {
       return Status::Error("--init " + config_.init.string() + ": " + adopted.message());
     }
@@ -253,13 +288,20 @@ Status Train(const TrainConfig& config) {
   std::cout << clips.value().size() << " training clips, " << validation.value().size()
             << " validation clips, " << SecondsSince(begin) << " s" << std::endl;
 
+  if (!config.add_style.empty()) {
+    if (!init) return Status::Error("add-style: give --init, the weights to add to");
+    const Status fits = CheckAddStyle(config, manifest.value(), *init);
+    if (!fits.ok()) return fits;
+  }
+
   // 3. Train.
   try {
     at::set_num_threads(config.threads);
     torch::manual_seed(config.seed);
     Trainer trainer(config, manifest.value(), clips.value(), validation.value(), statistics,
-                    parameters, cuda ? torch::Device(torch::kCUDA) : torch::Device(torch::kCPU));
-    return trainer.Run(init ? &*init : nullptr);
+                    parameters, init ? &*init : nullptr,
+                    cuda ? torch::Device(torch::kCUDA) : torch::Device(torch::kCPU));
+    return trainer.Run();
   } catch (const std::exception& failure) {
     return Status::Error(std::string("libtorch: ") + Reason(failure));
   }
@@ -278,7 +320,7 @@ Status ExportRun(const std::filesystem::path& run, const std::filesystem::path& 
     const Tensor& deviation = checkpoint.tensors.at("deviation");
     Generator generator(shape.value(), mean, deviation);
     torch::NoGradGuard no_grad;
-    generator.parameters.flat().copy_(checkpoint.tensors.at("average"));
+    generator.parameters.flat().copy_(checkpoint.tensors.at("weights"));
     return WriteWeights(generator, mean, deviation, metadata, file);
   } catch (const std::exception& failure) {
     return Status::Error(source.string() + ": " + Reason(failure));

@@ -132,23 +132,31 @@ TEST_F(Run, ACheckpointOfOtherDataIsRefused) {
   EXPECT_NE(status.message().find("other data or another rate"), std::string::npos);
 }
 
+// Writes a manifest of the clips at hand and a third style, "new", whose clips are odd ones.
+std::filesystem::path WithNewStyle(const std::filesystem::path& root, bool odd_too) {
+  std::filesystem::create_directories(root / "more");
+  for (const char* content : {"walk", "wave"}) {
+    std::filesystem::copy_file(root / "set-train" / (std::string(content) + "_odd_1.bvh"),
+                               root / "more" / (std::string(content) + "_new_1.bvh"));
+  }
+  std::ifstream in(root / "manifest.toml");
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string odd = "{ name = \"odd\", labels = [\"odd\"], aliases = [\"strange\"] }";
+  const std::string added = "{ name = \"new\", labels = [\"new\"], aliases = [\"fresh\"] }";
+  text.replace(text.find(odd), odd.size(), odd_too ? odd + ", " + added : added);
+  text += "[[clips]]\npattern = \"more/{content}_{style}_{take}.bvh\"\nrig = \"canonical\"\n";
+  const std::filesystem::path file = root / "more.toml";
+  std::ofstream(file) << text;
+  return file;
+}
+
 // A third style is added to trained weights: what they had stays, the new one begins as the odd
 // one.
 TEST_F(Run, ARunStartsFromWeights) {
   Check(Train(Config("first")));
-  std::filesystem::create_directories(root_ / "more");
-  for (const char* content : {"walk", "wave"}) {
-    std::filesystem::copy_file(root_ / "set-train" / (std::string(content) + "_odd_1.bvh"),
-                               root_ / "more" / (std::string(content) + "_new_1.bvh"));
-  }
-  std::ifstream in(root_ / "manifest.toml");
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  text.replace(text.find("aliases = [\"strange\"] }"), 23,
-               "aliases = [] }, { name = \"new\", labels = [\"new\"] }");
-  text += "[[clips]]\npattern = \"more/{content}_{style}_{take}.bvh\"\nrig = \"canonical\"\n";
-  std::ofstream(root_ / "more.toml") << text;
+  const std::filesystem::path manifest = WithNewStyle(root_, true);
   TrainConfig config = Config("second");
-  config.manifest = root_ / "more.toml";
+  config.manifest = manifest;
   config.init = root_ / "first" / "weights.safetensors";
   config.iterations = 1;
   config.generator_rate = 0;
@@ -180,6 +188,60 @@ TEST_F(Run, ARunStartsFromWeights) {
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("has another rate"));
   config.init = root_ / "manifest.toml";
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("--init "));
+}
+
+// What the daemon's network makes of a walk in `style`, every component of every frame.
+std::vector<float> Styled(const std::filesystem::path& weights, const std::string& style) {
+  const auto loaded = erd::Network::Load(weights);
+  EXPECT_TRUE(loaded.ok()) << loaded.status().message();
+  const erd::Network& network = *loaded.value();
+  constexpr int kFrames = 40;
+  std::vector<float> features(kFrames * body::kFeatureCount);
+  FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.metadata().features,
+             {.features = features.data()});
+  const std::array<erd::ActiveStyle, 1> active{{{.style = network.FindStyle(style), .weight = 1}}};
+  EXPECT_GT(active[0].style, 0) << style;
+  erd::State state;
+  network.Start(state);
+  erd::StepOutput out;
+  std::vector<float> values;
+  for (int t = 0; t < kFrames; ++t) {
+    body::Features x;
+    std::copy_n(&features[static_cast<std::size_t>(t) * x.size()], x.size(), x.begin());
+    network.Step(x, 0, active, state, out);
+    for (const body::Quat& q : out.styled.rotations) {
+      for (int k = 0; k < 4; ++k) values.push_back(q.coeffs()[k]);
+    }
+  }
+  return values;
+}
+
+TEST_F(Run, AnAddedStyleLearnsAndTheOthersStayBitForBit) {
+  Check(Train(Config("first")));
+  TrainConfig config = Config("added");
+  config.manifest = WithNewStyle(root_, false);
+  config.init = root_ / "first" / "weights.safetensors";
+  config.add_style = "new";
+  Check(Train(config));
+  const std::filesystem::path file = root_ / "added.safetensors";
+  Check(ExportRun(root_ / "added", file));
+
+  EXPECT_EQ(Styled(config.init, "odd"), Styled(file, "odd"));
+  EXPECT_NE(Styled(file, "fresh"), Styled(file, "odd")) << "nothing was learned";
+  config.resume = true;
+  config.iterations = 20;
+  Check(Train(config));
+  EXPECT_EQ(Styled(config.init, "odd"), Styled(root_ / "added" / "weights.safetensors", "odd"));
+  EXPECT_NE(Styled(file, "new"), Styled(root_ / "added" / "weights.safetensors", "new"));
+
+  // What cannot be: a style that is there, a manifest of other styles, nothing to add to.
+  config.resume = false;
+  config.init = file;
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("already has a style \"new\""));
+  config.manifest = root_ / "manifest.toml";
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("found \"neutral\" \"odd\", expected"));
+  config.init.clear();
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("give --init"));
 }
 
 // The runtime network, frame by frame, against the training network over the whole window.
