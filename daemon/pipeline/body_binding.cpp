@@ -114,12 +114,12 @@ Result<BoundBody> BindBody(const v1::Body& body) {
   const Status status = ReadSkeleton(body, skeleton);
   if (!status.ok()) return status;
   const std::string dialect = body.dialect().empty() ? "auto" : body.dialect();
-  const bool given = body.rest_size() > 0;
-  auto binding =
-      given ? BindByRests(body, std::move(skeleton)) : rig::BindDialect(skeleton, dialect);
+  std::string used = "given";
+  auto binding = body.rest_size() > 0 ? BindByRests(body, std::move(skeleton))
+                                      : rig::BindDialect(skeleton, dialect, &used);
   if (!binding.ok()) return binding.status();
   return BoundBody{std::make_shared<const rig::Binding>(std::move(binding.value())),
-                   given ? "given" : dialect};
+                   std::move(used)};
 }
 
 }  // namespace styled::pipeline

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,13 @@ constexpr Dialect kDialects[] = {
     {"axis", Rest::kIdentity},
     {"mocopi", Rest::kIdentity},
 };
+
+// The first of the dialects with this rest pose: "canonical" for the many of kIdentity.
+std::string_view NameOf(Rest rest) {
+  return std::find_if(std::begin(kDialects), std::end(kDialects),
+                      [rest](const Dialect& row) { return row.rest == rest; })
+      ->name;
+}
 
 std::string KnownDialects() {
   std::string known = "auto";
@@ -210,7 +218,7 @@ Rest Recognize(const Skeleton& skeleton) {
 
 }  // namespace
 
-Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect) {
+Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, std::string* used) {
   if (skeleton.joint_count() == 0 || skeleton.parents.size() != skeleton.names.size() ||
       skeleton.offsets.size() != skeleton.names.size() || skeleton.parents[0] != -1) {
     return Binding::Make({skeleton, {}, {}, Quat::Identity()});  // which says what is wrong
@@ -237,7 +245,8 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect) 
   if (Status status = RequireMapped(map, dialect); !status.ok()) return status;
   Candidate candidate = Try(skeleton, map, rest);
   if (!candidate.judged.fault.empty() && dialect == "auto" && rest != Rest::kIdentity) {
-    candidate = Try(skeleton, map, Rest::kIdentity);  // known names on a body normalized since
+    rest = Rest::kIdentity;
+    candidate = Try(skeleton, map, rest);  // known names on a body normalized since
   }
   if (!candidate.judged.fault.empty()) {
     return Status::Error("rig: dialect " + std::string(dialect) +
@@ -246,6 +255,7 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect) 
                          "config, or name another dialect of " +
                          KnownDialects());
   }
+  if (used != nullptr) *used = dialect == "auto" ? NameOf(rest) : dialect;
   return Binding::Make(
       {skeleton, map, std::move(candidate.rest), candidate.judged.canonical_from_source});
 }

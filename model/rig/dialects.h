@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "model/base/status.h"
@@ -20,7 +21,10 @@ std::array<int, body::kJointCount> MapJointNames(const Skeleton& skeleton);
 // T-pose already. Rest poses are never guessed from a clip. The rest pose that results must be a
 // T-pose: arms sideways, legs down, head up within 25 degrees, toes in front; up, left and forward
 // are the source axes nearest to it. Pinned by tests/unit/rig/dialects_test.cpp.
+// `used`, where given, is set to the dialect in use: `dialect`, or what "auto" found; "canonical"
+// stands for all whose rest rotations are identity.
 // Errors name the joints that could not be mapped and the dialects known.
-Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect = "auto");
+Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect = "auto",
+                            std::string* used = nullptr);
 
 }  // namespace styled::rig

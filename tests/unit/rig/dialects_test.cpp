@@ -76,6 +76,14 @@ TEST(Dialects, TakeATPoseAsItIs) {
   }
 }
 
+TEST(Dialects, AutoSaysWhatItFound) {
+  std::string used;
+  ASSERT_TRUE(BindDialect(HumanoidSkeleton(), "auto", &used).ok());
+  EXPECT_EQ(used, "canonical");
+  ASSERT_TRUE(BindDialect(HumanoidSkeleton(), "mixamo", &used).ok());
+  EXPECT_EQ(used, "mixamo");
+}
+
 TEST(Dialects, FindTheAxesOfATPoseInAnyOrientation) {
   // Xsens: +Z up, +X forward, +Y left.
   Eigen::Matrix3f axes;
@@ -145,8 +153,10 @@ TEST_F(DialectsOnData, BandaisClipsBindAndComeBack) {
         "samples/dataset-2_wave-both-hands_normal_001.bvh", "xia/neutral_01_000.bvh",
         "xia/old_13_000.bvh"}) {
     const clip::Clip clip = Read(name);
-    const Result<Binding> binding = BindDialect(clip.skeleton);
+    std::string used;
+    const Result<Binding> binding = BindDialect(clip.skeleton, "auto", &used);
     ASSERT_TRUE(binding.ok()) << binding.status().message();
+    EXPECT_EQ(used, std::string_view(name).starts_with("xia") ? "cmu" : "bandai-namco");
     RigPose back(clip.skeleton);
     for (const RigPose& frame : clip.frames) {
       body::Pose pose;
