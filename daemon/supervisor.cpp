@@ -114,6 +114,11 @@ void Supervisor::RestoreProfiles() {
   if (file.empty()) return;
   std::error_code error;
   std::filesystem::create_directories(config_.state.dir, error);
+  if (!std::filesystem::is_directory(config_.state.dir, error)) {
+    spdlog::error("state.dir: {} cannot be made a folder; settings will not survive a restart",
+                  config_.state.dir);
+    return;
+  }
   auto kept = pipeline::ReadProfiles(file);
   if (!kept.ok()) {
     spdlog::error("settings of the last run are lost: {}", kept.status().message());

@@ -15,7 +15,11 @@ int main(int argc, char** argv) {
   auto subscriber = client::Subscriber::Connect(options);
   auto control =
       client::Control::Connect({.endpoint = argc > 2 ? argv[2] : "tcp://127.0.0.1:7002"});
-  if (!subscriber.ok() || !control.ok()) return 2;
+  if (!subscriber.ok() || !control.ok()) {
+    const auto& wrong = subscriber.ok() ? control.status() : subscriber.status();
+    std::fprintf(stderr, "%s\n", wrong.message().c_str());
+    return 2;
+  }
   if (auto s = control.value()->SetStyle("*", argc > 3 ? argv[3] : "old", 0.8F); !s.ok()) {
     std::fprintf(stderr, "style not set: %s\n", s.reason().c_str());
   }

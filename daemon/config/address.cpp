@@ -1,5 +1,7 @@
 #include "daemon/config/address.h"
 
+#include <arpa/inet.h>
+
 #include <charconv>
 
 namespace styled::config {
@@ -34,6 +36,12 @@ Result<HostPort> ParseHostPort(std::string_view text) {
   return parsed;
 }
 
+bool IsNumeric(const std::string& host) {
+  in6_addr address{};
+  return inet_pton(AF_INET, host.c_str(), &address) == 1 ||
+         inet_pton(AF_INET6, host.c_str(), &address) == 1;
+}
+
 bool IsLocal(std::string_view endpoint) {
   if (StartsWith(endpoint, kIpc) || StartsWith(endpoint, "inproc://")) return true;
   if (!StartsWith(endpoint, kTcp)) return false;
@@ -53,8 +61,13 @@ Status CheckEndpoint(std::string_view endpoint) {
                          "\": the path must have 1 to 107 characters");
   }
   // libzmq writes "any port" as *; we take 0 like everywhere else.
-  if (StartsWith(endpoint, kTcp) && ParseHostPort(endpoint.substr(kTcp.size())).ok()) {
-    return Status::Ok();
+  if (StartsWith(endpoint, kTcp)) {
+    const auto parsed = ParseHostPort(endpoint.substr(kTcp.size()));
+    if (parsed.ok() && parsed.value().host == "localhost") {
+      return Status::Error("\"" + std::string(endpoint) +
+                           "\": ZeroMQ does not bind to names of hosts; expected 127.0.0.1");
+    }
+    if (parsed.ok()) return Status::Ok();
   }
   return Status::Error("\"" + std::string(endpoint) +
                        "\" is no endpoint: expected tcp://HOST:PORT or ipc://PATH");

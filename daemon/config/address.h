@@ -8,12 +8,16 @@
 
 namespace styled::config {
 
-// "0.0.0.0:7000" or "[::]:7000", numeric. Port 0: the system chooses.
+// "0.0.0.0:7000" or "[::]:7000"; whether the host is numeric is not checked. Port 0: the system
+// chooses.
 struct HostPort {
   std::string host;
   std::uint16_t port = 0;
 };
 Result<HostPort> ParseHostPort(std::string_view text);
+
+// Whether `host` is an IPv4 or IPv6 address, not a name.
+bool IsNumeric(const std::string& host);
 
 // Whether a ZeroMQ endpoint can be reached from this machine only: ipc://, inproc://, or tcp:// to
 // 127.0.0.0/8, [::1] or localhost.

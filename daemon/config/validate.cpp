@@ -17,6 +17,10 @@ Status CheckSources(const std::vector<Source>& sources) {
     }
     const auto address = ParseHostPort(sources[i].listen);
     if (!address.ok()) return Status::Error(place + "listen: " + address.status().message());
+    if (!IsNumeric(address.value().host)) {
+      return Status::Error(place + "listen: \"" + sources[i].listen +
+                           "\": expected a numeric address, e.g. \"127.0.0.1:7000\"");
+    }
     for (std::size_t k = 0; k < i && address.value().port != 0; ++k) {
       if (sources[k].type == sources[i].type && sources[k].listen == sources[i].listen) {
         return Status::Error(place + "listen: " + sources[i].listen + " is taken by source." +

@@ -52,12 +52,14 @@ TEST_F(ConfigTest, TheManualIsTheDefaultsAndNamesEveryKey) {
   EXPECT_TRUE(config.value().realtime == defaults.realtime);
   EXPECT_FLOAT_EQ(config.value().model.stylist.gap_reset_s, defaults.model.stylist.gap_reset_s);
   EXPECT_FLOAT_EQ(config.value().model.stylist.change_tau_s, defaults.model.stylist.change_tau_s);
+  EXPECT_TRUE(config.value().model.stylist == defaults.model.stylist);
   EXPECT_FLOAT_EQ(config.value().performers.stale_s, defaults.performers.stale_s);
   EXPECT_FLOAT_EQ(config.value().performers.late_s, defaults.performers.late_s);
   EXPECT_FLOAT_EQ(config.value().style.transition_s, defaults.style.transition_s);
-  for (const std::string key : {"receive_buffer_bytes", "max_connections", "max_subscriptions",
-                                "weights", "jump_accept_frames", "foreign_fade_ms", "ground",
-                                "clock_back_ms", "backlog_ms", "initial", "dir", "level", "cpu"}) {
+  for (const std::string key :
+       {"receive_buffer_bytes", "max_connections", "max_subscriptions", "weights",
+        "jump_accept_frames", "foreign_fade_ms", "ground", "feet", "feet_reach_m", "clock_back_ms",
+        "backlog_ms", "initial", "dir", "level", "cpu"}) {
     EXPECT_THAT(manual, HasSubstr(key));
   }
 }
@@ -100,10 +102,22 @@ TEST_F(ConfigTest, OtherMachinesAreLetInOnlyByAKeyThatSaysSo) {
     EXPECT_THAT(Complaint("[control]\naddress = '" + address + "'\n"),
                 HasSubstr("not authenticated"));
   }
-  for (const std::string address :
-       {"tcp://127.0.0.1:0", "tcp://localhost:9", "tcp://[::1]:9", "ipc:///tmp/x"}) {
+  for (const std::string address : {"tcp://127.0.0.1:0", "tcp://[::1]:9", "ipc:///tmp/x"}) {
     EXPECT_EQ(Complaint("[publish]\naddress = '" + address + "'\n"), "") << address;
   }
+}
+
+TEST_F(ConfigTest, AHostsNameIsRefusedBeforeAnySocketIs) {
+  for (const std::string section : {"publish", "control"}) {
+    EXPECT_THAT(Complaint("[" + section + "]\naddress = 'tcp://localhost:9'\n"),
+                HasSubstr(section + ".address: \"tcp://localhost:9\": ZeroMQ does not bind"));
+  }
+  const auto listen = [&](const std::string& address) {
+    return Complaint("[[source]]\nname='a'\ntype='udp'\nlisten='" + address + "'\n");
+  };
+  EXPECT_THAT(listen("localhost:9"), HasSubstr("source.0.listen: \"localhost:9\": expected"));
+  EXPECT_THAT(listen("256.1.1.1:9"), HasSubstr("numeric"));
+  EXPECT_EQ(listen("[::1]:9"), "");
 }
 
 TEST_F(ConfigTest, TheCommandLineWinsOverTheEnvironmentAndThatOverTheFile) {
