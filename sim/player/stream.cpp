@@ -24,7 +24,7 @@ bool IsPerformerName(std::string_view name) {
 Stream::Stream(StreamOptions options, std::unique_ptr<Motion> motion, faults::Faults faults)
     : options_(std::move(options)),
       motion_(std::move(motion)),
-      faults_(std::move(faults)),
+      faults_(faults),
       buffer_(native::kMaxDatagramSize) {
   assert(IsPerformerName(options_.performer) && options_.new_session);
   BeginSession();
