@@ -103,7 +103,16 @@ Section ModelSection() {
        Float<C>("foreign_end_rad", 0, 4, 1, STYLED_FIELD(model.stylist.foreign_end_rad)),
        Float<C>("foreign_fade_ms", 0, 10000, kMs, STYLED_FIELD(model.stylist.foreign_fade_s)),
        Flag<C>("ground", STYLED_FIELD(model.stylist.ground)),
-       Float<C>("ground_tau_ms", 0, 1000, kMs, STYLED_FIELD(model.stylist.ground_tau_s))}};
+       Float<C>("ground_tau_ms", 0, 1000, kMs, STYLED_FIELD(model.stylist.ground_tau_s)),
+       Flag<C>("feet", STYLED_FIELD(model.stylist.feet)),
+       Float<C>("feet_reach_m", 0.001, 1, 1, STYLED_FIELD(model.stylist.feet_options.reach_m)),
+       Float<C>("feet_blend_in_ms", 0, 1000, kMs,
+                STYLED_FIELD(model.stylist.feet_options.blend_in_s)),
+       Float<C>("feet_blend_out_ms", 0, 1000, kMs,
+                STYLED_FIELD(model.stylist.feet_options.blend_out_s)),
+       Float<C>("feet_return_ms", 1, 10000, kMs, STYLED_FIELD(model.stylist.feet_options.return_s)),
+       Float<C>("feet_hips_drop_m", 0, 1, 1,
+                STYLED_FIELD(model.stylist.feet_options.hips_drop_m))}};
 }
 
 Section PerformersSection() {

@@ -91,20 +91,4 @@ void ShiftUp(const rig::Binding& binding, float shift, rig::RigPose& styled) noe
   styled.translations[hips] += world_from_parent.conjugate() * (shift * Up(binding));
 }
 
-float Glide::Follow(float target, float dt_s, float tau_s) noexcept {
-  if (!started_ || tau_s <= 0) {
-    started_ = true;
-    value_ = target;
-    velocity_ = 0;
-    return value_;
-  }
-  // The exact solution over dt of x'' = (target - x) / tau^2 - 2 x' / tau.
-  const float decay = std::exp(-dt_s / tau_s);
-  const float apart = value_ - target;
-  const float slope = velocity_ + apart / tau_s;
-  value_ = target + (apart + slope * dt_s) * decay;
-  velocity_ = (velocity_ - slope * dt_s / tau_s) * decay;
-  return value_;
-}
-
 }  // namespace styled::stylist

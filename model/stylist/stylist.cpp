@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/feet/feet.h"
 #include "model/stylist/grounding.h"
 #include "model/stylist/intake.h"
 #include "model/stylist/mixer.h"
@@ -23,8 +24,7 @@ using Change = Eigen::Matrix<float, 3, kJointCount>;
 constexpr float kNothing_rad = 2e-4F;  // a change below 0.01 degrees is none
 constexpr float kNothing_m = 2e-4F;    // nor is a shift below a fifth of a millimetre
 constexpr double kGapFactor = 1.5;     // of the usual time between frames
-constexpr float kFloorRise_m_s = 0.02F;
-constexpr float kContactHeight_m = 0.04F;
+constexpr float kFeetFull = 0.25F;     // weight of style from which on feet are held in full
 
 float DecayShare(double dt_s, float tau_s) {
   return tau_s <= 0 ? 1.0F : 1.0F - std::exp(-static_cast<float>(dt_s) / tau_s);
@@ -38,8 +38,13 @@ struct Stylist::Impl {
       : network(std::move(the_network)),
         binding(std::move(the_rig)),
         options(the_options),
-        intake(binding->skeleton()) {
+        intake(binding->skeleton()),
+        feet(feet::HumanoidBinding(), options.feet_options),
+        rig_feet(*binding, options.feet_options) {
     for (erd::State& state : states) network->Start(state);
+    for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+      offsets_in[joint] = offsets_out[joint] = body::Offset(static_cast<int>(joint));
+    }
   }
 
   void Restart() noexcept;
@@ -49,8 +54,8 @@ struct Stylist::Impl {
   void FollowChange(double dt_s, const Pose& input) noexcept;
   void Apply(const Pose& input, Pose& styled) const noexcept;
   void Ground(double dt_s, Output& out) noexcept;
+  void HoldFeet(double dt_s, Output& out) noexcept;
   bool Bypassed() const noexcept;
-  std::uint32_t Contacts(double dt_s, const Pose& input) noexcept;
 
   std::shared_ptr<const erd::Network> network;
   std::shared_ptr<const rig::Binding> binding;
@@ -77,9 +82,10 @@ struct Stylist::Impl {
   std::int64_t last_ns = 0;
   bool started = false, fresh_session = true;
   float reconstruction_rad = 0, familiar = 1.0F;  // familiar: 1 = at home, 0 = foreign
-  Glide shift_m, rig_shift;  // of the canonical humanoid and of the source skeleton, its units
-  float floor_m = 0;
-  std::array<Vec3, 4> last_feet;
+  feet::Glide shift_m,
+      rig_shift;              // of the canonical humanoid and of the source skeleton, its units
+  feet::Feet feet, rig_feet;  // the same two
+  std::array<Vec3, kJointCount> offsets_in, offsets_out;  // the humanoid's as translations
 };
 
 Stylist::Stylist(std::shared_ptr<const erd::Network> network,
@@ -120,6 +126,8 @@ const Settings& Stylist::settings() const { return impl_->settings; }
 void Stylist::Reset() noexcept {
   impl_->Restart();
   impl_->intake.Reset();
+  impl_->feet.Rest();
+  impl_->rig_feet.Rest();
   impl_->started = false;  // the next frame's time may be anything
   impl_->fresh_session = true;
 }
@@ -153,11 +161,11 @@ void Stylist::Process(std::int64_t time_ns, const rig::RigPose& in, Output& out)
   } else {
     // 5 unbind: back onto the source skeleton.
     s.binding->Unbind(out.canonical, s.intake.clean(), out.rig);
-    // 6 feet: on each output skeleton, the lowest foot as high as the input's.
     if (s.options.ground) s.Ground(dt_s, out);
   }
+  // 6 feet: on each output skeleton, what the performer plants stays planted.
+  s.HoldFeet(dt_s, out);
 
-  out.contacts = s.Contacts(dt_s, out.canonical_input);
   out.reconstruction_rad = s.reconstruction_rad;
   if (out.held.any()) out.flags |= kHeld;
   if (s.mixer.fading()) out.flags |= kFading;
@@ -192,6 +200,8 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, double dt_s, Output& out) n
     out.held.set(0);
   } else if (jump == Intake::Jump::kAccepted) {
     Restart();
+    feet.Rest();
+    rig_feet.Rest();
     fresh_session = true;
   }
   const double usual_s = ticks.frame_period_s();
@@ -305,26 +315,21 @@ void Stylist::Impl::Ground(double dt_s, Output& out) noexcept {
   ShiftUp(*binding, rig_shift.Follow(wanted, dt, options.ground_tau_s), out.rig);
 }
 
-// A foot is down while it is near the lowest point of the recent past and slow.
-std::uint32_t Stylist::Impl::Contacts(double dt_s, const Pose& input) noexcept {
-  constexpr std::array<int, 4> kFeet = {body::kLeftFoot, body::kLeftToes, body::kRightFoot,
-                                        body::kRightToes};
-  constexpr std::array<float, 4> kRestHeight_m = {0.09F, 0.02F, 0.09F, 0.02F};
-  body::WorldPose world;
-  body::ForwardKinematics(input, world);
-  const float lowest_m = body::LowestFoot_m(world);
-  floor_m =
-      started ? std::min(floor_m + kFloorRise_m_s * static_cast<float>(dt_s), lowest_m) : lowest_m;
-  std::uint32_t contacts = 0;
-  for (std::size_t i = 0; i < kFeet.size(); ++i) {
-    const Vec3& foot = world.positions_m[static_cast<std::size_t>(kFeet[i])];
-    const float height_m = foot.y() - floor_m - (kRestHeight_m[i] - 0.02F);
-    const bool slow =
-        !started || dt_s <= 0 || (foot - last_feet[i]).norm() < 0.5F * static_cast<float>(dt_s);
-    if (height_m < kContactHeight_m && slow) contacts |= i < 2 ? 1U : 2U;
-    last_feet[i] = foot;
-  }
-  return contacts;
+// With no style in force the stages only watch the performer's contacts.
+void Stylist::Impl::HoldFeet(double dt_s, Output& out) noexcept {
+  const auto dt = static_cast<float>(dt_s);
+  float style = 0;
+  for (const erd::ActiveStyle& active : mixer.in_force()) style += active.weight;
+  const bool held = options.feet && (out.flags & kBypass) == 0;
+  const float weight = held ? SmoothStep(familiar * style / kFeetFull) : 0.0F;
+  rig_feet.Process(dt, weight, {intake.clean().translations, intake.clean().rotations},
+                   {out.rig.translations, out.rig.rotations});
+  out.contacts = rig_feet.contacts().bits();
+  offsets_in[body::kHips] = out.canonical_input.hips_position_m;
+  offsets_out[body::kHips] = out.canonical.hips_position_m;
+  feet.Process(dt, weight, {offsets_in, out.canonical_input.rotations},
+               {offsets_out, out.canonical.rotations});
+  out.canonical.hips_position_m = offsets_out[body::kHips];
 }
 
 }  // namespace styled::stylist

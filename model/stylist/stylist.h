@@ -9,6 +9,7 @@
 #include "model/base/realtime.h"
 #include "model/body/features.h"
 #include "model/erd/network.h"
+#include "model/feet/options.h"
 #include "model/rig/binding.h"
 
 namespace styled::stylist {
@@ -45,6 +46,8 @@ struct Options {
   float foreign_fade_s = 0.3F;     // time constant of that fade
   bool ground = true;              // lowest foot as high as the input's
   float ground_tau_s = 0.03F;      // smoothing of the vertical shift that this takes; 0 = none
+  bool feet = true;                // feet that the performer plants are held where they are
+  feet::Options feet_options;      // how; must pass feet::Validate
   bool bypass = true;  // false: without style too, every pose goes through bind and unbind
 
   friend bool operator==(const Options&, const Options&) = default;
@@ -67,7 +70,7 @@ struct Output {
   rig::RigPose source;         // the input on the source skeleton, bad joints held
   std::bitset<256> held;       // source joints whose input was bad and is held
   std::uint32_t flags = 0;
-  std::uint32_t contacts = 0;  // bit 0 left, bit 1 right: within 4 cm of the lowest point so far
+  std::uint32_t contacts = 0;  // bit 0 left, bit 1 right: the performer's own foot is planted
   std::array<erd::ActiveStyle, erd::kMaxActive> in_force;  // styles and weights of this frame
   int in_force_count = 0;
   float reconstruction_rad = 0;  // rms joint angle between reconstruction and input
@@ -75,7 +78,7 @@ struct Output {
   explicit Output(const rig::Skeleton& skeleton) : rig(skeleton), source(skeleton) {}
 };
 
-// One performer, frame after frame: bind, features, network, apply, unbind, ground. The daemon,
+// One performer, frame after frame: bind, features, network, apply, unbind, feet. The daemon,
 // `stylize` and `styleeval` run this very code. Source time drives everything, so a replay is
 // deterministic. Construction allocates; Process and Set do not, do not lock, log or throw.
 // One thread at a time. Mathematics: style-ERD section "live" in model/stylist/README.md.

@@ -1,6 +1,7 @@
 // stylize: BVH in, BVH out, through the very stylist that the daemon runs.
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -18,12 +19,13 @@ using styled::Result;
 using styled::Status;
 
 constexpr int kBadArguments = 2;
+constexpr double kSlowest_hz = 30;  // clips below get frames in between: the network's own rate
 
 struct Arguments {
   std::string style;
   float strength = 1.0F;
   std::vector<std::string> mix;
-  bool absolute = false, no_bypass = false, bind_only = false, list = false;
+  bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
   std::string weights, rig = "auto", in, out;
 };
 
@@ -130,13 +132,20 @@ Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Bi
   if (!settings.ok()) return settings.status();
   styled::stylist::Options options;
   options.bypass = !arguments.no_bypass;
+  options.feet = arguments.feet;
   styled::stylist::Stylist stylist(network.value(), std::move(binding), options);
   stylist.Set(settings.value());
   styled::stylist::Output out(clip.skeleton);
-  for (std::size_t i = 0; i < clip.frames.size(); ++i) {
-    const double time_s = static_cast<double>(i) / clip.rate_hz;
-    stylist.Process(static_cast<std::int64_t>(time_s * 1e9), clip.frames[i], out);
-    std::swap(clip.frames[i], out.rig);
+  // Live, what lies between two frames far apart is not known; here it is, along a smooth curve.
+  const auto steps = static_cast<std::size_t>(std::ceil(kSlowest_hz / clip.rate_hz - 1e-6));
+  const double rate_hz = clip.rate_hz * static_cast<double>(steps);
+  const auto between = steps > 1 ? styled::clip::Resample(clip, rate_hz) : styled::clip::Clip();
+  const std::size_t count = (clip.frames.size() - 1) * steps + 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool given = i % steps == 0;
+    const auto time_ns = static_cast<std::int64_t>(static_cast<double>(i) / rate_hz * 1e9);
+    stylist.Process(time_ns, given ? clip.frames[i / steps] : between.frames[i], out);
+    if (given) std::swap(clip.frames[i / steps], out.rig);
   }
   return Status::Ok();
 }
@@ -178,6 +187,8 @@ int main(int argc, char** argv) {
                "the paper's output instead of the detail-preserving one");
   app.add_flag("--no-bypass", arguments.no_bypass,
                "without a style, still go through bind, network and unbind");
+  app.add_flag("--feet,!--no-feet", arguments.feet,
+               "hold feet that the performer plants where they are (default: --feet)");
   app.add_flag("--bind-only", arguments.bind_only,
                "only bind to the canonical humanoid and back, without the network")
       ->excludes("--style")

@@ -296,6 +296,7 @@ TEST_F(StylistTest, TheAbsoluteOutputIsTheDecodersOwn) {
   settings.absolute = true;
   options.foreign_begin_rad = 100;
   options.foreign_end_rad = 101;
+  options.feet = false;
   Stylist unfaded(network, binding, options);
   unfaded.Set(settings);
   erd::State state;

@@ -1,0 +1,244 @@
+#include "model/feet/feet.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace styled::feet {
+namespace {
+
+constexpr float kGap_s = 0.25F;
+constexpr float kCushion_m = 0.01F;  // above the floor, where a foot begins to be held up
+constexpr float kLift_s = 0.03F;     // smoothing of what lifts a foot to the performer's height
+constexpr float kSteep = 0.35F;  // cosine of a foot's slope from which on it is not pitched in full
+constexpr float kMostPitch_rad = 0.6F;
+constexpr float kDropCorner_m = 0.005F;
+constexpr float kStraightCorner = 0.012F;  // of the leg's length
+constexpr float kNear_m = 0.02F;  // a foot moved by less keeps the leg as straight as it is styled
+constexpr float kLetGo = 0.6F;    // of the reach: where a lock begins to give
+
+Vec3 Flat(const Vec3& v) { return {v.x(), 0, v.z()}; }
+
+// Turns `foot` (ankle to toes) about the horizontal axis across it so that the toes rise by about
+// `rise_m` against the ankle. A foot on its tip cannot: there the turn fades to nothing, so that it
+// has no pole.
+Quat Pitch(const Vec3& foot, const Vec3& across, float rise_m) {
+  const float level = Flat(across).norm();  // 0: lies on its side
+  const float length = foot.norm();
+  if (length < 1e-4F || level < 1e-2F) return Quat::Identity();
+  const Vec3 axis = Flat(across) / level;
+  const float ahead = foot.dot(axis.cross(Vec3::UnitY())) / length;  // 1: flat
+  const float steep = kSteep * (1 - SmoothStep(ahead, kSteep, 2 * kSteep));
+  const float turn = level * rise_m / length * ahead / (ahead * ahead + steep * steep);
+  return Quat(Eigen::AngleAxisf(-std::clamp(turn, -kMostPitch_rad, kMostPitch_rad), axis));
+}
+
+// Where a foot begins to be held up: at the cushion's top, or where the performer's own is, if that
+// is lower (never above it, so that his own pose is never changed); a rounded minimum of the two.
+float Support(float floor_m, float performer_m) {
+  const float top = floor_m + kCushion_m;
+  return top - SoftExcess(top - performer_m + kCushion_m, kCushion_m);
+}
+
+}  // namespace
+
+Feet::Feet(const rig::Binding& binding, const Options& options)
+    : legs_(binding), options_(options), in_(legs_.joints().size()), out_(legs_.joints().size()) {}
+
+void Feet::Rest() noexcept {
+  contacts_.Rest();
+  state_.fill(Leg());
+  drop_m_.Rest();
+  last_across_.setZero();
+}
+
+void Feet::Process(float dt_s, float weight, const PoseView& input,
+                   const MutablePoseView& styled) noexcept {
+  if (dt_s >= kGap_s) dt_s = 0;  // what was held before a hole is held after it
+  // 1 contacts, from the performer's own feet.
+  legs_.Place(input, in_);
+  contacts_.Process(dt_s, legs_, in_, options_);
+  if (weight <= 0) {
+    state_.fill(Leg());
+    drop_m_.Rest();
+    last_across_.setZero();
+    return;
+  }
+  TurnWithPerformer();
+  // 2 where each foot is to be: heights, then the lock.
+  legs_.Place(styled, out_);
+  for (int side = 0; side < kLegs; ++side) {
+    if (legs_.leg(side).resolved) PlaceFoot(side, dt_s, weight);
+  }
+  // 3 hips, 4 legs.
+  LowerHips(dt_s, styled);
+  for (int side = 0; side < kLegs; ++side) {
+    if (legs_.leg(side).resolved) Reach(side, styled);
+  }
+}
+
+// A gait's centre is the performer's: it turns as the line through his hips does.
+void Feet::TurnWithPerformer() noexcept {
+  const Vec3 across = Flat(in_[static_cast<std::size_t>(legs_.leg(0).upper)].position_m -
+                           in_[static_cast<std::size_t>(legs_.leg(1).upper)].position_m);
+  const float length = across.norm();
+  if (length < 0.01F) return;  // he lies on his side
+  const Vec3 now = across / length;
+  if (!last_across_.isZero()) {
+    const float cosine = last_across_.dot(now);
+    const float sine = last_across_.cross(now).y();
+    for (Leg& leg : state_) {
+      const Vec3 was = leg.centre_m;
+      leg.centre_m.x() = cosine * was.x() + sine * was.z();
+      leg.centre_m.z() = cosine * was.z() - sine * was.x();
+    }
+  }
+  last_across_ = now;
+}
+
+void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
+  const Legs::Leg& leg = legs_.leg(side);
+  const Contacts::Foot& contact = contacts_.foot(side);
+  Leg& state = state_[static_cast<std::size_t>(side)];
+  const bool has_toes = leg.toes >= 0;
+  const auto at = [](const std::vector<Placed>& placed, int joint) -> const Vec3& {
+    return placed[static_cast<std::size_t>(joint)].position_m;
+  };
+  const Vec3& in_heel = at(in_, leg.foot);
+  const Vec3& in_toes = has_toes ? at(in_, leg.toes) : in_heel;
+  const Vec3& heel = at(out_, leg.foot);
+  const Vec3& toes = has_toes ? at(out_, leg.toes) : heel;
+
+  // Heights: what is planted is as high as the performer's; what is not goes with what is.
+  const float off_toes = in_toes.y() - toes.y();
+  const float off_heel = in_heel.y() - heel.y();
+  const float c_toes = has_toes ? contact.toes : contact.heel;
+  const float c_heel = contact.heel;
+  const float want_toes = c_toes * off_toes + (1 - c_toes) * c_heel * off_heel;
+  const float want_heel = c_heel * off_heel + (1 - c_heel) * c_toes * off_toes;
+  float lift_toes = state.lift_toes.Follow(want_toes, dt_s, kLift_s);
+  float lift_heel = state.lift_heel.Follow(want_heel, dt_s, kLift_s);
+  // And nothing sinks below the performer's floor, or below where he himself is.
+  const float floor_m = contacts_.floor_m();
+  const float under_toes = Support(floor_m, in_toes.y()) - (toes.y() + lift_toes);
+  const float under_heel =
+      Support(floor_m + leg.ankle_above_toes_m, in_heel.y()) - (heel.y() + lift_heel);
+  lift_toes = weight * (lift_toes + SoftExcess(under_toes, kCushion_m));
+  lift_heel = weight * (lift_heel + SoftExcess(under_heel, kCushion_m));
+  if (!has_toes) lift_toes = lift_heel;
+
+  const Vec3 foot = toes - heel;
+  const Placed& ankle = out_[static_cast<std::size_t>(leg.foot)];
+  state.pitch = Quat::Identity();
+  if (has_toes) state.pitch = Pitch(foot, ankle.rotation * leg.across_foot, lift_toes - lift_heel);
+  const Vec3 pitched_heel = toes - state.pitch * foot;
+  Lock(side, dt_s, toes, pitched_heel);
+  state.ankle_m = pitched_heel + weight * state.offset_m;
+  state.ankle_m.y() += lift_toes;
+
+  // Hips: how far above what the leg can reach.
+  const Vec3& hip = at(out_, leg.upper);
+  const Vec3& knee = at(out_, leg.lower);
+  const float length = (knee - hip).norm() + (heel - knee).norm();
+  const float moved = (state.ankle_m - heel).norm() / kNear_m;
+  state.as_styled = std::exp(-moved * moved);
+  const float least = options_.stretch * length;
+  const float reach = least + state.as_styled * std::max(0.0F, (heel - hip).norm() - least);
+  const float across2 = Flat(state.ankle_m - hip).squaredNorm();
+  const float standing = std::max(c_toes, c_heel);
+  const float down = std::sqrt(std::max(reach * reach - across2, 1e-4F));
+  state.need_m = weight * standing * SoftExcess(hip.y() - state.ankle_m.y() - down, kDropCorner_m);
+}
+
+// The lock is an integral: over each frame the published foot moves by `hold` of the performer's
+// own step and by the rest of the styled one; so it never jumps, however contacts change.
+void Feet::Lock(int side, float dt_s, const Vec3& toes, const Vec3& heel) noexcept {
+  const Legs::Leg& leg = legs_.leg(side);
+  const Contacts::Foot& contact = contacts_.foot(side);
+  Leg& state = state_[static_cast<std::size_t>(side)];
+  const auto input = [this](int joint) -> const Vec3& {
+    return in_[static_cast<std::size_t>(joint)].position_m;
+  };
+  const Vec3 in_heel = input(leg.foot);
+  const Vec3 in_toes = leg.toes >= 0 ? input(leg.toes) : in_heel;
+  const Vec3 change = Flat(toes - in_toes);  // by the style, of where the foot is
+
+  if (!state.started) {
+    state.started = true;
+    state.centre_m = change;
+  } else if (dt_s > 0) {
+    // A gait takes the foot as far ahead of the performer's as behind it, about `centre`.
+    state.centre_m += DecayShare(dt_s, options_.centre_s) * (change - state.centre_m);
+    Vec3 wish = options_.centre * (state.centre_m - change);
+    wish *= std::min(1.0F, options_.reach_m / std::max(wish.norm(), 1e-6F));
+
+    const float toe_hold = leg.toes >= 0 ? contact.toes : contact.heel;
+    const float hold = 1 - (1 - toe_hold) * (1 - contact.heel);
+    const float by_toes = hold > 0 ? toe_hold / hold : 1.0F;
+    const Vec3 toe_step = Flat((in_toes - state.last_in_toes_m) - (toes - state.last_toes_m));
+    const Vec3 heel_step = Flat((in_heel - state.last_in_heel_m) - (heel - state.last_heel_m));
+    Vec3 step = hold * (by_toes * toe_step + (1 - by_toes) * heel_step);
+    // Drawn too far it gives way outwards, and is dragged along.
+    const float far = state.offset_m.norm();
+    if (far > 0) {
+      const Vec3 outwards = state.offset_m / far;
+      const float give = SmoothStep(far, kLetGo * options_.reach_m, options_.reach_m);
+      step -= give * std::max(0.0F, step.dot(outwards)) * outwards;
+    }
+    state.offset_m += step;
+    state.offset_m += (1 - hold) * DecayShare(dt_s, options_.return_s) * (wish - state.offset_m);
+  }
+  state.last_in_toes_m = in_toes;
+  state.last_in_heel_m = in_heel;
+  state.last_toes_m = toes;
+  state.last_heel_m = heel;
+}
+
+void Feet::LowerHips(float dt_s, const MutablePoseView& styled) noexcept {
+  const float need_m = std::hypot(state_[0].need_m, state_[1].need_m);
+  const float drop_m =
+      drop_m_.Follow(std::min(need_m, options_.hips_drop_m), dt_s, options_.hips_tau_s);
+  if (drop_m <= 0) return;
+  const Vec3 down(0, -drop_m, 0);
+  const auto hips = static_cast<std::size_t>(legs_.hips());
+  styled.translations[static_cast<std::size_t>(legs_.joints()[hips])] +=
+      legs_.ParentRotation(legs_.hips(), out_).conjugate() * (down / legs_.metres_per_unit());
+  for (std::size_t i = hips; i < out_.size(); ++i) out_[i].position_m += down;
+}
+
+void Feet::Reach(int side, const MutablePoseView& styled) noexcept {
+  const Legs::Leg& leg = legs_.leg(side);
+  const Leg& state = state_[static_cast<std::size_t>(side)];
+  const auto at = [this](int joint) -> const Placed& {
+    return out_[static_cast<std::size_t>(joint)];
+  };
+  const Placed& upper = at(leg.upper);
+  const TwoBones limb{upper.position_m, at(leg.lower).position_m, at(leg.foot).position_m,
+                      upper.rotation * leg.hinge_in_upper};
+  // A moved foot never stretches the leg; one that stays where it is styled leaves it as it is.
+  const float length = (limb.knee - limb.hip).norm() + (limb.ankle - limb.knee).norm();
+  const float corner = kStraightCorner * length;
+  const float now = (limb.ankle - limb.hip).norm();
+  const float now_soft = SoftReach(now, length, corner);
+  const Vec3 wish = state.ankle_m - limb.hip;
+  const float wanted = std::max(wish.norm(), 1e-6F);
+  const float soft = SoftReach(wanted, length, corner);
+  const float room = std::min(1.0F, (length - soft) / (length - now_soft));
+  const float reach = soft + state.as_styled * room * (now - now_soft);
+  const TwoBoneTurns turns = ReachFor(limb, limb.hip + (reach / wanted) * wish);
+
+  const auto set = [&](int joint, const Quat& parent_world, const Quat& world) {
+    Quat& local =
+        styled.rotations[static_cast<std::size_t>(legs_.joints()[static_cast<std::size_t>(joint)])];
+    Quat turned = (parent_world.conjugate() * world).normalized();
+    if (turned.dot(local) < 0) turned.coeffs() = -turned.coeffs();
+    local = turned;
+  };
+  const Quat shank = turns.upper * turns.lower;
+  const Quat lower_parent = turns.upper * legs_.ParentRotation(leg.lower, out_);
+  const Quat foot_parent = shank * legs_.ParentRotation(leg.foot, out_);
+  set(leg.upper, legs_.ParentRotation(leg.upper, out_), turns.upper * upper.rotation);
+  set(leg.lower, lower_parent, shank * at(leg.lower).rotation);
+  set(leg.foot, foot_parent, state.pitch * at(leg.foot).rotation);
+}
+
+}  // namespace styled::feet

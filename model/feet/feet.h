@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "model/base/realtime.h"
+#include "model/feet/contacts.h"
+#include "model/feet/legs.h"
+#include "model/feet/options.h"
+#include "model/feet/two_bone_ik.h"
+
+namespace styled::feet {
+
+// Step 6 of the stylist, on one output skeleton: while the performer's own foot is on the floor,
+// the published one moves over the floor as that does, not as the style would have it slide; it
+// keeps the performer's heights there and never sinks below his floor. Legs follow by two-bone IK
+// (lengths and the knee's side kept), the hips come down where a leg would have to stretch.
+// Everything is a smooth function of the input or integrates one, so nothing pops; it is delayed by
+// nothing.
+//
+// Spaces: poses are local transforms of one skeleton; inside, canonical metres and axes (+Y up).
+// Sized at construction; Process does not allocate. One thread at a time.
+// Mathematics: model/stylist/README.md, "Feet". Pinned by tests/unit/feet/feet_test.cpp.
+class Feet {
+ public:
+  // `options` must pass Validate.
+  Feet(const rig::Binding& binding, const Options& options);
+
+  // One frame, `dt_s` after the last (0 for the first; over a hole of more than 0.25 s
+  // locks stay as they are, wherever the performer went).
+  // `input`: the performer's pose on this skeleton; `styled`: what is published, changed in place:
+  // leg joints' rotations and the hips' translation, nothing else. Both must have unit rotations;
+  // they may not be the same memory. `weight`, 0 .. 1, is the stage's share: at 0 it only watches
+  // the contacts and leaves `styled` bit for bit.
+  STYLED_REALTIME void Process(float dt_s, float weight, const PoseView& input,
+                               const MutablePoseView& styled) noexcept;
+
+  // Forgets locks, floor and contacts: the next frame is the first.
+  STYLED_REALTIME void Rest() noexcept;
+
+  const Contacts& contacts() const { return contacts_; }
+
+ private:
+  struct Leg {
+    bool started = false;
+    Vec3 last_in_toes_m, last_in_heel_m, last_toes_m, last_heel_m;
+    Vec3 offset_m = Vec3::Zero();  // horizontal: from where the style puts the foot
+    Vec3 centre_m =
+        Vec3::Zero();  // horizontal: the gait's mean of styled less input, in world axes
+    Glide lift_toes, lift_heel;
+
+    Quat pitch = Quat::Identity();  // this frame's: of the foot, in world
+    Vec3 ankle_m;                   // where the ankle is to go
+    float as_styled = 1;            // 1 where that is where the style has it, 0 elsewhere
+    float need_m = 0;               // by how much the hips must come down for that
+  };
+  void TurnWithPerformer() noexcept;
+  void PlaceFoot(int side, float dt_s, float weight) noexcept;
+  void Lock(int side, float dt_s, const Vec3& toes, const Vec3& heel) noexcept;
+  void LowerHips(float dt_s, const MutablePoseView& styled) noexcept;
+  void Reach(int side, const MutablePoseView& styled) noexcept;
+
+  Legs legs_;
+  Options options_;
+  Contacts contacts_;
+  std::array<Leg, kLegs> state_;
+  Glide drop_m_;
+  Vec3 last_across_ = Vec3::Zero();  // the input's right hip to left hip, horizontal, unit
+  std::vector<Placed> in_, out_;
+};
+
+}  // namespace styled::feet

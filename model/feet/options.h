@@ -1,0 +1,58 @@
+#pragma once
+
+namespace styled::feet {
+
+// How feet are held. Lengths are canonical metres (a source skeleton's are scaled by its hips
+// height), times seconds. The same for all performers; defaults are those of styled.toml.
+struct Options {
+  // A heel or toe is on the floor while it is low and slow; weights go smoothly from 1 to 0 between
+  // the two bounds.
+  float contact_low_m = 0.03F, contact_high_m = 0.06F;     // above its height when planted; 0 .. 1
+  float contact_slow_mps = 0.4F, contact_fast_mps = 0.9F;  // over the ground; 0 .. 20
+  float blend_in_s = 0.015F;  // time constant with which a contact takes hold; 0 .. 1
+  float blend_out_s = 0.03F;  // ... and lets go
+  float reach_m = 0.12F;      // a lock drawn this far from the styled foot has let go; 0.001 .. 1
+  float return_s = 0.1F;      // time constant of the way back to the styled foot; 0.001 .. 10
+  float centre_s = 0.6F;      // a gait's memory: a step is set down where it will be off by as much
+                              // at its end; 0.01 .. 60
+  float centre = 1.0F;        // ... and how much of that; 0 (lands as styled) .. 1
+  float stretch = 0.975F;     // of the leg's length: beyond, the hips come down; 0.5 .. 1
+  float hips_drop_m = 0.10F;  // the most they come down; 0 .. 1
+  float hips_tau_s = 0.04F;   // smoothing of that; 0 .. 10
+
+  friend bool operator==(const Options&, const Options&) = default;
+};
+
+enum class OptionsError {
+  kNone,
+  kContactHeight,  // not 0 <= low < high <= 1
+  kContactSpeed,   // not 0 <= slow < fast <= 20
+  kBlend,
+  kReach,
+  kReturn,
+  kCentre,
+  kStretch,
+  kHipsDrop,
+};
+
+// The first rule that is broken; NaN breaks every one.
+[[nodiscard]] constexpr OptionsError Validate(const Options& o) {
+  const auto in = [](float value, float low, float high) { return value >= low && value <= high; };
+  if (!(in(o.contact_low_m, 0, 1) && in(o.contact_high_m, 0, 1) &&
+        o.contact_low_m < o.contact_high_m)) {
+    return OptionsError::kContactHeight;
+  }
+  if (!(in(o.contact_slow_mps, 0, 20) && in(o.contact_fast_mps, 0, 20) &&
+        o.contact_slow_mps < o.contact_fast_mps)) {
+    return OptionsError::kContactSpeed;
+  }
+  if (!(in(o.blend_in_s, 0, 1) && in(o.blend_out_s, 0, 1))) return OptionsError::kBlend;
+  if (!in(o.reach_m, 1e-3F, 1)) return OptionsError::kReach;
+  if (!in(o.return_s, 1e-3F, 10)) return OptionsError::kReturn;
+  if (!(in(o.centre_s, 0.01F, 60) && in(o.centre, 0, 1))) return OptionsError::kCentre;
+  if (!in(o.stretch, 0.5F, 1)) return OptionsError::kStretch;
+  if (!(in(o.hips_drop_m, 0, 1) && in(o.hips_tau_s, 0, 10))) return OptionsError::kHipsDrop;
+  return OptionsError::kNone;
+}
+
+}  // namespace styled::feet

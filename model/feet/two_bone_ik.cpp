@@ -1,0 +1,85 @@
+#include "model/feet/two_bone_ik.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace styled::feet {
+namespace {
+
+constexpr float kTiny = 1e-6F;
+constexpr float kStraight = 0.35F;     // sin(bend) below which the anatomical axis takes part
+constexpr float kOutermost = 0.9999F;  // of the limb's length
+
+// The axis about which the knee bends now. Along the anatomical hinge it never falls below a small
+// positive part, so that it does not turn over when the leg goes through straight; only a knee that
+// bends backwards by 20 degrees is believed to be one that does.
+Vec3 BendAxis(const TwoBones& limb, const Vec3& thigh, const Vec3& shank) {
+  const Vec3 bend = thigh.normalized().cross(shank.normalized());  // length: sin(bend)
+  const float along = bend.dot(limb.hinge);
+  float kept = along;
+  if (std::abs(along) < kStraight) {
+    const float u = (along + kStraight) / (2 * kStraight);
+    kept = kStraight * (0.25F + 0.75F * u * u * u);
+  }
+  const Vec3 axis = bend + (kept - along) * limb.hinge;
+  const float length = axis.norm();
+  return length > kTiny ? Vec3(axis / length) : limb.hinge;
+}
+
+// A knee that is `over` beyond straight is bent the right way once it must bend by more than twice
+// that; between, where the reach hardly depends on it, it goes over without a jump.
+float Flexion(float wanted, float over) {
+  if (wanted >= 2 * over) return wanted;
+  return wanted >= over ? 3 * wanted - 4 * over : -wanted;
+}
+
+}  // namespace
+
+TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
+  TwoBoneTurns turns;
+  const Vec3 thigh = limb.knee - limb.hip;
+  const Vec3 shank = limb.ankle - limb.knee;
+  const Vec3 wish = target - limb.hip;
+  const float a = thigh.norm();
+  const float b = shank.norm();
+  const float wanted = wish.norm();
+  if (a < kTiny || b < kTiny || wanted < kTiny) {
+    turns.missed = (target - limb.ankle).norm();
+    return turns;
+  }
+  const float now = (limb.ankle - limb.hip).norm();
+  const float farthest = std::max(kOutermost * (a + b), now);
+  const float nearest = std::min(std::abs(a - b) + 1e-3F * (a + b), now);
+  const float distance = std::clamp(wanted, nearest, farthest);
+  turns.missed = std::abs(wanted - distance);
+
+  // Turning the shank by x about the unit axis n makes
+  //   |ankle - hip|^2 = a^2 + b^2 + 2 (A + B cos x + C sin x),
+  // A = (thigh.n)(n.shank), B = thigh.shank - A, C = thigh.(n x shank).
+  Vec3 bent = shank;
+  if (std::abs(distance - now) > kTiny * (a + b)) {
+    const Vec3 n = BendAxis(limb, thigh, shank);
+    const float along = thigh.dot(n) * n.dot(shank);
+    const float cosine = thigh.dot(shank) - along;
+    const float sine = thigh.dot(n.cross(shank));
+    const float amplitude = std::hypot(cosine, sine);
+    const auto flexion = [&](float apart) {  // from straight, about n
+      const float level = 0.5F * (apart * apart - a * a - b * b) - along;
+      return std::acos(std::clamp(level / std::max(amplitude, kTiny), -1.0F, 1.0F));
+    };
+    const float bend = -std::atan2(sine, cosine);
+    const float turn = Flexion(flexion(distance), std::max(0.0F, -bend)) - bend;
+    turns.lower = Quat(Eigen::AngleAxisf(turn, n));
+    bent = turns.lower * shank;
+  }
+  const Vec3 reached = thigh + bent;
+  if (reached.norm() > kTiny) turns.upper = Quat::FromTwoVectors(reached, wish).normalized();
+  return turns;
+}
+
+float SoftReach(float wanted, float length, float corner) noexcept {
+  const float room = length - wanted;
+  return length - 0.5F * (room + std::hypot(room, corner));
+}
+
+}  // namespace styled::feet
