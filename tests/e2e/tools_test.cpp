@@ -1,6 +1,9 @@
 // The offline programs as somebody at a shell meets them.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
+#include "model/clip/clip.h"
 #include "tests/support/child.h"
 
 namespace styled::support {
@@ -17,9 +20,11 @@ class ToolsTest : public testing::Test {
     return code;
   }
   // A second of the synthetic performer as BVH.
-  std::string Walk() {
-    const std::string file = folder_ / "walk.bvh";
-    EXPECT_EQ(Run({STYLESIM_BINARY, "--write", file, "--seconds", "1", "--rate", "30"}), 0)
+  std::string Walk(const std::string& rate_hz = "30", const std::string& seconds = "1") {
+    const std::string file = folder_ / ("walk" + rate_hz + ".bvh");
+    EXPECT_EQ(Run({STYLESIM_BINARY, "--script", "walk:60", "--write", file, "--seconds", seconds,
+                   "--rate", rate_hz}),
+              0)
         << said_;
     return file;
   }
@@ -41,6 +46,28 @@ TEST_F(ToolsTest, StylizeTakesItsFilesBehindAMix) {
   ASSERT_EQ(Run({STYLIZE_BINARY, in, out, "--style", "elderly=0.5"}), 0) << said_;
   EXPECT_NE(mixed, "");
   EXPECT_NE(ReadText(out), mixed);
+}
+
+// Between frames far apart stylize goes along a curve: what it makes of 10 frames a second is what
+// it makes of 30.
+TEST_F(ToolsTest, StylizeMakesOfASlowClipWhatItMakesOfAFastOne) {
+  std::vector<clip::Clip> styled;
+  for (const std::string rate_hz : {"30", "10"}) {
+    const std::string in = Walk(rate_hz, "5"), out = folder_ / "out.bvh";
+    ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, out}), 0) << said_;
+    styled.push_back(clip::ReadBvh(out).value());
+  }
+  ASSERT_GE(styled[0].frames.size(), 3 * (styled[1].frames.size() - 1) + 1);
+  double sum_rad = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < styled[1].frames.size(); ++i) {
+    const auto& slow = styled[1].frames[i].rotations;
+    const auto& fast = styled[0].frames[3 * i].rotations;
+    for (std::size_t joint = 0; joint < slow.size(); ++joint, ++count) {
+      sum_rad += slow[joint].angularDistance(fast[joint]);
+    }
+  }
+  EXPECT_LT(sum_rad / count * 180 / std::numbers::pi, 0.2);  // 0.65 without the curve
 }
 
 TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
