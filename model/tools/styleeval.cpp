@@ -9,6 +9,9 @@
 
 #include "model/clip/clip.h"
 #include "model/clip/manifest.h"
+#include "model/train/judge/judge_data.h"
+#include "model/train/judge/judge_feet.h"
+#include "model/train/judge/judge_html.h"
 #include "model/train/judge/judge_nets.h"
 #include "model/train/judge/judge_report.h"
 #include "model/train/judge/judge_response.h"
@@ -26,10 +29,9 @@ using styled::Result;
 using styled::Status;
 
 constexpr int kBlendFrames = 10;  // at the judges' rate, where chained clips overlap
-constexpr int kAbsent = -1;
 
 struct Arguments {
-  std::string weights, manifest, data, cache, json;
+  std::string weights, manifest, inputs, data, cache, json, report;
   double long_s = 60;
   bool absolute = false, synthetic = false;
   judge::JudgeSettings judges;
@@ -37,130 +39,35 @@ struct Arguments {
   float transition_s = 0.4F;
 };
 
-struct Data {
-  clip::Manifest manifest;
-  std::vector<train::TrainingClip> train, judge, validation;
-  // The neutral clips of `validation`, at the stream's rate.
-  std::vector<judge::Poses> inputs;
-  std::vector<int> contents;  // of inputs
-};
-
-struct Styler {
-  std::shared_ptr<const erd::Network> network;
-  std::shared_ptr<const styled::rig::Binding> binding;
-  std::vector<int> style_of;  // manifest style -> network style
-};
-
-std::uint64_t Fnv1a(std::string_view text, std::uint64_t hash = 14695981039346656037ULL) {
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-  return hash;
-}
-
-// Names judges by all that they depend on.
-std::string JudgeKey(const Data& data, const judge::JudgeSettings& settings) {
-  std::string text = std::to_string(body::HumanoidHash()) + judge::kJudgeRecipe;
-  for (const train::TrainingClip& c : data.judge) {
-    text += std::filesystem::path(c.file).filename().string() + std::to_string(c.style) +
-            std::to_string(c.content) + std::to_string(c.poses.size());
-  }
-  for (const double value :
-       {static_cast<double>(settings.window), static_cast<double>(settings.iterations),
-        static_cast<double>(settings.batch), static_cast<double>(settings.seed)}) {
-    text += " " + std::to_string(value);
-  }
-  char key[17];
-  std::snprintf(key, sizeof key, "%016llx", static_cast<unsigned long long>(Fnv1a(text)));
-  return key;
-}
-
-Result<Data> Load(const Arguments& arguments) {
-  if (Status status = train::CheckDataFolder(arguments.data); !status.ok()) return status;
-  Result<clip::Manifest> manifest = clip::LoadManifest(arguments.manifest, arguments.data);
-  if (!manifest.ok()) return manifest.status();
-  Data data;
-  data.manifest = std::move(manifest.value());
-  body::FeatureParameters parameters;
-  parameters.rate_hz = static_cast<float>(judge::kJudgeRate_hz);
-  for (const auto& [split, clips] : {std::pair{"train", &data.train},
-                                     {"judge", &data.judge},
-                                     {"validation", &data.validation}}) {
-    auto loaded = train::LoadClips(data.manifest, split, parameters, 2);
-    if (!loaded.ok()) return loaded.status();
-    *clips = std::move(loaded.value());
-  }
-  for (const train::TrainingClip& c : data.validation) {
-    if (c.style != 0) continue;
-    data.inputs.push_back(
-        clip::ResamplePoses(c.poses, judge::kJudgeRate_hz, judge::kStreamRate_hz));
-    data.contents.push_back(c.content);
-  }
-  return data;
-}
-
-// Mean target minus mean neutral, per joint, contents in equal parts, from the generator's clips.
-std::vector<judge::ConstantOffset> Baselines(const Data& data) {
-  const std::size_t styles = data.manifest.styles.size();
-  const std::size_t contents = data.manifest.contents.size();
-  body::FeatureParameters parameters;
-  train::SetHemisphere(train::ComputeStatistics(data.train, parameters).mean, parameters);
-  using Rotations = Eigen::Matrix<double, body::kRotationFeatures, 1>;
-  std::vector<Rotations> sums(styles * contents, Rotations::Zero());
-  std::vector<double> counts(styles * contents, 0);
-  for (const train::TrainingClip& c : data.train) {
-    const std::size_t cell = static_cast<std::size_t>(c.style) * contents + c.content;
-    for (const body::Features& frame :
-         judge::MakeSequence(c.poses, c.style, c.content, false, parameters).frames) {
-      sums[cell] +=
-          Eigen::Map<const Eigen::VectorXf>(frame.data(), body::kRotationFeatures).cast<double>();
-      counts[cell] += 1;
+// For every content the longest input (its first seconds), with each style and the baseline's.
+std::vector<judge::Scene> Scenes(const judge::Data& data,
+                                 const std::vector<judge::Transferred>& baseline,
+                                 const std::vector<judge::Transferred>& styled) {
+  const auto frames = static_cast<std::size_t>(6 * judge::kStreamRate_hz);
+  const auto cut = [&](std::span<const body::Pose> poses) {
+    return judge::Thin(poses.first(std::min(poses.size(), frames)));
+  };
+  std::vector<judge::Scene> scenes;
+  for (std::size_t content = 0; content < data.manifest.contents.size(); ++content) {
+    int longest = -1;
+    for (std::size_t i = 0; i < data.inputs.size(); ++i) {
+      if (data.contents[i] != static_cast<int>(content)) continue;
+      if (longest < 0 || data.inputs[i].size() > data.inputs[longest].size()) {
+        longest = static_cast<int>(i);
+      }
+    }
+    for (const judge::Transferred& of : styled.empty() ? baseline : styled) {
+      if (of.clip != longest) continue;
+      const auto offset = std::find_if(baseline.begin(), baseline.end(), [&of](const auto& other) {
+        return other.clip == of.clip && other.style == of.style;
+      });
+      scenes.push_back({data.manifest.contents[content], data.manifest.styles[of.style].name,
+                        cut(of.input),
+                        offset == baseline.end() ? judge::Poses() : cut(offset->output),
+                        styled.empty() ? judge::Poses() : cut(of.output)});
     }
   }
-  std::vector<Rotations> means(styles, Rotations::Zero());
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    if (counts[i] > 0 && counts[i % contents] > 0) means[i / contents] += sums[i] / counts[i];
-  }
-  std::vector<judge::ConstantOffset> baselines(styles);
-  for (std::size_t style = 0; style < styles; ++style) {
-    for (int joint = 0; joint < body::kJointCount; ++joint) {
-      const auto rotation = [joint](const Rotations& mean) {
-        return body::Quat(Eigen::Vector4f(mean.segment<4>(4 * joint).normalized().cast<float>()));
-      };
-      baselines[style].offset[joint] = rotation(means[0]).conjugate() * rotation(means[style]);
-    }
-  }
-  return baselines;
-}
-
-Result<Styler> LoadStyler(const std::string& weights, const clip::Manifest& manifest) {
-  auto network = erd::Network::Load(weights);
-  if (!network.ok()) return network.status();
-  auto binding = judge::CanonicalBinding();
-  if (!binding.ok()) return binding.status();
-  Styler styler{network.value(), binding.value(), {}};
-  int found = 0;
-  for (const clip::ManifestStyle& style : manifest.styles) {
-    const int index = styler.network->FindStyle(style.name);
-    styler.style_of.push_back(index > 0 ? index : kAbsent);
-    found += index > 0 ? 1 : 0;
-  }
-  if (found == 0) {
-    return Status::Error(weights + ": has none of the manifest's styles besides neutral");
-  }
-  return styler;
-}
-
-template <typename Make>
-std::vector<judge::Transferred> Transfer(const Data& data, const std::vector<int>& style_of,
-                                         const Make& make) {
-  std::vector<judge::Transferred> out;
-  for (std::size_t i = 0; i < data.inputs.size(); ++i) {
-    for (int style = 1; style < static_cast<int>(data.manifest.styles.size()); ++style) {
-      if (style_of[style] == kAbsent) continue;
-      out.push_back({static_cast<int>(i), style, data.contents[i], data.inputs[i],
-                     make(data.inputs[i], style)});
-    }
-  }
-  return out;
+  return scenes;
 }
 
 // The neutral clips of each content as one stream that goes on for `seconds` and then shows each
@@ -171,7 +78,8 @@ struct LongRun {
   std::vector<judge::Poses> styled;  // per manifest style; empty where absent
 };
 
-std::vector<LongRun> RunLong(const Arguments& arguments, const Data& data, const Styler& styler) {
+std::vector<LongRun> RunLong(const Arguments& arguments, const judge::Data& data,
+                             const judge::Styler& styler) {
   std::vector<LongRun> runs;
   for (int content = 0; content < static_cast<int>(data.manifest.contents.size()); ++content) {
     std::vector<judge::Poses> clips;
@@ -190,10 +98,11 @@ std::vector<LongRun> RunLong(const Arguments& arguments, const Data& data, const
     }
     for (const int style : styler.style_of) {
       const judge::Switch start{0, judge::OneStyle(style, false)};
-      run.styled.push_back(style == kAbsent ? judge::Poses()
-                                            : judge::StyleStream(styler.network, styler.binding,
-                                                                 arguments.stylist, {&start, 1},
-                                                                 run.chain.poses));
+      run.styled.push_back(style == judge::kAbsent
+                               ? judge::Poses()
+                               : judge::StyleStream(styler.network, styler.binding,
+                                                    arguments.stylist, {&start, 1},
+                                                    run.chain.poses));
     }
     runs.push_back(std::move(run));
   }
@@ -234,15 +143,11 @@ void PrintResponse(const judge::Response& response) {
       response.acceleration_max, response.steady);
 }
 
-void JudgeWeights(const Arguments& arguments, const Data& data, const Styler& styler,
+void JudgeWeights(const Arguments& arguments, const judge::Data& data, const judge::Styler& styler,
                   const judge::Judges& judges, const judge::Evaluator& evaluator,
-                  nlohmann::json& json) {
+                  std::vector<judge::Transferred>& styled, nlohmann::json& json) {
   const auto live = [&](bool absolute) {
-    return Transfer(data, styler.style_of, [&](const judge::Poses& input, int style) {
-      const judge::Switch start{0, judge::OneStyle(styler.style_of[style], absolute)};
-      return judge::StyleStream(styler.network, styler.binding, arguments.stylist, {&start, 1},
-                                input);
-    });
+    return judge::Style(data, styler, arguments.stylist, absolute);
   };
   const auto report = [&](const char* key, const std::string& title,
                           const std::vector<judge::Transferred>& clips) {
@@ -250,7 +155,8 @@ void JudgeWeights(const Arguments& arguments, const Data& data, const Styler& st
     evaluator.Print(figures);
     json[key] = evaluator.ToJson(figures);
   };
-  report("styled", "styled (detail-preserving, as live)", live(false));
+  styled = live(false);
+  report("styled", "styled (detail-preserving, as live)", styled);
   if (arguments.absolute) report("absolute", "absolute (the paper's output)", live(true));
 
   std::vector<judge::Poses> neutral;
@@ -261,6 +167,16 @@ void JudgeWeights(const Arguments& arguments, const Data& data, const Styler& st
               reconstruction.angle_deg.value(), reconstruction.position_cm.value());
   json["reconstruction"] = {{"angle_deg", reconstruction.angle_deg.value()},
                             {"position_cm", reconstruction.position_cm.value()}};
+  if (arguments.stylist.feet) {
+    std::vector<int> present;
+    for (const int style : styler.style_of) {
+      if (style > 0) present.push_back(style);
+    }
+    const judge::FeetStage stage = judge::MeasureFeetStage(styler.network, styler.binding,
+                                                           arguments.stylist, present, data.inputs);
+    judge::Print(stage);
+    json["feet"] = judge::ToJson(stage);
+  }
   if (arguments.long_s <= 0) return;
 
   const std::vector<LongRun> runs = RunLong(arguments, data, styler);
@@ -271,7 +187,7 @@ void JudgeWeights(const Arguments& arguments, const Data& data, const Styler& st
   std::vector<int> styles;
   std::vector<int> network_styles;
   for (std::size_t style = 1; style < styler.style_of.size(); ++style) {
-    if (styler.style_of[style] == kAbsent) continue;
+    if (styler.style_of[style] == judge::kAbsent) continue;
     styles.push_back(static_cast<int>(style));
     network_styles.push_back(styler.style_of[style]);
   }
@@ -330,7 +246,7 @@ std::vector<Performance> Performances() {
 
 // Does the content judge, trained on real clips, recognize the synthetic performer? Counted are
 // windows throughout which it does only what belongs to the content (a pause belongs to none).
-void JudgeSynthetic(const Data& data, const judge::Judges& judges,
+void JudgeSynthetic(const judge::Data& data, const judge::Judges& judges,
                     const judge::Evaluator& evaluator, nlohmann::json& json) {
   namespace performer = styled::performer;
   constexpr int kPerformers = 6;
@@ -385,17 +301,15 @@ void JudgeSynthetic(const Data& data, const judge::Judges& judges,
 }
 
 Status Run(const Arguments& arguments) {
-  Result<Data> loaded = Load(arguments);
+  Result<judge::Data> loaded =
+      judge::LoadData(arguments.manifest, arguments.inputs, arguments.data);
   if (!loaded.ok()) return loaded.status();
-  const Data& data = loaded.value();
+  const judge::Data& data = loaded.value();
   std::printf(
       "%zu clips train the generator, %zu the judges; %zu are judged, %zu of them neutral\n",
       data.train.size(), data.judge.size(), data.validation.size(), data.inputs.size());
 
-  auto trained =
-      judge::Judges::TrainOrLoad(data.judge, static_cast<int>(data.manifest.styles.size()),
-                                 static_cast<int>(data.manifest.contents.size()), arguments.judges,
-                                 arguments.cache, JudgeKey(data, arguments.judges));
+  auto trained = judge::TrainJudges(data, arguments.judges, arguments.cache);
   if (!trained.ok()) return trained.status();
   const judge::Judges& judges = trained.value();
   const judge::Evaluator evaluator(data.manifest, judges, data.train, data.judge, data.validation);
@@ -411,23 +325,28 @@ Status Run(const Arguments& arguments) {
 
   if (arguments.synthetic) JudgeSynthetic(data, judges, evaluator, json);
 
-  const std::vector<judge::ConstantOffset> baselines = Baselines(data);
-  const std::vector<int> all(data.manifest.styles.size(), 0);
-  const judge::Figures baseline =
-      evaluator.Measure("baseline (a constant rotation per joint)",
-                        Transfer(data, all, [&](const judge::Poses& input, int target) {
-                          judge::Poses output;
-                          for (const body::Pose& pose : input)
-                            output.push_back(baselines[target].Apply(pose));
-                          return output;
-                        }));
-  evaluator.Print(baseline);
-  json["baseline"] = evaluator.ToJson(baseline);
+  const std::vector<judge::Transferred> baseline = judge::ApplyBaseline(data);
+  const judge::Figures figures =
+      evaluator.Measure("baseline (a constant rotation per joint)", baseline);
+  evaluator.Print(figures);
+  json["baseline"] = evaluator.ToJson(figures);
 
+  std::vector<judge::Transferred> styled;
   if (!arguments.weights.empty()) {
-    Result<Styler> styler = LoadStyler(arguments.weights, data.manifest);
+    Result<judge::Styler> styler = judge::LoadStyler(arguments.weights, data.manifest);
     if (!styler.ok()) return styler.status();
-    JudgeWeights(arguments, data, styler.value(), judges, evaluator, json);
+    JudgeWeights(arguments, data, styler.value(), judges, evaluator, styled, json);
+  }
+  if (!arguments.report.empty()) {
+    const auto name = [](const std::string& path) {
+      return std::filesystem::path(path).filename().string();
+    };
+    const Status written = judge::WriteReport({.weights = name(arguments.weights),
+                                               .manifest = data.manifest.name,
+                                               .figures = json,
+                                               .scenes = Scenes(data, baseline, styled)},
+                                              arguments.report);
+    if (!written.ok()) return written;
   }
   if (!arguments.json.empty()) {
     std::ofstream file(arguments.json);
@@ -449,6 +368,10 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--cache", arguments.cache, "Folder where trained judges are kept")->required();
   app.add_option("--json", arguments.json, "Write every figure to this file, too");
+  app.add_option("--report", arguments.report,
+                 "Write a page (HTML) with tables, plots and animated stick figures");
+  app.add_option("--inputs", arguments.inputs,
+                 "Style the neutral validation clips of this manifest instead");
   app.add_option("--long", arguments.long_s,
                  "Judge also after so many seconds of continuous state; 0: do not")
       ->capture_default_str();
@@ -458,6 +381,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--synthetic", arguments.synthetic,
                "Does the content judge recognize the synthetic performer?");
+  app.add_flag("!--no-feet", arguments.stylist.feet, "Do not hold feet that are planted");
   app.add_flag("!--no-ground", arguments.stylist.ground,
                "Do not shift the styled body vertically: what of jitter and skate is grounding");
   app.add_option("--transition", arguments.transition_s, "Cross-fade of a switch, seconds")

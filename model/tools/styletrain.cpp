@@ -4,11 +4,13 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "model/train/judge/judge_validation.h"
 #include "model/train/trainer.h"
 
 int main(int argc, char** argv) {
   styled::train::TrainConfig config;
   std::vector<std::string> export_paths;
+  std::string validation_cache;
   const char* data = std::getenv("STYLED_DATA");
   config.data = data != nullptr ? data : "../shared/data";
   config.manifest = "model/weights/manifests/bandai-2.toml";
@@ -66,6 +68,16 @@ int main(int argc, char** argv) {
   app.add_option("--checkpoint-minutes", config.checkpoint_minutes)->capture_default_str();
   app.add_option("--log-every", config.log_every)->capture_default_str();
   app.add_option("--monitor-every", config.monitor_every)->capture_default_str();
+  auto* validation = app.add_option(
+      "--validate", validation_cache,
+      "Judge the run while it learns (validation.csv, curve.svg, best.safetensors); the judges are "
+      "kept in this folder");
+  app.add_option("--validate-minutes", config.validate_minutes, "Between two validations")
+      ->capture_default_str();
+  app.add_option("--patience", config.patience,
+                 "End after so many validations without a better score; 0: never")
+      ->capture_default_str()
+      ->needs(validation);
   CLI::App* add =
       app.add_subcommand("add-style", "Teach trained weights one more style")->fallthrough();
   add->footer(
@@ -83,9 +95,15 @@ int main(int argc, char** argv) {
     std::cerr << "styletrain: --out or --export is needed\n";
     return 2;
   }
-  const styled::Status status = export_paths.empty()
-                                    ? styled::train::Train(config)
-                                    : styled::train::ExportRun(export_paths[0], export_paths[1]);
+  const auto run = [&]() -> styled::Status {
+    if (!export_paths.empty()) return styled::train::ExportRun(export_paths[0], export_paths[1]);
+    if (validation_cache.empty()) return styled::train::Train(config);
+    auto judge = styled::judge::Validator::Make(config.manifest, config.data, validation_cache);
+    if (!judge.ok()) return judge.status();
+    return styled::train::Train(
+        config, [&judge](const auto& weights) { return judge.value().Measure(weights); });
+  };
+  const styled::Status status = run();
   if (!status.ok()) {
     std::cerr << "styletrain: " << status.message() << '\n';
     return 1;

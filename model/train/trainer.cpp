@@ -5,12 +5,14 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
 #include "model/erd/network.h"
 #include "model/train/checkpoint.h"
+#include "model/train/curve.h"
 #include "model/train/learner.h"
 #include "model/train/monitor.h"
 
@@ -60,8 +62,9 @@ class Trainer {
   Trainer(const TrainConfig& config, const clip::Manifest& manifest,
           const std::vector<TrainingClip>& clips, const std::vector<TrainingClip>& validation,
           const FeatureStatistics& statistics, const body::FeatureParameters& parameters,
-          const LoadedWeights* init, const torch::Device& device)
+          const LoadedWeights* init, const Validate& validate, const torch::Device& device)
       : config_(config),
+        validate_(validate),
         manifest_(manifest),
         init_(init),
         learner_(config, manifest, clips, statistics, parameters, device),
@@ -82,11 +85,17 @@ class Trainer {
   void LogMonitor();
   std::string Metadata() const;
 
+  // Judges the weights that Save wrote. `ended`: the run has not become better for too long.
+  Status RunValidation(bool& ended);
+
   const TrainConfig& config_;
+  const Validate& validate_;
   const clip::Manifest& manifest_;
   const LoadedWeights* const init_;
   Learner learner_;
   Monitor monitor_;
+  double best_score_ = -std::numeric_limits<double>::infinity();
+  int without_better_ = 0;
   double elapsed_before_s_ = 0;
   Clock::time_point started_ = Clock::now();
 };
@@ -171,6 +180,8 @@ Status Trainer::Save() {
   }
   const Generator& weights = appended ? *appended : learner_.average();
   checkpoint.tensors["weights"] = weights.parameters.flat();  // what is exported
+  checkpoint.tensors["best"] =
+      torch::tensor({best_score_, static_cast<double>(without_better_)}, torch::kFloat64);
   checkpoint.tensors["elapsed_s"] = torch::tensor({Elapsed()}, torch::kFloat64);
   checkpoint.strings["metadata"] = Metadata();
   const Status written = WriteCheckpoint(checkpoint, config_.out / "checkpoint.pt");
@@ -187,7 +198,40 @@ Status Trainer::Restore() {
   const Status restored = learner_.Restore(checkpoint);
   if (!restored.ok()) return Status::Error(file.string() + ": " + restored.message());
   elapsed_before_s_ = checkpoint.tensors.at("elapsed_s").item<double>();
+  best_score_ = checkpoint.tensors.at("best")[0].item<double>();
+  without_better_ = static_cast<int>(checkpoint.tensors.at("best")[1].item<double>());
   return Status::Ok();
+}
+
+Status Trainer::RunValidation(bool& ended) {
+  const std::filesystem::path weights = config_.out / "weights.safetensors";
+  const auto figures = validate_(weights);
+  if (!figures.ok()) return figures.status();
+  std::ostringstream header;
+  std::ostringstream row;
+  header << "iteration,elapsed_s";
+  row << learner_.iteration() << ',' << Elapsed();
+  std::cout << "validation " << learner_.iteration() << ":";
+  for (const auto& [name, value] : figures.value()) {
+    header << ',' << name;
+    row << ',' << value;
+    std::cout << "  " << name << ' ' << value;
+  }
+  const double score = figures.value().front().second;
+  const bool better = score > best_score_;
+  std::cout << (better ? "  (best so far)" : "") << std::endl;
+  AppendRow(config_.out / "validation.csv", header.str(), row.str());
+  without_better_ = better ? 0 : without_better_ + 1;
+  ended = config_.patience > 0 && without_better_ >= config_.patience;
+  if (better) {
+    best_score_ = score;
+    std::error_code error;
+    std::filesystem::copy_file(weights, config_.out / "best.safetensors",
+                               std::filesystem::copy_options::overwrite_existing, error);
+    if (error)
+      return Status::Error((config_.out / "best.safetensors").string() + ": " + error.message());
+  }
+  return DrawCurve(config_.out / "validation.csv", config_.out / "curve.svg");
 }
 
 Status Trainer::Run() {
@@ -206,6 +250,7 @@ Status Trainer::Run() {
   started_ = Clock::now();
   auto last_log = Clock::now();
   auto last_save = Clock::now();
+  auto last_validation = Clock::now();
   int logged = 0;
   for (;;) {
     const double progress = Progress();
@@ -227,14 +272,30 @@ Status Trainer::Run() {
       if (!saved.ok()) return saved;
       last_save = Clock::now();
     }
+    if (validate_ && SecondsSince(last_validation) > 60.0 * config_.validate_minutes) {
+      const Status saved = Save();
+      if (!saved.ok()) return saved;
+      bool ended = false;
+      const Status validated = RunValidation(ended);
+      if (!validated.ok()) return validated;
+      last_validation = Clock::now();
+      if (ended) {
+        std::cout << "no better score in " << config_.patience << " validations: the run ends"
+                  << std::endl;
+        return Save();
+      }
+    }
   }
   if (learner_.iteration() % config_.monitor_every != 0) LogMonitor();
-  return Save();
+  const Status saved = Save();
+  if (!saved.ok() || !validate_) return saved;
+  bool ended = false;
+  return RunValidation(ended);
 }
 
 }  // namespace
 
-Status Train(const TrainConfig& config) {
+Status Train(const TrainConfig& config, const Validate& validate) {
   // 1. What cannot work is refused before anything is read.
   if (config.minutes <= 0 && config.iterations <= 0) {
     return Status::Error("give --minutes or --iterations");
@@ -299,7 +360,7 @@ Status Train(const TrainConfig& config) {
     at::set_num_threads(config.threads);
     torch::manual_seed(config.seed);
     Trainer trainer(config, manifest.value(), clips.value(), validation.value(), statistics,
-                    parameters, init ? &*init : nullptr,
+                    parameters, init ? &*init : nullptr, validate,
                     cuda ? torch::Device(torch::kCUDA) : torch::Device(torch::kCPU));
     return trainer.Run();
   } catch (const std::exception& failure) {

@@ -2,7 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "model/base/status.h"
 
@@ -50,12 +53,20 @@ struct TrainConfig {
   int classifier_iterations = 1500;
   double checkpoint_minutes = 5.0;
   int log_every = 100, monitor_every = 500;
+  double validate_minutes = 10.0;  // between validations, if there are any
+  int patience = 0;  // the run ends after so many validations without a better score; 0: never
 };
+
+// Named figures of a weights file; the first is the score, higher is better.
+using Validate = std::function<Result<std::vector<std::pair<std::string, double>>>(
+    const std::filesystem::path& weights)>;
 
 // Trains until minutes or iterations are over. Writes into `out`: checkpoint.pt (replaced
 // atomically), weights.safetensors (running mean, at every checkpoint), log.csv, monitor.csv.
+// With `validate`, also validation.csv and its picture curve.svg, and best.safetensors, the weights
+// of the best score so far.
 // A resumed run continues bit for bit where the checkpoint was made, given the same flags.
-Status Train(const TrainConfig& config);
+Status Train(const TrainConfig& config, const Validate& validate = nullptr);
 
 // Writes the weights of a run's checkpoint (model/weights/FORMAT.md).
 Status ExportRun(const std::filesystem::path& run, const std::filesystem::path& file);

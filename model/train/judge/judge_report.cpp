@@ -222,7 +222,8 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
     json["worst_cell"] = CellName(share.worst_cell);
     return json;
   };
-  nlohmann::json json = {{"sra", with_worst(figures.sra)},
+  nlohmann::json json = {{"title", figures.name},
+                         {"sra", with_worst(figures.sra)},
                          {"cra", with_worst(figures.cra)},
                          {"cra_of_inputs", with_worst(figures.cra_input)}};
   for (int style = 1; style < styles_; ++style) {

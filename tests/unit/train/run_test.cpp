@@ -11,6 +11,7 @@
 #include "model/clip/clip.h"
 #include "model/erd/network.h"
 #include "model/train/checkpoint.h"
+#include "model/train/curve.h"
 #include "model/train/trainer.h"
 #include "tests/unit/train/walker.h"
 
@@ -242,6 +243,47 @@ TEST_F(Run, AnAddedStyleLearnsAndTheOthersStayBitForBit) {
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("found \"neutral\" \"odd\", expected"));
   config.init.clear();
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("give --init"));
+}
+
+TEST_F(Run, ValidationKeepsTheBestAndEndsARunThatGetsNoBetter) {
+  TrainConfig config = Config("run");
+  config.iterations = 1000;
+  config.validate_minutes = 1e-9;  // after every iteration
+  config.patience = 3;
+  int calls = 0;
+  std::vector<std::string> seen;
+  const Validate validate = [&](const std::filesystem::path& weights)
+      -> Result<std::vector<std::pair<std::string, double>>> {
+    std::ifstream in(weights, std::ios::binary);
+    seen.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+    constexpr double kScores[] = {0.1, 0.3, 0.2, 0.3, 0.25};
+    return std::vector<std::pair<std::string, double>>{{"score", kScores[calls++]}, {"sra", 0.5}};
+  };
+  Check(Train(config, validate));
+  EXPECT_EQ(calls, 5) << "the second was the best; three more were allowed";
+  std::ifstream best(root_ / "run" / "best.safetensors", std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(best), {}), seen[1]);
+  std::ifstream csv(root_ / "run" / "validation.csv");
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line, "iteration,elapsed_s,score,sra");
+  int rows = 0;
+  while (std::getline(csv, line)) ++rows;
+  EXPECT_EQ(rows, 5);
+  std::ifstream svg(root_ / "run" / "curve.svg");
+  const std::string picture{std::istreambuf_iterator<char>(svg), {}};
+  EXPECT_THAT(picture, testing::HasSubstr(">score 0.250<"));
+
+  // A failure of the validation ends the run with its message.
+  EXPECT_EQ(
+      Train(Config("other"),
+            [](const auto&) {
+              return Result<std::vector<std::pair<std::string, double>>>(Status::Error("no judge"));
+            })
+          .message(),
+      "no judge");
+  EXPECT_THAT(DrawCurve(root_ / "none.csv", root_ / "x.svg").message(),
+              testing::HasSubstr("none.csv: found no row"));
 }
 
 // The runtime network, frame by frame, against the training network over the whole window.

@@ -1,0 +1,175 @@
+#include "model/train/judge/judge_data.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <string_view>
+
+#include "model/clip/clip.h"
+
+namespace styled::judge {
+namespace {
+
+std::uint64_t Fnv1a(std::string_view text) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return hash;
+}
+
+// Names judges by all that they depend on.
+std::string JudgeKey(const Data& data, const JudgeSettings& settings) {
+  std::string text = std::to_string(body::HumanoidHash()) + kJudgeRecipe;
+  for (const train::TrainingClip& c : data.judge) {
+    text += std::filesystem::path(c.file).filename().string() + std::to_string(c.style) +
+            std::to_string(c.content) + std::to_string(c.poses.size());
+  }
+  for (const double value :
+       {static_cast<double>(settings.window), static_cast<double>(settings.iterations),
+        static_cast<double>(settings.batch), static_cast<double>(settings.seed)}) {
+    text += " " + std::to_string(value);
+  }
+  char key[17];
+  std::snprintf(key, sizeof key, "%016llx", static_cast<unsigned long long>(Fnv1a(text)));
+  return key;
+}
+
+using Rotations = Eigen::Matrix<double, body::kRotationFeatures, 1>;
+
+std::vector<ConstantOffset> Baselines(const Data& data) {
+  const std::size_t styles = data.manifest.styles.size();
+  const std::size_t contents = data.manifest.contents.size();
+  body::FeatureParameters parameters;
+  train::SetHemisphere(train::ComputeStatistics(data.train, parameters).mean, parameters);
+  std::vector<Rotations> sums(styles * contents, Rotations::Zero());
+  std::vector<double> counts(styles * contents, 0);
+  for (const train::TrainingClip& c : data.train) {
+    const std::size_t cell = static_cast<std::size_t>(c.style) * contents + c.content;
+    for (const body::Features& frame :
+         MakeSequence(c.poses, c.style, c.content, false, parameters).frames) {
+      sums[cell] +=
+          Eigen::Map<const Eigen::VectorXf>(frame.data(), body::kRotationFeatures).cast<double>();
+      counts[cell] += 1;
+    }
+  }
+  std::vector<ConstantOffset> baselines(styles);
+  for (std::size_t style = 0; style < styles; ++style) {
+    Rotations neutral = Rotations::Zero();
+    Rotations target = Rotations::Zero();
+    for (std::size_t content = 0; content < contents; ++content) {
+      const std::size_t cell = style * contents + content;
+      if (counts[cell] <= 0 || counts[content] <= 0) continue;
+      neutral += sums[content] / counts[content];
+      target += sums[cell] / counts[cell];
+    }
+    for (int joint = 0; joint < body::kJointCount; ++joint) {
+      const auto rotation = [joint](const Rotations& mean) {
+        const Eigen::Vector4d q = mean.segment<4>(4 * joint);
+        return q.norm() > 0 ? body::Quat(Eigen::Vector4f(q.normalized().cast<float>()))
+                            : body::Quat::Identity();
+      };
+      baselines[style].offset[joint] = rotation(neutral).conjugate() * rotation(target);
+    }
+  }
+  return baselines;
+}
+
+std::vector<Transferred> Transfer(const Data& data, const std::vector<int>& style_of,
+                                  const std::function<Poses(const Poses&, int)>& make) {
+  std::vector<Transferred> out;
+  for (std::size_t i = 0; i < data.inputs.size(); ++i) {
+    for (int style = 1; style < static_cast<int>(data.manifest.styles.size()); ++style) {
+      if (style_of[style] == kAbsent) continue;
+      out.push_back({static_cast<int>(i), style, data.contents[i], data.inputs[i],
+                     make(data.inputs[i], style)});
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<Data> LoadData(const std::filesystem::path& manifest, const std::filesystem::path& inputs,
+                      const std::filesystem::path& folder) {
+  if (Status status = train::CheckDataFolder(folder); !status.ok()) return status;
+  Result<clip::Manifest> own = clip::LoadManifest(manifest, folder);
+  if (!own.ok()) return own.status();
+  Data data;
+  data.manifest = std::move(own.value());
+  body::FeatureParameters parameters;
+  parameters.rate_hz = static_cast<float>(kJudgeRate_hz);
+  for (const auto& [split, clips] : {std::pair{"train", &data.train},
+                                     {"judge", &data.judge},
+                                     {"validation", &data.validation}}) {
+    auto loaded = train::LoadClips(data.manifest, split, parameters, 2);
+    if (!loaded.ok()) return loaded.status();
+    *clips = std::move(loaded.value());
+  }
+  const auto add_input = [&data](const train::TrainingClip& c, int content) {
+    if (c.style != 0 || content < 0) return;
+    data.inputs.push_back(clip::ResamplePoses(c.poses, kJudgeRate_hz, kStreamRate_hz));
+    data.contents.push_back(content);
+  };
+  if (inputs.empty()) {
+    for (const train::TrainingClip& c : data.validation) add_input(c, c.content);
+    return data;
+  }
+  Result<clip::Manifest> other = clip::LoadManifest(inputs, folder);
+  if (!other.ok()) return other.status();
+  const auto clips = train::LoadClips(other.value(), "validation", parameters, 2);
+  if (!clips.ok()) return clips.status();
+  const std::vector<std::string>& names = data.manifest.contents;
+  for (const train::TrainingClip& c : clips.value()) {
+    const auto found = std::find(names.begin(), names.end(), other.value().contents[c.content]);
+    add_input(c, found == names.end() ? -1 : static_cast<int>(found - names.begin()));
+  }
+  if (data.inputs.empty()) {
+    return Status::Error("inputs " + inputs.string() +
+                         ": no neutral validation clip has a content of " + manifest.string());
+  }
+  return data;
+}
+
+Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
+                           const std::filesystem::path& cache) {
+  return Judges::TrainOrLoad(data.judge, static_cast<int>(data.manifest.styles.size()),
+                             static_cast<int>(data.manifest.contents.size()), settings, cache,
+                             JudgeKey(data, settings));
+}
+
+Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest) {
+  auto network = erd::Network::Load(weights);
+  if (!network.ok()) return network.status();
+  auto binding = CanonicalBinding();
+  if (!binding.ok()) return binding.status();
+  Styler styler{network.value(), binding.value(), {}};
+  int found = 0;
+  for (const clip::ManifestStyle& style : manifest.styles) {
+    const int index = styler.network->FindStyle(style.name);
+    styler.style_of.push_back(index > 0 ? index : kAbsent);
+    found += index > 0 ? 1 : 0;
+  }
+  if (found == 0) {
+    return Status::Error(weights.string() + ": has none of the manifest's styles besides neutral");
+  }
+  return styler;
+}
+
+std::vector<Transferred> Style(const Data& data, const Styler& styler,
+                               const stylist::Options& options, bool absolute) {
+  return Transfer(data, styler.style_of, [&](const Poses& input, int style) {
+    const Switch start{0, OneStyle(styler.style_of[style], absolute)};
+    return StyleStream(styler.network, styler.binding, options, {&start, 1}, input);
+  });
+}
+
+std::vector<Transferred> ApplyBaseline(const Data& data) {
+  const std::vector<ConstantOffset> baselines = Baselines(data);
+  const std::vector<int> all(data.manifest.styles.size(), 0);
+  return Transfer(data, all, [&](const Poses& input, int style) {
+    Poses output;
+    for (const body::Pose& pose : input) output.push_back(baselines[style].Apply(pose));
+    return output;
+  });
+}
+
+}  // namespace styled::judge

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/base/status.h"
+#include "model/clip/manifest.h"
+#include "model/train/judge/judge_nets.h"
+#include "model/train/judge/judge_report.h"
+#include "model/train/judge/judge_stream.h"
+
+namespace styled::judge {
+
+// What weights are judged with: a manifest's clips at kJudgeRate_hz, by split, and the inputs.
+struct Data {
+  clip::Manifest manifest;
+  std::vector<train::TrainingClip> train, judge, validation;
+  // What is styled: the neutral clips of `validation`, or of another manifest's, at the stream's
+  // rate, and the content of each.
+  std::vector<Poses> inputs;
+  std::vector<int> contents;
+};
+
+// `inputs` may be empty: then the manifest's own neutral clips. Errors name the file.
+Result<Data> LoadData(const std::filesystem::path& manifest, const std::filesystem::path& inputs,
+                      const std::filesystem::path& folder);
+
+// Judges for the manifest, from `cache` where the same were trained before.
+Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
+                           const std::filesystem::path& cache);
+
+inline constexpr int kAbsent = -1;
+
+// Weights as they run live, and which of the manifest's styles they have.
+struct Styler {
+  std::shared_ptr<const erd::Network> network;
+  std::shared_ptr<const rig::Binding> binding;
+  std::vector<int> style_of;  // manifest style -> network style, or kAbsent
+};
+Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest);
+
+// Every input in every style: by weights, and by the constant offset (mean target minus mean
+// neutral over the contents that both have, per joint, from the generator's clips). Spans in the
+// result are into `data`.
+std::vector<Transferred> Style(const Data& data, const Styler& styler,
+                               const stylist::Options& options, bool absolute);
+std::vector<Transferred> ApplyBaseline(const Data& data);
+
+}  // namespace styled::judge

@@ -1,0 +1,65 @@
+#include "model/train/judge/judge_validation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/train/judge/judge_data.h"
+
+namespace styled::judge {
+
+struct Validator::Impl {
+  Data data;
+  Judges judges;
+  Evaluator evaluator;
+
+  Impl(Data data_, Judges judges_)
+      : data(std::move(data_)),
+        judges(std::move(judges_)),
+        evaluator(data.manifest, judges, data.train, data.judge, data.validation) {}
+};
+
+Validator::Validator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Validator::~Validator() = default;
+Validator::Validator(Validator&&) noexcept = default;
+
+Result<Validator> Validator::Make(const std::filesystem::path& manifest,
+                                  const std::filesystem::path& folder,
+                                  const std::filesystem::path& cache) {
+  Result<Data> data = LoadData(manifest, {}, folder);
+  if (!data.ok()) return data.status();
+  Result<Judges> judges = TrainJudges(data.value(), {}, cache);
+  if (!judges.ok()) return judges.status();
+  return Validator(std::make_unique<Impl>(std::move(data.value()), std::move(judges.value())));
+}
+
+Result<std::vector<std::pair<std::string, double>>> Validator::Measure(
+    const std::filesystem::path& weights) const {
+  const Result<Styler> styler = LoadStyler(weights, impl_->data.manifest);
+  if (!styler.ok()) return styler.status();
+  const Figures figures =
+      impl_->evaluator.Measure("", Style(impl_->data, styler.value(), {}, false));
+  Mean sra;
+  Mean cra;
+  Mean expression;
+  Mean cosine;
+  Mean fmd;
+  Mean jitter;
+  for (const StyleFigures& of : figures.styles) {
+    if (of.sra.windows <= 0) continue;
+    sra.Add(of.sra.value / std::max(1e-6, of.sra_real.value));
+    cra.Add(of.cra.value / std::max(1e-6, of.cra_input.value));
+    expression.Add(of.expression.fraction);
+    cosine.Add(of.expression.cosine);
+    if (of.fmd_neutral > 0) fmd.Add(of.fmd / of.fmd_neutral);
+    jitter.Add(of.jitter_stream);
+  }
+  const double score = sra.value() + cra.value() + cosine.value() - fmd.value() -
+                       std::abs(1 - expression.value()) - std::max(0.0, jitter.value() - 1);
+  return std::vector<std::pair<std::string, double>>{
+      {"score", score},           {"sra", sra.value()},
+      {"cra", cra.value()},       {"expression", expression.value()},
+      {"cosine", cosine.value()}, {"fmd", fmd.value()},
+      {"jitter", jitter.value()}};
+}
+
+}  // namespace styled::judge
