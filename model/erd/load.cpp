@@ -176,6 +176,17 @@ void ReadMetadata(const std::map<std::string, std::string>& container, Metadata&
   }
 }
 
+template <typename Derived, std::size_t Size>
+void Pack(const Eigen::MatrixBase<Derived>& vector, std::array<float, Size>& out) {
+  for (Eigen::Index i = 0; i < vector.size(); ++i) out[i] = vector[i];
+}
+template <typename Derived, int Rows, int Columns>
+void Pack(const Eigen::MatrixBase<Derived>& matrix, PackedMatrix<Rows, Columns>& out) {
+  for (int column = 0; column < Columns; ++column) {
+    for (int row = 0; row < Rows; ++row) out[out.Index(row, column)] = matrix(row, column);
+  }
+}
+
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // Takes tensors out of the file one by one; what is left at the end is unknown.
@@ -188,34 +199,40 @@ class TensorReader {
     return TakeShape(name, {rows, columns}, rows, columns);
   }
   template <int Rows>
-  void Take(const std::string& name, Vector<Rows>& out) {
-    out = TakeShape(name, {Rows}, Rows, 1);
+  Vector<Rows> Take(const std::string& name) {
+    return TakeShape(name, {Rows}, Rows, 1);
   }
   template <int Rows, int Columns>
   void Take(const std::string& name, Affine<Rows, Columns>& out) {
-    out.weight = Take(name + ".weight", Rows, Columns);
-    Take(name + ".bias", out.bias);
+    Pack(Take(name + ".weight", Rows, Columns), out.weight);
+    Pack(Take<Rows>(name + ".bias"), out.bias);
   }
-  // As above, with one column per style behind: they go to `styles`.
+  // As above, with one column per style behind, which joins the bias of its style.
   template <int Rows, int Columns>
-  void Take(const std::string& name, int style_count, Affine<Rows, Columns>& out,
-            Matrix<Rows, kMaxStyles>& styles) {
+  void Take(const std::string& name, int style_count, PackedMatrix<Rows, Columns>& out,
+            std::array<PackedVector<Rows>, kMaxStyles>& style_bias) {
     const RowMajor all = Take(name + ".weight", Rows, Columns + style_count);
-    out.weight = all.leftCols<Columns>();
-    styles.setZero();
-    styles.leftCols(style_count) = all.rightCols(style_count);
-    Take(name + ".bias", out.bias);
+    const Vector<Rows> bias = Take<Rows>(name + ".bias");
+    Pack(all.leftCols<Columns>(), out);
+    for (int s = 0; s < style_count; ++s) Pack(bias + all.col(Columns + s), style_bias[s]);
   }
   void Take(const std::string& name, LstmLayer& out) {
-    out.gates.weight.leftCols<kLatent>() = Take(name + ".input", kGates, kLatent);
-    out.gates.weight.rightCols<kLatent>() = Take(name + ".hidden", kGates, kLatent);
-    Take(name + ".bias", out.gates.bias);
-    for (const int gate : {0, 1, 3}) {  // the sigmoids of ifgo
-      out.gates.weight.middleRows<kLatent>(gate * kLatent) *= 0.5F;
-      out.gates.bias.segment<kLatent>(gate * kLatent) *= 0.5F;
+    const RowMajor input = Take(name + ".input", kGates, kLatent);
+    const RowMajor hidden = Take(name + ".hidden", kGates, kLatent);
+    const Vector<kGates> bias = Take<kGates>(name + ".bias");
+    RowMajor weight(kGates, 2 * kLatent);
+    Vector<kGates> ordered_bias;
+    for (int row = 0; row < kGates; ++row) {
+      const int gate = row / kLatent;  // of ifgo
+      const int to = LstmRow(gate, row % kLatent);
+      const float scale = gate == 2 ? 1.0F : 0.5F;
+      weight.row(to) << scale * hidden.row(row), scale * input.row(row);
+      ordered_bias[to] = scale * bias[row];
     }
-    Take(name + ".h0", out.h0);
-    Take(name + ".c0", out.c0);
+    Pack(weight, out.weight);
+    Pack(ordered_bias, out.bias);
+    Pack(Take<kLatent>(name + ".h0"), out.h0);
+    Pack(Take<kLatent>(name + ".c0"), out.c0);
   }
   void Finish() {
     if (!view_.tensors.empty()) {
@@ -284,6 +301,30 @@ void CheckFeatures(const Vector<body::kFeatureCount>& mean,
   }
 }
 
+// The heads under each other. They give standardized features; deviation and mean are put into
+// their weights, so that a step need not bring them back.
+void TakeHeads(TensorReader& tensors, const Vector<body::kFeatureCount>& mean,
+               const Vector<body::kFeatureCount>& deviation,
+               Affine<kHeads, kDecoderWidths[2]>& out) {
+  RowMajor weight(kHeads, kDecoderWidths[2]);
+  Vector<kHeads> bias;
+  int row = 0;
+  const auto take = [&](const std::string& name, auto rows, int feature) {
+    const auto scale = deviation.segment<rows>(feature);
+    weight.middleRows<rows>(row) =
+        scale.asDiagonal() * tensors.Take(name + ".weight", rows, kDecoderWidths[2]);
+    bias.segment<rows>(row) =
+        scale.cwiseProduct(tensors.Take<rows>(name + ".bias")) + mean.segment<rows>(feature);
+    row += rows;
+  };
+  take("head.rotation", std::integral_constant<int, body::kRotationFeatures>(), 0);
+  take("head.velocity", std::integral_constant<int, body::kVelocityFeatures>(),
+       body::kVelocityBegin);
+  take("head.height", std::integral_constant<int, 1>(), body::kHipsHeightIndex);
+  Pack(weight, out.weight);
+  Pack(bias, out.bias);
+}
+
 }  // namespace
 
 Network::Network() : weights_(std::make_unique<Weights>()) {}
@@ -308,33 +349,22 @@ Result<std::shared_ptr<const Network>> Network::Parse(std::span<const std::byte>
 
   TensorReader tensors(view.value(), faults);
   const int style_count = network->style_count();
-  tensors.Take("feature.mean", w.mean);
-  tensors.Take("feature.deviation", w.deviation);
-  if (faults.none()) CheckFeatures(w.mean, w.deviation, metadata.features, faults);
-  tensors.Take("encoder.0", style_count, w.encoder0, w.encoder0_style);
+  const auto mean = tensors.Take<body::kFeatureCount>("feature.mean");
+  const auto deviation = tensors.Take<body::kFeatureCount>("feature.deviation");
+  if (faults.none()) CheckFeatures(mean, deviation, metadata.features, faults);
+  Pack(mean, w.mean);
+  Pack(deviation.cwiseInverse(), w.inverse_deviation);
+  tensors.Take("encoder.0", style_count, w.encoder0, w.encoder0_bias);
   tensors.Take("encoder.1", w.encoder1);
   for (int l = 0; l < kNeutralLayers; ++l) tensors.Take(LayerName(0, l), w.neutral[l]);
   w.styles.resize(style_count - 1);
   for (int s = 1; s < style_count; ++s) {
     for (int l = 0; l < kStyleLayers; ++l) tensors.Take(LayerName(s, l), w.styles[s - 1][l]);
   }
-  tensors.Take("decoder.0", style_count, w.decoder0, w.decoder0_style);
+  tensors.Take("decoder.0", style_count, w.decoder0, w.decoder0_bias);
   tensors.Take("decoder.1", w.decoder1);
   tensors.Take("decoder.2", w.decoder2);
-  Affine<body::kRotationFeatures, kDecoderWidths[2]> rotation;
-  Affine<body::kVelocityFeatures, kDecoderWidths[2]> velocity;
-  Affine<1, kDecoderWidths[2]> height;
-  tensors.Take("head.rotation", rotation);
-  tensors.Take("head.velocity", velocity);
-  tensors.Take("head.height", height);
-  w.heads.weight << rotation.weight, velocity.weight, height.weight;
-  w.heads.bias << rotation.bias, velocity.bias, height.bias;
-  const auto heads_of = [](const Vector<body::kFeatureCount>& all, Vector<kHeads>& out) {
-    out << all.head<body::kRotationFeatures>(),
-        all.segment<body::kVelocityFeatures>(body::kVelocityBegin), all[body::kHipsHeightIndex];
-  };
-  heads_of(w.mean, w.heads_mean);
-  heads_of(w.deviation, w.heads_deviation);
+  TakeHeads(tensors, mean, deviation, w.heads);
   tensors.Finish();
   if (!faults.none()) return faults.status();
   return std::shared_ptr<const Network>(network);

@@ -9,51 +9,28 @@ namespace styled::erd {
 namespace {
 
 template <int Rows, int Columns>
-void Apply(const Affine<Rows, Columns>& affine, const Vector<Columns>& x,
-           Vector<Rows>& y) noexcept {
-  y = affine.bias;
-  y.noalias() += affine.weight * x;
+void Apply(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight,
+           std::span<const Operands> inputs, bool relu) noexcept {
+  kernels.affine(weight.data(), PaddedRows(Rows) / kPanelRows, Columns, inputs, relu);
 }
 
-// u = (x - mean) / deviation, kept finite.
-void Standardize(const body::Features& features, const Vector<body::kFeatureCount>& mean,
-                 const Vector<body::kFeatureCount>& deviation,
-                 Vector<body::kFeatureCount>& u) noexcept {
-  for (int i = 0; i < body::kFeatureCount; ++i) {
-    const float x = (features[i] - mean[i]) / deviation[i];
-    const float number = x == x ? x : 0.0F;
-    u[i] = std::min(std::max(number, -kMaxStandardized), kMaxStandardized);
-  }
-}
-
-// g = Wi z + Wh h + b;  c' = σ(f) c + σ(i) tanh(g);  h' = σ(o) tanh(c'), layer upon layer; `out` is
-// the last h'. The sigmoids' halving is in the weights (weights.h).
+// Layer upon layer; gives the last h'.
 template <std::size_t Layers>
-void RunBranch(const std::array<LstmLayer, Layers>& layers, const Latent& z, BranchState& state,
-               Latent& out) noexcept {
-  Vector<2 * kLatent> input;
-  input.head<kLatent>() = z;
+const float* RunBranch(const Kernels& kernels, const std::array<LstmLayer, Layers>& layers,
+                       const float* z, BranchState& state) noexcept {
   for (std::size_t l = 0; l < Layers; ++l) {
-    input.tail<kLatent>() = state.h[l];
-    Vector<kGates> gates;
-    Apply(layers[l].gates, input, gates);
-    gates = gates.array().tanh();
-    const auto in = 0.5F * gates.segment<kLatent>(0).array() + 0.5F;
-    const auto forget = 0.5F * gates.segment<kLatent>(kLatent).array() + 0.5F;
-    const auto cell = gates.segment<kLatent>(2 * kLatent).array();
-    const auto open = 0.5F * gates.segment<kLatent>(3 * kLatent).array() + 0.5F;
-    state.c[l] = forget * state.c[l].array() + in * cell;
-    state.h[l] = open * state.c[l].array().tanh();
-    input.head<kLatent>() = state.h[l];
+    float* const h = state.h[l].data();
+    kernels.lstm(layers[l].weight.data(), layers[l].bias.data(), z, h, state.c[l].data());
+    z = h;
   }
-  out = input.head<kLatent>();
+  return z;
 }
 
 template <std::size_t Layers>
 void StartBranch(const std::array<LstmLayer, Layers>& layers, BranchState& state) noexcept {
   for (std::size_t l = 0; l < Layers; ++l) {
-    state.h[l] = layers[l].h0;
-    state.c[l] = layers[l].c0;
+    std::copy(layers[l].h0.begin(), layers[l].h0.end(), state.h[l].data());
+    std::copy(layers[l].c0.begin(), layers[l].c0.end(), state.c[l].data());
   }
 }
 
@@ -91,16 +68,41 @@ int FindSlot(const State& state, int style) noexcept {
   return found == state.style.end() ? -1 : static_cast<int>(found - state.style.begin());
 }
 
-void ToDecoded(const Vector<kHeads>& heads, Decoded& out) noexcept {
-  for (int joint = 0; joint < body::kJointCount; ++joint) {
-    const Eigen::Vector4f q = heads.segment<4>(4 * joint);
-    const float norm = q.norm();
-    out.rotations[joint].coeffs() =
-        norm > 1e-6F ? Eigen::Vector4f(q / norm) : Eigen::Vector4f(0, 0, 0, 1);
+// The decoder's way from one latent to the heads.
+struct Decoding {
+  PackedVector<kLatent> latent;
+  const float* style_bias;  // of the first layer
+  PackedVector<kDecoderWidths[0]> d0;
+  PackedVector<kDecoderWidths[1]> d1;
+  PackedVector<kDecoderWidths[2]> d2;
+  PackedVector<kHeads> heads;
+};
+
+// One layer for one or two latents. No `bias`: each latent's own.
+template <int Rows, int Columns>
+void Decode(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight, const float* bias,
+            PackedVector<Columns> Decoding::*from, PackedVector<Rows> Decoding::*to, bool relu,
+            std::span<Decoding> decodings) noexcept {
+  std::array<Operands, 2> operands;
+  for (std::size_t i = 0; i < decodings.size(); ++i) {
+    Decoding& decoding = decodings[i];
+    operands[i] = {bias != nullptr ? bias : decoding.style_bias, (decoding.*from).data(),
+                   (decoding.*to).data()};
   }
-  for (int i = 0; i < body::kVelocityFeatures; ++i) {
-    out.velocities_m_s[i] = heads[body::kRotationFeatures + i];
-  }
+  Apply(kernels, weight, std::span(operands).first(decodings.size()), relu);
+}
+
+// y += factor x
+template <int Rows>
+void AddTo(PackedVector<Rows>& y, float factor, const float* x) noexcept {
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] += factor * x[i];
+}
+
+void ToDecoded(const Kernels& kernels, const PackedVector<kHeads>& heads, Decoded& out) noexcept {
+  static_assert(sizeof(out.rotations) == body::kRotationFeatures * sizeof(float));
+  kernels.normalize(heads.data(), body::kJointCount, out.rotations[0].coeffs().data());
+  const float* const velocities = heads.data() + body::kRotationFeatures;
+  std::copy_n(velocities, body::kVelocityFeatures, out.velocities_m_s.begin());
   out.hips_height_m = heads[kHeads - 1];
 }
 
@@ -145,20 +147,26 @@ void Network::Step(const body::Features& features, int input_style,
   DropBranches(wanted, state);
 
   // 2. z = W1 relu(W0 [u, S] + b0) + b1
-  Vector<body::kFeatureCount> u;
-  Standardize(features, w.mean, w.deviation, u);
-  Vector<kEncoderWidth> e;
-  Apply(w.encoder0, u, e);
-  e = (e + w.encoder0_style.col(input_style)).cwiseMax(0.0F);
-  Latent z;
-  Apply(w.encoder1, e, z);
+  const Kernels& kernels = *w.kernels;
+  PackedVector<body::kFeatureCount> u;
+  PackedVector<kEncoderWidth> e;
+  PackedVector<kLatent> z;
+  kernels.standardize(features.data(), w.mean.data(), w.inverse_deviation.data(),
+                      body::kFeatureCount, kMaxStandardized, u.data());
+  Apply(kernels, w.encoder0, {{{w.encoder0_bias[input_style].data(), u.data(), e.data()}}}, true);
+  Apply(kernels, w.encoder1.weight, {{{w.encoder1.bias.data(), e.data(), z.data()}}}, false);
 
   // 3. z' = r_0(z) + Σ_s α_s r_s(z), and Ŝ's share of the decoder's first layer.
-  Latent neutral;
-  RunBranch(w.neutral, z, state.neutral, neutral);
-  Latent reconstructed = neutral;
-  Latent styled = neutral;
-  Vector<kDecoderWidths[0]> target = Vector<kDecoderWidths[0]>::Zero();
+  std::array<Decoding, 2> decodings;
+  Decoding& reconstruction = decodings[0];
+  Decoding& styled = decodings[1];
+  const float* const neutral = RunBranch(kernels, w.neutral, z.data(), state.neutral);
+  std::copy_n(neutral, kLatent, reconstruction.latent.begin());
+  std::copy_n(neutral, kLatent, styled.latent.begin());
+  reconstruction.style_bias = w.decoder0_bias[input_style].data();
+  PackedVector<kDecoderWidths[0]> target;
+  styled.style_bias = target.data();
+  target.fill(0);
   float sum = 0;
   for (int i = 0; i < wanted.count; ++i) {
     const ActiveStyle& style = wanted.entry[i];
@@ -168,38 +176,30 @@ void Network::Step(const body::Features& features, int input_style,
       state.style[slot] = style.style;
       StartBranch(w.styles[style.style - 1], state.branch[slot]);
     }
-    Latent residual;
-    RunBranch(w.styles[style.style - 1], z, state.branch[slot], residual);
-    styled += style.weight * residual;
-    if (style.style == input_style) reconstructed += residual;
-    target += style.weight * w.decoder0_style.col(style.style);
+    const float* const residual =
+        RunBranch(kernels, w.styles[style.style - 1], z.data(), state.branch[slot]);
+    AddTo(styled.latent, style.weight, residual);
+    if (style.style == input_style) AddTo(reconstruction.latent, 1, residual);
+    AddTo(target, style.weight, w.decoder0_bias[style.style].data());
     sum += style.weight;
   }
-  target += std::max(0.0F, 1.0F - sum) * w.decoder0_style.col(0);
-  if (sum > 1.0F) target /= sum;
+  AddTo(target, std::max(0.0F, 1.0F - sum), w.decoder0_bias[0].data());
+  if (sum > 1.0F) {
+    for (float& value : target) value /= sum;
+  }
 
-  // 4. d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads, back from standardized.
-  const auto decode = [&w](const Latent& latent, const Vector<kDecoderWidths[0]>& style_part,
-                           Decoded& decoded) noexcept {
-    Vector<kDecoderWidths[0]> d0;
-    Apply(w.decoder0, latent, d0);
-    d0 = (d0 + style_part).cwiseMax(0.0F);
-    Vector<kDecoderWidths[1]> d1;
-    Apply(w.decoder1, d0, d1);
-    d1 = d1.cwiseMax(0.0F);
-    Vector<kDecoderWidths[2]> d2;
-    Apply(w.decoder2, d1, d2);
-    d2 = d2.cwiseMax(0.0F);
-    Vector<kHeads> heads;
-    Apply(w.heads, d2, heads);
-    heads = heads.cwiseProduct(w.heads_deviation) + w.heads_mean;
-    ToDecoded(heads, decoded);
-  };
-  decode(reconstructed, w.decoder0_style.col(input_style), out.reconstruction);
+  // 4. d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads; both latents at once.
+  const std::span latents = std::span(decodings).first(wanted.count == 0 ? 1 : 2);
+  using D = Decoding;
+  Decode(kernels, w.decoder0, nullptr, &D::latent, &D::d0, true, latents);
+  Decode(kernels, w.decoder1.weight, w.decoder1.bias.data(), &D::d0, &D::d1, true, latents);
+  Decode(kernels, w.decoder2.weight, w.decoder2.bias.data(), &D::d1, &D::d2, true, latents);
+  Decode(kernels, w.heads.weight, w.heads.bias.data(), &D::d2, &D::heads, false, latents);
+  ToDecoded(kernels, reconstruction.heads, out.reconstruction);
   if (wanted.count == 0) {
     out.styled = out.reconstruction;
   } else {
-    decode(styled, target, out.styled);
+    ToDecoded(kernels, styled.heads, out.styled);
   }
 }
 

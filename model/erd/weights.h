@@ -4,10 +4,11 @@
 #include <array>
 #include <vector>
 
+#include "model/erd/kernel.h"
 #include "model/erd/network.h"
 
-// The weights in memory, in the order and layout in which a step reads them: column-major, so that
-// a product runs down whole columns. Only load.cpp and network.cpp see this.
+// The weights in memory, in the order and layout in which a step reads them (kernel.h). Only
+// load.cpp and network.cpp see this.
 namespace styled::erd {
 
 inline constexpr int kEncoderWidth = 64;
@@ -19,38 +20,38 @@ template <int Rows>
 using Vector = Eigen::Matrix<float, Rows, 1>;
 template <int Rows, int Columns>
 using Matrix = Eigen::Matrix<float, Rows, Columns>;
-using Latent = Vector<kLatent>;
 
 // y = weight x + bias.
 template <int Rows, int Columns>
 struct Affine {
-  Matrix<Rows, Columns> weight;
-  Vector<Rows> bias;
+  PackedMatrix<Rows, Columns> weight;
+  PackedVector<Rows> bias;
 };
 
-// Input and hidden weights side by side: gates = weight [z; h] + bias. The rows of the sigmoid
-// gates (input, forget, output) are halved, since sigmoid(x) = (1 + tanh(x / 2)) / 2: one tanh over
-// all rows serves all four. Halving is exact.
+// gates = weight [h; z] + bias, rows by LstmRow. The rows of the sigmoid gates (input, forget,
+// output) are halved, since sigmoid(x) = (1 + tanh(x / 2)) / 2. Halving is exact.
 struct LstmLayer {
-  Affine<kGates, 2 * kLatent> gates;
-  Latent h0, c0;
+  PackedMatrix<kGates, 2 * kLatent> weight;
+  PackedVector<kGates> bias;
+  PackedVector<kLatent> h0, c0;
 };
 
 struct Network::Weights {
-  Vector<body::kFeatureCount> mean, deviation;
-  Affine<kEncoderWidth, body::kFeatureCount> encoder0;
-  Matrix<kEncoderWidth, kMaxStyles> encoder0_style;  // columns of the input style
+  const Kernels* kernels = &BestKernels();
+  PackedVector<body::kFeatureCount> mean, inverse_deviation;
+  PackedMatrix<kEncoderWidth, body::kFeatureCount> encoder0;
   Affine<kLatent, kEncoderWidth> encoder1;
   std::array<LstmLayer, kNeutralLayers> neutral;
   std::vector<std::array<LstmLayer, kStyleLayers>> styles;  // [s - 1] is style s
-  Affine<kDecoderWidths[0], kLatent> decoder0;
-  Matrix<kDecoderWidths[0], kMaxStyles> decoder0_style;  // columns of the target styles
+  PackedMatrix<kDecoderWidths[0], kLatent> decoder0;
   Affine<kDecoderWidths[1], kDecoderWidths[0]> decoder1;
   Affine<kDecoderWidths[2], kDecoderWidths[1]> decoder2;
-  // Rotations, velocities and height under each other; they give standardized features, which these
-  // bring back.
+  // Rotations, velocities and height under each other, brought back from standardized features.
   Affine<kHeads, kDecoderWidths[2]> heads;
-  Vector<kHeads> heads_deviation, heads_mean;
+  // The bias of the first layer for each input or target style: what its one-hot column adds is in
+  // it.
+  std::array<PackedVector<kEncoderWidth>, kMaxStyles> encoder0_bias;
+  std::array<PackedVector<kDecoderWidths[0]>, kMaxStyles> decoder0_bias;
 };
 
 }  // namespace styled::erd

@@ -1,9 +1,9 @@
-// Our step, hot and L2-cold, and libtorch's forward of the same network, weights and frames beside
-// it, in one run: one performer, one style, one frame at a time, one thread. libtorch runs eagerly
-// without gradients, in three forms: the recurrent layers op by op, by at::lstm, which takes all
-// layers in one call, and by the trainer's own kernel, which is no libtorch at all. All are timed
-// in turn in many short rounds, so that a busy machine is unfair to none of them; the medians are
-// compared. Never asserted by wall time.
+// Our step, hot and L2-cold, and beside it the same step in plain Eigen and libtorch's forward of
+// the same network, weights and frames, in one run: one performer, one style, one frame at a time,
+// one thread. libtorch runs eagerly without gradients, in three forms: the recurrent layers op by
+// op, by at::lstm, which takes all layers in one call, and by the trainer's own kernel, which is no
+// libtorch at all. All are timed in turn in many short rounds, so that a busy machine is unfair to
+// none of them; the medians are compared. Never asserted by wall time.
 #include <torch/torch.h>
 #include <unistd.h>
 
@@ -15,8 +15,10 @@
 #include <functional>
 #include <tuple>
 
+#include "model/erd/kernel.h"
 #include "model/train/checkpoint.h"
 #include "model/train/lstm.h"
+#include "tests/bench/plain_step.h"
 #include "tests/bench/step_run.h"
 
 namespace styled::erd {
@@ -138,6 +140,18 @@ double Difference(const StepOutput& ours, const TorchRun& theirs) {
   return largest;
 }
 
+double Difference(const StepOutput& ours, const StepOutput& plain) {
+  float largest = 0;
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    const auto difference = [joint](const Decoded& a, const Decoded& b) {
+      return (a.rotations[joint].coeffs() - b.rotations[joint].coeffs()).cwiseAbs().maxCoeff();
+    };
+    largest = std::max({largest, difference(ours.reconstruction, plain.reconstruction),
+                        difference(ours.styled, plain.styled)});
+  }
+  return largest;
+}
+
 struct Timing {
   const char* name;
   int steps;  // per round
@@ -185,11 +199,17 @@ int Main() {
   StepRun inputs(network, 1);  // for its frames
   TorchRun ops(weights.value(), 1, Recurrent::kOps), lstm(weights.value(), 1, Recurrent::kLstm),
       trainer(weights.value(), 1, Recurrent::kTrainer);
+  PlainStep plain_hot(RandomWeights(kStyles, 1), hot.active);
+  PlainStep plain_cold(RandomWeights(kStyles, 1), hot.active);
+  StepOutput plain_out;
   const OtherWork other;
   int sink = 0;
   std::vector<Timing> timings{
       {"our step, hot", 500, nullptr, [&] { hot.Step(); }},
       {"our step, L2-cold", 50, [&] { sink += other.Read(); }, [&] { cold.Step(); }},
+      {"plain Eigen, hot", 500, nullptr, [&] { plain_hot.Step(inputs.NextFrame(), plain_out); }},
+      {"plain Eigen, L2-cold", 50, [&] { sink += other.Read(); },
+       [&] { plain_cold.Step(inputs.NextFrame(), plain_out); }},
       {"libtorch, op by op", 25, nullptr, [&] { ops.Step(inputs.NextFrame()); }},
       {"libtorch, at::lstm", 25, nullptr, [&] { lstm.Step(inputs.NextFrame()); }},
       {"libtorch, at::lstm, L2-cold", 25, [&] { sink += other.Read(); },
@@ -199,9 +219,12 @@ int Main() {
 
   // The same work first: equal outputs on equal frames.
   StepRun check(network, 1);
+  PlainStep plain_check(RandomWeights(kStyles, 1), check.active);
   double difference = 0;
   for (int i = 0; i < StepRun::kFrames; ++i) {
     check.Step();
+    plain_check.Step(check.frames[i], plain_out);
+    difference = std::max(difference, Difference(check.out, plain_out));
     for (TorchRun* run : {&ops, &lstm, &trainer}) {
       run->Step(check.frames[i]);
       difference = std::max(difference, Difference(check.out, *run));
@@ -213,12 +236,15 @@ int Main() {
     if (round > 0) continue;
     for (Timing& timing : timings) timing.times_us.clear();  // the first round warms up
   }
-  std::printf("one performer, one style, one frame, one thread; largest difference %.1e\n\n",
-              difference);
-  std::printf("%-32s %9s %9s %12s\n", "", "p50 us", "p99 us", "of our hot");
-  const double ours_us = timings[0].Percentile_us(50);
+  std::printf("one performer, one style, one frame, one thread; our SIMD target %s\n",
+              BestKernels().target);
+  std::printf("largest difference %.1e\n\n", difference);
+  std::printf("%-32s %9s %9s %12s\n", "", "p50 us", "p99 us", "of ours");
+  const double ours_hot_us = timings[0].Percentile_us(50);
+  const double ours_cold_us = timings[1].Percentile_us(50);
   for (Timing& timing : timings) {
     const double p50_us = timing.Percentile_us(50);
+    const double ours_us = timing.before ? ours_cold_us : ours_hot_us;
     std::printf("%-32s %9.2f %9.2f %11.1fx\n", timing.name, p50_us, timing.Percentile_us(99),
                 p50_us / ours_us);
   }

@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 
+#include "tests/unit/erd/each_target.h"
 #include "tests/unit/erd/random_weights.h"
 
 namespace styled::erd {
@@ -216,8 +217,8 @@ struct Command {
 };
 
 // Runs both networks through `commands` for `frames`; the largest difference of any output.
-double CompareThrough(const std::vector<Command>& commands, int frames, unsigned seed) {
-  const WeightsFile file = RandomWeights(6, seed);
+double CompareThrough(const std::vector<Command>& commands, int frames, unsigned seed,
+                      const WeightsFile& file) {
   const auto network = Network::Parse(file.Bytes(), "random");
   EXPECT_TRUE(network.ok()) << network.status().message();
   Reference reference(file);
@@ -238,6 +239,14 @@ double CompareThrough(const std::vector<Command>& commands, int frames, unsigned
     largest = std::max(
         {largest, Difference(out.reconstruction, reconstruction), Difference(out.styled, styled)});
   }
+  return largest;
+}
+
+// As above with random weights, on every SIMD target of this machine.
+double CompareThrough(const std::vector<Command>& commands, int frames, unsigned seed) {
+  const WeightsFile file = RandomWeights(6, seed);
+  double largest = 0;
+  OnEachTarget([&] { largest = std::max(largest, CompareThrough(commands, frames, seed, file)); });
   return largest;
 }
 

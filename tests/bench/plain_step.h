@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+
+#include "tests/unit/erd/random_weights.h"
+
+namespace styled::erd {
+
+// The step as plain Eigen code of fixed sizes, compiled like the rest of the build: what
+// Network::Step was before it had kernels of its own, to measure them against. One performer;
+// neutral input; the styles given at construction, in force from the first step on.
+class PlainStep {
+ public:
+  PlainStep(const WeightsFile& file, std::span<const ActiveStyle> active);
+  ~PlainStep();
+  void Step(const body::Features& features, StepOutput& out) noexcept;
+
+ private:
+  struct Weights;
+  std::unique_ptr<Weights> weights_;
+  std::vector<ActiveStyle> active_;
+  BranchState neutral_;
+  std::array<BranchState, kMaxActive> branches_;
+};
+
+}  // namespace styled::erd
