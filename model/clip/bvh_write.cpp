@@ -163,7 +163,7 @@ class Writer {
     // Many readers want an End Site at the end of every chain.
     if (sites.empty() && children_[joint].empty()) sites.emplace_back(Vec3::Zero());
     for (const Vec3& site : sites) {
-      text_ += indent + "\tEnd Site\n" + indent + "\t{\n";
+      text_.append(indent).append("\tEnd Site\n").append(indent).append("\t{\n");
       AppendOffset(text_, indent + "\t\t", site);
       text_ += indent + "\t}\n";
     }
@@ -176,6 +176,7 @@ class Writer {
     text_ += '\n';
 
     std::vector<EulerSolver> solvers;
+    solvers.reserve(channels_.size());
     for (const std::string& channels : channels_) solvers.emplace_back(channels);
     std::vector<Angles> angles(channels_.size());
     for (std::size_t frame = 0; frame < clip_.frames.size(); ++frame) {
