@@ -12,8 +12,9 @@ constexpr float kLift_s = 0.03F;     // smoothing of what lifts a foot to the pe
 constexpr float kSteep = 0.35F;  // cosine of a foot's slope from which on it is not pitched in full
 constexpr float kMostPitch_rad = 0.6F;
 constexpr float kDropCorner_m = 0.005F;
-constexpr float kStraightCorner = 0.012F;  // of the leg's length
+constexpr float kStraightCorner = 0.02F;  // of the leg's length
 constexpr float kNear_m = 0.02F;  // a foot moved by less keeps the leg as straight as it is styled
+constexpr float kHigh = 0.4F;     // of the reach: a foot so far above the performer's lets go
 constexpr float kLetGo = 0.6F;    // of the reach: where a lock begins to give
 
 Vec3 Flat(const Vec3& v) { return {v.x(), 0, v.z()}; }
@@ -111,8 +112,11 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   // Heights: what is planted is as high as the performer's; what is not goes with what is.
   const float off_toes = in_toes.y() - toes.y();
   const float off_heel = in_heel.y() - heel.y();
-  const float c_toes = has_toes ? contact.toes : contact.heel;
-  const float c_heel = contact.heel;
+  // A foot that the style still has high in the air is not pulled down.
+  const float high = has_toes ? -off_toes : -off_heel;
+  state.yields = SmoothStep(high, kHigh * options_.reach_m, 2 * kHigh * options_.reach_m);
+  const float c_heel = (1 - state.yields) * contact.heel;
+  const float c_toes = has_toes ? (1 - state.yields) * contact.toes : c_heel;
   const float want_toes = c_toes * off_toes + (1 - c_toes) * c_heel * off_heel;
   const float want_heel = c_heel * off_heel + (1 - c_heel) * c_toes * off_toes;
   float lift_toes = state.lift_toes.Follow(want_toes, dt_s, kLift_s);
@@ -171,8 +175,9 @@ void Feet::Lock(int side, float dt_s, const Vec3& toes, const Vec3& heel) noexce
     Vec3 wish = options_.centre * (state.centre_m - change);
     wish *= std::min(1.0F, options_.reach_m / std::max(wish.norm(), 1e-6F));
 
-    const float toe_hold = leg.toes >= 0 ? contact.toes : contact.heel;
-    const float hold = 1 - (1 - toe_hold) * (1 - contact.heel);
+    const float heel_hold = (1 - state.yields) * contact.heel;
+    const float toe_hold = leg.toes >= 0 ? (1 - state.yields) * contact.toes : heel_hold;
+    const float hold = 1 - (1 - toe_hold) * (1 - heel_hold);
     const float by_toes = hold > 0 ? toe_hold / hold : 1.0F;
     const Vec3 toe_step = Flat((in_toes - state.last_in_toes_m) - (toes - state.last_toes_m));
     const Vec3 heel_step = Flat((in_heel - state.last_in_heel_m) - (heel - state.last_heel_m));

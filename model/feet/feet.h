@@ -49,6 +49,7 @@ class Feet {
         Vec3::Zero();  // horizontal: the gait's mean of styled less input, in world axes
     Glide lift_toes, lift_heel;
 
+    float yields = 0;               // this frame's: 1 where the styled foot is too high to hold
     Quat pitch = Quat::Identity();  // this frame's: of the foot, in world
     Vec3 ankle_m;                   // where the ankle is to go
     float as_styled = 1;            // 1 where that is where the style has it, 0 elsewhere

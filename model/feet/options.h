@@ -11,9 +11,9 @@ struct Options {
   float contact_slow_mps = 0.4F, contact_fast_mps = 0.9F;  // over the ground; 0 .. 20
   float blend_in_s = 0.015F;  // time constant with which a contact takes hold; 0 .. 1
   float blend_out_s = 0.03F;  // ... and lets go
-  float reach_m = 0.12F;      // a lock drawn this far from the styled foot has let go; 0.001 .. 1
-  float return_s = 0.1F;      // time constant of the way back to the styled foot; 0.001 .. 10
-  float centre_s = 0.6F;      // a gait's memory: a step is set down where it will be off by as much
+  float reach_m = 0.16F;      // a lock drawn this far from the styled foot has let go; 0.001 .. 1
+  float return_s = 0.07F;     // time constant of the way back to the styled foot; 0.001 .. 10
+  float centre_s = 0.4F;      // a gait's memory: a step is set down where it will be off by as much
                               // at its end; 0.01 .. 60
   float centre = 1.0F;        // ... and how much of that; 0 (lands as styled) .. 1
   float stretch = 0.975F;     // of the leg's length: beyond, the hips come down; 0.5 .. 1

@@ -52,7 +52,14 @@ TEST_F(ConfigTest, TheManualIsTheDefaultsAndNamesEveryKey) {
   EXPECT_TRUE(config.value().realtime == defaults.realtime);
   EXPECT_FLOAT_EQ(config.value().model.stylist.gap_reset_s, defaults.model.stylist.gap_reset_s);
   EXPECT_FLOAT_EQ(config.value().model.stylist.change_tau_s, defaults.model.stylist.change_tau_s);
-  EXPECT_TRUE(config.value().model.stylist == defaults.model.stylist);
+  const feet::Options& feet = config.value().model.stylist.feet_options;
+  const feet::Options& feet_defaults = defaults.model.stylist.feet_options;
+  EXPECT_TRUE(config.value().model.stylist.feet);
+  EXPECT_FLOAT_EQ(feet.reach_m, feet_defaults.reach_m);
+  EXPECT_FLOAT_EQ(feet.blend_in_s, feet_defaults.blend_in_s);
+  EXPECT_FLOAT_EQ(feet.blend_out_s, feet_defaults.blend_out_s);
+  EXPECT_FLOAT_EQ(feet.return_s, feet_defaults.return_s);
+  EXPECT_FLOAT_EQ(feet.hips_drop_m, feet_defaults.hips_drop_m);
   EXPECT_FLOAT_EQ(config.value().performers.stale_s, defaults.performers.stale_s);
   EXPECT_FLOAT_EQ(config.value().performers.late_s, defaults.performers.late_s);
   EXPECT_FLOAT_EQ(config.value().style.transition_s, defaults.style.transition_s);
