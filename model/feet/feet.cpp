@@ -8,7 +8,8 @@ namespace {
 
 constexpr float kGap_s = 0.25F;
 constexpr float kCushion_m = 0.01F;  // above the floor, where a foot begins to be held up
-constexpr float kLift_s = 0.03F;     // smoothing of what lifts a foot to the performer's height
+constexpr float kTakenAlong = 0.7F;
+constexpr float kLift_s = 0.03F;  // smoothing of what lifts a foot to the performer's height
 constexpr float kSteep = 0.35F;  // cosine of a foot's slope from which on it is not pitched in full
 constexpr float kMostPitch_rad = 0.6F;
 constexpr float kDropCorner_m = 0.005F;
@@ -126,8 +127,11 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   const float under_toes = Support(floor_m, in_toes.y()) - (toes.y() + lift_toes);
   const float under_heel =
       Support(floor_m + leg.ankle_above_toes_m, in_heel.y()) - (heel.y() + lift_heel);
-  lift_toes = weight * (lift_toes + SoftExcess(under_toes, kCushion_m));
-  lift_heel = weight * (lift_heel + SoftExcess(under_heel, kCushion_m));
+  // What holds up one end takes most of the foot along: one end after the other would be a jolt.
+  const float push_toes = SoftExcess(under_toes, kCushion_m);
+  const float push_heel = SoftExcess(under_heel, kCushion_m);
+  lift_toes = weight * (lift_toes + std::hypot(push_toes, kTakenAlong * push_heel));
+  lift_heel = weight * (lift_heel + std::hypot(push_heel, kTakenAlong * push_toes));
   if (!has_toes) lift_toes = lift_heel;
 
   const Vec3 foot = toes - heel;
