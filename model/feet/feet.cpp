@@ -166,8 +166,8 @@ void Feet::Lock(int side, float dt_s, const Vec3& toes, const Vec3& heel) noexce
   const auto input = [this](int joint) -> const Vec3& {
     return in_[static_cast<std::size_t>(joint)].position_m;
   };
-  const Vec3 in_heel = input(leg.foot);
-  const Vec3 in_toes = leg.toes >= 0 ? input(leg.toes) : in_heel;
+  const Vec3& in_heel = input(leg.foot);
+  const Vec3& in_toes = leg.toes >= 0 ? input(leg.toes) : in_heel;
   const Vec3 change = Flat(toes - in_toes);  // by the style, of where the foot is
 
   if (!state.started) {
