@@ -101,9 +101,7 @@ HWY_INLINE void AffinePanels(const float* weights, int panel, int columns, const
   for (int i = 0; i < Inputs; ++i) {
     x[i] = inputs[i].x;
     HWY_UNROLL(32)
-    for (int v = 0; v < kSums; ++v) {
-      sum[i][v] = hn::Load(d, inputs[i].bias + panel * kPanelRows + v * kLanes);
-    }
+    for (int v = 0; v < kSums; ++v) sum[i][v] = hn::Zero(d);
   }
   const std::size_t panel_stride = static_cast<std::size_t>(columns) * kPanelRows;
   Accumulate<Inputs, kSums>(weights + panel * panel_stride, panel_stride, columns, x, sum);
@@ -112,7 +110,10 @@ HWY_INLINE void AffinePanels(const float* weights, int panel, int columns, const
   for (int i = 0; i < Inputs; ++i) {
     HWY_UNROLL(32)
     for (int v = 0; v < kSums; ++v) {
-      hn::Store(hn::Max(sum[i][v], least), d, inputs[i].y + panel * kPanelRows + v * kLanes);
+      const int row = panel * kPanelRows + v * kLanes;
+      // Last: it may be large beside the terms of the sum, which would lose their digits.
+      const V y = hn::Add(sum[i][v], hn::Load(d, inputs[i].bias + row));
+      hn::Store(hn::Max(y, least), d, inputs[i].y + row);
     }
   }
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -138,7 +139,7 @@ struct Layer {
         bias(128, bound, random),
         z(32, 1, random),
         h(32, 1, random),
-        c(32, bound, random) {
+        c(32, std::min(bound, 5.0F), random) {
     for (int row = 0; row < 128; ++row) {  // of ifgo; the sigmoids' rows are halved
       const int to = LstmRow(row / 32, row % 32);
       for (int column = 0; column < 64; ++column) {
@@ -174,7 +175,7 @@ TEST(Kernels, LstmLayerIsThatOfTheEquations) {
         BestKernels().lstm(layer.weights.data(), layer.bias.data(), layer.z.data(), layer.h.data(),
                            layer.c.data());
         // The sums of the gates round with their size.
-        const double tolerance = 3e-7 * std::max(1.0F, bound);
+        const double tolerance = 4e-7 * std::max(1.0F, bound);
         for (int unit = 0; unit < 32; ++unit) {
           ASSERT_NEAR(layer.c[unit], c[unit], tolerance) << bound << ", unit " << unit;
           ASSERT_NEAR(layer.h[unit], h[unit], tolerance) << bound << ", unit " << unit;

@@ -216,14 +216,22 @@ struct Command {
   std::vector<ActiveStyle> active;
 };
 
-// Runs both networks through `commands` for `frames`; the largest difference of any output.
-double CompareThrough(const std::vector<Command>& commands, int frames, unsigned seed,
-                      const WeightsFile& file) {
-  const auto network = Network::Parse(file.Bytes(), "random");
-  EXPECT_TRUE(network.ok()) << network.status().message();
+// Runs the reference and the network of every SIMD target through `commands` for `frames`; the
+// largest difference of any output.
+double CompareThrough(const std::vector<Command>& commands, int frames, unsigned seed) {
+  const WeightsFile file = RandomWeights(6, seed);
+  struct Run {
+    std::shared_ptr<const Network> network;
+    State state;
+  };
+  std::vector<Run> runs;
+  OnEachTarget([&] {
+    const auto network = Network::Parse(file.Bytes(), "random");
+    EXPECT_TRUE(network.ok()) << network.status().message();
+    network.value()->Start(runs.emplace_back(Run{network.value(), {}}).state);
+  });
+  EXPECT_FALSE(runs.empty());
   Reference reference(file);
-  State state;
-  network.value()->Start(state);
   double largest = 0;
   std::size_t command = 0;
   for (int frame = 0; frame < frames; ++frame) {
@@ -231,22 +239,16 @@ double CompareThrough(const std::vector<Command>& commands, int frames, unsigned
     const Command& now = commands[command];
     std::map<int, double> active;
     for (const ActiveStyle& style : now.active) active[style.style] = style.weight;
-    StepOutput out;
     ReferenceOutput reconstruction, styled;
     const body::Features features = FeaturesAt(frame, seed);
-    network.value()->Step(features, now.input_style, now.active, state, out);
     reference.Step(features, now.input_style, active, reconstruction, styled);
-    largest = std::max(
-        {largest, Difference(out.reconstruction, reconstruction), Difference(out.styled, styled)});
+    for (Run& run : runs) {
+      StepOutput out;
+      run.network->Step(features, now.input_style, now.active, run.state, out);
+      largest = std::max({largest, Difference(out.reconstruction, reconstruction),
+                          Difference(out.styled, styled)});
+    }
   }
-  return largest;
-}
-
-// As above with random weights, on every SIMD target of this machine.
-double CompareThrough(const std::vector<Command>& commands, int frames, unsigned seed) {
-  const WeightsFile file = RandomWeights(6, seed);
-  double largest = 0;
-  OnEachTarget([&] { largest = std::max(largest, CompareThrough(commands, frames, seed, file)); });
   return largest;
 }
 
