@@ -13,6 +13,7 @@
 #include "model/train/judge/judge_feet.h"
 #include "model/train/judge/judge_html.h"
 #include "model/train/judge/judge_nets.h"
+#include "model/train/judge/judge_perturb.h"
 #include "model/train/judge/judge_report.h"
 #include "model/train/judge/judge_response.h"
 #include "model/train/judge/judge_stream.h"
@@ -33,7 +34,7 @@ constexpr int kBlendFrames = 10;  // at the judges' rate, where chained clips ov
 struct Arguments {
   std::string weights, manifest, inputs, data, cache, json, report;
   double long_s = 60;
-  bool absolute = false, synthetic = false;
+  bool absolute = false, synthetic = false, robust = false;
   judge::JudgeSettings judges;
   styled::stylist::Options stylist;
   float transition_s = 0.4F;
@@ -143,6 +144,42 @@ void PrintResponse(const judge::Response& response) {
       response.acceleration_max, response.steady);
 }
 
+// The inputs as live rigs spoil them, in both forms of the output.
+void JudgeRobustness(const Arguments& arguments, const judge::Data& data,
+                     const judge::Styler& styler, const judge::Evaluator& evaluator,
+                     nlohmann::json& json) {
+  std::printf("\nperturbed inputs: SRA, expression, cosine, jerk over the perturbed input's\n");
+  for (std::size_t kind = 0; kind < judge::kPerturbations.size(); ++kind) {
+    judge::Data spoiled = data;
+    for (std::size_t i = 0; i < data.inputs.size(); ++i) {
+      spoiled.inputs[i] = judge::Perturb(static_cast<judge::Perturbation>(kind), data.inputs[i],
+                                         judge::kStreamRate_hz, i + 1);
+    }
+    const auto& [key, text] = judge::kPerturbations[kind];
+    for (const bool absolute : {false, true}) {
+      const judge::Figures figures =
+          evaluator.Measure(std::string(text) + (absolute ? ", absolute" : ", detail-preserving"),
+                            judge::Style(spoiled, styler, arguments.stylist, absolute));
+      judge::Mean expression;
+      judge::Mean cosine;
+      judge::Mean jerk;
+      for (const judge::StyleFigures& of : figures.styles) {
+        if (of.sra.windows <= 0) continue;
+        expression.Add(of.expression.fraction);
+        cosine.Add(of.expression.cosine);
+        jerk.Add(of.jitter_stream);
+      }
+      std::printf("  %-68s %.3f  %.2f  %.2f  %.2f\n", figures.name.c_str(), figures.sra.value,
+                  expression.value(), cosine.value(), jerk.value());
+      json["perturbed"][std::string(key)][absolute ? "absolute" : "detail_preserving"] = {
+          {"sra", figures.sra.value},
+          {"expression", expression.value()},
+          {"expression_cosine", cosine.value()},
+          {"jitter_120", jerk.value()}};
+    }
+  }
+}
+
 void JudgeWeights(const Arguments& arguments, const judge::Data& data, const judge::Styler& styler,
                   const judge::Judges& judges, const judge::Evaluator& evaluator,
                   std::vector<judge::Transferred>& styled, nlohmann::json& json) {
@@ -158,6 +195,8 @@ void JudgeWeights(const Arguments& arguments, const judge::Data& data, const jud
   styled = live(false);
   report("styled", "styled (detail-preserving, as live)", styled);
   if (arguments.absolute) report("absolute", "absolute (the paper's output)", live(true));
+
+  if (arguments.robust) JudgeRobustness(arguments, data, styler, evaluator, json);
 
   std::vector<judge::Poses> neutral;
   for (const judge::Poses& input : data.inputs) neutral.push_back(judge::Thin(input));
@@ -376,6 +415,7 @@ int main(int argc, char** argv) {
                  "Judge also after so many seconds of continuous state; 0: do not")
       ->capture_default_str();
   app.add_flag("--absolute", arguments.absolute, "Judge the paper's absolute output, too");
+  app.add_flag("--robust", arguments.robust, "Judge inputs as live rigs spoil them, too");
   app.add_option("--change-tau", arguments.stylist.change_tau_s,
                  "Low-pass on the change of style, seconds")
       ->capture_default_str();

@@ -163,7 +163,8 @@ int main(int argc, char** argv) {
   app.add_option("--synthetic", arguments.script,
                  "Instead of a file, the synthetic performer by this script, e.g. walk:5");
   app.add_option("--weights", arguments.weights, "Weights file");
-  app.add_option("--style", arguments.styles, "A row in this style; may be repeated");
+  app.add_option("--style", arguments.styles, "A row in this style; may be repeated")
+      ->allow_extra_args(false);
   app.add_option("--strength", arguments.strength, "0 to 1.5")->capture_default_str();
   app.add_option("-o,--out", arguments.out, "PNG to write")->required();
   app.add_option("--start", arguments.start_s, "First figure, seconds")->capture_default_str();

@@ -24,10 +24,11 @@ Validator::Validator(Validator&&) noexcept = default;
 
 Result<Validator> Validator::Make(const std::filesystem::path& manifest,
                                   const std::filesystem::path& folder,
-                                  const std::filesystem::path& cache) {
+                                  const std::filesystem::path& cache,
+                                  const JudgeSettings& settings) {
   Result<Data> data = LoadData(manifest, {}, folder);
   if (!data.ok()) return data.status();
-  Result<Judges> judges = TrainJudges(data.value(), {}, cache);
+  Result<Judges> judges = TrainJudges(data.value(), settings, cache);
   if (!judges.ok()) return judges.status();
   return Validator(std::make_unique<Impl>(std::move(data.value()), std::move(judges.value())));
 }

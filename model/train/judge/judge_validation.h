@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/base/status.h"
+#include "model/train/judge/judge_nets.h"
 
 namespace styled::judge {
 
@@ -17,7 +18,8 @@ class Validator {
   // Trains the judges, or reads them from `cache`; prints its progress to stderr.
   static Result<Validator> Make(const std::filesystem::path& manifest,
                                 const std::filesystem::path& folder,
-                                const std::filesystem::path& cache);
+                                const std::filesystem::path& cache,
+                                const JudgeSettings& settings = {});
   ~Validator();
   Validator(Validator&&) noexcept;
 

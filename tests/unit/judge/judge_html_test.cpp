@@ -43,7 +43,9 @@ TEST(JudgeHtml, HoldsEveryFrameInMillimetresAndNothingFromOutside) {
   scene.styled[2].hips_position_m = body::Vec3(-1.5F, 0.9F, 40.0F);  // 40 m: clamped
   const std::string page =
       RenderReport({.weights = "v0", .manifest = "set", .figures = {}, .scenes = {scene}});
-  EXPECT_THAT(page, Not(HasSubstr("http")));
+  for (const char* from_outside : {"src=", "href=", "@import", "url(", "fetch(", "https:"}) {
+    EXPECT_THAT(page, Not(HasSubstr(from_outside)));
+  }
   EXPECT_THAT(page, Not(HasSubstr("/*DATA*/null")));
   EXPECT_EQ(Text(page, "offset"), "");
   const auto styled = Decode(Text(page, "styled"));
