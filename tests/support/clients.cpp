@@ -162,7 +162,7 @@ std::uint64_t ControlClient::Counter(const std::string& name) {
 
 std::uint64_t ControlClient::CounterSoon(const std::string& name, std::uint64_t value) {
   std::uint64_t now = Counter(name);
-  for (int i = 0; i < 300 && now != value; ++i) {
+  for (int i = 0; i < 3000 && now != value; ++i) {
     Sleep(0.01);
     now = Counter(name);
   }
