@@ -81,14 +81,16 @@ int main(int argc, char** argv) {
   CLI::App* add =
       app.add_subcommand("add-style", "Teach trained weights one more style")->fallthrough();
   add->footer(
-      "styletrain add-style --name NAME --init W.safetensors --manifest M.toml --data DIR --out "
-      "RUN "
-      "--minutes 20\nThe manifest has the neutral style and NAME. All that W has is frozen and "
-      "comes "
-      "out bit for bit; all other options of styletrain hold, --per-style is 12.");
+      "styletrain add-style --name NAME --init WEIGHTS --manifest M.toml --data DIR --out RUN\n"
+      "The manifest has the neutral style and NAME. All that WEIGHTS has is frozen and comes out\n"
+      "bit for bit; all other options of styletrain hold, --per-style is 12.");
   add->add_option("--name", config.add_style, "The new style, as the manifest names it")
       ->required();
   CLI11_PARSE(app, argc, argv);
+  if (add->parsed() && config.init.empty()) {  // before judges are trained for nothing
+    std::cerr << "styletrain: add-style: --init is needed, the weights to add to\n";
+    return 2;
+  }
   if (add->parsed() && per_style->count() == 0) config.per_style = 12;
 
   if (export_paths.empty() && config.out.empty()) {

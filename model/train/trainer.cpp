@@ -231,7 +231,8 @@ Status Trainer::RunValidation(bool& ended) {
     if (error)
       return Status::Error((config_.out / "best.safetensors").string() + ": " + error.message());
   }
-  return DrawCurve(config_.out / "validation.csv", config_.out / "curve.svg");
+  const Status drawn = DrawCurve(config_.out / "validation.csv", config_.out / "curve.svg");
+  return drawn.ok() ? Save() : drawn;  // a resumed run must know its best score
 }
 
 Status Trainer::Run() {
@@ -282,7 +283,7 @@ Status Trainer::Run() {
       if (ended) {
         std::cout << "no better score in " << config_.patience << " validations: the run ends"
                   << std::endl;
-        return Save();
+        return Status::Ok();
       }
     }
   }

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "model/clip/clip.h"
+#include "model/feet/legs.h"
 #include "model/rig/dialects.h"
 #include "model/tools/strips/canvas.h"
 #include "model/train/judge/judge_stream.h"
@@ -116,15 +117,15 @@ Status Run(const Arguments& arguments) {
   if (!arguments.styles.empty()) {
     auto network = styled::erd::Network::Load(arguments.weights);
     if (!network.ok()) return network.status();
-    auto binding = judge::CanonicalBinding();
-    if (!binding.ok()) return binding.status();
+    const auto binding =
+        std::make_shared<const styled::rig::Binding>(styled::feet::HumanoidBinding());
     for (const std::string& style : arguments.styles) {
       const int index = network.value()->FindStyle(style);
       if (index < 1) return Status::Error(arguments.weights + ": no style \"" + style + "\"");
       judge::Switch start{0, judge::OneStyle(index, arguments.absolute)};
       start.settings.strength = arguments.strength;
-      rows.emplace_back(
-          style, judge::StyleStream(network.value(), binding.value(), {}, {&start, 1}, poses));
+      rows.emplace_back(style,
+                        judge::StyleStream(network.value(), binding, {}, {&start, 1}, poses));
     }
   }
 

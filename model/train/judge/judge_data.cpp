@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "model/clip/clip.h"
+#include "model/feet/legs.h"
 
 namespace styled::judge {
 namespace {
@@ -139,9 +140,7 @@ Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest) {
   auto network = erd::Network::Load(weights);
   if (!network.ok()) return network.status();
-  auto binding = CanonicalBinding();
-  if (!binding.ok()) return binding.status();
-  Styler styler{network.value(), binding.value(), {}};
+  Styler styler{network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()), {}};
   int found = 0;
   for (const clip::ManifestStyle& style : manifest.styles) {
     const int index = styler.network->FindStyle(style.name);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "model/body/features.h"
-#include "model/rig/dialects.h"
 #include "model/stylist/grounding.h"
 
 namespace styled::judge {
@@ -13,18 +12,6 @@ Poses Thin(std::span<const body::Pose> poses) {
   Poses thin;
   for (std::size_t i = 0; i < poses.size(); i += kStreamPerJudge) thin.push_back(poses[i]);
   return thin;
-}
-
-Result<std::shared_ptr<const rig::Binding>> CanonicalBinding() {
-  rig::Skeleton skeleton;
-  for (int joint = 0; joint < body::kJointCount; ++joint) {
-    skeleton.names.emplace_back(body::kHumanoid[joint].name);
-    skeleton.parents.push_back(body::kHumanoid[joint].parent);
-    skeleton.offsets.push_back(body::Offset(joint));
-  }
-  Result<rig::Binding> binding = rig::BindDialect(skeleton, "canonical");
-  if (!binding.ok()) return binding.status();
-  return std::make_shared<const rig::Binding>(std::move(binding.value()));
 }
 
 stylist::Settings OneStyle(int style, bool absolute) {

@@ -22,9 +22,6 @@ inline constexpr int kStreamPerJudge = 4;
 // Every kStreamPerJudge-th pose.
 Poses Thin(std::span<const body::Pose> poses);
 
-// A binding of the canonical humanoid to itself.
-Result<std::shared_ptr<const rig::Binding>> CanonicalBinding();
-
 // The settings of one style at full strength, at once.
 stylist::Settings OneStyle(int style, bool absolute);
 

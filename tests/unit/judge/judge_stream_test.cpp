@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "model/body/features.h"
+#include "model/feet/legs.h"
 
 namespace styled::judge {
 namespace {
@@ -71,15 +72,14 @@ TEST(ConstantOffset, KeepsTheLowestFootWhereItWas) {
   EXPECT_NEAR(body::LowestFoot_m(before), body::LowestFoot_m(after), 1e-5);
 }
 
-TEST(CanonicalBinding, GivesAPoseBackAsItCame) {
-  const auto binding = CanonicalBinding();
-  ASSERT_TRUE(binding.ok()) << binding.status().message();
+TEST(HumanoidBinding, GivesAPoseBackAsItCame) {
+  const rig::Binding binding = feet::HumanoidBinding();
   const body::Pose in = Glide(5, 0.7F, {0.2F, 0, -1})[4];
-  rig::RigPose source(binding.value()->skeleton());
+  rig::RigPose source(binding.skeleton());
   source.translations[0] = in.hips_position_m;
   std::copy(in.rotations.begin(), in.rotations.end(), source.rotations.begin());
   body::Pose out;
-  binding.value()->Bind(source, out);
+  binding.Bind(source, out);
   EXPECT_TRUE(out.hips_position_m.isApprox(in.hips_position_m, 1e-4F));
   EXPECT_TRUE(out.rotations[body::kHips].isApprox(in.rotations[body::kHips], 1e-4F));
 }

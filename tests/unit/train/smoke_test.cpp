@@ -36,16 +36,6 @@ body::Pose Stooped(body::Pose pose) {
   return pose;
 }
 
-rig::Skeleton CanonicalSkeleton() {
-  rig::Skeleton skeleton;
-  for (const body::JointRow& row : body::kHumanoid) {
-    skeleton.names.emplace_back(row.name);
-    skeleton.parents.push_back(row.parent);
-    skeleton.offsets.emplace_back(row.x_m, row.y_m, row.z_m);
-  }
-  return skeleton;
-}
-
 class Smoke : public testing::Test {
  protected:
   void SetUp() override {
@@ -58,7 +48,7 @@ class Smoke : public testing::Test {
         for (int take = 1; take <= 2; ++take) {
           performer::Performer human(performer::Vary(7, ++k, {{motion, 60}}));
           clip::Clip clip;
-          clip.skeleton = CanonicalSkeleton();
+          clip.skeleton = performer::MakeSkeleton({});
           clip.rate_hz = kRate_hz;
           for (int i = 0; i < static_cast<int>(kSeconds * kRate_hz); ++i) {
             body::Pose pose;
