@@ -168,6 +168,15 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
                   "set: strength is " + std::to_string(set.strength()) + ", expected 0 to 1.5");
   }
   if (!CheckTransition(set.has_transition_ms(), set.transition_ms(), reply)) return;
+  body::Parts parts = 0;
+  for (const int part : set.only()) {
+    if (!v1::BodyPart_IsValid(part)) {
+      return Refuse(reply, v1::CODE_OUT_OF_RANGE,
+                    "set: only has " + std::to_string(part) + ", expected a BodyPart, 0 to 6");
+    }
+    parts |=
+        part == v1::BODY_PART_ALL ? body::kAllParts : body::Bit(static_cast<body::Part>(part - 1));
+  }
   std::vector<std::pair<std::string, float>> mix;
   for (const auto& entry : set.mix()) mix.emplace_back(entry.style(), entry.weight());
   std::string why;
@@ -184,6 +193,7 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
         if (set.has_strength()) look.strength = set.strength();
         if (set.has_transition_ms()) look.transition_s = set.transition_ms() * 1e-3F;
         if (set.has_absolute()) look.absolute = set.absolute();
+        if (parts != 0) look.parts = parts;
       },
       reply);
 }

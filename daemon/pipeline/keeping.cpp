@@ -23,6 +23,7 @@ toml::table Row(const Profile& profile) {
                      {"strength", static_cast<double>(profile.look.strength)},
                      {"transition_s", static_cast<double>(profile.look.transition_s)},
                      {"absolute", profile.look.absolute},
+                     {"only", body::PartsText(profile.look.parts)},
                      {"preset", profile.look.preset},
                      {"pinned", profile.pinned}};
 }
@@ -34,6 +35,8 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   profile.look.strength = row["strength"].value_or(1.0F);
   profile.look.transition_s = row["transition_s"].value_or(0.4F);
   profile.look.absolute = row["absolute"].value_or(false);
+  profile.look.parts =
+      body::FindParts(row["only"].value_or(std::string("all"))).value_or(body::kAllParts);
   profile.look.preset = row["preset"].value_or(std::string());
   profile.pinned = row["pinned"].value_or(false);
   if (const toml::array* mix = row["mix"].as_array()) {

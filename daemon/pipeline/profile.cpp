@@ -10,6 +10,7 @@ stylist::Settings Resolve(const Look& look, const erd::Network& network,
   settings.strength = look.strength;
   settings.transition_s = look.transition_s;
   settings.absolute = look.absolute;
+  settings.parts = look.parts;
   std::size_t used = 0;
   for (const auto& [style, weight] : look.mix) {
     const int index = network.FindStyle(style);
@@ -72,6 +73,8 @@ std::string Explain(stylist::SettingsError error) {
       return "strength is not within 0 to 1.5";
     case SettingsError::kTransition:
       return "transition is not within 0 to 60000 ms";
+    case SettingsError::kNoParts:
+      return "no part of the body is styled; use clear";
   }
   return "";
 }

@@ -17,6 +17,7 @@ struct Look {
   float strength = 1.0F;
   float transition_s = 0.4F;
   bool absolute = false;
+  body::Parts parts = body::kAllParts;
   std::string preset;  // the one that set the mix, or ""
 };
 

@@ -29,6 +29,12 @@ void Mixer::Aim(const Settings& settings) noexcept {
   absolute_.start = absolute_.value;
   presence_.target = 0;
   absolute_.target = settings.absolute ? 1 : 0;
+  const bool nothing = empty();  // then there is nothing to fade the parts in or out of
+  for (std::size_t part = 0; part < parts_.size(); ++part) {
+    Fade& fade = parts_[part];
+    fade.target = (settings.parts >> part & 1U) != 0 ? 1 : 0;
+    fade.start = nothing ? fade.target : fade.value;
+  }
   for (const erd::ActiveStyle& style : settings.mix) {
     const float weight = style.weight * settings.strength;
     if (style.style < 1 || weight <= 0) continue;
@@ -53,6 +59,11 @@ void Mixer::Advance(double dt_s) noexcept {
     };
     move(presence_);
     move(absolute_);
+    whole_ = true;
+    for (Fade& part : parts_) {
+      move(part);
+      whole_ = whole_ && part.value == 1;
+    }
     for (Slot& slot : slots_) {
       move(slot.weight);
       if (!fading_ && slot.weight.target == 0) slot = Slot{};

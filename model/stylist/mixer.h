@@ -27,6 +27,9 @@ class Mixer {
   // 0..1: how far the absolute output stands in for the input, and for the detail-preserving one.
   float presence() const { return presence_.value; }
   float absolute() const { return absolute_.value; }
+  // 0..1: how much of the style a part of the body shows; all show all of it if whole().
+  float share(body::Part part) const { return parts_[static_cast<std::size_t>(part)].value; }
+  bool whole() const { return whole_; }
 
  private:
   struct Fade {
@@ -36,12 +39,19 @@ class Mixer {
     int style = -1;
     Fade weight;
   };
+  static constexpr std::array<Fade, body::kPartCount> AllParts() {
+    std::array<Fade, body::kPartCount> parts;
+    parts.fill({1, 1, 1});
+    return parts;
+  }
   Slot& SlotFor(int style) noexcept;
 
   std::array<Slot, erd::kMaxActive> slots_;
   std::array<erd::ActiveStyle, erd::kMaxActive> active_;
   std::size_t count_ = 0;
   Fade presence_, absolute_;
+  std::array<Fade, body::kPartCount> parts_ = AllParts();
+  bool whole_ = true;
   double elapsed_s_ = 0;
   float duration_s_ = 0;
   bool fading_ = false, running_ = false;

@@ -113,6 +113,7 @@ SettingsError Stylist::Check(const Settings& settings, const erd::Network& netwo
   if (!(settings.transition_s >= 0 && settings.transition_s <= 60)) {
     return SettingsError::kTransition;
   }
+  if ((settings.parts & body::kAllParts) == 0) return SettingsError::kNoParts;
   return SettingsError::kNone;
 }
 
@@ -287,6 +288,11 @@ void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
     }
   }
 
+  if (!mixer.whole()) {
+    for (int joint = 0; joint < kJointCount; ++joint) {
+      change.col(joint) *= mixer.share(body::PartOf(joint));
+    }
+  }
   if (familiar < 1.0F) change *= familiar;
   if (restart_fade < 1.0F) {
     if (!first) restart_fade += static_cast<float>(dt_s) / std::max(1e-3F, options.restart_fade_s);
@@ -315,11 +321,14 @@ void Stylist::Impl::Ground(double dt_s, Output& out) noexcept {
   ShiftUp(*binding, rig_shift.Follow(wanted, dt, options.ground_tau_s), out.rig);
 }
 
-// With no style in force the stages only watch the performer's contacts.
+// With no style in force the stages only watch the performer's contacts. Nor are feet held that no
+// style moves: a style of the torso or of a leg moves them.
 void Stylist::Impl::HoldFeet(double dt_s, Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   float style = 0;
   for (const erd::ActiveStyle& active : mixer.in_force()) style += active.weight;
+  style *= std::max({mixer.share(body::Part::kTorso), mixer.share(body::Part::kLeftLeg),
+                     mixer.share(body::Part::kRightLeg)});
   const bool held = options.feet && (out.flags & kBypass) == 0;
   const float weight = held ? SmoothStep(familiar * style / kFeetFull) : 0.0F;
   rig_feet.Process(dt, weight, {intake.clean().translations, intake.clean().rotations},

@@ -8,6 +8,7 @@
 
 #include "model/base/realtime.h"
 #include "model/body/features.h"
+#include "model/body/parts.h"
 #include "model/erd/network.h"
 #include "model/feet/options.h"
 #include "model/rig/binding.h"
@@ -20,7 +21,8 @@ struct Settings {
   std::array<erd::ActiveStyle, erd::kMaxMix> mix;  // unused entries have style -1
   float strength = 1.0F;                           // 0..1.5; 0 fades to bypass
   float transition_s = 0.4F;                       // >= 0; of the change to these settings
-  bool absolute = false;  // the paper's output instead of the detail-preserving one
+  bool absolute = false;                // the paper's output instead of the detail-preserving one
+  body::Parts parts = body::kAllParts;  // the others stay as captured; not empty
 };
 
 enum class SettingsError {
@@ -31,7 +33,8 @@ enum class SettingsError {
   kWeight,
   kSum,
   kStrength,
-  kTransition
+  kTransition,
+  kNoParts
 };
 
 // How streams are handled; the same for all performers. Defaults are those of styled.toml.

@@ -25,6 +25,7 @@ struct Arguments {
   std::string style;
   float strength = 1.0F;
   std::vector<std::string> mix;
+  std::string only = "all";  // parts of the body
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
   std::string weights, rig = "auto", in, out;
 };
@@ -94,6 +95,12 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
   settings.strength = arguments.strength;
   settings.transition_s = 0;
   settings.absolute = arguments.absolute;
+  const auto parts = styled::body::FindParts(arguments.only);
+  if (!parts) {
+    return Status::Error("--only " + arguments.only + ": expected, separated by commas, some of " +
+                         std::string(styled::body::kPartWords));
+  }
+  settings.parts = *parts;
   if (!arguments.style.empty()) {
     const Status status = AddStyle(network, arguments.style, "--style", settings);
     if (!status.ok()) return status;
@@ -185,6 +192,8 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);  // one per --mix: what follows may be the input
   app.add_flag("--absolute", arguments.absolute,
                "the paper's output instead of the detail-preserving one");
+  app.add_option("--only", arguments.only, "style these parts of the body alone, comma-separated")
+      ->capture_default_str();
   app.add_flag("--no-bypass", arguments.no_bypass,
                "without a style, still go through bind, network and unbind");
   app.add_flag("--feet,!--no-feet", arguments.feet,

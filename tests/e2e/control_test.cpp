@@ -57,6 +57,8 @@ TEST(ControlTest, TwentyKindsOfBadMessagesGetACodeAndAReasonAndChangeNothing) {
   };
   v1::Request reset_unseen = For("rig.nobody");
   reset_unseen.mutable_reset();
+  v1::Request no_part = For("rig.a");
+  no_part.mutable_set()->add_only(static_cast<v1::BodyPart>(7));
   v1::Request clear_and_mix = SetMix("rig.a", {{"style2", 1}});
   clear_and_mix.mutable_set()->set_clear(true);
 
@@ -83,6 +85,7 @@ TEST(ControlTest, TwentyKindsOfBadMessagesGetACodeAndAReasonAndChangeNothing) {
                         {"style1", 0.1F}}),
        v1::CODE_OUT_OF_RANGE},
       {clear_and_mix, v1::CODE_MALFORMED},
+      {no_part, v1::CODE_OUT_OF_RANGE},
       {strength(-1), v1::CODE_OUT_OF_RANGE},
       {strength(2), v1::CODE_OUT_OF_RANGE},
       {strength(kNan), v1::CODE_OUT_OF_RANGE},
@@ -193,6 +196,8 @@ TEST(ControlTest, SettingsSurviveARestartOfTheDaemon) {
     ControlClient control(daemon.control);
     ASSERT_EQ(control.SetStyle("rig.a", "style3", 0.7F, 250).code(), v1::CODE_OK);
     v1::Request everyone = SetMix("*", {{"style2", 0.4F}});
+    everyone.mutable_set()->add_only(v1::BODY_PART_HEAD);
+    everyone.mutable_set()->add_only(v1::BODY_PART_LEFT_ARM);
     ASSERT_EQ(control.Ask(everyone).code(), v1::CODE_OK);
     v1::Request pin = For("rig.a");
     pin.mutable_pin()->set_pinned(true);
@@ -204,6 +209,8 @@ TEST(ControlTest, SettingsSurviveARestartOfTheDaemon) {
   ControlClient control(daemon.control);
   EXPECT_EQ(control.Performer("rig.a").styles(0).style(), "style2");
   EXPECT_TRUE(control.Performer("rig.a").pinned());
+  ASSERT_EQ(control.Performer("rig.a").only_size(), 2);
+  EXPECT_EQ(control.Performer("rig.a").only(1), v1::BODY_PART_LEFT_ARM);
   EXPECT_EQ(control.Performer("rig.b").styles(0).style(), "style4");
   const UdpLink link(daemon.udp);
   Rig fresh("new");

@@ -11,6 +11,7 @@
 #include "clients/cpp/stylectl/report.h"
 #include "clients/cpp/stylectl/suggest.h"
 #include "clients/cpp/subscriber.h"
+#include "model/body/parts.h"
 
 namespace styled::stylectl {
 namespace {
@@ -29,7 +30,14 @@ struct Arguments {
   std::optional<double> strength;
   std::optional<double> transition_ms;
   bool absolute = false, detail = false;
+  std::string only;  // parts of the body
 };
+
+// A check of --only: empty, or what is wrong.
+std::string CheckParts(const std::string& list) {
+  if (body::FindParts(list)) return "";
+  return "'" + list + "': expected, separated by commas, some of " + std::string(body::kPartWords);
+}
 
 // What a failed command leaves behind beside the reason.
 struct Failure {
@@ -153,6 +161,8 @@ void Program::DeclareSet() {
       set->add_flag("--absolute", arguments_.absolute, "the network's pose as it is");
   set->add_flag("--detail", arguments_.detail, "keep the performer's own detail (default)")
       ->excludes(absolute);
+  set->add_option("--only", arguments_.only, "style these parts alone, comma-separated; all: undo")
+      ->check(CheckParts);
 }
 
 int Program::Run(std::vector<std::string> arguments) {
@@ -240,9 +250,19 @@ int Program::Set() {
     change_.set_absolute(arguments_.absolute);
     add(arguments_.absolute ? "absolute" : "detail-preserving");
   }
+  const body::Parts parts = body::FindParts(arguments_.only).value_or(0);
+  if (parts == body::kAllParts) {
+    change_.add_only(v1::BODY_PART_ALL);
+    add("all of the body");
+  } else if (parts != 0) {
+    for (int part = 0; part < body::kPartCount; ++part) {
+      if ((parts >> part & 1) != 0) change_.add_only(static_cast<v1::BodyPart>(part + 1));
+    }
+    add("only " + body::PartsText(parts));
+  }
   if (what.empty()) {
     return Usage(
-        "set: nothing to set; expected --style, --mix, --strength, --transition, "
+        "set: nothing to set; expected --style, --mix, --strength, --transition, --only, "
         "--absolute or --detail (to go to bypass: stylectl clear)");
   }
   client::Applied applied;

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "model/body/parts.h"
+
 namespace styled::stylectl {
 namespace {
 
@@ -45,6 +47,14 @@ json MixJson(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix) {
   for (const auto& entry : mix)
     out.push_back({{"style", entry.style()}, {"weight", entry.weight()}});
   return out;
+}
+
+std::string PartsText(const google::protobuf::RepeatedField<int>& only) {
+  body::Parts parts = 0;
+  for (const int part : only) {
+    if (part > 0 && part <= body::kPartCount) parts |= body::Bit(static_cast<body::Part>(part - 1));
+  }
+  return body::PartsText(parts);
 }
 
 }  // namespace
@@ -117,6 +127,9 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
       if (!performer.preset().empty()) {
         notes += std::string(notes.empty() ? "" : ", ") + "preset " + performer.preset();
       }
+      if (!performer.only().empty()) {
+        notes += std::string(notes.empty() ? "" : ", ") + "only " + PartsText(performer.only());
+      }
       rows.push_back({performer.performer(), performer.live() ? "live" : "silent",
                       Number(performer.rate_hz(), 1), Number(performer.latency_p50_us(), 0),
                       Number(performer.latency_p99_us(), 0), Number(performer.latency_max_us(), 0),
@@ -176,6 +189,7 @@ json StatusJson(const v1::StatusReply& status) {
                           {"lost", performer.lost()},
                           {"styles", MixJson(performer.styles())},
                           {"strength", performer.strength()},
+                          {"only", performer.only().empty() ? "all" : PartsText(performer.only())},
                           {"preset", performer.preset()},
                           {"pinned", performer.pinned()},
                           {"joints", performer.joints()},

@@ -125,6 +125,15 @@ TEST_F(StylectlTest, SetSendsWhatWasGivenAndNothingElse) {
   EXPECT_EQ(Run({"set", "rig.anna", "--detail"}), kExitOk);
   EXPECT_TRUE(last_.set().has_absolute());
   EXPECT_FALSE(last_.set().absolute());
+  EXPECT_TRUE(last_.set().only().empty());
+
+  EXPECT_EQ(Run({"set", "--only", "arms,head", "rig.anna"}), kExitOk);
+  EXPECT_EQ(last_.performer(), "rig.anna");
+  EXPECT_EQ(last_.set().only_size(), 3);
+  EXPECT_TRUE(Says("only head,left-arm,right-arm"));
+  EXPECT_EQ(Run({"set", "rig.anna", "--only", "all"}), kExitOk);
+  ASSERT_EQ(last_.set().only_size(), 1);
+  EXPECT_EQ(last_.set().only(0), v1::BODY_PART_ALL);
 }
 
 TEST_F(StylectlTest, EveryOtherCommandSendsItself) {
@@ -200,6 +209,8 @@ TEST_F(StylectlTest, AWrongCommandLineIsAUsageErrorAndAsksNobody) {
       {"set", "*", "--mix", "old=1", "--style", "old"},
       {"set", "*", "--absolute", "--detail"},
       {"set", "*", "--style", "old", "--transition", "-1"},
+      {"set", "*", "--only", "tail"},
+      {"set", "*", "--only"},
       {"preset"},
       {"pin"},
       {"list", "--timeout", "0"},

@@ -94,5 +94,24 @@ TEST(MixerTest, HastyCommandsNeverAskForMoreBranchesThanThereAre) {
   }
 }
 
+TEST(MixerTest, PartsFadeWithTheStyleThatIsInForceAndAreSetAtOnceWhenNoneIs) {
+  Mixer mixer;
+  mixer.Advance(0.0);
+  Settings arms = Of({{1, 1.0F}}, 0.4F);
+  arms.parts = *body::FindParts("arms");
+  mixer.Aim(arms);
+  mixer.Advance(0.1);
+  EXPECT_EQ(mixer.share(body::Part::kLeftArm), 1.0F);
+  EXPECT_EQ(mixer.share(body::Part::kHead), 0.0F) << "there is no style that could fade out";
+  EXPECT_FALSE(mixer.whole());
+  mixer.Advance(1.0);
+  mixer.Aim(Of({{1, 1.0F}}, 0.4F));  // the whole body
+  mixer.Advance(0.2);
+  EXPECT_FLOAT_EQ(mixer.share(body::Part::kHead), 0.5F);
+  EXPECT_FLOAT_EQ(WeightOf(mixer, 1), 1.0F);
+  mixer.Advance(0.2001);
+  EXPECT_TRUE(mixer.whole());
+}
+
 }  // namespace
 }  // namespace styled::stylist

@@ -101,6 +101,9 @@ TEST_F(StylistTest, SettingsThatCannotBeAreNamed) {
   EXPECT_EQ(check(settings), SettingsError::kStrength);
   settings.strength = 1.6F;
   EXPECT_EQ(check(settings), SettingsError::kStrength);
+  settings = Style(1);
+  settings.parts = 0;
+  EXPECT_EQ(check(settings), SettingsError::kNoParts);
 }
 
 TEST_F(StylistTest, WithoutAStyleTheSourceLeavesBitForBit) {
@@ -123,6 +126,33 @@ TEST_F(StylistTest, AStyleChangesThePoseFromTheFirstFrame) {
   EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-3F);
   ASSERT_EQ(out.in_force_count, 1);
   EXPECT_EQ(out.in_force[0].style, 2);
+}
+
+TEST_F(StylistTest, PartsThatAreNotStyledStayAsCaptured) {
+  for (const std::string_view word : {"arms", "head", "legs", "upper", "right-leg"}) {
+    Stylist stylist(network, binding, options);
+    Stylist whole(network, binding, options);
+    Settings some = Style(2);
+    some.parts = *body::FindParts(word);
+    stylist.Set(some);
+    whole.Set(Style(2));
+    for (int frame = 0; frame < 60; ++frame) {
+      Feed(whole, frame);
+      const body::Pose all = out.canonical;
+      Feed(stylist, frame);
+      for (int joint = 0; joint < body::kJointCount; ++joint) {
+        const bool styled = (some.parts & body::Bit(body::PartOf(joint))) != 0;
+        // Legs follow where the torso or they themselves are styled: feet are held.
+        const bool held = word != "arms" && word != "head";
+        if (held && joint >= body::kLeftUpperLeg) continue;
+        const body::Quat& expected =
+            (styled ? all : out.canonical_input).rotations[static_cast<std::size_t>(joint)];
+        const body::Quat& got = out.canonical.rotations[static_cast<std::size_t>(joint)];
+        ASSERT_LT(body::Log(expected.conjugate() * got).norm(), 1e-5F)
+            << word << ", frame " << frame << ", joint " << joint;
+      }
+    }
+  }
 }
 
 TEST_F(StylistTest, BypassIsEnteredByAFadeAndThenExact) {
