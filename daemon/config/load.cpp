@@ -187,10 +187,14 @@ Result<std::vector<Override>> EnvironmentOverrides(const char* const* environmen
       if (!words.starts_with(name + "_")) continue;
       const std::string key = words.substr(name.size() + 1);
       const auto names = Names(section.keys);
+      std::string full = name;
+      full.append(".").append(key);
       if (std::find(names.begin(), names.end(), key) == names.end()) {
-        return Status::Error(variable + ": unknown key " + name + "." + key + Nearest(key, names));
+        std::string reason = variable;
+        reason.append(": unknown key ").append(full).append(Nearest(key, names));
+        return Status::Error(reason);
       }
-      overrides.push_back({name + "." + key, std::string(entry.substr(equals + 1)), variable});
+      overrides.push_back({std::move(full), std::string(entry.substr(equals + 1)), variable});
     }
   }
   return overrides;

@@ -11,7 +11,7 @@ namespace styled::runtime {
 void Histogram::Add(std::int64_t latency_ns) noexcept {
   latency_ns = std::max<std::int64_t>(latency_ns, 0);
   const auto units = static_cast<std::uint64_t>(latency_ns) / 64 + kPerOctave;
-  const int octave = std::bit_width(units) - 5;  // units >= 16, so >= 0
+  const int octave = std::max(0, static_cast<int>(std::bit_width(units)) - 5);  // never below 0
   const auto bucket = static_cast<int>((units >> octave) - kPerOctave);
   const int index = std::min(octave * kPerOctave + bucket, kPerOctave * kOctaves - 1);
   ++buckets_[static_cast<std::size_t>(index)];
