@@ -48,6 +48,9 @@ bool PressKey(int key, Monitor& monitor) {
     case Terminal::kBackTab:
       monitor.Press(Key::kPreviousPerformer);
       break;
+    case 'n':
+      monitor.Press(Key::kMoreStyles);
+      break;
     case 's':
       monitor.Press(Key::kSide);
       break;
@@ -122,7 +125,8 @@ void Declare(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0.0, 1e9));
   app.footer(
       "Keys: q quit, Tab or arrows next performer, s side/front, space pause, 1-9 style,\n"
-      "0 bypass, +/- strength. Left limbs are cyan, right ones yellow; green: foot planted.\n"
+      "n the next nine styles, 0 bypass, +/- strength. Left limbs are cyan, right ones yellow; "
+      "green: foot planted.\n"
       "Exit codes: 0, 2 usage, 3 with --seconds when no styled frame came.");
 }
 

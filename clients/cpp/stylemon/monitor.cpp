@@ -277,6 +277,7 @@ const View& Monitor::view() {
       std::chrono::duration_cast<std::chrono::nanoseconds>(now.time_since_epoch()).count());
   const Steering::State state = impl.steering->state();
   view.styles = state.styles;
+  if (view.first_style >= view.styles.size()) view.first_style = 0;
   view.message = state.message;
   view.message_bad = state.bad;
   return view;
@@ -312,6 +313,10 @@ void Monitor::Press(Key key) {
     case Key::kClear:
       if (!impl.selected.empty()) impl.steering->Clear(impl.selected);
       return;
+    case Key::kMoreStyles:
+      view.first_style += kStyleKeys;
+      if (view.first_style >= view.styles.size()) view.first_style = 0;
+      return;
     case Key::kStronger:
       return stronger(0.1F);
     case Key::kWeaker:
@@ -321,8 +326,9 @@ void Monitor::Press(Key key) {
 
 void Monitor::PressStyle(int number) {
   const std::vector<std::string> styles = impl_->steering->state().styles;
-  if (impl_->selected.empty() || number < 1 || number > static_cast<int>(styles.size())) return;
-  impl_->steering->SetStyle(impl_->selected, styles[static_cast<std::size_t>(number - 1)]);
+  const std::size_t style = impl_->view.first_style + static_cast<std::size_t>(number - 1);
+  if (impl_->selected.empty() || number < 1 || style >= styles.size()) return;
+  impl_->steering->SetStyle(impl_->selected, styles[style]);
 }
 
 std::uint64_t Monitor::frames() const { return impl_->styled_frames; }

@@ -25,7 +25,8 @@ enum class Key : std::uint8_t {
   kPause,
   kClear,
   kStronger,
-  kWeaker
+  kWeaker,
+  kMoreStyles
 };
 
 // Listens to a daemon and keeps a View of it: everybody's bodies and statistics, and one

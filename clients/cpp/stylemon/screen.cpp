@@ -125,9 +125,10 @@ void DrawNumbers(const View& view, int row, Canvas& canvas) {
 
 void DrawKeys(const View& view, int row, Canvas& canvas) {
   std::string styles;
-  for (std::size_t i = 0; i < view.styles.size() && i < 9; ++i) {
-    styles += std::to_string(i + 1) + " " + view.styles[i] + "  ";
+  for (std::size_t i = 0; i < kStyleKeys && view.first_style + i < view.styles.size(); ++i) {
+    styles += std::to_string(i + 1) + " " + view.styles[view.first_style + i] + "  ";
   }
+  if (view.styles.size() > kStyleKeys) styles += "n more  ";
   canvas.Text(0, row,
               styles.empty() ? "styles: control socket away" : styles + "0 bypass  +/- strength",
               Ink::kDim);

@@ -46,11 +46,14 @@ struct View {
   float yaw_rad = 0, height = 0, floor = 0, travel = 0;  // as in Pose; both figures'
   Meter::Reading reading;
   std::string set;  // what is set for the performer: "old 1.00, strength 0.80"; "" = unknown
-  std::vector<std::string> styles;  // keys 1-9
-  std::string message;              // outcome of the last key
+  std::vector<std::string> styles;  // keys 1-9, from first_style on
+  std::size_t first_style = 0;
+  std::string message;  // outcome of the last key
   bool message_bad = false;
   bool paused = false;
 };
+
+inline constexpr std::size_t kStyleKeys = 9;
 
 // The whole terminal: header, performers, both figures, figures in numbers, keys. Any size; what
 // does not fit is left out from the edges in.

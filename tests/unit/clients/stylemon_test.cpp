@@ -49,6 +49,19 @@ View Walking() {
   return view;
 }
 
+TEST(Screen, ShowsNineStylesAtATimeAndSaysHowToReachTheOthers) {
+  View view = Walking();
+  EXPECT_EQ(Screen(view).find("n more"), std::string::npos);
+  view.styles.clear();
+  for (int i = 1; i <= 12; ++i) view.styles.push_back("s" + std::to_string(i));
+  const std::string first = Screen(view);
+  EXPECT_NE(first.find("9 s9  n more  0 bypass"), std::string::npos) << first;
+  EXPECT_EQ(first.find("s10"), std::string::npos);
+  view.first_style = 9;
+  const std::string second = Screen(view);
+  EXPECT_NE(second.find("1 s10  2 s11  3 s12  n more"), std::string::npos) << second;
+}
+
 TEST(Meter, KnowsRatePercentilesAndDrops) {
   Meter meter(5.0);
   const Meter::Reading none = meter.Read(0);
