@@ -3,16 +3,17 @@
 namespace styled::stylist {
 
 Mixer::Slot& Mixer::SlotFor(int style) noexcept {
-  Slot* best = nullptr;
   for (Slot& slot : slots_) {
     if (slot.style == style) return slot;
   }
+  Slot* best = slots_.data();
   for (Slot& slot : slots_) {
     if (slot.style < 0) {
       best = &slot;
       break;
     }
-    if (slot.weight.target == 0 && (best == nullptr || slot.weight.value < best->weight.value)) {
+    if (slot.weight.target == 0 &&
+        (best->weight.target != 0 || slot.weight.value < best->weight.value)) {
       best = &slot;
     }
   }

@@ -72,7 +72,8 @@ struct Stylist::Impl {
   erd::Decoded last_styled;  // of the newest tick, for the absolute output
   float last_heading_rad = 0;
 
-  Change filtered = Change::Zero();   // detail-preserving change, low-passed
+  Change halfway = Change::Zero();    // detail-preserving change, after one pole of the low-pass
+  Change filtered = Change::Zero();   // ... and after both
   Change change = Change::Zero();     // what is applied
   Change fade_from = Change::Zero();  // what was applied when the state was restarted
   float restart_fade = 1.0F;          // 0 at a restart, 1 when it is over
@@ -253,7 +254,8 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
 }
 
 // Low-passes the change. The mean over the interleaved states is a box filter over one period of
-// the network, whose notch lies on the ripple that their disagreement makes; a one-pole follows.
+// the network, whose notch lies on the ripple that their disagreement makes; two equal poles
+// follow, which at the same delay let much less of what jerks through than one.
 void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
   const int used = std::max(1, ticks.interleaved());
   Change target = Change::Zero();
@@ -271,10 +273,15 @@ void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
   familiar += (at_home - familiar) * (started ? DecayShare(dt_s, options.foreign_fade_s) : 1.0F);
 
   const bool first = !filter_started;
-  const float share = !first ? DecayShare(dt_s, options.change_tau_s) : 1.0F;
-  filtered += share * (target - filtered);
+  const float share = !first ? DecayShare(dt_s, options.change_tau_s / 2) : 1.0F;
+  halfway += share * (target - halfway);
+  filtered += share * (halfway - filtered);
   filter_started = true;
-  if (mixer.empty() && filtered.cwiseAbs().maxCoeff() < kNothing_rad) filtered.setZero();
+  const auto nothing = [](const Change& of) { return of.cwiseAbs().maxCoeff() < kNothing_rad; };
+  if (mixer.empty() && nothing(filtered) && nothing(halfway)) {
+    filtered.setZero();
+    halfway.setZero();
+  }
   change = filtered;
 
   if (mixer.absolute() > 0 && count > 0) {

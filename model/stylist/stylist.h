@@ -39,7 +39,7 @@ enum class SettingsError {
 
 // How streams are handled; the same for all performers. Defaults are those of styled.toml.
 struct Options {
-  float change_tau_s = 0.05F;      // low-pass on the change of style, never on the motion; 0 = none
+  float change_tau_s = 0.05F;      // delay of the low-pass on the change of style; 0 = none
   float gap_reset_s = 0.25F;       // a longer hole in source time starts the recurrent state anew
   float restart_fade_s = 0.2F;     // cross-fade over such a start
   float jump_m = 1.0F;             // a root step beyond this (and 12 m/s) is held, canonical metres
