@@ -9,11 +9,12 @@
 
 #include "model/clip/clip.h"
 #include "model/clip/manifest.h"
+#include "model/train/blas.h"
+#include "model/train/judge/judge_conditions.h"
 #include "model/train/judge/judge_data.h"
 #include "model/train/judge/judge_feet.h"
 #include "model/train/judge/judge_html.h"
 #include "model/train/judge/judge_nets.h"
-#include "model/train/judge/judge_perturb.h"
 #include "model/train/judge/judge_report.h"
 #include "model/train/judge/judge_response.h"
 #include "model/train/judge/judge_stream.h"
@@ -34,7 +35,8 @@ constexpr int kBlendFrames = 10;  // at the judges' rate, where chained clips ov
 struct Arguments {
   std::string weights, manifest, inputs, data, cache, json, report;
   double long_s = 60;
-  bool absolute = false, synthetic = false, robust = false;
+  bool absolute = false, synthetic = false, robust = false, rates = false, styled_inputs = false;
+  std::vector<std::filesystem::path> clips;
   judge::JudgeSettings judges;
   styled::stylist::Options stylist;
   float transition_s = 0.4F;
@@ -71,47 +73,68 @@ std::vector<judge::Scene> Scenes(const judge::Data& data,
   return scenes;
 }
 
-// The neutral clips of each content as one stream that goes on for `seconds` and then shows each
-// clip once more, and what every style makes of it.
+// Neutral clips, of one content or of all in turn, as one stream that goes on for `seconds` and
+// then shows each clip once more, and what every style makes of it.
 struct LongRun {
-  judge::Chain chain;  // at the stream's rate
-  int content = 0;
+  judge::Chain chain;                // at the stream's rate
+  std::vector<int> contents;         // of each clip of the chain
   std::vector<judge::Poses> styled;  // per manifest style; empty where absent
 };
 
+LongRun RunLong(const Arguments& arguments, const judge::Styler& styler,
+                const std::vector<const train::TrainingClip*>& neutral) {
+  std::vector<judge::Poses> clips;
+  LongRun run;
+  for (const train::TrainingClip* c : neutral) {
+    clips.push_back(c->poses);
+    run.contents.push_back(c->content);
+  }
+  run.chain = judge::ChainClips(clips, judge::kJudgeRate_hz, arguments.long_s, kBlendFrames);
+  if (run.chain.poses.empty()) return run;
+  run.chain.poses =
+      clip::ResamplePoses(run.chain.poses, judge::kJudgeRate_hz, judge::kStreamRate_hz);
+  for (judge::Chain::Part& part : run.chain.parts) {
+    part.begin *= judge::kStreamPerJudge;
+    part.end = std::min(part.end * judge::kStreamPerJudge, run.chain.poses.size());
+  }
+  for (const int style : styler.style_of) {
+    const judge::Switch start{0, judge::OneStyle(style, false)};
+    run.styled.push_back(style == judge::kAbsent
+                             ? judge::Poses()
+                             : judge::StyleStream(styler.network, styler.binding, arguments.stylist,
+                                                  {&start, 1}, run.chain.poses));
+  }
+  return run;
+}
+
+// One run per content, and as the last one all contents mixed.
 std::vector<LongRun> RunLong(const Arguments& arguments, const judge::Data& data,
                              const judge::Styler& styler) {
-  std::vector<LongRun> runs;
-  for (int content = 0; content < static_cast<int>(data.manifest.contents.size()); ++content) {
-    std::vector<judge::Poses> clips;
-    for (const train::TrainingClip& c : data.validation) {
-      if (c.style == 0 && c.content == content) clips.push_back(c.poses);
-    }
-    LongRun run;
-    run.content = content;
-    run.chain = judge::ChainClips(clips, judge::kJudgeRate_hz, arguments.long_s, kBlendFrames);
-    if (run.chain.poses.empty()) continue;
-    run.chain.poses =
-        clip::ResamplePoses(run.chain.poses, judge::kJudgeRate_hz, judge::kStreamRate_hz);
-    for (judge::Chain::Part& part : run.chain.parts) {
-      part.begin *= judge::kStreamPerJudge;
-      part.end = std::min(part.end * judge::kStreamPerJudge, run.chain.poses.size());
-    }
-    for (const int style : styler.style_of) {
-      const judge::Switch start{0, judge::OneStyle(style, false)};
-      run.styled.push_back(style == judge::kAbsent
-                               ? judge::Poses()
-                               : judge::StyleStream(styler.network, styler.binding,
-                                                    arguments.stylist, {&start, 1},
-                                                    run.chain.poses));
-    }
-    runs.push_back(std::move(run));
+  std::vector<std::vector<const train::TrainingClip*>> by_content(data.manifest.contents.size());
+  std::size_t most = 0;
+  for (const train::TrainingClip& c : data.validation) {
+    if (c.style != 0) continue;
+    auto& clips = by_content[static_cast<std::size_t>(c.content)];
+    clips.push_back(&c);
+    most = std::max(most, clips.size());
   }
+  std::vector<const train::TrainingClip*> mixed;
+  for (std::size_t i = 0; i < most; ++i) {
+    for (const auto& clips : by_content) {
+      if (i < clips.size()) mixed.push_back(clips[i]);
+    }
+  }
+  std::vector<LongRun> runs;
+  for (const auto& clips : by_content) {
+    LongRun run = RunLong(arguments, styler, clips);
+    if (!run.chain.poses.empty()) runs.push_back(std::move(run));
+  }
+  runs.push_back(RunLong(arguments, styler, mixed));
   return runs;
 }
 
 // The parts of the long runs that begin after `seconds`, clip by clip, seams left out.
-std::vector<judge::Transferred> TakeLate(const std::vector<LongRun>& runs, double seconds) {
+std::vector<judge::Transferred> TakeLate(std::span<const LongRun> runs, double seconds) {
   std::vector<judge::Transferred> late;
   const auto from = static_cast<std::size_t>(seconds * judge::kStreamRate_hz);
   int clip = 0;
@@ -124,7 +147,8 @@ std::vector<judge::Transferred> TakeLate(const std::vector<LongRun>& runs, doubl
       for (std::size_t style = 1; style < run.styled.size(); ++style) {
         if (run.styled[style].empty()) continue;
         const auto styled = cut(run.styled[style]);
-        late.push_back({clip, static_cast<int>(style), run.content, cut(run.chain.poses),
+        late.push_back({clip, static_cast<int>(style),
+                        run.contents[static_cast<std::size_t>(part.clip)], cut(run.chain.poses),
                         judge::Poses(styled.begin(), styled.end())});
       }
       ++clip;
@@ -144,45 +168,10 @@ void PrintResponse(const judge::Response& response) {
       response.acceleration_max, response.steady);
 }
 
-// The inputs as live rigs spoil them, in both forms of the output.
-void JudgeRobustness(const Arguments& arguments, const judge::Data& data,
-                     const judge::Styler& styler, const judge::Evaluator& evaluator,
-                     nlohmann::json& json) {
-  std::printf("\nperturbed inputs: SRA, expression, cosine, jerk over the perturbed input's\n");
-  for (std::size_t kind = 0; kind < judge::kPerturbations.size(); ++kind) {
-    judge::Data spoiled = data;
-    for (std::size_t i = 0; i < data.inputs.size(); ++i) {
-      spoiled.inputs[i] = judge::Perturb(static_cast<judge::Perturbation>(kind), data.inputs[i],
-                                         judge::kStreamRate_hz, i + 1);
-    }
-    const auto& [key, text] = judge::kPerturbations[kind];
-    for (const bool absolute : {false, true}) {
-      const judge::Figures figures =
-          evaluator.Measure(std::string(text) + (absolute ? ", absolute" : ", detail-preserving"),
-                            judge::Style(spoiled, styler, arguments.stylist, absolute));
-      judge::Mean expression;
-      judge::Mean cosine;
-      judge::Mean jerk;
-      for (const judge::StyleFigures& of : figures.styles) {
-        if (of.sra.windows <= 0) continue;
-        expression.Add(of.expression.fraction);
-        cosine.Add(of.expression.cosine);
-        jerk.Add(of.jitter_stream);
-      }
-      std::printf("  %-68s %.3f  %.2f  %.2f  %.2f\n", figures.name.c_str(), figures.sra.value,
-                  expression.value(), cosine.value(), jerk.value());
-      json["perturbed"][std::string(key)][absolute ? "absolute" : "detail_preserving"] = {
-          {"sra", figures.sra.value},
-          {"expression", expression.value()},
-          {"expression_cosine", cosine.value()},
-          {"jitter_120", jerk.value()}};
-    }
-  }
-}
-
-void JudgeWeights(const Arguments& arguments, const judge::Data& data, const judge::Styler& styler,
-                  const judge::Judges& judges, const judge::Evaluator& evaluator,
-                  std::vector<judge::Transferred>& styled, nlohmann::json& json) {
+Status JudgeWeights(const Arguments& arguments, const judge::Data& data,
+                    const judge::Styler& styler, const judge::Judges& judges,
+                    const judge::Evaluator& evaluator, std::vector<judge::Transferred>& styled,
+                    std::vector<judge::Scene>& scenes, nlohmann::json& json) {
   const auto live = [&](bool absolute) {
     return judge::Style(data, styler, arguments.stylist, absolute);
   };
@@ -196,7 +185,17 @@ void JudgeWeights(const Arguments& arguments, const judge::Data& data, const jud
   report("styled", "styled (detail-preserving, as live)", styled);
   if (arguments.absolute) report("absolute", "absolute (the paper's output)", live(true));
 
-  if (arguments.robust) JudgeRobustness(arguments, data, styler, evaluator, json);
+  const styled::stylist::Options& options = arguments.stylist;
+  if (arguments.robust) json["spoilt"] = judge::JudgePerturbed(data, styler, evaluator, options);
+  if (arguments.rates) json["rates"] = judge::JudgeRates(data, styler, evaluator, options);
+  if (arguments.styled_inputs) {
+    json["styled_inputs"] = judge::JudgeStyledInputs(data, styler, evaluator, options);
+  }
+  if (!arguments.clips.empty()) {
+    auto others = judge::JudgeOtherClips(arguments.clips, styler, options, scenes);
+    if (!others.ok()) return others.status();
+    json["other_clips"] = std::move(others.value());
+  }
 
   std::vector<judge::Poses> neutral;
   for (const judge::Poses& input : data.inputs) neutral.push_back(judge::Thin(input));
@@ -216,12 +215,15 @@ void JudgeWeights(const Arguments& arguments, const judge::Data& data, const jud
     judge::Print(stage);
     json["feet"] = judge::ToJson(stage);
   }
-  if (arguments.long_s <= 0) return;
+  if (arguments.long_s <= 0) return Status::Ok();
 
   const std::vector<LongRun> runs = RunLong(arguments, data, styler);
   char title[96];
   std::snprintf(title, sizeof title, "styled, after %.0f s of continuous state", arguments.long_s);
-  report("long", title, TakeLate(runs, arguments.long_s));
+  const std::span<const LongRun> apart = std::span(runs).first(runs.size() - 1);
+  report("long", title, TakeLate(apart, arguments.long_s));
+  std::snprintf(title, sizeof title, "styled, contents mixed, after %.0f s", arguments.long_s);
+  report("mixed", title, TakeLate(std::span(runs).last(1), arguments.long_s));
 
   std::vector<int> styles;
   std::vector<int> network_styles;
@@ -230,12 +232,12 @@ void JudgeWeights(const Arguments& arguments, const judge::Data& data, const jud
     styles.push_back(static_cast<int>(style));
     network_styles.push_back(styler.style_of[style]);
   }
-  if (styles.size() < 2) return;
+  if (styles.size() < 2) return Status::Ok();
   std::vector<judge::ResponseInput> inputs;
-  for (const LongRun& run : runs) {
+  for (const LongRun& run : apart) {
     const std::size_t frames = std::min<std::size_t>(
         run.chain.poses.size(), static_cast<std::size_t>(60 * judge::kStreamRate_hz));
-    judge::ResponseInput input{run.content, std::span(run.chain.poses).first(frames), {}};
+    judge::ResponseInput input{run.contents.front(), std::span(run.chain.poses).first(frames), {}};
     for (const int style : styles)
       input.steady.push_back(std::span(run.styled[style]).first(frames));
     inputs.push_back(std::move(input));
@@ -253,6 +255,7 @@ void JudgeWeights(const Arguments& arguments, const judge::Data& data, const jud
                       {"acceleration_median", response.acceleration_median},
                       {"acceleration_max", response.acceleration_max},
                       {"acceleration_steady", response.steady}};
+  return Status::Ok();
 }
 
 // What the synthetic performer is asked for as one content, and for how long at a time.
@@ -371,19 +374,24 @@ Status Run(const Arguments& arguments) {
   json["baseline"] = evaluator.ToJson(figures);
 
   std::vector<judge::Transferred> styled;
+  std::vector<judge::Scene> scenes;
   if (!arguments.weights.empty()) {
     Result<judge::Styler> styler = judge::LoadStyler(arguments.weights, data.manifest);
     if (!styler.ok()) return styler.status();
-    JudgeWeights(arguments, data, styler.value(), judges, evaluator, styled, json);
+    const Status judged =
+        JudgeWeights(arguments, data, styler.value(), judges, evaluator, styled, scenes, json);
+    if (!judged.ok()) return judged;
   }
   if (!arguments.report.empty()) {
+    const std::vector<judge::Scene> of_data = Scenes(data, baseline, styled);
+    scenes.insert(scenes.begin(), of_data.begin(), of_data.end());
     const auto name = [](const std::string& path) {
       return std::filesystem::path(path).filename().string();
     };
     const Status written = judge::WriteReport({.weights = name(arguments.weights),
                                                .manifest = data.manifest.name,
                                                .figures = json,
-                                               .scenes = Scenes(data, baseline, styled)},
+                                               .scenes = std::move(scenes)},
                                               arguments.report);
     if (!written.ok()) return written;
   }
@@ -398,6 +406,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  styled::train::UseFastKernels(argv);
   Arguments arguments;
   CLI::App app("Judges Style-ERD weights on recorded clips, as they run live.");
   app.add_option("--weights", arguments.weights,
@@ -416,6 +425,11 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--absolute", arguments.absolute, "Judge the paper's absolute output, too");
   app.add_flag("--robust", arguments.robust, "Judge inputs as live rigs spoil them, too");
+  app.add_flag("--rates", arguments.rates, "Judge rigs of 24 to 240 Hz, too");
+  app.add_flag("--styled-inputs", arguments.styled_inputs,
+               "Judge performers who move in a style already, too");
+  app.add_option("--clips", arguments.clips, "Jitter and jumps on these BVH files, any rig's")
+      ->check(CLI::ExistingFile);
   app.add_option("--change-tau", arguments.stylist.change_tau_s,
                  "Low-pass on the change of style, seconds")
       ->capture_default_str();

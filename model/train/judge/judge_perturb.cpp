@@ -75,6 +75,14 @@ Poses Perturb(Perturbation kind, const Poses& poses, double rate_hz, std::uint64
       for (body::Pose& pose : out) pose.rotations[joint] = poses.front().rotations[joint];
       break;
     }
+    case Perturbation::kLegs: {
+      const float stride = draw.Coin() ? 1.15F : 0.85F;
+      for (body::Pose& pose : out) {
+        pose.hips_position_m.x() *= stride;
+        pose.hips_position_m.z() *= stride;
+      }
+      break;
+    }
     case Perturbation::kCount:
       break;
   }

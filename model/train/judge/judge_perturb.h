@@ -16,6 +16,7 @@ enum class Perturbation {
   kDrift,   // the heading drifts by 20 degrees a minute, the hips by 5 cm/s
   kFloor,   // the floor is 10 cm too high or too low
   kFrozen,  // one limb joint keeps its first rotation
+  kLegs,    // steps 15 % too long or too short for the humanoid: other legs than the binding thinks
   kCount
 };
 
@@ -27,7 +28,8 @@ inline constexpr std::array<PerturbationName, static_cast<std::size_t>(Perturbat
                     {"noise", "sensor noise, 0.5 degrees and 2 mm"},
                     {"drift", "heading drifts 20 degrees a minute, hips 5 cm/s"},
                     {"floor", "floor 10 cm off"},
-                    {"frozen", "one limb joint frozen"}}};
+                    {"frozen", "one limb joint frozen"},
+                    {"legs", "steps 15 % too long or too short"}}};
 
 Poses Perturb(Perturbation kind, const Poses& poses, double rate_hz, std::uint64_t seed);
 

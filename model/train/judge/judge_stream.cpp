@@ -25,7 +25,7 @@ stylist::Settings OneStyle(int style, bool absolute) {
 Poses StyleStream(const std::shared_ptr<const erd::Network>& network,
                   const std::shared_ptr<const rig::Binding>& binding,
                   const stylist::Options& options, std::span<const Switch> switches,
-                  std::span<const body::Pose> input) {
+                  std::span<const body::Pose> input, double rate_hz) {
   stylist::Stylist stylist(network, binding, options);
   stylist::Output output(binding->skeleton());
   rig::RigPose source(binding->skeleton());
@@ -36,7 +36,8 @@ Poses StyleStream(const std::shared_ptr<const erd::Network>& network,
     while (next != switches.end() && next->frame <= i) stylist.Set((next++)->settings);
     source.translations[0] = input[i].hips_position_m;
     std::copy(input[i].rotations.begin(), input[i].rotations.end(), source.rotations.begin());
-    const auto time_ns = static_cast<std::int64_t>(std::llround(1e9 * i / kStreamRate_hz));
+    const auto time_ns =
+        static_cast<std::int64_t>(std::llround(1e9 * static_cast<double>(i) / rate_hz));
     stylist.Process(time_ns + 1, source, output);
     styled.push_back(output.canonical);
   }

@@ -25,8 +25,8 @@ Poses Thin(std::span<const body::Pose> poses);
 // The settings of one style at full strength, at once.
 stylist::Settings OneStyle(int style, bool absolute);
 
-// What the stylist publishes for `input` (at kStreamRate_hz) as one session. `switches` take effect
-// at their frame, in ascending order.
+// What the stylist publishes for `input` (at `rate_hz`) as one session. `switches` take effect at
+// their frame, in ascending order.
 struct Switch {
   std::size_t frame = 0;
   stylist::Settings settings;
@@ -34,7 +34,7 @@ struct Switch {
 Poses StyleStream(const std::shared_ptr<const erd::Network>& network,
                   const std::shared_ptr<const rig::Binding>& binding,
                   const stylist::Options& options, std::span<const Switch> switches,
-                  std::span<const body::Pose> input);
+                  std::span<const body::Pose> input, double rate_hz = kStreamRate_hz);
 
 // The baseline that a network must beat: a constant rotation per joint.
 struct ConstantOffset {

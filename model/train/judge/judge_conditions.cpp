@@ -1,0 +1,241 @@
+#include "model/train/judge/judge_conditions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "model/clip/clip.h"
+#include "model/rig/dialects.h"
+#include "model/train/judge/judge_metrics.h"
+#include "model/train/judge/judge_perturb.h"
+
+namespace styled::judge {
+namespace {
+
+// Means over styles.
+struct Row {
+  double sra = 0, cra = 0, expression = 0, cosine = 0, jerk = 0;
+};
+
+Row Summary(const Figures& figures) {
+  Mean expression;
+  Mean cosine;
+  Mean jerk;
+  for (const StyleFigures& of : figures.styles) {
+    if (of.sra.windows <= 0) continue;
+    expression.Add(of.expression.fraction);
+    cosine.Add(of.expression.cosine);
+    jerk.Add(of.jitter_stream);
+  }
+  return {figures.sra.value, figures.cra.value, expression.value(), cosine.value(), jerk.value()};
+}
+
+nlohmann::json ToJson(const Row& row) {
+  return {{"sra", row.sra},
+          {"cra", row.cra},
+          {"expression", row.expression},
+          {"expression_cosine", row.cosine},
+          {"jitter", row.jerk}};
+}
+
+// Every `step`-th input of each content: enough for a mean, in a fraction of the time.
+Data Some(const Data& data, int step) {
+  Data some = data;
+  some.inputs.clear();
+  some.contents.clear();
+  std::vector<int> seen(data.manifest.contents.size(), 0);
+  for (std::size_t i = 0; i < data.inputs.size(); ++i) {
+    if (seen[static_cast<std::size_t>(data.contents[i])]++ % step != 0) continue;
+    some.inputs.push_back(data.inputs[i]);
+    some.contents.push_back(data.contents[i]);
+  }
+  return some;
+}
+
+// Real clips of the targets as they would have been published, spoilt.
+std::vector<Transferred> RealPerturbed(const Data& data, const Styler& styler, Perturbation kind,
+                                       const std::vector<Poses>& inputs) {
+  std::vector<Transferred> out;
+  for (std::size_t i = 0; i < data.validation.size(); ++i) {
+    const train::TrainingClip& c = data.validation[i];
+    if (c.style == 0 || styler.style_of[static_cast<std::size_t>(c.style)] == kAbsent) continue;
+    out.push_back({static_cast<int>(i), c.style, c.content, inputs[i],
+                   Perturb(kind, inputs[i], kStreamRate_hz, i + 1)});
+  }
+  return out;
+}
+
+float LargestTurn_deg(std::span<const body::Pose> poses) {
+  float most = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+      most = std::max(
+          most,
+          body::Log(poses[i - 1].rotations[joint].conjugate() * poses[i].rotations[joint]).norm());
+    }
+  }
+  return most * 57.29578F;
+}
+
+Poses Beginning(std::span<const body::Pose> poses) {
+  return Thin(poses.first(std::min(poses.size(), static_cast<std::size_t>(6 * kStreamRate_hz))));
+}
+
+}  // namespace
+
+nlohmann::json JudgePerturbed(const Data& data, const Styler& styler, const Evaluator& evaluator,
+                              const stylist::Options& options) {
+  std::printf(
+      "\nspoilt inputs: SRA of real clips spoilt alike; SRA, expression, cosine, jerk over the "
+      "spoilt input's; absolute\n");
+  std::vector<Poses> real;
+  for (const train::TrainingClip& c : data.validation) {
+    real.push_back(clip::ResamplePoses(c.poses, kJudgeRate_hz, kStreamRate_hz));
+  }
+  nlohmann::json json;
+  for (std::size_t kind = 0; kind < kPerturbations.size(); ++kind) {
+    const auto& [key, text] = kPerturbations[kind];
+    const auto perturbation = static_cast<Perturbation>(kind);
+    Data spoilt = data;
+    for (std::size_t i = 0; i < data.inputs.size(); ++i) {
+      spoilt.inputs[i] = Perturb(perturbation, data.inputs[i], kStreamRate_hz, i + 1);
+    }
+    const double known =
+        evaluator.Measure("", RealPerturbed(data, styler, perturbation, real)).sra.value;
+    const Row detail = Summary(evaluator.Measure("", Style(spoilt, styler, options, false)));
+    const Row absolute = Summary(evaluator.Measure("", Style(spoilt, styler, options, true)));
+    std::printf("  %-42.*s %.3f   %.3f  %5.2f  %5.2f  %5.2f   %.3f  %5.2f  %5.2f  %5.2f\n",
+                static_cast<int>(text.size()), text.data(), known, detail.sra, detail.expression,
+                detail.cosine, detail.jerk, absolute.sra, absolute.expression, absolute.cosine,
+                absolute.jerk);
+    json[std::string(key)] = {{"text", text},
+                              {"real_sra", known},
+                              {"detail_preserving", ToJson(detail)},
+                              {"absolute", ToJson(absolute)}};
+  }
+  return json;
+}
+
+nlohmann::json JudgeRates(const Data& data, const Styler& styler, const Evaluator& evaluator,
+                          const stylist::Options& options) {
+  constexpr std::array kRates_hz{24.0, 25.0,  30.0,   48.0,  50.0,  59.94, 60.0,
+                                 90.0, 100.0, 119.88, 120.0, 144.0, 240.0};
+  std::printf("\nrates: SRA, CRA, expression, cosine, jerk at that rate\n");
+  const Data some = Some(data, 3);
+  nlohmann::json json;
+  for (const double rate_hz : kRates_hz) {
+    std::vector<Transferred> transferred;
+    Mean jerk_in;
+    Mean jerk_out;
+    for (std::size_t i = 0; i < some.inputs.size(); ++i) {
+      const Poses at_rate = clip::ResamplePoses(some.inputs[i], kStreamRate_hz, rate_hz);
+      for (std::size_t style = 1; style < styler.style_of.size(); ++style) {
+        if (styler.style_of[style] == kAbsent) continue;
+        const Switch start{0, OneStyle(styler.style_of[style], false)};
+        const Poses styled =
+            StyleStream(styler.network, styler.binding, options, {&start, 1}, at_rate, rate_hz);
+        jerk_in.Add(MeanJerk(at_rate, rate_hz));
+        jerk_out.Add(MeanJerk(styled, rate_hz));
+        Poses output = clip::ResamplePoses(styled, rate_hz, kStreamRate_hz);
+        output.resize(some.inputs[i].size(), output.back());  // the last period may be missing
+        transferred.push_back({static_cast<int>(i), static_cast<int>(style), some.contents[i],
+                               some.inputs[i], std::move(output)});
+      }
+    }
+    Row row = Summary(evaluator.Measure("", transferred));
+    row.jerk = jerk_out.value() / std::max(1e-9, jerk_in.value());
+    std::printf("  %6.2f Hz  %.3f  %.3f  %5.2f  %5.2f  %5.2f\n", rate_hz, row.sra, row.cra,
+                row.expression, row.cosine, row.jerk);
+    json.push_back(ToJson(row));
+    json.back()["rate_hz"] = rate_hz;
+  }
+  return json;
+}
+
+nlohmann::json JudgeStyledInputs(const Data& data, const Styler& styler, const Evaluator& evaluator,
+                                 const stylist::Options& options) {
+  const std::vector<clip::ManifestStyle>& styles = data.manifest.styles;
+  std::printf("\nperformers in a style already, SRA per target\n  %-14s", "");
+  for (std::size_t to = 1; to < styles.size(); ++to) {
+    if (styler.style_of[to] != kAbsent) std::printf(" %.9s", styles[to].name.c_str());
+  }
+  std::printf("\n");
+  nlohmann::json json;
+  Mean all;
+  for (std::size_t from = 1; from < styles.size(); ++from) {
+    Data own = data;
+    own.inputs.clear();
+    own.contents.clear();
+    for (const train::TrainingClip& c : data.validation) {
+      if (c.style != static_cast<int>(from)) continue;
+      own.inputs.push_back(clip::ResamplePoses(c.poses, kJudgeRate_hz, kStreamRate_hz));
+      own.contents.push_back(c.content);
+    }
+    if (own.inputs.empty()) continue;
+    Styler others = styler;
+    others.style_of[from] = kAbsent;
+    const Figures figures = evaluator.Measure("", Style(Some(own, 2), others, options, false));
+    std::printf("  %-14s", styles[from].name.c_str());
+    for (std::size_t to = 1; to < styles.size(); ++to) {
+      if (styler.style_of[to] == kAbsent) continue;
+      const int width = std::min<int>(9, static_cast<int>(styles[to].name.size()));
+      if (to == from) {
+        std::printf(" %*s", width, "-");
+        continue;
+      }
+      const double sra = figures.styles[to].sra.value;
+      std::printf(" %*.2f", width, sra);
+      json[styles[from].name][styles[to].name] = sra;
+      all.Add(sra);
+    }
+    std::printf("\n");
+  }
+  std::printf("  mean %.3f\n", all.value());
+  json["mean"] = all.value();
+  return json;
+}
+
+Result<nlohmann::json> JudgeOtherClips(std::span<const std::filesystem::path> files,
+                                       const Styler& styler, const stylist::Options& options,
+                                       std::vector<Scene>& scenes) {
+  std::printf(
+      "\nother rigs' clips: worst style's jerk over the input's at 120 Hz; largest turn of one "
+      "joint between frames, input and worst style, degrees\n");
+  nlohmann::json json;
+  for (const std::filesystem::path& file : files) {
+    Result<clip::Clip> read = clip::ReadBvh(file);
+    if (!read.ok()) return read.status();
+    Result<rig::Binding> bound = rig::BindDialect(read.value().skeleton, "auto");
+    if (!bound.ok()) return Status::Error(file.string() + ": " + bound.status().message());
+    Poses input = clip::ToCanonical(read.value(), bound.value());
+    if (std::abs(read.value().rate_hz / kStreamRate_hz - 1) > 1e-3) {
+      input = clip::ResamplePoses(input, read.value().rate_hz, kStreamRate_hz);
+    }
+    const double jerk_in = MeanJerk(input, kStreamRate_hz).value();
+    const float turn_in_deg = LargestTurn_deg(input);
+    double worst_jerk = 0;
+    float worst_turn_deg = 0;
+    std::string jerks_as;
+    std::string turns_as;
+    const std::string name = file.filename().string();
+    for (int style = 1; style < styler.network->style_count(); ++style) {
+      const std::string& style_name =
+          styler.network->metadata().styles[static_cast<std::size_t>(style)].name;
+      const Switch start{0, OneStyle(style, false)};
+      const Poses out = StyleStream(styler.network, styler.binding, options, {&start, 1}, input);
+      scenes.push_back({name, style_name, Beginning(input), {}, Beginning(out)});
+      const double jerk = MeanJerk(out, kStreamRate_hz).value() / std::max(1e-9, jerk_in);
+      const float turn_deg = LargestTurn_deg(out);
+      json[name]["styles"][style_name] = {{"jitter_120", jerk}, {"largest_turn_deg", turn_deg}};
+      if (jerk > worst_jerk) worst_jerk = jerk, jerks_as = style_name;
+      if (turn_deg > worst_turn_deg) worst_turn_deg = turn_deg, turns_as = style_name;
+    }
+    json[name]["input_largest_turn_deg"] = turn_in_deg;
+    std::printf("  %-28s %5.2f (%s)   %5.1f  %5.1f (%s)\n", name.c_str(), worst_jerk,
+                jerks_as.c_str(), turn_in_deg, worst_turn_deg, turns_as.c_str());
+  }
+  return json;
+}
+
+}  // namespace styled::judge
