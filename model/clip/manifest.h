@@ -32,9 +32,11 @@ struct ManifestEntry {
 //   split = "train"
 //   judge_share = 0.2    # of each (style, content) cell, the last takes in number go to "judge"
 //   time = [0.0, 0.75]   # only this part of each clip: one clip may serve several splits in turn
-//   repeat_s = 8.0       # the clips are loops (the last frame shows the first again), to be
-//   repeated except = ["*/dataset-2_run_*"]   # files that the pattern does not mean [still] #
-//   stretches in which nothing moves faster are another content content = "stand" speed_mps = 0.15
+//   repeat_s = 8.0       # loops (the last frame shows the first again), repeated so long
+//   except = ["*/dataset-2_run_*"]   # files that the pattern does not mean
+//   [still]              # stretches in which nothing moves faster are another content
+//   content = "stand"
+//   speed_mps = 0.15
 // Paths are relative to the data folder given at load time. {content} and {style} match any of the
 // labels, the longest first; {take} digits; * anything but "/". Files that match no label are left
 // out; a file under two patterns whose parts in time overlap is an error, and so is a key that is

@@ -4,10 +4,12 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "model/train/blas.h"
 #include "model/train/judge/judge_validation.h"
 #include "model/train/trainer.h"
 
 int main(int argc, char** argv) {
+  styled::train::UseFastKernels(argv);
   styled::train::TrainConfig config;
   std::vector<std::string> export_paths;
   std::string validation_cache;
@@ -42,6 +44,9 @@ int main(int argc, char** argv) {
   app.add_option("--carry", config.carry, "Share of windows that start with carried states")
       ->capture_default_str();
   app.add_option("--session-start", config.session_start)->capture_default_str();
+  app.add_option("--miscalibrated", config.miscalibrated,
+                 "Share of windows with wrong rest poses and floor")
+      ->capture_default_str();
   app.add_option("--generator-rate", config.generator_rate)->capture_default_str();
   app.add_option("--critic-rate", config.critic_rate)->capture_default_str();
   app.add_option("--beta1", config.beta1)->capture_default_str();
@@ -57,8 +62,20 @@ int main(int argc, char** argv) {
   app.add_option("--w-perceptual", config.w_perceptual)->capture_default_str();
   app.add_option("--w-penalty", config.w_penalty)->capture_default_str();
   app.add_option("--w-smooth", config.w_smooth)->capture_default_str();
+  app.add_option("--penalty-every", config.penalty_every,
+                 "Gradient penalty every so many iterations, as much stronger")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--critic-first", config.critic_first,
+                 "Iterations in which only the critic learns (with --init)")
+      ->capture_default_str();
   app.add_option("--smooth-from", config.smooth_from)->capture_default_str();
   app.add_option("--smooth-full", config.smooth_full)->capture_default_str();
+  app.add_option("--attention", config.attention, "0: a plain multi-class discriminator (ablation)")
+      ->capture_default_str();
+  app.add_option("--learned-states", config.learned_states,
+                 "0: recurrent states start at zero (ablation)")
+      ->capture_default_str();
   app.add_option("--judge-published", config.judge_published,
                  "1: judges see the detail-preserving output, 0: the absolute one")
       ->capture_default_str();

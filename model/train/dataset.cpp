@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <random>
 #include <unordered_map>
 
 #include "model/clip/clip.h"
@@ -86,11 +87,37 @@ std::vector<body::Pose> RepeatLoop(const std::vector<body::Pose>& loop, int fram
   return out;
 }
 
+Miscalibration DrawMiscalibration(std::uint64_t seed) {
+  constexpr float kRotation_rad = 15.0F * 0.017453293F;
+  constexpr float kFloor_m = 0.1F;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<float> uniform;
+  Miscalibration out;
+  out.rotations[body::kHips] = body::Quat::Identity();
+  const float size_rad = kRotation_rad * uniform(random);  // of the joint that is worst
+  for (int joint = 1; joint < body::kJointCount; ++joint) {
+    const float x = normal(random);
+    const float y = normal(random);
+    const float z = normal(random);
+    out.rotations[joint] =
+        body::Exp(body::Vec3(x, y, z).normalized() * (size_rad * uniform(random)));
+  }
+  out.floor_m = kFloor_m * (2.0F * uniform(random) - 1.0F);
+  return out;
+}
+
 void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, bool session_start,
-                const body::FeatureParameters& parameters, const WindowView& out) {
+                const body::FeatureParameters& parameters, const WindowView& out,
+                const Miscalibration* wrong) {
   const auto pose_at = [&](int frame) {
     body::Pose pose = clip.poses[frame];
     if (mirrored) body::Mirror(pose, pose);
+    if (wrong == nullptr) return pose;
+    for (int joint = 1; joint < body::kJointCount; ++joint) {
+      pose.rotations[joint] = pose.rotations[joint] * wrong->rotations[joint];
+    }
+    pose.hips_position_m.y() += wrong->floor_m;
     return pose;
   };
 
@@ -105,6 +132,16 @@ void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, 
     state.positions_m = world.positions_m;
     state.heading_cos = clip.heading_cos[start - 1];
     state.heading_sin = clip.heading_sin[start - 1] * (mirrored ? -1.0F : 1.0F);
+    if (wrong != nullptr) {  // shoulders that are turned wrongly turn the heading, too
+      body::Pose right = clip.poses[start - 1];
+      if (mirrored) body::Mirror(right, right);
+      body::WorldPose right_world;
+      body::ForwardKinematics(right, right_world);
+      const Eigen::Rotation2Df turn(body::Heading_rad(world) - body::Heading_rad(right_world));
+      const Eigen::Vector2f heading = turn * Eigen::Vector2f(state.heading_cos, state.heading_sin);
+      state.heading_cos = heading.x();
+      state.heading_sin = heading.y();
+    }
     last_heading_rad = std::atan2(state.heading_sin, state.heading_cos);
     last_hips_m = before.hips_position_m;
   }
@@ -138,6 +175,7 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
     styles[manifest.styles[i].name] = static_cast<int>(i);
   }
   std::vector<TrainingClip> clips;
+  std::unordered_map<std::string, int> sources;
   std::optional<rig::Binding> binding;  // of the last skeleton seen: most sets have only one
   std::string bound_rig;
   for (const clip::ManifestEntry& entry : manifest.entries) {
@@ -154,6 +192,8 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
     }
     TrainingClip clip;
     clip.file = entry.file.string();
+    const int next_source = static_cast<int>(sources.size());
+    clip.source = sources.try_emplace(entry.file.parent_path().string(), next_source).first->second;
     clip.style = styles.at(entry.style);
     clip.content = IndexOf(manifest.contents, entry.content);
     clip.poses = clip::ToCanonical(source.value(), *binding);

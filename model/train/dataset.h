@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,6 +15,7 @@ namespace styled::train {
 // One labelled clip as canonical poses at the network's rate.
 struct TrainingClip {
   std::string file;
+  int source = 0;   // clips of one folder share it
   int style = 0;    // index into Manifest::styles
   int content = 0;  // index into Manifest::contents
   std::vector<body::Pose> poses;
@@ -33,6 +36,15 @@ struct FeatureStatistics {
   body::Features mean{}, deviation{};
 };
 
+// A performer whose rig is not well calibrated: every joint but the hips has a constant rotation on
+// top of its own, and the floor is too high or too low.
+struct Miscalibration {
+  std::array<body::Quat, body::kJointCount> rotations;
+  float floor_m = 0.0F;
+};
+// Up to 15 degrees about any axis and up to 10 cm, deterministic by seed.
+Miscalibration DrawMiscalibration(std::uint64_t seed);
+
 // Where FillWindow writes, `length` frames each. Frame t of features starts at
 // features + t * feature_stride (floats), and so on; strides let a batch be time-major.
 struct WindowView {
@@ -46,9 +58,11 @@ struct WindowView {
 
 // Writes frames [start, start + length) of a clip as the network sees them, through
 // body::ComputeFeatures. With `session_start` (or start = 0) the first frame has v = 0 and an
-// unfiltered heading, as in a new session; otherwise the window continues the clip's own past.
+// unfiltered heading, as in a new session; otherwise the window continues the clip's own past. With
+// `wrong`, as a rig that is calibrated that badly would show it.
 void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, bool session_start,
-                const body::FeatureParameters& parameters, const WindowView& out);
+                const body::FeatureParameters& parameters, const WindowView& out,
+                const Miscalibration* wrong = nullptr);
 
 // The poses of a loop, whose last frame shows the first again, repeated with its path going on
 // until there are at least `frames`.

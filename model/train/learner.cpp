@@ -24,6 +24,7 @@ Sampler::Options SamplerOptions(const TrainConfig& config, const clip::Manifest&
           .length = config.window + 1,
           .carry = config.carry,
           .session_start = config.session_start,
+          .miscalibrated = config.miscalibrated,
           .seed = config.seed};
 }
 
@@ -37,12 +38,6 @@ Tensor ToTensor(const body::Features& features, const torch::Device& device) {
   return torch::from_blob(const_cast<float*>(features.data()), {body::kFeatureCount})
       .clone()
       .to(device);
-}
-
-StackState Concrete(StackState state) {
-  for (Tensor& h : state.h) h = h.detach().clone();
-  for (Tensor& c : state.c) c = c.detach().clone();
-  return state;
 }
 
 // Learning rates are constant, then fall linearly.
@@ -85,9 +80,8 @@ Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
       sampler_(clips, SamplerOptions(config, manifest)),
       generator_(Shape(manifest), mean_, deviation_),
       average_(Shape(manifest), mean_, deviation_),
-      critic_(kJudgedFeatures,
-              static_cast<int64_t>(manifest.styles.size() + manifest.contents.size()),
-              config.window),
+      critic_(kJudgedFeatures, static_cast<int64_t>(manifest.styles.size()),
+              static_cast<int64_t>(manifest.contents.size()), config.window, config.attention),
       classifier_(kContentFeatures, static_cast<int64_t>(manifest.contents.size())),
       generator_adam_(generator_.parameters, config.beta1, config.beta2),
       critic_adam_((critic_.parameters.Flatten(device), critic_.parameters), config.beta1,
@@ -110,10 +104,11 @@ Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
   styled_ = (own_ > 0).to(torch::kFloat32).view({1, -1, 1});
 
   if (!config.add_style.empty()) FreezeAllButTheNewStyle();
+  if (!config.learned_states) StartFromZeros();
 
   torch::NoGradGuard no_grad;
-  neutral_carried_ = Concrete(generator_.neutral.Initial(slots_));
-  branch_carried_ = Concrete(generator_.branches.Initial(slots_ / (styles - 1)));
+  neutral_carried_ = generator_.neutral.Initial(slots_).Concrete();
+  branch_carried_ = generator_.branches.Initial(slots_ / (styles - 1)).Concrete();
 }
 
 Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) const {
@@ -125,6 +120,9 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   Tensor content = torch::zeros({count, static_cast<int64_t>(manifest_.contents.size())});
   Tensor carried = torch::zeros({count}, torch::kBool);
   Tensor paired = torch::zeros({count});
+  Tensor seen;  // made where a window is miscalibrated
+  const auto wrong = [](const Sampler::Window& window) { return window.miscalibration != 0; };
+  if (std::any_of(windows.begin(), windows.end(), wrong)) seen = torch::empty_like(features);
   for (int64_t i = 0; i < count; ++i) {
     const Sampler::Window& window = windows[i];
     FillWindow(clips_[window.clip], window.start, static_cast<int>(frames_), window.mirrored,
@@ -135,12 +133,22 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
                 .yaw_stride = count,
                 .hips_step_m = step.data_ptr<float>() + i * 3,
                 .step_stride = count * 3});
+    if (seen.defined()) {
+      Miscalibration draw;
+      if (wrong(window)) draw = DrawMiscalibration(window.miscalibration);
+      FillWindow(clips_[window.clip], window.start, static_cast<int>(frames_), window.mirrored,
+                 window.session_start, parameters_,
+                 {.features = seen.data_ptr<float>() + i * body::kFeatureCount,
+                  .feature_stride = count * body::kFeatureCount},
+                 wrong(window) ? &draw : nullptr);
+    }
     content.data_ptr<float>()[i * content.size(1) + window.content] = 1.0F;
     paired.data_ptr<float>()[i] = window.paired ? 1.0F : 0.0F;
     carried.data_ptr<bool>()[i] = window.carried;
   }
   batch.features = features.to(device_);
   batch.u = (batch.features - mean_) / deviation_;
+  batch.seen = seen.defined() ? (seen.to(device_) - mean_) / deviation_ : batch.u;
   batch.rotations = batch.features.narrow(2, 0, body::kRotationFeatures)
                         .reshape({frames_, count, body::kJointCount, 4});
   batch.positions = batch.features.narrow(2, body::kPositionBegin, body::kPositionFeatures)
@@ -153,90 +161,8 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   return batch;
 }
 
-// For each of our styles, the style of `from` whose branch reconstructs windows of it best.
-std::vector<int64_t> Learner::NearestStyles(const Generator& from) const {
-  constexpr int64_t kWindows = 32;
-  Sampler::Options options = SamplerOptions(config_, manifest_);
-  options.seed += 2000003;
-  Sampler sampler(clips_, options);
-  const int64_t branches = from.branches.groups;
-  const Tensor styles = torch::arange(1, branches + 1).repeat_interleave(kWindows);
-  std::vector<int64_t> nearest{0};
-  for (int style = 1; style < options.styles; ++style) {
-    std::vector<Sampler::Window> windows;
-    for (int64_t i = 0; i < kWindows; ++i) windows.push_back(sampler.Any(style));
-    const Batch batch = MakeBatch(windows);
-    const Tensor z = from.Encode(batch.u.cpu().repeat({1, branches, 1}), styles);
-    StackState neutral_state = from.neutral.Initial(kWindows * branches);
-    StackState branch_state = from.branches.Initial(kWindows);
-    const Tensor target = torch::one_hot(styles, branches + 1).to(torch::kFloat32);
-    const Tensor rec =
-        from.Decode(from.Neutral(z, neutral_state) + from.Branches(z, branch_state), target)
-            .rotations;
-    const Tensor error = SquaredHalfAngle(rec, batch.rotations.cpu().repeat({1, branches, 1, 1}));
-    nearest.push_back(1 + error.mean(torch::IntArrayRef({0, 2}))
-                              .view({branches, kWindows})
-                              .mean(1)
-                              .argmin()
-                              .item<int64_t>());
-  }
-  return nearest;
-}
-
-Status Learner::Adopt(const LoadedWeights& weights) {
-  const torch::NoGradGuard no_grad;
-  const Generator& from = *weights.generator;
-  const int64_t known = from.shape.styles;
-  // 1. Which of its styles each of ours starts as.
-  std::vector<int64_t> source = NearestStyles(from);
-  for (std::size_t style = 0; style < source.size(); ++style) {
-    const std::string& name = manifest_.styles[style].name;
-    const auto found = std::find(weights.styles.begin(), weights.styles.end(), name);
-    if (found != weights.styles.end()) {
-      source[style] = found - weights.styles.begin();
-    } else if (style == 0) {
-      return Status::Error("has no style \"" + name + "\", which the manifest calls neutral");
-    } else {
-      std::cout << name << " starts as " << weights.styles[source[style]] << std::endl;
-    }
-  }
-
-  // 2. Shared parameters as they are; per style, rows of branches and columns of one-hot inputs.
-  const Tensor index = torch::tensor(source, torch::kInt64);
-  const Tensor branch_index = index.narrow(0, 1, index.size(0) - 1) - 1;
-  for (const auto& [name, tensor] : generator_.parameters.named()) {
-    Tensor value = from.parameters.Find(name).detach();
-    if (name.starts_with("branches.")) value = value.index_select(0, branch_index);
-    if (name == "encoder.0.weight" || name == "decoder.0.weight") {
-      const int64_t plain = value.size(1) - known;
-      value = torch::cat(
-          {value.narrow(1, 0, plain), value.narrow(1, plain, known).index_select(1, index)}, 1);
-    }
-    if (value.sizes() != tensor.sizes()) return Status::Error("tensor " + name + " does not fit");
-    tensor.copy_(value);
-  }
-  average_.parameters.flat().copy_(generator_.parameters.flat());
-  neutral_carried_ = Concrete(generator_.neutral.Initial(slots_));
-  branch_carried_ = Concrete(generator_.branches.Initial(slots_ / (generator_.shape.styles - 1)));
-  return Status::Ok();
-}
-
-// The one branch, and its columns of the style inputs of encoder and decoder.
-void Learner::FreezeAllButTheNewStyle() {
-  const torch::NoGradGuard no_grad;
-  trained_ = torch::zeros_like(generator_.parameters.flat());
-  for (const auto& [name, tensor] : generator_.parameters.named()) {
-    const Tensor mask =
-        trained_.narrow(0, tensor.storage_offset(), tensor.numel()).view(tensor.sizes());
-    if (name.starts_with("branches.")) mask.fill_(1);
-    if (name == "encoder.0.weight" || name == "decoder.0.weight") {
-      mask.select(1, mask.size(1) - 1).fill_(1);
-    }
-  }
-}
-
 void Learner::TrainClassifier() {
-  Sampler::Options options = SamplerOptions(config_, manifest_);
+  Sampler::Options options = sampler_.options();
   options.seed += 1000003;
   Sampler sampler(clips_, options);
   Adam adam(classifier_.parameters);
@@ -293,10 +219,12 @@ Tensor Learner::Real(const Batch& batch) const {
                                 torch::zeros_like(batch.yaw_change_rad), config_.rate_hz));
 }
 
+// A badly calibrated window must come out as the well calibrated one would: `rec` is then compared
+// with that, and the change of style is put on that before it is judged.
 // Every sample with its own style (rec) and with its target (sty): neutral windows are
 // reconstructed by r_0 alone and transferred with their slot's branch, styled ones the other way.
 Learner::Generated Learner::Generate(const Batch& batch) {
-  const Tensor z = generator_.Encode(batch.u, own_);
+  const Tensor z = generator_.Encode(batch.seen, own_);
   StackState neutral_state =
       Start(generator_.neutral, neutral_carried_, batch.carried.view({1, -1, 1}));
   StackState branch_state = Start(generator_.branches, branch_carried_,
@@ -337,18 +265,24 @@ Tensor Learner::PairedMean(const Batch& batch, const Tensor& score) const {
 
 // Real +1, fake -1, and the gradient penalty on real windows (eq. 5, 6).
 void Learner::StepCritic(const Batch& batch, const Tensor& fake, double rate) {
-  const Tensor x = Real(batch).detach().requires_grad_(true);
+  const bool penalized = iteration_ % config_.penalty_every == 0;
+  const Tensor x = Real(batch).detach().requires_grad_(penalized);
   const Tensor real_score = critic_(x, torch::cat({own_one_hot_, batch.content}, 1));
   const Tensor fake_score = critic_(fake.detach(), torch::cat({target_one_hot_, batch.content}, 1));
-  const Tensor gradient = torch::autograd::grad({real_score.sum()}, {x}, {}, true, true)[0];
-  const Tensor penalty = gradient.square().sum(torch::IntArrayRef({0, 2})).mean();
   const Tensor judgement =
       (real_score - 1.0).square().mean() + PairedMean(batch, (fake_score + 1.0).square());
+  Tensor loss = judgement;
+  if (penalized) {
+    const Tensor gradient = torch::autograd::grad({real_score.sum()}, {x}, {}, true, true)[0];
+    const Tensor penalty = config_.w_penalty * config_.penalty_every *
+                           gradient.square().sum(torch::IntArrayRef({0, 2})).mean();
+    loss = loss + penalty;
+    tally_.Add("penalty", penalty);
+  }
   critic_.parameters.ZeroGradient();
-  (judgement + config_.w_penalty * penalty).backward();
+  loss.backward();
   critic_adam_.Step(critic_.parameters, rate);
   tally_.Add("critic", judgement);
-  tally_.Add("penalty", config_.w_penalty * penalty);
   tally_.Add("real", real_score.mean());
   tally_.Add("fake", fake_score.mean());
 }
@@ -417,6 +351,10 @@ void Learner::Step(double progress) {
   const Batch batch = MakeBatch(sampler_.Next());
   const Generated generated = Generate(batch);
   StepCritic(batch, generated.fake, config_.critic_rate * decay);
+  if (iteration_ < config_.critic_first) {
+    ++iteration_;
+    return;
+  }
 
   RequireGradient(critic_.parameters, false);
   const Tensor adversarial = PairedMean(
@@ -480,7 +418,8 @@ Status Learner::Restore(const Checkpoint& checkpoint) {
     critic_adam_.first.copy_(t.at("critic.first"));
     critic_adam_.second.copy_(t.at("critic.second"));
     iteration_ = t.at("iteration").item<int64_t>();
-    generator_adam_.steps = critic_adam_.steps = iteration_;
+    critic_adam_.steps = iteration_;
+    generator_adam_.steps = std::max<int64_t>(0, iteration_ - config_.critic_first);
     const auto unstack = [this](const Tensor& all, std::vector<Tensor>& layers) {
       TORCH_CHECK(
           all.size(0) == static_cast<int64_t>(layers.size()) && all[0].sizes() == layers[0].sizes(),

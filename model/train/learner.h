@@ -64,9 +64,10 @@ class Learner {
   struct Batch {
     torch::Tensor features, yaw_change_rad, hips_step_m;  // [T, B, 211], [T, B], [T, B, 3]
     torch::Tensor u;                                      // standardized features
-    torch::Tensor rotations, positions;                   // views of features, [T, B, 21, 4 or 3]
-    torch::Tensor content;                                // [B, contents] one-hot
-    torch::Tensor carried;                                // [B] bool
+    torch::Tensor seen;  // the same as the generator sees them: some from badly calibrated rigs
+    torch::Tensor rotations, positions;  // views of features, [T, B, 21, 4 or 3]
+    torch::Tensor content;               // [B, contents] one-hot
+    torch::Tensor carried;               // [B] bool
     torch::Tensor paired;  // [B] 1 where the critic knows real motion of that style and content
   };
   // What the generator makes of a batch.
@@ -81,6 +82,7 @@ class Learner {
   Batch MakeBatch(const std::vector<Sampler::Window>& windows) const;
   std::vector<int64_t> NearestStyles(const Generator& from) const;
   void FreezeAllButTheNewStyle();
+  void StartFromZeros();
   StackState Start(const Stack& stack, const StackState& carried, const torch::Tensor& mask) const;
   torch::Tensor Judged(const torch::Tensor& positions, const torch::Tensor& velocities) const;
   torch::Tensor Real(const Batch& batch) const;

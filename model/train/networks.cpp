@@ -58,6 +58,13 @@ Stack::Stack(Parameters& parameters, const std::string& name, int64_t groups_, i
   }
 }
 
+StackState StackState::Concrete() const {
+  StackState copy;
+  for (const Tensor& state : h) copy.h.push_back(state.detach().clone());
+  for (const Tensor& state : c) copy.c.push_back(state.detach().clone());
+  return copy;
+}
+
 StackState Stack::Initial(int64_t samples) const {
   StackState state;
   for (std::size_t layer = 0; layer < input.size(); ++layer) {
@@ -135,14 +142,18 @@ Decoded Generator::Decode(const Tensor& z, const Tensor& target) const {
   return out;
 }
 
-Critic::Critic(int64_t features, int64_t labels, int64_t frames) {
+Critic::Critic(int64_t features, int64_t styles, int64_t contents, int64_t frames, bool attention) {
   int64_t width = features;
   for (const int64_t next : {84, 56, 36, 24, 16}) {
     convolutions_.emplace_back(parameters, "convolution." + std::to_string(convolutions_.size()),
                                3 * width, next);
     width = next;
   }
-  attention_.emplace_back(parameters, "attention.0", labels, 64);
+  if (!attention) {
+    heads_ = Affine(parameters, "heads", frames * width, styles);
+    return;
+  }
+  attention_.emplace_back(parameters, "attention.0", styles + contents, 64);
   attention_.emplace_back(parameters, "attention.1", 64, 64);
   feature_attention_ = Affine(parameters, "attention.feature", 64, width);
   time_attention_ = Affine(parameters, "attention.time", 64, frames);
@@ -153,6 +164,10 @@ Tensor Critic::operator()(const Tensor& x, const Tensor& labels) const {
   for (std::size_t i = 0; i < convolutions_.size(); ++i) {
     m = convolutions_[i](Neighbours(m, 3));
     if (i + 1 < convolutions_.size()) m = Leaky(m);
+  }
+  if (attention_.empty()) {
+    const Tensor all = heads_(m.transpose(0, 1).flatten(1));  // [B, styles]
+    return (all * labels.narrow(1, 0, all.size(1))).sum(1);
   }
   Tensor attention = labels;
   for (const Affine& layer : attention_) attention = Leaky(layer(attention));

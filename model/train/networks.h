@@ -29,6 +29,8 @@ struct GeneratorShape {
 // The states of a stack of LSTM layers: per layer [groups, samples, Z].
 struct StackState {
   std::vector<torch::Tensor> h, c;
+
+  StackState Concrete() const;  // a copy of its own, without gradients
 };
 
 // A stack of LSTM layers for each of G groups, with learned initial states.
@@ -77,10 +79,12 @@ class Generator {
 };
 
 // FT-Att discriminator D_S(p, v | S, C), eq. 1. x [24, B, 126] standardized positions and
-// velocities, labels [B, styles + contents] one-hots; the score is [B].
+// velocities, labels [B, styles + contents] one-hots; the score is [B]. Without attention, the
+// multi-class discriminator that the paper compares with: the same convolutions, a head per style,
+// contents not looked at.
 class Critic {
  public:
-  Critic(int64_t features, int64_t labels, int64_t frames);
+  Critic(int64_t features, int64_t styles, int64_t contents, int64_t frames, bool attention = true);
   torch::Tensor operator()(const torch::Tensor& x, const torch::Tensor& labels) const;
 
   Parameters parameters;
@@ -89,6 +93,7 @@ class Critic {
   std::vector<Affine> convolutions_;
   std::vector<Affine> attention_;
   Affine feature_attention_, time_attention_;
+  Affine heads_;
 };
 
 // D_C on standardized [r, p, v]: x [T, B, 210]. Channels are halved by every layer, kernel 5.

@@ -13,19 +13,24 @@ constexpr std::size_t kFewestPlaces = 8;
 
 Sampler::Sampler(const std::vector<TrainingClip>& clips, const Options& options)
     : clips_(clips), options_(options), random_(options.seed), cells_(options.styles) {
-  std::vector<std::vector<Cell>> all(options.styles, std::vector<Cell>(options.contents));
+  int sources = 0;
+  for (const TrainingClip& clip : clips) sources = std::max(sources, clip.source + 1);
+  Cell empty;
+  empty.places.resize(sources);
+  std::vector<std::vector<Cell>> all(options.styles, std::vector<Cell>(options.contents, empty));
   for (std::size_t i = 0; i < clips.size(); ++i) {
     const int places = static_cast<int>(clips[i].poses.size()) - options.length + 1;
     for (int start = 0; start < places; ++start) {
       Cell& cell = all[clips[i].style][clips[i].ContentOf(start, options.length)];
-      cell.places.emplace_back(static_cast<int>(i), start);
+      cell.places[clips[i].source].emplace_back(static_cast<int>(i), start);
     }
   }
   for (int style = 0; style < options.styles; ++style) {
     for (int content = 0; content < options.contents; ++content) {
       Cell& cell = all[style][content];
       cell.content = content;
-      if (cell.places.size() >= kFewestPlaces) cells_[style].push_back(std::move(cell));
+      std::erase_if(cell.places, [](const auto& some) { return some.size() < kFewestPlaces; });
+      if (!cell.places.empty()) cells_[style].push_back(std::move(cell));
     }
   }
   // Of a neutral window's contents, those that its target has.
@@ -62,7 +67,8 @@ bool Sampler::Has(int style, int content) const {
 }
 
 Sampler::Window Sampler::From(const Cell& cell) {
-  const auto& [clip, start] = cell.places[Below(static_cast<int64_t>(cell.places.size()))];
+  const auto& places = cell.places[Below(static_cast<int64_t>(cell.places.size()))];
+  const auto& [clip, start] = places[Below(static_cast<int64_t>(places.size()))];
   Window window;
   window.clip = clip;
   window.start = start;
@@ -94,6 +100,7 @@ const std::vector<Sampler::Window>& Sampler::Next() {
         window = Any(OwnStyle(slot));
       }
       window.session_start = !carried && Uniform() < options_.session_start;
+      if (Uniform() < options_.miscalibrated) window.miscalibration = random_() | 1;
     }
     window.carried = carried;
     window.paired = Has(TargetStyle(slot), window.content);
@@ -107,7 +114,7 @@ std::string Sampler::Save() const {
   out << random_;
   for (const Window& w : last_) {
     out << ' ' << w.clip << ' ' << w.start << ' ' << w.mirrored << ' ' << w.session_start << ' '
-        << w.carried << ' ' << w.content << ' ' << w.paired;
+        << w.carried << ' ' << w.content << ' ' << w.paired << ' ' << w.miscalibration;
   }
   return out.str();
 }
@@ -116,7 +123,8 @@ void Sampler::Restore(const std::string& text) {
   std::istringstream in(text);
   in >> random_;
   for (Window& w : last_) {
-    in >> w.clip >> w.start >> w.mirrored >> w.session_start >> w.carried >> w.content >> w.paired;
+    in >> w.clip >> w.start >> w.mirrored >> w.session_start >> w.carried >> w.content >>
+        w.paired >> w.miscalibration;
   }
 }
 

@@ -14,8 +14,8 @@ namespace styled::train {
 // neutral, in order of style: first `per_style` neutral windows that are transferred to the style,
 // then `per_style` windows of the style that are transferred to neutral. A slot keeps its role, so
 // that recurrent states can be carried from one iteration to the next. Contents are drawn evenly,
-// windows of a content too; a neutral window mostly has a content in which its target style was
-// recorded. Deterministic; Save and Restore are exact.
+// of a content the folders that have it, of a folder the windows; a neutral window mostly has a
+// content in which its target style was recorded. Deterministic; Save and Restore are exact.
 class Sampler {
  public:
   struct Options {
@@ -23,7 +23,8 @@ class Sampler {
     int per_style = 3;
     int length = 25;  // frames per window
     double carry = 0.5, session_start = 0.25;
-    double unpaired = 0.1;  // share of neutral windows of any content
+    double unpaired = 0.1;       // share of neutral windows of any content
+    double miscalibrated = 0.0;  // share of windows as a badly calibrated rig shows them
     uint64_t seed = 1;
   };
   struct Window {
@@ -34,11 +35,13 @@ class Sampler {
     bool carried = false;  // its states continue those at the end of the slot's last window
     int content = 0;
     bool paired = true;  // its target style was recorded in this content, so a critic can compare
+    uint64_t miscalibration = 0;  // seed of DrawMiscalibration, 0: well calibrated
   };
 
   // `clips` must outlive the sampler.
   Sampler(const std::vector<TrainingClip>& clips, const Options& options);
 
+  const Options& options() const { return options_; }
   int slots() const { return static_cast<int>(last_.size()); }
   int OwnStyle(int slot) const;
   int TargetStyle(int slot) const;
@@ -56,7 +59,8 @@ class Sampler {
  private:
   struct Cell {
     int content = 0;
-    std::vector<std::pair<int, int>> places;  // clip and first frame of every window
+    // By source, those that have any: clip and first frame of every window.
+    std::vector<std::vector<std::pair<int, int>>> places;
   };
 
   double Uniform();

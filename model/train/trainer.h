@@ -35,6 +35,7 @@ struct TrainConfig {
   int per_style = 3;   // windows per batch: per style so many styled ones, and as many neutral ones
   double carry = 0.5;  // share of windows that start from states carried over from the slot's last
   double session_start = 0.25;  // share of the others that begin like a new session
+  double miscalibrated = 0.0;  // share that the generator sees as a badly calibrated rig shows them
 
   double generator_rate = 8e-4, critic_rate = 4e-4;
   double beta1 = 0.9, beta2 = 0.999;
@@ -47,8 +48,15 @@ struct TrainConfig {
   double w_adversarial = 1.0, w_perceptual = 0.1, w_penalty = 128.0;
   double w_smooth = 10.0;                       // second difference of the change of style
   double smooth_from = 0.2, smooth_full = 0.3;  // share of the run over which it is ramped in
+  // What the paper's ablations leave out (besides losses, by their weights).
+  bool attention = true;        // false: a plain multi-class discriminator
+  bool learned_states = true;   // false: recurrent states start at zero
   bool judge_published = true;  // judges see the detail-preserving output; false: the absolute one
   bool judge_root = true;       // velocities that judges see include the path of the hips
+
+  int penalty_every =
+      1;                 // the critic's gradient penalty every so many iterations, as much stronger
+  int critic_first = 0;  // iterations in which only the critic learns, for a run with `init`
 
   int classifier_iterations = 1500;
   double checkpoint_minutes = 5.0;

@@ -16,6 +16,7 @@
 #include <tuple>
 
 #include "model/erd/kernel.h"
+#include "model/train/blas.h"
 #include "model/train/checkpoint.h"
 #include "model/train/lstm.h"
 #include "tests/bench/plain_step.h"
@@ -254,4 +255,7 @@ int Main() {
 }  // namespace
 }  // namespace styled::erd
 
-int main() { return styled::erd::Main(); }
+int main(int, char** argv) {
+  styled::train::UseFastKernels(argv);  // or libtorch would look slower than it is
+  return styled::erd::Main();
+}

@@ -41,6 +41,42 @@ TEST(Dataset, ASessionStartHasNoVelocity) {
   EXPECT_GT(continued_speed, 1.0F);  // the control: without the flag the past is there
 }
 
+// A window cut out of a badly calibrated clip is what a badly calibrated rig's stream shows there.
+TEST(Dataset, AMiscalibratedWindowContinuesAMiscalibratedPast) {
+  const TrainingClip clip = Walker(90);
+  const Miscalibration wrong = DrawMiscalibration(5);
+  const auto window = [&](int start, int length, const Miscalibration* of) {
+    std::vector<float> features(static_cast<std::size_t>(length) * body::kFeatureCount);
+    FillWindow(clip, start, length, false, false, {}, {.features = features.data()}, of);
+    return features;
+  };
+  const std::vector<float> whole = window(0, 90, &wrong);
+  const std::vector<float> part = window(60, 25, &wrong);
+  const std::vector<float> right = window(60, 25, nullptr);
+  float most = 0;
+  float apart = 0;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    most = std::max(most, std::abs(part[i] - whole[60 * body::kFeatureCount + i]));
+    apart = std::max(apart, std::abs(part[i] - right[i]));
+  }
+  EXPECT_LT(most, 0.05F);  // the heading's error is not quite constant
+  EXPECT_GT(apart, 4 * most);
+}
+
+TEST(Dataset, AMiscalibrationIsDeterministicAndWithinItsBounds) {
+  for (std::uint64_t seed = 1; seed < 50; ++seed) {
+    const Miscalibration wrong = DrawMiscalibration(seed);
+    const Miscalibration again = DrawMiscalibration(seed);
+    EXPECT_EQ(wrong.floor_m, again.floor_m);
+    EXPECT_LE(std::abs(wrong.floor_m), 0.1F);
+    for (int joint = 0; joint < body::kJointCount; ++joint) {
+      EXPECT_LE(body::Log(wrong.rotations[joint]).norm(), 0.2619F);
+      EXPECT_EQ(wrong.rotations[joint].coeffs(), again.rotations[joint].coeffs());
+    }
+    EXPECT_TRUE(wrong.rotations[body::kHips].isApprox(body::Quat::Identity()));
+  }
+}
+
 TEST(Dataset, StatisticsStandardizeAndKeepTheirFloors) {
   std::vector<TrainingClip> clips{Walker(60), Walker(60, 1.0F)};
   const FeatureStatistics statistics = ComputeStatistics(clips, {});

@@ -65,6 +65,44 @@ TEST(Sampler, NeutralWindowsHaveContentsOfTheirTargetOrAreUnpaired) {
   EXPECT_NEAR(static_cast<double>(foreign) / count, 0.05, 0.03);
 }
 
+// One long clip in one folder, ten short ones in another: both folders are drawn alike.
+TEST(Sampler, FoldersCountAlikeHoweverMuchTheyHold) {
+  std::vector<TrainingClip> clips = Clips();
+  for (int i = 0; i < 10; ++i) {
+    TrainingClip clip = Walker(400);
+    clip.source = 1;
+    clips.push_back(clip);  // neutral, content 0
+  }
+  Sampler sampler(clips, kOptions);
+  int from_first = 0;
+  for (int i = 0; i < 1000; ++i) {
+    Sampler::Window window = sampler.Any(0);
+    while (window.content != 0) window = sampler.Any(0);
+    from_first += clips[window.clip].source == 0 ? 1 : 0;
+  }
+  EXPECT_NEAR(from_first, 500, 80);
+}
+
+TEST(Sampler, AMiscalibrationLastsAsLongAsItsClip) {
+  const std::vector<TrainingClip> clips = Clips();
+  Sampler::Options options = kOptions;
+  options.miscalibrated = 0.5;
+  Sampler sampler(clips, options);
+  int wrong = 0;
+  std::vector<Sampler::Window> before = sampler.Next();
+  for (int i = 0; i < 200; ++i) {
+    const std::vector<Sampler::Window>& windows = sampler.Next();
+    for (int slot = 0; slot < 8; ++slot) {
+      const bool continued = windows[slot].carried && windows[slot].clip == before[slot].clip &&
+                             windows[slot].start == before[slot].start + options.length;
+      if (continued) EXPECT_EQ(windows[slot].miscalibration, before[slot].miscalibration);
+      wrong += windows[slot].miscalibration != 0 ? 1 : 0;
+    }
+    before = windows;
+  }
+  EXPECT_NEAR(wrong, 800, 120);
+}
+
 TEST(Sampler, SaveAndRestoreAreExact) {
   const std::vector<TrainingClip> clips = Clips();
   Sampler sampler(clips, kOptions);
