@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <iostream>
+#include <string_view>
 
 #include "model/train/blas.h"
 #include "model/train/judge/judge_validation.h"
@@ -16,7 +17,12 @@ int main(int argc, char** argv) {
   const char* data = std::getenv("STYLED_DATA");
   config.data = data != nullptr ? data : "../shared/data";
   config.manifest = "model/weights/manifests/bandai-2.toml";
-  for (int i = 0; i < argc; ++i) config.command += (i > 0 ? " " : "") + std::string(argv[i]);
+  // What the weights' metadata say, wherever this program and the data lie.
+  config.command = "styletrain";
+  for (int i = 1; i < argc; ++i) {
+    const bool folder = std::string_view(argv[i - 1]) == "--data";
+    config.command += std::string(" ") + (folder ? "DIR" : argv[i]);
+  }
 
   CLI::App app{"Trains the style network of Style-ERD."};
   app.set_config("--config", "", "TOML file with any of these options");
