@@ -46,6 +46,15 @@ Vec3 Log(const Quat& rotation) noexcept {
   return scale * v;
 }
 
+Vec3 LogNear(const Quat& rotation, const Vec3& near) noexcept {
+  constexpr float kPi = 3.14159265F;
+  const Vec3 shorter = Log(rotation);
+  const float angle = shorter.norm();
+  if (angle < 0.5F * kPi) return shorter;
+  const Vec3 longer = shorter * (1.0F - 2.0F * kPi / angle);
+  return (longer - near).squaredNorm() < (shorter - near).squaredNorm() ? longer : shorter;
+}
+
 Quat Exp(const Vec3& rotation_vector) noexcept {
   const float angle = rotation_vector.norm();
   const float scale = angle < 1e-6F ? 0.5F : std::sin(0.5F * angle) / angle;

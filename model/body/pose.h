@@ -49,6 +49,11 @@ STYLED_REALTIME float LowestFoot_m(const WorldPose& world) noexcept;
 // log of a unit quaternion as a rotation vector (axis times angle in radians, angle <= pi), and
 // back. Exact at zero, no branch on the axis.
 STYLED_REALTIME Vec3 Log(const Quat& rotation) noexcept;
+
+// The same the shorter or the longer way round, whichever is closer to `near`: what is filtered
+// over time must not change sides where a turn passes 180 degrees. Turns below 90 degrees go the
+// shorter.
+STYLED_REALTIME Vec3 LogNear(const Quat& rotation, const Vec3& near) noexcept;
 STYLED_REALTIME Quat Exp(const Vec3& rotation_vector) noexcept;
 
 }  // namespace styled::body

@@ -245,7 +245,8 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
     Quat in = input.rotations[joint];
     if (joint == body::kHips) in = heading_from_world * in;
     wish.col(static_cast<Eigen::Index>(joint)) =
-        body::Log(rec.conjugate() * step.styled.rotations[joint]);
+        body::LogNear(rec.conjugate() * step.styled.rotations[joint],
+                      halfway.col(static_cast<Eigen::Index>(joint)));
     error2 += body::Log(in.conjugate() * rec).squaredNorm();
   }
   stepped.set(static_cast<std::size_t>(state));

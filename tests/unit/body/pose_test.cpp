@@ -136,6 +136,23 @@ TEST(LogAndExp, AgreeWithAxisAndAngle) {
   EXPECT_LT(Angle_rad(q, Quat(Eigen::AngleAxisf(0.5F, Vec3::UnitY()))), 1e-6);
 }
 
+TEST(Log, NearAnotherTurnGoesOnPastAHalfTurn) {
+  Random random(7);
+  for (int round = 0; round < 20; ++round) {
+    const Vec3 axis = random.Vector(1).normalized();
+    Vec3 last = Vec3::Zero();
+    for (float angle = 0; angle < 4.5F; angle += 0.1F) {
+      const Quat turn = Exp(angle * axis);
+      const Vec3 v = LogNear(turn, last);
+      EXPECT_LT((v - angle * axis).norm(), 1e-4) << angle;
+      EXPECT_LT(Angle_rad(Exp(v), turn), 1e-4);
+      last = v;
+    }
+    const Quat small = Exp(1.5F * axis);
+    EXPECT_LT((LogNear(small, -4.0F * axis) - Log(small)).norm(), 1e-6);
+  }
+}
+
 TEST(Log, IsTheSameForBothSignsOfARotation) {
   Random random(6);
   for (int round = 0; round < 50; ++round) {
