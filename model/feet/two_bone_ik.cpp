@@ -11,14 +11,14 @@ constexpr float kStraight = 0.35F;     // sin(bend) below which the anatomical a
 constexpr float kOutermost = 0.9999F;  // of the limb's length
 
 // The axis about which the knee bends now. Along the anatomical hinge it never falls below a small
-// positive part, so that it does not turn over when the leg goes through straight; only a knee that
-// bends backwards by 20 degrees is believed to be one that does.
+// positive part, so that it does not turn over when the leg goes through straight, nor when a style
+// bends the knee backwards.
 Vec3 BendAxis(const TwoBones& limb, const Vec3& thigh, const Vec3& shank) {
   const Vec3 bend = thigh.normalized().cross(shank.normalized());  // length: sin(bend)
   const float along = bend.dot(limb.hinge);
   float kept = along;
-  if (std::abs(along) < kStraight) {
-    const float u = (along + kStraight) / (2 * kStraight);
+  if (along < kStraight) {
+    const float u = std::max(0.0F, (along + kStraight) / (2 * kStraight));
     kept = kStraight * (0.25F + 0.75F * u * u * u);
   }
   const Vec3 axis = bend + (kept - along) * limb.hinge;
