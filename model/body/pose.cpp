@@ -48,7 +48,7 @@ Vec3 Log(const Quat& rotation) noexcept {
 
 Vec3 LogNear(const Quat& rotation, const Vec3& near) noexcept {
   constexpr float kPi = 3.14159265F;
-  const Vec3 shorter = Log(rotation);
+  Vec3 shorter = Log(rotation);
   const float angle = shorter.norm();
   if (angle < 0.5F * kPi) return shorter;
   const Vec3 longer = shorter * (1.0F - 2.0F * kPi / angle);
