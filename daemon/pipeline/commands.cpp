@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "proto/styled/body_parts.h"
+
 namespace styled::pipeline {
 namespace {
 
@@ -168,15 +170,13 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
                   "set: strength is " + std::to_string(set.strength()) + ", expected 0 to 1.5");
   }
   if (!CheckTransition(set.has_transition_ms(), set.transition_ms(), reply)) return;
-  body::Parts parts = 0;
   for (const int part : set.only()) {
     if (!v1::BodyPart_IsValid(part)) {
       return Refuse(reply, v1::CODE_OUT_OF_RANGE,
                     "set: only has " + std::to_string(part) + ", expected a BodyPart, 0 to 6");
     }
-    parts |=
-        part == v1::BODY_PART_ALL ? body::kAllParts : body::Bit(static_cast<body::Part>(part - 1));
   }
+  const body::Parts parts = PartsOf(set.only());
   std::vector<std::pair<std::string, float>> mix;
   for (const auto& entry : set.mix()) mix.emplace_back(entry.style(), entry.weight());
   std::string why;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "proto/styled/body_parts.h"
+
 namespace styled::pipeline {
 namespace {
 
@@ -174,12 +176,7 @@ void Pipeline::FillStats(v1::Stats& stats) {
     row.set_sequence(profile->next_sequence - 1);
     row.set_strength(profile->look.strength);
     row.set_pinned(profile->pinned);
-    if (profile->look.parts != body::kAllParts) {
-      for (int part = 0; part < body::kPartCount; ++part) {
-        if ((profile->look.parts >> part & 1) != 0)
-          row.add_only(static_cast<v1::BodyPart>(part + 1));
-      }
-    }
+    if (profile->look.parts != body::kAllParts) AddParts(profile->look.parts, *row.mutable_only());
     row.set_preset(profile->look.preset);
     for (const auto& [style, weight] : profile->look.mix) {
       auto& entry = *row.add_styles();

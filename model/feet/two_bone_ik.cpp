@@ -51,7 +51,6 @@ TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
   const float farthest = std::max(kOutermost * (a + b), now);
   const float nearest = std::min(std::abs(a - b) + 1e-3F * (a + b), now);
   const float distance = std::clamp(wanted, nearest, farthest);
-  turns.missed = std::abs(wanted - distance);
 
   // Turning the shank by x about the unit axis n makes
   //   |ankle - hip|^2 = a^2 + b^2 + 2 (A + B cos x + C sin x),
@@ -73,6 +72,7 @@ TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
     bent = turns.lower * shank;
   }
   const Vec3 reached = thigh + bent;
+  turns.missed = std::abs(wanted - reached.norm());
   if (reached.norm() > kTiny) turns.upper = Quat::FromTwoVectors(reached, wish).normalized();
   return turns;
 }

@@ -18,15 +18,16 @@ struct TwoBones {
 // below the knee about the knee, before `upper` is applied.
 struct TwoBoneTurns {
   Quat lower = Quat::Identity(), upper = Quat::Identity();
-  float missed = 0;  // how far the ankle stays from the target, because it is out of reach
+  float missed = 0;  // how far the ankle stays from the target
 };
 
 // Brings the ankle to `target` by rotations alone, so the bones keep their lengths. First the
 // knee's angle by the law of cosines, about the axis it bends about now (about `hinge` where the
 // limb is straight within some degrees, blended between), so that it keeps its side; then the
 // shortest arc about the hip. Out of reach, the ankle ends on the line to the target as far (or
-// near) as the bones allow. A target at the ankle gives the identity. No state, no allocation; any
-// thread. Pinned by tests/unit/feet/two_bone_ik_test.cpp.
+// near) as the bones allow; on that line, too, it stays short or goes too far where a knee that is
+// bent backwards would have to snap through. A target at the ankle gives the identity. No state, no
+// allocation; any thread. Pinned by tests/unit/feet/two_bone_ik_test.cpp.
 STYLED_REALTIME TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept;
 
 // How far a limb of length `length` goes when `wanted` is asked for: hardly less well below its

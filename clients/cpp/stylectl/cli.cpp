@@ -11,7 +11,7 @@
 #include "clients/cpp/stylectl/report.h"
 #include "clients/cpp/stylectl/suggest.h"
 #include "clients/cpp/subscriber.h"
-#include "model/body/parts.h"
+#include "proto/styled/body_parts.h"
 
 namespace styled::stylectl {
 namespace {
@@ -251,14 +251,9 @@ int Program::Set() {
     add(arguments_.absolute ? "absolute" : "detail-preserving");
   }
   const body::Parts parts = body::FindParts(arguments_.only).value_or(0);
-  if (parts == body::kAllParts) {
-    change_.add_only(v1::BODY_PART_ALL);
-    add("all of the body");
-  } else if (parts != 0) {
-    for (int part = 0; part < body::kPartCount; ++part) {
-      if ((parts >> part & 1) != 0) change_.add_only(static_cast<v1::BodyPart>(part + 1));
-    }
-    add("only " + body::PartsText(parts));
+  if (parts != 0) {
+    AddParts(parts, *change_.mutable_only());
+    add(parts == body::kAllParts ? "all of the body" : "only " + body::PartsText(parts));
   }
   if (what.empty()) {
     return Usage(

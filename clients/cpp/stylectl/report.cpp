@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "model/body/parts.h"
+#include "proto/styled/body_parts.h"
 
 namespace styled::stylectl {
 namespace {
@@ -47,14 +47,6 @@ json MixJson(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix) {
   for (const auto& entry : mix)
     out.push_back({{"style", entry.style()}, {"weight", entry.weight()}});
   return out;
-}
-
-std::string PartsText(const google::protobuf::RepeatedField<int>& only) {
-  body::Parts parts = 0;
-  for (const int part : only) {
-    if (part > 0 && part <= body::kPartCount) parts |= body::Bit(static_cast<body::Part>(part - 1));
-  }
-  return body::PartsText(parts);
 }
 
 }  // namespace
@@ -128,7 +120,8 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
         notes += std::string(notes.empty() ? "" : ", ") + "preset " + performer.preset();
       }
       if (!performer.only().empty()) {
-        notes += std::string(notes.empty() ? "" : ", ") + "only " + PartsText(performer.only());
+        notes += std::string(notes.empty() ? "" : ", ") + "only " +
+                 body::PartsText(PartsOf(performer.only()));
       }
       rows.push_back({performer.performer(), performer.live() ? "live" : "silent",
                       Number(performer.rate_hz(), 1), Number(performer.latency_p50_us(), 0),
@@ -177,23 +170,24 @@ json StatusJson(const v1::StatusReply& status) {
   json counters = json::object(), performers = json::array();
   for (const auto& counter : stats.counters()) counters[counter.name()] = counter.value();
   for (const auto& performer : stats.performers()) {
-    performers.push_back({{"performer", performer.performer()},
-                          {"sequence", performer.sequence()},
-                          {"live", performer.live()},
-                          {"rate_hz", performer.rate_hz()},
-                          {"latency_p50_us", performer.latency_p50_us()},
-                          {"latency_p99_us", performer.latency_p99_us()},
-                          {"latency_max_us", performer.latency_max_us()},
-                          {"received", performer.received()},
-                          {"published", performer.published()},
-                          {"lost", performer.lost()},
-                          {"styles", MixJson(performer.styles())},
-                          {"strength", performer.strength()},
-                          {"only", performer.only().empty() ? "all" : PartsText(performer.only())},
-                          {"preset", performer.preset()},
-                          {"pinned", performer.pinned()},
-                          {"joints", performer.joints()},
-                          {"dialect", performer.dialect()}});
+    performers.push_back(
+        {{"performer", performer.performer()},
+         {"sequence", performer.sequence()},
+         {"live", performer.live()},
+         {"rate_hz", performer.rate_hz()},
+         {"latency_p50_us", performer.latency_p50_us()},
+         {"latency_p99_us", performer.latency_p99_us()},
+         {"latency_max_us", performer.latency_max_us()},
+         {"received", performer.received()},
+         {"published", performer.published()},
+         {"lost", performer.lost()},
+         {"styles", MixJson(performer.styles())},
+         {"strength", performer.strength()},
+         {"only", performer.only().empty() ? "all" : body::PartsText(PartsOf(performer.only()))},
+         {"preset", performer.preset()},
+         {"pinned", performer.pinned()},
+         {"joints", performer.joints()},
+         {"dialect", performer.dialect()}});
   }
   return {{"version", status.version()},
           {"epoch", Hex(status.epoch())},

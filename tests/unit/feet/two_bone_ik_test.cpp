@@ -72,6 +72,8 @@ TEST(TwoBoneIkTest, AKneeThatAStyleBendsBackwardsNeverSnaps) {
       const TwoBoneTurns turns = ReachFor(limb, limb.hip + share * (limb.ankle - limb.hip));
       const float bent = Bend(limb, turns);
       if (step > 0) ASSERT_NEAR(bent, before, 0.02F) << share << " " << step;
+      const Vec3 target = limb.hip + share * (limb.ankle - limb.hip);
+      ASSERT_NEAR(turns.missed, (Apply(limb, turns).ankle - target).norm(), 1e-3F) << step;
       before = bent;
     }
     EXPECT_LT(before, 0) << "in the end it bends as the style has it";
