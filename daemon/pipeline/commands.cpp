@@ -180,9 +180,13 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
   std::vector<std::pair<std::string, float>> mix;
   for (const auto& entry : set.mix()) mix.emplace_back(entry.style(), entry.weight());
   std::string why;
-  if (!ProperNames(*roster_.live().network, mix, why)) {
+  std::vector<std::pair<std::string, float>> own;  // one or none
+  if (!set.own_style().empty()) own.emplace_back(set.own_style(), 1.0F);
+  const erd::Network& network = *roster_.live().network;
+  if (!ProperNames(network, mix, why) || !ProperNames(network, own, why)) {
     return Refuse(reply, v1::CODE_UNKNOWN_STYLE, "set: " + why);
   }
+  if (!own.empty() && network.FindStyle(own.front().first) == 0) own.clear();
   ChangeLooks(
       request.performer(),
       [&](Look& look) {
@@ -194,6 +198,7 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
         if (set.has_transition_ms()) look.transition_s = set.transition_ms() * 1e-3F;
         if (set.has_absolute()) look.absolute = set.absolute();
         if (parts != 0) look.parts = parts;
+        if (set.has_own_style()) look.own_style = own.empty() ? "" : own.front().first;
       },
       reply);
 }

@@ -24,6 +24,7 @@ toml::table Row(const Profile& profile) {
                      {"transition_s", static_cast<double>(profile.look.transition_s)},
                      {"absolute", profile.look.absolute},
                      {"only", body::PartsText(profile.look.parts)},
+                     {"own_style", profile.look.own_style},
                      {"preset", profile.look.preset},
                      {"pinned", profile.pinned}};
 }
@@ -37,6 +38,7 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   profile.look.absolute = row["absolute"].value_or(false);
   profile.look.parts =
       body::FindParts(row["only"].value_or(std::string("all"))).value_or(body::kAllParts);
+  profile.look.own_style = row["own_style"].value_or(std::string());
   profile.look.preset = row["preset"].value_or(std::string());
   profile.pinned = row["pinned"].value_or(false);
   if (const toml::array* mix = row["mix"].as_array()) {

@@ -11,9 +11,16 @@ stylist::Settings Resolve(const Look& look, const erd::Network& network,
   settings.transition_s = look.transition_s;
   settings.absolute = look.absolute;
   settings.parts = look.parts;
+  if (!look.own_style.empty()) {
+    const int own = network.FindStyle(look.own_style);
+    if (own < 0) unknown.push_back(look.own_style);
+    settings.own_style = std::max(0, own);
+  }
   std::size_t used = 0;
   for (const auto& [style, weight] : look.mix) {
     const int index = network.FindStyle(style);
+    // To be made neutral takes a style to take away, which other weights may lack.
+    if (index == 0 && settings.own_style == 0 && !look.own_style.empty()) continue;
     if (index < 0) {
       unknown.push_back(style);
     } else if (used < settings.mix.size()) {
@@ -62,7 +69,7 @@ std::string Explain(stylist::SettingsError error) {
     case SettingsError::kUnknownStyle:
       return "unknown style";
     case SettingsError::kNeutralStyle:
-      return "neutral is no target style; use clear";
+      return "neutral is no target style of who is neutral already; use clear, or set an own style";
     case SettingsError::kDuplicateStyle:
       return "a style is named twice";
     case SettingsError::kWeight:
@@ -75,6 +82,8 @@ std::string Explain(stylist::SettingsError error) {
       return "transition is not within 0 to 60000 ms";
     case SettingsError::kNoParts:
       return "no part of the body is styled; use clear";
+    case SettingsError::kUnknownOwnStyle:
+      return "unknown own style";
   }
   return "";
 }

@@ -18,7 +18,8 @@ struct Look {
   float transition_s = 0.4F;
   bool absolute = false;
   body::Parts parts = body::kAllParts;
-  std::string preset;  // the one that set the mix, or ""
+  std::string own_style;  // what the performer moves in already, by its network's name; "": neutral
+  std::string preset;     // the one that set the mix, or ""
 };
 
 // What belongs to a performer's id and not to its sender.

@@ -38,10 +38,11 @@ void Mixer::Aim(const Settings& settings) noexcept {
   }
   for (const erd::ActiveStyle& style : settings.mix) {
     const float weight = style.weight * settings.strength;
-    if (style.style < 1 || weight <= 0) continue;
-    SlotFor(style.style).weight.target = weight;
+    if (style.style < 0 || weight <= 0) continue;
+    if (style.style > 0) SlotFor(style.style).weight.target = weight;
     presence_.target = 1;
   }
+  own_style_ = settings.own_style;
   duration_s_ = settings.transition_s;
   elapsed_s_ = 0;
   fading_ = true;

@@ -6,6 +6,7 @@
 #include "model/feet/feet.h"
 #include "model/stylist/grounding.h"
 #include "model/stylist/intake.h"
+#include "model/stylist/low_pass.h"
 #include "model/stylist/mixer.h"
 #include "model/stylist/ticks.h"
 
@@ -17,14 +18,9 @@ using body::Pose;
 using body::Quat;
 using body::Vec3;
 
-// A change of style: per joint the rotation vector (rad) that turns the input's local rotation into
-// the styled one, from the right.
-using Change = Eigen::Matrix<float, 3, kJointCount>;
-
-constexpr float kNothing_rad = 2e-4F;  // a change below 0.01 degrees is none
-constexpr float kNothing_m = 2e-4F;    // nor is a shift below a fifth of a millimetre
-constexpr double kGapFactor = 1.5;     // of the usual time between frames
-constexpr float kFeetFull = 0.25F;     // weight of style from which on feet are held in full
+constexpr float kNothing_m = 2e-4F;  // nor is a shift below a fifth of a millimetre
+constexpr double kGapFactor = 1.5;   // of the usual time between frames
+constexpr float kFeetFull = 0.25F;   // weight of style from which on feet are held in full
 
 float DecayShare(double dt_s, float tau_s) {
   return tau_s <= 0 ? 1.0F : 1.0F - std::exp(-static_cast<float>(dt_s) / tau_s);
@@ -72,8 +68,7 @@ struct Stylist::Impl {
   erd::Decoded last_styled;  // of the newest tick, for the absolute output
   float last_heading_rad = 0;
 
-  Change halfway = Change::Zero();    // detail-preserving change, after one pole of the low-pass
-  Change filtered = Change::Zero();   // ... and after both
+  LowPass low_pass;                   // of the detail-preserving change
   Change change = Change::Zero();     // what is applied
   Change fade_from = Change::Zero();  // what was applied when the state was restarted
   float restart_fade = 1.0F;          // 0 at a restart, 1 when it is over
@@ -97,11 +92,14 @@ Stylist::Stylist(Stylist&&) noexcept = default;
 Stylist& Stylist::operator=(Stylist&&) noexcept = default;
 
 SettingsError Stylist::Check(const Settings& settings, const erd::Network& network) noexcept {
+  if (settings.own_style < 0 || settings.own_style >= network.style_count()) {
+    return SettingsError::kUnknownOwnStyle;
+  }
   float sum = 0;
   for (std::size_t i = 0; i < settings.mix.size(); ++i) {
     const erd::ActiveStyle& style = settings.mix[i];
     if (style.style < 0) continue;
-    if (style.style == 0) return SettingsError::kNeutralStyle;
+    if (style.style == 0 && settings.own_style == 0) return SettingsError::kNeutralStyle;
     if (style.style >= network.style_count()) return SettingsError::kUnknownStyle;
     for (std::size_t j = 0; j < i; ++j) {
       if (settings.mix[j].style == style.style) return SettingsError::kDuplicateStyle;
@@ -230,7 +228,7 @@ void Stylist::Impl::StepNetwork(const Pose& input) noexcept {
     body::Features features;
     last_heading_rad = body::ComputeFeatures(pose, parameters, memories[state], features);
     erd::StepOutput step;
-    network->Step(features, 0, mixer.in_force(), states[state], step);
+    network->Step(features, mixer.own_style(), mixer.in_force(), states[state], step);
     TakeChange(tick.state, pose, step);
   }
 }
@@ -246,7 +244,7 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
     if (joint == body::kHips) in = heading_from_world * in;
     wish.col(static_cast<Eigen::Index>(joint)) =
         body::LogNear(rec.conjugate() * step.styled.rotations[joint],
-                      halfway.col(static_cast<Eigen::Index>(joint)));
+                      low_pass.first().col(static_cast<Eigen::Index>(joint)));
     error2 += body::Log(in.conjugate() * rec).squaredNorm();
   }
   stepped.set(static_cast<std::size_t>(state));
@@ -255,8 +253,8 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
 }
 
 // Low-passes the change. The mean over the interleaved states is a box filter over one period of
-// the network, whose notch lies on the ripple that their disagreement makes; two equal poles
-// follow, which at the same delay let much less of what jerks through than one.
+// the network, whose notch lies on the ripple that their disagreement makes; a Butterworth filter
+// follows.
 void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
   const int used = std::max(1, ticks.interleaved());
   Change target = Change::Zero();
@@ -274,16 +272,12 @@ void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
   familiar += (at_home - familiar) * (started ? DecayShare(dt_s, options.foreign_fade_s) : 1.0F);
 
   const bool first = !filter_started;
-  const float share = !first ? DecayShare(dt_s, options.change_tau_s / 2) : 1.0F;
-  halfway += share * (target - halfway);
-  filtered += share * (halfway - filtered);
+  low_pass.Follow(target, first ? 0 : dt_s, first ? 0 : options.change_tau_s);
   filter_started = true;
-  const auto nothing = [](const Change& of) { return of.cwiseAbs().maxCoeff() < kNothing_rad; };
-  if (mixer.empty() && nothing(filtered) && nothing(halfway)) {
-    filtered.setZero();
-    halfway.setZero();
-  }
-  change = filtered;
+  if (mixer.empty()) low_pass.SettleAtZero();
+  change = low_pass.value();
+  // Of a neutral performer a style of weight 0 changes nothing; of another one it takes his away.
+  if (mixer.own_style() > 0) change *= mixer.presence();
 
   if (mixer.absolute() > 0 && count > 0) {
     const Quat world_from_heading = body::Yaw(last_heading_rad);
@@ -335,6 +329,7 @@ void Stylist::Impl::HoldFeet(double dt_s, Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   float style = 0;
   for (const erd::ActiveStyle& active : mixer.in_force()) style += active.weight;
+  if (mixer.own_style() > 0) style = std::max(style, mixer.presence());
   style *= std::max({mixer.share(body::Part::kTorso), mixer.share(body::Part::kLeftLeg),
                      mixer.share(body::Part::kRightLeg)});
   const bool held = options.feet && (out.flags & kBypass) == 0;

@@ -16,13 +16,15 @@
 namespace styled::stylist {
 
 // What one performer is to look like. Weights are the user's mix times nothing: `strength` scales
-// them. Styles are indices of the network's metadata, 1..N-1; weights >= 0, sum <= 1.5.
+// them. Styles are indices of the network's metadata, 1..N-1; weights >= 0, sum <= 1.5. Who moves
+// in a style of his own may be made neutral, 0.
 struct Settings {
   std::array<erd::ActiveStyle, erd::kMaxMix> mix;  // unused entries have style -1
   float strength = 1.0F;                           // 0..1.5; 0 fades to bypass
   float transition_s = 0.4F;                       // >= 0; of the change to these settings
   bool absolute = false;                // the paper's output instead of the detail-preserving one
   body::Parts parts = body::kAllParts;  // the others stay as captured; not empty
+  int own_style = 0;  // what the performer moves in already, which is taken away first; 0 = neutral
 };
 
 enum class SettingsError {
@@ -34,7 +36,8 @@ enum class SettingsError {
   kSum,
   kStrength,
   kTransition,
-  kNoParts
+  kNoParts,
+  kUnknownOwnStyle,
 };
 
 // How streams are handled; the same for all performers. Defaults are those of styled.toml.

@@ -50,6 +50,8 @@ int main(int argc, char** argv) {
   app.add_option("--carry", config.carry, "Share of windows that start with carried states")
       ->capture_default_str();
   app.add_option("--session-start", config.session_start)->capture_default_str();
+  app.add_option("--offset", config.offset)->capture_default_str();
+  app.add_option("--noise", config.noise)->capture_default_str();
   app.add_option("--miscalibrated", config.miscalibrated,
                  "Share of windows with wrong rest poses and floor")
       ->capture_default_str();
@@ -67,6 +69,7 @@ int main(int argc, char** argv) {
   app.add_option("--w-adversarial", config.w_adversarial)->capture_default_str();
   app.add_option("--w-perceptual", config.w_perceptual)->capture_default_str();
   app.add_option("--w-penalty", config.w_penalty)->capture_default_str();
+  app.add_option("--w-moments", config.w_moments)->capture_default_str();
   app.add_option("--w-smooth", config.w_smooth)->capture_default_str();
   app.add_option("--penalty-every", config.penalty_every,
                  "Gradient penalty every so many iterations, as much stronger")

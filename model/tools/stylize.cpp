@@ -26,6 +26,7 @@ struct Arguments {
   float strength = 1.0F;
   std::vector<std::string> mix;
   std::string only = "all";  // parts of the body
+  std::string from;          // what the performer moves in already
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
   std::string weights, rig = "auto", in, out;
 };
@@ -62,7 +63,7 @@ Status AddStyle(const styled::erd::Network& network, const std::string& text, co
     return Status::Error(std::string(option) + ": unknown style '" + name + "'; expected one of " +
                          StyleNames(network));
   }
-  if (style == 0) return Status::Ok();
+  if (style == 0 && settings.own_style == 0) return Status::Ok();
   for (styled::erd::ActiveStyle& entry : settings.mix) {
     if (entry.style < 0) {
       entry = {style, weight};
@@ -101,6 +102,13 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
                          std::string(styled::body::kPartWords));
   }
   settings.parts = *parts;
+  if (!arguments.from.empty()) {
+    settings.own_style = network.FindStyle(arguments.from);
+    if (settings.own_style < 0) {
+      return Status::Error("--from: unknown style '" + arguments.from + "'; expected one of " +
+                           StyleNames(network));
+    }
+  }
   if (!arguments.style.empty()) {
     const Status status = AddStyle(network, arguments.style, "--style", settings);
     if (!status.ok()) return status;
@@ -194,6 +202,8 @@ int main(int argc, char** argv) {
                "the paper's output instead of the detail-preserving one");
   app.add_option("--only", arguments.only, "style these parts of the body alone, comma-separated")
       ->capture_default_str();
+  app.add_option("--from", arguments.from,
+                 "the style that the performer moves in already, to be taken away");
   app.add_flag("--no-bypass", arguments.no_bypass,
                "without a style, still go through bind, network and unbind");
   app.add_flag("--feet,!--no-feet", arguments.feet,

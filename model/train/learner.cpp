@@ -78,6 +78,10 @@ Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
       deviation_(ToTensor(statistics.deviation, device)),
       frames_(config.window + 1),
       sampler_(clips, SamplerOptions(config, manifest)),
+      moments_(
+          MeasureEffects(clips, static_cast<int>(manifest.styles.size()),
+                         static_cast<int>(manifest.contents.size()), config.window, parameters),
+          device),
       generator_(Shape(manifest), mean_, deviation_),
       average_(Shape(manifest), mean_, deviation_),
       critic_(kJudgedFeatures, static_cast<int64_t>(manifest.styles.size()),
@@ -149,6 +153,7 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   batch.features = features.to(device_);
   batch.u = (batch.features - mean_) / deviation_;
   batch.seen = seen.defined() ? (seen.to(device_) - mean_) / deviation_ : batch.u;
+  if (config_.offset > 0 || config_.noise > 0) batch.seen = Spoil(batch.seen);
   batch.rotations = batch.features.narrow(2, 0, body::kRotationFeatures)
                         .reshape({frames_, count, body::kJointCount, 4});
   batch.positions = batch.features.narrow(2, body::kPositionBegin, body::kPositionFeatures)
@@ -159,6 +164,18 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   batch.carried = carried.to(device_);
   batch.paired = paired.to(device_);
   return batch;
+}
+
+// What another performer, rig or floor does to the features, roughly and for the cost of some
+// random numbers: each is off by a constant, and by noise that is new in every frame. How much of
+// both differs from window to window, none included.
+Tensor Learner::Spoil(const Tensor& u) const {
+  // Seeded by the iteration, so that a resumed run goes on bit for bit.
+  torch::manual_seed(config_.seed * 1000003 + static_cast<std::uint64_t>(iteration_));
+  const auto amount = [&u] { return torch::rand({1, u.size(1), 1}, u.options()); };
+  const Tensor offset = torch::randn({1, u.size(1), u.size(2)}, u.options()) * amount();
+  const Tensor noise = torch::randn_like(u) * amount();
+  return u + config_.offset * offset + config_.noise * noise;
 }
 
 void Learner::TrainClassifier() {
@@ -327,6 +344,19 @@ Tensor Learner::Perceptual(const Batch& batch, const Generated& generated) const
   return sum;
 }
 
+// The means of what each style does, in neutral windows that were transferred to it.
+Tensor Learner::MomentMatching(const Batch& batch, const Generated& generated) {
+  const Tensor mean = mean_.narrow(0, body::kPositionBegin, body::kPositionFeatures);
+  const Tensor deviation = deviation_.narrow(0, body::kPositionBegin, body::kPositionFeatures);
+  const Tensor in = batch.features.narrow(0, 1, frames_ - 1)
+                        .narrow(2, body::kPositionBegin, body::kPositionFeatures);
+  const Tensor out = generated.fake.narrow(2, 0, body::kPositionFeatures) * deviation + mean;
+  const Tensor loss = moments_.Loss(in, out, target_, batch.content.argmax(1),
+                                    batch.paired * (1.0 - styled_.flatten()));
+  tally_.Add("moments", torch::full({}, moments_.Distance()));
+  return loss;
+}
+
 // The second difference over time of the change of style: what keeps the output from jerking.
 Tensor Learner::Smoothness(const Generated& generated) {
   const Tensor log_change = LogQuaternion(generated.change);
@@ -366,6 +396,9 @@ void Learner::Step(double progress) {
     tally_.Add("perceptual", perceptual);
     loss = loss + config_.w_perceptual * perceptual;
   }
+  if (config_.w_moments > 0) {
+    loss = loss + config_.w_moments * MomentMatching(batch, generated);
+  }
   loss = loss + config_.w_smooth * smooth_share * Smoothness(generated);
   tally_.Add("loss", loss);
   generator_.parameters.ZeroGradient();
@@ -393,6 +426,7 @@ void Learner::Save(Checkpoint& checkpoint) const {
   t["generator.second"] = generator_adam_.second;
   t["critic.first"] = critic_adam_.first;
   t["critic.second"] = critic_adam_.second;
+  t["moments"] = moments_.Save();
   t["iteration"] = torch::tensor({iteration_}, torch::kInt64);
   t["neutral.h"] = torch::stack(neutral_carried_.h);
   t["neutral.c"] = torch::stack(neutral_carried_.c);
@@ -417,6 +451,7 @@ Status Learner::Restore(const Checkpoint& checkpoint) {
     generator_adam_.second.copy_(t.at("generator.second"));
     critic_adam_.first.copy_(t.at("critic.first"));
     critic_adam_.second.copy_(t.at("critic.second"));
+    moments_.Restore(t.at("moments"));
     iteration_ = t.at("iteration").item<int64_t>();
     critic_adam_.steps = iteration_;
     generator_adam_.steps = std::max<int64_t>(0, iteration_ - config_.critic_first);

@@ -11,6 +11,7 @@
 #include "model/train/adam.h"
 #include "model/train/checkpoint.h"
 #include "model/train/dataset.h"
+#include "model/train/moments.h"
 #include "model/train/networks.h"
 #include "model/train/sampler.h"
 #include "model/train/trainer.h"
@@ -80,6 +81,7 @@ class Learner {
   };
 
   Batch MakeBatch(const std::vector<Sampler::Window>& windows) const;
+  torch::Tensor Spoil(const torch::Tensor& u) const;
   std::vector<int64_t> NearestStyles(const Generator& from) const;
   void FreezeAllButTheNewStyle();
   void StartFromZeros();
@@ -91,6 +93,7 @@ class Learner {
   void StepCritic(const Batch& batch, const torch::Tensor& fake, double rate);
   torch::Tensor Reconstruction(const Batch& batch, const Generated& generated);
   torch::Tensor Perceptual(const Batch& batch, const Generated& generated) const;
+  torch::Tensor MomentMatching(const Batch& batch, const Generated& generated);
   torch::Tensor Smoothness(const Generated& generated);
   void UpdateAverage();
 
@@ -103,6 +106,7 @@ class Learner {
   int64_t frames_, slots_;
 
   Sampler sampler_;
+  Moments moments_;
   Generator generator_, average_;
   Critic critic_;
   ContentClassifier classifier_;

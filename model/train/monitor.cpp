@@ -3,9 +3,12 @@
 #include <algorithm>
 
 #include "model/train/geometry.h"
+#include "model/train/moments.h"
 
 namespace styled::train {
 namespace {
+
+constexpr int kEffectFrames = 24;
 
 using torch::Tensor;
 
@@ -21,21 +24,7 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
                  const body::FeatureParameters& parameters, const Tensor& mean,
                  const Tensor& deviation)
     : styles_(styles) {
-  // 1. The mean pose of every cell that there is.
-  std::vector<float> frames;
-  Tensor sum = torch::zeros({styles, contents, body::kPositionFeatures}, torch::kFloat64);
-  Tensor count = torch::zeros({styles, contents, 1}, torch::kFloat64);
-  for (const TrainingClip& clip : clips) {
-    const int length = static_cast<int>(clip.poses.size());
-    frames.resize(static_cast<std::size_t>(length) * body::kFeatureCount);
-    FillWindow(clip, 0, length, false, false, parameters, {.features = frames.data()});
-    const Tensor x = torch::from_blob(frames.data(), {length, body::kFeatureCount});
-    sum[clip.style][clip.content] +=
-        x.narrow(1, body::kPositionBegin, body::kPositionFeatures).to(torch::kFloat64).sum(0);
-    count[clip.style][clip.content] += length;
-  }
-
-  // 2. Fixed windows: the first clips of each neutral cell, from their middle.
+  // Fixed windows: the first clips of each neutral cell, from their middle.
   std::vector<Tensor> windows;
   std::vector<int> window_content;
   std::vector<int> kept;
@@ -66,10 +55,11 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
   content_ = (content_ / content_.sum(1, true)).to(mean.device());
   const Tensor kept_index =
       torch::tensor(std::vector<int64_t>(kept.begin(), kept.end()), torch::kInt64);
-  const Tensor means = (sum / count.clamp_min(1)).index_select(1, kept_index);
-  present_ = (count.index_select(1, kept_index) > 0).to(torch::kFloat32);  // [styles, kept, 1]
-  real_shift_ = ((means - means.narrow(0, 0, 1)) * present_).to(torch::kFloat32).to(mean.device());
-  present_ = present_.to(mean.device());
+  const StyleEffects real = MeasureEffects(clips, styles, contents, kEffectFrames, parameters);
+  real_shift_ = real.moments.narrow(2, 0, body::kPositionFeatures)
+                    .index_select(1, kept_index)
+                    .to(mean.device());
+  present_ = real.known.index_select(1, kept_index).to(mean.device());
 }
 
 MonitorRow Monitor::Evaluate(const Generator& generator) const {

@@ -37,6 +37,10 @@ struct TrainConfig {
   double session_start = 0.25;  // share of the others that begin like a new session
   double miscalibrated = 0.0;  // share that the generator sees as a badly calibrated rig shows them
 
+  // What the generator sees is off by up to these, in deviations: by a constant of each window, by
+  // noise. What is wanted of it stays the same.
+  double offset = 0.0, noise = 0.0;
+
   double generator_rate = 8e-4, critic_rate = 4e-4;
   double beta1 = 0.9, beta2 = 0.999;
   double decay_from = 0.67, decay_to = 0.2;  // learning rates fall linearly over the last third
@@ -46,6 +50,7 @@ struct TrainConfig {
   double w_position = 5.0;  // mean squared distance, m²; ½ in eq. 3, here in balance with the above
   double w_velocity = 0.05, w_height = 0.05;  // mean squares of the heads, standardized
   double w_adversarial = 1.0, w_perceptual = 0.1, w_penalty = 128.0;
+  double w_moments = 0.0;                       // what each style does on average (moments.h), m²
   double w_smooth = 10.0;                       // second difference of the change of style
   double smooth_from = 0.2, smooth_full = 0.3;  // share of the run over which it is ramped in
   // What the paper's ablations leave out (besides losses, by their weights).

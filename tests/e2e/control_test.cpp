@@ -61,6 +61,8 @@ TEST(ControlTest, TwentyKindsOfBadMessagesGetACodeAndAReasonAndChangeNothing) {
   no_part.mutable_set()->add_only(static_cast<v1::BodyPart>(7));
   v1::Request clear_and_mix = SetMix("rig.a", {{"style2", 1}});
   clear_and_mix.mutable_set()->set_clear(true);
+  v1::Request no_own_style = For("rig.a");
+  no_own_style.mutable_set()->set_own_style("nostyle");
 
   struct Case {
     v1::Request request;
@@ -73,6 +75,7 @@ TEST(ControlTest, TwentyKindsOfBadMessagesGetACodeAndAReasonAndChangeNothing) {
       {SetMix("rig.bad name", {{"style2", 1}}), v1::CODE_UNKNOWN_PERFORMER},
       {SetMix("nosource.a", {{"style2", 1}}), v1::CODE_UNKNOWN_PERFORMER},
       {SetMix("rig.a", {{"nostyle", 1}}), v1::CODE_UNKNOWN_STYLE},
+      {no_own_style, v1::CODE_UNKNOWN_STYLE},
       {SetMix("rig.a", {{"neutral", 1}}), v1::CODE_OUT_OF_RANGE},
       {SetMix("rig.a", {{"style1", 0.5F}, {"s1", 0.5F}}), v1::CODE_OUT_OF_RANGE},
       {SetMix("rig.a", {{"style1", -0.5F}}), v1::CODE_OUT_OF_RANGE},
@@ -202,6 +205,9 @@ TEST(ControlTest, SettingsSurviveARestartOfTheDaemon) {
     v1::Request pin = For("rig.a");
     pin.mutable_pin()->set_pinned(true);
     ASSERT_EQ(control.Ask(pin).code(), v1::CODE_OK);
+    v1::Request made_neutral = SetMix("rig.c", {{"neutral", 1}});
+    made_neutral.mutable_set()->set_own_style("style3");
+    ASSERT_EQ(control.Ask(made_neutral).code(), v1::CODE_OK);
     ASSERT_EQ(control.SetStyle("rig.b", "style4").code(), v1::CODE_OK);
   }
   ASSERT_EQ(daemon.Stop(), 0);
@@ -212,6 +218,8 @@ TEST(ControlTest, SettingsSurviveARestartOfTheDaemon) {
   ASSERT_EQ(control.Performer("rig.a").only_size(), 2);
   EXPECT_EQ(control.Performer("rig.a").only(1), v1::BODY_PART_LEFT_ARM);
   EXPECT_EQ(control.Performer("rig.b").styles(0).style(), "style4");
+  EXPECT_EQ(control.Performer("rig.c").own_style(), "style3");
+  EXPECT_EQ(control.Performer("rig.c").styles(0).style(), "neutral");
   const UdpLink link(daemon.udp);
   Rig fresh("new");
   link.Send(fresh.Body());

@@ -31,6 +31,7 @@ struct Arguments {
   std::optional<double> transition_ms;
   bool absolute = false, detail = false;
   std::string only;  // parts of the body
+  std::string from;  // what the performer moves in already
 };
 
 // A check of --only: empty, or what is wrong.
@@ -163,6 +164,8 @@ void Program::DeclareSet() {
       ->excludes(absolute);
   set->add_option("--only", arguments_.only, "style these parts alone, comma-separated; all: undo")
       ->check(CheckParts);
+  set->add_option("--from", arguments_.from,
+                  "what the performer moves in already, to be taken away; neutral: nothing");
 }
 
 int Program::Run(std::vector<std::string> arguments) {
@@ -255,9 +258,13 @@ int Program::Set() {
     AddParts(parts, *change_.mutable_only());
     add(parts == body::kAllParts ? "all of the body" : "only " + body::PartsText(parts));
   }
+  if (!arguments_.from.empty()) {
+    change_.set_own_style(arguments_.from);
+    add("from " + arguments_.from);
+  }
   if (what.empty()) {
     return Usage(
-        "set: nothing to set; expected --style, --mix, --strength, --transition, --only, "
+        "set: nothing to set; expected --style, --mix, --strength, --transition, --only, --from, "
         "--absolute or --detail (to go to bypass: stylectl clear)");
   }
   client::Applied applied;
@@ -313,12 +320,13 @@ Failure Program::Explain(const CallStatus& status) {
       known.push_back(style.name());
       known.insert(known.end(), style.aliases().begin(), style.aliases().end());
     }
-    for (const auto& wanted : change_.mix()) {
-      const auto same = [&](const std::string& name) {
-        return Distance(name, wanted.style()) == 0;
-      };
+    std::vector<std::string> asked;
+    for (const auto& wanted : change_.mix()) asked.push_back(wanted.style());
+    if (!change_.own_style().empty()) asked.push_back(change_.own_style());
+    for (const std::string& wanted : asked) {
+      const auto same = [&](const std::string& name) { return Distance(name, wanted) == 0; };
       if (std::any_of(known.begin(), known.end(), same)) continue;
-      if (failure.suggestion.empty()) failure.suggestion = Nearest(wanted.style(), known);
+      if (failure.suggestion.empty()) failure.suggestion = Nearest(wanted, known);
     }
     failure.expected = "styles: " + Join(names);
   } else if (status.code() == v1::CODE_UNKNOWN_PRESET) {

@@ -119,6 +119,9 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
       if (!performer.preset().empty()) {
         notes += std::string(notes.empty() ? "" : ", ") + "preset " + performer.preset();
       }
+      if (!performer.own_style().empty()) {
+        notes += std::string(notes.empty() ? "" : ", ") + "from " + performer.own_style();
+      }
       if (!performer.only().empty()) {
         notes += std::string(notes.empty() ? "" : ", ") + "only " +
                  body::PartsText(PartsOf(performer.only()));
@@ -184,6 +187,7 @@ json StatusJson(const v1::StatusReply& status) {
          {"styles", MixJson(performer.styles())},
          {"strength", performer.strength()},
          {"only", performer.only().empty() ? "all" : body::PartsText(PartsOf(performer.only()))},
+         {"own_style", performer.own_style()},
          {"preset", performer.preset()},
          {"pinned", performer.pinned()},
          {"joints", performer.joints()},

@@ -156,43 +156,53 @@ nlohmann::json JudgeRates(const Data& data, const Styler& styler, const Evaluato
 nlohmann::json JudgeStyledInputs(const Data& data, const Styler& styler, const Evaluator& evaluator,
                                  const stylist::Options& options) {
   const std::vector<clip::ManifestStyle>& styles = data.manifest.styles;
-  std::printf("\nperformers in a style already, SRA per target\n  %-14s", "");
-  for (std::size_t to = 1; to < styles.size(); ++to) {
-    if (styler.style_of[to] != kAbsent) std::printf(" %.9s", styles[to].name.c_str());
-  }
-  std::printf("\n");
   nlohmann::json json;
-  Mean all;
-  for (std::size_t from = 1; from < styles.size(); ++from) {
-    Data own = data;
-    own.inputs.clear();
-    own.contents.clear();
-    for (const train::TrainingClip& c : data.validation) {
-      if (c.style != static_cast<int>(from)) continue;
-      own.inputs.push_back(clip::ResamplePoses(c.poses, kJudgeRate_hz, kStreamRate_hz));
-      own.contents.push_back(c.content);
-    }
-    if (own.inputs.empty()) continue;
-    Styler others = styler;
-    others.style_of[from] = kAbsent;
-    const Figures figures = evaluator.Measure("", Style(Some(own, 2), others, options, false));
-    std::printf("  %-14s", styles[from].name.c_str());
-    for (std::size_t to = 1; to < styles.size(); ++to) {
-      if (styler.style_of[to] == kAbsent) continue;
-      const int width = std::min<int>(9, static_cast<int>(styles[to].name.size()));
-      if (to == from) {
-        std::printf(" %*s", width, "-");
-        continue;
+  for (const bool told : {false, true}) {
+    std::printf("\nperformers in a style already, the network told %s, SRA per target\n  %-14s",
+                told ? "so" : "neutral", "");
+    for (const clip::ManifestStyle& style : styles) std::printf(" %.9s", style.name.c_str());
+    std::printf("\n");
+    Mean to_styles;
+    Mean to_neutral;
+    nlohmann::json& here = json[told ? "told" : "not_told"];
+    for (std::size_t from = 1; from < styles.size(); ++from) {
+      if (styler.style_of[from] == kAbsent) continue;
+      Data own = data;
+      own.inputs.clear();
+      own.contents.clear();
+      for (const train::TrainingClip& c : data.validation) {
+        if (c.style != static_cast<int>(from)) continue;
+        own.inputs.push_back(clip::ResamplePoses(c.poses, kJudgeRate_hz, kStreamRate_hz));
+        own.contents.push_back(c.content);
       }
-      const double sra = figures.styles[to].sra.value;
-      std::printf(" %*.2f", width, sra);
-      json[styles[from].name][styles[to].name] = sra;
-      all.Add(sra);
+      if (own.inputs.empty()) continue;
+      Styler others = styler;
+      others.style_of[from] = kAbsent;
+      others.own_style = told ? styler.style_of[from] : 0;
+      if (told) others.style_of[0] = 0;
+      const Figures figures = evaluator.Measure("", Style(Some(own, 2), others, options, false));
+      std::printf("  %-14s", styles[from].name.c_str());
+      for (std::size_t to = 0; to < styles.size(); ++to) {
+        const int width = std::min<int>(9, static_cast<int>(styles[to].name.size()));
+        if (others.style_of[to] == kAbsent) {
+          std::printf(" %*s", width, "-");
+          continue;
+        }
+        const double sra = figures.styles[to].sra.value;
+        std::printf(" %*.2f", width, sra);
+        here[styles[from].name][styles[to].name] = sra;
+        (to == 0 ? to_neutral : to_styles).Add(sra);
+      }
+      std::printf("\n");
+    }
+    std::printf("  mean to other styles %.3f", to_styles.value());
+    here["mean"] = to_styles.value();
+    if (told) {
+      std::printf(", to neutral %.3f", to_neutral.value());
+      here["mean_to_neutral"] = to_neutral.value();
     }
     std::printf("\n");
   }
-  std::printf("  mean %.3f\n", all.value());
-  json["mean"] = all.value();
   return json;
 }
 

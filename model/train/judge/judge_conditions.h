@@ -23,8 +23,8 @@ nlohmann::json JudgePerturbed(const Data& data, const Styler& styler, const Eval
 nlohmann::json JudgeRates(const Data& data, const Styler& styler, const Evaluator& evaluator,
                           const stylist::Options& options);
 
-// Performers who move in a style already, though the network is told neutral: from every style to
-// every other. A row per own style, a column per target.
+// Performers who move in a style already: from every style to every other, the network told
+// neutral, and told what they are; then also to neutral. A row per own style, a column per target.
 nlohmann::json JudgeStyledInputs(const Data& data, const Styler& styler, const Evaluator& evaluator,
                                  const stylist::Options& options);
 

@@ -78,7 +78,7 @@ std::vector<Transferred> Transfer(const Data& data, const std::vector<int>& styl
                                   const std::function<Poses(const Poses&, int)>& make) {
   std::vector<Transferred> out;
   for (std::size_t i = 0; i < data.inputs.size(); ++i) {
-    for (int style = 1; style < static_cast<int>(data.manifest.styles.size()); ++style) {
+    for (int style = 0; style < static_cast<int>(data.manifest.styles.size()); ++style) {
       if (style_of[style] == kAbsent) continue;
       out.push_back({static_cast<int>(i), style, data.contents[i], data.inputs[i],
                      make(data.inputs[i], style)});
@@ -140,7 +140,8 @@ Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest) {
   auto network = erd::Network::Load(weights);
   if (!network.ok()) return network.status();
-  Styler styler{network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()), {}};
+  Styler styler{
+      network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()), {}, 0};
   int found = 0;
   for (const clip::ManifestStyle& style : manifest.styles) {
     const int index = styler.network->FindStyle(style.name);
@@ -156,14 +157,16 @@ Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Mani
 std::vector<Transferred> Style(const Data& data, const Styler& styler,
                                const stylist::Options& options, bool absolute) {
   return Transfer(data, styler.style_of, [&](const Poses& input, int style) {
-    const Switch start{0, OneStyle(styler.style_of[style], absolute)};
+    Switch start{0, OneStyle(styler.style_of[style], absolute)};
+    start.settings.own_style = styler.own_style;
     return StyleStream(styler.network, styler.binding, options, {&start, 1}, input);
   });
 }
 
 std::vector<Transferred> ApplyBaseline(const Data& data) {
   const std::vector<ConstantOffset> baselines = Baselines(data);
-  const std::vector<int> all(data.manifest.styles.size(), 0);
+  std::vector<int> all(data.manifest.styles.size(), 0);
+  all[0] = kAbsent;
   return Transfer(data, all, [&](const Poses& input, int style) {
     Poses output;
     for (const body::Pose& pose : input) output.push_back(baselines[style].Apply(pose));

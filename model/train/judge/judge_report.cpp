@@ -124,6 +124,7 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
   figures.cra = MacroShare(cra, kSeed);
   figures.cra_input = MacroShare(cra_input, kSeed);
 
+  figures.styles[0].sra = MacroShare(Of(sra, 0, contents_), kSeed);
   for (int style = 1; style < styles_; ++style) {
     StyleFigures& of = figures.styles[style];
     of.sra = MacroShare(Of(sra, style, contents_), kSeed);

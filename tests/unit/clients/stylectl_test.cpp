@@ -134,6 +134,9 @@ TEST_F(StylectlTest, SetSendsWhatWasGivenAndNothingElse) {
   EXPECT_EQ(Run({"set", "rig.anna", "--only", "all"}), kExitOk);
   ASSERT_EQ(last_.set().only_size(), 1);
   EXPECT_EQ(last_.set().only(0), v1::BODY_PART_ALL);
+  EXPECT_FALSE(last_.set().has_own_style());
+  EXPECT_EQ(Run({"set", "rig.anna", "--from", "elderly", "--style", "proud"}), kExitOk);
+  EXPECT_EQ(last_.set().own_style(), "elderly");
 }
 
 TEST_F(StylectlTest, EveryOtherCommandSendsItself) {

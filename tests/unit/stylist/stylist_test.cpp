@@ -104,6 +104,13 @@ TEST_F(StylistTest, SettingsThatCannotBeAreNamed) {
   settings = Style(1);
   settings.parts = 0;
   EXPECT_EQ(check(settings), SettingsError::kNoParts);
+  settings = Style(0);
+  settings.own_style = 3;
+  EXPECT_EQ(check(settings), SettingsError::kNone) << "who has a style can be made neutral";
+  for (const int style : {-1, network->style_count()}) {
+    settings.own_style = style;
+    EXPECT_EQ(check(settings), SettingsError::kUnknownOwnStyle);
+  }
 }
 
 TEST_F(StylistTest, WithoutAStyleTheSourceLeavesBitForBit) {
@@ -153,6 +160,37 @@ TEST_F(StylistTest, PartsThatAreNotStyledStayAsCaptured) {
       }
     }
   }
+}
+
+TEST_F(StylistTest, AStyleOfThePerformersOwnIsTakenAway) {
+  options.change_tau_s = 0;
+  options.feet = options.ground = false;
+  Settings to_neutral = Style(0, 1, 0.3F);
+  to_neutral.own_style = 3;
+  Stylist stylist(network, binding, options);
+  Feed(stylist, 0);
+  EXPECT_TRUE(out.flags & kBypass) << "nothing was asked for";
+  stylist.Set(to_neutral);
+  body::Pose before = out.canonical;
+  for (int frame = 1; frame < 60; ++frame) {
+    Feed(stylist, frame);
+    EXPECT_LT(Apart_rad(before, out.canonical), 0.15F) << "faded in, frame " << frame;
+    before = out.canonical;
+  }
+  EXPECT_FALSE(out.flags & kBypass);
+  EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-2F);
+
+  // His own style asked for is no change at all; nothing asked for is bypass.
+  Settings to_own = Style(3);
+  to_own.own_style = 3;
+  stylist.Set(to_own);
+  for (int frame = 60; frame < 240; ++frame) Feed(stylist, frame);
+  EXPECT_LT(Apart_rad(out.canonical, out.canonical_input), 1e-4F);
+  Settings none;
+  none.own_style = 3;
+  stylist.Set(none);
+  for (int frame = 240; frame < 480; ++frame) Feed(stylist, frame);
+  EXPECT_TRUE(out.flags & kBypass);
 }
 
 TEST_F(StylistTest, BypassIsEnteredByAFadeAndThenExact) {

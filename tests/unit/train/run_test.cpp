@@ -87,6 +87,8 @@ split = "validation"
     config.classifier_iterations = 3;
     config.smooth_from = 0.0;
     config.monitor_every = 100;
+    config.w_moments = 10;
+    config.offset = config.noise = 0.1;
     return config;
   }
   static void Check(const Status& status) { ASSERT_TRUE(status.ok()) << status.message(); }

@@ -1,0 +1,46 @@
+#include "model/stylist/low_pass.h"
+
+#include <cmath>
+
+namespace styled::stylist {
+namespace {
+
+constexpr float kNothing_rad = 2e-4F;      // a change below 0.01 degrees is none
+constexpr float kNothing_rad_s = 2e-2F;    // nor is one that grows no faster
+constexpr float kSineOfPair = 0.8660254F;  // the pair's poles lie at 60 degrees, cosine 0.5
+
+}  // namespace
+
+void LowPass::Follow(const Change& target, double dt_s, float delay_s) noexcept {
+  if (delay_s <= 0) {
+    first_ = value_ = target;
+    rate_.setZero();
+    return;
+  }
+  // The delay of slow changes is 1/w of the real pole and 2 * 0.5/w of the pair.
+  const float w = 2.0F / delay_s;
+  const float x = w * static_cast<float>(dt_s);
+  // About the target, the real pole falls by exp(-x). With its poles at 60 degrees the pair has
+  // that same motion as its forced one, and its free motion is about where the real pole is.
+  const float left = std::exp(-x);
+  const Change from = first_ - target;
+  const Change offset = value_ - first_;
+  const Change offset_rate = rate_ + w * from;
+  const float fall = std::exp(-0.5F * x);
+  const float sine = fall * std::sin(kSineOfPair * x) / kSineOfPair;
+  const float cosine = fall * std::cos(kSineOfPair * x);
+  first_ = target + left * from;
+  value_ = first_ + (cosine + 0.5F * sine) * offset + (sine / w) * offset_rate;
+  rate_ = (cosine - 0.5F * sine) * offset_rate - (w * sine) * offset - (w * left) * from;
+}
+
+void LowPass::SettleAtZero() noexcept {
+  const auto below = [](const Change& of, float most) { return of.cwiseAbs().maxCoeff() < most; };
+  if (!below(value_, kNothing_rad) || !below(first_, kNothing_rad) || !below(rate_, kNothing_rad_s))
+    return;
+  first_.setZero();
+  value_.setZero();
+  rate_.setZero();
+}
+
+}  // namespace styled::stylist

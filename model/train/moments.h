@@ -1,0 +1,50 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include <vector>
+
+#include "model/train/dataset.h"
+
+namespace styled::train {
+
+// What each style does to a body on average, per style and content: how far it shifts every joint,
+// and how much wider or narrower it moves it (the deviation over time within a window). Measured
+// between neutral and styled clips of one folder, mirror images included, and averaged over
+// folders: what two folders recorded under one name is not compared. Metres, in the heading frame,
+// relative to the hips: 63 shifts, then 63 deviations.
+struct StyleEffects {
+  torch::Tensor moments;  // [styles, contents, 126]
+  torch::Tensor known;    // [styles, contents, 1]: 1 where a folder has both
+};
+// From windows of `length` frames, half overlapping.
+StyleEffects MeasureEffects(const std::vector<TrainingClip>& clips, int styles, int contents,
+                            int length, const body::FeatureParameters& parameters);
+
+// Draws the effects of what the generator makes toward those of real clips. The critic sees one
+// window at a time and is content before the means agree. After the feature matching of Salimans et
+// al. 2016, here on the pose itself, with running means in place of the batch's.
+class Moments {
+ public:
+  Moments(const StyleEffects& wanted, const torch::Device& device);
+
+  // One value whose gradient moves the running means of `out` - `in` (positions, [T, B, 63]) toward
+  // what is wanted. Only windows with `counted` 1 take part. style, content: [B] int64.
+  torch::Tensor Loss(const torch::Tensor& in, const torch::Tensor& out, const torch::Tensor& style,
+                     const torch::Tensor& content, const torch::Tensor& counted);
+
+  // Mean over cells with data of the squared distance from the wanted moments, summed over joints.
+  double Distance() const;
+
+  torch::Tensor Save() const;  // the running means
+  void Restore(const torch::Tensor& saved);
+
+ private:
+  int64_t contents_;
+  torch::Tensor wanted_;   // [styles * contents, 126]
+  torch::Tensor known_;    // [styles * contents, 1]: 1 where there are clips to compare
+  torch::Tensor running_;  // [styles * contents, 126]
+  torch::Tensor visits_;   // [styles * contents, 1]
+};
+
+}  // namespace styled::train

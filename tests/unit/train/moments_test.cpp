@@ -1,0 +1,96 @@
+#include "model/train/moments.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/train/walker.h"
+
+namespace styled::train {
+namespace {
+
+using torch::Tensor;
+
+constexpr int kLength = 25;
+
+TrainingClip Clip(int source, int style, int content, float bend_rad) {
+  TrainingClip clip = Walker(100);
+  clip.source = source;
+  clip.style = style;
+  clip.content = content;
+  for (body::Pose& pose : clip.poses) {
+    pose.rotations[body::kSpine] =
+        pose.rotations[body::kSpine] * body::Exp(body::Vec3(bend_rad, 0, 0));
+  }
+  return clip;
+}
+
+StyleEffects Effects(const std::vector<TrainingClip>& clips) {
+  return MeasureEffects(clips, 2, 2, kLength, body::FeatureParameters());
+}
+
+TEST(Moments, AnEffectIsMeasuredWithinAFolder) {
+  // The second folder's performer bends forward in neutral and style alike: no effect.
+  const StyleEffects one = Effects({Clip(0, 0, 0, 0), Clip(0, 1, 0, 0.5F)});
+  const StyleEffects two = Effects({Clip(0, 0, 0, 0), Clip(0, 1, 0, 0.5F), Clip(1, 0, 0, 0.3F)});
+  const StyleEffects none = Effects({Clip(0, 0, 0, 0), Clip(1, 1, 0, 0.5F)});
+  const Tensor shift = one.moments[1][0].narrow(0, 0, body::kPositionFeatures).view({-1, 3});
+  EXPECT_GT(shift[body::kHead].norm().item<double>(), 0.1);
+  EXPECT_LT(shift[body::kLeftFoot].norm().item<double>(), 0.01) << "no leg was bent";
+  EXPECT_TRUE(torch::equal(one.moments, two.moments));
+  EXPECT_EQ(one.known[1][0].item<float>(), 1.0F);
+  EXPECT_EQ(one.known[1][1].item<float>(), 0.0F) << "no clip of that content";
+  EXPECT_EQ(none.known[1][0].item<float>(), 0.0F) << "the folders share no cell";
+  EXPECT_EQ(one.moments[0].abs().max().item<float>(), 0.0F);
+}
+
+// A generator that can only shift a cell: descends on the loss and must arrive at the wanted shift
+// while the windows keep their differences.
+TEST(Moments, TheLossLeadsTheMeansToWhatIsWanted) {
+  torch::manual_seed(3);
+  const StyleEffects wanted{torch::zeros({2, 2, 126}), torch::ones({2, 2, 1})};
+  wanted.moments[1][0].narrow(0, 0, 63).fill_(0.2);
+  wanted.moments[1][1].narrow(0, 0, 63).fill_(-0.1);
+  Moments moments(wanted, torch::kCPU);
+  Tensor shift = torch::zeros({2, 63}, torch::requires_grad());
+  const Tensor style = torch::ones({6}, torch::kInt64);
+  const Tensor content = torch::tensor({0, 0, 0, 1, 1, 1});
+  for (int i = 0; i < 600; ++i) {
+    const Tensor in = torch::randn({kLength, 6, 63});
+    const Tensor own = 0.3 * torch::randn({1, 6, 63});  // a window's own way of doing it
+    const Tensor loss = moments.Loss(in, in + own + shift.index_select(0, content), style, content,
+                                     torch::ones({6}));
+    const Tensor gradient = torch::autograd::grad({loss}, {shift})[0];
+    const torch::NoGradGuard no_grad;
+    shift -= 0.02 * gradient;
+  }
+  EXPECT_NEAR(shift[0].mean().item<double>(), 0.2, 0.02);
+  EXPECT_NEAR(shift[1].mean().item<double>(), -0.1, 0.02);
+  EXPECT_LT(moments.Distance(), 0.3);
+}
+
+TEST(Moments, WindowsThatDoNotCountChangeNothing) {
+  const StyleEffects wanted{torch::ones({2, 2, 126}), torch::ones({2, 2, 1})};
+  Moments moments(wanted, torch::kCPU);
+  const Tensor before = moments.Save();
+  const Tensor x = torch::randn({kLength, 3, 63});
+  const Tensor loss = moments.Loss(x, 2 * x, torch::ones({3}, torch::kInt64),
+                                   torch::zeros({3}, torch::kInt64), torch::zeros({3}));
+  EXPECT_EQ(loss.item<double>(), 0.0);
+  EXPECT_TRUE(torch::equal(moments.Save(), before));
+}
+
+TEST(Moments, SaveAndRestoreAreExact) {
+  const StyleEffects wanted{torch::ones({2, 2, 126}), torch::ones({2, 2, 1})};
+  Moments one(wanted, torch::kCPU);
+  Moments other(wanted, torch::kCPU);
+  const Tensor style = torch::ones({3}, torch::kInt64);
+  const Tensor x = torch::randn({kLength, 3, 63});
+  const auto step = [&](Moments& moments) {
+    return moments.Loss(x, 2 * x, style, style, torch::ones({3})).item<double>();
+  };
+  for (int i = 0; i < 20; ++i) step(one);
+  other.Restore(one.Save());
+  EXPECT_EQ(step(one), step(other));
+}
+
+}  // namespace
+}  // namespace styled::train
