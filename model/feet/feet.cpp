@@ -15,6 +15,7 @@ constexpr float kMostPitch_rad = 0.6F;
 constexpr float kDropCorner_m = 0.005F;
 constexpr float kStraightCorner = 0.02F;  // of the leg's length
 constexpr float kNear_m = 0.02F;  // a foot moved by less keeps the leg as straight as it is styled
+constexpr float kStraighten_s = 0.05F;  // smoothing of that
 constexpr float kHigh = 0.4F;     // of the reach: a foot so far above the performer's lets go
 constexpr float kLetGo = 0.6F;    // of the reach: where a lock begins to give
 
@@ -148,7 +149,8 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   const Vec3& knee = at(out_, leg.lower);
   const float length = (knee - hip).norm() + (heel - knee).norm();
   const float moved = (state.ankle_m - heel).norm() / kNear_m;
-  state.as_styled = std::exp(-moved * moved);
+  // In time, too: an offset that returns quickly would snap the knee through.
+  state.as_styled = 1 - state.moved.Follow(1 - std::exp(-moved * moved), dt_s, kStraighten_s);
   const float least = options_.stretch * length;
   const float reach = least + state.as_styled * std::max(0.0F, (heel - hip).norm() - least);
   const float across2 = Flat(state.ankle_m - hip).squaredNorm();

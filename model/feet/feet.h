@@ -47,7 +47,7 @@ class Feet {
     Vec3 offset_m = Vec3::Zero();  // horizontal: from where the style puts the foot
     Vec3 centre_m =
         Vec3::Zero();  // horizontal: the gait's mean of styled less input, in world axes
-    Glide lift_toes, lift_heel;
+    Glide lift_toes, lift_heel, moved;
 
     float yields = 0;               // this frame's: 1 where the styled foot is too high to hold
     Quat pitch = Quat::Identity();  // this frame's: of the foot, in world
