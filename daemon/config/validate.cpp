@@ -77,6 +77,9 @@ Status Validate(const Config& config) {
   if (config.model.stylist.foreign_begin_rad >= config.model.stylist.foreign_end_rad) {
     return Status::Error("model.foreign_begin_rad: expected less than model.foreign_end_rad");
   }
+  if (config.model.stylist.tilt_begin_rad >= config.model.stylist.tilt_end_rad) {
+    return Status::Error("model.tilt_begin_rad: expected less than model.tilt_end_rad");
+  }
   if (config.performers.late_s > config.performers.backlog_s) {
     return Status::Error("performers.late_ms: expected at most performers.backlog_ms");
   }

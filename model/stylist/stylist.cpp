@@ -78,6 +78,7 @@ struct Stylist::Impl {
   std::int64_t last_ns = 0;
   bool started = false, fresh_session = true;
   float reconstruction_rad = 0, familiar = 1.0F;  // familiar: 1 = at home, 0 = foreign
+  float upright = 1.0F;                           // the same of the hips' tilt
   feet::Glide shift_m,
       rig_shift;              // of the canonical humanoid and of the source skeleton, its units
   feet::Feet feet, rig_feet;  // the same two
@@ -169,7 +170,7 @@ void Stylist::Process(std::int64_t time_ns, const rig::RigPose& in, Output& out)
   out.reconstruction_rad = s.reconstruction_rad;
   if (out.held.any()) out.flags |= kHeld;
   if (s.mixer.fading()) out.flags |= kFading;
-  if (s.familiar < 0.5F) out.flags |= kOutOfDomain;
+  if (std::min(s.familiar, s.upright) < 0.5F) out.flags |= kOutOfDomain;
   if (s.fresh_session) out.flags |= kNewSession;
   const auto in_force = s.mixer.in_force();
   std::copy(in_force.begin(), in_force.end(), out.in_force.begin());
@@ -271,6 +272,12 @@ void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
   const float at_home = 1.0F - SmoothStep((reconstruction_rad - options.foreign_begin_rad) / span);
   familiar += (at_home - familiar) * (started ? DecayShare(dt_s, options.foreign_fade_s) : 1.0F);
 
+  // Styles are of upright bodies; one put on somebody who lies would push him through the floor.
+  const float up = (input.rotations[body::kHips] * Vec3::UnitY()).y();
+  const float tilt_rad = std::acos(std::clamp(up, -1.0F, 1.0F));
+  const float to_lying = std::max(1e-3F, options.tilt_end_rad - options.tilt_begin_rad);
+  upright = 1.0F - SmoothStep((tilt_rad - options.tilt_begin_rad) / to_lying);
+
   const bool first = !filter_started;
   low_pass.Follow(target, first ? 0 : dt_s, first ? 0 : options.change_tau_s);
   filter_started = true;
@@ -295,7 +302,7 @@ void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
       change.col(joint) *= mixer.share(body::PartOf(joint));
     }
   }
-  if (familiar < 1.0F) change *= familiar;
+  if (familiar < 1.0F || upright < 1.0F) change *= familiar * upright;
   if (restart_fade < 1.0F) {
     if (!first) restart_fade += static_cast<float>(dt_s) / std::max(1e-3F, options.restart_fade_s);
     change = fade_from + SmoothStep(restart_fade) * (change - fade_from);
@@ -333,7 +340,7 @@ void Stylist::Impl::HoldFeet(double dt_s, Output& out) noexcept {
   style *= std::max({mixer.share(body::Part::kTorso), mixer.share(body::Part::kLeftLeg),
                      mixer.share(body::Part::kRightLeg)});
   const bool held = options.feet && (out.flags & kBypass) == 0;
-  const float weight = held ? SmoothStep(familiar * style / kFeetFull) : 0.0F;
+  const float weight = held ? SmoothStep(familiar * upright * style / kFeetFull) : 0.0F;
   rig_feet.Process(dt, weight, {intake.clean().translations, intake.clean().rotations},
                    {out.rig.translations, out.rig.rotations});
   out.contacts = rig_feet.contacts().bits();

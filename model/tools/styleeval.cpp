@@ -13,6 +13,7 @@
 #include "model/train/judge/judge_conditions.h"
 #include "model/train/judge/judge_data.h"
 #include "model/train/judge/judge_feet.h"
+#include "model/train/judge/judge_foreign.h"
 #include "model/train/judge/judge_html.h"
 #include "model/train/judge/judge_nets.h"
 #include "model/train/judge/judge_report.h"
@@ -35,7 +36,8 @@ constexpr int kBlendFrames = 10;  // at the judges' rate, where chained clips ov
 struct Arguments {
   std::string weights, manifest, inputs, data, cache, json, report;
   double long_s = 60;
-  bool absolute = false, synthetic = false, robust = false, rates = false, styled_inputs = false;
+  bool absolute = false, synthetic = false, robust = false, rates = false, styled_inputs = false,
+       foreign = false;
   std::vector<std::filesystem::path> clips;
   judge::JudgeSettings judges;
   styled::stylist::Options stylist;
@@ -191,6 +193,7 @@ Status JudgeWeights(const Arguments& arguments, const judge::Data& data,
   if (arguments.styled_inputs) {
     json["styled_inputs"] = judge::JudgeStyledInputs(data, styler, evaluator, options);
   }
+  if (arguments.foreign) json["foreign"] = judge::JudgeForeign(data, styler, options, scenes);
   if (!arguments.clips.empty()) {
     auto others = judge::JudgeOtherClips(arguments.clips, styler, options, scenes);
     if (!others.ok()) return others.status();
@@ -428,6 +431,8 @@ int main(int argc, char** argv) {
   app.add_flag("--rates", arguments.rates, "Judge rigs of 24 to 240 Hz, too");
   app.add_flag("--styled-inputs", arguments.styled_inputs,
                "Judge performers who move in a style already, too");
+  app.add_flag("--foreign", arguments.foreign,
+               "Judge postures that no training set has, too: sitting, crouching, falling, lying");
   app.add_option("--clips", arguments.clips, "Jitter and jumps on these BVH files, any rig's")
       ->check(CLI::ExistingFile);
   app.add_option("--change-tau", arguments.stylist.change_tau_s,

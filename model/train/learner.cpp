@@ -348,9 +348,13 @@ Tensor Learner::Perceptual(const Batch& batch, const Generated& generated) const
 Tensor Learner::MomentMatching(const Batch& batch, const Generated& generated) {
   const Tensor mean = mean_.narrow(0, body::kPositionBegin, body::kPositionFeatures);
   const Tensor deviation = deviation_.narrow(0, body::kPositionBegin, body::kPositionFeatures);
-  const Tensor in = batch.features.narrow(0, 1, frames_ - 1)
-                        .narrow(2, body::kPositionBegin, body::kPositionFeatures);
-  const Tensor out = generated.fake.narrow(2, 0, body::kPositionFeatures) * deviation + mean;
+  const Tensor in = batch.features.narrow(0, 1, frames_ - 1).narrow(2, 0, kEffectFeatures);
+  const Tensor hemisphere = mean_.narrow(0, 0, body::kRotationFeatures);
+  const Tensor rotations = ToHemisphere(generated.rotations.narrow(0, 1, frames_ - 1),
+                                        hemisphere.view({body::kJointCount, 4}))
+                               .flatten(2, 3);
+  const Tensor positions = generated.fake.narrow(2, 0, body::kPositionFeatures) * deviation + mean;
+  const Tensor out = torch::cat({rotations, positions}, 2);
   const Tensor loss = moments_.Loss(in, out, target_, batch.content.argmax(1),
                                     batch.paired * (1.0 - styled_.flatten()));
   tally_.Add("moments", torch::full({}, moments_.Distance()));

@@ -13,11 +13,14 @@ constexpr double kHorizon = 50.0;
 constexpr double kFewestVisits = 10.0;
 constexpr int kFewestWindows = 8;  // of a cell, mirror images counted: fewer are noise
 
-// Mean and deviation over time: [T, B, 63] -> [B, 126].
-Tensor WindowMoments(const Tensor& positions) {
-  const Tensor mean = positions.mean(0);
+// Mean and deviation over time of features r and p: [T, B, 147] -> [B, 294].
+Tensor WindowMoments(const Tensor& features) {
+  const Tensor x = torch::cat({features.narrow(2, 0, body::kRotationFeatures) * kRotationLever_m,
+                               features.narrow(2, body::kPositionBegin, body::kPositionFeatures)},
+                              2);
+  const Tensor mean = x.mean(0);
   // The small term keeps the gradient finite where a joint does not move at all.
-  const Tensor deviation = ((positions - mean).square().mean(0) + 1e-6).sqrt();
+  const Tensor deviation = ((x - mean).square().mean(0) + 1e-6).sqrt();
   return torch::cat({mean, deviation}, 1);
 }
 
@@ -28,7 +31,7 @@ StyleEffects MeasureEffects(const std::vector<TrainingClip>& clips, int styles, 
   int sources = 0;
   for (const TrainingClip& clip : clips) sources = std::max(sources, clip.source + 1);
   const int64_t cells = static_cast<int64_t>(styles) * contents;
-  Tensor sum = torch::zeros({sources, cells, 2 * body::kPositionFeatures});
+  Tensor sum = torch::zeros({sources, cells, 2 * kEffectFeatures});
   Tensor count = torch::zeros({sources, cells, 1});
   Tensor window = torch::empty({length, body::kFeatureCount});
   for (const TrainingClip& clip : clips) {
@@ -39,8 +42,8 @@ StyleEffects MeasureEffects(const std::vector<TrainingClip>& clips, int styles, 
       for (const bool mirrored : {false, true}) {
         FillWindow(clip, start, length, mirrored, false, parameters,
                    {.features = window.data_ptr<float>()});
-        sum[clip.source][cell] += WindowMoments(
-            window.narrow(1, body::kPositionBegin, body::kPositionFeatures).unsqueeze(1))[0];
+        sum[clip.source][cell] +=
+            WindowMoments(window.narrow(1, 0, kEffectFeatures).unsqueeze(1))[0];
         count[clip.source][cell] += 1;
       }
     }

@@ -11,10 +11,14 @@ namespace styled::train {
 // What each style does to a body on average, per style and content: how far it shifts every joint,
 // and how much wider or narrower it moves it (the deviation over time within a window). Measured
 // between neutral and styled clips of one folder, mirror images included, and averaged over
-// folders: what two folders recorded under one name is not compared. Metres, in the heading frame,
-// relative to the hips: 63 shifts, then 63 deviations.
+// folders: what two folders recorded under one name is not compared. 147 shifts, then 147
+// deviations; of each the first 84 are of local rotations (which show how hands are held and limbs
+// are twisted, what no position does), times kRotationLever_m; 63 are of positions in the heading
+// frame, relative to the hips, in metres.
+inline constexpr int64_t kEffectFeatures = body::kRotationFeatures + body::kPositionFeatures;
+inline constexpr double kRotationLever_m = 0.3;  // what makes half an angle a length
 struct StyleEffects {
-  torch::Tensor moments;  // [styles, contents, 126]
+  torch::Tensor moments;  // [styles, contents, 294]
   torch::Tensor known;    // [styles, contents, 1]: 1 where a folder has both
 };
 // From windows of `length` frames, half overlapping.
@@ -28,8 +32,9 @@ class Moments {
  public:
   Moments(const StyleEffects& wanted, const torch::Device& device);
 
-  // One value whose gradient moves the running means of `out` - `in` (positions, [T, B, 63]) toward
-  // what is wanted. Only windows with `counted` 1 take part. style, content: [B] int64.
+  // One value whose gradient moves the running means of `out` - `in` (features r and p, [T, B,
+  // 147]) toward what is wanted. Only windows with `counted` 1 take part. style, content: [B]
+  // int64.
   torch::Tensor Loss(const torch::Tensor& in, const torch::Tensor& out, const torch::Tensor& style,
                      const torch::Tensor& content, const torch::Tensor& counted);
 
@@ -41,9 +46,9 @@ class Moments {
 
  private:
   int64_t contents_;
-  torch::Tensor wanted_;   // [styles * contents, 126]
+  torch::Tensor wanted_;   // [styles * contents, 294]
   torch::Tensor known_;    // [styles * contents, 1]: 1 where there are clips to compare
-  torch::Tensor running_;  // [styles * contents, 126]
+  torch::Tensor running_;  // [styles * contents, 294]
   torch::Tensor visits_;   // [styles * contents, 1]
 };
 

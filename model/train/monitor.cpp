@@ -56,7 +56,7 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
   const Tensor kept_index =
       torch::tensor(std::vector<int64_t>(kept.begin(), kept.end()), torch::kInt64);
   const StyleEffects real = MeasureEffects(clips, styles, contents, kEffectFrames, parameters);
-  real_shift_ = real.moments.narrow(2, 0, body::kPositionFeatures)
+  real_shift_ = real.moments.narrow(2, body::kPositionBegin, body::kPositionFeatures)
                     .index_select(1, kept_index)
                     .to(mean.device());
   present_ = real.known.index_select(1, kept_index).to(mean.device());

@@ -73,8 +73,12 @@ Evaluator::Evaluator(const clip::Manifest& manifest, const Judges& judges,
 }
 
 void Evaluator::Gather(const Sequence& sequence, int stride, Cell& cell, ClipVerdict* style,
-                       ClipVerdict* content) const {
+                       ClipVerdict* content, ClipVerdict* first) const {
   const Verdicts verdicts = judges_.Judge(sequence, stride);
+  if (first != nullptr && !verdicts.starts.empty()) {
+    first->windows = 1;
+    first->hits = verdicts.style.front() == sequence.style;
+  }
   for (std::size_t i = 0; i < verdicts.starts.size(); ++i) {
     if (style != nullptr) style->hits += verdicts.style[i] == sequence.style;
     if (content != nullptr) content->hits += verdicts.content[i] == sequence.content;
@@ -91,13 +95,15 @@ void Evaluator::Gather(const Sequence& sequence, int stride, Cell& cell, ClipVer
 }
 
 Figures Evaluator::Measure(const std::string& name, std::span<const Transferred> clips) const {
-  Figures figures{.name = name, .styles = {}, .sra = {}, .cra = {}, .cra_input = {}};
+  Figures figures{
+      .name = name, .styles = {}, .sra = {}, .cra = {}, .cra_input = {}, .sra_first = {}};
   figures.styles.resize(static_cast<std::size_t>(styles_));
   Cells out(real_.size());
   Cells in(real_.size());
   std::vector<ClipVerdict> sra;
   std::vector<ClipVerdict> cra;
   std::vector<ClipVerdict> cra_input;
+  std::vector<ClipVerdict> sra_first;
   std::vector<Mean> jerk_30_out(out.size());
   std::vector<Mean> jerk_30_in(out.size());
   for (const Transferred& clip : clips) {
@@ -105,15 +111,17 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
     ClipVerdict style{.cell = cell, .clip = clip.clip};
     ClipVerdict content = style;
     ClipVerdict content_input = style;
+    ClipVerdict first = style;
     const Poses thin_out = Thin(clip.output);
     const Poses thin_in = Thin(clip.input);
     Gather(MakeSequence(thin_out, clip.style, clip.content, false, judges_.parameters()), kStride,
-           out[cell], &style, &content);
+           out[cell], &style, &content, &first);
     Gather(MakeSequence(thin_in, clip.style, clip.content, false, judges_.parameters()), kStride,
            in[cell], nullptr, &content_input);
     sra.push_back(style);
     cra.push_back(content);
     cra_input.push_back(content_input);
+    sra_first.push_back(first);
     out[cell].jerk.Add(MeanJerk(clip.output, kStreamRate_hz));
     in[cell].jerk.Add(MeanJerk(clip.input, kStreamRate_hz));
     jerk_30_out[cell].Add(MeanJerk(thin_out, kJudgeRate_hz));
@@ -123,6 +131,7 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
   figures.sra = MacroShare(sra, kSeed);
   figures.cra = MacroShare(cra, kSeed);
   figures.cra_input = MacroShare(cra_input, kSeed);
+  figures.sra_first = MacroShare(sra_first, kSeed);
 
   figures.styles[0].sra = MacroShare(Of(sra, 0, contents_), kSeed);
   for (int style = 1; style < styles_; ++style) {
@@ -225,6 +234,7 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
   };
   nlohmann::json json = {{"title", figures.name},
                          {"sra", with_worst(figures.sra)},
+                         {"sra_first_windows", judge::ToJson(figures.sra_first)},
                          {"cra", with_worst(figures.cra)},
                          {"cra_of_inputs", with_worst(figures.cra_input)}};
   for (int style = 1; style < styles_; ++style) {
@@ -325,10 +335,13 @@ void Evaluator::Print(const Figures& figures) const {
   mean.cra = figures.cra;
   mean.cra_input = figures.cra_input;
   row("mean", mean);
-  std::printf("%.0f windows; CRA over inputs %.3f; worst SRA %.2f (%s), worst CRA %.2f (%s)\n",
-              figures.sra.windows, figures.cra.value / std::max(1e-9, figures.cra_input.value),
-              figures.sra.worst, CellName(figures.sra.worst_cell).c_str(), figures.cra.worst,
-              CellName(figures.cra.worst_cell).c_str());
+  std::printf(
+      "%.0f windows; first windows SRA %.3f; CRA over inputs %.3f; worst SRA %.2f (%s), worst CRA "
+      "%.2f (%s)\n",
+      figures.sra.windows, figures.sra_first.value,
+      figures.cra.value / std::max(1e-9, figures.cra_input.value), figures.sra.worst,
+      CellName(figures.sra.worst_cell).c_str(), figures.cra.worst,
+      CellName(figures.cra.worst_cell).c_str());
 }
 
 Reconstruction MeasureReconstruction(const erd::Network& network, std::span<const Poses> clips) {

@@ -41,6 +41,7 @@ struct Figures {
   std::string name;
   std::vector<StyleFigures> styles;  // [0], neutral, is empty
   Share sra, cra, cra_input;         // over all cells
+  Share sra_first;                   // of the first window of each clip: when states are fresh
 };
 
 // Judges transferred clips against what real clips say. Construction looks at all real clips once.
@@ -75,8 +76,9 @@ class Evaluator {
   using Cells = std::vector<Cell>;  // style * contents + content
 
   int cell_of(int style, int content) const { return style * contents_ + content; }
+  // `first`: the style of the first window alone.
   void Gather(const Sequence& sequence, int stride, Cell& cell, ClipVerdict* style,
-              ClipVerdict* content) const;
+              ClipVerdict* content, ClipVerdict* first = nullptr) const;
   void MeasureStyle(int style, const Cells& out, const Cells& in, StyleFigures& figures) const;
   // Equal numbers of windows of each content, as rows in principal axes.
   Eigen::MatrixXd Pick(const Cells& cells, int style, std::span<const int> counts) const;

@@ -358,6 +358,29 @@ TEST_F(StylistTest, AForeignPoseFadesTheStyleOutAndIsFlagged) {
   EXPECT_LT(Apart_rad(out.canonical, out.canonical_input), 0.01F);
 }
 
+TEST_F(StylistTest, WhoLiesDownIsLeftAsHeIsAndStyledAgainWhenHeIsUp) {
+  options.foreign_begin_rad = 100;  // a random network knows no pose at all
+  options.foreign_end_rad = 101;
+  Stylist stylist(network, binding, options);
+  stylist.Set(Style(1));
+  const auto feed = [&](int frame, float tilt_rad) {
+    rig::RigPose pose = PoseAt(frame / 120.0, skeleton);
+    pose.rotations[0] =
+        rig::Quat(Eigen::AngleAxisf(-tilt_rad, rig::Vec3::UnitX())) * pose.rotations[0];
+    stylist.Process(Time(frame), pose, out);
+  };
+  int frame = 0;
+  for (; frame < 120; ++frame) feed(frame, 0.3F);
+  EXPECT_FALSE(out.flags & kOutOfDomain);
+  EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-2F);
+  for (int i = 0; i <= 60; ++i) feed(frame++, 1.6F * static_cast<float>(i) / 60);
+  EXPECT_TRUE(out.flags & kOutOfDomain);
+  EXPECT_LT(Apart_rad(out.canonical, out.canonical_input), 1e-5F);
+  for (; frame < 480; ++frame) feed(frame, 0.3F);
+  EXPECT_FALSE(out.flags & kOutOfDomain);
+  EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-2F);
+}
+
 TEST_F(StylistTest, TheAbsoluteOutputIsTheDecodersOwn) {
   Stylist stylist(network, binding, options);
   Settings settings = Style(2);

@@ -32,7 +32,8 @@ TEST(Moments, AnEffectIsMeasuredWithinAFolder) {
   const StyleEffects one = Effects({Clip(0, 0, 0, 0), Clip(0, 1, 0, 0.5F)});
   const StyleEffects two = Effects({Clip(0, 0, 0, 0), Clip(0, 1, 0, 0.5F), Clip(1, 0, 0, 0.3F)});
   const StyleEffects none = Effects({Clip(0, 0, 0, 0), Clip(1, 1, 0, 0.5F)});
-  const Tensor shift = one.moments[1][0].narrow(0, 0, body::kPositionFeatures).view({-1, 3});
+  const Tensor shift =
+      one.moments[1][0].narrow(0, body::kPositionBegin, body::kPositionFeatures).view({-1, 3});
   EXPECT_GT(shift[body::kHead].norm().item<double>(), 0.1);
   EXPECT_LT(shift[body::kLeftFoot].norm().item<double>(), 0.01) << "no leg was bent";
   EXPECT_TRUE(torch::equal(one.moments, two.moments));
@@ -46,32 +47,33 @@ TEST(Moments, AnEffectIsMeasuredWithinAFolder) {
 // while the windows keep their differences.
 TEST(Moments, TheLossLeadsTheMeansToWhatIsWanted) {
   torch::manual_seed(3);
-  const StyleEffects wanted{torch::zeros({2, 2, 126}), torch::ones({2, 2, 1})};
-  wanted.moments[1][0].narrow(0, 0, 63).fill_(0.2);
-  wanted.moments[1][1].narrow(0, 0, 63).fill_(-0.1);
+  const StyleEffects wanted{torch::zeros({2, 2, 2 * kEffectFeatures}), torch::ones({2, 2, 1})};
+  wanted.moments[1][0].narrow(0, body::kPositionBegin, 63).fill_(0.2);
+  wanted.moments[1][1].narrow(0, body::kPositionBegin, 63).fill_(-0.1);
   Moments moments(wanted, torch::kCPU);
-  Tensor shift = torch::zeros({2, 63}, torch::requires_grad());
+  Tensor shift = torch::zeros({2, kEffectFeatures}, torch::requires_grad());
   const Tensor style = torch::ones({6}, torch::kInt64);
   const Tensor content = torch::tensor({0, 0, 0, 1, 1, 1});
   for (int i = 0; i < 600; ++i) {
-    const Tensor in = torch::randn({kLength, 6, 63});
-    const Tensor own = 0.3 * torch::randn({1, 6, 63});  // a window's own way of doing it
+    const Tensor in = torch::randn({kLength, 6, kEffectFeatures});
+    const Tensor own =
+        0.3 * torch::randn({1, 6, kEffectFeatures});  // a window's own way of doing it
     const Tensor loss = moments.Loss(in, in + own + shift.index_select(0, content), style, content,
                                      torch::ones({6}));
     const Tensor gradient = torch::autograd::grad({loss}, {shift})[0];
     const torch::NoGradGuard no_grad;
     shift -= 0.02 * gradient;
   }
-  EXPECT_NEAR(shift[0].mean().item<double>(), 0.2, 0.02);
-  EXPECT_NEAR(shift[1].mean().item<double>(), -0.1, 0.02);
+  EXPECT_NEAR(shift[0].narrow(0, body::kPositionBegin, 63).mean().item<double>(), 0.2, 0.02);
+  EXPECT_NEAR(shift[1].narrow(0, body::kPositionBegin, 63).mean().item<double>(), -0.1, 0.02);
   EXPECT_LT(moments.Distance(), 0.3);
 }
 
 TEST(Moments, WindowsThatDoNotCountChangeNothing) {
-  const StyleEffects wanted{torch::ones({2, 2, 126}), torch::ones({2, 2, 1})};
+  const StyleEffects wanted{torch::ones({2, 2, 2 * kEffectFeatures}), torch::ones({2, 2, 1})};
   Moments moments(wanted, torch::kCPU);
   const Tensor before = moments.Save();
-  const Tensor x = torch::randn({kLength, 3, 63});
+  const Tensor x = torch::randn({kLength, 3, kEffectFeatures});
   const Tensor loss = moments.Loss(x, 2 * x, torch::ones({3}, torch::kInt64),
                                    torch::zeros({3}, torch::kInt64), torch::zeros({3}));
   EXPECT_EQ(loss.item<double>(), 0.0);
@@ -79,11 +81,11 @@ TEST(Moments, WindowsThatDoNotCountChangeNothing) {
 }
 
 TEST(Moments, SaveAndRestoreAreExact) {
-  const StyleEffects wanted{torch::ones({2, 2, 126}), torch::ones({2, 2, 1})};
+  const StyleEffects wanted{torch::ones({2, 2, 2 * kEffectFeatures}), torch::ones({2, 2, 1})};
   Moments one(wanted, torch::kCPU);
   Moments other(wanted, torch::kCPU);
   const Tensor style = torch::ones({3}, torch::kInt64);
-  const Tensor x = torch::randn({kLength, 3, 63});
+  const Tensor x = torch::randn({kLength, 3, kEffectFeatures});
   const auto step = [&](Moments& moments) {
     return moments.Loss(x, 2 * x, style, style, torch::ones({3})).item<double>();
   };
