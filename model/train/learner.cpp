@@ -11,6 +11,7 @@ namespace {
 using torch::Tensor;
 
 constexpr int64_t kJudgedFeatures = body::kPositionFeatures + body::kVelocityFeatures;
+constexpr int kFewestWindows = 4;  // of a cell whose effect is imitated: fewer are noise
 constexpr int64_t kContentFeatures = body::kRotationFeatures + kJudgedFeatures;
 
 void RequireGradient(const Parameters& parameters, bool required) {
@@ -78,10 +79,10 @@ Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
       deviation_(ToTensor(statistics.deviation, device)),
       frames_(config.window + 1),
       sampler_(clips, SamplerOptions(config, manifest)),
-      moments_(
-          MeasureEffects(clips, static_cast<int>(manifest.styles.size()),
-                         static_cast<int>(manifest.contents.size()), config.window, parameters),
-          device),
+      moments_(MeasureEffects(clips, static_cast<int>(manifest.styles.size()),
+                              static_cast<int>(manifest.contents.size()), config.window,
+                              kFewestWindows, parameters),
+               device),
       generator_(Shape(manifest), mean_, deviation_),
       average_(Shape(manifest), mean_, deviation_),
       critic_(kJudgedFeatures, static_cast<int64_t>(manifest.styles.size()),

@@ -11,7 +11,6 @@ using torch::Tensor;
 // the two swing; shorter: it is noise.
 constexpr double kHorizon = 50.0;
 constexpr double kFewestVisits = 10.0;
-constexpr int kFewestWindows = 8;  // of a cell, mirror images counted: fewer are noise
 
 // Mean and deviation over time of features r and p: [T, B, 147] -> [B, 294].
 Tensor WindowMoments(const Tensor& features) {
@@ -27,7 +26,7 @@ Tensor WindowMoments(const Tensor& features) {
 }  // namespace
 
 StyleEffects MeasureEffects(const std::vector<TrainingClip>& clips, int styles, int contents,
-                            int length, const body::FeatureParameters& parameters) {
+                            int length, int fewest, const body::FeatureParameters& parameters) {
   int sources = 0;
   for (const TrainingClip& clip : clips) sources = std::max(sources, clip.source + 1);
   const int64_t cells = static_cast<int64_t>(styles) * contents;
@@ -51,7 +50,7 @@ StyleEffects MeasureEffects(const std::vector<TrainingClip>& clips, int styles, 
   // A style's difference from neutral in each folder that has both, folders alike.
   const Tensor mean = (sum / count.clamp_min(1)).view({sources, styles, contents, -1});
   const Tensor present =
-      (count.view({sources, styles, contents, 1}) >= kFewestWindows).to(torch::kFloat32);
+      (count.view({sources, styles, contents, 1}) >= 2 * fewest).to(torch::kFloat32);
   const Tensor both = present * present.narrow(1, 0, 1);
   const Tensor folders = both.sum(0);
   return {((mean - mean.narrow(1, 0, 1)) * both).sum(0) / folders.clamp_min(1),

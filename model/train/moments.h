@@ -21,9 +21,9 @@ struct StyleEffects {
   torch::Tensor moments;  // [styles, contents, 294]
   torch::Tensor known;    // [styles, contents, 1]: 1 where a folder has both
 };
-// From windows of `length` frames, half overlapping.
+// From windows of `length` frames, half overlapping; a cell with fewer than `fewest` is not known.
 StyleEffects MeasureEffects(const std::vector<TrainingClip>& clips, int styles, int contents,
-                            int length, const body::FeatureParameters& parameters);
+                            int length, int fewest, const body::FeatureParameters& parameters);
 
 // Draws the effects of what the generator makes toward those of real clips. The critic sees one
 // window at a time and is content before the means agree. After the feature matching of Salimans et

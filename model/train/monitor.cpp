@@ -55,7 +55,7 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
   content_ = (content_ / content_.sum(1, true)).to(mean.device());
   const Tensor kept_index =
       torch::tensor(std::vector<int64_t>(kept.begin(), kept.end()), torch::kInt64);
-  const StyleEffects real = MeasureEffects(clips, styles, contents, kEffectFrames, parameters);
+  const StyleEffects real = MeasureEffects(clips, styles, contents, kEffectFrames, 1, parameters);
   real_shift_ = real.moments.narrow(2, body::kPositionBegin, body::kPositionFeatures)
                     .index_select(1, kept_index)
                     .to(mean.device());

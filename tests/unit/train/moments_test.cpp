@@ -24,7 +24,7 @@ TrainingClip Clip(int source, int style, int content, float bend_rad) {
 }
 
 StyleEffects Effects(const std::vector<TrainingClip>& clips) {
-  return MeasureEffects(clips, 2, 2, kLength, body::FeatureParameters());
+  return MeasureEffects(clips, 2, 2, kLength, 4, body::FeatureParameters());
 }
 
 TEST(Moments, AnEffectIsMeasuredWithinAFolder) {
