@@ -447,7 +447,14 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--judge-iterations", arguments.judges.iterations, "Training steps of the judges")
       ->capture_default_str();
-  app.add_option("--judge-window", arguments.judges.window, "Frames at 30 Hz; a multiple of 4")
+  app.add_option("--judge-window", arguments.judges.window,
+                 "Frames at 30 Hz; a multiple of 4, 24 to 240")
+      ->check([](const std::string& text) -> std::string {
+        const int frames = std::atoi(text.c_str());
+        return frames >= 24 && frames <= 240 && frames % 4 == 0
+                   ? ""
+                   : "'" + text + "': expected a multiple of 4 from 24 to 240";
+      })
       ->capture_default_str();
   app.add_option("--seed", arguments.judges.seed, "Seed of the judges")->capture_default_str();
   CLI11_PARSE(app, argc, argv);

@@ -69,13 +69,9 @@ std::vector<Transferred> RealPerturbed(const Data& data, const Styler& styler, P
 float LargestTurn_deg(std::span<const body::Pose> poses) {
   float most = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
-      most = std::max(
-          most,
-          body::Log(poses[i - 1].rotations[joint].conjugate() * poses[i].rotations[joint]).norm());
-    }
+    most = std::max(most, Turn_deg(poses[i - 1], poses[i]));
   }
-  return most * 57.29578F;
+  return most;
 }
 
 Poses Beginning(std::span<const body::Pose> poses) {

@@ -72,14 +72,6 @@ float Lowest_m(const body::Pose& pose) {
   return lowest;
 }
 
-float Turn_deg(const body::Pose& a, const body::Pose& b) {
-  float most = 0;
-  for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
-    most = std::max(most, body::Log(a.rotations[joint].conjugate() * b.rotations[joint]).norm());
-  }
-  return most * kDegrees;
-}
-
 struct ForeignFigures {
   Mean reconstruction_deg;  // in the posture
   Mean flagged;             // ... share of frames

@@ -97,6 +97,14 @@ std::vector<double> LargestAccelerations(std::span<const body::Pose> poses, doub
   return out;
 }
 
+float Turn_deg(const body::Pose& a, const body::Pose& b) {
+  float most = 0;
+  for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+    most = std::max(most, body::Log(a.rotations[joint].conjugate() * b.rotations[joint]).norm());
+  }
+  return most * 57.29578F;
+}
+
 void FeetFigures::Add(const FeetFigures& other) {
   skate_in_cm_s.Add(other.skate_in_cm_s);
   skate_out_cm_s.Add(other.skate_out_cm_s);

@@ -52,6 +52,9 @@ Mean MeanJerk(std::span<const body::Pose> poses, double rate_hz);
 // Per frame (all but the first and last), the largest acceleration of any joint, m/s^2, in world.
 std::vector<double> LargestAccelerations(std::span<const body::Pose> poses, double rate_hz);
 
+// How far the joint that turns most turns, its local rotation, from one pose to the other; degrees.
+float Turn_deg(const body::Pose& a, const body::Pose& b);
+
 // How the feet meet the floor. A foot is in contact while the *input's* toes are within 3 cm of the
 // lowest point the input's feet reach and move slower than 40 cm/s over the ground; skate is the
 // mean horizontal speed of the output's (input's) toes over those frames. The floor is that lowest
