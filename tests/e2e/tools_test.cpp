@@ -48,6 +48,19 @@ TEST_F(ToolsTest, StylizeTakesItsFilesBehindAMix) {
   EXPECT_NE(ReadText(out), mixed);
 }
 
+// To be made neutral takes a style to take away; without one neutral asks for nothing.
+TEST_F(ToolsTest, StylizeTakesAStyleAway) {
+  const std::string in = Walk(), out = folder_ / "out.bvh";
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "neutral", in, out}), 0) << said_;
+  const std::string untouched = ReadText(out);
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--from", "elderly", "--style", "neutral", in, out}), 0) << said_;
+  EXPECT_NE(ReadText(out), untouched);
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--from", "elderly", in, out}), 0) << said_;
+  EXPECT_EQ(ReadText(out), untouched) << "nothing to put on";
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--from", "zombie", "--style", "neutral", in, out}), 1);
+  EXPECT_NE(said_.find("--from: unknown style 'zombie'"), std::string::npos) << said_;
+}
+
 // Between frames far apart stylize goes along a curve: what it makes of 10 frames a second is what
 // it makes of 30.
 TEST_F(ToolsTest, StylizeMakesOfASlowClipWhatItMakesOfAFastOne) {
