@@ -15,7 +15,7 @@ Result<std::filesystem::path> FindWeights(const std::filesystem::path& given) {
   } else if (const char* from_environment = std::getenv("STYLED_WEIGHTS")) {
     candidates = {from_environment};
   } else {
-    constexpr const char* kShipped = "v0.safetensors";
+    constexpr const char* kShipped = "v1.safetensors";
     std::error_code error;
     const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
     if (!error) {

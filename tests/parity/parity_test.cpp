@@ -59,7 +59,7 @@ void AddRotation(const Quat& a, const Quat& b, int frame, int joint, Largest& la
 }
 
 fs::path Weights() {
-  const fs::path shipped = fs::path(STYLED_SOURCE_DIR) / "model/weights/v0.safetensors";
+  const fs::path shipped = fs::path(STYLED_SOURCE_DIR) / "model/weights/v1.safetensors";
   const char* other = std::getenv("STYLED_WEIGHTS");
   return fs::exists(shipped) || other == nullptr ? shipped : fs::path(other);
 }
