@@ -186,7 +186,7 @@ void Supervisor::Run() {
       spdlog::info("{}: stopping", caught.ssi_signo == SIGTERM ? "SIGTERM" : "SIGINT");
       pipeline_loop_->Stop();
       pipeline_thread_.join();
-      KeepProfiles();
+      KeepProfiles(pipeline_->TakeUnkept());
       LogEvents();
       return;
     }
@@ -253,10 +253,11 @@ void Supervisor::LogTrouble() {
   }
 }
 
-void Supervisor::KeepProfiles() {
+void Supervisor::KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> newest) {
   std::unique_ptr<std::vector<pipeline::Profile>> kept;
   while (mailboxes_.profiles.Pop(kept)) {
   }
+  if (newest != nullptr) kept = std::move(newest);
   const std::string file = StateFile(config_);
   if (kept == nullptr || file.empty()) return;
   const Status status = pipeline::WriteProfiles(file, *kept);

@@ -49,7 +49,8 @@ class Supervisor {
   void Reload();
   void LogEvents();
   void LogTrouble();
-  void KeepProfiles();
+  // `newest`: what the mailbox had no room for.
+  void KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> newest = nullptr);
   void WarnOfRestartKeys(const config::Config& fresh) const;
 
   config::Config config_;

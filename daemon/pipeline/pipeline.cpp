@@ -81,6 +81,10 @@ int Pipeline::DoCommands() {
   return work;
 }
 
+std::unique_ptr<std::vector<Profile>> Pipeline::TakeUnkept() {
+  return commands_.TakeChanged() ? roster_.Keep() : nullptr;
+}
+
 void Pipeline::Answer(Exchange& exchange) {
   if (commands_.Apply(exchange.request, exchange.reply)) return;
   auto& status = *exchange.reply.mutable_status();

@@ -40,6 +40,8 @@ class Pipeline final : public source::Receiver {
            std::shared_ptr<const Live> live, std::uint64_t epoch, int max_subscriptions);
   // Settings of the last run; before the first DoWork.
   void Restore(std::vector<Profile> profiles) { roster_.Restore(std::move(profiles)); }
+  // After the last cycle: the settings, if a change of them found the mailbox full; else null.
+  std::unique_ptr<std::vector<Profile>> TakeUnkept();
 
   // How much was done; 0: nothing to do before NextDeadline_ns(), unless something arrives.
   int DoWork();

@@ -16,8 +16,8 @@ constexpr float kDropCorner_m = 0.005F;
 constexpr float kStraightCorner = 0.02F;  // of the leg's length
 constexpr float kNear_m = 0.02F;  // a foot moved by less keeps the leg as straight as it is styled
 constexpr float kStraighten_s = 0.05F;  // smoothing of that
-constexpr float kHigh = 0.4F;     // of the reach: a foot so far above the performer's lets go
-constexpr float kLetGo = 0.6F;    // of the reach: where a lock begins to give
+constexpr float kHigh = 0.4F;           // of the reach: a foot so far above the performer's lets go
+constexpr float kLetGo = 0.6F;          // of the reach: where a lock begins to give
 
 Vec3 Flat(const Vec3& v) { return {v.x(), 0, v.z()}; }
 

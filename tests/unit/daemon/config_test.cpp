@@ -65,8 +65,8 @@ TEST_F(ConfigTest, TheManualIsTheDefaultsAndNamesEveryKey) {
   EXPECT_FLOAT_EQ(config.value().style.transition_s, defaults.style.transition_s);
   for (const std::string key :
        {"receive_buffer_bytes", "max_connections", "max_subscriptions", "weights",
-        "jump_accept_frames", "foreign_fade_ms", "tilt_begin_rad", "ground", "feet", "feet_reach_m", "clock_back_ms",
-        "backlog_ms", "initial", "dir", "level", "cpu"}) {
+        "jump_accept_frames", "foreign_fade_ms", "tilt_begin_rad", "ground", "feet", "feet_reach_m",
+        "clock_back_ms", "backlog_ms", "initial", "dir", "level", "cpu"}) {
     EXPECT_THAT(manual, HasSubstr(key));
   }
 }
