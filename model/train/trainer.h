@@ -12,7 +12,7 @@
 namespace styled::train {
 
 // Everything a run depends on besides its data. Every field is a flag of styletrain; the defaults
-// are those of the shipped weights.
+// are those that v0 was trained with.
 struct TrainConfig {
   std::filesystem::path manifest, data, out;
   std::filesystem::path init;  // weights to start from (a .safetensors file); empty: random ones
