@@ -18,7 +18,7 @@ using body::Pose;
 using body::Quat;
 using body::Vec3;
 
-constexpr float kNothing_m = 2e-4F;  // nor is a shift below a fifth of a millimetre
+constexpr float kNothing_m = 2e-4F;  // a shift below a fifth of a millimetre is none
 constexpr double kGapFactor = 1.5;   // of the usual time between frames
 constexpr float kFeetFull = 0.25F;   // weight of style from which on feet are held in full
 
@@ -248,6 +248,9 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
                       low_pass.first().col(static_cast<Eigen::Index>(joint)));
     error2 += body::Log(in.conjugate() * rec).squaredNorm();
   }
+  // Of a neutral performer a style of weight 0 changes nothing; of another one it takes his away.
+  // Before the low-pass, so that being told otherwise is no jump.
+  if (mixer.own_style() > 0) wish *= mixer.presence();
   stepped.set(static_cast<std::size_t>(state));
   last_styled = step.styled;
   reconstruction_rad = std::sqrt(error2 / static_cast<float>(kJointCount));
@@ -283,8 +286,6 @@ void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
   filter_started = true;
   if (mixer.empty()) low_pass.SettleAtZero();
   change = low_pass.value();
-  // Of a neutral performer a style of weight 0 changes nothing; of another one it takes his away.
-  if (mixer.own_style() > 0) change *= mixer.presence();
 
   if (mixer.absolute() > 0 && count > 0) {
     const Quat world_from_heading = body::Yaw(last_heading_rad);

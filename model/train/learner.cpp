@@ -154,7 +154,6 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   batch.features = features.to(device_);
   batch.u = (batch.features - mean_) / deviation_;
   batch.seen = seen.defined() ? (seen.to(device_) - mean_) / deviation_ : batch.u;
-  if (config_.offset > 0 || config_.noise > 0) batch.seen = Spoil(batch.seen);
   batch.rotations = batch.features.narrow(2, 0, body::kRotationFeatures)
                         .reshape({frames_, count, body::kJointCount, 4});
   batch.positions = batch.features.narrow(2, body::kPositionBegin, body::kPositionFeatures)
@@ -358,7 +357,7 @@ Tensor Learner::MomentMatching(const Batch& batch, const Generated& generated) {
   const Tensor out = torch::cat({rotations, positions}, 2);
   const Tensor loss = moments_.Loss(in, out, target_, batch.content.argmax(1),
                                     batch.paired * (1.0 - styled_.flatten()));
-  tally_.Add("moments", torch::full({}, moments_.Distance()));
+  tally_.Add("moments", moments_.Distance());
   return loss;
 }
 
@@ -383,7 +382,8 @@ void Learner::Step(double progress) {
   const double smooth_share = std::clamp(
       (progress - config_.smooth_from) / std::max(1e-9, config_.smooth_full - config_.smooth_from),
       0.0, 1.0);
-  const Batch batch = MakeBatch(sampler_.Next());
+  Batch batch = MakeBatch(sampler_.Next());
+  if (config_.offset > 0 || config_.noise > 0) batch.seen = Spoil(batch.seen);
   const Generated generated = Generate(batch);
   StepCritic(batch, generated.fake, config_.critic_rate * decay);
   if (iteration_ < config_.critic_first) {

@@ -84,10 +84,9 @@ Tensor Moments::Loss(const Tensor& in, const Tensor& out, const Tensor& style,
   return (2.0 * error * change).sum(1).mean();
 }
 
-double Moments::Distance() const {
+Tensor Moments::Distance() const {
   const Tensor used = known_ * (visits_ >= kFewestVisits);
-  return (((running_ - wanted_).square().sum(1, true) * used).sum() / used.sum().clamp_min(1))
-      .item<double>();
+  return ((running_ - wanted_).square().sum(1, true) * used).sum() / used.sum().clamp_min(1);
 }
 
 Tensor Moments::Save() const { return torch::cat({running_, visits_}, 1); }

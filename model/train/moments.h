@@ -38,8 +38,9 @@ class Moments {
   torch::Tensor Loss(const torch::Tensor& in, const torch::Tensor& out, const torch::Tensor& style,
                      const torch::Tensor& content, const torch::Tensor& counted);
 
-  // Mean over cells with data of the squared distance from the wanted moments, summed over joints.
-  double Distance() const;
+  // Mean over cells with data of the squared distance from the wanted moments, summed over joints;
+  // a scalar on the device.
+  torch::Tensor Distance() const;
 
   torch::Tensor Save() const;  // the running means
   void Restore(const torch::Tensor& saved);

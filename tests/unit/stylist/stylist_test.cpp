@@ -193,6 +193,31 @@ TEST_F(StylistTest, AStyleOfThePerformersOwnIsTakenAway) {
   EXPECT_TRUE(out.flags & kBypass);
 }
 
+TEST_F(StylistTest, BeingToldOfAStyleOfHisOwnIsNoJump) {
+  options.feet = options.ground = false;  // they have fades of their own
+  Settings nothing_asked, to_neutral = Style(0, 1, 0.3F);
+  nothing_asked.own_style = to_neutral.own_style = 3;
+  Stylist stylist(network, binding, options);
+  stylist.Set(nothing_asked);
+  for (int frame = 0; frame < 60; ++frame) Feed(stylist, frame);
+  EXPECT_TRUE(out.flags & kBypass);
+  stylist.Set(Settings());
+  Feed(stylist, 60);
+  EXPECT_TRUE(out.flags & kBypass);
+
+  // Nor in the middle of a fade.
+  stylist.Set(to_neutral);
+  body::Pose before;
+  for (int frame = 61; frame < 80; ++frame) Feed(stylist, frame);
+  EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-2F);
+  stylist.Set(Settings());
+  for (int frame = 80; frame < 200; ++frame) {
+    before = out.canonical;
+    Feed(stylist, frame);
+    EXPECT_LT(Apart_rad(before, out.canonical), 0.1F) << "frame " << frame;
+  }
+}
+
 TEST_F(StylistTest, BypassIsEnteredByAFadeAndThenExact) {
   Stylist stylist(network, binding, options);
   stylist.Set(Style(2));

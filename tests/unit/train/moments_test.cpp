@@ -66,7 +66,7 @@ TEST(Moments, TheLossLeadsTheMeansToWhatIsWanted) {
   }
   EXPECT_NEAR(shift[0].narrow(0, body::kPositionBegin, 63).mean().item<double>(), 0.2, 0.02);
   EXPECT_NEAR(shift[1].narrow(0, body::kPositionBegin, 63).mean().item<double>(), -0.1, 0.02);
-  EXPECT_LT(moments.Distance(), 0.3);
+  EXPECT_LT(moments.Distance().item<double>(), 0.3);
 }
 
 TEST(Moments, WindowsThatDoNotCountChangeNothing) {
