@@ -10,9 +10,10 @@ styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev libboost1.81-dev libzmq3-dev
   cppzmq-dev libprotobuf-dev protobuf-compiler libspdlog-dev libtomlplusplus-dev libcli11-dev
-  nlohmann-json3-dev libhwy-dev libncurses-dev libpng-dev)
+  nlohmann-json3-dev libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev libusb-1.0-0-dev)
 styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev libbenchmark-dev
-  clang-format-16 clang-tidy-16 xz-utils procps)
+  clang-format-16 clang-tidy-16 xz-utils procps liblo-dev liboscpack-dev lz4 zstd python3
+  libumockdev-dev umockdev)
 styled_packages_train=("${styled_packages_test[@]}" libtorch-dev libopenblas0-pthread)
 
 styled_install() {

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <sys/socket.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "model/base/realtime.h"
+#include "proto/recording/byte_ring.h"
+#include "proto/recording/writer.h"
+
+namespace styled::recording {
+
+// A source as Arrival names it.
+struct Origin {
+  std::string name, type, listen;
+};
+
+struct RecordingThreadOptions {
+  std::size_t ring_bytes = 16U << 20U;  // a power of two; what may wait for the disk
+  WriterOptions writer;
+};
+
+// Records from a thread that must not wait: what is pushed goes through a bounded ring to a thread
+// that compresses and writes. A full ring drops and counts. What is pushed is in
+// the file 55 ms later, unless the machine is busy. Push...: one thread. The rest: any thread.
+// Pinned by tests/unit/recording/recording_thread_test.cpp.
+class RecordingThread {
+ public:
+  // Makes the file; errors are those of FileWriter::Create. `origins[i]` is source number i.
+  static Result<std::unique_ptr<RecordingThread>> Start(const std::filesystem::path& file,
+                                                        const FileHeader& header,
+                                                        std::vector<Origin> origins,
+                                                        const RecordingThreadOptions& options = {});
+  // Writes what was pushed and ends the thread.
+  ~RecordingThread();
+  RecordingThread(const RecordingThread&) = delete;
+  RecordingThread& operator=(const RecordingThread&) = delete;
+
+  // False, and one more in dropped(), where the ring is full. Times: MonotonicNow_ns(). `peer` may
+  // be null; `source` is an index of the origins; a topic is cut to 64 KiB.
+  STYLED_REALTIME bool PushArrival(std::int64_t time_ns, int source, const sockaddr* peer,
+                                   socklen_t peer_size,
+                                   std::span<const std::byte> datagram) noexcept;
+  STYLED_REALTIME bool PushPublished(std::int64_t time_ns, std::string_view topic,
+                                     std::span<const std::byte> payload) noexcept;
+  bool PushCommand(std::int64_t time_ns, const Command& command);  // allocates
+  bool PushNote(std::int64_t time_ns, std::string_view text) noexcept;
+
+  std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
+  // Written to the file, or given up because it could not be (error() says why).
+  std::uint64_t written() const { return written_.load(std::memory_order_relaxed); }
+  std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+  Status error() const;  // the last one
+
+ private:
+  RecordingThread(std::unique_ptr<FileWriter> writer, std::vector<Origin> origins,
+                  std::size_t ring_bytes);
+  STYLED_REALTIME bool Push(std::initializer_list<std::span<const std::byte>> parts) noexcept;
+  void Run(const std::stop_token& stop);
+  void Drain();
+  bool Decode(std::span<const std::byte> entry);
+  void Note(const Status& status);
+
+  ByteRing ring_;
+  std::atomic<std::uint64_t> dropped_{0}, written_{0}, lost_{0};
+
+  // The thread's own.
+  std::unique_ptr<FileWriter> writer_;
+  std::vector<Origin> origins_;
+  std::vector<std::byte> entry_;
+  Record record_;
+
+  mutable std::mutex mutex_;  // error_; and what the thread sleeps on
+  std::condition_variable_any wake_;
+  Status error_ = Status::Ok();
+  std::jthread thread_;
+};
+
+// "127.0.0.1:9763", "[::1]:9763"; "" where the address is neither IPv4 nor IPv6.
+std::string AddressText(const sockaddr* address, socklen_t size);
+
+}  // namespace styled::recording

@@ -1,0 +1,335 @@
+#include "proto/rigs/rokoko/rokoko.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "proto/rigs/rokoko/json_reader.h"
+
+namespace styled::rokoko {
+namespace {
+
+using R = DecodeResult;
+using Type = JsonReader::Type;
+
+constexpr double kMaxTime_s = 1e10;
+
+// Reads what a frame is made of. Each function takes the value that is next and returns false where
+// reading must stop; why is the reader's error, or `fault`.
+class FrameReader {
+ public:
+  FrameReader(std::string_view text, Frame& frame) noexcept : json_(text), frame_(frame) {}
+
+  R Read() noexcept {
+    frame_.version = 3;
+    frame_.fps = 0;
+    ClearScene();
+    if (ReadTop() && json_.AtEnd()) return has_actors_ && has_time_ ? R::kOk : R::kMissing;
+    if (fault_ != R::kOk) return fault_;
+    switch (json_.error()) {
+      case JsonReader::Error::kTooDeep:
+        return R::kTooDeep;
+      case JsonReader::Error::kOther:
+        return R::kBadValue;
+      default:
+        return R::kBadJson;
+    }
+  }
+
+ private:
+  bool Fault(R fault) noexcept {
+    fault_ = fault;
+    return false;
+  }
+
+  void ClearScene() noexcept {
+    frame_.time_s = 0;
+    has_time_ = has_actors_ = false;
+    frame_.actor_count = frame_.actors_left_out = 0;
+  }
+
+  // Calls `read(key)` per member. A member that is null is left out.
+  template <typename ReadMember>
+  bool Members(const ReadMember& read) noexcept {
+    if (!json_.BeginObject()) return false;
+    std::string_view key;
+    while (json_.NextMember(key)) {
+      if (!(json_.Peek() == Type::kNull ? json_.Skip() : read(key))) return false;
+    }
+    return json_.ok();
+  }
+
+  bool ReadTop() noexcept {
+    return Members([this](std::string_view key) {
+      if (key == "version") return ReadVersion();
+      if (key == "fps") return ReadFloat(frame_.fps);
+      if (key == "scene") {
+        ClearScene();
+        return Members([this](std::string_view inner) { return ReadSceneMember(inner); });
+      }
+      return ReadSceneMember(key);  // layout 2
+    });
+  }
+
+  bool ReadSceneMember(std::string_view key) noexcept {
+    if (key == "timestamp") return ReadTime();
+    if (key == "actors") return ReadActors();
+    return json_.Skip();
+  }
+
+  bool ReadFloat(float& value) noexcept {
+    double number = 0;
+    if (!json_.ReadNumber(number)) return false;
+    if (std::abs(number) > double{std::numeric_limits<float>::max()}) return Fault(R::kBadValue);
+    value = static_cast<float>(number);
+    return true;
+  }
+
+  bool ReadTime() noexcept {
+    if (!json_.ReadNumber(frame_.time_s)) return false;
+    has_time_ = true;
+    return (frame_.time_s >= 0 && frame_.time_s <= kMaxTime_s) || Fault(R::kBadValue);
+  }
+
+  // 3, 2.5, "3.0" or "3,0".
+  bool ReadVersion() noexcept {
+    if (json_.Peek() != Type::kString) {
+      if (!ReadFloat(frame_.version)) return false;
+    } else {
+      std::array<char, 8> text{};
+      std::size_t size = 0;
+      if (!json_.ReadString(text, size)) return false;
+      std::replace(text.begin(), text.end(), ',', '.');
+      const auto [end, error] = std::from_chars(text.data(), text.data() + size, frame_.version);
+      if (error != std::errc()) return Fault(R::kBadVersion);
+    }
+    return (frame_.version >= 2 && frame_.version < 4) || Fault(R::kBadVersion);
+  }
+
+  bool ReadActors() noexcept {
+    frame_.actor_count = frame_.actors_left_out = 0;
+    has_actors_ = true;
+    if (!json_.BeginArray()) return false;
+    while (json_.NextElement()) {
+      if (frame_.actor_count == kMaxActors) {
+        if (!json_.Skip()) return false;
+        ++frame_.actors_left_out;
+        continue;
+      }
+      if (!ReadActor(frame_.actors[static_cast<std::size_t>(frame_.actor_count)])) return false;
+      ++frame_.actor_count;
+    }
+    return json_.ok();
+  }
+
+  bool ReadActor(Actor& actor) noexcept {
+    actor.name_size = 0;
+    actor.hip_height_m = actor.total_height_m = 0;
+    actor.has.reset();
+    joint_hint_ = 0;
+    return Members([&](std::string_view key) {
+      if (key == "name") return json_.ReadString(actor.name_bytes, actor.name_size);
+      if (key == "hipHeight") return ReadFloat(actor.hip_height_m);  // layout 2
+      if (key == "dimensions") {
+        return Members([&](std::string_view inner) {
+          if (inner == "hipHeight") return ReadFloat(actor.hip_height_m);
+          if (inner == "totalHeight") return ReadFloat(actor.total_height_m);
+          return json_.Skip();
+        });
+      }
+      if (key == "body") {
+        actor.has.reset();
+        return Members([&](std::string_view inner) { return ReadJoint(inner, actor); });
+      }
+      return ReadJoint(key, actor);  // layout 2
+    });
+  }
+
+  bool ReadJoint(std::string_view name, Actor& actor) noexcept {
+    const int joint = FindJoint(name, joint_hint_);
+    if (joint < 0 || json_.Peek() != Type::kObject) return json_.Skip();
+    joint_hint_ = joint + 1;
+    const auto index = static_cast<std::size_t>(joint);
+    JointPose& pose = actor.joints[index];
+    bool has_position = false, has_rotation = false;
+    const bool good = Members([&](std::string_view key) {
+      if (key == "position") return ReadNumbers(pose.position_m, "xyz", has_position);
+      if (key == "rotation") return ReadNumbers(pose.rotation, "xyzw", has_rotation);
+      return json_.Skip();
+    });
+    actor.has.set(index, has_position && has_rotation);
+    return good;
+  }
+
+  // An object of numbers, each under one letter; `all` says whether they are all there.
+  template <std::size_t kCount>
+  bool ReadNumbers(std::array<float, kCount>& values, std::string_view letters,
+                   bool& all) noexcept {
+    std::bitset<kCount> found;
+    const bool good = Members([&](std::string_view key) {
+      const std::size_t at = key.size() == 1 ? letters.find(key) : std::string_view::npos;
+      if (at == std::string_view::npos) return json_.Skip();
+      found.set(at);
+      return ReadFloat(values[at]);
+    });
+    all = found.all();
+    return good;
+  }
+
+  JsonReader json_;
+  Frame& frame_;
+  R fault_ = R::kOk;
+  bool has_time_ = false, has_actors_ = false;
+  int joint_hint_ = 0;
+};
+
+// Writes text as long as there is room.
+class TextWriter {
+ public:
+  explicit TextWriter(std::span<char> out) noexcept : out_(out) {}
+
+  // 0 where something did not fit or was no number.
+  std::size_t size() const noexcept { return good_ ? size_ : 0; }
+
+  TextWriter& operator<<(std::string_view text) noexcept {
+    good_ = good_ && text.size() <= out_.size() - size_;
+    if (!good_) return *this;
+    std::copy(text.begin(), text.end(), out_.begin() + static_cast<std::ptrdiff_t>(size_));
+    size_ += text.size();
+    return *this;
+  }
+  template <typename T>
+    requires std::is_floating_point_v<T>
+  TextWriter& operator<<(T value) noexcept {
+    good_ = good_ && std::isfinite(value);
+    if (!good_) return *this;
+    const auto [end, error] = std::to_chars(out_.data() + size_, out_.data() + out_.size(), value);
+    good_ = error == std::errc();
+    if (good_) size_ = static_cast<std::size_t>(end - out_.data());
+    return *this;
+  }
+  // In quotes.
+  void Quoted(std::string_view text) noexcept {
+    *this << "\"";
+    for (const char& c : text) {
+      if (c == '"' || c == '\\') {
+        *this << "\\" << std::string_view(&c, 1);
+      } else if (static_cast<unsigned char>(c) < 0x20) {
+        constexpr std::string_view kHex = "0123456789abcdef";
+        const auto code = static_cast<unsigned char>(c);
+        *this << "\\u00" << kHex.substr(code >> 4U, 1) << kHex.substr(code & 0xFU, 1);
+      } else {
+        *this << std::string_view(&c, 1);
+      }
+    }
+    *this << "\"";
+  }
+
+ private:
+  std::span<char> out_;
+  std::size_t size_ = 0;
+  bool good_ = true;
+};
+
+void WriteActor(const Actor& actor, TextWriter& out) noexcept {
+  bool left = true, right = true;
+  for (std::size_t k = 0; k < kFingerJoints; ++k) {
+    left = left && actor.has[kBodyJoints + k];
+    right = right && actor.has[kBodyJoints + kFingerJoints + k];
+  }
+  const auto word = [](bool value) { return value ? "true" : "false"; };
+  out << "{\"name\":";
+  out.Quoted(actor.name());
+  out << ",\"color\":[255,255,255],\"meta\":{\"hasGloves\":" << word(left || right)
+      << ",\"hasLeftGlove\":" << word(left) << ",\"hasRightGlove\":" << word(right)
+      << ",\"hasBody\":true,\"hasFace\":false},\"dimensions\":{\"totalHeight\":"
+      << actor.total_height_m << ",\"hipHeight\":" << actor.hip_height_m << "},\"body\":{";
+  std::string_view separator = "\"";
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!actor.has[j]) continue;
+    const auto& [p, r] = actor.joints[j];
+    out << separator << kJointTable[j].name << "\":{\"position\":{\"x\":" << p[0]
+        << ",\"y\":" << p[1] << ",\"z\":" << p[2] << "},\"rotation\":{\"x\":" << r[0]
+        << ",\"y\":" << r[1] << ",\"z\":" << r[2] << ",\"w\":" << r[3] << "}}";
+    separator = ",\"";
+  }
+  out << "},\"face\":{\"faceId\":\"\"}}";
+}
+
+}  // namespace
+
+void Actor::set_name(std::string_view name) noexcept {
+  name_size = std::min(name.size(), kMaxNameSize);
+  // Not within a character.
+  while (name_size < name.size() && name_size > 0 &&
+         (static_cast<unsigned char>(name[name_size]) & 0xC0U) == 0x80) {
+    --name_size;
+  }
+  std::copy_n(name.begin(), name_size, name_bytes.begin());
+}
+
+std::string_view Name(DecodeResult result) noexcept {
+  switch (result) {
+    case R::kOk:
+      return "ok";
+    case R::kNotRokoko:
+      return "not_rokoko";
+    case R::kBadLz4:
+      return "bad_lz4";
+    case R::kTooLong:
+      return "too_long";
+    case R::kBadJson:
+      return "bad_json";
+    case R::kTooDeep:
+      return "too_deep";
+    case R::kBadVersion:
+      return "bad_version";
+    case R::kBadValue:
+      return "bad_value";
+    case R::kMissing:
+      return "missing";
+    case R::kCount:
+      break;
+  }
+  return "unknown";
+}
+
+DecodeResult DecodeText(std::string_view text, Frame& frame) noexcept {
+  if (text.size() > kMaxTextSize) return R::kTooLong;
+  return FrameReader(text, frame).Read();
+}
+
+Decoder::Decoder() : text_(std::make_unique<std::byte[]>(kMaxTextSize)) {}
+
+DecodeResult Decoder::Decode(std::span<const std::byte> bytes, Frame& frame) noexcept {
+  if (IsLz4Frame(bytes)) {
+    std::size_t size = 0;
+    switch (unpacker_.Unpack(bytes, {text_.get(), kMaxTextSize}, size)) {
+      case Lz4Unpacker::Result::kBad:
+        return R::kBadLz4;
+      case Lz4Unpacker::Result::kTooLong:
+        return R::kTooLong;
+      case Lz4Unpacker::Result::kOk:
+        return DecodeText({reinterpret_cast<const char*>(text_.get()), size}, frame);
+    }
+  }
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos || text[first] != '{') return R::kNotRokoko;
+  return DecodeText(text, frame);
+}
+
+std::size_t EncodeText(const Frame& frame, std::span<char> out) noexcept {
+  TextWriter writer(out);
+  writer << "{\"version\":\"3,0\",\"fps\":" << frame.fps
+         << ",\"scene\":{\"timestamp\":" << frame.time_s << ",\"actors\":[";
+  for (std::size_t k = 0; k < static_cast<std::size_t>(frame.actor_count); ++k) {
+    if (k > 0) writer << ",";
+    WriteActor(frame.actors[k], writer);
+  }
+  writer << "],\"props\":[]}}";
+  return writer.size();
+}
+
+}  // namespace styled::rokoko

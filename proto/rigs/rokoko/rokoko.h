@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "model/base/realtime.h"
+#include "proto/rigs/rokoko/joints.h"
+#include "proto/rigs/rokoko/lz4.h"
+
+// Rokoko Studio's custom streaming: a datagram is one frame of all actors as JSON, or as that in an
+// LZ4 frame. Layouts 3 (all in `scene`, joints in `body`) and 2 and 2.5 (all at the top, joints in
+// the actor). After Rokoko's plug-ins for Blender, Unity and Unreal; faces, props, characters and
+// newtons are skipped. Pinned by tests/unit/rokoko, fuzzed by tests/fuzz/rokoko.
+namespace styled::rokoko {
+
+inline constexpr int kMaxActors = 8;
+inline constexpr std::size_t kMaxNameSize = 64;                    // bytes of UTF-8
+inline constexpr std::size_t kMaxTextSize = std::size_t{1} << 20;  // of JSON, unpacked
+
+// World space, left-handed, +Y up, +Z forward; metres; x, y, z, w, not normalized.
+struct JointPose {
+  std::array<float, 3> position_m{};
+  std::array<float, 4> rotation{0, 0, 0, 1};
+};
+
+struct Actor {
+  std::array<char, kMaxNameSize> name_bytes{};
+  std::size_t name_size = 0;                   // cut at a whole character
+  float hip_height_m = 0, total_height_m = 0;  // 0: not said
+  std::bitset<kJoints> has;                    // the joints that are given
+  std::array<JointPose, kJoints> joints;       // those alone are meant
+
+  std::string_view name() const { return {name_bytes.data(), name_size}; }
+  void set_name(std::string_view name) noexcept;
+};
+
+struct Frame {
+  float version = 3;  // 2, 2.5, 3; as far as is known the layout says more than the number
+  double time_s = 0;  // on Studio's timeline; 0 to 1e10
+  float fps = 0;      // 0: not said
+  int actor_count = 0;
+  int actors_left_out = 0;  // beyond kMaxActors
+  std::array<Actor, kMaxActors> actors;
+};
+
+enum class [[nodiscard]] DecodeResult : std::uint8_t {
+  kOk,
+  kNotRokoko,   // begins neither as a JSON object nor as an LZ4 frame
+  kBadLz4,      // damaged, cut, or bytes behind it
+  kTooLong,     // more than kMaxTextSize of text
+  kBadJson,     // not JSON; not UTF-8
+  kTooDeep,     // more than JsonReader::kMaxDepth objects in one another
+  kBadVersion,  // older than 2, or 4 and newer
+  kBadValue,    // a member that is read is of another type or out of range
+  kMissing,     // no actors, or no timestamp
+  kCount        // the number of results
+};
+// A word for counters and messages: "ok", "bad_lz4", ...
+std::string_view Name(DecodeResult result) noexcept;
+
+// Reads the JSON of one frame. A joint is there where its position and rotation have all their
+// numbers; a member that is null is as if it were not there; of members of the same name the last
+// one counts. No allocation; any thread. `frame` is unspecified unless kOk.
+STYLED_REALTIME DecodeResult DecodeText(std::string_view text, Frame& frame) noexcept;
+
+// Reads a datagram. One thread; the constructor allocates (9 MB), Decode does not.
+class Decoder {
+ public:
+  Decoder();
+  STYLED_REALTIME DecodeResult Decode(std::span<const std::byte> bytes, Frame& frame) noexcept;
+
+ private:
+  Lz4Unpacker unpacker_;
+  std::unique_ptr<std::byte[]> text_;
+};
+
+// Writes the frame as JSON in layout 3 to the front of `out` and returns its size; 0 where it does
+// not fit or a number is not finite. Joints that an actor does not have are left out. Numbers are
+// the shortest that read back as the same float. No allocation.
+STYLED_REALTIME std::size_t EncodeText(const Frame& frame, std::span<char> out) noexcept;
+
+}  // namespace styled::rokoko

@@ -1,0 +1,279 @@
+#include "proto/rigs/slimevr/udp.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+namespace styled::slimevr {
+namespace {
+
+constexpr std::uint32_t kBundleType = 100, kCompactBundleType = 101;
+constexpr float kQ15 = 32768, kQ7 = 128;
+
+// Reads from the front; past the end it gives zeros and is not ok() any more.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
+
+  bool ok() const noexcept { return ok_; }
+  std::size_t left() const noexcept { return bytes_.size(); }
+
+  std::span<const std::byte> Take(std::size_t size) noexcept {
+    if (size > bytes_.size()) {
+      ok_ = false;
+      bytes_ = {};
+      return {};
+    }
+    const auto taken = bytes_.first(size);
+    bytes_ = bytes_.subspan(size);
+    return taken;
+  }
+  template <typename T>
+  T Number() noexcept {
+    std::uint64_t value = 0;
+    for (const std::byte b : Take(sizeof(T))) value = value << 8U | std::to_integer<unsigned>(b);
+    return static_cast<T>(value);
+  }
+  // Not there at all: `otherwise`.
+  template <typename T>
+  T NumberOr(T otherwise) noexcept {
+    return left() < sizeof(T) ? otherwise : Number<T>();
+  }
+  std::uint8_t U8() noexcept { return Number<std::uint8_t>(); }
+  float Raw() noexcept { return std::bit_cast<float>(Number<std::uint32_t>()); }
+  float Float() noexcept {
+    const float value = Raw();
+    return std::isfinite(value) ? value : 0.0F;
+  }
+  std::array<float, 3> Float3() noexcept {
+    const float x = Float(), y = Float(), z = Float();
+    return {x, y, z};
+  }
+  Orientation Quaternion() noexcept {
+    const float x = Raw(), y = Raw(), z = Raw(), w = Raw();
+    return MakeOrientation(x, y, z, w);
+  }
+  float Fixed(float one) noexcept { return static_cast<float>(Number<std::int16_t>()) / one; }
+  std::string_view Text(std::size_t size) noexcept {
+    const auto bytes = Take(size);
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  bool ok_ = true;
+};
+
+Handshake ReadHandshake(Reader& in) noexcept {
+  Handshake h;
+  h.board = in.NumberOr<std::uint32_t>(0);
+  h.imu = in.NumberOr<std::uint32_t>(0);
+  h.mcu = in.NumberOr<std::uint32_t>(0);
+  if (in.left() >= 12) in.Take(12);  // of the IMU, not used any more
+  h.protocol = in.NumberOr<std::uint32_t>(0);
+  h.firmware = in.Text(in.NumberOr<std::uint8_t>(0));
+  if (in.left() >= h.mac.size()) {
+    const auto mac = in.Take(h.mac.size());
+    std::memcpy(h.mac.data(), mac.data(), mac.size());
+  }
+  h.tracker_type = in.NumberOr<std::uint8_t>(0);
+  return h;
+}
+
+SensorInfo ReadSensorInfo(Reader& in) noexcept {
+  SensorInfo s;
+  s.sensor = in.U8();
+  s.status = in.U8();
+  s.imu = in.NumberOr<std::uint8_t>(0);
+  s.config = in.NumberOr<std::uint16_t>(0);
+  s.calibrated = in.NumberOr<std::uint8_t>(0);
+  s.position = in.NumberOr<std::uint8_t>(0);
+  s.data = in.NumberOr<std::uint8_t>(0);
+  return s;
+}
+
+FeatureFlags ReadFlags(Reader& in) noexcept {
+  FeatureFlags flags;
+  for (unsigned shift = 0; shift < 32 && in.left() > 0; shift += 8) {
+    flags.bits |= std::uint32_t{in.U8()} << shift;
+  }
+  return flags;
+}
+
+RotationAndAcceleration ReadMotion(Reader& in) noexcept {
+  RotationAndAcceleration r;
+  r.sensor = in.U8();
+  const float x = in.Fixed(kQ15), y = in.Fixed(kQ15), z = in.Fixed(kQ15), w = in.Fixed(kQ15);
+  r.motion.orientation = MakeOrientation(x, y, z, w);
+  for (float& a : r.motion.acceleration_mps2) a = in.Fixed(kQ7);
+  return r;
+}
+
+// Braced initializers are evaluated from left to right. False for a type not known.
+bool ReadPacket(std::uint32_t type, Reader& in, Packet& packet) noexcept {
+  switch (type) {
+    case 0:
+      packet = Heartbeat{};
+      return true;
+    case 1:
+    case 16:
+      packet = LegacyRotation{static_cast<std::uint8_t>(type == 16 ? 1 : 0), in.Quaternion()};
+      return true;
+    case 3:
+      packet = ReadHandshake(in);
+      return true;
+    case 4:
+      packet = Acceleration{in.Float3(), in.NumberOr<std::uint8_t>(0)};
+      return true;
+    case 10:
+      packet = Ping{in.Number<std::uint32_t>()};
+      return true;
+    case 11:
+      packet = Text{in.Text(in.Number<std::uint32_t>())};
+      return true;
+    case 12: {
+      const bool both = in.left() >= 8;
+      packet = BatteryLevel{both ? in.Float() : 0.0F, in.Float()};
+      return true;
+    }
+    case 13:
+      packet = Tap{in.U8(), in.U8()};
+      return true;
+    case 14:
+      packet = Error{in.U8(), in.U8()};
+      return true;
+    case 15:
+      packet = ReadSensorInfo(in);
+      return true;
+    case 17:
+      packet = Rotation{in.U8(), in.U8(), in.Quaternion(), in.NumberOr<std::uint8_t>(0)};
+      return true;
+    case 18:
+      packet = MagnetometerAccuracy{in.U8(), in.Float()};
+      return true;
+    case 19:
+      packet = SignalStrength{in.U8(), in.Number<std::int8_t>()};
+      return true;
+    case 20:
+      packet = Temperature{in.U8(), in.left() >= 4 ? in.Float() : 0.0F};
+      return true;
+    case 21:
+      packet = UserAction{in.U8()};
+      return true;
+    case 22:
+      packet = ReadFlags(in);
+      return true;
+    case 23:
+      packet = ReadMotion(in);
+      return true;
+    case 24:
+      packet = ConfigAck{in.U8(), in.Number<std::uint16_t>()};
+      return true;
+    case 26:
+      packet = Flex{in.U8(), in.Float()};
+      return true;
+    case 27:
+      packet = Position{in.U8(), in.Float3()};
+      return true;
+    case 200:
+      packet = ProtocolChange{in.U8(), in.U8()};
+      return true;
+    default:
+      return false;
+  }
+}
+
+UdpResult ReadPackets(std::uint32_t type, Reader& in, int depth, Datagram& datagram) noexcept {
+  if (type != kBundleType && type != kCompactBundleType) {
+    if (datagram.count == kMaxPackets) return UdpResult::kTooMany;
+    if (ReadPacket(type, in, datagram.packets[datagram.count])) {
+      ++datagram.count;
+    } else {
+      ++datagram.unknown;
+    }
+    return in.ok() ? UdpResult::kOk : UdpResult::kTooShort;
+  }
+  if (depth == kMaxBundleDepth) return UdpResult::kTooDeep;
+  const bool compact = type == kCompactBundleType;
+  while (in.left() > 0) {
+    const std::size_t length = compact ? in.U8() : in.Number<std::uint16_t>();
+    if (!in.ok()) return UdpResult::kTooShort;
+    if (length == 0) continue;
+    Reader inner(in.Take(std::min(length, in.left())));
+    const std::uint32_t inner_type = compact ? inner.U8() : inner.Number<std::uint32_t>();
+    if (!inner.ok()) return UdpResult::kTooShort;
+    const UdpResult result = ReadPackets(inner_type, inner, depth + 1, datagram);
+    if (result != UdpResult::kOk) return result;
+  }
+  return UdpResult::kOk;
+}
+
+}  // namespace
+
+std::string_view Name(UdpResult result) noexcept {
+  switch (result) {
+    case UdpResult::kOk:
+      return "ok";
+    case UdpResult::kTooShort:
+      return "too_short";
+    case UdpResult::kTooDeep:
+      return "too_deep";
+    case UdpResult::kTooMany:
+      return "too_many";
+    case UdpResult::kNoAnswer:
+      return "no_answer";
+    case UdpResult::kCount:
+      break;
+  }
+  return "unknown";
+}
+
+UdpResult Decode(std::span<const std::byte> bytes, Datagram& datagram) noexcept {
+  Reader in(bytes);
+  const auto type = in.Number<std::uint32_t>();
+  datagram.number = in.Number<std::uint64_t>();
+  datagram.count = datagram.unknown = 0;
+  if (!in.ok()) return UdpResult::kTooShort;
+  return ReadPackets(type, in, 0, datagram);
+}
+
+UdpResult DecodeAnswer(std::span<const std::byte> bytes, Answer& answer) noexcept {
+  if (bytes.size() >= kGreeting.size() &&
+      std::memcmp(bytes.data(), kGreeting.data(), kGreeting.size()) == 0) {
+    answer = Greeting{};
+    return UdpResult::kOk;
+  }
+  Reader in(bytes);
+  const auto type = in.Number<std::uint32_t>();
+  if (in.ok() && type == 15) {
+    const SensorInfoAck ack{in.U8(), in.U8()};
+    if (!in.ok()) return UdpResult::kTooShort;
+    answer = ack;
+    return UdpResult::kOk;
+  }
+  in.Take(8);
+  if (!in.ok()) return UdpResult::kTooShort;
+  Answer read;
+  switch (type) {
+    case 1:
+      read = Heartbeat{};
+      break;
+    case 10:
+      read = Ping{in.Number<std::uint32_t>()};
+      break;
+    case 22:
+      read = ReadFlags(in);
+      break;
+    case 25:
+      read = SetConfig{in.U8(), in.Number<std::uint16_t>(), in.U8()};
+      break;
+    default:
+      return UdpResult::kNoAnswer;
+  }
+  if (!in.ok()) return UdpResult::kTooShort;
+  answer = read;
+  return UdpResult::kOk;
+}
+
+}  // namespace styled::slimevr
