@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,31 @@ struct RigPose {
   explicit RigPose(const Skeleton& skeleton)
       : translations(skeleton.offsets), rotations(skeleton.offsets.size(), Quat::Identity()) {}
   RigPose() = default;
+};
+
+// Through the plane x = 0, as left-handed axes become right-handed ones and back.
+inline Vec3 Mirrored(const Vec3& v) { return {-v.x(), v.y(), v.z()}; }
+inline Quat Mirrored(const Quat& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
+inline void Mirror(RigPose& pose) noexcept {
+  for (Vec3& translation : pose.translations) translation.x() = -translation.x();
+  for (Quat& rotation : pose.rotations) {
+    rotation.y() = -rotation.y();
+    rotation.z() = -rotation.z();
+  }
+}
+
+// What a rig tells of its skeleton: the fields of the Body message (proto/styled/v1/body.proto).
+struct RigBody {
+  Skeleton skeleton;          // units and axes of the rig
+  std::vector<Quat> rest;     // world rotations in the T-pose; empty = the dialect knows them
+  float metres_per_unit = 0;  // 0 = unknown
+  std::string dialect = "auto";
+
+  friend bool operator==(const RigBody& a, const RigBody& b) {
+    const auto same = [](const Quat& p, const Quat& q) { return p.coeffs() == q.coeffs(); };
+    return a.skeleton == b.skeleton && std::ranges::equal(a.rest, b.rest, same) &&
+           a.metres_per_unit == b.metres_per_unit && a.dialect == b.dialect;
+  }
 };
 
 }  // namespace styled::rig

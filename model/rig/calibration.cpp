@@ -1,0 +1,146 @@
+#include "model/rig/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "model/rig/dialects.h"
+
+namespace styled::rig {
+namespace {
+
+using body::kHumanoid;
+using body::kJointCount;
+using JointMap = std::array<int, kJointCount>;
+
+constexpr float kTolerance_deg = 30.0F;
+
+Status RequireMapped(const JointMap& map) {
+  std::string missing;
+  for (const int c : {body::kHips, body::kHead, body::kLeftUpperArm, body::kLeftLowerArm,
+                      body::kRightUpperArm, body::kRightLowerArm, body::kLeftUpperLeg,
+                      body::kLeftLowerLeg, body::kRightUpperLeg, body::kRightLowerLeg}) {
+    if (map[static_cast<std::size_t>(c)] >= 0) continue;
+    missing.append(" ").append(kHumanoid[static_cast<std::size_t>(c)].name);
+  }
+  if (missing.empty()) return Status::Ok();
+  return Status::Error("calibrate: found no joint named like" + missing);
+}
+
+// Where the mapped joints stand, in source axes.
+struct Stand {
+  JointMap map;
+  std::vector<Vec3> positions;
+  Vec3 At(int c) const {
+    return positions[static_cast<std::size_t>(map[static_cast<std::size_t>(c)])];
+  }
+  bool Has(int c) const { return map[static_cast<std::size_t>(c)] >= 0; }
+};
+
+Stand Look(const Skeleton& skeleton, const JointMap& map, const RigPose& pose) {
+  Stand stand{map, {}};
+  std::vector<Quat> rotations;
+  WorldTransforms(skeleton, pose, stand.positions, rotations);
+  return stand;
+}
+
+// The rotation that takes the source's axes, and where the performer looks, to the canonical ones;
+// nothing where hips and head, or left and right, fall together.
+std::optional<Quat> FindAxes(const Stand& stand) {
+  const Vec3 spine = stand.At(body::kHead) - stand.At(body::kHips);
+  Eigen::Index axis = 0;
+  if (!(spine.cwiseAbs().maxCoeff(&axis) > 0)) return std::nullopt;
+  Vec3 up = Vec3::Zero();
+  up[axis] = spine[axis] < 0 ? -1.0F : 1.0F;
+  Vec3 left = (stand.At(body::kLeftUpperLeg) - stand.At(body::kRightUpperLeg)).normalized() +
+              (stand.At(body::kLeftUpperArm) - stand.At(body::kRightUpperArm)).normalized();
+  left -= up * left.dot(up);
+  if (!(left.norm() > 1e-3F)) return std::nullopt;
+  left.normalize();
+  Eigen::Matrix3f axes;
+  axes.row(0) = left;
+  axes.row(1) = up;
+  axes.row(2) = left.cross(up);
+  return Quat(axes).normalized();
+}
+
+// Toes that lie behind the ankles belong to a left-handed skeleton.
+bool ToesPointBackward(const Stand& stand, const Quat& canonical_from_source) {
+  float forward = 0;
+  for (const auto& [foot, toes] : {std::pair{body::kLeftFoot, body::kLeftToes},
+                                   std::pair{body::kRightFoot, body::kRightToes}}) {
+    if (!stand.Has(foot) || !stand.Has(toes)) continue;
+    forward += (canonical_from_source * (stand.At(toes) - stand.At(foot))).z();
+  }
+  return forward < 0;
+}
+
+std::vector<BoneAngle> Judge(const Skeleton& skeleton, const Stand& stand,
+                             const Quat& canonical_from_source, StandingPose pose) {
+  std::vector<BoneAngle> bones;
+  const auto check = [&](int from, int to, const Vec3& expected) {
+    if (!stand.Has(from) || !stand.Has(to)) return;
+    const Vec3 bone = canonical_from_source * (stand.At(to) - stand.At(from));
+    if (!(bone.norm() > 0)) return;
+    const float cosine = std::clamp(bone.normalized().dot(expected), -1.0F, 1.0F);
+    const auto joint = static_cast<std::size_t>(stand.map[static_cast<std::size_t>(from)]);
+    bones.push_back({skeleton.names[joint], std::acos(cosine) * 57.29578F});
+  };
+  const Vec3 up = Vec3::UnitY();
+  const Vec3 left_arm = pose == StandingPose::kT ? Vec3(Vec3::UnitX()) : Vec3(-up);
+  const Vec3 right_arm = pose == StandingPose::kT ? Vec3(-Vec3::UnitX()) : Vec3(-up);
+  check(body::kHips, body::kHead, up);
+  check(body::kLeftUpperArm, body::kLeftLowerArm, left_arm);
+  check(body::kLeftLowerArm, body::kLeftHand, left_arm);
+  check(body::kRightUpperArm, body::kRightLowerArm, right_arm);
+  check(body::kRightLowerArm, body::kRightHand, right_arm);
+  check(body::kLeftUpperLeg, body::kLeftLowerLeg, -up);
+  check(body::kLeftLowerLeg, body::kLeftFoot, -up);
+  check(body::kRightUpperLeg, body::kRightLowerLeg, -up);
+  check(body::kRightLowerLeg, body::kRightFoot, -up);
+  std::stable_sort(bones.begin(), bones.end(),
+                   [](const BoneAngle& a, const BoneAngle& b) { return a.degrees > b.degrees; });
+  return bones;
+}
+
+}  // namespace
+
+Status CanCalibrate(const Skeleton& skeleton) { return RequireMapped(MapJointNames(skeleton)); }
+
+Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, StandingPose pose) {
+  const JointMap map = MapJointNames(skeleton);
+  if (Status status = RequireMapped(map); !status.ok()) return status;
+  Skeleton seen = skeleton;
+  RigPose stood = standing;
+  Stand stand = Look(seen, map, stood);
+  auto axes = FindAxes(stand);
+  const bool mirrored = axes && ToesPointBackward(stand, *axes);
+  if (mirrored) {
+    for (Vec3& offset : seen.offsets) offset = Mirrored(offset);
+    Mirror(stood);
+    stand = Look(seen, map, stood);
+    axes = FindAxes(stand);
+  }
+  if (!axes) {
+    return Status::Error(
+        "calibrate: found hips and head, or left and right, in one place, expected a performer who "
+        "stands upright");
+  }
+  Calibrated result;
+  result.bones = Judge(skeleton, stand, *axes, pose);
+  const BoneAngle& worst = result.bones.front();
+  if (!(worst.degrees <= kTolerance_deg)) {
+    const char* const letter = pose == StandingPose::kT ? "T" : "N";
+    return Status::Error("calibrate: joint " + worst.joint + " stands " +
+                         std::to_string(std::lround(worst.degrees)) + " degrees off a " + letter +
+                         "-pose, expected at most " + std::to_string(std::lround(kTolerance_deg)));
+  }
+  result.mirrored = mirrored;
+  result.spec.rest_rotations = RestBySwing(seen, map, stood, *axes);
+  result.spec.skeleton = std::move(seen);
+  result.spec.source_joint = map;
+  result.spec.canonical_from_source = *axes;
+  return result;
+}
+
+}  // namespace styled::rig

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/rig/binding.h"
+
+namespace styled::rig {
+
+// How a performer stands while the rig is calibrated: looking ahead, soles flat on the floor, arms
+// sideways with palms down (T), or hanging with palms at the thighs (N).
+enum class StandingPose { kT, kN };
+
+// How far a bone stood from where the pose has it.
+struct BoneAngle {
+  std::string joint;  // the source's name
+  float degrees = 0;
+};
+
+struct Calibrated {
+  // The rig's axes are left-handed (rare: decoders make what they know right-handed): `spec` is of
+  // the skeleton mirrored through x = 0, and poses are to be mirrored on the way in and out.
+  bool mirrored = false;
+  BindingSpec spec;
+  std::vector<BoneAngle> bones;  // of those judged, the worst first
+};
+
+// A binding for a skeleton whose rest pose nobody knows, from one pose of a performer who stands as
+// asked: the up axis is the source axis nearest to the spine, left is from limb to limb, forward is
+// where he looks (+Z of the canonical humanoid from then on), a skeleton whose toes point backward
+// is left-handed and mirrored, and the rest rotations are RestBySwing's of this very pose. Joints
+// are mapped by name (MapJointNames). Refuses what names do not map, and a bone more than 30
+// degrees off: the error names the worst joint and what was expected. Allocates; any thread. Pinned
+// by tests/unit/rig/calibration_test.cpp.
+Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, StandingPose pose);
+
+// Whether it has the joints for it; the error names those that are missing.
+Status CanCalibrate(const Skeleton& skeleton);
+
+}  // namespace styled::rig
