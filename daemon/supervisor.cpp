@@ -17,8 +17,11 @@
 #include "daemon/pipeline/keeping.h"
 #include "daemon/runtime/descriptor.h"
 #include "daemon/runtime/realtime.h"
+#include "daemon/source/natnet.h"
+#include "daemon/source/rigs/make.h"
 #include "daemon/source/tcp.h"
 #include "daemon/source/udp.h"
+#include "daemon/source/usb/usb.h"
 
 namespace styled {
 namespace {
@@ -61,12 +64,15 @@ Status Supervisor::Start() {
   Status status = OpenSources();
   if (status.ok()) status = OpenSockets();
   if (!status.ok()) return status;
-  std::vector<std::string> names;
-  names.reserve(config_.sources.size());
-  for (const auto& source : config_.sources) names.push_back(source.name);
+  std::vector<std::string> names, types;
+  for (const auto& source : config_.sources) {
+    names.push_back(source.name);
+    types.push_back(source.type);
+  }
   pipeline_ = std::make_unique<pipeline::Pipeline>(
       pipeline::Surroundings{clock_, counters_, *publisher_, mailboxes_}, std::move(names),
       std::move(transports_), live_, epoch_, config_.publish.max_subscriptions);
+  pipeline_->SetSourceTypes(std::move(types));
   RestoreProfiles();
   if (config_.realtime.lock_memory) {
     for (const auto& refused : runtime::LockMemory()) spdlog::warn("{}", refused);
@@ -83,11 +89,15 @@ Status Supervisor::Start() {
 Status Supervisor::OpenSources() {
   for (std::size_t i = 0; i < config_.sources.size(); ++i) {
     const auto& source = config_.sources[i];
-    const auto make = source.type == "udp" ? source::MakeUdp : source::MakeTcp;
-    auto transport = make(source, static_cast<int>(i), counters_);
+    const config::SourceType& type = *config::FindSourceType(source.type);
+    const auto make = type.usb ? source::MakeUsb : type.stream ? source::MakeTcp : source::MakeUdp;
+    auto transport =
+        source.type == "natnet"
+            ? source::MakeNatNet(source, static_cast<int>(i), clock_, counters_)
+            : make(source, static_cast<int>(i), clock_, counters_, source::MakeTranslator(source));
     if (!transport.ok()) {
-      return Status::Error("source." + std::to_string(i) +
-                           ".listen: " + transport.status().message());
+      return Status::Error("source." + std::to_string(i) + (type.usb ? ": " : ".listen: ") +
+                           transport.status().message());
     }
     source_endpoints_.push_back(transport.value()->endpoint());
     spdlog::info("source {} listens on {} {}", source.name, source.type, source_endpoints_.back());

@@ -1,6 +1,6 @@
 // stylesim stands in for a rig: it plays BVH files or its own synthetic performer to the daemon
-// over the native protocol (proto/styled/v1/WIRE.md), with seeded faults, or writes the performer
-// as BVH.
+// over our own protocol (proto/styled/v1/WIRE.md) or a rig's (proto/rigs), with seeded faults, or
+// writes the performer as BVH.
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cmath>
@@ -18,6 +18,8 @@
 #include "sim/player/link.h"
 #include "sim/player/performer_motion.h"
 #include "sim/player/player.h"
+#include "sim/player/stream.h"
+#include "sim/rigs/rig_stream.h"
 
 namespace {
 
@@ -26,11 +28,13 @@ using styled::Status;
 namespace performer = styled::performer;
 namespace player = styled::player;
 namespace faults = styled::faults;
+namespace rigs = styled::rigs;
 
 constexpr int kBadArguments = 2;
 
 struct Arguments {
-  std::string to = "udp://127.0.0.1:7000";
+  std::string to, as = "native";
+  std::vector<std::string> quirks;
   std::vector<std::filesystem::path> clips;
   std::string performer = "sim";
   int performers = 1;
@@ -47,8 +51,14 @@ std::atomic<bool> stop_requested{false};
 extern "C" void RequestStop(int) { stop_requested = true; }
 
 void AddOptions(CLI::App& app, Arguments& a) {
-  app.add_option("--to", a.to, "where to send: udp://HOST:PORT or tcp://HOST:PORT")
+  app.add_option("--as", a.as,
+                 "the rig to stand in for: native, mocopi, mvn, natnet, rokoko, slimevr, vmc")
       ->capture_default_str();
+  app.add_option("--quirk", a.quirks,
+                 "a habit of that rig; a wrong one is answered with those known");
+  app.add_option("--to", a.to,
+                 "where to send, udp://HOST:PORT or tcp://HOST:PORT (default: the rig's usual port "
+                 "on 127.0.0.1, 7000 for native); a rig that is a server listens there");
   app.add_option("--bvh", a.clips,
                  "BVH files, or folders of them, instead of the synthetic performer; several are "
                  "played one after the other, each as a new session");
@@ -142,25 +152,68 @@ std::uint64_t NewSession() {
   return id == 0 ? 1 : id;
 }
 
-Result<std::vector<player::Stream>> MakeStreams(const Arguments& a,
-                                                const std::vector<performer::ScriptItem>& script,
-                                                const faults::Spec& spec) {
+using Motions = std::vector<std::unique_ptr<player::Motion>>;
+
+Result<Motions> MakeMotions(const Arguments& a, const std::vector<performer::ScriptItem>& script) {
   const auto files = player::FindClips(a.clips);
   if (!files.ok()) return files.status();
-  std::vector<player::Stream> streams;
+  Motions motions;
   for (int k = 0; k < a.performers; ++k) {
-    std::unique_ptr<player::Motion> motion;
     if (files.value().empty()) {
-      motion = MakePerformer(a, script, k);
-    } else {
-      auto clips = MakeClips(a, files.value(), k);
-      if (!clips.ok()) return clips.status();
-      motion = std::move(clips.value());
+      motions.push_back(MakePerformer(a, script, k));
+      continue;
     }
-    streams.emplace_back(player::StreamOptions{PerformerName(a, k), a.rate_hz, NewSession},
-                         std::move(motion), faults::Faults(spec, static_cast<std::uint64_t>(k)));
+    auto clips = MakeClips(a, files.value(), k);
+    if (!clips.ok()) return clips.status();
+    motions.push_back(std::move(clips.value()));
   }
-  return streams;
+  return motions;
+}
+
+using Senders = std::vector<std::unique_ptr<player::Sender>>;
+
+// Our own datagrams: a sender for each performer.
+Senders MakeNative(const Arguments& a, Motions motions, const faults::Spec& spec) {
+  Senders senders;
+  for (int k = 0; k < a.performers; ++k) {
+    senders.push_back(std::make_unique<player::Stream>(
+        player::StreamOptions{PerformerName(a, k), a.rate_hz, NewSession},
+        std::move(motions[static_cast<std::size_t>(k)]),
+        faults::Faults(spec, static_cast<std::uint64_t>(k))));
+  }
+  return senders;
+}
+
+Result<std::unique_ptr<rigs::Rig>> MakeRig(const Arguments& a) {
+  rigs::Options options{{}, a.rate_hz, a.seed, a.quirks};
+  for (int k = 0; k < a.performers; ++k) options.performers.push_back(PerformerName(a, k));
+  return rigs::Make(a.as, options);
+}
+
+int Play(const Arguments& a, const std::string& to, bool listen, Senders senders) {
+  auto link = listen ? player::Listen(to) : player::Connect(to, a.start_wait_ms);
+  if (!link.ok()) return Fail(link.status());
+  player::SteadyClock clock;
+  player::Player player({a.rate_hz, a.seconds}, std::move(senders));
+  const Status status = player.Run(clock, *link.value(), stop_requested);
+  std::printf("stylesim: %s\n", player::Summary(player).c_str());
+  return status.ok() ? 0 : Fail(status);
+}
+
+// A rig of another make: one sender for all performers.
+int RunRig(const Arguments& a, Motions motions, const faults::Spec& spec) {
+  if (spec.probability[static_cast<std::size_t>(faults::Fault::kOversized)] > 0) {
+    return Fail(Status::Error("--faults oversized: expected --as native"));
+  }
+  auto rig = MakeRig(a);
+  if (!rig.ok()) return Fail(rig.status());
+  const std::string to = a.to.empty() ? rig.value()->default_address() : a.to;
+  const bool listen = rig.value()->is_server();
+  auto stream = rigs::RigStream::Make(std::move(rig.value()), std::move(motions), a.rate_hz, spec);
+  if (!stream.ok()) return Fail(stream.status());
+  Senders senders;
+  senders.push_back(std::move(stream.value()));
+  return Play(a, to, listen, std::move(senders));
 }
 
 int Run(const Arguments& a) {
@@ -174,16 +227,12 @@ int Run(const Arguments& a) {
     const Status status = player::WriteMotion(*motion, a.seconds, a.rate_hz, a.write);
     return status.ok() ? 0 : Fail(status);
   }
-  auto streams = MakeStreams(a, script.value(), spec.value());
-  if (!streams.ok()) return Fail(streams.status());
-  auto link = player::Connect(a.to, a.start_wait_ms);
-  if (!link.ok()) return Fail(link.status());
-
-  player::SteadyClock clock;
-  player::Player player({a.rate_hz, a.seconds}, std::move(streams.value()));
-  const Status status = player.Run(clock, *link.value(), stop_requested);
-  std::printf("stylesim: %s\n", player::Summary(player).c_str());
-  return status.ok() ? 0 : Fail(status);
+  auto motions = MakeMotions(a, script.value());
+  if (!motions.ok()) return Fail(motions.status());
+  if (a.as != "native") return RunRig(a, std::move(motions.value()), spec.value());
+  if (!a.quirks.empty()) return Fail(Status::Error("--quirk: native has none"));
+  const std::string to = a.to.empty() ? "udp://127.0.0.1:7000" : a.to;
+  return Play(a, to, false, MakeNative(a, std::move(motions.value()), spec.value()));
 }
 
 }  // namespace

@@ -174,6 +174,17 @@ CallStatus Control::Reset(std::string_view performer, Applied* applied) {
   return Change(request, performer, applied);
 }
 
+CallStatus Control::Calibrate(std::string_view performer, const v1::Calibrate& calibrate,
+                              v1::CalibrateReply* out) {
+  v1::Request request;
+  request.set_performer(performer.data(), performer.size());
+  *request.mutable_calibrate() = calibrate;
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && out != nullptr) out->Swap(reply.mutable_calibrate());
+  return status;
+}
+
 CallStatus Control::Panic(Applied* applied) {
   v1::Request request;
   request.mutable_panic();
@@ -204,6 +215,10 @@ std::string CodeName(v1::Code code) {
       return "TOO_LARGE";
     case v1::CODE_BUSY:
       return "BUSY";
+    case v1::CODE_NOT_READY:
+      return "NOT_READY";
+    case v1::CODE_BAD_POSE:
+      return "BAD_POSE";
     default:
       return "CODE_" + std::to_string(static_cast<int>(code));
   }

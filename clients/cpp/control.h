@@ -73,6 +73,8 @@ class Control {
                     Applied* applied = nullptr);
   CallStatus Pin(std::string_view performer, bool pinned, Applied* applied = nullptr);
   CallStatus Reset(std::string_view performer, Applied* applied = nullptr);
+  CallStatus Calibrate(std::string_view performer, const v1::Calibrate& calibrate,
+                       v1::CalibrateReply* out = nullptr);
   CallStatus Panic(Applied* applied = nullptr);  // everyone to bypass
 
   // Any request; `request.id` is overwritten. `reply` may not be null; it is written when something

@@ -2,7 +2,9 @@
 
 #include <arpa/inet.h>
 
+#include <array>
 #include <charconv>
+#include <cstdio>
 
 namespace styled::config {
 namespace {
@@ -34,6 +36,27 @@ Result<HostPort> ParseHostPort(std::string_view text) {
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), parsed.port);
   if (error != std::errc() || end != port.data() + port.size() || port.empty()) return refuse();
   return parsed;
+}
+
+Result<UsbId> ParseUsbId(std::string_view text) {
+  const auto parse = [](std::string_view digits, std::uint16_t& value) {
+    const char* const end = digits.data() + digits.size();
+    return digits.size() == 4 && std::from_chars(digits.data(), end, value, 16).ptr == end;
+  };
+  UsbId id;
+  if (text.size() == 9 && text[4] == ':' && parse(text.substr(0, 4), id.vendor) &&
+      parse(text.substr(5), id.product)) {
+    return id;
+  }
+  return Status::Error("\"" + std::string(text) +
+                       "\" is no USB id: expected VENDOR:PRODUCT in hexadecimal, e.g. "
+                       "\"1209:7690\"");
+}
+
+std::string ToText(const UsbId& id) {
+  std::array<char, 10> text{};
+  std::snprintf(text.data(), text.size(), "%04x:%04x", id.vendor, id.product);
+  return text.data();
 }
 
 bool IsNumeric(const std::string& host) {

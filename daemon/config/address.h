@@ -16,6 +16,14 @@ struct HostPort {
 };
 Result<HostPort> ParseHostPort(std::string_view text);
 
+// A USB device's vendor and product, "1209:7690": four hexadecimal digits each.
+struct UsbId {
+  std::uint16_t vendor = 0, product = 0;
+  friend bool operator==(const UsbId&, const UsbId&) = default;
+};
+Result<UsbId> ParseUsbId(std::string_view text);
+std::string ToText(const UsbId& id);
+
 // Whether `host` is an IPv4 or IPv6 address, not a name.
 bool IsNumeric(const std::string& host);
 

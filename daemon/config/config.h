@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,14 +14,53 @@
 // each key the unit, the range and the reason. Values here are the defaults.
 namespace styled::config {
 
+// Body part that a tracker without a skeleton of its own is worn on.
+struct Tracker {
+  std::string id;    // as the rig names it, e.g. a MAC address
+  std::string part;  // a joint of the canonical humanoid
+  friend bool operator==(const Tracker&, const Tracker&) = default;
+};
+
 struct Source {
-  std::string name = "rig";  // [A-Za-z0-9_-]{1,32}
-  std::string type = "udp";  // "udp" or "tcp"
-  std::string listen;        // HOST:PORT
+  std::string name = "rig";    // [A-Za-z0-9_-]{1,32}
+  std::string type = "udp";    // kSourceTypes
+  std::string listen;          // HOST:PORT; "" = the type's usual port, on every interface
+  std::string performer = {};  // of rigs that do not name theirs; "" = the source's name
+  std::string up = "auto";     // the rig's vertical axis where it is a switch: "auto", "y" or "z"
+  // OptiTrack's server, its stream and the network interface it comes in by.
+  std::string server = {}, group = "239.255.42.99", interface = {};
+  bool multicast = true;
+  std::string coordinates = "auto";  // bones relative to "global", "local" or what "auto" finds
+  std::vector<Tracker> trackers = {};
+  float rate_hz = 100;  // of the frames made of trackers that have no common clock
   int receive_buffer_bytes = 4 << 20;
   int max_connections = 64;  // tcp
+  std::string usb_id = {};   // "1209:7690"; "" = any receiver (not of type usb)
+  std::string serial = {};   // of the one USB device; "" = all
   friend bool operator==(const Source&, const Source&) = default;
 };
+
+// How a source of a type listens; by name in source.type.
+struct SourceType {
+  std::string_view name;
+  bool stream = false;             // TCP
+  std::string_view usual_address;  // where nothing is said; "" = must be said
+  bool usb = false;                // no address at all
+};
+inline constexpr std::array<SourceType, 11> kSourceTypes{{
+    {"udp", false, ""},
+    {"tcp", true, ""},
+    {"mvn", false, "0.0.0.0:9763"},
+    {"mvn-tcp", true, "0.0.0.0:9763"},
+    {"mocopi", false, "0.0.0.0:12351"},
+    {"rokoko", false, "0.0.0.0:14043"},
+    {"slimevr", false, "0.0.0.0:6969"},
+    {"natnet", false, "0.0.0.0:0"},
+    {"slimevr-usb", false, "", true},
+    {"usb", false, "", true},
+    {"vmc", false, "0.0.0.0:39540"},
+}};
+const SourceType* FindSourceType(std::string_view name) noexcept;
 
 struct Publish {
   std::string address = "tcp://127.0.0.1:7001";

@@ -159,6 +159,26 @@ std::vector<Section> MakeSections() {
   };
 }
 
+std::vector<std::string_view> SourceTypeNames() {
+  std::vector<std::string_view> names;
+  names.reserve(kSourceTypes.size());
+  for (const auto& type : kSourceTypes) names.push_back(type.name);
+  return names;
+}
+
+Status ReadTrackers(const toml::node& node, Source& source) {
+  const std::string expected =
+      "a table of trackers and body parts, e.g. { \"A1B2C3D4E5F6\" = \"chest\" }";
+  const toml::table* table = node.as_table();
+  if (table == nullptr) return Expected(expected, node);
+  source.trackers.clear();
+  for (const auto& [id, part] : *table) {
+    if (!part.is_string()) return Expected(expected, part);
+    source.trackers.push_back({std::string(id.str()), *part.value<std::string>()});
+  }
+  return Status::Ok();
+}
+
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -185,10 +205,21 @@ const std::vector<Key<Source>>& SourceKeys() {
   using S = Source;
   static const std::vector<Key<Source>> keys{
       Text<S>("name", STYLED_FIELD(name)),
-      OneOf<S>("type", {"udp", "tcp"}, STYLED_FIELD(type)),
+      OneOf<S>("type", SourceTypeNames(), STYLED_FIELD(type)),
       Text<S>("listen", STYLED_FIELD(listen)),
+      Text<S>("performer", STYLED_FIELD(performer)),
+      OneOf<S>("up", {"auto", "y", "z"}, STYLED_FIELD(up)),
+      Text<S>("server", STYLED_FIELD(server)),
+      Flag<S>("multicast", STYLED_FIELD(multicast)),
+      Text<S>("group", STYLED_FIELD(group)),
+      Text<S>("interface", STYLED_FIELD(interface)),
+      OneOf<S>("coordinates", {"auto", "global", "local"}, STYLED_FIELD(coordinates)),
+      Float<S>("rate_hz", 10, 1000, 1, STYLED_FIELD(rate_hz)),
+      Key<S>{"trackers", ReadTrackers},
       Integer<S>("receive_buffer_bytes", 4096, kGiB, STYLED_FIELD(receive_buffer_bytes)),
       Integer<S>("max_connections", 1, 1024, STYLED_FIELD(max_connections)),
+      Text<S>("usb_id", STYLED_FIELD(usb_id)),
+      Text<S>("serial", STYLED_FIELD(serial)),
   };
   return keys;
 }

@@ -72,7 +72,9 @@ Status ApplySources(const Layer& layer, const toml::node& node, Config& config) 
       Status status = ApplyKey(layer, "source", SourceKeys(), key.str(), value, source);
       if (!status.ok()) return status;
     }
-    if (source.listen.empty()) {
+    const SourceType& type = *FindSourceType(source.type);
+    if (source.listen.empty()) source.listen = type.usual_address;
+    if (source.listen.empty() && !type.usb) {
       return layer.Refuse(element, "source.listen", "missing; expected HOST:PORT");
     }
     config.sources.push_back(std::move(source));

@@ -2,10 +2,27 @@
 
 #include "daemon/config/address.h"
 #include "daemon/config/config.h"
+#include "daemon/source/rigs/tracker_rig.h"
 #include "model/erd/network.h"
 
 namespace styled::config {
 namespace {
+
+bool IsStream(const Source& source) { return FindSourceType(source.type)->stream; }
+
+// `place`: "source.0.".
+Status CheckUsb(const Source& source, const std::string& place) {
+  if (!source.listen.empty()) {
+    return Status::Error(place + "listen: a source of type \"" + source.type +
+                         "\" has no address; usb_id and serial say which devices it means");
+  }
+  if (source.usb_id.empty() && source.type == "usb") {
+    return Status::Error(place + "usb_id: missing; expected VENDOR:PRODUCT of the device");
+  }
+  if (source.usb_id.empty()) return Status::Ok();
+  const auto id = ParseUsbId(source.usb_id);
+  return id.ok() ? Status::Ok() : Status::Error(place + "usb_id: " + id.status().message());
+}
 
 Status CheckSources(const std::vector<Source>& sources) {
   if (sources.empty()) return Status::Error("no [[source]]: nothing could come in");
@@ -15,6 +32,18 @@ Status CheckSources(const std::vector<Source>& sources) {
       return Status::Error(place + "name: \"" + sources[i].name +
                            "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
     }
+    if (!sources[i].performer.empty() && !IsName(sources[i].performer)) {
+      return Status::Error(place + "performer: \"" + sources[i].performer +
+                           "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
+    }
+    if (const Status status = source::CheckTrackers(sources[i].trackers); !status.ok()) {
+      return Status::Error(place + status.message());
+    }
+    if (FindSourceType(sources[i].type)->usb) {
+      const Status status = CheckUsb(sources[i], place);
+      if (!status.ok()) return status;
+      continue;
+    }
     const auto address = ParseHostPort(sources[i].listen);
     if (!address.ok()) return Status::Error(place + "listen: " + address.status().message());
     if (!IsNumeric(address.value().host)) {
@@ -22,7 +51,7 @@ Status CheckSources(const std::vector<Source>& sources) {
                            "\": expected a numeric address, e.g. \"127.0.0.1:7000\"");
     }
     for (std::size_t k = 0; k < i && address.value().port != 0; ++k) {
-      if (sources[k].type == sources[i].type && sources[k].listen == sources[i].listen) {
+      if (IsStream(sources[k]) == IsStream(sources[i]) && sources[k].listen == sources[i].listen) {
         return Status::Error(place + "listen: " + sources[i].listen + " is taken by source." +
                              std::to_string(k));
       }
@@ -57,6 +86,12 @@ Status CheckPreset(const Preset& preset) {
 }
 
 }  // namespace
+
+const SourceType* FindSourceType(std::string_view name) noexcept {
+  const auto* const found = std::find_if(kSourceTypes.begin(), kSourceTypes.end(),
+                                         [&](const SourceType& type) { return type.name == name; });
+  return found == kSourceTypes.end() ? nullptr : found;
+}
 
 bool IsName(std::string_view text) noexcept {
   return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), [](char c) {

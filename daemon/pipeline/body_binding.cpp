@@ -18,7 +18,7 @@ Status Count(const std::string& field, int found, int expected) {
                        " values, expected " + std::to_string(expected));
 }
 
-Status ReadSkeleton(const v1::Body& body, rig::Skeleton& skeleton) {
+Status FillSkeleton(const v1::Body& body, rig::Skeleton& skeleton) {
   const int joints = body.names_size();
   if (joints < 1 || joints > rig::kMaxSourceJoints) {
     return Status::Error("body: found " + std::to_string(joints) + " joints, expected 1 to " +
@@ -109,17 +109,39 @@ Result<rig::Binding> BindByRests(const v1::Body& body, rig::Skeleton skeleton) {
 
 }  // namespace
 
-Result<BoundBody> BindBody(const v1::Body& body) {
+Result<rig::Skeleton> ReadSkeleton(const v1::Body& body) {
   rig::Skeleton skeleton;
-  const Status status = ReadSkeleton(body, skeleton);
+  const Status status = FillSkeleton(body, skeleton);
   if (!status.ok()) return status;
+  return skeleton;
+}
+
+Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& calibrated) {
+  auto skeleton = ReadSkeleton(body);
+  if (!skeleton.ok()) return skeleton.status();
   const std::string dialect = body.dialect().empty() ? "auto" : body.dialect();
-  std::string used = "given";
-  auto binding = body.rest_size() > 0 ? BindByRests(body, std::move(skeleton))
-                                      : rig::BindDialect(skeleton, dialect, &used);
+  BoundBody bound{nullptr, "given", false};
+  const auto bind = [&]() -> Result<rig::Binding> {
+    if (calibrated && calibrated->skeleton == SkeletonHash(skeleton.value())) {
+      bound.dialect = "calibrated";
+      bound.left_handed = calibrated->left_handed;
+      rig::BindingSpec spec{std::move(skeleton.value()),
+                            {},
+                            calibrated->rotations,
+                            calibrated->canonical_from_source};
+      spec.source_joint = rig::MapJointNames(spec.skeleton);
+      for (Vec3& offset : spec.skeleton.offsets) {
+        if (bound.left_handed) offset = rig::Mirrored(offset);
+      }
+      return rig::Binding::Make(std::move(spec));
+    }
+    if (body.rest_size() > 0) return BindByRests(body, std::move(skeleton.value()));
+    return rig::BindDialect(skeleton.value(), dialect, &bound.dialect);
+  };
+  auto binding = bind();
   if (!binding.ok()) return binding.status();
-  return BoundBody{std::make_shared<const rig::Binding>(std::move(binding.value())),
-                   std::move(used)};
+  bound.binding = std::make_shared<const rig::Binding>(std::move(binding.value()));
+  return bound;
 }
 
 }  // namespace styled::pipeline

@@ -1,22 +1,27 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "daemon/pipeline/profile.h"
 #include "model/base/status.h"
 #include "model/rig/binding.h"
 #include "proto/styled/v1/body.pb.h"
 
 namespace styled::pipeline {
 
-// A rig's body, checked and bound: by its own T-pose rests where it sends them, else by dialect.
+// A rig's body, checked and bound: by a calibration of this skeleton where there is one, by its own
+// T-pose rests where it sends them, else by dialect.
 struct BoundBody {
   std::shared_ptr<const rig::Binding> binding;
-  std::string dialect;  // "given" where the rig sent its rests
+  std::string dialect;       // "calibrated"; "given" where the rig sent its rests
+  bool left_handed = false;  // binding is of the skeleton mirrored; poses are to be, too
 };
 
-// Errors say what in the body was expected and found. Allocates; pipeline thread, outside the hot
+// Errors say what in the body was expected and found. Allocate; pipeline thread, outside the hot
 // section.
-Result<BoundBody> BindBody(const v1::Body& body);
+Result<rig::Skeleton> ReadSkeleton(const v1::Body& body);
+Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& calibrated);
 
 }  // namespace styled::pipeline

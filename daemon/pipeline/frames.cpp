@@ -98,8 +98,10 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
   moment.wall_ns = wall_ns_;
   moment.source_sequence = item.datagram.sequence;
   moment.extra_flags = late ? v1::FLAG_LATE : v1::FLAG_NONE;
-  if (!performer.Style(item.frame, moment)) {
-    to_.counters.Add(Counter::kPipelineWrongSize);
+  const auto styled = performer.Style(item.frame, moment);
+  if (styled != Performer::Styled::kOk) {
+    to_.counters.Add(styled == Performer::Styled::kWrongSize ? Counter::kPipelineWrongSize
+                                                             : Counter::kPipelineUncalibrated);
     return;
   }
   ++performer.received;
@@ -216,8 +218,8 @@ void Pipeline::AdoptBody(Performer& performer, const Item& item, bool fresh) {
         refused_body_said_ns_ = receive_ns_;
         Say(Event::Level::kWarning, performer.profile.id + ": " + status.message());
       }
-      performer.session_has_body = false;
-      if (fresh) roster_.Forget(performer);
+      performer.session_has_body = performer.waits();
+      if (fresh && !performer.waits()) roster_.Forget(performer);
       return;
     }
     if (!fresh) to_.counters.Add(Counter::kPipelineBodyChanges);

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <sstream>
@@ -14,19 +15,56 @@
 namespace styled::pipeline {
 namespace {
 
+toml::table RestRow(const KeptRest& rest) {
+  const auto add = [](toml::array& array, const rig::Quat& rotation) {
+    for (const float value : rotation.coeffs()) array.push_back(static_cast<double>(value));
+  };
+  toml::array axes, rotations;
+  add(axes, rest.canonical_from_source);
+  for (const auto& rotation : rest.rotations) add(rotations, rotation);
+  std::ostringstream skeleton;
+  skeleton << std::hex << rest.skeleton;
+  return toml::table{{"skeleton", skeleton.str()},
+                     {"left_handed", rest.left_handed},
+                     {"canonical_from_source", std::move(axes)},
+                     {"rotations", std::move(rotations)}};
+}
+
 toml::table Row(const Profile& profile) {
   toml::array mix;
   for (const auto& [style, weight] : profile.look.mix) {
     mix.push_back(toml::table{{"style", style}, {"weight", static_cast<double>(weight)}});
   }
-  return toml::table{{"mix", std::move(mix)},
-                     {"strength", static_cast<double>(profile.look.strength)},
-                     {"transition_s", static_cast<double>(profile.look.transition_s)},
-                     {"absolute", profile.look.absolute},
-                     {"only", body::PartsText(profile.look.parts)},
-                     {"own_style", profile.look.own_style},
-                     {"preset", profile.look.preset},
-                     {"pinned", profile.pinned}};
+  toml::table row{{"mix", std::move(mix)},
+                  {"strength", static_cast<double>(profile.look.strength)},
+                  {"transition_s", static_cast<double>(profile.look.transition_s)},
+                  {"absolute", profile.look.absolute},
+                  {"only", body::PartsText(profile.look.parts)},
+                  {"own_style", profile.look.own_style},
+                  {"preset", profile.look.preset},
+                  {"pinned", profile.pinned}};
+  if (profile.rest) row.insert("rest", RestRow(*profile.rest));
+  return row;
+}
+
+std::optional<KeptRest> ReadRest(const toml::table& row) {
+  KeptRest rest;
+  const std::string skeleton = row["skeleton"].value_or(std::string());
+  rest.skeleton = std::strtoull(skeleton.c_str(), nullptr, 16);
+  rest.left_handed = row["left_handed"].value_or(false);
+  std::vector<float> values;
+  for (const char* const key : {"canonical_from_source", "rotations"}) {
+    const toml::array* array = row[key].as_array();
+    if (array == nullptr) return std::nullopt;
+    for (const auto& value : *array) values.push_back(value.value_or(0.0F));
+  }
+  if (values.size() < 8 || values.size() % 4 != 0) return std::nullopt;
+  for (std::size_t i = 0; i < values.size(); i += 4) {
+    rest.rotations.emplace_back(values[i + 3], values[i], values[i + 1], values[i + 2]);
+  }
+  rest.canonical_from_source = rest.rotations.front();
+  rest.rotations.erase(rest.rotations.begin());
+  return rest;
 }
 
 Profile FromRow(std::string_view id, const toml::table& row) {
@@ -41,6 +79,7 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   profile.look.own_style = row["own_style"].value_or(std::string());
   profile.look.preset = row["preset"].value_or(std::string());
   profile.pinned = row["pinned"].value_or(false);
+  if (const toml::table* rest = row["rest"].as_table()) profile.rest = ReadRest(*rest);
   if (const toml::array* mix = row["mix"].as_array()) {
     for (const auto& entry : *mix) {
       const toml::table* pair = entry.as_table();

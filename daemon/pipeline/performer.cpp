@@ -1,6 +1,10 @@
 #include "daemon/pipeline/performer.h"
 
+#include <cmath>
+
 #include "daemon/publish/body_message.h"
+#include "daemon/runtime/clock.h"
+#include "model/rig/calibration.h"
 
 namespace styled::pipeline {
 
@@ -15,7 +19,8 @@ struct Performer::Bound {
         stylist(live.network, body.binding, live.stylist),
         in(body.binding->skeleton()),
         out(body.binding->skeleton()),
-        rig_body(publish::RigBody(id, *body.binding, given.metres_per_unit(), body.dialect)),
+        rig_body(publish::RigBody(id, *body.binding, body.left_handed, given.metres_per_unit(),
+                                  body.dialect)),
         canonical_body(publish::CanonicalBody(id)),
         rig_bytes(rig_body.SerializeAsString()),
         canonical_bytes(canonical_body.SerializeAsString()) {
@@ -71,14 +76,79 @@ Status Performer::TakeBody(std::span<const std::byte> payload, std::uint32_t crc
   if (!body.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
     return Status::Error("body: not a styled.v1.Body");
   }
-  auto bound = BindBody(body);
+  auto skeleton = ReadSkeleton(body);
+  if (!skeleton.ok()) return skeleton.status();
+  std::swap(given_, body);
+  Status status = Bind(live_settings);
+  const bool wait = !status.ok() && bound_ == nullptr && rig::CanCalibrate(skeleton.value()).ok();
+  if (!status.ok() && !wait) {
+    std::swap(given_, body);
+    return status;
+  }
+  stance_ = std::make_unique<Stance>(skeleton.value());
+  received_ = rig::RigPose(skeleton.value());
+  body_crc_ = crc;
+  if (!wait) return status;
+  return Status::Error(status.message() +
+                       "; the performer is not styled until stylectl calibrate " + profile.id +
+                       " --pose t");
+}
+
+// By the body as it was given and the calibration as it is kept. An error changes nothing.
+Status Performer::Bind(const Live& live_settings) {
+  auto bound = BindBody(given_, profile.rest);
   if (!bound.ok()) return bound.status();
   bound_ =
-      std::make_unique<Bound>(std::move(bound.value()), body, profile.id, epoch_, live_settings);
-  body_crc_ = crc;
+      std::make_unique<Bound>(std::move(bound.value()), given_, profile.id, epoch_, live_settings);
   ready_ = {};
   (void)ApplyLook(live_settings);
   return Status::Ok();
+}
+
+v1::Code Performer::Calibrate(const v1::Calibrate& request, const Live& live_settings,
+                              std::int64_t now_ns, v1::Reply& reply) {
+  const auto refuse = [&reply](v1::Code code, std::string reason) {
+    reply.set_reason(std::move(reason));
+    return code;
+  };
+  if (!has_body() || now_ns - stance_->last_ns() > runtime::kSecond_ns) {
+    return refuse(v1::CODE_NOT_READY,
+                  profile.id + ": no frame in the last second, expected a performer who is live");
+  }
+  const auto before = profile.rest;
+  if (request.clear()) {
+    profile.rest.reset();
+    if (const Status status = Bind(live_settings); !status.ok()) {
+      profile.rest = before;
+      return refuse(v1::CODE_BAD_POSE, "without a calibration " + status.message());
+    }
+    return v1::CODE_OK;
+  }
+  constexpr float kStill_rad = 0.09F;  // 5 degrees
+  const auto moved = stance_->Moved();
+  if (moved.radians > kStill_rad) {
+    return refuse(v1::CODE_NOT_READY,
+                  given_.names(static_cast<int>(moved.joint)) + " turned by " +
+                      std::to_string(std::lround(moved.radians * 57.3F)) +
+                      " degrees within 0.4 s, expected a performer who stands still");
+  }
+  const auto skeleton = ReadSkeleton(given_);
+  auto made = rig::Calibrate(
+      skeleton.value(), stance_->pose(),
+      request.pose() == v1::Calibrate::POSE_N ? rig::StandingPose::kN : rig::StandingPose::kT);
+  if (!made.ok()) return refuse(v1::CODE_BAD_POSE, made.status().message());
+  const rig::Calibrated& calibrated = made.value();
+  profile.rest = KeptRest{SkeletonHash(skeleton.value()), calibrated.mirrored,
+                          calibrated.spec.canonical_from_source, calibrated.spec.rest_rotations};
+  if (const Status status = Bind(live_settings); !status.ok()) {
+    profile.rest = before;
+    return refuse(v1::CODE_BAD_POSE, status.message());
+  }
+  auto& told = *reply.mutable_calibrate();
+  told.set_worst_joint(calibrated.bones.front().joint);
+  told.set_worst_degrees(calibrated.bones.front().degrees);
+  told.set_left_handed(calibrated.mirrored);
+  return v1::CODE_OK;
 }
 
 std::vector<std::string> Performer::ApplyLook(const Live& live_settings) {
@@ -105,10 +175,19 @@ void Performer::Restart() noexcept {
   if (bound_ != nullptr) bound_->stylist.Reset();
 }
 
-bool Performer::Style(const source::SourceFrameView& view, Moment moment) noexcept {
+Performer::Styled Performer::Style(const source::SourceFrameView& view, Moment moment) noexcept {
+  const auto joints = static_cast<int>(received_.rotations.size());
+  if (!source::CopyPose(view, joints, received_)) return Styled::kWrongSize;
+  stance_->Take(received_, moment.receive_ns);
+  if (bound_ == nullptr) return Styled::kUncalibrated;
   Bound& b = *bound_;
-  if (!source::CopyPose(view, b.body.binding->skeleton().joint_count(), b.in)) return false;
+  std::swap(b.in, received_);  // both of the skeleton's size
+  if (b.body.left_handed) rig::Mirror(b.in);
   b.stylist.Process(moment.elapsed_ns, b.in, b.out);
+  if (b.body.left_handed) {
+    rig::Mirror(b.out.rig);
+    rig::Mirror(b.out.source);
+  }
   b.styled = true;
   b.source_time_ns = view.source_time_ns;
   b.source_sequence = moment.source_sequence;
@@ -117,7 +196,7 @@ bool Performer::Style(const source::SourceFrameView& view, Moment moment) noexce
   CountFlags(b.out.flags);
   measured_ = true;
   Serialize(b.out.flags | moment.extra_flags, moment);
-  return true;
+  return Styled::kOk;
 }
 
 bool Performer::Repeat(Moment moment) noexcept {

@@ -12,6 +12,7 @@
 #include "daemon/pipeline/profile.h"
 #include "daemon/pipeline/schedule.h"
 #include "daemon/pipeline/session.h"
+#include "daemon/pipeline/stance.h"
 #include "daemon/publish/frame_message.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/publish/subscriptions.h"
@@ -19,6 +20,7 @@
 #include "daemon/runtime/histogram.h"
 #include "daemon/source/source_frame.h"
 #include "model/stylist/stylist.h"
+#include "proto/styled/v1/control.pb.h"
 #include "proto/styled/v1/stats.pb.h"
 
 namespace styled::pipeline {
@@ -42,9 +44,14 @@ class Performer {
   Performer(const Performer&) = delete;
   Performer& operator=(const Performer&) = delete;
 
-  // Binds a new body and makes the stylist for it. Allocates. An error leaves the last body.
+  // Binds a new body and makes the stylist for it. Allocates. An error leaves the last body; where
+  // there is none and its joints at least are known, the performer waits() for a calibration.
   Status TakeBody(std::span<const std::byte> payload, std::uint32_t crc, const Live& live);
-  bool has_body() const { return bound_ != nullptr; }
+  bool has_body() const { return stance_ != nullptr; }
+  bool waits() const { return has_body() && bound_ == nullptr; }
+  // What control.proto says of Calibrate, for rigs that have a skeleton. Allocates.
+  v1::Code Calibrate(const v1::Calibrate& request, const Live& live, std::int64_t now_ns,
+                     v1::Reply& reply);
   std::uint32_t body_crc() const { return body_crc_; }
 
   // The settings of the profile, from the next frame on. Weights or options changed: new stylist.
@@ -55,15 +62,17 @@ class Performer {
   // The recurrent state starts anew; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept;
 
-  // One frame: copies, styles and serializes for the topics that are wanted. False, and nothing
-  // happens, when the frame has another joint count than the body. `elapsed_ns` as the session's.
+  // One frame: copies, styles and serializes for the topics that are wanted. Nothing happens when
+  // it has another joint count than the body; the pose is remembered while the performer waits().
+  // `elapsed_ns` as the session's.
+  enum class Styled : std::uint8_t { kOk, kWrongSize, kUncalibrated };
   struct Moment {
     std::int64_t elapsed_ns = 0;
     std::int64_t receive_ns = 0, publish_ns = 0, wall_ns = 0;
     std::uint64_t source_sequence = 0;
     std::uint32_t extra_flags = 0;
   };
-  STYLED_REALTIME bool Style(const source::SourceFrameView& view, Moment moment) noexcept;
+  STYLED_REALTIME Styled Style(const source::SourceFrameView& view, Moment moment) noexcept;
   // The last pose again, flagged stale. False when there is none.
   STYLED_REALTIME bool Repeat(Moment moment) noexcept;
   // Sends what Style or Repeat serialized, and measures from moment.receive_ns to now.
@@ -88,12 +97,16 @@ class Performer {
 
  private:
   struct Bound;
+  Status Bind(const Live& live);
   void Serialize(std::uint32_t flags, const Moment& moment) noexcept;
   void CountFlags(std::uint32_t flags) noexcept;
 
   std::uint64_t epoch_;
   publish::Subscriptions& subscriptions_;
   runtime::Counters& counters_;
+  v1::Body given_;                  // as the rig sent it
+  std::unique_ptr<Stance> stance_;  // of its skeleton
+  rig::RigPose received_;
   std::unique_ptr<Bound> bound_;
   std::uint32_t body_crc_ = 0;
   std::array<std::span<const std::byte>, 3> ready_;  // serialized, per topic; empty: not wanted

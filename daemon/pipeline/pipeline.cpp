@@ -55,6 +55,9 @@ int Pipeline::DoWork() {
 
 std::int64_t Pipeline::NextDeadline_ns() const {
   std::int64_t next_ns = next_stats_ns_;
+  for (const auto& transport : transports_) {
+    next_ns = std::min(next_ns, transport->NextDeadline_ns());
+  }
   for (const auto& performer : roster_.performers) {
     const auto& limits = roster_.live().performers;
     const float patience_s = performer->live ? limits.stale_s : limits.forget_s;
@@ -86,6 +89,7 @@ std::unique_ptr<std::vector<Profile>> Pipeline::TakeUnkept() {
 }
 
 void Pipeline::Answer(Exchange& exchange) {
+  if (exchange.request.has_calibrate()) return Calibrate(exchange.request, exchange.reply);
   if (commands_.Apply(exchange.request, exchange.reply)) return;
   auto& status = *exchange.reply.mutable_status();
   status.set_version(STYLED_VERSION);
@@ -93,6 +97,48 @@ void Pipeline::Answer(Exchange& exchange) {
   status.set_uptime_s(static_cast<double>(to_.clock.Now_ns() - started_ns_) * 1e-9);
   status.set_weights(roster_.live().weights_name);
   FillStats(*status.mutable_stats());
+  for (std::size_t i = 0; i < transports_.size(); ++i) {
+    auto& source = *status.add_sources();
+    source.set_name(roster_.source_names()[i]);
+    if (i < source_types_.size()) source.set_type(source_types_[i]);
+    source.set_listen(transports_[i]->endpoint());
+    source.set_received(transports_[i]->received());
+  }
+}
+
+void Pipeline::Calibrate(const v1::Request& request, v1::Reply& reply) {
+  reply.set_id(request.id());
+  Profile* profile = roster_.FindProfile(request.performer());
+  Performer* performer = profile == nullptr ? nullptr : roster_.LiveOf(*profile);
+  if (performer == nullptr) {
+    reply.set_code(v1::CODE_UNKNOWN_PERFORMER);
+    reply.set_reason("performer \"" + request.performer().substr(0, 80) +
+                     "\": expected one that is here");
+    return;
+  }
+  const v1::Calibrate& wanted = request.calibrate();
+  if (!v1::Calibrate::Pose_IsValid(wanted.pose()) ||
+      !v1::Calibrate::Sensors_IsValid(wanted.sensors())) {
+    reply.set_code(v1::CODE_OUT_OF_RANGE);
+    reply.set_reason("calibrate: expected a pose of 0 or 1, sensors of 0 to 2");
+    return;
+  }
+  source::Transport& transport = *transports_[static_cast<std::size_t>(performer->source)];
+  if (transport.has_sensors()) {
+    const Status status =
+        transport.Calibrate(static_cast<source::Calibration>(wanted.sensors()), to_.clock.Now_ns());
+    reply.set_code(status.ok() ? v1::CODE_OK : v1::CODE_NOT_READY);
+    reply.set_reason(status.message());
+  } else {
+    reply.set_code(performer->Calibrate(wanted, roster_.live(), to_.clock.Now_ns(), reply));
+  }
+  if (reply.code() != v1::CODE_OK) return;
+  profile->configured = true;
+  auto& applied = *reply.add_applied();
+  applied.set_performer(profile->id);
+  applied.set_first_sequence(profile->next_sequence);
+  performer->SendBodies(to_.publisher);
+  commands_.MarkChanged();
 }
 
 int Pipeline::DoReloads() {
@@ -206,6 +252,11 @@ void Pipeline::PublishStats() {
   FillStats(stats);
   stats.SerializeToString(&stats_bytes_);
   to_.publisher.Send(stats_topic_.name, std::as_bytes(std::span(stats_bytes_)));
+}
+
+void Pipeline::OnNote(int source, std::string text) {
+  Say(Event::Level::kWarning,
+      roster_.source_names()[static_cast<std::size_t>(source)] + ": " + std::move(text));
 }
 
 void Pipeline::Say(Event::Level level, std::string text) {

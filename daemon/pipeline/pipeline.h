@@ -40,6 +40,8 @@ class Pipeline final : public source::Receiver {
            std::shared_ptr<const Live> live, std::uint64_t epoch, int max_subscriptions);
   // Settings of the last run; before the first DoWork.
   void Restore(std::vector<Profile> profiles) { roster_.Restore(std::move(profiles)); }
+  // As configured, for status; before the first DoWork.
+  void SetSourceTypes(std::vector<std::string> types) { source_types_ = std::move(types); }
   // After the last cycle: the settings, if a change of them found the mailbox full; else null.
   std::unique_ptr<std::vector<Profile>> TakeUnkept();
 
@@ -49,6 +51,7 @@ class Pipeline final : public source::Receiver {
   const std::vector<std::unique_ptr<source::Transport>>& transports() const { return transports_; }
 
   void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override;
+  void OnNote(int source, std::string text) override;
 
  private:
   // One datagram of a batch, decoded.
@@ -77,12 +80,14 @@ class Pipeline final : public source::Receiver {
                                 std::int64_t lateness_ns) const noexcept;
   void Stale(Performer& performer, std::int64_t now_ns);
   void Answer(Exchange& exchange);
+  void Calibrate(const v1::Request& request, v1::Reply& reply);
   void FillStats(v1::Stats& stats);
   void PublishStats();
   void Say(Event::Level level, std::string text);
 
   Surroundings to_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
+  std::vector<std::string> source_types_;
   publish::Subscriptions subscriptions_;
   Roster roster_;
   Commands commands_;

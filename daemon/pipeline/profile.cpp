@@ -88,4 +88,16 @@ std::string Explain(stylist::SettingsError error) {
   return "";
 }
 
+std::uint64_t SkeletonHash(const rig::Skeleton& skeleton) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  const auto add = [&hash](unsigned char byte) { hash = (hash ^ byte) * 1099511628211ULL; };
+  for (std::size_t j = 0; j < skeleton.names.size(); ++j) {
+    for (const char c : skeleton.names[j]) add(static_cast<unsigned char>(c));
+    add(0);
+    const auto parent = static_cast<unsigned>(skeleton.parents[j]);
+    for (int shift = 0; shift < 32; shift += 8) add(static_cast<unsigned char>(parent >> shift));
+  }
+  return hash;
+}
+
 }  // namespace styled::pipeline

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "daemon/config/config.h"
 #include "model/erd/network.h"
+#include "model/rig/skeleton.h"
 #include "model/stylist/stylist.h"
 
 namespace styled::pipeline {
@@ -22,10 +24,21 @@ struct Look {
   std::string preset;     // the one that set the mix, or ""
 };
 
+// A rest pose that was found by calibrating (rig::Calibrate), for skeletons of these joints.
+struct KeptRest {
+  std::uint64_t skeleton = 0;  // SkeletonHash
+  bool left_handed = false;    // of the skeleton mirrored
+  rig::Quat canonical_from_source = rig::Quat::Identity();
+  std::vector<rig::Quat> rotations;
+};
+// FNV-1a over names and parents: other bone lengths are the same rig on another performer.
+std::uint64_t SkeletonHash(const rig::Skeleton& skeleton);
+
 // What belongs to a performer's id and not to its sender.
 struct Profile {
   std::string id;  // SOURCE.NAME; "*": of performers to come
   Look look;
+  std::optional<KeptRest> rest;
   bool pinned = false;
   bool configured = false;          // somebody set it: kept when the performer is forgotten
   bool seen = false;                // it has sent

@@ -33,17 +33,19 @@ std::uint64_t BodyHash(const v1::Body& body) {
   return fnv.hash();
 }
 
-v1::Body RigBody(const std::string& performer, const rig::Binding& binding, float metres_per_unit,
-                 const std::string& dialect) {
+v1::Body RigBody(const std::string& performer, const rig::Binding& binding, bool mirrored,
+                 float metres_per_unit, const std::string& dialect) {
   v1::Body body;
   body.set_performer(performer);
   const rig::Skeleton& skeleton = binding.skeleton();
   for (const auto& name : skeleton.names) body.add_names(name);
   for (const int parent : skeleton.parents) body.add_parents(parent);
-  for (const auto& offset : skeleton.offsets) {
+  for (rig::Vec3 offset : skeleton.offsets) {
+    if (mirrored) offset = rig::Mirrored(offset);
     for (const float value : std::span(offset.data(), 3)) body.add_offsets(value);
   }
-  for (const auto& rest : binding.spec().rest_rotations) {
+  for (rig::Quat rest : binding.spec().rest_rotations) {
+    if (mirrored) rest = rig::Mirrored(rest);
     for (const float value : std::span(rest.coeffs().data(), 4)) body.add_rest(value);
   }
   body.set_metres_per_unit(metres_per_unit);

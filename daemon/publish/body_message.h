@@ -13,9 +13,10 @@ namespace styled::publish {
 std::uint64_t BodyHash(const v1::Body& body);
 
 // The bodies that subscribers get, hash filled in: the rig's skeleton as received with the T-pose
-// rests that its binding uses, and the canonical humanoid.
-v1::Body RigBody(const std::string& performer, const rig::Binding& binding, float metres_per_unit,
-                 const std::string& dialect);
+// rests that its binding uses (mirrored back where the binding is of a mirrored skeleton), and the
+// canonical humanoid.
+v1::Body RigBody(const std::string& performer, const rig::Binding& binding, bool mirrored,
+                 float metres_per_unit, const std::string& dialect);
 v1::Body CanonicalBody(const std::string& performer);
 
 }  // namespace styled::publish

@@ -25,24 +25,32 @@ enum class Counter : std::uint8_t {
   kSourceBadReserved,
   kSourceBadKind,
   kSourceNoSession,
-  kSourceMalformed,      // not the protobuf message that the header says
+  kSourceMalformed,      // not the message that the header says, or not the rig's protocol
+  kSourceIncomplete,     // frames of a rig of which a part is missing
+  kSourceIgnored,        // messages of a rig that say nothing of a pose
   kSourceBadName,        // performer's name is not [A-Za-z0-9_-]{1,32}
   kSourceKernelDropped,  // the socket's buffer was full
   kSourceTcpAccepted,
   kSourceTcpRefused,   // more connections than max_connections
   kSourceTcpBroken,    // stream out of step: closed; the reason is counted beside
   kSourceTcpCutShort,  // closed by the sender within a record
-  kPipelineFrames,     // accepted
-  kPipelineBodies,     // accepted, repetitions included
+  kUsbOpened,          // devices, again after each replug
+  kUsbLostDevices,     // unplugged or given up
+  kUsbTransfersFailed,
+  kUsbBadReports,   // no report of the rig, or no record of ours
+  kUsbRingFull,     // transfers dropped because the pipeline was behind
+  kPipelineFrames,  // accepted
+  kPipelineBodies,  // accepted, repetitions included
   kPipelineBodyChanges,
   kPipelineBodiesRefused,
-  kPipelineBeforeBody,  // frames whose session has sent no body
-  kPipelineWrongSize,   // frames whose joint count is not the body's
-  kPipelineWrongBody,   // frames that name another body than the last
-  kPipelineDuplicate,   // sequence seen before
-  kPipelineReordered,   // sequence older than the last, not seen before
-  kPipelineOldTime,     // source time not after the last frame's
-  kPipelineLost,        // sequence numbers skipped (those that come later as reordered included)
+  kPipelineBeforeBody,    // frames whose session has sent no body
+  kPipelineUncalibrated,  // frames of a performer whose rig's rest pose nobody knows
+  kPipelineWrongSize,     // frames whose joint count is not the body's
+  kPipelineWrongBody,     // frames that name another body than the last
+  kPipelineDuplicate,     // sequence seen before
+  kPipelineReordered,     // sequence older than the last, not seen before
+  kPipelineOldTime,       // source time not after the last frame's
+  kPipelineLost,          // sequence numbers skipped (those that come later as reordered included)
   kPipelineSecondSender,
   kPipelineSessions,        // started
   kPipelineClockJumps,      // sessions started because the sender's clock jumped

@@ -13,6 +13,8 @@ namespace styled::runtime {
 class HotSection {
  public:
   HotSection() noexcept { Enter(); }
+  enum Outside { kOutside };
+  explicit HotSection(Outside) noexcept {}  // not entered yet
   ~HotSection() { Leave(); }
   HotSection(const HotSection&) = delete;
   HotSection& operator=(const HotSection&) = delete;

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <type_traits>
 #include <vector>
 
+#include "daemon/source/cut_reader.h"
 #include "daemon/source/sockets.h"
 #include "proto/rigs/native/stream_reader.h"
 
@@ -17,23 +19,20 @@ namespace {
 using native::StreamReader;
 using runtime::Counter;
 
-struct Connection {
-  explicit Connection(Descriptor connected)
-      : socket(std::move(connected)), buffer(2 * native::kMaxDatagramSize), reader(buffer) {}
-  Descriptor socket;
-  std::vector<std::byte> buffer;
-  StreamReader reader;
-};
-
+// Reader: StreamReader for our own records, CutReader for a rig's.
+template <typename Reader>
 class Tcp final : public Transport {
  public:
   Tcp(Descriptor listener, Descriptor epoll, const config::Source& config, int source,
-      runtime::Counters& counters)
+      runtime::Clock& clock, runtime::Counters& counters, std::unique_ptr<Translator> translator)
       : listener_(std::move(listener)),
         epoll_(std::move(epoll)),
         source_(source),
         max_connections_(static_cast<std::size_t>(config.max_connections)),
+        clock_(clock),
         counters_(counters),
+        translator_(std::move(translator)),
+        outbox_(source, counters),
         endpoint_(BoundAddress(listener_.get())) {
     Watch(listener_.get(), nullptr);
   }
@@ -52,8 +51,20 @@ class Tcp final : public Transport {
 
   int fd() const override { return epoll_.get(); }
   const std::string& endpoint() const override { return endpoint_; }
+  std::uint64_t received() const override { return received_; }
 
  private:
+  struct Connection {
+    Connection(Descriptor connected, std::uint64_t number)
+        : socket(std::move(connected)), buffer(2 * native::kMaxDatagramSize), reader(buffer) {
+      peer.id = number;
+    }
+    Descriptor socket;
+    std::vector<std::byte> buffer;
+    Reader reader;
+    Peer peer;
+  };
+
   bool Watch(int fd, Connection* connection) {
     epoll_event event{};
     event.events = EPOLLIN;
@@ -71,7 +82,7 @@ class Tcp final : public Transport {
     const int one = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
     setsockopt(socket.get(), SOL_SOCKET, SO_KEEPALIVE, &one, sizeof one);
-    auto connection = std::make_unique<Connection>(std::move(socket));
+    auto connection = std::make_unique<Connection>(std::move(socket), ++accepted_);
     if (Watch(connection->socket.get(), connection.get())) {
       connections_.push_back(std::move(connection));
       counters_.Add(Counter::kSourceTcpAccepted);
@@ -93,23 +104,38 @@ class Tcp final : public Transport {
     int work = 1;
     while (true) {
       std::size_t count = 0;
-      auto result = StreamReader::Result::kRecord;
+      auto result = Reader::Result::kRecord;
       while (count < kBatch) {
         result = connection.reader.Next(records_[count]);
-        if (result != StreamReader::Result::kRecord) break;
+        if (result != Reader::Result::kRecord) break;
         ++count;
       }
-      if (count > 0) receiver.OnDatagrams(source_, {records_.data(), count});
+      received_ += count + (result == Reader::Result::kBroken ? 1 : 0);
+      if (count > 0) HandOn(connection, {records_.data(), count}, receiver);
       work += static_cast<int>(count);
-      if (result == StreamReader::Result::kNeedMore) return work;
-      if (result == StreamReader::Result::kBroken) {
-        counters_.Add(runtime::CounterOf(connection.reader.Broken()));
+      if (result == Reader::Result::kNeedMore) return work;
+      if (result == Reader::Result::kBroken) {
+        counters_.Add(WhyBroken(connection.reader));
         counters_.Add(Counter::kSourceTcpBroken);
         Close(connection);
         return work;
       }
     }
   }
+
+  void HandOn(const Connection& connection, std::span<const std::span<const std::byte>> records,
+              Receiver& receiver) {
+    if (translator_ == nullptr) return receiver.OnDatagrams(source_, records);
+    const std::int64_t now_ns = clock_.Now_ns();
+    outbox_.Open(receiver, -1);
+    for (const auto record : records) translator_->Take(record, connection.peer, now_ns, outbox_);
+    outbox_.Close();
+  }
+
+  static Counter WhyBroken(const StreamReader& reader) {
+    return runtime::CounterOf(reader.Broken());
+  }
+  static Counter WhyBroken(const CutReader&) { return Counter::kSourceMalformed; }
 
   void Close(Connection& connection) {
     std::erase_if(connections_, [&](const auto& owned) { return owned.get() == &connection; });
@@ -118,8 +144,12 @@ class Tcp final : public Transport {
   Descriptor listener_, epoll_;
   int source_;
   std::size_t max_connections_;
+  runtime::Clock& clock_;
   runtime::Counters& counters_;
+  std::unique_ptr<Translator> translator_;
+  Outbox outbox_;
   std::string endpoint_;
+  std::uint64_t accepted_ = 0, received_ = 0;
   std::vector<std::unique_ptr<Connection>> connections_;
   std::array<std::span<const std::byte>, kBatch> records_;
 };
@@ -127,7 +157,8 @@ class Tcp final : public Transport {
 }  // namespace
 
 Result<std::unique_ptr<Transport>> MakeTcp(const config::Source& config, int source,
-                                           runtime::Counters& counters) {
+                                           runtime::Clock& clock, runtime::Counters& counters,
+                                           std::unique_ptr<Translator> translator) {
   auto listener = BindSocket(SOCK_STREAM, config.listen, config.receive_buffer_bytes);
   if (!listener.ok()) return listener.status();
   if (listen(listener.value().get(), 64) != 0) {
@@ -135,8 +166,13 @@ Result<std::unique_ptr<Transport>> MakeTcp(const config::Source& config, int sou
   }
   Descriptor epoll(epoll_create1(EPOLL_CLOEXEC));
   if (epoll.get() < 0) return Status::Error("tcp " + config.listen + ": no file descriptor left");
-  return std::unique_ptr<Transport>(std::make_unique<Tcp>(
-      std::move(listener.value()), std::move(epoll), config, source, counters));
+  const auto make = [&]<typename Reader>(std::type_identity<Reader>) {
+    return std::unique_ptr<Transport>(
+        std::make_unique<Tcp<Reader>>(std::move(listener.value()), std::move(epoll), config, source,
+                                      clock, counters, std::move(translator)));
+  };
+  return translator == nullptr ? make(std::type_identity<StreamReader>())
+                               : make(std::type_identity<CutReader>());
 }
 
 }  // namespace styled::source

@@ -2,8 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
+
+#include "model/base/status.h"
 
 namespace styled::source {
 
@@ -14,6 +17,15 @@ class Receiver {
   // Whole datagrams or records that arrived together, oldest first, on source number `source`. The
   // bytes are the transport's and valid during the call only.
   virtual void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) = 0;
+  // A line for the log, at most once for each thing that it says.
+  virtual void OnNote(int /*source*/, std::string /*text*/) {}
+};
+
+// What a technician asks of a rig whose sensors do not know how they are worn.
+enum class Calibration : std::uint8_t {
+  kFull,     // the performer stands in the rest pose, looking ahead: mounting and heading
+  kYaw,      // looking ahead: heading alone
+  kMounting  // in the second pose of the rig's own habit
 };
 
 // One way for bytes to come in; sources/<type>.h each. Used by the pipeline thread alone, except
@@ -23,10 +35,20 @@ class Transport {
   virtual ~Transport() = default;
   // Hands what has arrived to `receiver`, up to a bound, and returns how many datagrams that was.
   virtual int DoWork(Receiver& receiver) = 0;
+  // When DoWork has something to do though nothing arrives; INT64_MAX: never.
+  virtual std::int64_t NextDeadline_ns() const { return std::numeric_limits<std::int64_t>::max(); }
+  // Sensors that have to be told how they are worn, and no skeleton of their own.
+  virtual bool has_sensors() const { return false; }
+  // Errors say why not.
+  virtual Status Calibrate(Calibration /*what*/, std::int64_t /*now_ns*/) {
+    return Status::Error("a rig of this type has no sensors to calibrate");
+  }
   // Readable when DoWork may find something.
   virtual int fd() const = 0;
   // The address bound, "HOST:PORT" with the real port.
   virtual const std::string& endpoint() const = 0;
+  // Datagrams and records that arrived, those that were refused included.
+  virtual std::uint64_t received() const = 0;
 };
 
 // At most this many datagrams are handed over at once: what bounds a cycle of the pipeline.

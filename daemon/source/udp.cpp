@@ -1,84 +1,84 @@
 #include "daemon/source/udp.h"
 
-#include <array>
-#include <cstring>
-#include <vector>
-
-#include "daemon/source/sockets.h"
+#include "daemon/source/udp_socket.h"
 
 namespace styled::source {
 namespace {
 
+// Our own datagrams, as they are.
 class Udp final : public Transport {
  public:
   Udp(Descriptor socket, int source, runtime::Counters& counters)
-      : socket_(std::move(socket)),
-        source_(source),
-        counters_(counters),
-        endpoint_(BoundAddress(socket_.get())),
-        buffer_(kBatch * kSlot) {
-    for (std::size_t i = 0; i < kBatch; ++i) {
-      vectors_[i] = {&buffer_[i * kSlot], kSlot};
-      messages_[i].msg_hdr.msg_iov = &vectors_[i];
-      messages_[i].msg_hdr.msg_iovlen = 1;
-      messages_[i].msg_hdr.msg_control = controls_[i].data();
-    }
-  }
+      : socket_(std::move(socket), counters), source_(source) {}
 
   int DoWork(Receiver& receiver) override {
-    for (auto& message : messages_) message.msg_hdr.msg_controllen = sizeof controls_[0];
-    const int count = recvmmsg(socket_.get(), messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
-    if (count <= 0) return 0;
-    for (int i = 0; i < count; ++i) {
-      datagrams_[static_cast<std::size_t>(i)] = {&buffer_[static_cast<std::size_t>(i) * kSlot],
-                                                 messages_[static_cast<std::size_t>(i)].msg_len};
-    }
-    CountDropped(messages_[static_cast<std::size_t>(count) - 1].msg_hdr);
-    receiver.OnDatagrams(source_, {datagrams_.data(), static_cast<std::size_t>(count)});
-    return count;
+    const auto datagrams = socket_.Receive();
+    if (!datagrams.empty()) receiver.OnDatagrams(source_, datagrams);
+    return static_cast<int>(datagrams.size());
   }
 
-  int fd() const override { return socket_.get(); }
-  const std::string& endpoint() const override { return endpoint_; }
+  int fd() const override { return socket_.fd(); }
+  const std::string& endpoint() const override { return socket_.endpoint(); }
+  std::uint64_t received() const override { return socket_.received(); }
 
  private:
-  // Larger than any datagram: none is ever cut.
-  static constexpr std::size_t kSlot = 65536;
+  UdpSocket socket_;
+  int source_;
+};
 
-  // SO_RXQ_OVFL: the socket's total of dropped datagrams, with each that was not.
-  void CountDropped(msghdr& header) noexcept {
-    for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
-      if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_RXQ_OVFL) continue;
-      std::uint32_t dropped = 0;
-      std::memcpy(&dropped, CMSG_DATA(c), sizeof dropped);
-      counters_.Add(runtime::Counter::kSourceKernelDropped, dropped - dropped_);
-      dropped_ = dropped;
+// A rig's, through its translator.
+class TranslatedUdp final : public Transport {
+ public:
+  TranslatedUdp(Descriptor socket, int source, runtime::Clock& clock, runtime::Counters& counters,
+                std::unique_ptr<Translator> translator)
+      : socket_(std::move(socket), counters),
+        clock_(clock),
+        translator_(std::move(translator)),
+        outbox_(source, counters) {}
+
+  int DoWork(Receiver& receiver) override {
+    const auto datagrams = socket_.Receive();
+    const std::int64_t now_ns = clock_.Now_ns();
+    const bool due = now_ns >= translator_->NextDeadline_ns();
+    if (datagrams.empty() && !due) return 0;
+    outbox_.Open(receiver, socket_.fd());
+    for (std::size_t i = 0; i < datagrams.size(); ++i) {
+      translator_->Take(datagrams[i], socket_.Sender(i), now_ns, outbox_);
     }
+    translator_->Tick(now_ns, outbox_);
+    outbox_.Close();
+    return static_cast<int>(datagrams.size()) + (due ? 1 : 0);
   }
 
-  Descriptor socket_;
-  int source_;
-  runtime::Counters& counters_;
-  std::string endpoint_;
-  std::uint32_t dropped_ = 0;
-  std::vector<std::byte> buffer_;
-  std::array<iovec, kBatch> vectors_{};
-  std::array<mmsghdr, kBatch> messages_{};
-  alignas(
-      cmsghdr) std::array<std::array<char, CMSG_SPACE(sizeof(std::uint32_t))>, kBatch> controls_{};
-  std::array<std::span<const std::byte>, kBatch> datagrams_;
+  std::int64_t NextDeadline_ns() const override { return translator_->NextDeadline_ns(); }
+  bool has_sensors() const override { return translator_->has_sensors(); }
+  Status Calibrate(Calibration what, std::int64_t now_ns) override {
+    return translator_->Calibrate(what, now_ns);
+  }
+  int fd() const override { return socket_.fd(); }
+  const std::string& endpoint() const override { return socket_.endpoint(); }
+  std::uint64_t received() const override { return socket_.received(); }
+
+ private:
+  UdpSocket socket_;
+  runtime::Clock& clock_;
+  std::unique_ptr<Translator> translator_;
+  Outbox outbox_;
 };
 
 }  // namespace
 
 Result<std::unique_ptr<Transport>> MakeUdp(const config::Source& config, int source,
-                                           runtime::Counters& counters) {
+                                           runtime::Clock& clock, runtime::Counters& counters,
+                                           std::unique_ptr<Translator> translator) {
   auto socket = BindSocket(SOCK_DGRAM, config.listen, config.receive_buffer_bytes);
   if (!socket.ok()) return socket.status();
-  const int one = 1;
-  setsockopt(socket.value().get(), SOL_SOCKET, SO_RXQ_OVFL, &one, sizeof one);
-  return std::unique_ptr<Transport>(
-      std::make_unique<Udp>(std::move(socket.value()), source, counters));
+  if (translator == nullptr) {
+    return std::unique_ptr<Transport>(
+        std::make_unique<Udp>(std::move(socket.value()), source, counters));
+  }
+  return std::unique_ptr<Transport>(std::make_unique<TranslatedUdp>(
+      std::move(socket.value()), source, clock, counters, std::move(translator)));
 }
 
 }  // namespace styled::source

@@ -6,6 +6,7 @@
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/write.hpp>
 #include <chrono>
+#include <map>
 #include <thread>
 
 namespace styled::player {
@@ -18,7 +19,7 @@ struct Address {
   std::string protocol, host, port;
 };
 
-Result<Address> ParseAddress(const std::string& url) {
+Result<Address> ParseAddress(const std::string& url, int lowest_port) {
   const auto wrong = [&url](const std::string& found) {
     return Status::Error("'" + url + "': " + found +
                          ", expected udp://HOST:PORT or tcp://HOST:PORT");
@@ -39,11 +40,20 @@ Result<Address> ParseAddress(const std::string& url) {
     address.host = address.host.substr(1, address.host.size() - 2);
   }
   const bool digits = address.port.find_first_not_of("0123456789") == std::string::npos;
-  if (!digits || address.port.empty() || address.port.size() > 5 || std::stoi(address.port) < 1 ||
-      std::stoi(address.port) > 65535) {
+  if (!digits || address.port.empty() || address.port.size() > 5 ||
+      std::stoi(address.port) < lowest_port || std::stoi(address.port) > 65535) {
     return wrong("port '" + address.port + "'");
   }
   return address;
+}
+
+std::size_t ReceiveFrom(asio::ip::udp::socket& socket, std::span<std::byte> datagram,
+                        asio::ip::udp::endpoint& sender) {
+  error_code error;
+  socket.non_blocking(true, error);
+  const std::size_t size =
+      socket.receive_from(asio::buffer(datagram.data(), datagram.size()), sender, 0, error);
+  return error ? 0 : size;  // sending still waits for room: Asio polls
 }
 
 class UdpLink final : public Link {
@@ -68,10 +78,62 @@ class UdpLink final : public Link {
     return error ? Status::Error("sending by UDP: " + error.message()) : Status::Ok();
   }
 
+  std::size_t Receive(std::span<std::byte> datagram) override {
+    return ReceiveFrom(socket_, datagram, sender_);
+  }
+
  private:
   asio::io_context context_;
   asio::ip::udp::socket socket_{context_};
-  asio::ip::udp::endpoint receiver_;
+  asio::ip::udp::endpoint receiver_, sender_;
+};
+
+class ServerLink final : public Link {
+ public:
+  Status Open(const Address& address, std::string* bound) {
+    error_code error;
+    const auto host = asio::ip::make_address(address.host, error);
+    if (error) return Status::Error(error.message() + ", expected a numeric address");
+    socket_.open(host.is_v6() ? asio::ip::udp::v6() : asio::ip::udp::v4(), error);
+    if (!error) {
+      socket_.bind({host, static_cast<std::uint16_t>(std::stoi(address.port))}, error);
+    }
+    if (error) return Status::Error(error.message());
+    if (bound != nullptr) {
+      *bound = "udp://" + address.host + ":" + std::to_string(socket_.local_endpoint().port());
+    }
+    return Status::Ok();
+  }
+
+  Status Send(std::span<const std::byte> datagram) override {
+    const auto now = std::chrono::steady_clock::now();
+    std::erase_if(clients_, [now](const auto& client) {
+      return now - client.second > std::chrono::seconds(5);
+    });
+    for (const auto& [client, heard] : clients_) {
+      error_code ignored;  // a client that went away is no reason to stop
+      socket_.send_to(asio::buffer(datagram.data(), datagram.size()), client, 0, ignored);
+    }
+    return Status::Ok();
+  }
+
+  std::size_t Receive(std::span<std::byte> datagram) override {
+    const std::size_t size = ReceiveFrom(socket_, datagram, sender_);
+    if (size > 0) clients_[sender_] = std::chrono::steady_clock::now();
+    return size;
+  }
+
+  Status Answer(std::span<const std::byte> datagram) override {
+    error_code error;
+    socket_.send_to(asio::buffer(datagram.data(), datagram.size()), sender_, 0, error);
+    return Status::Ok();
+  }
+
+ private:
+  asio::io_context context_;
+  asio::ip::udp::socket socket_{context_};
+  asio::ip::udp::endpoint sender_;
+  std::map<asio::ip::udp::endpoint, std::chrono::steady_clock::time_point> clients_;
 };
 
 class TcpLink final : public Link {
@@ -109,7 +171,7 @@ class TcpLink final : public Link {
 bool IsStream(const std::string& url) { return url.starts_with("tcp://"); }
 
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms) {
-  const Result<Address> address = ParseAddress(url);
+  const Result<Address> address = ParseAddress(url, 1);
   if (!address.ok()) return address.status();
   Status status = Status::Ok();
   std::unique_ptr<Link> link;
@@ -124,6 +186,16 @@ Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_
   }
   if (!status.ok()) return Status::Error(url + ": " + status.message());
   return link;
+}
+
+Result<std::unique_ptr<Link>> Listen(const std::string& url, std::string* bound) {
+  const Result<Address> address = ParseAddress(url, 0);
+  if (!address.ok()) return address.status();
+  if (IsStream(url)) return Status::Error(url + ": expected udp://HOST:PORT");
+  auto server = std::make_unique<ServerLink>();
+  const Status status = server->Open(address.value(), bound);
+  if (!status.ok()) return Status::Error(url + ": " + status.message());
+  return std::unique_ptr<Link>(std::move(server));
 }
 
 }  // namespace styled::player

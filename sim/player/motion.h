@@ -8,13 +8,7 @@
 
 namespace styled::player {
 
-// What a rig tells of its skeleton: the fields of the Body message.
-struct RigBody {
-  rig::Skeleton skeleton;       // units and axes of the rig
-  std::vector<rig::Quat> rest;  // world rotations in the T-pose; empty = the dialect knows them
-  float metres_per_unit = 0;    // 0 = unknown
-  std::string dialect = "auto";
-};
+using rig::RigBody;
 
 // The motion of one performer at the player's rate, frame after frame. One thread; may read files.
 class Motion {

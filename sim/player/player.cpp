@@ -6,21 +6,21 @@
 
 namespace styled::player {
 
-Player::Player(PlayerOptions options, std::vector<Stream> streams)
-    : options_(options), streams_(std::move(streams)) {}
+Player::Player(PlayerOptions options, std::vector<std::unique_ptr<Sender>> senders)
+    : options_(options), senders_(std::move(senders)) {}
 
 Status Player::Run(Clock& clock, Link& link, const std::atomic<bool>& stop) {
   const double period_ns = 1e9 / options_.rate_hz;
-  const auto count = static_cast<double>(streams_.size());
+  const auto count = static_cast<double>(senders_.size());
   const std::uint64_t last_tick =
       options_.seconds > 0
           ? static_cast<std::uint64_t>(std::llround(options_.seconds * options_.rate_hz))
           : ~0ULL;
   const std::int64_t start_ns = clock.Now_ns();
-  std::vector<bool> ended(streams_.size(), false);
-  std::size_t playing = streams_.size();
+  std::vector<bool> ended(senders_.size(), false);
+  std::size_t playing = senders_.size();
   for (std::uint64_t tick = 0; tick < last_tick && playing > 0 && !stop; ++tick) {
-    for (std::size_t k = 0; k < streams_.size() && !stop; ++k) {
+    for (std::size_t k = 0; k < senders_.size() && !stop; ++k) {
       if (ended[k]) continue;
       const double periods = static_cast<double>(tick) + static_cast<double>(k) / count;
       const std::int64_t due_ns = start_ns + std::llround(periods * period_ns);
@@ -28,17 +28,17 @@ Status Player::Run(Clock& clock, Link& link, const std::atomic<bool>& stop) {
       if (k == 0 && static_cast<double>(clock.Now_ns() - due_ns) > period_ns) {
         ++counts_.late_ticks;
       }
-      const Stream::Step step = stop ? Stream::Step::kSilent : streams_[k].Tick(link);
-      if (step == Stream::Step::kError) return streams_[k].error();
-      if (step == Stream::Step::kEnd) {
+      const Sender::Step step = stop ? Sender::Step::kSilent : senders_[k]->Tick(link);
+      if (step == Sender::Step::kError) return senders_[k]->error();
+      if (step == Sender::Step::kEnd) {
         ended[k] = true;
         --playing;
       }
     }
     ++counts_.ticks;
   }
-  for (Stream& stream : streams_) {
-    if (Status status = stream.Flush(link); !status.ok()) return status;
+  for (const auto& sender : senders_) {
+    if (Status status = sender->Flush(link); !status.ok()) return status;
   }
   counts_.wall_ns = clock.Now_ns() - start_ns;
   return Status::Ok();
@@ -47,21 +47,23 @@ Status Player::Run(Clock& clock, Link& link, const std::atomic<bool>& stop) {
 std::string Summary(const Player& player) {
   StreamCounts sum;
   faults::Counts faults{};
-  for (const Stream& stream : player.streams()) {
-    const StreamCounts& counts = stream.counts();
+  int performers = 0;
+  for (const auto& sender : player.senders()) {
+    const StreamCounts& counts = sender->counts();
+    performers += sender->performers();
     sum.frames += counts.frames;
     sum.bodies += counts.bodies;
     sum.datagrams += counts.datagrams;
     sum.bytes += counts.bytes;
     sum.sessions += counts.sessions;
-    for (std::size_t i = 0; i < faults.size(); ++i) faults[i] += stream.faults().counts()[i];
+    for (std::size_t i = 0; i < faults.size(); ++i) faults[i] += sender->faults().counts()[i];
   }
   char text[256];
   std::snprintf(
       text, sizeof text,
-      "performers=%zu frames=%llu bodies=%llu datagrams=%llu bytes=%llu sessions=%llu "
+      "performers=%d frames=%llu bodies=%llu datagrams=%llu bytes=%llu sessions=%llu "
       "seconds=%.2f late_ticks=%llu",
-      player.streams().size(), static_cast<unsigned long long>(sum.frames),
+      performers, static_cast<unsigned long long>(sum.frames),
       static_cast<unsigned long long>(sum.bodies), static_cast<unsigned long long>(sum.datagrams),
       static_cast<unsigned long long>(sum.bytes), static_cast<unsigned long long>(sum.sessions),
       static_cast<double>(player.counts().wall_ns) * 1e-9,

@@ -2,12 +2,13 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "model/base/status.h"
 #include "sim/player/clock.h"
 #include "sim/player/link.h"
-#include "sim/player/stream.h"
+#include "sim/player/sender.h"
 
 namespace styled::player {
 
@@ -22,22 +23,22 @@ struct PlayerCounts {
   std::int64_t wall_ns = 0;
 };
 
-// Plays performers into a link, paced by an absolute clock: tick i of performer k of n is due at
+// Plays senders into a link, paced by an absolute clock: tick i of sender k of n is due at
 // start + (i + k / n) periods, whatever happened before; what is overdue is sent at once, nothing
 // is skipped. Runs on the caller's thread. Pinned by tests/unit/sim/player_test.cpp.
 class Player {
  public:
-  Player(PlayerOptions options, std::vector<Stream> streams);
+  Player(PlayerOptions options, std::vector<std::unique_ptr<Sender>> senders);
 
   // Returns when every motion has ended, after `seconds`, when `stop` is set, or on an error.
   Status Run(Clock& clock, Link& link, const std::atomic<bool>& stop);
 
-  const std::vector<Stream>& streams() const { return streams_; }
+  const std::vector<std::unique_ptr<Sender>>& senders() const { return senders_; }
   const PlayerCounts& counts() const { return counts_; }
 
  private:
   PlayerOptions options_;
-  std::vector<Stream> streams_;
+  std::vector<std::unique_ptr<Sender>> senders_;
   PlayerCounts counts_;
 };
 

@@ -94,12 +94,6 @@ std::size_t Stream::Pack(native::Kind kind, const google::protobuf::MessageLite&
   return fits ? native::Encode({kind, session_, sequence_++, {payload, size}}, buffer_) : 0;
 }
 
-Status Stream::SendBytes(Link& link, std::span<const std::byte> datagram) {
-  ++counts_.datagrams;
-  counts_.bytes += datagram.size();
-  return link.Send(datagram);
-}
-
 Status Stream::SendBody(Link& link) {
   const std::size_t size = Pack(native::Kind::kBody, body_);
   if (size == 0) {

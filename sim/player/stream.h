@@ -10,8 +10,8 @@
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
 #include "sim/faults/faults.h"
-#include "sim/player/link.h"
 #include "sim/player/motion.h"
+#include "sim/player/sender.h"
 
 namespace styled::player {
 
@@ -22,34 +22,20 @@ struct StreamOptions {
   std::function<std::uint64_t()> new_session;
 };
 
-struct StreamCounts {
-  std::uint64_t frames = 0;     // made, lost ones included
-  std::uint64_t bodies = 0;     // sent
-  std::uint64_t datagrams = 0;  // sent, of either kind
-  std::uint64_t bytes = 0;
-  std::uint64_t sessions = 0;
-};
-
 // One performer on the wire: its motion as datagrams, Body first and again once a second of source
 // time, with faults. Source time is the frame's index over the rate, from 0 in every session;
 // between two sessions the performer is silent for Spec::restart_pause_ms. One thread.
 // Pinned by tests/unit/sim/stream_test.cpp.
-class Stream {
+class Stream final : public Sender {
  public:
-  enum class Step { kSent, kSilent, kEnd, kError };
-
   Stream(StreamOptions options, std::unique_ptr<Motion> motion, faults::Faults faults);
 
-  // Sends what is due at the next tick of the rate: one frame, or none (lost, held back, silent).
-  // kError: error() says why.
-  Step Tick(Link& link);
-  // Sends what is still held back (reordered, late). Call once at the end.
-  Status Flush(Link& link);
+  // One frame, or none (lost, held back, silent).
+  Step Tick(Link& link) override;
+  Status Flush(Link& link) override;
 
   const std::string& performer() const { return options_.performer; }
-  const StreamCounts& counts() const { return counts_; }
-  const faults::Faults& faults() const { return faults_; }
-  const Status& error() const { return error_; }
+  const faults::Faults& faults() const override { return faults_; }
 
  private:
   struct Held {
@@ -65,7 +51,6 @@ class Stream {
   Status SendFrame(faults::Fault fault, Link& link);
   Status SendBody(Link& link);
   Status SendHeld(Link& link, bool all);
-  Status SendBytes(Link& link, std::span<const std::byte> datagram);
   std::uint64_t Ticks(double milliseconds) const;
 
   StreamOptions options_;
@@ -80,8 +65,6 @@ class Stream {
   std::uint64_t frame_index_ = 0;  // in this session
   std::uint64_t tick_ = 0, silent_until_tick_ = 0;
   std::uint32_t body_crc_ = 0;
-  StreamCounts counts_;
-  Status error_ = Status::Ok();
 };
 
 // The rule for performers' names.

@@ -65,6 +65,8 @@ void Daemon::Start() {
   const auto json = nlohmann::json::parse(ReadText(ready));
   udp = json["sources"][0]["listen"];
   tcp = json["sources"][1]["listen"];
+  listens.clear();
+  for (const auto& source : json["sources"]) listens.push_back(source["listen"]);
   publish = json["publish"];
   control = json["control"];
 }

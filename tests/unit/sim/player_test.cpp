@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/player/stream.h"
 #include "tests/unit/sim/fakes.h"
 
 namespace styled::player {
@@ -11,12 +12,12 @@ using testing::FakeClock;
 using testing::FakeLink;
 using testing::FakeMotion;
 
-std::vector<Stream> Streams(int count, int frames, double rate_hz) {
-  std::vector<Stream> streams;
+std::vector<std::unique_ptr<Sender>> Streams(int count, int frames, double rate_hz) {
+  std::vector<std::unique_ptr<Sender>> streams;
   for (int k = 0; k < count; ++k) {
-    streams.emplace_back(
+    streams.push_back(std::make_unique<Stream>(
         StreamOptions{"amy-" + std::to_string(k), rate_hz, [] { return std::uint64_t{1}; }},
-        std::make_unique<FakeMotion>(frames), faults::Faults(faults::Spec{}));
+        std::make_unique<FakeMotion>(frames), faults::Faults(faults::Spec{})));
   }
   return streams;
 }

@@ -1,0 +1,211 @@
+#include "daemon/source/natnet.h"
+
+#include <arpa/inet.h>
+#include <net/if.h>
+#include <sys/epoll.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+
+#include "daemon/config/address.h"
+#include "daemon/source/rigs/natnet.h"
+#include "daemon/source/sockets.h"
+#include "daemon/source/udp_socket.h"
+
+namespace styled::source {
+namespace {
+
+constexpr std::int64_t kRetry_ns = 5 * runtime::kSecond_ns;
+
+// What an IPv4 address, or an interface's name, says of where a group is joined.
+struct Interface {
+  in_addr address{};
+  int index = 0;
+};
+
+Result<Interface> ParseInterface(const std::string& text) {
+  Interface found;
+  if (text.empty() || inet_pton(AF_INET, text.c_str(), &found.address) == 1) return found;
+  found.index = static_cast<int>(if_nametoindex(text.c_str()));
+  if (found.index != 0) return found;
+  return Status::Error("interface: \"" + text +
+                       "\"; expected an IPv4 address of this machine or an interface's name");
+}
+
+Result<sockaddr_in> ParseServer(const std::string& text) {
+  const auto refuse = [&text] {
+    return Status::Error("server: \"" + text +
+                         "\"; expected an IPv4 address, or one and a port, e.g. "
+                         "\"192.168.1.10:1510\"");
+  };
+  std::string host = text;
+  std::uint16_t port = natnet::kCommandPort;
+  if (text.find(':') != std::string::npos) {
+    const auto parsed = config::ParseHostPort(text);
+    if (!parsed.ok() || parsed.value().port == 0) return refuse();
+    host = parsed.value().host;
+    port = parsed.value().port;
+  }
+  sockaddr_in server{};
+  server.sin_family = AF_INET;
+  server.sin_port = htons(port);
+  if (inet_pton(AF_INET, host.c_str(), &server.sin_addr) != 1) return refuse();
+  return server;
+}
+
+Result<in_addr> ParseGroup(const std::string& text) {
+  in_addr group{};
+  if (inet_pton(AF_INET, text.c_str(), &group) == 1 && IN_MULTICAST(ntohl(group.s_addr))) {
+    return group;
+  }
+  return Status::Error("group: \"" + text +
+                       "\"; expected an IPv4 multicast address, e.g. \"239.255.42.99\"");
+}
+
+std::string ToString(const NatNet::Stream& stream) {
+  std::array<char, INET_ADDRSTRLEN> text{};
+  inet_ntop(AF_INET, &stream.group, text.data(), text.size());
+  return std::string(text.data()) + ":" + std::to_string(stream.port);
+}
+
+// Bound to the group itself, so that nothing else that is sent to the port comes in.
+Result<Descriptor> JoinGroup(const NatNet::Stream& stream, const Interface& interface,
+                             int receive_buffer_bytes) {
+  Descriptor joined(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  const int fd = joined.get(), one = 1, zero = 0;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr = stream.group;
+  address.sin_port = htons(stream.port);
+  ip_mreqn membership{stream.group, interface.address, interface.index};
+  // Others on this machine may listen to the group as well.
+  setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
+  setsockopt(fd, IPPROTO_IP, IP_MULTICAST_ALL, &zero, sizeof zero);
+  if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &receive_buffer_bytes,
+                 sizeof receive_buffer_bytes) != 0) {
+    setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof receive_buffer_bytes);
+  }
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) != 0) {
+    return Status::Error("group " + ToString(stream) + ": " + std::strerror(errno));
+  }
+  return joined;
+}
+
+class NatNetTransport final : public Transport {
+ public:
+  NatNetTransport(Descriptor command, Descriptor epoll, const Interface& interface,
+                  const config::Source& config, int source, runtime::Clock& clock,
+                  runtime::Counters& counters, const sockaddr_in& server, in_addr group)
+      : command_(std::move(command), counters),
+        epoll_(std::move(epoll)),
+        interface_(interface),
+        receive_buffer_bytes_(config.receive_buffer_bytes),
+        source_(source),
+        clock_(clock),
+        counters_(counters),
+        translator_(config, server, group),
+        outbox_(source, counters) {
+    Watch(command_.fd());
+  }
+
+  int DoWork(Receiver& receiver) override {
+    const std::int64_t now_ns = clock_.Now_ns();
+    const bool due = now_ns >= NextDeadline_ns();
+    outbox_.Open(receiver, command_.fd());
+    int work = due ? 1 : 0;
+    work += Drain(command_, now_ns);
+    if (data_) work += Drain(*data_, now_ns);
+    translator_.Tick(now_ns, outbox_);
+    outbox_.Close();
+    Follow(now_ns, receiver);
+    return work;
+  }
+
+  std::int64_t NextDeadline_ns() const override {
+    return std::min(translator_.NextDeadline_ns(), next_try_ns_);
+  }
+  // One epoll instance holds both sockets; it is itself what the pipeline polls.
+  int fd() const override { return epoll_.get(); }
+  const std::string& endpoint() const override { return command_.endpoint(); }
+  std::uint64_t received() const override {
+    return command_.received() + earlier_ + (data_ ? data_->received() : 0);
+  }
+
+ private:
+  void Watch(int fd) {
+    epoll_event event{};
+    event.events = EPOLLIN;
+    epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event);
+  }
+
+  int Drain(UdpSocket& socket, std::int64_t now_ns) {
+    const auto datagrams = socket.Receive();
+    for (std::size_t i = 0; i < datagrams.size(); ++i) {
+      translator_.Take(datagrams[i], socket.Sender(i), now_ns, outbox_);
+    }
+    return static_cast<int>(datagrams.size());
+  }
+
+  // Joins what the server streams to, if that is something else than before; tries again where it
+  // cannot be joined, e.g. because the interface is not up yet.
+  void Follow(std::int64_t now_ns, Receiver& receiver) {
+    if (translator_.stream() == joined_ && now_ns < next_try_ns_) return;
+    joined_ = translator_.stream();
+    next_try_ns_ = Translator::kNever;
+    if (data_) earlier_ += data_->received();
+    data_.reset();
+    if (!joined_) return;
+    auto socket = JoinGroup(*joined_, interface_, receive_buffer_bytes_);
+    if (socket.ok()) {
+      data_.emplace(std::move(socket.value()), counters_);
+      Watch(data_->fd());
+      return;
+    }
+    next_try_ns_ = now_ns + kRetry_ns;
+    if (complaint_ == socket.status().message()) return;
+    complaint_ = socket.status().message();
+    receiver.OnNote(source_, complaint_);
+  }
+
+  UdpSocket command_;
+  Descriptor epoll_;
+  Interface interface_;
+  int receive_buffer_bytes_, source_;
+  runtime::Clock& clock_;
+  runtime::Counters& counters_;
+  NatNet translator_;
+  Outbox outbox_;
+  std::optional<UdpSocket> data_;
+  std::uint64_t earlier_ = 0;             // received by the groups before data_
+  std::optional<NatNet::Stream> joined_;  // or tried to
+  std::int64_t next_try_ns_ = Translator::kNever;
+  std::string complaint_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Transport>> MakeNatNet(const config::Source& config, int source,
+                                              runtime::Clock& clock, runtime::Counters& counters) {
+  const auto server = ParseServer(config.server);
+  if (!server.ok()) return server.status();
+  const auto group = ParseGroup(config.group);
+  if (!group.ok()) return group.status();
+  const auto interface = ParseInterface(config.interface);
+  if (!interface.ok()) return interface.status();
+  auto command = BindSocket(SOCK_DGRAM, config.listen, config.receive_buffer_bytes);
+  if (!command.ok()) return command.status();
+  if (BoundAddress(command.value().get()).starts_with('[')) {
+    return Status::Error("udp " + config.listen + ": expected an IPv4 address, as the server's is");
+  }
+  Descriptor epoll(epoll_create1(EPOLL_CLOEXEC));
+  if (epoll.get() < 0) return Status::Error("udp " + config.listen + ": no file descriptor left");
+  return std::unique_ptr<Transport>(std::make_unique<NatNetTransport>(
+      std::move(command.value()), std::move(epoll), interface.value(), config, source, clock,
+      counters, server.value(), group.value()));
+}
+
+}  // namespace styled::source

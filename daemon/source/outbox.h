@@ -1,0 +1,65 @@
+#pragma once
+
+#include <netinet/in.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/runtime/counters.h"
+#include "daemon/runtime/realtime.h"
+#include "daemon/source/transport.h"
+#include "proto/rigs/native/datagram.h"
+
+namespace styled::source {
+
+// Who sent a datagram. `id` tells senders of one source apart and is never 0.
+struct Peer {
+  std::uint64_t id = 1;
+  sockaddr_storage address{};
+  socklen_t address_size = 0;  // 0: nobody who could be answered (TCP, tests)
+};
+
+// What a rig's translator says of the datagrams it was given: our own datagrams for the pipeline,
+// refusals to be counted, notes for the log, answers to the rig. One per source; pipeline thread.
+class Outbox {
+ public:
+  Outbox(int source, runtime::Counters& counters);
+
+  // Where a datagram is made: kMaxDatagramSize bytes, valid until Put(). Hands on what is waiting
+  // when it is full.
+  STYLED_REALTIME std::span<std::byte> Slot() noexcept;
+  // `size` bytes of the slot are a datagram for the pipeline.
+  STYLED_REALTIME void Put(std::size_t size) noexcept;
+
+  // The rig's datagram, or a part of it, was refused.
+  STYLED_REALTIME void Refuse(runtime::Counter reason) noexcept { counters_.Add(reason); }
+  // A line for the log. Allocates: not for every datagram.
+  void Note(std::string text) { receiver_->OnNote(source_, std::move(text)); }
+  // Answers a rig; what cannot be sent is not.
+  STYLED_REALTIME void Reply(const Peer& peer, std::span<const std::byte> datagram) noexcept;
+  // What follows may allocate: a new body. The promise of the hot path holds again with the next
+  // batch.
+  void LeaveHotSection() noexcept { hot_.Leave(); }
+
+  // The transport's side: Open before a batch, Close after it.
+  void Open(Receiver& receiver, int reply_socket) noexcept;
+  void Close() noexcept;
+
+ private:
+  void HandOn() noexcept;
+
+  int source_;
+  runtime::Counters& counters_;
+  Receiver* receiver_ = nullptr;
+  int reply_socket_ = -1;
+  runtime::HotSection hot_{runtime::HotSection::kOutside};
+  std::vector<std::byte> buffer_;
+  std::array<std::span<const std::byte>, kBatch> waiting_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace styled::source

@@ -1,0 +1,152 @@
+#include "daemon/source/rigs/mocopi.h"
+
+#include <string>
+#include <vector>
+
+#include "daemon/runtime/clock.h"
+#include "daemon/source/relay.h"
+#include "proto/rigs/mocopi/mocopi.h"
+
+namespace styled::source {
+namespace {
+
+using runtime::Counter;
+
+// A frame so far behind the newest is a restart's, a nearer one an old one's, as long as so many do
+// not come one after the other.
+constexpr std::uint32_t kRestartFrames = 60;
+constexpr float kRestart_s = 1.0F;
+constexpr int kOldFrames = 5;
+constexpr std::size_t kMaxSenders = 8;
+
+rig::RigBody MakeBody(const mocopi::Skeleton& bones) {
+  rig::RigBody body;
+  body.metres_per_unit = 1.0F;
+  body.dialect = "mocopi";
+  for (std::size_t id = 0; id < mocopi::kBones; ++id) {
+    const auto& at = bones[id].rest.position_m;
+    body.skeleton.names.emplace_back(mocopi::kBoneTable[id].name);
+    body.skeleton.parents.push_back(bones[id].parent);
+    body.skeleton.offsets.emplace_back(at[0], at[1], at[2]);
+  }
+  return body;
+}
+
+// One application that sends, on one address.
+class Sender {
+ public:
+  Sender(std::uint64_t peer, std::string performer) : peer_(peer), relay_(std::move(performer)) {}
+
+  std::uint64_t peer() const { return peer_; }
+  std::int64_t seen_ns() const { return seen_ns_; }
+
+  void Take(const mocopi::Datagram& datagram, std::int64_t now_ns, Outbox& out) {
+    seen_ns_ = now_ns;
+    if (datagram.kind == mocopi::Datagram::Kind::kSkeleton) {
+      TakeSkeleton(datagram.skeleton, out);
+    } else {
+      TakeFrame(datagram.frame, now_ns, out);
+    }
+  }
+
+ private:
+  void TakeSkeleton(const mocopi::Skeleton& skeleton, Outbox& out) {
+    if (relay_.has_body() && skeleton == skeleton_) return;  // as every 3.5 s
+    out.LeaveHotSection();
+    skeleton_ = skeleton;
+    relay_.SetBody(MakeBody(skeleton), out);
+    pose_ = rig::RigPose(relay_.body().skeleton);
+  }
+
+  void TakeFrame(const mocopi::Frame& frame, std::int64_t now_ns, Outbox& out) {
+    Relay::Moment moment;
+    if (!Admit(frame, moment.lost, out)) return;
+    if (!relay_.has_body()) TakeSkeleton(mocopi::UsualSkeleton(), out);
+    for (std::size_t id = 0; id < mocopi::kBones; ++id) {
+      const auto& r = frame.bones[id].rotation;
+      pose_.rotations[id] = rig::Quat(r[3], r[0], r[1], r[2]);
+    }
+    const auto& root = frame.bones[0].position_m;  // the others repeat their offsets
+    pose_.translations.front() = {root[0], root[1], root[2]};
+    moment.source_time_ns = static_cast<std::uint64_t>(double{frame.time_s} * 1e9);
+    moment.now_ns = now_ns;
+    relay_.Send(pose_, moment, out);
+  }
+
+  // False for a frame that is there already, or comes too late.
+  bool Admit(const mocopi::Frame& frame, std::uint64_t& lost, Outbox& out) noexcept {
+    if (any_) {
+      const bool back = frame.number <= number_;
+      behind_ = frame.number < number_ ? behind_ + 1 : 0;
+      const bool far = (back && number_ - frame.number >= kRestartFrames) ||
+                       frame.time_s <= time_s_ - kRestart_s || behind_ == kOldFrames;
+      if (back && !far) {
+        out.Refuse(frame.number == number_ ? Counter::kPipelineDuplicate
+                                           : Counter::kPipelineReordered);
+        return false;
+      }
+      if (far) {
+        behind_ = 0;
+        relay_.Restart();
+      } else {
+        lost = frame.number - number_ - 1;
+      }
+    }
+    any_ = true;
+    number_ = frame.number;
+    time_s_ = frame.time_s;
+    return true;
+  }
+
+  std::uint64_t peer_;
+  std::int64_t seen_ns_ = 0;
+  Relay relay_;
+  mocopi::Skeleton skeleton_;
+  rig::RigPose pose_;
+  bool any_ = false;
+  std::uint32_t number_ = 0;
+  float time_s_ = 0;
+  int behind_ = 0;  // frames one after the other that were older than the newest
+};
+
+class Mocopi final : public Translator {
+ public:
+  explicit Mocopi(const config::Source& config)
+      : performer_(config.performer.empty() ? config.name : config.performer) {}
+
+  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+            Outbox& out) override {
+    if (mocopi::Decode(datagram, datagram_) != mocopi::DecodeResult::kOk) {
+      return out.Refuse(Counter::kSourceMalformed);
+    }
+    Sender* sender = Find(peer, now_ns, out);
+    if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
+    sender->Take(datagram_, now_ns, out);
+  }
+
+ private:
+  // Null where there are too many already, and all of them live.
+  Sender* Find(const Peer& peer, std::int64_t now_ns, Outbox& out) {
+    for (Sender& sender : senders_) {
+      if (sender.peer() == peer.id) return &sender;
+    }
+    out.LeaveHotSection();
+    std::erase_if(senders_, [now_ns](const Sender& sender) {
+      return now_ns - sender.seen_ns() > 10 * runtime::kSecond_ns;
+    });
+    if (senders_.size() >= kMaxSenders) return nullptr;
+    return &senders_.emplace_back(peer.id, performer_);
+  }
+
+  std::string performer_;
+  std::vector<Sender> senders_;
+  mocopi::Datagram datagram_;
+};
+
+}  // namespace
+
+std::unique_ptr<Translator> MakeMocopi(const config::Source& config) {
+  return std::make_unique<Mocopi>(config);
+}
+
+}  // namespace styled::source

@@ -1,0 +1,323 @@
+#include "daemon/source/rigs/mvn.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "daemon/runtime/clock.h"
+#include "daemon/source/relay.h"
+#include "daemon/source/rigs/world_pose.h"
+#include "proto/rigs/mvn/mvn.h"
+
+namespace styled::source {
+namespace {
+
+using mvn::DecodeResult;
+using runtime::Counter;
+
+// How long a new character may stay without its name and T-pose: MVN tells them once a second.
+constexpr std::int64_t kPatience_ns = 3 * runtime::kSecond_ns / 2;
+// A sample this far behind the newest is a restart, not an old one.
+constexpr std::uint32_t kRestartSamples = 240;
+constexpr std::size_t kMaxCharacters = 64;
+constexpr int kHead = 6, kHandSegments = 20;
+
+// Body, then each hand's: carpus, thumb of three, fingers of four.
+rig::Skeleton MakeSkeleton(bool fingers) {
+  rig::Skeleton skeleton;
+  const auto add = [&skeleton](std::string name, int parent) {
+    skeleton.names.push_back(std::move(name));
+    skeleton.parents.push_back(parent);
+    skeleton.offsets.emplace_back(rig::Vec3::Zero());
+    return skeleton.joint_count() - 1;
+  };
+  for (const auto& row : mvn::kSegments) add(std::string(row.name), row.parent);
+  for (const std::string side : {"Left", "Right"}) {
+    if (!fingers) break;
+    const int carpus = add(side + "Carpus", side == "Left" ? 14 : 10);
+    for (const std::string finger : {"First", "Second", "Third", "Fourth", "Fifth"}) {
+      int parent = add(side + finger + "MC", carpus);
+      parent = add(side + finger + "PP", parent);
+      if (finger != "First") parent = add(side + finger + "MP", parent);
+      add(side + finger + "DP", parent);
+    }
+  }
+  return skeleton;
+}
+
+class Character {
+ public:
+  Character(std::uint64_t peer, std::uint8_t id, std::int64_t now_ns)
+      : peer_(peer), id_(id), since_ns_(now_ns), seen_ns_(now_ns) {}
+
+  bool Is(std::uint64_t peer, std::uint8_t id) const { return peer_ == peer && id_ == id; }
+  std::int64_t seen_ns() const { return seen_ns_; }
+  std::uint8_t id() const { return id_; }
+  std::string_view performer() const { return relay_ ? relay_->performer() : std::string_view(); }
+  const std::string& called() const { return called_; }
+
+  void TakeName(std::string_view name) {
+    if (!relay_ && !name.empty()) called_ = MakeName(name);
+  }
+  void TakeScale(const mvn::Scale& scale, Outbox& out);
+  STYLED_REALTIME void TakeTimecode(const mvn::Timecode& given) noexcept {
+    timecode_ = {given.hours, given.minutes, given.seconds, given.milliseconds, 1000, false};
+    has_timecode_ = true;
+  }
+  // One datagram's part of a pose; `performer` gives the name when the time has come for one.
+  template <typename MakePerformer>
+  void TakePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
+                std::int64_t now_ns, const MakePerformer& performer, Outbox& out);
+
+ private:
+  enum class Order { kNext, kOld };
+  Order Sort(const mvn::Header& header, Outbox& out);
+  bool Gather(const mvn::Header& header, const mvn::Pose& pose, Outbox& out);
+  void MakeBody(const mvn::Header& header, const std::string& up, Outbox& out);
+  void Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
+
+  std::uint64_t peer_;
+  std::uint8_t id_;
+  std::int64_t since_ns_, seen_ns_;
+  std::string called_;
+  std::optional<Relay> relay_;
+  std::array<rig::Vec3, mvn::kBodySegments> scale_m_;  // T-pose, +Z up
+  bool has_scale_ = false;
+  bool y_up_ = false;  // type 02 of a sender that was told so
+  mvn::Type type_ = mvn::Type::kEuler;
+  std::uint32_t sample_ = 0;
+  bool any_sample_ = false, sent_ = false;
+  // The sample at hand.
+  std::array<rig::Vec3, mvn::kMaxSegments> positions_;
+  std::array<rig::Quat, mvn::kMaxSegments> rotations_;
+  int gathered_ = 0, next_part_ = 0;
+  std::vector<int> segment_of_joint_;
+  std::vector<rig::Quat> joint_rotations_;
+  rig::RigBody body_;
+  rig::RigPose pose_;
+  Timecode timecode_;
+  bool has_timecode_ = false;
+};
+
+void Character::TakeScale(const mvn::Scale& scale, Outbox& out) {
+  if (scale.count < mvn::kBodySegments) return;
+  for (std::size_t s = 0; s < mvn::kBodySegments; ++s) {
+    const auto& p = scale.segments[s].position_m;
+    scale_m_[s] = {p[0], p[1], p[2]};
+  }
+  has_scale_ = true;
+  if (!relay_ || !relay_->has_body()) return;
+  // Told after the fact: another body, if it is another.
+  mvn::Header header;
+  header.type = type_;
+  header.finger_segments =
+      body_.skeleton.joint_count() > mvn::kBodySegments ? 2 * kHandSegments : 0;
+  MakeBody(header, y_up_ ? "y" : "z", out);
+}
+
+Character::Order Character::Sort(const mvn::Header& header, Outbox& out) {
+  if (any_sample_ && header.sample < sample_ && sample_ - header.sample < kRestartSamples) {
+    out.Refuse(Counter::kPipelineReordered);
+    return Order::kOld;
+  }
+  if (any_sample_ && header.sample == sample_ && sent_) {
+    out.Refuse(Counter::kPipelineDuplicate);
+    return Order::kOld;
+  }
+  if (any_sample_ && header.sample < sample_ && relay_) relay_->Restart();
+  if (!any_sample_ || header.sample != sample_) {
+    gathered_ = next_part_ = 0;
+    sent_ = false;
+  }
+  sample_ = header.sample;
+  any_sample_ = true;
+  return Order::kNext;
+}
+
+// False until the sample is whole. A part that is missing leaves it so.
+bool Character::Gather(const mvn::Header& header, const mvn::Pose& pose, Outbox& out) {
+  if (header.datagram != next_part_ || gathered_ + pose.count > mvn::kMaxSegments) {
+    if (header.last) out.Refuse(Counter::kSourceIncomplete);
+    return false;
+  }
+  ++next_part_;
+  for (int i = 0; i < pose.count; ++i) {
+    const auto& segment = pose.segments[static_cast<std::size_t>(i)];
+    const auto& r = segment.rotation;
+    positions_[static_cast<std::size_t>(gathered_)] = {segment.position[0], segment.position[1],
+                                                       segment.position[2]};
+    rotations_[static_cast<std::size_t>(gathered_)] = {r[3], r[0], r[1], r[2]};
+    ++gathered_;
+  }
+  if (!header.last) return false;
+  if (gathered_ < mvn::kBodySegments ||
+      gathered_ < mvn::kBodySegments + header.props + header.finger_segments) {
+    out.Refuse(Counter::kSourceIncomplete);
+    return false;
+  }
+  return true;
+}
+
+void Character::MakeBody(const mvn::Header& header, const std::string& up, Outbox& out) {
+  out.LeaveHotSection();
+  const bool fingers = header.finger_segments == 2 * kHandSegments;
+  const bool euler = header.type == mvn::Type::kEuler;
+  type_ = header.type;
+  body_.skeleton = MakeSkeleton(fingers);
+  body_.metres_per_unit = euler ? 0.01F : 1.0F;
+  const auto joints = static_cast<std::size_t>(body_.skeleton.joint_count());
+  segment_of_joint_.resize(joints);
+  for (std::size_t j = 0; j < joints; ++j) {
+    segment_of_joint_[j] =
+        static_cast<int>(j) + (j < mvn::kBodySegments ? 0 : static_cast<int>(header.props));
+  }
+  joint_rotations_.resize(joints, rig::Quat::Identity());
+  pose_ = rig::RigPose(body_.skeleton);
+  if (!euler) {
+    const rig::Vec3 spine = positions_[kHead] - positions_[0];
+    y_up_ = up == "y" || (up == "auto" && std::abs(spine.y()) > std::abs(spine.z()));
+  }
+  std::vector<rig::Vec3> positions(joints);
+  for (std::size_t j = 0; j < joints; ++j) {
+    const auto s = static_cast<std::size_t>(segment_of_joint_[j]);
+    positions[j] = positions_[s];
+    joint_rotations_[j] = rotations_[s];
+  }
+  OffsetsFromWorld(body_.skeleton.parents, positions, joint_rotations_, body_.skeleton.offsets);
+  for (std::size_t j = 0; has_scale_ && j < mvn::kBodySegments; ++j) {
+    const int parent = body_.skeleton.parents[j];
+    rig::Vec3 offset = scale_m_[j];
+    if (parent >= 0) offset -= scale_m_[static_cast<std::size_t>(parent)];
+    if (euler || y_up_) offset = {offset.y(), offset.z(), offset.x()};
+    body_.skeleton.offsets[j] = offset / body_.metres_per_unit;
+  }
+  relay_->SetBody(body_, out);
+}
+
+template <typename MakePerformer>
+void Character::TakePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
+                         std::int64_t now_ns, const MakePerformer& performer, Outbox& out) {
+  seen_ns_ = now_ns;
+  if (header.type == mvn::Type::kEuler && type_ == mvn::Type::kQuaternion) return;  // both are sent
+  if (Sort(header, out) == Order::kOld || !Gather(header, pose, out)) return;
+  sent_ = true;
+  if (!relay_) {
+    if ((called_.empty() || !has_scale_) && now_ns - since_ns_ < kPatience_ns) return;
+    out.LeaveHotSection();
+    relay_.emplace(performer(*this));
+  }
+  const bool fingers = header.finger_segments == 2 * kHandSegments;
+  if (!relay_->has_body() || header.type != type_ ||
+      fingers != (body_.skeleton.joint_count() > mvn::kBodySegments)) {
+    MakeBody(header, up, out);
+  }
+  Send(header, now_ns, out);
+}
+
+void Character::Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out) {
+  for (std::size_t j = 0; j < joint_rotations_.size(); ++j) {
+    joint_rotations_[j] = rotations_[static_cast<std::size_t>(segment_of_joint_[j])];
+  }
+  LocalFromWorld(body_.skeleton.parents, joint_rotations_, pose_);
+  pose_.translations.front() = positions_.front();
+  Relay::Moment moment;
+  moment.source_time_ns = std::uint64_t{header.time_ms} * 1'000'000;
+  moment.now_ns = now_ns;
+  moment.timecode = has_timecode_ ? &timecode_ : nullptr;
+  relay_->Send(pose_, moment, out);
+}
+
+class Mvn final : public Translator {
+ public:
+  explicit Mvn(const config::Source& config) : config_(config) {}
+
+  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+            Outbox& out) override {
+    mvn::Header header;
+    if (mvn::DecodeHeader(datagram, header) != DecodeResult::kOk) {
+      return out.Refuse(Counter::kSourceMalformed);
+    }
+    switch (header.type) {
+      case mvn::Type::kEuler:
+      case mvn::Type::kQuaternion:
+        return TakePose(datagram, peer, now_ns, out);
+      case mvn::Type::kMeta: {
+        std::string_view name;
+        if (mvn::DecodeName(datagram, name) != DecodeResult::kOk) break;
+        if (auto* character = Find(header, peer, now_ns, out)) character->TakeName(name);
+        return;
+      }
+      case mvn::Type::kScale: {
+        if (mvn::DecodeScale(datagram, scale_) != DecodeResult::kOk) break;
+        if (auto* character = Find(header, peer, now_ns, out)) character->TakeScale(scale_, out);
+        return;
+      }
+      case mvn::Type::kTimecode: {
+        mvn::Timecode timecode;
+        if (mvn::DecodeTimecode(datagram, timecode) != DecodeResult::kOk) break;
+        if (auto* character = Find(header, peer, now_ns, out)) character->TakeTimecode(timecode);
+        return;
+      }
+      default:
+        return out.Refuse(Counter::kSourceIgnored);
+    }
+    out.Refuse(Counter::kSourceMalformed);
+  }
+
+ private:
+  void TakePose(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+                Outbox& out) {
+    mvn::Header header;
+    if (mvn::DecodePose(datagram, header, pose_) != DecodeResult::kOk) {
+      return out.Refuse(Counter::kSourceMalformed);
+    }
+    Character* character = Find(header, peer, now_ns, out);
+    if (character == nullptr) return out.Refuse(Counter::kPipelinePerformersRefused);
+    character->TakePose(
+        header, pose_, config_.up, now_ns,
+        [this](const Character& who) { return PerformerOf(who); }, out);
+  }
+
+  // Null where there are too many already, and all of them live.
+  Character* Find(const mvn::Header& header, const Peer& peer, std::int64_t now_ns, Outbox& out) {
+    for (auto& character : characters_) {
+      if (character->Is(peer.id, header.character)) return character.get();
+    }
+    out.LeaveHotSection();
+    if (characters_.size() >= kMaxCharacters) {
+      std::erase_if(characters_, [now_ns](const auto& character) {
+        return now_ns - character->seen_ns() > 10 * runtime::kSecond_ns;
+      });
+    }
+    if (characters_.size() >= kMaxCharacters) return nullptr;
+    characters_.push_back(std::make_unique<Character>(peer.id, header.character, now_ns));
+    return characters_.back().get();
+  }
+
+  // A name that no other character of the same sender has.
+  std::string PerformerOf(const Character& who) const {
+    std::string name = config_.performer;
+    if (name.empty()) name = who.called().empty() ? config_.name : who.called();
+    const std::string stem = name.substr(0, 28);
+    for (int i = 2; Taken(name, who); ++i) name = stem + "-" + std::to_string(i);
+    return name;
+  }
+  // Another sender's is not in the way: the pipeline lets one of them in at a time.
+  bool Taken(std::string_view name, const Character& who) const {
+    return std::any_of(characters_.begin(), characters_.end(), [&](const auto& other) {
+      return other->id() != who.id() && other->performer() == name;
+    });
+  }
+
+  config::Source config_;
+  std::vector<std::unique_ptr<Character>> characters_;
+  mvn::Pose pose_;
+  mvn::Scale scale_;
+};
+
+}  // namespace
+
+std::unique_ptr<Translator> MakeMvn(const config::Source& config) {
+  return std::make_unique<Mvn>(config);
+}
+
+}  // namespace styled::source

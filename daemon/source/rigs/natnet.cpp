@@ -1,0 +1,286 @@
+#include "daemon/source/rigs/natnet.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "daemon/runtime/clock.h"
+
+namespace styled::source {
+namespace {
+
+using natnet::DecodeResult;
+using natnet::MessageId;
+using runtime::Counter;
+using runtime::kSecond_ns;
+
+constexpr std::int64_t kPulse_ns = kSecond_ns;        // commands, keep-alives, questions
+constexpr std::int64_t kSilence_ns = 2 * kSecond_ns;  // then we ask again who is there
+// A frame this far behind the newest is a server that began anew, or a recording that is played
+// again, and not one that was overtaken.
+constexpr std::int32_t kOvertaken = 16;
+constexpr int kBadFrames = 10;         // in a row: perhaps another bitstream
+constexpr std::uint32_t kSteady = 30;  // equal steps that are no losses, but the server's rate
+constexpr std::size_t kMaxSaid = 64;
+constexpr std::string_view kClientName = "styled";
+constexpr natnet::Version kClientVersion{3, 0};
+
+std::string ToString(natnet::Version version) {
+  return std::to_string(version.major) + "." + std::to_string(version.minor);
+}
+
+bool SameHost(const Peer& a, const Peer& b) {
+  const auto& x = reinterpret_cast<const sockaddr_in&>(a.address);
+  const auto& y = reinterpret_cast<const sockaddr_in&>(b.address);
+  return x.sin_family == AF_INET && y.sin_family == AF_INET &&
+         x.sin_addr.s_addr == y.sin_addr.s_addr;
+}
+
+}  // namespace
+
+NatNet::NatNet(const config::Source& config, const sockaddr_in& server, in_addr group)
+    : config_(config), group_(group), convention_(config.coordinates, config.up) {
+  std::memcpy(&server_.address, &server, sizeof server);
+  server_.address_size = sizeof server;
+}
+
+void NatNet::Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+                  Outbox& out) {
+  if (!SameHost(peer, server_)) {
+    Say("ignoring packets that do not come from server " + config_.server, out);
+    return out.Refuse(Counter::kSourceIgnored);
+  }
+  natnet::Packet packet;
+  if (natnet::DecodePacket(datagram, packet) != DecodeResult::kOk) {
+    return out.Refuse(Counter::kSourceMalformed);
+  }
+  heard_ns_ = now_ns;
+  switch (packet.id) {
+    case MessageId::kServerInfo:
+      return TakeServerInfo(packet.payload, now_ns, out);
+    case MessageId::kModelDef:
+      return TakeModel(packet.payload, out);
+    case MessageId::kFrameOfData:
+      return TakeFrame(packet.payload, now_ns, out);
+    default:
+      return out.Refuse(Counter::kSourceIgnored);
+  }
+}
+
+void NatNet::Tick(std::int64_t now_ns, Outbox& out) {
+  if (now_ns < next_pulse_ns_) return;
+  next_pulse_ns_ = now_ns + kPulse_ns;
+  if (!version_ || now_ns - heard_ns_ >= kSilence_ns) AskWho(out);
+  if (!version_) return;
+  if (!stream_) SendCommand(MessageId::kKeepAlive, out);
+  if (wants_model_) AskForModel(now_ns, out);
+}
+
+// Old servers know the record, from 4.0 on also the longer shape; none of them minds the other.
+// We ask for no bitstream: SERVER INFO tells which one it is.
+void NatNet::AskWho(Outbox& out) {
+  natnet::Connect connect;
+  connect.shape =
+      asked_who_++ % 2 == 0 ? natnet::Connect::Shape::kRecord : natnet::Connect::Shape::kBitstream;
+  connect.name = kClientName;
+  connect.application = connect.natnet = kClientVersion;
+  std::array<std::byte, 300> buffer;
+  out.Reply(server_, std::span(buffer).first(natnet::EncodeConnect(connect, buffer)));
+}
+
+void NatNet::AskForModel(std::int64_t now_ns, Outbox& out) {
+  asked_model_ns_ = now_ns;
+  SendCommand(MessageId::kRequestModelDef, out);
+}
+
+void NatNet::SendCommand(MessageId id, Outbox& out) {
+  std::array<std::byte, natnet::kHeaderSize> buffer;
+  out.Reply(server_, std::span(buffer).first(natnet::EncodePacket({id, {}}, buffer)));
+}
+
+void NatNet::Say(std::string text, Outbox& out) {
+  if (said_.size() >= kMaxSaid || std::ranges::find(said_, text) != said_.end()) return;
+  out.LeaveHotSection();
+  said_.push_back(text);
+  out.Note(std::move(text));
+}
+
+void NatNet::TakeServerInfo(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
+  natnet::ServerInfo info;
+  if (natnet::DecodeServerInfo(payload, info) != DecodeResult::kOk) {
+    return out.Refuse(Counter::kSourceMalformed);
+  }
+  if (info.natnet < natnet::kOldest) {
+    Say("server " + config_.server + " speaks NatNet " + ToString(info.natnet) + ", expected " +
+            ToString(natnet::kOldest) + " or later",
+        out);
+    return out.Refuse(Counter::kSourceBadVersion);
+  }
+  version_ = info.natnet;
+  bad_frames_ = 0;
+  stream_.reset();
+  if (!info.connection && config_.multicast) stream_ = {group_, natnet::kDataPort};
+  if (info.connection && info.connection->multicast) {
+    stream_ = {in_addr{}, info.connection->data_port};
+    std::memcpy(&stream_->group.s_addr, info.connection->group.data(), sizeof stream_->group);
+  }
+  wants_model_ = true;
+  AskForModel(now_ns, out);
+}
+
+void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
+  if (!version_) return out.Refuse(Counter::kSourceIgnored);
+  if (natnet::DecodeModel(payload, *version_, *model_) != DecodeResult::kOk) {
+    return out.Refuse(Counter::kSourceMalformed);
+  }
+  wants_model_ = false;
+  out.LeaveHotSection();
+  if (!model_->complete) {
+    Say("server " + config_.server +
+            " tells of something unknown; what it tells after that is lost",
+        out);
+  }
+  if (model_->skeletons_left_out > 0) {
+    Say("server " + config_.server + " has " + std::to_string(model_->skeletons_left_out) +
+            " skeletons too many, or with too many bones",
+        out);
+  }
+  if (model_->skeleton_count == 0) {
+    Say("server " + config_.server + " tells of no skeleton: is it to stream them?", out);
+  }
+  model_whole_ = model_->complete && model_->skeletons_left_out == 0;
+  std::vector<std::unique_ptr<Performer>> performers;
+  for (std::size_t s = 0; s < model_->skeleton_count; ++s) {
+    if (Adopt(model_->skeletons[s], performers, out)) continue;
+    model_whole_ = false;
+    out.Refuse(Counter::kPipelineBodiesRefused);
+  }
+  performers_ = std::move(performers);
+}
+
+// Moves the performer of this skeleton's name over, or makes one.
+bool NatNet::Adopt(const natnet::SkeletonDescription& description,
+                   std::vector<std::unique_ptr<Performer>>& performers, Outbox& out) {
+  auto skeleton = NatNetSkeleton::Make(description);
+  if (!skeleton.ok()) {
+    Say(skeleton.status().message(), out);
+    return false;
+  }
+  const auto called = [](const std::string& name) {
+    return [&name](const auto& performer) {
+      return performer != nullptr && performer->relay.performer() == name;
+    };
+  };
+  std::string name = MakeName(description.name);
+  const std::string stem = name.substr(0, 29);
+  for (int i = 2; std::ranges::any_of(performers, called(name)); ++i) {
+    name = stem + "-" + std::to_string(i);
+  }
+  const auto known = std::ranges::find_if(performers_, called(name));
+  performers.push_back(known != performers_.end() ? std::move(*known)
+                                                  : std::make_unique<Performer>(name));
+  Performer& performer = *performers.back();
+  performer.id = description.id;
+  performer.skeleton = std::move(skeleton.value());
+  performer.relay.SetBody(performer.skeleton.body(), out);
+  performer.pose = rig::RigPose(performer.skeleton.body().skeleton);
+  return true;
+}
+
+void NatNet::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
+  if (!version_) return out.Refuse(Counter::kSourceIgnored);
+  const bool read = natnet::DecodeFrame(payload, *version_, *frame_) == DecodeResult::kOk &&
+                    frame_->timestamp_s >= 0 && frame_->timestamp_s < 1e10;
+  if (!read) {
+    if (++bad_frames_ % kBadFrames == 0) AskWho(out);
+    return out.Refuse(Counter::kSourceMalformed);
+  }
+  bad_frames_ = 0;
+  if ((frame_->params & natnet::kBitstreamChanged) != 0) AskWho(out);
+  if ((frame_->params & natnet::kModelsChanged) != 0) wants_model_ = true;
+  std::uint64_t lost = 0;
+  if (Sort(lost, out) == Order::kNext) Send(now_ns, lost, out);
+  if (wants_model_ && now_ns - asked_model_ns_ >= kPulse_ns) AskForModel(now_ns, out);
+}
+
+NatNet::Order NatNet::Sort(std::uint64_t& lost, Outbox& out) {
+  // As unsigned: hostile numbers may be as far apart as they like.
+  const auto number = static_cast<std::uint32_t>(frame_->number);
+  const auto ahead = static_cast<std::int32_t>(number - static_cast<std::uint32_t>(last_number_));
+  if (any_frame_ && ahead == 0) {
+    out.Refuse(Counter::kPipelineDuplicate);
+    return Order::kOld;
+  }
+  if (any_frame_ && ahead < 0 && ahead > -kOvertaken) {
+    out.Refuse(Counter::kPipelineReordered);
+    return Order::kOld;
+  }
+  if (any_frame_ && ahead < 0) {
+    for (auto& performer : performers_) performer->relay.Restart();
+    stride_ = 0;
+  } else if (any_frame_) {
+    const auto step = static_cast<std::uint32_t>(ahead);
+    steady_ = step == last_step_ ? steady_ + 1 : 0;
+    last_step_ = step;
+    stride_ = stride_ == 0 || steady_ >= kSteady ? step : std::min(stride_, step);
+    lost = step / stride_ - 1;
+  }
+  last_number_ = frame_->number;
+  any_frame_ = true;
+  return Order::kNext;
+}
+
+NatNet::Performer* NatNet::Find(std::int32_t skeleton) noexcept {
+  for (auto& performer : performers_) {
+    if (performer->id == skeleton) return performer.get();
+  }
+  return nullptr;
+}
+
+void NatNet::WatchConvention(Outbox& out) {
+  std::array<float, 4> misfits{};
+  for (std::size_t s = 0; s < frame_->skeleton_count; ++s) {
+    const natnet::Skeleton& bones = frame_->skeletons[s];
+    for (std::size_t b = 0; b < bones.bone_count && !flags_; ++b) flags_ = bones.bones[b].tracked;
+    const Performer* performer = Find(bones.id);
+    if (performer != nullptr) performer->skeleton.AddMisfits(bones, flags_, misfits);
+  }
+  const bool was_known = convention_.known();
+  if (!convention_.Take(misfits) || !was_known) return;
+  for (auto& performer : performers_) performer->relay.Restart();
+  const NatNetConvention found = convention_.convention();
+  Say("server " + config_.server + " now streams " + (found.local ? "local" : "global") +
+          " coordinates, " + (found.z_up ? "+Z" : "+Y") + " up",
+      out);
+}
+
+void NatNet::Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out) {
+  WatchConvention(out);
+  Relay::Moment moment;
+  moment.source_time_ns = static_cast<std::uint64_t>(std::llround(frame_->timestamp_s * 1e9));
+  moment.now_ns = now_ns;
+  moment.lost = lost;
+  const std::uint32_t code = frame_->timecode;
+  if (code != 0) {
+    timecode_ = {code >> 24U, code >> 16U & 0xFFU, code >> 8U & 0xFFU, code & 0xFFU, 0, false};
+    moment.timecode = &timecode_;
+  }
+  for (std::size_t s = 0; s < frame_->skeleton_count; ++s) {
+    const natnet::Skeleton& bones = frame_->skeletons[s];
+    Performer* performer = Find(bones.id);
+    if (performer == nullptr) {
+      wants_model_ = wants_model_ || model_whole_;
+      out.Refuse(Counter::kPipelineBeforeBody);
+      continue;
+    }
+    if (!convention_.known()) {
+      out.Refuse(Counter::kSourceIncomplete);
+      continue;
+    }
+    performer->skeleton.Convert(bones, convention_.convention(), flags_, performer->pose);
+    performer->relay.Send(performer->pose, moment, out);
+  }
+}
+
+}  // namespace styled::source

@@ -1,0 +1,226 @@
+#include "daemon/source/rigs/rokoko.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "daemon/runtime/clock.h"
+#include "daemon/source/relay.h"
+#include "daemon/source/rigs/world_pose.h"
+#include "proto/rigs/rokoko/rokoko.h"
+
+namespace styled::source {
+namespace {
+
+using rokoko::kHip;
+using rokoko::kJoints;
+using runtime::Counter;
+using Joints = std::bitset<kJoints>;
+
+constexpr std::size_t kMaxActors = 64;  // of all senders
+// Time that is less behind is an old frame's, as long as so many do not come one after the other.
+constexpr double kRestart_s = 1;
+constexpr int kOldFrames = 5;
+
+// Through the plane x = 0, from left-handed to right-handed.
+rig::Vec3 Mirrored(const std::array<float, 3>& p) { return {-p[0], p[1], p[2]}; }
+rig::Quat Mirrored(const std::array<float, 4>& q) { return {q[3], q[0], -q[1], -q[2]}; }
+
+// The joints that are given and whose rotations are such.
+Joints Usable(const rokoko::Actor& actor) noexcept {
+  Joints usable = actor.has;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const float length = Mirrored(actor.joints[j].rotation).squaredNorm();
+    if (usable[j] && !(length > 0.25F && length < 4)) usable.reset(j);
+  }
+  return usable;
+}
+
+class Actor {
+ public:
+  // `occurrence`: of the actors of this name in one frame.
+  Actor(std::uint64_t peer, std::string_view name, int occurrence, std::string performer)
+      : peer_(peer), name_(name), occurrence_(occurrence), relay_(std::move(performer)) {}
+
+  bool Is(std::uint64_t peer, std::string_view name, int occurrence) const {
+    return peer_ == peer && occurrence_ == occurrence && name_ == name;
+  }
+  std::uint64_t peer() const { return peer_; }
+  std::int64_t seen_ns() const { return seen_ns_; }
+  const std::string& performer() const { return relay_.performer(); }
+
+  void Take(const rokoko::Actor& actor, double time_s, std::int64_t now_ns, Outbox& out) {
+    seen_ns_ = now_ns;
+    const Joints usable = Usable(actor);
+    if (!relay_.has_body() && !usable[kHip]) return out.Refuse(Counter::kSourceIncomplete);
+    if (!Admit(time_s, out)) return;
+    const bool lacks = (known_ & ~usable).any();
+    const bool adds = (usable & ~known_).any();
+    if (usable[kHip] && ((adds && !lacks) || actor.hip_height_m != hip_height_m_)) {
+      MakeBody(actor, usable, out);
+    }
+    Send(actor, usable, time_s, now_ns, out);
+  }
+
+ private:
+  // False for a frame that is there already, or comes too late.
+  bool Admit(double time_s, Outbox& out) noexcept {
+    if (any_ && time_s == time_s_) {
+      out.Refuse(Counter::kPipelineDuplicate);
+      return false;
+    }
+    behind_ = any_ && time_s < time_s_ ? behind_ + 1 : 0;
+    if (behind_ > 0) {
+      if (time_s_ - time_s < kRestart_s && behind_ < kOldFrames) {
+        out.Refuse(Counter::kPipelineReordered);
+        return false;
+      }
+      relay_.Restart();
+      behind_ = 0;
+    }
+    any_ = true;
+    time_s_ = time_s;
+    return true;
+  }
+
+  // Bones do not stretch: any frame shows where a joint is in its parent's frame.
+  void MakeBody(const rokoko::Actor& actor, const Joints& usable, Outbox& out) {
+    out.LeaveHotSection();
+    known_ = usable;
+    hip_height_m_ = actor.hip_height_m;
+    rig::RigBody body;
+    body.metres_per_unit = 1;
+    body.dialect = "rokoko";
+    joint_of_.clear();
+    std::array<int, kJoints> place{};
+    std::vector<rig::Vec3> positions;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (!known_[j]) continue;
+      place[j] = static_cast<int>(joint_of_.size());
+      // The nearest joint above it that is there; the hip is.
+      int parent = rokoko::kJointTable[j].parent;
+      while (parent >= 0 && !known_[static_cast<std::size_t>(parent)]) {
+        parent = rokoko::kJointTable[static_cast<std::size_t>(parent)].parent;
+      }
+      body.skeleton.names.emplace_back(rokoko::kJointTable[j].name);
+      body.skeleton.parents.push_back(parent < 0 ? -1 : place[static_cast<std::size_t>(parent)]);
+      joint_of_.push_back(j);
+      positions.push_back(Mirrored(actor.joints[j].position_m));
+    }
+    TakeRotations(actor, usable);
+    body.skeleton.offsets.resize(joint_of_.size());
+    OffsetsFromWorld(body.skeleton.parents, positions, world_, body.skeleton.offsets);
+    relay_.SetBody(body, out);
+    pose_ = rig::RigPose(body.skeleton);
+  }
+
+  // Of the body's joints, right-handed; NaN where the frame has none.
+  void TakeRotations(const rokoko::Actor& actor, const Joints& usable) {
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    world_.resize(joint_of_.size());
+    for (std::size_t i = 0; i < joint_of_.size(); ++i) {
+      const std::size_t j = joint_of_[i];
+      world_[i] =
+          usable[j] ? Mirrored(actor.joints[j].rotation) : rig::Quat(kNan, kNan, kNan, kNan);
+    }
+  }
+
+  void Send(const rokoko::Actor& actor, const Joints& usable, double time_s, std::int64_t now_ns,
+            Outbox& out) {
+    TakeRotations(actor, usable);
+    LocalFromWorld(relay_.body().skeleton.parents, world_, pose_);
+    if (actor.has[kHip]) pose_.translations.front() = Mirrored(actor.joints[kHip].position_m);
+    Relay::Moment moment;
+    moment.source_time_ns = static_cast<std::uint64_t>(std::llround(time_s * 1e9));
+    moment.now_ns = now_ns;
+    relay_.Send(pose_, moment, out);
+  }
+
+  std::uint64_t peer_;
+  std::string name_;
+  int occurrence_;
+  std::int64_t seen_ns_ = 0;
+  Relay relay_;
+  bool any_ = false;
+  double time_s_ = 0;
+  int behind_ = 0;  // frames one after the other that were older than the newest
+  Joints known_;
+  float hip_height_m_ = 0;
+  std::vector<std::size_t> joint_of_;  // the body's joints
+  std::vector<rig::Quat> world_;
+  rig::RigPose pose_;
+};
+
+class Rokoko final : public Translator {
+ public:
+  explicit Rokoko(const config::Source& config)
+      : unnamed_(config.performer.empty() ? config.name : config.performer) {}
+
+  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+            Outbox& out) override {
+    if (decoder_.Decode(datagram, frame_) != rokoko::DecodeResult::kOk) {
+      return out.Refuse(Counter::kSourceMalformed);
+    }
+    for (int k = 0; k < frame_.actors_left_out; ++k) {
+      out.Refuse(Counter::kPipelinePerformersRefused);
+    }
+    for (int k = 0; k < frame_.actor_count; ++k) {
+      Actor* actor = Find(k, peer, now_ns, out);
+      if (actor == nullptr) {
+        out.Refuse(Counter::kPipelinePerformersRefused);
+      } else {
+        actor->Take(frame_.actors[static_cast<std::size_t>(k)], frame_.time_s, now_ns, out);
+      }
+    }
+  }
+
+ private:
+  // Whom the frame's actor `k` is. Null where there are too many already, and all of them live.
+  Actor* Find(int k, const Peer& peer, std::int64_t now_ns, Outbox& out) {
+    const auto* const first = frame_.actors.begin();
+    const std::string_view name = first[k].name();
+    const auto occurrence = static_cast<int>(std::count_if(
+        first, first + k, [name](const rokoko::Actor& other) { return other.name() == name; }));
+    for (const auto& actor : actors_) {
+      if (actor->Is(peer.id, name, occurrence)) return actor.get();
+    }
+    out.LeaveHotSection();
+    if (actors_.size() >= kMaxActors) {
+      std::erase_if(actors_, [now_ns](const auto& actor) {
+        return now_ns - actor->seen_ns() > 10 * runtime::kSecond_ns;
+      });
+    }
+    if (actors_.size() >= kMaxActors) return nullptr;
+    actors_.push_back(std::make_unique<Actor>(peer.id, name, occurrence, FreeName(name, peer.id)));
+    return actors_.back().get();
+  }
+
+  // A performer's name that no other actor of the same sender has; another sender's is not in the
+  // way: the pipeline lets one of them in at a time.
+  std::string FreeName(std::string_view name, std::uint64_t peer) const {
+    std::string free = name.empty() ? unnamed_ : MakeName(name);
+    const std::string stem = free.substr(0, 28);
+    for (int i = 2; Taken(free, peer); ++i) free = stem + "-" + std::to_string(i);
+    return free;
+  }
+  bool Taken(const std::string& name, std::uint64_t peer) const {
+    return std::any_of(actors_.begin(), actors_.end(), [&](const auto& other) {
+      return other->peer() == peer && other->performer() == name;
+    });
+  }
+
+  std::string unnamed_;
+  std::vector<std::unique_ptr<Actor>> actors_;
+  rokoko::Decoder decoder_;
+  rokoko::Frame frame_;
+};
+
+}  // namespace
+
+std::unique_ptr<Translator> MakeRokoko(const config::Source& config) {
+  return std::make_unique<Rokoko>(config);
+}
+
+}  // namespace styled::source

@@ -1,0 +1,289 @@
+#include "daemon/source/rigs/tracker_rig.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "daemon/runtime/clock.h"
+
+namespace styled::source {
+namespace {
+
+// A daemon that was held up longer than this leaves frames out.
+constexpr std::int64_t kCatchUp_ns = runtime::kSecond_ns / 10;
+
+// SlimeVR's TrackerPosition.kt: where a tracker can say that it is worn. 1 is the head; there is no
+// 0, and what follows are fingers.
+constexpr std::array<int, 21> kPartOfPosition{TrackerRig::kUnassigned,
+                                              body::kHead,
+                                              body::kNeck,
+                                              body::kChest,
+                                              body::kChest,
+                                              body::kSpine,
+                                              body::kHips,
+                                              body::kLeftUpperLeg,
+                                              body::kRightUpperLeg,
+                                              body::kLeftLowerLeg,
+                                              body::kRightLowerLeg,
+                                              body::kLeftFoot,
+                                              body::kRightFoot,
+                                              body::kLeftLowerArm,
+                                              body::kRightLowerArm,
+                                              body::kLeftUpperArm,
+                                              body::kRightUpperArm,
+                                              body::kLeftHand,
+                                              body::kRightHand,
+                                              body::kLeftShoulder,
+                                              body::kRightShoulder};
+
+std::optional<unsigned> ParseNumber(std::string_view text, unsigned largest) {
+  unsigned value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value > largest) return {};
+  return value;
+}
+
+std::optional<std::uint64_t> ParseIpv4(std::string_view text) {
+  std::uint64_t address = kIsIpv4 >> 32U;  // shifted up with the four bytes
+  for (int i = 0; i < 4; ++i) {
+    const auto dot = i < 3 ? text.find('.') : text.size();
+    if (dot == std::string_view::npos) return {};
+    const auto byte = ParseNumber(text.substr(0, dot), 255);
+    if (!byte) return {};
+    address = address << 8U | *byte;
+    text.remove_prefix(std::min(text.size(), dot + 1));
+  }
+  return address;
+}
+
+std::optional<std::uint64_t> ParseAddress(std::string_view text) {
+  std::uint64_t address = 0;
+  int digits = 0;
+  for (const char c : text) {
+    if (c == ':' && digits % 2 == 0) continue;
+    unsigned digit = 0;
+    if (std::from_chars(&c, &c + 1, digit, 16).ec != std::errc()) return {};
+    address = address << 4U | digit;
+    ++digits;
+  }
+  if (digits != 12) return {};
+  return address;
+}
+
+std::optional<int> ParsePart(std::string_view name) {
+  for (int j = 0; j < body::kJointCount; ++j) {
+    if (body::kHumanoid[static_cast<std::size_t>(j)].name == name) return j;
+  }
+  return {};
+}
+
+std::string PartName(int part) {
+  return std::string(body::kHumanoid[static_cast<std::size_t>(part)].name);
+}
+
+std::string PartNames(std::uint32_t bits) {
+  std::string names;
+  for (int j = 0; j < body::kJointCount; ++j) {
+    if ((bits >> static_cast<unsigned>(j) & 1U) == 0) continue;
+    names += (names.empty() ? "" : ", ") + PartName(j);
+  }
+  return names;
+}
+
+rig::RigBody CanonicalBody() {
+  rig::RigBody made;
+  for (int j = 0; j < body::kJointCount; ++j) {
+    made.skeleton.names.push_back(PartName(j));
+    made.skeleton.parents.push_back(body::kHumanoid[static_cast<std::size_t>(j)].parent);
+    made.skeleton.offsets.push_back(body::Offset(j));
+  }
+  made.rest.assign(body::kJointCount, rig::Quat::Identity());
+  made.metres_per_unit = 1;
+  made.dialect = "canonical";
+  return made;
+}
+
+}  // namespace
+
+std::optional<TrackerId> ParseTrackerId(std::string_view text) {
+  TrackerId id;
+  const auto slash = text.find('/');
+  if (slash != std::string_view::npos) {
+    const auto sensor = ParseNumber(text.substr(slash + 1), 255);
+    if (!sensor) return {};
+    id.sensor = static_cast<std::uint8_t>(*sensor);
+    text = text.substr(0, slash);
+  }
+  const auto address =
+      text.find('.') == std::string_view::npos ? ParseAddress(text) : ParseIpv4(text);
+  if (!address) return {};
+  id.address = *address;
+  return id;
+}
+
+std::string ToText(const TrackerId& id) {
+  std::string text;
+  if ((id.address & kIsIpv4) != 0) {
+    for (int shift = 24; shift >= 0; shift -= 8) {
+      text += std::to_string(id.address >> static_cast<unsigned>(shift) & 0xFFU);
+      if (shift > 0) text += '.';
+    }
+  } else {
+    for (int shift = 44; shift >= 0; shift -= 4) {
+      text += "0123456789ABCDEF"[id.address >> static_cast<unsigned>(shift) & 0xFU];
+    }
+  }
+  return text + "/" + std::to_string(id.sensor);
+}
+
+Status CheckTrackers(const std::vector<config::Tracker>& trackers) {
+  std::vector<TrackerId> ids;
+  std::vector<int> parts;
+  for (const auto& [id_text, part_text] : trackers) {
+    const auto id = ParseTrackerId(id_text);
+    const auto part = ParsePart(part_text);
+    const std::string place = "trackers: \"" + id_text + "\" = \"" + part_text + "\": ";
+    if (!id) {
+      return Status::Error(place +
+                           "expected a tracker's address of 12 hexadecimal digits, or its "
+                           "IPv4 address, and /N for its sensor N");
+    }
+    if (!part) {
+      return Status::Error(place + "expected a joint, e.g. \"hips\", \"chest\", \"leftUpperLeg\"");
+    }
+    if (std::ranges::find(ids, *id) != ids.end()) return Status::Error(place + "given twice");
+    if (std::ranges::find(parts, *part) != parts.end()) {
+      return Status::Error(place + "another tracker is on that part");
+    }
+    ids.push_back(*id);
+    parts.push_back(*part);
+  }
+  return Status::Ok();
+}
+
+TrackerRig::TrackerRig(const config::Source& config)
+    : trackers_(options_),
+      relay_(config.performer.empty() ? config.name : config.performer),
+      body_(CanonicalBody()),
+      pose_(body_.skeleton),
+      period_ns_(std::llround(static_cast<double>(runtime::kSecond_ns) /
+                              static_cast<double>(config.rate_hz))) {
+  const Status status = CheckTrackers(config.trackers);
+  if (!status.ok()) note_ = status.message() + "; it is left out";
+  for (const auto& [id_text, part_text] : config.trackers) {
+    const auto id = ParseTrackerId(id_text);
+    const auto part = ParsePart(part_text);
+    if (id && part) assigned_.push_back({*id, *part});
+  }
+}
+
+int TrackerRig::Assign(const TrackerId& id, int position) const {
+  for (const Known& row : assigned_) {
+    if (row.id == id) return row.part;
+  }
+  if (position <= 0 || position >= static_cast<int>(kPartOfPosition.size())) return kUnassigned;
+  const int part = kPartOfPosition[static_cast<std::size_t>(position)];
+  const auto has_it = [part](const Known& row) { return row.part == part; };
+  if (std::ranges::any_of(assigned_, has_it) || std::ranges::any_of(known_, has_it)) {
+    return kUnassigned;
+  }
+  return part;
+}
+
+int TrackerRig::PartOf(const TrackerId& id, int position, Outbox& out) {
+  const auto found = std::ranges::find(known_, id, &Known::id);
+  if (found != known_.end() && (found->part != kUnassigned || position == 0)) return found->part;
+  const int part = Assign(id, position);
+  if (found != known_.end() && part == kUnassigned) return part;
+  if (known_.size() == kMaxKnown) return kUnassigned;  // a stranger who makes up addresses
+  out.LeaveHotSection();
+  if (found == known_.end()) {
+    known_.push_back({id, part});
+  } else {
+    found->part = part;
+  }
+  out.Note("tracker " + ToText(id) +
+           (part == kUnassigned ? " is worn on no part that we know of: give it one in `trackers`"
+                                : " is worn on " + PartName(part)));
+  if (part != kUnassigned && !told_to_calibrate_) {
+    out.Note(
+        "to be calibrated: a full reset, while the performer stands in a T-pose, looking ahead");
+    told_to_calibrate_ = true;
+  }
+  return part;
+}
+
+// The sensors' world is +Z up: the server's turn by -90 degrees about x makes it +Y up.
+void TrackerRig::Take(body::Joint part, const slimevr::Orientation& orientation,
+                      std::int64_t now_ns) noexcept {
+  if (!orientation.usable) return;
+  constexpr float kHalfRoot = 0.70710678F;
+  const rig::Quat y_up_from_z_up(kHalfRoot, -kHalfRoot, 0, 0);
+  const auto& q = orientation.rotation;
+  trackers_.Take(part, now_ns, (y_up_from_z_up * rig::Quat(q[3], q[0], q[1], q[2])).normalized());
+  if (next_frame_ns_ == Translator::kNever) next_frame_ns_ = now_ns;
+}
+
+void TrackerRig::Tick(std::int64_t now_ns, Outbox& out) {
+  if (!note_.empty()) {
+    out.LeaveHotSection();
+    out.Note(std::move(note_));
+    note_.clear();
+  }
+  if (next_frame_ns_ > now_ns) return;
+  std::uint64_t lost = 0;
+  if (now_ns - next_frame_ns_ > kCatchUp_ns) {
+    lost = static_cast<std::uint64_t>((now_ns - next_frame_ns_) / period_ns_);
+    next_frame_ns_ += static_cast<std::int64_t>(lost) * period_ns_;
+  }
+  while (next_frame_ns_ <= now_ns) {
+    if (!trackers_.Solve(next_frame_ns_, solved_)) {
+      next_frame_ns_ = Translator::kNever;  // until a tracker is heard again
+      return;
+    }
+    SendFrame(next_frame_ns_ - options_.delay_ns, now_ns, lost, out);
+    lost = 0;
+    next_frame_ns_ += period_ns_;
+  }
+}
+
+void TrackerRig::SendFrame(std::int64_t time_ns, std::int64_t now_ns, std::uint64_t lost,
+                           Outbox& out) {
+  if (!relay_.has_body()) relay_.SetBody(body_, out);
+  pose_.translations.front() = solved_.hips_position_m;
+  std::ranges::copy(solved_.rotations, pose_.rotations.begin());
+  Relay::Moment moment;
+  moment.source_time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(time_ns, 0));
+  moment.now_ns = now_ns;
+  moment.lost = lost;
+  relay_.Send(pose_, moment, out);
+}
+
+Status TrackerRig::Calibrate(Calibration what, std::int64_t now_ns) {
+  rig::Trackers::Outcome outcome;
+  std::string why;
+  switch (what) {
+    case Calibration::kFull:
+      outcome = trackers_.ResetFull(now_ns);
+      break;
+    case Calibration::kYaw:
+      outcome = trackers_.ResetYaw(now_ns);
+      why = " had no full reset";
+      break;
+    case Calibration::kMounting:
+      outcome = trackers_.ResetMounting(now_ns);
+      why = " had no full reset, or did not turn as a skier's do since";
+      break;
+  }
+  if (outcome.done == 0) {
+    return Status::Error(outcome.left == 0 ? "no tracker that is assigned to a part is live"
+                                           : PartNames(outcome.left) + why);
+  }
+  note_ = "calibrated " + PartNames(outcome.done);
+  if (outcome.left != 0)
+    note_ += "; left as they are, because they" + why + ": " + PartNames(outcome.left);
+  relay_.Restart();
+  return Status::Ok();
+}
+
+}  // namespace styled::source

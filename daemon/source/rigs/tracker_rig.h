@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/source/relay.h"
+#include "daemon/source/translator.h"
+#include "model/base/status.h"
+#include "model/rig/trackers.h"
+#include "proto/rigs/slimevr/hid.h"
+
+namespace styled::source {
+
+// A sensor: the address of its device (a MAC, or what a receiver calls a tracker's address, 48
+// bits) and its number there. In text "A848FAC01D42" or "A8:48:FA:C0:1D:42", and "/1" behind it for
+// sensor 1; devices without an address go by their IPv4 address, "192.168.1.7/1".
+struct TrackerId {
+  std::uint64_t address = 0;
+  std::uint8_t sensor = 0;
+  friend bool operator==(const TrackerId&, const TrackerId&) = default;
+};
+inline constexpr std::uint64_t kIsIpv4 = 1ULL << 48U;  // in `address`, above its 32 bits
+std::optional<TrackerId> ParseTrackerId(std::string_view text);
+std::string ToText(const TrackerId& id);
+
+// The first row of `source.trackers` that is no tracker's id, no joint of the canonical humanoid,
+// or names one of them again.
+Status CheckTrackers(const std::vector<config::Tracker>& trackers);
+
+// One performer who wears SlimeVR's trackers, however their records come in (UDP, the receiver on
+// USB): gives them to the body solver and sends its poses at config.rate_hz, as body "canonical"
+// in metres: the rest pose until the first full reset, nothing while all trackers are silent. After
+// every reset follows a new session, because the pose jumps. Pipeline thread; Take and Tick do not
+// allocate once the first frame was sent.
+// Pinned by tests/unit/slimevr/tracker_rig_test.cpp.
+class TrackerRig {
+ public:
+  explicit TrackerRig(const config::Source& config);
+
+  static constexpr int kUnassigned = -1;
+  // Which part the tracker is worn on: as the configuration says, else, where nobody else has that
+  // part, where the tracker itself says it is (`position`, SlimeVR's TrackerPosition; 0: nowhere).
+  // Says so in the log the first time. Allocates: keep the answer.
+  int PartOf(const TrackerId& id, int position, Outbox& out);
+
+  STYLED_REALTIME void Take(body::Joint part, const slimevr::Orientation& orientation,
+                            std::int64_t now_ns) noexcept;
+  void Tick(std::int64_t now_ns, Outbox& out);
+  std::int64_t NextDeadline_ns() const { return next_frame_ns_; }
+
+  // What was left out is said in the log with the next Tick. Errors: nothing could be calibrated.
+  Status Calibrate(Calibration what, std::int64_t now_ns);
+
+ private:
+  struct Known {
+    TrackerId id;
+    int part = kUnassigned;
+  };
+  static constexpr std::size_t kMaxKnown = 256;
+
+  int Assign(const TrackerId& id, int position) const;
+  void SendFrame(std::int64_t time_ns, std::int64_t now_ns, std::uint64_t lost, Outbox& out);
+
+  std::vector<Known> assigned_;  // by the configuration
+  std::vector<Known> known_;     // heard of
+  std::string note_;             // for the log
+  bool told_to_calibrate_ = false;
+  rig::Trackers::Options options_;
+  rig::Trackers trackers_;
+  Relay relay_;
+  rig::RigBody body_;
+  rig::RigPose pose_;
+  body::Pose solved_;
+  std::int64_t period_ns_;
+  std::int64_t next_frame_ns_ = Translator::kNever;
+};
+
+}  // namespace styled::source

@@ -1,0 +1,247 @@
+#include "daemon/source/rigs/vmc.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "daemon/runtime/clock.h"
+#include "daemon/source/relay.h"
+#include "daemon/source/rigs/vmc_body.h"
+#include "proto/rigs/vmc/assembler.h"
+
+namespace styled::source {
+namespace {
+
+using rig::Quat;
+using rig::Vec3;
+using runtime::Counter;
+using vmc::BoneSet;
+
+constexpr std::size_t kMaxSenders = 8;
+// An avatar of other measures: bones that lie this far from where they were, and stay there.
+constexpr float kMoved_m = 0.01F, kSteady_m = 0.001F;
+constexpr int kMovedFrames = 10;
+
+Quat ToQuat(const std::array<float, 4>& r) { return {r[3], r[0], r[1], r[2]}; }
+Vec3 ToVec3(const std::array<float, 3>& p) { return {p[0], p[1], p[2]}; }
+// Through the plane x = 0: from Unity's axes to ours, and back.
+Quat Mirrored(const Quat& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
+Vec3 Mirrored(const Vec3& p) { return {-p.x(), p.y(), p.z()}; }
+
+float Distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return (ToVec3(a) - ToVec3(b)).norm();
+}
+
+// One application that sends, from one address.
+class Sender {
+ public:
+  Sender(std::uint64_t peer, std::string performer) : peer_(peer), relay_(std::move(performer)) {}
+
+  std::uint64_t peer() const { return peer_; }
+  std::int64_t seen_ns() const { return seen_ns_; }
+  std::int64_t deadline_ns() const { return assembler_.deadline_ns(); }
+
+  void Take(std::span<const std::byte> datagram, std::int64_t now_ns, Outbox& out) {
+    if (assembler_.Begin(datagram, now_ns) != vmc::osc::Result::kOk) {
+      return out.Refuse(Counter::kSourceMalformed);
+    }
+    seen_ns_ = now_ns;
+    while (assembler_.Next()) Use(assembler_.frame(), now_ns, out);
+    Report(out);
+  }
+  void Tick(std::int64_t now_ns, Outbox& out) {
+    if (assembler_.Flush(now_ns)) Use(assembler_.frame(), now_ns, out);
+    Report(out);
+  }
+
+ private:
+  void Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out);
+  void Remember(const vmc::Frame& frame);
+  BoneSet Wanted(const vmc::Frame& frame);
+  void SetBody(BoneSet bones, Outbox& out);
+  void Pose(const vmc::Frame& frame);
+  std::uint64_t Time_ns(const vmc::Frame& frame);
+  void Report(Outbox& out);
+
+  std::uint64_t peer_;
+  std::int64_t seen_ns_ = 0;
+  vmc::Assembler assembler_;
+  vmc::Assembler::Counts reported_;
+  Relay relay_;
+  const BoneSet canonical_ = CanonicalBones(), required_ = RequiredBones();
+  BoneSet bones_ = 0;          // of the body
+  BoneSet before_ = 0;         // of the last frame
+  BonePositions positions_{};  // where each bone was last
+  BonePositions told_{};       // ... when the body was made
+  int moved_frames_ = 0;
+  Vec3 root_position_ = Vec3::Zero(), hips_position_ = Vec3::Zero();
+  Quat root_rotation_ = Quat::Identity();
+  std::vector<int> bone_of_joint_;
+  rig::RigPose pose_;
+  std::int64_t source_from_arrival_ns_ = 0;  // what to add to a time of arrival
+};
+
+void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
+  if (frame.restarted) {
+    relay_.Restart();
+    bones_ = before_ = 0;  // another avatar, perhaps
+  }
+  Remember(frame);
+  if (frame.bones == 0) return;
+  const BoneSet wanted = Wanted(frame);
+  before_ = frame.bones;
+  if (wanted == 0) return;
+  if (wanted != bones_ || moved_frames_ >= kMovedFrames) SetBody(wanted, out);
+  Pose(frame);
+  Relay::Moment moment;
+  moment.source_time_ns = Time_ns(frame);
+  moment.now_ns = now_ns;
+  relay_.Send(pose_, moment, out);
+}
+
+// What is not a number is as if it had not come.
+void Sender::Remember(const vmc::Frame& frame) {
+  bool moved = false, steady = true;
+  for (int bone = 0; bone < vmc::kBoneCount; ++bone) {
+    if (!vmc::Has(frame.bones, bone)) continue;
+    const auto at = static_cast<std::size_t>(bone);
+    const auto& position = frame.transforms[at].position;
+    if (!ToVec3(position).allFinite()) continue;
+    if (bone != vmc::kHips && vmc::Has(bones_, bone)) {
+      moved = moved || Distance(position, told_[at]) > kMoved_m;
+      steady = steady && Distance(position, positions_[at]) < kSteady_m;
+    }
+    positions_[at] = position;
+  }
+  moved_frames_ = moved && steady ? moved_frames_ + 1 : 0;
+  hips_position_ = ToVec3(positions_[vmc::kHips]);
+  if (!frame.has_root) return;
+  const Vec3 position = ToVec3(frame.root.position);
+  const Quat rotation = ToQuat(frame.root.rotation);
+  if (position.allFinite()) root_position_ = position;
+  if (rotation.coeffs().allFinite() && rotation.norm() > 0) root_rotation_ = rotation.normalized();
+}
+
+// The bones that the body should have; 0 while nothing can be said yet: the first frame may be the
+// end of one. Of those that have gone only what no skeleton needs leaves the body.
+BoneSet Sender::Wanted(const vmc::Frame& frame) {
+  if (bones_ == 0) {
+    const bool whole = (required_ & ~frame.bones) == 0 || frame.bones == before_;
+    return whole && vmc::Has(frame.bones, vmc::kHips) ? frame.bones : 0;
+  }
+  return (bones_ | (frame.bones & before_)) & ~(frame.stale & ~canonical_);
+}
+
+void Sender::SetBody(BoneSet bones, Outbox& out) {
+  out.LeaveHotSection();
+  bones_ = bones;
+  told_ = positions_;
+  moved_frames_ = 0;
+  relay_.SetBody(MakeVmcBody(bones, positions_), out);
+  pose_ = rig::RigPose(relay_.body().skeleton);
+  bone_of_joint_.clear();
+  for (const int bone : vmc::kParentsFirst) {
+    if (vmc::Has(bones, bone)) bone_of_joint_.push_back(bone);
+  }
+}
+
+void Sender::Pose(const vmc::Frame& frame) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  for (std::size_t j = 0; j < bone_of_joint_.size(); ++j) {
+    const int bone = bone_of_joint_[j];
+    const Quat rotation = ToQuat(frame.transforms[static_cast<std::size_t>(bone)].rotation);
+    pose_.rotations[j] =
+        vmc::Has(frame.bones, bone) ? Mirrored(rotation) : Quat(kNan, kNan, kNan, kNan);
+  }
+  // world_from_hips = world_from_root * root_from_hips
+  pose_.rotations.front() = Mirrored(root_rotation_) * pose_.rotations.front();
+  pose_.translations.front() = Mirrored(root_position_ + root_rotation_ * hips_position_);
+}
+
+// Arrival continues the sender's clock where frames come without it.
+std::uint64_t Sender::Time_ns(const vmc::Frame& frame) {
+  if (frame.has_time) {
+    source_from_arrival_ns_ = std::llround(double{frame.time_s} * 1e9) - frame.received_ns;
+  }
+  return static_cast<std::uint64_t>(frame.received_ns + source_from_arrival_ns_);
+}
+
+void Sender::Report(Outbox& out) {
+  const auto& counts = assembler_.counts();
+  const auto report = [&out](std::uint64_t& reported, std::uint64_t now, Counter counter) {
+    for (; reported < now; ++reported) out.Refuse(counter);
+  };
+  report(reported_.refused, counts.refused, Counter::kSourceMalformed);
+  report(reported_.ignored, counts.ignored, Counter::kSourceIgnored);
+  report(reported_.duplicate, counts.duplicate, Counter::kPipelineDuplicate);
+  report(reported_.late, counts.late, Counter::kPipelineReordered);
+  report(reported_.incomplete, counts.incomplete, Counter::kSourceIncomplete);
+}
+
+// Whether it speaks of a bone.
+bool HasBone(std::span<const std::byte> datagram) {
+  vmc::osc::Reader reader(datagram);
+  vmc::osc::Message bytes;
+  vmc::Message message;
+  while (reader.Next(bytes) == vmc::osc::Reader::Step::kMessage) {
+    if (Decode(bytes, message) == vmc::DecodeResult::kOk &&
+        std::holds_alternative<vmc::Bone>(message)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+class Vmc final : public Translator {
+ public:
+  explicit Vmc(const config::Source& config)
+      : performer_(config.performer.empty() ? config.name : config.performer) {}
+
+  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+            Outbox& out) override {
+    for (const auto& sender : senders_) {
+      if (sender->peer() == peer.id) return sender->Take(datagram, now_ns, out);
+    }
+    if (vmc::osc::Check(datagram) != vmc::osc::Result::kOk) {
+      return out.Refuse(Counter::kSourceMalformed);
+    }
+    if (!HasBone(datagram)) return out.Refuse(Counter::kSourceIgnored);
+    Sender* sender = Add(peer, now_ns, out);
+    if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
+    sender->Take(datagram, now_ns, out);
+  }
+
+  void Tick(std::int64_t now_ns, Outbox& out) override {
+    for (const auto& sender : senders_) sender->Tick(now_ns, out);
+  }
+
+  std::int64_t NextDeadline_ns() const override {
+    std::int64_t next_ns = kNever;
+    for (const auto& sender : senders_) next_ns = std::min(next_ns, sender->deadline_ns());
+    return next_ns;
+  }
+
+ private:
+  // Null where there are too many already, and all of them live.
+  Sender* Add(const Peer& peer, std::int64_t now_ns, Outbox& out) {
+    out.LeaveHotSection();
+    std::erase_if(senders_, [now_ns](const auto& sender) {
+      return now_ns - sender->seen_ns() > 10 * runtime::kSecond_ns;
+    });
+    if (senders_.size() >= kMaxSenders) return nullptr;
+    return senders_.emplace_back(std::make_unique<Sender>(peer.id, performer_)).get();
+  }
+
+  std::string performer_;
+  std::vector<std::unique_ptr<Sender>> senders_;
+};
+
+}  // namespace
+
+std::unique_ptr<Translator> MakeVmc(const config::Source& config) {
+  return std::make_unique<Vmc>(config);
+}
+
+}  // namespace styled::source

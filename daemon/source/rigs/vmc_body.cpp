@@ -1,0 +1,117 @@
+#include "daemon/source/rigs/vmc_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/body/pose.h"
+
+namespace styled::source {
+namespace {
+
+using rig::Vec3;
+
+// A finger as of somebody of the canonical humanoid's size: where it begins in the left hand's
+// frame, and how long its two inner bones are, palm down.
+struct Finger {
+  float x_m, y_m, z_m;
+  float lengths_m[2];
+};
+constexpr std::array<Finger, 5> kFingers{{
+    {0.025F, -0.01F, 0.025F, {0.035F, 0.03F}},
+    {0.09F, 0, 0.025F, {0.035F, 0.025F}},
+    {0.092F, 0, 0.004F, {0.04F, 0.027F}},
+    {0.086F, 0, -0.016F, {0.037F, 0.026F}},
+    {0.078F, 0, -0.034F, {0.029F, 0.019F}},
+}};
+
+// Where the bones are when such a body stands in the T-pose.
+std::array<Vec3, vmc::kBoneCount> CanonicalPositions() {
+  std::array<Vec3, vmc::kBoneCount> at;
+  body::WorldPose world;
+  body::ForwardKinematics(body::Pose(), world);
+  for (std::size_t j = 0; j < body::kJointCount; ++j) {
+    const int bone = vmc::FindBone(body::kHumanoid[j].name, false);
+    at[static_cast<std::size_t>(bone)] = world.positions_m[j];
+  }
+  at[vmc::kUpperChest] = 0.5F * (at[vmc::kChest] + at[vmc::kNeck]);
+  at[vmc::kLeftEye] = at[vmc::kHead] + Vec3(0.03F, 0.06F, 0.08F);
+  at[vmc::kRightEye] = at[vmc::kHead] + Vec3(-0.03F, 0.06F, 0.08F);
+  at[vmc::kJaw] = at[vmc::kHead] + Vec3(0, 0.01F, 0.03F);
+  std::size_t bone = vmc::kLeftThumbProximal;
+  for (const float side : {1.0F, -1.0F}) {
+    const Vec3 hand = at[side > 0 ? vmc::kLeftHand : vmc::kRightHand];
+    for (const Finger& finger : kFingers) {
+      const Vec3 along = &finger == kFingers.data() ? Vec3(0.74F, 0, 0.67F) : Vec3::UnitX();
+      Vec3 place(finger.x_m, finger.y_m, finger.z_m);
+      for (const float length_m : {finger.lengths_m[0], finger.lengths_m[1], 0.0F}) {
+        at[bone++] = hand + Vec3(side * place.x(), place.y(), place.z());
+        place += length_m * along;
+      }
+    }
+  }
+  return at;
+}
+
+bool AllZero(vmc::BoneSet bones, const BonePositions& positions) {
+  for (int bone = vmc::kHips + 1; bone < vmc::kBoneCount; ++bone) {
+    if (!vmc::Has(bones, bone)) continue;
+    for (const float value : positions[static_cast<std::size_t>(bone)]) {
+      if (std::abs(value) > 1e-6F) return false;
+    }
+  }
+  return true;
+}
+
+// The hips' height above the lowest bone in the T-pose.
+float HipsHeight_m(const rig::Skeleton& skeleton) {
+  float lowest_m = 0;
+  std::vector<Vec3> positions(skeleton.offsets);
+  for (std::size_t j = 1; j < positions.size(); ++j) {
+    positions[j] += positions[static_cast<std::size_t>(skeleton.parents[j])];
+    lowest_m = std::min(lowest_m, positions[j].y());
+  }
+  return -lowest_m;
+}
+
+}  // namespace
+
+vmc::BoneSet CanonicalBones() {
+  vmc::BoneSet bones = 0;
+  for (const auto& row : body::kHumanoid) bones |= vmc::Bit(vmc::FindBone(row.name, false));
+  return bones;
+}
+
+vmc::BoneSet RequiredBones() {
+  vmc::BoneSet bones = CanonicalBones();
+  for (const int bone : {vmc::kChest, vmc::kNeck, vmc::kLeftShoulder, vmc::kRightShoulder,
+                         vmc::kLeftToes, vmc::kRightToes}) {
+    bones &= ~vmc::Bit(bone);
+  }
+  return bones;
+}
+
+rig::RigBody MakeVmcBody(vmc::BoneSet bones, const BonePositions& positions) {
+  static const auto kCanonical = CanonicalPositions();
+  const bool ours = AllZero(bones, positions);
+  rig::RigBody body;
+  body.metres_per_unit = 1.0F;
+  body.dialect = "vmc";
+  rig::Skeleton& skeleton = body.skeleton;
+  std::array<int, vmc::kBoneCount> joint_of{};
+  for (const int bone : vmc::kParentsFirst) {
+    if (!vmc::Has(bones, bone)) continue;
+    const auto at = static_cast<std::size_t>(bone);
+    const int parent = vmc::ParentAmong(bones, bone);
+    Vec3 offset(-positions[at][0], positions[at][1], positions[at][2]);
+    if (ours && parent >= 0) offset = kCanonical[at] - kCanonical[static_cast<std::size_t>(parent)];
+    if (parent < 0) offset.setZero();
+    joint_of[at] = skeleton.joint_count();
+    skeleton.names.emplace_back(vmc::kBones[at].name);
+    skeleton.parents.push_back(parent < 0 ? -1 : joint_of[static_cast<std::size_t>(parent)]);
+    skeleton.offsets.push_back(offset);
+  }
+  skeleton.offsets.front().y() = HipsHeight_m(skeleton);
+  return body;
+}
+
+}  // namespace styled::source

@@ -1,0 +1,75 @@
+#include "daemon/source/udp_socket.h"
+
+#include <cstring>
+
+namespace styled::source {
+
+UdpSocket::UdpSocket(Descriptor socket, runtime::Counters& counters)
+    : socket_(std::move(socket)),
+      counters_(counters),
+      endpoint_(BoundAddress(socket_.get())),
+      buffer_(kBatch * kSlot) {
+  const int one = 1;
+  setsockopt(socket_.get(), SOL_SOCKET, SO_RXQ_OVFL, &one, sizeof one);
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    vectors_[i] = {&buffer_[i * kSlot], kSlot};
+    msghdr& header = messages_[i].msg_hdr;
+    header.msg_iov = &vectors_[i];
+    header.msg_iovlen = 1;
+    header.msg_control = controls_[i].data();
+    header.msg_name = &senders_[i];
+  }
+}
+
+std::span<const std::span<const std::byte>> UdpSocket::Receive() {
+  for (auto& message : messages_) {
+    message.msg_hdr.msg_controllen = sizeof controls_[0];
+    message.msg_hdr.msg_namelen = sizeof senders_[0];
+  }
+  const int received = recvmmsg(socket_.get(), messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
+  if (received <= 0) return {};
+  const auto count = static_cast<std::size_t>(received);
+  received_ += count;
+  for (std::size_t i = 0; i < count; ++i) {
+    datagrams_[i] = {&buffer_[i * kSlot], messages_[i].msg_len};
+  }
+  CountDropped(messages_[count - 1].msg_hdr);
+  return {datagrams_.data(), count};
+}
+
+Peer UdpSocket::Sender(std::size_t i) const noexcept {
+  Peer peer;
+  peer.address_size = messages_[i].msg_hdr.msg_namelen;
+  peer.address = senders_[i];
+  // Of address and port alone: padding and flow labels may differ.
+  std::uint64_t hash = 14695981039346656037ULL;
+  const auto mix = [&hash](const void* data, std::size_t size) {
+    for (std::size_t k = 0; k < size; ++k) {
+      hash = (hash ^ static_cast<const unsigned char*>(data)[k]) * 1099511628211ULL;
+    }
+  };
+  if (peer.address.ss_family == AF_INET) {
+    const auto& v4 = reinterpret_cast<const sockaddr_in&>(peer.address);
+    mix(&v4.sin_addr, sizeof v4.sin_addr);
+    mix(&v4.sin_port, sizeof v4.sin_port);
+  } else {
+    const auto& v6 = reinterpret_cast<const sockaddr_in6&>(peer.address);
+    mix(&v6.sin6_addr, sizeof v6.sin6_addr);
+    mix(&v6.sin6_port, sizeof v6.sin6_port);
+  }
+  peer.id = hash | 1U;
+  return peer;
+}
+
+// SO_RXQ_OVFL: the socket's total of dropped datagrams, with each that was not.
+void UdpSocket::CountDropped(msghdr& header) noexcept {
+  for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
+    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_RXQ_OVFL) continue;
+    std::uint32_t dropped = 0;
+    std::memcpy(&dropped, CMSG_DATA(c), sizeof dropped);
+    counters_.Add(runtime::Counter::kSourceKernelDropped, dropped - dropped_);
+    dropped_ = dropped;
+  }
+}
+
+}  // namespace styled::source

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/runtime/counters.h"
+#include "daemon/source/outbox.h"
+#include "daemon/source/sockets.h"
+
+namespace styled::source {
+
+// A bound UDP socket that receives a batch of datagrams and who sent each. Pipeline thread.
+class UdpSocket {
+ public:
+  UdpSocket(Descriptor socket, runtime::Counters& counters);
+
+  // What has arrived, up to kBatch; never blocks. The bytes are valid until the next call.
+  std::span<const std::span<const std::byte>> Receive();
+  // The sender of datagram `i` of the last batch.
+  Peer Sender(std::size_t i) const noexcept;
+
+  int fd() const { return socket_.get(); }
+  const std::string& endpoint() const { return endpoint_; }
+  std::uint64_t received() const { return received_; }
+
+ private:
+  // Larger than any datagram: none is ever cut.
+  static constexpr std::size_t kSlot = 65536;
+  void CountDropped(msghdr& header) noexcept;
+
+  Descriptor socket_;
+  runtime::Counters& counters_;
+  std::string endpoint_;
+  std::uint32_t dropped_ = 0;
+  std::uint64_t received_ = 0;
+  std::vector<std::byte> buffer_;
+  std::array<iovec, kBatch> vectors_{};
+  std::array<mmsghdr, kBatch> messages_{};
+  std::array<sockaddr_storage, kBatch> senders_{};
+  alignas(
+      cmsghdr) std::array<std::array<char, CMSG_SPACE(sizeof(std::uint32_t))>, kBatch> controls_{};
+  std::array<std::span<const std::byte>, kBatch> datagrams_;
+};
+
+}  // namespace styled::source

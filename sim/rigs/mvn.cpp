@@ -1,0 +1,133 @@
+#include "sim/rigs/mvn.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proto/rigs/mvn/mvn.h"
+
+namespace styled::rigs {
+namespace {
+
+using body::Joint;
+using body::Quat;
+using body::Vec3;
+
+// Each segment's canonical joint; where two segments share one, the first is at the joint and the
+// second stands on the way to the next, turned like the joint.
+constexpr std::array<int, mvn::kBodySegments> kJointOfSegment{
+    body::kHips,          body::kSpine,         body::kSpine,     body::kChest,
+    body::kChest,         body::kNeck,          body::kHead,      body::kRightShoulder,
+    body::kRightUpperArm, body::kRightLowerArm, body::kRightHand, body::kLeftShoulder,
+    body::kLeftUpperArm,  body::kLeftLowerArm,  body::kLeftHand,  body::kRightUpperLeg,
+    body::kRightLowerLeg, body::kRightFoot,     body::kRightToes, body::kLeftUpperLeg,
+    body::kLeftLowerLeg,  body::kLeftFoot,      body::kLeftToes};
+constexpr std::size_t kL3 = 2, kT8 = 4;
+
+// +Y up, +Z forward, +X left -> +Z up, +X forward, +Y left.
+std::array<float, 3> ToMvn(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
+std::array<float, 4> ToMvn(const Quat& q) { return {q.z(), q.x(), q.y(), q.w()}; }
+
+// Where the segments stand, and how they are turned, in canonical axes.
+void Place(const body::Pose& pose, std::array<Vec3, mvn::kBodySegments>& positions,
+           std::array<Quat, mvn::kBodySegments>& rotations) {
+  body::WorldPose world;
+  body::ForwardKinematics(pose, world);
+  for (std::size_t s = 0; s < mvn::kBodySegments; ++s) {
+    const int joint = kJointOfSegment[s];
+    positions[s] = world.positions_m[static_cast<std::size_t>(joint)];
+    rotations[s] = world.rotations[static_cast<std::size_t>(joint)];
+  }
+  positions[kL3] += rotations[kL3] * Vec3(body::Offset(body::kChest) / 2);
+  positions[kT8] += rotations[kT8] * Vec3(body::Offset(body::kNeck) / 3);
+}
+
+class Mvn final : public Rig {
+ public:
+  explicit Mvn(const Options& options) : options_(options), buffer_(2048) {
+    split_ = Has("split");
+    old_ = Has("old");
+    timecode_ = Has("timecode");
+  }
+
+  void Encode(const Frame& frame, const Send& send) override {
+    const auto second = static_cast<std::uint64_t>(std::max(1.0, std::round(options_.rate_hz)));
+    for (std::size_t k = 0; k < frame.poses.size(); ++k) {
+      mvn::Header header;
+      header.sample = 1000 + static_cast<std::uint32_t>(frame.index);
+      header.time_ms = static_cast<std::uint32_t>(std::llround(frame.time_s * 1000));
+      header.character = static_cast<std::uint8_t>(k);
+      if (old_) header.body_segments = 0;
+      if (frame.index % second == 0) SendBody(header, options_.performers[k], send);
+      if (timecode_) SendTimecode(header, send);
+      SendPose(header, frame.poses[k], send);
+    }
+  }
+
+  std::string default_address() const override { return "udp://127.0.0.1:9763"; }
+
+ private:
+  bool Has(std::string_view quirk) const {
+    return std::find(options_.quirks.begin(), options_.quirks.end(), quirk) !=
+           options_.quirks.end();
+  }
+
+  void SendFirst(std::size_t size, const Send& send) {
+    if (old_) std::fill_n(buffer_.begin() + 22, 2, std::byte{0});
+    send(std::span(buffer_).first(size));
+  }
+
+  void SendBody(const mvn::Header& header, const std::string& name, const Send& send) {
+    // As a real sender does: 12 and 13 know no time, and 13 is not marked as the last.
+    mvn::Header bare = header;
+    bare.sample = bare.time_ms = 0;
+    SendFirst(mvn::EncodeName(bare, name, buffer_), send);
+    std::array<Vec3, mvn::kBodySegments> positions;
+    std::array<Quat, mvn::kBodySegments> rotations;
+    Place(body::Pose(), positions, rotations);
+    std::array<mvn::Scale::Row, mvn::kBodySegments> rows;
+    for (std::size_t s = 0; s < rows.size(); ++s) {
+      rows[s] = {mvn::kSegments[s].name, ToMvn(positions[s])};
+    }
+    bare.last = false;
+    SendFirst(mvn::EncodeScale(bare, rows, buffer_), send);
+  }
+
+  void SendTimecode(const mvn::Header& header, const Send& send) {
+    const std::uint32_t ms = header.time_ms;
+    const mvn::Timecode timecode{10 + ms / 3'600'000, ms / 60'000 % 60, ms / 1000 % 60, ms % 1000};
+    SendFirst(mvn::EncodeTimecode(header, timecode, buffer_), send);
+  }
+
+  void SendPose(mvn::Header header, const body::Pose& pose, const Send& send) {
+    std::array<Vec3, mvn::kBodySegments> positions;
+    std::array<Quat, mvn::kBodySegments> rotations;
+    Place(pose, positions, rotations);
+    std::array<mvn::Segment, mvn::kBodySegments> segments;
+    for (std::size_t s = 0; s < segments.size(); ++s) {
+      segments[s] = {static_cast<std::uint32_t>(s + 1), ToMvn(positions[s]), ToMvn(rotations[s])};
+    }
+    std::span<const mvn::Segment> rest(segments);
+    if (split_) {
+      header.last = false;
+      SendFirst(mvn::EncodePose(header, rest.first(12), buffer_), send);
+      rest = rest.subspan(12);
+      header.datagram = 1;
+      header.last = true;
+    }
+    SendFirst(mvn::EncodePose(header, rest, buffer_), send);
+  }
+
+  Options options_;
+  std::vector<std::byte> buffer_;
+  bool split_ = false, old_ = false, timecode_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Rig>> MakeMvn(const Options& options) {
+  const Status status = CheckOptions("mvn", options, 255, {"split", "old", "timecode"});
+  if (!status.ok()) return status;
+  return std::unique_ptr<Rig>(std::make_unique<Mvn>(options));
+}
+
+}  // namespace styled::rigs

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "sim/rigs/rig.h"
+
+namespace styled::rigs {
+
+// Xsens MVN: type 02 for each character and frame, types 12 and 13 at the start and once a second.
+// 23 segments: L3 and T12 lie between the canonical spine and chest, and do not turn by themselves.
+// Quirks: "split" (each pose in two datagrams), "old" (payload size and segment counts are 0, as
+// old versions send), "timecode" (type 25 before every pose).
+Result<std::unique_ptr<Rig>> MakeMvn(const Options& options);
+
+}  // namespace styled::rigs

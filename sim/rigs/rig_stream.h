@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "model/rig/binding.h"
+#include "sim/player/motion.h"
+#include "sim/player/sender.h"
+#include "sim/rigs/rig.h"
+
+namespace styled::rigs {
+
+// Motions of any skeletons, put onto the canonical humanoid and out through a rig's stand-in, with
+// faults on the way: what happens to a frame happens to all of its datagrams, but damage, which
+// meets one of them. One thread. Pinned by tests/unit/sim/rig_stream_test.cpp.
+class RigStream final : public player::Sender {
+ public:
+  // As many motions as the rig has performers. Errors: a skeleton that cannot be bound.
+  static Result<std::unique_ptr<RigStream>> Make(
+      std::unique_ptr<Rig> rig, std::vector<std::unique_ptr<player::Motion>> motions,
+      double rate_hz, const faults::Spec& spec);
+
+  // A motion that ends ends the stream; a new body begins a new session.
+  Step Tick(player::Link& link) override;
+  Status Flush(player::Link& link) override;
+  int performers() const override { return static_cast<int>(motions_.size()); }
+  const faults::Faults& faults() const override { return faults_; }
+
+  // The canonical poses of the last frame made.
+  std::span<const body::Pose> poses() const { return poses_; }
+
+ private:
+  using Datagrams = std::vector<std::vector<std::byte>>;
+  struct Held {
+    std::uint64_t due_tick;
+    Datagrams datagrams;
+  };
+
+  RigStream(std::unique_ptr<Rig> rig, std::vector<std::unique_ptr<player::Motion>> motions,
+            double rate_hz, const faults::Spec& spec);
+  Status Bind(std::size_t k);
+  Step Advance();
+  void Restart();
+  void Occlude();
+  Status SendFrame(faults::Fault fault, player::Link& link);
+  Status SendAll(const Datagrams& datagrams, player::Link& link);
+  Status SendHeld(player::Link& link, bool all);
+  void Damage(faults::Fault fault, Datagrams& datagrams);
+  std::uint64_t Ticks(double milliseconds) const;
+
+  std::unique_ptr<Rig> rig_;
+  std::vector<std::unique_ptr<player::Motion>> motions_;
+  std::vector<std::unique_ptr<rig::Binding>> bindings_;
+  std::vector<body::Pose> poses_;
+  rig::RigPose source_;
+  double rate_hz_;
+  faults::Faults faults_;
+  std::vector<Held> held_;
+  std::vector<std::byte> received_;
+  std::uint64_t frame_index_ = 0, tick_ = 0, silent_until_tick_ = 0;
+};
+
+}  // namespace styled::rigs

@@ -1,0 +1,135 @@
+#include "tests/support/rig_run.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim/player/performer_motion.h"
+#include "sim/rigs/rig_stream.h"
+#include "tests/support/daemon.h"
+#include "tests/support/rig.h"
+
+namespace styled::support {
+namespace {
+
+constexpr float kDegrees = 57.29578F;
+
+std::unique_ptr<rigs::RigStream> MakeStream(const RigRun& run, std::unique_ptr<rigs::Rig> rig) {
+  const auto script = performer::ParseScript("walk:3,wave-left:2,turn-left:2");
+  const auto spec = faults::Parse(run.faults);
+  EXPECT_TRUE(spec.ok()) << spec.status().message();
+  std::vector<std::unique_ptr<player::Motion>> motions;
+  for (std::uint64_t k = 0; k < run.performers.size(); ++k) {
+    motions.push_back(std::make_unique<player::PerformerMotion>(
+        performer::Vary(1, k, script.value()), performer::Proportions(), run.rate_hz));
+  }
+  auto stream =
+      rigs::RigStream::Make(std::move(rig), std::move(motions), run.rate_hz, spec.value());
+  EXPECT_TRUE(stream.ok()) << stream.status().message();
+  return std::move(stream.value());
+}
+
+void Compare(const std::vector<body::Pose>& sent, double rate_hz, RigResult& result) {
+  if (result.frames.empty()) return;
+  // The last frame that came is the last that was sent.
+  const auto last_ns = static_cast<double>(result.frames.back().source_time_ns());
+  for (const v1::Frame& frame : result.frames) {
+    const double back_s = (last_ns - static_cast<double>(frame.source_time_ns())) * 1e-9;
+    const auto index = static_cast<std::ptrdiff_t>(sent.size()) - 1 - std::lround(back_s * rate_hz);
+    if (index < 0) continue;
+    const body::Pose& pose = sent[static_cast<std::size_t>(index)];
+    for (int j = 0; j < body::kJointCount; ++j) {
+      const auto& r = frame.rotations();
+      const body::Quat got(r[4 * j + 3], r[4 * j], r[4 * j + 1], r[4 * j + 2]);
+      const float deg = kDegrees * got.angularDistance(pose.rotations[static_cast<std::size_t>(j)]);
+      if (deg <= result.worst_deg) continue;
+      result.worst_deg = deg;
+      result.where = std::string(body::kHumanoid[static_cast<std::size_t>(j)].name) + " in frame " +
+                     std::to_string(index);
+    }
+    const auto& p = frame.root_position();
+    const float m = (body::Vec3(p[0], p[1], p[2]) - pose.hips_position_m).norm();
+    result.worst_m = std::max(result.worst_m, m);
+  }
+}
+
+}  // namespace
+
+std::uint64_t RigResult::Counter(const std::string& name) const {
+  for (const auto& [counter, value] : counters) {
+    if (counter == name) return value;
+  }
+  ADD_FAILURE() << "no counter " << name;
+  return 0;
+}
+
+RigResult StreamAsRig(const RigRun& run) {
+  RigResult result;
+  auto rig = rigs::Make(run.stand_in.empty() ? run.type : run.stand_in,
+                        {run.performers, run.rate_hz, 1, run.quirks});
+  EXPECT_TRUE(rig.ok()) << rig.status().message();
+  if (!rig.ok()) return result;
+  const bool server = rig.value()->is_server();
+  std::string server_address;
+  std::unique_ptr<player::Link> link;
+  std::string keys = run.keys;
+  if (server) {
+    auto listening = player::Listen("udp://127.0.0.1:0", &server_address);
+    EXPECT_TRUE(listening.ok()) << listening.status().message();
+    link = std::move(listening.value());
+    keys += "\nserver = \"" + server_address.substr(6) + "\"";
+  }
+  auto stream = MakeStream(run, std::move(rig.value()));
+  Daemon daemon({}, "[[source]]\nname = \"suit\"\ntype = \"" + run.type +
+                        "\"\nlisten = \"127.0.0.1:0\"\n" + keys + "\n");
+  if (testing::Test::HasFatalFailure()) return result;
+  if (!server) {
+    const bool tcp = run.type.ends_with("-tcp");
+    auto connected = player::Connect((tcp ? "tcp://" : "udp://") + daemon.listens.at(2), 1000);
+    EXPECT_TRUE(connected.ok()) << connected.status().message();
+    link = std::move(connected.value());
+  }
+  Subscriber subscriber(daemon.publish, {""});
+  EXPECT_TRUE(subscriber.WaitFor([&] { return subscriber.LastStats().has_value(); }, 10));
+  std::vector<body::Pose> sent;
+  Paced(run.frames, run.rate_hz, [&](int) {
+    const auto step = stream->Tick(*link);
+    if (step == player::Sender::Step::kSent) sent.push_back(stream->poses()[0]);
+  });
+  EXPECT_TRUE(stream->Flush(*link).ok());
+  const std::string id =
+      run.expected_performer.empty() ? "suit." + run.performers[0] : run.expected_performer;
+  const std::string topic = "styled/" + id + "/canonical/";
+  // All that will come: nothing new for a while.
+  std::size_t before = 0;
+  for (int i = 0; i < 40; ++i) {
+    Sleep(0.1);
+    const std::size_t now = subscriber.Frames(topic).size();
+    if (now > 0 && now == before) break;
+    before = now;
+  }
+  result.frames = subscriber.Frames(topic);
+  result.rig_frames = subscriber.Frames("styled/" + id + "/rig/");
+  result.bodies = subscriber.Bodies();
+  result.sent = static_cast<int>(sent.size());
+  result.received = static_cast<int>(result.frames.size());
+  ControlClient control(daemon.control);
+  const auto status = control.Status();
+  for (const auto& counter : status.stats().counters()) {
+    result.counters.emplace_back(counter.name(), counter.value());
+  }
+  EXPECT_EQ(daemon.Stop(), 0);
+  result.log = daemon.Log();
+  Compare(sent, run.rate_hz, result);
+  return result;
+}
+
+void ExpectTheSameMotion(const RigResult& result, int may_lack) {
+  EXPECT_GE(result.received, result.sent - may_lack) << result.log;
+  EXPECT_LT(result.worst_deg, 0.5F) << result.where;
+  EXPECT_LT(result.worst_m, 0.005F);
+  EXPECT_EQ(result.Counter("source.malformed"), 0U);
+  EXPECT_EQ(result.Counter("stylist.held"), 0U);
+}
+
+}  // namespace styled::support

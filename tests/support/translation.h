@@ -1,0 +1,78 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "daemon/pipeline/body_binding.h"
+#include "model/body/pose.h"
+#include "tests/support/count_new.h"
+#include "tests/support/translated.h"
+
+// What tests of translators ask of Translated, and beyond it.
+namespace styled::support {
+
+// What is said of one datagram.
+inline std::vector<Translated::Item> Said(Translated& translated,
+                                          std::span<const std::byte> datagram,
+                                          std::uint64_t peer = 1) {
+  translated.items.clear();
+  translated.Take(datagram, peer);
+  return std::exchange(translated.items, {});
+}
+
+// How often the translator asks for memory while it takes a datagram. The binary needs
+// count_new.cpp.
+inline int Allocations(source::Translator& translator, std::span<const std::byte> datagram,
+                       std::int64_t now_ns) {
+  struct Nobody final : source::Receiver {
+    void OnDatagrams(int, std::span<const std::span<const std::byte>>) override {}
+    void OnNote(int, std::string) override {}
+  };
+  static runtime::Counters counters;
+  static source::Outbox outbox(0, counters);
+  Nobody nobody;
+  const CountNew count;
+  outbox.Open(nobody, -1);
+  translator.Take(datagram, source::Peer(), now_ns, outbox);
+  translator.Tick(now_ns, outbox);
+  outbox.Close();
+  return count.calls();
+}
+
+// The canonical pose that the pipeline makes of a frame on its body; none where it refuses.
+inline std::optional<body::Pose> CanonicalPose(const v1::Body& body, const v1::SourceFrame& frame) {
+  const auto bound = pipeline::BindBody(body, {});
+  const int joints = body.names_size();
+  if (!bound.ok() || frame.rotations_size() != 4 * joints || frame.root_position_size() != 3) {
+    return {};
+  }
+  rig::RigPose source(bound.value().binding->skeleton());
+  std::memcpy(source.translations.front().data(), frame.root_position().data(), 3 * sizeof(float));
+  std::memcpy(source.rotations.front().coeffs().data(), frame.rotations().data(),
+              static_cast<std::size_t>(4 * joints) * sizeof(float));
+  body::Pose pose;
+  bound.value().binding->Bind(source, pose);
+  return pose;
+}
+
+// How far two poses are apart: the hips in metres, and the joint that is turned most in degrees.
+struct Distance {
+  float hips_m = 0, joint_deg = 0;
+};
+inline Distance Between(const body::Pose& a, const body::Pose& b) {
+  Distance distance;
+  distance.hips_m = (a.hips_position_m - b.hips_position_m).norm();
+  for (std::size_t j = 0; j < body::kJointCount; ++j) {
+    const Eigen::Quaterniond turn =
+        a.rotations[j].cast<double>().conjugate() * b.rotations[j].cast<double>();
+    const double angle_rad = 2 * std::atan2(turn.vec().norm(), std::abs(turn.w()));
+    distance.joint_deg = std::max(distance.joint_deg, static_cast<float>(angle_rad * 57.29578));
+  }
+  return distance;
+}
+
+}  // namespace styled::support

@@ -1,0 +1,107 @@
+#include "daemon/source/relay.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/translated.h"
+
+namespace styled::source {
+namespace {
+
+// A translator that hands what it is told to one relay.
+struct Fixture : support::Translated {
+  struct Nothing final : Translator {
+    void Take(std::span<const std::byte>, const Peer&, std::int64_t, Outbox&) override {}
+  };
+  Fixture() : Translated(std::make_unique<Nothing>()) {}
+
+  void Send(std::uint64_t lost = 0) {
+    outbox.Open(*this, -1);
+    rig::RigPose pose(body.skeleton);
+    pose.translations[0] = {1, 2, 3};
+    relay.Send(pose, {++time_ns, now_ns, lost, nullptr}, outbox);
+    outbox.Close();
+  }
+  void SetBody() {
+    outbox.Open(*this, -1);
+    relay.SetBody(body, outbox);
+    outbox.Close();
+  }
+
+  runtime::Counters counters;
+  Outbox outbox{0, counters};
+  Relay relay{"a"};
+  rig::RigBody body{{{"hips", "head"}, {-1, 0}, {{0, 1, 0}, {0, 0.5F, 0}}}, {}, 1, "auto"};
+  std::uint64_t time_ns = 0;
+};
+
+TEST(Relay, SaysNothingBeforeThereIsABody) {
+  Fixture f;
+  f.Send();
+  EXPECT_TRUE(f.items.empty());
+}
+
+TEST(Relay, SendsTheBodyFirstAndAgainEverySecond) {
+  Fixture f;
+  f.SetBody();
+  for (int i = 0; i < 5; ++i) {
+    f.Send();
+    f.now_ns += 300'000'000;
+  }
+  std::string order;
+  for (const auto& item : f.items) order += item.is_frame ? 'f' : 'b';
+  EXPECT_EQ(order, "bffffbf");
+  for (std::size_t i = 1; i < f.items.size(); ++i) {
+    EXPECT_EQ(f.items[i].sequence, f.items[i - 1].sequence + 1);
+    EXPECT_EQ(f.items[i].session, f.items[0].session);
+  }
+  EXPECT_EQ(f.undecodable, 0);
+}
+
+TEST(Relay, TellsLostFramesByTheSequenceAndARestartByTheSession) {
+  Fixture f;
+  f.SetBody();
+  f.Send();
+  f.Send(3);
+  EXPECT_EQ(f.items[2].sequence, f.items[1].sequence + 4);
+  f.relay.Restart();
+  f.Send();
+  ASSERT_EQ(f.items.size(), 5U);
+  EXPECT_FALSE(f.items[3].is_frame) << "a session begins with its body";
+  EXPECT_NE(f.items[3].session, f.items[0].session);
+  EXPECT_EQ(f.items[3].sequence, 0U);
+}
+
+TEST(Relay, AnotherBodyIsAnnouncedAtOnceTheSameOneIsNot) {
+  Fixture f;
+  f.SetBody();
+  f.Send();
+  f.SetBody();
+  f.Send();
+  EXPECT_EQ(f.Bodies().size(), 1U);
+  f.body.skeleton.offsets[1].y() = 0.6F;
+  f.SetBody();
+  f.Send();
+  ASSERT_EQ(f.Bodies().size(), 2U);
+  EXPECT_FLOAT_EQ(f.Bodies()[1].offsets(4), 0.6F);
+  EXPECT_NE(f.Frames()[2].body_crc(), f.Frames()[1].body_crc());
+}
+
+TEST(Relay, MoreThanABatchArrivesWhole) {
+  Fixture f;
+  f.SetBody();
+  f.outbox.Open(f, -1);
+  rig::RigPose pose(f.body.skeleton);
+  for (int i = 0; i < 100; ++i) f.relay.Send(pose, {++f.time_ns, f.now_ns, 0, nullptr}, f.outbox);
+  f.outbox.Close();
+  EXPECT_EQ(f.Frames().size(), 100U);
+  EXPECT_EQ(f.undecodable, 0);
+}
+
+TEST(Relay, NamesAreMadeValid) {
+  EXPECT_EQ(MakeName("Anna B\xC3\xBC"), "Anna_B__");
+  EXPECT_EQ(MakeName(""), "performer");
+  EXPECT_EQ(MakeName(std::string(40, 'x')), std::string(32, 'x'));
+}
+
+}  // namespace
+}  // namespace styled::source

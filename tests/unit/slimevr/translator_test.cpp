@@ -1,0 +1,488 @@
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "daemon/source/rigs/slimevr.h"
+#include "proto/rigs/slimevr/udp.h"
+#include "proto/styled/v1/frame.pb.h"
+#include "sim/performer/performer.h"
+#include "sim/rigs/slimevr.h"
+#include "tests/unit/slimevr/decode_cases.h"
+
+namespace styled::source {
+namespace {
+
+using runtime::Counter;
+using slimevr::testing::Bytes;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kSecond = 1000 * kMs;
+
+int BindAny(sockaddr_in& address) {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  address = {};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  socklen_t size = sizeof address;
+  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  return fd;
+}
+
+// A tracker's end: what the translator answers arrives here.
+class Board {
+ public:
+  Board() {
+    sockaddr_in address;
+    fd_ = BindAny(address);
+    peer.id = address.sin_port | 1ULL << 32U;
+    std::memcpy(&peer.address, &address, sizeof address);
+    peer.address_size = sizeof address;
+  }
+  ~Board() { close(fd_); }
+  Board(const Board&) = delete;
+  Board& operator=(const Board&) = delete;
+
+  std::vector<slimevr::Answer> Answers() {
+    std::vector<slimevr::Answer> answers;
+    for (const Bytes& bytes : Received()) {
+      EXPECT_EQ(slimevr::DecodeAnswer(bytes, answers.emplace_back()), slimevr::UdpResult::kOk);
+    }
+    return answers;
+  }
+  std::vector<Bytes> Received() {
+    std::vector<Bytes> all;
+    Bytes bytes(100);
+    for (ssize_t size; (size = recv(fd_, bytes.data(), bytes.size(), MSG_DONTWAIT)) >= 0;) {
+      all.emplace_back(bytes.begin(), bytes.begin() + size);
+    }
+    return all;
+  }
+
+  Peer peer;
+
+ private:
+  int fd_;
+};
+
+// The translator with a socket to answer from and a clock that is set by hand.
+class Bench final : public Receiver {
+ public:
+  explicit Bench(const config::Source& config = Config()) : translator_(MakeSlimeVr(config)) {
+    sockaddr_in address;
+    fd_ = BindAny(address);
+  }
+  ~Bench() override { close(fd_); }
+
+  static config::Source Config() {
+    config::Source config;
+    config.name = "stage";
+    config.type = "slimevr";
+    return config;
+  }
+
+  void Take(const Board& board, std::span<const std::byte> bytes) {
+    outbox_.Open(*this, fd_);
+    translator_->Take(bytes, board.peer, now_ns, outbox_);
+    outbox_.Close();
+  }
+  void Take(const Board& board, std::uint64_t number, const slimevr::Packet& packet) {
+    Bytes bytes(slimevr::kMaxUdpSize);
+    bytes.resize(slimevr::Encode(number, packet, bytes));
+    Take(board, bytes);
+  }
+  void Tick() {
+    outbox_.Open(*this, fd_);
+    translator_->Tick(now_ns, outbox_);
+    outbox_.Close();
+  }
+  Translator& translator() { return *translator_; }
+  std::uint64_t Count(Counter counter) const { return counters_.Get(counter); }
+
+  void OnDatagrams(int, std::span<const std::span<const std::byte>> datagrams) override {
+    for (const auto bytes : datagrams) {
+      native::Datagram datagram;
+      ASSERT_EQ(native::Decode(bytes, datagram), native::DecodeResult::kOk);
+      if (datagram.kind != native::Kind::kSourceFrame) continue;
+      session = datagram.session;
+      frames.emplace_back().ParseFromArray(datagram.payload.data(),
+                                           static_cast<int>(datagram.payload.size()));
+    }
+  }
+  void OnNote(int, std::string text) override { notes.push_back(std::move(text)); }
+
+  std::int64_t now_ns = kSecond;
+  std::vector<v1::SourceFrame> frames;
+  std::vector<std::string> notes;
+  std::uint64_t session = 0;
+
+ private:
+  int fd_ = -1;
+  runtime::Counters counters_;
+  Outbox outbox_{0, counters_};
+  std::unique_ptr<Translator> translator_;
+};
+
+slimevr::Handshake Greeting(std::uint8_t last = 1, std::uint32_t protocol = 22) {
+  slimevr::Handshake handshake;
+  handshake.protocol = protocol;
+  handshake.firmware = "0.7.2";
+  handshake.mac = {0xA8, 0x48, 0xFA, 0xC0, 0x1D, last};
+  return handshake;
+}
+
+slimevr::Rotation Upright(std::uint8_t sensor = 0) {
+  return {sensor, 1, slimevr::MakeOrientation(1, 0, 0, 1), 0};
+}
+
+slimevr::SensorInfo AtHips(std::uint8_t sensor = 0) {
+  slimevr::SensorInfo info;
+  info.sensor = sensor;
+  info.position = 6;
+  return info;
+}
+
+TEST(SlimeVrTranslator, CountsWhatItCannotRead) {
+  Bench bench;
+  Board board;
+  bench.Take(board, Bytes(5));
+  bench.Take(board, Bytes());
+  EXPECT_EQ(bench.Count(Counter::kSourceMalformed), 2U);
+}
+
+TEST(SlimeVrTranslator, DoesNotListenToATrackerThatHasNotGreeted) {
+  Bench bench;
+  Board board;
+  bench.Take(board, 1, AtHips());
+  bench.Take(board, 2, Upright());
+  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 2U);
+  EXPECT_TRUE(board.Received().empty());
+  EXPECT_TRUE(bench.notes.empty());
+}
+
+// To the byte what SlimeVR's server answers.
+TEST(SlimeVrTranslator, AnswersAHandshake) {
+  Bench bench;
+  Board board;
+  bench.Take(board, slimevr::testing::kHandshake);
+  EXPECT_THAT(
+      board.Received(),
+      ::testing::ElementsAre(slimevr::testing::Hex("03 48 65 79 20 4F 56 52 20 3D 44 20 35")));
+}
+
+TEST(SlimeVrTranslator, AcknowledgesSensorsAndTellsItsFeatures) {
+  Bench bench;
+  Board board;
+  bench.Take(board, 0, Greeting());
+  board.Received();
+  bench.Take(board, 1, AtHips(2));
+  bench.Take(board, 2, slimevr::FeatureFlags{});
+  EXPECT_THAT(board.Received(),
+              ::testing::ElementsAre(slimevr::testing::Hex("00 00 00 0F 02 01"),
+                                     slimevr::testing::Join({slimevr::testing::Header("16", "00"),
+                                                             slimevr::testing::Hex("03")})));
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D01/2 is worn on hips")));
+}
+
+TEST(SlimeVrTranslator, SendsHeartbeatAndPingTwiceASecondUntilATrackerIsSilent) {
+  Bench bench;
+  Board board;
+  EXPECT_EQ(bench.translator().NextDeadline_ns(), Translator::kNever);
+  bench.Take(board, 0, Greeting());
+  board.Received();
+  int heartbeats = 0, pings = 0;
+  for (int i = 0; i < 100; ++i) {
+    if (bench.translator().NextDeadline_ns() == Translator::kNever) break;
+    bench.now_ns = bench.translator().NextDeadline_ns();
+    bench.Tick();
+    for (const auto& answer : board.Answers()) {
+      heartbeats += std::holds_alternative<slimevr::Heartbeat>(answer) ? 1 : 0;
+      pings += std::holds_alternative<slimevr::Ping>(answer) ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(heartbeats, 10) << "5 s, every half second";
+  EXPECT_EQ(pings, 10);
+  EXPECT_EQ(bench.translator().NextDeadline_ns(), Translator::kNever);
+  bench.Take(board, 5, slimevr::Heartbeat{});
+  bench.Tick();
+  EXPECT_EQ(board.Received().size(), 0U);
+  bench.Take(board, 0, Greeting());
+  EXPECT_NE(bench.translator().NextDeadline_ns(), Translator::kNever);
+}
+
+TEST(SlimeVrTranslator, TakesNumbersInOrderOnly) {
+  Bench bench;
+  Board board;
+  bench.Take(board, 0, Greeting());
+  bench.Take(board, 5, AtHips());
+  bench.Take(board, 5, Upright());
+  bench.Take(board, 4, Upright());
+  EXPECT_EQ(bench.Count(Counter::kPipelineDuplicate), 1U);
+  EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 1U);
+  bench.Take(board, 0, slimevr::Ping{1});  // comes back as it was sent, with 0
+  bench.Take(board, 4, Upright());
+  EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 2U);
+  EXPECT_FALSE(bench.translator().Calibrate(Calibration::kFull, bench.now_ns).ok());
+  bench.Take(board, 6, Upright());
+  EXPECT_TRUE(bench.translator().Calibrate(Calibration::kFull, bench.now_ns).ok());
+}
+
+TEST(SlimeVrTranslator, TellsATrackerSwitchedOnAgainFromOneThatLostTheNetwork) {
+  Bench bench;
+  Board board, elsewhere;
+  bench.Take(board, 0, Greeting());
+  bench.Take(board, 100, AtHips());
+  bench.notes.clear();
+  bench.Take(elsewhere, 0, Greeting());  // another port
+  bench.Take(elsewhere, 101, Upright());
+  EXPECT_TRUE(bench.notes.empty());
+  bench.Take(elsewhere, 0, Greeting());
+  bench.Take(elsewhere, 1, Upright());
+  EXPECT_THAT(bench.notes, ::testing::ElementsAre(HasSubstr("switched on again")));
+  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 0U);
+  bench.Take(board, 102, Upright());
+  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 1U) << "where it is no more";
+}
+
+TEST(SlimeVrTranslator, GivesAPlaceToAnotherTrackerThatTookIt) {
+  Bench bench;
+  Board board;
+  bench.Take(board, 0, Greeting(1));
+  bench.Take(board, 100, AtHips());
+  bench.Take(board, 0, Greeting(2));
+  slimevr::SensorInfo info;
+  info.position = 1;
+  bench.Take(board, 1, info);
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D02/0 is worn on head")));
+}
+
+TEST(SlimeVrTranslator, CountsUnassignedTrackersAndNamesThemOnce) {
+  Bench bench;
+  Board board;
+  bench.Take(board, 0, Greeting());
+  slimevr::SensorInfo info;
+  for (std::uint64_t i = 1; i < 10; i += 2) {
+    bench.Take(board, i, info);
+    bench.Take(board, i + 1, Upright());
+  }
+  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 5U);
+  EXPECT_EQ(bench.notes.size(), 1U);
+  EXPECT_THAT(bench.notes[0], HasSubstr("A848FAC01D01/0"));
+}
+
+TEST(SlimeVrTranslator, KnowsTheOneSensorOfOldFirmwareByItsTable) {
+  config::Source config = Bench::Config();
+  config.trackers = {{"A848FAC01D01", "chest"}, {"127.0.0.1", "head"}};
+  Bench bench(config);
+  Board board, nameless;
+  bench.Take(board, 0, Greeting(1, 8));
+  bench.Take(board, 1, slimevr::LegacyRotation{0, slimevr::MakeOrientation(1, 0, 0, 1)});
+  bench.Take(nameless, 0, slimevr::Handshake{});
+  bench.Take(nameless, 1, slimevr::LegacyRotation{0, slimevr::MakeOrientation(1, 0, 0, 1)});
+  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 0U);
+  ASSERT_TRUE(bench.translator().Calibrate(Calibration::kFull, bench.now_ns).ok());
+  bench.Tick();
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("calibrated chest, head")));
+  EXPECT_EQ(bench.frames.size(), 1U);
+}
+
+TEST(SlimeVrTranslator, IgnoresCorrectionsOfTheMagnetometer) {
+  Bench bench;
+  Board board;
+  bench.Take(board, 0, Greeting());
+  bench.Take(board, 1, AtHips());
+  slimevr::Rotation correction = Upright();
+  correction.kind = 2;
+  bench.Take(board, 2, correction);
+  EXPECT_FALSE(bench.translator().Calibrate(Calibration::kFull, bench.now_ns).ok());
+}
+
+TEST(SlimeVrTranslator, ResetsWhenATrackersButtonAsksForIt) {
+  Bench bench;
+  Board board;
+  bench.Take(board, 0, Greeting());
+  bench.Take(board, 1, slimevr::UserAction{slimevr::UserAction::kFullReset});
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("no tracker that is assigned")));
+  bench.Take(board, 2, AtHips());
+  bench.Take(board, 3, Upright());
+  bench.Take(board, 4, slimevr::UserAction{slimevr::UserAction::kFullReset});
+  bench.Tick();
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("calibrated hips")));
+  EXPECT_EQ(bench.frames.size(), 1U);
+  const std::uint64_t session = bench.session;
+  bench.Take(board, 5, slimevr::UserAction{slimevr::UserAction::kYawReset});
+  bench.now_ns += 10 * kMs;
+  bench.Tick();
+  EXPECT_NE(bench.session, session);
+  bench.Take(board, 6, slimevr::UserAction{slimevr::UserAction::kMountingReset});
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("did not turn as a skier's")));
+  bench.Take(board, 7, slimevr::UserAction{slimevr::UserAction::kPause});
+  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 1U);
+}
+
+TEST(SlimeVrTranslator, SaysOnceThatATrackerReportsAnError) {
+  Bench bench;
+  Board board;
+  bench.Take(board, 0, Greeting());
+  for (std::uint64_t i = 1; i < 4; ++i) bench.Take(board, i, slimevr::Error{1, 14});
+  EXPECT_THAT(bench.notes, ::testing::ElementsAre(HasSubstr("A848FAC01D01/1 reports error 14")));
+}
+
+TEST(SlimeVrTranslator, HasRoomForSixtyFourBoardsAndForNewOnesWhenTheyAreSilent) {
+  Bench bench;
+  std::vector<std::unique_ptr<Board>> boards;
+  for (int i = 0; i < 65; ++i) {
+    boards.push_back(std::make_unique<Board>());
+    bench.Take(*boards.back(), 0, Greeting(static_cast<std::uint8_t>(i)));
+  }
+  EXPECT_EQ(boards[63]->Received().size(), 1U);
+  EXPECT_EQ(boards[64]->Received().size(), 0U);
+  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 1U);
+  bench.now_ns += 6 * kSecond;
+  bench.Take(*boards[64], 0, Greeting(64));
+  EXPECT_EQ(boards[64]->Received().size(), 1U);
+}
+
+// Boards of the stand-in, each with a socket and a phase of its own, played on the bench's clock.
+class Players {
+ public:
+  Players(Bench& bench, const std::vector<std::vector<std::string>>& boards) : bench_(bench) {
+    performer::Options options;
+    options.script = performer::ParseScript("walk:3,wave-left:2,turn-left:2").value();
+    performer_ = std::make_unique<performer::Performer>(options);
+    for (std::size_t k = 0; k < boards.size(); ++k) {
+      auto rig = rigs::MakeSlimeVr({{"sim"}, 100, k + 1, boards[k]});
+      EXPECT_TRUE(rig.ok()) << rig.status().message();
+      players_.push_back({std::move(rig.value()), std::make_unique<Board>()});
+    }
+  }
+
+  void Play(int milliseconds) {
+    const auto send = [this](const Board& board) {
+      return [this, &board](std::span<const std::byte> bytes) { bench_.Take(board, bytes); };
+    };
+    for (int i = 0; i < milliseconds; ++i, ++ms_) {
+      bench_.now_ns += kMs;
+      performer_->Pose(static_cast<double>(ms_) * 1e-3, poses_[bench_.now_ns]);
+      for (std::size_t k = 0; k < players_.size(); ++k) {
+        auto& [rig, board, index] = players_[k];
+        for (const Bytes& bytes : board->Received()) rig->Receive(bytes, send(*board));
+        if (ms_ % 10 != static_cast<std::int64_t>(k * 3 % 10)) continue;
+        rig->Encode(
+            {index, static_cast<double>(index) * 0.01, std::span(&poses_[bench_.now_ns], 1)},
+            send(*board));
+        ++index;
+      }
+      bench_.Tick();
+    }
+  }
+
+  // World rotations of a frame against the performer's, at the time that the frame names.
+  float WorstDegrees(const v1::SourceFrame& frame, const std::vector<int>& joints) const {
+    const auto truth = poses_.find(static_cast<std::int64_t>(frame.source_time_ns()));
+    if (truth == poses_.end()) return 180;
+    body::Pose found;
+    for (int j = 0; j < body::kJointCount; ++j) {
+      const auto& r = frame.rotations();
+      found.rotations[static_cast<std::size_t>(j)] =
+          body::Quat(r[4 * j + 3], r[4 * j], r[4 * j + 1], r[4 * j + 2]);
+    }
+    body::WorldPose a, b;
+    body::ForwardKinematics(truth->second, a);
+    body::ForwardKinematics(found, b);
+    float worst = 0;
+    for (const int j : joints) {
+      const auto at = static_cast<std::size_t>(j);
+      worst = std::max(worst, 57.29578F * a.rotations[at].angularDistance(b.rotations[at]));
+    }
+    return worst;
+  }
+
+ private:
+  struct Player {
+    std::unique_ptr<rigs::Rig> rig;
+    std::unique_ptr<Board> board;
+    std::uint64_t index = 0;
+  };
+  Bench& bench_;
+  std::unique_ptr<performer::Performer> performer_;
+  std::vector<Player> players_;
+  std::map<std::int64_t, body::Pose> poses_;
+  std::int64_t ms_ = 0;
+};
+
+const std::vector<int> kWorn{body::kHips,          body::kChest,         body::kHead,
+                             body::kLeftUpperArm,  body::kLeftLowerArm,  body::kRightUpperArm,
+                             body::kRightLowerArm, body::kLeftUpperLeg,  body::kLeftLowerLeg,
+                             body::kLeftFoot,      body::kRightUpperLeg, body::kRightLowerLeg,
+                             body::kRightFoot};
+
+std::vector<std::vector<std::string>> OnePerBoard(const std::vector<std::string>& quirks) {
+  std::vector<std::vector<std::string>> boards;
+  for (const int j : kWorn) {
+    boards.push_back(quirks);
+    boards.back().emplace_back(body::kHumanoid[static_cast<std::size_t>(j)].name);
+  }
+  return boards;
+}
+
+void ExpectTheMotion(const std::vector<std::vector<std::string>>& boards,
+                     const config::Source& config = Bench::Config()) {
+  Bench bench(config);
+  Players players(bench, boards);
+  players.Play(2000);  // both resets and what was before them
+  bench.frames.clear();
+  players.Play(5000);
+  ASSERT_GT(bench.frames.size(), 490U);
+  float worst = 0;
+  for (const auto& frame : bench.frames)
+    worst = std::max(worst, players.WorstDegrees(frame, kWorn));
+  EXPECT_LT(worst, 1);
+  EXPECT_EQ(bench.Count(Counter::kSourceMalformed), 0U);
+  EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 0U);
+}
+
+TEST(SlimeVrRoundTrip, OneBoardGivesTheMotionWithinADegree) { ExpectTheMotion({{}}); }
+
+TEST(SlimeVrRoundTrip, BoardsOutOfStepGiveTheMotionWithinADegree) {
+  ExpectTheMotion(OnePerBoard({}));
+}
+
+TEST(SlimeVrRoundTrip, SensorsWornAnyhowGiveTheMotionWithinADegree) {
+  ExpectTheMotion(OnePerBoard({"anyhow"}));
+  ExpectTheMotion({{"anyhow", "compact"}});
+}
+
+TEST(SlimeVrRoundTrip, UnplacedSensorsAreAssignedByTheTable) {
+  config::Source config = Bench::Config();
+  for (std::size_t k = 0; k < kWorn.size(); ++k) {
+    config.trackers.push_back(
+        {rigs::SlimeVrTrackerId(1, k),
+         std::string(body::kHumanoid[static_cast<std::size_t>(kWorn[k])].name)});
+  }
+  ExpectTheMotion({{"unplaced"}}, config);
+}
+
+TEST(SlimeVrRoundTrip, APlayerThatGivesUpComesBackByItself) {
+  Bench bench;
+  Players players(bench, {{}});
+  players.Play(2000);
+  EXPECT_GT(bench.frames.size(), 50U);
+  // The daemon is away for a while: no answers, so the board seeks it again.
+  bench.now_ns += 20 * kSecond;
+  players.Play(4500);
+  bench.frames.clear();
+  players.Play(1000);
+  EXPECT_GT(bench.frames.size(), 90U);
+}
+
+}  // namespace
+}  // namespace styled::source
