@@ -1,0 +1,203 @@
+#include "clients/rec/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "clients/rec/commands.h"
+
+namespace styled::rec {
+namespace {
+
+using std::string;
+using std::vector;
+
+class Program {
+ public:
+  explicit Program(const Surroundings& to) : to_(to) { Declare(); }
+  int Run(vector<string> arguments);
+
+ private:
+  void Declare();
+  void DeclareRecord();
+  void DeclareReceive();
+  void DeclarePlay();
+  void DeclareExport();
+  void AboutTheFile(CLI::App* command);
+  void FileToRead(CLI::App* command);
+  Status Execute(const string& command) const;
+  int Usage(const string& text);
+
+  Surroundings to_;
+  Arguments a_;
+  CLI::App app_{
+      "stylerec: records what rigs send and what styled publishes; plays it back, "
+      "exports it",
+      "stylerec"};
+};
+
+void Program::AboutTheFile(CLI::App* command) {
+  command->add_option("OUT", a_.file, "the new recording, e.g. walk.styrec")->required();
+  command->add_option("--seconds", a_.seconds, "stop after so long (0: at Ctrl-C)")
+      ->check(CLI::Range(0.0, 1e9));
+  command->add_option("--description", a_.description, "kept in the file");
+  command->add_option("--config", a_.config, "the daemon's styled.toml: its text is kept");
+  command->add_option("--weights", a_.weights, "the daemon's weights: name and hash are kept");
+}
+
+void Program::FileToRead(CLI::App* command) {
+  command->add_option("FILE", a_.file, "a recording")->required();
+  command->add_flag("--salvage", a_.salvage,
+                    "read on although the file does not begin like a recording");
+}
+
+void Program::DeclareRecord() {
+  CLI::App* record = app_.add_subcommand("record", "record what daemons publish");
+  record->add_option("--from", a_.from, "publishers")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  CLI::Option* performer =
+      record->add_option("--performer", a_.performer, "SOURCE.NAME; default: everyone")
+          ->check([](const string& id) {
+            if (client::IsPerformerId(id)) return string();
+            return "'" + id + "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each)";
+          });
+  record->add_option("--topics", a_.topics, "prefixes of topics instead of all, e.g. source/,body/")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->excludes(performer);
+  AboutTheFile(record);
+}
+
+void Program::DeclareReceive() {
+  CLI::App* receive =
+      app_.add_subcommand("receive", "record the datagrams that arrive at a port, as they are");
+  receive
+      ->add_option("--listen", a_.listen,
+                   "[NAME=]udp://HOST:PORT, comma-separated; NAME as of the daemon's source "
+                   "(default rig, rig2, ...); HOST numeric, 0.0.0.0: every interface")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->required();
+  receive
+      ->add_option("--forward", a_.forward,
+                   "HOST:PORT of each port in turn, to send on what arrives, and answers back")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  receive->add_option("--type", a_.type, "kept in the file: the source's type in styled.toml")
+      ->capture_default_str();
+  AboutTheFile(receive);
+}
+
+void Program::DeclarePlay() {
+  CLI::App* play = app_.add_subcommand("play", "play a recording into a daemon, or to subscribers");
+  FileToRead(play);
+  play->add_option(
+      "--to", a_.to,
+      "[NAME=]udp://HOST:PORT or tcp://HOST:PORT: where datagrams (of source NAME) go; "
+      "'original': where they arrived. A recording without arrivals sends what was "
+      "published on source/");
+  play->add_option("--publish", a_.publish,
+                   "publish what was published, e.g. on tcp://127.0.0.1:7001 (port 0: any)");
+  play->add_option("--wait", a_.wait_s, "with --publish: seconds to wait for a first subscriber")
+      ->check(CLI::Range(0.0, 86400.0));
+  play->add_option(
+      "--control", a_.control,
+      "the daemon's control socket: recorded commands are given again at their places, "
+      "and nothing is lost at --speed max");
+  play->add_option("--speed", a_.speed, "times real time, or max")->capture_default_str();
+  play->add_flag("--loop", a_.loop, "begin again at the end, until Ctrl-C");
+  play->add_option("--from", a_.from_s, "begin so many seconds into the recording")
+      ->check(CLI::Range(0.0, 1e9));
+  play->add_option("--to-time", a_.until_s, "end there")->check(CLI::Range(0.0, 1e9));
+  play->add_flag("--as-recorded", a_.as_recorded,
+                 "keep session ids and epochs; a daemon or subscriber that has seen them before "
+                 "takes all of it for repetitions");
+}
+
+void Program::DeclareExport() {
+  CLI::App* command = app_.add_subcommand("export", "write a performer's motion as BVH or glTF");
+  FileToRead(command);
+  command->add_option("--performer", a_.performer, "SOURCE.NAME")->required();
+  command->add_option("--what", a_.what, "rig or canonical (both styled), or source (as captured)")
+      ->check(CLI::IsMember({"rig", "canonical", "source"}))
+      ->capture_default_str();
+  command->add_option("--bvh", a_.bvh, "BVH file to write, in the rig's units and axes");
+  command->add_option("--glb", a_.glb, "glTF 2.0 binary to write: metres, Y up");
+  command
+      ->add_option("--rate", a_.rate_hz,
+                   "frames per second; default: BVH the recording's own, glTF its frames' times")
+      ->check(CLI::Range(1.0, 1000.0));
+}
+
+void Program::Declare() {
+  app_.require_subcommand(0, 1);  // none: said by Run
+  app_.set_version_flag("--version", "stylerec " STYLED_VERSION);
+  app_.footer(
+      "Exit codes: 0 done, 1 failed, 2 usage.\n"
+      "Examples:\n"
+      "  stylerec record --from tcp://127.0.0.1:7001 show.styrec\n"
+      "  stylerec receive --listen udp://0.0.0.0:7000 --forward 127.0.0.1:7010 rig.styrec\n"
+      "  stylerec play rig.styrec --to udp://127.0.0.1:7000\n"
+      "  stylerec export show.styrec --performer rig.anna --glb anna.glb");
+  DeclareRecord();
+  DeclareReceive();
+  CLI::App* info = app_.add_subcommand("info", "what is in a recording, and whether it is whole");
+  FileToRead(info);
+  info->add_flag("--json", a_.json, "one JSON object");
+  DeclarePlay();
+  DeclareExport();
+}
+
+int Program::Run(vector<string> arguments) {
+  std::reverse(arguments.begin(), arguments.end());  // what CLI11 takes
+  try {
+    app_.parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app_.exit(error, to_.out, to_.err), kExitOk;
+    return Usage(error.what());
+  }
+  if (app_.get_subcommands().empty()) return Usage("a command is required");
+  const string command = app_.get_subcommands().front()->get_name();
+  // CLI11's ranges let it through.
+  for (const double value : {a_.seconds, a_.wait_s, a_.from_s, a_.until_s, a_.rate_hz}) {
+    if (std::isnan(value)) return Usage(command + ": a value is nan; expected a number");
+  }
+  if (command == "play" && a_.to.empty() && a_.publish.empty()) {
+    return Usage("play: nothing to play to; expected --to or --publish");
+  }
+  if (command == "export" && a_.bvh.empty() && a_.glb.empty()) {
+    return Usage("export: nothing to write; expected --bvh or --glb");
+  }
+  if (a_.forward.size() > a_.listen.size()) {
+    return Usage("receive: found " + std::to_string(a_.forward.size()) +
+                 " addresses in --forward, expected at most one per --listen");
+  }
+  const Status status = Execute(command);
+  if (status.ok()) return kExitOk;
+  to_.err << "stylerec: " << status.message() << "\n";
+  return kExitFailed;
+}
+
+Status Program::Execute(const string& command) const {
+  if (command == "record") return RunRecord(a_, to_);
+  if (command == "receive") return RunReceive(a_, to_);
+  if (command == "info") return RunInfo(a_, to_);
+  return command == "play" ? RunPlay(a_, to_) : RunExport(a_, to_);
+}
+
+int Program::Usage(const string& text) {
+  to_.err << "stylerec: " << text << "\n  see stylerec --help, stylerec COMMAND --help\n";
+  return kExitUsage;
+}
+
+}  // namespace
+
+int Run(vector<string> arguments, const std::atomic<bool>& stop, std::ostream& out,
+        std::ostream& err) {
+  return Program({stop, out, err}).Run(std::move(arguments));
+}
+
+}  // namespace styled::rec

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <limits>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "clients/cpp/subscriber.h"
+#include "model/base/status.h"
+#include "proto/recording/reader.h"
+
+namespace styled::rec {
+
+// What the command line says, checked as far as one value can be checked for itself.
+struct Arguments {
+  std::string file;
+  // record, receive
+  std::vector<std::string> from{std::string(client::kDefaultPublisher)};
+  std::string performer;  // export, too
+  std::vector<std::string> topics, listen, forward;
+  std::string type = "udp";
+  double seconds = 0;
+  std::string description, config, weights;
+  // info, play, export
+  bool json = false, salvage = false;
+  std::vector<std::string> to;
+  std::string publish, control, speed = "1";
+  double wait_s = 0, from_s = 0, until_s = std::numeric_limits<double>::infinity();
+  bool loop = false, as_recorded = false;
+  std::string what = "rig", bvh, glb;
+  double rate_hz = 0;  // 0: not given
+};
+
+// Where commands speak, and what ends them.
+struct Surroundings {
+  const std::atomic<bool>& stop;
+  std::ostream& out;  // the summary line
+  std::ostream& err;  // what is bound, damage
+};
+
+// Each is one command of stylerec. Errors name file or address.
+Status RunRecord(const Arguments& arguments, const Surroundings& to);
+Status RunReceive(const Arguments& arguments, const Surroundings& to);
+Status RunInfo(const Arguments& arguments, const Surroundings& to);
+Status RunPlay(const Arguments& arguments, const Surroundings& to);
+Status RunExport(const Arguments& arguments, const Surroundings& to);
+
+Result<std::unique_ptr<recording::Reader>> OpenRecording(const Arguments& arguments);
+// On `err`, where there is any.
+void SayDamage(const recording::Reader& reader, const Surroundings& to);
+// "NAME=ADDRESS" to its name, which is cut off; "" where there is none.
+std::string TakeName(std::string& address);
+
+}  // namespace styled::rec

@@ -1,0 +1,106 @@
+// From a take to what files hold: a constant rate, metres.
+#include <algorithm>
+#include <cmath>
+
+#include "clients/rec/take.h"
+
+namespace styled::rec {
+namespace {
+
+constexpr double kMaxFrames = 1e7;
+
+// "120" for a median step of 8.3333 ms: a whole rate, or one of NTSC's, where it is that near.
+double RateMeant(const std::vector<double>& times_s) {
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < times_s.size(); ++i) steps_s.push_back(times_s[i] - times_s[i - 1]);
+  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
+  std::nth_element(steps_s.begin(), middle, steps_s.end());
+  const double rate_hz = 1 / *middle;
+  const double whole_hz = std::round(rate_hz);
+  const double ntsc_hz = std::round(rate_hz * 1.001) * 1000.0 / 1001.0;
+  for (const double meant_hz : {whole_hz, ntsc_hz}) {
+    if (meant_hz >= 1 && std::abs(rate_hz / meant_hz - 1) < 4e-4) return meant_hz;
+  }
+  return rate_hz;
+}
+
+rig::RigPose Between(const rig::RigPose& a, const rig::RigPose& b, float share) {
+  rig::RigPose pose = a;
+  for (std::size_t j = 0; j < a.rotations.size(); ++j) {
+    pose.translations[j] = (1 - share) * a.translations[j] + share * b.translations[j];
+    pose.rotations[j] = a.rotations[j].slerp(share, b.rotations[j]);
+  }
+  return pose;
+}
+
+// The frames at the grid of `rate_hz`.
+std::vector<rig::RigPose> OnGrid(const Take& take, double rate_hz) {
+  const auto& times_s = take.times_s;
+  const auto off = [&](std::size_t i) {
+    return std::abs(times_s[i] * rate_hz - static_cast<double>(i));
+  };
+  bool keeps = true;
+  for (std::size_t i = 0; i < times_s.size(); ++i) keeps = keeps && off(i) < 0.25;
+  if (keeps) return take.frames;
+  std::vector<rig::RigPose> frames;
+  std::size_t after = 1;
+  for (std::size_t k = 0;; ++k) {
+    const double time_s = static_cast<double>(k) / rate_hz;
+    if (time_s > times_s.back() + 1e-9) break;
+    while (after + 1 < times_s.size() && times_s[after] < time_s) ++after;
+    const double step_s = times_s[after] - times_s[after - 1];
+    const double share = std::clamp((time_s - times_s[after - 1]) / step_s, 0.0, 1.0);
+    frames.push_back(
+        Between(take.frames[after - 1], take.frames[after], static_cast<float>(share)));
+  }
+  return frames;
+}
+
+}  // namespace
+
+Result<clip::Clip> ToClip(const Take& take, double rate_hz) {
+  if (take.frames.size() < 2) {
+    return Status::Error(take.performer + ": found one frame, expected two or more for a rate");
+  }
+  const double own_hz = std::clamp(RateMeant(take.times_s), 1.0, 1000.0);
+  const double wanted_hz = rate_hz > 0 ? rate_hz : own_hz;
+  if (!(wanted_hz >= 1 && wanted_hz <= 1000)) {
+    return Status::Error("found a rate of " + std::to_string(wanted_hz) +
+                         " Hz, expected 1 to 1000");
+  }
+  if (take.times_s.back() * std::max(own_hz, wanted_hz) > kMaxFrames) {
+    return Status::Error(take.performer + ": found " + std::to_string(take.times_s.back()) +
+                         " s, expected at most ten million frames; a lower --rate is shorter");
+  }
+  clip::Clip clip;
+  clip.skeleton = take.skeleton;
+  // The root's place is in its position channels; many readers add the offset to them.
+  clip.skeleton.offsets[0].setZero();
+  clip.rate_hz = own_hz;
+  clip.frames = OnGrid(take, own_hz);
+  return wanted_hz == own_hz ? clip : clip::Resample(clip, wanted_hz);
+}
+
+clip::GlbMotion ToGlb(const Take& take) {
+  clip::GlbMotion motion;
+  motion.name = take.performer;
+  motion.skeleton = take.skeleton;
+  motion.rest = take.rest;
+  motion.metres_per_unit = take.metres_per_unit;
+  motion.gltf_from_source = take.canonical_from_source;
+  motion.times_s = take.times_s;
+  motion.frames = take.frames;
+  return motion;
+}
+
+clip::GlbMotion ToGlb(const Take& take, const clip::Clip& clip) {
+  clip::GlbMotion motion = ToGlb(take);
+  motion.frames = clip.frames;
+  motion.times_s.clear();
+  for (std::size_t i = 0; i < clip.frames.size(); ++i) {
+    motion.times_s.push_back(static_cast<double>(i) / clip.rate_hz);
+  }
+  return motion;
+}
+
+}  // namespace styled::rec

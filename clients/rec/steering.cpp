@@ -1,0 +1,81 @@
+#include "clients/rec/steering.h"
+
+#include <algorithm>
+
+namespace styled::rec {
+namespace {
+
+constexpr std::uint64_t kUnderWay = 64;  // datagrams: small beside any socket's buffer
+constexpr std::int64_t kStill_ns = 20'000'000, kSurelyStill_ns = 5'000'000;
+constexpr std::int64_t kLongest_ns = 1'000'000'000, kLook_ns = 500'000;
+
+}  // namespace
+
+Result<std::unique_ptr<Steering>> Steering::Connect(const std::string& endpoint,
+                                                    player::Clock& clock) {
+  auto control =
+      client::Control::Connect({.endpoint = endpoint, .timeout = std::chrono::seconds(2)});
+  if (!control.ok()) return control.status();
+  styled::v1::StatusReply reply;
+  const auto answer = control.value()->Status(&reply);
+  if (!answer.ok()) return styled::Status::Error(answer.reason());
+  std::unique_ptr<Steering> steering(new Steering(std::move(control.value()), clock));
+  steering->before_ = steering->Received();
+  return steering;
+}
+
+std::uint64_t Steering::Received() {
+  styled::v1::StatusReply reply;
+  if (!control_->Status(&reply).ok()) return before_ + known_;
+  for (const auto& counter : reply.stats().counters()) {
+    if (counter.name() == "source.received") return counter.value();
+  }
+  return before_ + known_;
+}
+
+void Steering::Settle(std::uint64_t under_way) {
+  std::uint64_t last = known_;
+  const std::int64_t begin_ns = clock_.Now_ns();
+  std::int64_t moved_ns = begin_ns;
+  bool settled = sent_ <= known_ + under_way && under_way > 0;
+  while (!settled) {
+    const std::uint64_t received = Received() - before_;
+    const std::int64_t now_ns = clock_.Now_ns();
+    if (received != last) moved_ns = now_ns;
+    last = received;
+    if (received <= sent_) known_ = std::max(known_, received);
+    const std::int64_t still_ns = now_ns - moved_ns;
+    // The very number may be chance where a source counts more than it is sent.
+    settled = under_way > 0 ? sent_ <= known_ + under_way
+                            : received == sent_ && still_ns >= kSurelyStill_ns;
+    if (!settled && (still_ns >= kStill_ns || now_ns - begin_ns >= kLongest_ns)) {
+      // It counts in its own way, or lost some: neither is a debt of the next datagrams.
+      before_ += received - sent_;
+      known_ = sent_;
+      settled = true;
+    }
+    if (!settled) clock_.SleepUntil(now_ns + kLook_ns);
+  }
+}
+
+void Steering::BeforeSending() {
+  if (sent_ >= known_ + kUnderWay) Settle(kUnderWay / 2);
+  ++sent_;
+}
+
+void Steering::Note(const recording::Record& record) { (void)Take(record); }
+
+Status Steering::Take(const recording::Record& record) {
+  if (!record.has_command()) return Status::Ok();
+  CatchUp();
+  styled::v1::Request request = record.command().request();
+  styled::v1::Reply reply;
+  const auto answer = control_->Call(request, &reply);
+  ++commands_;
+  if (answer.ok()) return Status::Ok();
+  if (answer.kind() != client::CallStatus::Kind::kRefused) return Status::Error(answer.reason());
+  refused_.push_back(request.performer() + ": " + answer.reason());
+  return Status::Ok();
+}
+
+}  // namespace styled::rec

@@ -1,0 +1,360 @@
+// A field problem becomes a test: what was recorded, played into a fresh daemon, comes out styled
+// bit for bit as it did, at any speed.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "proto/recording/reader.h"
+#include "proto/recording/writer.h"
+#include "tests/support/daemon.h"
+#include "tests/support/rig.h"
+
+namespace styled::support {
+namespace {
+
+using recording::Reader;
+using recording::Record;
+
+constexpr const char* kId = "rig.sim";
+constexpr const char* kStyled = "styled/rig.sim/rig/";
+
+// A styled frame, but for what the clock of the wall decides.
+struct Styled {
+  std::uint64_t source_time_ns = 0;
+  std::string pose;    // bits
+  std::string styles;  // and weights
+  std::uint32_t flags = 0, contacts = 0;
+  friend bool operator==(const Styled&, const Styled&) = default;
+};
+
+template <typename Repeated>
+std::string Bits(const Repeated& floats) {
+  return {reinterpret_cast<const char*>(floats.data()), floats.size() * sizeof(float)};
+}
+
+Styled Digest(const v1::Frame& frame) {
+  Styled styled;
+  styled.source_time_ns = frame.source_time_ns();
+  styled.pose = Bits(frame.root_position()) + Bits(frame.rotations());
+  for (const auto& style : frame.styles()) styled.styles += style.SerializeAsString();
+  styled.flags = frame.flags() & ~static_cast<std::uint32_t>(v1::FLAG_LATE);
+  styled.contacts = frame.contacts();
+  return styled;
+}
+
+std::vector<Styled> Digests(const std::vector<v1::Frame>& frames) {
+  std::vector<Styled> digests;
+  for (const auto& frame : frames) {
+    if ((frame.flags() & v1::FLAG_STALE) == 0) digests.push_back(Digest(frame));
+  }
+  return digests;
+}
+
+void ExpectSame(const std::vector<Styled>& found, const std::vector<Styled>& expected,
+                const std::string& what) {
+  ASSERT_EQ(found.size(), expected.size()) << what;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    ASSERT_EQ(found[i].source_time_ns, expected[i].source_time_ns) << what << ", frame " << i;
+    ASSERT_EQ(found[i].pose, expected[i].pose) << what << ", frame " << i;
+    ASSERT_EQ(found[i], expected[i]) << what << ", frame " << i;
+  }
+}
+
+class RecordingsTest : public testing::Test {
+ protected:
+  std::unique_ptr<Daemon> MakeDaemon(const std::string& style = "style2") const {
+    auto daemon = std::make_unique<Daemon>(
+        std::vector<std::string>{"performers.takeover_ms=10", "performers.stale_ms=3000"});
+    ControlClient control(daemon->control);
+    EXPECT_EQ(control.SetStyle(kId, style, 0.9F, 300).code(), v1::CODE_OK);
+    return daemon;
+  }
+
+  std::unique_ptr<Child> Start(std::vector<std::string> arguments, const std::string& log) const {
+    arguments.insert(arguments.begin(), STYLEREC_BINARY);
+    return std::make_unique<Child>(arguments, folder_ / log);
+  }
+  int Run(const std::vector<std::string>& arguments) {
+    const std::string log = "log" + std::to_string(runs_++) + ".txt";
+    const int code = Start(arguments, log)->Wait(60).value_or(-1);
+    said_ = ReadText(folder_ / log);
+    return code;
+  }
+  void Simulate(const std::string& to, const std::string& faults,
+                const std::string& seconds) const {
+    Child sim({STYLESIM_BINARY, "--to", to, "--seconds", seconds, "--script",
+               "walk:2,wave-left:1,run:2", "--faults", faults},
+              folder_ / "sim.txt");
+    ASSERT_EQ(sim.Wait(60).value_or(-1), 0) << ReadText(folder_ / "sim.txt");
+  }
+  // Waits until `log` says where stylerec is bound.
+  std::string Bound(const std::string& log, const std::string& word) const {
+    for (int i = 0; i < 1000; ++i) {
+      const std::string text = ReadText(folder_ / log);
+      const std::size_t at = text.find(word), end = text.find('\n', at);
+      if (at != std::string::npos && end != std::string::npos) {
+        return text.substr(at + word.size(), end - at - word.size());
+      }
+      Sleep(0.01);
+    }
+    return "";
+  }
+  // Ends a recording with SIGINT.
+  void Stop(Child& child) {
+    child.Signal(SIGINT);
+    EXPECT_EQ(child.Wait(10).value_or(-1), 0);
+  }
+
+  // What a fresh daemon makes of a recording.
+  std::vector<Styled> Replay(const std::string& file, std::size_t count, bool flat_out,
+                             std::uint64_t* lost = nullptr, const std::string& style = "style2") {
+    const auto daemon = MakeDaemon(style);
+    const Subscriber subscriber(daemon->publish, {"styled/", "body/"});
+    ControlClient control(daemon->control);
+    EXPECT_EQ(control.CounterSoon("publish.subscriptions", 2), 2U);
+    std::vector<std::string> arguments{"play", file, "--to", "udp://" + daemon->udp};
+    for (const char* more : {"--speed", "max", "--control"}) {
+      if (flat_out) arguments.emplace_back(more);
+    }
+    if (flat_out) arguments.push_back(daemon->control);
+    EXPECT_EQ(Run(arguments), 0) << said_;
+    EXPECT_TRUE(subscriber.WaitForFrames(count, kStyled)) << daemon->Log();
+    if (lost != nullptr) *lost = control.Counter("pipeline.lost");
+    return Digests(subscriber.Frames(kStyled));
+  }
+
+  std::vector<Record> ReadAll(const std::string& file) const {
+    std::vector<Record> records;
+    const auto reader = Reader::Open(file);
+    EXPECT_TRUE(reader.ok()) << reader.status().message();
+    Record record;
+    while (reader.ok() && reader.value()->Next(record)) records.push_back(record);
+    if (!reader.ok()) return records;
+    EXPECT_EQ(recording::DamageText(reader.value()->counts()), "");
+    return records;
+  }
+
+  // Records what a daemon publishes of the simulator.
+  std::string RecordPublished(const std::string& faults, const std::string& seconds) {
+    const auto daemon = MakeDaemon();
+    const std::string file = folder_ / "published.styrec";
+    const auto recorder = Start({"record", "--from", daemon->publish, file}, "record.txt");
+    ControlClient control(daemon->control);
+    EXPECT_EQ(control.CounterSoon("publish.subscriptions", 4), 4U);
+    Simulate("udp://" + daemon->udp, faults, seconds);
+    Stop(*recorder);
+    return file;
+  }
+
+  TemporaryFolder folder_;
+  std::string said_;
+
+ private:
+  int runs_ = 0;
+};
+
+// The recording of a subscriber: source frames become a rig's datagrams again.
+TEST_F(RecordingsTest, WhatWasPublishedIsStyledAgainBitForBitAtItsOwnSpeedAndFlatOut) {
+  const std::string file = RecordPublished("loss=0.02,nan=0.02,seed=3", "4");
+  std::vector<v1::Frame> frames;
+  for (const Record& record : ReadAll(file)) {
+    if (record.published().topic() != kStyled) continue;
+    frames.emplace_back();
+    ASSERT_TRUE(frames.back().ParseFromString(record.published().payload()));
+  }
+  const auto expected = Digests(frames);
+  ASSERT_GT(expected.size(), 400U);
+  ASSERT_NE(expected.back().styles, "") << "styled at all";
+  EXPECT_TRUE(std::any_of(expected.begin(), expected.end(), [](const Styled& styled) {
+    return (styled.flags & v1::FLAG_HELD) != 0;
+  })) << "with joints that were held";
+  ExpectSame(Replay(file, expected.size(), false), expected, "at its own speed");
+  ExpectSame(Replay(file, expected.size(), true), expected, "flat out");
+  ExpectSame(Replay(file, expected.size(), true), expected, "flat out again");
+  // Poses that are equal whatever is done would prove nothing.
+  const auto other = Replay(file, expected.size(), true, nullptr, "style3");
+  ASSERT_EQ(other.size(), expected.size());
+  EXPECT_NE(other.back().pose, expected.back().pose);
+}
+
+// The recording of the wire, with everything on it that can go wrong.
+TEST_F(RecordingsTest, WhatArrivedIsStyledAgainBitForBitAtItsOwnSpeedAndFlatOut) {
+  const std::string file = folder_ / "arrivals.styrec";
+  std::vector<Styled> expected;
+  std::uint64_t lost = 0;
+  {
+    const auto daemon = MakeDaemon();
+    const Subscriber subscriber(daemon->publish, {"styled/", "body/"});
+    ControlClient control(daemon->control);
+    ASSERT_EQ(control.CounterSoon("publish.subscriptions", 2), 2U);
+    const auto recorder =
+        Start({"receive", "--listen", "udp://127.0.0.1:0", "--forward", daemon->udp, file},
+              "receive.txt");
+    const std::string bound = Bound("receive.txt", "listening on ");
+    ASSERT_NE(bound, "");
+    Simulate(bound,
+             "loss=0.01,duplicate=0.02,reorder=0.02,corrupt=0.02,truncate=0.01,nan=0.01,late=0.01,"
+             "late-ms=20,restart=0.004,restart-pause-ms=400,seed=8",
+             "5");
+    Stop(*recorder);
+    ASSERT_GT(control.Counter("pipeline.sessions"), 1U) << "the sender restarted";
+    std::uint64_t received = 0;
+    for (const Record& record : ReadAll(file)) received += record.has_arrival() ? 1 : 0;
+    ASSERT_EQ(control.CounterSoon("source.received", received), received);
+    const auto frames = control.Counter("pipeline.frames");
+    ASSERT_TRUE(subscriber.WaitForFrames(frames, kStyled));
+    expected = Digests(subscriber.Frames(kStyled));
+    lost = control.Counter("pipeline.lost");
+  }
+  ASSERT_GT(expected.size(), 300U);
+  std::uint64_t replay_lost = 0;
+  ExpectSame(Replay(file, expected.size(), false, &replay_lost), expected, "at its own speed");
+  EXPECT_EQ(replay_lost, lost);
+  ExpectSame(Replay(file, expected.size(), true, &replay_lost), expected, "flat out");
+  EXPECT_EQ(replay_lost, lost);
+}
+
+// A recording as the daemon makes it: commands lie between the arrivals that they fell between.
+TEST_F(RecordingsTest, CommandsFallOnTheSameFrameAgain) {
+  const std::string file = folder_ / "commands.styrec";
+  {
+    auto writer = recording::FileWriter::Create(file, {});
+    ASSERT_TRUE(writer.ok());
+    const auto add = [&](Record& record, int i) {
+      record.set_time_ns(i * 8'333'333LL);
+      ASSERT_TRUE(writer.value()->Add(record, record.time_ns()).ok());
+    };
+    Rig rig("sim");
+    for (int i = 0; i < 360; ++i) {
+      for (const bool body : {true, false}) {
+        if (body && i % 120 != 0) continue;
+        const Bytes bytes = body ? rig.Body() : rig.Frame();
+        Record record;
+        record.mutable_arrival()->set_source("rig");
+        record.mutable_arrival()->set_datagram(bytes.data(), bytes.size());
+        add(record, i);
+      }
+      if (i != 150 && i != 250) continue;
+      Record record;
+      auto& request = *record.mutable_command()->mutable_request();
+      request.set_performer(kId);
+      if (i == 150) {
+        request.mutable_set()->add_mix()->set_style("style3");
+        request.mutable_set()->mutable_mix(0)->set_weight(1);
+        request.mutable_set()->set_transition_ms(100);
+      } else {
+        request.mutable_panic();
+      }
+      add(record, i);
+    }
+    ASSERT_TRUE(writer.value()->Flush().ok());
+  }
+  const auto first = Replay(file, 360, true);
+  ASSERT_EQ(first.size(), 360U);
+  const auto wears_it = [&](std::size_t i) {
+    return first[i].styles.find("style3") != std::string::npos;
+  };
+  // The commands lie behind frames 150 and 250; the second one fades for 100 ms, too.
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    if (i > 250 && i <= 264) continue;
+    EXPECT_EQ(wears_it(i), i > 150 && i <= 250) << i;
+  }
+  ExpectSame(Replay(file, 360, true), first, "again");
+}
+
+TEST_F(RecordingsTest, SubscribersOfARecordingGetWhatSubscribersGot) {
+  const std::string file = RecordPublished("", "1");
+  std::vector<Message> expected;
+  for (const Record& record : ReadAll(file)) {
+    expected.push_back({record.published().topic(), record.published().payload()});
+  }
+  const auto player = Start({"play", file, "--publish", "tcp://127.0.0.1:*", "--wait", "20",
+                             "--speed", "max", "--as-recorded"},
+                            "play.txt");
+  const std::string bound = Bound("play.txt", "publishing on ");
+  ASSERT_NE(bound, "");
+  const Subscriber subscriber(bound, {""});
+  EXPECT_EQ(player->Wait(30).value_or(-1), 0) << ReadText(folder_ / "play.txt");
+  std::vector<v1::Frame> frames;
+  for (const auto& message : expected) {
+    if (message.topic.starts_with("body/") || message.topic == "stats/") continue;
+    frames.emplace_back();
+    ASSERT_TRUE(frames.back().ParseFromString(message.payload));
+  }
+  ASSERT_TRUE(subscriber.WaitForFrames(frames.size()));
+  const auto found = subscriber.Frames();
+  ASSERT_EQ(found.size(), frames.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    ASSERT_EQ(found[i].SerializeAsString(), frames[i].SerializeAsString()) << i;
+  }
+  EXPECT_GE(subscriber.Bodies().size(), 2U);
+}
+
+// A new epoch at every repetition: a subscriber that drops what it has seen shows them all.
+TEST_F(RecordingsTest, ALoopIsNewToADaemonAndToSubscribersEachTime) {
+  const std::string file = RecordPublished("", "1");
+  const auto daemon = MakeDaemon();
+  ControlClient control(daemon->control);
+  const auto player = Start({"play", file, "--to", "udp://" + daemon->udp, "--publish",
+                             "tcp://127.0.0.1:*", "--loop", "--speed", "4"},
+                            "play.txt");
+  const std::string bound = Bound("play.txt", "publishing on ");
+  const Subscriber subscriber(bound, {kStyled, "body/"});
+  ASSERT_TRUE(subscriber.WaitFor(
+      [&] {
+        std::set<std::uint64_t> epochs;
+        for (const auto& frame : subscriber.Frames(kStyled)) epochs.insert(frame.epoch());
+        return epochs.size() >= 3;
+      },
+      30));
+  ASSERT_TRUE(subscriber.WaitFor([&] { return control.Counter("pipeline.sessions") >= 3; }, 30))
+      << daemon->Log();
+  Stop(*player);
+  EXPECT_EQ(control.Counter("pipeline.second_sender"), 0U);
+  EXPECT_EQ(control.Counter("pipeline.reordered"), 0U);
+}
+
+TEST_F(RecordingsTest, ARecorderThatIsKilledLeavesAFileThatPlays) {
+  const auto daemon = MakeDaemon();
+  const std::string file = folder_ / "killed.styrec";
+  const auto recorder = Start({"record", "--from", daemon->publish, file}, "record.txt");
+  ControlClient control(daemon->control);
+  ASSERT_EQ(control.CounterSoon("publish.subscriptions", 4), 4U);
+  Simulate("udp://" + daemon->udp, "", "1");
+  recorder->Signal(SIGKILL);
+  EXPECT_EQ(recorder->Wait(10).value_or(-1), 128 + SIGKILL);
+  std::size_t frames =
+      0;  // what the rig sent; its styled twin may lie on the other side of the cut
+  for (const Record& record : ReadAll(file)) {
+    frames += record.published().topic() == "source/rig.sim/" ? 1 : 0;
+  }
+  EXPECT_GT(frames, 90U) << "at most the last 100 ms are missing";
+  EXPECT_EQ(Replay(file, frames, true).size(), frames);
+}
+
+TEST_F(RecordingsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
+  for (const std::vector<std::string>& wrong :
+       std::vector<std::vector<std::string>>{{},
+                                             {"rewind"},
+                                             {"play"},
+                                             {"play", "x.styrec"},
+                                             {"export", "x.styrec", "--performer", "rig.sim"},
+                                             {"record", "--performer", "nobody", "x.styrec"},
+                                             {"receive", "x.styrec"}}) {
+    EXPECT_EQ(Run(wrong), 2) << testing::PrintToString(wrong);
+    EXPECT_NE(said_, "");
+  }
+  const std::string file = folder_ / "text.styrec";
+  WriteText(file, "no recording at all");
+  EXPECT_EQ(Run({"info", file}), 1);
+  EXPECT_NE(said_.find(file + ": offset 0: found 6E 6F"), std::string::npos) << said_;
+  EXPECT_EQ(Run({"record", file}), 1);
+  EXPECT_NE(said_.find("exists already"), std::string::npos) << said_;
+  EXPECT_EQ(ReadText(file), "no recording at all");
+}
+
+}  // namespace
+}  // namespace styled::support

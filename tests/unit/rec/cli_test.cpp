@@ -1,0 +1,218 @@
+#include "clients/rec/cli.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "model/clip/clip.h"
+#include "tests/unit/rec/fakes.h"
+
+namespace styled::rec {
+namespace {
+
+using testing::Arrival;
+using ::testing::HasSubstr;
+using testing::kSecond_ns;
+using testing::Published;
+
+class CliTest : public ::testing::Test {
+ protected:
+  int Run(const std::vector<std::string>& arguments) {
+    out_.str("");
+    err_.str("");
+    return rec::Run(arguments, stop_, out_, err_);
+  }
+  std::string Write(const std::string& name, const std::vector<recording::Record>& records) const {
+    recording::FileHeader header = recording::BeginningNow("test", "1.2");
+    header.set_created_unix_ns(1'700'000'000 * kSecond_ns);
+    header.set_description("a \x1B[31mred\nfile");
+    header.set_weights("v1.safetensors");
+    header.set_weights_hash("fnv1a64:0123");
+    header.set_config("[publish]\n");
+    std::string file = folder_ / name;
+    const auto writer = recording::FileWriter::Create(file, header);
+    EXPECT_TRUE(writer.ok());
+    for (const auto& record : records) EXPECT_TRUE(writer.value()->Add(record, 0).ok());
+    EXPECT_TRUE(writer.value()->Flush().ok());
+    return file;
+  }
+  // Half a second at 100 Hz.
+  std::vector<recording::Record> Motion() const {
+    const auto body = testing::MakeBody("rig.a", styled::v1::OUTPUT_RIG, 5);
+    std::vector<recording::Record> records{Published(0, "body/rig.a/", body.SerializeAsString())};
+    for (int i = 0; i < 50; ++i) {
+      const auto frame = testing::MakeFrame(body, static_cast<std::uint64_t>(i + 1),
+                                            static_cast<std::uint64_t>(i) * 10'000'000 + 1);
+      for (const char* topic : {"source/rig.a/", "styled/rig.a/rig/"}) {
+        records.push_back(Published(i * 10'000'000LL, topic, frame.SerializeAsString()));
+      }
+    }
+    return records;
+  }
+
+  testing::TemporaryFolder folder_;
+  std::ostringstream out_, err_;
+  std::atomic<bool> stop_{false};
+};
+
+TEST_F(CliTest, BadCommandLinesEndWithTwoAndSayWhatWasExpected) {
+  const auto expect = [&](const std::vector<std::string>& arguments, const std::string& text) {
+    EXPECT_EQ(Run(arguments), kExitUsage) << ::testing::PrintToString(arguments);
+    EXPECT_THAT(err_.str(), HasSubstr(text));
+    EXPECT_THAT(err_.str(), HasSubstr("see stylerec --help"));
+  };
+  expect({}, "a command is required");
+  expect({"rewind"}, "rewind");
+  expect({"info"}, "FILE is required");
+  expect({"play", "x"}, "play: nothing to play to; expected --to or --publish");
+  expect({"export", "x", "--performer", "rig.a"}, "expected --bvh or --glb");
+  expect({"export", "x", "--glb", "y"}, "--performer is required");
+  expect({"export", "x", "--performer", "rig.a", "--glb", "y", "--what", "feet"}, "feet");
+  expect({"export", "x", "--performer", "rig.a", "--glb", "y", "--rate", "0"}, "--rate");
+  expect({"record", "--performer", "anna", "x"}, "'anna' is not SOURCE.NAME");
+  expect({"record", "--performer", "rig.a", "--topics", "stats/", "x"}, "excludes");
+  expect({"record", "--seconds", "nan", "x"}, "nan");
+  expect({"receive", "x"}, "--listen is required");
+  expect({"receive", "--listen", "udp://127.0.0.1:0", "--forward", "a:1,b:2", "x"},
+         "found 2 addresses in --forward");
+}
+
+TEST_F(CliTest, HelpAndVersionAreNoErrors) {
+  EXPECT_EQ(Run({"--help"}), kExitOk);
+  EXPECT_THAT(out_.str(), HasSubstr("stylerec play"));
+  EXPECT_EQ(Run({"play", "--help"}), kExitOk);
+  EXPECT_EQ(Run({"--version"}), kExitOk);
+  EXPECT_THAT(out_.str(), HasSubstr("stylerec "));
+}
+
+TEST_F(CliTest, FilesAndAddressesThatAreWrongEndWithOneAndTheirName) {
+  const auto expect = [&](const std::vector<std::string>& arguments, const std::string& text) {
+    EXPECT_EQ(Run(arguments), kExitFailed) << ::testing::PrintToString(arguments);
+    EXPECT_THAT(err_.str(), HasSubstr(text));
+  };
+  const std::string motion = Write("motion", Motion());
+  const std::string none = folder_ / "none";
+  for (const char* command : {"info", "play", "export"}) {
+    std::vector<std::string> arguments{command, none};
+    if (arguments[0] == "play") arguments.insert(arguments.end(), {"--to", "udp://127.0.0.1:9"});
+    if (arguments[0] == "export") {
+      arguments.insert(arguments.end(), {"--performer", "rig.a", "--glb", none});
+    }
+    expect(arguments, none + ": cannot be read");
+  }
+  expect({"record", motion}, motion + ": exists already");
+  expect({"record", "--from", "nonsense", none}, "--from nonsense");
+  expect({"record", "--config", none, folder_ / "a"}, none + ": cannot be read");
+  expect({"record", "--weights", none, folder_ / "a"}, none + ": cannot be read");
+  expect({"receive", "--listen", "tcp://127.0.0.1:0", folder_ / "a"}, "udp://HOST:PORT");
+  expect({"play", motion, "--to", "ftp://x"}, "ftp://x");
+  expect({"play", motion, "--to", "udp://127.0.0.1:9", "--to", "udp://127.0.0.1:8"},
+         "expected one address per source");
+  expect({"play", motion, "--to", "original"}, "has no arrivals");
+  for (const char* speed : {"0", "-1", "fast", "nan", "1e9", ""}) {
+    expect({"play", motion, "--to", "udp://127.0.0.1:9", "--speed", speed}, "--speed");
+  }
+  expect({"play", motion, "--to", "udp://127.0.0.1:9", "--from", "3"}, "expected --from within");
+  expect({"play", motion, "--publish", "tcp://nowhere"}, "--publish tcp://nowhere");
+  expect({"play", motion, "--publish", "tcp://127.0.0.1:*", "--wait", "0.05"},
+         "found no subscriber");
+  expect({"export", motion, "--performer", "rig.b", "--glb", none}, "source/rig.a/");
+  expect({"export", motion, "--performer", "rig.a", "--glb", "/nonexistent/x.glb"},
+         "/nonexistent/x.glb");
+  const std::string note = Write("note", {recording::Record()});
+  expect({"play", note, "--to", "udp://127.0.0.1:9"}, "found neither arrivals nor");
+}
+
+TEST_F(CliTest, InfoSaysWhatIsInAFile) {
+  std::vector<recording::Record> records = Motion();
+  for (int i = 0; i < 3; ++i) records.push_back(Arrival(i * kSecond_ns, "12345", "suit"));
+  recording::Record command;
+  command.set_time_ns(kSecond_ns);
+  auto& request = *command.mutable_command()->mutable_request();
+  request.set_performer("rig.a");
+  request.mutable_set()->add_mix()->set_style("old");
+  request.mutable_set()->mutable_mix(0)->set_weight(0.5F);
+  auto& applied = *command.mutable_command()->add_applied();
+  applied.set_performer("rig.a");
+  applied.set_first_sequence(42);
+  records.push_back(command);
+  const std::string file = Write("x", records);
+  ASSERT_EQ(Run({"info", file}), kExitOk) << err_.str();
+  for (const char* text : {"2.000 s, 105 records", "begun 2023-11-14 22:13:20 UTC by test 1.2",
+                           "description: a ?[31mred?file\n", "weights: v1.safetensors fnv1a64:0123",
+                           "arrivals: suit (udp, at ) 3 datagrams, 15 bytes, 1.00/s, 1 senders",
+                           "published: source/rig.a/ 50 messages",
+                           "command at 1.000 s: rig.a set old=0.5 [rig.a from 42]"}) {
+    EXPECT_THAT(out_.str(), HasSubstr(text));
+  }
+  EXPECT_THAT(out_.str(), ::testing::Not(HasSubstr("damage")));
+  ASSERT_EQ(Run({"info", file, "--json"}), kExitOk);
+  const auto json = nlohmann::json::parse(out_.str());
+  EXPECT_EQ(json["records"], 105);
+  EXPECT_EQ(json["arrivals"][0]["datagrams"], 3);
+  EXPECT_EQ(json["config"], "[publish]\n");
+  EXPECT_EQ(json["commands"][0]["text"], "rig.a set old=0.5 [rig.a from 42]");
+  EXPECT_EQ(json["skipped_bytes"], 0);
+}
+
+TEST_F(CliTest, DamageIsSaidAndIsNoErrorAndAFileWithoutItsBeginningIsSalvaged) {
+  const std::string file = Write("x", Motion());
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 5);
+  ASSERT_EQ(Run({"info", file}), kExitOk);
+  EXPECT_THAT(out_.str(), HasSubstr("damage: the last block is cut short"));
+  {
+    std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+    stream.put('x');
+  }
+  EXPECT_EQ(Run({"info", file}), kExitFailed);
+  EXPECT_THAT(err_.str(), HasSubstr("offset 0: found 78 53"));
+  EXPECT_EQ(Run({"info", file, "--salvage"}), kExitOk);
+}
+
+TEST_F(CliTest, PlayingEndsWithASummary) {
+  const testing::Listener listener;
+  const std::string file = Write("x", Motion());
+  ASSERT_EQ(Run({"play", file, "--to", listener.url(), "--speed", "max"}), kExitOk) << err_.str();
+  EXPECT_THAT(out_.str(), HasSubstr(file + ": records=101 passes=1 seconds=0.49"));
+  EXPECT_THAT(out_.str(), HasSubstr("datagrams=51 elsewhere=0"));
+  ASSERT_EQ(Run({"play", file, "--to", listener.url(), "--speed", "max", "--from", "0.2",
+                 "--to-time", "0.3"}),
+            kExitOk);
+  EXPECT_THAT(out_.str(), HasSubstr("records=22 passes=1 seconds=0.1"));
+  EXPECT_THAT(out_.str(), HasSubstr("datagrams=12"));
+}
+
+TEST_F(CliTest, AStopBeforeItBeganIsAnOrderlyEnd) {
+  stop_ = true;
+  const testing::Listener listener;
+  EXPECT_EQ(Run({"play", Write("x", Motion()), "--to", listener.url(), "--loop"}), kExitOk);
+  EXPECT_THAT(out_.str(), HasSubstr("records=0"));
+  EXPECT_EQ(Run({"record", folder_ / "new"}), kExitOk) << err_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("messages=0 missed=0"));
+  EXPECT_EQ(Run({"info", folder_ / "new"}), kExitOk);
+  EXPECT_EQ(Run({"receive", "--listen", "rig=udp://127.0.0.1:0", folder_ / "other"}), kExitOk);
+  EXPECT_THAT(err_.str(), HasSubstr("listening on udp://127.0.0.1:"));
+}
+
+TEST_F(CliTest, AnExportIsReadBackAsItWasRecorded) {
+  const std::string file = Write("x", Motion()), bvh = folder_ / "x.bvh", glb = folder_ / "x.glb";
+  ASSERT_EQ(Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--glb", glb}), kExitOk)
+      << err_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("rig.a rig: frames=50 seconds=0.49 joints=21"));
+  const auto clip = clip::ReadBvh(bvh);
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  EXPECT_EQ(clip.value().rate_hz, 100);
+  ASSERT_EQ(clip.value().frames.size(), 50U);
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_EQ(clip.value().frames[static_cast<std::size_t>(i)].translations[0].y(), i + 1);
+  }
+  EXPECT_GT(std::filesystem::file_size(glb), 10'000U);
+  ASSERT_EQ(Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--rate", "25"}), kExitOk);
+  EXPECT_EQ(clip::ReadBvh(bvh).value().frames.size(), 13U);
+}
+
+}  // namespace
+}  // namespace styled::rec

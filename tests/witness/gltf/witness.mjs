@@ -1,0 +1,67 @@
+// What stylerec exports, read by programs that are not ours: the Khronos glTF validator and three.js's
+// loaders. Each joint must be where expected.json, made from the recorded poses by the project's forward
+// kinematics, has it.  node witness.mjs FOLDER (walk.glb, walk30.glb, walk.bvh, expected.json)
+import fs from 'node:fs';
+import path from 'node:path';
+import validator from 'gltf-validator';
+import * as THREE from 'three';
+import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
+import { BVHLoader } from 'three/examples/jsm/loaders/BVHLoader.js';
+
+globalThis.self = globalThis;
+const folder = process.argv[2];
+const read = (name) => fs.readFileSync(path.join(folder, name));
+const expected = JSON.parse(read('expected.json'));
+let failed = false;
+
+function check(condition, text) {
+  console.log(`${condition ? 'ok' : 'FAILED'}: ${text}`);
+  failed ||= !condition;
+}
+
+// The largest distance of a joint from its expected place, at the expected times.
+function worst(root, clip, places, positions) {
+  const mixer = new THREE.AnimationMixer(root);
+  mixer.clipAction(clip).play();
+  let most = 0;
+  const place = new THREE.Vector3();
+  expected.times.forEach((time, k) => {
+    mixer.setTime(time);
+    root.updateMatrixWorld(true);
+    expected.names.forEach((name, joint) => {
+      places(name).getWorldPosition(place);
+      most = Math.max(most, place.distanceTo(new THREE.Vector3(...positions[k][joint])));
+    });
+  });
+  return most;
+}
+
+for (const name of ['walk.glb', 'walk30.glb']) {
+  const bytes = read(name);
+  const report = await validator.validateBytes(new Uint8Array(bytes));
+  const { numErrors, numWarnings, numInfos, numHints, messages } = report.issues;
+  check(numErrors + numWarnings + numInfos + numHints === 0,
+        `${name}: the validator has nothing to say ${JSON.stringify(messages)}`);
+  check(report.info.generator === 'styled', `${name}: made by styled`);
+  const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
+  const gltf = await new Promise((done, fail) => new GLTFLoader().parse(buffer, '', done, fail));
+  const most_m = worst(gltf.scene, gltf.animations[0], (joint) => gltf.scene.getObjectByName(joint),
+                       expected.metres);
+  check(most_m < 1e-4, `${name}: joints are within ${most_m} m`);
+  let mesh;
+  gltf.scene.traverse((object) => { if (object.isSkinnedMesh) mesh = object; });
+  check(mesh?.skeleton.bones.length === expected.names.length, `${name}: a skin of all joints`);
+  // The skinned mesh moves with the figure: its hips bone begins at the hips.
+  mesh.skeleton.update();
+  const corner = new THREE.Vector3().fromBufferAttribute(mesh.geometry.attributes.position, 0);
+  mesh.applyBoneTransform(0, corner).applyMatrix4(mesh.matrixWorld);
+  const last = expected.metres.at(-1)[0];
+  check(corner.distanceTo(new THREE.Vector3(...last)) < 1e-4, `${name}: the mesh is where the hips are`);
+}
+
+const bvh = new BVHLoader().parse(read('walk.bvh').toString());
+const most_units = worst(bvh.skeleton.bones[0], bvh.clip,
+                         (joint) => bvh.skeleton.bones.find((bone) => bone.name === joint),
+                         expected.units);
+check(most_units < 0.01, `walk.bvh: joints are within ${most_units} units`);
+process.exit(failed ? 1 : 0);
