@@ -6,8 +6,10 @@ namespace styled::rec {
 namespace {
 
 constexpr std::uint64_t kUnderWay = 64;  // datagrams: small beside any socket's buffer
-constexpr std::int64_t kStill_ns = 20'000'000, kSurelyStill_ns = 5'000'000;
-constexpr std::int64_t kLongest_ns = 1'000'000'000, kLook_ns = 500'000;
+constexpr std::int64_t kStill_ns = 20'000'000, kLongest_ns = 2'000'000'000, kLook_ns = 500'000;
+// Looks that find the same count: the daemon's pipeline has looked at its sources before each
+// answer, however slow its machine is.
+constexpr int kStillLooks = 8, kSurelyStillLooks = 3;
 
 }  // namespace
 
@@ -20,35 +22,40 @@ Result<std::unique_ptr<Steering>> Steering::Connect(const std::string& endpoint,
   const auto answer = control.value()->Status(&reply);
   if (!answer.ok()) return styled::Status::Error(answer.reason());
   std::unique_ptr<Steering> steering(new Steering(std::move(control.value()), clock));
-  steering->before_ = steering->Received();
+  steering->before_ = steering->Received().value_or(0);
   return steering;
 }
 
-std::uint64_t Steering::Received() {
+std::optional<std::uint64_t> Steering::Received() {
   styled::v1::StatusReply reply;
-  if (!control_->Status(&reply).ok()) return before_ + known_;
+  if (!control_->Status(&reply).ok()) return std::nullopt;
   for (const auto& counter : reply.stats().counters()) {
     if (counter.name() == "source.received") return counter.value();
   }
-  return before_ + known_;
+  return std::nullopt;
 }
 
 void Steering::Settle(std::uint64_t under_way) {
-  std::uint64_t last = known_;
   const std::int64_t begin_ns = clock_.Now_ns();
   std::int64_t moved_ns = begin_ns;
-  bool settled = sent_ <= known_ + under_way && under_way > 0;
+  std::uint64_t received = known_;
+  int still = 0;
+  bool settled = under_way > 0 && sent_ <= known_ + under_way;
   while (!settled) {
-    const std::uint64_t received = Received() - before_;
+    const auto counter = Received();
     const std::int64_t now_ns = clock_.Now_ns();
-    if (received != last) moved_ns = now_ns;
-    last = received;
+    if (counter) {
+      const bool moved = *counter - before_ != received;
+      received = *counter - before_;
+      still = moved ? 0 : still + 1;
+      if (moved) moved_ns = now_ns;
+    }
     if (received <= sent_) known_ = std::max(known_, received);
-    const std::int64_t still_ns = now_ns - moved_ns;
     // The very number may be chance where a source counts more than it is sent.
     settled = under_way > 0 ? sent_ <= known_ + under_way
-                            : received == sent_ && still_ns >= kSurelyStill_ns;
-    if (!settled && (still_ns >= kStill_ns || now_ns - begin_ns >= kLongest_ns)) {
+                            : received == sent_ && still >= kSurelyStillLooks;
+    const bool at_rest = still >= kStillLooks && now_ns - moved_ns >= kStill_ns;
+    if (!settled && (at_rest || now_ns - begin_ns >= kLongest_ns)) {
       // It counts in its own way, or lost some: neither is a debt of the next datagrams.
       before_ += received - sent_;
       known_ = sent_;

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace styled::rec {
 // The control socket of the daemon that is played to: recorded commands are given again at their
 // places among the datagrams, and a daemon that falls behind is waited for, so that nothing is lost
 // at any speed. Both by the daemon's own count of what it received; a source that counts in another
-// way (a rig's translator) is taken to have caught up when the count stands still for 20 ms.
+// way (a rig's translator) is taken to have caught up when the count stands still for 20 ms and
+// some looks.
 class Steering final : public Outlet {
  public:
   // Refuses an endpoint that makes no sense, and one where nobody answers.
@@ -41,7 +43,7 @@ class Steering final : public Outlet {
       : control_(std::move(control)), clock_(clock) {}
   // Waits until at most `under_way` of what was sent have not been received.
   void Settle(std::uint64_t under_way);
-  std::uint64_t Received();
+  std::optional<std::uint64_t> Received();  // by the daemon's count; nothing without an answer
 
   std::unique_ptr<client::Control> control_;
   player::Clock& clock_;

@@ -2,12 +2,15 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
 #include "clients/cpp/control.h"
+#include "clients/cpp/stylectl/doctor_report.h"
 #include "clients/cpp/stylectl/report.h"
 #include "clients/cpp/stylectl/suggest.h"
 #include "clients/cpp/subscriber.h"
@@ -32,6 +35,10 @@ struct Arguments {
   bool absolute = false, detail = false;
   std::string only;  // parts of the body
   std::string from;  // what the performer moves in already
+  std::string pose = "t", sensors = "full";
+  int countdown_s = 3;
+  bool forget = false;  // the calibration
+  doctor::Options doctor;
 };
 
 // A check of --only: empty, or what is wrong.
@@ -74,6 +81,8 @@ class Program {
  private:
   void Declare();
   void DeclareSet();
+  void DeclareCalibrate();
+  void DeclareDoctor();
   CLI::App* Command(const std::string& name, const std::string& text);
   void PerformerOf(CLI::App* command, bool required);
 
@@ -81,6 +90,8 @@ class Program {
   int List();
   int Status();
   int Set();
+  int Calibrate();
+  int Doctor();
   int Changed(const CallStatus& status, const client::Applied& applied, const std::string& what);
   int Fail(const CallStatus& status);
   int Usage(const std::string& text);
@@ -142,6 +153,8 @@ void Program::Declare() {
   PerformerOf(Command("unpin", "undo pin"), true);
   Command("panic", "everyone to bypass, pinned or not");
   PerformerOf(Command("reset", "clear recurrent state, keep the settings"), true);
+  DeclareCalibrate();
+  DeclareDoctor();
 }
 
 void Program::DeclareSet() {
@@ -168,6 +181,49 @@ void Program::DeclareSet() {
                   "what the performer moves in already, to be taken away; neutral: nothing");
 }
 
+void Program::DeclareCalibrate() {
+  CLI::App* calibrate =
+      Command("calibrate", "take how a performer stands now as his rig's rest pose");
+  PerformerOf(calibrate, true);
+  CLI::Option* pose =
+      calibrate
+          ->add_option("--pose", arguments_.pose, "t: arms sideways, palms down; n: arms hanging")
+          ->check(CLI::IsMember({"t", "n"}))
+          ->capture_default_str();
+  calibrate
+      ->add_option("--sensors", arguments_.sensors,
+                   "of rigs of sensors: full (as worn, and heading), yaw (heading), mounting")
+      ->check(CLI::IsMember({"full", "yaw", "mounting"}))
+      ->capture_default_str();
+  calibrate->add_option("--countdown", arguments_.countdown_s, "seconds to take up the pose")
+      ->check(CLI::Range(0, 60))
+      ->capture_default_str();
+  calibrate->add_flag("--clear", arguments_.forget, "forget the calibration")->excludes(pose);
+}
+
+void Program::DeclareDoctor() {
+  doctor::Options& options = arguments_.doctor;
+  CLI::App* doctor = Command("doctor", "connected, but nothing arrives: find out where it ends");
+  doctor->add_option("--config", options.config, "the daemon's styled.toml");
+  doctor->add_option("--source", options.source, "look at this source alone");
+  doctor->add_option("--seconds", options.seconds, "how long to listen")
+      ->check(CLI::Range(0.2, 60.0))
+      ->capture_default_str();
+  doctor->add_option("--listen", options.listen, "TYPE=HOST:PORT: look there, too")
+      ->allow_extra_args(false);
+  doctor->add_flag("!--no-capture", options.capture,
+                   "listen on free ports alone, even with root's rights");
+  doctor->footer("Exit codes: 0 all is well, 1 a problem was found, 2 usage.");
+}
+
+int Program::Doctor() {
+  doctor::Options& options = arguments_.doctor;
+  options.endpoint = arguments_.control.endpoint;
+  options.endpoint_given = app_.get_option("--endpoint")->count() > 0;
+  options.timeout = arguments_.control.timeout;
+  return RunDoctor(options, arguments_.json, out_, err_);
+}
+
 int Program::Run(std::vector<std::string> arguments) {
   std::reverse(arguments.begin(), arguments.end());  // what CLI11 takes
   try {
@@ -192,6 +248,8 @@ int Program::Execute(const std::string& command) {
   if (command == "list") return List();
   if (command == "status") return Status();
   if (command == "set") return Set();
+  if (command == "calibrate") return Calibrate();
+  if (command == "doctor") return Doctor();
   if (command == "clear") return Changed(control_->Clear(performer, &applied), applied, "bypass");
   if (command == "panic") return Changed(control_->Panic(&applied), applied, "bypass");
   if (command == "reset") return Changed(control_->Reset(performer, &applied), applied, "reset");
@@ -269,6 +327,41 @@ int Program::Set() {
   }
   client::Applied applied;
   return Changed(control_->Set(arguments_.performer, change_, &applied), applied, what);
+}
+
+int Program::Calibrate() {
+  v1::Calibrate wanted;
+  wanted.set_clear(arguments_.forget);
+  wanted.set_pose(arguments_.pose == "n" ? v1::Calibrate::POSE_N : v1::Calibrate::POSE_T);
+  wanted.set_sensors(arguments_.sensors == "full"  ? v1::Calibrate::SENSORS_FULL
+                     : arguments_.sensors == "yaw" ? v1::Calibrate::SENSORS_YAW
+                                                   : v1::Calibrate::SENSORS_MOUNTING);
+  for (int left_s = arguments_.forget ? 0 : arguments_.countdown_s; left_s > 0; --left_s) {
+    err_ << left_s << "... " << std::flush;
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    if (left_s == 1) err_ << "now\n";
+  }
+  v1::CalibrateReply told;
+  const CallStatus status = control_->Calibrate(arguments_.performer, wanted, &told);
+  if (!status.ok()) return Fail(status);
+  if (arguments_.json) {
+    json object{{"ok", true}, {"performer", arguments_.performer}};
+    if (!told.worst_joint().empty()) {
+      object["worst_joint"] = told.worst_joint();
+      object["worst_degrees"] = told.worst_degrees();
+      object["left_handed"] = told.left_handed();
+    }
+    out_ << object.dump() << "\n";
+    return kExitOk;
+  }
+  out_ << arguments_.performer << (arguments_.forget ? ": calibration forgotten" : ": calibrated");
+  if (!told.worst_joint().empty()) {
+    out_ << "; " << told.worst_joint() << " stood farthest off, by "
+         << std::lround(told.worst_degrees()) << " degrees";
+    if (told.left_handed()) out_ << "; the rig's axes are left-handed and are mirrored";
+  }
+  out_ << "\n";
+  return kExitOk;
 }
 
 int Program::Changed(const CallStatus& status, const client::Applied& applied,

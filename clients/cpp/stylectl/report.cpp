@@ -170,7 +170,13 @@ json ListJson(const v1::ListReply& list) {
 
 json StatusJson(const v1::StatusReply& status) {
   const v1::Stats& stats = status.stats();
-  json counters = json::object(), performers = json::array();
+  json counters = json::object(), performers = json::array(), sources = json::array();
+  for (const auto& source : status.sources()) {
+    sources.push_back({{"name", source.name()},
+                       {"type", source.type()},
+                       {"listen", source.listen()},
+                       {"received", source.received()}});
+  }
   for (const auto& counter : stats.counters()) counters[counter.name()] = counter.value();
   for (const auto& performer : stats.performers()) {
     performers.push_back(
@@ -198,6 +204,7 @@ json StatusJson(const v1::StatusReply& status) {
           {"uptime_s", status.uptime_s()},
           {"weights", status.weights()},
           {"wall_time_ns", stats.wall_time_ns()},
+          {"sources", sources},
           {"performers", performers},
           {"counters", counters}};
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <libusb.h>
+#include <libusb-1.0/libusb.h>
 
 #include <cstdint>
 #include <optional>

@@ -1,0 +1,286 @@
+#include "clients/cpp/doctor/diagnose.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "clients/cpp/doctor/examination.h"
+
+namespace styled::doctor {
+namespace {
+
+std::uint64_t ValueOf(const v1::StatusReply& status, const std::string& name) {
+  for (const auto& counter : status.stats().counters()) {
+    if (counter.name() == name) return counter.value();
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::uint64_t Facts::Grown(const std::string& counter) const {
+  if (!daemon_answers()) return 0;
+  const std::uint64_t before = ValueOf(daemon.before, counter);
+  const std::uint64_t after = ValueOf(daemon.after, counter);
+  return after > before ? after - before : 0;
+}
+
+const char* Name(Step step) {
+  constexpr std::array<const char*, 8> kNames{"daemon",  "port",     "arrival", "format",
+                                              "version", "skeleton", "frames",  "subscribers"};
+  return kNames[static_cast<std::size_t>(step)];
+}
+
+const char* Name(Severity severity) {
+  constexpr std::array<const char*, 3> kNames{"problem", "warning", "note"};
+  return kNames[static_cast<std::size_t>(severity)];
+}
+
+std::string PlaceOf(const Endpoint& endpoint, bool stream) {
+  return ToString(endpoint) + (stream ? "/tcp" : "/udp");
+}
+
+std::string PlaceOf(const Wanted& wanted) { return PlaceOf(wanted.listen, wanted.stream); }
+
+std::string Seconds(double seconds) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g s", seconds);
+  return text.data();
+}
+
+std::vector<Finding> Diagnose(const Facts& facts) { return Examination(facts).Run(); }
+
+std::vector<Finding> Examination::Run() {
+  Daemon();
+  for (const SourceFacts& source : facts_.sources) Source(source);
+  Unclaimed();
+  Losses();
+  Listeners();
+  std::ranges::stable_sort(findings_, {}, &Finding::severity);
+  return std::move(findings_);
+}
+
+void Examination::Say(Severity severity, Step step, const SourceFacts* source, std::string code,
+                      std::string what, std::string why, std::string change) {
+  findings_.push_back({severity, step, std::move(code), source == nullptr ? "" : Label(*source),
+                       std::move(what), std::move(why), std::move(change)});
+}
+
+void Examination::Daemon() {
+  const DaemonFacts& daemon = facts_.daemon;
+  const auto say = [&](const char* code, const std::string& what, const std::string& why,
+                       const std::string& change) {
+    Say(Severity::kProblem, Step::kDaemon, nullptr, code, what, why, change);
+  };
+  if (daemon.state == DaemonFacts::State::kAnswers) {
+    if (!daemon.remote) return;
+    return Say(Severity::kNote, Step::kDaemon, nullptr, "remote_daemon",
+               "The daemon at " + daemon.endpoint + " is on another machine.",
+               "Only what it counts can be seen from here, not its ports.",
+               "Run stylectl doctor on that machine to see more.");
+  }
+  if (daemon.state == DaemonFacts::State::kGarbled) {
+    return say("not_a_daemon", "What answers at " + daemon.endpoint + " is no styled daemon.",
+               daemon.holder ? "The port is held by " + Holder(*daemon.holder) + "." : "",
+               "Give the daemon's control address with --endpoint; it stands in styled.toml "
+               "under [control] address.");
+  }
+  if (!daemon.elsewhere.empty()) {
+    constexpr std::size_t kShown = 6;
+    std::string places;
+    for (std::size_t i = 0; i < std::min(daemon.elsewhere.size(), kShown); ++i) {
+      places.append(i == 0 ? "" : ", ").append(ToString(daemon.elsewhere[i].local));
+    }
+    if (daemon.elsewhere.size() > kShown) places += ", ...";
+    return say("wrong_control_endpoint",
+               "A styled daemon runs, but its control socket is not at " + daemon.endpoint + ".",
+               Holder(daemon.elsewhere.front()) + " listens on TCP " + places + ".",
+               "Ask there: stylectl --endpoint tcp://HOST:PORT doctor, or set STYLED_CONTROL. "
+               "Which of them it is stands in styled.toml under [control] address.");
+  }
+  if (daemon.holder) {
+    return say("control_taken", "No styled daemon answers at " + daemon.endpoint + ".",
+               "The port is held by " + Holder(*daemon.holder) + ", which does not answer us.",
+               "Stop that program, or give the daemon another [control] address and stylectl the "
+               "same with --endpoint.");
+  }
+  say("no_daemon", "No styled daemon answers at " + daemon.endpoint + ".",
+      "No program named styled listens on this machine.",
+      "Start it: styled --config styled.toml (as a service: systemctl start styled). If it does "
+      "not "
+      "stay up, its log says why.");
+}
+
+void Examination::Source(const SourceFacts& source) {
+  if (!source.wanted.network || (facts_.daemon.remote && !source.in_daemon)) return;
+  if (source.wanted.format == Format::kNatNet) return NatNet(source);
+  if (!Port(source)) return;
+  const Evidence evidence = EvidenceOf(source);
+  if (!Arrival(source, evidence)) return;
+  if (!Content(source, evidence)) return;
+  if (source.in_daemon) Frames(source, evidence);
+}
+
+// Formats that arrive although nobody wants them.
+void Examination::Unclaimed() {
+  const bool assumed = std::ranges::all_of(facts_.sources, [](const SourceFacts& source) {
+    return source.wanted.origin == Wanted::Origin::kAssumed;
+  });
+  for (const Flow* flow : Flows()) {
+    const Format format = flow->tally.MainFormat();
+    if (format == Format::kUnknown || Claimed(*flow) ||
+        std::ranges::find(explained_, flow) != explained_.end()) {
+      continue;
+    }
+    const bool wanted = std::ranges::any_of(facts_.sources, [format](const SourceFacts& source) {
+      return source.wanted.format == format;
+    });
+    const bool trouble = std::ranges::any_of(
+        findings_, [](const Finding& f) { return f.severity == Severity::kProblem; });
+    if (wanted || !trouble) continue;
+    explained_.push_back(flow);
+    const std::string place = format == Format::kNatNet
+                                  ? "server = \"" + flow->from.host + "\""
+                                  : "listen = \"0.0.0.0:" + std::to_string(flow->to.port) + "\"";
+    Say(assumed ? Severity::kProblem : Severity::kNote, Step::kPort, nullptr, "no_source",
+        std::string(Row(format).name) + " arrives at " + PlaceOf(flow->to, flow->stream) +
+            ", where no source listens.",
+        std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ": " +
+            flow->tally.Kinds(format) + ".",
+        "Add to styled.toml and restart the daemon:  [[source]] name = \"rig\"  type = \"" +
+            std::string(TypeFor(format, flow->stream)) + "\"  " + place);
+  }
+}
+
+void Examination::Losses() {
+  const auto warn = [&](const char* counter, const char* code, const std::string& what,
+                        const std::string& change) {
+    const std::uint64_t count = facts_.Grown(counter);
+    if (count == 0) return;
+    Say(Severity::kWarning, Step::kFrames, nullptr, code, std::to_string(count) + " " + what,
+        std::string(counter) + " grew while we listened.", change);
+  };
+  warn("source.kernel_dropped", "kernel_drops",
+       "datagrams were thrown away by the kernel: a source's receive buffer was full.",
+       "Raise that source's receive_buffer_bytes and, without root's rights, the system's limit: "
+       "sysctl -w net.core.rmem_max=8388608. Give the daemon a core: realtime.priority = 20.");
+  warn("pipeline.lost", "lost_on_the_way", "datagrams were lost between the rig and the daemon.",
+       "Use a cable, or a wireless network of its own; look at switches and at the sender's load.");
+  warn("pipeline.backlog_dropped", "too_slow", "frames came too late and were passed over.",
+       "The machine does not keep up: end other programs, set realtime.priority = 20.");
+  const bool said =
+      std::ranges::any_of(findings_, [](const Finding& f) { return f.code == "second_sender"; });
+  if (said) return;
+  warn("pipeline.second_sender", "second_sender",
+       "datagrams were refused: two senders send the same performer.",
+       "Stop one of them, or give it another performer's name.");
+}
+
+// The last step: who receives what the daemon publishes, and whether there is style in it.
+void Examination::Listeners() {
+  if (!facts_.daemon_answers()) return;
+  const v1::Stats& stats = facts_.daemon.after.stats();
+  int live = 0, bypassed = 0;
+  for (const auto& performer : stats.performers()) {
+    if (!performer.live()) continue;
+    ++live;
+    bypassed += performer.styles().empty() || performer.strength() == 0 ? 1 : 0;
+  }
+  if (live == 0) return;
+  if (ValueOf(facts_.daemon.after, "publish.subscriptions") == 0) {
+    Say(Severity::kNote, Step::kSubscribers, nullptr, "no_subscriber",
+        "Nobody has subscribed to what the daemon publishes.", "publish.subscriptions is 0.",
+        "Start a client (stylemon shows what comes); give it the address under [publish]. From "
+        "another machine that address must not be loopback.");
+  }
+  if (bypassed == live) {
+    Say(Severity::kNote, Step::kFrames, nullptr, "bypass",
+        "Every performer is in bypass: the motion goes out as it came in.", "",
+        "Set a style: stylectl set '*' --style NAME (stylectl list shows them).");
+  }
+}
+
+std::string Examination::Evidence::Senders() const {
+  std::vector<std::string> hosts;
+  for (const Flow* flow : flows) {
+    if (std::ranges::find(hosts, flow->from.host) == hosts.end()) hosts.push_back(flow->from.host);
+  }
+  std::string out;
+  for (const auto& host : hosts) out.append(out.empty() ? "" : ", ").append(host);
+  return out;
+}
+
+Examination::Evidence Examination::EvidenceOf(const SourceFacts& source) const {
+  Evidence out;
+  for (const auto* flows : {&facts_.heard, &facts_.seen}) {
+    if (!out.flows.empty()) break;
+    for (const Flow& flow : *flows) {
+      if (!Reaches(flow, source.wanted)) continue;
+      out.flows.push_back(&flow);
+      out.tally.Add(flow.tally);
+    }
+  }
+  out.arrived = source.received ? *source.received : out.tally.Count();
+  return out;
+}
+
+std::vector<const Flow*> Examination::Flows() const {
+  std::vector<const Flow*> out;
+  for (const Flow& flow : facts_.heard) out.push_back(&flow);
+  for (const Flow& flow : facts_.seen) {
+    const bool known = std::ranges::any_of(facts_.heard, [&flow](const Flow& heard) {
+      return !heard.stream && heard.to == flow.to && heard.from.host == flow.from.host;
+    });
+    if (!known) out.push_back(&flow);
+  }
+  return out;
+}
+
+bool Examination::Reaches(const Flow& flow, const Wanted& wanted) {
+  if (flow.stream != wanted.stream || flow.to.port != wanted.listen.port) return false;
+  if (wanted.listen.host == "::") return true;
+  const bool v6 = flow.to.host.find(':') != std::string::npos;
+  return wanted.listen.host == flow.to.host || (wanted.listen.host == "0.0.0.0" && !v6);
+}
+
+bool Examination::Claimed(const Flow& flow) const {
+  return std::ranges::any_of(facts_.sources, [&flow](const SourceFacts& source) {
+    return source.wanted.origin != Wanted::Origin::kOption && Reaches(flow, source.wanted);
+  });
+}
+
+bool Examination::HasLivePerformer(const SourceFacts& source) const {
+  if (!facts_.daemon_answers()) return false;
+  const auto& performers = facts_.daemon.after.stats().performers();
+  return std::any_of(performers.begin(), performers.end(), [&](const auto& performer) {
+    return performer.live() && performer.performer().starts_with(source.wanted.name + ".");
+  });
+}
+
+bool Examination::TwinWorks(const SourceFacts& source) const {
+  if (HasLivePerformer(source)) return true;
+  return std::ranges::any_of(facts_.sources, [&](const SourceFacts& other) {
+    return &other != &source && other.wanted.name == source.wanted.name &&
+           EvidenceOf(other).arrived > 0;
+  });
+}
+
+std::string Examination::Label(const SourceFacts& source) const {
+  const auto same = std::ranges::count_if(facts_.sources, [&](const SourceFacts& other) {
+    return other.wanted.name == source.wanted.name;
+  });
+  return same > 1 ? source.wanted.name + "/" + source.wanted.type : source.wanted.name;
+}
+
+std::string Examination::OwnAddresses() const {
+  std::string out;
+  for (const Interface& interface : facts_.interfaces) {
+    if (!interface.up || interface.loopback) continue;
+    for (const auto& address : interface.addresses) {
+      out.append(out.empty() ? "" : ", ").append(address + " (" + interface.name + ")");
+    }
+  }
+  return out.empty() ? "none but loopback: no network is up" : out;
+}
+
+}  // namespace styled::doctor

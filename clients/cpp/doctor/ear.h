@@ -1,0 +1,58 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include "clients/cpp/doctor/sniff.h"
+#include "clients/cpp/doctor/traffic.h"
+
+namespace styled::doctor {
+
+// Owns a file descriptor; -1: none.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  int get() const { return fd_; }
+
+ private:
+  int fd_ = -1;
+};
+
+// Larger than any datagram.
+inline constexpr std::size_t kMaxReceived = 65536;
+
+// Where ears write what they hear.
+struct Notebook {
+  Sniffer sniffer;
+  Traffic heard;  // what came to a program's socket: ours
+  Traffic seen;   // what came to an interface, past every firewall
+  double now_s = 0;
+  std::array<std::byte, kMaxReceived> buffer;
+};
+
+// One descriptor that is listened to. Nothing of it blocks. One thread.
+class Ear {
+ public:
+  virtual ~Ear() = default;
+  virtual int fd() const = 0;
+  // `fd` is readable. Takes a bounded number of datagrams.
+  virtual void Hear(Notebook& notes) = 0;
+  // About twenty times a second.
+  virtual void Tick(double /*now_s*/) {}
+};
+
+inline constexpr int kBatch = 64;  // datagrams that an ear takes at once
+
+}  // namespace styled::doctor

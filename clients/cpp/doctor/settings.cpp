@@ -1,0 +1,94 @@
+#include "clients/cpp/doctor/settings.h"
+
+#include <toml++/toml.h>
+
+#include <filesystem>
+
+namespace styled::doctor {
+namespace {
+
+std::string TextOf(const toml::table& table, std::string_view key, std::string_view otherwise) {
+  return table[key].value_or(std::string(otherwise));
+}
+
+Wanted ReadSource(const toml::table& table) {
+  Wanted out = MakeWanted(Wanted::Origin::kConfig, TextOf(table, "name", "rig"),
+                          TextOf(table, "type", "udp"), TextOf(table, "listen", ""));
+  out.server = TextOf(table, "server", "");
+  out.group = TextOf(table, "group", out.group);
+  out.interface = TextOf(table, "interface", "");
+  out.multicast = table["multicast"].value_or(true);
+  return out;
+}
+
+Settings ReadTable(const toml::table& table) {
+  Settings out;
+  if (const toml::array* sources = table["source"].as_array()) {
+    for (const auto& node : *sources) {
+      if (const toml::table* source = node.as_table()) out.sources.push_back(ReadSource(*source));
+    }
+  }
+  if (const toml::table* control = table["control"].as_table()) {
+    out.control = TextOf(*control, "address", "");
+  }
+  if (out.sources.empty()) out.sources = AssumedSources();
+  return out;
+}
+
+}  // namespace
+
+Wanted MakeWanted(Wanted::Origin origin, const std::string& name, const std::string& type,
+                  const std::string& listen) {
+  Wanted out;
+  out.origin = origin;
+  out.name = name;
+  out.type = type;
+  out.format = FormatOfType(type);
+  out.stream = IsStreamType(type);
+  if (const auto endpoint = ParseEndpoint(listen)) {
+    out.listen = *endpoint;
+  } else if (listen.empty() && out.format != Format::kUnknown) {
+    // A NatNet client asks from any port.
+    const bool any = out.format == Format::kNatNet;
+    out.listen = {"0.0.0.0", any ? std::uint16_t{0} : Row(out.format).ports[0]};
+  } else {
+    out.network = false;
+  }
+  return out;
+}
+
+Result<Settings> ReadSettings(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    return Status::Error(file + ": no such file; expected a configuration (styled.toml)");
+  }
+  try {
+    return ReadTable(toml::parse_file(file));
+  } catch (const toml::parse_error& e) {
+    return Status::Error(file + ":" + std::to_string(e.source().begin.line) + ": " +
+                         std::string(e.description()));
+  }
+}
+
+Result<Wanted> ParseListen(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::string type = text.substr(0, equals);
+  const std::string listen = equals == std::string::npos ? "" : text.substr(equals + 1);
+  if (FormatOfType(type) == Format::kUnknown) {
+    return Status::Error("'" + text + "': expected TYPE=HOST:PORT, TYPE as a source's: udp, tcp, " +
+                         "vmc, mvn, mvn-tcp, mocopi, natnet, rokoko, slimevr");
+  }
+  const auto endpoint = ParseEndpoint(listen);
+  if (!endpoint || !IsNumeric(endpoint->host)) {
+    return Status::Error("'" + text + "': expected TYPE=HOST:PORT, HOST numeric, e.g. " + type +
+                         "=0.0.0.0:9763");
+  }
+  return MakeWanted(Wanted::Origin::kOption, type, type, listen);
+}
+
+std::vector<Wanted> AssumedSources() {
+  return {MakeWanted(Wanted::Origin::kAssumed, "rig", "udp", "127.0.0.1:7000"),
+          MakeWanted(Wanted::Origin::kAssumed, "rig", "tcp", "127.0.0.1:7000")};
+}
+
+}  // namespace styled::doctor

@@ -1,0 +1,243 @@
+// Steps daemon, port, arrival and subscribers.
+#include "tests/unit/doctor/facts.h"
+
+namespace styled::doctor::testing {
+namespace {
+
+class DiagnoseTest : public ::testing::Test {
+ protected:
+  Machine machine_;
+  Facts& facts_ = machine_.facts;
+};
+
+TEST_F(DiagnoseTest, WhereFramesGoThroughNothingIsFound) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
+  machine_.LivePerformer("suit.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  EXPECT_EQ(machine_.Codes(), "");
+}
+
+TEST_F(DiagnoseTest, NoDaemonIsSaidFirstAndWhatArrivesIsNoProblem) {
+  machine_.NoDaemon();
+  machine_.Configured("mvn", "0.0.0.0:9763");
+  facts_.heard = {MvnTo("192.0.2.1:9763")};
+  EXPECT_EQ(machine_.Codes(), "problem no_daemon");
+  EXPECT_NE(machine_.First().what.find("tcp://127.0.0.1:7002"), std::string::npos);
+}
+
+TEST_F(DiagnoseTest, ADaemonThatListensElsewhereIsShown) {
+  machine_.NoDaemon();
+  machine_.Configured("mvn", "0.0.0.0:9763");
+  facts_.heard = {MvnTo("192.0.2.1:9763")};
+  facts_.daemon.elsewhere = {{true, {"127.0.0.1", 7102}, 1, 0, 0, 4711, "styled"}};
+  EXPECT_EQ(machine_.Codes(), "problem wrong_control_endpoint");
+  EXPECT_EQ(machine_.First().why, "styled (pid 4711) listens on TCP 127.0.0.1:7102.");
+}
+
+TEST_F(DiagnoseTest, AStrangerAtTheControlPortIsNamed) {
+  machine_.NoDaemon();
+  machine_.Configured("mvn", "0.0.0.0:9763");
+  facts_.heard = {MvnTo("192.0.2.1:9763")};
+  facts_.daemon.holder = BoundSocket{true, {"127.0.0.1", 7002}, 1, 0, 0, 99, "python3"};
+  EXPECT_EQ(machine_.Codes(), "problem control_taken");
+  EXPECT_NE(machine_.First().why.find("python3 (pid 99)"), std::string::npos);
+  facts_.daemon.state = DaemonFacts::State::kGarbled;
+  EXPECT_EQ(machine_.Codes(), "problem not_a_daemon");
+}
+
+TEST_F(DiagnoseTest, OfADaemonOnAnotherMachineOnlyCountersAreJudged) {
+  facts_.daemon.remote = true;
+  machine_.InDaemon("mvn", "10.0.0.5:9763", 180);
+  machine_.Configured("vmc", "0.0.0.0:39539", "face");
+  machine_.Grow("pipeline.before_body", 180);
+  EXPECT_EQ(machine_.Codes(), "problem no_skeleton suit; note remote_daemon");
+}
+
+TEST_F(DiagnoseTest, APortInForeignHandsIsNamedWithItsHolder) {
+  machine_.NoDaemon();
+  SourceFacts& source = machine_.Configured("mvn", "0.0.0.0:9763");
+  source.port->kind = PortState::Kind::kTaken;
+  source.holders = {{false, {"0.0.0.0", 9763}, 5, 0, 0, 321, "OtherReceiver"}};
+  EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem port_taken suit");
+  const std::string what = machine_.Findings()[1].what;
+  EXPECT_EQ(what,
+            "0.0.0.0:9763/udp, where suit is to listen, is taken by OtherReceiver (pid 321).");
+}
+
+TEST_F(DiagnoseTest, AnotherAddressOfTheSamePortIsNotInTheWay) {
+  machine_.NoDaemon();
+  SourceFacts& source = machine_.Configured("mvn", "127.0.0.1:9763");
+  source.port->kind = PortState::Kind::kPartly;
+  source.holders = {{false, {"192.0.2.1", 9763}, 5, 0, 0, 321, "OtherReceiver"}};
+  facts_.heard = {MvnTo("127.0.0.1:9763")};
+  EXPECT_EQ(machine_.Codes(), "problem no_daemon");
+}
+
+TEST_F(DiagnoseTest, APortThatTheSystemRefusesIsSaid) {
+  machine_.NoDaemon();
+  SourceFacts& source = machine_.Configured("mvn", "0.0.0.0:97");
+  source.port->kind = PortState::Kind::kRefused;
+  source.port->why = "Permission denied";
+  EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem port_refused suit");
+}
+
+TEST_F(DiagnoseTest, AnAddressOfAnotherMachineCannotBeListenedTo) {
+  machine_.NoDaemon();
+  machine_.Configured("mvn", "192.0.2.77:9763");
+  EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem address_not_here suit");
+  EXPECT_NE(machine_.Findings()[1].why.find("192.0.2.1 (eth0)"), std::string::npos);
+}
+
+TEST_F(DiagnoseTest, ASourceThatTheRunningDaemonDoesNotHaveIsSaid) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
+  machine_.LivePerformer("suit.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  machine_.Configured("vmc", "0.0.0.0:39539", "face");
+  EXPECT_EQ(machine_.Codes(), "problem source_not_in_daemon face");
+}
+
+TEST_F(DiagnoseTest, SilenceIsSaidWithTheAddressesToSendTo) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 0);
+  facts_.firewall = "nft needs root's rights";
+  EXPECT_EQ(machine_.Codes(), "problem nothing_arrives suit");
+  const std::string change = machine_.First().change;
+  for (const char* part :
+       {"192.0.2.1 (eth0)", "port 9763 (UDP)", "Network Streamer", "sudo nft list ruleset"}) {
+    EXPECT_NE(change.find(part), std::string::npos) << part << ": " << change;
+  }
+}
+
+TEST_F(DiagnoseTest, OfSourcesWithOneNameASilentOneIsNoProblemWhileTheOtherWorks) {
+  machine_.InDaemon("udp", "127.0.0.1:7000", 100, "rig");
+  machine_.InDaemon("tcp", "127.0.0.1:7000", 0, "rig");
+  machine_.LivePerformer("rig.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  EXPECT_EQ(machine_.Codes(), "");
+}
+
+TEST_F(DiagnoseTest, OfSourcesWithOneNameSilenceIsSaidOnce) {
+  machine_.InDaemon("udp", "127.0.0.1:7000", 0, "rig");
+  machine_.InDaemon("tcp", "127.0.0.1:7000", 0, "rig");
+  EXPECT_EQ(machine_.Codes(), "problem nothing_arrives rig/udp");
+  EXPECT_NE(machine_.First().what.find("127.0.0.1:7000/udp and 127.0.0.1:7000/tcp"),
+            std::string::npos);
+}
+
+TEST_F(DiagnoseTest, TheFormatOnAnotherPortIsAWrongPort) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 0);
+  facts_.heard = {MvnTo("192.0.2.1:9764")};
+  EXPECT_EQ(machine_.Codes(), "problem wrong_port suit");
+  EXPECT_NE(machine_.First().change.find("listen = \"0.0.0.0:9764\""), std::string::npos);
+}
+
+// Another source of that format may well be what it is meant for.
+TEST_F(DiagnoseTest, WhatArrivesForAnotherSourceIsNoWrongPort) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 0);
+  machine_.InDaemon("mvn", "0.0.0.0:9764", 180, "second");
+  machine_.LivePerformer("second.ben");
+  machine_.Grow("publish.subscriptions", 1);
+  facts_.heard = {MvnTo("192.0.2.1:9764")};
+  EXPECT_EQ(machine_.Codes(), "problem nothing_arrives suit");
+}
+
+TEST_F(DiagnoseTest, TheFormatOverTcpIsAWrongProtocol) {
+  machine_.NoDaemon();
+  machine_.Configured("mvn", "0.0.0.0:9763");
+  facts_.heard = {FlowTo("192.0.2.1:9763", What(Format::kMvn, Verdict::kPose, "quaternions (02)"),
+                         180, "eth0", true)};
+  EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem wrong_protocol suit");
+  EXPECT_NE(machine_.Findings()[1].change.find("type = \"mvn-tcp\""), std::string::npos);
+}
+
+TEST_F(DiagnoseTest, ALoopbackSourceDoesNotHearTheNetwork) {
+  machine_.InDaemon("mvn", "127.0.0.1:9763", 0);
+  facts_.heard = {MvnTo("192.0.2.1:9763")};
+  EXPECT_EQ(machine_.Codes(), "problem wrong_address suit");
+  EXPECT_NE(machine_.First().change.find("listen = \"0.0.0.0:9763\""), std::string::npos);
+  EXPECT_NE(machine_.First().what.find("192.0.2.1:9763/udp"), std::string::npos);
+}
+
+TEST_F(DiagnoseTest, WhatComesToTheInterfaceButNotToUsIsDroppedBetween) {
+  machine_.NoDaemon();
+  machine_.Configured("mvn", "0.0.0.0:9763");
+  facts_.capture.clear();
+  facts_.seen = {MvnTo("192.0.2.1:9763")};
+  EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem firewall_drops suit");
+  EXPECT_NE(machine_.Findings()[1].why.find("rp_filter"), std::string::npos);
+}
+
+TEST_F(DiagnoseTest, WhatComesToTheInterfaceButNotToTheDaemonIsDroppedBetween) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 0);
+  facts_.capture.clear();
+  facts_.seen = {MvnTo("192.0.2.1:9763")};
+  EXPECT_EQ(machine_.Codes(), "problem firewall_drops suit");
+}
+
+TEST_F(DiagnoseTest, ARuleThatDropsThePortIsNamed) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 0).firewall = {Firewall::Verdict::kDropped,
+                                                          "inet filter input: policy drop"};
+  EXPECT_EQ(machine_.Codes(), "problem firewall_drops suit");
+  EXPECT_EQ(machine_.First().why, "Rule: inet filter input: policy drop.");
+  EXPECT_NE(machine_.First().change.find("ufw allow 9763/udp"), std::string::npos);
+}
+
+TEST_F(DiagnoseTest, ARuleThatMayDropIsSaidBesideTheSilence) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 0).firewall = {Firewall::Verdict::kDepends,
+                                                          "ip filter ufw: reject"};
+  EXPECT_EQ(machine_.Codes(), "problem nothing_arrives suit");
+  EXPECT_NE(machine_.First().why.find("ip filter ufw: reject"), std::string::npos);
+}
+
+// Loopback, a tunnel: what arrives contradicts the rules.
+TEST_F(DiagnoseTest, WhereDatagramsArriveNoFirewallIsBlamed) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 180).firewall = {Firewall::Verdict::kDropped, "rule"};
+  machine_.LivePerformer("suit.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  EXPECT_EQ(machine_.Codes(), "");
+}
+
+TEST_F(DiagnoseTest, AFormatThatNobodyWantsIsOfferedASource) {
+  machine_.NoDaemon();
+  facts_.sources.emplace_back().wanted = AssumedSources()[0];
+  facts_.heard = {MvnTo("192.0.2.1:9763")};
+  EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem no_source");
+  EXPECT_NE(machine_.Findings()[1].change.find("type = \"mvn\"  listen = \"0.0.0.0:9763\""),
+            std::string::npos);
+}
+
+// It may be this machine's own output.
+TEST_F(DiagnoseTest, AFormatThatNobodyWantsIsNotSpokenOfWhereAllIsWell) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
+  machine_.LivePerformer("suit.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  facts_.heard = {FlowTo("127.0.0.1:39539", What(Format::kVmc, Verdict::kPose, "bones"))};
+  EXPECT_EQ(machine_.Codes(), "");
+}
+
+TEST_F(DiagnoseTest, LossesAreWarnedOfThoughFramesFlow) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
+  machine_.LivePerformer("suit.anna");
+  for (const char* counter : {"publish.subscriptions", "source.kernel_dropped", "pipeline.lost",
+                              "pipeline.backlog_dropped", "pipeline.second_sender"}) {
+    machine_.Grow(counter, 7);
+  }
+  EXPECT_EQ(machine_.Codes(),
+            "warning kernel_drops; warning lost_on_the_way; warning too_slow; "
+            "warning second_sender");
+  EXPECT_NE(machine_.First().change.find("receive_buffer_bytes"), std::string::npos);
+}
+
+TEST_F(DiagnoseTest, WithoutSubscriberOrStyleThatIsNoted) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
+  machine_.LivePerformer("suit.anna", "");
+  EXPECT_EQ(machine_.Codes(), "note no_subscriber; note bypass");
+}
+
+// By USB: there is no port to look at.
+TEST_F(DiagnoseTest, ASourceWithoutAPortIsLeftAlone) {
+  machine_.InDaemon("slimevr-usb", "usb", 0);
+  EXPECT_EQ(machine_.Codes(), "");
+}
+
+}  // namespace
+}  // namespace styled::doctor::testing
