@@ -124,6 +124,7 @@ Status Receiver::Bind(Port port) {
 
 std::vector<std::string> Receiver::endpoints() const {
   std::vector<std::string> endpoints;
+  endpoints.reserve(sockets_.size());
   for (const auto& socket : sockets_) endpoints.push_back(socket->endpoint);
   return endpoints;
 }

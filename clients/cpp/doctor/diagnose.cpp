@@ -160,10 +160,7 @@ void Examination::Losses() {
     Say(Severity::kWarning, Step::kFrames, nullptr, code, std::to_string(count) + " " + what,
         std::string(counter) + " grew while we listened.", change);
   };
-  warn("source.kernel_dropped", "kernel_drops",
-       "datagrams were thrown away by the kernel: a source's receive buffer was full.",
-       "Raise that source's receive_buffer_bytes and, without root's rights, the system's limit: "
-       "sysctl -w net.core.rmem_max=8388608. Give the daemon a core: realtime.priority = 20.");
+  KernelDrops();
   warn("pipeline.lost", "lost_on_the_way", "datagrams were lost between the rig and the daemon.",
        "Use a cable, or a wireless network of its own; look at switches and at the sender's load.");
   warn("pipeline.backlog_dropped", "too_slow", "frames came too late and were passed over.",
@@ -174,6 +171,29 @@ void Examination::Losses() {
   warn("pipeline.second_sender", "second_sender",
        "datagrams were refused: two senders send the same performer.",
        "Stop one of them, or give it another performer's name.");
+}
+
+// The kernel's own table tells whose they were, the daemon's counter only that there were some.
+void Examination::KernelDrops() {
+  const auto say = [this](const SourceFacts* source, std::uint64_t count) {
+    const std::string whose = source == nullptr ? "a source" : Label(*source);
+    Say(Severity::kWarning, Step::kFrames, source, "kernel_drops",
+        "The kernel threw " + std::to_string(count) + " datagrams for " + whose +
+            " away: the receive buffer was full.",
+        source == nullptr ? "source.kernel_dropped grew while we listened."
+                          : "Its socket's drops grew while we listened.",
+        "Raise receive_buffer_bytes and, where the daemon is not root's, the system's limit: "
+        "sysctl "
+        "-w net.core.rmem_max=8388608. Give the daemon a core: realtime.priority = 20.");
+  };
+  bool said = false;
+  for (const SourceFacts& source : facts_.sources) {
+    if (!source.in_daemon || source.drops == 0) continue;
+    say(&source, source.drops);
+    said = true;
+  }
+  const std::uint64_t counted = facts_.Grown("source.kernel_dropped");
+  if (!said && counted > 0) say(nullptr, counted);
 }
 
 // The last step: who receives what the daemon publishes, and whether there is style in it.

@@ -71,8 +71,14 @@ bool Examination::Server(const SourceFacts& source) {
                     "; the daemon takes 2.7 and later.",
                 "", "Update Motive to 1.7 or later.");
   }
-  const bool none = answers.model_answered && answers.model_read && answers.skeletons == 0;
-  if (none) {
+  if (!answers.model_answered || !answers.model_read) {
+    return fail(Step::kSkeleton, "no_skeleton",
+                answers.name + " at " + server + " does not say which skeletons it tracks.",
+                answers.model_answered ? "Its model could not be read."
+                                       : "It was asked for its model, and did not answer.",
+                "In Motive switch Streaming off and on again; if that does not help, restart it.");
+  }
+  if (answers.skeletons == 0) {
     return fail(
         Step::kSkeleton, "no_skeleton", answers.name + " at " + server + " tracks no skeleton.",
         "Its model has " + std::to_string(answers.rigid_bodies) + " rigid bodies and no skeleton.",

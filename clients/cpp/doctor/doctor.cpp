@@ -235,7 +235,6 @@ class Examiner {
         source.holders.push_back(socket);
         const auto earlier = std::ranges::find(before, socket.inode, &BoundSocket::inode);
         source.drops += socket.drops - (earlier == before.end() ? 0 : earlier->drops);
-        source.waiting_bytes += socket.waiting_bytes;
       }
     }
   }

@@ -26,6 +26,7 @@ class Examination {
   void Daemon();
   void Source(const SourceFacts& source);
   void Losses();
+  void KernelDrops();
   void Unclaimed();
   void Listeners();
   void Say(Severity severity, Step step, const SourceFacts* source, std::string code,

@@ -40,7 +40,6 @@ struct SourceFacts {
   std::optional<PortState> port;          // none: not looked at
   std::vector<BoundSocket> holders;       // other programs' sockets on the port
   std::uint64_t drops = 0;                // of those, while we listened
-  std::uint64_t waiting_bytes = 0;
   Firewall::Judgement firewall;
   std::optional<NatNetAnswers> natnet;
   std::vector<GroupState> groups;

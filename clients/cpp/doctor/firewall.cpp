@@ -64,6 +64,7 @@ class Walk {
  private:
   enum class End { kFallsThrough, kReturn, kAccepted, kDropped };
   static constexpr int kMaxDepth = 16;
+  static constexpr int kMaxRules = 100000;  // looked at, for all chains: calls may multiply
 
   void Drop(Match matches, const std::string& chain, const std::string& what) {
     // After a rule that may have let it pass even the surest drop is not sure.
@@ -85,6 +86,7 @@ class Walk {
       }
       const auto expressions = rule->find("expr");
       if (expressions == rule->end()) continue;
+      if (++looked_at_ > kMaxRules) return End::kFallsThrough;
       const End end = RunRule(*expressions, chain, path, depth);
       if (end != End::kFallsThrough) return end;
     }
@@ -281,6 +283,7 @@ class Walk {
   const json& rules_;
   const Firewall::Packet& packet_;
   std::string family_, table_;
+  int looked_at_ = 0;
   int doubts_ = 0;  // rules before that may have let it pass
 };
 

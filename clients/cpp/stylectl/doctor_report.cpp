@@ -135,6 +135,16 @@ json FlowJson(const Flow& flow, const char* by) {
           {"kinds", kinds}};
 }
 
+std::string PerformersText(const Facts& facts) {
+  std::vector<std::vector<std::string>> rows{{"PERFORMER", "STATE", "HZ", "RECEIVED", "LOST"}};
+  for (const auto& performer : facts.daemon.after.stats().performers()) {
+    rows.push_back({performer.performer(), performer.live() ? "live" : "silent",
+                    Rate(performer.rate_hz()), std::to_string(performer.received()),
+                    std::to_string(performer.lost())});
+  }
+  return rows.size() > 1 ? Table(rows) : "";
+}
+
 json SourceJson(const SourceFacts& source) {
   json out{{"name", source.wanted.name},
            {"type", source.wanted.type},
@@ -146,7 +156,9 @@ json SourceJson(const SourceFacts& source) {
   for (const auto& holder : source.holders) {
     holders.push_back({{"listen", doctor::ToString(holder.local)},
                        {"pid", holder.pid},
-                       {"program", holder.program}});
+                       {"program", holder.program},
+                       {"waiting_bytes", holder.waiting_bytes},
+                       {"drops", holder.drops}});
   }
   out["holders"] = holders;
   return out;
@@ -158,6 +170,7 @@ std::string DoctorText(const Facts& facts, const std::vector<Finding>& findings)
   std::string out = Paragraph("DAEMON      ", DaemonText(facts)) +
                     Paragraph("INTERFACES  ", InterfacesText(facts)) + "\n" + SourcesText(facts);
   const auto add = [&out](const std::string& text) { out += text.empty() ? "" : "\n" + text; };
+  add(PerformersText(facts));
   add(TrafficText(facts.heard, "HEARD AT"));
   add(TrafficText(OnlySeen(facts), "SEEN FOR"));
   if (facts.heard.empty() && facts.seen.empty()) {
@@ -193,6 +206,12 @@ json DoctorJson(const Facts& facts, const std::vector<Finding>& findings) {
                      {"change", f.change}});
   }
   for (const SourceFacts& source : facts.sources) sources.push_back(SourceJson(source));
+  json performers = json::array();
+  for (const auto& performer : facts.daemon.after.stats().performers()) {
+    performers.push_back({{"performer", performer.performer()},
+                          {"live", performer.live()},
+                          {"rate_hz", performer.rate_hz()}});
+  }
   for (const Flow& flow : facts.heard) traffic.push_back(FlowJson(flow, "socket"));
   for (const Flow& flow : facts.seen) traffic.push_back(FlowJson(flow, "interface"));
   for (const auto& interface : facts.interfaces) {
@@ -212,6 +231,7 @@ json DoctorJson(const Facts& facts, const std::vector<Finding>& findings) {
           {"captured", facts.capture.empty()},
           {"interfaces", interfaces},
           {"sources", sources},
+          {"performers", performers},
           {"traffic", traffic},
           {"findings", found}};
 }

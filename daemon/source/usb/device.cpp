@@ -60,9 +60,8 @@ void Device::OnTransfer(libusb_transfer* transfer) {
 
 void Device::Take(libusb_transfer& transfer) {
   --under_way_;
-  // A transfer that was cancelled or failed halfway may have brought bytes of the stream.
-  const bool completed = transfer.status == LIBUSB_TRANSFER_COMPLETED;
-  if (transfer.actual_length > 0 || (completed && !interface_.bulk)) {
+  // One that was cancelled or failed halfway may have brought bytes; an empty one ended a burst.
+  if (transfer.actual_length > 0) {
     reports_.PushData(
         number_, std::as_bytes(
                      std::span(transfer.buffer, static_cast<std::size_t>(transfer.actual_length))));

@@ -73,9 +73,9 @@ osc::Result Assembler::Begin(std::span<const std::byte> datagram, std::int64_t n
 bool Assembler::IsOld(float time_s) noexcept {
   if (time_s != last_time_s_) clock_stands_ = false;
   if (!any_time_ || !IsClock(time_s) || time_s > last_time_s_ || clock_stands_) return false;
-  const bool now = now_ns_ - last_timed_ns_ <= kLatest_ns;
-  if (time_s == last_time_s_) clock_stands_ = !now;
-  return now && last_time_s_ - time_s <= kRestart_s;
+  const bool recent = now_ns_ - last_timed_ns_ <= kLatest_ns;
+  if (time_s == last_time_s_) clock_stands_ = !recent;
+  return recent && last_time_s_ - time_s <= kRestart_s;
 }
 
 // All of an old datagram, lest its bones come into the frame that is open now; where T comes last,
@@ -286,8 +286,8 @@ bool Assembler::TakeTime() noexcept {
   Frame& frame = open();
   if (!has_mark_ || clock_stands_ || !IsClock(mark_s_)) return true;
   if (any_time_ && mark_s_ <= last_time_s_) {
-    const bool now = frame.received_ns - last_timed_ns_ <= kLatest_ns;
-    if (now && last_time_s_ - mark_s_ <= kRestart_s) {
+    const bool recent = frame.received_ns - last_timed_ns_ <= kLatest_ns;
+    if (recent && last_time_s_ - mark_s_ <= kRestart_s) {
       ++(mark_s_ == last_time_s_ ? counts_.duplicate : counts_.late);
       return false;
     }

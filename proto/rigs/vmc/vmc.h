@@ -16,9 +16,6 @@
 // Pinned by tests/unit/vmc/vmc_test.cpp, fuzzed by tests/fuzz/vmc.
 namespace styled::vmc {
 
-inline constexpr int kPerformerPort = 39540;   // listens here for what assistants send
-inline constexpr int kMarionettePort = 39539;  // ... and sends to there
-
 inline constexpr std::string_view kTimeAddress = "/VMC/Ext/T";
 
 struct Transform {

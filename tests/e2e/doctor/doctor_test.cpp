@@ -3,6 +3,7 @@
 // one a network of its own; else the doctor keeps to its sockets.
 #include <gmock/gmock.h>
 #include <netinet/in.h>
+#include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -156,6 +157,26 @@ TEST_F(DoctorTest, WhereFramesGoThroughAllIsWell) {
   const auto& source = report.json["sources"].at(0);
   EXPECT_EQ(source["listen"], daemon.udp);
   EXPECT_GT(source["received"], kRate_hz / 2);
+  EXPECT_EQ(report.json["performers"].at(0)["performer"], "rig.anna");
+  EXPECT_EQ(report.json["performers"].at(0)["live"], true);
+}
+
+TEST_F(DoctorTest, AReceiveBufferThatIsTooSmallIsNamed) {
+  const Daemon daemon({"source.0.receive_buffer_bytes=4096"});
+  const Streaming rig(daemon.udp, 2 * kRate_hz, Performer(true));
+  // The daemon sleeps for longer than the buffer lasts, over and over.
+  const std::jthread sleeper([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      daemon.child->Signal(SIGSTOP);
+      Sleep(0.15);
+      daemon.child->Signal(SIGCONT);
+      Sleep(0.05);
+    }
+  });
+  const Report report = Doctor({"--endpoint", daemon.control, "--source", "rig"});
+  EXPECT_EQ(report.Of("kernel_drops", "severity"), "warning");
+  EXPECT_EQ(report.Of("kernel_drops", "source"), "rig");
+  EXPECT_GT(report.json["sources"].at(0)["kernel_drops"], 0);
 }
 
 TEST_F(DoctorTest, WithoutJsonItIsSaidInWords) {

@@ -7,10 +7,9 @@
 namespace styled::support {
 namespace {
 
-using testing::Contains;
+using testing::AnyOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 class DoctorNetworkTest : public DoctorTest {
  protected:
@@ -51,6 +50,38 @@ TEST_F(DoctorNetworkTest, ALoopbackSourceDoesNotHearWhatIsSentToTheNetwork) {
   EXPECT_THAT(report.problems, ElementsAre("wrong_address"));
   EXPECT_THAT(report.Of("wrong_address", "what"), HasSubstr("10.77.0.1:" + port));
   EXPECT_THAT(report.Of("wrong_address", "change"), HasSubstr("listen = \"0.0.0.0:" + port + "\""));
+}
+
+// Two cables, both ends of each in this machine: what leaves by one end comes in by the other.
+TEST_F(DoctorNetworkTest, AGroupThatComesByAnotherInterfaceIsFound) {
+  const auto cable = [](const std::string& a, const std::string& b, const std::string& net) {
+    return Shell("ip link add " + a + " type veth peer name " + b + " && ip link set " + a +
+                 " up && ip link set " + b + " up && ip address add " + net + ".1/25 dev " + a +
+                 " && ip address add " + net + ".129/25 dev " + b);
+  };
+  if (!cable("stage0", "stage1", "10.78.0") || !cable("stage2", "stage3", "10.79.0")) {
+    GTEST_SKIP() << "no ip command, or no veth in the kernel";
+  }
+  // The sender is this machine, too, which the kernel otherwise takes for a forgery.
+  ASSERT_TRUE(
+      Shell("for i in all stage1; do echo 1 > /proc/sys/net/ipv4/conf/$i/accept_local &&"
+            " echo 0 > /proc/sys/net/ipv4/conf/$i/rp_filter || exit 1; done"));
+  const std::string server = Local(FreePort());
+  Play("natnet", server, {"--quirk", "multicast=239.255.42.99:1511@10.78.0.1"});
+  const auto source = [&](const std::string& interface) {
+    return Config("natnet", "0.0.0.0:0",
+                  "server = \"" + server + "\"\ninterface = \"" + interface + "\"");
+  };
+  for (const std::string interface : {"stage2", "10.79.0.129"}) {
+    const Report wrong = Doctor({"--config", source(interface)});
+    EXPECT_THAT(wrong.problems, ElementsAre("no_daemon", "multicast_elsewhere")) << wrong.text;
+    // The kernel hands a group's datagrams to the sender's own interface as well.
+    EXPECT_THAT(wrong.Of("multicast_elsewhere", "change"),
+                AnyOf(HasSubstr("interface = \"stage1\""), HasSubstr("interface = \"stage0\"")));
+  }
+  const Report right = Doctor({"--config", source("stage1")});
+  EXPECT_THAT(right.problems, ElementsAre("no_daemon")) << right.text;
+  EXPECT_TRUE(Shell("ip link delete stage0 && ip link delete stage2"));
 }
 
 TEST_F(DoctorNetworkTest, AFirewallThatDropsThePortIsNamedWithItsRule) {
@@ -96,7 +127,7 @@ TEST_F(DoctorNetworkTest, OfAllRigsNothingIsFoundWhileAllFramesFlow) {
       Doctor({"--endpoint", daemon.control, "--config", daemon.folder / "styled.toml"}, true);
   // The two sources that the daemon always has get nothing; that is all.
   EXPECT_THAT(report.problems, ElementsAre("nothing_arrives", "nothing_arrives")) << report.text;
-  EXPECT_THAT(report.json["findings"].at(0)["source"], testing::AnyOf("rig", "tcp"));
+  EXPECT_THAT(report.json["findings"].at(0)["source"], AnyOf("rig", "tcp"));
   for (std::size_t i = 0; i + 1 < types.size(); ++i) {
     const auto& traffic = report.json["traffic"];
     const bool named = std::any_of(traffic.begin(), traffic.end(), [&](const auto& flow) {

@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -36,14 +37,21 @@ bool RaiseLoopback() {
 
 }  // namespace
 
-// Root needs no more; anybody else first becomes the root of a user namespace.
+// Root needs no more; anybody else first becomes the root of a user namespace. Half of it would
+// leave this process without any network, so a child tries it first.
 bool EnterOwnNetwork() {
-  if (unshare(CLONE_NEWNET) == 0) return RaiseLoopback();
-  const std::string uid = std::to_string(getuid()), gid = std::to_string(getgid());
-  if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return false;
-  (void)Write("/proc/self/setgroups", "deny");
-  return Write("/proc/self/uid_map", "0 " + uid + " 1") &&
-         Write("/proc/self/gid_map", "0 " + gid + " 1") && RaiseLoopback();
+  const auto enter = [] {
+    if (unshare(CLONE_NEWNET) == 0) return RaiseLoopback();
+    const std::string uid = std::to_string(getuid()), gid = std::to_string(getgid());
+    if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return false;
+    (void)Write("/proc/self/setgroups", "deny");
+    return Write("/proc/self/uid_map", "0 " + uid + " 1") &&
+           Write("/proc/self/gid_map", "0 " + gid + " 1") && RaiseLoopback();
+  };
+  const pid_t child = fork();
+  if (child == 0) _exit(enter() ? 0 : 1);
+  int status = 1;
+  return child > 0 && waitpid(child, &status, 0) == child && status == 0 && enter();
 }
 
 bool Shell(const std::string& command) {

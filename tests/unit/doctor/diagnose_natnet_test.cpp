@@ -61,6 +61,15 @@ TEST_F(NatNetDiagnoseTest, RigidBodiesAloneAreNoSkeleton) {
   EXPECT_NE(machine_.Findings()[1].why.find("4 rigid bodies"), std::string::npos);
 }
 
+TEST_F(NatNetDiagnoseTest, AModelThatDoesNotComeOrCannotBeReadIsSaid) {
+  answers().model_read = false;
+  EXPECT_EQ(Code(), "no_skeleton");
+  EXPECT_EQ(machine_.Findings()[1].why, "Its model could not be read.");
+  answers().model_answered = false;
+  EXPECT_EQ(Code(), "no_skeleton");
+  EXPECT_EQ(machine_.Findings()[1].why, "It was asked for its model, and did not answer.");
+}
+
 TEST_F(NatNetDiagnoseTest, FramesWithoutSkeletonsAreSaid) {
   machine_.facts.heard = {
       FlowTo(kGroup, What(Format::kNatNet, Verdict::kUseless, "frames without a skeleton"))};

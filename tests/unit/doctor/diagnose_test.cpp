@@ -227,6 +227,15 @@ TEST_F(DiagnoseTest, LossesAreWarnedOfThoughFramesFlow) {
   EXPECT_NE(machine_.First().change.find("receive_buffer_bytes"), std::string::npos);
 }
 
+TEST_F(DiagnoseTest, OfDropsTheKernelTellsTheSource) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 180).drops = 40;
+  machine_.LivePerformer("suit.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  machine_.Grow("source.kernel_dropped", 38);
+  EXPECT_EQ(machine_.Codes(), "warning kernel_drops suit");
+  EXPECT_NE(machine_.First().what.find("40 datagrams for suit"), std::string::npos);
+}
+
 TEST_F(DiagnoseTest, WithoutSubscriberOrStyleThatIsNoted) {
   machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
   machine_.LivePerformer("suit.anna", "");

@@ -138,6 +138,17 @@ TEST_F(FirewallTest, RulesOfTheWrongShapeDropNothing) {
   }
 }
 
+// The kernel refuses loops; what cannot be is not walked for ever.
+TEST_F(FirewallTest, ChainsThatCallOneAnotherWithoutEndAreLeft) {
+  std::string rules = R"({"nftables":[{"chain":{"family":"ip","table":"t","name":"c","hook":"input",
+      "type":"filter","policy":"accept"}})";
+  for (int i = 0; i < 20; ++i) {
+    rules +=
+        R"(,{"rule":{"family":"ip","table":"t","chain":"c","expr":[{"jump":{"target":"c"}}]}})";
+  }
+  EXPECT_EQ(Judge((rules + "]}").c_str(), Udp(9763)), "passes");
+}
+
 TEST_F(FirewallTest, PortsAreFoundInSetsRangesAndMaps) {
   EXPECT_EQ(Judge(kNft, Udp(7005)), "passes") << "in a named set's interval";
   EXPECT_EQ(Judge(kNft, Udp(39539)), "passes");
