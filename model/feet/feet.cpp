@@ -44,8 +44,12 @@ float Support(float floor_m, float performer_m) {
 
 }  // namespace
 
-Feet::Feet(const rig::Binding& binding, const Options& options)
-    : legs_(binding), options_(options), in_(legs_.joints().size()), out_(legs_.joints().size()) {}
+Feet::Feet(const rig::Binding& input, const rig::Binding& output, const Options& options)
+    : in_legs_(input),
+      legs_(output),
+      options_(options),
+      in_(in_legs_.joints().size()),
+      out_(legs_.joints().size()) {}
 
 void Feet::Rest() noexcept {
   contacts_.Rest();
@@ -58,8 +62,8 @@ void Feet::Process(float dt_s, float weight, const PoseView& input,
                    const MutablePoseView& styled) noexcept {
   if (dt_s >= kGap_s) dt_s = 0;  // what was held before a hole is held after it
   // 1 contacts, from the performer's own feet.
-  legs_.Place(input, in_);
-  contacts_.Process(dt_s, legs_, in_, options_);
+  in_legs_.Place(input, in_);
+  contacts_.Process(dt_s, in_legs_, in_, options_);
   if (weight <= 0) {
     state_.fill(Leg());
     drop_m_.Rest();
@@ -70,19 +74,19 @@ void Feet::Process(float dt_s, float weight, const PoseView& input,
   // 2 where each foot is to be: heights, then the lock.
   legs_.Place(styled, out_);
   for (int side = 0; side < kLegs; ++side) {
-    if (legs_.leg(side).resolved) PlaceFoot(side, dt_s, weight);
+    if (Resolved(side)) PlaceFoot(side, dt_s, weight);
   }
   // 3 hips, 4 legs.
   LowerHips(dt_s, styled);
   for (int side = 0; side < kLegs; ++side) {
-    if (legs_.leg(side).resolved) Reach(side, styled);
+    if (Resolved(side)) Reach(side, styled);
   }
 }
 
 // A gait's centre is the performer's: it turns as the line through his hips does.
 void Feet::TurnWithPerformer() noexcept {
-  const Vec3 across = Flat(in_[static_cast<std::size_t>(legs_.leg(0).upper)].position_m -
-                           in_[static_cast<std::size_t>(legs_.leg(1).upper)].position_m);
+  const Vec3 across = Flat(in_[static_cast<std::size_t>(in_legs_.leg(0).upper)].position_m -
+                           in_[static_cast<std::size_t>(in_legs_.leg(1).upper)].position_m);
   const float length = across.norm();
   if (length < 0.01F) return;  // he lies on his side
   const Vec3 now = across / length;
@@ -98,16 +102,31 @@ void Feet::TurnWithPerformer() noexcept {
   last_across_ = now;
 }
 
+Feet::Sole Feet::InputFoot(int side) const noexcept {
+  const Legs::Leg& from = in_legs_.leg(side);
+  const Legs::Leg& to = legs_.leg(side);
+  const Contacts::Foot& contact = contacts_.foot(side);
+  const auto at = [this](int joint) { return in_[static_cast<std::size_t>(joint)].position_m; };
+  Sole sole{at(from.foot), at(from.toes >= 0 ? from.toes : from.foot), contact.heel,
+            from.toes >= 0 ? contact.toes : contact.heel};
+  sole.heel_m.y() += to.ankle_above_toes_m - from.ankle_above_toes_m;
+  if (to.toes < 0) {
+    sole.toes_m = sole.heel_m;
+    sole.toes = sole.heel;
+  }
+  return sole;
+}
+
 void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   const Legs::Leg& leg = legs_.leg(side);
-  const Contacts::Foot& contact = contacts_.foot(side);
+  const Sole input = InputFoot(side);
   Leg& state = state_[static_cast<std::size_t>(side)];
   const bool has_toes = leg.toes >= 0;
   const auto at = [](const std::vector<Placed>& placed, int joint) -> const Vec3& {
     return placed[static_cast<std::size_t>(joint)].position_m;
   };
-  const Vec3& in_heel = at(in_, leg.foot);
-  const Vec3& in_toes = has_toes ? at(in_, leg.toes) : in_heel;
+  const Vec3& in_heel = input.heel_m;
+  const Vec3& in_toes = input.toes_m;
   const Vec3& heel = at(out_, leg.foot);
   const Vec3& toes = has_toes ? at(out_, leg.toes) : heel;
 
@@ -117,8 +136,8 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   // A foot that the style still has high in the air is not pulled down.
   const float high = has_toes ? -off_toes : -off_heel;
   state.yields = SmoothStep(high, kHigh * options_.reach_m, 2 * kHigh * options_.reach_m);
-  const float c_heel = (1 - state.yields) * contact.heel;
-  const float c_toes = has_toes ? (1 - state.yields) * contact.toes : c_heel;
+  const float c_heel = (1 - state.yields) * input.heel;
+  const float c_toes = (1 - state.yields) * input.toes;
   const float want_toes = c_toes * off_toes + (1 - c_toes) * c_heel * off_heel;
   const float want_heel = c_heel * off_heel + (1 - c_heel) * c_toes * off_toes;
   float lift_toes = state.lift_toes.Follow(want_toes, dt_s, kLift_s);
@@ -140,7 +159,7 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   state.pitch = Quat::Identity();
   if (has_toes) state.pitch = Pitch(foot, ankle.rotation * leg.across_foot, lift_toes - lift_heel);
   const Vec3 pitched_heel = toes - state.pitch * foot;
-  Lock(side, dt_s, toes, pitched_heel);
+  Lock(side, dt_s, input, toes, pitched_heel);
   state.ankle_m = pitched_heel + weight * state.offset_m;
   state.ankle_m.y() += lift_toes;
 
@@ -161,15 +180,11 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
 
 // The lock is an integral: over each frame the published foot moves by `hold` of the performer's
 // own step and by the rest of the styled one; so it never jumps, however contacts change.
-void Feet::Lock(int side, float dt_s, const Vec3& toes, const Vec3& heel) noexcept {
-  const Legs::Leg& leg = legs_.leg(side);
-  const Contacts::Foot& contact = contacts_.foot(side);
+void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes,
+                const Vec3& heel) noexcept {
   Leg& state = state_[static_cast<std::size_t>(side)];
-  const auto input = [this](int joint) -> const Vec3& {
-    return in_[static_cast<std::size_t>(joint)].position_m;
-  };
-  const Vec3& in_heel = input(leg.foot);
-  const Vec3& in_toes = leg.toes >= 0 ? input(leg.toes) : in_heel;
+  const Vec3& in_heel = input.heel_m;
+  const Vec3& in_toes = input.toes_m;
   const Vec3 change = Flat(toes - in_toes);  // by the style, of where the foot is
 
   if (!state.started) {
@@ -181,8 +196,8 @@ void Feet::Lock(int side, float dt_s, const Vec3& toes, const Vec3& heel) noexce
     Vec3 wish = options_.centre * (state.centre_m - change);
     wish *= std::min(1.0F, options_.reach_m / std::max(wish.norm(), 1e-6F));
 
-    const float heel_hold = (1 - state.yields) * contact.heel;
-    const float toe_hold = leg.toes >= 0 ? (1 - state.yields) * contact.toes : heel_hold;
+    const float heel_hold = (1 - state.yields) * input.heel;
+    const float toe_hold = (1 - state.yields) * input.toes;
     const float hold = 1 - (1 - toe_hold) * (1 - heel_hold);
     const float by_toes = hold > 0 ? toe_hold / hold : 1.0F;
     const Vec3 toe_step = Flat((in_toes - state.last_in_toes_m) - (toes - state.last_toes_m));

@@ -12,23 +12,26 @@
 namespace styled::feet {
 
 // Step 6 of the stylist, on one output skeleton: while the performer's own foot is on the floor,
-// the published one moves over the floor as that does, not as the style would have it slide; it
-// keeps the performer's heights there and never sinks below his floor. Legs follow by two-bone IK
+// the published one moves over the floor as that does, not as the style, or another skeleton's
+// proportions, would have it slide; it keeps the performer's heights there and never sinks below
+// his floor. Legs follow by two-bone IK
 // (lengths and the knee's side kept), the hips come down where a leg would have to stretch.
 // Everything is a smooth function of the input or integrates one, so nothing pops; it is delayed by
 // nothing.
 //
-// Spaces: poses are local transforms of one skeleton; inside, canonical metres and axes (+Y up).
+// Spaces: poses are local transforms of their skeleton; inside, canonical metres and axes (+Y up),
+// in which all bound skeletons have the same hips height.
 // Sized at construction; Process does not allocate. One thread at a time.
 // Mathematics: model/stylist/README.md, "Feet". Pinned by tests/unit/feet/feet_test.cpp.
 class Feet {
  public:
+  // The performer's pose is given on the skeleton of `input`, the feet of `output` are held.
   // `options` must pass Validate.
-  Feet(const rig::Binding& binding, const Options& options);
+  Feet(const rig::Binding& input, const rig::Binding& output, const Options& options);
 
   // One frame, `dt_s` after the last (0 for the first; over a hole of more than 0.25 s
   // locks stay as they are, wherever the performer went).
-  // `input`: the performer's pose on this skeleton; `styled`: what is published, changed in place:
+  // `input`: the performer's own pose; `styled`: what is published, changed in place:
   // leg joints' rotations and the hips' translation, nothing else. Both must have unit rotations;
   // they may not be the same memory. `weight`, 0 .. 1, is the stage's share: at 0 it only watches
   // the contacts and leaves `styled` bit for bit.
@@ -55,13 +58,20 @@ class Feet {
     float as_styled = 1;            // 1 where that is where the style has it, 0 elsewhere
     float need_m = 0;               // by how much the hips must come down for that
   };
+  // The performer's own foot, at the heights that the output's ankles and toes have over a floor.
+  struct Sole {
+    Vec3 heel_m, toes_m;
+    float heel = 0, toes = 0;  // contact weights
+  };
+  Sole InputFoot(int side) const noexcept;
+  bool Resolved(int side) const { return in_legs_.leg(side).resolved && legs_.leg(side).resolved; }
   void TurnWithPerformer() noexcept;
   void PlaceFoot(int side, float dt_s, float weight) noexcept;
-  void Lock(int side, float dt_s, const Vec3& toes, const Vec3& heel) noexcept;
+  void Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const Vec3& heel) noexcept;
   void LowerHips(float dt_s, const MutablePoseView& styled) noexcept;
   void Reach(int side, const MutablePoseView& styled) noexcept;
 
-  Legs legs_;
+  Legs in_legs_, legs_;
   Options options_;
   Contacts contacts_;
   std::array<Leg, kLegs> state_;

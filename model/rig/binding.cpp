@@ -230,6 +230,17 @@ void Binding::Unbind(const body::Pose& pose, const RigPose& received, RigPose& o
   }
 }
 
+Vec3 Binding::RootPosition(const RigPose& pose) const noexcept {
+  Vec3 position = pose.translations[0];
+  Quat parent_world = pose.rotations[0];
+  for (std::size_t i = 1; i < hips_chain_.size(); ++i) {
+    const int joint = hips_chain_[i];
+    position += parent_world * (pose.translations[joint] - spec_.skeleton.offsets[joint]);
+    parent_world = parent_world * pose.rotations[joint];
+  }
+  return position;
+}
+
 void WorldTransforms(const Skeleton& skeleton, const RigPose& pose, std::vector<Vec3>& positions,
                      std::vector<Quat>& rotations) {
   positions.resize(skeleton.joint_count());

@@ -59,6 +59,10 @@ class Binding {
   STYLED_REALTIME void Unbind(const body::Pose& pose, const RigPose& received,
                               RigPose& out) const noexcept;
 
+  // Where joint 0 must stand for the hips to be where `pose` has them while every other joint
+  // stands at the skeleton's offset: what is sent has no other position than joint 0's.
+  STYLED_REALTIME Vec3 RootPosition(const RigPose& pose) const noexcept;
+
  private:
   Binding() = default;
   BindingSpec spec_;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "model/rig/dialects.h"
-
 namespace styled::rig {
 namespace {
 
@@ -15,7 +13,7 @@ using JointMap = std::array<int, kJointCount>;
 
 constexpr float kTolerance_deg = 30.0F;
 
-Status RequireMapped(const JointMap& map) {
+Status RequireMapped(const JointMap& map, const std::string& who) {
   std::string missing;
   for (const int c : {body::kHips, body::kHead, body::kLeftUpperArm, body::kLeftLowerArm,
                       body::kRightUpperArm, body::kRightLowerArm, body::kLeftUpperLeg,
@@ -24,7 +22,13 @@ Status RequireMapped(const JointMap& map) {
     missing.append(" ").append(kHumanoid[static_cast<std::size_t>(c)].name);
   }
   if (missing.empty()) return Status::Ok();
-  return Status::Error("calibrate: found no joint named like" + missing);
+  return Status::Error(who + ": found no joint named like" + missing);
+}
+
+Status Refuse(const std::string& who, const BoneAngle& worst, const std::string& expected) {
+  return Status::Error(who + ": joint " + worst.joint + " stands " +
+                       std::to_string(std::lround(worst.degrees)) + " degrees off " + expected +
+                       ", expected at most " + std::to_string(std::lround(kTolerance_deg)));
 }
 
 // Where the mapped joints stand, in source axes.
@@ -76,7 +80,7 @@ bool ToesPointBackward(const Stand& stand, const Quat& canonical_from_source) {
 }
 
 std::vector<BoneAngle> Judge(const Skeleton& skeleton, const Stand& stand,
-                             const Quat& canonical_from_source, StandingPose pose) {
+                             const Quat& canonical_from_source, std::optional<StandingPose> arms) {
   std::vector<BoneAngle> bones;
   const auto check = [&](int from, int to, const Vec3& expected) {
     if (!stand.Has(from) || !stand.Has(to)) return;
@@ -87,13 +91,15 @@ std::vector<BoneAngle> Judge(const Skeleton& skeleton, const Stand& stand,
     bones.push_back({skeleton.names[joint], std::acos(cosine) * 57.29578F});
   };
   const Vec3 up = Vec3::UnitY();
-  const Vec3 left_arm = pose == StandingPose::kT ? Vec3(Vec3::UnitX()) : Vec3(-up);
-  const Vec3 right_arm = pose == StandingPose::kT ? Vec3(-Vec3::UnitX()) : Vec3(-up);
   check(body::kHips, body::kHead, up);
-  check(body::kLeftUpperArm, body::kLeftLowerArm, left_arm);
-  check(body::kLeftLowerArm, body::kLeftHand, left_arm);
-  check(body::kRightUpperArm, body::kRightLowerArm, right_arm);
-  check(body::kRightLowerArm, body::kRightHand, right_arm);
+  if (arms) {
+    const Vec3 left_arm = arms == StandingPose::kT ? Vec3(Vec3::UnitX()) : Vec3(-up);
+    const Vec3 right_arm = arms == StandingPose::kT ? Vec3(-Vec3::UnitX()) : Vec3(-up);
+    check(body::kLeftUpperArm, body::kLeftLowerArm, left_arm);
+    check(body::kLeftLowerArm, body::kLeftHand, left_arm);
+    check(body::kRightUpperArm, body::kRightLowerArm, right_arm);
+    check(body::kRightLowerArm, body::kRightHand, right_arm);
+  }
   check(body::kLeftUpperLeg, body::kLeftLowerLeg, -up);
   check(body::kLeftLowerLeg, body::kLeftFoot, -up);
   check(body::kRightUpperLeg, body::kRightLowerLeg, -up);
@@ -105,11 +111,17 @@ std::vector<BoneAngle> Judge(const Skeleton& skeleton, const Stand& stand,
 
 }  // namespace
 
-Status CanCalibrate(const Skeleton& skeleton) { return RequireMapped(MapJointNames(skeleton)); }
+Status CanCalibrate(const Skeleton& skeleton, const JointNames& given) {
+  const auto map = MapJoints(skeleton, given);
+  return map.ok() ? RequireMapped(map.value(), "calibrate") : map.status();
+}
 
-Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, StandingPose pose) {
-  const JointMap map = MapJointNames(skeleton);
-  if (Status status = RequireMapped(map); !status.ok()) return status;
+Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, StandingPose pose,
+                             const JointNames& given) {
+  const auto mapped = MapJoints(skeleton, given);
+  if (!mapped.ok()) return mapped.status();
+  const JointMap& map = mapped.value();
+  if (Status status = RequireMapped(map, "calibrate"); !status.ok()) return status;
   Skeleton seen = skeleton;
   RigPose stood = standing;
   Stand stand = Look(seen, map, stood);
@@ -130,10 +142,7 @@ Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, 
   result.bones = Judge(skeleton, stand, *axes, pose);
   const BoneAngle& worst = result.bones.front();
   if (!(worst.degrees <= kTolerance_deg)) {
-    const char* const letter = pose == StandingPose::kT ? "T" : "N";
-    return Status::Error("calibrate: joint " + worst.joint + " stands " +
-                         std::to_string(std::lround(worst.degrees)) + " degrees off a " + letter +
-                         "-pose, expected at most " + std::to_string(std::lround(kTolerance_deg)));
+    return Refuse("calibrate", worst, pose == StandingPose::kT ? "a T-pose" : "an N-pose");
   }
   result.mirrored = mirrored;
   result.spec.rest_rotations = RestBySwing(seen, map, stood, *axes);
@@ -141,6 +150,33 @@ Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, 
   result.spec.source_joint = map;
   result.spec.canonical_from_source = *axes;
   return result;
+}
+
+Result<Binding> BindStanding(const Skeleton& skeleton, const JointMap& source_joint,
+                             const RigPose& standing, bool t_pose) {
+  if (Status status = RequireMapped(source_joint, "avatar"); !status.ok()) return status;
+  const Stand stand = Look(skeleton, source_joint, standing);
+  const auto axes = FindAxes(stand);
+  if (!axes) {
+    return Status::Error(
+        "avatar: found hips and head, or left and right, in one place, expected one that stands");
+  }
+  if (ToesPointBackward(stand, *axes)) {
+    return Status::Error("avatar: its toes point backward, expected right-handed axes");
+  }
+  const auto bones =
+      Judge(skeleton, stand, *axes, t_pose ? std::optional(StandingPose::kT) : std::nullopt);
+  if (!(bones.front().degrees <= kTolerance_deg)) {
+    return Refuse("avatar", bones.front(), t_pose ? "a T-pose" : "standing upright");
+  }
+  BindingSpec spec{skeleton, source_joint, {}, *axes};
+  if (t_pose) {
+    std::vector<Vec3> positions;
+    WorldTransforms(skeleton, standing, positions, spec.rest_rotations);
+  } else {
+    spec.rest_rotations = RestBySwing(skeleton, source_joint, standing, *axes);
+  }
+  return Binding::Make(std::move(spec));
 }
 
 }  // namespace styled::rig

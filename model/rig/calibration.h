@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "model/rig/binding.h"
+#include "model/rig/dialects.h"
 
 namespace styled::rig {
 
@@ -29,12 +30,22 @@ struct Calibrated {
 // asked: the up axis is the source axis nearest to the spine, left is from limb to limb, forward is
 // where he looks (+Z of the canonical humanoid from then on), a skeleton whose toes point backward
 // is left-handed and mirrored, and the rest rotations are RestBySwing's of this very pose. Joints
-// are mapped by name (MapJointNames). Refuses what names do not map, and a bone more than 30
+// are mapped by name (MapJoints). Refuses what names do not map, and a bone more than 30
 // degrees off: the error names the worst joint and what was expected. Allocates; any thread. Pinned
 // by tests/unit/rig/calibration_test.cpp.
-Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, StandingPose pose);
+Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, StandingPose pose,
+                             const JointNames& given = {});
+
+// The binding of a skeleton that nobody performs on (an avatar's), from the pose that its file has
+// it in: upright, soles flat on the floor, and in the T-pose (`t_pose`), or with its arms anywhere:
+// then RestBySwing makes the T-pose. Axes are found as Calibrate does. Refuses what a binding
+// refuses, a back or a leg more than 30 degrees off, in the T-pose an arm too, and left-handed
+// axes.
+Result<Binding> BindStanding(const Skeleton& skeleton,
+                             const std::array<int, body::kJointCount>& source_joint,
+                             const RigPose& standing, bool t_pose);
 
 // Whether it has the joints for it; the error names those that are missing.
-Status CanCalibrate(const Skeleton& skeleton);
+Status CanCalibrate(const Skeleton& skeleton, const JointNames& given = {});
 
 }  // namespace styled::rig

@@ -218,7 +218,8 @@ Rest Recognize(const Skeleton& skeleton) {
 
 }  // namespace
 
-Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, std::string* used) {
+Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, std::string* used,
+                            const JointNames& given) {
   if (skeleton.joint_count() == 0 || skeleton.parents.size() != skeleton.names.size() ||
       skeleton.offsets.size() != skeleton.names.size() || skeleton.parents[0] != -1) {
     return Binding::Make({skeleton, {}, {}, Quat::Identity()});  // which says what is wrong
@@ -241,7 +242,9 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
                          KnownDialects());
   }
 
-  const JointMap map = MapJointNames(skeleton);
+  const auto mapped = MapJoints(skeleton, given);
+  if (!mapped.ok()) return mapped.status();
+  const JointMap& map = mapped.value();
   if (Status status = RequireMapped(map, dialect); !status.ok()) return status;
   Candidate candidate = Try(skeleton, map, rest);
   if (!candidate.judged.fault.empty() && dialect == "auto" && rest != Rest::kIdentity) {

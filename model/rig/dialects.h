@@ -2,6 +2,8 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "model/base/status.h"
 #include "model/rig/binding.h"
@@ -14,6 +16,14 @@ namespace styled::rig {
 // protocols.md section 13, Biped, Unreal, SMPL. Allocates; any thread, as BindDialect.
 std::array<int, body::kJointCount> MapJointNames(const Skeleton& skeleton);
 
+// Joints named by hand, where habits do not help: canonical name (leftUpperArm) and the source's;
+// "" = the source has none.
+using JointNames = std::vector<std::pair<std::string, std::string>>;
+// MapJointNames, but for those given. Errors: a name that is no canonical joint's, that the
+// skeleton lacks, or that is given twice.
+Result<std::array<int, body::kJointCount>> MapJoints(const Skeleton& skeleton,
+                                                     const JointNames& given);
+
 // The binding for `skeleton` under the named dialect, or, for "auto", the dialect recognized by its
 // joint names and offsets. Knows "bandai-namco" (rest rotations are constants found by swinging a
 // standing frame), "cmu" (its zero pose, legs spread by 20 degrees, is swung), "canonical", "vrm"
@@ -25,6 +35,6 @@ std::array<int, body::kJointCount> MapJointNames(const Skeleton& skeleton);
 // stands for all whose rest rotations are identity.
 // Errors name the joints that could not be mapped and the dialects known.
 Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect = "auto",
-                            std::string* used = nullptr);
+                            std::string* used = nullptr, const JointNames& given = {});
 
 }  // namespace styled::rig

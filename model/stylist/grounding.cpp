@@ -78,6 +78,12 @@ float GroundShift(const rig::Binding& binding, const rig::RigPose& input,
   return SoftLowest(binding, input, up) - SoftLowest(binding, styled, up);
 }
 
+float GroundShift_m(const rig::Binding& input_binding, const rig::RigPose& input,
+                    const rig::Binding& binding, const rig::RigPose& styled) noexcept {
+  return input_binding.scale() * SoftLowest(input_binding, input, Up(input_binding)) -
+         binding.scale() * SoftLowest(binding, styled, Up(binding));
+}
+
 void ShiftUp(const rig::Binding& binding, float shift, rig::RigPose& styled) noexcept {
   const rig::Skeleton& skeleton = binding.skeleton();
   const auto hips = static_cast<std::size_t>(binding.spec().source_joint[body::kHips]);

@@ -18,6 +18,11 @@ STYLED_REALTIME float GroundShift_m(const body::Pose& input, const body::Pose& s
 STYLED_REALTIME float GroundShift(const rig::Binding& binding, const rig::RigPose& input,
                                   const rig::RigPose& styled) noexcept;
 
+// The same where the input is on another skeleton, in canonical metres.
+STYLED_REALTIME float GroundShift_m(const rig::Binding& input_binding, const rig::RigPose& input,
+                                    const rig::Binding& binding,
+                                    const rig::RigPose& styled) noexcept;
+
 // Moves the hips of `styled` by `shift` source units along the source's up axis.
 STYLED_REALTIME void ShiftUp(const rig::Binding& binding, float shift,
                              rig::RigPose& styled) noexcept;

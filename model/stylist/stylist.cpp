@@ -35,8 +35,8 @@ struct Stylist::Impl {
         binding(std::move(the_rig)),
         options(the_options),
         intake(binding->skeleton()),
-        feet(feet::HumanoidBinding(), options.feet_options),
-        rig_feet(*binding, options.feet_options) {
+        feet(feet::HumanoidBinding(), feet::HumanoidBinding(), options.feet_options),
+        rig_feet(*binding, *binding, options.feet_options) {
     for (erd::State& state : states) network->Start(state);
     for (std::size_t joint = 0; joint < kJointCount; ++joint) {
       offsets_in[joint] = offsets_out[joint] = body::Offset(static_cast<int>(joint));

@@ -4,13 +4,17 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "model/clip/avatar.h"
 #include "model/clip/clip.h"
+#include "model/clip/glb_write.h"
 #include "model/erd/network.h"
 #include "model/erd/shipped_weights.h"
 #include "model/rig/dialects.h"
+#include "model/stylist/avatar.h"
 #include "model/stylist/stylist.h"
 
 namespace {
@@ -28,7 +32,7 @@ struct Arguments {
   std::string only = "all";  // parts of the body
   std::string from;          // what the performer moves in already
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
-  std::string weights, rig = "auto", in, out;
+  std::string weights, rig = "auto", avatar, in, out;
 };
 
 int Fail(const Status& status) {
@@ -139,8 +143,27 @@ Result<std::shared_ptr<const styled::erd::Network>> LoadNetwork(const Arguments&
   return styled::erd::Network::Load(weights.value());
 }
 
+// Where the styled motion goes: the clip's own skeleton, or an avatar's.
+class Wardrobe {
+ public:
+  Wardrobe(const styled::clip::AvatarSkeleton* avatar,
+           const std::shared_ptr<const styled::rig::Binding>& performer,
+           const styled::stylist::Options& options) {
+    if (avatar != nullptr) worn_.emplace(performer, avatar->binding, avatar->rest, options);
+  }
+  void Process(std::int64_t time_ns, const styled::stylist::Output& out) {
+    if (worn_) worn_->Process(time_ns, out);
+  }
+  const styled::rig::RigPose& Pose(const styled::stylist::Output& out) const {
+    return worn_ ? worn_->pose() : out.rig;
+  }
+
+ private:
+  std::optional<styled::stylist::Avatar> worn_;
+};
+
 Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Binding> binding,
-               styled::clip::Clip& clip) {
+               const styled::clip::AvatarSkeleton* avatar, styled::clip::Clip& clip) {
   auto network = LoadNetwork(arguments);
   if (!network.ok()) return network.status();
   auto settings = ParseSettings(arguments, *network.value());
@@ -148,6 +171,7 @@ Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Bi
   styled::stylist::Options options;
   options.bypass = !arguments.no_bypass;
   options.feet = arguments.feet;
+  Wardrobe wardrobe(avatar, binding, options);
   styled::stylist::Stylist stylist(network.value(), std::move(binding), options);
   stylist.Set(settings.value());
   styled::stylist::Output out(clip.skeleton);
@@ -160,9 +184,31 @@ Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Bi
     const bool given = i % steps == 0;
     const auto time_ns = static_cast<std::int64_t>(static_cast<double>(i) / rate_hz * 1e9);
     stylist.Process(time_ns, given ? clip.frames[i / steps] : between.frames[i], out);
-    if (given) std::swap(clip.frames[i / steps], out.rig);
+    wardrobe.Process(time_ns, out);
+    if (given) clip.frames[i / steps] = wardrobe.Pose(out);
   }
   return Status::Ok();
+}
+
+bool EndsIn(const std::string& file, std::string_view extension) {
+  return file.size() > extension.size() && file.ends_with(extension);
+}
+
+// `binding`: of the skeleton that is written.
+Status Write(const Arguments& arguments, const styled::rig::Binding& binding, bool in_metres,
+             styled::clip::Clip& clip) {
+  if (!EndsIn(arguments.out, ".glb")) return styled::clip::WriteBvh(clip, arguments.out);
+  styled::clip::GlbMotion motion;
+  motion.skeleton = clip.skeleton;
+  for (std::size_t i = 0; i < clip.frames.size(); ++i) {
+    motion.times_s.push_back(static_cast<double>(i) / clip.rate_hz);
+  }
+  motion.frames = std::move(clip.frames);
+  motion.rest = binding.spec().rest_rotations;
+  motion.gltf_from_source = binding.spec().canonical_from_source;
+  // A BVH does not say its unit: a body of the humanoid's height, then.
+  motion.metres_per_unit = in_metres ? 1 : binding.scale();
+  return styled::clip::WriteGlb(motion, arguments.out);
 }
 
 int Run(const Arguments& arguments) {
@@ -177,13 +223,27 @@ int Run(const Arguments& arguments) {
   auto bound = styled::rig::BindDialect(clip.value().skeleton, arguments.rig);
   if (!bound.ok()) return Fail(Status::Error(arguments.in + ": " + bound.status().message()));
   const auto binding = std::make_shared<const styled::rig::Binding>(std::move(bound.value()));
+  std::optional<styled::clip::AvatarSkeleton> avatar;
+  if (!arguments.avatar.empty()) {
+    auto read = styled::clip::ReadAvatar(arguments.avatar, "auto", {});
+    if (!read.ok()) return Fail(Status::Error("--avatar " + read.status().message()));
+    avatar = std::move(read.value());
+  }
+  const auto* const onto = avatar ? &*avatar : nullptr;
   if (arguments.bind_only) {
     BindOnly(*binding, clip.value());
   } else {
-    const Status status = Restyle(arguments, binding, clip.value());
+    const Status status = Restyle(arguments, binding, onto, clip.value());
     if (!status.ok()) return Fail(status);
   }
-  const Status written = styled::clip::WriteBvh(clip.value(), arguments.out);
+  const bool in_metres = avatar && avatar->metres_per_unit > 0;
+  const auto& written_on = avatar ? *avatar->binding : *binding;
+  if (avatar) {
+    clip.value().skeleton = written_on.skeleton();
+    clip.value().channels.clear();
+    clip.value().end_sites.clear();
+  }
+  const Status written = Write(arguments, written_on, in_metres, clip.value());
   return written.ok() ? 0 : Fail(written);
 }
 
@@ -191,7 +251,9 @@ int Run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Restyles a BVH clip: same skeleton, frame count and rate.", "stylize");
+  CLI::App app(
+      "Restyles a BVH clip: same frame count and rate, on its own skeleton or on an avatar's.",
+      "stylize");
   app.add_option("-s,--style", arguments.style, "target style, STYLE or STYLE=WEIGHT");
   app.add_option("-a,--strength", arguments.strength, "0 to 1.5; 0 gives the input back")
       ->capture_default_str();
@@ -215,9 +277,12 @@ int main(int argc, char** argv) {
   app.add_option("-w,--weights", arguments.weights, "weights file (default: the shipped one)");
   app.add_option("--rig", arguments.rig, "rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();
+  app.add_option("--avatar", arguments.avatar,
+                 "put the motion onto this skeleton: .vrm, .glb, .gltf or .bvh")
+      ->excludes("--bind-only");
   app.add_flag("--list", arguments.list, "print the styles of the weights");
   CLI::Option* in = app.add_option("in", arguments.in, "input BVH");
-  CLI::Option* out = app.add_option("out", arguments.out, "output BVH");
+  CLI::Option* out = app.add_option("out", arguments.out, "output: .bvh or .glb");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

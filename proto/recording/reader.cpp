@@ -203,7 +203,7 @@ Result<std::unique_ptr<Reader>> Reader::Open(const std::filesystem::path& file,
 
 Result<std::unique_ptr<Reader>> Reader::Open(std::unique_ptr<Input> input, const std::string& name,
                                              const ReaderOptions& options) {
-  const Status status = CheckPreamble(*input, name);
+  Status status = CheckPreamble(*input, name);
   if (!status.ok() && !options.salvage) return status;
   std::unique_ptr<Reader> reader(new Reader(std::move(input), name));
   reader->Rewind();

@@ -12,9 +12,10 @@ namespace {
 
 constexpr std::chrono::milliseconds kNap{5};  // beside the age of a block
 
-enum class Kind : std::uint8_t { kArrival, kPublished, kCommand, kNote };
+enum class Kind : std::uint8_t { kArrival, kTransfer, kPublished, kCommand, kNote };
 
-// What every entry of the ring begins with; then `head_size` bytes (peer, topic), then the rest.
+// What every entry of the ring begins with; then `head_size` bytes (peer, device, topic), then the
+// rest.
 struct EntryHead {
   std::int64_t time_ns = 0;
   std::uint16_t source = 0;
@@ -28,6 +29,19 @@ std::span<const std::byte> BytesOf(const EntryHead& head) {
 
 std::string ToString(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::string PeerText(std::span<const std::byte> bytes) {
+  sockaddr_storage peer{};
+  std::memcpy(&peer, bytes.data(), std::min(bytes.size(), sizeof peer));
+  return AddressText(reinterpret_cast<const sockaddr*>(&peer),
+                     static_cast<socklen_t>(bytes.size()));
+}
+
+std::string DeviceText(std::span<const std::byte> bytes) {
+  std::uint32_t device = 0;
+  std::memcpy(&device, bytes.data(), std::min(bytes.size(), sizeof device));
+  return "device " + std::to_string(device);
 }
 
 }  // namespace
@@ -65,9 +79,9 @@ RecordingThread::RecordingThread(std::unique_ptr<FileWriter> writer, std::vector
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
 
-RecordingThread::~RecordingThread() {
+void RecordingThread::Stop() {
   thread_.request_stop();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 bool RecordingThread::Push(std::initializer_list<std::span<const std::byte>> parts) noexcept {
@@ -83,6 +97,12 @@ bool RecordingThread::PushArrival(std::int64_t time_ns, int source, const sockad
   const EntryHead head{time_ns, static_cast<std::uint16_t>(source),
                        static_cast<std::uint16_t>(size), Kind::kArrival};
   return Push({BytesOf(head), {reinterpret_cast<const std::byte*>(peer), size}, datagram});
+}
+
+bool RecordingThread::PushTransfer(std::int64_t time_ns, int source, std::uint32_t device,
+                                   std::span<const std::byte> bytes) noexcept {
+  const EntryHead head{time_ns, static_cast<std::uint16_t>(source), sizeof device, Kind::kTransfer};
+  return Push({BytesOf(head), std::as_bytes(std::span(&device, 1)), bytes});
 }
 
 bool RecordingThread::PushPublished(std::int64_t time_ns, std::string_view topic,
@@ -140,16 +160,14 @@ bool RecordingThread::Decode(std::span<const std::byte> entry) {
   const auto rest = entry.subspan(sizeof head + head.head_size);
   record_.set_time_ns(head.time_ns);
   switch (head.kind) {
-    case Kind::kArrival: {
+    case Kind::kArrival:
+    case Kind::kTransfer: {
       Arrival& arrival = *record_.mutable_arrival();
       const Origin& origin = origins_[std::min<std::size_t>(head.source, origins_.size() - 1)];
       arrival.set_source(origin.name);
       arrival.set_type(origin.type);
       arrival.set_listen(origin.listen);
-      sockaddr_storage peer{};
-      std::memcpy(&peer, first.data(), std::min(first.size(), sizeof peer));
-      arrival.set_peer(AddressText(reinterpret_cast<const sockaddr*>(&peer),
-                                   static_cast<socklen_t>(first.size())));
+      arrival.set_peer(head.kind == Kind::kArrival ? PeerText(first) : DeviceText(first));
       arrival.set_datagram(ToString(rest));
       return true;
     }

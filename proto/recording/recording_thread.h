@@ -31,7 +31,7 @@ struct RecordingThreadOptions {
 
 // Records from a thread that must not wait: what is pushed goes through a bounded ring to a thread
 // that compresses and writes. A full ring drops and counts. What is pushed is in
-// the file 55 ms later, unless the machine is busy. Push...: one thread. The rest: any thread.
+// the file 30 ms later, unless the machine is busy. Push...: one thread. The rest: any thread.
 // Pinned by tests/unit/recording/recording_thread_test.cpp.
 class RecordingThread {
  public:
@@ -40,16 +40,21 @@ class RecordingThread {
                                                         const FileHeader& header,
                                                         std::vector<Origin> origins,
                                                         const RecordingThreadOptions& options = {});
-  // Writes what was pushed and ends the thread.
-  ~RecordingThread();
+  ~RecordingThread() { Stop(); }
   RecordingThread(const RecordingThread&) = delete;
   RecordingThread& operator=(const RecordingThread&) = delete;
+
+  // Writes what was pushed and ends the thread. Nothing may be pushed from now on.
+  void Stop();
 
   // False, and one more in dropped(), where the ring is full. Times: MonotonicNow_ns(). `peer` may
   // be null; `source` is an index of the origins; a topic is cut to 64 KiB.
   STYLED_REALTIME bool PushArrival(std::int64_t time_ns, int source, const sockaddr* peer,
                                    socklen_t peer_size,
                                    std::span<const std::byte> datagram) noexcept;
+  // What a USB device brought; `device` numbers its opening.
+  STYLED_REALTIME bool PushTransfer(std::int64_t time_ns, int source, std::uint32_t device,
+                                    std::span<const std::byte> bytes) noexcept;
   STYLED_REALTIME bool PushPublished(std::int64_t time_ns, std::string_view topic,
                                      std::span<const std::byte> payload) noexcept;
   bool PushCommand(std::int64_t time_ns, const Command& command);  // allocates

@@ -39,7 +39,7 @@ Result<std::unique_ptr<FileWriter>> FileWriter::Create(const std::filesystem::pa
   std::vector<std::byte> begin(preamble.begin(), preamble.end());
   const auto block = writer->builder_.Header(header);
   begin.insert(begin.end(), block.begin(), block.end());
-  const Status status = writer->Write(begin);
+  Status status = writer->Write(begin);
   if (!status.ok()) return status;
   return writer;
 }
@@ -52,7 +52,7 @@ FileWriter::~FileWriter() {
 Status FileWriter::Add(const Record& record, std::int64_t now_ns) {
   if (!builder_.Add(record)) {
     // No room beside what is waiting, or none at all.
-    const Status status = Flush();
+    Status status = Flush();
     if (!status.ok()) return status;
     if (!builder_.Add(record)) {
       ++counts_.too_large;
@@ -76,7 +76,7 @@ std::int64_t FileWriter::NextDeadline_ns() const {
 Status FileWriter::Flush() {
   const std::uint32_t records = builder_.records();
   if (records == 0) return Status::Ok();
-  const Status status = Write(builder_.Close());
+  Status status = Write(builder_.Close());
   if (!status.ok()) {
     counts_.lost += records;
     counts_.records -= records;

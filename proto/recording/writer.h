@@ -11,7 +11,7 @@ namespace styled::recording {
 
 struct WriterOptions {
   std::size_t block_size = 64U << 10U;     // bytes of records after which a block is written
-  std::int64_t block_age_ns = 50'000'000;  // ... and the longest that a record waits for that
+  std::int64_t block_age_ns = 25'000'000;  // ... and the longest that a record waits for that
 };
 
 struct WriterCounts {

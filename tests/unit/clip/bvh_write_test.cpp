@@ -8,6 +8,7 @@
 #include <string>
 
 #include "model/clip/clip.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/body/random_pose.h"
 
 namespace styled::clip {
@@ -214,11 +215,11 @@ TEST(WriteBvh, KeepsTheRate) {
 }
 
 TEST(WriteBvh, WritesAFileThatReadsBack) {
-  const auto file = std::filesystem::path(testing::TempDir()) / "styled_write_test.bvh";
+  const support::TemporaryFolder folder;
+  const std::string file = folder / "x.bvh";
   const Clip clip = Wandering("yxz", 10);
   ASSERT_TRUE(WriteBvh(clip, file).ok());
   const Result<Clip> again = ReadBvh(file);
-  std::filesystem::remove(file);
   ASSERT_TRUE(again.ok()) << again.status().message();
   ExpectSameMotion(clip, again.value(), "file");
 }

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/rig/binding.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/body/random_pose.h"
 
 namespace styled::clip {
@@ -320,11 +321,11 @@ TEST(WriteGlb, ASingleJointWithANameOfNoEncodingIsShown) {
 }
 
 TEST(WriteGlb, WritesTheFile) {
-  const auto file = std::filesystem::path(testing::TempDir()) / "styled_glb_test.glb";
+  const support::TemporaryFolder folder;
+  const std::string file = folder / "x.glb";
   ASSERT_TRUE(WriteGlb(Wandering(), file).ok());
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  std::filesystem::remove(file);
   const auto expected = FormatGlb(Wandering()).value();
   ASSERT_EQ(text.size(), expected.size());
   EXPECT_EQ(std::memcmp(text.data(), expected.data(), expected.size()), 0);

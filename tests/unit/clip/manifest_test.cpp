@@ -7,6 +7,8 @@
 #include <set>
 #include <string>
 
+#include "tests/support/temporary_folder.h"
+
 namespace styled::clip {
 namespace {
 
@@ -26,15 +28,6 @@ const char kHead[] =
 // A folder of empty files and a manifest over it.
 class ManifestTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("styled_manifest_" +
-               std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   void Touch(const std::string& name) {
     fs::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name) << "x";
@@ -58,7 +51,8 @@ class ManifestTest : public testing::Test {
     return "[[clips]]\npattern = \"d/{content}_{style}_{take}.bvh\"\n" + more;
   }
 
-  fs::path folder_;
+  support::TemporaryFolder temporary_;
+  const fs::path& folder_ = temporary_.path();
 };
 
 TEST_F(ManifestTest, NamesFileLineKeyAndWhatIsWrong) {

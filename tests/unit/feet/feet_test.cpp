@@ -42,7 +42,7 @@ struct FeetTest : testing::Test {
   const Walker walker;
   const PoseAt input = [this](double t) { return walker.At(t); };
   const PoseAt styled = [this](double t) { return walker.Styled(t); };
-  Feet feet{binding, {}};
+  Feet feet{binding, binding, {}};
 
   static std::vector<Placed> World(const Legs& of, const rig::RigPose& pose) {
     std::vector<Placed> placed(of.joints().size());
@@ -122,17 +122,17 @@ TEST_F(FeetTest, TheLockAddsNoJolt) {
   abrupt.blend_in_s = abrupt.blend_out_s = 0;
   abrupt.contact_high_m = abrupt.contact_low_m + 1e-5F;
   abrupt.return_s = 1e-3F;
-  Feet harsh(binding, abrupt);
+  Feet harsh(binding, binding, abrupt);
   const Frames jolted = Hold(harsh, 120, input, styled);
   EXPECT_GT(largest(Played(jolted, 120)), 1.5F * std::max(largest(input), largest(styled)));
 }
 
 TEST_F(FeetTest, TheFrameRateDoesNotMatter) {
-  Feet reference_feet(binding, {});
+  Feet reference_feet(binding, binding, {});
   const Frames reference = Hold(reference_feet, 240, input, styled);
   for (const int every : {2, 4, 10}) {
     const double rate_hz = 240.0 / every;
-    Feet other(binding, {});
+    Feet other(binding, binding, {});
     const Frames out = Hold(other, rate_hz, input, styled);
     EXPECT_LT(Skate(rate_hz, Played(out, rate_hz)), 1.5) << rate_hz;
     double sum = 0;
@@ -170,7 +170,7 @@ TEST_F(FeetTest, NeitherPlaceNorHeadingNorSideMatters) {
     std::copy(to.rotations.begin(), to.rotations.end(), out.rotations.begin());
     return out;
   };
-  Feet there_feet(binding, {}), mirror_feet(binding, {});
+  Feet there_feet(binding, binding, {}), mirror_feet(binding, binding, {});
   const Frames there = Hold(there_feet, 120, moved(input), moved(styled));
   const Frames mirror = Hold(
       mirror_feet, 120, [&](double t) { return mirrored(input(t)); },
@@ -204,7 +204,7 @@ TEST_F(FeetTest, AnyRigGivesTheSameAndItsBonesKeepTheirLengths) {
       return out;
     };
   };
-  Feet rig_feet(other, {});
+  Feet rig_feet(other, other, {});
   const Frames out = Hold(rig_feet, 120, on_rig(input), on_rig(styled));
   const Frames reference = Hold(feet, 120, input, styled);
   const auto hips = static_cast<std::size_t>(other.spec().source_joint[body::kHips]);
@@ -254,7 +254,7 @@ TEST_F(FeetTest, JointsWithinAThighAreCarriedAlong) {
       return out;
     };
   };
-  Feet rig_feet(made.value(), {});
+  Feet rig_feet(made.value(), made.value(), {});
   const Frames out = Hold(rig_feet, 120, on_rig(input), on_rig(styled));
   const Frames reference = Hold(feet, 120, input, styled);
   const Legs rig_legs(made.value());
@@ -272,7 +272,7 @@ TEST_F(FeetTest, ALegWithoutAFootIsLeftAlone) {
   spec.source_joint[body::kLeftFoot] = -1;
   const auto made = rig::Binding::Make(spec);
   ASSERT_TRUE(made.ok());
-  Feet one(made.value(), {});
+  Feet one(made.value(), made.value(), {});
   const Frames out = Hold(one, 120, input, styled);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const rig::RigPose as_styled = walker.Styled(static_cast<double>(i) / 120);
@@ -329,7 +329,7 @@ TEST_F(FeetTest, AGapKeepsWhatWasHeldAndARestForgets) {
   }
   feet.Rest();
   const Frames again = Hold(feet, 120, input, styled);
-  Feet fresh(binding, {});
+  Feet fresh(binding, binding, {});
   const Frames reference = Hold(fresh, 120, input, styled);
   for (std::size_t i = 0; i < again.size(); ++i) ASSERT_TRUE(SameBits(again[i], reference[i])) << i;
 }

@@ -164,5 +164,27 @@ TEST(JointNames, ThatOccurTwiceMapToTheFirst) {
   EXPECT_EQ(MapJointNames(skeleton)[body::kHead], 0);
 }
 
+TEST(JointNames, GivenByHandWinAndWrongOnesAreNamed) {
+  Skeleton skeleton;
+  skeleton.names = {"hips", "spine", "head", "Arm_01", "leftHand"};
+  const auto map =
+      MapJoints(skeleton, {{"leftUpperArm", "Arm_01"}, {"spine", ""}, {"neck", "head"}});
+  ASSERT_TRUE(map.ok()) << map.status().message();
+  EXPECT_EQ(map.value()[body::kLeftUpperArm], 3);
+  EXPECT_EQ(map.value()[body::kSpine], -1);
+  EXPECT_EQ(map.value()[body::kNeck], 2);
+  EXPECT_EQ(map.value()[body::kHead], -1) << "its joint is another's now";
+  EXPECT_EQ(map.value()[body::kHips], 0);
+  const auto complaint = [&](const JointNames& given) {
+    return MapJoints(skeleton, given).status().message();
+  };
+  EXPECT_EQ(complaint({{"leftArm", "Arm_01"}}),
+            "joints: found \"leftArm\", expected a joint of the canonical humanoid, e.g. "
+            "leftUpperArm");
+  EXPECT_EQ(complaint({{"neck", "Neck"}}), "joints.neck: the rig has no joint \"Neck\"");
+  EXPECT_EQ(complaint({{"neck", "head"}, {"head", "head"}}),
+            "joints: \"head\" is given for neck and for head");
+}
+
 }  // namespace
 }  // namespace styled::rig

@@ -1,0 +1,75 @@
+#include "model/clip/avatar.h"
+
+#include <cctype>
+#include <filesystem>
+#include <utility>
+
+#include "model/clip/clip.h"
+#include "model/clip/gltf_read.h"
+#include "model/rig/calibration.h"
+
+namespace styled::clip {
+namespace {
+
+// Local rotations that make the T-pose.
+rig::RigPose RestPose(const rig::Binding& binding) {
+  const rig::Skeleton& skeleton = binding.skeleton();
+  const auto& worlds = binding.spec().rest_rotations;
+  rig::RigPose pose(skeleton);
+  for (std::size_t joint = 0; joint < worlds.size(); ++joint) {
+    const int parent = skeleton.parents[joint];
+    pose.rotations[joint] =
+        parent < 0
+            ? worlds[joint]
+            : (worlds[static_cast<std::size_t>(parent)].conjugate() * worlds[joint]).normalized();
+  }
+  return pose;
+}
+
+Result<rig::Binding> TakeGltf(const std::string& file, const rig::JointNames& given,
+                              AvatarSkeleton& avatar) {
+  auto read = ReadGltfSkeleton(file, given);
+  if (!read.ok()) return read.status();
+  const GltfSkeleton& gltf = read.value();
+  avatar.dialect = gltf.t_pose ? "vrm" : "gltf";
+  avatar.metres_per_unit = gltf.above_scale;
+  avatar.above_translation = gltf.above_translation_m;
+  avatar.above_rotation = gltf.above_rotation;
+  avatar.above_scale = gltf.above_scale;
+  auto binding = rig::BindStanding(gltf.skeleton, gltf.source_joint, gltf.stance, gltf.t_pose);
+  if (!binding.ok()) return Status::Error(file + ": " + binding.status().message());
+  return binding;
+}
+
+Result<rig::Binding> TakeBvh(const std::string& file, const std::string& dialect,
+                             const rig::JointNames& given, AvatarSkeleton& avatar) {
+  auto read = ReadBvh(file);
+  if (!read.ok()) return read.status();
+  const Clip& clip = read.value();
+  auto binding = rig::BindDialect(clip.skeleton, dialect, &avatar.dialect, given);
+  if (binding.ok()) return binding;
+  const auto map = rig::MapJoints(clip.skeleton, given);
+  if (dialect == "auto" && map.ok()) {
+    auto standing = rig::BindStanding(clip.skeleton, map.value(), clip.frames.front(), false);
+    avatar.dialect = "standing";
+    if (standing.ok()) return standing;
+  }
+  return Status::Error(file + ": " + binding.status().message());
+}
+
+}  // namespace
+
+Result<AvatarSkeleton> ReadAvatar(const std::string& file, const std::string& dialect,
+                                  const rig::JointNames& given) {
+  std::string extension = std::filesystem::path(file).extension();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  AvatarSkeleton avatar;
+  auto binding =
+      extension == ".bvh" ? TakeBvh(file, dialect, given, avatar) : TakeGltf(file, given, avatar);
+  if (!binding.ok()) return binding.status();
+  avatar.binding = std::make_shared<const rig::Binding>(std::move(binding.value()));
+  avatar.rest = RestPose(*avatar.binding);
+  return avatar;
+}
+
+}  // namespace styled::clip

@@ -1,0 +1,47 @@
+#include "model/stylist/avatar.h"
+
+#include <utility>
+
+#include "model/stylist/grounding.h"
+
+namespace styled::stylist {
+
+Avatar::Avatar(std::shared_ptr<const rig::Binding> performer,
+               std::shared_ptr<const rig::Binding> avatar, const rig::RigPose& rest,
+               const Options& options)
+    : performer_(std::move(performer)),
+      avatar_(std::move(avatar)),
+      ground_(options.ground),
+      hold_(options.feet),
+      ground_tau_s_(options.ground_tau_s),
+      feet_(*performer_, *avatar_, options.feet_options),
+      performed_(performer_->skeleton()),
+      last_(rest),
+      pose_(rest) {}
+
+void Avatar::Reset() noexcept {
+  started_ = false;
+  feet_.Rest();
+  shift_m_.Rest();
+}
+
+void Avatar::Process(std::int64_t time_ns, const Output& styled) noexcept {
+  if ((styled.flags & kNewSession) != 0) Reset();
+  const float dt_s = started_ ? static_cast<float>(time_ns - last_ns_) * 1e-9F : 0.0F;
+  last_ns_ = time_ns;
+  started_ = true;
+  for (std::size_t joint = 0; joint < performed_.rotations.size(); ++joint) {
+    performed_.translations[joint] = styled.source.translations[joint];
+    performed_.rotations[joint] = styled.source.rotations[joint].normalized();
+  }
+  std::swap(last_, pose_);
+  avatar_->Unbind(styled.canonical, last_, pose_);
+  if (ground_) {
+    const float wanted_m = GroundShift_m(*performer_, performed_, *avatar_, pose_);
+    ShiftUp(*avatar_, shift_m_.Follow(wanted_m, dt_s, ground_tau_s_) / avatar_->scale(), pose_);
+  }
+  feet_.Process(dt_s, hold_ ? 1.0F : 0.0F, {performed_.translations, performed_.rotations},
+                {pose_.translations, pose_.rotations});
+}
+
+}  // namespace styled::stylist

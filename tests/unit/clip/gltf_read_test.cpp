@@ -1,0 +1,259 @@
+#include "model/clip/gltf_read.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "model/clip/glb_write.h"
+#include "model/rig/calibration.h"
+#include "tests/unit/body/random_pose.h"
+#include "tests/unit/rig/rigs.h"
+#include "tests/support/temporary_folder.h"
+
+namespace styled::clip {
+namespace {
+
+using body::kHumanoid;
+using body::Random;
+using nlohmann::json;
+using rig::Quat;
+using rig::Vec3;
+using testing::HasSubstr;
+
+json Floats(const Vec3& v) { return json::array({v.x(), v.y(), v.z()}); }
+json Floats(const Quat& q) { return json::array({q.x(), q.y(), q.z(), q.w()}); }
+
+// The canonical humanoid below a node of an exporter that works in centimetres with Z up, a meter
+// aside, with two fingers of one name; a camera and a hat that are no bones.
+json Avatar() {
+  json nodes = json::array();
+  const Quat z_up(Eigen::AngleAxisf(-1.5707963F, Vec3::UnitX()));
+  nodes.push_back({{"name", "Armature"},
+                   {"translation", {1, 0, 0}},
+                   {"rotation", Floats(z_up)},
+                   {"scale", {0.01, 0.01, 0.01}},
+                   {"children", {1}}});
+  for (int c = 0; c < body::kJointCount; ++c) {
+    Vec3 offset = 100 * body::Offset(c);
+    json node = {{"name", std::string(kHumanoid[static_cast<std::size_t>(c)].name)}};
+    if (c == 0) {
+      offset = z_up.conjugate() * Vec3(0, 95, 0);
+      node["rotation"] = Floats(Quat(z_up.conjugate()));
+    }
+    node["translation"] = Floats(offset);
+    for (int child = c + 1; child < body::kJointCount; ++child) {
+      if (kHumanoid[static_cast<std::size_t>(child)].parent == c) {
+        node["children"].push_back(child + 1);
+      }
+    }
+    nodes.push_back(node);
+  }
+  for (int i = 0; i < 2; ++i) {
+    nodes[1 + body::kLeftHand]["children"].push_back(nodes.size());
+    nodes.push_back({{"name", "finger"}, {"translation", {8, 0, i}}});
+  }
+  nodes[1 + body::kHead]["children"].push_back(nodes.size());
+  nodes.push_back({{"name", "hat"}, {"scale", {1, 5, 1e-3}}});
+  nodes.erase(nodes.end() - 1);
+  nodes.push_back({{"name", "hat"}, {"translation", {0, 20, 0}}});
+  nodes.push_back({{"name", "camera"}});
+  json joints = json::array();
+  for (std::size_t i = 1; i < nodes.size() - 2; ++i) joints.push_back(i);
+  return {{"asset", {{"version", "2.0"}}},
+          {"nodes", nodes},
+          {"skins", {{{"joints", joints}}}},
+          {"scene", 0},
+          {"scenes", {{{"nodes", {0, nodes.size() - 1}}}}}};
+}
+
+json Vrm(bool one) {
+  json avatar = Avatar();
+  for (std::size_t i = 1; i < avatar["nodes"].size(); ++i) {
+    avatar["nodes"][i]["name"] = "bone" + std::to_string(i % 7);  // names say nothing
+  }
+  avatar.erase("skins");
+  json object = json::object(), list = json::array();
+  const auto add = [&](const std::string& bone, int node) {
+    object[bone] = {{"node", node}};
+    list.push_back({{"bone", bone}, {"node", node}, {"useDefaultValues", true}});
+  };
+  for (int c = 0; c < body::kJointCount; ++c) {
+    add(std::string(kHumanoid[static_cast<std::size_t>(c)].name), c + 1);
+  }
+  add("leftIndexProximal", 1 + body::kJointCount);
+  avatar["extensionsUsed"] = {one ? "VRMC_vrm" : "VRM"};
+  avatar["extensions"] =
+      one ? json{{"VRMC_vrm", {{"specVersion", "1.0"}, {"humanoid", {{"humanBones", object}}}}}}
+          : json{{"VRM", {{"humanoid", {{"humanBones", list}}}}}};
+  return avatar;
+}
+
+class GltfReadTest : public testing::Test {
+ protected:
+  Result<GltfSkeleton> Read(const std::string& text, const std::string& name = "avatar.gltf") {
+    const std::string file = folder_ / name;
+    std::ofstream(file, std::ios::binary) << text;
+    return ReadGltfSkeleton(file);
+  }
+  void ExpectRefused(const std::function<void(json&)>& spoil, const std::string& why) {
+    json avatar = Avatar();
+    spoil(avatar);
+    const auto read = Read(avatar.dump());
+    ASSERT_FALSE(read.ok()) << why;
+    EXPECT_THAT(read.status().message(), HasSubstr("avatar.gltf"));
+    EXPECT_THAT(read.status().message(), HasSubstr(why));
+  }
+
+ private:
+  support::TemporaryFolder folder_;
+};
+
+void ExpectHumanoid(const GltfSkeleton& read) {
+  EXPECT_NEAR(read.above_scale, 0.01F, 1e-7F);
+  EXPECT_LT((read.above_translation_m - Vec3(1, 0, 0)).norm(), 1e-6F);
+  EXPECT_LT((read.skeleton.offsets[0] - Vec3(1, 0.95F, 0)).norm(), 1e-5F);
+  std::vector<Vec3> positions;
+  std::vector<Quat> rotations;
+  rig::WorldTransforms(read.skeleton, read.stance, positions, rotations);
+  body::WorldPose rest;
+  body::Pose pose;
+  pose.hips_position_m = Vec3(1, 0.95F, 0);
+  body::ForwardKinematics(pose, rest);
+  for (std::size_t c = 0; c < body::kJointCount; ++c) {
+    const auto joint = static_cast<std::size_t>(read.source_joint[c]);
+    ASSERT_LT(joint, positions.size()) << c;
+    EXPECT_LT((positions[joint] - rest.positions_m[c]).norm(), 1e-5F) << kHumanoid[c].name;
+    EXPECT_LT(body::Angle_rad(rotations[joint], Quat::Identity()), 1e-3F) << kHumanoid[c].name;
+  }
+  const auto binding =
+      rig::BindStanding(read.skeleton, read.source_joint, read.stance, read.t_pose);
+  ASSERT_TRUE(binding.ok()) << binding.status().message();
+  body::Pose bound;
+  binding.value().Bind(read.stance, bound);
+  for (const Quat& q : bound.rotations) EXPECT_LT(body::Angle_rad(q, Quat::Identity()), 2e-3F);
+}
+
+TEST_F(GltfReadTest, ASkeletonByItsNamesWithWhatItHangsFrom) {
+  const auto read = Read(Avatar().dump());
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_FALSE(read.value().t_pose);
+  EXPECT_EQ(read.value().skeleton.joint_count(), body::kJointCount + 2);
+  EXPECT_THAT(read.value().skeleton.names, testing::Contains("finger"));
+  EXPECT_THAT(read.value().skeleton.names, testing::Contains("finger_23"));
+  EXPECT_THAT(read.value().skeleton.names, testing::Not(testing::Contains("hat")));
+  ExpectHumanoid(read.value());
+}
+
+TEST_F(GltfReadTest, AVrmByItsOwnTableOfBones) {
+  for (const bool one : {false, true}) {
+    const auto read = Read(Vrm(one).dump());
+    ASSERT_TRUE(read.ok()) << read.status().message();
+    EXPECT_TRUE(read.value().t_pose);
+    EXPECT_EQ(read.value().skeleton.joint_count(), body::kJointCount + 1) << "one finger is a bone";
+    ExpectHumanoid(read.value());
+  }
+}
+
+TEST_F(GltfReadTest, AMatrixIsATransformToo) {
+  json avatar = Avatar();
+  Eigen::Affine3f affine = Eigen::Affine3f::Identity();
+  affine.translate(Vec3(1, 0, 0));
+  affine.rotate(Quat(Eigen::AngleAxisf(-1.5707963F, Vec3::UnitX())));
+  affine.scale(0.01F);
+  json& armature = avatar["nodes"][0];
+  for (const char* key : {"translation", "rotation", "scale"}) armature.erase(key);
+  const Eigen::Matrix4f matrix = affine.matrix();
+  armature["matrix"] = std::vector<float>(matrix.data(), matrix.data() + 16);
+  const auto read = Read(avatar.dump());
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ExpectHumanoid(read.value());
+}
+
+TEST_F(GltfReadTest, ABinaryFileOfOurOwnIsRead) {
+  GlbMotion motion;
+  motion.skeleton = rig::HumanoidSkeleton();
+  motion.times_s = {0, 1};
+  motion.frames = {rig::RigPose(motion.skeleton), rig::RigPose(motion.skeleton)};
+  const auto bytes = FormatGlb(motion);
+  ASSERT_TRUE(bytes.ok());
+  const auto* text = reinterpret_cast<const char*>(bytes.value().data());
+  const auto read = Read(std::string(text, bytes.value().size()), "ours.glb");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read.value().skeleton.names, motion.skeleton.names);
+}
+
+TEST_F(GltfReadTest, AnAPoseIsSwungAndAVrmOutOfTPoseIsRefused) {
+  const auto hang = [](json avatar) {
+    for (const auto& [arm, angle] :
+         {std::pair{body::kLeftUpperArm, -0.8F}, std::pair{body::kRightUpperArm, 0.8F}}) {
+      avatar["nodes"][static_cast<std::size_t>(1 + arm)]["rotation"] =
+          Floats(Quat(Eigen::AngleAxisf(angle, Vec3::UnitZ())));
+    }
+    return avatar;
+  };
+  const auto read = Read(hang(Avatar()).dump());
+  ASSERT_TRUE(read.ok());
+  const auto binding = rig::BindStanding(read.value().skeleton, read.value().source_joint,
+                                         read.value().stance, false);
+  ASSERT_TRUE(binding.ok()) << binding.status().message();
+  body::Pose bound;
+  binding.value().Bind(read.value().stance, bound);
+  const Quat arm = bound.rotations[body::kLeftUpperArm];
+  EXPECT_LT(body::Angle_rad(arm, Quat(Eigen::AngleAxisf(-0.8F, Vec3::UnitZ()))), 0.02F);
+
+  const auto vrm = Read(hang(Vrm(true)).dump());
+  ASSERT_TRUE(vrm.ok());
+  const auto refused = rig::BindStanding(vrm.value().skeleton, vrm.value().source_joint,
+                                         vrm.value().stance, vrm.value().t_pose);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.status().message(), HasSubstr("46 degrees off a T-pose"));
+}
+
+TEST_F(GltfReadTest, WhatIsNoAvatarIsRefusedInWords) {
+  EXPECT_THAT(ReadGltfSkeleton("/nowhere/a.vrm").status().message(),
+              HasSubstr("/nowhere/a.vrm: No such file"));
+  EXPECT_THAT(ReadGltfSkeleton("/").status().message(), HasSubstr("is a folder"));
+  EXPECT_THAT(Read("HIERARCHY\nROOT hips\n").status().message(), HasSubstr("is no glTF 2.0"));
+  EXPECT_THAT(Read("").status().message(), HasSubstr("is no glTF 2.0"));
+  EXPECT_THAT(Read("glTF\x02").status().message(), HasSubstr("is no glTF 2.0"));
+  ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {1, 2, 1}; }, "stretched unevenly");
+  ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {0, 0, 0}; }, "no turn and scale");
+  ExpectRefused([](json& a) { a["nodes"][3]["children"] = {0}; }, "its own ancestor");
+  ExpectRefused([](json& a) { a["nodes"][3]["children"] = {999}; }, "does not exist");
+  ExpectRefused([](json& a) { a["nodes"][2]["children"].push_back(21); }, "hangs from two nodes");
+  ExpectRefused(
+      [](json& a) {
+        for (json& node : a["nodes"]) node["name"] = "x";
+      },
+      "no bone named like hips");
+}
+
+TEST_F(GltfReadTest, DamagedFilesAreReadOrRefused) {
+  Random random(3);
+  const std::string good = Vrm(true).dump();
+  int refused = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::string bad = good;
+    for (int k = 0; k < 3; ++k) {
+      const auto at =
+          static_cast<std::size_t>(random.Between(0, 1) * 0.999F * static_cast<float>(bad.size()));
+      bad[at] = static_cast<char>(random.Between(32, 126));
+    }
+    const auto read = Read(bad);
+    if (!read.ok()) {
+      ++refused;
+      EXPECT_THAT(read.status().message(), HasSubstr("avatar.gltf: "));
+      continue;
+    }
+    (void)rig::BindStanding(read.value().skeleton, read.value().source_joint, read.value().stance,
+                            read.value().t_pose);
+  }
+  EXPECT_GT(refused, 100);
+}
+
+}  // namespace
+}  // namespace styled::clip
