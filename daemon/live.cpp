@@ -1,4 +1,4 @@
-// MakeLive: weights and what refers to their styles.
+// MakeLive: weights, what refers to their styles, and avatars.
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -38,6 +38,19 @@ Status CheckStyles(const config::Config& config, const erd::Network& network) {
   return Status::Error("style.initial: \"" + config.style.initial + "\" is no preset, and " + why);
 }
 
+// The running one where nothing about it changed, so that performers need not start anew.
+std::shared_ptr<const pipeline::AvatarOutput> KeepRunning(
+    std::shared_ptr<const pipeline::AvatarOutput> fresh, const pipeline::Live* running) {
+  if (running == nullptr) return fresh;
+  for (const auto& kept : running->avatars) {
+    const bool same = kept->body.SerializeAsString() == fresh->body.SerializeAsString() &&
+                      kept->performers == fresh->performers &&
+                      kept->skeleton.above_translation == fresh->skeleton.above_translation;
+    if (same) return kept;
+  }
+  return fresh;
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const pipeline::Live>> MakeLive(const config::Config& config,
@@ -58,9 +71,24 @@ Result<std::shared_ptr<const pipeline::Live>> MakeLive(const config::Config& con
   }
   const Status status = CheckStyles(config, *live->network);
   if (!status.ok()) return status;
+  if (running != nullptr) {
+    live->joints = running->joints;  // sources change at a restart only
+  } else {
+    for (const auto& source : config.sources) live->joints.push_back(source.joints);
+  }
+  for (const auto& output : config.outputs) {
+    auto avatar = pipeline::ReadAvatarOutput(output);
+    if (!avatar.ok()) return avatar.status();
+    live->avatars.push_back(KeepRunning(std::move(avatar.value()), running));
+  }
   live->weights_name = path.value().filename().string();
   live->performers = config.performers;
   live->style = config.style;
+  for (const auto& cue : config.cues) {
+    auto made = pipeline::MakeCue(cue, config.presets, *live->network);
+    if (!made.ok()) return made.status();
+    live->cues.push_back(std::move(made.value()));
+  }
   live->presets = config.presets;
   live->stylist = config.model.stylist;
   crc = fresh_crc;

@@ -11,17 +11,20 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "daemon/pipeline/keeping.h"
 #include "daemon/runtime/descriptor.h"
 #include "daemon/runtime/realtime.h"
+#include "daemon/source/delay.h"
 #include "daemon/source/natnet.h"
 #include "daemon/source/rigs/make.h"
 #include "daemon/source/tcp.h"
 #include "daemon/source/udp.h"
 #include "daemon/source/usb/usb.h"
+#include "model/erd/shipped_weights.h"
 
 namespace styled {
 namespace {
@@ -36,6 +39,12 @@ std::uint64_t RandomEpoch() {
 
 std::string StateFile(const config::Config& config) {
   return config.state.dir.empty() ? "" : config.state.dir + "/performers.toml";
+}
+
+// "" where it cannot be read.
+std::string ReadText(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace
@@ -64,14 +73,15 @@ Status Supervisor::Start() {
   Status status = OpenSources();
   if (status.ok()) status = OpenSockets();
   if (!status.ok()) return status;
+  StartRecording();
   std::vector<std::string> names, types;
   for (const auto& source : config_.sources) {
     names.push_back(source.name);
     types.push_back(source.type);
   }
   pipeline_ = std::make_unique<pipeline::Pipeline>(
-      pipeline::Surroundings{clock_, counters_, *publisher_, mailboxes_}, std::move(names),
-      std::move(transports_), live_, epoch_, config_.publish.max_subscriptions);
+      pipeline::Surroundings{clock_, counters_, *publisher_, mailboxes_, recorder_.get()},
+      std::move(names), std::move(transports_), live_, epoch_, config_.publish.max_subscriptions);
   pipeline_->SetSourceTypes(std::move(types));
   RestoreProfiles();
   if (config_.realtime.lock_memory) {
@@ -99,6 +109,9 @@ Status Supervisor::OpenSources() {
       return Status::Error("source." + std::to_string(i) + (type.usb ? ": " : ".listen: ") +
                            transport.status().message());
     }
+    if (source.delay_s > 0) {
+      transport = source::MakeDelayed(std::move(transport.value()), source.delay_s, clock_);
+    }
     source_endpoints_.push_back(transport.value()->endpoint());
     spdlog::info("source {} listens on {} {}", source.name, source.type, source_endpoints_.back());
     transports_.push_back(std::move(transport.value()));
@@ -111,11 +124,54 @@ Status Supervisor::OpenSockets() {
       publish::MakeZmqPublisher(context_, config_.publish, counters_, publish_endpoint_);
   if (!publisher.ok()) return publisher.status();
   publisher_ = std::move(publisher.value());
-  auto control = control::MakeControlSocket(context_, config_.control, mailboxes_, counters_,
-                                            control_endpoint_);
+  std::unique_ptr<control::OscSocket> osc;
+  if (!config_.osc.listen.empty()) {
+    auto opened = control::OscSocket::Open(config_.osc.listen);
+    if (!opened.ok()) return Status::Error("osc.listen: " + opened.status().message());
+    osc = std::move(opened.value());
+    osc_endpoint_ = osc->endpoint();
+    spdlog::info("OSC at {}", osc_endpoint_);
+  }
+  auto control = control::MakeControlSocket(context_, config_.control, std::move(osc), mailboxes_,
+                                            counters_, control_endpoint_);
   if (!control.ok()) return control.status();
   control_ = std::move(control.value());
   return Status::Ok();
+}
+
+// No reason not to start: the show goes on without it.
+void Supervisor::StartRecording() {
+  if (config_.record.file.empty()) return;
+  record::About about;
+  about.config = ReadText(origin_.file);
+  for (const auto& set : origin_.overrides) {
+    about.config += "# " + set.place + ": " + set.key + " = " + set.value + "\n";
+  }
+  about.state = ReadText(StateFile(config_));
+  about.weights = erd::FindWeights(config_.model.weights).value();
+  auto recorder = record::Recorder::Start(config_, source_endpoints_, about);
+  if (!recorder.ok()) {
+    counters_.Add(runtime::Counter::kRecordFailures);
+    spdlog::error("nothing is recorded: {}", recorder.status().message());
+    return;
+  }
+  recorder_ = std::move(recorder.value());
+  spdlog::info("recording to {}", recorder_->file().string());
+  CheckRecording();
+}
+
+void Supervisor::CheckRecording() {
+  if (recorder_ == nullptr) return;
+  const std::string complaint = recorder_->Check(counters_);
+  if (!complaint.empty()) spdlog::error("recording: {}", complaint);
+}
+
+void Supervisor::CloseRecording() {
+  if (recorder_ == nullptr) return;
+  recorder_->Close();
+  CheckRecording();
+  spdlog::info("recorded {} records to {}, {} lost", recorder_->written(),
+               recorder_->file().string(), recorder_->lost());
 }
 
 // A broken state file is no reason not to start.
@@ -135,6 +191,12 @@ void Supervisor::RestoreProfiles() {
     return;
   }
   spdlog::info("{} performers' settings restored from {}", kept.value().size(), file);
+  for (const auto& profile : kept.value()) {
+    if (recorder_ == nullptr) break;
+    for (const auto& request : pipeline::AsRequests(profile)) {
+      recorder_->OnRequest(clock_.Now_ns(), request, {});
+    }
+  }
   pipeline_->Restore(std::move(kept.value()));
 }
 
@@ -158,16 +220,15 @@ void Supervisor::StartThreads() {
 
 Status Supervisor::WriteReadyFile() const {
   if (origin_.ready_file.empty()) return Status::Ok();
-  nlohmann::json ready{{"pid", getpid()},
-                       {"publish", publish_endpoint_},
-                       {"control", control_endpoint_},
-                       {"weights", live_->weights_name},
-                       {"epoch", epoch_}};
+  nlohmann::json ready{
+      {"pid", getpid()},      {"publish", publish_endpoint_},   {"control", control_endpoint_},
+      {"osc", osc_endpoint_}, {"weights", live_->weights_name}, {"epoch", epoch_}};
   for (std::size_t i = 0; i < config_.sources.size(); ++i) {
     ready["sources"].push_back({{"name", config_.sources[i].name},
                                 {"type", config_.sources[i].type},
                                 {"listen", source_endpoints_[i]}});
   }
+  if (recorder_ != nullptr) ready["recording"] = recorder_->file().string();
   const std::string fresh = origin_.ready_file + ".new";
   std::ofstream out(fresh);
   out << ready.dump(2) << "\n";
@@ -198,10 +259,12 @@ void Supervisor::Run() {
       pipeline_thread_.join();
       KeepProfiles(pipeline_->TakeUnkept());
       LogEvents();
+      CloseRecording();
       return;
     }
     LogEvents();
     KeepProfiles();
+    CheckRecording();
     if (clock_.Now_ns() < next_log_ns) continue;
     next_log_ns = clock_.Now_ns() + runtime::kSecond_ns;
     LogTrouble();
@@ -239,8 +302,10 @@ void Supervisor::WarnOfRestartKeys(const config::Config& fresh) const {
   if (fresh.sources != config_.sources) warn("source");
   if (!(fresh.publish == config_.publish)) warn("publish");
   if (!(fresh.control == config_.control)) warn("control");
+  if (!(fresh.osc == config_.osc)) warn("osc");
   if (!(fresh.realtime == config_.realtime)) warn("realtime");
   if (fresh.state.dir != config_.state.dir) warn("state");
+  if (!(fresh.record == config_.record)) warn("record");
 }
 
 void Supervisor::LogEvents() {

@@ -13,6 +13,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/pipeline_thread.h"
 #include "daemon/publish/publisher.h"
+#include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
 
@@ -43,6 +44,9 @@ class Supervisor {
  private:
   Status OpenSources();
   Status OpenSockets();
+  void StartRecording();
+  void CheckRecording();
+  void CloseRecording();
   void RestoreProfiles();
   void StartThreads();
   Status WriteReadyFile() const;
@@ -62,11 +66,12 @@ class Supervisor {
   std::uint64_t epoch_;
   std::shared_ptr<const pipeline::Live> live_;
   std::uint32_t weights_crc_ = 0;
-  std::string publish_endpoint_, control_endpoint_;
+  std::string publish_endpoint_, osc_endpoint_, control_endpoint_;
   std::vector<std::string> source_endpoints_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
   std::unique_ptr<publish::Publisher> publisher_;
   std::unique_ptr<control::ControlSocket> control_;
+  std::unique_ptr<record::Recorder> recorder_;  // null: nothing is recorded
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   std::unique_ptr<pipeline::PipelineThread> pipeline_loop_;
   std::thread pipeline_thread_, control_thread_;

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds Styled and shows it at work: the built-in synthetic performer is streamed at 120 Hz into the
-# daemon, the shipped weights restyle it, the style switches every few seconds, and the terminal
-# monitor draws input and styled figure side by side. Ctrl-C, or q in the monitor, ends it.
+# daemon, the shipped weights restyle it, a tour goes through styles, mixes and parts of the body, and
+# the terminal monitor draws input and styled figure side by side. The same in a browser: its address
+# is printed. Ctrl-C, or q in the monitor, ends it.
 #   --seconds N      end by itself after N seconds
 #   --performers N   that many performers (default 1)
 #   --plain          no full-screen monitor: a picture and a line every two seconds
@@ -27,7 +28,7 @@ while [ $# -gt 0 ]; do
     --plain) plain=yes ;;
     --no-build) build=no ;;
     -h | --help)
-      sed -n '2,8s/^# \{0,1\}//p' "$0"
+      sed -n '2,9s/^# \{0,1\}//p' "$0"
       exit 0
       ;;
     *)
@@ -95,6 +96,26 @@ setsid "$bin/stylesim" --to "$source_at" --rate 120 --performers "$performers" \
 sim=$!
 pids+=("$sim")
 
+viewer=
+if [ -x "$bin/styleweb" ] && [ -e "$root/build/release/web/index.html" ]; then
+  for port in 7080 0; do  # the usual port, else any
+    setsid "$bin/styleweb" --listen "127.0.0.1:$port" --publish "$publish_at" \
+      --control "$control_at" --ready-file "$work/web.json" >"$work/styleweb.log" 2>&1 &
+    web=$!
+    for _ in $(seq 50); do
+      [ -s "$work/web.json" ] && break 2
+      kill -0 "$web" 2>/dev/null || break
+      sleep 0.1
+    done
+  done
+  pids+=("$web")
+  viewer=$(sed -n 's/.*"listen": *"\([^"]*\)".*/\1/p' "$work/web.json" 2>/dev/null || true)
+fi
+if [ -n "$viewer" ]; then
+  echo "viewer: $viewer"
+  [ "$plain" = yes ] || sleep 3  # the monitor is about to take the screen
+fi
+
 control() { "$bin/stylectl" --endpoint "$control_at" "$@"; }
 monitor=("$bin/stylemon" --publisher "$publish_at" --control "$control_at")
 if [ "$plain" = yes ]; then monitor+=(--plain --every 2000); fi
@@ -105,15 +126,26 @@ pids+=("$mon")
 
 mapfile -t styles < <(control list --json | tr ',{' '\n\n' |
   sed -n 's/.*"name": *"\([^"]*\)".*/\1/p' | grep -v '^neutral$')
+count=${#styles[@]}
 begun=$SECONDS
 next=0
 switches=0
+# One stop of the tour: styles in turn, and after every fourth what else can be done with them.
+stop_of_tour() {
+  local style=${styles[$((switches % count))]} other=${styles[$(((switches + 5) % count))]}
+  case $((switches % 8)) in
+    4) control set '*' --mix "$style=0.5" --mix "$other=0.5" --strength 1 --transition 1000 ;;
+    5) control set '*' --style "$style" --only arms --transition 600 ;;
+    6) control set '*' --style "$style" --only all --strength 0.5 ;;
+    7) control clear '*' ;;
+    *) control set '*' --style "$style" --only all --strength 1 --transition 400 ;;
+  esac
+}
 while [ "$stopped" = no ]; do
   kill -0 "$mon" 2>/dev/null || break
   if [ "$seconds" != 0 ] && [ $((SECONDS - begun)) -ge "$seconds" ]; then break; fi
   if [ $((SECONDS - begun)) -ge "$next" ] && [ ${#styles[@]} -gt 0 ]; then
-    style=${styles[$((switches % ${#styles[@]}))]}
-    control set '*' --style "$style" --transition 400 >"$work/set.log" 2>&1 || true
+    stop_of_tour >"$work/set.log" 2>&1 || true
     switches=$((switches + 1))
     next=$((next + 4))
   fi
@@ -130,6 +162,6 @@ tail -n 1 "$work/stylesim.log"
 kill -TERM "${pids[0]}" 2>/dev/null || true
 code=0
 wait "${pids[0]}" || code=$?
-echo "styled for $((SECONDS - begun)) s, $switches switches of style among ${#styles[@]} styles;" \
+echo "styled for $((SECONDS - begun)) s, $switches stops of the tour among $count styles;" \
   "the daemon ended with code $code"
 [ "$code" = 0 ]

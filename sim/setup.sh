@@ -10,10 +10,11 @@ styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev libboost1.81-dev libzmq3-dev
   cppzmq-dev libprotobuf-dev protobuf-compiler libspdlog-dev libtomlplusplus-dev libcli11-dev
-  nlohmann-json3-dev libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev libusb-1.0-0-dev)
+  nlohmann-json3-dev libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev libusb-1.0-0-dev
+  libtinygltf-dev scdoc)
 styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev libbenchmark-dev
   clang-format-16 clang-tidy-16 xz-utils procps liblo-dev liboscpack-dev lz4 zstd python3
-  libumockdev-dev umockdev)
+  python3-zmq python3-protobuf python3-numpy libumockdev-dev umockdev chromium)
 styled_packages_train=("${styled_packages_test[@]}" libtorch-dev libopenblas0-pthread)
 
 styled_install() {
@@ -22,6 +23,8 @@ styled_install() {
     [ "$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null)" = "install ok installed" ] ||
       missing+=("$package")
   done
+  # For styleweb's page. Not by package: a newer node of another origin brings its own npm.
+  command -v npm >/dev/null || missing+=(nodejs npm)
   [ ${#missing[@]} -eq 0 ] && return 0
   local sudo=()
   if [ "$(id -u)" != 0 ]; then

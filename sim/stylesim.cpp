@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -44,6 +45,8 @@ struct Arguments {
   std::string script, faults, dialect = "auto";
   float metres_per_unit = 0;
   std::filesystem::path write;
+  std::string timecode;
+  std::optional<double> timecode_s = {};
 };
 
 std::atomic<bool> stop_requested{false};
@@ -91,6 +94,19 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--faults", a.faults,
                  "WORD=PROBABILITY,...: loss, duplicate, reorder, corrupt, truncate, nan, "
                  "oversized, restart, late; and seed=N, late-ms=100, restart-pause-ms=150");
+  app.add_option("--timecode", a.timecode,
+                 "SMPTE timecode of the first frame, HH:MM:SS, counted at 30 frames a second")
+      ->check([&a](const std::string& text) {
+        int hours = 0, minutes = 0, seconds = 0, end = 0;
+        const int read =
+            std::sscanf(text.c_str(), "%2d:%2d:%2d%n", &hours, &minutes, &seconds, &end);
+        const bool good = read == 3 && end == static_cast<int>(text.size()) && hours >= 0 &&
+                          hours < 24 && minutes >= 0 && minutes < 60 && seconds >= 0 &&
+                          seconds < 60;
+        if (!good) return "'" + text + "': expected HH:MM:SS";
+        a.timecode_s = (hours * 60 + minutes) * 60 + seconds;
+        return std::string();
+      });
   app.add_option("--start-wait-ms", a.start_wait_ms, "how long to wait for a TCP listener")
       ->check(CLI::Range(0.0, 600000.0))
       ->capture_default_str();
@@ -177,7 +193,7 @@ Senders MakeNative(const Arguments& a, Motions motions, const faults::Spec& spec
   Senders senders;
   for (int k = 0; k < a.performers; ++k) {
     senders.push_back(std::make_unique<player::Stream>(
-        player::StreamOptions{PerformerName(a, k), a.rate_hz, NewSession},
+        player::StreamOptions{PerformerName(a, k), a.rate_hz, NewSession, a.timecode_s},
         std::move(motions[static_cast<std::size_t>(k)]),
         faults::Faults(spec, static_cast<std::uint64_t>(k))));
   }
@@ -229,6 +245,9 @@ int Run(const Arguments& a) {
   }
   auto motions = MakeMotions(a, script.value());
   if (!motions.ok()) return Fail(motions.status());
+  if (a.as != "native" && a.timecode_s) {
+    return Fail(Status::Error("--timecode: expected --as native (of others it is a --quirk)"));
+  }
   if (a.as != "native") return RunRig(a, std::move(motions.value()), spec.value());
   if (!a.quirks.empty()) return Fail(Status::Error("--quirk: native has none"));
   const std::string to = a.to.empty() ? "udp://127.0.0.1:7000" : a.to;

@@ -2,12 +2,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "model/base/status.h"
+#include "model/rig/dialects.h"
 #include "model/stylist/stylist.h"
 
 // All that can be configured, one struct; styled.toml beside this file is its manual and says for
@@ -32,12 +34,24 @@ struct Source {
   bool multicast = true;
   std::string coordinates = "auto";  // bones relative to "global", "local" or what "auto" finds
   std::vector<Tracker> trackers = {};
-  float rate_hz = 100;  // of the frames made of trackers that have no common clock
+  rig::JointNames joints = {};  // by hand, where their names do not say whose they are
+  float rate_hz = 100;          // of the frames made of trackers that have no common clock
+  float delay_s = 0;            // by which frames wait so that bursts leave evenly; 0 = none
   int receive_buffer_bytes = 4 << 20;
   int max_connections = 64;  // tcp
   std::string usb_id = {};   // "1209:7690"; "" = any receiver (not of type usb)
   std::string serial = {};   // of the one USB device; "" = all
   friend bool operator==(const Source&, const Source&) = default;
+};
+
+// A further skeleton that styled motion is published on.
+struct Output {
+  std::string name;                     // the topic: styled/<performer>/<name>/
+  std::string avatar;                   // file: .vrm, .glb, .gltf or .bvh
+  std::string dialect = "auto";         // of a BVH
+  rig::JointNames joints;               // by hand
+  std::vector<std::string> performers;  // ids; empty = all
+  std::string place;                    // file:line, for complaints
 };
 
 // How a source of a type listens; by name in source.type.
@@ -104,8 +118,34 @@ struct Preset {
   std::string place;                               // file:line, for complaints
 };
 
+// A change of style that is ready to be fired: by its name, or by the performers' timecode.
+struct Cue {
+  std::string name;
+  std::string at;               // "HH:MM:SS:FF"; "" = by name only
+  std::string performer = "*";  // an id, or "*"
+  std::string style, preset;    // at most one of these two, the mix and `clear`
+  std::vector<std::pair<std::string, float>> mix;
+  bool clear = false, panic = false;
+  std::optional<float> strength, transition_s;
+  std::string only, own_style;
+  std::string place;  // file:line, for complaints
+};
+
+// Open Sound Control, for consoles and control surfaces.
+struct Osc {
+  std::string listen;  // HOST:PORT; "" = off
+  bool allow_unauthenticated_remote = false;
+  friend bool operator==(const Osc&, const Osc&) = default;
+};
+
 struct State {
   std::string dir;  // "" = settings are not kept
+};
+
+struct Record {
+  std::string file;  // strftime pattern or folder; "" = nothing is recorded
+  int min_free_mb = 256;
+  friend bool operator==(const Record&, const Record&) = default;
 };
 
 struct Log {
@@ -121,13 +161,17 @@ struct Realtime {
 
 struct Config {
   std::vector<Source> sources{{"rig", "udp", "127.0.0.1:7000"}, {"rig", "tcp", "127.0.0.1:7000"}};
+  std::vector<Output> outputs;
   Publish publish;
   Control control;
   Model model;
   Performers performers;
   Style style;
   std::vector<Preset> presets;
+  std::vector<Cue> cues;
+  Osc osc;
   State state;
+  Record record;
   Log log;
   Realtime realtime;
 };

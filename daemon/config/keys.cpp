@@ -148,7 +148,13 @@ std::vector<Section> MakeSections() {
        {Text<C>("initial", STYLED_FIELD(style.initial)),
         Float<C>("strength", 0, 1.5, 1, STYLED_FIELD(style.strength)),
         Float<C>("transition_ms", 0, 60000, kMs, STYLED_FIELD(style.transition_s))}},
+      {"osc",
+       {Text<C>("listen", STYLED_FIELD(osc.listen)),
+        Flag<C>("allow_unauthenticated_remote", STYLED_FIELD(osc.allow_unauthenticated_remote))}},
       {"state", {Text<C>("dir", STYLED_FIELD(state.dir))}},
+      {"record",
+       {Text<C>("file", STYLED_FIELD(record.file)),
+        Integer<C>("min_free_mb", 0, 1 << 30, STYLED_FIELD(record.min_free_mb))}},
       {"log",
        {OneOf<C>("level", {"trace", "debug", "info", "warn", "error", "off"},
                  STYLED_FIELD(log.level))}},
@@ -175,6 +181,41 @@ Status ReadTrackers(const toml::node& node, Source& source) {
   for (const auto& [id, part] : *table) {
     if (!part.is_string()) return Expected(expected, part);
     source.trackers.push_back({std::string(id.str()), *part.value<std::string>()});
+  }
+  return Status::Ok();
+}
+
+Status ReadJoints(const toml::node& node, rig::JointNames& out) {
+  const std::string expected =
+      "a table of the humanoid's joints and the rig's, e.g. { leftUpperArm = \"L_Arm\" }";
+  const toml::table* table = node.as_table();
+  if (table == nullptr) return Expected(expected, node);
+  out.clear();
+  for (const auto& [joint, name] : *table) {
+    const auto& rows = body::kHumanoid;
+    const bool known = std::any_of(rows.begin(), rows.end(),
+                                   [&](const body::JointRow& r) { return r.name == joint.str(); });
+    if (!known) {
+      std::vector<std::string_view> names;
+      for (const auto& row : rows) names.push_back(row.name);
+      return Status::Error("\"" + std::string(joint.str()) +
+                           "\" is no joint of the canonical humanoid" +
+                           Nearest(joint.str(), names));
+    }
+    if (!name.is_string()) return Expected(expected, name);
+    out.emplace_back(joint.str(), *name.value<std::string>());
+  }
+  return Status::Ok();
+}
+
+Status ReadPerformers(const toml::node& node, Output& output) {
+  const std::string expected = "a list of performers, e.g. [\"rig.anna\"]";
+  const toml::array* list = node.as_array();
+  if (list == nullptr) return Expected(expected, node);
+  output.performers.clear();
+  for (const auto& performer : *list) {
+    if (!performer.is_string()) return Expected(expected, performer);
+    output.performers.push_back(*performer.value<std::string>());
   }
   return Status::Ok();
 }
@@ -216,6 +257,8 @@ const std::vector<Key<Source>>& SourceKeys() {
       OneOf<S>("coordinates", {"auto", "global", "local"}, STYLED_FIELD(coordinates)),
       Float<S>("rate_hz", 10, 1000, 1, STYLED_FIELD(rate_hz)),
       Key<S>{"trackers", ReadTrackers},
+      Key<S>{"joints", [](const toml::node& node, S& out) { return ReadJoints(node, out.joints); }},
+      Float<S>("delay_ms", 0, 1000, kMs, STYLED_FIELD(delay_s)),
       Integer<S>("receive_buffer_bytes", 4096, kGiB, STYLED_FIELD(receive_buffer_bytes)),
       Integer<S>("max_connections", 1, 1024, STYLED_FIELD(max_connections)),
       Text<S>("usb_id", STYLED_FIELD(usb_id)),
@@ -224,7 +267,40 @@ const std::vector<Key<Source>>& SourceKeys() {
   return keys;
 }
 
-Status ReadPreset(const toml::node& node, Preset& preset) {
+const std::vector<Key<Output>>& OutputKeys() {
+  using O = Output;
+  static const std::vector<Key<Output>> keys{
+      Text<O>("name", STYLED_FIELD(name)),
+      Text<O>("avatar", STYLED_FIELD(avatar)),
+      Text<O>("dialect", STYLED_FIELD(dialect)),
+      Key<O>{"joints", [](const toml::node& node, O& out) { return ReadJoints(node, out.joints); }},
+      Key<O>{"performers", ReadPerformers},
+  };
+  return keys;
+}
+
+const std::vector<Key<Cue>>& CueKeys() {
+  using C = Cue;
+  static const std::vector<Key<Cue>> keys{
+      Text<C>("name", STYLED_FIELD(name)),
+      Text<C>("at", STYLED_FIELD(at)),
+      Text<C>("performer", STYLED_FIELD(performer)),
+      Text<C>("style", STYLED_FIELD(style)),
+      Text<C>("preset", STYLED_FIELD(preset)),
+      Key<C>{"mix", [](const toml::node& node, C& out) { return ReadMix(node, out.mix); }},
+      Flag<C>("clear", STYLED_FIELD(clear)),
+      Flag<C>("panic", STYLED_FIELD(panic)),
+      Float<C>("strength", 0, 1.5, 1, STYLED_FIELD(strength)),
+      Float<C>("transition_ms", 0, 60000, kMs, STYLED_FIELD(transition_s)),
+      Text<C>("only", STYLED_FIELD(only)),
+      Text<C>("from", STYLED_FIELD(own_style)),
+  };
+  return keys;
+}
+
+Status ReadPreset(const toml::node& node, Preset& preset) { return ReadMix(node, preset.mix); }
+
+Status ReadMix(const toml::node& node, std::vector<std::pair<std::string, float>>& out) {
   const toml::table* mix = node.as_table();
   if (mix == nullptr || mix->empty()) {
     return Expected("styles and weights, e.g. { elderly = 0.7, tired = 0.3 }", node);
@@ -234,7 +310,7 @@ Status ReadPreset(const toml::node& node, Preset& preset) {
     if (!weight.is_number() || !(*value >= 0 && *value <= 1.5)) {
       return Expected("a weight from 0 to 1.5 for \"" + std::string(style.str()) + "\"", weight);
     }
-    preset.mix.emplace_back(style.str(), static_cast<float>(*value));
+    out.emplace_back(style.str(), static_cast<float>(*value));
   }
   return Status::Ok();
 }

@@ -23,13 +23,19 @@ struct Section {
   std::vector<Key<Config>> keys;
 };
 
-// The tables that loading, the environment and the complaints share. [[source]] has its own table;
-// [presets] has free keys.
+// The tables that loading, the environment and the complaints share. [[source]], [[output]] and
+// [[cue]] have tables of their own; [presets] has free keys.
 const std::vector<Section>& Sections();
 const std::vector<Key<Source>>& SourceKeys();
+const std::vector<Key<Output>>& OutputKeys();
+const std::vector<Key<Cue>>& CueKeys();
 inline constexpr std::string_view kSourceSection = "source";
+inline constexpr std::string_view kOutputSection = "output";
+inline constexpr std::string_view kCueSection = "cue";
 inline constexpr std::string_view kPresetsSection = "presets";
 
+// Reads { style = weight, ... }.
+Status ReadMix(const toml::node& node, std::vector<std::pair<std::string, float>>& out);
 // Reads the value of presets.NAME: { style = weight, ... }.
 Status ReadPreset(const toml::node& node, Preset& preset);
 

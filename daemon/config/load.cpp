@@ -82,14 +82,40 @@ Status ApplySources(const Layer& layer, const toml::node& node, Config& config) 
   return Status::Ok();
 }
 
+// [[name]] tables: each into an element of `out`, which they replace.
+template <typename T>
+Status ApplyTables(const Layer& layer, std::string_view section, const std::vector<Key<T>>& keys,
+                   const toml::node& node, std::vector<T>& out) {
+  const std::string name(section);
+  const toml::array* tables = node.as_array();
+  if (tables == nullptr || !tables->is_array_of_tables()) {
+    return layer.Refuse(node, name, "expected [[" + name + "]] tables, in double brackets");
+  }
+  out.clear();
+  for (const auto& element : *tables) {
+    T table;
+    table.place = Place(element, layer.origin, layer.is_file);
+    for (const auto& [key, value] : *element.as_table()) {
+      Status status = ApplyKey(layer, name, keys, key.str(), value, table);
+      if (!status.ok()) return status;
+    }
+    out.push_back(std::move(table));
+  }
+  return Status::Ok();
+}
+
 Status ApplySection(const Layer& layer, std::string_view name, const toml::node& node,
                     Config& config) {
   if (name == kSourceSection) return ApplySources(layer, node, config);
+  if (name == kOutputSection) return ApplyTables(layer, name, OutputKeys(), node, config.outputs);
+  if (name == kCueSection) return ApplyTables(layer, name, CueKeys(), node, config.cues);
   const auto section = std::find_if(Sections().begin(), Sections().end(),
                                     [&](const Section& s) { return s.name == name; });
   if (section == Sections().end() && name != kPresetsSection) {
     auto known = Names(Sections());
     known.push_back(kSourceSection);
+    known.push_back(kOutputSection);
+    known.push_back(kCueSection);
     known.push_back(kPresetsSection);
     return layer.Refuse(node, std::string(name), "unknown section" + Nearest(name, known));
   }

@@ -2,6 +2,7 @@
 
 #include "daemon/config/address.h"
 #include "daemon/config/config.h"
+#include "daemon/source/natnet.h"
 #include "daemon/source/rigs/tracker_rig.h"
 #include "model/erd/network.h"
 
@@ -44,6 +45,10 @@ Status CheckSources(const std::vector<Source>& sources) {
       if (!status.ok()) return status;
       continue;
     }
+    if (sources[i].type == "natnet") {
+      const Status status = source::CheckNatNet(sources[i]);
+      if (!status.ok()) return Status::Error(place + status.message());
+    }
     const auto address = ParseHostPort(sources[i].listen);
     if (!address.ok()) return Status::Error(place + "listen: " + address.status().message());
     if (!IsNumeric(address.value().host)) {
@@ -60,6 +65,38 @@ Status CheckSources(const std::vector<Source>& sources) {
   return Status::Ok();
 }
 
+// SOURCE.NAME
+bool IsPerformerId(std::string_view text) {
+  const std::size_t dot = text.find('.');
+  return dot != std::string_view::npos && IsName(text.substr(0, dot)) &&
+         IsName(text.substr(dot + 1));
+}
+
+Status CheckOutputs(const std::vector<Output>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const Output& output = outputs[i];
+    const std::string place = "output." + std::to_string(i) + ".";
+    if (!IsName(output.name) || output.name == "rig" || output.name == "canonical") {
+      return Status::Error(place + "name: \"" + output.name +
+                           "\"; expected 1 to 32 of A-Z a-z 0-9 _ -, and not rig or canonical");
+    }
+    if (output.avatar.empty()) {
+      return Status::Error(place + "avatar: missing; expected a .vrm, .glb, .gltf or .bvh file");
+    }
+    for (const auto& performer : output.performers) {
+      if (IsPerformerId(performer)) continue;
+      return Status::Error(place + "performers: \"" + performer + "\"; expected SOURCE.NAME");
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      if (outputs[k].name == output.name) {
+        return Status::Error(place + "name: \"" + output.name + "\" is taken by output." +
+                             std::to_string(k));
+      }
+    }
+  }
+  return Status::Ok();
+}
+
 Status CheckSocket(const std::string& section, const std::string& address, bool allowed,
                    const std::string& who) {
   const Status status = CheckEndpoint(address);
@@ -69,6 +106,37 @@ Status CheckSocket(const std::string& section, const std::string& address, bool 
                        " can be reached from other machines, and " + who +
                        " are not authenticated; expected a loopback or ipc:// address, or " +
                        section + ".allow_unauthenticated_remote = true");
+}
+
+Status CheckCues(const std::vector<Cue>& cues) {
+  for (std::size_t i = 0; i < cues.size(); ++i) {
+    const std::string place = cues[i].place + ": cue.";
+    if (!IsName(cues[i].name)) {
+      return Status::Error(place + "name: \"" + cues[i].name +
+                           "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
+    }
+    const std::string& performer = cues[i].performer;
+    if (performer != "*" && !IsPerformerId(performer)) {
+      return Status::Error(place + "performer: \"" + performer + "\"; expected SOURCE.NAME or *");
+    }
+  }
+  return Status::Ok();
+}
+
+// "" is off.
+Status CheckOsc(const Osc& osc) {
+  if (osc.listen.empty()) return Status::Ok();
+  const auto address = ParseHostPort(osc.listen);
+  if (!address.ok()) return Status::Error("osc.listen: " + address.status().message());
+  if (!IsNumeric(address.value().host)) {
+    return Status::Error("osc.listen: \"" + osc.listen +
+                         "\": expected a numeric address, e.g. \"127.0.0.1:7003\"");
+  }
+  if (IsLocal("tcp://" + osc.listen) || osc.allow_unauthenticated_remote) return Status::Ok();
+  return Status::Error("osc.listen: " + osc.listen +
+                       " can be reached from other machines, and operators are not "
+                       "authenticated; expected a loopback address, or "
+                       "osc.allow_unauthenticated_remote = true");
 }
 
 Status CheckPreset(const Preset& preset) {
@@ -103,11 +171,17 @@ bool IsName(std::string_view text) noexcept {
 Status Validate(const Config& config) {
   Status status = CheckSources(config.sources);
   if (!status.ok()) return status;
+  status = CheckOutputs(config.outputs);
+  if (!status.ok()) return status;
   status = CheckSocket("publish", config.publish.address,
                        config.publish.allow_unauthenticated_remote, "subscribers");
   if (!status.ok()) return status;
   status = CheckSocket("control", config.control.address,
                        config.control.allow_unauthenticated_remote, "operators");
+  if (!status.ok()) return status;
+  status = CheckOsc(config.osc);
+  if (!status.ok()) return status;
+  status = CheckCues(config.cues);
   if (!status.ok()) return status;
   if (config.model.stylist.foreign_begin_rad >= config.model.stylist.foreign_end_rad) {
     return Status::Error("model.foreign_begin_rad: expected less than model.foreign_end_rad");

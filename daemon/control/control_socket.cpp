@@ -14,9 +14,9 @@ constexpr std::size_t kMaxParts = 4;  // kept of a message; more are read and dr
 
 }  // namespace
 
-ControlSocket::ControlSocket(runtime::ZmqSocket socket, pipeline::Mailboxes& mailboxes,
-                             runtime::Counters& counters)
-    : socket_(std::move(socket)), mailboxes_(mailboxes), counters_(counters) {
+ControlSocket::ControlSocket(runtime::ZmqSocket socket, std::unique_ptr<OscSocket> osc,
+                             pipeline::Mailboxes& mailboxes, runtime::Counters& counters)
+    : socket_(std::move(socket)), osc_(std::move(osc)), mailboxes_(mailboxes), counters_(counters) {
   zmq_msg_init(&message_);
 }
 
@@ -29,12 +29,23 @@ int ControlSocket::DoWork() {
     --in_flight_;
     ++work;
     if (exchange->reply.code() != v1::CODE_OK) counters_.Add(Counter::kControlRefused);
-    Send(exchange->envelope, exchange->reply);
+    if (exchange->osc.empty()) {
+      Send(exchange->envelope, exchange->reply);
+    } else {
+      osc_->Answer(*exchange);
+    }
   }
   for (int i = 0; i < kPerCycle && Receive(); ++i) {
     ++work;
     counters_.Add(Counter::kControlRequests);
     Handle();
+  }
+  if (osc_ != nullptr) {
+    for (int i = 0; i < kPerCycle && osc_->Receive(); ++i) {
+      ++work;
+      counters_.Add(Counter::kControlOsc);
+      HandleOsc();
+    }
   }
   return work;
 }
@@ -75,19 +86,31 @@ void ControlSocket::Handle() {
     counters_.Add(Counter::kControlMalformed);
     return Refuse(envelope, v1::CODE_MALFORMED, "not a styled.v1.Request");
   }
+  if (Pass(exchange)) return;
+  Send(exchange->envelope, exchange->reply);
+}
+
+void ControlSocket::HandleOsc() {
+  for (auto& exchange : osc_->Read()) {
+    if (exchange->reply.code() != v1::CODE_OK) counters_.Add(Counter::kControlRefused);
+    if (exchange->reply.code() == v1::CODE_OK && Pass(exchange)) continue;
+    osc_->Answer(*exchange);
+  }
+}
+
+bool ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
   if (in_flight_ == kMaxInFlight) {
     counters_.Add(Counter::kControlBusy);
     counters_.Add(Counter::kControlRefused);
-    v1::Reply reply;
-    reply.set_id(exchange->request.id());
-    reply.set_code(v1::CODE_BUSY);
-    reply.set_reason("too many requests are waiting; try again");
-    Send(exchange->envelope, reply);
-    return;
+    exchange->reply.set_id(exchange->request.id());
+    exchange->reply.set_code(v1::CODE_BUSY);
+    exchange->reply.set_reason("too many requests are waiting; try again");
+    return false;
   }
   ++in_flight_;
   mailboxes_.commands.Push(std::move(exchange));  // never full: it holds more than are in flight
   mailboxes_.wake_pipeline.Signal();
+  return true;
 }
 
 void ControlSocket::Refuse(const std::vector<std::vector<std::byte>>& envelope, v1::Code code,
@@ -112,10 +135,11 @@ void ControlSocket::Send(const std::vector<std::vector<std::byte>>& envelope,
 void ControlSocket::Run() {
   while (!stop_.load(std::memory_order_relaxed)) {
     if (DoWork() > 0) continue;
-    std::array<zmq_pollitem_t, 2> items{
+    std::array<zmq_pollitem_t, 3> items{
         zmq_pollitem_t{socket_.get(), 0, ZMQ_POLLIN, 0},
-        zmq_pollitem_t{nullptr, mailboxes_.wake_control.fd(), ZMQ_POLLIN, 0}};
-    zmq_poll(items.data(), static_cast<int>(items.size()), 1000);
+        zmq_pollitem_t{nullptr, mailboxes_.wake_control.fd(), ZMQ_POLLIN, 0},
+        zmq_pollitem_t{nullptr, osc_ == nullptr ? -1 : osc_->fd(), ZMQ_POLLIN, 0}};
+    zmq_poll(items.data(), osc_ == nullptr ? 2 : 3, 1000);
     if (items[1].revents != 0) mailboxes_.wake_control.Clear();
   }
 }
@@ -125,11 +149,9 @@ void ControlSocket::Stop() {
   mailboxes_.wake_control.Signal();
 }
 
-Result<std::unique_ptr<ControlSocket>> MakeControlSocket(void* context,
-                                                         const config::Control& config,
-                                                         pipeline::Mailboxes& mailboxes,
-                                                         runtime::Counters& counters,
-                                                         std::string& endpoint) {
+Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
+    void* context, const config::Control& config, std::unique_ptr<OscSocket> osc,
+    pipeline::Mailboxes& mailboxes, runtime::Counters& counters, std::string& endpoint) {
   runtime::ZmqSocket socket(context, ZMQ_ROUTER);
   if (socket.get() == nullptr) return Status::Error("control: " + std::string(zmq_strerror(errno)));
   socket.Set(ZMQ_LINGER, 100);
@@ -142,7 +164,7 @@ Result<std::unique_ptr<ControlSocket>> MakeControlSocket(void* context,
   socket.Set(ZMQ_TCP_KEEPALIVE, 1);
   const Status status = socket.Bind(config.address, "control.address", endpoint);
   if (!status.ok()) return status;
-  return std::make_unique<ControlSocket>(std::move(socket), mailboxes, counters);
+  return std::make_unique<ControlSocket>(std::move(socket), std::move(osc), mailboxes, counters);
 }
 
 }  // namespace styled::control

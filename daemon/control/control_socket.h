@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/control/osc_socket.h"
 #include "daemon/pipeline/mailboxes.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/zmq_socket.h"
@@ -21,8 +22,9 @@ inline constexpr std::size_t kMaxRequestBytes = 64 * 1024;
 // and its replies back. What cannot be a request is answered here. Never waits for the pipeline.
 class ControlSocket {
  public:
-  ControlSocket(runtime::ZmqSocket socket, pipeline::Mailboxes& mailboxes,
-                runtime::Counters& counters);
+  // `osc` may be null.
+  ControlSocket(runtime::ZmqSocket socket, std::unique_ptr<OscSocket> osc,
+                pipeline::Mailboxes& mailboxes, runtime::Counters& counters);
   ~ControlSocket();
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
@@ -35,11 +37,15 @@ class ControlSocket {
   // One message, its parts in `parts_`; false when there is none.
   bool Receive();
   void Handle();
+  void HandleOsc();
+  // To the pipeline; false, and nothing is moved, where too much waits there already.
+  bool Pass(std::unique_ptr<pipeline::Exchange>& exchange);
   void Refuse(const std::vector<std::vector<std::byte>>& envelope, v1::Code code,
               const std::string& reason);
   void Send(const std::vector<std::vector<std::byte>>& envelope, const v1::Reply& reply);
 
   runtime::ZmqSocket socket_;
+  std::unique_ptr<OscSocket> osc_;
   pipeline::Mailboxes& mailboxes_;
   runtime::Counters& counters_;
   zmq_msg_t message_;
@@ -49,10 +55,8 @@ class ControlSocket {
   std::atomic<bool> stop_{false};
 };
 
-Result<std::unique_ptr<ControlSocket>> MakeControlSocket(void* context,
-                                                         const config::Control& config,
-                                                         pipeline::Mailboxes& mailboxes,
-                                                         runtime::Counters& counters,
-                                                         std::string& endpoint);
+Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
+    void* context, const config::Control& config, std::unique_ptr<OscSocket> osc,
+    pipeline::Mailboxes& mailboxes, runtime::Counters& counters, std::string& endpoint);
 
 }  // namespace styled::control

@@ -4,8 +4,6 @@
 #include <set>
 #include <utility>
 
-#include "model/rig/dialects.h"
-
 namespace styled::pipeline {
 namespace {
 
@@ -91,9 +89,12 @@ Status FindAxes(rig::BindingSpec& spec) {
   return Status::Ok();
 }
 
-Result<rig::Binding> BindByRests(const v1::Body& body, rig::Skeleton skeleton) {
+Result<rig::Binding> BindByRests(const v1::Body& body, rig::Skeleton skeleton,
+                                 const rig::JointNames& given) {
   rig::BindingSpec spec;
-  spec.source_joint = rig::MapJointNames(skeleton);
+  const auto map = rig::MapJoints(skeleton, given);
+  if (!map.ok()) return map.status();
+  spec.source_joint = map.value();
   spec.skeleton = std::move(skeleton);
   for (int j = 0; j < body.names_size(); ++j) {
     spec.rest_rotations.emplace_back(body.rest(4 * j + 3), body.rest(4 * j), body.rest(4 * j + 1),
@@ -116,7 +117,8 @@ Result<rig::Skeleton> ReadSkeleton(const v1::Body& body) {
   return skeleton;
 }
 
-Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& calibrated) {
+Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& calibrated,
+                           const rig::JointNames& given) {
   auto skeleton = ReadSkeleton(body);
   if (!skeleton.ok()) return skeleton.status();
   const std::string dialect = body.dialect().empty() ? "auto" : body.dialect();
@@ -125,18 +127,17 @@ Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& 
     if (calibrated && calibrated->skeleton == SkeletonHash(skeleton.value())) {
       bound.dialect = "calibrated";
       bound.left_handed = calibrated->left_handed;
-      rig::BindingSpec spec{std::move(skeleton.value()),
-                            {},
-                            calibrated->rotations,
+      const auto map = rig::MapJoints(skeleton.value(), given);
+      if (!map.ok()) return map.status();
+      rig::BindingSpec spec{std::move(skeleton.value()), map.value(), calibrated->rotations,
                             calibrated->canonical_from_source};
-      spec.source_joint = rig::MapJointNames(spec.skeleton);
       for (Vec3& offset : spec.skeleton.offsets) {
         if (bound.left_handed) offset = rig::Mirrored(offset);
       }
       return rig::Binding::Make(std::move(spec));
     }
-    if (body.rest_size() > 0) return BindByRests(body, std::move(skeleton.value()));
-    return rig::BindDialect(skeleton.value(), dialect, &bound.dialect);
+    if (body.rest_size() > 0) return BindByRests(body, std::move(skeleton.value()), given);
+    return rig::BindDialect(skeleton.value(), dialect, &bound.dialect, given);
   };
   auto binding = bind();
   if (!binding.ok()) return binding.status();

@@ -7,6 +7,7 @@
 #include "daemon/pipeline/profile.h"
 #include "model/base/status.h"
 #include "model/rig/binding.h"
+#include "model/rig/dialects.h"
 #include "proto/styled/v1/body.pb.h"
 
 namespace styled::pipeline {
@@ -22,6 +23,8 @@ struct BoundBody {
 // Errors say what in the body was expected and found. Allocate; pipeline thread, outside the hot
 // section.
 Result<rig::Skeleton> ReadSkeleton(const v1::Body& body);
-Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& calibrated);
+// `given`: the source's joints by hand.
+Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& calibrated,
+                           const rig::JointNames& given = {});
 
 }  // namespace styled::pipeline

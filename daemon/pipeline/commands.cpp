@@ -53,14 +53,17 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
     case v1::Request::kReset:
       Reset(request, reply);
       return true;
+    case v1::Request::kCue:
+      Fire(request.cue(), reply);
+      return true;
     case v1::Request::kStatus:
       return false;
     case v1::Request::COMMAND_NOT_SET:
       break;
   }
-  Refuse(
-      reply, v1::CODE_UNKNOWN_COMMAND,
-      "no command that this daemon knows; expected list, set, pin, preset, panic, reset or status");
+  Refuse(reply, v1::CODE_UNKNOWN_COMMAND,
+         "no command that this daemon knows; expected list, set, pin, preset, panic, reset, cue or "
+         "status");
   return true;
 }
 
@@ -100,6 +103,12 @@ void Commands::List(v1::Reply& reply) const {
     info.set_name(styles[i].name);
     for (const auto& alias : styles[i].aliases) info.add_aliases(alias);
     info.set_neutral(i == 0);
+  }
+  for (const Cue& cue : roster_.live().cues) {
+    auto& info = *list.add_cues();
+    info.set_name(cue.name);
+    info.set_performer(cue.performer);
+    if (cue.at) info.set_at(TimecodeText(*cue.at));
   }
   for (const auto& preset : roster_.live().presets) {
     auto& info = *list.add_presets();
@@ -255,6 +264,50 @@ void Commands::Panic(v1::Reply& reply) {
   }
   clear(roster_.to_come);
   changed_ = true;
+}
+
+void Commands::FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply) {
+  for (std::size_t i = 0; i < cue.requests.size(); ++i) {
+    v1::Request request = cue.requests[i];
+    request.set_performer(performer);
+    v1::Reply one;
+    (void)Apply(request, one);
+    if (one.code() == v1::CODE_PINNED) continue;
+    if (one.code() != v1::CODE_OK && reply.code() == v1::CODE_OK) {
+      reply.set_code(one.code());
+      reply.set_reason("cue " + cue.name + ": " + one.reason());
+    }
+    if (i + 1 == cue.requests.size()) reply.mutable_applied()->MergeFrom(one.applied());
+  }
+}
+
+void Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
+  bool found = false;
+  for (const Cue& cue : roster_.live().cues) {
+    if (cue.name != wanted.name()) continue;
+    found = true;
+    FireOne(cue, cue.performer, reply);
+  }
+  if (found) return;
+  std::string reason = "no cue \"" + wanted.name().substr(0, 64) + "\"; the cues are";
+  for (const Cue& cue : roster_.live().cues) reason += " " + cue.name;
+  Refuse(reply, v1::CODE_UNKNOWN_CUE,
+         roster_.live().cues.empty() ? "no cues are configured" : reason);
+}
+
+bool Commands::Pass(Performer& performer, const source::Timecode& timecode, std::string& said) {
+  const std::int64_t now = TimecodeLabel(timecode);
+  const auto last = std::exchange(performer.timecode, now);
+  if (!last || *last == now) return false;
+  for (const Cue& cue : roster_.live().cues) {
+    if (!cue.at || !Passes(*cue.at, *last, now)) continue;
+    if (cue.performer != "*" && cue.performer != performer.profile.id) continue;
+    v1::Reply reply;
+    FireOne(cue, performer.profile.id, reply);
+    said += (said.empty() ? "cue " : ", cue ") + cue.name;
+    if (reply.code() != v1::CODE_OK) said += " (" + reply.reason() + ")";
+  }
+  return !said.empty();
 }
 
 void Commands::Reset(const v1::Request& request, v1::Reply& reply) {

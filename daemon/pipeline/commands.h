@@ -17,6 +17,9 @@ class Commands {
 
   // Fills the reply's code, reason and answer. GetStatus is the pipeline's to answer: false for it.
   bool Apply(const v1::Request& request, v1::Reply& reply);
+  // Fires the cues that the performer's timecode passed since his last frame; they are in force
+  // from the frame at hand on. True where there was one: `said` then names them for the log.
+  bool Pass(Performer& performer, const source::Timecode& timecode, std::string& said);
   // Whether settings changed since the last call: time to keep them.
   bool TakeChanged() { return std::exchange(changed_, false); }
   void MarkChanged() { changed_ = true; }
@@ -34,6 +37,9 @@ class Commands {
   void Pin(const v1::Request& request, v1::Reply& reply);
   void Preset(const v1::Request& request, v1::Reply& reply);
   void Panic(v1::Reply& reply);
+  void Fire(const v1::Cue& wanted, v1::Reply& reply);
+  // The requests of one cue, for one performer or "*".
+  void FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply);
   void Reset(const v1::Request& request, v1::Reply& reply);
 
   // Changes the look of each target by `change`, all or none.

@@ -91,6 +91,9 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
     return;
   }
   const bool late = lateness_ns > Nanoseconds(roster_.live().performers.late_s);
+  if (item.frame.has_timecode && !roster_.live().cues.empty()) {
+    PassCues(performer, item.frame.timecode, hot);
+  }
   Performer::Moment moment;
   moment.elapsed_ns = performer.session.elapsed_ns();
   moment.receive_ns = receive_ns_;
@@ -110,6 +113,28 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
   if (late) to_.counters.Add(Counter::kPipelineLate);
   hot.Leave();
   performer.Send(to_.publisher, to_.clock.Now_ns());
+}
+
+// Most frames pass none and stay in the hot section.
+void Pipeline::PassCues(Performer& performer, const source::Timecode& timecode,
+                        runtime::HotSection& hot) {
+  const std::int64_t now = TimecodeLabel(timecode);
+  const auto passed = [&](const Cue& cue) {
+    return cue.at && performer.timecode && Passes(*cue.at, *performer.timecode, now);
+  };
+  const auto& cues = roster_.live().cues;
+  if (std::none_of(cues.begin(), cues.end(), passed)) {
+    performer.timecode = now;
+    return;
+  }
+  hot.Leave();
+  std::string said;
+  if (commands_.Pass(performer, timecode, said)) {
+    to_.counters.Add(Counter::kPipelineCues);
+    Say(Event::Level::kInfo, performer.profile.id + ": " + said + " from frame " +
+                                 std::to_string(performer.profile.next_sequence));
+  }
+  hot.Enter();
 }
 
 bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {

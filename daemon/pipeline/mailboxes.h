@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/pipeline/avatar_output.h"
+#include "daemon/pipeline/cues.h"
 #include "daemon/pipeline/profile.h"
 #include "daemon/runtime/ring.h"
 #include "daemon/runtime/wakeup.h"
@@ -19,6 +21,7 @@ namespace styled::pipeline {
 // and freed by the control thread.
 struct Exchange {
   std::vector<std::vector<std::byte>> envelope;  // routing parts; the control thread's
+  std::string osc;  // address of the OSC message that it came as, or ""
   v1::Request request;
   v1::Reply reply;
 };
@@ -30,7 +33,10 @@ struct Live {
   config::Performers performers;
   config::Style style;
   std::vector<config::Preset> presets;
+  std::vector<Cue> cues;
   stylist::Options stylist;
+  std::vector<rig::JointNames> joints;                       // by hand, per source
+  std::vector<std::shared_ptr<const AvatarOutput>> avatars;  // as the [[output]] tables
 };
 
 // A line for the log, from the pipeline, which does not log.

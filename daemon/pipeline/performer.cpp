@@ -1,19 +1,67 @@
 #include "daemon/pipeline/performer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "daemon/publish/body_message.h"
 #include "daemon/runtime/clock.h"
 #include "model/rig/calibration.h"
+#include "model/stylist/avatar.h"
 
 namespace styled::pipeline {
 
 using runtime::Counter;
 
+// An avatar that the performer drives, and its topic.
+struct Performer::Worn {
+  Worn(std::shared_ptr<const AvatarOutput> the_output, const BoundBody& body, const std::string& id,
+       std::uint64_t epoch, const Live& live, publish::Subscriptions& the_subscriptions)
+      : output(std::move(the_output)),
+        avatar(body.binding, output->skeleton.binding, output->skeleton.rest, live.stylist),
+        rotations(output->skeleton.rest.rotations),
+        message(id, epoch, output->body, body.binding->skeleton().joint_count(),
+                live.network->metadata().styles),
+        subscriptions(the_subscriptions) {
+    v1::Body told = output->body;
+    told.set_performer(id);
+    bytes = told.SerializeAsString();
+    topic.name = "styled/" + id + "/" + output->name + "/";
+    subscriptions.Register(topic);
+  }
+  ~Worn() { subscriptions.Unregister(topic); }
+  Worn(const Worn&) = delete;
+  Worn& operator=(const Worn&) = delete;
+
+  // Computed only while somebody subscribes; then the first frame is a first one.
+  void Process(std::int64_t time_ns, const stylist::Output& out) noexcept {
+    if (topic.wanted == 0) {
+      worn = false;
+      return;
+    }
+    if (!worn) avatar.Reset();
+    worn = true;
+    avatar.Process(time_ns, out);
+    root = output->skeleton.RootInFile(output->skeleton.binding->RootPosition(avatar.pose()));
+    std::copy(avatar.pose().rotations.begin(), avatar.pose().rotations.end(), rotations.begin());
+    rotations.front() = output->skeleton.RootInFile(rotations.front());
+  }
+
+  std::shared_ptr<const AvatarOutput> output;
+  stylist::Avatar avatar;
+  bool worn = false;  // `root` and `rotations` hold a frame
+  rig::Vec3 root = rig::Vec3::Zero();
+  std::vector<rig::Quat> rotations;
+  publish::FrameMessage message;
+  publish::Topic topic;
+  publish::Subscriptions& subscriptions;
+  std::string bytes;                 // its body
+  std::span<const std::byte> ready;  // serialized; empty: not wanted
+};
+
 // All that depends on the body; made anew when it changes.
 struct Performer::Bound {
   Bound(BoundBody the_body, const v1::Body& given, const std::string& id, std::uint64_t epoch,
-        const Live& live)
+        const Live& live, publish::Subscriptions& subscriptions)
       : body(std::move(the_body)),
         network(live.network),
         stylist(live.network, body.binding, live.stylist),
@@ -24,16 +72,26 @@ struct Performer::Bound {
         canonical_body(publish::CanonicalBody(id)),
         rig_bytes(rig_body.SerializeAsString()),
         canonical_bytes(canonical_body.SerializeAsString()) {
+    face.reserve(source::kMaxFace);
     MakeMessages(id, epoch);
+    Wear(id, epoch, live, subscriptions);
+  }
+
+  void Wear(const std::string& id, std::uint64_t epoch, const Live& live,
+            publish::Subscriptions& subscriptions) {
+    avatars.clear();
+    for (const auto& avatar : live.avatars) {
+      if (!avatar->IsFor(id)) continue;
+      avatars.push_back(std::make_unique<Worn>(avatar, body, id, epoch, live, subscriptions));
+    }
   }
 
   void MakeMessages(const std::string& id, std::uint64_t epoch) {
     const int joints = body.binding->skeleton().joint_count();
     const auto& styles = network->metadata().styles;
-    messages[kRigTopic].emplace(id, epoch, v1::OUTPUT_RIG, rig_body.hash(), joints, styles);
-    messages[kCanonicalTopic].emplace(id, epoch, v1::OUTPUT_CANONICAL, canonical_body.hash(),
-                                      static_cast<int>(body::kJointCount), styles);
-    messages[kSourceTopic].emplace(id, epoch, v1::OUTPUT_RIG, rig_body.hash(), joints, styles);
+    messages[kRigTopic].emplace(id, epoch, rig_body, joints, styles);
+    messages[kCanonicalTopic].emplace(id, epoch, canonical_body, joints, styles);
+    messages[kSourceTopic].emplace(id, epoch, rig_body, joints, styles);
   }
 
   BoundBody body;
@@ -41,13 +99,16 @@ struct Performer::Bound {
   stylist::Stylist stylist;
   rig::RigPose in;
   stylist::Output out;
-  bool styled = false;  // `out` holds a frame
+  bool styled = false;          // `out` holds a frame
+  std::vector<std::byte> face;  // what is passed on beside the pose
   source::Timecode timecode;
   bool has_timecode = false;
   std::uint64_t source_time_ns = 0, source_sequence = 0;
   v1::Body rig_body, canonical_body;
   std::string rig_bytes, canonical_bytes;
   std::array<std::optional<publish::FrameMessage>, 3> messages;
+  rig::Vec3 rig_root = rig::Vec3::Zero();  // of out.rig, as it is sent
+  std::vector<std::unique_ptr<Worn>> avatars;
 };
 
 Performer::Performer(Profile& the_profile, int the_source, std::string the_name,
@@ -80,7 +141,8 @@ Status Performer::TakeBody(std::span<const std::byte> payload, std::uint32_t crc
   if (!skeleton.ok()) return skeleton.status();
   std::swap(given_, body);
   Status status = Bind(live_settings);
-  const bool wait = !status.ok() && bound_ == nullptr && rig::CanCalibrate(skeleton.value()).ok();
+  const bool wait = !status.ok() && bound_ == nullptr &&
+                    rig::CanCalibrate(skeleton.value(), Names(live_settings)).ok();
   if (!status.ok() && !wait) {
     std::swap(given_, body);
     return status;
@@ -94,12 +156,18 @@ Status Performer::TakeBody(std::span<const std::byte> payload, std::uint32_t crc
                        " --pose t");
 }
 
+const rig::JointNames& Performer::Names(const Live& live_settings) const {
+  static const rig::JointNames kNone;
+  const auto index = static_cast<std::size_t>(source);
+  return index < live_settings.joints.size() ? live_settings.joints[index] : kNone;
+}
+
 // By the body as it was given and the calibration as it is kept. An error changes nothing.
 Status Performer::Bind(const Live& live_settings) {
-  auto bound = BindBody(given_, profile.rest);
+  auto bound = BindBody(given_, profile.rest, Names(live_settings));
   if (!bound.ok()) return bound.status();
-  bound_ =
-      std::make_unique<Bound>(std::move(bound.value()), given_, profile.id, epoch_, live_settings);
+  bound_ = std::make_unique<Bound>(std::move(bound.value()), given_, profile.id, epoch_,
+                                   live_settings, subscriptions_);
   ready_ = {};
   (void)ApplyLook(live_settings);
   return Status::Ok();
@@ -135,7 +203,8 @@ v1::Code Performer::Calibrate(const v1::Calibrate& request, const Live& live_set
   const auto skeleton = ReadSkeleton(given_);
   auto made = rig::Calibrate(
       skeleton.value(), stance_->pose(),
-      request.pose() == v1::Calibrate::POSE_N ? rig::StandingPose::kN : rig::StandingPose::kT);
+      request.pose() == v1::Calibrate::POSE_N ? rig::StandingPose::kN : rig::StandingPose::kT,
+      Names(live_settings));
   if (!made.ok()) return refuse(v1::CODE_BAD_POSE, made.status().message());
   const rig::Calibrated& calibrated = made.value();
   profile.rest = KeptRest{SkeletonHash(skeleton.value()), calibrated.mirrored,
@@ -167,6 +236,7 @@ void Performer::Rebuild(const Live& live_settings) {
   bound_->stylist =
       stylist::Stylist(live_settings.network, bound_->body.binding, live_settings.stylist);
   bound_->MakeMessages(profile.id, epoch_);
+  bound_->Wear(profile.id, epoch_, live_settings, subscriptions_);
   bound_->styled = false;
   ready_ = {};
 }
@@ -184,15 +254,19 @@ Performer::Styled Performer::Style(const source::SourceFrameView& view, Moment m
   std::swap(b.in, received_);  // both of the skeleton's size
   if (b.body.left_handed) rig::Mirror(b.in);
   b.stylist.Process(moment.elapsed_ns, b.in, b.out);
+  for (const auto& worn : b.avatars) worn->Process(moment.elapsed_ns, b.out);
+  b.rig_root = b.body.binding->RootPosition(b.out.rig);
   if (b.body.left_handed) {
     rig::Mirror(b.out.rig);
     rig::Mirror(b.out.source);
+    b.rig_root = rig::Mirrored(b.rig_root);
   }
   b.styled = true;
   b.source_time_ns = view.source_time_ns;
   b.source_sequence = moment.source_sequence;
   b.has_timecode = view.has_timecode;
   b.timecode = view.timecode;
+  b.face.assign(view.face.begin(), view.face.end());
   CountFlags(b.out.flags);
   measured_ = true;
   Serialize(b.out.flags | moment.extra_flags, moment);
@@ -221,22 +295,32 @@ void Performer::Serialize(std::uint32_t flags, const Moment& moment) noexcept {
   header.contacts = b.out.contacts;
   receive_ns_ = moment.receive_ns;
   ready_ = {};
+  const auto fill = [&](publish::FrameMessage& message, std::uint32_t frame_flags) {
+    message.SetHeader(header, frame_flags);
+    message.SetStyles({b.out.in_force.data(), static_cast<std::size_t>(b.out.in_force_count)});
+    for (std::size_t j = 0; b.out.held.any() && j < b.in.rotations.size(); ++j) {
+      if (b.out.held.test(j)) message.AddHeld(static_cast<int>(j));
+    }
+  };
   for (std::size_t i = 0; i < ready_.size(); ++i) {
     if (topics[i].wanted == 0) continue;
     publish::FrameMessage& message = *b.messages[i];
     // What is received and not held is bit for bit the source's.
     const std::uint32_t own = i == kSourceTopic && !b.out.held.any() ? v1::FLAG_BYPASS : 0;
-    message.SetHeader(header, flags | own);
-    message.SetStyles({b.out.in_force.data(), static_cast<std::size_t>(b.out.in_force_count)});
-    for (std::size_t j = 0; b.out.held.any() && j < b.in.rotations.size(); ++j) {
-      if (b.out.held.test(j)) message.AddHeld(static_cast<int>(j));
-    }
-    if (i == kRigTopic) message.SetPose(b.out.rig.translations.front(), b.out.rig.rotations);
+    fill(message, flags | own);
+    if (i == kRigTopic) message.SetPose(b.rig_root, b.out.rig.rotations);
     if (i == kSourceTopic)
       message.SetPose(b.out.source.translations.front(), b.out.source.rotations);
     if (i == kCanonicalTopic)
       message.SetPose(b.out.canonical.hips_position_m, b.out.canonical.rotations);
-    ready_[i] = message.Serialize();
+    ready_[i] = message.Serialize(b.face);
+  }
+  for (const auto& worn : b.avatars) {
+    worn->ready = {};
+    if (worn->topic.wanted == 0 || !worn->worn) continue;
+    fill(worn->message, flags & ~std::uint32_t{v1::FLAG_BYPASS});
+    worn->message.SetPose(worn->root, worn->rotations);
+    worn->ready = worn->message.Serialize(b.face);
   }
 }
 
@@ -253,18 +337,36 @@ void Performer::Send(publish::Publisher& publisher, std::int64_t now_ns) {
     if (!ready_[i].empty()) publisher.Send(topics[i].name, ready_[i]);
   }
   ready_ = {};
+  if (bound_ != nullptr) {
+    for (const auto& worn : bound_->avatars) {
+      if (!worn->ready.empty()) publisher.Send(worn->topic.name, worn->ready);
+      worn->ready = {};
+    }
+  }
   ++published_;
   last_send_ns = now_ns;
   if (measured_) latency_.Add(now_ns - receive_ns_);
 }
 
+bool Performer::Asked() const {
+  const auto asked = [](const publish::Topic& topic) { return topic.asked; };
+  return std::any_of(topics.begin(), topics.end(), asked) ||
+         (bound_ != nullptr && std::any_of(bound_->avatars.begin(), bound_->avatars.end(),
+                                           [&](const auto& worn) { return asked(worn->topic); }));
+}
+
 void Performer::SendBodies(publish::Publisher& publisher) {
   for (auto& topic : topics) topic.asked = false;
-  if (bound_ == nullptr || topics[kBodyTopic].wanted == 0) return;
-  for (const std::string* bytes : {&bound_->rig_bytes, &bound_->canonical_bytes}) {
-    publisher.Send(topics[kBodyTopic].name, std::as_bytes(std::span(*bytes)));
+  if (bound_ == nullptr) return;
+  for (const auto& worn : bound_->avatars) worn->topic.asked = false;
+  if (topics[kBodyTopic].wanted == 0) return;
+  const auto send = [&](const std::string& bytes) {
+    publisher.Send(topics[kBodyTopic].name, std::as_bytes(std::span(bytes)));
     counters_.Add(Counter::kPublishBodies);
-  }
+  };
+  send(bound_->rig_bytes);
+  send(bound_->canonical_bytes);
+  for (const auto& worn : bound_->avatars) send(worn->bytes);
 }
 
 void Performer::Sample(float seconds) {

@@ -90,14 +90,19 @@ class Performer {
   bool session_has_body = false;  // this session sent its body
   bool live = false;              // not stale
   std::int64_t next_body_ns = 0, last_send_ns = 0;
-  std::uint64_t received = 0;  // frames accepted
-  int newest_in_batch = -1;    // scratch of the pipeline
+  std::uint64_t received = 0;            // frames accepted
+  int newest_in_batch = -1;              // scratch of the pipeline
+  std::optional<std::int64_t> timecode;  // TimecodeLabel of the last frame that had one
   std::array<publish::Topic, kTopicCount> topics;
+  // Whether a new subscriber waits for the bodies.
+  bool Asked() const;
   Profile& profile;
 
  private:
   struct Bound;
+  struct Worn;
   Status Bind(const Live& live);
+  const rig::JointNames& Names(const Live& live) const;
   void Serialize(std::uint32_t flags, const Moment& moment) noexcept;
   void CountFlags(std::uint32_t flags) noexcept;
 

@@ -73,6 +73,9 @@ int Pipeline::DoCommands() {
   while (work < kCommandsPerCycle && to_.mailboxes.commands.Pop(exchange)) {
     ++work;
     Answer(*exchange);
+    if (to_.recorder != nullptr) {
+      to_.recorder->OnRequest(to_.clock.Now_ns(), exchange->request, exchange->reply);
+    }
     to_.counters.Add(Counter::kPipelineCommands);
     // Never full: the control thread keeps fewer in flight than the ring holds.
     if (to_.mailboxes.replies.Push(std::move(exchange))) to_.mailboxes.wake_control.Signal();
@@ -98,12 +101,21 @@ void Pipeline::Answer(Exchange& exchange) {
   status.set_weights(roster_.live().weights_name);
   FillStats(*status.mutable_stats());
   for (std::size_t i = 0; i < transports_.size(); ++i) {
-    auto& source = *status.add_sources();
-    source.set_name(roster_.source_names()[i]);
-    if (i < source_types_.size()) source.set_type(source_types_[i]);
-    source.set_listen(transports_[i]->endpoint());
-    source.set_received(transports_[i]->received());
+    DescribeSource(i, *status.add_sources());
   }
+}
+
+void Pipeline::DescribeSource(std::size_t index, v1::SourceInfo& info) const {
+  const source::Transport& transport = *transports_[index];
+  info.set_name(roster_.source_names()[index]);
+  if (index < source_types_.size()) info.set_type(source_types_[index]);
+  info.set_listen(transport.endpoint());
+  info.set_received(transport.received());
+  const source::Smoothing smoothing = transport.smoothing();
+  info.set_delay_ms(smoothing.delay_ms);
+  info.set_arrived_ms(smoothing.arrived_ms);
+  info.set_left_ms(smoothing.left_ms);
+  info.set_missed(smoothing.missed);
 }
 
 void Pipeline::Calibrate(const v1::Request& request, v1::Reply& reply) {
@@ -149,6 +161,9 @@ int Pipeline::DoReloads() {
   }
   rules_ = {Nanoseconds(roster_.live().performers.takeover_s),
             Nanoseconds(roster_.live().performers.clock_back_s)};
+  if (to_.recorder != nullptr) {
+    to_.recorder->OnNote(to_.clock.Now_ns(), "reloaded: weights " + roster_.live().weights_name);
+  }
   return 1;
 }
 
@@ -164,10 +179,7 @@ int Pipeline::DoSubscriptions() {
   }
   if (work == 0) return 0;
   for (const auto& performer : roster_.performers) {
-    const auto asked = [](const publish::Topic& topic) { return topic.asked; };
-    if (std::any_of(performer->topics.begin(), performer->topics.end(), asked)) {
-      performer->SendBodies(to_.publisher);
-    }
+    if (performer->Asked()) performer->SendBodies(to_.publisher);
   }
   return work;
 }
@@ -236,6 +248,7 @@ void Pipeline::FillStats(v1::Stats& stats) {
     }
     if (const Performer* live = roster_.LiveOf(*profile)) live->Describe(row);
   }
+  for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *stats.add_sources());
 }
 
 void Pipeline::PublishStats() {
@@ -254,9 +267,9 @@ void Pipeline::PublishStats() {
   to_.publisher.Send(stats_topic_.name, std::as_bytes(std::span(stats_bytes_)));
 }
 
-void Pipeline::OnNote(int source, std::string text) {
+void Pipeline::OnNote(int source, const std::string& text) {
   Say(Event::Level::kWarning,
-      roster_.source_names()[static_cast<std::size_t>(source)] + ": " + std::move(text));
+      roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
 void Pipeline::Say(Event::Level level, std::string text) {

@@ -11,6 +11,7 @@
 #include "daemon/pipeline/roster.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/publish/subscriptions.h"
+#include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/realtime.h"
@@ -25,6 +26,7 @@ struct Surroundings {
   runtime::Counters& counters;
   publish::Publisher& publisher;
   Mailboxes& mailboxes;
+  record::Recorder* recorder = nullptr;  // null: nothing is recorded
 };
 
 // The one thread that frames walk through, from the datagram's arrival to zmq_send, without a queue
@@ -51,7 +53,10 @@ class Pipeline final : public source::Receiver {
   const std::vector<std::unique_ptr<source::Transport>>& transports() const { return transports_; }
 
   void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override;
-  void OnNote(int source, std::string text) override;
+  STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept override {
+    if (to_.recorder != nullptr) to_.recorder->OnArrival(arrival);
+  }
+  void OnNote(int source, const std::string& text) override;
 
  private:
   // One datagram of a batch, decoded.
@@ -72,6 +77,7 @@ class Pipeline final : public source::Receiver {
   STYLED_REALTIME void NoteNewest(int index) noexcept;
   void TakeBody(int source, const Item& item);
   void TakeFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
+  void PassCues(Performer& performer, const source::Timecode& timecode, runtime::HotSection& hot);
   // Whether the frame's session, sequence and body are the performer's next; counts if not.
   STYLED_REALTIME bool Admit(Performer& performer, const Item& item) noexcept;
   STYLED_REALTIME void StartSession(Performer& performer) noexcept;
@@ -82,6 +88,7 @@ class Pipeline final : public source::Receiver {
   void Answer(Exchange& exchange);
   void Calibrate(const v1::Request& request, v1::Reply& reply);
   void FillStats(v1::Stats& stats);
+  void DescribeSource(std::size_t index, v1::SourceInfo& info) const;
   void PublishStats();
   void Say(Event::Level level, std::string text);
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <sys/epoll.h>
+
 #include <atomic>
+#include <span>
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/runtime/descriptor.h"
@@ -18,6 +21,7 @@ class PipelineThread {
 
  private:
   void Watch(int fd);
+  int Wait(std::int64_t wait_ns, std::span<epoll_event> events);
 
   Pipeline& pipeline_;
   Mailboxes& mailboxes_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "proto/styled/body_parts.h"
+
 namespace styled::pipeline {
 
 stylist::Settings Resolve(const Look& look, const erd::Network& network,
@@ -59,6 +61,26 @@ bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
   const auto error = stylist::Stylist::Check(Resolve(look, network, unknown), network);
   if (error != stylist::SettingsError::kNone) why = Explain(error);
   return error == stylist::SettingsError::kNone;
+}
+
+std::vector<v1::Request> AsRequests(const Profile& profile) {
+  std::vector<v1::Request> requests(profile.pinned ? 2 : 1);
+  for (auto& request : requests) request.set_performer(profile.id);
+  const Look& look = profile.look;
+  v1::Set& set = *requests.front().mutable_set();
+  for (const auto& [style, weight] : look.mix) {
+    auto& entry = *set.add_mix();
+    entry.set_style(style);
+    entry.set_weight(weight);
+  }
+  set.set_clear(look.mix.empty());
+  set.set_strength(look.strength);
+  set.set_transition_ms(look.transition_s * 1e3F);
+  set.set_absolute(look.absolute);
+  AddParts(look.parts, *set.mutable_only());
+  set.set_own_style(look.own_style);
+  if (profile.pinned) requests.back().mutable_pin()->set_pinned(true);
+  return requests;
 }
 
 std::string Explain(stylist::SettingsError error) {

@@ -10,6 +10,7 @@
 #include "model/erd/network.h"
 #include "model/rig/skeleton.h"
 #include "model/stylist/stylist.h"
+#include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
 
@@ -58,6 +59,10 @@ bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
 // Whether styles of `mix` are the network's, with their proper names in return.
 bool ProperNames(const erd::Network& network, std::vector<std::pair<std::string, float>>& mix,
                  std::string& why);
+
+// The control requests that make a performer's settings these: a set, and a pin where he is pinned.
+// A preset's name and a calibration are not among what requests can say.
+std::vector<v1::Request> AsRequests(const Profile& profile);
 
 // "weights sum to more than 1.5", ...
 std::string Explain(stylist::SettingsError error);

@@ -111,7 +111,8 @@ std::unique_ptr<std::vector<Profile>> Roster::Keep() const {
 }
 
 std::vector<std::string> Roster::Take(std::shared_ptr<const Live> live) {
-  const bool rebuild = live->network != live_->network || live->stylist != live_->stylist;
+  const bool rebuild = live->network != live_->network || live->stylist != live_->stylist ||
+                       live->avatars != live_->avatars;
   const auto before = std::exchange(live_, std::move(live));
   InitializeToCome();
   std::vector<std::string> complaints;

@@ -33,25 +33,34 @@ std::uint64_t BodyHash(const v1::Body& body) {
   return fnv.hash();
 }
 
-v1::Body RigBody(const std::string& performer, const rig::Binding& binding, bool mirrored,
-                 float metres_per_unit, const std::string& dialect) {
+v1::Body SkeletonBody(const rig::Skeleton& skeleton, const std::vector<rig::Quat>& rest,
+                      float metres_per_unit, const std::string& dialect, v1::Output output) {
   v1::Body body;
-  body.set_performer(performer);
-  const rig::Skeleton& skeleton = binding.skeleton();
   for (const auto& name : skeleton.names) body.add_names(name);
   for (const int parent : skeleton.parents) body.add_parents(parent);
-  for (rig::Vec3 offset : skeleton.offsets) {
-    if (mirrored) offset = rig::Mirrored(offset);
+  for (const rig::Vec3& offset : skeleton.offsets) {
     for (const float value : std::span(offset.data(), 3)) body.add_offsets(value);
   }
-  for (rig::Quat rest : binding.spec().rest_rotations) {
-    if (mirrored) rest = rig::Mirrored(rest);
-    for (const float value : std::span(rest.coeffs().data(), 4)) body.add_rest(value);
+  for (const rig::Quat& rotation : rest) {
+    for (const float value : std::span(rotation.coeffs().data(), 4)) body.add_rest(value);
   }
   body.set_metres_per_unit(metres_per_unit);
   body.set_dialect(dialect);
-  body.set_output(v1::OUTPUT_RIG);
+  body.set_output(output);
   body.set_hash(BodyHash(body));
+  return body;
+}
+
+v1::Body RigBody(const std::string& performer, const rig::Binding& binding, bool mirrored,
+                 float metres_per_unit, const std::string& dialect) {
+  rig::Skeleton skeleton = binding.skeleton();
+  std::vector<rig::Quat> rest = binding.spec().rest_rotations;
+  if (mirrored) {
+    for (rig::Vec3& offset : skeleton.offsets) offset = rig::Mirrored(offset);
+    for (rig::Quat& rotation : rest) rotation = rig::Mirrored(rotation);
+  }
+  v1::Body body = SkeletonBody(skeleton, rest, metres_per_unit, dialect, v1::OUTPUT_RIG);
+  body.set_performer(performer);
   return body;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "model/rig/binding.h"
 #include "proto/styled/v1/body.pb.h"
@@ -18,5 +19,8 @@ std::uint64_t BodyHash(const v1::Body& body);
 v1::Body RigBody(const std::string& performer, const rig::Binding& binding, bool mirrored,
                  float metres_per_unit, const std::string& dialect);
 v1::Body CanonicalBody(const std::string& performer);
+// Of joints, offsets and rests in one frame of reference.
+v1::Body SkeletonBody(const rig::Skeleton& skeleton, const std::vector<rig::Quat>& rest,
+                      float metres_per_unit, const std::string& dialect, v1::Output output);
 
 }  // namespace styled::publish

@@ -1,31 +1,31 @@
 #include "daemon/publish/frame_message.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstring>
 
 namespace styled::publish {
 
-FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, v1::Output output,
-                           std::uint64_t body_hash, int joint_count,
-                           const std::vector<erd::StyleInfo>& styles)
+FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
+                           int rig_joints, const std::vector<erd::StyleInfo>& styles)
     : spare_timecode_(std::make_unique<v1::Timecode>()), styles_(styles) {
   std::size_t longest = 0;
   for (const auto& style : styles) longest = std::max(longest, style.name.size());
   frame_.set_performer(performer);
   frame_.set_epoch(epoch);
-  frame_.set_output(output);
-  frame_.set_body_hash(body_hash);
+  frame_.set_output(body.output());
+  frame_.set_body_hash(body.hash());
   frame_.mutable_root_position()->Resize(3, 0);
-  frame_.mutable_rotations()->Resize(4 * joint_count, 0);
+  frame_.mutable_rotations()->Resize(4 * body.names_size(), 0);
   // Fill what varies to its largest once: protobuf keeps cleared elements for the next frames.
-  frame_.mutable_held_joints()->Resize(joint_count, 1U << 14U);
+  frame_.mutable_held_joints()->Resize(rig_joints, 1U << 14U);
   for (int i = 0; i < erd::kMaxActive; ++i) {
     auto* const style = frame_.add_styles();
     style->set_style(std::string(longest, 'x'));
     style->set_weight(1);
   }
   constexpr std::size_t kScalars = 256;  // 17 fields, the timecode among them
-  buffer_.resize(frame_.ByteSizeLong() + kScalars);
+  buffer_.resize(frame_.ByteSizeLong() + kScalars + source::kMaxFace);
   frame_.clear_held_joints();
   frame_.clear_styles();
 }
@@ -79,12 +79,13 @@ void FrameMessage::SetPose(const rig::Vec3& root_position,
               4 * sizeof(float) * rotations.size());
 }
 
-std::span<const std::byte> FrameMessage::Serialize() noexcept {
+std::span<const std::byte> FrameMessage::Serialize(std::span<const std::byte> face) noexcept {
   const std::size_t size = frame_.ByteSizeLong();
-  if (size > buffer_.size()) return {};  // cannot be: sized for the largest
+  if (size + face.size() > buffer_.size()) return {};  // cannot be: sized for the largest
   auto* const begin = reinterpret_cast<std::uint8_t*>(buffer_.data());
   frame_.SerializeWithCachedSizesToArray(begin);
-  return {buffer_.data(), size};
+  std::copy(face.begin(), face.end(), buffer_.begin() + static_cast<std::ptrdiff_t>(size));
+  return {buffer_.data(), size + face.size()};
 }
 
 }  // namespace styled::publish

@@ -12,6 +12,7 @@
 #include "model/base/realtime.h"
 #include "model/erd/network.h"
 #include "model/rig/skeleton.h"
+#include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
 
 namespace styled::publish {
@@ -30,17 +31,19 @@ struct FrameHeader {
 // allocates all that later frames need; the rest does not. Pipeline thread only.
 class FrameMessage {
  public:
-  // `style_names` are the network's, by index, and outlive the message.
-  FrameMessage(const std::string& performer, std::uint64_t epoch, v1::Output output,
-               std::uint64_t body_hash, int joint_count, const std::vector<erd::StyleInfo>& styles);
+  // `body`: with its hash; `rig_joints`: how many joints may be held. `styles` are the network's,
+  // by index, and outlive the message.
+  FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
+               int rig_joints, const std::vector<erd::StyleInfo>& styles);
 
   STYLED_REALTIME void SetHeader(const FrameHeader& header, std::uint32_t flags) noexcept;
   STYLED_REALTIME void SetStyles(std::span<const erd::ActiveStyle> in_force) noexcept;
   STYLED_REALTIME void AddHeld(int joint) noexcept;
   STYLED_REALTIME void SetPose(const rig::Vec3& root_position,
                                std::span<const rig::Quat> rotations) noexcept;
-  // Valid until the next call.
-  STYLED_REALTIME std::span<const std::byte> Serialize() noexcept;
+  // With `face` behind it: fields 18 and 19 as they were received (SourceFrameView), at most
+  // source::kMaxFace bytes. Valid until the next call.
+  STYLED_REALTIME std::span<const std::byte> Serialize(std::span<const std::byte> face) noexcept;
 
  private:
   v1::Frame frame_;

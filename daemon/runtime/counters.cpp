@@ -58,6 +58,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kPipelinePerformersRefused, "pipeline.performers_refused", true},
     {Counter::kPipelineForgotten, "pipeline.forgotten"},
     {Counter::kPipelineCommands, "pipeline.commands"},
+    {Counter::kPipelineCues, "pipeline.cues"},
     {Counter::kPipelineOverBudget, "pipeline.over_budget_cycles"},
     {Counter::kPipelineLongestCycleUs, "pipeline.longest_cycle_us"},
     {Counter::kPipelineEventsDropped, "pipeline.events_dropped", true},
@@ -73,6 +74,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kPublishSubscriptionsRefused, "publish.subscriptions_refused", true},
     {Counter::kPublishBadMessages, "publish.bad_messages", true},
     {Counter::kControlRequests, "control.requests"},
+    {Counter::kControlOsc, "control.osc"},
     {Counter::kControlRefused, "control.refused", true},
     {Counter::kControlMalformed, "control.malformed", true},
     {Counter::kControlTooLarge, "control.too_large", true},
@@ -81,6 +83,10 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kConfigReloadsRefused, "config.reloads_refused"},
     {Counter::kStateWrites, "state.writes"},
     {Counter::kStateWritesFailed, "state.writes_failed", true},
+    {Counter::kRecordOn, "record.on"},
+    {Counter::kRecordWritten, "record.written"},
+    {Counter::kRecordLost, "record.lost", true},
+    {Counter::kRecordFailures, "record.failures"},
 }};
 
 constexpr bool InOrder() {

@@ -61,6 +61,7 @@ enum class Counter : std::uint8_t {
   kPipelinePerformersRefused,
   kPipelineForgotten,
   kPipelineCommands,
+  kPipelineCues,
   kPipelineOverBudget,      // cycles longer than a frame's period at 120 Hz
   kPipelineLongestCycleUs,  // of the last second
   kPipelineEventsDropped,   // messages to the log that found its ring full
@@ -76,6 +77,7 @@ enum class Counter : std::uint8_t {
   kPublishSubscriptionsRefused,  // over max_subscriptions, or matching nothing we publish
   kPublishBadMessages,           // from subscribers, and no subscription
   kControlRequests,
+  kControlOsc,
   kControlRefused,  // answered with any code but CODE_OK; the next three are among them
   kControlMalformed,
   kControlTooLarge,
@@ -84,6 +86,10 @@ enum class Counter : std::uint8_t {
   kConfigReloadsRefused,
   kStateWrites,
   kStateWritesFailed,
+  kRecordOn,        // 1: what arrives is being recorded
+  kRecordWritten,   // records in the file
+  kRecordLost,      // records that are not: the disk was slow, full or gone
+  kRecordFailures,  // reasons for that, each said in the log once
   kCount
 };
 

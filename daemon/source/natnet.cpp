@@ -115,10 +115,10 @@ class NatNetTransport final : public Transport {
   int DoWork(Receiver& receiver) override {
     const std::int64_t now_ns = clock_.Now_ns();
     const bool due = now_ns >= NextDeadline_ns();
-    outbox_.Open(receiver, command_.fd());
     int work = due ? 1 : 0;
-    work += Drain(command_, now_ns);
-    if (data_) work += Drain(*data_, now_ns);
+    work += Drain(command_, now_ns, receiver);
+    if (data_) work += Drain(*data_, now_ns, receiver);
+    outbox_.Open(receiver, command_.fd());
     translator_.Tick(now_ns, outbox_);
     outbox_.Close();
     Follow(now_ns, receiver);
@@ -142,11 +142,15 @@ class NatNetTransport final : public Transport {
     epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event);
   }
 
-  int Drain(UdpSocket& socket, std::int64_t now_ns) {
+  int Drain(UdpSocket& socket, std::int64_t now_ns, Receiver& receiver) {
     const auto datagrams = socket.Receive();
+    if (datagrams.empty()) return 0;
+    socket.Announce(source_, now_ns, receiver);
+    outbox_.Open(receiver, command_.fd());
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
       translator_.Take(datagrams[i], socket.Sender(i), now_ns, outbox_);
     }
+    outbox_.Close();
     return static_cast<int>(datagrams.size());
   }
 
@@ -187,6 +191,11 @@ class NatNetTransport final : public Transport {
 };
 
 }  // namespace
+
+Status CheckNatNet(const config::Source& config) {
+  const auto server = ParseServer(config.server);
+  return server.ok() ? ParseGroup(config.group).status() : server.status();
+}
 
 Result<std::unique_ptr<Transport>> MakeNatNet(const config::Source& config, int source,
                                               runtime::Clock& clock, runtime::Counters& counters) {

@@ -38,7 +38,7 @@ class Outbox {
   // The rig's datagram, or a part of it, was refused.
   STYLED_REALTIME void Refuse(runtime::Counter reason) noexcept { counters_.Add(reason); }
   // A line for the log. Allocates: not for every datagram.
-  void Note(std::string text) { receiver_->OnNote(source_, std::move(text)); }
+  void Note(const std::string& text) { receiver_->OnNote(source_, text); }
   // Answers a rig; what cannot be sent is not.
   STYLED_REALTIME void Reply(const Peer& peer, std::span<const std::byte> datagram) noexcept;
   // What follows may allocate: a new body. The promise of the hot path holds again with the next

@@ -61,6 +61,28 @@ void Relay::SetBody(const rig::RigBody& body, Outbox& out) {
   frame_.mutable_rotations()->Resize(4 * skeleton.joint_count(), 0.0F);
 }
 
+void Relay::ReserveFace(std::size_t expressions, std::size_t name_bytes, std::size_t thrus,
+                        std::size_t thru_bytes) {
+  for (std::size_t i = 0; i < expressions; ++i) {
+    frame_.add_expressions()->set_name(std::string(name_bytes, ' '));
+  }
+  for (std::size_t i = 0; i < thrus; ++i) frame_.add_thru(std::string(thru_bytes, ' '));
+  SetFace(nullptr);
+}
+
+// Cleared elements keep their memory for the next frame's.
+void Relay::SetFace(const Face* face) {
+  frame_.clear_expressions();
+  frame_.clear_thru();
+  if (face == nullptr) return;
+  for (const auto& expression : face->expressions) {
+    v1::Expression& out = *frame_.add_expressions();
+    out.set_name(expression.name.data(), expression.name.size());
+    out.set_value(expression.value);
+  }
+  for (const auto bytes : face->thru) frame_.add_thru(bytes.data(), bytes.size());
+}
+
 void Relay::SendBody(std::int64_t now_ns, Outbox& out) noexcept {
   next_body_ns_ = now_ns + runtime::kSecond_ns;
   out.Put(native::Encode(
@@ -86,6 +108,7 @@ void Relay::Send(const rig::RigPose& pose, const Moment& moment, Outbox& out) no
     timecode.set_rate(moment.timecode->rate);
     timecode.set_drop_frame(moment.timecode->drop_frame);
   }
+  SetFace(moment.face);
   const auto slot = out.Slot();
   const auto payload = slot.subspan(native::kHeaderSize);
   const std::size_t size = frame_.ByteSizeLong();

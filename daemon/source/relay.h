@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "daemon/source/outbox.h"
 #include "daemon/source/source_frame.h"
@@ -10,9 +13,20 @@
 
 namespace styled::source {
 
+// What a rig tells beside the pose: names and weights, and messages to be passed on.
+struct Face {
+  struct Expression {
+    std::string_view name;
+    float value = 0;
+  };
+  std::vector<Expression> expressions;
+  std::vector<std::span<const std::byte>> thru;
+};
+
 // One performer of a rig's sender, put into our own datagrams (proto/styled/v1/WIRE.md): sessions,
 // sequence numbers, the body again once a second. Made when a performer is first seen; pipeline
-// thread. Neither Send nor Restart allocates once the body is set.
+// thread. Neither Send nor Restart allocates once the body is set, but for a larger face than was
+// reserved.
 // Pinned by tests/unit/daemon/relay_test.cpp.
 class Relay {
  public:
@@ -24,6 +38,9 @@ class Relay {
   // What the poses belong to; sent with the next frame. Another body than the last is a change
   // within the session. Allocates.
   void SetBody(const rig::RigBody& body, Outbox& out);
+  // Room for a face of so many expressions and messages, and for their texts. Allocates.
+  void ReserveFace(std::size_t expressions, std::size_t name_bytes, std::size_t thrus,
+                   std::size_t thru_bytes);
   bool has_body() const { return !body_bytes_.empty(); }
   const rig::RigBody& body() const { return body_; }
 
@@ -32,6 +49,7 @@ class Relay {
     std::int64_t now_ns = 0;           // arrival
     std::uint64_t lost = 0;            // frames that the rig's own count says were lost before
     const Timecode* timecode = nullptr;
+    const Face* face = nullptr;
   };
   // A pose of the body (local rotations; NaN in a joint: not tracked). Nothing before a body is
   // set. `pose` has the body's joint count.
@@ -40,6 +58,7 @@ class Relay {
   const std::string& performer() const { return performer_; }
 
  private:
+  void SetFace(const Face* face);
   STYLED_REALTIME void SendBody(std::int64_t now_ns, Outbox& out) noexcept;
 
   std::string performer_;

@@ -18,6 +18,7 @@ class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
   bool AtEnd() const noexcept { return bytes_.empty(); }
+  const std::byte* at() const noexcept { return bytes_.data(); }
 
   bool Varint(std::uint64_t& value) noexcept {
     value = 0;
@@ -104,6 +105,55 @@ bool ReadTimecode(std::span<const std::byte> bytes, Timecode& timecode) noexcept
   return true;
 }
 
+// As protobuf checks a string; no surrogates, nothing longer than it need be.
+bool IsUtf8(std::span<const std::byte> text) noexcept {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = std::to_integer<std::uint32_t>(text[i]);
+    const std::size_t more = lead < 0x80 ? 0 : lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3;
+    if ((lead >= 0x80 && lead < 0xC2) || lead > 0xF4 || text.size() - i <= more) return false;
+    std::uint32_t code = more == 0 ? lead : lead & (0x3FU >> more);
+    for (std::size_t k = 1; k <= more; ++k) {
+      const auto next = std::to_integer<std::uint32_t>(text[i + k]);
+      if ((next & 0xC0U) != 0x80U) return false;
+      code = code << 6U | (next & 0x3FU);
+    }
+    if ((more == 2 && (code < 0x800 || (code >= 0xD800 && code < 0xE000))) ||
+        (more == 3 && (code < 0x10000 || code > 0x10FFFF))) {
+      return false;
+    }
+    i += more + 1;
+  }
+  return true;
+}
+
+// What goes on to subscribers unread has to be what they can read.
+bool IsExpression(std::span<const std::byte> bytes) noexcept {
+  Reader reader(bytes);
+  while (!reader.AtEnd()) {
+    std::uint32_t field = 0, wire = 0;
+    std::span<const std::byte> name;
+    float value = 0;
+    if (!reader.Tag(field, wire)) return false;
+    if (field == 1 && wire == kBytes) {
+      if (!reader.Bytes(name) || !IsUtf8(name)) return false;
+    } else if (field == 2 && wire == kFixed32) {
+      if (!reader.Fixed(value)) return false;
+    } else if (!reader.Skip(wire)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+constexpr std::uint32_t kExpressions = 18, kThru = 19;
+
+// Takes a field of the run that begins at `begin`, or goes on there.
+void Extend(const std::byte* begin, const std::byte* end, std::span<const std::byte>& run) {
+  const bool goes_on = !run.empty() && run.data() + run.size() == begin;
+  const std::byte* const from = goes_on ? run.data() : begin;
+  run = {from, end};
+}
+
 // One field of a SourceFrame; its tag has been read.
 bool ReadField(Reader& reader, std::uint32_t field, std::uint32_t wire,
                SourceFrameView& view) noexcept {
@@ -123,6 +173,8 @@ bool ReadField(Reader& reader, std::uint32_t field, std::uint32_t wire,
       case 5:
         view.rotations = bytes;
         return bytes.size() % sizeof(float) == 0;
+      case kExpressions:
+        return IsExpression(bytes);
       default:
         return field != 2 && field != 6;
     }
@@ -140,10 +192,15 @@ FrameResult ReadSourceFrame(std::span<const std::byte> payload, SourceFrameView&
   while (!reader.AtEnd()) {
     std::uint32_t field = 0;
     std::uint32_t wire = 0;
+    const std::byte* const begin = reader.at();
     if (!reader.Tag(field, wire) || !ReadField(reader, field, wire, view)) {
       return FrameResult::kMalformed;
     }
+    if (wire == kBytes && (field == kExpressions || field == kThru)) {
+      Extend(begin, reader.at(), view.face);
+    }
   }
+  if (view.face.size() > kMaxFace) view.face = {};
   return config::IsName(view.performer) ? FrameResult::kOk : FrameResult::kBadName;
 }
 
@@ -160,6 +217,8 @@ std::string_view ReadPerformer(std::span<const std::byte> payload) noexcept {
   }
   return {};
 }
+
+bool IsUtf8(std::string_view text) noexcept { return IsUtf8(std::as_bytes(std::span(text))); }
 
 bool CopyPose(const SourceFrameView& view, int joint_count, rig::RigPose& pose) noexcept {
   const auto joints = static_cast<std::size_t>(joint_count);

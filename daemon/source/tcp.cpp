@@ -63,6 +63,8 @@ class Tcp final : public Transport {
     std::vector<std::byte> buffer;
     Reader reader;
     Peer peer;
+    sockaddr_storage address{};  // who sends; not to be answered, hence not in `peer`
+    socklen_t address_size = 0;
   };
 
   bool Watch(int fd, Connection* connection) {
@@ -73,7 +75,10 @@ class Tcp final : public Transport {
   }
 
   int Accept() {
-    Descriptor socket(accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    sockaddr_storage address{};
+    socklen_t address_size = sizeof address;
+    Descriptor socket(accept4(listener_.get(), reinterpret_cast<sockaddr*>(&address), &address_size,
+                              SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (socket.get() < 0) return 0;
     if (connections_.size() >= max_connections_) {
       counters_.Add(Counter::kSourceTcpRefused);
@@ -83,6 +88,8 @@ class Tcp final : public Transport {
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
     setsockopt(socket.get(), SOL_SOCKET, SO_KEEPALIVE, &one, sizeof one);
     auto connection = std::make_unique<Connection>(std::move(socket), ++accepted_);
+    connection->address = address;
+    connection->address_size = address_size;
     if (Watch(connection->socket.get(), connection.get())) {
       connections_.push_back(std::move(connection));
       counters_.Add(Counter::kSourceTcpAccepted);
@@ -100,7 +107,9 @@ class Tcp final : public Transport {
       Close(connection);
       return 1;
     }
-    connection.reader.Received(static_cast<std::size_t>(size));
+    const auto piece = space.first(static_cast<std::size_t>(size));
+    Announce(connection, piece, receiver);
+    connection.reader.Received(piece.size());
     int work = 1;
     while (true) {
       std::size_t count = 0;
@@ -121,6 +130,14 @@ class Tcp final : public Transport {
         return work;
       }
     }
+  }
+
+  void Announce(const Connection& connection, std::span<const std::byte> piece,
+                Receiver& receiver) const {
+    const runtime::HotSection hot;
+    receiver.OnArrival({source_, clock_.Now_ns(), piece,
+                        reinterpret_cast<const sockaddr*>(&connection.address),
+                        connection.address_size});
   }
 
   void HandOn(const Connection& connection, std::span<const std::span<const std::byte>> records,

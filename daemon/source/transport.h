@@ -1,14 +1,29 @@
 #pragma once
 
+#include <sys/socket.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <string>
 
+#include "daemon/runtime/realtime.h"
+#include "model/base/realtime.h"
 #include "model/base/status.h"
 
 namespace styled::source {
+
+// Bytes as they came, before anybody looked at them: a datagram, a piece of a TCP stream, what one
+// USB transfer brought.
+struct Arrival {
+  int source = 0;
+  std::int64_t time_ns = 0;  // monotonic
+  std::span<const std::byte> bytes;
+  const sockaddr* peer = nullptr;  // null: unknown
+  socklen_t peer_size = 0;
+  std::uint32_t device = 0;  // USB: numbers its opening, from 1
+};
 
 // What takes the bytes of all transports: the pipeline.
 class Receiver {
@@ -17,8 +32,10 @@ class Receiver {
   // Whole datagrams or records that arrived together, oldest first, on source number `source`. The
   // bytes are the transport's and valid during the call only.
   virtual void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) = 0;
+  // All that comes, once, before any of it is handed on by OnDatagrams: what a recording keeps.
+  STYLED_REALTIME virtual void OnArrival(const Arrival& /*arrival*/) noexcept {}
   // A line for the log, at most once for each thing that it says.
-  virtual void OnNote(int /*source*/, std::string /*text*/) {}
+  virtual void OnNote(int /*source*/, const std::string& /*text*/) {}
 };
 
 // What a technician asks of a rig whose sensors do not know how they are worn.
@@ -26,6 +43,14 @@ enum class Calibration : std::uint8_t {
   kFull,     // the performer stands in the rest pose, looking ahead: mounting and heading
   kYaw,      // looking ahead: heading alone
   kMounting  // in the second pose of the rig's own habit
+};
+
+// What a delay does to the frames of a source, over the last second.
+struct Smoothing {
+  float delay_ms = 0;        // 0: none
+  float arrived_ms = 0;      // 99 % of the frames came no further behind their sender's schedule
+  float left_ms = 0;         // ... and left no further behind it and the delay
+  std::uint64_t missed = 0;  // frames, since the start, that came later than the delay allows
 };
 
 // One way for bytes to come in; sources/<type>.h each. Used by the pipeline thread alone, except
@@ -49,6 +74,7 @@ class Transport {
   virtual const std::string& endpoint() const = 0;
   // Datagrams and records that arrived, those that were refused included.
   virtual std::uint64_t received() const = 0;
+  virtual Smoothing smoothing() const { return {}; }
 };
 
 // At most this many datagrams are handed over at once: what bounds a cycle of the pipeline.

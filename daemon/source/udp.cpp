@@ -8,12 +8,14 @@ namespace {
 // Our own datagrams, as they are.
 class Udp final : public Transport {
  public:
-  Udp(Descriptor socket, int source, runtime::Counters& counters)
-      : socket_(std::move(socket), counters), source_(source) {}
+  Udp(Descriptor socket, int source, runtime::Clock& clock, runtime::Counters& counters)
+      : socket_(std::move(socket), counters), source_(source), clock_(clock) {}
 
   int DoWork(Receiver& receiver) override {
     const auto datagrams = socket_.Receive();
-    if (!datagrams.empty()) receiver.OnDatagrams(source_, datagrams);
+    if (datagrams.empty()) return 0;
+    socket_.Announce(source_, clock_.Now_ns(), receiver);
+    receiver.OnDatagrams(source_, datagrams);
     return static_cast<int>(datagrams.size());
   }
 
@@ -24,6 +26,7 @@ class Udp final : public Transport {
  private:
   UdpSocket socket_;
   int source_;
+  runtime::Clock& clock_;
 };
 
 // A rig's, through its translator.
@@ -32,6 +35,7 @@ class TranslatedUdp final : public Transport {
   TranslatedUdp(Descriptor socket, int source, runtime::Clock& clock, runtime::Counters& counters,
                 std::unique_ptr<Translator> translator)
       : socket_(std::move(socket), counters),
+        source_(source),
         clock_(clock),
         translator_(std::move(translator)),
         outbox_(source, counters) {}
@@ -41,6 +45,7 @@ class TranslatedUdp final : public Transport {
     const std::int64_t now_ns = clock_.Now_ns();
     const bool due = now_ns >= translator_->NextDeadline_ns();
     if (datagrams.empty() && !due) return 0;
+    socket_.Announce(source_, now_ns, receiver);
     outbox_.Open(receiver, socket_.fd());
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
       translator_->Take(datagrams[i], socket_.Sender(i), now_ns, outbox_);
@@ -61,6 +66,7 @@ class TranslatedUdp final : public Transport {
 
  private:
   UdpSocket socket_;
+  int source_;
   runtime::Clock& clock_;
   std::unique_ptr<Translator> translator_;
   Outbox outbox_;
@@ -75,7 +81,7 @@ Result<std::unique_ptr<Transport>> MakeUdp(const config::Source& config, int sou
   if (!socket.ok()) return socket.status();
   if (translator == nullptr) {
     return std::unique_ptr<Transport>(
-        std::make_unique<Udp>(std::move(socket.value()), source, counters));
+        std::make_unique<Udp>(std::move(socket.value()), source, clock, counters));
   }
   return std::unique_ptr<Transport>(std::make_unique<TranslatedUdp>(
       std::move(socket.value()), source, clock, counters, std::move(translator)));

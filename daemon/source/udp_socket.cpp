@@ -1,5 +1,6 @@
 #include "daemon/source/udp_socket.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace styled::source {
@@ -27,6 +28,7 @@ std::span<const std::span<const std::byte>> UdpSocket::Receive() {
     message.msg_hdr.msg_namelen = sizeof senders_[0];
   }
   const int received = recvmmsg(socket_.get(), messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
+  batch_ = static_cast<std::size_t>(std::max(received, 0));
   if (received <= 0) return {};
   const auto count = static_cast<std::size_t>(received);
   received_ += count;
@@ -35,6 +37,15 @@ std::span<const std::span<const std::byte>> UdpSocket::Receive() {
   }
   CountDropped(messages_[count - 1].msg_hdr);
   return {datagrams_.data(), count};
+}
+
+void UdpSocket::Announce(int source, std::int64_t now_ns, Receiver& receiver) const noexcept {
+  const runtime::HotSection hot;
+  for (std::size_t i = 0; i < batch_; ++i) {
+    receiver.OnArrival({source, now_ns, datagrams_[i],
+                        reinterpret_cast<const sockaddr*>(&senders_[i]),
+                        messages_[i].msg_hdr.msg_namelen});
+  }
 }
 
 Peer UdpSocket::Sender(std::size_t i) const noexcept {

@@ -19,6 +19,8 @@ class UdpSocket {
 
   // What has arrived, up to kBatch; never blocks. The bytes are valid until the next call.
   std::span<const std::span<const std::byte>> Receive();
+  // Tells `receiver` of all the datagrams of the last batch, as source number `source`.
+  STYLED_REALTIME void Announce(int source, std::int64_t now_ns, Receiver& receiver) const noexcept;
   // The sender of datagram `i` of the last batch.
   Peer Sender(std::size_t i) const noexcept;
 
@@ -36,6 +38,7 @@ class UdpSocket {
   std::string endpoint_;
   std::uint32_t dropped_ = 0;
   std::uint64_t received_ = 0;
+  std::size_t batch_ = 0;  // datagrams in the last
   std::vector<std::byte> buffer_;
   std::array<iovec, kBatch> vectors_{};
   std::array<mmsghdr, kBatch> messages_{};

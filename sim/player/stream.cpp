@@ -65,6 +65,7 @@ void Stream::MakeFrame(Fault fault) {
   frame_.set_performer(options_.performer);
   frame_.set_source_time_ns(static_cast<std::uint64_t>(
       std::llround(static_cast<double>(frame_index_) * 1e9 / options_.rate_hz)));
+  if (options_.timecode_s) AddTimecode();
   for (const float value : pose_.translations[0]) frame_.add_root_position(value);
   for (const rig::Quat& rotation : pose_.rotations) {
     for (const float value : rotation.coeffs()) frame_.add_rotations(value);
@@ -72,6 +73,19 @@ void Stream::MakeFrame(Fault fault) {
   frame_.set_body_crc(body_crc_);
   if (fault == Fault::kNan) SpoilJoint();
   if (fault == Fault::kOversized) frame_.mutable_rotations()->Resize(4 * kOversizedJoints, 0.5F);
+}
+
+void Stream::AddTimecode() {
+  constexpr std::uint64_t kRate = 30, kDay_s = 86400;
+  const double time_s = *options_.timecode_s + static_cast<double>(frame_index_) / options_.rate_hz;
+  const auto frames = static_cast<std::uint64_t>(std::floor(time_s * kRate + 1e-6));
+  const std::uint64_t seconds = frames / kRate % kDay_s;
+  v1::Timecode& timecode = *frame_.mutable_timecode();
+  timecode.set_hours(static_cast<std::uint32_t>(seconds / 3600));
+  timecode.set_minutes(static_cast<std::uint32_t>(seconds / 60 % 60));
+  timecode.set_seconds(static_cast<std::uint32_t>(seconds % 60));
+  timecode.set_frames(static_cast<std::uint32_t>(frames % kRate));
+  timecode.set_rate(kRate);
 }
 
 // One joint's rotation becomes what no rotation is.

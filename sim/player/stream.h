@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct StreamOptions {
   double rate_hz = 120;           // 1 .. 1000
   // Session ids, each new and not 0; random in earnest, counted in tests.
   std::function<std::uint64_t()> new_session;
+  // SMPTE timecode of the first frame of every session, in seconds, counted at 30 frames a second.
+  std::optional<double> timecode_s = {};
 };
 
 // One performer on the wire: its motion as datagrams, Body first and again once a second of source
@@ -46,6 +49,7 @@ class Stream final : public Sender {
   void BeginSession();
   void MakeBody();
   void MakeFrame(faults::Fault fault);
+  void AddTimecode();
   void SpoilJoint();
   std::size_t Pack(native::Kind kind, const google::protobuf::MessageLite& message);
   Status SendFrame(faults::Fault fault, Link& link);

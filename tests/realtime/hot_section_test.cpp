@@ -28,14 +28,14 @@ Report ReadReport(const std::string& file) {
 
 // A second of all that frames can meet: styles that change, joints that break, frames lost,
 // doubled, late and damaged, timecode that comes and goes, several performers, all topics
-// subscribed.
+// subscribed, all of it recorded.
 Report Play(const std::string& provoke) {
   TemporaryFolder folder;
   const std::string file = folder / "report.txt";
   std::map<std::string, std::string> environment{{"LD_PRELOAD", STYLED_HOOK},
                                                  {"STYLED_HOOK_REPORT", file}};
   if (!provoke.empty()) environment["STYLED_HOOK_PROVOKE"] = provoke;
-  Daemon daemon({}, "", environment);
+  Daemon daemon({"record.file=" + folder / "take.styrec"}, "", environment);
   Subscriber subscriber(daemon.publish, {""});
   ControlClient control(daemon.control);
   const UdpLink link(daemon.udp);
@@ -62,6 +62,7 @@ Report Play(const std::string& provoke) {
     }
   });
   Sleep(0.3);
+  EXPECT_GT(control.Counter("record.written"), 100U);
   EXPECT_EQ(daemon.Stop(), 0) << daemon.Log();
   return ReadReport(file);
 }

@@ -65,17 +65,6 @@ std::optional<int> Child::Wait(double seconds) {
   return exit_;
 }
 
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "styled-test-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) std::abort();
-  path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code error;
-  std::filesystem::remove_all(path_, error);
-}
-
 std::string ReadText(const std::string& file) {
   std::ifstream in(file);
   std::ostringstream text;

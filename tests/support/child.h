@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/temporary_folder.h"
+
 namespace styled::support {
 
 // A child process of a test, its stderr in a file. Killed on destruction.
@@ -29,19 +31,6 @@ class Child {
  private:
   pid_t pid_;
   std::optional<int> exit_;
-};
-
-// A folder of its own under the system's temporary folder, removed with all in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string operator/(const std::string& name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
 };
 
 std::string ReadText(const std::string& file);  // "" where there is none

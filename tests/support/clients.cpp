@@ -2,6 +2,7 @@
 
 #include <zmq.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "tests/support/rig.h"
@@ -67,6 +68,13 @@ std::vector<v1::Frame> Subscriber::Frames(const std::string& prefix) const {
     if (!frames.back().ParseFromString(message.payload)) frames.pop_back();
   }
   return frames;
+}
+
+std::size_t Subscriber::Count(const std::string& prefix) const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<std::size_t>(
+      std::count_if(messages_.begin(), messages_.end(),
+                    [&](const Message& message) { return message.topic.starts_with(prefix); }));
 }
 
 std::vector<v1::Body> Subscriber::Bodies() const {

@@ -31,6 +31,7 @@ class Subscriber {
 
   // Frames and bodies so far, of topics that begin with `prefix`.
   std::vector<v1::Frame> Frames(const std::string& prefix = "") const;
+  std::size_t Count(const std::string& prefix) const;  // of messages
   std::vector<v1::Body> Bodies() const;
   std::optional<v1::Stats> LastStats() const;
   // Waits until `done`; false after `seconds`.

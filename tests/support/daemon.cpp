@@ -69,6 +69,7 @@ void Daemon::Start() {
   for (const auto& source : json["sources"]) listens.push_back(source["listen"]);
   publish = json["publish"];
   control = json["control"];
+  osc = json["osc"];
 }
 
 int Daemon::Stop() {

@@ -27,8 +27,8 @@ class Daemon {
   int Stop();
   void Configure(const std::string& extra);  // rewrites the file; SIGHUP is the test's
 
-  std::string udp, tcp, publish, control;  // addresses
-  std::vector<std::string> listens;        // of all sources, those of `extra` behind these two
+  std::string udp, tcp, publish, control, osc;  // addresses
+  std::vector<std::string> listens;             // of all sources, those of `extra` behind these two
   std::string Log() const { return ReadText(folder / "stderr.txt"); }
 
   TemporaryFolder folder;

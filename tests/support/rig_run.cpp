@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sim/player/clip_motion.h"
 #include "sim/player/performer_motion.h"
 #include "sim/rigs/rig_stream.h"
 #include "tests/support/daemon.h"
@@ -14,14 +15,27 @@ namespace {
 
 constexpr float kDegrees = 57.29578F;
 
+std::unique_ptr<player::Motion> MakeMotion(const RigRun& run, std::uint64_t performer) {
+  if (run.clip.empty()) {
+    const auto script = performer::ParseScript("walk:3,wave-left:2,turn-left:2");
+    return std::make_unique<player::PerformerMotion>(performer::Vary(1, performer, script.value()),
+                                                     performer::Proportions(), run.rate_hz);
+  }
+  auto motion = player::ClipMotion::Make({run.clip}, {.rate_hz = run.rate_hz});
+  EXPECT_TRUE(motion.ok()) << motion.status().message();
+  rig::RigPose passed;
+  for (int i = 0; i < static_cast<int>(run.clip_from_s * run.rate_hz); ++i) {
+    (void)motion.value()->Next(passed);
+  }
+  return std::move(motion.value());
+}
+
 std::unique_ptr<rigs::RigStream> MakeStream(const RigRun& run, std::unique_ptr<rigs::Rig> rig) {
-  const auto script = performer::ParseScript("walk:3,wave-left:2,turn-left:2");
   const auto spec = faults::Parse(run.faults);
   EXPECT_TRUE(spec.ok()) << spec.status().message();
   std::vector<std::unique_ptr<player::Motion>> motions;
   for (std::uint64_t k = 0; k < run.performers.size(); ++k) {
-    motions.push_back(std::make_unique<player::PerformerMotion>(
-        performer::Vary(1, k, script.value()), performer::Proportions(), run.rate_hz));
+    motions.push_back(MakeMotion(run, k));
   }
   auto stream =
       rigs::RigStream::Make(std::move(rig), std::move(motions), run.rate_hz, spec.value());
@@ -36,7 +50,8 @@ void Compare(const std::vector<body::Pose>& sent, double rate_hz, RigResult& res
   for (const v1::Frame& frame : result.frames) {
     const double back_s = (last_ns - static_cast<double>(frame.source_time_ns())) * 1e-9;
     const auto index = static_cast<std::ptrdiff_t>(sent.size()) - 1 - std::lround(back_s * rate_hz);
-    if (index < 0) continue;
+    if (index < 0 || frame.styles_size() > 0) continue;
+    ++result.compared;
     const body::Pose& pose = sent[static_cast<std::size_t>(index)];
     for (int j = 0; j < body::kJointCount; ++j) {
       const auto& r = frame.rotations();
@@ -80,8 +95,10 @@ RigResult StreamAsRig(const RigRun& run) {
     keys += "\nserver = \"" + server_address.substr(6) + "\"";
   }
   auto stream = MakeStream(run, std::move(rig.value()));
-  Daemon daemon({}, "[[source]]\nname = \"suit\"\ntype = \"" + run.type +
-                        "\"\nlisten = \"127.0.0.1:0\"\n" + keys + "\n");
+  Daemon daemon({},
+                "[[source]]\nname = \"suit\"\ntype = \"" + run.type +
+                    "\"\nlisten = \"127.0.0.1:0\"\n" + keys + "\n",
+                {}, run.weights);
   if (testing::Test::HasFatalFailure()) return result;
   if (!server) {
     const bool tcp = run.type.ends_with("-tcp");
@@ -91,14 +108,18 @@ RigResult StreamAsRig(const RigRun& run) {
   }
   Subscriber subscriber(daemon.publish, {""});
   EXPECT_TRUE(subscriber.WaitFor([&] { return subscriber.LastStats().has_value(); }, 10));
+  const std::string id =
+      run.expected_performer.empty() ? "suit." + run.performers[0] : run.expected_performer;
+  ControlClient control(daemon.control);
   std::vector<body::Pose> sent;
-  Paced(run.frames, run.rate_hz, [&](int) {
+  Paced(run.frames, run.rate_hz, [&](int i) {
+    if (!run.style.empty() && i == run.style_from_frame) {
+      EXPECT_EQ(control.SetStyle(id, run.style, 1, 0).code(), v1::CODE_OK);
+    }
     const auto step = stream->Tick(*link);
     if (step == player::Sender::Step::kSent) sent.push_back(stream->poses()[0]);
   });
   EXPECT_TRUE(stream->Flush(*link).ok());
-  const std::string id =
-      run.expected_performer.empty() ? "suit." + run.performers[0] : run.expected_performer;
   const std::string topic = "styled/" + id + "/canonical/";
   // All that will come: nothing new for a while.
   std::size_t before = 0;
@@ -110,10 +131,10 @@ RigResult StreamAsRig(const RigRun& run) {
   }
   result.frames = subscriber.Frames(topic);
   result.rig_frames = subscriber.Frames("styled/" + id + "/rig/");
+  result.source_frames = subscriber.Frames("source/" + id + "/");
   result.bodies = subscriber.Bodies();
   result.sent = static_cast<int>(sent.size());
   result.received = static_cast<int>(result.frames.size());
-  ControlClient control(daemon.control);
   const auto status = control.Status();
   for (const auto& counter : status.stats().counters()) {
     result.counters.emplace_back(counter.name(), counter.value());

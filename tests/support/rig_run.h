@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -19,17 +20,25 @@ struct RigRun {
   double rate_hz = 60;
   int frames = 180;
   std::string faults;  // as of stylesim --faults
+  // What each performer does: a BVH file from `clip_from_s` on, on Bandai's skeleton; "" = the
+  // synthetic performer.
+  std::filesystem::path clip;
+  double clip_from_s = 0;
+  std::string weights;       // file; "" = random ones
+  std::string style;         // set, at once and whole, when ...
+  int style_from_frame = 0;  // ... this frame has been sent
 };
 
-// What came out on the canonical topic, against the poses that the stand-in was given; the style is
-// off, so they are to be the same.
+// What came out on the canonical topic, against the poses that the stand-in was given; as long as
+// the style is off, they are to be the same.
 struct RigResult {
   int sent = 0, received = 0;        // frames of the first performer
+  int compared = 0;                  // of them, those before the style
   float worst_deg = 0, worst_m = 0;  // over all joints' local rotations, over the hips' position
   std::string where;                 // joint and frame of worst_deg
   std::vector<v1::Body> bodies;
-  std::vector<v1::Frame> frames;  // canonical, of the first performer
-  std::vector<v1::Frame> rig_frames;
+  std::vector<v1::Frame> frames;                     // canonical, of the first performer
+  std::vector<v1::Frame> rig_frames, source_frames;  // his own skeleton, styled and as captured
   std::vector<std::pair<std::string, std::uint64_t>> counters;
   std::string log;
 

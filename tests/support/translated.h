@@ -69,7 +69,7 @@ class Translated : public source::Receiver {
       items.push_back(std::move(item));
     }
   }
-  void OnNote(int, std::string text) override { notes.push_back(std::move(text)); }
+  void OnNote(int, const std::string& text) override { notes.push_back(text); }
 
   std::int64_t now_ns = 1'000'000'000;
   std::vector<Item> items;

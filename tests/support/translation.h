@@ -30,7 +30,7 @@ inline int Allocations(source::Translator& translator, std::span<const std::byte
                        std::int64_t now_ns) {
   struct Nobody final : source::Receiver {
     void OnDatagrams(int, std::span<const std::span<const std::byte>>) override {}
-    void OnNote(int, std::string) override {}
+    void OnNote(int, const std::string&) override {}
   };
   static runtime::Counters counters;
   static source::Outbox outbox(0, counters);

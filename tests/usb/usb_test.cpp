@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "model/body/pose.h"
+#include "proto/recording/reader.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 #include "tests/usb/fake_usb.h"
@@ -36,9 +37,9 @@ class UsbTest : public testing::Test {
   FakeDevice Receiver(const std::string& serial = "DONGLE-1") {
     return {*usb_, Kind::kReceiver, 0x1209, 0x7690, serial};
   }
-  // Sources "suit" and "dongle", each with these further lines.
+  // Sources "suit" and "dongle", each with these further lines. All is recorded.
   Daemon Start(const std::string& suit = "", const std::string& dongle = "") {
-    return Daemon({"performers.takeover_ms=20"},
+    return Daemon({"performers.takeover_ms=20", "record.file=" + folder_ / "usb.styrec"},
                   "[[source]]\nname = \"suit\"\ntype = \"usb\"\nusb_id = \"1234:0001\"\n" + suit +
                       "[[source]]\nname = \"dongle\"\ntype = \"slimevr-usb\"\n" + dongle);
   }
@@ -59,6 +60,20 @@ class UsbTest : public testing::Test {
     for (int i = 0; i < 1000 && Received(control, name) < count; ++i) Sleep(0.01);
     return Received(control, name) == count;
   }
+  // Ends the daemon; so many transfers of the first device that `source` opened were recorded.
+  void ExpectRecorded(Daemon& daemon, const std::string& source, std::uint64_t count) const {
+    EXPECT_EQ(daemon.Stop(), 0) << daemon.Log();
+    const auto reader = recording::Reader::Open(folder_ / "usb.styrec");
+    ASSERT_TRUE(reader.ok()) << reader.status().message();
+    recording::Record record;
+    std::uint64_t found = 0;
+    while (reader.value()->Next(record)) {
+      ASSERT_EQ(record.arrival().source(), source);
+      ASSERT_EQ(record.arrival().peer(), "device 1");
+      ++found;
+    }
+    EXPECT_EQ(found, count);
+  }
   static void ExpectUnbroken(const std::vector<v1::Frame>& frames) {
     for (std::size_t i = 1; i < frames.size(); ++i) {
       ASSERT_EQ(frames[i].sequence(), frames[i - 1].sequence() + 1);
@@ -71,6 +86,7 @@ class UsbTest : public testing::Test {
   }
 
   std::unique_ptr<FakeUsb> usb_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(UsbTest, OurOwnRecordsFromAVendorDeviceComeOutStyledHoweverTheTransfersCutThem) {
@@ -188,6 +204,7 @@ TEST_F(UsbTest, AThousandTransfersASecondArriveWithoutALostRecord) {
                               "usb.ring_full", "usb.bad_reports", "usb.transfers_failed"}) {
     EXPECT_EQ(control.Counter(counter), 0U) << counter;
   }
+  ExpectRecorded(daemon, "suit", static_cast<std::uint64_t>(frames + 8));
 }
 
 TEST_F(UsbTest, AThousandReportsASecondArriveWithoutALostReport) {
@@ -209,6 +226,7 @@ TEST_F(UsbTest, AThousandReportsASecondArriveWithoutALostReport) {
   for (const char* counter : {"usb.ring_full", "usb.bad_reports", "usb.transfers_failed"}) {
     EXPECT_EQ(control.Counter(counter), 0U) << counter;
   }
+  ExpectRecorded(daemon, "dongle", static_cast<std::uint64_t>(count));
 }
 
 TEST_F(UsbTest, UnpluggedInMidTransferTwentyTimesItComesBackTwentyTimes) {

@@ -37,7 +37,10 @@ float Distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
 // One application that sends, from one address.
 class Sender {
  public:
-  Sender(std::uint64_t peer, std::string performer) : peer_(peer), relay_(std::move(performer)) {}
+  Sender(std::uint64_t peer, std::string performer) : peer_(peer), relay_(std::move(performer)) {
+    face_.expressions.reserve(vmc::Frame::kMaxBlends);
+    face_.thru.reserve(vmc::Frame::kMaxThrus);
+  }
 
   std::uint64_t peer() const { return peer_; }
   std::int64_t seen_ns() const { return seen_ns_; }
@@ -62,6 +65,7 @@ class Sender {
   BoneSet Wanted(const vmc::Frame& frame);
   void SetBody(BoneSet bones, Outbox& out);
   void Pose(const vmc::Frame& frame);
+  const Face* Look(const vmc::Frame& frame);
   std::uint64_t Time_ns(const vmc::Frame& frame);
   void Report(Outbox& out);
 
@@ -80,6 +84,7 @@ class Sender {
   Quat root_rotation_ = Quat::Identity();
   std::vector<int> bone_of_joint_;
   rig::RigPose pose_;
+  Face face_;
   std::int64_t source_from_arrival_ns_ = 0;  // what to add to a time of arrival
 };
 
@@ -98,6 +103,7 @@ void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
   Relay::Moment moment;
   moment.source_time_ns = Time_ns(frame);
   moment.now_ns = now_ns;
+  moment.face = Look(frame);
   relay_.Send(pose_, moment, out);
 }
 
@@ -140,6 +146,8 @@ void Sender::SetBody(BoneSet bones, Outbox& out) {
   told_ = positions_;
   moved_frames_ = 0;
   relay_.SetBody(MakeVmcBody(bones, positions_), out);
+  relay_.ReserveFace(vmc::Frame::kMaxBlends, vmc::Frame::Expression::kMaxName,
+                     vmc::Frame::kMaxThrus, vmc::Frame::Passed::kMaxSize);
   pose_ = rig::RigPose(relay_.body().skeleton);
   bone_of_joint_.clear();
   for (const int bone : vmc::kParentsFirst) {
@@ -158,6 +166,20 @@ void Sender::Pose(const vmc::Frame& frame) {
   // world_from_hips = world_from_root * root_from_hips
   pose_.rotations.front() = Mirrored(root_rotation_) * pose_.rotations.front();
   pose_.translations.front() = Mirrored(root_position_ + root_rotation_ * hips_position_);
+}
+
+// What it says of the face; names that are no UTF-8 no subscriber could read.
+const Face* Sender::Look(const vmc::Frame& frame) {
+  face_.expressions.clear();
+  face_.thru.clear();
+  for (std::size_t i = 0; i < frame.blend_count; ++i) {
+    const auto& blend = frame.blends[i];
+    if (std::isfinite(blend.value) && IsUtf8(blend.name())) {
+      face_.expressions.push_back({blend.name(), blend.value});
+    }
+  }
+  for (std::size_t i = 0; i < frame.thru_count; ++i) face_.thru.push_back(frame.thrus[i].bytes());
+  return &face_;
 }
 
 // Arrival continues the sender's clock where frames come without it.

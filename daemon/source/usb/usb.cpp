@@ -44,6 +44,10 @@ class Usb : public Transport {
   const std::string& endpoint() const override { return endpoint_; }
 
  protected:
+  STYLED_REALTIME void Announce(const Reports::Report& report, Receiver& receiver) const noexcept {
+    receiver.OnArrival({source_, report.arrival_ns, report.bytes, nullptr, 0, report.device});
+  }
+
   int source_;
   runtime::Clock& clock_;
   runtime::Counters& counters_;
@@ -70,6 +74,7 @@ class NativeUsb final : public Usb {
         receiver.OnNote(source_, Text(report.bytes));
         continue;
       }
+      Announce(report, receiver);
       records_.Take(report, receiver);
     }
     return work;
@@ -103,6 +108,7 @@ class TranslatedUsb final : public Usb {
         outbox_.Note(Text(report.bytes));
         continue;
       }
+      Announce(report, receiver);
       ++received_;
       Peer peer;
       peer.id = report.device;

@@ -50,6 +50,7 @@ TEST_F(ConfigTest, TheManualIsTheDefaultsAndNamesEveryKey) {
   EXPECT_TRUE(config.value().publish == defaults.publish);
   EXPECT_TRUE(config.value().control == defaults.control);
   EXPECT_TRUE(config.value().realtime == defaults.realtime);
+  EXPECT_TRUE(config.value().record == defaults.record);
   EXPECT_FLOAT_EQ(config.value().model.stylist.gap_reset_s, defaults.model.stylist.gap_reset_s);
   EXPECT_FLOAT_EQ(config.value().model.stylist.change_tau_s, defaults.model.stylist.change_tau_s);
   const feet::Options& feet = config.value().model.stylist.feet_options;
@@ -95,6 +96,32 @@ TEST_F(ConfigTest, ComplaintsNameFileLineKeyAndWhatWasExpected) {
               HasSubstr("at most performers.backlog_ms"));
   const auto missing = Load(folder_ / "none.toml", {});
   EXPECT_THAT(missing.status().message(), HasSubstr("none.toml"));
+}
+
+TEST_F(ConfigTest, OutputsAndJointsAreReadAndJudged) {
+  const auto config = LoadText(
+      "[[source]]\nlisten = '127.0.0.1:0'\njoints = { leftUpperArm = 'Arm_01', spine = '' }\n"
+      "[[output]]\nname = 'hero'\navatar = 'hero.vrm'\nperformers = ['rig.anna']\n");
+  ASSERT_TRUE(config.ok()) << config.status().message();
+  ASSERT_EQ(config.value().outputs.size(), 1U);
+  EXPECT_EQ(config.value().outputs[0].avatar, "hero.vrm");
+  EXPECT_EQ(config.value().outputs[0].performers, std::vector<std::string>{"rig.anna"});
+  EXPECT_EQ(config.value().sources[0].joints,
+            (rig::JointNames{{"leftUpperArm", "Arm_01"}, {"spine", ""}}));
+  EXPECT_THAT(Complaint("[output]\nname = 'x'\n"), HasSubstr("double brackets"));
+  EXPECT_THAT(Complaint("[[output]]\nname = 'rig'\navatar = 'a.glb'\n"),
+              HasSubstr("output.0.name: \"rig\"; expected"));
+  EXPECT_THAT(Complaint("[[output]]\nname = 'x'\n"), HasSubstr("output.0.avatar: missing"));
+  EXPECT_THAT(Complaint("[[output]]\nname = 'x'\navatar = 'a'\n[[output]]\nname = 'x'\n"
+                        "avatar = 'b'\n"),
+              HasSubstr("is taken by output.0"));
+  EXPECT_THAT(Complaint("[[output]]\nname = 'x'\nperformers = 'rig.a'\n"),
+              HasSubstr(":3: output.performers: expected a list"));
+  EXPECT_THAT(Complaint("[[output]]\nname = 'x'\navatar = 'a'\nperformers = ['anna']\n"),
+              HasSubstr("output.0.performers: \"anna\"; expected SOURCE.NAME"));
+  EXPECT_THAT(Complaint("[[source]]\nlisten = '127.0.0.1:0'\njoints = { leftUperArm = 'x' }\n"),
+              HasSubstr("\"leftUperArm\" is no joint of the canonical humanoid, nearest is "
+                        "\"leftUpperArm\""));
 }
 
 TEST_F(ConfigTest, OtherMachinesAreLetInOnlyByAKeyThatSaysSo) {
@@ -154,6 +181,16 @@ TEST_F(ConfigTest, OverridesAreAsStrictAsTheFile) {
   EXPECT_FALSE(ParseOverride("nonsense").ok());
   const char* const typo[] = {"STYLED_PUBLISH_ADRESS=x", nullptr};
   EXPECT_THAT(EnvironmentOverrides(typo).status().message(), HasSubstr("nearest is \"address\""));
+}
+
+TEST_F(ConfigTest, WhatNatNetIsToAskIsJudgedWithoutAskingIt) {
+  const std::string source = "[[source]]\nname = \"o\"\ntype = \"natnet\"\n";
+  EXPECT_EQ(Complaint(source + "server = \"192.168.1.10\"\n"), "");
+  EXPECT_THAT(Complaint(source), HasSubstr("source.0.server: \"\"; expected an IPv4 address"));
+  EXPECT_THAT(Complaint(source + "server = \"motive.local\"\n"),
+              HasSubstr("source.0.server: \"motive.local\"; expected an IPv4 address"));
+  EXPECT_THAT(Complaint(source + "server = \"10.0.0.1\"\ngroup = \"10.0.0.2\"\n"),
+              HasSubstr("source.0.group: \"10.0.0.2\"; expected an IPv4 multicast address"));
 }
 
 }  // namespace

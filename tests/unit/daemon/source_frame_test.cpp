@@ -58,6 +58,43 @@ TEST(SourceFrameTest, SkipsFieldsOfLaterVersions) {
   EXPECT_EQ(ReadSourceFrame(AsBytes(bytes), view), FrameResult::kOk);
 }
 
+TEST(SourceFrameTest, TheFaceIsTheBytesOfItsRunAndWhatNobodyCouldReadIsRefused) {
+  v1::SourceFrame frame = support::Rig("a").MakeFrame();
+  const auto add = [&frame](const std::string& name, float value) {
+    auto& expression = *frame.add_expressions();
+    expression.set_name(name);
+    expression.set_value(value);
+  };
+  add("Joy", 0.5F);
+  add("あ", 1);
+  frame.add_thru("/VMC/Thru/x");
+  const std::string bytes = frame.SerializeAsString();
+  SourceFrameView view;
+  ASSERT_EQ(ReadSourceFrame(AsBytes(bytes), view), FrameResult::kOk);
+  v1::Frame out;  // the same fields
+  ASSERT_TRUE(out.ParseFromArray(view.face.data(), static_cast<int>(view.face.size())));
+  ASSERT_EQ(out.expressions_size(), 2);
+  EXPECT_EQ(out.expressions(1).name(), "あ");
+  EXPECT_EQ(out.thru(0), "/VMC/Thru/x");
+
+  for (const char* broken : {"\xFF", "a\xC0\x80", "\xED\xA0\x80", "\xF5\x80\x80\x80", "\xE3\x81"}) {
+    EXPECT_FALSE(IsUtf8(broken)) << broken;
+    // A name that is no text, as bytes: field 18, of a field 1.
+    std::string bad = support::Rig("a").MakeFrame().SerializeAsString();
+    const std::string name = broken;
+    bad += std::string("\x92\x01") + static_cast<char>(name.size() + 2) + "\x0A" +
+           static_cast<char>(name.size()) + name;
+    EXPECT_EQ(ReadSourceFrame(AsBytes(bad), view), FrameResult::kMalformed);
+    EXPECT_FALSE(v1::SourceFrame().ParseFromString(bad)) << "nor would protobuf";
+  }
+  for (const char* good : {"", "jawOpen", "ü", "あ", "\xF0\x9F\x98\x80"}) EXPECT_TRUE(IsUtf8(good));
+
+  for (int i = 0; i < 300; ++i) add(std::string(64, 'x'), 1);
+  const std::string large = frame.SerializeAsString();
+  ASSERT_EQ(ReadSourceFrame(AsBytes(large), view), FrameResult::kOk);
+  EXPECT_TRUE(view.face.empty()) << "too much of it is left out";
+}
+
 TEST(SourceFrameTest, NamesAreCheckedAgainstTheRule) {
   for (const std::string name :
        {"", "with space", "dot.dot", "slash/", "ümlaut", "123456789012345678901234567890123"}) {

@@ -7,18 +7,19 @@
 #include <fstream>
 
 #include "daemon/config/config.h"
+#include "tests/support/temporary_folder.h"
 
 namespace styled::doctor {
 namespace {
 
 class SettingsTest : public testing::Test {
  protected:
-  ~SettingsTest() override { std::remove(file_.c_str()); }
   Result<Settings> Read(const std::string& text) {
     std::ofstream(file_) << text;
     return ReadSettings(file_);
   }
-  std::string file_ = testing::TempDir() + "settings" + std::to_string(getpid()) + ".toml";
+  support::TemporaryFolder folder_;
+  std::string file_ = folder_ / "settings.toml";
 };
 
 TEST_F(SettingsTest, AFileThatIsNotThereIsNamed) {

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "tests/support/temporary_folder.h"
+
 namespace styled::erd {
 namespace {
 
@@ -136,16 +138,10 @@ TEST(Safetensors, ReadsWhatItWrites) {
   }
 }
 
-// A folder that is gone at the end of the test.
 class SafetensorsFile : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string place = (std::filesystem::temp_directory_path() / "erd-XXXXXX").string();
-    ASSERT_NE(mkdtemp(place.data()), nullptr);
-    folder_ = place;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path folder_;
+  support::TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
 };
 
 TEST_F(SafetensorsFile, IsWrittenWhole) {

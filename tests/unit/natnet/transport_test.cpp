@@ -31,8 +31,14 @@ struct Pipeline final : Receiver {
       (datagram.kind == native::Kind::kBody ? bodies : frames) += 1;
     }
   }
-  void OnNote(int, std::string text) override { notes.push_back(std::move(text)); }
-  int bodies = 0, frames = 0;
+  void OnArrival(const Arrival& arrival) noexcept override {
+    EXPECT_EQ(arrival.source, 3);
+    EXPECT_FALSE(arrival.bytes.empty());
+    EXPECT_NE(arrival.peer, nullptr);
+    ++arrivals;
+  }
+  void OnNote(int, const std::string& text) override { notes.push_back(text); }
+  int bodies = 0, frames = 0, arrivals = 0;
   std::vector<std::string> notes;
 };
 
@@ -163,6 +169,7 @@ TEST(NatNetTransport, TakesFramesThatComeToItsOwnSocketAndKeepsThemComing) {
   }
   EXPECT_EQ(session.pipeline.frames, 3);
   EXPECT_EQ(session.pipeline.bodies, 1);
+  EXPECT_EQ(session.pipeline.arrivals, 5) << "and what it answered";
   session.clock.now_ns += 1'000'000'000;
   session.transport->DoWork(session.pipeline);
   EXPECT_EQ(session.Answer(), 2) << "a keep-alive; the model, since the first frame told";
@@ -188,6 +195,7 @@ TEST_F(NatNetGroup, ThatTheServerNamesBringsFrames) {
     ASSERT_TRUE(session.Work());
   }
   EXPECT_EQ(session.pipeline.frames, 3);
+  EXPECT_EQ(static_cast<std::uint64_t>(session.pipeline.arrivals), session.transport->received());
 }
 
 TEST_F(NatNetGroup, IsJoinedOnAnInterfaceByName) {

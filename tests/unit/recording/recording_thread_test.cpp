@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "proto/recording/reader.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/recording/samples.h"
 
 namespace styled::recording {
@@ -15,13 +16,6 @@ namespace {
 
 class RecordingThreadTest : public ::testing::Test {
  protected:
-  RecordingThreadTest() {
-    std::string pattern = ::testing::TempDir() + "styled-recording-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) std::abort();
-    folder_ = pattern;
-  }
-  ~RecordingThreadTest() override { std::filesystem::remove_all(folder_); }
-
   std::vector<Record> ReadAll() const {
     std::vector<Record> records;
     const auto reader = Reader::Open(folder_ / "x.styrec");
@@ -39,7 +33,8 @@ class RecordingThreadTest : public ::testing::Test {
     return std::move(made.value());
   }
 
-  std::filesystem::path folder_;
+  support::TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
 };
 
 sockaddr_in V4(const char* address, std::uint16_t port) {
@@ -71,10 +66,11 @@ TEST_F(RecordingThreadTest, EverythingThatIsPushedIsRecordedInOrder) {
     EXPECT_TRUE(thread->PushCommand(4, command));
     EXPECT_TRUE(thread->PushNote(5, "config reloaded"));
     EXPECT_TRUE(thread->PushArrival(6, 9, nullptr, 0, {}));
+    EXPECT_TRUE(thread->PushTransfer(7, 0, 3, BytesOf("report")));
   }
   const auto records = ReadAll();
-  ASSERT_EQ(records.size(), 6U);
-  for (int i = 0; i < 6; ++i) EXPECT_EQ(records[i].time_ns(), i + 1);
+  ASSERT_EQ(records.size(), 7U);
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(records[i].time_ns(), i + 1);
   EXPECT_EQ(records[0].arrival().source(), "suit");
   EXPECT_EQ(records[0].arrival().type(), "mvn");
   EXPECT_EQ(records[0].arrival().listen(), "udp://0.0.0.0:9763");
@@ -87,6 +83,8 @@ TEST_F(RecordingThreadTest, EverythingThatIsPushedIsRecordedInOrder) {
   EXPECT_EQ(records[3].command().SerializeAsString(), command.SerializeAsString());
   EXPECT_EQ(records[4].note().text(), "config reloaded");
   EXPECT_EQ(records[5].arrival().source(), "") << "a source that nobody named";
+  EXPECT_EQ(records[6].arrival().peer(), "device 3");
+  EXPECT_EQ(records[6].arrival().datagram(), "report");
 }
 
 TEST_F(RecordingThreadTest, WithoutMoreToComeWhatWasPushedIsWrittenSoon) {

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "proto/recording/reader.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/recording/samples.h"
 
 namespace styled::recording {
@@ -28,13 +29,6 @@ constexpr std::int64_t kMillisecond_ns = 1'000'000;
 
 class WriterTest : public ::testing::Test {
  protected:
-  WriterTest() {
-    std::string pattern = ::testing::TempDir() + "styled-recording-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) std::abort();
-    folder_ = pattern;
-  }
-  ~WriterTest() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path File(const std::string& name = "x.styrec") const { return folder_ / name; }
   static std::vector<Record> ReadAll(const std::filesystem::path& file, ReadCounts* counts) {
     std::vector<Record> records;
@@ -47,7 +41,8 @@ class WriterTest : public ::testing::Test {
     return records;
   }
 
-  std::filesystem::path folder_;
+  support::TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
 };
 
 TEST_F(WriterTest, AFileThatExistsOrCannotBeMadeIsRefused) {
@@ -69,18 +64,18 @@ TEST_F(WriterTest, AFileJustMadeIsARecordingAlready) {
   EXPECT_EQ(DamageText(reader.value()->counts()), "");
 }
 
-TEST_F(WriterTest, ABlockIsWrittenWhenItsFirstRecordHasWaitedFiftyMillisecondsAndNotBefore) {
+TEST_F(WriterTest, ABlockIsWrittenWhenItsFirstRecordHasWaitedTwentyFiveMillisecondsAndNotBefore) {
   auto made = FileWriter::Create(File(), {});
   ASSERT_TRUE(made.ok());
   FileWriter& writer = *made.value();
   const auto begin = std::filesystem::file_size(File());
   EXPECT_EQ(writer.NextDeadline_ns(), std::numeric_limits<std::int64_t>::max());
   ASSERT_TRUE(writer.Add(MakeRecord(0), 1000).ok());
-  EXPECT_EQ(writer.NextDeadline_ns(), 1000 + 50 * kMillisecond_ns);
-  ASSERT_TRUE(writer.Add(MakeRecord(1), 1000 + 40 * kMillisecond_ns).ok());
-  ASSERT_TRUE(writer.Poll(999 + 50 * kMillisecond_ns).ok());
+  EXPECT_EQ(writer.NextDeadline_ns(), 1000 + 25 * kMillisecond_ns);
+  ASSERT_TRUE(writer.Add(MakeRecord(1), 1000 + 20 * kMillisecond_ns).ok());
+  ASSERT_TRUE(writer.Poll(999 + 25 * kMillisecond_ns).ok());
   EXPECT_EQ(std::filesystem::file_size(File()), begin);
-  ASSERT_TRUE(writer.Poll(1000 + 50 * kMillisecond_ns).ok());
+  ASSERT_TRUE(writer.Poll(1000 + 25 * kMillisecond_ns).ok());
   EXPECT_GT(std::filesystem::file_size(File()), begin);
   EXPECT_EQ(std::filesystem::file_size(File()), writer.counts().bytes);
   EXPECT_EQ(writer.NextDeadline_ns(), std::numeric_limits<std::int64_t>::max());

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "sim/player/performer_motion.h"
+#include "tests/support/temporary_folder.h"
 
 namespace styled::player {
 namespace {
@@ -14,15 +15,6 @@ namespace fs = std::filesystem;
 
 class ClipMotionTest : public ::testing::Test {
  protected:
-  ClipMotionTest()
-      : folder_(fs::path(::testing::TempDir()) /
-                ("clip_motion_" +
-                 std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~ClipMotionTest() override { fs::remove_all(folder_); }
-
   // A walking performer's first seconds as BVH.
   fs::path Write(const std::string& name, const std::string& script, double seconds) {
     const auto parsed = performer::ParseScript(script);
@@ -33,7 +25,8 @@ class ClipMotionTest : public ::testing::Test {
     return folder_ / name;
   }
 
-  fs::path folder_;
+  support::TemporaryFolder temporary_;
+  const fs::path& folder_ = temporary_.path();
 };
 
 TEST_F(ClipMotionTest, WhatIsMissingOrEmptyIsNamed) {

@@ -56,7 +56,7 @@ struct Bench final : Receiver {
       }
     }
   }
-  void OnNote(int, std::string text) override { notes.push_back(std::move(text)); }
+  void OnNote(int, const std::string& text) override { notes.push_back(text); }
 
   runtime::Counters counters;
   Outbox outbox{0, counters};

@@ -117,7 +117,7 @@ class Bench final : public Receiver {
                                            static_cast<int>(datagram.payload.size()));
     }
   }
-  void OnNote(int, std::string text) override { notes.push_back(std::move(text)); }
+  void OnNote(int, const std::string& text) override { notes.push_back(text); }
 
   std::int64_t now_ns = kSecond;
   std::vector<v1::SourceFrame> frames;

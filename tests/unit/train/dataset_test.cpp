@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/train/walker.h"
 
 namespace styled::train {
@@ -123,8 +124,8 @@ TEST(Dataset, AWindowIsStandingWhereMostOfItIsStill) {
 }
 
 TEST(Dataset, ArchivesThatAreNotUnpackedAreNamed) {
-  const auto folder = std::filesystem::temp_directory_path() / "styled_dataset_test";
-  std::filesystem::create_directories(folder);
+  const support::TemporaryFolder temporary;
+  const auto& folder = temporary.path();
   std::ofstream(folder / "some.tar.xz") << "x";
   const Status status = CheckDataFolder(folder);
   ASSERT_FALSE(status.ok());

@@ -1,0 +1,185 @@
+#include "daemon/control/osc.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "model/body/parts.h"
+#include "proto/styled/body_parts.h"
+
+namespace styled::control {
+namespace {
+
+using vmc::osc::Arguments;
+using vmc::osc::Message;
+
+// A console's number: f, or i.
+bool Number(Arguments& arguments, float& value) {
+  std::int32_t whole = 0;
+  if (arguments.Float(value)) return std::isfinite(value);
+  if (!arguments.Int(whole)) return false;
+  value = static_cast<float>(whole);
+  return true;
+}
+
+bool Text(Arguments& arguments, std::string& value) {
+  std::string_view text;
+  if (!arguments.Text(text)) return false;
+  value = text;
+  return true;
+}
+
+// Each fills the request and says whether the arguments are its own.
+bool Style(Arguments& arguments, v1::Request& request) {
+  v1::Set& set = *request.mutable_set();
+  auto& style = *set.add_mix();
+  float strength = 0, transition_ms = 0;
+  if (!Text(arguments, *style.mutable_style())) return false;
+  style.set_weight(1);
+  if (arguments.AtEnd()) return true;
+  if (!Number(arguments, strength)) return false;
+  set.set_strength(strength);
+  if (arguments.AtEnd()) return true;
+  if (!Number(arguments, transition_ms)) return false;
+  set.set_transition_ms(transition_ms);
+  return true;
+}
+
+bool Mix(Arguments& arguments, v1::Request& request) {
+  while (!arguments.AtEnd()) {
+    auto& entry = *request.mutable_set()->add_mix();
+    float weight = 0;
+    if (!Text(arguments, *entry.mutable_style()) || !Number(arguments, weight)) return false;
+    entry.set_weight(weight);
+  }
+  return request.set().mix_size() > 0;
+}
+
+bool Strength(Arguments& arguments, v1::Request& request) {
+  float strength = 0;
+  if (!Number(arguments, strength)) return false;
+  request.mutable_set()->set_strength(strength);
+  return true;
+}
+
+bool Transition(Arguments& arguments, v1::Request& request) {
+  float transition_ms = 0;
+  if (!Number(arguments, transition_ms)) return false;
+  request.mutable_set()->set_transition_ms(transition_ms);
+  return true;
+}
+
+bool Only(Arguments& arguments, v1::Request& request) {
+  std::string words;
+  if (!Text(arguments, words)) return false;
+  const auto parts = body::FindParts(words);
+  if (parts) AddParts(*parts, *request.mutable_set()->mutable_only());
+  return parts.has_value();
+}
+
+bool From(Arguments& arguments, v1::Request& request) {
+  return Text(arguments, *request.mutable_set()->mutable_own_style());
+}
+
+bool Clear(Arguments&, v1::Request& request) {
+  request.mutable_set()->set_clear(true);
+  return true;
+}
+
+bool Preset(Arguments& arguments, v1::Request& request) {
+  float transition_ms = 0;
+  if (!Text(arguments, *request.mutable_preset()->mutable_name())) return false;
+  if (arguments.AtEnd()) return true;
+  if (!Number(arguments, transition_ms)) return false;
+  request.mutable_preset()->set_transition_ms(transition_ms);
+  return true;
+}
+
+bool Pin(Arguments& arguments, v1::Request& request) {
+  float pinned = 0;
+  if (!Number(arguments, pinned)) return false;
+  request.mutable_pin()->set_pinned(pinned != 0);
+  return true;
+}
+
+bool Reset(Arguments&, v1::Request& request) {
+  request.mutable_reset();
+  return true;
+}
+
+struct Row {
+  std::string_view word;
+  bool (*read)(Arguments&, v1::Request&);
+  std::string_view expected;
+};
+constexpr std::array<Row, 10> kOfPerformers{{
+    {"style", Style, "a style and, if wanted, strength and transition in ms"},
+    {"mix", Mix, "styles and weights in turn"},
+    {"strength", Strength, "a number from 0 to 1.5"},
+    {"transition", Transition, "milliseconds"},
+    {"preset", Preset, "a preset and, if wanted, transition in ms"},
+    {"only", Only, "parts of the body, e.g. \"arms,head\", or \"all\""},
+    {"from", From, "the style that the performer moves in already"},
+    {"pin", Pin, "1 or 0"},
+    {"clear", Clear, "nothing"},
+    {"reset", Reset, "nothing"},
+}};
+
+// A button's value (TouchOSC sends 1 when pressed and 0 when released): only a press counts.
+std::optional<float> Press(Arguments& arguments) {
+  float value = 1;
+  if (!arguments.AtEnd() && !Number(arguments, value)) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+Result<v1::Request> ReadOsc(const Message& message) {
+  const std::string address(message.address);
+  const auto refuse = [&address](const std::string& expected) {
+    return Status::Error(address.substr(0, 120) + ": expected " + expected);
+  };
+  constexpr std::string_view kRoot = "/styled/";
+  if (!address.starts_with(kRoot)) {
+    return refuse("/styled/PERFORMER/style, /styled/cue, /styled/panic, ... (OSC.md)");
+  }
+  const std::string rest = address.substr(kRoot.size());
+  Arguments arguments(message);
+  v1::Request request;
+  // Another daemon's answer, or ours come back: to answer it would never end.
+  if (rest == "error") return request;
+  if (rest == "panic") {
+    const auto pressed = Press(arguments);
+    if (!pressed || !arguments.AtEnd()) return refuse("nothing, or 1");
+    if (*pressed != 0) request.mutable_panic();
+    return request;
+  }
+  if (rest == "cue") {
+    if (!Text(arguments, *request.mutable_cue()->mutable_name()) || !arguments.AtEnd()) {
+      return refuse("a cue's name");
+    }
+    return request;
+  }
+  if (rest.starts_with("cue/")) {
+    const auto pressed = Press(arguments);
+    if (!pressed || !arguments.AtEnd()) return refuse("nothing, or 1");
+    if (*pressed != 0) request.mutable_cue()->set_name(rest.substr(4));
+    return request;
+  }
+  const std::size_t slash = rest.rfind('/');
+  const std::string_view word =
+      slash == std::string::npos ? std::string_view() : std::string_view(rest).substr(slash + 1);
+  for (const Row& row : kOfPerformers) {
+    if (row.word != word) continue;
+    const std::string performer = rest.substr(0, slash);
+    request.set_performer(performer == "all" ? "*" : performer);
+    if (row.read(arguments, request) && arguments.AtEnd()) return request;
+    return refuse(std::string(row.expected));
+  }
+  std::string words;
+  for (const Row& row : kOfPerformers) words.append(words.empty() ? "" : ", ").append(row.word);
+  return refuse("/styled/PERFORMER/ and one of " + words + "; or /styled/cue, /styled/panic");
+}
+
+}  // namespace styled::control

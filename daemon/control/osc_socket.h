@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/mailboxes.h"
+#include "daemon/runtime/descriptor.h"
+#include "model/base/status.h"
+
+namespace styled::control {
+
+// Where control messages come in as OSC over UDP. Nobody waits for an answer there, so only what is
+// refused is told: to the sender, as /styled/error with the address and the reason, and to the log,
+// at most once a second. Control thread only.
+class OscSocket {
+ public:
+  // `listen`: numeric HOST:PORT. Errors name it.
+  static Result<std::unique_ptr<OscSocket>> Open(const std::string& listen);
+
+  // Takes the next datagram; false when there is none.
+  bool Receive();
+  // Its messages as requests, with the sender in the envelope. What cannot be one has its reply.
+  std::vector<std::unique_ptr<pipeline::Exchange>> Read() const;
+  void Answer(const pipeline::Exchange& exchange);
+
+  int fd() const { return socket_.get(); }
+  const std::string& endpoint() const { return endpoint_; }
+
+ private:
+  explicit OscSocket(runtime::Descriptor socket);
+  std::unique_ptr<pipeline::Exchange> Refused(const std::string& address,
+                                              const std::string& reason) const;
+
+  runtime::Descriptor socket_;
+  std::string endpoint_;
+  std::vector<std::byte> buffer_;
+  std::size_t size_ = 0;
+  std::vector<std::byte> sender_;  // a sockaddr
+  std::int64_t said_s_ = 0;
+};
+
+}  // namespace styled::control

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/source/source_frame.h"
+#include "model/base/status.h"
+#include "model/erd/network.h"
+#include "proto/styled/v1/control.pb.h"
+
+namespace styled::pipeline {
+
+// One [[cue]]: what it asks for, and when.
+struct Cue {
+  std::string name;
+  std::optional<std::int64_t> at;     // TimecodeLabel
+  std::string performer;              // an id, or "*"
+  std::vector<v1::Request> requests;  // without a performer
+};
+
+// HH:MM:SS:FF as a number that grows with it, whatever the rate.
+std::int64_t TimecodeLabel(const source::Timecode& timecode) noexcept;
+std::string TimecodeText(std::int64_t label);
+// "01:02:03:04", or with ';' before the frames; nothing where it is none.
+std::optional<source::Timecode> ParseTimecode(std::string_view text);
+
+// Whether a performer's timecode went over `at` between two of his frames: more than two seconds,
+// or backward, is somebody winding the tape, and fires nothing.
+bool Passes(std::int64_t at, std::int64_t last, std::int64_t now) noexcept;
+
+// Errors name the place, the key and what was expected; styles and presets must exist. Start-up and
+// reload only; allocates.
+Result<Cue> MakeCue(const config::Cue& cue, const std::vector<config::Preset>& presets,
+                    const erd::Network& network);
+
+}  // namespace styled::pipeline

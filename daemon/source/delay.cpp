@@ -1,0 +1,212 @@
+#include "daemon/source/delay.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "daemon/pipeline/schedule.h"
+#include "daemon/runtime/histogram.h"
+#include "daemon/source/source_frame.h"
+#include "proto/rigs/native/datagram.h"
+
+namespace styled::source {
+namespace {
+
+using runtime::kSecond_ns;
+
+constexpr std::size_t kHeld = 1024;
+constexpr std::size_t kUsualBytes = 4096;
+constexpr std::int64_t kLost_ns = 5 * kSecond_ns;  // so late is a clock that was set back
+
+// When the frames of one performer are due.
+struct Sender {
+  std::uint64_t session = 0;
+  std::string performer;
+  pipeline::Schedule schedule;
+  std::uint64_t first_ns = 0;
+  // Of the newest frame, and how far apart frames are.
+  std::uint64_t sequence = 0, time_ns = 0;
+  std::int64_t due_ns = 0, period_ns = 0;
+
+  void Take(std::uint64_t the_sequence, std::uint64_t the_time_ns, std::int64_t the_due_ns) {
+    if (the_sequence <= sequence && due_ns != 0) return;
+    if (the_sequence == sequence + 1) period_ns = static_cast<std::int64_t>(the_time_ns - time_ns);
+    sequence = the_sequence;
+    time_ns = the_time_ns;
+    due_ns = the_due_ns;
+  }
+  // Soon after the frame before it, which may still be on its way.
+  std::int64_t BodyDue_ns(std::uint64_t the_sequence) const {
+    const auto frames = static_cast<std::int64_t>(the_sequence - sequence) - 1;
+    return due_ns + std::clamp<std::int64_t>(frames, -8, 8) * period_ns + period_ns / 4;
+  }
+};
+
+class Delayed final : public Transport, private Receiver {
+ public:
+  Delayed(std::unique_ptr<Transport> inner, std::int64_t delay_ns, runtime::Clock& clock)
+      : inner_(std::move(inner)), delay_ns_(delay_ns), clock_(clock), slots_(kHeld) {
+    for (std::size_t i = 0; i < kHeld; ++i) {
+      slots_[i].bytes.reserve(kUsualBytes);
+      free_.push_back(i);
+    }
+    due_.reserve(kHeld);
+  }
+
+  int DoWork(Receiver& receiver) override {
+    const std::int64_t now_ns = clock_.Now_ns();
+    to_ = &receiver;
+    int work = inner_->DoWork(*this);
+    work += Release(now_ns, 0);
+    if (now_ns - sampled_ns_ >= kSecond_ns) Sample(now_ns);
+    return work;
+  }
+  std::int64_t NextDeadline_ns() const override {
+    const std::int64_t next_ns =
+        due_.empty() ? std::numeric_limits<std::int64_t>::max() : slots_[due_.front()].due.due_ns;
+    return std::min(inner_->NextDeadline_ns(), next_ns);
+  }
+  bool has_sensors() const override { return inner_->has_sensors(); }
+  Status Calibrate(Calibration what, std::int64_t now_ns) override {
+    return inner_->Calibrate(what, now_ns);
+  }
+  int fd() const override { return inner_->fd(); }
+  const std::string& endpoint() const override { return inner_->endpoint(); }
+  std::uint64_t received() const override { return inner_->received(); }
+  Smoothing smoothing() const override { return shown_; }
+
+ private:
+  // When a datagram leaves; of a frame also when it would if it had come in time.
+  struct Due {
+    std::int64_t due_ns = 0;
+    std::optional<std::int64_t> schedule_ns = {};
+  };
+  struct Slot {
+    Due due;
+    std::vector<std::byte> bytes;
+  };
+
+  void OnNote(int source, const std::string& text) override { to_->OnNote(source, text); }
+  STYLED_REALTIME void OnArrival(const Arrival& arrival) noexcept override {
+    to_->OnArrival(arrival);
+  }
+
+  void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override {
+    source_ = source;
+    const std::int64_t now_ns = clock_.Now_ns();
+    for (const auto datagram : datagrams) {
+      if (free_.empty()) Release(now_ns, 1);
+      Slot& slot = slots_[free_.back()];
+      slot.due = When(datagram, now_ns);
+      slot.bytes.assign(datagram.begin(), datagram.end());
+      // In order of what is due; mostly at the end.
+      const auto later = [this](std::int64_t due_ns, std::size_t held) {
+        return due_ns < slots_[held].due.due_ns;
+      };
+      due_.insert(std::upper_bound(due_.begin(), due_.end(), slot.due.due_ns, later), free_.back());
+      free_.pop_back();
+    }
+  }
+
+  Due When(std::span<const std::byte> bytes, std::int64_t now_ns) {
+    native::Datagram datagram;
+    if (native::Decode(bytes, datagram) != native::DecodeResult::kOk) return {now_ns};
+    const std::string_view name = ReadPerformer(datagram.payload);
+    if (datagram.kind == native::Kind::kBody) {
+      const Sender* sender = Find(datagram.session, name);
+      if (sender == nullptr) return {now_ns};
+      return {std::max(now_ns, sender->BodyDue_ns(datagram.sequence))};
+    }
+    SourceFrameView frame;
+    if (ReadSourceFrame(datagram.payload, frame) != FrameResult::kOk) return {now_ns};
+    Sender& sender = Ensure(datagram.session, name, frame.source_time_ns);
+    const auto late = [&] {
+      return sender.schedule.Lateness_ns(
+          static_cast<std::int64_t>(frame.source_time_ns - sender.first_ns), now_ns);
+    };
+    std::int64_t late_ns = late();
+    if (late_ns > kLost_ns) {
+      sender.schedule = pipeline::Schedule();
+      late_ns = late();
+    }
+    arrived_.Add(late_ns);
+    if (late_ns > delay_ns_) ++missed_;
+    const std::int64_t schedule_ns = now_ns - late_ns + delay_ns_;
+    sender.Take(datagram.sequence, frame.source_time_ns, schedule_ns);
+    return {std::max(now_ns, schedule_ns), schedule_ns};
+  }
+
+  Sender* Find(std::uint64_t session, std::string_view performer) {
+    for (Sender& sender : senders_) {
+      if (sender.session == session && sender.performer == performer) return &sender;
+    }
+    return nullptr;
+  }
+  // A name's new session takes the place of its last one; of too many names the first gives way.
+  Sender& Ensure(std::uint64_t session, std::string_view performer, std::uint64_t time_ns) {
+    if (Sender* known = Find(session, performer)) return *known;
+    constexpr std::size_t kMost = 256;
+    auto place = std::find_if(senders_.begin(), senders_.end(),
+                              [&](const Sender& s) { return s.performer == performer; });
+    if (place == senders_.end() && senders_.size() >= kMost) place = senders_.begin();
+    if (place == senders_.end()) place = senders_.emplace(senders_.end());
+    *place = Sender();
+    place->session = session;
+    place->performer = performer;
+    place->first_ns = time_ns;
+    return *place;
+  }
+
+  // Hands on what is due, and at least `least` of what is held.
+  int Release(std::int64_t now_ns, std::size_t least) {
+    std::array<std::span<const std::byte>, kBatch> batch;
+    std::size_t count = 0;
+    while (count < due_.size() && count < kBatch &&
+           (count < least || slots_[due_[count]].due.due_ns <= now_ns)) {
+      const Slot& slot = slots_[due_[count]];
+      batch[count] = slot.bytes;
+      if (slot.due.schedule_ns)
+        left_.Add(std::max<std::int64_t>(0, now_ns - *slot.due.schedule_ns));
+      ++count;
+    }
+    if (count == 0) return 0;
+    to_->OnDatagrams(source_, std::span(batch).first(count));
+    for (std::size_t i = 0; i < count; ++i) free_.push_back(due_[i]);
+    due_.erase(due_.begin(), due_.begin() + static_cast<std::ptrdiff_t>(count));
+    return static_cast<int>(count);
+  }
+
+  void Sample(std::int64_t now_ns) {
+    sampled_ns_ = now_ns;
+    constexpr float kAlmostAll = 0.99F;
+    shown_ = {static_cast<float>(delay_ns_) * 1e-6F, arrived_.Percentile_us(kAlmostAll) * 1e-3F,
+              left_.Percentile_us(kAlmostAll) * 1e-3F, missed_};
+    arrived_.Clear();
+    left_.Clear();
+  }
+
+  std::unique_ptr<Transport> inner_;
+  std::int64_t delay_ns_;
+  runtime::Clock& clock_;
+  Receiver* to_ = nullptr;
+  int source_ = 0;
+  std::vector<Slot> slots_;
+  std::vector<std::size_t> free_, due_;  // slots; due_ in the order in which they leave
+  std::vector<Sender> senders_;
+  runtime::Histogram arrived_, left_;  // lateness of frames
+  std::uint64_t missed_ = 0;
+  std::int64_t sampled_ns_ = 0;
+  Smoothing shown_;
+};
+
+}  // namespace
+
+std::unique_ptr<Transport> MakeDelayed(std::unique_ptr<Transport> inner, float delay_s,
+                                       runtime::Clock& clock) {
+  return std::make_unique<Delayed>(std::move(inner), runtime::Nanoseconds(delay_s), clock);
+}
+
+}  // namespace styled::source

@@ -1,0 +1,206 @@
+// Show control: cues by timecode and by name, and OSC.
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <map>
+#include <span>
+
+#include "daemon/pipeline/cues.h"
+#include "proto/rigs/vmc/osc.h"
+#include "tests/support/daemon.h"
+#include "tests/support/rig.h"
+
+namespace styled::support {
+namespace {
+
+std::string Cue(const std::string& name, const std::string& more) {
+  return "[[cue]]\nname = \"" + name + "\"\n" + more;
+}
+
+// A minute of a rig that carries timecode from 01:00:00:00 on, at 120 frames a second.
+struct TimedRig {
+  Rig rig{"anna"};
+  int frame = 0;
+
+  Bytes Frame() {
+    return rig.Frame([this](v1::SourceFrame& out) {
+      auto& timecode = *out.mutable_timecode();
+      timecode.set_hours(1);
+      timecode.set_minutes(static_cast<unsigned>(frame / 7200));
+      timecode.set_seconds(static_cast<unsigned>(frame / 120 % 60));
+      timecode.set_frames(static_cast<unsigned>(frame / 4 % 30));
+      timecode.set_rate(30);
+      ++frame;
+    });
+  }
+};
+
+// By source sequence, which frames first carry another set of styles than the one before.
+using Switches = std::vector<std::pair<std::uint64_t, std::string>>;
+
+Switches Perform(const std::string& cues) {
+  constexpr int kFrames = 7200;
+  // As fast as it goes: source time drives the cues.
+  Daemon daemon({"performers.backlog_ms=10000"}, "[style]\ntransition_ms = 0\n" + cues);
+  TimedRig rig;
+  Subscriber subscriber(daemon.publish, {"body/", "styled/rig.anna/canonical/"});
+  ControlClient control(daemon.control);
+  const UdpLink link(daemon.udp);
+  link.Send(rig.rig.Body());
+  EXPECT_TRUE(subscriber.WaitForBody());
+  for (int i = 0; i < kFrames; ++i) {
+    link.Send(rig.Frame());
+    if (i % 64 != 63) continue;
+    EXPECT_TRUE(subscriber.WaitFor(
+        [&] { return subscriber.Count("styled/") + 64 > static_cast<std::size_t>(i); }, 10));
+  }
+  EXPECT_TRUE(subscriber.WaitForFrames(kFrames, "styled/"));
+  Switches switches;
+  std::string last;
+  for (const auto& frame : subscriber.Frames("styled/")) {
+    std::string styles;
+    for (const auto& style : frame.styles()) styles += style.style() + " ";
+    if (styles != last) switches.emplace_back(frame.source_sequence(), styles);
+    last = styles;
+  }
+  return switches;
+}
+
+TEST(ShowTest, TwentyCuesOverAMinuteComeAtTheSameFramesOnEveryRun) {
+  std::string cues;
+  std::map<std::uint64_t, std::string> expected;  // source sequence, styles
+  for (int i = 0; i < 20; ++i) {
+    const std::string style = "style" + std::to_string(1 + i % 4);
+    const int second = 2 + 2 * i, frame = i;
+    char at[16];
+    std::snprintf(at, sizeof at, "01:00:%02d:%02d", second, frame);
+    cues += Cue("c" + std::to_string(i),
+                "at = \"" + std::string(at) + "\"\nstyle = \"" + style + "\"\n");
+    expected[static_cast<std::uint64_t>(second * 120 + frame * 4) + 1] = style + " ";  // + the body
+  }
+  cues += Cue("not-hers", "at = \"01:00:01:00\"\nperformer = \"rig.berta\"\npanic = true\n");
+  const Switches first = Perform(cues);
+  EXPECT_EQ(first, Switches(expected.begin(), expected.end()));
+  EXPECT_EQ(Perform(cues), first);
+}
+
+TEST(ShowTest, ACueIsFiredByNameAndAWrongOneIsNamed) {
+  Daemon daemon({}, Cue("entrance", "style = \"style2\"\nstrength = 0.5\n") +
+                        Cue("blackout", "panic = true\n"));
+  ControlClient control(daemon.control);
+  Rig rig("anna");
+  const UdpLink link(daemon.udp);
+  link.Send(rig.Body());
+  Paced(10, 120, [&](int) { link.Send(rig.Frame()); });
+  v1::Request request;
+  request.mutable_cue()->set_name("entrance");
+  const auto fired = control.Ask(request);
+  ASSERT_EQ(fired.code(), v1::CODE_OK) << fired.reason();
+  ASSERT_EQ(fired.applied_size(), 1);
+  EXPECT_EQ(control.Performer("rig.anna").styles(0).style(), "style2");
+  EXPECT_EQ(control.Performer("rig.anna").strength(), 0.5F);
+  request.mutable_cue()->set_name("blackout");
+  EXPECT_EQ(control.Ask(request).code(), v1::CODE_OK);
+  EXPECT_EQ(control.Performer("rig.anna").styles_size(), 0);
+  request.mutable_cue()->set_name("exit");
+  const auto refused = control.Ask(request);
+  EXPECT_EQ(refused.code(), v1::CODE_UNKNOWN_CUE);
+  EXPECT_EQ(refused.reason(), "no cue \"exit\"; the cues are entrance blackout");
+  v1::Request list;
+  list.mutable_list();
+  EXPECT_EQ(control.Ask(list).list().cues_size(), 2);
+}
+
+// A console: sends OSC, and hears what comes back.
+class Console {
+ public:
+  explicit Console(const std::string& address) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    const std::size_t colon = address.rfind(':');
+    inet_pton(AF_INET, address.substr(0, colon).c_str(), &to.sin_addr);
+    to.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(colon + 1))));
+    EXPECT_EQ(connect(fd_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+    const timeval wait{10, 0};
+    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait);
+  }
+  ~Console() { close(fd_); }
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  void Send(const std::string& address, const std::string& text, float number) const {
+    std::array<std::byte, 256> bytes;
+    vmc::osc::Writer writer(bytes);
+    writer.BeginMessage(address, "sf");
+    writer.Text(text);
+    writer.Float(number);
+    writer.EndMessage();
+    ASSERT_EQ(send(fd_, bytes.data(), writer.size(), 0), static_cast<ssize_t>(writer.size()));
+  }
+  void SendRaw(const std::string& bytes) const { (void)send(fd_, bytes.data(), bytes.size(), 0); }
+  // Address and reason of the next error.
+  std::pair<std::string, std::string> Error() const {
+    std::array<std::byte, 2048> bytes;
+    const ssize_t size = recv(fd_, bytes.data(), bytes.size(), 0);
+    if (size < 0) return {"", "nothing came"};
+    vmc::osc::Reader reader(
+        std::span<const std::byte>(bytes.data(), static_cast<std::size_t>(size)));
+    vmc::osc::Message message;
+    EXPECT_EQ(reader.Next(message), vmc::osc::Reader::Step::kMessage);
+    EXPECT_EQ(message.address, "/styled/error");
+    vmc::osc::Arguments arguments(message);
+    std::string_view address, reason;
+    EXPECT_TRUE(arguments.Text(address) && arguments.Text(reason));
+    return {std::string(address), std::string(reason)};
+  }
+
+ private:
+  int fd_;
+};
+
+TEST(ShowTest, AConsoleSteersByOscAndHearsWhatIsRefused) {
+  Daemon daemon({"osc.listen=\"127.0.0.1:0\""});
+  ASSERT_FALSE(daemon.osc.empty());
+  ControlClient control(daemon.control);
+  Rig rig("anna");
+  const UdpLink link(daemon.udp);
+  link.Send(rig.Body());
+  Paced(10, 120, [&](int) { link.Send(rig.Frame()); });
+  ASSERT_GT(control.CounterSoon("pipeline.frames", 10), 0U);
+
+  const Console console(daemon.osc);
+  console.Send("/styled/rig.anna/style", "style3", 0.75F);
+  EXPECT_EQ(control.CounterSoon("control.osc", 1), 1U);
+  EXPECT_EQ(control.Performer("rig.anna").styles(0).style(), "style3");
+  EXPECT_EQ(control.Performer("rig.anna").strength(), 0.75F);
+
+  console.Send("/styled/rig.anna/style", "pirate", 1);
+  auto error = console.Error();
+  EXPECT_EQ(error.first, "/styled/rig.anna/style");
+  EXPECT_NE(error.second.find("pirate"), std::string::npos) << error.second;
+  console.Send("/styled/rig.anna/dance", "x", 1);
+  EXPECT_NE(console.Error().second.find("one of style, mix"), std::string::npos);
+  console.SendRaw("no osc at all");
+  EXPECT_NE(console.Error().second.find("is no OSC"), std::string::npos);
+  EXPECT_EQ(control.Performer("rig.anna").styles(0).style(), "style3") << "nothing changed";
+  EXPECT_NE(daemon.Log().find("OSC /styled/rig.anna/style"), std::string::npos) << daemon.Log();
+}
+
+TEST(ShowTest, OscOnTheNetworkTakesAKeyThatSaysSo) {
+  TemporaryFolder folder;
+  Child styled({Binary(), "--set", "osc.listen=\"0.0.0.0:0\"", "--set",
+                "source.0.listen=\"127.0.0.1:0\"", "--set", "source.1.listen=\"127.0.0.1:0\""},
+               folder / "err.txt");
+  EXPECT_NE(styled.Wait(10), 0);
+  EXPECT_NE(ReadText(folder / "err.txt").find("osc.allow_unauthenticated_remote = true"),
+            std::string::npos)
+      << ReadText(folder / "err.txt");
+}
+
+}  // namespace
+}  // namespace styled::support

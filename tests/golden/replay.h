@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/base/status.h"
+#include "proto/recording/reader.h"
+#include "proto/recording/writer.h"
+#include "proto/styled/v1/body.pb.h"
+#include "proto/styled/v1/frame.pb.h"
+
+namespace styled::golden {
+
+// What a recording of the daemon makes the pipeline publish.
+struct Played {
+  std::map<std::string, std::vector<v1::Frame>> frames;  // by topic
+  std::vector<v1::Body> bodies;                          // each once
+  std::map<std::string, std::uint64_t> counters;         // of source.*, pipeline.* and stylist.*
+};
+
+struct Options {
+  bool commands = true;  // give the recorded commands again; false: nothing is ever styled
+};
+
+// Plays a recording through translators and pipeline, as the daemon that its header's configuration
+// describes, with the weights at `weights`. The recorded times drive the clock, so it takes
+// milliseconds and gives the same at every run: no sockets, no threads, no sleep. Errors: the
+// configuration, the weights, a source that is not in the configuration.
+Result<Played> Replay(recording::Reader& reader, const std::string& weights,
+                      const Options& options = {});
+
+}  // namespace styled::golden

@@ -1,0 +1,111 @@
+#include "daemon/pipeline/cues.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/erd/random_weights.h"
+
+namespace styled::pipeline {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Timecode, IsReadStrictlyAndGrowsWithTime) {
+  const auto label = [](const char* text) { return TimecodeLabel(ParseTimecode(text).value()); };
+  EXPECT_LT(label("01:00:10:29"), label("01:00:11:00"));
+  EXPECT_LT(label("00:59:59:59"), label("01:00:00:00"));
+  EXPECT_EQ(label("01:02:03;04"), label("01:02:03:04"));
+  EXPECT_TRUE(ParseTimecode("01:02:03;04")->drop_frame);
+  EXPECT_EQ(TimecodeText(label("01:02:03:04")), "01:02:03:04");
+  for (const char* text :
+       {"", "1:2:3:4", "01:02:03", "24:00:00:00", "01:60:00:00", "01:00:60:00", "01:02:03:04x",
+        "01-02-03-04", "01:02:03:", "-1:02:03:04", "01:02;03:04", "01:02:03:240"}) {
+    EXPECT_FALSE(ParseTimecode(text)) << text;
+  }
+}
+
+TEST(Timecode, ACueIsPassedOnceAndNotByWinding) {
+  EXPECT_TRUE(Passes(100, 99, 100));
+  EXPECT_TRUE(Passes(100, 60, 140));
+  EXPECT_FALSE(Passes(100, 100, 101)) << "it was fired at 100";
+  EXPECT_FALSE(Passes(100, 140, 60));
+  EXPECT_TRUE(Passes(3000, 2000, 4000)) << "two seconds may be lost";
+  EXPECT_FALSE(Passes(3000, 2000, 4001));
+}
+
+class MakeCueTest : public testing::Test {
+ protected:
+  Result<Cue> Make(const std::function<void(config::Cue&)>& say) {
+    config::Cue cue;
+    cue.name = "entrance";
+    cue.place = "show.toml:7";
+    say(cue);
+    return MakeCue(cue, {{"mixed", {{"style1", 0.5F}, {"style2", 0.5F}}, ""}}, *network_);
+  }
+  std::string Complaint(const std::function<void(config::Cue&)>& say) {
+    const auto made = Make(say);
+    return made.ok() ? "none" : made.status().message();
+  }
+  std::shared_ptr<const erd::Network> network_ = erd::RandomNetwork(5, 1);
+};
+
+TEST_F(MakeCueTest, ACueIsTheRequestsThatItMeans) {
+  const auto style = Make([](config::Cue& cue) {
+    cue.at = "01:00:10:00";
+    cue.style = "style1";
+    cue.strength = 0.5F;
+    cue.transition_s = 1.5F;
+    cue.only = "arms";
+  });
+  ASSERT_TRUE(style.ok()) << style.status().message();
+  EXPECT_EQ(style.value().at, std::int64_t{3610} * 1000);
+  ASSERT_EQ(style.value().requests.size(), 1U);
+  const v1::Set& set = style.value().requests[0].set();
+  EXPECT_EQ(set.mix(0).style(), "style1");
+  EXPECT_EQ(set.strength(), 0.5F);
+  EXPECT_EQ(set.transition_ms(), 1500);
+  EXPECT_EQ(set.only_size(), 2);
+
+  const auto preset = Make([](config::Cue& cue) {
+    cue.preset = "mixed";
+    cue.transition_s = 2;
+  });
+  ASSERT_EQ(preset.value().requests.size(), 2U);
+  EXPECT_EQ(preset.value().requests[0].set().transition_ms(), 2000) << "the fade is of this change";
+  EXPECT_EQ(preset.value().requests[0].set().mix_size(), 0);
+  EXPECT_EQ(preset.value().requests[1].preset().name(), "mixed");
+
+  EXPECT_TRUE(Make([](config::Cue& cue) { cue.clear = true; }).value().requests[0].set().clear());
+  EXPECT_TRUE(Make([](config::Cue& cue) { cue.panic = true; }).value().requests[0].has_panic());
+}
+
+TEST_F(MakeCueTest, WhatCannotBeFiredIsRefusedWithItsPlace) {
+  const std::string place = "show.toml:7: cue \"entrance\": ";
+  EXPECT_EQ(Complaint([](config::Cue& cue) {
+              cue.style = "style1";
+              cue.at = "10:00";
+            }),
+            place + "at: \"10:00\"; expected HH:MM:SS:FF");
+  EXPECT_THAT(Complaint([](config::Cue&) {}), HasSubstr(place + "expected what to do"));
+  EXPECT_THAT(Complaint([](config::Cue& cue) {
+                cue.panic = true;
+                cue.strength = 1;
+              }),
+              HasSubstr("panic alone"));
+  EXPECT_THAT(Complaint([](config::Cue& cue) {
+                cue.style = "style1";
+                cue.clear = true;
+              }),
+              HasSubstr("one of style, preset, mix and clear"));
+  EXPECT_THAT(Complaint([](config::Cue& cue) { cue.style = "pirate"; }), HasSubstr("pirate"));
+  EXPECT_THAT(Complaint([](config::Cue& cue) { cue.preset = "none"; }),
+              HasSubstr("no preset \"none\""));
+  EXPECT_THAT(Complaint([](config::Cue& cue) {
+                cue.style = "style1";
+                cue.only = "tail";
+              }),
+              HasSubstr("only: \"tail\"; expected"));
+}
+
+}  // namespace
+}  // namespace styled::pipeline

@@ -1,0 +1,106 @@
+#include "daemon/control/osc.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lo/lo.h>
+
+#include <cstdarg>
+
+namespace styled::control {
+namespace {
+
+using testing::HasSubstr;
+
+// A message as liblo writes it, which is not ours.
+class OscTest : public testing::Test {
+ protected:
+  struct Free {
+    void operator()(void* message) const { lo_message_free(message); }
+  };
+  Result<v1::Request> Read(const std::string& address, const char* types = "", ...) {
+    const std::unique_ptr<void, Free> message(lo_message_new());
+    va_list values;
+    va_start(values, types);
+    for (const char* type = types; *type != '\0'; ++type) {
+      if (*type == 's') lo_message_add_string(message.get(), va_arg(values, const char*));
+      if (*type == 'f') {
+        lo_message_add_float(message.get(), static_cast<float>(va_arg(values, double)));
+      }
+      if (*type == 'i') lo_message_add_int32(message.get(), va_arg(values, int));
+    }
+    va_end(values);
+    std::size_t size = 0;
+    void* const bytes = lo_message_serialise(message.get(), address.c_str(), nullptr, &size);
+    bytes_.assign(static_cast<std::byte*>(bytes), static_cast<std::byte*>(bytes) + size);
+    free(bytes);
+    vmc::osc::Reader reader(bytes_);
+    vmc::osc::Message read;
+    EXPECT_EQ(reader.Next(read), vmc::osc::Reader::Step::kMessage);
+    return ReadOsc(read);
+  }
+  std::vector<std::byte> bytes_;
+};
+
+TEST_F(OscTest, EveryAddressIsTheRequestOfItsName) {
+  const auto style = Read("/styled/rig.anna/style", "sfi", "elderly", 0.8, 500).value();
+  EXPECT_EQ(style.performer(), "rig.anna");
+  EXPECT_EQ(style.set().mix(0).style(), "elderly");
+  EXPECT_FLOAT_EQ(style.set().strength(), 0.8F);
+  EXPECT_EQ(style.set().transition_ms(), 500);
+  EXPECT_FALSE(Read("/styled/all/style", "s", "elderly").value().set().has_strength());
+  EXPECT_EQ(Read("/styled/all/style", "s", "elderly").value().performer(), "*");
+  EXPECT_EQ(Read("/styled/*/strength", "i", 1).value().performer(), "*");
+  const auto mix = Read("/styled/rig.a/mix", "sfsf", "a", 0.25, "b", 0.5).value();
+  ASSERT_EQ(mix.set().mix_size(), 2);
+  EXPECT_EQ(mix.set().mix(1).weight(), 0.5F);
+  EXPECT_EQ(Read("/styled/rig.a/transition", "f", 250.0).value().set().transition_ms(), 250);
+  const auto preset = Read("/styled/rig.a/preset", "sf", "p", 100.0).value();
+  EXPECT_EQ(preset.preset().name(), "p");
+  EXPECT_EQ(preset.preset().transition_ms(), 100);
+  EXPECT_EQ(Read("/styled/rig.a/only", "s", "arms,head").value().set().only_size(), 3);
+  EXPECT_EQ(Read("/styled/rig.a/from", "s", "old").value().set().own_style(), "old");
+  EXPECT_TRUE(Read("/styled/rig.a/pin", "i", 1).value().pin().pinned());
+  EXPECT_FALSE(Read("/styled/rig.a/pin", "f", 0.0).value().pin().pinned());
+  EXPECT_TRUE(Read("/styled/rig.a/clear").value().set().clear());
+  EXPECT_TRUE(Read("/styled/rig.a/reset").value().has_reset());
+  EXPECT_EQ(Read("/styled/cue", "s", "entrance").value().cue().name(), "entrance");
+  EXPECT_EQ(Read("/styled/cue/entrance").value().cue().name(), "entrance");
+  EXPECT_EQ(Read("/styled/cue/entrance", "f", 1.0).value().cue().name(), "entrance");
+  EXPECT_TRUE(Read("/styled/panic").value().has_panic());
+  EXPECT_TRUE(Read("/styled/panic", "i", 1).value().has_panic());
+}
+
+TEST_F(OscTest, AButtonLetGoAsksForNothing) {
+  for (const char* address : {"/styled/panic", "/styled/cue/entrance"}) {
+    const auto released = Read(address, "f", 0.0);
+    ASSERT_TRUE(released.ok());
+    EXPECT_EQ(released.value().command_case(), v1::Request::COMMAND_NOT_SET);
+  }
+}
+
+TEST_F(OscTest, AnErrorIsNotAnsweredByAnother) {
+  const auto error = Read("/styled/error", "ss", "/styled/panic", "why");
+  ASSERT_TRUE(error.ok());
+  EXPECT_EQ(error.value().command_case(), v1::Request::COMMAND_NOT_SET);
+}
+
+TEST_F(OscTest, WhatIsNotUnderstoodIsSaid) {
+  const auto why = [](const Result<v1::Request>& read) {
+    return read.ok() ? "none" : read.status().message();
+  };
+  EXPECT_EQ(why(Read("/styled/rig.a/strength", "s", "high")),
+            "/styled/rig.a/strength: expected a number from 0 to 1.5");
+  EXPECT_THAT(why(Read("/styled/rig.a/strength", "ff", 1.0, 2.0)), HasSubstr("expected a number"));
+  EXPECT_THAT(why(Read("/styled/rig.a/style")), HasSubstr("expected a style and"));
+  EXPECT_THAT(why(Read("/styled/rig.a/mix", "sfs", "a", 1.0, "b")), HasSubstr("in turn"));
+  EXPECT_THAT(why(Read("/styled/rig.a/mix")), HasSubstr("in turn"));
+  EXPECT_THAT(why(Read("/styled/rig.a/only", "s", "tail")), HasSubstr("parts of the body"));
+  EXPECT_THAT(why(Read("/styled/rig.a/dance")), HasSubstr("one of style, mix, strength"));
+  EXPECT_THAT(why(Read("/styled/")), HasSubstr("one of style, mix, strength"));
+  EXPECT_THAT(why(Read("/styled/cue")), HasSubstr("a cue's name"));
+  EXPECT_THAT(why(Read("/VMC/Ext/OK", "i", 1)), HasSubstr("expected /styled/PERFORMER/style"));
+  EXPECT_THAT(why(Read("/styled/rig.a/strength", "f", std::nan(""))), HasSubstr("a number"));
+}
+
+}  // namespace
+}  // namespace styled::control
