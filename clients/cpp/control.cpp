@@ -37,6 +37,11 @@ struct Control::Impl {
     socket.set(zmq::sockopt::maxmsgsize, kMaxReplyBytes);
     socket.set(zmq::sockopt::reconnect_ivl, 50);
     socket.set(zmq::sockopt::handshake_ivl, 1000);
+    if (options.curve) {
+      socket.set(zmq::sockopt::curve_serverkey, options.curve->server_key);
+      socket.set(zmq::sockopt::curve_publickey, options.curve->public_key);
+      socket.set(zmq::sockopt::curve_secretkey, options.curve->secret_key);
+    }
     socket.connect(options.endpoint);
   }
 
@@ -58,6 +63,11 @@ Result<std::unique_ptr<Control>> Control::Connect(const ControlOptions& options)
   }
   auto impl = std::make_unique<Impl>();
   impl->options = options;
+  if (options.curve) {
+    auto curve = Complete(*options.curve);
+    if (!curve.ok()) return styled::Status::Error("control: " + curve.status().message());
+    impl->options.curve = std::move(curve.value());
+  }
   std::random_device random;  // so that no reply to an earlier program fits
   impl->next_id = (std::uint64_t{random()} << 24U) + 1;
   try {
@@ -185,6 +195,12 @@ CallStatus Control::Calibrate(std::string_view performer, const v1::Calibrate& c
   return status;
 }
 
+CallStatus Control::Cue(std::string_view name, Applied* applied) {
+  v1::Request request;
+  request.mutable_cue()->set_name(std::string(name));
+  return Change(request, kEveryone, applied);
+}
+
 CallStatus Control::Panic(Applied* applied) {
   v1::Request request;
   request.mutable_panic();
@@ -219,6 +235,8 @@ std::string CodeName(v1::Code code) {
       return "NOT_READY";
     case v1::CODE_BAD_POSE:
       return "BAD_POSE";
+    case v1::CODE_UNKNOWN_CUE:
+      return "UNKNOWN_CUE";
     default:
       return "CODE_" + std::to_string(static_cast<int>(code));
   }

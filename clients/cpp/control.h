@@ -2,10 +2,12 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "clients/cpp/curve.h"
 #include "model/base/status.h"
 #include "proto/styled/v1/control.pb.h"
 
@@ -45,6 +47,7 @@ using Applied = std::vector<v1::Applied>;
 struct ControlOptions {
   std::string endpoint = std::string(kDefaultControl);
   std::chrono::milliseconds timeout{2000};  // of one call; > 0
+  std::optional<Curve> curve;               // for a daemon that asks for keys
 };
 
 // Asks a daemon and changes what it does (proto/styled/v1/control.proto says what each field means,
@@ -56,7 +59,8 @@ struct ControlOptions {
 // One thread at a time. Allocates. Pinned by tests/unit/clients/control_test.cpp.
 class Control {
  public:
-  // Refuses an endpoint that ZeroMQ cannot parse and a timeout < 1 ms. Nobody there: no error yet.
+  // Refuses an endpoint that ZeroMQ cannot parse, a timeout < 1 ms, keys that are none. Nobody
+  // there: no error yet.
   static Result<std::unique_ptr<Control>> Connect(const ControlOptions& options);
   ~Control();
   Control(const Control&) = delete;
@@ -75,7 +79,8 @@ class Control {
   CallStatus Reset(std::string_view performer, Applied* applied = nullptr);
   CallStatus Calibrate(std::string_view performer, const v1::Calibrate& calibrate,
                        v1::CalibrateReply* out = nullptr);
-  CallStatus Panic(Applied* applied = nullptr);  // everyone to bypass
+  CallStatus Cue(std::string_view name, Applied* applied = nullptr);  // of the configuration
+  CallStatus Panic(Applied* applied = nullptr);                       // everyone to bypass
 
   // Any request; `request.id` is overwritten. `reply` may not be null; it is written when something
   // of ours answered, refusals included.

@@ -19,7 +19,7 @@ using std::chrono::milliseconds;
 constexpr std::int64_t kMaxMessageBytes = 1 << 20;  // a body of 1024 long names fits
 constexpr int kMaxDrain = 10'000;                   // messages that one ReceiveLatest reads at most
 constexpr std::size_t kMaxPerformers = 4096;
-constexpr std::size_t kMaxBodies = 6;  // kept per performer: two outputs, and what they were before
+constexpr std::size_t kMaxBodies = 64;  // kept per performer: its outputs, and what they were
 constexpr std::string_view kBodyTopic = "body/";
 constexpr std::string_view kStatisticsTopic = "stats/";
 
@@ -38,6 +38,15 @@ std::string Topic(const StreamTopic& row, std::string_view performer) {
   return std::string(row.prefix).append(performer).append(row.suffix);
 }
 
+// One part of a performer's id, or the name of an [[output]].
+bool IsName(std::string_view text) {
+  const auto fits = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), fits);
+}
+
 // The id between prefix and suffix, or "" where `topic` has another shape.
 std::string_view PerformerOf(std::string_view topic, std::string_view prefix,
                              std::string_view suffix) {
@@ -50,6 +59,27 @@ std::string_view PerformerOf(std::string_view topic, std::string_view prefix,
   return IsPerformerId(topic) ? topic : std::string_view();
 }
 
+// Whose and what a frame on a topic is; views into the topic. `performer` is empty where it is
+// none.
+struct Origin {
+  std::string_view performer, avatar;
+  Stream stream = Stream::kAvatar;
+  v1::Output output = v1::OUTPUT_AVATAR;
+};
+
+Origin OriginOf(std::string_view topic) {
+  for (const StreamTopic& row : kStreamTopics) {
+    const std::string_view performer = PerformerOf(topic, row.prefix, row.suffix);
+    if (!performer.empty()) return {performer, {}, row.stream, row.output};
+  }
+  constexpr std::string_view kPrefix = "styled/";
+  const std::size_t slash = topic.find('/', std::min(topic.size(), kPrefix.size()));
+  if (slash == std::string_view::npos || !topic.ends_with('/')) return {};
+  const std::string_view avatar = topic.substr(slash + 1, topic.size() - slash - 2);
+  const std::string_view performer = PerformerOf(topic.substr(0, slash + 1), kPrefix, "/");
+  return IsName(avatar) ? Origin{performer, avatar} : Origin{};
+}
+
 struct StreamState {
   bool started = false;
   std::uint64_t epoch = 0, sequence = 0;
@@ -59,15 +89,8 @@ struct StreamState {
 }  // namespace
 
 bool IsPerformerId(std::string_view id) noexcept {
-  const auto part = [](std::string_view text) {
-    const auto fits = [](char c) {
-      return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
-             c == '_' || c == '-';
-    };
-    return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), fits);
-  };
   const std::size_t dot = id.find('.');
-  return dot != std::string_view::npos && part(id.substr(0, dot)) && part(id.substr(dot + 1));
+  return dot != std::string_view::npos && IsName(id.substr(0, dot)) && IsName(id.substr(dot + 1));
 }
 
 struct Subscriber::Impl {
@@ -88,10 +111,9 @@ struct Subscriber::Impl {
   bool ReadMessage();  // into topic and payload; false if nothing is waiting
   bool Wait(Clock::time_point deadline);
   bool Accept(Update& out);
-  bool AcceptFrame(const StreamTopic& row, std::string_view performer, std::string_view name,
-                   Update& out);
+  bool AcceptFrame(const Origin& origin, std::string_view name, Update& out);
   bool AcceptBody(std::string_view performer, Update& out);
-  void FindBody(std::string_view performer, StreamState& state, const v1::Frame& frame);
+  void FindBody(const Origin& origin, StreamState& state, const v1::Frame& frame);
 };
 
 void Subscriber::Impl::Open() {
@@ -104,6 +126,11 @@ void Subscriber::Impl::Open() {
   socket.set(zmq::sockopt::handshake_ivl, 1000);
   socket.set(zmq::sockopt::heartbeat_ivl, 1000);  // a pulled cable is noticed, too
   socket.set(zmq::sockopt::heartbeat_timeout, 3000);
+  if (options.curve) {
+    socket.set(zmq::sockopt::curve_serverkey, options.curve->server_key);
+    socket.set(zmq::sockopt::curve_publickey, options.curve->public_key);
+    socket.set(zmq::sockopt::curve_secretkey, options.curve->secret_key);
+  }
   std::array<char, 64> name{};
   std::snprintf(name.data(), name.size(), "inproc://monitor-%p", static_cast<void*>(this));
   if (zmq_socket_monitor(socket.handle(), name.data(),
@@ -131,6 +158,10 @@ void Subscriber::Impl::SubscribeTo(std::string_view performer) {
         options.streams.end()) {
       socket.set(zmq::sockopt::subscribe, Topic(row, performer));
     }
+  }
+  for (const std::string& avatar : options.avatars) {
+    socket.set(zmq::sockopt::subscribe,
+               std::string("styled/").append(performer).append("/" + avatar + "/"));
   }
 }
 
@@ -175,10 +206,8 @@ bool Subscriber::Impl::Accept(Update& out) {
   if (const std::string_view performer = PerformerOf(name, kBodyTopic, "/"); !performer.empty()) {
     return AcceptBody(performer, out);
   }
-  for (const StreamTopic& row : kStreamTopics) {
-    const std::string_view performer = PerformerOf(name, row.prefix, row.suffix);
-    if (!performer.empty()) return AcceptFrame(row, performer, name, out);
-  }
+  const Origin origin = OriginOf(name);
+  if (!origin.performer.empty()) return AcceptFrame(origin, name, out);
   ++counters.malformed;
   return false;
 }
@@ -197,7 +226,8 @@ bool Subscriber::Impl::AcceptBody(std::string_view performer, Update& out) {
     if (options.performer.empty()) SubscribeTo(performer);
   }
   for (const auto& other : known->second) {
-    if (other->hash() == body.hash() && other->output() == body.output()) {
+    if (other->hash() == body.hash() && other->output() == body.output() &&
+        other->output_name() == body.output_name()) {
       ++counters.replayed_bodies;
       return false;
     }
@@ -210,28 +240,29 @@ bool Subscriber::Impl::AcceptBody(std::string_view performer, Update& out) {
   return true;
 }
 
-void Subscriber::Impl::FindBody(std::string_view performer, StreamState& state,
-                                const v1::Frame& frame) {
+void Subscriber::Impl::FindBody(const Origin& origin, StreamState& state, const v1::Frame& frame) {
   if (state.body && state.body->hash() == frame.body_hash()) return;
   state.body.reset();
-  const auto known = bodies.find(performer);
+  const auto known = bodies.find(origin.performer);
   if (known == bodies.end()) return;
   for (const auto& body : known->second) {
-    if (body->hash() == frame.body_hash() && body->output() == frame.output()) state.body = body;
+    if (body->hash() == frame.body_hash() && body->output() == frame.output() &&
+        body->output_name() == origin.avatar) {
+      state.body = body;
+    }
   }
 }
 
-bool Subscriber::Impl::AcceptFrame(const StreamTopic& row, std::string_view performer,
-                                   std::string_view name, Update& out) {
+bool Subscriber::Impl::AcceptFrame(const Origin& origin, std::string_view name, Update& out) {
   v1::Frame& frame = out.frame;
   if (!frame.ParseFromArray(payload.data(), static_cast<int>(payload.size())) ||
-      frame.performer() != performer || frame.output() != row.output) {
+      frame.performer() != origin.performer || frame.output() != origin.output) {
     ++counters.malformed;
     return false;
   }
   auto found = streams.find(name);
   if (found == streams.end()) {
-    if (streams.size() >= 3 * kMaxPerformers) return false;
+    if (streams.size() >= (3 + options.avatars.size()) * kMaxPerformers) return false;
     found = streams.emplace(std::string(name), StreamState()).first;
   }
   StreamState& state = found->second;
@@ -240,13 +271,14 @@ bool Subscriber::Impl::AcceptFrame(const StreamTopic& row, std::string_view perf
     ++counters.repeated_frames;
     return false;
   }
-  FindBody(performer, state, frame);
+  FindBody(origin, state, frame);
   if (state.body && Validate(frame, *state.body) != FrameError::kNone) {
     ++counters.malformed;
     return false;
   }
   out.kind = Update::Kind::kFrame;
-  out.stream = row.stream;
+  out.stream = origin.stream;
+  out.avatar.assign(origin.avatar);
   out.body = state.body;
   out.missed = same_epoch ? frame.sequence() - state.sequence - 1 : 0;
   out.skipped = 0;
@@ -272,8 +304,23 @@ Result<std::unique_ptr<Subscriber>> Subscriber::Connect(const SubscriberOptions&
     return Status::Error("subscriber: performer '" + options.performer +
                          "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each)");
   }
+  for (const std::string& avatar : options.avatars) {
+    if (IsName(avatar) && avatar != "rig" && avatar != "canonical") continue;
+    return Status::Error("subscriber: avatar '" + avatar +
+                         "' is not the name of an [[output]] ([A-Za-z0-9_-]{1,32}, not rig, not "
+                         "canonical)");
+  }
+  if (std::find(options.streams.begin(), options.streams.end(), Stream::kAvatar) !=
+      options.streams.end()) {
+    return Status::Error("subscriber: kAvatar among `streams`; expected its name in `avatars`");
+  }
   auto impl = std::make_unique<Impl>();
   impl->options = options;
+  if (options.curve) {
+    auto curve = Complete(*options.curve);
+    if (!curve.ok()) return Status::Error("subscriber: " + curve.status().message());
+    impl->options.curve = std::move(curve.value());
+  }
   try {
     impl->Open();
   } catch (const zmq::error_t& error) {

@@ -3,10 +3,12 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "clients/cpp/curve.h"
 #include "model/base/status.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
@@ -21,6 +23,7 @@ enum class Stream {
   kStyledRig,        // styled, on the rig's own skeleton
   kStyledCanonical,  // styled, on the canonical humanoid
   kSource,           // as received, on the rig's own skeleton
+  kAvatar,           // styled, on an avatar of the daemon's configuration: an [[output]]
 };
 
 struct SubscriberOptions {
@@ -28,8 +31,12 @@ struct SubscriberOptions {
   std::vector<std::string> endpoints = {std::string(kDefaultPublisher)};
   std::string performer;  // SOURCE.NAME; "" = all, those that come later too
   std::vector<Stream> streams = {Stream::kStyledRig};  // empty: bodies and statistics only
-  bool statistics = false;                             // Stats, once a second
-  int queue_messages = 1000;  // waiting in this process before the newest are dropped; > 0
+  // [A-Za-z0-9_-]{1,32}: the [[output]]s to listen to, each a further stream of kAvatar, which is
+  // not named in `streams`.
+  std::vector<std::string> avatars;
+  bool statistics = false;     // Stats, once a second
+  int queue_messages = 1000;   // waiting in this process before the newest are dropped; > 0
+  std::optional<Curve> curve;  // for daemons that ask for keys; the same for all endpoints
 };
 
 // One thing that arrived.
@@ -41,6 +48,7 @@ struct Update {
   };
   Kind kind = Kind::kFrame;
   Stream stream = Stream::kStyledRig;
+  std::string avatar;  // of Stream::kAvatar: the [[output]]'s name; else ""
   v1::Frame frame;
   // The skeleton of `frame`, checked (client::Validate), never changed; null while it has not
   // arrived: the daemon sends it on subscription and once a second.
@@ -72,7 +80,8 @@ struct SubscriberCounters {
 class Subscriber {
  public:
   // Refuses: no endpoint, an endpoint that ZeroMQ cannot parse, a performer that is not
-  // SOURCE.NAME, queue_messages < 1. That nobody listens there is no error.
+  // SOURCE.NAME, an avatar's name that is none, kAvatar among `streams`, queue_messages < 1, keys
+  // that are none. That nobody listens there is no error.
   static Result<std::unique_ptr<Subscriber>> Connect(const SubscriberOptions& options);
   ~Subscriber();
   Subscriber(const Subscriber&) = delete;

@@ -175,7 +175,7 @@ int Program::Run(vector<string> arguments) {
     return Usage("receive: found " + std::to_string(a_.forward.size()) +
                  " addresses in --forward, expected at most one per --listen");
   }
-  const Status status = Execute(command);
+  Status status = Execute(command);
   if (status.ok()) return kExitOk;
   to_.err << "stylerec: " << status.message() << "\n";
   return kExitFailed;

@@ -93,7 +93,7 @@ Status RunRecord(const Arguments& a, const Surroundings& to) {
   if (!tap.ok()) return tap.status();
   auto writer = Create(a);
   if (!writer.ok()) return writer.status();
-  const Status status = tap.value()->Run(*writer.value(), to.stop, to.err);
+  Status status = tap.value()->Run(*writer.value(), to.stop, to.err);
   const auto& counts = tap.value()->counts();
   const auto& written = writer.value()->counts();
   to.out << "stylerec: " << a.file << ": messages=" << counts.messages
@@ -112,7 +112,7 @@ Status RunReceive(const Arguments& a, const Surroundings& to) {
   for (const string& endpoint : receiver.value()->endpoints()) {
     to.err << "stylerec: listening on " << endpoint << "\n" << std::flush;
   }
-  const Status status = receiver.value()->Run(*writer.value(), a.seconds, to.stop);
+  Status status = receiver.value()->Run(*writer.value(), a.seconds, to.stop);
   const auto& counts = receiver.value()->counts();
   const auto& written = writer.value()->counts();
   to.out << "stylerec: " << a.file << ": datagrams=" << counts.datagrams
@@ -138,7 +138,7 @@ Status RunExport(const Arguments& a, const Surroundings& to) {
   const auto take = ReadTake(*reader.value(), a.performer, what);
   if (!take.ok()) return take.status();
   const Take& it = take.value();
-  const Status status = WriteFiles(a, it);
+  Status status = WriteFiles(a, it);
   if (!status.ok()) return status;
   to.out << "stylerec: " << a.performer << " " << a.what << ": frames=" << it.frames.size()
          << " seconds=" << it.times_s.back() << " joints=" << it.skeleton.joint_count()

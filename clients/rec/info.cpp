@@ -137,6 +137,7 @@ void WriteText(const recording::Reader& reader, const Summary& summary, std::ost
     out << "weights: " << Plain(header.weights()) << " " << Plain(header.weights_hash()) << "\n";
   }
   if (!header.config().empty()) out << "configuration: " << header.config().size() << " bytes\n";
+  if (!header.state().empty()) out << "state: " << header.state().size() << " bytes\n";
   for (const auto& [source, flow] : summary.arrivals) {
     out << "arrivals: " << Plain(source) << " (" << Plain(flow.type) << ", at "
         << Plain(flow.listen) << ") "
@@ -184,6 +185,7 @@ json MakeJson(const recording::Reader& reader, const Summary& summary) {
               {"weights", header.weights()},
               {"weights_hash", header.weights_hash()},
               {"config", header.config()},
+              {"state", header.state()},
               {"arrivals", json::array()},
               {"published", json::array()},
               {"commands", LinesJson(summary, summary.commands)},

@@ -35,7 +35,7 @@ class Pass {
       WaitFor(record.time_ns());
       if (stop_) break;
       for (Outlet* const outlet : outlets_) {
-        const Status status = outlet->Take(record);
+        Status status = outlet->Take(record);
         if (!status.ok()) return status;
       }
       ++counts_.records;

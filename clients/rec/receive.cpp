@@ -89,7 +89,7 @@ Receiver::~Receiver() = default;
 Result<std::unique_ptr<Receiver>> Receiver::Open(std::vector<Port> ports) {
   std::unique_ptr<Receiver> receiver(new Receiver());
   for (Port& port : ports) {
-    const Status status = receiver->Bind(std::move(port));
+    Status status = receiver->Bind(std::move(port));
     if (!status.ok()) return status;
   }
   return receiver;
@@ -184,7 +184,7 @@ Status Receiver::Drain(Socket& socket, recording::FileWriter& writer) {
     arrival.set_listen(socket.endpoint);
     arrival.set_peer(socket.from.text());
     arrival.set_datagram(buffer_.data(), static_cast<std::size_t>(size));
-    const Status status = writer.Add(record_, now_ns);
+    Status status = writer.Add(record_, now_ns);
     if (!status.ok()) return status;
   }
   return Status::Ok();

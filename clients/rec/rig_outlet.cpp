@@ -73,7 +73,7 @@ void RigOutlet::Note(const recording::Record& record) {
 Status RigOutlet::Begin() {
   const auto noted = std::exchange(noted_, {});
   for (const auto& [id, record] : noted) {
-    const Status status = Take(record);
+    Status status = Take(record);
     if (!status.ok()) return status;
   }
   return Status::Ok();
@@ -90,12 +90,16 @@ Status RigOutlet::Take(const recording::Record& record) {
   }
   if (!record.has_arrival()) return Status::Ok();
   if (!noted_.empty()) {
-    const Status status = Begin();
+    Status status = Begin();
     if (!status.ok()) return status;
   }
   const recording::Arrival& arrival = record.arrival();
-  return Deliver({arrival.source(), arrival.listen(), arrival.peer()}, record.time_ns(),
-                 BytesOf(arrival.datagram()));
+  const Sender sender{arrival.source(), arrival.listen(), arrival.peer()};
+  const auto bytes = BytesOf(arrival.datagram());
+  // What USB transfers bring is a stream, too.
+  const bool pieces = arrival.type() == "tcp" || arrival.type() == "usb";
+  return pieces ? DeliverPiece(sender, record.time_ns(), bytes)
+                : Deliver(sender, record.time_ns(), bytes);
 }
 
 Result<player::Link*> RigOutlet::LinkTo(const Sender& sender) {
@@ -113,6 +117,34 @@ Result<player::Link*> RigOutlet::LinkTo(const Sender& sender) {
       player::Connect(original ? Reachable(sender.listen) : url->second, options_.start_wait_ms);
   if (!link.ok()) return link.status();
   return links_.emplace(sender, std::move(link.value())).first->second.get();
+}
+
+Status RigOutlet::DeliverPiece(const Sender& sender, std::int64_t time_ns,
+                               std::span<const std::byte> piece) {
+  using Result = native::StreamReader::Result;
+  Stream& stream = streams_[sender];
+  while (!piece.empty() && !stream.broken) {
+    const auto space = stream.reader.Space();
+    const std::size_t size = std::min(space.size(), piece.size());
+    std::copy_n(piece.begin(), size, space.begin());
+    stream.reader.Received(size);
+    piece = piece.subspan(size);
+    std::span<const std::byte> datagram;
+    Result result = Result::kRecord;
+    while ((result = stream.reader.Next(datagram)) == Result::kRecord) {
+      Status status = Deliver(sender, time_ns, datagram);
+      if (!status.ok()) return status;
+    }
+    if (result == Result::kBroken) {
+      stream.broken = true;
+      const std::size_t pending = stream.reader.Pending();
+      const std::byte* const end = stream.reader.Space().data();
+      std::vector<std::byte> rest(end - pending, end);
+      rest.insert(rest.end(), piece.begin(), piece.end());
+      return Deliver(sender, time_ns, rest);
+    }
+  }
+  return Status::Ok();
 }
 
 // A daemon refuses a second sender of a performer until the first was silent for a while.

@@ -10,6 +10,7 @@
 #include "clients/rec/outlet.h"
 #include "clients/rec/rig_frames.h"
 #include "clients/rec/steering.h"
+#include "proto/rigs/native/stream_reader.h"
 #include "sim/player/clock.h"
 #include "sim/player/link.h"
 
@@ -33,8 +34,9 @@ struct RigOutletCounts {
 // Sends what arrived to where it should arrive again: from one socket, or connection, per sender
 // that was recorded. Our own datagrams (proto/styled/v1/WIRE.md) get new session ids, or a daemon
 // that has seen the recording before would take them for repetitions; all else goes as it came.
-// Before a performer's new session there is silence as in the recording, up to 150 ms at any speed,
-// which is what a daemon needs to believe it.
+// What was recorded of a stream of ours is put together to whole datagrams first. Before a
+// performer's new session there is silence as in the recording, up to 150 ms at any speed, which is
+// what a daemon needs to believe it.
 class RigOutlet final : public Outlet {
  public:
   // `steering` may be null; else it is told what is sent, and paces it.
@@ -57,6 +59,14 @@ class RigOutlet final : public Outlet {
     std::int64_t recorded_ns = 0, sent_ns = 0;  // of the last datagram
   };
 
+  // A TCP connection of our own datagrams, as it was recorded.
+  struct Stream {
+    std::vector<std::byte> buffer = std::vector<std::byte>(2 * native::kMaxDatagramSize);
+    native::StreamReader reader{buffer};
+    bool broken = false;  // out of step: a daemon closes it there, and nothing follows
+  };
+
+  Status DeliverPiece(const Sender& sender, std::int64_t time_ns, std::span<const std::byte> piece);
   Status Deliver(const Sender& sender, std::int64_t time_ns, std::span<const std::byte> datagram);
   Status Begin();
   Result<player::Link*> LinkTo(const Sender& sender);
@@ -68,7 +78,8 @@ class RigOutlet final : public Outlet {
   player::Clock& clock_;
   Steering* steering_;
   RigFrames rig_frames_;
-  std::map<Sender, std::unique_ptr<player::Link>> links_;                    // null: elsewhere
+  std::map<Sender, std::unique_ptr<player::Link>> links_;  // null: elsewhere
+  std::map<Sender, Stream> streams_;
   std::map<std::pair<std::string, std::uint64_t>, std::string> performers_;  // source, session
   std::map<std::string, Session> sessions_;                                  // by performer's id
   // The last body of each performer before the part that is played.

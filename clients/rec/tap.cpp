@@ -110,7 +110,7 @@ Status Tap::Impl::Drain(recording::FileWriter& writer) {
     record.set_time_ns(now_ns);
     counts.missed += gaps.Look(record.published().topic(), record.published().payload());
     ++counts.messages;
-    const Status status = writer.Add(record, now_ns);
+    Status status = writer.Add(record, now_ns);
     if (!status.ok()) return status;
   }
   return writer.Poll(MonotonicNow_ns());

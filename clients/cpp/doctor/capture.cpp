@@ -66,8 +66,9 @@ Descriptor OpenSocket(std::uint16_t protocol, unsigned protocol_at) {
 
 class CaptureEar final : public Ear {
  public:
-  CaptureEar(Descriptor fd, const std::vector<Interface>& interfaces, std::set<std::uint16_t> ports)
-      : fd_(std::move(fd)), interfaces_(interfaces), ports_(std::move(ports)) {}
+  CaptureEar(Descriptor fd, const std::vector<Interface>& interfaces,
+             const std::set<std::uint16_t>& ports)
+      : fd_(std::move(fd)), interfaces_(interfaces), ports_(ports) {}
 
   int fd() const override { return fd_.get(); }
 
@@ -135,7 +136,7 @@ std::optional<Captured> ParsePacket(std::span<const std::byte> packet) {
 }
 
 Result<std::vector<std::unique_ptr<Ear>>> MakeCapture(const std::vector<Interface>& interfaces,
-                                                      std::set<std::uint16_t> ports) {
+                                                      const std::set<std::uint16_t>& ports) {
   std::vector<std::unique_ptr<Ear>> ears;
   constexpr std::array<std::pair<std::uint16_t, unsigned>, 2> kProtocols{
       {{ETH_P_IP, 9}, {ETH_P_IPV6, 6}}};

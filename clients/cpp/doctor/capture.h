@@ -29,6 +29,6 @@ std::optional<Captured> ParsePacket(std::span<const std::byte> packet);
 // Writes into Notebook::seen what goes to one of `ports` or has a format that the daemon takes.
 // Errors: the right to do so (CAP_NET_RAW) is root's.
 Result<std::vector<std::unique_ptr<Ear>>> MakeCapture(const std::vector<Interface>& interfaces,
-                                                      std::set<std::uint16_t> ports);
+                                                      const std::set<std::uint16_t>& ports);
 
 }  // namespace styled::doctor

@@ -246,6 +246,7 @@ Examination::Evidence Examination::EvidenceOf(const SourceFacts& source) const {
 
 std::vector<const Flow*> Examination::Flows() const {
   std::vector<const Flow*> out;
+  out.reserve(facts_.heard.size() + facts_.seen.size());
   for (const Flow& flow : facts_.heard) out.push_back(&flow);
   for (const Flow& flow : facts_.seen) {
     const bool known = std::ranges::any_of(facts_.heard, [&flow](const Flow& heard) {

@@ -27,8 +27,9 @@ struct Arguments {
   double timeout_s = 2.0;
   bool json = false;
   bool all_counters = false;
+  double watch_s = 0;  // of status; 0: once
   std::string performer{client::kEveryone};
-  std::string style, preset;
+  std::string style, preset, cue;
   std::vector<std::string> mix;  // STYLE=WEIGHT
   std::optional<double> strength;
   std::optional<double> transition_ms;
@@ -89,6 +90,7 @@ class Program {
   int Execute(const std::string& command);
   int List();
   int Status();
+  int Watch();
   int Set();
   int Calibrate();
   int Doctor();
@@ -141,6 +143,12 @@ void Program::Declare() {
       "  stylectl clear rig.anna");
   Command("list", "styles and presets");
   CLI::App* status = Command("status", "the daemon, its performers, its counters");
+  status
+      ->add_option("--watch", arguments_.watch_s,
+                   "again every so many seconds (1 where none are said), until Ctrl-C")
+      ->expected(0, 1)
+      ->default_str("1")
+      ->check(CLI::Range(0.1, 3600.0));
   status->add_flag("--all", arguments_.all_counters, "counters that are 0, too");
   DeclareSet();
   PerformerOf(Command("clear", "fade to bypass, the performer as captured"), false);
@@ -149,6 +157,9 @@ void Program::Declare() {
   PerformerOf(preset, false);
   preset->add_option("--transition", arguments_.transition_ms, "fade, ms")
       ->check(CLI::Range(0.0, 60000.0));
+  Command("cue", "fire the cues of that name, of the daemon's configuration")
+      ->add_option("NAME", arguments_.cue, "as shown by list")
+      ->required();
   PerformerOf(Command("pin", "keep the style: commands to '*' pass the performer over"), true);
   PerformerOf(Command("unpin", "undo pin"), true);
   Command("panic", "everyone to bypass, pinned or not");
@@ -246,11 +257,14 @@ int Program::Execute(const std::string& command) {
   const std::string& performer = arguments_.performer;
   client::Applied applied;
   if (command == "list") return List();
-  if (command == "status") return Status();
+  if (command == "status") return arguments_.watch_s > 0 ? Watch() : Status();
   if (command == "set") return Set();
   if (command == "calibrate") return Calibrate();
   if (command == "doctor") return Doctor();
   if (command == "clear") return Changed(control_->Clear(performer, &applied), applied, "bypass");
+  if (command == "cue") {
+    return Changed(control_->Cue(arguments_.cue, &applied), applied, "cue " + arguments_.cue);
+  }
   if (command == "panic") return Changed(control_->Panic(&applied), applied, "bypass");
   if (command == "reset") return Changed(control_->Reset(performer, &applied), applied, "reset");
   if (command == "pin" || command == "unpin") {
@@ -289,6 +303,18 @@ int Program::Status() {
     out_ << StatusText(reply, arguments_.all_counters);
   }
   return kExitOk;
+}
+
+// A daemon that goes away is waited for.
+int Program::Watch() {
+  constexpr const char* kHome = "\x1b[H\x1b[2J";
+  for (;;) {
+    if (!arguments_.json) out_ << kHome;
+    (void)Status();
+    out_ << std::flush;
+    std::this_thread::sleep_for(std::chrono::duration<double>(arguments_.watch_s));
+    if (!out_) return kExitOk;  // nobody reads any more
+  }
 }
 
 int Program::Set() {
@@ -402,7 +428,8 @@ std::string Program::NoteUnseen() {
 Failure Program::Explain(const CallStatus& status) {
   Failure failure;
   v1::ListReply list;
-  if (status.code() == v1::CODE_UNKNOWN_STYLE || status.code() == v1::CODE_UNKNOWN_PRESET) {
+  if (status.code() == v1::CODE_UNKNOWN_STYLE || status.code() == v1::CODE_UNKNOWN_PRESET ||
+      status.code() == v1::CODE_UNKNOWN_CUE) {
     if (!control_->List(&list).ok()) return failure;
   }
   if (status.code() == v1::CODE_UNKNOWN_STYLE) {
@@ -422,6 +449,11 @@ Failure Program::Explain(const CallStatus& status) {
       if (failure.suggestion.empty()) failure.suggestion = Nearest(wanted, known);
     }
     failure.expected = "styles: " + Join(names);
+  } else if (status.code() == v1::CODE_UNKNOWN_CUE) {
+    std::vector<std::string> names;
+    for (const auto& cue : list.cues()) names.push_back(cue.name());
+    failure.suggestion = Nearest(arguments_.cue, names);
+    failure.expected = names.empty() ? "the configuration has no cues" : "cues: " + Join(names);
   } else if (status.code() == v1::CODE_UNKNOWN_PRESET) {
     std::vector<std::string> names;
     for (const auto& preset : list.presets()) names.push_back(preset.name());

@@ -94,10 +94,21 @@ std::string ListText(const v1::ListReply& list) {
     rows.push_back({style.name(), also});
   }
   std::string out = Table(rows);
-  if (list.presets().empty()) return out;
-  rows = {{"PRESET", "MIX"}};
-  for (const auto& preset : list.presets()) rows.push_back({preset.name(), MixText(preset.mix())});
-  return out + "\n" + Table(rows);
+  if (!list.presets().empty()) {
+    rows = {{"PRESET", "MIX"}};
+    for (const auto& preset : list.presets()) {
+      rows.push_back({preset.name(), MixText(preset.mix())});
+    }
+    out += "\n" + Table(rows);
+  }
+  if (!list.cues().empty()) {
+    rows = {{"CUE", "AT", "PERFORMER"}};
+    for (const auto& cue : list.cues()) {
+      rows.push_back({cue.name(), cue.at().empty() ? "by name" : cue.at(), cue.performer()});
+    }
+    out += "\n" + Table(rows);
+  }
+  return out;
 }
 
 std::string StatusText(const v1::StatusReply& status, bool all_counters) {
@@ -135,6 +146,15 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
     std::sort(rows.begin() + 1, rows.end());  // by performer
     out += Table(rows);
   }
+  std::vector<std::vector<std::string>> delays{
+      {"SOURCE", "DELAY ms", "CAME LATE ms", "LEFT LATE ms", "MISSED"}};
+  for (const auto& source : status.sources()) {
+    if (source.delay_ms() <= 0) continue;
+    delays.push_back({source.name() + " " + source.listen(), Number(source.delay_ms(), 0),
+                      Number(source.arrived_ms(), 1), Number(source.left_ms(), 1),
+                      std::to_string(source.missed())});
+  }
+  if (delays.size() > 1) out += Table(delays);
   std::vector<std::vector<std::string>> rows{{"COUNTER", "VALUE"}};
   for (const auto& counter : stats.counters()) {
     if (all_counters || counter.value() != 0) {
@@ -156,7 +176,7 @@ std::string AppliedText(const std::vector<v1::Applied>& applied, const std::stri
 }
 
 json ListJson(const v1::ListReply& list) {
-  json styles = json::array(), presets = json::array();
+  json styles = json::array(), presets = json::array(), cues = json::array();
   for (const auto& style : list.styles()) {
     json aliases = json::array();
     for (const std::string& alias : style.aliases()) aliases.push_back(alias);
@@ -165,7 +185,10 @@ json ListJson(const v1::ListReply& list) {
   for (const auto& preset : list.presets()) {
     presets.push_back({{"name", preset.name()}, {"mix", MixJson(preset.mix())}});
   }
-  return {{"styles", styles}, {"presets", presets}};
+  for (const auto& cue : list.cues()) {
+    cues.push_back({{"name", cue.name()}, {"at", cue.at()}, {"performer", cue.performer()}});
+  }
+  return {{"styles", styles}, {"presets", presets}, {"cues", cues}};
 }
 
 json StatusJson(const v1::StatusReply& status) {
@@ -175,7 +198,11 @@ json StatusJson(const v1::StatusReply& status) {
     sources.push_back({{"name", source.name()},
                        {"type", source.type()},
                        {"listen", source.listen()},
-                       {"received", source.received()}});
+                       {"received", source.received()},
+                       {"delay_ms", source.delay_ms()},
+                       {"arrived_ms", source.arrived_ms()},
+                       {"left_ms", source.left_ms()},
+                       {"missed", source.missed()}});
   }
   for (const auto& counter : stats.counters()) counters[counter.name()] = counter.value();
   for (const auto& performer : stats.performers()) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "clients/cpp/control.h"
 #include "tests/unit/clients/fake_daemon.h"
 
 namespace styled::client {
@@ -65,6 +66,14 @@ TEST(SubscriberOptionsTest, RefusesEachBadOption) {
   EXPECT_FALSE(Subscriber::Connect(options).ok());
   options = {};
   options.queue_messages = 0;
+  EXPECT_FALSE(Subscriber::Connect(options).ok());
+  for (const char* avatar : {"", "rig", "canonical", "a/b", "a.b"}) {
+    options = {};
+    options.avatars = {avatar};
+    EXPECT_FALSE(Subscriber::Connect(options).ok()) << avatar;
+  }
+  options = {};
+  options.streams = {Stream::kAvatar};
   EXPECT_FALSE(Subscriber::Connect(options).ok());
 }
 
@@ -215,6 +224,74 @@ TEST_F(SubscriberTest, LatestWinsKeepsTheNewestOfEachStreamAndEveryBody) {
   EXPECT_EQ(kinds[Update::Kind::kBody], 1);
   EXPECT_EQ(subscriber->ReceiveLatest(0ms, updates), 0);
   EXPECT_TRUE(updates.empty());
+}
+
+// Two avatars may have one and the same skeleton.
+TEST_F(SubscriberTest, TellsAvatarsApartByTheNamesOfTheirOutputs) {
+  SubscriberOptions options = OnlyA();
+  options.streams.clear();
+  options.avatars = {"hero", "villain"};
+  auto subscriber = Listen(daemon_, options);
+  ASSERT_TRUE(daemon_.WaitForSubscription("styled/rig.a/villain/"));
+  EXPECT_FALSE(daemon_.Subscribed(std::string(kRigTopic)));
+  for (const char* name : {"hero", "villain"}) {
+    v1::Body body = HumanoidBody("rig.a", v1::OUTPUT_AVATAR, 12);
+    body.set_output_name(name);
+    daemon_.AddBody(body);
+    daemon_.Publish("styled/rig.a/" + std::string(name) + "/", HumanoidFrame(body, {}, 1));
+  }
+  const auto frames = Frames(*subscriber, 2);
+  ASSERT_EQ(frames.size(), 2U);
+  for (const Update& frame : frames) {
+    EXPECT_EQ(frame.stream, Stream::kAvatar);
+    ASSERT_NE(frame.body, nullptr);
+    EXPECT_EQ(frame.body->output_name(), frame.avatar);
+  }
+  EXPECT_EQ(frames[0].avatar, "hero");
+  EXPECT_EQ(frames[1].avatar, "villain");
+}
+
+std::string Error(const Curve& curve) {
+  SubscriberOptions options;
+  options.curve = curve;
+  auto subscriber = Subscriber::Connect(options);
+  const auto control = Control::Connect({.curve = curve});
+  EXPECT_EQ(subscriber.ok(), control.ok());
+  return subscriber.status().message();
+}
+
+TEST(CurveTest, RefusesKeysThatAreNone) {
+  const std::string key(40, '0');
+  EXPECT_EQ(Error({key, "", ""}), "");
+  EXPECT_EQ(Error({key, key, key}), "");
+  EXPECT_EQ(Error({"", "", ""}),
+            "subscriber: curve: server_key has 0 characters; expected 40 of Z85");
+  EXPECT_NE(Error({std::string(40, '~'), "", ""}), "");
+  EXPECT_NE(Error({key, key, ""}).find("secret_key"), std::string::npos);
+  EXPECT_NE(Error({key, "", key}).find("public_key"), std::string::npos);
+}
+
+TEST(CurveTest, WithKeysADaemonIsHeardAndWithoutThemItIsNot) {
+  zmq::context_t context;
+  zmq::socket_t publisher(context, zmq::socket_type::xpub);
+  const Curve keys = Complete({std::string(40, '0'), "", ""}).value();
+  publisher.set(zmq::sockopt::linger, 0);
+  publisher.set(zmq::sockopt::curve_server, true);
+  publisher.set(zmq::sockopt::curve_secretkey, keys.secret_key);
+  publisher.bind("tcp://127.0.0.1:*");
+  SubscriberOptions options;
+  options.endpoints = {publisher.get(zmq::sockopt::last_endpoint)};
+  auto stranger = Subscriber::Connect(options);
+  options.curve = Curve{keys.public_key, "", ""};
+  auto friendly = Subscriber::Connect(options);
+  ASSERT_TRUE(stranger.ok() && friendly.ok());
+  Update update;
+  for (int i = 0; i < 500 && friendly.value()->connected() == 0; ++i) {
+    friendly.value()->Receive(10ms, update);
+    stranger.value()->Receive(0ms, update);
+  }
+  EXPECT_EQ(friendly.value()->connected(), 1);
+  EXPECT_EQ(stranger.value()->connected(), 0);
 }
 
 TEST(SubscriberReconnect, ComesBackByItselfWhenTheDaemonDoes) {

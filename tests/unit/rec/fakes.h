@@ -19,6 +19,7 @@
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
 #include "sim/player/clock.h"
+#include "tests/support/temporary_folder.h"
 
 namespace styled::rec::testing {
 
@@ -165,20 +166,6 @@ class Listener {
   int fd_, port_ = 0;
 };
 
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "styled-rec-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) std::abort();
-    path_ = pattern;
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
+using support::TemporaryFolder;
 
 }  // namespace styled::rec::testing

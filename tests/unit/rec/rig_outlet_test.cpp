@@ -89,6 +89,36 @@ TEST_F(RigOutletTest, OurDatagramsGetASessionOfTheirOwnAndKeepAllElse) {
   EXPECT_NE(third, 5U);
 }
 
+TEST_F(RigOutletTest, PiecesOfAStreamBecomeWholeDatagramsOfANewSessionAndWhatBrokeItGoesAsItCame) {
+  for (const char* const type : {"tcp", "usb"}) {
+    RigOutlet outlet = Make();
+    const std::string stream = BodyDatagram(5, 0) + FrameDatagram(5, 1) + FrameDatagram(5, 2);
+    std::uint64_t sequence = 0;
+    const auto take = [&](const std::string& piece) {
+      recording::Record record = Arrival(0, piece);
+      record.mutable_arrival()->set_type(type);
+      Take(outlet, record);
+    };
+    for (std::size_t at = 0; at < stream.size(); at += 25) {
+      const auto before = outlet.counts().datagrams;
+      take(stream.substr(at, 25));
+      for (auto i = before; i < outlet.counts().datagrams; ++i) {
+        const std::string received = listener_.Receive();
+        EXPECT_NE(Header(received).session, 5U);
+        EXPECT_EQ(Header(received).sequence, sequence++);
+      }
+    }
+    EXPECT_EQ(sequence, 3U);
+    const std::string begun = FrameDatagram(5, 3).substr(0, 3);
+    take(begun);
+    EXPECT_EQ(outlet.counts().datagrams, 3U);
+    take("no record of ours");
+    EXPECT_EQ(listener_.Receive(), begun + "no record of ours");
+    take("the daemon had closed it");
+    EXPECT_EQ(outlet.counts().datagrams, 4U);
+  }
+}
+
 TEST_F(RigOutletTest, AsRecordedTheyGoByteForByteToo) {
   RigOutlet outlet = Make(true);
   const std::string sent = BodyDatagram(5, 0);

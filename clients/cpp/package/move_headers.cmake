@@ -1,0 +1,21 @@
+# Puts the client's public headers of SOURCE, and protoc's of GENERATED, into TREE, and the example
+# to EXAMPLE, with includes as they are where they are installed:
+#   clients/cpp/*.h       <styled/client/*.h>        model/body/humanoid.h  <styled/body/humanoid.h>
+#   model/base/status.h   <styled/base/status.h>     proto/styled/v1/*      <styled/v1/*>
+function(move from to)
+  file(READ ${from} text)
+  string(REGEX REPLACE "#include \"clients/cpp/([^\"]*)\"" "#include <styled/client/\\1>" text "${text}")
+  string(REGEX REPLACE "#include \"model/([^\"]*)\"" "#include <styled/\\1>" text "${text}")
+  string(REGEX REPLACE "#include \"proto/styled/([^\"]*)\"" "#include <styled/\\1>" text "${text}")
+  file(WRITE ${to} "${text}")
+endfunction()
+
+foreach(header subscriber control transforms curve)
+  move(${SOURCE}/clients/cpp/${header}.h ${TREE}/client/${header}.h)
+endforeach()
+move(${SOURCE}/model/base/status.h ${TREE}/base/status.h)
+move(${SOURCE}/model/body/humanoid.h ${TREE}/body/humanoid.h)
+foreach(message body frame control stats)
+  move(${GENERATED}/proto/styled/v1/${message}.pb.h ${TREE}/v1/${message}.pb.h)
+endforeach()
+move(${SOURCE}/clients/cpp/example.cpp ${EXAMPLE})

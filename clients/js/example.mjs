@@ -1,0 +1,36 @@
+// Sets a style, then prints where each performer's head is, ten times a second.
+//   node example.mjs [URL [STYLE]]
+import { StyledClient, worldTransforms } from 'styled-client';
+
+const client = new StyledClient({ url: process.argv[2] ?? 'http://127.0.0.1:7080' });
+const style = process.argv[3] ?? 'elderly';
+
+client.on('link', (state) => {
+  if (state.reason) console.error(`${client.linkState.kind}: ${state.reason}`);
+});
+client.on('daemon', async (daemon) => {
+  if (!daemon.up) return console.error(daemon.reason);
+  try {
+    await client.setStyle('*', style, 0.8);
+  } catch (error) {
+    console.error(`style not set: ${error.message}`);
+  }
+});
+
+const performers = new Set();
+client.on('body', ({ performer }) => {
+  if (performers.has(performer)) return;
+  performers.add(performer);
+  client.subscribeLatest(performer, 'canonical');
+});
+client.subscribeBodies();
+
+setInterval(() => {
+  for (const performer of performers) {
+    const update = client.latest(performer, 'canonical');
+    if (!update?.body) continue;
+    const head = 3 * update.body.names.indexOf('head');
+    const at = worldTransforms(update.body, update.frame).positions.subarray(head, head + 3);
+    console.log(performer, ...[...at].map((metres) => metres.toFixed(2)), 'm');
+  }
+}, 100);

@@ -1,0 +1,442 @@
+import {
+  create,
+  fromBinary,
+  toBinary,
+  type DescMessage,
+  type MessageInitShape,
+} from '@bufbuild/protobuf';
+
+import { NoAnswerError, RefusedError } from './errors.js';
+import { BodySchema, Output, type Body } from './gen/proto/styled/v1/body_pb.js';
+import {
+  Code,
+  ReplySchema,
+  RequestSchema,
+  type Applied,
+  type ListReply,
+  type Reply,
+  type SetSchema,
+  type StatusReply,
+} from './gen/proto/styled/v1/control_pb.js';
+import { FrameSchema, type Frame } from './gen/proto/styled/v1/frame_pb.js';
+import { StatsSchema, type Stats } from './gen/proto/styled/v1/stats_pb.js';
+import { checkBody, checkFrame } from './kinematics.js';
+import { Link, type LinkState } from './link.js';
+import { frameTopic, parseTopic, type Stream } from './topics.js';
+
+/** How the daemon is, as the gateway sees it. */
+export interface DaemonState {
+  up: boolean;
+  reason: string;
+}
+
+/** One frame, with what belongs to it. */
+export interface Update {
+  performer: string;
+  stream: Stream;
+  frame: Frame;
+  /** Its skeleton, checked; undefined while it has not arrived. */
+  body: Body | undefined;
+  /** Frames of this stream just before it that did not arrive: lost, or passed over on the way to us
+   * because we did not read. */
+  missed: number;
+  /** Older frames that arrived and that this one superseded; of `latest` only. */
+  skipped: number;
+  /** The daemon was restarted since the stream's last frame. */
+  newEpoch: boolean;
+}
+
+export interface ClientEvents {
+  link(state: LinkState): void;
+  daemon(state: DaemonState): void;
+  frame(update: Update): void;
+  body(body: Body): void;
+  stats(stats: Stats): void;
+  /** What the gateway did not understand or refused. */
+  complaint(text: string): void;
+}
+
+export interface ClientOptions {
+  /** Where styleweb is: "http://127.0.0.1:7080", or its WebSocket "ws://127.0.0.1:7080/ws". */
+  url: string;
+  token?: string;
+  /** Of one control request. */
+  timeout_ms?: number;
+}
+
+interface StreamState {
+  performer: string;
+  stream: Stream;
+  everyFrame: number; // how many want each frame parsed as it comes
+  latest: number; // how many want the newest alone
+  raw: Uint8Array | undefined; // the newest, not parsed yet
+  frames: number; // arrived
+  sinceLast: number; // ... since the last one that was handed on
+  epoch: bigint;
+  sequence: bigint;
+  started: boolean;
+}
+
+interface Pending {
+  resolve(reply: Reply): void;
+  reject(error: Error): void;
+  timer: ReturnType<typeof setTimeout>;
+}
+
+export type SetInit = MessageInitShape<typeof SetSchema>;
+type RequestInit = MessageInitShape<typeof RequestSchema>;
+
+function socketUrl(options: ClientOptions): string {
+  const url = new URL(options.url);
+  if (url.protocol === 'http:' || url.protocol === 'https:') {
+    url.protocol = url.protocol === 'http:' ? 'ws:' : 'wss:';
+    url.pathname = url.pathname.replace(/\/?$/, '/ws');
+  }
+  if (options.token) url.searchParams.set('token', options.token);
+  return url.href;
+}
+
+/**
+ * A subscriber and control client of a styled daemon, through styleweb. Connects in the background
+ * and again by itself; what was subscribed to stays so. Every-frame streams call back in order, with
+ * gaps counted; latest-wins streams are asked (`latest`) by a renderer when it draws, and only what it
+ * draws is parsed.
+ */
+export class StyledClient {
+  private readonly link: Link;
+  private readonly streams = new Map<string, StreamState>();
+  private readonly plain = new Map<string, number>(); // other topics, counted
+  private readonly bodies = new Map<string, Body[]>();
+  private readonly listeners = new Map<keyof ClientEvents, Set<(...args: never[]) => void>>();
+  private readonly pending = new Map<bigint, Pending>();
+  private readonly timeout_ms: number;
+  private nextId = 1n;
+  private linkState_: LinkState = { kind: 'connecting', reason: '' };
+  private daemonState_: DaemonState = { up: false, reason: 'not connected yet' };
+  private watchOnly_ = false;
+
+  constructor(options: ClientOptions) {
+    this.timeout_ms = options.timeout_ms ?? 3000;
+    this.link = new Link(socketUrl(options), {
+      state: (state) => this.onLink(state),
+      text: (text) => this.onNotice(text),
+      binary: (bytes) => this.onBinary(bytes),
+    });
+  }
+
+  close(): void {
+    this.link.close();
+  }
+
+  get linkState(): LinkState {
+    return this.linkState_;
+  }
+  get daemonState(): DaemonState {
+    return this.daemonState_;
+  }
+  /** The gateway lets nobody change anything. */
+  get watchOnly(): boolean {
+    return this.watchOnly_;
+  }
+
+  /** Returns a function that takes the listener away again. */
+  on<K extends keyof ClientEvents>(event: K, listener: ClientEvents[K]): () => void {
+    const set = this.listeners.get(event) ?? new Set();
+    this.listeners.set(event, set);
+    set.add(listener as (...args: never[]) => void);
+    return () => set.delete(listener as (...args: never[]) => void);
+  }
+
+  // ---- subscribing. Each returns a function that ends it.
+
+  /** Every frame, in order, as "frame" events. */
+  subscribe(performer: string, stream: Stream = 'rig'): () => void {
+    return this.addStream(performer, stream, 'everyFrame');
+  }
+
+  /** The newest frame, whenever `latest` asks. */
+  subscribeLatest(performer: string, stream: Stream = 'rig'): () => void {
+    return this.addStream(performer, stream, 'latest');
+  }
+
+  /** Statistics once a second, as "stats" events. */
+  subscribeStats(): () => void {
+    return this.addPlain('stats/');
+  }
+
+  /** Everyone's bodies, those of performers who come later too, as "body" events. */
+  subscribeBodies(): () => void {
+    return this.addPlain('body/');
+  }
+
+  /**
+   * The newest frame of a stream of subscribeLatest that was not returned before; undefined where
+   * there is none.
+   */
+  latest(performer: string, stream: Stream = 'rig'): Update | undefined {
+    const state = this.streams.get(frameTopic(performer, stream));
+    if (!state?.raw) return undefined;
+    const raw = state.raw;
+    state.raw = undefined;
+    return this.accept(state, raw);
+  }
+
+  /** Frames of a stream that have arrived, parsed or not. */
+  arrived(performer: string, stream: Stream = 'rig'): number {
+    return this.streams.get(frameTopic(performer, stream))?.frames ?? 0;
+  }
+
+  /** The performer's newest body of that kind. */
+  body(performer: string, output: Output.RIG | Output.CANONICAL): Body | undefined {
+    return this.bodies.get(performer)?.filter((body) => body.output === output).at(-1);
+  }
+
+  // ---- control. Each rejects with RefusedError or NoAnswerError.
+
+  async list(): Promise<ListReply> {
+    return (await this.ask({ command: { case: 'list', value: {} } })).list!;
+  }
+  async status(): Promise<StatusReply> {
+    return (await this.ask({ command: { case: 'status', value: {} } })).status!;
+  }
+  /** Changes what is present in `change`; `performer` is SOURCE.NAME or "*". */
+  async set(performer: string, change: SetInit): Promise<Applied[]> {
+    return (await this.ask({ performer, command: { case: 'set', value: change } })).applied;
+  }
+  setStyle(performer: string, style: string, strength = 1): Promise<Applied[]> {
+    return this.set(performer, { mix: [{ style, weight: 1 }], strength });
+  }
+  clear(performer: string): Promise<Applied[]> {
+    return this.set(performer, { clear: true });
+  }
+  async preset(performer: string, name: string, transitionMs?: number): Promise<Applied[]> {
+    const value = { name, ...(transitionMs === undefined ? {} : { transitionMs }) };
+    return (await this.ask({ performer, command: { case: 'preset', value } })).applied;
+  }
+  async pin(performer: string, pinned: boolean): Promise<Applied[]> {
+    return (await this.ask({ performer, command: { case: 'pin', value: { pinned } } })).applied;
+  }
+  async reset(performer: string): Promise<Applied[]> {
+    return (await this.ask({ performer, command: { case: 'reset', value: {} } })).applied;
+  }
+  /** Everyone to bypass, pinned or not. */
+  async panic(): Promise<Applied[]> {
+    return (await this.ask({ command: { case: 'panic', value: {} } })).applied;
+  }
+
+  /** Any request; its id is ours. */
+  ask(request: RequestInit): Promise<Reply> {
+    const id = this.nextId++;
+    return new Promise((resolve, reject) => {
+      const bytes = toBinary(RequestSchema, create(RequestSchema, { ...request, id }));
+      if (!this.link.send(bytes)) {
+        reject(new NoAnswerError('not connected to the gateway'));
+        return;
+      }
+      const timer = setTimeout(() => {
+        this.settle(id)?.reject(new NoAnswerError(`no answer within ${this.timeout_ms} ms`));
+      }, this.timeout_ms);
+      this.pending.set(id, { resolve, reject, timer });
+    });
+  }
+
+  // ---- within
+
+  private settle(id: bigint): Pending | undefined {
+    const pending = this.pending.get(id);
+    if (pending) clearTimeout(pending.timer);
+    this.pending.delete(id);
+    return pending;
+  }
+
+  private emit<K extends keyof ClientEvents>(event: K, ...args: Parameters<ClientEvents[K]>): void {
+    for (const listener of this.listeners.get(event) ?? []) {
+      (listener as unknown as (...args: Parameters<ClientEvents[K]>) => void)(...args);
+    }
+  }
+
+  private topics(add: boolean, topics: string[]): void {
+    if (topics.length > 0) {
+      this.link.send(JSON.stringify({ [add ? 'subscribe' : 'unsubscribe']: topics }));
+    }
+  }
+
+  private addPlain(topic: string): () => void {
+    const count = this.plain.get(topic) ?? 0;
+    this.plain.set(topic, count + 1);
+    if (count === 0) this.topics(true, [topic]);
+    let ended = false;
+    return () => {
+      if (ended) return;
+      ended = true;
+      const left = this.plain.get(topic)! - 1;
+      if (left > 0) this.plain.set(topic, left);
+      else {
+        this.plain.delete(topic);
+        this.topics(false, [topic]);
+      }
+    };
+  }
+
+  private addStream(performer: string, stream: Stream, mode: 'everyFrame' | 'latest'): () => void {
+    const topic = frameTopic(performer, stream);
+    let state = this.streams.get(topic);
+    if (!state) {
+      state = {
+        performer,
+        stream,
+        everyFrame: 0,
+        latest: 0,
+        raw: undefined,
+        frames: 0,
+        sinceLast: 0,
+        epoch: 0n,
+        sequence: 0n,
+        started: false,
+      };
+      this.streams.set(topic, state);
+      this.topics(true, [topic]);
+    }
+    const counted = state;
+    ++counted[mode];
+    const endBody = this.addPlain(`body/${performer}/`);
+    let ended = false;
+    return () => {
+      if (ended) return;
+      ended = true;
+      endBody();
+      --counted[mode];
+      if (counted.everyFrame + counted.latest > 0) return;
+      this.streams.delete(topic);
+      this.topics(false, [topic]);
+    };
+  }
+
+  private onLink(state: LinkState): void {
+    this.linkState_ = state;
+    if (state.kind === 'open') {
+      this.topics(true, [...this.plain.keys(), ...this.streams.keys()]);
+    } else {
+      for (const id of [...this.pending.keys()]) {
+        this.settle(id)!.reject(new NoAnswerError('the connection to the gateway broke'));
+      }
+      this.setDaemon({ up: false, reason: 'not connected to the gateway' });
+    }
+    this.emit('link', state);
+  }
+
+  private setDaemon(state: DaemonState): void {
+    if (state.up === this.daemonState_.up && state.reason === this.daemonState_.reason) return;
+    this.daemonState_ = state;
+    this.emit('daemon', state);
+  }
+
+  private onNotice(text: string): void {
+    let notice: Record<string, unknown>;
+    try {
+      notice = JSON.parse(text) as Record<string, unknown>;
+    } catch {
+      return;
+    }
+    if (typeof notice.watchOnly === 'boolean') this.watchOnly_ = notice.watchOnly;
+    if (notice.daemon) this.setDaemon(notice.daemon as DaemonState);
+    if (typeof notice.error === 'string') this.emit('complaint', notice.error);
+    if (typeof notice.unanswered === 'string') {
+      this.settle(BigInt(notice.unanswered))?.reject(new NoAnswerError(String(notice.reason)));
+    }
+  }
+
+  private onBinary(bytes: Uint8Array): void {
+    const length = bytes[0];
+    if (length === undefined || bytes.length < 1 + length) return;
+    const payload = bytes.subarray(1 + length);
+    if (length > 0) {
+      this.onPublished(String.fromCharCode(...bytes.subarray(1, 1 + length)), payload);
+      return;
+    }
+    const reply = this.parse(ReplySchema, payload, 'reply');
+    if (reply) this.onReply(reply);
+  }
+
+  // Undefined, and a complaint, where `payload` is no such message.
+  private parse<S extends DescMessage>(schema: S, payload: Uint8Array, what: string) {
+    try {
+      return fromBinary(schema, payload);
+    } catch (error) {
+      this.emit('complaint', `${what}: ${(error as Error).message}`);
+      return undefined;
+    }
+  }
+
+  private onReply(reply: Reply): void {
+    const pending = this.settle(reply.id);
+    if (!pending) return;
+    if (reply.code === Code.OK) pending.resolve(reply);
+    else pending.reject(new RefusedError(reply.code, reply.reason));
+  }
+
+  private onPublished(topic: string, payload: Uint8Array): void {
+    const state = this.streams.get(topic);
+    if (state) {
+      ++state.frames;
+      ++state.sinceLast;
+      if (state.latest > 0) state.raw = payload;
+      if (state.everyFrame > 0) {
+        const update = this.accept(state, payload);
+        if (update) this.emit('frame', update);
+      }
+      return;
+    }
+    const parsed = parseTopic(topic);
+    if (parsed?.kind === 'stats') {
+      const stats = this.parse(StatsSchema, payload, topic);
+      if (stats) this.emit('stats', stats);
+    } else if (parsed?.kind === 'body') {
+      const body = this.parse(BodySchema, payload, topic);
+      if (body) this.onBody(parsed.performer, body);
+    }
+  }
+
+  private onBody(performer: string, body: Body): void {
+    const wrong = checkBody(body);
+    if (wrong) return this.emit('complaint', `body of ${performer}: ${wrong}`);
+    const known = this.bodies.get(performer) ?? [];
+    if (known.some((other) => other.hash === body.hash && other.output === body.output)) return;
+    // Two outputs, and what each was before: frames of it may still be under way.
+    this.bodies.set(performer, [...known.slice(-3), body]);
+    this.emit('body', body);
+  }
+
+  private accept(state: StreamState, payload: Uint8Array): Update | undefined {
+    const frame = this.parse(FrameSchema, payload, `frame of ${state.performer}`);
+    if (!frame) return undefined;
+    const sameEpoch = state.started && frame.epoch === state.epoch;
+    // With both kinds of subscriber to one stream, `latest` may give what was handed on before.
+    if (sameEpoch && frame.sequence < state.sequence) return undefined;
+    const body = this.bodies
+      .get(state.performer)
+      ?.find((known) => known.hash === frame.bodyHash && known.output === frame.output);
+    const wrong = body ? checkFrame(body, frame) : '';
+    if (wrong) {
+      this.emit('complaint', `frame of ${state.performer}: ${wrong}`);
+      return undefined;
+    }
+    const step = sameEpoch ? Number(frame.sequence - state.sequence) : state.sinceLast;
+    const skipped = Math.max(0, state.sinceLast - 1);
+    const newEpoch = state.started && !sameEpoch;
+    state.started = true;
+    state.epoch = frame.epoch;
+    state.sequence = frame.sequence;
+    const missed = Math.max(0, step - state.sinceLast);
+    state.sinceLast = 0;
+    return {
+      performer: state.performer,
+      stream: state.stream,
+      frame,
+      body,
+      missed,
+      skipped,
+      newEpoch,
+    };
+  }
+}

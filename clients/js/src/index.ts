@@ -1,0 +1,12 @@
+export { StyledClient } from './client.js';
+export type { ClientEvents, ClientOptions, DaemonState, SetInit, Update } from './client.js';
+export { NoAnswerError, RefusedError } from './errors.js';
+export { checkBody, checkFrame, makeTransforms, worldTransforms } from './kinematics.js';
+export type { Transforms } from './kinematics.js';
+export type { LinkState } from './link.js';
+export { frameTopic, parseTopic } from './topics.js';
+export type { Stream } from './topics.js';
+export * from './gen/proto/styled/v1/body_pb.js';
+export * from './gen/proto/styled/v1/control_pb.js';
+export * from './gen/proto/styled/v1/frame_pb.js';
+export * from './gen/proto/styled/v1/stats_pb.js';

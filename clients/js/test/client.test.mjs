@@ -1,0 +1,222 @@
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { create, toBinary } from '@bufbuild/protobuf';
+import { Code, NoAnswerError, Output, RefusedError, StatsSchema, StyledClient } from 'styled-client';
+
+import { Gateway, body, frame, until } from '../test-support/gateway.mjs';
+
+// Runs `play` with a gateway and a client that are both ended, whatever happens.
+async function together(play, options = {}) {
+  const gateway = await Gateway.start();
+  const client = new StyledClient({ url: gateway.url, timeout_ms: 2000, ...options });
+  try {
+    await play(gateway, client);
+  } finally {
+    client.close();
+    await gateway.stop();
+  }
+}
+const opened = (client) => until(() => client.linkState.kind === 'open', 'the link');
+
+test('every frame arrives in order, with its body; what is missing is counted', () =>
+  together(async (gateway, client) => {
+    const updates = [];
+    client.on('frame', (update) => updates.push(update));
+    client.subscribe('rig.a');
+    await until(() => gateway.topics.has('styled/rig.a/rig/'), 'the subscription');
+    assert.ok(gateway.topics.has('body/rig.a/'));
+    gateway.publish('styled/rig.a/rig/', frame(1));
+    gateway.publish('body/rig.a/', body());
+    for (const sequence of [2, 3, 6]) gateway.publish('styled/rig.a/rig/', frame(sequence));
+    await until(() => updates.length === 4, 'four frames');
+    assert.deepEqual(updates.map((u) => Number(u.frame.sequence)), [1, 2, 3, 6]);
+    assert.deepEqual(updates.map((u) => u.missed), [0, 0, 0, 2]);
+    assert.equal(updates[0].body, undefined);
+    assert.deepEqual(updates[1].body.names, ['hips', 'head']);
+    gateway.publish('styled/rig.a/rig/', frame(1, { epoch: 2n }));
+    await until(() => updates.length === 5, 'a frame of the next epoch');
+    assert.equal(updates[4].newEpoch, true);
+    assert.equal(updates[4].missed, 0);
+  }));
+
+test('latest wins: one frame however many came, then none until another comes', () =>
+  together(async (gateway, client) => {
+    client.subscribeLatest('rig.a', 'source');
+    await until(() => gateway.topics.has('source/rig.a/'), 'the subscription');
+    gateway.publish('body/rig.a/', body());
+    for (const sequence of [1, 2, 3, 5]) gateway.publish('source/rig.a/', frame(sequence));
+    await until(() => client.arrived('rig.a', 'source') === 4, 'four frames');
+    const first = client.latest('rig.a', 'source');
+    assert.equal(first.frame.sequence, 5n);
+    assert.equal(first.skipped, 3);
+    assert.equal(client.latest('rig.a', 'source'), undefined);
+    gateway.publish('source/rig.a/', frame(6));
+    gateway.publish('source/rig.a/', frame(9));
+    await until(() => client.arrived('rig.a', 'source') === 6, 'two more');
+    const second = client.latest('rig.a', 'source');
+    assert.deepEqual([second.frame.sequence, second.skipped, second.missed], [9n, 1, 2]);
+  }));
+
+test('a stream is subscribed to once, and let go with its last user', () =>
+  together(async (gateway, client) => {
+    await opened(client);
+    const ends = [client.subscribe('rig.a'), client.subscribeLatest('rig.a')];
+    await until(() => gateway.topics.size === 2, 'both topics');
+    assert.equal(gateway.heard.filter((text) => text.includes('styled/rig.a/rig/')).length, 1);
+    ends[0]();
+    ends[0](); // twice is once
+    client.subscribeStats();
+    await until(() => gateway.topics.has('stats/'), 'stats');
+    assert.ok(gateway.topics.has('styled/rig.a/rig/'));
+    ends[1]();
+    await until(() => gateway.topics.size === 1, 'the end');
+  }));
+
+test('what was subscribed to stays so over a broken connection', () =>
+  together(async (gateway, client) => {
+    const states = [];
+    client.on('link', ({ kind }) => states.push(kind));
+    client.subscribe('rig.a');
+    client.subscribeStats();
+    await until(() => gateway.topics.size === 3, 'topics');
+    gateway.drop();
+    await until(() => gateway.topics.size === 3, 'the same topics again');
+    assert.ok(states.includes('connecting'));
+    assert.equal(client.linkState.kind, 'open');
+  }));
+
+test('a gateway that starts later is found', async () => {
+  const first = await Gateway.start();
+  const { port, url } = first;
+  await first.stop();
+  const client = new StyledClient({ url });
+  const reasons = [];
+  client.on('link', (state) => reasons.push(state.reason));
+  await until(() => reasons.includes('nobody answers there'), 'the reason');
+  const second = await Gateway.start(port);
+  await opened(client);
+  client.close();
+  await second.stop();
+});
+
+test('a refusal says why, and a token is shown', async () => {
+  const gateway = await Gateway.start();
+  gateway.token = 'abcdefgh12345678';
+  const without = new StyledClient({ url: gateway.url });
+  await until(() => without.linkState.kind === 'refused', 'the refusal');
+  assert.match(without.linkState.reason, /token is missing/);
+  assert.equal(without.linkState.status, 401);
+  without.close();
+  const withToken = new StyledClient({ url: gateway.url, token: gateway.token });
+  await opened(withToken);
+  withToken.close();
+  await gateway.stop();
+});
+
+test('control: replies, refusals, silence', () =>
+  together(async (gateway, client) => {
+    await assert.rejects(client.list(), NoAnswerError); // not connected yet
+    await opened(client);
+    const requests = [];
+    gateway.answer = (request) => {
+      requests.push(request);
+      return { code: Code.OK, applied: [{ performer: 'rig.a', firstSequence: 12n }] };
+    };
+    const applied = await client.set('rig.a', { strength: 0, only: [1, 3] });
+    assert.equal(applied[0].firstSequence, 12n);
+    assert.equal(requests[0].performer, 'rig.a');
+    assert.equal(requests[0].command.value.strength, 0); // 0 is present, not absent
+    assert.equal(requests[0].command.value.transitionMs, undefined);
+    assert.deepEqual(requests[0].command.value.only, [1, 3]);
+    await client.setStyle('*', 'elderly', 0.5);
+    assert.equal(requests[1].command.value.mix[0].style, 'elderly');
+    await client.preset('*', 'calm', 100);
+    assert.equal(requests[2].command.case, 'preset');
+    await client.panic();
+    assert.equal(requests[3].command.case, 'panic');
+
+    gateway.answer = () => ({ code: Code.UNKNOWN_STYLE, reason: 'no style pirate' });
+    await assert.rejects(client.setStyle('rig.a', 'pirate'), (error) =>
+      error instanceof RefusedError && error.code === Code.UNKNOWN_STYLE && /pirate/.test(error.message));
+    gateway.answer = (request) => ({ notice: { unanswered: String(request.id), reason: 'no daemon' } });
+    await assert.rejects(client.status(), (error) => error instanceof NoAnswerError && /no daemon/.test(error.message));
+    gateway.answer = () => undefined;
+    const lost = assert.rejects(client.reset('rig.a'), NoAnswerError);
+    await until(() => requests.length >= 4, 'requests');
+    gateway.drop();
+    await lost;
+  }));
+
+test('a daemon that does not answer in time is an error', () =>
+  together(async (gateway, client) => {
+    await opened(client);
+    await assert.rejects(client.panic(), /no answer within 50 ms/);
+  }, { timeout_ms: 50 }));
+
+test('how the daemon is comes from the gateway; without the gateway it is unknown', () =>
+  together(async (gateway, client) => {
+    const states = [];
+    client.on('daemon', (state) => states.push(state.up));
+    await opened(client);
+    gateway.notice({ daemon: { up: true, reason: '' } });
+    await until(() => client.daemonState.up, 'up');
+    gateway.notice({ daemon: { up: false, reason: 'no daemon publishes at x' } });
+    await until(() => !client.daemonState.up, 'down');
+    assert.equal(client.daemonState.reason, 'no daemon publishes at x');
+    gateway.notice({ daemon: { up: true, reason: '' } });
+    await until(() => client.daemonState.up, 'up again');
+    await gateway.stop();
+    await until(() => !client.daemonState.up, 'unknown');
+    assert.deepEqual(states.slice(0, 4), [true, false, true, false]);
+  }));
+
+test('damaged messages are complained about and harm nothing', () =>
+  together(async (gateway, client) => {
+    const complaints = [], frames = [], stats = [], bodies = [];
+    client.on('complaint', (text) => complaints.push(text));
+    client.on('frame', (update) => frames.push(update));
+    client.on('stats', (value) => stats.push(value));
+    client.on('body', (value) => bodies.push(value));
+    client.subscribe('rig.a');
+    client.subscribeStats();
+    await until(() => gateway.topics.size === 3, 'topics');
+    const bad = new Uint8Array([0xff, 0xff, 0xff]);
+    gateway.publish('stats/', bad);
+    gateway.publish('body/rig.a/', bad);
+    gateway.publish('body/rig.a/', body({ parents: [-1, 1] }));
+    gateway.publish('body/rig.a/', body({ offsets: [0, 1, 0] }));
+    gateway.publish('body/rig.a/', body());
+    gateway.publish('styled/rig.a/rig/', bad);
+    gateway.publish('styled/rig.a/rig/', frame(1, { rotations: [0, 0, 0, 1] }));
+    gateway.publish('styled/rig.a/rig/', frame(2, { rotations: [0, 0, 0, 0, 0, 0, 0, 1] }));
+    gateway.publish('styled/rig.a/rig/', frame(3, { rootPosition: [0, NaN, 0] }));
+    gateway.publish('', bad);
+    gateway.publish('unknown/', bad);
+    gateway.publish('styled/rig.a/rig/', frame(4));
+    gateway.publish('stats/', toBinary(StatsSchema, create(StatsSchema, { epoch: 3n })));
+    await until(() => stats.length === 1, 'good statistics');
+    assert.deepEqual(frames.map((u) => u.frame.sequence), [4n]);
+    assert.equal(bodies.length, 1);
+    assert.equal(complaints.length, 9);
+    assert.equal(client.linkState.kind, 'open');
+  }));
+
+test('bodies: replays are dropped, a change is told, both outputs are kept', () =>
+  together(async (gateway, client) => {
+    const bodies = [];
+    client.on('body', (value) => bodies.push(value));
+    client.subscribeBodies();
+    await until(() => gateway.topics.has('body/'), 'the subscription');
+    gateway.publish('body/rig.a/', body());
+    gateway.publish('body/rig.a/', body());
+    gateway.publish('body/rig.a/', body({ output: Output.CANONICAL, hash: 9n }));
+    gateway.publish('body/rig.a/', body({ hash: 8n }));
+    await until(() => bodies.length === 3, 'three bodies');
+    assert.equal(client.body('rig.a', Output.RIG).hash, 8n);
+    assert.equal(client.body('rig.a', Output.CANONICAL).hash, 9n);
+    assert.equal(client.body('rig.b', Output.RIG), undefined);
+  }));
+
+test('an address that is none is an error at once', () => {
+  assert.throws(() => new StyledClient({ url: 'no address' }), /Invalid URL/);
+});

@@ -1,0 +1,32 @@
+#!/bin/sh
+# make_page.sh PROGRAM PAGE VERSION: the page as scdoc wants it. @VERSION@ becomes VERSION; the line
+# @OPTIONS@ becomes what PROGRAM says to --help, and each of its commands; a line @FILE path@ that file.
+set -eu
+program=$1 page=$2 version=$3
+here=$(dirname "$0")
+
+# options WANT PROGRAM [COMMAND]
+options() {
+  want=$1
+  shift
+  "$@" --help | awk -v want="$want" -f "$here/options.awk"
+}
+
+while IFS= read -r line; do
+  case $line in
+    @OPTIONS@)
+      options options "$program"
+      for command in $(options commands "$program"); do
+        printf '## %s %s\n\n' "$(basename "$program")" "$command"
+        "$program" "$command" --help | sed -n '1s/[*_]/\\&/g;1p'
+        echo
+        options more "$program" "$command"
+      done
+      ;;
+    "@FILE "*)
+      file=${line#@FILE }
+      cat "$here/${file%@}"
+      ;;
+    *) printf '%s\n' "$line" | sed "s/@VERSION@/$version/g" ;;
+  esac
+done <"$page"

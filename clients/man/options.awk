@@ -1,0 +1,62 @@
+# From what a program of ours says to --help (CLI11's format): its options, positionals and commands as
+# scdoc, each name with its text below. Variable `want`: "options", "more" (the same without --help), or
+# "commands" (their names alone).
+function escape(text) {
+  gsub(/\\/, "\\\\", text)
+  gsub(/[*_<>`#~\[\]]/, "\\\\&", text)
+  return text
+}
+# "-s,--style TEXT Excludes: --mix" with the names in bold.
+function name(head, i, end, names) {
+  end = match(head, / /) ? RSTART : length(head) + 1
+  names = substr(head, 1, end - 1)
+  sub(/\{false\}/, "", names)
+  gsub(/,/, ", ", names)
+  sub(/FLOAT:FLOAT/, "FLOAT", head)
+  sub(/INT:INT/, "INT", head)
+  return "*" escape(names) "*" (end <= length(head) ? " " escape(substr(head, end + 1)) : "")
+}
+function skip() {
+  head = text = ""
+}
+function flush() {
+  if (head == "") return
+  if (want != "commands" && section != "Subcommands:") {
+    if (want == "more" && head ~ /^-h,--help/) return skip()
+    print name(head)
+    print "\t" (text == "" ? "See DESCRIPTION." : escape(text) (text ~ /[.!?]$/ ? "" : "."))
+    print ""
+  } else if (want == "commands" && section == "Subcommands:") {
+    print head
+  }
+  skip()
+}
+{ lines[++count] = $0 }
+END {
+  blank = sprintf("%30s", "")
+  for (i = 1; i <= count; ++i) {
+    line = lines[i]
+    if (line ~ /^[A-Z][a-z]*:$/) {
+      flush()
+      section = line
+      known = line ~ /^(Options|Positionals|Subcommands):$/
+    } else if (line !~ /^  /) {
+      flush()
+      if (line != "") known = 0
+    } else if (known && line ~ /^  [^ ]/) {
+      flush()
+      # The text stands from column 31 on, or below where the name is longer.
+      if (substr(lines[i + 1], 1, 30) == blank || length(line) < 31) {
+        head = substr(line, 3)
+      } else {
+        head = substr(line, 3, 28)
+        text = substr(line, 31)
+      }
+      sub(/ +$/, "", head)
+    } else if (known) {
+      sub(/^ +/, "", line)
+      text = text (text == "" ? "" : " ") line
+    }
+  }
+  flush()
+}

@@ -1,0 +1,26 @@
+#!/usr/bin/env python3
+"""The whole of a subscriber: styles everyone, then prints where each performer's head is.
+  heads.py [PUBLISHER [CONTROL [STYLE [SECONDS]]]]"""
+import sys
+import time
+
+import styled
+
+publisher, control, style, seconds, *_ = sys.argv[1:] + [
+    styled.DEFAULT_PUBLISHER, styled.DEFAULT_CONTROL, 'old', '0'][len(sys.argv) - 1:]
+with styled.Control(control) as daemon:
+    try:
+        daemon.set('*', style=style, strength=0.8)
+    except styled.Error as error:
+        print('style not set:', error, file=sys.stderr)
+
+frames, end = 0, time.monotonic() + (float(seconds) or float('inf'))
+with styled.Subscriber(publisher, streams=[styled.CANONICAL]) as subscriber:
+    for update in subscriber.frames(timeout=5):
+        head = update.world()[list(update.body.names).index('head')]
+        x, y, z = head.position
+        print(f'{update.frame.performer} {x:.2f} {y:.2f} {z:.2f} m')
+        frames += 1
+        if time.monotonic() > end:
+            break
+print(f'{frames} frames, {subscriber.counters.missed} missed', file=sys.stderr)

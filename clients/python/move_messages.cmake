@@ -1,0 +1,9 @@
+# Puts protoc's modules of proto.styled.v1 in FROM into the package styled.v1 in TO.
+file(GLOB modules RELATIVE ${FROM} ${FROM}/*_pb2.py)
+foreach(module ${modules})
+  file(READ ${FROM}/${module} text)
+  string(REPLACE "proto.styled.v1" "styled.v1" text "${text}")
+  file(WRITE ${TO}/${module} "${text}")
+endforeach()
+file(WRITE ${TO}/__init__.py
+  "\"\"\"The messages, as proto/styled/v1 documents them. Made by protoc.\"\"\"\n")

@@ -1,0 +1,197 @@
+"""python3 -m styled: looks at a daemon's frames and steers it, from a shell."""
+
+import argparse
+import os
+import sys
+import time
+
+import styled
+
+EXIT_REFUSED, EXIT_USAGE, EXIT_NO_DAEMON = 1, 2, 3
+
+
+def parse():
+    parser = argparse.ArgumentParser(
+        prog='python3 -m styled', description='Looks at a styled daemon, and steers it.',
+        epilog='Exit codes: 0 done, 1 the daemon refused, 2 usage, 3 no daemon answers (tail: '
+               'nothing came within --seconds).')
+    commands = parser.add_subparsers(dest='command', required=True, metavar='COMMAND')
+
+    tail = commands.add_parser('tail', help='frames as they come, one line a second or a frame')
+    tail.add_argument('--publisher', action='append', metavar='ENDPOINT',
+                      help='may be given many times (default: STYLED_PUBLISHER or '
+                           f'{styled.DEFAULT_PUBLISHER})')
+    tail.add_argument('--performer', default='', metavar='SOURCE.NAME', help='default: everyone')
+    tail.add_argument('--stream', default='rig',
+                      help='rig or canonical (both styled), source (as captured), or the name of an '
+                           '[[output]]; default: rig')
+    tail.add_argument('--frames', action='store_true', help='one line for each frame')
+    tail.add_argument('--seconds', type=float, default=0, help='end by itself; 0: never')
+    tail.set_defaults(run=run_tail)
+
+    def command(name, text, run, performer):
+        sub = commands.add_parser(name, help=text)
+        endpoint = os.environ.get('STYLED_CONTROL', styled.DEFAULT_CONTROL)
+        sub.add_argument('--control', default=endpoint, metavar='ENDPOINT',
+                         help=f'default: STYLED_CONTROL or {styled.DEFAULT_CONTROL}')
+        sub.add_argument('--timeout', type=float, default=2, help='seconds; default: 2')
+        if performer:
+            nargs = None if performer == 'required' else '?'
+            sub.add_argument('performer', nargs=nargs, default=styled.EVERYONE, metavar='PERFORMER',
+                             help="SOURCE.NAME, or '*' for everyone")
+        sub.set_defaults(run=run)
+        return sub
+
+    command('list', 'styles and presets', run_list, None)
+    command('status', 'the daemon and its performers', run_status, None)
+    change = command('set', 'change how a performer is styled', run_set, 'required')
+    change.add_argument('--style', help='this one alone')
+    change.add_argument('--mix', action='append', metavar='STYLE=WEIGHT', help='several of them')
+    change.add_argument('--strength', type=float, help='0 to 1.5')
+    change.add_argument('--transition', type=float, metavar='MS',
+                        help='fade of this and later changes')
+    change.add_argument('--only', metavar='PART,...', help="parts of the body, e.g. head,left-arm")
+    change.add_argument('--from', dest='own_style', metavar='STYLE',
+                        help='what the performer moves in already')
+    command('clear', 'fade to bypass', run_clear, 'optional')
+    cue = command('cue', 'fire the cues of that name', run_cue, None)
+    cue.add_argument('name', metavar='NAME')
+    command('panic', 'everyone to bypass, pinned or not', run_panic, None)
+    return parser, parser.parse_args()
+
+
+def describe(update):
+    frame = update.frame
+    styles = ' '.join(f'{s.style}={s.weight:.2f}' for s in frame.styles) or 'bypass'
+    text = f'{frame.performer} {update.output_name or update.stream.value} {frame.sequence} {styles}'
+    if update.body is not None:
+        x, y, z = update.world()[0].position
+        text += f' {update.body.names[0]} {x:.3f} {y:.3f} {z:.3f}'
+    return text
+
+
+def run_tail(a):
+    publishers = a.publisher or [os.environ.get('STYLED_PUBLISHER', styled.DEFAULT_PUBLISHER)]
+    came = {}  # performer: frames since the last line, the last update
+    total, begun = 0, time.monotonic()
+    end = begun + a.seconds if a.seconds > 0 else float('inf')
+    line_begun = begun
+    with styled.Subscriber(publishers, performer=a.performer,
+                           streams=[a.stream]) as subscriber:
+        while time.monotonic() < end:
+            update = subscriber.receive(0.1)
+            if update is not None and update.kind is styled.Kind.FRAME:
+                total += 1
+                came[update.frame.performer] = came.get(update.frame.performer, (0,))[0] + 1, update
+                if a.frames:
+                    print(describe(update), f'missed={update.missed}', flush=True)
+            passed = time.monotonic() - line_begun
+            if a.frames or passed < 1:
+                continue
+            line_begun += passed
+            for performer, (frames, last) in sorted(came.items()):
+                print(f'{frames / passed:.1f} Hz', describe(last),
+                      f'missed={subscriber.counters.missed}', flush=True)
+                came[performer] = 0, last
+            if not came:
+                here = f'connected to {subscriber.connected()} of {len(publishers)}'
+                print(f'nothing yet; {here}', flush=True)
+    return 0 if total or a.seconds <= 0 else EXIT_NO_DAEMON
+
+
+def control(a):
+    return styled.Control(a.control, timeout=a.timeout)
+
+
+def run_list(a):
+    with control(a) as daemon:
+        reply = daemon.list()
+    for style in reply.styles:
+        print(style.name, *(f'({alias})' for alias in style.aliases))
+    for cue in reply.cues:
+        print(f'cue {cue.name}: {cue.performer}', *([f'at {cue.at}'] if cue.at else []))
+    for preset in reply.presets:
+        print(f'preset {preset.name}:', *(f'{w.style}={w.weight:g}' for w in preset.mix))
+    return 0
+
+
+def run_status(a):
+    with control(a) as daemon:
+        status = daemon.status()
+    print(f'styled {status.version}, up {status.uptime_s:.0f} s, weights {status.weights}')
+    for source in status.sources:
+        print(f'source {source.name}: {source.type} at {source.listen}, {source.received} received')
+    for p in status.stats.performers:
+        styles = ' '.join(f'{s.style}={s.weight:g}' for s in p.styles) or 'bypass'
+        print(f'{p.performer}: {"live" if p.live else "silent"}, {p.rate_hz:.1f} Hz, {styles}, '
+              f'strength {p.strength:g}, latency p99 {p.latency_p99_us:.0f} us')
+    return 0
+
+
+def say(applied, what):
+    for performer, sequence in sorted(applied.items()):
+        print(f'{performer}: {what}, from frame {sequence} on')
+    if not applied:
+        print('nobody is here yet; it holds for those who come')
+    return 0
+
+
+def weights(texts):
+    mix = {}
+    for text in texts:
+        style, sign, weight = text.rpartition('=')
+        try:
+            mix[style] = float(weight)
+        except ValueError:
+            sign = ''
+        if not sign or not style:
+            raise ValueError(f"--mix '{text}', expected STYLE=WEIGHT")
+    return mix
+
+
+def run_set(a):
+    if all(v is None for v in (a.style, a.mix, a.strength, a.transition, a.only, a.own_style)):
+        raise ValueError('set: nothing to change, expected --style, --mix, --strength, ...')
+    mix = weights(a.mix) if a.mix else None
+    with control(a) as daemon:
+        return say(daemon.set(a.performer, style=a.style, mix=mix, strength=a.strength,
+                              transition_ms=a.transition, own_style=a.own_style,
+                              only=a.only.split(',') if a.only else None), 'set')
+
+
+def run_clear(a):
+    with control(a) as daemon:
+        return say(daemon.clear(a.performer), 'bypass')
+
+
+def run_cue(a):
+    with control(a) as daemon:
+        return say(daemon.cue(a.name), 'fired')
+
+
+def run_panic(a):
+    with control(a) as daemon:
+        return say(daemon.panic(), 'bypass')
+
+
+def main():
+    parser, arguments = parse()
+    try:
+        return arguments.run(arguments)
+    except ValueError as error:
+        parser.print_usage(sys.stderr)
+        print(f'{parser.prog}: {error}', file=sys.stderr)
+        return EXIT_USAGE
+    except styled.Refused as error:
+        print(f'{parser.prog}: {error}', file=sys.stderr)
+        return EXIT_REFUSED
+    except styled.Error as error:
+        print(f'{parser.prog}: {error}', file=sys.stderr)
+        return EXIT_NO_DAEMON
+    except (KeyboardInterrupt, BrokenPipeError):
+        sys.stderr.close()  # a reader that is gone takes no more
+        return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,160 @@
+"""The same subscriber and control for asyncio: what blocks there is awaited here.
+
+    async with styled.aio.Subscriber() as subscriber, styled.aio.Control() as control:
+        await control.set('*', style='old')
+        async for update in subscriber.frames():
+            ...
+"""
+
+import asyncio
+import time
+from typing import AsyncIterator, Iterable, List, Optional, Union
+
+import zmq
+import zmq.asyncio
+
+from styled import control as blocking
+from styled import subscriber as listening
+from styled.commands import Commands, Conversation
+from styled.curve import Curve
+from styled.inbox import Counters, Inbox, Kind, Newest, Stream, Update, Wanted
+from styled.v1 import control_pb2
+
+
+class Subscriber:
+    """As styled.Subscriber, arguments and all; of one event loop."""
+
+    def __init__(self, endpoints: Union[str, Iterable[str]] = listening.DEFAULT_PUBLISHER, *,
+                 performer: str = '', streams: Iterable[Wanted] = (Stream.RIG,),
+                 statistics: bool = False, queue_messages: int = 1000,
+                 curve: Optional[Curve] = None):
+        self._inbox = Inbox(performer, streams, statistics)
+        self._context = zmq.asyncio.Context()
+        self._socket = self._context.socket(zmq.SUB)
+        self._links = listening.Links(self._context, self._socket)
+        try:
+            listening.open_socket(self._socket, self._inbox, endpoints, queue_messages, curve)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        self._links.close()
+        self._socket.close(0)
+        self._context.term()
+
+    async def __aenter__(self) -> 'Subscriber':
+        return self
+
+    async def __aexit__(self, *_) -> None:
+        self.close()
+
+    @property
+    def counters(self) -> Counters:
+        return self._inbox.counters
+
+    def connected(self) -> int:
+        return self._links.count()
+
+    def performers(self) -> List[str]:
+        return self._inbox.performers()
+
+    async def receive(self, timeout: Optional[float] = None) -> Optional[Update]:
+        """Every-frame mode: the next update, None where none comes within `timeout` seconds."""
+        end = None if timeout is None else time.monotonic() + timeout
+        while True:
+            update = await self._read()
+            if update is not None:
+                return update
+            if not await self._wait(end):
+                return None
+
+    async def receive_latest(self, timeout: Optional[float] = None) -> List[Update]:
+        """Latest-wins mode, as styled.Subscriber.receive_latest."""
+        end = None if timeout is None else time.monotonic() + timeout
+        newest = Newest()
+        for _ in range(listening.MAX_DRAIN):
+            update = await self._read()
+            if update is not None:
+                newest.add(update)
+            elif newest.take() or not await self._wait(end):
+                break
+        return newest.take()
+
+    async def frames(self, timeout: Optional[float] = None) -> AsyncIterator[Update]:
+        """Frames whose body is here, for ever, or until none came for `timeout` seconds."""
+        while True:
+            update = await self.receive(timeout)
+            if update is None:
+                return
+            if update.kind is Kind.FRAME and update.body is not None:
+                yield update
+
+    async def _read(self) -> Optional[Update]:
+        while True:
+            try:
+                parts = await self._socket.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                return None
+            update = self._inbox.accept(parts)
+            if self._inbox.new_topics:
+                listening.subscribe(self._socket, self._inbox.new_topics)
+                self._inbox.new_topics = []
+            if update is not None:
+                return update
+
+    async def _wait(self, end: Optional[float]) -> bool:
+        left = None if end is None else max(0.0, end - time.monotonic())
+        return await _is_readable(self._socket, left)
+
+
+class Control(Commands):
+    """As styled.Control; every call is to be awaited. Calls that overlap wait for one another."""
+
+    def __init__(self, endpoint: str = blocking.DEFAULT_CONTROL, *, timeout: float = 2.0,
+                 curve: Optional[Curve] = None):
+        self._endpoint, self._curve = endpoint, curve
+        self._timeout = blocking.check_timeout(timeout)
+        self._conversation = Conversation()
+        self._turn = asyncio.Lock()
+        self._context = zmq.asyncio.Context()
+        try:
+            self._socket = blocking.open_socket(self._context, endpoint, curve)
+        except ValueError:
+            self._context.term()
+            raise
+
+    def close(self) -> None:
+        self._socket.close(0)
+        self._context.term()
+
+    async def __aenter__(self) -> 'Control':
+        return self
+
+    async def __aexit__(self, *_) -> None:
+        self.close()
+
+    async def _do(self, request, result):
+        return result(await self.call(request))
+
+    async def call(self, request: control_pb2.Request) -> control_pb2.Reply:
+        """Any request; its id is overwritten."""
+        async with self._turn:
+            end = time.monotonic() + self._timeout
+            message = [b'', self._conversation.encode(request)]
+            try:
+                await self._socket.send_multipart(message, zmq.NOBLOCK)
+                while await _is_readable(self._socket, max(0.0, end - time.monotonic())):
+                    payload = (await self._socket.recv_multipart())[-1]
+                    reply = self._conversation.decode(payload, self._endpoint)
+                    if reply is not None:
+                        return reply
+            except zmq.Again:
+                pass
+            self._socket.close(0)
+            self._socket = blocking.open_socket(self._context, self._endpoint, self._curve)
+            raise blocking.no_answer(self._endpoint, self._timeout)
+
+
+async def _is_readable(socket: zmq.asyncio.Socket, seconds: Optional[float]) -> bool:
+    return bool(await socket.poll(None if seconds is None else 1000 * seconds))

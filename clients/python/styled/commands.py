@@ -1,0 +1,169 @@
+"""What can be asked of a daemon: requests of control.proto made from arguments, and replies made
+into results, apart from the socket they go by."""
+
+import random
+from typing import Dict, Iterable, Mapping, Optional
+
+from google.protobuf.message import DecodeError
+
+from styled.errors import Garbled, Refused
+from styled.inbox import is_performer_id
+from styled.v1 import control_pb2, frame_pb2
+
+EVERYONE = '*'
+
+PARTS = {name[len('BODY_PART_'):].lower().replace('_', '-'): number
+         for name, number in frame_pb2.BodyPart.items()}
+
+
+def _change(performer: str) -> control_pb2.Request:
+    if performer != EVERYONE and not is_performer_id(performer):
+        raise ValueError(f"performer '{performer}' is not SOURCE.NAME ([A-Za-z0-9_-]{{1,32}} each) "
+                         f"or '{EVERYONE}'")
+    return control_pb2.Request(performer=performer)
+
+
+def _set_request(performer: str, style: Optional[str], mix: Optional[Mapping[str, float]],
+                strength: Optional[float], transition_ms: Optional[float],
+                absolute: Optional[bool], only: Optional[Iterable[str]],
+                own_style: Optional[str]) -> control_pb2.Request:
+    if style is not None and mix is not None:
+        raise ValueError('set: both style and mix, expected one of them')
+    request = _change(performer)
+    request.set.SetInParent()
+    if style is not None:
+        mix = {style: 1.0}
+    for name, weight in (mix or {}).items():
+        request.set.mix.add(style=name, weight=weight)
+    if strength is not None:
+        request.set.strength = strength
+    if transition_ms is not None:
+        request.set.transition_ms = transition_ms
+    if absolute is not None:
+        request.set.absolute = absolute
+    if own_style is not None:
+        request.set.own_style = own_style
+    for part in only or ():
+        if part not in PARTS:
+            raise ValueError(f"only: '{part}', expected some of {', '.join(PARTS)}")
+        request.set.only.append(PARTS[part])
+    return request
+
+
+def _calibrate_request(performer: str, pose: str, sensors: str,
+                      clear: bool) -> control_pb2.Request:
+    request = _change(performer)
+    try:
+        kinds = control_pb2.Calibrate
+        request.calibrate.pose = kinds.Pose.Value('POSE_' + pose.upper())
+        request.calibrate.sensors = kinds.Sensors.Value('SENSORS_' + sensors.upper())
+    except ValueError:
+        raise ValueError(f"calibrate: pose '{pose}', sensors '{sensors}', expected t or n, and "
+                         'full, yaw or mounting') from None
+    request.calibrate.clear = clear
+    return request
+
+
+class Commands:
+    """The calls that styled.Control and styled.aio.Control have, each with its own `_do(request,
+    result)`: of the first a call returns its result, of the second a coroutine of it."""
+
+    def list(self) -> control_pb2.ListReply:
+        """Styles and presets."""
+        return self._do(control_pb2.Request(list={}), lambda reply: reply.list)
+
+    def status(self) -> control_pb2.StatusReply:
+        """The daemon, its performers, its counters."""
+        return self._do(control_pb2.Request(status={}), lambda reply: reply.status)
+
+    def set(self, performer: str, *, style: Optional[str] = None,
+            mix: Optional[Mapping[str, float]] = None, strength: Optional[float] = None,
+            transition_ms: Optional[float] = None, absolute: Optional[bool] = None,
+            only: Optional[Iterable[str]] = None,
+            own_style: Optional[str] = None) -> Dict[str, int]:
+        """Changes what is given; the rest stays. `style` is a mix of that one alone; `only` the
+        parts of the body that are styled, e.g. ['head', 'left-arm'] or ['all']; `own_style` what
+        the performer moves in already."""
+        return self._do(_set_request(performer, style, mix, strength, transition_ms, absolute, only,
+                                     own_style), _applied)
+
+    def clear(self, performer: str = EVERYONE) -> Dict[str, int]:
+        """Fades to bypass, the performer as captured."""
+        request = _change(performer)
+        request.set.clear = True
+        return self._do(request, _applied)
+
+    def preset(self, performer: str, name: str,
+               transition_ms: Optional[float] = None) -> Dict[str, int]:
+        """A named mix of the daemon's configuration."""
+        request = _change(performer)
+        request.preset.name = name
+        if transition_ms is not None:
+            request.preset.transition_ms = transition_ms
+        return self._do(request, _applied)
+
+    def pin(self, performer: str, pinned: bool = True) -> Dict[str, int]:
+        """A pinned performer keeps its style until it is unpinned."""
+        request = _change(performer)
+        request.pin.pinned = pinned
+        return self._do(request, _applied)
+
+    def reset(self, performer: str) -> Dict[str, int]:
+        """Clears recurrent state, keeps the settings."""
+        request = _change(performer)
+        request.reset.SetInParent()
+        return self._do(request, _applied)
+
+    def calibrate(self, performer: str, pose: str = 't', sensors: str = 'full',
+                  clear: bool = False) -> control_pb2.CalibrateReply:
+        """The performer stands in this pose (t or n) at this moment."""
+        return self._do(_calibrate_request(performer, pose, sensors, clear),
+                        lambda reply: reply.calibrate)
+
+    def cue(self, name: str) -> Dict[str, int]:
+        """Fires the cues of that name, of the daemon's configuration."""
+        request = _change(EVERYONE)
+        request.cue.name = name
+        return self._do(request, _applied)
+
+    def panic(self) -> Dict[str, int]:
+        """Everyone to bypass, pinned or not."""
+        request = control_pb2.Request(performer=EVERYONE)
+        request.panic.SetInParent()
+        return self._do(request, _applied)
+
+
+class Conversation:
+    """Numbers requests, and tells the reply to the last one from those to earlier ones."""
+
+    def __init__(self) -> None:
+        # So that no reply to an earlier program fits.
+        self._id = random.getrandbits(48)
+
+    def encode(self, request: control_pb2.Request) -> bytes:
+        self._id += 1
+        request.id = self._id
+        return request.SerializeToString()
+
+    def decode(self, payload: bytes, endpoint: str) -> Optional[control_pb2.Reply]:
+        """The reply; None where it belongs to an earlier request."""
+        try:
+            reply = control_pb2.Reply.FromString(payload)
+        except DecodeError:
+            raise Garbled(f'what answers at {endpoint} is not a styled daemon') from None
+        # A daemon that could not read us answers to id 0.
+        unread = reply.id == 0 and reply.code != control_pb2.CODE_OK
+        if reply.id != self._id and not unread:
+            return None
+        if reply.code != control_pb2.CODE_OK:
+            raise Refused(_code_name(reply.code), reply.reason)
+        return reply
+
+
+def _applied(reply: control_pb2.Reply) -> Dict[str, int]:
+    return {entry.performer: entry.first_sequence for entry in reply.applied}
+
+
+def _code_name(code: int) -> str:
+    known = control_pb2.Code.values()
+    return control_pb2.Code.Name(code)[len('CODE_'):] if code in known else f'CODE_{code}'

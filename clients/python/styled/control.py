@@ -1,0 +1,96 @@
+"""Asks a daemon and changes what it does; styled.aio has the same for asyncio."""
+
+import time
+from typing import Optional
+
+import zmq
+
+from styled.commands import Commands, Conversation
+from styled.curve import Curve
+from styled.errors import NoAnswer
+from styled.v1 import control_pb2
+
+DEFAULT_CONTROL = 'tcp://127.0.0.1:7002'
+_MAX_REPLY_BYTES = 16 << 20
+
+
+def open_socket(context: zmq.Context, endpoint: str, curve: Optional[Curve]) -> zmq.Socket:
+    """A DEALER socket of either kind, connected."""
+    socket = context.socket(zmq.DEALER)
+    socket.linger = 0
+    socket.maxmsgsize = _MAX_REPLY_BYTES
+    socket.reconnect_ivl = 50
+    socket.handshake_ivl = 1000
+    try:
+        if curve is not None:
+            curve.apply(socket)
+        socket.connect(endpoint)
+    except zmq.ZMQError as error:
+        socket.close(0)
+        raise ValueError(f"cannot connect to '{endpoint}': {error}; expected e.g. "
+                         f'{DEFAULT_CONTROL} or ipc://PATH') from None
+    except ValueError:
+        socket.close(0)
+        raise
+    return socket
+
+
+def check_timeout(timeout: float) -> float:
+    if not timeout > 0:
+        raise ValueError(f'timeout is {timeout} s, expected above 0')
+    return timeout
+
+
+def no_answer(endpoint: str, timeout: float) -> NoAnswer:
+    return NoAnswer(f'no daemon answers at {endpoint} within {timeout:g} s')
+
+
+class Control(Commands):
+    """One daemon's control socket. Each call blocks until the reply or for `timeout` seconds, and
+    raises styled.Refused, NoAnswer or Garbled. `performer` is SOURCE.NAME or '*'. A change returns
+    {performer: first sequence under it}. proto/styled/v1/control.proto says what each field means
+    and what is refused. One thread at a time; a context manager.
+    """
+
+    def __init__(self, endpoint: str = DEFAULT_CONTROL, *, timeout: float = 2.0,
+                 curve: Optional[Curve] = None):
+        self._endpoint, self._timeout, self._curve = endpoint, check_timeout(timeout), curve
+        self._conversation = Conversation()
+        self._context = zmq.Context()
+        try:
+            self._socket = open_socket(self._context, endpoint, curve)
+        except ValueError:
+            self._context.term()
+            raise
+
+    def close(self) -> None:
+        self._socket.close(0)
+        self._context.term()
+
+    def __enter__(self) -> 'Control':
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+    def _do(self, request, result):
+        return result(self.call(request))
+
+    def call(self, request: control_pb2.Request) -> control_pb2.Reply:
+        """Any request; its id is overwritten."""
+        end = time.monotonic() + self._timeout
+        # The envelope of a REQ socket, which every ROUTER knows.
+        message = [b'', self._conversation.encode(request)]
+        try:
+            self._socket.send_multipart(message, zmq.NOBLOCK)
+            while self._socket.poll(max(0.0, 1000 * (end - time.monotonic()))):
+                payload = self._socket.recv_multipart()[-1]
+                reply = self._conversation.decode(payload, self._endpoint)
+                if reply is not None:
+                    return reply
+        except zmq.Again:
+            pass
+        # A new socket forgets what the old one still had to deliver.
+        self._socket.close(0)
+        self._socket = open_socket(self._context, self._endpoint, self._curve)
+        raise no_answer(self._endpoint, self._timeout)

@@ -1,0 +1,41 @@
+"""Keys of ZeroMQ's CURVE, for daemons that are reached over a network and not over loopback."""
+
+import dataclasses
+from typing import Optional, Union
+
+import zmq
+import zmq.utils.z85
+
+Key = Union[str, bytes]
+
+
+def _check(name: str, key: Key) -> bytes:
+    key = key.encode() if isinstance(key, str) else bytes(key)
+    if len(key) == 32:
+        return zmq.utils.z85.encode(key)
+    if len(key) != 40:
+        raise ValueError(f'{name}: {len(key)} bytes, expected 40 characters of Z85 or 32 bytes')
+    try:
+        zmq.utils.z85.decode(key)
+    except (KeyError, ValueError):
+        raise ValueError(f'{name}: not Z85 (rfc.zeromq.org/spec/32)') from None
+    return key
+
+
+@dataclasses.dataclass(frozen=True)
+class Curve:
+    """The daemon's public key, and the own pair. Without a pair a new one is made: enough for a
+    daemon that lets in everybody who knows its key, not for one that has a list of clients."""
+    server_key: Key
+    public_key: Optional[Key] = None
+    secret_key: Optional[Key] = None
+
+    def apply(self, socket: zmq.Socket) -> None:
+        if (self.public_key is None) != (self.secret_key is None):
+            raise ValueError('curve: one key of the own pair is missing, expected both or none')
+        public, secret = self.public_key, self.secret_key
+        if public is None:
+            public, secret = zmq.curve_keypair()
+        socket.curve_serverkey = _check('curve: server_key', self.server_key)
+        socket.curve_publickey = _check('curve: public_key', public)
+        socket.curve_secretkey = _check('curve: secret_key', secret)

@@ -1,0 +1,244 @@
+"""What a subscriber makes of the messages it gets, apart from the sockets they come by: topics, the
+bodies that frames belong to, gaps (proto/styled/v1/WIRE.md)."""
+
+import dataclasses
+import enum
+import re
+from typing import Dict, Iterable, List, Optional, Tuple, Union
+
+from google.protobuf.message import DecodeError
+
+from styled import kinematics
+from styled.v1 import body_pb2, frame_pb2, stats_pb2
+
+_NAME = re.compile(r'[A-Za-z0-9_-]{1,32}')
+_ID = re.compile(r'[A-Za-z0-9_-]{1,32}\.[A-Za-z0-9_-]{1,32}')
+_MAX_PERFORMERS = 4096
+_MAX_BODIES = 64  # kept per performer: its outputs, and what they were before
+
+
+def is_performer_id(text: str) -> bool:
+    """Whether `text` is SOURCE.NAME, each part [A-Za-z0-9_-]{1,32}."""
+    return _ID.fullmatch(text) is not None
+
+
+class Stream(enum.Enum):
+    """What a performer is published as."""
+    RIG = 'rig'              # styled, on the rig's own skeleton
+    CANONICAL = 'canonical'  # styled, on the canonical humanoid
+    SOURCE = 'source'        # as received, on the rig's own skeleton
+    AVATAR = 'avatar'        # styled, on an avatar of the daemon's configuration
+
+
+# What to subscribe to: a stream, or the name of an [[output]] of the daemon's configuration.
+Wanted = Union[Stream, str]
+
+_OUTPUTS = {Stream.RIG: body_pb2.OUTPUT_RIG, Stream.CANONICAL: body_pb2.OUTPUT_CANONICAL,
+            Stream.SOURCE: body_pb2.OUTPUT_RIG, Stream.AVATAR: body_pb2.OUTPUT_AVATAR}
+
+
+def _topic(wanted: Wanted, performer: str) -> str:
+    if wanted is Stream.SOURCE:
+        return f'source/{performer}/'
+    return f'styled/{performer}/{getattr(wanted, "value", wanted)}/'
+
+
+def _check_wanted(wanted: Wanted) -> Wanted:
+    if isinstance(wanted, Stream) and wanted is not Stream.AVATAR:
+        return wanted
+    if wanted in ('rig', 'canonical', 'source'):
+        return Stream(wanted)
+    if not isinstance(wanted, str) or not _NAME.fullmatch(wanted):
+        raise ValueError(f"stream '{wanted}', expected styled.RIG, CANONICAL or SOURCE, or the name "
+                         'of an [[output]] ([A-Za-z0-9_-]{1,32})')
+    return wanted
+
+
+def _stream_of(words: List[str]) -> Tuple[Optional[Stream], str]:
+    """What a topic, cut at its slashes, is of; with the name of an avatar's [[output]]."""
+    if len(words) == 3 and words[0] == 'source' and is_performer_id(words[1]):
+        return Stream.SOURCE, ''
+    if len(words) != 4 or words[0] != 'styled' or not is_performer_id(words[1]):
+        return None, ''
+    if words[2] in ('rig', 'canonical'):
+        return Stream(words[2]), ''
+    return (Stream.AVATAR, words[2]) if _NAME.fullmatch(words[2]) else (None, '')
+
+
+class Kind(enum.Enum):
+    FRAME = 'frame'            # a pose
+    BODY = 'body'              # a skeleton not seen before
+    STATISTICS = 'statistics'  # the daemon's counters, once a second
+
+
+@dataclasses.dataclass
+class Update:
+    """One thing that arrived. What does not belong to its kind is None, 0 or False."""
+    kind: Kind
+    stream: Optional[Stream] = None
+    output_name: str = ''    # of Stream.AVATAR: the [[output]]'s
+    frame: Optional[frame_pb2.Frame] = None
+    body: Optional[body_pb2.Body] = None  # of the frame: checked; None while it has not arrived
+    missed: int = 0          # frames of this stream lost on the way just before this one
+    skipped: int = 0         # receive_latest only: older frames that this one superseded
+    new_epoch: bool = False  # the daemon was restarted since the stream's last frame
+    statistics: Optional[stats_pb2.Stats] = None
+
+    def world(self) -> List[kinematics.Transform]:
+        """Where the frame's joints are, in the order of body.names."""
+        if self.frame is None or self.body is None:
+            raise ValueError('world() of an update without a frame, or whose body is not here yet')
+        return kinematics.world_transforms(self.body, self.frame)
+
+
+@dataclasses.dataclass
+class Counters:
+    """Since the subscriber was made. Nothing is ever reset."""
+    frames: int = 0           # accepted
+    missed: int = 0           # lost by sequence, summed over streams
+    epochs: int = 0           # restarts of the daemon, seen per stream
+    bodies: int = 0           # new skeletons
+    replayed_bodies: int = 0  # dropped: already known
+    repeated_frames: int = 0  # dropped: sequence not above the last
+    malformed: int = 0        # dropped: not of WIRE.md, or a frame that does not fit its body
+
+
+@dataclasses.dataclass
+class _State:
+    started: bool = False
+    epoch: int = 0
+    sequence: int = 0
+
+
+class Inbox:
+    """Takes messages, gives updates. Knows no socket; `topics()` and `new_topics` say what a socket
+    has to subscribe to."""
+
+    def __init__(self, performer: str = '', streams: Iterable[Wanted] = (Stream.RIG,),
+                 statistics: bool = False):
+        if performer and not is_performer_id(performer):
+            raise ValueError(f"performer '{performer}' is not SOURCE.NAME "
+                             '([A-Za-z0-9_-]{1,32} each)')
+        self.counters = Counters()
+        self.new_topics: List[str] = []  # to be subscribed to and emptied by the socket's owner
+        self._performer = performer
+        self._streams = tuple(_check_wanted(stream) for stream in streams)
+        self._statistics = statistics
+        self._bodies: Dict[str, List[body_pb2.Body]] = {}
+        self._states: Dict[str, _State] = {}
+
+    def topics(self) -> List[str]:
+        topics = ['stats/'] if self._statistics else []
+        if not self._performer:
+            return topics + ['body/']  # who is there; then each one's own
+        return topics + [f'body/{self._performer}/'] + self._frame_topics(self._performer)
+
+    def performers(self) -> List[str]:
+        return sorted(self._bodies)
+
+    def accept(self, parts: List[bytes]) -> Optional[Update]:
+        """The update that a message is, None where it is dropped."""
+        if len(parts) == 2:
+            try:
+                return self._accept(parts[0].decode('ascii'), parts[1])
+            except (DecodeError, UnicodeDecodeError):
+                pass
+        self.counters.malformed += 1
+        return None
+
+    def _frame_topics(self, performer: str) -> List[str]:
+        return [_topic(stream, performer) for stream in self._streams]
+
+    def _accept(self, topic: str, payload: bytes) -> Optional[Update]:
+        words = topic.split('/')
+        if words == ['stats', '']:
+            return Update(Kind.STATISTICS, statistics=_parse(stats_pb2.Stats, payload))
+        if len(words) == 3 and words[0] == 'body':
+            return self._accept_body(words[1], payload)
+        stream, name = _stream_of(words)
+        if stream is not None and words[-1] == '':
+            return self._accept_frame(stream, name, topic, words[1], payload)
+        self.counters.malformed += 1
+        return None
+
+    def _accept_body(self, performer: str, payload: bytes) -> Optional[Update]:
+        body = _parse(body_pb2.Body, payload)
+        full = len(self._bodies) >= _MAX_PERFORMERS and performer not in self._bodies
+        if body.performer != performer or not is_performer_id(performer) or full or \
+                kinematics.check_body(body):
+            self.counters.malformed += 1
+            return None
+        if performer not in self._bodies:
+            self._bodies[performer] = []
+            if not self._performer:
+                self.new_topics += self._frame_topics(performer)
+        known = self._bodies[performer]
+        if any(_same(body, other) for other in known):
+            self.counters.replayed_bodies += 1
+            return None
+        del known[:max(0, len(known) - _MAX_BODIES + 1)]
+        known.append(body)
+        self.counters.bodies += 1
+        return Update(Kind.BODY, body=body)
+
+    def _accept_frame(self, stream: Stream, name: str, topic: str, performer: str,
+                      payload: bytes) -> Optional[Update]:
+        frame = _parse(frame_pb2.Frame, payload)
+        if frame.performer != performer or frame.output != _OUTPUTS[stream]:
+            self.counters.malformed += 1
+            return None
+        state = self._states.setdefault(topic, _State())
+        same_epoch = state.started and frame.epoch == state.epoch
+        if same_epoch and frame.sequence <= state.sequence:
+            self.counters.repeated_frames += 1
+            return None
+        body = next((b for b in self._bodies.get(performer, ())
+                     if b.hash == frame.body_hash and b.output == frame.output and
+                     b.output_name == name), None)
+        if body is not None and kinematics.check_frame(frame, body):
+            self.counters.malformed += 1
+            return None
+        missed = frame.sequence - state.sequence - 1 if same_epoch else 0
+        new_epoch = state.started and not same_epoch
+        self._states[topic] = _State(True, frame.epoch, frame.sequence)
+        self.counters.frames += 1
+        self.counters.missed += missed
+        self.counters.epochs += new_epoch
+        return Update(Kind.FRAME, stream, name, frame, body, missed, 0, new_epoch)
+
+
+def _parse(kind, payload: bytes):
+    parsed = kind()
+    # Some of protobuf's implementations stop at an end of group and only warn.
+    if parsed.ParseFromString(payload) != len(payload):
+        raise DecodeError('not all of it was read')
+    return parsed
+
+
+def _same(a: body_pb2.Body, b: body_pb2.Body) -> bool:
+    return (a.hash, a.output, a.output_name) == (b.hash, b.output, b.output_name)
+
+
+class Newest:
+    """Latest-wins: of several updates the newest frame of each performer and stream, every body,
+    and the newest statistics."""
+
+    def __init__(self) -> None:
+        self._updates: Dict[Tuple, Update] = {}
+
+    def add(self, update: Update) -> None:
+        key: Tuple = (update.kind,)
+        if update.kind is Kind.FRAME:
+            key = (update.kind, update.stream, update.output_name, update.frame.performer)
+            older = self._updates.get(key)
+            if older is not None:
+                update.missed += older.missed
+                update.skipped = older.skipped + 1
+                update.new_epoch = update.new_epoch or older.new_epoch
+        elif update.kind is Kind.BODY:
+            body = update.body
+            key = (update.kind, body.performer, body.output, body.output_name, body.hash)
+        self._updates[key] = update
+
+    def take(self) -> List[Update]:
+        return list(self._updates.values())

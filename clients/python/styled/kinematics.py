@@ -1,0 +1,100 @@
+"""From a frame's rotations to where each joint is.
+
+A frame carries, for each joint, its rotation relative to its parent (joint 0: to the world); a body
+carries each joint's offset from its parent. All of it in the body's own units and axes: for the
+canonical humanoid metres, right-handed, +Y up, +Z forward, +X the body's left. Quaternions are
+(x, y, z, w).
+"""
+
+import math
+from typing import List, NamedTuple, Tuple
+
+from styled.v1 import body_pb2, frame_pb2
+
+MAX_JOINTS = 1024  # a body beyond it is taken for a damaged message
+
+Vector = Tuple[float, float, float]
+Quaternion = Tuple[float, float, float, float]
+
+
+class Transform(NamedTuple):
+    """A joint in its skeleton's world."""
+    position: Vector
+    rotation: Quaternion  # world from joint, unit length
+
+
+def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
+    """First b, then a."""
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    return (aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz)
+
+
+def rotate(q: Quaternion, v: Vector) -> Vector:
+    """v turned by the unit quaternion q."""
+    x, y, z, w = q
+    vx, vy, vz = v
+    tx, ty, tz = 2 * (y * vz - z * vy), 2 * (z * vx - x * vz), 2 * (x * vy - y * vx)
+    return (vx + w * tx + y * tz - z * ty, vy + w * ty + z * tx - x * tz,
+            vz + w * tz + x * ty - y * tx)
+
+
+def check_body(body: body_pb2.Body) -> str:
+    """What is wrong with a body, "" where nothing is."""
+    joints = len(body.names)
+    if not 1 <= joints <= MAX_JOINTS:
+        return f'{joints} joints, expected 1 to {MAX_JOINTS}'
+    if (len(body.parents), len(body.offsets)) != (joints, 3 * joints) or \
+            len(body.rest) not in (0, 4 * joints):
+        return f'parents, offsets or rest are not those of {joints} joints'
+    if body.parents[0] != -1 or any(not 0 <= p < j for j, p in enumerate(body.parents) if j):
+        return 'joint 0 is not the only root, or a parent does not precede its child'
+    if not all(map(math.isfinite, body.offsets)):
+        return 'an offset is not finite'
+    return ''
+
+
+def check_frame(frame: frame_pb2.Frame, body: body_pb2.Body) -> str:
+    """What is wrong with a frame on a body that passed check_body, "" where nothing is."""
+    if frame.body_hash != body.hash or frame.output != body.output:
+        return 'the frame is of another body'
+    if len(frame.root_position) != 3 or len(frame.rotations) != 4 * len(body.names):
+        return f'root_position or rotations are not those of {len(body.names)} joints'
+    if not all(map(math.isfinite, frame.root_position)):
+        return 'root_position is not finite'
+    q = frame.rotations
+    for i in range(0, len(q), 4):
+        square = q[i]**2 + q[i + 1]**2 + q[i + 2]**2 + q[i + 3]**2
+        if not 1e-12 <= square < math.inf:
+            return f'rotation of joint {i // 4} is zero or not finite'
+    return ''
+
+
+def world_transforms(body: body_pb2.Body, frame: frame_pb2.Frame) -> List[Transform]:
+    """Forward kinematics: where each joint of `body`, in its order, is in `frame`. ValueError where
+    the two do not belong together."""
+    wrong = check_frame(frame, body)
+    if wrong:
+        raise ValueError(wrong)
+    rotations, offsets, parents = frame.rotations, body.offsets, body.parents
+    world: List[Transform] = []
+    for joint, parent in enumerate(parents):
+        x, y, z, w = rotations[4 * joint:4 * joint + 4]
+        size = math.sqrt(x * x + y * y + z * z + w * w)
+        local = (x / size, y / size, z / size, w / size)
+        if parent < 0:
+            world.append(Transform(tuple(frame.root_position), local))
+            continue
+        position, rotation = world[parent]
+        dx, dy, dz = rotate(rotation, tuple(offsets[3 * joint:3 * joint + 3]))
+        world.append(Transform((position[0] + dx, position[1] + dy, position[2] + dz),
+                               multiply(rotation, local)))
+    return world
+
+
+def world_arrays(body: body_pb2.Body, frame: frame_pb2.Frame):
+    """The same as two numpy arrays: J x 3 positions, J x 4 rotations. Needs numpy."""
+    import numpy
+    world = world_transforms(body, frame)
+    return (numpy.array([t.position for t in world]), numpy.array([t.rotation for t in world]))

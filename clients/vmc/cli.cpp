@@ -1,0 +1,189 @@
+#include "clients/vmc/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "clients/vmc/forwarder.h"
+
+namespace styled::stylevmc {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+struct Arguments {
+  Options options;
+  std::vector<std::string> to;
+  std::string root = "hips";
+  double statistics_s = 10, seconds = 0;
+};
+
+void Declare(CLI::App& app, Arguments& a) {
+  app.set_version_flag("--version", "stylevmc " STYLED_VERSION);
+  app.add_option("--to", a.to,
+                 "where an application listens for VMC, [PERFORMER=]HOST:PORT; may be given many "
+                 "times, default port of most: 39539")
+      ->allow_extra_args(false)
+      ->required();
+  app.add_option("--performer", a.options.performer,
+                 "SOURCE.NAME, for targets that name none; default: the first one seen, another "
+                 "once that one was silent for 5 s")
+      ->check([](const std::string& id) {
+        if (client::IsPerformerId(id)) return std::string();
+        return "'" + id + "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each)";
+      });
+  app.add_option("--publish", a.options.publishers,
+                 "the daemon's publisher; may be given many times")
+      ->envname("STYLED_PUBLISHER")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  app.add_option("--rate", a.options.rate_hz,
+                 "at most so many frames per second of each performer (VSeeFace is known to fail "
+                 "above 200)")
+      ->check(CLI::Range(1.0, 240.0))
+      ->capture_default_str();
+  app.add_option("--root", a.root,
+                 "what carries the performer through the room: hips (the root stays at the "
+                 "origin) or root (it moves over the floor)")
+      ->check(CLI::IsMember({"hips", "root"}))
+      ->capture_default_str();
+  app.add_option("--statistics", a.statistics_s, "seconds between two lines of statistics; 0: none")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--seconds", a.seconds, "end by itself; 0: never")->check(CLI::Range(0.0, 1e9));
+  app.footer(
+      "Exit codes: 0, 1 failed, 2 usage, 3 with --seconds when nothing was forwarded.\n"
+      "Examples:\n"
+      "  stylevmc --to 127.0.0.1:39539\n"
+      "  stylevmc --to 192.168.1.20:39539 --to [fd00::5]:39540 --performer stage.anna\n"
+      "  stylevmc --to stage.anna=127.0.0.1:39539 --to stage.ben=127.0.0.1:39540 --rate 60");
+}
+
+// CLI11's ranges let it through.
+bool AnyNan(const Arguments& a) {
+  return std::isnan(a.options.rate_hz + a.statistics_s + a.seconds);
+}
+
+std::string Targets(const Channel& channel) {
+  std::string text;
+  for (const auto& target : channel.targets) text += (text.empty() ? "" : ", ") + target->text();
+  return text;
+}
+
+// One line per channel: who goes where, and how.
+class Report {
+ public:
+  Report(std::ostream& out, std::ostream& err) : out_(out), err_(err) {}
+
+  void Print(Forwarder& forwarder, bool interval) {
+    const double passed_s = std::chrono::duration<double>(Clock::now() - since_).count();
+    auto& channels = forwarder.channels();
+    frames_.resize(channels.size(), 0);
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      const Channel& channel = channels[i];
+      const Counts& counts = channel.counts;
+      out_ << "stylevmc: " << (channel.current.empty() ? "nobody yet" : channel.current) << " -> "
+           << Targets(channel) << ": ";
+      if (interval) {
+        const auto fresh = static_cast<double>(counts.frames - frames_[i]);
+        frames_[i] = counts.frames;
+        char rate[32];
+        std::snprintf(rate, sizeof rate, "%.1f frames/s, ", fresh / passed_s);
+        out_ << rate;
+      }
+      out_ << counts.frames << " frames, " << counts.thinned << " thinned out, " << counts.missed
+           << " missed, " << counts.bodiless << " without a body, " << counts.failed
+           << " datagrams refused" << (forwarder.connected() == 0 ? "; no daemon answers" : "")
+           << "\n";
+    }
+    out_.flush();
+    since_ = Clock::now();
+  }
+
+  // At most once a second, what went wrong last; who is shown, when that changes.
+  void PrintNews(Forwarder& forwarder) {
+    auto& channels = forwarder.channels();
+    shown_.resize(channels.size());
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      Channel& channel = channels[i];
+      if (shown_[i] != channel.current && channel.wanted.empty()) {
+        out_ << "stylevmc: " << channel.current << " -> " << Targets(channel) << "\n";
+        out_.flush();
+      }
+      shown_[i] = channel.current;
+    }
+    if (Clock::now() < next_error_) return;
+    for (Channel& channel : channels) {
+      if (channel.counts.last_error.empty()) continue;
+      err_ << "stylevmc: " << channel.counts.last_error << "\n";
+      channel.counts.last_error.clear();
+      next_error_ = Clock::now() + std::chrono::seconds(1);
+    }
+  }
+
+ private:
+  std::ostream& out_;
+  std::ostream& err_;
+  Clock::time_point since_ = Clock::now(), next_error_ = Clock::now();
+  std::vector<std::uint64_t> frames_;
+  std::vector<std::string> shown_;
+};
+
+Clock::duration Seconds(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+int Forward(const Arguments& a, Forwarder& forwarder, const std::atomic<bool>& stop,
+            std::ostream& out, std::ostream& err) {
+  Report report(out, err);
+  const auto begin = Clock::now();
+  auto next = begin + Seconds(a.statistics_s);
+  while (!stop && (a.seconds == 0 || Clock::now() < begin + Seconds(a.seconds))) {
+    forwarder.Step(milliseconds(50));
+    report.PrintNews(forwarder);
+    if (a.statistics_s == 0 || Clock::now() < next) continue;
+    report.Print(forwarder, true);
+    next = Clock::now() + Seconds(a.statistics_s);
+  }
+  report.Print(forwarder, false);
+  const auto& channels = forwarder.channels();
+  const bool any = std::any_of(channels.begin(), channels.end(),
+                               [](const Channel& channel) { return channel.counts.frames > 0; });
+  return a.seconds > 0 && !stop && !any ? kExitNothing : kExitOk;
+}
+
+}  // namespace
+
+int Run(std::vector<std::string> arguments, const std::atomic<bool>& stop, std::ostream& out,
+        std::ostream& err) {
+  Arguments a;
+  CLI::App app{"stylevmc: styled performers to VSeeFace, Warudo, VNyan, Unity, Unreal, by VMC",
+               "stylevmc"};
+  Declare(app, a);
+  const auto fail = [&err](const std::string& text, int code) {
+    err << "stylevmc: " << text << (code == kExitUsage ? "\n  see stylevmc --help\n" : "\n");
+    return code;
+  };
+  std::reverse(arguments.begin(), arguments.end());  // what CLI11 takes
+  try {
+    app.parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error, out, err), kExitOk;
+    return fail(error.what(), kExitUsage);
+  }
+  if (a.root == "root") a.options.carrier = Carrier::kRoot;
+  if (AnyNan(a)) return fail("a value is nan; expected a number", kExitUsage);
+  for (const std::string& text : a.to) {
+    auto target = ParseTarget(text);
+    if (!target.ok()) return fail(target.status().message(), kExitUsage);
+    a.options.targets.push_back(std::move(target.value()));
+  }
+  auto forwarder = Forwarder::Open(a.options);
+  if (!forwarder.ok()) return fail(forwarder.status().message(), kExitFailed);
+  return Forward(a, *forwarder.value(), stop, out, err);
+}
+
+}  // namespace styled::stylevmc

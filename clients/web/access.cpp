@@ -1,0 +1,113 @@
+#include "clients/web/access.h"
+
+#include <algorithm>
+#include <fstream>
+
+namespace styled::web {
+namespace {
+
+constexpr std::size_t kMinToken = 16, kMaxToken = 256;
+
+std::string_view WithoutPort(std::string_view host) noexcept {
+  const std::size_t colon = host.rfind(':');
+  const bool port = colon != std::string_view::npos && host.find(']', colon) == host.npos;
+  return port ? host.substr(0, colon) : host;
+}
+
+bool IsLoopbackName(std::string_view host) noexcept {
+  const std::string_view name = WithoutPort(host);
+  if (name == "localhost" || name == "[::1]") return true;
+  const auto numeric = [](char c) { return (c >= '0' && c <= '9') || c == '.'; };
+  return name.starts_with("127.") && std::all_of(name.begin(), name.end(), numeric);
+}
+
+bool IsOurs(const AccessRules& rules, std::string_view origin, std::string_view host) noexcept {
+  if (std::find(rules.origins.begin(), rules.origins.end(), origin) != rules.origins.end()) {
+    return true;
+  }
+  for (const std::string_view scheme : {"http://", "https://"}) {
+    if (origin.starts_with(scheme) && !host.empty() && origin.substr(scheme.size()) == host) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Takes as long for a token that begins right as for any other of its length.
+bool Same(std::string_view given, std::string_view token) noexcept {
+  if (given.size() != token.size()) return false;
+  unsigned different = 0;
+  for (std::size_t i = 0; i < token.size(); ++i) {
+    different |= static_cast<unsigned char>(given[i]) ^ static_cast<unsigned char>(token[i]);
+  }
+  return different == 0;
+}
+
+std::string_view TokenOf(const Credentials& credentials) noexcept {
+  constexpr std::string_view kBearer = "Bearer ", kParameter = "token=";
+  if (credentials.authorization.starts_with(kBearer)) {
+    return credentials.authorization.substr(kBearer.size());
+  }
+  std::string_view query = credentials.target;
+  const std::size_t mark = query.find('?');
+  if (mark == std::string_view::npos) return {};
+  query.remove_prefix(mark + 1);
+  for (;;) {
+    const std::size_t end = query.find('&');
+    if (query.starts_with(kParameter)) {
+      return query.substr(kParameter.size(), end - kParameter.size());
+    }
+    if (end == std::string_view::npos) return {};
+    query.remove_prefix(end + 1);
+  }
+}
+
+bool IsTokenCharacter(char c) noexcept {
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' ||
+         c == '_' || c == '~' || c == '-';
+}
+
+}  // namespace
+
+Verdict Judge(const AccessRules& rules, const Credentials& credentials, bool needs_token) noexcept {
+  if (rules.loopback && !IsLoopbackName(credentials.host)) return Verdict::kHost;
+  if (!credentials.origin.empty() && !IsOurs(rules, credentials.origin, credentials.host)) {
+    return Verdict::kOrigin;
+  }
+  if (needs_token && !rules.token.empty() && !Same(TokenOf(credentials), rules.token)) {
+    return Verdict::kToken;
+  }
+  return Verdict::kAllowed;
+}
+
+std::string_view Explain(Verdict verdict) noexcept {
+  switch (verdict) {
+    case Verdict::kAllowed:
+      return "";
+    case Verdict::kHost:
+      return "this gateway listens on loopback only: call it localhost or 127.0.0.1";
+    case Verdict::kOrigin:
+      return "a page of another site may not connect; allow it with --origin";
+    case Verdict::kToken:
+      return "the token is missing or wrong; expected ?token=... or Authorization: Bearer ...";
+  }
+  return "";
+}
+
+Result<std::string> ReadToken(const std::string& file) {
+  std::ifstream in(file);
+  std::string token;
+  if (!in || !std::getline(in, token)) {
+    return Status::Error("--token-file " + file + ": cannot read a first line from it");
+  }
+  if (!token.empty() && token.back() == '\r') token.pop_back();
+  if (token.size() < kMinToken || token.size() > kMaxToken ||
+      !std::all_of(token.begin(), token.end(), IsTokenCharacter)) {
+    return Status::Error(
+        "--token-file " + file +
+        ": its first line is not a token, expected 16 to 256 of A-Z a-z 0-9 . _ ~ -");
+  }
+  return token;
+}
+
+}  // namespace styled::web

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "clients/cpp/control.h"
+
+namespace styled::web {
+
+// The daemon's control socket on a thread of its own, so that a daemon that does not answer never
+// stops the frames. Requests are asked one after another. Any thread may call Ask; the destructor
+// waits for the request in flight, at most its timeout.
+class Asker {
+ public:
+  // What became of a request; `status` is ok or refused where `reply` is the daemon's. Called on
+  // the asker's thread.
+  using Done = std::function<void(client::CallStatus status, v1::Reply reply)>;
+
+  // Refuses an endpoint that ZeroMQ cannot parse.
+  static Result<std::unique_ptr<Asker>> Start(const std::string& endpoint);
+  ~Asker();
+  Asker(const Asker&) = delete;
+  Asker& operator=(const Asker&) = delete;
+
+  // False, and `done` is dropped, where too many wait already. A request that has waited longer
+  // than the timeout when its turn comes is not asked any more.
+  bool Ask(v1::Request request, Done done);
+
+ private:
+  struct Waiting {
+    v1::Request request;
+    Done done;
+    std::chrono::steady_clock::time_point since;
+  };
+  explicit Asker(std::unique_ptr<client::Control> control);
+  void Loop(const std::stop_token& stop);
+
+  std::unique_ptr<client::Control> control_;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::deque<Waiting> waiting_;
+  std::jthread thread_;
+};
+
+}  // namespace styled::web

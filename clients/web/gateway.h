@@ -1,0 +1,70 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "clients/cpp/control.h"
+#include "clients/cpp/subscriber.h"
+#include "clients/web/access.h"
+#include "clients/web/asker.h"
+#include "clients/web/hub.h"
+#include "clients/web/metrics.h"
+#include "clients/web/page.h"
+#include "clients/web/upstream.h"
+
+namespace styled::web {
+
+struct Options {
+  std::string listen = "127.0.0.1:7080";  // HOST:PORT, numeric or localhost; port 0 = any free one
+  std::string publish = std::string(client::kDefaultPublisher);
+  std::string control = std::string(client::kDefaultControl);
+  std::string page;        // folder of the built page; "" = beside the program, if there
+  std::string token_file;  // needed on other addresses than loopback, unless ...
+  bool allow_unauthenticated_remote = false;  // ... this says that everyone may
+  std::vector<std::string> origins;           // of pages of other sites that may connect
+  bool watch_only = false;                    // control requests are refused
+  int max_connections = 64;                   // further ones are closed at once; 1 .. 10000
+};
+
+// Everything that the connections share, and the loop's timers. One thread runs `io`; all but Start
+// is called there.
+class Gateway {
+ public:
+  // Listens from here on. Refuses what is wrong in `options`, naming the option, and an address
+  // that cannot be listened on.
+  static Result<std::unique_ptr<Gateway>> Start(boost::asio::io_context& io,
+                                                const Options& options);
+  Gateway(const Gateway&) = delete;
+  Gateway& operator=(const Gateway&) = delete;
+
+  const std::string& address() const { return address_; }  // "http://127.0.0.1:7080"
+
+  boost::asio::io_context& io;
+  Options options;
+  AccessRules access;
+  Page page;
+  Counters counters;
+  std::unique_ptr<Upstream> upstream;
+  std::unique_ptr<Hub> hub;
+  std::unique_ptr<Asker> asker;
+  std::shared_ptr<int> connections = std::make_shared<int>(0);  // open
+
+  Gauges gauges() const;
+
+ private:
+  Gateway(boost::asio::io_context& io, const Options& options);
+  Status Prepare();
+  Status Listen();
+  void Accept();
+  void Tick();
+
+  boost::asio::ip::tcp::acceptor acceptor_;
+  boost::asio::steady_timer tick_, retry_;
+  std::string address_;
+};
+
+}  // namespace styled::web

@@ -1,0 +1,167 @@
+#include "clients/web/metrics.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <string_view>
+
+namespace styled::web {
+namespace {
+
+using std::string;
+using std::string_view;
+
+// Of the daemon's counters these can fall.
+constexpr std::array<string_view, 3> kGaugeNames{"pipeline.performers", "pipeline.longest_cycle_us",
+                                                 "publish.subscriptions"};
+
+string Number(double value) {
+  if (std::isnan(value)) return "NaN";
+  if (std::isinf(value)) return value > 0 ? "+Inf" : "-Inf";
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.9g", value);
+  return text.data();
+}
+
+string Whole(std::uint64_t value) { return std::to_string(value); }
+
+string Quoted(string_view value) {
+  string out = "\"";
+  for (const char c : value) {
+    if (c == '\\' || c == '"') out += '\\';
+    out += c == '\n' ? 'n' : c;
+  }
+  return out + "\"";
+}
+
+class Text {
+ public:
+  void Family(string_view name, string_view type, string_view help) {
+    name_ = name;
+    out_.append("# HELP ").append(name).append(" ").append(help).append("\n# TYPE ");
+    out_.append(name).append(" ").append(type).append("\n");
+  }
+  void Sample(string_view value, string_view labels = "") {
+    out_ += name_;
+    if (!labels.empty()) out_.append("{").append(labels).append("}");
+    out_.append(" ").append(value).append("\n");
+  }
+  void One(string_view name, string_view type, string_view help, string_view value) {
+    Family(name, type, help);
+    Sample(value);
+  }
+  string Take() { return std::move(out_); }
+
+ private:
+  string out_, name_;
+};
+
+void WriteGateway(const Counters& counters, const Gauges& gauges, Text& text) {
+  const auto total = [&text](string_view name, std::uint64_t value, string_view help) {
+    text.One(name, "counter", help, Whole(value));
+  };
+  text.One("styled_up", "gauge", "1 while the daemon publishes", gauges.daemon_up ? "1" : "0");
+  text.One("styleweb_browsers", "gauge", "WebSockets open", Whole(gauges.browsers));
+  text.One("styleweb_connections", "gauge", "connections open", Whole(gauges.connections));
+  text.One("styleweb_subscriptions", "gauge", "distinct topics asked of the daemon",
+           Whole(gauges.subscriptions));
+  total("styleweb_connections_total", counters.connections, "connections accepted");
+  text.Family("styleweb_refused_total", "counter", "connections and requests refused");
+  text.Sample(Whole(counters.refused_full), "reason=\"full\"");
+  text.Sample(Whole(counters.refused_access), "reason=\"access\"");
+  total("styleweb_browsers_total", counters.browsers, "WebSockets opened");
+  total("styleweb_sent_messages_total", counters.sent_messages, "messages sent to browsers");
+  total("styleweb_sent_bytes_total", counters.sent_bytes, "bytes of those");
+  total("styleweb_superseded_messages_total", counters.superseded,
+        "messages not sent because a newer one came before the browser read");
+  total("styleweb_requests_total", counters.requests, "control requests from browsers");
+  total("styleweb_unanswered_requests_total", counters.unanswered,
+        "control requests that no daemon answered");
+  total("styleweb_bad_messages_total", counters.bad_messages,
+        "messages from browsers not understood");
+  total("styleweb_upstream_messages_total", counters.upstream_messages,
+        "messages received from the daemon");
+  total("styleweb_upstream_malformed_total", counters.upstream_malformed,
+        "messages from the daemon not understood");
+  rusage use{};
+  getrusage(RUSAGE_SELF, &use);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) * 1e-6;
+  };
+  text.One("process_cpu_seconds_total", "counter", "processor time of the gateway",
+           Number(seconds(use.ru_utime) + seconds(use.ru_stime)));
+}
+
+void WriteCounters(const v1::Stats& stats, Text& text) {
+  for (const v1::Counter& counter : stats.counters()) {
+    string name = "styled_" + counter.name();
+    const auto odd = [](char c) {
+      return (c < 'a' || c > 'z') && (c < 'A' || c > 'Z') && (c < '0' || c > '9');
+    };
+    std::replace_if(name.begin(), name.end(), odd, '_');
+    const bool gauge =
+        std::find(kGaugeNames.begin(), kGaugeNames.end(), counter.name()) != kGaugeNames.end();
+    string value = Whole(counter.value());
+    if (name.ends_with("_us")) {  // Prometheus counts in seconds
+      name.replace(name.size() - 2, 2, "seconds");
+      value = Number(static_cast<double>(counter.value()) * 1e-6);
+    }
+    if (!gauge) name += "_total";
+    text.One(name, gauge ? "gauge" : "counter", "a counter of the daemon", value);
+  }
+}
+
+void WritePerformers(const v1::Stats& stats, Text& text) {
+  const auto each = [&](string_view name, string_view type, string_view help, auto&& value) {
+    text.Family(name, type, help);
+    for (const auto& performer : stats.performers()) {
+      text.Sample(value(performer), "performer=" + Quoted(performer.performer()));
+    }
+  };
+  using P = v1::PerformerStats;
+  each("styled_performer_live", "gauge", "1 while frames come",
+       [](const P& p) { return string(p.live() ? "1" : "0"); });
+  each("styled_performer_rate_hertz", "gauge", "frames of the last second",
+       [](const P& p) { return Number(p.rate_hz()); });
+  each("styled_performer_strength_ratio", "gauge", "strength of the style",
+       [](const P& p) { return Number(p.strength()); });
+  each("styled_performer_received_total", "counter", "frames accepted from the rig",
+       [](const P& p) { return Whole(p.received()); });
+  each("styled_performer_published_total", "counter", "poses published",
+       [](const P& p) { return Whole(p.published()); });
+  each("styled_performer_lost_total", "counter", "datagrams missing by their sequence",
+       [](const P& p) { return Whole(p.lost()); });
+  text.Family("styled_performer_latency_seconds", "gauge",
+              "from receipt to sending, over the last second");
+  for (const auto& p : stats.performers()) {
+    const string labels = "performer=" + Quoted(p.performer()) + ",of=";
+    text.Sample(Number(p.latency_p50_us() * 1e-6), labels + "\"p50\"");
+    text.Sample(Number(p.latency_p99_us() * 1e-6), labels + "\"p99\"");
+    text.Sample(Number(p.latency_max_us() * 1e-6), labels + "\"max\"");
+  }
+  text.Family("styled_performer_style_weight_ratio", "gauge", "the mix that is set");
+  for (const auto& p : stats.performers()) {
+    for (const auto& style : p.styles()) {
+      text.Sample(Number(style.weight()),
+                  "performer=" + Quoted(p.performer()) + ",style=" + Quoted(style.style()));
+    }
+  }
+}
+
+}  // namespace
+
+string PrometheusText(const Counters& counters, const Gauges& gauges, const v1::Stats* daemon) {
+  Text text;
+  WriteGateway(counters, gauges, text);
+  if (daemon != nullptr) {
+    WriteCounters(*daemon, text);
+    WritePerformers(*daemon, text);
+  }
+  return text.Take();
+}
+
+}  // namespace styled::web

@@ -1,0 +1,244 @@
+// The right-hand side: styles, strength, mix pad, transition, body parts, presets.
+import { BodyPart } from 'styled-client';
+
+import { paced, type App } from './app.js';
+import { clamp, h, setText, svg } from './dom.js';
+
+export const STYLE_KEYS = '1234567890';
+
+function section(title: string, ...children: (Node | undefined)[]): HTMLElement {
+  return h('section', {}, h('h2', {}, title), ...children.filter((c) => c !== undefined));
+}
+
+function styleGrid(app: App, inForce: () => Map<string, number>): HTMLElement {
+  const grid = h('div', { className: 'styles' });
+  let shown = '';
+  const buttons = new Map<string, { button: HTMLButtonElement; fill: HTMLElement }>();
+  app.watch(() => {
+    const names = app.styles();
+    if (names.join() !== shown) {
+      shown = names.join();
+      buttons.clear();
+      grid.replaceChildren(...names.map((name, i) => {
+        const fill = h('i', {});
+        const key = STYLE_KEYS[i % 10]!;
+        const hint = i < 10 ? key : `⇧${key}`;
+        const button = h('button', {
+          'data-style': name, title: `${name} (${i < 10 ? '' : 'Shift+'}${key})`,
+          onclick: () => void app.setStyle(name),
+        }, fill, h('span', {}, name), i < 20 ? h('kbd', {}, hint) : undefined);
+        buttons.set(name, { button, fill });
+        return button;
+      }));
+    }
+    const set = new Set(app.entry()?.styles.filter(({ weight }) => weight > 0).map(({ style }) => style));
+    for (const [name, { button }] of buttons) {
+      button.setAttribute('aria-pressed', String(set.has(name)));
+    }
+  });
+  const draw = () => {
+    const weights = inForce();
+    for (const [name, { fill }] of buttons) {
+      const width = `${(100 * clamp(weights.get(name) ?? 0, 0, 1)).toFixed(0)}%`;
+      if (fill.style.width !== width) fill.style.width = width;
+    }
+  };
+  setInterval(draw, 100);
+  return grid;
+}
+
+interface Slider {
+  element: HTMLElement;
+  show(value: number): void;
+}
+
+function slider(name: string, range: { min: number; max: number; step: number }, words: (v: number) => string,
+                input: (value: number) => void): Slider {
+  const value = h('output', {});
+  const knob = h('input', { type: 'range', ...range, 'aria-label': name, name: name.toLowerCase() });
+  let held_ms = -Infinity;
+  const paint = () => {
+    setText(value, words(Number(knob.value)));
+    const part = (Number(knob.value) - range.min) / (range.max - range.min);
+    knob.style.setProperty('--part', `${(100 * part).toFixed(1)}%`);
+  };
+  knob.addEventListener('input', () => {
+    held_ms = performance.now();
+    paint();
+    input(Number(knob.value));
+  });
+  paint();
+  return {
+    element: h('label', { className: 'slider' }, h('span', {}, name), value, knob),
+    show(next) {
+      // What comes from the daemon is up to a second old: a knob in the hand is right.
+      if (performance.now() - held_ms < 1500 || Math.abs(Number(knob.value) - next) < range.step / 2) return;
+      knob.value = String(next);
+      paint();
+    },
+  };
+}
+
+/** Two styles: to the side how much of each, upwards how strong. */
+function mixPad(app: App): HTMLElement {
+  const pick = (label: string) => h('select', { 'aria-label': label });
+  const a = pick('first style of the mix'), b = pick('second style of the mix');
+  const dot = h('div', { className: 'dot' });
+  const pad = h('div', {
+    className: 'pad', tabIndex: 0, role: 'application',
+    'aria-label': 'Mix pad: left and right mix, up and down strength',
+  }, h('span', { className: 'up' }, 'strong'), h('span', { className: 'down' }, 'subtle'), dot);
+  let x = 0.5, y = 0.8;
+  const paint = () => {
+    dot.style.left = `${100 * x}%`;
+    dot.style.top = `${100 * (1 - y)}%`;
+  };
+  const send = paced(async () => {
+    if (a.value === b.value) return app.onMessage('the two styles of the mix are the same', true);
+    const mix = [{ style: a.value, weight: 1 - x }, { style: b.value, weight: x }];
+    await app.set({ mix: mix.filter(({ weight }) => weight > 0.001), strength: 1.5 * y },
+      `${a.value} ${Math.round(100 * (1 - x))}%, ${b.value} ${Math.round(100 * x)}%`);
+  });
+  const move = (nextX: number, nextY: number) => {
+    x = clamp(nextX, 0, 1);
+    y = clamp(nextY, 0, 1);
+    paint();
+    send(undefined);
+  };
+  const drag = (event: PointerEvent) => {
+    const box = pad.getBoundingClientRect();
+    move((event.clientX - box.left) / box.width, 1 - (event.clientY - box.top) / box.height);
+  };
+  pad.addEventListener('pointerdown', (event) => {
+    pad.setPointerCapture(event.pointerId);
+    drag(event);
+  });
+  pad.addEventListener('pointermove', (event) => {
+    if (pad.hasPointerCapture(event.pointerId)) drag(event);
+  });
+  pad.addEventListener('keydown', (event) => {
+    const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    event.stopPropagation();
+    move(x + 0.05 * step[0]!, y + 0.05 * step[1]!);
+  });
+  for (const select of [a, b]) select.addEventListener('change', () => send(undefined));
+  let shown = '';
+  app.watch(() => {
+    const names = app.styles();
+    if (names.join() === shown) return;
+    shown = names.join();
+    const chosen = [a.value, b.value];
+    for (const select of [a, b]) select.replaceChildren(...names.map((name) => h('option', {}, name)));
+    a.value = names.includes(chosen[0]!) ? chosen[0]! : names[0] ?? '';
+    b.value = names.includes(chosen[1]!) ? chosen[1]! : names[1] ?? '';
+  });
+  paint();
+  return h('div', { className: 'mix' }, pad, h('div', { className: 'pair' }, a, b));
+}
+
+const PARTS: [BodyPart, string, string][] = [
+  [BodyPart.HEAD, 'head', 'M30 3a8 9 0 0 1 0 18a8 9 0 0 1 0-18ZM26 21h8v4h-8Z'],
+  [BodyPart.TORSO, 'torso', 'M19 27h22l-2 20 2 12H19l2-12Z'],
+  [BodyPart.RIGHT_ARM, 'right arm', 'M17 27l-6 3-4 19-2 15 4 1 5-16 4-14Z'],
+  [BodyPart.LEFT_ARM, 'left arm', 'M43 27l6 3 4 19 2 15-4 1-5-16-4-14Z'],
+  [BodyPart.RIGHT_LEG, 'right leg', 'M19 61h10l-1 20-1 20h-6l-1-20Z'],
+  [BodyPart.LEFT_LEG, 'left leg', 'M31 61h10l-1 20-1 20h-6l-1-20Z'],
+];
+
+/** Which parts of the body are styled; a click takes one away or puts it back. */
+function bodyParts(app: App): HTMLElement {
+  const all = PARTS.map(([part]) => part);
+  let on = new Set(all);
+  let touched_ms = -Infinity;
+  const shapes = new Map<BodyPart, SVGElement>();
+  const paint = () => {
+    for (const [part, shape] of shapes) shape.setAttribute('aria-pressed', String(on.has(part)));
+  };
+  const toggle = (part: BodyPart) => {
+    const next = new Set(on);
+    if (!next.delete(part)) next.add(part);
+    if (next.size === 0) return app.onMessage('at least one part has to be styled; 0 strength styles none', true);
+    on = next;
+    touched_ms = performance.now();
+    paint();
+    void app.set({ only: on.size === all.length ? [BodyPart.ALL] : [...on] }, 'body parts');
+  };
+  const figure = svg('svg', { viewBox: '0 0 60 104', class: 'parts' },
+    ...PARTS.map(([part, name, path]) => {
+      const shape = svg('path', { d: path, tabindex: '0', role: 'button', 'aria-label': name, 'data-part': name });
+      const title = svg('title', {});
+      title.textContent = name;
+      shape.append(title);
+      shape.addEventListener('click', () => toggle(part));
+      shape.addEventListener('keydown', (event) => {
+        if (event.key !== 'Enter' && event.key !== ' ') return;
+        event.preventDefault();
+        event.stopPropagation();
+        toggle(part);
+      });
+      shapes.set(part, shape);
+      return shape;
+    }));
+  app.watch(() => {
+    const only = app.entry()?.only ?? [];
+    if (performance.now() - touched_ms < 1500) return;
+    on = new Set(only.length === 0 ? all : only);
+    paint();
+  });
+  paint();
+  return h('div', { className: 'partbox' }, figure);
+}
+
+export function controls(app: App, inForce: () => Map<string, number>): HTMLElement {
+  const percent = (value: number) => `${Math.round(100 * value)} %`;
+  const strength = slider('Strength', { min: 0, max: 1.5, step: 0.01 }, percent,
+    paced((value: number) => app.set({ strength: value }, `strength ${percent(value)}`)));
+  const transition = slider('Transition', { min: 0, max: 5000, step: 50 }, (ms) => `${(ms / 1000).toFixed(2)} s`,
+    (ms) => (app.transition_ms = ms));
+  transition.show(app.transition_ms);
+  const who = h('div', { className: 'switch', role: 'group', 'aria-label': 'Who is set' });
+  for (const [everyone, label] of [[false, 'Selected'], [true, 'Everyone']] as const) {
+    who.append(h('button', {
+      'data-who': String(everyone),
+      onclick: () => {
+        app.everyone = everyone;
+        app.changed();
+      },
+    }, label));
+  }
+  const presets = h('div', { className: 'chips' });
+  const bypass = h('button', { onclick: () => void app.clear(), title: 'Bypass (B)' }, 'Bypass');
+  const pin = h('button', { onclick: () => void app.pin(!app.entry()?.pinned) }, 'Pin');
+  const reset = h('button', { onclick: () => void app.reset(), title: 'Clears recurrent state' }, 'Reset');
+  const presetSection = section('Presets', presets);
+  let shown = '';
+  app.watch(() => {
+    const entry = app.entry();
+    if (entry) strength.show(entry.strength);
+    pin.setAttribute('aria-pressed', String(entry?.pinned ?? false));
+    bypass.setAttribute('aria-pressed', String(entry !== undefined && (entry.styles.length === 0 || entry.strength === 0)));
+    for (const button of who.children) {
+      button.setAttribute('aria-pressed', String(button.getAttribute('data-who') === String(app.everyone)));
+    }
+    const names = (app.list?.presets ?? []).map(({ name }) => name);
+    presetSection.hidden = names.length === 0;
+    if (names.join() !== shown) {
+      shown = names.join();
+      presets.replaceChildren(...names.map((name) =>
+        h('button', { 'data-preset': name, onclick: () => void app.preset(name) }, name.replaceAll('_', ' '))));
+    }
+    for (const chip of presets.children) {
+      chip.setAttribute('aria-pressed', String(chip.getAttribute('data-preset') === entry?.preset));
+    }
+  });
+  return h('aside', { className: 'panel right' },
+    section('Style', who, styleGrid(app, inForce)),
+    h('section', {}, strength.element, transition.element,
+      h('div', { className: 'row' }, bypass, pin, reset)),
+    presetSection,
+    h('div', { className: 'two' },
+      section('Mix', mixPad(app)),
+      section('Body', bodyParts(app))));
+}

@@ -1,0 +1,78 @@
+// Everything from the keyboard.
+import type { App } from './app.js';
+import { STYLE_KEYS } from './controls.js';
+import { h } from './dom.js';
+import type { Looks } from './roster.js';
+import type { Stage } from './stage.js';
+
+const HELP: [string, string][] = [
+  ['1 … 9, 0', 'set a style; with Shift the next ten'],
+  ['B', 'bypass'],
+  ['Esc', 'panic: everyone back to the bare source'],
+  ['[ ]', 'strength down, up'],
+  ['↑ ↓', 'select a performer'],
+  ['E', 'set the selected one, or everyone'],
+  ['V', 'side by side, or overlaid'],
+  ['T, C', 'foot trails, contact marks'],
+  ['A D W S', 'camera left, right, up, down'],
+  ['Q, Z', 'camera closer, farther'],
+  ['F', 'camera home'],
+  ['?', 'this list'],
+];
+
+export function keys(app: App, stage: Stage, looks: Looks): { help: HTMLElement; toggleHelp: () => void } {
+  const help = h('div', { className: 'help', hidden: true, onclick: () => toggleHelp() },
+    h('dl', {}, ...HELP.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)])));
+  const toggleHelp = () => (help.hidden = !help.hidden);
+  const stronger = (step: number) => {
+    const entry = app.entry();
+    if (!entry) return;
+    const next = Math.min(1.5, Math.max(0, Math.round((entry.strength + step) * 10) / 10));
+    entry.strength = next; // until the daemon says so itself
+    app.changed();
+    void app.set({ strength: next }, `strength ${Math.round(100 * next)} %`);
+  };
+  const plain: Record<string, () => void> = {
+    b: () => void app.clear(),
+    '[': () => stronger(-0.1),
+    ']': () => stronger(0.1),
+    arrowup: () => app.selectNext(-1),
+    arrowdown: () => app.selectNext(1),
+    e: () => {
+      app.everyone = !app.everyone;
+      app.changed();
+    },
+    v: () => looks.toggle('overlay'),
+    t: () => looks.toggle('trails'),
+    c: () => looks.toggle('contacts'),
+    f: () => stage.home(),
+    a: () => stage.turn(-0.12, 0),
+    d: () => stage.turn(0.12, 0),
+    w: () => stage.turn(0, 0.1),
+    s: () => stage.turn(0, -0.1),
+    q: () => stage.turn(0, 0, 0.9),
+    z: () => stage.turn(0, 0, 1.1),
+    '?': toggleHelp,
+  };
+  addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key === 'Escape') {
+      if (!help.hidden) toggleHelp();
+      else void app.panic();
+      return;
+    }
+    const at = event.target;
+    if (at instanceof HTMLSelectElement || (at instanceof HTMLInputElement && event.key.startsWith('Arrow'))) return;
+    const digit = /^Digit(\d)$/.exec(event.code);
+    if (digit) {
+      const style = app.styles()[STYLE_KEYS.indexOf(digit[1]!) + (event.shiftKey ? 10 : 0)];
+      if (style) void app.setStyle(style);
+      return;
+    }
+    const action = plain[event.key.toLowerCase()];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  });
+  return { help, toggleHelp };
+}

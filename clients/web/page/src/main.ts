@@ -1,0 +1,53 @@
+import './style.css';
+
+import { StyledClient } from 'styled-client';
+
+import { App } from './app.js';
+import { controls } from './controls.js';
+import { h } from './dom.js';
+import { keys } from './keys.js';
+import { plots } from './plots.js';
+import { roster } from './roster.js';
+import { Stage } from './stage.js';
+import { banner, toast, topBar } from './status.js';
+
+// A token comes behind the '#', which no server is told, and is kept for this tab.
+function token(): string | undefined {
+  const given = new URLSearchParams(location.hash.slice(1)).get('token');
+  if (given) {
+    sessionStorage.setItem('token', given);
+    history.replaceState(null, '', location.pathname + location.search);
+  }
+  return sessionStorage.getItem('token') ?? undefined;
+}
+
+const known = token();
+const client = new StyledClient({ url: location.origin, ...(known ? { token: known } : {}) });
+const app = new App(client);
+const stage = new Stage(client);
+const left = roster(app, stage);
+const { help, toggleHelp } = keys(app, stage, left.looks);
+const chosen = () => stage.performers.get(app.selected);
+
+document.getElementById('app')!.append(
+  topBar(app, stage, toggleHelp),
+  left.element,
+  h('main', {}, stage.element, banner(app), toast(app)),
+  controls(app, () => chosen()?.weights ?? new Map<string, number>()),
+  plots(app, () => chosen()?.missed ?? 0),
+  help,
+);
+stage.onSelect = (name) => app.select(name);
+let shown = '';
+app.watch(() => {
+  const names = app.performers().map(({ performer }) => performer);
+  const now = `${names.join()}|${app.selected}`;
+  if (now === shown) return;
+  shown = now;
+  stage.selected = app.selected;
+  stage.setPerformers(names);
+});
+app.changed();
+
+// For tests, and for the curious at the console.
+Object.assign(window, { styled: { app, client, stage } });

@@ -1,0 +1,146 @@
+// One performer on the stage: before (as captured) and after (styled), each on its patch of floor.
+import { Group, Vector3 } from 'three';
+import { Output, type Body, type StyledClient, type Update } from 'styled-client';
+
+import type { Avatar } from './avatar.js';
+import { Figure, type Detail } from './figure.js';
+import { Floor, RADIUS_M } from './floor.js';
+import { skeletonOf } from './skeleton.js';
+
+export const BEFORE = 0x8b9cb3;
+export const AFTER = 0xffb35c;
+const APART_M = 1.14; // half the distance of the two floors
+const CLOSE_M = 0.62; // ... of those in the background
+const ANCHOR_S = 0.12; // time constant with which the floor follows the hips
+const MOVE_S = 0.25; // ... and a performer goes to another spot
+
+export interface View {
+  overlay: boolean;
+  trails: boolean;
+  contacts: boolean;
+}
+
+interface Role {
+  stream: 'source' | 'rig';
+  floor: Floor;
+  figure: Figure | undefined;
+  update: Update | undefined;
+}
+
+export class PerformerOnStage {
+  readonly group = new Group();
+  readonly spot = new Vector3();
+  readonly roles: { before: Role; after: Role };
+  avatar: Avatar | undefined;
+  /** Styles in force in the frame shown, by name. */
+  weights = new Map<string, number>();
+  missed = 0;
+  private readonly anchor = new Vector3();
+  private anchored = false;
+  private readonly end: (() => void)[];
+  private endCanonical: (() => void) | undefined;
+  private apart = APART_M;
+  private settled = false;
+
+  constructor(
+    readonly name: string,
+    private readonly client: StyledClient,
+    private detail: Detail,
+  ) {
+    this.roles = {
+      before: { stream: 'source', floor: new Floor(BEFORE), figure: undefined, update: undefined },
+      after: { stream: 'rig', floor: new Floor(AFTER), figure: undefined, update: undefined },
+    };
+    for (const role of [this.roles.before, this.roles.after]) this.group.add(role.floor.group);
+    this.end = [client.subscribeLatest(name, 'source'), client.subscribeLatest(name, 'rig')];
+  }
+
+  dispose(): void {
+    for (const end of this.end) end();
+    this.setAvatar(undefined);
+    this.group.removeFromParent();
+  }
+
+  /** Worn by the styled body instead of its capsules; drives it from the canonical stream. */
+  setAvatar(avatar: Avatar | undefined): void {
+    this.avatar?.group.removeFromParent();
+    this.avatar?.dispose();
+    this.endCanonical?.();
+    this.endCanonical = undefined;
+    this.avatar = avatar;
+    if (!avatar) return;
+    this.roles.after.floor.world.add(avatar.group);
+    this.endCanonical = this.client.subscribeLatest(this.name, 'canonical');
+  }
+
+  /** How finely it is drawn from now on. */
+  setDetail(detail: Detail): void {
+    if (detail === this.detail) return;
+    this.detail = detail;
+    for (const role of [this.roles.before, this.roles.after]) {
+      if (!role.update?.body) continue;
+      this.rebuild(role, role.update.body);
+      role.figure!.setPose(role.update.frame);
+    }
+  }
+
+  /** The newest poses, if any are new. */
+  take(): void {
+    for (const role of [this.roles.before, this.roles.after]) {
+      const update = this.client.latest(this.name, role.stream);
+      if (!update?.body) continue;
+      if (role.figure?.skeleton.body !== update.body) this.rebuild(role, update.body);
+      role.figure!.setPose(update.frame);
+      role.update = update;
+      if (update.newEpoch) role.floor.restart();
+      role.floor.step(role.figure!.left, role.figure!.right, update.frame.contacts);
+      if (role === this.roles.after) {
+        this.missed += update.missed;
+        this.weights = new Map(update.frame.styles.map(({ style, weight }) => [style, weight]));
+      }
+    }
+    if (this.avatar) {
+      const update = this.client.latest(this.name, 'canonical');
+      if (update?.body?.output === Output.CANONICAL) this.avatar.setPose(update.body, update.frame);
+    }
+  }
+
+  draw(view: View, selected: boolean, dt_s: number): void {
+    const { before, after } = this.roles;
+    const hips = before.figure?.hips ?? after.figure?.hips;
+    if (hips) {
+      const follow = this.anchored && hips.distanceTo(this.anchor) < 2 ? 1 - Math.exp(-dt_s / ANCHOR_S) : 1;
+      this.anchor.lerp(hips, follow);
+      this.anchored = true;
+    }
+    const move = this.settled ? 1 - Math.exp(-dt_s / MOVE_S) : 1;
+    this.settled = true;
+    this.group.position.lerp(this.spot, move);
+    this.apart += ((view.overlay ? 0 : selected ? APART_M : CLOSE_M) - this.apart) * move;
+    const reach = view.overlay ? RADIUS_M : Math.min(RADIUS_M, 0.93 * this.apart);
+    before.floor.group.position.x = -this.apart;
+    after.floor.group.position.x = this.apart;
+    before.floor.disc.visible = this.apart > 0.05;
+    after.figure?.group && (after.figure.group.visible = !this.avatar?.ready);
+    before.figure?.setLook(view.overlay
+      ? { color: BEFORE, emissive: 0x0a0d12, opacity: 0.45 } : { color: BEFORE });
+    for (const role of [before, after]) {
+      role.floor.glow = selected ? 1 : 0;
+      role.floor.reach = reach;
+      role.floor.show(view.trails, view.contacts && !(view.overlay && role === before));
+      if (role.figure) {
+        const { hips, left, right } = role.figure;
+        role.floor.draw(this.anchor, hips, left, right, dt_s);
+      }
+    }
+    this.avatar?.draw(dt_s);
+  }
+
+  private rebuild(role: Role, body: Body): void {
+    const color = role === this.roles.before ? BEFORE : AFTER;
+    if (role.figure?.skeleton.body !== body) role.floor.restart();
+    role.figure?.dispose();
+    role.figure = new Figure(skeletonOf(body), { color }, this.detail);
+    role.floor.world.add(role.figure.group);
+  }
+}

@@ -1,0 +1,97 @@
+// The strip below: what the daemon measured of the selected performer, second by second.
+import uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+
+import type { App } from './app.js';
+import { h, setText } from './dom.js';
+
+const SECONDS = 120;
+
+interface Line {
+  label: string;
+  color: string;
+  fill?: string;
+}
+
+class Plot {
+  readonly element: HTMLElement;
+  private readonly plot: uPlot;
+  private readonly data: (number | null)[][];
+  private readonly now = h('output', {});
+
+  constructor(title: string, lines: Line[], private readonly words: (values: number[]) => string,
+              least: number) {
+    this.data = [[], ...lines.map(() => [])];
+    const box = h('div', { className: 'canvas' });
+    const legend = lines.length > 1
+      ? h('span', { className: 'legend' }, ...lines.map(({ label, color }) => {
+        const mark = h('b', {}, label);
+        mark.style.color = color;
+        return mark;
+      })) : undefined;
+    this.element = h('figure', { className: 'plot' }, h('figcaption', {}, h('span', {}, title), legend, this.now), box);
+    const axis = { stroke: '#66758a', font: '10px system-ui', ticks: { show: false } };
+    this.plot = new uPlot({
+      width: 300, height: 78, cursor: { show: false }, legend: { show: false }, padding: [6, 4, 8, 0],
+      scales: { x: { time: false, range: (_u, _min, max) => [max - SECONDS, max] },
+                y: { range: (_u, _min, max) => [0, Math.max(least, max * 1.12)] } },
+      axes: [{ ...axis, show: false },
+             { ...axis, size: 38, splits: (_u, _i, min, max) => [min, (min + max) / 2, max],
+               values: (_u, ticks) => ticks.map((tick) => tick >= 1000 ? `${(tick / 1000).toFixed(1)}k` : tick.toFixed(tick < 10 && tick > 0 ? 1 : 0)),
+               grid: { stroke: '#1d2530', width: 1 } }],
+      series: [{}, ...lines.map(({ label, color, fill }) => ({
+        label, stroke: color, width: 1.5, points: { show: false }, ...(fill ? { fill } : {}) }))],
+    }, this.data as uPlot.AlignedData, box);
+    new ResizeObserver(() => {
+      if (box.clientWidth > 0) this.plot.setSize({ width: box.clientWidth, height: box.clientHeight });
+    }).observe(box);
+  }
+
+  add(time_s: number, values: (number | null)[]): void {
+    this.data[0]!.push(time_s);
+    values.forEach((value, i) => this.data[i + 1]!.push(value));
+    while (this.data[0]!.length > SECONDS + 2) for (const row of this.data) row.shift();
+    this.plot.setData(this.data as uPlot.AlignedData);
+    const known = values.every((value) => value !== null);
+    setText(this.now, known ? this.words(values as number[]) : 'away');
+    this.element.classList.toggle('quiet', !known);
+  }
+
+  clear(): void {
+    for (const row of this.data) row.length = 0;
+  }
+}
+
+export function plots(app: App, missed: () => number): HTMLElement {
+  const latency = new Plot('Latency', [
+    { label: 'max', color: '#5d6b80' },
+    { label: 'p99', color: '#7fb4ff' },
+    { label: 'p50', color: '#ffb35c' },
+  ], ([, p99, p50]) => `${p50!.toFixed(0)} / ${p99!.toFixed(0)} µs`, 100);
+  const rate = new Plot('Frames', [{ label: 'Hz', color: '#6fd6a8', fill: 'rgba(111,214,168,.08)' }],
+    ([hz]) => `${hz!.toFixed(1)} Hz`, 30);
+  const drops = new Plot('Lost', [
+    { label: 'rig', color: '#ff7a6b' },
+    { label: 'viewer', color: '#b48cff' },
+  ], ([rig, viewer]) => `${rig} / ${viewer} per s`, 5);
+  const all = [latency, rate, drops];
+  let shown = '', lost = 0, viewer = 0, at = -1;
+  app.client.on('stats', () => {
+    if (shown !== app.selected) {
+      shown = app.selected;
+      for (const plot of all) plot.clear();
+      at = -1;
+    }
+    const entry = app.entry();
+    if (!entry) return;
+    const time_s = performance.now() / 1000;
+    const live = entry.live;
+    latency.add(time_s, live ? [entry.latencyMaxUs, entry.latencyP99Us, entry.latencyP50Us] : [null, null, null]);
+    rate.add(time_s, live ? [entry.rateHz] : [null]);
+    const [rigNow, viewerNow] = [Number(entry.lost), missed()];
+    const fresh = at < 0;
+    drops.add(time_s, [fresh ? 0 : Math.max(0, rigNow - lost), fresh ? 0 : Math.max(0, viewerNow - viewer)]);
+    [lost, viewer, at] = [rigNow, viewerNow, time_s];
+  });
+  return h('footer', { className: 'plots' }, ...all.map(({ element }) => element));
+}

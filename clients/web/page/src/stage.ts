@@ -1,0 +1,268 @@
+// The scene: who stands where, the camera, the picture.
+import {
+  CanvasTexture,
+  Color,
+  DirectionalLight,
+  Fog,
+  HemisphereLight,
+  PerspectiveCamera,
+  Raycaster,
+  SRGBColorSpace,
+  Scene,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import type { StyledClient } from 'styled-client';
+
+import { clamp, h, setText } from './dom.js';
+import { COARSE, COARSEST, FINE, type Detail } from './figure.js';
+import { PerformerOnStage, type View } from './performer.js';
+
+const BACKGROUND = 0x0c0f13;
+const WATCHABLE_FPS = 26;
+const LEAST_RATIO = 0.65;
+const HOME = new Vector3(0, 1.5, 5.05);
+const TARGET = new Vector3(0, 0.83, 0);
+
+// Drawn by the processor: every pixel counts.
+function isSoftware(renderer: WebGLRenderer): boolean {
+  const gl = renderer.getContext();
+  const info = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
+// Darkness with a little light behind the stage.
+function backdrop(): CanvasTexture {
+  const canvas = h('canvas', { width: 64, height: 256 });
+  const context = canvas.getContext('2d')!;
+  const light = context.createLinearGradient(0, 0, 0, 256);
+  for (const [at, color] of [[0, '#0a0d11'], [0.42, '#141a22'], [0.6, '#10151b'], [1, '#0a0c10']] as const) {
+    light.addColorStop(at, color);
+  }
+  context.fillStyle = light;
+  context.fillRect(0, 0, 64, 256);
+  const texture = new CanvasTexture(canvas);
+  texture.colorSpace = SRGBColorSpace;
+  return texture;
+}
+
+interface Labels {
+  before: HTMLElement;
+  after: HTMLElement;
+}
+
+export class Stage {
+  readonly element = h('div', { className: 'stage' });
+  readonly performers = new Map<string, PerformerOnStage>();
+  readonly view: View = { overlay: false, trails: true, contacts: true };
+  selected = '';
+  /** Pictures of the last second. */
+  fps = 0;
+  pictures = 0;
+  onSelect: (name: string) => void = () => {};
+
+  private readonly renderer: WebGLRenderer;
+  private readonly detail: Detail = FINE;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(34, 1, 0.1, 60);
+  private readonly orbit: OrbitControls;
+  private readonly labels = new Map<string, Labels>();
+  private readonly labelLayer = h('div', { className: 'labels' });
+  private last_ms = 0;
+  private second_ms = 0;
+  private inSecond = 0;
+
+  constructor(private readonly client: StyledClient) {
+    const wanted = new URLSearchParams(location.search).get('quality');
+    let renderer = new WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
+    if (wanted !== 'high' && (wanted === 'low' || isSoftware(renderer))) {
+      renderer.dispose();
+      const canvas = h('canvas');
+      // Opaque: nothing behind it is drawn.
+      const context = canvas.getContext('webgl2', { alpha: false, antialias: false });
+      renderer = new WebGLRenderer(context ? { canvas, context } : {});
+      renderer.setPixelRatio(1);
+      this.detail = COARSE;
+    } else {
+      renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    }
+    this.renderer = renderer;
+    this.scene.background = this.detail === FINE ? backdrop() : new Color(BACKGROUND);
+    this.scene.fog = new Fog(BACKGROUND, 8, 19);
+    this.scene.add(new HemisphereLight(0xcfdcf0, 0x20242c, 1.25));
+    const key = new DirectionalLight(0xfff1de, 2.3);
+    key.position.set(2.5, 5, 4);
+    const rim = new DirectionalLight(0x7fa4ff, 1.6);
+    rim.position.set(-4, 3, -5);
+    this.scene.add(key, rim);
+    this.orbit = new OrbitControls(this.camera, renderer.domElement);
+    this.orbit.enableDamping = true;
+    this.orbit.minDistance = 1.5;
+    this.orbit.maxDistance = 14;
+    this.orbit.maxPolarAngle = 1.62;
+    this.home();
+    renderer.domElement.tabIndex = 0;
+    renderer.domElement.setAttribute('aria-label', 'Stage: drag to look around, wheel to come closer');
+    this.element.append(renderer.domElement, this.labelLayer);
+    new ResizeObserver(() => this.resize()).observe(this.element);
+    renderer.domElement.addEventListener('click', (event) => this.pick(event));
+    renderer.setAnimationLoop((now) => this.draw(now));
+  }
+
+  home(): void {
+    this.camera.position.copy(HOME);
+    this.orbit.target.copy(TARGET);
+    this.orbit.update();
+  }
+
+  /** Turns the camera by radians, or comes closer (factor below 1). */
+  turn(around: number, up: number, closer = 1): void {
+    const offset = this.camera.position.clone().sub(this.orbit.target).multiplyScalar(closer);
+    offset.applyAxisAngle(new Vector3(0, 1, 0), around);
+    const side = new Vector3(offset.z, 0, -offset.x).normalize();
+    const raised = offset.clone().applyAxisAngle(side, -up);
+    const angle = raised.angleTo(new Vector3(0, 1, 0));
+    if (angle > 0.15 && angle < this.orbit.maxPolarAngle) offset.copy(raised);
+    this.camera.position.copy(this.orbit.target).add(offset);
+  }
+
+  /** Who there is, in order; others leave. */
+  setPerformers(names: string[]): void {
+    for (const [name, performer] of this.performers) {
+      if (names.includes(name)) continue;
+      performer.dispose();
+      this.performers.delete(name);
+      const labels = this.labels.get(name)!;
+      labels.before.remove();
+      labels.after.remove();
+      this.labels.delete(name);
+    }
+    for (const name of names) {
+      if (this.performers.has(name)) continue;
+      const performer = new PerformerOnStage(name, this.client, this.detail);
+      this.performers.set(name, performer);
+      this.scene.add(performer.group);
+      const labels = {
+        before: h('div', { className: 'label before' }),
+        after: h('div', { className: 'label after' }),
+      };
+      this.labels.set(name, labels);
+      this.labelLayer.append(labels.before, labels.after);
+    }
+    this.place(names);
+  }
+
+  /** The selected one in front, the others in rows behind. */
+  place(names: string[] = [...this.performers.keys()]): void {
+    const others = names.filter((name) => name !== this.selected);
+    const perRow = 3;
+    const width = 2.75;
+    this.performers.get(this.selected)?.spot.set(0, 0, 0);
+    others.forEach((name, i) => {
+      const row = Math.floor(i / perRow);
+      const inRow = Math.min(perRow, others.length - row * perRow);
+      const x = ((i % perRow) - (inRow - 1) / 2) * width;
+      this.performers.get(name)?.spot.set(x, 0, -4.4 - 2.2 * row);
+    });
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.element;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.renderer.setSize(clientWidth, clientHeight);
+    this.camera.aspect = clientWidth / clientHeight;
+    // Two floors side by side fit, however narrow.
+    this.camera.fov = clamp(34 * Math.max(1, 1.5 / this.camera.aspect), 30, 60);
+    this.camera.updateProjectionMatrix();
+  }
+
+  private pick(event: MouseEvent): void {
+    const box = this.element.getBoundingClientRect();
+    const at = new Vector2(
+      ((event.clientX - box.left) / box.width) * 2 - 1,
+      1 - ((event.clientY - box.top) / box.height) * 2,
+    );
+    const ray = new Raycaster();
+    ray.setFromCamera(at, this.camera);
+    const way = ray.ray;
+    let best = '', nearest = Infinity;
+    for (const performer of this.performers.values()) {
+      for (const role of [performer.roles.before, performer.roles.after]) {
+        const foot = role.floor.group.getWorldPosition(new Vector3());
+        const head = foot.clone().setY(1.7);
+        const hit = new Vector3();
+        const off = Math.sqrt(way.distanceSqToSegment(foot, head, hit));
+        const far = hit.distanceTo(way.origin);
+        if (off < 0.45 && far < nearest) [best, nearest] = [performer.name, far];
+      }
+    }
+    if (best) this.onSelect(best);
+  }
+
+  private draw(now_ms: number): void {
+    const dt_s = clamp((now_ms - this.last_ms) / 1000, 0.001, 0.25);
+    this.last_ms = now_ms;
+    for (const performer of this.performers.values()) {
+      if (this.detail === COARSE) {
+        performer.setDetail(performer.name === this.selected ? COARSE : COARSEST);
+      }
+      performer.take();
+      performer.draw(this.view, performer.name === this.selected, dt_s);
+    }
+    this.orbit.update();
+    this.renderer.render(this.scene, this.camera);
+    this.drawLabels();
+    ++this.pictures;
+    ++this.inSecond;
+    if (now_ms - this.second_ms >= 1000) {
+      this.fps = (this.inSecond * 1000) / (now_ms - this.second_ms);
+      this.second_ms = now_ms;
+      this.inSecond = 0;
+      this.spare();
+    }
+  }
+
+  /** Fewer pixels where the processor draws and cannot keep up: motion counts more than edges. */
+  private spare(): void {
+    const ratio = this.renderer.getPixelRatio();
+    if (this.detail === COARSE && this.fps < WATCHABLE_FPS && ratio > LEAST_RATIO) {
+      this.renderer.setPixelRatio(ratio - 0.1);
+    }
+  }
+
+  private drawLabels(): void {
+    const { clientWidth, clientHeight } = this.element;
+    const at = new Vector3();
+    for (const performer of this.performers.values()) {
+      const labels = this.labels.get(performer.name)!;
+      const chosen = performer.name === this.selected;
+      const { before, after } = performer.roles;
+      const styles = [...performer.weights].filter(([, weight]) => weight > 0.005);
+      const words = styles.map(([name, weight]) => `${name} ${Math.round(weight * 100)}%`).join(' + ');
+      const short = performer.name.split('.').pop()!;
+      setText(labels.before, chosen ? 'as captured' : '');
+      setText(labels.after, chosen ? words || 'bypass' : this.view.overlay ? short : '');
+      if (!chosen && !this.view.overlay) setText(labels.before, short);
+      labels.before.classList.toggle('other', !chosen);
+      labels.after.classList.toggle('other', !chosen);
+      for (const [role, label] of [[before, labels.before], [after, labels.after]] as const) {
+        role.floor.group.getWorldPosition(at);
+        if (!chosen && !this.view.overlay) at.copy(performer.group.position);
+        at.y = 0;
+        at.z += chosen ? 1.15 : 0.75;
+        const far = at.distanceTo(this.camera.position);
+        at.project(this.camera);
+        const shown = at.z < 1 && label.textContent !== '' && far < 15 && !!role.figure &&
+          !(this.view.overlay && role === before);
+        label.style.display = shown ? '' : 'none';
+        if (!shown) continue;
+        const x = ((at.x + 1) / 2) * clientWidth;
+        const y = ((1 - at.y) / 2) * clientHeight;
+        label.style.transform = `translate(-50%, 0) translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+      }
+    }
+  }
+}

@@ -1,0 +1,86 @@
+// The bar above, messages, and what is wrong when something is.
+import type { App } from './app.js';
+import { h, setText } from './dom.js';
+import type { Stage } from './stage.js';
+
+const MESSAGE_MS = 4000;
+
+/** What stands in the way, or '' when all is well. `kind`: for the colour of the light. */
+function trouble(app: App): { kind: 'ok' | 'wait' | 'bad'; title: string; text: string } {
+  const { linkState: link, daemonState: daemon } = app.client;
+  if (link.kind === 'refused') {
+    const text = link.status === 401
+      ? `${link.reason}. Open this page as ${location.origin}/#token=...` : link.reason;
+    return { kind: 'bad', title: 'The gateway refuses us', text };
+  }
+  if (link.kind !== 'open') {
+    return { kind: 'bad', title: 'The gateway is away',
+             text: `styleweb at ${location.host} does not answer. Trying again by itself.` };
+  }
+  if (!daemon.up) {
+    return { kind: 'bad', title: 'The daemon is away', text: `${daemon.reason || 'styled does not answer'}. Waiting for it.` };
+  }
+  if (app.performers().length === 0) {
+    return { kind: 'wait', title: 'The stage is empty',
+             text: 'The daemon runs, but no rig sends. Point one at it, or start stylesim.' };
+  }
+  if (app.live().length === 0) {
+    return { kind: 'wait', title: 'The rig is silent', text: 'No frames come. stylectl doctor says why.' };
+  }
+  return { kind: 'ok', title: '', text: '' };
+}
+
+export function banner(app: App): HTMLElement {
+  const title = h('b', {}), text = h('span', {});
+  const box = h('div', { className: 'banner', role: 'status' }, title, text);
+  const update = () => {
+    const now = trouble(app);
+    box.hidden = now.kind === 'ok';
+    box.dataset.kind = now.kind;
+    setText(title, now.title);
+    setText(text, now.text);
+    document.body.dataset.state = now.kind;
+  };
+  app.watch(update);
+  update();
+  return box;
+}
+
+export function toast(app: App): HTMLElement {
+  const box = h('div', { className: 'toast', role: 'log' });
+  let timer = 0;
+  app.onMessage = (text, bad) => {
+    setText(box, text);
+    box.classList.toggle('bad', bad);
+    box.classList.add('shown');
+    clearTimeout(timer);
+    timer = window.setTimeout(() => box.classList.remove('shown'), MESSAGE_MS);
+  };
+  app.client.on('complaint', (text) => app.onMessage(text, true));
+  return box;
+}
+
+export function topBar(app: App, stage: Stage, help: () => void): HTMLElement {
+  const state = h('span', {}), fps = h('span', { className: 'fps' }), about = h('span', { className: 'about' });
+  const light = h('span', { className: 'state' }, h('i', {}), state);
+  let known = 0n;
+  const learn = async () => {
+    const status = await app.client.status();
+    known = status.epoch;
+    setText(about, `styled ${status.version} · ${status.weights.split('/').pop()}`);
+  };
+  app.watch(() => {
+    const now = trouble(app);
+    setText(state, now.kind === 'ok' ? `live · ${app.live().length} performing` : now.title.toLowerCase());
+    if (app.client.daemonState.up && app.stats && app.stats.epoch !== known) {
+      known = app.stats.epoch;
+      learn().catch(() => (known = 0n));
+    }
+  });
+  setInterval(() => setText(fps, `${stage.fps.toFixed(0)} fps`), 1000);
+  return h('header', {},
+    h('h1', {}, h('img', { src: '/icon.svg', alt: '' }), 'Styled'), light, about,
+    h('span', { className: 'space' }), fps,
+    h('button', { className: 'quiet', onclick: help, title: 'Keys (?)' }, '?'),
+    h('button', { className: 'panic', onclick: () => void app.panic(), title: 'Everyone to bypass (Esc)' }, 'Panic', h('kbd', {}, 'Esc')));
+}

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <zmq.hpp>
+
+#include "model/base/status.h"
+
+namespace styled::web {
+
+// The gateway's one subscription socket, in the loop of `io` (by ZMQ_FD). It is subscribed to what
+// was asked for, each topic counted; messages are handed on as they came. Connects in the
+// background and again by itself.
+//
+// The loop's thread only. Allocates.
+class Upstream {
+ public:
+  struct Handlers {
+    std::function<void(std::string_view topic, std::string_view payload)> message;
+    std::function<void()> disconnected;  // the connection broke
+  };
+
+  // Refuses an endpoint that ZeroMQ cannot parse. That nobody is there is no error.
+  static Result<std::unique_ptr<Upstream>> Connect(boost::asio::io_context& io,
+                                                   const std::string& endpoint, Handlers handlers);
+  ~Upstream();
+  Upstream(const Upstream&) = delete;
+  Upstream& operator=(const Upstream&) = delete;
+
+  // Each topic once; Unsubscribe only what was subscribed to.
+  void Subscribe(const std::string& topic);
+  void Unsubscribe(const std::string& topic);
+  std::size_t topics() const { return topics_; }          // subscribed to
+  std::uint64_t malformed() const { return malformed_; }  // messages not of two parts
+
+ private:
+  Upstream(boost::asio::io_context& io, Handlers handlers);
+  void Open(const std::string& endpoint);
+  void Wait(boost::asio::posix::stream_descriptor& descriptor);
+  void Soon();
+  void Drain();
+  bool ReadMessage();
+  void ReadEvents();
+
+  boost::asio::io_context& io_;
+  Handlers handlers_;
+  zmq::context_t context_{1};
+  zmq::socket_t socket_, monitor_;
+  boost::asio::posix::stream_descriptor readable_, events_;
+  zmq::message_t topic_, payload_;
+  std::size_t topics_ = 0;
+  std::uint64_t malformed_ = 0;
+  bool drain_posted_ = false;
+  std::shared_ptr<Upstream*> self_;  // emptied by the destructor: what is posted then does nothing
+};
+
+}  // namespace styled::web

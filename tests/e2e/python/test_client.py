@@ -1,0 +1,250 @@
+"""The Python client against the real daemon."""
+import asyncio
+import os
+import subprocess
+import sys
+import time
+import unittest
+
+import zmq
+
+import styled
+import styled.aio
+from daemon import PATIENCE_S, Daemon, wait_for
+
+STREAMS = (styled.RIG, styled.CANONICAL, styled.SOURCE)
+ROOT = os.path.join(os.path.dirname(__file__), '..', '..', '..')
+
+
+def run(*arguments, **options):
+    """python3 -m styled; (exit code, output, errors)."""
+    done = subprocess.run([sys.executable, '-m', 'styled', *arguments], capture_output=True, text=True,
+                          timeout=PATIENCE_S, **options)
+    return done.returncode, done.stdout, done.stderr
+
+
+class ClientTest(unittest.TestCase):
+    def setUp(self):
+        self.daemon = Daemon()
+        self.addCleanup(self.daemon.close)
+
+    def test_the_example_gets_every_frame_of_120_hz(self):
+        example = subprocess.Popen(
+            [sys.executable, os.path.join(ROOT, 'clients', 'python', 'examples', 'heads.py'), self.daemon.publish,
+             self.daemon.control, 'old', '3'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.daemon.simulate('--seconds', '6')
+        out, err = example.communicate(timeout=PATIENCE_S)
+        self.assertEqual(example.returncode, 0, err)
+        frames = int(err.split()[0])
+        self.assertIn(f'{frames} frames, 0 missed', err)
+        self.assertGreater(frames, 240)
+        self.assertRegex(out, r'^rig\.sim -?\d+\.\d\d 1\.\d\d -?\d+\.\d\d m\n')
+
+    def test_every_frame_comes_in_its_order_with_its_body_and_style(self):
+        with styled.Subscriber(self.daemon.publish, streams=STREAMS, statistics=True) as subscriber, \
+                styled.Control(self.daemon.control) as control:
+            control.set('rig.sim', style='elderly', transition_ms=0)
+            self.daemon.simulate()
+            sequences = {stream: [] for stream in STREAMS}
+            for update in subscriber.frames(timeout=PATIENCE_S):
+                sequences[update.stream].append(update.frame.sequence)
+                self.assertEqual(len(update.world()), len(update.body.names))
+                if min(map(len, sequences.values())) > 120:
+                    break
+            for stream, seen in sequences.items():
+                self.assertEqual(seen, list(range(seen[0], seen[0] + len(seen))), stream)
+            self.assertEqual(update.frame.styles[0].style, 'elderly')
+            self.assertEqual(subscriber.counters.missed, 0)
+            self.assertEqual(subscriber.counters.malformed, 0)
+            self.assertEqual(subscriber.performers(), ['rig.sim'])
+            self.assertEqual(subscriber.connected(), 1)
+            statistics = wait_for(lambda: (subscriber.receive(1) or update).statistics, 'statistics')
+            self.assertTrue(any(c.value for c in statistics.counters))
+
+    def test_a_slow_reader_gets_the_newest(self):
+        with styled.Subscriber(self.daemon.publish, performer='rig.sim') as subscriber:
+            self.daemon.simulate()
+            last = next(subscriber.frames(timeout=PATIENCE_S)).frame.sequence
+            for _ in range(3):
+                time.sleep(0.3)
+                updates = subscriber.receive_latest(PATIENCE_S)
+                frame = next(u for u in updates if u.kind is styled.Kind.FRAME)
+                self.assertEqual(sum(u.kind is styled.Kind.FRAME for u in updates), 1)
+                self.assertGreater(frame.skipped, 5)
+                self.assertEqual(frame.missed, 0)
+                self.assertEqual(frame.frame.sequence, last + frame.skipped + 1)
+                last = frame.frame.sequence
+            self.assertEqual(subscriber.receive_latest(0), [])
+
+    def test_goes_on_when_the_daemon_is_started_again(self):
+        with styled.Subscriber(self.daemon.publish) as subscriber, \
+                styled.Control(self.daemon.control) as control:
+            simulator = self.daemon.simulate()
+            next(subscriber.frames(timeout=PATIENCE_S))
+            self.daemon.stop()
+            wait_for(lambda: subscriber.receive(0.01) is None and subscriber.connected() == 0,
+                     'the disconnection')
+            self.daemon.start()
+            simulator.kill()
+            self.daemon.simulate()
+            update = next(subscriber.frames(timeout=PATIENCE_S))
+            self.assertTrue(update.new_epoch)
+            self.assertEqual(subscriber.counters.epochs, 1)
+            self.assertTrue(control.list().styles)
+
+    def test_control_changes_and_asks(self):
+        with styled.Control(self.daemon.control) as control:
+            names = [style.name for style in control.list().styles]
+            self.assertIn('elderly', names)
+            self.daemon.simulate()
+            wait_for(lambda: control.status().stats.performers, 'the performer')
+            applied = control.set('rig.sim', mix={'elderly': 0.5, 'feminine': 0.25}, strength=0.8,
+                                  only=['left-arm'], transition_ms=0)
+            self.assertEqual(list(applied), ['rig.sim'])
+            performer = control.status().stats.performers[0]
+            self.assertEqual([(s.style, round(s.weight, 3)) for s in performer.styles],
+                             [('elderly', 0.5), ('feminine', 0.25)])
+            self.assertEqual((round(performer.strength, 3), list(performer.only)), (0.8, [3]))
+            control.pin('rig.sim')
+            self.assertTrue(control.status().stats.performers[0].pinned)
+            with self.assertRaises(styled.Refused) as refused:
+                control.set('rig.sim', style='old')
+            self.assertEqual(refused.exception.code, 'PINNED')
+            control.panic()
+            self.assertFalse(control.status().stats.performers[0].styles)
+            control.pin('rig.sim', False)
+            control.reset('rig.sim')
+
+    def test_control_says_why_not(self):
+        with styled.Control(self.daemon.control) as control:
+            for call, code in ((lambda: control.set('*', style='olf'), 'UNKNOWN_STYLE'),
+                               (lambda: control.set('*', strength=9), 'OUT_OF_RANGE'),
+                               (lambda: control.preset('*', 'none'), 'UNKNOWN_PRESET'),
+                               (lambda: control.cue('none'), 'UNKNOWN_CUE'),
+                               (lambda: control.reset('rig.nobody'), 'UNKNOWN_PERFORMER'),
+                               (lambda: control.calibrate('rig.nobody'), 'UNKNOWN_PERFORMER')):
+                with self.assertRaises(styled.Refused) as refused:
+                    call()
+                self.assertEqual(refused.exception.code, code)
+                self.assertTrue(str(refused.exception))
+
+    def test_asyncio_has_the_same(self):
+        async def go():
+            async with styled.aio.Subscriber(self.daemon.publish) as subscriber, \
+                    styled.aio.Control(self.daemon.control) as control:
+                await asyncio.gather(control.set('*', style='old'), control.list())
+                self.daemon.simulate()
+                count = 0
+                async for update in subscriber.frames(timeout=PATIENCE_S):
+                    count += 1
+                    if count == 200:
+                        break
+                self.assertEqual(subscriber.counters.missed, 0)
+                await asyncio.sleep(0.3)
+                latest = await subscriber.receive_latest(PATIENCE_S)
+                self.assertGreater(latest[-1].skipped, 5)
+                self.assertEqual(subscriber.connected(), 1)
+                with self.assertRaises(styled.Refused):
+                    await control.set('*', style='olf')
+                self.daemon.stop()
+                with self.assertRaises(styled.NoAnswer):
+                    async with styled.aio.Control(self.daemon.control, timeout=0.2) as nobody:
+                        await nobody.status()
+        asyncio.run(go())
+
+    def test_the_command_line(self):
+        environment = dict(os.environ, STYLED_PUBLISHER=self.daemon.publish,
+                           STYLED_CONTROL=self.daemon.control)
+        self.assertIn('elderly', run('list', env=environment)[1])
+        code, out, err = run('set', 'rig.sim', '--style', 'olf', env=environment)
+        self.assertEqual(code, 1)
+        self.assertIn("olf", err)
+        self.assertEqual(run('set', 'rig.sim', '--style', 'old', '--strength', '0.5', env=environment)[0], 0)
+        self.daemon.simulate()
+        code, out, err = run('tail', '--seconds', '3', env=environment)
+        self.assertEqual((code, err), (0, ''))
+        self.assertRegex(out, r'Hz rig\.sim rig \d+ elderly=0\.\d\d .* missed=0\n')
+        code, out, err = run('tail', '--frames', '--stream', 'canonical', '--seconds', '1', env=environment)
+        self.assertRegex(out, r'(?m)^rig\.sim canonical \d+ .* hips \S+ \S+ \S+ missed=0$')
+        self.assertIn('rig.sim: live', run('status', env=environment)[1])
+        self.assertEqual(run('panic', env=environment)[0], 0)
+
+
+class AvatarTest(unittest.TestCase):
+    def test_an_avatar_is_a_stream_like_the_others(self):
+        clip = os.path.abspath(os.path.join(ROOT, 'tests', 'parity', 'fixtures', 'synthetic.bvh'))
+        daemon = Daemon(extra=f'[[output]]\nname = "hero"\navatar = "{clip}"\n')
+        self.addCleanup(daemon.close)
+        daemon.simulate()
+        with styled.Subscriber(daemon.publish, streams=['hero', styled.RIG]) as subscriber:
+            seen = {}
+            for update in subscriber.frames(timeout=PATIENCE_S):
+                seen[update.stream] = update
+                if len(seen) == 2:
+                    break
+        hero = seen[styled.Stream.AVATAR]
+        self.assertEqual((hero.output_name, hero.body.output_name), ('hero', 'hero'))
+        self.assertEqual(len(hero.world()), len(hero.body.names))
+        self.assertEqual(seen[styled.RIG].output_name, '')
+
+
+class WithoutADaemonTest(unittest.TestCase):
+    def test_nobody_answers(self):
+        with styled.Control('ipc:///tmp/styled-nobody', timeout=0.1) as control:
+            with self.assertRaisesRegex(styled.NoAnswer, 'no daemon answers at ipc:///tmp/styled-nobody'):
+                control.status()
+        with styled.Subscriber('ipc:///tmp/styled-nobody') as subscriber:
+            self.assertIsNone(subscriber.receive(0.05))
+            self.assertEqual(subscriber.connected(), 0)
+
+    def test_something_else_answers(self):
+        with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
+            router.linger = 0
+            port = router.bind_to_random_port('tcp://127.0.0.1')
+            with styled.Control(f'tcp://127.0.0.1:{port}', timeout=PATIENCE_S) as control:
+                # The reply lies ready before it is waited for.
+                control._socket.send(b'hello')
+                router.send_multipart([router.recv_multipart()[0], b'\xff\xff\xff'])
+                with self.assertRaisesRegex(styled.Garbled, 'not a styled daemon'):
+                    control.status()
+
+    def test_wrong_arguments(self):
+        for make in (lambda: styled.Subscriber('nonsense'), lambda: styled.Subscriber([]),
+                     lambda: styled.Subscriber(queue_messages=0), lambda: styled.Control('nonsense'),
+                     lambda: styled.Control(timeout=0), lambda: styled.Subscriber(performer='anna')):
+            with self.assertRaises(ValueError):
+                make()
+
+    def test_the_command_line_says_what_was_expected(self):
+        for arguments, code, text in (
+                (['set', 'rig.a'], 2, 'nothing to change'),
+                (['set', 'anna', '--style', 'old'], 2, 'SOURCE.NAME'),
+                (['set', 'rig.a', '--mix', 'old'], 2, 'STYLE=WEIGHT'),
+                (['tail', '--publisher', 'nonsense'], 2, 'expected e.g. tcp://'),
+                (['list', '--control', 'ipc:///tmp/styled-nobody', '--timeout', '0.1'], 3, 'no daemon answers'),
+                (['tail', '--publisher', 'ipc:///tmp/styled-nobody', '--seconds', '0.2'], 3, '')):
+            found, _, err = run(*arguments)
+            self.assertEqual(found, code, arguments)
+            self.assertIn(text, err)
+
+    def test_with_keys_a_daemon_is_heard_and_without_them_it_is_not(self):
+        public, secret = zmq.curve_keypair()
+        own_public, own_secret = zmq.curve_keypair()
+        with zmq.Context() as context, context.socket(zmq.XPUB) as publisher:
+            publisher.linger = 0
+            publisher.curve_server = True
+            publisher.curve_secretkey = secret
+            port = publisher.bind_to_random_port('tcp://127.0.0.1')
+            endpoint = f'tcp://127.0.0.1:{port}'
+            for curve in (styled.Curve(public), styled.Curve(public.decode(), own_public, own_secret)):
+                with styled.Subscriber(endpoint, curve=curve) as subscriber:
+                    wait_for(lambda: subscriber.connected() == 1, 'the handshake')
+            with styled.Subscriber(endpoint) as subscriber:
+                end = time.monotonic() + 0.5
+                while time.monotonic() < end:
+                    subscriber.receive(0.05)
+                    self.assertEqual(subscriber.connected(), 0)
+
+
+if __name__ == '__main__':
+    unittest.main()

@@ -1,0 +1,13 @@
+#!/bin/sh
+# run.sh CHROMIUM: the page's test. Its driver is fetched from npm once, into the current folder; where
+# it cannot be, the test is skipped (77).
+[ -f "$STYLED_BIN/../web/index.html" ] || {
+  echo "skipped, the page was not built"
+  exit 77
+}
+[ -d node_modules/playwright-core ] || npm ci --no-audit --no-fund >npm.log 2>&1 || {
+  echo "skipped, npm cannot fetch playwright-core: $(tail -n 1 npm.log)"
+  rm -rf node_modules
+  exit 77
+}
+CHROMIUM=$1 exec node --test page.test.mjs

@@ -1,0 +1,124 @@
+"""Manual pages and bash completion say what the programs say to --help; the completion knows the styles and
+performers of the daemon that runs."""
+import functools
+import os
+import re
+import subprocess
+import unittest
+
+from daemon import Daemon, wait_for
+
+BIN, MAN = os.environ['STYLED_BIN'], os.environ['STYLED_MAN']
+COMPLETION = os.path.join(os.environ['STYLED_ROOT'], 'clients', 'man', 'styled.bash')
+# Those for users; the others there are tests and their tools.
+PROGRAMS = [name for name in ('styled', 'stylectl', 'stylemon', 'stylesim', 'stylerec', 'stylevmc', 'styleweb',
+                              'stylize', 'styletrain', 'styleeval')
+            if os.path.exists(os.path.join(BIN, name))]
+
+
+@functools.lru_cache(maxsize=None)
+def help_of(*command):
+    done = subprocess.run([os.path.join(BIN, command[0]), *command[1:], '--help'], capture_output=True, text=True)
+    assert done.returncode == 0, (command, done.stderr)
+    return done.stdout
+
+
+def section(text, name):
+    """The heads of the entries of a section of the help."""
+    found = re.search(rf'(?m)^{name}:\n((?:  .*\n)*)', text)
+    return re.findall(r'(?m)^  (\S+)', found[1]) if found else []
+
+
+def options(text):
+    return [name for head in section(text, 'Options')
+            for name in head.replace('{false}', '').split(',')]
+
+
+def commands_of(program):
+    return [(program,)] + [(program, name) for name in section(help_of(program), 'Subcommands')]
+
+
+SCRIPT = f'''source {COMPLETION}
+while IFS= read -r line; do
+  read -ra COMP_WORDS <<<"$line"
+  [[ $line == *' ' ]] && COMP_WORDS+=('')
+  COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))
+  _styled_complete "${{COMP_WORDS[0]}}" "${{COMP_WORDS[COMP_CWORD]}}" "${{COMP_WORDS[COMP_CWORD-1]}}"
+  printf '%s ' "${{COMPREPLY[@]}}"
+  echo
+done'''
+
+
+def complete_each(lines, environment=None):
+    """What bash would offer for the last word of each line."""
+    done = subprocess.run(['bash', '-c', SCRIPT], input='\n'.join(f'{BIN}/{line}' for line in lines) + '\n',
+                          capture_output=True, text=True, env=dict(os.environ, **(environment or {})), cwd='/')
+    assert done.stderr == '', done.stderr
+    return [line.split() for line in done.stdout.splitlines()]
+
+
+def complete(line, environment=None):
+    return complete_each([line], environment)[0]
+
+
+class ManTest(unittest.TestCase):
+    def test_every_option_and_command_is_on_its_page(self):
+        self.assertGreaterEqual(len(PROGRAMS), 7)
+        for program in PROGRAMS:
+            with open(os.path.join(MAN, program + '.1')) as text:
+                # Bold between < and >.
+                page = text.read().replace(r'\fB', '<').replace(r'\fR', '>').replace('\\', '')
+            for name in ('NAME', 'SYNOPSIS', 'DESCRIPTION'):
+                self.assertRegex(page, rf'(?m)^\.SH {name}$', program)
+            for command in commands_of(program):
+                self.assertIn(' '.join(command), page)
+                for option in options(help_of(*command)):
+                    self.assertRegex(page, rf'(?m)^<([^>\n]*, )?{re.escape(option)}(, [^>\n]*)?>', command)
+
+    def test_pages_are_without_errors(self):
+        for page in os.listdir(MAN):
+            if not page.endswith('.scd'):
+                # groff, where it is there, has nothing to say against it.
+                done = subprocess.run(['sh', '-c', f'command -v groff >/dev/null || exit 0; '
+                                       f'groff -man -Tutf8 -ww {os.path.join(MAN, page)} >/dev/null'],
+                                      capture_output=True, text=True)
+                self.assertEqual((done.returncode, done.stderr), (0, ''), page)
+
+    def test_the_configuration_s_page_has_every_key(self):
+        with open(os.path.join(MAN, 'styled.toml.5')) as text:
+            page = text.read()
+        for key in ('high_water_mark', 'stale_ms', 'delay_ms'):
+            self.assertIn(key, page.replace('\\', ''))
+
+
+class CompletionTest(unittest.TestCase):
+    def test_every_option_and_command_is_completed(self):
+        commands = [command for program in PROGRAMS for command in commands_of(program)]
+        offered = complete_each([' '.join(command) + ' --' for command in commands])
+        self.assertEqual(len(offered), len(commands))
+        for command, words in zip(commands, offered):
+            expected = {o for o in options(help_of(*command)) if o.startswith('--')}
+            self.assertFalse(expected - set(words), command)
+        with_commands = [program for program in PROGRAMS if section(help_of(program), 'Subcommands')]
+        for program, words in zip(with_commands, complete_each([p + ' ' for p in with_commands])):
+            self.assertTrue(set(section(help_of(program), 'Subcommands')) <= set(words), program)
+
+    def test_completes_words_that_an_option_names_and_files(self):
+        self.assertEqual(complete('stylectl calibrate rig.a --pose t'), ['t'])
+        self.assertEqual(complete('stylerec export x --what can'), ['canonical'])
+        self.assertIn('elderly', complete('stylize --style eld'))
+        self.assertIn('/etc', complete('stylerec info /et'))
+        self.assertIn('etc', complete('stylesim --bvh '))
+
+    def test_completes_what_the_daemon_has(self):
+        daemon = Daemon()
+        self.addCleanup(daemon.close)
+        environment = {'STYLED_CONTROL': daemon.control}
+        daemon.simulate()
+        wait_for(lambda: 'rig.sim' in complete('stylectl set rig', environment), 'rig.sim')
+        self.assertIn('elderly', complete('stylectl set rig.sim --style ', environment))
+        self.assertIn(r'\*', complete('stylectl set ', environment))
+
+
+if __name__ == '__main__':
+    unittest.main()

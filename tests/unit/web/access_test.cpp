@@ -1,0 +1,82 @@
+#include "clients/web/access.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/child.h"
+
+namespace styled::web {
+namespace {
+
+TEST(AccessTest, OnLoopbackOnlyLoopbackNamesAreAnswered) {
+  const AccessRules rules;
+  for (const char* host :
+       {"localhost", "localhost:7080", "127.0.0.1:7080", "127.1.2.3", "[::1]:7080", "[::1]"}) {
+    EXPECT_EQ(Judge(rules, {.host = host}, true), Verdict::kAllowed) << host;
+  }
+  for (const char* host :
+       {"", "evil.example:7080", "localhost.evil.example", "127.0.0.1.evil.example",
+        "192.168.1.5:7080", "[::2]:7080", "[::1].evil.example"}) {
+    EXPECT_EQ(Judge(rules, {.host = host}, false), Verdict::kHost) << host;
+  }
+}
+
+TEST(AccessTest, PagesOfOtherSitesAreRefusedUnlessNamed) {
+  AccessRules rules{.origins = {"http://stage.lan:5173"}};
+  const auto judge = [&rules](const char* origin) {
+    return Judge(rules, {.host = "127.0.0.1:7080", .origin = origin}, false);
+  };
+  EXPECT_EQ(judge(""), Verdict::kAllowed) << "no browser";
+  EXPECT_EQ(judge("http://127.0.0.1:7080"), Verdict::kAllowed);
+  EXPECT_EQ(judge("http://stage.lan:5173"), Verdict::kAllowed);
+  for (const char* origin :
+       {"http://evil.example", "null", "http://127.0.0.1", "http://localhost:7080",
+        "http://127.0.0.1:7081", "ftp://127.0.0.1:7080", "127.0.0.1:7080",
+        "http://stage.lan:5173.evil.example", "http://stage.lan:517"}) {
+    EXPECT_EQ(judge(origin), Verdict::kOrigin) << origin;
+  }
+  rules.loopback = false;
+  EXPECT_EQ(Judge(rules, {.host = "stage.lan", .origin = "https://stage.lan"}, false),
+            Verdict::kAllowed);
+  EXPECT_EQ(Judge(rules, {.host = "", .origin = "http://"}, false), Verdict::kOrigin);
+}
+
+TEST(AccessTest, TheTokenComesInTheAddressOrTheHeader) {
+  const AccessRules rules{.loopback = false, .token = "abcdefgh12345678"};
+  const auto with = [&rules](const char* authorization, const char* target) {
+    return Judge(rules, {.host = "x", .authorization = authorization, .target = target}, true);
+  };
+  EXPECT_EQ(with("Bearer abcdefgh12345678", "/ws"), Verdict::kAllowed);
+  EXPECT_EQ(with("", "/ws?token=abcdefgh12345678"), Verdict::kAllowed);
+  EXPECT_EQ(with("", "/ws?a=b&token=abcdefgh12345678&c"), Verdict::kAllowed);
+  EXPECT_EQ(with("", "/ws"), Verdict::kToken);
+  EXPECT_EQ(with("", "/ws?token="), Verdict::kToken);
+  EXPECT_EQ(with("", "/ws?xtoken=abcdefgh12345678"), Verdict::kToken);
+  EXPECT_EQ(with("", "/ws?token=abcdefgh12345679"), Verdict::kToken);
+  EXPECT_EQ(with("", "/ws?token=abcdefgh1234567"), Verdict::kToken);
+  EXPECT_EQ(with("Basic abcdefgh12345678", "/ws"), Verdict::kToken);
+  EXPECT_EQ(with("Bearer wrong", "/ws?token=abcdefgh12345678"), Verdict::kToken);
+  EXPECT_EQ(Judge(rules, {.host = "x", .target = "/"}, false), Verdict::kAllowed) << "the page";
+}
+
+TEST(AccessTest, TokenFilesThatHoldNoTokenAreRefusedByName) {
+  const support::TemporaryFolder folder;
+  const auto read = [&folder](const std::string& text) {
+    support::WriteText(folder / "token", text);
+    return ReadToken(folder / "token");
+  };
+  const auto good = read("abcdefgh.1234_5678~-\nmore\n");
+  ASSERT_TRUE(good.ok());
+  EXPECT_EQ(good.value(), "abcdefgh.1234_5678~-");
+  EXPECT_TRUE(read("abcdefgh12345678\r\n").ok());
+  for (const std::string& bad : {std::string(), std::string("\n"), std::string("short"),
+                                 std::string("has spaces in between it"), std::string(257, 'a'),
+                                 std::string("abcdefgh1234567&")}) {
+    const auto result = read(bad);
+    ASSERT_FALSE(result.ok()) << bad;
+    EXPECT_NE(result.status().message().find(folder / "token"), std::string::npos);
+  }
+  EXPECT_FALSE(ReadToken(folder / "none").ok());
+}
+
+}  // namespace
+}  // namespace styled::web
