@@ -80,7 +80,9 @@ Status Supervisor::Start() {
     types.push_back(source.type);
   }
   pipeline_ = std::make_unique<pipeline::Pipeline>(
-      pipeline::Surroundings{clock_, counters_, *publisher_, mailboxes_, recorder_.get()},
+      pipeline::Surroundings{clock_, counters_, *publisher_, mailboxes_, recorder_.get(),
+                             config_.realtime.prewarm || config_.realtime.wait == "hybrid",
+                             config_.realtime.prewarm},
       std::move(names), std::move(transports_), live_, epoch_, config_.publish.max_subscriptions);
   pipeline_->SetSourceTypes(std::move(types));
   RestoreProfiles();
@@ -201,8 +203,14 @@ void Supervisor::RestoreProfiles() {
 }
 
 void Supervisor::StartThreads() {
+  std::vector<int> fds{publisher_->fd()};
+  for (const auto& transport : pipeline_->transports()) fds.push_back(transport->fd());
+  const std::string& wait = config_.realtime.wait;
   pipeline_loop_ =
-      std::make_unique<pipeline::PipelineThread>(*pipeline_, *publisher_, mailboxes_, clock_);
+      std::make_unique<pipeline::PipelineThread>(*pipeline_, fds, mailboxes_.wake_pipeline, clock_,
+                                                 wait == "busy"     ? pipeline::Wait::kBusy
+                                                 : wait == "hybrid" ? pipeline::Wait::kHybrid
+                                                                    : pipeline::Wait::kBlock);
   pipeline_thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "pipeline");
     const runtime::Scheduling scheduling{config_.realtime.lock_memory, config_.realtime.priority,

@@ -156,6 +156,8 @@ struct Realtime {
   bool lock_memory = true;
   int priority = 0;
   int cpu = -1;
+  std::string wait = "block";  // "hybrid", "busy"
+  bool prewarm = true;
   friend bool operator==(const Realtime&, const Realtime&) = default;
 };
 

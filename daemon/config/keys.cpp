@@ -161,7 +161,9 @@ std::vector<Section> MakeSections() {
       {"realtime",
        {Flag<C>("lock_memory", STYLED_FIELD(realtime.lock_memory)),
         Integer<C>("priority", 0, 99, STYLED_FIELD(realtime.priority)),
-        Integer<C>("cpu", -1, 1023, STYLED_FIELD(realtime.cpu))}},
+        Integer<C>("cpu", -1, 1023, STYLED_FIELD(realtime.cpu)),
+        OneOf<C>("wait", {"block", "hybrid", "busy"}, STYLED_FIELD(realtime.wait)),
+        Flag<C>("prewarm", STYLED_FIELD(realtime.prewarm))}},
   };
 }
 

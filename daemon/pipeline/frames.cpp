@@ -12,6 +12,8 @@ using runtime::kSecond_ns;
 using runtime::Nanoseconds;
 using source::FrameResult;
 
+constexpr std::int64_t kLongestPeriod_ns = kSecond_ns / 10;
+
 }  // namespace
 
 void Pipeline::OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) {
@@ -25,7 +27,7 @@ void Pipeline::OnDatagrams(int source, std::span<const std::span<const std::byte
     Decode(source, datagrams[i], items_[i]);
     NoteNewest(static_cast<int>(i));
   }
-  // 2 one after the other, to the subscribers
+  // 2 one after the other, to the subscribers; what is of different performers is styled together
   for (std::size_t i = 0; i < datagrams.size(); ++i) {
     Item& item = items_[i];
     if (!item.good) continue;
@@ -33,10 +35,11 @@ void Pipeline::OnDatagrams(int source, std::span<const std::span<const std::byte
       hot.Enter();
       TakeFrame(source, item, static_cast<int>(i), full, hot);
     } else {
-      hot.Leave();
+      StyleTaken(hot);
       TakeBody(source, item);
     }
   }
+  StyleTaken(hot);
   for (const auto& performer : roster_.performers) performer->newest_in_batch = -1;
 }
 
@@ -81,11 +84,18 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
     return;
   }
   Performer& performer = *item.performer;
+  const auto last = taken_.begin() + static_cast<std::ptrdiff_t>(taken_count_);
+  if (taken_count_ == taken_.size() || std::find(taken_.begin(), last, &performer) != last) {
+    StyleTaken(hot);
+    hot.Enter();
+  }
+  const std::int64_t before_ns = performer.session.elapsed_ns();
   if (!Admit(performer, item)) return;
 
   const std::int64_t now_ns = to_.clock.Now_ns();
   const std::int64_t lateness_ns =
       performer.schedule.Lateness_ns(performer.session.elapsed_ns(), now_ns);
+  AwaitNext(performer, before_ns);
   if (PassOver(performer, index, full, lateness_ns)) {
     to_.counters.Add(Counter::kPipelineBacklogDropped);
     return;
@@ -97,22 +107,46 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
   Performer::Moment moment;
   moment.elapsed_ns = performer.session.elapsed_ns();
   moment.receive_ns = receive_ns_;
-  moment.publish_ns = to_.clock.Now_ns();
   moment.wall_ns = wall_ns_;
   moment.source_sequence = item.datagram.sequence;
   moment.extra_flags = late ? v1::FLAG_LATE : v1::FLAG_NONE;
-  const auto styled = performer.Style(item.frame, moment);
-  if (styled != Performer::Styled::kOk) {
-    to_.counters.Add(styled == Performer::Styled::kWrongSize ? Counter::kPipelineWrongSize
-                                                             : Counter::kPipelineUncalibrated);
+  const auto taken = performer.Take(item.frame, moment);
+  if (taken != Performer::Taken::kOk) {
+    to_.counters.Add(taken == Performer::Taken::kWrongSize ? Counter::kPipelineWrongSize
+                                                           : Counter::kPipelineUncalibrated);
     return;
   }
+  taken_[taken_count_++] = &performer;
   ++performer.received;
   performer.live = true;
   to_.counters.Add(Counter::kPipelineFrames);
   if (late) to_.counters.Add(Counter::kPipelineLate);
+}
+
+// Leaves the hot section.
+void Pipeline::StyleTaken(runtime::HotSection& hot) {
+  const auto taken = std::span(taken_).first(taken_count_);
+  taken_count_ = 0;
+  if (!taken.empty()) hot.Enter();
+  std::array<stylist::Stylist::Job, stylist::Stylist::kTogether> jobs;
+  for (std::size_t i = 0; i < taken.size(); ++i) jobs[i] = taken[i]->Style();
+  if (taken.size() == 1) {
+    jobs[0].stylist->Process(jobs[0].time_ns, *jobs[0].in, *jobs[0].out);
+  } else {
+    stylist::Stylist::ProcessTogether(std::span(jobs).first(taken.size()));
+  }
+  for (Performer* const performer : taken) performer->Finish(to_.clock.Now_ns());
   hot.Leave();
-  performer.Send(to_.publisher, to_.clock.Now_ns());
+  for (Performer* const performer : taken) performer->Send(to_.publisher, to_.clock.Now_ns());
+}
+
+// One period of the sender's clock later, if it has one to speak of.
+void Pipeline::AwaitNext(Performer& performer, std::int64_t before_ns) noexcept {
+  const std::int64_t elapsed_ns = performer.session.elapsed_ns();
+  const std::int64_t period_ns = elapsed_ns - before_ns;
+  const bool steady = period_ns > 0 && period_ns < kLongestPeriod_ns;
+  performer.anticipation.Await(steady ? performer.schedule.Due_ns(elapsed_ns + period_ns)
+                                      : Anticipation::kNever);
 }
 
 // Most frames pass none and stay in the hot section.
@@ -127,7 +161,7 @@ void Pipeline::PassCues(Performer& performer, const source::Timecode& timecode,
     performer.timecode = now;
     return;
   }
-  hot.Leave();
+  StyleTaken(hot);  // what came before the cue
   std::string said;
   if (commands_.Pass(performer, timecode, said)) {
     to_.counters.Add(Counter::kPipelineCues);

@@ -245,16 +245,33 @@ void Performer::Restart() noexcept {
   if (bound_ != nullptr) bound_->stylist.Reset();
 }
 
-Performer::Styled Performer::Style(const source::SourceFrameView& view, Moment moment) noexcept {
+Performer::Taken Performer::Take(const source::SourceFrameView& view,
+                                 const Moment& moment) noexcept {
   const auto joints = static_cast<int>(received_.rotations.size());
-  if (!source::CopyPose(view, joints, received_)) return Styled::kWrongSize;
+  if (!source::CopyPose(view, joints, received_)) return Taken::kWrongSize;
   stance_->Take(received_, moment.receive_ns);
-  if (bound_ == nullptr) return Styled::kUncalibrated;
+  if (bound_ == nullptr) return Taken::kUncalibrated;
   Bound& b = *bound_;
   std::swap(b.in, received_);  // both of the skeleton's size
   if (b.body.left_handed) rig::Mirror(b.in);
-  b.stylist.Process(moment.elapsed_ns, b.in, b.out);
-  for (const auto& worn : b.avatars) worn->Process(moment.elapsed_ns, b.out);
+  b.source_time_ns = view.source_time_ns;
+  b.source_sequence = moment.source_sequence;
+  b.has_timecode = view.has_timecode;
+  b.timecode = view.timecode;
+  b.face.assign(view.face.begin(), view.face.end());
+  moment_ = moment;
+  return Taken::kOk;
+}
+
+stylist::Stylist::Job Performer::Style() noexcept {
+  Bound& b = *bound_;
+  return {&b.stylist, moment_.elapsed_ns, &b.in, &b.out};
+}
+
+void Performer::Finish(std::int64_t publish_ns) noexcept {
+  Bound& b = *bound_;
+  moment_.publish_ns = publish_ns;
+  for (const auto& worn : b.avatars) worn->Process(moment_.elapsed_ns, b.out);
   b.rig_root = b.body.binding->RootPosition(b.out.rig);
   if (b.body.left_handed) {
     rig::Mirror(b.out.rig);
@@ -262,15 +279,13 @@ Performer::Styled Performer::Style(const source::SourceFrameView& view, Moment m
     b.rig_root = rig::Mirrored(b.rig_root);
   }
   b.styled = true;
-  b.source_time_ns = view.source_time_ns;
-  b.source_sequence = moment.source_sequence;
-  b.has_timecode = view.has_timecode;
-  b.timecode = view.timecode;
-  b.face.assign(view.face.begin(), view.face.end());
   CountFlags(b.out.flags);
   measured_ = true;
-  Serialize(b.out.flags | moment.extra_flags, moment);
-  return Styled::kOk;
+  Serialize(b.out.flags | moment_.extra_flags, moment_);
+}
+
+void Performer::Prewarm() const noexcept {
+  if (bound_ != nullptr) bound_->stylist.Prewarm();
 }
 
 bool Performer::Repeat(Moment moment) noexcept {

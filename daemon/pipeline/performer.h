@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "daemon/pipeline/anticipation.h"
 #include "daemon/pipeline/body_binding.h"
 #include "daemon/pipeline/mailboxes.h"
 #include "daemon/pipeline/profile.h"
@@ -62,17 +63,22 @@ class Performer {
   // The recurrent state starts anew; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept;
 
-  // One frame: copies, styles and serializes for the topics that are wanted. Nothing happens when
-  // it has another joint count than the body; the pose is remembered while the performer waits().
-  // `elapsed_ns` as the session's.
-  enum class Styled : std::uint8_t { kOk, kWrongSize, kUncalibrated };
+  // One frame in three steps, so that several performers are styled together: copied, styled (by
+  // Stylist::ProcessTogether, as Style() says), serialized for the topics that are wanted. Taken is
+  // nothing that has another joint count than the body; the pose is remembered while the performer
+  // waits(). `elapsed_ns` as the session's.
+  enum class Taken : std::uint8_t { kOk, kWrongSize, kUncalibrated };
   struct Moment {
     std::int64_t elapsed_ns = 0;
     std::int64_t receive_ns = 0, publish_ns = 0, wall_ns = 0;
     std::uint64_t source_sequence = 0;
     std::uint32_t extra_flags = 0;
   };
-  STYLED_REALTIME Styled Style(const source::SourceFrameView& view, Moment moment) noexcept;
+  STYLED_REALTIME Taken Take(const source::SourceFrameView& view, const Moment& moment) noexcept;
+  STYLED_REALTIME stylist::Stylist::Job Style() noexcept;
+  STYLED_REALTIME void Finish(std::int64_t publish_ns) noexcept;
+  // Brings what the next frame needs into the caches. Changes nothing.
+  STYLED_REALTIME void Prewarm() const noexcept;
   // The last pose again, flagged stale. False when there is none.
   STYLED_REALTIME bool Repeat(Moment moment) noexcept;
   // Sends what Style or Repeat serialized, and measures from moment.receive_ns to now.
@@ -85,6 +91,7 @@ class Performer {
 
   Session session;
   Schedule schedule;
+  Anticipation anticipation;
   const int source;
   const std::string name;
   bool session_has_body = false;  // this session sent its body
@@ -114,6 +121,7 @@ class Performer {
   rig::RigPose received_;
   std::unique_ptr<Bound> bound_;
   std::uint32_t body_crc_ = 0;
+  Moment moment_;                                    // of the frame taken
   std::array<std::span<const std::byte>, 3> ready_;  // serialized, per topic; empty: not wanted
   std::int64_t receive_ns_ = 0;
   bool measured_ = false;

@@ -14,6 +14,7 @@ using runtime::Nanoseconds;
 constexpr int kSubscriptionsPerCycle = 16;
 constexpr int kCommandsPerCycle = 8;
 constexpr std::int64_t kBudget_ns = kSecond_ns / 120;
+constexpr std::int64_t kStaysWarm_ns = 2 * runtime::kMillisecond_ns;
 
 }  // namespace
 
@@ -63,8 +64,23 @@ std::int64_t Pipeline::NextDeadline_ns() const {
     const float patience_s = performer->live ? limits.stale_s : limits.forget_s;
     next_ns = std::min({next_ns, performer->next_body_ns,
                         performer->session.last_arrival_ns() + Nanoseconds(patience_s)});
+    if (to_.anticipate) next_ns = std::min(next_ns, performer->anticipation.prepare_ns());
   }
   return next_ns;
+}
+
+bool Pipeline::Expects(std::int64_t now_ns) const {
+  return to_.anticipate &&
+         std::any_of(roster_.performers.begin(), roster_.performers.end(),
+                     [now_ns](const auto& p) { return p->anticipation.Expects(now_ns); });
+}
+
+// While frames keep coming the caches are warm by themselves.
+void Pipeline::Prepare(Performer& performer, std::int64_t now_ns) {
+  if (!performer.anticipation.Prepare(now_ns)) return;
+  if (!to_.prewarm || now_ns - receive_ns_ < kStaysWarm_ns) return;
+  performer.Prewarm();
+  to_.counters.Add(Counter::kPipelinePrewarmed);
 }
 
 int Pipeline::DoCommands() {
@@ -190,6 +206,7 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
   for (std::size_t i = 0; i < roster_.performers.size();) {
     Performer& performer = *roster_.performers[i++];
     const std::int64_t silence_ns = now_ns - performer.session.last_arrival_ns();
+    if (to_.anticipate && drained) Prepare(performer, now_ns);
     if (drained && performer.live && silence_ns >= Nanoseconds(limits.stale_s)) {
       Stale(performer, now_ns);
       ++work;

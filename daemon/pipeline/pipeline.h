@@ -9,6 +9,7 @@
 #include "daemon/pipeline/commands.h"
 #include "daemon/pipeline/mailboxes.h"
 #include "daemon/pipeline/roster.h"
+#include "daemon/pipeline/worker.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/publish/subscriptions.h"
 #include "daemon/record/recorder.h"
@@ -27,14 +28,16 @@ struct Surroundings {
   publish::Publisher& publisher;
   Mailboxes& mailboxes;
   record::Recorder* recorder = nullptr;  // null: nothing is recorded
+  bool anticipate = true;                // knows when each frame is due, and wakes shortly before
+  bool prewarm = true;                   // and then brings what it needs into the caches
 };
 
 // The one thread that frames walk through, from the datagram's arrival to zmq_send, without a queue
-// between. DoWork() is bounded and never blocks; whoever calls it waits, where there is nothing to
-// do, for the transports, the publisher and mailboxes.wake_pipeline, no longer than until
-// NextDeadline_ns(). From a performer's second frame on nothing between receive and zmq_send
-// allocates, locks, logs or throws (tests/realtime).
-class Pipeline final : public source::Receiver {
+// between. Whoever calls DoWork() waits, where there is nothing to do, for the transports, the
+// publisher and mailboxes.wake_pipeline, no longer than until NextDeadline_ns(). From a performer's
+// second frame on nothing between receive and zmq_send allocates, locks, logs or throws
+// (tests/realtime).
+class Pipeline final : public Worker, public source::Receiver {
  public:
   // `source_names[i]` is the name of what transports call source i. Epoch: random, of this start.
   Pipeline(const Surroundings& surroundings, std::vector<std::string> source_names,
@@ -47,9 +50,9 @@ class Pipeline final : public source::Receiver {
   // After the last cycle: the settings, if a change of them found the mailbox full; else null.
   std::unique_ptr<std::vector<Profile>> TakeUnkept();
 
-  // How much was done; 0: nothing to do before NextDeadline_ns(), unless something arrives.
-  int DoWork();
-  std::int64_t NextDeadline_ns() const;
+  int DoWork() override;
+  std::int64_t NextDeadline_ns() const override;
+  bool Expects(std::int64_t now_ns) const override;
   const std::vector<std::unique_ptr<source::Transport>>& transports() const { return transports_; }
 
   void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override;
@@ -71,12 +74,15 @@ class Pipeline final : public source::Receiver {
   int DoReloads();
   int DoSubscriptions();
   int DoTimers(std::int64_t now_ns, bool drained);
+  void Prepare(Performer& performer, std::int64_t now_ns);
 
   // Step 1 of a batch: header, checksum, name; refusals are counted.
   STYLED_REALTIME void Decode(int source, std::span<const std::byte> bytes, Item& item) noexcept;
   STYLED_REALTIME void NoteNewest(int index) noexcept;
   void TakeBody(int source, const Item& item);
   void TakeFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
+  void StyleTaken(runtime::HotSection& hot);
+  STYLED_REALTIME void AwaitNext(Performer& performer, std::int64_t before_ns) noexcept;
   void PassCues(Performer& performer, const source::Timecode& timecode, runtime::HotSection& hot);
   // Whether the frame's session, sequence and body are the performer's next; counts if not.
   STYLED_REALTIME bool Admit(Performer& performer, const Item& item) noexcept;
@@ -99,8 +105,11 @@ class Pipeline final : public source::Receiver {
   Roster roster_;
   Commands commands_;
   SessionRules rules_;
-  std::int64_t receive_ns_ = 0, wall_ns_ = 0;  // of the batch at hand
+  std::int64_t receive_ns_ = 0, wall_ns_ = 0;  // of the batch at hand, or the last
   std::array<Item, source::kBatch> items_;
+  // Frames of the batch that are to be styled together, each of another performer.
+  std::array<Performer*, stylist::Stylist::kTogether> taken_{};
+  std::size_t taken_count_ = 0;
   publish::SubscriptionEvent subscription_;
   publish::Topic stats_topic_{"stats/"};
   std::int64_t started_ns_, next_stats_ns_, last_stats_ns_;

@@ -1,6 +1,7 @@
 #include "daemon/pipeline/pipeline_thread.h"
 
 #include <sys/epoll.h>
+#include <sys/prctl.h>
 
 #include <algorithm>
 #include <array>
@@ -8,15 +9,15 @@
 
 namespace styled::pipeline {
 
-PipelineThread::PipelineThread(Pipeline& pipeline, publish::Publisher& publisher,
-                               Mailboxes& mailboxes, const runtime::Clock& clock)
-    : pipeline_(pipeline),
-      mailboxes_(mailboxes),
+PipelineThread::PipelineThread(Worker& worker, std::span<const int> fds, runtime::Wakeup& wake,
+                               const runtime::Clock& clock, Wait wait)
+    : worker_(worker),
+      wake_(wake),
       clock_(clock),
+      mode_(wait),
       epoll_(epoll_create1(EPOLL_CLOEXEC)) {
-  for (const auto& transport : pipeline.transports()) Watch(transport->fd());
-  Watch(publisher.fd());
-  Watch(mailboxes.wake_pipeline.fd());
+  for (const int fd : fds) Watch(fd);
+  Watch(wake.fd());
 }
 
 void PipelineThread::Watch(int fd) {
@@ -28,7 +29,7 @@ void PipelineThread::Watch(int fd) {
 
 // To the nanosecond where the kernel can (5.11): a delayed frame is not to leave a millisecond
 // late.
-int PipelineThread::Wait(std::int64_t wait_ns, std::span<epoll_event> events) {
+int PipelineThread::Sleep(std::int64_t wait_ns, std::span<epoll_event> events) {
   const auto most = static_cast<int>(events.size());
   const timespec wait{wait_ns / runtime::kSecond_ns, wait_ns % runtime::kSecond_ns};
   const int ready = epoll_pwait2(epoll_.get(), events.data(), most, &wait, nullptr);
@@ -37,23 +38,26 @@ int PipelineThread::Wait(std::int64_t wait_ns, std::span<epoll_event> events) {
   return epoll_wait(epoll_.get(), events.data(), most, static_cast<int>(wait_ms));
 }
 
+bool PipelineThread::StaysAwake() const {
+  return mode_ == Wait::kBusy || (mode_ == Wait::kHybrid && worker_.Expects(clock_.Now_ns()));
+}
+
 void PipelineThread::Run() {
+  prctl(PR_SET_TIMERSLACK, 1UL);  // ns; 50 us by default
   std::array<epoll_event, 16> events;
   while (!stop_.load(std::memory_order_relaxed)) {
-    if (pipeline_.DoWork() > 0) continue;
-    const std::int64_t wait_ns = pipeline_.NextDeadline_ns() - clock_.Now_ns();
-    const int ready = Wait(std::clamp<std::int64_t>(wait_ns, 0, runtime::kSecond_ns), events);
+    if (worker_.DoWork() > 0 || StaysAwake()) continue;
+    const std::int64_t wait_ns = worker_.NextDeadline_ns() - clock_.Now_ns();
+    const int ready = Sleep(std::clamp<std::int64_t>(wait_ns, 0, runtime::kSecond_ns), events);
     for (int i = 0; i < ready; ++i) {
-      if (events[static_cast<std::size_t>(i)].data.fd == mailboxes_.wake_pipeline.fd()) {
-        mailboxes_.wake_pipeline.Clear();
-      }
+      if (events[static_cast<std::size_t>(i)].data.fd == wake_.fd()) wake_.Clear();
     }
   }
 }
 
 void PipelineThread::Stop() {
   stop_.store(true, std::memory_order_relaxed);
-  mailboxes_.wake_pipeline.Signal();
+  wake_.Signal();
 }
 
 }  // namespace styled::pipeline

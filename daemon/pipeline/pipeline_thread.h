@@ -5,27 +5,40 @@
 #include <atomic>
 #include <span>
 
-#include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/worker.h"
+#include "daemon/runtime/clock.h"
 #include "daemon/runtime/descriptor.h"
+#include "daemon/runtime/wakeup.h"
 
 namespace styled::pipeline {
 
-// The thread of the pipeline: waits in epoll for transports, subscribers, commands or the next
-// deadline, and calls DoWork until there is nothing to do. Run() returns after Stop().
+// How a thread waits for what is next.
+enum class Wait : std::uint8_t {
+  kBlock,   // asleep
+  kHybrid,  // asleep, but awake while a frame is expected
+  kBusy,    // awake: takes a core for itself
+};
+
+// The thread of the pipeline: waits for transports, subscribers, commands or the next deadline, and
+// calls DoWork until there is nothing to do. Run() returns after Stop().
 class PipelineThread {
  public:
-  PipelineThread(Pipeline& pipeline, publish::Publisher& publisher, Mailboxes& mailboxes,
-                 const runtime::Clock& clock);
+  // `wake` is one of the descriptors waited for, cleared when it fires; so are `fds`.
+  PipelineThread(Worker& worker, std::span<const int> fds, runtime::Wakeup& wake,
+                 const runtime::Clock& clock, Wait wait);
   void Run();
   void Stop();  // any thread
 
  private:
   void Watch(int fd);
-  int Wait(std::int64_t wait_ns, std::span<epoll_event> events);
+  int Sleep(std::int64_t wait_ns, std::span<epoll_event> events);
 
-  Pipeline& pipeline_;
-  Mailboxes& mailboxes_;
+  bool StaysAwake() const;
+
+  Worker& worker_;
+  runtime::Wakeup& wake_;
   const runtime::Clock& clock_;
+  Wait mode_;
   runtime::Descriptor epoll_;
   std::atomic<bool> stop_{false};
 };

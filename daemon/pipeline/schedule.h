@@ -26,6 +26,11 @@ class Schedule {
     return way_ns - std::min(previous_ns_, current_ns_);
   }
 
+  // When a frame of that source time is here at the earliest. After the first Lateness_ns.
+  STYLED_REALTIME std::int64_t Due_ns(std::int64_t elapsed_ns) const noexcept {
+    return elapsed_ns + std::min(previous_ns_, current_ns_);
+  }
+
  private:
   static constexpr std::int64_t kTurn_ns = 2'000'000'000;
   bool started_ = false;

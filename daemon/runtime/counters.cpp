@@ -59,6 +59,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kPipelineForgotten, "pipeline.forgotten"},
     {Counter::kPipelineCommands, "pipeline.commands"},
     {Counter::kPipelineCues, "pipeline.cues"},
+    {Counter::kPipelinePrewarmed, "pipeline.prewarmed"},
     {Counter::kPipelineOverBudget, "pipeline.over_budget_cycles"},
     {Counter::kPipelineLongestCycleUs, "pipeline.longest_cycle_us"},
     {Counter::kPipelineEventsDropped, "pipeline.events_dropped", true},

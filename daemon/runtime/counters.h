@@ -62,6 +62,7 @@ enum class Counter : std::uint8_t {
   kPipelineForgotten,
   kPipelineCommands,
   kPipelineCues,
+  kPipelinePrewarmed,       // frames that were prepared for
   kPipelineOverBudget,      // cycles longer than a frame's period at 120 Hz
   kPipelineLongestCycleUs,  // of the last second
   kPipelineEventsDropped,   // messages to the log that found its ring full

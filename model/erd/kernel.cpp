@@ -29,40 +29,43 @@ constexpr int kVectors = kPanelRows / kLanes;  // of a panel
 constexpr int kUnits = 32;                     // of an LSTM layer
 constexpr bool kManyRegisters = kLanes == 16;  // AVX-512: 32 of them
 
-// One column of a product: sum[i] += W[:, column] x[i].
-template <int Inputs, int Vectors>
+// How many sets of sums take turns over the columns of `vectors` vectors of rows, so that a
+// multiplication need not wait for the one before. It does not depend on how many inputs there are:
+// alone or beside others, an input gives the same bits.
+constexpr int Sets(int vectors) { return kManyRegisters ? HWY_MAX(1, 8 / vectors) : 1; }
+
+// One column of a product: sum[i] += W[:, column] x[i], for vectors First and on.
+template <int Inputs, int First, int Vectors>
 HWY_INLINE void AccumulateColumn(const float* HWY_RESTRICT weights, std::size_t panel_stride,
                                  const std::array<const float*, Inputs>& x, int column,
                                  V (&sum)[Inputs][Vectors]) {
   V factor[Inputs];
-  HWY_UNROLL(2)
+  HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) factor[i] = hn::Set(d, x[i][column]);
   HWY_UNROLL(32)
-  for (int v = 0; v < Vectors; ++v) {
+  for (int k = 0; k < Vectors; ++k) {
+    const int v = First + k;
     const float* const from = weights + v / kVectors * panel_stride + v % kVectors * kLanes;
     V weight = hn::Load(d, from);
     if constexpr (Inputs > 1) {
-      // Two inputs are bound by what the first-level cache gives: load each weight once (GCC would
-      // load it for each multiplication), and early.
+      // Several inputs are bound by what the first-level cache gives: load each weight once (GCC
+      // would load it for each multiplication), and early.
       STYLED_KEEP_IN_REGISTER(weight);
       if (v * kLanes % 16 == 0) hwy::Prefetch(from + 4 * kPanelRows);
     }
-    HWY_UNROLL(2)
-    for (int i = 0; i < Inputs; ++i) sum[i][v] = hn::MulAdd(weight, factor[i], sum[i][v]);
+    HWY_UNROLL(4)
+    for (int i = 0; i < Inputs; ++i) sum[i][k] = hn::MulAdd(weight, factor[i], sum[i][k]);
   }
 }
 
-// sum[i] += W x[i] for some panels. With few sums and registers to spare, columns take turns on
-// several sets of sums, so that a multiplication need not wait for the one before. How many does
-// not depend on Inputs: alone or beside another, an input gives the same bits.
-template <int Inputs, int Vectors>
+// sum[i] += W x[i] for vectors First and on of some panels.
+template <int Inputs, int First, int Vectors, int kSets>
 HWY_INLINE void Accumulate(const float* HWY_RESTRICT weights, std::size_t panel_stride, int columns,
                            const std::array<const float*, Inputs>& x, V (&sum)[Inputs][Vectors]) {
-  constexpr int kSets = kManyRegisters ? HWY_MAX(1, 8 / Vectors) : 1;
   V set[kSets][Inputs][Vectors];
   HWY_UNROLL(8)
   for (int s = 0; s < kSets; ++s) {
-    HWY_UNROLL(2)
+    HWY_UNROLL(4)
     for (int i = 0; i < Inputs; ++i) {
       HWY_UNROLL(32)
       for (int v = 0; v < Vectors; ++v) set[s][i][v] = s == 0 ? sum[i][v] : hn::Zero(d);
@@ -72,15 +75,15 @@ HWY_INLINE void Accumulate(const float* HWY_RESTRICT weights, std::size_t panel_
   for (; column + kSets <= columns; column += kSets) {
     HWY_UNROLL(8)
     for (int s = 0; s < kSets; ++s) {
-      AccumulateColumn<Inputs, Vectors>(weights, panel_stride, x, column + s, set[s]);
+      AccumulateColumn<Inputs, First, Vectors>(weights, panel_stride, x, column + s, set[s]);
       weights += kPanelRows;
     }
   }
   for (; column < columns; ++column) {
-    AccumulateColumn<Inputs, Vectors>(weights, panel_stride, x, column, set[0]);
+    AccumulateColumn<Inputs, First, Vectors>(weights, panel_stride, x, column, set[0]);
     weights += kPanelRows;
   }
-  HWY_UNROLL(2)
+  HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) {
     HWY_UNROLL(32)
     for (int v = 0; v < Vectors; ++v) {
@@ -91,31 +94,55 @@ HWY_INLINE void Accumulate(const float* HWY_RESTRICT weights, std::size_t panel_
   }
 }
 
+// How many of `vectors` vectors of rows there are registers for at a time.
+template <int Inputs>
+constexpr int VectorsAtATime(int vectors) {
+  if (Inputs == 1 || (Inputs == 2 && kManyRegisters)) return vectors;
+  const int room = (kManyRegisters ? 20 : 8) / (Inputs * Sets(vectors));
+  int some = vectors;
+  while (some > HWY_MAX(1, room) || vectors % some != 0) --some;
+  return some;
+}
+
+// Vectors First and on of All.
+template <int Inputs, int All, int First>
+HWY_INLINE void AffineVectors(const float* weights, std::size_t panel_stride, int columns, int row,
+                              const std::array<const float*, Inputs>& x, const Operands* inputs,
+                              V least) {
+  constexpr int kSome = VectorsAtATime<Inputs>(All);
+  V sum[Inputs][kSome];
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
+    HWY_UNROLL(32)
+    for (int v = 0; v < kSome; ++v) sum[i][v] = hn::Zero(d);
+  }
+  Accumulate<Inputs, First, kSome, Sets(All)>(weights, panel_stride, columns, x, sum);
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
+    HWY_UNROLL(32)
+    for (int v = 0; v < kSome; ++v) {
+      const int at = row + (First + v) * kLanes;
+      // Last: it may be large beside the terms of the sum, which would lose their digits.
+      const V y = hn::Add(sum[i][v], hn::Load(d, inputs[i].bias + at));
+      hn::Store(hn::Max(y, least), d, inputs[i].y + at);
+    }
+  }
+  if constexpr (First + kSome < All) {
+    AffineVectors<Inputs, All, First + kSome>(weights, panel_stride, columns, row, x, inputs,
+                                              least);
+  }
+}
+
 template <int Panels, int Inputs>
 HWY_INLINE void AffinePanels(const float* weights, int panel, int columns, const Operands* inputs,
                              bool relu) {
-  constexpr int kSums = Panels * kVectors;
-  V sum[Inputs][kSums];
   std::array<const float*, Inputs> x;
-  HWY_UNROLL(2)
-  for (int i = 0; i < Inputs; ++i) {
-    x[i] = inputs[i].x;
-    HWY_UNROLL(32)
-    for (int v = 0; v < kSums; ++v) sum[i][v] = hn::Zero(d);
-  }
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) x[i] = inputs[i].x;
   const std::size_t panel_stride = static_cast<std::size_t>(columns) * kPanelRows;
-  Accumulate<Inputs, kSums>(weights + panel * panel_stride, panel_stride, columns, x, sum);
   const V least = hn::Set(d, relu ? 0.0F : hwy::LowestValue<float>());
-  HWY_UNROLL(2)
-  for (int i = 0; i < Inputs; ++i) {
-    HWY_UNROLL(32)
-    for (int v = 0; v < kSums; ++v) {
-      const int row = panel * kPanelRows + v * kLanes;
-      // Last: it may be large beside the terms of the sum, which would lose their digits.
-      const V y = hn::Add(sum[i][v], hn::Load(d, inputs[i].bias + row));
-      hn::Store(hn::Max(y, least), d, inputs[i].y + row);
-    }
-  }
+  AffineVectors<Inputs, Panels * kVectors, 0>(weights + panel * panel_stride, panel_stride, columns,
+                                              panel * kPanelRows, x, inputs, least);
 }
 
 // As many panels at a time as there are registers for.
@@ -134,10 +161,15 @@ HWY_INLINE void AffineInputs(const float* weights, int panel, int panels, int co
 
 void Affine(const float* weights, int panels, int columns, std::span<const Operands> inputs,
             bool relu) noexcept {
-  if (inputs.size() == 1) {
-    AffineInputs<1, kManyRegisters ? 5 : 2>(weights, 0, panels, columns, inputs.data(), relu);
-  } else {
+  for (; inputs.size() >= 4; inputs = inputs.subspan(4)) {
+    AffineInputs<4, kManyRegisters ? 5 : 1>(weights, 0, panels, columns, inputs.data(), relu);
+  }
+  if (inputs.size() >= 2) {
     AffineInputs<2, kManyRegisters ? 5 : 1>(weights, 0, panels, columns, inputs.data(), relu);
+    inputs = inputs.subspan(2);
+  }
+  if (!inputs.empty()) {
+    AffineInputs<1, kManyRegisters ? 5 : 2>(weights, 0, panels, columns, inputs.data(), relu);
   }
 }
 
@@ -189,27 +221,83 @@ HWY_INLINE void Unit(V in, V forget, V cell, V open, float* h, float* c) {
   hn::Store(hn::Div(hn::Mul(opened, t.over), hn::Mul(o.under, t.under)), d, h);
 }
 
-void Lstm(const float* weights, const float* bias, const float* z, float* h, float* c) noexcept {
-  constexpr int kGate = 16 / kLanes;  // vectors of a gate's 16 units
+constexpr int kGateVectors = 4 * 16 / kLanes;  // of the four gates of 16 units
+
+// Some gates of 16 units, vectors First and on, before their activations.
+template <int Inputs, int First, int Vectors>
+HWY_INLINE void SomeGates(const float* weights, const float* bias,
+                          const std::array<const float*, Inputs>& h,
+                          const std::array<const float*, Inputs>& z, V (&sum)[Inputs][Vectors]) {
   constexpr std::size_t kPanelStride = std::size_t{2} * kUnits * kPanelRows;
-  alignas(64) float old[kUnits];
-  for (int i = 0; i < kUnits; i += kLanes) hn::Store(hn::Load(d, h + i), d, old + i);
-  for (int first = 0; first < kUnits; first += 16) {
-    V sum[1][4 * kGate];
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
     HWY_UNROLL(16)
-    for (int v = 0; v < 4 * kGate; ++v) sum[0][v] = hn::Load(d, bias + v * kLanes);
-    // Wh h is first: it need not wait for the layer below.
-    Accumulate<1>(weights, kPanelStride, kUnits, {old}, sum);
-    Accumulate<1>(weights + kUnits * kPanelRows, kPanelStride, kUnits, {z}, sum);
-    HWY_UNROLL(4)
-    for (int v = 0; v < kGate; ++v) {
-      const V* const gate = sum[0] + v;
-      const int unit = first + v * kLanes;
-      Unit(gate[0], gate[kGate], gate[2 * kGate], gate[3 * kGate], h + unit, c + unit);
+    for (int v = 0; v < Vectors; ++v) sum[i][v] = hn::Load(d, bias + (First + v) * kLanes);
+  }
+  // Wh h is first: it need not wait for the layer below.
+  constexpr int kSets = Sets(kGateVectors);
+  Accumulate<Inputs, First, Vectors, kSets>(weights, kPanelStride, kUnits, h, sum);
+  Accumulate<Inputs, First, Vectors, kSets>(weights + kUnits * kPanelRows, kPanelStride, kUnits, z,
+                                            sum);
+}
+
+template <int Inputs, int First = 0>
+HWY_INLINE void Gates(const float* weights, const float* bias,
+                      const std::array<const float*, Inputs>& h,
+                      const std::array<const float*, Inputs>& z, V (&gates)[Inputs][kGateVectors]) {
+  constexpr int kSome = VectorsAtATime<Inputs>(kGateVectors);
+  V sum[Inputs][kSome];
+  SomeGates<Inputs, First, kSome>(weights, bias, h, z, sum);
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
+    HWY_UNROLL(16)
+    for (int v = 0; v < kSome; ++v) gates[i][First + v] = sum[i][v];
+  }
+  if constexpr (First + kSome < kGateVectors) {
+    Gates<Inputs, First + kSome>(weights, bias, h, z, gates);
+  }
+}
+
+template <int Inputs>
+HWY_INLINE void LstmInputs(const float* weights, const float* bias, const LstmOperands* states) {
+  constexpr int kGate = 16 / kLanes;  // vectors of a gate's 16 units
+  alignas(64) float old[Inputs][kUnits];
+  std::array<const float*, Inputs> h, z;
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
+    for (int u = 0; u < kUnits; u += kLanes) {
+      hn::Store(hn::Load(d, states[i].h + u), d, old[i] + u);
     }
-    weights += 2 * kPanelStride;
+    h[i] = old[i];
+    z[i] = states[i].z;
+  }
+  for (int first = 0; first < kUnits; first += 16) {
+    V gates[Inputs][kGateVectors];
+    Gates<Inputs>(weights, bias, h, z, gates);
+    HWY_UNROLL(4)
+    for (int i = 0; i < Inputs; ++i) {
+      HWY_UNROLL(4)
+      for (int v = 0; v < kGate; ++v) {
+        const V* const gate = gates[i] + v;
+        const int unit = first + v * kLanes;
+        Unit(gate[0], gate[kGate], gate[2 * kGate], gate[3 * kGate], states[i].h + unit,
+             states[i].c + unit);
+      }
+    }
+    weights += std::size_t{4} * kUnits * kPanelRows;
     bias += 2 * kPanelRows;
   }
+}
+
+void Lstm(const float* weights, const float* bias, std::span<const LstmOperands> states) noexcept {
+  for (; states.size() >= 4; states = states.subspan(4)) {
+    LstmInputs<4>(weights, bias, states.data());
+  }
+  if (states.size() >= 2) {
+    LstmInputs<2>(weights, bias, states.data());
+    states = states.subspan(2);
+  }
+  if (!states.empty()) LstmInputs<1>(weights, bias, states.data());
 }
 
 // q / |q|. An estimate of 1 / |q| (8 bits on some targets) and two steps of Newton's are faster

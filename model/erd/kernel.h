@@ -39,12 +39,18 @@ struct Operands {
   float* y;
 };
 
+// One state of an LSTM layer, h and c changed in place. All aligned to 64 bytes.
+struct LstmOperands {
+  const float* z;
+  float *h, *c;
+};
+
 struct Kernels {
   const char* target;  // Highway's name, e.g. "AVX3" (AVX-512)
 
-  // y = W x + bias, and relu of it on demand, for one or two inputs: two cost little more than one,
-  // since the weights are read once, and the result is the same bit for bit. `panels` panels of
-  // `columns` columns.
+  // y = W x + bias, and relu of it on demand, for any number of inputs: up to four are taken at
+  // once, since reading the weights is most of the work. The result is the same bit for bit,
+  // whoever is beside an input. `panels` panels of `columns` columns.
   void (*affine)(const float* weights, int panels, int columns, std::span<const Operands> inputs,
                  bool relu) noexcept;
 
@@ -52,10 +58,10 @@ struct Kernels {
   void (*standardize)(const float* x, const float* mean, const float* inverse_deviation, int count,
                       float limit, float* u) noexcept;
 
-  // [i f g o] = Wh h + Wi z + bias;  c' = σ(f) c + σ(i) tanh(g);  h' = σ(o) tanh(c'), for 32 units,
-  // in place. All pointers are aligned to 64 bytes.
-  void (*lstm)(const float* weights, const float* bias, const float* z, float* h,
-               float* c) noexcept;
+  // [i f g o] = Wh h + Wi z + bias;  c' = σ(f) c + σ(i) tanh(g);  h' = σ(o) tanh(c'), for 32 units
+  // of any number of states, as above. No state's z is another's h.
+  void (*lstm)(const float* weights, const float* bias,
+               std::span<const LstmOperands> states) noexcept;
 
   // unit = quaternions / their lengths; one without a direction becomes the identity.
   void (*normalize)(const float* quaternions, int count, float* unit) noexcept;

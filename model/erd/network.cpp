@@ -1,6 +1,7 @@
 #include "model/erd/network.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cctype>
 
 #include "model/erd/weights.h"
@@ -12,18 +13,6 @@ template <int Rows, int Columns>
 void Apply(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight,
            std::span<const Operands> inputs, bool relu) noexcept {
   kernels.affine(weight.data(), PaddedRows(Rows) / kPanelRows, Columns, inputs, relu);
-}
-
-// Layer upon layer; gives the last h'.
-template <std::size_t Layers>
-const float* RunBranch(const Kernels& kernels, const std::array<LstmLayer, Layers>& layers,
-                       const float* z, BranchState& state) noexcept {
-  for (std::size_t l = 0; l < Layers; ++l) {
-    float* const h = state.h[l].data();
-    kernels.lstm(layers[l].weight.data(), layers[l].bias.data(), z, h, state.c[l].data());
-    z = h;
-  }
-  return z;
 }
 
 template <std::size_t Layers>
@@ -78,14 +67,56 @@ struct Decoding {
   PackedVector<kHeads> heads;
 };
 
-// One layer for one or two latents. No `bias`: each latent's own.
-template <int Rows, int Columns>
+// So many performers step together: what they need on the way fits into the first-level cache
+// beside a layer's weights.
+constexpr std::size_t kTogether = 8;
+
+// What one performer needs on the way.
+struct Way {
+  Wanted wanted;
+  int input_style = 0;
+  std::array<int, kMaxBranches> slot;  // of each wanted style, in the state
+  PackedVector<body::kFeatureCount> u;
+  PackedVector<kEncoderWidth> e;
+  PackedVector<kLatent> z;
+  Decoding reconstruction, styled;
+  PackedVector<kDecoderWidths[0]> target;
+};
+
+// Layer upon layer of one branch, for all the performers who have it.
+template <std::size_t Most>
+struct BranchRun {
+  std::array<LstmOperands, Most> operands;
+  std::array<BranchState*, Most> states;
+  std::size_t count = 0;
+
+  void Add(const float* z, BranchState& state) noexcept {
+    operands[count].z = z;
+    states[count++] = &state;
+  }
+  // The last h of each is its result.
+  template <std::size_t Layers>
+  void Run(const Kernels& kernels, const std::array<LstmLayer, Layers>& layers) noexcept {
+    for (std::size_t l = 0; l < Layers; ++l) {
+      for (std::size_t i = 0; i < count; ++i) {
+        operands[i].h = states[i]->h[l].data();
+        operands[i].c = states[i]->c[l].data();
+      }
+      kernels.lstm(layers[l].weight.data(), layers[l].bias.data(),
+                   std::span(operands).first(count));
+      for (std::size_t i = 0; i < count; ++i) operands[i].z = operands[i].h;
+    }
+  }
+};
+
+// One layer for all latents. No `bias`: each latent's own.
+template <std::size_t Most, int Rows, int Columns>
 void Decode(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight, const float* bias,
             PackedVector<Columns> Decoding::*from, PackedVector<Rows> Decoding::*to, bool relu,
-            std::span<Decoding> decodings) noexcept {
-  std::array<Operands, 2> operands;
+            std::span<Decoding* const> decodings) noexcept {
+  std::array<Operands, Most> operands;
   for (std::size_t i = 0; i < decodings.size(); ++i) {
-    Decoding& decoding = decodings[i];
+    Decoding& decoding = *decodings[i];
     operands[i] = {bias != nullptr ? bias : decoding.style_bias, (decoding.*from).data(),
                    (decoding.*to).data()};
   }
@@ -131,75 +162,127 @@ void Network::Start(State& state) const noexcept {
 void Network::Step(const body::Features& features, int input_style,
                    std::span<const ActiveStyle> active, State& state,
                    StepOutput& out) const noexcept {
-  const Weights& w = *weights_;
-  const int style_count = this->style_count();
-  const bool styled_input = input_style > 0 && input_style < style_count;
-  if (!styled_input) input_style = 0;
+  const StepJob job{&features, input_style, active, &state, &out};
+  StepSome<1>({&job, 1});
+}
 
-  // 1. The branches that are to run.
-  Wanted wanted;
-  for (const ActiveStyle& style : active) {
-    if (style.style > 0 && style.style < style_count) {
-      wanted.Add(style.style, style.weight, kMaxActive);
+void Network::StepTogether(std::span<const StepJob> jobs) const noexcept {
+  while (!jobs.empty()) {
+    const std::size_t count = std::min(jobs.size(), kTogether);
+    StepSome<kTogether>(jobs.first(count));
+    jobs = jobs.subspan(count);
+  }
+}
+
+template <std::size_t Most>
+void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
+  const Weights& w = *weights_;
+  const Kernels& kernels = *w.kernels;
+  const int style_count = this->style_count();
+  const std::size_t count = jobs.size();
+  std::array<Way, Most> ways;
+  std::array<Operands, Most> operands;
+
+  // 1. The branches that are to run, and those that start now.
+  for (std::size_t k = 0; k < count; ++k) {
+    const StepJob& job = jobs[k];
+    Way& way = ways[k];
+    way.input_style = job.input_style > 0 && job.input_style < style_count ? job.input_style : 0;
+    for (const ActiveStyle& style : job.active) {
+      if (style.style > 0 && style.style < style_count) {
+        way.wanted.Add(style.style, style.weight, kMaxActive);
+      }
+    }
+    if (way.input_style > 0) way.wanted.Add(way.input_style, 0, kMaxBranches);
+    DropBranches(way.wanted, *job.state);
+    for (int i = 0; i < way.wanted.count; ++i) {
+      const int style = way.wanted.entry[i].style;
+      int slot = FindSlot(*job.state, style);
+      if (slot < 0) {
+        slot = FindSlot(*job.state, -1);
+        job.state->style[slot] = style;
+        StartBranch(w.styles[style - 1], job.state->branch[slot]);
+      }
+      way.slot[i] = slot;
     }
   }
-  if (styled_input) wanted.Add(input_style, 0, kMaxBranches);
-  DropBranches(wanted, state);
 
   // 2. z = W1 relu(W0 [u, S] + b0) + b1
-  const Kernels& kernels = *w.kernels;
-  PackedVector<body::kFeatureCount> u;
-  PackedVector<kEncoderWidth> e;
-  PackedVector<kLatent> z;
-  kernels.standardize(features.data(), w.mean.data(), w.inverse_deviation.data(),
-                      body::kFeatureCount, kMaxStandardized, u.data());
-  Apply(kernels, w.encoder0, {{{w.encoder0_bias[input_style].data(), u.data(), e.data()}}}, true);
-  Apply(kernels, w.encoder1.weight, {{{w.encoder1.bias.data(), e.data(), z.data()}}}, false);
+  for (std::size_t k = 0; k < count; ++k) {
+    Way& way = ways[k];
+    kernels.standardize(jobs[k].features->data(), w.mean.data(), w.inverse_deviation.data(),
+                        body::kFeatureCount, kMaxStandardized, way.u.data());
+    operands[k] = {w.encoder0_bias[way.input_style].data(), way.u.data(), way.e.data()};
+  }
+  Apply(kernels, w.encoder0, std::span(operands).first(count), true);
+  for (std::size_t k = 0; k < count; ++k) {
+    operands[k] = {w.encoder1.bias.data(), ways[k].e.data(), ways[k].z.data()};
+  }
+  Apply(kernels, w.encoder1.weight, std::span(operands).first(count), false);
 
   // 3. z' = r_0(z) + Σ_s α_s r_s(z), and Ŝ's share of the decoder's first layer.
-  std::array<Decoding, 2> decodings;
-  Decoding& reconstruction = decodings[0];
-  Decoding& styled = decodings[1];
-  const float* const neutral = RunBranch(kernels, w.neutral, z.data(), state.neutral);
-  std::copy_n(neutral, kLatent, reconstruction.latent.begin());
-  std::copy_n(neutral, kLatent, styled.latent.begin());
-  reconstruction.style_bias = w.decoder0_bias[input_style].data();
-  PackedVector<kDecoderWidths[0]> target;
-  styled.style_bias = target.data();
-  target.fill(0);
-  float sum = 0;
-  for (int i = 0; i < wanted.count; ++i) {
-    const ActiveStyle& style = wanted.entry[i];
-    int slot = FindSlot(state, style.style);
-    if (slot < 0) {
-      slot = FindSlot(state, -1);
-      state.style[slot] = style.style;
-      StartBranch(w.styles[style.style - 1], state.branch[slot]);
-    }
-    const float* const residual =
-        RunBranch(kernels, w.styles[style.style - 1], z.data(), state.branch[slot]);
-    AddTo(styled.latent, style.weight, residual);
-    if (style.style == input_style) AddTo(reconstruction.latent, 1, residual);
-    AddTo(target, style.weight, w.decoder0_bias[style.style].data());
-    sum += style.weight;
+  BranchRun<Most> neutral;
+  for (std::size_t k = 0; k < count; ++k) neutral.Add(ways[k].z.data(), jobs[k].state->neutral);
+  neutral.Run(kernels, w.neutral);
+  std::bitset<kMaxStyles> styles;
+  for (std::size_t k = 0; k < count; ++k) {
+    for (int i = 0; i < ways[k].wanted.count; ++i) styles.set(ways[k].wanted.entry[i].style);
   }
-  AddTo(target, std::max(0.0F, 1.0F - sum), w.decoder0_bias[0].data());
-  if (sum > 1.0F) {
-    for (float& value : target) value /= sum;
+  for (int style = 1; style < style_count; ++style) {
+    if (!styles.test(style)) continue;
+    BranchRun<Most> run;
+    for (std::size_t k = 0; k < count; ++k) {
+      const int slot = FindSlot(*jobs[k].state, style);
+      if (slot >= 0) run.Add(ways[k].z.data(), jobs[k].state->branch[slot]);
+    }
+    run.Run(kernels, w.styles[style - 1]);
+  }
+  std::array<Decoding*, 2 * Most> latents;
+  std::size_t latent_count = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    Way& way = ways[k];
+    const State& state = *jobs[k].state;
+    const float* const of_neutral = state.neutral.h[kNeutralLayers - 1].data();
+    std::copy_n(of_neutral, kLatent, way.reconstruction.latent.begin());
+    std::copy_n(of_neutral, kLatent, way.styled.latent.begin());
+    way.reconstruction.style_bias = w.decoder0_bias[way.input_style].data();
+    way.styled.style_bias = way.target.data();
+    way.target.fill(0);
+    float sum = 0;
+    for (int i = 0; i < way.wanted.count; ++i) {
+      const ActiveStyle& style = way.wanted.entry[i];
+      const float* const residual = state.branch[way.slot[i]].h[kStyleLayers - 1].data();
+      AddTo(way.styled.latent, style.weight, residual);
+      if (style.style == way.input_style) AddTo(way.reconstruction.latent, 1, residual);
+      AddTo(way.target, style.weight, w.decoder0_bias[style.style].data());
+      sum += style.weight;
+    }
+    AddTo(way.target, std::max(0.0F, 1.0F - sum), w.decoder0_bias[0].data());
+    if (sum > 1.0F) {
+      for (float& value : way.target) value /= sum;
+    }
+    latents[latent_count++] = &way.reconstruction;
+    if (way.wanted.count > 0) latents[latent_count++] = &way.styled;
   }
 
-  // 4. d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads; both latents at once.
-  const std::span latents = std::span(decodings).first(wanted.count == 0 ? 1 : 2);
+  // 4. d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads; all latents at once.
+  const auto decodings = std::span<Decoding* const>(latents).first(latent_count);
   using D = Decoding;
-  Decode(kernels, w.decoder0, nullptr, &D::latent, &D::d0, true, latents);
-  Decode(kernels, w.decoder1.weight, w.decoder1.bias.data(), &D::d0, &D::d1, true, latents);
-  Decode(kernels, w.decoder2.weight, w.decoder2.bias.data(), &D::d1, &D::d2, true, latents);
-  Decode(kernels, w.heads.weight, w.heads.bias.data(), &D::d2, &D::heads, false, latents);
-  ToDecoded(kernels, reconstruction.heads, out.reconstruction);
-  if (wanted.count == 0) {
-    out.styled = out.reconstruction;
-  } else {
-    ToDecoded(kernels, styled.heads, out.styled);
+  Decode<2 * Most>(kernels, w.decoder0, nullptr, &D::latent, &D::d0, true, decodings);
+  Decode<2 * Most>(kernels, w.decoder1.weight, w.decoder1.bias.data(), &D::d0, &D::d1, true,
+                   decodings);
+  Decode<2 * Most>(kernels, w.decoder2.weight, w.decoder2.bias.data(), &D::d1, &D::d2, true,
+                   decodings);
+  Decode<2 * Most>(kernels, w.heads.weight, w.heads.bias.data(), &D::d2, &D::heads, false,
+                   decodings);
+  for (std::size_t k = 0; k < count; ++k) {
+    StepOutput& out = *jobs[k].out;
+    ToDecoded(kernels, ways[k].reconstruction.heads, out.reconstruction);
+    if (ways[k].wanted.count == 0) {
+      out.styled = out.reconstruction;
+    } else {
+      ToDecoded(kernels, ways[k].styled.heads, out.styled);
+    }
   }
 }
 

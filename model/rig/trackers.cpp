@@ -15,6 +15,7 @@ constexpr float kSmallestTurn_rad = kPi / 12;
 constexpr float kSteepestAxis = 0.5F;  // sine of its elevation
 constexpr float kFlat = 0.966F;        // a face this close to straight up or down has no heading
 constexpr float kHandover_m = 0.005F;
+constexpr float kFarthest_rad = 0.05F;  // a sensor that jumps is not thrown further
 
 constexpr std::uint32_t Bit(int part) { return 1U << static_cast<unsigned>(part); }
 
@@ -258,8 +259,11 @@ Quat Trackers::RotationAt(const Tracker& tracker, std::int64_t time_ns) noexcept
   if (base_ns < kReach_ns || base_ns > 10 * kReach_ns) return a.rotation;
   const auto share =
       static_cast<double>(std::min(time_ns - a.time_ns, kReach_ns)) / static_cast<double>(base_ns);
-  const Vec3 turn = body::Log(a.rotation * sample(k).rotation.conjugate());
-  return body::Exp(static_cast<float>(share) * turn) * a.rotation;
+  const Vec3 turn =
+      static_cast<float>(share) * body::Log(a.rotation * sample(k).rotation.conjugate());
+  const float angle = turn.norm();
+  return body::Exp(angle > kFarthest_rad ? Vec3(turn * (kFarthest_rad / angle)) : turn) *
+         a.rotation;
 }
 
 void Trackers::FindHips() noexcept {

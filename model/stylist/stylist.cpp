@@ -44,13 +44,16 @@ struct Stylist::Impl {
   }
 
   void Restart() noexcept;
-  void JudgeFrame(std::int64_t time_ns, double dt_s, Output& out) noexcept;
-  void StepNetwork(const Pose& input) noexcept;
+  void JudgeFrame(std::int64_t time_ns, Output& out) noexcept;
+  struct Step;
+  void Begin(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept;
+  bool NextStep(const Pose& input, Step& step) noexcept;
+  void Finish(Output& out) noexcept;
   void TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept;
-  void FollowChange(double dt_s, const Pose& input) noexcept;
+  void FollowChange(const Pose& input) noexcept;
   void Apply(const Pose& input, Pose& styled) const noexcept;
-  void Ground(double dt_s, Output& out) noexcept;
-  void HoldFeet(double dt_s, Output& out) noexcept;
+  void Ground(Output& out) noexcept;
+  void HoldFeet(Output& out) noexcept;
   bool Bypassed() const noexcept;
 
   std::shared_ptr<const erd::Network> network;
@@ -76,6 +79,7 @@ struct Stylist::Impl {
 
   Pose last_input;
   std::int64_t last_ns = 0;
+  double dt_s = 0;  // of the frame at hand, since the one before
   bool started = false, fresh_session = true;
   float reconstruction_rad = 0, familiar = 1.0F;  // familiar: 1 = at home, 0 = foreign
   float upright = 1.0F;                           // the same of the hips' tilt
@@ -133,53 +137,133 @@ void Stylist::Reset() noexcept {
   impl_->fresh_session = true;
 }
 
+void Stylist::Prewarm() const noexcept {
+  const Impl& s = *impl_;
+  constexpr std::size_t kLine = 64;
+  const auto* const bytes = reinterpret_cast<const char*>(&s);
+  for (std::size_t at = 0; at < sizeof s; at += kLine) __builtin_prefetch(bytes + at);
+  // A step on a copy: weights, tables and the code itself.
+  erd::State state = s.states.front();
+  erd::StepOutput step;
+  s.network->Step({}, s.mixer.own_style(), s.mixer.in_force(), state, step);
+}
+
+// One step of one recurrent state, on the way to the network and back.
+struct Stylist::Impl::Step {
+  int state;
+  const Pose* pose;
+  Pose between;
+  body::Features features;
+  erd::StepOutput out;
+};
+
 void Stylist::Process(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept {
-  Impl& s = *impl_;
-  const double dt_s = s.started ? static_cast<double>(time_ns - s.last_ns) * 1e-9 : 0.0;
+  const Job job{this, time_ns, &in, &out};
+  ProcessSome<1>({&job, 1});
+}
+
+void Stylist::ProcessTogether(std::span<const Job> jobs) noexcept {
+  while (!jobs.empty()) {
+    const std::size_t count = std::min(jobs.size(), kTogether);
+    ProcessSome<kTogether>(jobs.first(count));
+    jobs = jobs.subspan(count);
+  }
+}
+
+// Each state whose tick is due steps once per round; most frames are one tick, so one round.
+template <std::size_t Most>
+void Stylist::ProcessSome(std::span<const Job> jobs) noexcept {
+  for (const Job& job : jobs) job.stylist->impl_->Begin(job.time_ns, *job.in, *job.out);
+  std::array<Impl::Step, Most> steps;
+  std::array<Impl*, Most> stepping;
+  std::array<erd::StepJob, Most> together;
+  for (;;) {
+    std::size_t count = 0;
+    for (const Job& job : jobs) {
+      Impl& s = *job.stylist->impl_;
+      Impl::Step& step = steps[count];
+      if (!s.NextStep(job.out->canonical_input, step)) continue;
+      together[count] = {&step.features, s.mixer.own_style(), s.mixer.in_force(),
+                         &s.states[static_cast<std::size_t>(step.state)], &step.out};
+      stepping[count++] = &s;
+    }
+    if (count == 0) break;
+    // One network for all, but while another is being taken up.
+    for (std::size_t from = 0, to = 0; from < count; from = to) {
+      const erd::Network& network = *stepping[from]->network;
+      while (to < count && stepping[to]->network.get() == &network) ++to;
+      if (to - from == 1) {
+        const erd::StepJob& job = together[from];
+        network.Step(*job.features, job.input_style, job.active, *job.state, *job.out);
+      } else {
+        network.StepTogether(std::span(together).subspan(from, to - from));
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      stepping[i]->TakeChange(steps[i].state, *steps[i].pose, steps[i].out);
+    }
+  }
+  for (const Job& job : jobs) job.stylist->impl_->Finish(*job.out);
+}
+
+// 1 bind: the source pose, bad joints held, as a pose of the canonical humanoid.
+void Stylist::Impl::Begin(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept {
+  dt_s = started ? static_cast<double>(time_ns - last_ns) * 1e-9 : 0.0;
+  last_ns = time_ns;
   out.flags = 0;
+  intake.HoldBadJoints(in, out.source, out.held);
+  JudgeFrame(time_ns, out);
+  binding->Bind(intake.clean(), out.canonical_input);
+  mixer.Advance(dt_s);
+}
 
-  // 1 bind: the source pose, bad joints held, as a pose of the canonical humanoid.
-  s.intake.HoldBadJoints(in, out.source, out.held);
-  s.JudgeFrame(time_ns, dt_s, out);
-  s.binding->Bind(s.intake.clean(), out.canonical_input);
+// 2 features, for 3 network: of the next recurrent state whose tick is due. False when none is.
+bool Stylist::Impl::NextStep(const Pose& input, Step& step) noexcept {
+  Ticks::Tick tick;
+  if (!ticks.Next(tick)) return false;
+  const bool exact = tick.share >= 1.0F || !started;  // started: there is a last input
+  if (!exact) body::Interpolate(last_input, input, tick.share, step.between);
+  step.pose = exact ? &input : &step.between;
+  step.state = tick.state;
+  last_heading_rad =
+      body::ComputeFeatures(*step.pose, network->metadata().features,
+                            memories[static_cast<std::size_t>(tick.state)], step.features);
+  return true;
+}
 
-  // 2 features, 3 network: every recurrent state whose tick is due.
-  s.mixer.Advance(dt_s);
-  s.StepNetwork(out.canonical_input);
-
+void Stylist::Impl::Finish(Output& out) noexcept {
   // 4 apply: the change of style, low-passed, on the performer's own motion.
-  s.FollowChange(dt_s, out.canonical_input);
-  s.Apply(out.canonical_input, out.canonical);
+  FollowChange(out.canonical_input);
+  Apply(out.canonical_input, out.canonical);
 
-  if (s.options.bypass && s.Bypassed()) {
+  if (options.bypass && Bypassed()) {
     out.canonical = out.canonical_input;
     std::copy(out.source.translations.begin(), out.source.translations.end(),
               out.rig.translations.begin());
     std::copy(out.source.rotations.begin(), out.source.rotations.end(), out.rig.rotations.begin());
     out.flags |= kBypass;
-    s.shift_m.Rest();
-    s.rig_shift.Rest();
+    shift_m.Rest();
+    rig_shift.Rest();
   } else {
     // 5 unbind: back onto the source skeleton.
-    s.binding->Unbind(out.canonical, s.intake.clean(), out.rig);
-    if (s.options.ground) s.Ground(dt_s, out);
+    binding->Unbind(out.canonical, intake.clean(), out.rig);
+    if (options.ground) Ground(out);
   }
   // 6 feet: on each output skeleton, what the performer plants stays planted.
-  s.HoldFeet(dt_s, out);
+  HoldFeet(out);
 
-  out.reconstruction_rad = s.reconstruction_rad;
+  out.reconstruction_rad = reconstruction_rad;
   if (out.held.any()) out.flags |= kHeld;
-  if (s.mixer.fading()) out.flags |= kFading;
-  if (std::min(s.familiar, s.upright) < 0.5F) out.flags |= kOutOfDomain;
-  if (s.fresh_session) out.flags |= kNewSession;
-  const auto in_force = s.mixer.in_force();
+  if (mixer.fading()) out.flags |= kFading;
+  if (std::min(familiar, upright) < 0.5F) out.flags |= kOutOfDomain;
+  if (fresh_session) out.flags |= kNewSession;
+  const auto in_force = mixer.in_force();
   std::copy(in_force.begin(), in_force.end(), out.in_force.begin());
   out.in_force_count = static_cast<int>(in_force.size());
 
-  s.last_input = out.canonical_input;
-  s.last_ns = time_ns;
-  s.started = true;
-  s.fresh_session = false;
+  last_input = out.canonical_input;
+  started = true;
+  fresh_session = false;
 }
 
 // Recurrent state, ticks and filter anew; what is applied is faded over from.
@@ -195,7 +279,7 @@ void Stylist::Impl::Restart() noexcept {
 }
 
 // Jumps, gaps and changes of rate.
-void Stylist::Impl::JudgeFrame(std::int64_t time_ns, double dt_s, Output& out) noexcept {
+void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
   const Intake::Jump jump = intake.JudgeJump(dt_s, binding->scale(), options, out.source);
   if (jump == Intake::Jump::kHeld) {
     out.held.set(0);
@@ -214,23 +298,6 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, double dt_s, Output& out) n
   if (!ticks.Begin(time_ns, rate_hz)) {
     Restart();
     (void)ticks.Begin(time_ns, rate_hz);
-  }
-}
-
-void Stylist::Impl::StepNetwork(const Pose& input) noexcept {
-  const body::FeatureParameters& parameters = network->metadata().features;
-  Ticks::Tick tick;
-  while (ticks.Next(tick)) {
-    Pose between;
-    const bool exact = tick.share >= 1.0F || !started;  // started: there is a last input
-    if (!exact) body::Interpolate(last_input, input, tick.share, between);
-    const Pose& pose = exact ? input : between;
-    const auto state = static_cast<std::size_t>(tick.state);
-    body::Features features;
-    last_heading_rad = body::ComputeFeatures(pose, parameters, memories[state], features);
-    erd::StepOutput step;
-    network->Step(features, mixer.own_style(), mixer.in_force(), states[state], step);
-    TakeChange(tick.state, pose, step);
   }
 }
 
@@ -259,7 +326,7 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
 // Low-passes the change. The mean over the interleaved states is a box filter over one period of
 // the network, whose notch lies on the ripple that their disagreement makes; a Butterworth filter
 // follows.
-void Stylist::Impl::FollowChange(double dt_s, const Pose& input) noexcept {
+void Stylist::Impl::FollowChange(const Pose& input) noexcept {
   const int used = std::max(1, ticks.interleaved());
   Change target = Change::Zero();
   int count = 0;
@@ -323,7 +390,7 @@ bool Stylist::Impl::Bypassed() const noexcept {
          std::abs(rig_shift.value()) * binding->scale() < kNothing_m;
 }
 
-void Stylist::Impl::Ground(double dt_s, Output& out) noexcept {
+void Stylist::Impl::Ground(Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   out.canonical.hips_position_m.y() +=
       shift_m.Follow(GroundShift_m(out.canonical_input, out.canonical), dt, options.ground_tau_s);
@@ -333,7 +400,7 @@ void Stylist::Impl::Ground(double dt_s, Output& out) noexcept {
 
 // With no style in force the stages only watch the performer's contacts. Nor are feet held that no
 // style moves: a style of the torso or of a leg moves them.
-void Stylist::Impl::HoldFeet(double dt_s, Output& out) noexcept {
+void Stylist::Impl::HoldFeet(Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   float style = 0;
   for (const erd::ActiveStyle& active : mixer.in_force()) style += active.weight;

@@ -189,8 +189,8 @@ class Player {
       transports.push_back(std::move(source));
     }
     pipeline_ = std::make_unique<pipeline::Pipeline>(
-        pipeline::Surroundings{clock_, counters_, collector_, mailboxes_}, std::move(names),
-        std::move(transports), std::move(live), 1, 100);
+        pipeline::Surroundings{clock_, counters_, collector_, mailboxes_, nullptr, false, false},
+        std::move(names), std::move(transports), std::move(live), 1, 100);
   }
 
   Status Take(const recording::Record& record, bool commands) {

@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <limits>
+#include <map>
 
 #include "tests/support/rig.h"
 #include "tests/unit/erd/random_weights.h"
@@ -204,6 +205,69 @@ TEST_F(PipelineTest, TheReplyNamesTheFirstSequenceUnderTheChange) {
   ASSERT_EQ(frames()[2].sequence(), 3U);
   ASSERT_EQ(frames()[2].styles_size(), 1);
   EXPECT_EQ(frames()[2].styles(0).style(), "style1");
+}
+
+// Styled together or one by one: the same frames. One performer has two frames in each batch.
+TEST_F(PipelineTest, ACrowdInOneBatchIsStyledAsEachAlone) {
+  const auto run = [this](bool together) {
+    pipeline_.reset();
+    publisher_.frames.clear();
+    publisher_.events.push_back({true, "styled/"});
+    std::vector<support::Rig> rigs;
+    for (int k = 0; k < 11; ++k) {
+      rigs.emplace_back("p" + std::to_string(k));
+      rigs.back().time_ns += static_cast<std::uint64_t>(k) * 300'000'000;  // each elsewhere
+      Deliver({rigs.back().Body()});
+    }
+    v1::Request request;
+    request.set_performer("*");
+    auto& style = *request.mutable_set()->add_mix();
+    style.set_style("style1");
+    style.set_weight(1);
+    EXPECT_EQ(Ask(request).code(), v1::CODE_OK);
+    for (int frame = 0; frame < 30; ++frame) {
+      std::vector<support::Bytes> batch;
+      for (auto& rig : rigs) batch.push_back(rig.Frame());
+      batch.push_back(rigs[4].Frame());
+      if (together) {
+        Deliver(batch);
+      } else {
+        for (const auto& datagram : batch) Deliver({datagram});
+      }
+    }
+    std::map<std::pair<std::string, std::uint64_t>, std::string> frames;
+    for (v1::Frame& frame : publisher_.frames) {
+      const std::string bytes = frame.SerializeAsString();
+      frames[{frame.performer(), frame.sequence()}] = bytes;
+    }
+    return frames;
+  };
+  const auto together = run(true);
+  const auto alone = run(false);
+  EXPECT_EQ(together.size(), 12U * 30U);
+  EXPECT_TRUE(together == alone);
+}
+
+TEST_F(PipelineTest, WhatIsColdIsWarmedShortlyBeforeAFrameIsDue) {
+  Deliver({rig_.Body(), rig_.Frame()});
+  clock_.now_ns += static_cast<std::int64_t>(rig_.period_ns);
+  Deliver({rig_.Frame()});
+  const std::int64_t due_ns = clock_.now_ns + static_cast<std::int64_t>(rig_.period_ns);
+  EXPECT_EQ(pipeline().NextDeadline_ns(), due_ns - Anticipation::kLead_ns);
+  clock_.now_ns = due_ns - Anticipation::kLead_ns - 1;
+  Work();
+  EXPECT_EQ(Count(Counter::kPipelinePrewarmed), 0U);
+  EXPECT_FALSE(pipeline().Expects(clock_.now_ns));
+  clock_.now_ns += 1;
+  Work();
+  EXPECT_EQ(Count(Counter::kPipelinePrewarmed), 1U);
+  EXPECT_TRUE(pipeline().Expects(clock_.now_ns));
+  EXPECT_GT(pipeline().NextDeadline_ns(), due_ns);
+  Work();
+  EXPECT_EQ(Count(Counter::kPipelinePrewarmed), 1U) << "once a frame";
+  clock_.now_ns = due_ns;
+  Deliver({rig_.Frame()});
+  EXPECT_FALSE(pipeline().Expects(clock_.now_ns));
 }
 
 TEST_F(PipelineTest, ABodyThatFramesOvertookIsTaken) {

@@ -51,7 +51,10 @@ TEST(Kernels, EachTargetHasItsOwn) {
   RecordProperty("targets", testing::PrintToString(names));
 }
 
-// One product of `rows` x `columns` with two inputs: together, and each alone.
+// Taken four at a time, then two, then one.
+constexpr int kInputs = 7;
+
+// One product of `rows` x `columns` with several inputs: together, and each alone.
 void CheckAffine(int rows, int columns, bool relu, std::mt19937& random) {
   SCOPED_TRACE(std::to_string(rows) + " x " + std::to_string(columns));
   const int panels = PaddedRows(rows) / kPanelRows;
@@ -64,21 +67,21 @@ void CheckAffine(int rows, int columns, bool relu, std::mt19937& random) {
     }
   }
   std::vector<Aligned> x, bias, alone, together;
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < kInputs; ++i) {
     x.emplace_back(columns, 1, random);
     bias.emplace_back(PaddedRows(rows), 1, random);
     alone.emplace_back(PaddedRows(rows));
     together.emplace_back(PaddedRows(rows));
   }
   const Kernels& kernels = BestKernels();
-  std::vector<Operands> both;
-  for (int i = 0; i < 2; ++i) {
+  std::vector<Operands> all;
+  for (int i = 0; i < kInputs; ++i) {
     const Operands one{bias[i].data(), x[i].data(), alone[i].data()};
     kernels.affine(weights.data(), panels, columns, {&one, 1}, relu);
-    both.push_back({bias[i].data(), x[i].data(), together[i].data()});
+    all.push_back({bias[i].data(), x[i].data(), together[i].data()});
   }
-  kernels.affine(weights.data(), panels, columns, both, relu);
-  for (int i = 0; i < 2; ++i) {
+  kernels.affine(weights.data(), panels, columns, all, relu);
+  for (int i = 0; i < kInputs; ++i) {
     for (int row = 0; row < rows; ++row) {
       double expected = bias[i][row];
       for (int column = 0; column < columns; ++column) {
@@ -91,7 +94,7 @@ void CheckAffine(int rows, int columns, bool relu, std::mt19937& random) {
   }
 }
 
-TEST(Kernels, AffineOfAnySizeForOneInputAndForTwo) {
+TEST(Kernels, AffineOfAnySizeForOneInputAndForSeveral) {
   OnEachTarget([] {
     SCOPED_TRACE(BestKernels().target);
     std::mt19937 random(1);
@@ -172,14 +175,42 @@ TEST(Kernels, LstmLayerIsThatOfTheEquations) {
                       Sigmoid(layer.Gate(0, unit)) * std::tanh(layer.Gate(2, unit)));
           h.push_back(Sigmoid(layer.Gate(3, unit)) * std::tanh(c.back()));
         }
-        BestKernels().lstm(layer.weights.data(), layer.bias.data(), layer.z.data(), layer.h.data(),
-                           layer.c.data());
+        const LstmOperands state{layer.z.data(), layer.h.data(), layer.c.data()};
+        BestKernels().lstm(layer.weights.data(), layer.bias.data(), {&state, 1});
         // The sums of the gates round with their size.
         const double tolerance = 4e-7 * std::max(1.0F, bound);
         for (int unit = 0; unit < 32; ++unit) {
           ASSERT_NEAR(layer.c[unit], c[unit], tolerance) << bound << ", unit " << unit;
           ASSERT_NEAR(layer.h[unit], h[unit], tolerance) << bound << ", unit " << unit;
         }
+      }
+    }
+  });
+}
+
+TEST(Kernels, LstmStatesTogetherAreBitForBitThoseAlone) {
+  OnEachTarget([] {
+    SCOPED_TRACE(BestKernels().target);
+    std::mt19937 random(5);
+    Layer layer(2, random);
+    std::vector<Aligned> z, h, c;
+    std::vector<LstmOperands> all;
+    for (int i = 0; i < kInputs; ++i) {
+      z.emplace_back(32, 1, random);
+      h.emplace_back(32, 1, random);
+      c.emplace_back(32, 2, random);
+    }
+    std::vector<Aligned> alone_h = h, alone_c = c;
+    for (int i = 0; i < kInputs; ++i) {
+      all.push_back({z[i].data(), h[i].data(), c[i].data()});
+      const LstmOperands one{z[i].data(), alone_h[i].data(), alone_c[i].data()};
+      BestKernels().lstm(layer.weights.data(), layer.bias.data(), {&one, 1});
+    }
+    BestKernels().lstm(layer.weights.data(), layer.bias.data(), all);
+    for (int i = 0; i < kInputs; ++i) {
+      for (int unit = 0; unit < 32; ++unit) {
+        ASSERT_EQ(h[i][unit], alone_h[i][unit]) << i << ", unit " << unit;
+        ASSERT_EQ(c[i][unit], alone_c[i][unit]) << i << ", unit " << unit;
       }
     }
   });
@@ -199,7 +230,8 @@ TEST(Kernels, TanhIsGoodToAFewUlpsEverywhere) {
         bias[LstmRow(2, unit)] = unit % 2 == 0 ? points[i] : -points[i];
         bias[LstmRow(3, unit)] = 50;
       }
-      BestKernels().lstm(weights.data(), bias.data(), z.data(), h.data(), c.data());
+      const LstmOperands state{z.data(), h.data(), c.data()};
+      BestKernels().lstm(weights.data(), bias.data(), {&state, 1});
       const double expected = std::tanh(static_cast<double>(points[i]));
       for (int unit = 0; unit < 32; ++unit) {
         const double found = unit % 2 == 0 ? c[unit] : -c[unit];

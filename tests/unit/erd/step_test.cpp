@@ -328,6 +328,39 @@ TEST(Step, TwoRunsAreBitIdentical) {
   }
 }
 
+// A crowd of more than are taken at once: without a style, in one, in several, switching, in a
+// style of their own.
+TEST(Step, TogetherIsBitForBitOneByOne) {
+  constexpr int kPerformers = 21;
+  OnEachTarget([] {
+    const auto network = RandomNetwork(6, 19);
+    std::vector<State> alone(kPerformers), together(kPerformers);
+    std::vector<StepOutput> out_alone(kPerformers), out_together(kPerformers);
+    for (State& state : alone) network->Start(state);
+    for (State& state : together) network->Start(state);
+    for (int frame = 0; frame < 12; ++frame) {
+      std::vector<body::Features> features;
+      std::vector<std::vector<ActiveStyle>> active(kPerformers);
+      for (int k = 0; k < kPerformers; ++k) {
+        features.push_back(FeaturesAt(frame + 3 * k));
+        for (int s = 0; s < k % 5; ++s) active[k].push_back({1 + (k + s + frame / 4) % 6, 0.4F});
+      }
+      std::vector<StepJob> jobs;
+      for (int k = 0; k < kPerformers; ++k) {
+        const int own = k % 4 == 3 ? 2 : 0;
+        network->Step(features[k], own, active[k], alone[k], out_alone[k]);
+        jobs.push_back({&features[k], own, active[k], &together[k], &out_together[k]});
+      }
+      network->StepTogether(jobs);
+      for (int k = 0; k < kPerformers; ++k) {
+        ASSERT_EQ(Difference(out_alone[k].styled, out_together[k].styled), 0) << frame << " " << k;
+        ASSERT_EQ(Difference(out_alone[k].reconstruction, out_together[k].reconstruction), 0);
+        ASSERT_EQ(alone[k].style, together[k].style);
+      }
+    }
+  });
+}
+
 TEST(Step, ACopiedStateGoesOnAlike) {
   const auto network = RandomNetwork(3, 10);
   const std::vector<ActiveStyle> active{{1, 0.5F}, {2, 0.5F}};

@@ -448,6 +448,18 @@ TEST(Trackers, AreTakenAtTheTimeOfThePoseBetweenTheirSamples) {
   EXPECT_NEAR(heading_at(20 * kPeriod_ns), 1.9F, 1e-3F);
 }
 
+TEST(Trackers, ThatJumpAreNotThrownFurther) {
+  Trackers::Options options;
+  options.delay_ns = kPeriod_ns;
+  Trackers trackers(options);
+  trackers.Take(body::kHips, 0, Quat::Identity());
+  trackers.ResetFull(0);
+  trackers.Take(body::kHips, kPeriod_ns, Y(1.5F));
+  body::Pose pose;
+  EXPECT_TRUE(trackers.Solve(2 * kPeriod_ns + kPeriod_ns / 2, pose));
+  EXPECT_NEAR(Degrees(pose.rotations[body::kHips], Y(1.5F)), 0.05F * 180 / kPi, 0.01F);
+}
+
 TEST(Trackers, WhoseSamplesComeInBurstsAreNotThrownAhead) {
   Trackers::Options options;
   options.delay_ns = kPeriod_ns;

@@ -251,6 +251,57 @@ TEST_F(StylistTest, TheSameStreamGivesTheSameBits) {
   }
 }
 
+// More than are taken at once, of other rates, styles, clocks and phases; one with gaps, so that
+// several ticks are due in a frame; one on other weights.
+TEST_F(StylistTest, TogetherIsBitForBitOneByOne) {
+  constexpr int kPerformers = 11;
+  const auto other = erd::RandomNetwork(5, 2);
+  std::vector<Stylist> alone, together;
+  std::vector<Output> out_alone, out_together;
+  for (int k = 0; k < kPerformers; ++k) {
+    for (auto* crowd : {&alone, &together}) {
+      crowd->emplace_back(k == 6 ? other : network, binding, options);
+      if (k % 4 != 0) crowd->back().Set(Style(k % 4, 0.5F + 0.1F * static_cast<float>(k % 3)));
+    }
+    out_alone.emplace_back(skeleton);
+    out_together.emplace_back(skeleton);
+  }
+  for (int frame = 1; frame < 60; ++frame) {
+    std::vector<rig::RigPose> in;
+    std::vector<Stylist::Job> jobs;
+    for (int k = 0; k < kPerformers; ++k) {
+      in.push_back(PoseAt(0.3 * k + frame / 120.0, skeleton));
+    }
+    for (int k = 0; k < kPerformers; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      if (k == 3 && frame % 20 > 13) continue;  // gaps
+      const std::int64_t time_ns = Time(frame, k % 2 == 0 ? 120 : 50) + 1'000'000 * k;
+      alone[i].Process(time_ns, in[i], out_alone[i]);
+      jobs.push_back({&together[i], time_ns, &in[i], &out_together[i]});
+    }
+    Stylist::ProcessTogether(jobs);
+    for (std::size_t i = 0; i < kPerformers; ++i) {
+      ASSERT_TRUE(SameBits(out_alone[i].rig, out_together[i].rig)) << frame << ", " << i;
+      ASSERT_EQ(out_alone[i].flags, out_together[i].flags) << frame << ", " << i;
+      ASSERT_EQ(out_alone[i].reconstruction_rad, out_together[i].reconstruction_rad);
+    }
+  }
+}
+
+TEST_F(StylistTest, PrewarmingChangesNothing) {
+  Stylist warmed(network, binding, options), cold(network, binding, options);
+  Output other(skeleton);
+  warmed.Set(Style(1));
+  cold.Set(Style(1));
+  warmed.Prewarm();
+  for (int frame = 1; frame < 40; ++frame) {
+    Feed(warmed, frame);
+    warmed.Prewarm();
+    cold.Process(Time(frame), PoseAt(static_cast<double>(Time(frame)) * 1e-9, skeleton), other);
+    ASSERT_TRUE(SameBits(out.rig, other.rig)) << frame;
+  }
+}
+
 TEST_F(StylistTest, TheChangeDoesNotDependOnWhereThePerformerStandsOrFaces) {
   Stylist here(network, binding, options), there(network, binding, options);
   here.Set(Style(2));
