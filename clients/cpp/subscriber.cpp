@@ -18,6 +18,8 @@ using std::chrono::milliseconds;
 
 constexpr std::int64_t kMaxMessageBytes = 1 << 20;  // a body of 1024 long names fits
 constexpr int kMaxDrain = 10'000;                   // messages that one ReceiveLatest reads at most
+constexpr std::int64_t kStale_ns = 50'000'000;      // later than usual by this: not the newest yet
+constexpr milliseconds kLongestCatchUp(500);        // a connection lost meanwhile is back by then
 constexpr std::size_t kMaxPerformers = 4096;
 constexpr std::size_t kMaxBodies = 64;  // kept per performer: its outputs, and what they were
 constexpr std::string_view kBodyTopic = "body/";
@@ -80,10 +82,34 @@ Origin OriginOf(std::string_view topic) {
   return IsName(avatar) ? Origin{performer, avatar} : Origin{};
 }
 
+// How much longer than usual a frame was on its way: than the shortest way of the last two to four
+// seconds. No two machines' clocks are compared.
+class Lag {
+ public:
+  std::int64_t Take(std::uint64_t published_ns, std::int64_t now_ns) {
+    const std::int64_t way_ns = now_ns - static_cast<std::int64_t>(published_ns);
+    if (!started_ || now_ns - turned_ns_ >= kTurn_ns) {
+      // After a longer silence than that the shortest way known is still the last one.
+      previous_ns_ = started_ ? current_ns_ : way_ns;
+      current_ns_ = way_ns;
+      turned_ns_ = now_ns;
+      started_ = true;
+    }
+    current_ns_ = std::min(current_ns_, way_ns);
+    return way_ns - std::min(previous_ns_, current_ns_);
+  }
+
+ private:
+  static constexpr std::int64_t kTurn_ns = 2'000'000'000;
+  bool started_ = false;
+  std::int64_t previous_ns_ = 0, current_ns_ = 0, turned_ns_ = 0;
+};
+
 struct StreamState {
   bool started = false;
   std::uint64_t epoch = 0, sequence = 0;
   std::shared_ptr<const v1::Body> body;
+  Lag lag;
 };
 
 }  // namespace
@@ -104,6 +130,7 @@ struct Subscriber::Impl {
   std::map<std::string, std::vector<std::shared_ptr<const v1::Body>>, std::less<>> bodies;
   std::map<std::string, std::size_t, std::less<>> newest;  // ReceiveLatest: topic to index in `out`
   std::string last_topic;                                  // of the frame that was accepted last
+  std::int64_t lag_ns = 0;                                 // of the same
   v1::Body scratch_body;
 
   void Open();
@@ -283,7 +310,12 @@ bool Subscriber::Impl::AcceptFrame(const Origin& origin, std::string_view name, 
   out.missed = same_epoch ? frame.sequence() - state.sequence - 1 : 0;
   out.skipped = 0;
   out.new_epoch = state.started && !same_epoch;
-  state = {true, frame.epoch(), frame.sequence(), std::move(state.body)};
+  if (!same_epoch) state.lag = Lag();
+  lag_ns = state.lag.Take(frame.publish_time_ns(),
+                          Clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+  state.started = true;
+  state.epoch = frame.epoch();
+  state.sequence = frame.sequence();
   last_topic.assign(name);
   ++counters.frames;
   counters.missed += out.missed;
@@ -347,10 +379,13 @@ int Subscriber::ReceiveLatest(milliseconds timeout, std::vector<Update>& out) {
   impl.newest.clear();
   std::size_t count = 0, statistics = 0;
   bool has_statistics = false;
-  const auto deadline = Clock::now() + timeout;
+  const auto begin = Clock::now();
   for (int read = 0; read < kMaxDrain; ++read) {
     if (!impl.ReadMessage()) {
-      if (count > 0 || !impl.Wait(deadline)) break;
+      // Behind what waits here there may be more in the sockets on the way.
+      const bool stale = count > 0 && impl.lag_ns > kStale_ns;
+      const auto until = begin + (stale ? kLongestCatchUp : timeout);
+      if ((count > 0 && !stale) || !impl.Wait(until)) break;
       continue;
     }
     if (out.size() == count) out.emplace_back();

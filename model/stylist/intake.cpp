@@ -7,7 +7,8 @@ namespace styled::stylist {
 namespace {
 
 constexpr float kRunningFast_m_s = 12.0F;
-constexpr float kLongest = 1e9F;  // beyond this a coordinate is an error, whatever its unit
+constexpr float kUnitTolerance = 5e-4F;  // of the squared length: what rigs' rounding leaves
+constexpr float kLongest = 1e9F;         // beyond this a coordinate is an error, whatever its unit
 
 bool Good(const rig::Vec3& translation) {
   return translation.allFinite() && translation.cwiseAbs().maxCoeff() < kLongest;
@@ -37,11 +38,12 @@ void Intake::HoldBadJoints(const rig::RigPose& in, rig::RigPose& source,
   for (std::size_t joint = 0; joint < joints; ++joint) {
     const bool good = Good(in.translations[joint]) && Good(in.rotations[joint]);
     const rig::RigPose& from = good ? in : before;
-    source.translations[joint] = from.translations[joint];
-    source.rotations[joint] = from.rotations[joint];
     if (!good) held.set(joint);
-    clean_.translations[joint] = source.translations[joint];
-    clean_.rotations[joint] = source.rotations[joint].normalized();
+    source.translations[joint] = clean_.translations[joint] = from.translations[joint];
+    const rig::Quat& rotation = from.rotations[joint];
+    clean_.rotations[joint] = rotation.normalized();
+    const bool is_unit = std::abs(rotation.squaredNorm() - 1) < kUnitTolerance;
+    source.rotations[joint] = is_unit ? rotation : clean_.rotations[joint];
   }
 }
 

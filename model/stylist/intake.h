@@ -17,6 +17,8 @@ class Intake {
 
   // Copies `in` to `source` with bad joints replaced by their last good value (the rest pose before
   // there is one), marks them in `held`, and writes the same with unit rotations to clean().
+  // Rotations are bit for bit as they came where they are of length 1, but for a rig's rounding;
+  // else of length 1.
   STYLED_REALTIME void HoldBadJoints(const rig::RigPose& in, rig::RigPose& source,
                                      std::bitset<256>& held) noexcept;
 

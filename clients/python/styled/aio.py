@@ -71,13 +71,17 @@ class Subscriber:
 
     async def receive_latest(self, timeout: Optional[float] = None) -> List[Update]:
         """Latest-wins mode, as styled.Subscriber.receive_latest."""
-        end = None if timeout is None else time.monotonic() + timeout
+        begin = time.monotonic()
+        end = None if timeout is None else begin + timeout
         newest = Newest()
         for _ in range(listening.MAX_DRAIN):
             update = await self._read()
             if update is not None:
                 newest.add(update)
-            elif newest.take() or not await self._wait(end):
+                continue
+            if newest.take():
+                end = listening.catch_up_end(self._inbox, begin)
+            if not await self._wait(end):
                 break
         return newest.take()
 

@@ -2,6 +2,7 @@
 bodies that frames belong to, gaps (proto/styled/v1/WIRE.md)."""
 
 import dataclasses
+import time
 import enum
 import re
 from typing import Dict, Iterable, List, Optional, Tuple, Union
@@ -103,11 +104,30 @@ class Counters:
     malformed: int = 0        # dropped: not of WIRE.md, or a frame that does not fit its body
 
 
+class _Lag:
+    """How much longer than usual a frame was on its way: than the shortest way of the last two to
+    four seconds. No two machines' clocks are compared."""
+
+    def __init__(self) -> None:
+        self._turned: Optional[float] = None
+        self._previous = self._current = 0.0
+
+    def take(self, published: float, now: float) -> float:
+        way = now - published
+        if self._turned is None or now - self._turned >= 2:
+            self._previous = way if self._turned is None else self._current
+            self._current = way
+            self._turned = now
+        self._current = min(self._current, way)
+        return way - min(self._previous, self._current)
+
+
 @dataclasses.dataclass
 class _State:
     started: bool = False
     epoch: int = 0
     sequence: int = 0
+    lag: _Lag = dataclasses.field(default_factory=_Lag)
 
 
 class Inbox:
@@ -121,6 +141,7 @@ class Inbox:
                              '([A-Za-z0-9_-]{1,32} each)')
         self.counters = Counters()
         self.new_topics: List[str] = []  # to be subscribed to and emptied by the socket's owner
+        self.lag_s = 0.0                 # of the last frame, behind its usual way
         self._performer = performer
         self._streams = tuple(_check_wanted(stream) for stream in streams)
         self._statistics = statistics
@@ -200,7 +221,9 @@ class Inbox:
             return None
         missed = frame.sequence - state.sequence - 1 if same_epoch else 0
         new_epoch = state.started and not same_epoch
-        self._states[topic] = _State(True, frame.epoch, frame.sequence)
+        lag = state.lag if same_epoch else _Lag()
+        self.lag_s = lag.take(frame.publish_time_ns * 1e-9, time.monotonic())
+        self._states[topic] = _State(True, frame.epoch, frame.sequence, lag)
         self.counters.frames += 1
         self.counters.missed += missed
         self.counters.epochs += new_epoch

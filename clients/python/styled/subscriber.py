@@ -12,6 +12,8 @@ from styled.inbox import Counters, Inbox, Kind, Newest, Stream, Update, Wanted
 DEFAULT_PUBLISHER = 'tcp://127.0.0.1:7001'
 MAX_MESSAGE_BYTES = 1 << 20  # a body of 1024 long names fits
 MAX_DRAIN = 10_000           # messages that one receive_latest reads at most
+STALE_S = 0.05               # later than usual by this: not the newest yet
+LONGEST_CATCH_UP_S = 0.5     # a connection that was lost meanwhile is back by then
 _monitors = itertools.count()
 
 
@@ -45,6 +47,12 @@ def open_socket(socket: zmq.Socket, inbox: Inbox, endpoints: Union[str, Iterable
 def subscribe(socket: zmq.Socket, topics: List[str]) -> None:
     for topic in topics:
         socket.setsockopt_string(zmq.SUBSCRIBE, topic)
+
+
+def catch_up_end(inbox: Inbox, begin: float) -> float:
+    """Until when receive_latest, begun at `begin`, waits for more once it has read all that is here:
+    behind that there may be more in the sockets on the way."""
+    return begin if inbox.lag_s <= STALE_S else begin + LONGEST_CATCH_UP_S
 
 
 class Links:
@@ -138,14 +146,20 @@ class Subscriber:
     def receive_latest(self, timeout: Optional[float] = None) -> List[Update]:
         """Latest-wins mode, for a renderer: waits up to `timeout` seconds for a first update, then
         reads all that is waiting; the newest frame of each performer and stream, every body, the
-        newest statistics. Who draws slower than 120 Hz so never lags behind."""
-        end = None if timeout is None else time.monotonic() + timeout
+        newest statistics. Who draws slower than 120 Hz so never lags behind. Who was stopped, or
+        whose network was, finds seconds of frames on the way: while what comes is 50 ms later than
+        usual, it reads on, for half a second at most."""
+        begin = time.monotonic()
+        end = None if timeout is None else begin + timeout
         newest = Newest()
         for _ in range(MAX_DRAIN):
             update = self._read()
             if update is not None:
                 newest.add(update)
-            elif newest.take() or not self._wait(end):
+                continue
+            if newest.take():
+                end = catch_up_end(self._inbox, begin)
+            if not self._wait(end):
                 break
         return newest.take()
 

@@ -226,6 +226,40 @@ TEST_F(SubscriberTest, LatestWinsKeepsTheNewestOfEachStreamAndEveryBody) {
   EXPECT_TRUE(updates.empty());
 }
 
+// As after the process was stopped: what is read first is old, and the newest is still on its way.
+TEST_F(SubscriberTest, LatestWinsReadsOnWhileWhatComesIsOlderThanUsual) {
+  auto subscriber = Listen(daemon_, OnlyA());
+  daemon_.AddBody(rig_);
+  const auto send = [this](int sequence, std::chrono::milliseconds age) {
+    v1::Frame frame = HumanoidFrame(rig_, body::Pose(), sequence);
+    const auto published = std::chrono::steady_clock::now() - age;
+    frame.set_publish_time_ns(
+        static_cast<std::uint64_t>(published.time_since_epoch() / std::chrono::nanoseconds(1)));
+    daemon_.Publish("styled/rig.a/rig/", frame);
+  };
+  const auto newest = [&subscriber] {
+    std::vector<Update> updates;
+    std::uint64_t sequence = 0;
+    while (sequence == 0 && subscriber->ReceiveLatest(5000ms, updates) > 0) {
+      for (const Update& update : updates) {
+        if (update.kind == Update::Kind::kFrame) sequence = update.frame.sequence();
+      }
+    }
+    return sequence;
+  };
+  send(1, 0ms);
+  EXPECT_EQ(newest(), 1U);
+  for (int sequence = 2; sequence < 50; ++sequence) send(sequence, 1000ms);
+  std::thread late([&send] {
+    std::this_thread::sleep_for(5ms);
+    send(50, 0ms);
+  });
+  EXPECT_EQ(newest(), 50U);
+  late.join();
+  send(51, 1000ms);  // and no newer one comes: not for ever
+  EXPECT_EQ(newest(), 51U);
+}
+
 // Two avatars may have one and the same skeleton.
 TEST_F(SubscriberTest, TellsAvatarsApartByTheNamesOfTheirOutputs) {
   SubscriberOptions options = OnlyA();

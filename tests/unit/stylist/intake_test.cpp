@@ -27,11 +27,18 @@ struct IntakeTest : testing::Test {
 };
 
 TEST_F(IntakeTest, AGoodPosePassesBitForBit) {
-  in.rotations[1] = rig::Quat(1.5F, 0.25F, 0, 0);  // unnormalized as some rigs send it
+  in.rotations[1] = rig::Quat(0.8001F, 0.6F, 0, 0);  // of length 1 as a rig rounds it
   Feed();
   EXPECT_EQ(source.rotations[1].coeffs(), in.rotations[1].coeffs());
   EXPECT_NEAR(intake.clean().rotations[1].norm(), 1.0F, 1e-6F);
   EXPECT_TRUE(held.none());
+}
+
+TEST_F(IntakeTest, ARotationThatIsNotOfLengthOneLeavesWithThatLength) {
+  in.rotations[1] = rig::Quat(3, 0, 4, 0);
+  Feed();
+  EXPECT_TRUE(held.none());
+  EXPECT_LT((source.rotations[1].coeffs() - rig::Quat(0.6F, 0, 0.8F, 0).coeffs()).norm(), 1e-6F);
 }
 
 TEST_F(IntakeTest, ANotANumberIsHeldInItsJointAlone) {

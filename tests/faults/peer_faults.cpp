@@ -1,0 +1,214 @@
+// What others do: they do not read, they talk garbage, they send more than anybody can style.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <random>
+
+#include "clients/cpp/subscriber.h"
+#include "tests/faults/faults.h"
+#include "tests/faults/stage.h"
+#include "tests/support/clients.h"
+
+namespace styled::faults {
+namespace {
+
+using support::ControlClient;
+using support::Daemon;
+using support::Sleep;
+
+// "tcp://HOST:PORT" or "HOST:PORT".
+std::uint16_t Port(const std::string& address) {
+  return static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+}
+
+int ConnectTo(const std::string& address) {
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  to.sin_port = htons(Port(address));
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (fd >= 0) (void)connect(fd, reinterpret_cast<sockaddr*>(&to), sizeof to);
+  return fd;
+}
+
+// A renderer with our client library, latest wins, in a process of its own that is stopped for a
+// while. It tells, once it goes on, how old the first frame is that it draws.
+Outcome Stopped(const Effort& effort) {
+  Daemon daemon({"publish.high_water_mark=64"});  // as it comes
+  int told[2];
+  if (pipe(told) != 0) return Failed("no pipe");
+  const pid_t renderer = fork();
+  if (renderer == 0) {
+    auto subscriber = client::Subscriber::Connect({.endpoints = {daemon.publish}});
+    std::vector<client::Update> updates;
+    std::int64_t last_ns = Now_ns();
+    for (;;) {
+      subscriber.value()->ReceiveLatest(std::chrono::milliseconds(100), updates);
+      const std::int64_t now_ns = Now_ns();
+      double oldest_ms = -1;
+      for (const auto& update : updates) {
+        if (update.kind != client::Update::Kind::kFrame) continue;
+        const auto sent_ns = static_cast<std::int64_t>(update.frame.publish_time_ns());
+        oldest_ms = std::max(oldest_ms, static_cast<double>(now_ns - sent_ns) * 1e-6);
+      }
+      if (now_ns - last_ns > 1'000'000'000 && oldest_ms >= 0) {
+        (void)!write(told[1], &oldest_ms, sizeof oldest_ms);
+      }
+      if (oldest_ms >= 0) last_ns = now_ns;
+      usleep(8000);
+    }
+  }
+  close(told[1]);
+  const Watcher watcher(daemon.publish);
+  Feed feed(daemon.udp, 4);
+  bool running = watcher.Sees(5);
+  Sleep(1);
+  const Watcher::Seen before = watcher.seen();
+  kill(renderer, SIGSTOP);
+  const double seconds = effort.Seconds(60);
+  Sleep(seconds);
+  kill(renderer, SIGCONT);
+  double oldest_ms = -1;
+  running = running && read(told[0], &oldest_ms, sizeof oldest_ms) == sizeof oldest_ms;
+  const Watcher::Seen after = watcher.seen();
+  kill(renderer, SIGKILL);
+  waitpid(renderer, nullptr, 0);
+  close(told[0]);
+  return {
+      running && after.missing == before.missing, oldest_ms <= 100,
+      Format("stopped for %.0f s: the oldest frame it drew on resume was %.1f ms old; the other "
+             "subscriber got %llu frames, %llu missing",
+             seconds, oldest_ms, static_cast<unsigned long long>(after.frames - before.frames),
+             static_cast<unsigned long long>(after.missing - before.missing))};
+}
+
+// On one port after another: strangers who say nothing, half a greeting or noise, while a good
+// client asks.
+Outcome Garbage(const Effort& effort) {
+  rlimit most{};
+  getrlimit(RLIMIT_NOFILE, &most);
+  most.rlim_cur = most.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &most);
+  Daemon daemon;
+  (void)prlimit(daemon.child->pid(), RLIMIT_NOFILE, &most, nullptr);
+  const Watcher watcher(daemon.publish);
+  Feed feed(daemon.udp, 2);
+  if (!watcher.Sees(5)) return Failed("no frame");
+  Sleep(0.5);
+  const Watcher::Seen before = watcher.seen();
+  std::mt19937 random(1);
+  double slowest_ms = 0;
+  const int half_open = effort.Times(1000), garbage = effort.Times(5000);
+  for (const std::string& address : {daemon.tcp, daemon.publish, daemon.control}) {
+    ControlClient control(daemon.control);
+    (void)control.Status();
+    std::vector<int> silent;
+    for (int i = 0; i < half_open; ++i) {
+      silent.push_back(ConnectTo(address));
+      // Half of them begin a ZeroMQ greeting and never end it.
+      const char greeting[] = {'\xff', 0, 0, 0, 0, 0, 0, 0, 1, '\x7f', 3};
+      if (i % 2 == 0) (void)!send(silent.back(), greeting, sizeof greeting, MSG_NOSIGNAL);
+    }
+    for (int i = 0; i < garbage; ++i) {
+      const int fd = ConnectTo(address);
+      std::array<std::uint32_t, 64> noise;
+      std::generate(noise.begin(), noise.end(), std::ref(random));
+      (void)!send(fd, noise.data(), 1 + random() % sizeof noise, MSG_NOSIGNAL);
+      close(fd);
+      if (i % 50 != 0) continue;
+      const std::int64_t from_ns = Now_ns();
+      (void)control.Status();
+      slowest_ms = std::max(slowest_ms, static_cast<double>(Now_ns() - from_ns) * 1e-6);
+    }
+    for (const int fd : silent) close(fd);
+  }
+  if (!daemon.child->Running()) return Failed("the daemon ended");
+  const Watcher::Seen after = watcher.seen();
+  return {
+      after.missing == before.missing, slowest_ms <= 100,
+      Format("%d garbage and %d half-open connections on each of 3 ports: status answered within "
+             "%.1f ms at most, %llu frames, %llu missing",
+             garbage, half_open, slowest_ms,
+             static_cast<unsigned long long>(after.frames - before.frames),
+             static_cast<unsigned long long>(after.missing - before.missing))};
+}
+
+// More than can be styled, as fast as a sender can: what comes out and what is counted is what came
+// in; after it all is as before.
+Outcome Overload(const Effort& effort) {
+  Daemon daemon({"performers.backlog_ms=100"});
+  const Watcher watcher(daemon.publish);
+  const auto quiet = [&daemon, &watcher] {
+    Feed feed(daemon.udp, 1);
+    return watcher.Sees(3);
+  };
+  if (!quiet()) return Failed("no frame");
+  ControlClient control(daemon.control);
+  const auto count = [&control](const char* name) { return control.Counter(name); };
+  const std::vector<const char*> kept_out{"pipeline.backlog_dropped", "source.kernel_dropped"};
+  const auto received0 = count("source.received"), frames0 = count("pipeline.frames");
+  std::uint64_t dropped0 = 0;
+  for (const char* name : kept_out) dropped0 += count(name);
+  const std::uint64_t rss0 = ResidentBytes(daemon.child->pid());
+  std::uint64_t bodies = 0, frames = 0;
+  {
+    std::vector<support::Rig> rigs;
+    const support::UdpLink link(daemon.udp);
+    for (int i = 0; i < 32; ++i) {
+      rigs.emplace_back("q" + std::to_string(i), 100 + i);
+      link.Send(rigs.back().Body());
+      ++bodies;
+    }
+    Sleep(0.2);
+    const std::int64_t until_ns = Now_ns() + static_cast<std::int64_t>(effort.Seconds(20) * 1e9);
+    while (Now_ns() < until_ns) {
+      for (auto& rig : rigs) {
+        link.Send(rig.Frame());
+        ++frames;
+      }
+    }
+  }
+  const std::int64_t from_ns = Now_ns();
+  const bool back = quiet();
+  const double back_s = static_cast<double>(Now_ns() - from_ns) * 1e-9;
+  const std::uint64_t rss1 = ResidentBytes(daemon.child->pid());
+  Sleep(0.5);
+  const auto received = count("source.received") - received0;
+  const auto styled = count("pipeline.frames") - frames0;
+  std::uint64_t dropped = 0;
+  for (const char* name : kept_out) dropped += count(name);
+  dropped -= dropped0;
+  const auto kernel = count("source.kernel_dropped");
+  // The one quiet performer's datagrams are in `received` and `styled` alike, his bodies aside.
+  const auto unstyled = received - styled;
+  const bool exact = received + kernel >= frames + bodies &&
+                     unstyled - count("pipeline.backlog_dropped") <= bodies + 16;
+  const double growth_mb = (static_cast<double>(rss1) - static_cast<double>(rss0)) / 1048576;
+  return {
+      exact && back && growth_mb <= 64, back_s <= 2,
+      Format(
+          "%llu frames sent: %llu received, %llu dropped by the kernel and counted, %llu styled, "
+          "%llu passed over and counted; RSS %+.1f MB; normal after %.2f s",
+          static_cast<unsigned long long>(frames), static_cast<unsigned long long>(received),
+          static_cast<unsigned long long>(kernel), static_cast<unsigned long long>(styled),
+          static_cast<unsigned long long>(dropped - kernel), growth_mb, back_s)};
+}
+
+}  // namespace
+
+std::vector<Fault> PeerFaults() {
+  return {{"stopped", "a subscriber is stopped for 60 s",
+           "others lose nothing; its oldest frame on resume <= 100 ms old", Stopped},
+          {"garbage", "5,000 garbage and 1,000 half-open connections per port",
+           "a good client served <= 100 ms meanwhile, nothing missing", Garbage},
+          {"overload", "32 performers as fast as one sender can",
+           "in = out + counted, RSS + <= 64 MB, normal within 2 s", Overload}};
+}
+
+}  // namespace styled::faults
