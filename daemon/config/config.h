@@ -201,7 +201,8 @@ Result<Config> Load(const std::string& file, const std::vector<Override>& overri
 // socket would accept them (style names are checked against the weights, by the supervisor).
 Status Validate(const Config& config);
 
-// The performer and source name rule of WIRE.md.
+// The performer and source name rule of WIRE.md, and SOURCE.NAME, both parts by it.
 bool IsName(std::string_view text) noexcept;
+bool IsPerformerId(std::string_view text) noexcept;
 
 }  // namespace styled::config

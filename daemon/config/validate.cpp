@@ -65,13 +65,6 @@ Status CheckSources(const std::vector<Source>& sources) {
   return Status::Ok();
 }
 
-// SOURCE.NAME
-bool IsPerformerId(std::string_view text) {
-  const std::size_t dot = text.find('.');
-  return dot != std::string_view::npos && IsName(text.substr(0, dot)) &&
-         IsName(text.substr(dot + 1));
-}
-
 Status CheckOutputs(const std::vector<Output>& outputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const Output& output = outputs[i];
@@ -166,6 +159,12 @@ bool IsName(std::string_view text) noexcept {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
            c == '-';
   });
+}
+
+bool IsPerformerId(std::string_view text) noexcept {
+  const std::size_t dot = text.find('.');
+  return dot != std::string_view::npos && IsName(text.substr(0, dot)) &&
+         IsName(text.substr(dot + 1));
 }
 
 Status Validate(const Config& config) {

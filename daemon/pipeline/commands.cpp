@@ -16,13 +16,6 @@ void Refuse(v1::Reply& reply, v1::Code code, std::string reason) {
 
 bool InRange(float value, float low, float high) { return value >= low && value <= high; }
 
-// "SOURCE.NAME".
-bool IsId(std::string_view id) {
-  const std::size_t dot = id.find('.');
-  return dot != std::string_view::npos && config::IsName(id.substr(0, dot)) &&
-         config::IsName(id.substr(dot + 1));
-}
-
 bool CheckTransition(bool given, float transition_ms, v1::Reply& reply) {
   if (!given || InRange(transition_ms, 0, 60000)) return true;
   Refuse(reply, v1::CODE_OUT_OF_RANGE,
@@ -74,7 +67,7 @@ Commands::Targets Commands::Find(const std::string& performer, v1::Reply& reply)
     for (const auto& [id, profile] : roster_.profiles) targets.profiles.push_back(profile.get());
     return targets;
   }
-  if (!IsId(performer)) {
+  if (!config::IsPerformerId(performer)) {
     Refuse(reply, v1::CODE_UNKNOWN_PERFORMER,
            "performer \"" + performer.substr(0, 80) + "\": expected SOURCE.NAME or *");
     return targets;
