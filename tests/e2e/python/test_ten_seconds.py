@@ -1,0 +1,74 @@
+"""The examples of all clients at once, as the README has them, in front of one live daemon: ten
+seconds of a rig at 120 Hz, every frame in sequence."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+import urllib.request
+
+from daemon import BIN, PATIENCE_S, Daemon, wait_for
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', '..')
+JS = os.path.join(BIN, '..', 'npm', 'js')
+FRAMES = 10 * 120
+
+
+def superseded(url):
+    metrics = urllib.request.urlopen(url + '/metrics', timeout=PATIENCE_S).read().decode()
+    return int(re.search(r'(?m)^styleweb_superseded_messages_total (\d+)$', metrics).group(1))
+
+
+class TenSecondsTest(unittest.TestCase):
+    def setUp(self):
+        self.daemon = Daemon()
+        self.addCleanup(self.daemon.close)
+        self.examples = {}
+
+    def start(self, name, *command):
+        child = subprocess.Popen([*command, 'elderly', str(FRAMES)], stdout=subprocess.PIPE,
+                                 stderr=subprocess.PIPE, text=True)
+        self.examples[name] = child
+        self.addCleanup(child.kill)
+
+    def start_gateway(self):
+        ready = os.path.join(self.daemon.folder, 'web.json')
+        gateway = subprocess.Popen([os.path.join(BIN, 'styleweb'), '--listen', '127.0.0.1:0', '--publish',
+                                    self.daemon.publish, '--control', self.daemon.control, '--ready-file',
+                                    ready], stdout=subprocess.DEVNULL)
+        self.addCleanup(gateway.wait)
+        self.addCleanup(gateway.kill)
+        wait_for(lambda: os.path.exists(ready), 'the gateway')
+        with open(ready) as text:
+            return 'http://' + json.load(text)['listen'].split('://')[-1]
+
+    def test_every_frame_comes(self):
+        at = self.daemon.publish, self.daemon.control
+        self.start('Python', sys.executable, os.path.join(ROOT, 'clients/python/examples/heads.py'), *at)
+        self.start('C++', os.path.join(BIN, 'client_example'), *at)
+        url = ''
+        if shutil.which('node') and os.path.exists(os.path.join(JS, 'dist')):
+            url = self.start_gateway()
+            self.start('JavaScript', 'node', os.path.join(JS, 'example.mjs'), url)
+        else:
+            print('JavaScript: skipped, no node, or its client was not built')
+        self.daemon.simulate()
+        for name, child in self.examples.items():
+            out, err = child.communicate(timeout=PATIENCE_S)
+            self.assertEqual(child.returncode, 0, err)
+            # Before it, that a gateway that has just started has not heard of the daemon yet.
+            self.assertRegex(err, r'(?m)^\d+ frames, \d+ missed\n\Z')
+            frames, missed = map(int, re.findall(r'\d+', err.splitlines()[-1]))
+            passed_over = superseded(url) if name == 'JavaScript' else 0
+            print(f'{name}: {frames} frames, {missed} missed, {passed_over} passed over by the gateway')
+            self.assertGreaterEqual(frames, FRAMES)
+            # The gateway gives a browser that does not keep up the newest, and counts the others. That
+            # is all that may be missing.
+            self.assertLessEqual(missed, passed_over)
+            self.assertRegex(out, r'^rig\.sim -?\d+\.\d\d 1\.\d\d -?\d+\.\d\d m\n')
+
+
+if __name__ == '__main__':
+    unittest.main()
