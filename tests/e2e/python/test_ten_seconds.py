@@ -1,24 +1,18 @@
 """The examples of all clients at once, as the README has them, in front of one live daemon: ten
 seconds of a rig at 120 Hz, every frame in sequence."""
-import json
 import os
 import re
 import shutil
 import subprocess
 import sys
 import unittest
-import urllib.request
 
-from daemon import BIN, PATIENCE_S, Daemon, wait_for
+from daemon import BIN, PATIENCE_S, Daemon
+from gateway import Gateway
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', '..')
 JS = os.path.join(BIN, '..', 'npm', 'js')
 FRAMES = 10 * 120
-
-
-def superseded(url):
-    metrics = urllib.request.urlopen(url + '/metrics', timeout=PATIENCE_S).read().decode()
-    return int(re.search(r'(?m)^styleweb_superseded_messages_total (\d+)$', metrics).group(1))
 
 
 class TenSecondsTest(unittest.TestCase):
@@ -33,25 +27,15 @@ class TenSecondsTest(unittest.TestCase):
         self.examples[name] = child
         self.addCleanup(child.kill)
 
-    def start_gateway(self):
-        ready = os.path.join(self.daemon.folder, 'web.json')
-        gateway = subprocess.Popen([os.path.join(BIN, 'styleweb'), '--listen', '127.0.0.1:0', '--publish',
-                                    self.daemon.publish, '--control', self.daemon.control, '--ready-file',
-                                    ready], stdout=subprocess.DEVNULL)
-        self.addCleanup(gateway.wait)
-        self.addCleanup(gateway.kill)
-        wait_for(lambda: os.path.exists(ready), 'the gateway')
-        with open(ready) as text:
-            return 'http://' + json.load(text)['listen'].split('://')[-1]
-
     def test_every_frame_comes(self):
         at = self.daemon.publish, self.daemon.control
         self.start('Python', sys.executable, os.path.join(ROOT, 'clients/python/examples/heads.py'), *at)
         self.start('C++', os.path.join(BIN, 'client_example'), *at)
-        url = ''
+        gateway = None
         if shutil.which('node') and os.path.exists(os.path.join(JS, 'dist')):
-            url = self.start_gateway()
-            self.start('JavaScript', 'node', os.path.join(JS, 'example.mjs'), url)
+            gateway = Gateway(self.daemon)
+            self.addCleanup(gateway.close)
+            self.start('JavaScript', 'node', os.path.join(JS, 'example.mjs'), gateway.url)
         else:
             print('JavaScript: skipped, no node, or its client was not built')
         self.daemon.simulate()
@@ -61,7 +45,10 @@ class TenSecondsTest(unittest.TestCase):
             # Before it, that a gateway that has just started has not heard of the daemon yet.
             self.assertRegex(err, r'(?m)^\d+ frames, \d+ missed\n\Z')
             frames, missed = map(int, re.findall(r'\d+', err.splitlines()[-1]))
-            passed_over = superseded(url) if name == 'JavaScript' else 0
+            passed_over = 0
+            if name == 'JavaScript':
+                passed_over = int(re.search(r'(?m)^styleweb_superseded_messages_total (\d+)$',
+                                            gateway.metrics()).group(1))
             print(f'{name}: {frames} frames, {missed} missed, {passed_over} passed over by the gateway')
             self.assertGreaterEqual(frames, FRAMES)
             # The gateway gives a browser that does not keep up the newest, and counts the others. That
