@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 import unittest
+import unittest.mock
 
 import bpy
 from mathutils import Euler, Matrix, Vector
@@ -288,6 +289,33 @@ class AddonTest(unittest.TestCase):
             self.assertFalse(performer().styles)
         with self.assertRaisesRegex(RuntimeError, 'olf'):
             bpy.ops.styled.style(style='olf')
+
+    def test_the_panel_offers_what_there_is(self):
+        panel = bpy.types.STYLED_PT_live
+
+        class Drawn:
+            bl_rna = panel.bl_rna
+            _draw_styles, _draw_driven = panel._draw_styles, panel._draw_driven
+
+            def __init__(self):
+                self.layout = unittest.mock.MagicMock()
+                panel.draw(self, bpy.context)
+                self.text = str(self.layout.mock_calls)
+
+        self.assertIn('styled.connect', Drawn().text)
+        self.connect()
+        bpy.ops.styled.make_armature()
+        self.tick_until(lambda: self.shown(bpy.context.object) > 0, 'a frame')
+        bpy.ops.styled.style(style='elderly')
+        self.tick_until(lambda: 'elderly' in live.link(bpy.context.object).latest.styles, 'the style')
+        text = Drawn().text
+        for expected in ('styled.disconnect', 'styled.make_armature', 'styled.panic', "text='elderly'",
+                         'strength', '21 bones, frame', "text='elderly "):
+            self.assertIn(expected, text)
+        self.assertNotIn('ERROR', text)
+        self.daemon.stop()
+        self.tick_until(lambda: not live.reached, 'the loss')
+        self.assertIn('nobody publishes at ipc://', Drawn().text)
 
     def test_what_is_wrong_is_said(self):
         self.chosen.publisher = 'nonsense'
