@@ -1,6 +1,7 @@
 // The whole of a subscriber: styles everyone, then prints where each performer's head is.
-//   example [PUBLISHER [CONTROL [STYLE]]]
+//   example [PUBLISHER [CONTROL [STYLE [FRAMES]]]]
 #include <cstdio>
+#include <cstdlib>
 
 #include "clients/cpp/control.h"
 #include "clients/cpp/subscriber.h"
@@ -23,9 +24,11 @@ int main(int argc, char** argv) {
   if (auto s = control.value()->SetStyle("*", argc > 3 ? argv[3] : "old", 0.8F); !s.ok()) {
     std::fprintf(stderr, "style not set: %s\n", s.reason().c_str());
   }
+  const std::uint64_t enough = argc > 4 ? std::strtoull(argv[4], nullptr, 10) : ~0ULL;
+  const client::SubscriberCounters& counters = subscriber.value()->counters();
   std::vector<client::Update> updates;
   std::vector<client::Transform> joints;
-  for (;;) {  // a renderer's loop: whatever it misses while drawing is skipped
+  while (counters.frames < enough) {  // a renderer's loop: what came while drawing is skipped
     subscriber.value()->ReceiveLatest(std::chrono::milliseconds(1000), updates);
     for (const client::Update& u : updates) {
       if (u.kind != client::Update::Kind::kFrame || u.body == nullptr) continue;
@@ -34,4 +37,7 @@ int main(int argc, char** argv) {
       std::printf("%s %.2f %.2f %.2f m\n", u.frame.performer().c_str(), head[0], head[1], head[2]);
     }
   }
+  std::fprintf(stderr, "%llu frames, %llu missed\n",
+               static_cast<unsigned long long>(counters.frames),
+               static_cast<unsigned long long>(counters.missed));
 }

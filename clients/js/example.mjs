@@ -1,9 +1,10 @@
 // Sets a style, then prints where each performer's head is, ten times a second.
-//   node example.mjs [URL [STYLE]]
+//   node example.mjs [URL [STYLE [FRAMES]]]
 import { StyledClient, worldTransforms } from 'styled-client';
 
 const client = new StyledClient({ url: process.argv[2] ?? 'http://127.0.0.1:7080' });
 const style = process.argv[3] ?? 'elderly';
+const enough = Number(process.argv[4] ?? Infinity);
 
 client.on('link', (state) => {
   if (state.reason) console.error(`${client.linkState.kind}: ${state.reason}`);
@@ -18,6 +19,7 @@ client.on('daemon', async (daemon) => {
 });
 
 const performers = new Set();
+let frames = 0, missed = 0;
 client.on('body', ({ performer }) => {
   if (performers.has(performer)) return;
   performers.add(performer);
@@ -29,8 +31,13 @@ setInterval(() => {
   for (const performer of performers) {
     const update = client.latest(performer, 'canonical');
     if (!update?.body) continue;
+    frames += 1 + update.skipped; // those that came since the last look, too
+    missed += update.missed;
     const head = 3 * update.body.names.indexOf('head');
     const at = worldTransforms(update.body, update.frame).positions.subarray(head, head + 3);
     console.log(performer, ...[...at].map((metres) => metres.toFixed(2)), 'm');
   }
+  if (frames < enough) return;
+  console.error(`${frames} frames, ${missed} missed`);
+  process.exit();
 }, 100);

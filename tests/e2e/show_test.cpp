@@ -6,8 +6,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <cstdio>
-#include <map>
 #include <span>
 
 #include "daemon/pipeline/cues.h"
@@ -20,73 +18,6 @@ namespace {
 
 std::string Cue(const std::string& name, const std::string& more) {
   return "[[cue]]\nname = \"" + name + "\"\n" + more;
-}
-
-// A minute of a rig that carries timecode from 01:00:00:00 on, at 120 frames a second.
-struct TimedRig {
-  Rig rig{"anna"};
-  int frame = 0;
-
-  Bytes Frame() {
-    return rig.Frame([this](v1::SourceFrame& out) {
-      auto& timecode = *out.mutable_timecode();
-      timecode.set_hours(1);
-      timecode.set_minutes(static_cast<unsigned>(frame / 7200));
-      timecode.set_seconds(static_cast<unsigned>(frame / 120 % 60));
-      timecode.set_frames(static_cast<unsigned>(frame / 4 % 30));
-      timecode.set_rate(30);
-      ++frame;
-    });
-  }
-};
-
-// By source sequence, which frames first carry another set of styles than the one before.
-using Switches = std::vector<std::pair<std::uint64_t, std::string>>;
-
-Switches Perform(const std::string& cues) {
-  constexpr int kFrames = 7200;
-  // As fast as it goes: source time drives the cues.
-  Daemon daemon({"performers.backlog_ms=10000"}, "[style]\ntransition_ms = 0\n" + cues);
-  TimedRig rig;
-  Subscriber subscriber(daemon.publish, {"body/", "styled/rig.anna/canonical/"});
-  ControlClient control(daemon.control);
-  const UdpLink link(daemon.udp);
-  link.Send(rig.rig.Body());
-  EXPECT_TRUE(subscriber.WaitForBody());
-  for (int i = 0; i < kFrames; ++i) {
-    link.Send(rig.Frame());
-    if (i % 64 != 63) continue;
-    EXPECT_TRUE(subscriber.WaitFor(
-        [&] { return subscriber.Count("styled/") + 64 > static_cast<std::size_t>(i); }, 10));
-  }
-  EXPECT_TRUE(subscriber.WaitForFrames(kFrames, "styled/"));
-  Switches switches;
-  std::string last;
-  for (const auto& frame : subscriber.Frames("styled/")) {
-    std::string styles;
-    for (const auto& style : frame.styles()) styles += style.style() + " ";
-    if (styles != last) switches.emplace_back(frame.source_sequence(), styles);
-    last = styles;
-  }
-  return switches;
-}
-
-TEST(ShowTest, TwentyCuesOverAMinuteComeAtTheSameFramesOnEveryRun) {
-  std::string cues;
-  std::map<std::uint64_t, std::string> expected;  // source sequence, styles
-  for (int i = 0; i < 20; ++i) {
-    const std::string style = "style" + std::to_string(1 + i % 4);
-    const int second = 2 + 2 * i, frame = i;
-    char at[16];
-    std::snprintf(at, sizeof at, "01:00:%02d:%02d", second, frame);
-    cues += Cue("c" + std::to_string(i),
-                "at = \"" + std::string(at) + "\"\nstyle = \"" + style + "\"\n");
-    expected[static_cast<std::uint64_t>(second * 120 + frame * 4) + 1] = style + " ";  // + the body
-  }
-  cues += Cue("not-hers", "at = \"01:00:01:00\"\nperformer = \"rig.berta\"\npanic = true\n");
-  const Switches first = Perform(cues);
-  EXPECT_EQ(first, Switches(expected.begin(), expected.end()));
-  EXPECT_EQ(Perform(cues), first);
 }
 
 TEST(ShowTest, ACueIsFiredByNameAndAWrongOneIsNamed) {

@@ -24,6 +24,8 @@ import { checkBody, checkFrame } from './kinematics.js';
 import { Link, type LinkState } from './link.js';
 import { frameTopic, parseTopic, type Stream } from './topics.js';
 
+const MAX_BODIES = 64; // kept of each performer
+
 /** How the daemon is, as the gateway sees it. */
 export interface DaemonState {
   up: boolean;
@@ -402,14 +404,18 @@ export class StyledClient {
     if (wrong) return this.emit('complaint', `body of ${performer}: ${wrong}`);
     const known = this.bodies.get(performer) ?? [];
     if (known.some((other) => other.hash === body.hash && other.output === body.output)) return;
-    // Two outputs, and what each was before: frames of it may still be under way.
-    this.bodies.set(performer, [...known.slice(-3), body]);
+    // All outputs, and what each was before: frames of it may still be under way.
+    this.bodies.set(performer, [...known.slice(1 - MAX_BODIES), body]);
     this.emit('body', body);
   }
 
   private accept(state: StreamState, payload: Uint8Array): Update | undefined {
     const frame = this.parse(FrameSchema, payload, `frame of ${state.performer}`);
     if (!frame) return undefined;
+    if (frame.output !== (state.stream === 'canonical' ? Output.CANONICAL : Output.RIG)) {
+      this.emit('complaint', `frame of ${state.performer}: of another output than its topic`);
+      return undefined;
+    }
     const sameEpoch = state.started && frame.epoch === state.epoch;
     // With both kinds of subscriber to one stream, `latest` may give what was handed on before.
     if (sameEpoch && frame.sequence < state.sequence) return undefined;

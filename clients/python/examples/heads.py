@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 """The whole of a subscriber: styles everyone, then prints where each performer's head is.
-  heads.py [PUBLISHER [CONTROL [STYLE [SECONDS]]]]"""
+  heads.py [PUBLISHER [CONTROL [STYLE [FRAMES]]]]"""
 import sys
-import time
 
 import styled
 
-publisher, control, style, seconds, *_ = sys.argv[1:] + [
+publisher, control, style, enough, *_ = sys.argv[1:] + [
     styled.DEFAULT_PUBLISHER, styled.DEFAULT_CONTROL, 'old', '0'][len(sys.argv) - 1:]
 with styled.Control(control) as daemon:
     try:
@@ -14,13 +13,13 @@ with styled.Control(control) as daemon:
     except styled.Error as error:
         print('style not set:', error, file=sys.stderr)
 
-frames, end = 0, time.monotonic() + (float(seconds) or float('inf'))
+frames = 0
 with styled.Subscriber(publisher, streams=[styled.CANONICAL]) as subscriber:
     for update in subscriber.frames(timeout=5):
         head = update.world()[list(update.body.names).index('head')]
         x, y, z = head.position
         print(f'{update.frame.performer} {x:.2f} {y:.2f} {z:.2f} m')
         frames += 1
-        if time.monotonic() > end:
+        if frames == int(enough):  # 0: never
             break
 print(f'{frames} frames, {subscriber.counters.missed} missed', file=sys.stderr)

@@ -58,10 +58,11 @@ class Daemon:
         self._process.send_signal(signal.SIGTERM)
         self._process.wait(PATIENCE_S)
 
-    def simulate(self, *options):
-        """A performer rig.sim, walking, at 120 Hz."""
+    def simulate(self, *options, script='walk:5'):
+        """A performer rig.sim, walking, at 120 Hz; without a script what `options` say."""
+        motion = ['--script', script] if script else []
         child = subprocess.Popen([os.path.join(BIN, 'stylesim'), '--to', f'udp://{self.udp}',
-                                  '--script', 'walk:5', *options], stdout=subprocess.DEVNULL)
+                                  *motion, *options], stdout=subprocess.DEVNULL)
         self._children.append(child)
         return child
 

@@ -1,0 +1,50 @@
+"""Drives armatures in Blender with the motion that a styled daemon publishes."""
+
+import os
+import sys
+
+import bpy
+
+bl_info = {
+    'name': 'Styled',
+    'author': 'Styled',
+    'version': (0, 1, 0),
+    'blender': (3, 4, 0),
+    'location': '3D View > Sidebar > Styled',
+    'description': 'Live motion, restyled, on armatures',
+    'category': 'Animation',
+}
+
+try:
+    import styled  # where the Python client is installed, that one
+except ImportError:
+    sys.path.append(os.path.join(os.path.dirname(__file__), 'modules'))
+    try:
+        import styled
+    except ModuleNotFoundError as error:
+        raise ImportError(f'{error}; Blender\'s Python needs pyzmq and protobuf: on Debian apt '
+                          'install python3-zmq python3-protobuf, else run BLENDER\'S PYTHON -m pip '
+                          'install pyzmq protobuf') from error
+
+from . import live, operators, panel, properties
+
+_PARTS = (properties, operators, panel)
+
+
+# Sockets do not outlive the file that they moved the armatures of.
+@bpy.app.handlers.persistent
+def _before_another_file(_):
+    live.live.disconnect()
+
+
+def register():
+    for part in _PARTS:
+        part.register()
+    bpy.app.handlers.load_pre.append(_before_another_file)
+
+
+def unregister():
+    bpy.app.handlers.load_pre.remove(_before_another_file)
+    live.live.disconnect()
+    for part in reversed(_PARTS):
+        part.unregister()

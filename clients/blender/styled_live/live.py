@@ -1,0 +1,214 @@
+"""The connection to a daemon, and the timer that brings its newest frames to the armatures that are
+driven. One per Blender; what drives what is kept in the objects (properties.py)."""
+
+from typing import Dict, List, NamedTuple, Optional, Tuple
+
+import bpy
+import styled
+
+from .drive import Plan, Unfit
+
+RATE_HZ = 60
+_CONTROL_TIMEOUT_S = 0.5  # Blender stands still meanwhile
+STREAMS = ('rig', 'canonical', 'source')
+
+# What is driven by what: performer, and one of STREAMS or the name of an [[output]].
+Choice = Tuple[str, str]
+
+
+class Latest(NamedTuple):
+    """What an armature shows."""
+    epoch: int
+    sequence: int
+    styles: str
+
+
+class _Link:
+    """One driven armature."""
+
+    def __init__(self, choice: Choice, publisher: str, curve):
+        self.choice = choice
+        self.plan: Optional[Plan] = None
+        self.unfit = ''
+        self.latest: Optional[Latest] = None
+        self._planned_for = None
+        self._subscriber = styled.Subscriber(publisher, performer=choice[0], streams=[choice[1]],
+                                             curve=curve)
+
+    def close(self) -> None:
+        self._subscriber.close()
+
+    def step(self, armature_object) -> None:
+        newest = None
+        for update in self._subscriber.receive_latest(0):
+            if update.kind is styled.Kind.FRAME:
+                newest = update
+        if armature_object.mode == 'EDIT':
+            self._planned_for = None  # its rest may be another afterwards
+            return
+        if newest is None or newest.body is None:
+            return  # the body comes with the next second at the latest
+        bones = armature_object.data.bones
+        key = (newest.body.hash, armature_object.data.name, len(bones))
+        if key != self._planned_for:
+            self._replan(newest.body, armature_object, key)
+        if self.plan is None:
+            return
+        try:
+            self.plan.apply(newest.frame, armature_object)
+        except KeyError:  # a bone was renamed
+            self._replan(newest.body, armature_object, key)
+            return
+        frame = newest.frame
+        self.latest = Latest(frame.epoch, frame.sequence, ', '.join(
+            f'{style.style} {style.weight:.2f}' for style in frame.styles))
+
+    def _replan(self, body, armature_object, key) -> None:
+        self._planned_for, self.plan, self.unfit = key, None, ''
+        try:
+            self.plan = Plan(body, armature_object.data)
+        except Unfit as error:
+            self.unfit = str(error)
+
+
+class Live:
+    def __init__(self):
+        self.problem = ''              # of the connection, for the panel
+        self.styles: List[str] = []
+        self.bodies: Dict[Choice, object] = {}
+        self._curve = None
+        self._publisher = ''
+        self._listener: Optional[styled.Subscriber] = None
+        self._control: Optional[styled.Control] = None
+        self._links: Dict[str, _Link] = {}
+        self._strength: Optional[Tuple[str, float]] = None  # asked for, not yet sent
+
+    @property
+    def active(self) -> bool:
+        return self._listener is not None
+
+    @property
+    def reached(self) -> bool:
+        """Whether the publisher is there."""
+        return self.active and self._listener.connected() > 0
+
+    def connect(self, publisher: str, control: str, curve=None) -> None:
+        """ValueError where an address or a key is none; that nobody is there is a `problem`."""
+        self.disconnect()
+        self._control = styled.Control(control, timeout=_CONTROL_TIMEOUT_S, curve=curve)
+        try:
+            self._listener = styled.Subscriber(publisher, streams=(), curve=curve)
+        except ValueError:
+            self._control.close()
+            self._control = None
+            raise
+        self._publisher, self._curve = publisher, curve
+        self.ask_for_styles()
+        bpy.app.timers.register(tick, first_interval=0, persistent=True)
+
+    def disconnect(self) -> None:
+        if bpy.app.timers.is_registered(tick):
+            bpy.app.timers.unregister(tick)
+        for link in self._links.values():
+            link.close()
+        for socket in (self._listener, self._control):
+            if socket is not None:
+                socket.close()
+        self.__init__()
+
+    def ask_for_styles(self) -> None:
+        listed = self._ask(lambda control: control.list())
+        if listed is not None:
+            self.styles = [style.name for style in listed.styles]
+
+    def set_style(self, performer: str, style: str, strength: float) -> bool:
+        return self._ask(lambda control: control.set(performer, style=style,
+                                                     strength=strength)) is not None
+
+    def clear(self, performer: str) -> bool:
+        return self._ask(lambda control: control.clear(performer)) is not None
+
+    def panic(self) -> bool:
+        return self._ask(lambda control: control.panic()) is not None
+
+    def set_strength_soon(self, performer: str, strength: float) -> None:
+        """With the next tick: who drags a slider asks more often than a daemon must be asked."""
+        self._strength = (performer, strength)
+
+    def performers(self) -> List[str]:
+        return sorted({performer for performer, _ in self.bodies})
+
+    def streams(self, performer: str) -> List[str]:
+        """Those that every performer has, then its avatars."""
+        return list(STREAMS) + sorted(stream for owner, stream in self.bodies
+                                      if owner == performer and stream not in STREAMS)
+
+    def body(self, performer: str, stream: str):
+        return self.bodies.get((performer, 'rig' if stream == 'source' else stream))
+
+    def link(self, armature_object) -> Optional[_Link]:
+        return self._links.get(armature_object.name)
+
+    def step(self) -> None:
+        """One tick: newest bodies, newest frames onto their armatures, what was asked for."""
+        for update in self._listener.receive_latest(0):
+            if update.kind is styled.Kind.BODY:
+                self._keep(update.body)
+        if not self.styles and self.reached:
+            self.ask_for_styles()
+        if self._strength is not None:
+            (performer, strength), self._strength = self._strength, None
+            self._ask(lambda control: control.set(performer, strength=strength))
+        self._follow()
+
+    def _keep(self, body) -> None:
+        stream = {1: 'rig', 2: 'canonical'}.get(body.output, body.output_name)
+        self.bodies[body.performer, stream] = body
+
+    # The objects say what is driven; undo, renaming and loading may change that at any time.
+    def _follow(self) -> None:
+        wanted = {}
+        for thing in bpy.data.objects:
+            if thing.type == 'ARMATURE' and thing.styled_live.driven:
+                wanted[thing.name] = thing
+        for name in list(self._links):
+            thing = wanted.get(name)
+            if thing is None or _choice(thing) != self._links[name].choice:
+                self._links.pop(name).close()
+        for name, thing in wanted.items():
+            if name not in self._links:
+                try:
+                    self._links[name] = _Link(_choice(thing), self._publisher, self._curve)
+                except ValueError as error:
+                    self.problem = str(error)
+                    thing.styled_live.driven = False
+                    continue
+            self._links[name].step(thing)
+
+    # None, and the reason in `problem`, where the daemon refuses or does not answer.
+    def _ask(self, what):
+        if self._control is None:
+            self.problem = 'not connected'
+            return None
+        try:
+            answer = what(self._control)
+        except (styled.Error, ValueError) as error:
+            self.problem = str(error)
+            return None
+        self.problem = ''
+        return answer
+
+
+def _choice(armature_object) -> Choice:
+    return armature_object.styled_live.performer, armature_object.styled_live.stream
+
+
+def tick() -> Optional[float]:
+    """Blender's timer; None ends it."""
+    if not live.active:
+        return None
+    live.step()
+    return 1 / RATE_HZ
+
+
+live = Live()

@@ -1,0 +1,160 @@
+"""What the panel's buttons do."""
+
+import bpy
+import styled
+from bpy.props import StringProperty
+
+from .build import make_armature
+from .drive import Plan, Unfit
+from .live import live
+
+
+class _Connected:
+    @classmethod
+    def poll(cls, _context):
+        return live.active
+
+
+def _fail(operator, why) -> set:
+    operator.report({'ERROR'}, str(why))
+    return {'CANCELLED'}
+
+
+def _done(operator, done: bool) -> set:
+    return {'FINISHED'} if done else _fail(operator, live.problem)
+
+
+class STYLED_OT_connect(bpy.types.Operator):
+    """Connect to the daemon at these addresses"""
+    bl_idname = 'styled.connect'
+    bl_label = 'Connect'
+
+    def execute(self, context):
+        at = context.scene.styled_live
+        try:
+            live.connect(at.publisher, at.control)
+        except ValueError as error:
+            return _fail(self, error)
+        if live.problem:  # it may come later
+            self.report({'WARNING'}, live.problem)
+        return {'FINISHED'}
+
+
+class STYLED_OT_disconnect(_Connected, bpy.types.Operator):
+    """End the connection; armatures keep the pose they are in"""
+    bl_idname = 'styled.disconnect'
+    bl_label = 'Disconnect'
+
+    def execute(self, _context):
+        live.disconnect()
+        return {'FINISHED'}
+
+
+class STYLED_OT_make_armature(_Connected, bpy.types.Operator):
+    """Make an armature of the performer's body, and drive it"""
+    bl_idname = 'styled.make_armature'
+    bl_label = 'Make Armature'
+    bl_options = {'REGISTER', 'UNDO'}
+
+    def execute(self, context):
+        chosen = context.scene.styled_live
+        body = live.body(chosen.performer, chosen.stream)
+        if body is None:
+            return _fail(self, f"no body of '{chosen.performer}', output '{chosen.stream}', is here; "
+                               f"performers: {', '.join(live.performers()) or 'none yet'}")
+        if context.mode != 'OBJECT':
+            bpy.ops.object.mode_set(mode='OBJECT')
+        made = make_armature(body, f'{chosen.performer} {chosen.stream}', context.collection)
+        _drive(made, chosen)
+        return {'FINISHED'}
+
+
+def _drive(armature_object, chosen) -> None:
+    driven = armature_object.styled_live
+    driven.performer, driven.stream, driven.driven = chosen.performer, chosen.stream, True
+
+
+class STYLED_OT_drive(_Connected, bpy.types.Operator):
+    """Drive the active armature: bones named like the body's joints, or like a humanoid's"""
+    bl_idname = 'styled.drive'
+    bl_label = 'Drive Armature'
+    bl_options = {'REGISTER', 'UNDO'}
+
+    @classmethod
+    def poll(cls, context):
+        return live.active and context.object is not None and context.object.type == 'ARMATURE'
+
+    def execute(self, context):
+        chosen = context.scene.styled_live
+        if not styled.is_performer_id(chosen.performer):
+            return _fail(self, f"performer '{chosen.performer}', expected SOURCE.NAME; here are: "
+                               f"{', '.join(live.performers()) or 'none yet'}")
+        body = live.body(chosen.performer, chosen.stream)
+        if body is not None:  # else it is found out when the body comes
+            try:
+                plan = Plan(body, context.object.data)
+            except Unfit as error:
+                return _fail(self, f'{context.object.name}: {error}')
+            self.report({'INFO'}, f'{len(plan.joints)} bones of {context.object.name} follow')
+        _drive(context.object, chosen)
+        return {'FINISHED'}
+
+
+class STYLED_OT_release(bpy.types.Operator):
+    """Let the active armature go; it keeps the pose it is in"""
+    bl_idname = 'styled.release'
+    bl_label = 'Release'
+    bl_options = {'REGISTER', 'UNDO'}
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.styled_live.driven
+
+    def execute(self, context):
+        context.object.styled_live.driven = False
+        return {'FINISHED'}
+
+
+class STYLED_OT_style(_Connected, bpy.types.Operator):
+    """Move in this style"""
+    bl_idname = 'styled.style'
+    bl_label = 'Style'
+
+    style: StringProperty(name='Style')
+
+    def execute(self, context):
+        chosen = context.scene.styled_live
+        return _done(self, live.set_style(chosen.performer or styled.EVERYONE, self.style,
+                                          chosen.strength))
+
+
+class STYLED_OT_clear(_Connected, bpy.types.Operator):
+    """Fade to the performer as captured"""
+    bl_idname = 'styled.clear'
+    bl_label = 'As Captured'
+
+    def execute(self, context):
+        return _done(self, live.clear(context.scene.styled_live.performer or styled.EVERYONE))
+
+
+class STYLED_OT_panic(_Connected, bpy.types.Operator):
+    """Everyone to the performance as captured, pinned or not"""
+    bl_idname = 'styled.panic'
+    bl_label = 'Panic'
+
+    def execute(self, _context):
+        return _done(self, live.panic())
+
+
+_CLASSES = (STYLED_OT_connect, STYLED_OT_disconnect, STYLED_OT_make_armature, STYLED_OT_drive,
+            STYLED_OT_release, STYLED_OT_style, STYLED_OT_clear, STYLED_OT_panic)
+
+
+def register():
+    for operator in _CLASSES:
+        bpy.utils.register_class(operator)
+
+
+def unregister():
+    for operator in reversed(_CLASSES):
+        bpy.utils.unregister_class(operator)
