@@ -40,6 +40,7 @@ int PipelineThread::Wait(std::int64_t wait_ns, std::span<epoll_event> events) {
 void PipelineThread::Run() {
   std::array<epoll_event, 16> events;
   while (!stop_.load(std::memory_order_relaxed)) {
+    turns_.store(turns() + 1, std::memory_order_relaxed);  // written here alone
     if (pipeline_.DoWork() > 0) continue;
     const std::int64_t wait_ns = pipeline_.NextDeadline_ns() - clock_.Now_ns();
     const int ready = Wait(std::clamp<std::int64_t>(wait_ns, 0, runtime::kSecond_ns), events);
