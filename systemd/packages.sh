@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Builds the Debian packages: styled, styled-tools, styled-web, libstyled-client-dev, python3-styled.
+#   systemd/packages.sh [BUILD [CMAKE OPTIONS...]]
+#     BUILD  a folder to build in, new or not; default build/package. The packages are put there.
+# DEBFULLNAME and DEBEMAIL, where set, are the packages' maintainer. Needs what sim/setup.sh installs.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+build=${1:-$root/build/package}
+[ $# -gt 0 ] && shift
+if [ -n "${DEBEMAIL:-}" ]; then
+  set -- "-DSTYLED_PACKAGE_MAINTAINER=${DEBFULLNAME:-Styled maintainers} <$DEBEMAIL>" "$@"
+fi
+cmake -S "$root" --preset release -B "$build" -DCMAKE_INSTALL_PREFIX=/usr \
+  -DSTYLED_TRAIN=OFF "$@" >"$build-cmake.log" 2>&1 || { tail -n 40 "$build-cmake.log" >&2; exit 1; }
+targets=(styled stylectl stylemon stylesim stylerec stylevmc styleweb stylize styled_client styled_python styled_man)
+[ -n "$(command -v npm)" ] && targets+=(styleweb_page)
+cmake --build "$build" --target "${targets[@]}"
+rm -f "$build"/*.deb
+(cd "$build" && cpack -G DEB --config CPackConfig.cmake >cpack.log 2>&1) || { tail -n 40 "$build/cpack.log" >&2; exit 1; }
+ls "$build"/*.deb
