@@ -2,10 +2,13 @@
 # Builds the Debian packages: styled, styled-tools, styled-web, libstyled-client-dev, python3-styled.
 #   systemd/packages.sh [BUILD [CMAKE OPTIONS...]]
 #     BUILD  a folder to build in, new or not; default build/package. The packages are put there.
-# DEBFULLNAME and DEBEMAIL, where set, are the packages' maintainer. Needs what sim/setup.sh installs.
+# Installs what is missing (sim/setup.sh). DEBFULLNAME and DEBEMAIL, where set, are the maintainer.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
-build=${1:-$root/build/package}
+. "$root/sim/setup.sh"
+styled_install package
+build=$(realpath -m "${1:-$root/build/package}")
+mkdir -p "$(dirname "$build")"
 [ $# -gt 0 ] && shift
 if [ -n "${DEBEMAIL:-}" ]; then
   set -- "-DSTYLED_PACKAGE_MAINTAINER=${DEBFULLNAME:-Styled maintainers} <$DEBEMAIL>" "$@"
