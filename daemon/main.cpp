@@ -10,6 +10,8 @@
 #include <iostream>
 
 #include "daemon/config/config.h"
+#include "daemon/runtime/journal.h"
+#include "daemon/runtime/notify.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/supervisor.h"
 
@@ -42,9 +44,28 @@ int Parse(int argc, char** argv, Arguments& arguments) {
   return -1;
 }
 
-int Refuse(const styled::Status& status, int code) {
-  std::cerr << "styled: " << status.message() << "\n";
+bool ToJournal() {
+  return styled::runtime::IsJournal(std::getenv("JOURNAL_STREAM"), STDERR_FILENO);
+}
+
+int Refuse(const std::string& why, int code) {
+  std::cerr << (ToJournal() ? "<3>" : "") << "styled: " << why << "\n";
+  styled::runtime::Notifier::FromEnvironment().Say(why);
   return code;
+}
+
+// To stderr, with colours where that is a terminal; to the journal where stderr leads there.
+void StartLog(const std::string& level) {
+  if (ToJournal()) {
+    const std::vector<styled::runtime::LogField> always{{"SYSLOG_IDENTIFIER", "styled"},
+                                                        {"STYLED_VERSION", STYLED_VERSION}};
+    auto sink = std::make_shared<styled::runtime::JournalSink>(always);
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("styled", std::move(sink)));
+  } else {
+    spdlog::set_default_logger(spdlog::stderr_color_mt("styled"));
+    spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
+  }
+  spdlog::set_level(spdlog::level::from_str(level));
 }
 
 styled::Result<styled::Origin> MakeOrigin(const Arguments& arguments) {
@@ -82,32 +103,29 @@ int main(int argc, char** argv) {
   const int done = Parse(argc, argv, arguments);
   if (done >= 0) return done;
   auto origin = MakeOrigin(arguments);
-  if (!origin.ok()) return Refuse(origin.status(), kBadArguments);
+  if (!origin.ok()) return Refuse(origin.status().message(), kBadArguments);
   auto config = styled::config::Load(origin.value().file, origin.value().overrides);
-  if (!config.ok()) return Refuse(config.status(), kBadArguments);
+  if (!config.ok()) return Refuse(config.status().message(), kBadArguments);
   if (!arguments.check_file.empty()) {
     // Presets are only as right as the weights that they are for.
     std::uint32_t crc = 0;
     const auto live = styled::MakeLive(config.value(), nullptr, crc);
-    if (!live.ok()) return Refuse(live.status(), kBadArguments);
+    if (!live.ok()) return Refuse(live.status().message(), kBadArguments);
     std::cout << arguments.check_file << ": ok\n";
     return 0;
   }
 
   BlockSignals();
-  spdlog::set_default_logger(spdlog::stderr_color_mt("styled"));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
-  spdlog::set_level(spdlog::level::from_str(config.value().log.level));
+  StartLog(config.value().log.level);
   google::protobuf::SetLogHandler(nullptr);  // hostile messages are counted, not printed
   styled::runtime::HotSection::Find();
   try {
     styled::Supervisor supervisor(std::move(config.value()), std::move(origin.value()));
     const styled::Status status = supervisor.Start();
-    if (!status.ok()) return Refuse(status, kFailed);
+    if (!status.ok()) return Refuse(status.message(), kFailed);
     supervisor.Run();
   } catch (const std::exception& error) {
-    std::cerr << "styled: " << error.what() << "\n";
-    return kFailed;
+    return Refuse(error.what(), kFailed);
   }
   return 0;
 }

@@ -9,6 +9,7 @@
 #include <zmq.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -17,6 +18,7 @@
 
 #include "daemon/pipeline/keeping.h"
 #include "daemon/runtime/descriptor.h"
+#include "daemon/runtime/journal.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/delay.h"
 #include "daemon/source/natnet.h"
@@ -52,6 +54,8 @@ std::string ReadText(const std::string& file) {
 Supervisor::Supervisor(config::Config config, Origin origin)
     : config_(std::move(config)),
       origin_(std::move(origin)),
+      watchdog_(notifier_, runtime::WatchdogAsked(std::getenv("WATCHDOG_USEC"),
+                                                  std::getenv("WATCHDOG_PID"), getpid())),
       context_(zmq_ctx_new()),
       epoch_(RandomEpoch()) {}
 
@@ -67,6 +71,7 @@ Supervisor::~Supervisor() {
 }
 
 Status Supervisor::Start() {
+  notifier_.Say("reading the weights");
   auto live = MakeLive(config_, nullptr, weights_crc_);
   if (!live.ok()) return live.status();
   live_ = live.value();
@@ -94,6 +99,7 @@ Status Supervisor::Start() {
   if (status.ok()) {
     spdlog::info("styled {} ready: weights {}, publishing on {}, control on {}", STYLED_VERSION,
                  live_->weights_name, publish_endpoint_, control_endpoint_);
+    notifier_.Ready("ready");
   }
   return status;
 }
@@ -252,7 +258,7 @@ void Supervisor::Run() {
   sigemptyset(&signals);
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
   const runtime::Descriptor signal_fd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
-  std::int64_t next_log_ns = clock_.Now_ns() + runtime::kSecond_ns;
+  std::int64_t logged_ns = clock_.Now_ns();
   while (true) {
     pollfd waiting{signal_fd.get(), POLLIN, 0};
     poll(&waiting, 1, kTick_ms);
@@ -263,35 +269,53 @@ void Supervisor::Run() {
         continue;
       }
       spdlog::info("{}: stopping", caught.ssi_signo == SIGTERM ? "SIGTERM" : "SIGINT");
-      pipeline_loop_->Stop();
-      pipeline_thread_.join();
-      KeepProfiles(pipeline_->TakeUnkept());
-      LogEvents();
-      CloseRecording();
-      return;
+      return Stop();
+    }
+    if (watchdog_.asked()) {
+      watchdog_.Look(pipeline_loop_->turns());
+      mailboxes_.wake_pipeline.Signal();  // it has a tick's time to turn, although nothing arrives
     }
     LogEvents();
     KeepProfiles();
     CheckRecording();
-    if (clock_.Now_ns() < next_log_ns) continue;
-    next_log_ns = clock_.Now_ns() + runtime::kSecond_ns;
+    const std::int64_t passed_ns = clock_.Now_ns() - logged_ns;
+    if (passed_ns < runtime::kSecond_ns) continue;
+    logged_ns += passed_ns;
     LogTrouble();
+    SayHowItGoes(static_cast<double>(passed_ns) / 1e9);
   }
 }
 
+void Supervisor::Stop() {
+  notifier_.Stopping();
+  pipeline_loop_->Stop();
+  pipeline_thread_.join();
+  KeepProfiles(pipeline_->TakeUnkept());
+  LogEvents();
+  CloseRecording();
+}
+
 void Supervisor::Reload() {
-  const auto refuse = [this](const std::string& why) {
+  notifier_.Reloading(clock_.Now_ns());
+  const Status status = TakeOver();
+  refused_ = status.ok() ? "" : status.message();
+  if (!status.ok()) {
     counters_.Add(runtime::Counter::kConfigReloadsRefused);
-    spdlog::error("reload refused, the running configuration stays: {}", why);
-  };
+    spdlog::error("reload refused, the running configuration stays: {}", refused_);
+  }
+  notifier_.Ready(status.ok() ? "reloaded" : "reload refused: " + refused_);
+}
+
+Status Supervisor::TakeOver() {
   auto fresh = config::Load(origin_.file, origin_.overrides);
-  if (!fresh.ok()) return refuse(fresh.status().message());
+  if (!fresh.ok()) return fresh.status();
   std::uint32_t crc = weights_crc_;
   auto live = MakeLive(fresh.value(), live_.get(), crc);
-  if (!live.ok()) return refuse(live.status().message());
+  if (!live.ok()) return live.status();
   auto parcel = live.value();
-  if (!mailboxes_.reloads.Push(std::move(parcel)))
-    return refuse("the last reload is still under way");
+  if (!mailboxes_.reloads.Push(std::move(parcel))) {
+    return Status::Error("the last reload is still under way");
+  }
   mailboxes_.wake_pipeline.Signal();
   WarnOfRestartKeys(fresh.value());
   live_ = live.value();
@@ -301,6 +325,7 @@ void Supervisor::Reload() {
   spdlog::set_level(spdlog::level::from_str(config_.log.level));
   counters_.Add(runtime::Counter::kConfigReloads);
   spdlog::info("reloaded: weights {}, {} presets", live_->weights_name, live_->presets.size());
+  return Status::Ok();
 }
 
 void Supervisor::WarnOfRestartKeys(const config::Config& fresh) const {
@@ -330,10 +355,25 @@ void Supervisor::LogTrouble() {
     const auto counter = static_cast<runtime::Counter>(i);
     const std::uint64_t value = counters_.Get(counter);
     if (runtime::IsTrouble(counter) && value != logged_[i]) {
+      const runtime::LogFields fields{{"STYLED_COUNTER", std::string(runtime::Name(counter))},
+                                      {"STYLED_MORE", std::to_string(value - logged_[i])},
+                                      {"STYLED_IN_ALL", std::to_string(value)}};
       spdlog::warn("{}: {} more, {} in all", runtime::Name(counter), value - logged_[i], value);
     }
     logged_[i] = value;
   }
+}
+
+// The line of `systemctl status`.
+void Supervisor::SayHowItGoes(double seconds) {
+  const std::uint64_t frames = counters_.Get(runtime::Counter::kPipelineFrames);
+  std::string line = fmt::format("{} performers, {:.0f} frames/s; publishing on {}, control on {}",
+                                 counters_.Get(runtime::Counter::kPipelinePerformers),
+                                 static_cast<double>(frames - frames_said_) / seconds,
+                                 publish_endpoint_, control_endpoint_);
+  if (!refused_.empty()) line += "; the last reload was refused: " + refused_;
+  frames_said_ = frames;
+  notifier_.Say(line);
 }
 
 void Supervisor::KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> newest) {

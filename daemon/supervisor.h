@@ -16,6 +16,7 @@
 #include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
+#include "daemon/runtime/notify.h"
 
 namespace styled {
 
@@ -38,7 +39,7 @@ class Supervisor {
   // Opens everything, says READY. Errors: weights, addresses. SIGTERM, SIGINT and SIGHUP must be
   // blocked in the process.
   Status Start();
-  // Until SIGTERM or SIGINT.
+  // Until SIGTERM or SIGINT. Feeds the service manager's watchdog while the pipeline turns.
   void Run();
 
  private:
@@ -50,9 +51,12 @@ class Supervisor {
   void RestoreProfiles();
   void StartThreads();
   Status WriteReadyFile() const;
+  void Stop();
   void Reload();
+  Status TakeOver();
   void LogEvents();
   void LogTrouble();
+  void SayHowItGoes(double seconds);
   // `newest`: what the mailbox had no room for.
   void KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> newest = nullptr);
   void WarnOfRestartKeys(const config::Config& fresh) const;
@@ -61,6 +65,9 @@ class Supervisor {
   Origin origin_;
   runtime::SystemClock clock_;
   runtime::Counters counters_;
+  runtime::Notifier notifier_ = runtime::Notifier::FromEnvironment();
+  runtime::Watchdog watchdog_;
+  std::string refused_;  // why the last reload was; "" = it was not
   pipeline::Mailboxes mailboxes_;
   void* context_;
   std::uint64_t epoch_;
@@ -76,6 +83,7 @@ class Supervisor {
   std::unique_ptr<pipeline::PipelineThread> pipeline_loop_;
   std::thread pipeline_thread_, control_thread_;
   std::array<std::uint64_t, static_cast<std::size_t>(runtime::Counter::kCount)> logged_{};
+  std::uint64_t frames_said_ = 0;
 };
 
 // What a configuration means together with its weights: reads them, checks presets and the initial

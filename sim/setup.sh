@@ -4,7 +4,7 @@
 #   sim/setup.sh test           the same, and the tests
 #   sim/setup.sh train          the same, and libtorch for styletrain and styleeval
 # Without apt-get or root it only says what is missing. Meant to be sourced too: it defines
-# styled_install LEVEL and styled_build PRESET [CMAKE OPTIONS...].
+# styled_install LEVEL (there is one more: package, for systemd/packages.sh) and styled_build PRESET [CMAKE OPTIONS...].
 
 styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -15,6 +15,7 @@ styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev libboost1.81
 styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev libbenchmark-dev
   clang-format-16 clang-tidy-16 xz-utils procps liblo-dev liboscpack-dev lz4 zstd python3
   python3-zmq python3-protobuf python3-numpy libumockdev-dev umockdev chromium)
+styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file)
 styled_packages_train=("${styled_packages_test[@]}" libtorch-dev libopenblas0-pthread)
 
 styled_install() {

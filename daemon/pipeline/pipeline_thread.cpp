@@ -46,6 +46,7 @@ void PipelineThread::Run() {
   prctl(PR_SET_TIMERSLACK, 1UL);  // ns; 50 us by default
   std::array<epoll_event, 16> events;
   while (!stop_.load(std::memory_order_relaxed)) {
+    turns_.store(turns() + 1, std::memory_order_relaxed);  // written here alone
     if (worker_.DoWork() > 0 || StaysAwake()) continue;
     const std::int64_t wait_ns = worker_.NextDeadline_ns() - clock_.Now_ns();
     const int ready = Sleep(std::clamp<std::int64_t>(wait_ns, 0, runtime::kSecond_ns), events);

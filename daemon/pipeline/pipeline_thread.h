@@ -3,6 +3,7 @@
 #include <sys/epoll.h>
 
 #include <atomic>
+#include <cstdint>
 #include <span>
 
 #include "daemon/pipeline/worker.h"
@@ -28,6 +29,9 @@ class PipelineThread {
                  const runtime::Clock& clock, Wait wait);
   void Run();
   void Stop();  // any thread
+  // Turns of the loop so far: whoever wakes the thread and sees no more of them knows that it
+  // hangs. Any thread.
+  std::uint64_t turns() const { return turns_.load(std::memory_order_relaxed); }
 
  private:
   void Watch(int fd);
@@ -41,6 +45,7 @@ class PipelineThread {
   Wait mode_;
   runtime::Descriptor epoll_;
   std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> turns_{0};
 };
 
 }  // namespace styled::pipeline

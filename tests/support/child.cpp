@@ -19,7 +19,11 @@ namespace styled::support {
 Child::Child(const std::vector<std::string>& arguments, const std::string& stderr_file,
              const std::map<std::string, std::string>& environment) {
   std::vector<std::string> variables;
-  for (char** entry = environ; *entry != nullptr; ++entry) variables.emplace_back(*entry);
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string variable = *entry;
+    const std::string name = variable.substr(0, variable.find('='));
+    if (!environment.contains(name)) variables.push_back(variable);
+  }
   for (const auto& [name, value] : environment) variables.push_back(name + "=" + value);
   std::vector<char*> argv;
   std::vector<char*> envp;

@@ -14,7 +14,8 @@ namespace styled::support {
 // A child process of a test, its stderr in a file. Killed on destruction.
 class Child {
  public:
-  // `environment` is added to the test's own. Aborts where the program cannot be started.
+  // `environment` is added to the test's own, in the place of variables of the same name. Aborts
+  // where the program cannot be started.
   Child(const std::vector<std::string>& arguments, const std::string& stderr_file,
         const std::map<std::string, std::string>& environment = {});
   ~Child();

@@ -1,0 +1,71 @@
+#include "daemon/runtime/notify.h"
+
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+
+namespace styled::runtime {
+namespace {
+
+std::string OneLine(std::string_view text) {
+  std::string line(text);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line;
+}
+
+}  // namespace
+
+Notifier::Notifier(const std::string& address) : address_(address) {
+  const bool known = !address.empty() && (address[0] == '/' || address[0] == '@');
+  if (!known || address.size() >= sizeof(sockaddr_un::sun_path)) return;
+  socket_ = Descriptor(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  const timeval longest{1, 0};
+  setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof longest);
+}
+
+Notifier Notifier::FromEnvironment() {
+  const char* address = std::getenv("NOTIFY_SOCKET");
+  return Notifier(address == nullptr ? "" : address);
+}
+
+void Notifier::Ready(std::string_view text) { Send("READY=1\nSTATUS=" + OneLine(text)); }
+
+void Notifier::Reloading(std::int64_t now_ns) {
+  Send("RELOADING=1\nMONOTONIC_USEC=" + std::to_string(now_ns / 1000) + "\nSTATUS=reloading");
+}
+
+void Notifier::Stopping() { Send("STOPPING=1\nSTATUS=stopping"); }
+
+void Notifier::Say(std::string_view text) { Send("STATUS=" + OneLine(text), MSG_DONTWAIT); }
+
+void Notifier::Alive() { Send("WATCHDOG=1", MSG_DONTWAIT); }
+
+void Notifier::Send(const std::string& message, int flags) {
+  if (socket_.get() < 0) return;
+  sockaddr_un to{};
+  to.sun_family = AF_UNIX;
+  std::memcpy(to.sun_path, address_.data(), address_.size());
+  if (to.sun_path[0] == '@') to.sun_path[0] = '\0';
+  // An abstract name ends where its length says, a path where it did before: without a zero.
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size());
+  [[maybe_unused]] const auto sent =
+      sendto(socket_.get(), message.data(), message.size(), MSG_NOSIGNAL | flags,
+             reinterpret_cast<const sockaddr*>(&to), length);
+}
+
+void Watchdog::Look(std::uint64_t turns) {
+  if (asked_ && turns != seen_) notifier_.Alive();
+  seen_ = turns;
+}
+
+bool WatchdogAsked(const char* usec, const char* watchdog_pid, int pid) {
+  if (usec == nullptr || std::atoll(usec) <= 0) return false;
+  return watchdog_pid == nullptr || std::atoll(watchdog_pid) == pid;
+}
+
+}  // namespace styled::runtime

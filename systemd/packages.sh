@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Builds the Debian packages: styled, styled-tools, styled-web, libstyled-client-dev, python3-styled.
+#   systemd/packages.sh [BUILD [CMAKE OPTIONS...]]
+#     BUILD  a folder to build in, new or not; default build/package. The packages are put there.
+# Installs what is missing (sim/setup.sh). DEBFULLNAME and DEBEMAIL, where set, are the maintainer.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+. "$root/sim/setup.sh"
+styled_install package
+build=$(realpath -m "${1:-$root/build/package}")
+mkdir -p "$(dirname "$build")"
+[ $# -gt 0 ] && shift
+if [ -n "${DEBEMAIL:-}" ]; then
+  set -- "-DSTYLED_PACKAGE_MAINTAINER=${DEBFULLNAME:-Styled maintainers} <$DEBEMAIL>" "$@"
+fi
+cmake -S "$root" --preset release -B "$build" -DCMAKE_INSTALL_PREFIX=/usr \
+  -DSTYLED_TRAIN=OFF "$@" >"$build-cmake.log" 2>&1 || { tail -n 40 "$build-cmake.log" >&2; exit 1; }
+targets=(styled stylectl stylemon stylesim stylerec stylevmc styleweb stylize styled_client styled_python styled_man)
+[ -n "$(command -v npm)" ] && targets+=(styleweb_page)
+cmake --build "$build" --target "${targets[@]}"
+rm -f "$build"/*.deb
+(cd "$build" && cpack -G DEB --config CPackConfig.cmake >cpack.log 2>&1) || { tail -n 40 "$build/cpack.log" >&2; exit 1; }
+ls "$build"/*.deb

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "tests/support/temporary_folder.h"
+
+namespace styled::support {
+
+// Stands in for the service manager and the journal: a datagram socket in a folder of its own, and
+// what came there.
+class Datagrams {
+ public:
+  Datagrams();
+  ~Datagrams();
+  Datagrams(const Datagrams&) = delete;
+  Datagrams& operator=(const Datagrams&) = delete;
+  const std::string& path() const { return path_; }
+
+  // The next one, or nothing within `seconds`.
+  std::optional<std::string> Next(double seconds = 0);
+  // The next one that contains `text`, those before it dropped; nothing when none came in 20 s.
+  std::optional<std::string> Await(const std::string& text);
+
+ private:
+  TemporaryFolder folder_;
+  std::string path_;
+  int fd_;
+};
+
+}  // namespace styled::support

@@ -1,0 +1,94 @@
+#include "daemon/runtime/notify.h"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstddef>
+#include <cstring>
+
+#include "tests/support/datagrams.h"
+
+namespace styled::runtime {
+namespace {
+
+TEST(NotifyTest, EveryMessageIsTheManagersOwn) {
+  support::Datagrams manager;
+  Notifier notifier(manager.path());
+  notifier.Say("reading the weights");
+  notifier.Ready("all is open");
+  notifier.Reloading(1'234'567'999);
+  notifier.Alive();
+  notifier.Stopping();
+  EXPECT_EQ(manager.Next(), "STATUS=reading the weights");
+  EXPECT_EQ(manager.Next(), "READY=1\nSTATUS=all is open");
+  EXPECT_EQ(manager.Next(), "RELOADING=1\nMONOTONIC_USEC=1234567\nSTATUS=reloading");
+  EXPECT_EQ(manager.Next(), "WATCHDOG=1");
+  EXPECT_EQ(manager.Next(), "STOPPING=1\nSTATUS=stopping");
+  EXPECT_EQ(manager.Next(), std::nullopt);
+}
+
+TEST(NotifyTest, WhatAFileSaysCannotSpeakToTheManager) {
+  support::Datagrams manager;
+  Notifier notifier(manager.path());
+  notifier.Say("stage.toml:1: \"\nMAINPID=1\nREADY=1\"");
+  EXPECT_EQ(manager.Next(), "STATUS=stage.toml:1: \" MAINPID=1 READY=1\"");
+}
+
+TEST(NotifyTest, AnAbstractAddressIsReached) {
+  const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  // Bound with no name, a socket is given an abstract one that nobody has.
+  ASSERT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&name), sizeof(sa_family_t)), 0);
+  socklen_t length = sizeof name;
+  ASSERT_EQ(getsockname(fd, reinterpret_cast<sockaddr*>(&name), &length), 0);
+  const std::string given(name.sun_path + 1, length - offsetof(sockaddr_un, sun_path) - 1);
+  Notifier("@" + given).Alive();
+  std::array<char, 100> got{};
+  EXPECT_EQ(recv(fd, got.data(), got.size(), MSG_DONTWAIT), 10);
+  EXPECT_STREQ(got.data(), "WATCHDOG=1");
+  close(fd);
+}
+
+TEST(NotifyTest, WithoutAManagerNothingHappens) {
+  for (const std::string address : {"", "relative", "/nowhere/at/all", "@nobody-listens-here"}) {
+    Notifier notifier(address);
+    notifier.Ready("ready");
+    notifier.Alive();
+  }
+  Notifier notifier("/" + std::string(300, 'x'));  // longer than an address can be
+  notifier.Alive();
+}
+
+TEST(WatchdogTest, IsFedOnlyWhileTheThreadTurns) {
+  support::Datagrams manager;
+  Notifier notifier(manager.path());
+  Watchdog watchdog(notifier, true);
+  watchdog.Look(0);
+  EXPECT_EQ(manager.Next(), std::nullopt) << "it has not turned yet";
+  watchdog.Look(1);
+  EXPECT_EQ(manager.Next(), "WATCHDOG=1");
+  watchdog.Look(1);
+  watchdog.Look(1);
+  EXPECT_EQ(manager.Next(), std::nullopt);
+  watchdog.Look(7);
+  EXPECT_EQ(manager.Next(), "WATCHDOG=1");
+  Watchdog nobody_asks(notifier, false);
+  nobody_asks.Look(1);
+  EXPECT_EQ(manager.Next(), std::nullopt);
+}
+
+TEST(WatchdogTest, IsAskedForByTheEnvironmentOfThisProcessAlone) {
+  EXPECT_TRUE(WatchdogAsked("5000000", nullptr, 7));
+  EXPECT_TRUE(WatchdogAsked("5000000", "7", 7));
+  EXPECT_FALSE(WatchdogAsked("5000000", "8", 7));
+  EXPECT_FALSE(WatchdogAsked(nullptr, "7", 7));
+  EXPECT_FALSE(WatchdogAsked("0", nullptr, 7));
+  EXPECT_FALSE(WatchdogAsked("soon", nullptr, 7));
+}
+
+}  // namespace
+}  // namespace styled::runtime
