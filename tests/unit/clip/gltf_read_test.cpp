@@ -10,9 +10,9 @@
 
 #include "model/clip/glb_write.h"
 #include "model/rig/calibration.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/body/random_pose.h"
 #include "tests/unit/rig/rigs.h"
-#include "tests/support/temporary_folder.h"
 
 namespace styled::clip {
 namespace {
