@@ -82,7 +82,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kControlBusy, "control.busy", true},
     {Counter::kSecurityClients, "security.clients"},
     {Counter::kSecurityAdmitted, "security.admitted"},
-    {Counter::kSecurityRefused, "security.refused", true},
+    {Counter::kSecurityRefused, "security.refused"},
     {Counter::kSecurityHandshakesFailed, "security.handshakes_failed", true},
     {Counter::kSecurityCut, "security.cut"},
     {Counter::kConfigReloads, "config.reloads"},

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "daemon/runtime/descriptor.h"
 
@@ -48,39 +49,49 @@ Access::Verdict Access::Judge(std::string_view key, Door door, keys::Client* cli
 void Access::NoteSubscriber(std::string_view key, int fd) {
   const ino_t inode = InodeOf(fd);
   if (inode == 0) return;
-  const std::lock_guard lock(mutex_);
-  Connection& connection = connections_[fd];
-  if (connection.inode != inode) connection = {inode, std::string(key)};
-  if (Find(key) == nullptr && Cut(fd, inode)) connections_.erase(fd);
+  {
+    const std::lock_guard lock(mutex_);
+    Connection& connection = connections_[fd];
+    if (connection.inode == inode) return;
+    connection = {inode, std::string(key)};
+    if (Find(key) != nullptr) return;
+  }
+  Sweep();
 }
 
 Access::Change Access::Replace(std::vector<keys::Client> clients) {
-  const std::lock_guard lock(mutex_);
   Change change;
-  for (const auto& client : clients) {
-    if (!Contains(clients_, client)) change.allowed.push_back(client);
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& client : clients) {
+      if (!Contains(clients_, client)) change.allowed.push_back(client);
+    }
+    for (const auto& client : clients_) {
+      if (!Contains(clients, client)) change.revoked.push_back(client);
+    }
+    clients_ = std::move(clients);
   }
-  for (const auto& client : clients_) {
-    if (!Contains(clients, client)) change.revoked.push_back(client);
-  }
-  clients_ = std::move(clients);
-  change.cut = CutUnknown();
+  change.cut = Sweep();
   return change;
 }
 
+// What takes long is done without the lock, for which the pipeline may wait.
 int Access::Sweep() {
-  const std::lock_guard lock(mutex_);
-  return CutUnknown();
-}
-
-int Access::CutUnknown() {
+  std::vector<std::pair<int, ino_t>> strangers;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [fd, connection] : connections_) {
+      if (Find(connection.key) == nullptr) strangers.emplace_back(fd, connection.inode);
+    }
+  }
   int cut = 0;
-  for (auto entry = connections_.begin(); entry != connections_.end();) {
-    const auto& [fd, connection] = *entry;
-    const bool gone = InodeOf(fd) != connection.inode;
-    const bool ended = !gone && Find(connection.key) == nullptr && Cut(fd, connection.inode);
+  for (const auto& [fd, inode] : strangers) {
+    const bool ended = Cut(fd, inode);
     cut += ended ? 1 : 0;
-    entry = gone || ended ? connections_.erase(entry) : std::next(entry);
+    if (!ended && InodeOf(fd) == inode) continue;  // later
+    const std::lock_guard lock(mutex_);
+    const auto found = connections_.find(fd);
+    if (found != connections_.end() && found->second.inode == inode) connections_.erase(found);
   }
   return cut;
 }

@@ -26,7 +26,7 @@ class Access {
 
   // The client behind `key` has subscribed over the connection `fd` of this process. One who was
   // revoked meanwhile is cut at once. Cheap: a subscription of a known connection is a look-up and
-  // two system calls.
+  // a system call.
   void NoteSubscriber(std::string_view key, int fd);
 
   struct Change {
@@ -36,8 +36,8 @@ class Access {
   // From here on `clients` and nobody else.
   Change Replace(std::vector<keys::Client> clients);
 
-  // Tries again what could not be cut for want of a descriptor, and forgets connections that ended.
-  // Now and then; returns how many were cut.
+  // Cuts the connections of those who are not let in; what could not be cut for want of a
+  // descriptor is tried again the next time. Returns how many were cut.
   int Sweep();
 
   std::size_t size() const;
@@ -49,7 +49,6 @@ class Access {
     std::string key;
   };
   const keys::Client* Find(std::string_view key) const;
-  int CutUnknown();
 
   mutable std::mutex mutex_;
   std::vector<keys::Client> clients_;

@@ -26,6 +26,7 @@ constexpr const char* kRefused = "300";
 constexpr const char* kAllowed = "200";
 constexpr std::size_t kMaxFrames = 16;
 constexpr int kPerTurn = 64;
+constexpr std::int64_t kLogAgain_ns = 60 * runtime::kSecond_ns;
 constexpr std::uint32_t kChanges = IN_CLOSE_WRITE | IN_MOVED_TO | IN_MOVED_FROM | IN_DELETE |
                                    IN_ATTRIB | IN_DELETE_SELF | IN_MOVE_SELF | IN_ONLYDIR;
 
@@ -232,7 +233,8 @@ bool Gatekeeper::CountFailures() {
   return any;
 }
 
-// Once a second: what failed before is tried again, and one refusal stands for all in the log.
+// Once a second: what failed before is tried again, and one refusal stands for all in the log; one
+// who tries again and again is named once a minute.
 void Gatekeeper::Tick(std::int64_t now_ns) {
   next_tick_ns_ = now_ns + runtime::kSecond_ns;
   if (watch_ < 0 || reread_) {
@@ -240,8 +242,12 @@ void Gatekeeper::Tick(std::int64_t now_ns) {
     Reread();
   }
   counters_.Add(Counter::kSecurityCut, static_cast<std::uint64_t>(access_.Sweep()));
-  if (refusal_.empty()) return;
-  spdlog::warn("security: {}", refusal_);
+  const bool again = refusal_ == logged_refusal_ && now_ns < log_again_ns_;
+  if (!refusal_.empty() && !again) {
+    spdlog::warn("security: {}", refusal_);
+    logged_refusal_ = refusal_;
+    log_again_ns_ = now_ns + kLogAgain_ns;
+  }
   refusal_.clear();
 }
 

@@ -70,7 +70,8 @@ class Gatekeeper {
   zmq_msg_t message_;
   std::vector<std::string> complaints_;
   std::string refusal_;  // the last one, not logged yet
-  std::int64_t next_tick_ns_ = 0;
+  std::string logged_refusal_;
+  std::int64_t next_tick_ns_ = 0, log_again_ns_ = 0;
   bool reread_ = false;
   std::atomic<bool> stop_{false};
   std::thread thread_;

@@ -134,10 +134,13 @@ std::string Format(const KeyFile& file) {
   return text;
 }
 
+// Keys are given on command lines, where a first "-" would make an option of one.
 Result<KeyFile> MakePair() {
-  std::array<char, kKeyCharacters + 1> public_key{}, secret_key{};
-  if (zmq_curve_keypair(public_key.data(), secret_key.data()) != 0) {
-    return Status::Error(std::string("no key can be made: ") + zmq_strerror(zmq_errno()));
+  std::array<char, kKeyCharacters + 1> public_key{'-'}, secret_key{};
+  while (public_key[0] == '-') {
+    if (zmq_curve_keypair(public_key.data(), secret_key.data()) != 0) {
+      return Status::Error(std::string("no key can be made: ") + zmq_strerror(zmq_errno()));
+    }
   }
   return KeyFile{public_key.data(), secret_key.data(), std::nullopt};
 }

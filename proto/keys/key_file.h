@@ -48,6 +48,7 @@ Result<KeyFile> Parse(std::string_view text);
 // What Parse reads.
 std::string Format(const KeyFile& file);
 
+// A new pair, whose public key does not begin with "-".
 Result<KeyFile> MakePair();
 
 }  // namespace styled::keys

@@ -23,8 +23,9 @@ TEST(KeyFileTest, WhatIsWrittenIsRead) {
   }
 }
 
-TEST(KeyFileTest, TwoPairsAreNotTheSame) {
+TEST(KeyFileTest, TwoPairsAreNotTheSameAndNoneLooksLikeAnOption) {
   EXPECT_NE(MakePair().value().secret_key, MakePair().value().secret_key);
+  for (int i = 0; i < 500; ++i) EXPECT_NE(MakePair().value().public_key[0], '-');
 }
 
 TEST(KeyFileTest, CertificatesOfOtherProgramsAreRead) {
