@@ -100,10 +100,11 @@ class NatNetTransport final : public Transport {
   NatNetTransport(Descriptor command, Descriptor epoll, const Interface& interface,
                   const config::Source& config, int source, runtime::Clock& clock,
                   runtime::Counters& counters, const sockaddr_in& server, in_addr group)
-      : command_(std::move(command), clock, counters),
+      : command_(std::move(command), clock, counters, config.sender_limit_hz),
         epoll_(std::move(epoll)),
         interface_(interface),
         receive_buffer_bytes_(config.receive_buffer_bytes),
+        sender_limit_hz_(config.sender_limit_hz),
         source_(source),
         clock_(clock),
         counters_(counters),
@@ -164,7 +165,7 @@ class NatNetTransport final : public Transport {
     if (!joined_) return;
     auto socket = JoinGroup(*joined_, interface_, receive_buffer_bytes_);
     if (socket.ok()) {
-      data_.emplace(std::move(socket.value()), clock_, counters_);
+      data_.emplace(std::move(socket.value()), clock_, counters_, sender_limit_hz_);
       Watch(data_->fd());
       return;
     }
@@ -177,7 +178,7 @@ class NatNetTransport final : public Transport {
   UdpSocket command_;
   Descriptor epoll_;
   Interface interface_;
-  int receive_buffer_bytes_, source_;
+  int receive_buffer_bytes_, sender_limit_hz_, source_;
   runtime::Clock& clock_;
   runtime::Counters& counters_;
   NatNet translator_;

@@ -8,8 +8,9 @@ namespace {
 // Our own datagrams, as they are.
 class Udp final : public Transport {
  public:
-  Udp(Descriptor socket, int source, runtime::Clock& clock, runtime::Counters& counters)
-      : socket_(std::move(socket), clock, counters), source_(source) {}
+  Udp(Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
+      runtime::Counters& counters)
+      : socket_(std::move(socket), clock, counters, config.sender_limit_hz), source_(source) {}
 
   int DoWork(Receiver& receiver) override {
     const auto datagrams = socket_.Receive();
@@ -31,9 +32,9 @@ class Udp final : public Transport {
 // A rig's, through its translator.
 class TranslatedUdp final : public Transport {
  public:
-  TranslatedUdp(Descriptor socket, int source, runtime::Clock& clock, runtime::Counters& counters,
-                std::unique_ptr<Translator> translator)
-      : socket_(std::move(socket), clock, counters),
+  TranslatedUdp(Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
+                runtime::Counters& counters, std::unique_ptr<Translator> translator)
+      : socket_(std::move(socket), clock, counters, config.sender_limit_hz),
         source_(source),
         clock_(clock),
         translator_(std::move(translator)),
@@ -80,10 +81,10 @@ Result<std::unique_ptr<Transport>> MakeUdp(const config::Source& config, int sou
   if (!socket.ok()) return socket.status();
   if (translator == nullptr) {
     return std::unique_ptr<Transport>(
-        std::make_unique<Udp>(std::move(socket.value()), source, clock, counters));
+        std::make_unique<Udp>(std::move(socket.value()), config, source, clock, counters));
   }
   return std::unique_ptr<Transport>(std::make_unique<TranslatedUdp>(
-      std::move(socket.value()), source, clock, counters, std::move(translator)));
+      std::move(socket.value()), config, source, clock, counters, std::move(translator)));
 }
 
 }  // namespace styled::source

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <thread>
 
+#include "proto/keys/key_folder.h"
 #include "tests/e2e/web/browser.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
@@ -399,6 +400,25 @@ TEST(GatewayTest, HostileBrowsersAreAnsweredOrDroppedAndNobodyElseNotices) {
   EXPECT_EQ(web.child->Wait(5), 0);
 }
 
+TEST(GatewayTest, ADaemonThatAsksForKeysIsShownWithThem) {
+  const TemporaryFolder folder;
+  const std::string keys = folder / "keys", file = folder / "gateway.key";
+  const Daemon daemon({"security.keys=" + keys, "publish.address=tcp://0.0.0.0:0",
+                       "control.address=tcp://0.0.0.0:0"});
+  const auto pair = keys::MakePair();
+  ASSERT_TRUE(pair.ok() && keys::WritePair(file, pair.value()).ok());
+  ASSERT_TRUE(keys::Allow(keys, {"web", pair.value().public_key, keys::Role::kOperator}).ok());
+  const Web blind(daemon);
+  const Web web(daemon, {"--key", file, "--server-key", keys::ServerPublicFile(keys)});
+  const Walking a(daemon.udp, "a");
+  BrowserLink link(web.address);
+  link.SendText(R"({"subscribe": ["styled/rig.a/rig/"]})");
+  EXPECT_TRUE(Await(link, IsTopic("styled/rig.a/rig/")));
+  EXPECT_EQ(AskThrough(link, SetStyle("rig.a", "style1")).code(), v1::CODE_OK);
+  EXPECT_EQ(Ask(web.address, "/healthz").status, 200);
+  EXPECT_EQ(Ask(blind.address, "/healthz").status, 503) << "without a key nothing comes";
+}
+
 TEST(GatewayTest, OptionsThatAreWrongAreNamed) {
   const TemporaryFolder folder;
   WriteText(folder / "token", "short\n");
@@ -423,6 +443,8 @@ TEST(GatewayTest, OptionsThatAreWrongAreNamed) {
            {{"--listen", "127.0.0.1:0", "--page", folder / "none"}, "--page"},
            {{"--listen", "127.0.0.1:0", "--token-file", folder / "token"}, "16 to 256"},
            {{"--listen", "127.0.0.1:0", "--token-file", folder / "none"}, "--token-file"},
+           {{"--listen", "127.0.0.1:0", "--key", folder / "none"}, "--server-key"},
+           {{"--listen", "127.0.0.1:0", "--key", folder / "none", "--server-key", "x"}, "--key"},
            {{"--max-connections", "0"}, "--max-connections"},
            {{"--bogus"}, "--bogus"}}) {
     const auto [code, said] = Refused(options);

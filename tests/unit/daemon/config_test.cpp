@@ -49,6 +49,7 @@ TEST_F(ConfigTest, TheManualIsTheDefaultsAndNamesEveryKey) {
   EXPECT_EQ(config.value().sources, defaults.sources);
   EXPECT_TRUE(config.value().publish == defaults.publish);
   EXPECT_TRUE(config.value().control == defaults.control);
+  EXPECT_TRUE(config.value().security == defaults.security);
   EXPECT_TRUE(config.value().realtime == defaults.realtime);
   EXPECT_TRUE(config.value().record == defaults.record);
   EXPECT_FLOAT_EQ(config.value().model.stylist.gap_reset_s, defaults.model.stylist.gap_reset_s);
@@ -64,10 +65,26 @@ TEST_F(ConfigTest, TheManualIsTheDefaultsAndNamesEveryKey) {
   EXPECT_FLOAT_EQ(config.value().performers.stale_s, defaults.performers.stale_s);
   EXPECT_FLOAT_EQ(config.value().performers.late_s, defaults.performers.late_s);
   EXPECT_FLOAT_EQ(config.value().style.transition_s, defaults.style.transition_s);
-  for (const std::string key :
-       {"receive_buffer_bytes", "max_connections", "max_subscriptions", "weights",
-        "jump_accept_frames", "foreign_fade_ms", "tilt_begin_rad", "ground", "feet", "feet_reach_m",
-        "clock_back_ms", "backlog_ms", "initial", "dir", "level", "cpu"}) {
+  for (const std::string key : {"sender_limit_hz",
+                                "ipc_mode",
+                                "ipc_users",
+                                "keys",
+                                "receive_buffer_bytes",
+                                "max_connections",
+                                "max_subscriptions",
+                                "weights",
+                                "jump_accept_frames",
+                                "foreign_fade_ms",
+                                "tilt_begin_rad",
+                                "ground",
+                                "feet",
+                                "feet_reach_m",
+                                "clock_back_ms",
+                                "backlog_ms",
+                                "initial",
+                                "dir",
+                                "level",
+                                "cpu"}) {
     EXPECT_THAT(manual, HasSubstr(key));
   }
 }
@@ -139,6 +156,50 @@ TEST_F(ConfigTest, OtherMachinesAreLetInOnlyByAKeyThatSaysSo) {
   for (const std::string address : {"tcp://127.0.0.1:0", "tcp://[::1]:9", "ipc:///tmp/x"}) {
     EXPECT_EQ(Complaint("[publish]\naddress = '" + address + "'\n"), "") << address;
   }
+}
+
+TEST_F(ConfigTest, KeysLetOtherMachinesInAndALocalAddressAsksForNone) {
+  const std::string keys = "[security]\nkeys = '/k'\n";
+  const auto asks = [&](const std::string& text) {
+    const auto config = LoadText(text);
+    EXPECT_TRUE(config.ok()) << config.status().message();
+    const Publish& publish = config.value().publish;
+    return AsksForKeys(config.value(), publish.address, publish.allow_unauthenticated_remote);
+  };
+  EXPECT_TRUE(asks(keys + "[publish]\naddress = 'tcp://0.0.0.0:1'\n"));
+  EXPECT_FALSE(asks(keys));
+  EXPECT_FALSE(asks(keys + "[publish]\naddress = 'ipc:///tmp/x'\n"));
+  EXPECT_FALSE(asks(keys + "[publish]\naddress = 'tcp://0.0.0.0:1'\n"
+                           "allow_unauthenticated_remote = true\n"));
+  EXPECT_EQ(Complaint(keys + "[control]\naddress = 'tcp://[::]:1'\n"), "");
+  EXPECT_THAT(Complaint("[control]\naddress = 'tcp://[::]:1'\n"), HasSubstr("(security.keys)"));
+}
+
+TEST_F(ConfigTest, WhoMayConnectToAnIpcPathIsRead) {
+  const auto config = LoadText(
+      "[publish]\nipc_mode = '0660'\nipc_users = ['anna', 1001]\n[control]\nipc_mode = '600'\n");
+  ASSERT_TRUE(config.ok()) << config.status().message();
+  EXPECT_EQ(config.value().publish.ipc.mode, 0660);
+  EXPECT_EQ(config.value().publish.ipc.users, (std::vector<std::string>{"anna", "1001"}));
+  EXPECT_EQ(config.value().control.ipc.mode, 0600);
+  for (const std::string mode : {"0668", "66", "1777", "", "432", "rw"}) {
+    EXPECT_THAT(
+        Complaint("[publish]\nipc_mode = " + (mode == "432" ? mode : "'" + mode + "'") + "\n"),
+        HasSubstr("publish.ipc_mode: expected a file's mode in quotes"))
+        << mode;
+  }
+  for (const std::string users : {"'anna'", "[1.5]", "[-1]", "[true]", "[4294967295]"}) {
+    EXPECT_THAT(Complaint("[control]\nipc_users = " + users + "\n"),
+                HasSubstr("control.ipc_users: expected a list of users"))
+        << users;
+  }
+  EXPECT_THAT(Complaint("[control]\nipc_users = ['anna']\n"),
+              HasSubstr("control.ipc_users: nobody else gets past control.ipc_mode"));
+}
+
+TEST_F(ConfigTest, ALimitForEachSenderIsANumberOrNone) {
+  EXPECT_EQ(Complaint("", {"source.0.sender_limit_hz=0"}), "");
+  EXPECT_THAT(Complaint("", {"source.0.sender_limit_hz=-1"}), HasSubstr("from 0 to 100000000"));
 }
 
 TEST_F(ConfigTest, AHostsNameIsRefusedBeforeAnySocketIs) {
