@@ -63,6 +63,7 @@ Supervisor::~Supervisor() {
   pipeline_.reset();
   publisher_.reset();
   control_.reset();
+  gatekeeper_.reset();
   zmq_ctx_term(context_);
 }
 
@@ -71,6 +72,7 @@ Status Supervisor::Start() {
   if (!live.ok()) return live.status();
   live_ = live.value();
   Status status = OpenSources();
+  if (status.ok()) status = OpenGate();
   if (status.ok()) status = OpenSockets();
   if (!status.ok()) return status;
   StartRecording();
@@ -119,9 +121,32 @@ Status Supervisor::OpenSources() {
   return Status::Ok();
 }
 
+// Before the sockets: libzmq asks it about who comes.
+Status Supervisor::OpenGate() {
+  const config::Publish& publish = config_.publish;
+  const config::Control& control = config_.control;
+  const bool asks =
+      config::AsksForKeys(config_, publish.address, publish.allow_unauthenticated_remote) ||
+      config::AsksForKeys(config_, control.address, control.allow_unauthenticated_remote);
+  if (!asks) return Status::Ok();
+  auto opened = security::Gatekeeper::Open(context_, config_.security.keys, counters_);
+  if (!opened.ok()) return opened.status();
+  gatekeeper_ = std::move(opened.value());
+  spdlog::info("clients from other machines need a key ({}); this daemon's is {}",
+               config_.security.keys, gatekeeper_->public_key());
+  return Status::Ok();
+}
+
+security::Gatekeeper* Supervisor::KeeperOf(const std::string& address,
+                                           bool allow_unauthenticated_remote) {
+  return config::AsksForKeys(config_, address, allow_unauthenticated_remote) ? gatekeeper_.get()
+                                                                             : nullptr;
+}
+
 Status Supervisor::OpenSockets() {
-  auto publisher =
-      publish::MakeZmqPublisher(context_, config_.publish, counters_, publish_endpoint_);
+  auto publisher = publish::MakeZmqPublisher(
+      context_, config_.publish, counters_, publish_endpoint_,
+      KeeperOf(config_.publish.address, config_.publish.allow_unauthenticated_remote));
   if (!publisher.ok()) return publisher.status();
   publisher_ = std::move(publisher.value());
   std::unique_ptr<control::OscSocket> osc;
@@ -132,10 +157,12 @@ Status Supervisor::OpenSockets() {
     osc_endpoint_ = osc->endpoint();
     spdlog::info("OSC at {}", osc_endpoint_);
   }
-  auto control = control::MakeControlSocket(context_, config_.control, std::move(osc), mailboxes_,
-                                            counters_, control_endpoint_);
+  auto control = control::MakeControlSocket(
+      context_, config_.control, std::move(osc), mailboxes_, counters_, control_endpoint_,
+      KeeperOf(config_.control.address, config_.control.allow_unauthenticated_remote));
   if (!control.ok()) return control.status();
   control_ = std::move(control.value());
+  if (gatekeeper_ != nullptr) gatekeeper_->Start();
   return Status::Ok();
 }
 
@@ -228,6 +255,7 @@ Status Supervisor::WriteReadyFile() const {
                                 {"type", config_.sources[i].type},
                                 {"listen", source_endpoints_[i]}});
   }
+  if (gatekeeper_ != nullptr) ready["server_key"] = gatekeeper_->public_key();
   if (recorder_ != nullptr) ready["recording"] = recorder_->file().string();
   const std::string fresh = origin_.ready_file + ".new";
   std::ofstream out(fresh);
@@ -302,6 +330,7 @@ void Supervisor::WarnOfRestartKeys(const config::Config& fresh) const {
   if (fresh.sources != config_.sources) warn("source");
   if (!(fresh.publish == config_.publish)) warn("publish");
   if (!(fresh.control == config_.control)) warn("control");
+  if (!(fresh.security == config_.security)) warn("security");
   if (!(fresh.osc == config_.osc)) warn("osc");
   if (!(fresh.realtime == config_.realtime)) warn("realtime");
   if (fresh.state.dir != config_.state.dir) warn("state");

@@ -16,6 +16,7 @@
 #include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
+#include "daemon/security/gatekeeper.h"
 
 namespace styled {
 
@@ -43,6 +44,8 @@ class Supervisor {
 
  private:
   Status OpenSources();
+  Status OpenGate();
+  security::Gatekeeper* KeeperOf(const std::string& address, bool allow_unauthenticated_remote);
   Status OpenSockets();
   void StartRecording();
   void CheckRecording();
@@ -69,6 +72,7 @@ class Supervisor {
   std::string publish_endpoint_, osc_endpoint_, control_endpoint_;
   std::vector<std::string> source_endpoints_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
+  std::unique_ptr<security::Gatekeeper> gatekeeper_;  // null: nobody is asked for keys
   std::unique_ptr<publish::Publisher> publisher_;
   std::unique_ptr<control::ControlSocket> control_;
   std::unique_ptr<record::Recorder> recorder_;  // null: nothing is recorded

@@ -17,8 +17,10 @@ Asker::Asker(std::unique_ptr<client::Control> control)
 
 Asker::~Asker() = default;
 
-Result<std::unique_ptr<Asker>> Asker::Start(const std::string& endpoint) {
-  auto control = client::Control::Connect({.endpoint = endpoint, .timeout = kTimeout});
+Result<std::unique_ptr<Asker>> Asker::Start(const std::string& endpoint,
+                                            const std::optional<client::Curve>& curve) {
+  auto control =
+      client::Control::Connect({.endpoint = endpoint, .timeout = kTimeout, .curve = curve});
   if (!control.ok()) return control.status();
   return std::unique_ptr<Asker>(new Asker(std::move(control.value())));
 }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -22,8 +23,9 @@ class Asker {
   // the asker's thread.
   using Done = std::function<void(client::CallStatus status, v1::Reply reply)>;
 
-  // Refuses an endpoint that ZeroMQ cannot parse.
-  static Result<std::unique_ptr<Asker>> Start(const std::string& endpoint);
+  // Refuses an endpoint that ZeroMQ cannot parse, keys that are none.
+  static Result<std::unique_ptr<Asker>> Start(const std::string& endpoint,
+                                              const std::optional<client::Curve>& curve = {});
   ~Asker();
   Asker(const Asker&) = delete;
   Asker& operator=(const Asker&) = delete;

@@ -63,10 +63,12 @@ Status Gateway::Prepare() {
     if (!loaded.ok()) return loaded.status();
     page = std::move(loaded.value());
   }
-  auto asking = Asker::Start(options.control);
+  const auto curve = client::ReadKeys(options.keys);
+  if (!curve.ok()) return curve.status();
+  auto asking = Asker::Start(options.control, curve.value());
   if (!asking.ok()) return Status::Error("--control: " + asking.status().message());
   asker = std::move(asking.value());
-  auto listening = Upstream::Connect(io, options.publish,
+  auto listening = Upstream::Connect(io, options.publish, curve.value(),
                                      {[this](std::string_view topic, std::string_view payload) {
                                         hub->Publish(topic, payload, Hub::Clock::now());
                                       },

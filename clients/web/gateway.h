@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clients/cpp/control.h"
+#include "clients/cpp/key_options.h"
 #include "clients/cpp/subscriber.h"
 #include "clients/web/access.h"
 #include "clients/web/asker.h"
@@ -22,8 +23,9 @@ struct Options {
   std::string listen = "127.0.0.1:7080";  // HOST:PORT, numeric or localhost; port 0 = any free one
   std::string publish = std::string(client::kDefaultPublisher);
   std::string control = std::string(client::kDefaultControl);
-  std::string page;        // folder of the built page; "" = beside the program, if there
-  std::string token_file;  // needed on other addresses than loopback, unless ...
+  client::KeyOptions keys;  // for a daemon that asks for them
+  std::string page;         // folder of the built page; "" = beside the program, if there
+  std::string token_file;   // needed on other addresses than loopback, unless ...
   bool allow_unauthenticated_remote = false;  // ... this says that everyone may
   std::vector<std::string> origins;           // of pages of other sites that may connect
   bool watch_only = false;                    // control requests are refused

@@ -29,6 +29,7 @@ void Declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--control", o.control, "the daemon's control socket")
       ->envname("STYLED_CONTROL")
       ->capture_default_str();
+  styled::client::Declare(app, o.keys);
   app.add_option("--page", o.page, "folder of the built page; default: beside the program");
   app.add_option("--token-file", o.token_file,
                  "file whose first line everyone but the page itself has to show: ?token=... or "

@@ -16,8 +16,8 @@ using std::string;
 using std::string_view;
 
 // Of the daemon's counters these can fall.
-constexpr std::array<string_view, 3> kGaugeNames{"pipeline.performers", "pipeline.longest_cycle_us",
-                                                 "publish.subscriptions"};
+constexpr std::array<string_view, 4> kGaugeNames{"pipeline.performers", "pipeline.longest_cycle_us",
+                                                 "publish.subscriptions", "security.clients"};
 
 string Number(double value) {
   if (std::isnan(value)) return "NaN";

@@ -28,10 +28,17 @@ Upstream::~Upstream() {
 
 Result<std::unique_ptr<Upstream>> Upstream::Connect(boost::asio::io_context& io,
                                                     const std::string& endpoint,
+                                                    const std::optional<client::Curve>& curve,
                                                     Handlers handlers) {
+  std::optional<client::Curve> complete;
+  if (curve) {
+    auto checked = client::Complete(*curve);
+    if (!checked.ok()) return checked.status();
+    complete = std::move(checked.value());
+  }
   std::unique_ptr<Upstream> upstream(new Upstream(io, std::move(handlers)));
   try {
-    upstream->Open(endpoint);
+    upstream->Open(endpoint, complete);
   } catch (const zmq::error_t& error) {
     return Status::Error("--publish " + endpoint + ": " + error.what() +
                          "; expected e.g. tcp://127.0.0.1:7001 or ipc://PATH");
@@ -42,7 +49,7 @@ Result<std::unique_ptr<Upstream>> Upstream::Connect(boost::asio::io_context& io,
   return upstream;
 }
 
-void Upstream::Open(const std::string& endpoint) {
+void Upstream::Open(const std::string& endpoint, const std::optional<client::Curve>& curve) {
   socket_ = zmq::socket_t(context_, zmq::socket_type::sub);
   socket_.set(zmq::sockopt::linger, 0);
   socket_.set(zmq::sockopt::rcvhwm, kQueue);
@@ -52,6 +59,11 @@ void Upstream::Open(const std::string& endpoint) {
   socket_.set(zmq::sockopt::handshake_ivl, 1000);
   socket_.set(zmq::sockopt::heartbeat_ivl, 1000);
   socket_.set(zmq::sockopt::heartbeat_timeout, 3000);
+  if (curve) {
+    socket_.set(zmq::sockopt::curve_serverkey, curve->server_key);
+    socket_.set(zmq::sockopt::curve_publickey, curve->public_key);
+    socket_.set(zmq::sockopt::curve_secretkey, curve->secret_key);
+  }
   std::array<char, 64> name{};
   std::snprintf(name.data(), name.size(), "inproc://monitor-%p", static_cast<void*>(this));
   if (zmq_socket_monitor(socket_.handle(), name.data(), ZMQ_EVENT_DISCONNECTED) != 0) {

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <zmq.hpp>
 
+#include "clients/cpp/curve.h"
 #include "model/base/status.h"
 
 namespace styled::web {
@@ -25,9 +27,12 @@ class Upstream {
     std::function<void()> disconnected;  // the connection broke
   };
 
-  // Refuses an endpoint that ZeroMQ cannot parse. That nobody is there is no error.
+  // Refuses an endpoint that ZeroMQ cannot parse, keys that are none. That nobody is there is no
+  // error.
   static Result<std::unique_ptr<Upstream>> Connect(boost::asio::io_context& io,
-                                                   const std::string& endpoint, Handlers handlers);
+                                                   const std::string& endpoint,
+                                                   const std::optional<client::Curve>& curve,
+                                                   Handlers handlers);
   ~Upstream();
   Upstream(const Upstream&) = delete;
   Upstream& operator=(const Upstream&) = delete;
@@ -40,7 +45,7 @@ class Upstream {
 
  private:
   Upstream(boost::asio::io_context& io, Handlers handlers);
-  void Open(const std::string& endpoint);
+  void Open(const std::string& endpoint, const std::optional<client::Curve>& curve);
   void Wait(boost::asio::posix::stream_descriptor& descriptor);
   void Soon();
   void Drain();

@@ -38,9 +38,10 @@ struct Source {
   float rate_hz = 100;          // of the frames made of trackers that have no common clock
   float delay_s = 0;            // by which frames wait so that bursts leave evenly; 0 = none
   int receive_buffer_bytes = 4 << 20;
-  int max_connections = 64;  // tcp
-  std::string usb_id = {};   // "1209:7690"; "" = any receiver (not of type usb)
-  std::string serial = {};   // of the one USB device; "" = all
+  int max_connections = 64;      // tcp
+  std::string usb_id = {};       // "1209:7690"; "" = any receiver (not of type usb)
+  std::string serial = {};       // of the one USB device; "" = all
+  int sender_limit_hz = 100000;  // datagrams of one address; 0 = any number
   friend bool operator==(const Source&, const Source&) = default;
 };
 
@@ -76,9 +77,17 @@ inline constexpr std::array<SourceType, 11> kSourceTypes{{
 }};
 const SourceType* FindSourceType(std::string_view name) noexcept;
 
+// Who may connect to an ipc:// address.
+struct Ipc {
+  int mode = 0600;                 // of the socket's file; connecting takes the right to write
+  std::vector<std::string> users;  // names or numbers; empty = whom the mode lets in
+  friend bool operator==(const Ipc&, const Ipc&) = default;
+};
+
 struct Publish {
   std::string address = "tcp://127.0.0.1:7001";
   bool allow_unauthenticated_remote = false;
+  Ipc ipc;
   int high_water_mark = 64;
   int send_buffer_bytes = 65536;
   int max_subscriptions = 1024;
@@ -88,7 +97,14 @@ struct Publish {
 struct Control {
   std::string address = "tcp://127.0.0.1:7002";
   bool allow_unauthenticated_remote = false;
+  Ipc ipc;
   friend bool operator==(const Control&, const Control&) = default;
+};
+
+// Keys of those who come from other machines: daemon/security/README.md.
+struct Security {
+  std::string keys;  // folder; "" = there are none
+  friend bool operator==(const Security&, const Security&) = default;
 };
 
 struct Model {
@@ -164,6 +180,7 @@ struct Config {
   std::vector<Output> outputs;
   Publish publish;
   Control control;
+  Security security;
   Model model;
   Performers performers;
   Style style;
@@ -198,6 +215,10 @@ Result<Config> Load(const std::string& file, const std::vector<Override>& overri
 // The rules that span keys: at least one source, loopback unless allowed, presets as the control
 // socket would accept them (style names are checked against the weights, by the supervisor).
 Status Validate(const Config& config);
+
+// Whether a socket at `address` asks for keys: it is not local, there are keys, and no word says
+// that everybody may come in.
+bool AsksForKeys(const Config& config, std::string_view address, bool allow_unauthenticated_remote);
 
 // The performer and source name rule of WIRE.md.
 bool IsName(std::string_view text) noexcept;

@@ -129,19 +129,57 @@ Section PerformersSection() {
            Float<C>("backlog_ms", 1, 10000, kMs, STYLED_FIELD(performers.backlog_s))}};
 }
 
+// "0660", as of chmod.
+template <typename Field>
+Key<Config> Mode(std::string_view name, Field field) {
+  return {name, [=](const toml::node& node, Config& out) {
+            const auto text = node.value<std::string>();
+            const bool octal = text && text->size() >= 3 && text->size() <= 4 &&
+                               text->find_first_not_of("01234567") == std::string::npos;
+            const unsigned long mode = octal ? std::stoul(*text, nullptr, 8) : 01000;
+            if (mode > 0777) return Expected("a file's mode in quotes, e.g. \"0660\"", node);
+            field(out) = static_cast<int>(mode);
+            return Status::Ok();
+          }};
+}
+
+// ["anna", 1001]
+template <typename Field>
+Key<Config> Users(std::string_view name, Field field) {
+  return {
+      name, [=](const toml::node& node, Config& out) {
+        const std::string expected = "a list of users, names or numbers, e.g. [\"anna\", 1001]";
+        const toml::array* list = node.as_array();
+        if (list == nullptr) return Expected(expected, node);
+        field(out).clear();
+        for (const auto& user : *list) {
+          const auto number = user.value<std::int64_t>();
+          const bool is_number = user.is_integer() && *number >= 0 && *number < 0xFFFFFFFF;
+          if (!is_number && !user.is_string()) return Expected(expected, user);
+          field(out).push_back(is_number ? std::to_string(*number) : *user.value<std::string>());
+        }
+        return Status::Ok();
+      }};
+}
+
 std::vector<Section> MakeSections() {
   using C = Config;
   return {
       {"publish",
        {Text<C>("address", STYLED_FIELD(publish.address)),
+        Mode("ipc_mode", STYLED_FIELD(publish.ipc.mode)),
+        Users("ipc_users", STYLED_FIELD(publish.ipc.users)),
         Flag<C>("allow_unauthenticated_remote", STYLED_FIELD(publish.allow_unauthenticated_remote)),
         Integer<C>("high_water_mark", 1, 100000, STYLED_FIELD(publish.high_water_mark)),
         Integer<C>("send_buffer_bytes", 4096, kGiB, STYLED_FIELD(publish.send_buffer_bytes)),
         Integer<C>("max_subscriptions", 1, 100000, STYLED_FIELD(publish.max_subscriptions))}},
       {"control",
        {Text<C>("address", STYLED_FIELD(control.address)),
+        Mode("ipc_mode", STYLED_FIELD(control.ipc.mode)),
+        Users("ipc_users", STYLED_FIELD(control.ipc.users)),
         Flag<C>("allow_unauthenticated_remote",
                 STYLED_FIELD(control.allow_unauthenticated_remote))}},
+      {"security", {Text<C>("keys", STYLED_FIELD(security.keys))}},
       ModelSection(),
       PerformersSection(),
       {"style",
@@ -261,6 +299,7 @@ const std::vector<Key<Source>>& SourceKeys() {
       Float<S>("delay_ms", 0, 1000, kMs, STYLED_FIELD(delay_s)),
       Integer<S>("receive_buffer_bytes", 4096, kGiB, STYLED_FIELD(receive_buffer_bytes)),
       Integer<S>("max_connections", 1, 1024, STYLED_FIELD(max_connections)),
+      Integer<S>("sender_limit_hz", 0, 100000000, STYLED_FIELD(sender_limit_hz)),
       Text<S>("usb_id", STYLED_FIELD(usb_id)),
       Text<S>("serial", STYLED_FIELD(serial)),
   };

@@ -97,15 +97,25 @@ Status CheckOutputs(const std::vector<Output>& outputs) {
   return Status::Ok();
 }
 
-Status CheckSocket(const std::string& section, const std::string& address, bool allowed,
+// `section`: Publish or Control.
+template <typename Socket>
+Status CheckSocket(const Config& config, const std::string& name, const Socket& section,
                    const std::string& who) {
+  const std::string& address = section.address;
   const Status status = CheckEndpoint(address);
-  if (!status.ok()) return Status::Error(section + ".address: " + status.message());
-  if (IsLocal(address) || allowed) return Status::Ok();
-  return Status::Error(section + ".address: " + address +
-                       " can be reached from other machines, and " + who +
-                       " are not authenticated; expected a loopback or ipc:// address, or " +
-                       section + ".allow_unauthenticated_remote = true");
+  if (!status.ok()) return Status::Error(name + ".address: " + status.message());
+  constexpr int kOthersConnect = 0022;
+  if (!section.ipc.users.empty() && (section.ipc.mode & kOthersConnect) == 0) {
+    return Status::Error(name + ".ipc_users: nobody else gets past " + name +
+                         ".ipc_mode; expected e.g. ipc_mode = \"0666\" beside it");
+  }
+  const bool open = section.allow_unauthenticated_remote;
+  if (IsLocal(address) || open || AsksForKeys(config, address, open)) return Status::Ok();
+  return Status::Error(name + ".address: " + address + " can be reached from other machines, and " +
+                       who +
+                       " are not authenticated; expected a loopback or ipc:// address, a folder "
+                       "of keys (security.keys), or " +
+                       name + ".allow_unauthenticated_remote = true");
 }
 
 Status CheckCues(const std::vector<Cue>& cues) {
@@ -168,16 +178,19 @@ bool IsName(std::string_view text) noexcept {
   });
 }
 
+bool AsksForKeys(const Config& config, std::string_view address,
+                 bool allow_unauthenticated_remote) {
+  return !IsLocal(address) && !config.security.keys.empty() && !allow_unauthenticated_remote;
+}
+
 Status Validate(const Config& config) {
   Status status = CheckSources(config.sources);
   if (!status.ok()) return status;
   status = CheckOutputs(config.outputs);
   if (!status.ok()) return status;
-  status = CheckSocket("publish", config.publish.address,
-                       config.publish.allow_unauthenticated_remote, "subscribers");
+  status = CheckSocket(config, "publish", config.publish, "subscribers");
   if (!status.ok()) return status;
-  status = CheckSocket("control", config.control.address,
-                       config.control.allow_unauthenticated_remote, "operators");
+  status = CheckSocket(config, "control", config.control, "operators");
   if (!status.ok()) return status;
   status = CheckOsc(config.osc);
   if (!status.ok()) return status;

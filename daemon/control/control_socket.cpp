@@ -3,6 +3,8 @@
 #include <array>
 #include <cerrno>
 
+#include "daemon/security/ipc.h"
+
 namespace styled::control {
 namespace {
 
@@ -15,8 +17,13 @@ constexpr std::size_t kMaxParts = 4;  // kept of a message; more are read and dr
 }  // namespace
 
 ControlSocket::ControlSocket(runtime::ZmqSocket socket, std::unique_ptr<OscSocket> osc,
-                             pipeline::Mailboxes& mailboxes, runtime::Counters& counters)
-    : socket_(std::move(socket)), osc_(std::move(osc)), mailboxes_(mailboxes), counters_(counters) {
+                             security::Access* access, pipeline::Mailboxes& mailboxes,
+                             runtime::Counters& counters)
+    : socket_(std::move(socket)),
+      osc_(std::move(osc)),
+      access_(access),
+      mailboxes_(mailboxes),
+      counters_(counters) {
   zmq_msg_init(&message_);
 }
 
@@ -75,6 +82,9 @@ void ControlSocket::Handle() {
         envelope, v1::CODE_MALFORMED,
         "request of " + std::to_string(part_count_ - envelope.size()) + " parts, expected one");
   }
+  if (const std::string why = Unauthorized(); !why.empty()) {
+    return Refuse(envelope, v1::CODE_UNAUTHORIZED, why);
+  }
   const auto& payload = parts_.back();
   if (payload.size() > kMaxRequestBytes) {
     counters_.Add(Counter::kControlTooLarge);
@@ -88,6 +98,22 @@ void ControlSocket::Handle() {
   }
   if (Pass(exchange)) return;
   Send(exchange->envelope, exchange->reply);
+}
+
+// Judged at each request: a client who is revoked, or no operator any more, may be connected still.
+std::string ControlSocket::Unauthorized() {
+  if (access_ == nullptr) return "";
+  const char* const key = zmq_msg_gets(&message_, "User-Id");
+  const std::string_view known = key == nullptr ? "" : key;
+  switch (access_->Judge(known, security::Door::kControl)) {
+    case security::Access::Verdict::kAllowed:
+      return "";
+    case security::Access::Verdict::kRole:
+      return "this key is a subscriber's; expected an operator's";
+    case security::Access::Verdict::kUnknownKey:
+      break;
+  }
+  return "this key is not let in any more";
 }
 
 void ControlSocket::HandleOsc() {
@@ -151,7 +177,8 @@ void ControlSocket::Stop() {
 
 Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
     void* context, const config::Control& config, std::unique_ptr<OscSocket> osc,
-    pipeline::Mailboxes& mailboxes, runtime::Counters& counters, std::string& endpoint) {
+    pipeline::Mailboxes& mailboxes, runtime::Counters& counters, std::string& endpoint,
+    security::Gatekeeper* keeper) {
   runtime::ZmqSocket socket(context, ZMQ_ROUTER);
   if (socket.get() == nullptr) return Status::Error("control: " + std::string(zmq_strerror(errno)));
   socket.Set(ZMQ_LINGER, 100);
@@ -162,9 +189,17 @@ Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
   socket.Set(ZMQ_RCVHWM, 64);
   socket.Set(ZMQ_SNDHWM, 64);
   socket.Set(ZMQ_TCP_KEEPALIVE, 1);
-  const Status status = socket.Bind(config.address, "control.address", endpoint);
+  const auto ipc = security::ResolveIpc(config.ipc, "control");
+  if (!ipc.ok()) return ipc.status();
+  if (keeper != nullptr) {
+    const Status status = keeper->Guard(socket, security::Door::kControl);
+    if (!status.ok()) return status;
+  }
+  const Status status = socket.Bind(config.address, "control.address", endpoint, ipc.value());
   if (!status.ok()) return status;
-  return std::make_unique<ControlSocket>(std::move(socket), std::move(osc), mailboxes, counters);
+  return std::make_unique<ControlSocket>(std::move(socket), std::move(osc),
+                                         keeper == nullptr ? nullptr : &keeper->access(), mailboxes,
+                                         counters);
 }
 
 }  // namespace styled::control

@@ -12,6 +12,7 @@
 #include "daemon/pipeline/mailboxes.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/zmq_socket.h"
+#include "daemon/security/gatekeeper.h"
 #include "model/base/status.h"
 
 namespace styled::control {
@@ -22,8 +23,8 @@ inline constexpr std::size_t kMaxRequestBytes = 64 * 1024;
 // and its replies back. What cannot be a request is answered here. Never waits for the pipeline.
 class ControlSocket {
  public:
-  // `osc` may be null.
-  ControlSocket(runtime::ZmqSocket socket, std::unique_ptr<OscSocket> osc,
+  // `osc` and `access` may be null.
+  ControlSocket(runtime::ZmqSocket socket, std::unique_ptr<OscSocket> osc, security::Access* access,
                 pipeline::Mailboxes& mailboxes, runtime::Counters& counters);
   ~ControlSocket();
   ControlSocket(const ControlSocket&) = delete;
@@ -37,6 +38,8 @@ class ControlSocket {
   // One message, its parts in `parts_`; false when there is none.
   bool Receive();
   void Handle();
+  // Why the sender of the last message may not ask (any more); "" = he may.
+  std::string Unauthorized();
   void HandleOsc();
   // To the pipeline; false, and nothing is moved, where too much waits there already.
   bool Pass(std::unique_ptr<pipeline::Exchange>& exchange);
@@ -46,6 +49,7 @@ class ControlSocket {
 
   runtime::ZmqSocket socket_;
   std::unique_ptr<OscSocket> osc_;
+  security::Access* access_;
   pipeline::Mailboxes& mailboxes_;
   runtime::Counters& counters_;
   zmq_msg_t message_;
@@ -55,8 +59,10 @@ class ControlSocket {
   std::atomic<bool> stop_{false};
 };
 
+// `keeper`: lets in operators with keys alone; null: everybody who can reach the address.
 Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
     void* context, const config::Control& config, std::unique_ptr<OscSocket> osc,
-    pipeline::Mailboxes& mailboxes, runtime::Counters& counters, std::string& endpoint);
+    pipeline::Mailboxes& mailboxes, runtime::Counters& counters, std::string& endpoint,
+    security::Gatekeeper* keeper = nullptr);
 
 }  // namespace styled::control

@@ -3,6 +3,7 @@
 #include <cerrno>
 
 #include "daemon/runtime/zmq_socket.h"
+#include "daemon/security/ipc.h"
 
 namespace styled::publish {
 namespace {
@@ -11,8 +12,9 @@ using runtime::Counter;
 
 class ZmqPublisher final : public Publisher {
  public:
-  ZmqPublisher(runtime::ZmqSocket socket, runtime::Counters& counters)
-      : socket_(std::move(socket)), counters_(counters) {
+  // `access` may be null.
+  ZmqPublisher(runtime::ZmqSocket socket, security::Access* access, runtime::Counters& counters)
+      : socket_(std::move(socket)), access_(access), counters_(counters) {
     zmq_msg_init(&message_);
   }
   ~ZmqPublisher() override { zmq_msg_close(&message_); }
@@ -37,6 +39,7 @@ class ZmqPublisher final : public Publisher {
         continue;
       }
       event.subscribe = data[0] == 1;
+      if (event.subscribe && access_ != nullptr) NoteSubscriber();
       event.topic.assign(data + 1, size - 1);
       return true;
     }
@@ -46,7 +49,15 @@ class ZmqPublisher final : public Publisher {
   int fd() const override { return socket_.Get(ZMQ_FD); }
 
  private:
+  // Whose subscription the message is, and by which connection it came: libzmq keeps both with it.
+  void NoteSubscriber() {
+    const char* const key = zmq_msg_gets(&message_, "User-Id");
+    const int connection = zmq_msg_get(&message_, ZMQ_SRCFD);
+    if (key != nullptr && connection >= 0) access_->NoteSubscriber(key, connection);
+  }
+
   runtime::ZmqSocket socket_;
+  security::Access* access_;
   runtime::Counters& counters_;
   zmq_msg_t message_;
 };
@@ -55,7 +66,8 @@ class ZmqPublisher final : public Publisher {
 
 Result<std::unique_ptr<Publisher>> MakeZmqPublisher(void* context, const config::Publish& config,
                                                     runtime::Counters& counters,
-                                                    std::string& endpoint) {
+                                                    std::string& endpoint,
+                                                    security::Gatekeeper* keeper) {
   runtime::ZmqSocket socket(context, ZMQ_XPUB);
   if (socket.get() == nullptr) return Status::Error("publish: " + std::string(zmq_strerror(errno)));
   socket.Set(ZMQ_XPUB_VERBOSE, 1);
@@ -65,9 +77,16 @@ Result<std::unique_ptr<Publisher>> MakeZmqPublisher(void* context, const config:
   socket.Set(ZMQ_HANDSHAKE_IVL, 1000);
   socket.Set(ZMQ_MAXMSGSIZE, std::int64_t{1024});  // of what peers send: subscriptions
   socket.Set(ZMQ_TCP_KEEPALIVE, 1);
-  const Status status = socket.Bind(config.address, "publish.address", endpoint);
+  const auto ipc = security::ResolveIpc(config.ipc, "publish");
+  if (!ipc.ok()) return ipc.status();
+  if (keeper != nullptr) {
+    const Status status = keeper->Guard(socket, security::Door::kPublish);
+    if (!status.ok()) return status;
+  }
+  const Status status = socket.Bind(config.address, "publish.address", endpoint, ipc.value());
   if (!status.ok()) return status;
-  return std::unique_ptr<Publisher>(std::make_unique<ZmqPublisher>(std::move(socket), counters));
+  return std::unique_ptr<Publisher>(std::make_unique<ZmqPublisher>(
+      std::move(socket), keeper == nullptr ? nullptr : &keeper->access(), counters));
 }
 
 }  // namespace styled::publish

@@ -8,6 +8,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/runtime/counters.h"
+#include "daemon/security/gatekeeper.h"
 #include "model/base/status.h"
 
 namespace styled::publish {
@@ -30,10 +31,11 @@ class Publisher {
 };
 
 // Opens the XPUB socket. `context` is the process' ZeroMQ context. Subscribers that do not read
-// lose frames at their queue (high_water_mark); nobody else notices. `endpoint` receives the
-// address bound.
+// lose frames at their queue (high_water_mark); nobody else notices. `keeper`: lets in those with
+// keys alone; null: everybody who can reach the address. `endpoint` receives the address bound.
 Result<std::unique_ptr<Publisher>> MakeZmqPublisher(void* context, const config::Publish& config,
                                                     runtime::Counters& counters,
-                                                    std::string& endpoint);
+                                                    std::string& endpoint,
+                                                    security::Gatekeeper* keeper = nullptr);
 
 }  // namespace styled::publish

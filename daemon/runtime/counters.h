@@ -30,6 +30,7 @@ enum class Counter : std::uint8_t {
   kSourceIgnored,        // messages of a rig that say nothing of a pose
   kSourceBadName,        // performer's name is not [A-Za-z0-9_-]{1,32}
   kSourceKernelDropped,  // the socket's buffer was full
+  kSourceRateLimited,    // one sender's, beyond sender_limit_hz; not in kSourceReceived
   kSourceTcpAccepted,
   kSourceTcpRefused,   // more connections than max_connections
   kSourceTcpBroken,    // stream out of step: closed; the reason is counted beside
@@ -82,6 +83,11 @@ enum class Counter : std::uint8_t {
   kControlMalformed,
   kControlTooLarge,
   kControlBusy,
+  kSecurityClients,           // let in, now
+  kSecurityAdmitted,          // handshakes of clients that are
+  kSecurityRefused,           // handshakes with a key that opens nothing here
+  kSecurityHandshakesFailed,  // without a key of ours: no CURVE, or another server's
+  kSecurityCut,               // connections of clients who were revoked
   kConfigReloads,
   kConfigReloadsRefused,
   kStateWrites,

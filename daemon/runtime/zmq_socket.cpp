@@ -2,27 +2,50 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 
 #include <array>
 #include <cerrno>
 
 namespace styled::runtime {
 
-Status ZmqSocket::Bind(const std::string& address, const std::string& key, std::string& endpoint) {
+// Beside the socket, which libzmq removes and makes anew.
+Status ZmqSocket::LockPath(const std::string& path, const std::string& place) {
+  const std::string file = path + ".lock";
+  lock_ = Descriptor(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (lock_.get() < 0) return Status::Error(place + "cannot write its lock file " + file);
+  if (flock(lock_.get(), LOCK_EX | LOCK_NB) == 0) return Status::Ok();
+  return Status::Error(place + "in use (another styled?)");
+}
+
+// The file has its mode from its first moment on.
+bool ZmqSocket::BindIpc(const std::string& address, const IpcAccess& ipc) {
+  for (const uid_t user : ipc.users) {
+    if (zmq_setsockopt(socket_, ZMQ_IPC_FILTER_UID, &user, sizeof user) != 0) return false;
+  }
+  const mode_t before = umask(static_cast<mode_t>(0777U & ~ipc.mode));
+  const bool bound = zmq_bind(socket_, address.c_str()) == 0;
+  const int error = errno;
+  umask(before);
+  errno = error;
+  return bound;
+}
+
+Status ZmqSocket::Bind(const std::string& address, const std::string& key, std::string& endpoint,
+                       const IpcAccess& ipc) {
   const std::string place = key + ": " + address + ": ";
   if (socket_ == nullptr) return Status::Error(place + zmq_strerror(zmq_errno()));
-  if (address.starts_with("ipc://")) {
-    const std::string path = address.substr(6) + ".lock";
-    lock_ = Descriptor(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
-    if (lock_.get() < 0) return Status::Error(place + "cannot write its lock file " + path);
-    if (flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) {
-      return Status::Error(place + "in use (another styled?)");
-    }
-  }
   std::string wanted = address;
-  if (wanted.starts_with("tcp://") && wanted.ends_with(":0")) wanted.back() = '*';
-  Set(ZMQ_IPV6, wanted.find('[') != std::string::npos ? 1 : 0);
-  if (zmq_bind(socket_, wanted.c_str()) != 0) {
+  bool done = false;
+  if (address.starts_with("ipc://")) {
+    if (const Status status = LockPath(address.substr(6), place); !status.ok()) return status;
+    done = BindIpc(address, ipc);
+  } else {
+    if (wanted.ends_with(":0")) wanted.back() = '*';
+    Set(ZMQ_IPV6, wanted.find('[') != std::string::npos ? 1 : 0);
+    done = zmq_bind(socket_, wanted.c_str()) == 0;
+  }
+  if (!done) {
     const int error = zmq_errno();
     return Status::Error(place +
                          (error == EADDRINUSE ? "in use (another styled?)" : zmq_strerror(error)));

@@ -1,16 +1,24 @@
 #pragma once
 
+#include <sys/types.h>
 #include <zmq.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "daemon/runtime/descriptor.h"
 #include "model/base/status.h"
 
 namespace styled::runtime {
+
+// Who may connect to an ipc:// address.
+struct IpcAccess {
+  mode_t mode = 0600;        // of the socket's file
+  std::vector<uid_t> users;  // empty: all whom the mode lets in
+};
 
 // Owns a ZeroMQ socket; one thread at a time.
 class ZmqSocket {
@@ -44,10 +52,15 @@ class ZmqSocket {
   }
 
   // Binds `address` (port 0: any) and writes the endpoint bound. An ipc path is locked first:
-  // libzmq would silently take it from a daemon that runs. `key` names the address in errors.
-  Status Bind(const std::string& address, const std::string& key, std::string& endpoint);
+  // libzmq would silently take it from a daemon that runs. `key` names the address in errors. At
+  // start-up, while no other thread makes files: the process' umask is another for a moment.
+  Status Bind(const std::string& address, const std::string& key, std::string& endpoint,
+              const IpcAccess& ipc = {});
 
  private:
+  Status LockPath(const std::string& path, const std::string& place);
+  bool BindIpc(const std::string& address, const IpcAccess& ipc);
+
   void* socket_ = nullptr;
   Descriptor lock_;
 };

@@ -100,10 +100,11 @@ class NatNetTransport final : public Transport {
   NatNetTransport(Descriptor command, Descriptor epoll, const Interface& interface,
                   const config::Source& config, int source, runtime::Clock& clock,
                   runtime::Counters& counters, const sockaddr_in& server, in_addr group)
-      : command_(std::move(command), counters),
+      : command_(std::move(command), clock, counters, config.sender_limit_hz),
         epoll_(std::move(epoll)),
         interface_(interface),
         receive_buffer_bytes_(config.receive_buffer_bytes),
+        sender_limit_hz_(config.sender_limit_hz),
         source_(source),
         clock_(clock),
         counters_(counters),
@@ -113,11 +114,10 @@ class NatNetTransport final : public Transport {
   }
 
   int DoWork(Receiver& receiver) override {
+    int work = Drain(command_, receiver);
+    if (data_) work += Drain(*data_, receiver);
     const std::int64_t now_ns = clock_.Now_ns();
-    const bool due = now_ns >= NextDeadline_ns();
-    int work = due ? 1 : 0;
-    work += Drain(command_, now_ns, receiver);
-    if (data_) work += Drain(*data_, now_ns, receiver);
+    if (now_ns >= NextDeadline_ns()) ++work;
     outbox_.Open(receiver, command_.fd());
     translator_.Tick(now_ns, outbox_);
     outbox_.Close();
@@ -142,13 +142,13 @@ class NatNetTransport final : public Transport {
     epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event);
   }
 
-  int Drain(UdpSocket& socket, std::int64_t now_ns, Receiver& receiver) {
+  int Drain(UdpSocket& socket, Receiver& receiver) {
     const auto datagrams = socket.Receive();
     if (datagrams.empty()) return 0;
-    socket.Announce(source_, now_ns, receiver);
+    socket.Announce(source_, receiver);
     outbox_.Open(receiver, command_.fd());
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
-      translator_.Take(datagrams[i], socket.Sender(i), now_ns, outbox_);
+      translator_.Take(datagrams[i], socket.Sender(i), socket.arrived_ns(i), outbox_);
     }
     outbox_.Close();
     return static_cast<int>(datagrams.size());
@@ -165,7 +165,7 @@ class NatNetTransport final : public Transport {
     if (!joined_) return;
     auto socket = JoinGroup(*joined_, interface_, receive_buffer_bytes_);
     if (socket.ok()) {
-      data_.emplace(std::move(socket.value()), counters_);
+      data_.emplace(std::move(socket.value()), clock_, counters_, sender_limit_hz_);
       Watch(data_->fd());
       return;
     }
@@ -178,7 +178,7 @@ class NatNetTransport final : public Transport {
   UdpSocket command_;
   Descriptor epoll_;
   Interface interface_;
-  int receive_buffer_bytes_, source_;
+  int receive_buffer_bytes_, sender_limit_hz_, source_;
   runtime::Clock& clock_;
   runtime::Counters& counters_;
   NatNet translator_;

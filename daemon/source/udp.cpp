@@ -8,13 +8,14 @@ namespace {
 // Our own datagrams, as they are.
 class Udp final : public Transport {
  public:
-  Udp(Descriptor socket, int source, runtime::Clock& clock, runtime::Counters& counters)
-      : socket_(std::move(socket), counters), source_(source), clock_(clock) {}
+  Udp(Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
+      runtime::Counters& counters)
+      : socket_(std::move(socket), clock, counters, config.sender_limit_hz), source_(source) {}
 
   int DoWork(Receiver& receiver) override {
     const auto datagrams = socket_.Receive();
     if (datagrams.empty()) return 0;
-    socket_.Announce(source_, clock_.Now_ns(), receiver);
+    socket_.Announce(source_, receiver);
     receiver.OnDatagrams(source_, datagrams);
     return static_cast<int>(datagrams.size());
   }
@@ -26,15 +27,14 @@ class Udp final : public Transport {
  private:
   UdpSocket socket_;
   int source_;
-  runtime::Clock& clock_;
 };
 
 // A rig's, through its translator.
 class TranslatedUdp final : public Transport {
  public:
-  TranslatedUdp(Descriptor socket, int source, runtime::Clock& clock, runtime::Counters& counters,
-                std::unique_ptr<Translator> translator)
-      : socket_(std::move(socket), counters),
+  TranslatedUdp(Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
+                runtime::Counters& counters, std::unique_ptr<Translator> translator)
+      : socket_(std::move(socket), clock, counters, config.sender_limit_hz),
         source_(source),
         clock_(clock),
         translator_(std::move(translator)),
@@ -45,10 +45,10 @@ class TranslatedUdp final : public Transport {
     const std::int64_t now_ns = clock_.Now_ns();
     const bool due = now_ns >= translator_->NextDeadline_ns();
     if (datagrams.empty() && !due) return 0;
-    socket_.Announce(source_, now_ns, receiver);
+    socket_.Announce(source_, receiver);
     outbox_.Open(receiver, socket_.fd());
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
-      translator_->Take(datagrams[i], socket_.Sender(i), now_ns, outbox_);
+      translator_->Take(datagrams[i], socket_.Sender(i), socket_.arrived_ns(i), outbox_);
     }
     translator_->Tick(now_ns, outbox_);
     outbox_.Close();
@@ -81,10 +81,10 @@ Result<std::unique_ptr<Transport>> MakeUdp(const config::Source& config, int sou
   if (!socket.ok()) return socket.status();
   if (translator == nullptr) {
     return std::unique_ptr<Transport>(
-        std::make_unique<Udp>(std::move(socket.value()), source, clock, counters));
+        std::make_unique<Udp>(std::move(socket.value()), config, source, clock, counters));
   }
   return std::unique_ptr<Transport>(std::make_unique<TranslatedUdp>(
-      std::move(socket.value()), source, clock, counters, std::move(translator)));
+      std::move(socket.value()), config, source, clock, counters, std::move(translator)));
 }
 
 }  // namespace styled::source

@@ -4,14 +4,24 @@
 #include <cstring>
 
 namespace styled::source {
+namespace {
 
-UdpSocket::UdpSocket(Descriptor socket, runtime::Counters& counters)
+// A stamp that is older says that the wall clock was set, not that the datagram waited.
+constexpr std::int64_t kLongestWait_ns = runtime::kSecond_ns / 10;
+
+}  // namespace
+
+UdpSocket::UdpSocket(Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
+                     int sender_limit_hz)
     : socket_(std::move(socket)),
+      clock_(clock),
       counters_(counters),
       endpoint_(BoundAddress(socket_.get())),
+      limiter_(sender_limit_hz),
       buffer_(kBatch * kSlot) {
   const int one = 1;
   setsockopt(socket_.get(), SOL_SOCKET, SO_RXQ_OVFL, &one, sizeof one);
+  setsockopt(socket_.get(), SOL_SOCKET, SO_TIMESTAMPNS, &one, sizeof one);
   for (std::size_t i = 0; i < kBatch; ++i) {
     vectors_[i] = {&buffer_[i * kSlot], kSlot};
     msghdr& header = messages_[i].msg_hdr;
@@ -28,30 +38,39 @@ std::span<const std::span<const std::byte>> UdpSocket::Receive() {
     message.msg_hdr.msg_namelen = sizeof senders_[0];
   }
   const int received = recvmmsg(socket_.get(), messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
-  batch_ = static_cast<std::size_t>(std::max(received, 0));
+  batch_ = 0;
   if (received <= 0) return {};
   const auto count = static_cast<std::size_t>(received);
   received_ += count;
+  const std::int64_t now_ns = clock_.Now_ns();
+  const std::int64_t wall_ns = clock_.Wall_ns();
   for (std::size_t i = 0; i < count; ++i) {
-    datagrams_[i] = {&buffer_[i * kSlot], messages_[i].msg_len};
+    const std::int64_t arrived_ns = ReadControl(i, now_ns, wall_ns);
+    if (!limiter_.Admit(senders_[i], arrived_ns)) continue;
+    datagrams_[batch_] = {&buffer_[i * kSlot], messages_[i].msg_len};
+    arrived_ns_[batch_] = arrived_ns;
+    places_[batch_] = i;
+    ++batch_;
   }
-  CountDropped(messages_[count - 1].msg_hdr);
-  return {datagrams_.data(), count};
+  if (batch_ < count) counters_.Add(runtime::Counter::kSourceRateLimited, count - batch_);
+  return {datagrams_.data(), batch_};
 }
 
-void UdpSocket::Announce(int source, std::int64_t now_ns, Receiver& receiver) const noexcept {
+void UdpSocket::Announce(int source, Receiver& receiver) const noexcept {
   const runtime::HotSection hot;
   for (std::size_t i = 0; i < batch_; ++i) {
-    receiver.OnArrival({source, now_ns, datagrams_[i],
-                        reinterpret_cast<const sockaddr*>(&senders_[i]),
-                        messages_[i].msg_hdr.msg_namelen});
+    const std::size_t place = places_[i];
+    receiver.OnArrival({source, arrived_ns_[i], datagrams_[i],
+                        reinterpret_cast<const sockaddr*>(&senders_[place]),
+                        messages_[place].msg_hdr.msg_namelen});
   }
 }
 
 Peer UdpSocket::Sender(std::size_t i) const noexcept {
   Peer peer;
-  peer.address_size = messages_[i].msg_hdr.msg_namelen;
-  peer.address = senders_[i];
+  const std::size_t place = places_[i];
+  peer.address_size = messages_[place].msg_hdr.msg_namelen;
+  peer.address = senders_[place];
   // Of address and port alone: padding and flow labels may differ.
   std::uint64_t hash = 14695981039346656037ULL;
   const auto mix = [&hash](const void* data, std::size_t size) {
@@ -73,14 +92,26 @@ Peer UdpSocket::Sender(std::size_t i) const noexcept {
 }
 
 // SO_RXQ_OVFL: the socket's total of dropped datagrams, with each that was not.
-void UdpSocket::CountDropped(msghdr& header) noexcept {
+std::int64_t UdpSocket::ReadControl(std::size_t i, std::int64_t now_ns,
+                                    std::int64_t wall_ns) noexcept {
+  msghdr& header = messages_[i].msg_hdr;
+  std::int64_t waited_ns = 0;
   for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
-    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_RXQ_OVFL) continue;
-    std::uint32_t dropped = 0;
-    std::memcpy(&dropped, CMSG_DATA(c), sizeof dropped);
-    counters_.Add(runtime::Counter::kSourceKernelDropped, dropped - dropped_);
-    dropped_ = dropped;
+    if (c->cmsg_level != SOL_SOCKET) continue;
+    if (c->cmsg_type == SO_RXQ_OVFL) {
+      std::uint32_t dropped = 0;
+      std::memcpy(&dropped, CMSG_DATA(c), sizeof dropped);
+      counters_.Add(runtime::Counter::kSourceKernelDropped, dropped - dropped_);
+      dropped_ = dropped;
+    } else if (c->cmsg_type == SCM_TIMESTAMPNS) {
+      timespec stamp{};
+      std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+      waited_ns = wall_ns - (stamp.tv_sec * runtime::kSecond_ns + stamp.tv_nsec);
+    }
   }
+  if (waited_ns < 0 || waited_ns > kLongestWait_ns) waited_ns = 0;
+  last_ns_ = std::max(last_ns_, now_ns - waited_ns);
+  return last_ns_;
 }
 
 }  // namespace styled::source

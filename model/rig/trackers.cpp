@@ -228,20 +228,38 @@ void Trackers::FindWorld(std::int64_t now_ns) noexcept {
     if (!tracker.calibrated) continue;
     sources_[part] = IsLive(tracker, now_ns) ? Source::kLive : Source::kStale;
     if (sources_[part] == Source::kStale) continue;
-    // The newest sample that is not later than the time, and the one after it.
-    const std::uint32_t oldest = tracker.taken - std::min(tracker.taken, Tracker::kSamples);
-    std::uint32_t i = tracker.taken - 1;
-    while (i > oldest && tracker.samples[i % Tracker::kSamples].time_ns > time_ns) --i;
-    const Sample& a = tracker.samples[i % Tracker::kSamples];
-    const Sample& b = tracker.samples[std::min(i + 1, tracker.taken - 1) % Tracker::kSamples];
-    Quat rotation = a.rotation;
-    if (time_ns > a.time_ns && b.time_ns > a.time_ns) {
-      const auto share = static_cast<float>(static_cast<double>(time_ns - a.time_ns) /
-                                            static_cast<double>(b.time_ns - a.time_ns));
-      rotation = a.rotation.slerp(share, b.rotation);
-    }
-    world_[part] = (Turn(-tracker.heading) * rotation * tracker.sensor_from_part).normalized();
+    world_[part] =
+        (Turn(-tracker.heading) * RotationAt(tracker, time_ns) * tracker.sensor_from_part)
+            .normalized();
   }
+}
+
+Quat Trackers::RotationAt(const Tracker& tracker, std::int64_t time_ns) noexcept {
+  const auto sample = [&tracker](std::uint32_t i) -> const Sample& {
+    return tracker.samples[i % Tracker::kSamples];
+  };
+  const std::uint32_t oldest = tracker.taken - std::min(tracker.taken, Tracker::kSamples);
+  // The newest sample that is not later than the time, and the one after it.
+  std::uint32_t i = tracker.taken - 1;
+  while (i > oldest && sample(i).time_ns > time_ns) --i;
+  const Sample& a = sample(i);
+  if (time_ns <= a.time_ns) return a.rotation;
+  if (i + 1 < tracker.taken) {
+    const Sample& b = sample(i + 1);
+    const auto share =
+        static_cast<double>(time_ns - a.time_ns) / static_cast<double>(b.time_ns - a.time_ns);
+    return a.rotation.slerp(static_cast<float>(share), b.rotation);
+  }
+  // The next one is late: as it turned over the last samples, so it turns on. Two that came in one
+  // burst say nothing of how fast.
+  std::uint32_t k = i;
+  while (k > oldest && a.time_ns - sample(k).time_ns < kReach_ns) --k;
+  const std::int64_t base_ns = a.time_ns - sample(k).time_ns;
+  if (base_ns < kReach_ns || base_ns > 10 * kReach_ns) return a.rotation;
+  const auto share =
+      static_cast<double>(std::min(time_ns - a.time_ns, kReach_ns)) / static_cast<double>(base_ns);
+  const Vec3 turn = body::Log(a.rotation * sample(k).rotation.conjugate());
+  return body::Exp(static_cast<float>(share) * turn) * a.rotation;
 }
 
 void Trackers::FindHips() noexcept {

@@ -32,6 +32,7 @@ class Trackers {
     Stance stance = Stance::kTPose;
     std::int64_t stale_ns = 300'000'000;  // silence after which a part is held
     // Poses are of so long ago, so that there is a sample on either side of them: about a period.
+    // A sample that comes later than that is anticipated, by at most kReach_ns.
     std::int64_t delay_ns = 10'000'000;
   };
   // Bits 1 << body::Joint: parts that were reset, and parts with a live tracker that were not.
@@ -94,6 +95,10 @@ class Trackers {
   // How a part's rotation comes about in this pose.
   enum class Source : std::uint8_t { kNone, kLive, kStale };
 
+  // Further ahead a turn that goes on is a worse guess than one that stops.
+  static constexpr std::int64_t kReach_ns = 5'000'000;
+
+  static Quat RotationAt(const Tracker& tracker, std::int64_t time_ns) noexcept;
   bool IsLevel(int part) const noexcept;
   float HeadingOfSensor(int part, const Quat& world_from_sensor) const noexcept;
   bool IsLive(const Tracker& tracker, std::int64_t now_ns) const noexcept;

@@ -28,13 +28,25 @@ void SetInt(void* socket, int option, int value) {
   zmq_setsockopt(socket, option, &value, sizeof value);
 }
 
+void SetKeys(void* socket, const CurveKeys& keys) {
+  if (keys.server_key.empty()) return;
+  for (const auto& [option, key] : {std::pair{ZMQ_CURVE_SERVERKEY, &keys.server_key},
+                                    std::pair{ZMQ_CURVE_PUBLICKEY, &keys.public_key},
+                                    std::pair{ZMQ_CURVE_SECRETKEY, &keys.secret_key}}) {
+    zmq_setsockopt(socket, option, key->c_str(), key->size() + 1);
+  }
+}
+
 }  // namespace
 
-Subscriber::Subscriber(const std::string& endpoint, const std::vector<std::string>& topics)
+Subscriber::Subscriber(const std::string& endpoint, const std::vector<std::string>& topics,
+                       const CurveKeys& keys)
     : context_(zmq_ctx_new()), socket_(zmq_socket(context_, ZMQ_SUB)) {
   SetInt(socket_, ZMQ_RCVHWM, 0);
   SetInt(socket_, ZMQ_LINGER, 0);
   SetInt(socket_, ZMQ_RCVTIMEO, 50);
+  SetInt(socket_, ZMQ_HANDSHAKE_IVL, 1000);
+  SetKeys(socket_, keys);
   for (const auto& topic : topics) {
     zmq_setsockopt(socket_, ZMQ_SUBSCRIBE, topic.data(), topic.size());
   }
@@ -113,16 +125,22 @@ bool Subscriber::WaitForBody(double seconds) const {
   return WaitFor([this] { return !Bodies().empty(); }, seconds);
 }
 
-ControlClient::ControlClient(const std::string& endpoint)
+ControlClient::ControlClient(const std::string& endpoint, const CurveKeys& keys)
     : context_(zmq_ctx_new()), socket_(zmq_socket(context_, ZMQ_DEALER)) {
   SetInt(socket_, ZMQ_LINGER, 0);
-  SetInt(socket_, ZMQ_RCVTIMEO, 5000);
+  SetInt(socket_, ZMQ_HANDSHAKE_IVL, 1000);
+  SetPatience(5);
+  SetKeys(socket_, keys);
   zmq_connect(socket_, endpoint.c_str());
 }
 
 ControlClient::~ControlClient() {
   zmq_close(socket_);
   zmq_ctx_term(context_);
+}
+
+void ControlClient::SetPatience(double seconds) {
+  SetInt(socket_, ZMQ_RCVTIMEO, static_cast<int>(seconds * 1000));
 }
 
 v1::Reply ControlClient::AskRaw(const std::vector<std::string>& parts) {

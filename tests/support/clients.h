@@ -21,10 +21,16 @@ struct Message {
   std::string topic, payload;
 };
 
+// For a daemon that asks for keys (Z85); empty: none.
+struct CurveKeys {
+  std::string server_key, public_key, secret_key;
+};
+
 // A subscriber that collects all it gets on a thread of its own. Every method: the test's thread.
 class Subscriber {
  public:
-  Subscriber(const std::string& endpoint, const std::vector<std::string>& topics);
+  Subscriber(const std::string& endpoint, const std::vector<std::string>& topics,
+             const CurveKeys& keys = {});
   ~Subscriber();
   Subscriber(const Subscriber&) = delete;
   Subscriber& operator=(const Subscriber&) = delete;
@@ -53,15 +59,18 @@ class Subscriber {
 // The control socket's other end: DEALER, one request at a time.
 class ControlClient {
  public:
-  explicit ControlClient(const std::string& endpoint);
+  explicit ControlClient(const std::string& endpoint, const CurveKeys& keys = {});
   ~ControlClient();
   ControlClient(const ControlClient&) = delete;
   ControlClient& operator=(const ControlClient&) = delete;
 
-  // The reply; one with code CODE_BUSY and reason "no reply" where none comes within 5 s.
+  // The reply; one with code CODE_BUSY and reason "no reply" where none comes within 5 s
+  // (SetPatience).
   v1::Reply Ask(v1::Request request);
   // The parts as they are.
   v1::Reply AskRaw(const std::vector<std::string>& parts);
+
+  void SetPatience(double seconds);
 
   v1::Reply SetStyle(const std::string& performer, const std::string& style, float weight = 1,
                      float transition_ms = -1);

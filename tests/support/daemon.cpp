@@ -70,6 +70,7 @@ void Daemon::Start() {
   publish = json["publish"];
   control = json["control"];
   osc = json["osc"];
+  server_key = json.value("server_key", "");
 }
 
 int Daemon::Stop() {

@@ -28,6 +28,7 @@ class Daemon {
   void Configure(const std::string& extra);  // rewrites the file; SIGHUP is the test's
 
   std::string udp, tcp, publish, control, osc;  // addresses
+  std::string server_key;                       // "" where it asks nobody for keys
   std::vector<std::string> listens;             // of all sources, those of `extra` behind these two
   std::string Log() const { return ReadText(folder / "stderr.txt"); }
 

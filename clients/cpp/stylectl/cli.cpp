@@ -10,7 +10,9 @@
 #include <thread>
 
 #include "clients/cpp/control.h"
+#include "clients/cpp/key_options.h"
 #include "clients/cpp/stylectl/doctor_report.h"
+#include "clients/cpp/stylectl/key_commands.h"
 #include "clients/cpp/stylectl/report.h"
 #include "clients/cpp/stylectl/suggest.h"
 #include "clients/cpp/subscriber.h"
@@ -24,6 +26,8 @@ using nlohmann::json;
 
 struct Arguments {
   client::ControlOptions control;
+  client::KeyOptions keys;
+  KeyArguments clients;
   double timeout_s = 2.0;
   bool json = false;
   bool all_counters = false;
@@ -84,6 +88,7 @@ class Program {
   void DeclareSet();
   void DeclareCalibrate();
   void DeclareDoctor();
+  void DeclareKeys();
   CLI::App* Command(const std::string& name, const std::string& text);
   void PerformerOf(CLI::App* command, bool required);
 
@@ -94,6 +99,7 @@ class Program {
   int Set();
   int Calibrate();
   int Doctor();
+  int Keys(const std::string& command);
   int Changed(const CallStatus& status, const client::Applied& applied, const std::string& what);
   int Fail(const CallStatus& status);
   int Usage(const std::string& text);
@@ -131,6 +137,7 @@ void Program::Declare() {
   app_.add_option("--endpoint", arguments_.control.endpoint, "the daemon's control socket")
       ->envname("STYLED_CONTROL")
       ->capture_default_str();
+  client::Declare(app_, arguments_.keys);
   app_.add_option("--timeout", arguments_.timeout_s, "seconds to wait for an answer")
       ->check(CLI::Range(0.01, 600.0))
       ->capture_default_str();
@@ -166,6 +173,7 @@ void Program::Declare() {
   PerformerOf(Command("reset", "clear recurrent state, keep the settings"), true);
   DeclareCalibrate();
   DeclareDoctor();
+  DeclareKeys();
 }
 
 void Program::DeclareSet() {
@@ -227,11 +235,59 @@ void Program::DeclareDoctor() {
   doctor->footer("Exit codes: 0 all is well, 1 a problem was found, 2 usage.");
 }
 
+// On files of this machine: no daemon is asked.
+void Program::DeclareKeys() {
+  KeyArguments& clients = arguments_.clients;
+  const auto in_folder = [&clients](CLI::App* command) {
+    command->add_option("--keys", clients.folder, "the daemon's folder of keys, its security.keys")
+        ->envname("STYLED_SECURITY_KEYS")
+        ->capture_default_str();
+  };
+  Command("keygen", "make a pair of keys in a new file, print the public one")
+      ->add_option("FILE", clients.file, "where it is kept; for your eyes only")
+      ->required();
+  CLI::App* allow = Command("allow", "let a client with this key in, at once");
+  allow->add_option("NAME", clients.name, "what he is called here: A-Z a-z 0-9 _ -")->required();
+  allow->add_option("PUBLICKEY", clients.key, "as keygen printed it, or a file that holds it")
+      ->required();
+  allow
+      ->add_option("--role", clients.role,
+                   "subscriber: frames; operator: frames and the control socket")
+      ->check(CLI::IsMember({"subscriber", "operator"}))
+      ->capture_default_str();
+  CLI::App* revoke = Command("revoke", "let a client in no more; he is cut off at once");
+  revoke->add_option("NAME", clients.name, "as shown by keys")->required();
+  for (CLI::App* command :
+       {allow, revoke, Command("keys", "the daemon's key, and who is let in")}) {
+    in_folder(command);
+  }
+}
+
+int Program::Keys(const std::string& command) {
+  const KeyArguments& clients = arguments_.clients;
+  auto report = command == "keygen"   ? Keygen(clients)
+                : command == "allow"  ? AllowKey(clients)
+                : command == "revoke" ? RevokeKey(clients)
+                                      : ListKeys(clients);
+  if (!report.ok()) {
+    err_ << "stylectl: " << report.status().message() << "\n";
+    if (arguments_.json) {
+      out_ << json{{"ok", false}, {"code", "KEYS"}, {"reason", report.status().message()}}.dump()
+           << "\n";
+    }
+    return kExitRefused;
+  }
+  report.value().object["ok"] = true;
+  out_ << (arguments_.json ? report.value().object.dump() + "\n" : report.value().text);
+  return kExitOk;
+}
+
 int Program::Doctor() {
   doctor::Options& options = arguments_.doctor;
   options.endpoint = arguments_.control.endpoint;
   options.endpoint_given = app_.get_option("--endpoint")->count() > 0;
   options.timeout = arguments_.control.timeout;
+  options.curve = arguments_.control.curve;
   return RunDoctor(options, arguments_.json, out_, err_);
 }
 
@@ -244,13 +300,20 @@ int Program::Run(std::vector<std::string> arguments) {
     return Usage(error.what());
   }
   if (app_.get_subcommands().empty()) return Usage("a command is required");
+  const std::string command = app_.get_subcommands().front()->get_name();
+  if (command == "keygen" || command == "allow" || command == "revoke" || command == "keys") {
+    return Keys(command);
+  }
+  auto curve = client::ReadKeys(arguments_.keys);
+  if (!curve.ok()) return Usage(curve.status().message());
+  arguments_.control.curve = std::move(curve.value());
   if (std::isnan(arguments_.timeout_s)) return Usage("--timeout: nan; expected 0.01 to 600");
   arguments_.control.timeout =
       std::chrono::milliseconds(static_cast<int>(arguments_.timeout_s * 1000.0));
   auto control = client::Control::Connect(arguments_.control);
   if (!control.ok()) return Usage(control.status().message());
   control_ = std::move(control.value());
-  return Execute(app_.get_subcommands().front()->get_name());
+  return Execute(command);
 }
 
 int Program::Execute(const std::string& command) {
@@ -485,6 +548,9 @@ int Program::Fail(const CallStatus& status) {
     failure.expected =
         "is styled running, and is its control socket there (control.address in styled.toml)? "
         "Another endpoint: --endpoint or STYLED_CONTROL";
+    failure.expected += arguments_.control.curve
+                            ? ". Or this key is not an operator's there (stylectl keys, over there)"
+                            : ". A daemon on another machine wants --key and --server-key";
   }
   err_ << "stylectl: " << status.reason();
   if (!failure.suggestion.empty()) err_ << "; did you mean '" << failure.suggestion << "'?";

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "clients/cpp/key_options.h"
 #include "clients/cpp/stylemon/monitor.h"
 #include "clients/cpp/stylemon/terminal.h"
 
@@ -26,6 +27,7 @@ std::atomic<bool> stopped = false;
 
 struct Arguments {
   MonitorOptions monitor;
+  styled::client::KeyOptions keys;
   bool plain = false, ascii = false, front = false;
   int every_ms = 500, columns = 72, rows = 20;
   double seconds = 0;
@@ -108,6 +110,7 @@ void Declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--control", arguments.monitor.control, "where styles are set")
       ->envname("STYLED_CONTROL")
       ->capture_default_str();
+  styled::client::Declare(app, arguments.keys);
   app.add_option("--performer", arguments.monitor.performer, "SOURCE.NAME; default: the first");
   app.add_flag("--front", arguments.front, "begin with the front view");
   app.add_flag("--ascii", arguments.ascii, "no braille, whatever the locale says");
@@ -151,6 +154,12 @@ int main(int argc, char** argv) {
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 
+  auto curve = styled::client::ReadKeys(arguments.keys);
+  if (!curve.ok()) {
+    std::fprintf(stderr, "stylemon: %s\n", curve.status().message().c_str());
+    return kExitUsage;
+  }
+  arguments.monitor.curve = std::move(curve.value());
   auto monitor = Monitor::Start(arguments.monitor);
   if (!monitor.ok()) {
     std::fprintf(stderr, "stylemon: %s\n", monitor.status().message().c_str());

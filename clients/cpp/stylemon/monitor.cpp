@@ -84,9 +84,10 @@ Result<std::unique_ptr<Monitor>> Monitor::Start(const MonitorOptions& options) {
   listen.endpoints = {options.publisher};
   listen.streams.clear();
   listen.statistics = true;
+  listen.curve = options.curve;
   auto directory = client::Subscriber::Connect(listen);
   if (!directory.ok()) return directory.status();
-  auto steering = Steering::Start(options.control);
+  auto steering = Steering::Start(options.control, options.curve);
   if (!steering.ok()) return steering.status();
   if (!options.performer.empty() && !client::IsPerformerId(options.performer)) {
     return Status::Error("performer '" + options.performer + "' is not SOURCE.NAME");
@@ -106,6 +107,7 @@ void Monitor::Impl::Select(const std::string& performer) {
   client::SubscriberOptions listen;
   listen.endpoints = {options.publisher};
   listen.performer = performer;
+  listen.curve = options.curve;
   listen.streams = {client::Stream::kStyledRig, client::Stream::kSource};
   auto result = client::Subscriber::Connect(listen);
   if (!result.ok()) return;  // the endpoint was good a moment ago: out of sockets

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "clients/cpp/stylemon/meter.h"
@@ -16,6 +17,7 @@ struct MonitorOptions {
   std::string control{client::kDefaultControl};
   std::string performer;  // "" = the first that comes
   Side side = Side::kSide;
+  std::optional<client::Curve> curve;  // for a daemon that asks for keys
 };
 
 enum class Key : std::uint8_t {

@@ -16,9 +16,10 @@ Steering::Steering(std::unique_ptr<client::Control> control)
 
 Steering::~Steering() = default;
 
-Result<std::unique_ptr<Steering>> Steering::Start(const std::string& endpoint) {
-  auto control =
-      client::Control::Connect({.endpoint = endpoint, .timeout = std::chrono::milliseconds(700)});
+Result<std::unique_ptr<Steering>> Steering::Start(const std::string& endpoint,
+                                                  const std::optional<client::Curve>& curve) {
+  auto control = client::Control::Connect(
+      {.endpoint = endpoint, .timeout = std::chrono::milliseconds(700), .curve = curve});
   if (!control.ok()) return control.status();
   return std::unique_ptr<Steering>(new Steering(std::move(control.value())));
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -26,7 +27,8 @@ class Steering {
     bool bad = false;
   };
 
-  static Result<std::unique_ptr<Steering>> Start(const std::string& endpoint);
+  static Result<std::unique_ptr<Steering>> Start(const std::string& endpoint,
+                                                 const std::optional<client::Curve>& curve = {});
   ~Steering();
   Steering(const Steering&) = delete;
   Steering& operator=(const Steering&) = delete;

@@ -3,7 +3,9 @@
 // skeleton.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -117,8 +119,10 @@ INSTANTIATE_TEST_SUITE_P(
       return test.param.type + std::to_string(static_cast<int>(test.param.rate_hz));
     });
 
-// SlimeVR's trackers have no clock in common: a frame is what each said last. So each is held
-// against the pose of the clip, of those about its time, that it is nearest to.
+// A frame of SlimeVR's is the pose at an instant of the daemon's clock, which falls between two of
+// the clip's: it is held against the instant of the clip that it is nearest to, all parts at once.
+// Where this process was kept from sending the trackers of a moment together, they told of no one
+// instant: such frames, which a busy machine makes, are left out.
 class SlimeVrClipTest : public ClipRigTest {
  protected:
   const std::vector<int> worn_{body::kHips,          body::kChest,         body::kHead,
@@ -140,23 +144,47 @@ class SlimeVrClipTest : public ClipRigTest {
       binding.value().Bind(pose, poses_.emplace_back());
     }
   }
-  // Of what a tracker is worn on, in the world.
-  float WorstDegrees(const v1::Frame& frame, const body::Pose& pose) const {
+  // The clip at every millisecond.
+  std::vector<body::WorldPose> Instants(double rate_hz) const {
+    const int steps = static_cast<int>(1000 / rate_hz);
+    std::vector<body::WorldPose> instants;
+    for (std::size_t i = 0; i + 1 < poses_.size(); ++i) {
+      for (int k = 0; k < steps; ++k) {
+        body::Pose pose = poses_[i];
+        for (std::size_t j = 0; j < body::kJointCount; ++j) {
+          const float share = static_cast<float>(k) / static_cast<float>(steps);
+          pose.rotations[j] = pose.rotations[j].slerp(share, poses_[i + 1].rotations[j]);
+        }
+        body::ForwardKinematics(pose, instants.emplace_back());
+      }
+    }
+    return instants;
+  }
+  // Of what a tracker is worn on, in the world, at the instant that is nearest.
+  float WorstDegrees(const v1::Frame& frame, const std::vector<body::WorldPose>& instants) const {
     body::Pose got;
     for (int j = 0; j < body::kJointCount; ++j) {
       const auto& r = frame.rotations();
       got.rotations[static_cast<std::size_t>(j)] =
           body::Quat(r[4 * j + 3], r[4 * j], r[4 * j + 1], r[4 * j + 2]);
     }
-    body::WorldPose found, expected;
+    body::WorldPose found;
     body::ForwardKinematics(got, found);
-    body::ForwardKinematics(pose, expected);
-    float worst = 0;
-    for (const int joint : worn_) {
-      const auto j = static_cast<std::size_t>(joint);
-      worst = std::max(worst, kDegrees * expected.rotations[j].angularDistance(found.rotations[j]));
+    float best = 180;
+    for (const body::WorldPose& expected : instants) {
+      float worst = 0;
+      for (const int joint : worn_) {
+        const auto j = static_cast<std::size_t>(joint);
+        worst =
+            std::max(worst, kDegrees * expected.rotations[j].angularDistance(found.rotations[j]));
+      }
+      best = std::min(best, worst);
     }
-    return worst;
+    return best;
+  }
+
+  static std::int64_t Now_ns() {
+    return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
   }
 
   std::vector<body::Pose> poses_;
@@ -164,6 +192,7 @@ class SlimeVrClipTest : public ClipRigTest {
 
 TEST_F(SlimeVrClipTest, TheSegmentsWithTrackersFollowWithinADegreeAt100Hz) {
   constexpr double kRate_hz = 100;
+  constexpr std::int64_t kPeriod_ns = 10'000'000, kSteady_ns = 2'000'000;
   LoadPoses(kRate_hz);
   Daemon daemon({}, "[[source]]\nname = \"suit\"\ntype = \"slimevr\"\nlisten = \"127.0.0.1:0\"\n",
                 {}, kWeights);
@@ -195,20 +224,28 @@ TEST_F(SlimeVrClipTest, TheSegmentsWithTrackersFollowWithinADegreeAt100Hz) {
   Paced(200, kRate_hz, [&](int) { send({}); });  // the boards greet, and play both resets
   ASSERT_TRUE(subscriber.WaitForFrames(50, canonical));
   const std::size_t first = subscriber.Frames(canonical).size();
-  Paced(static_cast<int>(poses_.size()), kRate_hz,
-        [&](int i) { send(poses_[static_cast<std::size_t>(i)]); });
+  std::vector<std::int64_t> unsteady_ns;
+  const std::int64_t start_ns = Now_ns();
+  Paced(static_cast<int>(poses_.size()), kRate_hz, [&](int i) {
+    const auto due_ns = start_ns + static_cast<std::int64_t>(i * 1e9 / kRate_hz);
+    send(poses_[static_cast<std::size_t>(i)]);
+    for (const std::int64_t at_ns : {due_ns, Now_ns()}) {
+      if (Now_ns() - due_ns > kSteady_ns) unsteady_ns.push_back(at_ns);
+    }
+  });
   const auto frames = subscriber.Frames(canonical);
   ASSERT_GT(frames.size(), first + poses_.size() / 2);
+  const auto instants = Instants(kRate_hz);
   std::vector<float> worst;
   for (std::size_t i = first + 5; i < frames.size(); ++i) {
-    float best = 180;
-    for (const auto& pose : poses_) best = std::min(best, WorstDegrees(frames[i], pose));
-    worst.push_back(best);
+    const auto at_ns = static_cast<std::int64_t>(frames[i].source_time_ns());
+    const auto is_near = [at_ns](std::int64_t ns) { return std::abs(at_ns - ns) < 2 * kPeriod_ns; };
+    if (std::ranges::any_of(unsteady_ns, is_near)) continue;
+    worst.push_back(WorstDegrees(frames[i], instants));
   }
-  // A frame that is made while the trackers of the next one come in has some of either.
+  ASSERT_GT(worst.size(), poses_.size() / 10) << "the machine is too busy";
   std::sort(worst.begin(), worst.end());
-  const float most = worst[worst.size() * 9 / 10];
-  EXPECT_LT(most, 1) << "in nine frames of ten";
+  EXPECT_LT(worst.back(), 1);
   ASSERT_EQ(control.SetStyle("suit.suit", "elderly", 1, 0).code(), v1::CODE_OK);
   Paced(100, kRate_hz, [&](int i) { send(poses_[static_cast<std::size_t>(i)]); });
   ASSERT_TRUE(subscriber.WaitFor(
@@ -217,7 +254,8 @@ TEST_F(SlimeVrClipTest, TheSegmentsWithTrackersFollowWithinADegreeAt100Hz) {
   EXPECT_EQ(styled.styles(0).style(), "elderly");
   EXPECT_EQ(styled.rotations_size(), 4 * body::kJointCount);
   std::cout << "slimevr at 100 Hz: " << worst[worst.size() / 2] << " deg in half of the frames, "
-            << most << " in nine of ten, " << worst.back() << " at most\n";
+            << worst[worst.size() * 9 / 10] << " in nine of ten, " << worst.back() << " at most of "
+            << worst.size() << " frames\n";
 }
 
 }  // namespace

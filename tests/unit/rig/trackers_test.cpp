@@ -437,13 +437,30 @@ TEST(Trackers, AreTakenAtTheTimeOfThePoseBetweenTheirSamples) {
   };
   EXPECT_NEAR(heading_at(20 * kPeriod_ns), 1.9F, 1e-3F);
   EXPECT_NEAR(heading_at(20 * kPeriod_ns + kPeriod_ns / 4), 1.925F, 1e-3F);
-  EXPECT_NEAR(heading_at(22 * kPeriod_ns), 2.0F, 1e-3F);  // the newest, not beyond it
+  EXPECT_NEAR(heading_at(21 * kPeriod_ns + kPeriod_ns / 4), 2.025F, 1e-3F);  // the next is late
+  EXPECT_NEAR(heading_at(22 * kPeriod_ns), 2.05F, 1e-3F);  // very late: no further ahead
+  EXPECT_NEAR(heading_at(30 * kPeriod_ns), 2.05F, 1e-3F);
   EXPECT_NEAR(heading_at(10 * kPeriod_ns), 1.3F, 1e-3F);  // the oldest that is kept
   trackers.Take(body::kHips, 19 * kPeriod_ns, Y(3));      // older than the last
-  EXPECT_NEAR(heading_at(22 * kPeriod_ns), 2.0F, 1e-3F);
+  EXPECT_NEAR(heading_at(22 * kPeriod_ns), 2.05F, 1e-3F);
   trackers.Take(body::kHips, 20 * kPeriod_ns, Y(2.1F));  // instead of the last
-  EXPECT_NEAR(heading_at(22 * kPeriod_ns), 2.1F, 1e-3F);
+  EXPECT_NEAR(heading_at(21 * kPeriod_ns), 2.1F, 1e-3F);
   EXPECT_NEAR(heading_at(20 * kPeriod_ns), 1.9F, 1e-3F);
+}
+
+TEST(Trackers, WhoseSamplesComeInBurstsAreNotThrownAhead) {
+  Trackers::Options options;
+  options.delay_ns = kPeriod_ns;
+  Trackers trackers(options);
+  trackers.Take(body::kHips, 0, Quat::Identity());
+  trackers.ResetFull(0);
+  // Two of 10 ms between them arrive within 0.1 ms, every 20 ms.
+  for (int i = 1; i <= 20; ++i) {
+    trackers.Take(body::kHips, (i + i % 2) * kPeriod_ns - i % 2 * 100'000, Y(0.1F * i));
+  }
+  body::Pose pose;
+  EXPECT_TRUE(trackers.Solve(21 * kPeriod_ns + kPeriod_ns / 2, pose));
+  EXPECT_NEAR(Degrees(pose.rotations[body::kHips], Quat::Identity()) * kPi / 180, 2.05F, 0.01F);
 }
 
 // 100 Hz each, out of step, resampled: what is left is the motion within less than a period.

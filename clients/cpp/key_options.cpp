@@ -1,0 +1,39 @@
+#include "clients/cpp/key_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "proto/keys/key_folder.h"
+
+namespace styled::client {
+
+void Declare(CLI::App& app, KeyOptions& options) {
+  app.add_option("--key", options.key,
+                 "own pair of keys, a file of stylectl keygen: for a daemon on another machine")
+      ->envname("STYLED_KEY");
+  app.add_option("--server-key", options.server_key,
+                 "that daemon's public key, or a file that holds it (its server.pub)")
+      ->envname("STYLED_SERVER_KEY");
+}
+
+Result<std::optional<Curve>> ReadKeys(const KeyOptions& options) {
+  if (options.key.empty() && options.server_key.empty()) return std::optional<Curve>();
+  if (options.key.empty()) {
+    return Status::Error("--server-key: expected --key FILE beside it (stylectl keygen FILE)");
+  }
+  if (options.server_key.empty()) {
+    return Status::Error("--key: expected --server-key KEY beside it, the daemon's public key");
+  }
+  const auto pair = keys::ReadPair(options.key);
+  if (!pair.ok()) return Status::Error("--key " + pair.status().message());
+  Curve curve{options.server_key, pair.value().public_key, pair.value().secret_key};
+  if (keys::IsKey(curve.server_key)) return std::optional(std::move(curve));
+  auto server = keys::ReadPublicKey(options.server_key);
+  if (!server.ok()) {
+    return Status::Error("--server-key " + server.status().message() +
+                         "; expected a key, 40 characters of Z85, or a file that holds one");
+  }
+  curve.server_key = std::move(server.value());
+  return std::optional(std::move(curve));
+}
+
+}  // namespace styled::client

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/runtime/clock.h"
+#include "daemon/runtime/counters.h"
+#include "daemon/runtime/descriptor.h"
+#include "daemon/runtime/wakeup.h"
+#include "daemon/runtime/zmq_socket.h"
+#include "daemon/security/access.h"
+#include "model/base/status.h"
+#include "proto/keys/key_file.h"
+
+namespace styled::security {
+
+// Answers libzmq when it asks, during a handshake, whether a client may come in (ZAP), and follows
+// the folder of keys: what stylectl allows or revokes is in force at once. A thread of its own,
+// that the pipeline never waits for. Create it before the sockets that it guards are bound, and
+// destroy it after them: libzmq lets everybody in whom nobody is asked about.
+class Gatekeeper {
+ public:
+  // Reads the folder, makes the daemon's own pair where there is none. Errors name the file.
+  static Result<std::unique_ptr<Gatekeeper>> Open(void* context, const std::string& folder,
+                                                  runtime::Counters& counters);
+  ~Gatekeeper();
+  Gatekeeper(const Gatekeeper&) = delete;
+  Gatekeeper& operator=(const Gatekeeper&) = delete;
+
+  // Sets up `socket`, not bound yet, so that only clients with a key for `door` come in.
+  Status Guard(runtime::ZmqSocket& socket, Door door);
+  const std::string& public_key() const { return pair_.public_key; }
+  Access& access() { return access_; }
+
+  // The loop, on its own thread from here on; ended by the destructor.
+  void Start();
+  // What a turn of it does, for tests: false when there was nothing to do.
+  bool DoWork();
+
+ private:
+  Gatekeeper(void* context, const std::string& folder, runtime::Counters& counters,
+             keys::KeyFile pair);
+  Status Bind();
+  void Watch();
+  void Run();
+  bool Answer();
+  bool CountFailures();
+  bool FollowFolder();
+  void Reread();
+  void Tick(std::int64_t now_ns);
+  bool Admit(const ZapRequest& request);
+  void Reply(const std::string& id, const std::string& user);
+
+  std::string folder_;
+  runtime::Counters& counters_;
+  keys::KeyFile pair_;
+  Access access_;
+  runtime::SystemClock clock_;
+  runtime::ZmqSocket zap_;
+  std::array<runtime::ZmqSocket, 2> failures_;  // of handshakes, by door: what libzmq says of them
+  runtime::Descriptor inotify_;
+  int watch_ = -1;
+  runtime::Wakeup wake_;
+  std::vector<std::string> frames_;
+  zmq_msg_t message_;
+  std::vector<std::string> complaints_;
+  std::string refusal_;  // the last one, not logged yet
+  std::int64_t next_tick_ns_ = 0;
+  bool reread_ = false;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace styled::security
