@@ -68,6 +68,7 @@ void Program::DeclareRecord() {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->excludes(performer);
+  client::Declare(*record, a_.keys);
   AboutTheFile(record);
 }
 
@@ -107,6 +108,7 @@ void Program::DeclarePlay() {
       "--control", a_.control,
       "the daemon's control socket: recorded commands are given again at their places, "
       "and nothing is lost at --speed max");
+  client::Declare(*play, a_.keys);
   play->add_option("--speed", a_.speed, "times real time, or max")->capture_default_str();
   play->add_flag("--loop", a_.loop, "begin again at the end, until Ctrl-C");
   play->add_option("--from", a_.from_s, "begin so many seconds into the recording")

@@ -87,7 +87,9 @@ void SayDamage(const recording::Reader& reader, const Surroundings& to) {
 }
 
 Status RunRecord(const Arguments& a, const Surroundings& to) {
-  TapOptions options{a.from, a.topics, a.seconds};
+  auto curve = client::ReadKeys(a.keys);
+  if (!curve.ok()) return curve.status();
+  TapOptions options{a.from, a.topics, a.seconds, std::move(curve.value())};
   if (!a.performer.empty()) options.topics = TopicsOf(a.performer);
   auto tap = Tap::Connect(options);
   if (!tap.ok()) return tap.status();

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "clients/cpp/key_options.h"
 #include "clients/cpp/subscriber.h"
 #include "model/base/status.h"
 #include "proto/recording/reader.h"
@@ -16,6 +17,7 @@ namespace styled::rec {
 // What the command line says, checked as far as one value can be checked for itself.
 struct Arguments {
   std::string file;
+  client::KeyOptions keys;  // record --from, play --control
   // record, receive
   std::vector<std::string> from{std::string(client::kDefaultPublisher)};
   std::string performer;  // export, too

@@ -65,7 +65,9 @@ struct Outlets {
 
   Status Make(const Arguments& a, recording::Reader& reader, player::Clock& clock) {
     if (!a.control.empty()) {
-      auto made = Steering::Connect(a.control, clock);
+      const auto curve = client::ReadKeys(a.keys);
+      if (!curve.ok()) return curve.status();
+      auto made = Steering::Connect(a.control, clock, curve.value());
       if (!made.ok()) return made.status();
       steering = std::move(made.value());
     }

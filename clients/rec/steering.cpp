@@ -14,9 +14,10 @@ constexpr int kStillLooks = 8, kSurelyStillLooks = 3;
 }  // namespace
 
 Result<std::unique_ptr<Steering>> Steering::Connect(const std::string& endpoint,
-                                                    player::Clock& clock) {
-  auto control =
-      client::Control::Connect({.endpoint = endpoint, .timeout = std::chrono::seconds(2)});
+                                                    player::Clock& clock,
+                                                    const std::optional<client::Curve>& curve) {
+  auto control = client::Control::Connect(
+      {.endpoint = endpoint, .timeout = std::chrono::seconds(2), .curve = curve});
   if (!control.ok()) return control.status();
   styled::v1::StatusReply reply;
   const auto answer = control.value()->Status(&reply);

@@ -20,9 +20,10 @@ namespace styled::rec {
 // some looks.
 class Steering final : public Outlet {
  public:
-  // Refuses an endpoint that makes no sense, and one where nobody answers.
-  static Result<std::unique_ptr<Steering>> Connect(const std::string& endpoint,
-                                                   player::Clock& clock);
+  // Refuses an endpoint that makes no sense, keys that are none, and where nobody answers.
+  static Result<std::unique_ptr<Steering>> Connect(
+      const std::string& endpoint, player::Clock& clock,
+      const std::optional<client::Curve>& curve = std::nullopt);
 
   void Note(const recording::Record& record) override;  // commands are given, too
   Status Take(const recording::Record& record) override;

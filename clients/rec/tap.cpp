@@ -63,6 +63,12 @@ void Tap::Impl::Open() {
   socket.set(zmq::sockopt::maxmsgsize, kMaxMessage);
   socket.set(zmq::sockopt::reconnect_ivl, 100);
   socket.set(zmq::sockopt::reconnect_ivl_max, 1000);
+  socket.set(zmq::sockopt::handshake_ivl, 1000);
+  if (options.curve) {
+    socket.set(zmq::sockopt::curve_serverkey, options.curve->server_key);
+    socket.set(zmq::sockopt::curve_publickey, options.curve->public_key);
+    socket.set(zmq::sockopt::curve_secretkey, options.curve->secret_key);
+  }
   for (const auto& topic : options.topics) socket.set(zmq::sockopt::subscribe, topic);
   if (options.topics.empty()) {
     for (const char* topic : {"styled/", "source/", "body/", "stats/"}) {
@@ -123,6 +129,11 @@ const TapCounts& Tap::counts() const { return impl_->counts; }
 Result<std::unique_ptr<Tap>> Tap::Connect(const TapOptions& options) {
   auto impl = std::make_unique<Impl>();
   impl->options = options;
+  if (options.curve) {
+    auto complete = client::Complete(*options.curve);
+    if (!complete.ok()) return complete.status();
+    impl->options.curve = std::move(complete.value());
+  }
   try {
     impl->Open();
   } catch (const zmq::error_t& error) {

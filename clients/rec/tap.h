@@ -3,10 +3,12 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
 
+#include "clients/cpp/curve.h"
 #include "model/base/status.h"
 #include "proto/recording/writer.h"
 
@@ -16,6 +18,7 @@ struct TapOptions {
   std::vector<std::string> endpoints;  // of publishers
   std::vector<std::string> topics;     // prefixes; empty: everything
   double seconds = 0;                  // 0: until stopped
+  std::optional<client::Curve> curve;  // for publishers that ask for keys
 };
 
 struct TapCounts {
@@ -28,7 +31,7 @@ struct TapCounts {
 // waits. One thread.
 class Tap {
  public:
-  // Refuses an endpoint that ZeroMQ cannot parse.
+  // Refuses an endpoint that ZeroMQ cannot parse, keys that are none.
   static Result<std::unique_ptr<Tap>> Connect(const TapOptions& options);
   ~Tap();
   Tap(const Tap&) = delete;

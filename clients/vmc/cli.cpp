@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "clients/cpp/key_options.h"
 #include "clients/vmc/forwarder.h"
 
 namespace styled::stylevmc {
@@ -16,6 +17,7 @@ using std::chrono::milliseconds;
 
 struct Arguments {
   Options options;
+  client::KeyOptions keys;
   std::vector<std::string> to;
   std::string root = "hips";
   double statistics_s = 10, seconds = 0;
@@ -40,6 +42,7 @@ void Declare(CLI::App& app, Arguments& a) {
       ->envname("STYLED_PUBLISHER")
       ->allow_extra_args(false)
       ->capture_default_str();
+  client::Declare(app, a.keys);
   app.add_option("--rate", a.options.rate_hz,
                  "at most so many frames per second of each performer (VSeeFace is known to fail "
                  "above 200)")
@@ -181,6 +184,9 @@ int Run(std::vector<std::string> arguments, const std::atomic<bool>& stop, std::
     if (!target.ok()) return fail(target.status().message(), kExitUsage);
     a.options.targets.push_back(std::move(target.value()));
   }
+  auto curve = client::ReadKeys(a.keys);
+  if (!curve.ok()) return fail(curve.status().message(), kExitUsage);
+  a.options.curve = std::move(curve.value());
   auto forwarder = Forwarder::Open(a.options);
   if (!forwarder.ok()) return fail(forwarder.status().message(), kExitFailed);
   return Forward(a, *forwarder.value(), stop, out, err);

@@ -29,6 +29,7 @@ Result<std::unique_ptr<Forwarder>> Forwarder::Open(const Options& options) {
   if (Status status = forwarder->OpenTargets(options); !status.ok()) return status;
   client::SubscriberOptions subscription;
   subscription.endpoints = options.publishers;
+  subscription.curve = options.curve;
   subscription.streams = {client::Stream::kStyledCanonical};
   // The daemon poses the canonical humanoid for those alone whom somebody subscribes to.
   if (forwarder->channels_.size() == 1) subscription.performer = forwarder->channels_[0].wanted;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,10 @@ namespace styled::stylevmc {
 
 struct Options {
   std::vector<std::string> publishers = {std::string(client::kDefaultPublisher)};
-  std::string performer;            // of the targets that name none; "" = the first that is seen
-  std::vector<TargetSpec> targets;  // at least one
-  double rate_hz = 120;             // cap, for each performer
+  std::optional<client::Curve> curve;  // for publishers that ask for keys
+  std::string performer;               // of the targets that name none; "" = the first that is seen
+  std::vector<TargetSpec> targets;     // at least one
+  double rate_hz = 120;                // cap, for each performer
   Carrier carrier = Carrier::kHips;
   // Where no performer is named: how long the one who is shown may be silent before another is.
   std::chrono::nanoseconds patience = std::chrono::seconds(5);
