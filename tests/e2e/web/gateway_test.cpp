@@ -415,6 +415,8 @@ TEST(GatewayTest, ADaemonThatAsksForKeysIsShownWithThem) {
   link.SendText(R"({"subscribe": ["styled/rig.a/rig/"]})");
   EXPECT_TRUE(Await(link, IsTopic("styled/rig.a/rig/")));
   EXPECT_EQ(AskThrough(link, SetStyle("rig.a", "style1")).code(), v1::CODE_OK);
+  // The first statistics tell that the daemon is up, within a second or so.
+  for (int i = 0; i < 1000 && Ask(web.address, "/healthz").status != 200; ++i) Sleep(0.01);
   EXPECT_EQ(Ask(web.address, "/healthz").status, 200);
   EXPECT_EQ(Ask(blind.address, "/healthz").status, 503) << "without a key nothing comes";
 }

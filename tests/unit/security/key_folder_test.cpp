@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 class KeyFolderTest : public testing::Test {
  protected:
+  void SetUp() override { umask(022); }  // whatever the user's: others are not to write
   std::string File(const std::string& name) const { return ClientsFolder(keys_) + "/" + name; }
   static mode_t ModeOf(const std::string& file) {
     struct stat about {};
