@@ -9,7 +9,10 @@ constexpr std::uint64_t kHour_ns = 3600ULL * 1'000'000'000;
 Session::Arrival Session::Admit(std::uint64_t session, std::uint64_t sequence, std::int64_t now_ns,
                                 const SessionRules& rules) noexcept {
   if (!live_ || session != session_) {
-    if (live_ && now_ns - last_arrival_ns_ < rules.takeover_ns) return Arrival::kSecondSender;
+    const bool anew = session == session_ + kSessionStep;
+    if (live_ && !anew && now_ns - last_arrival_ns_ < rules.takeover_ns) {
+      return Arrival::kSecondSender;
+    }
     live_ = true;
     timed_ = false;
     session_ = session;

@@ -6,6 +6,10 @@
 
 namespace styled::pipeline {
 
+// A sender that begins anew while it goes on sending adds this to its session's id and is taken at
+// once; any other id is another sender's.
+inline constexpr std::uint64_t kSessionStep = 2;
+
 struct SessionRules {
   std::int64_t takeover_ns =
       100'000'000;  // silence after which another sender may be the performer

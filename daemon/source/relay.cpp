@@ -31,7 +31,7 @@ Relay::Relay(std::string performer) : performer_(std::move(performer)), session_
 }
 
 void Relay::Restart() noexcept {
-  session_ += 2;  // odd stays odd: never 0, and never the last one
+  session_ += 2;  // of the same sender (WIRE.md); odd stays odd: never 0
   sequence_ = 0;
   next_body_ns_ = 0;
 }

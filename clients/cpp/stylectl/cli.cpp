@@ -90,7 +90,7 @@ class Program {
   void DeclareDoctor();
   void DeclareKeys();
   CLI::App* Command(const std::string& name, const std::string& text);
-  void PerformerOf(CLI::App* command, bool required);
+  void PerformerOf(CLI::App* command, bool required, bool everyone = true);
 
   int Execute(const std::string& command);
   int List();
@@ -120,14 +120,18 @@ CLI::App* Program::Command(const std::string& name, const std::string& text) {
   return command;
 }
 
-void Program::PerformerOf(CLI::App* command, bool required) {
+void Program::PerformerOf(CLI::App* command, bool required, bool everyone) {
   command
       ->add_option("PERFORMER", arguments_.performer,
-                   required ? "SOURCE.NAME, or '*' for everyone" : "SOURCE.NAME; default: everyone")
+                   !everyone  ? "SOURCE.NAME"
+                   : required ? "SOURCE.NAME, or '*' for everyone"
+                              : "SOURCE.NAME; default: everyone")
       ->required(required)
-      ->check([](const std::string& id) {
-        if (id == client::kEveryone || client::IsPerformerId(id)) return std::string();
-        return "'" + id + "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each) or '*'";
+      ->check([everyone](const std::string& id) {
+        if ((everyone && id == client::kEveryone) || client::IsPerformerId(id))
+          return std::string();
+        return "'" + id + "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each)" +
+               (everyone ? " or '*'" : "");
       });
 }
 
@@ -203,7 +207,7 @@ void Program::DeclareSet() {
 void Program::DeclareCalibrate() {
   CLI::App* calibrate =
       Command("calibrate", "take how a performer stands now as his rig's rest pose");
-  PerformerOf(calibrate, true);
+  PerformerOf(calibrate, true, false);
   CLI::Option* pose =
       calibrate
           ->add_option("--pose", arguments_.pose, "t: arms sideways, palms down; n: arms hanging")
@@ -370,6 +374,7 @@ int Program::Status() {
 
 // A daemon that goes away is waited for.
 int Program::Watch() {
+  constexpr float kSloppy_deg = 15;  // a calibration that is taken, but not praised
   constexpr const char* kHome = "\x1b[H\x1b[2J";
   for (;;) {
     if (!arguments_.json) out_ << kHome;
@@ -447,6 +452,11 @@ int Program::Calibrate() {
   if (!told.worst_joint().empty()) {
     out_ << "; " << told.worst_joint() << " stood farthest off, by "
          << std::lround(told.worst_degrees()) << " degrees";
+    if (told.worst_degrees() > kSloppy_deg) {
+      out_ << ": that is much, and is in every pose from now on; better stand straight and "
+              "calibrate "
+              "again";
+    }
     if (told.left_handed()) out_ << "; the rig's axes are left-handed and are mirrored";
   }
   out_ << "\n";

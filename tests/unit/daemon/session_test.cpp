@@ -37,12 +37,19 @@ TEST(SessionTest, SequenceTellsDuplicatesReorderedAndLostApart) {
 TEST(SessionTest, ASecondSenderWaitsForTheFirstToBeSilent) {
   Session session;
   EXPECT_EQ(session.Admit(1, 0, 0, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(2, 0, 99 * kMs, kRules), Arrival::kSecondSender);
+  EXPECT_EQ(session.Admit(4, 0, 99 * kMs, kRules), Arrival::kSecondSender);
   EXPECT_EQ(session.Admit(1, 1, 99 * kMs, kRules), Arrival::kNext);
-  EXPECT_EQ(session.Admit(2, 1, 198 * kMs, kRules), Arrival::kSecondSender);
-  EXPECT_EQ(session.Admit(2, 2, 199 * kMs, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(4, 1, 198 * kMs, kRules), Arrival::kSecondSender);
+  EXPECT_EQ(session.Admit(4, 2, 199 * kMs, kRules), Arrival::kNewSession);
   EXPECT_EQ(session.Admit(1, 2, 200 * kMs, kRules), Arrival::kSecondSender) << "roles changed";
   EXPECT_EQ(session.lost(), 0U);
+}
+
+TEST(SessionTest, TheSameSenderBeginsAnewAtOnce) {
+  Session session;
+  EXPECT_EQ(session.Admit(7, 0, 0, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(7 + kSessionStep, 0, 1 * kMs, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(7, 1, 2 * kMs, kRules), Arrival::kSecondSender) << "that one is over";
 }
 
 TEST(SessionTest, SourceTimeMustGrowAndAJumpStartsAnew) {
