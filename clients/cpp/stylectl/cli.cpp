@@ -24,6 +24,8 @@ namespace {
 using client::CallStatus;
 using nlohmann::json;
 
+constexpr float kSloppy_deg = 15;  // a calibration that is taken, but not praised
+
 struct Arguments {
   client::ControlOptions control;
   client::KeyOptions keys;
@@ -374,7 +376,6 @@ int Program::Status() {
 
 // A daemon that goes away is waited for.
 int Program::Watch() {
-  constexpr float kSloppy_deg = 15;  // a calibration that is taken, but not praised
   constexpr const char* kHome = "\x1b[H\x1b[2J";
   for (;;) {
     if (!arguments_.json) out_ << kHome;
