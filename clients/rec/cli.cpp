@@ -177,6 +177,10 @@ int Program::Run(vector<string> arguments) {
     return Usage("receive: found " + std::to_string(a_.forward.size()) +
                  " addresses in --forward, expected at most one per --listen");
   }
+  if (command == "play") {
+    const Status usage = CheckPlay(a_);
+    if (!usage.ok()) return Usage(usage.message());
+  }
   Status status = Execute(command);
   if (status.ok()) return kExitOk;
   to_.err << "stylerec: " << status.message() << "\n";

@@ -46,6 +46,9 @@ struct Surroundings {
 Status RunRecord(const Arguments& arguments, const Surroundings& to);
 Status RunReceive(const Arguments& arguments, const Surroundings& to);
 Status RunInfo(const Arguments& arguments, const Surroundings& to);
+// What `play` cannot do as its command line stands, --to for a source that the recording does not
+// have among it. A file that cannot be read is left to RunPlay.
+Status CheckPlay(const Arguments& arguments);
 Status RunPlay(const Arguments& arguments, const Surroundings& to);
 Status RunExport(const Arguments& arguments, const Surroundings& to);
 

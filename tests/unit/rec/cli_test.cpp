@@ -80,6 +80,36 @@ TEST_F(CliTest, BadCommandLinesEndWithTwoAndSayWhatWasExpected) {
          "found 2 addresses in --forward");
 }
 
+TEST_F(CliTest, WhatPlayCannotDoAsItIsAskedEndsWithTwoAndSendsNothing) {
+  testing::Listener listener;
+  const std::string published = Write("published", Motion());
+  const std::string arrived =
+      Write("arrived", {Arrival(0, "12345", "suit"), Arrival(1000, "12345", "glove")});
+  const auto expect = [&](const std::string& file, std::vector<std::string> arguments,
+                          const std::string& text) {
+    arguments.insert(arguments.begin(), {"play", file});
+    EXPECT_EQ(Run(arguments), kExitUsage) << ::testing::PrintToString(arguments);
+    EXPECT_THAT(err_.str(), HasSubstr(text));
+  };
+  expect(published, {"--to", "ftp://x"}, "ftp://x");
+  expect(published, {"--to", listener.url(), "--to", "udp://127.0.0.1:8"},
+         "expected one address per source");
+  expect(published, {"--to", "original"}, "has no arrivals");
+  expect(published, {"--to", "zz=" + listener.url()}, "has no source of that name; it has: rig\n");
+  expect(arrived, {"--to", listener.url(), "--to", "zz=" + listener.url()},
+         "--to zz=...: " + arrived + " has no source of that name; it has: glove, suit\n");
+  for (const char* speed : {"0", "-1", "fast", "nan", "1e9", ""}) {
+    expect(published, {"--to", listener.url(), "--speed", speed}, "--speed");
+  }
+  for (const char* url :
+       {"tcp://nowhere", "tcp://:7001", "tcp://a:b", "tcp://a:70000", "x", "ipc://"}) {
+    expect(published, {"--publish", url}, std::string("--publish ") + url);
+  }
+  EXPECT_EQ(listener.Receive(0), "none");
+  EXPECT_EQ(Run({"play", arrived, "--to", "suit=" + listener.url()}), kExitOk) << err_.str();
+  EXPECT_EQ(listener.Receive(), "12345");
+}
+
 TEST_F(CliTest, HelpAndVersionAreNoErrors) {
   EXPECT_EQ(Run({"--help"}), kExitOk);
   EXPECT_THAT(out_.str(), HasSubstr("stylerec play"));
@@ -108,15 +138,8 @@ TEST_F(CliTest, FilesAndAddressesThatAreWrongEndWithOneAndTheirName) {
   expect({"record", "--config", none, folder_ / "a"}, none + ": cannot be read");
   expect({"record", "--weights", none, folder_ / "a"}, none + ": cannot be read");
   expect({"receive", "--listen", "tcp://127.0.0.1:0", folder_ / "a"}, "udp://HOST:PORT");
-  expect({"play", motion, "--to", "ftp://x"}, "ftp://x");
-  expect({"play", motion, "--to", "udp://127.0.0.1:9", "--to", "udp://127.0.0.1:8"},
-         "expected one address per source");
-  expect({"play", motion, "--to", "original"}, "has no arrivals");
-  for (const char* speed : {"0", "-1", "fast", "nan", "1e9", ""}) {
-    expect({"play", motion, "--to", "udp://127.0.0.1:9", "--speed", speed}, "--speed");
-  }
   expect({"play", motion, "--to", "udp://127.0.0.1:9", "--from", "3"}, "expected --from within");
-  expect({"play", motion, "--publish", "tcp://nowhere"}, "--publish tcp://nowhere");
+  expect({"play", motion, "--publish", "tcp://192.0.2.1:7001"}, "--publish tcp://192.0.2.1:7001");
   expect({"play", motion, "--publish", "tcp://127.0.0.1:*", "--wait", "0.05"},
          "found no subscriber");
   expect({"export", motion, "--performer", "rig.b", "--glb", none}, "source/rig.a/");
