@@ -6,8 +6,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
+#include "clients/rec/publish_outlet.h"
 #include "model/clip/clip.h"
+#include "proto/styled/v1/stats.pb.h"
 #include "tests/unit/rec/fakes.h"
 
 namespace styled::rec {
@@ -193,6 +196,41 @@ TEST_F(CliTest, DamageIsSaidAndIsNoErrorAndAFileWithoutItsBeginningIsSalvaged) {
   EXPECT_EQ(Run({"info", file}), kExitFailed);
   EXPECT_THAT(err_.str(), HasSubstr("offset 0: found 78 53"));
   EXPECT_EQ(Run({"info", file, "--salvage"}), kExitOk);
+}
+
+TEST_F(CliTest, ARecordingOfNothingIsSaidWhileItIsMadeAndAtItsEnd) {
+  const std::string place = "ipc://" + (folder_ / "pub"), file = folder_ / "new";
+  EXPECT_EQ(Run({"record", "--from", place, "--seconds", "3.3", file}), kExitOk);
+  EXPECT_THAT(err_.str(),
+              HasSubstr("nothing has come from " + place + " for 3 s; is styled running there?\n"));
+  EXPECT_THAT(err_.str(), HasSubstr(file + " has nothing: nothing came\n"));
+}
+
+// A daemon of which only the statistics come, and rig.b.
+TEST_F(CliTest, APerformerWhoIsNotThereIsSaidWithThoseWhoAre) {
+  const std::string place = "ipc://" + (folder_ / "pub");
+  styled::v1::Stats stats;
+  stats.add_performers()->set_performer("rig.b");
+  stats.add_performers()->set_performer("rig.a");
+  const auto daemon = PublishOutlet::Bind(place, true);
+  ASSERT_TRUE(daemon.ok()) << daemon.status().message();
+  const std::jthread thread([&](const std::stop_token& token) {
+    while (!token.stop_requested()) {
+      daemon.value()->Idle();
+      EXPECT_TRUE(daemon.value()->Take(Published(0, "stats/", stats.SerializeAsString())).ok());
+      EXPECT_TRUE(daemon.value()->Take(Published(0, "body/rig.b/", "body")).ok());
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  const auto record = [&](const std::string& id, const char* seconds) {
+    return Run({"record", "--from", place, "--performer", id, "--seconds", seconds, folder_ / id});
+  };
+  EXPECT_EQ(record("rig.zz", "4"), kExitOk);
+  EXPECT_THAT(err_.str(), HasSubstr("nothing of rig.zz has come from " + place +
+                                    " for 3 s; there are rig.a, rig.b\n"));
+  EXPECT_THAT(err_.str(), HasSubstr("has nothing of rig.zz, only statistics; there are"));
+  EXPECT_EQ(record("rig.b", "4"), kExitOk);
+  EXPECT_EQ(err_.str(), "stylerec: recording\n");
 }
 
 TEST_F(CliTest, PlayingEndsWithASummary) {
