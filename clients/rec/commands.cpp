@@ -144,8 +144,14 @@ Status RunExport(const Arguments& a, const Surroundings& to) {
   if (!reader.ok()) return reader.status();
   const What what = a.what == "rig"         ? What::kRig
                     : a.what == "canonical" ? What::kCanonical
-                                            : What::kSource;
-  const auto take = ReadTake(*reader.value(), a.performer, what);
+                    : a.what == "source"    ? What::kSource
+                                            : What::kAvatar;
+  for (const string& file : {a.bvh, a.glb}) {
+    std::error_code error;
+    if (a.overwrite || file.empty() || !std::filesystem::is_regular_file(file, error)) continue;
+    return Status::Error(file + ": exists already; expected a new file, or --overwrite");
+  }
+  const auto take = ReadTake(*reader.value(), a.performer, what, a.what);
   if (!take.ok()) return take.status();
   const Take& it = take.value();
   Status status = WriteFiles(a, it);

@@ -26,7 +26,7 @@ struct Arguments {
   double seconds = 0;
   std::string description, config, weights;
   // info, play, export
-  bool json = false, salvage = false;
+  bool json = false, salvage = false, overwrite = false;
   std::vector<std::string> to;
   std::string publish, control, speed = "1";
   double wait_s = 0, from_s = 0, until_s = std::numeric_limits<double>::infinity();

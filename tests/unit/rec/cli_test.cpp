@@ -73,7 +73,7 @@ TEST_F(CliTest, BadCommandLinesEndWithTwoAndSayWhatWasExpected) {
   expect({"play", "x"}, "play: nothing to play to; expected --to or --publish");
   expect({"export", "x", "--performer", "rig.a"}, "expected --bvh or --glb");
   expect({"export", "x", "--glb", "y"}, "--performer is required");
-  expect({"export", "x", "--performer", "rig.a", "--glb", "y", "--what", "feet"}, "feet");
+  expect({"export", "x", "--performer", "rig.a", "--glb", "y", "--what", "a/b"}, "a/b");
   expect({"export", "x", "--performer", "rig.a", "--glb", "y", "--rate", "0"}, "--rate");
   expect({"record", "--performer", "anna", "x"}, "'anna' is not SOURCE.NAME");
   expect({"record", "--performer", "rig.a", "--topics", "stats/", "x"}, "excludes");
@@ -258,6 +258,32 @@ TEST_F(CliTest, AStopBeforeItBeganIsAnOrderlyEnd) {
   EXPECT_THAT(err_.str(), HasSubstr("listening on udp://127.0.0.1:"));
 }
 
+TEST_F(CliTest, AnOutputIsExportedByItsName) {
+  std::vector<recording::Record> records = Motion();
+  auto body = testing::MakeBody("rig.a", styled::v1::OUTPUT_AVATAR, 6);
+  body.set_output_name("hero");
+  // Another output's body comes under the same topic, and is not taken for it.
+  auto other = body;
+  other.set_output_name("zero");
+  other.set_hash(7);
+  for (const auto& one : {body, other}) {
+    records.push_back(Published(0, "body/rig.a/", one.SerializeAsString()));
+  }
+  for (std::uint64_t i = 0; i < 30; ++i) {
+    const auto frame = testing::MakeFrame(body, i + 1, i * 10'000'000 + 1);
+    records.push_back(Published(0, "styled/rig.a/hero/", frame.SerializeAsString()));
+  }
+  const std::string file = Write("x", records), glb = folder_ / "hero.glb";
+  const auto run = [&](const char* what) {
+    return Run({"export", file, "--performer", "rig.a", "--what", what, "--glb", glb});
+  };
+  EXPECT_EQ(run("feet"), kExitFailed);
+  EXPECT_THAT(err_.str(), HasSubstr("found no frames of styled/rig.a/feet/; it holds: "
+                                    "source/rig.a/, styled/rig.a/hero/, styled/rig.a/rig/"));
+  EXPECT_EQ(run("hero"), kExitOk) << err_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("rig.a hero: frames=30 "));
+}
+
 TEST_F(CliTest, AnExportIsReadBackAsItWasRecorded) {
   const std::string file = Write("x", Motion()), bvh = folder_ / "x.bvh", glb = folder_ / "x.glb";
   ASSERT_EQ(Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--glb", glb}), kExitOk)
@@ -271,7 +297,13 @@ TEST_F(CliTest, AnExportIsReadBackAsItWasRecorded) {
     EXPECT_EQ(clip.value().frames[static_cast<std::size_t>(i)].translations[0].y(), i + 1);
   }
   EXPECT_GT(std::filesystem::file_size(glb), 10'000U);
-  ASSERT_EQ(Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--rate", "25"}), kExitOk);
+  ASSERT_EQ(Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--rate", "25"}),
+            kExitFailed);
+  EXPECT_THAT(err_.str(), HasSubstr(bvh + ": exists already; expected a new file, or --overwrite"));
+  EXPECT_EQ(clip::ReadBvh(bvh).value().frames.size(), 50U) << "left as it was";
+  ASSERT_EQ(
+      Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--rate", "25", "--overwrite"}),
+      kExitOk);
   EXPECT_EQ(clip::ReadBvh(bvh).value().frames.size(), 13U);
 }
 
