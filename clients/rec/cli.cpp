@@ -123,11 +123,20 @@ void Program::DeclareExport() {
   CLI::App* command = app_.add_subcommand("export", "write a performer's motion as BVH or glTF");
   FileToRead(command);
   command->add_option("--performer", a_.performer, "SOURCE.NAME")->required();
-  command->add_option("--what", a_.what, "rig or canonical (both styled), or source (as captured)")
-      ->check(CLI::IsMember({"rig", "canonical", "source"}))
+  command
+      ->add_option("--what", a_.what,
+                   "rig, canonical or the name of an [[output]] (all styled), or source (as "
+                   "captured)")
+      ->type_name("TEXT:{rig,canonical,source}")
+      ->check([](const string& name) {
+        if (client::IsPerformerId("x." + name)) return string();
+        return "'" + name +
+               "' is not rig, canonical, source or an output's name ([A-Za-z0-9_-]{1,32})";
+      })
       ->capture_default_str();
   command->add_option("--bvh", a_.bvh, "BVH file to write, in the rig's units and axes");
   command->add_option("--glb", a_.glb, "glTF 2.0 binary to write: metres, Y up");
+  command->add_flag("--overwrite", a_.overwrite, "write over files that exist");
   command
       ->add_option("--rate", a_.rate_hz,
                    "frames per second; default: BVH the recording's own, glTF its frames' times")
@@ -176,6 +185,10 @@ int Program::Run(vector<string> arguments) {
   if (a_.forward.size() > a_.listen.size()) {
     return Usage("receive: found " + std::to_string(a_.forward.size()) +
                  " addresses in --forward, expected at most one per --listen");
+  }
+  if (command == "play") {
+    const Status usage = CheckPlay(a_);
+    if (!usage.ok()) return Usage(usage.message());
   }
   Status status = Execute(command);
   if (status.ok()) return kExitOk;

@@ -89,7 +89,7 @@ void SayDamage(const recording::Reader& reader, const Surroundings& to) {
 Status RunRecord(const Arguments& a, const Surroundings& to) {
   auto curve = client::ReadKeys(a.keys);
   if (!curve.ok()) return curve.status();
-  TapOptions options{a.from, a.topics, a.seconds, std::move(curve.value())};
+  TapOptions options{a.from, a.topics, a.performer, a.seconds, std::move(curve.value())};
   if (!a.performer.empty()) options.topics = TopicsOf(a.performer);
   auto tap = Tap::Connect(options);
   if (!tap.ok()) return tap.status();
@@ -101,6 +101,14 @@ Status RunRecord(const Arguments& a, const Surroundings& to) {
   to.out << "stylerec: " << a.file << ": messages=" << counts.messages
          << " missed=" << counts.missed << " odd=" << counts.odd
          << " lost=" << written.lost + written.too_large << " bytes=" << written.bytes << "\n";
+  if (counts.messages == 0) {
+    to.err << "stylerec: " << a.file << " has nothing: nothing came\n";
+  } else if (counts.messages == counts.statistics && !a.performer.empty()) {
+    to.err << "stylerec: " << a.file << " has nothing of " << a.performer << ", only statistics; "
+           << tap.value()->WhoIsThere() << "\n";
+  } else if (counts.messages == counts.statistics && a.topics.empty()) {
+    to.err << "stylerec: " << a.file << " has no motion, only statistics\n";
+  }
   return status;
 }
 
@@ -136,8 +144,14 @@ Status RunExport(const Arguments& a, const Surroundings& to) {
   if (!reader.ok()) return reader.status();
   const What what = a.what == "rig"         ? What::kRig
                     : a.what == "canonical" ? What::kCanonical
-                                            : What::kSource;
-  const auto take = ReadTake(*reader.value(), a.performer, what);
+                    : a.what == "source"    ? What::kSource
+                                            : What::kAvatar;
+  for (const string& file : {a.bvh, a.glb}) {
+    std::error_code error;
+    if (a.overwrite || file.empty() || !std::filesystem::is_regular_file(file, error)) continue;
+    return Status::Error(file + ": exists already; expected a new file, or --overwrite");
+  }
+  const auto take = ReadTake(*reader.value(), a.performer, what, a.what);
   if (!take.ok()) return take.status();
   const Take& it = take.value();
   Status status = WriteFiles(a, it);

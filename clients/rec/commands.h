@@ -26,7 +26,7 @@ struct Arguments {
   double seconds = 0;
   std::string description, config, weights;
   // info, play, export
-  bool json = false, salvage = false;
+  bool json = false, salvage = false, overwrite = false;
   std::vector<std::string> to;
   std::string publish, control, speed = "1";
   double wait_s = 0, from_s = 0, until_s = std::numeric_limits<double>::infinity();
@@ -46,6 +46,9 @@ struct Surroundings {
 Status RunRecord(const Arguments& arguments, const Surroundings& to);
 Status RunReceive(const Arguments& arguments, const Surroundings& to);
 Status RunInfo(const Arguments& arguments, const Surroundings& to);
+// What `play` cannot do as its command line stands, --to for a source that the recording does not
+// have among it. A file that cannot be read is left to RunPlay.
+Status CheckPlay(const Arguments& arguments);
 Status RunPlay(const Arguments& arguments, const Surroundings& to);
 Status RunExport(const Arguments& arguments, const Surroundings& to);
 

@@ -1,6 +1,7 @@
 // `stylerec play`: which outlets, and what became of it.
 #include <CLI/CLI.hpp>
 #include <limits>
+#include <set>
 
 #include "clients/rec/commands.h"
 #include "clients/rec/play.h"
@@ -31,21 +32,80 @@ Result<RigOutletOptions> WhereTo(const Arguments& a, recording::Reader& reader) 
   RigOutletOptions options;
   options.as_recorded = a.as_recorded;
   for (string url : a.to) {
-    const string given = url, name = TakeName(url);
-    if (!options.to.emplace(name, url).second) {
-      return Status::Error("--to " + given + ": expected one address per source");
-    }
+    const string name = TakeName(url);
+    options.to.emplace(name, url);
   }
   const auto arrivals = FindArrivals(reader);
   if (!arrivals.ok()) return arrivals.status();
   options.from_published = !arrivals.value();
-  for (const auto& [name, url] : options.to) {
-    if (url == "original" && options.from_published) {
-      return Status::Error("--to original: " + reader.name() +
-                           " has no arrivals; expected an address");
-    }
-  }
   return options;
+}
+
+// The sources whose arrivals, or else whose published frames, play would send.
+std::set<string> SourcesOf(recording::Reader& reader, bool from_published) {
+  std::set<string> sources;
+  recording::Record record;
+  reader.Rewind();
+  while (reader.Next(record)) {
+    if (!from_published) {
+      if (record.has_arrival()) sources.insert(record.arrival().source());
+      continue;
+    }
+    const string id = IdOfTopic(record.published().topic(), "source/");
+    if (!id.empty()) sources.insert(id.substr(0, id.find('.')));
+  }
+  return sources;
+}
+
+Status CheckTo(const Arguments& a) {
+  std::set<string> names;
+  bool named = false, original = false;
+  for (string url : a.to) {
+    const string given = url, name = TakeName(url);
+    if (!names.insert(name).second) {
+      return Status::Error("--to " + given + ": expected one address per source");
+    }
+    named = named || !name.empty();
+    original = original || url == "original";
+    if (url == "original") continue;
+    Status readable = player::CheckAddress(url);
+    if (!readable.ok()) return Status::Error("--to " + given + ": " + readable.message());
+  }
+  if (!named && !original) return Status::Ok();
+  const auto reader = OpenRecording(a);
+  if (!reader.ok()) return Status::Ok();
+  const auto arrivals = FindArrivals(*reader.value());
+  if (!arrivals.ok()) return Status::Ok();
+  if (original && !arrivals.value()) {
+    return Status::Error("--to original: " + reader.value()->name() +
+                         " has no arrivals; expected an address");
+  }
+  if (!named) return Status::Ok();
+  const auto held = SourcesOf(*reader.value(), !arrivals.value());
+  string list;
+  for (const string& source : held) list += (list.empty() ? "" : ", ") + source;
+  for (const string& name : names) {
+    if (name.empty() || held.contains(name)) continue;
+    return Status::Error("--to " + name + "=...: " + reader.value()->name() +
+                         " has no source of that name; it has: " + list);
+  }
+  return Status::Ok();
+}
+
+// Whether it can be an address at all; whether it is free, binding it says.
+Status CheckPublish(const string& url) {
+  const auto wrong = [&url] {
+    return Status::Error("--publish " + url + ": expected e.g. tcp://127.0.0.1:7001 or ipc://PATH");
+  };
+  if (url.starts_with("ipc://")) return url.size() > 6 ? Status::Ok() : wrong();
+  const std::size_t colon = url.rfind(':');
+  if (!url.starts_with("tcp://") || colon <= 6) return wrong();
+  const string port = url.substr(colon + 1);
+  int number = 0;
+  const bool digits = port.find_first_not_of("0123456789") == string::npos && port.size() <= 5;
+  if (port == "*") return Status::Ok();
+  const bool valid = digits && CLI::detail::lexical_cast(port, number) && number <= 65535;
+  return valid ? Status::Ok() : wrong();
 }
 
 Result<double> SpeedOf(const string& text) {
@@ -126,6 +186,16 @@ Status WaitForSubscriber(const Arguments& a, const Surroundings& to, player::Clo
 }
 
 }  // namespace
+
+Status CheckPlay(const Arguments& a) {
+  const auto speed = SpeedOf(a.speed);
+  if (!speed.ok()) return speed.status();
+  if (!a.publish.empty()) {
+    Status status = CheckPublish(a.publish);
+    if (!status.ok()) return status;
+  }
+  return CheckTo(a);
+}
 
 Status RunPlay(const Arguments& a, const Surroundings& to) {
   const auto speed = SpeedOf(a.speed);

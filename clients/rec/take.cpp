@@ -32,10 +32,16 @@ struct Frame {
 // Finds one performer's bodies and frames among the records.
 class Finder {
  public:
-  Finder(std::string performer, What what, bool from_arrivals)
-      : performer_(std::move(performer)), what_(what), from_arrivals_(from_arrivals) {
+  Finder(std::string performer, What what, std::string output, bool from_arrivals)
+      : performer_(std::move(performer)),
+        what_(what),
+        output_(std::move(output)),
+        from_arrivals_(from_arrivals) {
+    const std::string name = what == What::kRig         ? "rig"
+                             : what == What::kCanonical ? "canonical"
+                                                        : output_;
     topic_ = what == What::kSource ? "source/" + performer_ + "/"
-                                   : "styled/" + performer_ + "/" + std::string(Name(what)) + "/";
+                                   : "styled/" + performer_ + "/" + name + "/";
     const std::size_t dot = performer_.find('.');
     source_ = performer_.substr(0, dot);
     name_ = dot == std::string::npos ? "" : performer_.substr(dot + 1);
@@ -61,9 +67,11 @@ class Finder {
  private:
   void NoteBody(const std::string& payload) {
     styled::v1::Body body;
-    const auto output =
-        what_ == What::kCanonical ? styled::v1::OUTPUT_CANONICAL : styled::v1::OUTPUT_RIG;
+    const auto output = what_ == What::kCanonical ? styled::v1::OUTPUT_CANONICAL
+                        : what_ == What::kAvatar  ? styled::v1::OUTPUT_AVATAR
+                                                  : styled::v1::OUTPUT_RIG;
     if (!body.ParseFromString(payload) || body.output() != output ||
+        (what_ == What::kAvatar && body.output_name() != output_) ||
         client::Validate(body) != client::BodyError::kNone) {
       return;
     }
@@ -98,6 +106,7 @@ class Finder {
 
   std::string performer_, topic_, source_, name_;
   What what_;
+  std::string output_;
   bool from_arrivals_;
   std::map<std::uint64_t, styled::v1::Body> bodies_;
   std::uint64_t last_body_ = 0;
@@ -254,15 +263,12 @@ bool AddPose(const Frame& frame, Take& take) {
 
 }  // namespace
 
-std::string_view Name(What what) {
-  return what == What::kRig ? "rig" : what == What::kCanonical ? "canonical" : "source";
-}
-
-Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, What what) {
-  Finder finder(performer, what, false);
+Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, What what,
+                      const std::string& output) {
+  Finder finder(performer, what, output, false);
   auto used = CountBodies(reader, finder);
   if (used.empty() && what == What::kSource) {
-    finder = Finder(performer, what, true);
+    finder = Finder(performer, what, output, true);
     used = CountBodies(reader, finder);
   }
   if (used.empty()) {

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "model/base/status.h"
@@ -17,8 +16,8 @@ enum class What {
   kRig,        // styled, on the rig's own skeleton
   kCanonical,  // styled, on the canonical humanoid
   kSource,     // as it came from the rig
+  kAvatar,     // styled, on the skeleton of an [[output]]
 };
-std::string_view Name(What what);  // "rig", "canonical", "source"
 
 // A performer's motion as recorded: on one skeleton, at the frames' source times.
 struct Take {
@@ -38,7 +37,9 @@ struct Take {
 
 // Reads all of `reader`, twice. `kSource` comes from source/ or, where there is none, from our own
 // datagrams among the arrivals. Errors name the file and what it does hold. Allocates.
-Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, What what);
+// `output`: the name of the [[output]], for `kAvatar`.
+Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, What what,
+                      const std::string& output = "");
 
 // The take at a constant rate: that of its frames where `rate_hz` is 0 (the median step, rounded to
 // the rate that is meant), with the frames as they are when they keep it, else moved to it by

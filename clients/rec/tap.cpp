@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <zmq.hpp>
 
 #include "proto/styled/v1/frame.pb.h"
+#include "proto/styled/v1/stats.pb.h"
 
 namespace styled::rec {
 namespace {
@@ -49,11 +51,15 @@ struct Tap::Impl {
   std::string connecting;  // to this endpoint
   recording::Record record;
   Gaps gaps;
+  styled::v1::Stats stats;
+  std::set<std::string> there;  // performers, by the statistics
 
   void Open();
   void Wait(const recording::FileWriter& writer);
   bool Read();
   Status Drain(recording::FileWriter& writer);
+  void Count(const recording::Published& published);
+  std::string Missing() const;
 };
 
 void Tap::Impl::Open() {
@@ -110,12 +116,32 @@ bool Tap::Impl::Read() {
   return false;
 }
 
+void Tap::Impl::Count(const recording::Published& published) {
+  counts.missed += gaps.Look(published.topic(), published.payload());
+  ++counts.messages;
+  if (published.topic() != "stats/") return;
+  ++counts.statistics;
+  if (options.performer.empty() || !stats.ParseFromString(published.payload())) return;
+  there.clear();
+  for (const auto& performer : stats.performers()) there.insert(performer.performer());
+}
+
+// What should have come by now, as a sentence; "" where it came.
+std::string Tap::Impl::Missing() const {
+  std::string from;
+  for (const auto& endpoint : options.endpoints) from += (from.empty() ? "" : ", ") + endpoint;
+  if (counts.messages == 0) {
+    return "nothing has come from " + from + " for 3 s; is styled running there?";
+  }
+  if (options.performer.empty() || counts.messages > counts.statistics) return "";
+  return "nothing of " + options.performer + " has come from " + from + " for 3 s; ";
+}
+
 Status Tap::Impl::Drain(recording::FileWriter& writer) {
   for (int i = 0; i < kBatch && Read(); ++i) {
     const std::int64_t now_ns = MonotonicNow_ns();
     record.set_time_ns(now_ns);
-    counts.missed += gaps.Look(record.published().topic(), record.published().payload());
-    ++counts.messages;
+    Count(record.published());
     Status status = writer.Add(record, now_ns);
     if (!status.ok()) return status;
   }
@@ -150,16 +176,33 @@ Status Tap::Run(recording::FileWriter& writer, const std::atomic<bool>& stop, st
     return impl_->options.seconds > 0 && seconds >= impl_->options.seconds;
   };
   Status status = Status::Ok();
-  bool heard = false;
+  bool heard = false, judged = false;
+  const auto judge = [&] {
+    const double seconds = static_cast<double>(MonotonicNow_ns() - begin_ns) * 1e-9;
+    if (judged || seconds < kPatience_s) return;
+    judged = true;
+    const std::string missing = impl_->Missing();
+    if (missing.empty()) return;
+    err << "stylerec: " << missing << (heard ? WhoIsThere() : "") << "\n" << std::flush;
+  };
   while (status.ok() && !stop && !over()) {
     impl_->Wait(writer);
     status = impl_->Drain(writer);
     if (!heard && impl_->counts.messages > 0) err << "stylerec: recording\n" << std::flush;
     heard = impl_->counts.messages > 0;
+    judge();
   }
+  judge();
   if (status.ok()) status = impl_->Drain(writer);  // what had arrived before the end
   const Status flushed = writer.Flush();
   return status.ok() ? flushed : status;
+}
+
+std::string Tap::WhoIsThere() const {
+  if (impl_->there.empty()) return "nobody is there";
+  std::string list;
+  for (const auto& id : impl_->there) list += (list.empty() ? "" : ", ") + id;
+  return "there " + std::string(impl_->there.size() == 1 ? "is " : "are ") + list;
 }
 
 std::vector<std::string> TopicsOf(const std::string& performer) {

@@ -170,6 +170,11 @@ class TcpLink final : public Link {
 
 bool IsStream(const std::string& url) { return url.starts_with("tcp://"); }
 
+Status CheckAddress(const std::string& url) {
+  const Result<Address> address = ParseAddress(url, 1);
+  return address.ok() ? Status::Ok() : address.status();
+}
+
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms) {
   const Result<Address> address = ParseAddress(url, 1);
   if (!address.ok()) return address.status();

@@ -53,6 +53,7 @@ std::vector<Finding> Diagnose(const Facts& facts) { return Examination(facts).Ru
 std::vector<Finding> Examination::Run() {
   Daemon();
   for (const SourceFacts& source : facts_.sources) Source(source);
+  Silent();
   Unclaimed();
   Losses();
   Listeners();
@@ -119,6 +120,29 @@ void Examination::Source(const SourceFacts& source) {
   if (!Arrival(source, evidence)) return;
   if (!Content(source, evidence)) return;
   if (source.in_daemon) Frames(source, evidence);
+}
+
+// Whatever the steps above made of it: a source of which a daemon receives nothing is a problem,
+// where no other source of that name receives and none of its problems is said.
+void Examination::Silent() {
+  for (const SourceFacts& source : facts_.sources) {
+    if (!source.in_daemon || source.received.value_or(1) > 0) continue;
+    const bool other = std::ranges::any_of(facts_.sources, [&](const SourceFacts& twin) {
+      return twin.wanted.name == source.wanted.name && twin.received.value_or(0) > 0;
+    });
+    const bool said = std::ranges::any_of(findings_, [&](const Finding& f) {
+      return f.severity == Severity::kProblem &&
+             (f.source == source.wanted.name || f.source.starts_with(source.wanted.name + "/"));
+    });
+    if (other || said) continue;
+    const std::string place = source.wanted.network ? " at " + PlaceOf(source.wanted) : "";
+    Say(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
+        "Nothing arrives for " + Label(source) + place + ".",
+        "The daemon received nothing of it in " + Seconds(facts_.seconds) + ".",
+        source.wanted.network ? std::string(Row(source.wanted.format).in_the_sender)
+                              : "See that the device is plugged in and switched on; the daemon's "
+                                "log says what it waits for.");
+  }
 }
 
 // Formats that arrive although nobody wants them.

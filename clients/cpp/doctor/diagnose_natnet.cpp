@@ -11,7 +11,8 @@ void Examination::NatNet(const SourceFacts& source) {
     Port(source);
     return;
   }
-  if (HasLivePerformer(source) || !source.natnet) return;
+  if (HasLivePerformer(source)) return;
+  if (!source.natnet) return Unasked(source);
   if (!Server(source)) return;
   const NatNetAnswers& answers = *source.natnet;
   if (answers.multicast) {
@@ -30,6 +31,26 @@ void Examination::NatNet(const SourceFacts& source) {
         "The daemon's log names what it waits for. Name the server's address there, and the "
         "interface: server = , interface = .");
   }
+}
+
+// The daemon does not tell which server it asks; its file does.
+void Examination::Unasked(const SourceFacts& source) {
+  if (!source.in_daemon || !source.received) return;
+  const std::string ask =
+      "Give the daemon's file: stylectl doctor --config styled.toml; then doctor asks the server "
+      "itself. ";
+  if (*source.received > 0) {
+    return Say(Severity::kProblem, Step::kFrames, &source, "no_frames",
+               Label(source) + ": the NatNet server answers, but no performer comes of it.",
+               std::to_string(*source.received) + " datagrams came from it.",
+               ask + std::string(Row(Format::kNatNet).in_the_sender));
+  }
+  Say(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
+      "Nothing arrives for " + Label(source) +
+          " from its NatNet server: it does not answer the daemon.",
+      "The daemon received nothing in " + Seconds(facts_.seconds) + ".",
+      ask + "See that server = names the machine that Motive runs on. " +
+          std::string(Row(Format::kNatNet).in_the_sender));
 }
 
 bool Examination::Server(const SourceFacts& source) {

@@ -25,6 +25,7 @@ class Examination {
   // diagnose.cpp
   void Daemon();
   void Source(const SourceFacts& source);
+  void Silent();
   void Losses();
   void KernelDrops();
   void Unclaimed();
@@ -50,6 +51,7 @@ class Examination {
 
   // diagnose_natnet.cpp
   void NatNet(const SourceFacts& source);
+  void Unasked(const SourceFacts& source);
   bool Server(const SourceFacts& source);
   bool Group(const SourceFacts& source);
   bool GroupElsewhere(const SourceFacts& source, const std::string& group);

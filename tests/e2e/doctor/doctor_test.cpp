@@ -145,6 +145,22 @@ TEST_F(DoctorTest, ANatNetServerThatDoesNotAnswerIsNamed) {
   EXPECT_THAT(report.Of("natnet_no_answer", "what"), HasSubstr(server));
 }
 
+TEST_F(DoctorTest, ANatNetServerThatDoesNotAnswerARunningDaemonIsNamed) {
+  const std::string server = Local(FreePort());
+  const std::string source = "[[source]]\nname = \"suit\"\ntype = \"natnet\"\n";
+  const Daemon daemon({}, source + "server = \"" + server + "\"\n");
+  const Report alone = Doctor({"--endpoint", daemon.control, "--source", "suit"});
+  EXPECT_THAT(alone.problems, ElementsAre("nothing_arrives"));
+  EXPECT_THAT(alone.Of("nothing_arrives", "what"), HasSubstr("NatNet server"));
+  const Report all = Doctor({"--endpoint", daemon.control});
+  EXPECT_THAT(all.text, HasSubstr("Nothing arrives for suit"));
+  const std::string config = Config("natnet", "0.0.0.0:0", "server = \"" + server + "\"");
+  const Report told =
+      Doctor({"--endpoint", daemon.control, "--source", "suit", "--config", config});
+  EXPECT_THAT(told.problems, ElementsAre("natnet_no_answer"));
+  EXPECT_THAT(told.Of("natnet_no_answer", "what"), HasSubstr(server));
+}
+
 TEST_F(DoctorTest, WhereFramesGoThroughAllIsWell) {
   const Daemon daemon;
   const Streaming rig(daemon.udp, kRate_hz, Performer(true));

@@ -114,5 +114,27 @@ TEST_F(NatNetDiagnoseTest, ADaemonThatMakesNoFramesOfItIsSaid) {
   EXPECT_EQ(machine_.Codes(), "");
 }
 
+// As without --config: the daemon does not say which server it asks.
+TEST_F(NatNetDiagnoseTest, ASilentServerOfADaemonIsSaidThoughItsAddressIsNotKnown) {
+  machine_.facts = Machine().facts;
+  machine_.InDaemon("natnet", "0.0.0.0:41000", 0);
+  EXPECT_EQ(machine_.Codes(), "problem nothing_arrives suit");
+  EXPECT_NE(machine_.First().what.find("from its NatNet server"), std::string::npos);
+  EXPECT_NE(machine_.First().change.find("--config"), std::string::npos);
+  source().received = 40;
+  EXPECT_EQ(machine_.Codes(), "problem no_frames suit");
+  machine_.LivePerformer("suit.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  EXPECT_EQ(machine_.Codes(), "");
+}
+
+TEST_F(NatNetDiagnoseTest, ASilentServerOfADaemonsFileIsNamed) {
+  machine_.facts.daemon.state = DaemonFacts::State::kAnswers;
+  source().in_daemon = true;
+  source().received = 0;
+  answers().answered = false;
+  EXPECT_EQ(machine_.Codes(), "problem natnet_no_answer suit");
+}
+
 }  // namespace
 }  // namespace styled::doctor::testing

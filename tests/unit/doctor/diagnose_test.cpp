@@ -243,9 +243,27 @@ TEST_F(DiagnoseTest, WithoutSubscriberOrStyleThatIsNoted) {
 }
 
 // By USB: there is no port to look at.
-TEST_F(DiagnoseTest, ASourceWithoutAPortIsLeftAlone) {
+TEST_F(DiagnoseTest, ASourceWithoutAPortIsAskedForItsDevice) {
   machine_.InDaemon("slimevr-usb", "usb", 0);
+  EXPECT_EQ(machine_.Codes(), "problem nothing_arrives suit");
+  EXPECT_NE(machine_.First().change.find("plugged in"), std::string::npos);
+  machine_.facts.sources.front().received = 100;
   EXPECT_EQ(machine_.Codes(), "");
+}
+
+TEST_F(DiagnoseTest, NoSourceThatReceivesNothingIsWell) {
+  for (const char* type :
+       {"udp", "tcp", "vmc", "mvn", "mvn-tcp", "mocopi", "natnet", "rokoko", "slimevr"}) {
+    Machine machine;
+    machine.InDaemon(type, "0.0.0.0:5000", 0);
+    EXPECT_EQ(machine.Codes(), "problem nothing_arrives suit") << type;
+    // Frames of a moment ago.
+    machine.LivePerformer("suit.anna");
+    machine.Grow("publish.subscriptions", 1);
+    EXPECT_EQ(machine.Codes(), "problem nothing_arrives suit") << type;
+    machine.InDaemon("udp", "0.0.0.0:5001", 100);
+    EXPECT_EQ(machine.Codes(), "") << type << " beside one of the same name that receives";
+  }
 }
 
 }  // namespace

@@ -6,8 +6,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
+#include "clients/rec/publish_outlet.h"
 #include "model/clip/clip.h"
+#include "proto/styled/v1/stats.pb.h"
 #include "tests/unit/rec/fakes.h"
 
 namespace styled::rec {
@@ -70,7 +73,7 @@ TEST_F(CliTest, BadCommandLinesEndWithTwoAndSayWhatWasExpected) {
   expect({"play", "x"}, "play: nothing to play to; expected --to or --publish");
   expect({"export", "x", "--performer", "rig.a"}, "expected --bvh or --glb");
   expect({"export", "x", "--glb", "y"}, "--performer is required");
-  expect({"export", "x", "--performer", "rig.a", "--glb", "y", "--what", "feet"}, "feet");
+  expect({"export", "x", "--performer", "rig.a", "--glb", "y", "--what", "a/b"}, "a/b");
   expect({"export", "x", "--performer", "rig.a", "--glb", "y", "--rate", "0"}, "--rate");
   expect({"record", "--performer", "anna", "x"}, "'anna' is not SOURCE.NAME");
   expect({"record", "--performer", "rig.a", "--topics", "stats/", "x"}, "excludes");
@@ -78,6 +81,36 @@ TEST_F(CliTest, BadCommandLinesEndWithTwoAndSayWhatWasExpected) {
   expect({"receive", "x"}, "--listen is required");
   expect({"receive", "--listen", "udp://127.0.0.1:0", "--forward", "a:1,b:2", "x"},
          "found 2 addresses in --forward");
+}
+
+TEST_F(CliTest, WhatPlayCannotDoAsItIsAskedEndsWithTwoAndSendsNothing) {
+  testing::Listener listener;
+  const std::string published = Write("published", Motion());
+  const std::string arrived =
+      Write("arrived", {Arrival(0, "12345", "suit"), Arrival(1000, "12345", "glove")});
+  const auto expect = [&](const std::string& file, std::vector<std::string> arguments,
+                          const std::string& text) {
+    arguments.insert(arguments.begin(), {"play", file});
+    EXPECT_EQ(Run(arguments), kExitUsage) << ::testing::PrintToString(arguments);
+    EXPECT_THAT(err_.str(), HasSubstr(text));
+  };
+  expect(published, {"--to", "ftp://x"}, "ftp://x");
+  expect(published, {"--to", listener.url(), "--to", "udp://127.0.0.1:8"},
+         "expected one address per source");
+  expect(published, {"--to", "original"}, "has no arrivals");
+  expect(published, {"--to", "zz=" + listener.url()}, "has no source of that name; it has: rig\n");
+  expect(arrived, {"--to", listener.url(), "--to", "zz=" + listener.url()},
+         "--to zz=...: " + arrived + " has no source of that name; it has: glove, suit\n");
+  for (const char* speed : {"0", "-1", "fast", "nan", "1e9", ""}) {
+    expect(published, {"--to", listener.url(), "--speed", speed}, "--speed");
+  }
+  for (const char* url :
+       {"tcp://nowhere", "tcp://:7001", "tcp://a:b", "tcp://a:70000", "x", "ipc://"}) {
+    expect(published, {"--publish", url}, std::string("--publish ") + url);
+  }
+  EXPECT_EQ(listener.Receive(0), "none");
+  EXPECT_EQ(Run({"play", arrived, "--to", "suit=" + listener.url()}), kExitOk) << err_.str();
+  EXPECT_EQ(listener.Receive(), "12345");
 }
 
 TEST_F(CliTest, HelpAndVersionAreNoErrors) {
@@ -108,15 +141,8 @@ TEST_F(CliTest, FilesAndAddressesThatAreWrongEndWithOneAndTheirName) {
   expect({"record", "--config", none, folder_ / "a"}, none + ": cannot be read");
   expect({"record", "--weights", none, folder_ / "a"}, none + ": cannot be read");
   expect({"receive", "--listen", "tcp://127.0.0.1:0", folder_ / "a"}, "udp://HOST:PORT");
-  expect({"play", motion, "--to", "ftp://x"}, "ftp://x");
-  expect({"play", motion, "--to", "udp://127.0.0.1:9", "--to", "udp://127.0.0.1:8"},
-         "expected one address per source");
-  expect({"play", motion, "--to", "original"}, "has no arrivals");
-  for (const char* speed : {"0", "-1", "fast", "nan", "1e9", ""}) {
-    expect({"play", motion, "--to", "udp://127.0.0.1:9", "--speed", speed}, "--speed");
-  }
   expect({"play", motion, "--to", "udp://127.0.0.1:9", "--from", "3"}, "expected --from within");
-  expect({"play", motion, "--publish", "tcp://nowhere"}, "--publish tcp://nowhere");
+  expect({"play", motion, "--publish", "tcp://192.0.2.1:7001"}, "--publish tcp://192.0.2.1:7001");
   expect({"play", motion, "--publish", "tcp://127.0.0.1:*", "--wait", "0.05"},
          "found no subscriber");
   expect({"export", motion, "--performer", "rig.b", "--glb", none}, "source/rig.a/");
@@ -172,6 +198,41 @@ TEST_F(CliTest, DamageIsSaidAndIsNoErrorAndAFileWithoutItsBeginningIsSalvaged) {
   EXPECT_EQ(Run({"info", file, "--salvage"}), kExitOk);
 }
 
+TEST_F(CliTest, ARecordingOfNothingIsSaidWhileItIsMadeAndAtItsEnd) {
+  const std::string place = "ipc://" + (folder_ / "pub"), file = folder_ / "new";
+  EXPECT_EQ(Run({"record", "--from", place, "--seconds", "3.3", file}), kExitOk);
+  EXPECT_THAT(err_.str(),
+              HasSubstr("nothing has come from " + place + " for 3 s; is styled running there?\n"));
+  EXPECT_THAT(err_.str(), HasSubstr(file + " has nothing: nothing came\n"));
+}
+
+// A daemon of which only the statistics come, and rig.b.
+TEST_F(CliTest, APerformerWhoIsNotThereIsSaidWithThoseWhoAre) {
+  const std::string place = "ipc://" + (folder_ / "pub");
+  styled::v1::Stats stats;
+  stats.add_performers()->set_performer("rig.b");
+  stats.add_performers()->set_performer("rig.a");
+  const auto daemon = PublishOutlet::Bind(place, true);
+  ASSERT_TRUE(daemon.ok()) << daemon.status().message();
+  const std::jthread thread([&](const std::stop_token& token) {
+    while (!token.stop_requested()) {
+      daemon.value()->Idle();
+      EXPECT_TRUE(daemon.value()->Take(Published(0, "stats/", stats.SerializeAsString())).ok());
+      EXPECT_TRUE(daemon.value()->Take(Published(0, "body/rig.b/", "body")).ok());
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  const auto record = [&](const std::string& id, const char* seconds) {
+    return Run({"record", "--from", place, "--performer", id, "--seconds", seconds, folder_ / id});
+  };
+  EXPECT_EQ(record("rig.zz", "4"), kExitOk);
+  EXPECT_THAT(err_.str(), HasSubstr("nothing of rig.zz has come from " + place +
+                                    " for 3 s; there are rig.a, rig.b\n"));
+  EXPECT_THAT(err_.str(), HasSubstr("has nothing of rig.zz, only statistics; there are"));
+  EXPECT_EQ(record("rig.b", "4"), kExitOk);
+  EXPECT_EQ(err_.str(), "stylerec: recording\n");
+}
+
 TEST_F(CliTest, PlayingEndsWithASummary) {
   const testing::Listener listener;
   const std::string file = Write("x", Motion());
@@ -197,6 +258,32 @@ TEST_F(CliTest, AStopBeforeItBeganIsAnOrderlyEnd) {
   EXPECT_THAT(err_.str(), HasSubstr("listening on udp://127.0.0.1:"));
 }
 
+TEST_F(CliTest, AnOutputIsExportedByItsName) {
+  std::vector<recording::Record> records = Motion();
+  auto body = testing::MakeBody("rig.a", styled::v1::OUTPUT_AVATAR, 6);
+  body.set_output_name("hero");
+  // Another output's body comes under the same topic, and is not taken for it.
+  auto other = body;
+  other.set_output_name("zero");
+  other.set_hash(7);
+  for (const auto& one : {body, other}) {
+    records.push_back(Published(0, "body/rig.a/", one.SerializeAsString()));
+  }
+  for (std::uint64_t i = 0; i < 30; ++i) {
+    const auto frame = testing::MakeFrame(body, i + 1, i * 10'000'000 + 1);
+    records.push_back(Published(0, "styled/rig.a/hero/", frame.SerializeAsString()));
+  }
+  const std::string file = Write("x", records), glb = folder_ / "hero.glb";
+  const auto run = [&](const char* what) {
+    return Run({"export", file, "--performer", "rig.a", "--what", what, "--glb", glb});
+  };
+  EXPECT_EQ(run("feet"), kExitFailed);
+  EXPECT_THAT(err_.str(), HasSubstr("found no frames of styled/rig.a/feet/; it holds: "
+                                    "source/rig.a/, styled/rig.a/hero/, styled/rig.a/rig/"));
+  EXPECT_EQ(run("hero"), kExitOk) << err_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("rig.a hero: frames=30 "));
+}
+
 TEST_F(CliTest, AnExportIsReadBackAsItWasRecorded) {
   const std::string file = Write("x", Motion()), bvh = folder_ / "x.bvh", glb = folder_ / "x.glb";
   ASSERT_EQ(Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--glb", glb}), kExitOk)
@@ -210,7 +297,13 @@ TEST_F(CliTest, AnExportIsReadBackAsItWasRecorded) {
     EXPECT_EQ(clip.value().frames[static_cast<std::size_t>(i)].translations[0].y(), i + 1);
   }
   EXPECT_GT(std::filesystem::file_size(glb), 10'000U);
-  ASSERT_EQ(Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--rate", "25"}), kExitOk);
+  ASSERT_EQ(Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--rate", "25"}),
+            kExitFailed);
+  EXPECT_THAT(err_.str(), HasSubstr(bvh + ": exists already; expected a new file, or --overwrite"));
+  EXPECT_EQ(clip::ReadBvh(bvh).value().frames.size(), 50U) << "left as it was";
+  ASSERT_EQ(
+      Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--rate", "25", "--overwrite"}),
+      kExitOk);
   EXPECT_EQ(clip::ReadBvh(bvh).value().frames.size(), 13U);
 }
 
