@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <set>
 #include <string_view>
 
+#include "proto/rigs/slimevr/udp.h"
 #include "sim/player/performer_motion.h"
 #include "tests/unit/sim/fakes.h"
 
@@ -120,6 +124,38 @@ TEST(RigStream, NanOccludesForOneFrame) {
   }
   EXPECT_GT(joint_frames, 0U);
   EXPECT_EQ(joint_frames, played.fault(Fault::kNan));
+}
+
+// A tracker out of reach is silent; those below it in the body are not.
+TEST(SlimeVrStandIn, SendsNothingForAnUnseenJointAndTheOthersAsEver) {
+  auto made = Make("slimevr", {{"sim"}, 100, 1, {"no-reset"}});
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  std::array<std::byte, 64> greeting;
+  const std::size_t size = slimevr::EncodeAnswer(slimevr::Greeting{}, greeting);
+  made.value()->Receive(std::span(greeting).first(size), [](std::span<const std::byte>) {});
+  std::array<body::Pose, 1> poses;
+  const auto sensors = [&](std::uint64_t index) {
+    std::set<int> sent;
+    made.value()->Encode({index, static_cast<double>(index) / 100, poses},
+                         [&sent](std::span<const std::byte> bytes) {
+                           const auto datagram = std::make_unique<slimevr::Datagram>();
+                           ASSERT_EQ(slimevr::Decode(bytes, *datagram), slimevr::UdpResult::kOk);
+                           for (std::size_t i = 0; i < datagram->count; ++i) {
+                             const auto* r = std::get_if<slimevr::Rotation>(&datagram->packets[i]);
+                             if (r != nullptr) sent.insert(r->sensor);
+                           }
+                         });
+    return sent;
+  };
+  const std::set<int> all = sensors(0);
+  EXPECT_EQ(all.size(), 13U);
+  poses[0].rotations[body::kLeftUpperArm].coeffs().setConstant(
+      std::numeric_limits<float>::quiet_NaN());
+  std::set<int> others = all;
+  others.erase(3);  // of the left upper arm
+  EXPECT_EQ(sensors(1), others);
+  poses[0] = body::Pose();
+  EXPECT_EQ(sensors(2), all);
 }
 
 }  // namespace
