@@ -92,8 +92,12 @@ void AddOptions(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   app.add_option("--faults", a.faults,
-                 "WORD=PROBABILITY,...: loss, duplicate, reorder, corrupt, truncate, nan, "
-                 "oversized, restart, late; and seed=N, late-ms=100, restart-pause-ms=150");
+                 "WORD=PROBABILITY,... per frame: loss, duplicate, reorder, corrupt, truncate, "
+                 "nan, oversized, restart, late, burst (frames held back and sent at once), step "
+                 "(the rig's clock jumps), occlude (a joint unseen for a while); and seed=1, "
+                 "late-ms=100, restart-pause-ms=150, burst-frames=5, step-s=1, occlude-frames=30, "
+                 "jitter-ms=0 (each frame up to so much late, in order), drift-ppm=0 (how much too "
+                 "fast the rig's clock runs)");
   app.add_option("--timecode", a.timecode,
                  "SMPTE timecode of the first frame, HH:MM:SS, counted at 30 frames a second")
       ->check([&a](const std::string& text) {

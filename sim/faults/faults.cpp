@@ -1,5 +1,6 @@
 #include "sim/faults/faults.h"
 
+#include <algorithm>
 #include <cassert>
 #include <charconv>
 #include <cmath>
@@ -12,8 +13,27 @@ namespace styled::faults {
 namespace {
 
 constexpr std::string_view kWords =
-    "loss, duplicate, reorder, corrupt, truncate, nan, oversized, restart, late (each = a "
-    "probability), seed, late-ms or restart-pause-ms";
+    "loss, duplicate, reorder, corrupt, truncate, nan, oversized, restart, late, burst, step, "
+    "occlude (each = a probability), seed, late-ms, restart-pause-ms, burst-frames, step-s, "
+    "occlude-frames, jitter-ms or drift-ppm";
+
+// What is set by a number other than a probability.
+struct Setting {
+  std::string_view word;
+  double Spec::*member;
+  double least, most;
+  bool whole;
+  std::string_view expected;
+};
+constexpr Setting kSettings[] = {
+    {"late-ms", &Spec::late_ms, 0, 60000, false, "milliseconds from 0 to 60000"},
+    {"restart-pause-ms", &Spec::restart_pause_ms, 0, 60000, false, "milliseconds from 0 to 60000"},
+    {"burst-frames", &Spec::burst_frames, 2, 1000, true, "a whole number from 2 to 1000"},
+    {"step-s", &Spec::step_s, -86400, 86400, false, "seconds from -86400 to 86400"},
+    {"occlude-frames", &Spec::occlude_frames, 1, 100000, true, "a whole number from 1 to 100000"},
+    {"jitter-ms", &Spec::jitter_ms, 0, 1000, false, "milliseconds from 0 to 1000"},
+    {"drift-ppm", &Spec::drift_ppm, -100000, 100000, false, "a number from -100000 to 100000"},
+};
 
 bool ParseNumber(std::string_view text, double& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -44,9 +64,12 @@ Status ParseItem(std::string_view item, Spec& spec) {
   }
   double value = 0;
   const bool is_number = ParseNumber(text, value);
-  if (word == "late-ms" || word == "restart-pause-ms") {
-    if (!is_number || value < 0 || value > 60000) return wrong("milliseconds from 0 to 60000");
-    (word == "late-ms" ? spec.late_ms : spec.restart_pause_ms) = value;
+  for (const Setting& setting : kSettings) {
+    if (word != setting.word) continue;
+    const bool good = is_number && value >= setting.least && value <= setting.most &&
+                      (!setting.whole || value == std::floor(value));
+    if (!good) return wrong(setting.expected);
+    spec.*setting.member = value;
     return Status::Ok();
   }
   const Fault fault = FaultByName(word);
@@ -56,12 +79,16 @@ Status ParseItem(std::string_view item, Spec& spec) {
   return Status::Ok();
 }
 
+double Uniform(std::mt19937_64& random) noexcept {
+  return static_cast<double>(random() >> 11) * 0x1p-53;  // [0, 1), the same on every platform
+}
+
 }  // namespace
 
 std::string_view Name(Fault fault) noexcept {
   constexpr std::array<std::string_view, static_cast<std::size_t>(Fault::kCount)> kNames{
-      "none",     "loss", "duplicate", "reorder", "corrupt",
-      "truncate", "nan",  "oversized", "restart", "late"};
+      "none",      "loss",    "duplicate", "reorder", "corrupt", "truncate", "nan",
+      "oversized", "restart", "late",      "burst",   "step",    "occlude"};
   return kNames[static_cast<std::size_t>(fault)];
 }
 
@@ -69,7 +96,7 @@ bool Spec::any() const noexcept {
   for (const double p : probability) {
     if (p > 0) return true;
   }
-  return false;
+  return jitter_ms > 0 || drift_ppm != 0;
 }
 
 Result<Spec> Parse(std::string_view text) {
@@ -89,28 +116,41 @@ Result<Spec> Parse(std::string_view text) {
 }
 
 Faults::Faults(const Spec& spec, std::uint64_t stream)
-    : spec_(spec), random_(spec.seed * 0x9E3779B97F4A7C15ULL + stream) {}
-
-double Faults::Uniform() noexcept {
-  return static_cast<double>(random_() >> 11) * 0x1p-53;  // [0, 1), the same on every platform
-}
+    : spec_(spec),
+      random_(spec.seed * 0x9E3779B97F4A7C15ULL + stream),
+      jitter_random_(~(spec.seed * 0x9E3779B97F4A7C15ULL + stream)) {}
 
 std::uint32_t Faults::Choose(std::uint32_t below) noexcept {
   assert(below > 0);
-  return static_cast<std::uint32_t>(Uniform() * below);
+  return static_cast<std::uint32_t>(Uniform(random_) * below);
 }
 
 Fault Faults::Draw() noexcept {
-  double at = Uniform();
+  double at = Uniform(random_);
   Fault fault = Fault::kNone;
   for (std::size_t i = 1; i < spec_.probability.size() && fault == Fault::kNone; ++i) {
     if (at < spec_.probability[i]) fault = static_cast<Fault>(i);
     at -= spec_.probability[i];
   }
-  if (spare_next_) fault = Fault::kNone;
-  spare_next_ = fault == Fault::kReorder;
+  if (spare_ > 0) {
+    fault = Fault::kNone;
+    --spare_;
+  }
+  if (fault == Fault::kReorder) spare_ = 1;
+  if (fault == Fault::kBurst) spare_ = static_cast<std::uint32_t>(spec_.burst_frames) - 1;
   ++counts_[static_cast<std::size_t>(fault)];
   return fault;
+}
+
+double Faults::DrawJitter_s() noexcept {
+  return spec_.jitter_ms > 0 ? Uniform(jitter_random_) * spec_.jitter_ms * 1e-3 : 0;
+}
+
+double Faults::ClockError_s(double true_s, Fault fault) noexcept {
+  if (fault == Fault::kStep) stepped_s_ += spec_.step_s;
+  const double drift_s = true_s * spec_.drift_ppm * 1e-6;
+  stepped_s_ = std::max(stepped_s_, -true_s - drift_s);
+  return std::max(drift_s + stepped_s_, -true_s);
 }
 
 std::size_t Faults::Damage(Fault fault, std::byte* datagram, std::size_t size) noexcept {

@@ -25,6 +25,11 @@ enum class Fault : std::uint8_t {
   kOversized,  // nearly 64 KiB, valid, with thousands of joints
   kRestart,  // the sender dies: silence of Spec::restart_pause_ms, then a new session from frame 0
   kLate,     // sent Spec::late_ms after its time, behind newer frames
+  kBurst,    // held back with those behind it, Spec::burst_frames in all, which leave at once; they
+             // are left alone
+  kStep,     // the rig's clock jumps by Spec::step_s before the frame
+  kOcclude,  // one joint, not the root, is unseen (NaN) in Spec::occlude_frames frames from this
+             // one
   kCount
 };
 
@@ -36,6 +41,13 @@ struct Spec {
   std::uint64_t seed = 1;
   double late_ms = 100;           // 0 .. 60000
   double restart_pause_ms = 150;  // 0 .. 60000; a receiver takes over a sender silent for 100 ms
+  double burst_frames = 5;        // 2 .. 1000, whole
+  double step_s = 1;              // -86400 .. 86400
+  double occlude_frames = 30;     // 1 .. 100000, whole
+
+  // Not per frame and not counted:
+  double jitter_ms = 0;  // 0 .. 1000; each frame leaves so much late at most, behind older ones
+  double drift_ppm = 0;  // -100000 .. 100000; how much too fast the rig's clock runs
 
   bool any() const noexcept;
 };
@@ -52,8 +64,19 @@ class Faults {
   // `stream` tells apart the performers that share a spec.
   explicit Faults(const Spec& spec, std::uint64_t stream = 0);
 
-  // The next frame's fault, already counted. The frame behind a reordered one has none.
+  // The next frame's fault, already counted. The frame behind a reordered one has none, nor have
+  // those of a burst behind its first.
   Fault Draw() noexcept;
+
+  // How long after its time the next frame leaves, uniform in [0, Spec::jitter_ms]. Drawn apart:
+  // Draw() gives the same with it and without.
+  double DrawJitter_s() noexcept;
+
+  // How far the rig's clock is ahead at `true_s` of a session, by its drift and its steps so far.
+  // `fault` is that of the frame. Not below -true_s: a step back ends at 0, where clocks begin.
+  double ClockError_s(double true_s, Fault fault) noexcept;
+  // A new session's clock begins anew.
+  void ResetClock() noexcept { stepped_s_ = 0; }
 
   // Damages a whole datagram as Draw() said; kTruncate returns the smaller size, all others
   // `size`. `datagram` is at least one byte longer than a header.
@@ -66,12 +89,11 @@ class Faults {
   const Counts& counts() const noexcept { return counts_; }
 
  private:
-  double Uniform() noexcept;
-
   Spec spec_;
-  std::mt19937_64 random_;
+  std::mt19937_64 random_, jitter_random_;
   Counts counts_{};
-  bool spare_next_ = false;
+  std::uint32_t spare_ = 0;  // frames to be left alone
+  double stepped_s_ = 0;
 };
 
 }  // namespace styled::faults

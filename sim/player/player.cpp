@@ -1,7 +1,11 @@
 #include "sim/player/player.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <queue>
+#include <tuple>
 #include <utility>
 
 namespace styled::player {
@@ -17,25 +21,36 @@ Status Player::Run(Clock& clock, Link& link, const std::atomic<bool>& stop) {
           ? static_cast<std::uint64_t>(std::llround(options_.seconds * options_.rate_hz))
           : ~0ULL;
   const std::int64_t start_ns = clock.Now_ns();
-  std::vector<bool> ended(senders_.size(), false);
-  std::size_t playing = senders_.size();
-  for (std::uint64_t tick = 0; tick < last_tick && playing > 0 && !stop; ++tick) {
-    for (std::size_t k = 0; k < senders_.size() && !stop; ++k) {
-      if (ended[k]) continue;
-      const double periods = static_cast<double>(tick) + static_cast<double>(k) / count;
-      const std::int64_t due_ns = start_ns + std::llround(periods * period_ns);
-      while (!stop && clock.Now_ns() < due_ns) clock.SleepUntil(due_ns);
-      if (k == 0 && static_cast<double>(clock.Now_ns() - due_ns) > period_ns) {
-        ++counts_.late_ticks;
-      }
-      const Sender::Step step = stop ? Sender::Step::kSilent : senders_[k]->Tick(link);
-      if (step == Sender::Step::kError) return senders_[k]->error();
-      if (step == Sender::Step::kEnd) {
-        ended[k] = true;
-        --playing;
-      }
+  // The next tick of each sender that still plays; the earliest first, of equals the first sender.
+  struct Next {
+    std::int64_t due_ns;
+    std::size_t sender;
+    std::uint64_t tick;
+    bool operator>(const Next& other) const {
+      return std::tie(due_ns, sender) > std::tie(other.due_ns, other.sender);
     }
-    ++counts_.ticks;
+  };
+  std::priority_queue<Next, std::vector<Next>, std::greater<>> queue;
+  const auto plan = [&](std::size_t k, std::uint64_t tick, std::int64_t earliest_ns) {
+    if (tick >= last_tick) return;
+    const double periods = static_cast<double>(tick) + static_cast<double>(k) / count;
+    const std::int64_t due_ns = start_ns + std::llround(periods * period_ns) +
+                                std::llround(senders_[k]->NextDelay_s() * 1e9);
+    queue.push({std::max(due_ns, earliest_ns), k, tick});
+  };
+  for (std::size_t k = 0; k < senders_.size(); ++k) plan(k, 0, start_ns);
+  while (!queue.empty() && !stop) {
+    const Next next = queue.top();
+    queue.pop();
+    while (!stop && clock.Now_ns() < next.due_ns) clock.SleepUntil(next.due_ns);
+    if (stop) break;
+    if (next.sender == 0 && static_cast<double>(clock.Now_ns() - next.due_ns) > period_ns) {
+      ++counts_.late_ticks;
+    }
+    counts_.ticks = std::max(counts_.ticks, next.tick + 1);
+    const Sender::Step step = senders_[next.sender]->Tick(link);
+    if (step == Sender::Step::kError) return senders_[next.sender]->error();
+    if (step != Sender::Step::kEnd) plan(next.sender, next.tick + 1, next.due_ns);
   }
   for (const auto& sender : senders_) {
     if (Status status = sender->Flush(link); !status.ok()) return status;

@@ -24,8 +24,9 @@ struct PlayerCounts {
 };
 
 // Plays senders into a link, paced by an absolute clock: tick i of sender k of n is due at
-// start + (i + k / n) periods, whatever happened before; what is overdue is sent at once, nothing
-// is skipped. Runs on the caller's thread. Pinned by tests/unit/sim/player_test.cpp.
+// start + (i + k / n) periods and the delay that the sender wants, but not before its tick i - 1,
+// whatever happened before; what is overdue is sent at once, nothing is skipped. Runs on the
+// caller's thread. Pinned by tests/unit/sim/player_test.cpp.
 class Player {
  public:
   Player(PlayerOptions options, std::vector<std::unique_ptr<Sender>> senders);

@@ -25,7 +25,9 @@ class Sender {
   virtual ~Sender() = default;
   // Sends what is due at the next tick of the rate. kError: error() says why.
   virtual Step Tick(Link& link) = 0;
-  // Sends what is still held back (reordered, late). Call once at the end.
+  // How long after its time the next Tick() comes: once before each, in seconds.
+  virtual double NextDelay_s() { return 0; }
+  // Sends what is still held back (reordered, late, of a burst). Call once at the end.
   virtual Status Flush(Link& link) = 0;
 
   virtual int performers() const { return 1; }

@@ -38,6 +38,9 @@ void Stream::BeginSession() {
   session_ = options_.new_session();
   sequence_ = 0;
   frame_index_ = 0;
+  burst_end_tick_ = 0;
+  occlusions_.clear();
+  faults_.ResetClock();
   ++counts_.sessions;
   MakeBody();
 }
@@ -63,14 +66,17 @@ void Stream::MakeBody() {
 void Stream::MakeFrame(Fault fault) {
   frame_.Clear();
   frame_.set_performer(options_.performer);
-  frame_.set_source_time_ns(static_cast<std::uint64_t>(
-      std::llround(static_cast<double>(frame_index_) * 1e9 / options_.rate_hz)));
+  const double true_ns = static_cast<double>(frame_index_) * 1e9 / options_.rate_hz;
+  const double error_ns = faults_.ClockError_s(true_ns * 1e-9, fault) * 1e9;
+  frame_.set_source_time_ns(
+      static_cast<std::uint64_t>(std::max(0LL, std::llround(true_ns + error_ns))));
   if (options_.timecode_s) AddTimecode();
   for (const float value : pose_.translations[0]) frame_.add_root_position(value);
   for (const rig::Quat& rotation : pose_.rotations) {
     for (const float value : rotation.coeffs()) frame_.add_rotations(value);
   }
   frame_.set_body_crc(body_crc_);
+  Occlude(fault);
   if (fault == Fault::kNan) SpoilJoint();
   if (fault == Fault::kOversized) frame_.mutable_rotations()->Resize(4 * kOversizedJoints, 0.5F);
 }
@@ -99,6 +105,23 @@ void Stream::SpoilJoint() {
   }
 }
 
+// Begins an occlusion, if that is the fault, and hides the joints of all that last.
+void Stream::Occlude(Fault fault) {
+  if (const auto joints = static_cast<std::uint32_t>(pose_.rotations.size());
+      fault == Fault::kOcclude && joints > 1) {
+    const auto frames = static_cast<std::uint32_t>(faults_.spec().occlude_frames);
+    occlusions_.push_back({1 + faults_.Choose(joints - 1), frames});
+  }
+  for (Occlusion& occlusion : occlusions_) {
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      frame_.set_rotations(static_cast<int>(4 * occlusion.joint + i),
+                           std::numeric_limits<float>::quiet_NaN());
+    }
+    --occlusion.frames_left;
+  }
+  std::erase_if(occlusions_, [](const Occlusion& o) { return o.frames_left == 0; });
+}
+
 // The message as a datagram at the front of buffer_; its size.
 std::size_t Stream::Pack(native::Kind kind, const google::protobuf::MessageLite& message) {
   const std::size_t size = message.ByteSizeLong();
@@ -116,7 +139,16 @@ Status Stream::SendBody(Link& link) {
                          " joints does not fit into a datagram of 65507 bytes");
   }
   ++counts_.bodies;
+  if (burst_end_tick_ > 0 && tick_ <= burst_end_tick_) {  // in its place among the frames held back
+    Hold(burst_end_tick_, size);
+    return Status::Ok();
+  }
   return SendBytes(link, std::span(buffer_).first(size));
+}
+
+// Keeps the datagram at the front of buffer_ until that tick.
+void Stream::Hold(std::uint64_t due_tick, std::size_t size) {
+  held_.push_back({due_tick, {buffer_.begin(), buffer_.begin() + std::ptrdiff_t(size)}});
 }
 
 Status Stream::SendFrame(Fault fault, Link& link) {
@@ -127,7 +159,14 @@ Status Stream::SendFrame(Fault fault, Link& link) {
     // A reordered frame waits until the next one has left.
     const std::uint64_t wait =
         fault == Fault::kLate ? std::max<std::uint64_t>(2, Ticks(faults_.spec().late_ms)) : 1;
-    held_.push_back({tick_ + wait, {buffer_.begin(), buffer_.begin() + std::ptrdiff_t(size)}});
+    Hold(tick_ + wait, size);
+    return Status::Ok();
+  }
+  if (fault == Fault::kBurst) {
+    burst_end_tick_ = tick_ + static_cast<std::uint64_t>(faults_.spec().burst_frames) - 1;
+  }
+  if (burst_end_tick_ > 0 && tick_ <= burst_end_tick_) {
+    Hold(burst_end_tick_, size);
     return Status::Ok();
   }
   size = faults_.Damage(fault, buffer_.data(), size);

@@ -26,7 +26,8 @@ struct StreamOptions {
 };
 
 // One performer on the wire: its motion as datagrams, Body first and again once a second of source
-// time, with faults. Source time is the frame's index over the rate, from 0 in every session;
+// time, with faults. Source time is the frame's index over the rate, from 0 in every session, as a
+// clock shows it that drifts and steps where the faults say so (the timecode comes from elsewhere);
 // between two sessions the performer is silent for Spec::restart_pause_ms. One thread.
 // Pinned by tests/unit/sim/stream_test.cpp.
 class Stream final : public Sender {
@@ -39,11 +40,15 @@ class Stream final : public Sender {
 
   const std::string& performer() const { return options_.performer; }
   const faults::Faults& faults() const override { return faults_; }
+  double NextDelay_s() override { return faults_.DrawJitter_s(); }
 
  private:
   struct Held {
     std::uint64_t due_tick;
     std::vector<std::byte> datagram;
+  };
+  struct Occlusion {
+    std::uint32_t joint, frames_left;
   };
 
   void BeginSession();
@@ -51,6 +56,8 @@ class Stream final : public Sender {
   void MakeFrame(faults::Fault fault);
   void AddTimecode();
   void SpoilJoint();
+  void Occlude(faults::Fault fault);
+  void Hold(std::uint64_t due_tick, std::size_t size);
   std::size_t Pack(native::Kind kind, const google::protobuf::MessageLite& message);
   Status SendFrame(faults::Fault fault, Link& link);
   Status SendBody(Link& link);
@@ -68,6 +75,8 @@ class Stream final : public Sender {
   std::uint64_t session_ = 0, sequence_ = 0;
   std::uint64_t frame_index_ = 0;  // in this session
   std::uint64_t tick_ = 0, silent_until_tick_ = 0;
+  std::uint64_t burst_end_tick_ = 0;  // what is made before leaves at it
+  std::vector<Occlusion> occlusions_;
   std::uint32_t body_crc_ = 0;
 };
 

@@ -49,6 +49,9 @@ Status RigStream::Bind(std::size_t k) {
 void RigStream::Restart() {
   silent_until_tick_ = tick_ + Ticks(faults_.spec().restart_pause_ms);
   frame_index_ = 0;
+  burst_end_tick_ = 0;
+  occlusions_.clear();
+  faults_.ResetClock();
   ++counts_.sessions;
   rig_->Restart();
 }
@@ -76,12 +79,21 @@ RigStream::Step RigStream::Advance() {
   return result;
 }
 
-void RigStream::Occlude() {
+// Begins an occlusion, if that is the fault, and hides the joints of all that last.
+void RigStream::Occlude(Fault fault) {
+  if (fault == Fault::kNan || fault == Fault::kOcclude) {
+    const std::uint32_t performer = faults_.Choose(static_cast<std::uint32_t>(poses_.size()));
+    // Never the hips: what rigs occlude is a limb, a hand.
+    const std::uint32_t joint = 1 + faults_.Choose(body::kJointCount - 1);
+    const double frames = fault == Fault::kNan ? 1 : faults_.spec().occlude_frames;
+    occlusions_.push_back({performer, joint, static_cast<std::uint32_t>(frames)});
+  }
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  auto& pose = poses_[faults_.Choose(static_cast<std::uint32_t>(poses_.size()))];
-  // Never the hips: what rigs occlude is a limb, a hand.
-  const std::uint32_t joint = 1 + faults_.Choose(body::kJointCount - 1);
-  pose.rotations[joint] = body::Quat(kNan, kNan, kNan, kNan);
+  for (Occlusion& occlusion : occlusions_) {
+    poses_[occlusion.performer].rotations[occlusion.joint] = body::Quat(kNan, kNan, kNan, kNan);
+    --occlusion.frames_left;
+  }
+  std::erase_if(occlusions_, [](const Occlusion& o) { return o.frames_left == 0; });
 }
 
 // One of the datagrams is cut, or one bit of it flipped.
@@ -121,7 +133,8 @@ Status RigStream::Flush(player::Link& link) { return SendHeld(link, true); }
 
 Status RigStream::SendFrame(Fault fault, player::Link& link) {
   Datagrams datagrams;
-  rig_->Encode({frame_index_, static_cast<double>(frame_index_) / rate_hz_, poses_},
+  const double true_s = static_cast<double>(frame_index_) / rate_hz_;
+  rig_->Encode({frame_index_, true_s + faults_.ClockError_s(true_s, fault), poses_},
                [&datagrams](std::span<const std::byte> bytes) {
                  datagrams.emplace_back(bytes.begin(), bytes.end());
                });
@@ -130,6 +143,13 @@ Status RigStream::SendFrame(Fault fault, player::Link& link) {
     const std::uint64_t wait =
         fault == Fault::kLate ? std::max<std::uint64_t>(2, Ticks(faults_.spec().late_ms)) : 1;
     held_.push_back({tick_ + wait, std::move(datagrams)});
+    return Status::Ok();
+  }
+  if (fault == Fault::kBurst) {
+    burst_end_tick_ = tick_ + static_cast<std::uint64_t>(faults_.spec().burst_frames) - 1;
+  }
+  if (burst_end_tick_ > 0 && tick_ <= burst_end_tick_) {
+    held_.push_back({burst_end_tick_, std::move(datagrams)});
     return Status::Ok();
   }
   if (fault == Fault::kCorrupt || fault == Fault::kTruncate) Damage(fault, datagrams);
@@ -162,7 +182,7 @@ RigStream::Step RigStream::Tick(player::Link& link) {
     ++tick_;
     return Step::kSilent;
   }
-  if (fault == Fault::kNan) Occlude();
+  Occlude(fault);
   if (Status status = SendFrame(fault, link); !status.ok()) return failed(std::move(status));
   ++counts_.frames;
   ++frame_index_;

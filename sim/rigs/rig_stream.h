@@ -25,6 +25,7 @@ class RigStream final : public player::Sender {
   Status Flush(player::Link& link) override;
   int performers() const override { return static_cast<int>(motions_.size()); }
   const faults::Faults& faults() const override { return faults_; }
+  double NextDelay_s() override { return faults_.DrawJitter_s(); }
 
   // The canonical poses of the last frame made.
   std::span<const body::Pose> poses() const { return poses_; }
@@ -35,13 +36,16 @@ class RigStream final : public player::Sender {
     std::uint64_t due_tick;
     Datagrams datagrams;
   };
+  struct Occlusion {
+    std::uint32_t performer, joint, frames_left;
+  };
 
   RigStream(std::unique_ptr<Rig> rig, std::vector<std::unique_ptr<player::Motion>> motions,
             double rate_hz, const faults::Spec& spec);
   Status Bind(std::size_t k);
   Step Advance();
   void Restart();
-  void Occlude();
+  void Occlude(faults::Fault fault);
   Status SendFrame(faults::Fault fault, player::Link& link);
   Status SendAll(const Datagrams& datagrams, player::Link& link);
   Status SendHeld(player::Link& link, bool all);
@@ -58,6 +62,8 @@ class RigStream final : public player::Sender {
   std::vector<Held> held_;
   std::vector<std::byte> received_;
   std::uint64_t frame_index_ = 0, tick_ = 0, silent_until_tick_ = 0;
+  std::uint64_t burst_end_tick_ = 0;  // what is made before leaves at it
+  std::vector<Occlusion> occlusions_;
 };
 
 }  // namespace styled::rigs

@@ -203,8 +203,16 @@ class SlimeVr final : public Rig {
   World WorldOf(const body::Pose& pose) const {
     const double playing_s = now_s_ - connected_s_;
     if (Has("no-reset") || playing_s >= kStanding_s + kSkiing_s) {
+      // A sensor that is not seen is known by its own joint: it takes no other with it.
+      body::Pose seen = pose;
+      for (Quat& q : seen.rotations) {
+        if (!q.coeffs().allFinite()) q = Quat::Identity();
+      }
       body::WorldPose world;
-      body::ForwardKinematics(pose, world);
+      body::ForwardKinematics(seen, world);
+      for (std::size_t j = 0; j < pose.rotations.size(); ++j) {
+        if (!pose.rotations[j].coeffs().allFinite()) world.rotations[j] = pose.rotations[j];
+      }
       return world.rotations;
     }
     World world;
@@ -219,6 +227,7 @@ class SlimeVr final : public Rig {
     for (std::size_t k = 0; k < sensors_.size(); ++k) {
       const Sensor& sensor = sensors_[k];
       const Quat& part = world[static_cast<std::size_t>(sensor.place.joint)];
+      if (!part.coeffs().allFinite()) continue;  // out of reach: nothing comes from it
       // +Y up -> +Z up.
       const Quat q = About(Vec3::UnitX(), kPi / 2) * About(Vec3::UnitY(), sensor.heading) * part *
                      sensor.part_from_sensor;
@@ -232,6 +241,7 @@ class SlimeVr final : public Rig {
         packets.emplace_back(slimevr::Rotation{number, 1, orientation, 0});
       }
     }
+    if (packets.empty()) return;
     if ((features_ & slimevr::kBundles) == 0) {
       for (const auto& packet : packets) SendPacket(packet, send);
     } else {

@@ -1,6 +1,7 @@
 // Drives a fuzz target without libFuzzer: every seed as it is, then seeded mutations of each (same
 // seeds, same run). main [--runs=N] [--seed=N] [--seconds=S] FILE-OR-FOLDER...
-// Stops after S seconds, so that ctest's bound holds on a slow machine.
+// Ends after S seconds, or after N mutations of each seed where N is given. With neither, after
+// 20,000 mutations or 4 s.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -9,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -20,9 +23,9 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 struct Options {
-  long runs = 20000;  // mutations of each seed
+  std::optional<long> runs;  // mutations of each seed
+  std::optional<double> seconds;
   unsigned seed = 1;
-  double seconds = 4;
   std::vector<Bytes> seeds;
 };
 
@@ -113,11 +116,15 @@ int main(int argc, char** argv) {
   for (const Bytes& seed : options.seeds) LLVMFuzzerTestOneInput(seed.data(), seed.size());
 
   // Round by round over all seeds: a run cut short has still touched each.
-  const auto end =
-      std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds);
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  const auto end = begin + std::chrono::duration<double>(options.seconds.value_or(4));
+  // A time asked for is used up: no number of mutations that nobody gave ends it before.
+  const long runs =
+      options.runs.value_or(options.seconds ? std::numeric_limits<long>::max() : 20000);
   std::mt19937 random(options.seed);
   long inputs = static_cast<long>(options.seeds.size());
-  for (long run = 0; run < options.runs && std::chrono::steady_clock::now() < end; ++run) {
+  for (long run = 0; run < runs && Clock::now() < end; ++run) {
     for (const Bytes& seed : options.seeds) {
       Bytes bytes = seed;
       for (unsigned changes = 1 + random() % 4; changes > 0; --changes) Mutate(bytes, random);
@@ -125,6 +132,7 @@ int main(int argc, char** argv) {
       ++inputs;
     }
   }
-  std::printf("%ld inputs\n", inputs);
+  std::printf("%ld inputs in %.1f s\n", inputs,
+              std::chrono::duration<double>(Clock::now() - begin).count());
   return 0;
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "proto/rigs/native/datagram.h"
 #include "tests/unit/native/decode_cases.h"
 
@@ -27,6 +29,14 @@ TEST(Faults, SpecIsRefusedWithItsWordAndWhatWasExpected) {
                                        {"seed=1.5", "whole number"},
                                        {"late-ms=-1", "milliseconds"},
                                        {"late-ms=60001", "milliseconds"},
+                                       {"burst-frames=1", "whole number from 2"},
+                                       {"burst-frames=2.5", "whole number from 2"},
+                                       {"occlude-frames=0", "whole number from 1"},
+                                       {"step-s=nan", "seconds"},
+                                       {"step-s=86401", "seconds"},
+                                       {"jitter-ms=-1", "milliseconds from 0 to 1000"},
+                                       {"drift-ppm=100001", "-100000 to 100000"},
+                                       {"drift-ppm=", "-100000 to 100000"},
                                        {"loss=0.6,late=0.6", "at most 1"}}) {
     const auto spec = Parse(text);
     ASSERT_FALSE(spec.ok()) << text;
@@ -41,7 +51,16 @@ TEST(Faults, SpecIsReadWhole) {
   EXPECT_EQ(spec.seed, 7U);
   EXPECT_EQ(spec.late_ms, 20);
   EXPECT_EQ(spec.restart_pause_ms, 300);
+  const Spec other =
+      SpecOf("burst-frames=8,step-s=-2.5,occlude-frames=60,jitter-ms=4,drift-ppm=-50");
+  EXPECT_EQ(other.burst_frames, 8);
+  EXPECT_EQ(other.step_s, -2.5);
+  EXPECT_EQ(other.occlude_frames, 60);
+  EXPECT_EQ(other.jitter_ms, 4);
+  EXPECT_EQ(other.drift_ppm, -50);
   EXPECT_FALSE(SpecOf("").any());
+  EXPECT_TRUE(SpecOf("jitter-ms=1").any());
+  EXPECT_TRUE(SpecOf("drift-ppm=-1").any());
   EXPECT_TRUE(spec.any());
 }
 
@@ -82,6 +101,53 @@ TEST(Faults, SpareTheFrameBehindAReorderedOne) {
     EXPECT_EQ(fault == Fault::kNone, reordered);
     reordered = fault == Fault::kReorder;
   }
+}
+
+TEST(Faults, SpareTheFramesOfABurst) {
+  Faults faults(SpecOf("burst=0.1,loss=0.9,burst-frames=4"));
+  int spared = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Fault fault = faults.Draw();
+    EXPECT_EQ(fault == Fault::kNone, spared > 0);
+    spared = fault == Fault::kBurst ? 3 : std::max(0, spared - 1);
+  }
+  EXPECT_GT(faults.counts()[static_cast<std::size_t>(Fault::kBurst)], 10U);
+}
+
+TEST(Faults, JitterIsUniformAndLeavesTheOtherDrawsAlone) {
+  Faults jittery(SpecOf("loss=0.3,jitter-ms=10,seed=4")), steady(SpecOf("loss=0.3,seed=4"));
+  Faults again(SpecOf("jitter-ms=10,seed=4")), other(SpecOf("jitter-ms=10,seed=5"));
+  constexpr int kDraws = 10000;
+  double sum = 0;
+  int same = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const double jitter_s = jittery.DrawJitter_s();
+    EXPECT_GE(jitter_s, 0);
+    EXPECT_LE(jitter_s, 0.010);
+    sum += jitter_s;
+    EXPECT_EQ(again.DrawJitter_s(), jitter_s);
+    same += other.DrawJitter_s() == jitter_s;
+    EXPECT_EQ(steady.DrawJitter_s(), 0);
+    EXPECT_EQ(jittery.Draw(), steady.Draw());
+  }
+  EXPECT_NEAR(sum / kDraws, 0.005, 0.0002);
+  EXPECT_LT(same, 10);
+}
+
+TEST(Faults, ClockDriftsStepsAndNeverShowsLessThanZero) {
+  Faults drifting(SpecOf("drift-ppm=100"));
+  EXPECT_NEAR(drifting.ClockError_s(1000, Fault::kNone), 0.1, 1e-9);
+  EXPECT_NEAR(drifting.ClockError_s(2000, Fault::kNone), 0.2, 1e-9);
+  Faults stepping(SpecOf("step-s=-3"));
+  EXPECT_EQ(stepping.ClockError_s(9, Fault::kNone), 0);
+  EXPECT_EQ(stepping.ClockError_s(10, Fault::kStep), -3);
+  EXPECT_EQ(stepping.ClockError_s(11, Fault::kNone), -3);
+  EXPECT_EQ(stepping.ClockError_s(12, Fault::kStep), -6);
+  stepping.ResetClock();
+  EXPECT_EQ(stepping.ClockError_s(1, Fault::kStep), -1);  // to 0, and on from there
+  EXPECT_EQ(stepping.ClockError_s(2, Fault::kNone), -1);
+  Faults exact(SpecOf("loss=0.5"));
+  EXPECT_EQ(exact.ClockError_s(1234.567, Fault::kLoss), 0);
 }
 
 TEST(Faults, DamageIsAlwaysSeenAsWhatItIs) {

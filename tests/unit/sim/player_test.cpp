@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "sim/player/stream.h"
 #include "tests/unit/sim/fakes.h"
 
@@ -77,6 +79,47 @@ TEST(Player, SpreadsSeveralPerformersOverThePeriod) {
       EXPECT_EQ(times[i], start_ns + i * 10'000'000 + k * 2'500'000);
     }
   }
+}
+
+TEST(Player, JitterDelaysEachFrameInOrderAndNoOtherPerformer) {
+  const auto play = [](const char* spec) {
+    FakeClock clock;
+    const std::int64_t start_ns = clock.now_ns;
+    FakeLink link(&clock);
+    auto senders = Streams(2, 500, 100);
+    senders[0] = std::make_unique<Stream>(
+        StreamOptions{"amy-0", 100, [] { return std::uint64_t{1}; }},
+        std::make_unique<FakeMotion>(500), faults::Faults(faults::Parse(spec).value()));
+    Player player({100, 0}, std::move(senders));
+    const std::atomic<bool> stop{false};
+    EXPECT_TRUE(player.Run(clock, link, stop).ok());
+    auto jittery = FrameTimes(link, "amy-0");
+    const auto steady = FrameTimes(link, "amy-1");
+    EXPECT_EQ(steady.size(), 500U);
+    for (std::size_t i = 0; i < steady.size(); ++i) {
+      EXPECT_EQ(steady[i], start_ns + std::int64_t(i) * 10'000'000 + 5'000'000);
+    }
+    EXPECT_EQ(player.counts().late_ticks, 0U);
+    std::uint64_t newest = 0;
+    for (const auto& r : testing::Receive(link)) {
+      if (!r.is_frame() || r.frame.performer() != "amy-0") continue;
+      EXPECT_GT(r.header.sequence, newest);
+      newest = r.header.sequence;
+    }
+    for (std::size_t i = 0; i < jittery.size(); ++i) {
+      jittery[i] -= start_ns + std::int64_t(i) * 10'000'000;
+    }
+    return jittery;
+  };
+  const auto delays_ns = play("jitter-ms=25,seed=3");
+  ASSERT_EQ(delays_ns.size(), 500U);
+  const auto [least, most] = std::minmax_element(delays_ns.begin(), delays_ns.end());
+  EXPECT_GE(*least, 0);
+  EXPECT_LT(*least, 3'000'000);
+  EXPECT_LE(*most, 25'000'000);
+  EXPECT_GT(*most, 22'000'000);
+  EXPECT_EQ(play("jitter-ms=25,seed=3"), delays_ns);
+  EXPECT_NE(play("jitter-ms=25,seed=4"), delays_ns);
 }
 
 TEST(Player, EndsAfterItsSeconds) {

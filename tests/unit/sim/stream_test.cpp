@@ -185,11 +185,98 @@ TEST(Stream, SpoilsOneJointOfAFrameOrSendsFarTooMany) {
   EXPECT_GT(oversized, 0U);
 }
 
+TEST(Stream, SendsABurstAtOnceAndInOrder) {
+  Stream stream({"amy", 10, [] { return 1; }}, std::make_unique<FakeMotion>(300),
+                faults::Faults(faults::Parse("burst=0.05,burst-frames=6").value()));
+  FakeLink link;
+  std::uint64_t held_ticks = 0, bursts = 0, frames = 0;
+  while (stream.Tick(link) == Stream::Step::kSent) {
+    std::uint64_t sent = 0;
+    for (const Received& r : testing::Receive(link)) {
+      EXPECT_EQ(r.header.sequence, frames + sent++);  // bodies keep their place among the frames
+    }
+    frames += sent;
+    link.sent.clear();
+    if (sent == 0) ++held_ticks;
+    if (sent > 2) {
+      ++bursts;
+      EXPECT_GE(held_ticks, 4U);  // five, or four where a body left with the first of them
+      held_ticks = 0;
+      EXPECT_GE(sent, 6U);  // and a body where a second ended within
+      EXPECT_LE(sent, 7U);
+    }
+  }
+  ASSERT_TRUE(stream.Flush(link).ok());
+  frames += link.sent.size();
+  EXPECT_EQ(frames, 300 + stream.counts().bodies);
+  EXPECT_GT(bursts, 3U);
+  const std::uint64_t drawn = stream.faults().counts()[std::size_t(faults::Fault::kBurst)];
+  EXPECT_LE(bursts, drawn);
+  EXPECT_GE(bursts + 1, drawn);  // the last may be cut by the end
+}
+
+TEST(Stream, ClockDriftsAndStepsInSourceTime) {
+  using faults::Fault;
+  const Played drifting = Play(1200, "drift-ppm=200");
+  std::uint64_t index = 0;
+  for (const Received& r : drifting.received) {
+    if (!r.is_frame()) continue;
+    const double expected_ns = static_cast<double>(index++) * 1e9 / 120 * 1.0002;
+    EXPECT_NEAR(static_cast<double>(r.frame.source_time_ns()), expected_ns, 2);
+  }
+  EXPECT_EQ(index, 1200U);
+  for (const auto& [spec, step_s] :
+       {std::pair{"step=0.01", 1.0}, {"step=0.01,step-s=-0.5", -0.5}}) {
+    const Played stepping = Play(3000, spec);
+    std::uint64_t steps = 0, to_zero = 0;
+    double last_s = -1.0 / 120;
+    for (const Received& r : stepping.received) {
+      if (!r.is_frame()) continue;
+      const double time_s = static_cast<double>(r.frame.source_time_ns()) * 1e-9;
+      const double jump_s = time_s - last_s - 1.0 / 120;
+      last_s = time_s;
+      if (std::abs(jump_s) < 1e-6) continue;
+      ++steps;
+      if (time_s == 0) {
+        ++to_zero;
+        EXPECT_GE(jump_s, step_s);
+      } else {
+        EXPECT_NEAR(jump_s, step_s, 1e-6);
+      }
+    }
+    EXPECT_EQ(steps, stepping.fault(Fault::kStep));
+    EXPECT_GT(steps, 10U);
+    EXPECT_LT(to_zero, steps);
+  }
+}
+
+TEST(Stream, OccludesOneJointForItsFrames) {
+  using faults::Fault;
+  const Played played = Play(2000, "occlude=0.002,occlude-frames=20,seed=2");
+  std::uint64_t runs = 0, unseen = 0;
+  bool was_unseen = false;
+  for (const Received& r : played.received) {
+    if (!r.is_frame()) continue;
+    EXPECT_TRUE(std::isfinite(r.frame.rotations(3)));  // the root is always seen
+    const bool is_unseen = std::isnan(r.frame.rotations(4));
+    for (int i = 5; i < 8; ++i) EXPECT_EQ(std::isnan(r.frame.rotations(i)), is_unseen);
+    unseen += is_unseen;
+    runs += is_unseen && !was_unseen;
+    was_unseen = is_unseen;
+  }
+  const std::uint64_t drawn = played.fault(Fault::kOcclude);
+  ASSERT_GT(runs, 0U);
+  EXPECT_LE(runs, drawn);
+  EXPECT_LE(unseen, 20 * drawn);
+  EXPECT_GE(unseen, 20 * runs - 19);  // the last may be cut by the end
+}
+
 TEST(Stream, CountsExactlyWithAllFaultsAtOnce) {
   using faults::Fault;
   const Played p = Play(5000,
                         "loss=0.05,duplicate=0.05,reorder=0.05,corrupt=0.05,truncate=0.05,"
-                        "nan=0.05,oversized=0.01,restart=0.002,late=0.05,seed=9");
+                        "nan=0.05,oversized=0.01,restart=0.002,late=0.05,burst=0.02,step=0.01,"
+                        "occlude=0.01,jitter-ms=5,drift-ppm=80,seed=9");
   EXPECT_EQ(p.counts.frames, 5000U);
   EXPECT_EQ(p.counts.datagrams, p.received.size());
   EXPECT_EQ(p.frames(), 5000 - p.fault(Fault::kLoss) - p.fault(Fault::kCorrupt) -
