@@ -229,6 +229,7 @@ TEST_F(SubscriberTest, LatestWinsKeepsTheNewestOfEachStreamAndEveryBody) {
 // As after the process was stopped: what is read first is old, and the newest is still on its way.
 TEST_F(SubscriberTest, LatestWinsReadsOnWhileWhatComesIsOlderThanUsual) {
   auto subscriber = Listen(daemon_, OnlyA());
+  ASSERT_TRUE(daemon_.WaitForSubscription("styled/rig.a/rig/"));
   daemon_.AddBody(rig_);
   const auto send = [this](int sequence, std::chrono::milliseconds age) {
     v1::Frame frame = HumanoidFrame(rig_, body::Pose(), sequence);
