@@ -139,7 +139,7 @@ void Examination::Silent() {
     Say(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
         "Nothing arrives for " + Label(source) + place + ".",
         "The daemon received nothing of it in " + Seconds(facts_.seconds) + ".",
-        source.wanted.network ? std::string(Row(source.wanted.format).in_the_sender)
+        source.wanted.network ? InTheSender(source.wanted.format, source.wanted.stream)
                               : "See that the device is plugged in and switched on; the daemon's "
                                 "log says what it waits for.");
   }

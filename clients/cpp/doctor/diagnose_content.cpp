@@ -39,8 +39,7 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
     Say(Severity::kProblem, Step::kFormat, &source, "unknown_format",
         "What arrives for " + Label(source) + " at " + PlaceOf(wanted) + " is not " + name +
             ", nor another format that is known here.",
-        why,
-        "Look what the sender is set to send. " + std::string(Row(wanted.format).in_the_sender));
+        why, "Look what the sender is set to send. " + InTheSender(wanted.format, wanted.stream));
     return false;
   }
   Say(Severity::kProblem, Step::kFormat, &source, "wrong_format",
@@ -83,7 +82,7 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
     Say(Severity::kProblem, Step::kVersion, &source, version ? "unusable_version" : "unusable_mode",
         name + " arrives for " + Label(source) + ", but in a " + (version ? "version" : "mode") +
             " that the daemon cannot use.",
-        "It sends: " + kinds + ".", std::string(Row(format).in_the_sender));
+        "It sends: " + kinds + ".", InTheSender(format, source.wanted.stream));
     return false;
   }
   // A tracker that seeks a server says no more before it has found one.
@@ -94,7 +93,7 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
       format == Format::kSlimeVr
           ? "The trackers do not send rotations: look at their sensors, and whether another server "
             "answers them."
-          : std::string(Row(format).in_the_sender));
+          : InTheSender(format, source.wanted.stream));
   return false;
 }
 

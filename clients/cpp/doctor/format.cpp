@@ -1,6 +1,7 @@
 #include "clients/cpp/doctor/format.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace styled::doctor {
 namespace {
@@ -58,6 +59,18 @@ static_assert(InOrder());
 }  // namespace
 
 const FormatRow& Row(Format format) { return kRows[static_cast<std::size_t>(format)]; }
+
+std::string InTheSender(Format format, bool stream) {
+  std::string text(Row(format).in_the_sender);
+  if (!stream) return text;
+  for (const auto& [udp, tcp] :
+       {std::pair<std::string_view, std::string_view>{"protocol UDP", "protocol TCP"},
+        {"udp://", "tcp://"}}) {
+    const std::size_t at = text.find(udp);
+    if (at != std::string::npos) text.replace(at, udp.size(), tcp);
+  }
+  return text;
+}
 
 Format FormatOfType(std::string_view type) {
   if (type == "udp" || type == "tcp") return Format::kNative;

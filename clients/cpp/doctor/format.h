@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace styled::doctor {
@@ -27,6 +28,8 @@ struct FormatRow {
   std::string_view in_the_sender;      // what to look for there, one sentence
 };
 
+// `in_the_sender` for one that sends by TCP, or by UDP.
+std::string InTheSender(Format format, bool stream);
 const FormatRow& Row(Format format);  // of kUnknown too
 // Of source.type: "udp", "mvn-tcp"; kUnknown where it is not known here.
 Format FormatOfType(std::string_view type);

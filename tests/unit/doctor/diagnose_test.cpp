@@ -266,5 +266,16 @@ TEST_F(DiagnoseTest, NoSourceThatReceivesNothingIsWell) {
   }
 }
 
+TEST_F(DiagnoseTest, ASenderIsAskedForTheProtocolOfTheSource) {
+  for (const char* type : {"mvn", "mvn-tcp", "udp", "tcp"}) {
+    Machine machine;
+    const bool stream = machine.InDaemon(type, "0.0.0.0:27002", 0).wanted.stream;
+    const std::string change = machine.First().change;
+    EXPECT_NE(change.find(stream ? "port 27002 (TCP)" : "port 27002 (UDP)"), std::string::npos);
+    EXPECT_EQ(change.find(stream ? "UDP" : "TCP"), std::string::npos) << change;
+    EXPECT_EQ(change.find(stream ? "udp://" : "tcp://"), std::string::npos) << change;
+  }
+}
+
 }  // namespace
 }  // namespace styled::doctor::testing
