@@ -17,10 +17,12 @@ namespace styled::rigs {
 
 // One instant of all performers, as a rig's sender sees it.
 struct Frame {
-  std::uint64_t index = 0;            // in this session
-  double time_s = 0;                  // since the session began
-  std::span<const body::Pose> poses;  // one per performer; canonical: right-handed, +Y up, +Z
-                                      // forward, +X left, metres. NaN rotation: not tracked
+  std::uint64_t index = 0;                 // in this session
+  double time_s = 0;                       // since the session began
+  std::span<const body::Pose> poses;       // one per performer; canonical: right-handed, +Y up, +Z
+                                           // forward, +X left, metres. NaN rotation: not tracked
+  std::span<const body::Pose> whole = {};  // the same with nothing untracked; empty: not known.
+                                           // For sensors that do not hang on the parent's
 };
 
 // Where a rig's datagrams go, in their order. Bytes are valid during the call.

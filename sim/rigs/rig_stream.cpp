@@ -134,7 +134,7 @@ Status RigStream::Flush(player::Link& link) { return SendHeld(link, true); }
 Status RigStream::SendFrame(Fault fault, player::Link& link) {
   Datagrams datagrams;
   const double true_s = static_cast<double>(frame_index_) / rate_hz_;
-  rig_->Encode({frame_index_, true_s + faults_.ClockError_s(true_s, fault), poses_},
+  rig_->Encode({frame_index_, true_s + faults_.ClockError_s(true_s, fault), poses_, whole_},
                [&datagrams](std::span<const std::byte> bytes) {
                  datagrams.emplace_back(bytes.begin(), bytes.end());
                });
@@ -182,6 +182,7 @@ RigStream::Step RigStream::Tick(player::Link& link) {
     ++tick_;
     return Step::kSilent;
   }
+  whole_ = poses_;
   Occlude(fault);
   if (Status status = SendFrame(fault, link); !status.ok()) return failed(std::move(status));
   ++counts_.frames;

@@ -55,7 +55,7 @@ class RigStream final : public player::Sender {
   std::unique_ptr<Rig> rig_;
   std::vector<std::unique_ptr<player::Motion>> motions_;
   std::vector<std::unique_ptr<rig::Binding>> bindings_;
-  std::vector<body::Pose> poses_;
+  std::vector<body::Pose> poses_, whole_;  // whole_: before the occlusions
   rig::RigPose source_;
   double rate_hz_;
   faults::Faults faults_;

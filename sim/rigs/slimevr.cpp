@@ -82,7 +82,7 @@ class SlimeVr final : public Rig {
       return;
     }
     Negotiate(send);
-    SendMotion(WorldOf(frame.poses[0]), send);
+    SendMotion(WorldOf(frame), send);
     Ask(send);
   }
 
@@ -200,11 +200,12 @@ class SlimeVr final : public Rig {
 
   // The performer's world rotations.
   using World = std::array<Quat, body::kJointCount>;
-  World WorldOf(const body::Pose& pose) const {
+  World WorldOf(const Frame& frame) const {
+    const body::Pose& pose = frame.poses[0];
     const double playing_s = now_s_ - connected_s_;
     if (Has("no-reset") || playing_s >= kStanding_s + kSkiing_s) {
       // A sensor that is not seen is known by its own joint: it takes no other with it.
-      body::Pose seen = pose;
+      body::Pose seen = frame.whole.empty() ? pose : frame.whole[0];
       for (Quat& q : seen.rotations) {
         if (!q.coeffs().allFinite()) q = Quat::Identity();
       }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -133,16 +134,23 @@ TEST(SlimeVrStandIn, SendsNothingForAnUnseenJointAndTheOthersAsEver) {
   std::array<std::byte, 64> greeting;
   const std::size_t size = slimevr::EncodeAnswer(slimevr::Greeting{}, greeting);
   made.value()->Receive(std::span(greeting).first(size), [](std::span<const std::byte>) {});
-  std::array<body::Pose, 1> poses;
+  std::array<body::Pose, 1> poses, whole;
+  std::map<int, std::array<float, 4>> last;
+  for (body::Quat& q : whole[0].rotations) q = body::Quat(0.8F, 0.6F, 0, 0);
+  poses = whole;
   const auto sensors = [&](std::uint64_t index) {
     std::set<int> sent;
-    made.value()->Encode({index, static_cast<double>(index) / 100, poses},
-                         [&sent](std::span<const std::byte> bytes) {
+    made.value()->Encode({index, static_cast<double>(index) / 100, poses, whole},
+                         [&sent, &last](std::span<const std::byte> bytes) {
                            const auto datagram = std::make_unique<slimevr::Datagram>();
                            ASSERT_EQ(slimevr::Decode(bytes, *datagram), slimevr::UdpResult::kOk);
                            for (std::size_t i = 0; i < datagram->count; ++i) {
                              const auto* r = std::get_if<slimevr::Rotation>(&datagram->packets[i]);
-                             if (r != nullptr) sent.insert(r->sensor);
+                             if (r == nullptr) continue;
+                             sent.insert(r->sensor);
+                             const auto& q = r->orientation.rotation;
+                             const auto [seen, first] = last.emplace(r->sensor, q);
+                             EXPECT_EQ(seen->second, q);  // whatever is unseen above it
                            }
                          });
     return sent;
@@ -154,7 +162,7 @@ TEST(SlimeVrStandIn, SendsNothingForAnUnseenJointAndTheOthersAsEver) {
   std::set<int> others = all;
   others.erase(3);  // of the left upper arm
   EXPECT_EQ(sensors(1), others);
-  poses[0] = body::Pose();
+  poses = whole;
   EXPECT_EQ(sensors(2), all);
 }
 
