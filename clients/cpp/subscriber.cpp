@@ -131,6 +131,7 @@ struct Subscriber::Impl {
   std::map<std::string, std::size_t, std::less<>> newest;  // ReceiveLatest: topic to index in `out`
   std::string last_topic;                                  // of the frame that was accepted last
   std::int64_t lag_ns = 0;                                 // of the same
+  std::vector<std::int64_t> lags_ns;                       // ReceiveLatest: of each in `out`
   v1::Body scratch_body;
 
   void Open();
@@ -377,21 +378,29 @@ bool Subscriber::Receive(milliseconds timeout, Update& out) {
 int Subscriber::ReceiveLatest(milliseconds timeout, std::vector<Update>& out) {
   Impl& impl = *impl_;
   impl.newest.clear();
+  impl.lags_ns.clear();
   std::size_t count = 0, statistics = 0;
   bool has_statistics = false;
-  const auto begin = Clock::now();
+  auto until = Clock::now() + timeout;
+  bool catching_up = false;
   for (int read = 0; read < kMaxDrain; ++read) {
     if (!impl.ReadMessage()) {
-      // Behind what waits here there may be more in the sockets on the way.
-      const bool stale = count > 0 && impl.lag_ns > kStale_ns;
-      const auto until = begin + (stale ? kLongestCatchUp : timeout);
-      if ((count > 0 && !stale) || !impl.Wait(until)) break;
+      if (count > 0) {
+        const auto is_stale = [](std::int64_t lag_ns) { return lag_ns > kStale_ns; };
+        if (std::none_of(impl.lags_ns.begin(), impl.lags_ns.end(), is_stale)) break;
+        // Behind what waits here there may be more in the sockets on the way. From now on: the
+        // process may have been stopped since it came here.
+        if (!std::exchange(catching_up, true)) until = Clock::now() + kLongestCatchUp;
+      }
+      if (!impl.Wait(until)) break;
       continue;
     }
     if (out.size() == count) out.emplace_back();
     if (!impl.Accept(out[count])) continue;
     const Update& update = out[count];
     std::size_t older = count;
+    impl.lags_ns.resize(count + 1);
+    impl.lags_ns[count] = update.kind == Update::Kind::kFrame ? impl.lag_ns : 0;
     if (update.kind == Update::Kind::kFrame) {
       older = impl.newest.try_emplace(impl.last_topic, count).first->second;
     } else if (update.kind == Update::Kind::kStatistics) {
@@ -408,6 +417,8 @@ int Subscriber::ReceiveLatest(milliseconds timeout, std::vector<Update>& out) {
       out[count].new_epoch = update.new_epoch || superseded.new_epoch;
     }
     std::swap(out[older], out[count]);
+    impl.lags_ns[older] = impl.lags_ns[count];
+    impl.lags_ns.resize(count);
   }
   out.resize(count);  // without the last one if it was rejected or superseded
   return static_cast<int>(count);

@@ -151,10 +151,8 @@ Outcome Overload(const Effort& effort) {
   if (!quiet()) return Failed("no frame");
   ControlClient control(daemon.control);
   const auto count = [&control](const char* name) { return control.Counter(name); };
-  const std::vector<const char*> kept_out{"pipeline.backlog_dropped", "source.kernel_dropped"};
-  const auto received0 = count("source.received"), frames0 = count("pipeline.frames");
-  std::uint64_t dropped0 = 0;
-  for (const char* name : kept_out) dropped0 += count(name);
+  const auto frames0 = count("pipeline.frames"), lost0 = count("pipeline.lost"),
+             passed0 = count("pipeline.backlog_dropped");
   const std::uint64_t rss0 = ResidentBytes(daemon.child->pid());
   std::uint64_t bodies = 0, frames = 0;
   {
@@ -173,31 +171,32 @@ Outcome Overload(const Effort& effort) {
         ++frames;
       }
     }
+    // What was dropped last is missed when somebody comes after it.
+    Sleep(0.5);
+    for (auto& rig : rigs) link.Send(rig.Frame());
+    frames += rigs.size();
   }
   const std::int64_t from_ns = Now_ns();
   const bool back = quiet();
   const double back_s = static_cast<double>(Now_ns() - from_ns) * 1e-9;
   const std::uint64_t rss1 = ResidentBytes(daemon.child->pid());
   Sleep(0.5);
-  const auto received = count("source.received") - received0;
+  // Lost by their sequence: dropped by the socket (source.kernel_dropped) or before it.
+  const auto lost = count("pipeline.lost") - lost0;
+  const auto passed_over = count("pipeline.backlog_dropped") - passed0;
   const auto styled = count("pipeline.frames") - frames0;
-  std::uint64_t dropped = 0;
-  for (const char* name : kept_out) dropped += count(name);
-  dropped -= dropped0;
   const auto kernel = count("source.kernel_dropped");
-  // The one quiet performer's datagrams are in `received` and `styled` alike, his bodies aside.
-  const auto unstyled = received - styled;
-  const bool exact = received + kernel >= frames + bodies &&
-                     unstyled - count("pipeline.backlog_dropped") <= bodies + 16;
+  // The quiet performer's frames are styled, too; a body that was lost is a loss as well.
+  const auto known = styled + lost + passed_over;
+  const bool exact = known >= frames && known <= frames + bodies + 8 * 120;
   const double growth_mb = (static_cast<double>(rss1) - static_cast<double>(rss0)) / 1048576;
-  return {
-      exact && back && growth_mb <= 64, back_s <= 2,
-      Format(
-          "%llu frames sent: %llu received, %llu dropped by the kernel and counted, %llu styled, "
-          "%llu passed over and counted; RSS %+.1f MB; normal after %.2f s",
-          static_cast<unsigned long long>(frames), static_cast<unsigned long long>(received),
-          static_cast<unsigned long long>(kernel), static_cast<unsigned long long>(styled),
-          static_cast<unsigned long long>(dropped - kernel), growth_mb, back_s)};
+  return {exact && back && growth_mb <= 64, back_s <= 2,
+          Format("%llu frames sent: %llu styled, %llu lost and counted (%llu at the socket), %llu "
+                 "passed over and "
+                 "counted; RSS %+.1f MB; normal after %.2f s",
+                 static_cast<unsigned long long>(frames), static_cast<unsigned long long>(styled),
+                 static_cast<unsigned long long>(lost), static_cast<unsigned long long>(kernel),
+                 static_cast<unsigned long long>(passed_over), growth_mb, back_s)};
 }
 
 }  // namespace

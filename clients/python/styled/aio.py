@@ -71,16 +71,19 @@ class Subscriber:
 
     async def receive_latest(self, timeout: Optional[float] = None) -> List[Update]:
         """Latest-wins mode, as styled.Subscriber.receive_latest."""
-        begin = time.monotonic()
-        end = None if timeout is None else begin + timeout
+        end = None if timeout is None else time.monotonic() + timeout
         newest = Newest()
+        catching_up = False
         for _ in range(listening.MAX_DRAIN):
             update = await self._read()
             if update is not None:
-                newest.add(update)
+                newest.add(update, self._inbox.lag_s)
                 continue
             if newest.take():
-                end = listening.catch_up_end(self._inbox, begin)
+                if newest.lag_s() <= listening.STALE_S:
+                    break
+                end = end if catching_up else time.monotonic() + listening.LONGEST_CATCH_UP_S
+                catching_up = True
             if not await self._wait(end):
                 break
         return newest.take()

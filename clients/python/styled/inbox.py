@@ -248,8 +248,10 @@ class Newest:
 
     def __init__(self) -> None:
         self._updates: Dict[Tuple, Update] = {}
+        self._lags_s: Dict[Tuple, float] = {}
 
-    def add(self, update: Update) -> None:
+    def add(self, update: Update, lag_s: float = 0.0) -> None:
+        """`lag_s`: of a frame, behind its usual way."""
         key: Tuple = (update.kind,)
         if update.kind is Kind.FRAME:
             key = (update.kind, update.stream, update.output_name, update.frame.performer)
@@ -262,6 +264,11 @@ class Newest:
             body = update.body
             key = (update.kind, body.performer, body.output, body.output_name, body.hash)
         self._updates[key] = update
+        self._lags_s[key] = lag_s if update.kind is Kind.FRAME else 0.0
+
+    def lag_s(self) -> float:
+        """Of the frame that is the latest behind its usual way."""
+        return max(self._lags_s.values(), default=0.0)
 
     def take(self) -> List[Update]:
         return list(self._updates.values())

@@ -49,12 +49,6 @@ def subscribe(socket: zmq.Socket, topics: List[str]) -> None:
         socket.setsockopt_string(zmq.SUBSCRIBE, topic)
 
 
-def catch_up_end(inbox: Inbox, begin: float) -> float:
-    """Until when receive_latest, begun at `begin`, waits for more once it has read all that is here:
-    behind that there may be more in the sockets on the way."""
-    return begin if inbox.lag_s <= STALE_S else begin + LONGEST_CATCH_UP_S
-
-
 class Links:
     """How many of a socket's endpoints have a live connection."""
 
@@ -149,16 +143,21 @@ class Subscriber:
         newest statistics. Who draws slower than 120 Hz so never lags behind. Who was stopped, or
         whose network was, finds seconds of frames on the way: while what comes is 50 ms later than
         usual, it reads on, for half a second at most."""
-        begin = time.monotonic()
-        end = None if timeout is None else begin + timeout
+        end = None if timeout is None else time.monotonic() + timeout
         newest = Newest()
+        catching_up = False
         for _ in range(MAX_DRAIN):
             update = self._read()
             if update is not None:
-                newest.add(update)
+                newest.add(update, self._inbox.lag_s)
                 continue
             if newest.take():
-                end = catch_up_end(self._inbox, begin)
+                if newest.lag_s() <= STALE_S:
+                    break
+                # Behind what waits here there may be more in the sockets on the way. From now on:
+                # the process may have been stopped since it came here.
+                end = end if catching_up else time.monotonic() + LONGEST_CATCH_UP_S
+                catching_up = True
             if not self._wait(end):
                 break
         return newest.take()
