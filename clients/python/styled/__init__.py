@@ -10,11 +10,14 @@ styled.aio has the same for asyncio. The messages themselves are in styled.v1 (f
 control_pb2, stats_pb2), as proto/styled/v1 documents them.
 """
 
+import sys
+
 try:
     from styled.v1 import frame_pb2 as _messages  # made by protoc when Styled is built
 except ImportError as error:
     if error.name is None or not error.name.startswith('styled.v1'):
-        raise ImportError(f"styled needs protobuf for Python ({error}); on Debian 12: "
+        raise ImportError(f"styled needs protobuf for Python, and {sys.executable} has none ({error}); "
+                          'for Debian 12\'s own /usr/bin/python3: '
                           'apt install python3-protobuf python3-zmq') from error
     raise ImportError(
         'styled.v1, the messages, are not here: this is the source folder. Build the CMake target '
