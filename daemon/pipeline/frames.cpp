@@ -130,11 +130,7 @@ void Pipeline::StyleTaken(runtime::HotSection& hot) {
   if (!taken.empty()) hot.Enter();
   std::array<stylist::Stylist::Job, stylist::Stylist::kTogether> jobs;
   for (std::size_t i = 0; i < taken.size(); ++i) jobs[i] = taken[i]->Style();
-  if (taken.size() == 1) {
-    jobs[0].stylist->Process(jobs[0].time_ns, *jobs[0].in, *jobs[0].out);
-  } else {
-    stylist::Stylist::ProcessTogether(std::span(jobs).first(taken.size()));
-  }
+  stylist::Stylist::ProcessTogether(std::span(jobs).first(taken.size()));
   for (Performer* const performer : taken) performer->Finish(to_.clock.Now_ns());
   hot.Leave();
   for (Performer* const performer : taken) performer->Send(to_.publisher, to_.clock.Now_ns());

@@ -167,6 +167,7 @@ void Network::Step(const body::Features& features, int input_style,
 }
 
 void Network::StepTogether(std::span<const StepJob> jobs) const noexcept {
+  if (jobs.size() == 1) return StepSome<1>(jobs);
   while (!jobs.empty()) {
     const std::size_t count = std::min(jobs.size(), kTogether);
     StepSome<kTogether>(jobs.first(count));

@@ -163,6 +163,7 @@ void Stylist::Process(std::int64_t time_ns, const rig::RigPose& in, Output& out)
 }
 
 void Stylist::ProcessTogether(std::span<const Job> jobs) noexcept {
+  if (jobs.size() == 1) return ProcessSome<1>(jobs);
   while (!jobs.empty()) {
     const std::size_t count = std::min(jobs.size(), kTogether);
     ProcessSome<kTogether>(jobs.first(count));
@@ -192,12 +193,7 @@ void Stylist::ProcessSome(std::span<const Job> jobs) noexcept {
     for (std::size_t from = 0, to = 0; from < count; from = to) {
       const erd::Network& network = *stepping[from]->network;
       while (to < count && stepping[to]->network.get() == &network) ++to;
-      if (to - from == 1) {
-        const erd::StepJob& job = together[from];
-        network.Step(*job.features, job.input_style, job.active, *job.state, *job.out);
-      } else {
-        network.StepTogether(std::span(together).subspan(from, to - from));
-      }
+      network.StepTogether(std::span(together).subspan(from, to - from));
     }
     for (std::size_t i = 0; i < count; ++i) {
       stepping[i]->TakeChange(steps[i].state, *steps[i].pose, steps[i].out);
