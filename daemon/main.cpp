@@ -10,6 +10,7 @@
 #include <iostream>
 
 #include "daemon/config/config.h"
+#include "daemon/replay/replay.h"
 #include "daemon/runtime/journal.h"
 #include "daemon/runtime/notify.h"
 #include "daemon/runtime/realtime.h"
@@ -21,7 +22,7 @@ constexpr int kFailed = 1;
 constexpr int kBadArguments = 2;
 
 struct Arguments {
-  std::string config_file, check_file, weights, ready_file;
+  std::string config_file, check_file, weights, ready_file, replay, replay_to;
   std::vector<std::string> settings;
 };
 
@@ -34,6 +35,14 @@ int Parse(int argc, char** argv, Arguments& arguments) {
   app.add_option("--weights", arguments.weights, "weights file (as --set model.weights=FILE)");
   app.add_option("--ready-file", arguments.ready_file,
                  "where to write the endpoints, as JSON, once all is open");
+  auto* const replay = app.add_option(
+      "--replay", arguments.replay,
+      "play a recording through, its times as the clock, and exit; without --config under the "
+      "configuration that it holds");
+  auto* const replay_to = app.add_option("--replay-to", arguments.replay_to,
+                                         "with --replay: the new recording of what is published");
+  replay->needs(replay_to);
+  replay_to->needs(replay);
   app.set_version_flag("--version", STYLED_VERSION);
   try {
     app.parse(argc, argv);
@@ -86,6 +95,21 @@ styled::Result<styled::Origin> MakeOrigin(const Arguments& arguments) {
   return origin;
 }
 
+// No sockets are opened: a daemon may run beside it.
+int Replay(const Arguments& arguments, const styled::Origin& origin) {
+  auto reader = styled::recording::Reader::Open(arguments.replay);
+  if (!reader.ok()) return Refuse(reader.status().message(), kBadArguments);
+  const auto config = origin.file.empty()
+                          ? styled::replay::ConfigOf(*reader.value(), origin.overrides)
+                          : styled::config::Load(origin.file, origin.overrides);
+  if (!config.ok()) return Refuse(config.status().message(), kBadArguments);
+  const auto said =
+      styled::replay::ReplayToFile(*reader.value(), config.value(), arguments.replay_to);
+  if (!said.ok()) return Refuse(said.status().message(), kFailed);
+  std::cout << "styled: " << said.value() << "\n";
+  return 0;
+}
+
 // In every thread to come: the supervisor reads them from a descriptor.
 void BlockSignals() {
   sigset_t signals;
@@ -104,6 +128,7 @@ int main(int argc, char** argv) {
   if (done >= 0) return done;
   auto origin = MakeOrigin(arguments);
   if (!origin.ok()) return Refuse(origin.status().message(), kBadArguments);
+  if (!arguments.replay.empty()) return Replay(arguments, origin.value());
   auto config = styled::config::Load(origin.value().file, origin.value().overrides);
   if (!config.ok()) return Refuse(config.status().message(), kBadArguments);
   if (!arguments.check_file.empty()) {

@@ -107,7 +107,7 @@ void Program::DeclarePlay() {
   play->add_option(
       "--control", a_.control,
       "the daemon's control socket: recorded commands are given again at their places, "
-      "and nothing is lost at --speed max");
+      "and at --speed max the daemon is waited for");
   client::Declare(*play, a_.keys);
   play->add_option("--speed", a_.speed, "times real time, or max")->capture_default_str();
   play->add_flag("--loop", a_.loop, "begin again at the end, until Ctrl-C");

@@ -213,6 +213,9 @@ Result<Override> ParseOverride(const std::string& text);
 // file, line, key, what was expected and, for an unknown key, the nearest known one. Start-up and
 // reload only; allocates; any thread.
 Result<Config> Load(const std::string& file, const std::vector<Override>& overrides);
+// The same of a file's text; `name` is what complaints call it.
+Result<Config> Parse(const std::string& text, const std::string& name,
+                     const std::vector<Override>& overrides);
 
 // The rules that span keys: at least one source, loopback unless allowed, presets as the control
 // socket would accept them (style names are checked against the weights, by the supervisor).

@@ -1,7 +1,11 @@
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "daemon/config/config.h"
 #include "daemon/config/keys.h"
@@ -130,22 +134,28 @@ Status ApplySection(const Layer& layer, std::string_view name, const toml::node&
   return Status::Ok();
 }
 
-Status ApplyFile(const std::string& file, Config& config) {
-  if (std::filesystem::is_directory(file)) {
-    return Status::Error(file + ": is a folder; expected a TOML file");
-  }
+Status ApplyText(const std::string& text, const std::string& name, Config& config) {
   try {
-    const toml::table table = toml::parse_file(file);
-    for (const auto& [name, node] : table) {
-      Status status = ApplySection({file, true}, name.str(), node, config);
+    const toml::table table = toml::parse(text, name);
+    for (const auto& [section, node] : table) {
+      Status status = ApplySection({name, true}, section.str(), node, config);
       if (!status.ok()) return status;
     }
   } catch (const toml::parse_error& error) {
     const auto line = error.source().begin.line;
-    return Status::Error(file + (line > 0 ? ":" + std::to_string(line) : std::string()) + ": " +
+    return Status::Error(name + (line > 0 ? ":" + std::to_string(line) : std::string()) + ": " +
                          std::string(error.description()));
   }
   return Status::Ok();
+}
+
+Result<std::string> ReadText(const std::string& file) {
+  if (std::filesystem::is_directory(file)) {
+    return Status::Error(file + ": is a folder; expected a TOML file");
+  }
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return Status::Error(file + ": " + std::strerror(errno));
+  return std::string(std::istreambuf_iterator<char>(in), {});
 }
 
 // "x=7" as TOML, else as the string that it is.
@@ -238,10 +248,11 @@ Result<Override> ParseOverride(const std::string& text) {
   return Override{key, text.substr(equals + 1), "--set " + key};
 }
 
-Result<Config> Load(const std::string& file, const std::vector<Override>& overrides) {
+Result<Config> Parse(const std::string& text, const std::string& name,
+                     const std::vector<Override>& overrides) {
   Config config;
-  if (!file.empty()) {
-    const Status status = ApplyFile(file, config);
+  if (!text.empty()) {
+    const Status status = ApplyText(text, name, config);
     if (!status.ok()) return status;
   }
   for (const auto& override_ : overrides) {
@@ -250,9 +261,16 @@ Result<Config> Load(const std::string& file, const std::vector<Override>& overri
   }
   const Status status = Validate(config);
   if (!status.ok()) {
-    return file.empty() ? status : Status::Error(file + ": " + status.message());
+    return name.empty() ? status : Status::Error(name + ": " + status.message());
   }
   return config;
+}
+
+Result<Config> Load(const std::string& file, const std::vector<Override>& overrides) {
+  if (file.empty()) return Parse("", "", overrides);
+  const auto text = ReadText(file);
+  if (!text.ok()) return text.status();
+  return Parse(text.value(), file, overrides);
 }
 
 }  // namespace styled::config

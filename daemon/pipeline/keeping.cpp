@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "daemon/runtime/descriptor.h"
@@ -112,16 +114,22 @@ Status WriteProfiles(const std::string& file, const std::vector<Profile>& profil
 }
 
 Result<std::vector<Profile>> ReadProfiles(const std::string& file) {
-  std::vector<Profile> profiles;
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) return profiles;
+  if (!std::filesystem::exists(file, error)) return std::vector<Profile>();
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return Status::Error(file + ": " + std::strerror(errno));
+  return ParseProfiles(std::string(std::istreambuf_iterator<char>(in), {}), file);
+}
+
+Result<std::vector<Profile>> ParseProfiles(const std::string& text, const std::string& name) {
+  std::vector<Profile> profiles;
   try {
-    const toml::table table = toml::parse_file(file);
+    const toml::table table = toml::parse(text, name);
     for (const auto& [id, node] : table) {
       if (const toml::table* row = node.as_table()) profiles.push_back(FromRow(id.str(), *row));
     }
   } catch (const toml::parse_error& broken) {
-    return Status::Error(file + ":" + std::to_string(broken.source().begin.line) + ": " +
+    return Status::Error(name + ":" + std::to_string(broken.source().begin.line) + ": " +
                          std::string(broken.description()));
   }
   return profiles;

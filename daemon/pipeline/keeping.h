@@ -13,5 +13,7 @@ namespace styled::pipeline {
 Status WriteProfiles(const std::string& file, const std::vector<Profile>& profiles);
 // Empty where there is no such file. Errors name file, line and what is wrong.
 Result<std::vector<Profile>> ReadProfiles(const std::string& file);
+// The same of such a file's text; `name` is what complaints call it.
+Result<std::vector<Profile>> ParseProfiles(const std::string& text, const std::string& name);
 
 }  // namespace styled::pipeline

@@ -1,0 +1,372 @@
+#include "daemon/replay/replay.h"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <cstring>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "daemon/config/address.h"
+#include "daemon/pipeline/keeping.h"
+#include "daemon/runtime/clock.h"
+#include "daemon/source/cut_reader.h"
+#include "daemon/source/delay.h"
+#include "daemon/source/outbox.h"
+#include "daemon/source/rigs/make.h"
+#include "daemon/source/rigs/natnet.h"
+#include "daemon/supervisor.h"
+#include "model/erd/shipped_weights.h"
+#include "proto/recording/writer.h"
+#include "proto/rigs/native/stream_reader.h"
+
+namespace styled::replay {
+namespace {
+
+constexpr int kSubscriptions = 100;
+
+class RecordedClock final : public runtime::Clock {
+ public:
+  std::int64_t Now_ns() const noexcept override { return now_ns; }
+  std::int64_t Wall_ns() const noexcept override { return now_ns; }
+  std::int64_t now_ns = 0;
+};
+
+class Collector final : public publish::Publisher {
+ public:
+  Collector(const runtime::Clock& clock, std::string subscription, const Sink& sink)
+      : clock_(clock), subscription_(std::move(subscription)), sink_(sink) {}
+  void Send(std::string_view topic, std::span<const std::byte> payload) noexcept override {
+    if (topic != "stats/") sink_(clock_.Now_ns(), topic, payload);
+  }
+  bool NextSubscription(publish::SubscriptionEvent& event) override {
+    event = {true, subscription_};
+    return std::exchange(asking_, false);
+  }
+  int fd() const override { return -1; }
+
+ private:
+  const runtime::Clock& clock_;
+  std::string subscription_;
+  const Sink& sink_;
+  bool asking_ = true;
+};
+
+// "127.0.0.1:9763" of a recording; nobody where it is something else.
+source::Peer ParsePeer(const std::string& text) {
+  source::Peer peer;
+  peer.id = std::hash<std::string>()(text) | 1U;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  const auto parsed = config::ParseHostPort(text);
+  if (!parsed.ok()) return peer;
+  address.sin_port = htons(parsed.value().port);
+  if (inet_pton(AF_INET, parsed.value().host.c_str(), &address.sin_addr) != 1) return peer;
+  std::memcpy(&peer.address, &address, sizeof address);
+  peer.address_size = sizeof address;
+  return peer;
+}
+
+// `sender`: the first one that was recorded. A server that is configured by its name was he.
+std::unique_ptr<source::Translator> MakeTranslator(const config::Source& config,
+                                                   const std::string& sender) {
+  if (config.type != "natnet") return source::MakeTranslator(config);
+  source::Peer server = ParsePeer(config.server);
+  if (server.address_size == 0) server = ParsePeer(sender);
+  sockaddr_in address{};
+  std::memcpy(&address, &server.address, sizeof address);
+  in_addr group{};
+  inet_pton(AF_INET, config.group.c_str(), &group);
+  return std::make_unique<source::NatNet>(config, address, group);
+}
+
+// One source, with what was recorded in place of its socket or device. Streams, and what vendors'
+// USB devices send, are cut into records here.
+class Recorded final : public source::Transport {
+ public:
+  Recorded(const config::Source& config, int source, const std::string& sender,
+           runtime::Clock& clock, runtime::Counters& counters)
+      : source_(source),
+        clock_(clock),
+        stream_(config::FindSourceType(config.type)->stream || config.type == "usb"),
+        translator_(MakeTranslator(config, sender)),
+        outbox_(source, counters) {}
+
+  void Push(const recording::Arrival& arrival) { waiting_.push_back(arrival); }
+
+  int DoWork(source::Receiver& receiver) override {
+    const bool due = clock_.Now_ns() >= NextDeadline_ns();
+    if (waiting_.empty() && !due) return 0;
+    if (!waiting_.empty()) {
+      const recording::Arrival arrival = std::move(waiting_.front());
+      waiting_.pop_front();
+      Take(arrival, receiver);
+    }
+    if (translator_ != nullptr) {
+      outbox_.Open(receiver, -1);
+      translator_->Tick(clock_.Now_ns(), outbox_);
+      outbox_.Close();
+    }
+    return 1;
+  }
+  std::int64_t NextDeadline_ns() const override {
+    return translator_ == nullptr ? source::Translator::kNever : translator_->NextDeadline_ns();
+  }
+  bool has_sensors() const override { return translator_ != nullptr && translator_->has_sensors(); }
+  Status Calibrate(source::Calibration what, std::int64_t now_ns) override {
+    return translator_->Calibrate(what, now_ns);
+  }
+  int fd() const override { return -1; }
+  const std::string& endpoint() const override { return endpoint_; }
+  std::uint64_t received() const override { return 0; }
+
+ private:
+  struct Connection {
+    std::vector<std::byte> buffer = std::vector<std::byte>(2 * native::kMaxDatagramSize);
+    native::StreamReader ours{buffer};
+    source::CutReader rigs{buffer};
+  };
+
+  void Take(const recording::Arrival& arrival, source::Receiver& receiver) {
+    const auto bytes = std::as_bytes(std::span(arrival.datagram()));
+    const source::Peer peer = ParsePeer(arrival.peer());
+    if (!stream_) return HandOn(bytes, peer, receiver);
+    Connection& connection = connections_[arrival.peer()];
+    if (translator_ == nullptr) {
+      Cut(connection.ours, bytes, peer, receiver);
+    } else {
+      Cut(connection.rigs, bytes, peer, receiver);
+    }
+  }
+  template <typename Reader>
+  void Cut(Reader& reader, std::span<const std::byte> bytes, const source::Peer& peer,
+           source::Receiver& receiver) {
+    while (!bytes.empty()) {
+      const auto space = reader.Space();
+      const std::size_t size = std::min(space.size(), bytes.size());
+      std::copy_n(bytes.begin(), size, space.begin());
+      reader.Received(size);
+      bytes = bytes.subspan(size);
+      std::span<const std::byte> record;
+      auto result = reader.Next(record);
+      for (; result == Reader::Result::kRecord; result = reader.Next(record)) {
+        HandOn(record, peer, receiver);
+      }
+      if (result == Reader::Result::kBroken) return;
+    }
+  }
+  void HandOn(std::span<const std::byte> bytes, const source::Peer& peer,
+              source::Receiver& receiver) {
+    if (translator_ == nullptr) return receiver.OnDatagrams(source_, {&bytes, 1});
+    outbox_.Open(receiver, -1);
+    translator_->Take(bytes, peer, clock_.Now_ns(), outbox_);
+    outbox_.Close();
+  }
+
+  int source_;
+  runtime::Clock& clock_;
+  bool stream_;
+  std::unique_ptr<source::Translator> translator_;
+  source::Outbox outbox_;
+  std::deque<recording::Arrival> waiting_;
+  std::map<std::string, Connection> connections_;
+  std::string endpoint_;
+};
+
+// Sources may share a name, not name and type.
+std::string KeyOf(const std::string& name, const std::string& type) { return name + " " + type; }
+
+class Player {
+ public:
+  Player(const config::Config& config, std::shared_ptr<const pipeline::Live> live,
+         const Options& options, const std::map<std::string, std::string>& senders,
+         runtime::Counters& counters, const Sink& sink)
+      : commands_(options.commands), collector_(clock_, options.subscription, sink) {
+    std::vector<std::string> names;
+    std::vector<std::unique_ptr<source::Transport>> transports;
+    for (std::size_t i = 0; i < config.sources.size(); ++i) {
+      const auto& source = config.sources[i];
+      const std::string key = KeyOf(source.name, source.type);
+      const auto sender = senders.find(key);
+      auto recorded = std::make_unique<Recorded>(source, static_cast<int>(i),
+                                                 sender == senders.end() ? "" : sender->second,
+                                                 clock_, counters);
+      sources_[key] = recorded.get();
+      names.push_back(source.name);
+      transports.push_back(std::move(recorded));
+      if (source.delay_s > 0) {
+        transports.back() =
+            source::MakeDelayed(std::move(transports.back()), source.delay_s, clock_);
+      }
+    }
+    pipeline_ = std::make_unique<pipeline::Pipeline>(
+        pipeline::Surroundings{clock_, counters, collector_, mailboxes_, nullptr, false, false},
+        std::move(names), std::move(transports), std::move(live), 1, kSubscriptions);
+    pipeline_->Restore(options.profiles);
+  }
+
+  Status Take(const recording::Record& record) {
+    PassTimeUntil(record.time_ns());
+    if (record.has_arrival()) {
+      const auto found = sources_.find(KeyOf(record.arrival().source(), record.arrival().type()));
+      if (found == sources_.end()) {
+        return Status::Error("arrival of source " + record.arrival().source() + " (" +
+                             record.arrival().type() + "), which is not in the configuration");
+      }
+      found->second->Push(record.arrival());
+    } else if (record.has_command() && commands_) {
+      auto exchange = std::make_unique<pipeline::Exchange>();
+      exchange->request = record.command().request();
+      (void)mailboxes_.commands.Push(std::move(exchange));
+    }
+    Work();
+    return Status::Ok();
+  }
+  // What time alone brings about after the last record.
+  void Finish() { PassTimeUntil(clock_.now_ns + runtime::kSecond_ns / 5); }
+
+ private:
+  void PassTimeUntil(std::int64_t time_ns) {
+    if (clock_.now_ns == 0) clock_.now_ns = time_ns;
+    while (pipeline_->NextDeadline_ns() <= time_ns) {
+      const std::int64_t before_ns =
+          std::exchange(clock_.now_ns, std::max(clock_.now_ns, pipeline_->NextDeadline_ns()));
+      Work();
+      // A deadline that does not move on would hold time for ever.
+      if (pipeline_->NextDeadline_ns() <= clock_.now_ns && before_ns == clock_.now_ns) break;
+    }
+    clock_.now_ns = std::max(clock_.now_ns, time_ns);
+  }
+  void Work() {
+    while (pipeline_->DoWork() > 0) {
+    }
+    std::unique_ptr<pipeline::Exchange> answered;
+    while (mailboxes_.replies.Pop(answered)) {
+    }
+    pipeline::Event event;
+    while (mailboxes_.events.Pop(event)) {
+    }
+  }
+
+  bool commands_;
+  RecordedClock clock_;
+  Collector collector_;
+  pipeline::Mailboxes mailboxes_;
+  std::map<std::string, Recorded*> sources_;
+  std::unique_ptr<pipeline::Pipeline> pipeline_;
+};
+
+// Who sent first to each source.
+std::map<std::string, std::string> FirstSenders(recording::Reader& reader, std::size_t sources) {
+  std::map<std::string, std::string> senders;
+  recording::Record record;
+  while (senders.size() < sources && reader.Next(record)) {
+    const auto& arrival = record.arrival();
+    if (record.has_arrival()) {
+      senders.emplace(KeyOf(arrival.source(), arrival.type()), arrival.peer());
+    }
+  }
+  return senders;
+}
+
+std::string Counts(const runtime::Counters& counters) {
+  using runtime::Counter;
+  std::string text;
+  for (int i = 0; i < static_cast<int>(Counter::kCount); ++i) {
+    const auto counter = static_cast<Counter>(i);
+    const std::string name(runtime::Name(counter));
+    const bool of_motion = name.starts_with("source.") || name.starts_with("pipeline.") ||
+                           name.starts_with("stylist.");
+    const std::uint64_t value = counters.Get(counter);
+    const bool of_machine =
+        counter == Counter::kPipelineLongestCycleUs || counter == Counter::kPipelineOverBudget;
+    if (of_motion && !of_machine && value != 0) text += " " + name + "=" + std::to_string(value);
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<config::Config> ConfigOf(const recording::Reader& reader,
+                                const std::vector<config::Override>& overrides) {
+  if (reader.header().config().empty()) {
+    return Status::Error(reader.name() +
+                         ": holds no configuration; expected --config with the one that it was "
+                         "recorded under");
+  }
+  return config::Parse(reader.header().config(), reader.name() + ": its configuration", overrides);
+}
+
+Status Replay(recording::Reader& reader, const config::Config& config,
+              std::shared_ptr<const pipeline::Live> live, const Options& options,
+              runtime::Counters& counters, const Sink& sink) {
+  reader.Rewind();
+  const auto senders = FirstSenders(reader, config.sources.size());
+  Player player(config, std::move(live), options, senders, counters, sink);
+  reader.Rewind();
+  recording::Record record;
+  while (reader.Next(record)) {
+    const Status status = player.Take(record);
+    if (!status.ok()) return Status::Error(reader.name() + ": " + status.message());
+  }
+  player.Finish();
+  return Status::Ok();
+}
+
+Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config& config,
+                                 const std::string& file) {
+  std::uint32_t crc = 0;
+  auto live = MakeLive(config, nullptr, crc);
+  if (!live.ok()) return live.status();
+  const auto weights = erd::FindWeights(config.model.weights);
+  const auto hash = recording::HashOfFile(weights.value());
+  if (!hash.ok()) return hash.status();
+  Options options;
+  auto profiles = pipeline::ParseProfiles(reader.header().state(), reader.name() + ": its state");
+  if (!profiles.ok()) return profiles.status();
+  options.profiles = std::move(profiles.value());
+
+  const auto range = reader.FindTimeRange();
+  if (!range.any) return Status::Error(reader.name() + ": found no records, expected arrivals");
+  recording::FileHeader header = reader.header();
+  header.set_program("styled --replay");
+  header.set_version(STYLED_VERSION);
+  header.set_weights(weights.value().filename().string());
+  header.set_weights_hash(hash.value());
+  auto writer = recording::FileWriter::Create(file, header);
+  if (!writer.ok()) return writer.status();
+
+  Status written = Status::Ok();
+  std::uint64_t messages = 0;
+  recording::Record record;
+  runtime::Counters counters;
+  const Status status =
+      Replay(reader, config, live.value(), options, counters,
+             [&](std::int64_t time_ns, std::string_view topic, std::span<const std::byte> payload) {
+               if (!written.ok()) return;
+               record.set_time_ns(time_ns);
+               record.mutable_published()->set_topic(topic.data(), topic.size());
+               record.mutable_published()->set_payload(payload.data(), payload.size());
+               written = writer.value()->Add(record, time_ns);
+               ++messages;
+             });
+  if (written.ok()) written = writer.value()->Flush();
+  if (!status.ok() || !written.ok()) {
+    std::error_code error;
+    std::filesystem::remove(file, error);  // the next try may have the name
+    return status.ok() ? written : status;
+  }
+  const double seconds = static_cast<double>(range.last_ns - range.first_ns) * 1e-9;
+  std::string said = reader.name() + ": seconds=" + std::to_string(seconds) +
+                     " messages=" + std::to_string(messages) + Counts(counters);
+  const std::string& recorded = reader.header().weights_hash();
+  if (!recorded.empty() && recorded != hash.value()) {
+    said += "\nrecorded with other weights: " + reader.header().weights() + ", " + recorded +
+            "; these are " + header.weights() + ", " + hash.value();
+  }
+  return said;
+}
+
+}  // namespace styled::replay
