@@ -143,6 +143,11 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
     text.Sample(Number(p.latency_p99_us() * 1e-6), labels + "\"p99\"");
     text.Sample(Number(p.latency_max_us() * 1e-6), labels + "\"max\"");
   }
+  text.Family("styled_stage_seconds", "gauge", "time of a stage per frame, over the last second");
+  for (const auto& stage : stats.stages()) {
+    text.Sample(Number(stage.mean_us() * 1e-6), "stage=" + Quoted(stage.name()) + ",of=\"mean\"");
+    text.Sample(Number(stage.max_us() * 1e-6), "stage=" + Quoted(stage.name()) + ",of=\"max\"");
+  }
   text.Family("styled_performer_style_weight_ratio", "gauge", "the mix that is set");
   for (const auto& p : stats.performers()) {
     for (const auto& style : p.styles()) {

@@ -22,6 +22,7 @@ void Pipeline::OnDatagrams(int source, std::span<const std::span<const std::byte
   wall_ns_ = to_.clock.Wall_ns();
   to_.counters.Add(Counter::kSourceReceived, datagrams.size());
   const bool full = datagrams.size() == source::kBatch;  // more may be waiting
+  const std::int64_t elsewhere_ns = stages_.Elsewhere_ns();
   // 1 decode all, so that each performer's newest frame is known
   for (std::size_t i = 0; i < datagrams.size(); ++i) {
     Decode(source, datagrams[i], items_[i]);
@@ -41,6 +42,8 @@ void Pipeline::OnDatagrams(int source, std::span<const std::span<const std::byte
   }
   StyleTaken(hot);
   for (const auto& performer : roster_.performers) performer->newest_in_batch = -1;
+  const std::int64_t batch_ns = to_.clock.Now_ns() - receive_ns_;
+  stages_.Add(Stages::kTake, batch_ns - (stages_.Elsewhere_ns() - elsewhere_ns));
 }
 
 void Pipeline::NoteNewest(int index) noexcept {
@@ -126,14 +129,26 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
 // Leaves the hot section.
 void Pipeline::StyleTaken(runtime::HotSection& hot) {
   const auto taken = std::span(taken_).first(taken_count_);
+  if (taken.empty()) return hot.Leave();
   taken_count_ = 0;
-  if (!taken.empty()) hot.Enter();
+  hot.Enter();
+  const std::int64_t begin_ns = to_.clock.Now_ns();
   std::array<stylist::Stylist::Job, stylist::Stylist::kTogether> jobs;
   for (std::size_t i = 0; i < taken.size(); ++i) jobs[i] = taken[i]->Style();
   stylist::Stylist::ProcessTogether(std::span(jobs).first(taken.size()));
-  for (Performer* const performer : taken) performer->Finish(to_.clock.Now_ns());
+  const std::int64_t styled_ns = to_.clock.Now_ns();
+  for (Performer* const performer : taken) performer->Finish(styled_ns);
   hot.Leave();
-  for (Performer* const performer : taken) performer->Send(to_.publisher, to_.clock.Now_ns());
+  const std::int64_t serialized_ns = to_.clock.Now_ns();
+  std::int64_t sent_ns = serialized_ns;
+  for (Performer* const performer : taken) {
+    performer->Send(to_.publisher, sent_ns);
+    sent_ns = to_.clock.Now_ns();
+  }
+  stages_.AddFrames(taken.size());
+  stages_.Add(Stages::kStyle, styled_ns - begin_ns);
+  stages_.Add(Stages::kSerialize, serialized_ns - styled_ns);
+  stages_.Add(Stages::kSend, sent_ns - serialized_ns);
 }
 
 // One period of the sender's clock later, if it has one to speak of.

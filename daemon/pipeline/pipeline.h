@@ -9,6 +9,7 @@
 #include "daemon/pipeline/commands.h"
 #include "daemon/pipeline/mailboxes.h"
 #include "daemon/pipeline/roster.h"
+#include "daemon/pipeline/stages.h"
 #include "daemon/pipeline/worker.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/publish/subscriptions.h"
@@ -110,6 +111,7 @@ class Pipeline final : public Worker, public source::Receiver {
   // Frames of the batch that are to be styled together, each of another performer.
   std::array<Performer*, stylist::Stylist::kTogether> taken_{};
   std::size_t taken_count_ = 0;
+  Stages stages_;
   publish::SubscriptionEvent subscription_;
   publish::Topic stats_topic_{"stats/"};
   std::int64_t started_ns_, next_stats_ns_, last_stats_ns_;

@@ -1,6 +1,7 @@
 // What the daemon's loop, sockets and wait modes cost without a stylist: each frame that arrives
 // goes out as it is, under the topic and at about the size of a styled one. The measure of the wire
-// bench. Usage: styled_echo block|hybrid|busy [cpu]; says where it listens, ends with its input.
+// bench. Usage: styled_echo block|hybrid|busy [cpu [priority]]; says where it listens, ends with
+// its input.
 #include <sys/prctl.h>
 #include <unistd.h>
 #include <zmq.h>
@@ -94,7 +95,7 @@ class Echo final : public pipeline::Worker, public source::Receiver {
   std::array<std::byte, kMessage> message_{};
 };
 
-int Main(const std::string& mode, int cpu) {
+int Main(const std::string& mode, int cpu, int priority) {
   void* const context = zmq_ctx_new();
   runtime::SystemClock clock;
   runtime::Counters counters;
@@ -115,7 +116,7 @@ int Main(const std::string& mode, int cpu) {
                                                    : pipeline::Wait::kBlock);
   std::thread thread([&] {
     prctl(PR_SET_NAME, "pipeline");
-    for (const auto& refused : runtime::ApplyScheduling({true, 0, cpu}))
+    for (const auto& refused : runtime::ApplyScheduling({true, priority, cpu}))
       std::cerr << refused << "\n";
     loop.Run();
   });
@@ -137,5 +138,6 @@ int main(int argc, char** argv) {
     std::cerr << "usage: styled_echo block|hybrid|busy [cpu]\n";
     return 2;
   }
-  return styled::bench::Main(argv[1], argc > 2 ? std::stoi(argv[2]) : -1);
+  return styled::bench::Main(argv[1], argc > 2 ? std::stoi(argv[2]) : -1,
+                             argc > 3 ? std::stoi(argv[3]) : 0);
 }

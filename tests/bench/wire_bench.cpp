@@ -44,7 +44,11 @@ struct Result {
   std::uint64_t sent = 0, lost = 0;
   double cpu_us = 0;  // of the pipeline's thread
   std::uint64_t frames = 0;
+  std::map<std::string, double> stages_us;  // summed over rounds
+  int stage_rounds = 0;
 };
+
+constexpr double kPeriod_us = 1e6 / 120;
 
 std::int64_t Now_ns() { return Clock::now().time_since_epoch() / std::chrono::nanoseconds(1); }
 
@@ -65,7 +69,7 @@ double PipelineCpu_us(pid_t pid) {
 // The echo loop as a child.
 class EchoChild {
  public:
-  EchoChild(const std::string& wait, int cpu) {
+  EchoChild(const std::string& wait, int cpu, int priority) {
     int in[2], out[2];
     if (pipe(in) != 0 || pipe(out) != 0) std::abort();
     pid_ = fork();
@@ -73,7 +77,8 @@ class EchoChild {
       dup2(in[0], STDIN_FILENO);
       dup2(out[1], STDOUT_FILENO);
       for (const int fd : {in[0], in[1], out[0], out[1]}) close(fd);
-      execl(STYLED_ECHO, STYLED_ECHO, wait.c_str(), std::to_string(cpu).c_str(), nullptr);
+      execl(STYLED_ECHO, STYLED_ECHO, wait.c_str(), std::to_string(cpu).c_str(),
+            std::to_string(priority).c_str(), nullptr);
       _exit(127);
     }
     close(in[0]);
@@ -161,7 +166,7 @@ class Listener {
 
 // One round against whoever listens at these addresses.
 void Measure(const Options& options, const std::string& udp, const std::string& publish, bool echo,
-             pid_t pid, Result& result) {
+             pid_t pid, const std::string& control, Result& result) {
   std::vector<std::unique_ptr<Listener>> listeners;
   for (int i = 0; i < options.subscribers; ++i) {
     listeners.push_back(std::make_unique<Listener>(publish, options.performers, echo));
@@ -201,6 +206,15 @@ void Measure(const Options& options, const std::string& udp, const std::string& 
   }
   for (auto& listener : listeners) listener->to_ns = Now_ns();
   cpu_us = PipelineCpu_us(pid) - cpu_us;
+  if (!control.empty()) {  // of the last second under load
+    v1::Request request;
+    request.mutable_status();
+    for (const auto& stage :
+         support::ControlClient(control).Ask(request).status().stats().stages()) {
+      result.stages_us[stage.name()] += stage.mean_us();
+    }
+    ++result.stage_rounds;
+  }
   support::Sleep(0.3);
   result.sent += sent;
   result.frames += sent;
@@ -215,8 +229,8 @@ void Measure(const Options& options, const std::string& udp, const std::string& 
 
 void Round(const Options& options, const Variant& variant, Result& result) {
   if (variant.echo) {
-    EchoChild echo(variant.wait, options.daemon_cpu);
-    Measure(options, echo.udp, echo.publish, true, echo.pid(), result);
+    EchoChild echo(variant.wait, options.daemon_cpu, options.priority);
+    Measure(options, echo.udp, echo.publish, true, echo.pid(), "", result);
     return;
   }
   support::Daemon daemon({"realtime.wait=" + variant.wait,
@@ -225,7 +239,7 @@ void Round(const Options& options, const Variant& variant, Result& result) {
                           "realtime.priority=" + std::to_string(options.priority),
                           "performers.max_performers=1024", "style.initial=" + options.style},
                          "", {}, options.weights);
-  Measure(options, daemon.udp, daemon.publish, false, daemon.child->pid(), result);
+  Measure(options, daemon.udp, daemon.publish, false, daemon.child->pid(), daemon.control, result);
 }
 
 double Quantile(const std::vector<double>& sorted, double share) {
@@ -258,28 +272,52 @@ int Main(const Options& options) {
   std::cerr << '\n';
   std::printf("%d performers, %d subscribers, %.0f Hz, %d rounds of %.0f s\n", options.performers,
               options.subscribers, options.rate_hz, options.rounds, options.seconds);
-  std::printf("%-24s %9s %9s %9s %9s %7s %10s %8s\n", "", "p50 us", "p99 us", "p99.9 us", "max us",
-              "lost", "cpu us/fr", "p50 / echo");
+  std::printf("%-24s %9s %9s %9s %9s %9s %7s %10s %12s %12s\n", "", "p50 us", "p99 us", "p99.9 us",
+              "max us", "> 8.33 ms", "lost", "cpu us/fr", "p50 / echo", "p99 / echo");
   nlohmann::json json;
-  double echo_p50_us = 0;
+  double echo_p50_us = 0, echo_p99_us = 0;
   for (const Variant& variant : variants) {
     Result& result = results[variant.name];
     std::sort(result.latency_us.begin(), result.latency_us.end());
     const double p50_us = Quantile(result.latency_us, 0.5);
-    if (variant.echo || echo_p50_us == 0) echo_p50_us = p50_us;
+    const double p99_us = Quantile(result.latency_us, 0.99);
+    if (variant.echo || echo_p50_us == 0) {
+      echo_p50_us = p50_us;
+      echo_p99_us = p99_us;
+    }
     const double cpu_us =
         result.cpu_us / static_cast<double>(std::max<std::uint64_t>(1, result.frames));
-    std::printf("%-24s %9.1f %9.1f %9.1f %9.1f %7llu %10.1f %8.2f\n", variant.name.c_str(), p50_us,
-                Quantile(result.latency_us, 0.99), Quantile(result.latency_us, 0.999),
-                Quantile(result.latency_us, 1), static_cast<unsigned long long>(result.lost),
-                cpu_us, p50_us / echo_p50_us);
-    json[variant.name] = {{"p50_us", p50_us},
-                          {"p99_us", Quantile(result.latency_us, 0.99)},
-                          {"p999_us", Quantile(result.latency_us, 0.999)},
-                          {"max_us", Quantile(result.latency_us, 1)},
-                          {"sent", result.sent},
-                          {"lost", result.lost},
-                          {"cpu_us_per_frame", cpu_us}};
+    const auto over =
+        result.latency_us.end() -
+        std::upper_bound(result.latency_us.begin(), result.latency_us.end(), kPeriod_us);
+    std::printf("%-24s %9.1f %9.1f %9.1f %9.1f %9td %7llu %10.1f %12.2f %12.2f\n",
+                variant.name.c_str(), p50_us, p99_us, Quantile(result.latency_us, 0.999),
+                Quantile(result.latency_us, 1), over, static_cast<unsigned long long>(result.lost),
+                cpu_us, p50_us / echo_p50_us, p99_us / echo_p99_us);
+    auto& row = json[variant.name];
+    row = {{"p50_us", p50_us},
+           {"p99_us", p99_us},
+           {"p999_us", Quantile(result.latency_us, 0.999)},
+           {"max_us", Quantile(result.latency_us, 1)},
+           {"over_period", over},
+           {"sent", result.sent},
+           {"lost", result.lost},
+           {"cpu_us_per_frame", cpu_us}};
+    for (const auto& [stage, sum_us] : result.stages_us) {
+      row["stages_us"][stage] = sum_us / result.stage_rounds;
+    }
+  }
+  for (const Variant& variant : variants) {
+    const Result& result = results[variant.name];
+    if (result.stage_rounds == 0) continue;
+    std::printf("%-24s us of the pipeline per frame:", variant.name.c_str());
+    for (const char* const stage : {"take", "style", "serialize", "send"}) {
+      const auto found = result.stages_us.find(stage);
+      if (found != result.stages_us.end()) {
+        std::printf(" %s %.1f", stage, found->second / result.stage_rounds);
+      }
+    }
+    std::printf("\n");
   }
   if (!options.json.empty()) std::ofstream(options.json) << json.dump(2) << "\n";
   return 0;

@@ -155,6 +155,13 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                       std::to_string(source.missed())});
   }
   if (delays.size() > 1) out += Table(delays);
+  if (stats.stages_size() > 0) {
+    std::vector<std::vector<std::string>> stages{{"STAGE", "MEAN us/FRAME", "MAX us"}};
+    for (const auto& stage : stats.stages()) {
+      stages.push_back({stage.name(), Number(stage.mean_us(), 1), Number(stage.max_us(), 0)});
+    }
+    out += Table(stages);
+  }
   std::vector<std::vector<std::string>> rows{{"COUNTER", "VALUE"}};
   for (const auto& counter : stats.counters()) {
     if (all_counters || counter.value() != 0) {
@@ -193,7 +200,12 @@ json ListJson(const v1::ListReply& list) {
 
 json StatusJson(const v1::StatusReply& status) {
   const v1::Stats& stats = status.stats();
-  json counters = json::object(), performers = json::array(), sources = json::array();
+  json counters = json::object(), performers = json::array(), sources = json::array(),
+       stages = json::array();
+  for (const auto& stage : stats.stages()) {
+    stages.push_back(
+        {{"name", stage.name()}, {"mean_us", stage.mean_us()}, {"max_us", stage.max_us()}});
+  }
   for (const auto& source : status.sources()) {
     sources.push_back({{"name", source.name()},
                        {"type", source.type()},
@@ -233,6 +245,7 @@ json StatusJson(const v1::StatusReply& status) {
           {"wall_time_ns", stats.wall_time_ns()},
           {"sources", sources},
           {"performers", performers},
+          {"stages", stages},
           {"counters", counters}};
 }
 
