@@ -12,6 +12,7 @@
 #include <cstring>
 
 #include "proto/recording/recording_thread.h"
+#include "proto/recording/writer.h"
 
 namespace styled::rec {
 namespace {
@@ -130,6 +131,7 @@ std::vector<std::string> Receiver::endpoints() const {
 }
 
 Status Receiver::Run(recording::FileWriter& writer, double seconds, const std::atomic<bool>& stop) {
+  recording::PreferThisThread();
   const std::int64_t begin_ns = MonotonicNow_ns();
   std::vector<pollfd> waiting;
   Status status = Status::Ok();

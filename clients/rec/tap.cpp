@@ -5,6 +5,7 @@
 #include <set>
 #include <zmq.hpp>
 
+#include "proto/recording/writer.h"
 #include "proto/styled/v1/frame.pb.h"
 #include "proto/styled/v1/stats.pb.h"
 
@@ -170,6 +171,7 @@ Result<std::unique_ptr<Tap>> Tap::Connect(const TapOptions& options) {
 }
 
 Status Tap::Run(recording::FileWriter& writer, const std::atomic<bool>& stop, std::ostream& err) {
+  recording::PreferThisThread();
   const std::int64_t begin_ns = MonotonicNow_ns();
   const auto over = [&] {
     const double seconds = static_cast<double>(MonotonicNow_ns() - begin_ns) * 1e-9;

@@ -137,6 +137,7 @@ void RecordingThread::Note(const Status& status) {
 }
 
 void RecordingThread::Run(const std::stop_token& stop) {
+  PreferThisThread();
   while (!stop.stop_requested()) {
     Drain();
     std::unique_lock lock(mutex_);

@@ -1,6 +1,7 @@
 #include "proto/recording/writer.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
@@ -104,6 +105,11 @@ Status FileWriter::Write(std::span<const std::byte> bytes) {
   counts_.bytes += bytes.size();
   ++counts_.blocks;
   return Status::Ok();
+}
+
+void PreferThisThread() noexcept {
+  constexpr int kNice = -10;
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
 }
 
 std::int64_t MonotonicNow_ns() { return Read_ns(CLOCK_MONOTONIC); }

@@ -61,6 +61,10 @@ class FileWriter {
   WriterCounts counts_;
 };
 
+// On a busy machine what waits for its writer's turn is what a kill loses: the calling thread gets
+// its turns before others' (nice -10), where the process may ask for that.
+void PreferThisThread() noexcept;
+
 // The clock of time_ns, and the header of a recording that begins now: both times and who writes.
 std::int64_t MonotonicNow_ns();
 FileHeader BeginningNow(const std::string& program, const std::string& version);
