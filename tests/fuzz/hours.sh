@@ -1,0 +1,86 @@
+#!/usr/bin/env bash
+# Fuzzes every parser with libFuzzer under ASan and UBSan, for as long as you like:
+#   tests/fuzz/hours.sh [MINUTES=10 [JOBS=1 [TARGET...]]]
+# MINUTES of each target, JOBS at once. What was found interesting stays in build/fuzz/corpus, so
+# that the next run goes on from there; build/fuzz/hours.tsv keeps every run: when, target, seconds,
+# inputs, coverage, exit code. Ends with a table of all runs so far. Exit code 1 where an input was
+# found that fails: it lies in build/fuzz/found/TARGET, and the log beside it says why.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/../.." && pwd)
+minutes=${1:-10} jobs=${2:-1}
+[ $# -gt 2 ] && targets=("${@:3}") || targets=()
+
+. "$root/sim/setup.sh"
+styled_packages_fuzz=("${styled_packages_test[@]}" clang-16 libclang-rt-16-dev)
+styled_install fuzz
+build=$root/build/fuzz
+cmake -S "$root" -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++-16 -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+  -DSTYLED_TESTS=ON -DSTYLED_TRAIN=OFF -DSTYLED_LIBFUZZER=ON \
+  -DSTYLED_SANITIZE=address,undefined,fuzzer-no-link \
+  -DCMAKE_CXX_FLAGS=-fno-sanitize-recover=undefined ${STYLED_CMAKE:-} >"$build.log" 2>&1 || {
+  tail -n 20 "$build.log" >&2
+  exit 1
+}
+# As ctest knows them: the command line of each ends with its seeds.
+list=$build/targets.json
+(cd "$build" && ctest -N --show-only=json-v1 -L fuzz) >"$list"
+known=$(python3 - "$list" <<'PY'
+import json, sys
+for test in json.load(open(sys.argv[1]))['tests']:
+    print(test['name'])
+PY
+)
+[ ${#targets[@]} -gt 0 ] || mapfile -t targets <<<"$known"
+for target in "${targets[@]}"; do
+  grep -qx -- "$target" <<<"$known" || {
+    echo "$target: no such target; expected one of" $known >&2
+    exit 2
+  }
+done
+seeds=()
+for target in "${targets[@]}"; do
+  maker=${target%_fuzz}_seeds
+  ninja -C "$build" -t query "$maker" >/dev/null 2>&1 && seeds+=("$maker")
+done
+ninja -C "$build" "${targets[@]}" "${seeds[@]}" >>"$build.log" 2>&1 || {
+  tail -n 20 "$build.log" >&2
+  exit 1
+}
+(cd "$build" && ctest -R "^($(IFS='|'; echo "${seeds[*]:-none}"))$" >>"$build.log" 2>&1) || true
+
+fuzz() {
+  local target=$1 corpus=$build/corpus/$1 found=$build/found/$1 code=0 begin=$SECONDS
+  mkdir -p "$corpus" "$found"
+  local places
+  mapfile -t places < <(python3 - "$list" "$target" <<'PY'
+import json, sys
+for test in json.load(open(sys.argv[1]))['tests']:
+    if test['name'] == sys.argv[2]:
+        for argument in test['command'][1:]:
+            if not argument.startswith('-') and '/corpus/' not in argument:
+                print(argument)
+PY
+  )
+  local log=$found/$(date -u +%Y%m%dT%H%M%S).log
+  "$build/bin/$target" -max_total_time=$((minutes * 60)) -rss_limit_mb=4096 -timeout=25 \
+    -print_final_stats=1 -artifact_prefix="$found/" "$corpus" "${places[@]}" >"$log" 2>&1 || code=$?
+  local runs cover
+  runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
+  cover=$(grep -o 'cov: [0-9]*' "$log" | tail -n 1 | cut -d' ' -f2)
+  printf '%s\t%s\t%s\t%s\t%s\t%s\n' "$(date -u +%FT%TZ)" "$target" $((SECONDS - begin)) "${runs:-0}" \
+    "${cover:-0}" "$code" >>"$build/hours.tsv"
+  echo "$target: ${runs:-0} inputs, coverage ${cover:-0}, exit code $code"
+  [ "$code" = 0 ] && rm "$log"
+  return 0
+}
+for target in "${targets[@]}"; do
+  while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
+  fuzz "$target" &
+done
+wait
+
+printf '\n%-18s %9s %14s %9s %s\n' target minutes inputs coverage failed
+awk -F'\t' '{ s[$2] += $3; n[$2] += $4; if ($5 > c[$2]) c[$2] = $5; if ($6) f[$2]++; all += $3 }
+  END { for (t in s) printf "%-18s %9.1f %14d %9d %d\n", t, s[t] / 60, n[t], c[t], f[t]
+        printf "%-18s %9.1f\n", "together", all / 60 }' "$build/hours.tsv" | sort
+[ -z "$(find "$build/found" -type f ! -name '*.log' -print -quit 2>/dev/null)" ]
