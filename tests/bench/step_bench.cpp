@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 #include <vector>
 
 #include "model/erd/kernel.h"
@@ -63,21 +64,91 @@ constexpr std::size_t StepBytes(std::size_t styles) {
          kBytes<kDecoderWidths[2], kDecoderWidths[1]> + kBytes<kHeads, kDecoderWidths[2]>;
 }
 
+// As wide as this machine's registers, so many at once that no addition waits for another.
 #if defined(__x86_64__)
-__attribute__((target_clones("avx512f", "avx2", "default")))
+#define STYLED_EACH_WIDTH __attribute__((target_clones("avx512f", "avx2,fma", "default")))
+#else
+#define STYLED_EACH_WIDTH
 #endif
-std::uint32_t
-ReadAll(const std::uint32_t* words, std::size_t count) {
-  std::uint32_t sum = 0;
-  for (std::size_t i = 0; i < count; ++i) sum += words[i];
-  return sum;
+constexpr std::size_t kAtOnce = 8;
+using Words = std::uint32_t __attribute__((vector_size(64)));
+using Floats = float __attribute__((vector_size(64)));
+
+STYLED_EACH_WIDTH std::uint32_t ReadAll(const Words* words, std::size_t count) {
+  Words sums[kAtOnce] = {};
+  for (std::size_t i = 0; i + kAtOnce <= count; i += kAtOnce) {
+    for (std::size_t k = 0; k < kAtOnce; ++k) sums[k] ^= words[i + k];
+  }
+  for (std::size_t k = 1; k < kAtOnce; ++k) sums[0] ^= sums[k];
+  return sums[0][0] ^ sums[0][7] ^ sums[0][15];
 }
 
 void ReadWeights(benchmark::State& state) {
   const std::size_t bytes = StepBytes(static_cast<std::size_t>(state.range(0)));
-  std::vector<std::uint32_t> words(bytes / sizeof(std::uint32_t), 1);
+  std::vector<Words> words(bytes / sizeof(Words), Words{} + 1);
   for (auto _ : state) benchmark::DoNotOptimize(ReadAll(words.data(), words.size()));
   state.counters["kB"] = static_cast<double>(bytes) * 1e-3;
+}
+
+STYLED_EACH_WIDTH float MultiplyAll(std::size_t count, float factor) {
+  Floats sums[2 * kAtOnce];
+  for (std::size_t k = 0; k < 2 * kAtOnce; ++k) sums[k] = Floats{} + static_cast<float>(k);
+  for (std::size_t i = 0; i < count; i += 2 * kAtOnce) {
+    for (std::size_t k = 0; k < 2 * kAtOnce; ++k) sums[k] = sums[k] * factor + 0.5F;
+  }
+  for (std::size_t k = 1; k < 2 * kAtOnce; ++k) sums[0] += sums[k];
+  return sums[0][0] + sums[0][7] + sums[0][15];
+}
+
+// The other limit: as many multiplications and additions, from registers.
+void MultiplyWeights(benchmark::State& state) {
+  const std::size_t floats = StepBytes(static_cast<std::size_t>(state.range(0))) / sizeof(float);
+  float factor = 0.5F;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(factor);
+    benchmark::DoNotOptimize(MultiplyAll(floats / 16, factor));
+  }
+}
+
+// At 120 Hz, the process asleep in between; the step is made once for nothing shortly before it is
+// due where Prewarmed, as the pipeline does it.
+template <bool Prewarmed>
+void Paced(benchmark::State& state) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::nanoseconds kPeriod{1'000'000'000 / 120}, kBefore{300'000};
+  OurRun run(1);
+  State scratch;
+  StepOutput nothing;
+  std::vector<double> times_us, prewarm_us;
+  auto due = Clock::now();
+  const auto since_us = [](Clock::time_point begin) {
+    return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+  };
+  for (auto _ : state) {
+    due += kPeriod;
+    if constexpr (Prewarmed) {
+      std::this_thread::sleep_until(due - kBefore);
+      const auto begin = Clock::now();
+      scratch = run.state;
+      run.network->Step(run.frames.front(), 0, run.active, scratch, nothing);
+      benchmark::DoNotOptimize(nothing);
+      prewarm_us.push_back(since_us(begin));
+    }
+    std::this_thread::sleep_until(due);
+    const auto begin = Clock::now();
+    run.Step();
+    benchmark::DoNotOptimize(run.out);
+    times_us.push_back(since_us(begin));
+    state.SetIterationTime(times_us.back() * 1e-6);
+  }
+  const auto median = [](std::vector<double>& values) {
+    if (values.empty()) return 0.0;
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+  };
+  state.counters["p50_us"] = median(times_us);
+  state.counters["p99_us"] = times_us[times_us.size() * 99 / 100];
+  if (Prewarmed) state.counters["prewarm_p50_us"] = median(prewarm_us);
 }
 
 // So many performers, each as OurRun; per performer.
@@ -111,10 +182,13 @@ void Styles(benchmark::internal::Benchmark* bench) {
 BENCHMARK(Hot<OurRun>)->Apply(Styles);
 BENCHMARK(Hot<PlainRun>)->Apply(Styles);
 BENCHMARK(ReadWeights)->Apply(Styles);
+BENCHMARK(MultiplyWeights)->Apply(Styles);
 BENCHMARK(Crowd<false>)->ArgName("performers")->Arg(8)->Arg(64)->Arg(512);
 BENCHMARK(Crowd<true>)->ArgName("performers")->Arg(8)->Arg(64)->Arg(512);
 BENCHMARK(Cold<OurRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
 BENCHMARK(Cold<PlainRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
+BENCHMARK(Paced<false>)->UseManualTime()->Iterations(480)->Unit(benchmark::kMicrosecond);
+BENCHMARK(Paced<true>)->UseManualTime()->Iterations(480)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace styled::erd

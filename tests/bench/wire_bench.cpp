@@ -44,6 +44,7 @@ struct Result {
   std::uint64_t sent = 0, lost = 0;
   double cpu_us = 0;  // of the pipeline's thread
   std::uint64_t frames = 0;
+  double rss_mb = 0;                        // at the end of the last round
   std::map<std::string, double> stages_us;  // summed over rounds
   int stage_rounds = 0;
 };
@@ -64,6 +65,13 @@ double PipelineCpu_us(pid_t pid) {
     return ns * 1e-3;
   }
   return 0;
+}
+
+double Rss_mb(pid_t pid) {
+  std::ifstream statm("/proc/" + std::to_string(pid) + "/statm");
+  double size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
 // The echo loop as a child.
@@ -206,6 +214,7 @@ void Measure(const Options& options, const std::string& udp, const std::string& 
   }
   for (auto& listener : listeners) listener->to_ns = Now_ns();
   cpu_us = PipelineCpu_us(pid) - cpu_us;
+  result.rss_mb = Rss_mb(pid);
   if (!control.empty()) {  // of the last second under load
     v1::Request request;
     request.mutable_status();
@@ -303,6 +312,11 @@ int Main(const Options& options) {
            {"sent", result.sent},
            {"lost", result.lost},
            {"cpu_us_per_frame", cpu_us}};
+    for (const double share :
+         {0.0, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.995, 0.999, 0.9999, 1.0}) {
+      row["quantiles_us"].push_back({share, Quantile(result.latency_us, share)});
+    }
+    row["rss_mb"] = result.rss_mb;
     for (const auto& [stage, sum_us] : result.stages_us) {
       row["stages_us"][stage] = sum_us / result.stage_rounds;
     }

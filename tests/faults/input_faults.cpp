@@ -1,6 +1,8 @@
 // What comes in: datagrams that are lost, clocks that step, values that are none.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <random>
 
@@ -51,7 +53,62 @@ Outcome Loss(const Effort& effort) {
   return {exact, true, measured};
 }
 
-// The sender's clock is set, by an hour either way. (The daemon's own wall clock only labels.)
+// Debian's libfaketime, "" where it is not installed.
+std::string FakeTime() {
+  const std::string folder = "/usr/lib";
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const auto library = entry.path() / "faketime/libfaketime.so.1";
+    if (std::filesystem::exists(library, error)) return library.string();
+  }
+  return "";
+}
+
+// The machine's wall clock is set under the daemon; frames carry it as a label, and the kernel's
+// stamps, which are not set with it here, say when a datagram came.
+Outcome MachineClockSteps(const Effort& effort) {
+  const std::string library = FakeTime();
+  if (library.empty()) return Failed("not tried: libfaketime is not installed");
+  const support::TemporaryFolder folder;
+  const std::string offset = folder / "offset";
+  support::WriteText(offset, "+0\n");
+  Daemon daemon({}, "",
+                {{"LD_PRELOAD", library},
+                 {"FAKETIME_TIMESTAMP_FILE", offset},
+                 {"FAKETIME_NO_CACHE", "1"},
+                 {"DONT_FAKE_MONOTONIC", "1"}});
+  const Watcher watcher(daemon.publish);
+  Feed feed(daemon.udp, 1);
+  if (!watcher.Sees(5)) return Failed("no frame");
+  double longest_s = 0;
+  int followed = 0;
+  const int steps = effort.Times(20);
+  for (int i = 0; i < steps; ++i) {
+    const int step_s = i % 2 == 0 ? 3600 : -3600;
+    support::WriteText(offset, (step_s > 0 ? "+" : "") + std::to_string(step_s) + "\n");
+    const std::int64_t from_ns = Now_ns();
+    if (!watcher.Sees(5)) return Failed(Format("no frame after step %d", i + 1));
+    longest_s = std::max(longest_s, static_cast<double>(watcher.seen().last_ns - from_ns) * 1e-9);
+    Sleep(0.3);
+    const auto wall_s =
+        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    const double ahead_s = static_cast<double>(watcher.seen().last_wall_ns) * 1e-9 - wall_s;
+    followed += std::abs(ahead_s - step_s) < 60 ? 1 : 0;
+  }
+  ControlClient control(daemon.control);
+  const Watcher::Seen seen = watcher.seen();
+  const auto jumps = control.Counter("pipeline.clock_jumps");
+  const auto sessions = control.Counter("pipeline.sessions");
+  return {daemon.child->Running() && followed == steps && jumps == 0 && sessions == 1 &&
+              seen.missing == 0 && seen.bad == 0,
+          longest_s <= 5,
+          Format("%d steps, in the labels of %d: frames again after %.3f s at most, %llu missing, "
+                 "%llu taken for the sender's",
+                 steps, followed, longest_s, static_cast<unsigned long long>(seen.missing),
+                 static_cast<unsigned long long>(jumps))};
+}
+
+// The sender's clock is set, by an hour either way.
 Outcome ClockSteps(const Effort& effort) {
   Daemon daemon;
   const Watcher watcher(daemon.publish);
@@ -196,6 +253,8 @@ std::vector<Fault> InputFaults() {
   return {{"loss", "1, 10 and 30 % of the datagrams are lost", "no exit, counters exact", Loss},
           {"clock", "the sender's clock steps by an hour, either way",
            "no exit, back <= 5 s, counted", ClockSteps},
+          {"machine-clock", "the machine's clock steps by an hour, either way",
+           "no exit, back <= 5 s, nothing missing", MachineClockSteps},
           {"poison", "100,000 frames of NaN, Inf, 0, 3e38 and the like",
            "nothing non-finite or non-unit is published", Poison}};
 }

@@ -120,6 +120,7 @@ void Watcher::Take(const std::string& payload) {
     seen_.longest_pause_ns = std::max(seen_.longest_pause_ns, now_ns - seen_.last_ns);
   }
   seen_.last_ns = now_ns;
+  seen_.last_wall_ns = static_cast<std::int64_t>(frame.wall_time_ns());
   seen_.style = frame.styles_size() > 0 ? frame.styles(0).style() : "";
 }
 

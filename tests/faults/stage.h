@@ -52,6 +52,7 @@ class Watcher {
     std::uint64_t longest_gap = 0;  // frames missing in one go
     std::uint64_t bad = 0;     // a frame with something non-finite, or a rotation not of length 1
     std::int64_t last_ns = 0;  // when the last frame came
+    std::int64_t last_wall_ns = 0;      // Unix time by the daemon's clock, in that frame
     std::int64_t longest_pause_ns = 0;  // between two frames of any performer
     std::string style;                  // of the last frame, "" = none
     std::uint64_t epoch = 0;

@@ -21,15 +21,23 @@ cmake -S "$root" -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++-16 -DCMAKE_BU
   tail -n 20 "$build.log" >&2
   exit 1
 }
+if ! { ninja -C "$build" styled_fuzz_targets && (cd "$build" && ctest -R '_seeds$'); } >>"$build.log" 2>&1; then
+  tail -n 20 "$build.log" >&2
+  exit 1
+fi
 # As ctest knows them: the command line of each ends with its seeds.
 list=$build/targets.json
 (cd "$build" && ctest -N --show-only=json-v1 -L fuzz) >"$list"
-known=$(python3 - "$list" <<'PY'
+ask() { # EXPRESSION, a list of words, over `name` and `command` of each target
+  python3 - "$list" "$1" <<'PY'
 import json, sys
 for test in json.load(open(sys.argv[1]))['tests']:
-    print(test['name'])
+    name, command = test['name'], test['command']
+    for word in eval(sys.argv[2]):
+        print(word)
 PY
-)
+}
+known=$(ask '[name]')
 [ ${#targets[@]} -gt 0 ] || mapfile -t targets <<<"$known"
 for target in "${targets[@]}"; do
   grep -qx -- "$target" <<<"$known" || {
@@ -37,30 +45,13 @@ for target in "${targets[@]}"; do
     exit 2
   }
 done
-seeds=()
-for target in "${targets[@]}"; do
-  maker=${target%_fuzz}_seeds
-  ninja -C "$build" -t query "$maker" >/dev/null 2>&1 && seeds+=("$maker")
-done
-ninja -C "$build" "${targets[@]}" "${seeds[@]}" >>"$build.log" 2>&1 || {
-  tail -n 20 "$build.log" >&2
-  exit 1
-}
-(cd "$build" && ctest -R "^($(IFS='|'; echo "${seeds[*]:-none}"))$" >>"$build.log" 2>&1) || true
 
 fuzz() {
   local target=$1 corpus=$build/corpus/$1 found=$build/found/$1 code=0 begin=$SECONDS
   mkdir -p "$corpus" "$found"
   local places
-  mapfile -t places < <(python3 - "$list" "$target" <<'PY'
-import json, sys
-for test in json.load(open(sys.argv[1]))['tests']:
-    if test['name'] == sys.argv[2]:
-        for argument in test['command'][1:]:
-            if not argument.startswith('-') and '/corpus/' not in argument:
-                print(argument)
-PY
-  )
+  mapfile -t places < <(ask "[word for word in command[1:] if name == '$target' and \
+    not word.startswith('-') and '/corpus/' not in word]")
   local log=$found/$(date -u +%Y%m%dT%H%M%S).log
   "$build/bin/$target" -max_total_time=$((minutes * 60)) -rss_limit_mb=4096 -timeout=25 \
     -print_final_stats=1 -artifact_prefix="$found/" "$corpus" "${places[@]}" >"$log" 2>&1 || code=$?
