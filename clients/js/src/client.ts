@@ -66,17 +66,25 @@ export interface ClientOptions {
   timeout_ms?: number;
 }
 
+type Mode = 'everyFrame' | 'latest';
+
+// How far one kind of subscriber has come: both of a stream may be there, and what the one was handed
+// is still to come for the other.
+class Reader {
+  users = 0;
+  sinceLast = 0; // arrived since the last one that was handed on
+  epoch = 0n;
+  sequence = 0n;
+  started = false;
+}
+
 interface StreamState {
   performer: string;
   stream: Stream;
-  everyFrame: number; // how many want each frame parsed as it comes
-  latest: number; // how many want the newest alone
+  everyFrame: Reader; // want each frame parsed as it comes
+  latest: Reader; // want the newest alone
   raw: Uint8Array | undefined; // the newest, not parsed yet
   frames: number; // arrived
-  sinceLast: number; // ... since the last one that was handed on
-  epoch: bigint;
-  sequence: bigint;
-  started: boolean;
 }
 
 interface Pending {
@@ -89,7 +97,18 @@ export type SetInit = MessageInitShape<typeof SetSchema>;
 type RequestInit = MessageInitShape<typeof RequestSchema>;
 
 function socketUrl(options: ClientOptions): string {
-  const url = new URL(options.url);
+  let url: URL | undefined;
+  try {
+    url = new URL(options.url);
+  } catch {
+    // said below
+  }
+  if (!url || !/^(http|ws)s?:$/.test(url.protocol)) {
+    throw new TypeError(
+      `found "${options.url}" as address of styleweb, expected ws://, wss://, http:// or https:// ` +
+        'and its host, as in http://127.0.0.1:7080',
+    );
+  }
   if (url.protocol === 'http:' || url.protocol === 'https:') {
     url.protocol = url.protocol === 'http:' ? 'ws:' : 'wss:';
     url.pathname = url.pathname.replace(/\/?$/, '/ws');
@@ -180,7 +199,7 @@ export class StyledClient {
     if (!state?.raw) return undefined;
     const raw = state.raw;
     state.raw = undefined;
-    return this.accept(state, raw);
+    return this.accept(state, state.latest, raw);
   }
 
   /** Frames of a stream that have arrived, parsed or not. */
@@ -280,35 +299,32 @@ export class StyledClient {
     };
   }
 
-  private addStream(performer: string, stream: Stream, mode: 'everyFrame' | 'latest'): () => void {
+  private addStream(performer: string, stream: Stream, mode: Mode): () => void {
     const topic = frameTopic(performer, stream);
     let state = this.streams.get(topic);
     if (!state) {
       state = {
         performer,
         stream,
-        everyFrame: 0,
-        latest: 0,
+        everyFrame: new Reader(),
+        latest: new Reader(),
         raw: undefined,
         frames: 0,
-        sinceLast: 0,
-        epoch: 0n,
-        sequence: 0n,
-        started: false,
       };
       this.streams.set(topic, state);
       this.topics(true, [topic]);
     }
     const counted = state;
-    ++counted[mode];
+    if (counted[mode].users === 0) counted[mode] = new Reader();
+    ++counted[mode].users;
     const endBody = this.addPlain(`body/${performer}/`);
     let ended = false;
     return () => {
       if (ended) return;
       ended = true;
       endBody();
-      --counted[mode];
-      if (counted.everyFrame + counted.latest > 0) return;
+      --counted[mode].users;
+      if (counted.everyFrame.users + counted.latest.users > 0) return;
       this.streams.delete(topic);
       this.topics(false, [topic]);
     };
@@ -381,10 +397,11 @@ export class StyledClient {
     const state = this.streams.get(topic);
     if (state) {
       ++state.frames;
-      ++state.sinceLast;
-      if (state.latest > 0) state.raw = payload;
-      if (state.everyFrame > 0) {
-        const update = this.accept(state, payload);
+      ++state.everyFrame.sinceLast;
+      ++state.latest.sinceLast;
+      if (state.latest.users > 0) state.raw = payload;
+      if (state.everyFrame.users > 0) {
+        const update = this.accept(state, state.everyFrame, payload);
         if (update) this.emit('frame', update);
       }
       return;
@@ -409,16 +426,15 @@ export class StyledClient {
     this.emit('body', body);
   }
 
-  private accept(state: StreamState, payload: Uint8Array): Update | undefined {
+  private accept(state: StreamState, reader: Reader, payload: Uint8Array): Update | undefined {
     const frame = this.parse(FrameSchema, payload, `frame of ${state.performer}`);
     if (!frame) return undefined;
     if (frame.output !== (state.stream === 'canonical' ? Output.CANONICAL : Output.RIG)) {
       this.emit('complaint', `frame of ${state.performer}: of another output than its topic`);
       return undefined;
     }
-    const sameEpoch = state.started && frame.epoch === state.epoch;
-    // With both kinds of subscriber to one stream, `latest` may give what was handed on before.
-    if (sameEpoch && frame.sequence < state.sequence) return undefined;
+    const sameEpoch = reader.started && frame.epoch === reader.epoch;
+    if (sameEpoch && frame.sequence < reader.sequence) return undefined;
     const body = this.bodies
       .get(state.performer)
       ?.find((known) => known.hash === frame.bodyHash && known.output === frame.output);
@@ -427,14 +443,14 @@ export class StyledClient {
       this.emit('complaint', `frame of ${state.performer}: ${wrong}`);
       return undefined;
     }
-    const step = sameEpoch ? Number(frame.sequence - state.sequence) : state.sinceLast;
-    const skipped = Math.max(0, state.sinceLast - 1);
-    const newEpoch = state.started && !sameEpoch;
-    state.started = true;
-    state.epoch = frame.epoch;
-    state.sequence = frame.sequence;
-    const missed = Math.max(0, step - state.sinceLast);
-    state.sinceLast = 0;
+    const step = sameEpoch ? Number(frame.sequence - reader.sequence) : reader.sinceLast;
+    const skipped = Math.max(0, reader.sinceLast - 1);
+    const newEpoch = reader.started && !sameEpoch;
+    reader.started = true;
+    reader.epoch = frame.epoch;
+    reader.sequence = frame.sequence;
+    const missed = Math.max(0, step - reader.sinceLast);
+    reader.sinceLast = 0;
     return {
       performer: state.performer,
       stream: state.stream,
