@@ -1,6 +1,7 @@
 // The BVH writer against three.js' reader, and against our own forward kinematics.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { Euler, Quaternion } from 'three';
 import { worldTransforms } from 'styled-client';
 
 import { bvhText } from './dist/bvh.js';
@@ -50,6 +51,20 @@ test('angles go on over half a turn, and over the quarter turn where two of them
         assert.ok(Math.abs(angle - rows[i - 1][k]) < 30, `${rows[i - 1][k]} to ${angle} in row ${i} about ${axis}`));
     }
   }
+});
+
+test('where two angles are one, rounding of the rotation does not throw them about', () => {
+  const body = makeBody();
+  const q = new Quaternion();
+  // Up to the quarter turn, then on about the last axis.
+  const poses = Array.from({ length: 100 }, (_, i) => {
+    const degrees = [Math.min(90, 80 + i), 20 + i, 30]; // of x, y, z
+    q.setFromEuler(new Euler(...degrees.map((x) => x * Math.PI / 180), 'ZXY'));
+    return Float32Array.from([0, 1, 0, ...body.names.flatMap(() => q.toArray())]);
+  });
+  anglesOf(textOf(body, 120, poses)).forEach((row, i) =>
+    [30, Math.min(90, 80 + i), 20 + i].forEach((angle, k) =>
+      assert.ok(Math.abs(row[3 + k] - angle) < 0.1, `${row.slice(3, 6)} in row ${i}`)));
 });
 
 test('the quaternion and its negative are one pose', () => {

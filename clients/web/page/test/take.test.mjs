@@ -78,8 +78,10 @@ test('rates: one of NTSC, and one that is nearly but not quite a whole one', () 
 test('where the clock of the rig stands still or begins anew, that of the daemon counts', () => {
   const still = trackOf(range(100).map((i) => [i, 0, i / 50]));
   assert.deepEqual([gridOf([still]).rate_hz, gridOf([still]).frames], [50, 100]);
-  const anew = trackOf(range(100).map((i) => [i, i < 50 ? 1e6 + i / 50 : i / 50, 3 + i / 50]));
-  assert.deepEqual([gridOf([anew]).rate_hz, gridOf([anew]).frames], [50, 100]);
+  for (const [before_s, after_s] of [[1e6, 0], [0, 1e6]]) {
+    const anew = trackOf(range(100).map((i) => [i, (i < 50 ? before_s : after_s) + i / 50, 3 + i / 50]));
+    assert.deepEqual([gridOf([anew]).rate_hz, gridOf([anew]).frames], [50, 100]);
+  }
 });
 
 test('input and styled motion are cut to what both have, and stay beside each other', () => {
