@@ -25,6 +25,7 @@ import { Link, type LinkState } from './link.js';
 import { frameTopic, parseTopic, type Stream } from './topics.js';
 
 const MAX_BODIES = 64; // kept of each performer
+const UNKNOWN_MS = 2000; // the daemon answers a subscription with bodies at once
 
 /** How the daemon is, as the gateway sees it. */
 export interface DaemonState {
@@ -54,7 +55,8 @@ export interface ClientEvents {
   frame(update: Update): void;
   body(body: Body): void;
   stats(stats: Stats): void;
-  /** What the gateway did not understand or refused. */
+  /** What the gateway did not understand or refused, and once for each name subscribed to that the
+   * daemon does not know: whoever bears it may still come. */
   complaint(text: string): void;
 }
 
@@ -130,6 +132,7 @@ export class StyledClient {
   private readonly bodies = new Map<string, Body[]>();
   private readonly listeners = new Map<keyof ClientEvents, Set<(...args: never[]) => void>>();
   private readonly pending = new Map<bigint, Pending>();
+  private readonly awaited = new Map<string, ReturnType<typeof setTimeout>>(); // performers
   private readonly timeout_ms: number;
   private nextId = 1n;
   private linkState_: LinkState = { kind: 'connecting', reason: '' };
@@ -146,6 +149,7 @@ export class StyledClient {
   }
 
   close(): void {
+    for (const performer of [...this.awaited.keys()]) this.unawait(performer);
     this.link.close();
   }
 
@@ -313,6 +317,7 @@ export class StyledClient {
       };
       this.streams.set(topic, state);
       this.topics(true, [topic]);
+      this.await(performer);
     }
     const counted = state;
     if (counted[mode].users === 0) counted[mode] = new Reader();
@@ -327,7 +332,21 @@ export class StyledClient {
       if (counted.everyFrame.users + counted.latest.users > 0) return;
       this.streams.delete(topic);
       this.topics(false, [topic]);
+      if (![...this.streams.values()].some((other) => other.performer === performer)) this.unawait(performer);
     };
+  }
+
+  // A name that is misspelt gives silence: that is said, once a daemon has had time to answer.
+  private await(performer: string): void {
+    if (!this.daemonState_.up || this.bodies.has(performer) || this.awaited.has(performer)) return;
+    this.awaited.set(performer, setTimeout(() => {
+      this.emit('complaint',
+        `found nobody called ${performer}, expected SOURCE.NAME of who performs; frames come when there is one`);
+    }, UNKNOWN_MS));
+  }
+  private unawait(performer: string): void {
+    clearTimeout(this.awaited.get(performer));
+    this.awaited.delete(performer);
   }
 
   private onLink(state: LinkState): void {
@@ -346,6 +365,8 @@ export class StyledClient {
   private setDaemon(state: DaemonState): void {
     if (state.up === this.daemonState_.up && state.reason === this.daemonState_.reason) return;
     this.daemonState_ = state;
+    if (state.up) for (const { performer } of this.streams.values()) this.await(performer);
+    else for (const performer of [...this.awaited.keys()]) this.unawait(performer);
     this.emit('daemon', state);
   }
 
@@ -418,6 +439,7 @@ export class StyledClient {
 
   private onBody(performer: string, body: Body): void {
     const wrong = checkBody(body);
+    this.unawait(performer);
     if (wrong) return this.emit('complaint', `body of ${performer}: ${wrong}`);
     const known = this.bodies.get(performer) ?? [];
     if (known.some((other) => other.hash === body.hash && other.output === body.output)) return;

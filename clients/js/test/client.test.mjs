@@ -246,6 +246,24 @@ for (const url of ['no address', 'localhost:7080', 'tcp://127.0.0.1:7080', '']) 
   });
 }
 
+test('a name that nobody bears is told once, and not of who is there, has left or is not asked for', () =>
+  together(async (gateway, client) => {
+    const complaints = [];
+    client.on('complaint', (text) => complaints.push(text));
+    client.subscribe('rig.nobdoy');
+    client.subscribeLatest('rig.nobdoy', 'source');
+    await opened(client);
+    gateway.notice({ daemon: { up: true, reason: '' } });
+    await until(() => client.daemonState.up, 'the daemon');
+    client.subscribe('rig.a');
+    client.subscribe('rig.b')();
+    gateway.publish('body/rig.a/', body());
+    client.subscribe('rig.last'); // whose turn comes after all of them
+    await until(() => complaints.some((text) => text.includes('rig.last')), 'the last complaint');
+    assert.ok(client.body('rig.a', Output.RIG));
+    assert.deepEqual(complaints.map((text) => /nobody called ([^,]+),/.exec(text)?.[1]), ['rig.nobdoy', 'rig.last']);
+  }));
+
 test('who is not reached is named, without the token', async () => {
   const gateway = await Gateway.start();
   await gateway.stop();
