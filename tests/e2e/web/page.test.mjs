@@ -18,7 +18,7 @@ const file = (name) => path.join(folder, name);
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const children = new Set();
 let browser, page, address, daemon, web;
-const errors = [];
+const errors = [], downloads = [];
 
 async function until(condition, what, seconds = 60) {
   for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(50)) {
@@ -78,6 +78,7 @@ before(async () => {
   });
   page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
   page.setDefaultTimeout(60000);
+  page.on('download', (download) => downloads.push(download));
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('console', (message) => {
     // Refused connections while the gateway is away are the test's own doing.
@@ -229,7 +230,6 @@ const listen = () =>
 const heard = () => page.evaluate(() => globalThis.heard);
 const recorded = () => page.evaluate(() => globalThis.styled.recorder.frames);
 
-const downloads = [];
 async function saved(count) {
   await until(() => downloads.length === count, `${count} files`, 30);
   return Promise.all(downloads.splice(0).map(async (download) => {
@@ -263,7 +263,6 @@ function assertHeard({ name, text }, stream, all) {
 }
 
 test('what is recorded is what came, and both files are beside each other', async () => {
-  page.on('download', (download) => downloads.push(download));
   await page.getByLabel('What is saved').selectOption('styled input');
   await page.locator('[data-style=elderly]').click();
   await until(async () => (await apart()) > 0.04, 'another pose');
@@ -317,24 +316,35 @@ test('the stage as video', async () => {
   const [video] = downloads.splice(0);
   assert.match(video.suggestedFilename(), /-video-[\d-]+\.webm$/);
   const base64 = readFileSync(await video.path()).toString('base64');
-  // A browser plays it to its end, and that is not black. Not on our page, which may show nothing but its own.
+  // A browser plays it to its end, and none of it is black. Not on our page, which may show nothing but its own.
   const blank = await browser.newPage();
   const played = await blank.evaluate(async (base64) => {
     const video = document.createElement('video');
     video.muted = true;
     video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]));
-    await new Promise((resolve, reject) => {
-      video.onended = resolve;
-      video.onerror = () => reject(new Error('no video'));
-      video.play().catch(reject);
-    });
-    const canvas = new OffscreenCanvas(video.videoWidth, video.videoHeight);
-    canvas.getContext('2d').drawImage(video, 0, 0);
-    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-    return { width: canvas.width, bright: data.filter((value, i) => i % 4 < 3 && value > 100).length };
+    const bright = () => {
+      const canvas = new OffscreenCanvas(video.videoWidth, video.videoHeight);
+      canvas.getContext('2d').drawImage(video, 0, 0);
+      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+      return data.filter((value, i) => i % 4 < 3 && value > 100).length;
+    };
+    const came = (event) =>
+      new Promise((resolve, reject) => {
+        video.addEventListener(event, resolve);
+        video.addEventListener('error', () => reject(new Error('no video')));
+      });
+    const shown = [];
+    const look = () => {
+      shown.push(bright());
+      video.requestVideoFrameCallback(look);
+    };
+    video.requestVideoFrameCallback(look);
+    video.play();
+    await came('ended');
+    return { width: video.videoWidth, shown };
   }, base64);
   await blank.close();
-  assert.ok(played.width > 200 && played.bright > 200, JSON.stringify(played));
+  assert.ok(played.width > 200 && played.shown.length > 3 && Math.min(...played.shown) > 200, JSON.stringify(played));
   await page.getByLabel('What is saved').selectOption('styled');
   await page.keyboard.press('Tab');
 });
