@@ -5,7 +5,8 @@
 set -eu
 clients=$1 root=$2 build=$3 out=$4
 mkdir -p "$build"
-rm -rf "$build/js/src" "$build/js/test" "$build/js/test-support" "$build/web/page/src" "$build/web/page/public"
+rm -rf "$build/js/src" "$build/js/test" "$build/js/test-support" "$build/web/page/src" "$build/web/page/public" \
+  "$build/web/page/test"
 (cd "$clients" && find package.json package-lock.json js web/page -type f \
   ! -path '*/node_modules/*' ! -path '*/dist/*' ! -path '*/gen/*' -print0 |
   tar -cf - --null -T -) | tar -xf - -C "$build"

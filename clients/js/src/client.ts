@@ -25,6 +25,7 @@ import { Link, type LinkState } from './link.js';
 import { frameTopic, parseTopic, type Stream } from './topics.js';
 
 const MAX_BODIES = 64; // kept of each performer
+const UNKNOWN_MS = 2000; // the daemon answers a subscription with bodies at once
 
 /** How the daemon is, as the gateway sees it. */
 export interface DaemonState {
@@ -54,7 +55,8 @@ export interface ClientEvents {
   frame(update: Update): void;
   body(body: Body): void;
   stats(stats: Stats): void;
-  /** What the gateway did not understand or refused. */
+  /** What the gateway did not understand or refused, and once for each name subscribed to that the
+   * daemon does not know: whoever bears it may still come. */
   complaint(text: string): void;
 }
 
@@ -66,17 +68,25 @@ export interface ClientOptions {
   timeout_ms?: number;
 }
 
+type Mode = 'everyFrame' | 'latest';
+
+// How far one kind of subscriber has come: both of a stream may be there, and what the one was handed
+// is still to come for the other.
+class Reader {
+  users = 0;
+  sinceLast = 0; // arrived since the last one that was handed on
+  epoch = 0n;
+  sequence = 0n;
+  started = false;
+}
+
 interface StreamState {
   performer: string;
   stream: Stream;
-  everyFrame: number; // how many want each frame parsed as it comes
-  latest: number; // how many want the newest alone
+  everyFrame: Reader; // want each frame parsed as it comes
+  latest: Reader; // want the newest alone
   raw: Uint8Array | undefined; // the newest, not parsed yet
   frames: number; // arrived
-  sinceLast: number; // ... since the last one that was handed on
-  epoch: bigint;
-  sequence: bigint;
-  started: boolean;
 }
 
 interface Pending {
@@ -89,7 +99,18 @@ export type SetInit = MessageInitShape<typeof SetSchema>;
 type RequestInit = MessageInitShape<typeof RequestSchema>;
 
 function socketUrl(options: ClientOptions): string {
-  const url = new URL(options.url);
+  let url: URL | undefined;
+  try {
+    url = new URL(options.url);
+  } catch {
+    // said below
+  }
+  if (!url || !/^(http|ws)s?:$/.test(url.protocol)) {
+    throw new TypeError(
+      `found "${options.url}" as address of styleweb, expected ws://, wss://, http:// or https:// ` +
+        'and its host, as in http://127.0.0.1:7080',
+    );
+  }
   if (url.protocol === 'http:' || url.protocol === 'https:') {
     url.protocol = url.protocol === 'http:' ? 'ws:' : 'wss:';
     url.pathname = url.pathname.replace(/\/?$/, '/ws');
@@ -111,6 +132,7 @@ export class StyledClient {
   private readonly bodies = new Map<string, Body[]>();
   private readonly listeners = new Map<keyof ClientEvents, Set<(...args: never[]) => void>>();
   private readonly pending = new Map<bigint, Pending>();
+  private readonly awaited = new Map<string, ReturnType<typeof setTimeout>>(); // performers
   private readonly timeout_ms: number;
   private nextId = 1n;
   private linkState_: LinkState = { kind: 'connecting', reason: '' };
@@ -127,6 +149,7 @@ export class StyledClient {
   }
 
   close(): void {
+    for (const performer of [...this.awaited.keys()]) this.unawait(performer);
     this.link.close();
   }
 
@@ -180,7 +203,7 @@ export class StyledClient {
     if (!state?.raw) return undefined;
     const raw = state.raw;
     state.raw = undefined;
-    return this.accept(state, raw);
+    return this.accept(state, state.latest, raw);
   }
 
   /** Frames of a stream that have arrived, parsed or not. */
@@ -280,38 +303,50 @@ export class StyledClient {
     };
   }
 
-  private addStream(performer: string, stream: Stream, mode: 'everyFrame' | 'latest'): () => void {
+  private addStream(performer: string, stream: Stream, mode: Mode): () => void {
     const topic = frameTopic(performer, stream);
     let state = this.streams.get(topic);
     if (!state) {
       state = {
         performer,
         stream,
-        everyFrame: 0,
-        latest: 0,
+        everyFrame: new Reader(),
+        latest: new Reader(),
         raw: undefined,
         frames: 0,
-        sinceLast: 0,
-        epoch: 0n,
-        sequence: 0n,
-        started: false,
       };
       this.streams.set(topic, state);
       this.topics(true, [topic]);
+      this.await(performer);
     }
     const counted = state;
-    ++counted[mode];
+    if (counted[mode].users === 0) counted[mode] = new Reader();
+    ++counted[mode].users;
     const endBody = this.addPlain(`body/${performer}/`);
     let ended = false;
     return () => {
       if (ended) return;
       ended = true;
       endBody();
-      --counted[mode];
-      if (counted.everyFrame + counted.latest > 0) return;
+      --counted[mode].users;
+      if (counted.everyFrame.users + counted.latest.users > 0) return;
       this.streams.delete(topic);
       this.topics(false, [topic]);
+      if (![...this.streams.values()].some((other) => other.performer === performer)) this.unawait(performer);
     };
+  }
+
+  // A name that is misspelt gives silence: that is said, once a daemon has had time to answer.
+  private await(performer: string): void {
+    if (!this.daemonState_.up || this.bodies.has(performer) || this.awaited.has(performer)) return;
+    this.awaited.set(performer, setTimeout(() => {
+      this.emit('complaint',
+        `found nobody called ${performer}, expected SOURCE.NAME of who performs; frames come when there is one`);
+    }, UNKNOWN_MS));
+  }
+  private unawait(performer: string): void {
+    clearTimeout(this.awaited.get(performer));
+    this.awaited.delete(performer);
   }
 
   private onLink(state: LinkState): void {
@@ -330,6 +365,8 @@ export class StyledClient {
   private setDaemon(state: DaemonState): void {
     if (state.up === this.daemonState_.up && state.reason === this.daemonState_.reason) return;
     this.daemonState_ = state;
+    if (state.up) for (const { performer } of this.streams.values()) this.await(performer);
+    else for (const performer of [...this.awaited.keys()]) this.unawait(performer);
     this.emit('daemon', state);
   }
 
@@ -381,10 +418,11 @@ export class StyledClient {
     const state = this.streams.get(topic);
     if (state) {
       ++state.frames;
-      ++state.sinceLast;
-      if (state.latest > 0) state.raw = payload;
-      if (state.everyFrame > 0) {
-        const update = this.accept(state, payload);
+      ++state.everyFrame.sinceLast;
+      ++state.latest.sinceLast;
+      if (state.latest.users > 0) state.raw = payload;
+      if (state.everyFrame.users > 0) {
+        const update = this.accept(state, state.everyFrame, payload);
         if (update) this.emit('frame', update);
       }
       return;
@@ -401,6 +439,7 @@ export class StyledClient {
 
   private onBody(performer: string, body: Body): void {
     const wrong = checkBody(body);
+    this.unawait(performer);
     if (wrong) return this.emit('complaint', `body of ${performer}: ${wrong}`);
     const known = this.bodies.get(performer) ?? [];
     if (known.some((other) => other.hash === body.hash && other.output === body.output)) return;
@@ -409,16 +448,15 @@ export class StyledClient {
     this.emit('body', body);
   }
 
-  private accept(state: StreamState, payload: Uint8Array): Update | undefined {
+  private accept(state: StreamState, reader: Reader, payload: Uint8Array): Update | undefined {
     const frame = this.parse(FrameSchema, payload, `frame of ${state.performer}`);
     if (!frame) return undefined;
     if (frame.output !== (state.stream === 'canonical' ? Output.CANONICAL : Output.RIG)) {
       this.emit('complaint', `frame of ${state.performer}: of another output than its topic`);
       return undefined;
     }
-    const sameEpoch = state.started && frame.epoch === state.epoch;
-    // With both kinds of subscriber to one stream, `latest` may give what was handed on before.
-    if (sameEpoch && frame.sequence < state.sequence) return undefined;
+    const sameEpoch = reader.started && frame.epoch === reader.epoch;
+    if (sameEpoch && frame.sequence < reader.sequence) return undefined;
     const body = this.bodies
       .get(state.performer)
       ?.find((known) => known.hash === frame.bodyHash && known.output === frame.output);
@@ -427,14 +465,14 @@ export class StyledClient {
       this.emit('complaint', `frame of ${state.performer}: ${wrong}`);
       return undefined;
     }
-    const step = sameEpoch ? Number(frame.sequence - state.sequence) : state.sinceLast;
-    const skipped = Math.max(0, state.sinceLast - 1);
-    const newEpoch = state.started && !sameEpoch;
-    state.started = true;
-    state.epoch = frame.epoch;
-    state.sequence = frame.sequence;
-    const missed = Math.max(0, step - state.sinceLast);
-    state.sinceLast = 0;
+    const step = sameEpoch ? Number(frame.sequence - reader.sequence) : reader.sinceLast;
+    const skipped = Math.max(0, reader.sinceLast - 1);
+    const newEpoch = reader.started && !sameEpoch;
+    reader.started = true;
+    reader.epoch = frame.epoch;
+    reader.sequence = frame.sequence;
+    const missed = Math.max(0, step - reader.sinceLast);
+    reader.sinceLast = 0;
     return {
       performer: state.performer,
       stream: state.stream,

@@ -18,6 +18,11 @@ const FIRST_RETRY_MS = 250;
 const LONGEST_RETRY_MS = 3000;
 const GIVE_UP_MS = 5000; // on one attempt
 
+// What may be shown: a token is not.
+function address(url: string): string {
+  return url.replace(/\?.*$/, '');
+}
+
 export class Link {
   private socket: WebSocket | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -107,7 +112,7 @@ export class Link {
   // A WebSocket does not say why it was refused; the same address over HTTP does.
   private async explain(): Promise<void> {
     const before = this.reason;
-    this.reason = 'nobody answers there';
+    this.reason = `nobody answers at ${address(this.url)}`;
     this.refused = false;
     try {
       const response = await fetch(this.url.replace(/^ws/, 'http'), {

@@ -92,7 +92,7 @@ test('a gateway that starts later is found', async () => {
   const client = new StyledClient({ url });
   const reasons = [];
   client.on('link', (state) => reasons.push(state.reason));
-  await until(() => reasons.includes('nobody answers there'), 'the reason');
+  await until(() => reasons.includes(`nobody answers at ws://127.0.0.1:${port}/ws`), 'the reason');
   const second = await Gateway.start(port);
   await opened(client);
   client.close();
@@ -217,6 +217,60 @@ test('bodies: replays are dropped, a change is told, both outputs are kept', () 
     assert.equal(client.body('rig.b', Output.RIG), undefined);
   }));
 
-test('an address that is none is an error at once', () => {
-  assert.throws(() => new StyledClient({ url: 'no address' }), /Invalid URL/);
+test('both kinds of subscriber to one stream: each gets its own, with its own gaps', () =>
+  together(async (gateway, client) => {
+    const updates = [];
+    client.on('frame', (update) => updates.push(update));
+    client.subscribeLatest('rig.a');
+    await until(() => gateway.topics.has('styled/rig.a/rig/'), 'the subscription');
+    gateway.publish('body/rig.a/', body());
+    gateway.publish('styled/rig.a/rig/', frame(1));
+    await until(() => client.arrived('rig.a') === 1, 'a frame');
+    assert.equal(client.latest('rig.a').frame.sequence, 1n);
+    const end = client.subscribe('rig.a');
+    for (const sequence of [4, 5, 7]) gateway.publish('styled/rig.a/rig/', frame(sequence));
+    await until(() => updates.length === 3, 'each frame');
+    assert.deepEqual(updates.map((u) => u.missed), [0, 0, 1]); // of before it came it knows nothing
+    const newest = client.latest('rig.a');
+    assert.deepEqual([newest.frame.sequence, newest.missed, newest.skipped], [7n, 3, 2]);
+    end();
+    gateway.publish('styled/rig.a/rig/', frame(8));
+    await until(() => client.arrived('rig.a') === 5, 'one more');
+    assert.deepEqual([client.latest('rig.a').missed, updates.length], [0, 3]);
+  }));
+
+for (const url of ['no address', 'localhost:7080', 'tcp://127.0.0.1:7080', '']) {
+  test(`an address that is none is an error at once: "${url}"`, () => {
+    assert.throws(() => new StyledClient({ url }), (error) =>
+      error.message.includes(`found "${url}"`) && /expected ws:\/\/.*http:\/\/127.0.0.1:7080/.test(error.message));
+  });
+}
+
+test('a name that nobody bears is told once, and not of who is there, has left or is not asked for', () =>
+  together(async (gateway, client) => {
+    const complaints = [];
+    client.on('complaint', (text) => complaints.push(text));
+    client.subscribe('rig.nobdoy');
+    client.subscribeLatest('rig.nobdoy', 'source');
+    await opened(client);
+    gateway.notice({ daemon: { up: true, reason: '' } });
+    await until(() => client.daemonState.up, 'the daemon');
+    client.subscribe('rig.a');
+    client.subscribe('rig.b')();
+    gateway.publish('body/rig.a/', body());
+    client.subscribe('rig.last'); // whose turn comes after all of them
+    await until(() => complaints.some((text) => text.includes('rig.last')), 'the last complaint');
+    assert.ok(client.body('rig.a', Output.RIG));
+    assert.deepEqual(complaints.map((text) => /nobody called ([^,]+),/.exec(text)?.[1]), ['rig.nobdoy', 'rig.last']);
+  }));
+
+test('who is not reached is named, without the token', async () => {
+  const gateway = await Gateway.start();
+  await gateway.stop();
+  const client = new StyledClient({ url: gateway.url, token: 'abcdefgh12345678' });
+  const reasons = [];
+  client.on('link', (state) => reasons.push(state.reason));
+  await until(() => reasons.some((reason) => reason?.includes(`:${gateway.port}/ws`)), 'the address');
+  client.close();
+  assert.ok(!reasons.join().includes('abcdefgh'));
 });

@@ -10,6 +10,7 @@ import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
 
 import { makeAvatar } from './avatar.mjs';
+import { readBvh, worldPositions } from './bvh.mjs';
 
 const bin = process.env.STYLED_BIN;
 const folder = mkdtempSync(path.join(os.tmpdir(), 'styled-page-'));
@@ -17,7 +18,7 @@ const file = (name) => path.join(folder, name);
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const children = new Set();
 let browser, page, address, daemon, web;
-const errors = [];
+const errors = [], downloads = [];
 
 async function until(condition, what, seconds = 60) {
   for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(50)) {
@@ -77,6 +78,7 @@ before(async () => {
   });
   page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
   page.setDefaultTimeout(60000);
+  page.on('download', (download) => downloads.push(download));
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('console', (message) => {
     // Refused connections while the gateway is away are the test's own doing.
@@ -212,6 +214,156 @@ test('a VRM avatar is worn and moves; a file that is none is said so', async () 
   await picture('avatar');
   await page.getByTitle('Take it off').click();
   await until(async () => (await hand()) === undefined, 'no avatar');
+});
+
+// What comes over the WebSocket from here on, kept beside the recorder: of each stream, by sequence.
+const listen = () =>
+  page.evaluate(() => {
+    const heard = { source: [], rig: [] };
+    globalThis.heard = heard;
+    globalThis.styled.client.on('frame', ({ stream, frame, body }) => {
+      if (globalThis.heard !== heard || !body) return;
+      heard[stream]?.push({ rig_s: Number(frame.sourceTimeNs) / 1e9, root: frame.rootPosition, rotations: frame.rotations });
+      heard.body = { names: body.names, parents: body.parents, offsets: body.offsets };
+    });
+  });
+const heard = () => page.evaluate(() => globalThis.heard);
+const recorded = () => page.evaluate(() => globalThis.styled.recorder.frames);
+
+async function saved(count) {
+  await until(() => downloads.length === count, `${count} files`, 30);
+  return Promise.all(downloads.splice(0).map(async (download) => {
+    const text = readFileSync(await download.path(), 'utf8');
+    return { name: download.suggestedFilename(), text };
+  }));
+}
+
+// The file is what was heard: each frame at its place in the rig's time, and in its pose. A busy machine
+// loses some, before the daemon or behind it: their places are kept.
+function assertHeard({ name, text }, stream, all) {
+  const read = readBvh(text);
+  const first_s = Math.max(all.source[0].rig_s, all.rig[0].rig_s);
+  const last_s = Math.min(all.source.at(-1).rig_s, all.rig.at(-1).rig_s);
+  const place = (rig_s) => Math.round(120 * (rig_s - first_s));
+  const inside = all[stream].filter(({ rig_s }) => rig_s >= first_s && rig_s <= last_s);
+  assert.equal(read.frames, place(last_s) + 1, name);
+  assert.ok(Math.abs(read.frameTime_s - 1 / 120) < 1e-6, `${read.frameTime_s} s`);
+  const filled = read.frames - inside.length;
+  assert.equal(Number(/-(\d+)filled\.bvh$/.exec(name)?.[1] ?? 0), filled, name);
+  assert.ok(inside.length > 0.5 * read.frames, `${inside.length} of ${read.frames} frames were heard`);
+  for (const { rig_s, root, rotations } of inside) {
+    const expected = worldPositions(all.body, root, rotations);
+    const found = read.positions(place(rig_s));
+    all.body.names.forEach((joint, i) => {
+      const mm = 1000 * Math.hypot(...found.get(joint).map((x, axis) => x - expected[i][axis]));
+      assert.ok(mm < 0.1, `${joint} is ${mm} mm off in frame ${place(rig_s)}`);
+    });
+  }
+  return read;
+}
+
+test('what is recorded is what came, and both files are beside each other', async () => {
+  await page.getByLabel('What is saved').selectOption('styled input');
+  await page.locator('[data-style=elderly]').click();
+  await until(async () => (await apart()) > 0.04, 'another pose');
+  await listen();
+  await page.locator('button.record').click();
+  await until(async () => (await recorded()) > 400, 'frames');
+  assert.match(await page.locator('button.record').innerText(), /Stop · 0:0\d\.\d/);
+  assert.match(await page.locator('.recording .hint').innerText(), /^\d+ frames/);
+  assert.ok(await page.locator('.badge').isVisible());
+  await picture('recording');
+  await page.locator('button.record').click();
+  const files = await saved(2);
+  const all = await heard();
+  assert.ok(!(await page.locator('.badge').isVisible()));
+  await picture('recorded');
+  const performer = await page.evaluate(() => globalThis.styled.app.selected);
+  for (const [what, stream] of [['styled', 'rig'], ['input', 'source']]) {
+    const file = files.find(({ name }) => name.startsWith(`${performer}-${what}-`));
+    const read = assertHeard(file, stream, all);
+    assert.ok(read.frames * read.frameTime_s > 3);
+  }
+  assert.match(await page.locator('.recording .hint').innerText(), /frames at 120 Hz/);
+  // The last take can be had again.
+  await page.locator('[data-save=input]').click();
+  const [again] = await saved(1);
+  assert.equal(again.text, files.find(({ name }) => name === again.name).text);
+});
+
+test('from the keyboard: R begins and ends it, once however long it is held', async () => {
+  await page.getByLabel('What is saved').selectOption('styled');
+  await page.locator('.stage canvas').focus();
+  await listen();
+  await page.keyboard.down('r');
+  await page.keyboard.down('r'); // repeats
+  await page.keyboard.down('r');
+  await page.keyboard.up('r');
+  await until(async () => (await recorded()) > 60, 'frames');
+  await page.keyboard.press('r');
+  const [file] = await saved(1);
+  assertHeard(file, 'rig', await heard());
+});
+
+test('the stage as video', async () => {
+  await page.getByLabel('What is saved').selectOption('video');
+  await page.keyboard.press('Tab'); // out of the list, where letters choose
+  await page.locator('button.record').click();
+  const pictures = await page.evaluate(() => globalThis.styled.stage.pictures);
+  await until(() => page.evaluate((n) => globalThis.styled.stage.pictures > n + 20, pictures), 'pictures');
+  await page.locator('button.record').click();
+  await until(() => downloads.length === 1, 'the video');
+  const [video] = downloads.splice(0);
+  assert.match(video.suggestedFilename(), /-video-[\d-]+\.webm$/);
+  const base64 = readFileSync(await video.path()).toString('base64');
+  // A browser plays it to its end, and none of it is black. Not on our page, which may show nothing but its own.
+  const blank = await browser.newPage();
+  const played = await blank.evaluate(async (base64) => {
+    const video = document.createElement('video');
+    video.muted = true;
+    video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]));
+    const bright = () => {
+      const canvas = new OffscreenCanvas(video.videoWidth, video.videoHeight);
+      canvas.getContext('2d').drawImage(video, 0, 0);
+      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+      return data.filter((value, i) => i % 4 < 3 && value > 100).length;
+    };
+    const came = (event) =>
+      new Promise((resolve, reject) => {
+        video.addEventListener(event, resolve);
+        video.addEventListener('error', () => reject(new Error('no video')));
+      });
+    const shown = [];
+    const look = () => {
+      shown.push(bright());
+      video.requestVideoFrameCallback(look);
+    };
+    video.requestVideoFrameCallback(look);
+    video.play();
+    await came('ended');
+    return { width: video.videoWidth, shown };
+  }, base64);
+  await blank.close();
+  assert.ok(played.width > 200 && played.shown.length > 3 && Math.min(...played.shown) > 200, JSON.stringify(played));
+  await page.getByLabel('What is saved').selectOption('styled');
+  await page.keyboard.press('Tab');
+});
+
+test('a daemon that dies ends the recording; what was got is saved', async () => {
+  await listen();
+  await page.locator('button.record').click();
+  await until(async () => (await recorded()) > 120, 'frames');
+  daemon.kill('SIGKILL');
+  const [file] = await saved(1);
+  const read = assertHeard(file, 'rig', await heard());
+  assert.ok(read.frames > 100);
+  assert.match(await page.locator('.recording .hint').innerText(), /Recording ended: the daemon went away/);
+  assert.ok(await page.locator('button.record').isDisabled());
+  assert.match(await page.locator('button.record').getAttribute('title'), /daemon is away/);
+  await page.keyboard.press('r');
+  await until(async () => /nothing to record/.test(await page.locator('.toast').innerText()), 'the reason');
+  await startDaemon();
+  await until(() => page.locator('button.record').isEnabled(), 'the button again');
 });
 
 test('a daemon that dies is missed, and found again', async () => {

@@ -5,8 +5,8 @@
   echo "skipped, the page was not built"
   exit 77
 }
-[ -d node_modules/playwright-core ] || npm ci --no-audit --no-fund >npm.log 2>&1 || {
-  echo "skipped, npm cannot fetch playwright-core: $(tail -n 1 npm.log)"
+[ -d node_modules/playwright-core ] && [ -d node_modules/three ] || npm ci --no-audit --no-fund >npm.log 2>&1 || {
+  echo "skipped, npm cannot fetch its packages: $(tail -n 1 npm.log)"
   rm -rf node_modules
   exit 77
 }

@@ -2,6 +2,7 @@
 import type { App } from './app.js';
 import { STYLE_KEYS } from './controls.js';
 import { h } from './dom.js';
+import type { RecordPanel } from './record.js';
 import type { Looks } from './roster.js';
 import type { Stage } from './stage.js';
 
@@ -11,6 +12,7 @@ const HELP: [string, string][] = [
   ['Esc', 'panic: everyone back to the bare source'],
   ['[ ]', 'strength down, up'],
   ['↑ ↓', 'select a performer'],
+  ['R', 'record the selected one; again: stop and save'],
   ['E', 'set the selected one, or everyone'],
   ['V', 'side by side, or overlaid'],
   ['T, C', 'foot trails, contact marks'],
@@ -20,7 +22,9 @@ const HELP: [string, string][] = [
   ['?', 'this list'],
 ];
 
-export function keys(app: App, stage: Stage, looks: Looks): { help: HTMLElement; toggleHelp: () => void } {
+export function keys(
+  app: App, stage: Stage, looks: Looks, record: RecordPanel,
+): { help: HTMLElement; toggleHelp: () => void } {
   const help = h('div', { className: 'help', hidden: true, onclick: () => toggleHelp() },
     h('dl', {}, ...HELP.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)])));
   const toggleHelp = () => (help.hidden = !help.hidden);
@@ -42,6 +46,7 @@ export function keys(app: App, stage: Stage, looks: Looks): { help: HTMLElement;
       app.everyone = !app.everyone;
       app.changed();
     },
+    r: () => record.toggle(),
     v: () => looks.toggle('overlay'),
     t: () => looks.toggle('trails'),
     c: () => looks.toggle('contacts'),
@@ -72,6 +77,7 @@ export function keys(app: App, stage: Stage, looks: Looks): { help: HTMLElement;
     const action = plain[event.key.toLowerCase()];
     if (!action) return;
     event.preventDefault();
+    if (event.key.toLowerCase() === 'r' && event.repeat) return; // held down it would start and stop
     action();
   });
   return { help, toggleHelp };

@@ -7,6 +7,7 @@ import { controls } from './controls.js';
 import { h } from './dom.js';
 import { keys } from './keys.js';
 import { plots } from './plots.js';
+import { recordPanel } from './record.js';
 import { roster } from './roster.js';
 import { Stage } from './stage.js';
 import { banner, toast, topBar } from './status.js';
@@ -25,14 +26,15 @@ const known = token();
 const client = new StyledClient({ url: location.origin, ...(known ? { token: known } : {}) });
 const app = new App(client);
 const stage = new Stage(client);
-const left = roster(app, stage);
-const { help, toggleHelp } = keys(app, stage, left.looks);
+const record = recordPanel(app, stage);
+const left = roster(app, stage, record.element);
+const { help, toggleHelp } = keys(app, stage, left.looks, record);
 const chosen = () => stage.performers.get(app.selected);
 
 document.getElementById('app')!.append(
   topBar(app, stage, toggleHelp),
   left.element,
-  h('main', {}, stage.element, banner(app), toast(app)),
+  h('main', {}, stage.element, banner(app), record.badge, toast(app)),
   controls(app, () => chosen()?.weights ?? new Map<string, number>()),
   plots(app, () => chosen()?.missed ?? 0),
   help,
@@ -50,4 +52,4 @@ app.watch(() => {
 app.changed();
 
 // For tests, and for the curious at the console.
-Object.assign(window, { styled: { app, client, stage } });
+Object.assign(window, { styled: { app, client, stage, recorder: record.recorder } });

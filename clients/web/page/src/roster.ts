@@ -117,10 +117,10 @@ function wardrobe(app: App, stage: Stage): HTMLElement {
   return h('section', {}, h('h2', {}, 'Avatar'), h('div', { className: 'wardrobe' }, zone, off, file));
 }
 
-export function roster(app: App, stage: Stage): { element: HTMLElement; looks: Looks } {
+export function roster(app: App, stage: Stage, record: HTMLElement): { element: HTMLElement; looks: Looks } {
   const view = looks(stage);
   return {
-    element: h('aside', { className: 'panel left' }, list(app), view.element, wardrobe(app, stage)),
+    element: h('aside', { className: 'panel left' }, list(app), record, view.element, wardrobe(app, stage)),
     looks: view,
   };
 }

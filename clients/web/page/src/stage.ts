@@ -62,6 +62,8 @@ export class Stage {
   /** Pictures of the last second. */
   fps = 0;
   pictures = 0;
+  /** Somebody films: the picture keeps its size. */
+  steady = false;
   onSelect: (name: string) => void = () => {};
 
   private readonly renderer: WebGLRenderer;
@@ -110,6 +112,10 @@ export class Stage {
     new ResizeObserver(() => this.resize()).observe(this.element);
     renderer.domElement.addEventListener('click', (event) => this.pick(event));
     renderer.setAnimationLoop((now) => this.draw(now));
+  }
+
+  get canvas(): HTMLCanvasElement {
+    return this.renderer.domElement;
   }
 
   home(): void {
@@ -228,7 +234,7 @@ export class Stage {
   /** Fewer pixels where the processor draws and cannot keep up: motion counts more than edges. */
   private spare(): void {
     const ratio = this.renderer.getPixelRatio();
-    if (this.detail === COARSE && this.fps < WATCHABLE_FPS && ratio > LEAST_RATIO) {
+    if (!this.steady && this.detail === COARSE && this.fps < WATCHABLE_FPS && ratio > LEAST_RATIO) {
       this.renderer.setPixelRatio(ratio - 0.1);
     }
   }

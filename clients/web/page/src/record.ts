@@ -1,0 +1,216 @@
+// The record button: what it says, and the files that it leaves.
+import type { App } from './app.js';
+import { bvhText } from './bvh.js';
+import { h, setText } from './dom.js';
+import { Film } from './film.js';
+import { Recorder, type Ended } from './recorder.js';
+import { filledIn, gridOf, posesOn, type Grid, type Take } from './take.js';
+import type { Stage } from './stage.js';
+
+const AT_ONCE_MS = 40; // of writing, then the page gets its turn
+const KEPT_MS = 60000; // until a browser has surely begun to save
+
+type What = 'styled' | 'input' | 'video';
+
+/** What stands in the way of recording, or ''. */
+function obstacle(app: App): string {
+  if (app.client.linkState.kind !== 'open') return 'The gateway is away.';
+  if (!app.client.daemonState.up) return 'The daemon is away.';
+  const entry = app.entry();
+  if (!entry) return 'Nobody is here yet.';
+  return entry.live ? '' : `${app.selected} is silent.`;
+}
+
+function save(blob: Blob, name: string): void {
+  const url = URL.createObjectURL(blob);
+  h('a', { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), KEPT_MS);
+}
+
+async function written(pieces: Iterable<string>): Promise<Blob> {
+  const parts: string[] = [];
+  let begun_ms = performance.now();
+  for (const piece of pieces) {
+    parts.push(piece);
+    // A page that is not seen is woken once a second only: it has nobody to wait for.
+    if (document.hidden || performance.now() - begun_ms < AT_ONCE_MS) continue;
+    await new Promise((resolve) => setTimeout(resolve));
+    begun_ms = performance.now();
+  }
+  return new Blob(parts, { type: 'text/plain' });
+}
+
+const clock = (seconds: number) =>
+  `${Math.floor(seconds / 60)}:${(seconds % 60).toFixed(1).padStart(4, '0')}`;
+
+function stamp(time: Date): string {
+  const two = (value: number) => String(value).padStart(2, '0');
+  return `${time.getFullYear()}${two(time.getMonth() + 1)}${two(time.getDate())}` +
+    `-${two(time.getHours())}${two(time.getMinutes())}${two(time.getSeconds())}`;
+}
+
+/** A take that has ended, ready to be saved as often as one likes. */
+class Result {
+  readonly filled: number[];
+
+  constructor(readonly take: Take, readonly grid: Grid, readonly film: Blob | undefined) {
+    this.filled = [0, 1].map((track) => filledIn(grid, track));
+  }
+
+  has(what: What): boolean {
+    return what !== 'video' || this.film !== undefined;
+  }
+
+  words(): string {
+    const { frames, rate_hz } = this.grid;
+    const [source, styled] = this.filled as [number, number];
+    const parts = [this.take.performer, `${(frames / rate_hz).toFixed(2)} s`,
+                   `${frames} frames at ${Number(rate_hz.toFixed(3))} Hz`];
+    const filled = Math.max(source, styled);
+    if (filled > 0) {
+      const missed = Math.max(this.take.source.missed, this.take.styled.missed);
+      const whose = missed > 0 ? ` (${missed} did not reach this page)` : ' (lost before the daemon had them)';
+      parts.push(`${filled} of them filled in between their neighbors${whose}`);
+    }
+    return parts.join(', ');
+  }
+
+  name(what: What): string {
+    const whose = `${this.take.performer.replace(/[^\w.-]/g, '_')}-${what}-${stamp(this.take.begun)}`;
+    if (what === 'video') return `${whose}.${Film.extension}`;
+    const filled = this.filled[what === 'input' ? 0 : 1]!;
+    return `${whose}${filled > 0 ? `-${filled}filled` : ''}.bvh`;
+  }
+
+  async save(what: What): Promise<string> {
+    const { take, grid } = this;
+    const name = this.name(what);
+    if (what === 'video') save(this.film!, name);
+    else {
+      const [index, track] = what === 'input' ? [0, take.source] as const : [1, take.styled] as const;
+      save(await written(bvhText(take.body, grid.rate_hz, grid.frames, posesOn(grid, index, track))), name);
+    }
+    return name;
+  }
+}
+
+function resultOf(take: Take | undefined, film: Blob | undefined): Result | undefined {
+  const grid = take && gridOf([take.source, take.styled]);
+  return grid && grid.frames > 1 ? new Result(take, grid, film) : undefined;
+}
+
+export interface RecordPanel {
+  element: HTMLElement;
+  /** Over the stage, while it records. */
+  badge: HTMLElement;
+  recorder: Recorder;
+  toggle(): void;
+}
+
+export function recordPanel(app: App, stage: Stage): RecordPanel {
+  const recorder = new Recorder(app.client);
+  let film: Film | undefined;
+  let result: Result | undefined;
+
+  const label = h('span', {});
+  const button = h('button', { className: 'record', onclick: () => toggle() },
+    h('i', {}), label, h('kbd', {}, 'R'));
+  const choice = h('select', { 'aria-label': 'What is saved' },
+    h('option', { value: 'styled' }, 'Styled motion, BVH'),
+    h('option', { value: 'styled input' }, 'Styled and input, 2 BVH'),
+    h('option', { value: 'video', disabled: !Film.extension,
+                  title: Film.extension ? '' : 'This browser cannot record a picture' }, 'Video of the stage'));
+  const line = h('p', { className: 'hint' });
+  const chips = h('div', { className: 'chips' });
+  const badge = h('div', { className: 'badge', hidden: true }, h('i', {}), h('span', {}));
+
+  const saveAll = async (what: What[], of: Result) => {
+    try {
+      const names: string[] = [];
+      for (const one of what) names.push(await of.save(one));
+      return names.join(' and ');
+    } catch (error) {
+      app.onMessage(`cannot save: ${(error as Error).message}`, true);
+      return '';
+    }
+  };
+  const paintChips = () => {
+    chips.replaceChildren(...(['styled', 'input', 'video'] as const)
+      .filter((what) => result?.has(what)).map((what) =>
+        h('button', {
+          'data-save': what, title: `Save ${result!.name(what)}`,
+          onclick: () => void saveAll([what], result!),
+        }, what === 'video' ? `Video .${Film.extension}` : `${what[0]!.toUpperCase()}${what.slice(1)} .bvh`)));
+  };
+
+  const ended = async ({ take, reason }: Ended) => {
+    const wanted = choice.value.split(' ') as What[];
+    const ending = film;
+    film = undefined;
+    stage.steady = false;
+    const filmed = await ending?.end();
+    result = resultOf(take, filmed);
+    paint();
+    paintChips();
+    const why = reason ? `Recording ended: ${reason}. ` : '';
+    if (!result) {
+      setText(line, `${why}Too short, nothing to save.`);
+      return app.onMessage(line.textContent!, true);
+    }
+    const words = result.words();
+    setText(line, `${why}${words}.`);
+    const names = await saveAll(wanted.filter((what) => result!.has(what)), result);
+    if (names) app.onMessage(`${why}Saved ${names}: ${words}.`, reason !== '');
+  };
+  recorder.onEnd = (how) => void ended(how);
+
+  const toggle = () => {
+    if (recorder.recording) return recorder.stop();
+    const reason = obstacle(app);
+    if (reason) return app.onMessage(`nothing to record: ${reason}`, true);
+    result = undefined;
+    paintChips();
+    if (choice.value === 'video') {
+      try {
+        film = new Film(stage.canvas, (why) => recorder.stop(why));
+      } catch (error) {
+        return app.onMessage(`this browser cannot film the stage: ${(error as Error).message}`, true);
+      }
+      stage.steady = true;
+    }
+    recorder.start(app.selected);
+    app.onMessage(`recording ${app.selected}`, false);
+    paint();
+  };
+
+  const paint = () => {
+    const on = recorder.recording;
+    const reason = on ? '' : obstacle(app);
+    button.disabled = reason !== '';
+    button.title = on ? 'Stop and save (R)' : reason || `Record ${app.selected} (R)`;
+    button.setAttribute('aria-pressed', String(on));
+    choice.disabled = on;
+    badge.hidden = !on;
+    const time = clock(recorder.elapsed_s);
+    setText(label, on ? `Stop · ${time}` : 'Record');
+    document.title = on ? `● ${time} Styled` : 'Styled';
+    if (on) {
+      const missed = recorder.missed;
+      setText(badge.lastElementChild!, `${recorder.performer} · ${time}`);
+      setText(line, `${recorder.frames} frames${missed > 0 ? `, ${missed} did not arrive` : ''}`);
+      line.title = missed > 0 ? 'Lost, or passed over by the gateway because this page did not read: they are ' +
+        'filled in between their neighbors' : '';
+    } else if (!result && reason) setText(line, `Nothing to record: ${reason}`);
+    else if (!result && line.textContent!.startsWith('Nothing to record')) setText(line, '');
+  };
+  app.watch(paint);
+  setInterval(() => recorder.recording && paint(), 100);
+  addEventListener('beforeunload', (event) => {
+    if (recorder.recording) event.preventDefault();
+  });
+  paint();
+  return {
+    element: h('section', { className: 'recording' }, h('h2', {}, 'Record'), button, choice, line, chips),
+    badge, recorder, toggle,
+  };
+}

@@ -1,0 +1,104 @@
+// Records one performer: every frame of the input and of the styled motion that gets here.
+import type { Body, StyledClient, Stats, Update } from 'styled-client';
+
+import { Track, type Take } from './take.js';
+
+/** What is kept at most: half an hour at 120 Hz, of a skeleton of usual size. */
+export interface Limits {
+  poses: number; // of one stream
+  bytes: number; // of both
+}
+const LIMITS: Limits = { poses: 30 * 60 * 120, bytes: 384 << 20 };
+const SILENT_STATS = 3; // once a second: a rig that stumbles is waited for
+
+export interface Ended {
+  take: Take | undefined; // nothing came
+  /** Why it ended by itself; '' where somebody ended it. */
+  reason: string;
+}
+
+export class Recorder {
+  /** While it records. */
+  performer = '';
+  take: Take | undefined;
+  onEnd: (ended: Ended) => void = () => {};
+  private silent = 0;
+  private epoch: bigint | undefined;
+  private ends: (() => void)[] = [];
+
+  constructor(
+    private readonly client: StyledClient,
+    private readonly limits: Limits = LIMITS,
+  ) {
+    client.on('frame', (update) => this.onFrame(update));
+    client.on('daemon', ({ up, reason }) => {
+      if (!up) this.end(`the daemon went away${reason ? ` (${reason})` : ''}`);
+    });
+    client.on('stats', (stats) => this.onStats(stats));
+  }
+
+  get recording(): boolean {
+    return this.performer !== '';
+  }
+  /** Seconds recorded, by the daemon's clock. */
+  get elapsed_s(): number {
+    const track = this.take?.styled;
+    return track && track.length > 0 ? track.daemon_s(track.length - 1) - track.daemon_s(0) : 0;
+  }
+  get frames(): number {
+    return this.take?.styled.length ?? 0;
+  }
+  get missed(): number {
+    return this.take?.styled.missed ?? 0;
+  }
+
+  start(performer: string): void {
+    if (this.recording) return;
+    this.performer = performer;
+    this.take = undefined;
+    this.epoch = undefined;
+    this.silent = 0;
+    this.ends = [this.client.subscribe(performer, 'source'), this.client.subscribe(performer, 'rig')];
+  }
+
+  /** `reason`: why, where nobody asked for it. */
+  stop(reason = ''): void {
+    this.end(reason);
+  }
+
+  private end(reason: string): void {
+    if (!this.recording) return;
+    for (const end of this.ends) end();
+    this.performer = '';
+    this.onEnd({ take: this.take, reason });
+  }
+
+  private begin(update: Update, body: Body): Take {
+    this.epoch = update.frame.epoch;
+    const joints = body.names.length;
+    return { performer: this.performer, body, begun: new Date(), source: new Track(joints), styled: new Track(joints) };
+  }
+
+  private onFrame(update: Update): void {
+    const { performer, stream, frame, body } = update;
+    if (performer !== this.performer || stream === 'canonical') return;
+    if (this.take && frame.epoch !== this.epoch) return this.end('the daemon was restarted');
+    if (this.take && frame.bodyHash !== this.take.body.hash) return this.end(`${performer} has another skeleton now`);
+    if (!body) return; // it is under way
+    this.take ??= this.begin(update, body);
+    const track = stream === 'source' ? this.take.source : this.take.styled;
+    track.add(frame);
+    const { source, styled } = this.take;
+    if (track.length >= this.limits.poses || source.bytes + styled.bytes >= this.limits.bytes) {
+      this.end(`${track.length} frames are all that a recording here may have; stylerec records without end`);
+    }
+  }
+
+  private onStats(stats: Stats): void {
+    if (!this.recording) return;
+    const entry = stats.performers.find(({ performer }) => performer === this.performer);
+    if (!entry) return this.end(`${this.performer} left`);
+    this.silent = entry.live ? 0 : this.silent + 1;
+    if (this.silent >= SILENT_STATS) this.end(`${this.performer} went silent`);
+  }
+}

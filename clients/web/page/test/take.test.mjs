@@ -1,0 +1,102 @@
+// Where poses stand in time, and what is put where there are none.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+
+import { Track, filledIn, gridOf, posesOn } from './dist/take.js';
+import { makeBody, makeFrame, randomOf, turn } from './support.mjs';
+
+const body = makeBody();
+const ns = (seconds) => BigInt(Math.round(seconds * 1e9));
+
+// [sequence, seconds of the rig, seconds of the daemon]; the root's x is the time.
+function trackOf(moments) {
+  const track = new Track(body.names.length);
+  for (const [sequence, rig_s, daemon_s = rig_s + 5] of moments) {
+    track.add(makeFrame(body, sequence, {
+      sourceTimeNs: ns(rig_s), receiveTimeNs: ns(daemon_s), rootPosition: [rig_s, 1, 0],
+    }));
+  }
+  return track;
+}
+const range = (count) => [...Array(count).keys()];
+const spread = (grid, track) => [...posesOn(grid, 0, track)].map(([x]) => x);
+
+test('what came evenly stays as it came', () => {
+  const track = trackOf(range(600).map((i) => [i, 1000 + i / 120]));
+  const grid = gridOf([track]);
+  assert.deepEqual([grid.rate_hz, grid.first, grid.frames, filledIn(grid, 0), track.missed], [120, 0, 600, 0, 0]);
+  [...posesOn(grid, 0, track)].forEach((pose, i) => assert.deepEqual(pose, track.pose(i)));
+});
+
+test('frames that did not arrive are filled in between their neighbors, and counted', () => {
+  const gone = new Set([3, 4, 5, 100]);
+  const track = trackOf(range(200).filter((i) => !gone.has(i)).map((i) => [i, i / 120]));
+  const grid = gridOf([track]);
+  assert.deepEqual([grid.rate_hz, grid.frames, filledIn(grid, 0), track.missed], [120, 200, 4, 4]);
+  spread(grid, track).forEach((x, i) => assert.ok(Math.abs(x - i / 120) < 1e-6, `${x} in frame ${i}`));
+});
+
+test('frames that the rig lost leave no gap in the sequence; time tells', () => {
+  const times = range(200).filter((i) => i !== 50 && i !== 51).map((i) => i / 60);
+  const track = trackOf(times.map((time_s, i) => [i, time_s]));
+  const grid = gridOf([track]);
+  assert.deepEqual([grid.rate_hz, grid.frames, filledIn(grid, 0), track.missed], [60, 200, 2, 0]);
+  spread(grid, track).forEach((x, i) => assert.ok(Math.abs(x - i / 60) < 1e-6));
+});
+
+test('a joint is turned on between its neighbors, the short way', () => {
+  const track = new Track(body.names.length);
+  const about = (degrees, sign) =>
+    body.names.flatMap(() => turn([0, 1, 0], degrees * Math.PI / 180).map((x) => sign * x));
+  for (const [i, degrees, sign] of [[0, 0, 1], [1, 10, 1], [2, 20, 1], [6, 60, -1], [7, 70, 1]]) {
+    track.add(makeFrame(body, i, { rotations: about(degrees, sign) }));
+  }
+  const grid = gridOf([track]);
+  assert.equal(filledIn(grid, 0), 3);
+  [...posesOn(grid, 0, track)].forEach((pose, i) => {
+    const dot = turn([0, 1, 0], 10 * i * Math.PI / 180).reduce((sum, x, k) => sum + x * pose[3 + k], 0);
+    assert.ok(Math.abs(Math.abs(dot) - 1) < 1e-6, `frame ${i}`);
+  });
+});
+
+test('jitter moves no pose, and time is true to the end', () => {
+  const random = randomOf(2);
+  const track = trackOf(range(3600).map((i) => [i, (i + 0.6 * (random() - 0.5)) / 60]));
+  const grid = gridOf([track]);
+  assert.deepEqual([grid.frames, filledIn(grid, 0)], [3600, 0]);
+  assert.ok(Math.abs(grid.frames / grid.rate_hz - 60) < 0.03);
+});
+
+test('rates: one of NTSC, and one that is nearly but not quite a whole one', () => {
+  const rateOf = (count, rate_hz) => gridOf([trackOf(range(count).map((i) => [i, i / rate_hz]))]).rate_hz;
+  assert.ok(Math.abs(rateOf(3000, 30000 / 1001) - 30000 / 1001) < 1e-9);
+  assert.equal(rateOf(1000, 60.001), 60); // less than half a frame
+  const long_hz = rateOf(200000, 119.99); // 17 frames
+  assert.ok(Math.abs(200000 / long_hz - 200000 / 119.99) < 0.01);
+});
+
+test('where the clock of the rig stands still or begins anew, that of the daemon counts', () => {
+  const still = trackOf(range(100).map((i) => [i, 0, i / 50]));
+  assert.deepEqual([gridOf([still]).rate_hz, gridOf([still]).frames], [50, 100]);
+  for (const [before_s, after_s] of [[1e6, 0], [0, 1e6]]) {
+    const anew = trackOf(range(100).map((i) => [i, (i < 50 ? before_s : after_s) + i / 50, 3 + i / 50]));
+    assert.deepEqual([gridOf([anew]).rate_hz, gridOf([anew]).frames], [50, 100]);
+  }
+});
+
+test('input and styled motion are cut to what both have, and stay beside each other', () => {
+  const source = trackOf(range(100).filter((i) => i !== 20).map((i) => [i, i / 120]));
+  const styled = trackOf(range(100).filter((i) => i >= 2).map((i) => [i, i / 120]));
+  const grid = gridOf([source, styled]);
+  assert.deepEqual([grid.first, grid.frames, filledIn(grid, 0), filledIn(grid, 1)], [2, 98, 1, 0]);
+  const [a, b] = [[...posesOn(grid, 0, source)], [...posesOn(grid, 1, styled)]];
+  assert.equal(a.length, 98);
+  b.forEach((pose, i) => assert.ok(Math.abs(pose[0] - a[i][0]) < 1e-6));
+});
+
+test('a frame that comes twice or late is not taken; one pose alone makes no grid', () => {
+  const track = trackOf([[5, 1], [5, 1], [4, 0.9]]);
+  assert.equal(track.length, 1);
+  assert.equal(gridOf([track]), undefined);
+  assert.equal(gridOf([trackOf([]), trackOf([[1, 0], [2, 1]])]), undefined);
+});
