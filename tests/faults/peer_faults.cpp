@@ -6,11 +6,14 @@
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <zmq.h>
 
 #include <algorithm>
+#include <fstream>
 #include <random>
 
 #include "clients/cpp/subscriber.h"
+#include "proto/keys/key_folder.h"
 #include "tests/faults/faults.h"
 #include "tests/faults/stage.h"
 #include "tests/support/clients.h"
@@ -199,6 +202,120 @@ Outcome Overload(const Effort& effort) {
                  static_cast<unsigned long long>(passed_over), growth_mb, back_s)};
 }
 
+// Sends subscriptions that nobody else has, as fast as they leave, on a thread of its own.
+class Flooder {
+ public:
+  Flooder(const std::string& publish, const support::CurveKeys& keys) {
+    context_ = zmq_ctx_new();
+    socket_ = zmq_socket(context_, ZMQ_XSUB);
+    const int none = 0, wait_ms = 50;
+    zmq_setsockopt(socket_, ZMQ_LINGER, &none, sizeof none);
+    zmq_setsockopt(socket_, ZMQ_SNDTIMEO, &wait_ms, sizeof wait_ms);
+    if (!keys.server_key.empty()) {
+      zmq_setsockopt(socket_, ZMQ_CURVE_SERVERKEY, keys.server_key.c_str(), 41);
+      zmq_setsockopt(socket_, ZMQ_CURVE_PUBLICKEY, keys.public_key.c_str(), 41);
+      zmq_setsockopt(socket_, ZMQ_CURVE_SECRETKEY, keys.secret_key.c_str(), 41);
+    }
+    zmq_connect(socket_, publish.c_str());
+    thread_ = std::thread([this] { Run(); });
+  }
+  ~Flooder() {
+    stop_ = true;
+    thread_.join();
+    zmq_close(socket_);
+    zmq_ctx_term(context_);
+  }
+  Flooder(const Flooder&) = delete;
+  Flooder& operator=(const Flooder&) = delete;
+  std::uint64_t sent() const { return sent_; }
+
+ private:
+  void Run() {
+    std::mt19937 random(3);
+    std::string message(900, '\1');  // below the publisher's limit of 1,024
+    while (!stop_) {
+      for (std::size_t i = 1; i < message.size(); ++i) message[i] = static_cast<char>(random());
+      if (zmq_send(socket_, message.data(), message.size(), 0) >= 0) ++sent_;
+    }
+  }
+  void *context_, *socket_;
+  std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> sent_{0};
+  std::thread thread_;
+};
+
+// Where keys are asked for. libzmq keeps every subscription before the daemon sees it: with a key
+// the flood is the service manager's to end, MemoryMax, for which a limit on the address space
+// stands here.
+Outcome Flood(const Effort& effort) {
+  constexpr std::uint64_t kMemoryMax = 256U << 20U;
+  const support::TemporaryFolder folder;
+  Daemon daemon({"security.keys=" + (folder / "keys"), "publish.address=tcp://0.0.0.0:0"});
+  const std::string publish = "tcp://127.0.0.1" + daemon.publish.substr(daemon.publish.rfind(':'));
+  const auto pair = keys::MakePair();
+  if (!pair.ok()) return Failed(pair.status().message());
+  const auto allowed =
+      keys::Allow(folder / "keys", {"peer", pair.value().public_key, keys::Role::kSubscriber});
+  if (!allowed.ok()) return Failed(allowed.message());
+  const support::CurveKeys key{daemon.server_key, pair.value().public_key, pair.value().secret_key};
+  const Feed feed(daemon.udp, 1);
+  const std::uint64_t before = ResidentBytes(daemon.child->pid());
+  std::uint64_t strangers = 0;
+  double strangers_mb = 0;
+  {
+    const Flooder stranger(publish, {});
+    Sleep(effort.Seconds(5));
+    ControlClient control(daemon.control);
+    strangers =
+        control.Counter("publish.subscriptions") + control.Counter("publish.subscriptions_refused");
+    strangers_mb =
+        (static_cast<double>(ResidentBytes(daemon.child->pid())) - static_cast<double>(before)) /
+        (1 << 20);
+  }
+  {
+    const support::Subscriber good(publish, {"styled/"}, key);
+    if (!good.WaitForFrames(10)) return Failed("no frame to a subscriber with a key");
+  }
+  std::uint64_t virtual_pages = 0;
+  std::ifstream("/proc/" + std::to_string(daemon.child->pid()) + "/statm") >> virtual_pages;
+  const rlim_t most =
+      virtual_pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + kMemoryMax;
+  const rlimit limit{most, most};
+  (void)prlimit(daemon.child->pid(), RLIMIT_AS, &limit, nullptr);
+  std::uint64_t counted = 0, largest = 0;
+  std::uint64_t sent = 0;
+  {
+    const Flooder peer(publish, key);
+    ControlClient control(daemon.control);
+    control.SetPatience(0.5);
+    for (const std::int64_t end_ns = Now_ns() + 60'000'000'000;
+         daemon.child->Running() && Now_ns() < end_ns;) {
+      largest = std::max(largest, ResidentBytes(daemon.child->pid()));
+      const std::uint64_t refused = control.Counter("publish.subscriptions_refused");
+      if (refused <= peer.sent()) counted = std::max(counted, refused);  // more: no answer
+    }
+    sent = peer.sent();
+  }
+  if (daemon.child->Running()) return Failed("a minute's flood did not reach the limit");
+  const std::int64_t from_ns = Now_ns();
+  daemon.Start();
+  const double ready_s = static_cast<double>(Now_ns() - from_ns) * 1e-9;
+  const std::string again = "tcp://127.0.0.1" + daemon.publish.substr(daemon.publish.rfind(':'));
+  const Feed fresh(daemon.udp, 1);
+  const support::Subscriber good(again, {"styled/"}, key);
+  const bool back = good.WaitForFrames(10);
+  return {
+      strangers == 0 && strangers_mb < 16 && counted > 0 &&
+          largest < before + kMemoryMax + (16U << 20U) && back,
+      ready_s <= 1,
+      Format("without a key: 0 of its subscriptions came in (%llu), RSS %+.1f MB; with one: %llu "
+             "sent, %llu counted as refused, ended at %.0f MB by the limit, ready again after "
+             "%.2f s",
+             static_cast<unsigned long long>(strangers), strangers_mb,
+             static_cast<unsigned long long>(sent), static_cast<unsigned long long>(counted),
+             static_cast<double>(largest) / (1 << 20), ready_s)};
+}
+
 }  // namespace
 
 std::vector<Fault> PeerFaults() {
@@ -207,7 +324,9 @@ std::vector<Fault> PeerFaults() {
           {"garbage", "5,000 garbage and 1,000 half-open connections per port",
            "a good client served <= 100 ms meanwhile, nothing missing", Garbage},
           {"overload", "32 performers as fast as one sender can",
-           "in = out + counted, RSS + <= 64 MB, normal within 2 s", Overload}};
+           "in = out + counted, RSS + <= 64 MB, normal within 2 s", Overload},
+          {"flood", "subscriptions without end, without a key and with one",
+           "impossible without; else bounded, counted, ready again <= 1 s", Flood}};
 }
 
 }  // namespace styled::faults
