@@ -284,7 +284,7 @@ void Performer::Finish(std::int64_t publish_ns) noexcept {
   Serialize(b.out.flags | moment_.extra_flags, moment_);
 }
 
-void Performer::Prewarm() const noexcept {
+void Performer::Prewarm() noexcept {
   if (bound_ != nullptr) bound_->stylist.Prewarm();
 }
 

@@ -78,7 +78,7 @@ class Performer {
   STYLED_REALTIME stylist::Stylist::Job Style() noexcept;
   STYLED_REALTIME void Finish(std::int64_t publish_ns) noexcept;
   // Brings what the next frame needs into the caches. Changes nothing.
-  STYLED_REALTIME void Prewarm() const noexcept;
+  STYLED_REALTIME void Prewarm() noexcept;
   // The last pose again, flagged stale. False when there is none.
   STYLED_REALTIME bool Repeat(Moment moment) noexcept;
   // Sends what Style or Repeat serialized, and measures from moment.receive_ns to now.

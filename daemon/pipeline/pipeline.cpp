@@ -266,6 +266,7 @@ void Pipeline::FillStats(v1::Stats& stats) {
     if (const Performer* live = roster_.LiveOf(*profile)) live->Describe(row);
   }
   for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *stats.add_sources());
+  stages_.Describe(stats);
 }
 
 void Pipeline::PublishStats() {
@@ -274,6 +275,7 @@ void Pipeline::PublishStats() {
   last_stats_ns_ = now_ns;
   next_stats_ns_ = std::max(next_stats_ns_ + kSecond_ns, now_ns + kSecond_ns / 2);
   for (const auto& performer : roster_.performers) performer->Sample(seconds);
+  stages_.Sample();
   to_.counters.Set(Counter::kPipelineLongestCycleUs,
                    static_cast<std::uint64_t>(longest_cycle_ns_ / 1000));
   longest_cycle_ns_ = 0;

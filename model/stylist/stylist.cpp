@@ -89,9 +89,17 @@ struct Stylist::Impl {
   std::array<Vec3, kJointCount> offsets_in, offsets_out;  // the humanoid's as translations
 };
 
+// Prewarm's, with states of its own.
+struct Stylist::Rehearsal {
+  Stylist::Impl impl;
+  Output out;
+  std::int64_t time_ns = 0;
+};
+
 Stylist::Stylist(std::shared_ptr<const erd::Network> network,
                  std::shared_ptr<const rig::Binding> binding, const Options& options)
-    : impl_(std::make_unique<Impl>(std::move(network), std::move(binding), options)) {}
+    : impl_(std::make_unique<Impl>(network, binding, options)),
+      rehearsal_(new Rehearsal{{network, binding, options}, Output(binding->skeleton())}) {}
 Stylist::~Stylist() = default;
 Stylist::Stylist(Stylist&&) noexcept = default;
 Stylist& Stylist::operator=(Stylist&&) noexcept = default;
@@ -137,17 +145,6 @@ void Stylist::Reset() noexcept {
   impl_->fresh_session = true;
 }
 
-void Stylist::Prewarm() const noexcept {
-  const Impl& s = *impl_;
-  constexpr std::size_t kLine = 64;
-  const auto* const bytes = reinterpret_cast<const char*>(&s);
-  for (std::size_t at = 0; at < sizeof s; at += kLine) __builtin_prefetch(bytes + at);
-  // A step on a copy: weights, tables and the code itself.
-  erd::State state = s.states.front();
-  erd::StepOutput step;
-  s.network->Step({}, s.mixer.own_style(), s.mixer.in_force(), state, step);
-}
-
 // One step of one recurrent state, on the way to the network and back.
 struct Stylist::Impl::Step {
   int state;
@@ -156,6 +153,26 @@ struct Stylist::Impl::Step {
   body::Features features;
   erd::StepOutput out;
 };
+
+void Stylist::Prewarm() noexcept {
+  const Impl& s = *impl_;
+  constexpr std::size_t kLine = 64;
+  const auto* const bytes = reinterpret_cast<const char*>(&s);
+  for (std::size_t at = 0; at < sizeof s; at += kLine) __builtin_prefetch(bytes + at);
+  Rehearsal& r = *rehearsal_;
+  constexpr std::int64_t kUsual_ns = 1'000'000'000 / 120;
+  r.time_ns += s.dt_s > 0 ? static_cast<std::int64_t>(s.dt_s * 1e9) : kUsual_ns;
+  r.impl.mixer = s.mixer;
+  r.impl.Begin(r.time_ns, s.intake.clean(), r.out);
+  Impl::Step step;
+  while (r.impl.NextStep(r.out.canonical_input, step)) {
+    const erd::StepJob job{&step.features, r.impl.mixer.own_style(), r.impl.mixer.in_force(),
+                           &r.impl.states[static_cast<std::size_t>(step.state)], &step.out};
+    r.impl.network->StepTogether({&job, 1});
+    r.impl.TakeChange(step.state, *step.pose, step.out);
+  }
+  r.impl.Finish(r.out);
+}
 
 void Stylist::Process(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept {
   const Job job{this, time_ns, &in, &out};

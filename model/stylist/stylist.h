@@ -109,9 +109,10 @@ class Stylist {
   // Clears recurrent state, holds and filters; keeps the settings. The style in force is not faded.
   STYLED_REALTIME void Reset() noexcept;
 
-  // Brings what the next Process reads into the caches: between two frames of 120 Hz everything
-  // else on the machine pushes it out. Changes nothing; costs about what a frame's network does.
-  STYLED_REALTIME void Prewarm() const noexcept;
+  // Brings what the next Process runs and reads into the caches: between two frames of 120 Hz
+  // everything else on the machine pushes it out. A second stylist takes the last pose once more;
+  // what this one makes of its frames does not change by it. Costs a frame.
+  STYLED_REALTIME void Prewarm() noexcept;
 
   // Styles one frame. `time_ns` is source time and must be greater than the last frame's (the
   // caller drops the others). `in` has the skeleton's joint count; non-finite or zero-length values
@@ -133,7 +134,9 @@ class Stylist {
   template <std::size_t Most>
   static void ProcessSome(std::span<const Job> jobs) noexcept;
   struct Impl;
+  struct Rehearsal;
   std::unique_ptr<Impl> impl_;
+  std::unique_ptr<Rehearsal> rehearsal_;
 };
 
 }  // namespace styled::stylist

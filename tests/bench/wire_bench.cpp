@@ -216,10 +216,8 @@ void Measure(const Options& options, const std::string& udp, const std::string& 
   cpu_us = PipelineCpu_us(pid) - cpu_us;
   result.rss_mb = Rss_mb(pid);
   if (!control.empty()) {  // of the last second under load
-    v1::Request request;
-    request.mutable_status();
-    for (const auto& stage :
-         support::ControlClient(control).Ask(request).status().stats().stages()) {
+    const auto status = support::ControlClient(control).Status();
+    for (const auto& stage : status.stats().stages()) {
       result.stages_us[stage.name()] += stage.mean_us();
     }
     ++result.stage_rounds;

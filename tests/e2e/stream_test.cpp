@@ -183,6 +183,17 @@ TEST(StreamTest, StatsComeOnceASecondWithEveryCounterAndPerformer) {
   EXPECT_TRUE(performer.live());
   EXPECT_EQ(performer.joints(), 21U);
   EXPECT_EQ(performer.dialect(), "canonical");
+  // Where the time went: all of it is named once, so that the parts are no more than the longest.
+  std::vector<std::string> stages;
+  float sum_us = 0;
+  for (const auto& stage : stats.stages()) {
+    stages.push_back(stage.name());
+    EXPECT_GT(stage.mean_us(), 0) << stage.name();
+    EXPECT_LE(stage.mean_us(), stage.max_us() * 1.001F) << stage.name();
+    sum_us += stage.mean_us();
+  }
+  EXPECT_EQ(stages, (std::vector<std::string>{"take", "style", "serialize", "send"}));
+  EXPECT_LT(sum_us, 1e6F / 120);
 }
 
 }  // namespace
