@@ -16,6 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kLongestPattern = 1000;
+
 // A label of file names and the name it stands for.
 struct Label {
   std::string label, name;
@@ -34,20 +36,32 @@ struct Rule {
   std::vector<std::string> except;  // patterns of files that are not meant
 };
 
-// Matches `text` (one relative path) against a pattern; backtracks over labels, digits and '*'.
+// Matches one relative path against a pattern; backtracks over labels, digits and '*', but never
+// twice from the same place: patterns of many stars would take for ever.
 class Matcher {
  public:
   Matcher(const std::vector<Label>& styles, const std::vector<Label>& contents)
       : styles_(styles), contents_(contents) {}
 
-  std::optional<Values> Match(std::string_view pattern, std::string_view text) const {
+  std::optional<Values> Match(std::string_view pattern, std::string_view text) {
+    failed_.assign((pattern.size() + 1) * (text.size() + 1), false);
+    width_ = text.size() + 1;
     Values values;
     if (!Step(pattern, text, values)) return std::nullopt;
     return values;
   }
 
  private:
-  bool Step(std::string_view pattern, std::string_view text, Values& values) const {
+  // `pattern` and `text`: what is left of them.
+  bool Step(std::string_view pattern, std::string_view text, Values& values) {
+    const std::size_t place = pattern.size() * width_ + text.size();
+    if (failed_[place]) return false;
+    const bool matches = Try(pattern, text, values);
+    failed_[place] = !matches;
+    return matches;
+  }
+
+  bool Try(std::string_view pattern, std::string_view text, Values& values) {
     if (pattern.empty()) return text.empty();
     if (pattern.starts_with("{style}")) {
       return Labels(styles_, pattern.substr(7), text, values, values.style);
@@ -79,7 +93,7 @@ class Matcher {
 
   // Labels stand longest first.
   bool Labels(const std::vector<Label>& labels, std::string_view rest, std::string_view text,
-              Values& values, std::string& found) const {
+              Values& values, std::string& found) {
     for (const Label& label : labels) {
       if (!text.starts_with(label.label)) continue;
       if (!Step(rest, text.substr(label.label.size()), values)) continue;
@@ -91,6 +105,8 @@ class Matcher {
 
   const std::vector<Label>& styles_;
   const std::vector<Label>& contents_;
+  std::vector<bool> failed_;  // by what is left of the pattern, then of the text
+  std::size_t width_ = 0;
 };
 
 class Loader {
@@ -314,6 +330,13 @@ class Loader {
         !Strings(table, "except", false, rule.except)) {
       return false;
     }
+    const auto too_long = [](const std::string& pattern) {
+      return pattern.size() > kLongestPattern;
+    };
+    if (too_long(rule.pattern) || std::ranges::any_of(rule.except, too_long)) {
+      return Fail(table, "pattern", "one that is longer",
+                  "at most " + std::to_string(kLongestPattern) + " characters");
+    }
     for (const auto& [key, fixed] : {std::pair{"style", &rule.style}, {"content", &rule.content}}) {
       const bool in_pattern = rule.pattern.find("{" + std::string(key) + "}") != std::string::npos;
       if (in_pattern != fixed->empty()) {
@@ -372,7 +395,7 @@ class Loader {
     const fs::path folder =
         plain == std::string::npos ? data_ : data_ / rule.pattern.substr(0, plain);
     const std::size_t first = manifest_.entries.size();
-    const Matcher matcher(styles_, contents_);
+    Matcher matcher(styles_, contents_);
     std::error_code code;
     fs::recursive_directory_iterator walk(folder, code);
     for (; !code && walk != fs::recursive_directory_iterator(); walk.increment(code)) {

@@ -37,7 +37,7 @@ for test in json.load(open(sys.argv[1]))['tests']:
         print(word)
 PY
 }
-known=$(ask '[name]')
+known=$(ask '[name] if name.endswith("_fuzz") else []')
 [ ${#targets[@]} -gt 0 ] || mapfile -t targets <<<"$known"
 for target in "${targets[@]}"; do
   grep -qx -- "$target" <<<"$known" || {

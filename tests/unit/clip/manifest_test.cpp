@@ -99,6 +99,8 @@ TEST_F(ManifestTest, NamesFileLineKeyAndWhatIsWrong) {
        "content: found \"stand\", expected the name of one of the contents"},
       {kHead + std::string("[still]\ncontent = \"walk\"\n") + Rule(""),
        "speed_mps: found nothing, expected a number above 0"},
+      {kHead + Rule("except = [\"" + std::string(1001, '*') + "\"]\n"),
+       "expected at most 1000 characters"},
       {kHead + std::string("[[clips]]\npattern = \"e/{content}_{style}.bvh\"\n"),
        "pattern: found no file for \"e/{content}_{style}.bvh\" in "},
   };
@@ -156,6 +158,19 @@ TEST_F(ManifestTest, FixedStyleAndContentAndStars) {
   EXPECT_EQ(manifest.value().entries[0].rig, "auto");
   EXPECT_EQ(manifest.value().entries[0].split, "validation");
   EXPECT_EQ(manifest.value().entries[0].take, 0);
+}
+
+// As libFuzzer found it: each star tried every rest for each star before it.
+TEST_F(ManifestTest, ManyStarsTakeNoLongerThanFew) {
+  Touch("xia/old_01_000000000000000000000000000000000.bvh");
+  Touch("xia/old_02_000.bvh");
+  const Result<Manifest> manifest =
+      Load(kHead + std::string("[[clips]]\npattern = \"xia/{style}_*.bvh\"\ncontent = \"walk\"\n"
+                               "except = [\"xia/old*_01***************************0*x\", "
+                               "\"xia/*****************************02_*************.bvh\"]\n"));
+  ASSERT_TRUE(manifest.ok()) << manifest.status().message();
+  ASSERT_EQ(manifest.value().entries.size(), 1U);
+  EXPECT_THAT(manifest.value().entries[0].file.string(), HasSubstr("old_01"));
 }
 
 TEST_F(ManifestTest, OneClipServesSeveralSplitsInTurn) {
