@@ -183,7 +183,15 @@ class MutatedTest : public testing::TestWithParam<std::string> {
     EXPECT_EQ(control_->Counter("source.rate_limited"), 0U) << "each is looked at";
     EXPECT_GT(control_->Counter("source.malformed"), 1000U);
     suit_ = control_->Performer("suit.suit");
+    // The log says whose trouble it was, once a second.
+    for (int i = 0; i < 200 && daemon_->Log().find("source.malformed: ") == std::string::npos; ++i)
+      Sleep(0.05);
     EXPECT_EQ(daemon_->Stop(), 0) << daemon_->Log();
+    const std::string log = daemon_->Log();
+    const std::size_t line = log.find("source.malformed: ");
+    ASSERT_NE(line, std::string::npos) << log;
+    EXPECT_TRUE(log.substr(line, log.find('\n', line) - line).ends_with(" in all; source suit"))
+        << log.substr(line, 100);
   }
 
   v1::PerformerStats suit_;
