@@ -10,6 +10,7 @@
 #include <iostream>
 
 #include "daemon/config/config.h"
+#include "daemon/config/machine.h"
 #include "daemon/replay/replay.h"
 #include "daemon/runtime/journal.h"
 #include "daemon/runtime/notify.h"
@@ -136,6 +137,11 @@ int main(int argc, char** argv) {
     std::uint32_t crc = 0;
     const auto live = styled::MakeLive(config.value(), nullptr, crc);
     if (!live.ok()) return Refuse(live.status().message(), kBadArguments);
+    const auto folder = styled::config::CheckRecordFolder(config.value().record.file);
+    if (!folder.ok()) return Refuse(arguments.check_file + ": " + folder.message(), kBadArguments);
+    for (const auto& warning : styled::config::MissingInterfaces(config.value())) {
+      std::cerr << "styled: " << arguments.check_file << ": warning: " << warning << "\n";
+    }
     std::cout << arguments.check_file << ": ok\n";
     return 0;
   }

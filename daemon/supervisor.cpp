@@ -378,16 +378,30 @@ void Supervisor::LogEvents() {
   }
 }
 
+// "suit, stage": the sources whose bits are set.
+std::string Supervisor::NamesOf(std::uint64_t sources) const {
+  std::string names;
+  for (std::size_t i = 0; i < std::min<std::size_t>(config_.sources.size(), 64); ++i) {
+    if ((sources >> i & 1U) == 0) continue;
+    names.append(names.empty() ? "" : ", ").append(config_.sources[i].name);
+    if (i == 63 && config_.sources.size() > 64) names += " or a later one";
+  }
+  return names;
+}
+
 // Once a second, what grew: never a line per packet.
 void Supervisor::LogTrouble() {
   for (std::size_t i = 0; i < logged_.size(); ++i) {
     const auto counter = static_cast<runtime::Counter>(i);
     const std::uint64_t value = counters_.Get(counter);
     if (runtime::IsTrouble(counter) && value != logged_[i]) {
+      const std::string from = NamesOf(counters_.TakeSources(counter));
       const runtime::LogFields fields{{"STYLED_COUNTER", std::string(runtime::Name(counter))},
                                       {"STYLED_MORE", std::to_string(value - logged_[i])},
-                                      {"STYLED_IN_ALL", std::to_string(value)}};
-      spdlog::warn("{}: {} more, {} in all", runtime::Name(counter), value - logged_[i], value);
+                                      {"STYLED_IN_ALL", std::to_string(value)},
+                                      {"STYLED_SOURCE", from}};
+      spdlog::warn("{}: {} more, {} in all{}", runtime::Name(counter), value - logged_[i], value,
+                   from.empty() ? "" : "; source " + from);
     }
     logged_[i] = value;
   }

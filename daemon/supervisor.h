@@ -59,6 +59,7 @@ class Supervisor {
   Status TakeOver();
   void LogEvents();
   void LogTrouble();
+  std::string NamesOf(std::uint64_t sources) const;
   void SayHowItGoes(double seconds);
   // `newest`: what the mailbox had no room for.
   void KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> newest = nullptr);

@@ -13,7 +13,7 @@ styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev libboost1.81
   nlohmann-json3-dev libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev libusb-1.0-0-dev
   libtinygltf-dev scdoc)
 styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev libbenchmark-dev
-  clang-format-16 clang-tidy-16 xz-utils procps liblo-dev liboscpack-dev lz4 zstd python3
+  clang-format-16 clang-tidy-16 xz-utils procps liblo-dev liblo-tools liboscpack-dev lz4 zstd python3
   python3-zmq python3-protobuf python3-numpy libumockdev-dev umockdev chromium libfaketime)
 styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file)
 styled_packages_train=("${styled_packages_test[@]}" libtorch-dev libopenblas0-pthread)

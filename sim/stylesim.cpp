@@ -31,6 +31,7 @@ namespace player = styled::player;
 namespace faults = styled::faults;
 namespace rigs = styled::rigs;
 
+constexpr int kFailed = 1;  // a file, an address, a socket
 constexpr int kBadArguments = 2;
 
 struct Arguments {
@@ -121,7 +122,11 @@ void AddOptions(CLI::App& app, Arguments& a) {
 
 int Fail(const Status& status) {
   std::fprintf(stderr, "stylesim: %s\n", status.message().c_str());
-  return 1;
+  return kFailed;
+}
+int RefuseArguments(const Status& status) {
+  (void)Fail(status);
+  return kBadArguments;
 }
 
 std::string PerformerName(const Arguments& a, int k) {
@@ -146,6 +151,10 @@ Status Check(const Arguments& a, const faults::Spec& spec) {
   if (!a.write.empty() && (!a.clips.empty() || a.seconds <= 0)) {
     return Status::Error("--write: expected --seconds above 0 and no --bvh");
   }
+  if (a.as != "native" && a.timecode_s) {
+    return Status::Error("--timecode: expected --as native (of others it is a --quirk)");
+  }
+  if (a.as == "native" && !a.quirks.empty()) return Status::Error("--quirk: native has none");
   return Status::Ok();
 }
 
@@ -211,6 +220,9 @@ Result<std::unique_ptr<rigs::Rig>> MakeRig(const Arguments& a) {
 }
 
 int Play(const Arguments& a, const std::string& to, bool listen, Senders senders) {
+  if (const Status address = player::CheckAddress(to, listen ? 0 : 1); !address.ok()) {
+    return RefuseArguments(address);
+  }
   auto link = listen ? player::Listen(to) : player::Connect(to, a.start_wait_ms);
   if (!link.ok()) return Fail(link.status());
   player::SteadyClock clock;
@@ -223,10 +235,10 @@ int Play(const Arguments& a, const std::string& to, bool listen, Senders senders
 // A rig of another make: one sender for all performers.
 int RunRig(const Arguments& a, Motions motions, const faults::Spec& spec) {
   if (spec.probability[static_cast<std::size_t>(faults::Fault::kOversized)] > 0) {
-    return Fail(Status::Error("--faults oversized: expected --as native"));
+    return RefuseArguments(Status::Error("--faults oversized: expected --as native"));
   }
   auto rig = MakeRig(a);
-  if (!rig.ok()) return Fail(rig.status());
+  if (!rig.ok()) return RefuseArguments(rig.status());
   const std::string to = a.to.empty() ? rig.value()->default_address() : a.to;
   const bool listen = rig.value()->is_server();
   auto stream = rigs::RigStream::Make(std::move(rig.value()), std::move(motions), a.rate_hz, spec);
@@ -238,10 +250,10 @@ int RunRig(const Arguments& a, Motions motions, const faults::Spec& spec) {
 
 int Run(const Arguments& a) {
   const auto spec = faults::Parse(a.faults);
-  if (!spec.ok()) return Fail(spec.status());
+  if (!spec.ok()) return RefuseArguments(spec.status());
   const auto script = performer::ParseScript(a.script);
-  if (!script.ok()) return Fail(script.status());
-  if (const Status status = Check(a, spec.value()); !status.ok()) return Fail(status);
+  if (!script.ok()) return RefuseArguments(script.status());
+  if (const Status status = Check(a, spec.value()); !status.ok()) return RefuseArguments(status);
   if (!a.write.empty()) {
     const auto motion = MakePerformer(a, script.value(), 0);
     const Status status = player::WriteMotion(*motion, a.seconds, a.rate_hz, a.write);
@@ -249,11 +261,7 @@ int Run(const Arguments& a) {
   }
   auto motions = MakeMotions(a, script.value());
   if (!motions.ok()) return Fail(motions.status());
-  if (a.as != "native" && a.timecode_s) {
-    return Fail(Status::Error("--timecode: expected --as native (of others it is a --quirk)"));
-  }
   if (a.as != "native") return RunRig(a, std::move(motions.value()), spec.value());
-  if (!a.quirks.empty()) return Fail(Status::Error("--quirk: native has none"));
   const std::string to = a.to.empty() ? "udp://127.0.0.1:7000" : a.to;
   return Play(a, to, false, MakeNative(a, std::move(motions.value()), spec.value()));
 }

@@ -62,7 +62,7 @@ void Pipeline::Decode(int source, std::span<const std::byte> bytes, Item& item) 
   item.performer = nullptr;
   const auto result = native::Decode(bytes, item.datagram);
   if (result != native::DecodeResult::kOk) {
-    to_.counters.Add(runtime::CounterOf(result));
+    to_.counters.AddOf(source, runtime::CounterOf(result));
     return;
   }
   if (item.datagram.kind == native::Kind::kBody) {
@@ -71,8 +71,8 @@ void Pipeline::Decode(int source, std::span<const std::byte> bytes, Item& item) 
   }
   const FrameResult read = source::ReadSourceFrame(item.datagram.payload, item.frame);
   if (read != FrameResult::kOk) {
-    to_.counters.Add(read == FrameResult::kBadName ? Counter::kSourceBadName
-                                                   : Counter::kSourceMalformed);
+    to_.counters.AddOf(source, read == FrameResult::kBadName ? Counter::kSourceBadName
+                                                             : Counter::kSourceMalformed);
     return;
   }
   item.good = true;
@@ -83,7 +83,7 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
   // A body earlier in the batch may have made the performer.
   if (item.performer == nullptr) item.performer = roster_.Find(source, item.frame.performer);
   if (item.performer == nullptr) {
-    to_.counters.Add(Counter::kPipelineBeforeBody);
+    to_.counters.AddOf(source, Counter::kPipelineBeforeBody);
     return;
   }
   Performer& performer = *item.performer;
@@ -100,7 +100,7 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
       performer.schedule.Lateness_ns(performer.session.elapsed_ns(), now_ns);
   AwaitNext(performer, before_ns);
   if (PassOver(performer, index, full, lateness_ns)) {
-    to_.counters.Add(Counter::kPipelineBacklogDropped);
+    to_.counters.AddOf(source, Counter::kPipelineBacklogDropped);
     return;
   }
   const bool late = lateness_ns > Nanoseconds(roster_.live().performers.late_s);
@@ -115,8 +115,9 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
   moment.extra_flags = late ? v1::FLAG_LATE : v1::FLAG_NONE;
   const auto taken = performer.Take(item.frame, moment);
   if (taken != Performer::Taken::kOk) {
-    to_.counters.Add(taken == Performer::Taken::kWrongSize ? Counter::kPipelineWrongSize
-                                                           : Counter::kPipelineUncalibrated);
+    to_.counters.AddOf(source, taken == Performer::Taken::kWrongSize
+                                   ? Counter::kPipelineWrongSize
+                                   : Counter::kPipelineUncalibrated);
     return;
   }
   taken_[taken_count_++] = &performer;
@@ -183,8 +184,8 @@ void Pipeline::PassCues(Performer& performer, const source::Timecode& timecode,
 }
 
 bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
-  const auto count = [this](Counter counter) {
-    to_.counters.Add(counter);
+  const auto count = [&](Counter counter) {
+    to_.counters.AddOf(performer.source, counter);
     return false;
   };
   const std::uint64_t lost = performer.session.lost();
@@ -203,7 +204,7 @@ bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
       break;
   }
   if (performer.session.lost() > lost) {
-    to_.counters.Add(Counter::kPipelineLost, performer.session.lost() - lost);
+    to_.counters.AddOf(performer.source, Counter::kPipelineLost, performer.session.lost() - lost);
   }
   // A session that has not sent its body may still name the last one's.
   if (!performer.has_body() || (item.frame.body_crc == 0 && !performer.session_has_body)) {
@@ -217,7 +218,7 @@ bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
     case Session::Time::kOld:
       return count(Counter::kPipelineOldTime);
     case Session::Time::kJump:
-      to_.counters.Add(Counter::kPipelineClockJumps);
+      to_.counters.AddOf(performer.source, Counter::kPipelineClockJumps);
       StartSession(performer);
       performer.session_has_body = true;  // the sender is the same
       break;
@@ -248,32 +249,32 @@ bool Pipeline::PassOver(Performer& performer, int index, bool full,
 void Pipeline::TakeBody(int source, const Item& item) {
   const std::string_view name = source::ReadPerformer(item.datagram.payload);
   if (!config::IsName(name)) {
-    to_.counters.Add(Counter::kSourceBadName);
+    to_.counters.AddOf(source, Counter::kSourceBadName);
     return;
   }
   Performer* performer = roster_.Find(source, name);
   const bool fresh = performer == nullptr;
   if (fresh) performer = roster_.Add(source, name);
   if (performer == nullptr) {
-    to_.counters.Add(Counter::kPipelinePerformersRefused);
+    to_.counters.AddOf(source, Counter::kPipelinePerformersRefused);
     return;
   }
   const std::uint64_t lost = performer->session.lost();
   const auto arrival =
       performer->session.Admit(item.datagram.session, item.datagram.sequence, receive_ns_, rules_);
   if (performer->session.lost() > lost) {
-    to_.counters.Add(Counter::kPipelineLost, performer->session.lost() - lost);
+    to_.counters.AddOf(source, Counter::kPipelineLost, performer->session.lost() - lost);
   }
   if (arrival == Session::Arrival::kDuplicate) {
-    return to_.counters.Add(Counter::kPipelineDuplicate);
+    return to_.counters.AddOf(source, Counter::kPipelineDuplicate);
   }
   if (arrival == Session::Arrival::kSecondSender) {
-    return to_.counters.Add(Counter::kPipelineSecondSender);
+    return to_.counters.AddOf(source, Counter::kPipelineSecondSender);
   }
   if (arrival == Session::Arrival::kNewSession) StartSession(*performer);
   // A session's first body is welcome even when frames overtook it.
   if (arrival == Session::Arrival::kReordered && performer->session_has_body) {
-    return to_.counters.Add(Counter::kPipelineReordered);
+    return to_.counters.AddOf(source, Counter::kPipelineReordered);
   }
   AdoptBody(*performer, item, fresh);
 }
@@ -283,7 +284,7 @@ void Pipeline::AdoptBody(Performer& performer, const Item& item, bool fresh) {
   if (!performer.has_body() || crc != performer.body_crc()) {
     const Status status = performer.TakeBody(item.datagram.payload, crc, roster_.live());
     if (!status.ok()) {
-      to_.counters.Add(Counter::kPipelineBodiesRefused);
+      to_.counters.AddOf(performer.source, Counter::kPipelineBodiesRefused);
       if (receive_ns_ - refused_body_said_ns_ > kSecond_ns) {
         refused_body_said_ns_ = receive_ns_;
         Say(Event::Level::kWarning, performer.profile.id + ": " + status.message());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -118,6 +119,16 @@ class Counters {
   STYLED_REALTIME void Add(Counter counter, std::uint64_t amount = 1) noexcept {
     At(counter).fetch_add(amount, std::memory_order_relaxed);
   }
+  // The same, of source `source` (those from 63 on are one).
+  STYLED_REALTIME void AddOf(int source, Counter counter, std::uint64_t amount = 1) noexcept {
+    Add(counter, amount);
+    sources_[static_cast<std::size_t>(counter)].fetch_or(
+        std::uint64_t{1} << static_cast<unsigned>(std::min(source, 63)), std::memory_order_relaxed);
+  }
+  // Of which sources AddOf() counted since the last call: bit i is source i.
+  std::uint64_t TakeSources(Counter counter) noexcept {
+    return sources_[static_cast<std::size_t>(counter)].exchange(0, std::memory_order_relaxed);
+  }
   STYLED_REALTIME void Set(Counter counter, std::uint64_t value) noexcept {
     At(counter).store(value, std::memory_order_relaxed);
   }
@@ -130,6 +141,7 @@ class Counters {
     return values_[static_cast<std::size_t>(counter)];
   }
   std::array<std::atomic<std::uint64_t>, static_cast<std::size_t>(Counter::kCount)> values_{};
+  std::array<std::atomic<std::uint64_t>, static_cast<std::size_t>(Counter::kCount)> sources_{};
 };
 
 }  // namespace styled::runtime

@@ -36,7 +36,9 @@ class Outbox {
   STYLED_REALTIME void Put(std::size_t size) noexcept;
 
   // The rig's datagram, or a part of it, was refused.
-  STYLED_REALTIME void Refuse(runtime::Counter reason) noexcept { counters_.Add(reason); }
+  STYLED_REALTIME void Refuse(runtime::Counter reason) noexcept {
+    counters_.AddOf(source_, reason);
+  }
   // A line for the log. Allocates: not for every datagram.
   void Note(const std::string& text) { receiver_->OnNote(source_, text); }
   // Answers a rig; what cannot be sent is not.

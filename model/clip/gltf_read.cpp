@@ -19,6 +19,7 @@ using rig::Quat;
 using rig::Vec3;
 using JointMap = std::array<int, kJointCount>;
 
+constexpr const char* kExpected = ", expected an avatar's .vrm, .glb or .gltf";
 constexpr float kEven = 0.01F;  // scales that differ by less along the axes are one
 
 struct Transform {
@@ -282,18 +283,39 @@ bool SkipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, cons
   return true;
 }
 
+// What a file is that does not begin as glTF does, in words; empty where it does.
+std::string NotGltf(std::ifstream& in) {
+  std::array<char, 64> start{};
+  in.read(start.data(), start.size());
+  const std::string_view read(start.data(), static_cast<std::size_t>(in.gcount()));
+  if (read.empty()) return "found an empty file";
+  if (read.starts_with("glTF")) return "";
+  std::string_view text = read;
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  if (text.starts_with('{')) return "";
+  std::string shown(read.substr(0, 16));
+  std::replace_if(
+      shown.begin(), shown.end(), [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+  return "found a file that begins with \"" + shown + "\"";
+}
+
 }  // namespace
 
 Result<GltfSkeleton> ReadGltfSkeleton(const std::filesystem::path& file,
                                       const rig::JointNames& given) {
-  std::array<char, 4> magic{};
   std::error_code error;
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file, error)) {
     return Status::Error(file.string() + ": " +
-                         (in ? "is a folder" : std::string(std::strerror(errno))) +
-                         ", expected an avatar's .vrm, .glb or .gltf");
+                         (in ? "is a folder" : std::string(std::strerror(errno))) + kExpected);
   }
+  if (const std::string found = NotGltf(in); !found.empty()) {
+    return Status::Error(file.string() + ": is no glTF 2.0: " + found + kExpected);
+  }
+  std::array<char, 4> magic{};
+  in.clear();
+  in.seekg(0);
   in.read(magic.data(), magic.size());
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(SkipImage, nullptr);
@@ -304,12 +326,15 @@ Result<GltfSkeleton> ReadGltfSkeleton(const std::filesystem::path& file,
     const bool binary = std::string_view(magic.data(), magic.size()) == "glTF";
     read = binary ? loader.LoadBinaryFromFile(&model, &what, &warnings, file.string())
                   : loader.LoadASCIIFromFile(&model, &what, &warnings, file.string());
-  } catch (const std::exception& thrown) {  // of a damaged file, by the library's JSON parser
-    what = thrown.what();
+  } catch (const std::exception&) {  // of a damaged file, by the library's JSON parser
+    what = "found JSON that cannot be read";
   }
   if (!read) {
+    // The JSON library's own words are no use to who reads this.
+    if (what.find("json.exception") != std::string::npos) what = "found JSON that cannot be read";
     std::replace(what.begin(), what.end(), '\n', ' ');
-    return Status::Error(file.string() + ": is no glTF 2.0: " + what);
+    while (what.ends_with(' ') || what.ends_with('.')) what.pop_back();
+    return Status::Error(file.string() + ": is no glTF 2.0: " + what + kExpected);
   }
   auto skeleton = Read(model, given);
   if (!skeleton.ok()) return Status::Error(file.string() + ": " + skeleton.status().message());

@@ -170,8 +170,8 @@ class TcpLink final : public Link {
 
 bool IsStream(const std::string& url) { return url.starts_with("tcp://"); }
 
-Status CheckAddress(const std::string& url) {
-  const Result<Address> address = ParseAddress(url, 1);
+Status CheckAddress(const std::string& url, int lowest_port) {
+  const Result<Address> address = ParseAddress(url, lowest_port);
   return address.ok() ? Status::Ok() : address.status();
 }
 

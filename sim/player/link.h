@@ -30,8 +30,8 @@ Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_
 // heard within the last 5 s. `bound`, where given, is set to the real address.
 Result<std::unique_ptr<Link>> Listen(const std::string& url, std::string* bound = nullptr);
 
-// Whether Connect() can read the address.
-Status CheckAddress(const std::string& url);
+// Whether Connect() can read the address; with port 0 from `lowest_port` 0 on, as Listen() does.
+Status CheckAddress(const std::string& url, int lowest_port = 1);
 
 // True for an address that Connect() would send to by TCP.
 bool IsStream(const std::string& url);

@@ -27,6 +27,11 @@ constexpr std::size_t kL3 = 2, kT8 = 4;
 std::array<float, 3> ToMvn(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
 std::array<float, 4> ToMvn(const Quat& q) { return {q.z(), q.x(), q.y(), q.w()}; }
 
+// Type 01 has the canonical axes, and centimetres.
+mvn::Segment AsOfType01(std::uint32_t id, const Vec3& p, const Quat& q) {
+  return {id, {100 * p.x(), 100 * p.y(), 100 * p.z()}, {q.x(), q.y(), q.z(), q.w()}};
+}
+
 // Where the segments stand, and how they are turned, in canonical axes.
 void Place(const body::Pose& pose, std::array<Vec3, mvn::kBodySegments>& positions,
            std::array<Quat, mvn::kBodySegments>& rotations) {
@@ -47,6 +52,7 @@ class Mvn final : public Rig {
     split_ = Has("split");
     old_ = Has("old");
     timecode_ = Has("timecode");
+    euler_ = Has("euler");
   }
 
   void Encode(const Frame& frame, const Send& send) override {
@@ -104,8 +110,11 @@ class Mvn final : public Rig {
     Place(pose, positions, rotations);
     std::array<mvn::Segment, mvn::kBodySegments> segments;
     for (std::size_t s = 0; s < segments.size(); ++s) {
-      segments[s] = {static_cast<std::uint32_t>(s + 1), ToMvn(positions[s]), ToMvn(rotations[s])};
+      const auto id = static_cast<std::uint32_t>(s + 1);
+      segments[s] = euler_ ? AsOfType01(id, positions[s], rotations[s])
+                           : mvn::Segment{id, ToMvn(positions[s]), ToMvn(rotations[s])};
     }
+    if (euler_) header.type = mvn::Type::kEuler;
     std::span<const mvn::Segment> rest(segments);
     if (split_) {
       header.last = false;
@@ -119,13 +128,13 @@ class Mvn final : public Rig {
 
   Options options_;
   std::vector<std::byte> buffer_;
-  bool split_ = false, old_ = false, timecode_ = false;
+  bool split_ = false, old_ = false, timecode_ = false, euler_ = false;
 };
 
 }  // namespace
 
 Result<std::unique_ptr<Rig>> MakeMvn(const Options& options) {
-  const Status status = CheckOptions("mvn", options, 255, {"split", "old", "timecode"});
+  const Status status = CheckOptions("mvn", options, 255, {"euler", "split", "old", "timecode"});
   if (!status.ok()) return status;
   return std::unique_ptr<Rig>(std::make_unique<Mvn>(options));
 }

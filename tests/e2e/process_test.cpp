@@ -128,6 +128,18 @@ TEST(ProcessTest, BadArgumentsAndConfigurationsEndWithTwoAndTheReason) {
   const std::string weights = folder / "weights.safetensors";
   WriteRandomWeights(weights);
   EXPECT_EQ(RunStyled(folder, {"--check-config", file, "--weights", weights}).code, 0);
+  const std::string natnet =
+      "[[source]]\nname = \"a\"\ntype = \"natnet\"\nserver = \"127.0.0.1\"\n"
+      "interface = \"no-such-if0\"\n";
+  WriteText(file, natnet);
+  outcome = RunStyled(folder, {"--check-config", file, "--weights", weights});
+  EXPECT_EQ(outcome.code, 0) << "it may come later";
+  EXPECT_NE(outcome.text.find("warning: source.0.interface: \"no-such-if0\""), std::string::npos)
+      << outcome.text;
+  WriteText(file, "[record]\nfile = \"" + weights + "/takes/%F.styrec\"\n");
+  outcome = RunStyled(folder, {"--check-config", file, "--weights", weights});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.text.find("record.file: "), std::string::npos) << outcome.text;
   WriteText(file, "[presets]\nmild = { nostyle = 0.3 }\n");
   outcome = RunStyled(folder, {"--weights", weights, "--check-config", file});
   EXPECT_EQ(outcome.code, 2);

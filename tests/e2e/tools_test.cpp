@@ -90,10 +90,22 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
            {STYLIZE_BINARY, "--no-such-option", in, out},
            {STYLIZE_BINARY, "--strength", "much", in, out},
            {STYLIZE_BINARY, "--bind-only", "--style", "elderly", in, out},
-           {STYLESIM_BINARY, "--rate", "0"}}) {
+           {STYLESIM_BINARY, "--rate", "0"},
+           {STYLESIM_BINARY, "--performer", "a b"},
+           {STYLESIM_BINARY, "--script", "fly:3"},
+           {STYLESIM_BINARY, "--faults", "loss=much"},
+           {STYLESIM_BINARY, "--to", "udp://127.0.0.1"},
+           {STYLESIM_BINARY, "--quirk", "lz4"},
+           {STYLESIM_BINARY, "--as", "rokoko", "--quirk", "t-first"},
+           {STYLESIM_BINARY, "--as", "no-such-rig"},
+           {STYLESIM_BINARY, "--as", "vmc", "--faults", "oversized=0.1"},
+           {STYLESIM_BINARY, "--as", "vmc", "--timecode", "10:00:00"}}) {
     EXPECT_EQ(Run(wrong), 2) << testing::PrintToString(wrong);
     EXPECT_NE(said_, "");
   }
+  EXPECT_EQ(Run({STYLESIM_BINARY, "--bvh", folder_ / "none.bvh"}), 1);
+  EXPECT_NE(said_.find("none.bvh"), std::string::npos) << said_;
+  EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "tcp://127.0.0.1:1"}), 1) << "nobody listens there";
   EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "zombie", in, out}), 1);
   EXPECT_NE(said_.find("unknown style 'zombie'"), std::string::npos) << said_;
   WriteText(in, "HIERARCHY\n");
@@ -103,7 +115,7 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
 
 // Without a pace it would flood whoever listens.
 TEST_F(ToolsTest, StylesimRefusesARateThatIsNoNumber) {
-  EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--rate", "nan"}), 1);
+  EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--rate", "nan"}), 2);
   EXPECT_NE(said_.find("nan"), std::string::npos) << said_;
 }
 

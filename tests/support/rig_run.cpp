@@ -4,8 +4,10 @@
 
 #include <cmath>
 
+#include "model/rig/dialects.h"
 #include "sim/player/clip_motion.h"
 #include "sim/player/performer_motion.h"
+#include "sim/player/stream.h"
 #include "sim/rigs/rig_stream.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
@@ -41,6 +43,61 @@ std::unique_ptr<rigs::RigStream> MakeStream(const RigRun& run, std::unique_ptr<r
       rigs::RigStream::Make(std::move(rig), std::move(motions), run.rate_hz, spec.value());
   EXPECT_TRUE(stream.ok()) << stream.status().message();
   return std::move(stream.value());
+}
+
+// What plays the run, and the first performer's canonical pose in the frame that it sent last.
+struct Playing {
+  std::unique_ptr<player::Sender> sender;
+  std::function<const body::Pose&()> pose;
+  std::string server;                  // where it listens, if the stand-in is a server
+  std::unique_ptr<player::Link> link;  // there
+};
+
+// Our own protocol has no stand-in: the motion goes out on its own skeleton, which the daemon
+// binds. A second one, bound here, says what is to come.
+Playing PlayNative(const RigRun& run) {
+  const auto spec = faults::Parse(run.faults);
+  EXPECT_TRUE(spec.ok()) << spec.status().message();
+  EXPECT_TRUE(run.performers.size() == 1 && run.quirks.empty()) << "native: one, without quirks";
+  struct Twin {
+    std::unique_ptr<player::Motion> motion;
+    rig::Binding binding;
+    rig::RigPose on_rig;
+    body::Pose canonical;
+  };
+  auto motion = MakeMotion(run, 0);
+  auto binding = rig::BindDialect(motion->body().skeleton, motion->body().dialect);
+  EXPECT_TRUE(binding.ok()) << binding.status().message();
+  const auto twin = std::make_shared<Twin>(
+      Twin{std::move(motion), std::move(binding.value()), rig::RigPose(), body::Pose()});
+  Playing playing;
+  playing.sender = std::make_unique<player::Stream>(
+      player::StreamOptions{run.performers[0], run.rate_hz, [] { return std::uint64_t{7}; }, {}},
+      MakeMotion(run, 0), faults::Faults(spec.value()));
+  playing.pose = [twin]() -> const body::Pose& {
+    (void)twin->motion->Next(twin->on_rig);
+    twin->binding.Bind(twin->on_rig, twin->canonical);
+    return twin->canonical;
+  };
+  return playing;
+}
+
+Playing Play(const RigRun& run) {
+  if (run.type == "udp" || run.type == "tcp") return PlayNative(run);
+  Playing playing;
+  auto rig = rigs::Make(run.stand_in.empty() ? run.type : run.stand_in,
+                        {run.performers, run.rate_hz, 1, run.quirks});
+  EXPECT_TRUE(rig.ok()) << rig.status().message();
+  if (!rig.ok()) return playing;
+  if (rig.value()->is_server()) {
+    auto listening = player::Listen("udp://127.0.0.1:0", &playing.server);
+    EXPECT_TRUE(listening.ok()) << listening.status().message();
+    playing.link = std::move(listening.value());
+  }
+  auto stream = MakeStream(run, std::move(rig.value()));
+  playing.pose = [&made = *stream]() -> const body::Pose& { return made.poses()[0]; };
+  playing.sender = std::move(stream);
+  return playing;
 }
 
 void Compare(const std::vector<body::Pose>& sent, double rate_hz, RigResult& result) {
@@ -80,28 +137,19 @@ std::uint64_t RigResult::Counter(const std::string& name) const {
 
 RigResult StreamAsRig(const RigRun& run) {
   RigResult result;
-  auto rig = rigs::Make(run.stand_in.empty() ? run.type : run.stand_in,
-                        {run.performers, run.rate_hz, 1, run.quirks});
-  EXPECT_TRUE(rig.ok()) << rig.status().message();
-  if (!rig.ok()) return result;
-  const bool server = rig.value()->is_server();
-  std::string server_address;
-  std::unique_ptr<player::Link> link;
+  Playing playing = Play(run);
+  if (playing.sender == nullptr) return result;
   std::string keys = run.keys;
-  if (server) {
-    auto listening = player::Listen("udp://127.0.0.1:0", &server_address);
-    EXPECT_TRUE(listening.ok()) << listening.status().message();
-    link = std::move(listening.value());
-    keys += "\nserver = \"" + server_address.substr(6) + "\"";
-  }
-  auto stream = MakeStream(run, std::move(rig.value()));
+  const bool server = !playing.server.empty();
+  if (server) keys += "\nserver = \"" + playing.server.substr(6) + "\"";
+  std::unique_ptr<player::Link> link = std::move(playing.link);
   Daemon daemon({},
                 "[[source]]\nname = \"suit\"\ntype = \"" + run.type +
                     "\"\nlisten = \"127.0.0.1:0\"\n" + keys + "\n",
                 {}, run.weights);
   if (testing::Test::HasFatalFailure()) return result;
   if (!server) {
-    const bool tcp = run.type.ends_with("-tcp");
+    const bool tcp = run.type.ends_with("tcp");
     auto connected = player::Connect((tcp ? "tcp://" : "udp://") + daemon.listens.at(2), 1000);
     EXPECT_TRUE(connected.ok()) << connected.status().message();
     link = std::move(connected.value());
@@ -116,10 +164,10 @@ RigResult StreamAsRig(const RigRun& run) {
     if (!run.style.empty() && i == run.style_from_frame) {
       EXPECT_EQ(control.SetStyle(id, run.style, 1, 0).code(), v1::CODE_OK);
     }
-    const auto step = stream->Tick(*link);
-    if (step == player::Sender::Step::kSent) sent.push_back(stream->poses()[0]);
+    const auto step = playing.sender->Tick(*link);
+    if (step == player::Sender::Step::kSent) sent.push_back(playing.pose());
   });
-  EXPECT_TRUE(stream->Flush(*link).ok());
+  EXPECT_TRUE(playing.sender->Flush(*link).ok());
   const std::string topic = "styled/" + id + "/canonical/";
   // All that will come: nothing new for a while.
   std::size_t before = 0;

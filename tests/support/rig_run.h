@@ -11,7 +11,7 @@ namespace styled::support {
 
 // A rig's stand-in (sim/rigs) and the real daemon, with real sockets between.
 struct RigRun {
-  std::string type;                 // of source and stand-in
+  std::string type;                 // of source and stand-in; "udp" or "tcp" is our own protocol
   std::string stand_in;             // where it has another name than the source's type
   std::vector<std::string> quirks;  // of the stand-in
   std::string keys;                 // further TOML lines of the source

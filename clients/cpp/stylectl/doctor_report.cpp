@@ -33,6 +33,16 @@ bool Healthy(const std::vector<Finding>& findings) {
                               [](const Finding& f) { return f.severity == Severity::kProblem; });
 }
 
+// The last word, where there is no problem: a warning is one that frames come through in spite of.
+std::string Conclusion(const std::vector<Finding>& findings) {
+  if (!Healthy(findings)) return "";
+  const auto warnings = std::ranges::count_if(
+      findings, [](const Finding& f) { return f.severity == Severity::kWarning; });
+  if (warnings == 0) return "\nAll is well: frames come in and go through.\n";
+  return "\nFrames come in and go through, but for " + std::to_string(warnings) +
+         (warnings == 1 ? " warning.\n" : " warnings.\n");
+}
+
 // `text` in lines of kTextWidth, the first after `head`, the others indented as far.
 std::string Paragraph(const std::string& head, const std::string& text) {
   if (text.empty()) return "";
@@ -189,8 +199,7 @@ std::string DoctorText(const Facts& facts, const std::vector<Finding>& findings)
     out += "\n" + Paragraph(head, finding.what) + Paragraph("  Why:   ", finding.why) +
            Paragraph("  Do:    ", finding.change);
   }
-  out += Healthy(findings) ? "\nAll is well: frames come in and go through.\n" : "";
-  return out;
+  return out + Conclusion(findings);
 }
 
 json DoctorJson(const Facts& facts, const std::vector<Finding>& findings) {

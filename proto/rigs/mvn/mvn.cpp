@@ -86,6 +86,21 @@ std::array<float, 4> FromEuler(const std::array<float, 3>& degrees) noexcept {
           static_cast<float>(cx * cy * cz + sx * sy * sz)};
 }
 
+// The angles of R = Rz Ry Rx, y within a right angle. x is taken of what z leaves, so that both are
+// right together where y is a right angle and neither is by itself.
+std::array<float, 3> ToEuler(const std::array<float, 4>& xyzw) noexcept {
+  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+  const double x = xyzw[0], y = xyzw[1], z = xyzw[2], w = xyzw[3];
+  const double r00 = 1 - 2 * (y * y + z * z), r10 = 2 * (x * y + w * z), r20 = 2 * (x * z - w * y);
+  const double r01 = 2 * (x * y - w * z), r11 = 1 - 2 * (x * x + z * z);
+  const double r02 = 2 * (x * z + w * y), r12 = 2 * (y * z - w * x);
+  const double about_z = std::atan2(r10, r00), s = std::sin(about_z), c = std::cos(about_z);
+  const double about_y = std::atan2(-r20, std::hypot(r00, r10));
+  const double about_x = std::atan2(s * r02 - c * r12, c * r11 - s * r01);
+  return {static_cast<float>(kDegrees * about_x), static_cast<float>(kDegrees * about_y),
+          static_cast<float>(kDegrees * about_z)};
+}
+
 DecodeResult Begin(std::span<const std::byte> bytes, Type type, Reader& reader) noexcept {
   Header header;
   const DecodeResult result = DecodeHeader(bytes, header);
@@ -244,12 +259,17 @@ DecodeResult DecodeTimecode(std::span<const std::byte> bytes, Timecode& out) noe
 std::size_t EncodePose(Header header, std::span<const Segment> segments,
                        std::span<std::byte> out) noexcept {
   if (segments.size() > kMaxSegments) return 0;
-  header.type = Type::kQuaternion;
+  const bool euler = header.type == Type::kEuler;
+  if (!euler) header.type = Type::kQuaternion;
   header.items = static_cast<std::uint8_t>(segments.size());
   Writer writer = BeginWriting(header, out);
   for (const Segment& segment : segments) {
     writer.Unsigned(segment.id, 4);
     for (const float value : segment.position) writer.Float(value);
+    if (euler) {
+      for (const float degrees : ToEuler(segment.rotation)) writer.Float(degrees);
+      continue;
+    }
     writer.Float(segment.rotation[3]);
     for (std::size_t i = 0; i < 3; ++i) writer.Float(segment.rotation[i]);
   }

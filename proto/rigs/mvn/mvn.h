@@ -93,8 +93,9 @@ STYLED_REALTIME DecodeResult DecodeTimecode(std::span<const std::byte> bytes,
 
 // Encoders write to the front of `out` and return the size; 0 where it does not fit. The header's
 // type, items and payload_size are set by them.
+// As the header's type says: kEuler, whose rotations are to be unit quaternions, else kQuaternion.
 std::size_t EncodePose(Header header, std::span<const Segment> segments,
-                       std::span<std::byte> out) noexcept;  // as kQuaternion
+                       std::span<std::byte> out) noexcept;
 std::size_t EncodeScale(Header header, std::span<const Scale::Row> segments,
                         std::span<std::byte> out) noexcept;
 std::size_t EncodeName(Header header, std::string_view name, std::span<std::byte> out) noexcept;

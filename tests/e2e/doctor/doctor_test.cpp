@@ -209,5 +209,25 @@ TEST_F(DoctorTest, WithoutJsonItIsSaidInWords) {
   EXPECT_THAT(ReadText(folder_ / "stderr.txt"), HasSubstr("listening for 1 s"));
 }
 
+TEST_F(DoctorTest, WithTwoSendersOfOnePerformerNotAllIsWell) {
+  const Daemon daemon;
+  const Streaming first(daemon.udp, kRate_hz, Performer(true));
+  auto other = std::make_shared<Rig>("anna", 8);
+  auto count = std::make_shared<int>(0);
+  // Now and then only: most of what arrives is good, so that this is a warning and no problem.
+  const Streaming second(daemon.udp, kRate_hz / 6,
+                         [=] { return (*count)++ % 10 == 0 ? other->Body() : other->Frame(); });
+  const std::string out = folder_ / "report.txt";
+  Child child({"/bin/sh", "-c",
+               std::string("exec ") + STYLECTL_BINARY + " --endpoint " + daemon.control +
+                   " doctor --source rig --seconds 2 --no-capture > '" + out + "'"},
+              folder_ / "stderr.txt");
+  EXPECT_EQ(child.Wait(60).value_or(-1), 0);
+  EXPECT_THAT(ReadText(out), HasSubstr("WARNING"));
+  EXPECT_THAT(ReadText(out), HasSubstr("two senders send the same performer"));
+  EXPECT_THAT(ReadText(out), HasSubstr("Frames come in and go through, but for 1 warning."));
+  EXPECT_THAT(ReadText(out), testing::Not(HasSubstr("All is well")));
+}
+
 }  // namespace
 }  // namespace styled::support

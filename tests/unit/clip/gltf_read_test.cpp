@@ -217,9 +217,21 @@ TEST_F(GltfReadTest, WhatIsNoAvatarIsRefusedInWords) {
   EXPECT_THAT(ReadGltfSkeleton("/nowhere/a.vrm").status().message(),
               HasSubstr("/nowhere/a.vrm: No such file"));
   EXPECT_THAT(ReadGltfSkeleton("/").status().message(), HasSubstr("is a folder"));
-  EXPECT_THAT(Read("HIERARCHY\nROOT hips\n").status().message(), HasSubstr("is no glTF 2.0"));
-  EXPECT_THAT(Read("").status().message(), HasSubstr("is no glTF 2.0"));
-  EXPECT_THAT(Read("glTF\x02").status().message(), HasSubstr("is no glTF 2.0"));
+  constexpr const char* kExpected = ", expected an avatar's .vrm, .glb or .gltf";
+  for (const auto& [text, found] : std::vector<std::pair<std::string, std::string>>{
+           {"HIERARCHY\nROOT hips\n",
+            "avatar.gltf: is no glTF 2.0: found a file that begins with \"HIERARCHY?ROOT h\""},
+           {"\x7F"
+            "ELF\x02",
+            "found a file that begins with \"?ELF?\""},
+           {"", "found an empty file"},
+           {"  \n{\"asset\": {\"version\": 2,,", "found JSON that cannot be read"},
+           {"glTF\x02", "is no glTF 2.0: "}}) {
+    const std::string message = Read(text).status().message();
+    EXPECT_THAT(message, HasSubstr(found));
+    EXPECT_TRUE(message.ends_with(kExpected)) << message;
+    EXPECT_THAT(message, testing::Not(HasSubstr("json.exception"))) << message;
+  }
   ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {1, 2, 1}; }, "stretched unevenly");
   ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {0, 0, 0}; }, "no turn and scale");
   ExpectRefused([](json& a) { a["nodes"][3]["children"] = {0}; }, "its own ancestor");

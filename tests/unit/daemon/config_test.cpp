@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <regex>
 
 #include "daemon/config/address.h"
+#include "daemon/config/machine.h"
 #include "tests/support/child.h"
 
 namespace styled::config {
@@ -252,6 +254,39 @@ TEST_F(ConfigTest, WhatNatNetIsToAskIsJudgedWithoutAskingIt) {
               HasSubstr("source.0.server: \"motive.local\"; expected an IPv4 address"));
   EXPECT_THAT(Complaint(source + "server = \"10.0.0.1\"\ngroup = \"10.0.0.2\"\n"),
               HasSubstr("source.0.group: \"10.0.0.2\"; expected an IPv4 multicast address"));
+}
+
+TEST_F(ConfigTest, AnInterfaceThatIsNotThereIsWarnedOf) {
+  Config config;
+  config.sources.resize(4);
+  config.sources[0].interface = "127.0.0.1";
+  config.sources[1].interface = "no-such-if0";
+  config.sources[2].interface = "192.0.2.77";  // of documents alone (RFC 5737)
+  const auto warnings = MissingInterfaces(config);
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_TRUE(warnings[0].starts_with("source.1.interface: \"no-such-if0\"")) << warnings[0];
+  EXPECT_TRUE(warnings[1].starts_with("source.2.interface: \"192.0.2.77\"")) << warnings[1];
+  config.sources[1].interface = "lo";
+  config.sources[2].interface.clear();
+  EXPECT_TRUE(MissingInterfaces(config).empty());
+}
+
+TEST_F(ConfigTest, ARecordingsFolderIsRefusedWhereItCannotBeMade) {
+  support::WriteText(folder_ / "file", "in the way");
+  const auto check = [&](const char* file) { return CheckRecordFolder(folder_ / file); };
+  EXPECT_TRUE(CheckRecordFolder("").ok());
+  EXPECT_TRUE(check("").ok());
+  EXPECT_TRUE(check("%F.styrec").ok());
+  EXPECT_TRUE(check("new/folder/%F.styrec").ok());
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new")) << "it was only looked at";
+  const Status status = check("file/more/%F.styrec");
+  EXPECT_FALSE(status.ok());
+  EXPECT_NE(status.message().find("/file: is no folder"), std::string::npos) << status.message();
+  if (geteuid() != 0) {  // whom nothing is refused
+    std::filesystem::permissions(folder_.path(), std::filesystem::perms::owner_read);
+    EXPECT_FALSE(check("new/%F.styrec").ok());
+    std::filesystem::permissions(folder_.path(), std::filesystem::perms::owner_all);
+  }
 }
 
 }  // namespace

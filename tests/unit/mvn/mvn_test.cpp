@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <bit>
 #include <cmath>
 
 #include "proto/rigs/mvn/stream.h"
@@ -16,6 +18,16 @@ DecodeResult PoseOf(const Bytes& bytes) {
   Header header;
   Pose pose;
   return DecodePose(bytes, header, pose);
+}
+
+// About x, then y, then z, all fixed.
+Segment Turned(float x_deg, float y_deg, float z_deg) {
+  constexpr float kRadians = 3.14159265F / 180;
+  using Eigen::AngleAxisf, Eigen::Vector3f;
+  const Eigen::Quaternionf q(AngleAxisf(kRadians * z_deg, Vector3f::UnitZ()) *
+                             AngleAxisf(kRadians * y_deg, Vector3f::UnitY()) *
+                             AngleAxisf(kRadians * x_deg, Vector3f::UnitX()));
+  return {1, {}, {q.x(), q.y(), q.z(), q.w()}};
 }
 
 TEST(Mvn, RefusesWhatIsNoDatagramOfIts) {
@@ -104,6 +116,39 @@ TEST(Mvn, ReadsEulerAnglesAboutXThenYThenZ) {
   const std::array<float, 4> expected{0.5F, 0.5F, 0.5F, 0.5F};
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(q[i], expected[i], 1e-6F) << i;
   EXPECT_FLOAT_EQ(pose.segments[22].position[1], 104.834807F) << "centimetres, as they are";
+}
+
+// What Eigen makes of the angles on the wire is what was to be written, upside down, too.
+TEST(Mvn, WritesEulerAnglesOfAnyRotation) {
+  std::vector<Segment> segments;
+  for (const float x : {-170.0F, -90.0F, 0.0F, 31.0F, 180.0F}) {
+    for (const float y : {-90.0F, -89.0F, 0.0F, 45.0F, 135.0F}) {
+      for (const float z : {-120.0F, 0.0F}) segments.push_back(Turned(x, y, z));
+    }
+  }
+  Header header;
+  header.type = Type::kEuler;
+  Bytes out(2000);
+  const std::size_t size = EncodePose(header, segments, out);
+  ASSERT_EQ(size, kHeaderSize + segments.size() * 28);
+  out.resize(size);
+  ASSERT_EQ(DecodeHeader(out, header), DecodeResult::kOk);
+  EXPECT_EQ(header.type, Type::kEuler);
+  EXPECT_EQ(header.payload_size, segments.size() * 28);
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const auto angle = [&](std::size_t axis) {
+      std::uint32_t bits = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        bits = bits << 8U | std::to_integer<std::uint32_t>(out[40 + 28 * i + 4 * axis + k]);
+      }
+      return std::bit_cast<float>(bits);
+    };
+    const auto& q = segments[i].rotation;
+    const auto again = Turned(angle(0), angle(1), angle(2)).rotation;
+    const float cosine = q[0] * again[0] + q[1] * again[1] + q[2] * again[2] + q[3] * again[3];
+    EXPECT_GT(std::abs(cosine), 1 - 1e-6F) << i;
+    EXPECT_LE(std::abs(angle(1)), 90.001F) << i;
+  }
 }
 
 TEST(Mvn, ReadsNamesScaleAndBothKindsOfTimecode) {

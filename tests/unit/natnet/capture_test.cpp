@@ -2,58 +2,25 @@
 // server (NatNet 3.0), captured by the authors of mje-nz/python_natnet (BSD-3). The numbers
 // expected are those that their own tests checked against OptiTrack's sample client. One rigid
 // body and marker sets, no skeleton.
+#include "tests/unit/natnet/capture.h"
+
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 
 #include "proto/rigs/natnet/dialogue.h"
 #include "proto/rigs/natnet/frame.h"
-#include "tests/unit/natnet/bytes.h"
 
 namespace styled::natnet {
 namespace {
 
 using testing::Bytes;
+using testing::ReadUdp;
 
 constexpr Version k30{3, 0};
 
-std::filesystem::path Folder() {
-  const char* set = std::getenv("STYLED_DATA");
-  return std::filesystem::path(set != nullptr ? set : STYLED_DATA_DEFAULT) / "packets";
-}
-
-Bytes ReadFile(const std::string& name) {
-  std::ifstream file(Folder() / name, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  Bytes bytes(text.size());
-  std::memcpy(bytes.data(), text.data(), text.size());
-  return bytes;
-}
-
-// The UDP payloads of a pcapng file's Enhanced Packet Blocks (Ethernet, IPv4).
-std::vector<Bytes> ReadUdp(const Bytes& file) {
-  const auto u32 = [&](std::size_t at) {
-    std::uint32_t value = 0;
-    std::memcpy(&value, &file.at(at), sizeof value);
-    return value;
-  };
-  std::vector<Bytes> payloads;
-  for (std::size_t at = 0; at + 12 <= file.size(); at += u32(at + 4)) {
-    if (u32(at) != 6) continue;
-    const std::size_t ethernet = at + 28, ip = ethernet + 14;
-    const std::size_t udp = ip + 4 * (std::to_integer<std::size_t>(file.at(ip)) & 15U);
-    const std::size_t size = std::to_integer<std::size_t>(file.at(udp + 4)) << 8 |
-                             std::to_integer<std::size_t>(file.at(udp + 5));
-    const auto begin = file.begin() + static_cast<std::ptrdiff_t>(udp);
-    payloads.emplace_back(begin + 8, begin + static_cast<std::ptrdiff_t>(size));
-  }
-  return payloads;
-}
+std::filesystem::path Folder() { return testing::CaptureFolder(STYLED_DATA_DEFAULT); }
+Bytes ReadFile(const std::string& name) { return testing::ReadCaptured(Folder() / name); }
 
 class Capture : public ::testing::Test {
  protected:

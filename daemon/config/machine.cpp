@@ -1,0 +1,66 @@
+#include "daemon/config/machine.h"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+namespace styled::config {
+namespace {
+
+// An interface's name, or an IPv4 address that one of them has.
+bool IsInterface(const std::string& text) {
+  in_addr wanted{};
+  if (inet_pton(AF_INET, text.c_str(), &wanted) != 1) return if_nametoindex(text.c_str()) != 0;
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return true;  // not known
+  bool found = wanted.s_addr == INADDR_ANY;
+  for (const ifaddrs* i = all; i != nullptr; i = i->ifa_next) {
+    if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET) continue;
+    sockaddr_in address{};
+    std::memcpy(&address, i->ifa_addr, sizeof address);
+    found = found || address.sin_addr.s_addr == wanted.s_addr;
+  }
+  freeifaddrs(all);
+  return found;
+}
+
+}  // namespace
+
+std::vector<std::string> MissingInterfaces(const Config& config) {
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < config.sources.size(); ++i) {
+    const std::string& interface = config.sources[i].interface;
+    if (interface.empty() || IsInterface(interface)) continue;
+    warnings.push_back("source." + std::to_string(i) + ".interface: \"" + interface +
+                       "\" is none of this machine now; expected an interface's name or its "
+                       "IPv4 address");
+  }
+  return warnings;
+}
+
+Status CheckRecordFolder(const std::string& file) {
+  if (file.empty()) return Status::Ok();
+  namespace fs = std::filesystem;
+  std::error_code error;
+  // The nearest that is there; of a pattern's folders the last is made at the start.
+  fs::path folder = fs::absolute(file, error);
+  if (!fs::is_directory(folder, error)) folder = folder.parent_path();
+  while (!fs::exists(folder, error) && folder != folder.parent_path()) {
+    folder = folder.parent_path();
+  }
+  const auto refuse = [&](const std::string& why) {
+    return Status::Error("record.file: \"" + file + "\": " + folder.string() + ": " + why +
+                         ", expected a folder that can be written to");
+  };
+  if (!fs::is_directory(folder, error)) return refuse("is no folder");
+  if (access(folder.c_str(), W_OK | X_OK) != 0) return refuse(std::strerror(errno));
+  return Status::Ok();
+}
+
+}  // namespace styled::config
