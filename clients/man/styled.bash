@@ -32,11 +32,26 @@ _styled_options() {
                        n = split($1, names, ","); for (i = 1; i <= n; ++i) if (names[i] != "") print names[i]}'
 }
 
-# Of a help text: the words that the option $1 may be followed by, where it names them: {t,n}.
+# Of a help text: every command.
+_styled_commands() { awk '/^Subcommands:/{on=1; next} /^[^ ]/{on=0} on && /^  [^ ]/{print $1}'; }
+
+# Of a help text: the words that the option $1 may be followed by, where it names them: {t,n}, or
+# ": native, mocopi, mvn".
 _styled_choices() {
-  awk -v option="$1" '/^  -/{n = split($1, names, ","); rest = substr($0, 3 + length($1))
-       for (i = 1; i <= n; ++i) if (names[i] == option && match(rest, /\{[^}]*\}/)) {
-         words = substr(rest, RSTART + 1, RLENGTH - 2); gsub(/,/, "\n", words); print words }}'
+  awk -v option="$1" '
+    function look() {
+      n = split(first, names, ",")
+      for (i = 1; i <= n; ++i) if (names[i] == option) {
+        if (match(text, /\{[^}]*\}/)) words = substr(text, RSTART + 1, RLENGTH - 2)
+        else if (match(text, /: [a-z0-9-]+(, [a-z0-9-]+)+/)) words = substr(text, RSTART + 2, RLENGTH - 2)
+        else continue
+        gsub(/, */, "\n", words); print words
+      }
+    }
+    /^  -/{look(); first = $1; text = substr($0, 3 + length($1)); next}
+    /^   /{text = text " " $0; next}
+    {look(); first = ""}
+    END{look()}'
 }
 
 # What the daemon says. Silence where there is none.
@@ -54,6 +69,20 @@ _styled_complete() {
   COMPREPLY=()
   _styled_help "$program" "${COMP_WORDS[@]:1:COMP_CWORD-1}"
   help=$REPLY
+  # The command among the words, and what stands alone behind it.
+  local command= commands at
+  local -a alone=()
+  _styled_ask_help "$program"
+  commands=$(_styled_commands <<<"$REPLY")
+  for ((at = 1; at < COMP_CWORD; ++at)); do
+    word=${COMP_WORDS[at]}
+    if [[ -z $command && -n $word && $'\n'$commands$'\n' == *$'\n'"$word"$'\n'* ]]; then
+      command=$word
+    elif [[ -n $command && $word != -* && ${COMP_WORDS[at - 1]} != -* ]]; then
+      alone+=("$word")
+    fi
+  done
+  local files=yes
   case $previous in
     --style | --mix | -s | -m | --from)
       if [[ ${program##*/} == stylectl || ${program##*/} == stylize ]]; then
@@ -65,22 +94,30 @@ _styled_complete() {
       fi
       ;;
     --performer) words=$(_styled_performers) ;;
-    preset) words=$(_styled_presets) ;;
-    cue) words=$(_styled_cues) ;;
     -*) words=$(_styled_choices "$previous" <<<"$help") ;;
-    set | clear | pin | unpin | reset | calibrate)
-      [[ ${program##*/} == stylectl ]] && words="$(_styled_performers) *"
+    *)
+      if [[ -n $commands && -z $command ]]; then
+        words=$commands files=
+      elif [[ ${program##*/} == stylectl ]]; then
+        files=
+        case $command:${#alone[@]} in
+          set:0 | clear:0 | pin:0 | unpin:0 | reset:0 | calibrate:0 | preset:1) words="$(_styled_performers) *" ;;
+          preset:0) words=$(_styled_presets) ;;
+          cue:0) words=$(_styled_cues) ;;
+          keygen:0) files=yes ;;
+        esac
+      fi
       ;;
   esac
   local values=$words
-  if [[ $current == -* || -z $words ]]; then
+  if [[ $current == -* || (-z $words && -z $files) ]]; then
     words+=$'\n'$(_styled_options <<<"$help")
   fi
   # No compgen -W: it would expand what a daemon calls its styles.
   while IFS= read -r word; do
     [[ -n $word && $word == "$current"* ]] && COMPREPLY+=("$(printf %q "$word")")
   done < <(tr ' ' '\n' <<<"$words")
-  if [[ $current != -* && -z $values ]]; then
+  if [[ $current != -* && -z $values && -n $files ]]; then
     while IFS= read -r word; do COMPREPLY+=("$word"); done < <(compgen -f -- "$current")
     compopt -o filenames 2>/dev/null
   fi

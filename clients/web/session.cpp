@@ -130,10 +130,23 @@ void Session::ReadText(std::string_view text) {
   }
 }
 
+// One wrong topic does not keep the others from coming; of several the first is told.
 void Session::ReadTopics(const json& topics, bool subscribe) {
   if (!topics.is_array()) return Complain("expected a list of topics");
+  std::string wrong;
+  int others = 0;
+  const auto note = [&](const std::string& what) {
+    if (wrong.empty()) {
+      wrong = what;
+    } else {
+      ++others;
+    }
+  };
   for (const json& entry : topics) {
-    if (!entry.is_string()) return Complain("expected a list of topics");
+    if (!entry.is_string()) {
+      note("expected a list of topics");
+      continue;
+    }
     const auto& topic = entry.get_ref<const std::string&>();
     if (!subscribe) {
       gateway_.hub->Unsubscribe(*this, topic);
@@ -143,14 +156,17 @@ void Session::ReadTopics(const json& topics, bool subscribe) {
       case Subscribed::kOk:
         break;
       case Subscribed::kNoTopic:
-        return Complain(
-            "'" + topic.substr(0, 128) +
-            "' is no topic, expected e.g. styled/rig.anna/rig/, source/rig.anna/, body/ "
-            "or stats/");
+        note("'" + topic.substr(0, 128) +
+             "' is no topic, expected e.g. styled/rig.anna/rig/, source/rig.anna/, body/ "
+             "or stats/");
+        break;
       case Subscribed::kTooMany:
-        return Complain("'" + topic + "': too many topics");
+        note("'" + topic + "': too many topics");
+        break;
     }
   }
+  if (others > 0) wrong += " (and " + std::to_string(others) + " more are wrong)";
+  if (!wrong.empty()) Complain(wrong);
 }
 
 void Session::ReadRequest(std::string_view bytes) {

@@ -203,6 +203,18 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
         if (set.has_own_style()) look.own_style = own.empty() ? "" : own.front().first;
       },
       reply);
+  if (set.clear() && reply.code() == v1::CODE_OK) ForgetMisnamed(request.performer());
+}
+
+// Who was named by mistake, or never came, is not to be listed for ever.
+void Commands::ForgetMisnamed(const std::string& id) {
+  Profile* const profile = roster_.FindProfile(id);
+  if (profile == nullptr || profile->seen || profile->pinned || profile->rest ||
+      profile->look != roster_.to_come.look) {
+    return;
+  }
+  profile->configured = false;
+  roster_.DropUnused(*profile);
 }
 
 void Commands::Preset(const v1::Request& request, v1::Reply& reply) {

@@ -34,6 +34,7 @@ class Commands {
   Targets Find(const std::string& performer, v1::Reply& reply);
   void List(v1::Reply& reply) const;
   void Set(const v1::Request& request, v1::Reply& reply);
+  void ForgetMisnamed(const std::string& id);
   void Pin(const v1::Request& request, v1::Reply& reply);
   void Preset(const v1::Request& request, v1::Reply& reply);
   void Panic(v1::Reply& reply);

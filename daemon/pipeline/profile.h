@@ -23,6 +23,7 @@ struct Look {
   body::Parts parts = body::kAllParts;
   std::string own_style;  // what the performer moves in already, by its network's name; "": neutral
   std::string preset;     // the one that set the mix, or ""
+  friend bool operator==(const Look&, const Look&) = default;
 };
 
 // A rest pose that was found by calibrating (rig::Calibrate), for skeletons of these joints.

@@ -150,6 +150,38 @@ TEST(ControlTest, WorksWithNoFramesFlowingAndAnswersAReqSocketToo) {
   EXPECT_EQ(control.AskRaw({"", status.SerializeAsString()}).code(), v1::CODE_OK);
 }
 
+TEST(ControlTest, AMistypedPerformerIsForgottenOnceCleared) {
+  Daemon daemon;
+  ControlClient control(daemon.control);
+  const auto listed = [&] {
+    std::vector<std::string> ids;
+    const auto status = control.Status();
+    for (const auto& row : status.stats().performers()) ids.push_back(row.performer());
+    std::sort(ids.begin(), ids.end());
+    return ids;
+  };
+  const auto clear = [&](const std::string& id) {
+    v1::Request request = For(id);
+    request.mutable_set()->set_clear(true);
+    return control.Ask(request).code();
+  };
+  const UdpLink link(daemon.udp);
+  Rig rig("a");
+  link.Send(rig.Body());
+  ASSERT_EQ(control.CounterSoon("pipeline.performers", 1), 1U);
+  for (const char* const id : {"rig.a", "rig.nobody", "rig.later"}) {
+    ASSERT_EQ(control.SetStyle(id, "style1").code(), v1::CODE_OK);
+  }
+  v1::Request weak = For("rig.later");
+  weak.mutable_set()->set_strength(0.5F);
+  ASSERT_EQ(control.Ask(weak).code(), v1::CODE_OK);
+  for (const char* const id : {"rig.a", "rig.nobody", "rig.later"}) {
+    EXPECT_EQ(clear(id), v1::CODE_OK);
+  }
+  EXPECT_EQ(listed(), (std::vector<std::string>{"rig.a", "rig.later"}))
+      << "who is here stays, and who is to be at half strength when he comes";
+}
+
 TEST(ControlTest, PinsPresetsPanicAndResetDoAsControlProtoSays) {
   Daemon daemon({}, kPresets);
   ControlClient control(daemon.control);

@@ -200,7 +200,8 @@ void Program::DeclareSet() {
       set->add_flag("--absolute", arguments_.absolute, "the network's pose as it is");
   set->add_flag("--detail", arguments_.detail, "keep the performer's own detail (default)")
       ->excludes(absolute);
-  set->add_option("--only", arguments_.only, "style these parts alone, comma-separated; all: undo")
+  set->add_option("--only", arguments_.only,
+                  "style these parts alone, comma-separated: " + std::string(body::kPartWords))
       ->check(CheckParts);
   set->add_option("--from", arguments_.from,
                   "what the performer moves in already, to be taken away; neutral: nothing");

@@ -371,6 +371,9 @@ TEST(GatewayTest, HostileBrowsersAreAnsweredOrDroppedAndNobodyElseNotices) {
     EXPECT_TRUE(complains(text)) << text;
   }
   EXPECT_TRUE(complains(std::string(30000, '[')));
+  // What is right beside something wrong comes all the same.
+  EXPECT_TRUE(complains(R"({"subscribe": ["styled/no such name/rig/", 1, "stats/"]})"));
+  EXPECT_TRUE(Await(bad, IsTopic("stats/")));
   bad.SendBinary("\x12\xFF garbage");
   EXPECT_TRUE(Await(bad, IsNotice("error")));
   for (int i = 0; i < 40; ++i) {

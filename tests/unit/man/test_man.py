@@ -108,6 +108,12 @@ class CompletionTest(unittest.TestCase):
         self.assertEqual(complete('stylerec export x --what can'), ['canonical'])
         self.assertIn('elderly', complete('stylize --style eld'))
         self.assertIn('/etc', complete('stylerec info /et'))
+        self.assertEqual(complete('stylesim --as m'), ['mocopi', 'mvn'])
+        self.assertIn('left-arm', complete('stylectl set rig.a --only '))
+        # Nothing but commands where one is missing.
+        commands = section(help_of('stylectl'), 'Subcommands')
+        self.assertEqual(sorted(complete('stylectl ')), sorted(commands))
+        self.assertEqual(sorted(complete('stylectl --timeout 3 ')), sorted(commands))
         self.assertIn('etc', complete('stylesim --bvh '))
 
     def test_completes_what_the_daemon_has(self):
@@ -118,6 +124,8 @@ class CompletionTest(unittest.TestCase):
         wait_for(lambda: 'rig.sim' in complete('stylectl set rig', environment), 'rig.sim')
         self.assertIn('elderly', complete('stylectl set rig.sim --style ', environment))
         self.assertIn(r'\*', complete('stylectl set ', environment))
+        self.assertIn('rig.sim', complete('stylectl preset mild ', environment))
+        self.assertNotIn('rig.sim', complete('stylectl preset ', environment))
 
 
 if __name__ == '__main__':
