@@ -179,9 +179,10 @@ v1::Code Performer::Calibrate(const v1::Calibrate& request, const Live& live_set
     reply.set_reason(std::move(reason));
     return code;
   };
-  if (!has_body() || now_ns - stance_->last_ns() > runtime::kSecond_ns) {
+  constexpr std::int64_t kLive_ns = 300 * runtime::kMillisecond_ns;  // rigs send at 24 Hz or more
+  if (!has_body() || now_ns - stance_->last_ns() > kLive_ns) {
     return refuse(v1::CODE_NOT_READY,
-                  profile.id + ": no frame in the last second, expected a performer who is live");
+                  profile.id + ": no frame in the last 0.3 s, expected a performer who is live");
   }
   const auto before = profile.rest;
   if (request.clear()) {

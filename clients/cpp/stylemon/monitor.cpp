@@ -7,6 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "proto/styled/body_parts.h"
+
 namespace styled::stylemon {
 namespace {
 
@@ -40,6 +42,7 @@ std::string SetText(const v1::PerformerStats& stats) {
     std::snprintf(number.data(), number.size(), " x %.2f", stats.strength());
     out += number.data();
   }
+  if (!stats.only().empty()) out += " only " + body::PartsText(PartsOf(stats.only()));
   return stats.pinned() ? "pinned " + out : out;
 }
 
