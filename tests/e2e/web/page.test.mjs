@@ -305,9 +305,31 @@ test('from the keyboard: R begins and ends it, once however long it is held', as
   assertHeard(file, 'rig', await heard());
 });
 
+test('a list that was chosen from leaves the keys to the page; its own arrows stay its own', async () => {
+  const list = page.getByLabel('What is saved');
+  const recording = () => page.evaluate(() => globalThis.styled.recorder.recording);
+  const focused = () => list.evaluate((element) => document.activeElement === element);
+  await list.click(); // opens it, and nothing is chosen
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('2');
+  const second = await page.locator('[data-style]').nth(1).getAttribute('data-style');
+  await until(async () => (await status()).styles.some(([style]) => style === second), 'the key of a style');
+  await list.focus();
+  await page.keyboard.press('ArrowDown');
+  await until(async () => (await list.inputValue()) === 'styled input', 'the arrow to choose');
+  assert.ok(await focused(), 'the arrows may go on');
+  await list.click();
+  await list.selectOption('video');
+  assert.ok(!(await focused()), 'the choice is made');
+  await page.keyboard.press('r');
+  await until(recording, 'R to record');
+  await until(async () => (await recorded()) > 20, 'frames');
+  await page.keyboard.press('r');
+  await saved(1);
+});
+
 test('the stage as video', async () => {
   await page.getByLabel('What is saved').selectOption('video');
-  await page.keyboard.press('Tab'); // out of the list, where letters choose
   await page.locator('button.record').click();
   const pictures = await page.evaluate(() => globalThis.styled.stage.pictures);
   await until(() => page.evaluate((n) => globalThis.styled.stage.pictures > n + 20, pictures), 'pictures');
@@ -346,7 +368,6 @@ test('the stage as video', async () => {
   await blank.close();
   assert.ok(played.width > 200 && played.shown.length > 3 && Math.min(...played.shown) > 200, JSON.stringify(played));
   await page.getByLabel('What is saved').selectOption('styled');
-  await page.keyboard.press('Tab');
 });
 
 test('a daemon that dies ends the recording; what was got is saved', async () => {
