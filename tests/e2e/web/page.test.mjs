@@ -408,4 +408,35 @@ test('a gateway that dies is missed, and found again', async () => {
   await until(async () => farthest((await poses()).after.joints, first.after.joints) > 0.05, 'motion');
 });
 
+test('whom the daemon lists is not called unknown', async () => {
+  await page.evaluate(() => {
+    const { client } = globalThis.styled;
+    globalThis.complaints = [];
+    client.on('complaint', (text, unknown) => globalThis.complaints.push(unknown));
+    globalThis.said = [];
+    new MutationObserver(() => globalThis.said.push(document.querySelector('.toast').textContent))
+      .observe(document.querySelector('.toast'), { childList: true, characterData: true, subtree: true });
+  });
+  // Configured ahead, and so listed; it never sends a frame.
+  await page.evaluate(() => globalThis.styled.client.set('rig.nobody', { strength: 0.5 }));
+  await page.locator('[data-performer="rig.nobody"]').waitFor();
+  await until(() => page.evaluate(() => globalThis.complaints.includes('rig.nobody')), "the client's complaint");
+  assert.match(await page.locator('[data-performer="rig.nobody"]').innerText(), /silent/);
+  assert.deepEqual(await page.evaluate(() => globalThis.said.filter((text) => /nobody called/.test(text))), []);
+  // Of others it is said.
+  await page.evaluate(() => globalThis.styled.client.subscribe('rig.nobdoy'));
+  await until(() => page.evaluate(() => globalThis.said.some((text) => /nobody called rig\.nobdoy/.test(text))), 'the complaint');
+});
+
+test('a daemon that does not answer in time may still do what it was asked', async () => {
+  daemon.kill('SIGSTOP');
+  try {
+    await page.locator('[data-style]').nth(2).click();
+    await until(async () => /; it may still be applied$/.test(await page.locator('.toast').innerText()), 'the warning');
+  } finally {
+    daemon.kill('SIGCONT');
+  }
+  await until(async () => !(await page.locator('.banner').isVisible()), 'the banner to go');
+});
+
 test('nothing went wrong within', () => assert.deepEqual(errors, []));
