@@ -81,8 +81,8 @@ before(async () => {
   page.on('download', (download) => downloads.push(download));
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('console', (message) => {
-    // Refused connections while the gateway is away are the test's own doing.
-    if (message.type() === 'error' && !/ERR_CONNECTION|WebSocket|Failed to load/.test(message.text())) {
+    // Refused connections while the gateway is away, and a broken texture, are the test's own doing.
+    if (message.type() === 'error' && !/ERR_CONNECTION|WebSocket|Failed to load|Couldn't load texture blob/.test(message.text())) {
       errors.push(message.text());
     }
   });
@@ -197,8 +197,18 @@ test('a VRM avatar is worn and moves; a file that is none is said so', async () 
       dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, cancelable: true, bubbles: true }));
     }, [name, bytes.toString('base64')]);
   await drop('broken.vrm', Buffer.from('no avatar'));
-  await until(async () => /broken.vrm cannot be read/.test(await page.locator('.toast').innerText()), 'the reason');
-  await drop('boxes.vrm', makeAvatar());
+  const said = (words) => until(async () => words.test(await page.locator('.toast').innerText()), words);
+  await said(/^broken\.vrm is no VRM file: .*; expected a VRM 0\.x or 1\.0 avatar/);
+  const whole = makeAvatar();
+  await drop('half.vrm', whole.subarray(0, whole.length / 2));
+  await said(/^half\.vrm is not whole: it has \d+ of \d+ bytes; expected/);
+  // Whole by its length, but a box has more corners than the file.
+  await drop('torn.vrm', Buffer.from(whole.toString('latin1').replace('"count":8,', '"count":9,'), 'latin1'));
+  await said(/^torn\.vrm .*; expected a VRM .*\(.+\)$/);
+  await drop('torn picture.vrm', makeAvatar(Buffer.from('no picture')));
+  await said(/wears torn picture\.vrm; one of its textures could not be loaded/);
+  await page.getByTitle('Take it off').click();
+  await drop('boxes.vrm', whole);
   const hand = () =>
     page.evaluate(() => {
       const [performer] = globalThis.styled.stage.performers.values();
