@@ -449,4 +449,34 @@ test('a daemon that does not answer in time may still do what it was asked', asy
   await until(async () => !(await page.locator('.banner').isVisible()), 'the banner to go');
 });
 
+test('nothing is cut off or over another, however small the window', async () => {
+  for (const [width, height] of [[1280, 720], [1024, 600], [420, 800]]) {
+    await page.setViewportSize({ width, height });
+    const found = await page.evaluate(async () => {
+      await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+      const rows = [document.querySelector('header'), ...document.querySelectorAll('.plot figcaption')];
+      // Readings as long as they may become.
+      const long = ['123456 / 123456 µs', '119.9 Hz', '120 / 120 per s'];
+      [...document.querySelectorAll('.plot output')].forEach((output, i) => (output.textContent = long[i]));
+      const wrong = [];
+      for (const row of rows) {
+        const box = row.getBoundingClientRect();
+        if (box.right > innerWidth + 0.5) wrong.push(`${row.textContent}: to ${box.right} of ${innerWidth}`);
+        let end = box.left;
+        for (const child of row.children) {
+          const { left, right, width } = child.getBoundingClientRect();
+          if (width === 0) continue;
+          if (left < end - 0.5 || right > box.right + 0.5) wrong.push(`${child.textContent}: ${left} to ${right}, after ${end} in ${box.right}`);
+          end = right;
+        }
+      }
+      if (document.documentElement.scrollWidth > innerWidth) wrong.push(`the page is ${document.documentElement.scrollWidth} wide`);
+      return wrong;
+    });
+    await picture(`${width}x${height}`);
+    assert.deepEqual(found, [], `${width} x ${height}`);
+  }
+  await page.setViewportSize({ width: 1280, height: 720 });
+});
+
 test('nothing went wrong within', () => assert.deepEqual(errors, []));
