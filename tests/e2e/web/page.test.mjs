@@ -418,6 +418,16 @@ test('a gateway that dies is missed, and found again', async () => {
   await until(async () => farthest((await poses()).after.joints, first.after.joints) > 0.05, 'motion');
 });
 
+test('cues and calibration go through the gateway to the daemon, which knows better', async () => {
+  const refusal = (call, ...args) =>
+    page.evaluate(([call, args]) => globalThis.styled.client[call](...args).then(() => 'done', ({ name, message }) => `${name}: ${message}`),
+      [call, args]);
+  assert.match(await refusal('cue', 'act ten'), /^RefusedError: no cue/);
+  const performer = await page.evaluate(() => globalThis.styled.app.selected);
+  assert.match(await refusal('calibrate', performer, { pose: 'n' }), /^RefusedError: /); // it walks
+  assert.equal(await refusal('calibrate', performer, { clear: true }), 'done');
+});
+
 test('whom the daemon lists is not called unknown', async () => {
   await page.evaluate(() => {
     const { client } = globalThis.styled;
