@@ -9,10 +9,13 @@ import {
 import { NoAnswerError, RefusedError } from './errors.js';
 import { BodySchema, Output, type Body } from './gen/proto/styled/v1/body_pb.js';
 import {
+  Calibrate_Pose,
+  Calibrate_Sensors,
   Code,
   ReplySchema,
   RequestSchema,
   type Applied,
+  type CalibrateReply,
   type ListReply,
   type Reply,
   type SetSchema,
@@ -22,7 +25,7 @@ import { FrameSchema, type Frame } from './gen/proto/styled/v1/frame_pb.js';
 import { StatsSchema, type Stats } from './gen/proto/styled/v1/stats_pb.js';
 import { checkBody, checkFrame } from './kinematics.js';
 import { Link, type LinkState } from './link.js';
-import { frameTopic, parseTopic, type Stream } from './topics.js';
+import { checkPerformer, checkPerformers, frameTopic, parseTopic, type Stream } from './topics.js';
 
 const MAX_BODIES = 64; // kept of each performer
 const UNKNOWN_MS = 2000; // the daemon answers a subscription with bodies at once
@@ -56,8 +59,8 @@ export interface ClientEvents {
   body(body: Body): void;
   stats(stats: Stats): void;
   /** What the gateway did not understand or refused, and once for each name subscribed to that the
-   * daemon does not know: whoever bears it may still come. */
-  complaint(text: string): void;
+   * daemon sent no body of: whoever bears it may still come. `unknown` is that name. */
+  complaint(text: string, unknown?: string): void;
 }
 
 export interface ClientOptions {
@@ -93,6 +96,32 @@ interface Pending {
   resolve(reply: Reply): void;
   reject(error: Error): void;
   timer: ReturnType<typeof setTimeout>;
+}
+
+/** How a performer stands while it is calibrated, and what of the rig is. */
+export interface CalibrateOptions {
+  /** 't': arms sideways, palms down (default); 'n': arms hanging, palms at the thighs. */
+  pose?: keyof typeof POSES;
+  /** Of rigs without a skeleton: how sensors are worn and heading ('full', default), heading alone
+   * ('yaw'), or 'mounting' in the second pose of the rig's own habit. */
+  sensors?: keyof typeof SENSORS;
+  /** Forget the calibration instead. */
+  clear?: boolean;
+}
+
+const POSES = { t: Calibrate_Pose.T, n: Calibrate_Pose.N };
+const SENSORS = {
+  full: Calibrate_Sensors.FULL,
+  yaw: Calibrate_Sensors.YAW,
+  mounting: Calibrate_Sensors.MOUNTING,
+};
+
+// The number that a word stands for.
+function wordOf<T extends Record<string, number>>(words: T, word: keyof T & string, what: string): T[keyof T & string] {
+  if (!Object.hasOwn(words, word)) {
+    throw new TypeError(`found "${word}" as ${what}, expected ${Object.keys(words).join(', ')}`);
+  }
+  return words[word];
 }
 
 export type SetInit = MessageInitShape<typeof SetSchema>;
@@ -216,7 +245,8 @@ export class StyledClient {
     return this.bodies.get(performer)?.filter((body) => body.output === output).at(-1);
   }
 
-  // ---- control. Each rejects with RefusedError or NoAnswerError.
+  // ---- control. Each rejects with RefusedError or NoAnswerError; with TypeError, and nothing is sent,
+  // where an argument cannot be meant. `performer` is SOURCE.NAME or "*", all.
 
   async list(): Promise<ListReply> {
     return (await this.ask({ command: { case: 'list', value: {} } })).list!;
@@ -224,9 +254,9 @@ export class StyledClient {
   async status(): Promise<StatusReply> {
     return (await this.ask({ command: { case: 'status', value: {} } })).status!;
   }
-  /** Changes what is present in `change`; `performer` is SOURCE.NAME or "*". */
-  async set(performer: string, change: SetInit): Promise<Applied[]> {
-    return (await this.ask({ performer, command: { case: 'set', value: change } })).applied;
+  /** Changes what is present in `change`. */
+  set(performer: string, change: SetInit): Promise<Applied[]> {
+    return this.change(performer, { case: 'set', value: change });
   }
   setStyle(performer: string, style: string, strength = 1): Promise<Applied[]> {
     return this.set(performer, { mix: [{ style, weight: 1 }], strength });
@@ -234,28 +264,44 @@ export class StyledClient {
   clear(performer: string): Promise<Applied[]> {
     return this.set(performer, { clear: true });
   }
-  async preset(performer: string, name: string, transitionMs?: number): Promise<Applied[]> {
+  preset(performer: string, name: string, transitionMs?: number): Promise<Applied[]> {
     const value = { name, ...(transitionMs === undefined ? {} : { transitionMs }) };
-    return (await this.ask({ performer, command: { case: 'preset', value } })).applied;
+    return this.change(performer, { case: 'preset', value });
   }
-  async pin(performer: string, pinned: boolean): Promise<Applied[]> {
-    return (await this.ask({ performer, command: { case: 'pin', value: { pinned } } })).applied;
+  pin(performer: string, pinned: boolean): Promise<Applied[]> {
+    return this.change(performer, { case: 'pin', value: { pinned } });
   }
-  async reset(performer: string): Promise<Applied[]> {
-    return (await this.ask({ performer, command: { case: 'reset', value: {} } })).applied;
+  reset(performer: string): Promise<Applied[]> {
+    return this.change(performer, { case: 'reset', value: {} });
+  }
+  /** The performer, one, stands in this pose at this moment. */
+  async calibrate(performer: string, options: CalibrateOptions = {}): Promise<CalibrateReply> {
+    checkPerformer(performer);
+    const { pose = 't', sensors = 'full', clear = false } = options;
+    const value = { pose: wordOf(POSES, pose, 'pose'), sensors: wordOf(SENSORS, sensors, 'sensors'), clear };
+    return (await this.ask({ performer, command: { case: 'calibrate', value } })).calibrate!;
+  }
+  /** Fires the cues of that name, of the daemon's configuration. */
+  cue(name: string): Promise<Applied[]> {
+    return this.change('*', { case: 'cue', value: { name } });
   }
   /** Everyone to bypass, pinned or not. */
   async panic(): Promise<Applied[]> {
     return (await this.ask({ command: { case: 'panic', value: {} } })).applied;
   }
 
-  /** Any request; its id is ours. */
+  private async change(performer: string, command: RequestInit['command']): Promise<Applied[]> {
+    checkPerformers(performer);
+    return (await this.ask({ performer, command })).applied;
+  }
+
+  /** Any request, unchecked; its id is ours. */
   ask(request: RequestInit): Promise<Reply> {
     const id = this.nextId++;
     return new Promise((resolve, reject) => {
       const bytes = toBinary(RequestSchema, create(RequestSchema, { ...request, id }));
       if (!this.link.send(bytes)) {
-        reject(new NoAnswerError('not connected to the gateway'));
+        reject(new NoAnswerError('not connected to the gateway', false));
         return;
       }
       const timer = setTimeout(() => {
@@ -341,7 +387,7 @@ export class StyledClient {
     if (!this.daemonState_.up || this.bodies.has(performer) || this.awaited.has(performer)) return;
     this.awaited.set(performer, setTimeout(() => {
       this.emit('complaint',
-        `found nobody called ${performer}, expected SOURCE.NAME of who performs; frames come when there is one`);
+        `found nobody called ${performer}, expected SOURCE.NAME of who performs; frames come when there is one`, performer);
     }, UNKNOWN_MS));
   }
   private unawait(performer: string): void {

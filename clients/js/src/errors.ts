@@ -14,4 +14,11 @@ export class RefusedError extends Error {
 /** Nobody answered in time, or the gateway went away; it may or may not have been applied. */
 export class NoAnswerError extends Error {
   override name = 'NoAnswerError';
+  constructor(
+    message: string,
+    /** The request was sent. If not, nothing changed. */
+    readonly sent = true,
+  ) {
+    super(message);
+  }
 }

@@ -4,7 +4,31 @@ export type Stream =
   | 'canonical' // styled, on the canonical humanoid
   | 'source'; // as received, on the rig's own skeleton
 
+const STREAMS: readonly string[] = ['rig', 'canonical', 'source'] satisfies Stream[];
+const PERFORMER = /^[A-Za-z0-9_-]{1,32}\.[A-Za-z0-9_-]{1,32}$/;
+const A_PERFORMER = 'expected SOURCE.NAME, as in rig.anna, both 1 to 32 of A-Z a-z 0-9 _ -';
+
+/** Throws a TypeError where `performer` is not SOURCE.NAME. */
+export function checkPerformer(performer: string): void {
+  if (typeof performer !== 'string' || !PERFORMER.test(performer)) {
+    throw new TypeError(`found ${JSON.stringify(`${performer}`)} as performer, ${A_PERFORMER}`);
+  }
+}
+
+/** The same, but "*", for all, is let through. */
+export function checkPerformers(performer: string): void {
+  if (performer === '*') return;
+  if (typeof performer !== 'string' || !PERFORMER.test(performer)) {
+    throw new TypeError(`found ${JSON.stringify(`${performer}`)} as performer, ${A_PERFORMER}; or "*" for all`);
+  }
+}
+
+/** Throws a TypeError where there is no such topic. */
 export function frameTopic(performer: string, stream: Stream): string {
+  checkPerformer(performer);
+  if (!STREAMS.includes(stream)) {
+    throw new TypeError(`found "${stream}" as stream, expected ${STREAMS.join(', ')}`);
+  }
   return stream === 'source' ? `source/${performer}/` : `styled/${performer}/${stream}/`;
 }
 

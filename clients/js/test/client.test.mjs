@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { create, toBinary } from '@bufbuild/protobuf';
-import { Code, NoAnswerError, Output, RefusedError, StatsSchema, StyledClient } from 'styled-client';
+import { Calibrate_Pose, Calibrate_Sensors, Code, NoAnswerError, Output, RefusedError, StatsSchema, StyledClient } from 'styled-client';
 
 import { Gateway, body, frame, until } from '../test-support/gateway.mjs';
 
@@ -147,10 +147,63 @@ test('control: replies, refusals, silence', () =>
     await lost;
   }));
 
-test('a daemon that does not answer in time is an error', () =>
+test('cues and calibration', () =>
   together(async (gateway, client) => {
     await opened(client);
-    await assert.rejects(client.panic(), /no answer within 50 ms/);
+    const requests = [];
+    gateway.answer = (request) => {
+      requests.push(request);
+      return request.command.case === 'calibrate'
+        ? { code: Code.OK, calibrate: { worstJoint: 'leftHand', worstDegrees: 4 } }
+        : { code: Code.OK, applied: [{ performer: 'rig.a', firstSequence: 5n }] };
+    };
+    assert.equal((await client.cue('act two'))[0].firstSequence, 5n);
+    assert.equal((await client.calibrate('rig.a')).worstJoint, 'leftHand');
+    await client.calibrate('rig.a', { pose: 'n', sensors: 'mounting' });
+    await client.calibrate('rig.a', { clear: true });
+    assert.deepEqual(requests.map(({ performer, command }) => [performer, command.case]),
+      [['*', 'cue'], ['rig.a', 'calibrate'], ['rig.a', 'calibrate'], ['rig.a', 'calibrate']]);
+    const [cue, usual, second, cleared] = requests.map(({ command }) => command.value);
+    assert.equal(cue.name, 'act two');
+    assert.deepEqual([usual.pose, usual.sensors, usual.clear], [Calibrate_Pose.T, Calibrate_Sensors.FULL, false]);
+    assert.deepEqual([second.pose, second.sensors], [Calibrate_Pose.N, Calibrate_Sensors.MOUNTING]);
+    assert.equal(cleared.clear, true);
+    gateway.answer = () => ({ code: Code.UNKNOWN_CUE, reason: 'no cue "act ten"' });
+    await assert.rejects(client.cue('act ten'), (error) => error.code === Code.UNKNOWN_CUE);
+  }));
+
+test('what cannot be a name is said at once, and not sent', () =>
+  together(async (gateway, client) => {
+    await opened(client);
+    let asked = 0;
+    gateway.answer = () => {
+      ++asked;
+      return { code: Code.OK, calibrate: {} };
+    };
+    const aName = /found ".*" as performer, expected SOURCE\.NAME.*1 to 32 of A-Z a-z 0-9 _ -/;
+    for (const name of ['', 'anna', 'rig.', '.anna', 'rig.a.b', 'rig.änna', 'rig.a/b', 'rig.a\n', `rig.${'a'.repeat(33)}`, undefined]) {
+      for (const call of [() => client.setStyle(name, 'elderly'), () => client.clear(name), () => client.preset(name, 'x'),
+                          () => client.pin(name, true), () => client.reset(name), () => client.calibrate(name)]) {
+        await assert.rejects(call(), (error) => error instanceof TypeError && aName.test(error.message), name);
+      }
+      assert.throws(() => client.subscribe(name), aName);
+      assert.throws(() => client.subscribeLatest(name, 'source'), aName);
+    }
+    assert.throws(() => client.subscribe('*'), aName); // frames are of one
+    await assert.rejects(client.calibrate('*'), aName);
+    assert.throws(() => client.subscribe('rig.a', 'Canonical'), /found "Canonical" as stream, expected rig, canonical, source/);
+    await assert.rejects(client.calibrate('rig.a', { pose: 'sitting' }), /found "sitting" as pose, expected t, n/);
+    await assert.rejects(client.calibrate('rig.a', { sensors: 'all' }), /expected full, yaw, mounting/);
+    await client.reset('*');
+    assert.equal(asked, 1);
+    assert.deepEqual(gateway.heard, []);
+  }));
+
+test('a daemon that does not answer in time is an error, and what was asked may come about', () =>
+  together(async (gateway, client) => {
+    await assert.rejects(client.panic(), (error) => error instanceof NoAnswerError && !error.sent);
+    await opened(client);
+    await assert.rejects(client.panic(), (error) => /no answer within 50 ms/.test(error.message) && error.sent);
   }, { timeout_ms: 50 }));
 
 test('how the daemon is comes from the gateway; without the gateway it is unknown', () =>
@@ -249,7 +302,11 @@ for (const url of ['no address', 'localhost:7080', 'tcp://127.0.0.1:7080', '']) 
 test('a name that nobody bears is told once, and not of who is there, has left or is not asked for', () =>
   together(async (gateway, client) => {
     const complaints = [];
-    client.on('complaint', (text) => complaints.push(text));
+    const unknown = [];
+    client.on('complaint', (text, name) => {
+      complaints.push(text);
+      unknown.push(name);
+    });
     client.subscribe('rig.nobdoy');
     client.subscribeLatest('rig.nobdoy', 'source');
     await opened(client);
@@ -262,6 +319,7 @@ test('a name that nobody bears is told once, and not of who is there, has left o
     await until(() => complaints.some((text) => text.includes('rig.last')), 'the last complaint');
     assert.ok(client.body('rig.a', Output.RIG));
     assert.deepEqual(complaints.map((text) => /nobody called ([^,]+),/.exec(text)?.[1]), ['rig.nobdoy', 'rig.last']);
+    assert.deepEqual(unknown, ['rig.nobdoy', 'rig.last']);
   }));
 
 test('who is not reached is named, without the token', async () => {

@@ -1,4 +1,5 @@
-// A VRM 1.0 avatar of boxes, made from nothing: one box per humanoid bone, 1.2 m tall.
+// A VRM 1.0 avatar of boxes, made from nothing: one box per humanoid bone, 1.2 m tall. `picture`: bytes of
+// a PNG for its texture.
 const BONES = [
   ['hips', -1, 0, 0.7, 0], ['spine', 0, 0, 0.1, 0], ['chest', 1, 0, 0.12, 0], ['neck', 2, 0, 0.14, 0],
   ['head', 3, 0, 0.06, 0],
@@ -8,13 +9,14 @@ const BONES = [
   ['rightUpperLeg', 0, -0.08, -0.04, 0], ['rightLowerLeg', 14, 0, -0.3, 0], ['rightFoot', 15, 0, -0.3, 0],
 ];
 
-export function makeAvatar() {
+export function makeAvatar(picture) {
   const corners = [];
   for (const x of [-1, 1]) for (const y of [-1, 1]) for (const z of [-1, 1]) corners.push(0.045 * x, 0.045 * y, 0.045 * z);
   const faces = [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3];
   const positions = Buffer.from(new Float32Array(corners).buffer);
   const indices = Buffer.from(new Uint16Array(faces).buffer);
-  const binary = Buffer.concat([positions, indices]);
+  const texels = picture ?? Buffer.alloc(0);
+  const binary = Buffer.concat([positions, indices, texels]);
   const nodes = BONES.map(([name, , x, y, z], i) => {
     const children = BONES.flatMap(([, parent], child) => (parent === i ? [child] : []));
     return { name, translation: [x, y, z], mesh: 0, ...(children.length > 0 ? { children } : {}) };
@@ -26,7 +28,9 @@ export function makeAvatar() {
     scenes: [{ nodes: [0] }],
     nodes,
     meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1, material: 0 }] }],
-    materials: [{ pbrMetallicRoughness: { baseColorFactor: [0.2, 0.9, 0.9, 1], metallicFactor: 0 } }],
+    materials: [{ pbrMetallicRoughness: { baseColorFactor: [0.2, 0.9, 0.9, 1], metallicFactor: 0,
+      ...(picture ? { baseColorTexture: { index: 0 } } : {}) } }],
+    ...(picture ? { textures: [{ source: 0 }], images: [{ bufferView: 2, mimeType: 'image/png' }] } : {}),
     accessors: [
       { bufferView: 0, componentType: 5126, count: 8, type: 'VEC3', min: [-0.045, -0.045, -0.045], max: [0.045, 0.045, 0.045] },
       { bufferView: 1, componentType: 5123, count: 36, type: 'SCALAR' },
@@ -34,6 +38,7 @@ export function makeAvatar() {
     bufferViews: [
       { buffer: 0, byteOffset: 0, byteLength: positions.length },
       { buffer: 0, byteOffset: positions.length, byteLength: indices.length },
+      ...(picture ? [{ buffer: 0, byteOffset: positions.length + indices.length, byteLength: texels.length }] : []),
     ],
     buffers: [{ byteLength: binary.length }],
     extensions: {

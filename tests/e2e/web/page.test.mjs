@@ -81,8 +81,8 @@ before(async () => {
   page.on('download', (download) => downloads.push(download));
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('console', (message) => {
-    // Refused connections while the gateway is away are the test's own doing.
-    if (message.type() === 'error' && !/ERR_CONNECTION|WebSocket|Failed to load/.test(message.text())) {
+    // Refused connections while the gateway is away, and a broken texture, are the test's own doing.
+    if (message.type() === 'error' && !/ERR_CONNECTION|WebSocket|Failed to load|Couldn't load texture blob/.test(message.text())) {
       errors.push(message.text());
     }
   });
@@ -197,8 +197,18 @@ test('a VRM avatar is worn and moves; a file that is none is said so', async () 
       dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, cancelable: true, bubbles: true }));
     }, [name, bytes.toString('base64')]);
   await drop('broken.vrm', Buffer.from('no avatar'));
-  await until(async () => /broken.vrm cannot be read/.test(await page.locator('.toast').innerText()), 'the reason');
-  await drop('boxes.vrm', makeAvatar());
+  const said = (words) => until(async () => words.test(await page.locator('.toast').innerText()), words);
+  await said(/^broken\.vrm is no VRM file: .*; expected a VRM 0\.x or 1\.0 avatar/);
+  const whole = makeAvatar();
+  await drop('half.vrm', whole.subarray(0, whole.length / 2));
+  await said(/^half\.vrm is not whole: it has \d+ of \d+ bytes; expected/);
+  // Whole by its length, but a box has more corners than the file.
+  await drop('torn.vrm', Buffer.from(whole.toString('latin1').replace('"count":8,', '"count":9,'), 'latin1'));
+  await said(/^torn\.vrm .*; expected a VRM .*\(.+\)$/);
+  await drop('torn picture.vrm', makeAvatar(Buffer.from('no picture')));
+  await said(/wears torn picture\.vrm; one of its textures could not be loaded/);
+  await page.getByTitle('Take it off').click();
+  await drop('boxes.vrm', whole);
   const hand = () =>
     page.evaluate(() => {
       const [performer] = globalThis.styled.stage.performers.values();
@@ -305,9 +315,31 @@ test('from the keyboard: R begins and ends it, once however long it is held', as
   assertHeard(file, 'rig', await heard());
 });
 
+test('a list that was chosen from leaves the keys to the page; its own arrows stay its own', async () => {
+  const list = page.getByLabel('What is saved');
+  const recording = () => page.evaluate(() => globalThis.styled.recorder.recording);
+  const focused = () => list.evaluate((element) => document.activeElement === element);
+  await list.click(); // opens it, and nothing is chosen
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('2');
+  const second = await page.locator('[data-style]').nth(1).getAttribute('data-style');
+  await until(async () => (await status()).styles.some(([style]) => style === second), 'the key of a style');
+  await list.focus();
+  await page.keyboard.press('ArrowDown');
+  await until(async () => (await list.inputValue()) === 'styled input', 'the arrow to choose');
+  assert.ok(await focused(), 'the arrows may go on');
+  await list.click();
+  await list.selectOption('video');
+  assert.ok(!(await focused()), 'the choice is made');
+  await page.keyboard.press('r');
+  await until(recording, 'R to record');
+  await until(async () => (await recorded()) > 20, 'frames');
+  await page.keyboard.press('r');
+  await saved(1);
+});
+
 test('the stage as video', async () => {
   await page.getByLabel('What is saved').selectOption('video');
-  await page.keyboard.press('Tab'); // out of the list, where letters choose
   await page.locator('button.record').click();
   const pictures = await page.evaluate(() => globalThis.styled.stage.pictures);
   await until(() => page.evaluate((n) => globalThis.styled.stage.pictures > n + 20, pictures), 'pictures');
@@ -346,7 +378,6 @@ test('the stage as video', async () => {
   await blank.close();
   assert.ok(played.width > 200 && played.shown.length > 3 && Math.min(...played.shown) > 200, JSON.stringify(played));
   await page.getByLabel('What is saved').selectOption('styled');
-  await page.keyboard.press('Tab');
 });
 
 test('a daemon that dies ends the recording; what was got is saved', async () => {
@@ -385,6 +416,77 @@ test('a gateway that dies is missed, and found again', async () => {
   await until(async () => !(await page.locator('.banner').isVisible()), 'the banner to go');
   const first = await poses();
   await until(async () => farthest((await poses()).after.joints, first.after.joints) > 0.05, 'motion');
+});
+
+test('cues and calibration go through the gateway to the daemon, which knows better', async () => {
+  const refusal = (call, ...args) =>
+    page.evaluate(([call, args]) => globalThis.styled.client[call](...args).then(() => 'done', ({ name, message }) => `${name}: ${message}`),
+      [call, args]);
+  assert.match(await refusal('cue', 'act ten'), /^RefusedError: no cue/);
+  const performer = await page.evaluate(() => globalThis.styled.app.selected);
+  assert.match(await refusal('calibrate', performer, { pose: 'n' }), /^RefusedError: /); // it walks
+  assert.equal(await refusal('calibrate', performer, { clear: true }), 'done');
+});
+
+test('whom the daemon lists is not called unknown', async () => {
+  await page.evaluate(() => {
+    const { client } = globalThis.styled;
+    globalThis.complaints = [];
+    client.on('complaint', (text, unknown) => globalThis.complaints.push(unknown));
+    globalThis.said = [];
+    new MutationObserver(() => globalThis.said.push(document.querySelector('.toast').textContent))
+      .observe(document.querySelector('.toast'), { childList: true, characterData: true, subtree: true });
+  });
+  // Configured ahead, and so listed; it never sends a frame.
+  await page.evaluate(() => globalThis.styled.client.set('rig.nobody', { strength: 0.5 }));
+  await page.locator('[data-performer="rig.nobody"]').waitFor();
+  await until(() => page.evaluate(() => globalThis.complaints.includes('rig.nobody')), "the client's complaint");
+  assert.match(await page.locator('[data-performer="rig.nobody"]').innerText(), /silent/);
+  assert.deepEqual(await page.evaluate(() => globalThis.said.filter((text) => /nobody called/.test(text))), []);
+  // Of others it is said.
+  await page.evaluate(() => globalThis.styled.client.subscribe('rig.nobdoy'));
+  await until(() => page.evaluate(() => globalThis.said.some((text) => /nobody called rig\.nobdoy/.test(text))), 'the complaint');
+});
+
+test('a daemon that does not answer in time may still do what it was asked', async () => {
+  daemon.kill('SIGSTOP');
+  try {
+    await page.locator('[data-style]').nth(2).click();
+    await until(async () => /; it may still be applied$/.test(await page.locator('.toast').innerText()), 'the warning');
+  } finally {
+    daemon.kill('SIGCONT');
+  }
+  await until(async () => !(await page.locator('.banner').isVisible()), 'the banner to go');
+});
+
+test('nothing is cut off or over another, however small the window', async () => {
+  for (const [width, height] of [[1280, 720], [1024, 600], [420, 800]]) {
+    await page.setViewportSize({ width, height });
+    const found = await page.evaluate(async () => {
+      await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+      const rows = [document.querySelector('header'), ...document.querySelectorAll('.plot figcaption')];
+      // Readings as long as they may become.
+      const long = ['123456 / 123456 µs', '119.9 Hz', '120 / 120 per s'];
+      [...document.querySelectorAll('.plot output')].forEach((output, i) => (output.textContent = long[i]));
+      const wrong = [];
+      for (const row of rows) {
+        const box = row.getBoundingClientRect();
+        if (box.right > innerWidth + 0.5) wrong.push(`${row.textContent}: to ${box.right} of ${innerWidth}`);
+        let end = box.left;
+        for (const child of row.children) {
+          const { left, right, width } = child.getBoundingClientRect();
+          if (width === 0) continue;
+          if (left < end - 0.5 || right > box.right + 0.5) wrong.push(`${child.textContent}: ${left} to ${right}, after ${end} in ${box.right}`);
+          end = right;
+        }
+      }
+      if (document.documentElement.scrollWidth > innerWidth) wrong.push(`the page is ${document.documentElement.scrollWidth} wide`);
+      return wrong;
+    });
+    await picture(`${width}x${height}`);
+    assert.deepEqual(found, [], `${width} x ${height}`);
+  }
+  await page.setViewportSize({ width: 1280, height: 720 });
 });
 
 test('nothing went wrong within', () => assert.deepEqual(errors, []));

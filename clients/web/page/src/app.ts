@@ -110,13 +110,15 @@ export class App {
       await action();
       this.onMessage(what, false);
     } catch (error) {
-      this.report(error);
+      this.report(error, what);
     }
   }
 
-  private report(error: unknown): void {
+  // `change`: what was asked for, where it may have come about all the same.
+  private report(error: unknown, change = ''): void {
     if (!(error instanceof RefusedError || error instanceof NoAnswerError)) throw error;
-    this.onMessage(error.message, true);
+    const open = change && error instanceof NoAnswerError && error.sent;
+    this.onMessage(open ? `${change}: ${error.message}; it may still be applied` : error.message, true);
   }
 }
 

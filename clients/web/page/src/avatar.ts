@@ -1,9 +1,11 @@
 // A VRM avatar, worn by a styled body. VRM's normalized humanoid has the canonical humanoid's joints,
 // axes and rest pose, so that rotations go over as they are; hips are scaled by hips height.
-import { Group, Quaternion, Vector3 } from 'three';
+import { Group, LoadingManager, Quaternion, Vector3 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { VRMLoaderPlugin, VRMUtils, type VRM, type VRMHumanBoneName } from '@pixiv/three-vrm';
 import type { Body, Frame } from 'styled-client';
+
+import { unreadable, vrmFault } from './vrm_file.js';
 
 const MAX_BYTES = 256 << 20;
 
@@ -16,6 +18,8 @@ export class Avatar {
   private constructor(
     readonly name: string,
     private readonly vrm: VRM,
+    /** Pictures of the file that could not be loaded: what they are on is drawn without. */
+    readonly lostPictures: number,
   ) {
     this.turn = vrm.meta?.metaVersion === '0' ? -1 : 1;
     VRMUtils.rotateVRM0(vrm);
@@ -26,19 +30,25 @@ export class Avatar {
 
   /** Says in its error what is wrong with the file. */
   static async load(file: File): Promise<Avatar> {
-    if (file.size > MAX_BYTES) throw new Error(`${file.name} is larger than 256 MiB`);
-    const loader = new GLTFLoader();
+    if (file.size > MAX_BYTES) throw new Error(`${file.name} is too large; expected at most 256 MiB`);
+    const bytes = await file.arrayBuffer();
+    const fault = vrmFault(file.name, bytes);
+    if (fault) throw new Error(fault);
+    const lost = new Set<string>();
+    const manager = new LoadingManager();
+    manager.onError = (url) => lost.add(url);
+    const loader = new GLTFLoader(manager);
     loader.register((parser) => new VRMLoaderPlugin(parser));
     let vrm: VRM | undefined;
     try {
-      const gltf = await loader.parseAsync(await file.arrayBuffer(), '');
+      const gltf = await loader.parseAsync(bytes, '');
       vrm = gltf.userData.vrm as VRM | undefined;
       if (vrm) VRMUtils.removeUnnecessaryVertices(gltf.scene);
     } catch (error) {
-      throw new Error(`${file.name} cannot be read as VRM: ${(error as Error).message}`);
+      throw new Error(unreadable(file.name, error));
     }
-    if (!vrm) throw new Error(`${file.name} is glTF, but has no VRM humanoid in it`);
-    return new Avatar(file.name, vrm);
+    if (!vrm) throw new Error(unreadable(file.name, 'no VRM came of it'));
+    return new Avatar(file.name, vrm, lost.size);
   }
 
   setPose(body: Body, frame: Frame): void {

@@ -22,6 +22,24 @@ const HELP: [string, string][] = [
   ['?', 'this list'],
 ];
 
+// What a closed list of choices in focus needs for itself; letters and digits are the page's.
+const LIST_KEYS = new Set(['ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight', 'Home', 'End', 'PageUp', 'PageDown', 'Enter', ' ']);
+
+// Browsers that know no :open keep the keys of an open list from the page, or cannot be asked.
+function isOpen(list: HTMLSelectElement): boolean {
+  return CSS.supports('selector(:open)') && list.matches(':open');
+}
+
+// A choice made with the mouse is done: the list lets go of the keys. One made with the arrows may go on.
+function letGo(): void {
+  let byKey = false;
+  addEventListener('pointerdown', () => (byKey = false), true);
+  addEventListener('keydown', ({ key }) => (byKey = LIST_KEYS.has(key)), true);
+  addEventListener('change', ({ target }) => {
+    if (target instanceof HTMLSelectElement && !byKey) target.blur();
+  });
+}
+
 export function keys(
   app: App, stage: Stage, looks: Looks, record: RecordPanel,
 ): { help: HTMLElement; toggleHelp: () => void } {
@@ -59,15 +77,18 @@ export function keys(
     z: () => stage.turn(0, 0, 1.1),
     '?': toggleHelp,
   };
+  letGo();
   addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === 'Escape') {
+      if (event.target instanceof HTMLSelectElement && isOpen(event.target)) return; // it closes the list
       if (!help.hidden) toggleHelp();
       else void app.panic();
       return;
     }
     const at = event.target;
-    if (at instanceof HTMLSelectElement || (at instanceof HTMLInputElement && event.key.startsWith('Arrow'))) return;
+    if (at instanceof HTMLSelectElement && (isOpen(at) || LIST_KEYS.has(event.key))) return;
+    if (at instanceof HTMLInputElement && event.key.startsWith('Arrow')) return;
     const digit = /^Digit(\d)$/.exec(event.code);
     if (digit) {
       const style = app.styles()[STYLE_KEYS.indexOf(digit[1]!) + (event.shiftKey ? 10 : 0)];

@@ -18,23 +18,26 @@ class Plot {
   private readonly plot: uPlot;
   private readonly data: (number | null)[][];
   private readonly now = h('output', {});
+  private readonly beyond = h('span', { className: 'beyond', hidden: true });
 
+  /** `cut`: of the first line what is far above the second is cut off, and told as a number. */
   constructor(title: string, lines: Line[], private readonly words: (values: number[]) => string,
-              least: number) {
+              private readonly least: number, private readonly cut?: (most: number) => string) {
     this.data = [[], ...lines.map(() => [])];
-    const box = h('div', { className: 'canvas' });
+    const box = h('div', { className: 'canvas' }, this.beyond);
     const legend = lines.length > 1
       ? h('span', { className: 'legend' }, ...lines.map(({ label, color }) => {
         const mark = h('b', {}, label);
         mark.style.color = color;
         return mark;
       })) : undefined;
-    this.element = h('figure', { className: 'plot' }, h('figcaption', {}, h('span', {}, title), legend, this.now), box);
+    this.element = h('figure', { className: 'plot', title: lines.map(({ label }) => label).join(', ') },
+      h('figcaption', {}, h('span', {}, title), legend, this.now), box);
     const axis = { stroke: '#66758a', font: '10px system-ui', ticks: { show: false } };
     this.plot = new uPlot({
       width: 300, height: 78, cursor: { show: false }, legend: { show: false }, padding: [6, 4, 8, 0],
       scales: { x: { time: false, range: (_u, _min, max) => [max - SECONDS, max] },
-                y: { range: (_u, _min, max) => [0, Math.max(least, max * 1.12)] } },
+                y: { range: () => [0, this.top()] } },
       axes: [{ ...axis, show: false },
              { ...axis, size: 38, splits: (_u, _i, min, max) => [min, (min + max) / 2, max],
                values: (_u, ticks) => ticks.map((tick) => tick >= 1000 ? `${(tick / 1000).toFixed(1)}k` : tick.toFixed(tick < 10 && tick > 0 ? 1 : 0)),
@@ -52,6 +55,9 @@ class Plot {
     values.forEach((value, i) => this.data[i + 1]!.push(value));
     while (this.data[0]!.length > SECONDS + 2) for (const row of this.data) row.shift();
     this.plot.setData(this.data as uPlot.AlignedData);
+    const most = this.most(0);
+    this.beyond.hidden = !this.cut || most <= this.top();
+    if (this.cut) setText(this.beyond, this.cut(most));
     const known = values.every((value) => value !== null);
     setText(this.now, known ? this.words(values as number[]) : 'away');
     this.element.classList.toggle('quiet', !known);
@@ -60,6 +66,14 @@ class Plot {
   clear(): void {
     for (const row of this.data) row.length = 0;
   }
+
+  private most(line: number): number {
+    return Math.max(0, ...this.data[line + 1]!.map((value) => value ?? 0));
+  }
+  private top(): number {
+    const most = this.cut ? 1.2 * this.most(1) : 1.12 * Math.max(...this.data.slice(1).map((_, i) => this.most(i)));
+    return Math.max(this.least, most);
+  }
 }
 
 export function plots(app: App, missed: () => number): HTMLElement {
@@ -67,7 +81,8 @@ export function plots(app: App, missed: () => number): HTMLElement {
     { label: 'max', color: '#5d6b80' },
     { label: 'p99', color: '#7fb4ff' },
     { label: 'p50', color: '#ffb35c' },
-  ], ([, p99, p50]) => `${p50!.toFixed(0)} / ${p99!.toFixed(0)} µs`, 100);
+  ], ([, p99, p50]) => `${p50!.toFixed(0)} / ${p99!.toFixed(0)} µs`, 100,
+  (most) => `max ${most >= 10000 ? `${(most / 1000).toFixed(1)} ms` : `${most.toFixed(0)} µs`}`);
   const rate = new Plot('Frames', [{ label: 'Hz', color: '#6fd6a8', fill: 'rgba(111,214,168,.08)' }],
     ([hz]) => `${hz!.toFixed(1)} Hz`, 30);
   const drops = new Plot('Lost', [

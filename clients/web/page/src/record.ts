@@ -4,7 +4,7 @@ import { bvhText } from './bvh.js';
 import { h, setText } from './dom.js';
 import { Film } from './film.js';
 import { Recorder, type Ended } from './recorder.js';
-import { filledIn, gridOf, posesOn, type Grid, type Take } from './take.js';
+import { causesInWords, causesOf, filledIn, gridOf, posesOn, type Grid, type Take } from './take.js';
 import type { Stage } from './stage.js';
 
 const AT_ONCE_MS = 40; // of writing, then the page gets its turn
@@ -68,9 +68,8 @@ class Result {
                    `${frames} frames at ${Number(rate_hz.toFixed(3))} Hz`];
     const filled = Math.max(source, styled);
     if (filled > 0) {
-      const missed = Math.max(this.take.source.missed, this.take.styled.missed);
-      const whose = missed > 0 ? ` (${missed} did not reach this page)` : ' (lost before the daemon had them)';
-      parts.push(`${filled} of them filled in between their neighbors${whose}`);
+      const why = source > styled ? causesOf(this.grid, 0, this.take.source) : causesOf(this.grid, 1, this.take.styled);
+      parts.push(`${filled} of them filled in between their neighbors (${causesInWords(why)})`);
     }
     return parts.join(', ');
   }
@@ -197,9 +196,9 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     if (on) {
       const missed = recorder.missed;
       setText(badge.lastElementChild!, `${recorder.performer} · ${time}`);
-      setText(line, `${recorder.frames} frames${missed > 0 ? `, ${missed} did not arrive` : ''}`);
-      line.title = missed > 0 ? 'Lost, or passed over by the gateway because this page did not read: they are ' +
-        'filled in between their neighbors' : '';
+      setText(line, `${recorder.frames} frames${missed > 0 ? `, ${missed} did not reach this page` : ''}`);
+      line.title = missed > 0 ? 'By the numbers of the frames that the daemon published: lost behind it, or passed ' +
+        'over because this page did not read. They are filled in between their neighbors' : '';
     } else if (!result && reason) setText(line, `Nothing to record: ${reason}`);
     else if (!result && line.textContent!.startsWith('Nothing to record')) setText(line, '');
   };

@@ -32,7 +32,10 @@ export class Recorder {
   ) {
     client.on('frame', (update) => this.onFrame(update));
     client.on('daemon', ({ up, reason }) => {
-      if (!up) this.end(`the daemon went away${reason ? ` (${reason})` : ''}`);
+      if (up) return;
+      // Without the gateway nothing is known of the daemon.
+      if (client.linkState.kind !== 'open') return this.end('the connection to the gateway, styleweb, broke');
+      this.end(`the daemon went away${reason ? ` (${reason})` : ''}`);
     });
     client.on('stats', (stats) => this.onStats(stats));
   }

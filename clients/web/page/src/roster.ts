@@ -79,8 +79,11 @@ function wardrobe(app: App, stage: Stage): HTMLElement {
     if (!wearer) return app.onMessage('nobody is here to wear it', true);
     app.onMessage(`loading ${chosen.name} …`, false);
     try {
-      wearer.setAvatar(await Avatar.load(chosen));
-      app.onMessage(`${app.selected} wears ${chosen.name}`, false);
+      const avatar = await Avatar.load(chosen);
+      wearer.setAvatar(avatar);
+      const lost = avatar.lostPictures;
+      app.onMessage(`${wearer.name} wears ${chosen.name}` + (lost === 0 ? '' : lost === 1
+        ? '; one of its textures could not be loaded' : `; ${lost} of its textures could not be loaded`), lost > 0);
     } catch (error) {
       app.onMessage((error as Error).message, true);
     }

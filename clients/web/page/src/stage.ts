@@ -19,10 +19,10 @@ import type { StyledClient } from 'styled-client';
 import { clamp, h, setText } from './dom.js';
 import { COARSE, COARSEST, FINE, type Detail } from './figure.js';
 import { PerformerOnStage, type View } from './performer.js';
+import { Sharpness } from './sharpness.js';
 
 const BACKGROUND = 0x0c0f13;
-const WATCHABLE_FPS = 26;
-const LEAST_RATIO = 0.65;
+const SEEN_MS = 3000; // between two looks at the clock; longer, and the page was hidden
 const HOME = new Vector3(0, 1.5, 5.05);
 const TARGET = new Vector3(0, 0.83, 0);
 
@@ -68,6 +68,7 @@ export class Stage {
 
   private readonly renderer: WebGLRenderer;
   private readonly detail: Detail = FINE;
+  private readonly sharpness = new Sharpness(1);
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(34, 1, 0.1, 60);
   private readonly orbit: OrbitControls;
@@ -223,20 +224,20 @@ export class Stage {
     this.drawLabels();
     ++this.pictures;
     ++this.inSecond;
-    if (now_ms - this.second_ms >= 1000) {
-      this.fps = (this.inSecond * 1000) / (now_ms - this.second_ms);
+    const since_ms = now_ms - this.second_ms;
+    if (since_ms >= 1000) {
+      this.fps = (this.inSecond * 1000) / since_ms;
       this.second_ms = now_ms;
       this.inSecond = 0;
-      this.spare();
+      if (since_ms < SEEN_MS) this.spare();
     }
   }
 
-  /** Fewer pixels where the processor draws and cannot keep up: motion counts more than edges. */
+  /** Fewer pixels where the processor draws and cannot keep up, more again when it can. */
   private spare(): void {
-    const ratio = this.renderer.getPixelRatio();
-    if (!this.steady && this.detail === COARSE && this.fps < WATCHABLE_FPS && ratio > LEAST_RATIO) {
-      this.renderer.setPixelRatio(ratio - 0.1);
-    }
+    if (this.steady || this.detail !== COARSE) return;
+    const ratio = this.sharpness.next(this.fps);
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
   }
 
   private drawLabels(): void {

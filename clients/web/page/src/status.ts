@@ -4,6 +4,7 @@ import { h, setText } from './dom.js';
 import type { Stage } from './stage.js';
 
 const MESSAGE_MS = 4000;
+const READ_MS = 60; // a letter
 
 /** What stands in the way, or '' when all is well. `kind`: for the colour of the light. */
 function trouble(app: App): { kind: 'ok' | 'wait' | 'bad'; title: string; text: string } {
@@ -54,9 +55,13 @@ export function toast(app: App): HTMLElement {
     box.classList.toggle('bad', bad);
     box.classList.add('shown');
     clearTimeout(timer);
-    timer = window.setTimeout(() => box.classList.remove('shown'), MESSAGE_MS);
+    timer = window.setTimeout(() => box.classList.remove('shown'), Math.max(MESSAGE_MS, READ_MS * text.length));
   };
-  app.client.on('complaint', (text) => app.onMessage(text, true));
+  app.client.on('complaint', (text, unknown) => {
+    // Whom the daemon lists is silent, as the list says, and not misspelt.
+    if (unknown && app.performers().some(({ performer }) => performer === unknown)) return;
+    app.onMessage(text, true);
+  });
   return box;
 }
 

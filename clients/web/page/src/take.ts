@@ -2,6 +2,7 @@
 import type { Body, Frame } from 'styled-client';
 
 const PIECE = 256; // poses kept in one array
+const MOMENT = 4; // numbers that say when a pose was
 const DISAGREE_S = 0.5; // between two clocks, over one step: the rig's began anew
 const FORGET = 0.9; // of what a pose is early or late, the share that the next one is told
 const SAME_RATE = 4e-4;
@@ -13,14 +14,15 @@ export class Track {
   /** Frames that the daemon published and that did not get here, by their sequence. */
   missed = 0;
   private readonly poses: Float32Array[] = [];
-  private readonly moments: Float64Array[] = []; // 3 of each: sequence, seconds of the rig, of the daemon
+  // MOMENT of each: sequence, seconds of the rig, of the daemon, the rig's own sequence
+  private readonly moments: Float64Array[] = [];
 
   constructor(joints: number) {
     this.width = 3 + 4 * joints;
   }
 
   get bytes(): number {
-    return this.poses.length * PIECE * (4 * this.width + 8 * 3);
+    return this.poses.length * PIECE * (4 * this.width + 8 * MOMENT);
   }
 
   /** False where it is not newer than the last. */
@@ -34,13 +36,14 @@ export class Track {
     const at = this.length % PIECE;
     if (at === 0) {
       this.poses.push(new Float32Array(PIECE * this.width));
-      this.moments.push(new Float64Array(PIECE * 3));
+      this.moments.push(new Float64Array(PIECE * MOMENT));
     }
     const pose = this.poses.at(-1)!;
     pose.set(frame.rootPosition, at * this.width);
     pose.set(frame.rotations, at * this.width + 3);
     const seconds = (ns: bigint) => Number(ns / 1000n) / 1e6;
-    this.moments.at(-1)!.set([sequence, seconds(frame.sourceTimeNs), seconds(frame.receiveTimeNs)], 3 * at);
+    this.moments.at(-1)!.set(
+      [sequence, seconds(frame.sourceTimeNs), seconds(frame.receiveTimeNs), Number(frame.sourceSequence)], MOMENT * at);
     ++this.length;
     return true;
   }
@@ -57,8 +60,11 @@ export class Track {
   daemon_s(i: number): number {
     return this.moment(i, 2);
   }
+  sourceSequence(i: number): number {
+    return this.moment(i, 3);
+  }
   private moment(i: number, which: number): number {
-    return this.moments[Math.floor(i / PIECE)]![3 * (i % PIECE) + which]!;
+    return this.moments[Math.floor(i / PIECE)]![MOMENT * (i % PIECE) + which]!;
   }
 }
 
@@ -149,6 +155,50 @@ export function gridOf(tracks: Track[]): Grid | undefined {
 export function filledIn(grid: Grid, track: number): number {
   const { first, frames } = grid;
   return frames - grid.slots[track]!.filter((slot) => slot >= first && slot < first + frames).length;
+}
+
+/** Of the steps that have no pose, how many by what is known of them. */
+export interface Causes {
+  /** The daemon published them: its sequence has a gap. */
+  unreached: number;
+  /** The rig numbered them, and the daemon published none. */
+  unpublished: number;
+  /** Neither: time passed, and no number is missing. */
+  unnumbered: number;
+}
+
+export function causesOf(grid: Grid, index: number, track: Track): Causes {
+  const slots = grid.slots[index]!;
+  const steps = slots.slice(1).map((_, i) => ({
+    slots: [slots[i]!, slots[i + 1]!] as const,
+    published: track.sequence(i + 1) - track.sequence(i),
+    numbered: track.sourceSequence(i + 1) - track.sourceSequence(i),
+  }));
+  // A rig of several performers may number the frames of all in one row.
+  const each = steps.map(({ published, numbered }) => numbered / published).sort((a, b) => a - b);
+  const usual = each[Math.floor(each.length / 2)] ?? 0;
+  const causes: Causes = { unreached: 0, unpublished: 0, unnumbered: 0 };
+  for (const { slots: [from, to], published, numbered } of steps) {
+    const free = Math.min(to, grid.first + grid.frames) - Math.max(from, grid.first - 1) - 1;
+    if (free <= 0) continue;
+    const unreached = Math.min(free, published - 1);
+    const gone = usual > 0 ? Math.max(0, Math.round(numbered / usual) - published) : 0;
+    const unpublished = Math.min(free - unreached, gone);
+    causes.unreached += unreached;
+    causes.unpublished += unpublished;
+    causes.unnumbered += free - unreached - unpublished;
+  }
+  return causes;
+}
+
+/** `causes` in words; '' where nothing was filled in. */
+export function causesInWords({ unreached, unpublished, unnumbered }: Causes): string {
+  return [
+    unreached && `${unreached} did not reach this page`,
+    unpublished && `${unpublished} never left the daemon: lost on the way from the rig, or passed over because ` +
+      'they came too late',
+    unnumbered && `${unnumbered} where time passed between two frames of the rig in a row`,
+  ].filter((part) => part).join('; ');
 }
 
 // The pose at `share` of the way from a to b: straight for the root, the shorter arc for joints.

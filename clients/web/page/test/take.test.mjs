@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
-import { Track, filledIn, gridOf, posesOn } from './dist/take.js';
+import { Track, causesInWords, causesOf, filledIn, gridOf, posesOn } from './dist/take.js';
 import { makeBody, makeFrame, randomOf, turn } from './support.mjs';
 
 const body = makeBody();
@@ -42,6 +42,36 @@ test('frames that the rig lost leave no gap in the sequence; time tells', () => 
   const grid = gridOf([track]);
   assert.deepEqual([grid.rate_hz, grid.frames, filledIn(grid, 0), track.missed], [60, 200, 2, 0]);
   spread(grid, track).forEach((x, i) => assert.ok(Math.abs(x - i / 60) < 1e-6));
+});
+
+test('why there is no pose: by the numbers of the daemon and of the rig, and by time alone', () => {
+  // A rig of two performers that numbers all of its frames in one row, at 100 Hz.
+  const track = new Track(body.names.length);
+  let sequence = 0;
+  for (const i of range(300)) {
+    if (i === 40 || i === 41) continue; // numbered by the rig, unknown to the daemon
+    const late = i >= 200 ? 3 : 0; // the rig pauses, and counts on
+    ++sequence;
+    if ([100, 101, 102, 103, 296].includes(i)) continue; // published, and not here
+    track.add(makeFrame(body, sequence, {
+      sourceSequence: BigInt(70 + 2 * i), sourceTimeNs: ns((i + late) / 100), receiveTimeNs: ns(5 + (i + late) / 100),
+    }));
+  }
+  const grid = gridOf([track]);
+  const causes = causesOf(grid, 0, track);
+  assert.deepEqual(causes, { unreached: 5, unpublished: 2, unnumbered: 3 });
+  assert.equal(filledIn(grid, 0), 10);
+  assert.match(causesInWords(causes), /^5 did not reach this page; 2 never left the daemon: lost on the way .* too late; 3 where/);
+  // Of what is not in the file nothing is said.
+  const early = { ...grid, frames: 60 };
+  assert.deepEqual(causesOf(early, 0, track), { unreached: 0, unpublished: 2, unnumbered: 0 });
+});
+
+test('without numbers of the rig no cause is made up', () => {
+  const times = range(200).filter((i) => i !== 50 && i !== 51).map((i) => i / 60);
+  const track = trackOf(times.map((time_s, i) => [i, time_s]));
+  assert.deepEqual(causesOf(gridOf([track]), 0, track), { unreached: 0, unpublished: 0, unnumbered: 2 });
+  assert.doesNotMatch(causesInWords({ unreached: 0, unpublished: 0, unnumbered: 2 }), /daemon|page/);
 });
 
 test('a joint is turned on between its neighbors, the short way', () => {
