@@ -1,6 +1,6 @@
 // How many pixels are drawn where the processor draws: motion counts more than edges.
 
-const LEAST = 0.65;
+const LEAST = 0.6;
 const STEP = 0.1;
 const SLOW_FPS = 26; // below it there are fewer at once
 const QUICK_FPS = 40; // above it, for some seconds on end, there are more again

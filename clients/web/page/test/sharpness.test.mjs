@@ -13,7 +13,7 @@ const during = (sharpness, seconds, fps) => {
 test('slow pictures lose pixels at once, down to the least', () => {
   const sharpness = new Sharpness(1);
   assert.ok(Math.abs(sharpness.next(20) - 0.9) < 1e-9);
-  assert.equal(during(sharpness, 20, 5), 0.65);
+  assert.equal(during(sharpness, 20, 5), 0.6);
 });
 
 test('quick pictures get them back, one step in five seconds, up to where it began', () => {
