@@ -16,9 +16,9 @@ namespace styled::rec {
 // The control socket of the daemon that is played to: recorded commands are given again at their
 // places among the datagrams, and a daemon that falls behind is waited for, so that no socket runs
 // over at any speed. What a frame's lateness decides stays a matter of the daemon's clock
-// (`styled --replay` takes the recording's). Both by the daemon's own count of what it received; a source that counts in another
-// way (a rig's translator) is taken to have caught up when the count stands still for 20 ms and
-// some looks.
+// (`styled --replay` takes the recording's). Both by the daemon's own count of what it received; a
+// source that counts in another way (a rig's translator) is taken to have caught up when the count
+// stands still for 20 ms and some looks.
 class Steering final : public Outlet {
  public:
   // Refuses an endpoint that makes no sense, keys that are none, and where nobody answers.

@@ -202,7 +202,8 @@ Outcome Overload(const Effort& effort) {
                  static_cast<unsigned long long>(passed_over), growth_mb, back_s)};
 }
 
-// Sends subscriptions that nobody else has, as fast as they leave, on a thread of its own.
+// Sends subscriptions that nobody else has, 5,000 a second at most (so that somebody can watch what
+// comes of it), on a thread of its own.
 class Flooder {
  public:
   Flooder(const std::string& publish, const support::CurveKeys& keys) {
@@ -235,7 +236,9 @@ class Flooder {
     std::string message(900, '\1');  // below the publisher's limit of 1,024
     while (!stop_) {
       for (std::size_t i = 1; i < message.size(); ++i) message[i] = static_cast<char>(random());
-      if (zmq_send(socket_, message.data(), message.size(), 0) >= 0) ++sent_;
+      if (zmq_send(socket_, message.data(), message.size(), 0) >= 0 && ++sent_ % 50 == 0) {
+        Sleep(0.01);
+      }
     }
   }
   void *context_, *socket_;
@@ -305,9 +308,7 @@ Outcome Flood(const Effort& effort) {
   const support::Subscriber good(again, {"styled/"}, key);
   const bool back = good.WaitForFrames(10);
   return {
-      strangers == 0 && strangers_mb < 16 && counted > 0 &&
-          largest < before + kMemoryMax + (16U << 20U) && back,
-      ready_s <= 1,
+      strangers == 0 && strangers_mb < 16 && counted > 0 && largest <= most && back, ready_s <= 1,
       Format("without a key: 0 of its subscriptions came in (%llu), RSS %+.1f MB; with one: %llu "
              "sent, %llu counted as refused, ended at %.0f MB by the limit, ready again after "
              "%.2f s",

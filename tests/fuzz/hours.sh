@@ -4,7 +4,8 @@
 # MINUTES of each target, JOBS at once. What was found interesting stays in build/fuzz/corpus, so
 # that the next run goes on from there; build/fuzz/hours.tsv keeps every run: when, target, seconds,
 # inputs, coverage, exit code. Ends with a table of all runs so far. Exit code 1 where an input was
-# found that fails: it lies in build/fuzz/found/TARGET, and the log beside it says why.
+# found that fails: it lies in build/fuzz/found/TARGET, and the log beside it says why. STYLED_CMAKE:
+# more options for CMake.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 minutes=${1:-10} jobs=${2:-1}
