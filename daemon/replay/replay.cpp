@@ -272,22 +272,27 @@ std::map<std::string, std::string> FirstSenders(recording::Reader& reader, std::
 }
 
 std::string Counts(const runtime::Counters& counters) {
-  using runtime::Counter;
   std::string text;
-  for (int i = 0; i < static_cast<int>(Counter::kCount); ++i) {
-    const auto counter = static_cast<Counter>(i);
-    const std::string name(runtime::Name(counter));
-    const bool of_motion = name.starts_with("source.") || name.starts_with("pipeline.") ||
-                           name.starts_with("stylist.");
+  for (int i = 0; i < static_cast<int>(runtime::Counter::kCount); ++i) {
+    const auto counter = static_cast<runtime::Counter>(i);
     const std::uint64_t value = counters.Get(counter);
-    const bool of_machine =
-        counter == Counter::kPipelineLongestCycleUs || counter == Counter::kPipelineOverBudget;
-    if (of_motion && !of_machine && value != 0) text += " " + name + "=" + std::to_string(value);
+    if (!IsOfTheMotion(counter) || value == 0) continue;
+    text += " " + std::string(runtime::Name(counter)) + "=" + std::to_string(value);
   }
   return text;
 }
 
 }  // namespace
+
+bool IsOfTheMotion(runtime::Counter counter) {
+  using runtime::Counter;
+  if (counter == Counter::kPipelineLongestCycleUs || counter == Counter::kPipelineOverBudget) {
+    return false;
+  }
+  const std::string_view name = runtime::Name(counter);
+  return name.starts_with("source.") || name.starts_with("pipeline.") ||
+         name.starts_with("stylist.");
+}
 
 Result<config::Config> ConfigOf(const recording::Reader& reader,
                                 const std::vector<config::Override>& overrides) {
@@ -304,6 +309,11 @@ Status Replay(recording::Reader& reader, const config::Config& config,
               runtime::Counters& counters, const Sink& sink) {
   reader.Rewind();
   const auto senders = FirstSenders(reader, config.sources.size());
+  if (senders.empty()) {
+    return Status::Error(reader.name() +
+                         ": found nothing that arrived from a rig, expected a recording of the "
+                         "daemon ([record]) or of stylerec receive");
+  }
   Player player(config, std::move(live), options, senders, counters, sink);
   reader.Rewind();
   recording::Record record;

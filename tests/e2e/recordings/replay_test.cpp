@@ -153,6 +153,14 @@ TEST_F(ReplayTest, SaysWhatIsWrong) {
   EXPECT_NE(said_.find("--replay-to"), std::string::npos) << said_;
   EXPECT_EQ(Styled({"--replay", folder_ / "none.styrec", "--replay-to", out}), 2);
   EXPECT_NE(said_.find(folder_ / "none.styrec"), std::string::npos) << said_;
+  const std::string published = RecordPublished("", "1");
+  WriteText(folder_ / "one.toml",
+            "[[source]]\nname = \"rig\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n");
+  EXPECT_EQ(Styled({"--replay", published, "--replay-to", out, "--config", folder_ / "one.toml",
+                    "--weights", weights_}),
+            1);
+  EXPECT_NE(said_.find(published + ": found nothing that arrived from a rig"), std::string::npos)
+      << said_;
   WriteText(folder_ / "other.toml",
             "[[source]]\nname = \"other\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n");
   EXPECT_EQ(Styled({"--replay", take_, "--replay-to", out, "--config", folder_ / "other.toml",

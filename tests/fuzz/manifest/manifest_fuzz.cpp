@@ -10,6 +10,7 @@
 #include <string>
 
 #include "model/clip/manifest.h"
+#include "tests/support/temporary_folder.h"
 
 namespace {
 
@@ -20,12 +21,9 @@ void Require(bool condition) {
   if (!condition) std::abort();
 }
 
-// Removed at the end; patterns look at names alone.
+// Patterns look at names alone.
 struct Folder {
   Folder() {
-    std::string pattern = (fs::temp_directory_path() / "manifest_fuzz.XXXXXX").string();
-    Require(mkdtemp(pattern.data()) != nullptr);
-    path = pattern;
     for (const char* const name :
          {"bandai-2-train/dataset-2_walk_normal_001.bvh",
           "bandai-2-train/dataset-2_walk_active_001.bvh",
@@ -33,15 +31,11 @@ struct Folder {
           "bandai-2-train/dataset-2_run_feminine_001.bvh",
           "bandai-2-val/dataset-2_walk_normal_001.bvh", "bandai-1/dataset-1_run_normal_001.bvh",
           "bandai-1/dataset-1_bow_happy_001.bvh", "a.bvh"}) {
-      fs::create_directories((path / name).parent_path());
-      std::ofstream(path / name) << "HIERARCHY\n";
+      fs::create_directories((place.path() / name).parent_path());
+      std::ofstream(place.path() / name) << "HIERARCHY\n";
     }
   }
-  ~Folder() {
-    std::error_code error;
-    fs::remove_all(path, error);
-  }
-  fs::path path;
+  support::TemporaryFolder place;
 };
 
 }  // namespace
@@ -52,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const std::string file = "/proc/self/fd/" + std::to_string(fd);
   Require(ftruncate(fd, 0) == 0);
   Require(pwrite(fd, data, size, 0) == static_cast<ssize_t>(size));
-  const auto loaded = clip::LoadManifest(file, folder.path);
+  const auto loaded = clip::LoadManifest(file, folder.place.path());
   if (!loaded.ok()) {
     Require(loaded.status().message().find(file) != std::string::npos);
     return 0;
