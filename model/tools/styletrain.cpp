@@ -105,13 +105,16 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->needs(validation);
   CLI::App* add =
-      app.add_subcommand("add-style", "Teach trained weights one more style")->fallthrough();
+      app.add_subcommand("add-style", "Teach trained weights more styles")->fallthrough();
   add->footer(
       "styletrain add-style --name NAME --init WEIGHTS --manifest M.toml --data DIR --out RUN\n"
       "The manifest has the neutral style and NAME. All that WEIGHTS has is frozen and comes out\n"
       "bit for bit; all other options of styletrain hold, --per-style is 12.");
-  add->add_option("--name", config.add_style, "The new style, as the manifest names it")
+  add->add_option("--name", config.add_styles,
+                  "The new style, as the manifest names it; repeatable")
       ->required();
+  add->add_flag("--replace", config.replace,
+                "NAME may be a style of WEIGHTS: it is learned anew, from where it is");
   CLI11_PARSE(app, argc, argv);
   if (add->parsed() && config.init.empty()) {  // before judges are trained for nothing
     std::cerr << "styletrain: add-style: --init is needed, the weights to add to\n";

@@ -241,28 +241,44 @@ Result<LoadedWeights> ReadWeights(const std::filesystem::path& file) {
   }
 }
 
-std::unique_ptr<Generator> AppendStyle(const Generator& base, const Generator& two,
-                                       const Tensor& mean, const Tensor& deviation) {
+std::unique_ptr<Generator> WithStyles(const Generator& base, const Generator& few,
+                                      const std::vector<int64_t>& places, const Tensor& mean,
+                                      const Tensor& deviation) {
   const torch::NoGradGuard no_grad;
   GeneratorShape shape = base.shape;
-  ++shape.styles;
+  for (const int64_t place : places) shape.styles = std::max(shape.styles, place + 1);
   auto out = std::make_unique<Generator>(shape, mean, deviation);
-  for (const auto& [name, tensor] : out->parameters.named()) {
-    Tensor value = base.parameters.Find(name).detach();
-    const Tensor added = two.parameters.Find(name).detach();
-    if (name.starts_with("branches.")) value = torch::cat({value, added}, 0);
-    if (name == "encoder.0.weight" || name == "decoder.0.weight") {
-      value = torch::cat({value, added.narrow(1, added.size(1) - 1, 1)}, 1);
+  // Rows of branches, or columns of style inputs (neutral has one): base's, then few's over them.
+  const auto set = [&](const Tensor& tensor, int dimension, int64_t first, const Tensor& own,
+                       const Tensor& of_few, int64_t first_of_few) {
+    tensor.narrow(dimension, 0, own.size(dimension)).copy_(own);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      tensor.select(dimension, first + places[i])
+          .copy_(of_few.select(dimension, first_of_few + 1 + static_cast<int64_t>(i)));
     }
-    tensor.copy_(value);
+  };
+  for (const auto& [name, tensor] : out->parameters.named()) {
+    const Tensor own = base.parameters.Find(name).detach();
+    const Tensor of_few = few.parameters.Find(name).detach();
+    if (name.starts_with("branches.")) {
+      set(tensor, 0, -1, own, of_few, -1);
+    } else if (name == "encoder.0.weight" || name == "decoder.0.weight") {
+      const int64_t plain = own.size(1) - base.shape.styles;
+      set(tensor, 1, plain, own, of_few, plain);
+    } else {
+      tensor.copy_(own);
+    }
   }
   return out;
 }
 
-std::string AppendStyle(const std::string& base, const std::string& name,
-                        const std::vector<std::string>& aliases, const std::string& training) {
+std::string WithStyles(const std::string& base, const std::vector<clip::ManifestStyle>& styles,
+                       const std::vector<int64_t>& places, const std::string& training) {
   Json json = Json::parse(base);
-  json["styles"].push_back(Json{{"name", name}, {"aliases", aliases}});
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    json["styles"][static_cast<std::size_t>(places[i])] =
+        Json{{"name", styles[i].name}, {"aliases", styles[i].aliases}};
+  }
   Json& how = json["training"];
   if (!how.is_object()) how = Json::object();
   how["added"].push_back(Json::parse(training));

@@ -11,6 +11,7 @@
 
 #include "model/base/status.h"
 #include "model/body/features.h"
+#include "model/clip/manifest.h"
 #include "model/train/networks.h"
 
 namespace styled::train {
@@ -56,13 +57,15 @@ struct LoadedWeights {
 };
 Result<LoadedWeights> ReadWeights(const std::filesystem::path& file);
 
-// `base` with one more style behind its own, that of a network of neutral and this style alone
-// whose other parameters are base's: the new branch and the new columns of the style inputs. What
-// base had is copied bit for bit.
-std::unique_ptr<Generator> AppendStyle(const Generator& base, const Generator& two,
-                                       const torch::Tensor& mean, const torch::Tensor& deviation);
-// The metadata for it: the style is added, `training` goes under "added" into how it was trained.
-std::string AppendStyle(const std::string& base, const std::string& name,
-                        const std::vector<std::string>& aliases, const std::string& training);
+// `base` with the styles of `few`, a network whose other parameters are base's: their branches and
+// columns of the style inputs. `places`: where each of few's styles but neutral goes, one of base's
+// own or behind them. The rest of base is copied bit for bit.
+std::unique_ptr<Generator> WithStyles(const Generator& base, const Generator& few,
+                                      const std::vector<int64_t>& places, const torch::Tensor& mean,
+                                      const torch::Tensor& deviation);
+// The metadata for it: `styles`, names and aliases, at `places`; `training` goes under "added" into
+// how base was trained.
+std::string WithStyles(const std::string& base, const std::vector<clip::ManifestStyle>& styles,
+                       const std::vector<int64_t>& places, const std::string& training);
 
 }  // namespace styled::train

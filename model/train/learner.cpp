@@ -108,7 +108,7 @@ Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
   target_one_hot_ = torch::one_hot(target_, styles).to(torch::kFloat32);
   styled_ = (own_ > 0).to(torch::kFloat32).view({1, -1, 1});
 
-  if (!config.add_style.empty()) FreezeAllButTheNewStyle();
+  if (!config.add_styles.empty()) FreezeAllButTheStyles();
   if (!config.learned_states) StartFromZeros();
 
   torch::NoGradGuard no_grad;

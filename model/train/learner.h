@@ -83,7 +83,7 @@ class Learner {
   Batch MakeBatch(const std::vector<Sampler::Window>& windows) const;
   torch::Tensor Spoil(const torch::Tensor& u) const;
   std::vector<int64_t> NearestStyles(const Generator& from) const;
-  void FreezeAllButTheNewStyle();
+  void FreezeAllButTheStyles();
   void StartFromZeros();
   StackState Start(const Stack& stack, const StackState& carried, const torch::Tensor& mask) const;
   torch::Tensor Judged(const torch::Tensor& positions, const torch::Tensor& velocities) const;

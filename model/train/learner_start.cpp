@@ -77,8 +77,8 @@ Status Learner::Adopt(const LoadedWeights& weights) {
   return Status::Ok();
 }
 
-// The one branch, and its columns of the style inputs of encoder and decoder.
-void Learner::FreezeAllButTheNewStyle() {
+// The branches, and their columns of the style inputs of encoder and decoder.
+void Learner::FreezeAllButTheStyles() {
   const torch::NoGradGuard no_grad;
   trained_ = torch::zeros_like(generator_.parameters.flat());
   for (const auto& [name, tensor] : generator_.parameters.named()) {
@@ -86,7 +86,8 @@ void Learner::FreezeAllButTheNewStyle() {
         trained_.narrow(0, tensor.storage_offset(), tensor.numel()).view(tensor.sizes());
     if (name.starts_with("branches.")) mask.fill_(1);
     if (name == "encoder.0.weight" || name == "decoder.0.weight") {
-      mask.select(1, mask.size(1) - 1).fill_(1);
+      const int64_t added = generator_.shape.styles - 1;
+      mask.narrow(1, mask.size(1) - added, added).fill_(1);
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/body/features.h"
+#include "model/erd/network.h"
 #include "model/train/lstm.h"
 
 namespace styled::train {
@@ -111,7 +112,8 @@ Generator::Generator(const GeneratorShape& shape_, const Tensor& mean, const Ten
 
 Tensor Generator::Encode(const Tensor& u, const Tensor& styles) const {
   const Tensor one_hot = torch::one_hot(styles, shape.styles).to(u.dtype());
-  Tensor x = torch::cat({u, one_hot.unsqueeze(0).expand({u.size(0), -1, -1})}, 2);
+  const Tensor known = u.clamp(-erd::kMaxStandardized, erd::kMaxStandardized);
+  Tensor x = torch::cat({known, one_hot.unsqueeze(0).expand({u.size(0), -1, -1})}, 2);
   for (std::size_t i = 0; i < encoder_.size(); ++i) {
     x = encoder_[i](x);
     if (i + 1 < encoder_.size()) x = torch::relu(x);

@@ -36,24 +36,41 @@ void AppendRow(const std::filesystem::path& file, const std::string& header,
   out << row << '\n';
 }
 
-// What --add-style needs: weights that lack the style, and a manifest of neutral and it.
-Status CheckAddStyle(const TrainConfig& config, const clip::Manifest& manifest,
-                     const LoadedWeights& init) {
-  std::string found;
+// What add-style needs: a manifest of neutral and the styles, and weights that lack them or whose
+// own are replaced. The places that the manifest's styles but neutral will have in the weights.
+Result<std::vector<int64_t>> PlacesOfAdded(const TrainConfig& config,
+                                           const clip::Manifest& manifest,
+                                           const LoadedWeights& init) {
+  std::string found, wanted;
   for (const clip::ManifestStyle& style : manifest.styles) found += " \"" + style.name + "\"";
-  if (manifest.styles.size() != 2 || manifest.styles[1].name != config.add_style) {
+  for (const std::string& name : config.add_styles) wanted += " and \"" + name + "\"";
+  bool same = manifest.styles.size() == config.add_styles.size() + 1;
+  for (std::size_t i = 1; same && i < manifest.styles.size(); ++i) {
+    same = std::count(config.add_styles.begin(), config.add_styles.end(),
+                      manifest.styles[i].name) == 1;
+  }
+  if (!same) {
     return Status::Error(config.manifest.string() + ": styles: found" + found +
-                         ", expected the neutral style and \"" + config.add_style + "\"");
+                         ", expected the neutral style" + wanted);
   }
-  if (std::find(init.styles.begin(), init.styles.end(), config.add_style) != init.styles.end()) {
-    return Status::Error("add-style: " + config.init.string() + " already has a style \"" +
-                         config.add_style + "\"");
+  std::vector<int64_t> places;
+  auto behind = static_cast<int64_t>(init.styles.size());
+  for (std::size_t i = 1; i < manifest.styles.size(); ++i) {
+    const std::string& name = manifest.styles[i].name;
+    const auto own = std::find(init.styles.begin(), init.styles.end(), name);
+    if (own != init.styles.end() && !config.replace) {
+      return Status::Error("add-style: " + config.init.string() + " already has a style \"" + name +
+                           "\"; --replace learns it anew");
+    }
+    places.push_back(own != init.styles.end() ? own - init.styles.begin() : behind++);
   }
-  if (init.styles.size() >= erd::kMaxStyles) {
-    return Status::Error("add-style: " + config.init.string() + " already has " +
-                         std::to_string(init.styles.size()) + " styles, the most there can be");
+  if (behind > static_cast<int64_t>(erd::kMaxStyles)) {
+    return Status::Error("add-style: " + config.init.string() + " has " +
+                         std::to_string(init.styles.size()) + " styles and would have " +
+                         std::to_string(behind) + ", more than the " +
+                         std::to_string(erd::kMaxStyles) + " there can be");
   }
-  return Status::Ok();
+  return places;
 }
 
 // A run: a learner with a clock, a log and a folder.
@@ -62,11 +79,13 @@ class Trainer {
   Trainer(const TrainConfig& config, const clip::Manifest& manifest,
           const std::vector<TrainingClip>& clips, const std::vector<TrainingClip>& validation,
           const FeatureStatistics& statistics, const body::FeatureParameters& parameters,
-          const LoadedWeights* init, const Validate& validate, const torch::Device& device)
+          const LoadedWeights* init, std::vector<int64_t> places, const Validate& validate,
+          const torch::Device& device)
       : config_(config),
         validate_(validate),
         manifest_(manifest),
         init_(init),
+        places_(std::move(places)),
         learner_(config, manifest, clips, statistics, parameters, device),
         monitor_(validation, static_cast<int>(manifest.styles.size()),
                  static_cast<int>(manifest.contents.size()), parameters, learner_.mean(),
@@ -92,6 +111,7 @@ class Trainer {
   const Validate& validate_;
   const clip::Manifest& manifest_;
   const LoadedWeights* const init_;
+  const std::vector<int64_t> places_;  // of added styles in the weights
   Learner learner_;
   Monitor monitor_;
   double best_score_ = -std::numeric_limits<double>::infinity();
@@ -156,8 +176,10 @@ std::string Trainer::Metadata() const {
       {"iterations", learner_.iteration()},
       {"wall_time_s",
        std::round(Elapsed())}}.dump();
-  if (!config_.add_style.empty()) {
-    return AppendStyle(init_->metadata, config_.add_style, manifest_.styles[1].aliases, training);
+  if (!places_.empty()) {
+    const std::vector<clip::ManifestStyle> added(manifest_.styles.begin() + 1,
+                                                 manifest_.styles.end());
+    return WithStyles(init_->metadata, added, places_, training);
   }
   WeightsMetadata metadata;
   for (const clip::ManifestStyle& style : manifest_.styles) {
@@ -173,12 +195,12 @@ std::string Trainer::Metadata() const {
 Status Trainer::Save() {
   Checkpoint checkpoint;
   learner_.Save(checkpoint);
-  std::unique_ptr<Generator> appended;
-  if (!config_.add_style.empty()) {
-    appended =
-        AppendStyle(*init_->generator, learner_.average(), learner_.mean(), learner_.deviation());
+  std::unique_ptr<Generator> all;
+  if (!places_.empty()) {
+    all = WithStyles(*init_->generator, learner_.average(), places_, learner_.mean(),
+                     learner_.deviation());
   }
-  const Generator& weights = appended ? *appended : learner_.average();
+  const Generator& weights = all ? *all : learner_.average();
   checkpoint.tensors["weights"] = weights.parameters.flat();  // what is exported
   checkpoint.tensors["best"] =
       torch::tensor({best_score_, static_cast<double>(without_better_)}, torch::kFloat64);
@@ -350,10 +372,12 @@ Status Train(const TrainConfig& config, const Validate& validate) {
   std::cout << clips.value().size() << " training clips, " << validation.value().size()
             << " validation clips, " << SecondsSince(begin) << " s" << std::endl;
 
-  if (!config.add_style.empty()) {
+  std::vector<int64_t> places;
+  if (!config.add_styles.empty()) {
     if (!init) return Status::Error("add-style: give --init, the weights to add to");
-    const Status fits = CheckAddStyle(config, manifest.value(), *init);
-    if (!fits.ok()) return fits;
+    Result<std::vector<int64_t>> fits = PlacesOfAdded(config, manifest.value(), *init);
+    if (!fits.ok()) return fits.status();
+    places = std::move(fits.value());
   }
 
   // 3. Train.
@@ -361,7 +385,7 @@ Status Train(const TrainConfig& config, const Validate& validate) {
     at::set_num_threads(config.threads);
     torch::manual_seed(config.seed);
     Trainer trainer(config, manifest.value(), clips.value(), validation.value(), statistics,
-                    parameters, init ? &*init : nullptr, validate,
+                    parameters, init ? &*init : nullptr, std::move(places), validate,
                     cuda ? torch::Device(torch::kCUDA) : torch::Device(torch::kCPU));
     return trainer.Run();
   } catch (const std::exception& failure) {

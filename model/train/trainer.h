@@ -16,12 +16,13 @@ namespace styled::train {
 struct TrainConfig {
   std::filesystem::path manifest, data, out;
   std::filesystem::path init;  // weights to start from (a .safetensors file); empty: random ones
-  // The name of one style that is added to `init`, everything else frozen (the paper's future work,
-  // C.1). The manifest then has neutral and this style alone; the weights that are written have all
-  // of init's styles, bit for bit, and it.
-  std::string add_style;
-  std::string command;  // recorded in the weights' metadata
-  double minutes = 0;   // length of the run in wall time, over all resumes; 0: by iterations
+  // The names of styles that are added to `init`, everything else frozen (the paper's future work,
+  // C.1). The manifest then has neutral and these styles alone; the weights that are written have
+  // all of init's other styles, bit for bit, and them.
+  std::vector<std::string> add_styles;
+  bool replace = false;  // they may be among init's, and are learned anew from there
+  std::string command;   // recorded in the weights' metadata
+  double minutes = 0;    // length of the run in wall time, over all resumes; 0: by iterations
   int64_t iterations = 0;
   int64_t stop_at = 0;  // end this session at that iteration, the run's length unchanged; 0: no
   uint64_t seed = 1;

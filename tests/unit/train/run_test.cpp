@@ -224,7 +224,7 @@ TEST_F(Run, AnAddedStyleLearnsAndTheOthersStayBitForBit) {
   TrainConfig config = Config("added");
   config.manifest = WithNewStyle(root_, false);
   config.init = root_ / "first" / "weights.safetensors";
-  config.add_style = "new";
+  config.add_styles = {"new"};
   Check(Train(config));
   const std::filesystem::path file = root_ / "added.safetensors";
   Check(ExportRun(root_ / "added", file));
@@ -240,11 +240,35 @@ TEST_F(Run, AnAddedStyleLearnsAndTheOthersStayBitForBit) {
   // What cannot be: a style that is there, a manifest of other styles, nothing to add to.
   config.resume = false;
   config.init = file;
-  EXPECT_THAT(Train(config).message(), testing::HasSubstr("already has a style \"new\""));
+  EXPECT_THAT(Train(config).message(),
+              testing::HasSubstr("already has a style \"new\"; --replace learns it anew"));
   config.manifest = root_ / "manifest.toml";
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("found \"neutral\" \"odd\", expected"));
   config.init.clear();
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("give --init"));
+}
+
+TEST_F(Run, AStyleIsLearnedAnewInItsPlaceAndTheOthersStayBitForBit) {
+  Check(Train(Config("first")));
+  TrainConfig config = Config("added");
+  config.manifest = WithNewStyle(root_, false);
+  config.init = root_ / "first" / "weights.safetensors";
+  config.add_styles = {"new"};
+  Check(Train(config));
+
+  TrainConfig again = Config("again");  // the manifest of neutral and "odd" alone
+  again.init = root_ / "added" / "weights.safetensors";
+  again.add_styles = {"odd"};
+  again.replace = true;
+  Check(Train(again));
+  const std::filesystem::path file = root_ / "again" / "weights.safetensors";
+  EXPECT_EQ(Styled(again.init, "new"), Styled(file, "new"));
+  EXPECT_NE(Styled(again.init, "odd"), Styled(file, "odd"));
+  auto before = erd::Network::Load(again.init);
+  auto after = erd::Network::Load(file);
+  ASSERT_TRUE(before.ok() && after.ok());
+  EXPECT_EQ(after.value()->style_count(), before.value()->style_count());
+  EXPECT_EQ(after.value()->FindStyle("odd"), before.value()->FindStyle("odd"));
 }
 
 TEST_F(Run, ValidationKeepsTheBestAndEndsARunThatGetsNoBetter) {
