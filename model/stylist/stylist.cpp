@@ -18,9 +18,13 @@ using body::Pose;
 using body::Quat;
 using body::Vec3;
 
-constexpr float kNothing_m = 2e-4F;  // a shift below a fifth of a millimetre is none
-constexpr double kGapFactor = 1.5;   // of the usual time between frames
-constexpr float kFeetFull = 0.25F;   // weight of style from which on feet are held in full
+constexpr float kNothing_m = 2e-4F;        // a shift below a fifth of a millimetre is none
+constexpr double kGapFactor = 1.5;         // of the usual time between frames
+constexpr float kUnsureBegin_rad = 0.12F;  // reconstruction from which on the delay grows
+constexpr float kUnsureSpan_rad = 0.4F;    // ... until it is longer by
+constexpr float kUnsureDelay = 2.0F;       // ... so many times itself
+constexpr float kUnsure_s = 0.1F;          // smoothing of that
+constexpr float kFeetFull = 0.25F;         // weight of style from which on feet are held in full
 
 float DecayShare(double dt_s, float tau_s) {
   return tau_s <= 0 ? 1.0F : 1.0F - std::exp(-static_cast<float>(dt_s) / tau_s);
@@ -50,6 +54,7 @@ struct Stylist::Impl {
   bool NextStep(const Pose& input, Step& step) noexcept;
   void Finish(Output& out) noexcept;
   void TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept;
+  float Delay() noexcept;
   void FollowChange(const Pose& input) noexcept;
   void Apply(const Pose& input, Pose& styled) const noexcept;
   void Ground(Output& out) noexcept;
@@ -76,6 +81,7 @@ struct Stylist::Impl {
   Change fade_from = Change::Zero();  // what was applied when the state was restarted
   float restart_fade = 1.0F;          // 0 at a restart, 1 when it is over
   bool filter_started = false;
+  float unsure_rad = 0;  // reconstruction_rad, smoothed
 
   Pose last_input;
   std::int64_t last_ns = 0;
@@ -288,7 +294,7 @@ void Stylist::Impl::Restart() noexcept {
   fade_from = change;
   restart_fade = started ? 0.0F : 1.0F;
   filter_started = false;
-  reconstruction_rad = 0;
+  unsure_rad = reconstruction_rad = 0;
 }
 
 // Jumps, gaps and changes of rate.
@@ -336,6 +342,15 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
   reconstruction_rad = std::sqrt(error2 / static_cast<float>(kJointCount));
 }
 
+// The low-pass's delay. It is longer on poses and rigs that the network reconstructs badly: there
+// small motions of the performer make large ones of the change.
+float Stylist::Impl::Delay() noexcept {
+  const float share = filter_started ? DecayShare(dt_s, kUnsure_s) : 1.0F;
+  unsure_rad += (reconstruction_rad - unsure_rad) * share;
+  const float unsure = SmoothStep((unsure_rad - kUnsureBegin_rad) / kUnsureSpan_rad);
+  return options.change_tau_s * (1 + kUnsureDelay * unsure);
+}
+
 // Low-passes the change. The mean over the interleaved states is a box filter over one period of
 // the network, whose notch lies on the ripple that their disagreement makes; a Butterworth filter
 // follows.
@@ -362,7 +377,8 @@ void Stylist::Impl::FollowChange(const Pose& input) noexcept {
   upright = 1.0F - SmoothStep((tilt_rad - options.tilt_begin_rad) / to_lying);
 
   const bool first = !filter_started;
-  low_pass.Follow(target, first ? 0 : dt_s, first ? 0 : options.change_tau_s);
+  const float delay_s = Delay();
+  low_pass.Follow(target, first ? 0 : dt_s, first ? 0 : delay_s);
   filter_started = true;
   if (mixer.empty()) low_pass.SettleAtZero();
   change = low_pass.value();

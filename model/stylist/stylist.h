@@ -54,7 +54,7 @@ struct Options {
   float tilt_begin_rad = 0.9F;  // hips' tilt off upright where it begins to, too: who falls, lies
   float tilt_end_rad = 1.3F;    // ... and where it is gone, at once
   bool ground = true;           // lowest foot as high as the input's
-  float ground_tau_s = 0.03F;   // smoothing of the vertical shift that this takes; 0 = none
+  float ground_tau_s = 0.05F;   // smoothing of the vertical shift that this takes; 0 = none
   bool feet = true;             // feet that the performer plants are held where they are
   feet::Options feet_options;   // how; must pass feet::Validate
   bool bypass = true;           // false: without style too, every pose goes through bind and unbind

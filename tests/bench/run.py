@@ -63,11 +63,17 @@ def steps():
         f'{hot / us("MultiplyWeights/styles:1"):.2f}', None)
     at_most('512 performers together, to one by one',
             us('Crowd<true>/performers:512') / us('Crowd<false>/performers:512'), 0.6)
-    paced = {key: next(b for name, b in medians.items() if name.startswith(f'Paced<{key}>'))
-             for key in ('true', 'false')}
-    at_most('step, at 120 Hz with prewarm, to hot', paced['true']['p50_us'] / hot, 1.5,
-            note=f' (without: {paced["false"]["p50_us"] / hot:.2f}; the prewarm itself takes '
-                 f'{paced["true"]["prewarm_p50_us"]:.0f} us)')
+
+    def paced(before_us, polled):
+        start = f'Paced/before_us:{before_us}/polled:{polled}/'
+        return next(b for name, b in medians.items() if name.startswith(start))
+
+    cold = paced(0, 0)['p50_us'] / hot
+    for before_us, polled in ((250, 1), (50, 0), (100, 0), (250, 0)):
+        found = paced(before_us, polled)
+        at_most(f'step, at 120 Hz, prewarmed {before_us} us before, then {"polled" if polled else "slept"}, '
+                'to hot', found['p50_us'] / hot, 1.5,
+                note=f' (without: {cold:.2f}; the prewarm itself takes {found["prewarm_p50_us"]:.0f} us)')
 
 
 def wire(name, performers, subscribers, variants, rounds=None, seconds=None):

@@ -1,6 +1,7 @@
 // One step of the network, and the same in plain Eigen: hot, and after 8 MB of other work has gone
 // through the caches, which is how a step at 120 Hz finds them. Never asserted by wall time.
 #include <benchmark/benchmark.h>
+#include <sys/prctl.h>
 
 #include <algorithm>
 #include <chrono>
@@ -110,12 +111,15 @@ void MultiplyWeights(benchmark::State& state) {
   }
 }
 
-// At 120 Hz, the process asleep in between; the step is made once for nothing shortly before it is
-// due where Prewarmed, as the pipeline does it.
-template <bool Prewarmed>
+// At 120 Hz, the process asleep in between. As the pipeline prewarms, the step is made once for
+// nothing so many microseconds before it is due (0: not at all), and what is left of them is slept,
+// as a blocking loop does, or polled away, as a hybrid one does.
 void Paced(benchmark::State& state) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::nanoseconds kPeriod{1'000'000'000 / 120}, kBefore{300'000};
+  constexpr std::chrono::nanoseconds kPeriod{1'000'000'000 / 120};
+  const std::chrono::microseconds before{state.range(0)};
+  const bool polled = state.range(1) != 0;
+  prctl(PR_SET_TIMERSLACK, 1UL);  // as the pipeline's thread
   OurRun run(1);
   State scratch;
   StepOutput nothing;
@@ -126,13 +130,15 @@ void Paced(benchmark::State& state) {
   };
   for (auto _ : state) {
     due += kPeriod;
-    if constexpr (Prewarmed) {
-      std::this_thread::sleep_until(due - kBefore);
+    if (before.count() > 0) {
+      std::this_thread::sleep_until(due - before);
       const auto begin = Clock::now();
       scratch = run.state;
       run.network->Step(run.frames.front(), 0, run.active, scratch, nothing);
       benchmark::DoNotOptimize(nothing);
       prewarm_us.push_back(since_us(begin));
+    }
+    while (polled && Clock::now() < due) {
     }
     std::this_thread::sleep_until(due);
     const auto begin = Clock::now();
@@ -148,7 +154,7 @@ void Paced(benchmark::State& state) {
   };
   state.counters["p50_us"] = median(times_us);
   state.counters["p99_us"] = times_us[times_us.size() * 99 / 100];
-  if (Prewarmed) state.counters["prewarm_p50_us"] = median(prewarm_us);
+  if (!prewarm_us.empty()) state.counters["prewarm_p50_us"] = median(prewarm_us);
 }
 
 // So many performers, each as OurRun; per performer.
@@ -187,8 +193,16 @@ BENCHMARK(Crowd<false>)->ArgName("performers")->Arg(8)->Arg(64)->Arg(512);
 BENCHMARK(Crowd<true>)->ArgName("performers")->Arg(8)->Arg(64)->Arg(512);
 BENCHMARK(Cold<OurRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
 BENCHMARK(Cold<PlainRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
-BENCHMARK(Paced<false>)->UseManualTime()->Iterations(480)->Unit(benchmark::kMicrosecond);
-BENCHMARK(Paced<true>)->UseManualTime()->Iterations(480)->Unit(benchmark::kMicrosecond);
+BENCHMARK(Paced)
+    ->ArgNames({"before_us", "polled"})
+    ->Args({0, 0})
+    ->Args({50, 0})
+    ->Args({100, 0})
+    ->Args({250, 0})
+    ->Args({250, 1})
+    ->UseManualTime()
+    ->Iterations(480)
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace styled::erd

@@ -38,7 +38,8 @@ class Reference {
 
     Doubles u;
     for (int i = 0; i < 211; ++i) {
-      u.push_back((x[i] - Value("feature.mean", i)) / Value("feature.deviation", i));
+      const double scaled = (x[i] - Value("feature.mean", i)) / Value("feature.deviation", i);
+      u.push_back(std::clamp(scaled, -4.0, 4.0));
     }
     for (int s = 0; s < style_count_; ++s) u.push_back(s == input_style ? 1 : 0);
     const Doubles z = Linear("encoder.1", Relu(Linear("encoder.0", u)));

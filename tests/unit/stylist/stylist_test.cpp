@@ -208,10 +208,10 @@ TEST_F(StylistTest, BeingToldOfAStyleOfHisOwnIsNoJump) {
   // Nor in the middle of a fade.
   stylist.Set(to_neutral);
   body::Pose before;
-  for (int frame = 61; frame < 80; ++frame) Feed(stylist, frame);
+  for (int frame = 61; frame < 90; ++frame) Feed(stylist, frame);
   EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-2F);
   stylist.Set(Settings());
-  for (int frame = 80; frame < 200; ++frame) {
+  for (int frame = 90; frame < 200; ++frame) {
     before = out.canonical;
     Feed(stylist, frame);
     EXPECT_LT(Apart_rad(before, out.canonical), 0.1F) << "frame " << frame;
