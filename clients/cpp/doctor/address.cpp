@@ -37,6 +37,7 @@ std::string ToString(const Endpoint& endpoint) {
 Endpoint FromSocket(const sockaddr_storage& address) {
   std::array<char, INET6_ADDRSTRLEN> text{};
   Endpoint out;
+  bool mapped = false;
   if (address.ss_family == AF_INET) {
     const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
     inet_ntop(AF_INET, &v4.sin_addr, text.data(), text.size());
@@ -45,9 +46,10 @@ Endpoint FromSocket(const sockaddr_storage& address) {
     const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address);
     inet_ntop(AF_INET6, &v6.sin6_addr, text.data(), text.size());
     out.port = ntohs(v6.sin6_port);
+    mapped = IN6_IS_ADDR_V4MAPPED(&v6.sin6_addr);
   }
   out.host = text.data();
-  if (out.host.starts_with(kMapped)) out.host.erase(0, kMapped.size());
+  if (mapped) out.host.erase(0, kMapped.size());
   return out;
 }
 

@@ -27,6 +27,8 @@ TEST(AddressTest, IPv4WithinIPv6IsWrittenAsIPv4) {
   sockaddr_storage address;
   ASSERT_GT(ToSocket({"::ffff:192.0.2.7", 9763}, address), 0U);
   EXPECT_EQ(ToString(FromSocket(address)), "192.0.2.7:9763");
+  ASSERT_GT(ToSocket({"::ffff:1:2:3", 9763}, address), 0U);
+  EXPECT_EQ(ToString(FromSocket(address)), "[::ffff:1:2:3]:9763") << "begins alike, is none";
 }
 
 TEST(AddressTest, NamesOfHostsAreNoAddresses) {
