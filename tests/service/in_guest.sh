@@ -105,7 +105,7 @@ echo "   ms from kill -9 to ready, the longest: $longest; a start takes $start_m
 # A stage of its own beside it.
 sed 's/:700\([0-2]\)"/:710\1"/; s/^# address = "tcp/address = "tcp/' /etc/styled/styled.toml | sed '/name = "dongle"/,$d' |
   sed '$d' >/etc/styled/stage.toml
-sed -i 's#^address = "tcp://127.0.0.1:7102"#address = "ipc:///run/styled@stage/control"#' /etc/styled/stage.toml
+sed -i 's#^address = "tcp://127.0.0.1:7102"#address = "ipc:///run/styled@stage/control"\nipc_mode = "0660"#' /etc/styled/stage.toml
 check "a second daemon from the template" "$(systemctl start styled@stage; property styled@stage ActiveState)" active
 check "has a state of its own" "$(ls -d /var/lib/private/styled@stage)" "/var/lib/private/styled@stage"
 asked_by() {  # GROUP: by somebody of that group, over ipc

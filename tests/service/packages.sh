@@ -100,6 +100,7 @@ check "purged, nothing is left" "$(cat "$work/left")" ""
 check "nor the group" "$(inside getent group | sort | diff "$work/groups" -)" ""
 
 if [ $# -gt 1 ]; then
+  apt install udev  # which is not in every Debian, and gives the service its USB devices
   mkdir "$root/debs"
   cp "$debs"/*.deb "$root/debs"
   quietly inside sh -c 'dpkg -i /debs/*.deb'
