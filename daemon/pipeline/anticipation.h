@@ -11,8 +11,9 @@ namespace styled::pipeline {
 // before, and a loop that may poll polls. One per performer.
 class Anticipation {
  public:
-  // Sleeping threads wake late, by less than this on a machine that has a core for them.
-  static constexpr std::int64_t kLead_ns = 250'000;
+  // Longer than a sleeping thread takes to wake on a machine that has a core for it; no longer than
+  // what was warmed stays warm (tests/bench/README.md).
+  static constexpr std::int64_t kLead_ns = 100'000;
   static constexpr std::int64_t kPatience_ns = 250'000;  // how late the frame may be
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
