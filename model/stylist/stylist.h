@@ -43,11 +43,12 @@ enum class SettingsError {
 
 // How streams are handled; the same for all performers. Defaults are those of styled.toml.
 struct Options {
-  float change_tau_s = 0.05F;      // delay of the low-pass on the change of style; 0 = none
-  float gap_reset_s = 0.25F;       // a longer hole in source time starts the recurrent state anew
-  float restart_fade_s = 0.2F;     // cross-fade over such a start
-  float jump_m = 1.0F;             // a root step beyond this (and 12 m/s) is held, canonical metres
-  int jump_accept_frames = 10;     // consistent frames after which a jump is believed
+  float change_tau_s = 0.05F;   // delay of the low-pass on the change of style, up to three times
+                                // that where the network reconstructs badly; 0 = none
+  float gap_reset_s = 0.25F;    // a longer hole in source time starts the recurrent state anew
+  float restart_fade_s = 0.2F;  // cross-fade over such a start
+  float jump_m = 1.0F;          // a root step beyond this (and 12 m/s) is held, canonical metres
+  int jump_accept_frames = 10;  // consistent frames after which a jump is believed
   float foreign_begin_rad = 0.7F;  // rms reconstruction error where the style begins to fade out
   float foreign_end_rad = 1.1F;    // ... and where it is gone
   float foreign_fade_s = 0.3F;     // time constant of that fade

@@ -219,13 +219,22 @@ std::vector<float> Styled(const std::filesystem::path& weights, const std::strin
   return values;
 }
 
-TEST_F(Run, AnAddedStyleLearnsAndTheOthersStayBitForBit) {
-  Check(Train(Config("first")));
-  TrainConfig config = Config("added");
-  config.manifest = WithNewStyle(root_, false);
-  config.init = root_ / "first" / "weights.safetensors";
-  config.add_styles = {"new"};
-  Check(Train(config));
+class AddedStyle : public Run {
+ protected:
+  // The run that added "new" to the weights of the run "first".
+  TrainConfig Added() {
+    Check(Train(Config("first")));
+    TrainConfig config = Config("added");
+    config.manifest = WithNewStyle(root_, false);
+    config.init = root_ / "first" / "weights.safetensors";
+    config.add_styles = {"new"};
+    Check(Train(config));
+    return config;
+  }
+};
+
+TEST_F(AddedStyle, LearnsAndTheOthersStayBitForBit) {
+  TrainConfig config = Added();
   const std::filesystem::path file = root_ / "added.safetensors";
   Check(ExportRun(root_ / "added", file));
 
@@ -248,16 +257,10 @@ TEST_F(Run, AnAddedStyleLearnsAndTheOthersStayBitForBit) {
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("give --init"));
 }
 
-TEST_F(Run, AStyleIsLearnedAnewInItsPlaceAndTheOthersStayBitForBit) {
-  Check(Train(Config("first")));
-  TrainConfig config = Config("added");
-  config.manifest = WithNewStyle(root_, false);
-  config.init = root_ / "first" / "weights.safetensors";
-  config.add_styles = {"new"};
-  Check(Train(config));
-
+TEST_F(AddedStyle, LearnedAnewAnyStyleStaysInItsPlaceAndTheOthersBitForBit) {
+  const std::filesystem::path added = Added().out / "weights.safetensors";
   TrainConfig again = Config("again");  // the manifest of neutral and "odd" alone
-  again.init = root_ / "added" / "weights.safetensors";
+  again.init = added;
   again.add_styles = {"odd"};
   again.replace = true;
   Check(Train(again));
