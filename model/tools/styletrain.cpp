@@ -33,6 +33,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--out", config.out, "Folder of the run");
   app.add_option("--init", config.init, "Weights to start from; styles are matched by name");
+  app.add_option("--teacher", config.teachers,
+                 "Weights whose changes of style are imitated, as FILE or FILE:STYLE,STYLE; "
+                 "repeatable, later ones win");
   app.add_option("--minutes", config.minutes, "Length of the run in wall time, all resumes");
   app.add_option("--iterations", config.iterations, "Length of the run in iterations");
   app.add_option("--stop-at", config.stop_at, "End this session at an iteration; resume later");
@@ -70,6 +73,7 @@ int main(int argc, char** argv) {
   app.add_option("--w-perceptual", config.w_perceptual)->capture_default_str();
   app.add_option("--w-penalty", config.w_penalty)->capture_default_str();
   app.add_option("--w-moments", config.w_moments)->capture_default_str();
+  app.add_option("--w-teacher", config.w_teacher)->capture_default_str();
   app.add_option("--w-smooth", config.w_smooth)->capture_default_str();
   app.add_option("--penalty-every", config.penalty_every,
                  "Gradient penalty every so many iterations, as much stronger")

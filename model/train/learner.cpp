@@ -95,25 +95,23 @@ Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
   RequireGradient(average_.parameters, false);
   average_.parameters.flat().copy_(generator_.parameters.flat());
 
-  slots_ = sampler_.slots();
   std::vector<int64_t> own, target;
-  for (int slot = 0; slot < slots_; ++slot) {
+  for (int slot = 0; slot < sampler_.slots(); ++slot) {
     own.push_back(sampler_.OwnStyle(slot));
     target.push_back(sampler_.TargetStyle(slot));
   }
   const int64_t styles = generator_.shape.styles;
-  own_ = torch::tensor(own, torch::kInt64).to(device);
-  target_ = torch::tensor(target, torch::kInt64).to(device);
-  own_one_hot_ = torch::one_hot(own_, styles).to(torch::kFloat32);
-  target_one_hot_ = torch::one_hot(target_, styles).to(torch::kFloat32);
-  styled_ = (own_ > 0).to(torch::kFloat32).view({1, -1, 1});
+  slots_.own = torch::tensor(own, torch::kInt64).to(device);
+  slots_.target = torch::tensor(target, torch::kInt64).to(device);
+  slots_.own_one_hot = torch::one_hot(slots_.own, styles).to(torch::kFloat32);
+  slots_.target_one_hot = torch::one_hot(slots_.target, styles).to(torch::kFloat32);
+  slots_.styled = (slots_.own > 0).to(torch::kFloat32).view({1, -1, 1});
 
   if (!config.add_styles.empty()) FreezeAllButTheStyles();
   if (!config.learned_states) StartFromZeros();
 
   torch::NoGradGuard no_grad;
-  neutral_carried_ = generator_.neutral.Initial(slots_).Concrete();
-  branch_carried_ = generator_.branches.Initial(slots_ / (styles - 1)).Concrete();
+  carried_ = generator_.Start(slots_);
 }
 
 Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) const {
@@ -187,7 +185,7 @@ void Learner::TrainClassifier() {
   double loss_sum = 0, right_sum = 0;
   for (int i = 0; i < config_.classifier_iterations; ++i) {
     std::vector<Sampler::Window> windows;
-    for (int64_t k = 0; k < slots_; ++k)
+    for (int64_t k = 0; k < slots_.count(); ++k)
       windows.push_back(sampler.Any(static_cast<int>(k) % styles));
     const Batch batch = MakeBatch(windows);
     const Tensor u = batch.u.narrow(0, 1, frames_ - 1).narrow(2, 0, kContentFeatures);
@@ -206,15 +204,6 @@ void Learner::TrainClassifier() {
     }
   }
   RequireGradient(classifier_.parameters, false);
-}
-
-StackState Learner::Start(const Stack& stack, const StackState& carried, const Tensor& mask) const {
-  StackState state = stack.Initial(carried.h[0].size(1));
-  for (std::size_t layer = 0; layer < state.h.size(); ++layer) {
-    state.h[layer] = torch::where(mask, carried.h[layer], state.h[layer]);
-    state.c[layer] = torch::where(mask, carried.c[layer], state.c[layer]);
-  }
-  return state;
 }
 
 // What the critic sees: standardized positions and velocities, [T, B, 126].
@@ -238,33 +227,19 @@ Tensor Learner::Real(const Batch& batch) const {
 
 // A badly calibrated window must come out as the well calibrated one would: `rec` is then compared
 // with that, and the change of style is put on that before it is judged.
-// Every sample with its own style (rec) and with its target (sty): neutral windows are
-// reconstructed by r_0 alone and transferred with their slot's branch, styled ones the other way.
 Learner::Generated Learner::Generate(const Batch& batch) {
-  const Tensor z = generator_.Encode(batch.seen, own_);
-  StackState neutral_state =
-      Start(generator_.neutral, neutral_carried_, batch.carried.view({1, -1, 1}));
-  StackState branch_state = Start(generator_.branches, branch_carried_,
-                                  batch.carried.view({generator_.branches.groups, -1, 1}));
-  const Tensor r0 = generator_.Neutral(z, neutral_state);
-  const Tensor residual = generator_.Branches(z, branch_state);
-  neutral_carried_ = neutral_state;
-  branch_carried_ = branch_state;
-  const Tensor own_residual = residual * styled_;
-  const Decoded decoded =
-      generator_.Decode(torch::cat({r0 + own_residual, r0 + residual - own_residual}, 1),
-                        torch::cat({own_one_hot_, target_one_hot_}, 0));
-
+  const Decoded decoded = generator_.Transfer(batch.seen, slots_, batch.carried, carried_);
+  const int64_t count = slots_.count();
   Generated out;
-  out.rec = decoded.rotations.narrow(1, 0, slots_);
-  out.rec_velocities = decoded.velocities.narrow(1, 0, slots_);
-  out.rec_height = decoded.height.narrow(1, 0, slots_);
-  const Tensor sty = decoded.rotations.narrow(1, slots_, slots_);
+  out.rec = decoded.rotations.narrow(1, 0, count);
+  out.rec_velocities = decoded.velocities.narrow(1, 0, count);
+  out.rec_height = decoded.height.narrow(1, 0, count);
+  const Tensor sty = decoded.rotations.narrow(1, count, count);
   out.change = Multiply(Conjugate(out.rec), sty);
   out.rotations = config_.judge_published ? Multiply(batch.rotations, out.change) : sty;
   const Tensor positions = HipsRelativePositions(torch::cat({out.rec, out.rotations}, 1));
-  out.rec_positions = positions.narrow(1, 0, slots_);
-  const Tensor sty_positions = positions.narrow(1, slots_, slots_);
+  out.rec_positions = positions.narrow(1, 0, count);
+  const Tensor sty_positions = positions.narrow(1, count, count);
   // The lowest foot stays as high as the input's.
   const Tensor lift = LowestFoot(batch.positions) - LowestFoot(sty_positions);
   const Tensor step = config_.judge_root ? batch.hips_step_m : torch::zeros_like(batch.hips_step_m);
@@ -284,8 +259,9 @@ Tensor Learner::PairedMean(const Batch& batch, const Tensor& score) const {
 void Learner::StepCritic(const Batch& batch, const Tensor& fake, double rate) {
   const bool penalized = iteration_ % config_.penalty_every == 0;
   const Tensor x = Real(batch).detach().requires_grad_(penalized);
-  const Tensor real_score = critic_(x, torch::cat({own_one_hot_, batch.content}, 1));
-  const Tensor fake_score = critic_(fake.detach(), torch::cat({target_one_hot_, batch.content}, 1));
+  const Tensor real_score = critic_(x, torch::cat({slots_.own_one_hot, batch.content}, 1));
+  const Tensor fake_score =
+      critic_(fake.detach(), torch::cat({slots_.target_one_hot, batch.content}, 1));
   const Tensor judgement =
       (real_score - 1.0).square().mean() + PairedMean(batch, (fake_score + 1.0).square());
   Tensor loss = judgement;
@@ -355,8 +331,8 @@ Tensor Learner::MomentMatching(const Batch& batch, const Generated& generated) {
                                .flatten(2, 3);
   const Tensor positions = generated.fake.narrow(2, 0, body::kPositionFeatures) * deviation + mean;
   const Tensor out = torch::cat({rotations, positions}, 2);
-  const Tensor loss = moments_.Loss(in, out, target_, batch.content.argmax(1),
-                                    batch.paired * (1.0 - styled_.flatten()));
+  const Tensor loss = moments_.Loss(in, out, slots_.target, batch.content.argmax(1),
+                                    batch.paired * (1.0 - slots_.styled.flatten()));
   tally_.Add("moments", moments_.Distance());
   return loss;
 }
@@ -368,6 +344,28 @@ Tensor Learner::Smoothness(const Generated& generated) {
   tally_.Add("smooth", smooth);
   tally_.Add("change_rad", log_change.detach().square().sum(-1).sqrt().mean());
   return smooth;
+}
+
+// How far each change of style is from its teacher's, as eq. 2 has it.
+Tensor Learner::Teaching(const Batch& batch, const Generated& generated) {
+  const int64_t count = slots_.count();
+  Tensor sum = torch::zeros({}, batch.u.options());
+  Tensor taught = torch::zeros({}, batch.u.options());
+  for (Teacher& teacher : teachers_) {
+    Tensor wanted;
+    {
+      const torch::NoGradGuard no_grad;
+      const Tensor of =
+          teacher.generator->Transfer(batch.u, slots_, batch.carried, teacher.carried).rotations;
+      wanted = Multiply(Conjugate(of.narrow(1, 0, count)), of.narrow(1, count, count));
+    }
+    const Tensor apart = SquaredHalfAngle(generated.change, wanted);  // [T, B, 21]
+    sum = sum + (apart.sum(torch::IntArrayRef({0, 2})) * teacher.teaches).sum();
+    taught = taught + teacher.teaches.sum();
+  }
+  const Tensor loss = sum / taught.clamp_min(1.0);
+  tally_.Add("teacher_rad", (loss.detach() / (frames_ * body::kJointCount)).sqrt() * 2.0);
+  return loss;
 }
 
 void Learner::UpdateAverage() {
@@ -385,17 +383,22 @@ void Learner::Step(double progress) {
   Batch batch = MakeBatch(sampler_.Next());
   if (config_.offset > 0 || config_.noise > 0) batch.seen = Spoil(batch.seen);
   const Generated generated = Generate(batch);
-  StepCritic(batch, generated.fake, config_.critic_rate * decay);
+  const bool judged = config_.w_adversarial > 0;
+  if (judged) StepCritic(batch, generated.fake, config_.critic_rate * decay);
   if (iteration_ < config_.critic_first) {
     ++iteration_;
     return;
   }
 
   RequireGradient(critic_.parameters, false);
-  const Tensor adversarial = PairedMean(
-      batch, critic_(generated.fake, torch::cat({target_one_hot_, batch.content}, 1)).square());
-  tally_.Add("adversarial", adversarial);
-  Tensor loss = Reconstruction(batch, generated) + config_.w_adversarial * adversarial;
+  Tensor loss = Reconstruction(batch, generated);
+  if (judged) {
+    const Tensor adversarial = PairedMean(
+        batch,
+        critic_(generated.fake, torch::cat({slots_.target_one_hot, batch.content}, 1)).square());
+    tally_.Add("adversarial", adversarial);
+    loss = loss + config_.w_adversarial * adversarial;
+  }
   if (config_.w_perceptual > 0) {
     const Tensor perceptual = Perceptual(batch, generated);
     tally_.Add("perceptual", perceptual);
@@ -404,6 +407,7 @@ void Learner::Step(double progress) {
   if (config_.w_moments > 0) {
     loss = loss + config_.w_moments * MomentMatching(batch, generated);
   }
+  if (!teachers_.empty()) loss = loss + config_.w_teacher * Teaching(batch, generated);
   loss = loss + config_.w_smooth * smooth_share * Smoothness(generated);
   tally_.Add("loss", loss);
   generator_.parameters.ZeroGradient();
@@ -433,10 +437,16 @@ void Learner::Save(Checkpoint& checkpoint) const {
   t["critic.second"] = critic_adam_.second;
   t["moments"] = moments_.Save();
   t["iteration"] = torch::tensor({iteration_}, torch::kInt64);
-  t["neutral.h"] = torch::stack(neutral_carried_.h);
-  t["neutral.c"] = torch::stack(neutral_carried_.c);
-  t["branches.h"] = torch::stack(branch_carried_.h);
-  t["branches.c"] = torch::stack(branch_carried_.c);
+  const auto save = [&t](const std::string& name, const Carried& carried) {
+    t[name + "neutral.h"] = torch::stack(carried.neutral.h);
+    t[name + "neutral.c"] = torch::stack(carried.neutral.c);
+    t[name + "branches.h"] = torch::stack(carried.branches.h);
+    t[name + "branches.c"] = torch::stack(carried.branches.c);
+  };
+  save("", carried_);
+  for (std::size_t i = 0; i < teachers_.size(); ++i) {
+    save("teacher." + std::to_string(i) + ".", teachers_[i].carried);
+  }
   checkpoint.strings["sampler"] = sampler_.Save();
 }
 
@@ -468,10 +478,16 @@ Status Learner::Restore(const Checkpoint& checkpoint) {
         layers[i] = all[static_cast<int64_t>(i)].clone().to(device_);
       }
     };
-    unstack(t.at("neutral.h"), neutral_carried_.h);
-    unstack(t.at("neutral.c"), neutral_carried_.c);
-    unstack(t.at("branches.h"), branch_carried_.h);
-    unstack(t.at("branches.c"), branch_carried_.c);
+    const auto restore = [&](const std::string& name, Carried& carried) {
+      unstack(t.at(name + "neutral.h"), carried.neutral.h);
+      unstack(t.at(name + "neutral.c"), carried.neutral.c);
+      unstack(t.at(name + "branches.h"), carried.branches.h);
+      unstack(t.at(name + "branches.c"), carried.branches.c);
+    };
+    restore("", carried_);
+    for (std::size_t i = 0; i < teachers_.size(); ++i) {
+      restore("teacher." + std::to_string(i) + ".", teachers_[i].carried);
+    }
     sampler_.Restore(checkpoint.strings.at("sampler"));
   } catch (const std::exception& error) {
     return Status::Error(Reason(error));

@@ -2,6 +2,7 @@
 
 #include <torch/torch.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,10 @@ class Learner {
   // those that `weights` has by name. Another style starts as a copy of the one whose branch
   // reconstructs it best. The statistics must be those of `weights`.
   Status Adopt(const LoadedWeights& weights);
+  // From now on changes of style are also compared (w_teacher) with what `weights` make of the same
+  // window, unspoilt: those to and from `styles`, or, where there are none, all that both have. An
+  // earlier teacher of a style no longer is one. The statistics must be the run's.
+  Status LearnFrom(const LoadedWeights& weights, const std::vector<std::string>& styles);
   // Trains the content classifier on real windows of all styles, then freezes it.
   void TrainClassifier();
   // One iteration, critic first. `progress` 0..1 decides learning rates and the smoothness term.
@@ -85,7 +90,6 @@ class Learner {
   std::vector<int64_t> NearestStyles(const Generator& from) const;
   void FreezeAllButTheStyles();
   void StartFromZeros();
-  StackState Start(const Stack& stack, const StackState& carried, const torch::Tensor& mask) const;
   torch::Tensor Judged(const torch::Tensor& positions, const torch::Tensor& velocities) const;
   torch::Tensor Real(const Batch& batch) const;
   Generated Generate(const Batch& batch);
@@ -95,6 +99,7 @@ class Learner {
   torch::Tensor Perceptual(const Batch& batch, const Generated& generated) const;
   torch::Tensor MomentMatching(const Batch& batch, const Generated& generated);
   torch::Tensor Smoothness(const Generated& generated);
+  torch::Tensor Teaching(const Batch& batch, const Generated& generated);
   void UpdateAverage();
 
   const TrainConfig& config_;
@@ -103,7 +108,7 @@ class Learner {
   body::FeatureParameters parameters_;
   torch::Device device_;
   torch::Tensor mean_, deviation_;
-  int64_t frames_, slots_;
+  int64_t frames_;
 
   Sampler sampler_;
   Moments moments_;
@@ -112,11 +117,15 @@ class Learner {
   ContentClassifier classifier_;
   Adam generator_adam_, critic_adam_;
 
-  torch::Tensor trained_;                       // 1 where a parameter is trained; undefined: all
-  torch::Tensor own_, target_;                  // [B] int64
-  torch::Tensor own_one_hot_, target_one_hot_;  // [B, styles]
-  torch::Tensor styled_;  // [1, B, 1]: 1 where the slot's own style is not neutral
-  StackState neutral_carried_, branch_carried_;  // at the end of each slot's last window
+  torch::Tensor trained_;  // 1 where a parameter is trained; undefined: all
+  Slots slots_;
+  Carried carried_;
+  struct Teacher {
+    std::unique_ptr<Generator> generator;  // its styles are ours
+    Carried carried;
+    torch::Tensor teaches;  // [B] 1 where the slot's style is taught by this one
+  };
+  std::vector<Teacher> teachers_;
   int64_t iteration_ = 0;
   Tally tally_;
 };

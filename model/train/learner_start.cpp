@@ -42,8 +42,6 @@ std::vector<int64_t> Learner::NearestStyles(const Generator& from) const {
 Status Learner::Adopt(const LoadedWeights& weights) {
   const torch::NoGradGuard no_grad;
   const Generator& from = *weights.generator;
-  const int64_t known = from.shape.styles;
-  // 1. Which of its styles each of ours starts as.
   std::vector<int64_t> source = NearestStyles(from);
   for (std::size_t style = 0; style < source.size(); ++style) {
     const std::string& name = manifest_.styles[style].name;
@@ -56,24 +54,51 @@ Status Learner::Adopt(const LoadedWeights& weights) {
       std::cout << name << " starts as " << weights.styles[source[style]] << std::endl;
     }
   }
-
-  // 2. Shared parameters as they are; per style, rows of branches and columns of one-hot inputs.
-  const Tensor index = torch::tensor(source, torch::kInt64);
-  const Tensor branch_index = index.narrow(0, 1, index.size(0) - 1) - 1;
-  for (const auto& [name, tensor] : generator_.parameters.named()) {
-    Tensor value = from.parameters.Find(name).detach();
-    if (name.starts_with("branches.")) value = value.index_select(0, branch_index);
-    if (name == "encoder.0.weight" || name == "decoder.0.weight") {
-      const int64_t plain = value.size(1) - known;
-      value = torch::cat(
-          {value.narrow(1, 0, plain), value.narrow(1, plain, known).index_select(1, index)}, 1);
-    }
-    if (value.sizes() != tensor.sizes()) return Status::Error("tensor " + name + " does not fit");
-    tensor.copy_(value);
-  }
+  const Status copied = generator_.CopyStyles(from, source);
+  if (!copied.ok()) return copied;
   average_.parameters.flat().copy_(generator_.parameters.flat());
-  neutral_carried_ = generator_.neutral.Initial(slots_).Concrete();
-  branch_carried_ = generator_.branches.Initial(slots_ / (generator_.shape.styles - 1)).Concrete();
+  carried_ = generator_.Start(slots_);
+  return Status::Ok();
+}
+
+Status Learner::LearnFrom(const LoadedWeights& weights, const std::vector<std::string>& styles) {
+  const torch::NoGradGuard no_grad;
+  if (!torch::equal(weights.mean, mean_.cpu()) ||
+      !torch::equal(weights.deviation, deviation_.cpu())) {
+    return Status::Error("has other feature statistics than the run; both must be of one kin");
+  }
+  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (const std::string& name : styles) {
+    const auto ours = [&name](const clip::ManifestStyle& style) { return style.name == name; };
+    if (!has(weights.styles, name) ||
+        std::none_of(manifest_.styles.begin() + 1, manifest_.styles.end(), ours)) {
+      return Status::Error("cannot teach \"" + name + "\": it and the run must both have it");
+    }
+  }
+  std::vector<int64_t> source{0};
+  Tensor teaches = torch::zeros({generator_.shape.styles});
+  for (int64_t style = 1; style < generator_.shape.styles; ++style) {
+    const std::string& name = manifest_.styles[static_cast<std::size_t>(style)].name;
+    const auto found = std::find(weights.styles.begin() + 1, weights.styles.end(), name);
+    const bool known = found != weights.styles.end();
+    source.push_back(known ? found - weights.styles.begin() : 1);
+    teaches[style] = known && (styles.empty() || has(styles, name)) ? 1 : 0;
+  }
+  if (teaches.sum().item<double>() == 0) return Status::Error("has none of the run's styles");
+
+  GeneratorShape shape = weights.generator->shape;
+  shape.styles = generator_.shape.styles;
+  Teacher teacher;
+  teacher.generator = std::make_unique<Generator>(shape, mean_, deviation_);
+  const Status copied = teacher.generator->CopyStyles(*weights.generator, source);
+  if (!copied.ok()) return copied;
+  teacher.carried = teacher.generator->Start(slots_);
+  // One of a slot's two styles is neutral, number 0.
+  teacher.teaches = teaches.to(device_).index_select(0, slots_.own + slots_.target);
+  for (Teacher& earlier : teachers_) earlier.teaches *= 1.0 - teacher.teaches;
+  teachers_.push_back(std::move(teacher));
   return Status::Ok();
 }
 

@@ -75,6 +75,15 @@ StackState Stack::Initial(int64_t samples) const {
   return state;
 }
 
+StackState Stack::Start(const StackState& carried, const Tensor& mask) const {
+  StackState state = Initial(carried.h[0].size(1));
+  for (std::size_t layer = 0; layer < state.h.size(); ++layer) {
+    state.h[layer] = torch::where(mask, carried.h[layer], state.h[layer]);
+    state.c[layer] = torch::where(mask, carried.c[layer], state.c[layer]);
+  }
+  return state;
+}
+
 Tensor Stack::operator()(Tensor x, StackState& state) const {
   for (std::size_t layer = 0; layer < input.size(); ++layer) {
     auto [y, last_c] =
@@ -142,6 +151,42 @@ Decoded Generator::Decode(const Tensor& z, const Tensor& target) const {
   out.velocities = velocity_(x);
   out.height = height_(x);
   return out;
+}
+
+Decoded Generator::Transfer(const Tensor& u, const Slots& slots, const Tensor& goes_on,
+                            Carried& carried) const {
+  const Tensor z = Encode(u, slots.own);
+  carried.neutral = neutral.Start(carried.neutral, goes_on.view({1, -1, 1}));
+  carried.branches = branches.Start(carried.branches, goes_on.view({branches.groups, -1, 1}));
+  const Tensor r0 = Neutral(z, carried.neutral);
+  const Tensor residual = Branches(z, carried.branches);
+  const Tensor own = residual * slots.styled;
+  return Decode(torch::cat({r0 + own, r0 + residual - own}, 1),
+                torch::cat({slots.own_one_hot, slots.target_one_hot}, 0));
+}
+
+Carried Generator::Start(const Slots& slots) const {
+  return {neutral.Initial(slots.count()).Concrete(),
+          branches.Initial(slots.count() / branches.groups).Concrete()};
+}
+
+Status Generator::CopyStyles(const Generator& from, const std::vector<int64_t>& source) {
+  const torch::NoGradGuard no_grad;
+  const Tensor index = torch::tensor(source, torch::kInt64);
+  const Tensor branch_index = index.narrow(0, 1, index.size(0) - 1) - 1;
+  for (const auto& [name, tensor] : parameters.named()) {
+    Tensor value = from.parameters.Find(name).detach();
+    if (name.starts_with("branches.")) value = value.index_select(0, branch_index);
+    if (name == "encoder.0.weight" || name == "decoder.0.weight") {
+      const int64_t plain = value.size(1) - from.shape.styles;
+      value = torch::cat({value.narrow(1, 0, plain),
+                          value.narrow(1, plain, from.shape.styles).index_select(1, index)},
+                         1);
+    }
+    if (value.sizes() != tensor.sizes()) return Status::Error("tensor " + name + " does not fit");
+    tensor.copy_(value);
+  }
+  return Status::Ok();
 }
 
 Critic::Critic(int64_t features, int64_t styles, int64_t contents, int64_t frames, bool attention) {

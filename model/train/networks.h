@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "model/base/status.h"
 #include "model/train/adam.h"
 
 // The three networks of Style-ERD. Everything is time-major: [T, B, features].
@@ -43,6 +44,8 @@ struct Stack {
         int64_t width);
   // The learned states, for `samples` samples of each group.
   StackState Initial(int64_t samples) const;
+  // Those, but `carried` where `mask` [groups or 1, samples, 1] says so.
+  StackState Start(const StackState& carried, const torch::Tensor& mask) const;
   // x [G, T, N, Z]; `state` is where the window starts and, detached, where it ended.
   torch::Tensor operator()(torch::Tensor x, StackState& state) const;
 };
@@ -52,6 +55,20 @@ struct Decoded {
   torch::Tensor rotations;   // [T, B, 21, 4], unit
   torch::Tensor velocities;  // [T, B, 63], standardized
   torch::Tensor height;      // [T, B, 1], standardized
+};
+
+// The slots of a batch, which keep their styles from one iteration to the next.
+struct Slots {
+  torch::Tensor own, target;                  // [B] int64
+  torch::Tensor own_one_hot, target_one_hot;  // [B, styles]
+  torch::Tensor styled;  // [1, B, 1]: 1 where the slot's own style is not neutral
+
+  int64_t count() const { return own.size(0); }
+};
+
+// Where each slot's last window ended.
+struct Carried {
+  StackState neutral, branches;
 };
 
 // Encoder, neutral branch, style branches, decoder of model/weights/FORMAT.md, no content input.
@@ -67,6 +84,18 @@ class Generator {
   torch::Tensor Branches(const torch::Tensor& z, StackState& state) const;
   // target [B, N]: the decoder's style input.
   Decoded Decode(const torch::Tensor& z, const torch::Tensor& target) const;
+
+  // Every slot's window with its own style, then every one with its target: [T, 2B, ...]. Neutral
+  // windows are reconstructed by r_0 alone and transferred with their slot's branch, styled ones
+  // the other way. `goes_on` [B] bool: which windows start where `carried` says; it is brought up
+  // to their ends.
+  Decoded Transfer(const torch::Tensor& u, const Slots& slots, const torch::Tensor& goes_on,
+                   Carried& carried) const;
+  // Learned states for all slots, without gradients.
+  Carried Start(const Slots& slots) const;
+  // Takes what all styles share from `from`, a generator of the same widths, and of each of our
+  // styles the branch and input columns of its style `source[i]`. Errors name the tensor.
+  Status CopyStyles(const Generator& from, const std::vector<int64_t>& source);
 
   Parameters parameters;
   GeneratorShape shape;

@@ -264,6 +264,18 @@ Status Trainer::Run() {
       return Status::Error("--init " + config_.init.string() + ": " + adopted.message());
     }
   }
+  for (const std::string& given : config_.teachers) {
+    const std::size_t colon = given.rfind(':');
+    std::vector<std::string> styles;
+    if (colon != std::string::npos) {
+      std::istringstream list(given.substr(colon + 1));
+      for (std::string style; std::getline(list, style, ',');) styles.push_back(style);
+    }
+    const Result<LoadedWeights> teacher = ReadWeights(given.substr(0, colon));
+    if (!teacher.ok()) return Status::Error("--teacher " + teacher.status().message());
+    const Status fits = learner_.LearnFrom(teacher.value(), styles);
+    if (!fits.ok()) return Status::Error("--teacher " + given + ": " + fits.message());
+  }
   if (config_.resume) {
     const Status restored = Restore();
     if (!restored.ok()) return restored;

@@ -16,6 +16,9 @@ namespace styled::train {
 struct TrainConfig {
   std::filesystem::path manifest, data, out;
   std::filesystem::path init;  // weights to start from (a .safetensors file); empty: random ones
+  // Weights whose changes of style are imitated (knowledge distillation, Hinton et al. 2015), each
+  // as FILE or FILE:STYLE,STYLE: for all styles that it has by name, or for these. Later ones win.
+  std::vector<std::string> teachers;
   // The names of styles that are added to `init`, everything else frozen (the paper's future work,
   // C.1). The manifest then has neutral and these styles alone; the weights that are written have
   // all of init's other styles, bit for bit, and them.
@@ -52,6 +55,7 @@ struct TrainConfig {
   double w_velocity = 0.05, w_height = 0.05;  // mean squares of the heads, standardized
   double w_adversarial = 1.0, w_perceptual = 0.1, w_penalty = 128.0;
   double w_moments = 0.0;                       // what each style does on average (moments.h), m²
+  double w_teacher = 0.5;                       // distance from `teacher`'s changes of style
   double w_smooth = 10.0;                       // second difference of the change of style
   double smooth_from = 0.2, smooth_full = 0.3;  // share of the run over which it is ramped in
   // What the paper's ablations leave out (besides losses, by their weights).

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <numeric>
 #include <random>
 
 namespace styled::judge {
@@ -267,6 +268,36 @@ Result<Judges> Judges::TrainOrLoad(const std::vector<train::TrainingClip>& clips
   }
 }
 
+namespace {
+
+torch::Tensor Windows(const Sequence& sequence, std::span<const int> starts, int length) {
+  torch::Tensor windows =
+      torch::empty({static_cast<long>(starts.size()), length, body::kFeatureCount});
+  float* out = windows.data_ptr<float>();
+  for (const int start : starts) {
+    for (int t = 0; t < length; ++t, out += body::kFeatureCount) {
+      std::copy(sequence.frames[start + t].begin(), sequence.frames[start + t].end(), out);
+    }
+  }
+  return windows;
+}
+
+std::vector<int> Answers(const torch::Tensor& logits) {
+  const torch::Tensor best = logits.argmax(1).contiguous();
+  return {best.data_ptr<std::int64_t>(), best.data_ptr<std::int64_t>() + best.numel()};
+}
+
+}  // namespace
+
+std::vector<int> Judges::JudgeStyle(const Sequence& sequence, int window) const {
+  torch::NoGradGuard no_grad;
+  std::vector<int> starts(
+      static_cast<std::size_t>(std::max(0, static_cast<int>(sequence.frames.size()) - window + 1)));
+  std::iota(starts.begin(), starts.end(), 0);
+  if (starts.empty()) return {};
+  return Answers(impl_->style(impl_->Standardize(Windows(sequence, starts, window))));
+}
+
 Verdicts Judges::Judge(const Sequence& sequence, int stride) const {
   torch::NoGradGuard no_grad;
   const int window = impl_->settings.window;
@@ -276,24 +307,15 @@ Verdicts Judges::Judge(const Sequence& sequence, int stride) const {
   const long count = static_cast<long>(verdicts.starts.size());
   if (count == 0) return verdicts;
 
-  torch::Tensor windows = torch::empty({count, window, body::kFeatureCount});
-  float* out = windows.data_ptr<float>();
-  for (const int start : verdicts.starts) {
-    for (int t = 0; t < window; ++t, out += body::kFeatureCount) {
-      std::copy(sequence.frames[start + t].begin(), sequence.frames[start + t].end(), out);
-    }
-  }
+  const torch::Tensor windows = Windows(sequence, verdicts.starts, window);
   const torch::Tensor x = impl_->Standardize(windows);
-  const torch::Tensor style = impl_->style(x).argmax(1).contiguous();
-  const torch::Tensor content = impl_->content(x).argmax(1).contiguous();
+  verdicts.style = Answers(impl_->style(x));
+  verdicts.content = Answers(impl_->content(x));
   const torch::Tensor embedding =
       impl_->encoder->encoder->forward(impl_->Rotations(windows) - impl_->RotationMean())
           .mean(2)
           .to(torch::kDouble)
           .contiguous();
-  verdicts.style.assign(style.data_ptr<std::int64_t>(), style.data_ptr<std::int64_t>() + count);
-  verdicts.content.assign(content.data_ptr<std::int64_t>(),
-                          content.data_ptr<std::int64_t>() + count);
   verdicts.embedding =
       Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
           embedding.data_ptr<double>(), count, embedding.size(1));

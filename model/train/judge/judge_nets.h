@@ -65,6 +65,9 @@ class Judges {
   const body::FeatureParameters& parameters() const;
   // Judges windows at every `stride` frames. A sequence shorter than the window has none.
   Verdicts Judge(const Sequence& sequence, int stride) const;
+  // The style judge's answers for windows of `window` frames, at least 4, at every frame. It looks
+  // at means over time, so shorter windows than it learned from cost it accuracy, nothing else.
+  std::vector<int> JudgeStyle(const Sequence& sequence, int window) const;
 
  private:
   struct Impl;

@@ -9,39 +9,82 @@
 namespace styled::judge {
 namespace {
 
+constexpr double kHard = 1.5;  // times the input's p99.9: an acceleration that is seen
+
 // Seconds from `switch_s` until the first trailing window judged `style`; -1 if none before
-// `until_s`. Window i of `verdicts` (stride 1) ends at frame i + window of the thinned stream.
-double SeenAfter_s(const Verdicts& verdicts, int window, int style, double switch_s,
+// `until_s`. Window i of `verdicts` ends at frame i + window of the thinned stream.
+double SeenAfter_s(std::span<const int> verdicts, int window, int style, double switch_s,
                    double until_s) {
-  for (std::size_t i = 0; i < verdicts.style.size(); ++i) {
-    const double end_s = (verdicts.starts[i] + window) / kJudgeRate_hz;
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    const double end_s = static_cast<double>(i + static_cast<std::size_t>(window)) / kJudgeRate_hz;
     if (end_s <= switch_s || end_s > until_s) continue;
-    if (verdicts.style[i] == style) return end_s - switch_s;
+    if (verdicts[i] == style) return end_s - switch_s;
   }
   return -1;
 }
 
-Verdicts JudgeAll(const Judges& judges, std::span<const body::Pose> stream, int content) {
-  return judges.Judge(MakeSequence(Thin(stream), 0, content, false, judges.parameters()), 1);
-}
+// One Seen in the making.
+class Watch {
+ public:
+  Watch(const Judges& judges, int window) : judges_(judges), window_(window) {}
+
+  // Switch i of `plan` is at i * every_s and is to plan[i], a judges' style.
+  void Look(const Sequence& live, const Sequence& cut, std::span<const int> plan, double every_s) {
+    const std::vector<int> of_live = judges_.JudgeStyle(live, window_);
+    const std::vector<int> of_cut = judges_.JudgeStyle(cut, window_);
+    for (std::size_t i = 1; i < plan.size(); ++i) {
+      const double at_s = every_s * static_cast<double>(i);
+      const double live_s = SeenAfter_s(of_live, window_, plan[i], at_s, at_s + every_s);
+      const double cut_s = SeenAfter_s(of_cut, window_, plan[i], at_s, at_s + every_s);
+      if (live_s >= 0) seen_.push_back(live_s);
+      if (cut_s >= 0) cut_.push_back(cut_s);
+      ++switches_;
+    }
+  }
+
+  Seen Result(std::span<const train::TrainingClip> real) const {
+    double right = 0;
+    double windows = 0;
+    for (const train::TrainingClip& clip : real) {
+      const Sequence sequence =
+          MakeSequence(clip.poses, clip.style, clip.content, false, judges_.parameters());
+      for (const int style : judges_.JudgeStyle(sequence, window_)) {
+        right += style == clip.style ? 1 : 0;
+        windows += 1;
+      }
+    }
+    const double missed = switches_ - static_cast<double>(seen_.size());
+    return {.window = window_,
+            .right_on_real = right / std::max(1.0, windows),
+            .median_s = Quantile(seen_, 0.5),
+            .p90_s = Quantile(seen_, 0.9),
+            .cut_median_s = Quantile(cut_, 0.5),
+            .cut_p90_s = Quantile(cut_, 0.9),
+            .never = missed / std::max(1, switches_)};
+  }
+
+ private:
+  const Judges& judges_;
+  int window_;
+  int switches_ = 0;
+  std::vector<double> seen_, cut_;
+};
 
 }  // namespace
 
-Response MeasureResponse(const Judges& judges, std::span<const int> styles,
-                         std::span<const int> network_styles,
+Response MeasureResponse(const Judges& judges, std::span<const train::TrainingClip> real,
+                         std::span<const int> styles, std::span<const int> network_styles,
                          const std::shared_ptr<const erd::Network>& network,
                          const std::shared_ptr<const rig::Binding>& binding,
                          const stylist::Options& options, float transition_s, double every_s,
                          std::span<const ResponseInput> inputs) {
   Response response;
-  std::vector<double> seen;
-  std::vector<double> cut;
+  Watch soon(judges, kShortWindow);
+  Watch sure(judges, judges.settings().window);
   std::vector<double> accelerations;
   std::vector<double> steady;
-  double missed = 0;
   std::mt19937 random(7);
   const auto every = static_cast<std::size_t>(std::lround(every_s * kStreamRate_hz));
-  const int window = judges.settings().window;
   for (const ResponseInput& of : inputs) {
     // The plan: style index (into `styles`) in force from each multiple of `every`.
     std::vector<int> plan;
@@ -60,33 +103,43 @@ Response MeasureResponse(const Judges& judges, std::span<const int> styles,
     for (std::size_t i = 0; i < input.size(); ++i) {
       cut_stream.push_back(of.steady[plan[i / every]][i]);
     }
-    const Verdicts live_verdicts = JudgeAll(judges, live, of.content);
-    const Verdicts cut_verdicts = JudgeAll(judges, cut_stream, of.content);
+    const auto sequence = [&judges, &of](const Poses& stream) {
+      return MakeSequence(Thin(stream), 0, of.content, false, judges.parameters());
+    };
+    std::vector<int> judged_plan;
+    for (const int style : plan) judged_plan.push_back(styles[style]);
+    for (Watch* const watch : {&soon, &sure}) {
+      watch->Look(sequence(live), sequence(cut_stream), judged_plan, every_s);
+    }
+
     const double usual = Quantile(LargestAccelerations(input, kStreamRate_hz), 0.999);
     const std::vector<double> live_accelerations = LargestAccelerations(live, kStreamRate_hz);
+    std::vector<std::vector<double>> in_force;
+    for (const auto& steady_stream : of.steady) {
+      in_force.push_back(LargestAccelerations(steady_stream, kStreamRate_hz));
+    }
     std::vector<double> calm;
+    const auto after = static_cast<long>(
+        std::min(static_cast<std::size_t>(kStreamRate_hz), every - 4));  // the second of a switch
     for (std::size_t i = 1; i < plan.size(); ++i) {
-      const double at_s = every_s * static_cast<double>(i);
-      const double live_s =
-          SeenAfter_s(live_verdicts, window, styles[plan[i]], at_s, at_s + every_s);
-      const double cut_s = SeenAfter_s(cut_verdicts, window, styles[plan[i]], at_s, at_s + every_s);
-      if (live_s >= 0) seen.push_back(live_s);
-      if (live_s < 0) missed += 1;
-      if (cut_s >= 0) cut.push_back(cut_s);
-      const auto second = static_cast<std::size_t>(kStreamRate_hz);
-      const auto begin = live_accelerations.begin() + static_cast<long>(i * every - 2);
-      const auto after = begin + static_cast<long>(std::min(second, every - 4));
-      accelerations.push_back(*std::max_element(begin, after) / usual);
-      calm.insert(calm.end(), after, begin + static_cast<long>(every - 4));
+      const long at = static_cast<long>(i * every) - 2;
+      const auto largest = [at, after](const std::vector<double>& of_stream) {
+        return *std::max_element(of_stream.begin() + at, of_stream.begin() + at + after);
+      };
+      const double hardest = largest(live_accelerations);
+      accelerations.push_back(hardest / usual);
+      const double excused =
+          std::max({usual, largest(in_force[plan[i - 1]]), largest(in_force[plan[i]])});
+      if (hardest > kHard * excused) response.to_blame += 1;
+      calm.insert(calm.end(), live_accelerations.begin() + at + after,
+                  live_accelerations.begin() + at + static_cast<long>(every - 4));
       ++response.switches;
     }
     steady.push_back(Quantile(calm, 0.999) / usual);
   }
-  response.median_s = Quantile(seen, 0.5);
-  response.p90_s = Quantile(seen, 0.9);
-  response.cut_median_s = Quantile(cut, 0.5);
-  response.cut_p90_s = Quantile(cut, 0.9);
-  response.never = missed / std::max(1, response.switches);
+  response.soon = soon.Result(real);
+  response.sure = sure.Result(real);
+  response.to_blame /= std::max(1, response.switches);
   response.acceleration_median = Quantile(accelerations, 0.5);
   response.acceleration_max = Quantile(accelerations, 1.0);
   response.steady = Quantile(steady, 0.5);

@@ -6,7 +6,9 @@
 #include <torch/torch.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
+#include <sstream>
 
 #include "model/clip/clip.h"
 #include "model/erd/network.h"
@@ -272,6 +274,85 @@ TEST_F(AddedStyle, LearnedAnewAnyStyleStaysInItsPlaceAndTheOthersBitForBit) {
   ASSERT_TRUE(before.ok() && after.ok());
   EXPECT_EQ(after.value()->style_count(), before.value()->style_count());
   EXPECT_EQ(after.value()->FindStyle("odd"), before.value()->FindStyle("odd"));
+}
+
+// The figures of one column of a run's log.
+std::vector<double> Logged(const std::filesystem::path& file, const std::string& column) {
+  std::ifstream in(file);
+  std::vector<std::vector<std::string>> rows;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream cells(line);
+    rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  EXPECT_FALSE(rows.empty());
+  const auto at = std::find(rows[0].begin(), rows[0].end(), column) - rows[0].begin();
+  std::vector<double> values;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    values.push_back(std::stod(rows[i].at(static_cast<std::size_t>(at))));
+  }
+  return values;
+}
+
+TEST_F(Run, ATeacherIsImitated) {
+  Check(Train(Config("teacher")));
+  // What few iterations make of a style is next to nothing: this one is made by hand.
+  auto weights = ReadWeights(root_ / "teacher" / "weights.safetensors");
+  ASSERT_TRUE(weights.ok()) << weights.status().message();
+  LoadedWeights& loaded = weights.value();
+  const std::string teacher = (root_ / "strong.safetensors").string();
+  {
+    const torch::NoGradGuard no_grad;
+    const Tensor decoder = loaded.generator->parameters.Find("decoder.0.weight");
+    decoder.select(1, decoder.size(1) - 1).copy_(torch::linspace(-4, 4, decoder.size(0)));
+    Check(WriteWeights(*loaded.generator, loaded.mean, loaded.deviation, loaded.metadata, teacher));
+  }
+  const auto student = [&](const std::string& out, double weight) {
+    TrainConfig config = Config(out);
+    config.seed = 2;
+    config.teachers = {teacher};
+    config.w_teacher = weight;
+    config.w_adversarial = config.w_perceptual = config.w_smooth = 0;
+    config.iterations = 100;
+    config.log_every = 10;
+    return config;
+  };
+  Check(Train(student("student", 5)));
+  Check(Train(student("deaf", 0)));
+  const auto apart = Logged(root_ / "student" / "log.csv", "teacher_rad");
+  const auto deaf = Logged(root_ / "deaf" / "log.csv", "teacher_rad");
+  ASSERT_EQ(apart.size(), 10U);
+  EXPECT_LT(apart.back(), 0.5 * apart.front());
+  EXPECT_LT(apart.back(), 0.5 * deaf.back());
+
+  TrainConfig parts = student("parts", 5);
+  parts.stop_at = 50;
+  Check(Train(parts));
+  parts.stop_at = 0;
+  parts.resume = true;
+  Check(Train(parts));
+  Checkpoint whole, resumed;
+  Check(ReadCheckpoint(root_ / "student" / "checkpoint.pt", whole));
+  Check(ReadCheckpoint(root_ / "parts" / "checkpoint.pt", resumed));
+  for (const auto& [name, tensor] : whole.tensors) {
+    if (name == "elapsed_s") continue;
+    EXPECT_TRUE(torch::equal(tensor, resumed.tensors.at(name))) << name;
+  }
+}
+
+TEST_F(Run, ATeacherThatCannotTeachIsRefused) {
+  Check(Train(Config("teacher")));
+  const std::string teacher = (root_ / "teacher" / "weights.safetensors").string();
+  TrainConfig config = Config("student");
+  for (const char* styles : {":nobody", ":odd,nobody"}) {
+    config.teachers = {teacher + styles};
+    EXPECT_THAT(Train(config).message(), testing::HasSubstr("cannot teach \"nobody\""));
+  }
+  config.teachers = {teacher + ".gone"};
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("--teacher "));
+  config.teachers = {teacher};
+  config.heading_tau_s = 0.5;
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("other feature statistics"));
 }
 
 TEST_F(Run, ValidationKeepsTheBestAndEndsARunThatGetsNoBetter) {
