@@ -125,7 +125,7 @@ struct Performers {
 struct Style {
   std::string initial;  // a preset or a style; "" = bypass
   float strength = 1.0F;
-  float transition_s = 0.4F;
+  float transition_s = 0.1F;
 };
 
 struct Preset {

@@ -104,6 +104,7 @@ Section ModelSection() {
        Float<C>("foreign_fade_ms", 0, 10000, kMs, STYLED_FIELD(model.stylist.foreign_fade_s)),
        Float<C>("tilt_begin_rad", 0, 4, 1, STYLED_FIELD(model.stylist.tilt_begin_rad)),
        Float<C>("tilt_end_rad", 0, 4, 1, STYLED_FIELD(model.stylist.tilt_end_rad)),
+       Flag<C>("knees", STYLED_FIELD(model.stylist.knees)),
        Flag<C>("ground", STYLED_FIELD(model.stylist.ground)),
        Float<C>("ground_tau_ms", 0, 1000, kMs, STYLED_FIELD(model.stylist.ground_tau_s)),
        Flag<C>("feet", STYLED_FIELD(model.stylist.feet)),

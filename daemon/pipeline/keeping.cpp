@@ -74,7 +74,7 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   profile.id = id;
   profile.configured = true;
   profile.look.strength = row["strength"].value_or(1.0F);
-  profile.look.transition_s = row["transition_s"].value_or(0.4F);
+  profile.look.transition_s = row["transition_s"].value_or(0.1F);
   profile.look.absolute = row["absolute"].value_or(false);
   profile.look.parts =
       body::FindParts(row["only"].value_or(std::string("all"))).value_or(body::kAllParts);

@@ -18,7 +18,7 @@ namespace styled::pipeline {
 struct Look {
   std::vector<std::pair<std::string, float>> mix;  // styles by their network's name
   float strength = 1.0F;
-  float transition_s = 0.4F;
+  float transition_s = 0.1F;
   bool absolute = false;
   body::Parts parts = body::kAllParts;
   std::string own_style;  // what the performer moves in already, by its network's name; "": neutral

@@ -9,16 +9,16 @@ struct Options {
   // the two bounds.
   float contact_low_m = 0.03F, contact_high_m = 0.06F;     // above its height when planted; 0 .. 1
   float contact_slow_mps = 0.4F, contact_fast_mps = 0.9F;  // over the ground; 0 .. 20
-  float blend_in_s = 0.015F;  // time constant with which a contact takes hold; 0 .. 1
-  float blend_out_s = 0.03F;  // ... and lets go
-  float reach_m = 0.16F;      // a lock drawn this far from the styled foot has let go; 0.001 .. 1
-  float return_s = 0.07F;     // time constant of the way back to the styled foot; 0.001 .. 10
+  float blend_in_s = 0.015F;   // time constant with which a contact takes hold; 0 .. 1
+  float blend_out_s = 0.045F;  // ... and lets go
+  float reach_m = 0.16F;       // a lock drawn this far from the styled foot has let go; 0.001 .. 1
+  float return_s = 0.09F;      // time constant of the way back to the styled foot; 0.001 .. 10
   float centre_s = 0.4F;      // a gait's memory: a step is set down where it will be off by as much
                               // at its end; 0.01 .. 60
   float centre = 1.0F;        // ... and how much of that; 0 (lands as styled) .. 1
   float stretch = 0.975F;     // of the leg's length: beyond, the hips come down; 0.5 .. 1
   float hips_drop_m = 0.10F;  // the most they come down; 0 .. 1
-  float hips_tau_s = 0.04F;   // smoothing of that; 0 .. 10
+  float hips_tau_s = 0.1F;    // smoothing of that; 0 .. 10
 
   friend bool operator==(const Options&, const Options&) = default;
 };

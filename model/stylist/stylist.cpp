@@ -6,6 +6,7 @@
 #include "model/feet/feet.h"
 #include "model/stylist/grounding.h"
 #include "model/stylist/intake.h"
+#include "model/stylist/knees.h"
 #include "model/stylist/low_pass.h"
 #include "model/stylist/mixer.h"
 #include "model/stylist/ticks.h"
@@ -18,13 +19,44 @@ using body::Pose;
 using body::Quat;
 using body::Vec3;
 
-constexpr float kNothing_m = 2e-4F;        // a shift below a fifth of a millimetre is none
-constexpr double kGapFactor = 1.5;         // of the usual time between frames
-constexpr float kUnsureBegin_rad = 0.12F;  // reconstruction from which on the delay grows
-constexpr float kUnsureSpan_rad = 0.4F;    // ... until it is longer by
-constexpr float kUnsureDelay = 2.0F;       // ... so many times itself
-constexpr float kUnsure_s = 0.1F;          // smoothing of that
-constexpr float kFeetFull = 0.25F;         // weight of style from which on feet are held in full
+constexpr float kNothing_m = 2e-4F;         // a shift below a fifth of a millimetre is none
+constexpr float kNoStyle = 2e-3F;           // so little of a style holds no foot
+constexpr double kGapFactor = 1.5;          // of the usual time between frames
+constexpr float kUnsureBegin_rad = 0.12F;   // reconstruction from which on the delay grows
+constexpr float kUnsureSpan_rad = 0.4F;     // ... until it is longer by
+constexpr float kUnsureDelay = 4.0F;        // ... so many times itself
+constexpr float kUnsure_s = 0.1F;           // smoothing of that
+constexpr float kSwitchHaste_mps2 = 40.0F;  // how hard a switch may pull: delay² = way left / this
+constexpr float kSwitchHold_s = 0.2F;       // time constant in which that delay shrinks
+constexpr float kSwitchTail_s = 0.6F;       // how long after its fade a switch is over
+constexpr float kHand_m = 0.1F;             // beyond joints that have no child: hands, toes, crown
+constexpr float kFeetFull = 0.25F;          // weight of style from which on feet are held in full
+
+// How far (m) the body reaches beyond each joint.
+std::array<float, kJointCount> Reaches() {
+  std::array<float, kJointCount> reach;
+  reach.fill(kHand_m);
+  for (int joint = kJointCount - 1; joint > 0; --joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    const auto parent = static_cast<std::size_t>(body::kHumanoid[j].parent);
+    reach[parent] = std::max(reach[parent], body::Offset(joint).norm() + reach[j]);
+  }
+  return reach;
+}
+const std::array<float, kJointCount> kReach_m = Reaches();
+
+// At most how far (m) a point of the body is moved when one change takes another's place.
+float Way_m(const Change& from, const Change& to) {
+  std::array<float, kJointCount> way;
+  float longest = 0;
+  for (int joint = 0; joint < kJointCount; ++joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    const float above = joint == 0 ? 0 : way[static_cast<std::size_t>(body::kHumanoid[j].parent)];
+    way[j] = above + (to.col(joint) - from.col(joint)).norm() * kReach_m[j];
+    longest = std::max(longest, way[j]);
+  }
+  return longest;
+}
 
 float DecayShare(double dt_s, float tau_s) {
   return tau_s <= 0 ? 1.0F : 1.0F - std::exp(-static_cast<float>(dt_s) / tau_s);
@@ -55,6 +87,7 @@ struct Stylist::Impl {
   void Finish(Output& out) noexcept;
   void TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept;
   float Delay() noexcept;
+  float SwitchDelay(const Change& target, float usual_s) noexcept;
   void FollowChange(const Pose& input) noexcept;
   void Apply(const Pose& input, Pose& styled) const noexcept;
   void Ground(Output& out) noexcept;
@@ -81,17 +114,22 @@ struct Stylist::Impl {
   Change fade_from = Change::Zero();  // what was applied when the state was restarted
   float restart_fade = 1.0F;          // 0 at a restart, 1 when it is over
   bool filter_started = false;
-  float unsure_rad = 0;  // reconstruction_rad, smoothed
+  float unsure_rad = 0;      // reconstruction_rad, smoothed
+  float switching = 0;       // 1 while styles are faded, 0 when a switch is over
+  float switch_delay_s = 0;  // what that asks for
+  float delay_s = 0;         // the low-pass's, of this frame
 
   Pose last_input;
   std::int64_t last_ns = 0;
   double dt_s = 0;  // of the frame at hand, since the one before
   bool started = false, fresh_session = true;
   float reconstruction_rad = 0, familiar = 1.0F;  // familiar: 1 = at home, 0 = foreign
-  float upright = 1.0F;                           // the same of the hips' tilt
+  feet::Glide fade_foreign;
+  float upright = 1.0F;  // the same of the hips' tilt
   feet::Glide shift_m,
       rig_shift;              // of the canonical humanoid and of the source skeleton, its units
   feet::Feet feet, rig_feet;  // the same two
+  feet::Glide feet_style;     // the weight of style, as late as what the style does
   std::array<Vec3, kJointCount> offsets_in, offsets_out;  // the humanoid's as translations
 };
 
@@ -294,7 +332,7 @@ void Stylist::Impl::Restart() noexcept {
   fade_from = change;
   restart_fade = started ? 0.0F : 1.0F;
   filter_started = false;
-  unsure_rad = reconstruction_rad = 0;
+  unsure_rad = reconstruction_rad = switching = switch_delay_s = 0;
 }
 
 // Jumps, gaps and changes of rate.
@@ -332,14 +370,16 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
     wish.col(static_cast<Eigen::Index>(joint)) =
         body::LogNear(rec.conjugate() * step.styled.rotations[joint],
                       low_pass.first().col(static_cast<Eigen::Index>(joint)));
-    error2 += body::Log(in.conjugate() * rec).squaredNorm();
+    // Toes say nothing of a posture, and some rigs' turn over.
+    const bool toes = joint == body::kLeftToes || joint == body::kRightToes;
+    if (!toes) error2 += body::Log(in.conjugate() * rec).squaredNorm();
   }
   // Of a neutral performer a style of weight 0 changes nothing; of another one it takes his away.
   // Before the low-pass, so that being told otherwise is no jump.
   if (mixer.own_style() > 0) wish *= mixer.presence();
   stepped.set(static_cast<std::size_t>(state));
   last_styled = step.styled;
-  reconstruction_rad = std::sqrt(error2 / static_cast<float>(kJointCount));
+  reconstruction_rad = std::sqrt(error2 / static_cast<float>(kJointCount - 2));
 }
 
 // The low-pass's delay. It is longer on poses and rigs that the network reconstructs badly: there
@@ -347,8 +387,23 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
 float Stylist::Impl::Delay() noexcept {
   const float share = filter_started ? DecayShare(dt_s, kUnsure_s) : 1.0F;
   unsure_rad += (reconstruction_rad - unsure_rad) * share;
+  if (mixer.empty()) return options.change_tau_s;  // on the way to bypass nothing is unsure
   const float unsure = SmoothStep((unsure_rad - kUnsureBegin_rad) / kUnsureSpan_rad);
   return options.change_tau_s * (1 + kUnsureDelay * unsure);
+}
+
+// While styles are switched, the delay is longer the longer the way to the new one, so that no limb
+// is thrown and small changes are quick.
+float Stylist::Impl::SwitchDelay(const Change& target, float usual_s) noexcept {
+  const auto dt = static_cast<float>(dt_s);
+  switching = mixer.fading() ? 1.0F : std::max(0.0F, switching - dt / kSwitchTail_s);
+  if (switching == 0) {
+    switch_delay_s = 0;
+    return usual_s;
+  }
+  switch_delay_s = std::max(std::sqrt(Way_m(low_pass.value(), target) / kSwitchHaste_mps2),
+                            switch_delay_s * (1 - DecayShare(dt, kSwitchHold_s)));
+  return usual_s + switching * std::max(0.0F, switch_delay_s - usual_s);
 }
 
 // Low-passes the change. The mean over the interleaved states is a box filter over one period of
@@ -368,7 +423,9 @@ void Stylist::Impl::FollowChange(const Pose& input) noexcept {
   // A foreign pose fades the style out.
   const float span = std::max(1e-3F, options.foreign_end_rad - options.foreign_begin_rad);
   const float at_home = 1.0F - SmoothStep((reconstruction_rad - options.foreign_begin_rad) / span);
-  familiar += (at_home - familiar) * (started ? DecayShare(dt_s, options.foreign_fade_s) : 1.0F);
+  const auto dt = static_cast<float>(dt_s);
+  familiar =
+      fade_foreign.Follow(at_home, started ? dt : 0, started ? options.foreign_fade_s / 2 : 0);
 
   // Styles are of upright bodies; one put on somebody who lies would push him through the floor.
   const float up = (input.rotations[body::kHips] * Vec3::UnitY()).y();
@@ -377,8 +434,9 @@ void Stylist::Impl::FollowChange(const Pose& input) noexcept {
   upright = 1.0F - SmoothStep((tilt_rad - options.tilt_begin_rad) / to_lying);
 
   const bool first = !filter_started;
-  const float delay_s = Delay();
-  low_pass.Follow(target, first ? 0 : dt_s, first ? 0 : delay_s);
+  const float usual_s = Delay();
+  delay_s = first ? 0 : SwitchDelay(target, usual_s);
+  low_pass.Follow(target, first ? 0 : dt_s, delay_s);
   filter_started = true;
   if (mixer.empty()) low_pass.SettleAtZero();
   change = low_pass.value();
@@ -412,10 +470,12 @@ void Stylist::Impl::Apply(const Pose& input, Pose& styled) const noexcept {
     const Vec3 turn = change.col(static_cast<Eigen::Index>(joint));
     styled.rotations[joint] = (input.rotations[joint] * body::Exp(turn)).normalized();
   }
+  if (options.knees) KeepKnees(input, 1 - mixer.absolute(), styled);
 }
 
 bool Stylist::Impl::Bypassed() const noexcept {
-  return mixer.empty() && change.isZero(0.0F) && std::abs(shift_m.value()) < kNothing_m &&
+  return mixer.empty() && change.isZero(0.0F) && feet_style.value() < kNoStyle &&
+         std::abs(shift_m.value()) < kNothing_m &&
          std::abs(rig_shift.value()) * binding->scale() < kNothing_m;
 }
 
@@ -434,6 +494,7 @@ void Stylist::Impl::HoldFeet(Output& out) noexcept {
   float style = 0;
   for (const erd::ActiveStyle& active : mixer.in_force()) style += active.weight;
   if (mixer.own_style() > 0) style = std::max(style, mixer.presence());
+  style = feet_style.Follow(style, dt, delay_s / 2);
   style *= std::max({mixer.share(body::Part::kTorso), mixer.share(body::Part::kLeftLeg),
                      mixer.share(body::Part::kRightLeg)});
   const bool held = options.feet && (out.flags & kBypass) == 0;

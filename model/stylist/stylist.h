@@ -22,7 +22,7 @@ namespace styled::stylist {
 struct Settings {
   std::array<erd::ActiveStyle, erd::kMaxMix> mix;  // unused entries have style -1
   float strength = 1.0F;                           // 0..1.5; 0 fades to bypass
-  float transition_s = 0.4F;                       // >= 0; of the change to these settings
+  float transition_s = 0.1F;                       // >= 0; of the change to these, at least
   bool absolute = false;                // the paper's output instead of the detail-preserving one
   body::Parts parts = body::kAllParts;  // the others stay as captured; not empty
   int own_style = 0;  // what the performer moves in already, which is taken away first; 0 = neutral
@@ -43,19 +43,20 @@ enum class SettingsError {
 
 // How streams are handled; the same for all performers. Defaults are those of styled.toml.
 struct Options {
-  float change_tau_s = 0.05F;   // delay of the low-pass on the change of style, up to three times
-                                // that where the network reconstructs badly; 0 = none
-  float gap_reset_s = 0.25F;    // a longer hole in source time starts the recurrent state anew
-  float restart_fade_s = 0.2F;  // cross-fade over such a start
-  float jump_m = 1.0F;          // a root step beyond this (and 12 m/s) is held, canonical metres
-  int jump_accept_frames = 10;  // consistent frames after which a jump is believed
-  float foreign_begin_rad = 0.7F;  // rms reconstruction error where the style begins to fade out
+  float change_tau_s = 0.05F;      // delay of the low-pass on the change of style, up to four times
+                                   // that where the network reconstructs badly; 0 = none
+  float gap_reset_s = 0.25F;       // a longer hole in source time starts the recurrent state anew
+  float restart_fade_s = 0.2F;     // cross-fade over such a start
+  float jump_m = 1.0F;             // a root step beyond this (and 12 m/s) is held, canonical metres
+  int jump_accept_frames = 10;     // consistent frames after which a jump is believed
+  float foreign_begin_rad = 0.7F;  // reconstruction_rad where the style begins to fade out
   float foreign_end_rad = 1.1F;    // ... and where it is gone
   float foreign_fade_s = 0.3F;     // time constant of that fade
   float tilt_begin_rad = 0.9F;  // hips' tilt off upright where it begins to, too: who falls, lies
   float tilt_end_rad = 1.3F;    // ... and where it is gone, at once
+  bool knees = true;            // no style bends a knee backwards
   bool ground = true;           // lowest foot as high as the input's
-  float ground_tau_s = 0.05F;   // smoothing of the vertical shift that this takes; 0 = none
+  float ground_tau_s = 0.1F;    // smoothing of the vertical shift that this takes; 0 = none
   bool feet = true;             // feet that the performer plants are held where they are
   feet::Options feet_options;   // how; must pass feet::Validate
   bool bypass = true;           // false: without style too, every pose goes through bind and unbind
@@ -83,7 +84,7 @@ struct Output {
   std::uint32_t contacts = 0;  // bit 0 left, bit 1 right: the performer's own foot is planted
   std::array<erd::ActiveStyle, erd::kMaxActive> in_force;  // styles and weights of this frame
   int in_force_count = 0;
-  float reconstruction_rad = 0;  // rms joint angle between reconstruction and input
+  float reconstruction_rad = 0;  // rms joint angle between reconstruction and input, toes apart
 
   explicit Output(const rig::Skeleton& skeleton) : rig(skeleton), source(skeleton) {}
 };

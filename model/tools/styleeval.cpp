@@ -41,7 +41,7 @@ struct Arguments {
   std::vector<std::filesystem::path> clips;
   judge::JudgeSettings judges;
   styled::stylist::Options stylist;
-  float transition_s = 0.15F;
+  float transition_s = 0.1F;
 };
 
 // For every content the longest input (its first seconds), with each style and the baseline's.

@@ -169,14 +169,15 @@ void Trainer::LogMonitor() {
 }
 
 std::string Trainer::Metadata() const {
-  const std::string training = nlohmann::json{
-      {"command", config_.command},
-      {"data", manifest_.name},
-      {"seed", config_.seed},
-      {"iterations", learner_.iteration()},
-      {"wall_time_s",
-       std::round(Elapsed())}}.dump();
-  if (!places_.empty()) {
+  nlohmann::json run{{"command", config_.command},
+                     {"data", manifest_.name},
+                     {"seed", config_.seed},
+                     {"iterations", learner_.iteration()},
+                     {"wall_time_s", std::round(Elapsed())}};
+  const bool adding = !places_.empty();
+  if (init_ != nullptr && !adding) run["from"] = nlohmann::json::parse(init_->metadata)["training"];
+  const std::string training = run.dump();
+  if (adding) {
     const std::vector<clip::ManifestStyle> added(manifest_.styles.begin() + 1,
                                                  manifest_.styles.end());
     return WithStyles(init_->metadata, added, places_, training);

@@ -238,6 +238,46 @@ TEST_F(StylistTest, BypassIsEnteredByAFadeAndThenExact) {
   EXPECT_TRUE(SameBits(out.rig, out.source));
 }
 
+// A switch takes the time that its way needs, however short the fade; a cut takes none.
+TEST_F(StylistTest, ASwitchThrowsNoLimb) {
+  // Styles that are far apart: their columns of the decoder's input are long.
+  erd::WeightsFile weights = erd::RandomWeights(5, 1);
+  erd::NamedTensor& decoder = weights.tensor("decoder.0.weight");
+  const auto width = static_cast<std::size_t>(decoder.shape[1]);
+  for (std::size_t i = 0; i < decoder.values.size(); ++i) {
+    if (i % width >= width - 5) decoder.values[i] *= 20;
+  }
+  network = std::move(erd::Network::Parse(weights.Bytes(), "far apart").value());
+  options.feet = false;
+  options.change_tau_s = 0.01F;
+  const auto hardest_mps2 = [this](float transition_s) {
+    Stylist stylist(network, binding, options);
+    stylist.Set(Style(2));
+    std::array<body::WorldPose, 3> world;
+    float hardest = 0;
+    const auto at = [&world](int frame) -> body::WorldPose& {
+      return world[static_cast<std::size_t>(frame) % world.size()];
+    };
+    for (int frame = 0; frame < 360; ++frame) {
+      if (frame == 240) stylist.Set(Style(3, 1, transition_s));
+      stylist.Process(Time(frame), PoseAt(0, skeleton), out);  // stands still
+      body::ForwardKinematics(out.canonical, at(frame));
+      for (std::size_t joint = 0; frame >= 240 && joint < body::kJointCount; ++joint) {
+        const body::Vec3 second = at(frame).positions_m[joint] -
+                                  2 * at(frame - 1).positions_m[joint] +
+                                  at(frame - 2).positions_m[joint];
+        hardest = std::max(hardest, second.norm() * 120 * 120);
+      }
+    }
+    return hardest;
+  };
+  const float cut = hardest_mps2(0);
+  const float quick = hardest_mps2(0.02F);
+  EXPECT_GT(cut, 500);
+  EXPECT_LT(quick, 0.25F * cut);
+  EXPECT_LT(hardest_mps2(1), 0.5F * quick);
+}
+
 TEST_F(StylistTest, TheSameStreamGivesTheSameBits) {
   Stylist a(network, binding, options), b(network, binding, options);
   Output other(skeleton);

@@ -14,7 +14,7 @@ export class App {
   stats: Stats | undefined;
   selected = '';
   everyone = false;
-  transition_ms = 400;
+  transition_ms = 100;
   private readonly listeners = new Set<() => void>();
   onMessage: (text: string, bad: boolean) => void = () => {};
 

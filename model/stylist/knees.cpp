@@ -1,0 +1,37 @@
+#include "model/stylist/knees.h"
+
+#include <cmath>
+
+#include "model/stylist/mixer.h"
+
+namespace styled::stylist {
+namespace {
+
+using body::Quat;
+
+constexpr float kPi = static_cast<float>(M_PI);
+constexpr float kCorner_rad = 0.3F;  // a knee passes it in a few frames of a fast step
+constexpr float kBroken_rad = 2.0F;  // bent by more, up to pi, it is let go
+
+// max(x, 0), its corner rounded.
+float SoftPositive(float x) { return 0.5F * (x + std::hypot(x, kCorner_rad)); }
+
+// The turn about the knee's axis, x, in `q` = swing * turn: positive where it bends.
+float Bend_rad(const Quat& q) { return std::remainder(2 * std::atan2(q.x(), q.w()), 2 * kPi); }
+
+}  // namespace
+
+void KeepKnees(const body::Pose& in, float share, body::Pose& styled) noexcept {
+  for (const int joint : {body::kLeftLowerLeg, body::kRightLowerLeg}) {
+    const auto knee = static_cast<std::size_t>(joint);
+    const float own = Bend_rad(in.rotations[knee]);
+    const float wanted = Bend_rad(styled.rotations[knee]);
+    const float least = -SoftPositive(-own);
+    const auto pushed = [least](float bend) { return SoftPositive(bend - least) - (bend - least); };
+    const float let_go = SmoothStep((kPi - std::abs(wanted)) / (kPi - kBroken_rad));
+    const body::Vec3 turn(share * let_go * (pushed(wanted) - pushed(own)), 0, 0);
+    styled.rotations[knee] = (styled.rotations[knee] * body::Exp(turn)).normalized();
+  }
+}
+
+}  // namespace styled::stylist
