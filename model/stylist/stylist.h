@@ -43,7 +43,7 @@ enum class SettingsError {
 
 // How streams are handled; the same for all performers. Defaults are those of styled.toml.
 struct Options {
-  float change_tau_s = 0.05F;      // delay of the low-pass on the change of style, up to four times
+  float change_tau_s = 0.05F;      // delay of the low-pass on the change of style, up to five times
                                    // that where the network reconstructs badly; 0 = none
   float gap_reset_s = 0.25F;       // a longer hole in source time starts the recurrent state anew
   float restart_fade_s = 0.2F;     // cross-fade over such a start
