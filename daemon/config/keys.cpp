@@ -238,6 +238,7 @@ Status ReadJoints(const toml::node& node, rig::JointNames& out) {
                                    [&](const body::JointRow& r) { return r.name == joint.str(); });
     if (!known) {
       std::vector<std::string_view> names;
+      names.reserve(rows.size());
       for (const auto& row : rows) names.push_back(row.name);
       return Status::Error("\"" + std::string(joint.str()) +
                            "\" is no joint of the canonical humanoid" +
