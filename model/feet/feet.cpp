@@ -7,7 +7,7 @@ namespace styled::feet {
 namespace {
 
 constexpr float kGap_s = 0.25F;
-constexpr float kCushion_m = 0.015F;  // above the floor, where a foot begins to be held up
+constexpr float kCushion_m = 0.01F;  // above the floor, where a foot begins to be held up
 constexpr float kTakenAlong = 0.7F;
 constexpr float kLift_s = 0.03F;  // smoothing of what lifts a foot to the performer's height
 constexpr float kSteep = 0.35F;  // cosine of a foot's slope from which on it is not pitched in full
