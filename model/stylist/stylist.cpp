@@ -176,6 +176,7 @@ SettingsError Stylist::Check(const Settings& settings, const erd::Network& netwo
 void Stylist::Set(const Settings& settings) noexcept {
   impl_->settings = settings;
   impl_->mixer.Aim(settings);
+  if (settings.transition_s <= 0) impl_->switching = 0;  // a cut, whatever was being faded
 }
 
 const Settings& Stylist::settings() const { return impl_->settings; }

@@ -108,9 +108,9 @@ Response MeasureResponse(const Judges& judges, std::span<const train::TrainingCl
     };
     std::vector<int> judged_plan;
     for (const int style : plan) judged_plan.push_back(styles[style]);
-    for (Watch* const watch : {&soon, &sure}) {
-      watch->Look(sequence(live), sequence(cut_stream), judged_plan, every_s);
-    }
+    const Sequence of_live = sequence(live);
+    const Sequence of_cut = sequence(cut_stream);
+    for (Watch* const watch : {&soon, &sure}) watch->Look(of_live, of_cut, judged_plan, every_s);
 
     const double usual = Quantile(LargestAccelerations(input, kStreamRate_hz), 0.999);
     const std::vector<double> live_accelerations = LargestAccelerations(live, kStreamRate_hz);

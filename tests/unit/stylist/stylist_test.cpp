@@ -250,7 +250,7 @@ TEST_F(StylistTest, ASwitchThrowsNoLimb) {
   network = std::move(erd::Network::Parse(weights.Bytes(), "far apart").value());
   options.feet = false;
   options.change_tau_s = 0.01F;
-  const auto hardest_mps2 = [this](float transition_s) {
+  const auto hardest_mps2 = [this](float transition_s, int faded_at = 0) {
     Stylist stylist(network, binding, options);
     stylist.Set(Style(2));
     std::array<body::WorldPose, 3> world;
@@ -259,6 +259,7 @@ TEST_F(StylistTest, ASwitchThrowsNoLimb) {
       return world[static_cast<std::size_t>(frame) % world.size()];
     };
     for (int frame = 0; frame < 360; ++frame) {
+      if (frame == faded_at) stylist.Set(Style(2, 1, 0.1F));
       if (frame == 240) stylist.Set(Style(3, 1, transition_s));
       stylist.Process(Time(frame), PoseAt(0, skeleton), out);  // stands still
       body::ForwardKinematics(out.canonical, at(frame));
@@ -276,6 +277,7 @@ TEST_F(StylistTest, ASwitchThrowsNoLimb) {
   EXPECT_GT(cut, 500);
   EXPECT_LT(quick, 0.25F * cut);
   EXPECT_LT(hardest_mps2(1), 0.5F * quick);
+  EXPECT_NEAR(hardest_mps2(0, 220), cut, 0.05F * cut) << "a cut soon after a fade is one, too";
 }
 
 TEST_F(StylistTest, TheSameStreamGivesTheSameBits) {

@@ -98,6 +98,15 @@ split = "validation"
   std::filesystem::path root_;
 };
 
+void ExpectSameButTheClock(const Checkpoint& a, const Checkpoint& b) {
+  ASSERT_EQ(a.tensors.size(), b.tensors.size());
+  for (const auto& [name, tensor] : a.tensors) {
+    if (name == "elapsed_s") continue;
+    EXPECT_TRUE(torch::equal(tensor, b.tensors.at(name))) << name;
+  }
+  EXPECT_EQ(a.strings.at("sampler"), b.strings.at("sampler"));
+}
+
 TEST_F(Run, ResumedIsBitForBitTheSameAsUninterrupted) {
   Check(Train(Config("whole")));
   TrainConfig config = Config("parts");
@@ -110,12 +119,7 @@ TEST_F(Run, ResumedIsBitForBitTheSameAsUninterrupted) {
   Checkpoint whole, parts;
   Check(ReadCheckpoint(root_ / "whole" / "checkpoint.pt", whole));
   Check(ReadCheckpoint(root_ / "parts" / "checkpoint.pt", parts));
-  ASSERT_EQ(whole.tensors.size(), parts.tensors.size());
-  for (const auto& [name, tensor] : whole.tensors) {
-    if (name == "elapsed_s") continue;
-    EXPECT_TRUE(torch::equal(tensor, parts.tensors.at(name))) << name;
-  }
-  EXPECT_EQ(whole.strings.at("sampler"), parts.strings.at("sampler"));
+  ExpectSameButTheClock(whole, parts);
 
   // The control: another seed is another run.
   TrainConfig other = Config("other");
@@ -334,10 +338,7 @@ TEST_F(Run, ATeacherIsImitated) {
   Checkpoint whole, resumed;
   Check(ReadCheckpoint(root_ / "student" / "checkpoint.pt", whole));
   Check(ReadCheckpoint(root_ / "parts" / "checkpoint.pt", resumed));
-  for (const auto& [name, tensor] : whole.tensors) {
-    if (name == "elapsed_s") continue;
-    EXPECT_TRUE(torch::equal(tensor, resumed.tensors.at(name))) << name;
-  }
+  ExpectSameButTheClock(whole, resumed);
 }
 
 TEST_F(Run, ATeacherThatCannotTeachIsRefused) {
