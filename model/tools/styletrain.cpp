@@ -34,8 +34,8 @@ int main(int argc, char** argv) {
   app.add_option("--out", config.out, "Folder of the run");
   app.add_option("--init", config.init, "Weights to start from; styles are matched by name");
   app.add_option("--teacher", config.teachers,
-                 "Weights whose changes of style are imitated, as FILE or FILE:STYLE,STYLE; "
-                 "repeatable, later ones win");
+                 "Weights whose changes of style are imitated, as FILE or "
+                 "FILE:STYLE[/CONTENT][*GAIN],...; repeatable, later ones win");
   app.add_option("--minutes", config.minutes, "Length of the run in wall time, all resumes");
   app.add_option("--iterations", config.iterations, "Length of the run in iterations");
   app.add_option("--stop-at", config.stop_at, "End this session at an iteration; resume later");

@@ -68,6 +68,12 @@ Tensor LogQuaternion(const Tensor& q) {
   return v * (2.0 * torch::atan2(sine, sign * w) / sine);
 }
 
+Tensor ScaleRotation(const Tensor& q, const Tensor& factor) {
+  const Tensor half = 0.5 * factor * LogQuaternion(q);
+  const Tensor angle = half.norm(2, -1, true);
+  return torch::cat({half * torch::sinc(angle / M_PI), angle.cos()}, -1);
+}
+
 Tensor SquaredHalfAngle(const Tensor& a, const Tensor& b) {
   const Tensor e = 1.0 - (a * b).sum(-1).abs();
   return e * (2.0 + e * (1.0 / 3.0 + e * (4.0 / 45.0)));

@@ -13,6 +13,10 @@ torch::Tensor Conjugate(const torch::Tensor& q);
 // Rotation vector (radians) of a unit quaternion, along the shorter way round; differentiable at 0.
 torch::Tensor LogQuaternion(const torch::Tensor& q);
 
+// A unit quaternion's rotation made `factor` times as large, along the shorter way round. `factor`
+// broadcasts against q's [..., 1]. Not differentiable at 0.
+torch::Tensor ScaleRotation(const torch::Tensor& q, const torch::Tensor& factor);
+
 // The squared half angle between two rotations, arccos(|a·b|)² (eq. 2), by its series in 1 - |a·b|:
 // the gradient stays finite where the rotations agree.
 torch::Tensor SquaredHalfAngle(const torch::Tensor& a, const torch::Tensor& b);

@@ -352,16 +352,19 @@ Tensor Learner::Teaching(const Batch& batch, const Generated& generated) {
   Tensor sum = torch::zeros({}, batch.u.options());
   Tensor taught = torch::zeros({}, batch.u.options());
   for (Teacher& teacher : teachers_) {
-    Tensor wanted;
+    Tensor wanted, teaches;
     {
       const torch::NoGradGuard no_grad;
       const Tensor of =
           teacher.generator->Transfer(batch.u, slots_, batch.carried, teacher.carried).rotations;
       wanted = Multiply(Conjugate(of.narrow(1, 0, count)), of.narrow(1, count, count));
+      const Tensor gain = (teacher.gain * batch.content).sum(1);
+      teaches = (gain > 0).to(wanted.dtype());
+      wanted = ScaleRotation(wanted, gain.view({1, count, 1, 1}));
     }
     const Tensor apart = SquaredHalfAngle(generated.change, wanted);  // [T, B, 21]
-    sum = sum + (apart.sum(torch::IntArrayRef({0, 2})) * teacher.teaches).sum();
-    taught = taught + teacher.teaches.sum();
+    sum = sum + (apart.sum(torch::IntArrayRef({0, 2})) * teaches).sum();
+    taught = taught + teaches.sum();
   }
   const Tensor loss = sum / taught.clamp_min(1.0);
   tally_.Add("teacher_rad", (loss.detach() / (frames_ * body::kJointCount)).sqrt() * 2.0);

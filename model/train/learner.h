@@ -30,6 +30,14 @@ class Tally {
   std::vector<std::pair<std::string, torch::Tensor>> sums_;
 };
 
+// What a teacher teaches: the changes to and from a style, made `gain` times as large on the way to
+// it.
+struct Lesson {
+  std::string style;
+  std::string content;  // only in windows of this one; empty: in all
+  double gain = 1;
+};
+
 // The networks being trained, their optimizers, and one iteration of training (style-ERD, section
 // 3.2 of the paper). Knows nothing of files, logs and clocks. `config`, `manifest` and `clips` must
 // outlive it. One thread.
@@ -44,9 +52,9 @@ class Learner {
   // reconstructs it best. The statistics must be those of `weights`.
   Status Adopt(const LoadedWeights& weights);
   // From now on changes of style are also compared (w_teacher) with what `weights` make of the same
-  // window, unspoilt: those to and from `styles`, or, where there are none, all that both have. An
-  // earlier teacher of a style no longer is one. The statistics must be the run's.
-  Status LearnFrom(const LoadedWeights& weights, const std::vector<std::string>& styles);
+  // window, unspoilt: those that `lessons` say, or, where there are none, all that both have. Of
+  // what one says, earlier teachers and lessons no longer count. The statistics must be the run's.
+  Status LearnFrom(const LoadedWeights& weights, const std::vector<Lesson>& lessons);
   // Trains the content classifier on real windows of all styles, then freezes it.
   void TrainClassifier();
   // One iteration, critic first. `progress` 0..1 decides learning rates and the smoothness term.
@@ -123,7 +131,7 @@ class Learner {
   struct Teacher {
     std::unique_ptr<Generator> generator;  // its styles are ours
     Carried carried;
-    torch::Tensor teaches;  // [B] 1 where the slot's style is taught by this one
+    torch::Tensor gain;  // [B, contents] what this one teaches of the slot's style, 0: nothing
   };
   std::vector<Teacher> teachers_;
   int64_t iteration_ = 0;

@@ -61,32 +61,43 @@ Status Learner::Adopt(const LoadedWeights& weights) {
   return Status::Ok();
 }
 
-Status Learner::LearnFrom(const LoadedWeights& weights, const std::vector<std::string>& styles) {
+Status Learner::LearnFrom(const LoadedWeights& weights, const std::vector<Lesson>& lessons) {
   const torch::NoGradGuard no_grad;
   if (!torch::equal(weights.mean, mean_.cpu()) ||
       !torch::equal(weights.deviation, deviation_.cpu())) {
     return Status::Error("has other feature statistics than the run; both must be of one kin");
   }
-  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-  };
-  for (const std::string& name : styles) {
-    const auto ours = [&name](const clip::ManifestStyle& style) { return style.name == name; };
-    if (!has(weights.styles, name) ||
-        std::none_of(manifest_.styles.begin() + 1, manifest_.styles.end(), ours)) {
-      return Status::Error("cannot teach \"" + name + "\": it and the run must both have it");
-    }
-  }
+  const auto contents = static_cast<int64_t>(manifest_.contents.size());
   std::vector<int64_t> source{0};
-  Tensor teaches = torch::zeros({generator_.shape.styles});
+  Tensor gain = torch::zeros({generator_.shape.styles, contents});
+  std::vector<std::string> shared;
   for (int64_t style = 1; style < generator_.shape.styles; ++style) {
     const std::string& name = manifest_.styles[static_cast<std::size_t>(style)].name;
     const auto found = std::find(weights.styles.begin() + 1, weights.styles.end(), name);
     const bool known = found != weights.styles.end();
     source.push_back(known ? found - weights.styles.begin() : 1);
-    teaches[style] = known && (styles.empty() || has(styles, name)) ? 1 : 0;
+    shared.push_back(known ? name : "");
+    if (known && lessons.empty()) gain.select(0, style).fill_(1);
   }
-  if (teaches.sum().item<double>() == 0) return Status::Error("has none of the run's styles");
+  for (const Lesson& lesson : lessons) {
+    const auto style = std::find(shared.begin(), shared.end(), lesson.style);
+    if (lesson.style.empty() || style == shared.end()) {
+      return Status::Error("cannot teach \"" + lesson.style +
+                           "\": it and the run must both have it");
+    }
+    Tensor row = gain.select(0, style - shared.begin() + 1);
+    const std::vector<std::string>& all = manifest_.contents;
+    const auto content = std::find(all.begin(), all.end(), lesson.content);
+    if (lesson.content.empty()) {
+      row.fill_(lesson.gain);
+    } else if (content != all.end()) {
+      row.select(0, content - all.begin()).fill_(lesson.gain);
+    } else {
+      return Status::Error("cannot teach \"" + lesson.style + "/" + lesson.content +
+                           "\": the manifest has no such content");
+    }
+  }
+  if (gain.sum().item<double>() == 0) return Status::Error("has none of the run's styles");
 
   GeneratorShape shape = weights.generator->shape;
   shape.styles = generator_.shape.styles;
@@ -96,8 +107,10 @@ Status Learner::LearnFrom(const LoadedWeights& weights, const std::vector<std::s
   if (!copied.ok()) return copied;
   teacher.carried = teacher.generator->Start(slots_);
   // One of a slot's two styles is neutral, number 0.
-  teacher.teaches = teaches.to(device_).index_select(0, slots_.own + slots_.target);
-  for (Teacher& earlier : teachers_) earlier.teaches *= 1.0 - teacher.teaches;
+  teacher.gain = gain.to(device_).index_select(0, slots_.own + slots_.target);
+  for (Teacher& earlier : teachers_) earlier.gain.masked_fill_(teacher.gain > 0, 0);
+  const Tensor from_it = slots_.styled.flatten().unsqueeze(1) * (teacher.gain > 0);
+  teacher.gain = torch::where(from_it > 0, torch::ones_like(teacher.gain), teacher.gain);
   teachers_.push_back(std::move(teacher));
   return Status::Ok();
 }

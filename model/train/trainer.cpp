@@ -1,6 +1,7 @@
 #include "model/train/trainer.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -34,6 +35,36 @@ void AppendRow(const std::filesystem::path& file, const std::string& header,
   std::ofstream out(file, std::ios::app);
   if (present != header) out << header << '\n';
   out << row << '\n';
+}
+
+// STYLE[/CONTENT][*GAIN],...
+Result<std::vector<Lesson>> ParseLessons(const std::string& text) {
+  std::vector<Lesson> lessons;
+  std::istringstream list(text);
+  for (std::string part; std::getline(list, part, ',');) {
+    Lesson lesson;
+    const std::size_t star = part.find('*');
+    if (star != std::string::npos) {
+      const char* const first = part.data() + star + 1;
+      const char* const last = part.data() + part.size();
+      const auto [end, error] = std::from_chars(first, last, lesson.gain);
+      if (error != std::errc() || end != last || !(lesson.gain > 0 && lesson.gain <= 10)) {
+        return Status::Error("found the gain \"" + part.substr(star + 1) + "\" in \"" + part +
+                             "\", expected a number above 0, at most 10");
+      }
+      part.resize(star);
+    }
+    const std::size_t slash = part.find('/');
+    if (slash != std::string::npos) {
+      lesson.content = part.substr(slash + 1);
+      if (lesson.content.empty()) {
+        return Status::Error("found no content after the / of \"" + part + "\"");
+      }
+    }
+    lesson.style = part.substr(0, slash);
+    lessons.push_back(std::move(lesson));
+  }
+  return lessons;
 }
 
 // What add-style needs: a manifest of neutral and the styles, and weights that lack them or whose
@@ -267,14 +298,14 @@ Status Trainer::Run() {
   }
   for (const std::string& given : config_.teachers) {
     const std::size_t colon = given.rfind(':');
-    std::vector<std::string> styles;
-    if (colon != std::string::npos) {
-      std::istringstream list(given.substr(colon + 1));
-      for (std::string style; std::getline(list, style, ',');) styles.push_back(style);
+    const Result<std::vector<Lesson>> lessons =
+        ParseLessons(colon == std::string::npos ? "" : given.substr(colon + 1));
+    if (!lessons.ok()) {
+      return Status::Error("--teacher " + given + ": " + lessons.status().message());
     }
     const Result<LoadedWeights> teacher = ReadWeights(given.substr(0, colon));
     if (!teacher.ok()) return Status::Error("--teacher " + teacher.status().message());
-    const Status fits = learner_.LearnFrom(teacher.value(), styles);
+    const Status fits = learner_.LearnFrom(teacher.value(), lessons.value());
     if (!fits.ok()) return Status::Error("--teacher " + given + ": " + fits.message());
   }
   if (config_.resume) {

@@ -17,7 +17,9 @@ struct TrainConfig {
   std::filesystem::path manifest, data, out;
   std::filesystem::path init;  // weights to start from (a .safetensors file); empty: random ones
   // Weights whose changes of style are imitated (knowledge distillation, Hinton et al. 2015), each
-  // as FILE or FILE:STYLE,STYLE: for all styles that it has by name, or for these. Later ones win.
+  // as FILE or FILE:LESSON,LESSON: for all styles that it has by name, or for what the lessons say.
+  // A lesson is STYLE[/CONTENT][*GAIN]: only in windows of that content; changes to the style made
+  // so many times as large. Later ones win.
   std::vector<std::string> teachers;
   // The names of styles that are added to `init`, everything else frozen (the paper's future work,
   // C.1). The manifest then has neutral and these styles alone; the weights that are written have

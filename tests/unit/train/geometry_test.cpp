@@ -83,6 +83,19 @@ TEST(Geometry, QuaternionsAgreeWithTheBody) {
             1e-6);
 }
 
+TEST(Geometry, ARotationIsMadeAsManyTimesAsLarge) {
+  const Eigen::Quaterniond third(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, -2) / 3.0));
+  const Eigen::Quaterniond whole(Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, 2, -2) / 3.0));
+  const auto tensor = [](const Eigen::Quaterniond& q) {
+    return torch::tensor({q.x(), q.y(), q.z(), q.w()}, torch::kFloat64);
+  };
+  const Tensor factor = torch::full({1}, 3.0, torch::kFloat64);
+  EXPECT_TRUE(torch::allclose(ScaleRotation(tensor(third), factor), tensor(whole)));
+  EXPECT_TRUE(torch::allclose(ScaleRotation(-tensor(third), factor), tensor(whole)));
+  const Tensor none = tensor(Eigen::Quaterniond::Identity());
+  EXPECT_TRUE(torch::allclose(ScaleRotation(none, factor), none));
+}
+
 TEST(Geometry, HalfAngleFollowsArccosAndStaysDifferentiableAtZero) {
   for (const float angle_rad : {0.02F, 0.2F, 0.8F}) {
     const body::Quat q = body::Exp(body::Vec3(angle_rad, 0, 0));
