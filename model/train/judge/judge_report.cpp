@@ -12,6 +12,7 @@ constexpr int kStride = 8;         // frames between judged windows
 constexpr int kSparseStride = 24;  // where there are clips in plenty
 constexpr int kFmdDimensions = 32;
 constexpr std::uint64_t kSeed = 1;
+constexpr double kWorthSaying = 0.05;  // share of windows that a style is taken for another
 
 nlohmann::json ToJson(const Share& share) {
   return {{"value", share.value},
@@ -81,6 +82,7 @@ void Evaluator::Gather(const Sequence& sequence, int stride, Cell& cell, ClipVer
   }
   for (std::size_t i = 0; i < verdicts.starts.size(); ++i) {
     if (style != nullptr) style->hits += verdicts.style[i] == sequence.style;
+    cell.taken_for[verdicts.style[i]] += 1;
     if (content != nullptr) content->hits += verdicts.content[i] == sequence.content;
     cell.embeddings.emplace_back(verdicts.embedding.row(static_cast<Eigen::Index>(i)));
   }
@@ -140,7 +142,14 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
     of.cra = MacroShare(Of(cra, style, contents_), kSeed);
     of.cra_input = MacroShare(Of(cra_input, style, contents_), kSeed);
     of.sra_real = MacroShare(Of(real_styles_, style, contents_), kSeed);
+    of.taken_for.resize(static_cast<std::size_t>(styles_));
+    double contents = 0;
     for (int content = 0; content < contents_; ++content) {
+      const Cell& cell = out[cell_of(style, content)];
+      contents += cell.embeddings.empty() ? 0 : 1;
+      for (const auto& [other, windows] : cell.taken_for) {
+        of.taken_for[other] += windows / static_cast<double>(cell.embeddings.size());
+      }
       const auto share = [&](const std::vector<ClipVerdict>& verdicts) {
         Mean mean;
         for (const ClipVerdict& verdict : verdicts) {
@@ -151,6 +160,7 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
       of.sra_by_content.push_back(share(sra));
       of.cra_by_content.push_back(share(cra));
     }
+    for (double& share : of.taken_for) share /= std::max(1.0, contents);
     MeasureStyle(style, out, in, of);
     double at_30_out = 0;
     double at_30_in = 0;
@@ -262,6 +272,10 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
         {"penetration_cm", of.feet.penetration_cm.value()},
         {"deepest_cm", of.feet.deepest_cm}};
     nlohmann::json& by_content = json["styles"][manifest_.styles[style].name]["by_content"];
+    nlohmann::json& taken_for = json["styles"][manifest_.styles[style].name]["taken_for"];
+    for (int other = 0; other < styles_; ++other) {
+      taken_for[manifest_.styles[other].name] = of.taken_for[other];
+    }
     for (int content = 0; content < contents_; ++content) {
       const Expression& expression = of.expression_by_content[content];
       by_content[manifest_.contents[content]] = {{"sra", of.sra_by_content[content]},
@@ -342,6 +356,20 @@ void Evaluator::Print(const Figures& figures) const {
       figures.cra.value / std::max(1e-9, figures.cra_input.value), figures.sra.worst,
       CellName(figures.sra.worst_cell).c_str(), figures.cra.worst,
       CellName(figures.cra.worst_cell).c_str());
+  for (int style = 1; style < styles_; ++style) {
+    const std::vector<double>& taken_for = figures.styles[style].taken_for;
+    std::string others;
+    for (int other = 0; other < styles_; ++other) {
+      if (other == style || taken_for[other] < kWorthSaying) continue;
+      char text[80];
+      std::snprintf(text, sizeof text, " %s %.2f", manifest_.styles[other].name.c_str(),
+                    taken_for[other]);
+      others += text;
+    }
+    if (!others.empty()) {
+      std::printf("%s is taken for%s\n", manifest_.styles[style].name.c_str(), others.c_str());
+    }
+  }
 }
 
 Reconstruction MeasureReconstruction(const erd::Network& network, std::span<const Poses> clips) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -27,6 +28,7 @@ struct StyleFigures {
   Share sra_real;   // the style judge on real clips of the target
   Share cra_input;  // the content judge on the inputs
   std::vector<double> sra_by_content, cra_by_content;
+  std::vector<double> taken_for;  // by style, the share of windows that the judge takes for it
   Expression expression, expression_walk;
   Expression expression_real;  // the training clips' shift, neutral to target: what can be reached
   std::vector<Expression> expression_by_content;
@@ -69,6 +71,7 @@ class Evaluator {
     Eigen::VectorXd position_sum = Eigen::VectorXd::Zero(body::kPositionFeatures);
     double frames = 0;
     std::vector<Eigen::RowVectorXd> embeddings;
+    std::map<int, double> taken_for;  // windows, by what the style judge says
     Mean jerk;
 
     Eigen::VectorXd MeanPose() const { return position_sum / std::max(1.0, frames); }
