@@ -7,10 +7,11 @@ namespace styled::feet {
 namespace {
 
 constexpr float kGap_s = 0.25F;
-constexpr float kCushion_m = 0.01F;  // above the floor, where a foot begins to be held up
+constexpr float kCushion_m = 0.01F;      // above the floor, where a foot begins to be held up,
+constexpr float kHighCushion_m = 0.03F;  // and where it does while the performer's own is high
+constexpr float kSwing_m = 0.06F;        // in full from there on
 constexpr float kTakenAlong = 0.7F;
 constexpr float kLift_s = 0.03F;  // smoothing of what lifts a foot to the performer's height
-constexpr float kSteep = 0.35F;  // cosine of a foot's slope from which on it is not pitched in full
 constexpr float kMostPitch_rad = 0.6F;
 constexpr float kDropCorner_m = 0.005F;
 constexpr float kStraightCorner = 0.04F;  // of the leg's length
@@ -22,24 +23,28 @@ constexpr float kLetGo = 0.6F;          // of the reach: where a lock begins to 
 Vec3 Flat(const Vec3& v) { return {v.x(), 0, v.z()}; }
 
 // Turns `foot` (ankle to toes) about the horizontal axis across it so that the toes rise by about
-// `rise_m` against the ankle. A foot on its tip cannot: there the turn fades to nothing, so that it
-// has no pole.
+// `rise_m` against the ankle. A foot on its tip cannot, so the turn, which would be rise over the
+// cosine of its slope, fades to nothing there, and early, since a toe-off passes it in few frames.
 Quat Pitch(const Vec3& foot, const Vec3& across, float rise_m) {
   const float level = Flat(across).norm();  // 0: lies on its side
   const float length = foot.norm();
   if (length < 1e-4F || level < 1e-2F) return Quat::Identity();
   const Vec3 axis = Flat(across) / level;
-  const float ahead = foot.dot(axis.cross(Vec3::UnitY())) / length;  // 1: flat
-  const float steep = kSteep * (1 - SmoothStep(ahead, kSteep, 2 * kSteep));
-  const float turn = level * rise_m / length * ahead / (ahead * ahead + steep * steep);
+  const float ahead = std::max(0.0F, foot.dot(axis.cross(Vec3::UnitY())) / length);  // 1: flat
+  const float turn = level * rise_m / length * ahead * (3 - 2 * ahead);
   return Quat(Eigen::AngleAxisf(-std::clamp(turn, -kMostPitch_rad, kMostPitch_rad), axis));
 }
 
-// Where a foot begins to be held up: at the cushion's top, or where the performer's own is, if that
-// is lower (never above it, so that his own pose is never changed); a rounded minimum of the two.
-float Support(float floor_m, float performer_m) {
-  const float top = floor_m + kCushion_m;
-  return top - SoftExcess(top - performer_m + kCushion_m, kCushion_m);
+// By how much what is at `height_m` must be lifted so that it is not under the floor. It begins to
+// be at a cushion's top, or where the performer's own is, if that is lower (never above it, so that
+// his own pose is never changed): a rounded minimum of the two. A foot that is in mid-swing with
+// him comes down fast: there the cushion is thicker.
+float Push(float floor_m, float performer_m, float height_m) {
+  const float cushion = kCushion_m + (kHighCushion_m - kCushion_m) *
+                                         SmoothStep(performer_m - floor_m, kCushion_m, kSwing_m);
+  const float top = floor_m + cushion;
+  const float support = top - SoftExcess(top - performer_m + cushion, cushion);
+  return SoftExcess(support - height_m, cushion);
 }
 
 }  // namespace
@@ -140,16 +145,17 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   const float c_toes = (1 - state.yields) * input.toes;
   const float want_toes = c_toes * off_toes + (1 - c_toes) * c_heel * off_heel;
   const float want_heel = c_heel * off_heel + (1 - c_heel) * c_toes * off_toes;
+  if (state.frames == 1 && dt_s > 0) {  // a session may begin in mid-stride
+    state.lift_toes.Start(state.lift_toes.value(), (want_toes - state.lift_toes.value()) / dt_s);
+    state.lift_heel.Start(state.lift_heel.value(), (want_heel - state.lift_heel.value()) / dt_s);
+  }
   float lift_toes = state.lift_toes.Follow(want_toes, dt_s, kLift_s);
   float lift_heel = state.lift_heel.Follow(want_heel, dt_s, kLift_s);
   // And nothing sinks below the performer's floor, or below where he himself is.
   const float floor_m = contacts_.floor_m();
-  const float under_toes = Support(floor_m, in_toes.y()) - (toes.y() + lift_toes);
-  const float under_heel =
-      Support(floor_m + leg.ankle_above_toes_m, in_heel.y()) - (heel.y() + lift_heel);
+  const float push_toes = Push(floor_m, in_toes.y(), toes.y() + lift_toes);
+  const float push_heel = Push(floor_m + leg.ankle_above_toes_m, in_heel.y(), heel.y() + lift_heel);
   // What holds up one end takes most of the foot along: one end after the other would be a jolt.
-  const float push_toes = SoftExcess(under_toes, kCushion_m);
-  const float push_heel = SoftExcess(under_heel, kCushion_m);
   lift_toes = weight * (lift_toes + std::hypot(push_toes, kTakenAlong * push_heel));
   lift_heel = weight * (lift_heel + std::hypot(push_heel, kTakenAlong * push_toes));
   if (!has_toes) lift_toes = lift_heel;
@@ -187,8 +193,7 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes,
   const Vec3& in_toes = input.toes_m;
   const Vec3 change = Flat(toes - in_toes);  // by the style, of where the foot is
 
-  if (!state.started) {
-    state.started = true;
+  if (state.frames == 0) {
     state.centre_m = change;
   } else if (dt_s > 0) {
     // A gait takes the foot as far ahead of the performer's as behind it, about `centre`.
@@ -213,6 +218,7 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes,
     state.offset_m += step;
     state.offset_m += (1 - hold) * DecayShare(dt_s, options_.return_s) * (wish - state.offset_m);
   }
+  state.frames = std::min(state.frames + 1, 2);
   state.last_in_toes_m = in_toes;
   state.last_in_heel_m = in_heel;
   state.last_toes_m = toes;

@@ -25,10 +25,10 @@ class Glide {
     velocity_ = (velocity_ - slope * dt_s / tau_s) * decay;
     return value_;
   }
-  // Begins at `value`, at rest.
-  STYLED_REALTIME void Start(float value) noexcept {
+  // Begins at `value`, moving by `velocity` a second.
+  STYLED_REALTIME void Start(float value, float velocity = 0) noexcept {
     value_ = value;
-    velocity_ = 0;
+    velocity_ = velocity;
     started_ = true;
   }
   STYLED_REALTIME void Rest() noexcept { *this = Glide(); }

@@ -27,7 +27,7 @@ constexpr float kUnsureSpan_rad = 0.4F;     // ... until it is longer by
 constexpr float kUnsureDelay = 4.0F;        // ... so many times itself
 constexpr float kUnsure_s = 0.1F;           // smoothing of that
 constexpr float kSwitchHaste_mps2 = 40.0F;  // how hard a switch may pull: delay² = way left / this
-constexpr float kSwitchHold_s = 0.2F;       // time constant in which that delay shrinks
+constexpr float kSwitchHold_s = 0.5F;       // time constant in which that delay shrinks
 constexpr float kSwitchTail_s = 0.6F;       // how long after its fade a switch is over
 constexpr float kHand_m = 0.1F;             // beyond joints that have no child: hands, toes, crown
 constexpr float kFeetFull = 0.25F;          // weight of style from which on feet are held in full

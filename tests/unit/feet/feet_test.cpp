@@ -99,22 +99,28 @@ TEST_F(FeetTest, APlantedFootStaysWhileTheStyleWouldHaveItSlide) {
   EXPECT_LT(Skate(120, Played(out, 120)), 1);
 }
 
-TEST_F(FeetTest, TheLockAddsNoJolt) {
-  const auto largest = [this](const PoseAt& at) {
-    float most = 0;
-    std::array<std::vector<Placed>, 3> last;
-    for (int i = 0; i < kSeconds * 120; ++i) {
-      last[static_cast<std::size_t>(i % 3)] = World(legs, at(i / 120.0));
-      if (i < 60) continue;
-      for (std::size_t joint = 0; joint < last[0].size(); ++joint) {
-        const auto back = [&](int k) -> const Vec3& {
-          return last[static_cast<std::size_t>((i - k) % 3)][joint].position_m;
-        };
-        most = std::max(most, (back(0) - 2 * back(1) + back(2)).norm() * 120 * 120);
-      }
+// m/s² of the joint that is accelerated most, over frames `from` to `to` at 120 Hz.
+float Largest(const Legs& legs, const PoseAt& at, int from, int to) {
+  float most = 0;
+  std::array<std::vector<Placed>, 3> last;
+  for (int i = from - 2; i < to; ++i) {
+    auto& now = last[static_cast<std::size_t>(i % 3)];
+    const rig::RigPose pose = at(i / 120.0);
+    now.resize(legs.joints().size());
+    legs.Place({pose.translations, pose.rotations}, now);
+    if (i < from) continue;
+    for (std::size_t joint = 0; joint < now.size(); ++joint) {
+      const auto back = [&](int k) -> const Vec3& {
+        return last[static_cast<std::size_t>((i - k) % 3)][joint].position_m;
+      };
+      most = std::max(most, (back(0) - 2 * back(1) + back(2)).norm() * 120 * 120);
     }
-    return most;
-  };
+  }
+  return most;
+}
+
+TEST_F(FeetTest, TheLockAddsNoJolt) {
+  const auto largest = [this](const PoseAt& at) { return Largest(legs, at, 60, 6 * 120); };
   const Frames out = Hold(feet, 120, input, styled);
   EXPECT_LT(largest(Played(out, 120)), 1.5F * std::max(largest(input), largest(styled)));
   // The negative control: a lock that takes and lets go at once.
@@ -300,6 +306,58 @@ TEST_F(FeetTest, NoFootSinksBelowThePerformersFloor) {
   }
   EXPECT_GT(styled_deepest, 0.04F);
   EXPECT_LT(deepest, 0.01F);
+}
+
+// The performer stands like one who walks at `time_s`.
+PoseAt Frozen(const Walker& walker, double time_s) {
+  return [&walker, time_s](double) { return walker.At(time_s); };
+}
+
+TEST_F(FeetTest, AFootThatSwingsIntoTheFloorIsStoppedSoftly) {
+  const double swing_s = (0.8 - 10.0 + 11.0) * Walker::kCycle_s;  // the left foot is 10 cm up
+  const PoseAt diving = [&](double t) {
+    rig::RigPose pose = walker.At(swing_s);
+    pose.translations[0].y() -= 0.1F * (1 - std::cos(16 * static_cast<float>(t)));  // 1.6 m/s
+    return pose;
+  };
+  const Frames out = Hold(feet, 120, Frozen(walker, swing_s), diving);
+  float lowest = 1;
+  for (const rig::RigPose& pose : out) lowest = std::min(lowest, Toes(pose, 0).y());
+  EXPECT_GT(lowest, 0.02F - 0.01F);
+  // From 1.6 m/s within 1 cm it would be 128 m/s².
+  EXPECT_LT(Largest(legs, Played(out, 120), 10, 600), 120);
+}
+
+TEST_F(FeetTest, ASessionMayBeginWhileTheStyleMoves) {
+  float first = 0, own = 0;
+  for (const double begin_s : {0.0, 0.1, 0.2, 0.3, 0.4, 0.5}) {
+    const PoseAt in = [&](double t) { return walker.At(begin_s + t); };
+    const PoseAt bobbing = [&](double t) {
+      rig::RigPose pose = walker.At(begin_s + t);
+      pose.translations[0].y() += 0.05F * static_cast<float>(std::sin(14 * (t + begin_s)));
+      return pose;
+    };
+    Feet fresh(binding, binding, {});
+    const Frames out = Hold(fresh, 120, in, bobbing);
+    first = std::max(first, Largest(legs, Played(out, 120), 2, 20));
+    own = std::max(own, Largest(legs, bobbing, 2, 20));
+  }
+  EXPECT_LT(first, own);
+}
+
+TEST_F(FeetTest, AFootThatRollsOverItsTipIsNotThrown) {
+  const double stance_s = (0.3 - 10.0 + 11.0) * Walker::kCycle_s;
+  const auto foot =
+      static_cast<std::size_t>(legs.joints()[static_cast<std::size_t>(legs.leg(0).foot)]);
+  const PoseAt rolling = [&](double t) {
+    rig::RigPose pose = walker.At(stance_s);
+    const float angle = 0.95F * (1 - std::cos(10 * static_cast<float>(t)));
+    pose.rotations[foot] = pose.rotations[foot] * Quat(Eigen::AngleAxisf(angle, Vec3::UnitX()));
+    return pose;
+  };
+  const Frames out = Hold(feet, 120, Frozen(walker, stance_s), rolling);
+  // What tips the foot up turns round where it stands on its tip: all of it at once is 340 m/s².
+  EXPECT_LT(Largest(legs, Played(out, 120), 10, 600), 250);
 }
 
 TEST_F(FeetTest, ALockThatIsDrawnTooFarDragsAlong) {
