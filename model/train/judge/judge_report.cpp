@@ -41,7 +41,8 @@ Evaluator::Evaluator(const clip::Manifest& manifest, const Judges& judges,
       styles_(static_cast<int>(manifest.styles.size())),
       contents_(static_cast<int>(manifest.contents.size())),
       real_(static_cast<std::size_t>(styles_ * contents_)),
-      other_real_(real_) {
+      other_real_(real_),
+      known_(real_.size(), false) {
   const auto sequence = [&](const train::TrainingClip& clip) {
     return MakeSequence(clip.poses, clip.style, clip.content, false, judges.parameters());
   };
@@ -49,6 +50,7 @@ Evaluator::Evaluator(const clip::Manifest& manifest, const Judges& judges,
   for (const train::TrainingClip& clip : judge) {
     const Eigen::MatrixXd e = judges.Judge(sequence(clip), kSparseStride).embedding;
     for (Eigen::Index i = 0; i < e.rows(); ++i) embeddings.emplace_back(e.row(i));
+    if (e.rows() > 0) known_[cell_of(clip.style, clip.content)] = true;
   }
   Eigen::MatrixXd samples(static_cast<Eigen::Index>(embeddings.size()), embeddings.front().cols());
   for (std::size_t i = 0; i < embeddings.size(); ++i) samples.row(i) = embeddings[i];
@@ -64,7 +66,7 @@ Evaluator::Evaluator(const clip::Manifest& manifest, const Judges& judges,
     ClipVerdict style{.cell = cell, .clip = static_cast<int>(i)};
     ClipVerdict content = style;
     Gather(sequence(clip), kStride, real_[cell], &style, &content);
-    real_styles_.push_back(style);
+    if (known_[cell]) real_styles_.push_back(style);
     real_contents_.push_back(content);
     real_[cell].jerk.Add(
         MeanJerk(clip::ResamplePoses(clip.poses, kJudgeRate_hz, kStreamRate_hz), kStreamRate_hz));
@@ -97,8 +99,13 @@ void Evaluator::Gather(const Sequence& sequence, int stride, Cell& cell, ClipVer
 }
 
 Figures Evaluator::Measure(const std::string& name, std::span<const Transferred> clips) const {
-  Figures figures{
-      .name = name, .styles = {}, .sra = {}, .cra = {}, .cra_input = {}, .sra_first = {}};
+  Figures figures{.name = name,
+                  .styles = {},
+                  .sra = {},
+                  .cra = {},
+                  .cra_input = {},
+                  .sra_first = {},
+                  .unknown = {}};
   figures.styles.resize(static_cast<std::size_t>(styles_));
   Cells out(real_.size());
   Cells in(real_.size());
@@ -120,10 +127,10 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
            out[cell], &style, &content, &first);
     Gather(MakeSequence(thin_in, clip.style, clip.content, false, judges_.parameters()), kStride,
            in[cell], nullptr, &content_input);
-    sra.push_back(style);
+    if (known_[cell]) sra.push_back(style);
     cra.push_back(content);
     cra_input.push_back(content_input);
-    sra_first.push_back(first);
+    if (known_[cell]) sra_first.push_back(first);
     out[cell].jerk.Add(MeanJerk(clip.output, kStreamRate_hz));
     in[cell].jerk.Add(MeanJerk(clip.input, kStreamRate_hz));
     jerk_30_out[cell].Add(MeanJerk(thin_out, kJudgeRate_hz));
@@ -145,15 +152,20 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
     of.taken_for.resize(static_cast<std::size_t>(styles_));
     double contents = 0;
     for (int content = 0; content < contents_; ++content) {
-      const Cell& cell = out[cell_of(style, content)];
-      contents += cell.embeddings.empty() ? 0 : 1;
-      for (const auto& [other, windows] : cell.taken_for) {
-        of.taken_for[other] += windows / static_cast<double>(cell.embeddings.size());
+      const int place = cell_of(style, content);
+      const auto windows = static_cast<double>(out[place].embeddings.size());
+      if (windows > 0 && known_[place]) {
+        contents += 1;
+        for (const auto& [other, count] : out[place].taken_for) {
+          of.taken_for[other] += count / windows;
+        }
+      } else if (windows > 0) {
+        figures.unknown.push_back(place);
       }
       const auto share = [&](const std::vector<ClipVerdict>& verdicts) {
         Mean mean;
         for (const ClipVerdict& verdict : verdicts) {
-          if (verdict.cell == cell_of(style, content)) mean.Add({verdict.hits, verdict.windows});
+          if (verdict.cell == place) mean.Add({verdict.hits, verdict.windows});
         }
         return mean.value();
       };
@@ -246,7 +258,9 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
                          {"sra", with_worst(figures.sra)},
                          {"sra_first_windows", judge::ToJson(figures.sra_first)},
                          {"cra", with_worst(figures.cra)},
-                         {"cra_of_inputs", with_worst(figures.cra_input)}};
+                         {"cra_of_inputs", with_worst(figures.cra_input)},
+                         {"unknown_to_style_judge", nlohmann::json::array()}};
+  for (const int cell : figures.unknown) json["unknown_to_style_judge"].push_back(CellName(cell));
   for (int style = 1; style < styles_; ++style) {
     const StyleFigures& of = figures.styles[style];
     json["styles"][manifest_.styles[style].name] = {
@@ -356,6 +370,12 @@ void Evaluator::Print(const Figures& figures) const {
       figures.cra.value / std::max(1e-9, figures.cra_input.value), figures.sra.worst,
       CellName(figures.sra.worst_cell).c_str(), figures.cra.worst,
       CellName(figures.cra.worst_cell).c_str());
+  if (!figures.unknown.empty()) {
+    std::printf("%zu cells are in no SRA, since the judge has never seen a real one:",
+                figures.unknown.size());
+    for (const int cell : figures.unknown) std::printf(" %s;", CellName(cell).c_str());
+    std::printf("\n");
+  }
   for (int style = 1; style < styles_; ++style) {
     const std::vector<double>& taken_for = figures.styles[style].taken_for;
     std::string others;

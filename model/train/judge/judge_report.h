@@ -44,6 +44,7 @@ struct Figures {
   std::vector<StyleFigures> styles;  // [0], neutral, is empty
   Share sra, cra, cra_input;         // over all cells
   Share sra_first;                   // of the first window of each clip: when states are fresh
+  std::vector<int> unknown;          // cells that the style judge has never seen: not in any SRA
 };
 
 // Judges transferred clips against what real clips say. Construction looks at all real clips once.
@@ -91,6 +92,7 @@ class Evaluator {
   int styles_, contents_;
   Pca pca_;
   Cells real_, other_real_;
+  std::vector<bool> known_;  // by cell: the judge's own clips have a window of it
   std::vector<ClipVerdict> real_styles_, real_contents_;
   Share real_style_, real_content_;
 };
