@@ -83,7 +83,7 @@ Status CheckTo(const Arguments& a) {
   if (!named) return Status::Ok();
   const auto held = SourcesOf(*reader.value(), !arrivals.value());
   string list;
-  for (const string& source : held) list += (list.empty() ? "" : ", ") + source;
+  for (const string& source : held) list.append(list.empty() ? "" : ", ").append(source);
   for (const string& name : names) {
     if (name.empty() || held.contains(name)) continue;
     return Status::Error("--to " + name + "=...: " + reader.value()->name() +

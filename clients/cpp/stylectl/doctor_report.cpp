@@ -53,7 +53,7 @@ std::string Paragraph(const std::string& head, const std::string& text) {
     const std::size_t end = std::min(text.find(' ', begin), text.size());
     const std::string word = text.substr(begin, end - begin);
     if (!line.empty() && head.size() + line.size() + 1 + word.size() > kTextWidth) {
-      out += line + "\n" + indent;
+      out.append(line).append("\n").append(indent);
       line.clear();
     }
     line += (line.empty() ? "" : " ") + word;
