@@ -3,12 +3,14 @@
 // runs.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <numeric>
 
 #include "model/clip/clip.h"
 #include "model/clip/manifest.h"
+#include "model/tools/number.h"
 #include "model/train/blas.h"
 #include "model/train/judge/judge_conditions.h"
 #include "model/train/judge/judge_data.h"
@@ -196,6 +198,10 @@ Status JudgeWeights(const Arguments& arguments, const judge::Data& data,
   const auto report = [&](const char* key, const std::string& title,
                           const std::vector<judge::Transferred>& clips) {
     const judge::Figures figures = evaluator.Measure(title, clips);
+    if (figures.cra.windows == 0) {
+      std::printf("\n%s: not judged, no clip is as long as a window\n", title.c_str());
+      return;
+    }
     evaluator.Print(figures);
     json[key] = evaluator.ToJson(figures);
   };
@@ -359,7 +365,27 @@ void JudgeSynthetic(const judge::Data& data, const judge::Judges& judges,
   json["synthetic"]["mean"] = all.value;
 }
 
+// What would be found after minutes only.
+Status CheckFiles(const Arguments& arguments) {
+  if (!arguments.weights.empty() && !std::filesystem::exists(arguments.weights)) {
+    return Status::Error("--weights " + arguments.weights + ": no such file");
+  }
+  for (const auto& [flag, file] :
+       {std::pair("--json", arguments.json), std::pair("--report", arguments.report)}) {
+    const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+      return Status::Error(std::string(flag) + " " + file + ": no such folder");
+    }
+  }
+  std::error_code error;
+  std::filesystem::create_directories(arguments.cache, error);
+  if (error) return Status::Error("--cache " + arguments.cache + ": " + error.message());
+  return Status::Ok();
+}
+
 Status Run(const Arguments& arguments) {
+  const Status files = CheckFiles(arguments);
+  if (!files.ok()) return files;
   Result<judge::Data> loaded =
       judge::LoadData(arguments.manifest, arguments.inputs, arguments.data);
   if (!loaded.ok()) return loaded.status();
@@ -439,6 +465,7 @@ int main(int argc, char** argv) {
                  "Style the neutral validation clips of this manifest instead");
   app.add_option("--long", arguments.long_s,
                  "Judge also after so many seconds of continuous state; 0: do not")
+      ->check(styled::Number(0, 86400))
       ->capture_default_str();
   app.add_flag("--absolute", arguments.absolute, "Judge the paper's absolute output, too");
   app.add_flag("--robust", arguments.robust, "Judge inputs as live rigs spoil them, too");
@@ -451,6 +478,7 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("--change-tau", arguments.stylist.change_tau_s,
                  "Low-pass on the change of style, seconds")
+      ->check(styled::Number(0, 1))
       ->capture_default_str();
   app.add_flag("--synthetic", arguments.synthetic,
                "Does the content judge recognize the synthetic performer?");
@@ -458,8 +486,10 @@ int main(int argc, char** argv) {
   app.add_flag("!--no-ground", arguments.stylist.ground,
                "Do not shift the styled body vertically: what of jitter and skate is grounding");
   app.add_option("--transition", arguments.transition_s, "Cross-fade of a switch, seconds")
+      ->check(styled::Number(0, 3))
       ->capture_default_str();
   app.add_option("--judge-iterations", arguments.judges.iterations, "Training steps of the judges")
+      ->check(styled::Number(1, 1e7))
       ->capture_default_str();
   app.add_option("--judge-window", arguments.judges.window,
                  "Frames at 30 Hz; a multiple of 4, 24 to 240")

@@ -48,8 +48,8 @@ int main(int argc, char** argv) {
   app.add_option("--rate", config.rate_hz, "The network's rate, Hz")->capture_default_str();
   app.add_option("--heading-tau", config.heading_tau_s, "Heading filter, s")->capture_default_str();
   app.add_option("--window", config.window, "Frames that are judged")->capture_default_str();
-  auto* per_style = app.add_option("--per-style", config.per_style, "Windows per style in a batch")
-                        ->capture_default_str();
+  app.add_option("--per-style", config.per_style, "Windows per style in a batch")
+      ->capture_default_str();
   app.add_option("--carry", config.carry, "Share of windows that start with carried states")
       ->capture_default_str();
   app.add_option("--session-start", config.session_start)->capture_default_str();
@@ -57,6 +57,11 @@ int main(int argc, char** argv) {
   app.add_option("--noise", config.noise)->capture_default_str();
   app.add_option("--miscalibrated", config.miscalibrated,
                  "Share of windows with wrong rest poses and floor")
+      ->capture_default_str();
+  app.add_option("--idle", config.idle,
+                 "Share of neutral windows in which the performer just stands; needs --teacher")
+      ->capture_default_str();
+  app.add_option("--idle-as", config.idle_as, "Content whose mean change of style is taught there")
       ->capture_default_str();
   app.add_option("--generator-rate", config.generator_rate)->capture_default_str();
   app.add_option("--critic-rate", config.critic_rate)->capture_default_str();
@@ -113,7 +118,10 @@ int main(int argc, char** argv) {
   add->footer(
       "styletrain add-style --name NAME --init WEIGHTS --manifest M.toml --data DIR --out RUN\n"
       "The manifest has the neutral style and NAME. All that WEIGHTS has is frozen and comes out\n"
-      "bit for bit; all other options of styletrain hold, --per-style is 12.");
+      "bit for bit. All other options of styletrain hold, but --per-style is 12; and without\n"
+      "--replace --w-moments 200, --w-smooth 3, --w-penalty 60, --penalty-every 4, --decay-from "
+      "0.5,\n"
+      "--smooth-from 0 and --smooth-full 0.1, where you give no others.");
   add->add_option("--name", config.add_styles,
                   "The new style, as the manifest names it; repeatable")
       ->required();
@@ -124,7 +132,21 @@ int main(int argc, char** argv) {
     std::cerr << "styletrain: add-style: --init is needed, the weights to add to\n";
     return 2;
   }
-  if (add->parsed() && per_style->count() == 0) config.per_style = 12;
+  // What RESULTS.md found best for one that is learned from nothing but minutes of it.
+  const auto usual = [&](const char* flag, auto& value, double of_added) {
+    const bool given = app.get_option(flag)->count() > 0;
+    if (!given) value = static_cast<std::decay_t<decltype(value)>>(of_added);
+  };
+  if (add->parsed()) usual("--per-style", config.per_style, 12);
+  if (add->parsed() && !config.replace) {
+    usual("--w-moments", config.w_moments, 200);
+    usual("--w-smooth", config.w_smooth, 3);
+    usual("--w-penalty", config.w_penalty, 60);
+    usual("--penalty-every", config.penalty_every, 4);
+    usual("--decay-from", config.decay_from, 0.5);
+    usual("--smooth-from", config.smooth_from, 0);
+    usual("--smooth-full", config.smooth_full, 0.1);
+  }
 
   if (export_paths.empty() && config.out.empty()) {
     std::cerr << "styletrain: --out or --export is needed\n";

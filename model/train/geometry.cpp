@@ -68,10 +68,14 @@ Tensor LogQuaternion(const Tensor& q) {
   return v * (2.0 * torch::atan2(sine, sign * w) / sine);
 }
 
-Tensor ScaleRotation(const Tensor& q, const Tensor& factor) {
-  const Tensor half = 0.5 * factor * LogQuaternion(q);
+Tensor ExpQuaternion(const Tensor& rotation_rad) {
+  const Tensor half = 0.5 * rotation_rad;
   const Tensor angle = half.norm(2, -1, true);
   return torch::cat({half * torch::sinc(angle / M_PI), angle.cos()}, -1);
+}
+
+Tensor ScaleRotation(const Tensor& q, const Tensor& factor) {
+  return ExpQuaternion(factor * LogQuaternion(q));
 }
 
 Tensor SquaredHalfAngle(const Tensor& a, const Tensor& b) {

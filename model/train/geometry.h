@@ -13,6 +13,9 @@ torch::Tensor Conjugate(const torch::Tensor& q);
 // Rotation vector (radians) of a unit quaternion, along the shorter way round; differentiable at 0.
 torch::Tensor LogQuaternion(const torch::Tensor& q);
 
+// The unit quaternion of a rotation vector. Not differentiable at 0.
+torch::Tensor ExpQuaternion(const torch::Tensor& rotation_rad);
+
 // A unit quaternion's rotation made `factor` times as large, along the shorter way round. `factor`
 // broadcasts against q's [..., 1]. Not differentiable at 0.
 torch::Tensor ScaleRotation(const torch::Tensor& q, const torch::Tensor& factor);

@@ -11,7 +11,7 @@ namespace {
 using torch::Tensor;
 
 constexpr int64_t kJudgedFeatures = body::kPositionFeatures + body::kVelocityFeatures;
-constexpr int kFewestWindows = 4;  // of a cell whose effect is imitated: fewer are noise
+constexpr int kFewestWindows = 4;  // of a cell whose effect or mean is imitated: fewer are noise
 constexpr int64_t kContentFeatures = body::kRotationFeatures + kJudgedFeatures;
 
 void RequireGradient(const Parameters& parameters, bool required) {
@@ -26,6 +26,7 @@ Sampler::Options SamplerOptions(const TrainConfig& config, const clip::Manifest&
           .carry = config.carry,
           .session_start = config.session_start,
           .miscalibrated = config.miscalibrated,
+          .idle = config.idle,
           .seed = config.seed};
 }
 
@@ -122,6 +123,7 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   Tensor step = torch::empty({frames_, count, 3});
   Tensor content = torch::zeros({count, static_cast<int64_t>(manifest_.contents.size())});
   Tensor carried = torch::zeros({count}, torch::kBool);
+  Tensor idle = torch::zeros({count}, torch::kBool);
   Tensor paired = torch::zeros({count});
   Tensor seen;  // made where a window is miscalibrated
   const auto wrong = [](const Sampler::Window& window) { return window.miscalibration != 0; };
@@ -129,7 +131,7 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   for (int64_t i = 0; i < count; ++i) {
     const Sampler::Window& window = windows[i];
     FillWindow(clips_[window.clip], window.start, static_cast<int>(frames_), window.mirrored,
-               window.session_start, parameters_,
+               window.session_start || window.idle, parameters_,
                {.features = features.data_ptr<float>() + i * body::kFeatureCount,
                 .feature_stride = count * body::kFeatureCount,
                 .yaw_change_rad = yaw.data_ptr<float>() + i,
@@ -144,6 +146,13 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
                  {.features = seen.data_ptr<float>() + i * body::kFeatureCount,
                   .feature_stride = count * body::kFeatureCount},
                  wrong(window) ? &draw : nullptr);
+    }
+    if (window.idle) {  // every frame is the first, in which nothing moves
+      features.narrow(1, i, 1).copy_(features.narrow(0, 0, 1).narrow(1, i, 1).clone());
+      if (seen.defined()) seen.narrow(1, i, 1).copy_(features.narrow(1, i, 1));
+      yaw.narrow(1, i, 1).zero_();
+      step.narrow(1, i, 1).zero_();
+      idle.data_ptr<bool>()[i] = true;
     }
     content.data_ptr<float>()[i * content.size(1) + window.content] = 1.0F;
     paired.data_ptr<float>()[i] = window.paired ? 1.0F : 0.0F;
@@ -160,6 +169,7 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   batch.hips_step_m = step.to(device_);
   batch.content = content.to(device_);
   batch.carried = carried.to(device_);
+  batch.idle = idle.to(device_);
   batch.paired = paired.to(device_);
   return batch;
 }
@@ -346,6 +356,24 @@ Tensor Learner::Smoothness(const Generated& generated) {
   return smooth;
 }
 
+// Replaces what is wanted of who just stands by a mean, the same in every frame; by nothing, until
+// that is known.
+void Learner::TeachIdle(const Batch& batch, Teacher& teacher, Tensor& wanted, Tensor& gain) const {
+  const Tensor model = (slots_.own == 0) & (batch.content.argmax(1) == idle_as_) & ~batch.idle;
+  const Tensor counts = model.to(wanted.dtype());
+  const Tensor mean = LogQuaternion(wanted).mean(0);  // [B, 21, 3]
+  teacher.mean_sum.index_add_(0, slots_.target, mean * counts.view({-1, 1, 1}));
+  teacher.mean_count.index_add_(0, slots_.target, counts);
+
+  const Tensor known = teacher.mean_count.index({slots_.target});
+  const Tensor taught =
+      teacher.mean_sum.index({slots_.target}) / known.clamp_min(1).view({-1, 1, 1});
+  wanted = torch::where(batch.idle.view({1, -1, 1, 1}), ExpQuaternion(taught).unsqueeze(0), wanted);
+  const Tensor as_model = torch::where(known < kFewestWindows, torch::zeros_like(gain),
+                                       teacher.gain.select(1, idle_as_));
+  gain = torch::where(batch.idle, as_model, gain);
+}
+
 // How far each change of style is from its teacher's, as eq. 2 has it.
 Tensor Learner::Teaching(const Batch& batch, const Generated& generated) {
   const int64_t count = slots_.count();
@@ -358,7 +386,8 @@ Tensor Learner::Teaching(const Batch& batch, const Generated& generated) {
       const Tensor of =
           teacher.generator->Transfer(batch.u, slots_, batch.carried, teacher.carried).rotations;
       wanted = Multiply(Conjugate(of.narrow(1, 0, count)), of.narrow(1, count, count));
-      const Tensor gain = (teacher.gain * batch.content).sum(1);
+      Tensor gain = (teacher.gain * batch.content).sum(1);
+      if (teacher.mean_sum.defined()) TeachIdle(batch, teacher, wanted, gain);
       teaches = (gain > 0).to(wanted.dtype());
       wanted = ScaleRotation(wanted, gain.view({1, count, 1, 1}));
     }
@@ -448,7 +477,11 @@ void Learner::Save(Checkpoint& checkpoint) const {
   };
   save("", carried_);
   for (std::size_t i = 0; i < teachers_.size(); ++i) {
-    save("teacher." + std::to_string(i) + ".", teachers_[i].carried);
+    const std::string name = "teacher." + std::to_string(i) + ".";
+    save(name, teachers_[i].carried);
+    if (!teachers_[i].mean_sum.defined()) continue;
+    t[name + "mean_sum"] = teachers_[i].mean_sum;
+    t[name + "mean_count"] = teachers_[i].mean_count;
   }
   checkpoint.strings["sampler"] = sampler_.Save();
 }
@@ -489,7 +522,11 @@ Status Learner::Restore(const Checkpoint& checkpoint) {
     };
     restore("", carried_);
     for (std::size_t i = 0; i < teachers_.size(); ++i) {
-      restore("teacher." + std::to_string(i) + ".", teachers_[i].carried);
+      const std::string name = "teacher." + std::to_string(i) + ".";
+      restore(name, teachers_[i].carried);
+      if (!teachers_[i].mean_sum.defined()) continue;
+      teachers_[i].mean_sum.copy_(t.at(name + "mean_sum"));
+      teachers_[i].mean_count.copy_(t.at(name + "mean_count"));
     }
     sampler_.Restore(checkpoint.strings.at("sampler"));
   } catch (const std::exception& error) {

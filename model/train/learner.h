@@ -81,7 +81,7 @@ class Learner {
     torch::Tensor seen;  // the same as the generator sees them: some from badly calibrated rigs
     torch::Tensor rotations, positions;  // views of features, [T, B, 21, 4 or 3]
     torch::Tensor content;               // [B, contents] one-hot
-    torch::Tensor carried;               // [B] bool
+    torch::Tensor carried, idle;         // [B] bool
     torch::Tensor paired;  // [B] 1 where the critic knows real motion of that style and content
   };
   // What the generator makes of a batch.
@@ -91,6 +91,15 @@ class Learner {
     torch::Tensor change;                      // rec⁻¹ ∘ sty, [T, B, 21, 4]
     torch::Tensor rotations;                   // transferred, in the form that is judged
     torch::Tensor fake;                        // transferred, as the critic sees it
+  };
+
+  struct Teacher {
+    std::unique_ptr<Generator> generator;  // its styles are ours
+    Carried carried;
+    torch::Tensor gain;  // [B, contents] what this one teaches of the slot's style, 0: nothing
+    // Of its changes to a style in windows of idle_as: the sum of rotation vectors, [styles, 21,
+    // 3], and their number. Undefined without idle windows.
+    torch::Tensor mean_sum, mean_count;
   };
 
   Batch MakeBatch(const std::vector<Sampler::Window>& windows) const;
@@ -108,6 +117,8 @@ class Learner {
   torch::Tensor MomentMatching(const Batch& batch, const Generated& generated);
   torch::Tensor Smoothness(const Generated& generated);
   torch::Tensor Teaching(const Batch& batch, const Generated& generated);
+  void TeachIdle(const Batch& batch, Teacher& teacher, torch::Tensor& wanted,
+                 torch::Tensor& gain) const;
   void UpdateAverage();
 
   const TrainConfig& config_;
@@ -128,12 +139,8 @@ class Learner {
   torch::Tensor trained_;  // 1 where a parameter is trained; undefined: all
   Slots slots_;
   Carried carried_;
-  struct Teacher {
-    std::unique_ptr<Generator> generator;  // its styles are ours
-    Carried carried;
-    torch::Tensor gain;  // [B, contents] what this one teaches of the slot's style, 0: nothing
-  };
   std::vector<Teacher> teachers_;
+  int64_t idle_as_ = -1;  // a content
   int64_t iteration_ = 0;
   Tally tally_;
 };

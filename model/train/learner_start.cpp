@@ -63,10 +63,25 @@ Status Learner::Adopt(const LoadedWeights& weights) {
 
 Status Learner::LearnFrom(const LoadedWeights& weights, const std::vector<Lesson>& lessons) {
   const torch::NoGradGuard no_grad;
+  if (config_.idle > 0) {
+    const std::vector<std::string>& all = manifest_.contents;
+    const auto found = std::find(all.begin(), all.end(), config_.idle_as);
+    if (found == all.end() || manifest_.still_content.empty()) {
+      return Status::Error("--idle needs a manifest with [still] and with the content \"" +
+                           config_.idle_as + "\" of --idle-as");
+    }
+    idle_as_ = found - all.begin();
+    if (!sampler_.KnowsIdle()) {
+      return Status::Error("--idle: no neutral clip shows who stands on both feet with hands down");
+    }
+  }
   if (!torch::equal(weights.mean, mean_.cpu()) ||
       !torch::equal(weights.deviation, deviation_.cpu())) {
     return Status::Error("has other feature statistics than the run; both must be of one kin");
   }
+  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
   const auto contents = static_cast<int64_t>(manifest_.contents.size());
   std::vector<int64_t> source{0};
   Tensor gain = torch::zeros({generator_.shape.styles, contents});
@@ -81,20 +96,22 @@ Status Learner::LearnFrom(const LoadedWeights& weights, const std::vector<Lesson
   }
   for (const Lesson& lesson : lessons) {
     const auto style = std::find(shared.begin(), shared.end(), lesson.style);
+    if (lesson.style == manifest_.styles[0].name) {
+      return Status::Error("cannot teach \"" + lesson.style +
+                           "\": it is what changes are taken from");
+    }
     if (lesson.style.empty() || style == shared.end()) {
       return Status::Error("cannot teach \"" + lesson.style +
                            "\": it and the run must both have it");
     }
-    Tensor row = gain.select(0, style - shared.begin() + 1);
     const std::vector<std::string>& all = manifest_.contents;
-    const auto content = std::find(all.begin(), all.end(), lesson.content);
-    if (lesson.content.empty()) {
-      row.fill_(lesson.gain);
-    } else if (content != all.end()) {
-      row.select(0, content - all.begin()).fill_(lesson.gain);
-    } else {
+    if (!lesson.content.empty() && !has(all, lesson.content)) {
       return Status::Error("cannot teach \"" + lesson.style + "/" + lesson.content +
                            "\": the manifest has no such content");
+    }
+    for (int64_t content = 0; content < contents; ++content) {
+      if (!lesson.content.empty() && lesson.content != all[content]) continue;
+      gain.index_put_({style - shared.begin() + 1, content}, lesson.gain);
     }
   }
   if (gain.sum().item<double>() == 0) return Status::Error("has none of the run's styles");
@@ -111,6 +128,11 @@ Status Learner::LearnFrom(const LoadedWeights& weights, const std::vector<Lesson
   for (Teacher& earlier : teachers_) earlier.gain.masked_fill_(teacher.gain > 0, 0);
   const Tensor from_it = slots_.styled.flatten().unsqueeze(1) * (teacher.gain > 0);
   teacher.gain = torch::where(from_it > 0, torch::ones_like(teacher.gain), teacher.gain);
+  if (config_.idle > 0) {
+    teacher.mean_sum =
+        torch::zeros({generator_.shape.styles, body::kJointCount, 3}, mean_.options());
+    teacher.mean_count = torch::zeros({generator_.shape.styles}, mean_.options());
+  }
   teachers_.push_back(std::move(teacher));
   return Status::Ok();
 }

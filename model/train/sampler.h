@@ -25,6 +25,7 @@ class Sampler {
     double carry = 0.5, session_start = 0.25;
     double unpaired = 0.1;       // share of neutral windows of any content
     double miscalibrated = 0.0;  // share of windows as a badly calibrated rig shows them
+    double idle = 0.0;           // share of neutral windows in which the performer just stands
     uint64_t seed = 1;
   };
   struct Window {
@@ -35,6 +36,7 @@ class Sampler {
     bool carried = false;  // its states continue those at the end of the slot's last window
     int content = 0;
     bool paired = true;  // its target style was recorded in this content, so a critic can compare
+    bool idle = false;   // its first frame, held: nobody is recorded doing nothing
     uint64_t miscalibration = 0;  // seed of DrawMiscalibration, 0: well calibrated
   };
 
@@ -49,6 +51,9 @@ class Sampler {
   // The next batch, one window per slot. A carried window continues the last one where the clip is
   // long enough, else it is a random one that starts warm.
   const std::vector<Window>& Next();
+
+  // Whether any neutral clip shows who could be idle: on both feet, his hands down.
+  bool KnowsIdle() const { return !stands_.empty(); }
 
   // A window of any style, for the classifier.
   Window Any(int style);
@@ -66,14 +71,16 @@ class Sampler {
   double Uniform();
   int64_t Below(int64_t bound);
   bool IsNeutralSlot(int slot) const;
+  Window Idle();
   bool Has(int style, int content) const;
   Window From(const Cell& cell);
 
   const std::vector<TrainingClip>& clips_;
   Options options_;
   std::mt19937_64 random_;
-  std::vector<std::vector<Cell>> cells_;  // per style, the contents that it has
-  std::vector<std::vector<int>> paired_;  // per target style, indices into cells_[0]
+  std::vector<std::vector<Cell>> cells_;     // per style, the contents that it has
+  std::vector<std::vector<int>> paired_;     // per target style, indices into cells_[0]
+  std::vector<std::pair<int, int>> stands_;  // neutral clips, and frames in which somebody stands
   std::vector<Window> last_;
 };
 

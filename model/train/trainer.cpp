@@ -40,8 +40,9 @@ void AppendRow(const std::filesystem::path& file, const std::string& header,
 // STYLE[/CONTENT][*GAIN],...
 Result<std::vector<Lesson>> ParseLessons(const std::string& text) {
   std::vector<Lesson> lessons;
-  std::istringstream list(text);
+  std::istringstream list(text + ',');  // so that nothing after a comma, or at all, is a part, too
   for (std::string part; std::getline(list, part, ',');) {
+    if (part.empty()) return Status::Error("found no style in \"" + text + "\"");
     Lesson lesson;
     const std::size_t star = part.find('*');
     if (star != std::string::npos) {
@@ -297,9 +298,10 @@ Status Trainer::Run() {
     }
   }
   for (const std::string& given : config_.teachers) {
-    const std::size_t colon = given.rfind(':');
-    const Result<std::vector<Lesson>> lessons =
-        ParseLessons(colon == std::string::npos ? "" : given.substr(colon + 1));
+    // A path may have a colon, too.
+    const std::size_t colon = std::filesystem::exists(given) ? std::string::npos : given.rfind(':');
+    Result<std::vector<Lesson>> lessons = std::vector<Lesson>();
+    if (colon != std::string::npos) lessons = ParseLessons(given.substr(colon + 1));
     if (!lessons.ok()) {
       return Status::Error("--teacher " + given + ": " + lessons.status().message());
     }
@@ -369,6 +371,37 @@ Status Train(const TrainConfig& config, const Validate& validate) {
   }
   if (config.window < 4 || config.per_style < 1 || config.rate_hz <= 0) {
     return Status::Error("--window must be at least 4, --per-style 1, --rate above 0");
+  }
+  const std::pair<const char*, double> not_negative[] = {
+      {"--minutes", config.minutes},
+      {"--carry", config.carry},
+      {"--session-start", config.session_start},
+      {"--offset", config.offset},
+      {"--noise", config.noise},
+      {"--miscalibrated", config.miscalibrated},
+      {"--generator-rate", config.generator_rate},
+      {"--critic-rate", config.critic_rate},
+      {"--decay-from", config.decay_from},
+      {"--decay-to", config.decay_to},
+      {"--w-rotation", config.w_rotation},
+      {"--w-position", config.w_position},
+      {"--w-velocity", config.w_velocity},
+      {"--w-height", config.w_height},
+      {"--w-adversarial", config.w_adversarial},
+      {"--w-perceptual", config.w_perceptual},
+      {"--w-penalty", config.w_penalty},
+      {"--w-moments", config.w_moments},
+      {"--w-teacher", config.w_teacher},
+      {"--w-smooth", config.w_smooth}};
+  if (!(config.idle >= 0 && config.idle < 1) || (config.idle > 0 && config.teachers.empty())) {
+    return Status::Error("--idle: found " + std::to_string(config.idle) +
+                         ", expected 0, or below 1 and a --teacher");
+  }
+  for (const auto& [flag, value] : not_negative) {
+    if (!(value >= 0 && std::isfinite(value))) {
+      return Status::Error(std::string(flag) + ": found " + std::to_string(value) +
+                           ", expected a number, 0 or more");
+    }
   }
   const Status folder = CheckDataFolder(config.data);
   if (!folder.ok()) return folder;

@@ -21,6 +21,11 @@ struct TrainConfig {
   // A lesson is STYLE[/CONTENT][*GAIN]: only in windows of that content; changes to the style made
   // so many times as large. Later ones win.
   std::vector<std::string> teachers;
+  // The share of neutral windows in which the performer just stands, which no data set shows for
+  // long: a frame in which he has both feet down, and his hands, held for seconds. There is taught
+  // the mean of what a teacher does in windows of the content `idle_as`.
+  double idle = 0.0;
+  std::string idle_as = "walk";
   // The names of styles that are added to `init`, everything else frozen (the paper's future work,
   // C.1). The manifest then has neutral and these styles alone; the weights that are written have
   // all of init's other styles, bit for bit, and them.

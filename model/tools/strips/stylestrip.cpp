@@ -7,6 +7,7 @@
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
 #include "model/rig/dialects.h"
+#include "model/tools/number.h"
 #include "model/tools/strips/canvas.h"
 #include "model/train/judge/judge_stream.h"
 #include "sim/performer/performer.h"
@@ -166,14 +167,23 @@ int main(int argc, char** argv) {
   app.add_option("--weights", arguments.weights, "Weights file");
   app.add_option("--style", arguments.styles, "A row in this style; may be repeated")
       ->allow_extra_args(false);
-  app.add_option("--strength", arguments.strength, "0 to 1.5")->capture_default_str();
+  app.add_option("--strength", arguments.strength, "Of the styles")
+      ->check(styled::Number(0, 1.5))
+      ->capture_default_str();
   app.add_option("-o,--out", arguments.out, "PNG to write")->required();
-  app.add_option("--start", arguments.start_s, "First figure, seconds")->capture_default_str();
+  app.add_option("--start", arguments.start_s, "First figure, seconds")
+      ->check(styled::Number(0, 86400))
+      ->capture_default_str();
   app.add_option("--after", arguments.after_s,
                  "Stream so many seconds before (the clip is looped, its path continued)")
+      ->check(styled::Number(0, 86400))
       ->capture_default_str();
-  app.add_option("--every", arguments.every_s, "Seconds between figures")->capture_default_str();
-  app.add_option("--figures", arguments.figures, "Figures per row")->capture_default_str();
+  app.add_option("--every", arguments.every_s, "Seconds between figures")
+      ->check(styled::Number(0.01, 3600))
+      ->capture_default_str();
+  app.add_option("--figures", arguments.figures, "Figures per row")
+      ->check(styled::Number(1, 1000))
+      ->capture_default_str();
   app.add_flag("--front", arguments.front, "Seen from the front, not from the right");
   app.add_flag("--absolute", arguments.absolute, "The paper's absolute output");
   CLI11_PARSE(app, argc, argv);

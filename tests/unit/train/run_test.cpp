@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "model/clip/clip.h"
@@ -368,6 +369,48 @@ TEST_F(Taught, ALessonIsOfOneContentAndAsStrongAsItSays) {
   }
 }
 
+TEST_F(Taught, WhoIdlesIsTaughtTheMeanAndARunGoesOnBitForBit) {
+  TrainConfig config = Student("plain", {strong_});
+  config.init = weak_;
+  config.idle = 0.4;
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("--idle needs a manifest with [still]"));
+  std::stringstream manifest;
+  manifest << std::ifstream(root_ / "manifest.toml").rdbuf();
+  std::string text = manifest.str();
+  text.insert(text.find("{ name = \"walk\""), "{ name = \"stand\" }, ");
+  std::ofstream(root_ / "still.toml") << text << "[still]\ncontent = \"stand\"\nspeed_mps = 0.1\n";
+  config.manifest = root_ / "still.toml";
+  config.idle_as = "nowhere";
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("the content \"nowhere\""));
+  config.idle_as = "walk";
+  config.teachers.clear();
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("and a --teacher"));
+
+  config.teachers = {strong_};
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("no neutral clip shows who stands"));
+  clip::Clip stands = clip::ReadBvh(root_ / "set-train" / "wave_plain_1.bvh").value();
+  const body::Pose down = HandsDown();
+  for (rig::RigPose& frame : stands.frames) {
+    std::copy(down.rotations.begin(), down.rotations.end(), frame.rotations.begin());
+  }
+  Check(clip::WriteBvh(stands, root_ / "set-train" / "wave_plain_0.bvh"));
+  Check(Train(config));
+  const auto apart = LogOf("plain", "teacher_rad");
+  EXPECT_LT(apart.back(), 0.7 * apart.front());
+  config.out = root_ / "parts";
+  config.stop_at = 50;
+  Check(Train(config));
+  config.stop_at = 0;
+  config.resume = true;
+  Check(Train(config));
+  Checkpoint whole, parts;
+  Check(ReadCheckpoint(root_ / "plain" / "checkpoint.pt", whole));
+  Check(ReadCheckpoint(root_ / "parts" / "checkpoint.pt", parts));
+  ASSERT_TRUE(whole.tensors.count("teacher.0.mean_count"));
+  EXPECT_GT(whole.tensors.at("teacher.0.mean_count").sum().item<double>(), 10);
+  ExpectSameButTheClock(whole, parts);
+}
+
 TEST_F(Taught, ATeacherThatCannotTeachIsRefused) {
   const std::string& teacher = weak_;
   TrainConfig config = Config("student");
@@ -379,10 +422,20 @@ TEST_F(Taught, ATeacherThatCannotTeachIsRefused) {
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("cannot teach \"odd/nowhere\""));
   config.teachers = {teacher + ":odd/"};
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("no content after the /"));
+  config.teachers = {teacher + ":odd,"};
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("found no style"));
+  config.teachers = {teacher + ":"};
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("found no style"));
+  config.teachers = {teacher + ":neutral"};
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("it is what changes are taken from"));
   for (const char* gain : {"", "2x", "-1", "0", "nan", "11"}) {
     config.teachers = {teacher + ":odd*" + gain};
     EXPECT_THAT(Train(config).message(), testing::HasSubstr("expected a number above 0")) << gain;
   }
+  config.teachers = {teacher};
+  config.w_teacher = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("--w-teacher: found nan"));
+  config.w_teacher = 1;
   config.teachers = {teacher + ".gone"};
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("--teacher "));
   config.teachers = {teacher};

@@ -103,6 +103,44 @@ TEST(Sampler, AMiscalibrationLastsAsLongAsItsClip) {
   EXPECT_NEAR(wrong, 800, 120);
 }
 
+TEST(Sampler, WhoIdlesHoldsAFrameInWhichANeutralOneStandsForSeconds) {
+  std::vector<TrainingClip> clips = Clips();
+  clips.push_back(clips[0]);
+  for (int frame : {40, 45}) clips.back().poses[frame] = HandsDown();
+  for (TrainingClip& clip : clips) {
+    clip.still_content = 2;
+    clip.still_count.assign(clip.poses.size(), 0);
+  }
+  Sampler::Options options = kOptions;
+  options.contents = 3;
+  options.idle = 0.3;
+  Sampler sampler(clips, options);
+  int idle = 0, neutral = 0, ended = 0, begun = 0;
+  std::vector<Sampler::Window> before(8);
+  for (int i = 0; i < 2000; ++i) {
+    const std::vector<Sampler::Window> windows = sampler.Next();
+    for (int slot = 0; slot < 8; ++slot) {
+      const Sampler::Window& w = windows[slot];
+      neutral += sampler.OwnStyle(slot) == 0 ? 1 : 0;
+      ended += before[slot].idle && !w.idle ? 1 : 0;
+      if (!w.idle) continue;
+      ++idle;
+      EXPECT_EQ(sampler.OwnStyle(slot), 0);
+      EXPECT_EQ(w.clip, static_cast<int>(clips.size()) - 1);
+      EXPECT_TRUE(w.start == 40 || w.start == 45) << w.start;
+      EXPECT_EQ(w.content, 2);
+      EXPECT_FALSE(w.paired);
+      EXPECT_NE(w.carried, w.session_start);
+      EXPECT_TRUE(w.carried || !before[slot].idle);
+      begun += w.session_start ? 1 : 0;
+    }
+    before = windows;
+  }
+  EXPECT_NEAR(static_cast<double>(idle) / neutral, 0.3, 0.05);
+  EXPECT_NEAR(static_cast<double>(idle) / ended, 10, 2);
+  EXPECT_NEAR(static_cast<double>(begun) / ended, 0.5, 0.1);
+}
+
 TEST(Sampler, SaveAndRestoreAreExact) {
   const std::vector<TrainingClip> clips = Clips();
   Sampler sampler(clips, kOptions);

@@ -6,6 +6,14 @@
 
 namespace styled::train {
 
+// The canonical humanoid with its hands by its sides.
+inline body::Pose HandsDown() {
+  body::Pose pose;
+  pose.rotations[body::kLeftUpperArm] = body::Exp(body::Vec3(0, 0, -1.4F));
+  pose.rotations[body::kRightUpperArm] = body::Exp(body::Vec3(0, 0, 1.4F));
+  return pose;
+}
+
 // A figure that walks along a curve, swinging arms and legs: every joint moves, the heading turns.
 inline TrainingClip Walker(int frames, float phase = 0.0F) {
   TrainingClip clip;
