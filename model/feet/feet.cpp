@@ -12,6 +12,7 @@ constexpr float kHighCushion_m = 0.03F;  // and where it does while the performe
 constexpr float kSwing_m = 0.06F;        // in full from there on
 constexpr float kTakenAlong = 0.7F;
 constexpr float kLift_s = 0.03F;  // smoothing of what lifts a foot to the performer's height
+constexpr float kFastestLift_mps = 3.0F;  // of a session's first two frames, whose times may jitter
 constexpr float kMostPitch_rad = 0.6F;
 constexpr float kDropCorner_m = 0.005F;
 constexpr float kStraightCorner = 0.04F;  // of the leg's length
@@ -146,8 +147,12 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   const float want_toes = c_toes * off_toes + (1 - c_toes) * c_heel * off_heel;
   const float want_heel = c_heel * off_heel + (1 - c_heel) * c_toes * off_toes;
   if (state.frames == 1 && dt_s > 0) {  // a session may begin in mid-stride
-    state.lift_toes.Start(state.lift_toes.value(), (want_toes - state.lift_toes.value()) / dt_s);
-    state.lift_heel.Start(state.lift_heel.value(), (want_heel - state.lift_heel.value()) / dt_s);
+    const auto start = [dt_s](Glide& lift, float want) {
+      const float speed = (want - lift.value()) / dt_s;
+      lift.Start(lift.value(), std::clamp(speed, -kFastestLift_mps, kFastestLift_mps));
+    };
+    start(state.lift_toes, want_toes);
+    start(state.lift_heel, want_heel);
   }
   float lift_toes = state.lift_toes.Follow(want_toes, dt_s, kLift_s);
   float lift_heel = state.lift_heel.Follow(want_heel, dt_s, kLift_s);
@@ -218,7 +223,7 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes,
     state.offset_m += step;
     state.offset_m += (1 - hold) * DecayShare(dt_s, options_.return_s) * (wish - state.offset_m);
   }
-  state.frames = std::min(state.frames + 1, 2);
+  if (state.frames == 0 || dt_s > 0) state.frames = std::min(state.frames + 1, 2);
   state.last_in_toes_m = in_toes;
   state.last_in_heel_m = in_heel;
   state.last_toes_m = toes;

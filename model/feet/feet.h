@@ -45,7 +45,7 @@ class Feet {
 
  private:
   struct Leg {
-    int frames = 0;  // since Rest, at most 2
+    int frames = 0;  // since Rest, at most 2: after the first, those that took time
     Vec3 last_in_toes_m, last_in_heel_m, last_toes_m, last_heel_m;
     Vec3 offset_m = Vec3::Zero();  // horizontal: from where the style puts the foot
     Vec3 centre_m =

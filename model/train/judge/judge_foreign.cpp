@@ -43,7 +43,7 @@ body::Pose Laid(const body::Pose& standing, float degrees, float hips_height_m) 
 }
 
 ForeignMotion Motion(const char* name, const body::Pose& standing, const body::Pose& posture,
-                     double over_s) {
+                     double over_s, double stay_s = kStay_s) {
   ForeignMotion motion{name, {}, 0, 0};
   const auto frames = [](double seconds) { return static_cast<int>(seconds * kStreamRate_hz); };
   const auto go = [&](const body::Pose& from, const body::Pose& to) {
@@ -57,7 +57,7 @@ ForeignMotion Motion(const char* name, const body::Pose& standing, const body::P
   motion.poses.insert(motion.poses.end(), frames(kStand_s), standing);
   go(standing, posture);
   motion.held_from = motion.poses.size();
-  motion.poses.insert(motion.poses.end(), frames(kStay_s), posture);
+  motion.poses.insert(motion.poses.end(), frames(stay_s), posture);
   motion.held_to = motion.poses.size();
   go(posture, standing);
   motion.poses.insert(motion.poses.end(), frames(kStand_s), standing);
@@ -121,6 +121,7 @@ Poses Run(const Styler& styler, const stylist::Options& options, int style,
 
 std::vector<ForeignMotion> ForeignMotions(const body::Pose& standing) {
   std::vector<ForeignMotion> motions;
+  motions.push_back(Motion("doing nothing", standing, standing, 0, 20));
   motions.push_back(Motion("sitting", standing, WithLegs(standing, 88, 92, 4, 5, 0.53F), 1.2));
   motions.push_back(
       Motion("crouching", standing, WithLegs(standing, 110, 145, 30, 35, 0.34F), 1.0));

@@ -9,8 +9,9 @@
 namespace styled::judge {
 
 // A performer who stands, goes over into a posture that no training set has, stays in it, and gets
-// up again: sitting, crouching, a fall on the back within half a second and lying there, lying face
-// down. Made from `standing`, a pose of a real clip; 120 Hz.
+// up again: nothing but standing for twenty seconds, sitting, crouching, a fall on the back within
+// half a second and lying there, lying face down. Made from `standing`, a pose of a real clip; 120
+// Hz.
 struct ForeignMotion {
   std::string name;
   Poses poses;
