@@ -41,7 +41,7 @@ Status CheckSources(const std::vector<Source>& sources) {
       return Status::Error(place + status.message());
     }
     if (FindSourceType(sources[i].type)->usb) {
-      const Status status = CheckUsb(sources[i], place);
+      Status status = CheckUsb(sources[i], place);
       if (!status.ok()) return status;
       continue;
     }

@@ -51,12 +51,13 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
       return true;
     case v1::Request::kStatus:
       return false;
+    case v1::Request::kCalibrate:  // the pipeline's own
     case v1::Request::COMMAND_NOT_SET:
       break;
   }
   Refuse(reply, v1::CODE_UNKNOWN_COMMAND,
-         "no command that this daemon knows; expected list, set, pin, preset, panic, reset, cue or "
-         "status");
+         "no command that this daemon knows; expected list, set, pin, preset, panic, reset, cue, "
+         "calibrate or status");
   return true;
 }
 

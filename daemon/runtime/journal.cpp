@@ -25,7 +25,7 @@ std::string EncodeEntry(const std::vector<LogField>& fields) {
   std::string entry;
   for (const auto& [name, value] : fields) {
     if (value.find('\n') == std::string::npos) {
-      entry += name + "=" + value + "\n";
+      entry.append(name).append("=").append(value).append("\n");
       continue;
     }
     entry += name + "\n";

@@ -38,7 +38,7 @@ Status ZmqSocket::Bind(const std::string& address, const std::string& key, std::
   std::string wanted = address;
   bool done = false;
   if (address.starts_with("ipc://")) {
-    if (const Status status = LockPath(address.substr(6), place); !status.ok()) return status;
+    if (Status status = LockPath(address.substr(6), place); !status.ok()) return status;
     done = BindIpc(address, ipc);
   } else {
     if (wanted.ends_with(":0")) wanted.back() = '*';
