@@ -55,6 +55,8 @@ class Learner {
   // window, unspoilt: those that `lessons` say, or, where there are none, all that both have. Of
   // what one says, earlier teachers and lessons no longer count. The statistics must be the run's.
   Status LearnFrom(const LoadedWeights& weights, const std::vector<Lesson>& lessons);
+  // What idle windows (config.idle) need: a manifest and clips that have it. Before LearnFrom.
+  Status ExpectIdle();
   // Trains the content classifier on real windows of all styles, then freezes it.
   void TrainClassifier();
   // One iteration, critic first. `progress` 0..1 decides learning rates and the smoothness term.

@@ -61,20 +61,22 @@ Status Learner::Adopt(const LoadedWeights& weights) {
   return Status::Ok();
 }
 
+Status Learner::ExpectIdle() {
+  const std::vector<std::string>& all = manifest_.contents;
+  const auto found = std::find(all.begin(), all.end(), config_.idle_as);
+  if (found == all.end() || manifest_.still_content.empty()) {
+    return Status::Error("--idle needs a manifest with [still] and with the content \"" +
+                         config_.idle_as + "\" of --idle-as");
+  }
+  if (!sampler_.KnowsIdle()) {
+    return Status::Error("--idle: no neutral clip shows who stands on both feet with hands down");
+  }
+  idle_as_ = found - all.begin();
+  return Status::Ok();
+}
+
 Status Learner::LearnFrom(const LoadedWeights& weights, const std::vector<Lesson>& lessons) {
   const torch::NoGradGuard no_grad;
-  if (config_.idle > 0) {
-    const std::vector<std::string>& all = manifest_.contents;
-    const auto found = std::find(all.begin(), all.end(), config_.idle_as);
-    if (found == all.end() || manifest_.still_content.empty()) {
-      return Status::Error("--idle needs a manifest with [still] and with the content \"" +
-                           config_.idle_as + "\" of --idle-as");
-    }
-    idle_as_ = found - all.begin();
-    if (!sampler_.KnowsIdle()) {
-      return Status::Error("--idle: no neutral clip shows who stands on both feet with hands down");
-    }
-  }
   if (!torch::equal(weights.mean, mean_.cpu()) ||
       !torch::equal(weights.deviation, deviation_.cpu())) {
     return Status::Error("has other feature statistics than the run; both must be of one kin");

@@ -297,6 +297,10 @@ Status Trainer::Run() {
       return Status::Error("--init " + config_.init.string() + ": " + adopted.message());
     }
   }
+  if (config_.idle > 0) {
+    const Status idle = learner_.ExpectIdle();
+    if (!idle.ok()) return idle;
+  }
   for (const std::string& given : config_.teachers) {
     // A path may have a colon, too.
     const std::size_t colon = std::filesystem::exists(given) ? std::string::npos : given.rfind(':');
@@ -374,6 +378,8 @@ Status Train(const TrainConfig& config, const Validate& validate) {
   }
   const std::pair<const char*, double> not_negative[] = {
       {"--minutes", config.minutes},
+      {"--rate", config.rate_hz},
+      {"--heading-tau", config.heading_tau_s},
       {"--carry", config.carry},
       {"--session-start", config.session_start},
       {"--offset", config.offset},
@@ -383,6 +389,13 @@ Status Train(const TrainConfig& config, const Validate& validate) {
       {"--critic-rate", config.critic_rate},
       {"--decay-from", config.decay_from},
       {"--decay-to", config.decay_to},
+      {"--beta1", config.beta1},
+      {"--beta2", config.beta2},
+      {"--ema", config.ema},
+      {"--smooth-from", config.smooth_from},
+      {"--smooth-full", config.smooth_full},
+      {"--checkpoint-minutes", config.checkpoint_minutes},
+      {"--validate-minutes", config.validate_minutes},
       {"--w-rotation", config.w_rotation},
       {"--w-position", config.w_position},
       {"--w-velocity", config.w_velocity},

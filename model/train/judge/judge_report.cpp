@@ -105,11 +105,13 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
                   .cra = {},
                   .cra_input = {},
                   .sra_first = {},
-                  .unknown = {}};
+                  .unknown = {},
+                  .sra_with_unknown = {}};
   figures.styles.resize(static_cast<std::size_t>(styles_));
   Cells out(real_.size());
   Cells in(real_.size());
   std::vector<ClipVerdict> sra;
+  std::vector<ClipVerdict> sra_with_unknown;
   std::vector<ClipVerdict> cra;
   std::vector<ClipVerdict> cra_input;
   std::vector<ClipVerdict> sra_first;
@@ -127,6 +129,7 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
            out[cell], &style, &content, &first);
     Gather(MakeSequence(thin_in, clip.style, clip.content, false, judges_.parameters()), kStride,
            in[cell], nullptr, &content_input);
+    sra_with_unknown.push_back(style);
     if (known_[cell]) sra.push_back(style);
     cra.push_back(content);
     cra_input.push_back(content_input);
@@ -138,6 +141,7 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
     figures.styles[clip.style].feet.Add(MeasureFeet(clip.input, clip.output, kStreamRate_hz));
   }
   figures.sra = MacroShare(sra, kSeed);
+  figures.sra_with_unknown = MacroShare(sra_with_unknown, kSeed);
   figures.cra = MacroShare(cra, kSeed);
   figures.cra_input = MacroShare(cra_input, kSeed);
   figures.sra_first = MacroShare(sra_first, kSeed);
@@ -259,6 +263,7 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
                          {"sra_first_windows", judge::ToJson(figures.sra_first)},
                          {"cra", with_worst(figures.cra)},
                          {"cra_of_inputs", with_worst(figures.cra_input)},
+                         {"sra_with_unknown", judge::ToJson(figures.sra_with_unknown)},
                          {"unknown_to_style_judge", nlohmann::json::array()}};
   for (const int cell : figures.unknown) json["unknown_to_style_judge"].push_back(CellName(cell));
   for (int style = 1; style < styles_; ++style) {
@@ -371,8 +376,11 @@ void Evaluator::Print(const Figures& figures) const {
       CellName(figures.sra.worst_cell).c_str(), figures.cra.worst,
       CellName(figures.cra.worst_cell).c_str());
   if (!figures.unknown.empty()) {
-    std::printf("%zu cells are in no SRA, since the judge has never seen a real one:",
-                figures.unknown.size());
+    std::printf(
+        "%zu cells are in no SRA, since the judge has never seen a real one (with them it is %.3f "
+        "[%.2f %.2f]):",
+        figures.unknown.size(), figures.sra_with_unknown.value, figures.sra_with_unknown.low,
+        figures.sra_with_unknown.high);
     for (const int cell : figures.unknown) std::printf(" %s;", CellName(cell).c_str());
     std::printf("\n");
   }

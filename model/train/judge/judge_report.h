@@ -45,6 +45,7 @@ struct Figures {
   Share sra, cra, cra_input;         // over all cells
   Share sra_first;                   // of the first window of each clip: when states are fresh
   std::vector<int> unknown;          // cells that the style judge has never seen: not in any SRA
+  Share sra_with_unknown;            // but in this one
 };
 
 // Judges transferred clips against what real clips say. Construction looks at all real clips once.

@@ -53,6 +53,7 @@ TEST_F(EvaluatorTest, AStyleIsNotJudgedInAContentWhereTheJudgeHasNeverSeenIt) {
   EXPECT_THAT(walk.unknown, testing::IsEmpty());
   EXPECT_GT(walk.sra.windows, 0);
   EXPECT_EQ(both.sra.windows, walk.sra.windows);
+  EXPECT_EQ(both.sra_with_unknown.windows, 2 * walk.sra.windows);
   EXPECT_EQ(both.sra.value, walk.sra.value);
   EXPECT_EQ(both.cra.windows, 2 * walk.cra.windows) << "contents are judged all the same";
   EXPECT_EQ(evaluator.ToJson(both)["unknown_to_style_judge"],

@@ -33,6 +33,15 @@ rig::Skeleton CanonicalSkeleton() {
   return skeleton;
 }
 
+void ExpectSameButTheClock(const Checkpoint& a, const Checkpoint& b) {
+  ASSERT_EQ(a.tensors.size(), b.tensors.size());
+  for (const auto& [name, tensor] : a.tensors) {
+    if (name == "elapsed_s") continue;
+    EXPECT_TRUE(torch::equal(tensor, b.tensors.at(name))) << name;
+  }
+  EXPECT_EQ(a.strings.at("sampler"), b.strings.at("sampler"));
+}
+
 class Run : public testing::Test {
  protected:
   void SetUp() override {
@@ -95,38 +104,34 @@ split = "validation"
     return config;
   }
   static void Check(const Status& status) { ASSERT_TRUE(status.ok()) << status.message(); }
+  // Trains what `whole` trained once more, stopped at an iteration and resumed.
+  void ExpectPartsAreTheSame(const TrainConfig& whole, int64_t stop_at) {
+    TrainConfig parts = whole;
+    parts.out = root_ / "parts";
+    parts.stop_at = stop_at;
+    Check(Train(parts));
+    parts.stop_at = 0;
+    parts.resume = true;
+    Check(Train(parts));
+    Checkpoint at_once, resumed;
+    Check(ReadCheckpoint(whole.out / "checkpoint.pt", at_once));
+    Check(ReadCheckpoint(parts.out / "checkpoint.pt", resumed));
+    ExpectSameButTheClock(at_once, resumed);
+  }
 
   std::filesystem::path root_;
 };
 
-void ExpectSameButTheClock(const Checkpoint& a, const Checkpoint& b) {
-  ASSERT_EQ(a.tensors.size(), b.tensors.size());
-  for (const auto& [name, tensor] : a.tensors) {
-    if (name == "elapsed_s") continue;
-    EXPECT_TRUE(torch::equal(tensor, b.tensors.at(name))) << name;
-  }
-  EXPECT_EQ(a.strings.at("sampler"), b.strings.at("sampler"));
-}
-
 TEST_F(Run, ResumedIsBitForBitTheSameAsUninterrupted) {
   Check(Train(Config("whole")));
-  TrainConfig config = Config("parts");
-  config.stop_at = 4;
-  Check(Train(config));
-  config.stop_at = 0;
-  config.resume = true;
-  Check(Train(config));
-
-  Checkpoint whole, parts;
-  Check(ReadCheckpoint(root_ / "whole" / "checkpoint.pt", whole));
-  Check(ReadCheckpoint(root_ / "parts" / "checkpoint.pt", parts));
-  ExpectSameButTheClock(whole, parts);
+  ExpectPartsAreTheSame(Config("whole"), 4);
 
   // The control: another seed is another run.
   TrainConfig other = Config("other");
   other.seed = 2;
   Check(Train(other));
-  Checkpoint different;
+  Checkpoint whole, different;
+  Check(ReadCheckpoint(root_ / "whole" / "checkpoint.pt", whole));
   Check(ReadCheckpoint(root_ / "other" / "checkpoint.pt", different));
   EXPECT_FALSE(torch::equal(whole.tensors.at("generator"), different.tensors.at("generator")));
 }
@@ -343,16 +348,7 @@ TEST_F(Taught, ATeacherIsImitated) {
   EXPECT_LT(apart.back(), 0.5 * apart.front());
   EXPECT_LT(apart.back(), 0.5 * deaf.back());
 
-  TrainConfig parts = Student("parts", {strong_});
-  parts.stop_at = 50;
-  Check(Train(parts));
-  parts.stop_at = 0;
-  parts.resume = true;
-  Check(Train(parts));
-  Checkpoint whole, resumed;
-  Check(ReadCheckpoint(root_ / "student" / "checkpoint.pt", whole));
-  Check(ReadCheckpoint(root_ / "parts" / "checkpoint.pt", resumed));
-  ExpectSameButTheClock(whole, resumed);
+  ExpectPartsAreTheSame(Student("student", {strong_}), 50);
 }
 
 TEST_F(Taught, ALessonIsOfOneContentAndAsStrongAsItSays) {
@@ -397,18 +393,11 @@ TEST_F(Taught, WhoIdlesIsTaughtTheMeanAndARunGoesOnBitForBit) {
   Check(Train(config));
   const auto apart = LogOf("plain", "teacher_rad");
   EXPECT_LT(apart.back(), 0.7 * apart.front());
-  config.out = root_ / "parts";
-  config.stop_at = 50;
-  Check(Train(config));
-  config.stop_at = 0;
-  config.resume = true;
-  Check(Train(config));
-  Checkpoint whole, parts;
-  Check(ReadCheckpoint(root_ / "plain" / "checkpoint.pt", whole));
-  Check(ReadCheckpoint(root_ / "parts" / "checkpoint.pt", parts));
+  Checkpoint whole;
+  Check(ReadCheckpoint(config.out / "checkpoint.pt", whole));
   ASSERT_TRUE(whole.tensors.count("teacher.0.mean_count"));
   EXPECT_GT(whole.tensors.at("teacher.0.mean_count").sum().item<double>(), 10);
-  ExpectSameButTheClock(whole, parts);
+  ExpectPartsAreTheSame(config, 50);
 }
 
 TEST_F(Taught, ATeacherThatCannotTeachIsRefused) {
