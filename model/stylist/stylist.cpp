@@ -80,6 +80,7 @@ struct Stylist::Impl {
   }
 
   void Restart() noexcept;
+  void RestartAfterGap() noexcept;
   void JudgeFrame(std::int64_t time_ns, Output& out) noexcept;
   struct Step;
   void Begin(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept;
@@ -108,6 +109,7 @@ struct Stylist::Impl {
   std::bitset<kMaxInterleaved> stepped;
   erd::Decoded last_styled;  // of the newest tick, for the absolute output
   float last_heading_rad = 0;
+  int steps = 0;  // of the network, for the frame at hand
 
   LowPass low_pass;                   // of the detail-preserving change
   Change change = Change::Zero();     // what is applied
@@ -206,7 +208,8 @@ void Stylist::Prewarm() noexcept {
   for (std::size_t at = 0; at < sizeof s; at += kLine) __builtin_prefetch(bytes + at);
   Rehearsal& r = *rehearsal_;
   constexpr std::int64_t kUsual_ns = 1'000'000'000 / 120;
-  r.time_ns += s.dt_s > 0 ? static_cast<std::int64_t>(s.dt_s * 1e9) : kUsual_ns;
+  const bool usual = s.dt_s > 0 && s.dt_s <= s.options.gap_reset_s;
+  r.time_ns += usual ? static_cast<std::int64_t>(s.dt_s * 1e9) : kUsual_ns;
   r.impl.mixer = s.mixer;
   r.impl.Begin(r.time_ns, s.intake.clean(), r.out);
   Impl::Step step;
@@ -269,6 +272,7 @@ void Stylist::Impl::Begin(std::int64_t time_ns, const rig::RigPose& in, Output& 
   dt_s = started ? static_cast<double>(time_ns - last_ns) * 1e-9 : 0.0;
   last_ns = time_ns;
   out.flags = 0;
+  steps = 0;
   intake.HoldBadJoints(in, out.source, out.held);
   JudgeFrame(time_ns, out);
   binding->Bind(intake.clean(), out.canonical_input);
@@ -279,6 +283,7 @@ void Stylist::Impl::Begin(std::int64_t time_ns, const rig::RigPose& in, Output& 
 bool Stylist::Impl::NextStep(const Pose& input, Step& step) noexcept {
   Ticks::Tick tick;
   if (!ticks.Next(tick)) return false;
+  ++steps;
   const bool exact = tick.share >= 1.0F || !started;  // started: there is a last input
   if (!exact) body::Interpolate(last_input, input, tick.share, step.between);
   step.pose = exact ? &input : &step.between;
@@ -311,6 +316,7 @@ void Stylist::Impl::Finish(Output& out) noexcept {
   HoldFeet(out);
 
   out.reconstruction_rad = reconstruction_rad;
+  out.steps = steps;
   if (out.held.any()) out.flags |= kHeld;
   if (mixer.fading()) out.flags |= kFading;
   if (std::min(familiar, upright) < 0.5F) out.flags |= kOutOfDomain;
@@ -336,6 +342,17 @@ void Stylist::Impl::Restart() noexcept {
   unsure_rad = reconstruction_rad = switching = switch_delay_s = 0;
 }
 
+// A cross-fade that is under way goes on: where every frame comes after a gap, as from a rig of 1
+// Hz, the style would never arrive otherwise.
+void Stylist::Impl::RestartAfterGap() noexcept {
+  const float fade = restart_fade;
+  const Change from = fade_from;
+  Restart();
+  if (fade >= 1.0F) return;
+  fade_from = from;
+  restart_fade = fade + static_cast<float>(dt_s) / std::max(1e-3F, options.restart_fade_s);
+}
+
 // Jumps, gaps and changes of rate.
 void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
   const Intake::Jump jump = intake.JudgeJump(dt_s, binding->scale(), options, out.source);
@@ -347,14 +364,18 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
     rig_feet.Rest();
     fresh_session = true;
   }
+  // What is longer than gap_reset_s is never bridged, however usual it is: a sender whose clock
+  // steps by minutes would have every tick between run in one frame.
   const double usual_s = ticks.frame_period_s();
-  if (started && usual_s > 0 && dt_s > kGapFactor * usual_s) {
+  if (started && dt_s > options.gap_reset_s) {
     out.flags |= kConcealed;
-    if (dt_s > options.gap_reset_s) Restart();
+    RestartAfterGap();
+  } else if (started && usual_s > 0 && dt_s > kGapFactor * usual_s) {
+    out.flags |= kConcealed;
   }
   const float rate_hz = network->metadata().features.rate_hz;
   if (!ticks.Begin(time_ns, rate_hz)) {
-    Restart();
+    RestartAfterGap();
     (void)ticks.Begin(time_ns, rate_hz);
   }
 }

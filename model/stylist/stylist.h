@@ -43,12 +43,13 @@ enum class SettingsError {
 
 // How streams are handled; the same for all performers. Defaults are those of styled.toml.
 struct Options {
-  float change_tau_s = 0.05F;      // delay of the low-pass on the change of style, up to five times
-                                   // that where the network reconstructs badly; 0 = none
-  float gap_reset_s = 0.25F;       // a longer hole in source time starts the recurrent state anew
-  float restart_fade_s = 0.2F;     // cross-fade over such a start
-  float jump_m = 1.0F;             // a root step beyond this (and 12 m/s) is held, canonical metres
-  int jump_accept_frames = 10;     // consistent frames after which a jump is believed
+  float change_tau_s = 0.05F;   // delay of the low-pass on the change of style, up to five times
+                                // that where the network reconstructs badly; 0 = none
+  float gap_reset_s = 0.25F;    // a longer hole in source time, or one of more network steps than
+                                // kMaxStepsPerFrame, starts the recurrent state anew
+  float restart_fade_s = 0.2F;  // cross-fade over such a start
+  float jump_m = 1.0F;          // a root step beyond this (and 12 m/s) is held, canonical metres
+  int jump_accept_frames = 10;  // consistent frames after which a jump is believed
   float foreign_begin_rad = 0.7F;  // reconstruction_rad where the style begins to fade out
   float foreign_end_rad = 1.1F;    // ... and where it is gone
   float foreign_fade_s = 0.3F;     // time constant of that fade
@@ -73,6 +74,13 @@ enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist deci
   kFading = 128,
 };
 
+// What one frame costs at most, whatever the source's clock does: steps of the network. 60 bridge a
+// gap of 0.25 s at 240 Hz.
+inline constexpr int kMaxStepsPerFrame = 64;
+// And n frames in a row: kMaxStepsPerFrame + n times this. A steady stream needs 7.5 at 4 Hz, the
+// slowest rate that is bridged at all (with a network of 30 Hz), and 1 from 30 Hz on.
+inline constexpr int kMeanStepsPerFrame = 8;
+
 // One styled frame. Sized at construction for the binding's skeleton; owned by the caller.
 struct Output {
   body::Pose canonical;
@@ -84,6 +92,7 @@ struct Output {
   std::uint32_t contacts = 0;  // bit 0 left, bit 1 right: the performer's own foot is planted
   std::array<erd::ActiveStyle, erd::kMaxActive> in_force;  // styles and weights of this frame
   int in_force_count = 0;
+  int steps = 0;                 // of the network that this frame took, at most kMaxStepsPerFrame
   float reconstruction_rad = 0;  // rms joint angle between reconstruction and input, toes apart
 
   explicit Output(const rig::Skeleton& skeleton) : rig(skeleton), source(skeleton) {}

@@ -15,7 +15,11 @@ int StatesFor(double frame_period_s, double network_rate_hz) {
 
 }  // namespace
 
-void Ticks::Restart() noexcept { *this = Ticks(); }
+void Ticks::Restart() noexcept {
+  const int allowance = allowance_;  // a restart must not be a way to more work
+  *this = Ticks();
+  allowance_ = allowance;
+}
 
 void Ticks::Measure(double dt_s) noexcept {
   history_s_[static_cast<std::size_t>(history_next_)] = dt_s;
@@ -31,6 +35,7 @@ void Ticks::Measure(double dt_s) noexcept {
 bool Ticks::Begin(std::int64_t time_ns, float network_rate_hz) noexcept {
   last_ns_ = now_ns_;
   now_ns_ = time_ns;
+  ran_ = 0;
   if (!started_) {
     started_ = true;
     origin_ns_ = last_ns_ = time_ns;
@@ -41,11 +46,22 @@ bool Ticks::Begin(std::int64_t time_ns, float network_rate_hz) noexcept {
   Measure(static_cast<double>(time_ns - last_ns_) * 1e-9);
   const int states = StatesFor(frame_period_s_, network_rate_hz);
   if (interleaved_ == 0) {
-    if (history_count_ < kDecide) return true;
+    if (history_count_ < kDecide) return Afford();
     Interleave(states, network_rate_hz);
   }
   disagreements_ = states == interleaved_ ? 0 : disagreements_ + 1;
-  return disagreements_ < kHistory;
+  return disagreements_ < kHistory && Afford();
+}
+
+// Pays for the ticks that the current frame makes due. Counted in floating point: the number may
+// not fit an integer.
+bool Ticks::Afford() noexcept {
+  allowance_ = std::min(allowance_ + kMeanStepsPerFrame, kMaxStepsPerFrame);
+  const double now = static_cast<double>(now_ns_ - origin_ns_) * 1e-9 / tick_period_s_;
+  const double due = std::floor(now + kSnap) - static_cast<double>(next_tick_) + 1;
+  if (due > allowance_) return false;
+  if (due > 0) allowance_ -= static_cast<int>(due);
+  return true;
 }
 
 // From one state to `states`: the first keeps its ticks, the others begin at the next of theirs.
@@ -61,7 +77,7 @@ bool Ticks::Next(Tick& tick) noexcept {
   const double due_s = static_cast<double>(next_tick_) * tick_period_s_;
   const double now_s = static_cast<double>(now_ns_ - origin_ns_) * 1e-9;
   const double after_s = due_s - now_s;  // > 0: the tick lies in the future
-  if (after_s > kSnap * tick_period_s_) return false;
+  if (after_s > kSnap * tick_period_s_ || ran_ == kMaxStepsPerFrame) return false;
   const double frame_s = static_cast<double>(now_ns_ - last_ns_) * 1e-9;
   float share = 1.0F;
   if (-after_s > kSnap * tick_period_s_ && frame_s > 0) {
@@ -69,6 +85,7 @@ bool Ticks::Next(Tick& tick) noexcept {
   }
   tick = {static_cast<int>(next_tick_ % std::max(1, interleaved_)), share};
   ++next_tick_;
+  ++ran_;
   return true;
 }
 

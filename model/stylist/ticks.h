@@ -6,6 +6,7 @@
 #include "model/base/realtime.h"
 #include "model/body/features.h"
 #include "model/erd/network.h"
+#include "model/stylist/stylist.h"
 
 namespace styled::stylist {
 
@@ -15,14 +16,17 @@ inline constexpr int kMaxInterleaved = 8;
 // times that rate is served by k interleaved recurrent states, each stepped at f_m. Ticks lie on a
 // grid in source time; a frame within 20 % of a period of its tick is taken as it is, otherwise the
 // state is stepped on the input interpolated at its own tick. Missed ticks are made up by
-// interpolation.
+// interpolation, as far as the allowance of work goes: whatever a sender's clock does, one frame
+// never runs more than kMaxStepsPerFrame ticks, nor n frames in a row more than
+// kMaxStepsPerFrame + n * kMeanStepsPerFrame.
 class Ticks {
  public:
-  // Forgets everything; the next frame is the first.
+  // Forgets everything but the allowance; the next frame is the first.
   STYLED_REALTIME void Restart() noexcept;
 
-  // Announces the frame at `time_ns`. Returns false if the stream's rate has changed so that
-  // another number of states is due: the caller restarts.
+  // Announces the frame at `time_ns`. Returns false, and the caller restarts, if the stream's rate
+  // has changed so that another number of states is due, or if the ticks since the last frame are
+  // more than the allowance.
   [[nodiscard]] STYLED_REALTIME bool Begin(std::int64_t time_ns, float network_rate_hz) noexcept;
 
   // The next tick that is due at the current frame: which state, and where between the frame before
@@ -40,6 +44,7 @@ class Ticks {
  private:
   STYLED_REALTIME void Measure(double dt_s) noexcept;
   STYLED_REALTIME void Interleave(int states, double network_rate_hz) noexcept;
+  STYLED_REALTIME bool Afford() noexcept;
 
   static constexpr int kHistory = 9;
   static constexpr int kDecide = 7;  // intervals measured before more than one state is used
@@ -52,6 +57,8 @@ class Ticks {
   std::int64_t origin_ns_ = 0, last_ns_ = 0, now_ns_ = 0;
   std::int64_t next_tick_ = 0;
   bool started_ = false;
+  int allowance_ = kMaxStepsPerFrame;  // ticks
+  int ran_ = 0;                        // of the current frame
 };
 
 }  // namespace styled::stylist

@@ -410,6 +410,16 @@ TEST_F(StylistTest, ALongGapStartsAnewWithoutAPop) {
       << "the fade begins at what was applied";
 }
 
+// The gap is as long as every other one of this sender, and is not bridged all the same.
+TEST_F(StylistTest, AClockThatAlwaysStepsFarIsNeverBridged) {
+  Stylist stylist(network, binding, options);
+  for (int frame = 0; frame < 30; ++frame) {
+    stylist.Process(1'000'000'000'000LL * (frame + 1), PoseAt(frame, skeleton), out);
+    EXPECT_LE(out.steps, 1) << frame;
+    EXPECT_EQ(out.flags & kConcealed, frame == 0 ? 0U : kConcealed) << frame;
+  }
+}
+
 TEST_F(StylistTest, BadJointsAreHeldAndNamedAndNothingElseSuffers) {
   Stylist stylist(network, binding, options);
   stylist.Set(Style(1));

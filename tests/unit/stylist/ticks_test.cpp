@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <vector>
 
 namespace styled::stylist {
@@ -96,6 +97,31 @@ TEST(TicksTest, AChangedRateIsReportedOnceItHasLasted) {
   ticks.Restart();
   Feed(ticks, Regular(60, 9, 2));
   EXPECT_EQ(ticks.interleaved(), 2);
+}
+
+// As the stylist does: a restart where Begin says so. Whatever the times are.
+TEST(TicksTest, NoSequenceOfTimesRunsMoreThanTheStatedTicks) {
+  std::mt19937_64 random(4);
+  for (int clock = 0; clock < 2000; ++clock) {
+    Ticks ticks;
+    std::int64_t time_ns = 0;
+    int all = 0, frames = 0;
+    const double most = 7 + static_cast<double>(random() % 800) / 100;
+    for (; frames < 100; ++frames) {
+      const double exponent = std::fmod(static_cast<double>(random() % 10000) / 1000, most) + 3;
+      time_ns += static_cast<std::int64_t>(std::pow(10.0, exponent));
+      if (!ticks.Begin(time_ns, 30.0F)) {
+        ticks.Restart();
+        ASSERT_TRUE(ticks.Begin(time_ns, 30.0F));
+      }
+      Ticks::Tick tick;
+      int ran = 0;
+      while (ran <= kMaxStepsPerFrame && ticks.Next(tick)) ++ran;
+      ASSERT_LE(ran, kMaxStepsPerFrame);
+      all += ran;
+    }
+    ASSERT_LE(all, kMaxStepsPerFrame + kMeanStepsPerFrame * frames);
+  }
 }
 
 }  // namespace
