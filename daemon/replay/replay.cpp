@@ -159,7 +159,10 @@ class Recorded final : public source::Transport {
   }
   void HandOn(std::span<const std::byte> bytes, const source::Peer& peer,
               source::Receiver& receiver) {
-    if (translator_ == nullptr) return receiver.OnDatagrams(source_, {&bytes, 1});
+    if (translator_ == nullptr) {
+      const source::Machine machine = source::MachineOf(peer.address);
+      return receiver.OnDatagramsFrom(source_, {&bytes, 1}, {&machine, 1});
+    }
     outbox_.Open(receiver, -1);
     translator_->Take(bytes, peer, clock_.Now_ns(), outbox_);
     outbox_.Close();

@@ -86,6 +86,7 @@ class Delayed final : public Transport, private Receiver {
   };
   struct Slot {
     Due due;
+    Machine sender{};
     std::vector<std::byte> bytes;
   };
 
@@ -95,12 +96,18 @@ class Delayed final : public Transport, private Receiver {
   }
 
   void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override {
+    OnDatagramsFrom(source, datagrams, {});
+  }
+  void OnDatagramsFrom(int source, std::span<const std::span<const std::byte>> datagrams,
+                       std::span<const Machine> senders) override {
     source_ = source;
     const std::int64_t now_ns = clock_.Now_ns();
-    for (const auto datagram : datagrams) {
+    for (std::size_t i = 0; i < datagrams.size(); ++i) {
+      const auto datagram = datagrams[i];
       if (free_.empty()) Release(now_ns, 1);
       Slot& slot = slots_[free_.back()];
       slot.due = When(datagram, now_ns);
+      slot.sender = i < senders.size() ? senders[i] : Machine{};
       slot.bytes.assign(datagram.begin(), datagram.end());
       // In order of what is due; mostly at the end.
       const auto later = [this](std::int64_t due_ns, std::size_t held) {
@@ -163,17 +170,19 @@ class Delayed final : public Transport, private Receiver {
   // Hands on what is due, and at least `least` of what is held.
   int Release(std::int64_t now_ns, std::size_t least) {
     std::array<std::span<const std::byte>, kBatch> batch;
+    std::array<Machine, kBatch> senders;
     std::size_t count = 0;
     while (count < due_.size() && count < kBatch &&
            (count < least || slots_[due_[count]].due.due_ns <= now_ns)) {
       const Slot& slot = slots_[due_[count]];
       batch[count] = slot.bytes;
+      senders[count] = slot.sender;
       if (slot.due.schedule_ns)
         left_.Add(std::max<std::int64_t>(0, now_ns - *slot.due.schedule_ns));
       ++count;
     }
     if (count == 0) return 0;
-    to_->OnDatagrams(source_, std::span(batch).first(count));
+    to_->OnDatagramsFrom(source_, std::span(batch).first(count), std::span(senders).first(count));
     for (std::size_t i = 0; i < count; ++i) free_.push_back(due_[i]);
     due_.erase(due_.begin(), due_.begin() + static_cast<std::ptrdiff_t>(count));
     return static_cast<int>(count);

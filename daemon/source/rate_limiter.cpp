@@ -1,7 +1,6 @@
 #include "daemon/source/rate_limiter.h"
 
 #include <algorithm>
-#include <cstring>
 #include <random>
 
 #include "daemon/runtime/clock.h"
@@ -11,16 +10,6 @@ namespace {
 
 constexpr std::int64_t kSilence_ns = runtime::kSecond_ns;
 constexpr double kLeast = 32;  // a batch is admitted whatever the limit
-
-std::array<std::uint64_t, 2> AddressOf(const sockaddr_storage& from) noexcept {
-  std::array<std::uint64_t, 2> address{};
-  if (from.ss_family == AF_INET6) {
-    std::memcpy(address.data(), &reinterpret_cast<const sockaddr_in6&>(from).sin6_addr, 16);
-  } else {
-    std::memcpy(address.data(), &reinterpret_cast<const sockaddr_in&>(from).sin_addr, 4);
-  }
-  return address;
-}
 
 // The finisher of SplitMix64.
 std::uint64_t Mix(std::uint64_t x) noexcept {
@@ -46,8 +35,7 @@ RateLimiter::RateLimiter(int limit_hz, std::uint64_t seed)
 
 RateLimiter::RateLimiter(int limit_hz) : RateLimiter(limit_hz, RandomSeed()) {}
 
-RateLimiter::Bucket& RateLimiter::Find(const std::array<std::uint64_t, 2>& address,
-                                       std::int64_t now_ns) noexcept {
+RateLimiter::Bucket& RateLimiter::Find(const Machine& address, std::int64_t now_ns) noexcept {
   auto& row = table_[Mix(Mix(address[0] ^ seed_) ^ address[1]) % kRows];
   Bucket* oldest = row.data();
   for (Bucket& bucket : row) {
@@ -61,7 +49,7 @@ RateLimiter::Bucket& RateLimiter::Find(const std::array<std::uint64_t, 2>& addre
 
 bool RateLimiter::Admit(const sockaddr_storage& from, std::int64_t now_ns) noexcept {
   if (per_ns_ <= 0) return true;
-  Bucket& bucket = Find(AddressOf(from), now_ns);
+  Bucket& bucket = Find(MachineOf(from), now_ns);
   const auto passed_ns = static_cast<double>(now_ns - bucket.last_ns);
   bucket.tokens = std::min(most_, bucket.tokens + std::max(0.0, passed_ns) * per_ns_);
   bucket.last_ns = now_ns;

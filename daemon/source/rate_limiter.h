@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "daemon/source/transport.h"
 #include "model/base/realtime.h"
 
 namespace styled::source {
@@ -29,12 +30,12 @@ class RateLimiter {
  private:
   static constexpr std::size_t kRows = 128, kWays = 4;
   struct Bucket {
-    std::array<std::uint64_t, 2> address{};
+    Machine address{};
     std::int64_t last_ns = 0;
     double tokens = 0;
     bool used = false;
   };
-  Bucket& Find(const std::array<std::uint64_t, 2>& address, std::int64_t now_ns) noexcept;
+  Bucket& Find(const Machine& address, std::int64_t now_ns) noexcept;
 
   double per_ns_, most_;
   std::uint64_t seed_;

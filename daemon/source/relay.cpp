@@ -10,6 +10,10 @@
 namespace styled::source {
 namespace {
 
+// A rig's own count that goes on by more did not lose frames: it jumped. Half of what the pipeline
+// believes at once (Session::kFarAhead).
+constexpr std::uint64_t kMostLost = 512;
+
 std::uint64_t RandomSession() {
   std::random_device device;
   const std::uint64_t high = device();
@@ -93,7 +97,7 @@ void Relay::SendBody(std::int64_t now_ns, Outbox& out) noexcept {
 void Relay::Send(const rig::RigPose& pose, const Moment& moment, Outbox& out) noexcept {
   if (!has_body()) return;
   if (moment.now_ns >= next_body_ns_) SendBody(moment.now_ns, out);
-  sequence_ += moment.lost;
+  sequence_ += std::min(moment.lost, kMostLost);
   frame_.set_source_time_ns(moment.source_time_ns);
   std::copy_n(pose.translations.front().data(), 3, frame_.mutable_root_position()->mutable_data());
   float* to = frame_.mutable_rotations()->mutable_data();

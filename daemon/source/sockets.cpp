@@ -9,8 +9,19 @@
 #include <memory>
 
 #include "daemon/config/address.h"
+#include "daemon/source/transport.h"
 
 namespace styled::source {
+
+Machine MachineOf(const sockaddr_storage& address) noexcept {
+  Machine machine{};
+  if (address.ss_family == AF_INET6) {
+    std::memcpy(machine.data(), &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr, 16);
+  } else if (address.ss_family == AF_INET) {
+    std::memcpy(machine.data(), &reinterpret_cast<const sockaddr_in&>(address).sin_addr, 4);
+  }
+  return machine;
+}
 
 Result<Descriptor> BindSocket(int type, const std::string& address, int receive_buffer_bytes) {
   const auto parsed = config::ParseHostPort(address);

@@ -142,7 +142,10 @@ class Tcp final : public Transport {
 
   void HandOn(const Connection& connection, std::span<const std::span<const std::byte>> records,
               Receiver& receiver) {
-    if (translator_ == nullptr) return receiver.OnDatagrams(source_, records);
+    if (translator_ == nullptr) {
+      std::fill_n(machines_.begin(), records.size(), MachineOf(connection.address));
+      return receiver.OnDatagramsFrom(source_, records, std::span(machines_).first(records.size()));
+    }
     const std::int64_t now_ns = clock_.Now_ns();
     outbox_.Open(receiver, -1);
     for (const auto record : records) translator_->Take(record, connection.peer, now_ns, outbox_);
@@ -169,6 +172,7 @@ class Tcp final : public Transport {
   std::uint64_t accepted_ = 0, received_ = 0;
   std::vector<std::unique_ptr<Connection>> connections_;
   std::array<std::span<const std::byte>, kBatch> records_;
+  std::array<Machine, kBatch> machines_{};
 };
 
 }  // namespace

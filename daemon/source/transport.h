@@ -2,6 +2,7 @@
 
 #include <sys/socket.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -13,6 +14,11 @@
 #include "model/base/status.h"
 
 namespace styled::source {
+
+// The machine that sent something: its IP address, whatever the port. All zeros: unknown, or of no
+// matter (USB, a rig whose translator tells its senders apart).
+using Machine = std::array<std::uint64_t, 2>;
+STYLED_REALTIME Machine MachineOf(const sockaddr_storage& address) noexcept;
 
 // Bytes as they came, before anybody looked at them: a datagram, a piece of a TCP stream, what one
 // USB transfer brought.
@@ -32,6 +38,11 @@ class Receiver {
   // Whole datagrams or records that arrived together, oldest first, on source number `source`. The
   // bytes are the transport's and valid during the call only.
   virtual void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) = 0;
+  // The same, and who sent each: as many machines as datagrams.
+  virtual void OnDatagramsFrom(int source, std::span<const std::span<const std::byte>> datagrams,
+                               std::span<const Machine> /*senders*/) {
+    OnDatagrams(source, datagrams);
+  }
   // All that comes, once, before any of it is handed on by OnDatagrams: what a recording keeps.
   STYLED_REALTIME virtual void OnArrival(const Arrival& /*arrival*/) noexcept {}
   // A line for the log, at most once for each thing that it says.

@@ -16,7 +16,7 @@ class Udp final : public Transport {
     const auto datagrams = socket_.Receive();
     if (datagrams.empty()) return 0;
     socket_.Announce(source_, receiver);
-    receiver.OnDatagrams(source_, datagrams);
+    receiver.OnDatagramsFrom(source_, datagrams, socket_.machines());
     return static_cast<int>(datagrams.size());
   }
 

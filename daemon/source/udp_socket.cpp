@@ -49,6 +49,7 @@ std::span<const std::span<const std::byte>> UdpSocket::Receive() {
     if (!limiter_.Admit(senders_[i], arrived_ns)) continue;
     datagrams_[batch_] = {&buffer_[i * kSlot], messages_[i].msg_len};
     arrived_ns_[batch_] = arrived_ns;
+    machines_[batch_] = MachineOf(senders_[i]);
     places_[batch_] = i;
     ++batch_;
   }

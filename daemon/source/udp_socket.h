@@ -28,6 +28,8 @@ class UdpSocket {
   std::span<const std::span<const std::byte>> Receive();
   // Tells `receiver` of all the datagrams of the last batch, as source number `source`.
   STYLED_REALTIME void Announce(int source, Receiver& receiver) const noexcept;
+  // The machines that sent the last batch, in its order.
+  std::span<const Machine> machines() const noexcept { return {machines_.data(), batch_}; }
   // The sender of datagram `i` of the last batch.
   Peer Sender(std::size_t i) const noexcept;
   // When it arrived, on the clock's Now_ns(): by the kernel's stamp, so that what waited while the
@@ -59,9 +61,10 @@ class UdpSocket {
   std::array<mmsghdr, kBatch> messages_{};
   std::array<sockaddr_storage, kBatch> senders_{};
   alignas(cmsghdr) std::array<std::array<char, kControl>, kBatch> controls_{};
-  // Of the datagrams handed out: their places among the messages, and when they arrived.
+  // Of the datagrams handed out: their places among the messages, when they arrived, who sent them.
   std::array<std::size_t, kBatch> places_{};
   std::array<std::int64_t, kBatch> arrived_ns_{};
+  std::array<Machine, kBatch> machines_{};
   std::int64_t last_ns_ = std::numeric_limits<std::int64_t>::min();
   std::array<std::span<const std::byte>, kBatch> datagrams_;
 };
