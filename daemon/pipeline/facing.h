@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "model/base/realtime.h"
+#include "model/body/pose.h"
+
+namespace styled::pipeline {
+
+// Whether a performer goes where the toes do not point, for longer than people walk backwards: what
+// a skeleton with left and right exchanged, or in mirrored axes, looks like once it is bound.
+// Judged on the bound input (canonical axes, metres), one per performer. Allocates nothing. Pinned
+// by tests/unit/daemon/facing_test.cpp.
+class Facing {
+ public:
+  // One frame, `dt_s` of source time after the last. A step that is no walking is passed over:
+  // slower than kSlow_mps (swaying), faster than kFast_mps (a jump of the rig), sideways.
+  STYLED_REALTIME void Take(const body::Pose& pose, double dt_s) noexcept {
+    body::Vec3 step = pose.hips_position_m - last_m_;
+    last_m_ = pose.hips_position_m;
+    if (!started_ || !(dt_s > 0)) {
+      started_ = true;
+      return;
+    }
+    step.y() = 0;
+    const float length_m = step.norm();
+    const auto dt = static_cast<float>(dt_s);
+    if (!(length_m > kSlow_mps * dt && length_m < kFast_mps * dt)) return;
+    body::Vec3 forward = Forward(pose);
+    forward.y() = 0;
+    if (forward.norm() < kUpright) return;  // lies, or falls
+    const float along = forward.normalized().dot(step) / length_m;
+    if (std::abs(along) < kAlong) return;
+    (along > 0 ? ahead_m_ : back_m_) += length_m;
+    // Walked so far, what was before counts half.
+    if (ahead_m_ + back_m_ > kRemembered_m) {
+      ahead_m_ /= 2;
+      back_m_ /= 2;
+    }
+    if (backwards_ ? ahead_m_ > back_m_ : back_m_ > kSuspect_m && back_m_ > kOften * ahead_m_) {
+      backwards_ = !backwards_;
+    }
+  }
+  // The rig starts anew.
+  STYLED_REALTIME void Reset() noexcept { *this = Facing(); }
+
+  bool backwards() const { return backwards_; }
+
+ private:
+  static constexpr float kSlow_mps = 0.3F, kFast_mps = 6.0F;
+  static constexpr float kUpright = 0.5F;    // horizontal share of the forward axis
+  static constexpr float kAlong = 0.7F;      // cosine: within 45 degrees of ahead or back
+  static constexpr float kSuspect_m = 5.0F;  // way backwards; an actor's few steps are less
+  static constexpr float kOften = 9.0F;      // of ten metres walked, nine
+  static constexpr float kRemembered_m = 20.0F;
+
+  // Of both feet in the world, or of the hips where the source has none (identity then).
+  static body::Vec3 Forward(const body::Pose& pose) noexcept {
+    body::Vec3 sum = body::Vec3::Zero();
+    for (const auto& leg :
+         {std::array{body::kLeftUpperLeg, body::kLeftLowerLeg, body::kLeftFoot},
+          std::array{body::kRightUpperLeg, body::kRightLowerLeg, body::kRightFoot}}) {
+      body::Quat world = pose.rotations[body::kHips];
+      for (const body::Joint joint : leg) world = world * pose.rotations[joint];
+      body::Vec3 foot = world * body::Vec3::UnitZ();
+      foot.y() = 0;
+      sum += foot;
+    }
+    return sum / 2;
+  }
+
+  body::Vec3 last_m_ = body::Vec3::Zero();
+  float ahead_m_ = 0, back_m_ = 0;  // walked, of late
+  bool started_ = false, backwards_ = false;
+};
+
+}  // namespace styled::pipeline
