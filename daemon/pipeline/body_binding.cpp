@@ -61,14 +61,19 @@ Vec3 NearestAxis(const Vec3& direction) {
   return nearest;
 }
 
+// Where the joints stand in the T-pose that the rests make, in source axes.
+std::vector<Vec3> RestPositions(const rig::BindingSpec& spec) {
+  std::vector<Vec3> positions(spec.skeleton.offsets);
+  for (std::size_t j = 1; j < positions.size(); ++j) {
+    const auto parent = static_cast<std::size_t>(spec.skeleton.parents[j]);
+    positions[j] = positions[parent] + spec.rest_rotations[parent] * spec.skeleton.offsets[j];
+  }
+  return positions;
+}
+
 // Which source axes are left, up and forward, seen at the T-pose that the rests make.
 Status FindAxes(rig::BindingSpec& spec) {
-  const auto& skeleton = spec.skeleton;
-  std::vector<Vec3> positions(skeleton.offsets);
-  for (std::size_t j = 1; j < positions.size(); ++j) {
-    const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
-    positions[j] = positions[parent] + spec.rest_rotations[parent] * skeleton.offsets[j];
-  }
+  const std::vector<Vec3> positions = RestPositions(spec);
   for (const int needed : {body::kLeftUpperArm, body::kRightUpperArm, body::kHead, body::kHips}) {
     if (spec.source_joint[static_cast<std::size_t>(needed)] < 0) {
       return Status::Error("body: no joint is the " +
@@ -108,6 +113,21 @@ Result<rig::Binding> BindByRests(const v1::Body& body, rig::Skeleton skeleton,
   return rig::Binding::Make(std::move(spec));
 }
 
+bool ToesPointBackwards(const rig::BindingSpec& spec) {
+  const auto positions = RestPositions(spec);
+  Vec3 ahead = Vec3::Zero();
+  for (const auto& [foot, toes] : {std::pair{body::kLeftFoot, body::kLeftToes},
+                                   std::pair{body::kRightFoot, body::kRightToes}}) {
+    const int from = spec.source_joint[static_cast<std::size_t>(foot)];
+    const int to = spec.source_joint[static_cast<std::size_t>(toes)];
+    if (from < 0 || to < 0) continue;
+    const Vec3 along = spec.canonical_from_source * (positions[static_cast<std::size_t>(to)] -
+                                                     positions[static_cast<std::size_t>(from)]);
+    ahead += Vec3(along.x(), 0, along.z());
+  }
+  return ahead.z() < 0 && -ahead.z() > std::abs(ahead.x());
+}
+
 }  // namespace
 
 Result<rig::Skeleton> ReadSkeleton(const v1::Body& body) {
@@ -122,7 +142,7 @@ Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& 
   auto skeleton = ReadSkeleton(body);
   if (!skeleton.ok()) return skeleton.status();
   const std::string dialect = body.dialect().empty() ? "auto" : body.dialect();
-  BoundBody bound{nullptr, "given", false};
+  BoundBody bound{nullptr, "given"};
   const auto bind = [&]() -> Result<rig::Binding> {
     if (calibrated && calibrated->skeleton == SkeletonHash(skeleton.value())) {
       bound.dialect = "calibrated";
@@ -141,6 +161,7 @@ Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& 
   };
   auto binding = bind();
   if (!binding.ok()) return binding.status();
+  bound.toes_backwards = ToesPointBackwards(binding.value().spec());
   bound.binding = std::make_shared<const rig::Binding>(std::move(binding.value()));
   return bound;
 }

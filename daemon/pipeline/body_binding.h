@@ -18,6 +18,9 @@ struct BoundBody {
   std::shared_ptr<const rig::Binding> binding;
   std::string dialect;       // "calibrated"; "given" where the rig sent its rests
   bool left_handed = false;  // binding is of the skeleton mirrored; poses are to be, too
+  // In the rest pose the toes lie behind the ankles: left and right are exchanged, or the axes are
+  // mirrored. Bound all the same; a calibration mends it.
+  bool toes_backwards = false;
 };
 
 // Errors say what in the body was expected and found. Allocate; pipeline thread, outside the hot

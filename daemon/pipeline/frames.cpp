@@ -16,7 +16,8 @@ constexpr std::int64_t kLongestPeriod_ns = kSecond_ns / 10;
 
 }  // namespace
 
-void Pipeline::OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) {
+void Pipeline::OnDatagramsFrom(int source, std::span<const std::span<const std::byte>> datagrams,
+                               std::span<const source::Machine> senders) {
   runtime::HotSection hot;
   receive_ns_ = to_.clock.Now_ns();
   wall_ns_ = to_.clock.Wall_ns();
@@ -26,6 +27,7 @@ void Pipeline::OnDatagrams(int source, std::span<const std::span<const std::byte
   // 1 decode all, so that each performer's newest frame is known
   for (std::size_t i = 0; i < datagrams.size(); ++i) {
     Decode(source, datagrams[i], items_[i]);
+    items_[i].sender = i < senders.size() ? senders[i] : source::Machine{};
     NoteNewest(static_cast<int>(i));
   }
   // 2 one after the other, to the subscribers; what is of different performers is styled together
@@ -49,6 +51,11 @@ void Pipeline::OnDatagrams(int source, std::span<const std::span<const std::byte
 void Pipeline::NoteNewest(int index) noexcept {
   const Item& item = items_[static_cast<std::size_t>(index)];
   if (item.performer == nullptr) return;
+  // What will not be admitted must not pass for newer than what will.
+  if (!item.performer->session.Plausible(item.sender, item.datagram.session, item.datagram.sequence,
+                                         receive_ns_, rules_)) {
+    return;
+  }
   int& newest = item.performer->newest_in_batch;
   if (newest >= 0) {  // a duplicate or an old frame after it is not newer
     const auto& best = items_[static_cast<std::size_t>(newest)].datagram;
@@ -101,7 +108,7 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
   AwaitNext(performer, before_ns);
   if (PassOver(performer, index, full, lateness_ns)) {
     to_.counters.AddOf(source, Counter::kPipelineBacklogDropped);
-    return;
+    return;  // no refusal: the newest one leaves
   }
   const bool late = lateness_ns > Nanoseconds(roster_.live().performers.late_s);
   if (item.frame.has_timecode && !roster_.live().cues.empty()) {
@@ -115,14 +122,15 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
   moment.extra_flags = late ? v1::FLAG_LATE : v1::FLAG_NONE;
   const auto taken = performer.Take(item.frame, moment);
   if (taken != Performer::Taken::kOk) {
-    to_.counters.AddOf(source, taken == Performer::Taken::kWrongSize
-                                   ? Counter::kPipelineWrongSize
-                                   : Counter::kPipelineUncalibrated);
+    const Counter why = taken == Performer::Taken::kWrongSize ? Counter::kPipelineWrongSize
+                                                              : Counter::kPipelineUncalibrated;
+    to_.counters.AddOf(source, why);
+    performer.MarkRefused(why);
     return;
   }
   taken_[taken_count_++] = &performer;
   ++performer.received;
-  performer.live = true;
+  performer.MarkLive(receive_ns_);
   to_.counters.Add(Counter::kPipelineFrames);
   if (late) to_.counters.Add(Counter::kPipelineLate);
 }
@@ -177,8 +185,8 @@ void Pipeline::PassCues(Performer& performer, const source::Timecode& timecode,
   std::string said;
   if (commands_.Pass(performer, timecode, said)) {
     to_.counters.Add(Counter::kPipelineCues);
-    Say(Event::Level::kInfo, performer.profile.id + ": " + said + " from frame " +
-                                 std::to_string(performer.profile.next_sequence));
+    SayOf(LogLimit::Kind::kCue, performer.profile.id, Event::Level::kInfo,
+          said + " from frame " + std::to_string(performer.profile.next_sequence));
   }
   hot.Enter();
 }
@@ -186,19 +194,25 @@ void Pipeline::PassCues(Performer& performer, const source::Timecode& timecode,
 bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
   const auto count = [&](Counter counter) {
     to_.counters.AddOf(performer.source, counter);
+    performer.MarkRefused(counter);
     return false;
   };
   const std::uint64_t lost = performer.session.lost();
-  switch (
-      performer.session.Admit(item.datagram.session, item.datagram.sequence, receive_ns_, rules_)) {
+  switch (performer.session.Admit(item.sender, item.datagram.session, item.datagram.sequence,
+                                  receive_ns_, rules_)) {
     case Session::Arrival::kDuplicate:
       return count(Counter::kPipelineDuplicate);
     case Session::Arrival::kReordered:
       return count(Counter::kPipelineReordered);
     case Session::Arrival::kSecondSender:
       return count(Counter::kPipelineSecondSender);
+    case Session::Arrival::kFarAhead:
+      return count(Counter::kPipelineFarAhead);
     case Session::Arrival::kNewSession:
       StartSession(performer);
+      break;
+    case Session::Arrival::kRecounted:
+      Recount(performer);
       break;
     case Session::Arrival::kNext:
       break;
@@ -235,6 +249,14 @@ void Pipeline::StartSession(Performer& performer) noexcept {
   performer.Restart();
 }
 
+// The sender is the same, and so is its body until it sends another.
+void Pipeline::Recount(Performer& performer) noexcept {
+  const bool had_body = performer.session_has_body;
+  StartSession(performer);
+  performer.session_has_body = had_body;
+  to_.counters.AddOf(performer.source, Counter::kPipelineRecounts);
+}
+
 // Up to backlog_s all late frames are published; beyond that the newest only. With a full batch the
 // newest may still be waiting: then nothing, but for one frame per backlog_s, so that a machine
 // that cannot keep up shows what it can.
@@ -260,21 +282,25 @@ void Pipeline::TakeBody(int source, const Item& item) {
     return;
   }
   const std::uint64_t lost = performer->session.lost();
-  const auto arrival =
-      performer->session.Admit(item.datagram.session, item.datagram.sequence, receive_ns_, rules_);
+  const auto arrival = performer->session.Admit(item.sender, item.datagram.session,
+                                                item.datagram.sequence, receive_ns_, rules_);
+  const auto refuse = [&](Counter why) {
+    to_.counters.AddOf(source, why);
+    performer->MarkRefused(why);
+  };
   if (performer->session.lost() > lost) {
     to_.counters.AddOf(source, Counter::kPipelineLost, performer->session.lost() - lost);
   }
   if (arrival == Session::Arrival::kDuplicate) {
-    return to_.counters.AddOf(source, Counter::kPipelineDuplicate);
+    return refuse(Counter::kPipelineDuplicate);
   }
-  if (arrival == Session::Arrival::kSecondSender) {
-    return to_.counters.AddOf(source, Counter::kPipelineSecondSender);
-  }
+  if (arrival == Session::Arrival::kSecondSender) return refuse(Counter::kPipelineSecondSender);
+  if (arrival == Session::Arrival::kFarAhead) return refuse(Counter::kPipelineFarAhead);
   if (arrival == Session::Arrival::kNewSession) StartSession(*performer);
+  if (arrival == Session::Arrival::kRecounted) Recount(*performer);
   // A session's first body is welcome even when frames overtook it.
   if (arrival == Session::Arrival::kReordered && performer->session_has_body) {
-    return to_.counters.AddOf(source, Counter::kPipelineReordered);
+    return refuse(Counter::kPipelineReordered);
   }
   AdoptBody(*performer, item, fresh);
 }
@@ -285,16 +311,15 @@ void Pipeline::AdoptBody(Performer& performer, const Item& item, bool fresh) {
     const Status status = performer.TakeBody(item.datagram.payload, crc, roster_.live());
     if (!status.ok()) {
       to_.counters.AddOf(performer.source, Counter::kPipelineBodiesRefused);
-      if (receive_ns_ - refused_body_said_ns_ > kSecond_ns) {
-        refused_body_said_ns_ = receive_ns_;
-        Say(Event::Level::kWarning, performer.profile.id + ": " + status.message());
-      }
+      performer.MarkRefused(Counter::kPipelineBodiesRefused);
+      SayOf(LogLimit::Kind::kBodyRefused, performer.profile.id, Event::Level::kWarning,
+            status.message());
       performer.session_has_body = performer.waits();
       if (fresh && !performer.waits()) roster_.Forget(performer);
       return;
     }
     if (!fresh) to_.counters.Add(Counter::kPipelineBodyChanges);
-    Say(Event::Level::kInfo, performer.profile.id + ": body bound");
+    SayOf(LogLimit::Kind::kBodyBound, performer.profile.id, Event::Level::kInfo, "body bound");
     performer.SendBodies(to_.publisher);
     performer.next_body_ns = receive_ns_ + kSecond_ns;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "daemon/publish/body_message.h"
 #include "daemon/runtime/clock.h"
@@ -244,6 +245,7 @@ void Performer::Rebuild(const Live& live_settings) {
 
 void Performer::Restart() noexcept {
   if (bound_ != nullptr) bound_->stylist.Reset();
+  facing_.Reset();
 }
 
 Performer::Taken Performer::Take(const source::SourceFrameView& view,
@@ -281,7 +283,17 @@ void Performer::Finish(std::int64_t publish_ns) noexcept {
   }
   b.styled = true;
   CountFlags(b.out.flags);
+  counters_.Add(Counter::kStylistSteps, static_cast<std::uint64_t>(b.out.steps));
   measured_ = true;
+  facing_.Take(
+      b.out.canonical_input,
+      static_cast<double>(moment_.elapsed_ns - std::exchange(faced_ns_, moment_.elapsed_ns)) *
+          1e-9);
+  backwards_ = b.body.toes_backwards || facing_.backwards();
+  if (backwards_) {
+    moment_.extra_flags |= v1::FLAG_BACKWARDS;
+    counters_.Add(Counter::kPipelineBackwards);
+  }
   Serialize(b.out.flags | moment_.extra_flags, moment_);
 }
 
@@ -359,9 +371,41 @@ void Performer::Send(publish::Publisher& publisher, std::int64_t now_ns) {
       worn->ready = {};
     }
   }
-  ++published_;
   last_send_ns = now_ns;
-  if (measured_) latency_.Add(now_ns - receive_ns_);
+  if (!measured_) return;  // a repetition
+  ++published_;
+  latency_.Add(now_ns - receive_ns_);
+}
+
+void Performer::MarkLive(std::int64_t now_ns) noexcept {
+  if (last_frame_ns > 0) intervals_ns_ = {intervals_ns_[1], now_ns - last_frame_ns};
+  last_frame_ns = now_ns;
+  live = true;
+}
+
+// The shorter of two intervals: one silence does not make a rig slow.
+std::int64_t Performer::Patience_ns(std::int64_t stale_ns) const noexcept {
+  constexpr std::int64_t kMost_ns = 10 * runtime::kSecond_ns;
+  const std::int64_t period_ns = std::min(intervals_ns_[0], intervals_ns_[1]);
+  return std::max(stale_ns, std::min(3 * period_ns, kMost_ns));
+}
+
+std::string Performer::Warning() const {
+  if (bound_ != nullptr && bound_->body.toes_backwards) {
+    return "the toes point backwards: left and right are exchanged, or the axes are mirrored; "
+           "mend it in the rig, or by stylectl calibrate " +
+           profile.id + " --pose t";
+  }
+  if (backwards_) {
+    return "walks against where the toes point; if that is not meant, left and right are "
+           "exchanged, or the axes are mirrored: mend it in the rig, or by stylectl calibrate " +
+           profile.id + " --pose t";
+  }
+  return "";
+}
+
+bool Performer::FacingChanged() noexcept {
+  return std::exchange(backwards_told_, backwards_) != backwards_;
 }
 
 bool Performer::Asked() const {
@@ -385,9 +429,21 @@ void Performer::SendBodies(publish::Publisher& publisher) {
   for (const auto& worn : bound_->avatars) send(worn->bytes);
 }
 
-void Performer::Sample(float seconds) {
-  rate_hz_ = static_cast<float>(published_ - published_at_sample_) / seconds;
+// The rate is between frames, not between samples: a rig of 1 Hz would have none or two a second.
+void Performer::Sample(std::int64_t now_ns) {
+  const auto frames = static_cast<float>(published_ - published_at_sample_);
+  const std::int64_t span_ns = last_frame_ns - sampled_frame_ns_;
+  refusing_ = refused_ > refused_at_sample_;
+  refused_at_sample_ = refused_;
+  if (!live) {
+    rate_hz_ = 0;
+  } else if (frames > 0 && span_ns > 0) {
+    const std::int64_t begun_ns = sampled_frame_ns_ > 0 ? span_ns : now_ns - last_frame_ns;
+    rate_hz_ = frames * 1e9F / static_cast<float>(std::max<std::int64_t>(begun_ns, 1));
+  }
   published_at_sample_ = published_;
+  sampled_frame_ns_ = live ? last_frame_ns : 0;
+  if (live && frames == 0) return;  // a slow rig's figures stay
   p50_us_ = latency_.Percentile_us(0.5F);
   p99_us_ = latency_.Percentile_us(0.99F);
   max_us_ = latency_.Max_us();
@@ -403,6 +459,12 @@ void Performer::Describe(v1::PerformerStats& stats) const {
   stats.set_published(published_);
   stats.set_lost(session.lost());
   stats.set_live(live);
+  stats.set_refused(refused_);
+  if (refusing_) {
+    const std::string_view why = runtime::Name(refused_as_);
+    stats.set_refused_as(why.data(), why.size());
+  }
+  stats.set_warning(Warning());
   if (bound_ != nullptr) {
     stats.set_joints(static_cast<std::uint32_t>(bound_->in.rotations.size()));
     stats.set_dialect(bound_->body.dialect);

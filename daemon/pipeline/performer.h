@@ -9,6 +9,7 @@
 
 #include "daemon/pipeline/anticipation.h"
 #include "daemon/pipeline/body_binding.h"
+#include "daemon/pipeline/facing.h"
 #include "daemon/pipeline/mailboxes.h"
 #include "daemon/pipeline/profile.h"
 #include "daemon/pipeline/schedule.h"
@@ -86,7 +87,7 @@ class Performer {
   void SendBodies(publish::Publisher& publisher);
 
   // Of the last second; called once a second.
-  void Sample(float seconds);
+  void Sample(std::int64_t now_ns);
   void Describe(v1::PerformerStats& stats) const;
 
   Session session;
@@ -95,8 +96,22 @@ class Performer {
   const int source;
   const std::string name;
   bool session_has_body = false;  // this session sent its body
-  bool live = false;              // not stale
+  bool live = false;              // frames leave: not stale
   std::int64_t next_body_ns = 0, last_send_ns = 0;
+  std::int64_t last_frame_ns = 0;  // arrival of the last frame that was styled
+  // Silence after which the performer is stale: `stale_ns`, or three periods of a slower rig.
+  STYLED_REALTIME std::int64_t Patience_ns(std::int64_t stale_ns) const noexcept;
+  // A frame that arrived at `now_ns` is on its way out: the performer is live.
+  STYLED_REALTIME void MarkLive(std::int64_t now_ns) noexcept;
+  // A datagram of this performer changed nothing, and is counted as `why`.
+  STYLED_REALTIME void MarkRefused(runtime::Counter why) noexcept {
+    ++refused_;
+    refused_as_ = why;
+  }
+  // What looks wrong with the rig; "" for nothing. True from FacingChanged() once after each
+  // change.
+  std::string Warning() const;
+  bool FacingChanged() noexcept;
   std::uint64_t received = 0;            // frames accepted
   int newest_in_batch = -1;              // scratch of the pipeline
   std::optional<std::int64_t> timecode;  // TimecodeLabel of the last frame that had one
@@ -126,6 +141,14 @@ class Performer {
   std::int64_t receive_ns_ = 0;
   bool measured_ = false;
   std::uint64_t published_ = 0, published_at_sample_ = 0;
+  std::int64_t sampled_frame_ns_ = 0;           // last_frame_ns at the last sample
+  std::array<std::int64_t, 2> intervals_ns_{};  // between the last frames
+  std::uint64_t refused_ = 0, refused_at_sample_ = 0;
+  runtime::Counter refused_as_ = runtime::Counter::kCount;
+  bool refusing_ = false;  // of the last second
+  Facing facing_;
+  std::int64_t faced_ns_ = 0;  // source time of its last frame
+  bool backwards_ = false, backwards_told_ = false;
   runtime::Histogram latency_;
   float rate_hz_ = 0, p50_us_ = 0, p99_us_ = 0, max_us_ = 0;
 };

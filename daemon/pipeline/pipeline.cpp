@@ -27,8 +27,7 @@ Pipeline::Pipeline(const Surroundings& surroundings, std::vector<std::string> so
       roster_(std::move(source_names), std::move(live), epoch, subscriptions_, to_.counters),
       commands_(roster_),
       started_ns_(to_.clock.Now_ns()),
-      next_stats_ns_(started_ns_ + kSecond_ns),
-      last_stats_ns_(started_ns_) {
+      next_stats_ns_(started_ns_ + kSecond_ns) {
   rules_ = {Nanoseconds(roster_.live().performers.takeover_s),
             Nanoseconds(roster_.live().performers.clock_back_s)};
   subscriptions_.Register(stats_topic_);
@@ -61,9 +60,11 @@ std::int64_t Pipeline::NextDeadline_ns() const {
   }
   for (const auto& performer : roster_.performers) {
     const auto& limits = roster_.live().performers;
-    const float patience_s = performer->live ? limits.stale_s : limits.forget_s;
-    next_ns = std::min({next_ns, performer->next_body_ns,
-                        performer->session.last_arrival_ns() + Nanoseconds(patience_s)});
+    const std::int64_t silent_ns =
+        performer->live
+            ? performer->last_frame_ns + performer->Patience_ns(Nanoseconds(limits.stale_s))
+            : performer->session.last_arrival_ns() + Nanoseconds(limits.forget_s);
+    next_ns = std::min({next_ns, performer->next_body_ns, silent_ns});
     if (to_.anticipate) next_ns = std::min(next_ns, performer->anticipation.prepare_ns());
   }
   return next_ns;
@@ -207,12 +208,20 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
     Performer& performer = *roster_.performers[i++];
     const std::int64_t silence_ns = now_ns - performer.session.last_arrival_ns();
     if (to_.anticipate && drained) Prepare(performer, now_ns);
-    if (drained && performer.live && silence_ns >= Nanoseconds(limits.stale_s)) {
+    if (drained && performer.live &&
+        now_ns - performer.last_frame_ns >= performer.Patience_ns(Nanoseconds(limits.stale_s))) {
       Stale(performer, now_ns);
       ++work;
     }
-    if (drained && silence_ns >= Nanoseconds(limits.forget_s)) {
-      Say(Event::Level::kInfo, performer.profile.id + ": forgotten after silence");
+    if (performer.FacingChanged()) {
+      const std::string warning = performer.Warning();
+      SayOf(LogLimit::Kind::kFacing, performer.profile.id,
+            warning.empty() ? Event::Level::kInfo : Event::Level::kWarning,
+            warning.empty() ? "walks where the toes point again" : warning);
+    }
+    if (drained && !performer.live && silence_ns >= Nanoseconds(limits.forget_s)) {
+      SayOf(LogLimit::Kind::kForgotten, performer.profile.id, Event::Level::kInfo,
+            "forgotten after silence");
       to_.counters.Add(Counter::kPipelineForgotten);
       roster_.Forget(performer);
       --i;
@@ -233,7 +242,7 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
 void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {
   performer.live = false;
   Performer::Moment moment;
-  moment.receive_ns = performer.session.last_arrival_ns();
+  moment.receive_ns = performer.last_frame_ns;
   moment.publish_ns = now_ns;
   moment.wall_ns = to_.clock.Wall_ns();
   if (!performer.Repeat(moment)) return;
@@ -271,10 +280,8 @@ void Pipeline::FillStats(v1::Stats& stats) {
 
 void Pipeline::PublishStats() {
   const std::int64_t now_ns = to_.clock.Now_ns();
-  const float seconds = static_cast<float>(now_ns - last_stats_ns_) * 1e-9F;
-  last_stats_ns_ = now_ns;
   next_stats_ns_ = std::max(next_stats_ns_ + kSecond_ns, now_ns + kSecond_ns / 2);
-  for (const auto& performer : roster_.performers) performer->Sample(seconds);
+  for (const auto& performer : roster_.performers) performer->Sample(now_ns);
   stages_.Sample();
   to_.counters.Set(Counter::kPipelineLongestCycleUs,
                    static_cast<std::uint64_t>(longest_cycle_ns_ / 1000));
@@ -289,6 +296,17 @@ void Pipeline::PublishStats() {
 void Pipeline::OnNote(int source, const std::string& text) {
   Say(Event::Level::kWarning,
       roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
+}
+
+void Pipeline::SayOf(LogLimit::Kind kind, const std::string& performer, Event::Level level,
+                     std::string text) {
+  std::uint64_t held_back = 0;
+  if (!log_limit_.Admit(kind, performer, to_.clock.Now_ns(), held_back)) {
+    to_.counters.Add(Counter::kPipelineEventsHeldBack);
+    return;
+  }
+  if (held_back > 0) text += " (and " + std::to_string(held_back) + " more like this before)";
+  Say(level, performer + ": " + std::move(text));
 }
 
 void Pipeline::Say(Event::Level level, std::string text) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/pipeline/commands.h"
+#include "daemon/pipeline/log_limit.h"
 #include "daemon/pipeline/mailboxes.h"
 #include "daemon/pipeline/roster.h"
 #include "daemon/pipeline/stages.h"
@@ -56,7 +57,11 @@ class Pipeline final : public Worker, public source::Receiver {
   bool Expects(std::int64_t now_ns) const override;
   const std::vector<std::unique_ptr<source::Transport>>& transports() const { return transports_; }
 
-  void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override;
+  void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override {
+    OnDatagramsFrom(source, datagrams, {});
+  }
+  void OnDatagramsFrom(int source, std::span<const std::span<const std::byte>> datagrams,
+                       std::span<const source::Machine> senders) override;
   STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept override {
     if (to_.recorder != nullptr) to_.recorder->OnArrival(arrival);
   }
@@ -69,6 +74,7 @@ class Pipeline final : public Worker, public source::Receiver {
     native::Datagram datagram;
     source::SourceFrameView frame;
     Performer* performer = nullptr;
+    source::Machine sender{};
   };
 
   int DoCommands();
@@ -88,6 +94,7 @@ class Pipeline final : public Worker, public source::Receiver {
   // Whether the frame's session, sequence and body are the performer's next; counts if not.
   STYLED_REALTIME bool Admit(Performer& performer, const Item& item) noexcept;
   STYLED_REALTIME void StartSession(Performer& performer) noexcept;
+  STYLED_REALTIME void Recount(Performer& performer) noexcept;
   void AdoptBody(Performer& performer, const Item& item, bool fresh);
   STYLED_REALTIME bool PassOver(Performer& performer, int index, bool full,
                                 std::int64_t lateness_ns) const noexcept;
@@ -98,6 +105,9 @@ class Pipeline final : public Worker, public source::Receiver {
   void DescribeSource(std::size_t index, v1::SourceInfo& info) const;
   void PublishStats();
   void Say(Event::Level level, std::string text);
+  // The same within the limit of its kind and performer.
+  void SayOf(LogLimit::Kind kind, const std::string& performer, Event::Level level,
+             std::string text);
 
   Surroundings to_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
@@ -114,10 +124,10 @@ class Pipeline final : public Worker, public source::Receiver {
   Stages stages_;
   publish::SubscriptionEvent subscription_;
   publish::Topic stats_topic_{"stats/"};
-  std::int64_t started_ns_, next_stats_ns_, last_stats_ns_;
+  std::int64_t started_ns_, next_stats_ns_;
   std::int64_t longest_cycle_ns_ = 0;
   int busy_cycles_ = 0;  // since the last look at silence
-  std::int64_t refused_body_said_ns_ = 0;
+  LogLimit log_limit_;
   std::string stats_bytes_;
 };
 

@@ -1,33 +1,62 @@
 #include "daemon/pipeline/session.h"
 
+#include <algorithm>
+
 namespace styled::pipeline {
 namespace {
 constexpr std::uint64_t kWindow = 64;
 constexpr std::uint64_t kHour_ns = 3600ULL * 1'000'000'000;
+constexpr std::uint64_t kFastest_ns = 1'000'000;  // between two datagrams of one performer
+// Beyond this a session's time is counted anew, long before it overflows: 146 years.
+constexpr std::uint64_t kLongestSession_ns = 1ULL << 62U;
+
+// By how much the newest sequence may go on after such a silence.
+std::uint64_t MostAhead(std::int64_t silence_ns) noexcept {
+  return Session::kFarAhead +
+         static_cast<std::uint64_t>(std::max<std::int64_t>(0, silence_ns)) / kFastest_ns;
+}
 }  // namespace
 
-Session::Arrival Session::Admit(std::uint64_t session, std::uint64_t sequence, std::int64_t now_ns,
+void Session::Start(const source::Machine& machine, std::uint64_t session, std::uint64_t sequence,
+                    std::int64_t now_ns) noexcept {
+  live_ = true;
+  timed_ = false;
+  machine_ = machine;
+  session_ = session;
+  newest_ = sequence;
+  seen_ = 1;
+  strays_ = 0;
+  last_arrival_ns_ = now_ns;
+}
+
+Session::Arrival Session::Admit(const source::Machine& machine, std::uint64_t session,
+                                std::uint64_t sequence, std::int64_t now_ns,
                                 const SessionRules& rules) noexcept {
-  if (!live_ || session != session_) {
-    const bool anew = session == session_ + kSessionStep;
-    if (live_ && !anew && now_ns - last_arrival_ns_ < rules.takeover_ns) {
-      return Arrival::kSecondSender;
-    }
-    live_ = true;
-    timed_ = false;
-    session_ = session;
-    newest_ = sequence;
-    seen_ = 1;
-    last_arrival_ns_ = now_ns;
+  const std::int64_t silence_ns = now_ns - last_arrival_ns_;
+  const bool silent = silence_ns >= rules.takeover_ns;
+  if (!live_ || session != session_ || machine != machine_) {
+    const bool anew = session == session_ + kSessionStep && machine == machine_;
+    if (live_ && !anew && !silent) return Arrival::kSecondSender;
+    Start(machine, session, sequence, now_ns);
     return Arrival::kNewSession;
   }
-  last_arrival_ns_ = now_ns;
   if (sequence > newest_) {
     const std::uint64_t step = sequence - newest_;
+    if (step > MostAhead(silence_ns)) {
+      if (!Recount(sequence, silent)) return Arrival::kFarAhead;
+      Start(machine, session, sequence, now_ns);
+      return Arrival::kRecounted;
+    }
     lost_ += step - 1;
     seen_ = step >= kWindow ? 1 : (seen_ << step) | 1U;
     newest_ = sequence;
+    strays_ = 0;
+    last_arrival_ns_ = now_ns;
     return Arrival::kNext;
+  }
+  if (Recount(sequence, silent)) {
+    Start(machine, session, sequence, now_ns);
+    return Arrival::kRecounted;
   }
   const std::uint64_t age = newest_ - sequence;
   if (age >= kWindow) return Arrival::kReordered;
@@ -37,13 +66,31 @@ Session::Arrival Session::Admit(std::uint64_t session, std::uint64_t sequence, s
   return Arrival::kReordered;
 }
 
+bool Session::Plausible(const source::Machine& machine, std::uint64_t session,
+                        std::uint64_t sequence, std::int64_t now_ns,
+                        const SessionRules& rules) const noexcept {
+  const std::int64_t silence_ns = now_ns - last_arrival_ns_;
+  if (!live_ || silence_ns >= rules.takeover_ns) return true;
+  if (machine != machine_) return false;
+  if (session != session_) return session == session_ + kSessionStep;
+  return sequence > newest_ && sequence - newest_ <= MostAhead(silence_ns);
+}
+
+bool Session::Recount(std::uint64_t sequence, bool silent) noexcept {
+  const bool follows = strays_ > 0 && sequence > stray_ && sequence - stray_ <= kWindow;
+  strays_ = follows ? std::min(strays_ + 1, kConsistent) : 1;
+  stray_ = sequence;
+  return silent && strays_ >= kConsistent;
+}
+
 Session::Time Session::AdmitTime(std::uint64_t source_time_ns, const SessionRules& rules) noexcept {
   if (!timed_) {
     timed_ = true;
     first_time_ns_ = last_time_ns_ = source_time_ns;
     return Time::kNext;
   }
-  if (source_time_ns > last_time_ns_ && source_time_ns - last_time_ns_ <= kHour_ns) {
+  if (source_time_ns > last_time_ns_ && source_time_ns - last_time_ns_ <= kHour_ns &&
+      source_time_ns - first_time_ns_ <= kLongestSession_ns) {
     last_time_ns_ = source_time_ns;
     return Time::kNext;
   }

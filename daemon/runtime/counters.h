@@ -51,11 +51,13 @@ enum class Counter : std::uint8_t {
   kPipelineWrongBody,     // frames that name another body than the last
   kPipelineDuplicate,     // sequence seen before
   kPipelineReordered,     // sequence older than the last, not seen before
+  kPipelineFarAhead,      // sequence implausibly far ahead of the last
   kPipelineOldTime,       // source time not after the last frame's
   kPipelineLost,          // sequence numbers skipped (those that come later as reordered included)
   kPipelineSecondSender,
   kPipelineSessions,        // started
   kPipelineClockJumps,      // sessions started because the sender's clock jumped
+  kPipelineRecounts,        // sessions started because a sender went on from another sequence
   kPipelineLate,            // frames published with FLAG_LATE
   kPipelineBacklogDropped,  // frames passed over because a newer one was waiting
   kPipelineStale,           // frames published with FLAG_STALE
@@ -68,11 +70,14 @@ enum class Counter : std::uint8_t {
   kPipelineOverBudget,      // cycles longer than a frame's period at 120 Hz
   kPipelineLongestCycleUs,  // of the last second
   kPipelineEventsDropped,   // messages to the log that found its ring full
+  kPipelineEventsHeldBack,  // messages to the log beyond the limit of their kind and performer
+  kPipelineBackwards,       // frames published with FLAG_BACKWARDS
   kStylistConcealed,        // frames with the flag, as the next four
   kStylistHeld,
   kStylistOutOfDomain,
   kStylistFading,
   kStylistNewSession,
+  kStylistSteps,  // of the network
   kPublishMessages,
   kPublishFailed,
   kPublishBodies,

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <limits>
 #include <map>
 
+#include "tests/support/fake_pipeline.h"
 #include "tests/support/rig.h"
 #include "tests/unit/erd/random_weights.h"
 
@@ -14,38 +14,6 @@ namespace {
 
 using runtime::Counter;
 constexpr std::int64_t kMs = 1'000'000;
-
-class FakeClock final : public runtime::Clock {
- public:
-  std::int64_t Now_ns() const noexcept override { return now_ns; }
-  std::int64_t Wall_ns() const noexcept override { return now_ns + 1'700'000'000'000'000'000; }
-  std::int64_t now_ns = 1'000'000'000'000;
-};
-
-class FakePublisher final : public publish::Publisher {
- public:
-  void Send(std::string_view topic, std::span<const std::byte> payload) noexcept override {
-    const std::string bytes(reinterpret_cast<const char*>(payload.data()), payload.size());
-    if (topic.starts_with("body/")) {
-      ++bodies;
-    } else if (topic == "stats/") {
-      ++stats;
-    } else {
-      frames.emplace_back().ParseFromString(bytes);
-    }
-  }
-  bool NextSubscription(publish::SubscriptionEvent& event) override {
-    if (events.empty()) return false;
-    event = events.front();
-    events.pop_front();
-    return true;
-  }
-  int fd() const override { return -1; }
-
-  std::vector<v1::Frame> frames;
-  int bodies = 0, stats = 0;
-  std::deque<publish::SubscriptionEvent> events;
-};
 
 // The pipeline with a clock that the test moves, no sockets and no sleep.
 class PipelineTest : public testing::Test {
@@ -96,9 +64,9 @@ class PipelineTest : public testing::Test {
 
   std::shared_ptr<const erd::Network> network_ = erd::RandomNetwork(5, 1);
   config::Performers limits_;
-  FakeClock clock_;
+  support::FakeClock clock_;
   runtime::Counters counters_;
-  FakePublisher publisher_;
+  support::FakePublisher publisher_;
   Mailboxes mailboxes_;
   support::Rig rig_{"a"};
   std::unique_ptr<Pipeline> pipeline_;

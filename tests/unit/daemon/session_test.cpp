@@ -11,50 +11,132 @@ using Arrival = Session::Arrival;
 using Time = Session::Time;
 constexpr std::int64_t kMs = 1'000'000;
 const SessionRules kRules;
+const source::Machine kHere{1}, kElsewhere{2};
 
 TEST(SessionTest, FirstDatagramStartsASessionAndCountsNothingLost) {
   Session session;
-  EXPECT_EQ(session.Admit(1, 500, 0, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kHere, 1, 500, 0, kRules), Arrival::kNewSession);
   EXPECT_EQ(session.lost(), 0U);
 }
 
 TEST(SessionTest, SequenceTellsDuplicatesReorderedAndLostApart) {
   Session session;
-  EXPECT_EQ(session.Admit(1, 10, 0, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(1, 10, 1, kRules), Arrival::kDuplicate);
-  EXPECT_EQ(session.Admit(1, 13, 2, kRules), Arrival::kNext);
+  EXPECT_EQ(session.Admit(kHere, 1, 10, 0, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kHere, 1, 10, 1, kRules), Arrival::kDuplicate);
+  EXPECT_EQ(session.Admit(kHere, 1, 13, 2, kRules), Arrival::kNext);
   EXPECT_EQ(session.lost(), 2U);
-  EXPECT_EQ(session.Admit(1, 12, 3, kRules), Arrival::kReordered);
-  EXPECT_EQ(session.Admit(1, 12, 4, kRules), Arrival::kDuplicate);
-  EXPECT_EQ(session.Admit(1, 10, 5, kRules), Arrival::kDuplicate);
-  EXPECT_EQ(session.Admit(1, 9, 5, kRules), Arrival::kReordered);
-  EXPECT_EQ(session.Admit(1, 200, 6, kRules), Arrival::kNext);
-  EXPECT_EQ(session.Admit(1, 13, 7, kRules), Arrival::kReordered) << "too old to tell";
-  EXPECT_EQ(session.Admit(1, ~0ULL, 8, kRules), Arrival::kNext);
-  EXPECT_EQ(session.Admit(1, 0, 9, kRules), Arrival::kReordered);
+  EXPECT_EQ(session.Admit(kHere, 1, 12, 3, kRules), Arrival::kReordered);
+  EXPECT_EQ(session.Admit(kHere, 1, 12, 4, kRules), Arrival::kDuplicate);
+  EXPECT_EQ(session.Admit(kHere, 1, 10, 5, kRules), Arrival::kDuplicate);
+  EXPECT_EQ(session.Admit(kHere, 1, 9, 5, kRules), Arrival::kReordered);
+  EXPECT_EQ(session.Admit(kHere, 1, 200, 6, kRules), Arrival::kNext);
+  EXPECT_EQ(session.Admit(kHere, 1, 13, 7, kRules), Arrival::kReordered) << "too old to tell";
+  EXPECT_EQ(session.Admit(kHere, 1, 0, 9, kRules), Arrival::kReordered);
 }
 
 TEST(SessionTest, ASecondSenderWaitsForTheFirstToBeSilent) {
   Session session;
-  EXPECT_EQ(session.Admit(1, 0, 0, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(4, 0, 99 * kMs, kRules), Arrival::kSecondSender);
-  EXPECT_EQ(session.Admit(1, 1, 99 * kMs, kRules), Arrival::kNext);
-  EXPECT_EQ(session.Admit(4, 1, 198 * kMs, kRules), Arrival::kSecondSender);
-  EXPECT_EQ(session.Admit(4, 2, 199 * kMs, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(1, 2, 200 * kMs, kRules), Arrival::kSecondSender) << "roles changed";
+  EXPECT_EQ(session.Admit(kHere, 1, 0, 0, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kHere, 4, 0, 99 * kMs, kRules), Arrival::kSecondSender);
+  EXPECT_EQ(session.Admit(kHere, 1, 1, 99 * kMs, kRules), Arrival::kNext);
+  EXPECT_EQ(session.Admit(kHere, 4, 1, 198 * kMs, kRules), Arrival::kSecondSender);
+  EXPECT_EQ(session.Admit(kHere, 4, 2, 199 * kMs, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kHere, 1, 2, 200 * kMs, kRules), Arrival::kSecondSender)
+      << "roles changed";
   EXPECT_EQ(session.lost(), 0U);
 }
 
 TEST(SessionTest, TheSameSenderBeginsAnewAtOnce) {
   Session session;
-  EXPECT_EQ(session.Admit(7, 0, 0, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(7 + kSessionStep, 0, 1 * kMs, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(7, 1, 2 * kMs, kRules), Arrival::kSecondSender) << "that one is over";
+  EXPECT_EQ(session.Admit(kHere, 7, 0, 0, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kHere, 7 + kSessionStep, 0, 1 * kMs, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kHere, 7, 1, 2 * kMs, kRules), Arrival::kSecondSender)
+      << "that one is over";
+}
+
+TEST(SessionTest, ASequenceFromTheFutureChangesNothingWhileThePerformerSends) {
+  Session session;
+  std::int64_t now_ns = 0;
+  EXPECT_EQ(session.Admit(kHere, 1, 0, now_ns, kRules), Arrival::kNewSession);
+  for (std::uint64_t i = 1; i < 200; ++i) {
+    now_ns += 8 * kMs;
+    EXPECT_EQ(session.Admit(kHere, 1, i, now_ns, kRules), Arrival::kNext);
+    EXPECT_EQ(session.Admit(kHere, 1, 1'000'000'000 + i, now_ns, kRules), Arrival::kFarAhead);
+    EXPECT_EQ(session.Admit(kHere, 1, ~0ULL, now_ns, kRules), Arrival::kFarAhead);
+  }
+  EXPECT_EQ(session.lost(), 0U);
+  EXPECT_EQ(session.last_arrival_ns(), now_ns);
+}
+
+TEST(SessionTest, WhoCountsFromElsewhereIsTakenAfterASilenceAndAFewInARow) {
+  for (const std::uint64_t start : {0ULL, 50ULL, 1'000'000'000ULL}) {
+    Session session;
+    (void)session.Admit(kHere, 1, 0, 0, kRules);
+    for (std::uint64_t i = 1; i < 500; ++i) (void)session.Admit(kHere, 1, i, 0, kRules);
+    // The sender goes on from `start` under the same session id, 8 ms apart.
+    int refused = 0;
+    std::int64_t now_ns = 0;
+    auto arrival = Arrival::kDuplicate;
+    while (refused < 100) {
+      now_ns += 8 * kMs;
+      arrival =
+          session.Admit(kHere, 1, start + static_cast<std::uint64_t>(refused), now_ns, kRules);
+      if (arrival == Arrival::kRecounted) break;
+      ++refused;
+    }
+    EXPECT_EQ(arrival, Arrival::kRecounted) << start;
+    EXPECT_EQ(refused, 12) << "100 ms of silence, and more than a few in a row";
+    EXPECT_EQ(session.Admit(kHere, 1, start + 13, now_ns + 8 * kMs, kRules), Arrival::kNext);
+    EXPECT_EQ(session.lost(), 0U);
+  }
+}
+
+TEST(SessionTest, ALateEchoAfterASilenceIsNoNewCount) {
+  Session session;
+  for (std::uint64_t i = 0; i < 100; ++i) (void)session.Admit(kHere, 1, i, 0, kRules);
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_EQ(session.Admit(kHere, 1, 99, 200 * kMs, kRules), Arrival::kDuplicate);
+    EXPECT_EQ(session.Admit(kHere, 1, 1ULL << 60U, 200 * kMs, kRules), Arrival::kFarAhead);
+  }
+  EXPECT_EQ(session.Admit(kHere, 1, 100, 200 * kMs, kRules), Arrival::kNext);
+}
+
+TEST(SessionTest, WhatWasLostInASilenceMayBeMuchButNotMoreThanWasEverSent) {
+  Session session;
+  (void)session.Admit(kHere, 1, 0, 0, kRules);
+  EXPECT_EQ(session.Admit(kHere, 1, 7200, 60'000 * kMs, kRules), Arrival::kNext);
+  EXPECT_EQ(session.lost(), 7199U);
+  EXPECT_EQ(session.Admit(kHere, 1, 7200 + 999'999'999, 120'000 * kMs, kRules), Arrival::kFarAhead);
+  EXPECT_EQ(session.lost(), 7199U);
+}
+
+TEST(SessionTest, AKnownSessionIdFromAnotherMachineIsAnotherSender) {
+  Session session;
+  (void)session.Admit(kHere, 1, 0, 0, kRules);
+  EXPECT_EQ(session.Admit(kElsewhere, 1, 1, 8 * kMs, kRules), Arrival::kSecondSender);
+  EXPECT_EQ(session.Admit(kElsewhere, 1 + kSessionStep, 0, 8 * kMs, kRules),
+            Arrival::kSecondSender);
+  EXPECT_EQ(session.Admit(kHere, 1, 1, 99 * kMs, kRules), Arrival::kNext);
+  EXPECT_EQ(session.Admit(kElsewhere, 1, 2, 199 * kMs, kRules), Arrival::kNewSession)
+      << "the first one was silent";
+}
+
+TEST(SessionTest, TimeNeverOverflows) {
+  Session session;
+  (void)session.Admit(kHere, 1, 0, 0, kRules);
+  std::uint64_t time_ns = 0;
+  int jumps = 0;
+  for (int i = 0; i < 3'000'000; ++i) {
+    jumps += session.AdmitTime(time_ns, kRules) == Time::kJump ? 1 : 0;
+    ASSERT_GE(session.elapsed_ns(), 0);
+    time_ns += 3600ULL * 1'000'000'000;
+  }
+  EXPECT_EQ(jumps, 2);
 }
 
 TEST(SessionTest, SourceTimeMustGrowAndAJumpStartsAnew) {
   Session session;
-  (void)session.Admit(1, 0, 0, kRules);
+  (void)session.Admit(kHere, 1, 0, 0, kRules);
   EXPECT_EQ(session.AdmitTime(5'000 * kMs, kRules), Time::kNext);
   EXPECT_EQ(session.elapsed_ns(), 0);
   EXPECT_EQ(session.AdmitTime(5'008 * kMs, kRules), Time::kNext);
