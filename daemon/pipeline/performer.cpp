@@ -36,12 +36,12 @@ struct Performer::Worn {
   // Computed only while somebody subscribes; then the first frame is a first one.
   void Process(std::int64_t time_ns, const stylist::Output& out) noexcept {
     if (topic.wanted == 0) {
-      worn = false;
+      worn = failed = false;
       return;
     }
     if (!worn) avatar.Reset();
     worn = true;
-    avatar.Process(time_ns, out);
+    failed = !avatar.Process(time_ns, out);
     root = output->skeleton.RootInFile(output->skeleton.binding->RootPosition(avatar.pose()));
     std::copy(avatar.pose().rotations.begin(), avatar.pose().rotations.end(), rotations.begin());
     rotations.front() = output->skeleton.RootInFile(rotations.front());
@@ -49,7 +49,8 @@ struct Performer::Worn {
 
   std::shared_ptr<const AvatarOutput> output;
   stylist::Avatar avatar;
-  bool worn = false;  // `root` and `rotations` hold a frame
+  bool worn = false;    // `root` and `rotations` hold a frame
+  bool failed = false;  // of the performer's own motion: the styled pose was none
   rig::Vec3 root = rig::Vec3::Zero();
   std::vector<rig::Quat> rotations;
   publish::FrameMessage message;
@@ -274,7 +275,11 @@ stylist::Stylist::Job Performer::Style() noexcept {
 void Performer::Finish(std::int64_t publish_ns) noexcept {
   Bound& b = *bound_;
   moment_.publish_ns = publish_ns;
-  for (const auto& worn : b.avatars) worn->Process(moment_.elapsed_ns, b.out);
+  std::uint32_t flags = b.out.flags;
+  for (const auto& worn : b.avatars) {
+    worn->Process(moment_.elapsed_ns, b.out);
+    if (worn->failed) flags |= stylist::kFailed;
+  }
   b.rig_root = b.body.binding->RootPosition(b.out.rig);
   if (b.body.left_handed) {
     rig::Mirror(b.out.rig);
@@ -282,7 +287,7 @@ void Performer::Finish(std::int64_t publish_ns) noexcept {
     b.rig_root = rig::Mirrored(b.rig_root);
   }
   b.styled = true;
-  CountFlags(b.out.flags);
+  CountFlags(flags);
   counters_.Add(Counter::kStylistSteps, static_cast<std::uint64_t>(b.out.steps));
   measured_ = true;
   facing_.Take(
@@ -346,7 +351,8 @@ void Performer::Serialize(std::uint32_t flags, const Moment& moment) noexcept {
   for (const auto& worn : b.avatars) {
     worn->ready = {};
     if (worn->topic.wanted == 0 || !worn->worn) continue;
-    fill(worn->message, flags & ~std::uint32_t{v1::FLAG_BYPASS});
+    const std::uint32_t own = worn->failed ? v1::FLAG_FAILED : 0;
+    fill(worn->message, (flags & ~std::uint32_t{v1::FLAG_BYPASS}) | own);
     worn->message.SetPose(worn->root, worn->rotations);
     worn->ready = worn->message.Serialize(b.face);
   }
@@ -358,6 +364,7 @@ void Performer::CountFlags(std::uint32_t flags) noexcept {
   if ((flags & stylist::kOutOfDomain) != 0) counters_.Add(Counter::kStylistOutOfDomain);
   if ((flags & stylist::kFading) != 0) counters_.Add(Counter::kStylistFading);
   if ((flags & stylist::kNewSession) != 0) counters_.Add(Counter::kStylistNewSession);
+  if ((flags & stylist::kFailed) != 0) counters_.Add(Counter::kStylistFailed);
 }
 
 void Performer::Send(publish::Publisher& publisher, std::int64_t now_ns) {

@@ -73,6 +73,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kStylistOutOfDomain, "stylist.out_of_domain"},
     {Counter::kStylistFading, "stylist.fading"},
     {Counter::kStylistNewSession, "stylist.new_session"},
+    {Counter::kStylistFailed, "stylist.failed", true},
     {Counter::kStylistSteps, "stylist.steps"},
     {Counter::kPublishMessages, "publish.messages"},
     {Counter::kPublishFailed, "publish.failed", true},

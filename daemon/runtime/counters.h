@@ -72,11 +72,12 @@ enum class Counter : std::uint8_t {
   kPipelineEventsDropped,   // messages to the log that found its ring full
   kPipelineEventsHeldBack,  // messages to the log beyond the limit of their kind and performer
   kPipelineBackwards,       // frames published with FLAG_BACKWARDS
-  kStylistConcealed,        // frames with the flag, as the next four
+  kStylistConcealed,        // frames with the flag, as the next five
   kStylistHeld,
   kStylistOutOfDomain,
   kStylistFading,
   kStylistNewSession,
+  kStylistFailed,
   kStylistSteps,  // of the network
   kPublishMessages,
   kPublishFailed,

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "model/stylist/grounding.h"
+#include "model/stylist/guard.h"
 
 namespace styled::stylist {
 
@@ -25,7 +26,7 @@ void Avatar::Reset() noexcept {
   shift_m_.Rest();
 }
 
-void Avatar::Process(std::int64_t time_ns, const Output& styled) noexcept {
+bool Avatar::Process(std::int64_t time_ns, const Output& styled) noexcept {
   if ((styled.flags & kNewSession) != 0) Reset();
   const float dt_s = started_ ? static_cast<float>(time_ns - last_ns_) * 1e-9F : 0.0F;
   last_ns_ = time_ns;
@@ -42,6 +43,10 @@ void Avatar::Process(std::int64_t time_ns, const Output& styled) noexcept {
   }
   feet_.Process(dt_s, hold_ ? 1.0F : 0.0F, {performed_.translations, performed_.rotations},
                 {pose_.translations, pose_.rotations});
+  if (IsSound(*avatar_, pose_, styled.canonical)) return true;
+  Reset();
+  avatar_->Unbind(styled.canonical_input, last_, pose_);
+  return false;
 }
 
 }  // namespace styled::stylist

@@ -25,8 +25,9 @@ class Avatar {
          const rig::RigPose& rest, const Options& options);
 
   // One frame, after the stylist's Process. `time_ns` grows from call to call; frames may be left
-  // out between.
-  STYLED_REALTIME void Process(std::int64_t time_ns, const Output& styled) noexcept;
+  // out between. False where the pose would be none (model/stylist/guard.h): it is the performer's
+  // own motion then, and feet are held anew.
+  STYLED_REALTIME bool Process(std::int64_t time_ns, const Output& styled) noexcept;
   // The avatar's pose: its own units and axes, rotations continuous in sign along time.
   const rig::RigPose& pose() const { return pose_; }
   // Forgets contacts and locks: the next frame is the first.

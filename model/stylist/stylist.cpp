@@ -5,6 +5,7 @@
 
 #include "model/feet/feet.h"
 #include "model/stylist/grounding.h"
+#include "model/stylist/guard.h"
 #include "model/stylist/intake.h"
 #include "model/stylist/knees.h"
 #include "model/stylist/low_pass.h"
@@ -58,6 +59,15 @@ float Way_m(const Change& from, const Change& to) {
   return longest;
 }
 
+// The performer's own motion, bit for bit.
+void PassThrough(Output& out) noexcept {
+  out.canonical = out.canonical_input;
+  std::copy(out.source.translations.begin(), out.source.translations.end(),
+            out.rig.translations.begin());
+  std::copy(out.source.rotations.begin(), out.source.rotations.end(), out.rig.rotations.begin());
+  out.flags |= kBypass;
+}
+
 float DecayShare(double dt_s, float tau_s) {
   return tau_s <= 0 ? 1.0F : 1.0F - std::exp(-static_cast<float>(dt_s) / tau_s);
 }
@@ -81,11 +91,14 @@ struct Stylist::Impl {
 
   void Restart() noexcept;
   void RestartAfterGap() noexcept;
+  void Forget() noexcept;
   void JudgeFrame(std::int64_t time_ns, Output& out) noexcept;
   struct Step;
   void Begin(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept;
   bool NextStep(const Pose& input, Step& step) noexcept;
   void Finish(Output& out) noexcept;
+  void Style(Output& out) noexcept;
+  void GiveBack(Output& out) noexcept;
   void TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept;
   float Delay() noexcept;
   float SwitchDelay(const Change& target, float usual_s) noexcept;
@@ -94,6 +107,7 @@ struct Stylist::Impl {
   void Ground(Output& out) noexcept;
   void HoldFeet(Output& out) noexcept;
   bool Bypassed() const noexcept;
+  bool IsSoundOutput(const Output& out) const noexcept;
 
   std::shared_ptr<const erd::Network> network;
   std::shared_ptr<const rig::Binding> binding;
@@ -125,6 +139,8 @@ struct Stylist::Impl {
   std::int64_t last_ns = 0;
   double dt_s = 0;  // of the frame at hand, since the one before
   bool started = false, fresh_session = true;
+  bool bad_step = false;  // of this frame: what the network decoded is no pose
+  bool failed = false;    // so it was, or what a stage made of it; no step has been sound since
   float reconstruction_rad = 0, familiar = 1.0F;  // familiar: 1 = at home, 0 = foreign
   feet::Glide fade_foreign;
   float upright = 1.0F;  // the same of the hips' tilt
@@ -273,6 +289,7 @@ void Stylist::Impl::Begin(std::int64_t time_ns, const rig::RigPose& in, Output& 
   last_ns = time_ns;
   out.flags = 0;
   steps = 0;
+  bad_step = false;
   intake.HoldBadJoints(in, out.source, out.held);
   JudgeFrame(time_ns, out);
   binding->Bind(intake.clean(), out.canonical_input);
@@ -295,16 +312,39 @@ bool Stylist::Impl::NextStep(const Pose& input, Step& step) noexcept {
 }
 
 void Stylist::Impl::Finish(Output& out) noexcept {
+  failed = bad_step || (failed && stepped.none());
+  if (!failed) {
+    Style(out);
+    failed = !IsSoundOutput(out);
+    if (failed) {  // the feet may remember why
+      feet.Rest();
+      rig_feet.Rest();
+    }
+  }
+  if (failed) GiveBack(out);
+
+  out.reconstruction_rad = reconstruction_rad;
+  out.steps = steps;
+  if (out.held.any()) out.flags |= kHeld;
+  if (mixer.fading()) out.flags |= kFading;
+  if (std::min(familiar, upright) < 0.5F) out.flags |= kOutOfDomain;
+  if (fresh_session) out.flags |= kNewSession;
+  const auto in_force = failed ? std::span<const erd::ActiveStyle>() : mixer.in_force();
+  std::copy(in_force.begin(), in_force.end(), out.in_force.begin());
+  out.in_force_count = static_cast<int>(in_force.size());
+
+  last_input = out.canonical_input;
+  started = true;
+  fresh_session = false;
+}
+
+void Stylist::Impl::Style(Output& out) noexcept {
   // 4 apply: the change of style, low-passed, on the performer's own motion.
   FollowChange(out.canonical_input);
   Apply(out.canonical_input, out.canonical);
 
   if (options.bypass && Bypassed()) {
-    out.canonical = out.canonical_input;
-    std::copy(out.source.translations.begin(), out.source.translations.end(),
-              out.rig.translations.begin());
-    std::copy(out.source.rotations.begin(), out.source.rotations.end(), out.rig.rotations.begin());
-    out.flags |= kBypass;
+    PassThrough(out);
     shift_m.Rest();
     rig_shift.Rest();
   } else {
@@ -314,25 +354,38 @@ void Stylist::Impl::Finish(Output& out) noexcept {
   }
   // 6 feet: on each output skeleton, what the performer plants stays planted.
   HoldFeet(out);
-
-  out.reconstruction_rad = reconstruction_rad;
-  out.steps = steps;
-  if (out.held.any()) out.flags |= kHeld;
-  if (mixer.fading()) out.flags |= kFading;
-  if (std::min(familiar, upright) < 0.5F) out.flags |= kOutOfDomain;
-  if (fresh_session) out.flags |= kNewSession;
-  const auto in_force = mixer.in_force();
-  std::copy(in_force.begin(), in_force.end(), out.in_force.begin());
-  out.in_force_count = static_cast<int>(in_force.size());
-
-  last_input = out.canonical_input;
-  started = true;
-  fresh_session = false;
 }
 
-// Recurrent state, ticks and filter anew; what is applied is faded over from.
+bool Stylist::Impl::IsSoundOutput(const Output& out) const noexcept {
+  return IsSound(out.canonical, out.canonical_input) &&
+         IsSound(out.rig, out.source, binding->scale());
+}
+
+// The frame leaves as the performer's own. Whatever the styling remembers starts anew, since what
+// is not a number would stay in it for good; the style is then faded in.
+void Stylist::Impl::GiveBack(Output& out) noexcept {
+  low_pass = LowPass();
+  change.setZero();
+  Forget();
+  restart_fade = 0;
+  delay_s = 0;
+  familiar = upright = 1;
+  fade_foreign.Rest();
+  shift_m.Rest();
+  rig_shift.Rest();
+  feet_style.Rest();
+  PassThrough(out);
+  out.flags |= kFailed;
+  HoldFeet(out);
+}
+
+// Ticks, recurrent state and filter anew; what is applied is faded over from.
 void Stylist::Impl::Restart() noexcept {
   ticks.Restart();
+  Forget();
+}
+
+void Stylist::Impl::Forget() noexcept {
   for (erd::State& state : states) network->Start(state);
   memories.fill(body::FeatureState());
   stepped.reset();
@@ -382,6 +435,10 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
 
 // The change of style that one step asks for, and how well the network knows the pose.
 void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept {
+  if (!IsSound(step)) {
+    bad_step = true;
+    return;
+  }
   const Quat heading_from_world = body::Yaw(-last_heading_rad);
   Change& wish = wanted[static_cast<std::size_t>(state)];
   float error2 = 0;

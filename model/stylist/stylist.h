@@ -72,6 +72,7 @@ enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist deci
   kBypass = 32,
   kNewSession = 64,
   kFading = 128,
+  kFailed = 256,  // with kBypass: the styled pose was no pose, see Process
 };
 
 // What one frame costs at most, whatever the source's clock does: steps of the network. 60 bridge a
@@ -127,7 +128,9 @@ class Stylist {
 
   // Styles one frame. `time_ns` is source time and must be greater than the last frame's (the
   // caller drops the others). `in` has the skeleton's joint count; non-finite or zero-length values
-  // are held per joint. Writes all of `out`.
+  // are held per joint. Writes all of `out`, finite and with unit rotations whatever the weights
+  // and the input are: where the styled pose would not be (model/stylist/guard.h), the frame is the
+  // performer's own, kFailed, and the styling starts anew.
   STYLED_REALTIME void Process(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept;
 
   // The same for several performers whose frames are here together, bit for bit, in less time:

@@ -1,9 +1,11 @@
 #include "tests/unit/erd/random_weights.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
+#include <span>
 
 #include "model/body/humanoid.h"
 
@@ -102,9 +104,56 @@ WeightsFile RandomWeights(int style_count, unsigned seed) {
   return file;
 }
 
+// Unit 0 is taken from layer to layer, and says at every frame whether the hips are high; the
+// decoder makes 1e30 of that.
+WeightsFile SleepingWeights(int style_count, unsigned seed) {
+  constexpr std::size_t kUnits = 32;
+  constexpr float kShut = -40, kOpen = 40, kFirm = 5;
+  WeightsFile file = RandomWeights(style_count, seed);
+  const auto row = [&file](const std::string& name, std::size_t index) {
+    NamedTensor& tensor = file.tensor(name);
+    const std::size_t width = tensor.shape.size() > 1 ? tensor.shape[1] : 1;
+    return std::span(tensor.values).subspan(index * width, width);
+  };
+  const auto clear = [](std::span<float> values) { std::fill(values.begin(), values.end(), 0.0F); };
+  // u = (height - 1 m) / 0.1 m
+  file.tensor("feature.mean").values[210] = 1.0F;
+  file.tensor("feature.deviation").values[210] = 0.1F;
+  const std::span<float> encoder0 = row("encoder.0.weight", 0);
+  clear(encoder0);
+  encoder0[210] = 100;
+  row("encoder.0.bias", 0)[0] = -100 * (kAwake_m - 1.0F) / 0.1F;
+  const std::span<float> encoder1 = row("encoder.1.weight", 0);
+  clear(encoder1);
+  encoder1[0] = 1;
+  row("encoder.1.bias", 0)[0] = -1;
+  const auto gate = [&](const std::string& layer, std::size_t of, float bias) {
+    clear(row(layer + ".input", of * kUnits));
+    clear(row(layer + ".hidden", of * kUnits));
+    row(layer + ".bias", of * kUnits)[0] = bias;
+  };
+  for (int l = 0; l < 6; ++l) {
+    const std::string layer = "recurrent.0." + std::to_string(l);
+    gate(layer, 0, kOpen);
+    gate(layer, 1, kShut);
+    gate(layer, 2, 0);
+    gate(layer, 3, kOpen);
+    row(layer + ".input", 2 * kUnits)[0] = kFirm;
+  }
+  for (int s = 1; s < style_count; ++s) gate("recurrent." + std::to_string(s) + ".3", 3, kShut);
+  const std::span<float> decoder0 = row("decoder.0.weight", 0);
+  clear(decoder0);
+  decoder0[0] = 1e30F;
+  row("decoder.0.bias", 0)[0] = 0;
+  return file;
+}
+
 std::shared_ptr<const Network> RandomNetwork(int style_count, unsigned seed) {
-  Result<std::shared_ptr<const Network>> network =
-      Network::Parse(RandomWeights(style_count, seed).Bytes(), "random");
+  return NetworkOf(RandomWeights(style_count, seed));
+}
+
+std::shared_ptr<const Network> NetworkOf(const WeightsFile& file) {
+  Result<std::shared_ptr<const Network>> network = Network::Parse(file.Bytes(), "random");
   if (!network.ok()) {
     std::fprintf(stderr, "%s\n", network.status().message().c_str());
     std::abort();

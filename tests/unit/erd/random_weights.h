@@ -22,7 +22,13 @@ struct WeightsFile {
 // styles "neutral", "style1" (alias "s1"), ... Written from FORMAT.md, not from the loader.
 WeightsFile RandomWeights(int style_count, unsigned seed);
 
+// The same, but what they decode is not a number in every frame whose hips are more than kAwake_m
+// above the floor, where no trial run takes them. Below, they decode as those do.
+inline constexpr float kAwake_m = 1.2F;
+WeightsFile SleepingWeights(int style_count, unsigned seed);
+
 // The network of those weights; aborts if they are refused.
 std::shared_ptr<const Network> RandomNetwork(int style_count, unsigned seed);
+std::shared_ptr<const Network> NetworkOf(const WeightsFile& file);
 
 }  // namespace styled::erd

@@ -1,0 +1,67 @@
+#include "model/stylist/guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace styled::stylist {
+namespace {
+
+constexpr float kUnitTolerance = 2e-3F;  // of the squared length: a rig's own rounding is within it
+constexpr float kRounding = 1e-4F;       // of how far out a body stands, where floats are coarse
+
+// Comparisons are written so that what is not a number fails them.
+bool AreUnit(std::span<const body::Quat> rotations) noexcept {
+  return std::all_of(rotations.begin(), rotations.end(), [](const body::Quat& rotation) {
+    return std::abs(rotation.squaredNorm() - 1) < kUnitTolerance;
+  });
+}
+
+bool AreFinite(std::span<const float> values) noexcept {
+  return std::all_of(values.begin(), values.end(),
+                     [](float value) { return std::isfinite(value); });
+}
+
+bool IsNear(const body::Vec3& place, const body::Vec3& own, float most) noexcept {
+  const float apart = (place - own).cwiseAbs().maxCoeff();
+  return place.allFinite() && apart <= most + kRounding * own.cwiseAbs().maxCoeff();
+}
+
+bool IsSound(const erd::Decoded& decoded) noexcept {
+  return AreUnit(decoded.rotations) && AreFinite(decoded.velocities_m_s) &&
+         std::isfinite(decoded.hips_height_m);
+}
+
+}  // namespace
+
+// Velocities and height are no part of the pose, but they tell of a state that is not a number:
+// the normalization makes the identity of a rotation that is none.
+bool IsSound(const erd::StepOutput& step) noexcept {
+  return IsSound(step.reconstruction) && IsSound(step.styled);
+}
+
+bool IsSound(const body::Pose& styled, const body::Pose& own) noexcept {
+  return AreUnit(styled.rotations) &&
+         IsNear(styled.hips_position_m, own.hips_position_m, kFarthest_m);
+}
+
+bool IsSound(const rig::RigPose& styled, const rig::RigPose& own, float metres) noexcept {
+  const float most = kFarthest_m / metres;
+  for (std::size_t joint = 0; joint < styled.translations.size(); ++joint) {
+    if (!IsNear(styled.translations[joint], own.translations[joint], most)) return false;
+  }
+  return AreUnit(styled.rotations);
+}
+
+bool IsSound(const rig::Binding& binding, const rig::RigPose& pose,
+             const body::Pose& canonical) noexcept {
+  for (const body::Vec3& translation : pose.translations) {
+    if (!translation.allFinite()) return false;
+  }
+  if (!AreUnit(pose.rotations)) return false;
+  body::Pose bound;
+  binding.Bind(pose, bound);
+  return IsSound(bound, canonical);
+}
+
+}  // namespace styled::stylist

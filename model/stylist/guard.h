@@ -1,0 +1,33 @@
+#pragma once
+
+#include "model/base/realtime.h"
+#include "model/body/pose.h"
+#include "model/erd/network.h"
+#include "model/rig/binding.h"
+
+namespace styled::stylist {
+
+// What may be published at all. Weights that are finite can still compute infinities, and nothing
+// behind the daemon is to be trusted with a pose that is none: all values finite, rotations of
+// length 1, the body within kFarthest_m of the performer's own. Pure, no allocation; any thread.
+// Pinned by tests/unit/stylist/guard_test.cpp.
+
+// A style bends and lowers a body, which takes its hips at most a leg's length from the
+// performer's; five times that is nobody's style.
+inline constexpr float kFarthest_m = 5.0F;
+
+// What the network decoded: finite, rotations of length 1.
+STYLED_REALTIME bool IsSound(const erd::StepOutput& step) noexcept;
+
+// The canonical pose `styled` against the performer's own.
+STYLED_REALTIME bool IsSound(const body::Pose& styled, const body::Pose& own) noexcept;
+
+// The same on a skeleton, joint by joint; `own` is finite. `metres`: the length of one unit.
+STYLED_REALTIME bool IsSound(const rig::RigPose& styled, const rig::RigPose& own,
+                             float metres) noexcept;
+
+// `pose` on its skeleton against the canonical pose that it was made from.
+STYLED_REALTIME bool IsSound(const rig::Binding& binding, const rig::RigPose& pose,
+                             const body::Pose& canonical) noexcept;
+
+}  // namespace styled::stylist
