@@ -7,6 +7,7 @@
 #include "daemon/pipeline/profile.h"
 #include "daemon/supervisor.h"
 #include "model/erd/shipped_weights.h"
+#include "model/trial/trial.h"
 #include "proto/rigs/native/datagram.h"
 
 namespace styled {
@@ -65,7 +66,7 @@ Result<std::shared_ptr<const pipeline::Live>> MakeLive(const config::Config& con
   if (running != nullptr && fresh_crc == crc) {
     live->network = running->network;
   } else {
-    auto network = erd::Network::Parse(bytes.value(), path.value().string());
+    auto network = trial::Parse(bytes.value(), path.value().string());
     if (!network.ok()) return network.status();
     live->network = std::move(network.value());
   }

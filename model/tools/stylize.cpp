@@ -16,6 +16,7 @@
 #include "model/rig/dialects.h"
 #include "model/stylist/avatar.h"
 #include "model/stylist/stylist.h"
+#include "model/trial/trial.h"
 
 namespace {
 
@@ -23,6 +24,7 @@ using styled::Result;
 using styled::Status;
 
 constexpr int kBadArguments = 2;
+constexpr int kSomeFailed = 3;      // written, but not all of it is styled
 constexpr double kSlowest_hz = 30;  // clips below get frames in between: the network's own rate
 
 struct Arguments {
@@ -140,7 +142,7 @@ void BindOnly(const styled::rig::Binding& binding, styled::clip::Clip& clip) {
 Result<std::shared_ptr<const styled::erd::Network>> LoadNetwork(const Arguments& arguments) {
   auto weights = styled::erd::FindWeights(arguments.weights);
   if (!weights.ok()) return weights.status();
-  return styled::erd::Network::Load(weights.value());
+  return styled::trial::Load(weights.value());
 }
 
 // Where the styled motion goes: the clip's own skeleton, or an avatar's.
@@ -151,8 +153,10 @@ class Wardrobe {
            const styled::stylist::Options& options) {
     if (avatar != nullptr) worn_.emplace(performer, avatar->binding, avatar->rest, options);
   }
-  void Process(std::int64_t time_ns, const styled::stylist::Output& out) {
-    if (worn_) worn_->Process(time_ns, out);
+  // False where the frame is the performer's own, because the styled one would be no pose.
+  bool Process(std::int64_t time_ns, const styled::stylist::Output& out) {
+    const bool styled = (out.flags & styled::stylist::kFailed) == 0;
+    return (!worn_ || worn_->Process(time_ns, out)) && styled;
   }
   const styled::rig::RigPose& Pose(const styled::stylist::Output& out) const {
     return worn_ ? worn_->pose() : out.rig;
@@ -162,8 +166,10 @@ class Wardrobe {
   std::optional<styled::stylist::Avatar> worn_;
 };
 
+// `failed`: how many frames of the clip could not be styled and are the performer's own.
 Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Binding> binding,
-               const styled::clip::AvatarSkeleton* avatar, styled::clip::Clip& clip) {
+               const styled::clip::AvatarSkeleton* avatar, styled::clip::Clip& clip,
+               std::size_t& failed) {
   auto network = LoadNetwork(arguments);
   if (!network.ok()) return network.status();
   auto settings = ParseSettings(arguments, *network.value());
@@ -184,7 +190,8 @@ Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Bi
     const bool given = i % steps == 0;
     const auto time_ns = static_cast<std::int64_t>(static_cast<double>(i) / rate_hz * 1e9);
     stylist.Process(time_ns, given ? clip.frames[i / steps] : between.frames[i], out);
-    wardrobe.Process(time_ns, out);
+    const bool styled = wardrobe.Process(time_ns, out);
+    if (given && !styled) ++failed;
     if (given) clip.frames[i / steps] = wardrobe.Pose(out);
   }
   return Status::Ok();
@@ -230,10 +237,12 @@ int Run(const Arguments& arguments) {
     avatar = std::move(read.value());
   }
   const auto* const onto = avatar ? &*avatar : nullptr;
+  const std::size_t frames = clip.value().frames.size();
+  std::size_t failed = 0;
   if (arguments.bind_only) {
     BindOnly(*binding, clip.value());
   } else {
-    const Status status = Restyle(arguments, binding, onto, clip.value());
+    const Status status = Restyle(arguments, binding, onto, clip.value(), failed);
     if (!status.ok()) return Fail(status);
   }
   const bool in_metres = avatar && avatar->metres_per_unit > 0;
@@ -244,7 +253,14 @@ int Run(const Arguments& arguments) {
     clip.value().end_sites.clear();
   }
   const Status written = Write(arguments, written_on, in_metres, clip.value());
-  return written.ok() ? 0 : Fail(written);
+  if (!written.ok()) return Fail(written);
+  if (failed == 0) return 0;
+  std::fprintf(
+      stderr,
+      "stylize: %s: %zu of %zu frames are the performer's own: expected a finite pose with "
+      "unit rotations from the network, found none\n",
+      arguments.out.c_str(), failed, frames);
+  return kSomeFailed;
 }
 
 }  // namespace

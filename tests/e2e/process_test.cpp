@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <cmath>
+
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
+#include "tests/unit/erd/random_weights.h"
 
 namespace styled::support {
 namespace {
@@ -93,6 +96,102 @@ TEST(ProcessTest, SighupWithABadConfigurationKeepsTheRunningOneAndSaysWhy) {
   list.mutable_list();
   EXPECT_EQ(control.Ask(list).list().presets_size(), 1);
   EXPECT_EQ(control.SetStyle("rig.a", "style4").code(), v1::CODE_OK);
+}
+
+// Well-formed, finite, and all that they compute is not a number.
+void WriteWildWeights(const std::string& file, const std::string& tensor) {
+  erd::WeightsFile weights = erd::RandomWeights(5, 1);
+  for (float& value : weights.tensor(tensor).values) value *= 1e30F;
+  WriteWeights(file, weights);
+}
+
+TEST(ProcessTest, WildWeightsAreRefusedAtTheStart) {
+  const TemporaryFolder folder;
+  const std::string weights = folder / "wild.safetensors";
+  for (const char* const tensor : {"head.rotation.weight", "feature.deviation"}) {
+    WriteWildWeights(weights, tensor);
+    WriteText(folder / "styled.toml", "");
+    const Outcome outcome =
+        RunStyled(folder, {"--config", folder / "styled.toml", "--weights", weights, "--set",
+                           "publish.address=tcp://127.0.0.1:0", "--set",
+                           "control.address=tcp://127.0.0.1:0"});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_NE(outcome.text.find(weights + ": the trial run"), std::string::npos) << outcome.text;
+    EXPECT_NE(outcome.text.find("expected a rotation of length 1, found nan"), std::string::npos)
+        << outcome.text;
+  }
+}
+
+TEST(ProcessTest, WildWeightsOnSighupAreRefusedAndTheRunningOnesGoOnStyling) {
+  Daemon daemon;
+  Subscriber subscriber(daemon.publish, {"body/", "styled/rig.a/rig/"});
+  ControlClient control(daemon.control);
+  const UdpLink link(daemon.udp);
+  Rig rig("a");
+  link.Send(rig.Body());
+  ASSERT_TRUE(subscriber.WaitForBody());
+  Paced(10, 120, [&](int) { link.Send(rig.Frame()); });
+  ASSERT_EQ(control.SetStyle("rig.a", "style2").code(), v1::CODE_OK);
+  WriteWildWeights(daemon.folder / "weights.safetensors", "head.rotation.weight");
+  Paced(120, 120, [&](int i) {
+    link.Send(rig.Frame());
+    if (i == 20) daemon.child->Signal(SIGHUP);
+  });
+  EXPECT_TRUE(LogSays(daemon, "reload refused"));
+  EXPECT_TRUE(LogSays(daemon, "weights.safetensors: the trial run")) << daemon.Log();
+  EXPECT_EQ(control.CounterSoon("config.reloads_refused", 1), 1U) << daemon.Log();
+  EXPECT_EQ(control.Counter("config.reloads"), 0U);
+  Paced(60, 120, [&](int) { link.Send(rig.Frame()); });
+  ASSERT_TRUE(subscriber.WaitForFrames(190, "styled/"));
+  const auto frames = subscriber.Frames("styled/");
+  for (const v1::Frame& frame : frames) {
+    EXPECT_EQ(frame.flags() & v1::FLAG_FAILED, 0U);
+    for (const float value : frame.rotations()) ASSERT_TRUE(std::isfinite(value));
+  }
+  ASSERT_EQ(frames.back().styles_size(), 1);
+  EXPECT_EQ(frames.back().styles(0).style(), "style2");
+}
+
+// Weights that a trial cannot find out: they go wild where the performer's hips are high.
+TEST(ProcessTest, WhatIsNoPoseIsNeverPublishedButFlaggedAndCounted) {
+  const TemporaryFolder folder;
+  WriteWeights(folder / "sleeping.safetensors", erd::SleepingWeights(5, 1));
+  Daemon daemon({}, "", {}, folder / "sleeping.safetensors");
+  Subscriber subscriber(daemon.publish, {"body/", "styled/", "source/"});
+  ControlClient control(daemon.control);
+  const UdpLink link(daemon.udp);
+  Rig rig("a");
+  link.Send(rig.Body());
+  ASSERT_TRUE(subscriber.WaitForBody());
+  link.Send(rig.Frame());
+  ASSERT_EQ(control.SetStyle("rig.a", "style2").code(), v1::CODE_OK);
+  Paced(180, 120, [&](int i) {
+    const bool high = i >= 60 && i < 120;
+    link.Send(rig.Frame([high](v1::SourceFrame& frame) {
+      if (high) frame.set_root_position(1, 1.3F);
+    }));
+  });
+  ASSERT_TRUE(subscriber.WaitForFrames(181, "styled/rig.a/rig/"));
+  EXPECT_EQ(control.CounterSoon("stylist.failed", 60), 60U) << daemon.Log();
+  EXPECT_TRUE(LogSays(daemon, "stylist.failed: ")) << daemon.Log();
+  int failed = 0;
+  for (const v1::Frame& frame : subscriber.Frames("")) {
+    for (int joint = 0; 4 * joint < frame.rotations_size(); ++joint) {
+      float length2 = 0;
+      for (int i = 0; i < 4; ++i) {
+        length2 += frame.rotations(4 * joint + i) * frame.rotations(4 * joint + i);
+      }
+      ASSERT_NEAR(length2, 1, 2e-3) << frame.sequence();
+    }
+    for (const float value : frame.root_position()) ASSERT_TRUE(std::isfinite(value));
+    if ((frame.flags() & v1::FLAG_FAILED) == 0) continue;
+    ++failed;
+    EXPECT_NE(frame.flags() & v1::FLAG_BYPASS, 0U);
+    EXPECT_EQ(frame.styles_size(), 0);
+  }
+  EXPECT_EQ(failed, 3 * 60) << "rig, canonical, source";
+  const auto styled = subscriber.Frames("styled/rig.a/rig/");
+  EXPECT_EQ(styled.back().flags(), v1::FLAG_NONE) << "styled again";
 }
 
 TEST(ProcessTest, APortInUseIsSaidClearly) {

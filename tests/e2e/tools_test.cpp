@@ -1,10 +1,14 @@
 // The offline programs as somebody at a shell meets them.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <filesystem>
 #include <numbers>
 
 #include "model/clip/clip.h"
 #include "tests/support/child.h"
+#include "tests/support/daemon.h"
+#include "tests/unit/erd/random_weights.h"
 
 namespace styled::support {
 namespace {
@@ -81,6 +85,50 @@ TEST_F(ToolsTest, StylizeMakesOfASlowClipWhatItMakesOfAFastOne) {
     }
   }
   EXPECT_LT(sum_rad / count * 180 / std::numbers::pi, 0.2);  // 0.65 without the curve
+}
+
+TEST_F(ToolsTest, StylizeRefusesWildWeightsAndWritesNothing) {
+  const std::string in = Walk(), out = folder_ / "out.bvh", weights = folder_ / "wild.safetensors";
+  for (const char* const tensor : {"head.rotation.weight", "feature.deviation"}) {
+    erd::WeightsFile wild = erd::RandomWeights(5, 1);
+    for (float& value : wild.tensor(tensor).values) value *= 1e30F;
+    WriteWeights(weights, wild);
+    EXPECT_EQ(Run({STYLIZE_BINARY, "--weights", weights, "--style", "style2", in, out}), 1);
+    EXPECT_NE(said_.find(weights + ": the trial run"), std::string::npos) << said_;
+    EXPECT_NE(said_.find("expected a rotation of length 1, found nan"), std::string::npos) << said_;
+    EXPECT_FALSE(std::filesystem::exists(out)) << tensor;
+  }
+}
+
+// Weights that a trial cannot find out: they go wild where the performer's hips are high.
+TEST_F(ToolsTest, StylizeSaysHowManyFramesItCouldNotStyleAndWritesNoNonsense) {
+  const std::string in = Walk(), out = folder_ / "out.bvh", weights = folder_ / "sleeping";
+  clip::Clip clip = clip::ReadBvh(in).value();
+  const float up = (erd::kAwake_m + 0.1F) / 0.98F;
+  ASSERT_GT(clip.frames.size(), 25U);
+  for (std::size_t i = 10; i < 20; ++i) clip.frames[i].translations[0].y() *= up;
+  ASSERT_TRUE(clip::WriteBvh(clip, in).ok());
+  WriteWeights(weights, erd::SleepingWeights(5, 1));
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--weights", weights, "--style", "style2", in, out}), 3);
+  EXPECT_NE(said_.find("out.bvh: 10 of " + std::to_string(clip.frames.size()) +
+                       " frames are the performer's own"),
+            std::string::npos)
+      << said_;
+  const auto styled = clip::ReadBvh(out);
+  ASSERT_TRUE(styled.ok()) << styled.status().message();
+  ASSERT_EQ(styled.value().frames.size(), clip.frames.size());
+  for (std::size_t i = 0; i < clip.frames.size(); ++i) {
+    float apart_rad = 0;
+    for (std::size_t joint = 0; joint < clip.frames[i].rotations.size(); ++joint) {
+      ASSERT_TRUE(styled.value().frames[i].translations[joint].allFinite()) << i;
+      ASSERT_NEAR(styled.value().frames[i].rotations[joint].norm(), 1, 1e-3) << i;
+      apart_rad = std::max(apart_rad, styled.value().frames[i].rotations[joint].angularDistance(
+                                          clip.frames[i].rotations[joint]));
+    }
+    const bool high = i >= 10 && i < 20;
+    EXPECT_EQ(apart_rad < 1e-3F, high || i == 20)
+        << i << ": the first one after is faded in from 0";
+  }
 }
 
 TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {

@@ -13,7 +13,11 @@
 namespace styled::support {
 
 void WriteRandomWeights(const std::string& file, int styles, unsigned seed) {
-  const auto bytes = erd::RandomWeights(styles, seed).Bytes();
+  WriteWeights(file, erd::RandomWeights(styles, seed));
+}
+
+void WriteWeights(const std::string& file, const erd::WeightsFile& weights) {
+  const auto bytes = weights.Bytes();
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()),
             static_cast<std::streamsize>(bytes.size()));

@@ -8,6 +8,10 @@
 #include "tests/support/child.h"
 #include "tests/support/clients.h"
 
+namespace styled::erd {
+struct WeightsFile;
+}
+
 namespace styled::support {
 
 // The real `styled` as a child, all ports chosen by the system, with random weights (styles
@@ -42,6 +46,7 @@ class Daemon {
 
 // Writes random weights of `styles` styles, neutral included.
 void WriteRandomWeights(const std::string& file, int styles = 5, unsigned seed = 1);
+void WriteWeights(const std::string& file, const erd::WeightsFile& weights);
 // The path of the daemon's binary.
 std::string Binary();
 

@@ -10,6 +10,7 @@
 #include "model/tools/number.h"
 #include "model/tools/strips/canvas.h"
 #include "model/train/judge/judge_stream.h"
+#include "model/trial/trial.h"
 #include "sim/performer/performer.h"
 
 namespace {
@@ -116,7 +117,7 @@ Status Run(const Arguments& arguments) {
 
   std::vector<std::pair<std::string, Poses>> rows = {{"input", poses}};
   if (!arguments.styles.empty()) {
-    auto network = styled::erd::Network::Load(arguments.weights);
+    auto network = styled::trial::Load(arguments.weights);
     if (!network.ok()) return network.status();
     const auto binding =
         std::make_shared<const styled::rig::Binding>(styled::feet::HumanoidBinding());

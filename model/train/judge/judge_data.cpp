@@ -7,6 +7,7 @@
 
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
+#include "model/trial/trial.h"
 
 namespace styled::judge {
 namespace {
@@ -138,7 +139,7 @@ Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
 }
 
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest) {
-  auto network = erd::Network::Load(weights);
+  auto network = trial::Load(weights);
   if (!network.ok()) return network.status();
   Styler styler{
       network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()), {}, 0};

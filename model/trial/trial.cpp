@@ -1,0 +1,201 @@
+#include "model/trial/trial.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "sim/performer/performer.h"
+
+namespace styled::trial {
+namespace {
+
+using body::kJointCount;
+using performer::Motion;
+
+constexpr float kUnitTolerance = 1e-3F;  // of a rotation's length
+constexpr double kLongestStep_s = 0.1;   // a network of a lower rate is stepped this often
+
+// One style on the performer, or the performer taken to move in it.
+struct Run {
+  int style = 0;
+  bool own = false;
+  erd::State state;
+  std::array<erd::ActiveStyle, 1> active;
+  erd::StepOutput out;
+};
+
+std::vector<Run> MakeRuns(const erd::Network& network) {
+  std::vector<Run> runs;
+  runs.reserve(static_cast<std::size_t>(2 * network.style_count()));
+  for (int style = 0; style < network.style_count(); ++style) {
+    for (const bool own : {false, true}) {
+      if (own && style == 0) continue;
+      Run& run = runs.emplace_back();
+      run.style = style;
+      run.own = own;
+      network.Start(run.state);
+      if (!own) run.active[0] = {style, erd::kMaxStrength};
+    }
+  }
+  return runs;
+}
+
+struct Angles {
+  float rms_rad = 0, largest_rad = 0;
+  int joint = 0;  // the one that differs most
+};
+
+Angles Between(const std::array<body::Quat, kJointCount>& a,
+               const std::array<body::Quat, kJointCount>& b) {
+  Angles angles;
+  float sum = 0;
+  for (int joint = 0; joint < kJointCount; ++joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    const float angle = body::Log(a[j].conjugate() * b[j]).norm();
+    sum += angle * angle;
+    if (angle <= angles.largest_rad) continue;
+    angles.largest_rad = angle;
+    angles.joint = joint;
+  }
+  angles.rms_rad = std::sqrt(sum / static_cast<float>(kJointCount));
+  return angles;
+}
+
+struct Fault {
+  int joint;
+  std::string what;  // is wrong: expected and found
+};
+
+template <typename... Values>
+std::string Text(const char* format, Values... values) {
+  char text[200];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+double Shown(float value) {  // a NaN's sign says nothing
+  return std::isnan(value) ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(value);
+}
+
+// `what`: "the reconstruction", "the styled pose".
+std::optional<Fault> Judge(const erd::Decoded& decoded, const char* what, Figures& figures) {
+  for (int joint = 0; joint < kJointCount; ++joint) {
+    const body::Quat& q = decoded.rotations[static_cast<std::size_t>(joint)];
+    if (std::abs(q.norm() - 1) < kUnitTolerance) continue;  // false for what is not a number
+    return Fault{joint, Text("%s: expected a rotation of length 1, found %g, %g, %g, %g", what,
+                             Shown(q.x()), Shown(q.y()), Shown(q.z()), Shown(q.w()))};
+  }
+  for (int i = 0; i < body::kVelocityFeatures; ++i) {
+    const float speed = std::abs(decoded.velocities_m_s[static_cast<std::size_t>(i)]);
+    if (speed <= kMost.velocity_m_s) {
+      figures.velocity_m_s = std::max(figures.velocity_m_s, speed);
+      continue;
+    }
+    return Fault{i / 3, Text("%s: expected a velocity of at most %g m/s, found %g", what,
+                             Shown(kMost.velocity_m_s), Shown(speed))};
+  }
+  const float height = std::abs(decoded.hips_height_m);
+  if (!(height <= kMost.height_m)) {
+    return Fault{body::kHips, Text("%s: expected a height of at most %g m, found %g", what,
+                                   Shown(kMost.height_m), Shown(height))};
+  }
+  figures.height_m = std::max(figures.height_m, height);
+  return std::nullopt;
+}
+
+std::optional<Fault> Judge(const Angles& found, float most_rad, const char* what, float& figure) {
+  if (found.rms_rad <= most_rad) {
+    figure = std::max(figure, found.rms_rad);
+    return std::nullopt;
+  }
+  return Fault{found.joint,
+               Text("%s: expected at most %g rad over all joints (rms), found %g; here %g", what,
+                    Shown(most_rad), Shown(found.rms_rad), Shown(found.largest_rad))};
+}
+
+// The pose as the features have it: the heading taken out of the hips.
+std::optional<Fault> Judge(const body::Pose& pose, float heading_rad, const erd::StepOutput& out,
+                           Figures& figures) {
+  if (auto fault = Judge(out.reconstruction, "the reconstruction", figures)) return fault;
+  if (auto fault = Judge(out.styled, "the styled pose", figures)) return fault;
+  std::array<body::Quat, kJointCount> given = pose.rotations;
+  given[body::kHips] = body::Yaw(-heading_rad) * given[body::kHips];
+  if (auto fault =
+          Judge(Between(given, out.reconstruction.rotations), kMost.reconstruction_rad,
+                "the reconstruction's distance from the pose", figures.reconstruction_rad)) {
+    return fault;
+  }
+  return Judge(Between(out.reconstruction.rotations, out.styled.rotations), kMost.change_rad,
+               "the change by the style", figures.change_rad);
+}
+
+performer::Performer MakePerformer() {
+  performer::Options options;
+  options.script = {{Motion::kWalk, 1.0},
+                    {Motion::kRun, 0.7},
+                    {Motion::kTurnLeft, 0.5},
+                    {Motion::kStand, 0.3},
+                    {Motion::kRaiseBoth, 1.0}};
+  return performer::Performer(std::move(options));
+}
+
+}  // namespace
+
+Status Try(const erd::Network& network, const std::string& name, Figures* figures) {
+  const body::FeatureParameters& parameters = network.metadata().features;
+  const double step_s = std::min(1.0 / static_cast<double>(parameters.rate_hz), kLongestStep_s);
+  const int frames = static_cast<int>(kTrial_s / step_s);
+  performer::Performer performer = MakePerformer();
+  body::FeatureState memory;
+  body::Features features;
+  body::Pose pose;
+  std::vector<Run> runs = MakeRuns(network);
+  std::vector<erd::StepJob> jobs;
+  for (Run& run : runs) {
+    const std::span<const erd::ActiveStyle> active(run.active);
+    jobs.push_back({&features, run.own ? run.style : 0, run.own ? active.first(0) : active,
+                    &run.state, &run.out});
+  }
+  Figures worst;
+  for (int frame = 0; frame < frames; ++frame) {
+    performer.Pose(frame * step_s, pose);
+    const float heading_rad = body::ComputeFeatures(pose, parameters, memory, features);
+    network.StepTogether(jobs);
+    for (const Run& run : runs) {
+      const auto fault = Judge(pose, heading_rad, run.out, worst);
+      if (!fault) continue;
+      return Status::Error(
+          name + ": the trial run on the built-in performer failed: style '" +
+          network.metadata().styles[static_cast<std::size_t>(run.style)].name + "'" +
+          (run.own ? " as the performer's own" : "") + ", frame " + std::to_string(frame) + " of " +
+          std::to_string(frames) + ", joint " +
+          std::string(body::kHumanoid[static_cast<std::size_t>(fault->joint)].name) + ": " +
+          fault->what);
+    }
+  }
+  if (figures != nullptr) *figures = worst;
+  return Status::Ok();
+}
+
+Result<std::shared_ptr<const erd::Network>> Load(const std::filesystem::path& file) {
+  auto network = erd::Network::Load(file);
+  if (!network.ok()) return network;
+  const Status status = Try(*network.value(), file.string());
+  if (!status.ok()) return status;
+  return network;
+}
+
+Result<std::shared_ptr<const erd::Network>> Parse(std::span<const std::byte> bytes,
+                                                  const std::string& name) {
+  auto network = erd::Network::Parse(bytes, name);
+  if (!network.ok()) return network;
+  const Status status = Try(*network.value(), name);
+  if (!status.ok()) return status;
+  return network;
+}
+
+}  // namespace styled::trial

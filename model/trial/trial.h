@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "model/base/status.h"
+#include "model/erd/network.h"
+
+namespace styled::trial {
+
+// Weights may be well-formed and finite and yet compute what is no pose: one tensor too large, and
+// every frame is not a number. So a network is tried before it is used: the built-in performer
+// walks, runs, turns and raises both hands for kTrial_s at the network's own rate; every style is
+// put on them at kMaxStrength, the most that anybody can ask for, and every style is taken for the
+// performer's own. Allocates, takes milliseconds: start-up and reload only. Pinned by
+// tests/unit/trial/trial_test.cpp.
+inline constexpr double kTrial_s = 3.5;
+
+// What a trial measured, the worst of all styles and frames.
+struct Figures {
+  float reconstruction_rad = 0;  // rms over joints between the pose and its reconstruction
+  float change_rad = 0;          // rms over joints between reconstruction and styled pose
+  float velocity_m_s = 0;        // of one joint along one axis
+  float height_m = 0;            // of the hips, either sign
+};
+
+// Bounds of a network that can be used at all, whatever its quality. What picked them:
+// model/weights/README.md, "The trial run".
+inline constexpr Figures kMost{1.8F, 1.8F, 1000.0F, 100.0F};
+
+// Tries `network`. The error names `name` (its file), style, frame, joint, what was expected and
+// what was found. `figures`, if given, is written on success.
+Status Try(const erd::Network& network, const std::string& name, Figures* figures = nullptr);
+
+// erd::Network::Load and Parse, and the trial behind them: what every program uses that runs a
+// network somebody gave it.
+Result<std::shared_ptr<const erd::Network>> Load(const std::filesystem::path& file);
+Result<std::shared_ptr<const erd::Network>> Parse(std::span<const std::byte> bytes,
+                                                  const std::string& name);
+
+}  // namespace styled::trial

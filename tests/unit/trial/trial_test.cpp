@@ -1,0 +1,149 @@
+#include "model/trial/trial.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "model/feet/legs.h"
+#include "model/stylist/stylist.h"
+#include "sim/performer/performer.h"
+#include "tests/unit/erd/random_weights.h"
+
+namespace styled::trial {
+namespace {
+
+using erd::RandomWeights;
+using erd::WeightsFile;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr int kStyles = 5;
+
+WeightsFile Scaled(const std::string& tensor, float by) {
+  WeightsFile file = RandomWeights(kStyles, 1);
+  for (float& value : file.tensor(tensor).values) value *= by;
+  return file;
+}
+
+std::string Refusal(const WeightsFile& file) {
+  return Parse(file.Bytes(), "wild.safetensors").status().message();
+}
+
+// With room to spare: bounds are there for what is broken, not for what is poor.
+void ExpectWellWithin(const Figures& figures) {
+  EXPECT_LT(figures.reconstruction_rad, 0.75F * kMost.reconstruction_rad);
+  EXPECT_LT(figures.change_rad, 0.75F * kMost.change_rad);
+  EXPECT_LT(figures.velocity_m_s, 0.1F * kMost.velocity_m_s);
+  EXPECT_LT(figures.height_m, 0.1F * kMost.height_m);
+}
+
+TEST(TrialTest, ShippedWeightsPassWithRoomToSpare) {
+  for (const std::string name : {"v0", "v1"}) {
+    const auto network =
+        erd::Network::Load(std::string(STYLED_SHIPPED "/") + name + ".safetensors");
+    ASSERT_TRUE(network.ok()) << network.status().message();
+    Figures figures;
+    const Status status = Try(*network.value(), name, &figures);
+    ASSERT_TRUE(status.ok()) << status.message();
+    ExpectWellWithin(figures);
+    std::printf("%s: reconstruction %.2f rad, change %.2f rad, %.1f m/s, %.2f m\n", name.c_str(),
+                figures.reconstruction_rad, figures.change_rad, figures.velocity_m_s,
+                figures.height_m);
+  }
+}
+
+TEST(TrialTest, RandomWeightsPassWithRoomToSpare) {
+  Figures worst;
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    const auto network = erd::RandomNetwork(2 + static_cast<int>(seed) % 15, seed);
+    Figures figures;
+    const Status status = Try(*network, "random", &figures);
+    ASSERT_TRUE(status.ok()) << seed << ": " << status.message();
+    ExpectWellWithin(figures);
+    worst.reconstruction_rad = std::max(worst.reconstruction_rad, figures.reconstruction_rad);
+    worst.change_rad = std::max(worst.change_rad, figures.change_rad);
+    worst.velocity_m_s = std::max(worst.velocity_m_s, figures.velocity_m_s);
+    worst.height_m = std::max(worst.height_m, figures.height_m);
+  }
+  std::printf("random: reconstruction %.2f rad, change %.2f rad, %.1f m/s, %.2f m\n",
+              worst.reconstruction_rad, worst.change_rad, worst.velocity_m_s, worst.height_m);
+}
+
+TEST(TrialTest, FiniteButWildWeightsAreRefusedByName) {
+  const auto refused = AllOf(StartsWith("wild.safetensors: the trial run"), HasSubstr("style '"),
+                             HasSubstr("frame 0 of "), HasSubstr("joint hips: "),
+                             HasSubstr("expected a rotation of length 1, found nan"));
+  EXPECT_THAT(Refusal(Scaled("head.rotation.weight", 1e30F)), refused);
+  EXPECT_THAT(Refusal(Scaled("feature.deviation", 1e30F)), refused);
+  EXPECT_THAT(Refusal(Scaled("feature.mean", 1e30F)), refused);
+  EXPECT_THAT(Refusal(Scaled("decoder.1.weight", 1e30F)), refused);
+}
+
+TEST(TrialTest, AStyleThatIsWildAloneIsNamed) {
+  WeightsFile file = RandomWeights(kStyles, 1);
+  erd::NamedTensor& decoder = file.tensor("decoder.0.weight");
+  const auto width = static_cast<std::size_t>(decoder.shape[1]);
+  for (std::size_t i = 0; i < decoder.values.size(); ++i) {
+    if (i % width == width - kStyles + 3) decoder.values[i] *= 1e30F;  // the column of style 3
+  }
+  EXPECT_THAT(Refusal(file), AllOf(HasSubstr("style 'style3', frame 0 of"),
+                                   HasSubstr("the styled pose: expected a rotation of length 1")));
+}
+
+TEST(TrialTest, AbsurdButFiniteOutputIsRefusedWithTheBound) {
+  EXPECT_THAT(Refusal(Scaled("head.velocity.bias", 1e8F)),
+              HasSubstr("expected a velocity of at most 1000 m/s, found "));
+  EXPECT_THAT(Refusal(Scaled("head.height.bias", 1e8F)),
+              HasSubstr("expected a height of at most 100 m, found "));
+  // Every joint turned over.
+  WeightsFile file = RandomWeights(kStyles, 1);
+  for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+    file.tensor("head.rotation.bias").values[4 * joint] = 1e6F;
+  }
+  EXPECT_THAT(Refusal(file), HasSubstr("the reconstruction's distance from the pose: expected at "
+                                       "most 1.8 rad over all joints (rms), found 3."));
+}
+
+// Every tensor of the file, made huge, tiny and zero, on a motion that is not the trial's.
+TEST(TrialTest, WhateverPassesGivesASoundPoseInEveryFrame) {
+  const auto binding = std::make_shared<const rig::Binding>(feet::HumanoidBinding());
+  performer::Performer performer({.seed = 9, .script = {{performer::Motion::kRun, 1}}});
+  std::vector<rig::RigPose> motion(90, rig::RigPose(binding->skeleton()));
+  for (std::size_t frame = 0; frame < motion.size(); ++frame) {
+    body::Pose pose;
+    performer.Pose(static_cast<double>(frame) / 60, pose);
+    motion[frame].translations[0] = pose.hips_position_m;
+    std::copy(pose.rotations.begin(), pose.rotations.end(), motion[frame].rotations.begin());
+  }
+  int passed = 0, refused = 0;
+  for (const erd::NamedTensor& tensor : RandomWeights(3, 1).tensors) {
+    for (const float by : {1e30F, 1e15F, 1e-30F, 0.0F}) {
+      WeightsFile file = RandomWeights(3, 1);
+      for (float& value : file.tensor(tensor.name).values) value *= by;
+      const auto network = Parse(file.Bytes(), tensor.name);
+      ++(network.ok() ? passed : refused);
+      if (!network.ok()) continue;
+      stylist::Stylist stylist(network.value(), binding, {});
+      stylist::Settings settings;
+      settings.mix[0] = {2, 1.0F};
+      stylist.Set(settings);
+      stylist::Output out(binding->skeleton());
+      for (std::size_t frame = 0; frame < motion.size(); ++frame) {
+        stylist.Process(static_cast<std::int64_t>(frame) * 16'666'667, motion[frame], out);
+        ASSERT_EQ(out.flags & stylist::kFailed, 0U) << tensor.name << " x " << by;
+      }
+    }
+  }
+  EXPECT_GT(passed, 0);
+  EXPECT_GT(refused, 0);
+}
+
+TEST(TrialTest, AFileIsTriedAsItIsLoaded) {
+  EXPECT_THAT(Load("no/such/weights").status().message(), HasSubstr("no/such/weights"));
+  EXPECT_TRUE(Load(STYLED_SHIPPED "/v1.safetensors").ok());
+}
+
+}  // namespace
+}  // namespace styled::trial
