@@ -110,7 +110,8 @@ TEST(ProcessTest, WildWeightsAreRefusedAtTheStart) {
   const std::string weights = folder / "wild.safetensors";
   for (const char* const tensor : {"head.rotation.weight", "feature.deviation"}) {
     WriteWildWeights(weights, tensor);
-    WriteText(folder / "styled.toml", "");
+    WriteText(folder / "styled.toml",
+              "[[source]]\nname = \"rig\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n");
     const Outcome outcome =
         RunStyled(folder, {"--config", folder / "styled.toml", "--weights", weights, "--set",
                            "publish.address=tcp://127.0.0.1:0", "--set",
