@@ -7,6 +7,7 @@
 
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
+#include "tests/unit/erd/random_weights.h"
 
 namespace styled::support {
 namespace {
@@ -27,15 +28,17 @@ Report ReadReport(const std::string& file) {
 }
 
 // A second of all that frames can meet: styles that change, joints that break, frames lost,
-// doubled, late and damaged, timecode that comes and goes, several performers, all topics
-// subscribed, all of it recorded.
+// doubled, late and damaged, timecode that comes and goes, weights that make no pose of some of
+// them, several performers, all topics subscribed, all of it recorded.
 Report Play(const std::string& provoke) {
   TemporaryFolder folder;
   const std::string file = folder / "report.txt";
   std::map<std::string, std::string> environment{{"LD_PRELOAD", STYLED_HOOK},
                                                  {"STYLED_HOOK_REPORT", file}};
   if (!provoke.empty()) environment["STYLED_HOOK_PROVOKE"] = provoke;
-  Daemon daemon({"record.file=" + folder / "take.styrec"}, "", environment);
+  WriteWeights(folder / "sleeping.safetensors", erd::SleepingWeights(5, 1));
+  Daemon daemon({"record.file=" + folder / "take.styrec"}, "", environment,
+                folder / "sleeping.safetensors");
   Subscriber subscriber(daemon.publish, {""});
   ControlClient control(daemon.control);
   const UdpLink link(daemon.udp);
@@ -54,6 +57,7 @@ Report Play(const std::string& provoke) {
         if (i % 3 == 0) frame.mutable_timecode()->set_frames(7);
         if (i % 17 == 5) frame.set_rotations(12, std::numeric_limits<float>::quiet_NaN());
         if (i % 71 == 70) frame.add_rotations(1);
+        if (i % 20 == 19) frame.set_root_position(1, erd::kAwake_m + 0.1F);
       });
       if (i % 23 == 7) continue;
       if (i % 29 == 3) bytes[60] ^= std::byte{1};
@@ -63,6 +67,7 @@ Report Play(const std::string& provoke) {
   });
   Sleep(0.3);
   EXPECT_GT(control.Counter("record.written"), 100U);
+  EXPECT_GE(control.Counter("stylist.failed"), 4U);
   EXPECT_EQ(daemon.Stop(), 0) << daemon.Log();
   return ReadReport(file);
 }
