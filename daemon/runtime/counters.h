@@ -27,13 +27,17 @@ enum class Counter : std::uint8_t {
   kSourceBadKind,
   kSourceNoSession,
   kSourceMalformed,      // not the message that the header says, or not the rig's protocol
-  kSourceIncomplete,     // frames of a rig of which a part is missing
+  kSourceIncomplete,     // frames, or samples in several datagrams, of which a part is missing
   kSourceIgnored,        // messages of a rig that say nothing of a pose
   kSourceBadName,        // performer's name is not [A-Za-z0-9_-]{1,32}
   kSourceKernelDropped,  // the socket's buffer was full
   kSourceRateLimited,    // one sender's, beyond sender_limit_hz; not in kSourceReceived
+  kSourceTakeovers,      // refused: greetings for a live tracker, from another address
+  kSourceTableFull,      // greetings of trackers for which there is no room
   kSourceTcpAccepted,
-  kSourceTcpRefused,   // more connections than max_connections
+  kSourceTcpRefused,   // more connections than max_connections, all of them sending
+  kSourceTcpGaveWay,   // silent ones, closed for a new one where all were taken
+  kSourceTcpSilent,    // closed because no whole record came in time
   kSourceTcpBroken,    // stream out of step: closed; the reason is counted beside
   kSourceTcpCutShort,  // closed by the sender within a record
   kUsbOpened,          // devices, again after each replug

@@ -18,5 +18,7 @@ Result<Descriptor> BindSocket(int type, const std::string& address, int receive_
 
 // "127.0.0.1:43211" of a bound socket.
 std::string BoundAddress(int fd);
+// The same of an address that a socket gave; "an unknown address" where it is none.
+std::string AddressText(const sockaddr_storage& address, socklen_t size);
 
 }  // namespace styled::source

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/source/cut_reader.h"
+#include "daemon/source/note_limit.h"
 #include "daemon/source/sockets.h"
 #include "proto/rigs/native/stream_reader.h"
 
@@ -18,6 +19,14 @@ namespace {
 
 using native::StreamReader;
 using runtime::Counter;
+using runtime::kSecond_ns;
+
+// Within this a new connection brings a whole record, however it drips: senders repeat skeleton or
+// name once a second, so five were missed.
+constexpr std::int64_t kFirstRecord_ns = 5 * kSecond_ns;
+// One that brought no record for so long gives its place to a new one where there is no other. Of a
+// rig that still sends at 1 Hz, four may come late.
+constexpr std::int64_t kSilent_ns = 5 * kSecond_ns;
 
 // Reader: StreamReader for our own records, CutReader for a rig's.
 template <typename Reader>
@@ -44,9 +53,18 @@ class Tcp final : public Transport {
     int work = 0;
     for (int i = 0; i < ready; ++i) {
       auto* connection = static_cast<Connection*>(events[static_cast<std::size_t>(i)].data.ptr);
-      work += connection == nullptr ? Accept() : Receive(*connection, receiver);
+      work += connection == nullptr ? Accept(receiver) : Receive(*connection, receiver);
     }
+    // Where more is waiting, a first record may be in it.
+    if (ready < static_cast<int>(kBatch)) work += CloseSilent(receiver);
+    closed_.clear();
     return work;
+  }
+
+  std::int64_t NextDeadline_ns() const override {
+    const auto oldest = OldestWithoutRecord();
+    return oldest == connections_.end() ? Transport::NextDeadline_ns()
+                                        : (*oldest)->accepted_ns + kFirstRecord_ns;
   }
 
   int fd() const override { return epoll_.get(); }
@@ -55,17 +73,27 @@ class Tcp final : public Transport {
 
  private:
   struct Connection {
-    Connection(Descriptor connected, std::uint64_t number)
-        : socket(std::move(connected)), buffer(2 * native::kMaxDatagramSize), reader(buffer) {
+    Connection(Descriptor connected, std::uint64_t number, std::int64_t now_ns)
+        : socket(std::move(connected)),
+          buffer(2 * native::kMaxDatagramSize),
+          reader(buffer),
+          accepted_ns(now_ns),
+          record_ns(now_ns) {
       peer.id = number;
     }
+    std::string Who() const { return AddressText(address, address_size); }
     Descriptor socket;
     std::vector<std::byte> buffer;
     Reader reader;
     Peer peer;
     sockaddr_storage address{};  // who sends; not to be answered, hence not in `peer`
     socklen_t address_size = 0;
+    std::int64_t accepted_ns,
+        record_ns;  // record_ns: of the last one; before the first, accepted_ns
+    bool any_record = false;
   };
+  using Owned = std::unique_ptr<Connection>;
+  using Connections = std::vector<Owned>;
 
   bool Watch(int fd, Connection* connection) {
     epoll_event event{};
@@ -74,31 +102,86 @@ class Tcp final : public Transport {
     return epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event) == 0;
   }
 
-  int Accept() {
+  int Accept(Receiver& receiver) {
     sockaddr_storage address{};
     socklen_t address_size = sizeof address;
     Descriptor socket(accept4(listener_.get(), reinterpret_cast<sockaddr*>(&address), &address_size,
                               SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (socket.get() < 0) return 0;
-    if (connections_.size() >= max_connections_) {
-      counters_.Add(Counter::kSourceTcpRefused);
+    const std::int64_t now_ns = clock_.Now_ns();
+    if (connections_.size() >= max_connections_ && !MakeRoom(now_ns, receiver)) {
+      Refuse(AddressText(address, address_size), now_ns, receiver);
       return 1;
     }
     const int one = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
     setsockopt(socket.get(), SOL_SOCKET, SO_KEEPALIVE, &one, sizeof one);
-    auto connection = std::make_unique<Connection>(std::move(socket), ++accepted_);
+    auto connection = std::make_unique<Connection>(std::move(socket), ++accepted_, now_ns);
     connection->address = address;
     connection->address_size = address_size;
     if (Watch(connection->socket.get(), connection.get())) {
       connections_.push_back(std::move(connection));
-      counters_.Add(Counter::kSourceTcpAccepted);
+      counters_.AddOf(source_, Counter::kSourceTcpAccepted);
     }
     return 1;
   }
 
+  // They are in the order in which they came.
+  Connections::const_iterator OldestWithoutRecord() const {
+    return std::ranges::find(connections_, false,
+                             [](const Owned& connection) { return connection->any_record; });
+  }
+
+  // Who never sent a record goes first, then who was silent for longest; who sends stays.
+  bool MakeRoom(std::int64_t now_ns, Receiver& receiver) {
+    auto place = OldestWithoutRecord();
+    if (place == connections_.end()) {
+      place = std::ranges::min_element(
+          connections_, {}, [](const Owned& connection) { return connection->record_ns; });
+      if (now_ns - (*place)->record_ns <= kSilent_ns) return false;
+    }
+    Connection& connection = **place;
+    counters_.AddOf(source_, Counter::kSourceTcpGaveWay);
+    if (const auto times = gave_way_notes_.Take(now_ns)) {
+      receiver.OnNote(source_, "all " + std::to_string(max_connections_) +
+                                   " connections (max_connections) are taken: that of " +
+                                   connection.Who() + ", which " +
+                                   (connection.any_record ? "fell silent" : "never sent a record") +
+                                   ", is closed for a new one" + Times(times));
+    }
+    Close(connection);
+    return true;
+  }
+
+  void Refuse(const std::string& who, std::int64_t now_ns, Receiver& receiver) {
+    counters_.AddOf(source_, Counter::kSourceTcpRefused);
+    if (const auto times = refused_notes_.Take(now_ns)) {
+      receiver.OnNote(source_, "all " + std::to_string(max_connections_) +
+                                   " connections (max_connections) are sending: that of " + who +
+                                   " is refused" + Times(times));
+    }
+  }
+
+  int CloseSilent(Receiver& receiver) {
+    const std::int64_t now_ns = clock_.Now_ns();
+    int closed = 0;
+    for (; now_ns >= NextDeadline_ns(); ++closed) {
+      Connection& connection = **OldestWithoutRecord();
+      counters_.AddOf(source_, Counter::kSourceTcpSilent);
+      if (const auto times = silent_notes_.Take(now_ns)) {
+        receiver.OnNote(source_, "the connection of " + connection.Who() +
+                                     " is closed: no whole record came in " +
+                                     std::to_string(kFirstRecord_ns / kSecond_ns) + " s" +
+                                     Times(times));
+      }
+      Close(connection);
+    }
+    return closed;
+  }
+
   // One read, and all the records that it completes.
   int Receive(Connection& connection, Receiver& receiver) {
+    if (connection.socket.get() < 0) return 0;  // closed since this batch of events was asked for
     const auto space = connection.reader.Space();
     const auto size = recv(connection.socket.get(), space.data(), space.size(), 0);
     if (size <= 0) {
@@ -120,7 +203,11 @@ class Tcp final : public Transport {
         ++count;
       }
       received_ += count + (result == Reader::Result::kBroken ? 1 : 0);
-      if (count > 0) HandOn(connection, {records_.data(), count}, receiver);
+      if (count > 0) {
+        connection.any_record = true;
+        connection.record_ns = clock_.Now_ns();
+        HandOn(connection, {records_.data(), count}, receiver);
+      }
       work += static_cast<int>(count);
       if (result == Reader::Result::kNeedMore) return work;
       if (result == Reader::Result::kBroken) {
@@ -157,8 +244,13 @@ class Tcp final : public Transport {
   }
   static Counter WhyBroken(const CutReader&) { return Counter::kSourceMalformed; }
 
+  // The batch of events may still name it: it is kept until that has been gone through.
   void Close(Connection& connection) {
-    std::erase_if(connections_, [&](const auto& owned) { return owned.get() == &connection; });
+    connection.socket = Descriptor();
+    const auto place = std::ranges::find_if(
+        connections_, [&connection](const Owned& owned) { return owned.get() == &connection; });
+    closed_.push_back(std::move(*place));
+    connections_.erase(place);
   }
 
   Descriptor listener_, epoll_;
@@ -170,7 +262,8 @@ class Tcp final : public Transport {
   Outbox outbox_;
   std::string endpoint_;
   std::uint64_t accepted_ = 0, received_ = 0;
-  std::vector<std::unique_ptr<Connection>> connections_;
+  Connections connections_, closed_;
+  NoteLimit gave_way_notes_, refused_notes_, silent_notes_;
   std::array<std::span<const std::byte>, kBatch> records_;
   std::array<Machine, kBatch> machines_{};
 };
