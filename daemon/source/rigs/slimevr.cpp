@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <random>
 
 #include "daemon/runtime/clock.h"
+#include "daemon/source/note_limit.h"
 #include "daemon/source/rigs/tracker_rig.h"
+#include "daemon/source/sockets.h"
 #include "proto/rigs/slimevr/udp.h"
 
 namespace styled::source {
@@ -13,9 +16,14 @@ namespace {
 
 using runtime::Counter;
 
+// Those that the configuration names are among them, each in a place kept for it.
 constexpr std::size_t kMaxDevices = 64;
 constexpr std::int64_t kHeartbeat_ns = runtime::kSecond_ns / 2;
 constexpr std::int64_t kSilent_ns = 5 * runtime::kSecond_ns;
+// A tracker is live, and only where it is, until it was silent for so long. It answers a heartbeat
+// and a ping every kHeartbeat_ns, so four of each were lost, which Wi-Fi's bursts are not; and one
+// that comes from elsewhere began to seek us after 3 s without us, or was switched off.
+constexpr std::int64_t kTakeover_ns = 2 * runtime::kSecond_ns;
 // From this protocol on every sensor is announced before it counts; older firmware has one.
 constexpr std::uint32_t kAnnouncesSensors = 9;
 
@@ -23,10 +31,20 @@ constexpr std::uint32_t kAnnouncesSensors = 9;
 struct Device {
   static constexpr int kUnannounced = -2;
 
-  Peer peer;
+  Device() {
+    peer.id = 0;
+    parts.fill(kUnannounced);
+  }
+
+  Peer peer;  // id 0: nowhere
   std::uint64_t address = 0;
+  bool configured = false;
   std::int64_t heard_ns = 0;
-  std::uint64_t number = 0;  // of the last datagram
+  std::int64_t since_ns = 0;  // at `peer`
+  std::uint32_t ping = 0;     // sent there last
+  bool answers = false;       // sent one back, so it is there
+  std::uint64_t number = 0;   // of the last datagram
+  std::int64_t number_ns = 0;
   std::uint64_t number_before_greeting = 0;
   bool complained = false;
   std::array<std::int8_t, 256> parts{};  // by sensor: a joint, kUnassigned or kUnannounced
@@ -45,7 +63,15 @@ std::uint64_t AddressOf(const slimevr::Handshake& handshake, const Peer& peer) {
 
 class SlimeVr final : public Translator {
  public:
-  explicit SlimeVr(const config::Source& config) : rig_(config) { devices_.reserve(kMaxDevices); }
+  explicit SlimeVr(const config::Source& config) : rig_(config), random_(std::random_device()()) {
+    devices_.reserve(kMaxDevices);
+    for (const std::uint64_t address : rig_.ConfiguredDevices()) {
+      Device& device = devices_.emplace_back();
+      device.address = address;
+      device.configured = true;
+    }
+    has_table_ = !devices_.empty();
+  }
 
   void Take(std::span<const std::byte> bytes, const Peer& peer, std::int64_t now_ns,
             Outbox& out) override {
@@ -57,11 +83,10 @@ class SlimeVr final : public Translator {
       const auto* handshake = std::get_if<slimevr::Handshake>(&packet);
       if (handshake != nullptr) return Greet(*handshake, peer, now_ns, out);
     }
-    const auto device =
-        std::ranges::find(devices_, peer.id, [](const Device& d) { return d.peer.id; });
+    Device* device = At(peer);
     // Of a tracker that knew a daemon before us: it gives up after 3 s and greets us.
-    if (device == devices_.end()) return out.Refuse(Counter::kSourceIgnored);
-    if (!IsNext(*device, out)) return;
+    if (device == nullptr) return out.Refuse(Counter::kSourceIgnored);
+    if (!IsNext(*device, now_ns, out)) return;
     device->heard_ns = now_ns;
     if (datagram_.unknown > 0) out.Refuse(Counter::kSourceIgnored);
     for (const slimevr::Packet& packet : packets) TakePacket(packet, *device, now_ns, out);
@@ -71,12 +96,12 @@ class SlimeVr final : public Translator {
     rig_.Tick(now_ns, out);
     if (now_ns < next_heartbeat_ns_) return;
     next_heartbeat_ns_ = kNever;
-    ++ping_;
-    for (const Device& device : devices_) {
-      if (now_ns - device.heard_ns > kSilent_ns) continue;
+    for (Device& device : devices_) {
+      if (device.peer.id == 0 || now_ns - device.heard_ns > kSilent_ns) continue;
       next_heartbeat_ns_ = now_ns + kHeartbeat_ns;
       Answer(slimevr::Heartbeat{}, device.peer, out);
-      Answer(slimevr::Ping{ping_}, device.peer, out);
+      device.ping = static_cast<std::uint32_t>(random_()) | 1U;
+      Answer(slimevr::Ping{device.ping}, device.peer, out);
     }
   }
 
@@ -95,68 +120,121 @@ class SlimeVr final : public Translator {
     out.Reply(peer, std::span(bytes).first(slimevr::EncodeAnswer(answer, bytes)));
   }
 
+  Device* At(const Peer& peer) {
+    const auto found =
+        std::ranges::find(devices_, peer.id, [](const Device& d) { return d.peer.id; });
+    return found == devices_.end() ? nullptr : &*found;
+  }
+
+  // Whether nobody may take it over: it is heard, and not only from an address that somebody made
+  // up, who never sees our ping.
+  static bool Holds(const Device& device, std::int64_t now_ns) {
+    return device.peer.id != 0 && now_ns - device.heard_ns <= kTakeover_ns &&
+           (device.answers || now_ns - device.since_ns <= kTakeover_ns);
+  }
+
+  // Only who is let in is answered, where the greeting came from.
   void Greet(const slimevr::Handshake& handshake, const Peer& peer, std::int64_t now_ns,
              Outbox& out) {
     const std::uint64_t address = AddressOf(handshake, peer);
-    // A board that comes from another port is the same; another one at that port has taken its
-    // place.
-    auto device = std::ranges::find(devices_, address, &Device::address);
-    if (device == devices_.end()) {
-      device = std::ranges::find(devices_, peer.id, [](const Device& d) { return d.peer.id; });
+    const auto found = std::ranges::find(devices_, address, &Device::address);
+    Device* device = found == devices_.end() ? nullptr : &*found;
+    Device* here = At(peer);
+    if (here != nullptr && here != device && Holds(*here, now_ns)) {
+      return RefuseTakeover(*here, address, peer, now_ns, out);
     }
-    if (device == devices_.end()) {
-      device = FindRoom(now_ns);
-      if (device == devices_.end()) return out.Refuse(Counter::kSourceIgnored);
+    if (device != nullptr && device != here && Holds(*device, now_ns)) {
+      return RefuseTakeover(*device, address, peer, now_ns, out);
     }
-    if (device->address != address) {
+    if (device == nullptr) {
+      device = here != nullptr && !here->configured ? here : FindRoom(now_ns);
+      if (device == nullptr) return SayFull(address, peer, now_ns, out);
       *device = Device();
       device->address = address;
-      device->parts.fill(Device::kUnannounced);
     }
-    for (Device& other : devices_) {
-      if (other.peer.id == peer.id) other.peer.id = 0;
+    if (here != nullptr && here != device) here->peer.id = 0;
+    if (device->peer.id != peer.id) {
+      device->since_ns = now_ns;
+      device->answers = false;
+      device->ping = 0;
     }
     device->peer = peer;
     device->heard_ns = now_ns;
     device->number_before_greeting = device->number;
     device->number = 0;
     if (handshake.firmware.empty() || handshake.protocol < kAnnouncesSensors) {
-      Announce(*device, 0, 0, out);
+      Announce(*device, 0, 0, now_ns, out);
     }
     if (next_heartbeat_ns_ == kNever) next_heartbeat_ns_ = now_ns + kHeartbeat_ns;
     Answer(slimevr::Greeting{}, peer, out);
   }
 
-  // A new device, or the one that was silent for longest; end() where all are live.
-  std::vector<Device>::iterator FindRoom(std::int64_t now_ns) {
-    if (devices_.size() < kMaxDevices) return devices_.emplace(devices_.end());  // reserved
-    const auto oldest = std::ranges::min_element(devices_, {}, &Device::heard_ns);
-    return now_ns - oldest->heard_ns > kSilent_ns ? oldest : devices_.end();
+  void RefuseTakeover(const Device& live, std::uint64_t address, const Peer& peer,
+                      std::int64_t now_ns, Outbox& out) {
+    out.Refuse(Counter::kSourceTakeovers);
+    const std::uint64_t times = takeover_notes_.Take(now_ns);
+    if (times == 0) return;
+    out.LeaveHotSection();
+    out.Note("tracker " + ToText({live.address, 0}) + " is live at " +
+             AddressText(live.peer.address, live.peer.address_size) + ": a greeting " +
+             (live.address == address ? "" : "of " + ToText({address, 0}) + " ") + "from " +
+             AddressText(peer.address, peer.address_size) +
+             " is refused until that was silent for " +
+             std::to_string(kTakeover_ns / runtime::kSecond_ns) + " s" + Times(times));
+  }
+
+  // A new device, or the one that was silent for longest; null where all are live or kept for
+  // those that the configuration names.
+  Device* FindRoom(std::int64_t now_ns) {
+    if (devices_.size() < kMaxDevices) return &devices_.emplace_back();  // reserved
+    Device* oldest = nullptr;
+    for (Device& device : devices_) {
+      const bool silent = now_ns - device.heard_ns > kSilent_ns;
+      const bool made_up = !device.answers && now_ns - device.since_ns > kTakeover_ns;
+      if (device.configured || (device.peer.id != 0 && !silent && !made_up)) continue;
+      if (oldest == nullptr || device.heard_ns < oldest->heard_ns) oldest = &device;
+    }
+    return oldest;
+  }
+
+  void SayFull(std::uint64_t address, const Peer& peer, std::int64_t now_ns, Outbox& out) {
+    out.Refuse(Counter::kSourceTableFull);
+    const std::uint64_t times = full_notes_.Take(now_ns);
+    if (times == 0) return;
+    out.LeaveHotSection();
+    out.Note("there is room for " + std::to_string(kMaxDevices) + " trackers, all of it taken: " +
+             ToText({address, 0}) + " from " + AddressText(peer.address, peer.address_size) +
+             " is refused; those named in `trackers` have a place kept" + Times(times));
   }
 
   // As the server has it: 0 is always taken. Numbers that begin anew after a greeting are those of
-  // a board that was switched on again, and has another heading since.
-  bool IsNext(Device& device, Outbox& out) {
+  // a board that was switched on again, and has another heading since. Where none was the next for
+  // long, the last one was wrong: they begin anew, too.
+  bool IsNext(Device& device, std::int64_t now_ns, Outbox& out) {
     const std::uint64_t number = datagram_.number;
     if (number == 0) return true;
-    if (number <= device.number) {
+    if (number <= device.number && now_ns - device.number_ns <= kTakeover_ns) {
       out.Refuse(number == device.number ? Counter::kPipelineDuplicate
                                          : Counter::kPipelineReordered);
       return false;
     }
     if (number < device.number_before_greeting) {
-      out.LeaveHotSection();
-      out.Note("tracker " + ToText({device.address, 0}) +
-               " was switched on again: its heading is lost until the next reset");
+      if (const std::uint64_t times = restart_notes_.Take(now_ns)) {
+        out.LeaveHotSection();
+        out.Note("tracker " + ToText({device.address, 0}) +
+                 " was switched on again: its heading is lost until the next reset" + Times(times));
+      }
     }
     device.number_before_greeting = 0;
     device.number = number;
+    device.number_ns = now_ns;
     return true;
   }
 
-  void Announce(Device& device, std::uint8_t sensor, int position, Outbox& out) {
+  void Announce(Device& device, std::uint8_t sensor, int position, std::int64_t now_ns,
+                Outbox& out) {
     device.parts[sensor] =
-        static_cast<std::int8_t>(rig_.PartOf({device.address, sensor}, position, out));
+        static_cast<std::int8_t>(rig_.PartOf({device.address, sensor}, position, now_ns, out));
   }
 
   void TakePacket(const slimevr::Packet& packet, Device& device, std::int64_t now_ns, Outbox& out) {
@@ -167,14 +245,16 @@ class SlimeVr final : public Translator {
     } else if (const auto* p = std::get_if<slimevr::LegacyRotation>(&packet)) {
       TakeOrientation(device, p->sensor, p->orientation, now_ns, out);
     } else if (const auto* p = std::get_if<slimevr::SensorInfo>(&packet)) {
-      Announce(device, p->sensor, p->position, out);
+      Announce(device, p->sensor, p->position, now_ns, out);
       Answer(slimevr::SensorInfoAck{p->sensor, p->status}, device.peer, out);
     } else if (std::holds_alternative<slimevr::FeatureFlags>(packet)) {
       Answer(slimevr::FeatureFlags{slimevr::kBundles | slimevr::kCompactBundles}, device.peer, out);
+    } else if (const auto* p = std::get_if<slimevr::Ping>(&packet)) {
+      if (device.ping != 0 && p->id == device.ping) device.answers = true;
     } else if (const auto* p = std::get_if<slimevr::UserAction>(&packet)) {
-      Act(p->action, now_ns, out);
+      Act(device, p->action, now_ns, out);
     } else if (const auto* p = std::get_if<slimevr::Error>(&packet)) {
-      Complain(device, *p, out);
+      Complain(device, *p, now_ns, out);
     }
   }
 
@@ -185,7 +265,8 @@ class SlimeVr final : public Translator {
     rig_.Take(body::Joint(part), orientation, now_ns);
   }
 
-  void Act(std::uint8_t action, std::int64_t now_ns, Outbox& out) {
+  // Where the configuration says whose trackers they are, a stranger's button resets nobody.
+  void Act(const Device& device, std::uint8_t action, std::int64_t now_ns, Outbox& out) {
     Calibration what = Calibration::kFull;
     switch (action) {
       case slimevr::UserAction::kFullReset:
@@ -199,24 +280,33 @@ class SlimeVr final : public Translator {
       default:
         return out.Refuse(Counter::kSourceIgnored);
     }
+    if ((has_table_ && !device.configured) || buttons_.Take(now_ns) == 0) {
+      return out.Refuse(Counter::kSourceIgnored);
+    }
     out.LeaveHotSection();
     const Status status = rig_.Calibrate(what, now_ns);
     if (!status.ok()) out.Note("a tracker's button asked for a reset: " + status.message());
   }
 
-  void Complain(Device& device, const slimevr::Error& error, Outbox& out) {
+  void Complain(Device& device, const slimevr::Error& error, std::int64_t now_ns, Outbox& out) {
     if (device.complained) return;
     device.complained = true;
+    const std::uint64_t times = error_notes_.Take(now_ns);
+    if (times == 0) return;
     out.LeaveHotSection();
     out.Note("tracker " + ToText({device.address, error.sensor}) + " reports error " +
-             std::to_string(error.code));
+             std::to_string(error.code) + Times(times));
   }
 
   TrackerRig rig_;
   std::vector<Device> devices_;
   slimevr::Datagram datagram_;
   std::int64_t next_heartbeat_ns_ = kNever;
-  std::uint32_t ping_ = 0;
+  std::mt19937 random_;     // pings that nobody guesses who does not receive them
+  bool has_table_ = false;  // the configuration names trackers
+  NoteLimit takeover_notes_, full_notes_;
+  NoteLimit restart_notes_{kMaxDevices}, error_notes_{kMaxDevices};  // all of them at once
+  NoteLimit buttons_{8};  // resets: nobody presses more often in good faith
 };
 
 }  // namespace

@@ -69,7 +69,7 @@ class SlimeVrHid final : public Translator {
                   Outbox& out) {
     if (const auto* registration = std::get_if<slimevr::Registration>(&record.body)) {
       if (tracker.address == registration->address) return;
-      tracker = {registration->address, rig_.PartOf({registration->address, 0}, 0, out)};
+      tracker = {registration->address, rig_.PartOf({registration->address, 0}, 0, now_ns, out)};
       return;
     }
     const slimevr::Orientation* orientation = slimevr::OrientationOf(record);

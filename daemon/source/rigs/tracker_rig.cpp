@@ -177,10 +177,17 @@ TrackerRig::TrackerRig(const config::Source& config)
   }
 }
 
-int TrackerRig::Assign(const TrackerId& id, int position) const {
+std::vector<std::uint64_t> TrackerRig::ConfiguredDevices() const {
+  std::vector<std::uint64_t> addresses;
   for (const Known& row : assigned_) {
-    if (row.id == id) return row.part;
+    if (std::ranges::find(addresses, row.id.address) == addresses.end()) {
+      addresses.push_back(row.id.address);
+    }
   }
+  return addresses;
+}
+
+int TrackerRig::FreePart(int position) const {
   if (position <= 0 || position >= static_cast<int>(kPartOfPosition.size())) return kUnassigned;
   const int part = kPartOfPosition[static_cast<std::size_t>(position)];
   const auto has_it = [part](const Known& row) { return row.part == part; };
@@ -190,27 +197,44 @@ int TrackerRig::Assign(const TrackerId& id, int position) const {
   return part;
 }
 
-int TrackerRig::PartOf(const TrackerId& id, int position, Outbox& out) {
+int TrackerRig::PartOf(const TrackerId& id, int position, std::int64_t now_ns, Outbox& out) {
+  const auto row = std::ranges::find(assigned_, id, &Known::id);
+  if (row != assigned_.end()) {
+    if (!row->said) SayPart(id, row->part, now_ns, out);
+    row->said = true;
+    return row->part;
+  }
   const auto found = std::ranges::find(known_, id, &Known::id);
   if (found != known_.end() && (found->part != kUnassigned || position == 0)) return found->part;
-  const int part = Assign(id, position);
-  if (found != known_.end() && part == kUnassigned) return part;
-  if (known_.size() == kMaxKnown) return kUnassigned;  // a stranger who makes up addresses
-  out.LeaveHotSection();
-  if (found == known_.end()) {
-    known_.push_back({id, part});
-  } else {
+  const int part = FreePart(position);
+  if (found != known_.end()) {
+    if (part == kUnassigned) return part;
     found->part = part;
+  } else {
+    out.LeaveHotSection();
+    // Somebody may make them up: who is worn nowhere makes room. Parts are fewer than kMaxKnown.
+    if (known_.size() == kMaxKnown) {
+      known_.erase(std::ranges::find(known_, kUnassigned, &Known::part));
+    }
+    known_.push_back({id, part});
   }
+  SayPart(id, part, now_ns, out);
+  return part;
+}
+
+void TrackerRig::SayPart(const TrackerId& id, int part, std::int64_t now_ns, Outbox& out) {
+  std::uint64_t times = 1;
+  if (part == kUnassigned && (times = strangers_.Take(now_ns)) == 0) return;
+  out.LeaveHotSection();
   out.Note("tracker " + ToText(id) +
            (part == kUnassigned ? " is worn on no part that we know of: give it one in `trackers`"
-                                : " is worn on " + PartName(part)));
+                                : " is worn on " + PartName(part)) +
+           (times > 1 ? "; so are " + std::to_string(times - 1) + " others" : ""));
   if (part != kUnassigned && !told_to_calibrate_) {
     out.Note(
         "to be calibrated: a full reset, while the performer stands in a T-pose, looking ahead");
     told_to_calibrate_ = true;
   }
-  return part;
 }
 
 // The sensors' world is +Z up: the server's turn by -90 degrees about x makes it +Y up.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/source/note_limit.h"
 #include "daemon/source/relay.h"
 #include "daemon/source/translator.h"
 #include "model/base/status.h"
@@ -45,8 +46,12 @@ class TrackerRig {
   static constexpr int kUnassigned = -1;
   // Which part the tracker is worn on: as the configuration says, else, where nobody else has that
   // part, where the tracker itself says it is (`position`, SlimeVR's TrackerPosition; 0: nowhere).
-  // Says so in the log the first time. Allocates: keep the answer.
-  int PartOf(const TrackerId& id, int position, Outbox& out);
+  // Says so in the log the first time; of trackers on no part, whoever makes them up, no more than
+  // one a second after the first kMaxKnown / 4. Allocates: keep the answer.
+  int PartOf(const TrackerId& id, int position, std::int64_t now_ns, Outbox& out);
+
+  // The devices that the configuration names, each once.
+  std::vector<std::uint64_t> ConfiguredDevices() const;
 
   STYLED_REALTIME void Take(body::Joint part, const slimevr::Orientation& orientation,
                             std::int64_t now_ns) noexcept;
@@ -60,15 +65,18 @@ class TrackerRig {
   struct Known {
     TrackerId id;
     int part = kUnassigned;
+    bool said = false;  // in the log
   };
   static constexpr std::size_t kMaxKnown = 256;
 
-  int Assign(const TrackerId& id, int position) const;
+  int FreePart(int position) const;
+  void SayPart(const TrackerId& id, int part, std::int64_t now_ns, Outbox& out);
   void SendFrame(std::int64_t time_ns, std::int64_t now_ns, std::uint64_t lost, Outbox& out);
 
   std::vector<Known> assigned_;  // by the configuration
-  std::vector<Known> known_;     // heard of
-  std::string note_;             // for the log
+  std::vector<Known> known_;     // heard of beside them; oldest first
+  NoteLimit strangers_{kMaxKnown / 4};
+  std::string note_;  // for the log
   bool told_to_calibrate_ = false;
   rig::Trackers::Options options_;
   rig::Trackers trackers_;

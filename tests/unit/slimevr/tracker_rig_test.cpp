@@ -37,7 +37,7 @@ struct Bench final : Receiver {
   }
   int PartOf(std::string_view id, int position = 0) {
     outbox.Open(*this, -1);
-    const int part = rig.PartOf(ParseTrackerId(id).value(), position, outbox);
+    const int part = rig.PartOf(ParseTrackerId(id).value(), position, now_ns, outbox);
     outbox.Close();
     return part;
   }
@@ -58,6 +58,7 @@ struct Bench final : Receiver {
   }
   void OnNote(int, const std::string& text) override { notes.push_back(text); }
 
+  std::int64_t now_ns = 0;
   runtime::Counters counters;
   Outbox outbox{0, counters};
   TrackerRig rig;

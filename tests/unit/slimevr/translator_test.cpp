@@ -241,6 +241,7 @@ TEST(SlimeVrTranslator, TellsATrackerSwitchedOnAgainFromOneThatLostTheNetwork) {
   bench.Take(board, 0, Greeting());
   bench.Take(board, 100, AtHips());
   bench.notes.clear();
+  bench.now_ns += 3 * kSecond;
   bench.Take(elsewhere, 0, Greeting());  // another port
   bench.Take(elsewhere, 101, Upright());
   EXPECT_TRUE(bench.notes.empty());
@@ -257,6 +258,7 @@ TEST(SlimeVrTranslator, GivesAPlaceToAnotherTrackerThatTookIt) {
   Board board;
   bench.Take(board, 0, Greeting(1));
   bench.Take(board, 100, AtHips());
+  bench.now_ns += 3 * kSecond;
   bench.Take(board, 0, Greeting(2));
   slimevr::SensorInfo info;
   info.position = 1;
@@ -345,10 +347,207 @@ TEST(SlimeVrTranslator, HasRoomForSixtyFourBoardsAndForNewOnesWhenTheyAreSilent)
   }
   EXPECT_EQ(boards[63]->Received().size(), 1U);
   EXPECT_EQ(boards[64]->Received().size(), 0U);
-  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 1U);
+  EXPECT_EQ(bench.Count(Counter::kSourceTableFull), 1U);
+  EXPECT_THAT(bench.notes, ::testing::ElementsAre(HasSubstr("room for 64 trackers")));
   bench.now_ns += 6 * kSecond;
   bench.Take(*boards[64], 0, Greeting(64));
   EXPECT_EQ(boards[64]->Received().size(), 1U);
+}
+
+// A board that sends ten times a second and answers pings, as a real one does.
+struct Worn {
+  Board board;
+  std::uint64_t number = 0;
+};
+void Pass(Bench& bench, std::int64_t ms, const std::vector<Worn*>& worn) {
+  for (; ms > 0; ms -= 100) {
+    bench.now_ns += 100 * kMs;
+    bench.Tick();
+    for (Worn* each : worn) {
+      for (const auto& answer : each->board.Answers()) {
+        const auto* ping = std::get_if<slimevr::Ping>(&answer);
+        if (ping != nullptr) bench.Take(each->board, 0, *ping);
+      }
+      bench.Take(each->board, ++each->number, Upright());
+    }
+  }
+}
+
+TEST(SlimeVrTakeover, WhoKnowsTheMacOfALiveTrackerIsRefusedUntilThatIsSilent) {
+  Bench bench;
+  Worn tracker;
+  Board thief;
+  bench.Take(tracker.board, 0, Greeting());
+  bench.Take(tracker.board, ++tracker.number, AtHips());
+  Pass(bench, 3000, {&tracker});
+  bench.notes.clear();
+  for (int i = 0; i < 100; ++i) {
+    bench.Take(thief, 0, Greeting());
+    bench.Take(thief, 1'000'000, Upright());
+  }
+  EXPECT_TRUE(thief.Received().empty());
+  EXPECT_EQ(bench.Count(Counter::kSourceTakeovers), 100U);
+  ASSERT_EQ(bench.notes.size(), 1U) << "once a second";
+  EXPECT_THAT(bench.notes[0], HasSubstr("A848FAC01D01/0 is live at 127.0.0.1:"));
+  const std::uint64_t ignored = bench.Count(Counter::kSourceIgnored);
+  Pass(bench, 1000, {&tracker});
+  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), ignored) << "the tracker goes on";
+  EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 0U);
+  bench.Take(thief, 0, Greeting());
+  ASSERT_EQ(bench.notes.size(), 2U);
+  EXPECT_THAT(bench.notes[1], HasSubstr("(100 times)"));
+  Pass(bench, 2000, {});
+  bench.Take(thief, 0, Greeting());
+  EXPECT_TRUE(thief.Received().empty());
+  Pass(bench, 100, {});
+  bench.Take(thief, 0, Greeting());
+  EXPECT_EQ(thief.Answers().size(), 1U) << "may be the tracker itself, at another address";
+}
+
+TEST(SlimeVrTakeover, ATrackerSwitchedOnAgainIsLetInAtItsAddressAtOnce) {
+  Bench bench;
+  Worn tracker;
+  bench.Take(tracker.board, 0, Greeting());
+  bench.Take(tracker.board, ++tracker.number, AtHips());
+  Pass(bench, 1000, {&tracker});
+  tracker.board.Received();
+  bench.Take(tracker.board, 0, Greeting());
+  EXPECT_EQ(tracker.board.Received().size(), 1U);
+  tracker.number = 0;
+  Pass(bench, 1000, {&tracker});
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("switched on again")));
+  EXPECT_EQ(bench.Count(Counter::kSourceTakeovers), 0U);
+  EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 0U);
+}
+
+TEST(SlimeVrTakeover, AnotherDeviceIsRefusedWhereATrackerIsLive) {
+  config::Source config = Bench::Config();
+  config.trackers = {{"A848FAC01D01", "hips"}};
+  Bench bench(config);
+  Worn tracker;
+  bench.Take(tracker.board, 0, Greeting(1));
+  bench.Take(tracker.board, ++tracker.number, AtHips());
+  Pass(bench, 3000, {&tracker});
+  tracker.board.Received();
+  bench.Take(tracker.board, 0, Greeting(2));  // forged: the address is the tracker's
+  EXPECT_TRUE(tracker.board.Received().empty());
+  EXPECT_EQ(bench.Count(Counter::kSourceTakeovers), 1U);
+  Pass(bench, 1000, {&tracker});
+  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 0U);
+}
+
+// Who forges the address that they send from never sees our ping.
+TEST(SlimeVrTakeover, AnAddressThatAnswersNoPingIsHeldForTwoSecondsOnly) {
+  Bench bench;
+  Board forged;
+  Worn tracker;
+  bench.Take(forged, 0, Greeting());
+  for (int i = 0; i < 25; ++i) {
+    bench.now_ns += 100 * kMs;
+    bench.Tick();
+    bench.Take(forged, static_cast<std::uint64_t>(1000 + i), Upright());
+    bench.Take(forged, 0, slimevr::Ping{0});
+    bench.Take(forged, 0, slimevr::Ping{static_cast<std::uint32_t>(i)});
+    bench.Take(forged, 0, Greeting());
+    if (i == 10) bench.Take(tracker.board, 0, Greeting());
+  }
+  EXPECT_TRUE(tracker.board.Received().empty());
+  bench.Take(tracker.board, 0, Greeting());
+  EXPECT_EQ(tracker.board.Answers().size(), 1U);
+  for (int i = 0; i < 50; ++i) {
+    Pass(bench, 100, {&tracker});
+    bench.Take(forged, 0, Greeting());
+  }
+  EXPECT_EQ(bench.Count(Counter::kSourceTakeovers), 51U);
+}
+
+TEST(SlimeVrTakeover, AWildNumberSilencesATrackerForTwoSecondsOnly) {
+  Bench bench;
+  Worn tracker;
+  bench.Take(tracker.board, 0, Greeting());
+  bench.Take(tracker.board, ++tracker.number, AtHips());
+  bench.Take(tracker.board, 1ULL << 60U, Upright());
+  Pass(bench, 2000, {&tracker});
+  EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 20U);
+  Pass(bench, 2000, {&tracker});
+  EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 20U);
+}
+
+TEST(SlimeVrTable, InventedDevicesDoNotLockOutThoseThatTheConfigurationNames) {
+  config::Source config = Bench::Config();
+  config.trackers = {{"A848FAC01D01", "hips"}, {"A848FAC01D02/0", "chest"}};
+  Bench bench(config);
+  std::vector<std::unique_ptr<Worn>> invented;
+  std::vector<Worn*> live;
+  for (int i = 0; i < 256; ++i) {
+    live.push_back(invented.emplace_back(std::make_unique<Worn>()).get());
+    slimevr::Handshake handshake = Greeting();
+    handshake.mac = {2, 0, 0, 0, 1, static_cast<std::uint8_t>(i)};
+    bench.Take(live.back()->board, 0, handshake);
+    slimevr::SensorInfo info;
+    for (info.sensor = 0; info.sensor < 10; ++info.sensor) {
+      bench.Take(live.back()->board, ++live.back()->number, info);
+    }
+  }
+  EXPECT_EQ(bench.Count(Counter::kSourceTableFull), 256U - 62U);
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("room for 64 trackers")).Times(1));
+  EXPECT_LT(bench.notes.size(), 70U);
+  Pass(bench, 3000, live);
+  Worn hips, chest;
+  for (std::uint8_t i = 1; Worn * named : {&hips, &chest}) {
+    bench.Take(named->board, 0, Greeting(i++));
+    EXPECT_EQ(named->board.Answers().size(), 1U);
+    bench.Take(named->board, ++named->number, slimevr::SensorInfo());
+  }
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D01/0 is worn on hips")));
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D02/0 is worn on chest")));
+  Pass(bench, 100, {&hips, &chest});
+  bench.notes.clear();
+  EXPECT_TRUE(bench.translator().Calibrate(Calibration::kFull, bench.now_ns).ok());
+  bench.Tick();
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("calibrated hips, chest")));
+}
+
+TEST(SlimeVrTable, OneDeviceWithManySensorsDoesNotFillItEither) {
+  config::Source config = Bench::Config();
+  config.trackers = {{"A848FAC01D01", "hips"}};
+  Bench bench(config);
+  Board strange, chest, hips;
+  slimevr::Handshake handshake = Greeting();
+  handshake.mac = {2, 0, 0, 0, 1, 1};
+  bench.Take(strange, 0, handshake);
+  slimevr::SensorInfo info;
+  for (int i = 0; i < 256; ++i) {
+    info.sensor = static_cast<std::uint8_t>(i);
+    bench.Take(strange, static_cast<std::uint64_t>(1 + i), info);
+  }
+  EXPECT_LE(bench.notes.size(), 64U);
+  bench.Take(hips, 0, Greeting(1));
+  bench.Take(hips, 1, slimevr::SensorInfo());
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D01/0 is worn on hips")));
+  bench.Take(chest, 0, Greeting(2));  // not named, says itself where it is worn
+  info = slimevr::SensorInfo();
+  info.position = 4;
+  bench.Take(chest, 1, info);
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D02/0 is worn on chest")));
+}
+
+TEST(SlimeVrTable, AStrangersButtonResetsNobodyWhereTrackersAreNamed) {
+  config::Source config = Bench::Config();
+  config.trackers = {{"A848FAC01D01", "hips"}};
+  Bench bench(config);
+  Board hips, stranger;
+  bench.Take(hips, 0, Greeting(1));
+  bench.Take(hips, 1, slimevr::SensorInfo());
+  bench.Take(hips, 2, Upright());
+  bench.Take(stranger, 0, Greeting(2));
+  bench.Take(stranger, 1, slimevr::UserAction{slimevr::UserAction::kFullReset});
+  EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 1U);
+  bench.Tick();
+  EXPECT_THAT(bench.notes, ::testing::Not(Contains(HasSubstr("calibrated hips"))));
+  bench.Take(hips, 3, slimevr::UserAction{slimevr::UserAction::kFullReset});
+  bench.Tick();
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("calibrated hips")));
 }
 
 // Boards of the stand-in, each with a socket and a phase of its own, played on the bench's clock.
