@@ -184,8 +184,8 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
        "recording, let it run."},
       {"source.incomplete", Step::kFrames, "incomplete",
        "frames come in parts, and parts are missing",
-       "Datagrams are lost on the way: use a cable, "
-       "or let the rig send smaller ones."},
+       "Datagrams are lost on the way: use a cable, or let the rig send smaller ones. Or the rig "
+       "sends only a part of the body: the daemon's log counts what came of each frame."},
       {"source.ignored", Step::kVersion, "no_pose", "what arrives says nothing of a pose",
        "Let the rig send poses, and all its streams to one port."},
   }};
@@ -198,10 +198,14 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
     return Say(Severity::kProblem, cause.step, &source, cause.code,
                Label(source) + ": no frames, because " + cause.what + ".", why, cause.change);
   }
-  if (facts_.Grown("pipeline.bodies_refused") > 0) {
-    return Say(Severity::kProblem, Step::kSkeleton, &source, "skeleton_refused",
-               Label(source) + ": no frames, because the skeleton is refused.",
-               "pipeline.bodies_refused grew.", kCauses[1].change);
+  // These grow more slowly than datagrams arrive: once a second, once in a frame's several.
+  for (const Cause& cause : kCauses) {
+    const std::string counter = cause.counter;
+    if (counter != "pipeline.bodies_refused" && counter != "source.incomplete") continue;
+    if (facts_.Grown(counter) == 0) continue;
+    return Say(Severity::kProblem, cause.step, &source, cause.code,
+               Label(source) + ": no frames, because " + cause.what + ".", counter + " grew.",
+               cause.change);
   }
   const bool trackers = source.wanted.format == Format::kSlimeVr;
   Say(Severity::kProblem, Step::kFrames, &source, trackers ? "needs_reset" : "no_frames",

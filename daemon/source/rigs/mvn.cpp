@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "daemon/runtime/clock.h"
+#include "daemon/source/note_limit.h"
 #include "daemon/source/relay.h"
 #include "daemon/source/rigs/world_pose.h"
 #include "proto/rigs/mvn/mvn.h"
@@ -46,8 +47,12 @@ rig::Skeleton MakeSkeleton(bool fingers) {
 
 class Character {
  public:
-  Character(std::uint64_t peer, std::uint8_t id, std::int64_t now_ns)
-      : peer_(peer), id_(id), since_ns_(now_ns), seen_ns_(now_ns) {}
+  Character(std::uint64_t peer, std::uint8_t id, std::int64_t now_ns, NoteLimit& incomplete_notes)
+      : peer_(peer),
+        id_(id),
+        since_ns_(now_ns),
+        seen_ns_(now_ns),
+        incomplete_notes_(incomplete_notes) {}
 
   bool Is(std::uint64_t peer, std::uint8_t id) const { return peer_ == peer && id_ == id; }
   std::int64_t seen_ns() const { return seen_ns_; }
@@ -70,14 +75,16 @@ class Character {
 
  private:
   enum class Order { kNext, kOld };
-  Order Sort(const mvn::Header& header, Outbox& out);
-  bool Gather(const mvn::Header& header, const mvn::Pose& pose, Outbox& out);
+  Order Sort(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
+  bool Gather(const mvn::Header& header, const mvn::Pose& pose, std::int64_t now_ns, Outbox& out);
+  void SayIncomplete(std::int64_t now_ns, Outbox& out);
   void MakeBody(const mvn::Header& header, const std::string& up, Outbox& out);
   void Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
 
   std::uint64_t peer_;
   std::uint8_t id_;
   std::int64_t since_ns_, seen_ns_;
+  NoteLimit& incomplete_notes_;  // of all characters
   std::string called_;
   std::optional<Relay> relay_;
   std::array<rig::Vec3, mvn::kBodySegments> scale_m_;  // T-pose, +Z up
@@ -85,11 +92,12 @@ class Character {
   bool y_up_ = false;  // type 02 of a sender that was told so
   mvn::Type type_ = mvn::Type::kEuler;
   std::uint32_t sample_ = 0;
-  bool any_sample_ = false, sent_ = false;
-  // The sample at hand.
+  // The sample at hand: whole, or given up and counted.
+  bool any_sample_ = false, sent_ = false, incomplete_ = false;
   std::array<rig::Vec3, mvn::kMaxSegments> positions_;
   std::array<rig::Quat, mvn::kMaxSegments> rotations_;
-  int gathered_ = 0, next_part_ = 0;
+  int gathered_ = 0, wanted_ = 0, next_part_ = 0;
+  mvn::Type gathered_type_ = mvn::Type::kEuler;
   std::vector<int> segment_of_joint_;
   std::vector<rig::Quat> joint_rotations_;
   rig::RigBody body_;
@@ -114,47 +122,67 @@ void Character::TakeScale(const mvn::Scale& scale, Outbox& out) {
   MakeBody(header, y_up_ ? "y" : "z", out);
 }
 
-Character::Order Character::Sort(const mvn::Header& header, Outbox& out) {
+Character::Order Character::Sort(const mvn::Header& header, std::int64_t now_ns, Outbox& out) {
   if (any_sample_ && header.sample < sample_ && sample_ - header.sample < kRestartSamples) {
     out.Refuse(Counter::kPipelineReordered);
     return Order::kOld;
   }
   if (any_sample_ && header.sample == sample_ && sent_) {
-    out.Refuse(Counter::kPipelineDuplicate);
+    // What the header did not count, behind a pose that was whole without it, is no fault.
+    if (header.datagram < next_part_) out.Refuse(Counter::kPipelineDuplicate);
     return Order::kOld;
   }
   if (any_sample_ && header.sample < sample_ && relay_) relay_->Restart();
   if (!any_sample_ || header.sample != sample_) {
+    if (any_sample_ && !sent_) SayIncomplete(now_ns, out);
     gathered_ = next_part_ = 0;
-    sent_ = false;
+    sent_ = incomplete_ = false;
   }
   sample_ = header.sample;
   any_sample_ = true;
   return Order::kNext;
 }
 
-// False until the sample is whole. A part that is missing leaves it so.
-bool Character::Gather(const mvn::Header& header, const mvn::Pose& pose, Outbox& out) {
-  if (header.datagram != next_part_ || gathered_ + pose.count > mvn::kMaxSegments) {
-    if (header.last) out.Refuse(Counter::kSourceIncomplete);
-    return false;
+// True once the sample is whole: all the segments that its headers count. Which datagram is the
+// last one they say, too, but not all senders do. A part that is missing leaves it incomplete.
+bool Character::Gather(const mvn::Header& header, const mvn::Pose& pose, std::int64_t now_ns,
+                       Outbox& out) {
+  wanted_ = mvn::kBodySegments + header.props + header.finger_segments;
+  if (header.datagram == 0 && next_part_ > 0) {  // its number does not say so, but it begins anew
+    SayIncomplete(now_ns, out);
+    gathered_ = next_part_ = 0;
+    incomplete_ = false;
   }
-  ++next_part_;
-  for (int i = 0; i < pose.count; ++i) {
-    const auto& segment = pose.segments[static_cast<std::size_t>(i)];
-    const auto& r = segment.rotation;
-    positions_[static_cast<std::size_t>(gathered_)] = {segment.position[0], segment.position[1],
-                                                       segment.position[2]};
-    rotations_[static_cast<std::size_t>(gathered_)] = {r[3], r[0], r[1], r[2]};
-    ++gathered_;
+  if (header.datagram == next_part_ && gathered_ + pose.count <= mvn::kMaxSegments &&
+      (next_part_ == 0 || header.type == gathered_type_)) {
+    gathered_type_ = header.type;
+    ++next_part_;
+    for (int i = 0; i < pose.count; ++i) {
+      const auto& segment = pose.segments[static_cast<std::size_t>(i)];
+      const auto& r = segment.rotation;
+      positions_[static_cast<std::size_t>(gathered_)] = {segment.position[0], segment.position[1],
+                                                         segment.position[2]};
+      rotations_[static_cast<std::size_t>(gathered_)] = {r[3], r[0], r[1], r[2]};
+      ++gathered_;
+    }
+    if (gathered_ >= wanted_) return true;
   }
-  if (!header.last) return false;
-  if (gathered_ < mvn::kBodySegments ||
-      gathered_ < mvn::kBodySegments + header.props + header.finger_segments) {
-    out.Refuse(Counter::kSourceIncomplete);
-    return false;
-  }
-  return true;
+  if (header.last) SayIncomplete(now_ns, out);
+  return false;
+}
+
+// Once for each sample.
+void Character::SayIncomplete(std::int64_t now_ns, Outbox& out) {
+  if (incomplete_) return;
+  incomplete_ = true;
+  out.Refuse(Counter::kSourceIncomplete);
+  const std::uint64_t times = incomplete_notes_.Take(now_ns);
+  if (times == 0) return;
+  out.LeaveHotSection();
+  out.Note("character " + std::to_string(id_) + ": " + std::to_string(gathered_) + " of " +
+           std::to_string(wanted_) +
+           " segments of a sample came, in order from its first datagram: it makes no frame" +
+           Times(times));
 }
 
 void Character::MakeBody(const mvn::Header& header, const std::string& up, Outbox& out) {
@@ -198,7 +226,7 @@ void Character::TakePose(const mvn::Header& header, const mvn::Pose& pose, const
                          std::int64_t now_ns, const MakePerformer& performer, Outbox& out) {
   seen_ns_ = now_ns;
   if (header.type == mvn::Type::kEuler && type_ == mvn::Type::kQuaternion) return;  // both are sent
-  if (Sort(header, out) == Order::kOld || !Gather(header, pose, out)) return;
+  if (Sort(header, now_ns, out) == Order::kOld || !Gather(header, pose, now_ns, out)) return;
   sent_ = true;
   if (!relay_) {
     if ((called_.empty() || !has_scale_) && now_ns - since_ns_ < kPatience_ns) return;
@@ -289,7 +317,8 @@ class Mvn final : public Translator {
       });
     }
     if (characters_.size() >= kMaxCharacters) return nullptr;
-    characters_.push_back(std::make_unique<Character>(peer.id, header.character, now_ns));
+    characters_.push_back(
+        std::make_unique<Character>(peer.id, header.character, now_ns, incomplete_notes_));
     return characters_.back().get();
   }
 
@@ -309,6 +338,7 @@ class Mvn final : public Translator {
   }
 
   config::Source config_;
+  NoteLimit incomplete_notes_;
   std::vector<std::unique_ptr<Character>> characters_;
   mvn::Pose pose_;
   mvn::Scale scale_;

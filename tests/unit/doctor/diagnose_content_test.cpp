@@ -147,6 +147,12 @@ TEST_F(ContentTest, AFewRefusedSkeletonsAreEnough) {
   EXPECT_EQ(CodesOfCounter("udp", "pipeline.bodies_refused", 3), "problem skeleton_refused suit");
 }
 
+// Of a frame that comes in several datagrams one refusal is counted.
+TEST_F(ContentTest, AFewFramesThatLackAPartAreEnough) {
+  EXPECT_EQ(CodesOfCounter("mvn", "source.incomplete", 20), "problem incomplete suit");
+  EXPECT_NE(machine_.First().change.find("only a part of the body"), std::string::npos);
+}
+
 TEST_F(ContentTest, WithoutAReasonTheLogIsPointedTo) {
   EXPECT_EQ(CodesOfCounter("mvn", "nothing.at_all"), "problem no_frames suit");
   EXPECT_EQ(CodesOfCounter("slimevr", "nothing.at_all"), "problem needs_reset suit");

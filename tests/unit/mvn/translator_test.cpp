@@ -165,6 +165,103 @@ TEST(MvnTranslator, PutsASplitSampleTogetherAndCountsOneThatLacksAPart) {
   EXPECT_EQ(got.Frames().size(), 2U);
 }
 
+// Parts of one sample, none of them marked as the last.
+void SendParts(Translated& got, Sender& sender, std::initializer_list<std::size_t> counts,
+               bool numbered = true) {
+  mvn::Header header = sender.header;
+  header.sample = ++sender.header.sample;
+  header.last = false;
+  std::span<const mvn::Segment> rest(sender.segments);
+  Bytes out(2000);
+  for (const std::size_t count : counts) {
+    got.Take(std::span(out).first(mvn::EncodePose(header, rest.first(count), out)));
+    rest = rest.subspan(count);
+    if (numbered) ++header.datagram;
+  }
+}
+
+TEST(MvnTranslator, ASampleIsWholeWithAllItsSegmentsThoughNoDatagramIsMarkedAsTheLast) {
+  Translated got(MakeMvn(Config()));
+  Sender sender;
+  got.Take(sender.Name("a"));
+  got.Take(sender.Scale(0.1F));
+  SendParts(got, sender, {23});
+  EXPECT_EQ(got.Frames().size(), 1U);
+  SendParts(got, sender, {10, 13});
+  EXPECT_EQ(got.Frames().size(), 2U);
+  SendParts(got, sender, {1, 2, 20});
+  EXPECT_EQ(got.Frames().size(), 3U);
+  EXPECT_EQ(got.Count(Counter::kSourceIncomplete), 0U);
+  EXPECT_EQ(got.Count(Counter::kPipelineDuplicate), 0U);
+  EXPECT_TRUE(got.notes.empty());
+}
+
+TEST(MvnTranslator, ASampleThatNeverGetsAllItsSegmentsIsCountedAndSaidOnceASecond) {
+  Translated got(MakeMvn(Config()));
+  Sender sender;
+  got.Take(sender.Name("a"));
+  got.Take(sender.Scale(0.1F));
+  for (int i = 0; i < 101; ++i) SendParts(got, sender, {5, 7});
+  EXPECT_TRUE(got.Frames().empty());
+  EXPECT_EQ(got.Count(Counter::kSourceIncomplete), 100U) << "the last one is at hand";
+  ASSERT_EQ(got.notes.size(), 1U);
+  EXPECT_NE(got.notes[0].find("12 of 23 segments"), std::string::npos) << got.notes[0];
+  got.now_ns += kSecond_ns;
+  SendParts(got, sender, {5, 7});
+  ASSERT_EQ(got.notes.size(), 2U);
+  EXPECT_NE(got.notes[1].find("(100 times)"), std::string::npos) << got.notes[1];
+}
+
+// Neither sample nor datagram is numbered: each begins anew, none vanishes.
+TEST(MvnTranslator, PartsThatAreNotNumberedAreCounted) {
+  Translated got(MakeMvn(Config()));
+  Sender sender;
+  got.Take(sender.Name("a"));
+  got.Take(sender.Scale(0.1F));
+  for (int i = 0; i < 10; ++i) {
+    SendParts(got, sender, {12, 11}, false);
+    --sender.header.sample;
+  }
+  EXPECT_TRUE(got.Frames().empty());
+  EXPECT_EQ(got.Count(Counter::kSourceIncomplete), 19U);
+}
+
+TEST(MvnTranslator, WhatTheHeaderDoesNotCountIsNoFaultBehindAWholePose) {
+  Translated got(MakeMvn(Config()));
+  Sender sender;
+  got.Take(sender.Name("a"));
+  got.Take(sender.Scale(0.1F));
+  for (int i = 0; i < 3; ++i) {
+    SendParts(got, sender, {23, 0});
+    mvn::Header fingers = sender.header;
+    fingers.datagram = 2;
+    std::array<mvn::Segment, 40> hands;
+    Bytes out(2000);
+    got.Take(std::span(out).first(mvn::EncodePose(fingers, hands, out)));
+  }
+  EXPECT_EQ(got.Frames().size(), 3U);
+  EXPECT_EQ(got.Count(Counter::kSourceIncomplete), 0U);
+  EXPECT_EQ(got.Count(Counter::kPipelineDuplicate), 0U);
+}
+
+TEST(MvnTranslator, FingersThatTheHeaderCountsAreWaitedFor) {
+  Translated got(MakeMvn(Config()));
+  Sender sender;
+  sender.header.finger_segments = 40;
+  got.Take(sender.Name("a"));
+  got.Take(sender.Scale(0.1F));
+  SendParts(got, sender, {23});
+  EXPECT_TRUE(got.Frames().empty());
+  mvn::Header fingers = sender.header;
+  fingers.datagram = 1;
+  fingers.last = false;
+  std::array<mvn::Segment, 40> hands;
+  Bytes out(2000);
+  got.Take(std::span(out).first(mvn::EncodePose(fingers, hands, out)));
+  ASSERT_EQ(got.Frames().size(), 1U);
+  EXPECT_EQ(got.Bodies()[0].names_size(), 63);
+}
+
 TEST(MvnTranslator, ACounterThatJumpsBackIsARestartALittleIsAnOldSample) {
   Translated got(MakeMvn(Config()));
   Sender sender;
