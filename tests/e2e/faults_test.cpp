@@ -293,5 +293,30 @@ TEST_F(FaultsTest, ABrokenTcpStreamIsClosedAndOthersGoOn) {
   ExpectGoodUnharmed();
 }
 
+TEST_F(FaultsTest, IdleTcpConnectionsDoNotLockARigOut) {
+  std::vector<std::unique_ptr<TcpLink>> idle;
+  for (int i = 0; i < 64; ++i) idle.push_back(std::make_unique<TcpLink>(daemon_.tcp));
+  EXPECT_EQ(control_.CounterSoon("source.tcp_accepted", 64), 64U);
+  const TcpLink tcp(daemon_.tcp);
+  Rig rig("t", 9);
+  tcp.Send(rig.Body());
+  tcp.Send(rig.Frame());
+  EXPECT_TRUE(subscriber_->WaitFor(
+      [&] {
+        return std::ranges::any_of(subscriber_->Bodies(),
+                                   [](const auto& body) { return body.performer() == "tcp.t"; });
+      },
+      10));
+  Run(120, [&](int) {
+    link_.Send(bad_.Frame());
+    tcp.Send(rig.Frame());
+  });
+  ExpectGoodUnharmed();
+  // Nobody else comes and nothing of theirs does: time alone closes them.
+  for (const auto& link : idle) EXPECT_TRUE(link->Closed(20));
+  EXPECT_FALSE(tcp.Closed(0));
+  ExpectCounts({{"source.tcp_gave_way", 1}, {"source.tcp_silent", 63}, {"source.tcp_refused", 0}});
+}
+
 }  // namespace
 }  // namespace styled::support

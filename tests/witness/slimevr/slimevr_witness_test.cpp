@@ -1,4 +1,4 @@
-// SlimeVR's trackers by the project's own npm packages: what they write is what our decoder reads,
+// SlimeVR's trackers by its own npm packages: what they write is what our decoder reads,
 // what we answer is what they read, and the emulated trackers' motion comes out of the daemon.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// SlimeVR's trackers by another's program: the emulation and the packets of the project's own npm packages.
+// SlimeVR's trackers by another's program: the emulation and the packets of its own npm packages.
 //   node trackers.mjs packets HEX ...   prints one packet of each type that trackers send, and one answer
 //                                       of a server, by name and as hexadecimal bytes; then how each HEX,
 //                                       an answer of ours, is understood
