@@ -189,6 +189,17 @@ void Examination::Losses() {
        "Use a cable, or a wireless network of its own; look at switches and at the sender's load.");
   warn("pipeline.backlog_dropped", "too_slow", "frames came too late and were passed over.",
        "The machine does not keep up: end other programs, set realtime.priority = 20.");
+  warn("source.takeovers_refused", "takeover_refused",
+       "greetings for a live tracker were refused: they came from another address.",
+       "Two trackers have one MAC, or somebody pretends to be one: the daemon's log names both "
+       "addresses.");
+  warn("source.table_full", "too_many_trackers",
+       "greetings of trackers were refused: there is no room for more.",
+       "Name yours in the source's trackers: those have a place kept. The daemon's log names one "
+       "that was refused.");
+  warn("source.tcp_refused", "too_many_connections",
+       "connections were refused: all max_connections are sending.",
+       "Raise max_connections, or stop senders that are not needed.");
   const bool said =
       std::ranges::any_of(findings_, [](const Finding& f) { return f.code == "second_sender"; });
   if (said) return;

@@ -217,12 +217,15 @@ TEST_F(DiagnoseTest, AFormatThatNobodyWantsIsNotSpokenOfWhereAllIsWell) {
 TEST_F(DiagnoseTest, LossesAreWarnedOfThoughFramesFlow) {
   machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
   machine_.LivePerformer("suit.anna");
-  for (const char* counter : {"publish.subscriptions", "source.kernel_dropped", "pipeline.lost",
-                              "pipeline.backlog_dropped", "pipeline.second_sender"}) {
+  for (const char* counter :
+       {"publish.subscriptions", "source.kernel_dropped", "pipeline.lost",
+        "pipeline.backlog_dropped", "pipeline.second_sender", "source.takeovers_refused",
+        "source.table_full", "source.tcp_refused"}) {
     machine_.Grow(counter, 7);
   }
   EXPECT_EQ(machine_.Codes(),
             "warning kernel_drops; warning lost_on_the_way; warning too_slow; "
+            "warning takeover_refused; warning too_many_trackers; warning too_many_connections; "
             "warning second_sender");
   EXPECT_NE(machine_.First().change.find("receive_buffer_bytes"), std::string::npos);
 }
