@@ -19,10 +19,9 @@ namespace styled::source {
 // source.table_full) and said at most once a second.
 //
 // All trackers of a source are on one performer, called `config.performer`, else as the source;
-// `config.trackers` says which is worn where (TrackerRig). The reset actions that a tracker's button
-// can ask for calibrate as the control socket does; where `config.trackers` names any device, only
-// those may ask.
-// Pinned by tests/unit/slimevr/translator_test.cpp.
+// `config.trackers` says which is worn where (TrackerRig). The reset actions that a tracker's
+// button can ask for calibrate as the control socket does; where `config.trackers` names any
+// device, only those may ask. Pinned by tests/unit/slimevr/translator_test.cpp.
 std::unique_ptr<Translator> MakeSlimeVr(const config::Source& config);
 
 }  // namespace styled::source

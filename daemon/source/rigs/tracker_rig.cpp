@@ -223,8 +223,8 @@ int TrackerRig::PartOf(const TrackerId& id, int position, std::int64_t now_ns, O
 }
 
 void TrackerRig::SayPart(const TrackerId& id, int part, std::int64_t now_ns, Outbox& out) {
-  std::uint64_t times = 1;
-  if (part == kUnassigned && (times = strangers_.Take(now_ns)) == 0) return;
+  const std::uint64_t times = part == kUnassigned ? strangers_.Take(now_ns) : 1;
+  if (times == 0) return;
   out.LeaveHotSection();
   out.Note("tracker " + ToText(id) +
            (part == kUnassigned ? " is worn on no part that we know of: give it one in `trackers`"
