@@ -141,7 +141,7 @@ void DrawKeys(const View& view, int row, Canvas& canvas) {
 }  // namespace
 
 std::string FlagNames(std::uint32_t flags) {
-  constexpr std::array<std::pair<v1::Flag, const char*>, 9> kNames{{
+  constexpr std::array<std::pair<v1::Flag, const char*>, 10> kNames{{
       {v1::FLAG_CONCEALED, "concealed"},
       {v1::FLAG_STALE, "stale"},
       {v1::FLAG_LATE, "late"},
@@ -151,6 +151,7 @@ std::string FlagNames(std::uint32_t flags) {
       {v1::FLAG_NEW_SESSION, "new-session"},
       {v1::FLAG_FADING, "fading"},
       {v1::FLAG_FAILED, "failed"},
+      {v1::FLAG_BACKWARDS, "backwards"},
   }};
   std::string out;
   for (const auto& [flag, name] : kNames) {

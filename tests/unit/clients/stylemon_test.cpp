@@ -133,8 +133,8 @@ TEST(Trouble, SaysWhatIsMissingAndWhatToDo) {
 
 TEST(Flags, HaveNamesAndUnknownOnesAreIgnored) {
   EXPECT_EQ(FlagNames(0), "");
-  EXPECT_EQ(FlagNames(511),
-            "concealed stale late out-of-domain held bypass new-session fading failed");
+  EXPECT_EQ(FlagNames(1023),
+            "concealed stale late out-of-domain held bypass new-session fading failed backwards");
   EXPECT_EQ(FlagNames(1U << 20U), "");
 }
 
