@@ -23,23 +23,22 @@ cmake -S "$root" -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++-16 -DCMAKE_BU
   tail -n 20 "$build.log" >&2
   exit 1
 }
-if ! { ninja -C "$build" styled_fuzz_targets && (cd "$build" && ctest -R '_seeds$'); } >>"$build.log" 2>&1; then
-  tail -n 20 "$build.log" >&2
-  exit 1
-fi
 # As ctest knows them: the command line of each ends with its seeds.
 list=$build/targets.json
-(cd "$build" && ctest -N --show-only=json-v1 -L fuzz) >"$list"
+look() { (cd "$build" && ctest -N --show-only=json-v1 -L fuzz) >"$list"; }
+look
 ask() { # EXPRESSION, a list of words, over `name` and `command` of each target
   python3 - "$list" "$1" <<'PY'
 import json, sys
 for test in json.load(open(sys.argv[1]))['tests']:
-    name, command = test['name'], test['command']
+    name, command = test['name'], test.get('command', [])
     for word in eval(sys.argv[2]):
         print(word)
 PY
 }
 known=$(ask '[name] if name.endswith("_fuzz") else []')
+seeds='_seeds$'
+[ ${#targets[@]} -gt 0 ] && seeds="^($(IFS='|' && echo "${targets[*]/%_fuzz/_seeds}"))\$"
 [ ${#targets[@]} -gt 0 ] || mapfile -t targets <<<"$known"
 for target in "${targets[@]}"; do
   grep -qx -- "$target" <<<"$known" || {
@@ -47,6 +46,12 @@ for target in "${targets[@]}"; do
     exit 2
   }
 done
+# A target builds what writes its seeds.
+if ! { ninja -C "$build" "${targets[@]}" && (cd "$build" && ctest -R "$seeds"); } >>"$build.log" 2>&1; then
+  tail -n 20 "$build.log" >&2
+  exit 1
+fi
+look  # what is built has a command line now
 
 fuzz() {
   local target=$1 corpus=$build/corpus/$1 found=$build/found/$1 code=0 begin=$SECONDS

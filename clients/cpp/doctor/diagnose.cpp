@@ -55,6 +55,7 @@ std::vector<Finding> Examination::Run() {
   for (const SourceFacts& source : facts_.sources) Source(source);
   Silent();
   Unclaimed();
+  Performers();
   Losses();
   Listeners();
   std::ranges::stable_sort(findings_, {}, &Finding::severity);
@@ -200,8 +201,9 @@ void Examination::Losses() {
   warn("source.tcp_refused", "too_many_connections",
        "connections were refused: all max_connections are sending.",
        "Raise max_connections, or stop senders that are not needed.");
-  const bool said =
-      std::ranges::any_of(findings_, [](const Finding& f) { return f.code == "second_sender"; });
+  const bool said = std::ranges::any_of(findings_, [](const Finding& f) {
+    return f.code == "second_sender" || f.code == "performer_refused";
+  });
   if (said) return;
   warn("pipeline.second_sender", "second_sender",
        "datagrams were refused: two senders send the same performer.",

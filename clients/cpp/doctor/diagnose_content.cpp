@@ -151,7 +151,7 @@ bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& e
 
 // Good datagrams arrive; do frames come of them?
 void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
-  if (HasLivePerformer(source)) return;
+  if (HasLivePerformer(source) || RefusesPerformers(source)) return;
   struct Cause {
     const char* counter;
     Step step;

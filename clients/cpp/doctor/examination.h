@@ -49,6 +49,10 @@ class Examination {
   void Frames(const SourceFacts& source, const Evidence& evidence);
   void NoSkeleton(const SourceFacts& source, const std::string& why);
 
+  // diagnose_performers.cpp
+  void Performers();
+  bool RefusesPerformers(const SourceFacts& source) const;  // which Performers() tells of
+
   // diagnose_natnet.cpp
   void NatNet(const SourceFacts& source);
   void Unasked(const SourceFacts& source);

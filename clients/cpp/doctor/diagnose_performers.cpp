@@ -1,0 +1,79 @@
+// Performer by performer: datagrams come, do frames leave; and what looks wrong with the rig.
+#include <algorithm>
+#include <array>
+
+#include "clients/cpp/doctor/examination.h"
+
+namespace styled::doctor {
+namespace {
+
+struct Reason {
+  std::string_view counter;
+  const char* what;
+  const char* change;
+};
+
+constexpr std::array<Reason, 11> kReasons{{
+    {"pipeline.far_ahead", "their sequence numbers are far ahead of the last one's",
+     "Restart the sender. If they come from two programs under one session id, stop one of them."},
+    {"pipeline.reordered", "their sequence numbers are older than the last one's",
+     "Restart the sender: it must take a new random session id at each start."},
+    {"pipeline.duplicate", "each was received before",
+     "Restart the sender; look whether something on the way sends everything twice."},
+    {"pipeline.second_sender", "another sender is this performer already",
+     "Stop one of the two, or give it another performer's name."},
+    {"pipeline.old_time", "the sender's clock does not go on from frame to frame",
+     "Restart the sender; if it plays a recording, let it run."},
+    {"pipeline.before_body", "the skeleton that they belong to has not come",
+     "The sender must send the skeleton at its start and once a second: restart the sender."},
+    {"pipeline.wrong_body", "they name another skeleton than the one sent", "Restart the sender."},
+    {"pipeline.wrong_size", "they have another number of joints than the skeleton",
+     "Restart the sender."},
+    {"pipeline.uncalibrated", "nobody knows the rig's rest pose",
+     "Let the performer stand in T-pose: stylectl calibrate PERFORMER --pose t."},
+    {"pipeline.bodies_refused", "the skeleton is refused",
+     "The daemon's log says why; correct the rig's skeleton, or its dialect."},
+    {"", "the daemon refuses them", "stylectl status names the counter."},
+}};
+
+const Reason& ReasonOf(std::string_view counter) {
+  const auto found = std::ranges::find(kReasons, counter, &Reason::counter);
+  return found == kReasons.end() ? kReasons.back() : *found;
+}
+
+}  // namespace
+
+void Examination::Performers() {
+  if (!facts_.daemon_answers()) return;
+  const auto& before = facts_.daemon.before.stats().performers();
+  for (const auto& now : facts_.daemon.after.stats().performers()) {
+    const auto then = std::ranges::find(before, now.performer(), &v1::PerformerStats::performer);
+    const bool known = then != before.end();
+    const std::uint64_t refused = now.refused() - (known ? then->refused() : 0);
+    const std::uint64_t left = now.published() - (known ? then->published() : 0);
+    if (!now.warning().empty()) {
+      Say(Severity::kWarning, Step::kSkeleton, nullptr, "backwards",
+          now.performer() + ": " + now.warning() + ".", "Frames are published with FLAG_BACKWARDS.",
+          "If it is the rig, not the acting: exchange the sides or the axes in the rig.");
+    }
+    if (refused == 0 || left > refused) continue;
+    const Reason& reason = ReasonOf(now.refused_as());
+    Say(left == 0 ? Severity::kProblem : Severity::kWarning, Step::kFrames, nullptr,
+        "performer_refused",
+        now.performer() + ": " + std::to_string(refused) + " datagrams came and " +
+            (left == 0 ? "no frame" : "only " + std::to_string(left) + " frames") +
+            " left, because " + reason.what + ".",
+        (now.refused_as().empty() ? "Counted while we listened."
+                                  : "Counted as " + now.refused_as() + " while we listened."),
+        reason.change);
+  }
+}
+
+bool Examination::RefusesPerformers(const SourceFacts& source) const {
+  return std::ranges::any_of(facts_.daemon.after.stats().performers(), [&](const auto& performer) {
+    return performer.performer().starts_with(source.wanted.name + ".") &&
+           !performer.refused_as().empty() && !performer.live();
+  });
+}
+
+}  // namespace styled::doctor

@@ -1,0 +1,75 @@
+#include "tests/unit/doctor/facts.h"
+
+namespace styled::doctor {
+namespace {
+
+using testing::Machine;
+
+struct PerformersTest : ::testing::Test {
+  PerformersTest() {
+    machine.InDaemon("udp", "0.0.0.0:7000", 360);
+    machine.LivePerformer("suit.b");
+  }
+  // A row of the status before and after; `refused` and `published` grow by so much.
+  v1::PerformerStats& Add(const std::string& id, std::uint64_t refused, std::uint64_t published) {
+    auto& before = *machine.facts.daemon.before.mutable_stats()->add_performers();
+    before.set_performer(id);
+    before.set_refused(1000);
+    before.set_published(5000);
+    auto& after = *machine.facts.daemon.after.mutable_stats()->add_performers();
+    after = before;
+    after.set_refused(1000 + refused);
+    after.set_published(5000 + published);
+    after.set_live(published > 0);
+    return after;
+  }
+  std::vector<Finding> Of(const std::string& code) {
+    std::vector<Finding> found;
+    for (const Finding& finding : Diagnose(machine.facts)) {
+      if (finding.code == code) found.push_back(finding);
+    }
+    return found;
+  }
+  Machine machine;
+};
+
+TEST_F(PerformersTest, WhoIsRefusedBesideALiveOneIsAProblemWithItsReason) {
+  Add("suit.a", 360, 0).set_refused_as("pipeline.far_ahead");
+  const auto found = Of("performer_refused");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].severity, Severity::kProblem);
+  EXPECT_NE(found[0].what.find("suit.a: 360 datagrams came and no frame left"), std::string::npos)
+      << found[0].what;
+  EXPECT_NE(found[0].what.find("far ahead"), std::string::npos);
+}
+
+TEST_F(PerformersTest, WhoLosesMoreThanHalfIsWarnedOf) {
+  Add("suit.a", 300, 60).set_refused_as("pipeline.second_sender");
+  const auto found = Of("performer_refused");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].severity, Severity::kWarning);
+}
+
+TEST_F(PerformersTest, AFewRefusedOnesAndOldOnesAreNothing) {
+  Add("suit.a", 2, 358);
+  Add("suit.c", 0, 0);  // was refused once, is silent now
+  EXPECT_TRUE(Of("performer_refused").empty());
+}
+
+TEST_F(PerformersTest, TheReasonIsSaidOnceForTheSourceToo) {
+  machine.facts.daemon.after.mutable_stats()->clear_performers();
+  machine.Grow("pipeline.second_sender", 360);
+  Add("suit.a", 360, 0).set_refused_as("pipeline.second_sender");
+  EXPECT_EQ(Of("performer_refused").size(), 1U);
+  EXPECT_TRUE(Of("second_sender").empty());
+  EXPECT_TRUE(Of("no_frames").empty());
+}
+
+TEST_F(PerformersTest, AMirroredRigIsWarnedOf) {
+  Add("suit.a", 0, 360).set_warning("the toes point backwards");
+  ASSERT_EQ(Of("backwards").size(), 1U);
+  EXPECT_NE(Of("backwards")[0].what.find("toes point backwards"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace styled::doctor
