@@ -42,14 +42,18 @@ struct Control::Impl {
       socket.set(zmq::sockopt::curve_publickey, options.curve->public_key);
       socket.set(zmq::sockopt::curve_secretkey, options.curve->secret_key);
     }
+    socket.set(zmq::sockopt::ipv6, options.endpoint.find('[') != std::string::npos);
     socket.connect(options.endpoint);
   }
 
   CallStatus NoAnswer() {
     Open();
+    const Reach reach = Examine(options.endpoint, Peer::kControl, options.curve);
     return {CallStatus::Kind::kNoAnswer, v1::CODE_OK,
             "no daemon answers at " + options.endpoint + " within " +
-                std::to_string(options.timeout.count()) + " ms"};
+                std::to_string(options.timeout.count()) +
+                " ms: " + (reach.text.empty() ? "it is there, but does not reply" : reach.text),
+            reach.obstacle};
   }
 };
 

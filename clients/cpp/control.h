@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clients/cpp/curve.h"
+#include "clients/cpp/reach.h"
 #include "model/base/status.h"
 #include "proto/styled/v1/control.pb.h"
 
@@ -27,18 +28,21 @@ class [[nodiscard]] CallStatus {
   };
 
   CallStatus() = default;
-  CallStatus(Kind kind, v1::Code code, std::string reason)
-      : kind_(kind), code_(code), reason_(std::move(reason)) {}
+  CallStatus(Kind kind, v1::Code code, std::string reason, Obstacle obstacle = Obstacle::kNone)
+      : kind_(kind), code_(code), reason_(std::move(reason)), obstacle_(obstacle) {}
 
   bool ok() const { return kind_ == Kind::kOk; }
   Kind kind() const { return kind_; }
   v1::Code code() const { return code_; }                // CODE_OK unless kRefused
   const std::string& reason() const { return reason_; }  // empty when ok
+  // Of kNoAnswer: what stands between; kNone: the daemon is there, and did not reply in time.
+  Obstacle obstacle() const { return obstacle_; }
 
  private:
   Kind kind_ = Kind::kOk;
   v1::Code code_ = v1::CODE_OK;
   std::string reason_;
+  Obstacle obstacle_ = Obstacle::kNone;
 };
 
 // The first sequence of each performer that a change is in force for.
@@ -46,7 +50,8 @@ using Applied = std::vector<v1::Applied>;
 
 struct ControlOptions {
   std::string endpoint = std::string(kDefaultControl);
-  std::chrono::milliseconds timeout{2000};  // of one call; > 0
+  std::chrono::milliseconds timeout{2000};  // of one call; > 0. Without an answer the call takes up
+                                            // to 500 ms more, to find out why
   std::optional<Curve> curve;               // for a daemon that asks for keys
 };
 

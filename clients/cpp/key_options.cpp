@@ -15,6 +15,34 @@ void Declare(CLI::App& app, KeyOptions& options) {
       ->envname("STYLED_SERVER_KEY");
 }
 
+std::string Advice(Obstacle obstacle, Peer peer) {
+  const bool control = peer == Peer::kControl;
+  const std::string section = control ? "control" : "publish";
+  switch (obstacle) {
+    case Obstacle::kNone:
+      return "";
+    case Obstacle::kAsksForKeys:
+      return "it wants --key and --server-key (STYLED_KEY, STYLED_SERVER_KEY); stylectl keygen "
+             "makes the first, server.pub in the daemon's folder of keys is the second";
+    case Obstacle::kAsksForNone:
+      return "leave out --key and --server-key (STYLED_KEY, STYLED_SERVER_KEY)";
+    case Obstacle::kWrongKeys:
+      return "--server-key: server.pub in the daemon's folder of keys, or stylectl keys on its "
+             "machine, has the right one";
+    case Obstacle::kNotLetIn:
+      return "on the daemon's machine: stylectl allow NAME 'PUBLICKEY' --role " +
+             std::string(control ? "operator; a subscriber's key does not open the control socket"
+                                 : "subscriber");
+    case Obstacle::kForbidden:
+    case Obstacle::kTurnedAway:
+      return section + ".ipc_mode and " + section + ".ipc_users in styled.toml say who may connect";
+    default:
+      return "is styled running, and is its " +
+             std::string(control ? "control socket" : "publisher") + " there (" + section +
+             ".address in styled.toml)?";
+  }
+}
+
 Result<std::optional<Curve>> ReadKeys(const KeyOptions& options) {
   if (options.key.empty() && options.server_key.empty()) return std::optional<Curve>();
   if (options.key.empty()) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "clients/cpp/curve.h"
+#include "clients/cpp/reach.h"
 #include "model/base/status.h"
 
 namespace CLI {
@@ -20,6 +21,10 @@ struct KeyOptions {
 
 // --key, --server-key; or STYLED_KEY, STYLED_SERVER_KEY of the environment.
 void Declare(CLI::App& app, KeyOptions& options);
+
+// What a user of our programs can do about it; one sentence without a full stop, or a question.
+// "" for kNone.
+std::string Advice(Obstacle obstacle, Peer peer);
 
 // Nothing where neither is given. Errors name the option, and the file.
 Result<std::optional<Curve>> ReadKeys(const KeyOptions& options);

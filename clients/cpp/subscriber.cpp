@@ -174,7 +174,10 @@ void Subscriber::Impl::Open() {
     SubscribeTo(options.performer);
   }
   if (options.statistics) socket.set(zmq::sockopt::subscribe, kStatisticsTopic);
-  for (const std::string& endpoint : options.endpoints) socket.connect(endpoint);
+  for (const std::string& endpoint : options.endpoints) {
+    if (endpoint.find('[') != std::string::npos) socket.set(zmq::sockopt::ipv6, true);
+    socket.connect(endpoint);
+  }
 }
 
 void Subscriber::Impl::SubscribeTo(std::string_view performer) {

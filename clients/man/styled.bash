@@ -101,8 +101,15 @@ _styled_complete() {
       elif [[ ${program##*/} == stylectl ]]; then
         files=
         case $command:${#alone[@]} in
-          set:0 | clear:0 | pin:0 | unpin:0 | reset:0 | calibrate:0 | preset:1) words="$(_styled_performers) *" ;;
-          preset:0) words=$(_styled_presets) ;;
+          set:0 | clear:0 | pin:0 | unpin:0 | reset:0 | calibrate:0) words="$(_styled_performers) *" ;;
+          preset:0) words="$(_styled_performers) * $(_styled_presets)" ;;
+          preset:1)  # a performer has a dot, or is *
+            if [[ ${alone[0]} == *[.*]* ]]; then
+              words=$(_styled_presets)
+            else
+              words="$(_styled_performers) *"
+            fi
+            ;;
           cue:0) words=$(_styled_cues) ;;
           keygen:0) files=yes ;;
         esac

@@ -5,8 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 
 #include "clients/cpp/key_options.h"
+#include "clients/cpp/reach.h"
 #include "clients/vmc/forwarder.h"
 
 namespace styled::stylevmc {
@@ -79,7 +81,24 @@ std::string Targets(const Channel& channel) {
 // One line per channel: who goes where, and how.
 class Report {
  public:
-  Report(std::ostream& out, std::ostream& err) : out_(out), err_(err) {}
+  Report(const Options& options, std::ostream& out, std::ostream& err) : out_(out), err_(err) {
+    for (const std::string& endpoint : options.publishers) {
+      lookouts_.push_back(
+          std::make_unique<client::Lookout>(endpoint, client::Peer::kPublisher, options.curve));
+    }
+  }
+
+  // Why no daemon answers is found out while none does.
+  void Watch(Forwarder& forwarder) {
+    const bool connected = forwarder.connected() > 0;
+    for (const auto& lookout : lookouts_) {
+      if (connected) {
+        lookout->Rest();
+      } else {
+        (void)lookout->Look();
+      }
+    }
+  }
 
   void Print(Forwarder& forwarder, bool interval) {
     const double passed_s = std::chrono::duration<double>(Clock::now() - since_).count();
@@ -99,8 +118,8 @@ class Report {
       }
       out_ << counts.frames << " frames, " << counts.thinned << " thinned out, " << counts.missed
            << " missed, " << counts.bodiless << " without a body, " << counts.failed
-           << " datagrams refused" << (forwarder.connected() == 0 ? "; no daemon answers" : "")
-           << "\n";
+           << " datagrams refused"
+           << (forwarder.connected() == 0 ? "; no daemon answers" + Why() : "") << "\n";
     }
     out_.flush();
     since_ = Clock::now();
@@ -128,6 +147,20 @@ class Report {
   }
 
  private:
+  // " at tcp://...: nobody listens there (Connection refused); is styled running, ..."
+  std::string Why() const {
+    std::string text;
+    for (const auto& lookout : lookouts_) {
+      const client::Reach& reach = lookout->found();
+      text += (text.empty() ? " at " : ", nor at ") + lookout->endpoint();
+      if (!reach.text.empty()) text += ": " + reach.text;
+      const std::string advice = client::Advice(reach.obstacle, client::Peer::kPublisher);
+      if (!advice.empty()) text += "; " + advice;
+    }
+    return text;
+  }
+
+  std::vector<std::unique_ptr<client::Lookout>> lookouts_;
   std::ostream& out_;
   std::ostream& err_;
   Clock::time_point since_ = Clock::now(), next_error_ = Clock::now();
@@ -141,11 +174,12 @@ Clock::duration Seconds(double seconds) {
 
 int Forward(const Arguments& a, Forwarder& forwarder, const std::atomic<bool>& stop,
             std::ostream& out, std::ostream& err) {
-  Report report(out, err);
+  Report report(a.options, out, err);
   const auto begin = Clock::now();
   auto next = begin + Seconds(a.statistics_s);
   while (!stop && (a.seconds == 0 || Clock::now() < begin + Seconds(a.seconds))) {
     forwarder.Step(milliseconds(50));
+    report.Watch(forwarder);
     report.PrintNews(forwarder);
     if (a.statistics_s == 0 || Clock::now() < next) continue;
     report.Print(forwarder, true);

@@ -249,6 +249,27 @@ TEST(SecurityTest, StylectlReachesADaemonOnAnotherMachineByItsKeys) {
   const Said without = ask({"--timeout", "0.5"});
   EXPECT_EQ(without.code, 3);
   EXPECT_NE(without.out.find("wants --key and --server-key"), std::string::npos) << without.out;
+  // Keys that do not help, each with its own words.
+  (void)guarded.NewClient("stranger");
+  (void)guarded.Allow("bob", "subscriber");
+  const auto refused = [&](const std::string& name, const std::string& server,
+                           const std::string& endpoint) {
+    const Said said =
+        Stylectl({"--endpoint", endpoint, "--timeout", "0.5", "--key",
+                  guarded.daemon.folder / (name + ".key"), "--server-key", server, "status"});
+    EXPECT_EQ(said.code, 3) << said.out;
+    return said.out;
+  };
+  for (const std::string name : {"stranger", "bob"}) {
+    const std::string said = refused(name, guarded.daemon.server_key, guarded.control);
+    EXPECT_NE(said.find("it does not let this client's key in"), std::string::npos) << said;
+    EXPECT_NE(said.find("stylectl allow NAME 'PUBLICKEY' --role operator"), std::string::npos);
+  }
+  const std::string other = keys::ReadPair(guarded.daemon.folder / "bob.key").value().public_key;
+  const std::string misled = refused("anna", other, guarded.control);
+  EXPECT_NE(misled.find("its key is another one"), std::string::npos) << misled;
+  const std::string elsewhere = refused("anna", guarded.daemon.server_key, guarded.publish);
+  EXPECT_NE(elsewhere.find("but not its control socket"), std::string::npos) << elsewhere;
   const Said listed = Stylectl({"keys", "--keys", guarded.Folder()});
   EXPECT_NE(listed.out.find("daemon: " + guarded.daemon.server_key), std::string::npos);
   EXPECT_NE(listed.out.find("anna     operator"), std::string::npos) << listed.out;

@@ -10,7 +10,7 @@ function(move from to)
   file(WRITE ${to} "${text}")
 endfunction()
 
-foreach(header subscriber control transforms curve)
+foreach(header subscriber control transforms curve reach)
   move(${SOURCE}/clients/cpp/${header}.h ${TREE}/client/${header}.h)
 endforeach()
 move(${SOURCE}/model/base/status.h ${TREE}/base/status.h)

@@ -1,6 +1,8 @@
 #include "clients/cpp/stylectl/cli.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -36,7 +38,8 @@ struct Arguments {
   double watch_s = 0;  // of status; 0: once
   std::string performer{client::kEveryone};
   std::string style, preset, cue;
-  std::vector<std::string> mix;  // STYLE=WEIGHT
+  std::array<std::string, 2> preset_words;  // as given: performer and name, in either order
+  std::vector<std::string> mix;             // STYLE=WEIGHT
   std::optional<double> strength;
   std::optional<double> transition_ms;
   bool absolute = false, detail = false;
@@ -47,6 +50,15 @@ struct Arguments {
   bool forget = false;  // the calibration
   doctor::Options doctor;
 };
+
+// Whether the daemon may be at another endpoint.
+bool MayBeElsewhere(client::Obstacle obstacle) {
+  using client::Obstacle;
+  return obstacle == Obstacle::kUnknownHost || obstacle == Obstacle::kUnreachable ||
+         obstacle == Obstacle::kNobody || obstacle == Obstacle::kNoFile ||
+         obstacle == Obstacle::kNoSocket || obstacle == Obstacle::kLeftBehind ||
+         obstacle == Obstacle::kOtherSocket || obstacle == Obstacle::kNotZeroMq;
+}
 
 // A check of --only: empty, or what is wrong.
 std::string CheckParts(const std::string& list) {
@@ -91,9 +103,12 @@ class Program {
   void DeclareCalibrate();
   void DeclareDoctor();
   void DeclareKeys();
+  std::vector<std::string> Commands() const;
   CLI::App* Command(const std::string& name, const std::string& text);
   void PerformerOf(CLI::App* command, bool required, bool everyone = true);
 
+  int Unexpected(const std::string& reason);
+  std::string TakePreset();  // what is wrong; "" = nothing
   int Execute(const std::string& command);
   int List();
   int Status();
@@ -144,6 +159,10 @@ void Program::Declare() {
       ->envname("STYLED_CONTROL")
       ->capture_default_str();
   client::Declare(app_, arguments_.keys);
+  app_.add_option("--keys", arguments_.clients.folder,
+                  "of allow, revoke and keys: the daemon's folder of keys, its security.keys")
+      ->envname("STYLED_SECURITY_KEYS")
+      ->capture_default_str();
   app_.add_option("--timeout", arguments_.timeout_s, "seconds to wait for an answer")
       ->check(CLI::Range(0.01, 600.0))
       ->capture_default_str();
@@ -166,8 +185,10 @@ void Program::Declare() {
   DeclareSet();
   PerformerOf(Command("clear", "fade to bypass, the performer as captured"), false);
   CLI::App* preset = Command("preset", "a named mix of the daemon's configuration");
-  preset->add_option("NAME", arguments_.preset, "as shown by list")->required();
-  PerformerOf(preset, false);
+  // Both are optional to CLI11, which fills them from the front; TakePreset sorts them.
+  preset->add_option("PERFORMER", arguments_.preset_words[0],
+                     "SOURCE.NAME, or '*'; left out: everyone");
+  preset->add_option("NAME", arguments_.preset_words[1], "of the preset, as shown by list");
   preset->add_option("--transition", arguments_.transition_ms, "fade, ms")
       ->check(CLI::Range(0.0, 60000.0));
   Command("cue", "fire the cues of that name, of the daemon's configuration")
@@ -209,7 +230,7 @@ void Program::DeclareSet() {
 
 void Program::DeclareCalibrate() {
   CLI::App* calibrate =
-      Command("calibrate", "take how a performer stands now as his rig's rest pose");
+      Command("calibrate", "take how a performer stands now as the rest pose of their rig");
   PerformerOf(calibrate, true, false);
   CLI::Option* pose =
       calibrate
@@ -245,16 +266,11 @@ void Program::DeclareDoctor() {
 // On files of this machine: no daemon is asked.
 void Program::DeclareKeys() {
   KeyArguments& clients = arguments_.clients;
-  const auto in_folder = [&clients](CLI::App* command) {
-    command->add_option("--keys", clients.folder, "the daemon's folder of keys, its security.keys")
-        ->envname("STYLED_SECURITY_KEYS")
-        ->capture_default_str();
-  };
   Command("keygen", "make a pair of keys in a new file, print the public one")
       ->add_option("FILE", clients.file, "where it is kept; for your eyes only")
       ->required();
   CLI::App* allow = Command("allow", "let a client with this key in, at once");
-  allow->add_option("NAME", clients.name, "what he is called here: A-Z a-z 0-9 _ -")->required();
+  allow->add_option("NAME", clients.name, "the client's name here: A-Z a-z 0-9 _ -")->required();
   allow->add_option("PUBLICKEY", clients.key, "as keygen printed it, or a file that holds it")
       ->required();
   allow
@@ -262,12 +278,9 @@ void Program::DeclareKeys() {
                    "subscriber: frames; operator: frames and the control socket")
       ->check(CLI::IsMember({"subscriber", "operator"}))
       ->capture_default_str();
-  CLI::App* revoke = Command("revoke", "let a client in no more; he is cut off at once");
+  CLI::App* revoke = Command("revoke", "let a client in no more; it is cut off at once");
   revoke->add_option("NAME", clients.name, "as shown by keys")->required();
-  for (CLI::App* command :
-       {allow, revoke, Command("keys", "the daemon's key, and who is let in")}) {
-    in_folder(command);
-  }
+  Command("keys", "the daemon's key, and who is let in");
 }
 
 int Program::Keys(const std::string& command) {
@@ -299,15 +312,29 @@ int Program::Doctor() {
 }
 
 int Program::Run(std::vector<std::string> arguments) {
+  const bool folder_given =  // here, not in the environment
+      std::any_of(arguments.begin(), arguments.end(), [](const std::string& word) {
+        return word == "--keys" || word.starts_with("--keys=");
+      });
   std::reverse(arguments.begin(), arguments.end());  // what CLI11 takes
   try {
     app_.parse(arguments);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app_.exit(error, out_, err_), kExitOk;
-    return Usage(error.what());
+    return Unexpected(error.what());
   }
-  if (app_.get_subcommands().empty()) return Usage("a command is required");
+  if (app_.get_subcommands().empty()) {
+    return Usage("a command is required; expected one of " + Join(Commands()));
+  }
   const std::string command = app_.get_subcommands().front()->get_name();
+  const bool of_keys = command == "allow" || command == "revoke" || command == "keys";
+  if (folder_given && !of_keys) {
+    return Usage(
+        "--keys FOLDER is of allow, revoke and keys; a client's own pair of keys is --key");
+  }
+  if (command == "preset") {
+    if (const std::string wrong = TakePreset(); !wrong.empty()) return Usage("preset: " + wrong);
+  }
   if (command == "keygen" || command == "allow" || command == "revoke" || command == "keys") {
     return Keys(command);
   }
@@ -321,6 +348,61 @@ int Program::Run(std::vector<std::string> arguments) {
   if (!control.ok()) return Usage(control.status().message());
   control_ = std::move(control.value());
   return Execute(command);
+}
+
+std::vector<std::string> Program::Commands() const {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app_.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+// A command line that CLI11 refuses. Where a command or an option is misspelt, what was meant.
+int Program::Unexpected(const std::string& reason) {
+  const auto chosen = app_.get_subcommands();
+  std::vector<std::string> options;
+  const auto add = [&options](const CLI::App& app) {
+    for (const CLI::Option* option : app.get_options()) {
+      for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+    }
+  };
+  add(app_);
+  if (!chosen.empty()) add(*chosen.front());
+  for (const std::string& word : app_.remaining(true)) {
+    const bool option = word.starts_with("--");
+    if (!option && (word.starts_with("-") || !chosen.empty())) continue;
+    const std::string name = word.substr(0, word.find('='));
+    const std::string near = Nearest(name, option ? options : Commands());
+    std::string text = "'" + name + "' is no " + (option ? "option" : "command");
+    if (option && !chosen.empty()) text += " of " + chosen.front()->get_name();
+    if (!near.empty()) {
+      text += "; did you mean '" + near + "'?";
+    } else if (!option) {
+      text += "; expected one of " + Join(Commands());
+    }
+    return Usage(text);
+  }
+  return Usage(reason);
+}
+
+// `preset PERFORMER NAME`, as every other command; `preset NAME PERFORMER`, as it once was, and
+// `preset NAME`. They cannot be confused: a performer's id has a dot, or is '*'; a name has none.
+std::string Program::TakePreset() {
+  const auto is_performer = [](const std::string& word) {
+    return word == client::kEveryone || client::IsPerformerId(word);
+  };
+  const auto& [first, second] = arguments_.preset_words;
+  const bool old = !is_performer(first);
+  const std::string& performer = old ? second : first;
+  arguments_.preset = old ? first : second;
+  if (arguments_.preset.empty()) return "expected NAME, or PERFORMER NAME";
+  if (is_performer(arguments_.preset)) return "expected one PERFORMER, and the preset's NAME";
+  if (performer.empty()) return "";
+  if (!is_performer(performer)) {
+    return "neither '" + first + "' nor '" + second +
+           "' is SOURCE.NAME ([A-Za-z0-9_-]{1,32} each) or '*'; expected PERFORMER NAME";
+  }
+  arguments_.performer = performer;
+  return "";
 }
 
 int Program::Execute(const std::string& command) {
@@ -556,18 +638,18 @@ int Program::Fail(const CallStatus& status) {
   if (refused) {
     failure = Explain(status);
   } else {
-    failure.expected =
-        "is styled running, and is its control socket there (control.address in styled.toml)? "
-        "Another endpoint: --endpoint or STYLED_CONTROL";
-    failure.expected += arguments_.control.curve
-                            ? ". Or this key is not an operator's there (stylectl keys, over there)"
-                            : ". A daemon on another machine wants --key and --server-key";
+    failure.expected = status.obstacle() == client::Obstacle::kNone
+                           ? "--timeout gives it longer; styled's journal says what it does"
+                           : client::Advice(status.obstacle(), client::Peer::kControl);
+    if (MayBeElsewhere(status.obstacle())) {
+      failure.expected += " Another endpoint: --endpoint or STYLED_CONTROL";
+    }
   }
   err_ << "stylectl: " << status.reason();
   if (!failure.suggestion.empty()) err_ << "; did you mean '" << failure.suggestion << "'?";
   err_ << "\n";
   // Most reasons say themselves what was expected.
-  const bool said = status.reason().find("expected") != std::string::npos;
+  const bool said = refused && status.reason().find("expected") != std::string::npos;
   if (!failure.expected.empty() && !said) err_ << "  " << failure.expected << "\n";
   if (arguments_.json) {
     json object{{"ok", false},

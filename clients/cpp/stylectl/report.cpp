@@ -146,6 +146,11 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
     std::sort(rows.begin() + 1, rows.end());  // by performer
     out += Table(rows);
   }
+  for (const auto& source : status.sources()) {
+    if (source.received() > 0) continue;
+    out += source.name() + (source.type() == "usb" ? ": waiting for " : ": listening at ") +
+           source.listen() + " (" + source.type() + "), nothing received yet\n";
+  }
   std::vector<std::vector<std::string>> delays{
       {"SOURCE", "DELAY ms", "CAME LATE ms", "LEFT LATE ms", "MISSED"}};
   for (const auto& source : status.sources()) {

@@ -7,6 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "clients/cpp/key_options.h"
+#include "clients/cpp/reach.h"
 #include "proto/styled/body_parts.h"
 
 namespace styled::stylemon {
@@ -53,6 +55,7 @@ struct Monitor::Impl {
   std::unique_ptr<client::Subscriber> directory;  // everybody's bodies, statistics
   std::unique_ptr<client::Subscriber> frames;     // one performer's streams
   std::unique_ptr<Steering> steering;
+  std::unique_ptr<client::Lookout> lookout;
   View view;
   Meter meter;
   Update update;
@@ -99,6 +102,8 @@ Result<std::unique_ptr<Monitor>> Monitor::Start(const MonitorOptions& options) {
   impl->options = options;
   impl->directory = std::move(directory.value());
   impl->steering = std::move(steering.value());
+  impl->lookout =
+      std::make_unique<client::Lookout>(options.publisher, client::Peer::kPublisher, options.curve);
   impl->view.publisher = options.publisher;
   impl->view.control = options.control;
   impl->view.side = options.side;
@@ -216,6 +221,15 @@ void Monitor::Impl::RefreshLink() {
     styles_at = {};
   }
   view.link_s = Seconds(Clock::now() - link_at);
+  view.obstacle.clear();
+  if (now) {
+    lookout->Rest();
+  } else {
+    const client::Reach& reach = lookout->Look();
+    view.obstacle = reach.text;
+    const std::string advice = client::Advice(reach.obstacle, client::Peer::kPublisher);
+    if (!advice.empty()) view.obstacle += "; " + advice;
+  }
   if (connected && (styles_at == Clock::time_point() ||
                     (view.styles.empty() && Seconds(Clock::now() - styles_at) > kStylesEvery_s))) {
     styles_at = Clock::now();

@@ -171,10 +171,12 @@ std::string StylesText(const v1::Frame& frame) {
 
 std::string Trouble(const View& view) {
   if (view.link == Link::kNever) {
-    return "no daemon answers at " + view.publisher + ": is styled running? (--publisher)";
+    return "no daemon answers at " + view.publisher + ": " +
+           (view.obstacle.empty() ? "is styled running?" : view.obstacle) + " (--publisher)";
   }
   if (view.link == Link::kLost) {
-    return "daemon away for " + Fixed(view.link_s, 0) + " s: reconnecting to " + view.publisher;
+    return "daemon away for " + Fixed(view.link_s, 0) + " s: reconnecting to " + view.publisher +
+           (view.obstacle.empty() ? "" : "; " + view.obstacle);
   }
   if (view.performers.empty())
     return "connected, but no performer yet: is a rig, or stylesim, sending?";

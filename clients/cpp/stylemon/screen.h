@@ -38,7 +38,8 @@ struct PerformerLine {
 struct View {
   std::string publisher, control;
   Link link = Link::kNever;
-  double link_s = 0;  // how long it has been so
+  double link_s = 0;     // how long it has been so
+  std::string obstacle;  // why there is no link, and what to do; "" = not known
   std::vector<PerformerLine> performers;
   int selected = -1;  // index into performers
   Figure input, styled;

@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "clients/cpp/stylectl/cli.h"
 #include "clients/cpp/stylectl/report.h"
 #include "clients/cpp/stylectl/suggest.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/clients/fake_daemon.h"
 
 namespace styled::stylectl {
@@ -36,6 +38,16 @@ v1::Reply Answer(const v1::Request& request) {
   }
   if (request.has_status()) {
     reply.mutable_status()->set_version("1.2.3");
+    for (const auto& [name, type, listen, received] :
+         {std::tuple{"rig", "udp", "0.0.0.0:7000", 12},
+          std::tuple{"vmc", "vmc", "0.0.0.0:39539", 0},
+          std::tuple{"dongle", "usb", "1209:7690", 0}}) {
+      auto& source = *reply.mutable_status()->add_sources();
+      source.set_name(name);
+      source.set_type(type);
+      source.set_listen(listen);
+      source.set_received(static_cast<std::uint64_t>(received));
+    }
     auto& stats = *reply.mutable_status()->mutable_stats();
     auto& anna = *stats.add_performers();
     anna.set_performer("rig.anna");
@@ -102,6 +114,19 @@ TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
   EXPECT_FALSE(Says("source.zero"));
   EXPECT_EQ(Run({"status", "--all"}), kExitOk);
   EXPECT_TRUE(Says("source.zero"));
+}
+
+TEST_F(StylectlTest, StatusKnowsTheSourcesThatNothingCameTo) {
+  EXPECT_EQ(Run({"status"}), kExitOk);
+  EXPECT_TRUE(Says("vmc: listening at 0.0.0.0:39539 (vmc), nothing received yet\n")) << out_.str();
+  EXPECT_TRUE(Says("dongle: waiting for 1209:7690 (usb), nothing received yet\n")) << out_.str();
+  EXPECT_FALSE(Says("rig: ")) << out_.str();
+  EXPECT_EQ(Run({"status", "--json"}), kExitOk);
+  const auto sources = nlohmann::json::parse(out_.str())["sources"];
+  ASSERT_EQ(sources.size(), 3U);
+  EXPECT_EQ(sources[0]["received"], 12);
+  EXPECT_EQ(sources[1]["received"], 0);
+  EXPECT_EQ(sources[1]["listen"], "0.0.0.0:39539");
 }
 
 TEST_F(StylectlTest, SetSendsWhatWasGivenAndNothingElse) {
@@ -180,7 +205,85 @@ TEST_F(StylectlTest, APerformerConfiguredAheadIsNotSuggestedInItsOwnStead) {
 
 TEST_F(StylectlTest, AnUnknownCommandIsNamed) {
   EXPECT_EQ(Run({"dance"}), kExitUsage);
-  EXPECT_TRUE(Complains("dance")) << err_.str();
+  EXPECT_TRUE(Complains("'dance' is no command; expected one of list, status, set")) << err_.str();
+}
+
+TEST_F(StylectlTest, AMisspeltCommandOrOptionIsAnsweredWithTheNearestOne) {
+  EXPECT_EQ(Run({"stauts"}), kExitUsage);
+  EXPECT_TRUE(Complains("'stauts' is no command; did you mean 'status'?")) << err_.str();
+  EXPECT_EQ(Run({"--json", "sett", "*", "--style", "old"}), kExitUsage);
+  EXPECT_TRUE(Complains("'sett' is no command; did you mean 'set'?")) << err_.str();
+  EXPECT_EQ(Run({"set", "*", "--stlye", "old"}), kExitUsage);
+  EXPECT_TRUE(Complains("'--stlye' is no option of set; did you mean '--style'?")) << err_.str();
+  EXPECT_EQ(Run({"--endpont=x", "list"}), kExitUsage);
+  EXPECT_TRUE(Complains("'--endpont' is no option of list; did you mean '--endpoint'?"))
+      << err_.str();
+  EXPECT_EQ(Run({"status", "--zzzzzzzz"}), kExitUsage);
+  EXPECT_TRUE(Complains("'--zzzzzzzz' is no option of status\n")) << err_.str();
+}
+
+TEST_F(StylectlTest, OptionsOfEveryCommandMayStandBeforeItAndBehindIt) {
+  const std::vector<std::vector<std::string>> common = {
+      {"--endpoint", daemon_.control()}, {"--timeout", "1.5"}, {"--json"}};
+  const std::vector<std::vector<std::string>> commands = {{"list"},
+                                                          {"status"},
+                                                          {"set", "*", "--style", "old"},
+                                                          {"clear", "*"},
+                                                          {"pin", "rig.anna"},
+                                                          {"unpin", "rig.anna"},
+                                                          {"preset", "*", "scene"},
+                                                          {"reset", "*"},
+                                                          {"panic"}};
+  for (const auto& command : commands) {
+    for (const auto& option : common) {
+      std::vector<std::string> before = option, behind = command;
+      before.insert(before.end(), command.begin(), command.end());
+      behind.insert(behind.end(), option.begin(), option.end());
+      std::ostringstream out, err;
+      // Without Run's own --endpoint, where that is the one under test.
+      const auto run = [&](std::vector<std::string> words) {
+        if (option[0] == "--endpoint") return stylectl::Run(std::move(words), out, err);
+        return Run(std::move(words));
+      };
+      EXPECT_EQ(run(before), kExitOk) << testing::PrintToString(before) << err.str();
+      EXPECT_EQ(run(behind), kExitOk) << testing::PrintToString(behind) << err.str();
+    }
+  }
+  const support::TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "keys");
+  EXPECT_EQ(Run({"--keys", folder / "keys", "keys"}), kExitOk) << err_.str();
+  EXPECT_EQ(Run({"keys", "--keys", folder / "keys"}), kExitOk) << err_.str();
+  EXPECT_EQ(Run({"--keys=" + (folder / "keys"), "revoke", "anna"}), kExitRefused);
+  EXPECT_TRUE(Complains("'anna' is not let in at " + (folder / "keys"))) << err_.str();
+  // Mistaken for --key.
+  EXPECT_EQ(Run({"--keys", folder / "keys", "status"}), kExitUsage);
+  EXPECT_TRUE(Complains("own pair of keys is --key")) << err_.str();
+}
+
+TEST_F(StylectlTest, PresetTakesThePerformerFirstAsEveryCommandAndLastAsItOnceDid) {
+  for (const auto& words : std::vector<std::vector<std::string>>{
+           {"preset", "rig.anna", "scene"},
+           {"preset", "scene", "rig.anna"},
+           {"preset", "--transition", "10", "rig.anna", "scene"}}) {
+    EXPECT_EQ(Run(words), kExitOk) << testing::PrintToString(words) << err_.str();
+    EXPECT_EQ(last_.preset().name(), "scene");
+    EXPECT_EQ(last_.performer(), "rig.anna");
+  }
+  for (const auto& words : std::vector<std::vector<std::string>>{
+           {"preset", "scene"}, {"preset", "*", "scene"}, {"preset", "scene", "*"}}) {
+    EXPECT_EQ(Run(words), kExitOk) << testing::PrintToString(words) << err_.str();
+    EXPECT_EQ(last_.preset().name(), "scene");
+    EXPECT_EQ(last_.performer(), "*");
+  }
+  last_.Clear();
+  for (const auto& words : std::vector<std::vector<std::string>>{{"preset", "rig.anna"},
+                                                                 {"preset", "rig.anna", "rig.bob"},
+                                                                 {"preset", "scene", "anna"},
+                                                                 {"preset", "*", "*"}}) {
+    EXPECT_EQ(Run(words), kExitUsage) << testing::PrintToString(words);
+    EXPECT_TRUE(Complains("preset: ")) << err_.str();
+  }
+  EXPECT_EQ(last_.command_case(), v1::Request::COMMAND_NOT_SET) << "nobody was asked";
 }
 
 TEST_F(StylectlTest, JsonIsOneObjectPerCommandOnFailureToo) {

@@ -125,7 +125,8 @@ class CompletionTest(unittest.TestCase):
         self.assertIn('elderly', complete('stylectl set rig.sim --style ', environment))
         self.assertIn(r'\*', complete('stylectl set ', environment))
         self.assertIn('rig.sim', complete('stylectl preset mild ', environment))
-        self.assertNotIn('rig.sim', complete('stylectl preset ', environment))
+        self.assertIn('rig.sim', complete('stylectl preset ', environment))
+        self.assertNotIn('rig.sim', complete('stylectl preset rig.sim ', environment))
 
 
 if __name__ == '__main__':

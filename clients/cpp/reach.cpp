@@ -1,0 +1,383 @@
+#include "clients/cpp/reach.h"
+
+#include <fcntl.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <pwd.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <zmq.hpp>
+
+namespace styled::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr std::string_view kIpc = "ipc://", kTcp = "tcp://";
+
+int Left_ms(Clock::time_point deadline) {
+  const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
+  return static_cast<int>(std::max<std::int64_t>(0, left.count()));
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+// A connection, for this file alone: bytes, until a deadline.
+class Connection {
+ public:
+  explicit Connection(Clock::time_point deadline) : deadline_(deadline) {}
+
+  // 0, or the errno of connecting; ETIMEDOUT where the deadline passes.
+  int Connect(int family, const sockaddr* address, socklen_t size) {
+    fd_ =
+        std::make_unique<Descriptor>(socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    const int fd = fd_->get();
+    if (fd < 0) return errno;
+    if (connect(fd, address, size) == 0) return 0;
+    if (errno != EINPROGRESS) return errno;
+    if (!Wait(POLLOUT)) return ETIMEDOUT;
+    int error = 0;
+    socklen_t length = sizeof error;
+    getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &length);
+    return error;
+  }
+
+  // A few bytes, for which there is always room.
+  void Send(std::string_view bytes) const {
+    (void)send(fd_->get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
+
+  // False where the other side closes, or says nothing until the deadline.
+  bool ReadMore() {
+    std::array<char, 1024> bytes{};
+    if (!Wait(POLLIN)) return false;
+    const ssize_t size = recv(fd_->get(), bytes.data(), bytes.size(), 0);
+    closed_ = size <= 0;
+    if (size > 0) read_.append(bytes.data(), static_cast<std::size_t>(size));
+    return size > 0;
+  }
+
+  const std::string& read() const { return read_; }
+  bool closed() const { return closed_; }
+  int fd() const { return fd_->get(); }
+
+ private:
+  bool Wait(short event) const {
+    pollfd waiting{fd_->get(), event, 0};
+    return poll(&waiting, 1, Left_ms(deadline_)) > 0;
+  }
+
+  Clock::time_point deadline_;
+  std::unique_ptr<Descriptor> fd_;
+  std::string read_;
+  bool closed_ = false;
+};
+
+std::string Because(int error) { return std::string(" (") + std::strerror(error) + ")"; }
+
+std::string UserName(uid_t user) {
+  passwd entry{};
+  passwd* found = nullptr;
+  std::array<char, 4096> buffer{};
+  getpwuid_r(user, &entry, buffer.data(), buffer.size(), &found);
+  return found == nullptr ? "user " + std::to_string(user) : std::string(found->pw_name);
+}
+
+Reach Forbidden(const std::string& path, const struct stat* about) {
+  std::string text = UserName(geteuid()) + " may not connect to " + path;
+  if (about != nullptr) {
+    std::array<char, 8> mode{};
+    std::snprintf(mode.data(), mode.size(), "%04o", about->st_mode & 07777U);
+    text += ", which belongs to " + UserName(about->st_uid) + ", mode " + mode.data();
+  }
+  return {Obstacle::kForbidden, text + Because(EACCES)};
+}
+
+// Connects to an ipc path, or says why not.
+Reach OpenPath(const std::string& path, Connection& connection) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path || path.front() == '@') {
+    return {Obstacle::kNobody, "nobody listens there"};
+  }
+  struct stat about {};
+  if (stat(path.c_str(), &about) != 0) {
+    if (errno == EACCES) return Forbidden(path, nullptr);
+    return {Obstacle::kNoFile, "there is no " + path + Because(errno)};
+  }
+  if (!S_ISSOCK(about.st_mode)) return {Obstacle::kNoSocket, path + " is no socket"};
+  std::memcpy(address.sun_path, path.data(), path.size());
+  const int error =
+      connection.Connect(AF_UNIX, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  if (error == 0) return {};
+  if (error == EACCES || error == EPERM) return Forbidden(path, &about);
+  if (error == ECONNREFUSED) {
+    return {Obstacle::kLeftBehind, path + " was left behind by a program that is gone"};
+  }
+  return {Obstacle::kNobody, "nobody answers there" + Because(error)};
+}
+
+// The same for HOST:PORT.
+Reach OpenHost(const std::string& host_and_port, Connection& connection) {
+  const std::size_t colon = host_and_port.rfind(':');
+  if (colon == std::string::npos) return {Obstacle::kNobody, "nobody listens there"};
+  std::string host = host_and_port.substr(0, colon);
+  addrinfo wanted{}, *found = nullptr;
+  wanted.ai_family = AF_INET;  // as ZeroMQ connects
+  if (host.size() > 2 && host.front() == '[') {
+    host = host.substr(1, host.size() - 2);
+    wanted.ai_family = AF_INET6;
+  }
+  wanted.ai_socktype = SOCK_STREAM;
+  const int failed =
+      getaddrinfo(host.c_str(), host_and_port.substr(colon + 1).c_str(), &wanted, &found);
+  if (failed != 0) {
+    return {Obstacle::kUnknownHost, "no machine is known by the name " + host + " (" +
+                                        std::string(gai_strerror(failed)) + ")"};
+  }
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owned(found, freeaddrinfo);
+  const int error = connection.Connect(found->ai_family, found->ai_addr, found->ai_addrlen);
+  if (error == 0) return {};
+  if (error == ECONNREFUSED) return {Obstacle::kNobody, "nobody listens there" + Because(error)};
+  return {Obstacle::kUnreachable,
+          error == ETIMEDOUT ? host + " does not answer: it is off, or a firewall keeps us out"
+                             : host + " cannot be reached" + Because(error)};
+}
+
+// How the other side greets (rfc.zeromq.org/spec/23, ZMTP 3): 10 bytes of signature, the version,
+// 20 of the mechanism's name. It says so as soon as it knows our version.
+constexpr std::string_view kSignature("\xFF\0\0\0\0\0\0\0\x01\x7F\x03\0", 12);
+constexpr std::size_t kMechanismAt = 12, kMechanismSize = 20, kGreeting = 64;
+
+// What is left of our greeting with the mechanism NULL.
+std::string RestOfGreeting() {
+  std::string rest = "NULL";
+  rest.resize(kGreeting - kSignature.size(), '\0');
+  return rest;
+}
+
+// The type of socket in the READY that follows a greeting; "" where it has not come whole.
+std::string SocketType(std::string_view bytes) {
+  constexpr std::string_view kName = "Socket-Type";
+  const std::size_t at = bytes.find(kName);
+  const std::size_t size_at = at + kName.size() + 3;  // of four bytes, the last one
+  if (at == std::string_view::npos || size_at >= bytes.size()) return "";
+  const auto size = static_cast<unsigned char>(bytes[size_at]);
+  if (size_at + 1 + size > bytes.size()) return "";
+  return std::string(bytes.substr(size_at + 1, size));
+}
+
+Reach Open(const std::string& endpoint, Connection& connection) {
+  if (endpoint.starts_with(kIpc)) return OpenPath(endpoint.substr(kIpc.size()), connection);
+  if (endpoint.starts_with(kTcp)) return OpenHost(endpoint.substr(kTcp.size()), connection);
+  return {Obstacle::kNobody, "nobody answers there"};
+}
+
+// Hands what comes at `from` on to `to`; how much, 0 where `from` closes.
+std::size_t Relay(int from, int to) {
+  std::array<char, 4096> bytes{};
+  const ssize_t size = recv(from, bytes.data(), bytes.size(), 0);
+  if (size <= 0) return 0;
+  (void)send(to, bytes.data(), static_cast<std::size_t>(size), MSG_NOSIGNAL);
+  return static_cast<std::size_t>(size);
+}
+
+// A port of our own on loopback, for one connection.
+class Listener {
+ public:
+  Listener() : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    address_.sin_family = AF_INET;
+    address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address_;
+    auto* const address = reinterpret_cast<sockaddr*>(&address_);
+    if (bind(fd_.get(), address, size) != 0 || listen(fd_.get(), 1) != 0 ||
+        getsockname(fd_.get(), address, &size) != 0) {
+      throw zmq::error_t();
+    }
+  }
+  std::string endpoint() const {
+    return "tcp://127.0.0.1:" + std::to_string(ntohs(address_.sin_port));
+  }
+  int Accept(Clock::time_point deadline) const {
+    pollfd waiting{fd_.get(), POLLIN, 0};
+    if (poll(&waiting, 1, Left_ms(deadline)) <= 0) return -1;
+    return accept4(fd_.get(), nullptr, nullptr, SOCK_CLOEXEC);
+  }
+
+ private:
+  Descriptor fd_;
+  sockaddr_in address_{};
+};
+
+// How far ZeroMQ's own handshake gets with these keys. Its bytes pass through here, because libzmq
+// does not say which of its steps failed: a server greets, then answers a HELLO that it can read,
+// and only then is told who comes.
+enum class Shake { kDone, kWelcomed, kRefused, kNothing };
+Shake TryKeys(const std::string& endpoint, zmq::socket_type type, const Curve& curve,
+              Clock::time_point deadline) {
+  zmq::context_t context{1};
+  zmq::socket_t socket(context, type);
+  socket.set(zmq::sockopt::linger, 0);
+  socket.set(zmq::sockopt::reconnect_ivl, -1);
+  socket.set(zmq::sockopt::curve_serverkey, curve.server_key);
+  socket.set(zmq::sockopt::curve_publickey, curve.public_key);
+  socket.set(zmq::sockopt::curve_secretkey, curve.secret_key);
+  constexpr const char* kPlace = "inproc://handshake";
+  if (zmq_socket_monitor(socket.handle(), kPlace, ZMQ_EVENT_HANDSHAKE_SUCCEEDED) != 0) {
+    throw zmq::error_t();
+  }
+  zmq::socket_t monitor(context, zmq::socket_type::pair);
+  monitor.set(zmq::sockopt::linger, 0);
+  monitor.connect(kPlace);
+  const Listener listener;
+  socket.connect(listener.endpoint());
+  const Descriptor near(listener.Accept(deadline));
+  Connection far(deadline);
+  if (near.get() < 0 || Open(endpoint, far).obstacle != Obstacle::kNone) return Shake::kNothing;
+  std::size_t heard = 0;
+  bool closed = false;
+  std::array<zmq::pollitem_t, 3> items{zmq::pollitem_t{monitor.handle(), 0, ZMQ_POLLIN, 0},
+                                       zmq::pollitem_t{nullptr, near.get(), ZMQ_POLLIN, 0},
+                                       zmq::pollitem_t{nullptr, far.fd(), ZMQ_POLLIN, 0}};
+  while (!closed && zmq::poll(items.data(), items.size(), milliseconds(Left_ms(deadline))) > 0) {
+    if (items[0].revents != 0) return Shake::kDone;
+    if (items[1].revents != 0) closed = Relay(near.get(), far.fd()) == 0;
+    if (items[2].revents == 0) continue;
+    const std::size_t size = Relay(far.fd(), near.get());
+    closed = closed || size == 0;
+    heard += size;
+  }
+  if (heard > kGreeting) return Shake::kWelcomed;
+  return closed ? Shake::kRefused : Shake::kNothing;
+}
+
+std::string Name(Peer peer) { return peer == Peer::kControl ? "control socket" : "publisher"; }
+
+// With CURVE on both sides.
+Reach ExamineKeys(const std::string& endpoint, Peer peer, const Curve& curve,
+                  Clock::time_point deadline) {
+  const auto own = peer == Peer::kControl ? zmq::socket_type::dealer : zmq::socket_type::sub;
+  const auto other = peer == Peer::kControl ? zmq::socket_type::sub : zmq::socket_type::dealer;
+  // Who is not let in may be left without a word: there must be time for the second look.
+  const auto half = Clock::now() + (deadline - Clock::now()) / 2;
+  const Shake shake = TryKeys(endpoint, own, curve, half);
+  if (shake == Shake::kDone) return {};
+  if (shake == Shake::kNothing) {
+    return {Obstacle::kNotZeroMq, "what listens there does not go on with the handshake"};
+  }
+  if (shake == Shake::kRefused) {
+    return {Obstacle::kWrongKeys, "its key is another one than the server's key given"};
+  }
+  if (TryKeys(endpoint, other, curve, deadline) == Shake::kDone) {
+    return {Obstacle::kOtherSocket,
+            "what listens there is the daemon's, but not its " + Name(peer)};
+  }
+  return {Obstacle::kNotLetIn,
+          "the server's key is the right one, but it does not let this client's key in (" +
+              curve.public_key + ")"};
+}
+
+// What greets at the other end of `connection`.
+Reach Greet(const std::string& endpoint, Peer peer, const std::optional<Curve>& curve,
+            Connection& connection, Clock::time_point deadline) {
+  connection.Send(kSignature);
+  const std::string& read = connection.read();
+  while (read.size() < kGreeting && connection.ReadMore()) {
+    if (read.front() != '\xFF') break;
+  }
+  if (read.empty() && connection.closed() && endpoint.starts_with(kIpc)) {
+    return {
+        Obstacle::kTurnedAway,
+        "it closes the connection at once: ipc_users there may not name " + UserName(geteuid())};
+  }
+  if (read.size() < kGreeting) {
+    return {Obstacle::kNotZeroMq,
+            read.empty() && !connection.closed()
+                ? "what listens there says nothing: it does not speak ZeroMQ, or hangs"
+                : "what listens there does not speak ZeroMQ"};
+  }
+  const std::string_view mechanism(read.data() + kMechanismAt, kMechanismSize);
+  const bool asks = mechanism.starts_with("CURVE");
+  if (asks && !curve) return {Obstacle::kAsksForKeys, "it asks for keys, and none were given"};
+  if (!asks && curve) {
+    return {Obstacle::kAsksForNone, "it asks for no keys, and some were given"};
+  }
+  if (asks) return ExamineKeys(endpoint, peer, *curve, deadline);
+  connection.Send(RestOfGreeting());
+  std::string type;
+  const auto rest = [&read] { return std::string_view(read).substr(kGreeting); };
+  while ((type = SocketType(rest())).empty() && connection.ReadMore()) {
+  }
+  const bool right = peer == Peer::kControl ? type == "ROUTER" : type == "XPUB" || type == "PUB";
+  if (right || type.empty()) return {};
+  return {Obstacle::kOtherSocket,
+          "what listens there is a " + type + " socket of ZeroMQ, not the daemon's " + Name(peer)};
+}
+
+}  // namespace
+
+const Reach& Lookout::Look() {
+  if (under_way_.valid() && under_way_.wait_for(milliseconds(0)) == std::future_status::ready) {
+    found_ = under_way_.get();
+  }
+  if (!under_way_.valid() && Clock::now() >= next_) {
+    next_ = Clock::now() + kAgain;
+    under_way_ =
+        std::async(std::launch::async, [endpoint = endpoint_, peer = peer_, curve = curve_] {
+          return Examine(endpoint, peer, curve);
+        });
+  }
+  return found_;
+}
+
+void Lookout::Rest() {
+  found_ = {};
+  next_ = Clock::now() + kPatience;
+}
+
+Reach Examine(const std::string& endpoint, Peer peer, const std::optional<Curve>& curve,
+              milliseconds timeout) {
+  const auto deadline = Clock::now() + timeout;
+  std::optional<Curve> complete;
+  if (curve) {
+    auto checked = Complete(*curve);
+    if (!checked.ok()) return {Obstacle::kWrongKeys, checked.status().message()};
+    complete = std::move(checked.value());
+  }
+  Connection connection(deadline);
+  const Reach opened = Open(endpoint, connection);
+  if (opened.obstacle != Obstacle::kNone) return opened;
+  try {
+    return Greet(endpoint, peer, complete, connection, deadline);
+  } catch (const zmq::error_t&) {  // out of descriptors, or a signal
+    return {Obstacle::kNobody, "nobody answers there"};
+  }
+}
+
+}  // namespace styled::client

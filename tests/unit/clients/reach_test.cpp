@@ -1,0 +1,178 @@
+#include "clients/cpp/reach.h"
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <zmq.hpp>
+
+#include "clients/cpp/control.h"
+#include "clients/cpp/key_options.h"
+#include "tests/support/temporary_folder.h"
+
+namespace styled::client {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+// Generous: a machine that is busy must not change what is found. Ends early in all cases but one.
+constexpr auto kPatience = 5s;
+
+struct Pair {
+  std::string public_key, secret_key;
+  Pair() {
+    std::array<char, 41> open{}, secret{};
+    EXPECT_EQ(zmq_curve_keypair(open.data(), secret.data()), 0);
+    public_key = open.data();
+    secret_key = secret.data();
+  }
+};
+
+class ReachTest : public testing::Test {
+ protected:
+  // Binds a socket of ZeroMQ, with CURVE where `keys` says so.
+  std::string Bind(zmq::socket_type type, const Pair* keys = nullptr,
+                   const std::string& address = "tcp://127.0.0.1:*") {
+    socket_ = zmq::socket_t(context_, type);
+    socket_.set(zmq::sockopt::linger, 0);
+    if (keys != nullptr) {
+      socket_.set(zmq::sockopt::curve_server, true);
+      socket_.set(zmq::sockopt::curve_secretkey, keys->secret_key);
+    }
+    socket_.bind(address);
+    return socket_.get(zmq::sockopt::last_endpoint);
+  }
+  static Obstacle At(const std::string& endpoint, const std::optional<Curve>& curve = {},
+                     std::chrono::milliseconds patience = kPatience) {
+    const Reach reach = Examine(endpoint, Peer::kControl, curve, patience);
+    EXPECT_EQ(reach.text.empty(), reach.obstacle == Obstacle::kNone);
+    return reach.obstacle;
+  }
+
+  support::TemporaryFolder folder_;
+  zmq::context_t context_;
+  zmq::socket_t socket_;
+};
+
+TEST_F(ReachTest, ADaemonThatIsThereIsNoObstacle) {
+  EXPECT_EQ(At(Bind(zmq::socket_type::router)), Obstacle::kNone);
+  EXPECT_EQ(At(Bind(zmq::socket_type::router, nullptr, "ipc://" + (folder_ / "control"))),
+            Obstacle::kNone);
+  EXPECT_EQ(Examine(Bind(zmq::socket_type::xpub), Peer::kPublisher, {}, kPatience).obstacle,
+            Obstacle::kNone);
+}
+
+TEST_F(ReachTest, APortWhereNobodyListens) {
+  const std::string endpoint = Bind(zmq::socket_type::router);
+  socket_.close();
+  for (int i = 0; i < 500 && At(endpoint) == Obstacle::kNone; ++i) {  // it is closed in a while
+    std::this_thread::sleep_for(10ms);
+  }
+  const Reach reach = Examine(endpoint, Peer::kControl, {}, kPatience);
+  EXPECT_EQ(reach.obstacle, Obstacle::kNobody);
+  EXPECT_EQ(reach.text, "nobody listens there (Connection refused)");
+}
+
+TEST_F(ReachTest, KeysThatAreMissingNeedlessOrWrong) {
+  const Pair server, other;
+  const std::string guarded = Bind(zmq::socket_type::router, &server);
+  EXPECT_EQ(At(guarded), Obstacle::kAsksForKeys);
+  EXPECT_EQ(At(guarded, Curve{server.public_key, "", ""}), Obstacle::kNone);
+  EXPECT_EQ(At(guarded, Curve{other.public_key, "", ""}), Obstacle::kWrongKeys);
+  EXPECT_EQ(At(Bind(zmq::socket_type::router), Curve{server.public_key, "", ""}),
+            Obstacle::kAsksForNone);
+}
+
+TEST_F(ReachTest, APortWhereSomethingElseListens) {
+  EXPECT_EQ(At(Bind(zmq::socket_type::xpub)), Obstacle::kOtherSocket);
+  const Reach reach = Examine(Bind(zmq::socket_type::router), Peer::kPublisher, {}, kPatience);
+  EXPECT_EQ(reach.obstacle, Obstacle::kOtherSocket);
+  EXPECT_THAT(reach.text, HasSubstr("a ROUTER socket of ZeroMQ, not the daemon's publisher"));
+  // A program that waits for its client to speak in its own way.
+  const int fd = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  inet_pton(AF_INET, "127.0.0.1", &address.sin_addr);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(listen(fd, 8), 0);
+  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  EXPECT_EQ(At("tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port)), {}, 300ms),
+            Obstacle::kNotZeroMq);
+  close(fd);
+}
+
+TEST_F(ReachTest, PathsThatAreMissingNoSocketOrLeftBehind) {
+  const std::string path = folder_ / "control", endpoint = "ipc://" + path;
+  Reach reach = Examine(endpoint, Peer::kControl, {}, kPatience);
+  EXPECT_EQ(reach.obstacle, Obstacle::kNoFile);
+  EXPECT_EQ(reach.text, "there is no " + path + " (No such file or directory)");
+  std::ofstream(path) << "a file";
+  reach = Examine(endpoint, Peer::kControl, {}, kPatience);
+  EXPECT_EQ(reach.obstacle, Obstacle::kNoSocket);
+  EXPECT_EQ(reach.text, path + " is no socket");
+  unlink(path.c_str());
+  const int fd = socket(AF_UNIX, SOCK_STREAM, 0);  // as of a daemon that was killed
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  close(fd);
+  EXPECT_EQ(At(endpoint), Obstacle::kLeftBehind);
+}
+
+TEST_F(ReachTest, APathWithoutPermissionSaysWhoseItIs) {
+  if (geteuid() != 0) GTEST_SKIP() << "skipped, only root can be somebody else";
+  ASSERT_EQ(chmod(folder_.path().c_str(), 0755), 0);
+  const std::string path = folder_ / "control";
+  const std::string endpoint = Bind(zmq::socket_type::router, nullptr, "ipc://" + path);
+  ASSERT_EQ(chmod(path.c_str(), 0600), 0);
+  ASSERT_EQ(seteuid(65534), 0);
+  const Reach reach = Examine(endpoint, Peer::kControl, {}, kPatience);
+  ASSERT_EQ(seteuid(0), 0);
+  EXPECT_EQ(reach.obstacle, Obstacle::kForbidden);
+  EXPECT_THAT(reach.text, HasSubstr("may not connect to " + path +
+                                    ", which belongs to root, mode 0600 (Permission denied)"));
+}
+
+TEST_F(ReachTest, TheControlClientSaysWhy) {
+  const Pair server;
+  const auto control =
+      Control::Connect({.endpoint = Bind(zmq::socket_type::router, &server), .timeout = 100ms});
+  ASSERT_TRUE(control.ok());
+  const CallStatus status = control.value()->Panic();
+  EXPECT_EQ(status.kind(), CallStatus::Kind::kNoAnswer);
+  EXPECT_EQ(status.obstacle(), Obstacle::kAsksForKeys);
+  EXPECT_THAT(status.reason(), HasSubstr("within 100 ms: it asks for keys, and none were given"));
+}
+
+TEST_F(ReachTest, EveryObstacleHasItsAdvice) {
+  EXPECT_THAT(Advice(Obstacle::kAsksForKeys, Peer::kControl), HasSubstr("--server-key"));
+  EXPECT_THAT(Advice(Obstacle::kForbidden, Peer::kPublisher), HasSubstr("publish.ipc_mode"));
+  EXPECT_THAT(Advice(Obstacle::kWrongKeys, Peer::kControl), HasSubstr("server.pub"));
+  EXPECT_THAT(Advice(Obstacle::kNotLetIn, Peer::kControl), HasSubstr("--role operator"));
+  EXPECT_THAT(Advice(Obstacle::kNobody, Peer::kControl), HasSubstr("control.address"));
+  EXPECT_EQ(Advice(Obstacle::kNone, Peer::kControl), "");
+}
+
+TEST_F(ReachTest, TheLookoutFindsOutBesides) {
+  Lookout lookout("ipc://" + (folder_ / "none"), Peer::kPublisher, {});
+  for (int i = 0; i < 2000 && lookout.Look().obstacle == Obstacle::kNone; ++i) {
+    std::this_thread::sleep_for(5ms);
+  }
+  EXPECT_EQ(lookout.found().obstacle, Obstacle::kNoFile);
+  lookout.Rest();
+  EXPECT_EQ(lookout.found().obstacle, Obstacle::kNone);
+}
+
+}  // namespace
+}  // namespace styled::client
