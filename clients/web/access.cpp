@@ -1,7 +1,8 @@
 #include "clients/web/access.h"
 
 #include <algorithm>
-#include <fstream>
+
+#include "proto/keys/key_folder.h"
 
 namespace styled::web {
 namespace {
@@ -14,19 +15,26 @@ std::string_view WithoutPort(std::string_view host) noexcept {
   return port ? host.substr(0, colon) : host;
 }
 
+// Names and schemes of addresses are the same in capitals (RFC 9110, 4.2.3).
+bool SameName(std::string_view a, std::string_view b) noexcept {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [&lower](char x, char y) { return lower(x) == lower(y); });
+}
+
 bool IsLoopbackName(std::string_view host) noexcept {
   const std::string_view name = WithoutPort(host);
-  if (name == "localhost" || name == "[::1]") return true;
+  if (SameName(name, "localhost") || name == "[::1]") return true;
   const auto numeric = [](char c) { return (c >= '0' && c <= '9') || c == '.'; };
   return name.starts_with("127.") && std::all_of(name.begin(), name.end(), numeric);
 }
 
 bool IsOurs(const AccessRules& rules, std::string_view origin, std::string_view host) noexcept {
-  if (std::find(rules.origins.begin(), rules.origins.end(), origin) != rules.origins.end()) {
-    return true;
-  }
+  const auto is_origin = [origin](const std::string& known) { return SameName(origin, known); };
+  if (std::any_of(rules.origins.begin(), rules.origins.end(), is_origin)) return true;
   for (const std::string_view scheme : {"http://", "https://"}) {
-    if (origin.starts_with(scheme) && !host.empty() && origin.substr(scheme.size()) == host) {
+    if (!host.empty() && SameName(origin.substr(0, scheme.size()), scheme) &&
+        SameName(origin.substr(scheme.size()), host)) {
       return true;
     }
   }
@@ -70,6 +78,7 @@ bool IsTokenCharacter(char c) noexcept {
 }  // namespace
 
 Verdict Judge(const AccessRules& rules, const Credentials& credentials, bool needs_token) noexcept {
+  if (credentials.hosts > 1 || credentials.origins > 1) return Verdict::kTwice;
   if (rules.loopback && !IsLoopbackName(credentials.host)) return Verdict::kHost;
   if (!credentials.origin.empty() && !IsOurs(rules, credentials.origin, credentials.host)) {
     return Verdict::kOrigin;
@@ -84,6 +93,8 @@ std::string_view Explain(Verdict verdict) noexcept {
   switch (verdict) {
     case Verdict::kAllowed:
       return "";
+    case Verdict::kTwice:
+      return "Host or Origin is there twice; expected each at most once";
     case Verdict::kHost:
       return "this gateway listens on loopback only: call it localhost or 127.0.0.1";
     case Verdict::kOrigin:
@@ -95,11 +106,9 @@ std::string_view Explain(Verdict verdict) noexcept {
 }
 
 Result<std::string> ReadToken(const std::string& file) {
-  std::ifstream in(file);
-  std::string token;
-  if (!in || !std::getline(in, token)) {
-    return Status::Error("--token-file " + file + ": cannot read a first line from it");
-  }
+  const auto text = keys::ReadTokenFile(file);
+  if (!text.ok()) return Status::Error("--token-file " + text.status().message());
+  std::string token = text.value().substr(0, text.value().find('\n'));
   if (!token.empty() && token.back() == '\r') token.pop_back();
   if (token.size() < kMinToken || token.size() > kMaxToken ||
       !std::all_of(token.begin(), token.end(), IsTokenCharacter)) {

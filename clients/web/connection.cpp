@@ -39,6 +39,8 @@ Verdict JudgeRequest(const Gateway& gateway, const Request& request, bool needs_
   return Judge(gateway.access,
                {.host = View(request[http::field::host]),
                 .origin = View(request[http::field::origin]),
+                .hosts = request.count(http::field::host),
+                .origins = request.count(http::field::origin),
                 .authorization = View(request[http::field::authorization]),
                 .target = View(request.target())},
                needs_token);
@@ -55,7 +57,9 @@ Response Text(http::status status, std::string_view text) {
 Response Refuse(Gateway& gateway, Verdict verdict) {
   ++gateway.counters.refused_access;
   const bool token = verdict == Verdict::kToken;
-  Response response = Text(token ? http::status::unauthorized : http::status::forbidden,
+  Response response = Text(token                        ? http::status::unauthorized
+                           : verdict == Verdict::kTwice ? http::status::bad_request
+                                                        : http::status::forbidden,
                            std::string(Explain(verdict)) + "\n");
   if (token) response.set(http::field::www_authenticate, "Bearer");
   return response;
@@ -108,16 +112,6 @@ Response Respond(Gateway& gateway, const Request& request) {
   return FromPage(gateway, target);
 }
 
-struct Open {  // counts itself
-  explicit Open(std::shared_ptr<int> count) : count_(std::move(count)) { ++*count_; }
-  ~Open() { --*count_; }
-  Open(const Open&) = delete;
-  Open& operator=(const Open&) = delete;
-
- private:
-  std::shared_ptr<int> count_;
-};
-
 bool IsSocketRequest(const Gateway& gateway, const Request& request) {
   const std::string_view target = View(request.target());
   return beast::websocket::is_upgrade(request) && target.substr(0, target.find('?')) == "/ws" &&
@@ -126,16 +120,20 @@ bool IsSocketRequest(const Gateway& gateway, const Request& request) {
 
 asio::awaitable<void> Converse(beast::tcp_stream stream, Gateway& gateway) {
   constexpr auto kAwait = asio::as_tuple(asio::use_awaitable);
-  const Open open(gateway.connections);
+  Crowd::Member member(gateway.crowd, [&stream] { stream.close(); });
   beast::flat_buffer buffer(kMaxHeaderBytes);
   for (;;) {
     http::request_parser<http::empty_body> parser;
     parser.header_limit(kMaxHeaderBytes);
     stream.expires_after(kRequestTimeout);
+    member.Now(Crowd::State::kReading);
     const auto [error, size] = co_await http::async_read(stream, buffer, parser, kAwait);
-    if (error == http::error::end_of_stream || error == beast::error::timeout) co_return;
     const bool understood = !error;
+    // Gone, too slow or made to give way: there is nobody to answer.
+    const bool http = error.category() == http::make_error_code(http::error{}).category();
+    if (!understood && (!http || error == http::error::end_of_stream)) co_return;
     if (understood && IsSocketRequest(gateway, parser.get())) {
+      member.Now(Crowd::State::kBrowser);
       stream.expires_never();
       co_await RunSession(std::move(stream), parser.release(), gateway);
       co_return;
@@ -151,6 +149,7 @@ asio::awaitable<void> Converse(beast::tcp_stream stream, Gateway& gateway) {
       response.content_length(length);
     }
     stream.expires_after(kRequestTimeout);
+    member.Now(Crowd::State::kWriting);
     const bool head = understood && parser.get().method() == http::verb::head;
     http::response_serializer<http::string_body> serializer(response);
     const auto written = head ? co_await http::async_write_header(stream, serializer, kAwait)

@@ -75,6 +75,8 @@ Status Gateway::Prepare() {
                                       [this] { hub->Disconnected(Hub::Clock::now()); }});
   if (!listening.ok()) return listening.status();
   upstream = std::move(listening.value());
+  lookout_ =
+      std::make_unique<client::Lookout>(options.publish, client::Peer::kPublisher, curve.value());
   hub = std::make_unique<Hub>(
       options.publish,
       Hub::Upward{[this](const std::string& topic) { upstream->Subscribe(topic); },
@@ -119,10 +121,12 @@ void Gateway::Accept() {
       return;
     }
     ++counters.connections;
-    if (*connections >= options.max_connections) {
+    const bool full = crowd->size() >= static_cast<std::size_t>(options.max_connections);
+    if (full && !crowd->MakeRoom()) {
       ++counters.refused_full;
       socket.close();
     } else {
+      if (full) ++counters.gave_way;
       Serve(std::move(socket), *this);
     }
     Accept();
@@ -131,6 +135,13 @@ void Gateway::Accept() {
 
 void Gateway::Tick() {
   hub->Tick(Hub::Clock::now());
+  if (hub->daemon_up()) {
+    lookout_->Rest();
+  } else {
+    const client::Reach& reach = lookout_->Look();
+    const std::string advice = client::Advice(reach.obstacle, client::Peer::kPublisher);
+    hub->SetObstacle(reach.text + (advice.empty() ? "" : "; " + advice));
+  }
   tick_.expires_after(kTick);
   tick_.async_wait([this](const boost::system::error_code& error) {
     if (!error) Tick();
@@ -140,7 +151,7 @@ void Gateway::Tick() {
 Gauges Gateway::gauges() const {
   return {.daemon_up = hub->daemon_up(),
           .browsers = hub->browsers(),
-          .connections = static_cast<std::uint64_t>(*connections),
+          .connections = crowd->size(),
           .subscriptions = upstream->topics()};
 }
 

@@ -9,9 +9,11 @@
 
 #include "clients/cpp/control.h"
 #include "clients/cpp/key_options.h"
+#include "clients/cpp/reach.h"
 #include "clients/cpp/subscriber.h"
 #include "clients/web/access.h"
 #include "clients/web/asker.h"
+#include "clients/web/crowd.h"
 #include "clients/web/hub.h"
 #include "clients/web/metrics.h"
 #include "clients/web/page.h"
@@ -29,7 +31,8 @@ struct Options {
   bool allow_unauthenticated_remote = false;  // ... this says that everyone may
   std::vector<std::string> origins;           // of pages of other sites that may connect
   bool watch_only = false;                    // control requests are refused
-  int max_connections = 64;                   // further ones are closed at once; 1 .. 10000
+  int max_connections = 64;  // 1 .. 10000; beyond them the oldest unfinished request gives way,
+                             // and where there is none the new connection is closed at once
 };
 
 // Everything that the connections share, and the loop's timers. One thread runs `io`; all but Start
@@ -53,7 +56,7 @@ class Gateway {
   std::unique_ptr<Upstream> upstream;
   std::unique_ptr<Hub> hub;
   std::unique_ptr<Asker> asker;
-  std::shared_ptr<int> connections = std::make_shared<int>(0);  // open
+  std::shared_ptr<Crowd> crowd = std::make_shared<Crowd>();  // may outlive the gateway
 
   Gauges gauges() const;
 
@@ -66,6 +69,7 @@ class Gateway {
 
   boost::asio::ip::tcp::acceptor acceptor_;
   boost::asio::steady_timer tick_, retry_;
+  std::unique_ptr<client::Lookout> lookout_;  // while no daemon publishes
   std::string address_;
 };
 

@@ -44,7 +44,9 @@ std::string Hub::Reason(Clock::time_point now) const {
   return NobodyThere() + " (" + std::to_string(seconds) + " s)";
 }
 
-std::string Hub::NobodyThere() const { return "no daemon publishes at " + endpoint_; }
+std::string Hub::NobodyThere() const {
+  return "no daemon publishes at " + endpoint_ + (obstacle_.empty() ? "" : ": " + obstacle_);
+}
 
 MessagePtr Hub::DaemonNotice() const {
   const nlohmann::json notice{{"daemon", {{"up", up_}, {"reason", up_ ? "" : NobodyThere()}}}};
@@ -58,12 +60,20 @@ void Hub::Deliver(const Browsers& to, const MessagePtr& message) {
 void Hub::SetUp(bool up, Clock::time_point now) {
   if (up == up_) return;
   up_ = up;
+  obstacle_.clear();
   changed_ = now;
   if (!up) {
     bodies_.clear();
     last_stats_.reset();
     has_stats_ = false;
   }
+  const MessagePtr notice = DaemonNotice();
+  for (const auto& [browser, topics] : browsers_) browser->Offer(notice);
+}
+
+void Hub::SetObstacle(const std::string& obstacle) {
+  if (up_ || obstacle == obstacle_) return;
+  obstacle_ = obstacle;
   const MessagePtr notice = DaemonNotice();
   for (const auto& [browser, topics] : browsers_) browser->Offer(notice);
 }

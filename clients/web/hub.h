@@ -56,6 +56,8 @@ class Hub {
   void Publish(std::string_view topic, std::string_view payload, Clock::time_point now);
   void Disconnected(Clock::time_point now) { SetUp(false, now); }
   void Tick(Clock::time_point now);  // once in a while
+  // Why no daemon publishes, as far as is known; browsers are told when it changes.
+  void SetObstacle(const std::string& obstacle);
 
   bool daemon_up() const { return up_; }
   // Why not, and since when: "no daemon publishes at ... (4 s)". "" where it is up.
@@ -76,7 +78,7 @@ class Hub {
     std::uint64_t hash = 0;
     MessagePtr message;
   };
-  std::string endpoint_;
+  std::string endpoint_, obstacle_;
   Upward upward_;
   Counters& counters_;
   std::map<Browser*, std::vector<std::string>> browsers_;  // and their topics

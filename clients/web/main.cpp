@@ -31,9 +31,11 @@ void Declare(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   styled::client::Declare(app, o.keys);
   app.add_option("--page", o.page, "folder of the built page; default: beside the program");
-  app.add_option("--token-file", o.token_file,
-                 "file whose first line everyone but the page itself has to show: ?token=... or "
-                 "Authorization: Bearer ...; needed on other addresses than loopback");
+  app.add_option(
+      "--token-file", o.token_file,
+      "file whose first line everyone but the page itself has to show: ?token=... or "
+      "Authorization: Bearer ...; needed on other addresses than loopback; refused where others "
+      "can read it");
   app.add_flag("--allow-unauthenticated-remote", o.allow_unauthenticated_remote,
                "no token although others can reach the address: everyone may watch and control");
   app.add_option("--origin", o.origins,
@@ -41,7 +43,10 @@ void Declare(CLI::App& app, Arguments& arguments) {
                  "more")
       ->allow_extra_args(false);
   app.add_flag("--watch-only", o.watch_only, "browsers may not change anything");
-  app.add_option("--max-connections", o.max_connections, "further ones are closed at once")
+  app.add_option(
+         "--max-connections", o.max_connections,
+         "beyond them the oldest unfinished request gives way; where there is none, the new "
+         "connection is closed at once")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_option("--ready-file", arguments.ready_file,

@@ -73,6 +73,8 @@ void WriteGateway(const Counters& counters, const Gauges& gauges, Text& text) {
   text.Family("styleweb_refused_total", "counter", "connections and requests refused");
   text.Sample(Whole(counters.refused_full), "reason=\"full\"");
   text.Sample(Whole(counters.refused_access), "reason=\"access\"");
+  total("styleweb_gave_way_total", counters.gave_way,
+        "connections closed, their request or reply unfinished, to let a new one in");
   total("styleweb_browsers_total", counters.browsers, "WebSockets opened");
   total("styleweb_sent_messages_total", counters.sent_messages, "messages sent to browsers");
   total("styleweb_sent_bytes_total", counters.sent_bytes, "bytes of those");

@@ -11,7 +11,8 @@ namespace styled::web {
 struct Counters {
   std::uint64_t connections = 0;     // accepted
   std::uint64_t refused_full = 0;    // closed at once: too many
-  std::uint64_t refused_access = 0;  // 401, 403
+  std::uint64_t refused_access = 0;  // 400, 401, 403
+  std::uint64_t gave_way = 0;        // closed unfinished, for a new connection
   std::uint64_t browsers = 0;        // WebSockets opened
   std::uint64_t sent_messages = 0;   // to browsers
   std::uint64_t sent_bytes = 0;

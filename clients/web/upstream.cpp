@@ -72,6 +72,7 @@ void Upstream::Open(const std::string& endpoint, const std::optional<client::Cur
   monitor_ = zmq::socket_t(context_, zmq::socket_type::pair);
   monitor_.set(zmq::sockopt::linger, 0);
   monitor_.connect(name.data());
+  socket_.set(zmq::sockopt::ipv6, endpoint.find('[') != std::string::npos);
   socket_.connect(endpoint);
   readable_.assign(socket_.get(zmq::sockopt::fd));
   events_.assign(monitor_.get(zmq::sockopt::fd));

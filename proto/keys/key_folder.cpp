@@ -45,7 +45,16 @@ std::string Octal(mode_t mode) {
   return text.data();
 }
 
-Result<std::string> ReadAll(int fd, const std::string& file) {
+// What a private file is for, in the words of its refusal.
+struct Secret {
+  const char* kind;         // "a file of keys"
+  const char* holds;        // "a secret key"
+  const char* replacement;  // "a new pair"
+};
+constexpr Secret kPair{"a file of keys", "a secret key", "a new pair"};
+constexpr Secret kToken{"a file with a token", "a token", "a new one"};
+
+Result<std::string> ReadAll(int fd, const std::string& file, const char* kind = kPair.kind) {
   std::string text(kMaxBytes + 1, '\0');
   std::size_t size = 0;
   while (size < text.size()) {
@@ -55,12 +64,13 @@ Result<std::string> ReadAll(int fd, const std::string& file) {
     if (got == 0) break;
     size += static_cast<std::size_t>(got);
   }
-  if (size > kMaxBytes) return Refuse(file, "larger than 4096 bytes; expected a file of keys");
+  if (size > kMaxBytes)
+    return Refuse(file, std::string("larger than 4096 bytes; expected ") + kind);
   text.resize(size);
   return text;
 }
 
-Status CheckPrivate(const struct stat& about, const std::string& file) {
+Status CheckPrivate(const struct stat& about, const std::string& file, const Secret& secret) {
   const uid_t me = geteuid();
   if (about.st_uid != me && about.st_uid != 0) {
     return Refuse(file, "belongs to user " + std::to_string(about.st_uid) +
@@ -69,9 +79,9 @@ Status CheckPrivate(const struct stat& about, const std::string& file) {
   const bool handed_over = about.st_uid == 0 && me != 0;
   const mode_t allowed = handed_over ? 0740 : 0700;
   if ((about.st_mode & 0777U & ~allowed) == 0) return Status::Ok();
-  return Refuse(file, "others may read it (mode " + Octal(about.st_mode) +
-                          "), and it holds a secret key; expected 0600: chmod 600 " + file +
-                          ", or make a new pair if somebody may have read it");
+  return Refuse(file, "others may read it (mode " + Octal(about.st_mode) + "), and it holds " +
+                          secret.holds + "; expected 0600: chmod 600 " + file + ", or make " +
+                          secret.replacement + " if somebody may have read it");
 }
 
 // `owner`: of the folder of keys, who is in charge of it; beside root.
@@ -99,6 +109,17 @@ Result<KeyFile> ReadKeyFile(int fd, const std::string& file) {
   auto parsed = Parse(text.value());
   if (!parsed.ok()) return Refuse(file, parsed.status().message());
   return parsed;
+}
+
+// The text of a file that nobody else may read.
+Result<std::string> ReadPrivate(const std::string& file, const Secret& secret) {
+  const File opened(OpenToRead(file));
+  if (opened.get() < 0) return Failed(file);
+  struct stat about {};
+  if (fstat(opened.get(), &about) != 0) return Failed(file);
+  if (!S_ISREG(about.st_mode)) return Refuse(file, "expected a file");
+  if (const Status status = CheckPrivate(about, file, secret); !status.ok()) return status;
+  return ReadAll(opened.get(), file, secret.kind);
 }
 
 bool WriteAll(int fd, const std::string& text) {
@@ -210,18 +231,17 @@ bool IsClientName(std::string_view name) noexcept {
 }
 
 Result<KeyFile> ReadPair(const std::string& file) {
-  const File opened(OpenToRead(file));
-  if (opened.get() < 0) return Failed(file);
-  struct stat about {};
-  if (fstat(opened.get(), &about) != 0) return Failed(file);
-  if (!S_ISREG(about.st_mode)) return Refuse(file, "expected a file");
-  if (const Status status = CheckPrivate(about, file); !status.ok()) return status;
-  auto pair = ReadKeyFile(opened.get(), file);
-  if (pair.ok() && pair.value().secret_key.empty()) {
+  const auto text = ReadPrivate(file, kPair);
+  if (!text.ok()) return text.status();
+  auto pair = Parse(text.value());
+  if (!pair.ok()) return Refuse(file, pair.status().message());
+  if (pair.value().secret_key.empty()) {
     return Refuse(file, "holds no secret-key; expected a pair, as stylectl keygen makes it");
   }
   return pair;
 }
+
+Result<std::string> ReadTokenFile(const std::string& file) { return ReadPrivate(file, kToken); }
 
 Result<std::string> ReadPublicKey(const std::string& file) {
   const File opened(OpenToRead(file));

@@ -39,6 +39,9 @@ bool IsClientName(std::string_view name) noexcept;
 // we are not root, as systemd hands over credentials), that somebody else owns, that holds no
 // secret key.
 Result<KeyFile> ReadPair(const std::string& file);
+// The text of a file that holds a token, at most 4096 bytes of it. Refused as ReadPair refuses: a
+// file that others can read, or that somebody else owns.
+Result<std::string> ReadTokenFile(const std::string& file);
 // A file's public key, whatever else it holds.
 Result<std::string> ReadPublicKey(const std::string& file);
 // Writes a pair, 0600. Refuses to replace a file.

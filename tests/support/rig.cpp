@@ -5,10 +5,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <span>
 #include <thread>
 
 #include "model/body/pose.h"
@@ -108,6 +110,23 @@ void TcpLink::Send(const Bytes& bytes) const {
     if (size <= 0) return;
     sent += static_cast<std::size_t>(size);
   }
+}
+
+void TcpLink::Send(std::string_view text) const {
+  const auto bytes = std::as_bytes(std::span(text));
+  Send(Bytes(bytes.begin(), bytes.end()));
+}
+
+std::string TcpLink::ReadToEnd() const {
+  std::string text;
+  pollfd waiting{fd_, POLLIN, 0};
+  std::array<char, 4096> part{};
+  while (poll(&waiting, 1, 10000) > 0) {
+    const auto size = recv(fd_, part.data(), part.size(), 0);
+    if (size <= 0) break;
+    text.append(part.data(), static_cast<std::size_t>(size));
+  }
+  return text;
 }
 
 bool TcpLink::Closed(double seconds) const {

@@ -58,6 +58,9 @@ class TcpLink {
   TcpLink(const TcpLink&) = delete;
   TcpLink& operator=(const TcpLink&) = delete;
   void Send(const Bytes& bytes) const;
+  void Send(std::string_view text) const;
+  // All that comes until the other side closes, or says nothing for 10 s.
+  std::string ReadToEnd() const;
   // Whether the other side closes within `seconds`.
   bool Closed(double seconds) const;
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <atomic>
@@ -51,6 +52,12 @@ class Web {
   std::unique_ptr<Child> child;
   std::string address;
 };
+
+// A file that nobody else may read.
+void WriteSecret(const std::string& file, const std::string& text) {
+  WriteText(file, text);
+  EXPECT_EQ(chmod(file.c_str(), 0600), 0);
+}
 
 // Runs styleweb until it ends by itself: exit code and what it said.
 std::pair<int, std::string> Refused(const std::vector<std::string>& options) {
@@ -255,7 +262,7 @@ TEST(GatewayTest, OtherSitesAndWhoeverHasNoTokenStayOutside) {
   const Daemon daemon;
   const std::string token = "a-token.of_24~characters";
   const TemporaryFolder folder;
-  WriteText(folder / "token", token + "\n");
+  WriteSecret(folder / "token", token + "\n");
   std::filesystem::create_directories(folder / "page");
   WriteText(folder / "page/index.html", "<p>the page</p>");
   const Web web(daemon, {"--token-file", folder / "token", "--origin", "http://stage.lan", "--page",
@@ -403,6 +410,53 @@ TEST(GatewayTest, HostileBrowsersAreAnsweredOrDroppedAndNobodyElseNotices) {
   EXPECT_EQ(web.child->Wait(5), 0);
 }
 
+// More half-sent requests than there is room for, each replaced as soon as it is closed.
+TEST(GatewayTest, UnfinishedRequestsKeepNobodyOut) {
+  Daemon daemon;
+  const Web web(daemon, {"--max-connections", "8"});
+  BrowserLink good(web.address);
+  good.SendText(R"({"subscribe": ["stats/"]})");
+  ASSERT_TRUE(Await(good, IsTopic("stats/")));
+  const std::string address = web.address.substr(std::string("http://").size());
+  std::vector<std::unique_ptr<TcpLink>> crowd;
+  const auto crowd_in = [&] {
+    for (int i = 0; i < 16; ++i) {
+      crowd.push_back(std::make_unique<TcpLink>(address));
+      const std::string part = i % 2 == 0 ? "" : "GET /healthz HTTP/1.1\r\nHost: loc";
+      crowd.back()->Send(std::string_view(part));
+    }
+  };
+  for (int round = 0; round < 5; ++round) {
+    crowd_in();
+    EXPECT_EQ(Ask(web.address, "/healthz").status, 200) << round;
+    crowd_in();
+    BrowserLink late(web.address);
+    EXPECT_EQ(late.status(), 101) << round;
+    late.SendText(R"({"subscribe": ["stats/"]})");
+    EXPECT_TRUE(Await(late, IsTopic("stats/"))) << round;
+  }
+  EXPECT_TRUE(Await(good, IsTopic("stats/"))) << "a WebSocket never gives way";
+  EXPECT_GT(web.Metric("styleweb_gave_way_total"), 0);
+  EXPECT_EQ(web.Metric("styleweb_refused_total{reason=\"full\"}"), 0);
+}
+
+TEST(GatewayTest, ASecondHostOrOriginIsABadRequest) {
+  const Web web("tcp://127.0.0.1:9", "tcp://127.0.0.1:9");
+  const std::string address = web.address.substr(std::string("http://").size());
+  const auto first_line = [&](const std::string& fields) {
+    TcpLink link(address);
+    const std::string request = "GET / HTTP/1.1\r\n" + fields + "Connection: close\r\n\r\n";
+    link.Send(std::string_view(request));
+    const std::string reply = link.ReadToEnd();
+    return reply.substr(0, reply.find('\r'));
+  };
+  EXPECT_EQ(first_line("Host: LOCALHOST\r\n"), "HTTP/1.1 200 OK");
+  EXPECT_EQ(first_line("Host: localhost\r\nHost: localhost\r\n"), "HTTP/1.1 400 Bad Request");
+  EXPECT_EQ(first_line("Host: localhost\r\nOrigin: http://localhost\r\n"), "HTTP/1.1 200 OK");
+  EXPECT_EQ(first_line("Host: localhost\r\nOrigin: http://localhost\r\norigin: null\r\n"),
+            "HTTP/1.1 400 Bad Request");
+}
+
 TEST(GatewayTest, ADaemonThatAsksForKeysIsShownWithThem) {
   const TemporaryFolder folder;
   const std::string keys = folder / "keys", file = folder / "gateway.key";
@@ -426,8 +480,10 @@ TEST(GatewayTest, ADaemonThatAsksForKeysIsShownWithThem) {
 
 TEST(GatewayTest, OptionsThatAreWrongAreNamed) {
   const TemporaryFolder folder;
-  WriteText(folder / "token", "short\n");
-  WriteText(folder / "good-token", "long-enough-to-be-one\n");
+  WriteSecret(folder / "token", "short\n");
+  WriteSecret(folder / "good-token", "long-enough-to-be-one\n");
+  WriteText(folder / "open-token", "long-enough-to-be-one\n");
+  ASSERT_EQ(chmod((folder / "open-token").c_str(), 0644), 0);
   const Web taken("tcp://127.0.0.1:9", "tcp://127.0.0.1:9");
   const std::string port = taken.address.substr(7);
   struct Case {
@@ -448,6 +504,8 @@ TEST(GatewayTest, OptionsThatAreWrongAreNamed) {
            {{"--listen", "127.0.0.1:0", "--page", folder / "none"}, "--page"},
            {{"--listen", "127.0.0.1:0", "--token-file", folder / "token"}, "16 to 256"},
            {{"--listen", "127.0.0.1:0", "--token-file", folder / "none"}, "--token-file"},
+           {{"--listen", "127.0.0.1:0", "--token-file", folder / "open-token"},
+            "open-token: others may read it (mode 0644)"},
            {{"--listen", "127.0.0.1:0", "--key", folder / "none"}, "--server-key"},
            {{"--listen", "127.0.0.1:0", "--key", folder / "none", "--server-key", "x"}, "--key"},
            {{"--max-connections", "0"}, "--max-connections"},

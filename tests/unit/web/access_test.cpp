@@ -1,7 +1,10 @@
 #include "clients/web/access.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include "clients/web/gateway.h"
 #include "tests/support/child.h"
 
 namespace styled::web {
@@ -9,8 +12,8 @@ namespace {
 
 TEST(AccessTest, OnLoopbackOnlyLoopbackNamesAreAnswered) {
   const AccessRules rules;
-  for (const char* host :
-       {"localhost", "localhost:7080", "127.0.0.1:7080", "127.1.2.3", "[::1]:7080", "[::1]"}) {
+  for (const char* host : {"localhost", "localhost:7080", "127.0.0.1:7080", "127.1.2.3",
+                           "[::1]:7080", "[::1]", "LocalHost:7080", "LOCALHOST"}) {
     EXPECT_EQ(Judge(rules, {.host = host}, true), Verdict::kAllowed) << host;
   }
   for (const char* host :
@@ -18,6 +21,11 @@ TEST(AccessTest, OnLoopbackOnlyLoopbackNamesAreAnswered) {
         "192.168.1.5:7080", "[::2]:7080", "[::1].evil.example"}) {
     EXPECT_EQ(Judge(rules, {.host = host}, false), Verdict::kHost) << host;
   }
+}
+
+TEST(AccessTest, TheGatewayIsOnLoopbackUnlessToldOtherwise) {
+  EXPECT_EQ(Options().listen, "127.0.0.1:7080");
+  EXPECT_FALSE(Options().allow_unauthenticated_remote);
 }
 
 TEST(AccessTest, PagesOfOtherSitesAreRefusedUnlessNamed) {
@@ -38,6 +46,25 @@ TEST(AccessTest, PagesOfOtherSitesAreRefusedUnlessNamed) {
   EXPECT_EQ(Judge(rules, {.host = "stage.lan", .origin = "https://stage.lan"}, false),
             Verdict::kAllowed);
   EXPECT_EQ(Judge(rules, {.host = "", .origin = "http://"}, false), Verdict::kOrigin);
+}
+
+TEST(AccessTest, NamesAreTheSameInCapitals) {
+  const AccessRules rules{.loopback = false, .origins = {"http://Stage.LAN:5173"}};
+  EXPECT_EQ(Judge(rules, {.host = "STAGE.lan:7080", .origin = "http://stage.lan:7080"}, false),
+            Verdict::kAllowed);
+  EXPECT_EQ(Judge(rules, {.host = "x", .origin = "http://stage.lan:5173"}, false),
+            Verdict::kAllowed);
+  EXPECT_EQ(Judge(rules, {.host = "stage.lan", .origin = "http://stage.lam"}, false),
+            Verdict::kOrigin);
+}
+
+TEST(AccessTest, ASecondHostOrOriginIsRefusedWhateverTheySay) {
+  const AccessRules rules;
+  EXPECT_EQ(Judge(rules, {.host = "localhost", .hosts = 2}, false), Verdict::kTwice);
+  EXPECT_EQ(Judge(rules, {.host = "localhost", .origin = "http://localhost", .origins = 2}, false),
+            Verdict::kTwice);
+  EXPECT_EQ(Judge(rules, {.host = "localhost", .hosts = 1, .origins = 0}, false),
+            Verdict::kAllowed);
 }
 
 TEST(AccessTest, TheTokenComesInTheAddressOrTheHeader) {
@@ -62,6 +89,7 @@ TEST(AccessTest, TokenFilesThatHoldNoTokenAreRefusedByName) {
   const support::TemporaryFolder folder;
   const auto read = [&folder](const std::string& text) {
     support::WriteText(folder / "token", text);
+    EXPECT_EQ(chmod((folder / "token").c_str(), 0600), 0);
     return ReadToken(folder / "token");
   };
   const auto good = read("abcdefgh.1234_5678~-\nmore\n");
@@ -76,6 +104,33 @@ TEST(AccessTest, TokenFilesThatHoldNoTokenAreRefusedByName) {
     EXPECT_NE(result.status().message().find(folder / "token"), std::string::npos);
   }
   EXPECT_FALSE(ReadToken(folder / "none").ok());
+}
+
+TEST(AccessTest, ATokenFileThatOthersCanReadIsRefusedAsAKeyFileIs) {
+  const support::TemporaryFolder folder;
+  const std::string file = folder / "token";
+  support::WriteText(file, "abcdefgh12345678\n");
+  for (const mode_t mode : {0640U, 0604U, 0620U, 0644U, 0666U}) {
+    ASSERT_EQ(chmod(file.c_str(), mode), 0);
+    const auto read = ReadToken(file);
+    ASSERT_FALSE(read.ok()) << std::oct << mode;
+    EXPECT_NE(read.status().message().find("--token-file " + file + ": others may read it (mode 0"),
+              std::string::npos)
+        << read.status().message();
+    EXPECT_NE(read.status().message().find("expected 0600: chmod 600 " + file), std::string::npos);
+    EXPECT_EQ(read.status().message().find("abcdefgh"), std::string::npos) << "never repeated";
+  }
+  ASSERT_EQ(chmod(file.c_str(), 0600), 0);
+  EXPECT_TRUE(ReadToken(file).ok());
+  if (geteuid() == 0) {  // root can give a file to somebody else
+    ASSERT_EQ(chown(file.c_str(), 65534, 65534), 0);
+    const auto read = ReadToken(file);
+    ASSERT_FALSE(read.ok());
+    EXPECT_NE(read.status().message().find("belongs to user 65534"), std::string::npos);
+  }
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_FALSE(ReadToken(pipe).ok()) << "and nobody is waited for";
 }
 
 }  // namespace
