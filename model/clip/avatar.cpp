@@ -6,6 +6,7 @@
 
 #include "model/clip/clip.h"
 #include "model/clip/gltf_read.h"
+#include "model/clip/read_file.h"
 #include "model/rig/calibration.h"
 
 namespace styled::clip {
@@ -43,7 +44,16 @@ Result<rig::Binding> TakeGltf(const std::string& file, const rig::JointNames& gi
 
 Result<rig::Binding> TakeBvh(const std::string& file, const std::string& dialect,
                              const rig::JointNames& given, AvatarSkeleton& avatar) {
-  auto read = ReadBvh(file);
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 28;  // a skeleton needs a thousandth of it
+  constexpr const char* kExpected = ", expected an avatar's BVH file";
+  const auto opened = InputFile::Open(file, kExpected);
+  if (!opened.ok()) return opened.status();
+  if (opened.value().size() > kMaxBytes) {
+    return Status::Error(file + ": found more than 256 MiB" + kExpected);
+  }
+  const auto text = opened.value().Read(0, kMaxBytes);
+  if (!text.ok()) return text.status();
+  auto read = ParseBvh(text.value(), file);
   if (!read.ok()) return read.status();
   const Clip& clip = read.value();
   auto binding = rig::BindDialect(clip.skeleton, dialect, &avatar.dialect, given);

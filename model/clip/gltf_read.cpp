@@ -1,14 +1,22 @@
 #include "model/clip/gltf_read.h"
 
-#include <tiny_gltf.h>
-
 #include <algorithm>
+#include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+#include <stdexcept>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
+
+#include "model/clip/read_file.h"
 
 namespace styled::clip {
 namespace {
@@ -18,9 +26,46 @@ using body::kJointCount;
 using rig::Quat;
 using rig::Vec3;
 using JointMap = std::array<int, kJointCount>;
+using nlohmann::json;
 
 constexpr const char* kExpected = ", expected an avatar's .vrm, .glb or .gltf";
+constexpr const char* kOnlyTwo =
+    ", expected glTF 2.0: export it anew, or convert it (Blender reads and writes glTF)";
 constexpr float kEven = 0.01F;  // scales that differ by less along the axes are one
+
+// Text of a file, as it can be shown.
+std::string Shown(std::string_view text) {
+  std::string shown(text);
+  std::replace_if(
+      shown.begin(), shown.end(), [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+  return shown;
+}
+
+// What a file is that does not begin as glTF does, in words; empty where it does.
+std::string NotGltf(std::string_view read) {
+  if (read.empty()) return "found an empty file";
+  std::string_view text = read;
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  if (text.starts_with('{')) return "";
+  return "found a file that begins with \"" + Shown(read.substr(0, 16)) + "\"";
+}
+
+// The JSON of a file, which may hold images as text; that of a large avatar has 20 MB.
+constexpr std::size_t kMaxJson = std::size_t{256} << 20;
+constexpr std::size_t kMaxNodes = 1 << 16;
+
+// What is read of a file. Lists are empty where the file has none, or none of numbers.
+struct Node {
+  std::string name;
+  std::vector<int> children;
+  std::vector<double> translation, rotation, scale, matrix;
+};
+struct Model {
+  std::vector<Node> nodes;
+  std::vector<std::vector<int>> skins;  // their joints
+  json vrm;                             // an extension's humanoid: VRM's, of 1.0 or 0.x
+};
 
 struct Transform {
   Vec3 translation = Vec3::Zero();
@@ -36,7 +81,7 @@ struct Transform {
 // The nodes of a file as a forest.
 class Nodes {
  public:
-  static Result<Nodes> Make(const tinygltf::Model& model) {
+  static Result<Nodes> Make(const Model& model) {
     Nodes nodes;
     const auto count = static_cast<int>(model.nodes.size());
     nodes.parents_.assign(model.nodes.size(), -1);
@@ -77,7 +122,7 @@ class Nodes {
     return Status::Error("node " + std::to_string(node) + " " + what +
                          ", expected a tree of bones");
   }
-  static Result<Transform> Local(const tinygltf::Node& node) {
+  static Result<Transform> Local(const Node& node) {
     Eigen::Affine3d affine = Eigen::Affine3d::Identity();
     const auto has = [](const std::vector<double>& values, std::size_t size) {
       return values.size() == size;
@@ -115,6 +160,45 @@ class Nodes {
   std::vector<Transform> locals_;
 };
 
+// The value of an object's key; null where there is none.
+const json& Member(const json& object, const char* key) {
+  static const json kNull;
+  if (!object.is_object()) return kNull;
+  const auto found = object.find(key);
+  return found == object.end() ? kNull : *found;
+}
+
+std::optional<int> ToIndex(const json& value) {
+  if (!value.is_number_integer()) return std::nullopt;
+  const auto number = value.get<std::int64_t>();
+  if (number < 0 || number > std::numeric_limits<int>::max()) return std::nullopt;
+  return static_cast<int>(number);
+}
+
+std::optional<int> IndexOf(const json& object, const char* key) {
+  return ToIndex(Member(object, key));
+}
+
+// What is no index is left out.
+std::vector<int> Indices(const json& list) {
+  std::vector<int> indices;
+  if (!list.is_array()) return indices;
+  for (const json& entry : list) {
+    if (const auto index = ToIndex(entry)) indices.push_back(*index);
+  }
+  return indices;
+}
+
+std::vector<double> Numbers(const json& list) {
+  std::vector<double> numbers;
+  if (!list.is_array() || list.size() > 16) return numbers;
+  for (const json& entry : list) {
+    if (!entry.is_number()) return {};
+    numbers.push_back(entry.get<double>());
+  }
+  return numbers;
+}
+
 struct Humanoid {
   bool found = false;
   std::set<int> bones;  // all of VRM's, fingers too
@@ -122,49 +206,38 @@ struct Humanoid {
 };
 
 // VRM's table of bones: an object of objects in 1.0, a list in 0.x. Bones have the same names.
-Humanoid ReadVrm(const tinygltf::Model& model) {
+Humanoid ReadVrm(const Model& model) {
   Humanoid humanoid;
   humanoid.joint.fill(-1);
-  const auto add = [&](const std::string& bone, const tinygltf::Value& value) {
-    if (!value.IsObject() || !value.Has("node") || !value.Get("node").IsNumber()) return;
-    const int node = value.Get("node").GetNumberAsInt();
-    if (node < 0 || node >= static_cast<int>(model.nodes.size())) return;
+  const auto add = [&](const std::string& bone, const json& value) {
+    const auto node = IndexOf(value, "node");
+    if (!node || *node >= static_cast<int>(model.nodes.size())) return;
     humanoid.found = true;
-    humanoid.bones.insert(node);
+    humanoid.bones.insert(*node);
     for (std::size_t c = 0; c < kHumanoid.size(); ++c) {
-      if (kHumanoid[c].name == bone) humanoid.joint[c] = node;
+      if (kHumanoid[c].name == bone) humanoid.joint[c] = *node;
     }
   };
-  const auto bones_of = [&model](const char* extension) -> tinygltf::Value {
-    const auto found = model.extensions.find(extension);
-    if (found == model.extensions.end() || !found->second.IsObject()) return {};
-    const tinygltf::Value& body = found->second.Get("humanoid");
-    return body.IsObject() ? body.Get("humanBones") : tinygltf::Value();
-  };
-  if (const auto bones = bones_of("VRMC_vrm"); bones.IsObject()) {
-    for (const std::string& bone : bones.Keys()) add(bone, bones.Get(bone));
-  } else if (const auto list = bones_of("VRM"); list.IsArray()) {
-    for (std::size_t i = 0; i < list.ArrayLen(); ++i) {
-      const tinygltf::Value& entry = list.Get(static_cast<int>(i));
-      if (entry.IsObject() && entry.Get("bone").IsString()) {
-        add(entry.Get("bone").Get<std::string>(), entry);
-      }
-    }
+  const json bones = Member(model.vrm, "humanBones");
+  for (const auto& [key, entry] : bones.items()) {
+    const json bone = Member(entry, "bone");
+    if (bones.is_object()) add(key, entry);
+    if (bones.is_array() && bone.is_string()) add(bone.get<std::string>(), entry);
   }
   return humanoid;
 }
 
-std::string NameOf(const tinygltf::Model& model, int node) {
+std::string NameOf(const Model& model, int node) {
   const std::string& name = model.nodes[static_cast<std::size_t>(node)].name;
   return name.empty() ? "node_" + std::to_string(node) : name;
 }
 
 // Skins' joints (every node where there is no skin), mapped by their names.
-Result<Humanoid> ReadNames(const tinygltf::Model& model, const rig::JointNames& given) {
+Result<Humanoid> ReadNames(const Model& model, const rig::JointNames& given) {
   Humanoid humanoid;
   for (const auto& skin : model.skins) {
-    for (const int joint : skin.joints) {
-      if (joint >= 0 && joint < static_cast<int>(model.nodes.size())) humanoid.bones.insert(joint);
+    for (const int joint : skin) {
+      if (joint < static_cast<int>(model.nodes.size())) humanoid.bones.insert(joint);
     }
   }
   if (humanoid.bones.empty()) {
@@ -186,7 +259,7 @@ Result<Humanoid> ReadNames(const tinygltf::Model& model, const rig::JointNames& 
 }
 
 // The bones below the hips with all that lies between, parents first, children in file order.
-std::vector<int> Gather(const tinygltf::Model& model, const Nodes& nodes, int hips,
+std::vector<int> Gather(const Model& model, const Nodes& nodes, int hips,
                         const std::set<int>& bones) {
   std::set<int> wanted;
   for (const int bone : bones) {
@@ -207,7 +280,7 @@ std::vector<int> Gather(const tinygltf::Model& model, const Nodes& nodes, int hi
   return order;
 }
 
-GltfSkeleton Build(const tinygltf::Model& model, const Nodes& nodes, const Humanoid& humanoid,
+GltfSkeleton Build(const Model& model, const Nodes& nodes, const Humanoid& humanoid,
                    const std::vector<int>& order) {
   GltfSkeleton built;
   const int hips = order.front();
@@ -247,7 +320,7 @@ GltfSkeleton Build(const tinygltf::Model& model, const Nodes& nodes, const Human
   return built;
 }
 
-Result<GltfSkeleton> Read(const tinygltf::Model& model, const rig::JointNames& given) {
+Result<GltfSkeleton> Read(const Model& model, const rig::JointNames& given) {
   auto nodes = Nodes::Make(model);
   if (!nodes.ok()) return nodes.status();
   Humanoid humanoid = ReadVrm(model);
@@ -277,68 +350,197 @@ Result<GltfSkeleton> Read(const tinygltf::Model& model, const rig::JointNames& g
   return built;
 }
 
-// Images may be large and are not wanted.
-bool SkipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*,
-               int, void*) {
-  return true;
+// "../a%2Fb" as "../a/b". A "%" that begins no escape stands for itself.
+std::string Unescaped(std::string_view uri) {
+  std::string text;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    unsigned value = 0;
+    const char* const digits = uri.data() + i + 1;
+    if (uri[i] == '%' && i + 2 < uri.size() &&
+        std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2) {
+      text += static_cast<char>(value);
+      i += 2;
+    } else {
+      text += uri[i];
+    }
+  }
+  return text;
 }
 
-// What a file is that does not begin as glTF does, in words; empty where it does.
-std::string NotGltf(std::ifstream& in) {
-  std::array<char, 64> start{};
-  in.read(start.data(), start.size());
-  const std::string_view read(start.data(), static_cast<std::size_t>(in.gcount()));
-  if (read.empty()) return "found an empty file";
-  if (read.starts_with("glTF")) return "";
-  std::string_view text = read;
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
-  if (text.starts_with('{')) return "";
-  std::string shown(read.substr(0, 16));
-  std::replace_if(
-      shown.begin(), shown.end(), [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
-  return "found a file that begins with \"" + shown + "\"";
+// Why a buffer or image of an avatar in `folder` may not be there; empty where it may. None of them
+// is opened: whoever does so next (a viewer, an exporter) shall not be led astray by a file that
+// was accepted here. Data in the uri itself is no file.
+std::string LeadsOut(const std::string& uri, const std::filesystem::path& folder) {
+  if (uri.starts_with("data:")) return "";
+  std::string text = Unescaped(uri);
+  std::replace(text.begin(), text.end(), '\\', '/');
+  const std::filesystem::path path(text);
+  if (text.find('\0') != std::string::npos || text.find(':') < text.find('/')) {
+    return "is no file beside the avatar";
+  }
+  if (path.is_absolute()) return "is an absolute path";
+  for (const auto& part : path) {
+    if (part == "..") return "leads out of the avatar's folder";
+  }
+  std::error_code error;
+  const auto home = std::filesystem::weakly_canonical(folder, error);
+  const auto real = std::filesystem::weakly_canonical(folder / path, error);
+  if (error) return "cannot be followed";
+  const auto [end, unused] = std::mismatch(home.begin(), home.end(), real.begin(), real.end());
+  if (end != home.end()) return "is a link that leads out of the avatar's folder";
+  const auto kind = std::filesystem::status(real, error).type();
+  if (kind != std::filesystem::file_type::regular &&
+      kind != std::filesystem::file_type::not_found) {
+    return "is no ordinary file";
+  }
+  return "";
+}
+
+Status CheckUris(const json& file, const std::filesystem::path& folder) {
+  for (const char* const list : {"buffers", "images"}) {
+    const json& entries = Member(file, list);
+    if (!entries.is_array()) continue;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const json& uri = Member(entries[i], "uri");
+      if (!uri.is_string()) continue;
+      const auto& text = uri.get_ref<const std::string&>();
+      const std::string wrong = LeadsOut(text, folder);
+      if (wrong.empty()) continue;
+      return Status::Error(std::string(list) + "[" + std::to_string(i) + "].uri \"" +
+                           Shown(text.substr(0, 64)) + "\" " + wrong +
+                           ", expected a file in the avatar's own folder");
+    }
+  }
+  return Status::Ok();
+}
+
+Result<Model> ReadModel(const json& file) {
+  Model model;
+  const json& nodes = Member(file, "nodes");
+  if (nodes.is_array() && nodes.size() > kMaxNodes) {
+    return Status::Error("found " + std::to_string(nodes.size()) + " nodes, expected at most " +
+                         std::to_string(kMaxNodes));
+  }
+  for (std::size_t i = 0; nodes.is_array() && i < nodes.size(); ++i) {
+    const json& name = Member(nodes[i], "name");
+    model.nodes.push_back(
+        {name.is_string() ? name.get<std::string>() : "", Indices(Member(nodes[i], "children")),
+         Numbers(Member(nodes[i], "translation")), Numbers(Member(nodes[i], "rotation")),
+         Numbers(Member(nodes[i], "scale")), Numbers(Member(nodes[i], "matrix"))});
+  }
+  const json& skins = Member(file, "skins");
+  for (std::size_t i = 0; skins.is_array() && i < skins.size(); ++i) {
+    model.skins.push_back(Indices(Member(skins[i], "joints")));
+  }
+  const json& extensions = Member(file, "extensions");
+  const json& one = Member(Member(extensions, "VRMC_vrm"), "humanoid");
+  const json& zero = Member(Member(extensions, "VRM"), "humanoid");
+  if (Member(one, "humanBones").is_object()) {
+    model.vrm = one;
+  } else if (Member(zero, "humanBones").is_array()) {
+    model.vrm = zero;
+  }
+  return model;
+}
+
+std::uint32_t Word(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  static_assert(std::endian::native == std::endian::little);
+  return value;
+}
+
+Status Broken(const std::string& found) {
+  return Status::Error("is no glTF 2.0: " + found + kExpected);
+}
+
+// The JSON text of a .gltf, or of a .glb or .vrm (glTF 2.0, 4.4: a header, then chunks). Of the
+// latter nothing else is read.
+Result<std::string> ReadJsonText(const InputFile& file) {
+  constexpr std::size_t kHeader = 12, kChunk = 8;
+  constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
+  const auto start = file.Read(0, 64);
+  if (!start.ok()) return start.status();
+  const std::string& head = start.value();
+  if (!head.starts_with("glTF")) {
+    if (const std::string found = NotGltf(head); !found.empty()) {
+      return Broken(found);
+    }
+    if (file.size() > kMaxJson) return Status::Error("found more than 256 MiB of JSON");
+    return file.Read(0, kMaxJson);
+  }
+  if (head.size() < kHeader) return Broken("it ends early");
+  if (const std::uint32_t version = Word(head, 4); version != 2) {
+    return Status::Error("is glTF " + std::to_string(version) + " in binary form" + kOnlyTwo);
+  }
+  if (head.size() < kHeader + kChunk || Word(head, kHeader + 4) != kJsonChunk) {
+    return Broken("its first chunk is no JSON");
+  }
+  const std::size_t length = Word(head, kHeader);
+  if (length > kMaxJson) return Status::Error("found more than 256 MiB of JSON");
+  auto text = file.Read(kHeader + kChunk, length);
+  if (text.ok() && text.value().size() < length) {
+    return Broken("it ends early");
+  }
+  return text;
+}
+
+// The parts of the JSON that are looked at; discarded where it cannot be read, or is nested deeper
+// than any avatar is.
+json ParseWanted(const std::string& text) {
+  constexpr int kMaxDepth = 64;
+  constexpr std::array<std::string_view, 6> kWanted{"asset", "buffers", "images",
+                                                    "nodes", "skins",   "extensions"};
+  const auto filter = [&kWanted](int depth, json::parse_event_t event, json& value) {
+    if (depth > kMaxDepth) throw std::length_error("depth");
+    if (depth != 1 || event != json::parse_event_t::key) return true;
+    return std::find(kWanted.begin(), kWanted.end(), value.get_ref<const std::string&>()) !=
+           kWanted.end();
+  };
+  try {
+    return json::parse(text, filter, false);
+  } catch (const std::exception&) {
+    return json(json::value_t::discarded);
+  }
+}
+
+Status CheckVersion(const json& file) {
+  const json& version = Member(Member(file, "asset"), "version");
+  if (!version.is_string()) {
+    return Broken("it says no asset.version");
+  }
+  const auto& text = version.get_ref<const std::string&>();
+  if (text.starts_with("2.")) return Status::Ok();
+  return Status::Error("is glTF " + Shown(text.substr(0, 16)) + kOnlyTwo);
+}
+
+Result<GltfSkeleton> ReadFile(const std::filesystem::path& file, const rig::JointNames& given) {
+  const auto opened = InputFile::Open(file, kExpected);
+  if (!opened.ok()) return opened.status();
+  const auto refuse = [&file](const Status& status) {
+    const std::string& text = status.message();
+    const std::string name = file.string() + ": ";
+    return text.starts_with(name) ? status : Status::Error(name + text);
+  };
+  const auto text = ReadJsonText(opened.value());
+  if (!text.ok()) return refuse(text.status());
+  const json parsed = ParseWanted(text.value());
+  if (!parsed.is_object()) return refuse(Broken("found JSON that cannot be read"));
+  if (const Status status = CheckVersion(parsed); !status.ok()) return refuse(status);
+  const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  if (const Status status = CheckUris(parsed, folder); !status.ok()) return refuse(status);
+  const auto model = ReadModel(parsed);
+  if (!model.ok()) return refuse(model.status());
+  auto skeleton = Read(model.value(), given);
+  if (!skeleton.ok()) return refuse(skeleton.status());
+  return skeleton;
 }
 
 }  // namespace
 
 Result<GltfSkeleton> ReadGltfSkeleton(const std::filesystem::path& file,
                                       const rig::JointNames& given) {
-  std::error_code error;
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file, error)) {
-    return Status::Error(file.string() + ": " +
-                         (in ? "is a folder" : std::string(std::strerror(errno))) + kExpected);
-  }
-  if (const std::string found = NotGltf(in); !found.empty()) {
-    return Status::Error(file.string() + ": is no glTF 2.0: " + found + kExpected);
-  }
-  std::array<char, 4> magic{};
-  in.clear();
-  in.seekg(0);
-  in.read(magic.data(), magic.size());
-  tinygltf::TinyGLTF loader;
-  loader.SetImageLoader(SkipImage, nullptr);
-  tinygltf::Model model;
-  std::string what, warnings;
-  bool read = false;
-  try {
-    const bool binary = std::string_view(magic.data(), magic.size()) == "glTF";
-    read = binary ? loader.LoadBinaryFromFile(&model, &what, &warnings, file.string())
-                  : loader.LoadASCIIFromFile(&model, &what, &warnings, file.string());
-  } catch (const std::exception&) {  // of a damaged file, by the library's JSON parser
-    what = "found JSON that cannot be read";
-  }
-  if (!read) {
-    // The JSON library's own words are no use to who reads this.
-    if (what.find("json.exception") != std::string::npos) what = "found JSON that cannot be read";
-    std::replace(what.begin(), what.end(), '\n', ' ');
-    while (what.ends_with(' ') || what.ends_with('.')) what.pop_back();
-    return Status::Error(file.string() + ": is no glTF 2.0: " + what + kExpected);
-  }
-  auto skeleton = Read(model, given);
-  if (!skeleton.ok()) return Status::Error(file.string() + ": " + skeleton.status().message());
-  return skeleton;
+  return ReadFile(file, given);
 }
 
 }  // namespace styled::clip

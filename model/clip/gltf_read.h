@@ -25,8 +25,9 @@ struct GltfSkeleton {
 // Reads .gltf, .glb or .vrm (0.x and 1.0); meshes, materials and images are not looked at. Joints
 // are the hips, and below them the humanoid's bones (VRM) or the skins' joints with all that lies
 // between; no more than the mapped ones where that would exceed rig::kMaxSourceJoints. Scales of
-// nodes go into the offsets. Errors name the file and what was expected: no glTF, nodes that form
-// no tree, no hips, a node stretched unevenly. Any thread. Pinned by
+// nodes go into the offsets. Buffers and images are never opened, and a file is refused that wants
+// one from outside its folder. Errors name the file and what was expected: no ordinary file, no
+// glTF, glTF 1, nodes that form no tree, no hips, a node stretched unevenly. Any thread. Pinned by
 // tests/unit/clip/gltf_read_test.cpp. Source: glTF 2.0 (Khronos), VRM 0.x and VRMC_vrm-1.0.
 Result<GltfSkeleton> ReadGltfSkeleton(const std::filesystem::path& file,
                                       const rig::JointNames& given = {});

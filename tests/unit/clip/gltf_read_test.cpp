@@ -1,13 +1,20 @@
 #include "model/clip/gltf_read.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <thread>
 
+#include "model/clip/avatar.h"
 #include "model/clip/glb_write.h"
 #include "model/rig/calibration.h"
 #include "tests/support/temporary_folder.h"
@@ -108,7 +115,6 @@ class GltfReadTest : public testing::Test {
     EXPECT_THAT(read.status().message(), HasSubstr(why));
   }
 
- private:
   support::TemporaryFolder folder_;
 };
 
@@ -242,6 +248,99 @@ TEST_F(GltfReadTest, WhatIsNoAvatarIsRefusedInWords) {
         for (json& node : a["nodes"]) node["name"] = "x";
       },
       "no bone named like hips");
+}
+
+TEST_F(GltfReadTest, Gltf1IsRefusedByItsName) {
+  json avatar = Avatar();
+  avatar["asset"]["version"] = "1.0";
+  EXPECT_THAT(Read(avatar.dump()).status().message(),
+              HasSubstr("avatar.gltf: is glTF 1.0, expected glTF 2.0"));
+  avatar.erase("asset");
+  EXPECT_THAT(Read(avatar.dump()).status().message(), HasSubstr("no asset.version"));
+  // Its binary form: version 1, then lengths of the file and of its JSON, and the format of that.
+  const std::string text = R"({"asset": {"version": "1.0"}, "nodes": {}})";
+  std::string binary = "glTF";
+  for (const std::uint32_t word : {std::uint32_t{1}, static_cast<std::uint32_t>(20 + text.size()),
+                                   static_cast<std::uint32_t>(text.size()), std::uint32_t{0}}) {
+    binary.append(reinterpret_cast<const char*>(&word), sizeof word);
+  }
+  EXPECT_THAT(Read(binary + text, "old.glb").status().message(),
+              HasSubstr("old.glb: is glTF 1 in binary form, expected glTF 2.0"));
+}
+
+TEST_F(GltfReadTest, AFileThatWantsAnotherFromOutsideItsFolderIsRefused) {
+  std::filesystem::create_directories(folder_ / "home/sub");
+  std::ofstream(folder_ / "secret.bin") << "secret";
+  std::ofstream(folder_ / "home/in.bin") << "in";
+  std::filesystem::create_symlink(folder_ / "secret.bin", folder_ / "home/link.bin");
+  std::filesystem::create_symlink(folder_ / "home/in.bin", folder_ / "home/sub/good.bin");
+  ASSERT_EQ(mkfifo((folder_ / "home/pipe.bin").c_str(), 0600), 0);
+  const auto with = [this](const char* list, const std::string& uri) {
+    json avatar = Avatar();
+    avatar[list] = json::array({{{"uri", uri}, {"byteLength", 2}}});
+    return Read(avatar.dump(), "home/avatar.gltf");
+  };
+  for (const auto& [uri, why] : std::vector<std::pair<std::string, std::string>>{
+           {"../secret.bin", "leads out of the avatar's folder"},
+           {"sub/../../secret.bin", "leads out of the avatar's folder"},
+           {"%2e%2E/secret.bin", "leads out of the avatar's folder"},
+           {"..%2fsecret.bin", "leads out of the avatar's folder"},
+           {"..\\secret.bin", "leads out of the avatar's folder"},
+           {"/etc/passwd", "is an absolute path"},
+           {"%2Fetc/passwd", "is an absolute path"},
+           {"file:///etc/passwd", "is no file beside the avatar"},
+           {"http://a.example/b.bin", "is no file beside the avatar"},
+           {"in.bin%00.png", "is no file beside the avatar"},
+           {"link.bin", "is a link that leads out of the avatar's folder"},
+           {"pipe.bin", "is no ordinary file"},
+           {"sub", "is no ordinary file"}}) {
+    for (const char* const list : {"buffers", "images"}) {
+      const auto read = with(list, uri);
+      ASSERT_FALSE(read.ok()) << list << " " << uri;
+      EXPECT_THAT(read.status().message(), HasSubstr("avatar.gltf: " + std::string(list) + "[0]"));
+      EXPECT_THAT(read.status().message(), HasSubstr(why)) << uri;
+    }
+  }
+  for (const std::string uri : {"in.bin", "./in.bin", "sub/good.bin", "gone.bin", "a%20b.bin",
+                                "100%.bin", "data:application/octet-stream;base64,AAAA"}) {
+    const auto read = with("buffers", uri);
+    EXPECT_TRUE(read.ok()) << uri << ": " << read.status().message();
+  }
+}
+
+// A pipe that is opened would keep the daemon waiting until somebody writes to it.
+TEST_F(GltfReadTest, PipesDevicesAndFoldersAreRefusedAndNobodyIsWaitedFor) {
+  for (const std::string name : {"pipe.glb", "pipe.bvh"}) {
+    const std::string pipe = folder_ / name;
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    // Lets a reader go that does wait.
+    std::atomic<bool> done = false;
+    std::thread rescue([&] {
+      while (!done) {
+        const int fd = open(pipe.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+        if (fd >= 0) close(fd);
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+    });
+    const auto read = ReadAvatar(pipe, "auto", {});
+    done = true;
+    rescue.join();
+    ASSERT_FALSE(read.ok());
+    EXPECT_THAT(read.status().message(), HasSubstr(name + ": is a pipe, expected an avatar's"));
+  }
+  EXPECT_THAT(ReadAvatar("/dev/zero", "auto", {}).status().message(),
+              HasSubstr("/dev/zero: is a device"));
+  std::filesystem::create_directory(folder_ / "folder.bvh");
+  EXPECT_THAT(ReadAvatar(folder_ / "folder.bvh", "auto", {}).status().message(),
+              HasSubstr("folder.bvh: is a folder"));
+}
+
+TEST_F(GltfReadTest, DeeplyNestedJsonIsRefused) {
+  for (const char* const key : {"nodes", "meshes"}) {
+    std::string text = R"({"asset": {"version": "2.0"}, ")" + std::string(key) + "\": ";
+    text += std::string(1'000'000, '[') + std::string(1'000'000, ']') + "}";
+    EXPECT_THAT(Read(text).status().message(), HasSubstr("found JSON that cannot be read"));
+  }
 }
 
 TEST_F(GltfReadTest, DamagedFilesAreReadOrRefused) {
