@@ -226,7 +226,13 @@ int Play(const Arguments& a, const std::string& to, bool listen, Senders senders
   auto link = listen ? player::Listen(to) : player::Connect(to, a.start_wait_ms);
   if (!link.ok()) return Fail(link.status());
   player::SteadyClock clock;
-  player::Player player({a.rate_hz, a.seconds}, std::move(senders));
+  const auto on_refused = [&to] {
+    std::fprintf(stderr,
+                 "stylesim: nobody listens at %s (Connection refused); sending goes on. Is styled "
+                 "running, with a source at that port?\n",
+                 to.c_str());
+  };
+  player::Player player({a.rate_hz, a.seconds, on_refused}, std::move(senders));
   const Status status = player.Run(clock, *link.value(), stop_requested);
   std::printf("stylesim: %s\n", player::Summary(player).c_str());
   return status.ok() ? 0 : Fail(status);

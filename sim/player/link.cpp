@@ -1,11 +1,18 @@
 #include "sim/player/link.h"
 
+#include <linux/errqueue.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <array>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/write.hpp>
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <map>
 #include <thread>
 
@@ -68,24 +75,70 @@ class UdpLink final : public Link {
     if (error) return Status::Error(error.message());
     // Oversized datagrams need the room; where it is refused, the default is what there is.
     socket_.set_option(asio::socket_base::send_buffer_size(1 << 20), error);
+    AskForErrors();
     return Status::Ok();
   }
 
-  // Not connect()ed: an absent receiver's ICMP answers would take the place of datagrams.
+  // Not connect()ed: rigs are answered from other ports, too. That nobody listens (ICMP) is read
+  // from the socket's queue of errors; where it takes the place of a datagram, that one is sent
+  // again.
   Status Send(std::span<const std::byte> datagram) override {
     error_code error;
-    socket_.send_to(asio::buffer(datagram.data(), datagram.size()), receiver_, 0, error);
-    return error ? Status::Error("sending by UDP: " + error.message()) : Status::Ok();
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      socket_.send_to(asio::buffer(datagram.data(), datagram.size()), receiver_, 0, error);
+      if (!error) return Status::Ok();
+      if (!TakeErrors()) break;
+    }
+    return Status::Error("sending by UDP: " + error.message());
   }
 
   std::size_t Receive(std::span<std::byte> datagram) override {
     return ReceiveFrom(socket_, datagram, sender_);
   }
 
+  std::uint64_t refused() override {
+    TakeErrors();
+    return refused_;
+  }
+
  private:
+  static constexpr int kAttempts = 4;  // errors may come as fast as datagrams go
+
+  void AskForErrors() {
+    const int on = 1;
+    if (receiver_.address().is_v6()) {
+      setsockopt(socket_.native_handle(), IPPROTO_IPV6, IPV6_RECVERR, &on, sizeof on);
+    } else {
+      setsockopt(socket_.native_handle(), IPPROTO_IP, IP_RECVERR, &on, sizeof on);
+    }
+  }
+
+  // Empties the queue of errors. False: there were none.
+  bool TakeErrors() {
+    bool any = false;
+    alignas(cmsghdr) std::array<char, 512> control{};
+    for (;;) {
+      msghdr message{};
+      message.msg_control = control.data();
+      message.msg_controllen = control.size();
+      if (recvmsg(socket_.native_handle(), &message, MSG_ERRQUEUE | MSG_DONTWAIT) < 0) return any;
+      any = true;
+      for (const cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
+           part = CMSG_NXTHDR(&message, const_cast<cmsghdr*>(part))) {
+        const bool ours = (part->cmsg_level == IPPROTO_IP && part->cmsg_type == IP_RECVERR) ||
+                          (part->cmsg_level == IPPROTO_IPV6 && part->cmsg_type == IPV6_RECVERR);
+        if (!ours) continue;
+        sock_extended_err what{};
+        std::memcpy(&what, CMSG_DATA(part), sizeof what);
+        if (what.ee_errno == ECONNREFUSED) ++refused_;
+      }
+    }
+  }
+
   asio::io_context context_;
   asio::ip::udp::socket socket_{context_};
   asio::ip::udp::endpoint receiver_, sender_;
+  std::uint64_t refused_ = 0;
 };
 
 class ServerLink final : public Link {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -17,12 +18,15 @@ class Link {
   virtual Status Send(std::span<const std::byte> datagram) = 0;
   // One datagram that came back, if there is one: its size, else 0. Never blocks.
   virtual std::size_t Receive(std::span<std::byte> /*datagram*/) { return 0; }
+  // How many datagrams came back as refused: nobody listens at that port. 0 where it is not known.
+  virtual std::uint64_t refused() { return 0; }
   // Sends to whom the last one received came from.
   virtual Status Answer(std::span<const std::byte> datagram) { return Send(datagram); }
 };
 
 // "udp://HOST:PORT" or "tcp://HOST:PORT" (IPv6 hosts in brackets). UDP never fails for want of a
-// receiver. TCP is tried again for `start_wait_ms` while nobody listens; errors name the address
+// receiver: where the other machine says that nobody listens, Link::refused() counts it and sending
+// goes on. TCP is tried again for `start_wait_ms` while nobody listens; errors name the address
 // and the reason.
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms);
 

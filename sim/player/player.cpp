@@ -9,9 +9,23 @@
 #include <utility>
 
 namespace styled::player {
+namespace {
+
+// A receiver that is started after us, or anew, refuses a few.
+constexpr std::uint64_t kRefusals = 3;
+
+}  // namespace
 
 Player::Player(PlayerOptions options, std::vector<std::unique_ptr<Sender>> senders)
-    : options_(options), senders_(std::move(senders)) {}
+    : options_(std::move(options)), senders_(std::move(senders)) {}
+
+// What the link knows of the receiver.
+void Player::Listen(Link& link) {
+  counts_.refused = link.refused();
+  if (told_ || counts_.refused < kRefusals) return;
+  told_ = true;
+  if (options_.on_refused) options_.on_refused();
+}
 
 Status Player::Run(Clock& clock, Link& link, const std::atomic<bool>& stop) {
   const double period_ns = 1e9 / options_.rate_hz;
@@ -50,11 +64,13 @@ Status Player::Run(Clock& clock, Link& link, const std::atomic<bool>& stop) {
     counts_.ticks = std::max(counts_.ticks, next.tick + 1);
     const Sender::Step step = senders_[next.sender]->Tick(link);
     if (step == Sender::Step::kError) return senders_[next.sender]->error();
+    Listen(link);
     if (step != Sender::Step::kEnd) plan(next.sender, next.tick + 1, next.due_ns);
   }
   for (const auto& sender : senders_) {
     if (Status status = sender->Flush(link); !status.ok()) return status;
   }
+  Listen(link);
   counts_.wall_ns = clock.Now_ns() - start_ns;
   return Status::Ok();
 }
@@ -84,6 +100,7 @@ std::string Summary(const Player& player) {
       static_cast<double>(player.counts().wall_ns) * 1e-9,
       static_cast<unsigned long long>(player.counts().late_ticks));
   std::string line = text;
+  if (player.counts().refused > 0) line += " refused=" + std::to_string(player.counts().refused);
   for (std::size_t i = 1; i < faults.size(); ++i) {
     if (faults[i] == 0) continue;
     line += ' ' + std::string(faults::Name(static_cast<faults::Fault>(i))) + '=' +

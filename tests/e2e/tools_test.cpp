@@ -40,6 +40,15 @@ class ToolsTest : public testing::Test {
   int runs_ = 0;
 };
 
+TEST_F(ToolsTest, StylesimSaysOnceThatNobodyListens) {
+  EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--seconds", "1"}), 0);
+  const std::string line =
+      "stylesim: nobody listens at udp://127.0.0.1:9 (Connection refused); sending goes on.";
+  const std::size_t at = said_.find(line);
+  ASSERT_NE(at, std::string::npos) << said_;
+  EXPECT_EQ(said_.find(line, at + 1), std::string::npos) << said_;
+}
+
 TEST_F(ToolsTest, StylizeTakesItsFilesBehindAMix) {
   const std::string in = Walk(), out = folder_ / "out.bvh";
   ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "elderly=0.5", "--mix", "active=0.3", "--mix",

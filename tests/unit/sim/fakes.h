@@ -34,7 +34,9 @@ class FakeLink final : public Link {
   }
   std::vector<std::vector<std::byte>> sent;
   std::vector<std::int64_t> times_ns;
+  std::uint64_t refused() override { return refusing ? sent.size() : 0; }
   bool fail = false;
+  bool refusing = false;  // every datagram
 
  private:
   FakeClock* clock_;

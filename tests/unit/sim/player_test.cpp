@@ -53,6 +53,21 @@ TEST(Player, SendsEveryFrameAtItsTimeWhateverASleepIsLate) {
   EXPECT_EQ(player.counts().late_ticks, 0U);
 }
 
+TEST(Player, ThatNobodyListensIsToldOnceAndCounted) {
+  FakeClock clock;
+  FakeLink link(&clock);
+  link.refusing = true;
+  int told = 0;
+  Player player({120, 0, [&told] { ++told; }}, Streams(1, 100, 120));
+  const std::atomic<bool> stop{false};
+  ASSERT_TRUE(player.Run(clock, link, stop).ok());
+  EXPECT_EQ(told, 1);
+  EXPECT_EQ(FrameTimes(link, "amy-0").size(), 100U) << "it goes on";
+  EXPECT_EQ(player.counts().refused, link.sent.size());
+  EXPECT_NE(Summary(player).find(" refused=" + std::to_string(link.sent.size())),
+            std::string::npos);
+}
+
 TEST(Player, CatchesUpAfterADelayAndSkipsNothing) {
   FakeClock clock;
   clock.cost_ns = 5'000'000;  // each look at the clock: at 120 Hz more than a period per tick

@@ -1,0 +1,74 @@
+#include "sim/player/link.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <string>
+#include <thread>
+
+namespace styled::player {
+namespace {
+
+// A UDP socket on loopback, at a port of the system's choice.
+class Receiver {
+ public:
+  explicit Receiver(std::uint16_t port = 0) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    inet_pton(AF_INET, "127.0.0.1", &address.sin_addr);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(fd_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size);
+    this->port = ntohs(address.sin_port);
+  }
+  ~Receiver() { close(fd_); }
+  Receiver(const Receiver&) = delete;
+  Receiver& operator=(const Receiver&) = delete;
+
+  // How many datagrams come until none has for a second, or there are `wanted`.
+  int Count(int wanted) const {
+    int count = 0;
+    pollfd waiting{fd_, POLLIN, 0};
+    std::array<char, 64> bytes{};
+    while (count < wanted && poll(&waiting, 1, 1000) > 0) {
+      if (recv(fd_, bytes.data(), bytes.size(), 0) > 0) ++count;
+    }
+    return count;
+  }
+
+  std::uint16_t port = 0;
+
+ private:
+  int fd_;
+};
+
+TEST(Link, ADeadUdpPortIsNoticedAndEveryDatagramLeavesAllTheSame) {
+  std::uint16_t port = 0;
+  {
+    const Receiver gone;
+    port = gone.port;
+  }
+  auto link = Connect("udp://127.0.0.1:" + std::to_string(port), 0);
+  ASSERT_TRUE(link.ok());
+  const std::array<std::byte, 5> datagram{};
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(link.value()->Send(datagram).ok()) << i;
+  // The kernel says so at once, or a little later.
+  for (int i = 0; i < 1000 && link.value()->refused() < 50; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(link.value()->refused(), 50U);
+  // One that comes later gets all that is sent from then on: no error takes a datagram's place.
+  const Receiver late(port);
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(link.value()->Send(datagram).ok()) << i;
+  EXPECT_EQ(late.Count(50), 50);
+  EXPECT_EQ(link.value()->refused(), 50U);
+}
+
+}  // namespace
+}  // namespace styled::player
