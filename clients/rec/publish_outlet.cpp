@@ -3,6 +3,7 @@
 #include <random>
 
 #include "clients/rec/rig_frames.h"
+#include "proto/ipc/path.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
 #include "proto/styled/v1/stats.pb.h"
@@ -25,6 +26,10 @@ Result<std::unique_ptr<PublishOutlet>> PublishOutlet::Bind(const std::string& en
                                                            bool as_recorded) {
   std::unique_ptr<PublishOutlet> outlet(new PublishOutlet());
   outlet->as_recorded_ = as_recorded;
+  if (endpoint.starts_with("ipc://")) {
+    const Status free = ipc::CheckFree(endpoint.substr(6));
+    if (!free.ok()) return Status::Error("--publish " + endpoint + ": " + free.message());
+  }
   try {
     outlet->socket_ = zmq::socket_t(outlet->context_, zmq::socket_type::xpub);
     outlet->socket_.set(zmq::sockopt::xpub_verbose, 1);

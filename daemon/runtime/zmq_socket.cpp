@@ -7,6 +7,8 @@
 #include <array>
 #include <cerrno>
 
+#include "proto/ipc/path.h"
+
 namespace styled::runtime {
 
 // Beside the socket, which libzmq removes and makes anew.
@@ -38,7 +40,15 @@ Status ZmqSocket::Bind(const std::string& address, const std::string& key, std::
   std::string wanted = address;
   bool done = false;
   if (address.starts_with("ipc://")) {
-    if (Status status = LockPath(address.substr(6), place); !status.ok()) return status;
+    const std::string path = address.substr(6);
+    // Before the lock's file is made beside it; and once more, now that no other daemon has it.
+    if (Status status = ipc::CheckKind(path); !status.ok()) {
+      return Status::Error(place + status.message());
+    }
+    if (Status status = LockPath(path, place); !status.ok()) return status;
+    if (Status status = ipc::CheckFree(path); !status.ok()) {
+      return Status::Error(place + status.message());
+    }
     done = BindIpc(address, ipc);
   } else {
     if (wanted.ends_with(":0")) wanted.back() = '*';

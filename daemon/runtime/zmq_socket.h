@@ -52,8 +52,10 @@ class ZmqSocket {
   }
 
   // Binds `address` (port 0: any) and writes the endpoint bound. An ipc path is locked first:
-  // libzmq would silently take it from a daemon that runs. `key` names the address in errors. At
-  // start-up, while no other thread makes files: the process' umask is another for a moment.
+  // libzmq would silently take it from a daemon that runs. What is there and is no socket, or one
+  // at which another program listens, is refused and left alone; a socket that a dead daemon left
+  // is replaced. `key` names the address in errors. At start-up, while no other thread makes files:
+  // the process' umask is another for a moment.
   Status Bind(const std::string& address, const std::string& key, std::string& endpoint,
               const IpcAccess& ipc = {});
 
