@@ -83,6 +83,16 @@ TEST_F(KeyCommandsTest, WhatIsWrongIsSaidAndNothingChanges) {
   EXPECT_TRUE(keys::ReadClients(keys_).value().allowed.empty());
 }
 
+TEST_F(KeyCommandsTest, TheFolderIsGivenByAnOptionOrTheEnvironment) {
+  EXPECT_EQ(Run({"keys", "--keys", keys_}), kExitOk) << err_.str();
+  EXPECT_EQ(Run({"--keys", keys_, "keys"}), kExitOk) << "before the command, too: " << err_.str();
+  ASSERT_EQ(setenv("STYLED_SECURITY_KEYS", keys_.c_str(), 1), 0);
+  EXPECT_EQ(Run({"keys"}), kExitOk) << err_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("daemon: " + server_));
+  EXPECT_EQ(Run({"keys", "--keys", folder_ / "none"}), kExitRefused) << "the option goes before";
+  ASSERT_EQ(unsetenv("STYLED_SECURITY_KEYS"), 0);
+}
+
 TEST_F(KeyCommandsTest, OptionsOfProgramsNameFilesAndKeys) {
   const auto pair = keys::MakePair().value();
   const std::string file = folder_ / "me.key";
