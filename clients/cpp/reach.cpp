@@ -371,7 +371,7 @@ Reach Examine(const std::string& endpoint, Peer peer, const std::optional<Curve>
     complete = std::move(checked.value());
   }
   Connection connection(deadline);
-  const Reach opened = Open(endpoint, connection);
+  Reach opened = Open(endpoint, connection);
   if (opened.obstacle != Obstacle::kNone) return opened;
   try {
     return Greet(endpoint, peer, complete, connection, deadline);

@@ -25,8 +25,8 @@ enum class Obstacle {
   kTurnedAway,   // connected, and closed during the handshake
   kAsksForKeys,  // it wants CURVE, and no keys were given
   kAsksForNone,  // keys were given, and it knows no CURVE
-  kWrongKeys,     // the daemon's key is another than the one given
-  kNotLetIn,      // the daemon does not let our key in, or not in this role
+  kWrongKeys,    // the daemon's key is another than the one given
+  kNotLetIn,     // the daemon does not let our key in, or not in this role
   kOtherSocket,  // ZeroMQ, but not that socket: the publisher instead of the control socket
   kNotZeroMq,    // something listens that does not speak ZeroMQ, or says nothing
 };

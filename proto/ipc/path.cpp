@@ -46,7 +46,7 @@ Status CheckKind(const std::string& path) {
 }
 
 Status CheckFree(const std::string& path) {
-  if (const Status status = CheckKind(path); !status.ok()) return status;
+  if (Status status = CheckKind(path); !status.ok()) return status;
   if (IsAbstract(path)) return Status::Ok();
   switch (const int error = Connect(path)) {
     case ENOENT:        // nothing is there

@@ -475,7 +475,16 @@ TEST(GatewayTest, ADaemonThatAsksForKeysIsShownWithThem) {
   // The first statistics tell that the daemon is up, within a second or so.
   for (int i = 0; i < 1000 && Ask(web.address, "/healthz").status != 200; ++i) Sleep(0.01);
   EXPECT_EQ(Ask(web.address, "/healthz").status, 200);
-  EXPECT_EQ(Ask(blind.address, "/healthz").status, 503) << "without a key nothing comes";
+  HttpReply health = Ask(blind.address, "/healthz");
+  EXPECT_EQ(health.status, 503) << "without a key nothing comes";
+  const auto says_why = [&health] {
+    return health.body.find("it asks for keys, and none were given") != std::string::npos;
+  };
+  for (int i = 0; i < 1000 && !says_why(); ++i) {
+    Sleep(0.01);
+    health = Ask(blind.address, "/healthz");
+  }
+  EXPECT_TRUE(says_why()) << health.body;
 }
 
 TEST(GatewayTest, OptionsThatAreWrongAreNamed) {

@@ -258,6 +258,12 @@ TEST(MonitorWithout, ADaemonSaysSo) {
   ASSERT_TRUE(monitor.ok());
   monitor.value()->Listen(milliseconds(20));
   EXPECT_NE(StatusLine(monitor.value()->view()).find("is styled running?"), std::string::npos);
+  // Soon it knows why.
+  const auto says_why = [&monitor] {
+    return StatusLine(monitor.value()->view()).find("nobody listens there") != std::string::npos;
+  };
+  for (int i = 0; i < 500 && !says_why(); ++i) monitor.value()->Listen(milliseconds(20));
+  EXPECT_TRUE(says_why()) << StatusLine(monitor.value()->view());
   options.performer = "nodot";
   EXPECT_FALSE(Monitor::Start(options).ok());
   options = {};
