@@ -16,6 +16,7 @@
 #include "daemon/runtime/notify.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/supervisor.h"
+#include "model/base/text.h"
 
 namespace {
 
@@ -59,7 +60,8 @@ bool ToJournal() {
 }
 
 int Refuse(const std::string& why, int code) {
-  std::cerr << (ToJournal() ? "<3>" : "") << "styled: " << why << "\n";
+  std::cerr << (ToJournal() ? "<3>" : "")
+            << "styled: " << styled::Printable(why, styled::runtime::kLongestLine) << "\n";
   styled::runtime::Notifier::FromEnvironment().Say(why);
   return code;
 }
@@ -73,7 +75,7 @@ void StartLog(const std::string& level) {
     spdlog::set_default_logger(std::make_shared<spdlog::logger>("styled", std::move(sink)));
   } else {
     spdlog::set_default_logger(spdlog::stderr_color_mt("styled"));
-    spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
+    spdlog::set_formatter(styled::runtime::LineFormatter());
   }
   spdlog::set_level(spdlog::level::from_str(level));
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "clients/rec/take.h"
+#include "model/base/text.h"
 
 namespace styled::rec {
 namespace {
@@ -65,11 +66,10 @@ Result<clip::Clip> ToClip(const Take& take, double rate_hz) {
   const double own_hz = std::clamp(RateMeant(take.times_s), 1.0, 1000.0);
   const double wanted_hz = rate_hz > 0 ? rate_hz : own_hz;
   if (!(wanted_hz >= 1 && wanted_hz <= 1000)) {
-    return Status::Error("found a rate of " + std::to_string(wanted_hz) +
-                         " Hz, expected 1 to 1000");
+    return Status::Error("found a rate of " + NumberText(wanted_hz) + " Hz, expected 1 to 1000");
   }
   if (take.times_s.back() * std::max(own_hz, wanted_hz) > kMaxFrames) {
-    return Status::Error(take.performer + ": found " + std::to_string(take.times_s.back()) +
+    return Status::Error(take.performer + ": found " + NumberText(take.times_s.back(), 3) +
                          " s, expected at most ten million frames; a lower --rate is shorter");
   }
   clip::Clip clip;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/base/text.h"
+
 namespace styled::rec {
 namespace {
 
@@ -76,7 +78,7 @@ Status Play(recording::Reader& reader, const PlayOptions& options, player::Clock
   if (!range.any) return Status::Error(reader.name() + ": found no records, expected some to play");
   const double length_s = static_cast<double>(range.last_ns - range.first_ns) * 1e-9;
   if (options.from_s > length_s) {
-    return Status::Error(reader.name() + ": found " + std::to_string(length_s) +
+    return Status::Error(reader.name() + ": found " + NumberText(length_s, 3) +
                          " s, expected --from within them");
   }
   const std::int64_t begin_ns = clock.Now_ns();

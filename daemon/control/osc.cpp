@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "model/base/text.h"
 #include "model/body/parts.h"
 #include "proto/styled/body_parts.h"
 
@@ -25,7 +26,8 @@ bool Number(Arguments& arguments, float& value) {
 
 bool Text(Arguments& arguments, std::string& value) {
   std::string_view text;
-  if (!arguments.Text(text)) return false;
+  // What protobuf holds as text has to be UTF-8, or no client and no recording can be read.
+  if (!arguments.Text(text) || !IsUtf8(text)) return false;
   value = text;
   return true;
 }
@@ -138,8 +140,9 @@ std::optional<float> Press(Arguments& arguments) {
 Result<v1::Request> ReadOsc(const Message& message) {
   const std::string address(message.address);
   const auto refuse = [&address](const std::string& expected) {
-    return Status::Error(address.substr(0, 120) + ": expected " + expected);
+    return Status::Error(Printable(address, 120) + ": expected " + expected);
   };
+  if (!IsUtf8(address)) return refuse("UTF-8");
   constexpr std::string_view kRoot = "/styled/";
   if (!address.starts_with(kRoot)) {
     return refuse("/styled/PERFORMER/style, /styled/cue, /styled/panic, ... (OSC.md)");

@@ -4,6 +4,8 @@
 #include <set>
 #include <utility>
 
+#include "model/base/text.h"
+
 namespace styled::pipeline {
 namespace {
 
@@ -27,7 +29,7 @@ Status FillSkeleton(const v1::Body& body, rig::Skeleton& skeleton) {
   if (status.ok() && body.rest_size() > 0) status = Count("rest", body.rest_size(), 4 * joints);
   if (!status.ok()) return status;
   if (!std::isfinite(body.metres_per_unit()) || body.metres_per_unit() < 0) {
-    return Status::Error("body: metres_per_unit: found " + std::to_string(body.metres_per_unit()) +
+    return Status::Error("body: metres_per_unit: found " + NumberText(body.metres_per_unit()) +
                          ", expected a length in metres, or 0 where it is unknown");
   }
   std::set<std::string> names;

@@ -18,6 +18,7 @@
 #include "daemon/source/rigs/make.h"
 #include "daemon/source/rigs/natnet.h"
 #include "daemon/supervisor.h"
+#include "model/base/text.h"
 #include "model/erd/shipped_weights.h"
 #include "proto/recording/writer.h"
 #include "proto/rigs/native/stream_reader.h"
@@ -372,7 +373,7 @@ Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config
     return status.ok() ? written : status;
   }
   const double seconds = static_cast<double>(range.last_ns - range.first_ns) * 1e-9;
-  std::string said = reader.name() + ": seconds=" + std::to_string(seconds) +
+  std::string said = reader.name() + ": seconds=" + NumberText(seconds, 3) +
                      " messages=" + std::to_string(messages) + Counts(counters);
   const std::string& recorded = reader.header().weights_hash();
   if (!recorded.empty() && recorded != hash.value()) {

@@ -1,5 +1,6 @@
 #include "daemon/runtime/journal.h"
 
+#include <spdlog/pattern_formatter.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -9,10 +10,28 @@
 #include <cstdio>
 #include <cstring>
 
+#include "model/base/text.h"
+
 namespace styled::runtime {
 namespace {
 
 thread_local std::vector<LogField> current_fields;
+
+std::string TextOf(const spdlog::details::log_msg& message) {
+  return Printable({message.payload.data(), message.payload.size()}, kLongestLine);
+}
+
+class TextFlag final : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
+              spdlog::memory_buf_t& line) override {
+    const std::string text = TextOf(message);
+    line.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override {
+    return std::make_unique<TextFlag>();
+  }
+};
 
 }  // namespace
 
@@ -58,13 +77,19 @@ int Priority(spdlog::level::level_enum level) {
   }
 }
 
+std::unique_ptr<spdlog::formatter> LineFormatter() {
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<TextFlag>('*').set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %*");
+  return formatter;
+}
+
 JournalSink::JournalSink(std::vector<LogField> always, std::string socket_path)
     : always_(std::move(always)),
       socket_path_(std::move(socket_path)),
       socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {}
 
 void JournalSink::sink_it_(const spdlog::details::log_msg& message) {
-  const std::string text(message.payload.data(), message.payload.size());
+  const std::string text = TextOf(message);
   std::vector<LogField> fields{{"MESSAGE", text},
                                {"PRIORITY", std::to_string(Priority(message.level))}};
   fields.insert(fields.end(), always_.begin(), always_.end());

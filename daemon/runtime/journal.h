@@ -2,7 +2,9 @@
 
 #include <spdlog/sinks/base_sink.h>
 
+#include <cstddef>
 #include <initializer_list>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -35,6 +37,14 @@ bool IsJournal(const char* journal_stream, int fd);
 
 // The priority of a level as syslog(3) has them.
 int Priority(spdlog::level::level_enum level);
+
+// The longest line of the log, in bytes; the rest is cut off ("...").
+inline constexpr std::size_t kLongestLine = 4000;
+
+// Lines for stderr: time, level and text. Here and in the journal, the text is Printable(): what
+// others sent and were quoted with cannot make a second line, colour a terminal or break what reads
+// the log as UTF-8.
+std::unique_ptr<spdlog::formatter> LineFormatter();
 
 // Logs into the journal by its native protocol: MESSAGE, PRIORITY, SYSLOG_IDENTIFIER, `always` and
 // LogFields. A journal that is behind does not hold up who logs: lines are lost then, and the next

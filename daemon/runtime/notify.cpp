@@ -9,13 +9,18 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "model/base/text.h"
+
 namespace styled::runtime {
 namespace {
 
+// What follows a line's end would be another message to systemd; too long a one would be refused
+// whole, and READY=1 with it.
 std::string OneLine(std::string_view text) {
+  constexpr std::size_t kLongest = 1000;  // bytes; more than `systemctl status` shows
   std::string line(text);
   std::replace(line.begin(), line.end(), '\n', ' ');
-  return line;
+  return Printable(line, kLongest);
 }
 
 }  // namespace

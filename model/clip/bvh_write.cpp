@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "model/base/text.h"
 #include "model/clip/clip.h"
 
 namespace styled::clip {
@@ -215,7 +216,7 @@ Status WriteBvh(const Clip& clip, const std::filesystem::path& file) {
     return Status::Error(file.string() + ": found a clip without joints or frames, expected both");
   }
   if (!(clip.rate_hz >= 1 && clip.rate_hz <= 1000)) {
-    return Status::Error(file.string() + ": found a rate of " + std::to_string(clip.rate_hz) +
+    return Status::Error(file.string() + ": found a rate of " + NumberText(clip.rate_hz) +
                          " Hz, expected 1 to 1000");
   }
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"),

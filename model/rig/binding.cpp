@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "model/base/text.h"
+
 namespace styled::rig {
 namespace {
 
@@ -83,13 +85,13 @@ Status ValidateRest(const BindingSpec& spec) {
   for (std::size_t joint = 0; joint < spec.rest_rotations.size(); ++joint) {
     if (!unit(spec.rest_rotations[joint])) {
       return Status::Error("binding: rest rotation of " + spec.skeleton.names[joint] +
-                           ": found length " + std::to_string(spec.rest_rotations[joint].norm()) +
+                           ": found length " + NumberText(spec.rest_rotations[joint].norm()) +
                            ", expected 1");
     }
   }
   if (!unit(spec.canonical_from_source)) {
     return Status::Error("binding: canonical_from_source: found length " +
-                         std::to_string(spec.canonical_from_source.norm()) + ", expected 1");
+                         NumberText(spec.canonical_from_source.norm()) + ", expected 1");
   }
   return Status::Ok();
 }

@@ -11,6 +11,7 @@
 #include <optional>
 #include <sstream>
 
+#include "model/base/text.h"
 #include "model/erd/network.h"
 #include "model/train/checkpoint.h"
 #include "model/train/curve.h"
@@ -407,12 +408,12 @@ Status Train(const TrainConfig& config, const Validate& validate) {
       {"--w-teacher", config.w_teacher},
       {"--w-smooth", config.w_smooth}};
   if (!(config.idle >= 0 && config.idle < 1) || (config.idle > 0 && config.teachers.empty())) {
-    return Status::Error("--idle: found " + std::to_string(config.idle) +
+    return Status::Error("--idle: found " + NumberText(config.idle) +
                          ", expected 0, or below 1 and a --teacher");
   }
   for (const auto& [flag, value] : not_negative) {
     if (!(value >= 0 && std::isfinite(value))) {
-      return Status::Error(std::string(flag) + ": found " + std::to_string(value) +
+      return Status::Error(std::string(flag) + ": found " + NumberText(value) +
                            ", expected a number, 0 or more");
     }
   }

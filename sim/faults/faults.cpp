@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "model/base/text.h"
 #include "proto/rigs/native/datagram.h"
 #include "proto/rigs/native/header.h"
 
@@ -109,7 +110,7 @@ Result<Spec> Parse(std::string_view text) {
   double sum = 0;
   for (const double p : spec.probability) sum += p;
   if (sum > 1 + 1e-9) {
-    return Status::Error("faults: the probabilities sum to " + std::to_string(sum) +
+    return Status::Error("faults: the probabilities sum to " + NumberText(sum) +
                          ", expected at most 1 (a frame suffers one fault at a time)");
   }
   return spec;

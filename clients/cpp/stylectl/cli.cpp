@@ -18,6 +18,7 @@
 #include "clients/cpp/stylectl/report.h"
 #include "clients/cpp/stylectl/suggest.h"
 #include "clients/cpp/subscriber.h"
+#include "model/base/text.h"
 #include "proto/styled/body_parts.h"
 
 namespace styled::stylectl {
@@ -479,11 +480,11 @@ int Program::Set() {
   const auto add = [&what](const std::string& part) { what += (what.empty() ? "" : ", ") + part; };
   if (arguments_.strength) {
     change_.set_strength(static_cast<float>(*arguments_.strength));
-    add("strength " + CLI::detail::to_string(*arguments_.strength));
+    add("strength " + NumberText(*arguments_.strength));
   }
   if (arguments_.transition_ms) {
     change_.set_transition_ms(static_cast<float>(*arguments_.transition_ms));
-    add("transition " + CLI::detail::to_string(*arguments_.transition_ms) + " ms");
+    add("transition " + NumberText(*arguments_.transition_ms) + " ms");
   }
   if (arguments_.absolute || arguments_.detail) {
     change_.set_absolute(arguments_.absolute);

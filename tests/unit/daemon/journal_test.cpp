@@ -3,9 +3,11 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <spdlog/logger.h>
+#include <spdlog/sinks/ostream_sink.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <sstream>
 #include <thread>
 
 #include "tests/support/datagrams.h"
@@ -38,6 +40,24 @@ TEST(JournalTest, LinesCarryPriorityAndFields) {
             "MESSAGE=source.malformed: 3 more\nPRIORITY=4\nSYSLOG_IDENTIFIER=styled\n"
             "STYLED_COUNTER=source.malformed\nSTYLED_MORE=3\n");
   EXPECT_EQ(journal.Next(), "MESSAGE=cannot\nPRIORITY=3\nSYSLOG_IDENTIFIER=styled\n");
+}
+
+// A performer's, a file's or a rig's name that is quoted.
+TEST(JournalTest, WhatIsQuotedIsOneLineOfUtf8) {
+  const std::string strange = "rig \"\xFF\nPRIORITY=0\x1b[31m\"";
+  const std::string shown = "rig \"\xEF\xBF\xBD\\nPRIORITY=0\\x1b[31m\"";
+  support::Datagrams journal;
+  LoggerTo(journal.path()).warn("{}", strange);
+  EXPECT_EQ(journal.Next(), "MESSAGE=" + shown + "\nPRIORITY=4\nSYSLOG_IDENTIFIER=styled\n");
+  LoggerTo(journal.path()).warn("{}", std::string(kLongestLine + 1, 'x'));
+  EXPECT_EQ(journal.Next(), "MESSAGE=" + std::string(kLongestLine, 'x') +
+                                "...\nPRIORITY=4\nSYSLOG_IDENTIFIER=styled\n");
+
+  std::ostringstream text;
+  spdlog::logger log("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
+  log.set_formatter(LineFormatter());
+  log.warn("{}", strange);
+  EXPECT_EQ(text.str().substr(text.str().find(' ')), " warning " + shown + "\n");
 }
 
 TEST(JournalTest, FieldsAreOneThreadsOwn) {

@@ -37,6 +37,18 @@ TEST(NotifyTest, WhatAFileSaysCannotSpeakToTheManager) {
   EXPECT_EQ(manager.Next(), "STATUS=stage.toml:1: \" MAINPID=1 READY=1\"");
 }
 
+// READY=1 gets through, whatever a complaint quotes: a datagram that is too long would be lost
+// whole.
+TEST(NotifyTest, AnEndlessComplaintIsCutShort) {
+  support::Datagrams manager;
+  Notifier notifier(manager.path());
+  notifier.Ready("reload refused: \xFF" + std::string(1 << 20, 'x'));
+  const auto got = manager.Next();
+  ASSERT_TRUE(got);
+  EXPECT_TRUE(got->starts_with("READY=1\nSTATUS=reload refused: \xEF\xBF\xBDxxx"));
+  EXPECT_LT(got->size(), 1100U);
+}
+
 TEST(NotifyTest, AnAbstractAddressIsReached) {
   const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un name{};
