@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "model/base/text.h"
 #include "proto/styled/body_parts.h"
 
 namespace styled::pipeline {
 namespace {
+
+// Bytes of a name in a reason, which has to be valid UTF-8: clients cannot read the reply
+// otherwise.
+constexpr std::size_t kShown = 80;
 
 void Refuse(v1::Reply& reply, v1::Code code, std::string reason) {
   reply.set_code(code);
@@ -19,7 +24,7 @@ bool InRange(float value, float low, float high) { return value >= low && value 
 bool CheckTransition(bool given, float transition_ms, v1::Reply& reply) {
   if (!given || InRange(transition_ms, 0, 60000)) return true;
   Refuse(reply, v1::CODE_OUT_OF_RANGE,
-         "transition_ms is " + std::to_string(transition_ms) + ", expected 0 to 60000");
+         "transition_ms is " + NumberText(transition_ms) + ", expected 0 to 60000");
   return false;
 }
 
@@ -70,7 +75,7 @@ Commands::Targets Commands::Find(const std::string& performer, v1::Reply& reply)
   }
   if (!config::IsPerformerId(performer)) {
     Refuse(reply, v1::CODE_UNKNOWN_PERFORMER,
-           "performer \"" + performer.substr(0, 80) + "\": expected SOURCE.NAME or *");
+           "performer \"" + Printable(performer, kShown) + "\": expected SOURCE.NAME or *");
     return targets;
   }
   if (!roster_.KnowsSource(performer.substr(0, performer.find('.')))) {
@@ -81,7 +86,9 @@ Commands::Targets Commands::Find(const std::string& performer, v1::Reply& reply)
   }
   Profile* profile = roster_.EnsureProfile(performer);
   if (profile == nullptr) {
-    Refuse(reply, v1::CODE_BUSY, "too many performers are configured already");
+    Refuse(reply, v1::CODE_BUSY,
+           std::to_string(roster_.profiles.size()) +
+               " performers have settings already; clear those of some who do not come");
     return targets;
   }
   targets.ok = true;
@@ -154,6 +161,7 @@ void Commands::ChangeLooks(const std::string& performer, Change change, v1::Repl
     profile->configured = true;
     if (Performer* live = roster_.LiveOf(*profile)) (void)live->ApplyLook(roster_.live());
     if (profile != &roster_.to_come) Applied(*profile, reply);
+    if (!targets.all) roster_.NoteNamed(*profile);
   }
   changed_ = true;
 }
@@ -170,7 +178,7 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
   }
   if (set.has_strength() && !InRange(set.strength(), 0, erd::kMaxStrength)) {
     return Refuse(reply, v1::CODE_OUT_OF_RANGE,
-                  "set: strength is " + std::to_string(set.strength()) + ", expected 0 to 1.5");
+                  "set: strength is " + NumberText(set.strength()) + ", expected 0 to 1.5");
   }
   if (!CheckTransition(set.has_transition_ms(), set.transition_ms(), reply)) return;
   for (const int part : set.only()) {
@@ -224,7 +232,7 @@ void Commands::Preset(const v1::Request& request, v1::Reply& reply) {
   const auto preset = std::find_if(presets.begin(), presets.end(),
                                    [&name](const config::Preset& p) { return p.name == name; });
   if (preset == presets.end()) {
-    std::string reason = "no preset \"" + name.substr(0, 64) + "\"; the presets are";
+    std::string reason = "no preset \"" + Printable(name, kShown) + "\"; the presets are";
     for (const auto& known : presets) reason += " " + known.name;
     return Refuse(reply, v1::CODE_UNKNOWN_PRESET,
                   presets.empty() ? "no presets are configured" : reason);
@@ -252,6 +260,7 @@ void Commands::Pin(const v1::Request& request, v1::Reply& reply) {
   for (Profile* profile : targets.profiles) {
     profile->pinned = request.pin().pinned();
     profile->configured = true;
+    if (!targets.all) roster_.NoteNamed(*profile);
     changed_ = true;
     Applied(*profile, reply);
   }
@@ -295,7 +304,7 @@ void Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
     FireOne(cue, cue.performer, reply);
   }
   if (found) return;
-  std::string reason = "no cue \"" + wanted.name().substr(0, 64) + "\"; the cues are";
+  std::string reason = "no cue \"" + Printable(wanted.name(), kShown) + "\"; the cues are";
   for (const Cue& cue : roster_.live().cues) reason += " " + cue.name;
   Refuse(reply, v1::CODE_UNKNOWN_CUE,
          roster_.live().cues.empty() ? "no cues are configured" : reason);
@@ -320,8 +329,9 @@ void Commands::Reset(const v1::Request& request, v1::Reply& reply) {
   if (request.performer() != "*") {
     const Profile* known = roster_.FindProfile(request.performer());
     if (known == nullptr || !known->seen) {
-      return Refuse(reply, v1::CODE_UNKNOWN_PERFORMER,
-                    "performer \"" + request.performer().substr(0, 80) + "\" was not seen yet");
+      return Refuse(
+          reply, v1::CODE_UNKNOWN_PERFORMER,
+          "performer \"" + Printable(request.performer(), kShown) + "\" was not seen yet");
     }
   }
   const Targets targets = Find(request.performer(), reply);

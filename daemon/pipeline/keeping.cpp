@@ -4,18 +4,24 @@
 #include <toml++/toml.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include "daemon/runtime/descriptor.h"
+#include "model/base/read_file.h"
+#include "model/base/toml_nesting.h"
 
 namespace styled::pipeline {
 namespace {
+
+float InRange(float value, float most, float otherwise) {
+  return value >= 0 && value <= most ? value : otherwise;
+}
 
 toml::table RestRow(const KeptRest& rest) {
   const auto add = [](toml::array& array, const rig::Quat& rotation) {
@@ -44,7 +50,9 @@ toml::table Row(const Profile& profile) {
                   {"only", body::PartsText(profile.look.parts)},
                   {"own_style", profile.look.own_style},
                   {"preset", profile.look.preset},
-                  {"pinned", profile.pinned}};
+                  {"pinned", profile.pinned},
+                  {"has_come", profile.has_come},
+                  {"absent_hours", profile.absent_hours}};
   if (profile.rest) row.insert("rest", RestRow(*profile.rest));
   return row;
 }
@@ -63,6 +71,8 @@ std::optional<KeptRest> ReadRest(const toml::table& row) {
   if (values.size() < 8 || values.size() % 4 != 0) return std::nullopt;
   for (std::size_t i = 0; i < values.size(); i += 4) {
     rest.rotations.emplace_back(values[i + 3], values[i], values[i + 1], values[i + 2]);
+    constexpr float kTolerance = 1e-3F;  // of the length of a rotation
+    if (!(std::abs(rest.rotations.back().norm() - 1) < kTolerance)) return std::nullopt;
   }
   rest.canonical_from_source = rest.rotations.front();
   rest.rotations.erase(rest.rotations.begin());
@@ -73,8 +83,8 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   Profile profile;
   profile.id = id;
   profile.configured = true;
-  profile.look.strength = row["strength"].value_or(1.0F);
-  profile.look.transition_s = row["transition_s"].value_or(0.1F);
+  profile.look.strength = InRange(row["strength"].value_or(1.0F), erd::kMaxStrength, 1);
+  profile.look.transition_s = InRange(row["transition_s"].value_or(0.1F), 60, 0.1F);
   profile.look.absolute = row["absolute"].value_or(false);
   profile.look.parts =
       body::FindParts(row["only"].value_or(std::string("all"))).value_or(body::kAllParts);
@@ -82,12 +92,17 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   profile.look.preset = row["preset"].value_or(std::string());
   profile.pinned = row["pinned"].value_or(false);
   if (const toml::table* rest = row["rest"].as_table()) profile.rest = ReadRest(*rest);
+  // Older files have neither; who is calibrated has come.
+  profile.has_come = row["has_come"].value_or(false) || profile.rest;
+  constexpr std::int64_t kMost_h = 1'000'000;
+  profile.absent_hours = static_cast<int>(
+      std::clamp<std::int64_t>(row["absent_hours"].value_or(std::int64_t{0}), 0, kMost_h));
   if (const toml::array* mix = row["mix"].as_array()) {
     for (const auto& entry : *mix) {
       const toml::table* pair = entry.as_table();
-      if (pair == nullptr) continue;
+      if (pair == nullptr || profile.look.mix.size() == erd::kMaxMix) continue;
       profile.look.mix.emplace_back((*pair)["style"].value_or(std::string()),
-                                    (*pair)["weight"].value_or(0.0F));
+                                    InRange((*pair)["weight"].value_or(0.0F), 1.5F, 0));
     }
   }
   return profile;
@@ -104,7 +119,7 @@ Status WriteProfiles(const std::string& file, const std::vector<Profile>& profil
   const std::string fresh = file + ".new";
   const auto refuse = [&fresh] { return Status::Error(fresh + ": " + std::strerror(errno)); };
   const runtime::Descriptor out(
-      open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+      open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
   if (out.get() < 0) return refuse();
   if (write(out.get(), bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()) ||
       fsync(out.get()) != 0 || rename(fresh.c_str(), file.c_str()) != 0) {
@@ -116,17 +131,21 @@ Status WriteProfiles(const std::string& file, const std::vector<Profile>& profil
 Result<std::vector<Profile>> ReadProfiles(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return std::vector<Profile>();
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return Status::Error(file + ": " + std::strerror(errno));
-  return ParseProfiles(std::string(std::istreambuf_iterator<char>(in), {}), file);
+  const auto text = ReadFile(file, kMaxStateBytes);
+  return text.ok() ? ParseProfiles(text.value(), file) : text.status();
 }
 
 Result<std::vector<Profile>> ParseProfiles(const std::string& text, const std::string& name) {
   std::vector<Profile> profiles;
+  if (const auto line = FindTooDeepToml(text)) {
+    return Status::Error(name + ":" + std::to_string(*line) + ": " + TooDeepToml());
+  }
   try {
     const toml::table table = toml::parse(text, name);
     for (const auto& [id, node] : table) {
-      if (const toml::table* row = node.as_table()) profiles.push_back(FromRow(id.str(), *row));
+      const toml::table* const row = node.as_table();
+      if (row == nullptr || (id.str() != "*" && !config::IsPerformerId(id.str()))) continue;
+      profiles.push_back(FromRow(id.str(), *row));
     }
   } catch (const toml::parse_error& broken) {
     return Status::Error(name + ":" + std::to_string(broken.source().begin.line) + ": " +

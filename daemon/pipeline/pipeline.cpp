@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "model/base/text.h"
 #include "proto/styled/body_parts.h"
 
 namespace styled::pipeline {
@@ -31,6 +32,7 @@ Pipeline::Pipeline(const Surroundings& surroundings, std::vector<std::string> so
   rules_ = {Nanoseconds(roster_.live().performers.takeover_s),
             Nanoseconds(roster_.live().performers.clock_back_s)};
   subscriptions_.Register(stats_topic_);
+  roster_.Age(started_ns_);
 }
 
 int Pipeline::DoWork() {
@@ -105,6 +107,7 @@ int Pipeline::DoCommands() {
 }
 
 std::unique_ptr<std::vector<Profile>> Pipeline::TakeUnkept() {
+  if (roster_.TakeChanged()) commands_.MarkChanged();
   return commands_.TakeChanged() ? roster_.Keep() : nullptr;
 }
 
@@ -141,7 +144,7 @@ void Pipeline::Calibrate(const v1::Request& request, v1::Reply& reply) {
   Performer* performer = profile == nullptr ? nullptr : roster_.LiveOf(*profile);
   if (performer == nullptr) {
     reply.set_code(v1::CODE_UNKNOWN_PERFORMER);
-    reply.set_reason("performer \"" + request.performer().substr(0, 80) +
+    reply.set_reason("performer \"" + Printable(request.performer(), 80) +
                      "\": expected one that is here");
     return;
   }
@@ -234,6 +237,9 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
   }
   if (now_ns >= next_stats_ns_) {
     PublishStats();
+    roster_.Age(now_ns);
+    for (auto& text : roster_.TakeSaid()) Say(Event::Level::kInfo, std::move(text));
+    if (roster_.TakeChanged()) commands_.MarkChanged();
     ++work;
   }
   return work;

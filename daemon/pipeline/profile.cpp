@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "model/base/text.h"
 #include "proto/styled/body_parts.h"
 
 namespace styled::pipeline {
@@ -37,7 +38,7 @@ bool ProperNames(const erd::Network& network, std::vector<std::pair<std::string,
   for (auto& [style, weight] : mix) {
     const int index = network.FindStyle(style);
     if (index < 0) {
-      why = "no style \"" + style.substr(0, 64) + "\"; expected one of";
+      why = "no style \"" + Printable(style, 80) + "\"; expected one of";
       for (int i = 1; i < network.style_count(); ++i) {
         why += (i == 1 ? " " : ", ") + network.metadata().styles[static_cast<std::size_t>(i)].name;
       }

@@ -43,8 +43,13 @@ struct Profile {
   std::optional<KeptRest> rest;
   bool pinned = false;
   bool configured = false;          // somebody set it: kept when the performer is forgotten
-  bool seen = false;                // it has sent
+  bool seen = false;                // it has sent since the daemon started
   std::uint64_t next_sequence = 1;  // of the next frame; 1 is the first
+  // Survive a restart, too. A profile whose performer never came is one that was only named: by a
+  // control request, prepared or misspelt or made up.
+  bool has_come = false;         // frames of the performer were accepted, in this run or before
+  int absent_hours = 0;          // of running daemons, since it was last here or was last named
+  std::uint64_t named_last = 0;  // counts up: the younger of two of the same hour; this run's
 };
 
 // The look in terms of a network's indices. Styles that it does not know are left out and named in

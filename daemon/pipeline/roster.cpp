@@ -1,8 +1,17 @@
 #include "daemon/pipeline/roster.h"
 
 #include <algorithm>
+#include <tuple>
+
+#include "daemon/runtime/clock.h"
 
 namespace styled::pipeline {
+namespace {
+
+constexpr int kMaxAbsent_h = 1'000'000;  // a century; what is counted further tells nothing
+
+}  // namespace
+
 Roster::Roster(std::vector<std::string> source_names, std::shared_ptr<const Live> live,
                std::uint64_t epoch, publish::Subscriptions& subscriptions,
                runtime::Counters& counters)
@@ -42,7 +51,9 @@ Performer* Roster::Add(int source, std::string_view name) {
   if (performers.size() >= static_cast<std::size_t>(live_->performers.max_performers)) {
     return nullptr;
   }
-  Profile* profile = EnsureProfile(Id(source, name));
+  const std::string id = Id(source, name);
+  Profile* profile = EnsureProfile(id);
+  if (profile == nullptr && MakeRoom(id)) profile = EnsureProfile(id);
   if (profile == nullptr) return nullptr;
   profile->seen = true;
   performers.push_back(std::make_unique<Performer>(*profile, source, std::string(name), epoch_,
@@ -53,15 +64,94 @@ Performer* Roster::Add(int source, std::string_view name) {
 
 void Roster::Forget(Performer& performer) {
   Profile& profile = performer.profile;
+  NoteCome(profile);
+  if (performer.received > 0) profile.absent_hours = 0;
   std::erase_if(performers, [&](const auto& owned) { return owned.get() == &performer; });
   counters_.Set(runtime::Counter::kPipelinePerformers, performers.size());
   DropUnused(profile);
 }
 
 void Roster::DropUnused(Profile& profile) {
-  if (profile.configured || LiveOf(profile) != nullptr) return;
+  if (!profile.configured && LiveOf(profile) == nullptr) Drop(profile);
+}
+
+void Roster::Drop(Profile& profile) {
   first_sequence_ = std::max(first_sequence_, profile.next_sequence);
   profiles.erase(std::string(profile.id));
+}
+
+// A rest pose is found only of a performer who is here.
+bool Roster::HasCome(const Profile& profile) const {
+  if (profile.has_come || profile.rest) return true;
+  const Performer* live = LiveOf(profile);
+  return live != nullptr && live->received > 0;
+}
+
+void Roster::NoteCome(Profile& profile) {
+  if (profile.has_come || !HasCome(profile)) return;
+  profile.has_come = true;
+  changed_ = changed_ || profile.configured;
+}
+
+bool Roster::TakeChanged() {
+  for (const auto& [id, profile] : profiles) NoteCome(*profile);
+  return std::exchange(changed_, false);
+}
+
+void Roster::NoteNamed(Profile& profile) {
+  profile.absent_hours = 0;
+  profile.named_last = ++named_;
+}
+
+bool Roster::MakeRoom(const std::string& comer) {
+  Profile* gives_way = nullptr;
+  // The order in which they give way: only named before come, then the longest absent.
+  const auto rank = [this](const Profile& p) {
+    return std::tuple(HasCome(p), -p.absent_hours, p.named_last, std::string_view(p.id));
+  };
+  for (const auto& [id, profile] : profiles) {
+    const bool kept = HasCome(*profile) && (profile->pinned || profile->rest);
+    if (kept || LiveOf(*profile) != nullptr) continue;
+    if (gives_way == nullptr || rank(*profile) < rank(*gives_way)) gives_way = profile.get();
+  }
+  if (gives_way == nullptr) return false;
+  counters_.Add(runtime::Counter::kPipelineNamesReplaced);
+  said_.push_back(gives_way->id + (HasCome(*gives_way) ? ": absent for long" : ": only named") +
+                  ", its settings gave way to " + comer + ", who came to a full table of " +
+                  std::to_string(max_profiles()));
+  changed_ = true;
+  Drop(*gives_way);
+  return true;
+}
+
+void Roster::Age(std::int64_t now_ns) {
+  constexpr std::int64_t kHour_ns = 3600 * runtime::kSecond_ns;
+  if (aged_ns_ == 0) aged_ns_ = now_ns;
+  const std::int64_t hours = (now_ns - aged_ns_) / kHour_ns;
+  if (hours <= 0) return;
+  aged_ns_ += hours * kHour_ns;
+  std::vector<Profile*> ended;
+  for (const auto& [id, profile] : profiles) {
+    NoteCome(*profile);
+    if (LiveOf(*profile) != nullptr) continue;
+    profile->absent_hours =
+        static_cast<int>(std::min<std::int64_t>(profile->absent_hours + hours, kMaxAbsent_h));
+    changed_ = true;
+    if (!profile->has_come && profile->absent_hours >= kForgetNamed_h) {
+      ended.push_back(profile.get());
+    }
+  }
+  if (ended.empty()) return;
+  std::string names;
+  constexpr std::size_t kTold = 8;  // names in one line of the log
+  for (std::size_t i = 0; i < ended.size(); ++i) {
+    if (i < kTold) names += (i == 0 ? "" : ", ") + ended[i]->id;
+    Drop(*ended[i]);
+  }
+  if (ended.size() > kTold) names += " and " + std::to_string(ended.size() - kTold) + " more";
+  counters_.Add(runtime::Counter::kPipelineNamesExpired, ended.size());
+  said_.push_back(names + ": named " + std::to_string(kForgetNamed_h) +
+                  " hours ago or more and never came, the settings are forgotten");
 }
 
 Profile* Roster::FindProfile(const std::string& id) {
@@ -77,11 +167,14 @@ Profile* Roster::EnsureProfile(const std::string& id) {
   profile->pinned = false;
   profile->configured = false;
   profile->seen = false;
+  profile->has_come = false;
+  profile->absent_hours = 0;
+  profile->named_last = ++named_;
   profile->next_sequence = first_sequence_;
   return profiles.emplace(id, std::move(profile)).first->second.get();
 }
 
-Performer* Roster::LiveOf(const Profile& profile) {
+Performer* Roster::LiveOf(const Profile& profile) const {
   for (const auto& performer : performers) {
     if (&performer->profile == &profile) return performer.get();
   }
@@ -89,6 +182,10 @@ Performer* Roster::LiveOf(const Profile& profile) {
 }
 
 void Roster::Restore(std::vector<Profile> kept) {
+  // Where there are more than max_profiles(), the first ones are taken.
+  std::stable_sort(kept.begin(), kept.end(), [](const Profile& a, const Profile& b) {
+    return std::pair(!a.has_come, a.absent_hours) < std::pair(!b.has_come, b.absent_hours);
+  });
   for (auto& profile : kept) {
     profile.configured = true;
     profile.next_sequence = first_sequence_;
@@ -105,7 +202,10 @@ std::unique_ptr<std::vector<Profile>> Roster::Keep() const {
   auto kept = std::make_unique<std::vector<Profile>>();
   if (to_come.configured) kept->push_back(to_come);
   for (const auto& [id, profile] : profiles) {
-    if (profile->configured) kept->push_back(*profile);
+    if (!profile->configured) continue;
+    kept->push_back(*profile);
+    kept->back().has_come = HasCome(*profile);
+    if (LiveOf(*profile) != nullptr) kept->back().absent_hours = 0;
   }
   return kept;
 }

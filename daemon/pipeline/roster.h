@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "daemon/pipeline/performer.h"
@@ -13,14 +14,29 @@ namespace styled::pipeline {
 
 // Who is there: the profiles of all ids that were seen or configured, and the live state of those
 // that send. Pipeline thread only. Bounded: `max_performers` live, four times as many profiles.
+//
+// Who sends goes before who was only named. Control requests can name any number of performers who
+// never come, so:
+// - A performer who comes to a full table takes the place of the profile that was only named and is
+//   the longest absent; where there is none, of the longest absent of those who came and are
+//   neither pinned nor calibrated. A control request takes no place.
+// - A profile that was only named ends kForgetNamed_h after it was last set by its name. Hours
+// count
+//   while a daemon runs, over restarts ([state]): settings prepared on Friday are there on Monday.
+// - Settings of a performer who came do not end.
+// Pinned by tests/unit/daemon/roster_test.cpp.
 class Roster {
  public:
+  // A week: longer than a show is prepared ahead of its performers, on a daemon that always runs.
+  static constexpr int kForgetNamed_h = 168;
+
   Roster(std::vector<std::string> source_names, std::shared_ptr<const Live> live,
          std::uint64_t epoch, publish::Subscriptions& subscriptions, runtime::Counters& counters);
 
   // The live performer, or null. Neither allocates nor throws.
   STYLED_REALTIME Performer* Find(int source, std::string_view name) noexcept;
-  // A new live performer; null when there are max_performers already. Allocates.
+  // A new live performer; null when there are max_performers already, or no profile gives way.
+  // Allocates.
   Performer* Add(int source, std::string_view name);
   // Frees its live state; its profile stays where somebody configured it.
   void Forget(Performer& performer);
@@ -28,15 +44,25 @@ class Roster {
   // The profile of an id, or null; Ensure makes one, null when there are too many.
   Profile* FindProfile(const std::string& id);
   Profile* EnsureProfile(const std::string& id);
+  // Somebody set a profile by its name (not by "*"): its hours count anew.
+  void NoteNamed(Profile& profile);
   // Takes back what Ensure made, unless it was put to use.
   void DropUnused(Profile& profile);
   // The live performer of a profile, or null.
-  Performer* LiveOf(const Profile& profile);
+  Performer* LiveOf(const Profile& profile) const;
 
   // Settings that were kept from the last run ("*" among them).
   void Restore(std::vector<Profile> profiles);
   // What to keep: configured profiles and, as "*", those of performers to come.
   std::unique_ptr<std::vector<Profile>> Keep() const;
+
+  // Counts the hours, and ends what was only named. Called about once a second; does nothing but
+  // once an hour. Allocates.
+  void Age(std::int64_t now_ns);
+  // What Add and Age did to profiles since the last call, for the log.
+  std::vector<std::string> TakeSaid() { return std::exchange(said_, {}); }
+  // Whether what Keep() returns changed since the last call, but for what control requests set.
+  bool TakeChanged();
 
   // New weights, presets or limits. Returns what of the profiles no longer fits.
   std::vector<std::string> Take(std::shared_ptr<const Live> live);
@@ -57,6 +83,11 @@ class Roster {
     return 4 * static_cast<std::size_t>(live_->performers.max_performers);
   }
   void InitializeToCome();
+  bool HasCome(const Profile& profile) const;
+  void NoteCome(Profile& profile);
+  // Frees the place of one profile for a performer who came; false where none gives way.
+  bool MakeRoom(const std::string& comer);
+  void Drop(Profile& profile);
 
   std::vector<std::string> source_names_;
   std::shared_ptr<const Live> live_;
@@ -66,6 +97,10 @@ class Roster {
   // Where sequences of new profiles begin: beyond those of any profile that was freed, so that a
   // performer's sequence never goes back.
   std::uint64_t first_sequence_ = 1;
+  std::uint64_t named_ = 0;   // as Profile::named_last
+  std::int64_t aged_ns_ = 0;  // when the last full hour ended; 0: no hour has begun
+  std::vector<std::string> said_;
+  bool changed_ = false;
 };
 
 }  // namespace styled::pipeline

@@ -64,6 +64,8 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kPipelinePerformers, "pipeline.performers"},
     {Counter::kPipelinePerformersRefused, "pipeline.performers_refused", true},
     {Counter::kPipelineForgotten, "pipeline.forgotten"},
+    {Counter::kPipelineNamesReplaced, "pipeline.names_replaced", true},
+    {Counter::kPipelineNamesExpired, "pipeline.names_expired"},
     {Counter::kPipelineCommands, "pipeline.commands"},
     {Counter::kPipelineCues, "pipeline.cues"},
     {Counter::kPipelinePrewarmed, "pipeline.prewarmed"},

@@ -68,6 +68,8 @@ enum class Counter : std::uint8_t {
   kPipelinePerformers,      // now
   kPipelinePerformersRefused,
   kPipelineForgotten,
+  kPipelineNamesReplaced,  // settings that gave way to a performer who came to a full table
+  kPipelineNamesExpired,   // settings of performers who were named and never came
   kPipelineCommands,
   kPipelineCues,
   kPipelinePrewarmed,       // frames that were prepared for
