@@ -1,11 +1,7 @@
 // MakeLive: weights, what refers to their styles, and avatars.
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
-
 #include "daemon/pipeline/profile.h"
 #include "daemon/supervisor.h"
+#include "model/erd/safetensors.h"
 #include "model/erd/shipped_weights.h"
 #include "model/trial/trial.h"
 #include "proto/rigs/native/datagram.h"
@@ -13,19 +9,18 @@
 namespace styled {
 namespace {
 
-Result<std::vector<std::byte>> ReadFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Status::Error(path.string() + ": " + std::strerror(errno));
-  const std::vector<char> text((std::istreambuf_iterator<char>(file)),
-                               std::istreambuf_iterator<char>());
-  const auto* begin = reinterpret_cast<const std::byte*>(text.data());
-  return std::vector<std::byte>(begin, begin + text.size());
-}
-
 Status CheckStyles(const config::Config& config, const erd::Network& network) {
   for (const auto& preset : config.presets) {
     pipeline::Look look;
     std::string why;
+    // style.initial, consoles and who reads a list could not tell them apart.
+    if (const int style = network.FindStyle(preset.name); style >= 0) {
+      const auto& proper = network.metadata().styles[static_cast<std::size_t>(style)].name;
+      return Status::Error(preset.place + ": presets." + preset.name + ": \"" + preset.name +
+                           "\" is a style's name" +
+                           (proper == preset.name ? "" : " too, an alias of \"" + proper + "\"") +
+                           "; expected another");
+    }
     if (!pipeline::LookUp(preset.name, config.presets, network, look, why)) {
       return Status::Error(preset.place + ": presets." + preset.name + ": " + why);
     }
@@ -59,7 +54,7 @@ Result<std::shared_ptr<const pipeline::Live>> MakeLive(const config::Config& con
                                                        std::uint32_t& crc) {
   const auto path = erd::FindWeights(config.model.weights);
   if (!path.ok()) return path.status();
-  const auto bytes = ReadFile(path.value());
+  const auto bytes = erd::ReadFile(path.value());
   if (!bytes.ok()) return bytes.status();
   auto live = std::make_shared<pipeline::Live>();
   const std::uint32_t fresh_crc = native::Crc32c(bytes.value());

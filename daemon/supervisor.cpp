@@ -12,7 +12,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -26,6 +25,7 @@
 #include "daemon/source/tcp.h"
 #include "daemon/source/udp.h"
 #include "daemon/source/usb/usb.h"
+#include "model/base/read_file.h"
 #include "model/erd/shipped_weights.h"
 
 namespace styled {
@@ -44,9 +44,9 @@ std::string StateFile(const config::Config& config) {
 }
 
 // "" where it cannot be read.
-std::string ReadText(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+std::string ReadText(const std::string& file, std::size_t max_bytes) {
+  auto text = ReadFile(file, max_bytes);
+  return text.ok() ? std::move(text.value()) : "";
 }
 
 }  // namespace
@@ -178,11 +178,11 @@ Status Supervisor::OpenSockets() {
 void Supervisor::StartRecording() {
   if (config_.record.file.empty()) return;
   record::About about;
-  about.config = ReadText(origin_.file);
+  about.config = ReadText(origin_.file, config::kMaxFileBytes);
   for (const auto& set : origin_.overrides) {
     about.config += "# " + set.place + ": " + set.key + " = " + set.value + "\n";
   }
-  about.state = ReadText(StateFile(config_));
+  about.state = ReadText(StateFile(config_), pipeline::kMaxStateBytes);
   about.weights = erd::FindWeights(config_.model.weights).value();
   auto recorder = record::Recorder::Start(config_, source_endpoints_, about);
   if (!recorder.ok()) {

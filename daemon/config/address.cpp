@@ -6,11 +6,14 @@
 #include <charconv>
 #include <cstdio>
 
+#include "model/base/text.h"
+
 namespace styled::config {
 namespace {
 
 constexpr std::string_view kTcp = "tcp://";
 constexpr std::string_view kIpc = "ipc://";
+constexpr std::size_t kShown = 128;  // bytes of an address in complaints; a path has up to 107
 
 bool StartsWith(std::string_view text, std::string_view prefix) {
   return text.substr(0, prefix.size()) == prefix;
@@ -20,7 +23,7 @@ bool StartsWith(std::string_view text, std::string_view prefix) {
 
 Result<HostPort> ParseHostPort(std::string_view text) {
   const auto refuse = [&text] {
-    return Status::Error("\"" + std::string(text) +
+    return Status::Error("\"" + Printable(text, kShown) +
                          "\" is no address: expected HOST:PORT, e.g. \"0.0.0.0:7000\"");
   };
   const std::size_t colon = text.rfind(':');
@@ -34,7 +37,11 @@ Result<HostPort> ParseHostPort(std::string_view text) {
   }
   HostPort parsed{std::string(host), 0};
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), parsed.port);
-  if (error != std::errc() || end != port.data() + port.size() || port.empty()) return refuse();
+  if (port.empty() || end != port.data() + port.size()) return refuse();
+  if (error != std::errc()) {
+    return Status::Error("\"" + Printable(text, kShown) + "\": the port is " +
+                         Printable(port, kShown) + "; expected 0 to 65535");
+  }
   return parsed;
 }
 
@@ -48,7 +55,7 @@ Result<UsbId> ParseUsbId(std::string_view text) {
       parse(text.substr(5), id.product)) {
     return id;
   }
-  return Status::Error("\"" + std::string(text) +
+  return Status::Error("\"" + Printable(text, kShown) +
                        "\" is no USB id: expected VENDOR:PRODUCT in hexadecimal, e.g. "
                        "\"1209:7690\"");
 }
@@ -80,7 +87,7 @@ Status CheckEndpoint(std::string_view endpoint) {
   if (StartsWith(endpoint, kIpc)) {
     const std::size_t length = endpoint.size() - kIpc.size();
     if (length >= 1 && length <= 107) return Status::Ok();
-    return Status::Error("\"" + std::string(endpoint) +
+    return Status::Error("\"" + Printable(endpoint, kShown) +
                          "\": the path must have 1 to 107 characters");
   }
   // libzmq writes "any port" as *; we take 0 like everywhere else.
@@ -90,9 +97,9 @@ Status CheckEndpoint(std::string_view endpoint) {
       return Status::Error("\"" + std::string(endpoint) +
                            "\": ZeroMQ does not bind to names of hosts; expected 127.0.0.1");
     }
-    if (parsed.ok()) return Status::Ok();
+    return parsed.ok() ? Status::Ok() : parsed.status();
   }
-  return Status::Error("\"" + std::string(endpoint) +
+  return Status::Error("\"" + Printable(endpoint, kShown) +
                        "\" is no endpoint: expected tcp://HOST:PORT or ipc://PATH");
 }
 

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -193,7 +196,17 @@ struct Config {
   Record record;
   Log log;
   Realtime realtime;
+  // Where a key was said, for complaints: "source.0.listen" is at "stage.toml:12" or at
+  // "STYLED_PUBLISH_ADDRESS". Keys that have their default are not there.
+  std::map<std::string, std::string, std::less<>> places;
 };
+
+// A larger file is refused: the manual with all its comments has 13 KiB. It also bounds what a
+// reload, beside a running show, takes of time and memory.
+inline constexpr std::size_t kMaxFileBytes = 1 << 20;
+// The most of [[source]], of [[output]], of [[cue]] and of presets each. Some of the checks compare
+// each with each; so many take milliseconds.
+inline constexpr std::size_t kMaxEntries = 4096;
 
 // One setting from the command line ("section.key=value") or the environment.
 struct Override {
@@ -210,15 +223,17 @@ Result<std::vector<Override>> EnvironmentOverrides(const char* const* environmen
 Result<Override> ParseOverride(const std::string& text);
 
 // The defaults, then `file` ("" = none), then `overrides` in order, then Validate. Errors name
-// file, line, key, what was expected and, for an unknown key, the nearest known one. Start-up and
-// reload only; allocates; any thread.
+// file, line, key, what was expected and, for an unknown key, the nearest known one. Whatever is in
+// the file's place - a pipe, a device, 100,000 nested tables, no text at all - gives an error.
+// Start-up and reload only; allocates; any thread.
 Result<Config> Load(const std::string& file, const std::vector<Override>& overrides);
 // The same of a file's text; `name` is what complaints call it.
 Result<Config> Parse(const std::string& text, const std::string& name,
                      const std::vector<Override>& overrides);
 
-// The rules that span keys: at least one source, loopback unless allowed, presets as the control
-// socket would accept them (style names are checked against the weights, by the supervisor).
+// The rules that span keys: at least one source, no port twice, loopback unless allowed, presets as
+// the control socket would accept them (style names are checked against the weights, by the
+// supervisor). Errors begin with the key.
 Status Validate(const Config& config);
 
 // Whether a socket at `address` asks for keys: it is not local, there are keys, and no word says

@@ -3,23 +3,23 @@
 #include <algorithm>
 #include <sstream>
 
+#include "model/base/text.h"
+
 namespace styled::config {
 namespace {
 
 std::string Shown(const toml::node& node) {
+  if (const auto* number = node.as_floating_point()) return NumberText(number->get());
   std::ostringstream text;
   node.visit([&text](const auto& value) { text << value; });
-  return text.str();
+  constexpr std::size_t kLongest = 200;  // enough to recognize it by
+  return Printable(text.str(), kLongest);
 }
+
+constexpr std::size_t kLongestName = 64;  // bytes; of a key, joint or style, in complaints
 
 Status Expected(const std::string& what, const toml::node& node) {
   return Status::Error("expected " + what + ", found " + Shown(node));
-}
-
-std::string Number(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
 }
 
 // A number in [low, high] of the file's unit; the struct holds it times `factor`.
@@ -28,7 +28,7 @@ Key<T> Float(std::string_view name, double low, double high, double factor, Fiel
   return {name, [=](const toml::node& node, T& out) {
             const auto value = node.value<double>();
             if (!node.is_number() || !value || !(*value >= low && *value <= high)) {
-              return Expected("a number from " + Number(low) + " to " + Number(high), node);
+              return Expected("a number from " + NumberText(low) + " to " + NumberText(high), node);
             }
             field(out) = static_cast<float>(*value * factor);
             return Status::Ok();
@@ -240,7 +240,7 @@ Status ReadJoints(const toml::node& node, rig::JointNames& out) {
       std::vector<std::string_view> names;
       names.reserve(rows.size());
       for (const auto& row : rows) names.push_back(row.name);
-      return Status::Error("\"" + std::string(joint.str()) +
+      return Status::Error("\"" + Printable(joint.str(), kLongestName) +
                            "\" is no joint of the canonical humanoid" +
                            Nearest(joint.str(), names));
     }
@@ -351,7 +351,8 @@ Status ReadMix(const toml::node& node, std::vector<std::pair<std::string, float>
   for (const auto& [style, weight] : *mix) {
     const auto value = weight.value<double>();
     if (!weight.is_number() || !(*value >= 0 && *value <= 1.5)) {
-      return Expected("a weight from 0 to 1.5 for \"" + std::string(style.str()) + "\"", weight);
+      return Expected("a weight from 0 to 1.5 for \"" + Printable(style.str(), kLongestName) + "\"",
+                      weight);
     }
     out.emplace_back(style.str(), static_cast<float>(*value));
   }
@@ -359,6 +360,7 @@ Status ReadMix(const toml::node& node, std::vector<std::pair<std::string, float>
 }
 
 std::string Nearest(std::string_view text, const std::vector<std::string_view>& candidates) {
+  if (text.size() > kLongestName) return "";  // nothing is near to that
   std::string_view best;
   std::size_t best_distance = text.size() / 2 + 2;
   for (const auto candidate : candidates) {

@@ -1,14 +1,12 @@
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "daemon/config/config.h"
 #include "daemon/config/keys.h"
+#include "model/base/read_file.h"
+#include "model/base/text.h"
+#include "model/base/toml_nesting.h"
 
 namespace styled::config {
 namespace {
@@ -24,7 +22,13 @@ struct Layer {
   bool is_file = true;
 
   Status Refuse(const toml::node& node, const std::string& key, const std::string& what) const {
-    return Status::Error(Place(node, origin, is_file) + ": " + key + ": " + what);
+    constexpr std::size_t kLongestKey = 100;  // longer than any that is known
+    return Status::Error(Place(node, origin, is_file) + ": " + Printable(key, kLongestKey) + ": " +
+                         what);
+  }
+  // Remembers where the key was said.
+  void Note(const toml::node& node, const std::string& key, Config& config) const {
+    config.places.insert_or_assign(key, Place(node, origin, is_file));
   }
 };
 
@@ -48,18 +52,24 @@ Status ApplyKey(const Layer& layer, const std::string& section, const std::vecto
   return layer.Refuse(node, full, "unknown key" + Nearest(name, Names(keys)));
 }
 
+Status TooMany(const Layer& layer, const toml::node& node, const std::string& section) {
+  return layer.Refuse(node, section, "expected at most " + std::to_string(kMaxEntries));
+}
+
 Status ApplyPreset(const Layer& layer, std::string_view name, const toml::node& node,
                    Config& config) {
   Preset preset;
   preset.name = name;
   preset.place = Place(node, layer.origin, layer.is_file);
   const std::string full = "presets." + preset.name;
+  layer.Note(node, full, config);
   if (!IsName(name)) {
     return layer.Refuse(node, full, "a preset's name has 1 to 32 of A-Z a-z 0-9 _ -");
   }
   const Status status = ReadPreset(node, preset);
   if (!status.ok()) return layer.Refuse(node, full, status.message());
   std::erase_if(config.presets, [&preset](const Preset& p) { return p.name == preset.name; });
+  if (config.presets.size() == kMaxEntries) return TooMany(layer, node, "presets");
   config.presets.push_back(std::move(preset));
   return Status::Ok();
 }
@@ -69,12 +79,16 @@ Status ApplySources(const Layer& layer, const toml::node& node, Config& config) 
   if (tables == nullptr || !tables->is_array_of_tables()) {
     return layer.Refuse(node, "source", "expected [[source]] tables, in double brackets");
   }
+  if (tables->size() > kMaxEntries) return TooMany(layer, node, "source");
   config.sources.clear();
   for (const auto& element : *tables) {
     Source source;
+    const std::string place = "source." + std::to_string(config.sources.size());
+    layer.Note(element, place, config);
     for (const auto& [key, value] : *element.as_table()) {
       Status status = ApplyKey(layer, "source", SourceKeys(), key.str(), value, source);
       if (!status.ok()) return status;
+      layer.Note(value, place + "." + std::string(key.str()), config);
     }
     const SourceType& type = *FindSourceType(source.type);
     if (source.listen.empty()) source.listen = type.usual_address;
@@ -89,19 +103,23 @@ Status ApplySources(const Layer& layer, const toml::node& node, Config& config) 
 // [[name]] tables: each into an element of `out`, which they replace.
 template <typename T>
 Status ApplyTables(const Layer& layer, std::string_view section, const std::vector<Key<T>>& keys,
-                   const toml::node& node, std::vector<T>& out) {
+                   const toml::node& node, Config& config, std::vector<T>& out) {
   const std::string name(section);
   const toml::array* tables = node.as_array();
   if (tables == nullptr || !tables->is_array_of_tables()) {
     return layer.Refuse(node, name, "expected [[" + name + "]] tables, in double brackets");
   }
+  if (tables->size() > kMaxEntries) return TooMany(layer, node, name);
   out.clear();
   for (const auto& element : *tables) {
     T table;
     table.place = Place(element, layer.origin, layer.is_file);
+    const std::string place = name + "." + std::to_string(out.size());
+    layer.Note(element, place, config);
     for (const auto& [key, value] : *element.as_table()) {
       Status status = ApplyKey(layer, name, keys, key.str(), value, table);
       if (!status.ok()) return status;
+      layer.Note(value, place + "." + std::string(key.str()), config);
     }
     out.push_back(std::move(table));
   }
@@ -111,8 +129,10 @@ Status ApplyTables(const Layer& layer, std::string_view section, const std::vect
 Status ApplySection(const Layer& layer, std::string_view name, const toml::node& node,
                     Config& config) {
   if (name == kSourceSection) return ApplySources(layer, node, config);
-  if (name == kOutputSection) return ApplyTables(layer, name, OutputKeys(), node, config.outputs);
-  if (name == kCueSection) return ApplyTables(layer, name, CueKeys(), node, config.cues);
+  if (name == kOutputSection) {
+    return ApplyTables(layer, name, OutputKeys(), node, config, config.outputs);
+  }
+  if (name == kCueSection) return ApplyTables(layer, name, CueKeys(), node, config, config.cues);
   const auto section = std::find_if(Sections().begin(), Sections().end(),
                                     [&](const Section& s) { return s.name == name; });
   if (section == Sections().end() && name != kPresetsSection) {
@@ -130,11 +150,15 @@ Status ApplySection(const Layer& layer, std::string_view name, const toml::node&
                                             : ApplyKey(layer, std::string(name), section->keys,
                                                        key.str(), value, config);
     if (!status.ok()) return status;
+    layer.Note(value, std::string(name) + "." + std::string(key.str()), config);
   }
   return Status::Ok();
 }
 
 Status ApplyText(const std::string& text, const std::string& name, Config& config) {
+  if (const auto line = FindTooDeepToml(text)) {
+    return Status::Error(name + ":" + std::to_string(*line) + ": " + TooDeepToml());
+  }
   try {
     const toml::table table = toml::parse(text, name);
     for (const auto& [section, node] : table) {
@@ -147,15 +171,6 @@ Status ApplyText(const std::string& text, const std::string& name, Config& confi
                          std::string(error.description()));
   }
   return Status::Ok();
-}
-
-Result<std::string> ReadText(const std::string& file) {
-  if (std::filesystem::is_directory(file)) {
-    return Status::Error(file + ": is a folder; expected a TOML file");
-  }
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return Status::Error(file + ": " + std::strerror(errno));
-  return std::string(std::istreambuf_iterator<char>(in), {});
 }
 
 // "x=7" as TOML, else as the string that it is.
@@ -181,12 +196,18 @@ Status ApplySourceOverride(const Layer& layer, std::string_view rest, const toml
     return layer.Refuse(node, "source." + std::to_string(index),
                         "there are " + std::to_string(config.sources.size()) + " sources");
   }
-  return ApplyKey(layer, "source." + std::to_string(index), SourceKeys(), rest.substr(used + 1),
-                  node, config.sources[index]);
+  const std::string place = "source." + std::to_string(index);
+  const std::string_view key = rest.substr(used + 1);
+  Status status = ApplyKey(layer, place, SourceKeys(), key, node, config.sources[index]);
+  if (status.ok()) layer.Note(node, place + "." + std::string(key), config);
+  return status;
 }
 
 Status ApplyOverride(const Override& override_, Config& config) {
   const Layer layer{override_.place, false};
+  if (FindTooDeepToml(override_.value)) {
+    return Status::Error(override_.place + ": " + TooDeepToml());
+  }
   const toml::table value = ValueTable(override_.value);
   const toml::node& node = *value.get("value");
   const std::string_view key = override_.key;
@@ -197,11 +218,22 @@ Status ApplyOverride(const Override& override_, Config& config) {
   if (section == kPresetsSection) return ApplyPreset(layer, rest, node, config);
   for (const auto& known : Sections()) {
     if (known.name == section) {
-      return ApplyKey(layer, std::string(section), known.keys, rest, node, config);
+      Status status = ApplyKey(layer, std::string(section), known.keys, rest, node, config);
+      if (status.ok()) layer.Note(node, override_.key, config);
+      return status;
     }
   }
   return layer.Refuse(node, std::string(section),
                       "unknown section" + Nearest(section, Names(Sections())));
+}
+
+// Where the key that a complaint begins with was said, else where its table is, else `otherwise`.
+std::string PlaceOf(const Config& config, std::string_view complaint,
+                    const std::string& otherwise) {
+  std::string_view key = complaint.substr(0, complaint.find(": "));
+  auto found = config.places.find(key);
+  if (found == config.places.end()) found = config.places.find(key.substr(0, key.rfind('.')));
+  return found == config.places.end() ? otherwise : found->second;
 }
 
 std::string Lower(std::string_view text) {
@@ -260,15 +292,14 @@ Result<Config> Parse(const std::string& text, const std::string& name,
     if (!status.ok()) return status;
   }
   const Status status = Validate(config);
-  if (!status.ok()) {
-    return name.empty() ? status : Status::Error(name + ": " + status.message());
-  }
-  return config;
+  if (status.ok()) return config;
+  const std::string place = PlaceOf(config, status.message(), name);
+  return place.empty() ? status : Status::Error(place + ": " + status.message());
 }
 
 Result<Config> Load(const std::string& file, const std::vector<Override>& overrides) {
   if (file.empty()) return Parse("", "", overrides);
-  const auto text = ReadText(file);
+  const auto text = ReadFile(file, kMaxFileBytes);
   if (!text.ok()) return text.status();
   return Parse(text.value(), file, overrides);
 }

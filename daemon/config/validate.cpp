@@ -1,13 +1,18 @@
 #include <algorithm>
+#include <vector>
 
 #include "daemon/config/address.h"
 #include "daemon/config/config.h"
 #include "daemon/source/natnet.h"
 #include "daemon/source/rigs/tracker_rig.h"
+#include "model/base/text.h"
 #include "model/erd/network.h"
 
 namespace styled::config {
 namespace {
+
+// In complaints: names have at most 32 bytes, ids 65, and numeric addresses less.
+std::string Shown(std::string_view text) { return Printable(text, 80); }
 
 bool IsStream(const Source& source) { return FindSourceType(source.type)->stream; }
 
@@ -30,11 +35,11 @@ Status CheckSources(const std::vector<Source>& sources) {
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const std::string place = "source." + std::to_string(i) + ".";
     if (!IsName(sources[i].name)) {
-      return Status::Error(place + "name: \"" + sources[i].name +
+      return Status::Error(place + "name: \"" + Shown(sources[i].name) +
                            "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
     }
     if (!sources[i].performer.empty() && !IsName(sources[i].performer)) {
-      return Status::Error(place + "performer: \"" + sources[i].performer +
+      return Status::Error(place + "performer: \"" + Shown(sources[i].performer) +
                            "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
     }
     if (const Status status = source::CheckTrackers(sources[i].trackers); !status.ok()) {
@@ -52,14 +57,8 @@ Status CheckSources(const std::vector<Source>& sources) {
     const auto address = ParseHostPort(sources[i].listen);
     if (!address.ok()) return Status::Error(place + "listen: " + address.status().message());
     if (!IsNumeric(address.value().host)) {
-      return Status::Error(place + "listen: \"" + sources[i].listen +
+      return Status::Error(place + "listen: \"" + Shown(sources[i].listen) +
                            "\": expected a numeric address, e.g. \"127.0.0.1:7000\"");
-    }
-    for (std::size_t k = 0; k < i && address.value().port != 0; ++k) {
-      if (IsStream(sources[k]) == IsStream(sources[i]) && sources[k].listen == sources[i].listen) {
-        return Status::Error(place + "listen: " + sources[i].listen + " is taken by source." +
-                             std::to_string(k));
-      }
     }
   }
   return Status::Ok();
@@ -70,7 +69,7 @@ Status CheckOutputs(const std::vector<Output>& outputs) {
     const Output& output = outputs[i];
     const std::string place = "output." + std::to_string(i) + ".";
     if (!IsName(output.name) || output.name == "rig" || output.name == "canonical") {
-      return Status::Error(place + "name: \"" + output.name +
+      return Status::Error(place + "name: \"" + Shown(output.name) +
                            "\"; expected 1 to 32 of A-Z a-z 0-9 _ -, and not rig or canonical");
     }
     if (output.avatar.empty()) {
@@ -78,11 +77,12 @@ Status CheckOutputs(const std::vector<Output>& outputs) {
     }
     for (const auto& performer : output.performers) {
       if (IsPerformerId(performer)) continue;
-      return Status::Error(place + "performers: \"" + performer + "\"; expected SOURCE.NAME");
+      return Status::Error(place + "performers: \"" + Shown(performer) +
+                           "\"; expected SOURCE.NAME");
     }
     for (std::size_t k = 0; k < i; ++k) {
       if (outputs[k].name == output.name) {
-        return Status::Error(place + "name: \"" + output.name + "\" is taken by output." +
+        return Status::Error(place + "name: \"" + Shown(output.name) + "\" is taken by output." +
                              std::to_string(k));
       }
     }
@@ -113,14 +113,15 @@ Status CheckSocket(const Config& config, const std::string& name, const Socket& 
 
 Status CheckCues(const std::vector<Cue>& cues) {
   for (std::size_t i = 0; i < cues.size(); ++i) {
-    const std::string place = cues[i].place + ": cue.";
+    const std::string place = "cue." + std::to_string(i) + ".";
     if (!IsName(cues[i].name)) {
-      return Status::Error(place + "name: \"" + cues[i].name +
+      return Status::Error(place + "name: \"" + Shown(cues[i].name) +
                            "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
     }
     const std::string& performer = cues[i].performer;
     if (performer != "*" && !IsPerformerId(performer)) {
-      return Status::Error(place + "performer: \"" + performer + "\"; expected SOURCE.NAME or *");
+      return Status::Error(place + "performer: \"" + Shown(performer) +
+                           "\"; expected SOURCE.NAME or *");
     }
   }
   return Status::Ok();
@@ -132,7 +133,7 @@ Status CheckOsc(const Osc& osc) {
   const auto address = ParseHostPort(osc.listen);
   if (!address.ok()) return Status::Error("osc.listen: " + address.status().message());
   if (!IsNumeric(address.value().host)) {
-    return Status::Error("osc.listen: \"" + osc.listen +
+    return Status::Error("osc.listen: \"" + Shown(osc.listen) +
                          "\": expected a numeric address, e.g. \"127.0.0.1:7003\"");
   }
   if (IsLocal("tcp://" + osc.listen) || osc.allow_unauthenticated_remote) return Status::Ok();
@@ -140,6 +141,75 @@ Status CheckOsc(const Osc& osc) {
                        " can be reached from other machines, and operators are not "
                        "authenticated; expected a loopback address, or "
                        "osc.allow_unauthenticated_remote = true");
+}
+
+// An address that is listened at.
+struct Listener {
+  std::string key;      // of the configuration
+  std::string address;  // as it is configured
+  bool stream = false;  // TCP; else UDP
+  HostPort at;          // of ipc:// the path, and port 0
+  bool shares = false;  // asks the system for a port that other sockets have, too (SO_REUSEADDR)
+};
+
+void AddSocket(const std::string& key, const std::string& address, std::vector<Listener>& all) {
+  constexpr std::string_view kTcp = "tcp://";
+  if (!address.starts_with(kTcp)) return all.push_back({key, address, true, {address, 0}});
+  const auto at = ParseHostPort(std::string_view(address).substr(kTcp.size()));
+  if (at.ok()) all.push_back({key, address, true, at.value()});
+}
+
+std::vector<Listener> Listeners(const Config& config) {
+  std::vector<Listener> all;
+  for (std::size_t i = 0; i < config.sources.size(); ++i) {
+    const Source& source = config.sources[i];
+    if (FindSourceType(source.type)->usb) continue;
+    all.push_back({"source." + std::to_string(i) + ".listen", source.listen, IsStream(source),
+                   ParseHostPort(source.listen).value(), source.type == "natnet"});
+  }
+  AddSocket("publish.address", config.publish.address, all);
+  AddSocket("control.address", config.control.address, all);
+  if (!config.osc.listen.empty()) {
+    all.push_back(
+        {"osc.listen", config.osc.listen, false, ParseHostPort(config.osc.listen).value()});
+  }
+  return all;
+}
+
+// Whether the system, or libzmq, would refuse the second one. An address of all interfaces takes
+// the port of each of the same family.
+bool Clash(const Listener& a, const Listener& b) {
+  if (a.stream != b.stream || a.at.port != b.at.port) return false;
+  if (a.address == b.address) return a.at.port != 0 || a.address.starts_with("ipc://");
+  if (a.at.port == 0 || a.shares || b.shares) return false;
+  const auto is_v6 = [](const std::string& host) { return host.find(':') != std::string::npos; };
+  const auto is_all = [](const std::string& host) {
+    return host == "*" || host == "0.0.0.0" || host == "::";
+  };
+  if (is_v6(a.at.host) != is_v6(b.at.host)) return false;
+  return a.at.host == b.at.host || is_all(a.at.host) || is_all(b.at.host);
+}
+
+// After the checks of each address.
+Status CheckClashes(const Config& config) {
+  const auto all = Listeners(config);
+  const auto is_said = [&](const Listener& l) { return config.places.contains(l.key); };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!Clash(all[i], all[k])) continue;
+      // The one that somebody wrote is to change, the later one if they wrote both.
+      const bool first = is_said(all[k]) && !is_said(all[i]);
+      const Listener& wrong = first ? all[k] : all[i];
+      const Listener& other = first ? all[i] : all[k];
+      const auto place = config.places.find(other.key);
+      const std::string where =
+          place == config.places.end() ? " (its default)" : " (" + place->second + ")";
+      return Status::Error(wrong.key + ": " + wrong.address + " is taken by " + other.key +
+                           (wrong.address == other.address ? "" : ", " + other.address) + where +
+                           "; expected an address of its own");
+    }
+  }
+  return Status::Ok();
 }
 
 Status CheckPreset(const Preset& preset) {
@@ -150,7 +220,7 @@ Status CheckPreset(const Preset& preset) {
                          " styles; expected at most " + std::to_string(erd::kMaxMix));
   }
   if (sum > 1.5F) {
-    return Status::Error("presets." + preset.name + ": weights sum to " + std::to_string(sum) +
+    return Status::Error("presets." + preset.name + ": weights sum to " + NumberText(sum) +
                          "; expected at most 1.5");
   }
   return Status::Ok();
@@ -192,6 +262,8 @@ Status Validate(const Config& config) {
   status = CheckSocket(config, "control", config.control, "operators");
   if (!status.ok()) return status;
   status = CheckOsc(config.osc);
+  if (!status.ok()) return status;
+  status = CheckClashes(config);
   if (!status.ok()) return status;
   status = CheckCues(config.cues);
   if (!status.ok()) return status;

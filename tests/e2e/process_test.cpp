@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmath>
 
@@ -193,6 +195,82 @@ TEST(ProcessTest, WhatIsNoPoseIsNeverPublishedButFlaggedAndCounted) {
   EXPECT_EQ(failed, 3 * 60) << "rig, canonical, source";
   const auto styled = subscriber.Frames("styled/rig.a/rig/");
   EXPECT_EQ(styled.back().flags(), v1::FLAG_NONE) << "styled again";
+}
+
+// "A bad reload changes nothing", whatever is in the file's place.
+TEST(ProcessTest, SighupWithAnyFileChangesNothing) {
+  Daemon daemon({}, "[presets]\nmild = { s1 = 0.3 }\n");
+  ControlClient control(daemon.control);
+  const std::string file = daemon.folder / "styled.toml";
+  const std::string good = ReadText(file);
+  ASSERT_NE(good, "");
+  std::string key = "a", brackets;
+  for (int i = 0; i < 200000; ++i) {
+    key += ".a";
+    brackets += "[";
+  }
+  const auto put = [&](const std::string& text) {
+    std::filesystem::remove(file);
+    WriteText(file, text);
+  };
+  const std::vector<std::pair<std::function<void()>, std::string>> cases{
+      {[&] { put("\n" + key + " = 1\n"); }, ":2: nested too deep"},
+      {[&] { put("[" + key + "]\n"); }, ":1: nested too deep"},
+      {[&] { put("x = {" + key + " = 1}\n"); }, ":1: nested too deep"},
+      {[&] { put("x = " + brackets + "\n"); }, ":1: nested too deep"},
+      {[&] { put(std::string(5, '\0')); }, file},
+      {[&] { put("a = \"\xFF\xFE\"\n"); }, file},
+      {[&] { put(std::string((1 << 20) + 1, '#')); }, "larger than the limit of 1 MiB"},
+      {[&] { std::filesystem::remove(file); }, "No such file"},
+      {[&] { ASSERT_EQ(mkfifo(file.c_str(), 0600), 0); }, "is a pipe"},
+      {[&] {
+         std::filesystem::remove(file);
+         ASSERT_EQ(symlink("/dev/zero", file.c_str()), 0);
+       },
+       "is a device"},
+      {[&] {
+         std::filesystem::remove(file);
+         std::filesystem::create_directory(file);
+       },
+       "is a folder"}};
+  std::uint64_t refused = 0;
+  for (const auto& [prepare, said] : cases) {
+    prepare();
+    daemon.child->Signal(SIGHUP);
+    ++refused;
+    ASSERT_EQ(control.CounterSoon("config.reloads_refused", refused), refused) << said;
+    EXPECT_TRUE(LogSays(daemon, said)) << said;
+  }
+  v1::Request list;
+  list.mutable_list();
+  EXPECT_EQ(control.Ask(list).list().presets_size(), 1);
+  std::filesystem::remove(file);
+  put(good);
+  daemon.child->Signal(SIGHUP);
+  EXPECT_EQ(control.CounterSoon("config.reloads", 1), 1U) << daemon.Log();
+}
+
+TEST(ProcessTest, APresetIsNotNamedLikeAStyle) {
+  TemporaryFolder folder;
+  const std::string weights = folder / "weights.safetensors", file = folder / "stage.toml";
+  WriteRandomWeights(weights);
+  const auto check = [&](const std::string& preset) {
+    WriteText(file, "[presets]\n\n" + preset + " = { s1 = 0.3 }\n");
+    return RunStyled(folder, {"--weights", weights, "--check-config", file});
+  };
+  EXPECT_EQ(check("mild").code, 0);
+  Outcome outcome = check("style2");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.text.find(file + ":3: presets.style2: \"style2\" is a style's name; expected "
+                                     "another"),
+            std::string::npos)
+      << outcome.text;
+  outcome = check("S1");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.text.find(file + ":3: presets.S1: \"S1\" is a style's name too, an alias of "
+                                     "\"style1\"; expected another"),
+            std::string::npos)
+      << outcome.text;
 }
 
 TEST(ProcessTest, APortInUseIsSaidClearly) {

@@ -2,7 +2,8 @@
 
 #include <toml++/toml.h>
 
-#include <filesystem>
+#include "model/base/read_file.h"
+#include "model/base/toml_nesting.h"
 
 namespace styled::doctor {
 namespace {
@@ -58,12 +59,14 @@ Wanted MakeWanted(Wanted::Origin origin, const std::string& name, const std::str
 }
 
 Result<Settings> ReadSettings(const std::string& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) {
-    return Status::Error(file + ": no such file; expected a configuration (styled.toml)");
+  constexpr std::size_t kMaxBytes = 1 << 20;  // as the daemon's
+  const auto text = ReadFile(file, kMaxBytes);
+  if (!text.ok()) return text.status();
+  if (const auto line = FindTooDeepToml(text.value())) {
+    return Status::Error(file + ":" + std::to_string(*line) + ": " + TooDeepToml());
   }
   try {
-    return ReadTable(toml::parse_file(file));
+    return ReadTable(toml::parse(text.value(), file));
   } catch (const toml::parse_error& e) {
     return Status::Error(file + ":" + std::to_string(e.source().begin.line) + ": " +
                          std::string(e.description()));

@@ -217,6 +217,86 @@ TEST_F(ConfigTest, AHostsNameIsRefusedBeforeAnySocketIs) {
   EXPECT_EQ(listen("[::1]:9"), "");
 }
 
+TEST_F(ConfigTest, NoPortIsGivenTwice) {
+  // Each with the line to change, what takes the address, and where that is said.
+  EXPECT_EQ(Complaint("[publish]\naddress = 'tcp://127.0.0.1:7100'\n"
+                      "[control]\naddress = 'tcp://127.0.0.1:7100'\n"),
+            file_ + ":4: control.address: tcp://127.0.0.1:7100 is taken by publish.address (" +
+                file_ + ":2); expected an address of its own");
+  EXPECT_EQ(Complaint("\n[publish]\naddress = 'tcp://127.0.0.1:7002'\n"),
+            file_ +
+                ":3: publish.address: tcp://127.0.0.1:7002 is taken by control.address (its "
+                "default); expected an address of its own");
+  EXPECT_EQ(Complaint("[control]\nallow_unauthenticated_remote = true\n"
+                      "address = 'tcp://*:7001'\n"),
+            file_ +
+                ":3: control.address: tcp://*:7001 is taken by publish.address, "
+                "tcp://127.0.0.1:7001 (its default); expected an address of its own");
+  const std::string ipc = "address = 'ipc:///run/x'\n";
+  EXPECT_THAT(Complaint("[publish]\n" + ipc + "[control]\n" + ipc),
+              HasSubstr(":4: control.address: ipc:///run/x is taken by publish.address"));
+  const auto sources = [&](const std::string& type_a, const std::string& a,
+                           const std::string& type_b, const std::string& b) {
+    return Complaint("[[source]]\ntype = '" + type_a + "'\nlisten = '" + a +
+                     "'\n[[source]]\ntype = '" + type_b + "'\nlisten = '" + b + "'\n");
+  };
+  EXPECT_THAT(
+      sources("udp", "127.0.0.1:9", "vmc", "127.0.0.1:9"),
+      HasSubstr(":6: source.1.listen: 127.0.0.1:9 is taken by source.0.listen (" + file_ + ":3)"));
+  EXPECT_THAT(sources("udp", "0.0.0.0:9", "udp", "127.0.0.1:9"),
+              HasSubstr("taken by source.0.listen, 0.0.0.0:9"));
+  EXPECT_THAT(sources("tcp", "127.0.0.1:7001", "udp", "127.0.0.1:9"),
+              HasSubstr(":3: source.0.listen: 127.0.0.1:7001 is taken by publish.address, "
+                        "tcp://127.0.0.1:7001 (its default)"));
+  EXPECT_THAT(Complaint("[osc]\nlisten = '127.0.0.1:7000'\n"),
+              HasSubstr(":2: osc.listen: 127.0.0.1:7000 is taken by source.0.listen"));
+  EXPECT_THAT(Complaint("", {"control.address=tcp://127.0.0.1:7001"}),
+              HasSubstr("--set control.address: control.address: tcp://127.0.0.1:7001 is taken"));
+  // One port for UDP and TCP, any free port, other addresses and other families are good.
+  EXPECT_EQ(sources("udp", "127.0.0.1:9", "tcp", "127.0.0.1:9"), "");
+  EXPECT_EQ(sources("udp", "127.0.0.1:0", "udp", "127.0.0.1:0"), "");
+  EXPECT_EQ(sources("udp", "127.0.0.1:9", "udp", "127.0.0.2:9"), "");
+  EXPECT_EQ(sources("udp", "0.0.0.0:9", "udp", "[::]:9"), "");
+  EXPECT_EQ(Complaint("[publish]\naddress = 'tcp://127.0.0.1:0'\n"
+                      "[control]\naddress = 'tcp://127.0.0.1:0'\n"),
+            "");
+}
+
+TEST_F(ConfigTest, BadAddressesAreRefusedWithTheirLine) {
+  for (const std::string port : {"65536", "70000", "99999999999999999999"}) {
+    EXPECT_EQ(Complaint("[publish]\n\naddress = 'tcp://127.0.0.1:" + port + "'\n"),
+              file_ + ":3: publish.address: \"127.0.0.1:" + port + "\": the port is " + port +
+                  "; expected 0 to 65535");
+    EXPECT_EQ(Complaint("[[source]]\nname = 'a'\nlisten = '127.0.0.1:" + port + "'\n"),
+              file_ + ":3: source.0.listen: \"127.0.0.1:" + port + "\": the port is " + port +
+                  "; expected 0 to 65535");
+    EXPECT_EQ(Complaint("\n[osc]\nlisten = '127.0.0.1:" + port + "'\n"),
+              file_ + ":3: osc.listen: \"127.0.0.1:" + port + "\": the port is " + port +
+                  "; expected 0 to 65535");
+  }
+  EXPECT_THAT(Complaint("[control]\naddress = 'tcp://127.0.0.1:-1'\n"),
+              HasSubstr(":2: control.address: \"127.0.0.1:-1\" is no address"));
+  EXPECT_THAT(Complaint("[control]\naddress = 'tcp://127.0.0.1'\n"),
+              HasSubstr(":2: control.address: \"127.0.0.1\" is no address"));
+  EXPECT_THAT(Complaint("[control]\naddress = 'udp://127.0.0.1:1'\n"),
+              HasSubstr(":2: control.address: \"udp://127.0.0.1:1\" is no endpoint"));
+  EXPECT_THAT(Complaint("[[source]]\nname = 'a'\nlisten = 'somewhere:1'\n"),
+              HasSubstr(":3: source.0.listen: \"somewhere:1\": expected a numeric address"));
+}
+
+TEST_F(ConfigTest, RulesThatSpanKeysNameTheLineToo) {
+  EXPECT_THAT(Complaint("[performers]\nlate_ms = 200\n"), HasSubstr(file_ + ":2: performers.late"));
+  EXPECT_THAT(Complaint("[presets]\n\nx = { a=1, b=0.7 }\n"),
+              HasSubstr(file_ + ":3: presets.x: weights sum to 1.7; expected at most 1.5"));
+  EXPECT_EQ(Complaint("[[cue]]\nname = 'a b'\npanic = true\n"),
+            file_ + ":2: cue.0.name: \"a b\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
+  EXPECT_THAT(Complaint("\n[[output]]\nname = 'x'\n"), HasSubstr(file_ + ":2: output.0.avatar"));
+  EXPECT_THAT(Complaint("[style]\nstrength = 1.6\n"),
+              HasSubstr("expected a number from 0 to 1.5, found 1.6"));
+  EXPECT_THAT(Complaint("", {"performers.late_ms=200"}),
+              HasSubstr("--set performers.late_ms: performers.late_ms: expected"));
+}
+
 TEST_F(ConfigTest, TheCommandLineWinsOverTheEnvironmentAndThatOverTheFile) {
   const char* const environment[] = {"HOME=/", "STYLED_PERFORMERS_STALE_MS=300", "STYLED_DATA=/x",
                                      "STYLED_LOG_LEVEL=debug", nullptr};
