@@ -27,7 +27,7 @@ std::int64_t Read_ns(clockid_t clock) {
 Result<std::unique_ptr<FileWriter>> FileWriter::Create(const std::filesystem::path& file,
                                                        const FileHeader& header,
                                                        const WriterOptions& options) {
-  const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0640);
   if (fd < 0 && errno == EEXIST) {
     return Status::Error(file.string() + ": exists already; expected the name of a new file");
   }

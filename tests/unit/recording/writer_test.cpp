@@ -47,6 +47,9 @@ class WriterTest : public ::testing::Test {
 
 TEST_F(WriterTest, AFileThatExistsOrCannotBeMadeIsRefused) {
   ASSERT_TRUE(FileWriter::Create(File(), {}).ok());
+  // How people move is not for everybody to read.
+  const auto mode = std::filesystem::status(File()).permissions();
+  EXPECT_EQ(mode & std::filesystem::perms::others_all, std::filesystem::perms::none);
   EXPECT_EQ(FileWriter::Create(File(), {}).status().message(),
             File().string() + ": exists already; expected the name of a new file");
   EXPECT_THAT(FileWriter::Create(folder_ / "no" / "x", {}).status().message(),
