@@ -71,7 +71,7 @@ class PlayTest : public ::testing::Test {
 TEST_F(PlayTest, ARecordingWithoutRecordsAndABeginningBehindTheEndAreRefused) {
   EXPECT_THAT(Run({}, {}).message(), HasSubstr("test.styrec: found no records"));
   EXPECT_THAT(Run({0, 500}, {.from_s = 0.6}).message(),
-              HasSubstr("found 0.500000 s, expected --from within"));
+              HasSubstr("found 0.5 s, expected --from within"));
 }
 
 TEST_F(PlayTest, EachRecordComesAtItsTime) {
