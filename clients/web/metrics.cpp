@@ -125,7 +125,7 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
     }
   };
   using P = v1::PerformerStats;
-  each("styled_performer_live", "gauge", "1 while frames come",
+  each("styled_performer_live", "gauge", "1 while frames leave",
        [](const P& p) { return string(p.live() ? "1" : "0"); });
   each("styled_performer_rate_hertz", "gauge", "frames of the last second",
        [](const P& p) { return Number(p.rate_hz()); });
@@ -137,6 +137,8 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
        [](const P& p) { return Whole(p.published()); });
   each("styled_performer_lost_total", "counter", "datagrams missing by their sequence",
        [](const P& p) { return Whole(p.lost()); });
+  each("styled_performer_refused_total", "counter", "datagrams that changed nothing",
+       [](const P& p) { return Whole(p.refused()); });
   text.Family("styled_performer_latency_seconds", "gauge",
               "from receipt to sending, over the last second");
   for (const auto& p : stats.performers()) {

@@ -124,6 +124,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
     std::vector<std::vector<std::string>> rows{{"PERFORMER", "STATE", "HZ", "P50 us", "P99 us",
                                                 "MAX us", "PUBLISHED", "LOST", "STRENGTH", "STYLE",
                                                 ""}};
+    std::string warnings;
     for (const auto& performer : stats.performers()) {
       std::string notes;
       if (performer.pinned()) notes += "pinned";
@@ -137,14 +138,24 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
         notes += std::string(notes.empty() ? "" : ", ") + "only " +
                  body::PartsText(PartsOf(performer.only()));
       }
-      rows.push_back({performer.performer(), performer.live() ? "live" : "silent",
+      const bool refused = !performer.live() && !performer.refused_as().empty();
+      if (!performer.refused_as().empty()) {
+        notes += std::string(notes.empty() ? "" : ", ") + "refused: " + performer.refused_as();
+      }
+      if (!performer.warning().empty()) {
+        warnings += performer.performer() + ": " + performer.warning() + "\n";
+      }
+      rows.push_back({performer.performer(),
+                      performer.live() ? "live"
+                      : refused        ? "refused"
+                                       : "silent",
                       Number(performer.rate_hz(), 1), Number(performer.latency_p50_us(), 0),
                       Number(performer.latency_p99_us(), 0), Number(performer.latency_max_us(), 0),
                       std::to_string(performer.published()), std::to_string(performer.lost()),
                       Number(performer.strength(), 2), MixText(performer.styles()), notes});
     }
     std::sort(rows.begin() + 1, rows.end());  // by performer
-    out += Table(rows);
+    out += Table(rows) + warnings;
   }
   for (const auto& source : status.sources()) {
     if (source.received() > 0) continue;
@@ -234,6 +245,9 @@ json StatusJson(const v1::StatusReply& status) {
          {"received", performer.received()},
          {"published", performer.published()},
          {"lost", performer.lost()},
+         {"refused", performer.refused()},
+         {"refused_as", performer.refused_as()},
+         {"warning", performer.warning()},
          {"styles", MixJson(performer.styles())},
          {"strength", performer.strength()},
          {"only", performer.only().empty() ? "all" : body::PartsText(PartsOf(performer.only()))},

@@ -54,7 +54,11 @@ v1::Reply Answer(const v1::Request& request) {
     anna.set_sequence(77);
     anna.set_live(true);
     anna.set_rate_hz(120);
-    stats.add_performers()->set_performer("cam.zed");
+    auto& zed = *stats.add_performers();
+    zed.set_performer("cam.zed");
+    zed.set_refused(12);
+    zed.set_refused_as("pipeline.far_ahead");
+    zed.set_warning("the toes point backwards");
     auto& counter = *stats.add_counters();
     counter.set_name("source.bad_crc");
     counter.set_value(3);
@@ -127,6 +131,17 @@ TEST_F(StylectlTest, StatusKnowsTheSourcesThatNothingCameTo) {
   EXPECT_EQ(sources[0]["received"], 12);
   EXPECT_EQ(sources[1]["received"], 0);
   EXPECT_EQ(sources[1]["listen"], "0.0.0.0:39539");
+}
+
+TEST_F(StylectlTest, StatusTellsWhoIsRefusedAndWhatLooksWrong) {
+  EXPECT_EQ(Run({"status"}), kExitOk);
+  EXPECT_TRUE(Says("cam.zed    refused")) << out_.str();
+  EXPECT_TRUE(Says("refused: pipeline.far_ahead")) << out_.str();
+  EXPECT_TRUE(Says("\ncam.zed: the toes point backwards\n")) << out_.str();
+  EXPECT_EQ(Run({"status", "--json"}), kExitOk);
+  const auto zed = nlohmann::json::parse(out_.str())["performers"][1];
+  EXPECT_EQ(zed["refused"], 12);
+  EXPECT_EQ(zed["refused_as"], "pipeline.far_ahead");
 }
 
 TEST_F(StylectlTest, SetSendsWhatWasGivenAndNothingElse) {
