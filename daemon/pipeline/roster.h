@@ -21,8 +21,8 @@ namespace styled::pipeline {
 //   the longest absent; where there is none, of the longest absent of those who came and are
 //   neither pinned nor calibrated. A control request takes no place.
 // - A profile that was only named ends kForgetNamed_h after it was last set by its name. Hours
-// count
-//   while a daemon runs, over restarts ([state]): settings prepared on Friday are there on Monday.
+//   count while a daemon runs, over restarts ([state]): settings prepared on Friday are there on
+//   Monday.
 // - Settings of a performer who came do not end.
 // Pinned by tests/unit/daemon/roster_test.cpp.
 class Roster {
