@@ -39,6 +39,12 @@ struct Surroundings {
 // publisher and mailboxes.wake_pipeline, no longer than until NextDeadline_ns(). From a performer's
 // second frame on nothing between receive and zmq_send allocates, locks, logs or throws
 // (tests/realtime).
+//
+// A cycle is bounded whatever arrives: of each UDP source it takes kBatch datagrams at most, of a
+// TCP source 8 reads of 16 KiB, and a datagram makes no more frames than it may have performers (4
+// of a VMC sender, 8 of Rokoko, 16 of NatNet). A frame runs at most stylist::kMaxStepsPerFrame
+// steps of the network, and frames in a row kMeanStepsPerFrame each, so that the worst cycle of a
+// source of our own datagrams is 32 * 64 steps (10 ms at 5 us each) once, and 32 * 8 after that.
 class Pipeline final : public Worker, public source::Receiver {
  public:
   // `source_names[i]` is the name of what transports call source i. Epoch: random, of this start.

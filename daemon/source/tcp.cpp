@@ -23,6 +23,10 @@ using runtime::kSecond_ns;
 
 // Within this a new connection brings a whole record, however it drips: senders repeat skeleton or
 // name once a second, so five were missed.
+// What bounds a cycle: so many connections are read, so much of each. A frame of 21 joints is 400
+// bytes, so that is some 330 frames.
+constexpr int kReads = 8;
+constexpr std::size_t kReadBytes = 16384;
 constexpr std::int64_t kFirstRecord_ns = 5 * kSecond_ns;
 // One that brought no record for so long gives its place to a new one where there is no other. Of a
 // rig that still sends at 1 Hz, four may come late.
@@ -48,15 +52,15 @@ class Tcp final : public Transport {
 
   // One epoll instance holds listener and connections; it is itself what the pipeline polls.
   int DoWork(Receiver& receiver) override {
-    std::array<epoll_event, kBatch> events;
-    const int ready = epoll_wait(epoll_.get(), events.data(), kBatch, 0);
+    std::array<epoll_event, kReads> events;
+    const int ready = epoll_wait(epoll_.get(), events.data(), kReads, 0);
     int work = 0;
     for (int i = 0; i < ready; ++i) {
       auto* connection = static_cast<Connection*>(events[static_cast<std::size_t>(i)].data.ptr);
       work += connection == nullptr ? Accept(receiver) : Receive(*connection, receiver);
     }
     // Where more is waiting, a first record may be in it.
-    if (ready < static_cast<int>(kBatch)) work += CloseSilent(receiver);
+    if (ready < kReads) work += CloseSilent(receiver);
     closed_.clear();
     return work;
   }
@@ -179,10 +183,12 @@ class Tcp final : public Transport {
     return closed;
   }
 
-  // One read, and all the records that it completes.
+  // One read of kReadBytes at most, and all the records that it completes. What is left is read in
+  // the next cycle, when the other sources have had their turn.
   int Receive(Connection& connection, Receiver& receiver) {
     if (connection.socket.get() < 0) return 0;  // closed since this batch of events was asked for
-    const auto space = connection.reader.Space();
+    const auto all = connection.reader.Space();
+    const auto space = all.first(std::min(all.size(), kReadBytes));
     const auto size = recv(connection.socket.get(), space.data(), space.size(), 0);
     if (size <= 0) {
       if (size < 0 && (errno == EAGAIN || errno == EINTR)) return 0;

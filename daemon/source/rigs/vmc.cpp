@@ -19,6 +19,9 @@ using rig::Vec3;
 using runtime::Counter;
 using vmc::BoneSet;
 
+// Of one datagram. Senders put one frame, or a part of it, into each; of the largest datagram 680
+// could be made, which is more work than the time of a frame allows.
+constexpr int kMostFrames = 4;
 constexpr std::size_t kMaxSenders = 8;
 // An avatar of other measures: bones that lie this far from where they were, and stay there.
 constexpr float kMoved_m = 0.01F, kSteady_m = 0.001F;
@@ -51,7 +54,13 @@ class Sender {
       return out.Refuse(Counter::kSourceMalformed);
     }
     seen_ns_ = now_ns;
-    while (assembler_.Next()) Use(assembler_.frame(), now_ns, out);
+    for (int frames = 0; assembler_.Next(); ++frames) {
+      if (frames < kMostFrames) {
+        Use(assembler_.frame(), now_ns, out);
+      } else {
+        out.Refuse(Counter::kSourceMalformed);
+      }
+    }
     Report(out);
   }
   void Tick(std::int64_t now_ns, Outbox& out) {

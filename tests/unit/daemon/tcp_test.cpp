@@ -234,6 +234,31 @@ TEST_F(TcpTest, WhatWaitedWhileTheDaemonWasHeldUpIsReadBeforeAnybodyIsClosed) {
   EXPECT_EQ(Count(Counter::kSourceTcpSilent), 0U);
 }
 
+// Ten connections bring thousands of records at once; the other sources have their turn between.
+TEST_F(TcpTest, ACycleTakesABoundedShareOfWhatWaits) {
+  Start();
+  for (int i = 0; i < 10; ++i) (void)Connect();
+  Bytes many;
+  Rig rig("a");
+  many = rig.Body();
+  for (int i = 0; i < 300; ++i) {
+    const Bytes frame = rig.Frame();
+    many.insert(many.end(), frame.begin(), frame.end());
+  }
+  for (const auto& client : clients_) client->Send(many);
+  std::size_t most = 0;
+  for (int cycle = 0; cycle < 1000 && records_ < 10 * 301; ++cycle) {
+    const std::size_t before = records_;
+    pollfd ready{transport_->fd(), POLLIN, 0};
+    poll(&ready, 1, 100);
+    (void)transport_->DoWork(*this);
+    most = std::max(most, records_ - before);
+  }
+  EXPECT_EQ(records_, 10U * 301);
+  EXPECT_LE(most, 8 * 16384 / 380U);
+  EXPECT_GT(most, 32U);
+}
+
 TEST_F(TcpTest, MvnsConnectionsMeetTheSameRules) {
   Start(2, "mvn-tcp");
   const Client& idle = Connect();

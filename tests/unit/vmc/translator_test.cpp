@@ -109,6 +109,23 @@ auto Near(const std::vector<float>& values) {
   return ::testing::Pointwise(::testing::FloatNear(1e-5F), values);
 }
 
+// Six hundred instants in one datagram: a cycle of the pipeline must not be made of them.
+TEST(VmcTranslator, ADatagramMakesAFewFramesAtMost) {
+  Translated translated(MakeVmc(Config()));
+  const Avatar avatar;
+  for (int i = 0; i < 3; ++i) (void)SaidWithSilence(translated, avatar.At(static_cast<float>(i)));
+  std::vector<Bytes> messages;
+  for (int i = 0; i < 600; ++i) {
+    messages.push_back(TimeMessage(10 + 0.01F * static_cast<float>(i)));
+    messages.push_back(BoneMessage("Hips", {0, 1, 0, 0, 0, 0, 1}));
+  }
+  translated.items.clear();
+  translated.Take(Bundle(messages));
+  translated.Take(Bundle({TimeMessage(20), BoneMessage("Hips", {0, 1, 0, 0, 0, 0, 1})}));
+  EXPECT_LE(translated.Frames().size(), 6U);
+  EXPECT_GT(translated.Count(Counter::kSourceMalformed), 500U);
+}
+
 TEST(VmcTranslator, RefusesWhatIsNotOsc) {
   Translated translation(MakeVmc(Config()));
   EXPECT_TRUE(Said(translation, {}).empty());
