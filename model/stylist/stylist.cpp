@@ -137,7 +137,8 @@ struct Stylist::Impl {
 
   Pose last_input;
   std::int64_t last_ns = 0;
-  double dt_s = 0;  // of the frame at hand, since the one before
+  double dt_s = 0;        // of the frame at hand, since the one before
+  double last_gap_s = 0;  // the same of the one before, where it was beyond gap_reset_s
   bool started = false, fresh_session = true;
   bool bad_step = false;  // of this frame: what the network decoded is no pose
   bool failed = false;    // so it was, or what a stage made of it; no step has been sound since
@@ -421,10 +422,13 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
   // steps by minutes would have every tick between run in one frame.
   const double usual_s = ticks.frame_period_s();
   if (started && dt_s > options.gap_reset_s) {
-    out.flags |= kConcealed;
+    // A slow rig's frames are all that far apart: nothing is missing.
+    if (last_gap_s == 0 || dt_s > kGapFactor * last_gap_s) out.flags |= kConcealed;
+    last_gap_s = dt_s;
     RestartAfterGap();
-  } else if (started && usual_s > 0 && dt_s > kGapFactor * usual_s) {
-    out.flags |= kConcealed;
+  } else if (started) {
+    last_gap_s = 0;
+    if (usual_s > 0 && dt_s > kGapFactor * usual_s) out.flags |= kConcealed;
   }
   const float rate_hz = network->metadata().features.rate_hz;
   if (!ticks.Begin(time_ns, rate_hz)) {
