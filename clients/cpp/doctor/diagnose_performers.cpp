@@ -52,11 +52,20 @@ void Examination::Performers() {
     const std::uint64_t refused = now.refused() - (known ? then->refused() : 0);
     const std::uint64_t left = now.published() - (known ? then->published() : 0);
     if (!now.warning().empty()) {
-      Say(Severity::kWarning, Step::kSkeleton, nullptr, "backwards",
-          now.performer() + ": " + now.warning() + ".", "Frames are published with FLAG_BACKWARDS.",
-          "If it is the rig, not the acting: exchange the sides or the axes in the rig.");
+      Say(Severity::kWarning, Step::kSkeleton, nullptr, "rig_warning",
+          now.performer() + ": " + now.warning() + ".", "The daemon sees it in the rig's poses.",
+          "Mend the rig as said; where it is the acting, nothing.");
     }
-    if (refused == 0 || left > refused) continue;
+    if (refused == 0) continue;
+    if (left > 0 && now.refused_as() == "pipeline.second_sender") {
+      Say(Severity::kWarning, Step::kFrames, nullptr, "second_sender",
+          "Somebody at another address sends as " + now.performer() +
+              ", too: refused, and the performer's own frames leave.",
+          std::to_string(refused) + " datagrams while we listened.",
+          "Stop that sender, or give it another performer's name.");
+      continue;
+    }
+    if (left > refused) continue;
     const Reason& reason = ReasonOf(now.refused_as());
     Say(left == 0 ? Severity::kProblem : Severity::kWarning, Step::kFrames, nullptr,
         "performer_refused",

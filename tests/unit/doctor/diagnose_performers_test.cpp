@@ -44,10 +44,17 @@ TEST_F(PerformersTest, WhoIsRefusedBesideALiveOneIsAProblemWithItsReason) {
 }
 
 TEST_F(PerformersTest, WhoLosesMoreThanHalfIsWarnedOf) {
-  Add("suit.a", 300, 60).set_refused_as("pipeline.second_sender");
+  Add("suit.a", 300, 60).set_refused_as("pipeline.reordered");
   const auto found = Of("performer_refused");
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].severity, Severity::kWarning);
+}
+
+TEST_F(PerformersTest, WhoeverSendsAsAHealthyPerformerIsToldOfAndThePerformerIsNot) {
+  Add("suit.a", 600, 180).set_refused_as("pipeline.second_sender");
+  EXPECT_TRUE(Of("performer_refused").empty());
+  ASSERT_EQ(Of("second_sender").size(), 1U);
+  EXPECT_NE(Of("second_sender")[0].what.find("own frames leave"), std::string::npos);
 }
 
 TEST_F(PerformersTest, AFewRefusedOnesAndOldOnesAreNothing) {
@@ -67,8 +74,8 @@ TEST_F(PerformersTest, TheReasonIsSaidOnceForTheSourceToo) {
 
 TEST_F(PerformersTest, AMirroredRigIsWarnedOf) {
   Add("suit.a", 0, 360).set_warning("the toes point backwards");
-  ASSERT_EQ(Of("backwards").size(), 1U);
-  EXPECT_NE(Of("backwards")[0].what.find("toes point backwards"), std::string::npos);
+  ASSERT_EQ(Of("rig_warning").size(), 1U);
+  EXPECT_NE(Of("rig_warning")[0].what.find("toes point backwards"), std::string::npos);
 }
 
 }  // namespace
