@@ -101,6 +101,7 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
   }
   const std::int64_t before_ns = performer.session.elapsed_ns();
   if (!Admit(performer, item)) return;
+  performer.sends_frames = true;
 
   const std::int64_t now_ns = to_.clock.Now_ns();
   const std::int64_t lateness_ns =
@@ -185,7 +186,7 @@ void Pipeline::PassCues(Performer& performer, const source::Timecode& timecode,
   std::string said;
   if (commands_.Pass(performer, timecode, said)) {
     to_.counters.Add(Counter::kPipelineCues);
-    SayOf(LogLimit::Kind::kCue, performer.profile.id, Event::Level::kInfo,
+    SayOf(LogLimit::Kind::kCue, {}, performer.profile.id, Event::Level::kInfo,
           said + " from frame " + std::to_string(performer.profile.next_sequence));
   }
   hot.Enter();
@@ -276,7 +277,7 @@ void Pipeline::TakeBody(int source, const Item& item) {
   }
   Performer* performer = roster_.Find(source, name);
   const bool fresh = performer == nullptr;
-  if (fresh) performer = roster_.Add(source, name);
+  if (fresh) performer = roster_.Add(source, name, receive_ns_);
   if (performer == nullptr) {
     to_.counters.AddOf(source, Counter::kPipelinePerformersRefused);
     return;
@@ -308,18 +309,27 @@ void Pipeline::TakeBody(int source, const Item& item) {
 void Pipeline::AdoptBody(Performer& performer, const Item& item, bool fresh) {
   const std::uint32_t crc = native::Crc32c(item.datagram.payload);
   if (!performer.has_body() || crc != performer.body_crc()) {
+    if (performer.has_body() && !performer.MayChangeBody(receive_ns_)) {
+      to_.counters.AddOf(performer.source, Counter::kPipelineBodiesRefused);
+      performer.MarkRefused(Counter::kPipelineBodiesRefused);
+      return SayOf(LogLimit::Kind::kBodyRefused, item.sender, performer.profile.id,
+                   Event::Level::kWarning,
+                   "the body changes again and again, expected twice a second at most: the last "
+                   "one stays");
+    }
     const Status status = performer.TakeBody(item.datagram.payload, crc, roster_.live());
     if (!status.ok()) {
       to_.counters.AddOf(performer.source, Counter::kPipelineBodiesRefused);
       performer.MarkRefused(Counter::kPipelineBodiesRefused);
-      SayOf(LogLimit::Kind::kBodyRefused, performer.profile.id, Event::Level::kWarning,
+      SayOf(LogLimit::Kind::kBodyRefused, item.sender, performer.profile.id, Event::Level::kWarning,
             status.message());
       performer.session_has_body = performer.waits();
       if (fresh && !performer.waits()) roster_.Forget(performer);
       return;
     }
     if (!fresh) to_.counters.Add(Counter::kPipelineBodyChanges);
-    SayOf(LogLimit::Kind::kBodyBound, performer.profile.id, Event::Level::kInfo, "body bound");
+    SayOf(LogLimit::Kind::kBodyBound, item.sender, performer.profile.id, Event::Level::kInfo,
+          "body bound");
     performer.SendBodies(to_.publisher);
     performer.next_body_ns = receive_ns_ + kSecond_ns;
   }

@@ -8,12 +8,15 @@
 #include <limits>
 #include <string_view>
 
+#include "daemon/source/transport.h"
+
 namespace styled::pipeline {
 
 // Which of the pipeline's lines reach the log, so that no sender fills it and none hides another's.
 // The limit is of one kind of line about one subject (a performer): the first line passes, the next
 // one a second later, then after 2, 4, ... 64 s; who was quiet for twice as long begins anew. New
-// subjects of a kind pass 16 at once and 2 a second, so that invented names cost no more than that.
+// subjects pass 16 at once and 2 a second of each machine that sends them, and 64 at once and 8 a
+// second of all, so that invented names cost no more than that and hide nobody from elsewhere.
 // Bounded, no allocation; pipeline thread. Pinned by tests/unit/daemon/log_limit_test.cpp.
 class LogLimit {
  public:
@@ -21,12 +24,13 @@ class LogLimit {
 
   // Whether the line may pass. `held_back`: how many of the kind about the subject did not since
   // its last one; only where it may.
-  bool Admit(Kind kind, std::string_view subject, std::int64_t now_ns,
-             std::uint64_t& held_back) noexcept {
+  // `sender`: the machine that caused the line; all zeros: none.
+  bool Admit(Kind kind, const source::Machine& sender, std::string_view subject,
+             std::int64_t now_ns, std::uint64_t& held_back) noexcept {
     const std::size_t hash = std::hash<std::string_view>()(subject);
     Row* row = Find(kind, hash);
     if (row == nullptr) {
-      if (!Spend(kind, now_ns)) return false;
+      if (!Spend(sender, now_ns)) return false;
       row = Free(now_ns);
       *row = {kind, true, hash, now_ns, now_ns, kFirstWait_ns, 0};
       held_back = 0;
@@ -49,7 +53,8 @@ class LogLimit {
   static constexpr std::int64_t kFirstWait_ns = 1'000'000'000;
   static constexpr std::int64_t kLongestWait_ns = 64 * kFirstWait_ns;
   static constexpr std::size_t kRows = 256;
-  static constexpr double kBurst = 16, kPerSecond = 2;
+  static constexpr std::size_t kMachines = 32;
+  static constexpr double kBurst = 16, kPerSecond = 2, kBurstOfAll = 64, kPerSecondOfAll = 8;
 
   struct Row {
     Kind kind = Kind::kBodyRefused;
@@ -59,8 +64,16 @@ class LogLimit {
     std::uint64_t held_back = 0;
   };
   struct Bucket {
+    source::Machine machine{};
     double tokens = kBurst;
-    std::int64_t last_ns = 0;
+    std::int64_t last_ns = std::numeric_limits<std::int64_t>::min() / 2;
+
+    bool Fill(std::int64_t now_ns, double most, double per_second) noexcept {
+      const double passed_s = static_cast<double>(now_ns - last_ns) * 1e-9;
+      tokens = std::min(most, tokens + std::max(0.0, passed_s) * per_second);
+      last_ns = now_ns;
+      return tokens >= 1;
+    }
   };
 
   Row* Find(Kind kind, std::size_t hash) noexcept {
@@ -83,18 +96,27 @@ class LogLimit {
     }
     return best;
   }
-  bool Spend(Kind kind, std::int64_t now_ns) noexcept {
-    Bucket& bucket = buckets_[static_cast<std::size_t>(kind)];
-    const double passed_s = static_cast<double>(now_ns - bucket.last_ns) * 1e-9;
-    bucket.tokens = std::min(kBurst, bucket.tokens + std::max(0.0, passed_s) * kPerSecond);
-    bucket.last_ns = now_ns;
-    if (bucket.tokens < 1) return false;
-    bucket.tokens -= 1;
+  // The longest quiet machine gives way to a new one.
+  bool Spend(const source::Machine& sender, std::int64_t now_ns) noexcept {
+    Bucket* mine = machines_.data();
+    for (Bucket& bucket : machines_) {
+      if (bucket.machine == sender) {
+        mine = &bucket;
+        break;
+      }
+      if (bucket.last_ns < mine->last_ns) mine = &bucket;
+    }
+    if (mine->machine != sender) *mine = {sender};
+    if (!mine->Fill(now_ns, kBurst, kPerSecond)) return false;
+    if (!all_.Fill(now_ns, kBurstOfAll, kPerSecondOfAll)) return false;
+    mine->tokens -= 1;
+    all_.tokens -= 1;
     return true;
   }
 
   std::array<Row, kRows> rows_;
-  std::array<Bucket, static_cast<std::size_t>(Kind::kCount)> buckets_;
+  std::array<Bucket, kMachines> machines_;
+  Bucket all_;
 };
 
 }  // namespace styled::pipeline

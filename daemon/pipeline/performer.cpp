@@ -310,7 +310,8 @@ bool Performer::Repeat(Moment moment) noexcept {
   if (bound_ == nullptr || !bound_->styled) return false;
   measured_ = false;
   const std::uint32_t once = v1::FLAG_CONCEALED | v1::FLAG_NEW_SESSION;
-  Serialize((bound_->out.flags & ~once) | v1::FLAG_STALE, moment);
+  const std::uint32_t backwards = backwards_ ? v1::FLAG_BACKWARDS : v1::FLAG_NONE;
+  Serialize((bound_->out.flags & ~once) | backwards | v1::FLAG_STALE, moment);
   return true;
 }
 
@@ -387,7 +388,23 @@ void Performer::Send(publish::Publisher& publisher, std::int64_t now_ns) {
 void Performer::MarkLive(std::int64_t now_ns) noexcept {
   if (last_frame_ns > 0) intervals_ns_ = {intervals_ns_[1], now_ns - last_frame_ns};
   last_frame_ns = now_ns;
-  live = true;
+  if (!std::exchange(live, true)) {
+    since_ns_ = now_ns;
+    fresh_ = true;
+    rate_hz_ = 0;
+  }
+}
+
+bool Performer::MayChangeBody(std::int64_t now_ns) noexcept {
+  const std::int64_t earned = (now_ns - body_changed_ns_) / kBodyChange_ns;
+  if (earned > 0) {
+    body_changes_left_ =
+        static_cast<int>(std::min<std::int64_t>(kBodyChanges, body_changes_left_ + earned));
+    body_changed_ns_ = now_ns;
+  }
+  if (body_changes_left_ == 0) return false;
+  --body_changes_left_;
+  return true;
 }
 
 // The shorter of two intervals: one silence does not make a rig slow.
@@ -398,6 +415,11 @@ std::int64_t Performer::Patience_ns(std::int64_t stale_ns) const noexcept {
 }
 
 std::string Performer::Warning() const {
+  if (waits()) {
+    return "nobody knows the rig's rest pose: let the performer stand in T-pose, and stylectl "
+           "calibrate " +
+           profile.id + " --pose t";
+  }
   if (bound_ != nullptr && bound_->body.toes_backwards) {
     return "the toes point backwards: left and right are exchanged, or the axes are mirrored; "
            "mend it in the rig, or by stylectl calibrate " +
@@ -437,19 +459,21 @@ void Performer::SendBodies(publish::Publisher& publisher) {
 }
 
 // The rate is between frames, not between samples: a rig of 1 Hz would have none or two a second.
-void Performer::Sample(std::int64_t now_ns) {
-  const auto frames = static_cast<float>(published_ - published_at_sample_);
-  const std::int64_t span_ns = last_frame_ns - sampled_frame_ns_;
+void Performer::Sample() {
+  const std::uint64_t frames = published_ - published_at_sample_;
+  const std::int64_t span_ns = last_frame_ns - since_ns_;
   refusing_ = refused_ > refused_at_sample_;
   refused_at_sample_ = refused_;
-  if (!live) {
-    rate_hz_ = 0;
-  } else if (frames > 0 && span_ns > 0) {
-    const std::int64_t begun_ns = sampled_frame_ns_ > 0 ? span_ns : now_ns - last_frame_ns;
-    rate_hz_ = frames * 1e9F / static_cast<float>(std::max<std::int64_t>(begun_ns, 1));
+  // Live again since the last sample: the first frame only begins the time.
+  const std::uint64_t intervals = frames - (fresh_ && frames > 0 ? 1 : 0);
+  if (intervals > 0 && span_ns > 0) {
+    rate_hz_ = static_cast<float>(intervals) * 1e9F / static_cast<float>(span_ns);
   }
   published_at_sample_ = published_;
-  sampled_frame_ns_ = live ? last_frame_ns : 0;
+  if (frames > 0) {
+    since_ns_ = last_frame_ns;
+    fresh_ = false;
+  }
   if (live && frames == 0) return;  // a slow rig's figures stay
   p50_us_ = latency_.Percentile_us(0.5F);
   p99_us_ = latency_.Percentile_us(0.99F);
@@ -458,7 +482,7 @@ void Performer::Sample(std::int64_t now_ns) {
 }
 
 void Performer::Describe(v1::PerformerStats& stats) const {
-  stats.set_rate_hz(rate_hz_);
+  stats.set_rate_hz(live ? rate_hz_ : 0);
   stats.set_latency_p50_us(p50_us_);
   stats.set_latency_p99_us(p99_us_);
   stats.set_latency_max_us(max_us_);

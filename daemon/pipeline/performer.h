@@ -87,7 +87,7 @@ class Performer {
   void SendBodies(publish::Publisher& publisher);
 
   // Of the last second; called once a second.
-  void Sample(std::int64_t now_ns);
+  void Sample();
   void Describe(v1::PerformerStats& stats) const;
 
   Session session;
@@ -96,6 +96,7 @@ class Performer {
   const int source;
   const std::string name;
   bool session_has_body = false;  // this session sent its body
+  bool sends_frames = false;      // of its body; calibrated or not
   bool live = false;              // frames leave: not stale
   std::int64_t next_body_ns = 0, last_send_ns = 0;
   std::int64_t last_frame_ns = 0;  // arrival of the last frame that was styled
@@ -103,6 +104,11 @@ class Performer {
   STYLED_REALTIME std::int64_t Patience_ns(std::int64_t stale_ns) const noexcept;
   // A frame that arrived at `now_ns` is on its way out: the performer is live.
   STYLED_REALTIME void MarkLive(std::int64_t now_ns) noexcept;
+  // When its live state was made.
+  std::int64_t added_ns = 0;
+  // Whether one more change of the body may be made now: kBodyChanges at once and one in
+  // kBodyChange_ns, since each makes all anew that depends on it.
+  bool MayChangeBody(std::int64_t now_ns) noexcept;
   // A datagram of this performer changed nothing, and is counted as `why`.
   STYLED_REALTIME void MarkRefused(runtime::Counter why) noexcept {
     ++refused_;
@@ -141,8 +147,13 @@ class Performer {
   std::int64_t receive_ns_ = 0;
   bool measured_ = false;
   std::uint64_t published_ = 0, published_at_sample_ = 0;
-  std::int64_t sampled_frame_ns_ = 0;           // last_frame_ns at the last sample
+  std::int64_t since_ns_ = 0;                   // the last frame that the rate was taken of
+  bool fresh_ = true;                           // that one was the first after a silence
   std::array<std::int64_t, 2> intervals_ns_{};  // between the last frames
+  static constexpr int kBodyChanges = 8;        // what a rig that finds its bones one by one takes
+  static constexpr std::int64_t kBodyChange_ns = 500'000'000;
+  int body_changes_left_ = kBodyChanges;
+  std::int64_t body_changed_ns_ = 0;
   std::uint64_t refused_ = 0, refused_at_sample_ = 0;
   runtime::Counter refused_as_ = runtime::Counter::kCount;
   bool refusing_ = false;  // of the last second

@@ -218,12 +218,12 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
     }
     if (performer.FacingChanged()) {
       const std::string warning = performer.Warning();
-      SayOf(LogLimit::Kind::kFacing, performer.profile.id,
+      SayOf(LogLimit::Kind::kFacing, {}, performer.profile.id,
             warning.empty() ? Event::Level::kInfo : Event::Level::kWarning,
             warning.empty() ? "walks where the toes point again" : warning);
     }
     if (drained && !performer.live && silence_ns >= Nanoseconds(limits.forget_s)) {
-      SayOf(LogLimit::Kind::kForgotten, performer.profile.id, Event::Level::kInfo,
+      SayOf(LogLimit::Kind::kForgotten, {}, performer.profile.id, Event::Level::kInfo,
             "forgotten after silence");
       to_.counters.Add(Counter::kPipelineForgotten);
       roster_.Forget(performer);
@@ -287,7 +287,7 @@ void Pipeline::FillStats(v1::Stats& stats) {
 void Pipeline::PublishStats() {
   const std::int64_t now_ns = to_.clock.Now_ns();
   next_stats_ns_ = std::max(next_stats_ns_ + kSecond_ns, now_ns + kSecond_ns / 2);
-  for (const auto& performer : roster_.performers) performer->Sample(now_ns);
+  for (const auto& performer : roster_.performers) performer->Sample();
   stages_.Sample();
   to_.counters.Set(Counter::kPipelineLongestCycleUs,
                    static_cast<std::uint64_t>(longest_cycle_ns_ / 1000));
@@ -304,10 +304,10 @@ void Pipeline::OnNote(int source, const std::string& text) {
       roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
-void Pipeline::SayOf(LogLimit::Kind kind, const std::string& performer, Event::Level level,
-                     std::string text) {
+void Pipeline::SayOf(LogLimit::Kind kind, const source::Machine& sender,
+                     const std::string& performer, Event::Level level, std::string text) {
   std::uint64_t held_back = 0;
-  if (!log_limit_.Admit(kind, performer, to_.clock.Now_ns(), held_back)) {
+  if (!log_limit_.Admit(kind, sender, performer, to_.clock.Now_ns(), held_back)) {
     to_.counters.Add(Counter::kPipelineEventsHeldBack);
     return;
   }

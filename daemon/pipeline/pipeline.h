@@ -111,9 +111,9 @@ class Pipeline final : public Worker, public source::Receiver {
   void DescribeSource(std::size_t index, v1::SourceInfo& info) const;
   void PublishStats();
   void Say(Event::Level level, std::string text);
-  // The same within the limit of its kind and performer.
-  void SayOf(LogLimit::Kind kind, const std::string& performer, Event::Level level,
-             std::string text);
+  // The same within the limit of its kind and performer. `sender`: who caused it, if it was one.
+  void SayOf(LogLimit::Kind kind, const source::Machine& sender, const std::string& performer,
+             Event::Level level, std::string text);
 
   Surroundings to_;
   std::vector<std::unique_ptr<source::Transport>> transports_;

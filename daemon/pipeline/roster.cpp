@@ -47,10 +47,9 @@ Performer* Roster::Find(int source, std::string_view name) noexcept {
   return nullptr;
 }
 
-Performer* Roster::Add(int source, std::string_view name) {
-  if (performers.size() >= static_cast<std::size_t>(live_->performers.max_performers)) {
-    return nullptr;
-  }
+Performer* Roster::Add(int source, std::string_view name, std::int64_t now_ns) {
+  const auto most = static_cast<std::size_t>(live_->performers.max_performers);
+  if (performers.size() >= most && !ForgetFrameless(now_ns)) return nullptr;
   const std::string id = Id(source, name);
   Profile* profile = EnsureProfile(id);
   if (profile == nullptr && MakeRoom(id)) profile = EnsureProfile(id);
@@ -58,8 +57,20 @@ Performer* Roster::Add(int source, std::string_view name) {
   profile->seen = true;
   performers.push_back(std::make_unique<Performer>(*profile, source, std::string(name), epoch_,
                                                    subscriptions_, counters_));
+  performers.back()->added_ns = now_ns;
   counters_.Set(runtime::Counter::kPipelinePerformers, performers.size());
   return performers.back().get();
+}
+
+bool Roster::ForgetFrameless(std::int64_t now_ns) {
+  for (const auto& performer : performers) {  // in the order in which they came
+    if (performer->sends_frames || now_ns - performer->added_ns < kFrameless_ns) continue;
+    said_.push_back(performer->profile.id + ": sent a skeleton and no frame, gave way to another");
+    counters_.Add(runtime::Counter::kPipelineForgotten);
+    Forget(*performer);
+    return true;
+  }
+  return false;
 }
 
 void Roster::Forget(Performer& performer) {

@@ -29,15 +29,18 @@ class Roster {
  public:
   // A week: longer than a show is prepared ahead of its performers, on a daemon that always runs.
   static constexpr int kForgetNamed_h = 168;
+  // Rigs send their first frame within a second of the skeleton.
+  static constexpr std::int64_t kFrameless_ns = 5'000'000'000;
 
   Roster(std::vector<std::string> source_names, std::shared_ptr<const Live> live,
          std::uint64_t epoch, publish::Subscriptions& subscriptions, runtime::Counters& counters);
 
   // The live performer, or null. Neither allocates nor throws.
   STYLED_REALTIME Performer* Find(int source, std::string_view name) noexcept;
-  // A new live performer; null when there are max_performers already, or no profile gives way.
+  // A new live performer; null when there are max_performers already, or no profile gives way. Of
+  // performers who sent bodies and no frame for kFrameless_ns the first one gives way.
   // Allocates.
-  Performer* Add(int source, std::string_view name);
+  Performer* Add(int source, std::string_view name, std::int64_t now_ns);
   // Frees its live state; its profile stays where somebody configured it.
   void Forget(Performer& performer);
 
@@ -83,6 +86,7 @@ class Roster {
     return 4 * static_cast<std::size_t>(live_->performers.max_performers);
   }
   void InitializeToCome();
+  bool ForgetFrameless(std::int64_t now_ns);
   bool HasCome(const Profile& profile) const;
   void NoteCome(Profile& profile);
   // Frees the place of one profile for a performer who came; false where none gives way.

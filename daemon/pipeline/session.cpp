@@ -7,6 +7,7 @@ namespace {
 constexpr std::uint64_t kWindow = 64;
 constexpr std::uint64_t kHour_ns = 3600ULL * 1'000'000'000;
 constexpr std::uint64_t kFastest_ns = 1'000'000;  // between two datagrams of one performer
+constexpr std::int64_t kLongestPatience_ns = 10'000'000'000;
 // Beyond this a session's time is counted anew, long before it overflows: 146 years.
 constexpr std::uint64_t kLongestSession_ns = 1ULL << 62U;
 
@@ -26,6 +27,25 @@ void Session::Start(const source::Machine& machine, std::uint64_t session, std::
   newest_ = sequence;
   seen_ = 1;
   strays_ = 0;
+  losable_ = kFarAhead;
+  intervals_ns_ = {};
+  last_arrival_ns_ = now_ns;
+}
+
+// The shorter of two intervals: one silence does not make a sender slow.
+std::int64_t Session::Patience_ns(const SessionRules& rules) const noexcept {
+  const std::int64_t interval_ns = std::min(intervals_ns_[0], intervals_ns_[1]);
+  return std::max(rules.takeover_ns, std::min(3 * interval_ns, kLongestPatience_ns));
+}
+
+void Session::NoteArrival(std::uint64_t skipped, std::int64_t now_ns) noexcept {
+  const std::int64_t silence_ns = std::max<std::int64_t>(0, now_ns - last_arrival_ns_);
+  const auto usual_ns = static_cast<std::uint64_t>(std::min(intervals_ns_[0], intervals_ns_[1]));
+  losable_ += static_cast<std::uint64_t>(silence_ns) / std::max(usual_ns, kFastest_ns);
+  const std::uint64_t lost = std::min(skipped, losable_);
+  lost_ += lost;
+  losable_ = std::min(losable_ - lost, kFarAhead);
+  intervals_ns_ = {intervals_ns_[1], silence_ns};
   last_arrival_ns_ = now_ns;
 }
 
@@ -36,7 +56,7 @@ Session::Arrival Session::Admit(const source::Machine& machine, std::uint64_t se
   const bool silent = silence_ns >= rules.takeover_ns;
   if (!live_ || session != session_ || machine != machine_) {
     const bool anew = session == session_ + kSessionStep && machine == machine_;
-    if (live_ && !anew && !silent) return Arrival::kSecondSender;
+    if (live_ && !anew && silence_ns < Patience_ns(rules)) return Arrival::kSecondSender;
     Start(machine, session, sequence, now_ns);
     return Arrival::kNewSession;
   }
@@ -47,11 +67,10 @@ Session::Arrival Session::Admit(const source::Machine& machine, std::uint64_t se
       Start(machine, session, sequence, now_ns);
       return Arrival::kRecounted;
     }
-    lost_ += step - 1;
     seen_ = step >= kWindow ? 1 : (seen_ << step) | 1U;
     newest_ = sequence;
     strays_ = 0;
-    last_arrival_ns_ = now_ns;
+    NoteArrival(step - 1, now_ns);
     return Arrival::kNext;
   }
   if (Recount(sequence, silent)) {
@@ -70,7 +89,7 @@ bool Session::Plausible(const source::Machine& machine, std::uint64_t session,
                         std::uint64_t sequence, std::int64_t now_ns,
                         const SessionRules& rules) const noexcept {
   const std::int64_t silence_ns = now_ns - last_arrival_ns_;
-  if (!live_ || silence_ns >= rules.takeover_ns) return true;
+  if (!live_ || silence_ns >= Patience_ns(rules)) return true;
   if (machine != machine_) return false;
   if (session != session_) return session == session_ + kSessionStep;
   return sequence > newest_ && sequence - newest_ <= MostAhead(silence_ns);

@@ -67,8 +67,8 @@ class Session {
   std::int64_t elapsed_ns() const {
     return static_cast<std::int64_t>(last_time_ns_ - first_time_ns_);
   }
-  // Sequence numbers skipped, of all sessions; of one step no more than kFarAhead and what 1 kHz
-  // would have sent since the last.
+  // Sequence numbers skipped, of all sessions; no more than kFarAhead at once and, in the long run,
+  // than the sender's own rate makes of the time: a counter that leaps loses nothing.
   std::uint64_t lost() const { return lost_; }
   // Of the last datagram that was kNext or kNewSession.
   std::int64_t last_arrival_ns() const { return last_arrival_ns_; }
@@ -76,6 +76,9 @@ class Session {
  private:
   STYLED_REALTIME void Start(const source::Machine& machine, std::uint64_t session,
                              std::uint64_t sequence, std::int64_t now_ns) noexcept;
+  // Another sender is let in after `takeover_ns` of silence, or three intervals of a slower one.
+  STYLED_REALTIME std::int64_t Patience_ns(const SessionRules& rules) const noexcept;
+  STYLED_REALTIME void NoteArrival(std::uint64_t skipped, std::int64_t now_ns) noexcept;
   // Whether datagrams that fit nowhere have become a count of their own.
   STYLED_REALTIME bool Recount(std::uint64_t sequence, bool silent) noexcept;
 
@@ -87,8 +90,9 @@ class Session {
   std::uint64_t stray_ = 0;   // sequence of the last datagram that did not fit
   int strays_ = 0;            // in a row
   std::uint64_t first_time_ns_ = 0, last_time_ns_ = 0;
-  std::uint64_t lost_ = 0;
+  std::uint64_t lost_ = 0, losable_ = kFarAhead;  // losable_: may still be counted as lost
   std::int64_t last_arrival_ns_ = 0;
+  std::array<std::int64_t, 2> intervals_ns_{};  // between the last arrivals
 };
 
 }  // namespace styled::pipeline

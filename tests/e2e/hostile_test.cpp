@@ -69,8 +69,9 @@ class HostileTest : public testing::Test {
     std::printf("status: median %.1f ms, 90 %% %.1f ms, longest %.1f ms of %zu; %d frames\n",
                 answers_ms_[answers_ms_.size() / 2], p90_ms, answers_ms_.back(), answers_ms_.size(),
                 static_cast<int>(sent_));
-    // Not the longest: that one is the machine's, which runs other tests beside this one.
+    // The longest is the machine's, too, which runs other tests beside this one.
     EXPECT_LT(p90_ms, 100);
+    EXPECT_LT(answers_ms_.back(), 2000);
   }
 
   Daemon daemon_{{}, "[[source]]\nname = \"vmc\"\ntype = \"vmc\"\nlisten = \"127.0.0.1:0\"\n"};
@@ -132,6 +133,9 @@ TEST_F(HostileTest, BesideAThousandRandomClocks) {
     Sleep(0.006);
   }
   ExpectTheVictimUnharmed();
+  ControlClient control(daemon_.control);
+  EXPECT_GT(control.Counter("pipeline.sessions"), 500U) << "most clocks were let in";
+  EXPECT_GT(control.Counter("pipeline.frames"), 5000U);
 }
 
 }  // namespace

@@ -11,13 +11,15 @@ namespace {
 
 using Kind = LogLimit::Kind;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr source::Machine kHere{1}, kElsewhere{2};
 
 TEST(LogLimitTest, ALineThatRepeatsIsSaidLessAndLessOftenWithACount) {
   LogLimit limit;
   std::vector<int> said_s;
   std::uint64_t held_back = 0, all_held_back = 0;
   for (int s = 0; s < 300; ++s) {
-    if (!limit.Admit(Kind::kBodyRefused, "rig.a", 100 * kSecond_ns + s * kSecond_ns, held_back)) {
+    if (!limit.Admit(Kind::kBodyRefused, kHere, "rig.a", 100 * kSecond_ns + s * kSecond_ns,
+                     held_back)) {
       continue;
     }
     said_s.push_back(s);
@@ -34,8 +36,9 @@ TEST(LogLimitTest, EveryPerformerAndKindIsToldOf) {
   for (int s = 0; s < 10; ++s) {
     for (int k = 0; k < 12; ++k) {
       const std::string id = "rig.p" + std::to_string(k);
+      const source::Machine kHere{static_cast<std::uint64_t>(k) + 1};
       for (const Kind kind : {Kind::kBodyRefused, Kind::kBodyBound}) {
-        said[id] += limit.Admit(kind, id, s * kSecond_ns, held_back) ? 1 : 0;
+        said[id] += limit.Admit(kind, kHere, id, s * kSecond_ns, held_back) ? 1 : 0;
       }
     }
   }
@@ -48,21 +51,32 @@ TEST(LogLimitTest, InventedNamesDoNotFillTheLog) {
   int lines = 0;
   std::uint64_t held_back = 0;
   for (int i = 0; i < 10'000; ++i) {  // a thousand a second
-    lines +=
-        limit.Admit(Kind::kBodyBound, "rig." + std::to_string(i), i * kSecond_ns / 1000, held_back)
-            ? 1
-            : 0;
+    lines += limit.Admit(Kind::kBodyBound, kHere, "rig." + std::to_string(i), i * kSecond_ns / 1000,
+                         held_back)
+                 ? 1
+                 : 0;
   }
   EXPECT_GE(lines, 16);
   EXPECT_LE(lines, 16 + 2 * 10);
 }
 
+TEST(LogLimitTest, InventedNamesHideNobodyOfAnotherMachine) {
+  LogLimit limit;
+  std::uint64_t held_back = 0;
+  for (int i = 0; i < 3000; ++i) {  // a thousand a second
+    (void)limit.Admit(Kind::kBodyRefused, kHere, "rig." + std::to_string(i), i * kSecond_ns / 1000,
+                      held_back);
+  }
+  EXPECT_TRUE(limit.Admit(Kind::kBodyRefused, kElsewhere, "rig.anna", 3 * kSecond_ns, held_back));
+}
+
 TEST(LogLimitTest, WhoWasQuietBeginsAnew) {
   LogLimit limit;
   std::uint64_t held_back = 0;
-  for (int s = 0; s < 100; ++s) (void)limit.Admit(Kind::kCue, "a", s * kSecond_ns, held_back);
-  EXPECT_TRUE(limit.Admit(Kind::kCue, "a", 400 * kSecond_ns, held_back));
-  EXPECT_TRUE(limit.Admit(Kind::kCue, "a", 401 * kSecond_ns, held_back));
+  for (int s = 0; s < 100; ++s)
+    (void)limit.Admit(Kind::kCue, kHere, "a", s * kSecond_ns, held_back);
+  EXPECT_TRUE(limit.Admit(Kind::kCue, kHere, "a", 400 * kSecond_ns, held_back));
+  EXPECT_TRUE(limit.Admit(Kind::kCue, kHere, "a", 401 * kSecond_ns, held_back));
 }
 
 }  // namespace

@@ -110,6 +110,31 @@ TEST(SessionTest, WhatWasLostInASilenceMayBeMuchButNotMoreThanWasEverSent) {
   EXPECT_EQ(session.lost(), 7199U);
 }
 
+// A counter of another habit, 1000 a datagram, is accepted; what it claims to have lost is not.
+TEST(SessionTest, LostIsNeverMoreThanTheRateMakesOfTheTime) {
+  Session session;
+  std::int64_t now_ns = 0;
+  for (std::uint64_t i = 0; i < 600; ++i) {
+    now_ns += 16 * kMs;
+    EXPECT_NE(session.Admit(kHere, 1, i * 1000, now_ns, kRules), Arrival::kFarAhead);
+  }
+  EXPECT_LE(session.lost(), Session::kFarAhead + 600 + 100);
+}
+
+TEST(SessionTest, ASlowSenderIsNotTakenOverBetweenTwoOfItsDatagrams) {
+  Session session;
+  std::int64_t now_ns = 0;
+  for (std::uint64_t i = 0; i < 30; ++i) {
+    EXPECT_NE(session.Admit(kHere, 1, i, now_ns, kRules), Arrival::kSecondSender);
+    if (i > 2) {
+      EXPECT_EQ(session.Admit(kElsewhere, 9, i, now_ns + 300 * kMs, kRules),
+                Arrival::kSecondSender);
+    }
+    now_ns += 333 * kMs;
+  }
+  EXPECT_EQ(session.Admit(kElsewhere, 9, 99, now_ns + 1000 * kMs, kRules), Arrival::kNewSession);
+}
+
 TEST(SessionTest, AKnownSessionIdFromAnotherMachineIsAnotherSender) {
   Session session;
   (void)session.Admit(kHere, 1, 0, 0, kRules);
