@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -51,9 +51,19 @@ std::string NotGltf(std::string_view read) {
   return "found a file that begins with \"" + Shown(read.substr(0, 16)) + "\"";
 }
 
-// The JSON of a file, which may hold images as text; that of a large avatar has 20 MB.
-constexpr std::size_t kMaxJson = std::size_t{256} << 20;
+// The daemon reads avatars on the thread that feeds its watchdog (5 s), so that a file may take a
+// second at most. The JSON may hold images as text: that of a large avatar has 20 MB; reading 64
+// MiB takes about a second.
+constexpr std::size_t kMaxJson = std::size_t{64} << 20;
+constexpr const char* kTooMuchJson = "found more than 64 MiB of JSON, expected less";
+// Values that are kept of it. An avatar of 2000 nodes has 40 000.
+constexpr std::size_t kMaxValues = 1 << 20;
 constexpr std::size_t kMaxNodes = 1 << 16;
+// Buffers, and images: an avatar has up to a hundred. Each costs a look at every folder on its
+// path.
+constexpr std::size_t kMaxUris = 4096;
+constexpr std::ptrdiff_t kMaxParts = 16;   // folders on such a path
+constexpr std::size_t kMaxUriSize = 1024;  // bytes of such a path
 
 // What is read of a file. Lists are empty where the file has none, or none of numbers.
 struct Node {
@@ -93,11 +103,10 @@ class Nodes {
         parent = node;
       }
     }
+    if (const int node = nodes.PutInOrder(model); node >= 0) {
+      return Refuse(node, "is its own ancestor");
+    }
     for (int node = 0; node < count; ++node) {
-      int steps = 0;
-      for (int up = node; up >= 0; up = nodes.parent(up)) {
-        if (++steps > count) return Refuse(node, "is its own ancestor");
-      }
       auto local = Local(model.nodes[static_cast<std::size_t>(node)]);
       if (!local.ok()) return Refuse(node, local.status().message());
       nodes.locals_.push_back(local.value());
@@ -112,12 +121,32 @@ class Nodes {
     for (; node >= 0; node = parent(node)) world = local(node) * world;
     return world;
   }
-  bool IsBelow(int node, int above) const {
-    while (node >= 0 && node != above) node = parent(node);
-    return node == above;
+  // Of each node, whether it is `above` or hangs from it.
+  std::vector<bool> Below(int above) const {
+    std::vector<bool> below(parents_.size(), false);
+    for (const int node : order_) {
+      below[static_cast<std::size_t>(node)] =
+          node == above || (parent(node) >= 0 && below[static_cast<std::size_t>(parent(node))]);
+    }
+    return below;
   }
 
  private:
+  // Parents before their children. Returns the first node that is below no root, -1 for none.
+  int PutInOrder(const Model& model) {
+    std::vector<bool> placed(parents_.size(), false);
+    for (std::size_t node = 0; node < parents_.size(); ++node) {
+      if (parents_[node] < 0) order_.push_back(static_cast<int>(node));
+    }
+    for (std::size_t next = 0; next < order_.size(); ++next) {
+      const auto node = static_cast<std::size_t>(order_[next]);
+      placed[node] = true;
+      const auto& children = model.nodes[node].children;
+      order_.insert(order_.end(), children.begin(), children.end());
+    }
+    const auto lost = std::find(placed.begin(), placed.end(), false);
+    return lost == placed.end() ? -1 : static_cast<int>(lost - placed.begin());
+  }
   static Status Refuse(int node, const std::string& what) {
     return Status::Error("node " + std::to_string(node) + " " + what +
                          ", expected a tree of bones");
@@ -157,6 +186,7 @@ class Nodes {
   }
 
   std::vector<int> parents_;
+  std::vector<int> order_;
   std::vector<Transform> locals_;
 };
 
@@ -261,10 +291,12 @@ Result<Humanoid> ReadNames(const Model& model, const rig::JointNames& given) {
 // The bones below the hips with all that lies between, parents first, children in file order.
 std::vector<int> Gather(const Model& model, const Nodes& nodes, int hips,
                         const std::set<int>& bones) {
+  const std::vector<bool> below = nodes.Below(hips);
   std::set<int> wanted;
   for (const int bone : bones) {
-    if (!nodes.IsBelow(bone, hips)) continue;
-    for (int node = bone; node != hips; node = nodes.parent(node)) wanted.insert(node);
+    if (!below[static_cast<std::size_t>(bone)]) continue;
+    int node = bone;
+    while (node != hips && wanted.insert(node).second) node = nodes.parent(node);
   }
   std::vector<int> order;
   std::vector<int> open{hips};
@@ -367,11 +399,14 @@ std::string Unescaped(std::string_view uri) {
   return text;
 }
 
-// Why a buffer or image of an avatar in `folder` may not be there; empty where it may. None of them
+// Why a buffer or image of an avatar in `home` may not be there; empty where it may. None of them
 // is opened: whoever does so next (a viewer, an exporter) shall not be led astray by a file that
 // was accepted here. Data in the uri itself is no file.
-std::string LeadsOut(const std::string& uri, const std::filesystem::path& folder) {
+std::string LeadsOut(const std::string& uri, const std::filesystem::path& home) {
   if (uri.starts_with("data:")) return "";
+  if (uri.size() > kMaxUriSize) {
+    return "has more than " + std::to_string(kMaxUriSize) + " characters";
+  }
   std::string text = Unescaped(uri);
   std::replace(text.begin(), text.end(), '\\', '/');
   const std::filesystem::path path(text);
@@ -382,9 +417,11 @@ std::string LeadsOut(const std::string& uri, const std::filesystem::path& folder
   for (const auto& part : path) {
     if (part == "..") return "leads out of the avatar's folder";
   }
+  if (std::distance(path.begin(), path.end()) > kMaxParts) {
+    return "lies more than " + std::to_string(kMaxParts) + " folders deep";
+  }
   std::error_code error;
-  const auto home = std::filesystem::weakly_canonical(folder, error);
-  const auto real = std::filesystem::weakly_canonical(folder / path, error);
+  const auto real = std::filesystem::weakly_canonical(home / path, error);
   if (error) return "cannot be followed";
   const auto [end, unused] = std::mismatch(home.begin(), home.end(), real.begin(), real.end());
   if (end != home.end()) return "is a link that leads out of the avatar's folder";
@@ -397,14 +434,21 @@ std::string LeadsOut(const std::string& uri, const std::filesystem::path& folder
 }
 
 Status CheckUris(const json& file, const std::filesystem::path& folder) {
+  std::error_code error;
+  const auto home = std::filesystem::weakly_canonical(folder, error);
+  if (error) return Status::Error("the avatar's folder cannot be followed: " + error.message());
   for (const char* const list : {"buffers", "images"}) {
     const json& entries = Member(file, list);
     if (!entries.is_array()) continue;
+    if (entries.size() > kMaxUris) {
+      return Status::Error("found " + std::to_string(entries.size()) + " " + list +
+                           ", expected at most " + std::to_string(kMaxUris));
+    }
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const json& uri = Member(entries[i], "uri");
       if (!uri.is_string()) continue;
       const auto& text = uri.get_ref<const std::string&>();
-      const std::string wrong = LeadsOut(text, folder);
+      const std::string wrong = LeadsOut(text, home);
       if (wrong.empty()) continue;
       return Status::Error(std::string(list) + "[" + std::to_string(i) + "].uri \"" +
                            Shown(text.substr(0, 64)) + "\" " + wrong +
@@ -466,7 +510,7 @@ Result<std::string> ReadJsonText(const InputFile& file) {
     if (const std::string found = NotGltf(head); !found.empty()) {
       return Broken(found);
     }
-    if (file.size() > kMaxJson) return Status::Error("found more than 256 MiB of JSON");
+    if (file.size() > kMaxJson) return Status::Error(kTooMuchJson);
     return file.Read(0, kMaxJson);
   }
   if (head.size() < kHeader) return Broken("it ends early");
@@ -477,7 +521,7 @@ Result<std::string> ReadJsonText(const InputFile& file) {
     return Broken("its first chunk is no JSON");
   }
   const std::size_t length = Word(head, kHeader);
-  if (length > kMaxJson) return Status::Error("found more than 256 MiB of JSON");
+  if (length > kMaxJson) return Status::Error(kTooMuchJson);
   auto text = file.Read(kHeader + kChunk, length);
   if (text.ok() && text.value().size() < length) {
     return Broken("it ends early");
@@ -485,23 +529,120 @@ Result<std::string> ReadJsonText(const InputFile& file) {
   return text;
 }
 
-// The parts of the JSON that are looked at; discarded where it cannot be read, or is nested deeper
-// than any avatar is.
-json ParseWanted(const std::string& text) {
-  constexpr int kMaxDepth = 64;
-  constexpr std::array<std::string_view, 6> kWanted{"asset", "buffers", "images",
-                                                    "nodes", "skins",   "extensions"};
-  const auto filter = [&kWanted](int depth, json::parse_event_t event, json& value) {
-    if (depth > kMaxDepth) throw std::length_error("depth");
-    if (depth != 1 || event != json::parse_event_t::key) return true;
-    return std::find(kWanted.begin(), kWanted.end(), value.get_ref<const std::string&>()) !=
-           kWanted.end();
-  };
-  try {
-    return json::parse(text, filter, false);
-  } catch (const std::exception&) {
-    return json(json::value_t::discarded);
+// Keeps of a JSON text what is looked at here, in one pass: meshes, accessors, materials and
+// animations are most of a file. The library's own filter, json::parse with a callback, is no
+// choice: it searches the whole list anew after every object in it.
+class Wanted final : public json::json_sax_t {
+ public:
+  explicit Wanted(json& root) : root_(root) {}
+
+  // What there is too much of; empty: nothing.
+  const std::string& refused() const { return refused_; }
+
+  bool null() override { return Add(nullptr); }
+  bool boolean(bool value) override { return Add(value); }
+  bool number_integer(number_integer_t value) override { return Add(value); }
+  bool number_unsigned(number_unsigned_t value) override { return Add(value); }
+  bool number_float(number_float_t value, const string_t&) override { return Add(value); }
+  bool string(string_t& value) override { return Add(std::move(value)); }
+  bool binary(binary_t&) override { return false; }  // in no text
+  bool start_object(std::size_t) override { return Open(json::value_t::object); }
+  bool start_array(std::size_t) override { return Open(json::value_t::array); }
+  bool end_object() override { return Close(); }
+  bool end_array() override { return Close(); }
+  bool key(string_t& name) override {
+    if (skipped_ > 0) return true;
+    skip_next_ = !IsWanted(name);
+    if (!skip_next_) member_ = &(*open_.back())[std::move(name)];
+    return true;
   }
+  bool parse_error(std::size_t, const std::string&, const json::exception&) override {
+    return false;
+  }
+
+ private:
+  static constexpr std::size_t kMaxDepth = 64;  // far more than any avatar's
+
+  template <std::size_t size>
+  static bool IsOneOf(const std::string& name, const std::array<std::string_view, size>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  }
+
+  // Whether the value of a key of the innermost object, which is kept, is looked at.
+  bool IsWanted(const std::string& name) {
+    constexpr std::array<std::string_view, 6> kTop{"asset", "buffers", "images",
+                                                   "nodes", "skins",   "extensions"};
+    constexpr std::array<std::string_view, 9> kOfEntries{"uri",      "name",   "children",
+                                                         "joints",   "matrix", "translation",
+                                                         "rotation", "scale",  "version"};
+    constexpr std::array<std::string_view, 2> kVrm{"VRMC_vrm", "VRM"};
+    if (open_.size() == 1) {
+      of_extensions_ = name == "extensions";
+      return IsOneOf(name, kTop);
+    }
+    if (!of_extensions_) return IsOneOf(name, kOfEntries);
+    if (open_.size() == 2) return IsOneOf(name, kVrm);
+    return open_.size() > 3 || name == "humanoid";
+  }
+
+  // Where a value that begins now is kept; null where it is skipped, or is one too many.
+  json* Place() {
+    if (skipped_ > 0) return nullptr;
+    if (std::exchange(skip_next_, false)) return nullptr;
+    if (++values_ > kMaxValues) {
+      refused_ = "found more than " + std::to_string(kMaxValues) +
+                 " values in its nodes, skins, buffers, images and humanoid, expected an avatar's";
+      return nullptr;
+    }
+    if (open_.empty()) return &root_;
+    if (open_.back()->is_object()) return member_;
+    open_.back()->push_back(nullptr);
+    return &open_.back()->back();
+  }
+
+  template <typename T>
+  bool Add(T&& value) {
+    if (json* const place = Place()) *place = std::forward<T>(value);
+    return refused_.empty();
+  }
+  bool Open(json::value_t kind) {
+    if (open_.size() + skipped_ >= kMaxDepth) return false;
+    json* const place = Place();
+    if (place == nullptr) {
+      ++skipped_;
+      return refused_.empty();
+    }
+    *place = kind;
+    open_.push_back(place);
+    return true;
+  }
+  bool Close() {
+    if (skipped_ > 0) {
+      --skipped_;
+    } else {
+      open_.pop_back();
+    }
+    return true;
+  }
+
+  json& root_;
+  std::vector<json*> open_;     // what is kept and has not ended, outermost first
+  json* member_ = nullptr;      // the value of the last key
+  std::size_t skipped_ = 0;     // depth within a value that is skipped
+  bool skip_next_ = false;      // the last key's value
+  bool of_extensions_ = false;  // the last key of the root
+  std::size_t values_ = 0;      // that are kept
+  std::string refused_;
+};
+
+// The parts of the JSON that are looked at. Refuses what is no JSON, is nested deeper than any
+// avatar is, or has too many values.
+Result<json> ParseWanted(const std::string& text) {
+  json file;
+  Wanted wanted(file);
+  if (json::sax_parse(text, &wanted) && file.is_object()) return file;
+  if (!wanted.refused().empty()) return Status::Error(wanted.refused());
+  return Broken("found JSON that cannot be read");
 }
 
 Status CheckVersion(const json& file) {
@@ -524,8 +665,9 @@ Result<GltfSkeleton> ReadFile(const std::filesystem::path& file, const rig::Join
   };
   const auto text = ReadJsonText(opened.value());
   if (!text.ok()) return refuse(text.status());
-  const json parsed = ParseWanted(text.value());
-  if (!parsed.is_object()) return refuse(Broken("found JSON that cannot be read"));
+  const auto read = ParseWanted(text.value());
+  if (!read.ok()) return refuse(read.status());
+  const json& parsed = read.value();
   if (const Status status = CheckVersion(parsed); !status.ok()) return refuse(status);
   const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
   if (const Status status = CheckUris(parsed, folder); !status.ok()) return refuse(status);

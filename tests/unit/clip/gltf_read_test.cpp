@@ -343,6 +343,80 @@ TEST_F(GltfReadTest, DeeplyNestedJsonIsRefused) {
   }
 }
 
+// Lists of a file, whose entries are all alike.
+std::string Many(const std::string& entry, int count) {
+  std::string text = entry;
+  for (int i = 1; i < count; ++i) text += "," + entry;
+  return "[" + text + "]";
+}
+
+// A daemon reads avatars on the thread that feeds its watchdog. The times are those of a watchdog,
+// not of what is good: work in proportion to the file takes a hundredth of them.
+class GltfWorkTest : public GltfReadTest {
+ protected:
+  // Reads a glTF 2.0 of these members. Refused in time, for this reason; read in time where it is
+  // empty.
+  void Expect(const std::string& members, const std::string& why) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto read = Read(R"({"asset": {"version": "2.0"}, )" + members + "}");
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5)) << why;
+    EXPECT_EQ(read.ok(), why.empty()) << read.status().message();
+    EXPECT_THAT(read.status().message(), HasSubstr(why));
+  }
+};
+
+TEST_F(GltfWorkTest, TooManyEntriesAreRefusedByTheirNumber) {
+  for (const std::string list : {"buffers", "images"}) {
+    Expect("\"" + list + "\": " + Many("{}", 300'000),
+           "avatar.gltf: found 300000 " + list + ", expected at most 4096");
+  }
+  Expect(R"("nodes": )" + Many("{}", 300'000), "found 300000 nodes, expected at most 65536");
+  Expect(R"("skins": )" + Many(R"({"joints": [0]})", 400'000),
+         "found more than 1048576 values in its nodes, skins, buffers, images and humanoid");
+}
+
+TEST_F(GltfWorkTest, ManySmallEntriesTakeWorkInProportion) {
+  for (const std::string list : {"meshes", "animations", "skins"}) {
+    json other = Avatar();
+    if (list == "skins") other.erase("skins");
+    other.erase("asset");
+    const std::string members = other.dump();
+    Expect("\"" + list + "\": " + Many(R"({"a": {}})", 100'000) + "," +
+               members.substr(1, members.size() - 2),
+           "");
+  }
+  // No bone is named, so that all of them are looked through.
+  Expect(R"("nodes": )" + Many(R"({"name": "x", "extras": {}})", 60'000),
+         "no bone named like hips");
+}
+
+TEST_F(GltfWorkTest, AChainOfNodesTakesWorkInProportion) {
+  constexpr int kNodes = 60'000;
+  std::string chain = R"({"name": "hips", "children": [1]})";
+  for (int i = 1; i < kNodes; ++i) {
+    chain += R"(,{"children": [)" + (i + 1 < kNodes ? std::to_string(i + 1) : "") + "]}";
+  }
+  Expect(R"("nodes": [)" + chain + "]", "");
+}
+
+TEST_F(GltfWorkTest, APathOfManyFoldersIsRefused) {
+  std::string deep;
+  for (int i = 0; i < 100; ++i) deep += "./";
+  Expect(R"("buffers": [{"uri": ")" + deep + "a.bin\"}]", "lies more than 16 folders deep");
+  Expect(R"("images": [{"uri": ")" + std::string(5000, 'a') + "\"}]",
+         "has more than 1024 characters, expected a file in the avatar's own folder");
+}
+
+// Of a .glb, whose header says how much JSON there is: the file itself may be small.
+TEST_F(GltfWorkTest, MoreJsonThanAnAvatarHasIsRefused) {
+  std::string binary = "glTF";
+  for (const std::uint32_t word : {2U, 20U, (64U << 20) + 1, 0x4E4F534AU}) {
+    binary.append(reinterpret_cast<const char*>(&word), sizeof word);
+  }
+  EXPECT_THAT(Read(binary, "large.glb").status().message(),
+              HasSubstr("large.glb: found more than 64 MiB of JSON"));
+}
+
 TEST_F(GltfReadTest, DamagedFilesAreReadOrRefused) {
   Random random(3);
   const std::string good = Vrm(true).dump();
