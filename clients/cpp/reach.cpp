@@ -29,6 +29,9 @@ using std::chrono::milliseconds;
 
 constexpr std::string_view kIpc = "ipc://", kTcp = "tcp://";
 
+// Bytes that are heard of a handshake. ZeroMQ's longest has some 600: who says more is no daemon.
+constexpr std::size_t kMaxHeard = 4096;
+
 int Left_ms(Clock::time_point deadline) {
   const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
   return static_cast<int>(std::max<std::int64_t>(0, left.count()));
@@ -73,10 +76,11 @@ class Connection {
     (void)send(fd_->get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
   }
 
-  // False where the other side closes, or says nothing until the deadline.
+  // False where the other side closes, has said far too much, or the deadline is past: poll()
+  // alone would not tell as long as there is more to read.
   bool ReadMore() {
     std::array<char, 1024> bytes{};
-    if (!Wait(POLLIN)) return false;
+    if (TooMuch() || Left_ms(deadline_) == 0 || !Wait(POLLIN)) return false;
     const ssize_t size = recv(fd_->get(), bytes.data(), bytes.size(), 0);
     closed_ = size <= 0;
     if (size > 0) read_.append(bytes.data(), static_cast<std::size_t>(size));
@@ -84,6 +88,7 @@ class Connection {
   }
 
   const std::string& read() const { return read_; }
+  bool TooMuch() const { return read_.size() > kMaxHeard; }
   bool closed() const { return closed_; }
   int fd() const { return fd_->get(); }
 
@@ -173,6 +178,7 @@ Reach OpenHost(const std::string& host_and_port, Connection& connection) {
 // How the other side greets (rfc.zeromq.org/spec/23, ZMTP 3): 10 bytes of signature, the version,
 // 20 of the mechanism's name. It says so as soon as it knows our version.
 constexpr std::string_view kSignature("\xFF\0\0\0\0\0\0\0\x01\x7F\x03\0", 12);
+constexpr char kNotZmtp[] = "what listens there does not speak ZeroMQ";
 constexpr std::size_t kMechanismAt = 12, kMechanismSize = 20, kGreeting = 64;
 
 // What is left of our greeting with the mechanism NULL.
@@ -204,7 +210,7 @@ std::size_t Relay(int from, int to) {
   std::array<char, 4096> bytes{};
   const ssize_t size = recv(from, bytes.data(), bytes.size(), 0);
   if (size <= 0) return 0;
-  (void)send(to, bytes.data(), static_cast<std::size_t>(size), MSG_NOSIGNAL);
+  (void)send(to, bytes.data(), static_cast<std::size_t>(size), MSG_NOSIGNAL | MSG_DONTWAIT);
   return static_cast<std::size_t>(size);
 }
 
@@ -265,13 +271,15 @@ Shake TryKeys(const std::string& endpoint, zmq::socket_type type, const Curve& c
   std::array<zmq::pollitem_t, 3> items{zmq::pollitem_t{monitor.handle(), 0, ZMQ_POLLIN, 0},
                                        zmq::pollitem_t{nullptr, near.get(), ZMQ_POLLIN, 0},
                                        zmq::pollitem_t{nullptr, far.fd(), ZMQ_POLLIN, 0}};
-  while (!closed && zmq::poll(items.data(), items.size(), milliseconds(Left_ms(deadline))) > 0) {
+  while (!closed && Left_ms(deadline) > 0 &&
+         zmq::poll(items.data(), items.size(), milliseconds(Left_ms(deadline))) > 0) {
     if (items[0].revents != 0) return Shake::kDone;
     if (items[1].revents != 0) closed = Relay(near.get(), far.fd()) == 0;
     if (items[2].revents == 0) continue;
     const std::size_t size = Relay(far.fd(), near.get());
     closed = closed || size == 0;
     heard += size;
+    if (heard > kMaxHeard) return Shake::kNothing;
   }
   if (heard > kGreeting) return Shake::kWelcomed;
   return closed ? Shake::kRefused : Shake::kNothing;
@@ -320,7 +328,7 @@ Reach Greet(const std::string& endpoint, Peer peer, const std::optional<Curve>& 
     return {Obstacle::kNotZeroMq,
             read.empty() && !connection.closed()
                 ? "what listens there says nothing: it does not speak ZeroMQ, or hangs"
-                : "what listens there does not speak ZeroMQ"};
+                : kNotZmtp};
   }
   const std::string_view mechanism(read.data() + kMechanismAt, kMechanismSize);
   const bool asks = mechanism.starts_with("CURVE");
@@ -334,6 +342,7 @@ Reach Greet(const std::string& endpoint, Peer peer, const std::optional<Curve>& 
   const auto rest = [&read] { return std::string_view(read).substr(kGreeting); };
   while ((type = SocketType(rest())).empty() && connection.ReadMore()) {
   }
+  if (connection.TooMuch()) return {Obstacle::kNotZeroMq, kNotZmtp};
   const bool right = peer == Peer::kControl ? type == "ROUTER" : type == "XPUB" || type == "PUB";
   if (right || type.empty()) return {};
   return {Obstacle::kOtherSocket,

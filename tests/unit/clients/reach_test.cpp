@@ -9,9 +9,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <fstream>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 #include <zmq.hpp>
 
 #include "clients/cpp/control.h"
@@ -109,6 +112,96 @@ TEST_F(ReachTest, APortWhereSomethingElseListens) {
   EXPECT_EQ(At("tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port)), {}, 300ms),
             Obstacle::kNotZeroMq);
   close(fd);
+}
+
+// A program at a port that says `first` to each client, and then the same byte without end.
+class Flood {
+ public:
+  explicit Flood(std::string first, char byte)
+      : first_(std::move(first)), more_(65536, byte), fd_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(fd_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(listen(fd_, 8), 0);
+    getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size);
+    endpoint_ = "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+    thread_ = std::thread([this] { Run(); });
+  }
+  ~Flood() {
+    done_ = true;
+    shutdown(fd_, SHUT_RDWR);  // ends accept()
+    thread_.join();
+    close(fd_);
+    for (std::thread& talk : talks_) talk.join();
+  }
+  const std::string& endpoint() const { return endpoint_; }
+
+ private:
+  void Run() {
+    while (!done_) {
+      const int client = accept(fd_, nullptr, nullptr);
+      if (client < 0) return;
+      talks_.emplace_back([this, client] { Talk(client); });
+    }
+  }
+  void Talk(int client) {
+    // Ends after this long in any case: so a client that reads for ever fails its test.
+    const auto end = std::chrono::steady_clock::now() + kLongest;
+    const timeval wait{0, 100'000};
+    setsockopt(client, SOL_SOCKET, SO_SNDTIMEO, &wait, sizeof wait);
+    (void)send(client, first_.data(), first_.size(), MSG_NOSIGNAL);
+    while (!done_ && std::chrono::steady_clock::now() < end) {
+      if (send(client, more_.data(), more_.size(), MSG_NOSIGNAL) < 0 && errno != EAGAIN) break;
+    }
+    close(client);
+  }
+
+ public:
+  static constexpr auto kLongest = 10s;
+
+ private:
+  std::string first_, more_, endpoint_;
+  int fd_;
+  std::atomic<bool> done_ = false;
+  std::thread thread_;
+  std::vector<std::thread> talks_;
+};
+
+std::string Greeting(const std::string& mechanism) {
+  std::string greeting("\xFF\0\0\0\0\0\0\0\x01\x7F\x03\0", 12);
+  greeting += mechanism;
+  greeting.resize(64, '\0');
+  return greeting;
+}
+
+// They were read for ever, the deadline unasked: there was always more.
+TEST_F(ReachTest, WhoNeverStopsTalkingIsNoDaemon) {
+  const Pair server;
+  const Curve curve{server.public_key, "", ""};
+  for (const auto& [first, byte] : std::vector<std::pair<std::string, char>>{
+           {"", '\xFF'}, {"", 'x'}, {Greeting("NULL"), '\xFF'}, {Greeting("NULL"), '\0'}}) {
+    const Flood flood(first, byte);
+    const auto start = std::chrono::steady_clock::now();
+    const Reach reach = Examine(flood.endpoint(), Peer::kControl, {}, kPatience);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, Flood::kLongest - 1s);
+    EXPECT_EQ(reach.obstacle, Obstacle::kNotZeroMq) << reach.text;
+    EXPECT_THAT(reach.text, HasSubstr("does not speak ZeroMQ"));
+  }
+  const Flood flood(Greeting("CURVE"), '\0');
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(At(flood.endpoint(), curve), Obstacle::kNotZeroMq);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, Flood::kLongest - 1s);
+}
+
+TEST_F(ReachTest, ACallToWhoNeverStopsTalkingEnds) {
+  const Flood flood("", '\xFF');
+  const auto control = Control::Connect({.endpoint = flood.endpoint(), .timeout = 100ms});
+  ASSERT_TRUE(control.ok());
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(control.value()->Panic().obstacle(), Obstacle::kNotZeroMq);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, Flood::kLongest - 1s);
 }
 
 TEST_F(ReachTest, PathsThatAreMissingNoSocketOrLeftBehind) {
