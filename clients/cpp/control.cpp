@@ -65,6 +65,9 @@ Result<std::unique_ptr<Control>> Control::Connect(const ControlOptions& options)
     return styled::Status::Error("control: timeout is " + std::to_string(options.timeout.count()) +
                                  " ms, expected 1 or more");
   }
+  if (const auto checked = CheckEndpoint(options.endpoint); !checked.ok()) {
+    return styled::Status::Error("control: " + checked.message());
+  }
   auto impl = std::make_unique<Impl>();
   impl->options = options;
   if (options.curve) {

@@ -21,6 +21,12 @@ std::string Advice(Obstacle obstacle, Peer peer) {
   switch (obstacle) {
     case Obstacle::kNone:
       return "";
+    case Obstacle::kBadEndpoint:
+      return "an endpoint is tcp://HOST:PORT or ipc://PATH, e.g. the daemon's " + section +
+             ".address";
+    case Obstacle::kNoEntry:
+      return "root adds a user to a group: usermod -aG GROUP USER; it counts from their next login "
+             "on";
     case Obstacle::kAsksForKeys:
       return "it wants --key and --server-key (STYLED_KEY, STYLED_SERVER_KEY); stylectl keygen "
              "makes the first, server.pub in the daemon's folder of keys is the second";

@@ -1,6 +1,7 @@
 #include "clients/cpp/reach.h"
 
 #include <fcntl.h>
+#include <grp.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -114,14 +116,50 @@ std::string UserName(uid_t user) {
   return found == nullptr ? "user " + std::to_string(user) : std::string(found->pw_name);
 }
 
-Reach Forbidden(const std::string& path, const struct stat* about) {
-  std::string text = UserName(geteuid()) + " may not connect to " + path;
-  if (about != nullptr) {
-    std::array<char, 8> mode{};
-    std::snprintf(mode.data(), mode.size(), "%04o", about->st_mode & 07777U);
-    text += ", which belongs to " + UserName(about->st_uid) + ", mode " + mode.data();
+// Who we are, as the subject of a sentence.
+std::string OurUser() {
+  const std::string name = UserName(geteuid());
+  return name.starts_with("user ") ? name : "user " + name;
+}
+
+std::string GroupName(gid_t id) {
+  group entry{};
+  group* found = nullptr;
+  std::array<char, 4096> buffer{};
+  getgrgid_r(id, &entry, buffer.data(), buffer.size(), &found);
+  return found == nullptr ? std::to_string(id) : std::string(found->gr_name);
+}
+
+std::string ModeText(const struct stat& about) {
+  std::array<char, 8> mode{};
+  std::snprintf(mode.data(), mode.size(), "%04o", about.st_mode & 07777U);
+  return mode.data();
+}
+
+Reach Forbidden(const std::string& path, const struct stat& about) {
+  return {Obstacle::kForbidden, OurUser() + " may not connect to " + path + ", which belongs to " +
+                                    UserName(about.st_uid) + ", mode " + ModeText(about) +
+                                    Because(EACCES)};
+}
+
+// The first folder on the way to `path` that keeps us out.
+Reach NoEntry(const std::string& path) {
+  for (std::size_t slash = path.find('/', 1); slash != std::string::npos;
+       slash = path.find('/', slash + 1)) {
+    const std::string folder = path.substr(0, slash);
+    struct stat about {};
+    if (faccessat(AT_FDCWD, folder.c_str(), X_OK, AT_EACCESS) == 0 ||
+        stat(folder.c_str(), &about) != 0) {
+      continue;
+    }
+    std::string text = OurUser() + " may not enter " + folder + " (" + ModeText(about);
+    // The group's right helps only who may join it.
+    text += (about.st_mode & S_IXGRP) != 0
+                ? ", group " + GroupName(about.st_gid) + "): join that group"
+                : ", owner " + UserName(about.st_uid) + "): only its owner may";
+    return {Obstacle::kNoEntry, text};
   }
-  return {Obstacle::kForbidden, text + Because(EACCES)};
+  return {Obstacle::kNoEntry, OurUser() + " may not enter the folder of " + path + Because(EACCES)};
 }
 
 // Connects to an ipc path, or says why not.
@@ -133,7 +171,7 @@ Reach OpenPath(const std::string& path, Connection& connection) {
   }
   struct stat about {};
   if (stat(path.c_str(), &about) != 0) {
-    if (errno == EACCES) return Forbidden(path, nullptr);
+    if (errno == EACCES) return NoEntry(path);
     return {Obstacle::kNoFile, "there is no " + path + Because(errno)};
   }
   if (!S_ISSOCK(about.st_mode)) return {Obstacle::kNoSocket, path + " is no socket"};
@@ -141,7 +179,7 @@ Reach OpenPath(const std::string& path, Connection& connection) {
   const int error =
       connection.Connect(AF_UNIX, reinterpret_cast<const sockaddr*>(&address), sizeof address);
   if (error == 0) return {};
-  if (error == EACCES || error == EPERM) return Forbidden(path, &about);
+  if (error == EACCES || error == EPERM) return Forbidden(path, about);
   if (error == ECONNREFUSED) {
     return {Obstacle::kLeftBehind, path + " was left behind by a program that is gone"};
   }
@@ -150,8 +188,7 @@ Reach OpenPath(const std::string& path, Connection& connection) {
 
 // The same for HOST:PORT.
 Reach OpenHost(const std::string& host_and_port, Connection& connection) {
-  const std::size_t colon = host_and_port.rfind(':');
-  if (colon == std::string::npos) return {Obstacle::kNobody, "nobody listens there"};
+  const std::size_t colon = host_and_port.rfind(':');  // CheckEndpoint has seen it
   std::string host = host_and_port.substr(0, colon);
   addrinfo wanted{}, *found = nullptr;
   wanted.ai_family = AF_INET;  // as ZeroMQ connects
@@ -285,6 +322,9 @@ Shake TryKeys(const std::string& endpoint, zmq::socket_type type, const Curve& c
   return closed ? Shake::kRefused : Shake::kNothing;
 }
 
+// "an XPUB socket", as it is spoken.
+std::string Article(const std::string& type) { return type.starts_with('X') ? "an " : "a "; }
+
 std::string Name(Peer peer) { return peer == Peer::kControl ? "control socket" : "publisher"; }
 
 // With CURVE on both sides.
@@ -345,8 +385,8 @@ Reach Greet(const std::string& endpoint, Peer peer, const std::optional<Curve>& 
   if (connection.TooMuch()) return {Obstacle::kNotZeroMq, kNotZmtp};
   const bool right = peer == Peer::kControl ? type == "ROUTER" : type == "XPUB" || type == "PUB";
   if (right || type.empty()) return {};
-  return {Obstacle::kOtherSocket,
-          "what listens there is a " + type + " socket of ZeroMQ, not the daemon's " + Name(peer)};
+  return {Obstacle::kOtherSocket, "what listens there is " + Article(type) + type +
+                                      " socket of ZeroMQ, not the daemon's " + Name(peer)};
 }
 
 }  // namespace
@@ -370,8 +410,32 @@ void Lookout::Rest() {
   next_ = Clock::now() + kPatience;
 }
 
+Status CheckEndpoint(const std::string& endpoint) {
+  if (!endpoint.starts_with(kTcp)) return Status::Ok();
+  const auto wrong = [&endpoint](const std::string& what) {
+    return Status::Error("'" + endpoint + "': " + what);
+  };
+  // ZeroMQ's tcp://OWN_HOST:OWN_PORT;HOST:PORT says where to connect from, too.
+  std::string text = endpoint.substr(kTcp.size());
+  text.erase(0, text.rfind(';') + 1);  // npos + 1 is 0
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == text.size()) {
+    return wrong("expected tcp://HOST:PORT");
+  }
+  const std::string port = text.substr(colon + 1);
+  int number = 0;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
+  if (error != std::errc() || end != port.data() + port.size() || number < 1 || number > 65535) {
+    return wrong("port " + port + ": expected 1 to 65535");
+  }
+  return Status::Ok();
+}
+
 Reach Examine(const std::string& endpoint, Peer peer, const std::optional<Curve>& curve,
               milliseconds timeout) {
+  if (const Status status = CheckEndpoint(endpoint); !status.ok()) {
+    return {Obstacle::kBadEndpoint, status.message()};
+  }
   const auto deadline = Clock::now() + timeout;
   std::optional<Curve> complete;
   if (curve) {

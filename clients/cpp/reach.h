@@ -6,6 +6,7 @@
 #include <string>
 
 #include "clients/cpp/curve.h"
+#include "model/base/status.h"
 
 namespace styled::client {
 
@@ -15,13 +16,15 @@ enum class Peer { kControl, kPublisher };
 // What stands between a client and a daemon's socket.
 enum class Obstacle {
   kNone,         // the handshake works: the daemon is there
+  kBadEndpoint,  // the endpoint's text is wrong
   kUnknownHost,  // no such name
   kUnreachable,  // no route, or no answer from that machine at all
   kNobody,       // the machine answers, nobody listens at that port
   kNoFile,       // ipc: no such file
   kNoSocket,     // ipc: the file is no socket
   kLeftBehind,   // ipc: a socket whose program is gone
-  kForbidden,    // ipc: the file's mode, or its folder's, keeps this user out
+  kForbidden,    // ipc: the file's mode keeps this user out
+  kNoEntry,      // ipc: a folder on the way to it keeps this user out
   kTurnedAway,   // connected, and closed during the handshake
   kAsksForKeys,  // it wants CURVE, and no keys were given
   kAsksForNone,  // keys were given, and it knows no CURVE
@@ -35,6 +38,11 @@ struct Reach {
   Obstacle obstacle = Obstacle::kNone;
   std::string text;  // for people: "nobody listens there (Connection refused)"; "" for kNone
 };
+
+// Whether `endpoint` can be connected to at all, as far as its text tells: a tcp:// endpoint needs
+// a host and a port. ZeroMQ takes "127.0.0.1:99999" and "127.0.0.1:22002x" for other ports, and
+// silently. Of other transports ZeroMQ is the judge. Any thread.
+Status CheckEndpoint(const std::string& endpoint);
 
 // Finds out by connecting once more, after nothing came: takes at most `timeout`, mostly
 // milliseconds. Names no option of a program: clients/cpp/key_options.h does. Any thread; blocks.

@@ -8,6 +8,7 @@
 #include <utility>
 #include <zmq.hpp>
 
+#include "clients/cpp/reach.h"
 #include "clients/cpp/transforms.h"
 
 namespace styled::client {
@@ -332,6 +333,11 @@ Subscriber::~Subscriber() = default;
 
 Result<std::unique_ptr<Subscriber>> Subscriber::Connect(const SubscriberOptions& options) {
   if (options.endpoints.empty()) return Status::Error("subscriber: no endpoint given");
+  for (const std::string& endpoint : options.endpoints) {
+    if (const Status checked = CheckEndpoint(endpoint); !checked.ok()) {
+      return Status::Error("subscriber: " + checked.message());
+    }
+  }
   if (options.queue_messages < 1) {
     return Status::Error("subscriber: queue_messages is " + std::to_string(options.queue_messages) +
                          ", expected 1 or more");

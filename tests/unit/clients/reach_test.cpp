@@ -10,6 +10,7 @@
 
 #include <array>
 #include <atomic>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -19,6 +20,7 @@
 
 #include "clients/cpp/control.h"
 #include "clients/cpp/key_options.h"
+#include "clients/cpp/subscriber.h"
 #include "tests/support/temporary_folder.h"
 
 namespace styled::client {
@@ -96,7 +98,9 @@ TEST_F(ReachTest, KeysThatAreMissingNeedlessOrWrong) {
 }
 
 TEST_F(ReachTest, APortWhereSomethingElseListens) {
-  EXPECT_EQ(At(Bind(zmq::socket_type::xpub)), Obstacle::kOtherSocket);
+  const Reach publisher = Examine(Bind(zmq::socket_type::xpub), Peer::kControl, {}, kPatience);
+  EXPECT_EQ(publisher.obstacle, Obstacle::kOtherSocket);
+  EXPECT_THAT(publisher.text, HasSubstr("is an XPUB socket of ZeroMQ, not the daemon's control"));
   const Reach reach = Examine(Bind(zmq::socket_type::router), Peer::kPublisher, {}, kPatience);
   EXPECT_EQ(reach.obstacle, Obstacle::kOtherSocket);
   EXPECT_THAT(reach.text, HasSubstr("a ROUTER socket of ZeroMQ, not the daemon's publisher"));
@@ -233,8 +237,57 @@ TEST_F(ReachTest, APathWithoutPermissionSaysWhoseItIs) {
   const Reach reach = Examine(endpoint, Peer::kControl, {}, kPatience);
   ASSERT_EQ(seteuid(0), 0);
   EXPECT_EQ(reach.obstacle, Obstacle::kForbidden);
-  EXPECT_THAT(reach.text, HasSubstr("may not connect to " + path +
+  EXPECT_THAT(reach.text, HasSubstr("user nobody may not connect to " + path +
                                     ", which belongs to root, mode 0600 (Permission denied)"));
+}
+
+// As where the packaged unit's RuntimeDirectoryMode is 0750: the socket's own mode says nothing.
+TEST_F(ReachTest, AFolderWithoutPermissionIsToldAsOne) {
+  if (geteuid() != 0) GTEST_SKIP() << "skipped, only root can be somebody else";
+  const std::string home = folder_ / "run", path = home + "/control";
+  ASSERT_EQ(chmod(folder_.path().c_str(), 0755), 0);
+  for (const auto& [mode, why] : std::vector<std::pair<mode_t, std::string>>{
+           {0750, " (0750, group root): join that group"},
+           {0700, " (0700, owner root): only its owner may"}}) {
+    std::filesystem::create_directory(home);
+    const std::string endpoint = Bind(zmq::socket_type::router, nullptr, "ipc://" + path);
+    ASSERT_EQ(chmod(home.c_str(), mode), 0);
+    ASSERT_EQ(setegid(65534), 0);
+    ASSERT_EQ(seteuid(65534), 0);
+    const Reach reach = Examine(endpoint, Peer::kControl, {}, kPatience);
+    ASSERT_EQ(seteuid(0), 0);
+    ASSERT_EQ(setegid(0), 0);
+    EXPECT_EQ(reach.text, "user nobody may not enter " + home + why);
+    EXPECT_THAT(Advice(reach.obstacle, Peer::kControl), testing::Not(HasSubstr("ipc_mode")));
+  }
+}
+
+TEST_F(ReachTest, AnEndpointThatCannotBeIsRefused) {
+  for (const auto& [endpoint, why] : std::vector<std::pair<std::string, std::string>>{
+           {"tcp://127.0.0.1:99999", "port 99999: expected 1 to 65535"},
+           {"tcp://127.0.0.1:7000000000000", "port 7000000000000: expected 1 to 65535"},
+           {"tcp://127.0.0.1:22002x", "port 22002x: expected 1 to 65535"},
+           {"tcp://127.0.0.1:0", "port 0: expected 1 to 65535"},
+           {"tcp://[::1]:-1", "port -1: expected 1 to 65535"},
+           {"tcp://127.0.0.1:", "expected tcp://HOST:PORT"},
+           {"tcp://:22002", "expected tcp://HOST:PORT"},
+           {"tcp://", "expected tcp://HOST:PORT"},
+           {"tcp://localhost", "expected tcp://HOST:PORT"}}) {
+    const std::string whole = "'" + endpoint + "': " + why;
+    EXPECT_EQ(Examine(endpoint, Peer::kControl, {}, 100ms).text, whole);
+    const auto control = Control::Connect({.endpoint = endpoint});
+    EXPECT_FALSE(control.ok()) << endpoint;
+    EXPECT_EQ(control.status().message(), "control: " + whole);
+    SubscriberOptions options;
+    options.endpoints = {endpoint};
+    const auto subscriber = Subscriber::Connect(options);
+    EXPECT_FALSE(subscriber.ok()) << endpoint;
+    EXPECT_EQ(subscriber.status().message(), "subscriber: " + whole);
+  }
+  for (const char* good : {"tcp://127.0.0.1:1", "tcp://[::1]:65535", "tcp://a.example:22002",
+                           "tcp://127.0.0.1:0;127.0.0.1:22002", "ipc:///a:b", "inproc://a"}) {
+    EXPECT_TRUE(CheckEndpoint(good).ok()) << good;
+  }
 }
 
 TEST_F(ReachTest, TheControlClientSaysWhy) {
