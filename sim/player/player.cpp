@@ -11,8 +11,10 @@
 namespace styled::player {
 namespace {
 
-// A receiver that is started after us, or anew, refuses a few.
+// A receiver that is started after us, or anew, refuses a few. Some rigs send once a second until
+// somebody answers: of those, a second refusal so much later tells the same.
 constexpr std::uint64_t kRefusals = 3;
+constexpr std::int64_t kRefusedFor_ns = 500'000'000;
 
 }  // namespace
 
@@ -20,9 +22,13 @@ Player::Player(PlayerOptions options, std::vector<std::unique_ptr<Sender>> sende
     : options_(std::move(options)), senders_(std::move(senders)) {}
 
 // What the link knows of the receiver.
-void Player::Listen(Link& link) {
-  counts_.refused = link.refused();
-  if (told_ || counts_.refused < kRefusals) return;
+void Player::Listen(Link& link, std::int64_t now_ns) {
+  const bool first = counts_.refused == 0;
+  const std::uint64_t more = link.refused() - counts_.refused;
+  counts_.refused += more;
+  if (told_ || more == 0) return;
+  if (first) first_refusal_ns_ = now_ns;
+  if (counts_.refused < kRefusals && now_ns - first_refusal_ns_ < kRefusedFor_ns) return;
   told_ = true;
   if (options_.on_refused) options_.on_refused();
 }
@@ -64,13 +70,13 @@ Status Player::Run(Clock& clock, Link& link, const std::atomic<bool>& stop) {
     counts_.ticks = std::max(counts_.ticks, next.tick + 1);
     const Sender::Step step = senders_[next.sender]->Tick(link);
     if (step == Sender::Step::kError) return senders_[next.sender]->error();
-    Listen(link);
+    Listen(link, clock.Now_ns());
     if (step != Sender::Step::kEnd) plan(next.sender, next.tick + 1, next.due_ns);
   }
   for (const auto& sender : senders_) {
     if (Status status = sender->Flush(link); !status.ok()) return status;
   }
-  Listen(link);
+  Listen(link, clock.Now_ns());
   counts_.wall_ns = clock.Now_ns() - start_ns;
   return Status::Ok();
 }

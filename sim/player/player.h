@@ -47,8 +47,9 @@ class Player {
   std::vector<std::unique_ptr<Sender>> senders_;
   PlayerCounts counts_;
   bool told_ = false;  // on_refused was called
+  std::int64_t first_refusal_ns_ = 0;
 
-  void Listen(Link& link);
+  void Listen(Link& link, std::int64_t now_ns);
 };
 
 // "performers=1 frames=2400 bodies=20 datagrams=2420 bytes=... sessions=1 seconds=20.00

@@ -68,6 +68,35 @@ TEST(Player, ThatNobodyListensIsToldOnceAndCounted) {
             std::string::npos);
 }
 
+// As of a rig that seeks its server once a second.
+TEST(Player, ThatNobodyListensIsToldOfASenderThatSendsSeldom) {
+  class Link final : public player::Link {
+   public:
+    Link(FakeClock& clock, std::uint64_t most)
+        : clock_(clock), start_ns_(clock.now_ns), most_(most) {}
+    Status Send(std::span<const std::byte>) override { return Status::Ok(); }
+    std::uint64_t refused() override {
+      const auto seconds = static_cast<std::uint64_t>((clock_.now_ns - start_ns_) / 1'000'000'000);
+      return std::min(most_, 1 + seconds);
+    }
+
+   private:
+    FakeClock& clock_;
+    std::int64_t start_ns_;
+    std::uint64_t most_;
+  };
+  for (const int refusals : {1, 2}) {
+    FakeClock clock;
+    Link link(clock, static_cast<std::uint64_t>(refusals));
+    int told = 0;
+    Player player({120, 2, [&told] { ++told; }}, Streams(1, 1000, 120));
+    const std::atomic<bool> stop{false};
+    ASSERT_TRUE(player.Run(clock, link, stop).ok());
+    EXPECT_EQ(told, refusals == 1 ? 0 : 1) << "one alone may be of a receiver that starts";
+    EXPECT_EQ(player.counts().refused, static_cast<std::uint64_t>(refusals));
+  }
+}
+
 TEST(Player, CatchesUpAfterADelayAndSkipsNothing) {
   FakeClock clock;
   clock.cost_ns = 5'000'000;  // each look at the clock: at 120 Hz more than a period per tick
