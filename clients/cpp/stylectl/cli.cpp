@@ -19,6 +19,7 @@
 #include "clients/cpp/stylectl/suggest.h"
 #include "clients/cpp/subscriber.h"
 #include "model/base/text.h"
+#include "model/tools/number.h"
 #include "proto/styled/body_parts.h"
 
 namespace styled::stylectl {
@@ -165,7 +166,7 @@ void Program::Declare() {
       ->envname("STYLED_SECURITY_KEYS")
       ->capture_default_str();
   app_.add_option("--timeout", arguments_.timeout_s, "seconds to wait for an answer")
-      ->check(CLI::Range(0.01, 600.0))
+      ->check(Number(0.01, 600.0))
       ->capture_default_str();
   app_.add_flag("--json", arguments_.json, "one JSON object on standard output");
   app_.footer(
@@ -181,7 +182,7 @@ void Program::Declare() {
                    "again every so many seconds (1 where none are said), until Ctrl-C")
       ->expected(0, 1)
       ->default_str("1")
-      ->check(CLI::Range(0.1, 3600.0));
+      ->check(Number(0.1, 3600.0));
   status->add_flag("--all", arguments_.all_counters, "counters that are 0, too");
   DeclareSet();
   PerformerOf(Command("clear", "fade to bypass, the performer as captured"), false);
@@ -191,7 +192,7 @@ void Program::Declare() {
                      "SOURCE.NAME, or '*'; left out: everyone");
   preset->add_option("NAME", arguments_.preset_words[1], "of the preset, as shown by list");
   preset->add_option("--transition", arguments_.transition_ms, "fade, ms")
-      ->check(CLI::Range(0.0, 60000.0));
+      ->check(Number(0.0, 60000.0));
   Command("cue", "fire the cues of that name, of the daemon's configuration")
       ->add_option("NAME", arguments_.cue, "as shown by list")
       ->required();
@@ -214,10 +215,9 @@ void Program::DeclareSet() {
       ->check([](const std::string& text) {
         return ParseWeight(text) ? std::string() : "'" + text + "' is not STYLE=WEIGHT";
       });
-  set->add_option("--strength", arguments_.strength, "0 (bypass) to 1.5")
-      ->check(CLI::Range(0.0, 1.5));
+  set->add_option("--strength", arguments_.strength, "0 (bypass) to 1.5")->check(Number(0.0, 1.5));
   set->add_option("--transition", arguments_.transition_ms, "fade, ms; of later changes, too")
-      ->check(CLI::Range(0.0, 60000.0));
+      ->check(Number(0.0, 60000.0));
   CLI::Option* absolute =
       set->add_flag("--absolute", arguments_.absolute, "the network's pose as it is");
   set->add_flag("--detail", arguments_.detail, "keep the performer's own detail (default)")
@@ -255,7 +255,7 @@ void Program::DeclareDoctor() {
   doctor->add_option("--config", options.config, "the daemon's styled.toml");
   doctor->add_option("--source", options.source, "look at this source alone");
   doctor->add_option("--seconds", options.seconds, "how long to listen")
-      ->check(CLI::Range(0.2, 60.0))
+      ->check(Number(0.2, 60.0))
       ->capture_default_str();
   doctor->add_option("--listen", options.listen, "TYPE=HOST:PORT: look there, too")
       ->allow_extra_args(false);
@@ -342,7 +342,6 @@ int Program::Run(std::vector<std::string> arguments) {
   auto curve = client::ReadKeys(arguments_.keys);
   if (!curve.ok()) return Usage(curve.status().message());
   arguments_.control.curve = std::move(curve.value());
-  if (std::isnan(arguments_.timeout_s)) return Usage("--timeout: nan; expected 0.01 to 600");
   arguments_.control.timeout =
       std::chrono::milliseconds(static_cast<int>(arguments_.timeout_s * 1000.0));
   auto control = client::Control::Connect(arguments_.control);
@@ -568,11 +567,17 @@ std::string Program::NoteUnseen() {
   v1::StatusReply status;
   if (wanted == client::kEveryone || !control_->Status(&status).ok()) return "";
   std::vector<std::string> names;
+  bool listed = false;
   for (const auto& performer : status.stats().performers()) {
     if (performer.performer() == wanted && performer.sequence() > 0) return "";
     if (performer.performer() != wanted) names.push_back(performer.performer());
+    listed = listed || performer.performer() == wanted;
   }
-  std::string note = wanted + " has not been seen yet and is configured ahead";
+  // Bypass is what a performer comes with: the daemon keeps nothing then.
+  std::string note =
+      wanted + (app_.got_subcommand("clear") && !listed
+                    ? " has not been seen yet; what was configured ahead is forgotten"
+                    : " has not been seen yet and is configured ahead");
   if (const std::string near = Nearest(wanted, names); !near.empty()) {
     note += "; did you mean " + near + "?";
   } else if (!names.empty() && names.size() <= 8) {

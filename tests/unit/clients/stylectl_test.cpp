@@ -120,6 +120,31 @@ TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
   EXPECT_TRUE(Says("source.zero"));
 }
 
+TEST_F(StylectlTest, RangesAreSaidAsTheyAreWritten) {
+  for (const char* wrong : {"2", "abc", "nan"}) {
+    EXPECT_EQ(Run({"set", "*", "--strength", wrong}), kExitUsage);
+    EXPECT_TRUE(
+        Complains("--strength: '" + std::string(wrong) + "': expected a number from 0 to 1.5"))
+        << err_.str();
+  }
+  EXPECT_EQ(Run({"--timeout", "nan", "status"}), kExitUsage);
+  EXPECT_TRUE(Complains("expected a number from 0.01 to 600")) << err_.str();
+  EXPECT_EQ(Run({"preset", "scene", "--transition", "-1"}), kExitUsage);
+  EXPECT_TRUE(Complains("expected a number from 0 to 60000")) << err_.str();
+}
+
+TEST_F(StylectlTest, WhoIsClearedBeforeTheyComeIsForgotten) {
+  EXPECT_EQ(Run({"clear", "suit.max"}), kExitOk);
+  EXPECT_TRUE(
+      Complains("note: suit.max has not been seen yet; what was configured ahead is "
+                "forgotten (here: rig.anna, cam.zed)"))
+      << err_.str();
+  EXPECT_EQ(Run({"set", "suit.max", "--style", "old"}), kExitOk);
+  EXPECT_TRUE(Complains("note: suit.max has not been seen yet and is configured ahead"));
+  EXPECT_EQ(Run({"clear", "cam.zed"}), kExitOk) << "the daemon has a place for them still";
+  EXPECT_TRUE(Complains("note: cam.zed has not been seen yet and is configured ahead"));
+}
+
 TEST_F(StylectlTest, StatusKnowsTheSourcesThatNothingCameTo) {
   EXPECT_EQ(Run({"status"}), kExitOk);
   EXPECT_TRUE(Says("vmc: listening at 0.0.0.0:39539 (vmc), nothing received yet\n")) << out_.str();
