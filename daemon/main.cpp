@@ -52,6 +52,13 @@ int Parse(int argc, char** argv, Arguments& arguments) {
     const int code = app.exit(error);
     return code == 0 ? 0 : kBadArguments;
   }
+  // As a shell makes it of a variable that is not set. Without a file it would be another command.
+  for (const char* const name : {"--config", "--check-config", "--replay", "--replay-to"}) {
+    const CLI::Option* const option = app.get_option(name);
+    if (option->count() == 0 || !option->as<std::string>().empty()) continue;
+    std::cerr << "styled: " << name << ": found an empty name, expected a file\n";
+    return kBadArguments;
+  }
   return -1;
 }
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstring>
 
 #include "proto/ipc/path.h"
 
@@ -15,7 +16,10 @@ namespace styled::runtime {
 Status ZmqSocket::LockPath(const std::string& path, const std::string& place) {
   const std::string file = path + ".lock";
   lock_ = Descriptor(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (lock_.get() < 0) return Status::Error(place + "cannot write its lock file " + file);
+  if (lock_.get() < 0) {
+    return Status::Error(place + "cannot write its lock file " + file + ": " +
+                         std::strerror(errno));
+  }
   if (flock(lock_.get(), LOCK_EX | LOCK_NB) == 0) return Status::Ok();
   return Status::Error(place + "in use (another styled?)");
 }

@@ -292,6 +292,36 @@ TEST(ProcessTest, APortInUseIsSaidClearly) {
       << outcome.text;
 }
 
+TEST(ProcessTest, ALockFileThatCannotBeWrittenIsSaidWithItsReason) {
+  TemporaryFolder folder;
+  const std::string weights = folder / "weights.safetensors", path = folder / "publish";
+  WriteRandomWeights(weights);
+  std::filesystem::create_directory(path + ".lock");
+  const Outcome outcome =
+      RunStyled(folder, {"--weights", weights, "--set", "source.0.listen=127.0.0.1:0", "--set",
+                         "source.1.listen=127.0.0.1:0", "--set", "publish.address=ipc://" + path});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.text.find("cannot write its lock file " + path + ".lock: Is a directory"),
+            std::string::npos)
+      << outcome.text;
+}
+
+// A variable of the shell that is not set: a daemon is not what was asked for.
+TEST(ProcessTest, AFileWithoutANameEndsWithTwoAndStartsNoDaemon) {
+  TemporaryFolder folder;
+  for (const std::string name : {"--config", "--check-config", "--replay"}) {
+    std::vector<std::string> arguments{name, ""};
+    // Nor does it start where it was not refused: these weights are none.
+    arguments.insert(arguments.end(), {"--weights", folder / "none"});
+    if (name == "--replay") arguments.insert(arguments.end(), {"--replay-to", folder / "to"});
+    const Outcome outcome = RunStyled(folder, arguments);
+    EXPECT_EQ(outcome.code, 2) << name;
+    EXPECT_NE(outcome.text.find("styled: " + name + ": found an empty name, expected a file"),
+              std::string::npos)
+        << outcome.text;
+  }
+}
+
 TEST(ProcessTest, BadArgumentsAndConfigurationsEndWithTwoAndTheReason) {
   TemporaryFolder folder;
   const std::string file = folder / "bad.toml";
