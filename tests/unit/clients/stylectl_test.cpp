@@ -113,7 +113,7 @@ TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
             "PRESET  MIX\nscene   bypass\n");
   EXPECT_EQ(Run({"status"}), kExitOk);
   EXPECT_TRUE(Says("styled 1.2.3"));
-  EXPECT_TRUE(Says("rig.anna   live    120.0"));
+  EXPECT_TRUE(Says("rig.anna   live     120.0"));
   EXPECT_TRUE(Says("source.bad_crc      3"));
   EXPECT_FALSE(Says("source.zero"));
   EXPECT_EQ(Run({"status", "--all"}), kExitOk);
