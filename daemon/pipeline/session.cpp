@@ -7,6 +7,8 @@ namespace {
 constexpr std::uint64_t kWindow = 64;
 constexpr std::uint64_t kHour_ns = 3600ULL * 1'000'000'000;
 constexpr std::uint64_t kFastest_ns = 1'000'000;  // between two datagrams of one performer
+// For each datagram that came so many may be counted as lost: an overload loses less than half.
+constexpr std::uint64_t kLosable = 4;
 constexpr std::int64_t kLongestPatience_ns = 10'000'000'000;
 // Beyond this a session's time is counted anew, long before it overflows: 146 years.
 constexpr std::uint64_t kLongestSession_ns = 1ULL << 62U;
@@ -41,7 +43,8 @@ std::int64_t Session::Patience_ns(const SessionRules& rules) const noexcept {
 void Session::NoteArrival(std::uint64_t skipped, std::int64_t now_ns) noexcept {
   const std::int64_t silence_ns = std::max<std::int64_t>(0, now_ns - last_arrival_ns_);
   const auto usual_ns = static_cast<std::uint64_t>(std::min(intervals_ns_[0], intervals_ns_[1]));
-  losable_ += static_cast<std::uint64_t>(silence_ns) / std::max(usual_ns, kFastest_ns);
+  losable_ +=
+      std::max(kLosable, static_cast<std::uint64_t>(silence_ns) / std::max(usual_ns, kFastest_ns));
   const std::uint64_t lost = std::min(skipped, losable_);
   lost_ += lost;
   losable_ = std::min(losable_ - lost, kFarAhead);

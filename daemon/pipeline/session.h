@@ -68,7 +68,8 @@ class Session {
     return static_cast<std::int64_t>(last_time_ns_ - first_time_ns_);
   }
   // Sequence numbers skipped, of all sessions; no more than kFarAhead at once and, in the long run,
-  // than the sender's own rate makes of the time: a counter that leaps loses nothing.
+  // four for each that came or what the sender's rate makes of a silence: a counter that leaps
+  // loses nothing.
   std::uint64_t lost() const { return lost_; }
   // Of the last datagram that was kNext or kNewSession.
   std::int64_t last_arrival_ns() const { return last_arrival_ns_; }

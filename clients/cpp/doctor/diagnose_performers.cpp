@@ -59,8 +59,9 @@ void Examination::Performers() {
     if (refused == 0) continue;
     if (left > 0 && now.refused_as() == "pipeline.second_sender") {
       Say(Severity::kWarning, Step::kFrames, nullptr, "second_sender",
-          "Somebody at another address sends as " + now.performer() +
-              ", too: refused, and the performer's own frames leave.",
+          now.performer() +
+              ": two senders send the same performer; the frames of the one leave, "
+              "the other's are refused.",
           std::to_string(refused) + " datagrams while we listened.",
           "Stop that sender, or give it another performer's name.");
       continue;
