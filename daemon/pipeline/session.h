@@ -77,8 +77,10 @@ class Session {
  private:
   STYLED_REALTIME void Start(const source::Machine& machine, std::uint64_t session,
                              std::uint64_t sequence, std::int64_t now_ns) noexcept;
-  // Another sender is let in after `takeover_ns` of silence, or three intervals of a slower one.
-  STYLED_REALTIME std::int64_t Patience_ns(const SessionRules& rules) const noexcept;
+  // Another sender is let in after `takeover_ns` of silence; one of another machine after three
+  // intervals of a slower sender.
+  STYLED_REALTIME std::int64_t Patience_ns(const source::Machine& machine,
+                                           const SessionRules& rules) const noexcept;
   STYLED_REALTIME void NoteArrival(std::uint64_t skipped, std::int64_t now_ns) noexcept;
   // Whether datagrams that fit nowhere have become a count of their own.
   STYLED_REALTIME bool Recount(std::uint64_t sequence, bool silent) noexcept;
