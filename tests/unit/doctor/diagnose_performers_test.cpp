@@ -54,7 +54,8 @@ TEST_F(PerformersTest, WhoeverSendsAsAHealthyPerformerIsToldOfAndThePerformerIsN
   Add("suit.a", 600, 180).set_refused_as("pipeline.second_sender");
   EXPECT_TRUE(Of("performer_refused").empty());
   ASSERT_EQ(Of("second_sender").size(), 1U);
-  EXPECT_NE(Of("second_sender")[0].what.find("two senders send the same performer"), std::string::npos);
+  EXPECT_NE(Of("second_sender")[0].what.find("two senders send the same performer"),
+            std::string::npos);
 }
 
 TEST_F(PerformersTest, AFewRefusedOnesAndOldOnesAreNothing) {
