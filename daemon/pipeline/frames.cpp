@@ -277,7 +277,11 @@ void Pipeline::TakeBody(int source, const Item& item) {
   }
   Performer* performer = roster_.Find(source, name);
   const bool fresh = performer == nullptr;
-  if (fresh) performer = roster_.Add(source, name, receive_ns_);
+  if (fresh) {
+    performer = roster_.Add(source, name, receive_ns_);
+    // Another performer may have given way, whose frames are still in this batch.
+    for (Item& other : items_) other.performer = nullptr;
+  }
   if (performer == nullptr) {
     to_.counters.AddOf(source, Counter::kPipelinePerformersRefused);
     return;

@@ -262,6 +262,22 @@ TEST_F(HostileSenderTest, BodiesWithoutFramesHoldNoPlace) {
   EXPECT_EQ(Left("rig.real"), 1U);
 }
 
+// The first frame of a performer who gives way stands behind the newcomer's body in one batch.
+TEST_F(HostileSenderTest, WhoGivesWayWithinABatchIsNotTouchedAgain) {
+  std::vector<Rig> ghosts;
+  for (int k = 0; k < 64; ++k) {
+    ghosts.emplace_back("ghost" + std::to_string(k), 100 + static_cast<std::uint64_t>(k));
+    Deliver({ghosts.back().Body()});
+  }
+  stage.Pass(5000);
+  Rig real("real", 5);
+  Deliver({real.Body(), ghosts[0].Frame(), real.Frame(), ghosts[1].Frame()});
+  EXPECT_EQ(Left("rig.real"), 1U);
+  EXPECT_EQ(Left("rig.ghost0"), 0U);
+  EXPECT_EQ(Left("rig.ghost1"), 1U);
+  EXPECT_EQ(stage.Count(Counter::kPipelineBeforeBody), 1U) << "ghost0's";
+}
+
 TEST_F(HostileSenderTest, ARigOf1HzTakesItsStyle) {
   v1::Request request;
   request.set_performer("*");
