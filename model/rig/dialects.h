@@ -12,8 +12,8 @@ namespace styled::rig {
 
 // Maps joint names to the canonical humanoid by the naming habits of the field (VRM/Unity, Mixamo,
 // HIK/LaFAN1, CMU, Xsens, Motive, Rokoko, Axis, Bandai-Namco, ...): prefixes up to the last ':' and
-// separators dropped, case folded, sides from Left/Right, L/R, _L/_R. -1 where nothing fits. Rows:
-// protocols.md section 13, Biped, Unreal, SMPL. Allocates; any thread, as BindDialect.
+// separators dropped, case folded, sides from Left/Right, L/R, _L/_R. -1 where nothing fits. The rows
+// are in joint_names.cpp, Biped, Unreal and SMPL among them. Allocates; any thread, as BindDialect.
 std::array<int, body::kJointCount> MapJointNames(const Skeleton& skeleton);
 
 // Joints named by hand, where habits do not help: canonical name (leftUpperArm) and the source's;
