@@ -146,7 +146,7 @@ struct Cue {
   std::vector<std::pair<std::string, float>> mix;
   bool clear = false, panic = false;
   std::optional<float> strength, transition_s;
-  std::string only, own_style;
+  std::string only, input_style;
   std::string place;  // file:line, for complaints
 };
 

@@ -336,7 +336,7 @@ const std::vector<Key<Cue>>& CueKeys() {
       Float<C>("strength", 0, 1.5, 1, STYLED_FIELD(strength)),
       Float<C>("transition_ms", 0, 60000, kMs, STYLED_FIELD(transition_s)),
       Text<C>("only", STYLED_FIELD(only)),
-      Text<C>("from", STYLED_FIELD(own_style)),
+      Text<C>("from", STYLED_FIELD(input_style)),
   };
   return keys;
 }

@@ -209,7 +209,7 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
         if (set.has_transition_ms()) look.transition_s = set.transition_ms() * 1e-3F;
         if (set.has_absolute()) look.absolute = set.absolute();
         if (parts != 0) look.parts = parts;
-        if (set.has_own_style()) look.own_style = own.empty() ? "" : own.front().first;
+        if (set.has_own_style()) look.input_style = own.empty() ? "" : own.front().first;
       },
       reply);
   if (set.clear() && reply.code() == v1::CODE_OK) ForgetMisnamed(request.performer());

@@ -28,14 +28,14 @@ Status AddMix(const config::Cue& cue, const std::vector<config::Preset>& presets
   if (!cue.preset.empty()) mix = preset->mix;
   std::string why;
   std::vector<std::pair<std::string, float>> own;
-  if (!cue.own_style.empty()) own.emplace_back(cue.own_style, 1.0F);
+  if (!cue.input_style.empty()) own.emplace_back(cue.input_style, 1.0F);
   if (!ProperNames(network, mix, why) || !ProperNames(network, own, why)) {
     return Status::Error(why);
   }
   Look look;
   look.mix = mix;
   look.strength = cue.strength.value_or(1.0F);
-  look.own_style = own.empty() ? "" : own.front().first;
+  look.input_style = own.empty() ? "" : own.front().first;
   std::vector<std::string> unknown;
   const auto error = stylist::Stylist::Check(Resolve(look, network, unknown), network);
   if (error != stylist::SettingsError::kNone) return Status::Error(Explain(error));
@@ -50,7 +50,7 @@ Status AddMix(const config::Cue& cue, const std::vector<config::Preset>& presets
   set.set_clear(cue.clear);
   if (cue.strength) set.set_strength(*cue.strength);
   if (cue.transition_s) set.set_transition_ms(*cue.transition_s * 1e3F);
-  if (!cue.own_style.empty()) set.set_own_style(cue.own_style);
+  if (!cue.input_style.empty()) set.set_own_style(cue.input_style);
   return Status::Ok();
 }
 
@@ -109,7 +109,7 @@ Result<Cue> MakeCue(const config::Cue& cue, const std::vector<config::Preset>& p
   }
   const bool looks = !cue.style.empty() || !cue.preset.empty() || !cue.mix.empty() || cue.clear ||
                      cue.strength || cue.transition_s || !cue.only.empty() ||
-                     !cue.own_style.empty();
+                     !cue.input_style.empty();
   const int mixes = static_cast<int>(!cue.style.empty()) + static_cast<int>(!cue.preset.empty()) +
                     static_cast<int>(!cue.mix.empty()) + static_cast<int>(cue.clear);
   if (mixes > 1) return refuse("expected one of style, preset, mix and clear");

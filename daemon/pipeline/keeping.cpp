@@ -48,7 +48,7 @@ toml::table Row(const Profile& profile) {
                   {"transition_s", static_cast<double>(profile.look.transition_s)},
                   {"absolute", profile.look.absolute},
                   {"only", body::PartsText(profile.look.parts)},
-                  {"own_style", profile.look.own_style},
+                  {"own_style", profile.look.input_style},
                   {"preset", profile.look.preset},
                   {"pinned", profile.pinned},
                   {"has_come", profile.has_come},
@@ -88,7 +88,7 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   profile.look.absolute = row["absolute"].value_or(false);
   profile.look.parts =
       body::FindParts(row["only"].value_or(std::string("all"))).value_or(body::kAllParts);
-  profile.look.own_style = row["own_style"].value_or(std::string());
+  profile.look.input_style = row["own_style"].value_or(std::string());
   profile.look.preset = row["preset"].value_or(std::string());
   profile.pinned = row["pinned"].value_or(false);
   if (const toml::table* rest = row["rest"].as_table()) profile.rest = ReadRest(*rest);

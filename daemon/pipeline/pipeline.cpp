@@ -271,7 +271,7 @@ void Pipeline::FillStats(v1::Stats& stats) {
     row.set_strength(profile->look.strength);
     row.set_pinned(profile->pinned);
     if (profile->look.parts != body::kAllParts) AddParts(profile->look.parts, *row.mutable_only());
-    row.set_own_style(profile->look.own_style);
+    row.set_own_style(profile->look.input_style);
     row.set_preset(profile->look.preset);
     for (const auto& [style, weight] : profile->look.mix) {
       auto& entry = *row.add_styles();

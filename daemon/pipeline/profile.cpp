@@ -14,16 +14,16 @@ stylist::Settings Resolve(const Look& look, const erd::Network& network,
   settings.transition_s = look.transition_s;
   settings.absolute = look.absolute;
   settings.parts = look.parts;
-  if (!look.own_style.empty()) {
-    const int own = network.FindStyle(look.own_style);
-    if (own < 0) unknown.push_back(look.own_style);
-    settings.own_style = std::max(0, own);
+  if (!look.input_style.empty()) {
+    const int own = network.FindStyle(look.input_style);
+    if (own < 0) unknown.push_back(look.input_style);
+    settings.input_style = std::max(0, own);
   }
   std::size_t used = 0;
   for (const auto& [style, weight] : look.mix) {
     const int index = network.FindStyle(style);
     // To be made neutral takes a style to take away, which other weights may lack.
-    if (index == 0 && settings.own_style == 0 && !look.own_style.empty()) continue;
+    if (index == 0 && settings.input_style == 0 && !look.input_style.empty()) continue;
     if (index < 0) {
       unknown.push_back(style);
     } else if (used < settings.mix.size()) {
@@ -79,7 +79,7 @@ std::vector<v1::Request> AsRequests(const Profile& profile) {
   set.set_transition_ms(look.transition_s * 1e3F);
   set.set_absolute(look.absolute);
   AddParts(look.parts, *set.mutable_only());
-  set.set_own_style(look.own_style);
+  set.set_own_style(look.input_style);
   if (profile.pinned) requests.back().mutable_pin()->set_pinned(true);
   return requests;
 }
@@ -105,7 +105,7 @@ std::string Explain(stylist::SettingsError error) {
       return "transition is not within 0 to 60000 ms";
     case SettingsError::kNoParts:
       return "no part of the body is styled; use clear";
-    case SettingsError::kUnknownOwnStyle:
+    case SettingsError::kUnknownInputStyle:
       return "unknown own style";
   }
   return "";

@@ -21,8 +21,8 @@ struct Look {
   float transition_s = 0.1F;
   bool absolute = false;
   body::Parts parts = body::kAllParts;
-  std::string own_style;  // what the performer moves in already, by its network's name; "": neutral
-  std::string preset;     // the one that set the mix, or ""
+  std::string input_style;  // style of the captured motion, the network's name for it; "": neutral
+  std::string preset;       // the one that set the mix, or ""
   friend bool operator==(const Look&, const Look&) = default;
 };
 

@@ -42,8 +42,8 @@ void Mixer::Aim(const Settings& settings) noexcept {
     if (style.style > 0) SlotFor(style.style).weight.target = weight;
     presence_.target = 1;
   }
-  own_wanted_ = settings.own_style;
-  if (own_wanted_ > 0) own_style_ = own_wanted_;
+  next_input_style_ = settings.input_style;
+  if (next_input_style_ > 0) input_style_ = next_input_style_;
   duration_s_ = settings.transition_s;
   elapsed_s_ = 0;
   fading_ = true;
@@ -72,7 +72,7 @@ void Mixer::Advance(double dt_s) noexcept {
       if (!fading_ && slot.weight.target == 0) slot = Slot{};
     }
   }
-  if (!fading_) own_style_ = own_wanted_;
+  if (!fading_) input_style_ = next_input_style_;
   count_ = 0;
   for (const Slot& slot : slots_) {
     if (slot.style >= 1) active_[count_++] = {slot.style, slot.weight.value};

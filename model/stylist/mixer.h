@@ -23,9 +23,9 @@ class Mixer {
   std::span<const erd::ActiveStyle> in_force() const { return {active_.data(), count_}; }
   bool fading() const { return fading_; }
   // No style in force and none coming.
-  bool empty() const { return count_ == 0 && (own_style_ == 0 || presence_.value == 0); }
+  bool empty() const { return count_ == 0 && (input_style_ == 0 || presence_.value == 0); }
   // What the performer is taken to move in: in force at once, but neutral only after the fade.
-  int own_style() const { return own_style_; }
+  int input_style() const { return input_style_; }
   // 0..1: how far a style is there at all, be it neutral; how far the absolute output stands in for
   // the detail-preserving one.
   float presence() const { return presence_.value; }
@@ -52,7 +52,7 @@ class Mixer {
   std::array<Slot, erd::kMaxActive> slots_;
   std::array<erd::ActiveStyle, erd::kMaxActive> active_;
   std::size_t count_ = 0;
-  int own_style_ = 0, own_wanted_ = 0;
+  int input_style_ = 0, next_input_style_ = 0;
   Fade presence_, absolute_;
   std::array<Fade, body::kPartCount> parts_ = AllParts();
   bool whole_ = true;

@@ -168,14 +168,14 @@ Stylist::Stylist(Stylist&&) noexcept = default;
 Stylist& Stylist::operator=(Stylist&&) noexcept = default;
 
 SettingsError Stylist::Check(const Settings& settings, const erd::Network& network) noexcept {
-  if (settings.own_style < 0 || settings.own_style >= network.style_count()) {
-    return SettingsError::kUnknownOwnStyle;
+  if (settings.input_style < 0 || settings.input_style >= network.style_count()) {
+    return SettingsError::kUnknownInputStyle;
   }
   float sum = 0;
   for (std::size_t i = 0; i < settings.mix.size(); ++i) {
     const erd::ActiveStyle& style = settings.mix[i];
     if (style.style < 0) continue;
-    if (style.style == 0 && settings.own_style == 0) return SettingsError::kNeutralStyle;
+    if (style.style == 0 && settings.input_style == 0) return SettingsError::kNeutralStyle;
     if (style.style >= network.style_count()) return SettingsError::kUnknownStyle;
     for (std::size_t j = 0; j < i; ++j) {
       if (settings.mix[j].style == style.style) return SettingsError::kDuplicateStyle;
@@ -231,7 +231,7 @@ void Stylist::Prewarm() noexcept {
   r.impl.Begin(r.time_ns, s.intake.clean(), r.out);
   Impl::Step step;
   while (r.impl.NextStep(r.out.canonical_input, step)) {
-    const erd::StepJob job{&step.features, r.impl.mixer.own_style(), r.impl.mixer.in_force(),
+    const erd::StepJob job{&step.features, r.impl.mixer.input_style(), r.impl.mixer.in_force(),
                            &r.impl.states[static_cast<std::size_t>(step.state)], &step.out};
     r.impl.network->StepTogether({&job, 1});
     r.impl.TakeChange(step.state, *step.pose, step.out);
@@ -266,7 +266,7 @@ void Stylist::ProcessSome(std::span<const Job> jobs) noexcept {
       Impl& s = *job.stylist->impl_;
       Impl::Step& step = steps[count];
       if (!s.NextStep(job.out->canonical_input, step)) continue;
-      together[count] = {&step.features, s.mixer.own_style(), s.mixer.in_force(),
+      together[count] = {&step.features, s.mixer.input_style(), s.mixer.in_force(),
                          &s.states[static_cast<std::size_t>(step.state)], &step.out};
       stepping[count++] = &s;
     }
@@ -459,7 +459,7 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
   }
   // Of a neutral performer a style of weight 0 changes nothing; of another one it takes his away.
   // Before the low-pass, so that being told otherwise is no jump.
-  if (mixer.own_style() > 0) wish *= mixer.presence();
+  if (mixer.input_style() > 0) wish *= mixer.presence();
   stepped.set(static_cast<std::size_t>(state));
   last_styled = step.styled;
   reconstruction_rad = std::sqrt(error2 / static_cast<float>(kJointCount - 2));
@@ -576,7 +576,7 @@ void Stylist::Impl::HoldFeet(Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   float style = 0;
   for (const erd::ActiveStyle& active : mixer.in_force()) style += active.weight;
-  if (mixer.own_style() > 0) style = std::max(style, mixer.presence());
+  if (mixer.input_style() > 0) style = std::max(style, mixer.presence());
   style = feet_style.Follow(style, dt, delay_s / 2);
   style *= std::max({mixer.share(body::Part::kTorso), mixer.share(body::Part::kLeftLeg),
                      mixer.share(body::Part::kRightLeg)});

@@ -25,7 +25,7 @@ struct Settings {
   float transition_s = 0.1F;                       // >= 0; of the change to these, at least
   bool absolute = false;                // the paper's output instead of the detail-preserving one
   body::Parts parts = body::kAllParts;  // the others stay as captured; not empty
-  int own_style = 0;  // what the performer moves in already, which is taken away first; 0 = neutral
+  int input_style = 0;  // style of the captured motion, which is removed first; 0 = neutral
 };
 
 enum class SettingsError {
@@ -38,7 +38,7 @@ enum class SettingsError {
   kStrength,
   kTransition,
   kNoParts,
-  kUnknownOwnStyle,
+  kUnknownInputStyle,
 };
 
 // How streams are handled; the same for all performers. Defaults are those of styled.toml.

@@ -69,7 +69,7 @@ Status AddStyle(const styled::erd::Network& network, const std::string& text, co
     return Status::Error(std::string(option) + ": unknown style '" + name + "'; expected one of " +
                          StyleNames(network));
   }
-  if (style == 0 && settings.own_style == 0) return Status::Ok();
+  if (style == 0 && settings.input_style == 0) return Status::Ok();
   for (styled::erd::ActiveStyle& entry : settings.mix) {
     if (entry.style < 0) {
       entry = {style, weight};
@@ -109,8 +109,8 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
   }
   settings.parts = *parts;
   if (!arguments.from.empty()) {
-    settings.own_style = network.FindStyle(arguments.from);
-    if (settings.own_style < 0) {
+    settings.input_style = network.FindStyle(arguments.from);
+    if (settings.input_style < 0) {
       return Status::Error("--from: unknown style '" + arguments.from + "'; expected one of " +
                            StyleNames(network));
     }

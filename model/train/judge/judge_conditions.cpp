@@ -174,7 +174,7 @@ nlohmann::json JudgeStyledInputs(const Data& data, const Styler& styler, const E
       if (own.inputs.empty()) continue;
       Styler others = styler;
       others.style_of[from] = kAbsent;
-      others.own_style = told ? styler.style_of[from] : 0;
+      others.input_style = told ? styler.style_of[from] : 0;
       if (told) others.style_of[0] = 0;
       const Figures figures = evaluator.Measure("", Style(Some(own, 2), others, options, false));
       std::printf("  %-14s", styles[from].name.c_str());

@@ -159,7 +159,7 @@ std::vector<Transferred> Style(const Data& data, const Styler& styler,
                                const stylist::Options& options, bool absolute) {
   return Transfer(data, styler.style_of, [&](const Poses& input, int style) {
     Switch start{0, OneStyle(styler.style_of[style], absolute)};
-    start.settings.own_style = styler.own_style;
+    start.settings.input_style = styler.input_style;
     return StyleStream(styler.network, styler.binding, options, {&start, 1}, input);
   });
 }

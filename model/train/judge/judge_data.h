@@ -38,7 +38,7 @@ struct Styler {
   std::shared_ptr<const erd::Network> network;
   std::shared_ptr<const rig::Binding> binding;
   std::vector<int> style_of;  // manifest style -> network style, or kAbsent, as neutral is
-  int own_style = 0;          // what the network is told that the inputs are, its number
+  int input_style = 0;        // what the network is told that the inputs are, its number
 };
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest);
 

@@ -105,11 +105,11 @@ TEST_F(StylistTest, SettingsThatCannotBeAreNamed) {
   settings.parts = 0;
   EXPECT_EQ(check(settings), SettingsError::kNoParts);
   settings = Style(0);
-  settings.own_style = 3;
+  settings.input_style = 3;
   EXPECT_EQ(check(settings), SettingsError::kNone) << "who has a style can be made neutral";
   for (const int style : {-1, network->style_count()}) {
-    settings.own_style = style;
-    EXPECT_EQ(check(settings), SettingsError::kUnknownOwnStyle);
+    settings.input_style = style;
+    EXPECT_EQ(check(settings), SettingsError::kUnknownInputStyle);
   }
 }
 
@@ -166,7 +166,7 @@ TEST_F(StylistTest, AStyleOfThePerformersOwnIsTakenAway) {
   options.change_tau_s = 0;
   options.feet = options.ground = false;
   Settings to_neutral = Style(0, 1, 0.3F);
-  to_neutral.own_style = 3;
+  to_neutral.input_style = 3;
   Stylist stylist(network, binding, options);
   Feed(stylist, 0);
   EXPECT_TRUE(out.flags & kBypass) << "nothing was asked for";
@@ -182,12 +182,12 @@ TEST_F(StylistTest, AStyleOfThePerformersOwnIsTakenAway) {
 
   // His own style asked for is no change at all; nothing asked for is bypass.
   Settings to_own = Style(3);
-  to_own.own_style = 3;
+  to_own.input_style = 3;
   stylist.Set(to_own);
   for (int frame = 60; frame < 240; ++frame) Feed(stylist, frame);
   EXPECT_LT(Apart_rad(out.canonical, out.canonical_input), 1e-4F);
   Settings none;
-  none.own_style = 3;
+  none.input_style = 3;
   stylist.Set(none);
   for (int frame = 240; frame < 480; ++frame) Feed(stylist, frame);
   EXPECT_TRUE(out.flags & kBypass);
@@ -196,7 +196,7 @@ TEST_F(StylistTest, AStyleOfThePerformersOwnIsTakenAway) {
 TEST_F(StylistTest, BeingToldOfAStyleOfHisOwnIsNoJump) {
   options.feet = options.ground = false;  // they have fades of their own
   Settings nothing_asked, to_neutral = Style(0, 1, 0.3F);
-  nothing_asked.own_style = to_neutral.own_style = 3;
+  nothing_asked.input_style = to_neutral.input_style = 3;
   Stylist stylist(network, binding, options);
   stylist.Set(nothing_asked);
   for (int frame = 0; frame < 60; ++frame) Feed(stylist, frame);
