@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "model/base/smooth.h"
+
 namespace styled::feet {
 namespace {
 
@@ -52,7 +54,7 @@ void Contacts::Process(float dt_s, const Legs& legs, std::span<const Placed> pla
                                        options.contact_high_m);
       const float slow =
           1 - SmoothStep(speed[side][part], options.contact_slow_mps, options.contact_fast_mps);
-      Glide& weight = parts_[side][part].weight;
+      CriticallyDamped& weight = parts_[side][part].weight;
       const float target = low * slow;
       const float tau_s = target > weight.value() ? options.blend_in_s : options.blend_out_s;
       const float value = std::clamp(weight.Follow(target, dt_s, tau_s), 0.0F, 1.0F);

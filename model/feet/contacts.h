@@ -2,9 +2,9 @@
 
 #include <array>
 
+#include "model/base/critically_damped.h"
 #include "model/base/realtime.h"
 #include "model/feet/floor.h"
-#include "model/feet/glide.h"
 #include "model/feet/legs.h"
 #include "model/feet/options.h"
 
@@ -20,11 +20,11 @@ class Contacts {
     float heel = 0, toes = 0;  // toes 0 where the skeleton has none
   };
 
-  // `placed`: the input's legs.joints() in space. The first frame after Rest() has no speeds,
+  // `placed`: the input's legs.joints() in space. The first frame after Reset() has no speeds,
   // a frame with dt_s 0 (after a hole in the stream) keeps the last.
   STYLED_REALTIME void Process(float dt_s, const Legs& legs, std::span<const Placed> placed,
                                const Options& options) noexcept;
-  STYLED_REALTIME void Rest() noexcept { *this = Contacts(); }
+  STYLED_REALTIME void Reset() noexcept { *this = Contacts(); }
 
   const Foot& foot(int side) const { return feet_[static_cast<std::size_t>(side)]; }
   // The height of a planted toe joint (of the ankle where there are no toes), canonical metres.
@@ -36,7 +36,7 @@ class Contacts {
   struct Part {
     Vec3 last_m = Vec3::Zero();
     Vec3 velocity_mps = Vec3::Zero();
-    Glide weight;
+    CriticallyDamped weight;
   };
   float Speed(Part& part, const Vec3& position_m, float dt_s) noexcept;
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/base/smooth.h"
+
 namespace styled::feet {
 namespace {
 
@@ -57,10 +59,10 @@ Feet::Feet(const rig::Binding& input, const rig::Binding& output, const Options&
       in_(in_legs_.joints().size()),
       out_(legs_.joints().size()) {}
 
-void Feet::Rest() noexcept {
-  contacts_.Rest();
+void Feet::Reset() noexcept {
+  contacts_.Reset();
   state_.fill(Leg());
-  drop_m_.Rest();
+  drop_m_.Reset();
   last_across_.setZero();
 }
 
@@ -72,7 +74,7 @@ void Feet::Process(float dt_s, float weight, const PoseView& input,
   contacts_.Process(dt_s, in_legs_, in_, options_);
   if (weight <= 0) {
     state_.fill(Leg());
-    drop_m_.Rest();
+    drop_m_.Reset();
     last_across_.setZero();
     return;
   }
@@ -147,7 +149,7 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   const float want_toes = c_toes * off_toes + (1 - c_toes) * c_heel * off_heel;
   const float want_heel = c_heel * off_heel + (1 - c_heel) * c_toes * off_toes;
   if (state.frames == 1 && dt_s > 0) {  // a session may begin in mid-stride
-    const auto start = [dt_s](Glide& lift, float want) {
+    const auto start = [dt_s](CriticallyDamped& lift, float want) {
       const float speed = (want - lift.value()) / dt_s;
       lift.Start(lift.value(), std::clamp(speed, -kFastestLift_mps, kFastestLift_mps));
     };

@@ -39,18 +39,18 @@ class Feet {
                                const MutablePoseView& styled) noexcept;
 
   // Forgets locks, floor and contacts: the next frame is the first.
-  STYLED_REALTIME void Rest() noexcept;
+  STYLED_REALTIME void Reset() noexcept;
 
   const Contacts& contacts() const { return contacts_; }
 
  private:
   struct Leg {
-    int frames = 0;  // since Rest, at most 2: after the first, those that took time
+    int frames = 0;  // since Reset, at most 2: after the first, those that took time
     Vec3 last_in_toes_m, last_in_heel_m, last_toes_m, last_heel_m;
     Vec3 offset_m = Vec3::Zero();  // horizontal: from where the style puts the foot
     Vec3 centre_m =
         Vec3::Zero();  // horizontal: the gait's mean of styled less input, in world axes
-    Glide lift_toes, lift_heel, moved;
+    CriticallyDamped lift_toes, lift_heel, moved;
 
     float yields = 0;               // this frame's: 1 where the styled foot is too high to hold
     Quat pitch = Quat::Identity();  // this frame's: of the foot, in world
@@ -75,7 +75,7 @@ class Feet {
   Options options_;
   Contacts contacts_;
   std::array<Leg, kLegs> state_;
-  Glide drop_m_;
+  CriticallyDamped drop_m_;
   Vec3 last_across_ = Vec3::Zero();  // the input's right hip to left hip, horizontal, unit
   std::vector<Placed> in_, out_;
 };

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "model/feet/glide.h"
+#include "model/base/smooth.h"
 
 namespace styled::feet {
 namespace {

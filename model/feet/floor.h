@@ -14,7 +14,7 @@ class Floor {
   // `lowest_m`: the lowest part of either foot; `speed_mps`: how fast that part moves. Returns the
   // floor. The first call takes the height as it is.
   STYLED_REALTIME float Follow(float lowest_m, float speed_mps, float dt_s) noexcept;
-  STYLED_REALTIME void Rest() noexcept { *this = Floor(); }
+  STYLED_REALTIME void Reset() noexcept { *this = Floor(); }
   float height_m() const { return height_m_; }
 
  private:

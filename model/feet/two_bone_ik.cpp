@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/base/smooth.h"
+
 namespace styled::feet {
 namespace {
 
@@ -78,8 +80,7 @@ TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
 }
 
 float SoftReach(float wanted, float length, float corner) noexcept {
-  const float room = length - wanted;
-  return length - 0.5F * (room + std::hypot(room, corner));
+  return length - SoftPositive(length - wanted, corner);
 }
 
 }  // namespace styled::feet

@@ -22,8 +22,8 @@ Avatar::Avatar(std::shared_ptr<const rig::Binding> performer,
 
 void Avatar::Reset() noexcept {
   started_ = false;
-  feet_.Rest();
-  shift_m_.Rest();
+  feet_.Reset();
+  shift_m_.Reset();
 }
 
 bool Avatar::Process(std::int64_t time_ns, const Output& styled) noexcept {

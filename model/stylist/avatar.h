@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <memory>
 
+#include "model/base/critically_damped.h"
 #include "model/base/realtime.h"
 #include "model/feet/feet.h"
-#include "model/feet/glide.h"
 #include "model/rig/binding.h"
 #include "model/stylist/stylist.h"
 
@@ -38,7 +38,7 @@ class Avatar {
   bool ground_, hold_;
   float ground_tau_s_;
   feet::Feet feet_;
-  feet::Glide shift_m_;
+  CriticallyDamped shift_m_;
   rig::RigPose performed_;  // the performer's own pose, rotations of unit length
   rig::RigPose last_, pose_;
   std::int64_t last_ns_ = 0;

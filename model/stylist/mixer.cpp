@@ -1,5 +1,7 @@
 #include "model/stylist/mixer.h"
 
+#include "model/base/smooth.h"
+
 namespace styled::stylist {
 
 Mixer::Slot& Mixer::SlotFor(int style) noexcept {

@@ -61,10 +61,4 @@ class Mixer {
   bool fading_ = false, running_ = false;
 };
 
-// 3u^2 - 2u^3 on [0, 1]: fades that begin and end at rest.
-constexpr float SmoothStep(float u) {
-  u = u < 0 ? 0 : (u > 1 ? 1 : u);
-  return u * u * (3 - 2 * u);
-}
-
 }  // namespace styled::stylist

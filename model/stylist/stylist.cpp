@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/base/critically_damped.h"
+#include "model/base/smooth.h"
 #include "model/feet/feet.h"
 #include "model/stylist/grounding.h"
 #include "model/stylist/guard.h"
@@ -66,10 +68,6 @@ void PassThrough(Output& out) noexcept {
             out.rig.translations.begin());
   std::copy(out.source.rotations.begin(), out.source.rotations.end(), out.rig.rotations.begin());
   out.flags |= kBypass;
-}
-
-float DecayShare(double dt_s, float tau_s) {
-  return tau_s <= 0 ? 1.0F : 1.0F - std::exp(-static_cast<float>(dt_s) / tau_s);
 }
 
 }  // namespace
@@ -143,12 +141,12 @@ struct Stylist::Impl {
   bool bad_step = false;  // of this frame: what the network decoded is no pose
   bool failed = false;    // so it was, or what a stage made of it; no step has been sound since
   float reconstruction_rad = 0, familiar = 1.0F;  // familiar: 1 = at home, 0 = foreign
-  feet::Glide fade_foreign;
+  CriticallyDamped fade_foreign;
   float upright = 1.0F;  // the same of the hips' tilt
-  feet::Glide shift_m,
-      rig_shift;              // of the canonical humanoid and of the source skeleton, its units
-  feet::Feet feet, rig_feet;  // the same two
-  feet::Glide feet_style;     // the weight of style, as late as what the style does
+  CriticallyDamped shift_m,
+      rig_shift;                // of the canonical humanoid and of the source skeleton, its units
+  feet::Feet feet, rig_feet;    // the same two
+  CriticallyDamped feet_style;  // the weight of style, as late as what the style does
   std::array<Vec3, kJointCount> offsets_in, offsets_out;  // the humanoid's as translations
 };
 
@@ -203,8 +201,8 @@ const Settings& Stylist::settings() const { return impl_->settings; }
 void Stylist::Reset() noexcept {
   impl_->Restart();
   impl_->intake.Reset();
-  impl_->feet.Rest();
-  impl_->rig_feet.Rest();
+  impl_->feet.Reset();
+  impl_->rig_feet.Reset();
   impl_->started = false;  // the next frame's time may be anything
   impl_->fresh_session = true;
 }
@@ -318,8 +316,8 @@ void Stylist::Impl::Finish(Output& out) noexcept {
     Style(out);
     failed = !IsSoundOutput(out);
     if (failed) {  // the feet may remember why
-      feet.Rest();
-      rig_feet.Rest();
+      feet.Reset();
+      rig_feet.Reset();
     }
   }
   if (failed) GiveBack(out);
@@ -346,8 +344,8 @@ void Stylist::Impl::Style(Output& out) noexcept {
 
   if (options.bypass && Bypassed()) {
     PassThrough(out);
-    shift_m.Rest();
-    rig_shift.Rest();
+    shift_m.Reset();
+    rig_shift.Reset();
   } else {
     // 5 unbind: back onto the source skeleton.
     binding->Unbind(out.canonical, intake.clean(), out.rig);
@@ -371,10 +369,10 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
   restart_fade = 0;
   delay_s = 0;
   familiar = upright = 1;
-  fade_foreign.Rest();
-  shift_m.Rest();
-  rig_shift.Rest();
-  feet_style.Rest();
+  fade_foreign.Reset();
+  shift_m.Reset();
+  rig_shift.Reset();
+  feet_style.Reset();
   PassThrough(out);
   out.flags |= kFailed;
   HoldFeet(out);
@@ -414,8 +412,8 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
     out.held.set(0);
   } else if (jump == Intake::Jump::kAccepted) {
     Restart();
-    feet.Rest();
-    rig_feet.Rest();
+    feet.Reset();
+    rig_feet.Reset();
     fresh_session = true;
   }
   // What is longer than gap_reset_s is never bridged, however usual it is: a sender whose clock
@@ -468,7 +466,7 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
 // The low-pass's delay. It is longer on poses and rigs that the network reconstructs badly: there
 // small motions of the performer make large ones of the change.
 float Stylist::Impl::Delay() noexcept {
-  const float share = filter_started ? DecayShare(dt_s, kUnsure_s) : 1.0F;
+  const float share = filter_started ? DecayShare(static_cast<float>(dt_s), kUnsure_s) : 1.0F;
   unsure_rad += (reconstruction_rad - unsure_rad) * share;
   if (mixer.empty()) return options.change_tau_s;  // on the way to bypass nothing is unsure
   const float unsure = SmoothStep((unsure_rad - kUnsureBegin_rad) / kUnsureSpan_rad);

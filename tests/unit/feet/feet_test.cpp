@@ -385,7 +385,7 @@ TEST_F(FeetTest, AGapKeepsWhatWasHeldAndARestForgets) {
   for (int side = 0; side < kLegs; ++side) {
     EXPECT_LT((Toes(out, side) - Toes(walker.Styled(20), side)).norm(), 0.15F);
   }
-  feet.Rest();
+  feet.Reset();
   const Frames again = Hold(feet, 120, input, styled);
   Feet fresh(binding, binding, {});
   const Frames reference = Hold(fresh, 120, input, styled);

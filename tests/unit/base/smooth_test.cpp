@@ -1,17 +1,19 @@
+#include "model/base/smooth.h"
+
 #include <gtest/gtest.h>
 
-#include "model/feet/glide.h"
+#include "model/base/critically_damped.h"
 
-namespace styled::feet {
+namespace styled {
 namespace {
 
-TEST(SmoothTest, AGlideTakesItsFirstValueAtOnceAndThenHasNoCorner) {
-  Glide glide;
-  EXPECT_EQ(glide.Follow(3, 0.01F, 0.05F), 3);
+TEST(SmoothTest, ACriticallyDampedValueTakesItsFirstValueAtOnceAndThenHasNoCorner) {
+  CriticallyDamped value;
+  EXPECT_EQ(value.Follow(3, 0.01F, 0.05F), 3);
   constexpr float kDt = 0.001F;
   float before = 3, speed = 0, most = 0;
   for (int i = 0; i < 1000; ++i) {
-    const float now = glide.Follow(4, kDt, 0.05F);
+    const float now = value.Follow(4, kDt, 0.05F);
     most = std::max(most, std::abs((now - before) / kDt - speed) / kDt);
     speed = (now - before) / kDt;
     before = now;
@@ -20,8 +22,8 @@ TEST(SmoothTest, AGlideTakesItsFirstValueAtOnceAndThenHasNoCorner) {
   EXPECT_LT(most, 1.05F / (0.05F * 0.05F)) << "the jump over tau squared bounds its acceleration";
 }
 
-TEST(SmoothTest, AGlideDoesNotDependOnTheFrameRate) {
-  Glide coarse, fine;
+TEST(SmoothTest, ACriticallyDampedValueDoesNotDependOnTheFrameRate) {
+  CriticallyDamped coarse, fine;
   (void)coarse.Follow(0, 0, 0.05F);
   (void)fine.Follow(0, 0, 0.05F);
   (void)coarse.Follow(1, 0.1F, 0.05F);
@@ -42,4 +44,4 @@ TEST(SmoothTest, TheSoftExcessIsZeroBelowAndHasNoCorner) {
 }
 
 }  // namespace
-}  // namespace styled::feet
+}  // namespace styled
