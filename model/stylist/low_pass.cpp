@@ -11,7 +11,7 @@ constexpr float kSineOfPair = 0.8660254F;  // the pair's poles lie at 60 degrees
 
 }  // namespace
 
-void LowPass::Follow(const Change& target, double dt_s, float delay_s) noexcept {
+void LowPass::Follow(const StyleDelta& target, double dt_s, float delay_s) noexcept {
   if (delay_s <= 0) {
     first_ = value_ = target;
     rate_.setZero();
@@ -23,9 +23,9 @@ void LowPass::Follow(const Change& target, double dt_s, float delay_s) noexcept 
   // About the target, the real pole falls by exp(-x). With its poles at 60 degrees the pair has
   // that same motion as its forced one, and its free motion is about where the real pole is.
   const float left = std::exp(-x);
-  const Change from = first_ - target;
-  const Change offset = value_ - first_;
-  const Change offset_rate = rate_ + w * from;
+  const StyleDelta from = first_ - target;
+  const StyleDelta offset = value_ - first_;
+  const StyleDelta offset_rate = rate_ + w * from;
   const float fall = std::exp(-0.5F * x);
   const float sine = fall * std::sin(kSineOfPair * x) / kSineOfPair;
   const float cosine = fall * std::cos(kSineOfPair * x);
@@ -35,7 +35,9 @@ void LowPass::Follow(const Change& target, double dt_s, float delay_s) noexcept 
 }
 
 void LowPass::SettleAtZero() noexcept {
-  const auto below = [](const Change& of, float most) { return of.cwiseAbs().maxCoeff() < most; };
+  const auto below = [](const StyleDelta& of, float most) {
+    return of.cwiseAbs().maxCoeff() < most;
+  };
   if (!below(value_, kNothing_rad) || !below(first_, kNothing_rad) || !below(rate_, kNothing_rad_s))
     return;
   first_.setZero();

@@ -8,11 +8,11 @@
 #include "model/feet/feet.h"
 #include "model/stylist/grounding.h"
 #include "model/stylist/guard.h"
-#include "model/stylist/intake.h"
+#include "model/stylist/input_guard.h"
+#include "model/stylist/interleaver.h"
 #include "model/stylist/knees.h"
 #include "model/stylist/low_pass.h"
 #include "model/stylist/mixer.h"
-#include "model/stylist/ticks.h"
 
 namespace styled::stylist {
 namespace {
@@ -49,7 +49,7 @@ std::array<float, kJointCount> Reaches() {
 const std::array<float, kJointCount> kReach_m = Reaches();
 
 // At most how far (m) a point of the body is moved when one change takes another's place.
-float Way_m(const Change& from, const Change& to) {
+float Way_m(const StyleDelta& from, const StyleDelta& to) {
   std::array<float, kJointCount> way;
   float longest = 0;
   for (int joint = 0; joint < kJointCount; ++joint) {
@@ -78,7 +78,7 @@ struct Stylist::Impl {
       : network(std::move(the_network)),
         binding(std::move(the_rig)),
         options(the_options),
-        intake(binding->skeleton()),
+        input_guard(binding->skeleton()),
         feet(feet::HumanoidBinding(), feet::HumanoidBinding(), options.feet_options),
         rig_feet(*binding, *binding, options.feet_options) {
     for (erd::State& state : states) network->Start(state);
@@ -99,7 +99,7 @@ struct Stylist::Impl {
   void GiveBack(Output& out) noexcept;
   void TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept;
   float Delay() noexcept;
-  float SwitchDelay(const Change& target, float usual_s) noexcept;
+  float SwitchDelay(const StyleDelta& target, float usual_s) noexcept;
   void FollowChange(const Pose& input) noexcept;
   void Apply(const Pose& input, Pose& styled) const noexcept;
   void Ground(Output& out) noexcept;
@@ -112,21 +112,21 @@ struct Stylist::Impl {
   Options options;
   Settings settings;
 
-  Intake intake;
+  InputGuard input_guard;
   Mixer mixer;
-  Ticks ticks;
+  Interleaver interleaver;
   std::array<erd::State, kMaxInterleaved> states;
   std::array<body::FeatureState, kMaxInterleaved> memories;
-  std::array<Change, kMaxInterleaved> wanted;  // each state's latest change
+  std::array<StyleDelta, kMaxInterleaved> wanted;  // each state's latest change
   std::bitset<kMaxInterleaved> stepped;
   erd::Decoded last_styled;  // of the newest tick, for the absolute output
   float last_heading_rad = 0;
   int steps = 0;  // of the network, for the frame at hand
 
-  LowPass low_pass;                   // of the detail-preserving change
-  Change change = Change::Zero();     // what is applied
-  Change fade_from = Change::Zero();  // what was applied when the state was restarted
-  float restart_fade = 1.0F;          // 0 at a restart, 1 when it is over
+  LowPass low_pass;                           // of the detail-preserving change
+  StyleDelta change = StyleDelta::Zero();     // what is applied
+  StyleDelta fade_from = StyleDelta::Zero();  // what was applied when the state was restarted
+  float restart_fade = 1.0F;                  // 0 at a restart, 1 when it is over
   bool filter_started = false;
   float unsure_rad = 0;      // reconstruction_rad, smoothed
   float switching = 0;       // 1 while styles are faded, 0 when a switch is over
@@ -200,7 +200,7 @@ const Settings& Stylist::settings() const { return impl_->settings; }
 
 void Stylist::Reset() noexcept {
   impl_->Restart();
-  impl_->intake.Reset();
+  impl_->input_guard.Reset();
   impl_->feet.Reset();
   impl_->rig_feet.Reset();
   impl_->started = false;  // the next frame's time may be anything
@@ -226,7 +226,7 @@ void Stylist::Prewarm() noexcept {
   const bool usual = s.dt_s > 0 && s.dt_s <= s.options.gap_reset_s;
   r.time_ns += usual ? static_cast<std::int64_t>(s.dt_s * 1e9) : kUsual_ns;
   r.impl.mixer = s.mixer;
-  r.impl.Begin(r.time_ns, s.intake.clean(), r.out);
+  r.impl.Begin(r.time_ns, s.input_guard.clean(), r.out);
   Impl::Step step;
   while (r.impl.NextStep(r.out.canonical_input, step)) {
     const erd::StepJob job{&step.features, r.impl.mixer.input_style(), r.impl.mixer.in_force(),
@@ -289,16 +289,16 @@ void Stylist::Impl::Begin(std::int64_t time_ns, const rig::RigPose& in, Output& 
   out.flags = 0;
   steps = 0;
   bad_step = false;
-  intake.HoldBadJoints(in, out.source, out.held);
+  input_guard.HoldBadJoints(in, out.source, out.held);
   JudgeFrame(time_ns, out);
-  binding->Bind(intake.clean(), out.canonical_input);
+  binding->Bind(input_guard.clean(), out.canonical_input);
   mixer.Advance(dt_s);
 }
 
 // 2 features, for 3 network: of the next recurrent state whose tick is due. False when none is.
 bool Stylist::Impl::NextStep(const Pose& input, Step& step) noexcept {
-  Ticks::Tick tick;
-  if (!ticks.Next(tick)) return false;
+  Interleaver::Tick tick;
+  if (!interleaver.Next(tick)) return false;
   ++steps;
   const bool exact = tick.share >= 1.0F || !started;  // started: there is a last input
   if (!exact) body::Interpolate(last_input, input, tick.share, step.between);
@@ -348,7 +348,7 @@ void Stylist::Impl::Style(Output& out) noexcept {
     rig_shift.Reset();
   } else {
     // 5 unbind: back onto the source skeleton.
-    binding->Unbind(out.canonical, intake.clean(), out.rig);
+    binding->Unbind(out.canonical, input_guard.clean(), out.rig);
     if (options.ground) Ground(out);
   }
   // 6 feet: on each output skeleton, what the performer plants stays planted.
@@ -378,9 +378,9 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
   HoldFeet(out);
 }
 
-// Ticks, recurrent state and filter anew; what is applied is faded over from.
+// Ticks, recurrent state and filter start anew; what is applied is faded over from.
 void Stylist::Impl::Restart() noexcept {
-  ticks.Restart();
+  interleaver.Restart();
   Forget();
 }
 
@@ -398,7 +398,7 @@ void Stylist::Impl::Forget() noexcept {
 // Hz, the style would never arrive otherwise.
 void Stylist::Impl::RestartAfterGap() noexcept {
   const float fade = restart_fade;
-  const Change from = fade_from;
+  const StyleDelta from = fade_from;
   Restart();
   if (fade >= 1.0F) return;
   fade_from = from;
@@ -407,10 +407,10 @@ void Stylist::Impl::RestartAfterGap() noexcept {
 
 // Jumps, gaps and changes of rate.
 void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
-  const Intake::Jump jump = intake.JudgeJump(dt_s, binding->scale(), options, out.source);
-  if (jump == Intake::Jump::kHeld) {
+  const InputGuard::Jump jump = input_guard.JudgeJump(dt_s, binding->scale(), options, out.source);
+  if (jump == InputGuard::Jump::kHeld) {
     out.held.set(0);
-  } else if (jump == Intake::Jump::kAccepted) {
+  } else if (jump == InputGuard::Jump::kAccepted) {
     Restart();
     feet.Reset();
     rig_feet.Reset();
@@ -418,7 +418,7 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
   }
   // What is longer than gap_reset_s is never bridged, however usual it is: a sender whose clock
   // steps by minutes would have every tick between run in one frame.
-  const double usual_s = ticks.frame_period_s();
+  const double usual_s = interleaver.frame_period_s();
   if (started && dt_s > options.gap_reset_s) {
     // A slow rig's frames are all that far apart: nothing is missing.
     if (last_gap_s == 0 || dt_s > kGapFactor * last_gap_s) out.flags |= kConcealed;
@@ -429,9 +429,9 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
     if (usual_s > 0 && dt_s > kGapFactor * usual_s) out.flags |= kConcealed;
   }
   const float rate_hz = network->metadata().features.rate_hz;
-  if (!ticks.Begin(time_ns, rate_hz)) {
+  if (!interleaver.Begin(time_ns, rate_hz)) {
     RestartAfterGap();
-    (void)ticks.Begin(time_ns, rate_hz);
+    (void)interleaver.Begin(time_ns, rate_hz);
   }
 }
 
@@ -442,7 +442,7 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
     return;
   }
   const Quat heading_from_world = body::Yaw(-last_heading_rad);
-  Change& wish = wanted[static_cast<std::size_t>(state)];
+  StyleDelta& wish = wanted[static_cast<std::size_t>(state)];
   float error2 = 0;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
     const Quat& rec = step.reconstruction.rotations[joint];
@@ -475,7 +475,7 @@ float Stylist::Impl::Delay() noexcept {
 
 // While styles are switched, the delay is longer the longer the way to the new one, so that no limb
 // is thrown and small changes are quick.
-float Stylist::Impl::SwitchDelay(const Change& target, float usual_s) noexcept {
+float Stylist::Impl::SwitchDelay(const StyleDelta& target, float usual_s) noexcept {
   const auto dt = static_cast<float>(dt_s);
   switching = mixer.fading() ? 1.0F : std::max(0.0F, switching - dt / kSwitchTail_s);
   if (switching == 0) {
@@ -491,8 +491,8 @@ float Stylist::Impl::SwitchDelay(const Change& target, float usual_s) noexcept {
 // the network, whose notch lies on the ripple that their disagreement makes; a Butterworth filter
 // follows.
 void Stylist::Impl::FollowChange(const Pose& input) noexcept {
-  const int used = std::max(1, ticks.interleaved());
-  Change target = Change::Zero();
+  const int used = std::max(1, interleaver.interleaved());
+  StyleDelta target = StyleDelta::Zero();
   int count = 0;
   for (int state = 0; state < used; ++state) {
     if (!stepped.test(static_cast<std::size_t>(state))) continue;
@@ -564,7 +564,7 @@ void Stylist::Impl::Ground(Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   out.canonical.hips_position_m.y() +=
       shift_m.Follow(GroundShift_m(out.canonical_input, out.canonical), dt, options.ground_tau_s);
-  const float wanted = GroundShift(*binding, intake.clean(), out.rig);
+  const float wanted = GroundShift(*binding, input_guard.clean(), out.rig);
   ShiftUp(*binding, rig_shift.Follow(wanted, dt, options.ground_tau_s), out.rig);
 }
 
@@ -580,7 +580,7 @@ void Stylist::Impl::HoldFeet(Output& out) noexcept {
                      mixer.share(body::Part::kRightLeg)});
   const bool held = options.feet && (out.flags & kBypass) == 0;
   const float weight = held ? SmoothStep(familiar * upright * style / kFeetFull) : 0.0F;
-  rig_feet.Process(dt, weight, {intake.clean().translations, intake.clean().rotations},
+  rig_feet.Process(dt, weight, {input_guard.clean().translations, input_guard.clean().rotations},
                    {out.rig.translations, out.rig.rotations});
   out.contacts = rig_feet.contacts().bits();
   offsets_in[body::kHips] = out.canonical_input.hips_position_m;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979;
 
-Change All(float value) { return Change::Constant(value); }
+StyleDelta All(float value) { return StyleDelta::Constant(value); }
 
 // Amplitude of what comes out for a sine of amplitude 1, sampled densely, so that the sampling
 // itself plays no part.
@@ -48,7 +48,7 @@ TEST(LowPass, IsTheSameAtAnySpacingOfFrames) {
   LowPass coarse;
   LowPass fine;
   for (int frame = 0; frame < 20; ++frame) {
-    const Change target = All(frame % 5 < 2 ? 1.0F : -0.5F);
+    const StyleDelta target = All(frame % 5 < 2 ? 1.0F : -0.5F);
     coarse.Follow(target, 0.04, 0.05F);
     for (int i = 0; i < 40; ++i) fine.Follow(target, 0.001, 0.05F);
     EXPECT_NEAR(coarse.value()(2, 3), fine.value()(2, 3), 1e-4) << frame;

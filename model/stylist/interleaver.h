@@ -19,7 +19,7 @@ inline constexpr int kMaxInterleaved = 8;
 // interpolation, as far as the allowance of work goes: whatever a sender's clock does, one frame
 // never runs more than kMaxStepsPerFrame ticks, nor n frames in a row more than
 // kMaxStepsPerFrame + n * kMeanStepsPerFrame.
-class Ticks {
+class Interleaver {
  public:
   // Forgets everything but the allowance; the next frame is the first.
   STYLED_REALTIME void Restart() noexcept;

@@ -1,4 +1,4 @@
-#include "model/stylist/ticks.h"
+#include "model/stylist/interleaver.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,13 +15,13 @@ int StatesFor(double frame_period_s, double network_rate_hz) {
 
 }  // namespace
 
-void Ticks::Restart() noexcept {
+void Interleaver::Restart() noexcept {
   const int allowance = allowance_;  // a restart must not be a way to more work
-  *this = Ticks();
+  *this = Interleaver();
   allowance_ = allowance;
 }
 
-void Ticks::Measure(double dt_s) noexcept {
+void Interleaver::Measure(double dt_s) noexcept {
   history_s_[static_cast<std::size_t>(history_next_)] = dt_s;
   history_next_ = (history_next_ + 1) % kHistory;
   history_count_ = std::min(history_count_ + 1, kHistory);
@@ -32,7 +32,7 @@ void Ticks::Measure(double dt_s) noexcept {
   frame_period_s_ = *middle;
 }
 
-bool Ticks::Begin(std::int64_t time_ns, float network_rate_hz) noexcept {
+bool Interleaver::Begin(std::int64_t time_ns, float network_rate_hz) noexcept {
   last_ns_ = now_ns_;
   now_ns_ = time_ns;
   ran_ = 0;
@@ -55,7 +55,7 @@ bool Ticks::Begin(std::int64_t time_ns, float network_rate_hz) noexcept {
 
 // Pays for the ticks that the current frame makes due. Counted in floating point: the number may
 // not fit an integer.
-bool Ticks::Afford() noexcept {
+bool Interleaver::Afford() noexcept {
   allowance_ = std::min(allowance_ + kMeanStepsPerFrame, kMaxStepsPerFrame);
   const double now = static_cast<double>(now_ns_ - origin_ns_) * 1e-9 / tick_period_s_;
   const double due = std::floor(now + kSnap) - static_cast<double>(next_tick_) + 1;
@@ -65,7 +65,7 @@ bool Ticks::Afford() noexcept {
 }
 
 // From one state to `states`: the first keeps its ticks, the others begin at the next of theirs.
-void Ticks::Interleave(int states, double network_rate_hz) noexcept {
+void Interleaver::Interleave(int states, double network_rate_hz) noexcept {
   interleaved_ = states;
   tick_period_s_ = 1.0 / (network_rate_hz * states);
   const double now = static_cast<double>(now_ns_ - origin_ns_) * 1e-9 / tick_period_s_;
@@ -73,7 +73,7 @@ void Ticks::Interleave(int states, double network_rate_hz) noexcept {
   next_tick_ = std::max((next_tick_ - 1) * states + 1, std::min(due, next_tick_ * states));
 }
 
-bool Ticks::Next(Tick& tick) noexcept {
+bool Interleaver::Next(Tick& tick) noexcept {
   const double due_s = static_cast<double>(next_tick_) * tick_period_s_;
   const double now_s = static_cast<double>(now_ns_ - origin_ns_) * 1e-9;
   const double after_s = due_s - now_s;  // > 0: the tick lies in the future

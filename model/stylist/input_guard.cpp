@@ -1,4 +1,4 @@
-#include "model/stylist/intake.h"
+#include "model/stylist/input_guard.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,11 +27,11 @@ void Copy(const rig::RigPose& from, rig::RigPose& to) {
 
 }  // namespace
 
-Intake::Intake(const rig::Skeleton& skeleton)
+InputGuard::InputGuard(const rig::Skeleton& skeleton)
     : clean_(skeleton), last_(skeleton), last_clean_(skeleton), rest_(skeleton) {}
 
-void Intake::HoldBadJoints(const rig::RigPose& in, rig::RigPose& source,
-                           std::bitset<256>& held) noexcept {
+void InputGuard::HoldBadJoints(const rig::RigPose& in, rig::RigPose& source,
+                               std::bitset<256>& held) noexcept {
   held.reset();
   const rig::RigPose& before = has_last_ ? last_ : rest_;
   const std::size_t joints = rest_.rotations.size();
@@ -47,8 +47,8 @@ void Intake::HoldBadJoints(const rig::RigPose& in, rig::RigPose& source,
   }
 }
 
-Intake::Jump Intake::JudgeJump(double dt_s, float metres, const Options& options,
-                               rig::RigPose& source) noexcept {
+InputGuard::Jump InputGuard::JudgeJump(double dt_s, float metres, const Options& options,
+                                       rig::RigPose& source) noexcept {
   const rig::Vec3& root = source.translations[0];
   since_last_s_ += dt_s;
   const auto near = [&](const rig::Vec3& to, double elapsed_s) {

@@ -11,9 +11,9 @@ namespace styled::stylist {
 
 // Guards the stylist against bad input, before binding: holds joints whose values are not finite or
 // whose rotation has no length, and poses whose root jumps by metres. Sized once; no allocation.
-class Intake {
+class InputGuard {
  public:
-  explicit Intake(const rig::Skeleton& skeleton);
+  explicit InputGuard(const rig::Skeleton& skeleton);
 
   // Copies `in` to `source` with bad joints replaced by their last good value (the rest pose before
   // there is one), marks them in `held`, and writes the same with unit rotations to clean().
