@@ -120,7 +120,8 @@ void Program::DeclarePlay() {
 }
 
 void Program::DeclareExport() {
-  CLI::App* command = app_.add_subcommand("export", "write a performer's motion as BVH or glTF");
+  CLI::App* command =
+      app_.add_subcommand("export", "write a performer's motion to a file: " + clip::FormatNames());
   FileToRead(command);
   command->add_option("--performer", a_.performer, "SOURCE.NAME")->required();
   command
@@ -134,12 +135,27 @@ void Program::DeclareExport() {
                "' is not rig, canonical, source or an output's name ([A-Za-z0-9_-]{1,32})";
       })
       ->capture_default_str();
-  command->add_option("--bvh", a_.bvh, "BVH file to write, in the rig's units and axes");
-  command->add_option("--glb", a_.glb, "glTF 2.0 binary to write: metres, Y up");
+  command
+      ->add_option_function<vector<string>>(
+          "--out",
+          [this](const vector<string>& files) {
+            for (const string& file : files)
+              a_.exports.emplace_back(clip::FindFormat(file).value(), file);
+          },
+          "file to write, in the format of its extension: " + clip::FormatNames())
+      ->allow_extra_args(false)
+      ->check([](const string& file) { return clip::FindFormat(file).status().message(); });
+  // By its option a format may be written to a file of any name.
+  for (const clip::Format& format : clip::Formats()) {
+    command->add_option_function<string>(
+        "--" + string(format.extension.substr(1)),
+        [this, &format](const string& file) { a_.exports.emplace_back(&format, file); },
+        string(format.summary));
+  }
   command->add_flag("--overwrite", a_.overwrite, "write over files that exist");
   command
       ->add_option("--rate", a_.rate_hz,
-                   "frames per second; default: BVH the recording's own, glTF its frames' times")
+                   "frames per second; default: the recording's own, in glTF its frames' times")
       ->check(CLI::Range(1.0, 1000.0));
 }
 
@@ -152,7 +168,7 @@ void Program::Declare() {
       "  stylerec record --from tcp://127.0.0.1:7001 show.styrec\n"
       "  stylerec receive --listen udp://0.0.0.0:7000 --forward 127.0.0.1:7010 rig.styrec\n"
       "  stylerec play rig.styrec --to udp://127.0.0.1:7000\n"
-      "  stylerec export show.styrec --performer rig.anna --glb anna.glb");
+      "  stylerec export show.styrec --performer rig.anna --out anna.glb");
   DeclareRecord();
   DeclareReceive();
   CLI::App* info = app_.add_subcommand("info", "what is in a recording, and whether it is whole");
@@ -179,8 +195,8 @@ int Program::Run(vector<string> arguments) {
   if (command == "play" && a_.to.empty() && a_.publish.empty()) {
     return Usage("play: nothing to play to; expected --to or --publish");
   }
-  if (command == "export" && a_.bvh.empty() && a_.glb.empty()) {
-    return Usage("export: nothing to write; expected --bvh or --glb");
+  if (command == "export" && a_.exports.empty()) {
+    return Usage("export: nothing to write; expected --out FILE, of " + clip::FormatNames());
   }
   if (a_.forward.size() > a_.listen.size()) {
     return Usage("receive: found " + std::to_string(a_.forward.size()) +

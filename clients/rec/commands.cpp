@@ -52,19 +52,13 @@ Result<std::vector<Port>> MakePorts(const Arguments& a) {
 }
 
 Status WriteFiles(const Arguments& a, const Take& take) {
-  const bool resampled = a.rate_hz > 0;
-  clip::Clip clip;
-  if (!a.bvh.empty() || resampled) {
-    auto made = ToClip(take, a.rate_hz);
-    if (!made.ok()) return made.status();
-    clip = std::move(made.value());
+  for (const auto& [format, file] : a.exports) {
+    const auto motion = ToMotion(take, a.rate_hz, *format);
+    if (!motion.ok()) return motion.status();
+    const Status status = format->write(motion.value(), file);
+    if (!status.ok()) return status;
   }
-  Status status = Status::Ok();
-  if (!a.bvh.empty()) status = clip::WriteBvh(clip, a.bvh);
-  if (status.ok() && !a.glb.empty()) {
-    status = clip::WriteGlb(resampled ? ToGlb(take, clip) : ToGlb(take), a.glb);
-  }
-  return status;
+  return Status::Ok();
 }
 
 }  // namespace
@@ -146,9 +140,9 @@ Status RunExport(const Arguments& a, const Surroundings& to) {
                     : a.what == "canonical" ? What::kCanonical
                     : a.what == "source"    ? What::kSource
                                             : What::kAvatar;
-  for (const string& file : {a.bvh, a.glb}) {
+  for (const auto& [format, file] : a.exports) {
     std::error_code error;
-    if (a.overwrite || file.empty() || !std::filesystem::is_regular_file(file, error)) continue;
+    if (a.overwrite || !std::filesystem::is_regular_file(file, error)) continue;
     return Status::Error(file + ": exists already; expected a new file, or --overwrite");
   }
   const auto take = ReadTake(*reader.value(), a.performer, what, a.what);

@@ -5,11 +5,13 @@
 #include <memory>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "clients/cpp/key_options.h"
 #include "clients/cpp/subscriber.h"
 #include "model/base/status.h"
+#include "model/clip/write.h"
 #include "proto/recording/reader.h"
 
 namespace styled::rec {
@@ -31,8 +33,9 @@ struct Arguments {
   std::string publish, control, speed = "1";
   double wait_s = 0, from_s = 0, until_s = std::numeric_limits<double>::infinity();
   bool loop = false, as_recorded = false;
-  std::string what = "rig", bvh, glb;
-  double rate_hz = 0;  // 0: not given
+  std::string what = "rig";
+  std::vector<std::pair<const clip::Format*, std::string>> exports;  // the files to write
+  double rate_hz = 0;                                                // 0: not given
 };
 
 // Where commands speak, and what ends them.

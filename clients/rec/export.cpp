@@ -81,25 +81,23 @@ Result<clip::Clip> ToClip(const Take& take, double rate_hz) {
   return wanted_hz == own_hz ? clip : clip::Resample(clip, wanted_hz);
 }
 
-clip::GlbMotion ToGlb(const Take& take) {
-  clip::GlbMotion motion;
+Result<clip::Motion> ToMotion(const Take& take, double rate_hz, const clip::Format& format) {
+  clip::Motion motion;
   motion.name = take.performer;
   motion.skeleton = take.skeleton;
   motion.rest = take.rest;
   motion.metres_per_unit = take.metres_per_unit;
-  motion.gltf_from_source = take.canonical_from_source;
-  motion.times_s = take.times_s;
-  motion.frames = take.frames;
-  return motion;
-}
-
-clip::GlbMotion ToGlb(const Take& take, const clip::Clip& clip) {
-  clip::GlbMotion motion = ToGlb(take);
-  motion.frames = clip.frames;
-  motion.times_s.clear();
-  for (std::size_t i = 0; i < clip.frames.size(); ++i) {
-    motion.times_s.push_back(static_cast<double>(i) / clip.rate_hz);
+  motion.canonical_from_source = take.canonical_from_source;
+  if (rate_hz == 0 && !format.constant_rate) {
+    motion.times_s = take.times_s;
+    motion.frames = take.frames;
+    return motion;
   }
+  auto clip = ToClip(take, rate_hz);
+  if (!clip.ok()) return clip.status();
+  motion.rate_hz = clip.value().rate_hz;
+  motion.frames = std::move(clip.value().frames);
+  if (format.constant_rate) motion.skeleton = std::move(clip.value().skeleton);
   return motion;
 }
 

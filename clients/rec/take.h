@@ -6,7 +6,7 @@
 
 #include "model/base/status.h"
 #include "model/clip/clip.h"
-#include "model/clip/glb_write.h"
+#include "model/clip/write.h"
 #include "proto/recording/reader.h"
 
 namespace styled::rec {
@@ -47,9 +47,8 @@ Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, W
 // 1 to 1000 Hz, more than ten million frames.
 Result<clip::Clip> ToClip(const Take& take, double rate_hz);
 
-// For glTF: metres, Y up, at the frames' own times.
-clip::GlbMotion ToGlb(const Take& take);
-// The same of a clip made of it.
-clip::GlbMotion ToGlb(const Take& take, const clip::Clip& clip);
+// The take as `format` is written: at the frames' own times where `rate_hz` is 0 and the format
+// keeps them, else at a constant rate, as ToClip makes it and with its errors.
+Result<clip::Motion> ToMotion(const Take& take, double rate_hz, const clip::Format& format);
 
 }  // namespace styled::rec

@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "model/base/text.h"
+
 namespace styled::clip {
 namespace {
 
@@ -21,7 +23,7 @@ using rig::Vec3;
 constexpr int kFloat = 5126, kUnsignedShort = 5123, kArrayBuffer = 34962;
 constexpr std::uint64_t kMaxSize = 0xFFFF'FFFFU;
 
-Status Check(const GlbMotion& motion) {
+Status Check(const Motion& motion) {
   const auto& skeleton = motion.skeleton;
   const std::size_t joints = skeleton.names.size();
   if (joints == 0 || motion.frames.empty()) {
@@ -29,10 +31,14 @@ Status Check(const GlbMotion& motion) {
   }
   if (skeleton.parents.size() != joints || skeleton.offsets.size() != joints || joints > 65535 ||
       (!motion.rest.empty() && motion.rest.size() != joints) ||
-      motion.times_s.size() != motion.frames.size()) {
+      (!motion.times_s.empty() && motion.times_s.size() != motion.frames.size())) {
     return Status::Error(
         "found sizes that differ, expected one parent, offset and rest per joint "
         "and one time per frame");
+  }
+  if (motion.times_s.empty() && !(motion.rate_hz > 0 && std::isfinite(motion.rate_hz))) {
+    return Status::Error("found a rate of " + NumberText(motion.rate_hz) +
+                         " Hz, expected one above 0");
   }
   if (!(motion.metres_per_unit > 0) || !std::isfinite(motion.metres_per_unit)) {
     return Status::Error("found a unit of no length, expected metres per unit above 0");
@@ -59,6 +65,7 @@ Status Check(const GlbMotion& motion) {
         return Status::Error(name + ", joint " + std::to_string(j) + ": is no pose");
       }
     }
+    if (motion.times_s.empty()) continue;
     if (!std::isfinite(motion.times_s[i]) ||
         (i > 0 && motion.times_s[i] <= motion.times_s[i - 1])) {
       return Status::Error(name + ": found a time not after the last, expected times that grow");
@@ -120,7 +127,7 @@ struct BindPose {
   std::vector<Quat> rotations;
 };
 
-BindPose MakeBindPose(const GlbMotion& motion) {
+BindPose MakeBindPose(const Motion& motion) {
   BindPose bind;
   const auto& skeleton = motion.skeleton;
   for (std::size_t j = 0; j < skeleton.names.size(); ++j) {
@@ -139,7 +146,7 @@ BindPose MakeBindPose(const GlbMotion& motion) {
 // Bones as double pyramids, each moved by one joint; flat normals.
 class Mesh {
  public:
-  Mesh(const GlbMotion& motion, const BindPose& bind) {
+  Mesh(const Motion& motion, const BindPose& bind) {
     const auto& parents = motion.skeleton.parents;
     std::vector<bool> has_child(parents.size(), false);
     for (std::size_t j = 1; j < parents.size(); ++j) {
@@ -209,10 +216,12 @@ struct Times {
   std::vector<float> seconds;
 };
 
-Times MakeTimes(const GlbMotion& motion) {
+Times MakeTimes(const Motion& motion) {
   Times times;
   for (std::size_t i = 0; i < motion.frames.size(); ++i) {
-    const auto seconds = static_cast<float>(motion.times_s[i] - motion.times_s.front());
+    const auto seconds =
+        static_cast<float>(motion.times_s.empty() ? static_cast<double>(i) / motion.rate_hz
+                                                  : motion.times_s[i] - motion.times_s.front());
     if (i > 0 && seconds <= times.seconds.back()) continue;
     times.frames.push_back(i);
     times.seconds.push_back(seconds);
@@ -222,7 +231,7 @@ Times MakeTimes(const GlbMotion& motion) {
 
 class Document {
  public:
-  explicit Document(const GlbMotion& motion)
+  explicit Document(const Motion& motion)
       : motion_(motion), bind_(MakeBindPose(motion)), times_(MakeTimes(motion)) {}
 
   Result<std::vector<std::byte>> Make() {
@@ -255,10 +264,10 @@ class Document {
                        {"rotation", Numbers(local.normalized())}});
     }
     root_ = 0;
-    if (!motion_.gltf_from_source.isApprox(Quat::Identity())) {
+    if (!motion_.canonical_from_source.isApprox(Quat::Identity())) {
       root_ = static_cast<int>(nodes.size());
       nodes.push_back({{"name", "axes"},
-                       {"rotation", Numbers(motion_.gltf_from_source.normalized())},
+                       {"rotation", Numbers(motion_.canonical_from_source.normalized())},
                        {"children", {0}}});
     }
     json_["nodes"] = std::move(nodes);
@@ -377,7 +386,7 @@ class Document {
     return glb;
   }
 
-  const GlbMotion& motion_;
+  const Motion& motion_;
   BindPose bind_;
   Times times_;
   Buffer buffer_;
@@ -387,13 +396,13 @@ class Document {
 
 }  // namespace
 
-Result<std::vector<std::byte>> FormatGlb(const GlbMotion& motion) {
+Result<std::vector<std::byte>> FormatGlb(const Motion& motion) {
   const Status status = Check(motion);
   if (!status.ok()) return status;
   return Document(motion).Make();
 }
 
-Status WriteGlb(const GlbMotion& motion, const std::filesystem::path& file) {
+Status WriteGlb(const Motion& motion, const std::filesystem::path& file) {
   const auto bytes = FormatGlb(motion);
   if (!bytes.ok()) return Status::Error(file.string() + ": " + bytes.status().message());
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"),

@@ -1,4 +1,4 @@
-// stylize: BVH in, BVH out, through the very stylist that the daemon runs.
+// stylize: a BVH clip in, a styled one out, through the stylist that the daemon runs.
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include "model/clip/avatar.h"
 #include "model/clip/clip.h"
-#include "model/clip/glb_write.h"
+#include "model/clip/write.h"
 #include "model/erd/network.h"
 #include "model/erd/shipped_weights.h"
 #include "model/rig/dialects.h"
@@ -197,25 +197,16 @@ Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Bi
   return Status::Ok();
 }
 
-bool EndsIn(const std::string& file, std::string_view extension) {
-  return file.size() > extension.size() && file.ends_with(extension);
-}
-
 // `binding`: of the skeleton that is written.
 Status Write(const Arguments& arguments, const styled::rig::Binding& binding, bool in_metres,
-             styled::clip::Clip& clip) {
-  if (!EndsIn(arguments.out, ".glb")) return styled::clip::WriteBvh(clip, arguments.out);
-  styled::clip::GlbMotion motion;
-  motion.skeleton = clip.skeleton;
-  for (std::size_t i = 0; i < clip.frames.size(); ++i) {
-    motion.times_s.push_back(static_cast<double>(i) / clip.rate_hz);
-  }
-  motion.frames = std::move(clip.frames);
+             styled::clip::Clip clip) {
+  styled::clip::Motion motion;
+  static_cast<styled::clip::Clip&>(motion) = std::move(clip);
   motion.rest = binding.spec().rest_rotations;
-  motion.gltf_from_source = binding.spec().canonical_from_source;
+  motion.canonical_from_source = binding.spec().canonical_from_source;
   // A BVH does not say its unit: a body of the humanoid's height, then.
   motion.metres_per_unit = in_metres ? 1 : binding.scale();
-  return styled::clip::WriteGlb(motion, arguments.out);
+  return styled::clip::Write(arguments.out, motion);
 }
 
 int Run(const Arguments& arguments) {
@@ -252,7 +243,7 @@ int Run(const Arguments& arguments) {
     clip.value().channels.clear();
     clip.value().end_sites.clear();
   }
-  const Status written = Write(arguments, written_on, in_metres, clip.value());
+  const Status written = Write(arguments, written_on, in_metres, std::move(clip.value()));
   if (!written.ok()) return Fail(written);
   if (failed == 0) return 0;
   std::fprintf(
@@ -298,7 +289,11 @@ int main(int argc, char** argv) {
       ->excludes("--bind-only");
   app.add_flag("--list", arguments.list, "print the styles of the weights");
   CLI::Option* in = app.add_option("in", arguments.in, "input BVH");
-  CLI::Option* out = app.add_option("out", arguments.out, "output: .bvh or .glb");
+  CLI::Option* out =
+      app.add_option("out", arguments.out, "output file: " + styled::clip::FormatNames())
+          ->check([](const std::string& file) {
+            return styled::clip::FindFormat(file).status().message();
+          });
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -16,7 +16,7 @@ using rig::Vec3;
 
 // The canonical humanoid, half as tall again, as an avatar's file in centimetres.
 void WriteAvatar(const std::string& file, float metres_per_unit, float taller) {
-  clip::GlbMotion motion;
+  clip::Motion motion;
   for (const auto& row : body::kHumanoid) {
     motion.skeleton.names.emplace_back(row.name);
     motion.skeleton.parents.push_back(row.parent);

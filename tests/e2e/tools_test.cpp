@@ -146,6 +146,7 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
            {STYLIZE_BINARY},
            {STYLIZE_BINARY, "--no-such-option", in, out},
            {STYLIZE_BINARY, "--strength", "much", in, out},
+           {STYLIZE_BINARY, "--style", "elderly", in, folder_ / "out.fbx"},
            {STYLIZE_BINARY, "--bind-only", "--style", "elderly", in, out},
            {STYLESIM_BINARY, "--rate", "0"},
            {STYLESIM_BINARY, "--performer", "a b"},
@@ -168,6 +169,15 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
   WriteText(in, "HIERARCHY\n");
   EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, out}), 1);
   EXPECT_NE(said_.find(in + ":2: found the end, expected ROOT"), std::string::npos) << said_;
+}
+
+TEST_F(ToolsTest, StylizeWritesTheFormatOfTheExtension) {
+  const std::string in = Walk();
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, folder_ / "out.glb"}), 0) << said_;
+  EXPECT_EQ(ReadText(folder_ / "out.glb").substr(0, 4), "glTF");
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, folder_ / "out"}), 2);
+  EXPECT_NE(said_.find("out: found no extension, expected one of .bvh, .glb"), std::string::npos)
+      << said_;
 }
 
 // Without a pace it would flood whoever listens.

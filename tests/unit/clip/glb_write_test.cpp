@@ -24,9 +24,9 @@ using rig::Vec3;
 using testing::HasSubstr;
 
 // Two chains in centimetres, Z up, with rests, that wander.
-GlbMotion Wandering(int frames = 20) {
+Motion Wandering(int frames = 20) {
   Random random(5);
-  GlbMotion motion;
+  Motion motion;
   motion.name = "walk";
   motion.skeleton.names = {"hips", "spine", "head", "leg", "foot"};
   motion.skeleton.parents = {-1, 0, 1, 0, 3};
@@ -34,7 +34,7 @@ GlbMotion Wandering(int frames = 20) {
                              Vec3(0, 2, -80)};
   for (int joint = 0; joint < 5; ++joint) motion.rest.push_back(random.Turn(1));
   motion.metres_per_unit = 0.01F;
-  motion.gltf_from_source = Quat(Eigen::AngleAxisf(-1.5707963F, Vec3::UnitX()));
+  motion.canonical_from_source = Quat(Eigen::AngleAxisf(-1.5707963F, Vec3::UnitX()));
   rig::RigPose pose(motion.skeleton);
   for (int frame = 0; frame < frames; ++frame) {
     for (Quat& q : pose.rotations) q = (q * random.Turn(0.2F)).normalized();
@@ -125,45 +125,45 @@ struct Glb {
   }
 };
 
-Glb Format(const GlbMotion& motion) {
+Glb Format(const Motion& motion) {
   const auto bytes = FormatGlb(motion);
   EXPECT_TRUE(bytes.ok()) << bytes.status().message();
   return Glb(bytes.value());
 }
 
 TEST(WriteGlb, RefusesWhatIsNoMotionOneByOne) {
-  const auto error = [](const std::function<void(GlbMotion&)>& change) {
-    GlbMotion motion = Wandering(3);
+  const auto error = [](const std::function<void(Motion&)>& change) {
+    Motion motion = Wandering(3);
     change(motion);
     return FormatGlb(motion).status().message();
   };
-  EXPECT_EQ(error([](GlbMotion&) {}), "");
-  EXPECT_THAT(error([](GlbMotion& m) { m.frames.clear(); }), HasSubstr("without joints or frames"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.skeleton = {}; }), HasSubstr("without joints or frames"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.skeleton.parents.pop_back(); }), HasSubstr("sizes"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.rest.pop_back(); }), HasSubstr("sizes"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.times_s.pop_back(); }), HasSubstr("sizes"));
+  EXPECT_EQ(error([](Motion&) {}), "");
+  EXPECT_THAT(error([](Motion& m) { m.frames.clear(); }), HasSubstr("without joints or frames"));
+  EXPECT_THAT(error([](Motion& m) { m.skeleton = {}; }), HasSubstr("without joints or frames"));
+  EXPECT_THAT(error([](Motion& m) { m.skeleton.parents.pop_back(); }), HasSubstr("sizes"));
+  EXPECT_THAT(error([](Motion& m) { m.rest.pop_back(); }), HasSubstr("sizes"));
+  EXPECT_THAT(error([](Motion& m) { m.times_s.pop_back(); }), HasSubstr("sizes"));
   for (const float unit : {0.0F, -1.0F, std::nanf(""), INFINITY}) {
-    EXPECT_THAT(error([&](GlbMotion& m) { m.metres_per_unit = unit; }), HasSubstr("unit"));
+    EXPECT_THAT(error([&](Motion& m) { m.metres_per_unit = unit; }), HasSubstr("unit"));
   }
-  EXPECT_THAT(error([](GlbMotion& m) { m.skeleton.parents[1] = 2; }), HasSubstr("joint 1"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.skeleton.parents[0] = 0; }), HasSubstr("joint 0"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.skeleton.offsets[2].x() = NAN; }), HasSubstr("joint 2"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.frames[1].rotations.pop_back(); }), HasSubstr("frame 1"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.frames[2].rotations[3].x() = NAN; }),
+  EXPECT_THAT(error([](Motion& m) { m.skeleton.parents[1] = 2; }), HasSubstr("joint 1"));
+  EXPECT_THAT(error([](Motion& m) { m.skeleton.parents[0] = 0; }), HasSubstr("joint 0"));
+  EXPECT_THAT(error([](Motion& m) { m.skeleton.offsets[2].x() = NAN; }), HasSubstr("joint 2"));
+  EXPECT_THAT(error([](Motion& m) { m.frames[1].rotations.pop_back(); }), HasSubstr("frame 1"));
+  EXPECT_THAT(error([](Motion& m) { m.frames[2].rotations[3].x() = NAN; }),
               HasSubstr("frame 2, joint 3"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.frames[2].rotations[3].coeffs().setZero(); }),
+  EXPECT_THAT(error([](Motion& m) { m.frames[2].rotations[3].coeffs().setZero(); }),
               HasSubstr("frame 2, joint 3"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.frames[0].translations[0].y() = INFINITY; }),
+  EXPECT_THAT(error([](Motion& m) { m.frames[0].translations[0].y() = INFINITY; }),
               HasSubstr("frame 0, joint 0"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.times_s[2] = m.times_s[1]; }), HasSubstr("frame 2"));
-  EXPECT_THAT(error([](GlbMotion& m) { m.times_s[1] = NAN; }), HasSubstr("frame 1"));
+  EXPECT_THAT(error([](Motion& m) { m.times_s[2] = m.times_s[1]; }), HasSubstr("frame 2"));
+  EXPECT_THAT(error([](Motion& m) { m.times_s[1] = NAN; }), HasSubstr("frame 1"));
 }
 
 TEST(WriteGlb, NamesTheFileThatCannotBeWritten) {
   EXPECT_THAT(WriteGlb(Wandering(2), "/nonexistent/x.glb").message(),
               HasSubstr("/nonexistent/x.glb: found a place that cannot be written"));
-  GlbMotion none = Wandering(2);
+  Motion none = Wandering(2);
   none.frames.clear();
   EXPECT_THAT(WriteGlb(none, "/tmp/x.glb").message(), HasSubstr("/tmp/x.glb: found a motion"));
 }
@@ -178,7 +178,7 @@ TEST(WriteGlb, SaysWhoMadeItAndNamesTheJoints) {
 }
 
 TEST(WriteGlb, TimesAreTheFramesOwnFromZero) {
-  const GlbMotion motion = Wandering();
+  const Motion motion = Wandering();
   const Glb glb = Format(motion);
   const json& input =
       glb.document["accessors"][glb.document["animations"][0]["samplers"][0]["input"].get<int>()];
@@ -191,8 +191,21 @@ TEST(WriteGlb, TimesAreTheFramesOwnFromZero) {
   EXPECT_EQ(input["max"][0], times.back());
 }
 
+TEST(WriteGlb, WithoutTimesTheFramesAreAtTheClipsRate) {
+  Motion motion = Wandering(4);
+  motion.times_s.clear();
+  motion.rate_hz = 50;
+  const Glb glb = Format(motion);
+  EXPECT_EQ(glb.Values(glb.document["animations"][0]["samplers"][0]["input"]),
+            (std::vector<float>{0, 0.02F, 0.04F, 0.06F}));
+  for (const double rate_hz : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    motion.rate_hz = rate_hz;
+    EXPECT_THAT(FormatGlb(motion).status().message(), HasSubstr("rate"));
+  }
+}
+
 TEST(WriteGlb, FramesThatFloatSecondsCannotTellApartAreLeftOut) {
-  GlbMotion motion = Wandering(4);
+  Motion motion = Wandering(4);
   motion.times_s = {0, 36000, 36000.0001, 36001};
   const Glb glb = Format(motion);
   EXPECT_EQ(glb.Values(glb.document["animations"][0]["samplers"][0]["input"]),
@@ -201,7 +214,7 @@ TEST(WriteGlb, FramesThatFloatSecondsCannotTellApartAreLeftOut) {
 
 // Forward kinematics of the file against the project's own, in metres and glTF's axes.
 TEST(WriteGlb, EveryJointIsWhereTheMotionHasIt) {
-  const GlbMotion motion = Wandering();
+  const Motion motion = Wandering();
   const Glb glb = Format(motion);
   std::vector<Vec3> positions;
   std::vector<Quat> rotations;
@@ -209,19 +222,19 @@ TEST(WriteGlb, EveryJointIsWhereTheMotionHasIt) {
     const auto world = glb.World(static_cast<int>(frame));
     rig::WorldTransforms(motion.skeleton, motion.frames[frame], positions, rotations);
     for (std::size_t j = 0; j < positions.size(); ++j) {
-      const Vec3 expected_m = motion.gltf_from_source * (positions[j] * 0.01F);
+      const Vec3 expected_m = motion.canonical_from_source * (positions[j] * 0.01F);
       EXPECT_LT((Vec3(world[j].topRightCorner<3, 1>()) - expected_m).norm(), 1e-5F);
-      const Eigen::Matrix3f turn = (motion.gltf_from_source * rotations[j]).toRotationMatrix();
+      const Eigen::Matrix3f turn = (motion.canonical_from_source * rotations[j]).toRotationMatrix();
       EXPECT_LT((world[j].topLeftCorner<3, 3>() - turn).norm(), 1e-4F);
     }
   }
 }
 
 TEST(WriteGlb, WithoutAnAnimationTheNodesStandInTheRestPose) {
-  const GlbMotion motion = Wandering();
+  const Motion motion = Wandering();
   const auto world = Format(motion).World(-1);
   for (std::size_t j = 0; j < motion.rest.size(); ++j) {
-    const Eigen::Matrix3f turn = (motion.gltf_from_source * motion.rest[j]).toRotationMatrix();
+    const Eigen::Matrix3f turn = (motion.canonical_from_source * motion.rest[j]).toRotationMatrix();
     EXPECT_LT((world[j].topLeftCorner<3, 3>() - turn).norm(), 1e-5F);
   }
 }
@@ -229,7 +242,7 @@ TEST(WriteGlb, WithoutAnAnimationTheNodesStandInTheRestPose) {
 // Skinning by the specification: at rest the mesh is as it was modelled; in a frame the first
 // corner of every bone, its head, is at its joint.
 TEST(WriteGlb, BonesMoveWithTheirJoints) {
-  const GlbMotion motion = Wandering();
+  const Motion motion = Wandering();
   const Glb glb = Format(motion);
   const json& attributes = glb.document["meshes"][0]["primitives"][0]["attributes"];
   const auto vertices = glb.Values(attributes["POSITION"]);
@@ -248,7 +261,7 @@ TEST(WriteGlb, BonesMoveWithTheirJoints) {
       const Eigen::Vector4f moved = world[joint] * bind * corner;
       EXPECT_LT((moved.head<3>() - world[joint].topRightCorner<3, 1>()).norm(), 1e-5F);
       if (key < 0) {
-        const Vec3 modelled = motion.gltf_from_source * Vec3(corner.head<3>());
+        const Vec3 modelled = motion.canonical_from_source * Vec3(corner.head<3>());
         EXPECT_LT((moved.head<3>() - modelled).norm(), 1e-5F);
       }
     }
@@ -277,8 +290,8 @@ TEST(WriteGlb, NormalsPointOutwards) {
 }
 
 TEST(WriteGlb, AJointThatMovesGetsATranslationAndTheOthersDoNot) {
-  GlbMotion motion = Wandering();
-  const auto translated = [](const GlbMotion& m) {
+  Motion motion = Wandering();
+  const auto translated = [](const Motion& m) {
     std::vector<int> nodes;
     const Glb glb = Format(m);
     for (const json& channel : glb.document["animations"][0]["channels"]) {
@@ -292,7 +305,7 @@ TEST(WriteGlb, AJointThatMovesGetsATranslationAndTheOthersDoNot) {
 }
 
 TEST(WriteGlb, RotationsGoTheShorterWay) {
-  GlbMotion motion = Wandering();
+  Motion motion = Wandering();
   for (std::size_t i = 1; i < motion.frames.size(); i += 2) {
     motion.frames[i].rotations[1].coeffs() *= -1;
   }
@@ -310,7 +323,7 @@ TEST(WriteGlb, RotationsGoTheShorterWay) {
 }
 
 TEST(WriteGlb, ASingleJointWithANameOfNoEncodingIsShown) {
-  GlbMotion motion;
+  Motion motion;
   motion.skeleton = {{"h\xFC\x66te"}, {-1}, {Vec3(0, 1, 0)}};
   motion.frames.emplace_back(motion.skeleton);
   motion.times_s = {0};

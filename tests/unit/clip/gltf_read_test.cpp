@@ -180,7 +180,7 @@ TEST_F(GltfReadTest, AMatrixIsATransformToo) {
 }
 
 TEST_F(GltfReadTest, ABinaryFileOfOurOwnIsRead) {
-  GlbMotion motion;
+  Motion motion;
   motion.skeleton = rig::HumanoidSkeleton();
   motion.times_s = {0, 1};
   motion.frames = {rig::RigPose(motion.skeleton), rig::RigPose(motion.skeleton)};

@@ -71,7 +71,9 @@ TEST_F(CliTest, BadCommandLinesEndWithTwoAndSayWhatWasExpected) {
   expect({"rewind"}, "rewind");
   expect({"info"}, "FILE is required");
   expect({"play", "x"}, "play: nothing to play to; expected --to or --publish");
-  expect({"export", "x", "--performer", "rig.a"}, "expected --bvh or --glb");
+  expect({"export", "x", "--performer", "rig.a"}, "expected --out FILE, of .bvh, .glb");
+  expect({"export", "x", "--performer", "rig.a", "--out", "y.fbx"},
+         "y.fbx: found extension .fbx, expected one of .bvh, .glb");
   expect({"export", "x", "--glb", "y"}, "--performer is required");
   expect({"export", "x", "--performer", "rig.a", "--glb", "y", "--what", "a/b"}, "a/b");
   expect({"export", "x", "--performer", "rig.a", "--glb", "y", "--rate", "0"}, "--rate");
@@ -305,6 +307,24 @@ TEST_F(CliTest, AnExportIsReadBackAsItWasRecorded) {
       Run({"export", file, "--performer", "rig.a", "--bvh", bvh, "--rate", "25", "--overwrite"}),
       kExitOk);
   EXPECT_EQ(clip::ReadBvh(bvh).value().frames.size(), 13U);
+}
+
+TEST_F(CliTest, AnExportHasTheFormatOfItsFilesExtension) {
+  const std::string file = Write("x", Motion());
+  const auto run = [&](std::vector<std::string> files) {
+    files.insert(files.begin(), {"export", file, "--performer", "rig.a"});
+    return Run(files);
+  };
+  ASSERT_EQ(run({"--bvh", folder_ / "one", "--glb", folder_ / "two"}), kExitOk) << err_.str();
+  ASSERT_EQ(run({"--out", folder_ / "x.BVH", "--out", folder_ / "x.glb"}), kExitOk) << err_.str();
+  const auto text = [&](const char* name) {
+    std::ifstream in(folder_ / name, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  EXPECT_THAT(text("x.BVH"), HasSubstr("HIERARCHY"));
+  EXPECT_EQ(text("x.BVH"), text("one"));
+  EXPECT_EQ(text("x.glb").substr(0, 4), "glTF");
+  EXPECT_EQ(text("x.glb"), text("two"));
 }
 
 }  // namespace

@@ -199,9 +199,10 @@ TEST_F(TakeTest, AxesAndAnUnknownUnitAreThoseOfTheTPose) {
   EXPECT_FALSE(take.unit_known);
   EXPECT_NEAR(take.metres_per_unit, 0.0254F, 1e-6F);
   EXPECT_LT(take.canonical_from_source.angularDistance(z_up.conjugate()), 1e-4F);
-  const auto glb = ToGlb(take);
-  EXPECT_EQ(glb.metres_per_unit, take.metres_per_unit);
-  EXPECT_TRUE(glb.gltf_from_source.isApprox(take.canonical_from_source));
+  const auto motion = ToMotion(take, 0, *clip::FindFormat("a.glb").value());
+  ASSERT_TRUE(motion.ok());
+  EXPECT_EQ(motion.value().metres_per_unit, take.metres_per_unit);
+  EXPECT_TRUE(motion.value().canonical_from_source.isApprox(take.canonical_from_source));
 }
 
 TEST_F(TakeTest, WhatIsNoHumanoidIsTakenAsItIs) {
@@ -284,11 +285,25 @@ TEST_F(ToClipTest, AnotherRateKeepsTheTimeToo) {
   ASSERT_TRUE(clip.ok());
   EXPECT_EQ(clip.value().rate_hz, 30);
   ASSERT_EQ(clip.value().frames.size(), 31U);
-  const auto glb = ToGlb(take, clip.value());
-  ASSERT_EQ(glb.times_s.size(), 31U);
+  const auto motion = ToMotion(take, 30, *clip::FindFormat("a.glb").value()).value();
+  EXPECT_TRUE(motion.times_s.empty());
+  EXPECT_EQ(motion.rate_hz, 30);
+  EXPECT_EQ(motion.skeleton.offsets[0], take.skeleton.offsets[0]);
+  ASSERT_EQ(motion.frames.size(), 31U);
   for (std::size_t i = 0; i < 31; ++i) {
-    EXPECT_NEAR(glb.frames[i].translations[0].y(), glb.times_s[i], 1e-5);
+    EXPECT_NEAR(motion.frames[i].translations[0].y(), static_cast<double>(i) / 30, 1e-5);
   }
+}
+
+TEST_F(ToClipTest, AFormatKeepsTheFramesTimesOrTakesAConstantRate) {
+  const Take take = At(Regular(50, 120, 0.2));
+  const auto glb = ToMotion(take, 0, *clip::FindFormat("a.glb").value()).value();
+  EXPECT_EQ(glb.times_s, take.times_s);
+  EXPECT_EQ(glb.skeleton.offsets[0], take.skeleton.offsets[0]);
+  const auto bvh = ToMotion(take, 0, *clip::FindFormat("a.bvh").value()).value();
+  EXPECT_TRUE(bvh.times_s.empty());
+  EXPECT_EQ(bvh.rate_hz, 120);
+  EXPECT_TRUE(bvh.skeleton.offsets[0].isZero());
 }
 
 }  // namespace
