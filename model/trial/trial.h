@@ -28,7 +28,7 @@ struct Figures {
 };
 
 // Bounds of a network that can be used at all, whatever its quality. What picked them:
-// model/weights/README.md, "The trial run".
+// model/weights/RESULTS.md, "The trial run".
 inline constexpr Figures kMost{1.8F, 1.8F, 1000.0F, 100.0F};
 
 // Tries `network`. The error names `name` (its file), style, frame, joint, what was expected and

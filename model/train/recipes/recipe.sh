@@ -1,0 +1,93 @@
+# shellcheck shell=bash disable=SC2034
+# Sourced by the recipes: reads their arguments and runs styletrain and styleeval. A recipe says
+# first what it makes, in its own comment, and then calls
+#   train NAME LENGTH [OPTIONS...]       a run of styletrain in the folder $runs/NAME, or its resumption
+#   add_style NAME LENGTH [OPTIONS...]   the same of styletrain add-style
+#   evaluate [OPTIONS...]                styleeval
+# LENGTH is styletrain's: "--minutes 95" or "--iterations 9000".
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../.." && pwd)
+name=$(basename "$0" .sh)
+weights=$root/model/weights
+manifests=$weights/manifests
+
+recipe_usage() {
+  cat <<USAGE
+usage: model/train/recipes/$name.sh [--dry-run] [--smoke] ${recipe_needs:-}RUNS
+  RUNS       folder for the runs, made where there is none
+  --dry-run  print the commands
+  --smoke    two iterations of each run: shows that the commands work, and nothing else
+STYLED_DATA  the folder of the unpacked clips: bandai-1, bandai-2-train, bandai-2-val
+STYLED_BIN   the folder of styletrain and styleeval; default build/release/bin
+USAGE
+}
+recipe_refuse() {
+  echo "$name: $*" >&2
+  exit 2
+}
+
+dry_run=no
+smoke=no
+arguments=()
+for argument in "$@"; do
+  case "$argument" in
+    --dry-run) dry_run=yes ;;
+    --smoke) smoke=yes ;;
+    -h | --help)
+      recipe_usage
+      exit 0
+      ;;
+    -*) recipe_refuse "unknown option '$argument'; see --help" ;;
+    *) arguments+=("$argument") ;;
+  esac
+done
+wanted=$([ -n "${recipe_needs:-}" ] && echo 2 || echo 1)
+[ ${#arguments[@]} = "$wanted" ] ||
+  recipe_refuse "expected $wanted arguments, found ${#arguments[@]}; see --help"
+runs=${arguments[-1]}
+data=${STYLED_DATA:-}
+[ "$dry_run" = no ] || data=${data:-DIR}
+bin=${STYLED_BIN:-$root/build/release/bin}
+if [ "$dry_run" = no ]; then
+  [ -n "$data" ] || recipe_refuse "STYLED_DATA is not set; expected the folder of the unpacked clips"
+  for folder in bandai-1 bandai-2-train bandai-2-val; do
+    [ -d "$data/$folder" ] || recipe_refuse "STYLED_DATA: $data has no folder $folder; unpack the archives"
+  done
+  for program in styletrain styleeval; do
+    [ -x "$bin/$program" ] || recipe_refuse "$bin/$program is missing; sim/setup.sh train builds it"
+  done
+  mkdir -p "$runs"
+fi
+export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1} OMP_WAIT_POLICY=passive
+
+recipe_run() {
+  printf '%s' "${1##*/}"
+  printf ' %q' "${@:2}"
+  echo
+  [ "$dry_run" = yes ] || "$@"
+}
+
+declare -A recipe_sessions=()  # of each run in this recipe: a resumed one goes on
+recipe_train() {  # recipe_train COMMAND... -- NAME LENGTH_OPTION LENGTH OPTIONS...
+  local command=() length
+  while [ "$1" != -- ]; do
+    command+=("$1")
+    shift
+  done
+  local run=$2
+  length=("$3" "$4")
+  shift 4
+  if [ "$smoke" = yes ]; then
+    recipe_sessions[$run]=$((${recipe_sessions[$run]:-0} + 2))
+    length=(--iterations "${recipe_sessions[$run]}")
+    set -- "$@" --log-every 1
+    case " $* " in *" --classifier-iterations "*) ;; *) set -- "$@" --classifier-iterations 2 ;; esac
+  fi
+  recipe_run "${command[@]}" --data "$data" --out "$runs/$run" "${length[@]}" "$@"
+}
+train() { recipe_train "$bin/styletrain" -- "$@"; }
+add_style() { recipe_train "$bin/styletrain" add-style -- "$@"; }
+evaluate() {
+  [ "$smoke" = no ] || set -- "$@" --judge-iterations 2 --long 0
+  recipe_run "$bin/styleeval" --data "$data" --cache "$runs/judges" "$@"
+}
