@@ -12,7 +12,7 @@
 #include "model/base/status.h"
 #include "model/body/features.h"
 #include "model/clip/manifest.h"
-#include "model/train/networks.h"
+#include "model/train/erd/networks.h"
 
 namespace styled::train {
 

@@ -15,8 +15,8 @@
 #include "model/erd/network.h"
 #include "model/train/checkpoint.h"
 #include "model/train/curve.h"
-#include "model/train/learner.h"
-#include "model/train/monitor.h"
+#include "model/train/erd/learner.h"
+#include "model/train/erd/monitor.h"
 
 namespace styled::train {
 namespace {

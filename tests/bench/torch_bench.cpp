@@ -21,7 +21,7 @@
 #include "model/erd/kernel.h"
 #include "model/train/blas.h"
 #include "model/train/checkpoint.h"
-#include "model/train/lstm.h"
+#include "model/train/erd/lstm.h"
 #include "tests/bench/plain_step.h"
 #include "tests/bench/step_run.h"
 

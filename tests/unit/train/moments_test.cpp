@@ -1,4 +1,4 @@
-#include "model/train/moments.h"
+#include "model/train/erd/moments.h"
 
 #include <gtest/gtest.h>
 

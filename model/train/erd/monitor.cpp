@@ -1,9 +1,9 @@
-#include "model/train/monitor.h"
+#include "model/train/erd/monitor.h"
 
 #include <algorithm>
 
+#include "model/train/erd/moments.h"
 #include "model/train/geometry.h"
-#include "model/train/moments.h"
 
 namespace styled::train {
 namespace {

@@ -1,4 +1,4 @@
-#include "model/train/learner.h"
+#include "model/train/erd/learner.h"
 
 #include <algorithm>
 #include <iostream>

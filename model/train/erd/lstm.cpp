@@ -1,4 +1,4 @@
-#include "model/train/lstm.h"
+#include "model/train/erd/lstm.h"
 
 #include <Eigen/Dense>
 

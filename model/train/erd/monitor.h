@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "model/train/dataset.h"
-#include "model/train/networks.h"
+#include "model/train/erd/networks.h"
 
 namespace styled::train {
 

@@ -1,10 +1,10 @@
-#include "model/train/networks.h"
+#include "model/train/erd/networks.h"
 
 #include <cmath>
 
 #include "model/body/features.h"
 #include "model/erd/network.h"
-#include "model/train/lstm.h"
+#include "model/train/erd/lstm.h"
 
 namespace styled::train {
 namespace {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <iostream>
 
+#include "model/train/erd/learner.h"
 #include "model/train/geometry.h"
-#include "model/train/learner.h"
 
 namespace styled::train {
 

@@ -12,8 +12,8 @@
 #include "model/train/adam.h"
 #include "model/train/checkpoint.h"
 #include "model/train/dataset.h"
-#include "model/train/moments.h"
-#include "model/train/networks.h"
+#include "model/train/erd/moments.h"
+#include "model/train/erd/networks.h"
 #include "model/train/sampler.h"
 #include "model/train/trainer.h"
 
