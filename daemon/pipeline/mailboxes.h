@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "daemon/pipeline/avatar_output.h"
+#include "daemon/pipeline/retarget_output.h"
 #include "daemon/pipeline/cues.h"
 #include "daemon/pipeline/profile.h"
 #include "daemon/runtime/ring.h"

@@ -14,7 +14,7 @@
 #include "daemon/pipeline/profile.h"
 #include "daemon/pipeline/schedule.h"
 #include "daemon/pipeline/session.h"
-#include "daemon/pipeline/stance.h"
+#include "daemon/pipeline/pose_history.h"
 #include "daemon/publish/frame_message.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/publish/subscriptions.h"

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/avatar_output.h"
+#include "daemon/pipeline/retarget_output.h"
 
 #include <algorithm>
 #include <utility>
