@@ -144,8 +144,8 @@ int main(int argc, char** argv) {
   if (!arguments.check_file.empty()) {
     // Presets are only as right as the weights that they are for.
     std::uint32_t crc = 0;
-    const auto live = styled::MakeLive(config.value(), nullptr, crc);
-    if (!live.ok()) return Refuse(live.status().message(), kBadArguments);
+    const auto made = styled::pipeline::MakeRuntimeConfig(config.value(), nullptr, crc);
+    if (!made.ok()) return Refuse(made.status().message(), kBadArguments);
     const auto folder = styled::config::CheckRecordFolder(config.value().record.file);
     if (!folder.ok()) return Refuse(arguments.check_file + ": " + folder.message(), kBadArguments);
     for (const auto& warning : styled::config::MissingInterfaces(config.value())) {

@@ -73,9 +73,9 @@ Supervisor::~Supervisor() {
 
 Status Supervisor::Start() {
   notifier_.Say("reading the weights");
-  auto live = MakeLive(config_, nullptr, weights_crc_);
-  if (!live.ok()) return live.status();
-  live_ = live.value();
+  auto made = pipeline::MakeRuntimeConfig(config_, nullptr, weights_crc_);
+  if (!made.ok()) return made.status();
+  runtime_config_ = made.value();
   Status status = OpenSources();
   if (status.ok()) status = OpenGate();
   if (status.ok()) status = OpenSockets();
@@ -87,10 +87,11 @@ Status Supervisor::Start() {
     types.push_back(source.type);
   }
   pipeline_ = std::make_unique<pipeline::Pipeline>(
-      pipeline::Surroundings{clock_, counters_, *publisher_, mailboxes_, recorder_.get(),
+      pipeline::Dependencies{clock_, counters_, *publisher_, mailboxes_, recorder_.get(),
                              config_.realtime.prewarm || config_.realtime.wait == "hybrid",
                              config_.realtime.prewarm},
-      std::move(names), std::move(transports_), live_, epoch_, config_.publish.max_subscriptions);
+      std::move(names), std::move(transports_), runtime_config_, epoch_,
+      config_.publish.max_subscriptions);
   pipeline_->SetSourceTypes(std::move(types));
   RestoreProfiles();
   if (config_.realtime.lock_memory) {
@@ -100,7 +101,7 @@ Status Supervisor::Start() {
   status = WriteReadyFile();
   if (status.ok()) {
     spdlog::info("styled {} ready: weights {}, publishing on {}, control on {}", STYLED_VERSION,
-                 live_->weights_name, publish_endpoint_, control_endpoint_);
+                 runtime_config_->weights_name, publish_endpoint_, control_endpoint_);
     notifier_.Ready("ready");
   }
   return status;
@@ -261,9 +262,12 @@ void Supervisor::StartThreads() {
 
 Status Supervisor::WriteReadyFile() const {
   if (origin_.ready_file.empty()) return Status::Ok();
-  nlohmann::json ready{
-      {"pid", getpid()},      {"publish", publish_endpoint_},   {"control", control_endpoint_},
-      {"osc", osc_endpoint_}, {"weights", live_->weights_name}, {"epoch", epoch_}};
+  nlohmann::json ready{{"pid", getpid()},
+                       {"publish", publish_endpoint_},
+                       {"control", control_endpoint_},
+                       {"osc", osc_endpoint_},
+                       {"weights", runtime_config_->weights_name},
+                       {"epoch", epoch_}};
   for (std::size_t i = 0; i < config_.sources.size(); ++i) {
     ready["sources"].push_back({{"name", config_.sources[i].name},
                                 {"type", config_.sources[i].type},
@@ -318,7 +322,7 @@ void Supervisor::Stop() {
   notifier_.Stopping();
   pipeline_loop_->Stop();
   pipeline_thread_.join();
-  KeepProfiles(pipeline_->TakeUnkept());
+  KeepProfiles(pipeline_->PopUnsaved());
   LogEvents();
   CloseRecording();
 }
@@ -338,21 +342,22 @@ Status Supervisor::TakeOver() {
   auto fresh = config::Load(origin_.file, origin_.overrides);
   if (!fresh.ok()) return fresh.status();
   std::uint32_t crc = weights_crc_;
-  auto live = MakeLive(fresh.value(), live_.get(), crc);
-  if (!live.ok()) return live.status();
-  auto parcel = live.value();
+  auto made = pipeline::MakeRuntimeConfig(fresh.value(), runtime_config_.get(), crc);
+  if (!made.ok()) return made.status();
+  auto parcel = made.value();
   if (!mailboxes_.reloads.Push(std::move(parcel))) {
     return Status::Error("the last reload is still under way");
   }
   mailboxes_.wake_pipeline.Signal();
   WarnOfRestartKeys(fresh.value());
-  live_ = live.value();
+  runtime_config_ = made.value();
   weights_crc_ = crc;
   config_.log = fresh.value().log;
   config_.presets = fresh.value().presets;
   spdlog::set_level(spdlog::level::from_str(config_.log.level));
   counters_.Add(runtime::Counter::kConfigReloads);
-  spdlog::info("reloaded: weights {}, {} presets", live_->weights_name, live_->presets.size());
+  spdlog::info("reloaded: weights {}, {} presets", runtime_config_->weights_name,
+               runtime_config_->presets.size());
   return Status::Ok();
 }
 

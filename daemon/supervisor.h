@@ -12,6 +12,7 @@
 #include "daemon/pipeline/mailboxes.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/pipeline_thread.h"
+#include "daemon/pipeline/runtime_config.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
@@ -75,7 +76,7 @@ class Supervisor {
   pipeline::Mailboxes mailboxes_;
   void* context_;
   std::uint64_t epoch_;
-  std::shared_ptr<const pipeline::Live> live_;
+  std::shared_ptr<const pipeline::RuntimeConfig> runtime_config_;
   std::uint32_t weights_crc_ = 0;
   std::string publish_endpoint_, osc_endpoint_, control_endpoint_;
   std::vector<std::string> source_endpoints_;
@@ -90,12 +91,5 @@ class Supervisor {
   std::array<std::uint64_t, static_cast<std::size_t>(runtime::Counter::kCount)> logged_{};
   std::uint64_t frames_said_ = 0;
 };
-
-// What a configuration means together with its weights: reads them, checks presets and the initial
-// style against them. `running`: used on where the file holds the same bytes (of CRC `crc`,
-// updated).
-Result<std::shared_ptr<const pipeline::Live>> MakeLive(const config::Config& config,
-                                                       const pipeline::Live* running,
-                                                       std::uint32_t& crc);
 
 }  // namespace styled

@@ -98,20 +98,20 @@ Commands::Targets Commands::Find(const std::string& performer, v1::Reply& reply)
 
 void Commands::List(v1::Reply& reply) const {
   auto& list = *reply.mutable_list();
-  const auto& styles = roster_.live().network->metadata().styles;
+  const auto& styles = roster_.config().network->metadata().styles;
   for (std::size_t i = 0; i < styles.size(); ++i) {
     auto& info = *list.add_styles();
     info.set_name(styles[i].name);
     for (const auto& alias : styles[i].aliases) info.add_aliases(alias);
     info.set_neutral(i == 0);
   }
-  for (const Cue& cue : roster_.live().cues) {
+  for (const Cue& cue : roster_.config().cues) {
     auto& info = *list.add_cues();
     info.set_name(cue.name);
     info.set_performer(cue.performer);
     if (cue.at) info.set_at(TimecodeText(*cue.at));
   }
-  for (const auto& preset : roster_.live().presets) {
+  for (const auto& preset : roster_.config().presets) {
     auto& info = *list.add_presets();
     info.set_name(preset.name);
     for (const auto& [style, weight] : preset.mix) {
@@ -130,7 +130,7 @@ void Commands::Applied(const Profile& profile, v1::Reply& reply) const {
 
 template <typename Change>
 void Commands::ChangeLooks(const std::string& performer, Change change, v1::Reply& reply) {
-  const auto& network = *roster_.live().network;
+  const auto& network = *roster_.config().network;
   const Targets targets = Find(performer, reply);
   if (!targets.ok) return;
   std::vector<std::pair<Profile*, Look>> wanted;
@@ -159,7 +159,7 @@ void Commands::ChangeLooks(const std::string& performer, Change change, v1::Repl
   for (auto& [profile, look] : wanted) {
     profile->look = std::move(look);
     profile->configured = true;
-    if (Performer* live = roster_.LiveOf(*profile)) (void)live->ApplyLook(roster_.live());
+    if (Performer* live = roster_.LiveOf(*profile)) (void)live->ApplyLook(roster_.config());
     if (profile != &roster_.to_come) Applied(*profile, reply);
     if (!targets.all) roster_.NoteNamed(*profile);
   }
@@ -193,7 +193,7 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
   std::string why;
   std::vector<std::pair<std::string, float>> own;  // one or none
   if (!set.own_style().empty()) own.emplace_back(set.own_style(), 1.0F);
-  const erd::Network& network = *roster_.live().network;
+  const erd::Network& network = *roster_.config().network;
   if (!ProperNames(network, mix, why) || !ProperNames(network, own, why)) {
     return Refuse(reply, v1::CODE_UNKNOWN_STYLE, "set: " + why);
   }
@@ -227,7 +227,7 @@ void Commands::ForgetMisnamed(const std::string& id) {
 }
 
 void Commands::Preset(const v1::Request& request, v1::Reply& reply) {
-  const auto& presets = roster_.live().presets;
+  const auto& presets = roster_.config().presets;
   const std::string& name = request.preset().name();
   const auto preset = std::find_if(presets.begin(), presets.end(),
                                    [&name](const config::Preset& p) { return p.name == name; });
@@ -242,7 +242,7 @@ void Commands::Preset(const v1::Request& request, v1::Reply& reply) {
   if (!CheckTransition(timed, transition_ms, reply)) return;
   auto mix = preset->mix;
   std::string why;
-  if (!ProperNames(*roster_.live().network, mix, why)) {
+  if (!ProperNames(*roster_.config().network, mix, why)) {
     return Refuse(reply, v1::CODE_UNKNOWN_STYLE, "preset: " + why);
   }
   ChangeLooks(
@@ -271,7 +271,7 @@ void Commands::Panic(v1::Reply& reply) {
     profile.look.mix.clear();
     profile.look.preset.clear();
     profile.configured = true;
-    if (Performer* live = roster_.LiveOf(profile)) (void)live->ApplyLook(roster_.live());
+    if (Performer* live = roster_.LiveOf(profile)) (void)live->ApplyLook(roster_.config());
   };
   for (const auto& [id, profile] : roster_.profiles) {
     clear(*profile);
@@ -298,23 +298,23 @@ void Commands::FireOne(const Cue& cue, const std::string& performer, v1::Reply& 
 
 void Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
   bool found = false;
-  for (const Cue& cue : roster_.live().cues) {
+  for (const Cue& cue : roster_.config().cues) {
     if (cue.name != wanted.name()) continue;
     found = true;
     FireOne(cue, cue.performer, reply);
   }
   if (found) return;
   std::string reason = "no cue \"" + Printable(wanted.name(), kShown) + "\"; the cues are";
-  for (const Cue& cue : roster_.live().cues) reason += " " + cue.name;
+  for (const Cue& cue : roster_.config().cues) reason += " " + cue.name;
   Refuse(reply, v1::CODE_UNKNOWN_CUE,
-         roster_.live().cues.empty() ? "no cues are configured" : reason);
+         roster_.config().cues.empty() ? "no cues are configured" : reason);
 }
 
 bool Commands::Pass(Performer& performer, const source::Timecode& timecode, std::string& said) {
   const std::int64_t now = TimecodeLabel(timecode);
   const auto last = std::exchange(performer.timecode, now);
   if (!last || *last == now) return false;
-  for (const Cue& cue : roster_.live().cues) {
+  for (const Cue& cue : roster_.config().cues) {
     if (!cue.at || !Passes(*cue.at, *last, now)) continue;
     if (cue.performer != "*" && cue.performer != performer.profile.id) continue;
     v1::Reply reply;

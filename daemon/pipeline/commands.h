@@ -21,7 +21,7 @@ class Commands {
   // from the frame at hand on. True where there was one: `said` then names them for the log.
   bool Pass(Performer& performer, const source::Timecode& timecode, std::string& said);
   // Whether settings changed since the last call: time to keep them.
-  bool TakeChanged() { return std::exchange(changed_, false); }
+  bool PopChanged() { return std::exchange(changed_, false); }
   void MarkChanged() { changed_ = true; }
 
  private:

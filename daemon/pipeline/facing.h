@@ -17,7 +17,7 @@ class Facing {
  public:
   // One frame, `dt_s` of source time after the last. A step that is no walking is passed over:
   // slower than kSlow_mps (swaying), faster than kFast_mps (a jump of the rig), sideways.
-  STYLED_REALTIME void Take(const body::Pose& pose, double dt_s) noexcept {
+  STYLED_REALTIME void Sample(const body::Pose& pose, double dt_s) noexcept {
     body::Vec3 step = pose.hips_position_m - last_m_;
     last_m_ = pose.hips_position_m;
     if (!started_ || !(dt_s > 0)) {

@@ -36,13 +36,13 @@ void Pipeline::OnDatagramsFrom(int source, std::span<const std::span<const std::
     if (!item.good) continue;
     if (item.datagram.kind == native::Kind::kSourceFrame) {
       hot.Enter();
-      TakeFrame(source, item, static_cast<int>(i), full, hot);
+      AcceptFrame(source, item, static_cast<int>(i), full, hot);
     } else {
-      StyleTaken(hot);
-      TakeBody(source, item);
+      StyleAccepted(hot);
+      AcceptBody(source, item);
     }
   }
-  StyleTaken(hot);
+  StyleAccepted(hot);
   for (const auto& performer : roster_.performers) performer->newest_in_batch = -1;
   const std::int64_t batch_ns = to_.clock.Now_ns() - receive_ns_;
   stages_.Add(Stages::kTake, batch_ns - (stages_.Elsewhere_ns() - elsewhere_ns));
@@ -86,7 +86,7 @@ void Pipeline::Decode(int source, std::span<const std::byte> bytes, Item& item) 
   item.performer = roster_.Find(source, item.frame.performer);
 }
 
-void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot) {
+void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot) {
   // A body earlier in the batch may have made the performer.
   if (item.performer == nullptr) item.performer = roster_.Find(source, item.frame.performer);
   if (item.performer == nullptr) {
@@ -94,9 +94,10 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
     return;
   }
   Performer& performer = *item.performer;
-  const auto last = taken_.begin() + static_cast<std::ptrdiff_t>(taken_count_);
-  if (taken_count_ == taken_.size() || std::find(taken_.begin(), last, &performer) != last) {
-    StyleTaken(hot);
+  const auto last = accepted_.begin() + static_cast<std::ptrdiff_t>(accepted_count_);
+  if (accepted_count_ == accepted_.size() ||
+      std::find(accepted_.begin(), last, &performer) != last) {
+    StyleAccepted(hot);
     hot.Enter();
   }
   const std::int64_t before_ns = performer.session.elapsed_ns();
@@ -111,25 +112,26 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
     to_.counters.AddOf(source, Counter::kPipelineBacklogDropped);
     return;  // no refusal: the newest one leaves
   }
-  const bool late = lateness_ns > Nanoseconds(roster_.live().performers.late_s);
-  if (item.frame.has_timecode && !roster_.live().cues.empty()) {
+  const bool late = lateness_ns > Nanoseconds(roster_.config().performers.late_s);
+  if (item.frame.has_timecode && !roster_.config().cues.empty()) {
     PassCues(performer, item.frame.timecode, hot);
   }
-  Performer::Moment moment;
-  moment.elapsed_ns = performer.session.elapsed_ns();
-  moment.receive_ns = receive_ns_;
-  moment.wall_ns = wall_ns_;
-  moment.source_sequence = item.datagram.sequence;
-  moment.extra_flags = late ? v1::FLAG_LATE : v1::FLAG_NONE;
-  const auto taken = performer.Take(item.frame, moment);
-  if (taken != Performer::Taken::kOk) {
-    const Counter why = taken == Performer::Taken::kWrongSize ? Counter::kPipelineWrongSize
-                                                              : Counter::kPipelineUncalibrated;
+  Performer::FrameContext context;
+  context.elapsed_ns = performer.session.elapsed_ns();
+  context.receive_ns = receive_ns_;
+  context.wall_ns = wall_ns_;
+  context.source_sequence = item.datagram.sequence;
+  context.extra_flags = late ? v1::FLAG_LATE : v1::FLAG_NONE;
+  const auto accepted = performer.Accept(item.frame, context);
+  if (accepted != Performer::Accepted::kOk) {
+    const Counter why = accepted == Performer::Accepted::kWrongSize
+                            ? Counter::kPipelineWrongSize
+                            : Counter::kPipelineUncalibrated;
     to_.counters.AddOf(source, why);
     performer.MarkRefused(why);
     return;
   }
-  taken_[taken_count_++] = &performer;
+  accepted_[accepted_count_++] = &performer;
   ++performer.received;
   performer.MarkLive(receive_ns_);
   to_.counters.Add(Counter::kPipelineFrames);
@@ -137,25 +139,25 @@ void Pipeline::TakeFrame(int source, Item& item, int index, bool full, runtime::
 }
 
 // Leaves the hot section.
-void Pipeline::StyleTaken(runtime::HotSection& hot) {
-  const auto taken = std::span(taken_).first(taken_count_);
-  if (taken.empty()) return hot.Leave();
-  taken_count_ = 0;
+void Pipeline::StyleAccepted(runtime::HotSection& hot) {
+  const auto batch = std::span(accepted_).first(accepted_count_);
+  if (batch.empty()) return hot.Leave();
+  accepted_count_ = 0;
   hot.Enter();
   const std::int64_t begin_ns = to_.clock.Now_ns();
   std::array<stylist::Stylist::Job, stylist::Stylist::kTogether> jobs;
-  for (std::size_t i = 0; i < taken.size(); ++i) jobs[i] = taken[i]->Style();
-  stylist::Stylist::ProcessTogether(std::span(jobs).first(taken.size()));
+  for (std::size_t i = 0; i < batch.size(); ++i) jobs[i] = batch[i]->Style();
+  stylist::Stylist::ProcessTogether(std::span(jobs).first(batch.size()));
   const std::int64_t styled_ns = to_.clock.Now_ns();
-  for (Performer* const performer : taken) performer->Finish(styled_ns);
+  for (Performer* const performer : batch) performer->Finish(styled_ns);
   hot.Leave();
   const std::int64_t serialized_ns = to_.clock.Now_ns();
   std::int64_t sent_ns = serialized_ns;
-  for (Performer* const performer : taken) {
+  for (Performer* const performer : batch) {
     performer->Send(to_.publisher, sent_ns);
     sent_ns = to_.clock.Now_ns();
   }
-  stages_.AddFrames(taken.size());
+  stages_.AddFrames(batch.size());
   stages_.Add(Stages::kStyle, styled_ns - begin_ns);
   stages_.Add(Stages::kSerialize, serialized_ns - styled_ns);
   stages_.Add(Stages::kSend, sent_ns - serialized_ns);
@@ -177,16 +179,16 @@ void Pipeline::PassCues(Performer& performer, const source::Timecode& timecode,
   const auto passed = [&](const Cue& cue) {
     return cue.at && performer.timecode && Passes(*cue.at, *performer.timecode, now);
   };
-  const auto& cues = roster_.live().cues;
+  const auto& cues = roster_.config().cues;
   if (std::none_of(cues.begin(), cues.end(), passed)) {
     performer.timecode = now;
     return;
   }
-  StyleTaken(hot);  // what came before the cue
+  StyleAccepted(hot);  // what came before the cue
   std::string said;
   if (commands_.Pass(performer, timecode, said)) {
     to_.counters.Add(Counter::kPipelineCues);
-    SayOf(LogLimit::Kind::kCue, {}, performer.profile.id, Event::Level::kInfo,
+    LogOf(LogLimit::Kind::kCue, {}, performer.profile.id, Event::Level::kInfo,
           said + " from frame " + std::to_string(performer.profile.next_sequence));
   }
   hot.Enter();
@@ -263,13 +265,13 @@ void Pipeline::Recount(Performer& performer) noexcept {
 // that cannot keep up shows what it can.
 bool Pipeline::PassOver(Performer& performer, int index, bool full,
                         std::int64_t lateness_ns) const noexcept {
-  const std::int64_t backlog_ns = Nanoseconds(roster_.live().performers.backlog_s);
+  const std::int64_t backlog_ns = Nanoseconds(roster_.config().performers.backlog_s);
   if (lateness_ns <= backlog_ns) return false;
   if (performer.newest_in_batch != index) return true;
   return full && receive_ns_ - performer.last_send_ns < backlog_ns;
 }
 
-void Pipeline::TakeBody(int source, const Item& item) {
+void Pipeline::AcceptBody(int source, const Item& item) {
   const std::string_view name = source::ReadPerformer(item.datagram.payload);
   if (!config::IsName(name)) {
     to_.counters.AddOf(source, Counter::kSourceBadName);
@@ -316,23 +318,23 @@ void Pipeline::AdoptBody(Performer& performer, const Item& item, bool fresh) {
     if (performer.has_body() && !performer.MayChangeBody(receive_ns_)) {
       to_.counters.AddOf(performer.source, Counter::kPipelineBodiesRefused);
       performer.MarkRefused(Counter::kPipelineBodiesRefused);
-      return SayOf(LogLimit::Kind::kBodyRefused, item.sender, performer.profile.id,
+      return LogOf(LogLimit::Kind::kBodyRefused, item.sender, performer.profile.id,
                    Event::Level::kWarning,
                    "the body changes again and again, expected twice a second at most: the last "
                    "one stays");
     }
-    const Status status = performer.TakeBody(item.datagram.payload, crc, roster_.live());
+    const Status status = performer.AcceptBody(item.datagram.payload, crc, roster_.config());
     if (!status.ok()) {
       to_.counters.AddOf(performer.source, Counter::kPipelineBodiesRefused);
       performer.MarkRefused(Counter::kPipelineBodiesRefused);
-      SayOf(LogLimit::Kind::kBodyRefused, item.sender, performer.profile.id, Event::Level::kWarning,
+      LogOf(LogLimit::Kind::kBodyRefused, item.sender, performer.profile.id, Event::Level::kWarning,
             status.message());
       performer.session_has_body = performer.waits();
       if (fresh && !performer.waits()) roster_.Forget(performer);
       return;
     }
     if (!fresh) to_.counters.Add(Counter::kPipelineBodyChanges);
-    SayOf(LogLimit::Kind::kBodyBound, item.sender, performer.profile.id, Event::Level::kInfo,
+    LogOf(LogLimit::Kind::kBodyBound, item.sender, performer.profile.id, Event::Level::kInfo,
           "body bound");
     performer.SendBodies(to_.publisher);
     performer.next_body_ns = receive_ns_ + kSecond_ns;

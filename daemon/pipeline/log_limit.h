@@ -36,13 +36,13 @@ class LogLimit {
       held_back = 0;
       return true;
     }
-    const bool quiet = now_ns - row->heard_ns > 2 * row->wait_ns;
-    row->heard_ns = now_ns;
-    if (now_ns - row->said_ns < row->wait_ns) {
+    const bool quiet = now_ns - row->asked_ns > 2 * row->wait_ns;
+    row->asked_ns = now_ns;
+    if (now_ns - row->logged_ns < row->wait_ns) {
       ++row->held_back;
       return false;
     }
-    row->said_ns = now_ns;
+    row->logged_ns = now_ns;
     row->wait_ns = quiet ? kFirstWait_ns : std::min(2 * row->wait_ns, kLongestWait_ns);
     held_back = row->held_back;
     row->held_back = 0;
@@ -60,7 +60,7 @@ class LogLimit {
     Kind kind = Kind::kBodyRefused;
     bool used = false;
     std::size_t hash = 0;
-    std::int64_t said_ns = 0, heard_ns = 0, wait_ns = 0;
+    std::int64_t logged_ns = 0, asked_ns = 0, wait_ns = 0;
     std::uint64_t held_back = 0;
   };
   struct Bucket {
@@ -88,7 +88,7 @@ class LogLimit {
     std::int64_t quietest_ns = std::numeric_limits<std::int64_t>::min();
     for (Row& row : rows_) {
       if (!row.used) return &row;
-      const std::int64_t quiet_ns = now_ns - row.heard_ns;
+      const std::int64_t quiet_ns = now_ns - row.asked_ns;
       if (quiet_ns > quietest_ns) {
         quietest_ns = quiet_ns;
         best = &row;

@@ -6,13 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/config.h"
-#include "daemon/pipeline/retarget_output.h"
-#include "daemon/pipeline/cues.h"
 #include "daemon/pipeline/profile.h"
+#include "daemon/pipeline/runtime_config.h"
 #include "daemon/runtime/ring.h"
 #include "daemon/runtime/wakeup.h"
-#include "model/erd/network.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
@@ -26,19 +23,6 @@ struct Exchange {
   v1::Reply reply;
 };
 
-// What may change while the daemon runs; made by the supervisor, immutable, whole.
-struct Live {
-  std::shared_ptr<const erd::Network> network;
-  std::string weights_name;  // file name, for status
-  config::Performers performers;
-  config::Style style;
-  std::vector<config::Preset> presets;
-  std::vector<Cue> cues;
-  stylist::Options stylist;
-  std::vector<rig::JointNames> joints;                       // by hand, per source
-  std::vector<std::shared_ptr<const AvatarOutput>> avatars;  // as the [[output]] tables
-};
-
 // A line for the log, from the pipeline, which does not log.
 struct Event {
   enum class Level : std::uint8_t { kInfo, kWarning };
@@ -48,10 +32,10 @@ struct Event {
 
 // All that crosses threads: bounded rings, emptied between frames.
 struct Mailboxes {
-  runtime::Ring<std::unique_ptr<Exchange>, 64> commands;  // control -> pipeline
-  runtime::Ring<std::unique_ptr<Exchange>, 64> replies;   // pipeline -> control
-  runtime::Ring<std::shared_ptr<const Live>, 4> reloads;  // supervisor -> pipeline
-  runtime::Ring<Event, 256> events;                       // pipeline -> supervisor
+  runtime::Ring<std::unique_ptr<Exchange>, 64> commands;           // control -> pipeline
+  runtime::Ring<std::unique_ptr<Exchange>, 64> replies;            // pipeline -> control
+  runtime::Ring<std::shared_ptr<const RuntimeConfig>, 4> reloads;  // supervisor -> pipeline
+  runtime::Ring<Event, 256> events;                                // pipeline -> supervisor
   runtime::Ring<std::unique_ptr<std::vector<Profile>>, 4>
       profiles;  // pipeline -> supervisor: to keep
   runtime::Wakeup wake_pipeline, wake_control;

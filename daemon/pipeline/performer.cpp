@@ -14,43 +14,44 @@ namespace styled::pipeline {
 using runtime::Counter;
 
 // An avatar that the performer drives, and its topic.
-struct Performer::Worn {
-  Worn(std::shared_ptr<const AvatarOutput> the_output, const BoundBody& body, const std::string& id,
-       std::uint64_t epoch, const Live& live, publish::Subscriptions& the_subscriptions)
+struct Performer::RetargetStream {
+  RetargetStream(std::shared_ptr<const RetargetOutput> the_output, const BoundBody& body,
+                 const std::string& id, std::uint64_t epoch, const RuntimeConfig& config,
+                 publish::Subscriptions& the_subscriptions)
       : output(std::move(the_output)),
-        avatar(body.binding, output->skeleton.binding, output->skeleton.rest, live.stylist),
+        avatar(body.binding, output->skeleton.binding, output->skeleton.rest, config.stylist),
         rotations(output->skeleton.rest.rotations),
         message(id, epoch, output->body, body.binding->skeleton().joint_count(),
-                live.network->metadata().styles),
+                config.network->metadata().styles),
         subscriptions(the_subscriptions) {
-    v1::Body told = output->body;
-    told.set_performer(id);
-    bytes = told.SerializeAsString();
+    v1::Body message_body = output->body;
+    message_body.set_performer(id);
+    bytes = message_body.SerializeAsString();
     topic.name = "styled/" + id + "/" + output->name + "/";
     subscriptions.Register(topic);
   }
-  ~Worn() { subscriptions.Unregister(topic); }
-  Worn(const Worn&) = delete;
-  Worn& operator=(const Worn&) = delete;
+  ~RetargetStream() { subscriptions.Unregister(topic); }
+  RetargetStream(const RetargetStream&) = delete;
+  RetargetStream& operator=(const RetargetStream&) = delete;
 
   // Computed only while somebody subscribes; then the first frame is a first one.
   void Process(std::int64_t time_ns, const stylist::Output& out) noexcept {
     if (topic.wanted == 0) {
-      worn = failed = false;
+      has_frame = failed = false;
       return;
     }
-    if (!worn) avatar.Reset();
-    worn = true;
+    if (!has_frame) avatar.Reset();
+    has_frame = true;
     failed = !avatar.Process(time_ns, out);
     root = output->skeleton.RootInFile(output->skeleton.binding->RootPosition(avatar.pose()));
     std::copy(avatar.pose().rotations.begin(), avatar.pose().rotations.end(), rotations.begin());
     rotations.front() = output->skeleton.RootInFile(rotations.front());
   }
 
-  std::shared_ptr<const AvatarOutput> output;
+  std::shared_ptr<const RetargetOutput> output;
   stylist::Avatar avatar;
-  bool worn = false;    // `root` and `rotations` hold a frame
-  bool failed = false;  // of the performer's own motion: the styled pose was none
+  bool has_frame = false;  // `root` and `rotations` hold a frame
+  bool failed = false;     // of the performer's own motion: the styled pose was none
   rig::Vec3 root = rig::Vec3::Zero();
   std::vector<rig::Quat> rotations;
   publish::FrameMessage message;
@@ -63,10 +64,10 @@ struct Performer::Worn {
 // All that depends on the body; made anew when it changes.
 struct Performer::Bound {
   Bound(BoundBody the_body, const v1::Body& given, const std::string& id, std::uint64_t epoch,
-        const Live& live, publish::Subscriptions& subscriptions)
+        const RuntimeConfig& config, publish::Subscriptions& subscriptions)
       : body(std::move(the_body)),
-        network(live.network),
-        stylist(live.network, body.binding, live.stylist),
+        network(config.network),
+        stylist(config.network, body.binding, config.stylist),
         in(body.binding->skeleton()),
         out(body.binding->skeleton()),
         rig_body(publish::RigBody(id, *body.binding, body.left_handed, given.metres_per_unit(),
@@ -76,15 +77,16 @@ struct Performer::Bound {
         canonical_bytes(canonical_body.SerializeAsString()) {
     face.reserve(source::kMaxFace);
     MakeMessages(id, epoch);
-    Wear(id, epoch, live, subscriptions);
+    MakeOutputs(id, epoch, config, subscriptions);
   }
 
-  void Wear(const std::string& id, std::uint64_t epoch, const Live& live,
-            publish::Subscriptions& subscriptions) {
-    avatars.clear();
-    for (const auto& avatar : live.avatars) {
-      if (!avatar->IsFor(id)) continue;
-      avatars.push_back(std::make_unique<Worn>(avatar, body, id, epoch, live, subscriptions));
+  void MakeOutputs(const std::string& id, std::uint64_t epoch, const RuntimeConfig& config,
+                   publish::Subscriptions& subscriptions) {
+    outputs.clear();
+    for (const auto& output : config.outputs) {
+      if (!output->IsFor(id)) continue;
+      outputs.push_back(
+          std::make_unique<RetargetStream>(output, body, id, epoch, config, subscriptions));
     }
   }
 
@@ -110,7 +112,7 @@ struct Performer::Bound {
   std::string rig_bytes, canonical_bytes;
   std::array<std::optional<publish::FrameMessage>, 3> messages;
   rig::Vec3 rig_root = rig::Vec3::Zero();  // of out.rig, as it is sent
-  std::vector<std::unique_ptr<Worn>> avatars;
+  std::vector<std::unique_ptr<RetargetStream>> outputs;
 };
 
 Performer::Performer(Profile& the_profile, int the_source, std::string the_name,
@@ -133,8 +135,8 @@ Performer::~Performer() {
   for (auto& topic : topics) subscriptions_.Unregister(topic);
 }
 
-Status Performer::TakeBody(std::span<const std::byte> payload, std::uint32_t crc,
-                           const Live& live_settings) {
+Status Performer::AcceptBody(std::span<const std::byte> payload, std::uint32_t crc,
+                             const RuntimeConfig& config) {
   v1::Body body;
   if (!body.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
     return Status::Error("body: not a styled.v1.Body");
@@ -142,14 +144,14 @@ Status Performer::TakeBody(std::span<const std::byte> payload, std::uint32_t crc
   auto skeleton = ReadSkeleton(body);
   if (!skeleton.ok()) return skeleton.status();
   std::swap(given_, body);
-  Status status = Bind(live_settings);
-  const bool wait = !status.ok() && bound_ == nullptr &&
-                    rig::CanCalibrate(skeleton.value(), Names(live_settings)).ok();
+  Status status = Bind(config);
+  const bool wait =
+      !status.ok() && bound_ == nullptr && rig::CanCalibrate(skeleton.value(), Names(config)).ok();
   if (!status.ok() && !wait) {
     std::swap(given_, body);
     return status;
   }
-  stance_ = std::make_unique<Stance>(skeleton.value());
+  history_ = std::make_unique<PoseHistory>(skeleton.value());
   received_ = rig::RigPose(skeleton.value());
   body_crc_ = crc;
   if (!wait) return status;
@@ -158,45 +160,45 @@ Status Performer::TakeBody(std::span<const std::byte> payload, std::uint32_t crc
                        " --pose t");
 }
 
-const rig::JointNames& Performer::Names(const Live& live_settings) const {
+const rig::JointNames& Performer::Names(const RuntimeConfig& config) const {
   static const rig::JointNames kNone;
   const auto index = static_cast<std::size_t>(source);
-  return index < live_settings.joints.size() ? live_settings.joints[index] : kNone;
+  return index < config.joints.size() ? config.joints[index] : kNone;
 }
 
 // By the body as it was given and the calibration as it is kept. An error changes nothing.
-Status Performer::Bind(const Live& live_settings) {
-  auto bound = BindBody(given_, profile.rest, Names(live_settings));
+Status Performer::Bind(const RuntimeConfig& config) {
+  auto bound = BindBody(given_, profile.rest, Names(config));
   if (!bound.ok()) return bound.status();
-  bound_ = std::make_unique<Bound>(std::move(bound.value()), given_, profile.id, epoch_,
-                                   live_settings, subscriptions_);
+  bound_ = std::make_unique<Bound>(std::move(bound.value()), given_, profile.id, epoch_, config,
+                                   subscriptions_);
   ready_ = {};
-  (void)ApplyLook(live_settings);
+  (void)ApplyLook(config);
   return Status::Ok();
 }
 
-v1::Code Performer::Calibrate(const v1::Calibrate& request, const Live& live_settings,
+v1::Code Performer::Calibrate(const v1::Calibrate& request, const RuntimeConfig& config,
                               std::int64_t now_ns, v1::Reply& reply) {
   const auto refuse = [&reply](v1::Code code, std::string reason) {
     reply.set_reason(std::move(reason));
     return code;
   };
   constexpr std::int64_t kLive_ns = 300 * runtime::kMillisecond_ns;  // rigs send at 24 Hz or more
-  if (!has_body() || now_ns - stance_->last_ns() > kLive_ns) {
+  if (!has_body() || now_ns - history_->last_ns() > kLive_ns) {
     return refuse(v1::CODE_NOT_READY,
                   profile.id + ": no frame in the last 0.3 s, expected a performer who is live");
   }
   const auto before = profile.rest;
   if (request.clear()) {
     profile.rest.reset();
-    if (const Status status = Bind(live_settings); !status.ok()) {
+    if (const Status status = Bind(config); !status.ok()) {
       profile.rest = before;
       return refuse(v1::CODE_BAD_POSE, "without a calibration " + status.message());
     }
     return v1::CODE_OK;
   }
   constexpr float kStill_rad = 0.09F;  // 5 degrees
-  const auto moved = stance_->Moved();
+  const auto moved = history_->Moved();
   if (moved.radians > kStill_rad) {
     return refuse(v1::CODE_NOT_READY,
                   given_.names(static_cast<int>(moved.joint)) + " turned by " +
@@ -205,41 +207,40 @@ v1::Code Performer::Calibrate(const v1::Calibrate& request, const Live& live_set
   }
   const auto skeleton = ReadSkeleton(given_);
   auto made = rig::Calibrate(
-      skeleton.value(), stance_->pose(),
+      skeleton.value(), history_->pose(),
       request.pose() == v1::Calibrate::POSE_N ? rig::StandingPose::kN : rig::StandingPose::kT,
-      Names(live_settings));
+      Names(config));
   if (!made.ok()) return refuse(v1::CODE_BAD_POSE, made.status().message());
   const rig::Calibrated& calibrated = made.value();
   profile.rest = KeptRest{SkeletonHash(skeleton.value()), calibrated.mirrored,
                           calibrated.spec.canonical_from_source, calibrated.spec.rest_rotations};
-  if (const Status status = Bind(live_settings); !status.ok()) {
+  if (const Status status = Bind(config); !status.ok()) {
     profile.rest = before;
     return refuse(v1::CODE_BAD_POSE, status.message());
   }
-  auto& told = *reply.mutable_calibrate();
-  told.set_worst_joint(calibrated.bones.front().joint);
-  told.set_worst_degrees(calibrated.bones.front().degrees);
-  told.set_left_handed(calibrated.mirrored);
+  auto& result = *reply.mutable_calibrate();
+  result.set_worst_joint(calibrated.bones.front().joint);
+  result.set_worst_degrees(calibrated.bones.front().degrees);
+  result.set_left_handed(calibrated.mirrored);
   return v1::CODE_OK;
 }
 
-std::vector<std::string> Performer::ApplyLook(const Live& live_settings) {
+std::vector<std::string> Performer::ApplyLook(const RuntimeConfig& config) {
   std::vector<std::string> unknown;
-  const auto settings = Resolve(profile.look, *live_settings.network, unknown);
+  const auto settings = Resolve(profile.look, *config.network, unknown);
   if (bound_ != nullptr &&
-      stylist::Stylist::Check(settings, *live_settings.network) == stylist::SettingsError::kNone) {
+      stylist::Stylist::Check(settings, *config.network) == stylist::SettingsError::kNone) {
     bound_->stylist.Set(settings);
   }
   return unknown;
 }
 
-void Performer::Rebuild(const Live& live_settings) {
+void Performer::Rebuild(const RuntimeConfig& config) {
   if (bound_ == nullptr) return;
-  bound_->network = live_settings.network;
-  bound_->stylist =
-      stylist::Stylist(live_settings.network, bound_->body.binding, live_settings.stylist);
+  bound_->network = config.network;
+  bound_->stylist = stylist::Stylist(config.network, bound_->body.binding, config.stylist);
   bound_->MakeMessages(profile.id, epoch_);
-  bound_->Wear(profile.id, epoch_, live_settings, subscriptions_);
+  bound_->MakeOutputs(profile.id, epoch_, config, subscriptions_);
   bound_->styled = false;
   ready_ = {};
 }
@@ -249,36 +250,36 @@ void Performer::Restart() noexcept {
   facing_.Reset();
 }
 
-Performer::Taken Performer::Take(const source::SourceFrameView& view,
-                                 const Moment& moment) noexcept {
+Performer::Accepted Performer::Accept(const source::SourceFrameView& view,
+                                      const FrameContext& context) noexcept {
   const auto joints = static_cast<int>(received_.rotations.size());
-  if (!source::CopyPose(view, joints, received_)) return Taken::kWrongSize;
-  stance_->Take(received_, moment.receive_ns);
-  if (bound_ == nullptr) return Taken::kUncalibrated;
+  if (!source::CopyPose(view, joints, received_)) return Accepted::kWrongSize;
+  history_->Add(received_, context.receive_ns);
+  if (bound_ == nullptr) return Accepted::kUncalibrated;
   Bound& b = *bound_;
   std::swap(b.in, received_);  // both of the skeleton's size
   if (b.body.left_handed) rig::Mirror(b.in);
   b.source_time_ns = view.source_time_ns;
-  b.source_sequence = moment.source_sequence;
+  b.source_sequence = context.source_sequence;
   b.has_timecode = view.has_timecode;
   b.timecode = view.timecode;
   b.face.assign(view.face.begin(), view.face.end());
-  moment_ = moment;
-  return Taken::kOk;
+  context_ = context;
+  return Accepted::kOk;
 }
 
 stylist::Stylist::Job Performer::Style() noexcept {
   Bound& b = *bound_;
-  return {&b.stylist, moment_.elapsed_ns, &b.in, &b.out};
+  return {&b.stylist, context_.elapsed_ns, &b.in, &b.out};
 }
 
 void Performer::Finish(std::int64_t publish_ns) noexcept {
   Bound& b = *bound_;
-  moment_.publish_ns = publish_ns;
+  context_.publish_ns = publish_ns;
   std::uint32_t flags = b.out.flags;
-  for (const auto& worn : b.avatars) {
-    worn->Process(moment_.elapsed_ns, b.out);
-    if (worn->failed) flags |= stylist::kFailed;
+  for (const auto& stream : b.outputs) {
+    stream->Process(context_.elapsed_ns, b.out);
+    if (stream->failed) flags |= stylist::kFailed;
   }
   b.rig_root = b.body.binding->RootPosition(b.out.rig);
   if (b.body.left_handed) {
@@ -290,44 +291,44 @@ void Performer::Finish(std::int64_t publish_ns) noexcept {
   CountFlags(flags);
   counters_.Add(Counter::kStylistSteps, static_cast<std::uint64_t>(b.out.steps));
   measured_ = true;
-  facing_.Take(
+  facing_.Sample(
       b.out.canonical_input,
-      static_cast<double>(moment_.elapsed_ns - std::exchange(faced_ns_, moment_.elapsed_ns)) *
+      static_cast<double>(context_.elapsed_ns - std::exchange(faced_ns_, context_.elapsed_ns)) *
           1e-9);
   backwards_ = b.body.toes_backwards || facing_.backwards();
   if (backwards_) {
-    moment_.extra_flags |= v1::FLAG_BACKWARDS;
+    context_.extra_flags |= v1::FLAG_BACKWARDS;
     counters_.Add(Counter::kPipelineBackwards);
   }
-  Serialize(b.out.flags | moment_.extra_flags, moment_);
+  Serialize(b.out.flags | context_.extra_flags, context_);
 }
 
 void Performer::Prewarm() noexcept {
   if (bound_ != nullptr) bound_->stylist.Prewarm();
 }
 
-bool Performer::Repeat(Moment moment) noexcept {
+bool Performer::Repeat(FrameContext context) noexcept {
   if (bound_ == nullptr || !bound_->styled) return false;
   measured_ = false;
   const std::uint32_t once = v1::FLAG_CONCEALED | v1::FLAG_NEW_SESSION;
   const std::uint32_t backwards = backwards_ ? v1::FLAG_BACKWARDS : v1::FLAG_NONE;
-  Serialize((bound_->out.flags & ~once) | backwards | v1::FLAG_STALE, moment);
+  Serialize((bound_->out.flags & ~once) | backwards | v1::FLAG_STALE, context);
   return true;
 }
 
-void Performer::Serialize(std::uint32_t flags, const Moment& moment) noexcept {
+void Performer::Serialize(std::uint32_t flags, const FrameContext& context) noexcept {
   Bound& b = *bound_;
   publish::FrameHeader header;
   header.sequence = profile.next_sequence++;
   header.source_sequence = b.source_sequence;
   header.source_time_ns = b.source_time_ns;
-  header.receive_time_ns = moment.receive_ns;
-  header.publish_time_ns = moment.publish_ns;
-  header.wall_time_ns = moment.wall_ns;
+  header.receive_time_ns = context.receive_ns;
+  header.publish_time_ns = context.publish_ns;
+  header.wall_time_ns = context.wall_ns;
   header.has_timecode = b.has_timecode;
   header.timecode = b.timecode;
   header.contacts = b.out.contacts;
-  receive_ns_ = moment.receive_ns;
+  receive_ns_ = context.receive_ns;
   ready_ = {};
   const auto fill = [&](publish::FrameMessage& message, std::uint32_t frame_flags) {
     message.SetHeader(header, frame_flags);
@@ -349,13 +350,13 @@ void Performer::Serialize(std::uint32_t flags, const Moment& moment) noexcept {
       message.SetPose(b.out.canonical.hips_position_m, b.out.canonical.rotations);
     ready_[i] = message.Serialize(b.face);
   }
-  for (const auto& worn : b.avatars) {
-    worn->ready = {};
-    if (worn->topic.wanted == 0 || !worn->worn) continue;
-    const std::uint32_t own = worn->failed ? v1::FLAG_FAILED : 0;
-    fill(worn->message, (flags & ~std::uint32_t{v1::FLAG_BYPASS}) | own);
-    worn->message.SetPose(worn->root, worn->rotations);
-    worn->ready = worn->message.Serialize(b.face);
+  for (const auto& stream : b.outputs) {
+    stream->ready = {};
+    if (stream->topic.wanted == 0 || !stream->has_frame) continue;
+    const std::uint32_t own = stream->failed ? v1::FLAG_FAILED : 0;
+    fill(stream->message, (flags & ~std::uint32_t{v1::FLAG_BYPASS}) | own);
+    stream->message.SetPose(stream->root, stream->rotations);
+    stream->ready = stream->message.Serialize(b.face);
   }
 }
 
@@ -374,9 +375,9 @@ void Performer::Send(publish::Publisher& publisher, std::int64_t now_ns) {
   }
   ready_ = {};
   if (bound_ != nullptr) {
-    for (const auto& worn : bound_->avatars) {
-      if (!worn->ready.empty()) publisher.Send(worn->topic.name, worn->ready);
-      worn->ready = {};
+    for (const auto& stream : bound_->outputs) {
+      if (!stream->ready.empty()) publisher.Send(stream->topic.name, stream->ready);
+      stream->ready = {};
     }
   }
   last_send_ns = now_ns;
@@ -434,20 +435,21 @@ std::string Performer::Warning() const {
 }
 
 bool Performer::FacingChanged() noexcept {
-  return std::exchange(backwards_told_, backwards_) != backwards_;
+  return std::exchange(backwards_logged_, backwards_) != backwards_;
 }
 
 bool Performer::Asked() const {
   const auto asked = [](const publish::Topic& topic) { return topic.asked; };
   return std::any_of(topics.begin(), topics.end(), asked) ||
-         (bound_ != nullptr && std::any_of(bound_->avatars.begin(), bound_->avatars.end(),
-                                           [&](const auto& worn) { return asked(worn->topic); }));
+         (bound_ != nullptr &&
+          std::any_of(bound_->outputs.begin(), bound_->outputs.end(),
+                      [&](const auto& stream) { return asked(stream->topic); }));
 }
 
 void Performer::SendBodies(publish::Publisher& publisher) {
   for (auto& topic : topics) topic.asked = false;
   if (bound_ == nullptr) return;
-  for (const auto& worn : bound_->avatars) worn->topic.asked = false;
+  for (const auto& stream : bound_->outputs) stream->topic.asked = false;
   if (topics[kBodyTopic].wanted == 0) return;
   const auto send = [&](const std::string& bytes) {
     publisher.Send(topics[kBodyTopic].name, std::as_bytes(std::span(bytes)));
@@ -455,7 +457,7 @@ void Performer::SendBodies(publish::Publisher& publisher) {
   };
   send(bound_->rig_bytes);
   send(bound_->canonical_bytes);
-  for (const auto& worn : bound_->avatars) send(worn->bytes);
+  for (const auto& stream : bound_->outputs) send(stream->bytes);
 }
 
 // The rate is between frames, not between samples: a rig of 1 Hz would have none or two a second.

@@ -11,10 +11,10 @@
 #include "daemon/pipeline/body_binding.h"
 #include "daemon/pipeline/facing.h"
 #include "daemon/pipeline/mailboxes.h"
+#include "daemon/pipeline/pose_history.h"
 #include "daemon/pipeline/profile.h"
 #include "daemon/pipeline/schedule.h"
 #include "daemon/pipeline/session.h"
-#include "daemon/pipeline/pose_history.h"
 #include "daemon/publish/frame_message.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/publish/subscriptions.h"
@@ -48,41 +48,43 @@ class Performer {
 
   // Binds a new body and makes the stylist for it. Allocates. An error leaves the last body; where
   // there is none and its joints at least are known, the performer waits() for a calibration.
-  Status TakeBody(std::span<const std::byte> payload, std::uint32_t crc, const Live& live);
-  bool has_body() const { return stance_ != nullptr; }
+  Status AcceptBody(std::span<const std::byte> payload, std::uint32_t crc,
+                    const RuntimeConfig& config);
+  bool has_body() const { return history_ != nullptr; }
   bool waits() const { return has_body() && bound_ == nullptr; }
   // What control.proto says of Calibrate, for rigs that have a skeleton. Allocates.
-  v1::Code Calibrate(const v1::Calibrate& request, const Live& live, std::int64_t now_ns,
+  v1::Code Calibrate(const v1::Calibrate& request, const RuntimeConfig& config, std::int64_t now_ns,
                      v1::Reply& reply);
   std::uint32_t body_crc() const { return body_crc_; }
 
   // The settings of the profile, from the next frame on. Weights or options changed: new stylist.
   // Allocate; return the styles of the profile that the network lacks.
-  std::vector<std::string> ApplyLook(const Live& live);
-  void Rebuild(const Live& live);
+  std::vector<std::string> ApplyLook(const RuntimeConfig& config);
+  void Rebuild(const RuntimeConfig& config);
 
   // The recurrent state starts anew; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept;
 
-  // One frame in three steps, so that several performers are styled together: copied, styled (by
-  // Stylist::ProcessTogether, as Style() says), serialized for the topics that are wanted. Taken is
-  // nothing that has another joint count than the body; the pose is remembered while the performer
-  // waits(). `elapsed_ns` as the session's.
-  enum class Taken : std::uint8_t { kOk, kWrongSize, kUncalibrated };
-  struct Moment {
+  // One frame in three steps, so that several performers are styled together: Accept copies it,
+  // Stylist::ProcessTogether runs the jobs of Style(), Finish serializes it for the topics that are
+  // wanted. A frame of another joint count than the body's is refused; while the performer waits()
+  // its pose is remembered. `elapsed_ns` as the session's.
+  enum class Accepted : std::uint8_t { kOk, kWrongSize, kUncalibrated };
+  struct FrameContext {
     std::int64_t elapsed_ns = 0;
     std::int64_t receive_ns = 0, publish_ns = 0, wall_ns = 0;
     std::uint64_t source_sequence = 0;
     std::uint32_t extra_flags = 0;
   };
-  STYLED_REALTIME Taken Take(const source::SourceFrameView& view, const Moment& moment) noexcept;
+  STYLED_REALTIME Accepted Accept(const source::SourceFrameView& view,
+                                  const FrameContext& context) noexcept;
   STYLED_REALTIME stylist::Stylist::Job Style() noexcept;
   STYLED_REALTIME void Finish(std::int64_t publish_ns) noexcept;
   // Brings what the next frame needs into the caches. Changes nothing.
   STYLED_REALTIME void Prewarm() noexcept;
   // The last pose again, flagged stale. False when there is none.
-  STYLED_REALTIME bool Repeat(Moment moment) noexcept;
-  // Sends what Style or Repeat serialized, and measures from moment.receive_ns to now.
+  STYLED_REALTIME bool Repeat(FrameContext context) noexcept;
+  // Sends what Style or Repeat serialized, and measures from context.receive_ns to now.
   void Send(publish::Publisher& publisher, std::int64_t now_ns);
   void SendBodies(publish::Publisher& publisher);
 
@@ -128,26 +130,26 @@ class Performer {
 
  private:
   struct Bound;
-  struct Worn;
-  Status Bind(const Live& live);
-  const rig::JointNames& Names(const Live& live) const;
-  void Serialize(std::uint32_t flags, const Moment& moment) noexcept;
+  struct RetargetStream;
+  Status Bind(const RuntimeConfig& config);
+  const rig::JointNames& Names(const RuntimeConfig& config) const;
+  void Serialize(std::uint32_t flags, const FrameContext& context) noexcept;
   void CountFlags(std::uint32_t flags) noexcept;
 
   std::uint64_t epoch_;
   publish::Subscriptions& subscriptions_;
   runtime::Counters& counters_;
-  v1::Body given_;                  // as the rig sent it
-  std::unique_ptr<Stance> stance_;  // of its skeleton
+  v1::Body given_;                        // as the rig sent it
+  std::unique_ptr<PoseHistory> history_;  // of its skeleton
   rig::RigPose received_;
   std::unique_ptr<Bound> bound_;
   std::uint32_t body_crc_ = 0;
-  Moment moment_;                                    // of the frame taken
+  FrameContext context_;                             // of the frame accepted
   std::array<std::span<const std::byte>, 3> ready_;  // serialized, per topic; empty: not wanted
   std::int64_t receive_ns_ = 0;
   bool measured_ = false;
   std::uint64_t published_ = 0, published_at_sample_ = 0;
-  std::int64_t since_ns_ = 0;                   // the last frame that the rate was taken of
+  std::int64_t since_ns_ = 0;                   // the last frame that the rate counts
   bool fresh_ = true;                           // that one was the first after a silence
   std::array<std::int64_t, 2> intervals_ns_{};  // between the last frames
   static constexpr int kBodyChanges = 8;        // what a rig that finds its bones one by one takes
@@ -159,7 +161,7 @@ class Performer {
   bool refusing_ = false;  // of the last second
   Facing facing_;
   std::int64_t faced_ns_ = 0;  // source time of its last frame
-  bool backwards_ = false, backwards_told_ = false;
+  bool backwards_ = false, backwards_logged_ = false;
   runtime::Histogram latency_;
   float rate_hz_ = 0, p50_us_ = 0, p99_us_ = 0, max_us_ = 0;
 };

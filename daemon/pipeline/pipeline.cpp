@@ -19,18 +19,19 @@ constexpr std::int64_t kStaysWarm_ns = 2 * runtime::kMillisecond_ns;
 
 }  // namespace
 
-Pipeline::Pipeline(const Surroundings& surroundings, std::vector<std::string> source_names,
+Pipeline::Pipeline(const Dependencies& dependencies, std::vector<std::string> source_names,
                    std::vector<std::unique_ptr<source::Transport>> transports,
-                   std::shared_ptr<const Live> live, std::uint64_t epoch, int max_subscriptions)
-    : to_(surroundings),
+                   std::shared_ptr<const RuntimeConfig> config, std::uint64_t epoch,
+                   int max_subscriptions)
+    : to_(dependencies),
       transports_(std::move(transports)),
       subscriptions_(max_subscriptions, to_.counters),
-      roster_(std::move(source_names), std::move(live), epoch, subscriptions_, to_.counters),
+      roster_(std::move(source_names), std::move(config), epoch, subscriptions_, to_.counters),
       commands_(roster_),
       started_ns_(to_.clock.Now_ns()),
       next_stats_ns_(started_ns_ + kSecond_ns) {
-  rules_ = {Nanoseconds(roster_.live().performers.takeover_s),
-            Nanoseconds(roster_.live().performers.clock_back_s)};
+  rules_ = {Nanoseconds(roster_.config().performers.takeover_s),
+            Nanoseconds(roster_.config().performers.clock_back_s)};
   subscriptions_.Register(stats_topic_);
   roster_.Age(started_ns_);
 }
@@ -61,7 +62,7 @@ std::int64_t Pipeline::NextDeadline_ns() const {
     next_ns = std::min(next_ns, transport->NextDeadline_ns());
   }
   for (const auto& performer : roster_.performers) {
-    const auto& limits = roster_.live().performers;
+    const auto& limits = roster_.config().performers;
     const std::int64_t silent_ns =
         performer->live
             ? performer->last_frame_ns + performer->Patience_ns(Nanoseconds(limits.stale_s))
@@ -99,16 +100,16 @@ int Pipeline::DoCommands() {
     // Never full: the control thread keeps fewer in flight than the ring holds.
     if (to_.mailboxes.replies.Push(std::move(exchange))) to_.mailboxes.wake_control.Signal();
   }
-  if (commands_.TakeChanged()) {
-    auto kept = roster_.Keep();
+  if (commands_.PopChanged()) {
+    auto kept = roster_.Snapshot();
     if (!to_.mailboxes.profiles.Push(std::move(kept))) commands_.MarkChanged();
   }
   return work;
 }
 
-std::unique_ptr<std::vector<Profile>> Pipeline::TakeUnkept() {
-  if (roster_.TakeChanged()) commands_.MarkChanged();
-  return commands_.TakeChanged() ? roster_.Keep() : nullptr;
+std::unique_ptr<std::vector<Profile>> Pipeline::PopUnsaved() {
+  if (roster_.PopChanged()) commands_.MarkChanged();
+  return commands_.PopChanged() ? roster_.Snapshot() : nullptr;
 }
 
 void Pipeline::Answer(Exchange& exchange) {
@@ -118,7 +119,7 @@ void Pipeline::Answer(Exchange& exchange) {
   status.set_version(STYLED_VERSION);
   status.set_epoch(roster_.epoch());
   status.set_uptime_s(static_cast<double>(to_.clock.Now_ns() - started_ns_) * 1e-9);
-  status.set_weights(roster_.live().weights_name);
+  status.set_weights(roster_.config().weights_name);
   FillStats(*status.mutable_stats());
   for (std::size_t i = 0; i < transports_.size(); ++i) {
     DescribeSource(i, *status.add_sources());
@@ -162,7 +163,7 @@ void Pipeline::Calibrate(const v1::Request& request, v1::Reply& reply) {
     reply.set_code(status.ok() ? v1::CODE_OK : v1::CODE_NOT_READY);
     reply.set_reason(status.message());
   } else {
-    reply.set_code(performer->Calibrate(wanted, roster_.live(), to_.clock.Now_ns(), reply));
+    reply.set_code(performer->Calibrate(wanted, roster_.config(), to_.clock.Now_ns(), reply));
   }
   if (reply.code() != v1::CODE_OK) return;
   profile->configured = true;
@@ -174,15 +175,15 @@ void Pipeline::Calibrate(const v1::Request& request, v1::Reply& reply) {
 }
 
 int Pipeline::DoReloads() {
-  std::shared_ptr<const Live> live;
-  if (!to_.mailboxes.reloads.Pop(live)) return 0;
-  for (auto& complaint : roster_.Take(std::move(live))) {
-    Say(Event::Level::kWarning, std::move(complaint));
+  std::shared_ptr<const RuntimeConfig> config;
+  if (!to_.mailboxes.reloads.Pop(config)) return 0;
+  for (auto& complaint : roster_.Apply(std::move(config))) {
+    Log(Event::Level::kWarning, std::move(complaint));
   }
-  rules_ = {Nanoseconds(roster_.live().performers.takeover_s),
-            Nanoseconds(roster_.live().performers.clock_back_s)};
+  rules_ = {Nanoseconds(roster_.config().performers.takeover_s),
+            Nanoseconds(roster_.config().performers.clock_back_s)};
   if (to_.recorder != nullptr) {
-    to_.recorder->OnNote(to_.clock.Now_ns(), "reloaded: weights " + roster_.live().weights_name);
+    to_.recorder->OnNote(to_.clock.Now_ns(), "reloaded: weights " + roster_.config().weights_name);
   }
   return 1;
 }
@@ -205,7 +206,7 @@ int Pipeline::DoSubscriptions() {
 }
 
 int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
-  const auto& limits = roster_.live().performers;
+  const auto& limits = roster_.config().performers;
   int work = 0;
   for (std::size_t i = 0; i < roster_.performers.size();) {
     Performer& performer = *roster_.performers[i++];
@@ -218,12 +219,12 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
     }
     if (performer.FacingChanged()) {
       const std::string warning = performer.Warning();
-      SayOf(LogLimit::Kind::kFacing, {}, performer.profile.id,
+      LogOf(LogLimit::Kind::kFacing, {}, performer.profile.id,
             warning.empty() ? Event::Level::kInfo : Event::Level::kWarning,
             warning.empty() ? "walks where the toes point again" : warning);
     }
     if (drained && !performer.live && silence_ns >= Nanoseconds(limits.forget_s)) {
-      SayOf(LogLimit::Kind::kForgotten, {}, performer.profile.id, Event::Level::kInfo,
+      LogOf(LogLimit::Kind::kForgotten, {}, performer.profile.id, Event::Level::kInfo,
             "forgotten after silence");
       to_.counters.Add(Counter::kPipelineForgotten);
       roster_.Forget(performer);
@@ -238,8 +239,8 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
   if (now_ns >= next_stats_ns_) {
     PublishStats();
     roster_.Age(now_ns);
-    for (auto& text : roster_.TakeSaid()) Say(Event::Level::kInfo, std::move(text));
-    if (roster_.TakeChanged()) commands_.MarkChanged();
+    for (auto& text : roster_.PopLog()) Log(Event::Level::kInfo, std::move(text));
+    if (roster_.PopChanged()) commands_.MarkChanged();
     ++work;
   }
   return work;
@@ -247,11 +248,11 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
 
 void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {
   performer.live = false;
-  Performer::Moment moment;
-  moment.receive_ns = performer.last_frame_ns;
-  moment.publish_ns = now_ns;
-  moment.wall_ns = to_.clock.Wall_ns();
-  if (!performer.Repeat(moment)) return;
+  Performer::FrameContext context;
+  context.receive_ns = performer.last_frame_ns;
+  context.publish_ns = now_ns;
+  context.wall_ns = to_.clock.Wall_ns();
+  if (!performer.Repeat(context)) return;
   performer.Send(to_.publisher, now_ns);
   to_.counters.Add(Counter::kPipelineStale);
 }
@@ -300,11 +301,11 @@ void Pipeline::PublishStats() {
 }
 
 void Pipeline::OnNote(int source, const std::string& text) {
-  Say(Event::Level::kWarning,
+  Log(Event::Level::kWarning,
       roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
-void Pipeline::SayOf(LogLimit::Kind kind, const source::Machine& sender,
+void Pipeline::LogOf(LogLimit::Kind kind, const source::Machine& sender,
                      const std::string& performer, Event::Level level, std::string text) {
   std::uint64_t held_back = 0;
   if (!log_limit_.Admit(kind, sender, performer, to_.clock.Now_ns(), held_back)) {
@@ -312,10 +313,10 @@ void Pipeline::SayOf(LogLimit::Kind kind, const source::Machine& sender,
     return;
   }
   if (held_back > 0) text += " (and " + std::to_string(held_back) + " more like this before)";
-  Say(level, performer + ": " + std::move(text));
+  Log(level, performer + ": " + std::move(text));
 }
 
-void Pipeline::Say(Event::Level level, std::string text) {
+void Pipeline::Log(Event::Level level, std::string text) {
   // It may quote what a stranger sent: no second line, no terminal's escape.
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < ' ' || c == '\x7F') c = '?';

@@ -23,8 +23,8 @@
 
 namespace styled::pipeline {
 
-// What the pipeline works with; all of it outlives it.
-struct Surroundings {
+// What the pipeline works with; each outlives it.
+struct Dependencies {
   runtime::Clock& clock;
   runtime::Counters& counters;
   publish::Publisher& publisher;
@@ -48,15 +48,15 @@ struct Surroundings {
 class Pipeline final : public Worker, public source::Receiver {
  public:
   // `source_names[i]` is the name of what transports call source i. Epoch: random, of this start.
-  Pipeline(const Surroundings& surroundings, std::vector<std::string> source_names,
+  Pipeline(const Dependencies& dependencies, std::vector<std::string> source_names,
            std::vector<std::unique_ptr<source::Transport>> transports,
-           std::shared_ptr<const Live> live, std::uint64_t epoch, int max_subscriptions);
+           std::shared_ptr<const RuntimeConfig> config, std::uint64_t epoch, int max_subscriptions);
   // Settings of the last run; before the first DoWork.
   void Restore(std::vector<Profile> profiles) { roster_.Restore(std::move(profiles)); }
   // As configured, for status; before the first DoWork.
   void SetSourceTypes(std::vector<std::string> types) { source_types_ = std::move(types); }
   // After the last cycle: the settings, if a change of them found the mailbox full; else null.
-  std::unique_ptr<std::vector<Profile>> TakeUnkept();
+  std::unique_ptr<std::vector<Profile>> PopUnsaved();
 
   int DoWork() override;
   std::int64_t NextDeadline_ns() const override;
@@ -92,9 +92,9 @@ class Pipeline final : public Worker, public source::Receiver {
   // Step 1 of a batch: header, checksum, name; refusals are counted.
   STYLED_REALTIME void Decode(int source, std::span<const std::byte> bytes, Item& item) noexcept;
   STYLED_REALTIME void NoteNewest(int index) noexcept;
-  void TakeBody(int source, const Item& item);
-  void TakeFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
-  void StyleTaken(runtime::HotSection& hot);
+  void AcceptBody(int source, const Item& item);
+  void AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
+  void StyleAccepted(runtime::HotSection& hot);
   STYLED_REALTIME void AwaitNext(Performer& performer, std::int64_t before_ns) noexcept;
   void PassCues(Performer& performer, const source::Timecode& timecode, runtime::HotSection& hot);
   // Whether the frame's session, sequence and body are the performer's next; counts if not.
@@ -110,12 +110,12 @@ class Pipeline final : public Worker, public source::Receiver {
   void FillStats(v1::Stats& stats);
   void DescribeSource(std::size_t index, v1::SourceInfo& info) const;
   void PublishStats();
-  void Say(Event::Level level, std::string text);
+  void Log(Event::Level level, std::string text);
   // The same within the limit of its kind and performer. `sender`: who caused it, if it was one.
-  void SayOf(LogLimit::Kind kind, const source::Machine& sender, const std::string& performer,
+  void LogOf(LogLimit::Kind kind, const source::Machine& sender, const std::string& performer,
              Event::Level level, std::string text);
 
-  Surroundings to_;
+  Dependencies to_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
   std::vector<std::string> source_types_;
   publish::Subscriptions subscriptions_;
@@ -125,8 +125,8 @@ class Pipeline final : public Worker, public source::Receiver {
   std::int64_t receive_ns_ = 0, wall_ns_ = 0;  // of the batch at hand, or the last
   std::array<Item, source::kBatch> items_;
   // Frames of the batch that are to be styled together, each of another performer.
-  std::array<Performer*, stylist::Stylist::kTogether> taken_{};
-  std::size_t taken_count_ = 0;
+  std::array<Performer*, stylist::Stylist::kTogether> accepted_{};
+  std::size_t accepted_count_ = 0;
   Stages stages_;
   publish::SubscriptionEvent subscription_;
   publish::Topic stats_topic_{"stats/"};

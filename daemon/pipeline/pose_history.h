@@ -11,11 +11,11 @@ namespace styled::pipeline {
 
 // How a performer stands, and whether he has stood still: the last pose received, and some of the
 // last third of a second. What a calibration is made from. Sized once; pipeline thread.
-class Stance {
+class PoseHistory {
  public:
-  explicit Stance(const rig::Skeleton& skeleton) : pose_(skeleton) { kept_.fill(pose_); }
+  explicit PoseHistory(const rig::Skeleton& skeleton) : pose_(skeleton) { kept_.fill(pose_); }
 
-  STYLED_REALTIME void Take(const rig::RigPose& pose, std::int64_t now_ns) noexcept {
+  STYLED_REALTIME void Add(const rig::RigPose& pose, std::int64_t now_ns) noexcept {
     if (now_ns - kept_at_ns_[newest_] >= kStep_ns) {
       newest_ = (newest_ + 1) % kKept;
       Copy(pose_, kept_[newest_]);

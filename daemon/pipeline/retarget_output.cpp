@@ -24,22 +24,22 @@ v1::Body MakeBody(const clip::AvatarSkeleton& avatar, const std::string& name) {
 
 }  // namespace
 
-bool AvatarOutput::IsFor(std::string_view performer) const {
+bool RetargetOutput::IsFor(std::string_view performer) const {
   return performers.empty() ||
          std::find(performers.begin(), performers.end(), performer) != performers.end();
 }
 
-Result<std::shared_ptr<const AvatarOutput>> ReadAvatarOutput(const config::Output& output) {
+Result<std::shared_ptr<const RetargetOutput>> ReadRetargetOutput(const config::Output& output) {
   auto skeleton = clip::ReadAvatar(output.avatar, output.dialect, output.joints);
   if (!skeleton.ok()) {
     return Status::Error(output.place + ": output.avatar: " + skeleton.status().message());
   }
-  auto avatar = std::make_shared<AvatarOutput>();
+  auto avatar = std::make_shared<RetargetOutput>();
   avatar->name = output.name;
   avatar->performers = output.performers;
   avatar->skeleton = std::move(skeleton.value());
   avatar->body = MakeBody(avatar->skeleton, avatar->name);
-  return std::shared_ptr<const AvatarOutput>(std::move(avatar));
+  return std::shared_ptr<const RetargetOutput>(std::move(avatar));
 }
 
 }  // namespace styled::pipeline

@@ -13,7 +13,7 @@
 namespace styled::pipeline {
 
 // One [[output]], read. Immutable and shared by performers.
-struct AvatarOutput {
+struct RetargetOutput {
   std::string name;
   std::vector<std::string> performers;  // ids; empty = all
   clip::AvatarSkeleton skeleton;
@@ -24,6 +24,6 @@ struct AvatarOutput {
 
 // Errors name the place in the config and the file, and say what was expected. Start-up and reload
 // only; allocates.
-Result<std::shared_ptr<const AvatarOutput>> ReadAvatarOutput(const config::Output& output);
+Result<std::shared_ptr<const RetargetOutput>> ReadRetargetOutput(const config::Output& output);
 
 }  // namespace styled::pipeline

@@ -12,11 +12,11 @@ constexpr int kMaxAbsent_h = 1'000'000;  // a century; what is counted further t
 
 }  // namespace
 
-Roster::Roster(std::vector<std::string> source_names, std::shared_ptr<const Live> live,
+Roster::Roster(std::vector<std::string> source_names, std::shared_ptr<const RuntimeConfig> config,
                std::uint64_t epoch, publish::Subscriptions& subscriptions,
                runtime::Counters& counters)
     : source_names_(std::move(source_names)),
-      live_(std::move(live)),
+      config_(std::move(config)),
       epoch_(epoch),
       subscriptions_(subscriptions),
       counters_(counters) {
@@ -28,11 +28,11 @@ void Roster::InitializeToCome() {
   if (to_come.configured) return;
   to_come = Profile();
   to_come.id = "*";
-  to_come.look.strength = live_->style.strength;
-  to_come.look.transition_s = live_->style.transition_s;
+  to_come.look.strength = config_->style.strength;
+  to_come.look.transition_s = config_->style.transition_s;
   std::string why;  // checked by the supervisor
-  if (!live_->style.initial.empty()) {
-    (void)LookUp(live_->style.initial, live_->presets, *live_->network, to_come.look, why);
+  if (!config_->style.initial.empty()) {
+    (void)LookUp(config_->style.initial, config_->presets, *config_->network, to_come.look, why);
   }
 }
 
@@ -48,7 +48,7 @@ Performer* Roster::Find(int source, std::string_view name) noexcept {
 }
 
 Performer* Roster::Add(int source, std::string_view name, std::int64_t now_ns) {
-  const auto most = static_cast<std::size_t>(live_->performers.max_performers);
+  const auto most = static_cast<std::size_t>(config_->performers.max_performers);
   if (performers.size() >= most && !ForgetFrameless(now_ns)) return nullptr;
   const std::string id = Id(source, name);
   Profile* profile = EnsureProfile(id);
@@ -65,7 +65,7 @@ Performer* Roster::Add(int source, std::string_view name, std::int64_t now_ns) {
 bool Roster::ForgetFrameless(std::int64_t now_ns) {
   for (const auto& performer : performers) {  // in the order in which they came
     if (performer->sends_frames || now_ns - performer->added_ns < kFrameless_ns) continue;
-    said_.push_back(performer->profile.id + ": sent a skeleton and no frame, gave way to another");
+    log_.push_back(performer->profile.id + ": sent a skeleton and no frame, gave way to another");
     counters_.Add(runtime::Counter::kPipelineForgotten);
     Forget(*performer);
     return true;
@@ -104,7 +104,7 @@ void Roster::NoteCome(Profile& profile) {
   changed_ = changed_ || profile.configured;
 }
 
-bool Roster::TakeChanged() {
+bool Roster::PopChanged() {
   for (const auto& [id, profile] : profiles) NoteCome(*profile);
   return std::exchange(changed_, false);
 }
@@ -127,9 +127,9 @@ bool Roster::MakeRoom(const std::string& comer) {
   }
   if (gives_way == nullptr) return false;
   counters_.Add(runtime::Counter::kPipelineNamesReplaced);
-  said_.push_back(gives_way->id + (HasCome(*gives_way) ? ": absent for long" : ": only named") +
-                  ", its settings gave way to " + comer + ", who came to a full table of " +
-                  std::to_string(max_profiles()));
+  log_.push_back(gives_way->id + (HasCome(*gives_way) ? ": absent for long" : ": only named") +
+                 ", its settings gave way to " + comer + ", who came to a full table of " +
+                 std::to_string(max_profiles()));
   changed_ = true;
   Drop(*gives_way);
   return true;
@@ -154,15 +154,15 @@ void Roster::Age(std::int64_t now_ns) {
   }
   if (ended.empty()) return;
   std::string names;
-  constexpr std::size_t kTold = 8;  // names in one line of the log
+  constexpr std::size_t kListed = 8;  // names in one line of the log
   for (std::size_t i = 0; i < ended.size(); ++i) {
-    if (i < kTold) names += (i == 0 ? "" : ", ") + ended[i]->id;
+    if (i < kListed) names += (i == 0 ? "" : ", ") + ended[i]->id;
     Drop(*ended[i]);
   }
-  if (ended.size() > kTold) names += " and " + std::to_string(ended.size() - kTold) + " more";
+  if (ended.size() > kListed) names += " and " + std::to_string(ended.size() - kListed) + " more";
   counters_.Add(runtime::Counter::kPipelineNamesExpired, ended.size());
-  said_.push_back(names + ": named " + std::to_string(kForgetNamed_h) +
-                  " hours ago or more and never came, the settings are forgotten");
+  log_.push_back(names + ": named " + std::to_string(kForgetNamed_h) +
+                 " hours ago or more and never came, the settings are forgotten");
 }
 
 Profile* Roster::FindProfile(const std::string& id) {
@@ -209,7 +209,7 @@ void Roster::Restore(std::vector<Profile> kept) {
   }
 }
 
-std::unique_ptr<std::vector<Profile>> Roster::Keep() const {
+std::unique_ptr<std::vector<Profile>> Roster::Snapshot() const {
   auto kept = std::make_unique<std::vector<Profile>>();
   if (to_come.configured) kept->push_back(to_come);
   for (const auto& [id, profile] : profiles) {
@@ -221,15 +221,15 @@ std::unique_ptr<std::vector<Profile>> Roster::Keep() const {
   return kept;
 }
 
-std::vector<std::string> Roster::Take(std::shared_ptr<const Live> live) {
-  const bool rebuild = live->network != live_->network || live->stylist != live_->stylist ||
-                       live->avatars != live_->avatars;
-  const auto before = std::exchange(live_, std::move(live));
+std::vector<std::string> Roster::Apply(std::shared_ptr<const RuntimeConfig> config) {
+  const bool rebuild = config->network != config_->network || config->stylist != config_->stylist ||
+                       config->outputs != config_->outputs;
+  const auto before = std::exchange(config_, std::move(config));
   InitializeToCome();
   std::vector<std::string> complaints;
   for (const auto& performer : performers) {
-    if (rebuild) performer->Rebuild(*live_);
-    for (const auto& style : performer->ApplyLook(*live_)) {
+    if (rebuild) performer->Rebuild(*config_);
+    for (const auto& style : performer->ApplyLook(*config_)) {
       complaints.push_back(performer->profile.id + ": the new weights have no style \"" + style +
                            "\"");
     }

@@ -32,7 +32,7 @@ class Roster {
   // Rigs send their first frame within a second of the skeleton.
   static constexpr std::int64_t kFrameless_ns = 5'000'000'000;
 
-  Roster(std::vector<std::string> source_names, std::shared_ptr<const Live> live,
+  Roster(std::vector<std::string> source_names, std::shared_ptr<const RuntimeConfig> config,
          std::uint64_t epoch, publish::Subscriptions& subscriptions, runtime::Counters& counters);
 
   // The live performer, or null. Neither allocates nor throws.
@@ -49,7 +49,7 @@ class Roster {
   Profile* EnsureProfile(const std::string& id);
   // Somebody set a profile by its name (not by "*"): its hours count anew.
   void NoteNamed(Profile& profile);
-  // Takes back what Ensure made, unless it was put to use.
+  // Removes what Ensure made, unless it was put to use.
   void DropUnused(Profile& profile);
   // The live performer of a profile, or null.
   Performer* LiveOf(const Profile& profile) const;
@@ -57,20 +57,20 @@ class Roster {
   // Settings that were kept from the last run ("*" among them).
   void Restore(std::vector<Profile> profiles);
   // What to keep: configured profiles and, as "*", those of performers to come.
-  std::unique_ptr<std::vector<Profile>> Keep() const;
+  std::unique_ptr<std::vector<Profile>> Snapshot() const;
 
   // Counts the hours, and ends what was only named. Called about once a second; does nothing but
   // once an hour. Allocates.
   void Age(std::int64_t now_ns);
   // What Add and Age did to profiles since the last call, for the log.
-  std::vector<std::string> TakeSaid() { return std::exchange(said_, {}); }
-  // Whether what Keep() returns changed since the last call, but for what control requests set.
-  bool TakeChanged();
+  std::vector<std::string> PopLog() { return std::exchange(log_, {}); }
+  // Whether what Snapshot() returns changed since the last call, but for what control requests set.
+  bool PopChanged();
 
   // New weights, presets or limits. Returns what of the profiles no longer fits.
-  std::vector<std::string> Take(std::shared_ptr<const Live> live);
+  std::vector<std::string> Apply(std::shared_ptr<const RuntimeConfig> config);
 
-  const Live& live() const { return *live_; }
+  const RuntimeConfig& config() const { return *config_; }
   std::uint64_t epoch() const { return epoch_; }
   // "rig.a" from a source's number and a performer's name.
   std::string Id(int source, std::string_view name) const;
@@ -83,7 +83,7 @@ class Roster {
 
  private:
   std::size_t max_profiles() const {
-    return 4 * static_cast<std::size_t>(live_->performers.max_performers);
+    return 4 * static_cast<std::size_t>(config_->performers.max_performers);
   }
   void InitializeToCome();
   bool ForgetFrameless(std::int64_t now_ns);
@@ -94,7 +94,7 @@ class Roster {
   void Drop(Profile& profile);
 
   std::vector<std::string> source_names_;
-  std::shared_ptr<const Live> live_;
+  std::shared_ptr<const RuntimeConfig> config_;
   std::uint64_t epoch_;
   publish::Subscriptions& subscriptions_;
   runtime::Counters& counters_;
@@ -103,7 +103,7 @@ class Roster {
   std::uint64_t first_sequence_ = 1;
   std::uint64_t named_ = 0;   // as Profile::named_last
   std::int64_t aged_ns_ = 0;  // when the last full hour ended; 0: no hour has begun
-  std::vector<std::string> said_;
+  std::vector<std::string> log_;
   bool changed_ = false;
 };
 

@@ -1,17 +1,19 @@
-// MakeLive: weights, what refers to their styles, and avatars.
+#include "daemon/pipeline/runtime_config.h"
+
+#include <utility>
+
 #include "daemon/pipeline/profile.h"
-#include "daemon/supervisor.h"
 #include "model/erd/safetensors.h"
 #include "model/erd/shipped_weights.h"
 #include "model/trial/trial.h"
 #include "proto/rigs/native/datagram.h"
 
-namespace styled {
+namespace styled::pipeline {
 namespace {
 
 Status CheckStyles(const config::Config& config, const erd::Network& network) {
   for (const auto& preset : config.presets) {
-    pipeline::Look look;
+    Look look;
     std::string why;
     // style.initial, consoles and who reads a list could not tell them apart.
     if (const int style = network.FindStyle(preset.name); style >= 0) {
@@ -21,24 +23,24 @@ Status CheckStyles(const config::Config& config, const erd::Network& network) {
                            (proper == preset.name ? "" : " too, an alias of \"" + proper + "\"") +
                            "; expected another");
     }
-    if (!pipeline::LookUp(preset.name, config.presets, network, look, why)) {
+    if (!LookUp(preset.name, config.presets, network, look, why)) {
       return Status::Error(preset.place + ": presets." + preset.name + ": " + why);
     }
   }
   if (config.style.initial.empty()) return Status::Ok();
-  pipeline::Look look;
+  Look look;
   std::string why;
-  if (pipeline::LookUp(config.style.initial, config.presets, network, look, why)) {
+  if (LookUp(config.style.initial, config.presets, network, look, why)) {
     return Status::Ok();
   }
   return Status::Error("style.initial: \"" + config.style.initial + "\" is no preset, and " + why);
 }
 
 // The running one where nothing about it changed, so that performers need not start anew.
-std::shared_ptr<const pipeline::AvatarOutput> KeepRunning(
-    std::shared_ptr<const pipeline::AvatarOutput> fresh, const pipeline::Live* running) {
+std::shared_ptr<const RetargetOutput> KeepUnchanged(std::shared_ptr<const RetargetOutput> fresh,
+                                                    const RuntimeConfig* running) {
   if (running == nullptr) return fresh;
-  for (const auto& kept : running->avatars) {
+  for (const auto& kept : running->outputs) {
     const bool same = kept->body.SerializeAsString() == fresh->body.SerializeAsString() &&
                       kept->performers == fresh->performers &&
                       kept->skeleton.above_translation == fresh->skeleton.above_translation;
@@ -49,46 +51,46 @@ std::shared_ptr<const pipeline::AvatarOutput> KeepRunning(
 
 }  // namespace
 
-Result<std::shared_ptr<const pipeline::Live>> MakeLive(const config::Config& config,
-                                                       const pipeline::Live* running,
-                                                       std::uint32_t& crc) {
+Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Config& config,
+                                                               const RuntimeConfig* running,
+                                                               std::uint32_t& weights_crc) {
   const auto path = erd::FindWeights(config.model.weights);
   if (!path.ok()) return path.status();
   const auto bytes = erd::ReadFile(path.value());
   if (!bytes.ok()) return bytes.status();
-  auto live = std::make_shared<pipeline::Live>();
+  auto made = std::make_shared<RuntimeConfig>();
   const std::uint32_t fresh_crc = native::Crc32c(bytes.value());
-  if (running != nullptr && fresh_crc == crc) {
-    live->network = running->network;
+  if (running != nullptr && fresh_crc == weights_crc) {
+    made->network = running->network;
   } else {
     auto network = trial::Parse(bytes.value(), path.value().string());
     if (!network.ok()) return network.status();
-    live->network = std::move(network.value());
+    made->network = std::move(network.value());
   }
-  const Status status = CheckStyles(config, *live->network);
+  const Status status = CheckStyles(config, *made->network);
   if (!status.ok()) return status;
   if (running != nullptr) {
-    live->joints = running->joints;  // sources change at a restart only
+    made->joints = running->joints;  // sources change at a restart only
   } else {
-    for (const auto& source : config.sources) live->joints.push_back(source.joints);
+    for (const auto& source : config.sources) made->joints.push_back(source.joints);
   }
   for (const auto& output : config.outputs) {
-    auto avatar = pipeline::ReadAvatarOutput(output);
-    if (!avatar.ok()) return avatar.status();
-    live->avatars.push_back(KeepRunning(std::move(avatar.value()), running));
+    auto read = ReadRetargetOutput(output);
+    if (!read.ok()) return read.status();
+    made->outputs.push_back(KeepUnchanged(std::move(read.value()), running));
   }
-  live->weights_name = path.value().filename().string();
-  live->performers = config.performers;
-  live->style = config.style;
+  made->weights_name = path.value().filename().string();
+  made->performers = config.performers;
+  made->style = config.style;
   for (const auto& cue : config.cues) {
-    auto made = pipeline::MakeCue(cue, config.presets, *live->network);
-    if (!made.ok()) return made.status();
-    live->cues.push_back(std::move(made.value()));
+    auto checked = MakeCue(cue, config.presets, *made->network);
+    if (!checked.ok()) return checked.status();
+    made->cues.push_back(std::move(checked.value()));
   }
-  live->presets = config.presets;
-  live->stylist = config.model.stylist;
-  crc = fresh_crc;
-  return std::shared_ptr<const pipeline::Live>(std::move(live));
+  made->presets = config.presets;
+  made->stylist = config.model.stylist;
+  weights_crc = fresh_crc;
+  return std::shared_ptr<const RuntimeConfig>(std::move(made));
 }
 
-}  // namespace styled
+}  // namespace styled::pipeline

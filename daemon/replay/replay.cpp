@@ -11,13 +11,13 @@
 
 #include "daemon/config/address.h"
 #include "daemon/pipeline/keeping.h"
+#include "daemon/pipeline/runtime_config.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/source/cut_reader.h"
 #include "daemon/source/delay.h"
 #include "daemon/source/outbox.h"
 #include "daemon/source/rigs/make.h"
 #include "daemon/source/rigs/natnet.h"
-#include "daemon/supervisor.h"
 #include "model/base/text.h"
 #include "model/erd/shipped_weights.h"
 #include "proto/recording/writer.h"
@@ -184,9 +184,10 @@ std::string KeyOf(const std::string& name, const std::string& type) { return nam
 
 class Player {
  public:
-  Player(const config::Config& config, std::shared_ptr<const pipeline::Live> live,
-         const Options& options, const std::map<std::string, std::string>& senders,
-         runtime::Counters& counters, const Sink& sink)
+  Player(const config::Config& config,
+         std::shared_ptr<const pipeline::RuntimeConfig> runtime_config, const Options& options,
+         const std::map<std::string, std::string>& senders, runtime::Counters& counters,
+         const Sink& sink)
       : commands_(options.commands), collector_(clock_, options.subscription, sink) {
     std::vector<std::string> names;
     std::vector<std::unique_ptr<source::Transport>> transports;
@@ -206,8 +207,8 @@ class Player {
       }
     }
     pipeline_ = std::make_unique<pipeline::Pipeline>(
-        pipeline::Surroundings{clock_, counters, collector_, mailboxes_, nullptr, false, false},
-        std::move(names), std::move(transports), std::move(live), 1, kSubscriptions);
+        pipeline::Dependencies{clock_, counters, collector_, mailboxes_, nullptr, false, false},
+        std::move(names), std::move(transports), std::move(runtime_config), 1, kSubscriptions);
     pipeline_->Restore(options.profiles);
   }
 
@@ -309,7 +310,7 @@ Result<config::Config> ConfigOf(const recording::Reader& reader,
 }
 
 Status Replay(recording::Reader& reader, const config::Config& config,
-              std::shared_ptr<const pipeline::Live> live, const Options& options,
+              std::shared_ptr<const pipeline::RuntimeConfig> runtime_config, const Options& options,
               runtime::Counters& counters, const Sink& sink) {
   reader.Rewind();
   const auto senders = FirstSenders(reader, config.sources.size());
@@ -318,7 +319,7 @@ Status Replay(recording::Reader& reader, const config::Config& config,
                          ": found nothing that arrived from a rig, expected a recording of the "
                          "daemon ([record]) or of stylerec receive");
   }
-  Player player(config, std::move(live), options, senders, counters, sink);
+  Player player(config, std::move(runtime_config), options, senders, counters, sink);
   reader.Rewind();
   recording::Record record;
   while (reader.Next(record)) {
@@ -332,8 +333,8 @@ Status Replay(recording::Reader& reader, const config::Config& config,
 Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config& config,
                                  const std::string& file) {
   std::uint32_t crc = 0;
-  auto live = MakeLive(config, nullptr, crc);
-  if (!live.ok()) return live.status();
+  auto runtime_config = pipeline::MakeRuntimeConfig(config, nullptr, crc);
+  if (!runtime_config.ok()) return runtime_config.status();
   const auto weights = erd::FindWeights(config.model.weights);
   const auto hash = recording::HashOfFile(weights.value());
   if (!hash.ok()) return hash.status();
@@ -357,7 +358,7 @@ Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config
   recording::Record record;
   runtime::Counters counters;
   const Status status =
-      Replay(reader, config, live.value(), options, counters,
+      Replay(reader, config, runtime_config.value(), options, counters,
              [&](std::int64_t time_ns, std::string_view topic, std::span<const std::byte> payload) {
                if (!written.ok()) return;
                record.set_time_ns(time_ns);

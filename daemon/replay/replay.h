@@ -33,12 +33,12 @@ Result<config::Config> ConfigOf(const recording::Reader& reader,
                                 const std::vector<config::Override>& overrides);
 
 // Plays what arrived, and which commands fell where, through translators and pipeline as the daemon
-// of `config` with `live` would. The recorded times drive the clock: no sockets, no threads, no
-// sleep, and the same at every run, for every rig. `counters` tells what became of the frames.
-// Allocates; one thread. Errors: nothing arrived, or from a source that is not in the
+// of `config` with `runtime_config` would. The recorded times drive the clock: no sockets, no
+// threads, no sleep, and the same at every run, for every rig. `counters` tells what became of the
+// frames. Allocates; one thread. Errors: nothing arrived, or from a source that is not in the
 // configuration.
 Status Replay(recording::Reader& reader, const config::Config& config,
-              std::shared_ptr<const pipeline::Live> live, const Options& options,
+              std::shared_ptr<const pipeline::RuntimeConfig> runtime_config, const Options& options,
               runtime::Counters& counters, const Sink& sink);
 
 // Whether a counter tells of the frames, and not of the machine or the daemon's peers.

@@ -181,7 +181,7 @@ Outcome Poison(const Effort& effort) {
   runtime::Counters counters;
   Inspector inspector;
   pipeline::Mailboxes mailboxes;
-  auto live = std::make_shared<pipeline::Live>();
+  auto live = std::make_shared<pipeline::RuntimeConfig>();
   live->network = erd::RandomNetwork(5, 1);
   pipeline::Pipeline daemon({clock, counters, inspector, mailboxes}, {"rig"}, {}, live, 1, 100);
   const auto deliver = [&](const support::Bytes& bytes) {

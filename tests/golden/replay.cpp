@@ -2,8 +2,8 @@
 
 #include <set>
 
+#include "daemon/pipeline/runtime_config.h"
 #include "daemon/replay/replay.h"
-#include "daemon/supervisor.h"
 
 namespace styled::golden {
 Result<Played> Replay(recording::Reader& reader, const std::string& weights,
@@ -12,8 +12,8 @@ Result<Played> Replay(recording::Reader& reader, const std::string& weights,
       replay::ConfigOf(reader, {{"model.weights", "'" + weights + "'", "these weights"}});
   if (!config.ok()) return config.status();
   std::uint32_t crc = 0;
-  const auto live = MakeLive(config.value(), nullptr, crc);
-  if (!live.ok()) return live.status();
+  const auto made = pipeline::MakeRuntimeConfig(config.value(), nullptr, crc);
+  if (!made.ok()) return made.status();
   Played played;
   std::set<std::pair<std::uint64_t, int>> known;
   runtime::Counters counters;
@@ -28,7 +28,7 @@ Result<Played> Replay(recording::Reader& reader, const std::string& weights,
       played.frames[std::string(topic)].emplace_back().ParseFromArray(payload.data(), size);
     }
   };
-  const Status status = replay::Replay(reader, config.value(), live.value(),
+  const Status status = replay::Replay(reader, config.value(), made.value(),
                                        {"styled/", options.commands, {}}, counters, collect);
   if (!status.ok()) return status;
   for (int i = 0; i < static_cast<int>(runtime::Counter::kCount); ++i) {

@@ -49,11 +49,12 @@ class FakePublisher final : public publish::Publisher {
 // One source called "rig"; what arrives there is delivered by the test.
 class FakePipeline {
  public:
-  FakePipeline(std::shared_ptr<const pipeline::Live> live, const std::string& subscription)
+  FakePipeline(std::shared_ptr<const pipeline::RuntimeConfig> config,
+               const std::string& subscription)
       : pipeline_(std::make_unique<pipeline::Pipeline>(
-            pipeline::Surroundings{clock, counters, publisher, mailboxes},
+            pipeline::Dependencies{clock, counters, publisher, mailboxes},
             std::vector<std::string>{"rig"}, std::vector<std::unique_ptr<source::Transport>>(),
-            std::move(live), 77, 100)) {
+            std::move(config), 77, 100)) {
     publisher.events.push_back({true, subscription});
     Work();
   }

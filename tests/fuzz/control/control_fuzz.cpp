@@ -63,11 +63,11 @@ class Daemon {
   Daemon() {
     std::vector<std::unique_ptr<source::Transport>> transports;
     transports.push_back(std::make_unique<Nothing>());
-    auto live = std::make_shared<pipeline::Live>();
+    auto live = std::make_shared<pipeline::RuntimeConfig>();
     live->network = erd::RandomNetwork(5, 1);
     live->presets = {{"both", {{"style1", 0.5F}, {"style2", 0.5F}}, "here"}};
     pipeline_ = std::make_unique<pipeline::Pipeline>(
-        pipeline::Surroundings{clock_, counters_, publisher_, mailboxes_},
+        pipeline::Dependencies{clock_, counters_, publisher_, mailboxes_},
         std::vector<std::string>{"rig"}, std::move(transports), std::move(live), 1, 100);
     Work();
     Deliver(rig_.Body());

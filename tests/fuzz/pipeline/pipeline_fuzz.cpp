@@ -43,9 +43,9 @@ void RequireSane(const v1::Frame& frame) {
   }
 }
 
-std::shared_ptr<const pipeline::Live> MakeLive() {
+std::shared_ptr<const pipeline::RuntimeConfig> MakeConfig() {
   static const auto live = [] {
-    auto made = std::make_shared<pipeline::Live>();
+    auto made = std::make_shared<pipeline::RuntimeConfig>();
     made->network = erd::RandomNetwork(5, 1);
     made->performers.max_performers = 6;
     return made;
@@ -69,7 +69,7 @@ constexpr std::int64_t kPeriod_ns = runtime::kSecond_ns / 120;
 // The victim and the pipeline that it sends to.
 class Stage {
  public:
-  Stage() : pipeline_(MakeLive(), "") {
+  Stage() : pipeline_(MakeConfig(), "") {
     (void)pipeline_.Ask(StyleOf("rig.victim", 1));
     pipeline_.Deliver({victim_.Body()}, kVictims);
   }

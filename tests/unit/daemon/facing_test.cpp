@@ -19,7 +19,7 @@ void Walk(Facing& facing, body::Pose& pose, float metres, float speed_mps, float
   const int frames = static_cast<int>(metres / speed_mps / static_cast<float>(kStep_s));
   for (int i = 0; i < frames; ++i) {
     pose.hips_position_m += ahead * speed_mps * static_cast<float>(kStep_s);
-    facing.Take(pose, kStep_s);
+    facing.Sample(pose, kStep_s);
   }
 }
 
@@ -72,7 +72,7 @@ TEST_F(FacingTest, NothingAbsurdIsCounted) {
   const float huge = 1e30F;
   for (int i = 0; i < 1000; ++i) {
     pose.hips_position_m = body::Vec3(i % 2 == 0 ? huge : -huge, 0, huge);
-    facing.Take(pose, i % 3 == 0 ? 1e9 : kStep_s);
+    facing.Sample(pose, i % 3 == 0 ? 1e9 : kStep_s);
   }
   EXPECT_FALSE(facing.backwards());
 }

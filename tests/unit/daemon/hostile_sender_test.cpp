@@ -21,15 +21,15 @@ using support::Rig;
 constexpr source::Machine kHere{0x0A}, kElsewhere{0x0B};
 constexpr std::uint64_t kMs = 1'000'000;
 
-std::shared_ptr<Live> MakeLive() {
+std::shared_ptr<RuntimeConfig> MakeConfig() {
   static const std::shared_ptr<const erd::Network> network = erd::RandomNetwork(5, 1);
-  auto live = std::make_shared<Live>();
+  auto live = std::make_shared<RuntimeConfig>();
   live->network = network;
   return live;
 }
 
 struct HostileSenderTest : testing::Test {
-  support::FakePipeline stage{MakeLive(), "styled/"};
+  support::FakePipeline stage{MakeConfig(), "styled/"};
   Rig victim{"victim", 101};
   std::uint64_t most_steps = 0;  // of the network, in one delivery
 

@@ -20,8 +20,8 @@ class PipelineTest : public testing::Test {
  protected:
   PipelineTest() { publisher_.events.push_back({true, "styled/rig.a/rig/"}); }
 
-  std::shared_ptr<Live> MakeLive() const {
-    auto live = std::make_shared<Live>();
+  std::shared_ptr<RuntimeConfig> MakeConfig() const {
+    auto live = std::make_shared<RuntimeConfig>();
     live->network = network_;
     live->weights_name = "random";
     live->performers = limits_;
@@ -30,8 +30,8 @@ class PipelineTest : public testing::Test {
   Pipeline& pipeline() {
     if (pipeline_ == nullptr) {
       pipeline_ = std::make_unique<Pipeline>(
-          Surroundings{clock_, counters_, publisher_, mailboxes_}, std::vector<std::string>{"rig"},
-          std::vector<std::unique_ptr<source::Transport>>(), MakeLive(), 77, 100);
+          Dependencies{clock_, counters_, publisher_, mailboxes_}, std::vector<std::string>{"rig"},
+          std::vector<std::unique_ptr<source::Transport>>(), MakeConfig(), 77, 100);
       Work();
     }
     return *pipeline_;
@@ -286,8 +286,8 @@ TEST_F(PipelineTest, NewWeightsKeepLooksByName) {
   Deliver({rig_.Body(), rig_.Frame()});
   ASSERT_EQ(frames()[0].styles_size(), 1);
   network_ = erd::RandomNetwork(3, 9);
-  std::shared_ptr<const Live> live = MakeLive();
-  ASSERT_TRUE(mailboxes_.reloads.Push(std::move(live)));
+  std::shared_ptr<const RuntimeConfig> config = MakeConfig();
+  ASSERT_TRUE(mailboxes_.reloads.Push(std::move(config)));
   Pass(8);
   Deliver({rig_.Frame()});
   ASSERT_EQ(frames().size(), 2U);

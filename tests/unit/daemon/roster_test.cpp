@@ -42,11 +42,11 @@ class RosterTest : public testing::Test {
   RosterTest() { Start(); }
 
   void Start() {
-    auto live = std::make_shared<Live>();
+    auto live = std::make_shared<RuntimeConfig>();
     live->network = network_;
     live->performers.max_performers = 2;
     pipeline_ = std::make_unique<Pipeline>(
-        Surroundings{clock_, counters_, publisher_, mailboxes_}, std::vector<std::string>{"rig"},
+        Dependencies{clock_, counters_, publisher_, mailboxes_}, std::vector<std::string>{"rig"},
         std::vector<std::unique_ptr<source::Transport>>(), std::move(live), 1, 100);
     Work();
   }
@@ -54,7 +54,7 @@ class RosterTest : public testing::Test {
   void Restart() {
     std::unique_ptr<std::vector<Profile>> kept, newest;
     while (mailboxes_.profiles.Pop(kept)) newest = std::move(kept);
-    if (auto unkept = pipeline_->TakeUnkept()) newest = std::move(unkept);
+    if (auto unkept = pipeline_->PopUnsaved()) newest = std::move(unkept);
     if (newest != nullptr) {
       ASSERT_TRUE(WriteProfiles(file_, *newest).ok());
     }
