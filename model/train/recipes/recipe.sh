@@ -88,6 +88,18 @@ recipe_train() {  # recipe_train COMMAND... -- NAME LENGTH_OPTION LENGTH OPTIONS
 train() { recipe_train "$bin/styletrain" -- "$@"; }
 add_style() { recipe_train "$bin/styletrain" add-style -- "$@"; }
 evaluate() {
-  [ "$smoke" = no ] || set -- "$@" --judge-iterations 2 --long 0
+  if [ "$smoke" = yes ]; then
+    local option options=() long=no
+    for option in "$@"; do  # all but --long and its value
+      if [ "$option" = --long ]; then
+        long=yes
+      elif [ "$long" = yes ]; then
+        long=no
+      else
+        options+=("$option")
+      fi
+    done
+    set -- "${options[@]}" --judge-iterations 2 --long 0
+  fi
   recipe_run "$bin/styleeval" --data "$data" --cache "$runs/judges" "$@"
 }
