@@ -26,7 +26,7 @@
 #include "daemon/source/udp.h"
 #include "daemon/source/usb/usb.h"
 #include "model/base/read_file.h"
-#include "model/erd/shipped_weights.h"
+#include "model/net/shipped_weights.h"
 
 namespace styled {
 namespace {
@@ -184,7 +184,7 @@ void Supervisor::StartRecording() {
     about.config += "# " + set.place + ": " + set.key + " = " + set.value + "\n";
   }
   about.state = ReadText(StateFile(config_), pipeline::kMaxStateBytes);
-  about.weights = erd::FindWeights(config_.model.weights).value();
+  about.weights = net::FindWeights(config_.model.weights).value();
   auto recorder = record::Recorder::Start(config_, source_endpoints_, about);
   if (!recorder.ok()) {
     counters_.Add(runtime::Counter::kRecordFailures);

@@ -6,7 +6,7 @@
 #include "daemon/source/natnet.h"
 #include "daemon/source/rigs/tracker_rig.h"
 #include "model/base/text.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 
 namespace styled::config {
 namespace {

@@ -8,7 +8,7 @@
 #include "daemon/config/config.h"
 #include "daemon/source/source_frame.h"
 #include "model/base/status.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {

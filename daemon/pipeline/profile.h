@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 #include "model/rig/skeleton.h"
 #include "model/stylist/stylist.h"
 #include "proto/styled/v1/control.pb.h"

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "daemon/pipeline/profile.h"
-#include "model/erd/safetensors.h"
-#include "model/erd/shipped_weights.h"
+#include "model/net/safetensors.h"
+#include "model/net/shipped_weights.h"
 #include "model/trial/trial.h"
 #include "proto/rigs/native/datagram.h"
 
@@ -54,9 +54,9 @@ std::shared_ptr<const RetargetOutput> KeepUnchanged(std::shared_ptr<const Retarg
 Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Config& config,
                                                                const RuntimeConfig* running,
                                                                std::uint32_t& weights_crc) {
-  const auto path = erd::FindWeights(config.model.weights);
+  const auto path = net::FindWeights(config.model.weights);
   if (!path.ok()) return path.status();
-  const auto bytes = erd::ReadFile(path.value());
+  const auto bytes = net::ReadFile(path.value());
   if (!bytes.ok()) return bytes.status();
   auto made = std::make_shared<RuntimeConfig>();
   const std::uint32_t fresh_crc = native::Crc32c(bytes.value());

@@ -9,7 +9,7 @@
 #include "daemon/pipeline/cues.h"
 #include "daemon/pipeline/retarget_output.h"
 #include "model/base/status.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/stylist.h"
 

@@ -10,7 +10,7 @@
 
 #include "daemon/source/source_frame.h"
 #include "model/base/realtime.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 #include "model/rig/skeleton.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"

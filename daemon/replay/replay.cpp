@@ -19,7 +19,7 @@
 #include "daemon/source/rigs/make.h"
 #include "daemon/source/rigs/natnet.h"
 #include "model/base/text.h"
-#include "model/erd/shipped_weights.h"
+#include "model/net/shipped_weights.h"
 #include "proto/recording/writer.h"
 #include "proto/rigs/native/stream_reader.h"
 
@@ -335,7 +335,7 @@ Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config
   std::uint32_t crc = 0;
   auto runtime_config = pipeline::MakeRuntimeConfig(config, nullptr, crc);
   if (!runtime_config.ok()) return runtime_config.status();
-  const auto weights = erd::FindWeights(config.model.weights);
+  const auto weights = net::FindWeights(config.model.weights);
   const auto hash = recording::HashOfFile(weights.value());
   if (!hash.ok()) return hash.status();
   Options options;

@@ -2,7 +2,7 @@
 
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 #include "model/rig/binding.h"
 
 namespace styled::stylist {

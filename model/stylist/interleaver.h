@@ -4,8 +4,7 @@
 #include <cstdint>
 
 #include "model/base/realtime.h"
-#include "model/body/features.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 #include "model/stylist/stylist.h"
 
 namespace styled::stylist {

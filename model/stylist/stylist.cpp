@@ -5,6 +5,7 @@
 
 #include "model/base/critically_damped.h"
 #include "model/base/smooth.h"
+#include "model/body/heading.h"
 #include "model/feet/feet.h"
 #include "model/stylist/grounding.h"
 #include "model/stylist/guard.h"
@@ -116,7 +117,7 @@ struct Stylist::Impl {
   Mixer mixer;
   Interleaver interleaver;
   std::array<erd::State, kMaxInterleaved> states;
-  std::array<body::FeatureState, kMaxInterleaved> memories;
+  std::array<erd::FeatureState, kMaxInterleaved> memories;
   std::array<StyleDelta, kMaxInterleaved> wanted;  // each state's latest change
   std::bitset<kMaxInterleaved> stepped;
   erd::Decoded last_styled;  // of the newest tick, for the absolute output
@@ -212,7 +213,7 @@ struct Stylist::Impl::Step {
   int state;
   const Pose* pose;
   Pose between;
-  body::Features features;
+  erd::Features features;
   erd::StepOutput out;
 };
 
@@ -305,8 +306,8 @@ bool Stylist::Impl::NextStep(const Pose& input, Step& step) noexcept {
   step.pose = exact ? &input : &step.between;
   step.state = tick.state;
   last_heading_rad =
-      body::ComputeFeatures(*step.pose, network->metadata().features,
-                            memories[static_cast<std::size_t>(tick.state)], step.features);
+      erd::ComputeFeatures(*step.pose, network->metadata().features,
+                           memories[static_cast<std::size_t>(tick.state)], step.features);
   return true;
 }
 
@@ -386,7 +387,7 @@ void Stylist::Impl::Restart() noexcept {
 
 void Stylist::Impl::Forget() noexcept {
   for (erd::State& state : states) network->Start(state);
-  memories.fill(body::FeatureState());
+  memories.fill(erd::FeatureState());
   stepped.reset();
   fade_from = change;
   restart_fade = started ? 0.0F : 1.0F;

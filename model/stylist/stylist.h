@@ -8,10 +8,9 @@
 #include <vector>
 
 #include "model/base/realtime.h"
-#include "model/body/features.h"
 #include "model/body/parts.h"
-#include "model/erd/network.h"
 #include "model/feet/options.h"
+#include "model/net/erd/network.h"
 #include "model/rig/binding.h"
 
 namespace styled::stylist {

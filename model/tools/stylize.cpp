@@ -11,8 +11,8 @@
 #include "model/clip/avatar.h"
 #include "model/clip/clip.h"
 #include "model/clip/write.h"
-#include "model/erd/network.h"
-#include "model/erd/shipped_weights.h"
+#include "model/net/erd/network.h"
+#include "model/net/shipped_weights.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/avatar.h"
 #include "model/stylist/stylist.h"
@@ -140,7 +140,7 @@ void BindOnly(const styled::rig::Binding& binding, styled::clip::Clip& clip) {
 }
 
 Result<std::shared_ptr<const styled::erd::Network>> LoadNetwork(const Arguments& arguments) {
-  auto weights = styled::erd::FindWeights(arguments.weights);
+  auto weights = styled::net::FindWeights(arguments.weights);
   if (!weights.ok()) return weights.status();
   return styled::trial::Load(weights.value());
 }

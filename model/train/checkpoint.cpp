@@ -7,9 +7,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "model/body/features.h"
 #include "model/body/humanoid.h"
-#include "model/erd/safetensors.h"
+#include "model/net/erd/features.h"
+#include "model/net/safetensors.h"
 #include "model/train/dataset.h"
 
 namespace styled::train {
@@ -59,11 +59,11 @@ std::vector<std::pair<std::string, Tensor>> FormatTensors(const Generator& gener
 }
 
 // The named tensor of a weights file; throws where it is missing or has another shape.
-Tensor TensorOf(const erd::SafetensorsView& view, const std::string& name,
+Tensor TensorOf(const net::SafetensorsView& view, const std::string& name,
                 torch::IntArrayRef shape) {
   const auto found = view.tensors.find(name);
   if (found == view.tensors.end()) throw std::runtime_error("no tensor " + name);
-  const erd::TensorView& tensor = found->second;
+  const net::TensorView& tensor = found->second;
   if (tensor.dtype != "F32" || !shape.equals(tensor.shape)) {
     std::ostringstream text;
     text << "tensor " << name << ": found " << tensor.dtype << " "
@@ -211,9 +211,9 @@ Status WriteWeights(const Generator& generator, const Tensor& mean, const Tensor
 }
 
 Result<LoadedWeights> ReadWeights(const std::filesystem::path& file) {
-  const Result<std::vector<std::byte>> bytes = erd::ReadFile(file);
+  const Result<std::vector<std::byte>> bytes = net::ReadFile(file);
   if (!bytes.ok()) return bytes.status();
-  const Result<erd::SafetensorsView> view = erd::ParseSafetensors(bytes.value(), file.string());
+  const Result<net::SafetensorsView> view = net::ParseSafetensors(bytes.value(), file.string());
   if (!view.ok()) return view.status();
   try {
     const torch::NoGradGuard no_grad;
@@ -224,15 +224,15 @@ Result<LoadedWeights> ReadWeights(const std::filesystem::path& file) {
     const Json json = Json::parse(text);
     out.metadata = text;
     for (const Json& style : json.at("styles")) out.styles.push_back(style.at("name"));
-    out.mean = TensorOf(view.value(), "feature.mean", {body::kFeatureCount});
-    out.deviation = TensorOf(view.value(), "feature.deviation", {body::kFeatureCount});
+    out.mean = TensorOf(view.value(), "feature.mean", {erd::kFeatureCount});
+    out.deviation = TensorOf(view.value(), "feature.deviation", {erd::kFeatureCount});
     out.generator = std::make_unique<Generator>(shape.value(), out.mean, out.deviation);
     for (const auto& [name, tensor] : FormatTensors(*out.generator)) {
       tensor.copy_(TensorOf(view.value(), name, tensor.sizes()));
     }
     out.features.rate_hz = json.at("rate_hz");
     out.features.heading_tau_s = json.at("heading_tau_s");
-    body::Features mean;
+    erd::Features mean;
     std::copy_n(out.mean.data_ptr<float>(), mean.size(), mean.begin());
     SetHemisphere(mean, out.features);
     return out;

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "model/base/status.h"
-#include "model/body/features.h"
 #include "model/clip/manifest.h"
+#include "model/net/erd/features.h"
 #include "model/train/erd/networks.h"
 
 namespace styled::train {
@@ -38,7 +38,7 @@ struct WeightsMetadata {
   std::string ToJson(const GeneratorShape& shape) const;
 };
 
-// Writes model/weights/FORMAT.md, version 1. `json` is ToJson's; also atomically.
+// Writes model/net/erd/FORMAT.md, version 1. `json` is ToJson's; also atomically.
 Status WriteWeights(const Generator& generator, const torch::Tensor& mean,
                     const torch::Tensor& deviation, const std::string& json,
                     const std::filesystem::path& file);
@@ -51,9 +51,9 @@ Result<GeneratorShape> ShapeFromJson(const std::string& json);
 struct LoadedWeights {
   std::unique_ptr<Generator> generator;
   torch::Tensor mean, deviation;
-  body::FeatureParameters features;  // rate, heading filter, hemisphere
-  std::vector<std::string> styles;   // names; [0] is neutral
-  std::string metadata;              // the JSON text
+  erd::FeatureParameters features;  // rate, heading filter, hemisphere
+  std::vector<std::string> styles;  // names; [0] is neutral
+  std::string metadata;             // the JSON text
 };
 Result<LoadedWeights> ReadWeights(const std::filesystem::path& file);
 

@@ -6,6 +6,7 @@
 #include <random>
 #include <unordered_map>
 
+#include "model/body/heading.h"
 #include "model/clip/clip.h"
 #include "model/rig/dialects.h"
 
@@ -18,9 +19,9 @@ constexpr float kVelocityFloor_mps = 0.05F;
 constexpr float kHeightFloor_m = 0.01F;
 
 float DeviationFloor(int feature) {
-  if (feature < body::kPositionBegin) return kRotationFloor;
-  if (feature < body::kVelocityBegin) return kPositionFloor_m;
-  if (feature < body::kHipsHeightIndex) return kVelocityFloor_mps;
+  if (feature < erd::kPositionBegin) return kRotationFloor;
+  if (feature < erd::kVelocityBegin) return kPositionFloor_m;
+  if (feature < erd::kHipsHeightIndex) return kVelocityFloor_mps;
   return kHeightFloor_m;
 }
 
@@ -29,19 +30,19 @@ int IndexOf(const std::vector<std::string>& names, const std::string& name) {
 }
 
 // One pass over a clip: the heading filter's states, and which frames are still.
-void RunFilters(const body::FeatureParameters& parameters, double still_speed_mps,
+void RunFilters(const erd::FeatureParameters& parameters, double still_speed_mps,
                 TrainingClip& clip) {
-  body::FeatureState state;
-  body::Features features;
+  erd::FeatureState state;
+  erd::Features features;
   int still = 0;
   for (const body::Pose& pose : clip.poses) {
     const bool first = !state.started;
-    body::ComputeFeatures(pose, parameters, state, features);
+    erd::ComputeFeatures(pose, parameters, state, features);
     clip.heading_cos.push_back(state.heading_cos);
     clip.heading_sin.push_back(state.heading_sin);
     if (still_speed_mps <= 0) continue;
     const auto velocities = Eigen::Map<const Eigen::Matrix<float, 3, body::kJointCount>>(
-        &features[body::kVelocityBegin]);
+        &features[erd::kVelocityBegin]);
     if (!first && velocities.colwise().norm().maxCoeff() < static_cast<float>(still_speed_mps)) {
       ++still;
     }
@@ -108,7 +109,7 @@ Miscalibration DrawMiscalibration(std::uint64_t seed) {
 }
 
 void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, bool session_start,
-                const body::FeatureParameters& parameters, const WindowView& out,
+                const erd::FeatureParameters& parameters, const WindowView& out,
                 const Miscalibration* wrong) {
   const auto pose_at = [&](int frame) {
     body::Pose pose = clip.poses[frame];
@@ -121,7 +122,7 @@ void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, 
     return pose;
   };
 
-  body::FeatureState state;
+  erd::FeatureState state;
   float last_heading_rad = 0.0F;
   body::Vec3 last_hips_m = body::Vec3::Zero();
   if (start > 0 && !session_start) {
@@ -146,11 +147,11 @@ void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, 
     last_hips_m = before.hips_position_m;
   }
 
-  body::Features features;
+  erd::Features features;
   for (int t = 0; t < length; ++t) {
     const body::Pose pose = pose_at(start + t);
     const bool first = !state.started;
-    const float heading_rad = body::ComputeFeatures(pose, parameters, state, features);
+    const float heading_rad = erd::ComputeFeatures(pose, parameters, state, features);
     std::copy(features.begin(), features.end(), out.features + t * out.feature_stride);
     if (out.yaw_change_rad != nullptr) {
       out.yaw_change_rad[t * out.yaw_stride] = first ? 0.0F : heading_rad - last_heading_rad;
@@ -168,7 +169,7 @@ void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, 
 
 Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
                                             const std::string& split,
-                                            const body::FeatureParameters& parameters,
+                                            const erd::FeatureParameters& parameters,
                                             int min_frames) {
   std::unordered_map<std::string, int> styles;
   for (std::size_t i = 0; i < manifest.styles.size(); ++i) {
@@ -223,7 +224,7 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
   return clips;
 }
 
-void SetHemisphere(const body::Features& mean, body::FeatureParameters& parameters) {
+void SetHemisphere(const erd::Features& mean, erd::FeatureParameters& parameters) {
   for (int joint = 0; joint < body::kJointCount; ++joint) {
     parameters.hemisphere[joint].coeffs() =
         Eigen::Map<const Eigen::Vector4f>(&mean[4 * joint]).normalized();
@@ -231,23 +232,23 @@ void SetHemisphere(const body::Features& mean, body::FeatureParameters& paramete
 }
 
 FeatureStatistics ComputeStatistics(const std::vector<TrainingClip>& clips,
-                                    body::FeatureParameters parameters) {
+                                    erd::FeatureParameters parameters) {
   FeatureStatistics statistics;
   // First on the hemisphere of identity, then on that of the first pass's mean.
   for (int pass = 0; pass < 2; ++pass) {
-    Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(body::kFeatureCount);
+    Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(erd::kFeatureCount);
     Eigen::ArrayXd square = sum;
     double count = 0;
     std::vector<float> window;
     for (const TrainingClip& clip : clips) {
       const int length = static_cast<int>(clip.poses.size());
-      window.resize(static_cast<std::size_t>(length) * body::kFeatureCount);
+      window.resize(static_cast<std::size_t>(length) * erd::kFeatureCount);
       for (const bool mirrored : {false, true}) {
         FillWindow(clip, 0, length, mirrored, false, parameters, {.features = window.data()});
         for (int t = 1; t < length; ++t) {  // the first frame's v = 0 is no velocity
-          const Eigen::ArrayXd x = Eigen::Map<const Eigen::ArrayXf>(
-                                       &window[t * body::kFeatureCount], body::kFeatureCount)
-                                       .cast<double>();
+          const Eigen::ArrayXd x =
+              Eigen::Map<const Eigen::ArrayXf>(&window[t * erd::kFeatureCount], erd::kFeatureCount)
+                  .cast<double>();
           sum += x;
           square += x.square();
           count += 1;
@@ -256,7 +257,7 @@ FeatureStatistics ComputeStatistics(const std::vector<TrainingClip>& clips,
     }
     const Eigen::ArrayXd mean = sum / count;
     const Eigen::ArrayXd deviation = (square / count - mean.square()).max(0).sqrt();
-    for (int i = 0; i < body::kFeatureCount; ++i) {
+    for (int i = 0; i < erd::kFeatureCount; ++i) {
       statistics.mean[i] = static_cast<float>(mean[i]);
       statistics.deviation[i] = std::max(static_cast<float>(deviation[i]), DeviationFloor(i));
     }

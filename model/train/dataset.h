@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "model/base/status.h"
-#include "model/body/features.h"
 #include "model/clip/manifest.h"
+#include "model/net/erd/features.h"
 
 namespace styled::train {
 
@@ -33,7 +33,7 @@ struct TrainingClip {
 // Mean and deviation of every feature over a set of clips and their mirror images. The mean of each
 // quaternion also defines its hemisphere.
 struct FeatureStatistics {
-  body::Features mean{}, deviation{};
+  erd::Features mean{}, deviation{};
 };
 
 // A performer whose rig is not well calibrated: every joint but the hips has a constant rotation on
@@ -49,7 +49,7 @@ Miscalibration DrawMiscalibration(std::uint64_t seed);
 // features + t * feature_stride (floats), and so on; strides let a batch be time-major.
 struct WindowView {
   float* features = nullptr;
-  long feature_stride = body::kFeatureCount;
+  long feature_stride = erd::kFeatureCount;
   float* yaw_change_rad = nullptr;  // heading now minus heading one frame ago; 0 in a first frame
   long yaw_stride = 1;
   float* hips_step_m = nullptr;  // hips now minus one frame ago, in the heading frame of now
@@ -57,11 +57,11 @@ struct WindowView {
 };
 
 // Writes frames [start, start + length) of a clip as the network sees them, through
-// body::ComputeFeatures. With `session_start` (or start = 0) the first frame has v = 0 and an
+// erd::ComputeFeatures. With `session_start` (or start = 0) the first frame has v = 0 and an
 // unfiltered heading, as in a new session; otherwise the window continues the clip's own past. With
 // `wrong`, as a rig that is calibrated that badly would show it.
 void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, bool session_start,
-                const body::FeatureParameters& parameters, const WindowView& out,
+                const erd::FeatureParameters& parameters, const WindowView& out,
                 const Miscalibration* wrong = nullptr);
 
 // The poses of a loop, whose last frame shows the first again, repeated with its path going on
@@ -71,15 +71,15 @@ std::vector<body::Pose> RepeatLoop(const std::vector<body::Pose>& loop, int fram
 // Reads every clip of `split` with at least `min_frames` frames at `rate_hz`. Errors name the file.
 Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
                                             const std::string& split,
-                                            const body::FeatureParameters& parameters,
+                                            const erd::FeatureParameters& parameters,
                                             int min_frames);
 
 // Mean and deviation, deviations at least 0.02 (r), 0.01 m (p), 0.05 m/s (v), 0.01 m (height).
 FeatureStatistics ComputeStatistics(const std::vector<TrainingClip>& clips,
-                                    body::FeatureParameters parameters);
+                                    erd::FeatureParameters parameters);
 
 // The hemisphere that statistics (or weights) define.
-void SetHemisphere(const body::Features& mean, body::FeatureParameters& parameters);
+void SetHemisphere(const erd::Features& mean, erd::FeatureParameters& parameters);
 
 // An error that says how to unpack the data if `folder` holds only archives of what is missing.
 Status CheckDataFolder(const std::filesystem::path& folder);

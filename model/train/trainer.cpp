@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "model/base/text.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 #include "model/train/checkpoint.h"
 #include "model/train/curve.h"
 #include "model/train/erd/learner.h"
@@ -111,7 +111,7 @@ class Trainer {
  public:
   Trainer(const TrainConfig& config, const clip::Manifest& manifest,
           const std::vector<TrainingClip>& clips, const std::vector<TrainingClip>& validation,
-          const FeatureStatistics& statistics, const body::FeatureParameters& parameters,
+          const FeatureStatistics& statistics, const erd::FeatureParameters& parameters,
           const LoadedWeights* init, std::vector<int64_t> places, const Validate& validate,
           const torch::Device& device)
       : config_(config),
@@ -431,7 +431,7 @@ Status Train(const TrainConfig& config, const Validate& validate) {
   // 2. Data.
   Result<clip::Manifest> manifest = clip::LoadManifest(config.manifest, config.data);
   if (!manifest.ok()) return manifest.status();
-  body::FeatureParameters parameters;
+  erd::FeatureParameters parameters;
   parameters.rate_hz = static_cast<float>(config.rate_hz);
   parameters.heading_tau_s = static_cast<float>(config.heading_tau_s);
   const auto begin = Clock::now();
@@ -455,8 +455,8 @@ Status Train(const TrainConfig& config, const Validate& validate) {
           "--init " + config.init.string() +
           ": has another rate or heading filter than --rate and --heading-tau say");
     }
-    std::copy_n(init->mean.data_ptr<float>(), body::kFeatureCount, statistics.mean.begin());
-    std::copy_n(init->deviation.data_ptr<float>(), body::kFeatureCount,
+    std::copy_n(init->mean.data_ptr<float>(), erd::kFeatureCount, statistics.mean.begin());
+    std::copy_n(init->deviation.data_ptr<float>(), erd::kFeatureCount,
                 statistics.deviation.begin());
   }
   SetHemisphere(statistics.mean, parameters);

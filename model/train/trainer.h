@@ -93,7 +93,7 @@ using Validate = std::function<Result<std::vector<std::pair<std::string, double>
 // A resumed run continues bit for bit where the checkpoint was made, given the same flags.
 Status Train(const TrainConfig& config, const Validate& validate = nullptr);
 
-// Writes the weights of a run's checkpoint (model/weights/FORMAT.md).
+// Writes the weights of a run's checkpoint (model/net/erd/FORMAT.md).
 Status ExportRun(const std::filesystem::path& run, const std::filesystem::path& file);
 
 }  // namespace styled::train

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "model/body/heading.h"
 #include "sim/performer/performer.h"
 
 namespace styled::trial {
@@ -89,7 +90,7 @@ std::optional<Fault> Judge(const erd::Decoded& decoded, const char* what, Figure
     return Fault{joint, Text("%s: expected a rotation of length 1, found %g, %g, %g, %g", what,
                              Shown(q.x()), Shown(q.y()), Shown(q.z()), Shown(q.w()))};
   }
-  for (int i = 0; i < body::kVelocityFeatures; ++i) {
+  for (int i = 0; i < erd::kVelocityFeatures; ++i) {
     const float speed = std::abs(decoded.velocities_m_s[static_cast<std::size_t>(i)]);
     if (speed <= kMost.velocity_m_s) {
       figures.velocity_m_s = std::max(figures.velocity_m_s, speed);
@@ -146,12 +147,12 @@ performer::Performer MakePerformer() {
 }  // namespace
 
 Status Try(const erd::Network& network, const std::string& name, Figures* figures) {
-  const body::FeatureParameters& parameters = network.metadata().features;
+  const erd::FeatureParameters& parameters = network.metadata().features;
   const double step_s = std::min(1.0 / static_cast<double>(parameters.rate_hz), kLongestStep_s);
   const int frames = static_cast<int>(kTrial_s / step_s);
   performer::Performer performer = MakePerformer();
-  body::FeatureState memory;
-  body::Features features;
+  erd::FeatureState memory;
+  erd::Features features;
   body::Pose pose;
   std::vector<Run> runs = MakeRuns(network);
   std::vector<erd::StepJob> jobs;
@@ -163,7 +164,7 @@ Status Try(const erd::Network& network, const std::string& name, Figures* figure
   Figures worst;
   for (int frame = 0; frame < frames; ++frame) {
     performer.Pose(frame * step_s, pose);
-    const float heading_rad = body::ComputeFeatures(pose, parameters, memory, features);
+    const float heading_rad = erd::ComputeFeatures(pose, parameters, memory, features);
     network.StepTogether(jobs);
     for (const Run& run : runs) {
       const auto fault = Judge(pose, heading_rad, run.out, worst);

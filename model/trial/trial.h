@@ -7,7 +7,7 @@
 #include <string>
 
 #include "model/base/status.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 
 namespace styled::trial {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/body/features.h"
+#include "model/body/heading.h"
 #include "sim/performer/motion_tables.h"
 #include "sim/performer/synthesis.h"
 

@@ -5,7 +5,6 @@
 #include <numbers>
 #include <utility>
 
-#include "model/body/features.h"
 #include "sim/performer/feet.h"
 #include "sim/performer/motion_tables.h"
 #include "sim/performer/synthesis.h"

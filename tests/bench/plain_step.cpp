@@ -7,8 +7,8 @@ namespace styled::erd {
 namespace {
 
 constexpr int kGates = 4 * kLatent;
-constexpr int kHeads = body::kRotationFeatures + body::kVelocityFeatures + 1;
-constexpr int kFeatures = body::kFeatureCount;
+constexpr int kHeads = kRotationFeatures + kVelocityFeatures + 1;
+constexpr int kFeatures = kFeatureCount;
 
 template <int Rows>
 using Vector = Eigen::Matrix<float, Rows, 1>;
@@ -92,8 +92,8 @@ void ToDecoded(const Vector<kHeads>& heads, Decoded& out) noexcept {
   for (int joint = 0; joint < body::kJointCount; ++joint) {
     out.rotations[joint].coeffs() = heads.segment<4>(4 * joint).normalized();
   }
-  for (int i = 0; i < body::kVelocityFeatures; ++i) {
-    out.velocities_m_s[i] = heads[body::kRotationFeatures + i];
+  for (int i = 0; i < kVelocityFeatures; ++i) {
+    out.velocities_m_s[i] = heads[kRotationFeatures + i];
   }
   out.hips_height_m = heads[kHeads - 1];
 }
@@ -145,8 +145,8 @@ PlainStep::PlainStep(const WeightsFile& file, std::span<const ActiveStyle> activ
   w.heads.bias << reader.Matrix("head.rotation.bias"), reader.Matrix("head.velocity.bias"),
       reader.Matrix("head.height.bias");
   const auto heads_of = [](const Vector<kFeatures>& all, Vector<kHeads>& out) {
-    out << all.head<body::kRotationFeatures>(),
-        all.segment<body::kVelocityFeatures>(body::kVelocityBegin), all[body::kHipsHeightIndex];
+    out << all.head<kRotationFeatures>(), all.segment<kVelocityFeatures>(kVelocityBegin),
+        all[kHipsHeightIndex];
   };
   heads_of(w.mean, w.heads_mean);
   heads_of(w.deviation, w.heads_deviation);
@@ -154,7 +154,7 @@ PlainStep::PlainStep(const WeightsFile& file, std::span<const ActiveStyle> activ
 
 PlainStep::~PlainStep() = default;
 
-void PlainStep::Step(const body::Features& features, StepOutput& out) noexcept {
+void PlainStep::Step(const Features& features, StepOutput& out) noexcept {
   const Weights& w = *weights_;
   const Eigen::Map<const Vector<kFeatures>> x(features.data());
   const Vector<kFeatures> u =

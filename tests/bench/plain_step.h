@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::erd {
 
@@ -15,7 +15,7 @@ class PlainStep {
  public:
   PlainStep(const WeightsFile& file, std::span<const ActiveStyle> active);
   ~PlainStep();
-  void Step(const body::Features& features, StepOutput& out) noexcept;
+  void Step(const Features& features, StepOutput& out) noexcept;
 
  private:
   struct Weights;

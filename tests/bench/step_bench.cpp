@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "model/erd/kernel.h"
-#include "model/erd/weights.h"
+#include "model/net/erd/weights.h"
+#include "model/net/kernels/kernel.h"
 #include "tests/bench/plain_step.h"
 #include "tests/bench/step_run.h"
 
@@ -57,9 +57,9 @@ void Cold(benchmark::State& state) {
 
 // What this machine's caches can do at best: the bytes of a step's weights, read once, in order.
 template <int Rows, int Columns>
-constexpr std::size_t kBytes = sizeof(PackedMatrix<Rows, Columns>);
+constexpr std::size_t kBytes = sizeof(net::PackedMatrix<Rows, Columns>);
 constexpr std::size_t StepBytes(std::size_t styles) {
-  return kBytes<kEncoderWidth, body::kFeatureCount> + kBytes<kLatent, kEncoderWidth> +
+  return kBytes<kEncoderWidth, kFeatureCount> + kBytes<kLatent, kEncoderWidth> +
          (kNeutralLayers + styles * kStyleLayers) * kBytes<kGates, 2 * kLatent> +
          kBytes<kDecoderWidths[0], kLatent> + kBytes<kDecoderWidths[1], kDecoderWidths[0]> +
          kBytes<kDecoderWidths[2], kDecoderWidths[1]> + kBytes<kHeads, kDecoderWidths[2]>;
@@ -208,7 +208,7 @@ BENCHMARK(Paced)
 }  // namespace styled::erd
 
 int main(int argc, char** argv) {
-  benchmark::AddCustomContext("simd_target", styled::erd::BestKernels().target);
+  benchmark::AddCustomContext("simd_target", styled::net::BestKernels().target);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

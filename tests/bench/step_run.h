@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::erd {
 
@@ -15,7 +15,7 @@ struct StepRun {
   static constexpr int kFrames = 256;
 
   std::shared_ptr<const Network> network;
-  std::vector<body::Features> frames{kFrames};
+  std::vector<Features> frames{kFrames};
   std::vector<ActiveStyle> active;
   State state;
   StepOutput out;
@@ -24,14 +24,14 @@ struct StepRun {
   StepRun(std::shared_ptr<const Network> the_network, int styles)
       : network(std::move(the_network)) {
     for (int f = 0; f < kFrames; ++f) {
-      for (int i = 0; i < body::kFeatureCount; ++i) {
+      for (int i = 0; i < kFeatureCount; ++i) {
         frames[f][i] = 0.5F * std::sin(0.01F * static_cast<float>(f * (1 + i % 7) + 37 * i));
       }
     }
     for (int s = 1; s <= styles; ++s) active.push_back({s, 1.0F / static_cast<float>(styles)});
     network->Start(state);
   }
-  const body::Features& NextFrame() { return frames[frame++ % kFrames]; }
+  const Features& NextFrame() { return frames[frame++ % kFrames]; }
   void Step() { network->Step(NextFrame(), 0, active, state, out); }
 };
 

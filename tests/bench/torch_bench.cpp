@@ -18,7 +18,7 @@
 #include <thread>
 #include <tuple>
 
-#include "model/erd/kernel.h"
+#include "model/net/kernels/kernel.h"
 #include "model/train/blas.h"
 #include "model/train/checkpoint.h"
 #include "model/train/erd/lstm.h"
@@ -55,13 +55,13 @@ class TorchRun {
     target_[0][style] = 1.0;
   }
 
-  void Step(const body::Features& features) { Steps({&features, 1}); }
+  void Step(const Features& features) { Steps({&features, 1}); }
 
   // Frames that are there all at once: every layer runs over all of them.
-  void Steps(std::span<const body::Features> frames) {
-    const Tensor x = torch::from_blob(const_cast<float*>(frames[0].data()),
-                                      {static_cast<int64_t>(frames.size()), 1, body::kFeatureCount},
-                                      torch::kFloat32);
+  void Steps(std::span<const Features> frames) {
+    const Tensor x =
+        torch::from_blob(const_cast<float*>(frames[0].data()),
+                         {static_cast<int64_t>(frames.size()), 1, kFeatureCount}, torch::kFloat32);
     const Tensor z = generator_.Encode((x - mean_) / deviation_, input_style_);
     const Tensor r0 = Run(neutral_, neutral_state_, neutral_fused_, z);
     const Tensor rs = Run(branch_, branch_state_, branch_fused_, z);
@@ -138,7 +138,7 @@ double Difference(const StepOutput& ours, const TorchRun& theirs) {
   double largest = 0;
   const auto compare = [&largest](const Decoded& decoded, const Tensor& rotations) {
     const float* values = rotations.data_ptr<float>();
-    for (int i = 0; i < body::kRotationFeatures; ++i) {
+    for (int i = 0; i < kRotationFeatures; ++i) {
       const double found = decoded.rotations[i / 4].coeffs()[i % 4];
       largest = std::max(largest, std::abs(found - values[i]));
     }
@@ -281,7 +281,7 @@ int Main() {
     for (Timing& timing : timings) timing.times_us.clear();  // the first round warms up
   }
   std::printf("one performer, one style, one frame, one thread; our SIMD target %s\n",
-              BestKernels().target);
+              net::BestKernels().target);
   std::printf("largest difference %.1e\n\n", difference);
   std::printf("%-32s %9s %9s %12s\n", "", "p50 us", "p99 us", "of ours");
   for (Timing& timing : timings) {

@@ -16,7 +16,7 @@ ELSEWHERE = re.compile(r'\.pb\.h$|_pb2?\.(py|ts|js)$|^build/|(^|/)[A-Z]+\.(?!md$
 OF_OTHERS = {
     'proto/rigs/README.md': {'connection.cpp', 'packets.h', 'connection.c', 'hid.c'},
     'clients/cpp/README.md': {'renderer.cpp'},
-    'model/erd/kernel.cpp': {'highway.h'},
+    'model/net/kernels/kernel.cpp': {'highway.h'},
     'model/net/kernels/kernel.cpp': {'highway.h'},
 }
 

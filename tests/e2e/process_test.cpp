@@ -7,7 +7,7 @@
 
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::support {
 namespace {

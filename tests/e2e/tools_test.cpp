@@ -8,7 +8,7 @@
 #include "model/clip/clip.h"
 #include "tests/support/child.h"
 #include "tests/support/daemon.h"
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::support {
 namespace {

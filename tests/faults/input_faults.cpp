@@ -10,7 +10,7 @@
 #include "tests/faults/faults.h"
 #include "tests/faults/stage.h"
 #include "tests/support/clients.h"
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::faults {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <span>
 
-#include "model/erd/network.h"
-#include "model/erd/safetensors.h"
+#include "model/net/erd/network.h"
+#include "model/net/safetensors.h"
 
 namespace {
 
@@ -19,7 +19,7 @@ void Require(bool condition) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::span<const std::byte> file(reinterpret_cast<const std::byte*>(data), size);
-  const auto view = styled::erd::ParseSafetensors(file, "fuzz");
+  const auto view = styled::net::ParseSafetensors(file, "fuzz");
   if (view.ok()) {
     std::size_t bytes = 0;
     for (const auto& [name, tensor] : view.value().tensors) {

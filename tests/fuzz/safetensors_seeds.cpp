@@ -3,12 +3,12 @@
 #include <filesystem>
 #include <string>
 
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 int main(int argc, char** argv) {
-  using styled::erd::NamedTensor;
   using styled::erd::RandomWeights;
   using styled::erd::WeightsFile;
+  using styled::net::NamedTensor;
   if (argc != 2) {
     std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]);
     return 2;
@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   std::filesystem::create_directories(folder);
   bool ok = true;
   const auto write = [&](const char* name, const WeightsFile& file) {
-    const styled::Status status = styled::erd::WriteSafetensors(folder / name, file.tensors,
+    const styled::Status status = styled::net::WriteSafetensors(folder / name, file.tensors,
                                                                 {{"styled", file.metadata.dump()}});
     if (!status.ok()) std::fprintf(stderr, "%s\n", status.message().c_str());
     ok = ok && status.ok();

@@ -10,7 +10,7 @@
 #include <iostream>
 
 #include "sim/performer/performer.h"
-#include "tests/unit/erd/each_target.h"
+#include "tests/unit/net/kernels/each_target.h"
 
 namespace styled::golden {
 namespace {
@@ -107,7 +107,7 @@ TEST_P(GoldenTest, ComesOutAsExpectedOnEverySimdPath) {
   ASSERT_TRUE(expected.ok()) << expected.status().message();
   ASSERT_FALSE(expected.value().frames.empty());
   Difference worst;
-  erd::OnEachTarget([&] {
+  net::OnEachTarget([&] {
     const auto played = Replay(*reader, kWeights);
     ASSERT_TRUE(played.ok()) << played.status().message();
     for (const auto& [topic, frames] : expected.value().frames) {

@@ -8,9 +8,10 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "model/body/heading.h"
 #include "model/clip/clip.h"
-#include "model/erd/network.h"
-#include "model/erd/shipped_weights.h"
+#include "model/net/erd/network.h"
+#include "model/net/shipped_weights.h"
 #include "model/rig/dialects.h"
 #include "tests/parity/reference_file.h"
 #include "tests/parity/through_daemon.h"
@@ -122,13 +123,13 @@ class Parity : public testing::TestWithParam<Case> {
 
   // Steps the network over the clip, every switch `delay` frames late, and compares.
   void RunNetwork(int delay, Largest& reconstruction, Largest& styled) const {
-    const body::FeatureParameters& parameters = network_->metadata().features;
-    body::FeatureState memory;
+    const erd::FeatureParameters& parameters = network_->metadata().features;
+    erd::FeatureState memory;
     erd::State state;
     network_->Start(state);
     for (int frame = 0; frame < reference_.frames; ++frame) {
-      body::Features features;
-      (void)body::ComputeFeatures(poses_[frame], parameters, memory, features);
+      erd::Features features;
+      (void)erd::ComputeFeatures(poses_[frame], parameters, memory, features);
       erd::StepOutput out;
       network_->Step(features, 0, MixAt(frame - delay), state, out);
       const auto expected = reference_.outputs.find(frame);
@@ -191,14 +192,14 @@ class Parity : public testing::TestWithParam<Case> {
 };
 
 TEST_P(Parity, FeaturesAreTheTrainers) {
-  const body::FeatureParameters& parameters = network_->metadata().features;
-  body::FeatureState memory;
+  const erd::FeatureParameters& parameters = network_->metadata().features;
+  erd::FeatureState memory;
   Largest features, headings;
   for (int frame = 0; frame < reference_.frames; ++frame) {
-    body::Features found;
-    const float heading_rad = body::ComputeFeatures(poses_[frame], parameters, memory, found);
+    erd::Features found;
+    const float heading_rad = erd::ComputeFeatures(poses_[frame], parameters, memory, found);
     if (const auto row = reference_.features.find(frame); row != reference_.features.end()) {
-      for (int i = 0; i < body::kFeatureCount; ++i) {
+      for (int i = 0; i < erd::kFeatureCount; ++i) {
         features.Add(std::abs(found[i] - row->second[i]), frame, i);
       }
     }

@@ -34,7 +34,7 @@ Result<train::TrainingClip> LoadClip(const Arguments& a, const train::LoadedWeig
   return std::move(clips.value().front());
 }
 
-// Ŝ[s] = α_s, Ŝ[neutral] = max(0, 1 - Σα), normalized to sum 1 (model/weights/FORMAT.md).
+// Ŝ[s] = α_s, Ŝ[neutral] = max(0, 1 - Σα), normalized to sum 1 (model/net/erd/FORMAT.md).
 Tensor Target(const Tensor& alpha) {
   Tensor target = alpha.clone();
   target[0] = (1.0 - alpha.sum()).clamp_min(0.0);
@@ -132,13 +132,13 @@ Status Run(const Arguments& a) {
   reference.clip_crc = clip_crc.value();
   reference.weights_crc = weights_crc.value();
   reference.frames = a.frames;
-  Tensor features = torch::empty({a.frames, body::kFeatureCount});
+  Tensor features = torch::empty({a.frames, erd::kFeatureCount});
   train::FillWindow(clip.value(), 0, a.frames, false, true, weights.value().features,
                     {.features = features.data_ptr<float>()});
   Status status = RunGenerator(weights.value(), features, schedule.value(), reference);
   if (!status.ok()) return status;
   for (int frame = 0; frame < a.frames; ++frame) {
-    body::Features& row = reference.features[frame];
+    erd::Features& row = reference.features[frame];
     std::copy_n(features[frame].data_ptr<float>(), row.size(), row.begin());
     reference.outputs[frame].heading_rad =
         std::atan2(clip.value().heading_sin[frame], clip.value().heading_cos[frame]);

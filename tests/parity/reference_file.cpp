@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "model/erd/safetensors.h"
+#include "model/net/safetensors.h"
 #include "proto/rigs/native/datagram.h"
 
 namespace styled::parity {
 namespace {
 
 // Rows of floats with the frames they belong to; frame numbers are small enough to be exact.
-std::vector<float> Load(const erd::SafetensorsView& view, const std::string& name,
+std::vector<float> Load(const net::SafetensorsView& view, const std::string& name,
                         std::int64_t columns) {
   const auto found = view.tensors.find(name);
   if (found == view.tensors.end() || found->second.dtype != "F32" ||
@@ -27,7 +27,7 @@ std::vector<float> Load(const erd::SafetensorsView& view, const std::string& nam
 }
 
 template <std::size_t N>
-void Append(const std::array<float, N>& row, erd::NamedTensor& tensor) {
+void Append(const std::array<float, N>& row, net::NamedTensor& tensor) {
   tensor.values.insert(tensor.values.end(), row.begin(), row.end());
   ++tensor.shape[0];
 }
@@ -35,7 +35,7 @@ void Append(const std::array<float, N>& row, erd::NamedTensor& tensor) {
 }  // namespace
 
 Result<std::string> FileCrc(const std::filesystem::path& file) {
-  const auto bytes = erd::ReadFile(file);
+  const auto bytes = net::ReadFile(file);
   if (!bytes.ok()) return bytes.status();
   char text[9];
   std::snprintf(text, sizeof text, "%08x", native::Crc32c(bytes.value()));
@@ -43,25 +43,25 @@ Result<std::string> FileCrc(const std::filesystem::path& file) {
 }
 
 Status WriteReference(const Reference& reference, const std::filesystem::path& file) {
-  erd::NamedTensor output_frame{"outputs.frame", {0, 1}, {}};
-  erd::NamedTensor heading{"outputs.heading_rad", {0, 1}, {}};
-  erd::NamedTensor reconstruction{"outputs.reconstruction", {0, body::kRotationFeatures}, {}};
-  erd::NamedTensor styled{"outputs.styled", {0, body::kRotationFeatures}, {}};
+  net::NamedTensor output_frame{"outputs.frame", {0, 1}, {}};
+  net::NamedTensor heading{"outputs.heading_rad", {0, 1}, {}};
+  net::NamedTensor reconstruction{"outputs.reconstruction", {0, erd::kRotationFeatures}, {}};
+  net::NamedTensor styled{"outputs.styled", {0, erd::kRotationFeatures}, {}};
   for (const auto& [frame, outputs] : reference.outputs) {
     Append(std::array{static_cast<float>(frame)}, output_frame);
     Append(std::array{outputs.heading_rad}, heading);
     Append(outputs.reconstruction, reconstruction);
     Append(outputs.styled, styled);
   }
-  erd::NamedTensor feature_frame{"features.frame", {0, 1}, {}};
-  erd::NamedTensor features{"features", {0, body::kFeatureCount}, {}};
+  net::NamedTensor feature_frame{"features.frame", {0, 1}, {}};
+  net::NamedTensor features{"features", {0, erd::kFeatureCount}, {}};
   for (const auto& [frame, values] : reference.features) {
     Append(std::array{static_cast<float>(frame)}, feature_frame);
     Append(values, features);
   }
-  std::vector<erd::NamedTensor> tensors{output_frame, heading, reconstruction, styled};
+  std::vector<net::NamedTensor> tensors{output_frame, heading, reconstruction, styled};
   if (!reference.features.empty()) tensors.insert(tensors.end(), {feature_frame, features});
-  return erd::WriteSafetensors(file, tensors,
+  return net::WriteSafetensors(file, tensors,
                                {{"schedule", reference.schedule},
                                 {"clip", reference.clip_crc},
                                 {"weights", reference.weights_crc},
@@ -69,11 +69,11 @@ Status WriteReference(const Reference& reference, const std::filesystem::path& f
 }
 
 Result<Reference> ReadReference(const std::filesystem::path& file) {
-  const auto bytes = erd::ReadFile(file);
+  const auto bytes = net::ReadFile(file);
   if (!bytes.ok()) return bytes.status();
-  const auto parsed = erd::ParseSafetensors(bytes.value(), file.string());
+  const auto parsed = net::ParseSafetensors(bytes.value(), file.string());
   if (!parsed.ok()) return parsed.status();
-  const erd::SafetensorsView& view = parsed.value();
+  const net::SafetensorsView& view = parsed.value();
   try {
     Reference reference;
     reference.schedule = view.metadata.at("schedule");
@@ -82,8 +82,8 @@ Result<Reference> ReadReference(const std::filesystem::path& file) {
     reference.frames = std::stoi(view.metadata.at("frames"));
     const auto frames = Load(view, "outputs.frame", 1);
     const auto headings = Load(view, "outputs.heading_rad", 1);
-    const auto reconstructions = Load(view, "outputs.reconstruction", body::kRotationFeatures);
-    const auto styled = Load(view, "outputs.styled", body::kRotationFeatures);
+    const auto reconstructions = Load(view, "outputs.reconstruction", erd::kRotationFeatures);
+    const auto styled = Load(view, "outputs.styled", erd::kRotationFeatures);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       Outputs& outputs = reference.outputs[static_cast<int>(frames[i])];
       outputs.heading_rad = headings.at(i);
@@ -94,9 +94,9 @@ Result<Reference> ReadReference(const std::filesystem::path& file) {
     }
     if (view.tensors.contains("features")) {
       const auto feature_frames = Load(view, "features.frame", 1);
-      const auto features = Load(view, "features", body::kFeatureCount);
+      const auto features = Load(view, "features", erd::kFeatureCount);
       for (std::size_t i = 0; i < feature_frames.size(); ++i) {
-        body::Features& row = reference.features[static_cast<int>(feature_frames[i])];
+        erd::Features& row = reference.features[static_cast<int>(feature_frames[i])];
         for (std::size_t k = 0; k < row.size(); ++k) row[k] = features.at(i * row.size() + k);
       }
     }

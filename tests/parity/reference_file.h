@@ -7,13 +7,13 @@
 #include <string>
 
 #include "model/base/status.h"
-#include "model/body/features.h"
+#include "model/net/erd/features.h"
 #include "tests/parity/schedule.h"
 
 namespace styled::parity {
 
-using Rotations = std::array<float, body::kRotationFeatures>;  // x,y,z,w per joint, hips in the
-                                                               // heading frame
+using Rotations = std::array<float, erd::kRotationFeatures>;  // x,y,z,w per joint, hips in the
+                                                              // heading frame
 
 // What the trainer's code makes of one frame.
 struct Outputs {
@@ -29,7 +29,7 @@ struct Reference {
   std::string clip_crc, weights_crc;
   int frames = 0;  // of the clip that were run
   std::map<int, Outputs> outputs;
-  std::map<int, body::Features> features;
+  std::map<int, erd::Features> features;
 };
 
 // CRC-32C of a file in hexadecimal.

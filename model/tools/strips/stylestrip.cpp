@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "model/body/heading.h"
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
 #include "model/rig/dialects.h"

@@ -10,9 +10,9 @@ namespace {
 
 using torch::Tensor;
 
-constexpr int64_t kJudgedFeatures = body::kPositionFeatures + body::kVelocityFeatures;
+constexpr int64_t kJudgedFeatures = erd::kPositionFeatures + erd::kVelocityFeatures;
 constexpr int kFewestWindows = 4;  // of a cell whose effect or mean is imitated: fewer are noise
-constexpr int64_t kContentFeatures = body::kRotationFeatures + kJudgedFeatures;
+constexpr int64_t kContentFeatures = erd::kRotationFeatures + kJudgedFeatures;
 
 void RequireGradient(const Parameters& parameters, bool required) {
   for (const auto& [name, tensor] : parameters.named()) tensor.requires_grad_(required);
@@ -36,8 +36,8 @@ GeneratorShape Shape(const clip::Manifest& manifest) {
   return shape;
 }
 
-Tensor ToTensor(const body::Features& features, const torch::Device& device) {
-  return torch::from_blob(const_cast<float*>(features.data()), {body::kFeatureCount})
+Tensor ToTensor(const erd::Features& features, const torch::Device& device) {
+  return torch::from_blob(const_cast<float*>(features.data()), {erd::kFeatureCount})
       .clone()
       .to(device);
 }
@@ -70,7 +70,7 @@ std::vector<std::pair<std::string, double>> Tally::Take(int count) {
 
 Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
                  const std::vector<TrainingClip>& clips, const FeatureStatistics& statistics,
-                 const body::FeatureParameters& parameters, const torch::Device& device)
+                 const erd::FeatureParameters& parameters, const torch::Device& device)
     : config_(config),
       manifest_(manifest),
       clips_(clips),
@@ -118,7 +118,7 @@ Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
 Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) const {
   const auto count = static_cast<int64_t>(windows.size());
   Batch batch;
-  Tensor features = torch::empty({frames_, count, body::kFeatureCount});
+  Tensor features = torch::empty({frames_, count, erd::kFeatureCount});
   Tensor yaw = torch::empty({frames_, count});
   Tensor step = torch::empty({frames_, count, 3});
   Tensor content = torch::zeros({count, static_cast<int64_t>(manifest_.contents.size())});
@@ -132,8 +132,8 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
     const Sampler::Window& window = windows[i];
     FillWindow(clips_[window.clip], window.start, static_cast<int>(frames_), window.mirrored,
                window.session_start || window.idle, parameters_,
-               {.features = features.data_ptr<float>() + i * body::kFeatureCount,
-                .feature_stride = count * body::kFeatureCount,
+               {.features = features.data_ptr<float>() + i * erd::kFeatureCount,
+                .feature_stride = count * erd::kFeatureCount,
                 .yaw_change_rad = yaw.data_ptr<float>() + i,
                 .yaw_stride = count,
                 .hips_step_m = step.data_ptr<float>() + i * 3,
@@ -143,8 +143,8 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
       if (wrong(window)) draw = DrawMiscalibration(window.miscalibration);
       FillWindow(clips_[window.clip], window.start, static_cast<int>(frames_), window.mirrored,
                  window.session_start, parameters_,
-                 {.features = seen.data_ptr<float>() + i * body::kFeatureCount,
-                  .feature_stride = count * body::kFeatureCount},
+                 {.features = seen.data_ptr<float>() + i * erd::kFeatureCount,
+                  .feature_stride = count * erd::kFeatureCount},
                  wrong(window) ? &draw : nullptr);
     }
     if (window.idle) {  // every frame is the first, in which nothing moves
@@ -161,9 +161,9 @@ Learner::Batch Learner::MakeBatch(const std::vector<Sampler::Window>& windows) c
   batch.features = features.to(device_);
   batch.u = (batch.features - mean_) / deviation_;
   batch.seen = seen.defined() ? (seen.to(device_) - mean_) / deviation_ : batch.u;
-  batch.rotations = batch.features.narrow(2, 0, body::kRotationFeatures)
+  batch.rotations = batch.features.narrow(2, 0, erd::kRotationFeatures)
                         .reshape({frames_, count, body::kJointCount, 4});
-  batch.positions = batch.features.narrow(2, body::kPositionBegin, body::kPositionFeatures)
+  batch.positions = batch.features.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)
                         .reshape({frames_, count, body::kJointCount, 3});
   batch.yaw_change_rad = yaw.to(device_);
   batch.hips_step_m = step.to(device_);
@@ -219,14 +219,14 @@ void Learner::TrainClassifier() {
 // What the critic sees: standardized positions and velocities, [T, B, 126].
 Tensor Learner::Judged(const Tensor& positions, const Tensor& velocities) const {
   const Tensor raw = torch::cat({positions.flatten(2, 3), velocities.flatten(2, 3)}, 2);
-  return (raw - mean_.narrow(0, body::kPositionBegin, kJudgedFeatures)) /
-         deviation_.narrow(0, body::kPositionBegin, kJudgedFeatures);
+  return (raw - mean_.narrow(0, erd::kPositionBegin, kJudgedFeatures)) /
+         deviation_.narrow(0, erd::kPositionBegin, kJudgedFeatures);
 }
 
 Tensor Learner::Real(const Batch& batch) const {
   if (config_.judge_root) {
     return batch.u.narrow(0, 1, frames_ - 1)
-        .narrow(2, body::kPositionBegin, kJudgedFeatures)
+        .narrow(2, erd::kPositionBegin, kJudgedFeatures)
         .contiguous();
   }
   const Tensor still = torch::zeros_like(batch.hips_step_m);
@@ -296,11 +296,11 @@ Tensor Learner::Reconstruction(const Batch& batch, const Generated& generated) {
       SquaredHalfAngle(generated.rec, batch.rotations).sum(torch::IntArrayRef({0, 2})).mean();
   const Tensor position = (generated.rec_positions - batch.positions).square().sum(-1).mean();
   const Tensor velocity =
-      (generated.rec_velocities - batch.u.narrow(2, body::kVelocityBegin, body::kVelocityFeatures))
+      (generated.rec_velocities - batch.u.narrow(2, erd::kVelocityBegin, erd::kVelocityFeatures))
           .square()
           .mean();
   const Tensor height =
-      (generated.rec_height - batch.u.narrow(2, body::kHipsHeightIndex, 1)).square().mean();
+      (generated.rec_height - batch.u.narrow(2, erd::kHipsHeightIndex, 1)).square().mean();
   tally_.Add("rec_rad", (rotation / (frames_ * body::kJointCount)).sqrt() * 2.0);
   tally_.Add("rec_m", position.sqrt());
   tally_.Add("velocity", velocity);
@@ -311,12 +311,12 @@ Tensor Learner::Reconstruction(const Batch& batch, const Generated& generated) {
 
 // Eq. 7: the classifier's feature maps before and after the transfer.
 Tensor Learner::Perceptual(const Batch& batch, const Generated& generated) const {
-  const Tensor mean = mean_.narrow(0, 0, body::kRotationFeatures);
+  const Tensor mean = mean_.narrow(0, 0, erd::kRotationFeatures);
   const Tensor rotations = (ToHemisphere(generated.rotations.narrow(0, 1, frames_ - 1),
                                          mean.view({body::kJointCount, 4}))
                                 .flatten(2, 3) -
                             mean) /
-                           deviation_.narrow(0, 0, body::kRotationFeatures);
+                           deviation_.narrow(0, 0, erd::kRotationFeatures);
   std::vector<Tensor> before;
   {
     torch::NoGradGuard no_grad;
@@ -332,14 +332,14 @@ Tensor Learner::Perceptual(const Batch& batch, const Generated& generated) const
 
 // The means of what each style does, in neutral windows that were transferred to it.
 Tensor Learner::MomentMatching(const Batch& batch, const Generated& generated) {
-  const Tensor mean = mean_.narrow(0, body::kPositionBegin, body::kPositionFeatures);
-  const Tensor deviation = deviation_.narrow(0, body::kPositionBegin, body::kPositionFeatures);
+  const Tensor mean = mean_.narrow(0, erd::kPositionBegin, erd::kPositionFeatures);
+  const Tensor deviation = deviation_.narrow(0, erd::kPositionBegin, erd::kPositionFeatures);
   const Tensor in = batch.features.narrow(0, 1, frames_ - 1).narrow(2, 0, kEffectFeatures);
-  const Tensor hemisphere = mean_.narrow(0, 0, body::kRotationFeatures);
+  const Tensor hemisphere = mean_.narrow(0, 0, erd::kRotationFeatures);
   const Tensor rotations = ToHemisphere(generated.rotations.narrow(0, 1, frames_ - 1),
                                         hemisphere.view({body::kJointCount, 4}))
                                .flatten(2, 3);
-  const Tensor positions = generated.fake.narrow(2, 0, body::kPositionFeatures) * deviation + mean;
+  const Tensor positions = generated.fake.narrow(2, 0, erd::kPositionFeatures) * deviation + mean;
   const Tensor out = torch::cat({rotations, positions}, 2);
   const Tensor loss = moments_.Loss(in, out, slots_.target, batch.content.argmax(1),
                                     batch.paired * (1.0 - slots_.styled.flatten()));

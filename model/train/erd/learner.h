@@ -45,7 +45,7 @@ class Learner {
  public:
   Learner(const TrainConfig& config, const clip::Manifest& manifest,
           const std::vector<TrainingClip>& clips, const FeatureStatistics& statistics,
-          const body::FeatureParameters& parameters, const torch::Device& device);
+          const erd::FeatureParameters& parameters, const torch::Device& device);
 
   // Starts from trained weights instead of random ones: what the styles share, and the branches of
   // those that `weights` has by name. Another style starts as a copy of the one whose branch
@@ -126,7 +126,7 @@ class Learner {
   const TrainConfig& config_;
   const clip::Manifest& manifest_;
   const std::vector<TrainingClip>& clips_;
-  body::FeatureParameters parameters_;
+  erd::FeatureParameters parameters_;
   torch::Device device_;
   torch::Tensor mean_, deviation_;
   int64_t frames_;

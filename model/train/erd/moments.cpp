@@ -14,8 +14,8 @@ constexpr double kFewestVisits = 10.0;
 
 // Mean and deviation over time of features r and p: [T, B, 147] -> [B, 294].
 Tensor WindowMoments(const Tensor& features) {
-  const Tensor x = torch::cat({features.narrow(2, 0, body::kRotationFeatures) * kRotationLever_m,
-                               features.narrow(2, body::kPositionBegin, body::kPositionFeatures)},
+  const Tensor x = torch::cat({features.narrow(2, 0, erd::kRotationFeatures) * kRotationLever_m,
+                               features.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)},
                               2);
   const Tensor mean = x.mean(0);
   // The small term keeps the gradient finite where a joint does not move at all.
@@ -26,13 +26,13 @@ Tensor WindowMoments(const Tensor& features) {
 }  // namespace
 
 StyleEffects MeasureEffects(const std::vector<TrainingClip>& clips, int styles, int contents,
-                            int length, int fewest, const body::FeatureParameters& parameters) {
+                            int length, int fewest, const erd::FeatureParameters& parameters) {
   int sources = 0;
   for (const TrainingClip& clip : clips) sources = std::max(sources, clip.source + 1);
   const int64_t cells = static_cast<int64_t>(styles) * contents;
   Tensor sum = torch::zeros({sources, cells, 2 * kEffectFeatures});
   Tensor count = torch::zeros({sources, cells, 1});
-  Tensor window = torch::empty({length, body::kFeatureCount});
+  Tensor window = torch::empty({length, erd::kFeatureCount});
   for (const TrainingClip& clip : clips) {
     const int frames = static_cast<int>(clip.poses.size());
     for (int start = 0; start + length <= frames; start += length / 2) {

@@ -15,7 +15,7 @@ namespace styled::train {
 // deviations; of each the first 84 are of local rotations (which show how hands are held and limbs
 // are twisted, what no position does), times kRotationLever_m; 63 are of positions in the heading
 // frame, relative to the hips, in metres.
-inline constexpr int64_t kEffectFeatures = body::kRotationFeatures + body::kPositionFeatures;
+inline constexpr int64_t kEffectFeatures = erd::kRotationFeatures + erd::kPositionFeatures;
 inline constexpr double kRotationLever_m = 0.3;  // what makes half an angle a length
 struct StyleEffects {
   torch::Tensor moments;  // [styles, contents, 294]
@@ -23,7 +23,7 @@ struct StyleEffects {
 };
 // From windows of `length` frames, half overlapping; a cell with fewer than `fewest` is not known.
 StyleEffects MeasureEffects(const std::vector<TrainingClip>& clips, int styles, int contents,
-                            int length, int fewest, const body::FeatureParameters& parameters);
+                            int length, int fewest, const erd::FeatureParameters& parameters);
 
 // Draws the effects of what the generator makes toward those of real clips. The critic sees one
 // window at a time and is content before the means agree. After the feature matching of Salimans et

@@ -21,7 +21,7 @@ double MeanJerk(const Tensor& positions) {
 }  // namespace
 
 Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int contents,
-                 const body::FeatureParameters& parameters, const Tensor& mean,
+                 const erd::FeatureParameters& parameters, const Tensor& mean,
                  const Tensor& deviation)
     : styles_(styles) {
   // Fixed windows: the first clips of each neutral cell, from their middle.
@@ -34,7 +34,7 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
       const int length = static_cast<int>(clip.poses.size());
       if (clip.style != 0 || clip.content != content || length <= kFrames) continue;
       if (found == kWindowsPerContent) break;
-      Tensor window = torch::empty({kFrames, body::kFeatureCount});
+      Tensor window = torch::empty({kFrames, erd::kFeatureCount});
       FillWindow(clip, (length - kFrames) / 2, kFrames, false, false, parameters,
                  {.features = window.data_ptr<float>()});
       windows.push_back(window);
@@ -56,7 +56,7 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
   const Tensor kept_index =
       torch::tensor(std::vector<int64_t>(kept.begin(), kept.end()), torch::kInt64);
   const StyleEffects real = MeasureEffects(clips, styles, contents, kEffectFrames, 1, parameters);
-  real_shift_ = real.moments.narrow(2, body::kPositionBegin, body::kPositionFeatures)
+  real_shift_ = real.moments.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)
                     .index_select(1, kept_index)
                     .to(mean.device());
   present_ = real.known.index_select(1, kept_index).to(mean.device());
@@ -74,9 +74,9 @@ MonitorRow Monitor::Evaluate(const Generator& generator) const {
   const Tensor residual = generator.Branches(z.repeat({1, branches, 1}), branch_state);
   const Tensor one_hot = torch::eye(styles_).to(u_.device());
   const Tensor rec = generator.Decode(r0, one_hot.narrow(0, 0, 1).expand({batch, -1})).rotations;
-  const Tensor input = features_.narrow(2, 0, body::kRotationFeatures)
+  const Tensor input = features_.narrow(2, 0, erd::kRotationFeatures)
                            .reshape({kFrames, batch, body::kJointCount, 4});
-  const Tensor positions = features_.narrow(2, body::kPositionBegin, body::kPositionFeatures)
+  const Tensor positions = features_.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)
                                .narrow(0, kSkipped, kFrames - kSkipped);
   const double input_jerk = MeanJerk(positions);
 

@@ -24,7 +24,7 @@ class Monitor {
  public:
   // Needs neutral clips of at least 49 frames in every content; other contents are left out.
   Monitor(const std::vector<TrainingClip>& clips, int styles, int contents,
-          const body::FeatureParameters& parameters, const torch::Tensor& mean,
+          const erd::FeatureParameters& parameters, const torch::Tensor& mean,
           const torch::Tensor& deviation);
 
   MonitorRow Evaluate(const Generator& generator) const;

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "model/body/features.h"
-#include "model/erd/network.h"
+#include "model/net/erd/features.h"
+#include "model/net/erd/network.h"
 #include "model/train/erd/lstm.h"
 
 namespace styled::train {
@@ -97,9 +97,9 @@ Tensor Stack::operator()(Tensor x, StackState& state) const {
 
 Generator::Generator(const GeneratorShape& shape_, const Tensor& mean, const Tensor& deviation)
     : shape(shape_),
-      rotation_mean_(mean.narrow(0, 0, body::kRotationFeatures)),
-      rotation_deviation_(deviation.narrow(0, 0, body::kRotationFeatures)) {
-  int64_t width = body::kFeatureCount + shape.styles;
+      rotation_mean_(mean.narrow(0, 0, erd::kRotationFeatures)),
+      rotation_deviation_(deviation.narrow(0, 0, erd::kRotationFeatures)) {
+  int64_t width = erd::kFeatureCount + shape.styles;
   std::vector<int64_t> widths = shape.encoder;
   widths.push_back(shape.latent);
   for (const int64_t next : widths) {
@@ -113,8 +113,8 @@ Generator::Generator(const GeneratorShape& shape_, const Tensor& mean, const Ten
     decoder_.emplace_back(parameters, "decoder." + std::to_string(decoder_.size()), width, next);
     width = next;
   }
-  rotation_ = Affine(parameters, "head.rotation", width, body::kRotationFeatures);
-  velocity_ = Affine(parameters, "head.velocity", width, body::kVelocityFeatures);
+  rotation_ = Affine(parameters, "head.rotation", width, erd::kRotationFeatures);
+  velocity_ = Affine(parameters, "head.velocity", width, erd::kVelocityFeatures);
   height_ = Affine(parameters, "head.height", width, 1);
   parameters.Flatten(mean.device());
 }

@@ -71,7 +71,7 @@ struct Carried {
   StackState neutral, branches;
 };
 
-// Encoder, neutral branch, style branches, decoder of model/weights/FORMAT.md, no content input.
+// Encoder, neutral branch, style branches, decoder of model/net/erd/FORMAT.md, no content input.
 class Generator {
  public:
   Generator(const GeneratorShape& shape, const torch::Tensor& mean, const torch::Tensor& deviation);

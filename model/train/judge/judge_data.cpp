@@ -35,21 +35,21 @@ std::string JudgeKey(const Data& data, const JudgeSettings& settings) {
   return key;
 }
 
-using Rotations = Eigen::Matrix<double, body::kRotationFeatures, 1>;
+using Rotations = Eigen::Matrix<double, erd::kRotationFeatures, 1>;
 
 std::vector<ConstantOffset> Baselines(const Data& data) {
   const std::size_t styles = data.manifest.styles.size();
   const std::size_t contents = data.manifest.contents.size();
-  body::FeatureParameters parameters;
+  erd::FeatureParameters parameters;
   train::SetHemisphere(train::ComputeStatistics(data.train, parameters).mean, parameters);
   std::vector<Rotations> sums(styles * contents, Rotations::Zero());
   std::vector<double> counts(styles * contents, 0);
   for (const train::TrainingClip& c : data.train) {
     const std::size_t cell = static_cast<std::size_t>(c.style) * contents + c.content;
-    for (const body::Features& frame :
+    for (const erd::Features& frame :
          MakeSequence(c.poses, c.style, c.content, false, parameters).frames) {
       sums[cell] +=
-          Eigen::Map<const Eigen::VectorXf>(frame.data(), body::kRotationFeatures).cast<double>();
+          Eigen::Map<const Eigen::VectorXf>(frame.data(), erd::kRotationFeatures).cast<double>();
       counts[cell] += 1;
     }
   }
@@ -97,7 +97,7 @@ Result<Data> LoadData(const std::filesystem::path& manifest, const std::filesyst
   if (!own.ok()) return own.status();
   Data data;
   data.manifest = std::move(own.value());
-  body::FeatureParameters parameters;
+  erd::FeatureParameters parameters;
   parameters.rate_hz = static_cast<float>(kJudgeRate_hz);
   for (const auto& [split, clips] : {std::pair{"train", &data.train},
                                      {"judge", &data.judge},

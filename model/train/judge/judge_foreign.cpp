@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "model/body/heading.h"
 #include "model/train/judge/judge_metrics.h"
 
 namespace styled::judge {

@@ -50,7 +50,7 @@ TORCH_MODULE(Classifier);
 struct AutoEncoderImpl : torch::nn::Module {
   AutoEncoderImpl() {
     using namespace torch::nn;  // NOLINT
-    const int c = body::kRotationFeatures;
+    const int c = erd::kRotationFeatures;
     encoder = register_module(
         "encoder",
         Sequential(Conv1d(Conv1dOptions(c, 128, 4).stride(4)), BatchNorm1d(128), ReLU(),
@@ -91,7 +91,7 @@ class Sampler {
       const Sequence& sequence = sequences_[Pick(Pick(Pick(cells_)))];
       const int spare = static_cast<int>(sequence.frames.size()) - window_;
       const int start = std::uniform_int_distribution<int>(0, spare)(random_);
-      for (int t = 0; t < window_; ++t, out += body::kFeatureCount) {
+      for (int t = 0; t < window_; ++t, out += erd::kFeatureCount) {
         std::copy(sequence.frames[start + t].begin(), sequence.frames[start + t].end(), out);
       }
       style[i] = sequence.style;
@@ -123,14 +123,14 @@ torch::Tensor QuaternionLoss(const torch::Tensor& expected, const torch::Tensor&
 }  // namespace
 
 Sequence MakeSequence(std::span<const body::Pose> poses, int style, int content, bool mirrored,
-                      const body::FeatureParameters& parameters) {
+                      const erd::FeatureParameters& parameters) {
   Sequence sequence{.style = style, .content = content, .frames = {}};
-  body::FeatureState state;
-  body::Features features;
+  erd::FeatureState state;
+  erd::Features features;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     body::Pose pose = poses[i];
     if (mirrored) body::Mirror(poses[i], pose);
-    body::ComputeFeatures(pose, parameters, state, features);
+    erd::ComputeFeatures(pose, parameters, state, features);
     if (i > 0) sequence.frames.push_back(features);
   }
   return sequence;
@@ -139,24 +139,24 @@ Sequence MakeSequence(std::span<const body::Pose> poses, int style, int content,
 struct Judges::Impl : torch::nn::Module {
   Impl(int styles, int contents, const JudgeSettings& s)
       : settings(s),
-        style(register_module("style", Classifier(body::kFeatureCount, styles))),
-        content(register_module("content", Classifier(body::kFeatureCount, contents))),
+        style(register_module("style", Classifier(erd::kFeatureCount, styles))),
+        content(register_module("content", Classifier(erd::kFeatureCount, contents))),
         encoder(register_module("encoder", AutoEncoder())),
-        mean(register_buffer("mean", torch::zeros({1, body::kFeatureCount, 1}))),
-        deviation(register_buffer("deviation", torch::ones({1, body::kFeatureCount, 1}))) {}
+        mean(register_buffer("mean", torch::zeros({1, erd::kFeatureCount, 1}))),
+        deviation(register_buffer("deviation", torch::ones({1, erd::kFeatureCount, 1}))) {}
 
   // [N, T, F] as sampled -> [N, F, T] standardized.
   torch::Tensor Standardize(const torch::Tensor& windows) const {
     return (windows.transpose(1, 2) - mean) / deviation;
   }
   torch::Tensor Rotations(const torch::Tensor& windows) const {
-    return windows.slice(2, 0, body::kRotationFeatures).transpose(1, 2);
+    return windows.slice(2, 0, erd::kRotationFeatures).transpose(1, 2);
   }
-  torch::Tensor RotationMean() const { return mean.slice(1, 0, body::kRotationFeatures); }
+  torch::Tensor RotationMean() const { return mean.slice(1, 0, erd::kRotationFeatures); }
 
   void Train(const std::vector<Sequence>& sequences, int styles, int contents);
   void SetParameters() {
-    body::Features values;
+    erd::Features values;
     const torch::Tensor flat = mean.contiguous();
     std::copy_n(flat.data_ptr<float>(), values.size(), values.begin());
     feature_parameters.rate_hz = static_cast<float>(kJudgeRate_hz);
@@ -164,7 +164,7 @@ struct Judges::Impl : torch::nn::Module {
   }
 
   JudgeSettings settings;
-  body::FeatureParameters feature_parameters;
+  erd::FeatureParameters feature_parameters;
   mutable Classifier style, content;
   mutable AutoEncoder encoder;
   torch::Tensor mean, deviation;
@@ -173,7 +173,7 @@ struct Judges::Impl : torch::nn::Module {
 void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int contents) {
   const int batch = settings.batch;
   Sampler sampler(sequences, styles, contents, settings.window, settings.seed);
-  torch::Tensor windows = torch::empty({batch, settings.window, body::kFeatureCount});
+  torch::Tensor windows = torch::empty({batch, settings.window, erd::kFeatureCount});
   torch::Tensor style_label = torch::empty({batch}, torch::kLong);
   torch::Tensor content_label = torch::empty({batch}, torch::kLong);
   torch::optim::AdamW optimizer(torch::nn::Module::parameters(),
@@ -192,7 +192,7 @@ void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int
     const torch::Tensor x = Standardize(windows);
     const torch::Tensor noisy = x + kFeatureNoise * torch::randn_like(x);
     const auto with_offset = [&noisy](float deviation) {
-      return noisy + deviation * torch::randn({noisy.size(0), body::kFeatureCount, 1});
+      return noisy + deviation * torch::randn({noisy.size(0), erd::kFeatureCount, 1});
     };
     const torch::Tensor style_loss =
         torch::nn::functional::cross_entropy(style(with_offset(kStyleOffset)), style_label);
@@ -223,7 +223,7 @@ Judges::~Judges() = default;
 Judges::Judges(Judges&&) noexcept = default;
 Judges& Judges::operator=(Judges&&) noexcept = default;
 const JudgeSettings& Judges::settings() const { return impl_->settings; }
-const body::FeatureParameters& Judges::parameters() const { return impl_->feature_parameters; }
+const erd::FeatureParameters& Judges::parameters() const { return impl_->feature_parameters; }
 
 Result<Judges> Judges::TrainOrLoad(const std::vector<train::TrainingClip>& clips, int styles,
                                    int contents, const JudgeSettings& settings,
@@ -241,7 +241,7 @@ Result<Judges> Judges::TrainOrLoad(const std::vector<train::TrainingClip>& clips
     } else {
       const train::FeatureStatistics statistics =
           train::ComputeStatistics(clips, impl->feature_parameters);
-      for (int i = 0; i < body::kFeatureCount; ++i) {
+      for (int i = 0; i < erd::kFeatureCount; ++i) {
         impl->mean[0][i][0] = statistics.mean[i];
         impl->deviation[0][i][0] = statistics.deviation[i];
       }
@@ -272,10 +272,10 @@ namespace {
 
 torch::Tensor Windows(const Sequence& sequence, std::span<const int> starts, int length) {
   torch::Tensor windows =
-      torch::empty({static_cast<long>(starts.size()), length, body::kFeatureCount});
+      torch::empty({static_cast<long>(starts.size()), length, erd::kFeatureCount});
   float* out = windows.data_ptr<float>();
   for (const int start : starts) {
-    for (int t = 0; t < length; ++t, out += body::kFeatureCount) {
+    for (int t = 0; t < length; ++t, out += erd::kFeatureCount) {
       std::copy(sequence.frames[start + t].begin(), sequence.frames[start + t].end(), out);
     }
   }

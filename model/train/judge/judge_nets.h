@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "model/base/status.h"
-#include "model/body/features.h"
+#include "model/net/erd/features.h"
 #include "model/train/dataset.h"
 
 namespace styled::judge {
@@ -24,12 +24,12 @@ inline constexpr const char* kJudgeRecipe = "2";
 struct Sequence {
   int style = 0;    // index into Manifest::styles
   int content = 0;  // index into Manifest::contents
-  std::vector<body::Features> frames;
+  std::vector<erd::Features> frames;
 };
 
 // The features of `poses` (at kJudgeRate_hz) as a session of their own.
 Sequence MakeSequence(std::span<const body::Pose> poses, int style, int content, bool mirrored,
-                      const body::FeatureParameters& parameters);
+                      const erd::FeatureParameters& parameters);
 
 // What the judges say of every window of one sequence.
 struct Verdicts {
@@ -62,7 +62,7 @@ class Judges {
 
   const JudgeSettings& settings() const;
   // What sequences must be made with: the rate, the heading filter and the hemispheres.
-  const body::FeatureParameters& parameters() const;
+  const erd::FeatureParameters& parameters() const;
   // Judges windows at every `stride` frames. A sequence shorter than the window has none.
   Verdicts Judge(const Sequence& sequence, int stride) const;
   // The style judge's answers for windows of `window` frames, at least 4, at every frame. It looks

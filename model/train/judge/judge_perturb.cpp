@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include "model/body/heading.h"
+
 namespace styled::judge {
 namespace {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "model/body/heading.h"
 #include "model/clip/clip.h"
 
 namespace styled::judge {
@@ -90,9 +91,9 @@ void Evaluator::Gather(const Sequence& sequence, int stride, Cell& cell, ClipVer
   }
   if (style != nullptr) style->windows += static_cast<double>(verdicts.starts.size());
   if (content != nullptr) content->windows += static_cast<double>(verdicts.starts.size());
-  for (const body::Features& frame : sequence.frames) {
-    cell.position_sum += Eigen::Map<const Eigen::VectorXf>(frame.data() + body::kPositionBegin,
-                                                           body::kPositionFeatures)
+  for (const erd::Features& frame : sequence.frames) {
+    cell.position_sum += Eigen::Map<const Eigen::VectorXf>(frame.data() + erd::kPositionBegin,
+                                                           erd::kPositionFeatures)
                              .cast<double>();
     cell.frames += 1;
   }
@@ -191,7 +192,7 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
 
 void Evaluator::MeasureStyle(int style, const Cells& out, const Cells& in,
                              StyleFigures& figures) const {
-  Eigen::VectorXd shift = Eigen::VectorXd::Zero(body::kPositionFeatures);
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(erd::kPositionFeatures);
   Eigen::VectorXd real_shift = shift;
   Eigen::VectorXd other_shift = shift;
   figures.expression_by_content.resize(static_cast<std::size_t>(contents_));
@@ -402,15 +403,15 @@ void Evaluator::Print(const Figures& figures) const {
 
 Reconstruction MeasureReconstruction(const erd::Network& network, std::span<const Poses> clips) {
   Reconstruction figures;
-  const body::FeatureParameters& parameters = network.metadata().features;
+  const erd::FeatureParameters& parameters = network.metadata().features;
   for (const Poses& clip : clips) {
     erd::State state;
     network.Start(state);
-    body::FeatureState memory;
-    body::Features features;
+    erd::FeatureState memory;
+    erd::Features features;
     erd::StepOutput step;
     for (const body::Pose& pose : clip) {
-      const float heading_rad = body::ComputeFeatures(pose, parameters, memory, features);
+      const float heading_rad = erd::ComputeFeatures(pose, parameters, memory, features);
       network.Step(features, 0, {}, state, step);
       body::Pose in = pose;
       in.rotations[body::kHips] = body::Yaw(-heading_rad) * pose.rotations[body::kHips];

@@ -70,7 +70,7 @@ class Evaluator {
  private:
   // What one (style, content) cell of real or transferred clips adds up to.
   struct Cell {
-    Eigen::VectorXd position_sum = Eigen::VectorXd::Zero(body::kPositionFeatures);
+    Eigen::VectorXd position_sum = Eigen::VectorXd::Zero(erd::kPositionFeatures);
     double frames = 0;
     std::vector<Eigen::RowVectorXd> embeddings;
     std::map<int, double> taken_for;  // windows, by what the style judge says

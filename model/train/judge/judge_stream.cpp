@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/body/features.h"
+#include "model/body/heading.h"
 #include "model/stylist/grounding.h"
 
 namespace styled::judge {

@@ -7,7 +7,7 @@
 
 #include "model/base/status.h"
 #include "model/body/pose.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 #include "model/stylist/stylist.h"
 
 namespace styled::judge {

@@ -9,7 +9,7 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "tests/support/rig.h"
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace {
 

@@ -17,7 +17,7 @@
 #include "proto/rigs/native/header.h"
 #include "tests/fuzz/pipeline/script.h"
 #include "tests/support/fake_pipeline.h"
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace {
 

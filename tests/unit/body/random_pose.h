@@ -3,6 +3,7 @@
 #include <numbers>
 #include <random>
 
+#include "model/body/heading.h"
 #include "model/body/pose.h"
 
 namespace styled::body {
@@ -35,6 +36,22 @@ class Random {
  private:
   std::mt19937 engine_;
 };
+
+// A body that stands roughly upright, so that its heading is well defined.
+inline Pose Upright(Random& random) {
+  Pose pose;
+  pose.hips_position_m = Vec3(random.Between(-5, 5), 0.95F, random.Between(-5, 5));
+  for (Quat& q : pose.rotations) q = random.Turn(0.4F);
+  return pose;
+}
+
+// The same body somewhere else, facing elsewhere.
+inline Pose Moved(const Pose& pose, float yaw_rad, const Vec3& shift) {
+  Pose moved = pose;
+  moved.hips_position_m = Yaw(yaw_rad) * pose.hips_position_m + shift;
+  moved.rotations[kHips] = Yaw(yaw_rad) * pose.rotations[kHips];
+  return moved;
+}
 
 // The angle between two rotations, radians; accurate near zero, where acos is not.
 inline double Angle_rad(const Quat& a, const Quat& b) {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::pipeline {
 namespace {

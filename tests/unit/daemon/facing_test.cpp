@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "model/body/features.h"
+#include "model/body/heading.h"
 
 namespace styled::pipeline {
 namespace {

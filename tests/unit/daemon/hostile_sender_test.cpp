@@ -9,7 +9,7 @@
 
 #include "model/stylist/stylist.h"
 #include "tests/support/fake_pipeline.h"
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::pipeline {
 namespace {

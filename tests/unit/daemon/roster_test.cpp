@@ -13,7 +13,7 @@
 #include "model/base/text.h"
 #include "tests/support/child.h"
 #include "tests/support/rig.h"
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::pipeline {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "model/body/features.h"
+#include "model/body/heading.h"
 #include "model/feet/legs.h"
 
 namespace styled::judge {

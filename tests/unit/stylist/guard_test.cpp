@@ -10,7 +10,7 @@
 #include "model/feet/legs.h"
 #include "model/stylist/avatar.h"
 #include "model/stylist/stylist.h"
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::stylist {
 namespace {

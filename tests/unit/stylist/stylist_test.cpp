@@ -7,8 +7,9 @@
 #include <cstring>
 #include <limits>
 
+#include "model/body/heading.h"
 #include "model/rig/dialects.h"
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::stylist {
 namespace {
@@ -242,7 +243,7 @@ TEST_F(StylistTest, BypassIsEnteredByAFadeAndThenExact) {
 TEST_F(StylistTest, ASwitchThrowsNoLimb) {
   // Styles that are far apart: their columns of the decoder's input are long.
   erd::WeightsFile weights = erd::RandomWeights(5, 1);
-  erd::NamedTensor& decoder = weights.tensor("decoder.0.weight");
+  net::NamedTensor& decoder = weights.tensor("decoder.0.weight");
   const auto width = static_cast<std::size_t>(decoder.shape[1]);
   for (std::size_t i = 0; i < decoder.values.size(); ++i) {
     if (i % width >= width - 5) decoder.values[i] *= 20;
@@ -520,12 +521,12 @@ TEST_F(StylistTest, TheAbsoluteOutputIsTheDecodersOwn) {
   unfaded.Set(settings);
   erd::State state;
   network->Start(state);
-  body::FeatureState memory;
+  erd::FeatureState memory;
   for (int frame = 0; frame < 60; ++frame) {
     Feed(unfaded, frame, 30);
-    body::Features features;
+    erd::Features features;
     const float heading_rad =
-        body::ComputeFeatures(out.canonical_input, network->metadata().features, memory, features);
+        erd::ComputeFeatures(out.canonical_input, network->metadata().features, memory, features);
     erd::StepOutput step;
     const erd::ActiveStyle active{2, 1.0F};
     network->Step(features, 0, std::span(&active, 1), state, step);

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "model/body/heading.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/train/walker.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 std::vector<float> Window(const TrainingClip& clip, int start, int length, bool mirrored,
                           bool session_start) {
-  std::vector<float> features(static_cast<std::size_t>(length) * body::kFeatureCount);
+  std::vector<float> features(static_cast<std::size_t>(length) * erd::kFeatureCount);
   FillWindow(clip, start, length, mirrored, session_start, {}, {.features = features.data()});
   return features;
 }
@@ -24,7 +25,7 @@ TEST(Dataset, AWindowContinuesTheClipsOwnPast) {
     const std::vector<float> whole = Window(clip, 0, 60, mirrored, false);
     const std::vector<float> part = Window(clip, 20, 25, mirrored, false);
     for (std::size_t i = 0; i < part.size(); ++i) {
-      ASSERT_NEAR(part[i], whole[20 * body::kFeatureCount + i], 2e-4) << i % body::kFeatureCount;
+      ASSERT_NEAR(part[i], whole[20 * erd::kFeatureCount + i], 2e-4) << i % erd::kFeatureCount;
     }
   }
 }
@@ -34,7 +35,7 @@ TEST(Dataset, ASessionStartHasNoVelocity) {
   const std::vector<float> started = Window(clip, 20, 3, false, true);
   const std::vector<float> continued = Window(clip, 20, 3, false, false);
   float speed = 0, continued_speed = 0;
-  for (int i = body::kVelocityBegin; i < body::kHipsHeightIndex; ++i) {
+  for (int i = erd::kVelocityBegin; i < erd::kHipsHeightIndex; ++i) {
     speed += std::abs(started[i]);
     continued_speed += std::abs(continued[i]);
   }
@@ -47,7 +48,7 @@ TEST(Dataset, AMiscalibratedWindowContinuesAMiscalibratedPast) {
   const TrainingClip clip = Walker(90);
   const Miscalibration wrong = DrawMiscalibration(5);
   const auto window = [&](int start, int length, const Miscalibration* of) {
-    std::vector<float> features(static_cast<std::size_t>(length) * body::kFeatureCount);
+    std::vector<float> features(static_cast<std::size_t>(length) * erd::kFeatureCount);
     FillWindow(clip, start, length, false, false, {}, {.features = features.data()}, of);
     return features;
   };
@@ -57,7 +58,7 @@ TEST(Dataset, AMiscalibratedWindowContinuesAMiscalibratedPast) {
   float most = 0;
   float apart = 0;
   for (std::size_t i = 0; i < part.size(); ++i) {
-    most = std::max(most, std::abs(part[i] - whole[60 * body::kFeatureCount + i]));
+    most = std::max(most, std::abs(part[i] - whole[60 * erd::kFeatureCount + i]));
     apart = std::max(apart, std::abs(part[i] - right[i]));
   }
   EXPECT_LT(most, 0.05F);  // the heading's error is not quite constant
@@ -81,11 +82,11 @@ TEST(Dataset, AMiscalibrationIsDeterministicAndWithinItsBounds) {
 TEST(Dataset, StatisticsStandardizeAndKeepTheirFloors) {
   std::vector<TrainingClip> clips{Walker(60), Walker(60, 1.0F)};
   const FeatureStatistics statistics = ComputeStatistics(clips, {});
-  EXPECT_NEAR(statistics.mean[body::kHipsHeightIndex], body::kHumanoid[0].y_m, 0.03);
-  for (int i = 0; i < body::kFeatureCount; ++i) EXPECT_GE(statistics.deviation[i], 0.01F);
-  EXPECT_FLOAT_EQ(statistics.deviation[body::kPositionBegin], 0.01F);  // hips: always zero
+  EXPECT_NEAR(statistics.mean[erd::kHipsHeightIndex], body::kHumanoid[0].y_m, 0.03);
+  for (int i = 0; i < erd::kFeatureCount; ++i) EXPECT_GE(statistics.deviation[i], 0.01F);
+  EXPECT_FLOAT_EQ(statistics.deviation[erd::kPositionBegin], 0.01F);  // hips: always zero
   // Mirrored clips are in it too, so what points left and right cancels.
-  EXPECT_NEAR(statistics.mean[body::kPositionBegin + 3 * body::kHead], 0.0F, 1e-4);
+  EXPECT_NEAR(statistics.mean[erd::kPositionBegin + 3 * body::kHead], 0.0F, 1e-4);
 }
 
 // A walker that comes back to its first pose after 20 frames, 0.6 m on and turned by 30 degrees.

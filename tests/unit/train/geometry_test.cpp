@@ -12,7 +12,7 @@ using torch::Tensor;
 constexpr int kFrames = 30;
 
 struct WindowTensors {
-  Tensor features = torch::empty({kFrames, 1, body::kFeatureCount});
+  Tensor features = torch::empty({kFrames, 1, erd::kFeatureCount});
   Tensor yaw = torch::empty({kFrames, 1});
   Tensor step = torch::empty({kFrames, 1, 3});
 
@@ -23,14 +23,14 @@ struct WindowTensors {
                 .hips_step_m = step.data_ptr<float>()});
   }
   Tensor rotations() const {
-    return features.narrow(2, 0, body::kRotationFeatures).reshape({kFrames, 1, -1, 4});
+    return features.narrow(2, 0, erd::kRotationFeatures).reshape({kFrames, 1, -1, 4});
   }
   Tensor positions() const {
-    return features.narrow(2, body::kPositionBegin, body::kPositionFeatures)
+    return features.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)
         .reshape({kFrames, 1, -1, 3});
   }
   Tensor velocities() const {
-    return features.narrow(2, body::kVelocityBegin, body::kVelocityFeatures)
+    return features.narrow(2, erd::kVelocityBegin, erd::kVelocityFeatures)
         .reshape({kFrames, 1, -1, 3});
   }
 };

@@ -24,7 +24,7 @@ TrainingClip Clip(int source, int style, int content, float bend_rad) {
 }
 
 StyleEffects Effects(const std::vector<TrainingClip>& clips) {
-  return MeasureEffects(clips, 2, 2, kLength, 4, body::FeatureParameters());
+  return MeasureEffects(clips, 2, 2, kLength, 4, erd::FeatureParameters());
 }
 
 TEST(Moments, AnEffectIsMeasuredWithinAFolder) {
@@ -33,7 +33,7 @@ TEST(Moments, AnEffectIsMeasuredWithinAFolder) {
   const StyleEffects two = Effects({Clip(0, 0, 0, 0), Clip(0, 1, 0, 0.5F), Clip(1, 0, 0, 0.3F)});
   const StyleEffects none = Effects({Clip(0, 0, 0, 0), Clip(1, 1, 0, 0.5F)});
   const Tensor shift =
-      one.moments[1][0].narrow(0, body::kPositionBegin, body::kPositionFeatures).view({-1, 3});
+      one.moments[1][0].narrow(0, erd::kPositionBegin, erd::kPositionFeatures).view({-1, 3});
   EXPECT_GT(shift[body::kHead].norm().item<double>(), 0.1);
   EXPECT_LT(shift[body::kLeftFoot].norm().item<double>(), 0.01) << "no leg was bent";
   EXPECT_TRUE(torch::equal(one.moments, two.moments));
@@ -48,8 +48,8 @@ TEST(Moments, AnEffectIsMeasuredWithinAFolder) {
 TEST(Moments, TheLossLeadsTheMeansToWhatIsWanted) {
   torch::manual_seed(3);
   const StyleEffects wanted{torch::zeros({2, 2, 2 * kEffectFeatures}), torch::ones({2, 2, 1})};
-  wanted.moments[1][0].narrow(0, body::kPositionBegin, 63).fill_(0.2);
-  wanted.moments[1][1].narrow(0, body::kPositionBegin, 63).fill_(-0.1);
+  wanted.moments[1][0].narrow(0, erd::kPositionBegin, 63).fill_(0.2);
+  wanted.moments[1][1].narrow(0, erd::kPositionBegin, 63).fill_(-0.1);
   Moments moments(wanted, torch::kCPU);
   Tensor shift = torch::zeros({2, kEffectFeatures}, torch::requires_grad());
   const Tensor style = torch::ones({6}, torch::kInt64);
@@ -64,8 +64,8 @@ TEST(Moments, TheLossLeadsTheMeansToWhatIsWanted) {
     const torch::NoGradGuard no_grad;
     shift -= 0.02 * gradient;
   }
-  EXPECT_NEAR(shift[0].narrow(0, body::kPositionBegin, 63).mean().item<double>(), 0.2, 0.02);
-  EXPECT_NEAR(shift[1].narrow(0, body::kPositionBegin, 63).mean().item<double>(), -0.1, 0.02);
+  EXPECT_NEAR(shift[0].narrow(0, erd::kPositionBegin, 63).mean().item<double>(), 0.2, 0.02);
+  EXPECT_NEAR(shift[1].narrow(0, erd::kPositionBegin, 63).mean().item<double>(), -0.1, 0.02);
   EXPECT_LT(moments.Distance().item<double>(), 0.3);
 }
 

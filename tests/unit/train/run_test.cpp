@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "model/clip/clip.h"
-#include "model/erd/network.h"
+#include "model/net/erd/network.h"
 #include "model/train/checkpoint.h"
 #include "model/train/curve.h"
 #include "model/train/trainer.h"
@@ -185,7 +185,7 @@ TEST_F(Run, ARunStartsFromWeights) {
   const auto decode = [](const LoadedWeights& weights, int64_t style) {
     const torch::NoGradGuard no_grad;
     const Generator& generator = *weights.generator;
-    const Tensor u = torch::ones({5, 1, body::kFeatureCount}) * 0.3;
+    const Tensor u = torch::ones({5, 1, erd::kFeatureCount}) * 0.3;
     const Tensor z = generator.Encode(u, torch::zeros({1}, torch::kInt64));
     StackState neutral = generator.neutral.Initial(1), branch = generator.branches.Initial(1);
     const int64_t branches = generator.branches.groups;
@@ -211,7 +211,7 @@ std::vector<float> Styled(const std::filesystem::path& weights, const std::strin
   EXPECT_TRUE(loaded.ok()) << loaded.status().message();
   const erd::Network& network = *loaded.value();
   constexpr int kFrames = 40;
-  std::vector<float> features(kFrames * body::kFeatureCount);
+  std::vector<float> features(kFrames * erd::kFeatureCount);
   FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.metadata().features,
              {.features = features.data()});
   const std::array<erd::ActiveStyle, 1> active{{{.style = network.FindStyle(style), .weight = 1}}};
@@ -221,7 +221,7 @@ std::vector<float> Styled(const std::filesystem::path& weights, const std::strin
   erd::StepOutput out;
   std::vector<float> values;
   for (int t = 0; t < kFrames; ++t) {
-    body::Features x;
+    erd::Features x;
     std::copy_n(&features[static_cast<std::size_t>(t) * x.size()], x.size(), x.begin());
     network.Step(x, 0, active, state, out);
     for (const body::Quat& q : out.styled.rotations) {
@@ -493,7 +493,7 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
   generator.parameters.flat().copy_(checkpoint.tensors.at("average"));
 
   constexpr int kFrames = 60;
-  Tensor features = torch::empty({kFrames, 1, body::kFeatureCount});
+  Tensor features = torch::empty({kFrames, 1, erd::kFeatureCount});
   FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.metadata().features,
              {.features = features.data_ptr<float>()});
   const Tensor z =
@@ -510,7 +510,7 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
   const std::array<erd::ActiveStyle, 1> active{{{.style = 1, .weight = 1.0F}}};
   float largest = 0;
   for (int t = 0; t < kFrames; ++t) {
-    body::Features x;
+    erd::Features x;
     std::copy_n(features[t][0].data_ptr<float>(), x.size(), x.begin());
     network.Step(x, 0, active, state, out);
     for (int joint = 0; joint < body::kJointCount; ++joint) {

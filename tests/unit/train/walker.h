@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "model/body/heading.h"
 #include "model/train/dataset.h"
 
 namespace styled::train {
@@ -17,9 +18,9 @@ inline body::Pose HandsDown() {
 // A figure that walks along a curve, swinging arms and legs: every joint moves, the heading turns.
 inline TrainingClip Walker(int frames, float phase = 0.0F) {
   TrainingClip clip;
-  const body::FeatureParameters parameters;
-  body::FeatureState state;
-  body::Features features;
+  const erd::FeatureParameters parameters;
+  erd::FeatureState state;
+  erd::Features features;
   for (int t = 0; t < frames; ++t) {
     const float time_s = static_cast<float>(t) / 30.0F;
     body::Pose pose;
@@ -30,7 +31,7 @@ inline TrainingClip Walker(int frames, float phase = 0.0F) {
     }
     pose.rotations[body::kHips] = body::Yaw(0.7F * time_s) * pose.rotations[body::kHips];
     clip.poses.push_back(pose);
-    body::ComputeFeatures(pose, parameters, state, features);
+    erd::ComputeFeatures(pose, parameters, state, features);
     clip.heading_cos.push_back(state.heading_cos);
     clip.heading_sin.push_back(state.heading_sin);
   }

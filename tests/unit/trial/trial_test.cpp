@@ -8,7 +8,7 @@
 #include "model/feet/legs.h"
 #include "model/stylist/stylist.h"
 #include "sim/performer/performer.h"
-#include "tests/unit/erd/random_weights.h"
+#include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::trial {
 namespace {
@@ -83,7 +83,7 @@ TEST(TrialTest, FiniteButWildWeightsAreRefusedByName) {
 
 TEST(TrialTest, AStyleThatIsWildAloneIsNamed) {
   WeightsFile file = RandomWeights(kStyles, 1);
-  erd::NamedTensor& decoder = file.tensor("decoder.0.weight");
+  net::NamedTensor& decoder = file.tensor("decoder.0.weight");
   const auto width = static_cast<std::size_t>(decoder.shape[1]);
   for (std::size_t i = 0; i < decoder.values.size(); ++i) {
     if (i % width == width - kStyles + 3) decoder.values[i] *= 1e30F;  // the column of style 3
@@ -118,7 +118,7 @@ TEST(TrialTest, WhateverPassesGivesASoundPoseInEveryFrame) {
     std::copy(pose.rotations.begin(), pose.rotations.end(), motion[frame].rotations.begin());
   }
   int passed = 0, refused = 0;
-  for (const erd::NamedTensor& tensor : RandomWeights(3, 1).tensors) {
+  for (const net::NamedTensor& tensor : RandomWeights(3, 1).tensors) {
     for (const float by : {1e30F, 1e15F, 1e-30F, 0.0F}) {
       WeightsFile file = RandomWeights(3, 1);
       for (float& value : file.tensor(tensor.name).values) value *= by;

@@ -1,0 +1,19 @@
+#include "model/body/heading.h"
+
+#include <cmath>
+
+namespace styled::body {
+
+Quat Yaw(float heading_rad) noexcept {
+  return {std::cos(0.5F * heading_rad), 0.0F, std::sin(0.5F * heading_rad), 0.0F};
+}
+
+float Heading_rad(const WorldPose& world) noexcept {
+  // Both lines point to the body's left; the hips' is scaled so that each has about the same say.
+  const Vec3 left = (world.positions_m[kLeftUpperLeg] - world.positions_m[kRightUpperLeg]) +
+                    0.6F * (world.positions_m[kLeftUpperArm] - world.positions_m[kRightUpperArm]);
+  const Vec3 forward = left.cross(Vec3::UnitY());
+  return std::atan2(forward.x(), forward.z());
+}
+
+}  // namespace styled::body

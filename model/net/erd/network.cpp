@@ -1,0 +1,294 @@
+#include "model/net/erd/network.h"
+
+#include <algorithm>
+#include <bitset>
+#include <cctype>
+
+#include "model/net/erd/weights.h"
+
+namespace styled::erd {
+namespace {
+
+using net::kPanelRows;
+using net::LstmOperands;
+using net::Operands;
+using net::PaddedRows;
+
+template <int Rows, int Columns>
+void Apply(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight,
+           std::span<const Operands> inputs, bool relu) noexcept {
+  kernels.affine(weight.data(), PaddedRows(Rows) / kPanelRows, Columns, inputs, relu);
+}
+
+template <std::size_t Layers>
+void StartBranch(const std::array<LstmLayer, Layers>& layers, BranchState& state) noexcept {
+  for (std::size_t l = 0; l < Layers; ++l) {
+    std::copy(layers[l].h0.begin(), layers[l].h0.end(), state.h[l].data());
+    std::copy(layers[l].c0.begin(), layers[l].c0.end(), state.c[l].data());
+  }
+}
+
+// Which styles run in this step, each once. The input's own style rides along with weight 0.
+struct Wanted {
+  std::array<ActiveStyle, kMaxBranches> entry;
+  int count = 0;
+
+  ActiveStyle* Find(int style) noexcept {
+    for (int i = 0; i < count; ++i) {
+      if (entry[i].style == style) return &entry[i];
+    }
+    return nullptr;
+  }
+  void Add(int style, float weight, int limit) noexcept {
+    const float clamped = weight > 0 ? std::min(weight, kMaxStrength) : 0.0F;  // NaN: 0
+    if (ActiveStyle* known = Find(style)) {
+      known->weight = std::min(known->weight + clamped, kMaxStrength);
+    } else if (count < limit) {
+      entry[count++] = {style, clamped};
+    }
+  }
+};
+
+// Drops the branches that are not wanted.
+void DropBranches(Wanted& wanted, State& state) noexcept {
+  for (int& style : state.style) {
+    if (style >= 0 && wanted.Find(style) == nullptr) style = -1;
+  }
+}
+
+// The slot of `style`, or -1.
+int FindSlot(const State& state, int style) noexcept {
+  const auto found = std::find(state.style.begin(), state.style.end(), style);
+  return found == state.style.end() ? -1 : static_cast<int>(found - state.style.begin());
+}
+
+// The decoder's way from one latent to the heads.
+struct Decoding {
+  PackedVector<kLatent> latent;
+  const float* style_bias;  // of the first layer
+  PackedVector<kDecoderWidths[0]> d0;
+  PackedVector<kDecoderWidths[1]> d1;
+  PackedVector<kDecoderWidths[2]> d2;
+  PackedVector<kHeads> heads;
+};
+
+// So many performers step together: what they need on the way fits into the first-level cache
+// beside a layer's weights.
+constexpr std::size_t kTogether = 8;
+
+// What one performer needs on the way.
+struct Way {
+  Wanted wanted;
+  int input_style = 0;
+  std::array<int, kMaxBranches> slot;  // of each wanted style, in the state
+  PackedVector<kFeatureCount> u;
+  PackedVector<kEncoderWidth> e;
+  PackedVector<kLatent> z;
+  Decoding reconstruction, styled;
+  PackedVector<kDecoderWidths[0]> target;
+};
+
+// Layer upon layer of one branch, for all the performers who have it.
+template <std::size_t Most>
+struct BranchRun {
+  std::array<LstmOperands, Most> operands;
+  std::array<BranchState*, Most> states;
+  std::size_t count = 0;
+
+  void Add(const float* z, BranchState& state) noexcept {
+    operands[count].z = z;
+    states[count++] = &state;
+  }
+  // The last h of each is its result.
+  template <std::size_t Layers>
+  void Run(const Kernels& kernels, const std::array<LstmLayer, Layers>& layers) noexcept {
+    for (std::size_t l = 0; l < Layers; ++l) {
+      for (std::size_t i = 0; i < count; ++i) {
+        operands[i].h = states[i]->h[l].data();
+        operands[i].c = states[i]->c[l].data();
+      }
+      kernels.lstm(layers[l].weight.data(), layers[l].bias.data(),
+                   std::span(operands).first(count));
+      for (std::size_t i = 0; i < count; ++i) operands[i].z = operands[i].h;
+    }
+  }
+};
+
+// One layer for all latents. No `bias`: each latent's own.
+template <std::size_t Most, int Rows, int Columns>
+void Decode(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight, const float* bias,
+            PackedVector<Columns> Decoding::*from, PackedVector<Rows> Decoding::*to, bool relu,
+            std::span<Decoding* const> decodings) noexcept {
+  std::array<Operands, Most> operands;
+  for (std::size_t i = 0; i < decodings.size(); ++i) {
+    Decoding& decoding = *decodings[i];
+    operands[i] = {bias != nullptr ? bias : decoding.style_bias, (decoding.*from).data(),
+                   (decoding.*to).data()};
+  }
+  Apply(kernels, weight, std::span(operands).first(decodings.size()), relu);
+}
+
+// y += factor x
+template <int Rows>
+void AddTo(PackedVector<Rows>& y, float factor, const float* x) noexcept {
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] += factor * x[i];
+}
+
+void ToDecoded(const Kernels& kernels, const PackedVector<kHeads>& heads, Decoded& out) noexcept {
+  static_assert(sizeof(out.rotations) == kRotationFeatures * sizeof(float));
+  kernels.normalize(heads.data(), body::kJointCount, out.rotations[0].coeffs().data());
+  const float* const velocities = heads.data() + kRotationFeatures;
+  std::copy_n(velocities, kVelocityFeatures, out.velocities_m_s.begin());
+  out.hips_height_m = heads[kHeads - 1];
+}
+
+}  // namespace
+
+Network::~Network() = default;
+
+int Network::FindStyle(std::string_view name) const {
+  const auto same = [name](std::string_view other) {
+    return std::equal(
+        name.begin(), name.end(), other.begin(), other.end(),
+        [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
+  };
+  for (int s = 0; s < style_count(); ++s) {
+    const StyleInfo& style = metadata_.styles[s];
+    if (same(style.name) || std::any_of(style.aliases.begin(), style.aliases.end(), same)) return s;
+  }
+  return -1;
+}
+
+void Network::Start(State& state) const noexcept {
+  StartBranch(weights_->neutral, state.neutral);
+  state.style.fill(-1);
+}
+
+void Network::Step(const Features& features, int input_style, std::span<const ActiveStyle> active,
+                   State& state, StepOutput& out) const noexcept {
+  const StepJob job{&features, input_style, active, &state, &out};
+  StepSome<1>({&job, 1});
+}
+
+void Network::StepTogether(std::span<const StepJob> jobs) const noexcept {
+  if (jobs.size() == 1) return StepSome<1>(jobs);
+  while (!jobs.empty()) {
+    const std::size_t count = std::min(jobs.size(), kTogether);
+    StepSome<kTogether>(jobs.first(count));
+    jobs = jobs.subspan(count);
+  }
+}
+
+template <std::size_t Most>
+void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
+  const Weights& w = *weights_;
+  const Kernels& kernels = *w.kernels;
+  const int style_count = this->style_count();
+  const std::size_t count = jobs.size();
+  std::array<Way, Most> ways;
+  std::array<Operands, Most> operands;
+
+  // 1. The branches that are to run, and those that start now.
+  for (std::size_t k = 0; k < count; ++k) {
+    const StepJob& job = jobs[k];
+    Way& way = ways[k];
+    way.input_style = job.input_style > 0 && job.input_style < style_count ? job.input_style : 0;
+    for (const ActiveStyle& style : job.active) {
+      if (style.style > 0 && style.style < style_count) {
+        way.wanted.Add(style.style, style.weight, kMaxActive);
+      }
+    }
+    if (way.input_style > 0) way.wanted.Add(way.input_style, 0, kMaxBranches);
+    DropBranches(way.wanted, *job.state);
+    for (int i = 0; i < way.wanted.count; ++i) {
+      const int style = way.wanted.entry[i].style;
+      int slot = FindSlot(*job.state, style);
+      if (slot < 0) {
+        slot = FindSlot(*job.state, -1);
+        job.state->style[slot] = style;
+        StartBranch(w.styles[style - 1], job.state->branch[slot]);
+      }
+      way.slot[i] = slot;
+    }
+  }
+
+  // 2. z = W1 relu(W0 [u, S] + b0) + b1
+  for (std::size_t k = 0; k < count; ++k) {
+    Way& way = ways[k];
+    kernels.standardize(jobs[k].features->data(), w.mean.data(), w.inverse_deviation.data(),
+                        kFeatureCount, kMaxStandardized, way.u.data());
+    operands[k] = {w.encoder0_bias[way.input_style].data(), way.u.data(), way.e.data()};
+  }
+  Apply(kernels, w.encoder0, std::span(operands).first(count), true);
+  for (std::size_t k = 0; k < count; ++k) {
+    operands[k] = {w.encoder1.bias.data(), ways[k].e.data(), ways[k].z.data()};
+  }
+  Apply(kernels, w.encoder1.weight, std::span(operands).first(count), false);
+
+  // 3. z' = r_0(z) + Σ_s α_s r_s(z), and Ŝ's share of the decoder's first layer.
+  BranchRun<Most> neutral;
+  for (std::size_t k = 0; k < count; ++k) neutral.Add(ways[k].z.data(), jobs[k].state->neutral);
+  neutral.Run(kernels, w.neutral);
+  std::bitset<kMaxStyles> styles;
+  for (std::size_t k = 0; k < count; ++k) {
+    for (int i = 0; i < ways[k].wanted.count; ++i) styles.set(ways[k].wanted.entry[i].style);
+  }
+  for (int style = 1; style < style_count; ++style) {
+    if (!styles.test(style)) continue;
+    BranchRun<Most> run;
+    for (std::size_t k = 0; k < count; ++k) {
+      const int slot = FindSlot(*jobs[k].state, style);
+      if (slot >= 0) run.Add(ways[k].z.data(), jobs[k].state->branch[slot]);
+    }
+    run.Run(kernels, w.styles[style - 1]);
+  }
+  std::array<Decoding*, 2 * Most> latents;
+  std::size_t latent_count = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    Way& way = ways[k];
+    const State& state = *jobs[k].state;
+    const float* const of_neutral = state.neutral.h[kNeutralLayers - 1].data();
+    std::copy_n(of_neutral, kLatent, way.reconstruction.latent.begin());
+    std::copy_n(of_neutral, kLatent, way.styled.latent.begin());
+    way.reconstruction.style_bias = w.decoder0_bias[way.input_style].data();
+    way.styled.style_bias = way.target.data();
+    way.target.fill(0);
+    float sum = 0;
+    for (int i = 0; i < way.wanted.count; ++i) {
+      const ActiveStyle& style = way.wanted.entry[i];
+      const float* const residual = state.branch[way.slot[i]].h[kStyleLayers - 1].data();
+      AddTo(way.styled.latent, style.weight, residual);
+      if (style.style == way.input_style) AddTo(way.reconstruction.latent, 1, residual);
+      AddTo(way.target, style.weight, w.decoder0_bias[style.style].data());
+      sum += style.weight;
+    }
+    AddTo(way.target, std::max(0.0F, 1.0F - sum), w.decoder0_bias[0].data());
+    if (sum > 1.0F) {
+      for (float& value : way.target) value /= sum;
+    }
+    latents[latent_count++] = &way.reconstruction;
+    if (way.wanted.count > 0) latents[latent_count++] = &way.styled;
+  }
+
+  // 4. d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads; all latents at once.
+  const auto decodings = std::span<Decoding* const>(latents).first(latent_count);
+  using D = Decoding;
+  Decode<2 * Most>(kernels, w.decoder0, nullptr, &D::latent, &D::d0, true, decodings);
+  Decode<2 * Most>(kernels, w.decoder1.weight, w.decoder1.bias.data(), &D::d0, &D::d1, true,
+                   decodings);
+  Decode<2 * Most>(kernels, w.decoder2.weight, w.decoder2.bias.data(), &D::d1, &D::d2, true,
+                   decodings);
+  Decode<2 * Most>(kernels, w.heads.weight, w.heads.bias.data(), &D::d2, &D::heads, false,
+                   decodings);
+  for (std::size_t k = 0; k < count; ++k) {
+    StepOutput& out = *jobs[k].out;
+    ToDecoded(kernels, ways[k].reconstruction.heads, out.reconstruction);
+    if (ways[k].wanted.count == 0) {
+      out.styled = out.reconstruction;
+    } else {
+      ToDecoded(kernels, ways[k].styled.heads, out.styled);
+    }
+  }
+}
+
+}  // namespace styled::erd

@@ -1,0 +1,350 @@
+#include "model/net/kernels/kernel.h"
+
+// Scalable vectors do not fit into arrays.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "model/net/kernels/kernel.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>  // before highway.h: it says for which target that is
+#include <hwy/highway.h>
+
+// Highway's vector stays in a register from here on.
+#if HWY_ARCH_X86 && HWY_COMPILER_GCC_ACTUAL
+#define STYLED_KEEP_IN_REGISTER(vector) asm("" : "+v"((vector).raw))
+#else
+#define STYLED_KEEP_IN_REGISTER(vector) static_cast<void>(0)
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace styled::net {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::CappedTag<float, 16>;
+using V = hn::Vec<D>;
+constexpr D d;
+constexpr int kLanes = hn::MaxLanes(d);
+constexpr int kVectors = kPanelRows / kLanes;  // of a panel
+constexpr int kUnits = 32;                     // of an LSTM layer
+constexpr bool kManyRegisters = kLanes == 16;  // AVX-512: 32 of them
+
+// How many sets of sums take turns over the columns of `vectors` vectors of rows, so that a
+// multiplication need not wait for the one before. It does not depend on how many inputs there are:
+// alone or beside others, an input gives the same bits.
+constexpr int Sets(int vectors) { return kManyRegisters ? HWY_MAX(1, 8 / vectors) : 1; }
+
+// One column of a product: sum[i] += W[:, column] x[i], for vectors First and on.
+template <int Inputs, int First, int Vectors>
+HWY_INLINE void AccumulateColumn(const float* HWY_RESTRICT weights, std::size_t panel_stride,
+                                 const std::array<const float*, Inputs>& x, int column,
+                                 V (&sum)[Inputs][Vectors]) {
+  V factor[Inputs];
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) factor[i] = hn::Set(d, x[i][column]);
+  HWY_UNROLL(32)
+  for (int k = 0; k < Vectors; ++k) {
+    const int v = First + k;
+    const float* const from = weights + v / kVectors * panel_stride + v % kVectors * kLanes;
+    V weight = hn::Load(d, from);
+    if constexpr (Inputs > 1) {
+      // Several inputs are bound by what the first-level cache gives: load each weight once (GCC
+      // would load it for each multiplication), and early.
+      STYLED_KEEP_IN_REGISTER(weight);
+      if (v * kLanes % 16 == 0) hwy::Prefetch(from + 4 * kPanelRows);
+    }
+    HWY_UNROLL(4)
+    for (int i = 0; i < Inputs; ++i) sum[i][k] = hn::MulAdd(weight, factor[i], sum[i][k]);
+  }
+}
+
+// sum[i] += W x[i] for vectors First and on of some panels.
+template <int Inputs, int First, int Vectors, int kSets>
+HWY_INLINE void Accumulate(const float* HWY_RESTRICT weights, std::size_t panel_stride, int columns,
+                           const std::array<const float*, Inputs>& x, V (&sum)[Inputs][Vectors]) {
+  V set[kSets][Inputs][Vectors];
+  HWY_UNROLL(8)
+  for (int s = 0; s < kSets; ++s) {
+    HWY_UNROLL(4)
+    for (int i = 0; i < Inputs; ++i) {
+      HWY_UNROLL(32)
+      for (int v = 0; v < Vectors; ++v) set[s][i][v] = s == 0 ? sum[i][v] : hn::Zero(d);
+    }
+  }
+  int column = 0;
+  for (; column + kSets <= columns; column += kSets) {
+    HWY_UNROLL(8)
+    for (int s = 0; s < kSets; ++s) {
+      AccumulateColumn<Inputs, First, Vectors>(weights, panel_stride, x, column + s, set[s]);
+      weights += kPanelRows;
+    }
+  }
+  for (; column < columns; ++column) {
+    AccumulateColumn<Inputs, First, Vectors>(weights, panel_stride, x, column, set[0]);
+    weights += kPanelRows;
+  }
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
+    HWY_UNROLL(32)
+    for (int v = 0; v < Vectors; ++v) {
+      sum[i][v] = set[0][i][v];
+      HWY_UNROLL(8)
+      for (int s = 1; s < kSets; ++s) sum[i][v] = hn::Add(sum[i][v], set[s][i][v]);
+    }
+  }
+}
+
+// How many of `vectors` vectors of rows there are registers for at a time.
+template <int Inputs>
+constexpr int VectorsAtATime(int vectors) {
+  if (Inputs == 1 || (Inputs == 2 && kManyRegisters)) return vectors;
+  const int room = (kManyRegisters ? 20 : 8) / (Inputs * Sets(vectors));
+  int some = vectors;
+  while (some > HWY_MAX(1, room) || vectors % some != 0) --some;
+  return some;
+}
+
+// Vectors First and on of All.
+template <int Inputs, int All, int First>
+HWY_INLINE void AffineVectors(const float* weights, std::size_t panel_stride, int columns, int row,
+                              const std::array<const float*, Inputs>& x, const Operands* inputs,
+                              V least) {
+  constexpr int kSome = VectorsAtATime<Inputs>(All);
+  V sum[Inputs][kSome];
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
+    HWY_UNROLL(32)
+    for (int v = 0; v < kSome; ++v) sum[i][v] = hn::Zero(d);
+  }
+  Accumulate<Inputs, First, kSome, Sets(All)>(weights, panel_stride, columns, x, sum);
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
+    HWY_UNROLL(32)
+    for (int v = 0; v < kSome; ++v) {
+      const int at = row + (First + v) * kLanes;
+      // Last: it may be large beside the terms of the sum, which would lose their digits.
+      const V y = hn::Add(sum[i][v], hn::Load(d, inputs[i].bias + at));
+      hn::Store(hn::Max(y, least), d, inputs[i].y + at);
+    }
+  }
+  if constexpr (First + kSome < All) {
+    AffineVectors<Inputs, All, First + kSome>(weights, panel_stride, columns, row, x, inputs,
+                                              least);
+  }
+}
+
+template <int Panels, int Inputs>
+HWY_INLINE void AffinePanels(const float* weights, int panel, int columns, const Operands* inputs,
+                             bool relu) {
+  std::array<const float*, Inputs> x;
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) x[i] = inputs[i].x;
+  const std::size_t panel_stride = static_cast<std::size_t>(columns) * kPanelRows;
+  const V least = hn::Set(d, relu ? 0.0F : hwy::LowestValue<float>());
+  AffineVectors<Inputs, Panels * kVectors, 0>(weights + panel * panel_stride, panel_stride, columns,
+                                              panel * kPanelRows, x, inputs, least);
+}
+
+// As many panels at a time as there are registers for.
+template <int Inputs, int Most>
+HWY_INLINE void AffineInputs(const float* weights, int panel, int panels, int columns,
+                             const Operands* inputs, bool relu) {
+  for (; panel + Most <= panels; panel += Most) {
+    AffinePanels<Most, Inputs>(weights, panel, columns, inputs, relu);
+  }
+  if constexpr (Most > 1) {
+    if (panel < panels) {
+      AffineInputs<Inputs, Most - 1>(weights, panel, panels, columns, inputs, relu);
+    }
+  }
+}
+
+void Affine(const float* weights, int panels, int columns, std::span<const Operands> inputs,
+            bool relu) noexcept {
+  for (; inputs.size() >= 4; inputs = inputs.subspan(4)) {
+    AffineInputs<4, kManyRegisters ? 5 : 1>(weights, 0, panels, columns, inputs.data(), relu);
+  }
+  if (inputs.size() >= 2) {
+    AffineInputs<2, kManyRegisters ? 5 : 1>(weights, 0, panels, columns, inputs.data(), relu);
+    inputs = inputs.subspan(2);
+  }
+  if (!inputs.empty()) {
+    AffineInputs<1, kManyRegisters ? 5 : 2>(weights, 0, panels, columns, inputs.data(), relu);
+  }
+}
+
+void Standardize(const float* x, const float* mean, const float* inverse_deviation, int count,
+                 float limit, float* u) noexcept {
+  const auto some = [=](auto tag, int i) {
+    const auto scaled = hn::Mul(hn::Sub(hn::LoadU(tag, x + i), hn::Load(tag, mean + i)),
+                                hn::Load(tag, inverse_deviation + i));
+    const auto number = hn::IfThenElseZero(hn::Eq(scaled, scaled), scaled);
+    hn::Store(hn::Clamp(number, hn::Set(tag, -limit), hn::Set(tag, limit)), tag, u + i);
+  };
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) some(d, i);
+  for (; i < count; ++i) some(hn::CappedTag<float, 1>(), i);
+}
+
+// tanh(x) = x P(x²) / Q(x²) as numerator and denominator, so that the gates can share a division.
+// Minimax on |x| <= 8.7, relative error 1.5e-8; beyond, tanh is 1 to 6e-8.
+struct Ratio {
+  V over, under;
+};
+HWY_INLINE Ratio Tanh(V x) {
+  const auto k = [](float value) { return hn::Set(d, value); };
+  x = hn::Clamp(x, k(-8.7F), k(8.7F));
+  const V y = hn::Mul(x, x);
+  V p = hn::MulAdd(y, k(1.389812695e-8F), k(2.099421483e-5F));
+  V q = hn::MulAdd(y, k(7.996737357e-7F), k(3.32368698e-4F));
+  p = hn::MulAdd(y, p, k(3.518768357e-3F));
+  q = hn::MulAdd(y, q, k(2.596498771e-2F));
+  p = hn::MulAdd(y, p, k(0.1340048756F));
+  q = hn::MulAdd(y, q, k(0.4673380782F));
+  p = hn::MulAdd(y, p, k(0.9999999853F));
+  q = hn::MulAdd(y, q, k(1.0F));
+  return {hn::Mul(x, p), q};
+}
+
+// 16 units' gates, the sigmoid ones halved: σ(x) = (1 + tanh(x / 2)) / 2.
+HWY_INLINE void Unit(V in, V forget, V cell, V open, float* h, float* c) {
+  const V half = hn::Set(d, 0.5F);
+  const Ratio i = Tanh(in), f = Tanh(forget), g = Tanh(cell), o = Tanh(open);
+  // σ(f) c + σ(i) tanh(g) over one denominator.
+  const V under = hn::Mul(i.under, g.under);
+  const V kept = hn::Mul(hn::Mul(hn::Add(f.under, f.over), hn::Load(d, c)), under);
+  const V added = hn::Mul(hn::Mul(hn::Add(i.under, i.over), g.over), f.under);
+  const V cell_state = hn::Div(hn::Mul(half, hn::Add(kept, added)), hn::Mul(under, f.under));
+  hn::Store(cell_state, d, c);
+  const Ratio t = Tanh(cell_state);
+  const V opened = hn::Mul(half, hn::Add(o.under, o.over));
+  hn::Store(hn::Div(hn::Mul(opened, t.over), hn::Mul(o.under, t.under)), d, h);
+}
+
+constexpr int kGateVectors = 4 * 16 / kLanes;  // of the four gates of 16 units
+
+// Some gates of 16 units, vectors First and on, before their activations.
+template <int Inputs, int First, int Vectors>
+HWY_INLINE void SomeGates(const float* weights, const float* bias,
+                          const std::array<const float*, Inputs>& h,
+                          const std::array<const float*, Inputs>& z, V (&sum)[Inputs][Vectors]) {
+  constexpr std::size_t kPanelStride = std::size_t{2} * kUnits * kPanelRows;
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
+    HWY_UNROLL(16)
+    for (int v = 0; v < Vectors; ++v) sum[i][v] = hn::Load(d, bias + (First + v) * kLanes);
+  }
+  // Wh h is first: it need not wait for the layer below.
+  constexpr int kSets = Sets(kGateVectors);
+  Accumulate<Inputs, First, Vectors, kSets>(weights, kPanelStride, kUnits, h, sum);
+  Accumulate<Inputs, First, Vectors, kSets>(weights + kUnits * kPanelRows, kPanelStride, kUnits, z,
+                                            sum);
+}
+
+template <int Inputs, int First = 0>
+HWY_INLINE void Gates(const float* weights, const float* bias,
+                      const std::array<const float*, Inputs>& h,
+                      const std::array<const float*, Inputs>& z, V (&gates)[Inputs][kGateVectors]) {
+  constexpr int kSome = VectorsAtATime<Inputs>(kGateVectors);
+  V sum[Inputs][kSome];
+  SomeGates<Inputs, First, kSome>(weights, bias, h, z, sum);
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
+    HWY_UNROLL(16)
+    for (int v = 0; v < kSome; ++v) gates[i][First + v] = sum[i][v];
+  }
+  if constexpr (First + kSome < kGateVectors) {
+    Gates<Inputs, First + kSome>(weights, bias, h, z, gates);
+  }
+}
+
+template <int Inputs>
+HWY_INLINE void LstmInputs(const float* weights, const float* bias, const LstmOperands* states) {
+  constexpr int kGate = 16 / kLanes;  // vectors of a gate's 16 units
+  alignas(64) float old[Inputs][kUnits];
+  std::array<const float*, Inputs> h, z;
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
+    for (int u = 0; u < kUnits; u += kLanes) {
+      hn::Store(hn::Load(d, states[i].h + u), d, old[i] + u);
+    }
+    h[i] = old[i];
+    z[i] = states[i].z;
+  }
+  for (int first = 0; first < kUnits; first += 16) {
+    V gates[Inputs][kGateVectors];
+    Gates<Inputs>(weights, bias, h, z, gates);
+    HWY_UNROLL(4)
+    for (int i = 0; i < Inputs; ++i) {
+      HWY_UNROLL(4)
+      for (int v = 0; v < kGate; ++v) {
+        const V* const gate = gates[i] + v;
+        const int unit = first + v * kLanes;
+        Unit(gate[0], gate[kGate], gate[2 * kGate], gate[3 * kGate], states[i].h + unit,
+             states[i].c + unit);
+      }
+    }
+    weights += std::size_t{4} * kUnits * kPanelRows;
+    bias += 2 * kPanelRows;
+  }
+}
+
+void Lstm(const float* weights, const float* bias, std::span<const LstmOperands> states) noexcept {
+  for (; states.size() >= 4; states = states.subspan(4)) {
+    LstmInputs<4>(weights, bias, states.data());
+  }
+  if (states.size() >= 2) {
+    LstmInputs<2>(weights, bias, states.data());
+    states = states.subspan(2);
+  }
+  if (!states.empty()) LstmInputs<1>(weights, bias, states.data());
+}
+
+// q / |q|. An estimate of 1 / |q| (8 bits on some targets) and two steps of Newton's are faster
+// than a root and a division.
+template <class Tag>
+HWY_INLINE void NormalizeSome(Tag tag, const float* quaternions, float* unit) {
+  constexpr float kLeastSquare = 1e-12F;
+  alignas(16) constexpr float kIdentity[4] = {0, 0, 0, 1};
+  const auto q = hn::LoadU(tag, quaternions);
+  const auto squares = hn::Mul(q, q);
+  const auto pairs = hn::Add(squares, hn::Shuffle2301(squares));
+  const auto square = hn::Add(pairs, hn::Shuffle1032(pairs));
+  const auto half_square = hn::Mul(hn::Set(tag, 0.5F), square);
+  auto inverse = hn::ApproximateReciprocalSqrt(square);
+  HWY_UNROLL(2)
+  for (int step = 0; step < 2; ++step) {
+    const auto correction =
+        hn::NegMulAdd(hn::Mul(half_square, inverse), inverse, hn::Set(tag, 1.5F));
+    inverse = hn::Mul(inverse, correction);
+  }
+  hn::StoreU(hn::IfThenElse(hn::Gt(square, hn::Set(tag, kLeastSquare)), hn::Mul(q, inverse),
+                            hn::LoadDup128(tag, kIdentity)),
+             tag, unit);
+}
+
+void Normalize(const float* quaternions, int count, float* unit) noexcept {
+  int i = 0;
+  for (; i + kLanes <= 4 * count; i += kLanes) NormalizeSome(d, quaternions + i, unit + i);
+  for (; i < 4 * count; i += 4) {
+    NormalizeSome(hn::CappedTag<float, 4>(), quaternions + i, unit + i);
+  }
+}
+
+}  // namespace
+
+const Kernels& TargetKernels() {
+  static const Kernels kernels{hwy::TargetName(HWY_TARGET), Affine, Standardize, Lstm, Normalize};
+  return kernels;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace styled::net
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace styled::net {
+HWY_EXPORT(TargetKernels);
+const Kernels& BestKernels() { return HWY_DYNAMIC_DISPATCH(TargetKernels)(); }
+}  // namespace styled::net
+#endif

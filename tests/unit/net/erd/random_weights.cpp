@@ -1,0 +1,164 @@
+#include "tests/unit/net/erd/random_weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <span>
+
+#include "model/body/humanoid.h"
+
+namespace styled::erd {
+namespace {
+
+using nlohmann::json;
+
+class Maker {
+ public:
+  Maker(unsigned seed, std::vector<NamedTensor>& tensors) : random_(seed), tensors_(tensors) {}
+
+  void Uniform(const std::string& name, std::vector<std::int64_t> shape, float low, float high) {
+    std::int64_t count = 1;
+    for (const std::int64_t size : shape) count *= size;
+    NamedTensor tensor{name, std::move(shape), {}};
+    // Spelled out: the standard's distributions differ between libraries.
+    for (std::int64_t i = 0; i < count; ++i) {
+      const float share = static_cast<float>(random_() >> 8) / static_cast<float>(1 << 24);
+      tensor.values.push_back(low + (high - low) * share);
+    }
+    tensors_.push_back(std::move(tensor));
+  }
+  void Linear(const std::string& name, int rows, int columns) {
+    const float bound = 1.7F / std::sqrt(static_cast<float>(columns));
+    Uniform(name + ".weight", {rows, columns}, -bound, bound);
+    Uniform(name + ".bias", {rows}, -0.3F, 0.3F);
+  }
+
+ private:
+  std::mt19937 random_;
+  std::vector<NamedTensor>& tensors_;
+};
+
+}  // namespace
+
+NamedTensor& WeightsFile::tensor(const std::string& name) {
+  for (NamedTensor& tensor : tensors) {
+    if (tensor.name == name) return tensor;
+  }
+  std::fprintf(stderr, "no tensor %s\n", name.c_str());
+  std::abort();
+}
+
+std::vector<std::byte> WeightsFile::Bytes() const {
+  return net::SerializeSafetensors(tensors, {{"styled", metadata.dump()}});
+}
+
+WeightsFile RandomWeights(int style_count, unsigned seed) {
+  WeightsFile file;
+  char hash[17];
+  std::snprintf(hash, sizeof(hash), "%016llx",
+                static_cast<unsigned long long>(body::HumanoidHash()));
+  json styles = json::array({{{"name", "neutral"}, {"aliases", json::array({"normal"})}}});
+  for (int s = 1; s < style_count; ++s) {
+    const std::string number = std::to_string(s);
+    styles.push_back({{"name", "style" + number}, {"aliases", json::array({"s" + number})}});
+  }
+  file.metadata = {{"version", 1},
+                   {"humanoid_hash", hash},
+                   {"styles", styles},
+                   {"contents", json::array()},
+                   {"rate_hz", 30.0},
+                   {"heading_tau_s", 0.25},
+                   {"latent", 32},
+                   {"encoder", {64}},
+                   {"decoder", {58, 86, 128}},
+                   {"neutral_layers", 6},
+                   {"style_layers", 4},
+                   {"gates", "ifgo"},
+                   {"training", {{"command", "random"}, {"seed", seed}}},
+                   {"licence", "CC0-1.0"}};
+
+  Maker make(seed, file.tensors);
+  make.Uniform("feature.mean", {211}, -0.2F, 0.2F);
+  for (int joint = 0; joint < 21; ++joint) file.tensors[0].values[4 * joint + 3] += 1.0F;
+  make.Uniform("feature.deviation", {211}, 0.05F, 0.5F);
+  make.Linear("encoder.0", 64, 211 + style_count);
+  make.Linear("encoder.1", 32, 64);
+  for (int s = 0; s < style_count; ++s) {
+    for (int layer = 0; layer < (s == 0 ? 6 : 4); ++layer) {
+      const std::string name = "recurrent." + std::to_string(s) + "." + std::to_string(layer);
+      make.Uniform(name + ".input", {128, 32}, -0.4F, 0.4F);
+      make.Uniform(name + ".hidden", {128, 32}, -0.4F, 0.4F);
+      make.Uniform(name + ".bias", {128}, -0.3F, 0.3F);
+      make.Uniform(name + ".h0", {32}, -0.5F, 0.5F);
+      make.Uniform(name + ".c0", {32}, -0.8F, 0.8F);
+    }
+  }
+  make.Linear("decoder.0", 58, 32 + style_count);
+  make.Linear("decoder.1", 86, 58);
+  make.Linear("decoder.2", 128, 86);
+  make.Linear("head.rotation", 84, 128);
+  make.Linear("head.velocity", 63, 128);
+  make.Linear("head.height", 1, 128);
+  return file;
+}
+
+// Unit 0 is taken from layer to layer, and says at every frame whether the hips are high; the
+// decoder makes 1e30 of that.
+WeightsFile SleepingWeights(int style_count, unsigned seed) {
+  constexpr std::size_t kUnits = 32;
+  constexpr float kShut = -40, kOpen = 40, kFirm = 5;
+  WeightsFile file = RandomWeights(style_count, seed);
+  const auto row = [&file](const std::string& name, std::size_t index) {
+    NamedTensor& tensor = file.tensor(name);
+    const std::size_t width = tensor.shape.size() > 1 ? tensor.shape[1] : 1;
+    return std::span(tensor.values).subspan(index * width, width);
+  };
+  const auto clear = [](std::span<float> values) { std::fill(values.begin(), values.end(), 0.0F); };
+  // u = (height - 1 m) / 0.1 m
+  file.tensor("feature.mean").values[210] = 1.0F;
+  file.tensor("feature.deviation").values[210] = 0.1F;
+  const std::span<float> encoder0 = row("encoder.0.weight", 0);
+  clear(encoder0);
+  encoder0[210] = 100;
+  row("encoder.0.bias", 0)[0] = -100 * (kAwake_m - 1.0F) / 0.1F;
+  const std::span<float> encoder1 = row("encoder.1.weight", 0);
+  clear(encoder1);
+  encoder1[0] = 1;
+  row("encoder.1.bias", 0)[0] = -1;
+  const auto gate = [&](const std::string& layer, std::size_t of, float bias) {
+    clear(row(layer + ".input", of * kUnits));
+    clear(row(layer + ".hidden", of * kUnits));
+    row(layer + ".bias", of * kUnits)[0] = bias;
+  };
+  for (int l = 0; l < 6; ++l) {
+    const std::string layer = "recurrent.0." + std::to_string(l);
+    gate(layer, 0, kOpen);
+    gate(layer, 1, kShut);
+    gate(layer, 2, 0);
+    gate(layer, 3, kOpen);
+    row(layer + ".input", 2 * kUnits)[0] = kFirm;
+  }
+  for (int s = 1; s < style_count; ++s) gate("recurrent." + std::to_string(s) + ".3", 3, kShut);
+  const std::span<float> decoder0 = row("decoder.0.weight", 0);
+  clear(decoder0);
+  decoder0[0] = 1e30F;
+  row("decoder.0.bias", 0)[0] = 0;
+  return file;
+}
+
+std::shared_ptr<const Network> RandomNetwork(int style_count, unsigned seed) {
+  return NetworkOf(RandomWeights(style_count, seed));
+}
+
+std::shared_ptr<const Network> NetworkOf(const WeightsFile& file) {
+  Result<std::shared_ptr<const Network>> network = Network::Parse(file.Bytes(), "random");
+  if (!network.ok()) {
+    std::fprintf(stderr, "%s\n", network.status().message().c_str());
+    std::abort();
+  }
+  return network.value();
+}
+
+}  // namespace styled::erd

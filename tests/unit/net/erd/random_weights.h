@@ -1,0 +1,36 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "model/net/erd/network.h"
+#include "model/net/safetensors.h"
+
+namespace styled::erd {
+
+using net::NamedTensor;
+
+// A weights file in pieces, so that a test can break one of them.
+struct WeightsFile {
+  nlohmann::json metadata;  // the value of __metadata__.styled, before it becomes text
+  std::vector<NamedTensor> tensors;
+
+  NamedTensor& tensor(const std::string& name);  // aborts if there is none
+  std::vector<std::byte> Bytes() const;
+};
+
+// Weights that are well-formed and random by `seed`, scaled as a framework initializes them, with
+// styles "neutral", "style1" (alias "s1"), ... Written from FORMAT.md, not from the loader.
+WeightsFile RandomWeights(int style_count, unsigned seed);
+
+// The same, but what they decode is not a number in every frame whose hips are more than kAwake_m
+// above the floor, where no trial run takes them. Below, they decode as those do.
+inline constexpr float kAwake_m = 1.2F;
+WeightsFile SleepingWeights(int style_count, unsigned seed);
+
+// The network of those weights; aborts if they are refused.
+std::shared_ptr<const Network> RandomNetwork(int style_count, unsigned seed);
+std::shared_ptr<const Network> NetworkOf(const WeightsFile& file);
+
+}  // namespace styled::erd

@@ -1,0 +1,271 @@
+// The kernels of every SIMD target that this machine can run, against plain loops in double.
+#include "model/net/kernels/kernel.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/unit/net/kernels/each_target.h"
+
+namespace styled::net {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+struct alignas(64) Line {
+  float values[16];
+};
+
+// Random floats at a 64-byte boundary, with nothing behind them: sanitizers see a read beyond.
+class Aligned {
+ public:
+  explicit Aligned(std::size_t size) : lines_((size + 15) / 16) {}
+  Aligned(std::size_t size, float bound, std::mt19937& random) : Aligned(size) {
+    std::uniform_real_distribution<float> uniform(-bound, bound);
+    for (std::size_t i = 0; i < size; ++i) data()[i] = uniform(random);
+  }
+  float* data() { return lines_[0].values; }
+  float& operator[](std::size_t i) { return data()[i]; }
+
+ private:
+  std::vector<Line> lines_;
+};
+
+TEST(Kernels, EachTargetHasItsOwn) {
+  std::set<std::string> names;
+  std::size_t targets = 0;
+  OnEachTarget([&] {
+    ++targets;
+    names.insert(BestKernels().target);
+  });
+  EXPECT_GE(targets, 1U);
+  EXPECT_EQ(names.size(), targets);
+  EXPECT_TRUE(names.contains(BestKernels().target));  // and the best is chosen again
+  RecordProperty("targets", testing::PrintToString(names));
+}
+
+// Taken four at a time, then two, then one.
+constexpr int kInputs = 7;
+
+// One product of `rows` x `columns` with several inputs: together, and each alone.
+void CheckAffine(int rows, int columns, bool relu, std::mt19937& random) {
+  SCOPED_TRACE(std::to_string(rows) + " x " + std::to_string(columns));
+  const int panels = PaddedRows(rows) / kPanelRows;
+  Aligned weights(static_cast<std::size_t>(PaddedRows(rows)) * columns);
+  Aligned dense(static_cast<std::size_t>(rows) * columns, 1, random);
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      weights[(row / kPanelRows * columns + column) * kPanelRows + row % kPanelRows] =
+          dense[row * columns + column];
+    }
+  }
+  std::vector<Aligned> x, bias, alone, together;
+  for (int i = 0; i < kInputs; ++i) {
+    x.emplace_back(columns, 1, random);
+    bias.emplace_back(PaddedRows(rows), 1, random);
+    alone.emplace_back(PaddedRows(rows));
+    together.emplace_back(PaddedRows(rows));
+  }
+  const Kernels& kernels = BestKernels();
+  std::vector<Operands> all;
+  for (int i = 0; i < kInputs; ++i) {
+    const Operands one{bias[i].data(), x[i].data(), alone[i].data()};
+    kernels.affine(weights.data(), panels, columns, {&one, 1}, relu);
+    all.push_back({bias[i].data(), x[i].data(), together[i].data()});
+  }
+  kernels.affine(weights.data(), panels, columns, all, relu);
+  for (int i = 0; i < kInputs; ++i) {
+    for (int row = 0; row < rows; ++row) {
+      double expected = bias[i][row];
+      for (int column = 0; column < columns; ++column) {
+        expected += static_cast<double>(dense[row * columns + column]) * x[i][column];
+      }
+      if (relu) expected = std::max(0.0, expected);
+      ASSERT_NEAR(alone[i][row], expected, 2e-7 * (columns + 2)) << row;
+      ASSERT_EQ(alone[i][row], together[i][row]) << row;
+    }
+  }
+}
+
+TEST(Kernels, AffineOfAnySizeForOneInputAndForSeveral) {
+  OnEachTarget([] {
+    SCOPED_TRACE(BestKernels().target);
+    std::mt19937 random(1);
+    for (const int rows : {1, 15, 16, 17, 32, 33, 58, 64, 86, 128, 148, 161, 300}) {
+      for (const int columns : {1, 2, 3, 5, 32, 58, 86, 128, 211}) {
+        CheckAffine(rows, columns, (rows + columns) % 2 == 0, random);
+      }
+    }
+  });
+}
+
+TEST(Kernels, StandardizeClampsAndReadsNotANumberAsTheMean) {
+  constexpr float kLimit = 1000;
+  OnEachTarget([] {
+    SCOPED_TRACE(BestKernels().target);
+    std::mt19937 random(2);
+    for (int count = 1; count < 70; ++count) {
+      std::vector<float> x(count);
+      Aligned mean(count, 1, random), inverse(count, 10, random), u(count);
+      const float odd[] = {0.3F, kInfinity, -kInfinity, kNan, 1e30F, -1e30F, 1e-40F, -2.0F};
+      for (int i = 0; i < count; ++i) {
+        inverse[i] = std::abs(inverse[i]) + 0.1F;
+        x[i] = odd[(i + count) % std::size(odd)];
+      }
+      BestKernels().standardize(x.data(), mean.data(), inverse.data(), count, kLimit, u.data());
+      for (int i = 0; i < count; ++i) {
+        const double scaled = (static_cast<double>(x[i]) - mean[i]) * inverse[i];
+        const double expected =
+            std::isnan(scaled) ? 0.0 : std::clamp<double>(scaled, -kLimit, kLimit);
+        ASSERT_NEAR(u[i], expected, 1e-5) << i << " of " << count;
+      }
+    }
+  });
+}
+
+double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
+
+// A layer and its input; gates reach about +-`bound`.
+struct Layer {
+  Aligned dense, weights, bias, z, h, c;
+
+  Layer(float bound, std::mt19937& random)
+      : dense(128 * 64, bound / 32, random),
+        weights(128 * 64),
+        bias(128, bound, random),
+        z(32, 1, random),
+        h(32, 1, random),
+        c(32, std::min(bound, 5.0F), random) {
+    for (int row = 0; row < 128; ++row) {  // of ifgo; the sigmoids' rows are halved
+      const int to = LstmRow(row / 32, row % 32);
+      for (int column = 0; column < 64; ++column) {
+        weights[PackedMatrix<128, 64>::Index(to, column)] =
+            (row / 32 == 2 ? 1.0F : 0.5F) * dense[row * 64 + column];
+      }
+    }
+  }
+  double Gate(int gate, int unit) {
+    const int row = 32 * gate + unit;
+    double sum = bias[LstmRow(gate, unit)] * (gate == 2 ? 1.0 : 2.0);
+    for (int column = 0; column < 64; ++column) {
+      sum += static_cast<double>(dense[row * 64 + column]) *
+             (column < 32 ? h[column] : z[column - 32]);
+    }
+    return sum;
+  }
+};
+
+TEST(Kernels, LstmLayerIsThatOfTheEquations) {
+  OnEachTarget([] {
+    SCOPED_TRACE(BestKernels().target);
+    std::mt19937 random(3);
+    for (const float bound : {0.01F, 1.0F, 5.0F, 30.0F, 1000.0F}) {
+      for (int repeat = 0; repeat < 20; ++repeat) {
+        Layer layer(bound, random);
+        std::vector<double> c, h;
+        for (int unit = 0; unit < 32; ++unit) {
+          c.push_back(Sigmoid(layer.Gate(1, unit)) * layer.c[unit] +
+                      Sigmoid(layer.Gate(0, unit)) * std::tanh(layer.Gate(2, unit)));
+          h.push_back(Sigmoid(layer.Gate(3, unit)) * std::tanh(c.back()));
+        }
+        const LstmOperands state{layer.z.data(), layer.h.data(), layer.c.data()};
+        BestKernels().lstm(layer.weights.data(), layer.bias.data(), {&state, 1});
+        // The sums of the gates round with their size.
+        const double tolerance = 4e-7 * std::max(1.0F, bound);
+        for (int unit = 0; unit < 32; ++unit) {
+          ASSERT_NEAR(layer.c[unit], c[unit], tolerance) << bound << ", unit " << unit;
+          ASSERT_NEAR(layer.h[unit], h[unit], tolerance) << bound << ", unit " << unit;
+        }
+      }
+    }
+  });
+}
+
+TEST(Kernels, LstmStatesTogetherAreBitForBitThoseAlone) {
+  OnEachTarget([] {
+    SCOPED_TRACE(BestKernels().target);
+    std::mt19937 random(5);
+    Layer layer(2, random);
+    std::vector<Aligned> z, h, c;
+    std::vector<LstmOperands> all;
+    for (int i = 0; i < kInputs; ++i) {
+      z.emplace_back(32, 1, random);
+      h.emplace_back(32, 1, random);
+      c.emplace_back(32, 2, random);
+    }
+    std::vector<Aligned> alone_h = h, alone_c = c;
+    for (int i = 0; i < kInputs; ++i) {
+      all.push_back({z[i].data(), h[i].data(), c[i].data()});
+      const LstmOperands one{z[i].data(), alone_h[i].data(), alone_c[i].data()};
+      BestKernels().lstm(layer.weights.data(), layer.bias.data(), {&one, 1});
+    }
+    BestKernels().lstm(layer.weights.data(), layer.bias.data(), all);
+    for (int i = 0; i < kInputs; ++i) {
+      for (int unit = 0; unit < 32; ++unit) {
+        ASSERT_EQ(h[i][unit], alone_h[i][unit]) << i << ", unit " << unit;
+        ASSERT_EQ(c[i][unit], alone_c[i][unit]) << i << ", unit " << unit;
+      }
+    }
+  });
+}
+
+// With open gates and no weights, c' is tanh of the cell gate: the approximation alone.
+TEST(Kernels, TanhIsGoodToAFewUlpsEverywhere) {
+  OnEachTarget([] {
+    SCOPED_TRACE(BestKernels().target);
+    std::vector<float> points{0, 1e-30F, 1e20F, kInfinity};
+    for (float x = 1e-6F; x < 100; x *= 1.001F) points.push_back(x);
+    double largest = 0, largest_relative = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      Aligned weights(128 * 64), bias(128), z(32), h(32), c(32);
+      for (int unit = 0; unit < 32; ++unit) {
+        bias[LstmRow(0, unit)] = 50;
+        bias[LstmRow(2, unit)] = unit % 2 == 0 ? points[i] : -points[i];
+        bias[LstmRow(3, unit)] = 50;
+      }
+      const LstmOperands state{z.data(), h.data(), c.data()};
+      BestKernels().lstm(weights.data(), bias.data(), {&state, 1});
+      const double expected = std::tanh(static_cast<double>(points[i]));
+      for (int unit = 0; unit < 32; ++unit) {
+        const double found = unit % 2 == 0 ? c[unit] : -c[unit];
+        largest = std::max(largest, std::abs(found - expected));
+        if (expected > 1e-20) {
+          largest_relative = std::max(largest_relative, std::abs(found / expected - 1));
+        }
+      }
+    }
+    EXPECT_LT(largest, 4e-7);
+    EXPECT_LT(largest_relative, 4e-7);
+  });
+}
+
+TEST(Kernels, NormalizeGivesUnitQuaternionsAndIdentityForNone) {
+  OnEachTarget([] {
+    SCOPED_TRACE(BestKernels().target);
+    std::mt19937 random(4);
+    for (int count = 1; count < 25; ++count) {
+      std::vector<float> q(4 * static_cast<std::size_t>(count)), unit(q.size());
+      for (std::size_t i = 0; i < q.size(); ++i) {
+        const float size = std::pow(10.0F, static_cast<float>(i / 4 % 11) - 5);
+        q[i] = i / 4 % 5 == 3 ? 0 : size * (static_cast<float>(random() % 2000) / 1000 - 0.9995F);
+      }
+      BestKernels().normalize(q.data(), count, unit.data());
+      for (std::size_t i = 0; i < q.size(); ++i) {
+        double square = 0;
+        for (std::size_t k = i / 4 * 4; k < i / 4 * 4 + 4; ++k) square += std::pow(q[k], 2.0);
+        const double expected = square > 1e-12 ? q[i] / std::sqrt(square) : i % 4 == 3;
+        ASSERT_NEAR(unit[i], expected, 2e-7) << i << " of " << count;
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace styled::net
