@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstdio>
 
+#include "daemon/runtime/host_port.h"
 #include "model/base/text.h"
 
 namespace styled::config {
@@ -20,30 +21,6 @@ bool StartsWith(std::string_view text, std::string_view prefix) {
 }
 
 }  // namespace
-
-Result<HostPort> ParseHostPort(std::string_view text) {
-  const auto refuse = [&text] {
-    return Status::Error("\"" + Printable(text, kShown) +
-                         "\" is no address: expected HOST:PORT, e.g. \"0.0.0.0:7000\"");
-  };
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string_view::npos || colon == 0) return refuse();
-  std::string_view host = text.substr(0, colon);
-  const std::string_view port = text.substr(colon + 1);
-  if (host.front() == '[' && host.back() == ']' && host.size() > 2) {
-    host = host.substr(1, host.size() - 2);
-  } else if (host.find(':') != std::string_view::npos) {
-    return refuse();
-  }
-  HostPort parsed{std::string(host), 0};
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), parsed.port);
-  if (port.empty() || end != port.data() + port.size()) return refuse();
-  if (error != std::errc()) {
-    return Status::Error("\"" + Printable(text, kShown) + "\": the port is " +
-                         Printable(port, kShown) + "; expected 0 to 65535");
-  }
-  return parsed;
-}
 
 Result<UsbId> ParseUsbId(std::string_view text) {
   const auto parse = [](std::string_view digits, std::uint16_t& value) {
@@ -75,7 +52,7 @@ bool IsNumeric(const std::string& host) {
 bool IsLocal(std::string_view endpoint) {
   if (StartsWith(endpoint, kIpc) || StartsWith(endpoint, "inproc://")) return true;
   if (!StartsWith(endpoint, kTcp)) return false;
-  const auto parsed = ParseHostPort(endpoint.substr(kTcp.size()));
+  const auto parsed = runtime::ParseHostPort(endpoint.substr(kTcp.size()));
   if (!parsed.ok()) return false;
   const std::string& host = parsed.value().host;
   if (host == "localhost" || host == "::1") return true;
@@ -92,7 +69,7 @@ Status CheckEndpoint(std::string_view endpoint) {
   }
   // libzmq writes "any port" as *; we take 0 like everywhere else.
   if (StartsWith(endpoint, kTcp)) {
-    const auto parsed = ParseHostPort(endpoint.substr(kTcp.size()));
+    const auto parsed = runtime::ParseHostPort(endpoint.substr(kTcp.size()));
     if (parsed.ok() && parsed.value().host == "localhost") {
       return Status::Error("\"" + std::string(endpoint) +
                            "\": ZeroMQ does not bind to names of hosts; expected 127.0.0.1");

@@ -8,14 +8,6 @@
 
 namespace styled::config {
 
-// "0.0.0.0:7000" or "[::]:7000"; whether the host is numeric is not checked. Port 0: the system
-// chooses.
-struct HostPort {
-  std::string host;
-  std::uint16_t port = 0;
-};
-Result<HostPort> ParseHostPort(std::string_view text);
-
 // A USB device's vendor and product, "1209:7690": four hexadecimal digits each.
 struct UsbId {
   std::uint16_t vendor = 0, product = 0;

@@ -3,8 +3,8 @@
 
 #include "daemon/config/address.h"
 #include "daemon/config/config.h"
-#include "daemon/source/natnet.h"
-#include "daemon/source/rigs/tracker_rig.h"
+#include "daemon/config/sources.h"
+#include "daemon/runtime/host_port.h"
 #include "model/base/text.h"
 #include "model/net/erd/network.h"
 
@@ -15,54 +15,6 @@ namespace {
 std::string Shown(std::string_view text) { return Printable(text, 80); }
 
 bool IsStream(const Source& source) { return FindSourceType(source.type)->stream; }
-
-// `place`: "source.0.".
-Status CheckUsb(const Source& source, const std::string& place) {
-  if (!source.listen.empty()) {
-    return Status::Error(place + "listen: a source of type \"" + source.type +
-                         "\" has no address; usb_id and serial say which devices it means");
-  }
-  if (source.usb_id.empty() && source.type == "usb") {
-    return Status::Error(place + "usb_id: missing; expected VENDOR:PRODUCT of the device");
-  }
-  if (source.usb_id.empty()) return Status::Ok();
-  const auto id = ParseUsbId(source.usb_id);
-  return id.ok() ? Status::Ok() : Status::Error(place + "usb_id: " + id.status().message());
-}
-
-Status CheckSources(const std::vector<Source>& sources) {
-  if (sources.empty()) return Status::Error("no [[source]]: nothing could come in");
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    const std::string place = "source." + std::to_string(i) + ".";
-    if (!IsName(sources[i].name)) {
-      return Status::Error(place + "name: \"" + Shown(sources[i].name) +
-                           "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
-    }
-    if (!sources[i].performer.empty() && !IsName(sources[i].performer)) {
-      return Status::Error(place + "performer: \"" + Shown(sources[i].performer) +
-                           "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
-    }
-    if (const Status status = source::CheckTrackers(sources[i].trackers); !status.ok()) {
-      return Status::Error(place + status.message());
-    }
-    if (FindSourceType(sources[i].type)->usb) {
-      Status status = CheckUsb(sources[i], place);
-      if (!status.ok()) return status;
-      continue;
-    }
-    if (sources[i].type == "natnet") {
-      const Status status = source::CheckNatNet(sources[i]);
-      if (!status.ok()) return Status::Error(place + status.message());
-    }
-    const auto address = ParseHostPort(sources[i].listen);
-    if (!address.ok()) return Status::Error(place + "listen: " + address.status().message());
-    if (!IsNumeric(address.value().host)) {
-      return Status::Error(place + "listen: \"" + Shown(sources[i].listen) +
-                           "\": expected a numeric address, e.g. \"127.0.0.1:7000\"");
-    }
-  }
-  return Status::Ok();
-}
 
 Status CheckOutputs(const std::vector<Output>& outputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
@@ -130,7 +82,7 @@ Status CheckCues(const std::vector<Cue>& cues) {
 // "" is off.
 Status CheckOsc(const Osc& osc) {
   if (osc.listen.empty()) return Status::Ok();
-  const auto address = ParseHostPort(osc.listen);
+  const auto address = runtime::ParseHostPort(osc.listen);
   if (!address.ok()) return Status::Error("osc.listen: " + address.status().message());
   if (!IsNumeric(address.value().host)) {
     return Status::Error("osc.listen: \"" + Shown(osc.listen) +
@@ -145,17 +97,17 @@ Status CheckOsc(const Osc& osc) {
 
 // An address that is listened at.
 struct Listener {
-  std::string key;      // of the configuration
-  std::string address;  // as it is configured
-  bool stream = false;  // TCP; else UDP
-  HostPort at;          // of ipc:// the path, and port 0
-  bool shares = false;  // asks the system for a port that other sockets have, too (SO_REUSEADDR)
+  std::string key;       // of the configuration
+  std::string address;   // as it is configured
+  bool stream = false;   // TCP; else UDP
+  runtime::HostPort at;  // of ipc:// the path, and port 0
+  bool shares = false;   // asks the system for a port that other sockets have, too (SO_REUSEADDR)
 };
 
 void AddSocket(const std::string& key, const std::string& address, std::vector<Listener>& all) {
   constexpr std::string_view kTcp = "tcp://";
   if (!address.starts_with(kTcp)) return all.push_back({key, address, true, {address, 0}});
-  const auto at = ParseHostPort(std::string_view(address).substr(kTcp.size()));
+  const auto at = runtime::ParseHostPort(std::string_view(address).substr(kTcp.size()));
   if (at.ok()) all.push_back({key, address, true, at.value()});
 }
 
@@ -165,13 +117,13 @@ std::vector<Listener> Listeners(const Config& config) {
     const Source& source = config.sources[i];
     if (FindSourceType(source.type)->usb) continue;
     all.push_back({"source." + std::to_string(i) + ".listen", source.listen, IsStream(source),
-                   ParseHostPort(source.listen).value(), source.type == "natnet"});
+                   runtime::ParseHostPort(source.listen).value(), source.type == "natnet"});
   }
   AddSocket("publish.address", config.publish.address, all);
   AddSocket("control.address", config.control.address, all);
   if (!config.osc.listen.empty()) {
-    all.push_back(
-        {"osc.listen", config.osc.listen, false, ParseHostPort(config.osc.listen).value()});
+    all.push_back({"osc.listen", config.osc.listen, false,
+                   runtime::ParseHostPort(config.osc.listen).value()});
   }
   return all;
 }

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "daemon/control/osc.h"
-#include "daemon/source/sockets.h"
+#include "daemon/runtime/sockets.h"
 #include "proto/rigs/vmc/osc.h"
 
 namespace styled::control {
@@ -22,11 +22,11 @@ constexpr std::size_t kMaxMessages = 16;  // of one datagram
 
 OscSocket::OscSocket(runtime::Descriptor socket)
     : socket_(std::move(socket)),
-      endpoint_(source::BoundAddress(socket_.get())),
+      endpoint_(runtime::BoundAddress(socket_.get())),
       buffer_(vmc::osc::kMaxDatagramSize) {}
 
 Result<std::unique_ptr<OscSocket>> OscSocket::Open(const std::string& listen) {
-  auto socket = source::BindSocket(SOCK_DGRAM, listen, kReceiveBuffer_bytes);
+  auto socket = runtime::BindSocket(SOCK_DGRAM, listen, kReceiveBuffer_bytes);
   if (!socket.ok()) return socket.status();
   return std::unique_ptr<OscSocket>(new OscSocket(std::move(socket.value())));
 }

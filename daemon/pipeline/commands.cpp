@@ -310,7 +310,7 @@ void Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
          roster_.config().cues.empty() ? "no cues are configured" : reason);
 }
 
-bool Commands::Pass(Performer& performer, const source::Timecode& timecode, std::string& said) {
+bool Commands::Pass(Performer& performer, const Timecode& timecode, std::string& said) {
   const std::int64_t now = TimecodeLabel(timecode);
   const auto last = std::exchange(performer.timecode, now);
   if (!last || *last == now) return false;

@@ -19,7 +19,7 @@ class Commands {
   bool Apply(const v1::Request& request, v1::Reply& reply);
   // Fires the cues that the performer's timecode passed since his last frame; they are in force
   // from the frame at hand on. True where there was one: `said` then names them for the log.
-  bool Pass(Performer& performer, const source::Timecode& timecode, std::string& said);
+  bool Pass(Performer& performer, const Timecode& timecode, std::string& said);
   // Whether settings changed since the last call: time to keep them.
   bool PopChanged() { return std::exchange(changed_, false); }
   void MarkChanged() { changed_ = true; }

@@ -56,7 +56,7 @@ Status AddMix(const config::Cue& cue, const std::vector<config::Preset>& presets
 
 }  // namespace
 
-std::int64_t TimecodeLabel(const source::Timecode& timecode) noexcept {
+std::int64_t TimecodeLabel(const Timecode& timecode) noexcept {
   const std::int64_t seconds =
       (std::int64_t{timecode.hours} * 60 + timecode.minutes) * 60 + timecode.seconds;
   return seconds * kSecond + std::min<std::int64_t>(timecode.frames, kSecond - 1);
@@ -71,7 +71,7 @@ std::string TimecodeText(std::int64_t label) {
   return text.data();
 }
 
-std::optional<source::Timecode> ParseTimecode(std::string_view text) {
+std::optional<Timecode> ParseTimecode(std::string_view text) {
   constexpr std::array<std::uint32_t, 4> kMost{23, 59, 59, 239};
   std::array<std::uint32_t, 4> parts{};
   if (text.size() < 11 || text.size() > 12) return std::nullopt;
@@ -83,7 +83,7 @@ std::optional<source::Timecode> ParseTimecode(std::string_view text) {
     const bool drop = i == 2 && *end == ';';
     if (i < 3 && *end != ':' && !drop) return std::nullopt;
   }
-  source::Timecode timecode;
+  Timecode timecode;
   timecode.hours = parts[0];
   timecode.minutes = parts[1];
   timecode.seconds = parts[2];

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "daemon/source/source_frame.h"
 #include "model/base/status.h"
 #include "model/net/erd/network.h"
+#include "proto/styled/timecode.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
@@ -22,10 +22,10 @@ struct Cue {
 };
 
 // HH:MM:SS:FF as a number that grows with it, whatever the rate.
-std::int64_t TimecodeLabel(const source::Timecode& timecode) noexcept;
+std::int64_t TimecodeLabel(const Timecode& timecode) noexcept;
 std::string TimecodeText(std::int64_t label);
 // "01:02:03:04", or with ';' before the frames; nothing where it is none.
-std::optional<source::Timecode> ParseTimecode(std::string_view text);
+std::optional<Timecode> ParseTimecode(std::string_view text);
 
 // Whether a performer's timecode went over `at` between two of his frames: more than two seconds,
 // or backward, is somebody winding the tape, and fires nothing.

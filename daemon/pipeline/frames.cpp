@@ -173,8 +173,7 @@ void Pipeline::AwaitNext(Performer& performer, std::int64_t before_ns) noexcept 
 }
 
 // Most frames pass none and stay in the hot section.
-void Pipeline::PassCues(Performer& performer, const source::Timecode& timecode,
-                        runtime::HotSection& hot) {
+void Pipeline::PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot) {
   const std::int64_t now = TimecodeLabel(timecode);
   const auto passed = [&](const Cue& cue) {
     return cue.at && performer.timecode && Passes(*cue.at, *performer.timecode, now);
@@ -248,7 +247,7 @@ bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
 void Pipeline::StartSession(Performer& performer) noexcept {
   to_.counters.Add(Counter::kPipelineSessions);
   performer.session_has_body = false;
-  performer.schedule = Schedule();
+  performer.schedule = runtime::Schedule();
   performer.Restart();
 }
 

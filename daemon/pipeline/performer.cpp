@@ -75,7 +75,7 @@ struct Performer::Bound {
         canonical_body(publish::CanonicalBody(id)),
         rig_bytes(rig_body.SerializeAsString()),
         canonical_bytes(canonical_body.SerializeAsString()) {
-    face.reserve(source::kMaxFace);
+    face.reserve(kMaxFace);
     MakeMessages(id, epoch);
     MakeOutputs(id, epoch, config, subscriptions);
   }
@@ -105,7 +105,7 @@ struct Performer::Bound {
   stylist::Output out;
   bool styled = false;          // `out` holds a frame
   std::vector<std::byte> face;  // what is passed on beside the pose
-  source::Timecode timecode;
+  Timecode timecode;
   bool has_timecode = false;
   std::uint64_t source_time_ns = 0, source_sequence = 0;
   v1::Body rig_body, canonical_body;

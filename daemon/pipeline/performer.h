@@ -13,13 +13,13 @@
 #include "daemon/pipeline/mailboxes.h"
 #include "daemon/pipeline/pose_history.h"
 #include "daemon/pipeline/profile.h"
-#include "daemon/pipeline/schedule.h"
 #include "daemon/pipeline/session.h"
 #include "daemon/publish/frame_message.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/publish/subscriptions.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/histogram.h"
+#include "daemon/runtime/schedule.h"
 #include "daemon/source/source_frame.h"
 #include "model/stylist/stylist.h"
 #include "proto/styled/v1/control.pb.h"
@@ -93,7 +93,7 @@ class Performer {
   void Describe(v1::PerformerStats& stats) const;
 
   Session session;
-  Schedule schedule;
+  runtime::Schedule schedule;
   Anticipation anticipation;
   const int source;
   const std::string name;

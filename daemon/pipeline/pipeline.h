@@ -96,7 +96,7 @@ class Pipeline final : public Worker, public source::Receiver {
   void AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
   void StyleAccepted(runtime::HotSection& hot);
   STYLED_REALTIME void AwaitNext(Performer& performer, std::int64_t before_ns) noexcept;
-  void PassCues(Performer& performer, const source::Timecode& timecode, runtime::HotSection& hot);
+  void PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot);
   // Whether the frame's session, sequence and body are the performer's next; counts if not.
   STYLED_REALTIME bool Admit(Performer& performer, const Item& item) noexcept;
   STYLED_REALTIME void StartSession(Performer& performer) noexcept;

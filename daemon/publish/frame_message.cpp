@@ -25,7 +25,7 @@ FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, co
     style->set_weight(1);
   }
   constexpr std::size_t kScalars = 256;  // 17 fields, the timecode among them
-  buffer_.resize(frame_.ByteSizeLong() + kScalars + source::kMaxFace);
+  buffer_.resize(frame_.ByteSizeLong() + kScalars + kMaxFace);
   frame_.clear_held_joints();
   frame_.clear_styles();
 }

@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "daemon/source/source_frame.h"
 #include "model/base/realtime.h"
 #include "model/net/erd/network.h"
 #include "model/rig/skeleton.h"
+#include "proto/styled/face.h"
+#include "proto/styled/timecode.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
 
@@ -23,7 +24,7 @@ struct FrameHeader {
   std::uint64_t source_time_ns = 0;
   std::int64_t receive_time_ns = 0, publish_time_ns = 0, wall_time_ns = 0;
   bool has_timecode = false;
-  source::Timecode timecode;
+  Timecode timecode;
   std::uint32_t contacts = 0;
 };
 
@@ -42,7 +43,7 @@ class FrameMessage {
   STYLED_REALTIME void SetPose(const rig::Vec3& root_position,
                                std::span<const rig::Quat> rotations) noexcept;
   // With `face` behind it: fields 18 and 19 as they were received (SourceFrameView), at most
-  // source::kMaxFace bytes. Valid until the next call.
+  // kMaxFace bytes. Valid until the next call.
   STYLED_REALTIME std::span<const std::byte> Serialize(std::span<const std::byte> face) noexcept;
 
  private:

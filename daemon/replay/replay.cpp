@@ -9,10 +9,10 @@
 #include <map>
 #include <utility>
 
-#include "daemon/config/address.h"
 #include "daemon/pipeline/keeping.h"
 #include "daemon/pipeline/runtime_config.h"
 #include "daemon/runtime/clock.h"
+#include "daemon/runtime/host_port.h"
 #include "daemon/source/cut_reader.h"
 #include "daemon/source/delay.h"
 #include "daemon/source/outbox.h"
@@ -61,7 +61,7 @@ source::Peer ParsePeer(const std::string& text) {
   peer.id = std::hash<std::string>()(text) | 1U;
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  const auto parsed = config::ParseHostPort(text);
+  const auto parsed = runtime::ParseHostPort(text);
   if (!parsed.ok()) return peer;
   address.sin_port = htons(parsed.value().port);
   if (inet_pton(AF_INET, parsed.value().host.c_str(), &address.sin_addr) != 1) return peer;

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/pipeline/schedule.h"
 #include "daemon/runtime/histogram.h"
+#include "daemon/runtime/schedule.h"
 #include "daemon/source/source_frame.h"
 #include "proto/rigs/native/datagram.h"
 
@@ -25,7 +25,7 @@ constexpr std::int64_t kLost_ns = 5 * kSecond_ns;  // so late is a clock that wa
 struct Sender {
   std::uint64_t session = 0;
   std::string performer;
-  pipeline::Schedule schedule;
+  runtime::Schedule schedule;
   std::uint64_t first_ns = 0;
   // Of the newest frame, and how far apart frames are.
   std::uint64_t sequence = 0, time_ns = 0;
@@ -136,7 +136,7 @@ class Delayed final : public Transport, private Receiver {
     };
     std::int64_t late_ns = late();
     if (late_ns > kLost_ns) {
-      sender.schedule = pipeline::Schedule();
+      sender.schedule = runtime::Schedule();
       late_ns = late();
     }
     arrived_.Add(late_ns);

@@ -9,7 +9,7 @@ namespace styled::source {
 
 // A transport whose datagrams wait a little, so that what comes in bursts leaves evenly: each frame
 // is handed on `delay_s` after the moment at which it would have come had its way been as short as
-// the shortest of the last seconds (pipeline::Schedule), in the order of its source time; what
+// the shortest of the last seconds (runtime::Schedule), in the order of its source time; what
 // comes later than that at once. Bodies go where they came among the frames. What it cannot read it
 // hands on as it is. Holds up to 1,024 datagrams, then the oldest leave early. The pipeline sees a
 // datagram, and its latency begins, when it is handed on. Pipeline thread only; allocates when

@@ -10,13 +10,17 @@
 #include <cstring>
 #include <optional>
 
-#include "daemon/config/address.h"
+#include "daemon/config/sources.h"
+#include "daemon/runtime/sockets.h"
 #include "daemon/source/rigs/natnet.h"
-#include "daemon/source/sockets.h"
 #include "daemon/source/udp_socket.h"
 
 namespace styled::source {
 namespace {
+
+using runtime::BindSocket;
+using runtime::BoundAddress;
+using runtime::Descriptor;
 
 constexpr std::int64_t kRetry_ns = 5 * runtime::kSecond_ns;
 
@@ -33,36 +37,6 @@ Result<Interface> ParseInterface(const std::string& text) {
   if (found.index != 0) return found;
   return Status::Error("interface: \"" + text +
                        "\"; expected an IPv4 address of this machine or an interface's name");
-}
-
-Result<sockaddr_in> ParseServer(const std::string& text) {
-  const auto refuse = [&text] {
-    return Status::Error("server: \"" + text +
-                         "\"; expected an IPv4 address, or one and a port, e.g. "
-                         "\"192.168.1.10:1510\"");
-  };
-  std::string host = text;
-  std::uint16_t port = natnet::kCommandPort;
-  if (text.find(':') != std::string::npos) {
-    const auto parsed = config::ParseHostPort(text);
-    if (!parsed.ok() || parsed.value().port == 0) return refuse();
-    host = parsed.value().host;
-    port = parsed.value().port;
-  }
-  sockaddr_in server{};
-  server.sin_family = AF_INET;
-  server.sin_port = htons(port);
-  if (inet_pton(AF_INET, host.c_str(), &server.sin_addr) != 1) return refuse();
-  return server;
-}
-
-Result<in_addr> ParseGroup(const std::string& text) {
-  in_addr group{};
-  if (inet_pton(AF_INET, text.c_str(), &group) == 1 && IN_MULTICAST(ntohl(group.s_addr))) {
-    return group;
-  }
-  return Status::Error("group: \"" + text +
-                       "\"; expected an IPv4 multicast address, e.g. \"239.255.42.99\"");
 }
 
 std::string ToString(const NatNet::Stream& stream) {
@@ -192,16 +166,11 @@ class NatNetTransport final : public Transport {
 
 }  // namespace
 
-Status CheckNatNet(const config::Source& config) {
-  const auto server = ParseServer(config.server);
-  return server.ok() ? ParseGroup(config.group).status() : server.status();
-}
-
 Result<std::unique_ptr<Transport>> MakeNatNet(const config::Source& config, int source,
                                               runtime::Clock& clock, runtime::Counters& counters) {
-  const auto server = ParseServer(config.server);
+  const auto server = config::ParseServer(config.server);
   if (!server.ok()) return server.status();
-  const auto group = ParseGroup(config.group);
+  const auto group = config::ParseGroup(config.group);
   if (!group.ok()) return group.status();
   const auto interface = ParseInterface(config.interface);
   if (!interface.ok()) return interface.status();

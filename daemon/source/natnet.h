@@ -10,10 +10,6 @@
 
 namespace styled::source {
 
-// `server` and `group`, as far as they can be judged without opening anything; errors begin with
-// the key.
-Status CheckNatNet(const config::Source& config);
-
 // OptiTrack's NatNet, a dialogue with `config.server` (IPv4 HOST[:PORT], by default port 1510).
 // Commands go out from `config.listen`, by default any port; frames come back to that socket, or to
 // the group that the server names (config.group of servers before 3.0), joined on

@@ -7,14 +7,10 @@
 
 #include "model/base/realtime.h"
 #include "model/rig/skeleton.h"
+#include "proto/styled/face.h"
+#include "proto/styled/timecode.h"
 
 namespace styled::source {
-
-struct Timecode {
-  std::uint32_t hours = 0, minutes = 0, seconds = 0, frames = 0;
-  float rate = 0;
-  bool drop_frame = false;
-};
 
 // A `SourceFrame` as it lies in its datagram: views into the bytes that were read, valid as long as
 // they are.
@@ -29,8 +25,6 @@ struct SourceFrameView {
   std::span<const std::byte>
       face;  // expressions and thru, tags and all; they mean the same in Frame
 };
-
-inline constexpr std::size_t kMaxFace = 16384;  // more is left out
 
 enum class [[nodiscard]] FrameResult : std::uint8_t {
   kOk,

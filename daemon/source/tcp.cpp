@@ -9,16 +9,20 @@
 #include <type_traits>
 #include <vector>
 
+#include "daemon/runtime/sockets.h"
 #include "daemon/source/cut_reader.h"
 #include "daemon/source/note_limit.h"
-#include "daemon/source/sockets.h"
 #include "proto/rigs/native/stream_reader.h"
 
 namespace styled::source {
 namespace {
 
 using native::StreamReader;
+using runtime::AddressText;
+using runtime::BindSocket;
+using runtime::BoundAddress;
 using runtime::Counter;
+using runtime::Descriptor;
 using runtime::kSecond_ns;
 
 // Within this a new connection brings a whole record, however it drips: senders repeat skeleton or

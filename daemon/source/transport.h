@@ -2,7 +2,6 @@
 
 #include <sys/socket.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -10,15 +9,11 @@
 #include <string>
 
 #include "daemon/runtime/realtime.h"
+#include "daemon/source/machine.h"
 #include "model/base/realtime.h"
 #include "model/base/status.h"
 
 namespace styled::source {
-
-// The machine that sent something: its IP address, whatever the port. All zeros: unknown, or of no
-// matter (USB, a rig whose translator tells its senders apart).
-using Machine = std::array<std::uint64_t, 2>;
-STYLED_REALTIME Machine MachineOf(const sockaddr_storage& address) noexcept;
 
 // Bytes as they came, before anybody looked at them: a datagram, a piece of a TCP stream, what one
 // USB transfer brought.

@@ -8,7 +8,7 @@ namespace {
 // Our own datagrams, as they are.
 class Udp final : public Transport {
  public:
-  Udp(Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
+  Udp(runtime::Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
       runtime::Counters& counters)
       : socket_(std::move(socket), clock, counters, config.sender_limit_hz), source_(source) {}
 
@@ -32,8 +32,9 @@ class Udp final : public Transport {
 // A rig's, through its translator.
 class TranslatedUdp final : public Transport {
  public:
-  TranslatedUdp(Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
-                runtime::Counters& counters, std::unique_ptr<Translator> translator)
+  TranslatedUdp(runtime::Descriptor socket, const config::Source& config, int source,
+                runtime::Clock& clock, runtime::Counters& counters,
+                std::unique_ptr<Translator> translator)
       : socket_(std::move(socket), clock, counters, config.sender_limit_hz),
         source_(source),
         clock_(clock),
@@ -77,7 +78,7 @@ class TranslatedUdp final : public Transport {
 Result<std::unique_ptr<Transport>> MakeUdp(const config::Source& config, int source,
                                            runtime::Clock& clock, runtime::Counters& counters,
                                            std::unique_ptr<Translator> translator) {
-  auto socket = BindSocket(SOCK_DGRAM, config.listen, config.receive_buffer_bytes);
+  auto socket = runtime::BindSocket(SOCK_DGRAM, config.listen, config.receive_buffer_bytes);
   if (!socket.ok()) return socket.status();
   if (translator == nullptr) {
     return std::unique_ptr<Transport>(

@@ -11,12 +11,12 @@ constexpr std::int64_t kLongestWait_ns = runtime::kSecond_ns / 10;
 
 }  // namespace
 
-UdpSocket::UdpSocket(Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
+UdpSocket::UdpSocket(runtime::Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
                      int sender_limit_hz)
     : socket_(std::move(socket)),
       clock_(clock),
       counters_(counters),
-      endpoint_(BoundAddress(socket_.get())),
+      endpoint_(runtime::BoundAddress(socket_.get())),
       limiter_(sender_limit_hz),
       buffer_(kBatch * kSlot) {
   const int one = 1;

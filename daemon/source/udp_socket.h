@@ -9,9 +9,9 @@
 
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
+#include "daemon/runtime/sockets.h"
 #include "daemon/source/outbox.h"
 #include "daemon/source/rate_limiter.h"
-#include "daemon/source/sockets.h"
 
 namespace styled::source {
 
@@ -20,7 +20,7 @@ namespace styled::source {
 class UdpSocket {
  public:
   // `sender_limit_hz`: of datagrams of one address; 0 = any number.
-  UdpSocket(Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
+  UdpSocket(runtime::Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
             int sender_limit_hz);
 
   // What has arrived, up to kBatch; never blocks. What is over the limit is counted and left out.
@@ -48,7 +48,7 @@ class UdpSocket {
   // When message `i` arrived; what the kernel dropped before it is counted.
   std::int64_t ReadControl(std::size_t i, std::int64_t now_ns, std::int64_t wall_ns) noexcept;
 
-  Descriptor socket_;
+  runtime::Descriptor socket_;
   runtime::Clock& clock_;
   runtime::Counters& counters_;
   std::string endpoint_;

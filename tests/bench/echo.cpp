@@ -15,9 +15,9 @@
 
 #include "daemon/pipeline/anticipation.h"
 #include "daemon/pipeline/pipeline_thread.h"
-#include "daemon/pipeline/schedule.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/runtime/realtime.h"
+#include "daemon/runtime/schedule.h"
 #include "daemon/source/source_frame.h"
 #include "daemon/source/udp.h"
 #include "proto/rigs/native/datagram.h"
@@ -29,7 +29,7 @@ constexpr std::size_t kMessage = 640;  // a styled frame of 21 joints has about 
 
 struct Stream {
   std::string topic;
-  pipeline::Schedule schedule;
+  runtime::Schedule schedule;
   pipeline::Anticipation anticipation;
   std::int64_t first_ns = -1, elapsed_ns = 0;
 };

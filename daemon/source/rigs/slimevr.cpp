@@ -6,14 +6,15 @@
 #include <random>
 
 #include "daemon/runtime/clock.h"
+#include "daemon/runtime/sockets.h"
 #include "daemon/source/note_limit.h"
 #include "daemon/source/rigs/tracker_rig.h"
-#include "daemon/source/sockets.h"
 #include "proto/rigs/slimevr/udp.h"
 
 namespace styled::source {
 namespace {
 
+using runtime::AddressText;
 using runtime::Counter;
 
 // Those that the configuration names are among them, each in a place kept for it.
@@ -58,7 +59,7 @@ std::uint64_t AddressOf(const slimevr::Handshake& handshake, const Peer& peer) {
   if (peer.address.ss_family == AF_INET) {
     ip = ntohl(reinterpret_cast<const sockaddr_in&>(peer.address).sin_addr.s_addr);
   }
-  return kIsIpv4 | ip;
+  return slimevr::kIsIpv4 | ip;
 }
 
 class SlimeVr final : public Translator {
@@ -175,10 +176,10 @@ class SlimeVr final : public Translator {
     const std::uint64_t times = takeover_notes_.Take(now_ns);
     if (times == 0) return;
     out.LeaveHotSection();
-    out.Note("tracker " + ToText({live.address, 0}) + " is live at " +
+    out.Note("tracker " + slimevr::ToText({live.address, 0}) + " is live at " +
              AddressText(live.peer.address, live.peer.address_size) + ": a greeting " +
-             (live.address == address ? "" : "of " + ToText({address, 0}) + " ") + "from " +
-             AddressText(peer.address, peer.address_size) +
+             (live.address == address ? "" : "of " + slimevr::ToText({address, 0}) + " ") +
+             "from " + AddressText(peer.address, peer.address_size) +
              " is refused until that was silent for " +
              std::to_string(kTakeover_ns / runtime::kSecond_ns) + " s" + Times(times));
   }
@@ -202,8 +203,9 @@ class SlimeVr final : public Translator {
     const std::uint64_t times = full_notes_.Take(now_ns);
     if (times == 0) return;
     out.LeaveHotSection();
-    out.Note("there is room for " + std::to_string(kMaxDevices) + " trackers, all of it taken: " +
-             ToText({address, 0}) + " from " + AddressText(peer.address, peer.address_size) +
+    out.Note("there is room for " + std::to_string(kMaxDevices) +
+             " trackers, all of it taken: " + slimevr::ToText({address, 0}) + " from " +
+             AddressText(peer.address, peer.address_size) +
              " is refused; those named in `trackers` have a place kept" + Times(times));
   }
 
@@ -221,7 +223,7 @@ class SlimeVr final : public Translator {
     if (number < device.number_before_greeting) {
       if (const std::uint64_t times = restart_notes_.Take(now_ns)) {
         out.LeaveHotSection();
-        out.Note("tracker " + ToText({device.address, 0}) +
+        out.Note("tracker " + slimevr::ToText({device.address, 0}) +
                  " was switched on again: its heading is lost until the next reset" + Times(times));
       }
     }
@@ -294,7 +296,7 @@ class SlimeVr final : public Translator {
     const std::uint64_t times = error_notes_.Take(now_ns);
     if (times == 0) return;
     out.LeaveHotSection();
-    out.Note("tracker " + ToText({device.address, error.sensor}) + " reports error " +
+    out.Note("tracker " + slimevr::ToText({device.address, error.sensor}) + " reports error " +
              std::to_string(error.code) + Times(times));
   }
 

@@ -1,10 +1,11 @@
 #include "daemon/source/rigs/tracker_rig.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
+#include "daemon/config/sources.h"
 #include "daemon/runtime/clock.h"
+#include "model/body/find_joint.h"
 
 namespace styled::source {
 namespace {
@@ -36,47 +37,6 @@ constexpr std::array<int, 21> kPartOfPosition{TrackerRig::kUnassigned,
                                               body::kLeftShoulder,
                                               body::kRightShoulder};
 
-std::optional<unsigned> ParseNumber(std::string_view text, unsigned largest) {
-  unsigned value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value > largest) return {};
-  return value;
-}
-
-std::optional<std::uint64_t> ParseIpv4(std::string_view text) {
-  std::uint64_t address = kIsIpv4 >> 32U;  // shifted up with the four bytes
-  for (int i = 0; i < 4; ++i) {
-    const auto dot = i < 3 ? text.find('.') : text.size();
-    if (dot == std::string_view::npos) return {};
-    const auto byte = ParseNumber(text.substr(0, dot), 255);
-    if (!byte) return {};
-    address = address << 8U | *byte;
-    text.remove_prefix(std::min(text.size(), dot + 1));
-  }
-  return address;
-}
-
-std::optional<std::uint64_t> ParseAddress(std::string_view text) {
-  std::uint64_t address = 0;
-  int digits = 0;
-  for (const char c : text) {
-    if (c == ':' && digits % 2 == 0) continue;
-    unsigned digit = 0;
-    if (std::from_chars(&c, &c + 1, digit, 16).ec != std::errc()) return {};
-    address = address << 4U | digit;
-    ++digits;
-  }
-  if (digits != 12) return {};
-  return address;
-}
-
-std::optional<int> ParsePart(std::string_view name) {
-  for (int j = 0; j < body::kJointCount; ++j) {
-    if (body::kHumanoid[static_cast<std::size_t>(j)].name == name) return j;
-  }
-  return {};
-}
-
 std::string PartName(int part) {
   return std::string(body::kHumanoid[static_cast<std::size_t>(part)].name);
 }
@@ -105,62 +65,6 @@ rig::RigBody CanonicalBody() {
 
 }  // namespace
 
-std::optional<TrackerId> ParseTrackerId(std::string_view text) {
-  TrackerId id;
-  const auto slash = text.find('/');
-  if (slash != std::string_view::npos) {
-    const auto sensor = ParseNumber(text.substr(slash + 1), 255);
-    if (!sensor) return {};
-    id.sensor = static_cast<std::uint8_t>(*sensor);
-    text = text.substr(0, slash);
-  }
-  const auto address =
-      text.find('.') == std::string_view::npos ? ParseAddress(text) : ParseIpv4(text);
-  if (!address) return {};
-  id.address = *address;
-  return id;
-}
-
-std::string ToText(const TrackerId& id) {
-  std::string text;
-  if ((id.address & kIsIpv4) != 0) {
-    for (int shift = 24; shift >= 0; shift -= 8) {
-      text += std::to_string(id.address >> static_cast<unsigned>(shift) & 0xFFU);
-      if (shift > 0) text += '.';
-    }
-  } else {
-    for (int shift = 44; shift >= 0; shift -= 4) {
-      text += "0123456789ABCDEF"[id.address >> static_cast<unsigned>(shift) & 0xFU];
-    }
-  }
-  return text + "/" + std::to_string(id.sensor);
-}
-
-Status CheckTrackers(const std::vector<config::Tracker>& trackers) {
-  std::vector<TrackerId> ids;
-  std::vector<int> parts;
-  for (const auto& [id_text, part_text] : trackers) {
-    const auto id = ParseTrackerId(id_text);
-    const auto part = ParsePart(part_text);
-    const std::string place = "trackers: \"" + id_text + "\" = \"" + part_text + "\": ";
-    if (!id) {
-      return Status::Error(place +
-                           "expected a tracker's address of 12 hexadecimal digits, or its "
-                           "IPv4 address, and /N for its sensor N");
-    }
-    if (!part) {
-      return Status::Error(place + "expected a joint, e.g. \"hips\", \"chest\", \"leftUpperLeg\"");
-    }
-    if (std::ranges::find(ids, *id) != ids.end()) return Status::Error(place + "given twice");
-    if (std::ranges::find(parts, *part) != parts.end()) {
-      return Status::Error(place + "another tracker is on that part");
-    }
-    ids.push_back(*id);
-    parts.push_back(*part);
-  }
-  return Status::Ok();
-}
-
 TrackerRig::TrackerRig(const config::Source& config)
     : trackers_(options_),
       relay_(config.performer.empty() ? config.name : config.performer),
@@ -168,12 +72,12 @@ TrackerRig::TrackerRig(const config::Source& config)
       pose_(body_.skeleton),
       period_ns_(std::llround(static_cast<double>(runtime::kSecond_ns) /
                               static_cast<double>(config.rate_hz))) {
-  const Status status = CheckTrackers(config.trackers);
+  const Status status = config::CheckTrackers(config.trackers);
   if (!status.ok()) note_ = status.message() + "; it is left out";
   for (const auto& [id_text, part_text] : config.trackers) {
-    const auto id = ParseTrackerId(id_text);
-    const auto part = ParsePart(part_text);
-    if (id && part) assigned_.push_back({*id, *part});
+    const auto id = slimevr::ParseTrackerId(id_text);
+    const int part = body::FindJoint(part_text);
+    if (id && part >= 0) assigned_.push_back({*id, part});
   }
 }
 
@@ -197,7 +101,8 @@ int TrackerRig::FreePart(int position) const {
   return part;
 }
 
-int TrackerRig::PartOf(const TrackerId& id, int position, std::int64_t now_ns, Outbox& out) {
+int TrackerRig::PartOf(const slimevr::TrackerId& id, int position, std::int64_t now_ns,
+                       Outbox& out) {
   const auto row = std::ranges::find(assigned_, id, &Known::id);
   if (row != assigned_.end()) {
     if (!row->said) SayPart(id, row->part, now_ns, out);
@@ -222,11 +127,11 @@ int TrackerRig::PartOf(const TrackerId& id, int position, std::int64_t now_ns, O
   return part;
 }
 
-void TrackerRig::SayPart(const TrackerId& id, int part, std::int64_t now_ns, Outbox& out) {
+void TrackerRig::SayPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out) {
   const std::uint64_t times = part == kUnassigned ? strangers_.Take(now_ns) : 1;
   if (times == 0) return;
   out.LeaveHotSection();
-  out.Note("tracker " + ToText(id) +
+  out.Note("tracker " + slimevr::ToText(id) +
            (part == kUnassigned ? " is worn on no part that we know of: give it one in `trackers`"
                                 : " is worn on " + PartName(part)) +
            (times > 1 ? "; so are " + std::to_string(times - 1) + " others" : ""));

@@ -2,9 +2,7 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "daemon/config/config.h"
@@ -14,24 +12,9 @@
 #include "model/base/status.h"
 #include "model/rig/trackers.h"
 #include "proto/rigs/slimevr/hid.h"
+#include "proto/rigs/slimevr/tracker_id.h"
 
 namespace styled::source {
-
-// A sensor: the address of its device (a MAC, or what a receiver calls a tracker's address, 48
-// bits) and its number there. In text "A848FAC01D42" or "A8:48:FA:C0:1D:42", and "/1" behind it for
-// sensor 1; devices without an address go by their IPv4 address, "192.168.1.7/1".
-struct TrackerId {
-  std::uint64_t address = 0;
-  std::uint8_t sensor = 0;
-  friend bool operator==(const TrackerId&, const TrackerId&) = default;
-};
-inline constexpr std::uint64_t kIsIpv4 = 1ULL << 48U;  // in `address`, above its 32 bits
-std::optional<TrackerId> ParseTrackerId(std::string_view text);
-std::string ToText(const TrackerId& id);
-
-// The first row of `source.trackers` that is no tracker's id, no joint of the canonical humanoid,
-// or names one of them again.
-Status CheckTrackers(const std::vector<config::Tracker>& trackers);
 
 // One performer who wears SlimeVR's trackers, however their records come in (UDP, the receiver on
 // USB): gives them to the body solver and sends its poses at config.rate_hz, as body "canonical"
@@ -48,7 +31,7 @@ class TrackerRig {
   // part, where the tracker itself says it is (`position`, SlimeVR's TrackerPosition; 0: nowhere).
   // Says so in the log the first time; of trackers on no part, whoever makes them up, no more than
   // one a second after the first kMaxKnown / 4. Allocates: keep the answer.
-  int PartOf(const TrackerId& id, int position, std::int64_t now_ns, Outbox& out);
+  int PartOf(const slimevr::TrackerId& id, int position, std::int64_t now_ns, Outbox& out);
 
   // The devices that the configuration names, each once.
   std::vector<std::uint64_t> ConfiguredDevices() const;
@@ -63,14 +46,14 @@ class TrackerRig {
 
  private:
   struct Known {
-    TrackerId id;
+    slimevr::TrackerId id;
     int part = kUnassigned;
     bool said = false;  // in the log
   };
   static constexpr std::size_t kMaxKnown = 256;
 
   int FreePart(int position) const;
-  void SayPart(const TrackerId& id, int part, std::int64_t now_ns, Outbox& out);
+  void SayPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out);
   void SendFrame(std::int64_t time_ns, std::int64_t now_ns, std::uint64_t lost, Outbox& out);
 
   std::vector<Known> assigned_;  // by the configuration

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/pipeline/schedule.h"
+#include "daemon/runtime/schedule.h"
 
 namespace styled::pipeline {
 namespace {
@@ -52,7 +52,7 @@ TEST(Anticipation, StartsAnewWithEachFrame) {
 }
 
 TEST(Schedule, KnowsWhenAFrameIsDueByTheShortestWay) {
-  Schedule schedule;
+  runtime::Schedule schedule;
   EXPECT_EQ(schedule.Lateness_ns(0, 1'000'300), 0);
   EXPECT_EQ(schedule.Due_ns(10), 1'000'310);
   EXPECT_EQ(schedule.Lateness_ns(10, 1'000'110), 0);  // this one came faster

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/pipeline/schedule.h"
+#include "daemon/runtime/schedule.h"
 
 namespace styled::pipeline {
 namespace {
@@ -176,7 +176,7 @@ TEST(SessionTest, SourceTimeMustGrowAndAJumpStartsAnew) {
 }
 
 TEST(ScheduleTest, LatenessIsAgainstTheShortestWayOfLate) {
-  Schedule schedule;
+  runtime::Schedule schedule;
   EXPECT_EQ(schedule.Lateness_ns(0, 50 * kMs), 0);
   EXPECT_EQ(schedule.Lateness_ns(8 * kMs, 58 * kMs), 0);
   EXPECT_EQ(schedule.Lateness_ns(16 * kMs, 166 * kMs), 100 * kMs);
@@ -185,7 +185,7 @@ TEST(ScheduleTest, LatenessIsAgainstTheShortestWayOfLate) {
 }
 
 TEST(ScheduleTest, ALongerWayThatStaysBecomesTheSchedule) {
-  Schedule schedule;
+  runtime::Schedule schedule;
   std::int64_t lateness = 0;
   for (std::int64_t t = 0; t < 10'000; t += 8) {
     lateness = schedule.Lateness_ns(t * kMs, (t + (t < 1000 ? 10 : 60)) * kMs);

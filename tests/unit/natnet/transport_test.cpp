@@ -3,8 +3,8 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include "daemon/runtime/sockets.h"
 #include "daemon/source/natnet.h"
-#include "daemon/source/sockets.h"
 #include "sim/rigs/natnet.h"
 #include "tests/unit/natnet/bytes.h"
 #include "tests/unit/natnet/multicast.h"
@@ -14,6 +14,8 @@ namespace styled::source {
 namespace {
 
 using natnet::testing::Bytes;
+using runtime::BindSocket;
+using runtime::BoundAddress;
 
 class HandClock final : public runtime::Clock {
  public:
@@ -144,7 +146,7 @@ class Session {
   std::unique_ptr<Transport> transport;
 
  private:
-  Descriptor server_;
+  runtime::Descriptor server_;
   sockaddr_storage client_{};
   std::unique_ptr<rigs::Rig> rig_;
 };

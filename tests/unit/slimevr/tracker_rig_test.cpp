@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "daemon/config/sources.h"
 #include "daemon/pipeline/body_binding.h"
 #include "proto/styled/v1/body.pb.h"
 #include "tests/support/count_new.h"
@@ -12,6 +13,10 @@
 namespace styled::source {
 namespace {
 
+using config::CheckTrackers;
+using slimevr::kIsIpv4;
+using slimevr::ParseTrackerId;
+using slimevr::TrackerId;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;

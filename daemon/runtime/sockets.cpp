@@ -1,4 +1,4 @@
-#include "daemon/source/sockets.h"
+#include "daemon/runtime/sockets.h"
 
 #include <arpa/inet.h>
 #include <netdb.h>
@@ -8,23 +8,12 @@
 #include <cstring>
 #include <memory>
 
-#include "daemon/config/address.h"
-#include "daemon/source/transport.h"
+#include "daemon/runtime/host_port.h"
 
-namespace styled::source {
-
-Machine MachineOf(const sockaddr_storage& address) noexcept {
-  Machine machine{};
-  if (address.ss_family == AF_INET6) {
-    std::memcpy(machine.data(), &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr, 16);
-  } else if (address.ss_family == AF_INET) {
-    std::memcpy(machine.data(), &reinterpret_cast<const sockaddr_in&>(address).sin_addr, 4);
-  }
-  return machine;
-}
+namespace styled::runtime {
 
 Result<Descriptor> BindSocket(int type, const std::string& address, int receive_buffer_bytes) {
-  const auto parsed = config::ParseHostPort(address);
+  const auto parsed = ParseHostPort(address);
   if (!parsed.ok()) return parsed.status();
   const char* const protocol = type == SOCK_DGRAM ? "udp " : "tcp ";
   addrinfo hints{};
@@ -76,4 +65,4 @@ std::string AddressText(const sockaddr_storage& address, socklen_t size) {
   return (address.ss_family == AF_INET6 ? "[" + name + "]" : name) + ":" + port.data();
 }
 
-}  // namespace styled::source
+}  // namespace styled::runtime

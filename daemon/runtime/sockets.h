@@ -8,9 +8,7 @@
 #include "daemon/runtime/descriptor.h"
 #include "model/base/status.h"
 
-namespace styled::source {
-
-using runtime::Descriptor;
+namespace styled::runtime {
 
 // A bound, non-blocking socket. `address` is numeric HOST:PORT; `type` SOCK_DGRAM or SOCK_STREAM.
 // Errors name the address and say when another process has the port.
@@ -21,4 +19,4 @@ std::string BoundAddress(int fd);
 // The same of an address that a socket gave; "an unknown address" where it is none.
 std::string AddressText(const sockaddr_storage& address, socklen_t size);
 
-}  // namespace styled::source
+}  // namespace styled::runtime

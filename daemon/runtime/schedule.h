@@ -5,7 +5,7 @@
 
 #include "model/base/realtime.h"
 
-namespace styled::pipeline {
+namespace styled::runtime {
 
 // How far a frame is behind its sender's own schedule: its way took so much longer than the
 // shortest way of the last two to four seconds. Finds backlog wherever it gathered, in the network,
@@ -38,4 +38,4 @@ class Schedule {
   std::int64_t turned_ns_ = 0;
 };
 
-}  // namespace styled::pipeline
+}  // namespace styled::runtime

@@ -1,0 +1,130 @@
+#include "daemon/config/sources.h"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+
+#include "daemon/config/address.h"
+#include "daemon/runtime/host_port.h"
+#include "model/base/text.h"
+#include "model/body/find_joint.h"
+#include "proto/rigs/natnet/packet.h"
+#include "proto/rigs/slimevr/tracker_id.h"
+
+namespace styled::config {
+namespace {
+
+// In complaints: names have at most 32 bytes, ids 65, and numeric addresses less.
+std::string Shown(std::string_view text) { return Printable(text, 80); }
+
+// `place`: "source.0.".
+Status CheckUsb(const Source& source, const std::string& place) {
+  if (!source.listen.empty()) {
+    return Status::Error(place + "listen: a source of type \"" + source.type +
+                         "\" has no address; usb_id and serial say which devices it means");
+  }
+  if (source.usb_id.empty() && source.type == "usb") {
+    return Status::Error(place + "usb_id: missing; expected VENDOR:PRODUCT of the device");
+  }
+  if (source.usb_id.empty()) return Status::Ok();
+  const auto id = ParseUsbId(source.usb_id);
+  return id.ok() ? Status::Ok() : Status::Error(place + "usb_id: " + id.status().message());
+}
+
+Status CheckNatNet(const Source& source) {
+  const auto server = ParseServer(source.server);
+  return server.ok() ? ParseGroup(source.group).status() : server.status();
+}
+
+}  // namespace
+
+Status CheckTrackers(const std::vector<Tracker>& trackers) {
+  std::vector<slimevr::TrackerId> ids;
+  std::vector<int> parts;
+  for (const auto& [id_text, part_text] : trackers) {
+    const auto id = slimevr::ParseTrackerId(id_text);
+    const int part = body::FindJoint(part_text);
+    const std::string place = "trackers: \"" + id_text + "\" = \"" + part_text + "\": ";
+    if (!id) {
+      return Status::Error(place +
+                           "expected a tracker's address of 12 hexadecimal digits, or its "
+                           "IPv4 address, and /N for its sensor N");
+    }
+    if (part < 0) {
+      return Status::Error(place + "expected a joint, e.g. \"hips\", \"chest\", \"leftUpperLeg\"");
+    }
+    if (std::ranges::find(ids, *id) != ids.end()) return Status::Error(place + "given twice");
+    if (std::ranges::find(parts, part) != parts.end()) {
+      return Status::Error(place + "another tracker is on that part");
+    }
+    ids.push_back(*id);
+    parts.push_back(part);
+  }
+  return Status::Ok();
+}
+
+Result<sockaddr_in> ParseServer(const std::string& text) {
+  const auto refuse = [&text] {
+    return Status::Error("server: \"" + text +
+                         "\"; expected an IPv4 address, or one and a port, e.g. "
+                         "\"192.168.1.10:1510\"");
+  };
+  std::string host = text;
+  std::uint16_t port = natnet::kCommandPort;
+  if (text.find(':') != std::string::npos) {
+    const auto parsed = runtime::ParseHostPort(text);
+    if (!parsed.ok() || parsed.value().port == 0) return refuse();
+    host = parsed.value().host;
+    port = parsed.value().port;
+  }
+  sockaddr_in server{};
+  server.sin_family = AF_INET;
+  server.sin_port = htons(port);
+  if (inet_pton(AF_INET, host.c_str(), &server.sin_addr) != 1) return refuse();
+  return server;
+}
+
+Result<in_addr> ParseGroup(const std::string& text) {
+  in_addr group{};
+  if (inet_pton(AF_INET, text.c_str(), &group) == 1 && IN_MULTICAST(ntohl(group.s_addr))) {
+    return group;
+  }
+  return Status::Error("group: \"" + text +
+                       "\"; expected an IPv4 multicast address, e.g. \"239.255.42.99\"");
+}
+
+Status CheckSources(const std::vector<Source>& sources) {
+  if (sources.empty()) return Status::Error("no [[source]]: nothing could come in");
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const std::string place = "source." + std::to_string(i) + ".";
+    if (!IsName(sources[i].name)) {
+      return Status::Error(place + "name: \"" + Shown(sources[i].name) +
+                           "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
+    }
+    if (!sources[i].performer.empty() && !IsName(sources[i].performer)) {
+      return Status::Error(place + "performer: \"" + Shown(sources[i].performer) +
+                           "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
+    }
+    if (const Status status = CheckTrackers(sources[i].trackers); !status.ok()) {
+      return Status::Error(place + status.message());
+    }
+    if (FindSourceType(sources[i].type)->usb) {
+      Status status = CheckUsb(sources[i], place);
+      if (!status.ok()) return status;
+      continue;
+    }
+    if (sources[i].type == "natnet") {
+      const Status status = CheckNatNet(sources[i]);
+      if (!status.ok()) return Status::Error(place + status.message());
+    }
+    const auto address = runtime::ParseHostPort(sources[i].listen);
+    if (!address.ok()) return Status::Error(place + "listen: " + address.status().message());
+    if (!IsNumeric(address.value().host)) {
+      return Status::Error(place + "listen: \"" + Shown(sources[i].listen) +
+                           "\": expected a numeric address, e.g. \"127.0.0.1:7000\"");
+    }
+  }
+  return Status::Ok();
+}
+
+}  // namespace styled::config

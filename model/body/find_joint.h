@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string_view>
+
+#include "model/body/humanoid.h"
+
+namespace styled::body {
+
+// The joint of that name in kHumanoid, or -1.
+constexpr int FindJoint(std::string_view name) {
+  for (int joint = 0; joint < kJointCount; ++joint) {
+    if (kHumanoid[static_cast<std::size_t>(joint)].name == name) return joint;
+  }
+  return -1;
+}
+
+}  // namespace styled::body
