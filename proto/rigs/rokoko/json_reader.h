@@ -1,8 +1,10 @@
 #pragma once
 
-#include <array>
+#include <simdjson.h>
+
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string_view>
 
@@ -10,87 +12,134 @@
 
 namespace styled::rokoko {
 
-// Reads one JSON text (RFC 8259) from front to back, value by value, without allocating: the caller
-// asks for what it knows and skips the rest, which is checked all the same. After the first mistake
-// every call fails and error() says why. Strict: UTF-8 must be valid, escaped surrogates in pairs,
-// numbers must fit a double. The text must outlive the reader. One thread.
+// Reads JSON texts (RFC 8259) of a bounded size and depth with simdjson's on-demand parser, which
+// does not check values that are never read. So each value must be read by exactly one of the
+// functions below: then a text is either correct as a whole or refused. Strict: UTF-8 must be
+// valid, escaped surrogates in pairs, numbers within a double, exponents of at most 19 digits.
+// After the first error every call fails and error() gives the reason; of a text with several
+// errors it is any one of them. The constructor allocates (7 bytes per byte of text), the other
+// functions do not. One thread.
 // Pinned against nlohmann::json by tests/unit/rokoko/json_reader_test.cpp.
 class JsonReader {
  public:
-  static constexpr int kMaxDepth = 32;  // of objects and arrays in one another
+  using Value = simdjson::ondemand::value;
+  using Type = simdjson::ondemand::json_type;
+  static constexpr int kMaxDepth = 32;  // objects and arrays within each other
 
   enum class Error : std::uint8_t {
     kNone,
     kSyntax,   // not JSON, or not UTF-8, or a number beyond a double
     kTooDeep,  // more than kMaxDepth
-    kOther     // well so far, but the next value is of another type than what was asked for
-  };
-  enum class Type : std::uint8_t {
-    kObject,
-    kArray,
-    kString,
-    kNumber,
-    kTrue,
-    kFalse,
-    kNull,
-    kNothing
+    kOther     // no error so far, but the value is of another type than the call expects
   };
 
-  explicit JsonReader(std::string_view text) noexcept : text_(text) {}
+  explicit JsonReader(std::size_t max_bytes);
 
+  // Where the next text is to be written; max_bytes long.
+  std::span<char> buffer() noexcept { return {text_.get(), max_bytes_}; }
+
+  // Reads the first `size` bytes of the buffer, which are one object, as Members does.
+  template <typename Read>
+  STYLED_REALTIME bool Text(std::size_t size, const Read& read) noexcept;
+
+  // Calls `read(std::string_view key, Value&)` per member; `key` is unescaped and valid until the
+  // next text.
+  template <typename Read>
+  STYLED_REALTIME bool Members(Value& value, const Read& read) noexcept;
+  // Calls `read(Value&)` per element.
+  template <typename Read>
+  STYLED_REALTIME bool Elements(Value& value, const Read& read) noexcept;
+  STYLED_REALTIME bool Number(Value& value, double& number) noexcept {
+    return (ok() && value.get_double().get(number) == simdjson::SUCCESS) ||
+           Mismatch(value, Type::number);
+  }
+  STYLED_REALTIME bool Bool(Value& value, bool& flag) noexcept;
+  // As many whole characters as fit; `size` is set to their bytes.
+  STYLED_REALTIME bool String(Value& value, std::span<char> out, std::size_t& size) noexcept;
+  // Any value, which is checked.
+  STYLED_REALTIME bool Skip(Value& value) noexcept;
+
+  // By the value's first character, and without reading it.
+  static bool Is(Value& value, Type type) noexcept {
+    Type found{};
+    return value.type().get(found) == simdjson::SUCCESS && found == type;
+  }
   Error error() const noexcept { return error_; }
   bool ok() const noexcept { return error_ == Error::kNone; }
 
-  // What the next value is; kNothing where there is none.
-  STYLED_REALTIME Type Peek() noexcept;
-
-  // Objects: BeginObject, then per member NextMember and exactly one of the functions that take a
-  // value; NextMember is false after the last member. `key` is unescaped (cut at 64 bytes where it
-  // holds escapes) and valid until the next call.
-  STYLED_REALTIME bool BeginObject() noexcept;
-  STYLED_REALTIME bool NextMember(std::string_view& key) noexcept;
-  // Arrays: the same, element by element.
-  STYLED_REALTIME bool BeginArray() noexcept;
-  STYLED_REALTIME bool NextElement() noexcept;
-
-  STYLED_REALTIME bool ReadNumber(double& value) noexcept;
-  STYLED_REALTIME bool ReadBool(bool& value) noexcept;
-  // As many whole characters as fit; `size` is set to their bytes.
-  STYLED_REALTIME bool ReadString(std::span<char> out, std::size_t& size) noexcept;
-  // Any value.
-  STYLED_REALTIME bool Skip() noexcept;
-  // Whether nothing but space is left. To be asked after the one value of the text.
-  STYLED_REALTIME bool AtEnd() noexcept;
-
  private:
-  // Where the characters of a string go; those that do not fit are dropped.
-  struct Sink {
-    std::span<char> out;
-    std::size_t size = 0;
-    bool full = false;
-    void Put(std::string_view character) noexcept;
-  };
-
   bool Fail(Error error) noexcept;
-  void SkipSpace() noexcept;
-  bool Take(char expected) noexcept;
-  bool TakeWord(std::string_view word) noexcept;
-  bool Begin(char open) noexcept;
-  bool Next(char close) noexcept;
-  bool TakeString(Sink& sink, std::string_view* raw) noexcept;
-  bool TakeEscape(Sink& sink) noexcept;
-  bool TakeHex(std::uint32_t& code) noexcept;
-  bool TakeMultibyte(Sink& sink) noexcept;
-  bool TakeNumber(double& value) noexcept;
-  std::size_t TakeDigits() noexcept;
-  bool SkipScalar() noexcept;
+  // Fails with the reason why `value` is no correct value of `type`.
+  bool Mismatch(Value& value, Type type) noexcept;
+  bool Open(std::size_t size, simdjson::ondemand::document& document,
+            simdjson::ondemand::object& root) noexcept;
+  bool Close(simdjson::ondemand::document& document) noexcept;
+  template <typename Read>
+  bool EachMember(simdjson::ondemand::object& object, const Read& read) noexcept;
+  bool Enter() noexcept { return depth_++ < kMaxDepth || Fail(Error::kTooDeep); }
+  static bool HasHalfPair(std::string_view text) noexcept;
 
-  std::string_view text_;
-  std::size_t at_ = 0;
+  std::size_t max_bytes_;
+  std::unique_ptr<char[]> text_;
+  simdjson::ondemand::parser parser_;
   int depth_ = 0;
-  std::array<bool, kMaxDepth> fresh_{};  // per level: no member taken yet
-  std::array<char, 64> key_{};
   Error error_ = Error::kNone;
 };
+
+template <typename Read>
+bool JsonReader::Text(std::size_t size, const Read& read) noexcept {
+  simdjson::ondemand::document document;
+  simdjson::ondemand::object root;
+  return Open(size, document, root) && EachMember(root, read) && Close(document);
+}
+
+template <typename Read>
+bool JsonReader::Members(Value& value, const Read& read) noexcept {
+  simdjson::ondemand::object object;
+  if (!ok() || value.get_object().get(object) != simdjson::SUCCESS) {
+    return Mismatch(value, Type::object);
+  }
+  return Enter() && EachMember(object, read);
+}
+
+template <typename Read>
+bool JsonReader::EachMember(simdjson::ondemand::object& object, const Read& read) noexcept {
+  for (auto field : object) {
+    std::string_view key;
+    Value value;
+    if (field.unescaped_key().get(key) != simdjson::SUCCESS || HasHalfPair(key) ||
+        field.value().get(value) != simdjson::SUCCESS) {
+      return Fail(Error::kSyntax);
+    }
+    if (!read(key, value)) return false;
+  }
+  --depth_;
+  return true;
+}
+
+template <typename Read>
+bool JsonReader::Elements(Value& value, const Read& read) noexcept {
+  simdjson::ondemand::array array;
+  if (!ok() || value.get_array().get(array) != simdjson::SUCCESS) {
+    return Mismatch(value, Type::array);
+  }
+  if (!Enter()) return false;
+  for (auto element : array) {
+    Value inner;
+    if (element.get(inner) != simdjson::SUCCESS) return Fail(Error::kSyntax);
+    if (!read(inner)) return false;
+  }
+  --depth_;
+  return true;
+}
+
+// simdjson writes half of an escaped surrogate pair as if it were a character: ED A0 80 to ED BF
+// BF, which is no UTF-8. Anything else in `text` it has checked.
+inline bool JsonReader::HasHalfPair(std::string_view text) noexcept {
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    if (text[i] == '\xED' && static_cast<unsigned char>(text[i + 1]) >= 0xA0) return true;
+  }
+  return false;
+}
 
 }  // namespace styled::rokoko

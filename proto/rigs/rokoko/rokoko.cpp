@@ -12,20 +12,26 @@ namespace {
 
 using R = DecodeResult;
 using Type = JsonReader::Type;
+using Value = JsonReader::Value;
 
 constexpr double kMaxTime_s = 1e10;
 
-// Reads what a frame is made of. Each function takes the value that is next and returns false where
-// reading must stop; why is the reader's error, or `fault`.
+// Reads what a frame is made of. Each function reads the value that it is given and returns false
+// where reading must stop; the reason is the reader's error, or `fault_`.
 class FrameReader {
  public:
-  FrameReader(std::string_view text, Frame& frame) noexcept : json_(text), frame_(frame) {}
+  FrameReader(JsonReader& json, Frame& frame) noexcept : json_(json), frame_(frame) {}
 
-  R Read() noexcept {
+  // The first `size` bytes of the reader's buffer.
+  R Read(std::size_t size) noexcept {
     frame_.version = 3;
     frame_.fps = 0;
     ClearScene();
-    if (ReadTop() && json_.AtEnd()) return has_actors_ && has_time_ ? R::kOk : R::kMissing;
+    if (json_.Text(size, [this](std::string_view key, Value& value) {
+          return JsonReader::Is(value, Type::null) ? json_.Skip(value) : ReadTop(key, value);
+        })) {
+      return has_actors_ && has_time_ ? R::kOk : R::kMissing;
+    }
     if (fault_ != R::kOk) return fault_;
     switch (json_.error()) {
       case JsonReader::Error::kTooDeep:
@@ -49,57 +55,52 @@ class FrameReader {
     frame_.actor_count = frame_.actors_left_out = 0;
   }
 
-  // Calls `read(key)` per member. A member that is null is left out.
+  // Calls `read(key, value)` per member. A member that is null is left out.
   template <typename ReadMember>
-  bool Members(const ReadMember& read) noexcept {
-    if (!json_.BeginObject()) return false;
-    std::string_view key;
-    while (json_.NextMember(key)) {
-      if (!(json_.Peek() == Type::kNull ? json_.Skip() : read(key))) return false;
-    }
-    return json_.ok();
-  }
-
-  bool ReadTop() noexcept {
-    return Members([this](std::string_view key) {
-      if (key == "version") return ReadVersion();
-      if (key == "fps") return ReadFloat(frame_.fps);
-      if (key == "scene") {
-        ClearScene();
-        return Members([this](std::string_view inner) { return ReadSceneMember(inner); });
-      }
-      return ReadSceneMember(key);  // layout 2
+  bool Members(Value& object, const ReadMember& read) noexcept {
+    return json_.Members(object, [this, &read](std::string_view key, Value& value) {
+      return JsonReader::Is(value, Type::null) ? json_.Skip(value) : read(key, value);
     });
   }
 
-  bool ReadSceneMember(std::string_view key) noexcept {
-    if (key == "timestamp") return ReadTime();
-    if (key == "actors") return ReadActors();
-    return json_.Skip();
+  bool ReadTop(std::string_view key, Value& value) noexcept {
+    if (key == "version") return ReadVersion(value);
+    if (key == "fps") return ReadFloat(value, frame_.fps);
+    if (key != "scene") return ReadSceneMember(key, value);  // layout 2
+    ClearScene();
+    return Members(value, [this](std::string_view inner, Value& member) {
+      return ReadSceneMember(inner, member);
+    });
   }
 
-  bool ReadFloat(float& value) noexcept {
+  bool ReadSceneMember(std::string_view key, Value& value) noexcept {
+    if (key == "timestamp") return ReadTime(value);
+    if (key == "actors") return ReadActors(value);
+    return json_.Skip(value);
+  }
+
+  bool ReadFloat(Value& value, float& out) noexcept {
     double number = 0;
-    if (!json_.ReadNumber(number)) return false;
+    if (!json_.Number(value, number)) return false;
     if (std::abs(number) > double{std::numeric_limits<float>::max()}) return Fault(R::kBadValue);
-    value = static_cast<float>(number);
+    out = static_cast<float>(number);
     return true;
   }
 
-  bool ReadTime() noexcept {
-    if (!json_.ReadNumber(frame_.time_s)) return false;
+  bool ReadTime(Value& value) noexcept {
+    if (!json_.Number(value, frame_.time_s)) return false;
     has_time_ = true;
     return (frame_.time_s >= 0 && frame_.time_s <= kMaxTime_s) || Fault(R::kBadValue);
   }
 
   // 3, 2.5, "3.0" or "3,0".
-  bool ReadVersion() noexcept {
-    if (json_.Peek() != Type::kString) {
-      if (!ReadFloat(frame_.version)) return false;
+  bool ReadVersion(Value& value) noexcept {
+    if (!JsonReader::Is(value, Type::string)) {
+      if (!ReadFloat(value, frame_.version)) return false;
     } else {
       std::array<char, 8> text{};
       std::size_t size = 0;
-      if (!json_.ReadString(text, size)) return false;
+      if (!json_.String(value, text, size)) return false;
       std::replace(text.begin(), text.end(), ',', '.');
       const auto [end, error] = std::from_chars(text.data(), text.data() + size, frame_.version);
       if (error != std::errc()) return Fault(R::kBadVersion);
@@ -107,77 +108,80 @@ class FrameReader {
     return (frame_.version >= 2 && frame_.version < 4) || Fault(R::kBadVersion);
   }
 
-  bool ReadActors() noexcept {
+  bool ReadActors(Value& actors) noexcept {
     frame_.actor_count = frame_.actors_left_out = 0;
     has_actors_ = true;
-    if (!json_.BeginArray()) return false;
-    while (json_.NextElement()) {
+    return json_.Elements(actors, [this](Value& value) {
       if (frame_.actor_count == kMaxActors) {
-        if (!json_.Skip()) return false;
         ++frame_.actors_left_out;
-        continue;
+        return json_.Skip(value);
       }
-      if (!ReadActor(frame_.actors[static_cast<std::size_t>(frame_.actor_count)])) return false;
+      const auto index = static_cast<std::size_t>(frame_.actor_count);
+      if (!ReadActor(value, frame_.actors[index])) return false;
       ++frame_.actor_count;
-    }
-    return json_.ok();
+      return true;
+    });
   }
 
-  bool ReadActor(Actor& actor) noexcept {
+  bool ReadActor(Value& value, Actor& actor) noexcept {
     actor.name_size = 0;
     actor.hip_height_m = actor.total_height_m = 0;
     actor.has.reset();
     joint_hint_ = 0;
-    return Members([&](std::string_view key) {
-      if (key == "name") return json_.ReadString(actor.name_bytes, actor.name_size);
-      if (key == "hipHeight") return ReadFloat(actor.hip_height_m);  // layout 2
-      if (key == "dimensions") {
-        return Members([&](std::string_view inner) {
-          if (inner == "hipHeight") return ReadFloat(actor.hip_height_m);
-          if (inner == "totalHeight") return ReadFloat(actor.total_height_m);
-          return json_.Skip();
-        });
-      }
+    return Members(value, [&](std::string_view key, Value& member) {
+      if (key == "name") return json_.String(member, actor.name_bytes, actor.name_size);
+      if (key == "hipHeight") return ReadFloat(member, actor.hip_height_m);  // layout 2
+      if (key == "dimensions") return ReadDimensions(member, actor);
       if (key == "body") {
         actor.has.reset();
-        return Members([&](std::string_view inner) { return ReadJoint(inner, actor); });
+        return Members(member, [&](std::string_view name, Value& joint) {
+          return ReadJoint(name, joint, actor);
+        });
       }
-      return ReadJoint(key, actor);  // layout 2
+      return ReadJoint(key, member, actor);  // layout 2
     });
   }
 
-  bool ReadJoint(std::string_view name, Actor& actor) noexcept {
+  bool ReadDimensions(Value& dimensions, Actor& actor) noexcept {
+    return Members(dimensions, [&](std::string_view key, Value& value) {
+      if (key == "hipHeight") return ReadFloat(value, actor.hip_height_m);
+      if (key == "totalHeight") return ReadFloat(value, actor.total_height_m);
+      return json_.Skip(value);
+    });
+  }
+
+  bool ReadJoint(std::string_view name, Value& value, Actor& actor) noexcept {
     const int joint = FindJoint(name, joint_hint_);
-    if (joint < 0 || json_.Peek() != Type::kObject) return json_.Skip();
+    if (joint < 0 || !JsonReader::Is(value, Type::object)) return json_.Skip(value);
     joint_hint_ = joint + 1;
     const auto index = static_cast<std::size_t>(joint);
     JointPose& pose = actor.joints[index];
     bool has_position = false, has_rotation = false;
-    const bool good = Members([&](std::string_view key) {
-      if (key == "position") return ReadNumbers(pose.position_m, "xyz", has_position);
-      if (key == "rotation") return ReadNumbers(pose.rotation, "xyzw", has_rotation);
-      return json_.Skip();
+    const bool good = Members(value, [&](std::string_view key, Value& member) {
+      if (key == "position") return ReadNumbers(member, pose.position_m, "xyz", has_position);
+      if (key == "rotation") return ReadNumbers(member, pose.rotation, "xyzw", has_rotation);
+      return json_.Skip(member);
     });
     actor.has.set(index, has_position && has_rotation);
     return good;
   }
 
-  // An object of numbers, each under one letter; `all` says whether they are all there.
+  // An object of numbers, each under one letter; `all` is set to whether none is missing.
   template <std::size_t kCount>
-  bool ReadNumbers(std::array<float, kCount>& values, std::string_view letters,
+  bool ReadNumbers(Value& object, std::array<float, kCount>& values, std::string_view letters,
                    bool& all) noexcept {
     std::bitset<kCount> found;
-    const bool good = Members([&](std::string_view key) {
+    const bool good = Members(object, [&](std::string_view key, Value& value) {
       const std::size_t at = key.size() == 1 ? letters.find(key) : std::string_view::npos;
-      if (at == std::string_view::npos) return json_.Skip();
+      if (at == std::string_view::npos) return json_.Skip(value);
       found.set(at);
-      return ReadFloat(values[at]);
+      return ReadFloat(value, values[at]);
     });
     all = found.all();
     return good;
   }
 
-  JsonReader json_;
+  JsonReader& json_;
   Frame& frame_;
   R fault_ = R::kOk;
   bool has_time_ = false, has_actors_ = false;
@@ -295,23 +299,25 @@ std::string_view Name(DecodeResult result) noexcept {
   return "unknown";
 }
 
-DecodeResult DecodeText(std::string_view text, Frame& frame) noexcept {
-  if (text.size() > kMaxTextSize) return R::kTooLong;
-  return FrameReader(text, frame).Read();
-}
+Decoder::Decoder() : json_(std::make_unique<JsonReader>(kMaxTextSize)) {}
+Decoder::~Decoder() = default;
 
-Decoder::Decoder() : text_(std::make_unique<std::byte[]>(kMaxTextSize)) {}
+DecodeResult Decoder::DecodeText(std::string_view text, Frame& frame) noexcept {
+  if (text.size() > kMaxTextSize) return R::kTooLong;
+  std::copy(text.begin(), text.end(), json_->buffer().begin());
+  return FrameReader(*json_, frame).Read(text.size());
+}
 
 DecodeResult Decoder::Decode(std::span<const std::byte> bytes, Frame& frame) noexcept {
   if (IsLz4Frame(bytes)) {
     std::size_t size = 0;
-    switch (unpacker_.Unpack(bytes, {text_.get(), kMaxTextSize}, size)) {
+    switch (unpacker_.Unpack(bytes, std::as_writable_bytes(json_->buffer()), size)) {
       case Lz4Unpacker::Result::kBad:
         return R::kBadLz4;
       case Lz4Unpacker::Result::kTooLong:
         return R::kTooLong;
       case Lz4Unpacker::Result::kOk:
-        return DecodeText({reinterpret_cast<const char*>(text_.get()), size}, frame);
+        return FrameReader(*json_, frame).Read(size);
     }
   }
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -54,7 +54,7 @@ enum class [[nodiscard]] DecodeResult : std::uint8_t {
   kBadLz4,      // damaged, cut, or bytes behind it
   kTooLong,     // more than kMaxTextSize of text
   kBadJson,     // not JSON; not UTF-8
-  kTooDeep,     // more than JsonReader::kMaxDepth objects in one another
+  kTooDeep,     // more than JsonReader::kMaxDepth objects within each other
   kBadVersion,  // older than 2, or 4 and newer
   kBadValue,    // a member that is read is of another type or out of range
   kMissing,     // no actors, or no timestamp
@@ -63,20 +63,25 @@ enum class [[nodiscard]] DecodeResult : std::uint8_t {
 // A word for counters and messages: "ok", "bad_lz4", ...
 std::string_view Name(DecodeResult result) noexcept;
 
-// Reads the JSON of one frame. A joint is there where its position and rotation have all their
-// numbers; a member that is null is as if it were not there; of members of the same name the last
-// one counts. No allocation; any thread. `frame` is unspecified unless kOk.
-STYLED_REALTIME DecodeResult DecodeText(std::string_view text, Frame& frame) noexcept;
+class JsonReader;
 
-// Reads a datagram. One thread; the constructor allocates (9 MB), Decode does not.
+// Reads frames. A joint is there where its position and rotation have all their numbers; a member
+// that is null is as if it were not there; of members of the same name the last one counts. The
+// text is read by JsonReader, with its limits; of a frame with several errors the result is any one
+// of them. `frame` is unspecified unless kOk. One thread; the constructor allocates (15 MB), the
+// other functions do not.
 class Decoder {
  public:
   Decoder();
+  ~Decoder();
+  // A datagram.
   STYLED_REALTIME DecodeResult Decode(std::span<const std::byte> bytes, Frame& frame) noexcept;
+  // The JSON of one frame.
+  STYLED_REALTIME DecodeResult DecodeText(std::string_view text, Frame& frame) noexcept;
 
  private:
   Lz4Unpacker unpacker_;
-  std::unique_ptr<std::byte[]> text_;
+  std::unique_ptr<JsonReader> json_;
 };
 
 // Writes the frame as JSON in layout 3 to the front of `out` and returns its size; 0 where it does

@@ -19,12 +19,12 @@ void Require(bool condition) {
   if (!condition) std::abort();
 }
 
-void CheckFrame(const Frame& frame) {
+void CheckFrame(styled::rokoko::Decoder& decoder, const Frame& frame) {
   static std::string text(kMaxTextSize, '\0'), again(kMaxTextSize, '\0');
   static Frame read;
   const std::size_t size = EncodeText(frame, text);
   Require(size > 0);
-  Require(DecodeText(std::string_view(text).substr(0, size), read) == DecodeResult::kOk);
+  Require(decoder.DecodeText(std::string_view(text).substr(0, size), read) == DecodeResult::kOk);
   Require(EncodeText(read, again) == size);
   Require(text.compare(0, size, again, 0, size) == 0);
 }
@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static Frame frame;
   const auto bytes = std::as_bytes(std::span(data, size));
   const DecodeResult plain = decoder.Decode(bytes, frame);
-  if (plain == DecodeResult::kOk) CheckFrame(frame);
+  if (plain == DecodeResult::kOk) CheckFrame(decoder, frame);
 
   std::vector<std::byte> packed(size + 64);
   const std::size_t packed_size = packer.Pack(bytes, packed);
@@ -45,6 +45,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   static Frame unpacked;
   Require(decoder.Decode(std::span(packed).first(packed_size), unpacked) ==
-          DecodeText(text, frame));
+          decoder.DecodeText(text, frame));
   return 0;
 }

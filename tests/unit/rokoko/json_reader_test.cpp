@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -17,70 +18,89 @@ namespace {
 
 using Json = nlohmann::json;
 using Type = JsonReader::Type;
+using Value = JsonReader::Value;
 
-// The next value as nlohmann's, put together with the reader's functions alone.
-Json Build(JsonReader& json) {
-  switch (json.Peek()) {
-    case Type::kObject: {
-      Json object = Json::object();
-      json.BeginObject();
-      std::string_view key;
-      while (json.NextMember(key)) {
-        const std::string name(key);
-        object[name] = Build(json);
-      }
-      return object;
-    }
-    case Type::kArray: {
-      Json array = Json::array();
-      json.BeginArray();
-      while (json.NextElement()) array.push_back(Build(json));
-      return array;
-    }
-    case Type::kString: {
+constexpr std::size_t kMaxBytes = 1U << 20U;
+
+// The value as nlohmann's, put together with the reader's functions alone.
+bool Build(JsonReader& json, Value& value, Json& out) {
+  Type type{};
+  if (value.type().get(type) != simdjson::SUCCESS) return json.Skip(value);
+  switch (type) {
+    case Type::object:
+      out = Json::object();
+      return json.Members(value, [&](std::string_view key, Value& inner) {
+        return Build(json, inner, out[std::string(key)]);
+      });
+    case Type::array:
+      out = Json::array();
+      return json.Elements(value, [&](Value& inner) {
+        out.push_back(nullptr);
+        return Build(json, inner, out.back());
+      });
+    case Type::string: {
       std::string text(4096, '\0');
       std::size_t size = 0;
-      json.ReadString(text, size);
-      return text.substr(0, size);
+      const bool good = json.String(value, text, size);
+      out = text.substr(0, size);
+      return good;
     }
-    case Type::kNumber: {
-      double value = 0;
-      json.ReadNumber(value);
-      return value;
+    case Type::number: {
+      double number = 0;
+      const bool good = json.Number(value, number);
+      out = number;
+      return good;
     }
-    case Type::kTrue:
-    case Type::kFalse: {
-      bool value = false;
-      json.ReadBool(value);
-      return value;
+    case Type::boolean: {
+      bool flag = false;
+      const bool good = json.Bool(value, flag);
+      out = flag;
+      return good;
     }
-    case Type::kNull:
-    case Type::kNothing:
-      json.Skip();
-      return nullptr;
+    case Type::null:
+      out = nullptr;
+      return json.Skip(value);
   }
-  return nullptr;
+  return false;
 }
 
-std::optional<Json> Parse(std::string_view text) {
-  JsonReader json(text);
-  Json value = Build(json);
-  if (!json.AtEnd()) return {};
-  return value;
+template <typename ReadMember>
+bool Read(JsonReader& json, std::string_view text, const ReadMember& read) {
+  std::copy(text.begin(), text.end(), json.buffer().begin());
+  return json.Text(text.size(), read);
 }
-bool Skipped(std::string_view text) {
-  JsonReader json(text);
-  return json.Skip() && json.AtEnd();
+std::optional<Json> Parse(JsonReader& json, std::string_view text) {
+  Json out = Json::object();
+  const auto build = [&](std::string_view key, Value& value) {
+    return Build(json, value, out[std::string(key)]);
+  };
+  if (!Read(json, text, build)) return {};
+  return out;
+}
+bool Skipped(JsonReader& json, std::string_view text) {
+  return Read(json, text, [&](std::string_view, Value& value) { return json.Skip(value); });
 }
 
-void ExpectAgreement(const std::string& text) {
+void ExpectSame(JsonReader& json, const std::string& text) {
   const bool good = Json::accept(text);
-  const auto ours = Parse(text);
+  const auto ours = Parse(json, text);
   ASSERT_EQ(ours.has_value(), good) << text;
-  ASSERT_EQ(Skipped(text), good) << text;
+  ASSERT_EQ(json.ok(), good) << text;
+  ASSERT_EQ(Skipped(json, text), good) << text;
   if (good) {
     ASSERT_EQ(*ours, Json::parse(text)) << text;
   }
+}
+// By itself where it is an object, and as a member of one.
+void ExpectAgreement(const std::string& text) {
+  static JsonReader json(kMaxBytes);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != std::string::npos && text[first] == '{') {
+    ExpectSame(json, text);
+  } else {
+    ASSERT_FALSE(Skipped(json, text)) << text;
+  }
+  ExpectSame(json, "{\"a\":" + text + "}");
 }
 
 TEST(JsonReader, RefusesTheMalformedTextsThatTheOracleRefuses) {
@@ -262,15 +282,26 @@ TEST(JsonReader, ReadsNumbersOfAnySizeToTheBit) {
   }
 }
 
+// The one limit that the oracle does not have.
+TEST(JsonReader, AnExponentOfTwentyDigitsIsRefused) {
+  JsonReader json(kMaxBytes);
+  EXPECT_TRUE(Skipped(json, R"({"a":1e-0000000000000000005})"));
+  EXPECT_FALSE(Skipped(json, R"({"a":1e-00000000000000000005})"));
+  EXPECT_EQ(json.error(), JsonReader::Error::kSyntax);
+}
+
 TEST(JsonReader, KeepsWhatFitsOfAStringAtAWholeCharacter) {
-  std::array<char, 5> out{};
-  std::size_t size = 99;
-  JsonReader json(
-      "\"abc\xE2\x82\xAC"
-      "d\"");
-  ASSERT_TRUE(json.ReadString(out, size));
-  EXPECT_EQ(size, 3U);
-  EXPECT_TRUE(json.AtEnd());
+  JsonReader json(kMaxBytes);
+  for (const auto& [text, expected] :
+       {std::pair{"{\"a\":\"abc\xE2\x82\xAC\x64\"}", "abc"},
+        std::pair{"{\"a\":\"ab\xE2\x82\xAC\"}", "ab\xE2\x82\xAC"},
+        std::pair{"{\"a\":\"abcdef\"}", "abcde"}, std::pair{"{\"a\":\"\"}", ""}}) {
+    std::array<char, 5> out{};
+    std::size_t size = 99;
+    ASSERT_TRUE(Read(
+        json, text, [&](std::string_view, Value& value) { return json.String(value, out, size); }));
+    EXPECT_EQ(std::string(out.data(), size), expected);
+  }
 }
 
 TEST(JsonReader, AnotherTypeThanWasAskedForIsNoMistakeOfSyntax) {
@@ -278,33 +309,62 @@ TEST(JsonReader, AnotherTypeThanWasAskedForIsNoMistakeOfSyntax) {
   bool flag = false;
   std::array<char, 8> text{};
   std::size_t size = 0;
-  const auto expect_other = [](std::string_view given, auto read) {
-    JsonReader json(given);
-    EXPECT_FALSE(read(json)) << given;
+  JsonReader json(kMaxBytes);
+  const auto expect_other = [&](const std::string& given, auto read) {
+    EXPECT_FALSE(Read(json, "{\"a\":" + given + "}", [&](std::string_view, Value& value) {
+      EXPECT_FALSE(read(value)) << given;
+      EXPECT_EQ(json.error(), JsonReader::Error::kOther) << given;
+      EXPECT_FALSE(json.Skip(value)) << "and nothing works afterwards";
+      return false;
+    }));
     EXPECT_EQ(json.error(), JsonReader::Error::kOther) << given;
-    EXPECT_FALSE(json.Skip()) << "and nothing works afterwards";
   };
-  expect_other("\"1\"", [&](JsonReader& json) { return json.ReadNumber(number); });
-  expect_other("1", [&](JsonReader& json) { return json.ReadBool(flag); });
-  expect_other("null", [&](JsonReader& json) { return json.ReadString(text, size); });
-  expect_other("[]", [&](JsonReader& json) { return json.BeginObject(); });
-  expect_other("{}", [&](JsonReader& json) { return json.BeginArray(); });
+  const auto any_member = [](std::string_view, Value&) { return true; };
+  expect_other("\"1\"", [&](Value& value) { return json.Number(value, number); });
+  expect_other("1", [&](Value& value) { return json.Bool(value, flag); });
+  expect_other("null", [&](Value& value) { return json.String(value, text, size); });
+  expect_other("[]", [&](Value& value) { return json.Members(value, any_member); });
+  expect_other("{}",
+               [&](Value& value) { return json.Elements(value, [](Value&) { return true; }); });
+  for (const char* const root : {"1", "\"a\"", "null", " true ", "[]"}) {
+    EXPECT_FALSE(Skipped(json, root));
+    EXPECT_EQ(json.error(), JsonReader::Error::kOther) << root;
+  }
+  EXPECT_TRUE(Skipped(json, "{}")) << "the next text is read as if nothing had been";
 }
 
 TEST(JsonReader, GoesAsDeepAsItSaysAndNoDeeper) {
-  const auto nested = [](int depth) {
-    return std::string(static_cast<std::size_t>(depth), '[') +
-           std::string(static_cast<std::size_t>(depth), ']');
+  JsonReader json(kMaxBytes);
+  // The root is the first level.
+  const auto nested = [](std::size_t depth) {
+    return "{\"a\":" + std::string(depth - 1, '[') + std::string(depth - 1, ']') + "}";
   };
-  EXPECT_TRUE(Skipped(nested(JsonReader::kMaxDepth)));
-  const std::string deep = nested(JsonReader::kMaxDepth + 1);
-  JsonReader deeper(deep);
-  EXPECT_FALSE(deeper.Skip());
-  EXPECT_EQ(deeper.error(), JsonReader::Error::kTooDeep);
-  const std::string endless(1U << 20U, '[');
-  JsonReader never(endless);
-  EXPECT_FALSE(never.Skip());
-  EXPECT_EQ(never.error(), JsonReader::Error::kTooDeep);
+  EXPECT_TRUE(Skipped(json, nested(JsonReader::kMaxDepth)));
+  for (const std::size_t depth : {std::size_t{JsonReader::kMaxDepth + 1}, kMaxBytes / 2 - 2}) {
+    EXPECT_FALSE(Skipped(json, nested(depth)));
+    EXPECT_EQ(json.error(), JsonReader::Error::kTooDeep);
+  }
+  EXPECT_FALSE(Skipped(json, "{\"a\":" + std::string(kMaxBytes - 5, '['))) << "never closed";
+  EXPECT_EQ(json.error(), JsonReader::Error::kSyntax);
+}
+
+// The parser's buffers hold a text of the greatest size, whatever it is made of, and no more.
+TEST(JsonReader, ATextMayFillTheBuffer) {
+  JsonReader json(kMaxBytes);
+  const auto filled = [](const std::string& begin, const std::string& unit,
+                         const std::string& end) {
+    std::string text = "{\"a\":" + begin;
+    while (text.size() + unit.size() + end.size() + 1 <= kMaxBytes) text += unit;
+    text += end + "}";
+    return std::string(kMaxBytes - text.size(), ' ') + text;
+  };
+  for (const std::string& text :
+       {filled("[", "0,", "0]"), filled("\"", "x", "\""), filled("[", "\"\",", "0]"),
+        filled("[", "[],", "[]]"), filled("[", "{\"\":0},", "0]"), filled("\"", "\\u00fc", "\"")}) {
+    ASSERT_EQ(text.size(), kMaxBytes);
+    EXPECT_TRUE(Skipped(json, text)) << text.substr(0, 20);
+  }
+  EXPECT_FALSE(json.Text(kMaxBytes + 1, [](std::string_view, Value&) { return true; }));
 }
 
 }  // namespace

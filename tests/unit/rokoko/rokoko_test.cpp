@@ -37,7 +37,7 @@ TEST(Rokoko, EveryReasonIsReachedByTheTable) {
 
 TEST(Rokoko, Layout3IsReadAsItIsWritten) {
   Frame frame;
-  ASSERT_EQ(DecodeText(testing::kLayout3, frame), DecodeResult::kOk);
+  ASSERT_EQ(Decoder().DecodeText(testing::kLayout3, frame), DecodeResult::kOk);
   EXPECT_EQ(frame.version, 3);
   EXPECT_EQ(frame.fps, 60);
   EXPECT_EQ(frame.time_s, 12.345678);
@@ -60,7 +60,7 @@ TEST(Rokoko, Layout3IsReadAsItIsWritten) {
 
 TEST(Rokoko, Layout2IsReadAsItIsWritten) {
   Frame frame;
-  ASSERT_EQ(DecodeText(testing::kLayout2, frame), DecodeResult::kOk);
+  ASSERT_EQ(Decoder().DecodeText(testing::kLayout2, frame), DecodeResult::kOk);
   EXPECT_EQ(frame.version, 2.5F);
   EXPECT_EQ(frame.time_s, 3.5);
   ASSERT_EQ(frame.actor_count, 1);
@@ -74,8 +74,9 @@ TEST(Rokoko, Layout2IsReadAsItIsWritten) {
 
 TEST(Rokoko, AnEarlierFrameLeavesNothingBehind) {
   Frame frame;
-  ASSERT_EQ(DecodeText(testing::kLayout3, frame), DecodeResult::kOk);
-  ASSERT_EQ(DecodeText(R"({"scene":{"timestamp":1,"actors":[{}]}})", frame), DecodeResult::kOk);
+  ASSERT_EQ(Decoder().DecodeText(testing::kLayout3, frame), DecodeResult::kOk);
+  ASSERT_EQ(Decoder().DecodeText(R"({"scene":{"timestamp":1,"actors":[{}]}})", frame),
+            DecodeResult::kOk);
   EXPECT_EQ(frame.actor_count, 1);
   EXPECT_EQ(frame.fps, 0);
   EXPECT_TRUE(frame.actors[0].name().empty());
@@ -88,8 +89,9 @@ TEST(Rokoko, TheNinthActorIsLeftOut) {
   for (int k = 0; k < 9; ++k)
     actors += (k > 0 ? "," : "") + ("{\"name\":\"" + std::to_string(k)) + "\"}";
   Frame frame;
-  ASSERT_EQ(DecodeText(testing::WithScene(R"("timestamp":1,"actors":[)" + actors + "]"), frame),
-            DecodeResult::kOk);
+  ASSERT_EQ(
+      Decoder().DecodeText(testing::WithScene(R"("timestamp":1,"actors":[)" + actors + "]"), frame),
+      DecodeResult::kOk);
   EXPECT_EQ(frame.actor_count, kMaxActors);
   EXPECT_EQ(frame.actors_left_out, 1);
   EXPECT_EQ(frame.actors[7].name(), "7");
@@ -99,9 +101,9 @@ TEST(Rokoko, ALongNameIsCutAtAWholeCharacter) {
   std::string name;
   while (name.size() < 70) name += "\xE2\x82\xAC";
   Frame frame;
-  ASSERT_EQ(
-      DecodeText(testing::WithScene(R"("timestamp":1,"actors":[{"name":")" + name + "\"}]"), frame),
-      DecodeResult::kOk);
+  ASSERT_EQ(Decoder().DecodeText(
+                testing::WithScene(R"("timestamp":1,"actors":[{"name":")" + name + "\"}]"), frame),
+            DecodeResult::kOk);
   EXPECT_EQ(frame.actors[0].name(), name.substr(0, 63));
   Actor actor;
   actor.set_name(name);
@@ -207,7 +209,7 @@ TEST(Rokoko, WhatTheOracleWritesIsReadToTheSameValues) {
     }
     const Json json{{"version", 3.0}, {"scene", {{"timestamp", frame.time_s}, {"actors", actors}}}};
     Frame got;
-    ASSERT_EQ(DecodeText(json.dump(seed % 2 == 0 ? -1 : 2, ' ', seed % 3 == 0), got),
+    ASSERT_EQ(Decoder().DecodeText(json.dump(seed % 2 == 0 ? -1 : 2, ' ', seed % 3 == 0), got),
               DecodeResult::kOk);
     EXPECT_EQ(got.time_s, frame.time_s);
     ASSERT_EQ(got.actor_count, frame.actor_count);

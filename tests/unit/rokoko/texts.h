@@ -132,11 +132,10 @@ inline void AddBad(std::vector<DecodeCase>& cases) {
   add("two frames", R::kBadJson, std::string(kLayout2) + std::string(kLayout2));
   add("32 lists in an object", R::kTooDeep,
       R"({"odd":)" + std::string(32, '[') + std::string(32, ']') + "}");
-  add("a thousand objects in one another, never closed", R::kTooDeep, [] {
-    std::string text;
-    for (int k = 0; k < 1000; ++k) text += R"({"a":)";
-    return text;
-  }());
+  std::string thousand;
+  for (int k = 0; k < 1000; ++k) thousand += R"({"a":)";
+  add("a thousand objects within each other", R::kTooDeep, thousand + "0" + std::string(1000, '}'));
+  add("a thousand objects within each other, never closed", R::kBadJson, thousand);
   add("more than a megabyte", R::kTooLong,
       R"({"scene":{"timestamp":1,"actors":[]}})" + std::string(kMaxTextSize, ' '));
 }
