@@ -13,7 +13,7 @@
 
 #include "model/base/status.h"
 #include "model/rig/dialects.h"
-#include "model/stylist/stylist.h"
+#include "model/stylist/settings.h"
 
 // All that can be configured, one struct; styled.toml beside this file is its manual and says for
 // each key the unit, the range and the reason. Values here are the defaults.

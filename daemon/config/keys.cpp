@@ -91,6 +91,9 @@ constexpr std::int64_t kGiB = 1 << 30;
 
 Section ModelSection() {
   using C = Config;
+  const auto begin = STYLED_FIELD(model.stylist.out_of_domain_begin_rad);
+  const auto end = STYLED_FIELD(model.stylist.out_of_domain_end_rad);
+  const auto fade = STYLED_FIELD(model.stylist.out_of_domain_fade_s);
   return {
       "model",
       {Text<C>("weights", STYLED_FIELD(model.weights)),
@@ -99,9 +102,12 @@ Section ModelSection() {
        Float<C>("restart_fade_ms", 0, 5000, kMs, STYLED_FIELD(model.stylist.restart_fade_s)),
        Float<C>("jump_m", 0.1, 100, 1, STYLED_FIELD(model.stylist.jump_m)),
        Integer<C>("jump_accept_frames", 1, 1000, STYLED_FIELD(model.stylist.jump_accept_frames)),
-       Float<C>("foreign_begin_rad", 0, 4, 1, STYLED_FIELD(model.stylist.foreign_begin_rad)),
-       Float<C>("foreign_end_rad", 0, 4, 1, STYLED_FIELD(model.stylist.foreign_end_rad)),
-       Float<C>("foreign_fade_ms", 0, 10000, kMs, STYLED_FIELD(model.stylist.foreign_fade_s)),
+       Float<C>("out_of_domain_begin_rad", 0, 4, 1, begin),
+       Float<C>("foreign_begin_rad", 0, 4, 1, begin),  // what it was called once
+       Float<C>("out_of_domain_end_rad", 0, 4, 1, end),
+       Float<C>("foreign_end_rad", 0, 4, 1, end),
+       Float<C>("out_of_domain_fade_ms", 0, 10000, kMs, fade),
+       Float<C>("foreign_fade_ms", 0, 10000, kMs, fade),
        Float<C>("tilt_begin_rad", 0, 4, 1, STYLED_FIELD(model.stylist.tilt_begin_rad)),
        Float<C>("tilt_end_rad", 0, 4, 1, STYLED_FIELD(model.stylist.tilt_end_rad)),
        Flag<C>("knees", STYLED_FIELD(model.stylist.knees)),

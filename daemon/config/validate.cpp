@@ -219,11 +219,8 @@ Status Validate(const Config& config) {
   if (!status.ok()) return status;
   status = CheckCues(config.cues);
   if (!status.ok()) return status;
-  if (config.model.stylist.foreign_begin_rad >= config.model.stylist.foreign_end_rad) {
-    return Status::Error("model.foreign_begin_rad: expected less than model.foreign_end_rad");
-  }
-  if (config.model.stylist.tilt_begin_rad >= config.model.stylist.tilt_end_rad) {
-    return Status::Error("model.tilt_begin_rad: expected less than model.tilt_end_rad");
+  if (const auto error = config.model.stylist.Validate(); error != stylist::OptionsError::kNone) {
+    return Status::Error(std::string("model.") + stylist::Expectation(error));
   }
   if (config.performers.late_s > config.performers.backlog_s) {
     return Status::Error("performers.late_ms: expected at most performers.backlog_ms");

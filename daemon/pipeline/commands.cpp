@@ -142,7 +142,7 @@ void Commands::ChangeLooks(const std::string& performer, Change change, v1::Repl
     Look look = profile.look;
     change(look);
     std::vector<std::string> unknown;
-    const auto error = stylist::Stylist::Check(Resolve(look, network, unknown), network);
+    const auto error = stylist::Validate(Resolve(look, network, unknown), network.style_count());
     if (error != stylist::SettingsError::kNone) {
       Refuse(reply, v1::CODE_OUT_OF_RANGE, profile.id + ": " + Explain(error));
       return false;

@@ -37,7 +37,7 @@ Status AddMix(const config::Cue& cue, const std::vector<config::Preset>& presets
   look.strength = cue.strength.value_or(1.0F);
   look.input_style = own.empty() ? "" : own.front().first;
   std::vector<std::string> unknown;
-  const auto error = stylist::Stylist::Check(Resolve(look, network, unknown), network);
+  const auto error = stylist::Validate(Resolve(look, network, unknown), network.style_count());
   if (error != stylist::SettingsError::kNone) return Status::Error(Explain(error));
   if (!cue.preset.empty()) made.requests.emplace_back().mutable_preset()->set_name(cue.preset);
   v1::Set& set = *made.requests.emplace_back().mutable_set();

@@ -228,8 +228,8 @@ v1::Code Performer::Calibrate(const v1::Calibrate& request, const RuntimeConfig&
 std::vector<std::string> Performer::ApplyLook(const RuntimeConfig& config) {
   std::vector<std::string> unknown;
   const auto settings = Resolve(profile.look, *config.network, unknown);
-  if (bound_ != nullptr &&
-      stylist::Stylist::Check(settings, *config.network) == stylist::SettingsError::kNone) {
+  const auto error = stylist::Validate(settings, config.network->style_count());
+  if (bound_ != nullptr && error == stylist::SettingsError::kNone) {
     bound_->stylist.Set(settings);
   }
   return unknown;

@@ -59,7 +59,7 @@ bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
   look.mix = std::move(mix);
   look.preset = preset != presets.end() ? name : "";
   std::vector<std::string> unknown;
-  const auto error = stylist::Stylist::Check(Resolve(look, network, unknown), network);
+  const auto error = stylist::Validate(Resolve(look, network, unknown), network.style_count());
   if (error != stylist::SettingsError::kNone) why = Explain(error);
   return error == stylist::SettingsError::kNone;
 }

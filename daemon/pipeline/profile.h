@@ -58,7 +58,7 @@ stylist::Settings Resolve(const Look& look, const erd::Network& network,
                           std::vector<std::string>& unknown);
 
 // The mix of a preset or, failing that, of the style of that name at weight 1. False when `name` is
-// neither, or the mix does not pass Stylist::Check: `why` says so.
+// neither, or the mix does not pass stylist::Validate: `why` says so.
 bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
             const erd::Network& network, Look& look, std::string& why);
 

@@ -5,7 +5,7 @@
 
 #include "model/base/realtime.h"
 #include "model/rig/skeleton.h"
-#include "model/stylist/stylist.h"
+#include "model/stylist/settings.h"
 
 namespace styled::stylist {
 

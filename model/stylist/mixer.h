@@ -4,7 +4,7 @@
 #include <span>
 
 #include "model/base/realtime.h"
-#include "model/stylist/stylist.h"
+#include "model/stylist/settings.h"
 
 namespace styled::stylist {
 

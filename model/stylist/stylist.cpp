@@ -166,31 +166,6 @@ Stylist::~Stylist() = default;
 Stylist::Stylist(Stylist&&) noexcept = default;
 Stylist& Stylist::operator=(Stylist&&) noexcept = default;
 
-SettingsError Stylist::Check(const Settings& settings, const erd::Network& network) noexcept {
-  if (settings.input_style < 0 || settings.input_style >= network.style_count()) {
-    return SettingsError::kUnknownInputStyle;
-  }
-  float sum = 0;
-  for (std::size_t i = 0; i < settings.mix.size(); ++i) {
-    const erd::ActiveStyle& style = settings.mix[i];
-    if (style.style < 0) continue;
-    if (style.style == 0 && settings.input_style == 0) return SettingsError::kNeutralStyle;
-    if (style.style >= network.style_count()) return SettingsError::kUnknownStyle;
-    for (std::size_t j = 0; j < i; ++j) {
-      if (settings.mix[j].style == style.style) return SettingsError::kDuplicateStyle;
-    }
-    if (!(style.weight >= 0 && style.weight <= 1.5F)) return SettingsError::kWeight;
-    sum += style.weight;
-  }
-  if (!(settings.strength >= 0 && settings.strength <= 1.5F)) return SettingsError::kStrength;
-  if (!(sum * std::max(1.0F, settings.strength) <= 1.5001F)) return SettingsError::kSum;
-  if (!(settings.transition_s >= 0 && settings.transition_s <= 60)) {
-    return SettingsError::kTransition;
-  }
-  if ((settings.parts & body::kAllParts) == 0) return SettingsError::kNoParts;
-  return SettingsError::kNone;
-}
-
 void Stylist::Set(const Settings& settings) noexcept {
   impl_->settings = settings;
   impl_->mixer.Aim(settings);
@@ -503,11 +478,13 @@ void Stylist::Impl::FollowChange(const Pose& input) noexcept {
   if (count > 0) target /= static_cast<float>(count);
 
   // A foreign pose fades the style out.
-  const float span = std::max(1e-3F, options.foreign_end_rad - options.foreign_begin_rad);
-  const float at_home = 1.0F - SmoothStep((reconstruction_rad - options.foreign_begin_rad) / span);
+  const float span =
+      std::max(1e-3F, options.out_of_domain_end_rad - options.out_of_domain_begin_rad);
+  const float at_home =
+      1.0F - SmoothStep((reconstruction_rad - options.out_of_domain_begin_rad) / span);
   const auto dt = static_cast<float>(dt_s);
-  familiar =
-      fade_foreign.Follow(at_home, started ? dt : 0, started ? options.foreign_fade_s / 2 : 0);
+  familiar = fade_foreign.Follow(at_home, started ? dt : 0,
+                                 started ? options.out_of_domain_fade_s / 2 : 0);
 
   // Styles are of upright bodies; one put on somebody who lies would push him through the floor.
   const float up = (input.rotations[body::kHips] * Vec3::UnitY()).y();

@@ -8,61 +8,11 @@
 #include <vector>
 
 #include "model/base/realtime.h"
-#include "model/body/parts.h"
-#include "model/feet/options.h"
 #include "model/net/erd/network.h"
 #include "model/rig/binding.h"
+#include "model/stylist/settings.h"
 
 namespace styled::stylist {
-
-// What one performer is to look like. Weights are the user's mix times nothing: `strength` scales
-// them. Styles are indices of the network's metadata, 1..N-1; weights >= 0, sum <= 1.5. Who moves
-// in a style of his own may be made neutral, 0.
-struct Settings {
-  std::array<erd::ActiveStyle, erd::kMaxMix> mix;  // unused entries have style -1
-  float strength = 1.0F;                           // 0..1.5; 0 fades to bypass
-  float transition_s = 0.1F;                       // >= 0; of the change to these, at least
-  bool absolute = false;                // the paper's output instead of the detail-preserving one
-  body::Parts parts = body::kAllParts;  // the others stay as captured; not empty
-  int input_style = 0;  // style of the captured motion, which is removed first; 0 = neutral
-};
-
-enum class SettingsError {
-  kNone,
-  kUnknownStyle,
-  kNeutralStyle,
-  kDuplicateStyle,
-  kWeight,
-  kSum,
-  kStrength,
-  kTransition,
-  kNoParts,
-  kUnknownInputStyle,
-};
-
-// How streams are handled; the same for all performers. Defaults are those of styled.toml.
-struct Options {
-  float change_tau_s = 0.05F;   // delay of the low-pass on the change of style, up to five times
-                                // that where the network reconstructs badly; 0 = none
-  float gap_reset_s = 0.25F;    // a longer hole in source time, or one of more network steps than
-                                // kMaxStepsPerFrame, starts the recurrent state anew
-  float restart_fade_s = 0.2F;  // cross-fade over such a start
-  float jump_m = 1.0F;          // a root step beyond this (and 12 m/s) is held, canonical metres
-  int jump_accept_frames = 10;  // consistent frames after which a jump is believed
-  float foreign_begin_rad = 0.7F;  // reconstruction_rad where the style begins to fade out
-  float foreign_end_rad = 1.1F;    // ... and where it is gone
-  float foreign_fade_s = 0.3F;     // time constant of that fade
-  float tilt_begin_rad = 0.9F;  // hips' tilt off upright where it begins to, too: who falls, lies
-  float tilt_end_rad = 1.3F;    // ... and where it is gone, at once
-  bool knees = true;            // no style bends a knee backwards
-  bool ground = true;           // lowest foot as high as the input's
-  float ground_tau_s = 0.1F;    // smoothing of the vertical shift that this takes; 0 = none
-  bool feet = true;             // feet that the performer plants are held where they are
-  feet::Options feet_options;   // how; must pass feet::Validate
-  bool bypass = true;           // false: without style too, every pose goes through bind and unbind
-
-  friend bool operator==(const Options&, const Options&) = default;
-};
 
 enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist decides
   kConcealed = 1,
@@ -110,10 +60,7 @@ class Stylist {
   Stylist(Stylist&&) noexcept;
   Stylist& operator=(Stylist&&) noexcept;
 
-  // Checks settings against a network; nothing changes.
-  static SettingsError Check(const Settings& settings, const erd::Network& network) noexcept;
-
-  // From the next frame on; `settings` must pass Check. Starts from the weights now in force.
+  // From the next frame on; `settings` must pass Validate. Fades from the weights now in force.
   STYLED_REALTIME void Set(const Settings& settings) noexcept;
   const Settings& settings() const;
 

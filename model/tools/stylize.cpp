@@ -123,7 +123,7 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
     const Status status = AddStyle(network, entry, "--mix", settings);
     if (!status.ok()) return status;
   }
-  const auto error = styled::stylist::Stylist::Check(settings, network);
+  const auto error = styled::stylist::Validate(settings, network.style_count());
   if (error != styled::stylist::SettingsError::kNone) return Status::Error(Explain(error));
   return settings;
 }

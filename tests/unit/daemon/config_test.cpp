@@ -76,7 +76,7 @@ TEST_F(ConfigTest, TheManualIsTheDefaultsAndNamesEveryKey) {
                                 "max_subscriptions",
                                 "weights",
                                 "jump_accept_frames",
-                                "foreign_fade_ms",
+                                "out_of_domain_fade_ms",
                                 "tilt_begin_rad",
                                 "ground",
                                 "feet",
@@ -113,8 +113,22 @@ TEST_F(ConfigTest, ComplaintsNameFileLineKeyAndWhatWasExpected) {
               HasSubstr("at most 4"));
   EXPECT_THAT(Complaint("[performers]\nlate_ms = 200\n"),
               HasSubstr("at most performers.backlog_ms"));
+  EXPECT_THAT(Complaint("[model]\ntilt_begin_rad = 2\n"),
+              HasSubstr("model.tilt_begin_rad: expected 0 or more, less than tilt_end_rad"));
+  EXPECT_THAT(Complaint("[model]\nout_of_domain_end_rad = 0.6\n"),
+              HasSubstr("model.out_of_domain_begin_rad: expected 0 or more, less than"));
   const auto missing = Load(folder_ / "none.toml", {});
   EXPECT_THAT(missing.status().message(), HasSubstr("none.toml"));
+}
+
+TEST_F(ConfigTest, FormerNamesOfKeysAreStillRead) {
+  const auto config =
+      LoadText("[model]\nforeign_begin_rad = 0.5\nforeign_end_rad = 0.9\nforeign_fade_ms = 100\n");
+  ASSERT_TRUE(config.ok()) << config.status().message();
+  const stylist::Options& options = config.value().model.stylist;
+  EXPECT_FLOAT_EQ(options.out_of_domain_begin_rad, 0.5F);
+  EXPECT_FLOAT_EQ(options.out_of_domain_end_rad, 0.9F);
+  EXPECT_FLOAT_EQ(options.out_of_domain_fade_s, 0.1F);
 }
 
 TEST_F(ConfigTest, OutputsAndJointsAreReadAndJudged) {

@@ -80,40 +80,6 @@ struct StylistTest : testing::Test {
   }
 };
 
-TEST_F(StylistTest, SettingsThatCannotBeAreNamed) {
-  const auto check = [this](const Settings& settings) {
-    return Stylist::Check(settings, *network);
-  };
-  EXPECT_EQ(check(Style(1)), SettingsError::kNone);
-  EXPECT_EQ(check(Style(0)), SettingsError::kNeutralStyle);
-  EXPECT_EQ(check(Style(5)), SettingsError::kUnknownStyle);
-  EXPECT_EQ(check(Style(1, kNaN)), SettingsError::kWeight);
-  EXPECT_EQ(check(Style(1, -0.1F)), SettingsError::kWeight);
-  EXPECT_EQ(check(Style(1, 1.6F)), SettingsError::kWeight);
-  EXPECT_EQ(check(Style(1, 1, kNaN)), SettingsError::kTransition);
-  EXPECT_EQ(check(Style(1, 1, 61)), SettingsError::kTransition);
-  Settings settings = Style(1);
-  settings.mix[1] = {1, 0.1F};
-  EXPECT_EQ(check(settings), SettingsError::kDuplicateStyle);
-  settings.mix[1] = {2, 0.6F};
-  EXPECT_EQ(check(settings), SettingsError::kSum);
-  settings = Style(1);
-  settings.strength = kNaN;
-  EXPECT_EQ(check(settings), SettingsError::kStrength);
-  settings.strength = 1.6F;
-  EXPECT_EQ(check(settings), SettingsError::kStrength);
-  settings = Style(1);
-  settings.parts = 0;
-  EXPECT_EQ(check(settings), SettingsError::kNoParts);
-  settings = Style(0);
-  settings.input_style = 3;
-  EXPECT_EQ(check(settings), SettingsError::kNone) << "who has a style can be made neutral";
-  for (const int style : {-1, network->style_count()}) {
-    settings.input_style = style;
-    EXPECT_EQ(check(settings), SettingsError::kUnknownInputStyle);
-  }
-}
-
 TEST_F(StylistTest, WithoutAStyleTheSourceLeavesBitForBit) {
   Stylist stylist(network, binding, options);
   for (int frame = 0; frame < 100; ++frame) {
@@ -478,8 +444,8 @@ TEST_F(StylistTest, AResetBeginsANewSessionWhateverItsClock) {
 }
 
 TEST_F(StylistTest, AForeignPoseFadesTheStyleOutAndIsFlagged) {
-  options.foreign_begin_rad = 0;  // a random network knows no pose at all
-  options.foreign_end_rad = 1e-3F;
+  options.out_of_domain_begin_rad = 0;  // a random network knows no pose at all
+  options.out_of_domain_end_rad = 1e-3F;
   Stylist stylist(network, binding, options);
   stylist.Set(Style(1));
   for (int frame = 0; frame < 240; ++frame) Feed(stylist, frame);
@@ -488,8 +454,8 @@ TEST_F(StylistTest, AForeignPoseFadesTheStyleOutAndIsFlagged) {
 }
 
 TEST_F(StylistTest, WhoLiesDownIsLeftAsHeIsAndStyledAgainWhenHeIsUp) {
-  options.foreign_begin_rad = 100;  // a random network knows no pose at all
-  options.foreign_end_rad = 101;
+  options.out_of_domain_begin_rad = 100;  // a random network knows no pose at all
+  options.out_of_domain_end_rad = 101;
   Stylist stylist(network, binding, options);
   stylist.Set(Style(1));
   const auto feed = [&](int frame, float tilt_rad) {
@@ -514,8 +480,8 @@ TEST_F(StylistTest, TheAbsoluteOutputIsTheDecodersOwn) {
   Stylist stylist(network, binding, options);
   Settings settings = Style(2);
   settings.absolute = true;
-  options.foreign_begin_rad = 100;
-  options.foreign_end_rad = 101;
+  options.out_of_domain_begin_rad = 100;
+  options.out_of_domain_end_rad = 101;
   options.feet = false;
   Stylist unfaded(network, binding, options);
   unfaded.Set(settings);

@@ -1,0 +1,84 @@
+#include "model/stylist/settings.h"
+
+#include <algorithm>
+
+namespace styled::stylist {
+namespace {
+
+constexpr float kRounding = 1e-4F;  // of a sum of weights such as 0.5 + 0.7 + 0.3
+
+// Written so that NaN is outside.
+bool IsIn(float value, float low, float high) { return value >= low && value <= high; }
+
+}  // namespace
+
+SettingsError Validate(const Settings& settings, int style_count) noexcept {
+  if (settings.input_style < 0 || settings.input_style >= style_count) {
+    return SettingsError::kUnknownInputStyle;
+  }
+  float sum = 0;
+  for (std::size_t i = 0; i < settings.mix.size(); ++i) {
+    const erd::ActiveStyle& style = settings.mix[i];
+    if (style.style < 0) continue;
+    if (style.style == 0 && settings.input_style == 0) return SettingsError::kNeutralStyle;
+    if (style.style >= style_count) return SettingsError::kUnknownStyle;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (settings.mix[j].style == style.style) return SettingsError::kDuplicateStyle;
+    }
+    if (!IsIn(style.weight, 0, erd::kMaxStrength)) return SettingsError::kWeight;
+    sum += style.weight;
+  }
+  if (!IsIn(settings.strength, 0, erd::kMaxStrength)) return SettingsError::kStrength;
+  if (!(sum * std::max(1.0F, settings.strength) <= erd::kMaxStrength + kRounding)) {
+    return SettingsError::kSum;
+  }
+  if (!IsIn(settings.transition_s, 0, kMaxTransition_s)) return SettingsError::kTransition;
+  if ((settings.parts & body::kAllParts) == 0) return SettingsError::kNoParts;
+  return SettingsError::kNone;
+}
+
+OptionsError Options::Validate() const noexcept {
+  if (!IsIn(change_tau_s, 0, 1)) return OptionsError::kChangeTau;
+  if (!IsIn(gap_reset_s, 0.01F, 10)) return OptionsError::kGapReset;
+  if (!IsIn(restart_fade_s, 0, 5)) return OptionsError::kRestartFade;
+  if (!IsIn(jump_m, 0.1F, 100)) return OptionsError::kJump;
+  if (jump_accept_frames < 1 || jump_accept_frames > 1000) return OptionsError::kJumpAccept;
+  if (!(out_of_domain_begin_rad >= 0 && out_of_domain_begin_rad < out_of_domain_end_rad)) {
+    return OptionsError::kOutOfDomain;
+  }
+  if (!IsIn(out_of_domain_fade_s, 0, 10)) return OptionsError::kOutOfDomainFade;
+  if (!(tilt_begin_rad >= 0 && tilt_begin_rad < tilt_end_rad)) return OptionsError::kTilt;
+  if (!IsIn(ground_tau_s, 0, 1)) return OptionsError::kGroundTau;
+  if (feet::Validate(feet_options) != feet::OptionsError::kNone) return OptionsError::kFeet;
+  return OptionsError::kNone;
+}
+
+const char* Expectation(OptionsError error) noexcept {
+  switch (error) {
+    case OptionsError::kNone:
+      return "";
+    case OptionsError::kChangeTau:
+      return "change_tau: expected 0 to 1 s";
+    case OptionsError::kGapReset:
+      return "gap_reset: expected 0.01 to 10 s";
+    case OptionsError::kRestartFade:
+      return "restart_fade: expected 0 to 5 s";
+    case OptionsError::kJump:
+      return "jump_m: expected 0.1 to 100";
+    case OptionsError::kJumpAccept:
+      return "jump_accept_frames: expected 1 to 1000";
+    case OptionsError::kOutOfDomain:
+      return "out_of_domain_begin_rad: expected 0 or more, less than out_of_domain_end_rad";
+    case OptionsError::kOutOfDomainFade:
+      return "out_of_domain_fade: expected 0 to 10 s";
+    case OptionsError::kTilt:
+      return "tilt_begin_rad: expected 0 or more, less than tilt_end_rad";
+    case OptionsError::kGroundTau:
+      return "ground_tau: expected 0 to 1 s";
+    case OptionsError::kFeet:
+      return "feet: expected options in their ranges (model/feet/options.h)";
+  }
+  return "";
+}
+
+}  // namespace styled::stylist

@@ -1,0 +1,107 @@
+#include "model/stylist/settings.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <vector>
+
+namespace styled::stylist {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr int kStyles = 5;
+
+Settings Style(int style, float weight = 1, float transition_s = 0) {
+  Settings settings;
+  settings.mix[0] = {style, weight};
+  settings.transition_s = transition_s;
+  return settings;
+}
+
+SettingsError Error(const Settings& settings) { return Validate(settings, kStyles); }
+
+TEST(SettingsTest, EachBrokenRuleIsNamed) {
+  EXPECT_EQ(Error(Style(1)), SettingsError::kNone);
+  EXPECT_EQ(Error(Style(0)), SettingsError::kNeutralStyle);
+  EXPECT_EQ(Error(Style(kStyles)), SettingsError::kUnknownStyle);
+  EXPECT_EQ(Error(Style(1, kNaN)), SettingsError::kWeight);
+  EXPECT_EQ(Error(Style(1, -0.1F)), SettingsError::kWeight);
+  EXPECT_EQ(Error(Style(1, 1.6F)), SettingsError::kWeight);
+  EXPECT_EQ(Error(Style(1, 1, kNaN)), SettingsError::kTransition);
+  EXPECT_EQ(Error(Style(1, 1, 61)), SettingsError::kTransition);
+  Settings settings = Style(1);
+  settings.mix[1] = {1, 0.1F};
+  EXPECT_EQ(Error(settings), SettingsError::kDuplicateStyle);
+  settings.mix[1] = {2, 0.6F};
+  EXPECT_EQ(Error(settings), SettingsError::kSum);
+  settings = Style(1);
+  settings.strength = kNaN;
+  EXPECT_EQ(Error(settings), SettingsError::kStrength);
+  settings.strength = 1.6F;
+  EXPECT_EQ(Error(settings), SettingsError::kStrength);
+  settings = Style(1);
+  settings.parts = 0;
+  EXPECT_EQ(Error(settings), SettingsError::kNoParts);
+}
+
+TEST(SettingsTest, NeutralIsATargetOfStyledInputAlone) {
+  Settings settings = Style(0);
+  settings.input_style = 3;
+  EXPECT_EQ(Error(settings), SettingsError::kNone);
+  for (const int style : {-1, kStyles}) {
+    settings.input_style = style;
+    EXPECT_EQ(Error(settings), SettingsError::kUnknownInputStyle);
+  }
+}
+
+TEST(OptionsTest, DefaultsAreValid) {
+  EXPECT_EQ(Options().Validate(), OptionsError::kNone);
+  EXPECT_STREQ(Expectation(OptionsError::kNone), "");
+}
+
+TEST(OptionsTest, EachBrokenRuleIsNamed) {
+  struct Case {
+    float Options::*field;
+    std::vector<float> bad;
+    OptionsError error;
+    const char* key;
+  };
+  const Case cases[] = {
+      {&Options::change_tau_s, {kNaN, -0.1F, 1.1F}, OptionsError::kChangeTau, "change_tau"},
+      {&Options::gap_reset_s, {kNaN, 0, 11}, OptionsError::kGapReset, "gap_reset"},
+      {&Options::restart_fade_s, {kNaN, -1, 6}, OptionsError::kRestartFade, "restart_fade"},
+      {&Options::jump_m, {kNaN, 0, 101}, OptionsError::kJump, "jump_m"},
+      {&Options::out_of_domain_begin_rad,
+       {kNaN, -0.1F, 1.1F},
+       OptionsError::kOutOfDomain,
+       "out_of_domain_begin_rad"},
+      {&Options::out_of_domain_end_rad, {kNaN, 0.7F}, OptionsError::kOutOfDomain, "out_of_domain"},
+      {&Options::out_of_domain_fade_s,
+       {kNaN, -1, 11},
+       OptionsError::kOutOfDomainFade,
+       "out_of_domain_fade"},
+      {&Options::tilt_begin_rad, {kNaN, -0.1F, 1.3F}, OptionsError::kTilt, "tilt_begin_rad"},
+      {&Options::tilt_end_rad, {kNaN, 0.9F}, OptionsError::kTilt, "tilt_begin_rad"},
+      {&Options::ground_tau_s, {kNaN, -0.1F, 1.1F}, OptionsError::kGroundTau, "ground_tau"},
+  };
+  for (const Case& c : cases) {
+    for (const float value : c.bad) {
+      Options options;
+      options.*c.field = value;
+      EXPECT_EQ(options.Validate(), c.error) << c.key << ": " << value;
+    }
+    EXPECT_EQ(std::strncmp(Expectation(c.error), c.key, std::strlen(c.key)), 0) << c.key;
+  }
+  Options options;
+  for (const int frames : {0, 1001}) {
+    options.jump_accept_frames = frames;
+    EXPECT_EQ(options.Validate(), OptionsError::kJumpAccept);
+  }
+  options = Options();
+  options.feet_options.stretch = 0;
+  EXPECT_EQ(options.Validate(), OptionsError::kFeet);
+}
+
+}  // namespace
+}  // namespace styled::stylist
