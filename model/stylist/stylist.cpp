@@ -7,13 +7,15 @@
 #include "model/base/smooth.h"
 #include "model/body/heading.h"
 #include "model/feet/feet.h"
+#include "model/stylist/change_filter.h"
+#include "model/stylist/domain.h"
 #include "model/stylist/grounding.h"
 #include "model/stylist/guard.h"
 #include "model/stylist/input_guard.h"
 #include "model/stylist/interleaver.h"
 #include "model/stylist/knees.h"
-#include "model/stylist/low_pass.h"
 #include "model/stylist/mixer.h"
+#include "model/stylist/tuning.h"
 
 namespace styled::stylist {
 namespace {
@@ -22,45 +24,6 @@ using body::kJointCount;
 using body::Pose;
 using body::Quat;
 using body::Vec3;
-
-constexpr float kNothing_m = 2e-4F;         // a shift below a fifth of a millimetre is none
-constexpr float kNoStyle = 2e-3F;           // so little of a style holds no foot
-constexpr double kGapFactor = 1.5;          // of the usual time between frames
-constexpr float kUnsureBegin_rad = 0.12F;   // reconstruction from which on the delay grows
-constexpr float kUnsureSpan_rad = 0.4F;     // ... until it is longer by
-constexpr float kUnsureDelay = 4.0F;        // ... so many times itself
-constexpr float kUnsure_s = 0.1F;           // smoothing of that
-constexpr float kSwitchHaste_mps2 = 40.0F;  // how hard a switch may pull: delay² = way left / this
-constexpr float kSwitchHold_s = 0.5F;       // time constant in which that delay shrinks
-constexpr float kSwitchTail_s = 0.6F;       // how long after its fade a switch is over
-constexpr float kHand_m = 0.1F;             // beyond joints that have no child: hands, toes, crown
-constexpr float kFeetFull = 0.25F;          // weight of style from which on feet are held in full
-
-// How far (m) the body reaches beyond each joint.
-std::array<float, kJointCount> Reaches() {
-  std::array<float, kJointCount> reach;
-  reach.fill(kHand_m);
-  for (int joint = kJointCount - 1; joint > 0; --joint) {
-    const auto j = static_cast<std::size_t>(joint);
-    const auto parent = static_cast<std::size_t>(body::kHumanoid[j].parent);
-    reach[parent] = std::max(reach[parent], body::Offset(joint).norm() + reach[j]);
-  }
-  return reach;
-}
-const std::array<float, kJointCount> kReach_m = Reaches();
-
-// At most how far (m) a point of the body is moved when one change takes another's place.
-float Way_m(const StyleDelta& from, const StyleDelta& to) {
-  std::array<float, kJointCount> way;
-  float longest = 0;
-  for (int joint = 0; joint < kJointCount; ++joint) {
-    const auto j = static_cast<std::size_t>(joint);
-    const float above = joint == 0 ? 0 : way[static_cast<std::size_t>(body::kHumanoid[j].parent)];
-    way[j] = above + (to.col(joint) - from.col(joint)).norm() * kReach_m[j];
-    longest = std::max(longest, way[j]);
-  }
-  return longest;
-}
 
 // The performer's own motion, bit for bit.
 void PassThrough(Output& out) noexcept {
@@ -99,9 +62,9 @@ struct Stylist::Impl {
   void Style(Output& out) noexcept;
   void GiveBack(Output& out) noexcept;
   void TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept;
-  float Delay() noexcept;
-  float SwitchDelay(const StyleDelta& target, float usual_s) noexcept;
-  void FollowChange(const Pose& input) noexcept;
+  void ChangeStyle(const Pose& input) noexcept;
+  StyleDelta MeanDelta() const noexcept;
+  void BlendAbsolute(const Pose& input, StyleDelta& delta) const noexcept;
   void Apply(const Pose& input, Pose& styled) const noexcept;
   void Ground(Output& out) noexcept;
   void HoldFeet(Output& out) noexcept;
@@ -124,15 +87,8 @@ struct Stylist::Impl {
   float last_heading_rad = 0;
   int steps = 0;  // of the network, for the frame at hand
 
-  LowPass low_pass;                           // of the detail-preserving change
-  StyleDelta change = StyleDelta::Zero();     // what is applied
-  StyleDelta fade_from = StyleDelta::Zero();  // what was applied when the state was restarted
-  float restart_fade = 1.0F;                  // 0 at a restart, 1 when it is over
-  bool filter_started = false;
-  float unsure_rad = 0;      // reconstruction_rad, smoothed
-  float switching = 0;       // 1 while styles are faded, 0 when a switch is over
-  float switch_delay_s = 0;  // what that asks for
-  float delay_s = 0;         // the low-pass's, of this frame
+  ChangeFilter filter;
+  Domain domain;
 
   Pose last_input;
   std::int64_t last_ns = 0;
@@ -141,9 +97,7 @@ struct Stylist::Impl {
   bool started = false, fresh_session = true;
   bool bad_step = false;  // of this frame: what the network decoded is no pose
   bool failed = false;    // so it was, or what a stage made of it; no step has been sound since
-  float reconstruction_rad = 0, familiar = 1.0F;  // familiar: 1 = at home, 0 = foreign
-  CriticallyDamped fade_foreign;
-  float upright = 1.0F;  // the same of the hips' tilt
+  float reconstruction_rad = 0;
   CriticallyDamped shift_m,
       rig_shift;                // of the canonical humanoid and of the source skeleton, its units
   feet::Feet feet, rig_feet;    // the same two
@@ -169,7 +123,7 @@ Stylist& Stylist::operator=(Stylist&&) noexcept = default;
 void Stylist::Set(const Settings& settings) noexcept {
   impl_->settings = settings;
   impl_->mixer.Aim(settings);
-  if (settings.transition_s <= 0) impl_->switching = 0;  // a cut, whatever was being faded
+  if (settings.transition_s <= 0) impl_->filter.EndSwitch();  // a cut, whatever was being faded
 }
 
 const Settings& Stylist::settings() const { return impl_->settings; }
@@ -302,7 +256,7 @@ void Stylist::Impl::Finish(Output& out) noexcept {
   out.steps = steps;
   if (out.held.any()) out.flags |= kHeld;
   if (mixer.fading()) out.flags |= kFading;
-  if (std::min(familiar, upright) < 0.5F) out.flags |= kOutOfDomain;
+  if (domain.outside()) out.flags |= kOutOfDomain;
   if (fresh_session) out.flags |= kNewSession;
   const auto in_force = failed ? std::span<const erd::ActiveStyle>() : mixer.in_force();
   std::copy(in_force.begin(), in_force.end(), out.in_force.begin());
@@ -315,7 +269,7 @@ void Stylist::Impl::Finish(Output& out) noexcept {
 
 void Stylist::Impl::Style(Output& out) noexcept {
   // 4 apply: the change of style, low-passed, on the performer's own motion.
-  FollowChange(out.canonical_input);
+  ChangeStyle(out.canonical_input);
   Apply(out.canonical_input, out.canonical);
 
   if (options.bypass && Bypassed()) {
@@ -339,13 +293,9 @@ bool Stylist::Impl::IsSoundOutput(const Output& out) const noexcept {
 // The frame leaves as the performer's own. Whatever the styling remembers starts anew, since what
 // is not a number would stay in it for good; the style is then faded in.
 void Stylist::Impl::GiveBack(Output& out) noexcept {
-  low_pass = LowPass();
-  change.setZero();
   Forget();
-  restart_fade = 0;
-  delay_s = 0;
-  familiar = upright = 1;
-  fade_foreign.Reset();
+  filter.Clear();
+  domain.Reset();
   shift_m.Reset();
   rig_shift.Reset();
   feet_style.Reset();
@@ -358,27 +308,20 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
 void Stylist::Impl::Restart() noexcept {
   interleaver.Restart();
   Forget();
+  filter.Restart(started);
+}
+
+void Stylist::Impl::RestartAfterGap() noexcept {
+  interleaver.Restart();
+  Forget();
+  filter.RestartAfterGap(started, dt_s, options);
 }
 
 void Stylist::Impl::Forget() noexcept {
   for (erd::State& state : states) network->Start(state);
   memories.fill(erd::FeatureState());
   stepped.reset();
-  fade_from = change;
-  restart_fade = started ? 0.0F : 1.0F;
-  filter_started = false;
-  unsure_rad = reconstruction_rad = switching = switch_delay_s = 0;
-}
-
-// A cross-fade that is under way goes on: where every frame comes after a gap, as from a rig of 1
-// Hz, the style would never arrive otherwise.
-void Stylist::Impl::RestartAfterGap() noexcept {
-  const float fade = restart_fade;
-  const StyleDelta from = fade_from;
-  Restart();
-  if (fade >= 1.0F) return;
-  fade_from = from;
-  restart_fade = fade + static_cast<float>(dt_s) / std::max(1e-3F, options.restart_fade_s);
+  reconstruction_rad = 0;
 }
 
 // Jumps, gaps and changes of rate.
@@ -397,12 +340,12 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
   const double usual_s = interleaver.frame_period_s();
   if (started && dt_s > options.gap_reset_s) {
     // A slow rig's frames are all that far apart: nothing is missing.
-    if (last_gap_s == 0 || dt_s > kGapFactor * last_gap_s) out.flags |= kConcealed;
+    if (last_gap_s == 0 || dt_s > tuning::kGapFactor * last_gap_s) out.flags |= kConcealed;
     last_gap_s = dt_s;
     RestartAfterGap();
   } else if (started) {
     last_gap_s = 0;
-    if (usual_s > 0 && dt_s > kGapFactor * usual_s) out.flags |= kConcealed;
+    if (usual_s > 0 && dt_s > tuning::kGapFactor * usual_s) out.flags |= kConcealed;
   }
   const float rate_hz = network->metadata().features.rate_hz;
   if (!interleaver.Begin(time_ns, rate_hz)) {
@@ -426,7 +369,7 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
     if (joint == body::kHips) in = heading_from_world * in;
     wish.col(static_cast<Eigen::Index>(joint)) =
         body::LogNear(rec.conjugate() * step.styled.rotations[joint],
-                      low_pass.first().col(static_cast<Eigen::Index>(joint)));
+                      filter.near().col(static_cast<Eigen::Index>(joint)));
     // Toes say nothing of a posture, and some rigs' turn over.
     const bool toes = joint == body::kLeftToes || joint == body::kRightToes;
     if (!toes) error2 += body::Log(in.conjugate() * rec).squaredNorm();
@@ -439,103 +382,60 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
   reconstruction_rad = std::sqrt(error2 / static_cast<float>(kJointCount - 2));
 }
 
-// The low-pass's delay. It is longer on poses and rigs that the network reconstructs badly: there
-// small motions of the performer make large ones of the change.
-float Stylist::Impl::Delay() noexcept {
-  const float share = filter_started ? DecayShare(static_cast<float>(dt_s), kUnsure_s) : 1.0F;
-  unsure_rad += (reconstruction_rad - unsure_rad) * share;
-  if (mixer.empty()) return options.change_tau_s;  // on the way to bypass nothing is unsure
-  const float unsure = SmoothStep((unsure_rad - kUnsureBegin_rad) / kUnsureSpan_rad);
-  return options.change_tau_s * (1 + kUnsureDelay * unsure);
-}
-
-// While styles are switched, the delay is longer the longer the way to the new one, so that no limb
-// is thrown and small changes are quick.
-float Stylist::Impl::SwitchDelay(const StyleDelta& target, float usual_s) noexcept {
-  const auto dt = static_cast<float>(dt_s);
-  switching = mixer.fading() ? 1.0F : std::max(0.0F, switching - dt / kSwitchTail_s);
-  if (switching == 0) {
-    switch_delay_s = 0;
-    return usual_s;
-  }
-  switch_delay_s = std::max(std::sqrt(Way_m(low_pass.value(), target) / kSwitchHaste_mps2),
-                            switch_delay_s * (1 - DecayShare(dt, kSwitchHold_s)));
-  return usual_s + switching * std::max(0.0F, switch_delay_s - usual_s);
-}
-
-// Low-passes the change. The mean over the interleaved states is a box filter over one period of
-// the network, whose notch lies on the ripple that their disagreement makes; a Butterworth filter
-// follows.
-void Stylist::Impl::FollowChange(const Pose& input) noexcept {
-  const int used = std::max(1, interleaver.interleaved());
-  StyleDelta target = StyleDelta::Zero();
+// What the interleaved states ask for. Their mean is a box filter over one period of the network,
+// whose notch lies on the ripple that their disagreement makes.
+StyleDelta Stylist::Impl::MeanDelta() const noexcept {
+  StyleDelta mean = StyleDelta::Zero();
   int count = 0;
-  for (int state = 0; state < used; ++state) {
-    if (!stepped.test(static_cast<std::size_t>(state))) continue;
-    target += wanted[static_cast<std::size_t>(state)];
+  for (std::size_t state = 0; state < wanted.size(); ++state) {
+    if (!stepped.test(state)) continue;
+    mean += wanted[state];
     ++count;
   }
-  if (count > 0) target /= static_cast<float>(count);
+  if (count > 0) mean /= static_cast<float>(count);
+  return mean;
+}
 
-  // A foreign pose fades the style out.
-  const float span =
-      std::max(1e-3F, options.out_of_domain_end_rad - options.out_of_domain_begin_rad);
-  const float at_home =
-      1.0F - SmoothStep((reconstruction_rad - options.out_of_domain_begin_rad) / span);
-  const auto dt = static_cast<float>(dt_s);
-  familiar = fade_foreign.Follow(at_home, started ? dt : 0,
-                                 started ? options.out_of_domain_fade_s / 2 : 0);
-
-  // Styles are of upright bodies; one put on somebody who lies would push him through the floor.
-  const float up = (input.rotations[body::kHips] * Vec3::UnitY()).y();
-  const float tilt_rad = std::acos(std::clamp(up, -1.0F, 1.0F));
-  const float to_lying = std::max(1e-3F, options.tilt_end_rad - options.tilt_begin_rad);
-  upright = 1.0F - SmoothStep((tilt_rad - options.tilt_begin_rad) / to_lying);
-
-  const bool first = !filter_started;
-  const float usual_s = Delay();
-  delay_s = first ? 0 : SwitchDelay(target, usual_s);
-  low_pass.Follow(target, first ? 0 : dt_s, delay_s);
-  filter_started = true;
-  if (mixer.empty()) low_pass.SettleAtZero();
-  change = low_pass.value();
-
-  if (mixer.absolute() > 0 && count > 0) {
-    const Quat world_from_heading = body::Yaw(last_heading_rad);
-    for (std::size_t joint = 0; joint < kJointCount; ++joint) {
-      Quat styled = last_styled.rotations[joint];
-      if (joint == body::kHips) styled = world_from_heading * styled;
-      const Vec3 wish = mixer.presence() * body::Log(input.rotations[joint].conjugate() * styled);
-      auto column = change.col(static_cast<Eigen::Index>(joint));
-      column += mixer.absolute() * (wish - column);
-    }
+// The paper's output instead, as far as that is asked for: unfiltered, from the newest step alone.
+void Stylist::Impl::BlendAbsolute(const Pose& input, StyleDelta& delta) const noexcept {
+  const Quat world_from_heading = body::Yaw(last_heading_rad);
+  for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+    Quat styled = last_styled.rotations[joint];
+    if (joint == body::kHips) styled = world_from_heading * styled;
+    const Vec3 whole = mixer.presence() * body::Log(input.rotations[joint].conjugate() * styled);
+    auto column = delta.col(static_cast<Eigen::Index>(joint));
+    column += mixer.absolute() * (whole - column);
   }
+}
 
+void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
+  domain.Follow(reconstruction_rad, input.rotations[body::kHips], static_cast<float>(dt_s),
+                !started, options);
+  filter.Follow(MeanDelta(), dt_s, reconstruction_rad, mixer, options);
+  StyleDelta delta = filter.value();
+  if (mixer.absolute() > 0 && stepped.any()) BlendAbsolute(input, delta);
   if (!mixer.whole()) {
     for (int joint = 0; joint < kJointCount; ++joint) {
-      change.col(joint) *= mixer.share(body::PartOf(joint));
+      delta.col(joint) *= mixer.share(body::PartOf(joint));
     }
   }
-  if (familiar < 1.0F || upright < 1.0F) change *= familiar * upright;
-  if (restart_fade < 1.0F) {
-    if (!first) restart_fade += static_cast<float>(dt_s) / std::max(1e-3F, options.restart_fade_s);
-    change = fade_from + SmoothStep(restart_fade) * (change - fade_from);
-  }
+  if (domain.reduces()) delta *= domain.weight();
+  filter.Apply(delta, dt_s, options);
 }
 
 void Stylist::Impl::Apply(const Pose& input, Pose& styled) const noexcept {
   styled.hips_position_m = input.hips_position_m;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
-    const Vec3 turn = change.col(static_cast<Eigen::Index>(joint));
+    const Vec3 turn = filter.applied().col(static_cast<Eigen::Index>(joint));
     styled.rotations[joint] = (input.rotations[joint] * body::Exp(turn)).normalized();
   }
   if (options.knees) KeepKnees(input, 1 - mixer.absolute(), styled);
 }
 
 bool Stylist::Impl::Bypassed() const noexcept {
-  return mixer.empty() && change.isZero(0.0F) && feet_style.value() < kNoStyle &&
-         std::abs(shift_m.value()) < kNothing_m &&
-         std::abs(rig_shift.value()) * binding->scale() < kNothing_m;
+  return mixer.empty() && filter.applied().isZero(0.0F) && feet_style.value() < tuning::kNoStyle &&
+         std::abs(shift_m.value()) < tuning::kSettled_m &&
+         std::abs(rig_shift.value()) * binding->scale() < tuning::kSettled_m;
 }
 
 void Stylist::Impl::Ground(Output& out) noexcept {
@@ -553,11 +453,11 @@ void Stylist::Impl::HoldFeet(Output& out) noexcept {
   float style = 0;
   for (const erd::ActiveStyle& active : mixer.in_force()) style += active.weight;
   if (mixer.input_style() > 0) style = std::max(style, mixer.presence());
-  style = feet_style.Follow(style, dt, delay_s / 2);
+  style = feet_style.Follow(style, dt, filter.delay_s() / 2);
   style *= std::max({mixer.share(body::Part::kTorso), mixer.share(body::Part::kLeftLeg),
                      mixer.share(body::Part::kRightLeg)});
   const bool held = options.feet && (out.flags & kBypass) == 0;
-  const float weight = held ? SmoothStep(familiar * upright * style / kFeetFull) : 0.0F;
+  const float weight = held ? SmoothStep(domain.weight() * style / tuning::kFeetFull) : 0.0F;
   rig_feet.Process(dt, weight, {input_guard.clean().translations, input_guard.clean().rotations},
                    {out.rig.translations, out.rig.rotations});
   out.contacts = rig_feet.contacts().bits();
