@@ -20,7 +20,7 @@
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/histogram.h"
 #include "daemon/runtime/schedule.h"
-#include "daemon/source/source_frame.h"
+#include "daemon/source/native_decoder.h"
 #include "model/stylist/stylist.h"
 #include "proto/styled/v1/control.pb.h"
 #include "proto/styled/v1/stats.pb.h"

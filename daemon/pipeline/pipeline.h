@@ -18,7 +18,7 @@
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/realtime.h"
-#include "daemon/source/source_frame.h"
+#include "daemon/source/native_decoder.h"
 #include "daemon/source/transport.h"
 
 namespace styled::pipeline {

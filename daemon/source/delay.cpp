@@ -9,7 +9,7 @@
 
 #include "daemon/runtime/histogram.h"
 #include "daemon/runtime/schedule.h"
-#include "daemon/source/source_frame.h"
+#include "daemon/source/native_decoder.h"
 #include "proto/rigs/native/datagram.h"
 
 namespace styled::source {

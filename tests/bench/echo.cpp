@@ -18,7 +18,7 @@
 #include "daemon/publish/publisher.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/runtime/schedule.h"
-#include "daemon/source/source_frame.h"
+#include "daemon/source/native_decoder.h"
 #include "daemon/source/udp.h"
 #include "proto/rigs/native/datagram.h"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "daemon/source/source_frame.h"
+#include "daemon/source/native_decoder.h"
 #include "daemon/source/translator.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "daemon/runtime/clock.h"
-#include "daemon/source/relay.h"
+#include "daemon/source/performer_stream.h"
 #include "proto/rigs/mocopi/mocopi.h"
 
 namespace styled::source {
@@ -35,7 +35,7 @@ rig::RigBody MakeBody(const mocopi::Skeleton& bones) {
 // One application that sends, on one address.
 class Sender {
  public:
-  Sender(std::uint64_t peer, std::string performer) : peer_(peer), relay_(std::move(performer)) {}
+  Sender(std::uint64_t peer, std::string performer) : peer_(peer), stream_(std::move(performer)) {}
 
   std::uint64_t peer() const { return peer_; }
   std::int64_t seen_ns() const { return seen_ns_; }
@@ -51,26 +51,26 @@ class Sender {
 
  private:
   void TakeSkeleton(const mocopi::Skeleton& skeleton, Outbox& out) {
-    if (relay_.has_body() && skeleton == skeleton_) return;  // as every 3.5 s
+    if (stream_.has_body() && skeleton == skeleton_) return;  // as every 3.5 s
     out.LeaveHotSection();
     skeleton_ = skeleton;
-    relay_.SetBody(MakeBody(skeleton), out);
-    pose_ = rig::RigPose(relay_.body().skeleton);
+    stream_.SetBody(MakeBody(skeleton), out);
+    pose_ = rig::RigPose(stream_.body().skeleton);
   }
 
   void TakeFrame(const mocopi::Frame& frame, std::int64_t now_ns, Outbox& out) {
-    Relay::Moment moment;
-    if (!Admit(frame, moment.lost, out)) return;
-    if (!relay_.has_body()) TakeSkeleton(mocopi::UsualSkeleton(), out);
+    PerformerStream::FrameInfo info;
+    if (!Admit(frame, info.lost, out)) return;
+    if (!stream_.has_body()) TakeSkeleton(mocopi::UsualSkeleton(), out);
     for (std::size_t id = 0; id < mocopi::kBones; ++id) {
       const auto& r = frame.bones[id].rotation;
       pose_.rotations[id] = rig::Quat(r[3], r[0], r[1], r[2]);
     }
     const auto& root = frame.bones[0].position_m;  // the others repeat their offsets
     pose_.translations.front() = {root[0], root[1], root[2]};
-    moment.source_time_ns = static_cast<std::uint64_t>(double{frame.time_s} * 1e9);
-    moment.now_ns = now_ns;
-    relay_.Send(pose_, moment, out);
+    info.source_time_ns = static_cast<std::uint64_t>(double{frame.time_s} * 1e9);
+    info.now_ns = now_ns;
+    stream_.Send(pose_, info, out);
   }
 
   // False for a frame that is there already, or comes too late.
@@ -87,7 +87,7 @@ class Sender {
       }
       if (far) {
         behind_ = 0;
-        relay_.Restart();
+        stream_.Restart();
       } else {
         lost = frame.number - number_ - 1;
       }
@@ -100,7 +100,7 @@ class Sender {
 
   std::uint64_t peer_;
   std::int64_t seen_ns_ = 0;
-  Relay relay_;
+  PerformerStream stream_;
   mocopi::Skeleton skeleton_;
   rig::RigPose pose_;
   bool any_ = false;

@@ -5,7 +5,7 @@
 
 #include "daemon/runtime/clock.h"
 #include "daemon/source/note_limit.h"
-#include "daemon/source/relay.h"
+#include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/world_pose.h"
 #include "proto/rigs/mvn/mvn.h"
 
@@ -57,11 +57,11 @@ class Character {
   bool Is(std::uint64_t peer, std::uint8_t id) const { return peer_ == peer && id_ == id; }
   std::int64_t seen_ns() const { return seen_ns_; }
   std::uint8_t id() const { return id_; }
-  std::string_view performer() const { return relay_ ? relay_->performer() : std::string_view(); }
+  std::string_view performer() const { return stream_ ? stream_->performer() : std::string_view(); }
   const std::string& called() const { return called_; }
 
   void TakeName(std::string_view name) {
-    if (!relay_ && !name.empty()) called_ = MakeName(name);
+    if (!stream_ && !name.empty()) called_ = MakeName(name);
   }
   void TakeScale(const mvn::Scale& scale, Outbox& out);
   STYLED_REALTIME void TakeTimecode(const mvn::Timecode& given) noexcept {
@@ -86,7 +86,7 @@ class Character {
   std::int64_t since_ns_, seen_ns_;
   NoteLimit& incomplete_notes_;  // of all characters
   std::string called_;
-  std::optional<Relay> relay_;
+  std::optional<PerformerStream> stream_;
   std::array<rig::Vec3, mvn::kBodySegments> scale_m_;  // T-pose, +Z up
   bool has_scale_ = false;
   bool y_up_ = false;  // type 02 of a sender that was told so
@@ -113,7 +113,7 @@ void Character::TakeScale(const mvn::Scale& scale, Outbox& out) {
     scale_m_[s] = {p[0], p[1], p[2]};
   }
   has_scale_ = true;
-  if (!relay_ || !relay_->has_body()) return;
+  if (!stream_ || !stream_->has_body()) return;
   // Told after the fact: another body, if it is another.
   mvn::Header header;
   header.type = type_;
@@ -132,7 +132,7 @@ Character::Order Character::Sort(const mvn::Header& header, std::int64_t now_ns,
     if (header.datagram < next_part_) out.Refuse(Counter::kPipelineDuplicate);
     return Order::kOld;
   }
-  if (any_sample_ && header.sample < sample_ && relay_) relay_->Restart();
+  if (any_sample_ && header.sample < sample_ && stream_) stream_->Restart();
   if (!any_sample_ || header.sample != sample_) {
     if (any_sample_ && !sent_) SayIncomplete(now_ns, out);
     gathered_ = next_part_ = 0;
@@ -218,7 +218,7 @@ void Character::MakeBody(const mvn::Header& header, const std::string& up, Outbo
     if (euler || y_up_) offset = {offset.y(), offset.z(), offset.x()};
     body_.skeleton.offsets[j] = offset / body_.metres_per_unit;
   }
-  relay_->SetBody(body_, out);
+  stream_->SetBody(body_, out);
 }
 
 template <typename MakePerformer>
@@ -228,13 +228,13 @@ void Character::TakePose(const mvn::Header& header, const mvn::Pose& pose, const
   if (header.type == mvn::Type::kEuler && type_ == mvn::Type::kQuaternion) return;  // both are sent
   if (Sort(header, now_ns, out) == Order::kOld || !Gather(header, pose, now_ns, out)) return;
   sent_ = true;
-  if (!relay_) {
+  if (!stream_) {
     if ((called_.empty() || !has_scale_) && now_ns - since_ns_ < kPatience_ns) return;
     out.LeaveHotSection();
-    relay_.emplace(performer(*this));
+    stream_.emplace(performer(*this));
   }
   const bool fingers = header.finger_segments == 2 * kHandSegments;
-  if (!relay_->has_body() || header.type != type_ ||
+  if (!stream_->has_body() || header.type != type_ ||
       fingers != (body_.skeleton.joint_count() > mvn::kBodySegments)) {
     MakeBody(header, up, out);
   }
@@ -247,11 +247,11 @@ void Character::Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out
   }
   LocalFromWorld(body_.skeleton.parents, joint_rotations_, pose_);
   pose_.translations.front() = positions_.front();
-  Relay::Moment moment;
-  moment.source_time_ns = std::uint64_t{header.time_ms} * 1'000'000;
-  moment.now_ns = now_ns;
-  moment.timecode = has_timecode_ ? &timecode_ : nullptr;
-  relay_->Send(pose_, moment, out);
+  PerformerStream::FrameInfo info;
+  info.source_time_ns = std::uint64_t{header.time_ms} * 1'000'000;
+  info.now_ns = now_ns;
+  info.timecode = has_timecode_ ? &timecode_ : nullptr;
+  stream_->Send(pose_, info, out);
 }
 
 class Mvn final : public Translator {

@@ -169,7 +169,7 @@ bool NatNet::Adopt(const natnet::SkeletonDescription& description,
   }
   const auto called = [](const std::string& name) {
     return [&name](const auto& performer) {
-      return performer != nullptr && performer->relay.performer() == name;
+      return performer != nullptr && performer->stream.performer() == name;
     };
   };
   std::string name = MakeName(description.name);
@@ -183,7 +183,7 @@ bool NatNet::Adopt(const natnet::SkeletonDescription& description,
   Performer& performer = *performers.back();
   performer.id = description.id;
   performer.skeleton = std::move(skeleton.value());
-  performer.relay.SetBody(performer.skeleton.body(), out);
+  performer.stream.SetBody(performer.skeleton.body(), out);
   performer.pose = rig::RigPose(performer.skeleton.body().skeleton);
   return true;
 }
@@ -217,7 +217,7 @@ NatNet::Order NatNet::Sort(std::uint64_t& lost, Outbox& out) {
     return Order::kOld;
   }
   if (any_frame_ && ahead < 0) {
-    for (auto& performer : performers_) performer->relay.Restart();
+    for (auto& performer : performers_) performer->stream.Restart();
     stride_ = 0;
   } else if (any_frame_) {
     const auto step = static_cast<std::uint32_t>(ahead);
@@ -248,7 +248,7 @@ void NatNet::WatchConvention(Outbox& out) {
   }
   const bool was_known = convention_.known();
   if (!convention_.Take(misfits) || !was_known) return;
-  for (auto& performer : performers_) performer->relay.Restart();
+  for (auto& performer : performers_) performer->stream.Restart();
   const NatNetConvention found = convention_.convention();
   Say("server " + config_.server + " now streams " + (found.local ? "local" : "global") +
           " coordinates, " + (found.z_up ? "+Z" : "+Y") + " up",
@@ -257,14 +257,14 @@ void NatNet::WatchConvention(Outbox& out) {
 
 void NatNet::Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out) {
   WatchConvention(out);
-  Relay::Moment moment;
-  moment.source_time_ns = static_cast<std::uint64_t>(std::llround(frame_->timestamp_s * 1e9));
-  moment.now_ns = now_ns;
-  moment.lost = lost;
+  PerformerStream::FrameInfo info;
+  info.source_time_ns = static_cast<std::uint64_t>(std::llround(frame_->timestamp_s * 1e9));
+  info.now_ns = now_ns;
+  info.lost = lost;
   const std::uint32_t code = frame_->timecode;
   if (code != 0) {
     timecode_ = {code >> 24U, code >> 16U & 0xFFU, code >> 8U & 0xFFU, code & 0xFFU, 0, false};
-    moment.timecode = &timecode_;
+    info.timecode = &timecode_;
   }
   for (std::size_t s = 0; s < frame_->skeleton_count; ++s) {
     const natnet::Skeleton& bones = frame_->skeletons[s];
@@ -279,7 +279,7 @@ void NatNet::Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out) {
       continue;
     }
     performer->skeleton.Convert(bones, convention_.convention(), flags_, performer->pose);
-    performer->relay.Send(performer->pose, moment, out);
+    performer->stream.Send(performer->pose, info, out);
   }
 }
 

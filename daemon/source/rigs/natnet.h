@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "daemon/source/relay.h"
+#include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/natnet_skeleton.h"
 #include "daemon/source/translator.h"
 #include "proto/rigs/natnet/dialogue.h"
@@ -49,9 +49,9 @@ class NatNet final : public Translator {
 
  private:
   struct Performer {
-    explicit Performer(std::string name) : relay(std::move(name)) {}
+    explicit Performer(std::string name) : stream(std::move(name)) {}
     std::int32_t id = 0;
-    Relay relay;
+    PerformerStream stream;
     NatNetSkeleton skeleton;
     rig::RigPose pose;
   };

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/runtime/clock.h"
-#include "daemon/source/relay.h"
+#include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/world_pose.h"
 #include "proto/rigs/rokoko/rokoko.h"
 
@@ -42,19 +42,19 @@ class Actor {
  public:
   // `occurrence`: of the actors of this name in one frame.
   Actor(std::uint64_t peer, std::string_view name, int occurrence, std::string performer)
-      : peer_(peer), name_(name), occurrence_(occurrence), relay_(std::move(performer)) {}
+      : peer_(peer), name_(name), occurrence_(occurrence), stream_(std::move(performer)) {}
 
   bool Is(std::uint64_t peer, std::string_view name, int occurrence) const {
     return peer_ == peer && occurrence_ == occurrence && name_ == name;
   }
   std::uint64_t peer() const { return peer_; }
   std::int64_t seen_ns() const { return seen_ns_; }
-  const std::string& performer() const { return relay_.performer(); }
+  const std::string& performer() const { return stream_.performer(); }
 
   void Take(const rokoko::Actor& actor, double time_s, std::int64_t now_ns, Outbox& out) {
     seen_ns_ = now_ns;
     const Joints usable = Usable(actor);
-    if (!relay_.has_body() && !usable[kHip]) return out.Refuse(Counter::kSourceIncomplete);
+    if (!stream_.has_body() && !usable[kHip]) return out.Refuse(Counter::kSourceIncomplete);
     if (!Admit(time_s, out)) return;
     const bool lacks = (known_ & ~usable).any();
     const bool adds = (usable & ~known_).any();
@@ -77,7 +77,7 @@ class Actor {
         out.Refuse(Counter::kPipelineReordered);
         return false;
       }
-      relay_.Restart();
+      stream_.Restart();
       behind_ = 0;
     }
     any_ = true;
@@ -112,7 +112,7 @@ class Actor {
     TakeRotations(actor, usable);
     body.skeleton.offsets.resize(joint_of_.size());
     OffsetsFromWorld(body.skeleton.parents, positions, world_, body.skeleton.offsets);
-    relay_.SetBody(body, out);
+    stream_.SetBody(body, out);
     pose_ = rig::RigPose(body.skeleton);
   }
 
@@ -130,19 +130,19 @@ class Actor {
   void Send(const rokoko::Actor& actor, const Joints& usable, double time_s, std::int64_t now_ns,
             Outbox& out) {
     TakeRotations(actor, usable);
-    LocalFromWorld(relay_.body().skeleton.parents, world_, pose_);
+    LocalFromWorld(stream_.body().skeleton.parents, world_, pose_);
     if (actor.has[kHip]) pose_.translations.front() = Mirrored(actor.joints[kHip].position_m);
-    Relay::Moment moment;
-    moment.source_time_ns = static_cast<std::uint64_t>(std::llround(time_s * 1e9));
-    moment.now_ns = now_ns;
-    relay_.Send(pose_, moment, out);
+    PerformerStream::FrameInfo info;
+    info.source_time_ns = static_cast<std::uint64_t>(std::llround(time_s * 1e9));
+    info.now_ns = now_ns;
+    stream_.Send(pose_, info, out);
   }
 
   std::uint64_t peer_;
   std::string name_;
   int occurrence_;
   std::int64_t seen_ns_ = 0;
-  Relay relay_;
+  PerformerStream stream_;
   bool any_ = false;
   double time_s_ = 0;
   int behind_ = 0;  // frames one after the other that were older than the newest

@@ -67,7 +67,7 @@ rig::RigBody CanonicalBody() {
 
 TrackerRig::TrackerRig(const config::Source& config)
     : trackers_(options_),
-      relay_(config.performer.empty() ? config.name : config.performer),
+      stream_(config.performer.empty() ? config.name : config.performer),
       body_(CanonicalBody()),
       pose_(body_.skeleton),
       period_ns_(std::llround(static_cast<double>(runtime::kSecond_ns) /
@@ -178,14 +178,14 @@ void TrackerRig::Tick(std::int64_t now_ns, Outbox& out) {
 
 void TrackerRig::SendFrame(std::int64_t time_ns, std::int64_t now_ns, std::uint64_t lost,
                            Outbox& out) {
-  if (!relay_.has_body()) relay_.SetBody(body_, out);
+  if (!stream_.has_body()) stream_.SetBody(body_, out);
   pose_.translations.front() = solved_.hips_position_m;
   std::ranges::copy(solved_.rotations, pose_.rotations.begin());
-  Relay::Moment moment;
-  moment.source_time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(time_ns, 0));
-  moment.now_ns = now_ns;
-  moment.lost = lost;
-  relay_.Send(pose_, moment, out);
+  PerformerStream::FrameInfo info;
+  info.source_time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(time_ns, 0));
+  info.now_ns = now_ns;
+  info.lost = lost;
+  stream_.Send(pose_, info, out);
 }
 
 Status TrackerRig::Calibrate(Calibration what, std::int64_t now_ns) {
@@ -211,7 +211,7 @@ Status TrackerRig::Calibrate(Calibration what, std::int64_t now_ns) {
   note_ = "calibrated " + PartNames(outcome.done);
   if (outcome.left != 0)
     note_ += "; left as they are, because they" + why + ": " + PartNames(outcome.left);
-  relay_.Restart();
+  stream_.Restart();
   return Status::Ok();
 }
 

@@ -7,7 +7,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/source/note_limit.h"
-#include "daemon/source/relay.h"
+#include "daemon/source/performer_stream.h"
 #include "daemon/source/translator.h"
 #include "model/base/status.h"
 #include "model/rig/trackers.h"
@@ -63,7 +63,7 @@ class TrackerRig {
   bool told_to_calibrate_ = false;
   rig::Trackers::Options options_;
   rig::Trackers trackers_;
-  Relay relay_;
+  PerformerStream stream_;
   rig::RigBody body_;
   rig::RigPose pose_;
   body::Pose solved_;

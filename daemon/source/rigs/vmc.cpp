@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/runtime/clock.h"
-#include "daemon/source/relay.h"
+#include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/vmc_body.h"
 #include "proto/rigs/vmc/assembler.h"
 
@@ -40,7 +40,7 @@ float Distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
 // One application that sends, from one address.
 class Sender {
  public:
-  Sender(std::uint64_t peer, std::string performer) : peer_(peer), relay_(std::move(performer)) {
+  Sender(std::uint64_t peer, std::string performer) : peer_(peer), stream_(std::move(performer)) {
     face_.expressions.reserve(vmc::Frame::kMaxBlends);
     face_.thru.reserve(vmc::Frame::kMaxThrus);
   }
@@ -82,7 +82,7 @@ class Sender {
   std::int64_t seen_ns_ = 0;
   vmc::Assembler assembler_;
   vmc::Assembler::Counts reported_;
-  Relay relay_;
+  PerformerStream stream_;
   const BoneSet canonical_ = CanonicalBones(), required_ = RequiredBones();
   BoneSet bones_ = 0;          // of the body
   BoneSet before_ = 0;         // of the last frame
@@ -99,7 +99,7 @@ class Sender {
 
 void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
   if (frame.restarted) {
-    relay_.Restart();
+    stream_.Restart();
     bones_ = before_ = 0;  // another avatar, perhaps
   }
   Remember(frame);
@@ -109,11 +109,11 @@ void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
   if (wanted == 0) return;
   if (wanted != bones_ || moved_frames_ >= kMovedFrames) SetBody(wanted, out);
   Pose(frame);
-  Relay::Moment moment;
-  moment.source_time_ns = Time_ns(frame);
-  moment.now_ns = now_ns;
-  moment.face = Look(frame);
-  relay_.Send(pose_, moment, out);
+  PerformerStream::FrameInfo info;
+  info.source_time_ns = Time_ns(frame);
+  info.now_ns = now_ns;
+  info.face = Look(frame);
+  stream_.Send(pose_, info, out);
 }
 
 // What is not a number is as if it had not come.
@@ -154,10 +154,10 @@ void Sender::SetBody(BoneSet bones, Outbox& out) {
   bones_ = bones;
   told_ = positions_;
   moved_frames_ = 0;
-  relay_.SetBody(MakeVmcBody(bones, positions_), out);
-  relay_.ReserveFace(vmc::Frame::kMaxBlends, vmc::Frame::Expression::kMaxName,
-                     vmc::Frame::kMaxThrus, vmc::Frame::Passed::kMaxSize);
-  pose_ = rig::RigPose(relay_.body().skeleton);
+  stream_.SetBody(MakeVmcBody(bones, positions_), out);
+  stream_.ReserveFace(vmc::Frame::kMaxBlends, vmc::Frame::Expression::kMaxName,
+                      vmc::Frame::kMaxThrus, vmc::Frame::Passed::kMaxSize);
+  pose_ = rig::RigPose(stream_.body().skeleton);
   bone_of_joint_.clear();
   for (const int bone : vmc::kParentsFirst) {
     if (vmc::Has(bones, bone)) bone_of_joint_.push_back(bone);

@@ -1,4 +1,4 @@
-#include "daemon/source/relay.h"
+#include "daemon/source/performer_stream.h"
 
 #include <algorithm>
 #include <random>
@@ -30,17 +30,18 @@ std::string MakeName(std::string_view text) {
   return name.empty() ? "performer" : name;
 }
 
-Relay::Relay(std::string performer) : performer_(std::move(performer)), session_(RandomSession()) {
+PerformerStream::PerformerStream(std::string performer)
+    : performer_(std::move(performer)), session_(RandomSession()) {
   frame_.set_performer(performer_);
 }
 
-void Relay::Restart() noexcept {
+void PerformerStream::Restart() noexcept {
   session_ += 2;  // of the same sender (WIRE.md); odd stays odd: never 0
   sequence_ = 0;
   next_body_ns_ = 0;
 }
 
-void Relay::SetBody(const rig::RigBody& body, Outbox& out) {
+void PerformerStream::SetBody(const rig::RigBody& body, Outbox& out) {
   if (has_body() && body == body_) return;
   out.LeaveHotSection();
   body_ = body;
@@ -65,8 +66,8 @@ void Relay::SetBody(const rig::RigBody& body, Outbox& out) {
   frame_.mutable_rotations()->Resize(4 * skeleton.joint_count(), 0.0F);
 }
 
-void Relay::ReserveFace(std::size_t expressions, std::size_t name_bytes, std::size_t thrus,
-                        std::size_t thru_bytes) {
+void PerformerStream::ReserveFace(std::size_t expressions, std::size_t name_bytes,
+                                  std::size_t thrus, std::size_t thru_bytes) {
   for (std::size_t i = 0; i < expressions; ++i) {
     frame_.add_expressions()->set_name(std::string(name_bytes, ' '));
   }
@@ -75,7 +76,7 @@ void Relay::ReserveFace(std::size_t expressions, std::size_t name_bytes, std::si
 }
 
 // Cleared elements keep their memory for the next frame's.
-void Relay::SetFace(const Face* face) {
+void PerformerStream::SetFace(const Face* face) {
   frame_.clear_expressions();
   frame_.clear_thru();
   if (face == nullptr) return;
@@ -87,32 +88,32 @@ void Relay::SetFace(const Face* face) {
   for (const auto bytes : face->thru) frame_.add_thru(bytes.data(), bytes.size());
 }
 
-void Relay::SendBody(std::int64_t now_ns, Outbox& out) noexcept {
+void PerformerStream::SendBody(std::int64_t now_ns, Outbox& out) noexcept {
   next_body_ns_ = now_ns + runtime::kSecond_ns;
   out.Put(native::Encode(
       {native::Kind::kBody, session_, sequence_++, std::as_bytes(std::span(body_bytes_))},
       out.Slot()));
 }
 
-void Relay::Send(const rig::RigPose& pose, const Moment& moment, Outbox& out) noexcept {
+void PerformerStream::Send(const rig::RigPose& pose, const FrameInfo& info, Outbox& out) noexcept {
   if (!has_body()) return;
-  if (moment.now_ns >= next_body_ns_) SendBody(moment.now_ns, out);
-  sequence_ += std::min(moment.lost, kMostLost);
-  frame_.set_source_time_ns(moment.source_time_ns);
+  if (info.now_ns >= next_body_ns_) SendBody(info.now_ns, out);
+  sequence_ += std::min(info.lost, kMostLost);
+  frame_.set_source_time_ns(info.source_time_ns);
   std::copy_n(pose.translations.front().data(), 3, frame_.mutable_root_position()->mutable_data());
   float* to = frame_.mutable_rotations()->mutable_data();
   for (const rig::Quat& rotation : pose.rotations)
     to = std::copy_n(rotation.coeffs().data(), 4, to);
-  if (moment.timecode != nullptr) {
+  if (info.timecode != nullptr) {
     v1::Timecode& timecode = *frame_.mutable_timecode();
-    timecode.set_hours(moment.timecode->hours);
-    timecode.set_minutes(moment.timecode->minutes);
-    timecode.set_seconds(moment.timecode->seconds);
-    timecode.set_frames(moment.timecode->frames);
-    timecode.set_rate(moment.timecode->rate);
-    timecode.set_drop_frame(moment.timecode->drop_frame);
+    timecode.set_hours(info.timecode->hours);
+    timecode.set_minutes(info.timecode->minutes);
+    timecode.set_seconds(info.timecode->seconds);
+    timecode.set_frames(info.timecode->frames);
+    timecode.set_rate(info.timecode->rate);
+    timecode.set_drop_frame(info.timecode->drop_frame);
   }
-  SetFace(moment.face);
+  SetFace(info.face);
   const auto slot = out.Slot();
   const auto payload = slot.subspan(native::kHeaderSize);
   const std::size_t size = frame_.ByteSizeLong();

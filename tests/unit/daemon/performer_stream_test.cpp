@@ -1,4 +1,4 @@
-#include "daemon/source/relay.h"
+#include "daemon/source/performer_stream.h"
 
 #include <gtest/gtest.h>
 
@@ -18,29 +18,29 @@ struct Fixture : support::Translated {
     outbox.Open(*this, -1);
     rig::RigPose pose(body.skeleton);
     pose.translations[0] = {1, 2, 3};
-    relay.Send(pose, {++time_ns, now_ns, lost, nullptr}, outbox);
+    stream.Send(pose, {++time_ns, now_ns, lost, nullptr}, outbox);
     outbox.Close();
   }
   void SetBody() {
     outbox.Open(*this, -1);
-    relay.SetBody(body, outbox);
+    stream.SetBody(body, outbox);
     outbox.Close();
   }
 
   runtime::Counters counters;
   Outbox outbox{0, counters};
-  Relay relay{"a"};
+  PerformerStream stream{"a"};
   rig::RigBody body{{{"hips", "head"}, {-1, 0}, {{0, 1, 0}, {0, 0.5F, 0}}}, {}, 1, "auto"};
   std::uint64_t time_ns = 0;
 };
 
-TEST(Relay, SaysNothingBeforeThereIsABody) {
+TEST(PerformerStream, SaysNothingBeforeThereIsABody) {
   Fixture f;
   f.Send();
   EXPECT_TRUE(f.items.empty());
 }
 
-TEST(Relay, SendsTheBodyFirstAndAgainEverySecond) {
+TEST(PerformerStream, SendsTheBodyFirstAndAgainEverySecond) {
   Fixture f;
   f.SetBody();
   for (int i = 0; i < 5; ++i) {
@@ -57,13 +57,13 @@ TEST(Relay, SendsTheBodyFirstAndAgainEverySecond) {
   EXPECT_EQ(f.undecodable, 0);
 }
 
-TEST(Relay, TellsLostFramesByTheSequenceAndARestartByTheSession) {
+TEST(PerformerStream, TellsLostFramesByTheSequenceAndARestartByTheSession) {
   Fixture f;
   f.SetBody();
   f.Send();
   f.Send(3);
   EXPECT_EQ(f.items[2].sequence, f.items[1].sequence + 4);
-  f.relay.Restart();
+  f.stream.Restart();
   f.Send();
   ASSERT_EQ(f.items.size(), 5U);
   EXPECT_FALSE(f.items[3].is_frame) << "a session begins with its body";
@@ -71,7 +71,7 @@ TEST(Relay, TellsLostFramesByTheSequenceAndARestartByTheSession) {
   EXPECT_EQ(f.items[3].sequence, 0U);
 }
 
-TEST(Relay, AnotherBodyIsAnnouncedAtOnceTheSameOneIsNot) {
+TEST(PerformerStream, AnotherBodyIsAnnouncedAtOnceTheSameOneIsNot) {
   Fixture f;
   f.SetBody();
   f.Send();
@@ -86,18 +86,18 @@ TEST(Relay, AnotherBodyIsAnnouncedAtOnceTheSameOneIsNot) {
   EXPECT_NE(f.Frames()[2].body_crc(), f.Frames()[1].body_crc());
 }
 
-TEST(Relay, MoreThanABatchArrivesWhole) {
+TEST(PerformerStream, MoreThanABatchArrivesWhole) {
   Fixture f;
   f.SetBody();
   f.outbox.Open(f, -1);
   rig::RigPose pose(f.body.skeleton);
-  for (int i = 0; i < 100; ++i) f.relay.Send(pose, {++f.time_ns, f.now_ns, 0, nullptr}, f.outbox);
+  for (int i = 0; i < 100; ++i) f.stream.Send(pose, {++f.time_ns, f.now_ns, 0, nullptr}, f.outbox);
   f.outbox.Close();
   EXPECT_EQ(f.Frames().size(), 100U);
   EXPECT_EQ(f.undecodable, 0);
 }
 
-TEST(Relay, NamesAreMadeValid) {
+TEST(PerformerStream, NamesAreMadeValid) {
   EXPECT_EQ(MakeName("Anna B\xC3\xBC"), "Anna_B__");
   EXPECT_EQ(MakeName(""), "performer");
   EXPECT_EQ(MakeName(std::string(40, 'x')), std::string(32, 'x'));

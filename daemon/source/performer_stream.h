@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/source/native_decoder.h"
 #include "daemon/source/outbox.h"
-#include "daemon/source/source_frame.h"
 #include "model/rig/skeleton.h"
 #include "proto/styled/v1/frame.pb.h"
 
@@ -27,11 +27,11 @@ struct Face {
 // sequence numbers, the body again once a second. Made when a performer is first seen; pipeline
 // thread. Neither Send nor Restart allocates once the body is set, but for a larger face than was
 // reserved.
-// Pinned by tests/unit/daemon/relay_test.cpp.
-class Relay {
+// Pinned by tests/unit/daemon/performer_stream_test.cpp.
+class PerformerStream {
  public:
   // `performer`: a valid name (MakeName).
-  explicit Relay(std::string performer);
+  explicit PerformerStream(std::string performer);
 
   // The sender began anew: what follows is another session, of the same body.
   STYLED_REALTIME void Restart() noexcept;
@@ -44,7 +44,7 @@ class Relay {
   bool has_body() const { return !body_bytes_.empty(); }
   const rig::RigBody& body() const { return body_; }
 
-  struct Moment {
+  struct FrameInfo {
     std::uint64_t source_time_ns = 0;  // the rig's clock; any epoch
     std::int64_t now_ns = 0;           // arrival
     std::uint64_t lost = 0;            // frames that the rig's own count says were lost before
@@ -53,7 +53,7 @@ class Relay {
   };
   // A pose of the body (local rotations; NaN in a joint: not tracked). Nothing before a body is
   // set. `pose` has the body's joint count.
-  STYLED_REALTIME void Send(const rig::RigPose& pose, const Moment& moment, Outbox& out) noexcept;
+  STYLED_REALTIME void Send(const rig::RigPose& pose, const FrameInfo& info, Outbox& out) noexcept;
 
   const std::string& performer() const { return performer_; }
 

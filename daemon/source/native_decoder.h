@@ -36,7 +36,7 @@ enum class [[nodiscard]] FrameResult : std::uint8_t {
 // and grow with a hostile frame, on the heap. Floats must be packed (proto3's default; one run per
 // field), expressions and thru in one run (the last one counts); unknown fields are skipped, the
 // last of repeated scalars wins. `view` is unspecified unless kOk. Pure; any thread. Pinned against
-// protobuf by tests/unit/daemon/source_frame_test.cpp.
+// protobuf by tests/unit/daemon/native_decoder_test.cpp.
 STYLED_REALTIME FrameResult ReadSourceFrame(std::span<const std::byte> payload,
                                             SourceFrameView& view) noexcept;
 

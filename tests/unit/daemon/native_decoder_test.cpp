@@ -1,4 +1,4 @@
-#include "daemon/source/source_frame.h"
+#include "daemon/source/native_decoder.h"
 
 #include <gtest/gtest.h>
 
