@@ -1,7 +1,6 @@
 // The way of a frame through the pipeline: the hot half of pipeline.h.
 #include <algorithm>
 
-#include "daemon/config/config.h"
 #include "daemon/pipeline/pipeline.h"
 
 namespace styled::pipeline {
@@ -10,36 +9,32 @@ namespace {
 using runtime::Counter;
 using runtime::kSecond_ns;
 using runtime::Nanoseconds;
-using source::FrameResult;
 
 constexpr std::int64_t kLongestPeriod_ns = kSecond_ns / 10;
 
 }  // namespace
 
-void Pipeline::OnDatagramsFrom(int source, std::span<const std::span<const std::byte>> datagrams,
-                               std::span<const source::Machine> senders) {
+void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
+                        bool more_waiting) {
   runtime::HotSection hot;
   receive_ns_ = to_.clock.Now_ns();
   wall_ns_ = to_.clock.Wall_ns();
-  to_.counters.Add(Counter::kSourceReceived, datagrams.size());
-  const bool full = datagrams.size() == source::kBatch;  // more may be waiting
+  to_.counters.Add(Counter::kSourceReceived, frames.size());
   const std::int64_t elsewhere_ns = stages_.Elsewhere_ns();
-  // 1 decode all, so that each performer's newest frame is known
-  for (std::size_t i = 0; i < datagrams.size(); ++i) {
-    Decode(source, datagrams[i], items_[i]);
-    items_[i].sender = i < senders.size() ? senders[i] : source::Machine{};
+  // 1 look at all, so that each performer's newest frame is known
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const bool is_body = frames[i].is_body;
+    items_[i] = {&frames[i], is_body ? nullptr : roster_.Find(source, frames[i].performer)};
     NoteNewest(static_cast<int>(i));
   }
   // 2 one after the other, to the subscribers; what is of different performers is styled together
-  for (std::size_t i = 0; i < datagrams.size(); ++i) {
-    Item& item = items_[i];
-    if (!item.good) continue;
-    if (item.datagram.kind == native::Kind::kSourceFrame) {
-      hot.Enter();
-      AcceptFrame(source, item, static_cast<int>(i), full, hot);
-    } else {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (frames[i].is_body) {
       StyleAccepted(hot);
-      AcceptBody(source, item);
+      AcceptBody(source, frames[i]);
+    } else {
+      hot.Enter();
+      AcceptFrame(source, items_[i], static_cast<int>(i), more_waiting, hot);
     }
   }
   StyleAccepted(hot);
@@ -52,43 +47,21 @@ void Pipeline::NoteNewest(int index) noexcept {
   const Item& item = items_[static_cast<std::size_t>(index)];
   if (item.performer == nullptr) return;
   // What will not be admitted must not pass for newer than what will.
-  if (!item.performer->session.Plausible(item.sender, item.datagram.session, item.datagram.sequence,
-                                         receive_ns_, rules_)) {
+  if (!item.performer->session.Plausible(item.frame->machine, item.frame->session,
+                                         item.frame->sequence, receive_ns_, rules_)) {
     return;
   }
   int& newest = item.performer->newest_in_batch;
   if (newest >= 0) {  // a duplicate or an old frame after it is not newer
-    const auto& best = items_[static_cast<std::size_t>(newest)].datagram;
-    if (best.session == item.datagram.session && best.sequence >= item.datagram.sequence) return;
+    const auto& best = *items_[static_cast<std::size_t>(newest)].frame;
+    if (best.session == item.frame->session && best.sequence >= item.frame->sequence) return;
   }
   newest = index;
 }
 
-void Pipeline::Decode(int source, std::span<const std::byte> bytes, Item& item) noexcept {
-  item.good = false;
-  item.performer = nullptr;
-  const auto result = native::Decode(bytes, item.datagram);
-  if (result != native::DecodeResult::kOk) {
-    to_.counters.AddOf(source, runtime::CounterOf(result));
-    return;
-  }
-  if (item.datagram.kind == native::Kind::kBody) {
-    item.good = true;
-    return;
-  }
-  const FrameResult read = source::ReadSourceFrame(item.datagram.payload, item.frame);
-  if (read != FrameResult::kOk) {
-    to_.counters.AddOf(source, read == FrameResult::kBadName ? Counter::kSourceBadName
-                                                             : Counter::kSourceMalformed);
-    return;
-  }
-  item.good = true;
-  item.performer = roster_.Find(source, item.frame.performer);
-}
-
 void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot) {
   // A body earlier in the batch may have made the performer.
-  if (item.performer == nullptr) item.performer = roster_.Find(source, item.frame.performer);
+  if (item.performer == nullptr) item.performer = roster_.Find(source, item.frame->performer);
   if (item.performer == nullptr) {
     to_.counters.AddOf(source, Counter::kPipelineBeforeBody);
     return;
@@ -113,16 +86,16 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
     return;  // no refusal: the newest one leaves
   }
   const bool late = lateness_ns > Nanoseconds(roster_.config().performers.late_s);
-  if (item.frame.has_timecode && !roster_.config().cues.empty()) {
-    PassCues(performer, item.frame.timecode, hot);
+  if (item.frame->has_timecode && !roster_.config().cues.empty()) {
+    PassCues(performer, item.frame->timecode, hot);
   }
   Performer::FrameContext context;
   context.elapsed_ns = performer.session.elapsed_ns();
   context.receive_ns = receive_ns_;
   context.wall_ns = wall_ns_;
-  context.source_sequence = item.datagram.sequence;
+  context.source_sequence = item.frame->sequence;
   context.extra_flags = late ? v1::FLAG_LATE : v1::FLAG_NONE;
-  const auto accepted = performer.Accept(item.frame, context);
+  const auto accepted = performer.Accept(*item.frame, context);
   if (accepted != Performer::Accepted::kOk) {
     const Counter why = accepted == Performer::Accepted::kWrongSize
                             ? Counter::kPipelineWrongSize
@@ -200,7 +173,7 @@ bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
     return false;
   };
   const std::uint64_t lost = performer.session.lost();
-  switch (performer.session.Admit(item.sender, item.datagram.session, item.datagram.sequence,
+  switch (performer.session.Admit(item.frame->machine, item.frame->session, item.frame->sequence,
                                   receive_ns_, rules_)) {
     case Session::Arrival::kDuplicate:
       return count(Counter::kPipelineDuplicate);
@@ -223,14 +196,14 @@ bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
     to_.counters.AddOf(performer.source, Counter::kPipelineLost, performer.session.lost() - lost);
   }
   // A session that has not sent its body may still name the last one's.
-  if (!performer.has_body() || (item.frame.body_crc == 0 && !performer.session_has_body)) {
+  if (!performer.has_body() || (item.frame->body_crc == 0 && !performer.session_has_body)) {
     return count(Counter::kPipelineBeforeBody);
   }
-  if (item.frame.body_crc != 0 && item.frame.body_crc != performer.body_crc()) {
+  if (item.frame->body_crc != 0 && item.frame->body_crc != performer.body_crc()) {
     return count(performer.session_has_body ? Counter::kPipelineWrongBody
                                             : Counter::kPipelineBeforeBody);
   }
-  switch (performer.session.AdmitTime(item.frame.source_time_ns, rules_)) {
+  switch (performer.session.AdmitTime(item.frame->source_time_ns, rules_)) {
     case Session::Time::kOld:
       return count(Counter::kPipelineOldTime);
     case Session::Time::kJump:
@@ -270,16 +243,11 @@ bool Pipeline::PassOver(Performer& performer, int index, bool full,
   return full && receive_ns_ - performer.last_send_ns < backlog_ns;
 }
 
-void Pipeline::AcceptBody(int source, const Item& item) {
-  const std::string_view name = source::ReadPerformer(item.datagram.payload);
-  if (!config::IsName(name)) {
-    to_.counters.AddOf(source, Counter::kSourceBadName);
-    return;
-  }
-  Performer* performer = roster_.Find(source, name);
+void Pipeline::AcceptBody(int source, const source::SourceFrame& body) {
+  Performer* performer = roster_.Find(source, body.performer);
   const bool fresh = performer == nullptr;
   if (fresh) {
-    performer = roster_.Add(source, name, receive_ns_);
+    performer = roster_.Add(source, body.performer, receive_ns_);
     // Another performer may have given way, whose frames are still in this batch.
     for (Item& other : items_) other.performer = nullptr;
   }
@@ -288,8 +256,8 @@ void Pipeline::AcceptBody(int source, const Item& item) {
     return;
   }
   const std::uint64_t lost = performer->session.lost();
-  const auto arrival = performer->session.Admit(item.sender, item.datagram.session,
-                                                item.datagram.sequence, receive_ns_, rules_);
+  const auto arrival =
+      performer->session.Admit(body.machine, body.session, body.sequence, receive_ns_, rules_);
   const auto refuse = [&](Counter why) {
     to_.counters.AddOf(source, why);
     performer->MarkRefused(why);
@@ -308,32 +276,31 @@ void Pipeline::AcceptBody(int source, const Item& item) {
   if (arrival == Session::Arrival::kReordered && performer->session_has_body) {
     return refuse(Counter::kPipelineReordered);
   }
-  AdoptBody(*performer, item, fresh);
+  AdoptBody(*performer, body, fresh);
 }
 
-void Pipeline::AdoptBody(Performer& performer, const Item& item, bool fresh) {
-  const std::uint32_t crc = native::Crc32c(item.datagram.payload);
-  if (!performer.has_body() || crc != performer.body_crc()) {
+void Pipeline::AdoptBody(Performer& performer, const source::SourceFrame& body, bool fresh) {
+  if (!performer.has_body() || body.body_crc != performer.body_crc()) {
     if (performer.has_body() && !performer.MayChangeBody(receive_ns_)) {
       to_.counters.AddOf(performer.source, Counter::kPipelineBodiesRefused);
       performer.MarkRefused(Counter::kPipelineBodiesRefused);
-      return LogOf(LogLimit::Kind::kBodyRefused, item.sender, performer.profile.id,
+      return LogOf(LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id,
                    Event::Level::kWarning,
                    "the body changes again and again, expected twice a second at most: the last "
                    "one stays");
     }
-    const Status status = performer.AcceptBody(item.datagram.payload, crc, roster_.config());
+    const Status status = performer.AcceptBody(body, roster_.config());
     if (!status.ok()) {
       to_.counters.AddOf(performer.source, Counter::kPipelineBodiesRefused);
       performer.MarkRefused(Counter::kPipelineBodiesRefused);
-      LogOf(LogLimit::Kind::kBodyRefused, item.sender, performer.profile.id, Event::Level::kWarning,
-            status.message());
+      LogOf(LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id,
+            Event::Level::kWarning, status.message());
       performer.session_has_body = performer.waits();
       if (fresh && !performer.waits()) roster_.Forget(performer);
       return;
     }
     if (!fresh) to_.counters.Add(Counter::kPipelineBodyChanges);
-    LogOf(LogLimit::Kind::kBodyBound, item.sender, performer.profile.id, Event::Level::kInfo,
+    LogOf(LogLimit::Kind::kBodyBound, body.machine, performer.profile.id, Event::Level::kInfo,
           "body bound");
     performer.SendBodies(to_.publisher);
     performer.next_body_ns = receive_ns_ + kSecond_ns;

@@ -135,10 +135,9 @@ Performer::~Performer() {
   for (auto& topic : topics) subscriptions_.Unregister(topic);
 }
 
-Status Performer::AcceptBody(std::span<const std::byte> payload, std::uint32_t crc,
-                             const RuntimeConfig& config) {
+Status Performer::AcceptBody(const source::SourceFrame& given, const RuntimeConfig& config) {
   v1::Body body;
-  if (!body.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
+  if (!source::ReadBody(given, body)) {
     return Status::Error("body: not a styled.v1.Body");
   }
   auto skeleton = ReadSkeleton(body);
@@ -153,7 +152,7 @@ Status Performer::AcceptBody(std::span<const std::byte> payload, std::uint32_t c
   }
   history_ = std::make_unique<PoseHistory>(skeleton.value());
   received_ = rig::RigPose(skeleton.value());
-  body_crc_ = crc;
+  body_crc_ = given.body_crc;
   if (!wait) return status;
   return Status::Error(status.message() +
                        "; the performer is not styled until stylectl calibrate " + profile.id +
@@ -250,20 +249,20 @@ void Performer::Restart() noexcept {
   facing_.Reset();
 }
 
-Performer::Accepted Performer::Accept(const source::SourceFrameView& view,
+Performer::Accepted Performer::Accept(const source::SourceFrame& frame,
                                       const FrameContext& context) noexcept {
   const auto joints = static_cast<int>(received_.rotations.size());
-  if (!source::CopyPose(view, joints, received_)) return Accepted::kWrongSize;
+  if (!source::CopyPose(frame, joints, received_)) return Accepted::kWrongSize;
   history_->Add(received_, context.receive_ns);
   if (bound_ == nullptr) return Accepted::kUncalibrated;
   Bound& b = *bound_;
   std::swap(b.in, received_);  // both of the skeleton's size
   if (b.body.left_handed) rig::Mirror(b.in);
-  b.source_time_ns = view.source_time_ns;
+  b.source_time_ns = frame.source_time_ns;
   b.source_sequence = context.source_sequence;
-  b.has_timecode = view.has_timecode;
-  b.timecode = view.timecode;
-  b.face.assign(view.face.begin(), view.face.end());
+  b.has_timecode = frame.has_timecode;
+  b.timecode = frame.timecode;
+  b.face.assign(frame.face.begin(), frame.face.end());
   context_ = context;
   return Accepted::kOk;
 }

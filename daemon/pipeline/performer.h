@@ -20,7 +20,7 @@
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/histogram.h"
 #include "daemon/runtime/schedule.h"
-#include "daemon/source/native_decoder.h"
+#include "daemon/source/source_frame.h"
 #include "model/stylist/stylist.h"
 #include "proto/styled/v1/control.pb.h"
 #include "proto/styled/v1/stats.pb.h"
@@ -48,8 +48,7 @@ class Performer {
 
   // Binds a new body and makes the stylist for it. Allocates. An error leaves the last body; where
   // there is none and its joints at least are known, the performer waits() for a calibration.
-  Status AcceptBody(std::span<const std::byte> payload, std::uint32_t crc,
-                    const RuntimeConfig& config);
+  Status AcceptBody(const source::SourceFrame& body, const RuntimeConfig& config);
   bool has_body() const { return history_ != nullptr; }
   bool waits() const { return has_body() && bound_ == nullptr; }
   // What control.proto says of Calibrate, for rigs that have a skeleton. Allocates.
@@ -76,7 +75,7 @@ class Performer {
     std::uint64_t source_sequence = 0;
     std::uint32_t extra_flags = 0;
   };
-  STYLED_REALTIME Accepted Accept(const source::SourceFrameView& view,
+  STYLED_REALTIME Accepted Accept(const source::SourceFrame& frame,
                                   const FrameContext& context) noexcept;
   STYLED_REALTIME stylist::Stylist::Job Style() noexcept;
   STYLED_REALTIME void Finish(std::int64_t publish_ns) noexcept;

@@ -18,7 +18,7 @@
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/realtime.h"
-#include "daemon/source/native_decoder.h"
+#include "daemon/source/source_frame.h"
 #include "daemon/source/transport.h"
 
 namespace styled::pipeline {
@@ -63,24 +63,18 @@ class Pipeline final : public Worker, public source::Receiver {
   bool Expects(std::int64_t now_ns) const override;
   const std::vector<std::unique_ptr<source::Transport>>& transports() const { return transports_; }
 
-  void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override {
-    OnDatagramsFrom(source, datagrams, {});
-  }
-  void OnDatagramsFrom(int source, std::span<const std::span<const std::byte>> datagrams,
-                       std::span<const source::Machine> senders) override;
+  void OnFrames(int source, std::span<const source::SourceFrame> frames,
+                bool more_waiting) override;
   STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept override {
     if (to_.recorder != nullptr) to_.recorder->OnArrival(arrival);
   }
   void OnNote(int source, const std::string& text) override;
 
  private:
-  // One datagram of a batch, decoded.
+  // One frame or body of a batch.
   struct Item {
-    bool good = false;
-    native::Datagram datagram;
-    source::SourceFrameView frame;
-    Performer* performer = nullptr;
-    source::Machine sender{};
+    const source::SourceFrame* frame = nullptr;
+    Performer* performer = nullptr;  // null: not there yet, or a body
   };
 
   int DoCommands();
@@ -89,10 +83,8 @@ class Pipeline final : public Worker, public source::Receiver {
   int DoTimers(std::int64_t now_ns, bool drained);
   void Prepare(Performer& performer, std::int64_t now_ns);
 
-  // Step 1 of a batch: header, checksum, name; refusals are counted.
-  STYLED_REALTIME void Decode(int source, std::span<const std::byte> bytes, Item& item) noexcept;
   STYLED_REALTIME void NoteNewest(int index) noexcept;
-  void AcceptBody(int source, const Item& item);
+  void AcceptBody(int source, const source::SourceFrame& body);
   void AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
   void StyleAccepted(runtime::HotSection& hot);
   STYLED_REALTIME void AwaitNext(Performer& performer, std::int64_t before_ns) noexcept;
@@ -101,7 +93,7 @@ class Pipeline final : public Worker, public source::Receiver {
   STYLED_REALTIME bool Admit(Performer& performer, const Item& item) noexcept;
   STYLED_REALTIME void StartSession(Performer& performer) noexcept;
   STYLED_REALTIME void Recount(Performer& performer) noexcept;
-  void AdoptBody(Performer& performer, const Item& item, bool fresh);
+  void AdoptBody(Performer& performer, const source::SourceFrame& body, bool fresh);
   STYLED_REALTIME bool PassOver(Performer& performer, int index, bool full,
                                 std::int64_t lateness_ns) const noexcept;
   void Stale(Performer& performer, std::int64_t now_ns);

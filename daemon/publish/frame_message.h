@@ -42,7 +42,7 @@ class FrameMessage {
   STYLED_REALTIME void AddHeld(int joint) noexcept;
   STYLED_REALTIME void SetPose(const rig::Vec3& root_position,
                                std::span<const rig::Quat> rotations) noexcept;
-  // With `face` behind it: fields 18 and 19 as they were received (SourceFrameView), at most
+  // With `face` behind it: fields 18 and 19 as they were received (source::SourceFrame), at most
   // kMaxFace bytes. Valid until the next call.
   STYLED_REALTIME std::span<const std::byte> Serialize(std::span<const std::byte> face) noexcept;
 

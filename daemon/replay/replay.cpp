@@ -15,6 +15,7 @@
 #include "daemon/runtime/host_port.h"
 #include "daemon/source/cut_reader.h"
 #include "daemon/source/delay.h"
+#include "daemon/source/native_decoder.h"
 #include "daemon/source/outbox.h"
 #include "daemon/source/rigs/make.h"
 #include "daemon/source/rigs/natnet.h"
@@ -89,10 +90,10 @@ class Recorded final : public source::Transport {
  public:
   Recorded(const config::Source& config, int source, const std::string& sender,
            runtime::Clock& clock, runtime::Counters& counters)
-      : source_(source),
-        clock_(clock),
+      : clock_(clock),
         stream_(config::FindSourceType(config.type)->stream || config.type == "usb"),
         translator_(MakeTranslator(config, sender)),
+        decoder_(source, counters),
         outbox_(source, counters) {}
 
   void Push(const recording::Arrival& arrival) { waiting_.push_back(arrival); }
@@ -162,17 +163,17 @@ class Recorded final : public source::Transport {
               source::Receiver& receiver) {
     if (translator_ == nullptr) {
       const source::Machine machine = source::MachineOf(peer.address);
-      return receiver.OnDatagramsFrom(source_, {&bytes, 1}, {&machine, 1});
+      return decoder_.HandOn({&bytes, 1}, {&machine, 1}, receiver);
     }
     outbox_.Open(receiver, -1);
     translator_->Take(bytes, peer, clock_.Now_ns(), outbox_);
     outbox_.Close();
   }
 
-  int source_;
   runtime::Clock& clock_;
   bool stream_;
   std::unique_ptr<source::Translator> translator_;
+  source::NativeDecoder decoder_;
   source::Outbox outbox_;
   std::deque<recording::Arrival> waiting_;
   std::map<std::string, Connection> connections_;

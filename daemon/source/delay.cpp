@@ -9,8 +9,7 @@
 
 #include "daemon/runtime/histogram.h"
 #include "daemon/runtime/schedule.h"
-#include "daemon/source/native_decoder.h"
-#include "proto/rigs/native/datagram.h"
+#include "daemon/source/frame_memory.h"
 
 namespace styled::source {
 namespace {
@@ -49,10 +48,7 @@ class Delayed final : public Transport, private Receiver {
  public:
   Delayed(std::unique_ptr<Transport> inner, std::int64_t delay_ns, runtime::Clock& clock)
       : inner_(std::move(inner)), delay_ns_(delay_ns), clock_(clock), slots_(kHeld) {
-    for (std::size_t i = 0; i < kHeld; ++i) {
-      slots_[i].bytes.reserve(kUsualBytes);
-      free_.push_back(i);
-    }
+    for (std::size_t i = 0; i < kHeld; ++i) free_.push_back(i);
     due_.reserve(kHeld);
   }
 
@@ -79,15 +75,15 @@ class Delayed final : public Transport, private Receiver {
   Smoothing smoothing() const override { return shown_; }
 
  private:
-  // When a datagram leaves; of a frame also when it would if it had come in time.
+  // When a frame or body leaves; of a frame also when it would if it had come in time.
   struct Due {
     std::int64_t due_ns = 0;
     std::optional<std::int64_t> schedule_ns = {};
   };
   struct Slot {
     Due due;
-    Machine sender{};
-    std::vector<std::byte> bytes;
+    SourceFrame frame;
+    FrameMemory memory{kUsualBytes};
   };
 
   void OnNote(int source, const std::string& text) override { to_->OnNote(source, text); }
@@ -95,20 +91,14 @@ class Delayed final : public Transport, private Receiver {
     to_->OnArrival(arrival);
   }
 
-  void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override {
-    OnDatagramsFrom(source, datagrams, {});
-  }
-  void OnDatagramsFrom(int source, std::span<const std::span<const std::byte>> datagrams,
-                       std::span<const Machine> senders) override {
+  void OnFrames(int source, std::span<const SourceFrame> frames, bool /*more_waiting*/) override {
     source_ = source;
     const std::int64_t now_ns = clock_.Now_ns();
-    for (std::size_t i = 0; i < datagrams.size(); ++i) {
-      const auto datagram = datagrams[i];
+    for (const SourceFrame& frame : frames) {
       if (free_.empty()) Release(now_ns, 1);
       Slot& slot = slots_[free_.back()];
-      slot.due = When(datagram, now_ns);
-      slot.sender = i < senders.size() ? senders[i] : Machine{};
-      slot.bytes.assign(datagram.begin(), datagram.end());
+      slot.due = When(frame, now_ns);
+      slot.frame = slot.memory.Keep(frame);
       // In order of what is due; mostly at the end.
       const auto later = [this](std::int64_t due_ns, std::size_t held) {
         return due_ns < slots_[held].due.due_ns;
@@ -118,18 +108,13 @@ class Delayed final : public Transport, private Receiver {
     }
   }
 
-  Due When(std::span<const std::byte> bytes, std::int64_t now_ns) {
-    native::Datagram datagram;
-    if (native::Decode(bytes, datagram) != native::DecodeResult::kOk) return {now_ns};
-    const std::string_view name = ReadPerformer(datagram.payload);
-    if (datagram.kind == native::Kind::kBody) {
-      const Sender* sender = Find(datagram.session, name);
+  Due When(const SourceFrame& frame, std::int64_t now_ns) {
+    if (frame.is_body) {
+      const Sender* sender = Find(frame.session, frame.performer);
       if (sender == nullptr) return {now_ns};
-      return {std::max(now_ns, sender->BodyDue_ns(datagram.sequence))};
+      return {std::max(now_ns, sender->BodyDue_ns(frame.sequence))};
     }
-    SourceFrameView frame;
-    if (ReadSourceFrame(datagram.payload, frame) != FrameResult::kOk) return {now_ns};
-    Sender& sender = Ensure(datagram.session, name, frame.source_time_ns);
+    Sender& sender = Ensure(frame.session, frame.performer, frame.source_time_ns);
     const auto late = [&] {
       return sender.schedule.Lateness_ns(
           static_cast<std::int64_t>(frame.source_time_ns - sender.first_ns), now_ns);
@@ -142,7 +127,7 @@ class Delayed final : public Transport, private Receiver {
     arrived_.Add(late_ns);
     if (late_ns > delay_ns_) ++missed_;
     const std::int64_t schedule_ns = now_ns - late_ns + delay_ns_;
-    sender.Take(datagram.sequence, frame.source_time_ns, schedule_ns);
+    sender.Take(frame.sequence, frame.source_time_ns, schedule_ns);
     return {std::max(now_ns, schedule_ns), schedule_ns};
   }
 
@@ -169,21 +154,22 @@ class Delayed final : public Transport, private Receiver {
 
   // Hands on what is due, and at least `least` of what is held.
   int Release(std::int64_t now_ns, std::size_t least) {
-    std::array<std::span<const std::byte>, kBatch> batch;
-    std::array<Machine, kBatch> senders;
+    std::array<SourceFrame, kBatch> batch;
     std::size_t count = 0;
     while (count < due_.size() && count < kBatch &&
            (count < least || slots_[due_[count]].due.due_ns <= now_ns)) {
       const Slot& slot = slots_[due_[count]];
-      batch[count] = slot.bytes;
-      senders[count] = slot.sender;
+      batch[count] = slot.frame;
       if (slot.due.schedule_ns)
         left_.Add(std::max<std::int64_t>(0, now_ns - *slot.due.schedule_ns));
       ++count;
     }
     if (count == 0) return 0;
-    to_->OnDatagramsFrom(source_, std::span(batch).first(count), std::span(senders).first(count));
-    for (std::size_t i = 0; i < count; ++i) free_.push_back(due_[i]);
+    to_->OnFrames(source_, std::span(batch).first(count), count == kBatch);
+    for (std::size_t i = 0; i < count; ++i) {
+      slots_[due_[i]].frame.body.reset();
+      free_.push_back(due_[i]);
+    }
     due_.erase(due_.begin(), due_.begin() + static_cast<std::ptrdiff_t>(count));
     return static_cast<int>(count);
   }

@@ -7,13 +7,13 @@
 
 namespace styled::source {
 
-// A transport whose datagrams wait a little, so that what comes in bursts leaves evenly: each frame
+// A transport whose frames wait a little, so that what comes in bursts leaves evenly: each frame
 // is handed on `delay_s` after the moment at which it would have come had its way been as short as
 // the shortest of the last seconds (runtime::Schedule), in the order of its source time; what
-// comes later than that at once. Bodies go where they came among the frames. What it cannot read it
-// hands on as it is. Holds up to 1,024 datagrams, then the oldest leave early. The pipeline sees a
-// datagram, and its latency begins, when it is handed on. Pipeline thread only; allocates when
-// made, and for datagrams larger than any before.
+// comes later than that at once. Bodies go where they came among the frames. Holds up
+// to 1,024 frames and bodies, then the oldest leave early. The pipeline sees a frame, and its
+// latency begins, when it is handed on. Pipeline thread only; allocates when made, and for frames
+// larger than any before.
 std::unique_ptr<Transport> MakeDelayed(std::unique_ptr<Transport> inner, float delay_s,
                                        runtime::Clock& clock);
 

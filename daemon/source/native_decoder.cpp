@@ -1,11 +1,12 @@
 #include "daemon/source/native_decoder.h"
 
-#include <bit>
 #include <cstring>
 
 #include "daemon/config/config.h"
-
-static_assert(std::endian::native == std::endian::little, "floats are copied as they lie");
+#include "daemon/runtime/realtime.h"
+#include "daemon/source/face.h"
+#include "proto/rigs/native/datagram.h"
+#include "proto/styled/face.h"
 
 namespace styled::source {
 namespace {
@@ -105,27 +106,6 @@ bool ReadTimecode(std::span<const std::byte> bytes, Timecode& timecode) noexcept
   return true;
 }
 
-// As protobuf checks a string; no surrogates, nothing longer than it need be.
-bool IsUtf8(std::span<const std::byte> text) noexcept {
-  for (std::size_t i = 0; i < text.size();) {
-    const auto lead = std::to_integer<std::uint32_t>(text[i]);
-    const std::size_t more = lead < 0x80 ? 0 : lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3;
-    if ((lead >= 0x80 && lead < 0xC2) || lead > 0xF4 || text.size() - i <= more) return false;
-    std::uint32_t code = more == 0 ? lead : lead & (0x3FU >> more);
-    for (std::size_t k = 1; k <= more; ++k) {
-      const auto next = std::to_integer<std::uint32_t>(text[i + k]);
-      if ((next & 0xC0U) != 0x80U) return false;
-      code = code << 6U | (next & 0x3FU);
-    }
-    if ((more == 2 && (code < 0x800 || (code >= 0xD800 && code < 0xE000))) ||
-        (more == 3 && (code < 0x10000 || code > 0x10FFFF))) {
-      return false;
-    }
-    i += more + 1;
-  }
-  return true;
-}
-
 // What goes on to subscribers unread has to be what they can read.
 bool IsExpression(std::span<const std::byte> bytes) noexcept {
   Reader reader(bytes);
@@ -135,7 +115,7 @@ bool IsExpression(std::span<const std::byte> bytes) noexcept {
     float value = 0;
     if (!reader.Tag(field, wire)) return false;
     if (field == 1 && wire == kBytes) {
-      if (!reader.Bytes(name) || !IsUtf8(name)) return false;
+      if (!reader.Bytes(name) || !IsUtf8(AsText(name))) return false;
     } else if (field == 2 && wire == kFixed32) {
       if (!reader.Fixed(value)) return false;
     } else if (!reader.Skip(wire)) {
@@ -156,22 +136,22 @@ void Extend(const std::byte* begin, const std::byte* end, std::span<const std::b
 
 // One field of a SourceFrame; its tag has been read.
 bool ReadField(Reader& reader, std::uint32_t field, std::uint32_t wire,
-               SourceFrameView& view) noexcept {
+               SourceFrame& frame) noexcept {
   std::span<const std::byte> bytes;
   if (wire == kBytes) {
     if (!reader.Bytes(bytes)) return false;
     switch (field) {
       case 1:
-        view.performer = AsText(bytes);
+        frame.performer = AsText(bytes);
         return true;
       case 3:
-        view.has_timecode = true;
-        return ReadTimecode(bytes, view.timecode);
+        frame.has_timecode = true;
+        return ReadTimecode(bytes, frame.timecode);
       case 4:
-        view.root_position = bytes;
+        frame.root_position = bytes;
         return bytes.size() % sizeof(float) == 0;
       case 5:
-        view.rotations = bytes;
+        frame.rotations = bytes;
         return bytes.size() % sizeof(float) == 0;
       case kExpressions:
         return IsExpression(bytes);
@@ -179,29 +159,29 @@ bool ReadField(Reader& reader, std::uint32_t field, std::uint32_t wire,
         return field != 2 && field != 6;
     }
   }
-  if (field == 2 && wire == kVarint) return reader.Varint(view.source_time_ns);
-  if (field == 6 && wire == kFixed32) return reader.Fixed(view.body_crc);
+  if (field == 2 && wire == kVarint) return reader.Varint(frame.source_time_ns);
+  if (field == 6 && wire == kFixed32) return reader.Fixed(frame.body_crc);
   return field > 6 && reader.Skip(wire);
 }
 
 }  // namespace
 
-FrameResult ReadSourceFrame(std::span<const std::byte> payload, SourceFrameView& view) noexcept {
-  view = SourceFrameView();
+FrameResult ReadSourceFrame(std::span<const std::byte> payload, SourceFrame& frame) noexcept {
+  frame = SourceFrame();
   Reader reader(payload);
   while (!reader.AtEnd()) {
     std::uint32_t field = 0;
     std::uint32_t wire = 0;
     const std::byte* const begin = reader.at();
-    if (!reader.Tag(field, wire) || !ReadField(reader, field, wire, view)) {
+    if (!reader.Tag(field, wire) || !ReadField(reader, field, wire, frame)) {
       return FrameResult::kMalformed;
     }
     if (wire == kBytes && (field == kExpressions || field == kThru)) {
-      Extend(begin, reader.at(), view.face);
+      Extend(begin, reader.at(), frame.face);
     }
   }
-  if (view.face.size() > kMaxFace) view.face = {};
-  return config::IsName(view.performer) ? FrameResult::kOk : FrameResult::kBadName;
+  if (frame.face.size() > kMaxFace) frame.face = {};
+  return config::IsName(frame.performer) ? FrameResult::kOk : FrameResult::kBadName;
 }
 
 std::string_view ReadPerformer(std::span<const std::byte> payload) noexcept {
@@ -218,17 +198,52 @@ std::string_view ReadPerformer(std::span<const std::byte> payload) noexcept {
   return {};
 }
 
-bool IsUtf8(std::string_view text) noexcept { return IsUtf8(std::as_bytes(std::span(text))); }
+namespace {
 
-bool CopyPose(const SourceFrameView& view, int joint_count, rig::RigPose& pose) noexcept {
-  const auto joints = static_cast<std::size_t>(joint_count);
-  static_assert(sizeof(rig::Vec3) == 3 * sizeof(float));
-  static_assert(sizeof(rig::Quat) == 4 * sizeof(float));  // coefficients x,y,z,w
-  if (view.root_position.size() != sizeof(rig::Vec3)) return false;
-  if (view.rotations.size() != joints * sizeof(rig::Quat)) return false;
-  std::memcpy(pose.translations.front().data(), view.root_position.data(), sizeof(rig::Vec3));
-  std::memcpy(pose.rotations.front().coeffs().data(), view.rotations.data(), view.rotations.size());
-  return true;
+// kCount: the frame is whole.
+runtime::Counter Decode(std::span<const std::byte> bytes, SourceFrame& frame) noexcept {
+  using runtime::Counter;
+  native::Datagram datagram;
+  const auto result = native::Decode(bytes, datagram);
+  if (result != native::DecodeResult::kOk) return runtime::CounterOf(result);
+  if (datagram.kind == native::Kind::kBody) {
+    frame = SourceFrame();
+    frame.is_body = true;
+    frame.performer = ReadPerformer(datagram.payload);
+    if (!config::IsName(frame.performer)) return Counter::kSourceBadName;
+    frame.body_crc = native::Crc32c(datagram.payload);
+    frame.body_bytes = datagram.payload;
+  } else {
+    const FrameResult read = ReadSourceFrame(datagram.payload, frame);
+    if (read == FrameResult::kBadName) return Counter::kSourceBadName;
+    if (read != FrameResult::kOk) return Counter::kSourceMalformed;
+  }
+  frame.session = datagram.session;
+  frame.sequence = datagram.sequence;
+  return Counter::kCount;
+}
+
+}  // namespace
+
+NativeDecoder::NativeDecoder(int source, runtime::Counters& counters)
+    : source_(source), counters_(counters) {}
+
+void NativeDecoder::HandOn(std::span<const std::span<const std::byte>> datagrams,
+                           std::span<const Machine> senders, Receiver& receiver) {
+  runtime::HotSection hot;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < datagrams.size(); ++i) {
+    const runtime::Counter refused = Decode(datagrams[i], frames_[count]);
+    if (refused != runtime::Counter::kCount) {
+      counters_.AddOf(source_, refused);
+      continue;
+    }
+    frames_[count++].machine = i < senders.size() ? senders[i] : Machine{};
+  }
+  counters_.Add(runtime::Counter::kSourceReceived, datagrams.size() - count);
+  hot.Leave();  // the pipeline has a section of its own
+  if (count == 0) return;
+  receiver.OnFrames(source_, std::span(frames_).first(count), datagrams.size() == kBatch);
 }
 
 }  // namespace styled::source

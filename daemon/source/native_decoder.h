@@ -1,29 +1,37 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
+#include "daemon/runtime/counters.h"
+#include "daemon/source/source_frame.h"
+#include "daemon/source/transport.h"
 #include "model/base/realtime.h"
-#include "model/rig/skeleton.h"
-#include "proto/styled/face.h"
-#include "proto/styled/timecode.h"
 
 namespace styled::source {
 
-// A `SourceFrame` as it lies in its datagram: views into the bytes that were read, valid as long as
-// they are.
-struct SourceFrameView {
-  std::string_view performer;
-  std::uint64_t source_time_ns = 0;
-  bool has_timecode = false;
-  Timecode timecode;
-  std::uint32_t body_crc = 0;
-  std::span<const std::byte> root_position;  // floats, little-endian
-  std::span<const std::byte> rotations;
-  std::span<const std::byte>
-      face;  // expressions and thru, tags and all; they mean the same in Frame
+// Our own protocol (proto/styled/v1/WIRE.md), as it comes over UDP, TCP and USB and out of
+// recordings: the one place where its datagrams become SourceFrames. What cannot be decoded is
+// counted for the source and goes no further: header and checksum (proto/rigs/native), a malformed
+// message (source.malformed), a performer without a valid name (source.bad_name). One per source;
+// pipeline thread. Allocates nothing.
+class NativeDecoder {
+ public:
+  NativeDecoder(int source, runtime::Counters& counters);
+
+  // Up to kBatch whole datagrams or records that arrived together, oldest first, and who sent each:
+  // as many machines as datagrams, or none where the transport vouches for its senders. Hands on
+  // what could be decoded, in one call. Whatever was refused counts as received, too.
+  void HandOn(std::span<const std::span<const std::byte>> datagrams,
+              std::span<const Machine> senders, Receiver& receiver);
+
+ private:
+  int source_;
+  runtime::Counters& counters_;
+  std::array<SourceFrame, kBatch> frames_;
 };
 
 enum class [[nodiscard]] FrameResult : std::uint8_t {
@@ -32,24 +40,17 @@ enum class [[nodiscard]] FrameResult : std::uint8_t {
   kBadName,    // performer is not [A-Za-z0-9_-]{1,32}
 };
 
-// Reads a serialized SourceFrame without protobuf's objects: those give back a frame's timecode,
-// and grow with a hostile frame, on the heap. Floats must be packed (proto3's default; one run per
-// field), expressions and thru in one run (the last one counts); unknown fields are skipped, the
-// last of repeated scalars wins. `view` is unspecified unless kOk. Pure; any thread. Pinned against
-// protobuf by tests/unit/daemon/native_decoder_test.cpp.
+// Reads a serialized v1::SourceFrame without protobuf's objects: those give back a frame's
+// timecode, and grow with a hostile frame, on the heap. Floats must be packed (proto3's default;
+// one run per field), expressions and thru in one run (the last one counts); unknown fields are
+// skipped, the last of repeated scalars wins. Fills in all but machine, session and sequence;
+// `frame` is unspecified unless kOk, and views `payload`. Pure; any thread. Pinned against protobuf
+// by tests/unit/daemon/native_decoder_test.cpp.
 STYLED_REALTIME FrameResult ReadSourceFrame(std::span<const std::byte> payload,
-                                            SourceFrameView& view) noexcept;
+                                            SourceFrame& frame) noexcept;
 
 // Only the performer's name of a serialized SourceFrame or Body (field 1 of both); empty when there
 // is none or the bytes are malformed before it.
 STYLED_REALTIME std::string_view ReadPerformer(std::span<const std::byte> payload) noexcept;
-
-// As protobuf wants strings to be.
-STYLED_REALTIME bool IsUtf8(std::string_view text) noexcept;
-
-// Copies the view's floats, bit for bit, into a pose of `joint_count` joints. False, and `pose`
-// untouched, when the frame has another joint count.
-STYLED_REALTIME bool CopyPose(const SourceFrameView& view, int joint_count,
-                              rig::RigPose& pose) noexcept;
 
 }  // namespace styled::source

@@ -4,8 +4,10 @@
 
 namespace styled::source {
 
-Outbox::Outbox(int source, runtime::Counters& counters)
-    : source_(source), counters_(counters), buffer_(kBatch * native::kMaxDatagramSize) {}
+Outbox::Outbox(int source, runtime::Counters& counters) : source_(source), counters_(counters) {
+  memories_.reserve(kBatch);
+  for (std::size_t i = 0; i < kBatch; ++i) memories_.emplace_back(kMostFrameBytes);
+}
 
 void Outbox::Open(Receiver& receiver, int reply_socket) noexcept {
   receiver_ = &receiver;
@@ -18,23 +20,21 @@ void Outbox::Close() noexcept {
   hot_.Leave();
 }
 
-std::span<std::byte> Outbox::Slot() noexcept {
+void Outbox::Put(const SourceFrame& frame) noexcept {
   if (count_ == kBatch) {
     HandOn();
     hot_.Enter();
   }
-  return std::span(buffer_).subspan(count_ * native::kMaxDatagramSize, native::kMaxDatagramSize);
-}
-
-void Outbox::Put(std::size_t size) noexcept {
-  waiting_[count_] = std::span(buffer_).subspan(count_ * native::kMaxDatagramSize, size);
+  waiting_[count_] = memories_[count_].Keep(frame);
   ++count_;
 }
 
 void Outbox::HandOn() noexcept {
   if (count_ == 0) return;
   hot_.Leave();  // the pipeline has a section of its own
-  receiver_->OnDatagrams(source_, {waiting_.data(), count_});
+  receiver_->OnFrames(source_, std::span(waiting_).first(count_), count_ == kBatch);
+  // Here, and not with the next frame: the last owner of a body frees it.
+  for (std::size_t i = 0; i < count_; ++i) waiting_[i].body.reset();
   count_ = 0;
 }
 

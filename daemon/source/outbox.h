@@ -6,13 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/realtime.h"
+#include "daemon/source/frame_memory.h"
 #include "daemon/source/transport.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::source {
 
@@ -23,24 +22,26 @@ struct Peer {
   socklen_t address_size = 0;  // 0: nobody who could be answered (TCP, tests)
 };
 
-// What a rig's translator says of the datagrams it was given: our own datagrams for the pipeline,
-// refusals to be counted, notes for the log, answers to the rig. One per source; pipeline thread.
+// What a rig's translator makes of the datagrams it was given: frames for the pipeline, refusals to
+// be counted, lines for the log, answers to the rig. One per source; pipeline thread.
 class Outbox {
  public:
   Outbox(int source, runtime::Counters& counters);
 
-  // Where a datagram is made: kMaxDatagramSize bytes, valid until Put(). Hands on what is waiting
-  // when it is full.
-  STYLED_REALTIME std::span<std::byte> Slot() noexcept;
-  // `size` bytes of the slot are a datagram for the pipeline.
-  STYLED_REALTIME void Put(std::size_t size) noexcept;
+  // A frame or body for the pipeline; what it views is copied. Those that wait are handed on when
+  // they fill a batch, and by Close().
+  STYLED_REALTIME void Put(const SourceFrame& frame) noexcept;
 
   // The rig's datagram, or a part of it, was refused.
   STYLED_REALTIME void Refuse(runtime::Counter reason) noexcept {
     counters_.AddOf(source_, reason);
   }
-  // A line for the log. Allocates: not for every datagram.
-  void Note(const std::string& text) { receiver_->OnNote(source_, text); }
+  // A line for the log: `text()` makes it, outside the hot section. Not for every datagram.
+  template <typename MakeText>
+  void Note(const MakeText& text) {
+    LeaveHotSection();
+    receiver_->OnNote(source_, text());
+  }
   // Answers a rig; what cannot be sent is not.
   STYLED_REALTIME void Reply(const Peer& peer, std::span<const std::byte> datagram) noexcept;
   // What follows may allocate: a new body. The promise of the hot path holds again with the next
@@ -59,8 +60,8 @@ class Outbox {
   Receiver* receiver_ = nullptr;
   int reply_socket_ = -1;
   runtime::HotSection hot_{runtime::HotSection::kOutside};
-  std::vector<std::byte> buffer_;
-  std::array<std::span<const std::byte>, kBatch> waiting_;
+  std::vector<FrameMemory> memories_;        // of what waits
+  std::array<SourceFrame, kBatch> waiting_;  // the first count_
   std::size_t count_ = 0;
 };
 

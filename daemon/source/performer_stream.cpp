@@ -5,7 +5,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/runtime/clock.h"
-#include "proto/styled/v1/body.pb.h"
+#include "proto/rigs/native/datagram.h"
 
 namespace styled::source {
 namespace {
@@ -20,33 +20,9 @@ std::uint64_t RandomSession() {
   return (high << 32U) | device() | 1U;
 }
 
-}  // namespace
-
-std::string MakeName(std::string_view text) {
-  std::string name(text.substr(0, 32));
-  for (char& c : name) {
-    if (!config::IsName({&c, 1})) c = '_';
-  }
-  return name.empty() ? "performer" : name;
-}
-
-PerformerStream::PerformerStream(std::string performer)
-    : performer_(std::move(performer)), session_(RandomSession()) {
-  frame_.set_performer(performer_);
-}
-
-void PerformerStream::Restart() noexcept {
-  session_ += 2;  // of the same sender (WIRE.md); odd stays odd: never 0
-  sequence_ = 0;
-  next_body_ns_ = 0;
-}
-
-void PerformerStream::SetBody(const rig::RigBody& body, Outbox& out) {
-  if (has_body() && body == body_) return;
-  out.LeaveHotSection();
-  body_ = body;
+v1::Body MakeMessage(const std::string& performer, const rig::RigBody& body) {
   v1::Body message;
-  message.set_performer(performer_);
+  message.set_performer(performer);
   const auto& skeleton = body.skeleton;
   for (std::size_t j = 0; j < skeleton.names.size(); ++j) {
     message.add_names(skeleton.names[j]);
@@ -58,69 +34,71 @@ void PerformerStream::SetBody(const rig::RigBody& body, Outbox& out) {
   }
   message.set_metres_per_unit(body.metres_per_unit);
   message.set_dialect(body.dialect);
-  body_bytes_ = message.SerializeAsString();
-  body_crc_ = native::Crc32c(std::as_bytes(std::span(body_bytes_)));
+  return message;
+}
+
+}  // namespace
+
+std::string MakeName(std::string_view text) {
+  std::string name(text.substr(0, 32));
+  for (char& c : name) {
+    if (!config::IsName({&c, 1})) c = '_';
+  }
+  return name.empty() ? "performer" : name;
+}
+
+PerformerStream::PerformerStream(std::string performer)
+    : performer_(std::move(performer)), session_(RandomSession()) {}
+
+void PerformerStream::Restart() noexcept {
+  session_ += 2;  // of the same sender (WIRE.md); odd stays odd: never 0
+  sequence_ = 0;
   next_body_ns_ = 0;
-  frame_.set_body_crc(body_crc_);
-  frame_.mutable_root_position()->Resize(3, 0.0F);
-  frame_.mutable_rotations()->Resize(4 * skeleton.joint_count(), 0.0F);
 }
 
-void PerformerStream::ReserveFace(std::size_t expressions, std::size_t name_bytes,
-                                  std::size_t thrus, std::size_t thru_bytes) {
-  for (std::size_t i = 0; i < expressions; ++i) {
-    frame_.add_expressions()->set_name(std::string(name_bytes, ' '));
-  }
-  for (std::size_t i = 0; i < thrus; ++i) frame_.add_thru(std::string(thru_bytes, ' '));
-  SetFace(nullptr);
+void PerformerStream::SetBody(const rig::RigBody& body, Outbox& out) {
+  if (has_body() && body == body_) return;
+  out.LeaveHotSection();
+  body_ = body;
+  message_ = std::make_shared<const v1::Body>(MakeMessage(performer_, body));
+  const std::string bytes = message_->SerializeAsString();
+  body_crc_ = native::Crc32c(std::as_bytes(std::span(bytes)));
+  next_body_ns_ = 0;
 }
 
-// Cleared elements keep their memory for the next frame's.
-void PerformerStream::SetFace(const Face* face) {
-  frame_.clear_expressions();
-  frame_.clear_thru();
-  if (face == nullptr) return;
-  for (const auto& expression : face->expressions) {
-    v1::Expression& out = *frame_.add_expressions();
-    out.set_name(expression.name.data(), expression.name.size());
-    out.set_value(expression.value);
-  }
-  for (const auto bytes : face->thru) frame_.add_thru(bytes.data(), bytes.size());
-}
-
-void PerformerStream::SendBody(std::int64_t now_ns, Outbox& out) noexcept {
-  next_body_ns_ = now_ns + runtime::kSecond_ns;
-  out.Put(native::Encode(
-      {native::Kind::kBody, session_, sequence_++, std::as_bytes(std::span(body_bytes_))},
-      out.Slot()));
+SourceFrame PerformerStream::Next() noexcept {
+  SourceFrame next;
+  next.performer = performer_;
+  next.session = session_;
+  next.sequence = sequence_++;
+  next.body_crc = body_crc_;
+  return next;
 }
 
 void PerformerStream::Send(const rig::RigPose& pose, const FrameInfo& info, Outbox& out) noexcept {
   if (!has_body()) return;
-  if (info.now_ns >= next_body_ns_) SendBody(info.now_ns, out);
-  sequence_ += std::min(info.lost, kMostLost);
-  frame_.set_source_time_ns(info.source_time_ns);
-  std::copy_n(pose.translations.front().data(), 3, frame_.mutable_root_position()->mutable_data());
-  float* to = frame_.mutable_rotations()->mutable_data();
-  for (const rig::Quat& rotation : pose.rotations)
-    to = std::copy_n(rotation.coeffs().data(), 4, to);
-  if (info.timecode != nullptr) {
-    v1::Timecode& timecode = *frame_.mutable_timecode();
-    timecode.set_hours(info.timecode->hours);
-    timecode.set_minutes(info.timecode->minutes);
-    timecode.set_seconds(info.timecode->seconds);
-    timecode.set_frames(info.timecode->frames);
-    timecode.set_rate(info.timecode->rate);
-    timecode.set_drop_frame(info.timecode->drop_frame);
+  if (info.now_ns >= next_body_ns_) {
+    next_body_ns_ = info.now_ns + runtime::kSecond_ns;
+    SourceFrame body = Next();
+    body.is_body = true;
+    body.body = message_;
+    out.Put(body);
   }
-  SetFace(info.face);
-  const auto slot = out.Slot();
-  const auto payload = slot.subspan(native::kHeaderSize);
-  const std::size_t size = frame_.ByteSizeLong();
-  if (size > native::kMaxPayloadSize) return;  // 256 joints are 5 kB: a translator's mistake
-  frame_.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(payload.data()));
-  out.Put(native::Encode({native::Kind::kSourceFrame, session_, sequence_++, payload.first(size)},
-                         slot));
+  sequence_ += std::min(info.lost, kMostLost);
+  if (info.timecode != nullptr) {
+    timecode_ = *info.timecode;
+    has_timecode_ = true;
+  }
+  SourceFrame frame = Next();
+  frame.source_time_ns = info.source_time_ns;
+  frame.has_timecode = has_timecode_;
+  frame.timecode = timecode_;
+  frame.root_position = std::as_bytes(std::span(pose.translations.front().data(), 3));
+  frame.rotations = std::as_bytes(std::span(pose.rotations));
+  if (info.face != nullptr) {
+    frame.face = std::span<const std::byte>(face_).first(EncodeFace(*info.face, face_));
+  }
+  out.Put(frame);
 }
 
 }  // namespace styled::source

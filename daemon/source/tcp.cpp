@@ -11,6 +11,7 @@
 
 #include "daemon/runtime/sockets.h"
 #include "daemon/source/cut_reader.h"
+#include "daemon/source/native_decoder.h"
 #include "daemon/source/note_limit.h"
 #include "proto/rigs/native/stream_reader.h"
 
@@ -49,6 +50,7 @@ class Tcp final : public Transport {
         clock_(clock),
         counters_(counters),
         translator_(std::move(translator)),
+        decoder_(source, counters),
         outbox_(source, counters),
         endpoint_(BoundAddress(listener_.get())) {
     Watch(listener_.get(), nullptr);
@@ -241,7 +243,7 @@ class Tcp final : public Transport {
               Receiver& receiver) {
     if (translator_ == nullptr) {
       std::fill_n(machines_.begin(), records.size(), MachineOf(connection.address));
-      return receiver.OnDatagramsFrom(source_, records, std::span(machines_).first(records.size()));
+      return decoder_.HandOn(records, std::span(machines_).first(records.size()), receiver);
     }
     const std::int64_t now_ns = clock_.Now_ns();
     outbox_.Open(receiver, -1);
@@ -269,6 +271,7 @@ class Tcp final : public Transport {
   runtime::Clock& clock_;
   runtime::Counters& counters_;
   std::unique_ptr<Translator> translator_;
+  NativeDecoder decoder_;
   Outbox outbox_;
   std::string endpoint_;
   std::uint64_t accepted_ = 0, received_ = 0;

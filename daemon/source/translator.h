@@ -11,14 +11,13 @@
 
 namespace styled::source {
 
-// A rig's own protocol (a codec of proto/rigs), put into our own datagrams: what arrives becomes
-// bodies and frames of a PerformerStream per performer, written to the Outbox. So every rig's
-// frames meet the very same rules in the pipeline, and what a rig needs of its own ends here. One
-// per source, pipeline thread. From a performer's second frame on it does not allocate, lock, log
-// or throw.
+// Turns a rig's own protocol (a codec of proto/rigs) into frames for the pipeline: a
+// PerformerStream per performer fills them in and puts them into the Outbox. Every rig's frames
+// meet the same rules in the pipeline; what only one rig needs ends here. One per source, pipeline
+// thread. From a performer's second frame on it does not allocate, lock, log or throw.
 //
 // Poses leave it on a right-handed skeleton as local rotations (parent from joint), a sender's
-// restart as PerformerStream::Restart, what is not tracked as NaN.
+// restart as PerformerStream::Restart, a joint that is not tracked as NaN.
 class Translator {
  public:
   Translator() = default;

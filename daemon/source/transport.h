@@ -9,7 +9,7 @@
 #include <string>
 
 #include "daemon/runtime/realtime.h"
-#include "daemon/source/machine.h"
+#include "daemon/source/source_frame.h"
 #include "model/base/realtime.h"
 #include "model/base/status.h"
 
@@ -26,19 +26,16 @@ struct Arrival {
   std::uint32_t device = 0;  // USB: numbers its opening, from 1
 };
 
-// What takes the bytes of all transports: the pipeline.
+// What receives from all transports: the pipeline.
 class Receiver {
  public:
   virtual ~Receiver() = default;
-  // Whole datagrams or records that arrived together, oldest first, on source number `source`. The
-  // bytes are the transport's and valid during the call only.
-  virtual void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) = 0;
-  // The same, and who sent each: as many machines as datagrams.
-  virtual void OnDatagramsFrom(int source, std::span<const std::span<const std::byte>> datagrams,
-                               std::span<const Machine> /*senders*/) {
-    OnDatagrams(source, datagrams);
-  }
-  // All that comes, once, before any of it is handed on by OnDatagrams: what a recording keeps.
+  // Frames and bodies that arrived together on source number `source`, 1 to kBatch of them, oldest
+  // first; what they view is valid during the call only. `more_waiting`: the batch is full, so that
+  // the newest frame may still be in the transport.
+  virtual void OnFrames(int source, std::span<const SourceFrame> frames, bool more_waiting) = 0;
+  // All bytes that come, once, before anything made of them is handed on by OnFrames: what a
+  // recording keeps.
   STYLED_REALTIME virtual void OnArrival(const Arrival& /*arrival*/) noexcept {}
   // A line for the log, at most once for each thing that it says.
   virtual void OnNote(int /*source*/, const std::string& /*text*/) {}
@@ -83,7 +80,7 @@ class Transport {
   virtual Smoothing smoothing() const { return {}; }
 };
 
-// At most this many datagrams are handed over at once: what bounds a cycle of the pipeline.
+// At most this many frames are handed over at once: what bounds a cycle of the pipeline.
 inline constexpr std::size_t kBatch = 32;
 
 }  // namespace styled::source

@@ -1,5 +1,6 @@
 #include "daemon/source/udp.h"
 
+#include "daemon/source/native_decoder.h"
 #include "daemon/source/udp_socket.h"
 
 namespace styled::source {
@@ -10,13 +11,15 @@ class Udp final : public Transport {
  public:
   Udp(runtime::Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
       runtime::Counters& counters)
-      : socket_(std::move(socket), clock, counters, config.sender_limit_hz), source_(source) {}
+      : socket_(std::move(socket), clock, counters, config.sender_limit_hz),
+        source_(source),
+        decoder_(source, counters) {}
 
   int DoWork(Receiver& receiver) override {
     const auto datagrams = socket_.Receive();
     if (datagrams.empty()) return 0;
     socket_.Announce(source_, receiver);
-    receiver.OnDatagramsFrom(source_, datagrams, socket_.machines());
+    decoder_.HandOn(datagrams, socket_.machines(), receiver);
     return static_cast<int>(datagrams.size());
   }
 
@@ -27,6 +30,7 @@ class Udp final : public Transport {
  private:
   UdpSocket socket_;
   int source_;
+  NativeDecoder decoder_;
 };
 
 // A rig's, through its translator.

@@ -18,9 +18,8 @@
 #include "daemon/publish/publisher.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/runtime/schedule.h"
-#include "daemon/source/native_decoder.h"
+#include "daemon/source/source_frame.h"
 #include "daemon/source/udp.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::bench {
 namespace {
@@ -60,15 +59,9 @@ class Echo final : public pipeline::Worker, public source::Receiver {
     });
   }
 
-  void OnDatagrams(int, std::span<const std::span<const std::byte>> datagrams) override {
-    for (const auto bytes : datagrams) {
-      native::Datagram datagram;
-      source::SourceFrameView frame;
-      if (native::Decode(bytes, datagram) != native::DecodeResult::kOk ||
-          datagram.kind != native::Kind::kSourceFrame ||
-          source::ReadSourceFrame(datagram.payload, frame) != source::FrameResult::kOk) {
-        continue;
-      }
+  void OnFrames(int, std::span<const source::SourceFrame> frames, bool) override {
+    for (const source::SourceFrame& frame : frames) {
+      if (frame.is_body) continue;
       Stream& stream = streams_[std::string(frame.performer)];
       if (stream.topic.empty()) {
         stream.topic = "styled/rig." + std::string(frame.performer) + "/rig/";
@@ -80,8 +73,9 @@ class Echo final : public pipeline::Worker, public source::Receiver {
       (void)stream.schedule.Lateness_ns(stream.elapsed_ns, clock_.Now_ns());
       stream.anticipation.Await(stream.schedule.Due_ns(2 * stream.elapsed_ns - before_ns));
       std::memcpy(message_.data(), &frame.source_time_ns, 8);
-      std::memcpy(message_.data() + 8, &datagram.sequence, 8);
-      std::memcpy(message_.data() + 16, bytes.data(), std::min(bytes.size(), kMessage - 16));
+      std::memcpy(message_.data() + 8, &frame.sequence, 8);
+      std::memcpy(message_.data() + 16, frame.rotations.data(),
+                  std::min(frame.rotations.size(), kMessage - 16));
       publisher_.Send(stream.topic, message_);
     }
   }

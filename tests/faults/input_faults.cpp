@@ -10,6 +10,7 @@
 #include "tests/faults/faults.h"
 #include "tests/faults/stage.h"
 #include "tests/support/clients.h"
+#include "tests/support/native_frames.h"
 #include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::faults {
@@ -186,7 +187,7 @@ Outcome Poison(const Effort& effort) {
   pipeline::Pipeline daemon({clock, counters, inspector, mailboxes}, {"rig"}, {}, live, 1, 100);
   const auto deliver = [&](const support::Bytes& bytes) {
     const std::span<const std::byte> one(bytes);
-    daemon.OnDatagrams(0, {&one, 1});
+    support::HandOn({&one, 1}, {}, counters, daemon);
     while (daemon.DoWork() > 0) continue;
     clock.now_ns += 1'000'000'000 / 120;
   };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "daemon/pipeline/pipeline.h"
+#include "tests/support/native_frames.h"
 #include "tests/support/rig.h"
 
 // The pipeline with a clock that the test moves, no sockets and no sleep.
@@ -66,7 +67,7 @@ class FakePipeline {
   void Deliver(const std::vector<Bytes>& datagrams, const source::Machine& sender = {}) {
     const std::vector<std::span<const std::byte>> spans(datagrams.begin(), datagrams.end());
     const std::vector<source::Machine> senders(datagrams.size(), sender);
-    pipeline_->OnDatagramsFrom(0, spans, senders);
+    HandOn(spans, senders, counters, *pipeline_);
     Work();
   }
   void Pass(std::int64_t ms) {

@@ -2,10 +2,11 @@
 
 #include <vector>
 
-#include "daemon/source/native_decoder.h"
+#include "daemon/source/source_frame.h"
 #include "daemon/source/translator.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
+#include "tests/support/native_frames.h"
 
 namespace styled::support {
 
@@ -53,20 +54,17 @@ class Translated : public source::Receiver {
   std::uint64_t Count(runtime::Counter counter) const { return counters_.Get(counter); }
   source::Translator& translator() { return *translator_; }
 
-  void OnDatagrams(int, std::span<const std::span<const std::byte>> datagrams) override {
-    for (const auto bytes : datagrams) {
-      native::Datagram datagram;
-      if (native::Decode(bytes, datagram) != native::DecodeResult::kOk) {
+  void OnFrames(int, std::span<const source::SourceFrame> frames, bool) override {
+    for (const source::SourceFrame& frame : frames) {
+      Item& item = items.emplace_back();
+      item.session = frame.session;
+      item.sequence = frame.sequence;
+      item.is_frame = !frame.is_body;
+      if (item.is_frame) {
+        item.frame = AsMessage(frame);
+      } else if (!source::ReadBody(frame, item.body)) {
         ++undecodable;
-        continue;
       }
-      Item item{
-          datagram.session, datagram.sequence, datagram.kind == native::Kind::kSourceFrame, {}, {}};
-      const auto size = static_cast<int>(datagram.payload.size());
-      const bool parsed = item.is_frame ? item.frame.ParseFromArray(datagram.payload.data(), size)
-                                        : item.body.ParseFromArray(datagram.payload.data(), size);
-      if (!parsed) ++undecodable;
-      items.push_back(std::move(item));
     }
   }
   void OnNote(int, const std::string& text) override { notes.push_back(text); }

@@ -29,7 +29,7 @@ inline std::vector<Translated::Item> Said(Translated& translated,
 inline int Allocations(source::Translator& translator, std::span<const std::byte> datagram,
                        std::int64_t now_ns) {
   struct Nobody final : source::Receiver {
-    void OnDatagrams(int, std::span<const std::span<const std::byte>>) override {}
+    void OnFrames(int, std::span<const source::SourceFrame>, bool) override {}
     void OnNote(int, const std::string&) override {}
   };
   static runtime::Counters counters;

@@ -178,11 +178,12 @@ void Character::SayIncomplete(std::int64_t now_ns, Outbox& out) {
   out.Refuse(Counter::kSourceIncomplete);
   const std::uint64_t times = incomplete_notes_.Take(now_ns);
   if (times == 0) return;
-  out.LeaveHotSection();
-  out.Note("character " + std::to_string(id_) + ": " + std::to_string(gathered_) + " of " +
+  out.Note([&] {
+    return "character " + std::to_string(id_) + ": " + std::to_string(gathered_) + " of " +
            std::to_string(wanted_) +
            " segments of a sample came, in order from its first datagram: it makes no frame" +
-           Times(times));
+           Times(times);
+  });
 }
 
 void Character::MakeBody(const mvn::Header& header, const std::string& up, Outbox& out) {

@@ -103,7 +103,7 @@ void NatNet::Say(std::string text, Outbox& out) {
   if (said_.size() >= kMaxSaid || std::ranges::find(said_, text) != said_.end()) return;
   out.LeaveHotSection();
   said_.push_back(text);
-  out.Note(std::move(text));
+  out.Note([&text] { return std::move(text); });
 }
 
 void NatNet::TakeServerInfo(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {

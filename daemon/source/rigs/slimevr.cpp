@@ -175,13 +175,14 @@ class SlimeVr final : public Translator {
     out.Refuse(Counter::kSourceTakeovers);
     const std::uint64_t times = takeover_notes_.Take(now_ns);
     if (times == 0) return;
-    out.LeaveHotSection();
-    out.Note("tracker " + slimevr::ToText({live.address, 0}) + " is live at " +
+    out.Note([&] {
+      return "tracker " + slimevr::ToText({live.address, 0}) + " is live at " +
              AddressText(live.peer.address, live.peer.address_size) + ": a greeting " +
              (live.address == address ? "" : "of " + slimevr::ToText({address, 0}) + " ") +
              "from " + AddressText(peer.address, peer.address_size) +
              " is refused until that was silent for " +
-             std::to_string(kTakeover_ns / runtime::kSecond_ns) + " s" + Times(times));
+             std::to_string(kTakeover_ns / runtime::kSecond_ns) + " s" + Times(times);
+    });
   }
 
   // A new device, or the one that was silent for longest; null where all are live or kept for
@@ -202,11 +203,12 @@ class SlimeVr final : public Translator {
     out.Refuse(Counter::kSourceTableFull);
     const std::uint64_t times = full_notes_.Take(now_ns);
     if (times == 0) return;
-    out.LeaveHotSection();
-    out.Note("there is room for " + std::to_string(kMaxDevices) +
+    out.Note([&] {
+      return "there is room for " + std::to_string(kMaxDevices) +
              " trackers, all of it taken: " + slimevr::ToText({address, 0}) + " from " +
              AddressText(peer.address, peer.address_size) +
-             " is refused; those named in `trackers` have a place kept" + Times(times));
+             " is refused; those named in `trackers` have a place kept" + Times(times);
+    });
   }
 
   // As the server has it: 0 is always taken. Numbers that begin anew after a greeting are those of
@@ -222,9 +224,10 @@ class SlimeVr final : public Translator {
     }
     if (number < device.number_before_greeting) {
       if (const std::uint64_t times = restart_notes_.Take(now_ns)) {
-        out.LeaveHotSection();
-        out.Note("tracker " + slimevr::ToText({device.address, 0}) +
-                 " was switched on again: its heading is lost until the next reset" + Times(times));
+        out.Note([&] {
+          return "tracker " + slimevr::ToText({device.address, 0}) +
+                 " was switched on again: its heading is lost until the next reset" + Times(times);
+        });
       }
     }
     device.number_before_greeting = 0;
@@ -287,7 +290,9 @@ class SlimeVr final : public Translator {
     }
     out.LeaveHotSection();
     const Status status = rig_.Calibrate(what, now_ns);
-    if (!status.ok()) out.Note("a tracker's button asked for a reset: " + status.message());
+    if (!status.ok()) {
+      out.Note([&] { return "a tracker's button asked for a reset: " + status.message(); });
+    }
   }
 
   void Complain(Device& device, const slimevr::Error& error, std::int64_t now_ns, Outbox& out) {
@@ -295,9 +300,10 @@ class SlimeVr final : public Translator {
     device.complained = true;
     const std::uint64_t times = error_notes_.Take(now_ns);
     if (times == 0) return;
-    out.LeaveHotSection();
-    out.Note("tracker " + slimevr::ToText({device.address, error.sensor}) + " reports error " +
-             std::to_string(error.code) + Times(times));
+    out.Note([&] {
+      return "tracker " + slimevr::ToText({device.address, error.sensor}) + " reports error " +
+             std::to_string(error.code) + Times(times);
+    });
   }
 
   TrackerRig rig_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "daemon/config/sources.h"
 #include "daemon/runtime/clock.h"
@@ -130,14 +131,17 @@ int TrackerRig::PartOf(const slimevr::TrackerId& id, int position, std::int64_t 
 void TrackerRig::SayPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out) {
   const std::uint64_t times = part == kUnassigned ? strangers_.Take(now_ns) : 1;
   if (times == 0) return;
-  out.LeaveHotSection();
-  out.Note("tracker " + slimevr::ToText(id) +
+  out.Note([&] {
+    return "tracker " + slimevr::ToText(id) +
            (part == kUnassigned ? " is worn on no part that we know of: give it one in `trackers`"
                                 : " is worn on " + PartName(part)) +
-           (times > 1 ? "; so are " + std::to_string(times - 1) + " others" : ""));
+           (times > 1 ? "; so are " + std::to_string(times - 1) + " others" : "");
+  });
   if (part != kUnassigned && !told_to_calibrate_) {
-    out.Note(
-        "to be calibrated: a full reset, while the performer stands in a T-pose, looking ahead");
+    out.Note([] {
+      return "to be calibrated: a full reset, while the performer stands in a T-pose, looking "
+             "ahead";
+    });
     told_to_calibrate_ = true;
   }
 }
@@ -155,9 +159,7 @@ void TrackerRig::Take(body::Joint part, const slimevr::Orientation& orientation,
 
 void TrackerRig::Tick(std::int64_t now_ns, Outbox& out) {
   if (!note_.empty()) {
-    out.LeaveHotSection();
-    out.Note(std::move(note_));
-    note_.clear();
+    out.Note([this] { return std::exchange(note_, {}); });
   }
   if (next_frame_ns_ > now_ns) return;
   std::uint64_t lost = 0;

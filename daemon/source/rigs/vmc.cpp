@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/runtime/clock.h"
+#include "daemon/source/face.h"
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/vmc_body.h"
 #include "proto/rigs/vmc/assembler.h"
@@ -155,8 +156,7 @@ void Sender::SetBody(BoneSet bones, Outbox& out) {
   told_ = positions_;
   moved_frames_ = 0;
   stream_.SetBody(MakeVmcBody(bones, positions_), out);
-  stream_.ReserveFace(vmc::Frame::kMaxBlends, vmc::Frame::Expression::kMaxName,
-                      vmc::Frame::kMaxThrus, vmc::Frame::Passed::kMaxSize);
+  stream_.ReserveFace();
   pose_ = rig::RigPose(stream_.body().skeleton);
   bone_of_joint_.clear();
   for (const int bone : vmc::kParentsFirst) {

@@ -39,7 +39,7 @@ void Records::Take(const Reports::Report& report, Receiver& receiver) {
       ++count;
     }
     received_ += count + (result == StreamReader::Result::kBroken ? 1 : 0);
-    if (count > 0) receiver.OnDatagrams(source_, {records_.data(), count});
+    if (count > 0) decoder_.HandOn({records_.data(), count}, {}, receiver);
     if (result == StreamReader::Result::kNeedMore) return;
     if (result == StreamReader::Result::kBroken) {
       counters_.Add(runtime::CounterOf(reader.Broken()));

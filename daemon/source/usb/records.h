@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/runtime/counters.h"
+#include "daemon/source/native_decoder.h"
 #include "daemon/source/transport.h"
 #include "daemon/source/usb/reports.h"
 #include "proto/rigs/native/stream_reader.h"
@@ -19,10 +20,12 @@ namespace styled::source::usb {
 // taken to begin with a record. Pipeline thread. Pinned by tests/unit/usb/records_test.cpp.
 class Records {
  public:
-  Records(int source, runtime::Counters& counters) : source_(source), counters_(counters) {}
+  Records(int source, runtime::Counters& counters)
+      : counters_(counters), decoder_(source, counters) {}
 
-  // Hands the records that the transfer completes to `receiver`. Allocates for a device that was
-  // not heard before only; of more than 16 the longest silent is forgotten, with what it began.
+  // Hands what the records that the transfer completes say to `receiver`. Allocates for a device
+  // that was not heard before only; of more than 16 the longest silent is forgotten, with what it
+  // began.
   void Take(const Reports::Report& report, Receiver& receiver);
   std::uint64_t received() const { return received_; }
 
@@ -37,8 +40,8 @@ class Records {
 
   Stream& StreamOf(std::uint32_t device);
 
-  int source_;
   runtime::Counters& counters_;
+  NativeDecoder decoder_;
   std::uint64_t received_ = 0;
   std::vector<std::unique_ptr<Stream>> streams_;
   std::array<std::span<const std::byte>, kBatch> records_;

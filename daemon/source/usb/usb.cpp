@@ -104,8 +104,7 @@ class TranslatedUsb final : public Usb {
     for (std::size_t i = 0; i < kBatch && reports_.Pop(report); ++i) {
       ++work;
       if (report.is_note) {
-        outbox_.LeaveHotSection();
-        outbox_.Note(Text(report.bytes));
+        outbox_.Note([&report] { return Text(report.bytes); });
         continue;
       }
       Announce(report, receiver);

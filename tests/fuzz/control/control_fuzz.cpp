@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "daemon/pipeline/pipeline.h"
+#include "tests/support/native_frames.h"
 #include "tests/support/rig.h"
 #include "tests/unit/net/erd/random_weights.h"
 
@@ -94,7 +95,7 @@ class Daemon {
   void Deliver(const support::Bytes& bytes) {
     clock_.now_ns += runtime::kSecond_ns / 120;
     const std::span<const std::byte> datagram(bytes);
-    pipeline_->OnDatagrams(0, {&datagram, 1});
+    support::HandOn({&datagram, 1}, {}, counters_, *pipeline_);
     Work();
   }
   void Work() {

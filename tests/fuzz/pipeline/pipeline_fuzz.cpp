@@ -84,7 +84,7 @@ class Stage {
     senders.insert(senders.begin() + middle, kVictims);
     const std::vector<std::span<const std::byte>> spans(batch.begin(), batch.end());
     const std::uint64_t before = pipeline_.Count(runtime::Counter::kStylistSteps);
-    pipeline_.pipeline().OnDatagramsFrom(0, spans, senders);
+    support::HandOn(spans, senders, pipeline_.counters, pipeline_.pipeline());
     const std::uint64_t steps = pipeline_.Count(runtime::Counter::kStylistSteps) - before;
     REQUIRE(steps <= batch.size() * stylist::kMaxStepsPerFrame);
     batches_ += batch.size();

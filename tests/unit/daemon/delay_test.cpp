@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <deque>
 
+#include "daemon/source/native_decoder.h"
 #include "tests/support/rig.h"
 
 namespace styled::source {
@@ -31,7 +32,7 @@ struct Network final : Transport {
     int work = 0;
     while (!packets.empty() && packets.front().arrives_ns <= clock.now_ns) {
       const std::span<const std::byte> one(packets.front().bytes);
-      receiver.OnDatagrams(3, {&one, 1});
+      decoder.HandOn({&one, 1}, {}, receiver);
       packets.pop_front();
       ++work;
     }
@@ -45,6 +46,8 @@ struct Network final : Transport {
   std::uint64_t received() const override { return 0; }
 
   const FakeClock& clock;
+  runtime::Counters counters;
+  NativeDecoder decoder{3, counters};
   std::deque<Packet> packets;
   std::string name = "here";
 };
@@ -53,18 +56,13 @@ struct DelayTest : testing::Test, Receiver {
   struct Seen {
     std::int64_t at_ns;
     std::uint64_t sequence;
-    native::Kind kind;
+    bool is_body;
   };
-  void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override {
+  void OnFrames(int source, std::span<const SourceFrame> frames, bool) override {
     EXPECT_EQ(source, 3);
-    EXPECT_LE(datagrams.size(), kBatch);
-    for (const auto bytes : datagrams) {
-      native::Datagram datagram;
-      if (native::Decode(bytes, datagram) != native::DecodeResult::kOk) {
-        ++unreadable;
-        continue;
-      }
-      seen.push_back({clock.now_ns, datagram.sequence, datagram.kind});
+    EXPECT_LE(frames.size(), kBatch);
+    for (const SourceFrame& frame : frames) {
+      seen.push_back({clock.now_ns, frame.sequence, frame.is_body});
     }
   }
   void Arrives(std::int64_t after_ns, Bytes bytes) {
@@ -91,7 +89,6 @@ struct DelayTest : testing::Test, Receiver {
       MakeDelayed(std::unique_ptr<Transport>(network), 0.05F, clock);
   Rig rig{"anna"};
   std::vector<Seen> seen;
-  int unreadable = 0;
 };
 
 constexpr std::int64_t kPeriod_ns = 1'000'000'000 / 120;
@@ -104,7 +101,7 @@ TEST_F(DelayTest, WhatComesInBurstsLeavesEvenly) {
   }
   Run();
   ASSERT_EQ(seen.size(), kFrames + 1U);
-  EXPECT_EQ(seen[0].kind, native::Kind::kBody);
+  EXPECT_TRUE(seen[0].is_body);
   for (std::size_t i = 20; i < seen.size(); ++i) {
     EXPECT_EQ(seen[i].sequence, i);
     EXPECT_NEAR(static_cast<double>(seen[i].at_ns - seen[i - 1].at_ns), kPeriod_ns, 1000) << i;
@@ -157,11 +154,11 @@ TEST_F(DelayTest, ANewSessionOrAClockSetBackBeginsAnew) {
   EXPECT_GT(seen.back().at_ns - begin_ns, 119 * kPeriod_ns + 49'000'000);
 }
 
-TEST_F(DelayTest, GarbageGoesOnAndAFloodLosesNothing) {
+TEST_F(DelayTest, GarbageIsCountedAndAFloodLosesNothing) {
   Arrives(0, Bytes(17));
   for (int i = 0; i < 3000; ++i) Arrives(kMillisecond_ns, rig.Frame());
   Run();
-  EXPECT_EQ(unreadable, 1);
+  EXPECT_EQ(network->counters.Get(runtime::Counter::kSourceTooShort), 1U);
   ASSERT_EQ(seen.size(), 3000U);
   for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i].sequence, i);
 }

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <random>
 
+#include "daemon/source/face.h"
 #include "proto/styled/v1/frame.pb.h"
 #include "tests/support/rig.h"
 
@@ -21,7 +22,7 @@ bool SameBits(std::span<const std::byte> view, const Repeated& floats) {
          std::memcmp(view.data(), floats.data(), view.size()) == 0;
 }
 
-TEST(SourceFrameTest, ReadsWhatProtobufWrote) {
+TEST(NativeDecoderTest, ReadsWhatProtobufWrote) {
   support::Rig rig("a-b_9");
   v1::SourceFrame frame = rig.MakeFrame();
   frame.set_body_crc(0xDEADBEEF);
@@ -32,7 +33,7 @@ TEST(SourceFrameTest, ReadsWhatProtobufWrote) {
   frame.mutable_timecode()->set_rate(29.97F);
   frame.mutable_timecode()->set_drop_frame(true);
   const std::string bytes = frame.SerializeAsString();
-  SourceFrameView view;
+  SourceFrame view;
   ASSERT_EQ(ReadSourceFrame(AsBytes(bytes), view), FrameResult::kOk);
   EXPECT_EQ(view.performer, "a-b_9");
   EXPECT_EQ(view.source_time_ns, frame.source_time_ns());
@@ -49,16 +50,16 @@ TEST(SourceFrameTest, ReadsWhatProtobufWrote) {
   EXPECT_EQ(ReadPerformer(AsBytes(bytes)), "a-b_9");
 }
 
-TEST(SourceFrameTest, SkipsFieldsOfLaterVersions) {
+TEST(NativeDecoderTest, SkipsFieldsOfLaterVersions) {
   std::string bytes = support::Rig("a").MakeFrame().SerializeAsString();
   bytes += std::string("\x38\x96\x01", 3);          // field 7, varint
   bytes += std::string("\x82\x01\x03xyz", 6);       // field 16, bytes
   bytes += std::string("\x41\0\0\0\0\0\0\0\0", 9);  // field 8, fixed64
-  SourceFrameView view;
+  SourceFrame view;
   EXPECT_EQ(ReadSourceFrame(AsBytes(bytes), view), FrameResult::kOk);
 }
 
-TEST(SourceFrameTest, TheFaceIsTheBytesOfItsRunAndWhatNobodyCouldReadIsRefused) {
+TEST(NativeDecoderTest, TheFaceIsTheBytesOfItsRunAndWhatNobodyCouldReadIsRefused) {
   v1::SourceFrame frame = support::Rig("a").MakeFrame();
   const auto add = [&frame](const std::string& name, float value) {
     auto& expression = *frame.add_expressions();
@@ -69,7 +70,7 @@ TEST(SourceFrameTest, TheFaceIsTheBytesOfItsRunAndWhatNobodyCouldReadIsRefused) 
   add("あ", 1);
   frame.add_thru("/VMC/Thru/x");
   const std::string bytes = frame.SerializeAsString();
-  SourceFrameView view;
+  SourceFrame view;
   ASSERT_EQ(ReadSourceFrame(AsBytes(bytes), view), FrameResult::kOk);
   v1::Frame out;  // the same fields
   ASSERT_TRUE(out.ParseFromArray(view.face.data(), static_cast<int>(view.face.size())));
@@ -95,18 +96,18 @@ TEST(SourceFrameTest, TheFaceIsTheBytesOfItsRunAndWhatNobodyCouldReadIsRefused) 
   EXPECT_TRUE(view.face.empty()) << "too much of it is left out";
 }
 
-TEST(SourceFrameTest, NamesAreCheckedAgainstTheRule) {
+TEST(NativeDecoderTest, NamesAreCheckedAgainstTheRule) {
   for (const std::string name :
        {"", "with space", "dot.dot", "slash/", "ümlaut", "123456789012345678901234567890123"}) {
     support::Rig rig(name);
     const std::string bytes = rig.MakeFrame().SerializeAsString();
-    SourceFrameView view;
+    SourceFrame view;
     EXPECT_EQ(ReadSourceFrame(AsBytes(bytes), view), FrameResult::kBadName) << name;
   }
 }
 
 // Where protobuf refuses, so do we; where both read, they read the same.
-TEST(SourceFrameTest, AgreesWithProtobufOnDamagedBytes) {
+TEST(NativeDecoderTest, AgreesWithProtobufOnDamagedBytes) {
   v1::SourceFrame whole = support::Rig("a").MakeFrame();
   whole.mutable_timecode()->set_frames(3);
   whole.set_body_crc(9);
@@ -123,7 +124,7 @@ TEST(SourceFrameTest, AgreesWithProtobufOnDamagedBytes) {
                                  : random() % std::min<std::size_t>(60, damaged.size());
       damaged[at] = static_cast<char>(random());
     }
-    SourceFrameView view;
+    SourceFrame view;
     if (ReadSourceFrame(AsBytes(damaged), view) != FrameResult::kOk) continue;
     v1::SourceFrame reference;
     ASSERT_TRUE(reference.ParseFromString(damaged)) << i;
@@ -136,11 +137,11 @@ TEST(SourceFrameTest, AgreesWithProtobufOnDamagedBytes) {
   EXPECT_GT(read_by_both, 1000);
 }
 
-TEST(SourceFrameTest, APoseIsCopiedBitForBitOrNotAtAll) {
+TEST(NativeDecoderTest, APoseIsCopiedBitForBitOrNotAtAll) {
   v1::SourceFrame frame = support::Rig("a").MakeFrame();
   frame.set_rotations(5, -0.0F);
   const std::string bytes = frame.SerializeAsString();
-  SourceFrameView view;
+  SourceFrame view;
   ASSERT_EQ(ReadSourceFrame(AsBytes(bytes), view), FrameResult::kOk);
   rig::Skeleton skeleton;
   skeleton.names.resize(21);

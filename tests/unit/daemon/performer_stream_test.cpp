@@ -7,7 +7,7 @@
 namespace styled::source {
 namespace {
 
-// A translator that hands what it is told to one relay.
+// One stream, and what its frames say.
 struct Fixture : support::Translated {
   struct Nothing final : Translator {
     void Take(std::span<const std::byte>, const Peer&, std::int64_t, Outbox&) override {}
@@ -95,6 +95,62 @@ TEST(PerformerStream, MoreThanABatchArrivesWhole) {
   f.outbox.Close();
   EXPECT_EQ(f.Frames().size(), 100U);
   EXPECT_EQ(f.undecodable, 0);
+}
+
+TEST(PerformerStream, FramesOfOneBatchKeepTheirOwnPoseNameAndFace) {
+  Fixture f;
+  f.SetBody();
+  f.stream.ReserveFace();
+  f.outbox.Open(f, -1);
+  rig::RigPose pose(f.body.skeleton);
+  Face face;
+  {
+    PerformerStream second("b");  // gone before the batch is handed on
+    second.SetBody(f.body, f.outbox);
+    second.Send(pose, {++f.time_ns, f.now_ns}, f.outbox);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = "blend" + std::to_string(i);
+    face.expressions = {{name, static_cast<float>(i)}};
+    pose.translations[0].x() = static_cast<float>(i);
+    f.stream.Send(pose, {++f.time_ns, f.now_ns, 0, nullptr, &face}, f.outbox);
+  }
+  f.outbox.Close();
+  const auto frames = f.Frames();
+  ASSERT_EQ(frames.size(), 4U);
+  EXPECT_EQ(frames[0].performer(), "b");
+  for (int i = 0; i < 3; ++i) {
+    const auto& frame = frames[static_cast<std::size_t>(i) + 1];
+    EXPECT_EQ(frame.performer(), "a");
+    EXPECT_EQ(frame.root_position(0), static_cast<float>(i));
+    ASSERT_EQ(frame.expressions_size(), 1);
+    EXPECT_EQ(frame.expressions(0).name(), "blend" + std::to_string(i));
+  }
+}
+
+TEST(PerformerStream, AFaceIsTheBytesThatProtobufWrites) {
+  v1::SourceFrame message;
+  Face face;
+  const std::string thru = "/VMC/Thru/x", empty, longest(300, 'x');
+  const std::vector<std::pair<std::string_view, float>> rows{
+      {"Joy", 0.5F}, {"\xE3\x81\x82", 1.0F}, {"", 2.0F}, {"zero", 0.0F}, {"minus zero", -0.0F},
+      {"", 0.0F},    {longest, 1.0F}};
+  for (const auto& [name, value] : rows) {
+    face.expressions.push_back({name, value});
+    auto& expression = *message.add_expressions();
+    expression.set_name(std::string(name));
+    expression.set_value(value);
+  }
+  for (const std::string* const text : {&thru, &empty, &longest}) {
+    face.thru.push_back(std::as_bytes(std::span(*text)));
+    message.add_thru(*text);
+  }
+  std::vector<std::byte> bytes(kMaxFace);
+  const std::size_t size = EncodeFace(face, bytes);
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), size),
+            message.SerializeAsString());
+  EXPECT_EQ(EncodeFace(face, std::span(bytes).first(size)), size);
+  EXPECT_EQ(EncodeFace(face, std::span(bytes).first(size - 1)), 0U) << "whole, or left out";
 }
 
 TEST(PerformerStream, NamesAreMadeValid) {

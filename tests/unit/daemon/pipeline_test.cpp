@@ -6,6 +6,7 @@
 #include <map>
 
 #include "tests/support/fake_pipeline.h"
+#include "tests/support/native_frames.h"
 #include "tests/support/rig.h"
 #include "tests/unit/net/erd/random_weights.h"
 
@@ -42,7 +43,7 @@ class PipelineTest : public testing::Test {
   }
   void Deliver(const std::vector<support::Bytes>& datagrams) {
     std::vector<std::span<const std::byte>> spans(datagrams.begin(), datagrams.end());
-    pipeline().OnDatagrams(0, spans);
+    support::HandOn(spans, {}, counters_, pipeline());
     Work();
   }
   void Pass(std::int64_t ms) {

@@ -12,6 +12,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "model/base/text.h"
 #include "tests/support/child.h"
+#include "tests/support/native_frames.h"
 #include "tests/support/rig.h"
 #include "tests/unit/net/erd/random_weights.h"
 
@@ -78,7 +79,7 @@ class RosterTest : public testing::Test {
     std::vector<support::Bytes> datagrams{rig.Body()};
     if (frame) datagrams.push_back(rig.Frame());
     const std::vector<std::span<const std::byte>> spans(datagrams.begin(), datagrams.end());
-    pipeline_->OnDatagrams(0, spans);
+    support::HandOn(spans, {}, counters_, *pipeline_);
     clock_.now_ns += runtime::kSecond_ns;
     Work();
   }

@@ -91,8 +91,8 @@ class TcpTest : public testing::Test, public Receiver {
   std::uint64_t Count(Counter counter) const { return counters_.Get(counter); }
   static Bytes Record(const std::string& performer = "a") { return Rig(performer).Body(); }
 
-  void OnDatagrams(int, std::span<const std::span<const std::byte>> datagrams) override {
-    records_ += datagrams.size();
+  void OnFrames(int, std::span<const SourceFrame> frames, bool) override {
+    records_ += frames.size();
   }
   void OnNote(int, const std::string& text) override { notes_.push_back(text); }
 

@@ -25,13 +25,9 @@ class HandClock final : public runtime::Clock {
 };
 
 struct Pipeline final : Receiver {
-  void OnDatagrams(int source, std::span<const std::span<const std::byte>> datagrams) override {
+  void OnFrames(int source, std::span<const SourceFrame> received, bool) override {
     EXPECT_EQ(source, 3);
-    for (const auto bytes : datagrams) {
-      native::Datagram datagram;
-      ASSERT_EQ(native::Decode(bytes, datagram), native::DecodeResult::kOk);
-      (datagram.kind == native::Kind::kBody ? bodies : frames) += 1;
-    }
+    for (const SourceFrame& frame : received) (frame.is_body ? bodies : frames) += 1;
   }
   void OnArrival(const Arrival& arrival) noexcept override {
     EXPECT_EQ(arrival.source, 3);

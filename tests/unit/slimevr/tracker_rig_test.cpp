@@ -9,6 +9,7 @@
 #include "daemon/pipeline/body_binding.h"
 #include "proto/styled/v1/body.pb.h"
 #include "tests/support/count_new.h"
+#include "tests/support/native_frames.h"
 
 namespace styled::source {
 namespace {
@@ -47,17 +48,14 @@ struct Bench final : Receiver {
     return part;
   }
 
-  void OnDatagrams(int, std::span<const std::span<const std::byte>> datagrams) override {
-    for (const auto bytes : datagrams) {
-      native::Datagram datagram;
-      ASSERT_EQ(native::Decode(bytes, datagram), native::DecodeResult::kOk);
-      sessions.push_back(datagram.session);
-      const auto size = static_cast<int>(datagram.payload.size());
-      if (datagram.kind == native::Kind::kBody) {
-        bodies.emplace_back().ParseFromArray(datagram.payload.data(), size);
+  void OnFrames(int, std::span<const SourceFrame> received, bool) override {
+    for (const SourceFrame& frame : received) {
+      sessions.push_back(frame.session);
+      if (frame.is_body) {
+        ASSERT_TRUE(ReadBody(frame, bodies.emplace_back()));
       } else {
-        sequences.push_back(datagram.sequence);
-        frames.emplace_back().ParseFromArray(datagram.payload.data(), size);
+        sequences.push_back(frame.sequence);
+        frames.push_back(support::AsMessage(frame));
       }
     }
   }

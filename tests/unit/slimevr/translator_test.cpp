@@ -13,6 +13,7 @@
 #include "proto/styled/v1/frame.pb.h"
 #include "sim/performer/performer.h"
 #include "sim/rigs/slimevr.h"
+#include "tests/support/native_frames.h"
 #include "tests/unit/slimevr/decode_cases.h"
 
 namespace styled::source {
@@ -107,14 +108,11 @@ class Bench final : public Receiver {
   Translator& translator() { return *translator_; }
   std::uint64_t Count(Counter counter) const { return counters_.Get(counter); }
 
-  void OnDatagrams(int, std::span<const std::span<const std::byte>> datagrams) override {
-    for (const auto bytes : datagrams) {
-      native::Datagram datagram;
-      ASSERT_EQ(native::Decode(bytes, datagram), native::DecodeResult::kOk);
-      if (datagram.kind != native::Kind::kSourceFrame) continue;
-      session = datagram.session;
-      frames.emplace_back().ParseFromArray(datagram.payload.data(),
-                                           static_cast<int>(datagram.payload.size()));
+  void OnFrames(int, std::span<const SourceFrame> received, bool) override {
+    for (const SourceFrame& frame : received) {
+      if (frame.is_body) continue;
+      session = frame.session;
+      frames.push_back(support::AsMessage(frame));
     }
   }
   void OnNote(int, const std::string& text) override { notes.push_back(text); }

@@ -1,0 +1,96 @@
+#include "daemon/source/face.h"
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+namespace styled::source {
+namespace {
+
+// Protobuf's tags, (field << 3) | wire type, as the bytes that they are on the wire.
+constexpr std::uint32_t kExpressions = 18U << 3U | 2U, kThru = 19U << 3U | 2U;
+constexpr std::uint32_t kName = 1U << 3U | 2U, kValue = 2U << 3U | 5U;
+
+std::size_t VarintSize(std::size_t value) noexcept {
+  std::size_t size = 1;
+  for (; value >= 0x80U; value >>= 7U) ++size;
+  return size;
+}
+
+// Writes until there is no room left; then nothing more.
+class Writer {
+ public:
+  explicit Writer(std::span<std::byte> to) noexcept : to_(to) {}
+  bool fits() const noexcept { return fits_; }
+  std::size_t size() const noexcept { return size_; }
+
+  void Varint(std::size_t value) noexcept {
+    for (; value >= 0x80U; value >>= 7U) Byte(static_cast<std::byte>(value | 0x80U));
+    Byte(static_cast<std::byte>(value));
+  }
+  void Bytes(std::span<const std::byte> bytes) noexcept {
+    fits_ = fits_ && bytes.size() <= to_.size() - size_;
+    if (!fits_ || bytes.empty()) return;
+    std::memcpy(&to_[size_], bytes.data(), bytes.size());
+    size_ += bytes.size();
+  }
+
+ private:
+  void Byte(std::byte byte) noexcept { Bytes({&byte, 1}); }
+
+  std::span<std::byte> to_;
+  std::size_t size_ = 0;
+  bool fits_ = true;
+};
+
+// proto3 leaves out a field that has its default: an empty name, and a weight whose bits are 0.
+void Write(const Face::Expression& expression, Writer& out) noexcept {
+  const std::size_t name = expression.name.size();
+  const bool has_value = std::bit_cast<std::uint32_t>(expression.value) != 0;
+  out.Varint(kExpressions);
+  out.Varint((name > 0 ? 1 + VarintSize(name) + name : 0) + (has_value ? 1 + sizeof(float) : 0));
+  if (name > 0) {
+    out.Varint(kName);
+    out.Varint(name);
+    out.Bytes(std::as_bytes(std::span(expression.name)));
+  }
+  if (has_value) {
+    out.Varint(kValue);
+    out.Bytes(std::as_bytes(std::span(&expression.value, 1)));
+  }
+}
+
+}  // namespace
+
+std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept {
+  Writer out(to);
+  for (const auto& expression : face.expressions) Write(expression, out);
+  for (const auto bytes : face.thru) {
+    out.Varint(kThru);
+    out.Varint(bytes.size());
+    out.Bytes(bytes);
+  }
+  return out.fits() ? out.size() : 0;
+}
+
+bool IsUtf8(std::string_view text) noexcept {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<std::uint32_t>(static_cast<unsigned char>(text[i]));
+    const std::size_t more = lead < 0x80 ? 0 : lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3;
+    if ((lead >= 0x80 && lead < 0xC2) || lead > 0xF4 || text.size() - i <= more) return false;
+    std::uint32_t code = more == 0 ? lead : lead & (0x3FU >> more);
+    for (std::size_t k = 1; k <= more; ++k) {
+      const auto next = static_cast<std::uint32_t>(static_cast<unsigned char>(text[i + k]));
+      if ((next & 0xC0U) != 0x80U) return false;
+      code = code << 6U | (next & 0x3FU);
+    }
+    if ((more == 2 && (code < 0x800 || (code >= 0xD800 && code < 0xE000))) ||
+        (more == 3 && (code < 0x10000 || code > 0x10FFFF))) {
+      return false;
+    }
+    i += more + 1;
+  }
+  return true;
+}
+
+}  // namespace styled::source

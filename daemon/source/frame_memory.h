@@ -1,0 +1,48 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "daemon/source/source_frame.h"
+#include "model/base/realtime.h"
+#include "model/rig/binding.h"
+#include "proto/styled/face.h"
+
+namespace styled::source {
+
+// The memory of one SourceFrame that outlives the call that brought it. Pipeline thread.
+class FrameMemory {
+ public:
+  // Room for `bytes` of name, pose and face, or of a body. Allocates.
+  explicit FrameMemory(std::size_t bytes) { bytes_.reserve(bytes); }
+
+  // The frame, its views moved to this memory; valid until the next Keep. Allocates only for a
+  // frame larger than any before and than the room.
+  STYLED_REALTIME SourceFrame Keep(const SourceFrame& frame) noexcept {
+    SourceFrame kept = frame;
+    const auto name = std::as_bytes(std::span(frame.performer));
+    // First all bytes, then the views: a vector that grows moves.
+    bytes_.assign(name.begin(), name.end());
+    for (const auto part : {frame.root_position, frame.rotations, frame.face, frame.body_bytes}) {
+      bytes_.insert(bytes_.end(), part.begin(), part.end());
+    }
+    kept.performer = {reinterpret_cast<const char*>(bytes_.data()), name.size()};
+    std::size_t begin = name.size();
+    for (auto* const view : {&kept.root_position, &kept.rotations, &kept.face, &kept.body_bytes}) {
+      *view = std::span<const std::byte>(bytes_).subspan(begin, view->size());
+      begin += view->size();
+    }
+    return kept;
+  }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+// Room for any frame of a translator: a name, 256 joints and the largest face.
+inline constexpr std::size_t kMostFrameBytes =
+    32 + sizeof(rig::Vec3) + rig::kMaxSourceJoints * sizeof(rig::Quat) + kMaxFace;
+
+}  // namespace styled::source
