@@ -1,0 +1,142 @@
+// From a rig's datagrams to published frames: translator, outbox and pipeline as in the daemon,
+// without sockets, on the synthetic performer at 60 Hz. "HandedOn" ends where the pipeline copies
+// the pose, so that it is the way alone; "Published" styles it, too, and serializes one topic.
+// Random weights: shapes decide, not values. Never asserted by wall time.
+#include <benchmark/benchmark.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/source/rigs/make.h"
+#include "sim/performer/performer.h"
+#include "sim/rigs/rig.h"
+#include "tests/bench/plain_step.h"
+
+namespace styled {
+namespace {
+
+constexpr double kRate_hz = 60;
+constexpr auto kPeriod_ns = static_cast<std::int64_t>(1e9 / kRate_hz);
+using Datagram = std::vector<std::byte>;
+
+// What the sender of a rig sends, frame by frame.
+std::vector<std::vector<Datagram>> Record(const std::string& type) {
+  auto rig = rigs::Make(type, {{"sim"}, kRate_hz, 1, {}});
+  performer::Performer performer(performer::Options{});
+  std::vector<std::vector<Datagram>> frames(1200);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double time_s = static_cast<double>(i) / kRate_hz;
+    body::Pose pose;
+    performer.Pose(time_s, pose);
+    rig.value()->Encode({i, time_s, {&pose, 1}}, [&](std::span<const std::byte> bytes) {
+      frames[i].emplace_back(bytes.begin(), bytes.end());
+    });
+  }
+  return frames;
+}
+
+struct Clock final : runtime::Clock {
+  std::int64_t Now_ns() const noexcept override { return now_ns; }
+  std::int64_t Wall_ns() const noexcept override { return now_ns; }
+  std::int64_t now_ns = 1'000'000'000;
+};
+
+struct Publisher final : publish::Publisher {
+  void Send(std::string_view, std::span<const std::byte> payload) noexcept override {
+    bytes += payload.size();
+    ++messages;
+  }
+  bool NextSubscription(publish::SubscriptionEvent& event) override {
+    event = {true, "styled/rig.sim/canonical/"};
+    return std::exchange(asking, false);
+  }
+  int fd() const override { return -1; }
+  std::size_t bytes = 0, messages = 0;
+  bool asking = true;
+};
+
+// As much of the pipeline as it takes to have the pose.
+struct Copies final : source::Receiver {
+  void OnFrames(int, std::span<const source::SourceFrame> frames, bool) override {
+    for (const source::SourceFrame& frame : frames) {
+      const auto joints = static_cast<int>(frame.rotations.size() / sizeof(rig::Quat));
+      if (frame.is_body) continue;
+      pose.rotations.resize(static_cast<std::size_t>(joints));
+      pose.translations.resize(1);
+      if (source::CopyPose(frame, joints, pose)) ++copied;
+    }
+  }
+  rig::RigPose pose{rig::Skeleton{}};
+  std::size_t copied = 0;
+};
+
+class Sender {
+ public:
+  explicit Sender(const std::string& type) : frames_(Record(type)) {
+    config::Source config;
+    config.name = "rig";
+    config.type = type;
+    config.performer = "sim";
+    translator_ = source::MakeTranslator(config);
+  }
+  void Next(source::Receiver& receiver, std::int64_t now_ns) {
+    outbox_.Open(receiver, -1);
+    for (const Datagram& datagram : frames_[next_ % frames_.size()]) {
+      translator_->Take(datagram, source::Peer(), now_ns, outbox_);
+    }
+    translator_->Tick(now_ns, outbox_);
+    outbox_.Close();
+    ++next_;
+  }
+
+ private:
+  std::vector<std::vector<Datagram>> frames_;
+  runtime::Counters counters_;
+  source::Outbox outbox_{0, counters_};
+  std::unique_ptr<source::Translator> translator_;
+  std::size_t next_ = 0;
+};
+
+void HandedOn(benchmark::State& state, const std::string& type) {
+  Sender sender(type);
+  Clock clock;
+  Copies receiver;
+  for (auto _ : state) {
+    clock.now_ns += kPeriod_ns;
+    sender.Next(receiver, clock.now_ns);
+  }
+  state.counters["frames"] =
+      static_cast<double>(receiver.copied) / static_cast<double>(state.iterations());
+}
+
+void Published(benchmark::State& state, const std::string& type) {
+  Sender sender(type);
+  Clock clock;
+  runtime::Counters counters;
+  Publisher publisher;
+  pipeline::Mailboxes mailboxes;
+  auto config = std::make_shared<pipeline::RuntimeConfig>();
+  config->network = erd::RandomNetwork(16, 1);
+  pipeline::Pipeline pipeline({clock, counters, publisher, mailboxes}, {"rig"}, {}, config, 1, 100);
+  for (auto _ : state) {
+    clock.now_ns += kPeriod_ns;
+    sender.Next(pipeline, clock.now_ns);
+    while (pipeline.DoWork() > 0) continue;
+  }
+  state.counters["frames"] = static_cast<double>(counters.Get(runtime::Counter::kPipelineFrames)) /
+                             static_cast<double>(state.iterations());
+}
+
+BENCHMARK_CAPTURE(HandedOn, vmc, "vmc");
+BENCHMARK_CAPTURE(HandedOn, mvn, "mvn");
+BENCHMARK_CAPTURE(HandedOn, mocopi, "mocopi");
+BENCHMARK_CAPTURE(Published, vmc, "vmc");
+BENCHMARK_CAPTURE(Published, mvn, "mvn");
+BENCHMARK_CAPTURE(Published, mocopi, "mocopi");
+
+}  // namespace
+}  // namespace styled
+
+BENCHMARK_MAIN();
