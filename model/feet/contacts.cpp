@@ -4,18 +4,13 @@
 #include <limits>
 
 #include "model/base/smooth.h"
+#include "model/feet/tuning.h"
 
 namespace styled::feet {
-namespace {
-
-constexpr float kSpeed_s = 0.012F;  // smoothing of the speed that is judged: sensor noise
-
-}  // namespace
-
 float Contacts::Speed(Part& part, const Vec3& position_m, float dt_s) noexcept {
   if (started_ && dt_s > 0) {
     const Vec3 velocity = (position_m - part.last_m) / dt_s;
-    part.velocity_mps += DecayShare(dt_s, kSpeed_s) * (velocity - part.velocity_mps);
+    part.velocity_mps += DecayShare(dt_s, tuning::kSpeed_s) * (velocity - part.velocity_mps);
   }
   part.last_m = position_m;
   return part.velocity_mps.norm();

@@ -4,24 +4,10 @@
 #include <cmath>
 
 #include "model/base/smooth.h"
+#include "model/feet/tuning.h"
 
 namespace styled::feet {
 namespace {
-
-constexpr float kGap_s = 0.25F;
-constexpr float kCushion_m = 0.01F;      // above the floor, where a foot begins to be held up,
-constexpr float kHighCushion_m = 0.03F;  // and where it does while the performer's own is high
-constexpr float kSwing_m = 0.06F;        // in full from there on
-constexpr float kTakenAlong = 0.7F;
-constexpr float kLift_s = 0.03F;  // smoothing of what lifts a foot to the performer's height
-constexpr float kFastestLift_mps = 3.0F;  // of a session's first two frames, whose times may jitter
-constexpr float kMostPitch_rad = 0.6F;
-constexpr float kDropCorner_m = 0.005F;
-constexpr float kStraightCorner = 0.04F;  // of the leg's length
-constexpr float kNear_m = 0.02F;  // a foot moved by less keeps the leg as straight as it is styled
-constexpr float kStraighten_s = 0.05F;  // smoothing of that
-constexpr float kHigh = 0.4F;           // of the reach: a foot so far above the performer's lets go
-constexpr float kLetGo = 0.6F;          // of the reach: where a lock begins to give
 
 Vec3 Flat(const Vec3& v) { return {v.x(), 0, v.z()}; }
 
@@ -35,7 +21,8 @@ Quat Pitch(const Vec3& foot, const Vec3& across, float rise_m) {
   const Vec3 axis = Flat(across) / level;
   const float ahead = std::max(0.0F, foot.dot(axis.cross(Vec3::UnitY())) / length);  // 1: flat
   const float turn = level * rise_m / length * ahead * (3 - 2 * ahead);
-  return Quat(Eigen::AngleAxisf(-std::clamp(turn, -kMostPitch_rad, kMostPitch_rad), axis));
+  return Quat(
+      Eigen::AngleAxisf(-std::clamp(turn, -tuning::kMostPitch_rad, tuning::kMostPitch_rad), axis));
 }
 
 // By how much what is at `height_m` must be lifted so that it is not under the floor. It begins to
@@ -43,8 +30,9 @@ Quat Pitch(const Vec3& foot, const Vec3& across, float rise_m) {
 // his own pose is never changed): a rounded minimum of the two. A foot that is in mid-swing with
 // him comes down fast: there the cushion is thicker.
 float Push(float floor_m, float performer_m, float height_m) {
-  const float cushion = kCushion_m + (kHighCushion_m - kCushion_m) *
-                                         SmoothStep(performer_m - floor_m, kCushion_m, kSwing_m);
+  const float cushion = tuning::kCushion_m +
+                        (tuning::kHighCushion_m - tuning::kCushion_m) *
+                            SmoothStep(performer_m - floor_m, tuning::kCushion_m, tuning::kSwing_m);
   const float top = floor_m + cushion;
   const float support = top - SoftExcess(top - performer_m + cushion, cushion);
   return SoftExcess(support - height_m, cushion);
@@ -68,7 +56,7 @@ void Feet::Reset() noexcept {
 
 void Feet::Process(float dt_s, float weight, const PoseView& input,
                    const MutablePoseView& styled) noexcept {
-  if (dt_s >= kGap_s) dt_s = 0;  // what was held before a hole is held after it
+  if (dt_s >= tuning::kHole_s) dt_s = 0;  // what was held before a hole is held after it
   // 1 contacts, from the performer's own feet.
   in_legs_.Place(input, in_);
   contacts_.Process(dt_s, in_legs_, in_, options_);
@@ -143,7 +131,8 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   const float off_heel = in_heel.y() - heel.y();
   // A foot that the style still has high in the air is not pulled down.
   const float high = has_toes ? -off_toes : -off_heel;
-  state.yields = SmoothStep(high, kHigh * options_.reach_m, 2 * kHigh * options_.reach_m);
+  state.yields =
+      SmoothStep(high, tuning::kHigh * options_.reach_m, 2 * tuning::kHigh * options_.reach_m);
   const float c_heel = (1 - state.yields) * input.heel;
   const float c_toes = (1 - state.yields) * input.toes;
   const float want_toes = c_toes * off_toes + (1 - c_toes) * c_heel * off_heel;
@@ -151,20 +140,21 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   if (state.frames == 1 && dt_s > 0) {  // a session may begin in mid-stride
     const auto start = [dt_s](CriticallyDamped& lift, float want) {
       const float speed = (want - lift.value()) / dt_s;
-      lift.Start(lift.value(), std::clamp(speed, -kFastestLift_mps, kFastestLift_mps));
+      lift.Start(lift.value(),
+                 std::clamp(speed, -tuning::kFastestLift_mps, tuning::kFastestLift_mps));
     };
     start(state.lift_toes, want_toes);
     start(state.lift_heel, want_heel);
   }
-  float lift_toes = state.lift_toes.Follow(want_toes, dt_s, kLift_s);
-  float lift_heel = state.lift_heel.Follow(want_heel, dt_s, kLift_s);
+  float lift_toes = state.lift_toes.Follow(want_toes, dt_s, tuning::kLift_s);
+  float lift_heel = state.lift_heel.Follow(want_heel, dt_s, tuning::kLift_s);
   // And nothing sinks below the performer's floor, or below where he himself is.
   const float floor_m = contacts_.floor_m();
   const float push_toes = Push(floor_m, in_toes.y(), toes.y() + lift_toes);
   const float push_heel = Push(floor_m + leg.ankle_above_toes_m, in_heel.y(), heel.y() + lift_heel);
   // What holds up one end takes most of the foot along: one end after the other would be a jolt.
-  lift_toes = weight * (lift_toes + std::hypot(push_toes, kTakenAlong * push_heel));
-  lift_heel = weight * (lift_heel + std::hypot(push_heel, kTakenAlong * push_toes));
+  lift_toes = weight * (lift_toes + std::hypot(push_toes, tuning::kTakenAlong * push_heel));
+  lift_heel = weight * (lift_heel + std::hypot(push_heel, tuning::kTakenAlong * push_toes));
   if (!has_toes) lift_toes = lift_heel;
 
   const Vec3 foot = toes - heel;
@@ -180,15 +170,17 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   const Vec3& hip = at(out_, leg.upper);
   const Vec3& knee = at(out_, leg.lower);
   const float length = (knee - hip).norm() + (heel - knee).norm();
-  const float moved = (state.ankle_m - heel).norm() / kNear_m;
+  const float moved = (state.ankle_m - heel).norm() / tuning::kNear_m;
   // In time, too: an offset that returns quickly would snap the knee through.
-  state.as_styled = 1 - state.moved.Follow(1 - std::exp(-moved * moved), dt_s, kStraighten_s);
+  state.as_styled =
+      1 - state.moved.Follow(1 - std::exp(-moved * moved), dt_s, tuning::kStraighten_s);
   const float least = options_.stretch * length;
   const float reach = least + state.as_styled * std::max(0.0F, (heel - hip).norm() - least);
   const float across2 = Flat(state.ankle_m - hip).squaredNorm();
   const float standing = std::max(c_toes, c_heel);
   const float down = std::sqrt(std::max(reach * reach - across2, 1e-4F));
-  state.need_m = weight * standing * SoftExcess(hip.y() - state.ankle_m.y() - down, kDropCorner_m);
+  state.need_m =
+      weight * standing * SoftExcess(hip.y() - state.ankle_m.y() - down, tuning::kDropCorner_m);
 }
 
 // The lock is an integral: over each frame the published foot moves by `hold` of the performer's
@@ -219,7 +211,7 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes,
     const float far = state.offset_m.norm();
     if (far > 0) {
       const Vec3 outwards = state.offset_m / far;
-      const float give = SmoothStep(far, kLetGo * options_.reach_m, options_.reach_m);
+      const float give = SmoothStep(far, tuning::kLetGo * options_.reach_m, options_.reach_m);
       step -= give * std::max(0.0F, step.dot(outwards)) * outwards;
     }
     state.offset_m += step;
@@ -255,7 +247,7 @@ void Feet::Reach(int side, const MutablePoseView& styled) noexcept {
                       upper.rotation * leg.hinge_in_upper};
   // A moved foot never stretches the leg; one that stays where it is styled leaves it as it is.
   const float length = (limb.knee - limb.hip).norm() + (limb.ankle - limb.knee).norm();
-  const float corner = kStraightCorner * length;
+  const float corner = tuning::kStraightCorner * length;
   const float now = (limb.ankle - limb.hip).norm();
   const float now_soft = SoftReach(now, length, corner);
   const Vec3 wish = state.ankle_m - limb.hip;

@@ -1,24 +1,32 @@
 #pragma once
 
+#include "model/feet/tuning.h"
+
 namespace styled::feet {
 
 // How feet are held. Lengths are canonical metres (a source skeleton's are scaled by its hips
 // height), times seconds. The same for all performers; defaults are those of styled.toml.
+// What picked them: model/feet/tuning.h.
 struct Options {
-  // A heel or toe is on the floor while it is low and slow; weights go smoothly from 1 to 0 between
-  // the two bounds.
-  float contact_low_m = 0.03F, contact_high_m = 0.06F;     // above its height when planted; 0 .. 1
-  float contact_slow_mps = 0.4F, contact_fast_mps = 0.9F;  // over the ground; 0 .. 20
-  float blend_in_s = 0.015F;   // time constant with which a contact takes hold; 0 .. 1
-  float blend_out_s = 0.045F;  // ... and lets go
-  float reach_m = 0.16F;       // a lock drawn this far from the styled foot has let go; 0.001 .. 1
-  float return_s = 0.09F;      // time constant of the way back to the styled foot; 0.001 .. 10
-  float centre_s = 0.4F;      // a gait's memory: a step is set down where it will be off by as much
-                              // at its end; 0.01 .. 60
-  float centre = 1.0F;        // ... and how much of that; 0 (lands as styled) .. 1
-  float stretch = 0.975F;     // of the leg's length: beyond, the hips come down; 0.5 .. 1
-  float hips_drop_m = 0.10F;  // the most they come down; 0 .. 1
-  float hips_tau_s = 0.1F;    // smoothing of that; 0 .. 10
+  // A heel or toe is on the floor while it is low (above its height when planted, 0 .. 1) and slow
+  // (over the ground, 0 .. 20); weights go smoothly from 1 to 0 between the two bounds.
+  float contact_low_m = tuning::kContactLow_m, contact_high_m = tuning::kContactHigh_m;
+  float contact_slow_mps = tuning::kContactSlow_mps, contact_fast_mps = tuning::kContactFast_mps;
+  // Time constants with which a contact takes hold and lets go; 0 .. 1.
+  float blend_in_s = tuning::kBlendIn_s, blend_out_s = tuning::kBlendOut_s;
+  // A lock drawn this far from the styled foot has let go; 0.001 .. 1.
+  float reach_m = tuning::kReach_m;
+  // Time constant of the way back to the styled foot; 0.001 .. 10.
+  float return_s = tuning::kReturn_s;
+  // A gait's memory, 0.01 .. 60: a step is set down where it will be off by as much at its end; and
+  // how much of that, 0 (lands as styled) .. 1.
+  float centre_s = tuning::kCentre_s;
+  float centre = tuning::kCentre;
+  // Of the leg's length, beyond which the hips come down; 0.5 .. 1.
+  float stretch = tuning::kStretch;
+  // The most they come down, 0 .. 1, and the smoothing of that, 0 .. 10.
+  float hips_drop_m = tuning::kHipsDrop_m;
+  float hips_tau_s = tuning::kHipsTau_s;
 
   friend bool operator==(const Options&, const Options&) = default;
 };

@@ -4,13 +4,12 @@
 #include <cmath>
 
 #include "model/base/smooth.h"
+#include "model/feet/tuning.h"
 
 namespace styled::feet {
 namespace {
 
 constexpr float kTiny = 1e-6F;
-constexpr float kStraight = 0.35F;     // sin(bend) below which the anatomical axis takes part
-constexpr float kOutermost = 0.9999F;  // of the limb's length
 
 // The axis about which the knee bends now. Along the anatomical hinge it never falls below a small
 // positive part, so that it does not turn over when the leg goes through straight, nor when a style
@@ -19,9 +18,10 @@ Vec3 BendAxis(const TwoBones& limb, const Vec3& thigh, const Vec3& shank) {
   const Vec3 bend = thigh.normalized().cross(shank.normalized());  // length: sin(bend)
   const float along = bend.dot(limb.hinge);
   float kept = along;
-  if (along < kStraight) {
-    const float u = std::max(0.0F, (along + kStraight) / (2 * kStraight));
-    kept = kStraight * (0.25F + 0.75F * u * u * u);
+  if (along < tuning::kNearlyStraight) {
+    const float u =
+        std::max(0.0F, (along + tuning::kNearlyStraight) / (2 * tuning::kNearlyStraight));
+    kept = tuning::kNearlyStraight * (0.25F + 0.75F * u * u * u);
   }
   const Vec3 axis = bend + (kept - along) * limb.hinge;
   const float length = axis.norm();
@@ -50,7 +50,7 @@ TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
     return turns;
   }
   const float now = (limb.ankle - limb.hip).norm();
-  const float farthest = std::max(kOutermost * (a + b), now);
+  const float farthest = std::max(tuning::kOutermost * (a + b), now);
   const float nearest = std::min(std::abs(a - b) + 1e-3F * (a + b), now);
   const float distance = std::clamp(wanted, nearest, farthest);
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "model/stylist/tuning.h"
+
 namespace styled::stylist {
 namespace {
 
@@ -19,8 +21,6 @@ rig::Vec3 WorldPosition(const rig::Skeleton& skeleton, const rig::RigPose& pose,
   }
   return position;
 }
-
-constexpr float kSoft_m = 0.01F;
 
 // -w log(sum exp(-h/w)): never above the lowest height, smooth where two heights meet.
 class SoftMinimum {
@@ -48,13 +48,13 @@ class SoftMinimum {
 float SoftLowest_m(const body::Pose& pose) {
   body::WorldPose world;
   body::ForwardKinematics(pose, world);
-  SoftMinimum lowest(kSoft_m);
+  SoftMinimum lowest(tuning::kSoftLowest_m);
   for (int foot : kFeet) lowest.Add(world.positions_m[static_cast<std::size_t>(foot)].y());
   return lowest.Value();
 }
 
 float SoftLowest(const rig::Binding& binding, const rig::RigPose& pose, const rig::Vec3& up) {
-  SoftMinimum lowest(kSoft_m / binding.scale());
+  SoftMinimum lowest(tuning::kSoftLowest_m / binding.scale());
   for (int foot : kFeet) {
     const int joint = binding.spec().source_joint[static_cast<std::size_t>(foot)];
     if (joint >= 0) lowest.Add(WorldPosition(binding.skeleton(), pose, joint).dot(up));

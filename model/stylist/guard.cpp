@@ -4,16 +4,15 @@
 #include <cmath>
 #include <span>
 
+#include "model/stylist/tuning.h"
+
 namespace styled::stylist {
 namespace {
-
-constexpr float kUnitTolerance = 2e-3F;  // of the squared length: a rig's own rounding is within it
-constexpr float kRounding = 1e-4F;       // of how far out a body stands, where floats are coarse
 
 // Comparisons are written so that what is not a number fails them.
 bool AreUnit(std::span<const body::Quat> rotations) noexcept {
   return std::all_of(rotations.begin(), rotations.end(), [](const body::Quat& rotation) {
-    return std::abs(rotation.squaredNorm() - 1) < kUnitTolerance;
+    return std::abs(rotation.squaredNorm() - 1) < tuning::kOutputUnitTolerance;
   });
 }
 
@@ -24,7 +23,7 @@ bool AreFinite(std::span<const float> values) noexcept {
 
 bool IsNear(const body::Vec3& place, const body::Vec3& own, float most) noexcept {
   const float apart = (place - own).cwiseAbs().maxCoeff();
-  return place.allFinite() && apart <= most + kRounding * own.cwiseAbs().maxCoeff();
+  return place.allFinite() && apart <= most + tuning::kFarRounding * own.cwiseAbs().maxCoeff();
 }
 
 bool IsSound(const erd::Decoded& decoded) noexcept {
@@ -42,11 +41,11 @@ bool IsSound(const erd::StepOutput& step) noexcept {
 
 bool IsSound(const body::Pose& styled, const body::Pose& own) noexcept {
   return AreUnit(styled.rotations) &&
-         IsNear(styled.hips_position_m, own.hips_position_m, kFarthest_m);
+         IsNear(styled.hips_position_m, own.hips_position_m, tuning::kFarthest_m);
 }
 
 bool IsSound(const rig::RigPose& styled, const rig::RigPose& own, float metres) noexcept {
-  const float most = kFarthest_m / metres;
+  const float most = tuning::kFarthest_m / metres;
   for (std::size_t joint = 0; joint < styled.translations.size(); ++joint) {
     if (!IsNear(styled.translations[joint], own.translations[joint], most)) return false;
   }

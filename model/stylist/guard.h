@@ -9,12 +9,8 @@ namespace styled::stylist {
 
 // What may be published at all. Weights that are finite can still compute infinities, and nothing
 // behind the daemon is to be trusted with a pose that is none: all values finite, rotations of
-// length 1, the body within kFarthest_m of the performer's own. Pure, no allocation; any thread.
-// Pinned by tests/unit/stylist/guard_test.cpp.
-
-// A style bends and lowers a body, which takes its hips at most a leg's length from the
-// performer's; five times that is nobody's style.
-inline constexpr float kFarthest_m = 5.0F;
+// length 1, the body within tuning::kFarthest_m of the performer's own. Pure, no allocation; any
+// thread. Pinned by tests/unit/stylist/guard_test.cpp.
 
 // What the network decoded: finite, rotations of length 1.
 STYLED_REALTIME bool IsSound(const erd::StepOutput& step) noexcept;

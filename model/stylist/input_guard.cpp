@@ -3,20 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/stylist/tuning.h"
+
 namespace styled::stylist {
 namespace {
 
-constexpr float kRunningFast_m_s = 12.0F;
-constexpr float kUnitTolerance = 5e-4F;  // of the squared length: what rigs' rounding leaves
-constexpr float kLongest = 1e9F;         // beyond this a coordinate is an error, whatever its unit
-
 bool Good(const rig::Vec3& translation) {
-  return translation.allFinite() && translation.cwiseAbs().maxCoeff() < kLongest;
+  return translation.allFinite() && translation.cwiseAbs().maxCoeff() < tuning::kLargestCoordinate;
 }
 
 bool Good(const rig::Quat& rotation) {
   const float length2 = rotation.squaredNorm();
-  return std::isfinite(length2) && length2 > 1e-6F;
+  return std::isfinite(length2) && length2 > tuning::kLeastLength2;
 }
 
 // Vectors of equal size; copies without allocating.
@@ -42,7 +40,7 @@ void InputGuard::HoldBadJoints(const rig::RigPose& in, rig::RigPose& source,
     source.translations[joint] = clean_.translations[joint] = from.translations[joint];
     const rig::Quat& rotation = from.rotations[joint];
     clean_.rotations[joint] = rotation.normalized();
-    const bool is_unit = std::abs(rotation.squaredNorm() - 1) < kUnitTolerance;
+    const bool is_unit = std::abs(rotation.squaredNorm() - 1) < tuning::kInputUnitTolerance;
     source.rotations[joint] = is_unit ? rotation : clean_.rotations[joint];
   }
 }
@@ -53,7 +51,7 @@ InputGuard::Jump InputGuard::JudgeJump(double dt_s, float metres, const Options&
   since_last_s_ += dt_s;
   const auto near = [&](const rig::Vec3& to, double elapsed_s) {
     const float reach_m =
-        std::max(options.jump_m, kRunningFast_m_s * static_cast<float>(elapsed_s));
+        std::max(options.jump_m, tuning::kRunningFast_mps * static_cast<float>(elapsed_s));
     return (root - to).norm() * metres <= reach_m;
   };
   Jump verdict = Jump::kNone;

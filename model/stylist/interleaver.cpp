@@ -6,11 +6,9 @@
 namespace styled::stylist {
 namespace {
 
-constexpr double kSnap = 0.2;  // of a tick's period
-
 int StatesFor(double frame_period_s, double network_rate_hz) {
   const long states = std::lround(1.0 / (frame_period_s * network_rate_hz));
-  return static_cast<int>(std::clamp(states, 1L, static_cast<long>(kMaxInterleaved)));
+  return static_cast<int>(std::clamp(states, 1L, static_cast<long>(tuning::kMaxInterleaved)));
 }
 
 }  // namespace
@@ -23,9 +21,9 @@ void Interleaver::Restart() noexcept {
 
 void Interleaver::Measure(double dt_s) noexcept {
   history_s_[static_cast<std::size_t>(history_next_)] = dt_s;
-  history_next_ = (history_next_ + 1) % kHistory;
-  history_count_ = std::min(history_count_ + 1, kHistory);
-  std::array<double, kHistory> sorted = history_s_;
+  history_next_ = (history_next_ + 1) % tuning::kRateHistory;
+  history_count_ = std::min(history_count_ + 1, tuning::kRateHistory);
+  std::array<double, tuning::kRateHistory> sorted = history_s_;
   const auto end = sorted.begin() + history_count_;
   const auto middle = sorted.begin() + (history_count_ - 1) / 2;
   std::nth_element(sorted.begin(), middle, end);
@@ -46,11 +44,11 @@ bool Interleaver::Begin(std::int64_t time_ns, float network_rate_hz) noexcept {
   Measure(static_cast<double>(time_ns - last_ns_) * 1e-9);
   const int states = StatesFor(frame_period_s_, network_rate_hz);
   if (interleaved_ == 0) {
-    if (history_count_ < kDecide) return Afford();
+    if (history_count_ < tuning::kRateDecide) return Afford();
     Interleave(states, network_rate_hz);
   }
   disagreements_ = states == interleaved_ ? 0 : disagreements_ + 1;
-  return disagreements_ < kHistory && Afford();
+  return disagreements_ < tuning::kRateHistory && Afford();
 }
 
 // Pays for the ticks that the current frame makes due. Counted in floating point: the number may
@@ -58,7 +56,7 @@ bool Interleaver::Begin(std::int64_t time_ns, float network_rate_hz) noexcept {
 bool Interleaver::Afford() noexcept {
   allowance_ = std::min(allowance_ + kMeanStepsPerFrame, kMaxStepsPerFrame);
   const double now = static_cast<double>(now_ns_ - origin_ns_) * 1e-9 / tick_period_s_;
-  const double due = std::floor(now + kSnap) - static_cast<double>(next_tick_) + 1;
+  const double due = std::floor(now + tuning::kSnap) - static_cast<double>(next_tick_) + 1;
   if (due > allowance_) return false;
   if (due > 0) allowance_ -= static_cast<int>(due);
   return true;
@@ -69,7 +67,7 @@ void Interleaver::Interleave(int states, double network_rate_hz) noexcept {
   interleaved_ = states;
   tick_period_s_ = 1.0 / (network_rate_hz * states);
   const double now = static_cast<double>(now_ns_ - origin_ns_) * 1e-9 / tick_period_s_;
-  const auto due = static_cast<std::int64_t>(std::ceil(now - kSnap));
+  const auto due = static_cast<std::int64_t>(std::ceil(now - tuning::kSnap));
   next_tick_ = std::max((next_tick_ - 1) * states + 1, std::min(due, next_tick_ * states));
 }
 
@@ -77,10 +75,10 @@ bool Interleaver::Next(Tick& tick) noexcept {
   const double due_s = static_cast<double>(next_tick_) * tick_period_s_;
   const double now_s = static_cast<double>(now_ns_ - origin_ns_) * 1e-9;
   const double after_s = due_s - now_s;  // > 0: the tick lies in the future
-  if (after_s > kSnap * tick_period_s_ || ran_ == kMaxStepsPerFrame) return false;
+  if (after_s > tuning::kSnap * tick_period_s_ || ran_ == kMaxStepsPerFrame) return false;
   const double frame_s = static_cast<double>(now_ns_ - last_ns_) * 1e-9;
   float share = 1.0F;
-  if (-after_s > kSnap * tick_period_s_ && frame_s > 0) {
+  if (-after_s > tuning::kSnap * tick_period_s_ && frame_s > 0) {
     share = static_cast<float>(std::clamp(1.0 + after_s / frame_s, 0.0, 1.0));
   }
   tick = {static_cast<int>(next_tick_ % std::max(1, interleaved_)), share};

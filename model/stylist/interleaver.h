@@ -6,10 +6,9 @@
 #include "model/base/realtime.h"
 #include "model/net/erd/network.h"
 #include "model/stylist/stylist.h"
+#include "model/stylist/tuning.h"
 
 namespace styled::stylist {
-
-inline constexpr int kMaxInterleaved = 8;
 
 // The frame-rate rule (style-ERD, "live"): a network is trained at one rate f_m; a stream of k
 // times that rate is served by k interleaved recurrent states, each stepped at f_m. Ticks lie on a
@@ -45,9 +44,7 @@ class Interleaver {
   STYLED_REALTIME void Interleave(int states, double network_rate_hz) noexcept;
   STYLED_REALTIME bool Afford() noexcept;
 
-  static constexpr int kHistory = 9;
-  static constexpr int kDecide = 7;  // intervals measured before more than one state is used
-  std::array<double, kHistory> history_s_{};
+  std::array<double, tuning::kRateHistory> history_s_{};
   int history_count_ = 0, history_next_ = 0, disagreements_ = 0;
   double frame_period_s_ = 0;
 

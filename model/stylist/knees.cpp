@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/base/smooth.h"
+#include "model/stylist/tuning.h"
 
 namespace styled::stylist {
 namespace {
@@ -10,8 +11,6 @@ namespace {
 using body::Quat;
 
 constexpr float kPi = static_cast<float>(M_PI);
-constexpr float kCorner_rad = 0.3F;  // a knee passes it in a few frames of a fast step
-constexpr float kBroken_rad = 2.0F;  // bent by more, up to pi, it is let go
 
 // The turn about the knee's axis, x, in `q` = swing * turn: positive where it bends.
 float Bend_rad(const Quat& q) { return std::remainder(2 * std::atan2(q.x(), q.w()), 2 * kPi); }
@@ -23,11 +22,11 @@ void KeepKnees(const body::Pose& in, float share, body::Pose& styled) noexcept {
     const auto knee = static_cast<std::size_t>(joint);
     const float own = Bend_rad(in.rotations[knee]);
     const float wanted = Bend_rad(styled.rotations[knee]);
-    const float least = -SoftPositive(-own, kCorner_rad);
+    const float least = -SoftPositive(-own, tuning::kKneeCorner_rad);
     const auto pushed = [least](float bend) {
-      return SoftPositive(bend - least, kCorner_rad) - (bend - least);
+      return SoftPositive(bend - least, tuning::kKneeCorner_rad) - (bend - least);
     };
-    const float let_go = SmoothStep((kPi - std::abs(wanted)) / (kPi - kBroken_rad));
+    const float let_go = SmoothStep((kPi - std::abs(wanted)) / (kPi - tuning::kKneeBroken_rad));
     const body::Vec3 turn(share * let_go * (pushed(wanted) - pushed(own)), 0, 0);
     styled.rotations[knee] = (styled.rotations[knee] * body::Exp(turn)).normalized();
   }

@@ -2,11 +2,11 @@
 
 #include <cmath>
 
+#include "model/stylist/tuning.h"
+
 namespace styled::stylist {
 namespace {
 
-constexpr float kNothing_rad = 2e-4F;      // a change below 0.01 degrees is none
-constexpr float kNothing_rad_s = 2e-2F;    // nor is one that grows no faster
 constexpr float kSineOfPair = 0.8660254F;  // the pair's poles lie at 60 degrees, cosine 0.5
 
 }  // namespace
@@ -38,7 +38,8 @@ void LowPass::SettleAtZero() noexcept {
   const auto below = [](const StyleDelta& of, float most) {
     return of.cwiseAbs().maxCoeff() < most;
   };
-  if (!below(value_, kNothing_rad) || !below(first_, kNothing_rad) || !below(rate_, kNothing_rad_s))
+  if (!below(value_, tuning::kSettled_rad) || !below(first_, tuning::kSettled_rad) ||
+      !below(rate_, tuning::kSettled_rad_s))
     return;
   first_.setZero();
   value_.setZero();

@@ -5,6 +5,7 @@
 #include "model/body/parts.h"
 #include "model/feet/options.h"
 #include "model/net/erd/network.h"
+#include "model/stylist/tuning.h"
 
 namespace styled::stylist {
 
@@ -19,7 +20,7 @@ inline constexpr float kMaxTransition_s = 60.0F;
 struct Settings {
   std::array<erd::ActiveStyle, erd::kMaxMix> mix;  // unused entries have style -1
   float strength = 1.0F;                           // 0 .. erd::kMaxStrength; 0 fades to bypass
-  float transition_s = 0.1F;                       // 0 .. kMaxTransition_s; fade from what was set
+  float transition_s = tuning::kTransition_s;      // 0 .. kMaxTransition_s; fade from what was set
   bool absolute = false;                // the paper's output instead of the detail-preserving one
   body::Parts parts = body::kAllParts;  // the others stay as captured; not empty
   int input_style = 0;                  // style of the captured motion, removed first; 0 = neutral
@@ -61,24 +62,33 @@ enum class OptionsError {
 // How streams are handled; the same for all performers. Defaults are those of styled.toml; what
 // picked them: model/stylist/tuning.h.
 struct Options {
-  float change_tau_s = 0.05F;  // delay of the low-pass on the style delta, longer where the network
-                               // reconstructs badly (ChangeFilter); 0 = none
-  float gap_reset_s = 0.25F;   // a longer hole in source time, or one of more network steps than
-                               // kMaxStepsPerFrame, starts the recurrent state anew
-  float restart_fade_s = 0.2F;  // cross-fade over such a start
-  float jump_m = 1.0F;          // a root step beyond this (and 12 m/s) is held, canonical metres
-  int jump_accept_frames = 10;  // consistent frames after which a jump is believed
-  float out_of_domain_begin_rad = 0.7F;  // reconstruction error where the style begins to fade out
-  float out_of_domain_end_rad = 1.1F;    // ... and where it is gone
-  float out_of_domain_fade_s = 0.3F;     // time constant of that fade; 0 = none
-  float tilt_begin_rad = 0.9F;  // hips' tilt off upright where it begins to fade, too: falls, lying
-  float tilt_end_rad = 1.3F;    // ... and where it is gone, without a time constant
-  bool knees = true;            // no style bends a knee backwards
-  bool ground = true;           // lowest foot as high as the input's
-  float ground_tau_s = 0.1F;    // smoothing of the vertical shift that this takes; 0 = none
-  bool feet = true;             // feet that the performer plants are held where they are
-  feet::Options feet_options;   // how
-  bool bypass = true;           // false: without style too, every pose goes through bind and unbind
+  // Delay of the low-pass on the style delta, longer where the network reconstructs badly
+  // (ChangeFilter); 0 = none.
+  float change_tau_s = tuning::kChangeTau_s;
+  // A longer hole in source time, or one of more network steps than kMaxStepsPerFrame, starts the
+  // recurrent state anew.
+  float gap_reset_s = tuning::kGapReset_s;
+  // Cross-fade over such a start.
+  float restart_fade_s = tuning::kRestartFade_s;
+  // A root step beyond this (and 12 m/s) is held, canonical metres; after so many consistent frames
+  // it is believed.
+  float jump_m = tuning::kJump_m;
+  int jump_accept_frames = tuning::kJumpAcceptFrames;
+  // Reconstruction error where the style begins to fade out and where it is gone; time constant of
+  // that fade, 0 = none.
+  float out_of_domain_begin_rad = tuning::kOutOfDomainBegin_rad;
+  float out_of_domain_end_rad = tuning::kOutOfDomainEnd_rad;
+  float out_of_domain_fade_s = tuning::kOutOfDomainFade_s;
+  // The same of the hips' tilt off upright (falls, lying), without a time constant.
+  float tilt_begin_rad = tuning::kTiltBegin_rad;
+  float tilt_end_rad = tuning::kTiltEnd_rad;
+  // Smoothing of the vertical shift that `ground` takes; 0 = none.
+  float ground_tau_s = tuning::kGroundTau_s;
+  bool knees = true;           // no style bends a knee backwards
+  bool ground = true;          // lowest foot as high as the input's
+  bool feet = true;            // feet that the performer plants are held where they are
+  feet::Options feet_options;  // how
+  bool bypass = true;          // false: without style too, every pose goes through bind and unbind
 
   [[nodiscard]] OptionsError Validate() const noexcept;
 

@@ -79,10 +79,10 @@ struct Stylist::Impl {
   InputGuard input_guard;
   Mixer mixer;
   Interleaver interleaver;
-  std::array<erd::State, kMaxInterleaved> states;
-  std::array<erd::FeatureState, kMaxInterleaved> memories;
-  std::array<StyleDelta, kMaxInterleaved> wanted;  // each state's latest change
-  std::bitset<kMaxInterleaved> stepped;
+  std::array<erd::State, tuning::kMaxInterleaved> states;
+  std::array<erd::FeatureState, tuning::kMaxInterleaved> memories;
+  std::array<StyleDelta, tuning::kMaxInterleaved> wanted;  // each state's latest change
+  std::bitset<tuning::kMaxInterleaved> stepped;
   erd::Decoded last_styled;  // of the newest tick, for the absolute output
   float last_heading_rad = 0;
   int steps = 0;  // of the network, for the frame at hand
