@@ -84,7 +84,7 @@ _styled_complete() {
   done
   local files=yes
   case $previous in
-    --style | --mix | -s | -m | --from)
+    --style | --mix | -s | -m | --input-style | --from)
       if [[ ${program##*/} == stylectl || ${program##*/} == stylize ]]; then
         if [[ ${program##*/} == stylize ]]; then
           words=$("$program" --list 2>/dev/null | tr -d ,)

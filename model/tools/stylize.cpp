@@ -31,8 +31,8 @@ struct Arguments {
   std::string style;
   float strength = 1.0F;
   std::vector<std::string> mix;
-  std::string only = "all";  // parts of the body
-  std::string from;          // what the performer moves in already
+  std::string parts = "all";  // of the body
+  std::string input_style;    // the style that the performer moves in
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
   std::string weights, rig = "auto", avatar, in, out;
 };
@@ -102,17 +102,18 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
   settings.strength = arguments.strength;
   settings.transition_s = 0;
   settings.absolute = arguments.absolute;
-  const auto parts = styled::body::FindParts(arguments.only);
+  const auto parts = styled::body::FindParts(arguments.parts);
   if (!parts) {
-    return Status::Error("--only " + arguments.only + ": expected, separated by commas, some of " +
+    return Status::Error("--parts " + arguments.parts +
+                         ": expected, separated by commas, some of " +
                          std::string(styled::body::kPartWords));
   }
   settings.parts = *parts;
-  if (!arguments.from.empty()) {
-    settings.input_style = network.FindStyle(arguments.from);
+  if (!arguments.input_style.empty()) {
+    settings.input_style = network.FindStyle(arguments.input_style);
     if (settings.input_style < 0) {
-      return Status::Error("--from: unknown style '" + arguments.from + "'; expected one of " +
-                           StyleNames(network));
+      return Status::Error("--input-style: unknown style '" + arguments.input_style +
+                           "'; expected one of " + StyleNames(network));
     }
   }
   if (!arguments.style.empty()) {
@@ -269,10 +270,11 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);  // one per --mix: what follows may be the input
   app.add_flag("--absolute", arguments.absolute,
                "the paper's output instead of the detail-preserving one");
-  app.add_option("--only", arguments.only, "style these parts of the body alone, comma-separated")
+  app.add_option("--parts,--only", arguments.parts,
+                 "style these parts of the body alone, comma-separated")
       ->capture_default_str();
-  app.add_option("--from", arguments.from,
-                 "the style that the performer moves in already, to be taken away");
+  app.add_option("--input-style,--from", arguments.input_style,
+                 "the style that the performer moves in, which is removed");
   app.add_flag("--no-bypass", arguments.no_bypass,
                "without a style, still go through bind, network and unbind");
   app.add_flag("--feet,!--no-feet", arguments.feet,

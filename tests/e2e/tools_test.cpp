@@ -66,12 +66,13 @@ TEST_F(ToolsTest, StylizeTakesAStyleAway) {
   const std::string in = Walk(), out = folder_ / "out.bvh";
   ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "neutral", in, out}), 0) << said_;
   const std::string untouched = ReadText(out);
-  ASSERT_EQ(Run({STYLIZE_BINARY, "--from", "elderly", "--style", "neutral", in, out}), 0) << said_;
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--input-style", "elderly", "--style", "neutral", in, out}), 0)
+      << said_;
   EXPECT_NE(ReadText(out), untouched);
   ASSERT_EQ(Run({STYLIZE_BINARY, "--from", "elderly", in, out}), 0) << said_;
   EXPECT_EQ(ReadText(out), untouched) << "nothing to put on";
   EXPECT_EQ(Run({STYLIZE_BINARY, "--from", "zombie", "--style", "neutral", in, out}), 1);
-  EXPECT_NE(said_.find("--from: unknown style 'zombie'"), std::string::npos) << said_;
+  EXPECT_NE(said_.find("--input-style: unknown style 'zombie'"), std::string::npos) << said_;
 }
 
 // Between frames far apart stylize goes along a curve: what it makes of 10 frames a second is what

@@ -55,4 +55,10 @@ std::string Nearest(std::string_view wrong, std::span<const std::string> names) 
   return best;
 }
 
+std::string Join(std::span<const std::string> names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
 }  // namespace styled::stylectl

@@ -13,4 +13,7 @@ int Distance(std::string_view a, std::string_view b);
 // be edited or one begins with the other; "" if none is near. Ties: the first.
 std::string Nearest(std::string_view wrong, std::span<const std::string> names);
 
+// "a, b, c".
+std::string Join(std::span<const std::string> names);
+
 }  // namespace styled::stylectl

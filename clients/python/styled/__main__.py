@@ -50,9 +50,10 @@ def parse():
     change.add_argument('--strength', type=float, help='0 to 1.5')
     change.add_argument('--transition', type=float, metavar='MS',
                         help='fade of this and later changes')
-    change.add_argument('--only', metavar='PART,...', help="parts of the body, e.g. head,left-arm")
-    change.add_argument('--from', dest='own_style', metavar='STYLE',
-                        help='what the performer moves in already')
+    change.add_argument('--parts', '--only', dest='only', metavar='PART,...',
+                        help="parts of the body, e.g. head,left-arm")
+    change.add_argument('--input-style', '--from', dest='own_style', metavar='STYLE',
+                        help='the style that the performer moves in, which is removed')
     command('clear', 'fade to bypass', run_clear, 'optional')
     cue = command('cue', 'fire the cues of that name', run_cue, None)
     cue.add_argument('name', metavar='NAME')

@@ -200,8 +200,13 @@ TEST_F(StylectlTest, SetSendsWhatWasGivenAndNothingElse) {
   ASSERT_EQ(last_.set().only_size(), 1);
   EXPECT_EQ(last_.set().only(0), v1::BODY_PART_ALL);
   EXPECT_FALSE(last_.set().has_own_style());
-  EXPECT_EQ(Run({"set", "rig.anna", "--from", "elderly", "--style", "proud"}), kExitOk);
-  EXPECT_EQ(last_.set().own_style(), "elderly");
+  for (const char* option : {"--input-style", "--from"}) {
+    EXPECT_EQ(Run({"set", "rig.anna", option, "elderly", "--style", "proud"}), kExitOk);
+    EXPECT_EQ(last_.set().own_style(), "elderly");
+    EXPECT_TRUE(Says("input style elderly")) << out_.str();
+  }
+  EXPECT_EQ(Run({"set", "--parts", "head", "rig.anna"}), kExitOk);
+  EXPECT_EQ(last_.set().only_size(), 1);
 }
 
 TEST_F(StylectlTest, EveryOtherCommandSendsItself) {

@@ -109,6 +109,7 @@ class CompletionTest(unittest.TestCase):
         self.assertIn('elderly', complete('stylize --style eld'))
         self.assertIn('/etc', complete('stylerec info /et'))
         self.assertEqual(complete('stylesim --as m'), ['mocopi', 'mvn'])
+        self.assertIn('left-arm', complete('stylectl set rig.a --parts '))
         self.assertIn('left-arm', complete('stylectl set rig.a --only '))
         # Nothing but commands where one is missing.
         commands = section(help_of('stylectl'), 'Subcommands')

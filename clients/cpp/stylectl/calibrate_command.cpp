@@ -1,0 +1,97 @@
+// calibrate.
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "clients/cpp/stylectl/cli.h"
+#include "clients/cpp/stylectl/commands.h"
+
+namespace styled::stylectl {
+namespace {
+
+constexpr float kSloppy_deg = 15;  // a calibration that is accepted with a warning
+
+struct CalibrateArguments {
+  std::string pose = "t", sensors = "full";
+  int countdown_s = 3;
+  bool forget = false;
+};
+
+v1::Calibrate ToRequest(const CalibrateArguments& arguments) {
+  v1::Calibrate request;
+  request.set_clear(arguments.forget);
+  request.set_pose(arguments.pose == "n" ? v1::Calibrate::POSE_N : v1::Calibrate::POSE_T);
+  request.set_sensors(arguments.sensors == "full"  ? v1::Calibrate::SENSORS_FULL
+                      : arguments.sensors == "yaw" ? v1::Calibrate::SENSORS_YAW
+                                                   : v1::Calibrate::SENSORS_MOUNTING);
+  return request;
+}
+
+void ReportJson(Session& session, const v1::CalibrateReply& reply) {
+  nlohmann::json object{{"ok", true}, {"performer", session.performer}};
+  if (!reply.worst_joint().empty()) {
+    object["worst_joint"] = reply.worst_joint();
+    object["worst_degrees"] = reply.worst_degrees();
+    object["left_handed"] = reply.left_handed();
+  }
+  session.out << object.dump() << "\n";
+}
+
+void ReportText(Session& session, const v1::CalibrateReply& reply, bool forgotten) {
+  session.out << session.performer << (forgotten ? ": calibration forgotten" : ": calibrated");
+  if (!reply.worst_joint().empty()) {
+    session.out << "; " << reply.worst_joint() << " stood farthest off, by "
+                << std::lround(reply.worst_degrees()) << " degrees";
+    if (reply.worst_degrees() > kSloppy_deg) {
+      session.out << ": that is much, and is in every pose from now on; better stand straight "
+                     "and calibrate again";
+    }
+    if (reply.left_handed()) session.out << "; the rig's axes are left-handed and are mirrored";
+  }
+  session.out << "\n";
+}
+
+int Calibrate(Session& session, const CalibrateArguments& arguments) {
+  for (int left_s = arguments.forget ? 0 : arguments.countdown_s; left_s > 0; --left_s) {
+    session.err << left_s << "... " << std::flush;
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    if (left_s == 1) session.err << "now\n";
+  }
+  v1::CalibrateReply reply;
+  const client::CallStatus status =
+      session.control().Calibrate(session.performer, ToRequest(arguments), &reply);
+  if (!status.ok()) return session.Fail(status);
+  if (session.json) {
+    ReportJson(session, reply);
+  } else {
+    ReportText(session, reply, arguments.forget);
+  }
+  return kExitOk;
+}
+
+}  // namespace
+
+void DeclareCalibrate(Session& session) {
+  const auto arguments = std::make_shared<CalibrateArguments>();
+  CLI::App* calibrate = session.AddOnline(
+      "calibrate", "take how a performer stands now as the rest pose of their rig",
+      [&session, arguments] { return Calibrate(session, *arguments); });
+  session.AddPerformer(calibrate, true, false);
+  CLI::Option* pose =
+      calibrate
+          ->add_option("--pose", arguments->pose, "t: arms sideways, palms down; n: arms hanging")
+          ->check(CLI::IsMember({"t", "n"}))
+          ->capture_default_str();
+  calibrate
+      ->add_option("--sensors", arguments->sensors,
+                   "of rigs of sensors: full (as worn, and heading), yaw (heading), mounting")
+      ->check(CLI::IsMember({"full", "yaw", "mounting"}))
+      ->capture_default_str();
+  calibrate->add_option("--countdown", arguments->countdown_s, "seconds to take up the pose")
+      ->check(CLI::Range(0, 60))
+      ->capture_default_str();
+  calibrate->add_flag("--clear", arguments->forget, "forget the calibration")->excludes(pose);
+}
+
+}  // namespace styled::stylectl

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "clients/cpp/stylectl/session.h"
+
+namespace styled::stylectl {
+
+// Each declares commands with their options and with what they do. What is read of the command line
+// lives as long as the session.
+void DeclareShowCommands(Session& session);   // list, status
+void DeclareStyleCommands(Session& session);  // set, clear, preset, cue, pin, unpin, panic, reset
+void DeclareCalibrate(Session& session);
+void DeclareDoctor(Session& session);
+void DeclareKeyCommands(Session& session);  // keygen, allow, revoke, keys
+
+}  // namespace styled::stylectl
