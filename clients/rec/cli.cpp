@@ -3,7 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
+#include <utility>
 
 #include "clients/rec/commands.h"
 
@@ -15,7 +17,7 @@ using std::vector;
 
 class Program {
  public:
-  explicit Program(const Surroundings& to) : to_(to) { Declare(); }
+  explicit Program(const Dependencies& to) : to_(to) { Declare(); }
   int Run(vector<string> arguments);
 
  private:
@@ -26,16 +28,32 @@ class Program {
   void DeclareExport();
   void AboutTheFile(CLI::App* command);
   void FileToRead(CLI::App* command);
-  Status Execute(const string& command) const;
+  // `run` is called once the command line was read, and before it `check` where there is one: what
+  // it finds is a usage error.
+  using Command = Status (*)(const Arguments&, const Dependencies&);
+  CLI::App* Add(const string& name, const string& text, Command run,
+                std::function<Status()> check = {});
   int Usage(const string& text);
 
-  Surroundings to_;
+  Dependencies to_;
+  Command run_ = nullptr;
+  std::function<Status()> check_;
   Arguments a_;
   CLI::App app_{
       "stylerec: records what rigs send and what styled publishes; plays it back, "
       "exports it",
       "stylerec"};
 };
+
+CLI::App* Program::Add(const string& name, const string& text, Command run,
+                       std::function<Status()> check) {
+  CLI::App* command = app_.add_subcommand(name, text);
+  command->callback([this, run, check = std::move(check)] {
+    run_ = run;
+    check_ = check;
+  });
+  return command;
+}
 
 void Program::AboutTheFile(CLI::App* command) {
   command->add_option("OUT", a_.file, "the new recording, e.g. walk.styrec")->required();
@@ -53,7 +71,7 @@ void Program::FileToRead(CLI::App* command) {
 }
 
 void Program::DeclareRecord() {
-  CLI::App* record = app_.add_subcommand("record", "record what daemons publish");
+  CLI::App* record = Add("record", "record what daemons publish", RunRecord);
   record->add_option("--from", a_.from, "publishers")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -73,8 +91,13 @@ void Program::DeclareRecord() {
 }
 
 void Program::DeclareReceive() {
+  const auto check = [this] {
+    if (a_.forward.size() <= a_.listen.size()) return Status::Ok();
+    return Status::Error("receive: found " + std::to_string(a_.forward.size()) +
+                         " addresses in --forward, expected at most one per --listen");
+  };
   CLI::App* receive =
-      app_.add_subcommand("receive", "record the datagrams that arrive at a port, as they are");
+      Add("receive", "record the datagrams that arrive at a port, as they are", RunReceive, check);
   receive
       ->add_option("--listen", a_.listen,
                    "[NAME=]udp://HOST:PORT, comma-separated; NAME as of the daemon's source "
@@ -93,7 +116,11 @@ void Program::DeclareReceive() {
 }
 
 void Program::DeclarePlay() {
-  CLI::App* play = app_.add_subcommand("play", "play a recording into a daemon, or to subscribers");
+  const auto check = [this] {
+    if (!a_.to.empty() || !a_.publish.empty()) return CheckPlay(a_);
+    return Status::Error("play: nothing to play to; expected --to or --publish");
+  };
+  CLI::App* play = Add("play", "play a recording into a daemon, or to subscribers", RunPlay, check);
   FileToRead(play);
   play->add_option(
       "--to", a_.to,
@@ -120,8 +147,13 @@ void Program::DeclarePlay() {
 }
 
 void Program::DeclareExport() {
-  CLI::App* command =
-      app_.add_subcommand("export", "write a performer's motion to a file: " + clip::FormatNames());
+  const auto check = [this] {
+    if (!a_.exports.empty()) return Status::Ok();
+    return Status::Error("export: nothing to write; expected --out FILE, of " +
+                         clip::FormatNames());
+  };
+  CLI::App* command = Add("export", "write a performer's motion to a file: " + clip::FormatNames(),
+                          RunExport, check);
   FileToRead(command);
   command->add_option("--performer", a_.performer, "SOURCE.NAME")->required();
   command
@@ -171,7 +203,7 @@ void Program::Declare() {
       "  stylerec export show.styrec --performer rig.anna --out anna.glb");
   DeclareRecord();
   DeclareReceive();
-  CLI::App* info = app_.add_subcommand("info", "what is in a recording, and whether it is whole");
+  CLI::App* info = Add("info", "what is in a recording, and whether it is whole", RunInfo);
   FileToRead(info);
   info->add_flag("--json", a_.json, "one JSON object");
   DeclarePlay();
@@ -179,44 +211,25 @@ void Program::Declare() {
 }
 
 int Program::Run(vector<string> arguments) {
-  std::reverse(arguments.begin(), arguments.end());  // what CLI11 takes
+  std::reverse(arguments.begin(), arguments.end());  // the order that CLI11 wants
   try {
     app_.parse(arguments);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app_.exit(error, to_.out, to_.err), kExitOk;
     return Usage(error.what());
   }
-  if (app_.get_subcommands().empty()) return Usage("a command is required");
+  if (run_ == nullptr) return Usage("a command is required");
   const string command = app_.get_subcommands().front()->get_name();
   // CLI11's ranges let it through.
   for (const double value : {a_.seconds, a_.wait_s, a_.from_s, a_.until_s, a_.rate_hz}) {
     if (std::isnan(value)) return Usage(command + ": a value is nan; expected a number");
   }
-  if (command == "play" && a_.to.empty() && a_.publish.empty()) {
-    return Usage("play: nothing to play to; expected --to or --publish");
-  }
-  if (command == "export" && a_.exports.empty()) {
-    return Usage("export: nothing to write; expected --out FILE, of " + clip::FormatNames());
-  }
-  if (a_.forward.size() > a_.listen.size()) {
-    return Usage("receive: found " + std::to_string(a_.forward.size()) +
-                 " addresses in --forward, expected at most one per --listen");
-  }
-  if (command == "play") {
-    const Status usage = CheckPlay(a_);
-    if (!usage.ok()) return Usage(usage.message());
-  }
-  Status status = Execute(command);
+  const Status usage = check_ ? check_() : Status::Ok();
+  if (!usage.ok()) return Usage(usage.message());
+  const Status status = run_(a_, to_);
   if (status.ok()) return kExitOk;
   to_.err << "stylerec: " << status.message() << "\n";
   return kExitFailed;
-}
-
-Status Program::Execute(const string& command) const {
-  if (command == "record") return RunRecord(a_, to_);
-  if (command == "receive") return RunReceive(a_, to_);
-  if (command == "info") return RunInfo(a_, to_);
-  return command == "play" ? RunPlay(a_, to_) : RunExport(a_, to_);
 }
 
 int Program::Usage(const string& text) {

@@ -37,7 +37,7 @@ Result<std::vector<Port>> MakePorts(const Arguments& a) {
   for (std::size_t i = 0; i < a.listen.size(); ++i) {
     Port port;
     port.listen = a.listen[i];
-    port.name = TakeName(port.listen);
+    port.name = CutName(port.listen);
     if (port.name.empty()) port.name = i == 0 ? "rig" : "rig" + std::to_string(i + 1);
     port.type = a.type;
     if (!port.listen.starts_with("udp://")) {
@@ -63,7 +63,7 @@ Status WriteFiles(const Arguments& a, const Take& take) {
 
 }  // namespace
 
-string TakeName(string& address) {
+string CutName(string& address) {
   const std::size_t sign = address.find('=');
   if (sign == string::npos) return "";
   string name = address.substr(0, sign);
@@ -75,12 +75,12 @@ Result<std::unique_ptr<recording::Reader>> OpenRecording(const Arguments& a) {
   return recording::Reader::Open(a.file, {.salvage = a.salvage});
 }
 
-void SayDamage(const recording::Reader& reader, const Surroundings& to) {
+void ReportDamage(const recording::Reader& reader, const Dependencies& to) {
   const string damage = recording::DamageText(reader.counts());
   if (!damage.empty()) to.err << "stylerec: " << reader.name() << ": " << damage << "\n";
 }
 
-Status RunRecord(const Arguments& a, const Surroundings& to) {
+Status RunRecord(const Arguments& a, const Dependencies& to) {
   auto curve = client::ReadKeys(a.keys);
   if (!curve.ok()) return curve.status();
   TapOptions options{a.from, a.topics, a.performer, a.seconds, std::move(curve.value())};
@@ -106,7 +106,7 @@ Status RunRecord(const Arguments& a, const Surroundings& to) {
   return status;
 }
 
-Status RunReceive(const Arguments& a, const Surroundings& to) {
+Status RunReceive(const Arguments& a, const Dependencies& to) {
   auto ports = MakePorts(a);
   if (!ports.ok()) return ports.status();
   auto receiver = Receiver::Open(std::move(ports.value()));
@@ -126,14 +126,14 @@ Status RunReceive(const Arguments& a, const Surroundings& to) {
   return status;
 }
 
-Status RunInfo(const Arguments& a, const Surroundings& to) {
+Status RunInfo(const Arguments& a, const Dependencies& to) {
   const auto reader = OpenRecording(a);
   if (!reader.ok()) return reader.status();
   Info(*reader.value(), a.json, to.out);
   return Status::Ok();
 }
 
-Status RunExport(const Arguments& a, const Surroundings& to) {
+Status RunExport(const Arguments& a, const Dependencies& to) {
   const auto reader = OpenRecording(a);
   if (!reader.ok()) return reader.status();
   const What what = a.what == "rig"         ? What::kRig
@@ -155,7 +155,7 @@ Status RunExport(const Arguments& a, const Surroundings& to) {
          << " metres_per_unit=" << it.metres_per_unit << (it.unit_known ? "" : " (by hips height)")
          << " restarts=" << it.restarts << " on_other_bodies=" << it.on_other_bodies
          << " unusable=" << it.unusable << "\n";
-  SayDamage(*reader.value(), to);
+  ReportDamage(*reader.value(), to);
   return Status::Ok();
 }
 

@@ -16,7 +16,7 @@
 
 namespace styled::rec {
 
-// What the command line says, checked as far as one value can be checked for itself.
+// The command line; each value is checked by itself.
 struct Arguments {
   std::string file;
   client::KeyOptions keys;  // record --from, play --control
@@ -38,27 +38,27 @@ struct Arguments {
   double rate_hz = 0;                                                // 0: not given
 };
 
-// Where commands speak, and what ends them.
-struct Surroundings {
+// What a command is given beside its arguments: what ends it, and where it writes.
+struct Dependencies {
   const std::atomic<bool>& stop;
   std::ostream& out;  // the summary line
   std::ostream& err;  // what is bound, damage
 };
 
 // Each is one command of stylerec. Errors name file or address.
-Status RunRecord(const Arguments& arguments, const Surroundings& to);
-Status RunReceive(const Arguments& arguments, const Surroundings& to);
-Status RunInfo(const Arguments& arguments, const Surroundings& to);
+Status RunRecord(const Arguments& arguments, const Dependencies& to);
+Status RunReceive(const Arguments& arguments, const Dependencies& to);
+Status RunInfo(const Arguments& arguments, const Dependencies& to);
 // What `play` cannot do as its command line stands, --to for a source that the recording does not
 // have among it. A file that cannot be read is left to RunPlay.
 Status CheckPlay(const Arguments& arguments);
-Status RunPlay(const Arguments& arguments, const Surroundings& to);
-Status RunExport(const Arguments& arguments, const Surroundings& to);
+Status RunPlay(const Arguments& arguments, const Dependencies& to);
+Status RunExport(const Arguments& arguments, const Dependencies& to);
 
 Result<std::unique_ptr<recording::Reader>> OpenRecording(const Arguments& arguments);
-// On `err`, where there is any.
-void SayDamage(const recording::Reader& reader, const Surroundings& to);
+// Writes to `err` what is damaged; nothing where the file is whole.
+void ReportDamage(const recording::Reader& reader, const Dependencies& to);
 // "NAME=ADDRESS" to its name, which is cut off; "" where there is none.
-std::string TakeName(std::string& address);
+std::string CutName(std::string& address);
 
 }  // namespace styled::rec

@@ -32,7 +32,7 @@ Result<RigOutletOptions> WhereTo(const Arguments& a, recording::Reader& reader) 
   RigOutletOptions options;
   options.as_recorded = a.as_recorded;
   for (string url : a.to) {
-    const string name = TakeName(url);
+    const string name = CutName(url);
     options.to.emplace(name, url);
   }
   const auto arrivals = FindArrivals(reader);
@@ -61,7 +61,7 @@ Status CheckTo(const Arguments& a) {
   std::set<string> names;
   bool named = false, original = false;
   for (string url : a.to) {
-    const string given = url, name = TakeName(url);
+    const string given = url, name = CutName(url);
     if (!names.insert(name).second) {
       return Status::Error("--to " + given + ": expected one address per source");
     }
@@ -151,7 +151,7 @@ struct Outlets {
     }
     return outlets;
   }
-  void Report(const Surroundings& to) const {
+  void Report(const Dependencies& to) const {
     if (rig) {
       to.out << " datagrams=" << rig->counts().datagrams << " elsewhere=" << rig->counts().elsewhere
              << " without_body=" << rig->rig_frames().without_body();
@@ -169,7 +169,7 @@ struct Outlets {
   }
 };
 
-Status WaitForSubscriber(const Arguments& a, const Surroundings& to, player::Clock& clock,
+Status WaitForSubscriber(const Arguments& a, const Dependencies& to, player::Clock& clock,
                          PublishOutlet& outlet) {
   to.err << "stylerec: publishing on " << outlet.endpoint() << "\n" << std::flush;
   if (a.wait_s == 0) return Status::Ok();
@@ -197,7 +197,7 @@ Status CheckPlay(const Arguments& a) {
   return CheckTo(a);
 }
 
-Status RunPlay(const Arguments& a, const Surroundings& to) {
+Status RunPlay(const Arguments& a, const Dependencies& to) {
   const auto speed = SpeedOf(a.speed);
   if (!speed.ok()) return speed.status();
   const auto reader = OpenRecording(a);
@@ -217,7 +217,7 @@ Status RunPlay(const Arguments& a, const Surroundings& to) {
          << " wall_s=" << static_cast<double>(counts.wall_ns) * 1e-9
          << " most_late_ms=" << static_cast<double>(counts.most_late_ns) * 1e-6;
   outlets.Report(to);
-  SayDamage(*reader.value(), to);
+  ReportDamage(*reader.value(), to);
   return status;
 }
 
