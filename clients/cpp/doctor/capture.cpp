@@ -64,15 +64,15 @@ Descriptor OpenSocket(std::uint16_t protocol, unsigned protocol_at) {
   return fd;
 }
 
-class CaptureEar final : public Ear {
+class CaptureListener final : public Listener {
  public:
-  CaptureEar(Descriptor fd, const std::vector<Interface>& interfaces,
-             const std::set<std::uint16_t>& ports)
+  CaptureListener(Descriptor fd, const std::vector<Interface>& interfaces,
+                  const std::set<std::uint16_t>& ports)
       : fd_(std::move(fd)), interfaces_(interfaces), ports_(ports) {}
 
   int fd() const override { return fd_.get(); }
 
-  void Hear(Notebook& notes) override {
+  void Listen(Notebook& notes) override {
     for (int i = 0; i < kBatch; ++i) {
       sockaddr_ll link{};
       socklen_t length = sizeof link;
@@ -135,17 +135,17 @@ std::optional<Captured> ParsePacket(std::span<const std::byte> packet) {
   return out;
 }
 
-Result<std::vector<std::unique_ptr<Ear>>> MakeCapture(const std::vector<Interface>& interfaces,
-                                                      const std::set<std::uint16_t>& ports) {
-  std::vector<std::unique_ptr<Ear>> ears;
+Result<std::vector<std::unique_ptr<Listener>>> MakeCapture(const std::vector<Interface>& interfaces,
+                                                           const std::set<std::uint16_t>& ports) {
+  std::vector<std::unique_ptr<Listener>> listeners;
   constexpr std::array<std::pair<std::uint16_t, unsigned>, 2> kProtocols{
       {{ETH_P_IP, 9}, {ETH_P_IPV6, 6}}};
   for (const auto& [protocol, at] : kProtocols) {
     Descriptor fd = OpenSocket(protocol, at);
     if (fd.get() < 0) return Status::Error(std::strerror(errno));
-    ears.push_back(std::make_unique<CaptureEar>(std::move(fd), interfaces, ports));
+    listeners.push_back(std::make_unique<CaptureListener>(std::move(fd), interfaces, ports));
   }
-  return ears;
+  return listeners;
 }
 
 }  // namespace styled::doctor

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "clients/cpp/doctor/address.h"
-#include "clients/cpp/doctor/ear.h"
 #include "clients/cpp/doctor/interfaces.h"
+#include "clients/cpp/doctor/listener.h"
 #include "model/base/status.h"
 
 // UDP as it comes to the interfaces: before firewalls, and to ports that another program holds.
@@ -28,7 +28,7 @@ std::optional<Captured> ParsePacket(std::span<const std::byte> packet);
 
 // Writes into Notebook::seen what goes to one of `ports` or has a format that the daemon takes.
 // Errors: the right to do so (CAP_NET_RAW) is root's.
-Result<std::vector<std::unique_ptr<Ear>>> MakeCapture(const std::vector<Interface>& interfaces,
-                                                      const std::set<std::uint16_t>& ports);
+Result<std::vector<std::unique_ptr<Listener>>> MakeCapture(const std::vector<Interface>& interfaces,
+                                                           const std::set<std::uint16_t>& ports);
 
 }  // namespace styled::doctor

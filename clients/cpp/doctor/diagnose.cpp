@@ -62,8 +62,8 @@ std::vector<Finding> Examination::Run() {
   return std::move(findings_);
 }
 
-void Examination::Say(Severity severity, Step step, const SourceFacts* source, std::string code,
-                      std::string what, std::string why, std::string change) {
+void Examination::Report(Severity severity, Step step, const SourceFacts* source, std::string code,
+                         std::string what, std::string why, std::string change) {
   findings_.push_back({severity, step, std::move(code), source == nullptr ? "" : Label(*source),
                        std::move(what), std::move(why), std::move(change)});
 }
@@ -72,14 +72,14 @@ void Examination::Daemon() {
   const DaemonFacts& daemon = facts_.daemon;
   const auto say = [&](const char* code, const std::string& what, const std::string& why,
                        const std::string& change) {
-    Say(Severity::kProblem, Step::kDaemon, nullptr, code, what, why, change);
+    Report(Severity::kProblem, Step::kDaemon, nullptr, code, what, why, change);
   };
   if (daemon.state == DaemonFacts::State::kAnswers) {
     if (!daemon.remote) return;
-    return Say(Severity::kNote, Step::kDaemon, nullptr, "remote_daemon",
-               "The daemon at " + daemon.endpoint + " is on another machine.",
-               "Only what it counts can be seen from here, not its ports.",
-               "Run stylectl doctor on that machine to see more.");
+    return Report(Severity::kNote, Step::kDaemon, nullptr, "remote_daemon",
+                  "The daemon at " + daemon.endpoint + " is on another machine.",
+                  "Only what it counts can be seen from here, not its ports.",
+                  "Run stylectl doctor on that machine to see more.");
   }
   if (daemon.state == DaemonFacts::State::kGarbled) {
     return say("not_a_daemon", "What answers at " + daemon.endpoint + " is no styled daemon.",
@@ -137,12 +137,13 @@ void Examination::Silent() {
     });
     if (other || said) continue;
     const std::string place = source.wanted.network ? " at " + PlaceOf(source.wanted) : "";
-    Say(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
-        "Nothing arrives for " + Label(source) + place + ".",
-        "The daemon received nothing of it in " + Seconds(facts_.seconds) + ".",
-        source.wanted.network ? InTheSender(source.wanted.format, source.wanted.stream)
-                              : "See that the device is plugged in and switched on; the daemon's "
-                                "log says what it waits for.");
+    Report(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
+           "Nothing arrives for " + Label(source) + place + ".",
+           "The daemon received nothing of it in " + Seconds(facts_.seconds) + ".",
+           source.wanted.network
+               ? InTheSender(source.wanted.format, source.wanted.stream)
+               : "See that the device is plugged in and switched on; the daemon's "
+                 "log says what it waits for.");
   }
 }
 
@@ -167,13 +168,13 @@ void Examination::Unclaimed() {
     const std::string place = format == Format::kNatNet
                                   ? "server = \"" + flow->from.host + "\""
                                   : "listen = \"0.0.0.0:" + std::to_string(flow->to.port) + "\"";
-    Say(assumed ? Severity::kProblem : Severity::kNote, Step::kPort, nullptr, "no_source",
-        std::string(Row(format).name) + " arrives at " + PlaceOf(flow->to, flow->stream) +
-            ", where no source listens.",
-        std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ": " +
-            flow->tally.Kinds(format) + ".",
-        "Add to styled.toml and restart the daemon:  [[source]] name = \"rig\"  type = \"" +
-            std::string(TypeFor(format, flow->stream)) + "\"  " + place);
+    Report(assumed ? Severity::kProblem : Severity::kNote, Step::kPort, nullptr, "no_source",
+           std::string(Row(format).name) + " arrives at " + PlaceOf(flow->to, flow->stream) +
+               ", where no source listens.",
+           std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ": " +
+               flow->tally.Kinds(format) + ".",
+           "Add to styled.toml and restart the daemon:  [[source]] name = \"rig\"  type = \"" +
+               std::string(TypeFor(format, flow->stream)) + "\"  " + place);
   }
 }
 
@@ -182,8 +183,8 @@ void Examination::Losses() {
                         const std::string& change) {
     const std::uint64_t count = facts_.Grown(counter);
     if (count == 0) return;
-    Say(Severity::kWarning, Step::kFrames, nullptr, code, std::to_string(count) + " " + what,
-        std::string(counter) + " grew while we listened.", change);
+    Report(Severity::kWarning, Step::kFrames, nullptr, code, std::to_string(count) + " " + what,
+           std::string(counter) + " grew while we listened.", change);
   };
   KernelDrops();
   warn("pipeline.lost", "lost_on_the_way", "datagrams were lost between the rig and the daemon.",
@@ -214,14 +215,14 @@ void Examination::Losses() {
 void Examination::KernelDrops() {
   const auto say = [this](const SourceFacts* source, std::uint64_t count) {
     const std::string whose = source == nullptr ? "a source" : Label(*source);
-    Say(Severity::kWarning, Step::kFrames, source, "kernel_drops",
-        "The kernel threw " + std::to_string(count) + " datagrams for " + whose +
-            " away: the receive buffer was full.",
-        source == nullptr ? "source.kernel_dropped grew while we listened."
-                          : "Its socket's drops grew while we listened.",
-        "Raise receive_buffer_bytes and, where the daemon is not root's, the system's limit: "
-        "sysctl "
-        "-w net.core.rmem_max=8388608. Give the daemon a core: realtime.priority = 20.");
+    Report(Severity::kWarning, Step::kFrames, source, "kernel_drops",
+           "The kernel threw " + std::to_string(count) + " datagrams for " + whose +
+               " away: the receive buffer was full.",
+           source == nullptr ? "source.kernel_dropped grew while we listened."
+                             : "Its socket's drops grew while we listened.",
+           "Raise receive_buffer_bytes and, where the daemon is not root's, the system's limit: "
+           "sysctl "
+           "-w net.core.rmem_max=8388608. Give the daemon a core: realtime.priority = 20.");
   };
   bool said = false;
   for (const SourceFacts& source : facts_.sources) {
@@ -245,15 +246,15 @@ void Examination::Listeners() {
   }
   if (live == 0) return;
   if (ValueOf(facts_.daemon.after, "publish.subscriptions") == 0) {
-    Say(Severity::kNote, Step::kSubscribers, nullptr, "no_subscriber",
-        "Nobody has subscribed to what the daemon publishes.", "publish.subscriptions is 0.",
-        "Start a client (stylemon shows what comes); give it the address under [publish]. From "
-        "another machine that address must not be loopback.");
+    Report(Severity::kNote, Step::kSubscribers, nullptr, "no_subscriber",
+           "Nobody has subscribed to what the daemon publishes.", "publish.subscriptions is 0.",
+           "Start a client (stylemon shows what comes); give it the address under [publish]. From "
+           "another machine that address must not be loopback.");
   }
   if (bypassed == live) {
-    Say(Severity::kNote, Step::kFrames, nullptr, "bypass",
-        "Every performer is in bypass: the motion goes out as it came in.", "",
-        "Set a style: stylectl set '*' --style NAME (stylectl list shows them).");
+    Report(Severity::kNote, Step::kFrames, nullptr, "bypass",
+           "Every performer is in bypass: the motion goes out as it came in.", "",
+           "Set a style: stylectl set '*' --style NAME (stylectl list shows them).");
   }
 }
 

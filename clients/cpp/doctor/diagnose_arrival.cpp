@@ -19,7 +19,7 @@ bool Examination::Port(const SourceFacts& source) {
   const Wanted& wanted = source.wanted;
   const auto fail = [&](const char* code, const std::string& what, const std::string& why,
                         const std::string& change) {
-    Say(Severity::kProblem, Step::kPort, &source, code, what, why, change);
+    Report(Severity::kProblem, Step::kPort, &source, code, what, why, change);
     return false;
   };
   const std::string& host = wanted.listen.host;
@@ -81,14 +81,14 @@ bool Examination::WrongAddress(const SourceFacts& source) {
     if (Claimed(*flow) || flow->tally.MainFormat() != wanted.format) continue;
     explained_.push_back(flow);
     const bool loopback = IsLoopback(wanted.listen.host);
-    Say(Severity::kProblem, Step::kArrival, &source, "wrong_address",
-        std::string(Row(wanted.format).name) + " arrives at " + PlaceOf(flow->to, flow->stream) +
-            ", but " + Label(source) + " listens on " + PlaceOf(wanted) + " only.",
-        std::to_string(flow->datagrams) + " datagrams from " + flow->from.host +
-            (flow->interface.empty() ? "" : " by " + flow->interface) + "." +
-            (loopback ? " A loopback address hears programs on this machine alone." : ""),
-        "Set listen = \"0.0.0.0:" + std::to_string(wanted.listen.port) + "\" for " +
-            source.wanted.name + " and restart the daemon.");
+    Report(Severity::kProblem, Step::kArrival, &source, "wrong_address",
+           std::string(Row(wanted.format).name) + " arrives at " + PlaceOf(flow->to, flow->stream) +
+               ", but " + Label(source) + " listens on " + PlaceOf(wanted) + " only.",
+           std::to_string(flow->datagrams) + " datagrams from " + flow->from.host +
+               (flow->interface.empty() ? "" : " by " + flow->interface) + "." +
+               (loopback ? " A loopback address hears programs on this machine alone." : ""),
+           "Set listen = \"0.0.0.0:" + std::to_string(wanted.listen.port) + "\" for " +
+               source.wanted.name + " and restart the daemon.");
     return true;
   }
   return false;
@@ -103,17 +103,17 @@ bool Examination::WrongPort(const SourceFacts& source) {
     explained_.push_back(flow);
     const bool protocol = flow->stream != wanted.stream;
     const std::string port = std::to_string(flow->to.port);
-    Say(Severity::kProblem, Step::kArrival, &source, protocol ? "wrong_protocol" : "wrong_port",
-        std::string(Row(wanted.format).name) + " arrives at " + PlaceOf(flow->to, flow->stream) +
-            ", but " + Label(source) + " listens on " + PlaceOf(wanted) + ".",
-        std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ", none at " +
-            PlaceOf(wanted) + ".",
-        protocol ? "Switch the sender to " + std::string(wanted.stream ? "TCP" : "UDP") +
-                       ", or set type = \"" + std::string(TypeFor(wanted.format, flow->stream)) +
-                       "\" for " + wanted.name + " and restart the daemon."
-                 : "Send to port " + std::to_string(wanted.listen.port) + ", or set listen = \"" +
-                       ToString({wanted.listen.host, flow->to.port}) + "\" for " + wanted.name +
-                       " and restart the daemon (port " + port + ").");
+    Report(Severity::kProblem, Step::kArrival, &source, protocol ? "wrong_protocol" : "wrong_port",
+           std::string(Row(wanted.format).name) + " arrives at " + PlaceOf(flow->to, flow->stream) +
+               ", but " + Label(source) + " listens on " + PlaceOf(wanted) + ".",
+           std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ", none at " +
+               PlaceOf(wanted) + ".",
+           protocol ? "Switch the sender to " + std::string(wanted.stream ? "TCP" : "UDP") +
+                          ", or set type = \"" + std::string(TypeFor(wanted.format, flow->stream)) +
+                          "\" for " + wanted.name + " and restart the daemon."
+                    : "Send to port " + std::to_string(wanted.listen.port) +
+                          ", or set listen = \"" + ToString({wanted.listen.host, flow->to.port}) +
+                          "\" for " + wanted.name + " and restart the daemon (port " + port + ").");
     return true;
   }
   return false;
@@ -143,11 +143,12 @@ bool Examination::Filtered(const SourceFacts& source, std::uint16_t at) {
              ? "Rule: " + source.firewall.rule + "."
              : "No rule is known that drops them; the kernel's reverse path filter does so, too "
                "(sysctl net.ipv4.conf.all.rp_filter).";
-  Say(Severity::kProblem, Step::kArrival, &source, "firewall_drops",
-      "This machine's firewall drops what is sent to its port " + port + "/" + protocol + ".", why,
-      "Open the port: ufw allow " + port + "/" + protocol + ", or firewall-cmd --add-port=" + port +
-          "/" + protocol + ", or nft insert rule inet filter input " + protocol + " dport " + port +
-          " accept.");
+  Report(Severity::kProblem, Step::kArrival, &source, "firewall_drops",
+         "This machine's firewall drops what is sent to its port " + port + "/" + protocol + ".",
+         why,
+         "Open the port: ufw allow " + port + "/" + protocol +
+             ", or firewall-cmd --add-port=" + port + "/" + protocol +
+             ", or nft insert rule inet filter input " + protocol + " dport " + port + " accept.");
   return true;
 }
 
@@ -183,8 +184,8 @@ void Examination::Nothing(const SourceFacts& source) {
               "): sudo nft list ruleset shows it; with sudo, doctor looks itself and sees what "
               "comes to the interfaces.";
   }
-  Say(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
-      "Nothing arrives for " + wanted.name + " at " + places + ".", why, change);
+  Report(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
+         "Nothing arrives for " + wanted.name + " at " + places + ".", why, change);
 }
 
 }  // namespace styled::doctor

@@ -24,11 +24,12 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
   const std::uint64_t own = tally.Count(wanted.format);
   if (own > 0) {
     if (10 * (tally.Count() - own) > own) {
-      Say(Severity::kWarning, Step::kFormat, &source, "mixed_formats",
-          "Beside " + name + " something else arrives at " + PlaceOf(wanted) + ".",
-          CountsOf(tally.Count() - own, tally.Count()) + " datagrams, from " + evidence.Senders() +
-              ": " + tally.Kinds(Format::kUnknown) + tally.Kinds(tally.MainFormat()) + ".",
-          "Send each format to a port of its own.");
+      Report(Severity::kWarning, Step::kFormat, &source, "mixed_formats",
+             "Beside " + name + " something else arrives at " + PlaceOf(wanted) + ".",
+             CountsOf(tally.Count() - own, tally.Count()) + " datagrams, from " +
+                 evidence.Senders() + ": " + tally.Kinds(Format::kUnknown) +
+                 tally.Kinds(tally.MainFormat()) + ".",
+             "Send each format to a port of its own.");
     }
     return Use(source, tally);
   }
@@ -36,18 +37,19 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
   const std::string why = std::to_string(tally.Count()) + " datagrams from " + evidence.Senders() +
                           ": " + tally.Kinds(found) + ".";
   if (found == Format::kUnknown) {
-    Say(Severity::kProblem, Step::kFormat, &source, "unknown_format",
-        "What arrives for " + Label(source) + " at " + PlaceOf(wanted) + " is not " + name +
-            ", nor another format that is known here.",
-        why, "Look what the sender is set to send. " + InTheSender(wanted.format, wanted.stream));
+    Report(Severity::kProblem, Step::kFormat, &source, "unknown_format",
+           "What arrives for " + Label(source) + " at " + PlaceOf(wanted) + " is not " + name +
+               ", nor another format that is known here.",
+           why,
+           "Look what the sender is set to send. " + InTheSender(wanted.format, wanted.stream));
     return false;
   }
-  Say(Severity::kProblem, Step::kFormat, &source, "wrong_format",
-      std::string(Row(found).name) + " arrives at " + PlaceOf(wanted) + ", but " + Label(source) +
-          " is of type \"" + wanted.type + "\" (" + name + ").",
-      why,
-      "Set type = \"" + std::string(TypeFor(found, wanted.stream)) + "\" for " + wanted.name +
-          " and restart the daemon, or switch the sender to " + name + ".");
+  Report(Severity::kProblem, Step::kFormat, &source, "wrong_format",
+         std::string(Row(found).name) + " arrives at " + PlaceOf(wanted) + ", but " +
+             Label(source) + " is of type \"" + wanted.type + "\" (" + name + ").",
+         why,
+         "Set type = \"" + std::string(TypeFor(found, wanted.stream)) + "\" for " + wanted.name +
+             " and restart the daemon, or switch the sender to " + name + ".");
   return false;
 }
 
@@ -60,7 +62,8 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
   const std::uint64_t damaged = count(Verdict::kDamaged);
   if (damaged > 0) {
     const bool most = 2 * damaged >= own;
-    Say(most ? Severity::kProblem : Severity::kWarning, Step::kFormat, &source, "damaged",
+    Report(
+        most ? Severity::kProblem : Severity::kWarning, Step::kFormat, &source, "damaged",
         CountsOf(damaged, own) + " datagrams of " + name + " for " + Label(source) +
             " are damaged.",
         "Refused as: " + tally.Kinds(format, Verdict::kDamaged) + ".",
@@ -79,15 +82,17 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
   if (count(Verdict::kUseless) > 0) {
     const std::string kinds = tally.Kinds(format, Verdict::kUseless);
     const bool version = kinds.find("version") != std::string::npos;
-    Say(Severity::kProblem, Step::kVersion, &source, version ? "unusable_version" : "unusable_mode",
-        name + " arrives for " + Label(source) + ", but in a " + (version ? "version" : "mode") +
-            " that the daemon cannot use.",
-        "It sends: " + kinds + ".", InTheSender(format, source.wanted.stream));
+    Report(Severity::kProblem, Step::kVersion, &source,
+           version ? "unusable_version" : "unusable_mode",
+           name + " arrives for " + Label(source) + ", but in a " + (version ? "version" : "mode") +
+               " that the daemon cannot use.",
+           "It sends: " + kinds + ".", InTheSender(format, source.wanted.stream));
     return false;
   }
   // A tracker that seeks a server says no more before it has found one.
   if (format == Format::kSlimeVr && !source.in_daemon) return true;
-  Say(Severity::kProblem, Step::kVersion, &source, "no_pose",
+  Report(
+      Severity::kProblem, Step::kVersion, &source, "no_pose",
       name + " arrives for " + Label(source) + ", but no poses.",
       "It sends: " + tally.Kinds(format) + ".",
       format == Format::kSlimeVr
@@ -98,7 +103,8 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
 }
 
 void Examination::NoSkeleton(const SourceFacts& source, const std::string& why) {
-  Say(Severity::kProblem, Step::kSkeleton, &source, "no_skeleton",
+  Report(
+      Severity::kProblem, Step::kSkeleton, &source, "no_skeleton",
       "Frames arrive for " + Label(source) + ", but not the skeleton that they belong to.", why,
       "The sender must send the skeleton at its start and once a second: restart the sender. If it "
       "is a program of your own, it must send a Body before its frames (proto/styled/v1/WIRE.md).");
@@ -125,16 +131,17 @@ bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& e
   const std::string see = " With sudo, doctor sees the datagrams themselves and names the format.";
   if (foreign >= half || (!native && malformed >= half)) {
     const std::uint64_t not_ours = native ? foreign : malformed;
-    Say(Severity::kProblem, Step::kFormat, &source, "wrong_format",
-        "What arrives for " + Label(source) + " at " + PlaceOf(source.wanted) + " is not " + name +
-            ".",
-        CountsOf(not_ours, evidence.arrived) + " datagrams were not understood" + counted + ".",
-        "Set the type of " + source.wanted.name + " to what the rig sends, or the rig to " + name +
-            "." + see);
+    Report(Severity::kProblem, Step::kFormat, &source, "wrong_format",
+           "What arrives for " + Label(source) + " at " + PlaceOf(source.wanted) + " is not " +
+               name + ".",
+           CountsOf(not_ours, evidence.arrived) + " datagrams were not understood" + counted + ".",
+           "Set the type of " + source.wanted.name + " to what the rig sends, or the rig to " +
+               name + "." + see);
     return false;
   }
   if (version >= half) {
-    Say(Severity::kProblem, Step::kVersion, &source, "unusable_version",
+    Report(
+        Severity::kProblem, Step::kVersion, &source, "unusable_version",
         name + " arrives for " + Label(source) + ", but in a version that the daemon cannot use.",
         CountsOf(version, evidence.arrived) + " datagrams" + counted + ".",
         "Bring sender and daemon to the same version.");
@@ -142,10 +149,10 @@ bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& e
   }
   const std::uint64_t bad = damaged + (native ? 0 : malformed);
   if (bad == 0) return true;
-  Say(bad >= half ? Severity::kProblem : Severity::kWarning, Step::kFormat, &source, "damaged",
-      CountsOf(bad, evidence.arrived) + " datagrams for " + Label(source) + " are damaged.",
-      "Refused by the daemon" + counted + "; stylectl status names the reasons.",
-      "Something on the way cuts or changes them: look at relays and VPNs between." + see);
+  Report(bad >= half ? Severity::kProblem : Severity::kWarning, Step::kFormat, &source, "damaged",
+         CountsOf(bad, evidence.arrived) + " datagrams for " + Label(source) + " are damaged.",
+         "Refused by the daemon" + counted + "; stylectl status names the reasons.",
+         "Something on the way cuts or changes them: look at relays and VPNs between." + see);
   return bad < half;
 }
 
@@ -195,20 +202,21 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
     const std::string why = std::string(cause.counter) + " grew by " + std::to_string(count) +
                             " while " + std::to_string(evidence.arrived) + " datagrams arrived.";
     if (cause.code == std::string("no_skeleton")) return NoSkeleton(source, why);
-    return Say(Severity::kProblem, cause.step, &source, cause.code,
-               Label(source) + ": no frames, because " + cause.what + ".", why, cause.change);
+    return Report(Severity::kProblem, cause.step, &source, cause.code,
+                  Label(source) + ": no frames, because " + cause.what + ".", why, cause.change);
   }
   // These grow more slowly than datagrams arrive: once a second, once in a frame's several.
   for (const Cause& cause : kCauses) {
     const std::string counter = cause.counter;
     if (counter != "pipeline.bodies_refused" && counter != "source.incomplete") continue;
     if (facts_.Grown(counter) == 0) continue;
-    return Say(Severity::kProblem, cause.step, &source, cause.code,
-               Label(source) + ": no frames, because " + cause.what + ".", counter + " grew.",
-               cause.change);
+    return Report(Severity::kProblem, cause.step, &source, cause.code,
+                  Label(source) + ": no frames, because " + cause.what + ".", counter + " grew.",
+                  cause.change);
   }
   const bool trackers = source.wanted.format == Format::kSlimeVr;
-  Say(Severity::kProblem, Step::kFrames, &source, trackers ? "needs_reset" : "no_frames",
+  Report(
+      Severity::kProblem, Step::kFrames, &source, trackers ? "needs_reset" : "no_frames",
       Label(source) + " receives " + std::string(Row(source.wanted.format).name) +
           ", but no performer comes of it.",
       std::to_string(evidence.arrived) + " datagrams arrived in " + Seconds(facts_.seconds) + ".",

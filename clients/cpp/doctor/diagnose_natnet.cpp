@@ -18,7 +18,7 @@ void Examination::NatNet(const SourceFacts& source) {
   if (answers.multicast) {
     if (!Group(source)) return;
   } else if (answers.frames.Count() == 0) {
-    return Say(
+    return Report(
         Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
         "The NatNet server answers, but sends no frames.",
         "It streams to each client by itself (unicast), and none came in " +
@@ -26,10 +26,10 @@ void Examination::NatNet(const SourceFacts& source) {
         std::string(Row(Format::kNatNet).in_the_sender) + " Motive must be live or playing.");
   }
   if (source.in_daemon) {
-    Say(Severity::kProblem, Step::kFrames, &source, "no_frames",
-        Label(source) + ": the server streams skeletons, but no performer comes of it.", "",
-        "The daemon's log names what it waits for. Name the server's address there, and the "
-        "interface: server = , interface = .");
+    Report(Severity::kProblem, Step::kFrames, &source, "no_frames",
+           Label(source) + ": the server streams skeletons, but no performer comes of it.", "",
+           "The daemon's log names what it waits for. Name the server's address there, and the "
+           "interface: server = , interface = .");
   }
 }
 
@@ -40,24 +40,24 @@ void Examination::Unasked(const SourceFacts& source) {
       "Give the daemon's file: stylectl doctor --config styled.toml; then doctor asks the server "
       "itself. ";
   if (*source.received > 0) {
-    return Say(Severity::kProblem, Step::kFrames, &source, "no_frames",
-               Label(source) + ": the NatNet server answers, but no performer comes of it.",
-               std::to_string(*source.received) + " datagrams came from it.",
-               ask + std::string(Row(Format::kNatNet).in_the_sender));
+    return Report(Severity::kProblem, Step::kFrames, &source, "no_frames",
+                  Label(source) + ": the NatNet server answers, but no performer comes of it.",
+                  std::to_string(*source.received) + " datagrams came from it.",
+                  ask + std::string(Row(Format::kNatNet).in_the_sender));
   }
-  Say(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
-      "Nothing arrives for " + Label(source) +
-          " from its NatNet server: it does not answer the daemon.",
-      "The daemon received nothing in " + Seconds(facts_.seconds) + ".",
-      ask + "See that server = names the machine that Motive runs on. " +
-          std::string(Row(Format::kNatNet).in_the_sender));
+  Report(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
+         "Nothing arrives for " + Label(source) +
+             " from its NatNet server: it does not answer the daemon.",
+         "The daemon received nothing in " + Seconds(facts_.seconds) + ".",
+         ask + "See that server = names the machine that Motive runs on. " +
+             std::string(Row(Format::kNatNet).in_the_sender));
 }
 
 bool Examination::Server(const SourceFacts& source) {
   const NatNetAnswers& answers = *source.natnet;
   const auto fail = [&](Step step, const char* code, const std::string& what,
                         const std::string& why, const std::string& change) {
-    Say(Severity::kProblem, step, &source, code, what, why, change);
+    Report(Severity::kProblem, step, &source, code, what, why, change);
     return false;
   };
   if (!answers.error.empty()) {
@@ -123,30 +123,30 @@ bool Examination::Group(const SourceFacts& source) {
     const bool bare = tally.Count(Format::kNatNet, Verdict::kPose) == 0 &&
                       tally.Count(Format::kNatNet, Verdict::kUseless) > 0;
     if (!bare) return true;
-    Say(Severity::kProblem, Step::kSkeleton, &source, "no_skeleton",
-        "Frames of " + place + " arrive, but without a skeleton.",
-        tally.Kinds(Format::kNatNet) + ".",
-        "In Motive: Streaming: Skeletons on; the performer must be tracked.");
+    Report(Severity::kProblem, Step::kSkeleton, &source, "no_skeleton",
+           "Frames of " + place + " arrive, but without a skeleton.",
+           tally.Kinds(Format::kNatNet) + ".",
+           "In Motive: Streaming: Skeletons on; the performer must be tracked.");
     return false;
   }
   if (GroupElsewhere(source, group)) return false;
   if (chosen != nullptr && !chosen->multicast && !chosen->loopback) {
-    Say(Severity::kProblem, Step::kArrival, &source, "interface_no_multicast",
-        "Frames come by the group " + place + ", and " + chosen->name + " takes no multicast.",
-        "The interface has no MULTICAST flag.",
-        "ip link set " + chosen->name +
-            " multicast on, or set interface = to the one that the "
-            "cameras' network is on, or switch Motive to Unicast.");
+    Report(Severity::kProblem, Step::kArrival, &source, "interface_no_multicast",
+           "Frames come by the group " + place + ", and " + chosen->name + " takes no multicast.",
+           "The interface has no MULTICAST flag.",
+           "ip link set " + chosen->name +
+               " multicast on, or set interface = to the one that the "
+               "cameras' network is on, or switch Motive to Unicast.");
     return false;
   }
   if (Filtered(source, answers.data_port)) return false;
-  Say(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
-      "The NatNet server answers, but nothing of its group " + place + " arrives.",
-      "Listened on every interface for " + Seconds(facts_.seconds) + "." +
-          (chosen == nullptr ? " There is no route to the group." : ""),
-      "In Motive the Local Interface must be the network that this machine is on, not loopback. "
-      "Switches with IGMP snooping need a querier, and wireless networks often drop groups: try "
-      "Transmission Type Unicast.");
+  Report(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
+         "The NatNet server answers, but nothing of its group " + place + " arrives.",
+         "Listened on every interface for " + Seconds(facts_.seconds) + "." +
+             (chosen == nullptr ? " There is no route to the group." : ""),
+         "In Motive the Local Interface must be the network that this machine is on, not loopback. "
+         "Switches with IGMP snooping need a querier, and wireless networks often drop groups: try "
+         "Transmission Type Unicast.");
   return false;
 }
 
@@ -157,12 +157,12 @@ bool Examination::GroupElsewhere(const SourceFacts& source, const std::string& g
     explained_.push_back(flow);
     const Interface* chosen = FindInterface(facts_.interfaces, source.group_interface);
     const std::string name = chosen == nullptr ? "no interface" : chosen->name;
-    Say(Severity::kProblem, Step::kArrival, &source, "multicast_elsewhere",
-        "Frames of the group " + ToString(flow->to) + " come by " + flow->interface + ", but " +
-            Label(source) + " listens on " + name + ".",
-        std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ".",
-        "Set interface = \"" + flow->interface + "\" for " + source.wanted.name +
-            " and restart the daemon.");
+    Report(Severity::kProblem, Step::kArrival, &source, "multicast_elsewhere",
+           "Frames of the group " + ToString(flow->to) + " come by " + flow->interface + ", but " +
+               Label(source) + " listens on " + name + ".",
+           std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ".",
+           "Set interface = \"" + flow->interface + "\" for " + source.wanted.name +
+               " and restart the daemon.");
     return true;
   }
   return false;

@@ -52,30 +52,30 @@ void Examination::Performers() {
     const std::uint64_t refused = now.refused() - (known ? then->refused() : 0);
     const std::uint64_t left = now.published() - (known ? then->published() : 0);
     if (!now.warning().empty()) {
-      Say(Severity::kWarning, Step::kSkeleton, nullptr, "rig_warning",
-          now.performer() + ": " + now.warning() + ".", "The daemon sees it in the rig's poses.",
-          "Mend the rig as said; where it is the acting, nothing.");
+      Report(Severity::kWarning, Step::kSkeleton, nullptr, "rig_warning",
+             now.performer() + ": " + now.warning() + ".", "The daemon sees it in the rig's poses.",
+             "Mend the rig as said; where it is the acting, nothing.");
     }
     if (refused == 0) continue;
     if (left > 0 && now.refused_as() == "pipeline.second_sender") {
-      Say(Severity::kWarning, Step::kFrames, nullptr, "second_sender",
-          now.performer() +
-              ": two senders send the same performer; the frames of the one leave, "
-              "the other's are refused.",
-          std::to_string(refused) + " datagrams while we listened.",
-          "Stop that sender, or give it another performer's name.");
+      Report(Severity::kWarning, Step::kFrames, nullptr, "second_sender",
+             now.performer() +
+                 ": two senders send the same performer; the frames of the one leave, "
+                 "the other's are refused.",
+             std::to_string(refused) + " datagrams while we listened.",
+             "Stop that sender, or give it another performer's name.");
       continue;
     }
     if (left > refused) continue;
     const Reason& reason = ReasonOf(now.refused_as());
-    Say(left == 0 ? Severity::kProblem : Severity::kWarning, Step::kFrames, nullptr,
-        "performer_refused",
-        now.performer() + ": " + std::to_string(refused) + " datagrams came and " +
-            (left == 0 ? "no frame" : "only " + std::to_string(left) + " frames") +
-            " left, because " + reason.what + ".",
-        (now.refused_as().empty() ? "Counted while we listened."
-                                  : "Counted as " + now.refused_as() + " while we listened."),
-        reason.change);
+    Report(left == 0 ? Severity::kProblem : Severity::kWarning, Step::kFrames, nullptr,
+           "performer_refused",
+           now.performer() + ": " + std::to_string(refused) + " datagrams came and " +
+               (left == 0 ? "no frame" : "only " + std::to_string(left) + " frames") +
+               " left, because " + reason.what + ".",
+           (now.refused_as().empty() ? "Counted while we listened."
+                                     : "Counted as " + now.refused_as() + " while we listened."),
+           reason.change);
   }
 }
 

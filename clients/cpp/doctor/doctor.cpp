@@ -217,12 +217,12 @@ class Examiner {
       facts_.capture = "not asked for";
       return;
     }
-    auto ears = MakeCapture(facts_.interfaces, ports_);
-    if (!ears.ok()) {
-      facts_.capture = ears.status().message();
+    auto listeners = MakeCapture(facts_.interfaces, ports_);
+    if (!listeners.ok()) {
+      facts_.capture = listeners.status().message();
       return;
     }
-    for (auto& ear : ears.value()) probe_->Add(std::move(ear));
+    for (auto& listener : listeners.value()) probe_->Add(std::move(listener));
   }
 
   void LookAtHolders(const std::vector<BoundSocket>& before,

@@ -30,8 +30,8 @@ class Examination {
   void KernelDrops();
   void Unclaimed();
   void Listeners();
-  void Say(Severity severity, Step step, const SourceFacts* source, std::string code,
-           std::string what, std::string why, std::string change);
+  void Report(Severity severity, Step step, const SourceFacts* source, std::string code,
+              std::string what, std::string why, std::string change);
 
   // diagnose_arrival.cpp; true: go on to the next step.
   bool Port(const SourceFacts& source);

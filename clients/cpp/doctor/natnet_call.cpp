@@ -15,14 +15,14 @@ using natnet::MessageId;
 
 constexpr double kAsk_s = 0.4, kKeepAlive_s = 1;
 
-class NatNetCall final : public Ear {
+class NatNetCall final : public Listener {
  public:
   NatNetCall(Descriptor fd, const sockaddr_storage& server, NatNetAnswers& answers)
       : fd_(std::move(fd)), server_(server), answers_(answers) {}
 
   int fd() const override { return fd_.get(); }
 
-  void Hear(Notebook& notes) override {
+  void Listen(Notebook& notes) override {
     for (int i = 0; i < kBatch; ++i) {
       sockaddr_storage sender{};
       socklen_t length = sizeof sender;
@@ -31,7 +31,7 @@ class NatNetCall final : public Ear {
       if (size < 0) return;
       // Frames may come from another port of the server.
       if (FromSocket(sender).host != answers_.server.host) continue;
-      Take(std::span(notes.buffer).first(static_cast<std::size_t>(size)), notes);
+      Accept(std::span(notes.buffer).first(static_cast<std::size_t>(size)), notes);
     }
   }
 
@@ -47,7 +47,7 @@ class NatNetCall final : public Ear {
   }
 
  private:
-  void Take(std::span<const std::byte> bytes, Notebook& notes) {
+  void Accept(std::span<const std::byte> bytes, Notebook& notes) {
     natnet::Packet packet;
     if (natnet::DecodePacket(bytes, packet) != natnet::DecodeResult::kOk) return;
     if (packet.id == MessageId::kServerInfo) return TakeInfo(packet.payload, notes);
@@ -107,7 +107,8 @@ class NatNetCall final : public Ear {
 
 }  // namespace
 
-Result<std::unique_ptr<Ear>> MakeNatNetCall(const std::string& server, NatNetAnswers& answers) {
+Result<std::unique_ptr<Listener>> MakeNatNetCall(const std::string& server,
+                                                 NatNetAnswers& answers) {
   const bool has_port = server.find(':') != std::string::npos;
   const auto endpoint =
       ParseEndpoint(has_port ? server : server + ":" + std::to_string(natnet::kCommandPort));
@@ -119,7 +120,7 @@ Result<std::unique_ptr<Ear>> MakeNatNetCall(const std::string& server, NatNetAns
   answers.server = *endpoint;
   Descriptor fd(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (fd.get() < 0) return Status::Error(std::strerror(errno));
-  return std::unique_ptr<Ear>(std::make_unique<NatNetCall>(std::move(fd), address, answers));
+  return std::unique_ptr<Listener>(std::make_unique<NatNetCall>(std::move(fd), address, answers));
 }
 
 }  // namespace styled::doctor

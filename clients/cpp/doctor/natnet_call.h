@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "clients/cpp/doctor/ear.h"
+#include "clients/cpp/doctor/listener.h"
 #include "model/base/status.h"
 #include "proto/rigs/natnet/packet.h"
 
@@ -28,7 +28,7 @@ struct NatNetAnswers {
 };
 
 // Asks a server, as the daemon would: who it is, what it tracks; keeps it sending. `answers` is
-// written while the ear listens and must outlive it. Errors: no IPv4 address.
-Result<std::unique_ptr<Ear>> MakeNatNetCall(const std::string& server, NatNetAnswers& answers);
+// written while the listener listens and must outlive it. Errors: no IPv4 address.
+Result<std::unique_ptr<Listener>> MakeNatNetCall(const std::string& server, NatNetAnswers& answers);
 
 }  // namespace styled::doctor

@@ -18,9 +18,9 @@ constexpr int kReceiveBuffer = 4 << 20;
 constexpr std::size_t kMaxConnections = 16;
 constexpr double kTick_s = 0.05;
 
-class UdpEar final : public Ear {
+class UdpListener final : public Listener {
  public:
-  UdpEar(Descriptor fd, const std::vector<Interface>& interfaces)
+  UdpListener(Descriptor fd, const std::vector<Interface>& interfaces)
       : fd_(std::move(fd)), interfaces_(interfaces) {
     const int one = 1;
     setsockopt(fd_.get(), IPPROTO_IP, IP_PKTINFO, &one, sizeof one);
@@ -34,7 +34,7 @@ class UdpEar final : public Ear {
 
   int fd() const override { return fd_.get(); }
 
-  void Hear(Notebook& notes) override {
+  void Listen(Notebook& notes) override {
     for (int i = 0; i < kBatch; ++i) {
       sockaddr_storage sender{};
       iovec vector{notes.buffer.data(), notes.buffer.size()};
@@ -86,16 +86,16 @@ class UdpEar final : public Ear {
 };
 
 // A listener and its connections, all in one epoll instance.
-class TcpEar final : public Ear {
+class TcpListener final : public Listener {
  public:
-  TcpEar(Descriptor listener, Descriptor epoll)
+  TcpListener(Descriptor listener, Descriptor epoll)
       : listener_(std::move(listener)), epoll_(std::move(epoll)) {
     Watch(listener_.get(), nullptr);
   }
 
   int fd() const override { return epoll_.get(); }
 
-  void Hear(Notebook& notes) override {
+  void Listen(Notebook& notes) override {
     std::array<epoll_event, kMaxConnections> events;
     const int ready = epoll_wait(epoll_.get(), events.data(), events.size(), 0);
     for (int i = 0; i < ready; ++i) {
@@ -193,10 +193,10 @@ PortState Probe::Open(bool stream, std::uint16_t port, bool v6) {
       return error;
     }
     if (stream) {
-      Add(std::make_unique<TcpEar>(std::move(fd.value()),
-                                   Descriptor(epoll_create1(EPOLL_CLOEXEC))));
+      Add(std::make_unique<TcpListener>(std::move(fd.value()),
+                                        Descriptor(epoll_create1(EPOLL_CLOEXEC))));
     } else {
-      Add(std::make_unique<UdpEar>(std::move(fd.value()), interfaces_));
+      Add(std::make_unique<UdpListener>(std::move(fd.value()), interfaces_));
     }
     return 0;
   };
@@ -241,7 +241,7 @@ std::vector<GroupState> Probe::Join(const std::string& group, std::uint16_t port
         setsockopt(fd.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) != 0) {
       state.why = std::strerror(errno);
     } else {
-      Add(std::make_unique<UdpEar>(std::move(fd), interfaces_));
+      Add(std::make_unique<UdpListener>(std::move(fd), interfaces_));
     }
     out.push_back(std::move(state));
   }
@@ -257,16 +257,16 @@ void Probe::Run(double seconds) {
     if (notes_->now_s >= seconds) return;
     if (notes_->now_s >= next_tick_s) {
       next_tick_s = notes_->now_s + kTick_s;
-      for (const auto& ear : ears_) ear->Tick(notes_->now_s);
+      for (const auto& listener : listeners_) listener->Tick(notes_->now_s);
     }
     std::vector<pollfd> polled;
-    polled.reserve(ears_.size());
-    for (const auto& ear : ears_) polled.push_back({ear->fd(), POLLIN, 0});
+    polled.reserve(listeners_.size());
+    for (const auto& listener : listeners_) polled.push_back({listener->fd(), POLLIN, 0});
     const double wait_s = std::min(next_tick_s, seconds) - notes_->now_s;
     poll(polled.data(), polled.size(), std::max(1, static_cast<int>(wait_s * 1000)));
     notes_->now_s = std::chrono::duration<double>(Clock::now() - start).count();
     for (std::size_t i = 0; i < polled.size(); ++i) {
-      if (polled[i].revents != 0) ears_[i]->Hear(*notes_);
+      if (polled[i].revents != 0) listeners_[i]->Listen(*notes_);
     }
   }
 }

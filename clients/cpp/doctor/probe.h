@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "clients/cpp/doctor/ear.h"
 #include "clients/cpp/doctor/interfaces.h"
+#include "clients/cpp/doctor/listener.h"
 #include "model/base/status.h"
 
 namespace styled::doctor {
@@ -45,7 +45,7 @@ class Probe {
   PortState Open(bool stream, std::uint16_t port, bool v6);
   // On every interface that is up, each by itself; those that a program joined already, too.
   std::vector<GroupState> Join(const std::string& group, std::uint16_t port);
-  void Add(std::unique_ptr<Ear> ear) { ears_.push_back(std::move(ear)); }
+  void Add(std::unique_ptr<Listener> listener) { listeners_.push_back(std::move(listener)); }
 
   void Run(double seconds);
 
@@ -56,7 +56,7 @@ class Probe {
   Result<Descriptor> Bind(bool stream, const std::string& host, std::uint16_t port, int* error);
 
   std::vector<Interface> interfaces_;
-  std::vector<std::unique_ptr<Ear>> ears_;
+  std::vector<std::unique_ptr<Listener>> listeners_;
   std::unique_ptr<Notebook> notes_ = std::make_unique<Notebook>();
 };
 

@@ -141,7 +141,7 @@ Sniffed SniffMocopi(Bytes bytes, mocopi::Datagram& datagram) {
 // What the messages of a VMC datagram say, the most useful of them.
 class VmcContent {
  public:
-  void Take(const vmc::osc::Message& message) {
+  void Add(const vmc::osc::Message& message) {
     if (!message.address.starts_with("/VMC/")) {
       if (foreign_.empty()) foreign_ = message.address;
       return;
@@ -157,7 +157,7 @@ class VmcContent {
     const auto* available = std::get_if<vmc::Available>(&content);
     unloaded_ |= available != nullptr && available->loaded == 0;
   }
-  Sniffed Say() const {
+  Sniffed Summary() const {
     if (!vmc_) {
       return {Format::kUnknown, Verdict::kForeign, "OSC, but no VMC: " + Printable(foreign_, 40)};
     }
@@ -182,8 +182,8 @@ Sniffed SniffOsc(Bytes bytes) {
   VmcContent content;
   vmc::osc::Reader reader(bytes);
   vmc::osc::Message message;
-  while (reader.Next(message) == vmc::osc::Reader::Step::kMessage) content.Take(message);
-  return content.Say();
+  while (reader.Next(message) == vmc::osc::Reader::Step::kMessage) content.Add(message);
+  return content.Summary();
 }
 
 // Its packets have no mark: a type whose upper bytes are 0 and a number.

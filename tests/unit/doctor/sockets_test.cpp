@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "clients/cpp/doctor/ear.h"
+#include "clients/cpp/doctor/listener.h"
 
 namespace styled::doctor {
 namespace {

@@ -33,26 +33,26 @@ class Descriptor {
 // Larger than any datagram.
 inline constexpr std::size_t kMaxReceived = 65536;
 
-// Where ears write what they hear.
+// Where listeners write what they receive.
 struct Notebook {
   Sniffer sniffer;
-  Traffic heard;  // what came to a program's socket: ours
-  Traffic seen;   // what came to an interface, past every firewall
+  Traffic heard;  // received by a socket of this program
+  Traffic seen;   // captured at an interface, before any firewall
   double now_s = 0;
   std::array<std::byte, kMaxReceived> buffer;
 };
 
-// One descriptor that is listened to. Nothing of it blocks. One thread.
-class Ear {
+// A source of datagrams behind one file descriptor. Nothing here blocks. One thread.
+class Listener {
  public:
-  virtual ~Ear() = default;
+  virtual ~Listener() = default;
   virtual int fd() const = 0;
-  // `fd` is readable. Takes a bounded number of datagrams.
-  virtual void Hear(Notebook& notes) = 0;
+  // To be called when `fd` is readable. Receives a bounded number of datagrams.
+  virtual void Listen(Notebook& notes) = 0;
   // About twenty times a second.
   virtual void Tick(double /*now_s*/) {}
 };
 
-inline constexpr int kBatch = 64;  // datagrams that an ear takes at once
+inline constexpr int kBatch = 64;  // datagrams that a listener receives at once
 
 }  // namespace styled::doctor
