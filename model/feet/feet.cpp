@@ -25,10 +25,10 @@ Quat Pitch(const Vec3& foot, const Vec3& across, float rise_m) {
       Eigen::AngleAxisf(-std::clamp(turn, -tuning::kMostPitch_rad, tuning::kMostPitch_rad), axis));
 }
 
-// By how much what is at `height_m` must be lifted so that it is not under the floor. It begins to
-// be at a cushion's top, or where the performer's own is, if that is lower (never above it, so that
-// his own pose is never changed): a rounded minimum of the two. A foot that is in mid-swing with
-// him comes down fast: there the cushion is thicker.
+// By how much a part at `height_m` must be lifted so that it is not under the floor. The lift
+// begins at a cushion's top, or at the performer's own height if that is lower, so that an unstyled
+// pose is never changed: a rounded minimum of the two. A foot in the performer's mid-swing comes
+// down fast: there the cushion is thicker.
 float Push(float floor_m, float performer_m, float height_m) {
   const float cushion = tuning::kCushion_m +
                         (tuning::kHighCushion_m - tuning::kCushion_m) *
@@ -79,12 +79,12 @@ void Feet::Process(float dt_s, float weight, const PoseView& input,
   }
 }
 
-// A gait's centre is the performer's: it turns as the line through his hips does.
+// A gait's centre is the performer's: it turns as the line through the hips does.
 void Feet::TurnWithPerformer() noexcept {
   const Vec3 across = Flat(in_[static_cast<std::size_t>(in_legs_.leg(0).upper)].position_m -
                            in_[static_cast<std::size_t>(in_legs_.leg(1).upper)].position_m);
   const float length = across.norm();
-  if (length < 0.01F) return;  // he lies on his side
+  if (length < 0.01F) return;  // lying on one side
   const Vec3 now = across / length;
   if (!last_across_.isZero()) {
     const float cosine = last_across_.dot(now);
@@ -148,7 +148,7 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   }
   float lift_toes = state.lift_toes.Follow(want_toes, dt_s, tuning::kLift_s);
   float lift_heel = state.lift_heel.Follow(want_heel, dt_s, tuning::kLift_s);
-  // And nothing sinks below the performer's floor, or below where he himself is.
+  // And nothing sinks below the performer's floor, or below the performer's own.
   const float floor_m = contacts_.floor_m();
   const float push_toes = Push(floor_m, in_toes.y(), toes.y() + lift_toes);
   const float push_heel = Push(floor_m + leg.ankle_above_toes_m, in_heel.y(), heel.y() + lift_heel);

@@ -12,17 +12,16 @@
 namespace styled::feet {
 
 // Step 6 of the stylist, on one output skeleton: while the performer's own foot is on the floor,
-// the published one moves over the floor as that does, not as the style, or another skeleton's
-// proportions, would have it slide; it keeps the performer's heights there and never sinks below
-// his floor. Legs follow by two-bone IK
-// (lengths and the knee's side kept), the hips come down where a leg would have to stretch.
-// Everything is a smooth function of the input or integrates one, so nothing pops; it is delayed by
-// nothing.
+// the published one moves over the floor as that does, where a style, or another skeleton's
+// proportions, would let it slide. There it keeps the performer's heights, and it never sinks below
+// the floor. Legs follow by two-bone IK, which keeps lengths and the side of the knee; the hips
+// come down where a leg would have to stretch. Everything is a smooth function of the input or
+// integrates one, so nothing pops, and nothing is delayed.
 //
 // Spaces: poses are local transforms of their skeleton; inside, canonical metres and axes (+Y up),
-// in which all bound skeletons have the same hips height.
-// Sized at construction; Process does not allocate. One thread at a time.
-// Mathematics: model/stylist/README.md, "Feet". Pinned by tests/unit/feet/feet_test.cpp.
+// in which all bound skeletons have the same hips height. Sized at construction; Process does not
+// allocate. One thread at a time. Mathematics: model/README.md, 6. Constants: tuning.h. Pinned
+// by tests/unit/feet/feet_test.cpp.
 class Feet {
  public:
   // The performer's pose is given on the skeleton of `input`, the feet of `output` are held.

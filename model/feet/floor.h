@@ -4,7 +4,7 @@
 
 namespace styled::feet {
 
-// Where the performer's floor is, from the heights at which his feet come to rest (each height less
+// Where the performer's floor is, from the heights at which the feet come to rest (each height less
 // what that part of the foot has when it is planted, so that heels and toes agree). Falls within
 // tenths of a second when a foot comes to rest lower, rises slowly when all that rests is higher
 // (stairs, a rig that drifts); one wild frame moves it by millimetres. Metres, seconds.

@@ -26,17 +26,17 @@ struct Calibrated {
   std::vector<BoneAngle> bones;  // of those judged, the worst first
 };
 
-// A binding for a skeleton whose rest pose nobody knows, from one pose of a performer who stands as
-// asked: the up axis is the source axis nearest to the spine, left is from limb to limb, forward is
-// where he looks (+Z of the canonical humanoid from then on), a skeleton whose toes point backward
-// is left-handed and mirrored, and the rest rotations are RestBySwing's of this very pose. Joints
-// are mapped by name (MapJoints). Refuses what names do not map, and a bone more than 30
+// A binding for a skeleton of unknown rest pose, from one pose of a performer who stands as asked:
+// the up axis is the source axis nearest to the spine, left is from limb to limb, forward is where
+// the performer looks (+Z of the canonical humanoid from then on), a skeleton whose toes point
+// backward is left-handed and mirrored, and the rest rotations are RestBySwing's of this very pose.
+// Joints are mapped by name (MapJoints). Refuses what names do not map, and a bone more than 30
 // degrees off: the error names the worst joint and what was expected. Allocates; any thread. Pinned
 // by tests/unit/rig/calibration_test.cpp.
 Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, StandingPose pose,
                              const JointNames& given = {});
 
-// The binding of a skeleton that nobody performs on (an avatar's), from the pose that its file has
+// The binding of a skeleton without a performer (an avatar's), from the pose that its file has
 // it in: upright, soles flat on the floor, and in the T-pose (`t_pose`), or with its arms anywhere:
 // then RestBySwing makes the T-pose. Axes are found as Calibrate does. Refuses what a binding
 // refuses, a back or a leg more than 30 degrees off, in the T-pose an arm too, and left-handed

@@ -48,14 +48,14 @@ class Trackers {
                             const Quat& world_from_sensor) noexcept;
 
   // The performer stands as `stance` says: all parts with a live tracker are calibrated anew, those
-  // without forgotten, and he is put above the origin.
+  // without forgotten, and the performer is put above the origin.
   STYLED_REALTIME Outcome ResetFull(std::int64_t now_ns) noexcept;
-  // He looks along +Z, upright: headings alone, of all calibrated parts.
+  // The performer looks along +Z, upright: headings alone, of all calibrated parts.
   STYLED_REALTIME Outcome ResetYaw(std::int64_t now_ns) noexcept;
-  // He stands like a skier, still looking along +Z: bent forward at the hips, knees bent, heels
-  // lifted; arms hanging if they were level in the full reset, stretched forward if they hung.
-  // Parts that turned by less than 15 degrees since the full reset, or about an axis steeper than
-  // 30 degrees, are left as they are.
+  // The performer stands like a skier, still looking along +Z: bent forward at the hips, knees
+  // bent, heels lifted; arms hanging if they were level in the full reset, stretched forward if
+  // they hung. Parts that turned by less than 15 degrees since the full reset, or about an axis
+  // steeper than 30 degrees, are left as they are.
   STYLED_REALTIME Outcome ResetMounting(std::int64_t now_ns) noexcept;
 
   // The pose of `now_ns` - delay. False, and `pose` untouched, where no calibrated part has a live
@@ -70,7 +70,7 @@ class Trackers {
   STYLED_REALTIME bool Solve(std::int64_t now_ns, body::Pose& pose) noexcept;
 
   // Where a sensor points as it is usually worn, in the full reset: headings about the vertical
-  // from the performer's +Z to his left, radians. Of its face (its +Z), by SlimeVR's default
+  // from the performer's +Z to the left, radians. Of its face (its +Z), by SlimeVR's default
   // mountings; of its top (its +Y), towards the shoulder, on arms that are level: so it does not
   // matter where around the arm it sits.
   static float Facing(body::Joint part, Stance stance) noexcept;
@@ -115,7 +115,7 @@ class Trackers {
   std::array<Source, body::kJointCount> sources_{};
   std::array<Quat, body::kJointCount> world_;  // of the parts, in the performer's world
   std::array<Quat, body::kJointCount> local_;  // of the last pose
-  // Which of the points that can carry him stands, and where.
+  // Which of the points that can carry the weight stands, and where.
   int stands_ = -1;
   float place_x_m_ = 0, place_z_m_ = 0;
 };

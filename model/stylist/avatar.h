@@ -14,13 +14,13 @@ namespace styled::stylist {
 // Steps 5 and 6 of the stylist onto a further skeleton: that of an avatar, whose proportions are
 // not the performer's. Rotations go over joint by joint, the way over the floor is scaled by the
 // hips' height; what then differs is the feet's to mend: the avatar's lowest foot is as high as the
-// performer's, and where his foot is planted the avatar's stands still, styled or not.
+// performer's, and where a performer's foot is planted the avatar's stands still, styled or not.
 // Sized at construction; Process does not allocate. One thread at a time. Pinned by
 // tests/unit/stylist/avatar_test.cpp.
 class Avatar {
  public:
   // `performer`: the binding of the stylist whose outputs come. `rest`: a pose of the avatar's
-  // skeleton, unit rotations, from which joints that nobody drives are taken.
+  // skeleton, unit rotations, from which joints without a source are taken.
   Avatar(std::shared_ptr<const rig::Binding> performer, std::shared_ptr<const rig::Binding> avatar,
          const rig::RigPose& rest, const Options& options);
 
