@@ -43,7 +43,7 @@ done
 if [ "$build" = yes ]; then
   styled_install run
   echo "building (the first time takes a few minutes; log in build/release.log)"
-  styled_build release -DSTYLED_TESTS=OFF -DSTYLED_TRAIN=OFF
+  styled_targets=styled_demo styled_build release -DSTYLED_TESTS=OFF -DSTYLED_TRAIN=OFF
 fi
 bin=$root/build/release/bin
 for program in styled stylesim stylectl stylemon; do

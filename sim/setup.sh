@@ -4,7 +4,8 @@
 #   sim/setup.sh test           the same, and the tests
 #   sim/setup.sh train          the same, and libtorch for styletrain and styleeval
 # Without apt-get or root it only says what is missing. Meant to be sourced too: it defines
-# styled_install LEVEL (there is one more: package, for systemd/packages.sh) and styled_build PRESET [CMAKE OPTIONS...].
+# styled_install LEVEL (there is one more: package, for systemd/packages.sh) and
+# styled_build PRESET [CMAKE OPTIONS...], which builds $styled_targets (default: everything).
 
 styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -45,13 +46,34 @@ styled_install() {
       apt-get install -q -y --no-install-recommends "${missing[@]}" >/dev/null
 }
 
+# Ninja's output in, how far it is out: on a terminal one line that is rewritten, else a line for
+# every tenth of the steps.
+styled_progress() {
+  local line step steps percent shown=-1
+  while IFS= read -r line; do
+    [[ "$line" =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
+    step=${BASH_REMATCH[1]} steps=${BASH_REMATCH[2]}
+    percent=$((100 * step / steps))
+    [ "$step" != 1 ] || shown=-1
+    if [ -t 1 ]; then
+      printf '\r  step %d of %d, %d %% ' "$step" "$steps" "$percent"
+    elif [ $((percent / 10)) -gt "$shown" ]; then
+      printf '  step %d of %d, %d %%\n' "$step" "$steps" "$percent"
+    fi
+    shown=$((percent / 10))
+  done
+  [ "$shown" = -1 ] || [ ! -t 1 ] || echo
+}
+
 styled_build() {
   local preset=$1
   shift
-  local log="$styled_root/build/$preset.log"
+  local log="$styled_root/build/$preset.log" targets=()
+  [ -z "${styled_targets:-}" ] || read -ra targets <<<"--target $styled_targets"
   mkdir -p "$styled_root/build"
-  (cd "$styled_root" && cmake --preset "$preset" "$@" >"$log" 2>&1 &&
-    cmake --build --preset "$preset" >>"$log" 2>&1) && return 0
+  (set -o pipefail && cd "$styled_root" && cmake --preset "$preset" "$@" >"$log" 2>&1 &&
+    cmake --build --preset "$preset" "${targets[@]}" 2>&1 | tee -a "$log" | styled_progress) &&
+    return 0
   echo "the build of preset '$preset' failed; the end of $log:" >&2
   tail -n 40 "$log" >&2
   return 1
