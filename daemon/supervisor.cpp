@@ -13,7 +13,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <random>
 
 #include "daemon/pipeline/keeping.h"
 #include "daemon/runtime/descriptor.h"
@@ -25,6 +24,7 @@
 #include "daemon/source/tcp.h"
 #include "daemon/source/udp.h"
 #include "daemon/source/usb/usb.h"
+#include "model/base/random_id.h"
 #include "model/base/read_file.h"
 #include "model/net/shipped_weights.h"
 
@@ -32,12 +32,6 @@ namespace styled {
 namespace {
 
 constexpr int kTick_ms = 200;
-
-std::uint64_t RandomEpoch() {
-  std::random_device device;
-  const std::uint64_t high = device();
-  return (high << 32U) | device() | 1U;
-}
 
 std::string StateFile(const config::Config& config) {
   return config.state.dir.empty() ? "" : config.state.dir + "/performers.toml";
@@ -57,7 +51,7 @@ Supervisor::Supervisor(config::Config config, Origin origin)
       watchdog_(notifier_, runtime::WatchdogAsked(std::getenv("WATCHDOG_USEC"),
                                                   std::getenv("WATCHDOG_PID"), getpid())),
       context_(zmq_ctx_new()),
-      epoch_(RandomEpoch()) {}
+      epoch_(RandomId() | 1U) {}
 
 Supervisor::~Supervisor() {
   if (pipeline_loop_ != nullptr) pipeline_loop_->Stop();

@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
-#include <random>
 #include <string>
 #include <vector>
 
+#include "model/base/random_id.h"
 #include "model/tools/number.h"
 #include "sim/faults/faults.h"
 #include "sim/performer/performer.h"
@@ -171,12 +171,6 @@ Result<std::unique_ptr<player::Motion>> MakeClips(const Arguments& a,
   return std::unique_ptr<player::Motion>(std::move(made.value()));
 }
 
-std::uint64_t NewSession() {
-  static std::random_device random;
-  const std::uint64_t id = (static_cast<std::uint64_t>(random()) << 32) | random();
-  return id == 0 ? 1 : id;
-}
-
 using Motions = std::vector<std::unique_ptr<player::Motion>>;
 
 Result<Motions> MakeMotions(const Arguments& a, const std::vector<performer::ScriptItem>& script) {
@@ -202,7 +196,7 @@ Senders MakeNative(const Arguments& a, Motions motions, const faults::Spec& spec
   Senders senders;
   for (int k = 0; k < a.performers; ++k) {
     senders.push_back(std::make_unique<player::Stream>(
-        player::StreamOptions{PerformerName(a, k), a.rate_hz, NewSession, a.timecode_s},
+        player::StreamOptions{PerformerName(a, k), a.rate_hz, styled::RandomId, a.timecode_s},
         std::move(motions[static_cast<std::size_t>(k)]),
         faults::Faults(spec, static_cast<std::uint64_t>(k))));
   }

@@ -1,8 +1,7 @@
 #include "clients/rec/publish_outlet.h"
 
-#include <random>
-
 #include "clients/rec/rig_frames.h"
+#include "model/base/random_id.h"
 #include "proto/ipc/path.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
@@ -46,10 +45,7 @@ Result<std::unique_ptr<PublishOutlet>> PublishOutlet::Bind(const std::string& en
   return outlet;
 }
 
-void PublishOutlet::Restart() {
-  std::random_device device;
-  salt_ = (std::uint64_t{device()} << 32U) | device();
-}
+void PublishOutlet::Restart() { salt_ = RandomId(); }
 
 std::string PublishOutlet::Renewed(const std::string& topic, const std::string& payload) const {
   if (as_recorded_ || topic.starts_with("body/")) return payload;

@@ -1,18 +1,13 @@
 #include "clients/rec/rig_outlet.h"
 
 #include <algorithm>
-#include <random>
+
+#include "model/base/random_id.h"
 
 namespace styled::rec {
 namespace {
 
 constexpr std::int64_t kSilence_ns = 150'000'000;  // longer than a daemon's takeover_ms, usually
-
-std::uint64_t RandomNumber() {
-  static std::random_device device;
-  const std::uint64_t number = (std::uint64_t{device()} << 32U) | device();
-  return number == 0 ? 1 : number;
-}
 
 std::span<const std::byte> BytesOf(const std::string& text) {
   return std::as_bytes(std::span(text));
@@ -45,12 +40,12 @@ RigOutlet::RigOutlet(RigOutletOptions options, player::Clock& clock, Steering* s
     : options_(std::move(options)),
       clock_(clock),
       steering_(steering),
-      rig_frames_(RandomNumber),
-      salt_(RandomNumber()),
+      rig_frames_(RandomId),
+      salt_(RandomId()),
       buffer_(native::kMaxDatagramSize) {}
 
 void RigOutlet::Restart() {
-  salt_ = RandomNumber();
+  salt_ = RandomId();
   rig_frames_.Restart();
   performers_.clear();
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "model/base/hash.h"
 #include "model/base/text.h"
 #include "proto/styled/body_parts.h"
 
@@ -112,15 +113,13 @@ std::string Explain(stylist::SettingsError error) {
 }
 
 std::uint64_t SkeletonHash(const rig::Skeleton& skeleton) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  const auto add = [&hash](unsigned char byte) { hash = (hash ^ byte) * 1099511628211ULL; };
+  Fnv1a hash;
   for (std::size_t j = 0; j < skeleton.names.size(); ++j) {
-    for (const char c : skeleton.names[j]) add(static_cast<unsigned char>(c));
-    add(0);
-    const auto parent = static_cast<unsigned>(skeleton.parents[j]);
-    for (int shift = 0; shift < 32; shift += 8) add(static_cast<unsigned char>(parent >> shift));
+    hash.Text(skeleton.names[j]);
+    hash.Byte(0);
+    hash.Number(skeleton.parents[j]);
   }
-  return hash;
+  return hash.value();
 }
 
 }  // namespace styled::pipeline

@@ -3,34 +3,20 @@
 #include <cstring>
 #include <span>
 
+#include "model/base/hash.h"
 #include "model/body/humanoid.h"
 
 namespace styled::publish {
-namespace {
-
-class Fnv {
- public:
-  void Add(const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < size; ++i) hash_ = (hash_ ^ bytes[i]) * 1099511628211ULL;
-  }
-  std::uint64_t hash() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 14695981039346656037ULL;
-};
-
-}  // namespace
 
 std::uint64_t BodyHash(const v1::Body& body) {
-  Fnv fnv;
-  for (const auto& name : body.names()) fnv.Add(name.c_str(), name.size() + 1);
-  for (const std::int32_t parent : body.parents()) fnv.Add(&parent, sizeof parent);
-  for (const float value : body.offsets()) fnv.Add(&value, sizeof value);
-  for (const float value : body.rest()) fnv.Add(&value, sizeof value);
+  Fnv1a hash;
+  for (const auto& name : body.names()) hash.Bytes(name.c_str(), name.size() + 1);
+  for (const std::int32_t parent : body.parents()) hash.Bytes(&parent, sizeof parent);
+  for (const float value : body.offsets()) hash.Bytes(&value, sizeof value);
+  for (const float value : body.rest()) hash.Bytes(&value, sizeof value);
   const float unit_m = body.metres_per_unit();
-  fnv.Add(&unit_m, sizeof unit_m);
-  return fnv.hash();
+  hash.Bytes(&unit_m, sizeof unit_m);
+  return hash.value();
 }
 
 v1::Body SkeletonBody(const rig::Skeleton& skeleton, const std::vector<rig::Quat>& rest,

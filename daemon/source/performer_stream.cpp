@@ -1,10 +1,10 @@
 #include "daemon/source/performer_stream.h"
 
 #include <algorithm>
-#include <random>
 
 #include "daemon/config/config.h"
 #include "daemon/runtime/clock.h"
+#include "model/base/random_id.h"
 #include "proto/rigs/native/datagram.h"
 
 namespace styled::source {
@@ -13,12 +13,6 @@ namespace {
 // A rig's own count that goes on by more did not lose frames: it jumped. Half of what the pipeline
 // believes at once (Session::kFarAhead).
 constexpr std::uint64_t kMostLost = 512;
-
-std::uint64_t RandomSession() {
-  std::random_device device;
-  const std::uint64_t high = device();
-  return (high << 32U) | device() | 1U;
-}
 
 v1::Body MakeMessage(const std::string& performer, const rig::RigBody& body) {
   v1::Body message;
@@ -48,7 +42,7 @@ std::string MakeName(std::string_view text) {
 }
 
 PerformerStream::PerformerStream(std::string performer)
-    : performer_(std::move(performer)), session_(RandomSession()) {}
+    : performer_(std::move(performer)), session_(RandomId() | 1U) {}
 
 void PerformerStream::Restart() noexcept {
   session_ += 2;  // of the same sender (WIRE.md); odd stays odd: never 0

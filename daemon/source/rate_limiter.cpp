@@ -1,9 +1,9 @@
 #include "daemon/source/rate_limiter.h"
 
 #include <algorithm>
-#include <random>
 
 #include "daemon/runtime/clock.h"
+#include "model/base/random_id.h"
 
 namespace styled::source {
 namespace {
@@ -18,12 +18,6 @@ std::uint64_t Mix(std::uint64_t x) noexcept {
   return x ^ (x >> 31U);
 }
 
-std::uint64_t RandomSeed() {
-  std::random_device device;
-  const std::uint64_t high = device();
-  return (high << 32U) | device();
-}
-
 }  // namespace
 
 RateLimiter::RateLimiter(int limit_hz, std::uint64_t seed)
@@ -33,7 +27,7 @@ RateLimiter::RateLimiter(int limit_hz, std::uint64_t seed)
   strangers_.tokens = most_;
 }
 
-RateLimiter::RateLimiter(int limit_hz) : RateLimiter(limit_hz, RandomSeed()) {}
+RateLimiter::RateLimiter(int limit_hz) : RateLimiter(limit_hz, RandomId()) {}
 
 RateLimiter::Bucket& RateLimiter::Find(const Machine& address, std::int64_t now_ns) noexcept {
   auto& row = table_[Mix(Mix(address[0] ^ seed_) ^ address[1]) % kRows];

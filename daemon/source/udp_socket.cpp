@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "model/base/hash.h"
+
 namespace styled::source {
 namespace {
 
@@ -73,22 +75,17 @@ Peer UdpSocket::Sender(std::size_t i) const noexcept {
   peer.address_size = messages_[place].msg_hdr.msg_namelen;
   peer.address = senders_[place];
   // Of address and port alone: padding and flow labels may differ.
-  std::uint64_t hash = 14695981039346656037ULL;
-  const auto mix = [&hash](const void* data, std::size_t size) {
-    for (std::size_t k = 0; k < size; ++k) {
-      hash = (hash ^ static_cast<const unsigned char*>(data)[k]) * 1099511628211ULL;
-    }
-  };
+  Fnv1a hash;
   if (peer.address.ss_family == AF_INET) {
     const auto& v4 = reinterpret_cast<const sockaddr_in&>(peer.address);
-    mix(&v4.sin_addr, sizeof v4.sin_addr);
-    mix(&v4.sin_port, sizeof v4.sin_port);
+    hash.Bytes(&v4.sin_addr, sizeof v4.sin_addr);
+    hash.Bytes(&v4.sin_port, sizeof v4.sin_port);
   } else {
     const auto& v6 = reinterpret_cast<const sockaddr_in6&>(peer.address);
-    mix(&v6.sin6_addr, sizeof v6.sin6_addr);
-    mix(&v6.sin6_port, sizeof v6.sin6_port);
+    hash.Bytes(&v6.sin6_addr, sizeof v6.sin6_addr);
+    hash.Bytes(&v6.sin6_port, sizeof v6.sin6_port);
   }
-  peer.id = hash | 1U;
+  peer.id = hash.value() | 1U;
   return peer;
 }
 

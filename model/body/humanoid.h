@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "model/base/hash.h"
+
 namespace styled::body {
 
 // The canonical humanoid: a 21-joint subset of VRM 1.0 that every rig is bound to before the
@@ -82,23 +84,19 @@ constexpr int MirrorJoint(int joint) {
 // FNV-1a (64 bit) over names, parents and offsets in micrometres. Weights and frames carry it; a
 // loader refuses another humanoid than the one it was built for.
 constexpr std::uint64_t HumanoidHash() {
-  std::uint64_t hash = 14695981039346656037ULL;
-  const auto byte = [&hash](unsigned value) { hash = (hash ^ (value & 0xFFU)) * 1099511628211ULL; };
-  const auto number = [&byte](std::int64_t value) {
-    for (int shift = 0; shift < 32; shift += 8) byte(static_cast<unsigned>(value >> shift));
-  };
+  Fnv1a hash;
   const auto micrometres = [](float metres) {
     return static_cast<std::int64_t>(static_cast<double>(metres) * 1e6 + (metres < 0 ? -0.5 : 0.5));
   };
   for (const JointRow& row : kHumanoid) {
-    for (char c : row.name) byte(static_cast<unsigned char>(c));
-    byte(0);
-    number(row.parent);
-    number(micrometres(row.x_m));
-    number(micrometres(row.y_m));
-    number(micrometres(row.z_m));
+    hash.Text(row.name);
+    hash.Byte(0);
+    hash.Number(row.parent);
+    hash.Number(micrometres(row.x_m));
+    hash.Number(micrometres(row.y_m));
+    hash.Number(micrometres(row.z_m));
   }
-  return hash;
+  return hash.value();
 }
 
 }  // namespace styled::body

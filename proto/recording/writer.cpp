@@ -11,6 +11,8 @@
 #include <ctime>
 #include <limits>
 
+#include "model/base/hash.h"
+
 namespace styled::recording {
 namespace {
 
@@ -127,15 +129,16 @@ Result<std::string> HashOfFile(const std::filesystem::path& file) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"),
                                                                &std::fclose);
   if (!stream) return Status::Error(file.string() + ": cannot be read: " + std::strerror(errno));
-  std::uint64_t hash = 14695981039346656037ULL;
+  Fnv1a hash;
   std::vector<unsigned char> buffer(1U << 16U);
   for (std::size_t size = buffer.size(); size == buffer.size();) {
     size = std::fread(buffer.data(), 1, buffer.size(), stream.get());
-    for (std::size_t i = 0; i < size; ++i) hash = (hash ^ buffer[i]) * 1099511628211ULL;
+    hash.Bytes(buffer.data(), size);
   }
   if (std::ferror(stream.get()) != 0) return Status::Error(file.string() + ": cannot be read");
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "fnv1a64:%016llx", static_cast<unsigned long long>(hash));
+  std::snprintf(text.data(), text.size(), "fnv1a64:%016llx",
+                static_cast<unsigned long long>(hash.value()));
   return std::string(text.data());
 }
 

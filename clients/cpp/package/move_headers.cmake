@@ -1,7 +1,7 @@
 # Puts the client's public headers of SOURCE, and protoc's of GENERATED, into TREE, and the example
 # to EXAMPLE, with includes as they are where they are installed:
 #   clients/cpp/*.h       <styled/client/*.h>        model/body/humanoid.h  <styled/body/humanoid.h>
-#   model/base/status.h   <styled/base/status.h>     proto/styled/v1/*      <styled/v1/*>
+#   model/base/*.h        <styled/base/*.h>          proto/styled/v1/*      <styled/v1/*>
 function(move from to)
   file(READ ${from} text)
   string(REGEX REPLACE "#include \"clients/cpp/([^\"]*)\"" "#include <styled/client/\\1>" text "${text}")
@@ -13,7 +13,9 @@ endfunction()
 foreach(header subscriber control transforms curve reach)
   move(${SOURCE}/clients/cpp/${header}.h ${TREE}/client/${header}.h)
 endforeach()
-move(${SOURCE}/model/base/status.h ${TREE}/base/status.h)
+foreach(header hash status)
+  move(${SOURCE}/model/base/${header}.h ${TREE}/base/${header}.h)
+endforeach()
 move(${SOURCE}/model/body/humanoid.h ${TREE}/body/humanoid.h)
 foreach(message body frame control stats)
   move(${GENERATED}/proto/styled/v1/${message}.pb.h ${TREE}/v1/${message}.pb.h)

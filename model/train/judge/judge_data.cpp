@@ -5,18 +5,13 @@
 #include <functional>
 #include <string_view>
 
+#include "model/base/hash.h"
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
 #include "model/trial/trial.h"
 
 namespace styled::judge {
 namespace {
-
-std::uint64_t Fnv1a(std::string_view text) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-  return hash;
-}
 
 // Names judges by all that they depend on.
 std::string JudgeKey(const Data& data, const JudgeSettings& settings) {
@@ -31,7 +26,7 @@ std::string JudgeKey(const Data& data, const JudgeSettings& settings) {
     text += " " + std::to_string(value);
   }
   char key[17];
-  std::snprintf(key, sizeof key, "%016llx", static_cast<unsigned long long>(Fnv1a(text)));
+  std::snprintf(key, sizeof key, "%016llx", static_cast<unsigned long long>(HashOf(text)));
   return key;
 }
 

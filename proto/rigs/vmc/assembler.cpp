@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "model/base/hash.h"
+
 namespace styled::vmc {
 namespace {
 
@@ -22,11 +24,7 @@ constexpr std::uint64_t kTimeKey = 60, kRootKey = 61, kAvailableKey = 62, kApply
 
 bool IsClock(float time_s) noexcept { return time_s >= 0 && time_s < kCoarse_s; }
 
-std::uint64_t BlendKey(std::string_view name) noexcept {
-  std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
-  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-  return hash | 64U;
-}
+std::uint64_t BlendKey(std::string_view name) noexcept { return HashOf(name) | 64U; }
 
 // Finds the first T of a datagram, and whether all of it is OSC.
 osc::Result ScanTime(std::span<const std::byte> datagram, bool& has_time, float& time_s) noexcept {
