@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "model/base/random_id.h"
+#include "model/synthetic/performer.h"
 #include "model/tools/number.h"
 #include "sim/faults/faults.h"
-#include "sim/performer/performer.h"
 #include "sim/player/clip_motion.h"
 #include "sim/player/clock.h"
 #include "sim/player/link.h"
@@ -26,7 +26,7 @@ namespace {
 
 using styled::Result;
 using styled::Status;
-namespace performer = styled::performer;
+namespace synthetic = styled::synthetic;
 namespace player = styled::player;
 namespace faults = styled::faults;
 namespace rigs = styled::rigs;
@@ -155,11 +155,11 @@ Status Check(const Arguments& a, const faults::Spec& spec) {
 }
 
 std::unique_ptr<player::Motion> MakePerformer(const Arguments& a,
-                                              const std::vector<performer::ScriptItem>& script,
+                                              const std::vector<synthetic::ScriptItem>& script,
                                               int k) {
   const auto index = static_cast<std::uint64_t>(k);
   return std::make_unique<player::PerformerMotion>(
-      performer::Vary(a.seed, index, script), performer::VaryProportions(a.seed, index), a.rate_hz);
+      synthetic::Vary(a.seed, index, script), synthetic::VaryProportions(a.seed, index), a.rate_hz);
 }
 
 Result<std::unique_ptr<player::Motion>> MakeClips(const Arguments& a,
@@ -173,7 +173,7 @@ Result<std::unique_ptr<player::Motion>> MakeClips(const Arguments& a,
 
 using Motions = std::vector<std::unique_ptr<player::Motion>>;
 
-Result<Motions> MakeMotions(const Arguments& a, const std::vector<performer::ScriptItem>& script) {
+Result<Motions> MakeMotions(const Arguments& a, const std::vector<synthetic::ScriptItem>& script) {
   const auto files = player::FindClips(a.clips);
   if (!files.ok()) return files.status();
   Motions motions;
@@ -247,7 +247,7 @@ int RunRig(const Arguments& a, Motions motions, const faults::Spec& spec) {
 int Run(const Arguments& a) {
   const auto spec = faults::Parse(a.faults);
   if (!spec.ok()) return RefuseArguments(spec.status());
-  const auto script = performer::ParseScript(a.script);
+  const auto script = synthetic::ParseScript(a.script);
   if (!script.ok()) return RefuseArguments(script.status());
   if (const Status status = Check(a, spec.value()); !status.ok()) return RefuseArguments(status);
   if (!a.write.empty()) {

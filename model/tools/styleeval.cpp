@@ -10,6 +10,7 @@
 
 #include "model/clip/clip.h"
 #include "model/clip/manifest.h"
+#include "model/synthetic/performer.h"
 #include "model/tools/number.h"
 #include "model/train/blas.h"
 #include "model/train/judge/judge_conditions.h"
@@ -21,7 +22,6 @@
 #include "model/train/judge/judge_report.h"
 #include "model/train/judge/judge_response.h"
 #include "model/train/judge/judge_stream.h"
-#include "sim/performer/performer.h"
 
 namespace {
 
@@ -284,11 +284,11 @@ Status JudgeWeights(const Arguments& arguments, const judge::Data& data,
 // What the synthetic performer is asked for as one content, and for how long at a time.
 struct Performance {
   const char* content;
-  std::vector<styled::performer::ScriptItem> script;
+  std::vector<styled::synthetic::ScriptItem> script;
 };
 
 std::vector<Performance> Performances() {
-  using enum styled::performer::Motion;
+  using enum styled::synthetic::Motion;
   constexpr double kPause_s = 1.5;  // gestures fall back to rest in it
   return {{"walk", {{kWalk, 60}}},
           {"run", {{kRun, 60}}},
@@ -313,7 +313,7 @@ std::vector<Performance> Performances() {
 // windows throughout which it does only what belongs to the content (a pause belongs to none).
 void JudgeSynthetic(const judge::Data& data, const judge::Judges& judges,
                     const judge::Evaluator& evaluator, nlohmann::json& json) {
-  namespace performer = styled::performer;
+  namespace synthetic = styled::synthetic;
   constexpr int kPerformers = 6;
   constexpr int kSeconds = 60;
   const std::vector<std::string>& contents = data.manifest.contents;
@@ -323,12 +323,12 @@ void JudgeSynthetic(const judge::Data& data, const judge::Judges& judges,
     const auto found = std::find(contents.begin(), contents.end(), performance.content);
     if (found == contents.end()) continue;
     const int content = static_cast<int>(found - contents.begin());
-    const performer::Motion pause = performance.script.back().motion;
+    const synthetic::Motion pause = performance.script.back().motion;
     const bool pauses = performance.script.size() > 1;
     std::vector<int> answers(contents.size(), 0);
     for (int k = 0; k < kPerformers; ++k) {
-      performer::Performer human(
-          performer::Vary(1, static_cast<std::uint64_t>(k), performance.script));
+      synthetic::Performer human(
+          synthetic::Vary(1, static_cast<std::uint64_t>(k), performance.script));
       judge::Poses poses(static_cast<std::size_t>(kSeconds * judge::kJudgeRate_hz));
       std::vector<int> counted(poses.size(), 0);  // frames since the last pause
       for (std::size_t i = 0; i < poses.size(); ++i) {

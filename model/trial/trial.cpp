@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "model/body/heading.h"
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 
 namespace styled::trial {
 namespace {
 
 using body::kJointCount;
-using performer::Motion;
+using synthetic::Motion;
 
 constexpr float kUnitTolerance = 1e-3F;  // of a rotation's length
 constexpr double kLongestStep_s = 0.1;   // a network of a lower rate is stepped this often
@@ -134,14 +134,14 @@ std::optional<Fault> Judge(const body::Pose& pose, float heading_rad, const erd:
                "the change by the style", figures.change_rad);
 }
 
-performer::Performer MakePerformer() {
-  performer::Options options;
+synthetic::Performer MakePerformer() {
+  synthetic::Options options;
   options.script = {{Motion::kWalk, 1.0},
                     {Motion::kRun, 0.7},
                     {Motion::kTurnLeft, 0.5},
                     {Motion::kStand, 0.3},
                     {Motion::kRaiseBoth, 1.0}};
-  return performer::Performer(std::move(options));
+  return synthetic::Performer(std::move(options));
 }
 
 }  // namespace
@@ -150,7 +150,7 @@ Status Try(const erd::Network& network, const std::string& name, Figures* figure
   const erd::FeatureParameters& parameters = network.metadata().features;
   const double step_s = std::min(1.0 / static_cast<double>(parameters.rate_hz), kLongestStep_s);
   const int frames = static_cast<int>(kTrial_s / step_s);
-  performer::Performer performer = MakePerformer();
+  synthetic::Performer performer = MakePerformer();
   erd::FeatureState memory;
   erd::Features features;
   body::Pose pose;

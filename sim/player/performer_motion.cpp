@@ -6,10 +6,10 @@
 
 namespace styled::player {
 
-PerformerMotion::PerformerMotion(performer::Options options,
-                                 const performer::Proportions& proportions, double rate_hz)
+PerformerMotion::PerformerMotion(synthetic::Options options,
+                                 const synthetic::Proportions& proportions, double rate_hz)
     : performer_(std::move(options)), rate_hz_(rate_hz), scale_(proportions.height) {
-  body_.skeleton = performer::MakeSkeleton(proportions);
+  body_.skeleton = synthetic::MakeSkeleton(proportions);
   body_.rest.assign(body::kJointCount, rig::Quat::Identity());
   body_.metres_per_unit = 1;
   body_.dialect = "canonical";

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 #include "sim/player/motion.h"
 
 namespace styled::player {
@@ -11,14 +11,14 @@ namespace styled::player {
 // identity rest. Endless.
 class PerformerMotion final : public Motion {
  public:
-  PerformerMotion(performer::Options options, const performer::Proportions& proportions,
+  PerformerMotion(synthetic::Options options, const synthetic::Proportions& proportions,
                   double rate_hz);
 
   const RigBody& body() const override { return body_; }
   Step Next(rig::RigPose& pose) override;
 
  private:
-  performer::Performer performer_;
+  synthetic::Performer performer_;
   body::Pose canonical_;
   RigBody body_;
   double rate_hz_;

@@ -10,7 +10,7 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/source/rigs/make.h"
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 #include "sim/rigs/rig.h"
 #include "tests/bench/plain_step.h"
 
@@ -24,7 +24,7 @@ using Datagram = std::vector<std::byte>;
 // What the sender of a rig sends, frame by frame.
 std::vector<std::vector<Datagram>> Record(const std::string& type) {
   auto rig = rigs::Make(type, {{"sim"}, kRate_hz, 1, {}});
-  performer::Performer performer(performer::Options{});
+  synthetic::Performer performer(synthetic::Options{});
   std::vector<std::vector<Datagram>> frames(1200);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const double time_s = static_cast<double>(i) / kRate_hz;

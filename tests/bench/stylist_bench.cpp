@@ -8,7 +8,7 @@
 
 #include "model/rig/dialects.h"
 #include "model/stylist/stylist.h"
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 #include "tests/bench/plain_step.h"
 #include "tests/bench/step_run.h"
 
@@ -18,7 +18,7 @@ namespace {
 constexpr double kRate_hz = 120;
 
 struct Stream {
-  rig::Skeleton skeleton = performer::MakeSkeleton({});
+  rig::Skeleton skeleton = synthetic::MakeSkeleton({});
   std::vector<rig::RigPose> frames;
   std::shared_ptr<const rig::Binding> binding;
   std::shared_ptr<const erd::Network> network = erd::RandomNetwork(16, 1);
@@ -26,7 +26,7 @@ struct Stream {
   Stream() {
     auto bound = rig::BindDialect(skeleton, "auto");
     binding = std::make_shared<const rig::Binding>(std::move(bound.value()));
-    performer::Performer performer(performer::Options{});
+    synthetic::Performer performer(synthetic::Options{});
     for (int i = 0; i < 2400; ++i) {
       body::Pose pose;
       performer.Pose(i / kRate_hz, pose);

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 #include "tests/unit/net/kernels/each_target.h"
 
 namespace styled::golden {
@@ -137,8 +137,8 @@ TEST_P(CleanGoldenTest, UnstyledItIsTheMotionOfThePerformer) {
   for (const auto& [topic, frames] : played.value().frames) {
     if (!topic.starts_with("styled/") || !topic.ends_with("/canonical/")) continue;
     std::vector<body::Pose> truth(static_cast<std::size_t>(entry.seconds * entry.rate_hz));
-    performer::Performer made(
-        performer::Vary(1, performer++, performer::ParseScript(kScript).value()));
+    synthetic::Performer made(
+        synthetic::Vary(1, performer++, synthetic::ParseScript(kScript).value()));
     for (std::size_t i = 0; i < truth.size(); ++i) {
       made.Pose(static_cast<double>(i) / entry.rate_hz, truth[i]);
     }

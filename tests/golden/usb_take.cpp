@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 #include "sim/player/performer_motion.h"
 #include "sim/player/stream.h"
 #include "tests/golden/golden.h"
@@ -63,13 +63,13 @@ int Take(const std::string& kind, double seconds) {
     return 1;
   }
   support::ControlClient control("tcp://127.0.0.1:27002");
-  const auto script = performer::ParseScript(kScript).value();
+  const auto script = synthetic::ParseScript(kScript).value();
   UsbLink link(device);
   player::Stream stream({"sim", kRate_hz, [] { return std::uint64_t{1}; }},
                         std::make_unique<player::PerformerMotion>(
-                            performer::Vary(1, 0, script), performer::Proportions(), kRate_hz),
+                            synthetic::Vary(1, 0, script), synthetic::Proportions(), kRate_hz),
                         faults::Faults({}));
-  performer::Performer performer(performer::Vary(1, 0, script));
+  synthetic::Performer performer(synthetic::Vary(1, 0, script));
   support::Paced(static_cast<int>(seconds * kRate_hz), kRate_hz, [&](int i) {
     if (i == static_cast<int>((seconds - 1) * kRate_hz)) {
       (void)control.SetStyle("*", "elderly", 1, 200);

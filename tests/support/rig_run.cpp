@@ -19,9 +19,9 @@ constexpr float kDegrees = 57.29578F;
 
 std::unique_ptr<player::Motion> MakeMotion(const RigRun& run, std::uint64_t performer) {
   if (run.clip.empty()) {
-    const auto script = performer::ParseScript("walk:3,wave-left:2,turn-left:2");
-    return std::make_unique<player::PerformerMotion>(performer::Vary(1, performer, script.value()),
-                                                     performer::Proportions(), run.rate_hz);
+    const auto script = synthetic::ParseScript("walk:3,wave-left:2,turn-left:2");
+    return std::make_unique<player::PerformerMotion>(synthetic::Vary(1, performer, script.value()),
+                                                     synthetic::Proportions(), run.rate_hz);
   }
   auto motion = player::ClipMotion::Make({run.clip}, {.rate_hz = run.rate_hz});
   EXPECT_TRUE(motion.ok()) << motion.status().message();

@@ -8,18 +8,18 @@
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
 #include "model/rig/dialects.h"
+#include "model/synthetic/performer.h"
 #include "model/tools/number.h"
 #include "model/tools/strips/canvas.h"
 #include "model/train/judge/judge_stream.h"
 #include "model/trial/trial.h"
-#include "sim/performer/performer.h"
 
 namespace {
 
 namespace body = styled::body;
 namespace clip = styled::clip;
 namespace judge = styled::judge;
-namespace performer = styled::performer;
+namespace synthetic = styled::synthetic;
 using judge::Poses;
 using styled::Result;
 using styled::Status;
@@ -45,11 +45,11 @@ Result<Poses> LoadInput(const Arguments& arguments) {
   const double needed_s = arguments.start_s + arguments.every_s * arguments.figures;
   Poses poses;
   if (!arguments.script.empty()) {
-    auto script = performer::ParseScript(arguments.script);
+    auto script = synthetic::ParseScript(arguments.script);
     if (!script.ok()) return script.status();
-    performer::Options options;
+    synthetic::Options options;
     options.script = script.value();
-    performer::Performer human(options);
+    synthetic::Performer human(options);
     const auto frames = static_cast<std::size_t>((arguments.after_s + needed_s) * rate) + 1;
     poses.resize(frames);
     for (std::size_t i = 0; i < frames; ++i) human.Pose(static_cast<double>(i) / rate, poses[i]);

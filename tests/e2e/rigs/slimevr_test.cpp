@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 #include "sim/player/link.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
@@ -89,9 +89,9 @@ class Stage {
   }
 
   void ExpectTheMotion() {
-    performer::Options options;
-    options.script = performer::ParseScript("walk:2,wave-left:2,turn-left:2").value();
-    performer::Performer performer(options);
+    synthetic::Options options;
+    options.script = synthetic::ParseScript("walk:2,wave-left:2,turn-left:2").value();
+    synthetic::Performer performer(options);
     for (double time_s = 0.3; time_s < 6; time_s += 0.9) {
       body::Pose pose;
       performer.Pose(time_s, pose);

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 
 namespace styled::judge {
 namespace {
 
 Poses Walk() {
-  performer::Performer human(performer::Vary(1, 1, {{performer::Motion::kWalk, 60}}));
+  synthetic::Performer human(synthetic::Vary(1, 1, {{synthetic::Motion::kWalk, 60}}));
   Poses poses(240);
   for (std::size_t i = 0; i < poses.size(); ++i) human.Pose(static_cast<double>(i) / 120, poses[i]);
   return poses;

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "sim/performer/motion_tables.h"
-#include "sim/performer/performer.h"
+#include "model/synthetic/motion_tables.h"
+#include "model/synthetic/performer.h"
 
 namespace styled::rig {
 namespace {
@@ -144,9 +144,9 @@ std::uint32_t Bits(const std::vector<Joint>& parts) {
 // Follows the performer for `seconds` and returns the worst angle of any worn part.
 float WorstDegrees(Trackers& trackers, const Worn& worn, std::int64_t start_ns,
                    std::uint64_t seed = 3, double seconds = 20) {
-  performer::Options options;
+  synthetic::Options options;
   options.seed = seed;
-  performer::Performer performer(options);
+  synthetic::Performer performer(options);
   float worst = 0;
   body::Pose truth, pose;
   for (int i = 1; i < seconds * 100; ++i) {
@@ -483,9 +483,9 @@ TEST(Trackers, OutOfStepGiveThePoseOfOneTime) {
   const Worn worn = Worn(kAllWorn, 4).AsUsual(Stance::kTPose);
   worn.Tell(trackers, 0, {});
   trackers.ResetFull(0);
-  performer::Options script;
-  script.script = performer::ParseScript("walk:20").value();
-  performer::Performer performer(script), truth_performer(script);
+  synthetic::Options script;
+  script.script = synthetic::ParseScript("walk:20").value();
+  synthetic::Performer performer(script), truth_performer(script);
   body::Pose truth, said, pose;
   float worst = 0;
   for (std::int64_t ms = 1; ms < 10'000; ++ms) {
@@ -517,9 +517,9 @@ Track Follow(const std::string& script, int frames, const std::vector<Joint>& pa
   const Worn worn = Worn(parts, 2).AsUsual(Stance::kTPose);
   worn.Tell(trackers, kStart_ns, {});
   trackers.ResetFull(kStart_ns);
-  performer::Options options;
-  options.script = performer::ParseScript(script).value();
-  performer::Performer performer(options);
+  synthetic::Options options;
+  options.script = synthetic::ParseScript(script).value();
+  synthetic::Performer performer(options);
   Track track;
   for (int i = 1; i <= frames; ++i) {
     body::Pose truth, pose;
@@ -541,7 +541,7 @@ TEST(TrackersPlace, OfTheRestPoseIsThatOfTheHumanoid) {
 
 // The synthetic performer's soles are thicker than the humanoid's at rest; that is all.
 TEST(TrackersPlace, HasTheHeightOfThePerformersHips) {
-  const float soles = static_cast<float>(performer::kToeHeight_m) - 0.02F;
+  const float soles = static_cast<float>(synthetic::kToeHeight_m) - 0.02F;
   for (const std::string script : {"stand:60", "walk:60", "wave-both:60"}) {
     const Track track = Follow(script, 1000, kLegsWorn);
     for (std::size_t i = 100; i < track.truth.size(); ++i) {

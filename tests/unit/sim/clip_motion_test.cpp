@@ -17,7 +17,7 @@ class ClipMotionTest : public ::testing::Test {
  protected:
   // A walking performer's first seconds as BVH.
   fs::path Write(const std::string& name, const std::string& script, double seconds) {
-    const auto parsed = performer::ParseScript(script);
+    const auto parsed = synthetic::ParseScript(script);
     EXPECT_TRUE(parsed.ok());
     PerformerMotion motion({1, 1, 0, parsed.value()}, {}, 30);
     const Status status = WriteMotion(motion, seconds, 30, folder_ / name);

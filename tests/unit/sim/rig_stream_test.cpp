@@ -56,11 +56,11 @@ struct Played {
 Played Play(int ticks, std::string_view spec) {
   constexpr double kRate_hz = 50;
   Played played;
-  const auto script = performer::ParseScript("walk:3").value();
+  const auto script = synthetic::ParseScript("walk:3").value();
   std::vector<std::unique_ptr<player::Motion>> motions;
   for (std::uint64_t k = 0; k < 2; ++k) {
     motions.push_back(std::make_unique<player::PerformerMotion>(
-        performer::Vary(1, k, script), performer::Proportions(), kRate_hz));
+        synthetic::Vary(1, k, script), synthetic::Proportions(), kRate_hz));
   }
   auto stream = RigStream::Make(std::make_unique<FakeRig>(played.seen), std::move(motions),
                                 kRate_hz, faults::Parse(spec).value());

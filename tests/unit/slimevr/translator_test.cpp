@@ -9,9 +9,9 @@
 #include <map>
 
 #include "daemon/source/rigs/slimevr.h"
+#include "model/synthetic/performer.h"
 #include "proto/rigs/slimevr/udp.h"
 #include "proto/styled/v1/frame.pb.h"
-#include "sim/performer/performer.h"
 #include "sim/rigs/slimevr.h"
 #include "tests/support/native_frames.h"
 #include "tests/unit/slimevr/decode_cases.h"
@@ -552,9 +552,9 @@ TEST(SlimeVrTable, AStrangersButtonResetsNobodyWhereTrackersAreNamed) {
 class Players {
  public:
   Players(Bench& bench, const std::vector<std::vector<std::string>>& boards) : bench_(bench) {
-    performer::Options options;
-    options.script = performer::ParseScript("walk:3,wave-left:2,turn-left:2").value();
-    performer_ = std::make_unique<performer::Performer>(options);
+    synthetic::Options options;
+    options.script = synthetic::ParseScript("walk:3,wave-left:2,turn-left:2").value();
+    performer_ = std::make_unique<synthetic::Performer>(options);
     for (std::size_t k = 0; k < boards.size(); ++k) {
       auto rig = rigs::MakeSlimeVr({{"sim"}, 100, k + 1, boards[k]});
       EXPECT_TRUE(rig.ok()) << rig.status().message();
@@ -610,7 +610,7 @@ class Players {
     std::uint64_t index = 0;
   };
   Bench& bench_;
-  std::unique_ptr<performer::Performer> performer_;
+  std::unique_ptr<synthetic::Performer> performer_;
   std::vector<Player> players_;
   std::map<std::int64_t, body::Pose> poses_;
   std::int64_t ms_ = 0;

@@ -8,14 +8,14 @@
 #include <map>
 
 #include "model/clip/clip.h"
+#include "model/synthetic/performer.h"
 #include "model/train/judge/judge_validation.h"
 #include "model/train/trainer.h"
-#include "sim/performer/performer.h"
 
 namespace styled::train {
 namespace {
 
-using performer::Motion;
+using synthetic::Motion;
 
 constexpr double kRate_hz = 30;
 constexpr double kSeconds = 24;
@@ -46,9 +46,9 @@ class Smoke : public testing::Test {
       for (const Motion motion : {Motion::kWalk, Motion::kWaveRight}) {
         const std::string content = motion == Motion::kWalk ? "walk" : "wave";
         for (int take = 1; take <= 2; ++take) {
-          performer::Performer human(performer::Vary(7, ++k, {{motion, 60}}));
+          synthetic::Performer human(synthetic::Vary(7, ++k, {{motion, 60}}));
           clip::Clip clip;
-          clip.skeleton = performer::MakeSkeleton({});
+          clip.skeleton = synthetic::MakeSkeleton({});
           clip.rate_hz = kRate_hz;
           for (int i = 0; i < static_cast<int>(kSeconds * kRate_hz); ++i) {
             body::Pose pose;

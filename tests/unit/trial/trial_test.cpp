@@ -7,7 +7,7 @@
 
 #include "model/feet/legs.h"
 #include "model/stylist/stylist.h"
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 #include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::trial {
@@ -109,7 +109,7 @@ TEST(TrialTest, AbsurdButFiniteOutputIsRefusedWithTheBound) {
 // Every tensor of the file, made huge, tiny and zero, on a motion that is not the trial's.
 TEST(TrialTest, WhateverPassesGivesASoundPoseInEveryFrame) {
   const auto binding = std::make_shared<const rig::Binding>(feet::HumanoidBinding());
-  performer::Performer performer({.seed = 9, .script = {{performer::Motion::kRun, 1}}});
+  synthetic::Performer performer({.seed = 9, .script = {{synthetic::Motion::kRun, 1}}});
   std::vector<rig::RigPose> motion(90, rig::RigPose(binding->skeleton()));
   for (std::size_t frame = 0; frame < motion.size(); ++frame) {
     body::Pose pose;

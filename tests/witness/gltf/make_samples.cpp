@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "model/body/pose.h"
+#include "model/synthetic/performer.h"
+#include "model/synthetic/script.h"
 #include "proto/recording/writer.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
-#include "sim/performer/performer.h"
-#include "sim/performer/script.h"
 
 namespace {
 
@@ -80,8 +80,8 @@ int main(int argc, char** argv) {
                 {"units", json::array()}};
   for (const auto& row : styled::body::kHumanoid) expected["names"].push_back(row.name);
   if (!publish(0, "body/rig.walk/", MakeBody())) return 1;
-  const auto script = styled::performer::ParseScript("walk:2,turn-left:1");
-  styled::performer::Performer performer(styled::performer::Vary(3, 0, script.value()));
+  const auto script = styled::synthetic::ParseScript("walk:2,turn-left:1");
+  styled::synthetic::Performer performer(styled::synthetic::Vary(3, 0, script.value()));
   Pose pose;
   for (int i = 0; i < kFrames; ++i) {
     performer.Pose(i / kRate_hz, pose);

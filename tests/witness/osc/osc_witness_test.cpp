@@ -152,10 +152,10 @@ Sent Play(const Lines& quirks) {
     }
     Lines messages;
   };
-  const auto script = performer::ParseScript(kScript);
+  const auto script = synthetic::ParseScript(kScript);
   std::vector<std::unique_ptr<player::Motion>> motions;
   motions.push_back(std::make_unique<player::PerformerMotion>(
-      performer::Vary(1, 0, script.value()), performer::VaryProportions(1, 0), kRate_hz));
+      synthetic::Vary(1, 0, script.value()), synthetic::VaryProportions(1, 0), kRate_hz));
   auto stream =
       rigs::RigStream::Make(std::move(rigs::Make("vmc", {{"sim"}, kRate_hz, 1, quirks}).value()),
                             std::move(motions), kRate_hz, faults::Parse("").value());

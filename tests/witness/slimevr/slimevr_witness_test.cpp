@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <sstream>
 
+#include "model/synthetic/performer.h"
 #include "proto/rigs/slimevr/udp.h"
-#include "sim/performer/performer.h"
 #include "sim/rigs/slimevr.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
@@ -255,9 +255,9 @@ TEST_P(TrackersTest, EmulatedTrackersGiveTheMotionWithinADegree) {
   Subscriber subscriber(daemon.publish, {""});
   ASSERT_TRUE(subscriber.WaitFor([&] { return subscriber.LastStats().has_value(); }, 10));
 
-  performer::Options options;
-  options.script = performer::ParseScript("walk:2,wave-left:2,turn-left:2").value();
-  performer::Performer performer(options);
+  synthetic::Options options;
+  options.script = synthetic::ParseScript("walk:2,wave-left:2,turn-left:2").value();
+  synthetic::Performer performer(options);
   std::vector<body::Pose> poses(6);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     performer.Pose(0.3 + 0.9 * static_cast<double>(i), poses[i]);

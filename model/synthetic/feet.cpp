@@ -1,14 +1,14 @@
-#include "sim/performer/feet.h"
+#include "model/synthetic/feet.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "model/body/heading.h"
-#include "sim/performer/motion_tables.h"
-#include "sim/performer/synthesis.h"
+#include "model/synthetic/motion_tables.h"
+#include "model/synthetic/synthesis.h"
 
-namespace styled::performer {
+namespace styled::synthetic {
 namespace {
 
 using body::Quat;
@@ -52,7 +52,7 @@ double Wrap(double angle) { return std::remainder(angle, 2 * std::numbers::pi); 
 // A standing foot that is held too far from its place lifts and goes there.
 void AdvanceStep(FootState& foot, double dt_s) {
   foot.step = std::min(1.0, foot.step + dt_s / kStep_s);
-  const double left = 1 - SmoothStep(foot.step);
+  const double left = 1 - SmootherStep(foot.step);
   foot.offset_m = left * foot.step_offset_m;
   foot.yaw_rad = left * foot.step_yaw_rad;
   if (foot.step >= 1) foot.stepping = false;
@@ -167,4 +167,4 @@ void ApplyFeet(const FeetInput& input, const FeetState& state, const body::World
   pose.hips_position_m.y() += static_cast<float>(state.lift_m);
 }
 
-}  // namespace styled::performer
+}  // namespace styled::synthetic

@@ -6,7 +6,7 @@
 
 #include "model/base/status.h"
 
-namespace styled::performer {
+namespace styled::synthetic {
 
 // What the synthetic performer can do.
 enum class Motion : std::uint8_t {
@@ -36,4 +36,4 @@ struct ScriptItem {
 // 4). "" is an empty script. Errors name the item and what was expected.
 Result<std::vector<ScriptItem>> ParseScript(std::string_view text);
 
-}  // namespace styled::performer
+}  // namespace styled::synthetic

@@ -3,13 +3,13 @@
 #include <cstdint>
 
 #include "model/body/pose.h"
-#include "sim/performer/motion_tables.h"
+#include "model/synthetic/motion_tables.h"
 
 // The parts of a synthetic motion as functions of phase and time. Pure, no allocation, any thread.
-namespace styled::performer {
+namespace styled::synthetic {
 
 // 0 before 0, 1 after 1, C2 in between.
-double SmoothStep(double x) noexcept;
+double SmootherStep(double x) noexcept;
 
 // Adds `weight` times the series at `phase` (cycles, any number), its varying part scaled by
 // `amplitude`.
@@ -40,4 +40,4 @@ void ToPose(const Channels& channels, double heading_rad, body::Pose& pose) noex
 std::uint64_t Mix(std::uint64_t value) noexcept;
 double Unit(std::uint64_t value) noexcept;
 
-}  // namespace styled::performer
+}  // namespace styled::synthetic

@@ -1,10 +1,10 @@
-#include "sim/performer/motion_tables.h"
+#include "model/synthetic/motion_tables.h"
 
 // Fitted to the neutral clips of Bandai-Namco Research's motion dataset 2 (CC BY-NC 4.0; Kobayashi
 // et al. 2023) on the canonical humanoid: least squares over all cycles and takes; but for walk and
 // run, left and right are pooled. Numbers only; no clip is contained. One channel per line.
 // clang-format off
-namespace styled::performer {
+namespace styled::synthetic {
 
 const Channels kStand{{
     -0.0632F,  // hips.x
@@ -479,4 +479,4 @@ const Gesture kRaiseBoth{kRaiseBothRows, 0};
 const Gesture kWaveOne{kWaveOneRows, 1.65};
 const Gesture kWaveBoth{kWaveBothRows, 1.92};
 
-}  // namespace styled::performer
+}  // namespace styled::synthetic

@@ -1,10 +1,10 @@
-#include "sim/performer/script.h"
+#include "model/synthetic/script.h"
 
 #include <array>
 #include <charconv>
 #include <string>
 
-namespace styled::performer {
+namespace styled::synthetic {
 namespace {
 
 constexpr std::array<std::string_view, static_cast<std::size_t>(Motion::kCount)> kNames{
@@ -51,4 +51,4 @@ Result<std::vector<ScriptItem>> ParseScript(std::string_view text) {
   return script;
 }
 
-}  // namespace styled::performer
+}  // namespace styled::synthetic

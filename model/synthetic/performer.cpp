@@ -1,18 +1,18 @@
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "sim/performer/feet.h"
-#include "sim/performer/motion_tables.h"
-#include "sim/performer/synthesis.h"
+#include "model/synthetic/feet.h"
+#include "model/synthetic/motion_tables.h"
+#include "model/synthetic/synthesis.h"
 
-namespace styled::performer {
+namespace styled::synthetic {
 namespace {
 
-using Kind = performer::Motion;
+using Kind = synthetic::Motion;
 using Eigen::Vector2d;
 
 constexpr double kTick_s = 1.0 / 240;
@@ -253,7 +253,8 @@ struct Performer::State {
     FeetInput input;
     input.path_m = core.path_m;
     const double walk = core.walk.value, run = core.run.value, moving = walk + run;
-    const double swings = SmoothStep(moving / 0.3);  // steps lower than that do not leave the floor
+    const double swings =
+        SmootherStep(moving / 0.3);  // steps lower than that do not leave the floor
     for (int side = 0; side < 2; ++side) {
       const double contact = moving < 1e-9 ? 1
                                            : (walk * Contact(kWalkGait, core.phase, side == 1) +
@@ -313,7 +314,7 @@ void Performer::Pose(double time_s, body::Pose& pose) noexcept {
   pose.hips_position_m.z() += static_cast<float>(core.path_m.y());
 }
 
-performer::Motion Performer::motion() const noexcept { return state_->core.item.motion; }
+synthetic::Motion Performer::motion() const noexcept { return state_->core.item.motion; }
 
 std::array<double, 2> Performer::contacts() const noexcept {
   FeetInput input = state_->Feet(state_->core);
@@ -351,4 +352,4 @@ rig::Skeleton MakeSkeleton(const Proportions& proportions) {
   return skeleton;
 }
 
-}  // namespace styled::performer
+}  // namespace styled::synthetic

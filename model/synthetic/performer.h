@@ -7,9 +7,9 @@
 
 #include "model/body/pose.h"
 #include "model/rig/skeleton.h"
-#include "sim/performer/script.h"
+#include "model/synthetic/script.h"
 
-namespace styled::performer {
+namespace styled::synthetic {
 
 struct Options {
   std::uint64_t seed = 1;          // of everything that varies: order, amplitudes, places
@@ -26,7 +26,7 @@ Options Vary(std::uint64_t seed, std::uint64_t k, std::vector<ScriptItem> script
 // random order it stays within some metres of it. The lowest foot is on the floor (y = 0) but in
 // the flight of a run. Motion: gait as Fourier series and gestures as splines (motion_tables.h),
 // blended in C2; feet are held where they stand. One thread; allocates in the constructor only.
-// Pinned by tests/unit/sim/performer_test.cpp.
+// Pinned by tests/unit/synthetic/performer_test.cpp.
 class Performer {
  public:
   explicit Performer(Options options);
@@ -38,7 +38,7 @@ class Performer {
   void Pose(double time_s, body::Pose& pose) noexcept;
 
   // What is being done at the time of the last Pose(): changes when a transition begins.
-  performer::Motion motion() const noexcept;
+  synthetic::Motion motion() const noexcept;
 
   // How firmly the left and the right foot stand then: 1 held to its place, 0 in the air.
   std::array<double, 2> contacts() const noexcept;
@@ -59,4 +59,4 @@ Proportions VaryProportions(std::uint64_t seed, std::uint64_t k);
 // The canonical humanoid of other proportions: names, parents, offsets (m), identity rest.
 rig::Skeleton MakeSkeleton(const Proportions& proportions);
 
-}  // namespace styled::performer
+}  // namespace styled::synthetic

@@ -7,7 +7,7 @@
 
 // Feet that stay where they stand: small offsets between where the blended motion puts a foot and
 // where it is held, gathered while it stands and given back while it swings.
-namespace styled::performer {
+namespace styled::synthetic {
 
 struct FootState {
   Eigen::Vector2d offset_m = Eigen::Vector2d::Zero();  // world x, z
@@ -45,4 +45,4 @@ void AdvanceFeet(const FeetInput& input, const body::WorldPose& world, double dt
 void ApplyFeet(const FeetInput& input, const FeetState& state, const body::WorldPose& world,
                body::Pose& pose) noexcept;
 
-}  // namespace styled::performer
+}  // namespace styled::synthetic

@@ -1,4 +1,4 @@
-#include "sim/performer/synthesis.h"
+#include "model/synthetic/synthesis.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "model/body/heading.h"
 
-namespace styled::performer {
+namespace styled::synthetic {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
@@ -37,7 +37,7 @@ Mirrored MirrorChannel(int channel) noexcept {
 
 }  // namespace
 
-double SmoothStep(double x) noexcept {
+double SmootherStep(double x) noexcept {
   const double s = std::clamp(x, 0.0, 1.0);
   return s * s * s * (10 + s * (6 * s - 15));
 }
@@ -70,8 +70,8 @@ void AddGesture(const Gesture& gesture, bool right, const GestureTime& time, dou
   // The periodic part sets in as the plateau is reached and leaves as the hand begins to fall.
   double periodic = 0;
   if (gesture.cycle_hz > 0) {
-    periodic = SmoothStep((time.since_rise_s - 0.7 * kRise_s) / 0.4);
-    if (falling) periodic *= 1 - SmoothStep(time.since_fall_s / 0.35);
+    periodic = SmootherStep((time.since_rise_s - 0.7 * kRise_s) / 0.4);
+    if (falling) periodic *= 1 - SmootherStep(time.since_fall_s / 0.35);
   }
   std::array<double, 6> basis;
   for (int k = 1; k <= 3; ++k) {
@@ -93,7 +93,8 @@ void AddGesture(const Gesture& gesture, bool right, const GestureTime& time, dou
 double Contact(const Gait& gait, double phase, bool right) noexcept {
   const double shifted = phase + (right ? 0.5 : 0.0);
   const double p = shifted - std::floor(shifted);
-  return SmoothStep((p - gait.land) / gait.blur) * (1 - SmoothStep((p - gait.lift) / gait.blur));
+  return SmootherStep((p - gait.land) / gait.blur) *
+         (1 - SmootherStep((p - gait.lift) / gait.blur));
 }
 
 double Wander(std::uint64_t seed, double time_s, double around_hz) noexcept {
@@ -128,4 +129,4 @@ double Unit(std::uint64_t value) noexcept {
   return static_cast<double>(Mix(value) >> 11) * 0x1p-53;
 }
 
-}  // namespace styled::performer
+}  // namespace styled::synthetic

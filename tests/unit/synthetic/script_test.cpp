@@ -1,8 +1,8 @@
-#include "sim/performer/script.h"
+#include "model/synthetic/script.h"
 
 #include <gtest/gtest.h>
 
-namespace styled::performer {
+namespace styled::synthetic {
 namespace {
 
 TEST(Script, RefusesWhatItDoesNotKnowAndSaysWhatItExpected) {
@@ -49,4 +49,4 @@ TEST(Script, KeepsTheOrderAndFillsInMissingSeconds) {
 }
 
 }  // namespace
-}  // namespace styled::performer
+}  // namespace styled::synthetic

@@ -1,4 +1,4 @@
-#include "sim/performer/performer.h"
+#include "model/synthetic/performer.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace styled::performer {
+namespace styled::synthetic {
 namespace {
 
 using body::kJointCount;
@@ -23,7 +23,7 @@ struct Recording {
   std::vector<body::Pose> poses;
   std::vector<body::WorldPose> world;
   std::vector<std::array<double, 2>> contacts;
-  std::vector<performer::Motion> motions;
+  std::vector<synthetic::Motion> motions;
 };
 
 Recording Record(Options options, double seconds, double rate_hz = kRate_hz) {
@@ -237,7 +237,7 @@ TEST(Performer, StaysSaneThroughTenMinutesOfRandomOrder) {
   const Violence worst = Worst(r);
   EXPECT_LT(worst.speed, 16);
   EXPECT_LT(worst.acceleration, 350);
-  std::array<int, static_cast<std::size_t>(performer::Motion::kCount)> seen{};
+  std::array<int, static_cast<std::size_t>(synthetic::Motion::kCount)> seen{};
   for (std::size_t i = 0; i < r.poses.size(); ++i) {
     ++seen[static_cast<std::size_t>(r.motions[i])];
     const body::Vec3& hips = r.poses[i].hips_position_m;
@@ -249,7 +249,7 @@ TEST(Performer, StaysSaneThroughTenMinutesOfRandomOrder) {
     for (const body::Quat& q : r.poses[i].rotations) EXPECT_NEAR(q.norm(), 1, 1e-5);
   }
   for (std::size_t m = 0; m < seen.size(); ++m) {
-    EXPECT_GT(seen[m], 120) << Name(static_cast<performer::Motion>(m));
+    EXPECT_GT(seen[m], 120) << Name(static_cast<synthetic::Motion>(m));
   }
 }
 
@@ -284,4 +284,4 @@ TEST(Performer, HasTheCanonicalSkeletonInItsOwnProportions) {
 }
 
 }  // namespace
-}  // namespace styled::performer
+}  // namespace styled::synthetic

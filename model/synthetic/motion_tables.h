@@ -9,7 +9,7 @@
 // (body::Joint order) the rotation vector of its local rotation (rad), the heading taken out of the
 // hips', then the hips' place relative to the path: sideways (to the left), height and forward (m).
 // In these coordinates, where the T-pose is 0, poses may be added and blended.
-namespace styled::performer {
+namespace styled::synthetic {
 
 inline constexpr int kSideways = 3 * body::kJointCount;
 inline constexpr int kHeight = kSideways + 1;
@@ -67,4 +67,4 @@ inline constexpr double kWalkDrift_m = 0.054;
 // The height of the toe joint over the floor while the foot stands, m.
 inline constexpr double kToeHeight_m = 0.045;
 
-}  // namespace styled::performer
+}  // namespace styled::synthetic
