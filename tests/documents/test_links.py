@@ -12,7 +12,7 @@ COMMENT = re.compile(r'(?:^|\s)(?://|#(?!include))(.*)')
 SOURCES = ('.h', '.cpp', '.py', '.sh', '.proto', '.toml', '.cmake', '.mjs', '.ts', '.tsx', '.in',
            'CMakeLists.txt')
 # Names of files that are not meant to be here: other projects', made by the build, or examples.
-ELSEWHERE = re.compile(r'\.pb\.h$|_pb2?\.(py|ts|js)$|^build/|(^|/)[A-Z]+\.(?!md$)')
+ELSEWHERE = re.compile(r'\.pb\.h$|_pb2?\.(py|ts|js)$|^build/|(^|/)NAME/|(^|/)[A-Z]+\.(?!md$)')
 OF_OTHERS = {
     'proto/rigs/README.md': {'connection.cpp', 'packets.h', 'connection.c', 'hid.c'},
     'clients/cpp/README.md': {'renderer.cpp'},
