@@ -7,21 +7,25 @@
 
 namespace styled::source {
 
-// SlimeVR's trackers over UDP (proto/rigs/slimevr/udp.h), answered as its server answers them:
-// greeting, features (bundles), acknowledgements, heartbeat and ping twice a second until one was
-// silent for 5 s.
+// SlimeVR's trackers over UDP ("slimevr"; bytes: proto/rigs/slimevr/udp.h). Type "slimevr-usb" gets
+// the translator of slimevr_hid.h.
 //
-// There is room for 64 devices. Each one that `config.trackers` names has a place kept for it; of
-// the others, one that was silent for 5 s gives way. A device is live until it was silent for 2 s,
-// and where it is: it has to send a ping back from there within 2 s, or somebody made that address
-// up. While it is live, a greeting for it from another address, and another device's from its own,
-// is refused. Who is refused gets no answer; it is counted (source.takeovers_refused,
-// source.table_full) and said at most once a second.
-//
-// All trackers of a source are on one performer, called `config.performer`, else as the source;
-// `config.trackers` says which is worn where (TrackerRig). The reset actions that a tracker's
-// button can ask for calibrate as the control socket does; where `config.trackers` names any
-// device, only those may ask. Pinned by tests/unit/slimevr/translator_test.cpp.
+// Transport   UDP, port 6969, a dialogue as with SlimeVR's own server: greeting, features
+//             (bundles), acknowledgements, heartbeat and ping twice a second until a tracker was
+//             silent for 5 s.
+// Performer   One per source, which wears all trackers: `performer`, else the source's name.
+//             `trackers` assigns them to joints (tracker_rig.h, which also makes body and frames).
+// Devices     64. Each one that `trackers` names has a place kept for it; of the others, one that
+//             was silent for 5 s gives way. A device is live until it was silent for 2 s, and it
+//             has to send back a ping from its address within 2 s of its greeting, so that nobody
+//             can make addresses up. While it is live, a greeting for it from another address, and
+//             another device's from its own, is refused without an answer.
+// Reset       A tracker's button calibrates as the control socket does; where `trackers` names any
+//             device, only those may ask. At most 8 at once, then one a second.
+// Refused     source.malformed; source.ignored for unknown packets, senders and sensors;
+//             source.takeovers_refused and source.table_full (logged at most once a second);
+//             pipeline.duplicate and pipeline.reordered by the packet number.
+// Pinned by tests/unit/slimevr/translator_test.cpp.
 std::unique_ptr<Translator> MakeSlimeVr(const config::Source& config);
 
 }  // namespace styled::source

@@ -7,12 +7,17 @@
 
 namespace styled::source {
 
-// SlimeVR's trackers by their receiver on USB, or on a cable: a report (proto/rigs/slimevr/hid.h)
-// is a datagram, a receiver a peer. All trackers of a source are on one performer, called
-// `config.performer`, else as the source; what their receivers call them (their address) is looked
-// up in `config.trackers`, since they do not say where they are worn. Records of a tracker that its
-// receiver has not registered yet are ignored. A report that is no multiple of records, or has none
-// of a known type, is counted as usb.bad_reports.
+// SlimeVR's trackers through their USB receiver, or on a cable ("slimevr-usb"; bytes:
+// proto/rigs/slimevr/hid.h).
+//
+// Transport   USB HID: a report is a datagram, a receiver since it was plugged in a peer, of which
+//             16 are kept.
+// Performer   One per source, which wears all trackers: `performer`, else the source's name. A
+//             tracker does not say where it is worn: `trackers` looks up its address
+//             (tracker_rig.h, which also makes body and frames).
+// Refused     usb.bad_reports for a report that is no multiple of records, or has none of a known
+//             type; source.ignored for unknown records, and those of a tracker that its receiver
+//             has not registered or nobody wears.
 // Pinned by tests/unit/usb/slimevr_hid_test.cpp.
 std::unique_ptr<Translator> MakeSlimeVrHid(const config::Source& config);
 

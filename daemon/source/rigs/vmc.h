@@ -7,12 +7,24 @@
 
 namespace styled::source {
 
-// The VMC protocol (proto/rigs/vmc): one performer per port, called `config.performer`, else as the
-// source. The body are the bones that the sender sends, fingers and eyes among them, where their
-// own positions say they are, or as long as ours where those are all zero; it changes with them.
-// Root and hips are composed, left and right told apart as in Unity, +X becomes the body's left.
-// Source time is the sender's T; where there is none, time of arrival. Of two senders at one port
-// the pipeline lets one in. Expressions are not passed on.
+// The VMC protocol ("vmc"; bytes: proto/rigs/vmc), OSC from VSeeFace, Warudo and others.
+//
+// Transport   UDP, port 39540. A frame may be a bundle or single messages; at most four frames are
+//             made of one datagram.
+// Performer   One per port: `performer`, else the source's name. Up to 8 senders are told apart by
+//             address and port, each admitted once it sent a bone; the pipeline admits one of them
+//             at a time.
+// Body        The humanoid bones that the sender sends, fingers and eyes among them, in metres,
+//             +Y up, dialect "vmc". Offsets are the bones' own positions, or the canonical
+//             humanoid's where those are all zero. It changes with the bones, and with an avatar of
+//             other measures (10 mm, steady for ten frames).
+// Pose        From Unity's left-handed axes, mirrored through x = 0; root and hips are composed.
+// Time        The sender's T in seconds; where there is none, the time of arrival goes on from it.
+// Face        Expressions (256 blend shapes with UTF-8 names) and up to 8 messages under /VMC/Thru.
+// Session     A new one where the assembler sees the sender restart (proto/rigs/vmc/assembler.h).
+// Refused     source.malformed; source.ignored; source.incomplete; pipeline.duplicate and
+//             pipeline.reordered; pipeline.second_sender for a ninth sender while eight are live.
+// Pinned by tests/unit/vmc/translator_test.cpp.
 std::unique_ptr<Translator> MakeVmc(const config::Source& config);
 
 }  // namespace styled::source
