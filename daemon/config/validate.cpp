@@ -6,7 +6,7 @@
 #include "daemon/config/sources.h"
 #include "daemon/runtime/host_port.h"
 #include "model/base/text.h"
-#include "model/net/erd/network.h"
+#include "model/net/styles.h"
 
 namespace styled::config {
 namespace {
@@ -167,9 +167,9 @@ Status CheckClashes(const Config& config) {
 Status CheckPreset(const Preset& preset) {
   float sum = 0;
   for (const auto& [style, weight] : preset.mix) sum += weight;
-  if (preset.mix.size() > erd::kMaxMix) {
+  if (preset.mix.size() > net::kMaxMix) {
     return Status::Error("presets." + preset.name + ": " + std::to_string(preset.mix.size()) +
-                         " styles; expected at most " + std::to_string(erd::kMaxMix));
+                         " styles; expected at most " + std::to_string(net::kMaxMix));
   }
   if (sum > 1.5F) {
     return Status::Error("presets." + preset.name + ": weights sum to " + NumberText(sum) +

@@ -98,7 +98,7 @@ Commands::Targets Commands::Find(const std::string& performer, v1::Reply& reply)
 
 void Commands::List(v1::Reply& reply) const {
   auto& list = *reply.mutable_list();
-  const auto& styles = roster_.config().network->metadata().styles;
+  const auto& styles = roster_.config().network->model().styles;
   for (std::size_t i = 0; i < styles.size(); ++i) {
     auto& info = *list.add_styles();
     info.set_name(styles[i].name);
@@ -130,7 +130,7 @@ void Commands::Applied(const Profile& profile, v1::Reply& reply) const {
 
 template <typename Change>
 void Commands::ChangeLooks(const std::string& performer, Change change, v1::Reply& reply) {
-  const auto& network = *roster_.config().network;
+  const net::Styles& styles = roster_.config().network->model().styles;
   const Targets targets = Find(performer, reply);
   if (!targets.ok) return;
   std::vector<std::pair<Profile*, Look>> wanted;
@@ -142,7 +142,8 @@ void Commands::ChangeLooks(const std::string& performer, Change change, v1::Repl
     Look look = profile.look;
     change(look);
     std::vector<std::string> unknown;
-    const auto error = stylist::Validate(Resolve(look, network, unknown), network.style_count());
+    const auto error =
+        stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
     if (error != stylist::SettingsError::kNone) {
       Refuse(reply, v1::CODE_OUT_OF_RANGE, profile.id + ": " + Explain(error));
       return false;
@@ -171,12 +172,12 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
   if (set.clear() && set.mix_size() > 0) {
     return Refuse(reply, v1::CODE_MALFORMED, "set: clear and mix exclude each other");
   }
-  if (set.mix_size() > erd::kMaxMix) {
+  if (set.mix_size() > net::kMaxMix) {
     return Refuse(reply, v1::CODE_OUT_OF_RANGE,
                   "set: " + std::to_string(set.mix_size()) + " styles, expected at most " +
-                      std::to_string(erd::kMaxMix));
+                      std::to_string(net::kMaxMix));
   }
-  if (set.has_strength() && !InRange(set.strength(), 0, erd::kMaxStrength)) {
+  if (set.has_strength() && !InRange(set.strength(), 0, net::kMaxStrength)) {
     return Refuse(reply, v1::CODE_OUT_OF_RANGE,
                   "set: strength is " + NumberText(set.strength()) + ", expected 0 to 1.5");
   }
@@ -193,11 +194,11 @@ void Commands::Set(const v1::Request& request, v1::Reply& reply) {
   std::string why;
   std::vector<std::pair<std::string, float>> own;  // one or none
   if (!set.own_style().empty()) own.emplace_back(set.own_style(), 1.0F);
-  const erd::Network& network = *roster_.config().network;
-  if (!ProperNames(network, mix, why) || !ProperNames(network, own, why)) {
+  const net::Styles& styles = roster_.config().network->model().styles;
+  if (!ProperNames(styles, mix, why) || !ProperNames(styles, own, why)) {
     return Refuse(reply, v1::CODE_UNKNOWN_STYLE, "set: " + why);
   }
-  if (!own.empty() && network.FindStyle(own.front().first) == 0) own.clear();
+  if (!own.empty() && net::FindStyle(styles, own.front().first) == 0) own.clear();
   ChangeLooks(
       request.performer(),
       [&](Look& look) {
@@ -242,7 +243,7 @@ void Commands::Preset(const v1::Request& request, v1::Reply& reply) {
   if (!CheckTransition(timed, transition_ms, reply)) return;
   auto mix = preset->mix;
   std::string why;
-  if (!ProperNames(*roster_.config().network, mix, why)) {
+  if (!ProperNames(roster_.config().network->model().styles, mix, why)) {
     return Refuse(reply, v1::CODE_UNKNOWN_STYLE, "preset: " + why);
   }
   ChangeLooks(

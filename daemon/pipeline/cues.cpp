@@ -17,7 +17,7 @@ constexpr std::int64_t kWinding = 2 * kSecond;
 
 // What the cue says of style, preset or mix.
 Status AddMix(const config::Cue& cue, const std::vector<config::Preset>& presets,
-              const erd::Network& network, Cue& made) {
+              const net::Styles& styles, Cue& made) {
   const auto preset = std::find_if(presets.begin(), presets.end(),
                                    [&cue](const auto& p) { return p.name == cue.preset; });
   if (!cue.preset.empty() && preset == presets.end()) {
@@ -29,7 +29,7 @@ Status AddMix(const config::Cue& cue, const std::vector<config::Preset>& presets
   std::string why;
   std::vector<std::pair<std::string, float>> own;
   if (!cue.input_style.empty()) own.emplace_back(cue.input_style, 1.0F);
-  if (!ProperNames(network, mix, why) || !ProperNames(network, own, why)) {
+  if (!ProperNames(styles, mix, why) || !ProperNames(styles, own, why)) {
     return Status::Error(why);
   }
   Look look;
@@ -37,7 +37,8 @@ Status AddMix(const config::Cue& cue, const std::vector<config::Preset>& presets
   look.strength = cue.strength.value_or(1.0F);
   look.input_style = own.empty() ? "" : own.front().first;
   std::vector<std::string> unknown;
-  const auto error = stylist::Validate(Resolve(look, network, unknown), network.style_count());
+  const auto error =
+      stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
   if (error != stylist::SettingsError::kNone) return Status::Error(Explain(error));
   if (!cue.preset.empty()) made.requests.emplace_back().mutable_preset()->set_name(cue.preset);
   v1::Set& set = *made.requests.emplace_back().mutable_set();
@@ -97,7 +98,7 @@ bool Passes(std::int64_t at, std::int64_t last, std::int64_t now) noexcept {
 }
 
 Result<Cue> MakeCue(const config::Cue& cue, const std::vector<config::Preset>& presets,
-                    const erd::Network& network) {
+                    const net::Styles& styles) {
   const auto refuse = [&cue](const std::string& what) {
     return Status::Error(cue.place + ": cue \"" + cue.name + "\": " + what);
   };
@@ -120,7 +121,7 @@ Result<Cue> MakeCue(const config::Cue& cue, const std::vector<config::Preset>& p
     made.requests.emplace_back().mutable_panic();
     return made;
   }
-  const Status status = AddMix(cue, presets, network, made);
+  const Status status = AddMix(cue, presets, styles, made);
   if (!status.ok()) return refuse(status.message());
   if (!cue.only.empty()) {
     const auto parts = body::FindParts(cue.only);

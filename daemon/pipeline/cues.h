@@ -7,7 +7,7 @@
 
 #include "daemon/config/config.h"
 #include "model/base/status.h"
-#include "model/net/erd/network.h"
+#include "model/net/styles.h"
 #include "proto/styled/timecode.h"
 #include "proto/styled/v1/control.pb.h"
 
@@ -34,6 +34,6 @@ bool Passes(std::int64_t at, std::int64_t last, std::int64_t now) noexcept;
 // Errors name the place, the key and what was expected; styles and presets must exist. Start-up and
 // reload only; allocates.
 Result<Cue> MakeCue(const config::Cue& cue, const std::vector<config::Preset>& presets,
-                    const erd::Network& network);
+                    const net::Styles& styles);
 
 }  // namespace styled::pipeline

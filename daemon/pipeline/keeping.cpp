@@ -83,7 +83,7 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   Profile profile;
   profile.id = id;
   profile.configured = true;
-  profile.look.strength = InRange(row["strength"].value_or(1.0F), erd::kMaxStrength, 1);
+  profile.look.strength = InRange(row["strength"].value_or(1.0F), net::kMaxStrength, 1);
   profile.look.transition_s = InRange(row["transition_s"].value_or(0.1F), 60, 0.1F);
   profile.look.absolute = row["absolute"].value_or(false);
   profile.look.parts =
@@ -100,7 +100,7 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   if (const toml::array* mix = row["mix"].as_array()) {
     for (const auto& entry : *mix) {
       const toml::table* pair = entry.as_table();
-      if (pair == nullptr || profile.look.mix.size() == erd::kMaxMix) continue;
+      if (pair == nullptr || profile.look.mix.size() == net::kMaxMix) continue;
       profile.look.mix.emplace_back((*pair)["style"].value_or(std::string()),
                                     InRange((*pair)["weight"].value_or(0.0F), 1.5F, 0));
     }

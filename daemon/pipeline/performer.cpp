@@ -22,7 +22,7 @@ struct Performer::RetargetStream {
         avatar(body.binding, output->skeleton.binding, output->skeleton.rest, config.stylist),
         rotations(output->skeleton.rest.rotations),
         message(id, epoch, output->body, body.binding->skeleton().joint_count(),
-                config.network->metadata().styles),
+                config.network->model().styles),
         subscriptions(the_subscriptions) {
     v1::Body message_body = output->body;
     message_body.set_performer(id);
@@ -68,6 +68,7 @@ struct Performer::Bound {
       : body(std::move(the_body)),
         network(config.network),
         stylist(config.network, body.binding, config.stylist),
+        rehearsal(config.network, body.binding, config.stylist),
         in(body.binding->skeleton()),
         out(body.binding->skeleton()),
         rig_body(publish::RigBody(id, *body.binding, body.left_handed, given.metres_per_unit(),
@@ -92,15 +93,16 @@ struct Performer::Bound {
 
   void MakeMessages(const std::string& id, std::uint64_t epoch) {
     const int joints = body.binding->skeleton().joint_count();
-    const auto& styles = network->metadata().styles;
+    const auto& styles = network->model().styles;
     messages[kRigTopic].emplace(id, epoch, rig_body, joints, styles);
     messages[kCanonicalTopic].emplace(id, epoch, canonical_body, joints, styles);
     messages[kSourceTopic].emplace(id, epoch, rig_body, joints, styles);
   }
 
   BoundBody body;
-  std::shared_ptr<const erd::Network> network;  // the messages refer to its style names
+  std::shared_ptr<const net::Stylizer> network;  // the messages refer to its style names
   stylist::Stylist stylist;
+  stylist::Rehearsal rehearsal;  // of the stylist, before a frame is due
   rig::RigPose in;
   stylist::Output out;
   bool styled = false;          // `out` holds a frame
@@ -226,8 +228,9 @@ v1::Code Performer::Calibrate(const v1::Calibrate& request, const RuntimeConfig&
 
 std::vector<std::string> Performer::ApplyLook(const RuntimeConfig& config) {
   std::vector<std::string> unknown;
-  const auto settings = Resolve(profile.look, *config.network, unknown);
-  const auto error = stylist::Validate(settings, config.network->style_count());
+  const net::Styles& styles = config.network->model().styles;
+  const auto settings = Resolve(profile.look, styles, unknown);
+  const auto error = stylist::Validate(settings, static_cast<int>(styles.size()));
   if (bound_ != nullptr && error == stylist::SettingsError::kNone) {
     bound_->stylist.Set(settings);
   }
@@ -238,6 +241,7 @@ void Performer::Rebuild(const RuntimeConfig& config) {
   if (bound_ == nullptr) return;
   bound_->network = config.network;
   bound_->stylist = stylist::Stylist(config.network, bound_->body.binding, config.stylist);
+  bound_->rehearsal = stylist::Rehearsal(config.network, bound_->body.binding, config.stylist);
   bound_->MakeMessages(profile.id, epoch_);
   bound_->MakeOutputs(profile.id, epoch_, config, subscriptions_);
   bound_->styled = false;
@@ -303,7 +307,7 @@ void Performer::Finish(std::int64_t publish_ns) noexcept {
 }
 
 void Performer::Prewarm() noexcept {
-  if (bound_ != nullptr) bound_->stylist.Prewarm();
+  if (bound_ != nullptr) bound_->rehearsal.Prewarm(bound_->stylist);
 }
 
 bool Performer::Repeat(FrameContext context) noexcept {

@@ -8,7 +8,7 @@
 
 namespace styled::pipeline {
 
-stylist::Settings Resolve(const Look& look, const erd::Network& network,
+stylist::Settings Resolve(const Look& look, const net::Styles& styles,
                           std::vector<std::string>& unknown) {
   stylist::Settings settings;
   settings.strength = look.strength;
@@ -16,13 +16,13 @@ stylist::Settings Resolve(const Look& look, const erd::Network& network,
   settings.absolute = look.absolute;
   settings.parts = look.parts;
   if (!look.input_style.empty()) {
-    const int own = network.FindStyle(look.input_style);
+    const int own = net::FindStyle(styles, look.input_style);
     if (own < 0) unknown.push_back(look.input_style);
     settings.input_style = std::max(0, own);
   }
   std::size_t used = 0;
   for (const auto& [style, weight] : look.mix) {
-    const int index = network.FindStyle(style);
+    const int index = net::FindStyle(styles, style);
     // To be made neutral takes a style to take away, which other weights may lack.
     if (index == 0 && settings.input_style == 0 && !look.input_style.empty()) continue;
     if (index < 0) {
@@ -34,33 +34,34 @@ stylist::Settings Resolve(const Look& look, const erd::Network& network,
   return settings;
 }
 
-bool ProperNames(const erd::Network& network, std::vector<std::pair<std::string, float>>& mix,
+bool ProperNames(const net::Styles& styles, std::vector<std::pair<std::string, float>>& mix,
                  std::string& why) {
   for (auto& [style, weight] : mix) {
-    const int index = network.FindStyle(style);
+    const int index = net::FindStyle(styles, style);
     if (index < 0) {
       why = "no style \"" + Printable(style, 80) + "\"; expected one of";
-      for (int i = 1; i < network.style_count(); ++i) {
-        why += (i == 1 ? " " : ", ") + network.metadata().styles[static_cast<std::size_t>(i)].name;
+      for (int i = 1; i < static_cast<int>(styles.size()); ++i) {
+        why += (i == 1 ? " " : ", ") + styles[static_cast<std::size_t>(i)].name;
       }
       return false;
     }
-    style = network.metadata().styles[static_cast<std::size_t>(index)].name;
+    style = styles[static_cast<std::size_t>(index)].name;
   }
   return true;
 }
 
 bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
-            const erd::Network& network, Look& look, std::string& why) {
+            const net::Styles& styles, Look& look, std::string& why) {
   const auto preset = std::find_if(presets.begin(), presets.end(),
                                    [&name](const config::Preset& p) { return p.name == name; });
   auto mix = preset != presets.end() ? preset->mix
                                      : std::vector<std::pair<std::string, float>>{{name, 1.0F}};
-  if (!ProperNames(network, mix, why)) return false;
+  if (!ProperNames(styles, mix, why)) return false;
   look.mix = std::move(mix);
   look.preset = preset != presets.end() ? name : "";
   std::vector<std::string> unknown;
-  const auto error = stylist::Validate(Resolve(look, network, unknown), network.style_count());
+  const auto error =
+      stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
   if (error != stylist::SettingsError::kNone) why = Explain(error);
   return error == stylist::SettingsError::kNone;
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "model/net/erd/network.h"
+#include "model/net/styles.h"
 #include "model/rig/skeleton.h"
 #include "model/stylist/stylist.h"
 #include "proto/styled/v1/control.pb.h"
@@ -52,18 +52,18 @@ struct Profile {
   std::uint64_t named_last = 0;  // counts up: the younger of two of the same hour; this run's
 };
 
-// The look in terms of a network's indices. Styles that it does not know are left out and named in
-// `unknown`. Allocates; not for the hot path.
-stylist::Settings Resolve(const Look& look, const erd::Network& network,
+// The look in terms of a network's style numbers. Styles that it does not know are left out and
+// named in `unknown`. Allocates; not for the hot path.
+stylist::Settings Resolve(const Look& look, const net::Styles& styles,
                           std::vector<std::string>& unknown);
 
 // The mix of a preset or, failing that, of the style of that name at weight 1. False when `name` is
 // neither, or the mix does not pass stylist::Validate: `why` says so.
 bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
-            const erd::Network& network, Look& look, std::string& why);
+            const net::Styles& styles, Look& look, std::string& why);
 
 // Whether styles of `mix` are the network's, with their proper names in return.
-bool ProperNames(const erd::Network& network, std::vector<std::pair<std::string, float>>& mix,
+bool ProperNames(const net::Styles& styles, std::vector<std::pair<std::string, float>>& mix,
                  std::string& why);
 
 // The control requests that make a performer's settings these: a set, and a pin where he is pinned.

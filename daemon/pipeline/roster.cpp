@@ -32,7 +32,8 @@ void Roster::InitializeToCome() {
   to_come.look.transition_s = config_->style.transition_s;
   std::string why;  // checked by the supervisor
   if (!config_->style.initial.empty()) {
-    (void)LookUp(config_->style.initial, config_->presets, *config_->network, to_come.look, why);
+    (void)LookUp(config_->style.initial, config_->presets, config_->network->model().styles,
+                 to_come.look, why);
   }
 }
 

@@ -11,26 +11,26 @@
 namespace styled::pipeline {
 namespace {
 
-Status CheckStyles(const config::Config& config, const erd::Network& network) {
+Status CheckStyles(const config::Config& config, const net::Styles& styles) {
   for (const auto& preset : config.presets) {
     Look look;
     std::string why;
     // style.initial, consoles and who reads a list could not tell them apart.
-    if (const int style = network.FindStyle(preset.name); style >= 0) {
-      const auto& proper = network.metadata().styles[static_cast<std::size_t>(style)].name;
+    if (const int style = net::FindStyle(styles, preset.name); style >= 0) {
+      const auto& proper = styles[static_cast<std::size_t>(style)].name;
       return Status::Error(preset.place + ": presets." + preset.name + ": \"" + preset.name +
                            "\" is a style's name" +
                            (proper == preset.name ? "" : " too, an alias of \"" + proper + "\"") +
                            "; expected another");
     }
-    if (!LookUp(preset.name, config.presets, network, look, why)) {
+    if (!LookUp(preset.name, config.presets, styles, look, why)) {
       return Status::Error(preset.place + ": presets." + preset.name + ": " + why);
     }
   }
   if (config.style.initial.empty()) return Status::Ok();
   Look look;
   std::string why;
-  if (LookUp(config.style.initial, config.presets, network, look, why)) {
+  if (LookUp(config.style.initial, config.presets, styles, look, why)) {
     return Status::Ok();
   }
   return Status::Error("style.initial: \"" + config.style.initial + "\" is no preset, and " + why);
@@ -67,7 +67,7 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
     if (!network.ok()) return network.status();
     made->network = std::move(network.value());
   }
-  const Status status = CheckStyles(config, *made->network);
+  const Status status = CheckStyles(config, made->network->model().styles);
   if (!status.ok()) return status;
   if (running != nullptr) {
     made->joints = running->joints;  // sources change at a restart only
@@ -83,7 +83,7 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
   made->performers = config.performers;
   made->style = config.style;
   for (const auto& cue : config.cues) {
-    auto checked = MakeCue(cue, config.presets, *made->network);
+    auto checked = MakeCue(cue, config.presets, made->network->model().styles);
     if (!checked.ok()) return checked.status();
     made->cues.push_back(std::move(checked.value()));
   }

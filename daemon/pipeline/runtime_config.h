@@ -9,7 +9,7 @@
 #include "daemon/pipeline/cues.h"
 #include "daemon/pipeline/retarget_output.h"
 #include "model/base/status.h"
-#include "model/net/erd/network.h"
+#include "model/net/stylizer.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/stylist.h"
 
@@ -18,7 +18,7 @@ namespace styled::pipeline {
 // What a reload may change: the configuration together with what its files hold. The supervisor
 // makes one, whole; it is immutable and shared with the pipeline thread.
 struct RuntimeConfig {
-  std::shared_ptr<const erd::Network> network;
+  std::shared_ptr<const net::Stylizer> network;
   std::string weights_name;  // file name, for status
   config::Performers performers;
   config::Style style;

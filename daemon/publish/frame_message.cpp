@@ -7,7 +7,7 @@
 namespace styled::publish {
 
 FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
-                           int rig_joints, const std::vector<erd::StyleInfo>& styles)
+                           int rig_joints, const net::Styles& styles)
     : spare_timecode_(std::make_unique<v1::Timecode>()), styles_(styles) {
   std::size_t longest = 0;
   for (const auto& style : styles) longest = std::max(longest, style.name.size());
@@ -19,7 +19,7 @@ FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, co
   frame_.mutable_rotations()->Resize(4 * body.names_size(), 0);
   // Fill what varies to its largest once: protobuf keeps cleared elements for the next frames.
   frame_.mutable_held_joints()->Resize(rig_joints, 1U << 14U);
-  for (int i = 0; i < erd::kMaxActive; ++i) {
+  for (int i = 0; i < net::kMaxActive; ++i) {
     auto* const style = frame_.add_styles();
     style->set_style(std::string(longest, 'x'));
     style->set_weight(1);
@@ -56,7 +56,7 @@ void FrameMessage::SetHeader(const FrameHeader& header, std::uint32_t flags) noe
   timecode.set_drop_frame(header.timecode.drop_frame);
 }
 
-void FrameMessage::SetStyles(std::span<const erd::ActiveStyle> in_force) noexcept {
+void FrameMessage::SetStyles(std::span<const net::StyleWeight> in_force) noexcept {
   frame_.clear_styles();
   for (const auto& active : in_force) {
     if (active.style < 0 || active.style >= static_cast<int>(styles_.size())) continue;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/base/realtime.h"
-#include "model/net/erd/network.h"
+#include "model/net/styles.h"
 #include "model/rig/skeleton.h"
 #include "proto/styled/face.h"
 #include "proto/styled/timecode.h"
@@ -35,10 +35,10 @@ class FrameMessage {
   // `body`: with its hash; `rig_joints`: how many joints may be held. `styles` are the network's,
   // by index, and outlive the message.
   FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
-               int rig_joints, const std::vector<erd::StyleInfo>& styles);
+               int rig_joints, const net::Styles& styles);
 
   STYLED_REALTIME void SetHeader(const FrameHeader& header, std::uint32_t flags) noexcept;
-  STYLED_REALTIME void SetStyles(std::span<const erd::ActiveStyle> in_force) noexcept;
+  STYLED_REALTIME void SetStyles(std::span<const net::StyleWeight> in_force) noexcept;
   STYLED_REALTIME void AddHeld(int joint) noexcept;
   STYLED_REALTIME void SetPose(const rig::Vec3& root_position,
                                std::span<const rig::Quat> rotations) noexcept;
@@ -49,7 +49,7 @@ class FrameMessage {
  private:
   v1::Frame frame_;
   std::unique_ptr<v1::Timecode> spare_timecode_;  // in the frame while the rig sends one
-  const std::vector<erd::StyleInfo>& styles_;
+  const net::Styles& styles_;
   std::vector<std::byte> buffer_;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/base/smooth.h"
+#include "model/body/pose.h"
 #include "model/stylist/tuning.h"
 
 namespace styled::stylist {

@@ -26,7 +26,7 @@ bool IsNear(const body::Vec3& place, const body::Vec3& own, float most) noexcept
   return place.allFinite() && apart <= most + tuning::kFarRounding * own.cwiseAbs().maxCoeff();
 }
 
-bool IsSound(const erd::Decoded& decoded) noexcept {
+bool IsSound(const net::Decoded& decoded) noexcept {
   return AreUnit(decoded.rotations) && AreFinite(decoded.velocities_m_s) &&
          std::isfinite(decoded.hips_height_m);
 }
@@ -35,7 +35,7 @@ bool IsSound(const erd::Decoded& decoded) noexcept {
 
 // Velocities and height are no part of the pose, but they tell of a state that is not a number:
 // the normalization makes the identity of a rotation that is none.
-bool IsSound(const erd::StepOutput& step) noexcept {
+bool IsSound(const net::Prediction& step) noexcept {
   return IsSound(step.reconstruction) && IsSound(step.styled);
 }
 

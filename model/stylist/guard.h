@@ -2,7 +2,7 @@
 
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
-#include "model/net/erd/network.h"
+#include "model/net/stylizer.h"
 #include "model/rig/binding.h"
 
 namespace styled::stylist {
@@ -13,7 +13,7 @@ namespace styled::stylist {
 // thread. Pinned by tests/unit/stylist/guard_test.cpp.
 
 // What the network decoded: finite, rotations of length 1.
-STYLED_REALTIME bool IsSound(const erd::StepOutput& step) noexcept;
+STYLED_REALTIME bool IsSound(const net::Prediction& step) noexcept;
 
 // The canonical pose `styled` against the performer's own.
 STYLED_REALTIME bool IsSound(const body::Pose& styled, const body::Pose& own) noexcept;

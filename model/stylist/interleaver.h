@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "model/base/realtime.h"
-#include "model/net/erd/network.h"
+#include "model/net/stylizer.h"
 #include "model/stylist/stylist.h"
 #include "model/stylist/tuning.h"
 

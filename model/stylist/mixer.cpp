@@ -38,7 +38,7 @@ void Mixer::Aim(const Settings& settings) noexcept {
     fade.target = (settings.parts >> part & 1U) != 0 ? 1 : 0;
     fade.start = nothing ? fade.target : fade.value;
   }
-  for (const erd::ActiveStyle& style : settings.mix) {
+  for (const net::StyleWeight& style : settings.mix) {
     const float weight = style.weight * settings.strength;
     if (style.style < 0 || weight <= 0) continue;
     if (style.style > 0) SlotFor(style.style).weight.target = weight;

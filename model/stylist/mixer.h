@@ -13,14 +13,14 @@ namespace styled::stylist {
 class Mixer {
  public:
   // Aims at `settings` from the next Advance on, starting from the weights now in force. When more
-  // than erd::kMaxActive branches would be alive, the faintest of those fading out is dropped.
+  // than net::kMaxActive branches would be alive, the faintest of those fading out is dropped.
   STYLED_REALTIME void Aim(const Settings& settings) noexcept;
 
   // Moves the fade on by `dt_s`, the time since the frame before; a new fade begins there. The
   // first call of all shows the style at once.
   STYLED_REALTIME void Advance(double dt_s) noexcept;
 
-  std::span<const erd::ActiveStyle> in_force() const { return {active_.data(), count_}; }
+  std::span<const net::StyleWeight> in_force() const { return {active_.data(), count_}; }
   bool fading() const { return fading_; }
   // No style in force and none coming.
   bool empty() const { return count_ == 0 && (input_style_ == 0 || presence_.value == 0); }
@@ -49,8 +49,8 @@ class Mixer {
   }
   Slot& SlotFor(int style) noexcept;
 
-  std::array<Slot, erd::kMaxActive> slots_;
-  std::array<erd::ActiveStyle, erd::kMaxActive> active_;
+  std::array<Slot, net::kMaxActive> slots_;
+  std::array<net::StyleWeight, net::kMaxActive> active_;
   std::size_t count_ = 0;
   int input_style_ = 0, next_input_style_ = 0;
   Fade presence_, absolute_;

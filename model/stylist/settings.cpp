@@ -18,21 +18,21 @@ SettingsError Validate(const Settings& settings, int style_count) noexcept {
   }
   float sum = 0;
   for (std::size_t i = 0; i < settings.mix.size(); ++i) {
-    const erd::ActiveStyle& style = settings.mix[i];
+    const net::StyleWeight& style = settings.mix[i];
     if (style.style < 0) continue;
     if (style.style == 0 && settings.input_style == 0) return SettingsError::kNeutralStyle;
     if (style.style >= style_count) return SettingsError::kUnknownStyle;
     for (std::size_t j = 0; j < i; ++j) {
       if (settings.mix[j].style == style.style) return SettingsError::kDuplicateStyle;
     }
-    if (!IsIn(style.weight, 0, erd::kMaxStrength)) return SettingsError::kWeight;
+    if (!IsIn(style.weight, 0, net::kMaxStrength)) return SettingsError::kWeight;
     sum += style.weight;
   }
-  if (!IsIn(settings.strength, 0, erd::kMaxStrength)) return SettingsError::kStrength;
-  if (!(sum * std::max(1.0F, settings.strength) <= erd::kMaxStrength + kRounding)) {
+  if (!IsIn(settings.strength, 0, net::kMaxStrength)) return SettingsError::kStrength;
+  if (!(sum * std::max(1.0F, settings.strength) <= net::kMaxStrength + kRounding)) {
     return SettingsError::kSum;
   }
-  if (!IsIn(settings.transition_s, 0, kMaxTransition_s)) return SettingsError::kTransition;
+  if (!IsIn(settings.transition_s, 0, net::kMaxTransition_s)) return SettingsError::kTransition;
   if ((settings.parts & body::kAllParts) == 0) return SettingsError::kNoParts;
   return SettingsError::kNone;
 }

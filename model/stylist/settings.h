@@ -4,7 +4,7 @@
 
 #include "model/body/parts.h"
 #include "model/feet/options.h"
-#include "model/net/erd/network.h"
+#include "model/net/styles.h"
 #include "model/stylist/tuning.h"
 
 namespace styled::stylist {
@@ -12,15 +12,13 @@ namespace styled::stylist {
 // What one performer is to look like, and how streams are handled. Plain values, no allocation; any
 // thread. Pinned by tests/unit/stylist/settings_test.cpp.
 
-inline constexpr float kMaxTransition_s = 60.0F;
-
-// The style of one performer. `mix` holds style indices of the network's metadata and weights; the
+// The style of one performer. `mix` holds numbers of the network's styles and weights; the
 // weights in force are those times `strength`. Neutral, 0, is a target only for a performer whose
 // `input_style` is another.
 struct Settings {
-  std::array<erd::ActiveStyle, erd::kMaxMix> mix;  // unused entries have style -1
-  float strength = 1.0F;                           // 0 .. erd::kMaxStrength; 0 fades to bypass
-  float transition_s = tuning::kTransition_s;      // 0 .. kMaxTransition_s; fade from what was set
+  std::array<net::StyleWeight, net::kMaxMix> mix;  // unused entries have style -1
+  float strength = 1.0F;                           // 0 .. net::kMaxStrength; 0 fades to bypass
+  float transition_s = tuning::kTransition_s;  // 0 .. net::kMaxTransition_s; fade from what was set
   bool absolute = false;                // the paper's output instead of the detail-preserving one
   body::Parts parts = body::kAllParts;  // the others stay as captured; not empty
   int input_style = 0;                  // style of the captured motion, removed first; 0 = neutral
@@ -32,10 +30,10 @@ enum class SettingsError {
   kUnknownStyle,       // an index that the network does not have
   kNeutralStyle,       // neutral as a target of neutral input
   kDuplicateStyle,     // a style twice in the mix
-  kWeight,             // outside 0 .. erd::kMaxStrength
-  kSum,                // weights, or weights times strength, sum to more than erd::kMaxStrength
-  kStrength,           // outside 0 .. erd::kMaxStrength
-  kTransition,         // outside 0 .. kMaxTransition_s
+  kWeight,             // outside 0 .. net::kMaxStrength
+  kSum,                // weights, or weights times strength, sum to more than net::kMaxStrength
+  kStrength,           // outside 0 .. net::kMaxStrength
+  kTransition,         // outside 0 .. net::kMaxTransition_s
   kNoParts,            // nothing would be styled
   kUnknownInputStyle,  // an index that the network does not have
 };

@@ -34,18 +34,23 @@ void PassThrough(Output& out) noexcept {
   out.flags |= kBypass;
 }
 
+void Prefetch(std::span<const std::byte> bytes) noexcept {
+  constexpr std::size_t kLine = 64;
+  for (std::size_t at = 0; at < bytes.size(); at += kLine) __builtin_prefetch(&bytes[at]);
+}
+
 }  // namespace
 
 struct Stylist::Impl {
-  Impl(std::shared_ptr<const erd::Network> the_network, std::shared_ptr<const rig::Binding> the_rig,
-       const Options& the_options)
+  Impl(std::shared_ptr<const net::Stylizer> the_network,
+       std::shared_ptr<const rig::Binding> the_rig, const Options& the_options)
       : network(std::move(the_network)),
         binding(std::move(the_rig)),
         options(the_options),
         input_guard(binding->skeleton()),
         feet(feet::HumanoidBinding(), feet::HumanoidBinding(), options.feet_options),
         rig_feet(*binding, *binding, options.feet_options) {
-    for (erd::State& state : states) network->Start(state);
+    for (auto& stream : streams) stream = network->MakeStream();
     for (std::size_t joint = 0; joint < kJointCount; ++joint) {
       offsets_in[joint] = offsets_out[joint] = body::Offset(static_cast<int>(joint));
     }
@@ -58,10 +63,11 @@ struct Stylist::Impl {
   struct Step;
   void Begin(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept;
   bool NextStep(const Pose& input, Step& step) noexcept;
+  net::StepJob JobOf(Step& step) const noexcept;
   void Finish(Output& out) noexcept;
   void Style(Output& out) noexcept;
   void GiveBack(Output& out) noexcept;
-  void TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept;
+  void TakeChange(int state, const Pose& input, const net::Prediction& step) noexcept;
   void ChangeStyle(const Pose& input) noexcept;
   StyleDelta MeanDelta() const noexcept;
   void BlendAbsolute(const Pose& input, StyleDelta& delta) const noexcept;
@@ -71,7 +77,7 @@ struct Stylist::Impl {
   bool Bypassed() const noexcept;
   bool IsSoundOutput(const Output& out) const noexcept;
 
-  std::shared_ptr<const erd::Network> network;
+  std::shared_ptr<const net::Stylizer> network;
   std::shared_ptr<const rig::Binding> binding;
   Options options;
   Settings settings;
@@ -79,13 +85,11 @@ struct Stylist::Impl {
   InputGuard input_guard;
   Mixer mixer;
   Interleaver interleaver;
-  std::array<erd::State, tuning::kMaxInterleaved> states;
-  std::array<erd::FeatureState, tuning::kMaxInterleaved> memories;
+  std::array<std::unique_ptr<net::Stream>, tuning::kMaxInterleaved> streams;
   std::array<StyleDelta, tuning::kMaxInterleaved> wanted;  // each state's latest change
   std::bitset<tuning::kMaxInterleaved> stepped;
-  erd::Decoded last_styled;  // of the newest tick, for the absolute output
-  float last_heading_rad = 0;
-  int steps = 0;  // of the network, for the frame at hand
+  net::Prediction last;  // of the newest tick, for the absolute output
+  int steps = 0;         // of the network, for the frame at hand
 
   ChangeFilter filter;
   Domain domain;
@@ -105,17 +109,9 @@ struct Stylist::Impl {
   std::array<Vec3, kJointCount> offsets_in, offsets_out;  // the humanoid's as translations
 };
 
-// Prewarm's, with states of its own.
-struct Stylist::Rehearsal {
-  Stylist::Impl impl;
-  Output out;
-  std::int64_t time_ns = 0;
-};
-
-Stylist::Stylist(std::shared_ptr<const erd::Network> network,
+Stylist::Stylist(std::shared_ptr<const net::Stylizer> network,
                  std::shared_ptr<const rig::Binding> binding, const Options& options)
-    : impl_(std::make_unique<Impl>(network, binding, options)),
-      rehearsal_(new Rehearsal{{network, binding, options}, Output(binding->skeleton())}) {}
+    : impl_(std::make_unique<Impl>(std::move(network), std::move(binding), options)) {}
 Stylist::~Stylist() = default;
 Stylist::Stylist(Stylist&&) noexcept = default;
 Stylist& Stylist::operator=(Stylist&&) noexcept = default;
@@ -142,26 +138,37 @@ struct Stylist::Impl::Step {
   int state;
   const Pose* pose;
   Pose between;
-  erd::Features features;
-  erd::StepOutput out;
+  net::Prediction out;
 };
 
-void Stylist::Prewarm() noexcept {
-  const Impl& s = *impl_;
-  constexpr std::size_t kLine = 64;
-  const auto* const bytes = reinterpret_cast<const char*>(&s);
-  for (std::size_t at = 0; at < sizeof s; at += kLine) __builtin_prefetch(bytes + at);
-  Rehearsal& r = *rehearsal_;
+struct Rehearsal::Scratch {
+  Stylist::Impl impl;
+  Output out;
+  std::int64_t time_ns = 0;
+};
+
+Rehearsal::Rehearsal(std::shared_ptr<const net::Stylizer> network,
+                     std::shared_ptr<const rig::Binding> binding, const Options& options)
+    : scratch_(new Scratch{{std::move(network), binding, options}, Output(binding->skeleton())}) {}
+Rehearsal::~Rehearsal() = default;
+Rehearsal::Rehearsal(Rehearsal&&) noexcept = default;
+Rehearsal& Rehearsal::operator=(Rehearsal&&) noexcept = default;
+
+void Rehearsal::Prewarm(const Stylist& stylist) noexcept {
+  const Stylist::Impl& s = *stylist.impl_;
+  Prefetch(std::as_bytes(std::span(&s, 1)));
+  const auto used = static_cast<std::size_t>(std::max(1, s.interleaver.interleaved()));
+  for (std::size_t i = 0; i < used; ++i) Prefetch(s.streams[i]->memory());
+  Scratch& r = *scratch_;
   constexpr std::int64_t kUsual_ns = 1'000'000'000 / 120;
   const bool usual = s.dt_s > 0 && s.dt_s <= s.options.gap_reset_s;
   r.time_ns += usual ? static_cast<std::int64_t>(s.dt_s * 1e9) : kUsual_ns;
   r.impl.mixer = s.mixer;
   r.impl.Begin(r.time_ns, s.input_guard.clean(), r.out);
-  Impl::Step step;
+  Stylist::Impl::Step step;
   while (r.impl.NextStep(r.out.canonical_input, step)) {
-    const erd::StepJob job{&step.features, r.impl.mixer.input_style(), r.impl.mixer.in_force(),
-                           &r.impl.states[static_cast<std::size_t>(step.state)], &step.out};
-    r.impl.network->StepTogether({&job, 1});
+    const net::StepJob job = r.impl.JobOf(step);
+    r.impl.network->Step({&job, 1});
     r.impl.TakeChange(step.state, *step.pose, step.out);
   }
   r.impl.Finish(r.out);
@@ -187,23 +194,22 @@ void Stylist::ProcessSome(std::span<const Job> jobs) noexcept {
   for (const Job& job : jobs) job.stylist->impl_->Begin(job.time_ns, *job.in, *job.out);
   std::array<Impl::Step, Most> steps;
   std::array<Impl*, Most> stepping;
-  std::array<erd::StepJob, Most> together;
+  std::array<net::StepJob, Most> together;
   for (;;) {
     std::size_t count = 0;
     for (const Job& job : jobs) {
       Impl& s = *job.stylist->impl_;
       Impl::Step& step = steps[count];
       if (!s.NextStep(job.out->canonical_input, step)) continue;
-      together[count] = {&step.features, s.mixer.input_style(), s.mixer.in_force(),
-                         &s.states[static_cast<std::size_t>(step.state)], &step.out};
+      together[count] = s.JobOf(step);
       stepping[count++] = &s;
     }
     if (count == 0) break;
     // One network for all, but while another is being taken up.
     for (std::size_t from = 0, to = 0; from < count; from = to) {
-      const erd::Network& network = *stepping[from]->network;
+      const net::Stylizer& network = *stepping[from]->network;
       while (to < count && stepping[to]->network.get() == &network) ++to;
-      network.StepTogether(std::span(together).subspan(from, to - from));
+      network.Step(std::span(together).subspan(from, to - from));
     }
     for (std::size_t i = 0; i < count; ++i) {
       stepping[i]->TakeChange(steps[i].state, *steps[i].pose, steps[i].out);
@@ -225,7 +231,7 @@ void Stylist::Impl::Begin(std::int64_t time_ns, const rig::RigPose& in, Output& 
   mixer.Advance(dt_s);
 }
 
-// 2 features, for 3 network: of the next recurrent state whose tick is due. False when none is.
+// 2 the input of the next recurrent state whose tick is due. False when none is.
 bool Stylist::Impl::NextStep(const Pose& input, Step& step) noexcept {
   Interleaver::Tick tick;
   if (!interleaver.Next(tick)) return false;
@@ -234,10 +240,13 @@ bool Stylist::Impl::NextStep(const Pose& input, Step& step) noexcept {
   if (!exact) body::Interpolate(last_input, input, tick.share, step.between);
   step.pose = exact ? &input : &step.between;
   step.state = tick.state;
-  last_heading_rad =
-      erd::ComputeFeatures(*step.pose, network->metadata().features,
-                           memories[static_cast<std::size_t>(tick.state)], step.features);
   return true;
+}
+
+// For 3 network.
+net::StepJob Stylist::Impl::JobOf(Step& step) const noexcept {
+  return {step.pose, mixer.input_style(), mixer.in_force(),
+          streams[static_cast<std::size_t>(step.state)].get(), &step.out};
 }
 
 void Stylist::Impl::Finish(Output& out) noexcept {
@@ -258,7 +267,7 @@ void Stylist::Impl::Finish(Output& out) noexcept {
   if (mixer.fading()) out.flags |= kFading;
   if (domain.outside()) out.flags |= kOutOfDomain;
   if (fresh_session) out.flags |= kNewSession;
-  const auto in_force = failed ? std::span<const erd::ActiveStyle>() : mixer.in_force();
+  const auto in_force = failed ? std::span<const net::StyleWeight>() : mixer.in_force();
   std::copy(in_force.begin(), in_force.end(), out.in_force.begin());
   out.in_force_count = static_cast<int>(in_force.size());
 
@@ -318,8 +327,7 @@ void Stylist::Impl::RestartAfterGap() noexcept {
 }
 
 void Stylist::Impl::Forget() noexcept {
-  for (erd::State& state : states) network->Start(state);
-  memories.fill(erd::FeatureState());
+  for (const auto& stream : streams) network->Start(*stream);
   stepped.reset();
   reconstruction_rad = 0;
 }
@@ -347,7 +355,7 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
     last_gap_s = 0;
     if (usual_s > 0 && dt_s > tuning::kGapFactor * usual_s) out.flags |= kConcealed;
   }
-  const float rate_hz = network->metadata().features.rate_hz;
+  const float rate_hz = network->model().rate_hz;
   if (!interleaver.Begin(time_ns, rate_hz)) {
     RestartAfterGap();
     (void)interleaver.Begin(time_ns, rate_hz);
@@ -355,12 +363,12 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
 }
 
 // The change of style that one step asks for, and how well the network knows the pose.
-void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutput& step) noexcept {
+void Stylist::Impl::TakeChange(int state, const Pose& input, const net::Prediction& step) noexcept {
   if (!IsSound(step)) {
     bad_step = true;
     return;
   }
-  const Quat heading_from_world = body::Yaw(-last_heading_rad);
+  const Quat heading_from_world = body::Yaw(-step.heading_rad);
   StyleDelta& wish = wanted[static_cast<std::size_t>(state)];
   float error2 = 0;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
@@ -378,7 +386,7 @@ void Stylist::Impl::TakeChange(int state, const Pose& input, const erd::StepOutp
   // Before the low-pass, so that being told otherwise is no jump.
   if (mixer.input_style() > 0) wish *= mixer.presence();
   stepped.set(static_cast<std::size_t>(state));
-  last_styled = step.styled;
+  last = step;
   reconstruction_rad = std::sqrt(error2 / static_cast<float>(kJointCount - 2));
 }
 
@@ -398,9 +406,9 @@ StyleDelta Stylist::Impl::MeanDelta() const noexcept {
 
 // The paper's output instead, as far as that is asked for: unfiltered, from the newest step alone.
 void Stylist::Impl::BlendAbsolute(const Pose& input, StyleDelta& delta) const noexcept {
-  const Quat world_from_heading = body::Yaw(last_heading_rad);
+  const Quat world_from_heading = body::Yaw(last.heading_rad);
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
-    Quat styled = last_styled.rotations[joint];
+    Quat styled = last.styled.rotations[joint];
     if (joint == body::kHips) styled = world_from_heading * styled;
     const Vec3 whole = mixer.presence() * body::Log(input.rotations[joint].conjugate() * styled);
     auto column = delta.col(static_cast<Eigen::Index>(joint));
@@ -451,7 +459,7 @@ void Stylist::Impl::Ground(Output& out) noexcept {
 void Stylist::Impl::HoldFeet(Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   float style = 0;
-  for (const erd::ActiveStyle& active : mixer.in_force()) style += active.weight;
+  for (const net::StyleWeight& active : mixer.in_force()) style += active.weight;
   if (mixer.input_style() > 0) style = std::max(style, mixer.presence());
   style = feet_style.Follow(style, dt, filter.delay_s() / 2);
   style *= std::max({mixer.share(body::Part::kTorso), mixer.share(body::Part::kLeftLeg),

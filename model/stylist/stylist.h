@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "model/base/realtime.h"
-#include "model/net/erd/network.h"
+#include "model/net/stylizer.h"
 #include "model/rig/binding.h"
 #include "model/stylist/settings.h"
 
@@ -40,7 +40,7 @@ struct Output {
   std::bitset<256> held;       // source joints whose input was bad and is held
   std::uint32_t flags = 0;
   std::uint32_t contacts = 0;  // bit 0 left, bit 1 right: the performer's own foot is planted
-  std::array<erd::ActiveStyle, erd::kMaxActive> in_force;  // styles and weights of this frame
+  std::array<net::StyleWeight, net::kMaxActive> in_force;  // styles and weights of this frame
   int in_force_count = 0;
   int steps = 0;                 // of the network that this frame took, at most kMaxStepsPerFrame
   float reconstruction_rad = 0;  // rms joint angle between reconstruction and input, toes apart
@@ -54,7 +54,7 @@ struct Output {
 // One thread at a time. Mathematics: style-ERD section "live" in model/stylist/README.md.
 class Stylist {
  public:
-  Stylist(std::shared_ptr<const erd::Network> network, std::shared_ptr<const rig::Binding> binding,
+  Stylist(std::shared_ptr<const net::Stylizer> network, std::shared_ptr<const rig::Binding> binding,
           const Options& options);
   ~Stylist();
   Stylist(Stylist&&) noexcept;
@@ -66,11 +66,6 @@ class Stylist {
 
   // Clears recurrent state, holds and filters; keeps the settings. The style in force is not faded.
   STYLED_REALTIME void Reset() noexcept;
-
-  // Brings what the next Process runs and reads into the caches: between two frames of 120 Hz
-  // everything else on the machine pushes it out. A second stylist takes the last pose once more;
-  // what this one makes of its frames does not change by it. Costs a frame.
-  STYLED_REALTIME void Prewarm() noexcept;
 
   // Styles one frame. `time_ns` is source time and must be greater than the last frame's (the
   // caller drops the others). `in` has the skeleton's joint count; non-finite or zero-length values
@@ -93,10 +88,31 @@ class Stylist {
  private:
   template <std::size_t Most>
   static void ProcessSome(std::span<const Job> jobs) noexcept;
+  friend class Rehearsal;
   struct Impl;
-  struct Rehearsal;
   std::unique_ptr<Impl> impl_;
-  std::unique_ptr<Rehearsal> rehearsal_;
+};
+
+// Brings what a stylist's next Process runs and reads into the caches: between two frames of 120 Hz
+// everything else on the machine pushes it out. It is a second stylist of the same network and
+// skeleton, with streams of its own, that takes the first one's last pose once more; what the first
+// one makes of its frames does not change by it. For who runs live: offline nothing is gained.
+// Construction allocates. One thread at a time, the stylist's.
+class Rehearsal {
+ public:
+  // As the stylist was made.
+  Rehearsal(std::shared_ptr<const net::Stylizer> network,
+            std::shared_ptr<const rig::Binding> binding, const Options& options);
+  ~Rehearsal();
+  Rehearsal(Rehearsal&&) noexcept;
+  Rehearsal& operator=(Rehearsal&&) noexcept;
+
+  // Costs a frame.
+  STYLED_REALTIME void Prewarm(const Stylist& stylist) noexcept;
+
+ private:
+  struct Scratch;
+  std::unique_ptr<Scratch> scratch_;
 };
 
 }  // namespace styled::stylist

@@ -27,7 +27,6 @@ namespace {
 
 namespace body = styled::body;
 namespace clip = styled::clip;
-namespace erd = styled::erd;
 namespace judge = styled::judge;
 namespace train = styled::train;
 using styled::Result;

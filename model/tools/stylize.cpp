@@ -11,8 +11,8 @@
 #include "model/clip/avatar.h"
 #include "model/clip/clip.h"
 #include "model/clip/write.h"
-#include "model/net/erd/network.h"
 #include "model/net/shipped_weights.h"
+#include "model/net/stylizer.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/avatar.h"
 #include "model/stylist/stylist.h"
@@ -42,16 +42,16 @@ int Fail(const Status& status) {
   return 1;
 }
 
-std::string StyleNames(const styled::erd::Network& network) {
+std::string StyleNames(const styled::net::Styles& styles) {
   std::string names;
-  for (const styled::erd::StyleInfo& style : network.metadata().styles) {
+  for (const styled::net::StyleInfo& style : styles) {
     names += (names.empty() ? "" : ", ") + style.name;
   }
   return names;
 }
 
 // "S=A" or "S" into a style index and a weight; the neutral style asks for nothing.
-Status AddStyle(const styled::erd::Network& network, const std::string& text, const char* option,
+Status AddStyle(const styled::net::Styles& styles, const std::string& text, const char* option,
                 styled::stylist::Settings& settings) {
   const std::size_t equals = text.find('=');
   const std::string name = text.substr(0, equals);
@@ -64,19 +64,19 @@ Status AddStyle(const styled::erd::Network& network, const std::string& text, co
       return Status::Error(std::string(option) + ": '" + text + "': expected STYLE=WEIGHT");
     }
   }
-  const int style = network.FindStyle(name);
+  const int style = styled::net::FindStyle(styles, name);
   if (style < 0) {
     return Status::Error(std::string(option) + ": unknown style '" + name + "'; expected one of " +
-                         StyleNames(network));
+                         StyleNames(styles));
   }
   if (style == 0 && settings.input_style == 0) return Status::Ok();
-  for (styled::erd::ActiveStyle& entry : settings.mix) {
+  for (styled::net::StyleWeight& entry : settings.mix) {
     if (entry.style < 0) {
       entry = {style, weight};
       return Status::Ok();
     }
   }
-  return Status::Error(std::string(option) + ": more than " + std::to_string(styled::erd::kMaxMix) +
+  return Status::Error(std::string(option) + ": more than " + std::to_string(styled::net::kMaxMix) +
                        " styles");
 }
 
@@ -97,7 +97,7 @@ const char* Explain(styled::stylist::SettingsError error) {
 }
 
 Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
-                                                const styled::erd::Network& network) {
+                                                const styled::net::Styles& styles) {
   styled::stylist::Settings settings;
   settings.strength = arguments.strength;
   settings.transition_s = 0;
@@ -110,21 +110,21 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
   }
   settings.parts = *parts;
   if (!arguments.input_style.empty()) {
-    settings.input_style = network.FindStyle(arguments.input_style);
+    settings.input_style = styled::net::FindStyle(styles, arguments.input_style);
     if (settings.input_style < 0) {
       return Status::Error("--input-style: unknown style '" + arguments.input_style +
-                           "'; expected one of " + StyleNames(network));
+                           "'; expected one of " + StyleNames(styles));
     }
   }
   if (!arguments.style.empty()) {
-    const Status status = AddStyle(network, arguments.style, "--style", settings);
+    const Status status = AddStyle(styles, arguments.style, "--style", settings);
     if (!status.ok()) return status;
   }
   for (const std::string& entry : arguments.mix) {
-    const Status status = AddStyle(network, entry, "--mix", settings);
+    const Status status = AddStyle(styles, entry, "--mix", settings);
     if (!status.ok()) return status;
   }
-  const auto error = styled::stylist::Validate(settings, network.style_count());
+  const auto error = styled::stylist::Validate(settings, static_cast<int>(styles.size()));
   if (error != styled::stylist::SettingsError::kNone) return Status::Error(Explain(error));
   return settings;
 }
@@ -140,7 +140,7 @@ void BindOnly(const styled::rig::Binding& binding, styled::clip::Clip& clip) {
   }
 }
 
-Result<std::shared_ptr<const styled::erd::Network>> LoadNetwork(const Arguments& arguments) {
+Result<std::shared_ptr<const styled::net::Stylizer>> LoadNetwork(const Arguments& arguments) {
   auto weights = styled::net::FindWeights(arguments.weights);
   if (!weights.ok()) return weights.status();
   return styled::trial::Load(weights.value());
@@ -173,7 +173,7 @@ Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Bi
                std::size_t& failed) {
   auto network = LoadNetwork(arguments);
   if (!network.ok()) return network.status();
-  auto settings = ParseSettings(arguments, *network.value());
+  auto settings = ParseSettings(arguments, network.value()->model().styles);
   if (!settings.ok()) return settings.status();
   styled::stylist::Options options;
   options.bypass = !arguments.no_bypass;
@@ -214,7 +214,7 @@ int Run(const Arguments& arguments) {
   if (arguments.list) {
     auto network = LoadNetwork(arguments);
     if (!network.ok()) return Fail(network.status());
-    std::printf("%s\n", StyleNames(*network.value()).c_str());
+    std::printf("%s\n", StyleNames(network.value()->model().styles).c_str());
     return 0;
   }
   auto clip = styled::clip::ReadBvh(arguments.in);

@@ -9,7 +9,7 @@
 
 #include "model/body/humanoid.h"
 #include "model/net/erd/features.h"
-#include "model/net/safetensors.h"
+#include "model/net/weights_file.h"
 #include "model/train/dataset.h"
 
 namespace styled::train {
@@ -132,7 +132,8 @@ std::string WeightsMetadata::ToJson(const GeneratorShape& shape) const {
   std::snprintf(hash, sizeof hash, "%016llx",
                 static_cast<unsigned long long>(body::HumanoidHash()));
   Json json;
-  json["version"] = 1;
+  json["version"] = 2;
+  json["family"] = net::kStyleErd;
   json["humanoid_hash"] = hash;
   for (const auto& [name, aliases] : styles) {
     json["styles"].push_back(Json{{"name", name}, {"aliases", aliases}});
@@ -213,22 +214,28 @@ Status WriteWeights(const Generator& generator, const Tensor& mean, const Tensor
 Result<LoadedWeights> ReadWeights(const std::filesystem::path& file) {
   const Result<std::vector<std::byte>> bytes = net::ReadFile(file);
   if (!bytes.ok()) return bytes.status();
-  const Result<net::SafetensorsView> view = net::ParseSafetensors(bytes.value(), file.string());
-  if (!view.ok()) return view.status();
+  const Result<net::WeightsFile> weights = net::ParseWeights(bytes.value(), file.string());
+  if (!weights.ok()) return weights.status();
+  const std::string& family = weights.value().model.family;
+  if (family != net::kStyleErd) {
+    return Status::Error(file.string() + ": key 'family': expected \"" + net::kStyleErd +
+                         "\", found \"" + family + "\"");
+  }
+  const net::SafetensorsView& view = weights.value().view;
   try {
     const torch::NoGradGuard no_grad;
     LoadedWeights out;
-    const std::string& text = view.value().metadata.at("styled");
+    const std::string& text = view.metadata.at("styled");
     const Result<GeneratorShape> shape = ShapeFromJson(text);
     if (!shape.ok()) return Status::Error(file.string() + ": " + shape.status().message());
     const Json json = Json::parse(text);
     out.metadata = text;
     for (const Json& style : json.at("styles")) out.styles.push_back(style.at("name"));
-    out.mean = TensorOf(view.value(), "feature.mean", {erd::kFeatureCount});
-    out.deviation = TensorOf(view.value(), "feature.deviation", {erd::kFeatureCount});
+    out.mean = TensorOf(view, "feature.mean", {erd::kFeatureCount});
+    out.deviation = TensorOf(view, "feature.deviation", {erd::kFeatureCount});
     out.generator = std::make_unique<Generator>(shape.value(), out.mean, out.deviation);
     for (const auto& [name, tensor] : FormatTensors(*out.generator)) {
-      tensor.copy_(TensorOf(view.value(), name, tensor.sizes()));
+      tensor.copy_(TensorOf(view, name, tensor.sizes()));
     }
     out.features.rate_hz = json.at("rate_hz");
     out.features.heading_tau_s = json.at("heading_tau_s");

@@ -38,7 +38,7 @@ struct WeightsMetadata {
   std::string ToJson(const GeneratorShape& shape) const;
 };
 
-// Writes model/net/erd/FORMAT.md, version 1. `json` is ToJson's; also atomically.
+// Writes model/net/erd/FORMAT.md, version 2. `json` is ToJson's; also atomically.
 Status WriteWeights(const Generator& generator, const torch::Tensor& mean,
                     const torch::Tensor& deviation, const std::string& json,
                     const std::filesystem::path& file);

@@ -97,11 +97,11 @@ Result<std::vector<int64_t>> PlacesOfAdded(const TrainConfig& config,
     }
     places.push_back(own != init.styles.end() ? own - init.styles.begin() : behind++);
   }
-  if (behind > static_cast<int64_t>(erd::kMaxStyles)) {
+  if (behind > static_cast<int64_t>(net::kMaxStyles)) {
     return Status::Error("add-style: " + config.init.string() + " has " +
                          std::to_string(init.styles.size()) + " styles and would have " +
                          std::to_string(behind) + ", more than the " +
-                         std::to_string(erd::kMaxStyles) + " there can be");
+                         std::to_string(net::kMaxStyles) + " there can be");
   }
   return places;
 }

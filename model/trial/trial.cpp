@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/body/heading.h"
+#include "model/net/load.h"
 #include "model/synthetic/performer.h"
 
 namespace styled::trial {
@@ -24,22 +25,23 @@ constexpr double kLongestStep_s = 0.1;   // a network of a lower rate is stepped
 struct Run {
   int style = 0;
   bool own = false;
-  erd::State state;
-  std::array<erd::ActiveStyle, 1> active;
-  erd::StepOutput out;
+  std::unique_ptr<net::Stream> stream;
+  std::array<net::StyleWeight, 1> active;
+  net::Prediction out;
 };
 
-std::vector<Run> MakeRuns(const erd::Network& network) {
+std::vector<Run> MakeRuns(const net::Stylizer& network) {
   std::vector<Run> runs;
-  runs.reserve(static_cast<std::size_t>(2 * network.style_count()));
-  for (int style = 0; style < network.style_count(); ++style) {
+  const auto styles = static_cast<int>(network.model().styles.size());
+  runs.reserve(2 * network.model().styles.size());
+  for (int style = 0; style < styles; ++style) {
     for (const bool own : {false, true}) {
       if (own && style == 0) continue;
       Run& run = runs.emplace_back();
       run.style = style;
       run.own = own;
-      network.Start(run.state);
-      if (!own) run.active[0] = {style, erd::kMaxStrength};
+      run.stream = network.MakeStream();
+      if (!own) run.active[0] = {style, net::kMaxStrength};
     }
   }
   return runs;
@@ -83,21 +85,22 @@ double Shown(float value) {  // a NaN's sign says nothing
 }
 
 // `what`: "the reconstruction", "the styled pose".
-std::optional<Fault> Judge(const erd::Decoded& decoded, const char* what, Figures& figures) {
+std::optional<Fault> Judge(const net::Decoded& decoded, const char* what, Figures& figures) {
   for (int joint = 0; joint < kJointCount; ++joint) {
     const body::Quat& q = decoded.rotations[static_cast<std::size_t>(joint)];
     if (std::abs(q.norm() - 1) < kUnitTolerance) continue;  // false for what is not a number
     return Fault{joint, Text("%s: expected a rotation of length 1, found %g, %g, %g, %g", what,
                              Shown(q.x()), Shown(q.y()), Shown(q.z()), Shown(q.w()))};
   }
-  for (int i = 0; i < erd::kVelocityFeatures; ++i) {
-    const float speed = std::abs(decoded.velocities_m_s[static_cast<std::size_t>(i)]);
+  for (std::size_t i = 0; i < decoded.velocities_m_s.size(); ++i) {
+    const float speed = std::abs(decoded.velocities_m_s[i]);
     if (speed <= kMost.velocity_m_s) {
       figures.velocity_m_s = std::max(figures.velocity_m_s, speed);
       continue;
     }
-    return Fault{i / 3, Text("%s: expected a velocity of at most %g m/s, found %g", what,
-                             Shown(kMost.velocity_m_s), Shown(speed))};
+    return Fault{static_cast<int>(i / 3),
+                 Text("%s: expected a velocity of at most %g m/s, found %g", what,
+                      Shown(kMost.velocity_m_s), Shown(speed))};
   }
   const float height = std::abs(decoded.hips_height_m);
   if (!(height <= kMost.height_m)) {
@@ -118,13 +121,12 @@ std::optional<Fault> Judge(const Angles& found, float most_rad, const char* what
                     Shown(most_rad), Shown(found.rms_rad), Shown(found.largest_rad))};
 }
 
-// The pose as the features have it: the heading taken out of the hips.
-std::optional<Fault> Judge(const body::Pose& pose, float heading_rad, const erd::StepOutput& out,
-                           Figures& figures) {
+// The pose against what became of it: the hips are compared in the prediction's frame.
+std::optional<Fault> Judge(const body::Pose& pose, const net::Prediction& out, Figures& figures) {
   if (auto fault = Judge(out.reconstruction, "the reconstruction", figures)) return fault;
   if (auto fault = Judge(out.styled, "the styled pose", figures)) return fault;
   std::array<body::Quat, kJointCount> given = pose.rotations;
-  given[body::kHips] = body::Yaw(-heading_rad) * given[body::kHips];
+  given[body::kHips] = body::Yaw(-out.heading_rad) * given[body::kHips];
   if (auto fault =
           Judge(Between(given, out.reconstruction.rotations), kMost.reconstruction_rad,
                 "the reconstruction's distance from the pose", figures.reconstruction_rad)) {
@@ -146,32 +148,29 @@ synthetic::Performer MakePerformer() {
 
 }  // namespace
 
-Status Try(const erd::Network& network, const std::string& name, Figures* figures) {
-  const erd::FeatureParameters& parameters = network.metadata().features;
-  const double step_s = std::min(1.0 / static_cast<double>(parameters.rate_hz), kLongestStep_s);
+Status Try(const net::Stylizer& network, const std::string& name, Figures* figures) {
+  const double step_s =
+      std::min(1.0 / static_cast<double>(network.model().rate_hz), kLongestStep_s);
   const int frames = static_cast<int>(kTrial_s / step_s);
   synthetic::Performer performer = MakePerformer();
-  erd::FeatureState memory;
-  erd::Features features;
   body::Pose pose;
   std::vector<Run> runs = MakeRuns(network);
-  std::vector<erd::StepJob> jobs;
+  std::vector<net::StepJob> jobs;
   for (Run& run : runs) {
-    const std::span<const erd::ActiveStyle> active(run.active);
-    jobs.push_back({&features, run.own ? run.style : 0, run.own ? active.first(0) : active,
-                    &run.state, &run.out});
+    const std::span<const net::StyleWeight> active(run.active);
+    jobs.push_back({&pose, run.own ? run.style : 0, run.own ? active.first(0) : active,
+                    run.stream.get(), &run.out});
   }
   Figures worst;
   for (int frame = 0; frame < frames; ++frame) {
     performer.Pose(frame * step_s, pose);
-    const float heading_rad = erd::ComputeFeatures(pose, parameters, memory, features);
-    network.StepTogether(jobs);
+    network.Step(jobs);
     for (const Run& run : runs) {
-      const auto fault = Judge(pose, heading_rad, run.out, worst);
+      const auto fault = Judge(pose, run.out, worst);
       if (!fault) continue;
       return Status::Error(
           name + ": the trial run on the built-in performer failed: style '" +
-          network.metadata().styles[static_cast<std::size_t>(run.style)].name + "'" +
+          network.model().styles[static_cast<std::size_t>(run.style)].name + "'" +
           (run.own ? " as the performer's own" : "") + ", frame " + std::to_string(frame) + " of " +
           std::to_string(frames) + ", joint " +
           std::string(body::kHumanoid[static_cast<std::size_t>(fault->joint)].name) + ": " +
@@ -182,17 +181,17 @@ Status Try(const erd::Network& network, const std::string& name, Figures* figure
   return Status::Ok();
 }
 
-Result<std::shared_ptr<const erd::Network>> Load(const std::filesystem::path& file) {
-  auto network = erd::Network::Load(file);
+Result<std::shared_ptr<const net::Stylizer>> Load(const std::filesystem::path& file) {
+  auto network = net::Load(file);
   if (!network.ok()) return network;
   const Status status = Try(*network.value(), file.string());
   if (!status.ok()) return status;
   return network;
 }
 
-Result<std::shared_ptr<const erd::Network>> Parse(std::span<const std::byte> bytes,
-                                                  const std::string& name) {
-  auto network = erd::Network::Parse(bytes, name);
+Result<std::shared_ptr<const net::Stylizer>> Parse(std::span<const std::byte> bytes,
+                                                   const std::string& name) {
+  auto network = net::Parse(bytes, name);
   if (!network.ok()) return network;
   const Status status = Try(*network.value(), name);
   if (!status.ok()) return status;

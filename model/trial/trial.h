@@ -7,7 +7,7 @@
 #include <string>
 
 #include "model/base/status.h"
-#include "model/net/erd/network.h"
+#include "model/net/stylizer.h"
 
 namespace styled::trial {
 
@@ -33,12 +33,12 @@ inline constexpr Figures kMost{1.8F, 1.8F, 1000.0F, 100.0F};
 
 // Tries `network`. The error names `name` (its file), style, frame, joint, what was expected and
 // what was found. `figures`, if given, is written on success.
-Status Try(const erd::Network& network, const std::string& name, Figures* figures = nullptr);
+Status Try(const net::Stylizer& network, const std::string& name, Figures* figures = nullptr);
 
-// erd::Network::Load and Parse, and the trial behind them: what every program uses that runs a
+// net::Load and Parse, and the trial behind them: what every program uses that runs a
 // network somebody gave it.
-Result<std::shared_ptr<const erd::Network>> Load(const std::filesystem::path& file);
-Result<std::shared_ptr<const erd::Network>> Parse(std::span<const std::byte> bytes,
-                                                  const std::string& name);
+Result<std::shared_ptr<const net::Stylizer>> Load(const std::filesystem::path& file);
+Result<std::shared_ptr<const net::Stylizer>> Parse(std::span<const std::byte> bytes,
+                                                   const std::string& name);
 
 }  // namespace styled::trial

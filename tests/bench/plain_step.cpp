@@ -88,7 +88,7 @@ void Run(const std::array<Layer, Layers>& layers, const Vector<kLatent>& z, Bran
   out = input.head<kLatent>();
 }
 
-void ToDecoded(const Vector<kHeads>& heads, Decoded& out) noexcept {
+void ToDecoded(const Vector<kHeads>& heads, net::Decoded& out) noexcept {
   for (int joint = 0; joint < body::kJointCount; ++joint) {
     out.rotations[joint].coeffs() = heads.segment<4>(4 * joint).normalized();
   }
@@ -107,14 +107,14 @@ struct PlainStep::Weights {
   std::array<Layer, kNeutralLayers> neutral;
   std::vector<std::array<Layer, kStyleLayers>> styles;
   Affine<58, kLatent> decoder0;
-  Eigen::Matrix<float, 58, kMaxStyles> decoder0_style;
+  Eigen::Matrix<float, 58, net::kMaxStyles> decoder0_style;
   Affine<86, 58> decoder1;
   Affine<128, 86> decoder2;
   Affine<kHeads, 128> heads;
   Vector<kHeads> heads_deviation, heads_mean;
 };
 
-PlainStep::PlainStep(const WeightsFile& file, std::span<const ActiveStyle> active)
+PlainStep::PlainStep(const WeightsFile& file, std::span<const net::StyleWeight> active)
     : weights_(std::make_unique<Weights>()), active_(active.begin(), active.end()) {
   Weights& w = *weights_;
   Reader reader(file);
@@ -154,7 +154,7 @@ PlainStep::PlainStep(const WeightsFile& file, std::span<const ActiveStyle> activ
 
 PlainStep::~PlainStep() = default;
 
-void PlainStep::Step(const Features& features, StepOutput& out) noexcept {
+void PlainStep::Step(const Features& features, net::Prediction& out) noexcept {
   const Weights& w = *weights_;
   const Eigen::Map<const Vector<kFeatures>> x(features.data());
   const Vector<kFeatures> u =
@@ -180,7 +180,7 @@ void PlainStep::Step(const Features& features, StepOutput& out) noexcept {
   if (sum > 1.0F) target /= sum;
 
   const auto decode = [&w](const Vector<kLatent>& latent, const Vector<58>& style_part,
-                           Decoded& decoded) noexcept {
+                           net::Decoded& decoded) noexcept {
     Vector<58> d0;
     w.decoder0.Apply(latent, d0);
     d0 = (d0 + style_part).cwiseMax(0.0F);

@@ -13,16 +13,16 @@ namespace styled::erd {
 // neutral input; the styles given at construction, in force from the first step on.
 class PlainStep {
  public:
-  PlainStep(const WeightsFile& file, std::span<const ActiveStyle> active);
+  PlainStep(const WeightsFile& file, std::span<const net::StyleWeight> active);
   ~PlainStep();
-  void Step(const Features& features, StepOutput& out) noexcept;
+  void Step(const Features& features, net::Prediction& out) noexcept;
 
  private:
   struct Weights;
   std::unique_ptr<Weights> weights_;
-  std::vector<ActiveStyle> active_;
+  std::vector<net::StyleWeight> active_;
   BranchState neutral_;
-  std::array<BranchState, kMaxActive> branches_;
+  std::array<BranchState, net::kMaxActive> branches_;
 };
 
 }  // namespace styled::erd

@@ -118,7 +118,7 @@ void Published(benchmark::State& state, const std::string& type) {
   Publisher publisher;
   pipeline::Mailboxes mailboxes;
   auto config = std::make_shared<pipeline::RuntimeConfig>();
-  config->network = erd::RandomNetwork(16, 1);
+  config->network = erd::RandomStylizer(16, 1);
   pipeline::Pipeline pipeline({clock, counters, publisher, mailboxes}, {"rig"}, {}, config, 1, 100);
   for (auto _ : state) {
     clock.now_ns += kPeriod_ns;

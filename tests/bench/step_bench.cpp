@@ -122,7 +122,7 @@ void Paced(benchmark::State& state) {
   prctl(PR_SET_TIMERSLACK, 1UL);  // as the pipeline's thread
   OurRun run(1);
   State scratch;
-  StepOutput nothing;
+  net::Prediction nothing;
   std::vector<double> times_us, prewarm_us;
   auto due = Clock::now();
   const auto since_us = [](Clock::time_point begin) {

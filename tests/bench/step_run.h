@@ -16,9 +16,9 @@ struct StepRun {
 
   std::shared_ptr<const Network> network;
   std::vector<Features> frames{kFrames};
-  std::vector<ActiveStyle> active;
+  std::vector<net::StyleWeight> active;
   State state;
-  StepOutput out;
+  net::Prediction out;
   int frame = 0;
 
   StepRun(std::shared_ptr<const Network> the_network, int styles)

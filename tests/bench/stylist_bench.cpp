@@ -21,7 +21,7 @@ struct Stream {
   rig::Skeleton skeleton = synthetic::MakeSkeleton({});
   std::vector<rig::RigPose> frames;
   std::shared_ptr<const rig::Binding> binding;
-  std::shared_ptr<const erd::Network> network = erd::RandomNetwork(16, 1);
+  std::shared_ptr<const net::Stylizer> network = erd::RandomStylizer(16, 1);
 
   Stream() {
     auto bound = rig::BindDialect(skeleton, "auto");

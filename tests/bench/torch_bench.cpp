@@ -134,9 +134,9 @@ class TorchRun {
 };
 
 // Largest difference between our outputs of a frame and libtorch's.
-double Difference(const StepOutput& ours, const TorchRun& theirs) {
+double Difference(const net::Prediction& ours, const TorchRun& theirs) {
   double largest = 0;
-  const auto compare = [&largest](const Decoded& decoded, const Tensor& rotations) {
+  const auto compare = [&largest](const net::Decoded& decoded, const Tensor& rotations) {
     const float* values = rotations.data_ptr<float>();
     for (int i = 0; i < kRotationFeatures; ++i) {
       const double found = decoded.rotations[i / 4].coeffs()[i % 4];
@@ -148,10 +148,10 @@ double Difference(const StepOutput& ours, const TorchRun& theirs) {
   return largest;
 }
 
-double Difference(const StepOutput& ours, const StepOutput& plain) {
+double Difference(const net::Prediction& ours, const net::Prediction& plain) {
   float largest = 0;
   for (int joint = 0; joint < body::kJointCount; ++joint) {
-    const auto difference = [joint](const Decoded& a, const Decoded& b) {
+    const auto difference = [joint](const net::Decoded& a, const net::Decoded& b) {
       return (a.rotations[joint].coeffs() - b.rotations[joint].coeffs()).cwiseAbs().maxCoeff();
     };
     largest = std::max({largest, difference(ours.reconstruction, plain.reconstruction),
@@ -223,7 +223,7 @@ int Main() {
       trainer(weights.value(), 1, Recurrent::kTrainer);
   PlainStep plain_hot(RandomWeights(kStyles, 1), hot.active);
   PlainStep plain_cold(RandomWeights(kStyles, 1), hot.active);
-  StepOutput plain_out;
+  net::Prediction plain_out;
   const OtherWork other;
   int sink = 0;
   StepRun paced(network, 1);

@@ -183,7 +183,7 @@ Outcome Poison(const Effort& effort) {
   Inspector inspector;
   pipeline::Mailboxes mailboxes;
   auto live = std::make_shared<pipeline::RuntimeConfig>();
-  live->network = erd::RandomNetwork(5, 1);
+  live->network = erd::RandomStylizer(5, 1);
   pipeline::Pipeline daemon({clock, counters, inspector, mailboxes}, {"rig"}, {}, live, 1, 100);
   const auto deliver = [&](const support::Bytes& bytes) {
     const std::span<const std::byte> one(bytes);

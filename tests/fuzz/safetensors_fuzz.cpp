@@ -1,4 +1,4 @@
-// Fuzzes the weights file's reader: the container, and the network's loader behind it.
+// Fuzzes the weights file's reader: the container, and the families' loaders behind it.
 // Seeds: safetensors_seeds.cpp.
 // metadata.
 #include <cstddef>
@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "model/net/erd/network.h"
+#include "model/net/load.h"
 #include "model/net/safetensors.h"
 
 namespace {
@@ -31,8 +31,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } else {
     Require(view.status().message().starts_with("fuzz: "));
   }
-  const auto network = styled::erd::Network::Parse(file, "fuzz");
+  const auto network = styled::net::Parse(file, "fuzz");
   Require(view.ok() || !network.ok());
-  if (network.ok()) Require(network.value()->style_count() >= 1);
+  if (network.ok()) Require(!network.value()->model().styles.empty());
   return 0;
 }

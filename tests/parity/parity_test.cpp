@@ -113,24 +113,24 @@ class Parity : public testing::TestWithParam<Case> {
     }
   }
 
-  std::vector<erd::ActiveStyle> MixAt(int frame) const {
-    std::vector<erd::ActiveStyle> mix;
+  std::vector<net::StyleWeight> MixAt(int frame) const {
+    std::vector<net::StyleWeight> mix;
     for (const auto& [name, weight] : SegmentAt(schedule_, std::max(0, frame)).mix) {
-      mix.push_back({network_->FindStyle(name), weight});
+      mix.push_back({net::FindStyle(network_->model().styles, name), weight});
     }
     return mix;
   }
 
   // Steps the network over the clip, every switch `delay` frames late, and compares.
   void RunNetwork(int delay, Largest& reconstruction, Largest& styled) const {
-    const erd::FeatureParameters& parameters = network_->metadata().features;
+    const erd::FeatureParameters& parameters = network_->features();
     erd::FeatureState memory;
     erd::State state;
     network_->Start(state);
     for (int frame = 0; frame < reference_.frames; ++frame) {
       erd::Features features;
       (void)erd::ComputeFeatures(poses_[frame], parameters, memory, features);
-      erd::StepOutput out;
+      net::Prediction out;
       network_->Step(features, 0, MixAt(frame - delay), state, out);
       const auto expected = reference_.outputs.find(frame);
       if (expected == reference_.outputs.end()) continue;
@@ -192,7 +192,7 @@ class Parity : public testing::TestWithParam<Case> {
 };
 
 TEST_P(Parity, FeaturesAreTheTrainers) {
-  const erd::FeatureParameters& parameters = network_->metadata().features;
+  const erd::FeatureParameters& parameters = network_->features();
   erd::FeatureState memory;
   Largest features, headings;
   for (int frame = 0; frame < reference_.frames; ++frame) {

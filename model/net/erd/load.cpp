@@ -1,181 +1,41 @@
 // Reads model/net/erd/FORMAT.md's file into a Network, or says in one sentence why not.
-#include <algorithm>
-#include <cctype>
-#include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <set>
+#include <type_traits>
 
 #include "model/net/erd/network.h"
 #include "model/net/erd/weights.h"
-#include "model/net/safetensors.h"
-#include "model/net/strict_json.h"
+#include "model/net/weights_file.h"
 
 namespace styled::erd {
 namespace {
 
-using net::SafetensorsView;
-using net::TensorView;
+using net::Faults;
+using net::RowMajor;
 using nlohmann::json;
 
-constexpr float kMaxRate_hz = 1000.0F;
 constexpr float kMaxHeadingTau_s = 60.0F;
 
-// The first thing found wrong, and the file's name in front of it. Later faults are dropped, so
-// that a reader can go on and check once at the end.
-class Faults {
- public:
-  explicit Faults(const std::string& file) : file_(file) {}
-  void Add(const std::string& what) {
-    if (first_.empty()) first_ = file_ + ": " + what;
-  }
-  void Key(const std::string& key, const std::string& expected, const std::string& found) {
-    Add("key '" + key + "': expected " + expected + ", found " + found);
-  }
-  bool none() const { return first_.empty(); }
-  Status status() const { return none() ? Status::Ok() : Status::Error(first_); }
-
- private:
-  std::string file_, first_;
-};
-
-// A value as it is shown in an error.
-std::string Shown(const json& value) {
-  constexpr std::size_t kLongest = 80;
-  std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
-  return text;
-}
-
-// The value of a required key; nullptr and a fault if there is none.
-const json* Find(const json& object, const std::string& key, Faults& faults) {
-  const auto found = object.find(key);
-  if (found != object.end()) return &*found;
-  faults.Add("key '" + key + "': missing");
-  return nullptr;
-}
-
-void ExpectEqual(const json& object, const std::string& key, const json& expected, Faults& faults) {
-  const json* value = Find(object, key, faults);
-  if (value == nullptr) return;
-  // 1.0 is not 1: a count is written as an integer.
-  if (value->type_name() != std::string_view(expected.type_name()) || *value != expected ||
-      value->is_number_float()) {
-    faults.Key(key, Shown(expected), Shown(*value));
-  }
-}
-
-std::string ReadString(const json& object, const std::string& key, Faults& faults) {
-  const json* value = Find(object, key, faults);
-  if (value == nullptr) return "";
-  if (!value->is_string()) {
-    faults.Key(key, "a string", Shown(*value));
-    return "";
-  }
-  return value->get<std::string>();
-}
-
-float ReadNumber(const json& object, const std::string& key, float least, bool least_allowed,
-                 float most, Faults& faults) {
-  const json* value = Find(object, key, faults);
-  if (value == nullptr) return 0;
-  const double number = value->is_number() ? value->get<double>() : std::nan("");
-  if (!(least_allowed ? number >= least : number > least) || !(number <= most)) {
-    char range[64];
-    std::snprintf(range, sizeof(range), "a number %s %g and <= %g", least_allowed ? ">=" : ">",
-                  static_cast<double>(least), static_cast<double>(most));
-    faults.Key(key, range, Shown(*value));
-    return 0;
-  }
-  return static_cast<float>(number);
-}
-
-// Adds a name or alias; names are looked up without case, so they must differ without it.
-void ReadName(const json& value, const std::string& place, std::set<std::string>& known,
-              std::string& name, Faults& faults) {
-  if (!value.is_string() || value.get_ref<const std::string&>().empty()) {
-    faults.Key(place, "a string that is not empty", Shown(value));
-    return;
-  }
-  name = value.get<std::string>();
-  std::string lower = name;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (!known.insert(lower).second) {
-    faults.Key(place, "a name or alias that occurs once", Shown(value));
-  }
-}
-
-void ReadStyles(const json& metadata, std::vector<StyleInfo>& styles, Faults& faults) {
-  const json* list = Find(metadata, "styles", faults);
-  if (list == nullptr) return;
-  if (!list->is_array() || list->empty() || list->size() > kMaxStyles) {
-    faults.Key("styles", "1 to " + std::to_string(kMaxStyles) + " objects",
-               list->is_array() ? std::to_string(list->size()) : Shown(*list));
-    return;
-  }
-  std::set<std::string> known;
-  for (std::size_t s = 0; s < list->size(); ++s) {
-    const json& entry = (*list)[s];
-    const std::string place = "styles[" + std::to_string(s) + "]";
-    if (!entry.is_object() || !entry.contains("name") || !entry.contains("aliases") ||
-        !entry["aliases"].is_array()) {
-      faults.Key(place, "{\"name\", \"aliases\": [...]}", Shown(entry));
-      return;
-    }
-    StyleInfo style;
-    ReadName(entry["name"], place + ".name", known, style.name, faults);
-    for (const json& alias : entry["aliases"]) {
-      ReadName(alias, place + ".aliases", known, style.aliases.emplace_back(), faults);
-    }
-    styles.push_back(std::move(style));
-  }
-}
-
-void ReadMetadata(const std::map<std::string, std::string>& container, Metadata& metadata,
-                  Faults& faults) {
-  const auto text = container.find("styled");
-  if (text == container.end() || container.size() != 1) {
-    faults.Add("__metadata__: expected the one key 'styled', found " +
-               (text == container.end() ? "none of that name"
-                                        : std::to_string(container.size()) + " keys"));
-    return;
-  }
-  json object;
-  const std::string wrong = net::ParseStrictJson(text->second, object);
-  if (!wrong.empty()) return faults.Add("key 'styled': " + wrong);
-  if (!object.is_object()) return faults.Key("styled", "an object", Shown(object));
-
-  ExpectEqual(object, "version", 1U, faults);
-  char hash[17];
-  std::snprintf(hash, sizeof(hash), "%016llx",
-                static_cast<unsigned long long>(body::HumanoidHash()));
-  ExpectEqual(object, "humanoid_hash", hash, faults);
-  ReadStyles(object, metadata.styles, faults);
-  if (const json* contents = Find(object, "contents", faults)) {
+// The keys of this family: a size that is not the network's is refused.
+void ReadKeys(const json& object, FeatureParameters& features, Faults& faults) {
+  if (const json* contents = net::FindKey(object, "contents", faults)) {
     if (!contents->is_array()) {
-      faults.Key("contents", "an array", Shown(*contents));
+      faults.Key("contents", "an array", net::Shown(*contents));
     } else if (!contents->empty()) {
       faults.Key("contents", "[]",
-                 Shown(*contents) +
+                 net::Shown(*contents) +
                      ": the network takes a content input, which this build does "
                      "not feed");
     }
   }
-  metadata.features.rate_hz = ReadNumber(object, "rate_hz", 0, false, kMaxRate_hz, faults);
-  metadata.features.heading_tau_s =
-      ReadNumber(object, "heading_tau_s", 0, true, kMaxHeadingTau_s, faults);
-  ExpectEqual(object, "latent", static_cast<unsigned>(kLatent), faults);
-  ExpectEqual(object, "encoder", json::array({static_cast<unsigned>(kEncoderWidth)}), faults);
-  ExpectEqual(object, "decoder", kDecoderWidths, faults);
-  ExpectEqual(object, "neutral_layers", static_cast<unsigned>(kNeutralLayers), faults);
-  ExpectEqual(object, "style_layers", static_cast<unsigned>(kStyleLayers), faults);
-  ExpectEqual(object, "gates", "ifgo", faults);
-  metadata.licence = ReadString(object, "licence", faults);
-  if (const json* training = Find(object, "training", faults)) {
-    if (!training->is_object()) faults.Key("training", "an object", Shown(*training));
-    metadata.training = training->dump(-1, ' ', false, json::error_handler_t::replace);
-  }
+  features.heading_tau_s = net::ReadNumber(object, "heading_tau_s", {0, kMaxHeadingTau_s}, faults);
+  const auto expect = [&](const char* key, const json& expected) {
+    net::ExpectEqual(object, key, expected, faults);
+  };
+  expect("latent", static_cast<unsigned>(kLatent));
+  expect("encoder", json::array({static_cast<unsigned>(kEncoderWidth)}));
+  expect("decoder", kDecoderWidths);
+  expect("neutral_layers", static_cast<unsigned>(kNeutralLayers));
+  expect("style_layers", static_cast<unsigned>(kStyleLayers));
+  expect("gates", "ifgo");
 }
 
 template <typename Derived, std::size_t Size>
@@ -189,20 +49,17 @@ void Pack(const Eigen::MatrixBase<Derived>& matrix, PackedMatrix<Rows, Columns>&
   }
 }
 
-using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// Takes tensors out of the file one by one; what is left at the end is unknown.
-class TensorReader {
+// Layers out of a file's tensors.
+class LayerReader {
  public:
-  TensorReader(SafetensorsView& view, Faults& faults) : view_(view), faults_(faults) {}
+  explicit LayerReader(net::TensorReader& tensors) : tensors_(tensors) {}
 
-  // A matrix [rows, columns] into `out`; zeros and a fault if it is not as expected.
   RowMajor Take(const std::string& name, int rows, int columns) {
-    return TakeShape(name, {rows, columns}, rows, columns);
+    return tensors_.Matrix(name, rows, columns);
   }
   template <int Rows>
   Vector<Rows> Take(const std::string& name) {
-    return TakeShape(name, {Rows}, Rows, 1);
+    return tensors_.Vector(name, Rows);
   }
   template <int Rows, int Columns>
   void Take(const std::string& name, Affine<Rows, Columns>& out) {
@@ -212,7 +69,7 @@ class TensorReader {
   // As above, with one column per style behind, which joins the bias of its style.
   template <int Rows, int Columns>
   void Take(const std::string& name, int style_count, PackedMatrix<Rows, Columns>& out,
-            std::array<PackedVector<Rows>, kMaxStyles>& style_bias) {
+            std::array<PackedVector<Rows>, net::kMaxStyles>& style_bias) {
     const RowMajor all = Take(name + ".weight", Rows, Columns + style_count);
     const Vector<Rows> bias = Take<Rows>(name + ".bias");
     Pack(all.leftCols<Columns>(), out);
@@ -236,45 +93,9 @@ class TensorReader {
     Pack(Take<kLatent>(name + ".h0"), out.h0);
     Pack(Take<kLatent>(name + ".c0"), out.c0);
   }
-  void Finish() {
-    if (!view_.tensors.empty()) {
-      faults_.Add("tensor '" + view_.tensors.begin()->first + "': unknown");
-    }
-  }
 
  private:
-  static std::string Spelled(const std::string& dtype, const std::vector<std::int64_t>& shape) {
-    return dtype + " " + json(shape).dump();
-  }
-
-  RowMajor TakeShape(const std::string& name, const std::vector<std::int64_t>& shape, int rows,
-                     int columns) {
-    RowMajor values = RowMajor::Zero(rows, columns);
-    const auto found = view_.tensors.find(name);
-    if (found == view_.tensors.end()) {
-      faults_.Add("tensor '" + name + "': expected " + Spelled("F32", shape) + ", found none");
-      return values;
-    }
-    const TensorView tensor = found->second;
-    view_.tensors.erase(found);
-    if (tensor.dtype != "F32" || tensor.shape != shape) {
-      faults_.Add("tensor '" + name + "': expected " + Spelled("F32", shape) + ", found " +
-                  Spelled(tensor.dtype, tensor.shape));
-      return values;
-    }
-    std::memcpy(values.data(), tensor.bytes.data(), tensor.bytes.size());
-    for (Eigen::Index i = 0; i < values.size(); ++i) {
-      if (!std::isfinite(values.data()[i])) {
-        faults_.Add("tensor '" + name + "': expected finite values, found " +
-                    std::to_string(values.data()[i]) + " at " + std::to_string(i));
-        break;
-      }
-    }
-    return values;
-  }
-
-  SafetensorsView& view_;
-  Faults& faults_;
+  net::TensorReader& tensors_;
 };
 
 std::string LayerName(int style, int layer) {
@@ -304,7 +125,7 @@ void CheckFeatures(const Vector<kFeatureCount>& mean, const Vector<kFeatureCount
 
 // The heads under each other. They give standardized features; deviation and mean are put into
 // their weights, so that a step need not bring them back.
-void TakeHeads(TensorReader& tensors, const Vector<kFeatureCount>& mean,
+void TakeHeads(LayerReader& tensors, const Vector<kFeatureCount>& mean,
                const Vector<kFeatureCount>& deviation, Affine<kHeads, kDecoderWidths[2]>& out) {
   RowMajor weight(kHeads, kDecoderWidths[2]);
   Vector<kHeads> bias;
@@ -329,28 +150,34 @@ void TakeHeads(TensorReader& tensors, const Vector<kFeatureCount>& mean,
 Network::Network() : weights_(std::make_unique<Weights>()) {}
 
 Result<std::shared_ptr<const Network>> Network::Load(const std::filesystem::path& file) {
-  Result<std::vector<std::byte>> bytes = net::ReadFile(file);
+  const Result<std::vector<std::byte>> bytes = net::ReadFile(file);
   if (!bytes.ok()) return bytes.status();
   return Parse(bytes.value(), file.string());
 }
 
 Result<std::shared_ptr<const Network>> Network::Parse(std::span<const std::byte> bytes,
                                                       const std::string& name) {
-  Result<SafetensorsView> view = net::ParseSafetensors(bytes, name);
-  if (!view.ok()) return view.status();
+  Result<net::WeightsFile> file = net::ParseWeights(bytes, name);
+  if (!file.ok()) return file.status();
+  return Read(file.value());
+}
 
+Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   const std::shared_ptr<Network> network(new Network);
-  Metadata& metadata = network->metadata_;
   Weights& w = *network->weights_;
-  Faults faults(name);
-  ReadMetadata(view.value().metadata, metadata, faults);
+  FeatureParameters& features = network->features_;
+  Faults faults(file.name);
+  network->model_ = file.model;
+  features.rate_hz = file.model.rate_hz;
+  ReadKeys(file.header, features, faults);
   if (!faults.none()) return faults.status();
 
-  TensorReader tensors(view.value(), faults);
+  net::TensorReader all(file.view, faults);
+  LayerReader tensors(all);
   const int style_count = network->style_count();
   const auto mean = tensors.Take<kFeatureCount>("feature.mean");
   const auto deviation = tensors.Take<kFeatureCount>("feature.deviation");
-  if (faults.none()) CheckFeatures(mean, deviation, metadata.features, faults);
+  if (faults.none()) CheckFeatures(mean, deviation, features, faults);
   Pack(mean, w.mean);
   Pack(deviation.cwiseInverse(), w.inverse_deviation);
   tensors.Take("encoder.0", style_count, w.encoder0, w.encoder0_bias);
@@ -364,7 +191,7 @@ Result<std::shared_ptr<const Network>> Network::Parse(std::span<const std::byte>
   tensors.Take("decoder.1", w.decoder1);
   tensors.Take("decoder.2", w.decoder2);
   TakeHeads(tensors, mean, deviation, w.heads);
-  tensors.Finish();
+  all.Finish();
   if (!faults.none()) return faults.status();
   return std::shared_ptr<const Network>(network);
 }

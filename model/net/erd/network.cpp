@@ -2,17 +2,22 @@
 
 #include <algorithm>
 #include <bitset>
-#include <cctype>
 
 #include "model/net/erd/weights.h"
 
 namespace styled::erd {
 namespace {
 
+using net::Decoded;
+using net::kMaxActive;
+using net::kMaxStrength;
+using net::kMaxStyles;
 using net::kPanelRows;
 using net::LstmOperands;
 using net::Operands;
 using net::PaddedRows;
+using net::Prediction;
+using net::StyleWeight;
 
 template <int Rows, int Columns>
 void Apply(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight,
@@ -30,10 +35,10 @@ void StartBranch(const std::array<LstmLayer, Layers>& layers, BranchState& state
 
 // Which styles run in this step, each once. The input's own style rides along with weight 0.
 struct Wanted {
-  std::array<ActiveStyle, kMaxBranches> entry;
+  std::array<StyleWeight, kMaxBranches> entry;
   int count = 0;
 
-  ActiveStyle* Find(int style) noexcept {
+  StyleWeight* Find(int style) noexcept {
     for (int i = 0; i < count; ++i) {
       if (entry[i].style == style) return &entry[i];
     }
@@ -41,7 +46,7 @@ struct Wanted {
   }
   void Add(int style, float weight, int limit) noexcept {
     const float clamped = weight > 0 ? std::min(weight, kMaxStrength) : 0.0F;  // NaN: 0
-    if (ActiveStyle* known = Find(style)) {
+    if (StyleWeight* known = Find(style)) {
       known->weight = std::min(known->weight + clamped, kMaxStrength);
     } else if (count < limit) {
       entry[count++] = {style, clamped};
@@ -146,26 +151,13 @@ void ToDecoded(const Kernels& kernels, const PackedVector<kHeads>& heads, Decode
 
 Network::~Network() = default;
 
-int Network::FindStyle(std::string_view name) const {
-  const auto same = [name](std::string_view other) {
-    return std::equal(
-        name.begin(), name.end(), other.begin(), other.end(),
-        [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
-  };
-  for (int s = 0; s < style_count(); ++s) {
-    const StyleInfo& style = metadata_.styles[s];
-    if (same(style.name) || std::any_of(style.aliases.begin(), style.aliases.end(), same)) return s;
-  }
-  return -1;
-}
-
 void Network::Start(State& state) const noexcept {
   StartBranch(weights_->neutral, state.neutral);
   state.style.fill(-1);
 }
 
-void Network::Step(const Features& features, int input_style, std::span<const ActiveStyle> active,
-                   State& state, StepOutput& out) const noexcept {
+void Network::Step(const Features& features, int input_style, std::span<const StyleWeight> active,
+                   State& state, Prediction& out) const noexcept {
   const StepJob job{&features, input_style, active, &state, &out};
   StepSome<1>({&job, 1});
 }
@@ -193,7 +185,7 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
     const StepJob& job = jobs[k];
     Way& way = ways[k];
     way.input_style = job.input_style > 0 && job.input_style < style_count ? job.input_style : 0;
-    for (const ActiveStyle& style : job.active) {
+    for (const StyleWeight& style : job.active) {
       if (style.style > 0 && style.style < style_count) {
         way.wanted.Add(style.style, style.weight, kMaxActive);
       }
@@ -255,7 +247,7 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
     way.target.fill(0);
     float sum = 0;
     for (int i = 0; i < way.wanted.count; ++i) {
-      const ActiveStyle& style = way.wanted.entry[i];
+      const StyleWeight& style = way.wanted.entry[i];
       const float* const residual = state.branch[way.slot[i]].h[kStyleLayers - 1].data();
       AddTo(way.styled.latent, style.weight, residual);
       if (style.style == way.input_style) AddTo(way.reconstruction.latent, 1, residual);
@@ -281,7 +273,7 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
   Decode<2 * Most>(kernels, w.heads.weight, w.heads.bias.data(), &D::d2, &D::heads, false,
                    decodings);
   for (std::size_t k = 0; k < count; ++k) {
-    StepOutput& out = *jobs[k].out;
+    Prediction& out = *jobs[k].out;
     ToDecoded(kernels, ways[k].reconstruction.heads, out.reconstruction);
     if (ways[k].wanted.count == 0) {
       out.styled = out.reconstruction;

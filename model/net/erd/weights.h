@@ -54,8 +54,8 @@ struct Network::Weights {
   Affine<kHeads, kDecoderWidths[2]> heads;
   // The bias of the first layer for each input or target style: what its one-hot column adds is in
   // it.
-  std::array<PackedVector<kEncoderWidth>, kMaxStyles> encoder0_bias;
-  std::array<PackedVector<kDecoderWidths[0]>, kMaxStyles> decoder0_bias;
+  std::array<PackedVector<kEncoderWidth>, net::kMaxStyles> encoder0_bias;
+  std::array<PackedVector<kDecoderWidths[0]>, net::kMaxStyles> decoder0_bias;
 };
 
 }  // namespace styled::erd

@@ -123,7 +123,7 @@ Status Run(const Arguments& arguments) {
     const auto binding =
         std::make_shared<const styled::rig::Binding>(styled::feet::HumanoidBinding());
     for (const std::string& style : arguments.styles) {
-      const int index = network.value()->FindStyle(style);
+      const int index = styled::net::FindStyle(network.value()->model().styles, style);
       if (index < 1) return Status::Error(arguments.weights + ": no style \"" + style + "\"");
       judge::Switch start{0, judge::OneStyle(index, arguments.absolute)};
       start.settings.strength = arguments.strength;

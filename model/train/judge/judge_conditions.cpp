@@ -225,9 +225,9 @@ Result<nlohmann::json> JudgeOtherClips(std::span<const std::filesystem::path> fi
     std::string jerks_as;
     std::string turns_as;
     const std::string name = file.filename().string();
-    for (int style = 1; style < styler.network->style_count(); ++style) {
+    for (int style = 1; style < static_cast<int>(styler.network->model().styles.size()); ++style) {
       const std::string& style_name =
-          styler.network->metadata().styles[static_cast<std::size_t>(style)].name;
+          styler.network->model().styles[static_cast<std::size_t>(style)].name;
       const Switch start{0, OneStyle(style, false)};
       const Poses out = StyleStream(styler.network, styler.binding, options, {&start, 1}, input);
       scenes.push_back({name, style_name, Beginning(input), {}, Beginning(out)});

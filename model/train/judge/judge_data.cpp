@@ -140,7 +140,7 @@ Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Mani
       network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()), {}, 0};
   int found = 0;
   for (const clip::ManifestStyle& style : manifest.styles) {
-    const int index = styler.network->FindStyle(style.name);
+    const int index = net::FindStyle(styler.network->model().styles, style.name);
     styler.style_of.push_back(index > 0 ? index : kAbsent);
     found += index > 0 ? 1 : 0;
   }

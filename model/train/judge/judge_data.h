@@ -35,7 +35,7 @@ inline constexpr int kAbsent = -1;
 
 // Weights as they run live, and which of the manifest's styles they have.
 struct Styler {
-  std::shared_ptr<const erd::Network> network;
+  std::shared_ptr<const net::Stylizer> network;
   std::shared_ptr<const rig::Binding> binding;
   std::vector<int> style_of;  // manifest style -> network style, or kAbsent, as neutral is
   int input_style = 0;        // what the network is told that the inputs are, its number

@@ -5,7 +5,7 @@
 
 namespace styled::judge {
 
-FeetStage MeasureFeetStage(const std::shared_ptr<const erd::Network>& network,
+FeetStage MeasureFeetStage(const std::shared_ptr<const net::Stylizer>& network,
                            const std::shared_ptr<const rig::Binding>& binding,
                            stylist::Options options, std::span<const int> styles,
                            std::span<const Poses> inputs) {

@@ -21,7 +21,7 @@ struct FeetStage {
 };
 
 // `inputs` at kStreamRate_hz; `styles` are the network's. Allocates; needs no torch.
-FeetStage MeasureFeetStage(const std::shared_ptr<const erd::Network>& network,
+FeetStage MeasureFeetStage(const std::shared_ptr<const net::Stylizer>& network,
                            const std::shared_ptr<const rig::Binding>& binding,
                            stylist::Options options, std::span<const int> styles,
                            std::span<const Poses> inputs);

@@ -140,11 +140,11 @@ nlohmann::json JudgeForeign(const Data& data, const Styler& styler, const stylis
   for (const ForeignMotion& motion : ForeignMotions(data.inputs.front().front())) {
     ForeignFigures figures;
     int shown = 0;
-    for (int style = 1; style < styler.network->style_count(); ++style) {
+    for (int style = 1; style < static_cast<int>(styler.network->model().styles.size()); ++style) {
       Poses out = Run(styler, options, style, motion, figures);
       if (shown++ < 2) {
         scenes.push_back({motion.name,
-                          styler.network->metadata().styles[static_cast<std::size_t>(style)].name,
+                          styler.network->model().styles[static_cast<std::size_t>(style)].name,
                           motion.poses,
                           {},
                           std::move(out)});

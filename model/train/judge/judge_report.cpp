@@ -401,20 +401,17 @@ void Evaluator::Print(const Figures& figures) const {
   }
 }
 
-Reconstruction MeasureReconstruction(const erd::Network& network, std::span<const Poses> clips) {
+Reconstruction MeasureReconstruction(const net::Stylizer& network, std::span<const Poses> clips) {
   Reconstruction figures;
-  const erd::FeatureParameters& parameters = network.metadata().features;
+  const std::unique_ptr<net::Stream> stream = network.MakeStream();
   for (const Poses& clip : clips) {
-    erd::State state;
-    network.Start(state);
-    erd::FeatureState memory;
-    erd::Features features;
-    erd::StepOutput step;
+    network.Start(*stream);
+    net::Prediction step;
     for (const body::Pose& pose : clip) {
-      const float heading_rad = erd::ComputeFeatures(pose, parameters, memory, features);
-      network.Step(features, 0, {}, state, step);
+      const net::StepJob job{&pose, 0, {}, stream.get(), &step};
+      network.Step({&job, 1});
       body::Pose in = pose;
-      in.rotations[body::kHips] = body::Yaw(-heading_rad) * pose.rotations[body::kHips];
+      in.rotations[body::kHips] = body::Yaw(-step.heading_rad) * pose.rotations[body::kHips];
       body::Pose rec = in;
       std::copy(step.reconstruction.rotations.begin(), step.reconstruction.rotations.end(),
                 rec.rotations.begin());

@@ -102,6 +102,6 @@ class Evaluator {
 struct Reconstruction {
   Mean angle_deg, position_cm;
 };
-Reconstruction MeasureReconstruction(const erd::Network& network, std::span<const Poses> clips);
+Reconstruction MeasureReconstruction(const net::Stylizer& network, std::span<const Poses> clips);
 
 }  // namespace styled::judge

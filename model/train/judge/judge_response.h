@@ -45,7 +45,7 @@ struct ResponseInput {
 // `real`: clips that show how far the judge can be trusted.
 Response MeasureResponse(const Judges& judges, std::span<const train::TrainingClip> real,
                          std::span<const int> styles, std::span<const int> network_styles,
-                         const std::shared_ptr<const erd::Network>& network,
+                         const std::shared_ptr<const net::Stylizer>& network,
                          const std::shared_ptr<const rig::Binding>& binding,
                          const stylist::Options& options, float transition_s, double every_s,
                          std::span<const ResponseInput> inputs);

@@ -22,7 +22,7 @@ stylist::Settings OneStyle(int style, bool absolute) {
   return settings;
 }
 
-Poses StyleStream(const std::shared_ptr<const erd::Network>& network,
+Poses StyleStream(const std::shared_ptr<const net::Stylizer>& network,
                   const std::shared_ptr<const rig::Binding>& binding,
                   const stylist::Options& options, std::span<const Switch> switches,
                   std::span<const body::Pose> input, double rate_hz) {

@@ -7,7 +7,7 @@
 
 #include "model/base/status.h"
 #include "model/body/pose.h"
-#include "model/net/erd/network.h"
+#include "model/net/stylizer.h"
 #include "model/stylist/stylist.h"
 
 namespace styled::judge {
@@ -31,7 +31,7 @@ struct Switch {
   std::size_t frame = 0;
   stylist::Settings settings;
 };
-Poses StyleStream(const std::shared_ptr<const erd::Network>& network,
+Poses StyleStream(const std::shared_ptr<const net::Stylizer>& network,
                   const std::shared_ptr<const rig::Binding>& binding,
                   const stylist::Options& options, std::span<const Switch> switches,
                   std::span<const body::Pose> input, double rate_hz = kStreamRate_hz);

@@ -65,7 +65,7 @@ class Daemon {
     std::vector<std::unique_ptr<source::Transport>> transports;
     transports.push_back(std::make_unique<Nothing>());
     auto live = std::make_shared<pipeline::RuntimeConfig>();
-    live->network = erd::RandomNetwork(5, 1);
+    live->network = erd::RandomStylizer(5, 1);
     live->presets = {{"both", {{"style1", 0.5F}, {"style2", 0.5F}}, "here"}};
     pipeline_ = std::make_unique<pipeline::Pipeline>(
         pipeline::Dependencies{clock_, counters_, publisher_, mailboxes_},

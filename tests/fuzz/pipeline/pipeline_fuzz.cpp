@@ -46,7 +46,7 @@ void RequireSane(const v1::Frame& frame) {
 std::shared_ptr<const pipeline::RuntimeConfig> MakeConfig() {
   static const auto live = [] {
     auto made = std::make_shared<pipeline::RuntimeConfig>();
-    made->network = erd::RandomNetwork(5, 1);
+    made->network = erd::RandomStylizer(5, 1);
     made->performers.max_performers = 6;
     return made;
   }();

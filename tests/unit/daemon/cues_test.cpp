@@ -40,13 +40,14 @@ class MakeCueTest : public testing::Test {
     cue.name = "entrance";
     cue.place = "show.toml:7";
     say(cue);
-    return MakeCue(cue, {{"mixed", {{"style1", 0.5F}, {"style2", 0.5F}}, ""}}, *network_);
+    return MakeCue(cue, {{"mixed", {{"style1", 0.5F}, {"style2", 0.5F}}, ""}},
+                   network_->model().styles);
   }
   std::string Complaint(const std::function<void(config::Cue&)>& say) {
     const auto made = Make(say);
     return made.ok() ? "none" : made.status().message();
   }
-  std::shared_ptr<const erd::Network> network_ = erd::RandomNetwork(5, 1);
+  std::shared_ptr<const net::Stylizer> network_ = erd::RandomStylizer(5, 1);
 };
 
 TEST_F(MakeCueTest, ACueIsTheRequestsThatItMeans) {

@@ -22,7 +22,7 @@ constexpr source::Machine kHere{0x0A}, kElsewhere{0x0B};
 constexpr std::uint64_t kMs = 1'000'000;
 
 std::shared_ptr<RuntimeConfig> MakeConfig() {
-  static const std::shared_ptr<const erd::Network> network = erd::RandomNetwork(5, 1);
+  static const std::shared_ptr<const net::Stylizer> network = erd::RandomStylizer(5, 1);
   auto live = std::make_shared<RuntimeConfig>();
   live->network = network;
   return live;

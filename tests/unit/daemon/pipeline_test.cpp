@@ -63,7 +63,7 @@ class PipelineTest : public testing::Test {
   std::uint64_t Count(Counter counter) const { return counters_.Get(counter); }
   const std::vector<v1::Frame>& frames() const { return publisher_.frames; }
 
-  std::shared_ptr<const erd::Network> network_ = erd::RandomNetwork(5, 1);
+  std::shared_ptr<const net::Stylizer> network_ = erd::RandomStylizer(5, 1);
   config::Performers limits_;
   support::FakeClock clock_;
   runtime::Counters counters_;
@@ -286,7 +286,7 @@ TEST_F(PipelineTest, NewWeightsKeepLooksByName) {
   ASSERT_EQ(Ask(request).code(), v1::CODE_OK);
   Deliver({rig_.Body(), rig_.Frame()});
   ASSERT_EQ(frames()[0].styles_size(), 1);
-  network_ = erd::RandomNetwork(3, 9);
+  network_ = erd::RandomStylizer(3, 9);
   std::shared_ptr<const RuntimeConfig> config = MakeConfig();
   ASSERT_TRUE(mailboxes_.reloads.Push(std::move(config)));
   Pass(8);

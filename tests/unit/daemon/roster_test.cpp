@@ -129,7 +129,7 @@ class RosterTest : public testing::Test {
   }
   std::uint64_t Count(Counter counter) const { return counters_.Get(counter); }
 
-  std::shared_ptr<const erd::Network> network_ = erd::RandomNetwork(5, 1);
+  std::shared_ptr<const net::Stylizer> network_ = erd::RandomStylizer(5, 1);
   support::TemporaryFolder folder_;
   const std::string file_ = folder_ / "performers.toml";
   StillClock clock_;

@@ -83,7 +83,7 @@ TEST_F(GuardTest, WildWeightsLeaveThePerformersOwnPoseAndSaySo) {
     erd::WeightsFile file = erd::RandomWeights(5, 1);
     for (float& value : file.tensor(tensor).values) value *= 1e30F;
     for (const bool absolute : {false, true}) {
-      Stylist stylist(erd::NetworkOf(file), binding, {});
+      Stylist stylist(erd::StylizerOf(file), binding, {});
       Settings settings = Style(2);
       settings.absolute = absolute;
       for (int frame = 1; frame < 120; ++frame) {
@@ -104,7 +104,7 @@ TEST_F(GuardTest, WildWeightsLeaveThePerformersOwnPoseAndSaySo) {
 TEST_F(GuardTest, WildWeightsDoNotSpoilTheContacts) {
   erd::WeightsFile file = erd::RandomWeights(5, 1);
   for (float& value : file.tensor("head.rotation.weight").values) value *= 1e30F;
-  Stylist wild(erd::NetworkOf(file), binding, {}), plain(erd::RandomNetwork(5, 1), binding, {});
+  Stylist wild(erd::StylizerOf(file), binding, {}), plain(erd::RandomStylizer(5, 1), binding, {});
   Output expected(binding->skeleton());
   for (int frame = 1; frame < 240; ++frame) {
     const rig::RigPose in = PoseAt(frame < 100 ? 1 : frame);  // stands, then goes
@@ -118,7 +118,7 @@ TEST_F(GuardTest, WildWeightsDoNotSpoilTheContacts) {
 }
 
 TEST_F(GuardTest, ABadStepSpoilsNoLaterOneAndTheStyleIsFadedInAgain) {
-  Stylist stylist(erd::NetworkOf(erd::SleepingWeights(5, 1)), binding, {});
+  Stylist stylist(erd::StylizerOf(erd::SleepingWeights(5, 1)), binding, {});
   stylist.Set(Style(2));
   int frame = 1;
   for (; frame < 120; ++frame) {
@@ -149,7 +149,7 @@ TEST_F(GuardTest, ABadStepSpoilsNoLaterOneAndTheStyleIsFadedInAgain) {
 // Together with others as alone.
 TEST_F(GuardTest, WhoFailsDisturbsNobodyInTheSameCall) {
   erd::WeightsFile file = erd::SleepingWeights(5, 1);
-  const auto network = erd::NetworkOf(file);
+  const auto network = erd::StylizerOf(file);
   Stylist alone(network, binding, {}), beside(network, binding, {}), high(network, binding, {});
   alone.Set(Style(2));
   beside.Set(Style(2));
@@ -173,7 +173,7 @@ TEST_F(GuardTest, WhoFailsDisturbsNobodyInTheSameCall) {
 }
 
 TEST_F(GuardTest, GoodWeightsNeverFail) {
-  Stylist stylist(erd::RandomNetwork(5, 1), binding, {});
+  Stylist stylist(erd::RandomStylizer(5, 1), binding, {});
   stylist.Set(Style(3));
   for (int frame = 1; frame < 400; ++frame) {
     Feed(stylist, frame, PoseAt(frame));
@@ -210,7 +210,7 @@ TEST_F(GuardTest, AbsurdInputLeavesAPoseOnEveryTopic) {
   const auto any = [&] { return absurd[random() % absurd.size()]; };
   Options options;
   options.jump_accept_frames = 2;  // so that they are believed
-  const auto network = erd::RandomNetwork(5, 1);
+  const auto network = erd::RandomStylizer(5, 1);
   const rig::BindingSpec humanoid = binding->spec();
   for (int round = 0; round < 60; ++round) {
     rig::BindingSpec spec = humanoid;  // in units of a hand's breadth, of the Earth, of an atom
@@ -266,9 +266,9 @@ TEST_F(GuardTest, EveryFaultOfAPoseIsSeen) {
   styled.translations[2].x() += 200;
   EXPECT_FALSE(IsSound(styled, given, 0.01F));
 
-  erd::StepOutput step;
+  net::Prediction step;
   const auto good = [&step] {
-    for (erd::Decoded* decoded : {&step.reconstruction, &step.styled}) {
+    for (net::Decoded* decoded : {&step.reconstruction, &step.styled}) {
       decoded->rotations.fill(body::Quat::Identity());
       decoded->velocities_m_s.fill(0);
       decoded->hips_height_m = 1;

@@ -6,7 +6,7 @@
 namespace styled::stylist {
 namespace {
 
-Settings Of(std::initializer_list<erd::ActiveStyle> mix, float transition_s = 0.4F) {
+Settings Of(std::initializer_list<net::StyleWeight> mix, float transition_s = 0.4F) {
   Settings settings;
   std::copy(mix.begin(), mix.end(), settings.mix.begin());
   settings.transition_s = transition_s;
@@ -14,7 +14,7 @@ Settings Of(std::initializer_list<erd::ActiveStyle> mix, float transition_s = 0.
 }
 
 float WeightOf(const Mixer& mixer, int style) {
-  for (const erd::ActiveStyle& active : mixer.in_force()) {
+  for (const net::StyleWeight& active : mixer.in_force()) {
     if (active.style == style) return active.weight;
   }
   return -1;
@@ -89,7 +89,7 @@ TEST(MixerTest, HastyCommandsNeverAskForMoreBranchesThanThereAre) {
     mixer.Aim(
         Of({{first, 0.25F}, {first + 1, 0.25F}, {first + 2, 0.25F}, {first + 3, 0.25F}}, 5.0F));
     mixer.Advance(0.01);
-    EXPECT_LE(mixer.in_force().size(), static_cast<std::size_t>(erd::kMaxActive));
+    EXPECT_LE(mixer.in_force().size(), static_cast<std::size_t>(net::kMaxActive));
     for (int style = first; style < first + 4; ++style) EXPECT_GE(WeightOf(mixer, style), 0.0F);
   }
 }

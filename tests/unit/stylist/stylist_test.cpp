@@ -55,7 +55,7 @@ rig::RigPose PoseAt(double time_s, const rig::Skeleton& skeleton) {
 }
 
 struct StylistTest : testing::Test {
-  std::shared_ptr<const erd::Network> network = erd::RandomNetwork(5, 1);
+  std::shared_ptr<const net::Stylizer> network = erd::RandomStylizer(5, 1);
   rig::Skeleton skeleton = CanonicalSkeleton();
   std::shared_ptr<const rig::Binding> binding = [this] {
     auto bound = rig::BindDialect(skeleton, "canonical");
@@ -214,7 +214,7 @@ TEST_F(StylistTest, ASwitchThrowsNoLimb) {
   for (std::size_t i = 0; i < decoder.values.size(); ++i) {
     if (i % width >= width - 5) decoder.values[i] *= 20;
   }
-  network = std::move(erd::Network::Parse(weights.Bytes(), "far apart").value());
+  network = erd::StylizerOf(weights);
   options.feet = false;
   options.change_tau_s = 0.01F;
   const auto hardest_mps2 = [this](float transition_s, int faded_at = 0) {
@@ -264,7 +264,7 @@ TEST_F(StylistTest, TheSameStreamGivesTheSameBits) {
 // several ticks are due in a frame; one on other weights.
 TEST_F(StylistTest, TogetherIsBitForBitOneByOne) {
   constexpr int kPerformers = 11;
-  const auto other = erd::RandomNetwork(5, 2);
+  const auto other = erd::RandomStylizer(5, 2);
   std::vector<Stylist> alone, together;
   std::vector<Output> out_alone, out_together;
   for (int k = 0; k < kPerformers; ++k) {
@@ -302,10 +302,11 @@ TEST_F(StylistTest, PrewarmingChangesNothing) {
   Output other(skeleton);
   warmed.Set(Style(1));
   cold.Set(Style(1));
-  warmed.Prewarm();
+  Rehearsal rehearsal(network, binding, options);
+  rehearsal.Prewarm(warmed);
   for (int frame = 1; frame < 40; ++frame) {
     Feed(warmed, frame);
-    warmed.Prewarm();
+    rehearsal.Prewarm(warmed);
     cold.Process(Time(frame), PoseAt(static_cast<double>(Time(frame)) * 1e-9, skeleton), other);
     ASSERT_TRUE(SameBits(out.rig, other.rig)) << frame;
   }
@@ -485,20 +486,16 @@ TEST_F(StylistTest, TheAbsoluteOutputIsTheDecodersOwn) {
   options.feet = false;
   Stylist unfaded(network, binding, options);
   unfaded.Set(settings);
-  erd::State state;
-  network->Start(state);
-  erd::FeatureState memory;
+  const std::unique_ptr<net::Stream> stream = network->MakeStream();
   for (int frame = 0; frame < 60; ++frame) {
     Feed(unfaded, frame, 30);
-    erd::Features features;
-    const float heading_rad =
-        erd::ComputeFeatures(out.canonical_input, network->metadata().features, memory, features);
-    erd::StepOutput step;
-    const erd::ActiveStyle active{2, 1.0F};
-    network->Step(features, 0, std::span(&active, 1), state, step);
+    net::Prediction step;
+    const net::StyleWeight active{2, 1.0F};
+    const net::StepJob job{&out.canonical_input, 0, {&active, 1}, stream.get(), &step};
+    network->Step({&job, 1});
     for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
       body::Quat wanted = step.styled.rotations[joint];
-      if (joint == body::kHips) wanted = body::Yaw(heading_rad) * wanted;
+      if (joint == body::kHips) wanted = body::Yaw(step.heading_rad) * wanted;
       ASSERT_LT(body::Log(wanted.conjugate() * out.canonical.rotations[joint]).norm(), 1e-3F)
           << frame << " " << joint;
     }

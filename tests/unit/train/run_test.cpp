@@ -212,13 +212,14 @@ std::vector<float> Styled(const std::filesystem::path& weights, const std::strin
   const erd::Network& network = *loaded.value();
   constexpr int kFrames = 40;
   std::vector<float> features(kFrames * erd::kFeatureCount);
-  FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.metadata().features,
+  FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.features(),
              {.features = features.data()});
-  const std::array<erd::ActiveStyle, 1> active{{{.style = network.FindStyle(style), .weight = 1}}};
+  const std::array<net::StyleWeight, 1> active{
+      {{.style = net::FindStyle(network.model().styles, style), .weight = 1}}};
   EXPECT_GT(active[0].style, 0) << style;
   erd::State state;
   network.Start(state);
-  erd::StepOutput out;
+  net::Prediction out;
   std::vector<float> values;
   for (int t = 0; t < kFrames; ++t) {
     erd::Features x;
@@ -283,7 +284,8 @@ TEST_F(AddedStyle, LearnedAnewAnyStyleStaysInItsPlaceAndTheOthersBitForBit) {
   auto after = erd::Network::Load(file);
   ASSERT_TRUE(before.ok() && after.ok());
   EXPECT_EQ(after.value()->style_count(), before.value()->style_count());
-  EXPECT_EQ(after.value()->FindStyle("odd"), before.value()->FindStyle("odd"));
+  EXPECT_EQ(net::FindStyle(after.value()->model().styles, "odd"),
+            net::FindStyle(before.value()->model().styles, "odd"));
 }
 
 // The figures of one column of a run's log.
@@ -481,7 +483,7 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
   auto loaded = erd::Network::Load(file);
   ASSERT_TRUE(loaded.ok()) << loaded.status().message();
   const erd::Network& network = *loaded.value();
-  EXPECT_EQ(network.FindStyle("strange"), 1);
+  EXPECT_EQ(net::FindStyle(network.model().styles, "strange"), 1);
 
   Checkpoint checkpoint;
   Check(ReadCheckpoint(root_ / "run" / "checkpoint.pt", checkpoint));
@@ -494,7 +496,7 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
 
   constexpr int kFrames = 60;
   Tensor features = torch::empty({kFrames, 1, erd::kFeatureCount});
-  FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.metadata().features,
+  FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.features(),
              {.features = features.data_ptr<float>()});
   const Tensor z =
       generator.Encode((features - mean) / deviation, torch::zeros({1}, torch::kInt64));
@@ -506,8 +508,8 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
 
   erd::State state;
   network.Start(state);
-  erd::StepOutput out;
-  const std::array<erd::ActiveStyle, 1> active{{{.style = 1, .weight = 1.0F}}};
+  net::Prediction out;
+  const std::array<net::StyleWeight, 1> active{{{.style = 1, .weight = 1.0F}}};
   float largest = 0;
   for (int t = 0; t < kFrames; ++t) {
     erd::Features x;

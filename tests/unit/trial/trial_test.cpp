@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "model/feet/legs.h"
+#include "model/net/load.h"
 #include "model/stylist/stylist.h"
 #include "model/synthetic/performer.h"
 #include "tests/unit/net/erd/random_weights.h"
@@ -41,8 +42,7 @@ void ExpectWellWithin(const Figures& figures) {
 
 TEST(TrialTest, ShippedWeightsPassWithRoomToSpare) {
   for (const std::string name : {"v0", "v1"}) {
-    const auto network =
-        erd::Network::Load(std::string(STYLED_SHIPPED "/") + name + ".safetensors");
+    const auto network = net::Load(std::string(STYLED_SHIPPED "/") + name + ".safetensors");
     ASSERT_TRUE(network.ok()) << network.status().message();
     Figures figures;
     const Status status = Try(*network.value(), name, &figures);
@@ -57,7 +57,7 @@ TEST(TrialTest, ShippedWeightsPassWithRoomToSpare) {
 TEST(TrialTest, RandomWeightsPassWithRoomToSpare) {
   Figures worst;
   for (unsigned seed = 1; seed <= 30; ++seed) {
-    const auto network = erd::RandomNetwork(2 + static_cast<int>(seed) % 15, seed);
+    const auto network = erd::RandomStylizer(2 + static_cast<int>(seed) % 15, seed);
     Figures figures;
     const Status status = Try(*network, "random", &figures);
     ASSERT_TRUE(status.ok()) << seed << ": " << status.message();

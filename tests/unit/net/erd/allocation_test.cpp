@@ -113,12 +113,12 @@ TEST(Allocations, ArePerceived) {
 
 TEST(Allocations, NoneInStartAndStep) {
   const auto network = RandomNetwork(8, 1);
-  const std::vector<ActiveStyle> mix{{1, 0.3F}, {2, 0.3F}, {3, 0.2F}, {4, 0.1F}};
-  const std::vector<ActiveStyle> other{{5, 1.0F}, {2, 0.0F}};
+  const std::vector<net::StyleWeight> mix{{1, 0.3F}, {2, 0.3F}, {3, 0.2F}, {4, 0.1F}};
+  const std::vector<net::StyleWeight> other{{5, 1.0F}, {2, 0.0F}};
   Features features;
   features.fill(0.1F);
   State state;
-  StepOutput out;
+  net::Prediction out;
   EXPECT_EQ(AllocationsIn([&] {
               network->Start(state);
               for (int frame = 0; frame < 50; ++frame) {

@@ -59,9 +59,11 @@ std::vector<Broken> BrokenFiles() {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   std::vector<Broken> cases{
-      {"VersionTwo", Set("version", 2), {"key 'version': expected 1, found 2"}},
-      {"VersionText", Set("version", "1"), {"key 'version': expected 1, found \"1\""}},
-      {"VersionFraction", Set("version", 1.0), {"key 'version': expected 1, found 1.0"}},
+      {"VersionThree", Set("version", 3), {"key 'version': expected 1 or 2, found 3"}},
+      {"VersionNegative", Set("version", -1), {"key 'version': expected 1 or 2, found -1"}},
+      {"FamilyNumber", Set("family", 1), {"key 'family': expected a string, found 1"}},
+      {"VersionText", Set("version", "1"), {"key 'version': expected 1 or 2, found \"1\""}},
+      {"VersionFraction", Set("version", 1.0), {"key 'version': expected 1 or 2, found 1.0"}},
       {"OtherHumanoid",
        Set("humanoid_hash", "0123456789abcdef"),
        {"key 'humanoid_hash': expected \"", "found \"0123456789abcdef\""}},
@@ -187,7 +189,7 @@ INSTANTIATE_TEST_SUITE_P(Load, BrokenWeights, testing::ValuesIn(BrokenFiles()),
 
 TEST(Load, RefusesEachMissingKey) {
   const WeightsFile whole = RandomWeights(kStyles, 1);
-  ASSERT_EQ(whole.metadata.size(), 14U);
+  ASSERT_EQ(whole.metadata.size(), 15U);
   for (const auto& [key, value] : whole.metadata.items()) {
     WeightsFile file = whole;
     Drop(key)(file);
@@ -245,7 +247,9 @@ TEST(Load, RefusesHalfPrecision) {
 TEST(Load, RefusesOtherMetadata) {
   const WeightsFile file = RandomWeights(kStyles, 1);
   const auto message = [&file](const std::map<std::string, std::string>& metadata) {
-    return Network::Parse(SerializeSafetensors(file.tensors, metadata), "file").status().message();
+    return Network::Parse(net::SerializeSafetensors(file.tensors, metadata), "file")
+        .status()
+        .message();
   };
   const std::string text = file.metadata.dump();
   EXPECT_EQ(message({}),
@@ -277,26 +281,29 @@ TEST(Load, ReadsMetadata) {
   file.metadata["heading_tau_s"] = 0;
   const auto network = Network::Parse(file.Bytes(), "file");
   ASSERT_TRUE(network.ok()) << network.status().message();
-  const Metadata& metadata = network.value()->metadata();
+  const net::Model& model = network.value()->model();
+  const FeatureParameters& features = network.value()->features();
   EXPECT_EQ(network.value()->style_count(), kStyles);
-  EXPECT_EQ(metadata.styles[0].name, "neutral");
-  EXPECT_EQ(metadata.styles[2].name, "style2");
-  EXPECT_THAT(metadata.styles[2].aliases, testing::ElementsAre("s2"));
-  EXPECT_EQ(metadata.licence, "CC0-1.0");
-  EXPECT_EQ(json::parse(metadata.training)["command"], "random");
-  EXPECT_EQ(metadata.features.rate_hz, 60);
-  EXPECT_EQ(metadata.features.heading_tau_s, 0);
+  EXPECT_EQ(model.styles[0].name, "neutral");
+  EXPECT_EQ(model.styles[2].name, "style2");
+  EXPECT_THAT(model.styles[2].aliases, testing::ElementsAre("s2"));
+  EXPECT_EQ(model.licence, "CC0-1.0");
+  EXPECT_EQ(json::parse(model.training)["command"], "random");
+  EXPECT_EQ(model.family, "style-erd");
+  EXPECT_EQ(model.rate_hz, 60);
+  EXPECT_EQ(features.rate_hz, 60);
+  EXPECT_EQ(features.heading_tau_s, 0);
   for (int joint = 0; joint < body::kJointCount; ++joint) {
     const auto& mean = file.tensor("feature.mean").values;
     const Eigen::Vector4f q(mean[4 * joint], mean[4 * joint + 1], mean[4 * joint + 2],
                             mean[4 * joint + 3]);
-    EXPECT_LT((metadata.features.hemisphere[joint].coeffs() - q.normalized()).norm(), 1e-6F);
+    EXPECT_LT((features.hemisphere[joint].coeffs() - q.normalized()).norm(), 1e-6F);
   }
 }
 
 TEST(Load, TakesAsManyStylesAsItMay) {
   EXPECT_TRUE(Load(RandomWeights(1, 1)).ok());
-  EXPECT_TRUE(Load(RandomWeights(kMaxStyles, 1)).ok());
+  EXPECT_TRUE(Load(RandomWeights(net::kMaxStyles, 1)).ok());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "model/body/humanoid.h"
+#include "model/net/load.h"
 
 namespace styled::erd {
 namespace {
@@ -40,6 +41,15 @@ class Maker {
   std::vector<NamedTensor>& tensors_;
 };
 
+template <typename T>
+T Expect(Result<T> result) {
+  if (!result.ok()) {
+    std::fprintf(stderr, "%s\n", result.status().message().c_str());
+    std::abort();
+  }
+  return std::move(result.value());
+}
+
 }  // namespace
 
 NamedTensor& WeightsFile::tensor(const std::string& name) {
@@ -64,7 +74,8 @@ WeightsFile RandomWeights(int style_count, unsigned seed) {
     const std::string number = std::to_string(s);
     styles.push_back({{"name", "style" + number}, {"aliases", json::array({"s" + number})}});
   }
-  file.metadata = {{"version", 1},
+  file.metadata = {{"version", 2},
+                   {"family", "style-erd"},
                    {"humanoid_hash", hash},
                    {"styles", styles},
                    {"contents", json::array()},
@@ -153,12 +164,15 @@ std::shared_ptr<const Network> RandomNetwork(int style_count, unsigned seed) {
 }
 
 std::shared_ptr<const Network> NetworkOf(const WeightsFile& file) {
-  Result<std::shared_ptr<const Network>> network = Network::Parse(file.Bytes(), "random");
-  if (!network.ok()) {
-    std::fprintf(stderr, "%s\n", network.status().message().c_str());
-    std::abort();
-  }
-  return network.value();
+  return Expect(Network::Parse(file.Bytes(), "random"));
+}
+
+std::shared_ptr<const net::Stylizer> RandomStylizer(int style_count, unsigned seed) {
+  return StylizerOf(RandomWeights(style_count, seed));
+}
+
+std::shared_ptr<const net::Stylizer> StylizerOf(const WeightsFile& file) {
+  return Expect(net::Parse(file.Bytes(), "random"));
 }
 
 }  // namespace styled::erd

@@ -29,8 +29,11 @@ WeightsFile RandomWeights(int style_count, unsigned seed);
 inline constexpr float kAwake_m = 1.2F;
 WeightsFile SleepingWeights(int style_count, unsigned seed);
 
-// The network of those weights; aborts if they are refused.
+// The network of those weights, bare and as the rest of the program sees it; aborts if they are
+// refused.
 std::shared_ptr<const Network> RandomNetwork(int style_count, unsigned seed);
 std::shared_ptr<const Network> NetworkOf(const WeightsFile& file);
+std::shared_ptr<const net::Stylizer> RandomStylizer(int style_count, unsigned seed);
+std::shared_ptr<const net::Stylizer> StylizerOf(const WeightsFile& file);
 
 }  // namespace styled::erd

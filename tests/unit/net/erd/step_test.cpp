@@ -163,7 +163,7 @@ Features FeaturesAt(int frame, unsigned seed = 7) {
   return features;
 }
 
-double Difference(const Decoded& a, const ReferenceOutput& b) {
+double Difference(const net::Decoded& a, const ReferenceOutput& b) {
   double largest = std::abs(a.hips_height_m - b.height);
   for (int joint = 0; joint < 21; ++joint) {
     for (int i = 0; i < 4; ++i) {
@@ -177,7 +177,7 @@ double Difference(const Decoded& a, const ReferenceOutput& b) {
   return largest;
 }
 
-double Difference(const Decoded& a, const Decoded& b) {
+double Difference(const net::Decoded& a, const net::Decoded& b) {
   ReferenceOutput other;
   other.height = b.hips_height_m;
   for (const body::Quat& q : b.rotations) {
@@ -187,7 +187,7 @@ double Difference(const Decoded& a, const Decoded& b) {
   return Difference(a, other);
 }
 
-bool AllFinite(const Decoded& decoded) {
+bool AllFinite(const net::Decoded& decoded) {
   bool finite = std::isfinite(decoded.hips_height_m);
   for (const body::Quat& q : decoded.rotations) {
     finite = finite && q.coeffs().allFinite() && std::abs(q.norm() - 1) < 1e-5F;
@@ -214,7 +214,7 @@ constexpr double kTolerance = 2e-6;  // float32 against double; 1.5e-7 was measu
 struct Command {
   int from_frame;
   int input_style;
-  std::vector<ActiveStyle> active;
+  std::vector<net::StyleWeight> active;
 };
 
 // Runs the reference and the network of every SIMD target through `commands` for `frames`; the
@@ -239,12 +239,12 @@ double CompareThrough(const std::vector<Command>& commands, int frames, unsigned
     while (command + 1 < commands.size() && commands[command + 1].from_frame <= frame) ++command;
     const Command& now = commands[command];
     std::map<int, double> active;
-    for (const ActiveStyle& style : now.active) active[style.style] = style.weight;
+    for (const net::StyleWeight& style : now.active) active[style.style] = style.weight;
     ReferenceOutput reconstruction, styled;
     const Features features = FeaturesAt(frame, seed);
     reference.Step(features, now.input_style, active, reconstruction, styled);
     for (Run& run : runs) {
-      StepOutput out;
+      net::Prediction out;
       run.network->Step(features, now.input_style, now.active, run.state, out);
       largest = std::max({largest, Difference(out.reconstruction, reconstruction),
                           Difference(out.styled, styled)});
@@ -270,7 +270,7 @@ TEST(StepAgainstReference, StrengthAboveOneIsNormalized) {
 }
 
 TEST(StepAgainstReference, MixOfFour) {
-  const std::vector<ActiveStyle> mix{{1, 0.3F}, {5, 0.1F}, {2, 0.2F}, {4, 0.25F}};
+  const std::vector<net::StyleWeight> mix{{1, 0.3F}, {5, 0.1F}, {2, 0.2F}, {4, 0.25F}};
   EXPECT_LT(CompareThrough({{0, 0, mix}}, 200, 5), kTolerance);
 }
 
@@ -298,11 +298,11 @@ TEST(StepAgainstReference, StyledInput) {
 TEST(StepAgainstReference, AnotherHistoryIsSeen) {
   // The comparison's negative control: the same network, one branch one frame older.
   const auto network = RandomNetwork(3, 8);
-  const std::vector<ActiveStyle> active{{1, 1.0F}};
+  const std::vector<net::StyleWeight> active{{1, 1.0F}};
   State a, b;
   network->Start(a);
   network->Start(b);
-  StepOutput out_a, out_b;
+  net::Prediction out_a, out_b;
   network->Step(FeaturesAt(0), 0, active, a, out_a);
   network->Step(FeaturesAt(0), 0, {}, b, out_b);
   network->Step(FeaturesAt(1), 0, active, a, out_a);
@@ -313,12 +313,12 @@ TEST(StepAgainstReference, AnotherHistoryIsSeen) {
 
 TEST(Step, TwoRunsAreBitIdentical) {
   const auto network = RandomNetwork(4, 9);
-  std::vector<StepOutput> runs[2];
+  std::vector<net::Prediction> runs[2];
   for (auto& run : runs) {
     State state;
     network->Start(state);
     for (int frame = 0; frame < 100; ++frame) {
-      const std::vector<ActiveStyle> active{{1 + frame / 40, 0.9F}, {3, 0.2F}};
+      const std::vector<net::StyleWeight> active{{1 + frame / 40, 0.9F}, {3, 0.2F}};
       run.emplace_back();
       network->Step(FeaturesAt(frame), 0, active, state, run.back());
     }
@@ -336,12 +336,12 @@ TEST(Step, TogetherIsBitForBitOneByOne) {
   net::OnEachTarget([] {
     const auto network = RandomNetwork(6, 19);
     std::vector<State> alone(kPerformers), together(kPerformers);
-    std::vector<StepOutput> out_alone(kPerformers), out_together(kPerformers);
+    std::vector<net::Prediction> out_alone(kPerformers), out_together(kPerformers);
     for (State& state : alone) network->Start(state);
     for (State& state : together) network->Start(state);
     for (int frame = 0; frame < 12; ++frame) {
       std::vector<Features> features;
-      std::vector<std::vector<ActiveStyle>> active(kPerformers);
+      std::vector<std::vector<net::StyleWeight>> active(kPerformers);
       for (int k = 0; k < kPerformers; ++k) {
         features.push_back(FeaturesAt(frame + 3 * k));
         for (int s = 0; s < k % 5; ++s) active[k].push_back({1 + (k + s + frame / 4) % 6, 0.4F});
@@ -364,10 +364,10 @@ TEST(Step, TogetherIsBitForBitOneByOne) {
 
 TEST(Step, ACopiedStateGoesOnAlike) {
   const auto network = RandomNetwork(3, 10);
-  const std::vector<ActiveStyle> active{{1, 0.5F}, {2, 0.5F}};
+  const std::vector<net::StyleWeight> active{{1, 0.5F}, {2, 0.5F}};
   State state;
   network->Start(state);
-  StepOutput out, of_copy;
+  net::Prediction out, of_copy;
   for (int frame = 0; frame < 20; ++frame) network->Step(FeaturesAt(frame), 0, active, state, out);
   State copy = state;
   network->Step(FeaturesAt(20), 0, active, state, out);
@@ -380,10 +380,10 @@ TEST(Step, WithoutAStyleStyledIsTheReconstruction) {
   State state, other;
   network->Start(state);
   network->Start(other);
-  StepOutput none, zero;
+  net::Prediction none, zero;
   network->Step(FeaturesAt(0), 0, {}, state, none);
   EXPECT_EQ(Difference(none.styled, none.reconstruction), 0);
-  const std::vector<ActiveStyle> weight_zero{{1, 0.0F}};
+  const std::vector<net::StyleWeight> weight_zero{{1, 0.0F}};
   network->Step(FeaturesAt(0), 0, weight_zero, other, zero);
   EXPECT_EQ(Difference(zero.styled, none.styled), 0);
 }
@@ -392,7 +392,7 @@ TEST(Step, ANetworkOfNeutralAloneRuns) {
   const auto network = RandomNetwork(1, 12);
   State state;
   network->Start(state);
-  StepOutput out;
+  net::Prediction out;
   network->Step(FeaturesAt(0), 0, {}, state, out);
   EXPECT_TRUE(AllFinite(out.styled));
 }
@@ -401,15 +401,15 @@ TEST(Step, BranchesLiveWhileNamed) {
   const auto network = RandomNetwork(6, 13);
   State state;
   network->Start(state);
-  StepOutput out;
+  net::Prediction out;
   const auto alive = [&state](int style) {
     return std::count(state.style.begin(), state.style.end(), style);
   };
   EXPECT_EQ(alive(-1), kMaxBranches);
-  network->Step(FeaturesAt(0), 0, std::vector<ActiveStyle>{{2, 1.0F}, {4, 0.0F}}, state, out);
+  network->Step(FeaturesAt(0), 0, std::vector<net::StyleWeight>{{2, 1.0F}, {4, 0.0F}}, state, out);
   EXPECT_EQ(alive(2), 1);
   EXPECT_EQ(alive(4), 1);
-  network->Step(FeaturesAt(1), 5, std::vector<ActiveStyle>{{2, 1.0F}}, state, out);
+  network->Step(FeaturesAt(1), 5, std::vector<net::StyleWeight>{{2, 1.0F}}, state, out);
   EXPECT_EQ(alive(4), 0);
   EXPECT_EQ(alive(5), 1);
   network->Step(FeaturesAt(2), 0, {}, state, out);
@@ -421,10 +421,11 @@ TEST(Step, IgnoresStylesItLacksAndNeutral) {
   State state, other;
   network->Start(state);
   network->Start(other);
-  StepOutput out, expected;
-  const std::vector<ActiveStyle> odd{{0, 1.0F}, {-1, 1.0F}, {3, 1.0F}, {1, 0.5F}, {1 << 30, 1.0F}};
+  net::Prediction out, expected;
+  const std::vector<net::StyleWeight> odd{
+      {0, 1.0F}, {-1, 1.0F}, {3, 1.0F}, {1, 0.5F}, {1 << 30, 1.0F}};
   network->Step(FeaturesAt(0), 0, odd, state, out);
-  network->Step(FeaturesAt(0), 99, std::vector<ActiveStyle>{{1, 0.5F}}, other, expected);
+  network->Step(FeaturesAt(0), 99, std::vector<net::StyleWeight>{{1, 0.5F}}, other, expected);
   EXPECT_EQ(Difference(out.styled, expected.styled), 0);
 }
 
@@ -432,27 +433,27 @@ TEST(Step, IgnoresWhatComesAfterTheLimit) {
   const auto network = RandomNetwork(16, 15);
   State state;
   network->Start(state);
-  StepOutput out;
-  std::vector<ActiveStyle> all;
+  net::Prediction out;
+  std::vector<net::StyleWeight> all;
   for (int style = 1; style < 16; ++style) all.push_back({style, 0.1F});
   network->Step(FeaturesAt(0), 15, all, state, out);  // the input's own style has its slot
-  for (int i = 0; i < kMaxActive; ++i) EXPECT_EQ(state.style[i], 1 + i);
-  EXPECT_EQ(state.style[kMaxActive], 15);
+  for (int i = 0; i < net::kMaxActive; ++i) EXPECT_EQ(state.style[i], 1 + i);
+  EXPECT_EQ(state.style[net::kMaxActive], 15);
 }
 
 TEST(Step, WeightsAreClampedAndOfOneStyleAdded) {
   const auto network = RandomNetwork(3, 16);
-  const auto styled = [&](const std::vector<ActiveStyle>& active) {
+  const auto styled = [&](const std::vector<net::StyleWeight>& active) {
     State state;
     network->Start(state);
-    StepOutput out;
+    net::Prediction out;
     network->Step(FeaturesAt(0), 0, active, state, out);
     return out.styled;
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  const Decoded most = styled({{1, kMaxStrength}});
-  const Decoded none = styled({{1, 0.0F}});
+  const net::Decoded most = styled({{1, net::kMaxStrength}});
+  const net::Decoded none = styled({{1, 0.0F}});
   EXPECT_EQ(Difference(styled({{1, 1e9F}}), most), 0);
   EXPECT_EQ(Difference(styled({{1, kInfinity}}), most), 0);
   EXPECT_EQ(Difference(styled({{1, -1.0F}}), none), 0);
@@ -463,14 +464,14 @@ TEST(Step, WeightsAreClampedAndOfOneStyleAdded) {
 
 TEST(Step, NoInputLeavesANonFiniteState) {
   const auto network = RandomNetwork(3, 17);
-  const std::vector<ActiveStyle> active{{1, 1.0F}, {2, 0.5F}};
+  const std::vector<net::StyleWeight> active{{1, 1.0F}, {2, 0.5F}};
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kHuge = std::numeric_limits<float>::max();
   constexpr float kTiny = std::numeric_limits<float>::denorm_min();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   State state;
   network->Start(state);
-  StepOutput out;
+  net::Prediction out;
   int frame = 0;
   for (const float value :
        {0.0F, kTiny, 1e6F, -1e20F, kHuge, -kHuge, kInfinity, -kInfinity, kNan}) {
@@ -488,11 +489,11 @@ TEST(Step, NoInputLeavesANonFiniteState) {
 TEST(Step, RecoversFromANotANumberFrame) {
   // A frame of nothing but NaN reads as the mean; 300 frames later its memory has faded.
   const auto network = RandomNetwork(3, 18);
-  const std::vector<ActiveStyle> active{{1, 1.0F}};
+  const std::vector<net::StyleWeight> active{{1, 1.0F}};
   State state, undisturbed;
   network->Start(state);
   network->Start(undisturbed);
-  StepOutput out, expected;
+  net::Prediction out, expected;
   Features nothing;
   nothing.fill(std::numeric_limits<float>::quiet_NaN());
   network->Step(nothing, 0, active, state, out);
@@ -503,17 +504,6 @@ TEST(Step, RecoversFromANotANumberFrame) {
     network->Step(FeaturesAt(frame), 0, active, undisturbed, expected);
   }
   EXPECT_LT(Difference(out.styled, expected.styled), 1e-3);
-}
-
-TEST(Step, FindsStylesByNameAndAliasInAnyCase) {
-  const auto network = RandomNetwork(3, 19);
-  EXPECT_EQ(network->FindStyle("neutral"), 0);
-  EXPECT_EQ(network->FindStyle("Normal"), 0);
-  EXPECT_EQ(network->FindStyle("STYLE2"), 2);
-  EXPECT_EQ(network->FindStyle("s1"), 1);
-  EXPECT_EQ(network->FindStyle("style3"), -1);
-  EXPECT_EQ(network->FindStyle("style"), -1);
-  EXPECT_EQ(network->FindStyle(""), -1);
 }
 
 }  // namespace

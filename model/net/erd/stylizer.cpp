@@ -1,0 +1,74 @@
+#include "model/net/erd/stylizer.h"
+
+#include <algorithm>
+#include <array>
+
+#include "model/net/erd/features.h"
+#include "model/net/erd/network.h"
+
+namespace styled::erd {
+namespace {
+
+constexpr std::size_t kTogether = 8;  // so many at a time; as Network
+
+class ErdStream final : public net::Stream {
+ public:
+  struct Memory {
+    State network;
+    FeatureState features;  // the filtered heading and the last positions
+  } frames;
+  Features features;  // of the step at hand
+
+  std::span<const std::byte> memory() const noexcept override {
+    return std::as_bytes(std::span(&frames, 1));
+  }
+};
+
+class ErdStylizer final : public net::Stylizer {
+ public:
+  explicit ErdStylizer(std::shared_ptr<const Network> network) : network_(std::move(network)) {}
+
+  const net::Model& model() const noexcept override { return network_->model(); }
+
+  std::unique_ptr<net::Stream> MakeStream() const override {
+    auto stream = std::make_unique<ErdStream>();
+    Start(*stream);
+    return stream;
+  }
+
+  void Start(net::Stream& stream) const noexcept override {
+    auto& memory = static_cast<ErdStream&>(stream).frames;
+    network_->Start(memory.network);
+    memory.features = FeatureState();
+  }
+
+  void Step(std::span<const net::StepJob> jobs) const noexcept override {
+    std::array<StepJob, kTogether> steps;
+    for (; !jobs.empty(); jobs = jobs.subspan(std::min(jobs.size(), kTogether))) {
+      const std::size_t count = std::min(jobs.size(), kTogether);
+      for (std::size_t k = 0; k < count; ++k) {
+        const net::StepJob& job = jobs[k];
+        auto& stream = static_cast<ErdStream&>(*job.stream);
+        auto& memory = stream.frames;
+        job.out->heading_rad =
+            ComputeFeatures(*job.pose, network_->features(), memory.features, stream.features);
+        steps[k] = {&stream.features, job.input_style, job.styles, &memory.network, job.out};
+      }
+      network_->StepTogether(std::span(steps).first(count));
+    }
+  }
+
+ private:
+  std::shared_ptr<const Network> network_;
+};
+
+}  // namespace
+
+Result<std::shared_ptr<const net::Stylizer>> Load(net::WeightsFile& file) {
+  auto network = Network::Read(file);
+  if (!network.ok()) return network.status();
+  return std::shared_ptr<const net::Stylizer>(
+      std::make_shared<ErdStylizer>(std::move(network.value())));
+}
+
+}  // namespace styled::erd

@@ -1,0 +1,233 @@
+#include "model/net/weights_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <set>
+
+#include "model/body/humanoid.h"
+#include "model/net/strict_json.h"
+
+namespace styled::net {
+namespace {
+
+using nlohmann::json;
+
+constexpr float kMaxRate_hz = 1000.0F;
+
+std::string ReadString(const json& object, const std::string& key, Faults& faults) {
+  const json* value = FindKey(object, key, faults);
+  if (value == nullptr) return "";
+  if (!value->is_string()) {
+    faults.Key(key, "a string", Shown(*value));
+    return "";
+  }
+  return value->get<std::string>();
+}
+
+// Adds a name or alias; names are looked up without case, so they must differ without it.
+void ReadName(const json& value, const std::string& place, std::set<std::string>& known,
+              std::string& name, Faults& faults) {
+  if (!value.is_string() || value.get_ref<const std::string&>().empty()) {
+    faults.Key(place, "a string that is not empty", Shown(value));
+    return;
+  }
+  name = value.get<std::string>();
+  std::string lower = name;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (!known.insert(lower).second) {
+    faults.Key(place, "a name or alias that occurs once", Shown(value));
+  }
+}
+
+void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
+  const json* list = FindKey(metadata, "styles", faults);
+  if (list == nullptr) return;
+  if (!list->is_array() || list->empty() || list->size() > kMaxStyles) {
+    faults.Key("styles", "1 to " + std::to_string(kMaxStyles) + " objects",
+               list->is_array() ? std::to_string(list->size()) : Shown(*list));
+    return;
+  }
+  std::set<std::string> known;
+  for (std::size_t s = 0; s < list->size(); ++s) {
+    const json& entry = (*list)[s];
+    const std::string place = "styles[" + std::to_string(s) + "]";
+    if (!entry.is_object() || !entry.contains("name") || !entry.contains("aliases") ||
+        !entry["aliases"].is_array()) {
+      faults.Key(place, "{\"name\", \"aliases\": [...]}", Shown(entry));
+      return;
+    }
+    StyleInfo style;
+    ReadName(entry["name"], place + ".name", known, style.name, faults);
+    for (const json& alias : entry["aliases"]) {
+      ReadName(alias, place + ".aliases", known, style.aliases.emplace_back(), faults);
+    }
+    styles.push_back(std::move(style));
+  }
+}
+
+// The family; a file of version 1 is older than they are.
+void ReadFamily(const json& object, std::string& family, Faults& faults) {
+  const json* const version = FindKey(object, "version", faults);
+  if (version == nullptr) return;
+  if (*version == json(1U) && version->is_number_integer()) {
+    family = kStyleErd;
+  } else if (*version == json(2U) && version->is_number_integer()) {
+    family = ReadString(object, "family", faults);
+  } else {
+    faults.Key("version", "1 or 2", Shown(*version));
+  }
+}
+
+std::string HumanoidHash() {
+  char hash[17];
+  std::snprintf(hash, sizeof(hash), "%016llx",
+                static_cast<unsigned long long>(body::HumanoidHash()));
+  return hash;
+}
+
+void ReadModel(const json& object, Model& model, Faults& faults) {
+  ReadFamily(object, model.family, faults);
+  ExpectEqual(object, "humanoid_hash", HumanoidHash(), faults);
+  ReadStyles(object, model.styles, faults);
+  model.rate_hz = ReadNumber(object, "rate_hz", {0, kMaxRate_hz, false}, faults);
+  model.licence = ReadString(object, "licence", faults);
+  if (const json* training = FindKey(object, "training", faults)) {
+    if (!training->is_object()) faults.Key("training", "an object", Shown(*training));
+    model.training = training->dump(-1, ' ', false, json::error_handler_t::replace);
+  }
+}
+
+std::string Spelled(const std::string& dtype, const std::vector<std::int64_t>& shape) {
+  return dtype + " " + json(shape).dump();
+}
+
+}  // namespace
+
+// A value as it is shown in an error.
+std::string Shown(const json& value) {
+  constexpr std::size_t kLongest = 80;
+  std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);
+  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  return text;
+}
+
+// The value of a required key; nullptr and a fault if there is none.
+const json* FindKey(const json& object, const std::string& key, Faults& faults) {
+  const auto found = object.find(key);
+  if (found != object.end()) return &*found;
+  faults.Add("key '" + key + "': missing");
+  return nullptr;
+}
+
+void ExpectEqual(const json& object, const std::string& key, const json& expected, Faults& faults) {
+  const json* value = FindKey(object, key, faults);
+  if (value == nullptr) return;
+  // 1.0 is not 1: a count is written as an integer.
+  if (value->type_name() != std::string_view(expected.type_name()) || *value != expected ||
+      value->is_number_float()) {
+    faults.Key(key, Shown(expected), Shown(*value));
+  }
+}
+
+float ReadNumber(const json& object, const std::string& key, Range range, Faults& faults) {
+  const json* value = FindKey(object, key, faults);
+  if (value == nullptr) return 0;
+  const double number = value->is_number() ? value->get<double>() : std::nan("");
+  if (!(range.least_allowed ? number >= range.least : number > range.least) ||
+      !(number <= range.most)) {
+    char text[64];
+    std::snprintf(text, sizeof(text), "a number %s %g and <= %g", range.least_allowed ? ">=" : ">",
+                  static_cast<double>(range.least), static_cast<double>(range.most));
+    faults.Key(key, text, Shown(*value));
+    return 0;
+  }
+  return static_cast<float>(number);
+}
+
+Result<WeightsFile> ParseWeights(std::span<const std::byte> bytes, const std::string& name) {
+  Result<SafetensorsView> view = ParseSafetensors(bytes, name);
+  if (!view.ok()) return view.status();
+  WeightsFile file;
+  file.name = name;
+  file.view = std::move(view.value());
+  Faults faults(name);
+  const auto& container = file.view.metadata;
+  const auto text = container.find("styled");
+  if (text == container.end() || container.size() != 1) {
+    faults.Add("__metadata__: expected the one key 'styled', found " +
+               (text == container.end() ? "none of that name"
+                                        : std::to_string(container.size()) + " keys"));
+    return faults.status();
+  }
+  const std::string wrong = ParseStrictJson(text->second, file.header);
+  if (!wrong.empty()) {
+    faults.Add("key 'styled': " + wrong);
+  } else if (!file.header.is_object()) {
+    faults.Key("styled", "an object", Shown(file.header));
+  } else {
+    ReadModel(file.header, file.model, faults);
+  }
+  if (!faults.none()) return faults.status();
+  return file;
+}
+
+json HeaderOf(const Model& model) {
+  json styles = json::array();
+  for (const StyleInfo& style : model.styles) {
+    styles.push_back({{"name", style.name}, {"aliases", style.aliases}});
+  }
+  const json training = json::parse(model.training, nullptr, /*allow_exceptions=*/false);
+  return {{"version", 2},
+          {"family", model.family},
+          {"humanoid_hash", HumanoidHash()},
+          {"styles", styles},
+          {"rate_hz", model.rate_hz},
+          {"licence", model.licence},
+          {"training", training.is_object() ? training : json::object()}};
+}
+
+RowMajor TensorReader::Matrix(const std::string& name, int rows, int columns) {
+  return Read(name, {rows, columns}, rows, columns);
+}
+
+RowMajor TensorReader::Vector(const std::string& name, int rows) {
+  return Read(name, {rows}, rows, 1);
+}
+
+void TensorReader::Finish() {
+  if (!view_.tensors.empty()) {
+    faults_.Add("tensor '" + view_.tensors.begin()->first + "': unknown");
+  }
+}
+
+RowMajor TensorReader::Read(const std::string& name, const std::vector<std::int64_t>& shape,
+                            int rows, int columns) {
+  RowMajor values = RowMajor::Zero(rows, columns);
+  const auto found = view_.tensors.find(name);
+  if (found == view_.tensors.end()) {
+    faults_.Add("tensor '" + name + "': expected " + Spelled("F32", shape) + ", found none");
+    return values;
+  }
+  const TensorView tensor = found->second;
+  view_.tensors.erase(found);
+  if (tensor.dtype != "F32" || tensor.shape != shape) {
+    faults_.Add("tensor '" + name + "': expected " + Spelled("F32", shape) + ", found " +
+                Spelled(tensor.dtype, tensor.shape));
+    return values;
+  }
+  std::memcpy(values.data(), tensor.bytes.data(), tensor.bytes.size());
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values.data()[i])) {
+      faults_.Add("tensor '" + name + "': expected finite values, found " +
+                  std::to_string(values.data()[i]) + " at " + std::to_string(i));
+      break;
+    }
+  }
+  return values;
+}
+
+}  // namespace styled::net
