@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/net/erd/stylizer.h"
+#include "model/net/offset/stylizer.h"
 #include "model/net/weights_file.h"
 
 namespace styled::net {
@@ -17,6 +18,7 @@ struct Family {
 };
 constexpr std::array kFamilies = {
     Family{kStyleErd, erd::Load},
+    Family{offset::kFamily, offset::Load},
 };
 
 std::string FamilyNames() {

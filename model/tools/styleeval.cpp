@@ -35,7 +35,7 @@ using styled::Status;
 constexpr int kBlendFrames = 10;  // at the judges' rate, where chained clips overlap
 
 struct Arguments {
-  std::string weights, manifest, inputs, data, cache, json, report;
+  std::string weights, manifest, inputs, data, cache, json, report, write_offset;
   double long_s = 60;
   bool absolute = false, synthetic = false, robust = false, rates = false, styled_inputs = false,
        foreign = false;
@@ -370,12 +370,14 @@ Status CheckFiles(const Arguments& arguments) {
     return Status::Error("--weights " + arguments.weights + ": no such file");
   }
   for (const auto& [flag, file] :
-       {std::pair("--json", arguments.json), std::pair("--report", arguments.report)}) {
+       {std::pair("--json", arguments.json), std::pair("--report", arguments.report),
+        std::pair("--write-offset", arguments.write_offset)}) {
     const std::filesystem::path folder = std::filesystem::path(file).parent_path();
     if (!folder.empty() && !std::filesystem::is_directory(folder)) {
       return Status::Error(std::string(flag) + " " + file + ": no such folder");
     }
   }
+  if (arguments.cache.empty()) return Status::Ok();
   std::error_code error;
   std::filesystem::create_directories(arguments.cache, error);
   if (error) return Status::Error("--cache " + arguments.cache + ": " + error.message());
@@ -389,6 +391,7 @@ Status Run(const Arguments& arguments) {
       judge::LoadData(arguments.manifest, arguments.inputs, arguments.data);
   if (!loaded.ok()) return loaded.status();
   const judge::Data& data = loaded.value();
+  if (!arguments.write_offset.empty()) return judge::WriteBaseline(data, arguments.write_offset);
   std::printf(
       "%zu clips train the generator, %zu the judges; %zu are judged, %zu of them neutral\n",
       data.train.size(), data.judge.size(), data.validation.size(), data.inputs.size());
@@ -450,13 +453,17 @@ Status Run(const Arguments& arguments) {
 int main(int argc, char** argv) {
   styled::train::UseFastKernels(argv);
   Arguments arguments;
-  CLI::App app("Judges Style-ERD weights on recorded clips, as they run live.");
+  CLI::App app("Judges weights on recorded clips, as they run live.");
   app.add_option("--weights", arguments.weights,
                  "Weights to judge; without them only judges and baseline are reported");
   app.add_option("--manifest", arguments.manifest, "Data set (TOML)")->required();
   app.add_option("--data", arguments.data, "Folder that the manifest's paths start from")
       ->required();
-  app.add_option("--cache", arguments.cache, "Folder where trained judges are kept")->required();
+  CLI::Option* const cache =
+      app.add_option("--cache", arguments.cache, "Folder where trained judges are kept");
+  CLI::Option* const write_offset =
+      app.add_option("--write-offset", arguments.write_offset,
+                     "Only write the baseline as weights to this file, to be judged as others are");
   app.add_option("--json", arguments.json, "Write every figure to this file, too");
   app.add_option("--report", arguments.report,
                  "Write a page (HTML) with tables, plots and animated stick figures");
@@ -501,6 +508,10 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seed", arguments.judges.seed, "Seed of the judges")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
+  if (cache->empty() && write_offset->empty()) {
+    std::cerr << "styleeval: --cache is required\n";
+    return 1;
+  }
   const Status status = Run(arguments);
   if (status.ok()) return 0;
   std::cerr << "styleeval: " << status.message() << "\n";

@@ -9,6 +9,7 @@
 #include "tests/support/child.h"
 #include "tests/support/daemon.h"
 #include "tests/unit/net/erd/random_weights.h"
+#include "tests/unit/net/offset/weights.h"
 
 namespace styled::support {
 namespace {
@@ -139,6 +140,25 @@ TEST_F(ToolsTest, StylizeSaysHowManyFramesItCouldNotStyleAndWritesNoNonsense) {
     EXPECT_EQ(apart_rad < 1e-3F, high || i == 20)
         << i << ": the first one after is faded in from 0";
   }
+}
+
+// Weights of another family, by the same program: the spine's rotation is the style's.
+TEST_F(ToolsTest, StylizeRunsAConstantOffset) {
+  const std::string in = Walk(), out = folder_ / "out.bvh", weights = folder_ / "offset";
+  offset::WriteTestWeights(weights);
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--weights", weights, "--style", "stooped", in, out}), 0) << said_;
+  const clip::Clip given = clip::ReadBvh(in).value(), styled = clip::ReadBvh(out).value();
+  ASSERT_EQ(styled.frames.size(), given.frames.size());
+  for (std::size_t i = 0; i < given.frames.size(); ++i) {
+    EXPECT_NEAR(styled.frames[i].rotations[body::kSpine].angularDistance(
+                    given.frames[i].rotations[body::kSpine]),
+                offset::kBent_rad, 1e-2)
+        << i;
+  }
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--weights", weights, "--style", "elderly", in, out}), 1);
+  EXPECT_NE(said_.find("unknown style 'elderly'; expected one of neutral, bent, raised"),
+            std::string::npos)
+      << said_;
 }
 
 TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {

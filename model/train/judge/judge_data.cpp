@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "model/base/hash.h"
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
+#include "model/net/offset/stylizer.h"
 #include "model/trial/trial.h"
 
 namespace styled::judge {
@@ -168,6 +170,23 @@ std::vector<Transferred> ApplyBaseline(const Data& data) {
     for (const body::Pose& pose : input) output.push_back(baselines[style].Apply(pose));
     return output;
   });
+}
+
+Status WriteBaseline(const Data& data, const std::filesystem::path& file) {
+  net::Model model;
+  model.rate_hz = static_cast<float>(kJudgeRate_hz);
+  model.licence = data.manifest.licence;
+  model.training = nlohmann::json({{"data", data.manifest.name}}).dump();
+  std::vector<offset::Offsets> offsets;
+  for (const clip::ManifestStyle& style : data.manifest.styles) {
+    model.styles.push_back({style.name, style.aliases});
+  }
+  for (const ConstantOffset& baseline : Baselines(data)) {
+    offset::Offsets& style = offsets.emplace_back();
+    std::copy(std::begin(baseline.offset), std::end(baseline.offset), style.begin());
+    for (body::Quat& q : style) q.normalize();
+  }
+  return offset::Write(file, model, offsets);
 }
 
 }  // namespace styled::judge

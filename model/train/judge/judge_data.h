@@ -49,4 +49,7 @@ std::vector<Transferred> Style(const Data& data, const Styler& styler,
                                const stylist::Options& options, bool absolute);
 std::vector<Transferred> ApplyBaseline(const Data& data);
 
+// The constant offset as weights of the family constant-offset, for the manifest's styles.
+Status WriteBaseline(const Data& data, const std::filesystem::path& file);
+
 }  // namespace styled::judge
