@@ -77,6 +77,7 @@ step "build" styled_build release -DSTYLED_TESTS=ON -DSTYLED_TRAIN=ON
 [ "$failed" = 0 ] || { echo "0 passed, 1 failed"; exit 1; }
 step "tests" run_ctest release -j2
 step "lint" tests/lint.sh
+step "clang-tidy of what changed" tests/lint.sh --changed
 if [ "$full" = yes ]; then
   step "clang-tidy" tests/lint.sh --tidy
   for sanitizer in asan tsan; do

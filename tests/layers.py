@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Which folder may include which. Prints `FILE:LINE: INCLUDE: RULE` for each include that breaks a rule,
+or `N includes, R rules, held`. Before that it breaks each rule once, by an include that nobody wrote: a
+rule that does not notice is a failure too.
+
+A folder's row covers the folders below that have no row. A folder may include itself; what a row names
+means the folders below it, too. Generated and system headers are not looked at.
+"""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+STAGES = "model/base model/body model/rig"
+ROWS = {
+    # Motion without sockets: each stage knows only those before it.
+    "model/base": "",
+    "model/body": "model/base",
+    "model/rig": "model/base model/body",
+    "model/synthetic": STAGES,
+    "model/clip": STAGES,
+    "model/feet": STAGES,
+    "model/net": STAGES + " model/net",
+    "model/net/kernels": "model/base",
+    "model/stylist": STAGES + " model/feet model/net",
+    "model/trial": STAGES + " model/net model/stylist model/synthetic",
+    "model/train": STAGES + " model/clip model/net",
+    "model/train/judge": STAGES + " model/clip model/feet model/net model/stylist model/trial model/train",
+    "model/tools": "model",
+    # Bytes that cross a process border.
+    "proto/ipc": "model/base",
+    "proto/keys": "model/base",
+    "proto/recording": "model/base proto/styled proto/rigs/native",
+    "proto/rigs": "model/base",
+    "proto/styled": "model/base model/body",
+    # The daemon: a folder includes only folders further down.
+    "daemon": "daemon model proto",
+    "daemon/control": "daemon/pipeline daemon/security daemon/config daemon/runtime proto model/base"
+                      " model/body",
+    "daemon/replay": "daemon/pipeline daemon/source daemon/config daemon/runtime proto model",
+    "daemon/pipeline": "daemon/record daemon/publish daemon/source daemon/config daemon/runtime proto"
+                       " model",
+    "daemon/record": "daemon/source daemon/config daemon/runtime proto model/base",
+    "daemon/publish": "daemon/security daemon/config daemon/runtime proto/styled model/net " + STAGES,
+    "daemon/source": "daemon/config daemon/runtime proto " + STAGES,
+    "daemon/security": "daemon/config daemon/runtime proto/keys proto/ipc model/base",
+    "daemon/config": "daemon/runtime proto/rigs " + STAGES + " model/net model/stylist",
+    "daemon/runtime": "model/base proto/ipc proto/rigs/native",
+    # Who sends and who listens: neither the daemon nor a network.
+    "clients": "clients proto model/clip " + STAGES,
+    "sim": "sim proto model/clip model/synthetic " + STAGES,
+    "tests": "tests model proto daemon clients sim",
+}
+# Single headers beyond a row, each with its reason.
+ALSO = {
+    ("clients/rec", "sim/player"): "a recording is played by what plays clips",
+    ("clients", "model/tools/number.h"): "an option's number, for all command lines",
+    ("sim", "model/tools/number.h"): "an option's number, for all command lines",
+}
+# Today's only family, until the programs know networks by one interface.
+PENDING = ("daemon", "model/stylist", "model/tools", "model/trial")
+FAMILY_RULE = "a network's family is known to itself, model/train and model/net/load.cpp"
+RIG_RULE = "a rig's codec includes no other rig's"
+TESTS_RULE = "nobody includes tests/"
+INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"')
+
+
+def within(path, folder):
+    return path == folder or path.startswith(folder + "/")
+
+
+def row_of(path):
+    return max((row for row in ROWS if within(path, row)), key=len, default=None)
+
+
+def family_of(path):
+    """'erd' of model/net/erd/network.h; '' of what is of no family."""
+    match = re.match(r"model/net/(\w+)/", path)
+    return match[1] if match and match[1] != "kernels" else ""
+
+
+def broken_rule(file, header):
+    """The rule that `file` breaks when it includes `header`, else ''."""
+    folder = file.rpartition("/")[0]
+    row = row_of(folder)
+    if row is None:
+        return "a folder without a row in tests/layers.py"
+    if within(header, "tests") and not within(file, "tests"):
+        return TESTS_RULE
+    family = family_of(header)
+    if family and not within(file, "tests"):
+        if within(file, f"model/net/{family}") or within(file, "model/train"):
+            return ""
+        if header == "model/net/erd/network.h" and any(within(file, part) for part in PENDING):
+            return ""
+        return "" if file == "model/net/load.cpp" else FAMILY_RULE
+    if row == row_of(header.rpartition("/")[0]):
+        same_rig = row != "proto/rigs" or header.split("/")[2] == file.split("/")[2]
+        return "" if same_rig else RIG_RULE
+    if any(within(header, to) for to in ROWS[row].split()):
+        return ""
+    if any(within(file, a) and within(header, b) for a, b in ALSO):
+        return ""
+    return f"{row} may include {ROWS[row] or 'only itself'}"
+
+
+def unnoticed():
+    """Rules that let an include pass that breaks them."""
+    missed = []
+    for row, allowed in ROWS.items():
+        forbidden = "daemon/supervisor.h" if row != "daemon" else "clients/cpp/control.h"
+        if row != "tests" and not broken_rule(f"{row}/nobody.cpp", forbidden):
+            missed.append(f"{row}: {allowed}")
+    for file, header in (
+            ("model/stylist/stylist.cpp", "model/net/erd/features.h"),
+            ("daemon/pipeline/pipeline.cpp", "model/net/stgcn/network.h"),
+            ("model/net/erd/network.cpp", "model/net/stgcn/network.h"),
+            ("daemon/config/config.h", "daemon/source/transport.h"),
+            ("model/body/pose.h", "model/rig/rig.h"),
+            ("model/tools/styleeval.cpp", "sim/player/player.h"),
+            ("proto/rigs/vmc/vmc.cpp", "proto/rigs/mvn/mvn.h"),
+            ("daemon/runtime/clock.h", "tests/support/daemon.h"),
+            ("surprise/file.cpp", "model/base/status.h")):
+        if not broken_rule(file, header):
+            missed.append(f"{file} including {header}")
+    return missed
+
+
+def main():
+    root = pathlib.Path(__file__).resolve().parent.parent
+    missed = unnoticed()
+    for rule in missed:
+        print(f"tests/layers.py: a rule does not notice when it is broken: {rule}")
+    files = subprocess.run(["git", "-C", str(root), "ls-files", "*.h", "*.cpp"],
+                           capture_output=True, text=True, check=True).stdout.split()
+    known = set(files)
+    includes = broken = 0
+    for file in files:
+        for number, line in enumerate((root / file).read_text().splitlines(), 1):
+            match = INCLUDE.match(line)
+            if not match or not (match[1] in known or match[1].endswith(".pb.h")):
+                continue
+            includes += 1
+            rule = broken_rule(file, match[1])
+            if rule:
+                broken += 1
+                print(f"{file}:{number}: {match[1]}: {rule}")
+    if broken or missed:
+        print(f"{broken} of {includes} includes break a rule")
+        return 1
+    print(f"{includes} includes, {len(ROWS) + 3} rules, held")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
