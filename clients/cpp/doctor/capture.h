@@ -13,21 +13,21 @@
 #include "clients/cpp/doctor/listener.h"
 #include "model/base/status.h"
 
-// UDP as it comes to the interfaces: before firewalls, and to ports that another program holds.
+// Captures UDP at the interfaces: before any firewall, and also for ports that other programs hold.
 namespace styled::doctor {
 
 struct Captured {
   Endpoint from, to;
   std::span<const std::byte> payload;
-  bool cut = false;  // only the first part of it: a fragment
+  bool cut = false;  // a fragment: `payload` is only the first part of the datagram
 };
 
-// An IP packet (4 or 6) with UDP in it; none where it is another, broken, or a fragment without the
-// header. Pure; pinned by tests/unit/doctor/capture_test.cpp.
+// Parses an IPv4 or IPv6 packet that contains UDP. Empty for other or malformed packets and for
+// fragments without the UDP header. Pure; pinned by tests/unit/doctor/capture_test.cpp.
 std::optional<Captured> ParsePacket(std::span<const std::byte> packet);
 
-// Writes into Notebook::seen what goes to one of `ports` or has a format that the daemon takes.
-// Errors: the right to do so (CAP_NET_RAW) is root's.
+// Writes datagrams into Notebook::seen if they go to one of `ports` or have a format that the
+// daemon accepts. Fails without CAP_NET_RAW, which usually only root has.
 Result<std::vector<std::unique_ptr<Listener>>> MakeCapture(const std::vector<Interface>& interfaces,
                                                            const std::set<std::uint16_t>& ports);
 

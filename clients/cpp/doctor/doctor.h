@@ -8,24 +8,25 @@
 #include "clients/cpp/curve.h"
 #include "clients/cpp/doctor/facts.h"
 
-// "Connected, but nothing arrives": looks at a daemon, its sources and this machine's network, and
-// says at which step frames end and what to change.
+// Answers "connected, but nothing arrives": examines a daemon, its sources and this machine's
+// network, finds the stage at which frames stop, and proposes what to change.
 namespace styled::doctor {
 
 struct Options {
-  std::string endpoint;         // of the daemon's control socket
-  bool endpoint_given = false;  // else the configuration file's holds, where it has one
+  std::string endpoint;  // of the daemon's control socket
+  bool endpoint_given =
+      false;  // false: the endpoint of the configuration file, if it has one, replaces `endpoint`
   std::chrono::milliseconds timeout{2000};
-  std::optional<client::Curve> curve;  // for a daemon that asks for keys
+  std::optional<client::Curve> curve;  // for a daemon that requires keys
   std::string config;                  // a styled.toml; "": none
-  std::string source;                  // look at this one alone; "": all
-  std::vector<std::string> listen;     // TYPE=HOST:PORT, looked at beside the sources
+  std::string source;                  // examine only this source; "": all
+  std::vector<std::string> listen;     // TYPE=HOST:PORT, examined in addition to the sources
   double seconds = 3;                  // 0.2 to 60
-  bool capture = true;                 // also look at the interfaces, where the rights allow it
+  bool capture = true;  // also capture at the interfaces, if the process has the rights
 };
 
-// Finds out everything, which takes options.seconds and up to two timeouts. Errors: a file, a
-// source or an address of the options that is none. Diagnose() (diagnose.h) judges it.
+// Collects all facts; Diagnose() (diagnose.h) judges them. Takes options.seconds and up to two
+// timeouts. Errors: an unreadable file, an unknown source, or an invalid address in the options.
 Result<Facts> Examine(const Options& options);
 
 }  // namespace styled::doctor

@@ -7,18 +7,18 @@
 
 namespace styled::doctor {
 
-// The work of Diagnose(): follows each source's way from step to step until one fails.
+// Implements Diagnose(): follows each source from stage to stage until one fails.
 class Examination {
  public:
   explicit Examination(const Facts& facts) : facts_(facts) {}
   std::vector<Finding> Run();
 
  private:
-  // What arrived where a source listens, or would.
+  // What arrived at the address of a source, or would have arrived if the daemon listened.
   struct Evidence {
     std::vector<const Flow*> flows;
     Tally tally;
-    std::uint64_t arrived = 0;  // with what the daemon counted; more than the tally, then
+    std::uint64_t arrived = 0;  // by the daemon if it counts, else the tally's sum
     std::string Senders() const;
   };
 
@@ -33,7 +33,7 @@ class Examination {
   void Report(Severity severity, Step step, const SourceFacts* source, std::string code,
               std::string what, std::string why, std::string change);
 
-  // diagnose_arrival.cpp; true: go on to the next step.
+  // diagnose_arrival.cpp. True: continue with the next stage.
   bool Port(const SourceFacts& source);
   bool Arrival(const SourceFacts& source, const Evidence& evidence);
   bool ArrivesElsewhere(const SourceFacts& source);
@@ -51,7 +51,7 @@ class Examination {
 
   // diagnose_performers.cpp
   void Performers();
-  bool RefusesPerformers(const SourceFacts& source) const;  // which Performers() tells of
+  bool RefusesPerformers(const SourceFacts& source) const;  // if so, Performers() reports it
 
   // diagnose_natnet.cpp
   void NatNet(const SourceFacts& source);
@@ -60,19 +60,20 @@ class Examination {
   bool Group(const SourceFacts& source);
   bool GroupElsewhere(const SourceFacts& source, const std::string& group);
 
-  // What is asked of the facts.
+  // Queries on the facts.
   Evidence EvidenceOf(const SourceFacts& source) const;
-  std::vector<const Flow*> Flows() const;  // heard, and seen where nothing like it was heard
+  std::vector<const Flow*> Flows()
+      const;  // those in `heard`, and those in `seen` without a counterpart in `heard`
   static bool Reaches(const Flow& flow, const Wanted& wanted);
   bool Claimed(const Flow& flow) const;
   bool HasLivePerformer(const SourceFacts& source) const;
-  bool TwinWorks(const SourceFacts& source) const;  // another source of the same name
+  bool TwinWorks(const SourceFacts& source) const;  // or a source of the same name does
   std::string Label(const SourceFacts& source) const;
   std::string OwnAddresses() const;
 
   const Facts& facts_;
   std::vector<Finding> findings_;
-  std::vector<const Flow*> explained_;  // flows that a finding spoke of
+  std::vector<const Flow*> explained_;  // flows that a finding has already explained
 };
 
 // "0.0.0.0:9763/udp".

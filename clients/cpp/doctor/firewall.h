@@ -7,12 +7,13 @@
 
 namespace styled::doctor {
 
-// This machine's packet filter, as `nft --json list ruleset` tells it (rules made with
-// iptables-nft, ufw and firewalld are in there, too). Pure but for Read(); pinned by
-// tests/unit/doctor/firewall_test.cpp on rulesets that nft printed.
+// This machine's packet filter, from the output of `nft --json list ruleset`. That includes rules
+// made with iptables-nft, ufw and firewalld. Pure, except for Read(). Pinned by
+// tests/unit/doctor/firewall_test.cpp with rulesets printed by nft.
 class Firewall {
  public:
-  // Runs nft. Not readable without root's rights: then readable() is false and why() says so.
+  // Runs nft, which needs root's rights. Without them readable() is false and why() returns the
+  // reason.
   static Firewall Read();
   static Firewall FromJson(const std::string& text);
 
@@ -22,20 +23,19 @@ class Firewall {
   enum class Verdict {
     kPasses,
     kDropped,
-    kDepends  // on who sends, or on a rule that is not understood here
+    kDepends  // on the sender, or on a rule that this class does not understand
   };
   struct Judgement {
     Verdict verdict = Verdict::kPasses;
-    std::string
-        rule;  // the one that drops, or on which it depends: "inet filter input: policy drop"
+    std::string rule;  // the deciding rule: "inet filter input: policy drop"
   };
   struct Packet {
     bool stream = false;
     std::uint16_t port = 0;
-    std::string interface;    // that it comes in by; "": some, not loopback
-    std::string destination;  // its address; "": this machine's
+    std::string interface;    // by which it arrives; "": any except loopback
+    std::string destination;  // its address; "": an address of this machine
   };
-  // What happens to a packet from a sender that we know nothing of, the first of its kind.
+  // The verdict on the first packet of its kind, from an unknown sender.
   Judgement Judge(const Packet& packet) const;
 
  private:

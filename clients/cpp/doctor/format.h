@@ -7,7 +7,7 @@
 
 namespace styled::doctor {
 
-// The formats that the daemon takes, as proto/rigs has them.
+// The formats that the daemon accepts, one per codec in proto/rigs and the native one.
 enum class Format : std::uint8_t {
   kUnknown,
   kNative,
@@ -22,19 +22,20 @@ enum class Format : std::uint8_t {
 
 struct FormatRow {
   Format format;
-  std::string_view word;               // for programs; the source's type, but for kNative
-  std::string_view name;               // for people
-  std::array<std::uint16_t, 2> ports;  // usual ones at the receiver, the daemon's first; 0: none
-  std::string_view in_the_sender;      // what to look for there, one sentence
+  std::string_view word;  // machine-readable; equals source.type, except for kNative
+  std::string_view name;  // for people
+  std::array<std::uint16_t, 2>
+      ports;  // usual ports at the receiver, the daemon's default first; 0: none
+  std::string_view in_the_sender;  // where to look in the sending application, one sentence
 };
 
-// `in_the_sender` for one that sends by TCP, or by UDP.
+// The text of `in_the_sender` for a sender that uses TCP, or UDP.
 std::string InTheSender(Format format, bool stream);
-const FormatRow& Row(Format format);  // of kUnknown too
-// Of source.type: "udp", "mvn-tcp"; kUnknown where it is not known here.
+const FormatRow& Row(Format format);  // also of kUnknown
+// The format of a source.type ("udp", "mvn-tcp"); kUnknown for an unknown type.
 Format FormatOfType(std::string_view type);
-bool IsStreamType(std::string_view type);  // comes over TCP
-// The type that a source for `format` has; "" for kUnknown.
+bool IsStreamType(std::string_view type);  // the type uses TCP
+// The source.type for `format`; "" for kUnknown.
 std::string_view TypeFor(Format format, bool stream);
 
 }  // namespace styled::doctor

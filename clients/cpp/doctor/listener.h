@@ -11,7 +11,7 @@
 
 namespace styled::doctor {
 
-// Owns a file descriptor; -1: none.
+// Owns a file descriptor; -1 means none.
 class Descriptor {
  public:
   Descriptor() = default;
@@ -33,7 +33,7 @@ class Descriptor {
 // Larger than any datagram.
 inline constexpr std::size_t kMaxReceived = 65536;
 
-// Where listeners write what they receive.
+// The listeners' shared state: they write what they receive here.
 struct Notebook {
   Sniffer sniffer;
   Traffic heard;  // received by a socket of this program
@@ -42,17 +42,17 @@ struct Notebook {
   std::array<std::byte, kMaxReceived> buffer;
 };
 
-// A source of datagrams behind one file descriptor. Nothing here blocks. One thread.
+// A source of datagrams behind one file descriptor. No function blocks. One thread.
 class Listener {
  public:
   virtual ~Listener() = default;
   virtual int fd() const = 0;
-  // To be called when `fd` is readable. Receives a bounded number of datagrams.
+  // Call this when `fd` is readable. Receives at most kBatch datagrams.
   virtual void Listen(Notebook& notes) = 0;
-  // About twenty times a second.
+  // Called about 20 times per second.
   virtual void Tick(double /*now_s*/) {}
 };
 
-inline constexpr int kBatch = 64;  // datagrams that a listener receives at once
+inline constexpr int kBatch = 64;  // datagrams per call of Listen()
 
 }  // namespace styled::doctor

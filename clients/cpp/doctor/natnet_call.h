@@ -12,23 +12,24 @@
 
 namespace styled::doctor {
 
-// What a NatNet server said of itself.
+// The replies of a NatNet server.
 struct NatNetAnswers {
   Endpoint server;
-  std::string error;  // the call could not be made
+  std::string error;  // set if the server could not be asked
   bool answered = false;
-  std::string name;  // of the application
+  std::string name;  // of the server's application
   natnet::Version version;
-  bool multicast = true;  // frames go to `group`, else to who asked
-  std::string group;      // "" where the server does not say (before 3.0)
+  bool multicast = true;  // frames are sent to `group`; else to the client that connected
+  std::string group;      // "" if the server does not report it (before 3.0)
   std::uint16_t data_port = natnet::kDataPort;
   bool model_answered = false, model_read = false;
   std::size_t skeletons = 0, rigid_bodies = 0;
-  Tally frames;  // that came to who asked
+  Tally frames;  // received by unicast
 };
 
-// Asks a server, as the daemon would: who it is, what it tracks; keeps it sending. `answers` is
-// written while the listener listens and must outlive it. Errors: no IPv4 address.
+// Sends the requests that the daemon would send: connect, model definition, keep-alive. The
+// listener writes `answers` while it runs; `answers` must outlive it. Errors: `server` is not an
+// IPv4 address.
 Result<std::unique_ptr<Listener>> MakeNatNetCall(const std::string& server, NatNetAnswers& answers);
 
 }  // namespace styled::doctor

@@ -12,18 +12,18 @@
 
 namespace styled::doctor {
 
-// How a port of this machine could be listened on.
+// Whether this program can listen on a port.
 struct PortState {
   enum class Kind {
     kHeard,   // on every address
-    kPartly,  // on the addresses that another program left
-    kTaken,   // on none: another program has it on every address
-    kRefused  // the system says no: `why`
+    kPartly,  // only on the addresses that no other program holds
+    kTaken,   // on none: another program holds it on every address
+    kRefused  // the system refuses; see `why`
   };
   bool stream = false;
   std::uint16_t port = 0;
   Kind kind = Kind::kHeard;
-  std::vector<std::string> hosts;  // kPartly: where we listen
+  std::vector<std::string> hosts;  // kPartly: addresses on which the probe listens
   std::string why;                 // kRefused
 };
 
@@ -32,18 +32,20 @@ struct GroupState {
   std::string group;
   std::uint16_t port = 0;
   std::string interface;
-  std::string why;  // "": joined
+  std::string why;  // "": joined; else the error
 };
 
-// Listens, for seconds, on as many ports as wanted, as a program without privileges can: binds
-// them, joins groups on every interface. TCP: takes connections and reads. One thread; allocates.
+// Listens for some seconds on any number of ports, without privileges: binds the ports and joins
+// groups on every interface. For TCP it accepts connections and reads from them. One thread;
+// allocates.
 class Probe {
  public:
   explicit Probe(std::vector<Interface> interfaces) : interfaces_(std::move(interfaces)) {}
 
-  // Once per port.
+  // Call once per port.
   PortState Open(bool stream, std::uint16_t port, bool v6);
-  // On every interface that is up, each by itself; those that a program joined already, too.
+  // Joins on every interface that is up, with one socket each, even if another program has already
+  // joined.
   std::vector<GroupState> Join(const std::string& group, std::uint16_t port);
   void Add(std::unique_ptr<Listener> listener) { listeners_.push_back(std::move(listener)); }
 

@@ -9,41 +9,43 @@
 
 namespace styled::doctor {
 
-// A source that frames should come in by.
+// A source through which frames should arrive.
 struct Wanted {
   enum class Origin {
-    kDaemon,   // a running daemon told of it
-    kConfig,   // the configuration file
-    kAssumed,  // neither: what a daemon without configuration listens to
+    kDaemon,   // reported by a running daemon
+    kConfig,   // from the configuration file
+    kAssumed,  // neither: a source of a daemon without configuration
     kOption    // --listen
   };
   Origin origin = Origin::kConfig;
   std::string name, type;
-  Format format = Format::kUnknown;  // of `type`
+  Format format = Format::kUnknown;  // derived from `type`
   bool stream = false;
-  bool network = true;  // false: comes by USB, or `listen` cannot be read
+  bool network = true;  // false: USB, or an unreadable `listen`
   Endpoint listen;
-  // OptiTrack.
+  // OptiTrack only.
   std::string server, group = "239.255.42.99", interface;
   bool multicast = true;
 };
 
 struct Settings {
   std::vector<Wanted> sources;
-  std::string control;  // "": not said
+  std::string control;  // "": not given
 };
 
-// The keys of a styled.toml that say where frames come in. What else is in it, and whether it is
-// right, is for `styled --check-config` to say. Errors: no file, no TOML, a source without address.
+// Reads only those keys of a styled.toml that determine where frames arrive. `styled
+// --check-config` checks the whole file. Errors: no such file, not TOML, a source without an
+// address.
 Result<Settings> ReadSettings(const std::string& file);
 
-// "TYPE=HOST:PORT", as --listen has it.
+// Parses "TYPE=HOST:PORT", the value of --listen.
 Result<Wanted> ParseListen(const std::string& text);
 
 // The sources of a daemon that was given no configuration.
 std::vector<Wanted> AssumedSources();
 
-// Of what a daemon or a file says; `listen` "" is the type's usual address.
+// Makes a source from the values of a daemon or a file; an empty `listen` means the type's usual
+// address.
 Wanted MakeWanted(Wanted::Origin origin, const std::string& name, const std::string& type,
                   const std::string& listen);
 

@@ -12,27 +12,27 @@
 
 namespace styled::doctor {
 
-// What a datagram is worth to the daemon.
+// How the daemon would use a datagram.
 enum class Verdict : std::uint8_t {
-  kPose,      // a pose, or its part
-  kSkeleton,  // what poses belong to
-  kTalk,      // of the format, and says nothing of a pose: names, time, greetings
-  kUseless,   // of the format, but in a version or mode that the daemon cannot use
-  kDamaged,   // begins as the format does, and is cut, changed or not well-formed
-  kCut,       // only its beginning was seen, which is the format's
-  kForeign    // no format that the daemon takes
+  kPose,      // a pose, or a part of one
+  kSkeleton,  // a skeleton to which poses refer
+  kTalk,      // the format's other messages: names, time, greetings
+  kUseless,   // the right format, but a version or mode that the daemon cannot use
+  kDamaged,   // starts like the format, but is truncated, altered or malformed
+  kCut,       // only its start was captured, and that start has the format
+  kForeign    // no format that the daemon accepts
 };
 const char* Name(Verdict verdict);
 
 struct Sniffed {
   Format format = Format::kUnknown;
   Verdict verdict = Verdict::kForeign;
-  // In words of the format, few different ones: "quaternions (02)", "OSC, but no VMC: /foo".
+  // In the terms of the format, from a small set: "quaternions (02)", "OSC, but no VMC: /foo".
   std::string kind;
 };
 
-// Names the format of datagrams, by the codecs of proto/rigs. Of NatNet it keeps the version that a
-// server named. Allocates; bytes may be anything. One thread.
+// Identifies the format of datagrams with the codecs of proto/rigs. Stateful only for NatNet: it
+// keeps the version that a server announced. The bytes may be anything. Allocates. One thread.
 // Pinned by tests/unit/doctor/sniff_test.cpp.
 class Sniffer {
  public:
@@ -42,7 +42,7 @@ class Sniffer {
   Sniffer& operator=(const Sniffer&) = delete;
 
   Sniffed Sniff(std::span<const std::byte> datagram);
-  // Of a datagram of which only the beginning is there.
+  // For a datagram of which only the start was captured.
   Sniffed SniffStart(std::span<const std::byte> start);
 
   void set_natnet_version(natnet::Version version) { natnet_version_ = version; }
@@ -56,8 +56,8 @@ class Sniffer {
   std::optional<natnet::Version> natnet_version_;
 };
 
-// How long the record at the front of a TCP stream is: by the header of the formats that stream;
-// 0: not all of it is there; of anything else: all of `received`.
+// Length of the record at the start of a TCP stream, from the header of those formats that use TCP.
+// 0: the record is incomplete. Any other format: the size of `received`.
 std::size_t RecordSize(std::span<const std::byte> received);
 
 }  // namespace styled::doctor

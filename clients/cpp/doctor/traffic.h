@@ -8,12 +8,12 @@
 #include "clients/cpp/doctor/address.h"
 #include "clients/cpp/doctor/sniff.h"
 
-// What was heard, put together by where it came from and where it went. Pure; tests/unit/doctor.
+// Received traffic, grouped by sender and destination. Pure; pinned by tests/unit/doctor.
 namespace styled::doctor {
 
-// Datagrams by what they were.
+// Counts datagrams by their kind.
 struct Tally {
-  static constexpr std::size_t kMaxKinds = 12;  // further ones are put together as "others"
+  static constexpr std::size_t kMaxKinds = 12;  // further kinds are counted together as "others"
   struct Kind {
     Sniffed what;
     std::uint64_t count = 0;
@@ -25,25 +25,25 @@ struct Tally {
   std::uint64_t Count() const;
   std::uint64_t Count(Format format) const;
   std::uint64_t Count(Format format, Verdict verdict) const;
-  // The format most of them have; kUnknown where that is none of ours.
+  // The most frequent format; kUnknown if the datagrams without a known format are the most.
   Format MainFormat() const;
-  // "quaternions (02) 180, names (12) 3": of the format, with this verdict where one is given.
+  // "quaternions (02) 180, names (12) 3": the kinds of `format`, optionally with `verdict` only.
   std::string Kinds(Format format) const;
   std::string Kinds(Format format, Verdict verdict) const;
 };
 
-// From one machine to one address and port.
+// The traffic from one machine to one address and port.
 struct Flow {
   bool stream = false;    // TCP
-  Endpoint to;            // as sent: may be a group or broadcast
-  Endpoint from;          // the last port it came from
-  std::string interface;  // that it came in by; "" where that is not known
+  Endpoint to;            // destination as sent; may be a group or broadcast address
+  Endpoint from;          // with the last source port seen
+  std::string interface;  // by which it arrived; "" if unknown
   std::uint64_t datagrams = 0, bytes = 0;
   std::size_t smallest = 0, largest = 0;
   double first_s = 0, last_s = 0;  // since listening began
   Tally tally;
 
-  double rate_hz() const;  // 0 where there is too little to tell
+  double rate_hz() const;  // 0 if there are too few datagrams to tell
 };
 
 struct Arrival {
@@ -56,7 +56,7 @@ struct Arrival {
 
 class Traffic {
  public:
-  static constexpr std::size_t kMaxFlows = 64;  // further ones are counted only
+  static constexpr std::size_t kMaxFlows = 64;  // further flows are only counted, in left_out()
 
   void Add(const Arrival& arrival, const Sniffed& what);
   const std::vector<Flow>& flows() const { return flows_; }
