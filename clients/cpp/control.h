@@ -22,9 +22,9 @@ class [[nodiscard]] CallStatus {
  public:
   enum class Kind {
     kOk,
-    kRefused,   // the daemon said no; nothing changed. `code` and its reason
-    kNoAnswer,  // nobody answered in time; it may or may not have been applied
-    kGarbled,   // something answered that is not our daemon
+    kRefused,   // the daemon refused the request and changed nothing; see `code` and `reason`
+    kNoAnswer,  // no reply in time; the daemon may or may not have applied the request
+    kGarbled,   // the reply did not come from a styled daemon
   };
 
   CallStatus() = default;
@@ -35,7 +35,8 @@ class [[nodiscard]] CallStatus {
   Kind kind() const { return kind_; }
   v1::Code code() const { return code_; }                // CODE_OK unless kRefused
   const std::string& reason() const { return reason_; }  // empty when ok
-  // Of kNoAnswer: what stands between; kNone: the daemon is there, and did not reply in time.
+  // For kNoAnswer: what prevents the connection. kNone means that the daemon is reachable, but did
+  // not reply in time.
   Obstacle obstacle() const { return obstacle_; }
 
  private:
@@ -45,27 +46,28 @@ class [[nodiscard]] CallStatus {
   Obstacle obstacle_ = Obstacle::kNone;
 };
 
-// The first sequence of each performer that a change is in force for.
+// For each performer, the first frame sequence at which a change is in force.
 using Applied = std::vector<v1::Applied>;
 
 struct ControlOptions {
   std::string endpoint = std::string(kDefaultControl);
-  std::chrono::milliseconds timeout{2000};  // of one call; > 0. Without an answer the call takes up
-                                            // to 500 ms more, to find out why
-  std::optional<Curve> curve;               // for a daemon that asks for keys
+  std::chrono::milliseconds timeout{
+      2000};  // per call, >= 1 ms. Without a reply, a call takes up to 500 ms more to find out why
+  std::optional<Curve> curve;  // for a daemon that requires keys
 };
 
-// Asks a daemon and changes what it does (proto/styled/v1/control.proto says what each field means,
-// its range and what is refused). Each call blocks until the reply or the timeout; a reply to a
-// change comes after the pipeline has applied it. `performer` is SOURCE.NAME or kEveryone; output
-// parameters may be null and are untouched unless the call is ok. A request that timed out before a
-// daemon was there is not sent to one that comes later.
+// Queries and controls a running daemon. proto/styled/v1/control.proto defines each field, its
+// range, and what is refused. Each call blocks until the reply or the timeout. The reply to a
+// change is sent after the pipeline has applied the change. `performer` is SOURCE.NAME or
+// kEveryone. Output parameters may be null; they are written only when the call is ok. A request
+// that times out before a daemon is there is discarded: a daemon that starts later does not receive
+// it.
 //
 // One thread at a time. Allocates. Pinned by tests/unit/clients/control_test.cpp.
 class Control {
  public:
-  // Refuses an endpoint that ZeroMQ cannot parse, a timeout < 1 ms, keys that are none. Nobody
-  // there: no error yet.
+  // Connects in the background; it is no error if no daemon is there yet. Refuses an endpoint that
+  // ZeroMQ cannot parse, a timeout < 1 ms, and invalid keys.
   static Result<std::unique_ptr<Control>> Connect(const ControlOptions& options);
   ~Control();
   Control(const Control&) = delete;
@@ -74,7 +76,7 @@ class Control {
   CallStatus List(v1::ListReply* out);
   CallStatus Status(v1::StatusReply* out);
   CallStatus Set(std::string_view performer, const v1::Set& change, Applied* applied = nullptr);
-  // Set with one style at full weight; `strength` as in v1::Set.
+  // Set() with one style at full weight; `strength` as in v1::Set.
   CallStatus SetStyle(std::string_view performer, std::string_view style, float strength = 1.0F,
                       Applied* applied = nullptr);
   CallStatus Clear(std::string_view performer, Applied* applied = nullptr);
@@ -84,11 +86,12 @@ class Control {
   CallStatus Reset(std::string_view performer, Applied* applied = nullptr);
   CallStatus Calibrate(std::string_view performer, const v1::Calibrate& calibrate,
                        v1::CalibrateReply* out = nullptr);
-  CallStatus Cue(std::string_view name, Applied* applied = nullptr);  // of the configuration
-  CallStatus Panic(Applied* applied = nullptr);                       // everyone to bypass
+  CallStatus Cue(std::string_view name,
+                 Applied* applied = nullptr);    // a cue of the daemon's configuration
+  CallStatus Panic(Applied* applied = nullptr);  // all performers to bypass
 
-  // Any request; `request.id` is overwritten. `reply` may not be null; it is written when something
-  // of ours answered, refusals included.
+  // Sends any request and overwrites `request.id`. `reply` must not be null; it is written when the
+  // daemon replied, refusals included.
   CallStatus Call(v1::Request& request, v1::Reply* reply);
 
  private:
@@ -98,7 +101,7 @@ class Control {
   std::unique_ptr<Impl> impl_;
 };
 
-// "UNKNOWN_STYLE" for CODE_UNKNOWN_STYLE; "CODE_<number>" for one of a newer daemon.
+// "UNKNOWN_STYLE" for CODE_UNKNOWN_STYLE; "CODE_<number>" for a code of a newer daemon.
 std::string CodeName(v1::Code code);
 
 }  // namespace styled::client

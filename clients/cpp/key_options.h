@@ -13,20 +13,20 @@ class App;
 
 namespace styled::client {
 
-// The two options by which our programs reach a daemon that asks for keys.
+// The two command-line options with which the project's programs reach a daemon that requires keys.
 struct KeyOptions {
-  std::string key;         // file of the own pair, as `stylectl keygen` makes it; "" = none
-  std::string server_key;  // the daemon's public key, or a file that holds it; "" = none
+  std::string key;  // file with the client's key pair, as `stylectl keygen` writes it; "" = none
+  std::string server_key;  // the daemon's public key, or a file that contains it; "" = none
 };
 
-// --key, --server-key; or STYLED_KEY, STYLED_SERVER_KEY of the environment.
+// Adds --key and --server-key. Defaults: STYLED_KEY and STYLED_SERVER_KEY of the environment.
 void Declare(CLI::App& app, KeyOptions& options);
 
-// What a user of our programs can do about it; one sentence without a full stop, or a question.
-// "" for kNone.
+// What the user of a program can do about `obstacle`: one sentence without a full stop, or a
+// question. "" for kNone.
 std::string Advice(Obstacle obstacle, Peer peer);
 
-// Nothing where neither is given. Errors name the option, and the file.
+// Empty if neither option is given. Errors name the option and the file.
 Result<std::optional<Curve>> ReadKeys(const KeyOptions& options);
 
 }  // namespace styled::client
