@@ -16,13 +16,13 @@
 
 namespace styled::rec {
 
-// The command line; each value is checked by itself.
+// The parsed command line; each value has passed its own check.
 struct Arguments {
   std::string file;
   client::KeyOptions keys;  // record --from, play --control
   // record, receive
   std::vector<std::string> from{std::string(client::kDefaultPublisher)};
-  std::string performer;  // export, too
+  std::string performer;  // also export
   std::vector<std::string> topics, listen, forward;
   std::string type = "udp";
   double seconds = 0;
@@ -38,27 +38,27 @@ struct Arguments {
   double rate_hz = 0;                                                // 0: not given
 };
 
-// What a command is given beside its arguments: what ends it, and where it writes.
+// What a command needs beside its arguments: the stop flag and its output streams.
 struct Dependencies {
   const std::atomic<bool>& stop;
   std::ostream& out;  // the summary line
-  std::ostream& err;  // what is bound, damage
+  std::ostream& err;  // bound addresses, damage
 };
 
-// Each is one command of stylerec. Errors name file or address.
+// Each function is one command of stylerec. Errors name the file or the address.
 Status RunRecord(const Arguments& arguments, const Dependencies& to);
 Status RunReceive(const Arguments& arguments, const Dependencies& to);
 Status RunInfo(const Arguments& arguments, const Dependencies& to);
-// What `play` cannot do as its command line stands, --to for a source that the recording does not
-// have among it. A file that cannot be read is left to RunPlay.
+// Checks what `play` cannot do with this command line, e.g. a --to for a source that is not in the
+// recording. An unreadable file is reported by RunPlay.
 Status CheckPlay(const Arguments& arguments);
 Status RunPlay(const Arguments& arguments, const Dependencies& to);
 Status RunExport(const Arguments& arguments, const Dependencies& to);
 
 Result<std::unique_ptr<recording::Reader>> OpenRecording(const Arguments& arguments);
-// Writes to `err` what is damaged; nothing where the file is whole.
+// Writes to `err` what is damaged; nothing if the file is intact.
 void ReportDamage(const recording::Reader& reader, const Dependencies& to);
-// "NAME=ADDRESS" to its name, which is cut off; "" where there is none.
+// Splits "NAME=ADDRESS": returns NAME and removes it from `address`; "" if there is no name.
 std::string CutName(std::string& address);
 
 }  // namespace styled::rec

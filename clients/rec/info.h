@@ -6,7 +6,7 @@
 
 namespace styled::rec {
 
-// Reads all of `reader` and says what is in it, for people or as one JSON object.
+// Reads all of `reader` and writes a summary of its contents, as text or as one JSON object.
 void Info(recording::Reader& reader, bool json, std::ostream& out);
 
 }  // namespace styled::rec

@@ -5,20 +5,20 @@
 
 namespace styled::rec {
 
-// Where a recording is played to. One thread; calls may block.
+// A destination that a recording is played to. One thread; calls may block.
 class Outlet {
  public:
   virtual ~Outlet() = default;
-  // A record before the part that is played: only what the part cannot be understood without (the
-  // bodies) is kept of it.
+  // Passes a record that precedes the played part. An outlet keeps only what the played part
+  // depends on: the bodies.
   virtual void Note(const recording::Record& record) = 0;
-  // A record that is due. Errors end the playing.
+  // Plays a record that is due. An error ends playback.
   virtual Status Take(const recording::Record& record) = 0;
-  // Time passes: called at least every 20 ms.
+  // Called at least every 20 ms while no record is due.
   virtual void Idle() {}
-  // The recording begins again.
+  // The recording starts again (--loop).
   virtual void Restart() = 0;
-  // The last record was played.
+  // Called after the last record.
   virtual void Finish() {}
 };
 

@@ -14,17 +14,17 @@ namespace styled::rec {
 
 struct PublishOutletCounts {
   std::uint64_t messages = 0;
-  std::uint64_t dropped = 0;  // no subscriber took it within a second
+  std::uint64_t dropped = 0;  // no subscriber accepted it within a second
 };
 
-// Stands in for a daemon's publisher: what was published is published again, and who subscribes
-// gets the bodies at once, as WIRE.md has it. Frames and statistics get a new epoch at every start
-// and every repetition, or a subscriber that has seen them before would drop them. A subscriber
-// that does not read holds it up for a second, then loses messages.
+// Stands in for a daemon's publisher: it republishes what was published, and sends the bodies at
+// once to each new subscriber, as WIRE.md requires. At every start and every repetition, frames and
+// statistics get a new epoch; otherwise a subscriber that has already seen them would drop them. A
+// subscriber that does not read delays this outlet by a second and then loses messages.
 class PublishOutlet final : public Outlet {
  public:
-  // Binds; `endpoint` e.g. "tcp://127.0.0.1:7001", port 0 or * chosen by the system. Errors name
-  // it.
+  // Binds `endpoint`, e.g. "tcp://127.0.0.1:7001"; port 0 or * is chosen by the system. Errors name
+  // the endpoint.
   static Result<std::unique_ptr<PublishOutlet>> Bind(const std::string& endpoint, bool as_recorded);
 
   void Note(const recording::Record& record) override;
@@ -49,7 +49,7 @@ class PublishOutlet final : public Outlet {
   bool as_recorded_ = false;
   std::uint64_t salt_ = 0;
   int subscriptions_ = 0;
-  bool announce_ = false;  // bodies were noted that nobody was sent yet
+  bool announce_ = false;  // some noted bodies have not been sent yet
   std::map<std::pair<std::string, int>, std::string> bodies_;  // by topic and output: payload
   PublishOutletCounts counts_;
 };

@@ -11,24 +11,24 @@
 
 namespace styled::rec {
 
-// One port of a rig. `name`, `type` as in styled.toml's [[source]].
+// One port for a rig. `name` and `type` as in styled.toml's [[source]].
 struct Port {
   std::string name = "rig", type = "udp";
   std::string listen;   // HOST:PORT to bind, numeric; port 0 is chosen by the system
-  std::string forward;  // HOST:PORT; "" = nobody
+  std::string forward;  // HOST:PORT; "" = do not forward
 };
 
 struct ReceiveCounts {
   std::uint64_t datagrams = 0, bytes = 0;
-  std::uint64_t forwarded = 0;  // of them, to where they go on
-  std::uint64_t answered = 0;   // datagrams that came back from there and were passed to the rig
-  std::uint64_t dropped = 0;    // by the kernel, whose buffer was full
+  std::uint64_t forwarded = 0;  // datagrams passed on to `forward`
+  std::uint64_t answered = 0;   // datagrams from `forward`, passed back to the rig
+  std::uint64_t dropped = 0;    // lost in the kernel because its buffer was full
 };
 
-// Sits where a rig sends and records every datagram as it comes, before anything can refuse it.
-// With `forward` it stands between rig and daemon: each sender is forwarded from a socket of its
-// own, and what is answered to that goes back to the sender (not recorded). At most 64 senders are
-// forwarded.
+// Takes the daemon's place as the receiver of a rig and records every datagram before anything can
+// reject it. With `forward` it stands between rig and daemon: each sender is forwarded from its own
+// socket, and replies to that socket go back to the sender (they are not recorded). At most 64
+// senders are forwarded.
 class Receiver {
  public:
   // Binds. Errors name the address.
@@ -37,10 +37,10 @@ class Receiver {
   Receiver(const Receiver&) = delete;
   Receiver& operator=(const Receiver&) = delete;
 
-  // "udp://127.0.0.1:43211" of each port, as bound.
+  // The bound address of each port, "udp://127.0.0.1:43211".
   std::vector<std::string> endpoints() const;
 
-  // Records until `stop` is set or `seconds` (0: no end) are over.
+  // Records until `stop` is set or `seconds` (0: unlimited) have passed.
   Status Run(recording::FileWriter& writer, double seconds, const std::atomic<bool>& stop);
   const ReceiveCounts& counts() const { return counts_; }
 

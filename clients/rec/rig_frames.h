@@ -16,38 +16,40 @@
 
 namespace styled::rec {
 
-// Makes a rig's own datagrams (proto/styled/v1/WIRE.md) of what the daemon published of it, body/
-// and source/: so a recording of subscribers can be played into a daemon, too. Source times, poses
-// and bodies are those of the rig, and a joint that the daemon held is sent as unknown again: what
-// comes out styled is bit for bit what came out then. Not so where the daemon held a jump of
-// metres; only a recording of arrivals has what was sent. One thread; allocates.
+// Reconstructs a rig's datagrams (proto/styled/v1/WIRE.md) from what the daemon published about it
+// on body/ and source/. With it, a recording of a publisher can be played into a daemon. Source
+// times, poses and bodies are the rig's, and a joint that the daemon held is sent as unknown again.
+// The styled output is therefore bit-identical to the recorded one. The exception is a jump of
+// metres that the daemon held: only a recording of arrivals contains what was sent. One thread;
+// allocates.
 class RigFrames {
  public:
-  // Takes a datagram of the performer `source`.`name`.
+  // Receives a datagram of the performer `source`.`name`.
   using Send = std::function<void(const std::string& source, std::span<const std::byte> datagram)>;
-  // `new_session`: session ids, not 0, each a new one.
+  // `new_session` returns session ids, nonzero and different on each call.
   explicit RigFrames(std::function<std::uint64_t()> new_session)
       : new_session_(std::move(new_session)) {}
 
-  // Notes a body; nothing is sent of it.
+  // Stores a body; sends nothing.
   void Note(const recording::Record& record);
-  // Notes a body, or sends a frame: its body before it when it is another, and once a second.
+  // Stores a body, or sends a frame. The body is sent before the frame if it has changed, and once
+  // per second.
   void Take(const recording::Record& record, const Send& send);
-  // From now on every performer is in a new session.
+  // Starts a new session for every performer.
   void Restart() { performers_.clear(); }
 
   std::uint64_t frames() const { return frames_; }
-  std::uint64_t without_body() const { return without_body_; }  // frames left out
+  std::uint64_t without_body() const { return without_body_; }  // frames skipped
 
  private:
   struct Performer {
     std::uint64_t session = 0, sequence = 0;
     std::uint64_t epoch = 0, source_sequence = 0;  // of the last frame
-    std::uint64_t body_hash = 0;                   // of the body sent last
-    std::int64_t body_time_ns = 0;                 // when
+    std::uint64_t body_hash = 0;                   // of the last sent body
+    std::int64_t body_time_ns = 0;                 // when it was sent
   };
   struct Body {
-    std::string payload;  // as the rig sends it
+    std::string payload;  // as the rig would send it
     std::uint32_t crc = 0;
     int joints = 0;
   };
@@ -65,7 +67,7 @@ class RigFrames {
   std::uint64_t frames_ = 0, without_body_ = 0;
 };
 
-// The performer's id in "source/<id>/" or "body/<id>/"; "" where the topic has another shape.
+// The performer's id in "source/<id>/" or "body/<id>/"; "" for any other topic.
 std::string IdOfTopic(const std::string& topic, const std::string& prefix);
 
 }  // namespace styled::rec

@@ -17,29 +17,29 @@
 namespace styled::rec {
 
 struct RigOutletOptions {
-  // Where to send what a source received: by the source's name, "" = all others. An url
-  // "udp://HOST:PORT" or "tcp://HOST:PORT"; "original" = where it arrived when it was recorded, on
-  // this machine where that was every address.
+  // Destination for the datagrams of each source, by the source's name; "" = all other sources. A
+  // URL "udp://HOST:PORT" or "tcp://HOST:PORT", or "original" = the address where they arrived
+  // during recording (this machine if it was a wildcard address).
   std::map<std::string, std::string> to;
-  bool as_recorded = false;     // keep the session ids of our own datagrams
-  bool from_published = false;  // there are no arrivals: make them of what was published
-  double start_wait_ms = 2000;  // for a TCP listener
+  bool as_recorded = false;     // keep the session ids of native datagrams
+  bool from_published = false;  // there are no arrivals: reconstruct them from what was published
+  double start_wait_ms = 2000;  // wait for a TCP listener
 };
 
 struct RigOutletCounts {
   std::uint64_t datagrams = 0, bytes = 0;
-  std::uint64_t elsewhere = 0;  // of sources that no `to` names
+  std::uint64_t elsewhere = 0;  // from sources without an entry in `to`
 };
 
-// Sends what arrived to where it should arrive again: from one socket, or connection, per sender
-// that was recorded. Our own datagrams (proto/styled/v1/WIRE.md) get new session ids, or a daemon
-// that has seen the recording before would take them for repetitions; all else goes as it came.
-// What was recorded of a stream of ours is put together to whole datagrams first. Before a
-// performer's new session there is silence as in the recording, up to 150 ms at any speed, which is
-// what a daemon needs to believe it.
+// Sends recorded datagrams to where they should arrive again, from one socket or connection per
+// recorded sender. Datagrams of the native protocol (proto/styled/v1/WIRE.md) get new session ids;
+// otherwise a daemon that has seen the recording would drop them as repetitions. All others are
+// sent unchanged. Pieces of a native TCP stream are first joined to whole datagrams. Before a
+// performer's new session the outlet keeps the recorded silence, up to 150 ms at any speed, because
+// the daemon accepts a new session only after such a pause.
 class RigOutlet final : public Outlet {
  public:
-  // `steering` may be null; else it is told what is sent, and paces it.
+  // `steering` may be null; otherwise it is notified of each datagram and limits the pace.
   RigOutlet(RigOutletOptions options, player::Clock& clock, Steering* steering);
 
   void Note(const recording::Record& record) override;
@@ -59,11 +59,12 @@ class RigOutlet final : public Outlet {
     std::int64_t recorded_ns = 0, sent_ns = 0;  // of the last datagram
   };
 
-  // A TCP connection of our own datagrams, as it was recorded.
+  // A recorded TCP connection of native datagrams.
   struct Stream {
     std::vector<std::byte> buffer = std::vector<std::byte>(2 * native::kMaxDatagramSize);
     native::StreamReader reader{buffer};
-    bool broken = false;  // out of step: a daemon closes it there, and nothing follows
+    // Lost synchronization: a daemon closes the connection there, and nothing follows.
+    bool broken = false;
   };
 
   Status DeliverPiece(const Sender& sender, std::int64_t time_ns, std::span<const std::byte> piece);
@@ -78,13 +79,13 @@ class RigOutlet final : public Outlet {
   player::Clock& clock_;
   Steering* steering_;
   RigFrames rig_frames_;
-  std::map<Sender, std::unique_ptr<player::Link>> links_;  // null: elsewhere
+  std::map<Sender, std::unique_ptr<player::Link>> links_;  // null: not sent
   std::map<Sender, Stream> streams_;
   std::map<std::pair<std::string, std::uint64_t>, std::string> performers_;  // source, session
   std::map<std::string, Session> sessions_;                                  // by performer's id
-  // The last body of each performer before the part that is played.
+  // The last body of each performer before the played part.
   std::map<std::string, recording::Record> noted_;
-  std::uint64_t salt_ = 0;  // makes new session ids of the recorded ones
+  std::uint64_t salt_ = 0;  // to derive new session ids from the recorded ones
   std::vector<std::byte> buffer_;
   RigOutletCounts counts_;
 };

@@ -11,44 +11,45 @@
 
 namespace styled::rec {
 
-// Which of a performer's motions.
+// Which motion of a performer.
 enum class What {
   kRig,        // styled, on the rig's own skeleton
   kCanonical,  // styled, on the canonical humanoid
-  kSource,     // as it came from the rig
+  kSource,     // as received from the rig
   kAvatar,     // styled, on the skeleton of an [[output]]
 };
 
-// A performer's motion as recorded: on one skeleton, at the frames' source times.
+// A recorded motion of a performer: on one skeleton, at the source times of its frames.
 struct Take {
   std::string performer;
   rig::Skeleton skeleton;  // the rig's units and axes
   std::vector<rig::Quat> rest;
   float metres_per_unit = 1;
-  bool unit_known = true;  // false: found by the hips' height above the toes
+  bool unit_known = true;  // false: estimated from the height of the hips above the toes
   rig::Quat canonical_from_source = rig::Quat::Identity();
-  std::vector<double> times_s;  // growing, from 0
+  std::vector<double> times_s;  // increasing, starts at 0
   std::vector<rig::RigPose> frames;
-  std::uint64_t on_other_bodies =
-      0;                       // frames left out: the body was changed; the most used one counts
-  std::uint64_t unusable = 0;  // frames left out: their body is not in the recording, no numbers
-  std::uint64_t restarts = 0;  // the source's clock began anew; it goes on here as time did
+  // Frames skipped because the body changed; the most frequent body is used.
+  // Frames skipped because the body changed; the most frequent body is used.
+  std::uint64_t on_other_bodies = 0;
+  std::uint64_t unusable = 0;  // frames skipped: no body in the recording, or non-finite values
+  std::uint64_t restarts = 0;
 };
 
-// Reads all of `reader`, twice. `kSource` comes from source/ or, where there is none, from our own
-// datagrams among the arrivals. Errors name the file and what it does hold. Allocates.
-// `output`: the name of the [[output]], for `kAvatar`.
+// Reads all of `reader`, twice. `kSource` is taken from source/ or, if that is missing, from native
+// datagrams among the arrivals. `output`: the name of the [[output]], for `kAvatar`. Errors name
+// the file and what it does contain. Allocates.
 Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, What what,
                       const std::string& output = "");
 
-// The take at a constant rate: that of its frames where `rate_hz` is 0 (the median step, rounded to
-// the rate that is meant), with the frames as they are when they keep it, else moved to it by
-// interpolation; another rate through clip::Resample. Errors: fewer than two frames, a rate out of
-// 1 to 1000 Hz, more than ten million frames.
+// Converts the take to a constant rate. `rate_hz` 0: the rate of its frames (the median step,
+// rounded to the nominal rate); the frames stay unchanged if they keep that rate, else they are
+// interpolated. Any other rate uses clip::Resample. Errors: fewer than two frames, a rate outside 1
+// to 1000 Hz, more than ten million frames.
 Result<clip::Clip> ToClip(const Take& take, double rate_hz);
 
-// The take as `format` is written: at the frames' own times where `rate_hz` is 0 and the format
-// keeps them, else at a constant rate, as ToClip makes it and with its errors.
+// Converts the take for `format`: at the frames' own times if `rate_hz` is 0 and the format stores
+// times; else at a constant rate, as ToClip does and with its errors.
 Result<clip::Motion> ToMotion(const Take& take, double rate_hz, const clip::Format& format);
 
 }  // namespace styled::rec

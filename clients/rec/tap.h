@@ -16,10 +16,10 @@ namespace styled::rec {
 
 struct TapOptions {
   std::vector<std::string> endpoints;  // of publishers
-  std::vector<std::string> topics;     // prefixes; empty: everything
-  std::string performer;               // whose topics they are, where they are one's
+  std::vector<std::string> topics;     // prefixes; empty: all
+  std::string performer;               // the performer of `topics`, if they belong to one
   double seconds = 0;                  // 0: until stopped
-  std::optional<client::Curve> curve;  // for publishers that ask for keys
+  std::optional<client::Curve> curve;  // for publishers that require keys
 };
 
 constexpr double kPatience_s = 3;
@@ -27,25 +27,25 @@ constexpr double kPatience_s = 3;
 struct TapCounts {
   std::uint64_t messages = 0;
   std::uint64_t statistics = 0;  // of those, on stats/
-  std::uint64_t missed = 0;      // frames lost on the way here, by their sequences
-  std::uint64_t odd = 0;         // messages that are not topic and payload; left out
+  std::uint64_t missed = 0;      // frames lost in transit, by gaps in `sequence`
+  std::uint64_t odd = 0;         // skipped: messages that are not topic and payload
 };
 
-// Subscribes to daemons and records what they publish. That nobody listens there is no error: it
-// waits. One thread.
+// Subscribes to daemons and records what they publish. If no daemon listens there yet, it waits.
+// One thread.
 class Tap {
  public:
-  // Refuses an endpoint that ZeroMQ cannot parse, keys that are none.
+  // Refuses an endpoint that ZeroMQ cannot parse, and invalid keys.
   static Result<std::unique_ptr<Tap>> Connect(const TapOptions& options);
   ~Tap();
   Tap(const Tap&) = delete;
   Tap& operator=(const Tap&) = delete;
 
-  // Until `stop` is set or the options' seconds are over. `err` is told when the first message
-  // came, and once when after kPatience_s nothing came, or nothing of the performer.
+  // Runs until `stop` is set or TapOptions::seconds have passed. Writes a line to `err` at the
+  // first message, and once if nothing arrived within kPatience_s, or nothing of the performer.
   Status Run(recording::FileWriter& writer, const std::atomic<bool>& stop, std::ostream& err);
   const TapCounts& counts() const;
-  // "there are rig.anna, rig.ben": whom the statistics that came speak of.
+  // "there are rig.anna, rig.ben": the performers in the received statistics.
   std::string WhoIsThere() const;
 
  private:

@@ -17,47 +17,48 @@ namespace styled::stylevmc {
 
 struct Options {
   std::vector<std::string> publishers = {std::string(client::kDefaultPublisher)};
-  std::optional<client::Curve> curve;  // for publishers that ask for keys
-  std::string performer;               // of the targets that name none; "" = the first that is seen
+  std::optional<client::Curve> curve;  // for publishers that require keys
+  std::string performer;               // for targets that name none; "" = the first one seen
   std::vector<TargetSpec> targets;     // at least one
-  double rate_hz = 120;                // cap, for each performer
+  double rate_hz = 120;                // maximum, per performer
   Carrier carrier = Carrier::kHips;
-  // Where no performer is named: how long the one who is shown may be silent before another is.
+  // For targets without a named performer: the current one is replaced by another after this time
+  // without frames.
   std::chrono::nanoseconds patience = std::chrono::seconds(5);
 };
 
-// Since Open. Nothing is ever reset.
+// Totals since Open; never reset.
 struct Counts {
   std::uint64_t frames = 0;    // sent
-  std::uint64_t thinned = 0;   // left out: above the rate, or superseded before they were read
-  std::uint64_t missed = 0;    // lost between daemon and here
-  std::uint64_t bodiless = 0;  // left out: their body has not arrived
-  std::uint64_t failed = 0;    // datagrams that the system refused, over all targets
-  std::string last_error;      // of a datagram or a body; "" = none since it was last asked for
+  std::uint64_t thinned = 0;   // skipped: above rate_hz, or superseded before they were read
+  std::uint64_t missed = 0;    // lost between daemon and this program
+  std::uint64_t bodiless = 0;  // skipped: their body has not arrived
+  std::uint64_t failed = 0;    // datagrams that the system refused, summed over targets
+  std::string last_error;      // of a datagram or a body; "" = none since it was last read
 };
 
-// The targets that are shown one performer.
+// The targets that receive the same performer.
 struct Channel {
-  std::string wanted;   // "" = whoever is first
-  std::string current;  // who is shown; "" = nobody yet
+  std::string wanted;   // "" = the first one seen
+  std::string current;  // the performer being forwarded; "" = none yet
   std::vector<std::unique_ptr<Target>> targets;
   Counts counts;
 
   Puppet puppet;
   RateCap cap;
   Timeline timeline;
-  std::shared_ptr<const v1::Body> body;  // the one that `puppet` is bound to
-  bool usable = false;                   // ... and it could be
-  std::int64_t last_ns = 0;              // when a frame of `current` came
+  std::shared_ptr<const v1::Body> body;  // the body that `puppet` is bound to
+  bool usable = false;                   // binding `body` succeeded
+  std::int64_t last_ns = 0;              // arrival of the last frame of `current`
 };
 
-// A subscriber of the daemon that sends every styled frame, at once, to its targets as VMC. Where a
-// target names no performer, and none is named for all, it is shown the first one that moves, and
-// another once that one was silent for Options::patience. One thread.
-// Pinned by tests/unit/vmc_out/forwarder_test.cpp and tests/e2e/vmc_out.
+// Subscribes to the daemon and sends every styled frame immediately to its targets as VMC. A target
+// without a named performer (nor one named for all targets) receives the first performer that
+// moves. After that performer was silent for Options::patience, the target switches to another one.
+// One thread. Pinned by tests/unit/vmc_out/forwarder_test.cpp and tests/e2e/vmc_out.
 class Forwarder {
  public:
-  // Errors: a host that cannot be looked up, an endpoint that ZeroMQ cannot parse.
+  // Errors: a host that does not resolve, an endpoint that ZeroMQ cannot parse.
   static Result<std::unique_ptr<Forwarder>> Open(const Options& options);
 
   // Waits up to `timeout` for frames and forwards the newest of each performer.

@@ -9,30 +9,30 @@
 
 namespace styled::stylevmc {
 
-// One application that listens for VMC, and whom it is shown.
+// An application that listens for VMC, and the performer that it receives.
 struct TargetSpec {
-  std::string performer;  // SOURCE.NAME, "" = as the program's --performer says
-  std::string host;       // name or address, IPv6 without its brackets
+  std::string performer;  // SOURCE.NAME; "" = the one of --performer
+  std::string host;       // name or address, IPv6 without brackets
   std::string port;       // 1 .. 65535
   std::string text;       // HOST:PORT as given, for messages
 };
 
-// "HOST:PORT", "[IPV6]:PORT" or "PERFORMER=HOST:PORT". The error says what was expected.
+// Parses "HOST:PORT", "[IPV6]:PORT" or "PERFORMER=HOST:PORT". The error states what was expected.
 Result<TargetSpec> ParseTarget(const std::string& text);
 
-// A UDP socket of its own towards one target. UDP never tells that nobody listens there. One
-// thread; Send does not block.
+// A UDP socket for one target. UDP does not report whether a program listens there. One thread;
+// Send does not block.
 class Target {
  public:
-  // Looks the host up, once (this may block for seconds). Of several addresses an IPv4 one is
-  // taken where there is one: most applications listen on IPv4 alone, and `localhost` often is
+  // Resolves the host once (this may block for seconds). If there are several addresses, an IPv4
+  // one is preferred: most applications listen on IPv4 only, and `localhost` often resolves to
   // both. Broadcast addresses are allowed.
   static Result<std::unique_ptr<Target>> Open(const TargetSpec& spec);
   ~Target();
   Target(const Target&) = delete;
   Target& operator=(const Target&) = delete;
 
-  // "" where the system took it, else its reason.
+  // "" if the system accepted the datagram, else its error.
   std::string Send(std::span<const std::byte> datagram);
   const std::string& text() const;
 

@@ -10,39 +10,40 @@
 
 namespace styled::web {
 
-// Who may ask. On a loopback address only what is called by a loopback name is answered: a web site
-// whose name was made to point here (DNS rebinding) is not. On every address a page of another site
-// is refused: a browser says whose page asks (Origin), and it must be ours. Names are compared
-// without regard to case.
+// Which HTTP requests are answered. On a loopback address, only requests whose Host is a loopback
+// name: that defeats a web site whose name was pointed at this machine (DNS rebinding). On every
+// address, a page of another site is refused: the browser sends the page's origin (Origin), which
+// must be the gateway's own or listed. Names are compared case-insensitively.
 struct AccessRules {
   bool loopback = true;    // the gateway listens on a loopback address
-  std::string token = {};  // to be shown by whom Judge is told to ask for it; "" = none
-  std::vector<std::string> origins =
-      {};  // of other pages that may ask, e.g. "http://stage.lan:5173"
+  std::string token = {};  // required if Judge is called with needs_token; "" = none
+  // Origins of other sites whose pages may connect, e.g. "http://stage.lan:5173".
+  std::vector<std::string> origins = {};
 };
 
-// The parts of an HTTP request that decide; "" where absent.
+// The parts of an HTTP request that access depends on; "" if absent.
 struct Credentials {
-  std::string_view host = {};           // Host, the first one
-  std::string_view origin = {};         // Origin, the first one
-  std::size_t hosts = 1, origins = 1;   // how many of each there are
+  std::string_view host = {};           // the first Host
+  std::string_view origin = {};         // the first Origin
+  std::size_t hosts = 1, origins = 1;   // the number of each
   std::string_view authorization = {};  // Authorization
   std::string_view target = {};         // path and query
 };
 
-// kTwice: a second Host or Origin. Of two, a proxy before us may have judged the other one.
+// kTwice: a second Host or Origin. With two of them, a proxy in front of the gateway may have
+// checked the other one.
 enum class Verdict : std::uint8_t { kAllowed, kTwice, kHost, kOrigin, kToken };
 
-// `needs_token`: of what only those who have it may see; the page itself is for everybody. Any
-// thread; allocates nothing.
+// `needs_token`: true for everything but the page itself, which is public. Any thread; allocates
+// nothing.
 Verdict Judge(const AccessRules& rules, const Credentials& credentials, bool needs_token) noexcept;
 
-// What was expected instead, for the reply's body. "" for kAllowed.
+// Text for the body of a refusal: what was expected instead. "" for kAllowed.
 std::string_view Explain(Verdict verdict) noexcept;
 
-// The token in `file`: its first line, 16 to 256 of A-Z a-z 0-9 . _ ~ -, which needs no escaping in
-// an address. A file that others can read, or that somebody else owns, is refused as a file of keys
-// is (proto/keys/key_folder.h). Errors name the file and what was expected.
+// Reads the token from the first line of `file`: 16 to 256 of A-Z a-z 0-9 . _ ~ -, which need no
+// escaping in a URL. Like a key file, the file is refused if other users can read it or if another
+// user owns it (proto/keys/key_folder.h). Errors name the file and what was expected.
 Result<std::string> ReadToken(const std::string& file);
 
 }  // namespace styled::web

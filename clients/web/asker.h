@@ -14,24 +14,24 @@
 
 namespace styled::web {
 
-// The daemon's control socket on a thread of its own, so that a daemon that does not answer never
-// stops the frames. Requests are asked one after another. Any thread may call Ask; the destructor
-// waits for the request in flight, at most its timeout.
+// Runs the daemon's control socket on its own thread, so that a daemon that does not answer never
+// delays frames. Requests are sent one after another. Any thread may call Ask; the destructor waits
+// for the request in flight, at most its timeout.
 class Asker {
  public:
-  // What became of a request; `status` is ok or refused where `reply` is the daemon's. Called on
-  // the asker's thread.
+  // The outcome of a request. If `status` is ok or refused, `reply` is the daemon's. Called on the
+  // asker's thread.
   using Done = std::function<void(client::CallStatus status, v1::Reply reply)>;
 
-  // Refuses an endpoint that ZeroMQ cannot parse, keys that are none.
+  // Refuses an endpoint that ZeroMQ cannot parse, and invalid keys.
   static Result<std::unique_ptr<Asker>> Start(const std::string& endpoint,
                                               const std::optional<client::Curve>& curve = {});
   ~Asker();
   Asker(const Asker&) = delete;
   Asker& operator=(const Asker&) = delete;
 
-  // False, and `done` is dropped, where too many wait already. A request that has waited longer
-  // than the timeout when its turn comes is not asked any more.
+  // False if the queue is full; `done` is dropped then. A request that has waited longer than the
+  // timeout is not sent.
   bool Ask(v1::Request request, Done done);
 
  private:

@@ -6,8 +6,8 @@ namespace styled::web {
 
 class Gateway;
 
-// Answers what comes over one connection: the page, /metrics, /healthz; at /ws it becomes a
-// browser's WebSocket (session.h). Requests are small, and slow ones are given up. The loop's
+// Serves one HTTP connection: the page, /metrics and /healthz; a request for /ws becomes a
+// browser's WebSocket (session.h). Request size and duration are limited. Call on the loop's
 // thread.
 void Serve(boost::asio::ip::tcp::socket socket, Gateway& gateway);
 

@@ -7,22 +7,22 @@
 
 namespace styled::web {
 
-// The connections that are open. When there is no room for another, one that waits for its peer
-// gives way: requests that are never finished, or replies that are never read, keep nobody out.
-// The loop's thread.
+// The open connections. When the limit is reached, a connection that waits for its peer is closed
+// to make room, so that requests that are never finished and replies that are never read cannot
+// block others. Call on the loop's thread.
 class Crowd {
  public:
   enum class State { kReading, kWriting, kBrowser };  // an HTTP request, its reply, a WebSocket
 
-  // A connection, for as long as this object lives. `close` ends it, soon; it is called at most
-  // once, and the connection does not count from then on.
+  // Registers a connection for the lifetime of this object. `close` requests the end of the
+  // connection. It is called at most once, and from then on the connection does not count.
   class Member {
    public:
     Member(std::shared_ptr<Crowd> crowd, std::function<void()> close);
     ~Member();
     Member(const Member&) = delete;
     Member& operator=(const Member&) = delete;
-    // The wait begins anew.
+    // Sets the state and restarts the connection's wait.
     void Now(State state);
 
    private:
@@ -35,8 +35,9 @@ class Crowd {
   };
 
   std::size_t size() const { return members_.size(); }
-  // Closes who has waited longest for the rest of a request; where there is none, who has waited
-  // longest for a reply to be read. False where there are browsers' WebSockets alone.
+  // Closes the connection that has waited longest for the rest of a request, or, if there is none,
+  // the one that has waited longest for its reply to be read. False if all connections are
+  // WebSockets.
   bool MakeRoom();
 
  private:

@@ -25,22 +25,23 @@ struct Options {
   std::string listen = "127.0.0.1:7080";  // HOST:PORT, numeric or localhost; port 0 = any free one
   std::string publish = std::string(client::kDefaultPublisher);
   std::string control = std::string(client::kDefaultControl);
-  client::KeyOptions keys;  // for a daemon that asks for them
-  std::string page;         // folder of the built page; "" = beside the program, if there
-  std::string token_file;   // needed on other addresses than loopback, unless ...
-  bool allow_unauthenticated_remote = false;  // ... this says that everyone may
+  client::KeyOptions keys;  // for a daemon that requires them
+  std::string page;        // folder of the built page; "" = next to the program, if it exists there
+  std::string token_file;  // required on addresses other than loopback, unless ...
+  bool allow_unauthenticated_remote = false;  // ... this allows access without a token
   std::vector<std::string> origins;           // of pages of other sites that may connect
   bool watch_only = false;                    // control requests are refused
-  int max_connections = 64;  // 1 .. 10000; beyond them the oldest unfinished request gives way,
-                             // and where there is none the new connection is closed at once
+  // 1 .. 10000. At the limit, the oldest unfinished request is closed; if there is none, the new
+  // connection is closed at once.
+  int max_connections = 64;
 };
 
-// Everything that the connections share, and the loop's timers. One thread runs `io`; all but Start
-// is called there.
+// The state shared by all connections, and the loop's timers. One thread runs `io`; all functions
+// except Start must be called on it.
 class Gateway {
  public:
-  // Listens from here on. Refuses what is wrong in `options`, naming the option, and an address
-  // that cannot be listened on.
+  // Starts listening. Errors: an invalid option, which is named, or an address that cannot be
+  // bound.
   static Result<std::unique_ptr<Gateway>> Start(boost::asio::io_context& io,
                                                 const Options& options);
   Gateway(const Gateway&) = delete;
@@ -69,7 +70,7 @@ class Gateway {
 
   boost::asio::ip::tcp::acceptor acceptor_;
   boost::asio::steady_timer tick_, retry_;
-  std::unique_ptr<client::Lookout> lookout_;  // while no daemon publishes
+  std::unique_ptr<client::Lookout> lookout_;  // used while no daemon publishes
   std::string address_;
 };
 

@@ -15,52 +15,54 @@
 
 namespace styled::web {
 
-// One browser, as the hub sees it.
+// A browser connection, as the hub uses it.
 class Browser {
  public:
   virtual ~Browser() = default;
-  virtual void Offer(const MessagePtr& message) = 0;  // does not call back into the hub
+  virtual void Offer(const MessagePtr& message) = 0;  // must not call back into the hub
 };
 
 enum class Subscribed : std::uint8_t {
-  kOk,       // or was already
-  kNoTopic,  // not one of clients/web/topics.h
-  kTooMany,  // this browser's kMaxTopics, or kMaxDistinctTopics of all
+  kOk,       // subscribed now or before
+  kNoTopic,  // not a topic of clients/web/topics.h
+  kTooMany,  // this browser has kMaxTopics, or all together have kMaxDistinctTopics
 };
 
-// Who wants what: what the daemon published goes to the browsers that asked for it, and the daemon
-// is asked only for what some browser wants (and stats/, always). Remembers bodies and the last
-// statistics for browsers that come later, and whether a daemon is there.
+// Distributes the daemon's messages to the browsers that subscribed to them. The hub subscribes at
+// the daemon only to topics that a browser wants, and always to stats/. It caches bodies and the
+// last statistics for browsers that connect later, and tracks whether a daemon is publishing.
 //
 // One thread at a time. Allocates. Pinned by tests/unit/web/hub_test.cpp.
 class Hub {
  public:
   using Clock = std::chrono::steady_clock;
 
-  static constexpr std::size_t kMaxTopics = 256;          // of one browser
-  static constexpr std::size_t kMaxDistinctTopics = 512;  // the daemon serves 1024 by default
-  static constexpr std::chrono::seconds kSilence{3};      // of stats/, which comes every second
+  static constexpr std::size_t kMaxTopics = 256;  // per browser
+  // The daemon's own limit is 1024 by default.
+  static constexpr std::size_t kMaxDistinctTopics = 512;
+  // Without stats/, which is sent every second: the daemon is down.
+  static constexpr std::chrono::seconds kSilence{3};
 
   struct Upward {
     std::function<void(const std::string&)> subscribe, unsubscribe;
   };
-  // `endpoint` is named where the daemon is said to be away.
+  // `endpoint` appears in the message that no daemon publishes.
   Hub(std::string endpoint, Upward upward, Counters& counters, Clock::time_point now);
 
-  void Join(Browser& browser);  // tells it how the daemon is
+  void Join(Browser& browser);  // sends it the daemon's state
   void Leave(Browser& browser);
   Subscribed Subscribe(Browser& browser, const std::string& topic);
   void Unsubscribe(Browser& browser, const std::string& topic);
 
-  // A message of the daemon: bodies are passed on when they are new or changed, all else as it is.
+  // Distributes a message of the daemon. A body is passed on only if it is new or changed.
   void Publish(std::string_view topic, std::string_view payload, Clock::time_point now);
   void Disconnected(Clock::time_point now) { SetUp(false, now); }
-  void Tick(Clock::time_point now);  // once in a while
-  // Why no daemon publishes, as far as is known; browsers are told when it changes.
+  void Tick(Clock::time_point now);  // call regularly
+  // Sets the known reason why no daemon publishes; browsers are notified when it changes.
   void SetObstacle(const std::string& obstacle);
 
   bool daemon_up() const { return up_; }
-  // Why not, and since when: "no daemon publishes at ... (4 s)". "" where it is up.
+  // Why the daemon is down, and since when: "no daemon publishes at ... (4 s)". "" if it is up.
   std::string Reason(Clock::time_point now) const;
   const v1::Stats* statistics() const { return up_ && has_stats_ ? &stats_ : nullptr; }
   std::size_t browsers() const { return browsers_.size(); }
@@ -81,7 +83,7 @@ class Hub {
   std::string endpoint_, obstacle_;
   Upward upward_;
   Counters& counters_;
-  std::map<Browser*, std::vector<std::string>> browsers_;  // and their topics
+  std::map<Browser*, std::vector<std::string>> browsers_;  // with their topics
   std::map<std::string, Browsers, std::less<>> wanted_;    // by topic
   std::map<std::string, CachedBody, std::less<>> bodies_;  // by topic and output
   MessagePtr last_stats_;
@@ -90,8 +92,8 @@ class Hub {
   Clock::time_point changed_, heard_;
 };
 
-// A message as browsers get it (clients/web/WIRE.md): the topic's length, the topic, the payload.
-// An empty topic is that of a Reply.
+// Encodes a message for browsers (clients/web/WIRE.md): the topic's length, the topic, the payload.
+// An empty topic marks a Reply.
 std::string Packed(std::string_view topic, std::string_view payload);
 
 }  // namespace styled::web

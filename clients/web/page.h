@@ -11,19 +11,21 @@ namespace styled::web {
 struct PageFile {
   std::string_view type;  // MIME
   std::string bytes;
-  bool forever = false;  // its name changes with its content: browsers need not ask again
+  // Its name changes with its content: browsers may cache it without revalidation.
+  bool forever = false;
 };
 
-// The built page, read once: what is not in memory cannot be asked for, whatever the path says.
+// The built page, read once into memory. Files outside it cannot be requested, whatever the path.
 class Page {
  public:
-  Page() = default;  // of a gateway without one
+  Page() = default;  // for a gateway without a page
 
-  // Every regular file below `folder`. Refuses a folder without index.html, or of more than 64 MiB.
+  // Reads every regular file below `folder`. Refuses a folder without index.html, or with more than
+  // 64 MiB.
   static Result<Page> Load(const std::string& folder);
 
-  // The file of a request target ("/", "/assets/index-1234.js", a query is ignored); null where
-  // there is none. Valid as long as the page.
+  // The file for a request target ("/", "/assets/index-1234.js"; a query is ignored); null if there
+  // is none. Valid during the lifetime of the page.
   const PageFile* Find(std::string_view target) const;
   bool empty() const { return files_.empty(); }
 
@@ -31,8 +33,8 @@ class Page {
   std::map<std::string, PageFile, std::less<>> files_;
 };
 
-// Where the page is, seen from the program: the build tree's or the installed one; "" where neither
-// is there.
+// The folder of the page, relative to the program: in the build tree or as installed; "" if neither
+// exists.
 std::string FindPage();
 
 }  // namespace styled::web

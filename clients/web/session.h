@@ -9,8 +9,8 @@ namespace styled::web {
 
 class Gateway;
 
-// Accepts the upgrade `request` and serves one browser (clients/web/WIRE.md) until it goes. A
-// browser that does not answer pings for half a minute is dropped.
+// Accepts the upgrade `request` and serves one browser (clients/web/WIRE.md) until it disconnects.
+// A browser that does not answer pings for 30 s is disconnected.
 boost::asio::awaitable<void> RunSession(
     boost::beast::tcp_stream stream,
     boost::beast::http::request<boost::beast::http::empty_body> request, Gateway& gateway);

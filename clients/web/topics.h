@@ -6,17 +6,17 @@
 
 namespace styled::web {
 
-// What the daemon publishes (proto/styled/v1/WIRE.md).
+// The topics that the daemon publishes (proto/styled/v1/WIRE.md).
 enum class TopicKind : std::uint8_t {
   kStyled,      // "styled/<performer>/rig/", "styled/<performer>/canonical/"
   kSource,      // "source/<performer>/"
   kBody,        // "body/<performer>/"
-  kEveryBody,   // "body/": a prefix, of everyone's body; nothing is published under it itself
+  kEveryBody,   // "body/": a prefix for the bodies of all performers, not a topic of its own
   kStatistics,  // "stats/"
 };
 
-// The kind of `topic`; nothing where it is none of those above, so that a browser cannot subscribe
-// to prefixes of its own making. Any thread; allocates nothing.
+// The kind of `topic`; empty for any other text, so that a browser cannot subscribe to arbitrary
+// prefixes. Any thread; allocates nothing.
 std::optional<TopicKind> ParseTopic(std::string_view topic) noexcept;
 
 inline constexpr std::string_view kEveryBodyTopic = "body/";

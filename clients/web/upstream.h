@@ -15,20 +15,20 @@
 
 namespace styled::web {
 
-// The gateway's one subscription socket, in the loop of `io` (by ZMQ_FD). It is subscribed to what
-// was asked for, each topic counted; messages are handed on as they came. Connects in the
-// background and again by itself.
+// The gateway's only subscription socket, integrated into the loop of `io` through ZMQ_FD. It
+// subscribes to the requested topics and passes messages on unchanged. Connects in the background
+// and reconnects by itself.
 //
 // The loop's thread only. Allocates.
 class Upstream {
  public:
   struct Handlers {
     std::function<void(std::string_view topic, std::string_view payload)> message;
-    std::function<void()> disconnected;  // the connection broke
+    std::function<void()> disconnected;  // the connection was lost
   };
 
-  // Refuses an endpoint that ZeroMQ cannot parse, keys that are none. That nobody is there is no
-  // error.
+  // Refuses an endpoint that ZeroMQ cannot parse, and invalid keys. It is no error if no daemon
+  // listens there yet.
   static Result<std::unique_ptr<Upstream>> Connect(boost::asio::io_context& io,
                                                    const std::string& endpoint,
                                                    const std::optional<client::Curve>& curve,
@@ -37,7 +37,7 @@ class Upstream {
   Upstream(const Upstream&) = delete;
   Upstream& operator=(const Upstream&) = delete;
 
-  // Each topic once; Unsubscribe only what was subscribed to.
+  // Subscribe at most once per topic; Unsubscribe only what was subscribed.
   void Subscribe(const std::string& topic);
   void Unsubscribe(const std::string& topic);
   std::size_t topics() const { return topics_; }          // subscribed to
@@ -61,7 +61,8 @@ class Upstream {
   std::size_t topics_ = 0;
   std::uint64_t malformed_ = 0;
   bool drain_posted_ = false;
-  std::shared_ptr<Upstream*> self_;  // emptied by the destructor: what is posted then does nothing
+  // Reset by the destructor: callbacks still queued then do nothing.
+  std::shared_ptr<Upstream*> self_;
 };
 
 }  // namespace styled::web
