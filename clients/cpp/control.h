@@ -51,8 +51,8 @@ using Applied = std::vector<v1::Applied>;
 
 struct ControlOptions {
   std::string endpoint = std::string(kDefaultControl);
-  std::chrono::milliseconds timeout{
-      2000};  // per call, >= 1 ms. Without a reply, a call takes up to 500 ms more to find out why
+  // Per call, >= 1 ms. Without a reply, a call takes up to 500 ms more to find out why.
+  std::chrono::milliseconds timeout{2000};
   std::optional<Curve> curve;  // for a daemon that requires keys
 };
 
@@ -86,8 +86,8 @@ class Control {
   CallStatus Reset(std::string_view performer, Applied* applied = nullptr);
   CallStatus Calibrate(std::string_view performer, const v1::Calibrate& calibrate,
                        v1::CalibrateReply* out = nullptr);
-  CallStatus Cue(std::string_view name,
-                 Applied* applied = nullptr);    // a cue of the daemon's configuration
+  // `name`: a cue of the daemon's configuration.
+  CallStatus Cue(std::string_view name, Applied* applied = nullptr);
   CallStatus Panic(Applied* applied = nullptr);  // all performers to bypass
 
   // Sends any request and overwrites `request.id`. `reply` must not be null; it is written when the

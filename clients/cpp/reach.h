@@ -66,8 +66,7 @@ class Lookout {
   const std::string& endpoint() const { return endpoint_; }
 
  private:
-  static constexpr std::chrono::milliseconds kPatience{
-      500};                                         // the longest that connecting usually takes
+  static constexpr std::chrono::milliseconds kPatience{500};  // connecting takes no longer, usually
   static constexpr std::chrono::seconds kAgain{2};  // limits how often the daemon logs a refusal
   std::string endpoint_;
   Peer peer_;

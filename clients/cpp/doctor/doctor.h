@@ -14,8 +14,8 @@ namespace styled::doctor {
 
 struct Options {
   std::string endpoint;  // of the daemon's control socket
-  bool endpoint_given =
-      false;  // false: the endpoint of the configuration file, if it has one, replaces `endpoint`
+  // False: the endpoint of the configuration file, if it has one, replaces `endpoint`.
+  bool endpoint_given = false;
   std::chrono::milliseconds timeout{2000};
   std::optional<client::Curve> curve;  // for a daemon that requires keys
   std::string config;                  // a styled.toml; "": none

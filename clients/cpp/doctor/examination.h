@@ -62,12 +62,13 @@ class Examination {
 
   // Queries on the facts.
   Evidence EvidenceOf(const SourceFacts& source) const;
-  std::vector<const Flow*> Flows()
-      const;  // those in `heard`, and those in `seen` without a counterpart in `heard`
+  // Those in `heard`, and those in `seen` that have no counterpart in `heard`.
+  std::vector<const Flow*> Flows() const;
   static bool Reaches(const Flow& flow, const Wanted& wanted);
   bool Claimed(const Flow& flow) const;
   bool HasLivePerformer(const SourceFacts& source) const;
-  bool TwinWorks(const SourceFacts& source) const;  // or a source of the same name does
+  // Whether the source has a live performer, or another source of the same name receives datagrams.
+  bool TwinWorks(const SourceFacts& source) const;
   std::string Label(const SourceFacts& source) const;
   std::string OwnAddresses() const;
 

@@ -28,8 +28,8 @@ struct DaemonFacts {
   std::string endpoint;
   bool remote = false;            // on another machine: its ports cannot be examined
   v1::StatusReply before, after;  // for kAnswers: before and after listening
-  std::optional<BoundSocket>
-      holder;  // the socket that holds the endpoint's TCP port on this machine
+  // The socket that holds the endpoint's TCP port on this machine.
+  std::optional<BoundSocket> holder;
   // Listening TCP sockets of programs named `styled`, if none of them is at the endpoint.
   std::vector<BoundSocket> elsewhere;
 };

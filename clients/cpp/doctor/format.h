@@ -22,11 +22,10 @@ enum class Format : std::uint8_t {
 
 struct FormatRow {
   Format format;
-  std::string_view word;  // machine-readable; equals source.type, except for kNative
-  std::string_view name;  // for people
-  std::array<std::uint16_t, 2>
-      ports;  // usual ports at the receiver, the daemon's default first; 0: none
-  std::string_view in_the_sender;  // where to look in the sending application, one sentence
+  std::string_view word;               // machine-readable; equals source.type, except for kNative
+  std::string_view name;               // for people
+  std::array<std::uint16_t, 2> ports;  // at the receiver, the daemon's default first; 0: none
+  std::string_view in_the_sender;      // where to look in the sending application, one sentence
 };
 
 // The text of `in_the_sender` for a sender that uses TCP, or UDP.

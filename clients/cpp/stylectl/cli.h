@@ -8,15 +8,16 @@ namespace styled::stylectl {
 
 enum ExitCode : int {
   kExitOk = 0,
-  kExitRefused = 1,   // the daemon said no; reason and what was expected on `err`
-  kExitUsage = 2,     // the command line makes no sense
-  kExitNoDaemon = 3,  // nobody answered in time
+  kExitRefused = 1,   // the daemon refused; the reason and what was expected go to `err`
+  kExitUsage = 2,     // the command line is invalid
+  kExitNoDaemon = 3,  // no reply in time
 };
 
-// stylectl without its process: `arguments` as after argv[0]. What a command yields goes to `out`
-// (one JSON object with --json, on failures too), errors and notes to `err`. Blocks for at most
-// three calls' timeout; `status --watch` until it is killed or `out` fails. STYLED_CONTROL in the
-// environment is the endpoint where none is given. Pinned by tests/unit/clients/stylectl_test.cpp.
+// Runs stylectl inside the calling process; `arguments` are those after argv[0]. Results go to
+// `out` (one JSON object with --json, also on failure), errors and notes to `err`. Blocks for at
+// most three times the timeout of a call; `status --watch` blocks until the process is killed or
+// `out` fails. Without an endpoint in `arguments`, STYLED_CONTROL of the environment is used.
+// Pinned by tests/unit/clients/stylectl_test.cpp.
 int Run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err);
 
 }  // namespace styled::stylectl

@@ -4,8 +4,8 @@
 
 namespace styled::stylectl {
 
-// Each declares commands with their options and with what they do. What is read of the command line
-// lives as long as the session.
+// Each function declares commands with their options and actions. The values parsed from the
+// command line live as long as the session.
 void DeclareShowCommands(Session& session);   // list, status
 void DeclareStyleCommands(Session& session);  // set, clear, preset, cue, pin, unpin, panic, reset
 void DeclareCalibrate(Session& session);

@@ -10,11 +10,11 @@
 
 namespace styled::stylectl {
 
-// `stylectl doctor`: examines, judges, reports on `out`. kExitOk where all is well, kExitRefused
-// where a problem was found, kExitUsage (and the reason on `err`) where the options are wrong.
+// Runs `stylectl doctor`: examines, judges, and reports on `out`. Returns kExitOk if no problem was
+// found, kExitRefused if one was found, kExitUsage (with the reason on `err`) for invalid options.
 int RunDoctor(const doctor::Options& options, bool json, std::ostream& out, std::ostream& err);
 
-// What was found, for people and for programs. Pure.
+// Formats the findings as text for people and as JSON for programs. Pure.
 std::string DoctorText(const doctor::Facts& facts, const std::vector<doctor::Finding>& findings);
 nlohmann::json DoctorJson(const doctor::Facts& facts, const std::vector<doctor::Finding>& findings);
 

@@ -7,21 +7,21 @@
 
 namespace styled::stylectl {
 
-// What keygen, allow, revoke and keys are told.
+// Arguments of keygen, allow, revoke and keys.
 struct KeyArguments {
   std::string folder = "/var/lib/styled/keys";  // the daemon's security.keys
-  std::string file;                             // of keygen
-  std::string name, key, role = "subscriber";   // of allow; `key` may be a file that holds it
+  std::string file;                             // keygen
+  std::string name, key, role = "subscriber";   // allow; `key` may be a file that contains the key
 };
 
-// What such a command says: to people, and as JSON.
+// The result of a command, as text for people and as JSON.
 struct KeyReport {
   std::string text;
   nlohmann::json object;
 };
 
-// They work on files, of this machine; no daemon need run. One that runs and has this folder obeys
-// at once. Errors name the file and what was expected.
+// These work on local files and need no running daemon. A running daemon with the same folder
+// applies changes at once. Errors name the file and what was expected.
 Result<KeyReport> Keygen(const KeyArguments& arguments);
 Result<KeyReport> AllowKey(const KeyArguments& arguments);
 Result<KeyReport> RevokeKey(const KeyArguments& arguments);

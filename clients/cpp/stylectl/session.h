@@ -13,28 +13,29 @@
 
 namespace styled::stylectl {
 
-// What the commands of stylectl share: the options that may stand before or behind each of them,
-// the connection to the daemon, and how results and failures are reported. One thread.
+// The state that the commands of stylectl share: options that may precede or follow any command,
+// the connection to the daemon, and the reporting of results and failures. One thread.
 class Session {
  public:
   Session(std::ostream& out, std::ostream& err);
 
-  // Declares a command. `run` is called after the command line was read and returns the exit code.
+  // Declares a command. `run` is called after the command line was parsed and returns the exit
+  // code.
   CLI::App* Add(const std::string& name, const std::string& text, std::function<int()> run);
-  // The same, of a command that needs the daemon: `run` is called with the control socket open.
+  // The same for a command that needs the daemon: `run` is called after Connect() succeeded.
   CLI::App* AddOnline(const std::string& name, const std::string& text, std::function<int()> run);
-  // PERFORMER of a command. `everyone`: '*' is a performer, too.
+  // Declares the argument PERFORMER of a command. `everyone`: '*' is accepted, too.
   void AddPerformer(CLI::App* command, bool required, bool everyone = true);
 
-  // Reads the command line and runs its command.
+  // Parses the command line and runs its command. Returns the exit code.
   int Run(std::vector<std::string> arguments);
 
-  // Opens the control socket; kExitOk, or reports why not.
+  // Opens the control socket. Returns kExitOk, or reports the error and returns its exit code.
   int Connect();
   client::Control& control() { return *control_; }
 
-  // Report and return the exit code: of a change, of a refusal or a daemon that does not answer, of
-  // a command line that makes no sense.
+  // Report a result and return the exit code. Changed: the outcome of a change. Fail: a refusal, or
+  // no reply from the daemon. Usage: an invalid command line.
   int Changed(const client::CallStatus& status, const client::Applied& applied,
               const std::string& what);
   int Fail(const client::CallStatus& status);
@@ -46,14 +47,15 @@ class Session {
   client::ControlOptions options;
   bool json = false;
   std::string key_folder;  // --keys
-  // Commands that --keys belongs to.
+  // Commands that accept --keys.
   std::vector<const CLI::App*> with_key_folder;
 
-  // What the command line names; suggestions for misspelt names start from it.
+  // Names on the command line. Suggestions for misspelt names are chosen relative to them.
   std::string performer{client::kEveryone};
   std::vector<std::string> styles;
   std::string preset, cue;
-  bool clears = false;  // the performer goes back to what the daemon keeps nothing for
+  // The command resets the performer to bypass, for which the daemon stores nothing.
+  bool clears = false;
 
  private:
   struct Hint {
@@ -70,7 +72,7 @@ class Session {
 
   client::KeyOptions keys_;
   double timeout_s_ = 2.0;
-  std::function<int()> run_;  // of the command on the command line
+  std::function<int()> run_;  // the chosen command
   std::unique_ptr<client::Control> control_;
 };
 

@@ -6,11 +6,13 @@
 
 namespace styled::stylectl {
 
-// Edits (insert, delete, replace, swap of neighbours) that turn `a` into `b`, ASCII case ignored.
+// The number of edits (insert, delete, replace, swap of neighbours) that turn `a` into `b`; ASCII
+// case is ignored.
 int Distance(std::string_view a, std::string_view b);
 
-// The one of `names` nearest to `wrong`, if at most a third of the longer one (at least 2) has to
-// be edited or one begins with the other; "" if none is near. Ties: the first.
+// The entry of `names` nearest to `wrong`. It is near enough if the edits are at most a third of
+// the longer name's length (at least 2 are allowed), or if one name begins with the other; else the
+// result is "". Ties: the first.
 std::string Nearest(std::string_view wrong, std::span<const std::string> names);
 
 // "a, b, c".

@@ -8,7 +8,7 @@
 
 namespace styled::stylemon {
 
-// What a cell is about; the terminal decides the colour.
+// The meaning of a cell; the terminal maps it to a colour.
 enum class Ink : std::uint8_t {
   kPlain,
   kDim,
@@ -29,15 +29,15 @@ struct Cell {
   Ink ink = Ink::kPlain;
 };
 
-// A rectangle in dots. Each cell is two dots wide and four high, so that dots are about square;
-// (0, 0) is the upper left, y grows downwards.
+// A rectangle in dots. Each cell is two dots wide and four high, so that dots are about square. (0,
+// 0) is the upper left corner, y grows downwards.
 struct DotRect {
   int left = 0, top = 0, width = 0, height = 0;
 };
 
-// A picture of character cells: text, and lines in braille dots, or in - | / \ and * where the
-// terminal does not know UTF-8. Everything outside is clipped. One thread; allocates at
-// construction. Pinned by tests/unit/clients/canvas_test.cpp.
+// A picture of character cells with text and lines. Lines are drawn in braille dots, or in - | / \
+// and * if the terminal does not support UTF-8. Everything outside is clipped. One thread;
+// allocates at construction. Pinned by tests/unit/clients/canvas_test.cpp.
 class Canvas {
  public:
   // Negative sizes count as 0.
@@ -47,28 +47,28 @@ class Canvas {
   int rows() const { return rows_; }
   bool utf8() const { return utf8_; }
 
-  // Writes UTF-8 `text` from (column, row) on, one cell per code point, at most `width` cells
-  // (negative: to the edge). Without UTF-8 what is not ASCII becomes '?'.
+  // Writes UTF-8 `text` from (column, row), one cell per code point, at most `width` cells
+  // (negative: up to the edge). Without UTF-8, non-ASCII characters become '?'.
   void Text(int column, int row, std::string_view text, Ink ink = Ink::kPlain, int width = -1);
 
-  // A line between two dots, both ends included, clipped to `clip`. Later ink wins in a cell; text
-  // wins over lines. Ends that are not finite draw nothing.
+  // A line between two dots, both ends included, clipped to `clip`. In a cell, the last ink wins,
+  // and text covers lines. A line with a non-finite end is not drawn.
   void Line(float x0, float y0, float x1, float y1, Ink ink, const DotRect& clip);
   void Circle(float x, float y, float radius, Ink ink, const DotRect& clip);
 
-  // What stands in a cell, which must be inside.
+  // The content of a cell, which must be inside the canvas.
   Cell At(int column, int row) const;
-  // One row as UTF-8, trailing blanks cut.
+  // One row as UTF-8, without trailing blanks.
   std::string RowText(int row) const;
 
  private:
   struct Spot {
     char32_t text = 0;      // 0: none
     std::uint8_t dots = 0;  // braille bits
-    char stroke = ' ';      // the same without UTF-8
+    char stroke = ' ';      // the same for terminals without UTF-8
     Ink ink = Ink::kPlain;
   };
-  // Which spot stands in a cell, which must be inside.
+  // Index into spots_ of a cell, which must be inside the canvas.
   std::size_t Index(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
            static_cast<std::size_t>(column);
@@ -80,7 +80,7 @@ class Canvas {
   std::vector<Spot> spots_;
 };
 
-// UTF-8 of one code point, and the number of code points of `text`.
+// The UTF-8 encoding of one code point, and the number of code points in `text`.
 std::string Utf8(char32_t glyph);
 int Width(std::string_view text);
 

@@ -15,9 +15,9 @@ namespace styled::stylemon {
 struct MonitorOptions {
   std::string publisher{client::kDefaultPublisher};
   std::string control{client::kDefaultControl};
-  std::string performer;  // "" = the first that comes
+  std::string performer;  // "" = the first that appears
   Side side = Side::kSide;
-  std::optional<client::Curve> curve;  // for a daemon that asks for keys
+  std::optional<client::Curve> curve;  // for a daemon that requires keys
 };
 
 enum class Key : std::uint8_t {
@@ -31,22 +31,22 @@ enum class Key : std::uint8_t {
   kMoreStyles
 };
 
-// Listens to a daemon and keeps a View of it: everybody's bodies and statistics, and one
-// performer's input and styled frames, all of them, so that drops are counted. One thread at a
-// time; control commands run on Steering's.
+// Listens to a daemon and maintains a View of it: the bodies of all performers, the statistics, and
+// the input and styled frames of one performer. It reads every frame, so that drops are counted.
+// One thread at a time; control commands run on the thread of Steering.
 class Monitor {
  public:
   static Result<std::unique_ptr<Monitor>> Start(const MonitorOptions& options);
   ~Monitor();
 
-  // Reads what comes for about `duration`, at most; returns early never, but for signals.
+  // Receives messages for about `duration`; only a signal ends it earlier.
   void Listen(std::chrono::milliseconds duration);
-  // The state of things now. The reference holds until the next call of anything here.
+  // The current state. The reference is valid until the next call of any member function.
   const View& view();
 
   void Press(Key key);
   void PressStyle(int number);  // 1..9
-  // Frames of the styled stream so far, of all performers that were looked at.
+  // Number of styled frames received, over all performers that were selected.
   std::uint64_t frames() const;
 
  private:

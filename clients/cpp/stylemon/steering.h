@@ -14,16 +14,16 @@
 
 namespace styled::stylemon {
 
-// The control socket on a thread of its own, so that a daemon that does not answer never stops the
-// picture. Keys become commands in a queue; what came of them is read by the drawing thread. All
-// functions may be called from the drawing thread and return at once; the destructor waits for the
-// command in flight, at most its timeout.
+// Runs the control socket on its own thread, so that a daemon that does not answer never blocks the
+// display. Keys become queued commands; the drawing thread reads their outcome. All functions may
+// be called from the drawing thread and return at once. The destructor waits for the command in
+// flight, at most its timeout.
 class Steering {
  public:
-  // What the drawing thread may show.
+  // The state for the drawing thread.
   struct State {
-    std::vector<std::string> styles;  // neutral left out, the daemon's order
-    std::string message;              // outcome of the last command, refusals with their reason
+    std::vector<std::string> styles;  // without neutral, in the daemon's order
+    std::string message;              // outcome of the last command; for a refusal, the reason
     bool bad = false;
   };
 
