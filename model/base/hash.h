@@ -6,8 +6,9 @@
 
 namespace styled {
 
-// FNV-1a, 64 bit: tells things apart, resists nobody. Files, frames and weights carry its values,
-// so they are the same on every machine. Pure; any thread. Pinned by tests/unit/base/hash_test.cpp.
+// The FNV-1a hash, 64 bit. It detects accidental differences; it is not cryptographic. Files,
+// frames and weights store its values, so the result is the same on every machine (except Bytes,
+// which hashes the memory as it is). Pure; any thread. Pinned by tests/unit/base/hash_test.cpp.
 class Fnv1a {
  public:
   constexpr void Byte(unsigned char byte) noexcept { value_ = (value_ ^ byte) * 1099511628211ULL; }
@@ -18,7 +19,7 @@ class Fnv1a {
   constexpr void Number(std::int64_t value) noexcept {
     for (int shift = 0; shift < 32; shift += 8) Byte(static_cast<unsigned char>(value >> shift));
   }
-  // `size` bytes as they lie in memory.
+  // `size` bytes in memory order; a number in them hashes by the machine's byte order.
   void Bytes(const void* data, std::size_t size) noexcept {
     const auto* bytes = static_cast<const unsigned char*>(data);
     for (std::size_t i = 0; i < size; ++i) Byte(bytes[i]);

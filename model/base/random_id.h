@@ -5,8 +5,9 @@
 
 namespace styled {
 
-// 64 bits of the system's randomness, never 0: names a session, an epoch or a run so that two of
-// them differ. Not a key. Makes a system call. Throws std::runtime_error where the system has none.
+// A random number of 64 bits from the operating system, never 0. It identifies a session, an epoch
+// or a run. It is not a cryptographic key. Makes a system call; any thread. Throws
+// std::runtime_error if the system provides no randomness.
 inline std::uint64_t RandomId() {
   std::random_device device;
   const std::uint64_t high = device();

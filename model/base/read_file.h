@@ -13,10 +13,10 @@
 
 namespace styled {
 
-// Reads a whole file of at most `max_bytes`, for configurations and other files that a running
-// daemon is told to read. Whatever the path names, the call ends: no pipe is waited for, no device
-// is opened, and a file that grows while it is read ends at the limit. Errors name the file, what
-// it is and what was expected. Blocks on the disk; allocates; any thread.
+// Reads a whole file of at most `max_bytes`: a configuration, or another file whose path a running
+// daemon receives. The call always ends: it does not wait for a pipe, does not open a device, and
+// stops at the limit if the file grows while it is read. Errors name the file, its kind and what
+// was expected. Blocks on the disk; allocates; any thread.
 inline Result<std::string> ReadFile(const std::string& file, std::size_t max_bytes) {
   const auto refuse = [&file](const std::string& why) { return Status::Error(file + ": " + why); };
   const auto not_a_file = [&refuse](mode_t mode) {
@@ -26,7 +26,7 @@ inline Result<std::string> ReadFile(const std::string& file, std::size_t max_byt
                                               : "a device";
     return refuse(std::string("is ") + kind + "; expected a regular file");
   };
-  // Before it is opened: to open a device may already do something.
+  // Checked before open(), because opening a device may already have an effect.
   struct stat about {};
   if (stat(file.c_str(), &about) != 0) return refuse(std::strerror(errno));
   if (!S_ISREG(about.st_mode)) return not_a_file(about.st_mode);
@@ -36,7 +36,7 @@ inline Result<std::string> ReadFile(const std::string& file, std::size_t max_byt
     ~Closer() { close(fd); }
     int fd;
   } closer{fd};
-  // Again, because another file may have taken its place.
+  // Checked again, because another file may have replaced it since stat().
   if (fstat(fd, &about) != 0) return refuse(std::strerror(errno));
   if (!S_ISREG(about.st_mode)) return not_a_file(about.st_mode);
 
@@ -48,7 +48,7 @@ inline Result<std::string> ReadFile(const std::string& file, std::size_t max_byt
                   (whole ? " MiB" : " bytes"));
   };
   if (static_cast<std::size_t>(about.st_size) > max_bytes) return too_large();
-  constexpr std::size_t kChunk = 64 << 10;  // bytes of one read
+  constexpr std::size_t kChunk = 64 << 10;  // bytes per read()
   std::string text;
   text.reserve(static_cast<std::size_t>(about.st_size) + kChunk);
   while (true) {

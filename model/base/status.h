@@ -7,8 +7,9 @@
 
 namespace styled {
 
-// The outcome of a start-up step: ok, or a sentence that names file, place, value and what was
-// expected. For configuration and files only; frames report an enum reason instead. Allocates.
+// The outcome of a start-up step: ok, or a message that names the file, the place in it, the value
+// found and what was expected. Used for configuration and files only; errors in frames are an enum.
+// Allocates.
 class [[nodiscard]] Status {
  public:
   static Status Ok() { return Status(); }
@@ -25,7 +26,7 @@ class [[nodiscard]] Status {
   std::string message_;
 };
 
-// A value, or the Status that says why there is none. `value()` may be called only when `ok()`.
+// A value, or the Status that explains why there is none. Call `value()` only if `ok()`.
 template <typename T>
 class [[nodiscard]] Result {
  public:

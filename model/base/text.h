@@ -10,10 +10,11 @@
 #include <string>
 #include <string_view>
 
-// Text for people: logs, complaints, replies. Allocates; not for the hot path.
+// Text for humans: log lines, error messages, replies. Allocates; not for the hot path.
 namespace styled {
 
-// A number as people write it, and all of it: "2", "0.8", "66.667", "100000", "1e+30", "nan".
+// The shortest text that gives back exactly this number: "2", "0.8", "66.667", "100000", "1e+30",
+// "nan". From 1e-4 to 1e9 without an exponent.
 template <std::floating_point T>
 std::string NumberText(T value) {
   const bool plain = value == 0 || (std::abs(value) >= T(1e-4) && std::abs(value) < T(1e9));
@@ -24,15 +25,16 @@ std::string NumberText(T value) {
   return {text.data(), end.ptr};
 }
 
-// The same, rounded to `decimals` places behind the point: of what was measured or computed.
+// The same for a measured or computed number, rounded to `decimals` places behind the point.
 template <std::floating_point T>
 std::string NumberText(T value, int decimals) {
   const T scale = std::pow(T(10), static_cast<T>(decimals));
   return NumberText(std::round(value * scale) / scale);
 }
 
-// The bytes of the UTF-8 character that `text` begins with, 1 to 4, and its code point; 0 where it
-// begins with none (RFC 3629: nothing overlong, no surrogates, at most U+10FFFF).
+// The UTF-8 character at the beginning of a text: its length in bytes, 1 to 4, and its code point.
+// `bytes` is 0 if the text does not begin with a valid one (RFC 3629: no overlong form, no
+// surrogate, at most U+10FFFF).
 struct Utf8Character {
   std::size_t bytes = 0;
   std::uint32_t point = 0;
@@ -68,9 +70,9 @@ inline bool IsUtf8(std::string_view text) {
   return true;
 }
 
-// `text` as one line that may be shown: valid UTF-8 whatever it was (a byte that is none becomes
-// U+FFFD), control characters and those that turn the direction of text written as \n, \x1b or
-// \u202e, and "..." in the place of what exceeds `max_bytes`.
+// `text` as one printable line of valid UTF-8. An invalid byte becomes U+FFFD. Control characters,
+// line separators and characters that change the direction of writing are escaped: \n, \x1b,
+// \u202e. Text that would exceed `max_bytes` is cut and followed by "...".
 inline std::string Printable(std::string_view text, std::size_t max_bytes) {
   std::string shown;
   std::array<char, 16> escaped;

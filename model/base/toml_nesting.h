@@ -8,14 +8,15 @@
 
 namespace styled {
 
-// How deep a TOML text may nest: parts of one dotted key, and brackets within each other. What the
-// project's own files need is 3.
+// How deep a TOML text may nest: parts of one dotted key, and brackets within brackets. The
+// project's own files need 3.
 inline constexpr int kMaxTomlNesting = 16;
 
 namespace toml_nesting {
 
-// Behind the string that begins at `i`; adds the lines that it spans to `line`. A string that is
-// not closed ends with its line, or with the text where it may span lines: toml++ refuses both.
+// Returns the index behind the string that begins at `i`, and adds the line breaks inside it to
+// `line`. An unclosed string ends at the end of its line, or of the text if it may span lines;
+// toml++ refuses both.
 inline std::size_t SkipString(std::string_view text, std::size_t i, int& line) {
   const char quote = text[i];
   const bool escapes = quote == '"';
@@ -33,7 +34,7 @@ inline std::size_t SkipString(std::string_view text, std::size_t i, int& line) {
       ++i;
     } else if (text[i] == quote) {
       if (!spans_lines) return i + 1;
-      // Three close it; one or two before them are its last characters.
+      // Three quotes close the string. One or two more directly before them belong to its text.
       const std::size_t count = quotes_at(i);
       if (count >= 3) return i + count;
       i += count - 1;
@@ -44,20 +45,21 @@ inline std::size_t SkipString(std::string_view text, std::size_t i, int& line) {
 
 }  // namespace toml_nesting
 
-// The line, from 1, in which a TOML text nests deeper than kMaxTomlNesting; none where it does not.
+// Returns the line, counted from 1, in which a TOML text nests deeper than kMaxTomlNesting; nothing
+// if it does not.
 //
-// toml++ makes a table of each part of a dotted key, and walks and frees tables recursively: a key
-// of 200,000 parts overflows the stack, which nothing can catch. (Nested values alone it bounds, at
-// 256.) So texts from outside are looked through before it parses them. A check instead of a forked
-// child or a thread with a large stack: a fork stalls the pipeline's thread with page faults, and a
-// daemon that locks its memory would lock the large stack, too.
+// toml++ makes a table of each part of a dotted key, and walks and frees tables recursively. A key
+// of 200,000 parts overflows the stack, which cannot be caught. (toml++ itself limits only nested
+// values, to 256.) So texts from outside are checked here before toml++ parses them. The
+// alternatives are worse: a forked child stalls the pipeline's thread with page faults, and a
+// thread with a large stack costs a daemon that locks its memory all of that stack.
 //
 // Strings and comments are skipped as toml++ reads them. The two can differ only behind a syntax
-// error, where toml++ stops. What passes has at most about 350 levels: 2 * 17 of a header, each
-// part of which may be an array of tables, 17 of a key below it, and 17 + 1 more for each of 16
-// brackets.
+// error, where toml++ stops. An accepted text has at most about 350 levels: 2 * 17 of a header,
+// each part of which may be an array of tables; 17 of a key below it; and 17 + 1 more for each of
+// 16 brackets.
 inline std::optional<int> FindTooDeepToml(std::string_view text) {
-  int line = 1, brackets = 0, dots = 0;  // dots: since the last character that ends a key or value
+  int line = 1, brackets = 0, dots = 0;  // dots since the last key or value ended
   for (std::size_t i = 0; i < text.size();) {
     switch (text[i]) {
       case '#':
@@ -96,7 +98,7 @@ inline std::optional<int> FindTooDeepToml(std::string_view text) {
   return std::nullopt;
 }
 
-// For complaints.
+// The error message for such a text.
 inline std::string TooDeepToml() {
   return "nested too deep; expected keys of at most " + std::to_string(kMaxTomlNesting + 1) +
          " parts, and brackets at most " + std::to_string(kMaxTomlNesting) + " deep";

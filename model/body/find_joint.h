@@ -6,7 +6,7 @@
 
 namespace styled::body {
 
-// The joint of that name in kHumanoid, or -1.
+// The index of the joint with that name in kHumanoid, or -1.
 constexpr int FindJoint(std::string_view name) {
   for (int joint = 0; joint < kJointCount; ++joint) {
     if (kHumanoid[static_cast<std::size_t>(joint)].name == name) return joint;

@@ -9,7 +9,8 @@ Quat Yaw(float heading_rad) noexcept {
 }
 
 float Heading_rad(const WorldPose& world) noexcept {
-  // Both lines point to the body's left; the hips' is scaled so that each has about the same say.
+  // Both lines point to the body's left. The factor 0.6 gives the wider shoulders about the same
+  // weight as the hips.
   const Vec3 left = (world.positions_m[kLeftUpperLeg] - world.positions_m[kRightUpperLeg]) +
                     0.6F * (world.positions_m[kLeftUpperArm] - world.positions_m[kRightUpperArm]);
   const Vec3 forward = left.cross(Vec3::UnitY());

@@ -69,10 +69,11 @@ inline constexpr std::array<JointRow, kJointCount> kHumanoid{{
     {"rightToes", kRightFoot, 0.0F, -0.07F, 0.13F},
 }};
 
-// Vertical distance from the hips to the toes at rest; rigs are scaled by theirs to this.
+// Vertical distance from the hips to the toes at rest, metres. A rig is scaled so that its own
+// distance becomes this one.
 inline constexpr float kHipsAboveToes_m = 0.96F;
 
-// The joint that takes `joint`'s place when left and right are swapped.
+// The joint that corresponds to `joint` when left and right are swapped.
 constexpr int MirrorJoint(int joint) {
   if (joint >= kLeftShoulder && joint <= kLeftHand) return joint + 4;
   if (joint >= kRightShoulder && joint <= kRightHand) return joint - 4;
@@ -82,7 +83,7 @@ constexpr int MirrorJoint(int joint) {
 }
 
 // FNV-1a (64 bit) over names, parents and offsets in micrometres. Weights and frames carry it; a
-// loader refuses another humanoid than the one it was built for.
+// loader refuses weights that were made for another humanoid.
 constexpr std::uint64_t HumanoidHash() {
   Fnv1a hash;
   const auto micrometres = [](float metres) {

@@ -5,7 +5,7 @@
 namespace styled::body {
 namespace {
 
-// The parts that one word names, none if it names nothing.
+// The parts that one word names; 0 if the word is unknown.
 Parts FindWord(std::string_view word) {
   constexpr Parts kArms = Bit(Part::kLeftArm) | Bit(Part::kRightArm);
   if (word == "all") return kAllParts;

@@ -10,9 +10,9 @@
 
 namespace styled::body {
 
-// The parts of the body that can be styled each by itself. Hands belong to arms, feet to legs, the
-// hips to the torso: a part takes its joints' own (local) rotations with it, so that styled arms
-// still hang on a torso as captured.
+// The body parts that can be styled separately. Hands belong to the arms, feet to the legs, the
+// hips to the torso. A part is styled by its joints' local rotations, so styled arms stay attached
+// to a torso as captured.
 enum class Part : std::uint8_t { kHead, kTorso, kLeftArm, kRightArm, kLeftLeg, kRightLeg };
 inline constexpr int kPartCount = 6;
 inline constexpr std::array<std::string_view, kPartCount> kPartNames{
@@ -31,13 +31,13 @@ using Parts = std::uint8_t;
 inline constexpr Parts kAllParts = (1U << kPartCount) - 1;
 constexpr Parts Bit(Part part) { return static_cast<Parts>(1U << static_cast<unsigned>(part)); }
 
-// The parts that a comma-separated list names: words of kPartNames, "arms", "legs", "upper" (head,
-// torso and arms) or "all"; nothing where a word is none of these.
+// Parses a comma-separated list. Each word is one of kPartNames, "arms", "legs", "upper" (head,
+// torso and arms) or "all". Returns nothing if any word is something else.
 std::optional<Parts> FindParts(std::string_view list);
-// The words that FindParts knows, for messages.
+// The words that FindParts accepts, for messages.
 inline constexpr std::string_view kPartWords =
     "head, torso, left-arm, right-arm, left-leg, right-leg, arms, legs, upper, all";
-// "left-arm,right-arm"; "all".
+// The inverse of FindParts: "left-arm,right-arm", or "all".
 std::string PartsText(Parts parts);
 
 }  // namespace styled::body

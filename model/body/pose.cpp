@@ -27,7 +27,7 @@ void Mirror(const Pose& pose, Pose& out) noexcept {
   out.hips_position_m = source.hips_position_m.cwiseProduct(Vec3(-1, 1, 1));
   for (int joint = 0; joint < kJointCount; ++joint) {
     const Quat& q = source.rotations[MirrorJoint(joint)];
-    // A reflection through x = 0 keeps the rotation's x part and turns y and z around.
+    // A reflection through x = 0 keeps the x component of the rotation and negates y and z.
     out.rotations[joint] = Quat(q.w(), q.x(), -q.y(), -q.z());
   }
 }
@@ -38,10 +38,12 @@ float LowestFoot_m(const WorldPose& world) noexcept {
 }
 
 Vec3 Log(const Quat& rotation) noexcept {
-  const float sign = rotation.w() < 0 ? -1.0F : 1.0F;  // the shorter of the two ways round
+  // q and -q are the same rotation: take the shorter way
+  const float sign = rotation.w() < 0 ? -1.0F : 1.0F;
   const Vec3 v = sign * rotation.vec();
   const float sine = v.norm();
-  // angle / sin(angle / 2): 2 at zero, and accurate near it because atan2 is.
+  // The factor is angle / sin(angle / 2). Its limit at angle 0 is 2. atan2 keeps it accurate near
+  // 0.
   const float scale = sine < 1e-6F ? 2.0F : 2.0F * std::atan2(sine, sign * rotation.w()) / sine;
   return scale * v;
 }
@@ -51,6 +53,7 @@ Vec3 LogNear(const Quat& rotation, const Vec3& near) noexcept {
   Vec3 shorter = Log(rotation);
   const float angle = shorter.norm();
   if (angle < 0.5F * kPi) return shorter;
+  // The same rotation the other way round: the same axis, the angle less a full turn.
   const Vec3 longer = shorter * (1.0F - 2.0F * kPi / angle);
   return (longer - near).squaredNorm() < (shorter - near).squaredNorm() ? longer : shorter;
 }

@@ -40,20 +40,22 @@ STYLED_REALTIME void ForwardKinematics(const Pose& pose, WorldPose& world) noexc
 // shorter arc. For short gaps in a stream; clips are resampled with clip::Resample instead.
 STYLED_REALTIME void Interpolate(const Pose& a, const Pose& b, float share, Pose& out) noexcept;
 
-// Swaps left and right through the plane x = 0. Mirroring twice gives the pose back.
+// Swaps left and right by reflection through the plane x = 0. Mirroring twice gives the pose back.
+// `out` may be `pose`.
 STYLED_REALTIME void Mirror(const Pose& pose, Pose& out) noexcept;
 
-// The height of the lowest of both feet and toes, metres (world).
+// The height of the lowest of the feet and toes, metres, world.
 STYLED_REALTIME float LowestFoot_m(const WorldPose& world) noexcept;
 
-// log of a unit quaternion as a rotation vector (axis times angle in radians, angle <= pi), and
-// back. Exact at zero, no branch on the axis.
+// The logarithm of a unit quaternion as a rotation vector (axis times angle in radians, angle <=
+// pi). Accurate near the identity.
 STYLED_REALTIME Vec3 Log(const Quat& rotation) noexcept;
 
-// The same the shorter or the longer way round, whichever is closer to `near`: what is filtered
-// over time must not change sides where a turn passes 180 degrees. Turns below 90 degrees go the
-// shorter.
+// The same rotation as a rotation vector the shorter or the longer way round, whichever is closer
+// to `near`. A filter over time needs this: the vector must not change sides where a rotation
+// passes 180 degrees. Rotations below 90 degrees always go the shorter way.
 STYLED_REALTIME Vec3 LogNear(const Quat& rotation, const Vec3& near) noexcept;
+// The inverse of Log: the unit quaternion of a rotation vector.
 STYLED_REALTIME Quat Exp(const Vec3& rotation_vector) noexcept;
 
 }  // namespace styled::body
