@@ -96,12 +96,13 @@ Status ValidateRest(const BindingSpec& spec) {
   return Status::Ok();
 }
 
-// How far the hips are above the lowest of `joints` in the T-pose, in the units of each side.
+// How far the hips are above the lowest of `joints` in the T-pose: in source units, and on the
+// canonical humanoid in metres.
 struct HipsHeight {
   float source = 0, canonical_m = 0;
 };
 HipsHeight HeightAbove(const BindingSpec& spec, std::array<body::Joint, 2> joints) {
-  // World rotations at rest are given, so positions follow without any local rotation.
+  // The rest rotations are world rotations, so heights follow without composing local rotations.
   std::vector<float> height(spec.skeleton.joint_count(), 0.0F);
   for (int joint = 1; joint < spec.skeleton.joint_count(); ++joint) {
     const int parent = spec.skeleton.parents[joint];

@@ -31,7 +31,7 @@ Status Refuse(const std::string& who, const BoneAngle& worst, const std::string&
                        ", expected at most " + std::to_string(std::lround(kTolerance_deg)));
 }
 
-// Where the mapped joints stand, in source axes.
+// Positions of the joints of the standing pose, in source axes.
 struct Stand {
   JointMap map;
   std::vector<Vec3> positions;
@@ -48,8 +48,8 @@ Stand Look(const Skeleton& skeleton, const JointMap& map, const RigPose& pose) {
   return stand;
 }
 
-// The rotation that takes the source's axes, and where the performer looks, to the canonical ones;
-// nothing where hips and head, or left and right, fall together.
+// The rotation from the source's axes to the canonical ones, with the performer looking along +Z.
+// Nothing if hips and head, or left and right, are at the same place.
 std::optional<Quat> FindAxes(const Stand& stand) {
   const Vec3 spine = stand.At(body::kHead) - stand.At(body::kHips);
   Eigen::Index axis = 0;
@@ -68,7 +68,7 @@ std::optional<Quat> FindAxes(const Stand& stand) {
   return Quat(axes).normalized();
 }
 
-// Toes that lie behind the ankles belong to a left-handed skeleton.
+// In a left-handed skeleton the toes appear behind the ankles.
 bool ToesPointBackward(const Stand& stand, const Quat& canonical_from_source) {
   float forward = 0;
   for (const auto& [foot, toes] : {std::pair{body::kLeftFoot, body::kLeftToes},

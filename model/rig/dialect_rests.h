@@ -12,8 +12,8 @@ struct RestRow {
 };
 using RestTable = std::array<RestRow, body::kJointCount>;
 
-// Bandai-Namco's BVH files: RestBySwing of the first frame of
-// dataset-2_raise-up-right-hand_normal_001.bvh. tests/unit/rig/dialects_test.cpp finds them anew.
+// Bandai-Namco's BVH files: the result of RestBySwing for the first frame of
+// dataset-2_raise-up-right-hand_normal_001.bvh. tests/unit/rig/dialects_test.cpp computes it again.
 inline constexpr RestTable kBandaiNamcoRest = {{
     {-0.000000F, -0.000000F, 0.707107F, 0.707107F},   // hips
     {0.512038F, 0.489411F, 0.510294F, 0.487744F},     // spine
@@ -38,7 +38,7 @@ inline constexpr RestTable kBandaiNamcoRest = {{
     {0.586384F, 0.576773F, -0.418852F, 0.384773F},    // rightToes
 }};
 
-// Rokoko Studio, from its Unity helper, mirrored through x = 0 (right-handed).
+// Rokoko Studio: from its Unity helper, mirrored through x = 0 to be right-handed.
 inline constexpr float kHalf = 0.70710678F;
 inline constexpr RestTable kRokokoRest = {{
     {0, 0, 0, 1},               // hips

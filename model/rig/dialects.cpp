@@ -16,12 +16,12 @@ using body::kHumanoid;
 using body::kJointCount;
 using JointMap = std::array<int, kJointCount>;
 
-// Where a dialect's T-pose comes from.
+// The source of a dialect's T-pose.
 enum class Rest {
   kIdentity,     // the zero pose is a T-pose
   kBandaiNamco,  // constants
-  kRokoko,       // constants, unless the decoder already took them out
-  kCmu,          // the zero pose with its legs closed, swung
+  kRokoko,       // constants, unless the decoder already removed them
+  kCmu,          // the zero pose with its legs closed, then swung
 };
 struct Dialect {
   std::string_view name;
@@ -44,7 +44,7 @@ constexpr Dialect kDialects[] = {
     {"mocopi", Rest::kIdentity},
 };
 
-// The first of the dialects with this rest pose: "canonical" for the many of kIdentity.
+// The name of the first dialect with this rest pose: "canonical" for all with kIdentity.
 std::string_view NameOf(Rest rest) {
   return std::find_if(std::begin(kDialects), std::end(kDialects),
                       [rest](const Dialect& row) { return row.rest == rest; })
@@ -72,7 +72,7 @@ Status RequireMapped(const JointMap& map, std::string_view dialect) {
                        "; name the joints in the config otherwise");
 }
 
-// World positions of all joints when their world rotations are `rest`, hips' ancestors included.
+// World positions of all joints, the hips' ancestors included, if their world rotations are `rest`.
 std::vector<Vec3> RestPositions(const Skeleton& skeleton, const std::vector<Quat>& rest) {
   std::vector<Vec3> positions(skeleton.offsets);
   for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
@@ -82,15 +82,15 @@ std::vector<Vec3> RestPositions(const Skeleton& skeleton, const std::vector<Quat
   return positions;
 }
 
-// The signed coordinate axis next to `direction`.
+// The signed coordinate axis nearest to `direction`.
 Vec3 NearestAxis(const Vec3& direction) {
   int axis = 0;
   direction.cwiseAbs().maxCoeff(&axis);
   return Vec3::Unit(axis) * (direction[axis] < 0 ? -1.0F : 1.0F);
 }
 
-// A T-pose judged by its joint positions: which source axes point up, forward and left, and what is
-// wrong with it ("" where nothing is).
+// A T-pose judged by its joint positions: the source axes that point up, forward and left, and what
+// is wrong with the pose ("" if nothing).
 struct Judgement {
   std::string fault;
   Quat canonical_from_source = Quat::Identity();
@@ -145,7 +145,7 @@ std::vector<Quat> IdentityRest(const Skeleton& skeleton) {
   return std::vector<Quat>(skeleton.names.size(), Quat::Identity());
 }
 
-// Constants by canonical joint; joints that are not mapped take those of the joint above them.
+// Constants by canonical joint. Unmapped joints get the rotation of their parent.
 std::vector<Quat> ConstantRest(const Skeleton& skeleton, const JointMap& map,
                                const RestTable& table) {
   std::vector<Quat> rest = IdentityRest(skeleton);
@@ -161,8 +161,8 @@ std::vector<Quat> ConstantRest(const Skeleton& skeleton, const JointMap& map,
   return rest;
 }
 
-// The zero pose stands with its legs spread by 20 degrees each; closing them at the hip joints
-// makes it the standing pose that RestBySwing wants.
+// The zero pose stands with its legs spread by 20 degrees each. Closing them at the hip joints
+// gives the standing pose that RestBySwing expects.
 std::vector<Quat> CmuRest(const Skeleton& skeleton, const JointMap& map,
                           const Quat& canonical_from_source) {
   RigPose standing(skeleton);
@@ -176,7 +176,7 @@ std::vector<Quat> CmuRest(const Skeleton& skeleton, const JointMap& map,
   return RestBySwing(skeleton, map, standing, canonical_from_source);
 }
 
-// The rest pose of one dialect, and whether it makes a T-pose of this skeleton.
+// The rest pose of one dialect, and whether it is a T-pose of this skeleton.
 struct Candidate {
   std::vector<Quat> rest;
   Judgement judged;
@@ -222,7 +222,7 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
                             const JointNames& given) {
   if (skeleton.joint_count() == 0 || skeleton.parents.size() != skeleton.names.size() ||
       skeleton.offsets.size() != skeleton.names.size() || skeleton.parents[0] != -1) {
-    return Binding::Make({skeleton, {}, {}, Quat::Identity()});  // which says what is wrong
+    return Binding::Make({skeleton, {}, {}, Quat::Identity()});  // for its error message
   }
   for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
     if (skeleton.parents[joint] < 0 || skeleton.parents[joint] >= joint) {
@@ -249,7 +249,7 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
   Candidate candidate = Try(skeleton, map, rest);
   if (!candidate.judged.fault.empty() && dialect == "auto" && rest != Rest::kIdentity) {
     rest = Rest::kIdentity;
-    candidate = Try(skeleton, map, rest);  // known names on a body normalized since
+    candidate = Try(skeleton, map, rest);  // known names, but a body whose rest pose was normalized
   }
   if (!candidate.judged.fault.empty()) {
     return Status::Error("rig: dialect " + std::string(dialect) +

@@ -10,30 +10,33 @@
 
 namespace styled::rig {
 
-// Maps joint names to the canonical humanoid by the naming habits of the field (VRM/Unity, Mixamo,
-// HIK/LaFAN1, CMU, Xsens, Motive, Rokoko, Axis, Bandai-Namco, ...): prefixes up to the last ':' and
-// separators dropped, case folded, sides from Left/Right, L/R, _L/_R. -1 where nothing fits. The rows
-// are in joint_names.cpp, Biped, Unreal and SMPL among them. Allocates; any thread, as BindDialect.
+// Maps joint names to the canonical humanoid by the naming conventions of the field (VRM/Unity,
+// Mixamo, HIK/LaFAN1, CMU, Xsens, Motive, Rokoko, Axis, Bandai-Namco, Biped, Unreal, SMPL, ...; the
+// tables are in joint_names.cpp). Prefixes up to the last ':' and separators are dropped, case is
+// ignored, sides are read from Left/Right, L/R, _L/_R. Entry c is the source joint for canonical
+// joint c, -1 if no name fits. Allocates; any thread. The same holds for all functions here.
 std::array<int, body::kJointCount> MapJointNames(const Skeleton& skeleton);
 
-// Joints named by hand, where habits do not help: canonical name (leftUpperArm) and the source's;
-// "" = the source has none.
+// Joints named in the configuration, where conventions do not help: pairs of the canonical name
+// (leftUpperArm) and the source's name; "" if the source has none.
 using JointNames = std::vector<std::pair<std::string, std::string>>;
-// MapJointNames, but for those given. Errors: a name that is no canonical joint's, that the
-// skeleton lacks, or that is given twice.
+// MapJointNames, overridden by `given`. Errors: a name that is not a canonical joint's, a joint
+// that the skeleton lacks, and a source joint given for two canonical ones.
 Result<std::array<int, body::kJointCount>> MapJoints(const Skeleton& skeleton,
                                                      const JointNames& given);
 
-// The binding for `skeleton` under the named dialect, or, for "auto", the dialect recognized by its
-// joint names and offsets. Knows "bandai-namco" (rest rotations are constants found by swinging a
-// standing frame), "cmu" (its zero pose, legs spread by 20 degrees, is swung), "canonical", "vrm"
-// and the other identity-rest T-pose dialects; "rokoko" has constants, unless its zero pose is a
-// T-pose already. Rest poses are never guessed from a clip. The rest pose that results must be a
-// T-pose: arms sideways, legs down, head up within 25 degrees, toes in front; up, left and forward
-// are the source axes nearest to it. Pinned by tests/unit/rig/dialects_test.cpp.
-// `used`, where given, is set to the dialect in use: `dialect`, or what "auto" found; "canonical"
-// stands for all whose rest rotations are identity.
-// Errors name the joints that could not be mapped and the dialects known.
+// Makes the binding for `skeleton` under the named dialect, or, with "auto", under the dialect
+// recognized by joint names. Dialects: "bandai-namco" (rest rotations are constants, found by
+// swinging a standing frame); "cmu" (its zero pose, legs spread by 20 degrees, is swung); "rokoko"
+// (constants, unless its zero pose is a T-pose already); "canonical", "vrm" and others whose zero
+// pose is a T-pose with identity rotations. Rest poses are never guessed from a clip.
+//
+// The resulting rest pose must be a T-pose: arms sideways, legs down, head up, each within 25
+// degrees, and toes in front. Up, left and forward become the source axes nearest to it. Errors
+// name the joints that could not be mapped and the known dialects.
+//
+// `used`, if given, is set to the dialect in use: `dialect`, or what "auto" found, where
+// "canonical" stands for all with identity rotations. Pinned by tests/unit/rig/dialects_test.cpp.
 Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect = "auto",
                             std::string* used = nullptr, const JointNames& given = {});
 

@@ -1,4 +1,4 @@
-// MapJointNames: the naming habits of the field, as tables of aliases.
+// MapJointNames: the naming conventions of the field, as tables of aliases.
 #include <algorithm>
 #include <cctype>
 #include <map>
@@ -12,13 +12,13 @@ namespace {
 
 using body::kJointCount;
 
-// Aliases are lower case without separators, the better one first.
+// Aliases are lower case without separators, in order of preference.
 struct Alias {
   body::Joint joint;
   std::vector<std::string_view> names;
 };
 
-// Spine and chest are numbered differently everywhere: the first row whose both names exist wins.
+// Rigs number spine and chest differently: the first row whose names both exist is used.
 struct SpineAlias {
   std::string_view spine, chest;
 };
@@ -46,7 +46,7 @@ const std::vector<Alias>& CentreAliases() {
   return kAliases;
 }
 
-// Without their side.
+// Names without their side.
 const std::vector<Alias>& LeftAliases() {
   static const std::vector<Alias> kAliases = {
       {body::kLeftShoulder, {"shoulder", "clavicle", "collar"}},
@@ -61,8 +61,8 @@ const std::vector<Alias>& LeftAliases() {
   return kAliases;
 }
 
-// SMPL and MVN's BVH files name the limbs by the joint, not by the bone below it, and so mean
-// other joints by "shoulder" and "foot".
+// SMPL and MVN's BVH files name a limb by the joint above it, not by the bone: their "shoulder" is
+// the upper arm's joint, their "foot" the toes'.
 const std::vector<Alias>& JointWiseLeftAliases() {
   static const std::vector<Alias> kAliases = {
       {body::kLeftShoulder, {"collar"}}, {body::kLeftUpperArm, {"shoulder"}},
@@ -75,7 +75,8 @@ const std::vector<Alias>& JointWiseLeftAliases() {
 
 bool IsSeparator(char c) { return c == '_' || c == ' ' || c == '-' || c == '.'; }
 
-// The length of the prefix up to a separator that every name carries ("Skeleton_", "J_Bip_").
+// The length of the prefix, up to and including a separator, that all names share ("Skeleton_",
+// "J_Bip_").
 std::size_t CommonPrefix(const std::vector<std::string>& names) {
   if (names.size() < 3) return 0;
   std::size_t common = names[0].size();
@@ -98,7 +99,7 @@ std::string Fold(std::string_view name) {
   return folded;
 }
 
-// Drops what exporters put before the joint's own name.
+// Drops what exporters write before the joint's own name.
 std::string_view StripPrefix(std::string_view folded) {
   if (folded.starts_with("mixamorig")) {
     folded.remove_prefix(9);
@@ -127,7 +128,7 @@ class NameTable {
     }
   }
 
-  // The joint of that name, the first in file order where there are two; -1 where there is none.
+  // The joint of that name, the first in file order if there are two; -1 if there is none.
   int Find(const std::string& name) const {
     const auto found = joints_.find(name);
     return found == joints_.end() ? -1 : found->second;
@@ -162,6 +163,7 @@ std::array<int, kJointCount> MapJointNames(const Skeleton& skeleton) {
       if (map[alias.joint] < 0) map[alias.joint] = table.FindCentre(name);
     }
   }
+  // mocopi calls its hips "root"; "torso_1" tells that it is mocopi.
   if (map[body::kHips] < 0 && table.Find("torso1") >= 0) map[body::kHips] = table.Find("root");
 
   for (const SpineAlias& alias : kSpines) {
@@ -172,7 +174,7 @@ std::array<int, kJointCount> MapJointNames(const Skeleton& skeleton) {
     map[body::kChest] = chest;
     break;
   }
-  // A back of one joint.
+  // Skeletons with a single spine joint.
   if (map[body::kSpine] < 0) map[body::kSpine] = table.FindCentre("spine");
   for (std::string_view name : {"chest", "upperchest", "thorax"}) {
     if (map[body::kChest] < 0) map[body::kChest] = table.FindCentre(name);
@@ -206,6 +208,7 @@ Result<std::array<int, kJointCount>> MapJoints(const Skeleton& skeleton, const J
       return Status::Error("joints." + canonical + ": the rig has no joint \"" + name + "\"");
     }
     const int source = name.empty() ? -1 : static_cast<int>(joint - skeleton.names.begin());
+    // Unmap it from the canonical joint that its name had given it to.
     for (std::size_t other = 0; source >= 0 && other < map.size(); ++other) {
       if (map[other] != source || other == c) continue;
       if (by_hand[other]) {

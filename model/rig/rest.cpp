@@ -1,4 +1,4 @@
-// RestBySwing: where a rig's T-pose comes from when its files do not carry one.
+// RestBySwing: finds a rig's T-pose if its files do not contain one.
 #include <cmath>
 
 #include "model/rig/binding.h"
@@ -9,24 +9,24 @@ namespace {
 using body::kHumanoid;
 using body::kJointCount;
 
-// The next joint along the chain that a bone points to; -1 for the ends of the body.
+// The next joint along the chain that a bone points to; -1 at the ends of the body.
 constexpr std::array<int, kJointCount> kBoneEnd = [] {
   std::array<int, kJointCount> end{};
   end.fill(-1);
-  // Later children first, so that the spine's own chain wins over shoulders and legs.
+  // From the last child to the first, so that the spine overrides shoulders and legs.
   for (int joint = kJointCount - 1; joint > 0; --joint) end[kHumanoid[joint].parent] = joint;
   return end;
 }();
 static_assert(kBoneEnd[body::kHips] == body::kSpine && kBoneEnd[body::kChest] == body::kNeck);
 
-// The standing pose in canonical axes, source units, by canonical joint.
+// The standing pose by canonical joint, in canonical axes and source units.
 struct Standing {
   std::array<bool, kJointCount> mapped{};
   std::array<Vec3, kJointCount> positions;
-  float smallest_bone = 0;  // shorter ones have no direction
+  float smallest_bone = 0;  // a shorter bone has no reliable direction
 };
 
-// Direction of the bone that begins at `joint`, standing and in T-pose.
+// The direction of the bone that begins at `joint`, in the standing pose and in the T-pose.
 struct Bone {
   bool found = false;
   Vec3 standing, rest;
@@ -42,7 +42,7 @@ Bone FindBone(const Standing& pose, int joint) {
   return {};
 }
 
-// The line from the right one to the left one of a pair of joints; zero where there is none.
+// The direction from the right joint of a pair to the left one; zero if either is missing.
 Vec3 Across(const Standing& pose, body::Joint left, body::Joint right) {
   if (!pose.mapped[left] || !pose.mapped[right]) return Vec3::Zero();
   const Vec3 across = pose.positions[left] - pose.positions[right];
@@ -106,7 +106,7 @@ std::vector<Quat> RestBySwing(const Skeleton& skeleton,
     swing[c] = pose.mapped[c] ? Swing(pose, c, inherited, swing[body::kHips]) : inherited;
   }
 
-  // Every source joint takes the swing of the nearest mapped joint above it.
+  // Every source joint gets the swing of the nearest mapped joint above it.
   std::vector<int> owner(skeleton.joint_count(), -1);
   for (int c = 0; c < kJointCount; ++c) {
     if (source_joint[c] >= 0) owner[source_joint[c]] = c;

@@ -34,7 +34,7 @@ struct RigPose {
   RigPose() = default;
 };
 
-// Through the plane x = 0, as left-handed axes become right-handed ones and back.
+// Reflection through the plane x = 0: turns left-handed axes into right-handed ones and back.
 inline Vec3 Mirrored(const Vec3& v) { return {-v.x(), v.y(), v.z()}; }
 inline Quat Mirrored(const Quat& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
 inline void Mirror(RigPose& pose) noexcept {
@@ -45,10 +45,11 @@ inline void Mirror(RigPose& pose) noexcept {
   }
 }
 
-// What a rig tells of its skeleton: the fields of the Body message (proto/styled/v1/body.proto).
+// What a rig reports about its skeleton: the fields of the Body message
+// (proto/styled/v1/body.proto).
 struct RigBody {
   Skeleton skeleton;          // units and axes of the rig
-  std::vector<Quat> rest;     // world rotations in the T-pose; empty = the dialect knows them
+  std::vector<Quat> rest;     // world rotations in the T-pose; empty: by dialect
   float metres_per_unit = 0;  // 0 = unknown
   std::string dialect = "auto";
 

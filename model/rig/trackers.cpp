@@ -12,24 +12,25 @@ using body::kJointCount;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kSmallestTurn_rad = kPi / 12;
-constexpr float kSteepestAxis = 0.5F;  // sine of its elevation
-constexpr float kFlat = 0.966F;        // a face this close to straight up or down has no heading
+constexpr float kSteepestAxis = 0.5F;  // sine of the axis's elevation
+constexpr float kFlat = 0.966F;        // a sensor axis this close to vertical has no heading
 constexpr float kHandover_m = 0.005F;
-constexpr float kFarthest_rad = 0.05F;  // a sensor that jumps is not thrown further
+constexpr float kFarthest_rad = 0.05F;  // limit of the extrapolation, for sensors that jump
 
 constexpr std::uint32_t Bit(int part) { return 1U << static_cast<unsigned>(part); }
 
 Quat Turn(float heading) noexcept { return Quat(Eigen::AngleAxisf(heading, Vec3::UnitY())); }
 
-// From +Z to the left.
+// Heading of a vector: from +Z towards the left (+X).
 float HeadingOf(const Vec3& v) noexcept { return std::atan2(v.x(), v.z()); }
 
-// The turn about the vertical that leaves the shortest way for the rest.
+// The rotation about the vertical after which the shortest rotation remains.
 float TwistOf(const Quat& q) noexcept { return 2 * std::atan2(q.y(), q.w()); }
 
 bool IsOfArm(int part) noexcept { return part >= body::kLeftShoulder && part <= body::kRightHand; }
 
-// About which axis a part turns from the stance into the skier's, in the performer's world.
+// The axis about which a part turns from the stance into the skier's pose, in the performer's
+// world.
 Vec3 SkiAxis(int part, Trackers::Stance stance) noexcept {
   if (IsOfArm(part)) {
     if (stance == Trackers::Stance::kNPose) return {-1, 0, 0};
@@ -39,8 +40,9 @@ Vec3 SkiAxis(int part, Trackers::Stance stance) noexcept {
   return {thigh ? -1.0F : 1.0F, 0, 0};
 }
 
-// Points of the soles that can carry the body, in the frames of their joints: heels behind and
-// below the ankles, the balls below the toes, as high as these stand at rest.
+// The points of the soles that can carry the body, in the frames of their joints: the heels, behind
+// and below the ankles, and the balls of the feet, below the toe joints by the height of these at
+// rest.
 struct Point {
   int joint;
   Vec3 offset_m;
@@ -82,8 +84,8 @@ float Trackers::Facing(body::Joint part, Stance stance) noexcept {
   }
 }
 
-// A sensor that lies so that its axis has no heading has that of the sensor raised by the shortest
-// way: the top of one on an instep is towards the shin.
+// If the sensor's axis is close to vertical, its heading is that of the sensor tilted back by the
+// shortest rotation: a sensor on an instep has its top towards the shin.
 float Trackers::HeadingOfSensor(int part, const Quat& world_from_sensor) const noexcept {
   const Vec3 axis = world_from_sensor * (IsLevel(part) ? Vec3(0, 1, 0) : Vec3(0, 0, 1));
   return std::abs(axis.y()) < kFlat ? HeadingOf(axis) : TwistOf(world_from_sensor);
@@ -114,7 +116,7 @@ Quat Trackers::RestOf(int part) const noexcept {
   return Quat(Eigen::AngleAxisf(down, Vec3::UnitZ()));
 }
 
-// at_reset = Y(heading) * rest * part_from_sensor, solved for the last.
+// Solves at_reset = Y(heading) * rest * part_from_sensor for part_from_sensor.
 void Trackers::Calibrate(int part, float heading) noexcept {
   Tracker& tracker = trackers_[part];
   tracker.heading = heading;
@@ -156,8 +158,8 @@ Trackers::Outcome Trackers::ResetYaw(std::int64_t now_ns) noexcept {
   return outcome;
 }
 
-// The axis of the turn since the full reset, as the sensors' world has it, is the performer's axis
-// turned by the heading.
+// The axis of the rotation since the full reset, in the sensors' world, is the performer's axis
+// turned by the heading. The difference of the two axes' headings is therefore the heading.
 Trackers::Outcome Trackers::ResetMounting(std::int64_t now_ns) noexcept {
   Outcome outcome;
   for (int part = 0; part < kJointCount; ++part) {
@@ -220,7 +222,7 @@ bool Trackers::RestBeforeReset(std::int64_t now_ns, body::Pose& pose) const noex
   return true;
 }
 
-// World rotations of the parts whose trackers are live.
+// Finds the world rotations of the parts whose trackers are live.
 void Trackers::FindWorld(std::int64_t now_ns) noexcept {
   const std::int64_t time_ns = now_ns - options_.delay_ns;
   for (int part = 0; part < kJointCount; ++part) {
@@ -240,7 +242,7 @@ Quat Trackers::RotationAt(const Tracker& tracker, std::int64_t time_ns) noexcept
     return tracker.samples[i % Tracker::kSamples];
   };
   const std::uint32_t oldest = tracker.taken - std::min(tracker.taken, Tracker::kSamples);
-  // The newest sample that is not later than the time, and the one after it.
+  // Find the newest sample that is not later than the time, and the one after it.
   std::uint32_t i = tracker.taken - 1;
   while (i > oldest && sample(i).time_ns > time_ns) --i;
   const Sample& a = sample(i);
@@ -251,8 +253,8 @@ Quat Trackers::RotationAt(const Tracker& tracker, std::int64_t time_ns) noexcept
         static_cast<double>(time_ns - a.time_ns) / static_cast<double>(b.time_ns - a.time_ns);
     return a.rotation.slerp(static_cast<float>(share), b.rotation);
   }
-  // The next one is late: as it turned over the last samples, so it turns on. Two that came in one
-  // burst say nothing of how fast.
+  // The next sample is late: extrapolate the rotation over the last samples. Two samples that
+  // arrived in one burst do not show a velocity, so the base is at least kReach_ns long.
   std::uint32_t k = i;
   while (k > oldest && a.time_ns - sample(k).time_ns < kReach_ns) --k;
   const std::int64_t base_ns = a.time_ns - sample(k).time_ns;
@@ -279,7 +281,7 @@ void Trackers::FindHips() noexcept {
   }
 }
 
-// Half the way from the parent to the part beyond.
+// Half the rotation from the parent to the part beyond.
 Quat Trackers::Between(int part, int beyond) const noexcept {
   const Quat& parent = world_[body::kHumanoid[part].parent];
   if (sources_[beyond] == Source::kNone) return parent;
@@ -296,7 +298,8 @@ Vec3 Trackers::Stand(const body::WorldPose& at_origin) noexcept {
         at_origin.positions_m[point.joint] + at_origin.rotations[point.joint] * point.offset_m;
     if (points[k].y() < points[lowest].y()) lowest = k;
   }
-  // Height and place are found apart: both without a jump, whichever point carries.
+  // The height follows the lowest point, the place the standing one. Found separately, neither
+  // jumps when the weight passes to another point.
   Vec3 hips(0, -points[lowest].y(), 0);
   if (stands_ >= 0) {
     hips.x() = place_x_m_ - points[stands_].x();
