@@ -30,7 +30,7 @@ void Contacts::Process(float dt_s, const Legs& legs, std::span<const Placed> pla
       const Vec3& position_m = placed[static_cast<std::size_t>(joint)].position_m;
       height[side][part] = position_m.y() - (part == 0 ? leg.ankle_above_toes_m : 0.0F);
       speed[side][part] = Speed(parts_[side][part], position_m, dt_s);
-      // The ankle's height says little about the floor while the foot is tilted.
+      // A tilted foot's ankle does not show where the floor is: only the sole does.
       const bool sole = part == 1 || leg.toes < 0;
       if (sole && height[side][part] < lowest_m) {
         lowest_m = height[side][part];

@@ -10,18 +10,20 @@
 
 namespace styled::feet {
 
-// Which parts of the performer's own feet are on the floor: weights 0 (free) .. 1 (planted) that
-// change smoothly, because a lock that begins or ends at once is seen as a pop. A part is planted
-// while it is low (above the tracked floor) and slow. Heel stands for the ankle joint. A few frames
-// of memory, no allocation; one thread. Pinned by tests/unit/feet/contacts_test.cpp.
+// Contact weights of the performer's own feet: 0 (free) .. 1 (planted) for each heel and toes. A
+// part is planted while it is low (above the tracked floor) and slow. The weights change smoothly,
+// because a lock that begins or ends at once is visible as a pop. The heel is represented by the
+// ankle joint. Keeps fixed-size state, no allocation; one thread at a time. Pinned by
+// tests/unit/feet/contacts_test.cpp.
 class Contacts {
  public:
   struct Foot {
-    float heel = 0, toes = 0;  // toes 0 where the skeleton has none
+    float heel = 0, toes = 0;  // toes: 0 if the skeleton has none
   };
 
-  // `placed`: the input's legs.joints() in space. The first frame after Reset() has no speeds,
-  // a frame with dt_s 0 (after a hole in the stream) keeps the last.
+  // `placed`: the transforms of the input's legs.joints() in canonical space. The first frame after
+  // Reset() has no speeds. A frame with dt_s = 0 (after a hole in the stream) keeps the speeds of
+  // the last one.
   STYLED_REALTIME void Process(float dt_s, const Legs& legs, std::span<const Placed> placed,
                                const Options& options) noexcept;
   STYLED_REALTIME void Reset() noexcept { *this = Contacts(); }
@@ -29,7 +31,7 @@ class Contacts {
   const Foot& foot(int side) const { return feet_[static_cast<std::size_t>(side)]; }
   // The height of a planted toe joint (of the ankle where there are no toes), canonical metres.
   float floor_m() const { return floor_.height_m(); }
-  // Bit 0 left, bit 1 right: heel or toes are more planted than free.
+  // Bit 0 left, bit 1 right: set if the heel's or the toes' weight is above 0.5.
   std::uint32_t bits() const;
 
  private:

@@ -11,24 +11,26 @@ namespace {
 
 Vec3 Flat(const Vec3& v) { return {v.x(), 0, v.z()}; }
 
-// Turns `foot` (ankle to toes) about the horizontal axis across it so that the toes rise by about
-// `rise_m` against the ankle. A foot on its tip cannot, so the turn, which would be rise over the
-// cosine of its slope, fades to nothing there, and early, since a toe-off passes it in few frames.
+// The rotation of a foot (`foot`: ankle to toes) about the horizontal axis across it that raises
+// the toes by about `rise_m` relative to the ankle. The exact angle would be the rise over the
+// cosine of the foot's slope, which grows without bound for a foot on its tip. So the angle fades
+// to 0 there, and early, because a toe-off passes this range in few frames.
 Quat Pitch(const Vec3& foot, const Vec3& across, float rise_m) {
   const float level = Flat(across).norm();  // 0: lies on its side
   const float length = foot.norm();
   if (length < 1e-4F || level < 1e-2F) return Quat::Identity();
   const Vec3 axis = Flat(across) / level;
-  const float ahead = std::max(0.0F, foot.dot(axis.cross(Vec3::UnitY())) / length);  // 1: flat
+  // cosine of the slope; 1: level
+  const float ahead = std::max(0.0F, foot.dot(axis.cross(Vec3::UnitY())) / length);
   const float turn = level * rise_m / length * ahead * (3 - 2 * ahead);
   return Quat(
       Eigen::AngleAxisf(-std::clamp(turn, -tuning::kMostPitch_rad, tuning::kMostPitch_rad), axis));
 }
 
-// By how much a part at `height_m` must be lifted so that it is not under the floor. The lift
-// begins at a cushion's top, or at the performer's own height if that is lower, so that an unstyled
-// pose is never changed: a rounded minimum of the two. A foot in the performer's mid-swing comes
-// down fast: there the cushion is thicker.
+// How far a part at `height_m` must be lifted to stay above the floor. The lift begins at the top
+// of a cushion above the floor, or at the performer's own height if that is lower (a rounded
+// minimum of the two), so that an unstyled pose is never changed. The cushion is thicker while the
+// performer's foot is high, because a foot in mid-swing comes down fast.
 float Push(float floor_m, float performer_m, float height_m) {
   const float cushion = tuning::kCushion_m +
                         (tuning::kHighCushion_m - tuning::kCushion_m) *
@@ -56,8 +58,8 @@ void Feet::Reset() noexcept {
 
 void Feet::Process(float dt_s, float weight, const PoseView& input,
                    const MutablePoseView& styled) noexcept {
-  if (dt_s >= tuning::kHole_s) dt_s = 0;  // what was held before a hole is held after it
-  // 1 contacts, from the performer's own feet.
+  if (dt_s >= tuning::kHole_s) dt_s = 0;  // over a hole, locks keep their state
+  // 1 Contacts, from the performer's own feet.
   in_legs_.Place(input, in_);
   contacts_.Process(dt_s, in_legs_, in_, options_);
   if (weight <= 0) {
@@ -67,19 +69,20 @@ void Feet::Process(float dt_s, float weight, const PoseView& input,
     return;
   }
   TurnWithPerformer();
-  // 2 where each foot is to be: heights, then the lock.
+  // 2 The target of each foot: heights, then the lock.
   legs_.Place(styled, out_);
   for (int side = 0; side < kLegs; ++side) {
     if (Resolved(side)) PlaceFoot(side, dt_s, weight);
   }
-  // 3 hips, 4 legs.
+  // 3 The hips' drop. 4 The legs' IK.
   LowerHips(dt_s, styled);
   for (int side = 0; side < kLegs; ++side) {
     if (Resolved(side)) Reach(side, styled);
   }
 }
 
-// A gait's centre is the performer's: it turns as the line through the hips does.
+// The gait's centre belongs to the performer: it is rotated with the line through the performer's
+// hips.
 void Feet::TurnWithPerformer() noexcept {
   const Vec3 across = Flat(in_[static_cast<std::size_t>(in_legs_.leg(0).upper)].position_m -
                            in_[static_cast<std::size_t>(in_legs_.leg(1).upper)].position_m);
@@ -126,10 +129,11 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   const Vec3& heel = at(out_, leg.foot);
   const Vec3& toes = has_toes ? at(out_, leg.toes) : heel;
 
-  // Heights: what is planted is as high as the performer's; what is not goes with what is.
+  // Heights: a planted end is placed at the performer's height; a free end moves with the planted
+  // one.
   const float off_toes = in_toes.y() - toes.y();
   const float off_heel = in_heel.y() - heel.y();
-  // A foot that the style still has high in the air is not pulled down.
+  // A foot that the style holds high in the air is not pulled down.
   const float high = has_toes ? -off_toes : -off_heel;
   state.yields =
       SmoothStep(high, tuning::kHigh * options_.reach_m, 2 * tuning::kHigh * options_.reach_m);
@@ -137,7 +141,7 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   const float c_toes = (1 - state.yields) * input.toes;
   const float want_toes = c_toes * off_toes + (1 - c_toes) * c_heel * off_heel;
   const float want_heel = c_heel * off_heel + (1 - c_heel) * c_toes * off_toes;
-  if (state.frames == 1 && dt_s > 0) {  // a session may begin in mid-stride
+  if (state.frames == 1 && dt_s > 0) {  // the session may begin in mid-stride
     const auto start = [dt_s](CriticallyDamped& lift, float want) {
       const float speed = (want - lift.value()) / dt_s;
       lift.Start(lift.value(),
@@ -148,11 +152,11 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   }
   float lift_toes = state.lift_toes.Follow(want_toes, dt_s, tuning::kLift_s);
   float lift_heel = state.lift_heel.Follow(want_heel, dt_s, tuning::kLift_s);
-  // And nothing sinks below the performer's floor, or below the performer's own.
+  // No part sinks below the performer's floor, or below the performer's own foot.
   const float floor_m = contacts_.floor_m();
   const float push_toes = Push(floor_m, in_toes.y(), toes.y() + lift_toes);
   const float push_heel = Push(floor_m + leg.ankle_above_toes_m, in_heel.y(), heel.y() + lift_heel);
-  // What holds up one end takes most of the foot along: one end after the other would be a jolt.
+  // The push at one end also lifts the other: lifting one end after the other would be a jolt.
   lift_toes = weight * (lift_toes + std::hypot(push_toes, tuning::kTakenAlong * push_heel));
   lift_heel = weight * (lift_heel + std::hypot(push_heel, tuning::kTakenAlong * push_toes));
   if (!has_toes) lift_toes = lift_heel;
@@ -166,14 +170,15 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   state.ankle_m = pitched_heel + weight * state.offset_m;
   state.ankle_m.y() += lift_toes;
 
-  // Hips: how far above what the leg can reach.
+  // Hips: how far the ankle's target is out of the leg's reach.
   const Vec3& hip = at(out_, leg.upper);
   const Vec3& knee = at(out_, leg.lower);
   const float length = (knee - hip).norm() + (heel - knee).norm();
   const float moved = (state.ankle_m - heel).norm() / tuning::kNear_m;
-  // In time, too: an offset that returns quickly would snap the knee through.
+  // Smoothed over time, too: an offset that returns quickly would snap the knee straight.
   state.as_styled =
       1 - state.moved.Follow(1 - std::exp(-moved * moved), dt_s, tuning::kStraighten_s);
+  // A foot that is hardly moved may keep the styled leg's length; otherwise `stretch` limits it.
   const float least = options_.stretch * length;
   const float reach = least + state.as_styled * std::max(0.0F, (heel - hip).norm() - least);
   const float across2 = Flat(state.ankle_m - hip).squaredNorm();
@@ -183,31 +188,34 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
       weight * standing * SoftExcess(hip.y() - state.ankle_m.y() - down, tuning::kDropCorner_m);
 }
 
-// The lock is an integral: over each frame the published foot moves by `hold` of the performer's
-// own step and by the rest of the styled one; so it never jumps, however contacts change.
+// The lock is an integral. In each frame the published foot moves by `hold` times the performer's
+// own step plus (1 - hold) times the styled step, so it never jumps, however the contacts change.
 void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes,
                 const Vec3& heel) noexcept {
   Leg& state = state_[static_cast<std::size_t>(side)];
   const Vec3& in_heel = input.heel_m;
   const Vec3& in_toes = input.toes_m;
-  const Vec3 change = Flat(toes - in_toes);  // by the style, of where the foot is
+  const Vec3 change = Flat(toes - in_toes);  // what the style changes about the foot's place
 
   if (state.frames == 0) {
     state.centre_m = change;
   } else if (dt_s > 0) {
-    // A gait takes the foot as far ahead of the performer's as behind it, about `centre`.
+    // A styled gait puts the foot as far ahead of the performer's at landing as behind it at
+    // take-off, about the mean `centre`. A free foot aims at that mean, which it can keep while it
+    // is held.
     state.centre_m += DecayShare(dt_s, options_.centre_s) * (change - state.centre_m);
     Vec3 wish = options_.centre * (state.centre_m - change);
     wish *= std::min(1.0F, options_.reach_m / std::max(wish.norm(), 1e-6F));
 
     const float heel_hold = (1 - state.yields) * input.heel;
     const float toe_hold = (1 - state.yields) * input.toes;
+    // Either end holds the foot; `by_toes` is the share of the toes.
     const float hold = 1 - (1 - toe_hold) * (1 - heel_hold);
     const float by_toes = hold > 0 ? toe_hold / hold : 1.0F;
     const Vec3 toe_step = Flat((in_toes - state.last_in_toes_m) - (toes - state.last_toes_m));
     const Vec3 heel_step = Flat((in_heel - state.last_in_heel_m) - (heel - state.last_heel_m));
     Vec3 step = hold * (by_toes * toe_step + (1 - by_toes) * heel_step);
-    // Drawn too far it gives way outwards, and is dragged along.
+    // Near the longest reach the lock yields: the part of the step that points outwards is dropped.
     const float far = state.offset_m.norm();
     if (far > 0) {
       const Vec3 outwards = state.offset_m / far;
@@ -245,7 +253,8 @@ void Feet::Reach(int side, const MutablePoseView& styled) noexcept {
   const Placed& upper = at(leg.upper);
   const TwoBones limb{upper.position_m, at(leg.lower).position_m, at(leg.foot).position_m,
                       upper.rotation * leg.hinge_in_upper};
-  // A moved foot never stretches the leg; one that stays where it is styled leaves it as it is.
+  // A moved foot never stretches the leg; a foot that stays where the style has it leaves the leg
+  // unchanged.
   const float length = (limb.knee - limb.hip).norm() + (limb.ankle - limb.knee).norm();
   const float corner = tuning::kStraightCorner * length;
   const float now = (limb.ankle - limb.hip).norm();

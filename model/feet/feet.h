@@ -11,53 +11,55 @@
 
 namespace styled::feet {
 
-// Step 6 of the stylist, on one output skeleton: while the performer's own foot is on the floor,
-// the published one moves over the floor as that does, where a style, or another skeleton's
-// proportions, would let it slide. There it keeps the performer's heights, and it never sinks below
-// the floor. Legs follow by two-bone IK, which keeps lengths and the side of the knee; the hips
-// come down where a leg would have to stretch. Everything is a smooth function of the input or
-// integrates one, so nothing pops, and nothing is delayed.
+// Step 6 of the stylist, for one output skeleton. While the performer's own foot is on the floor,
+// the published foot moves over the floor as the performer's does; without this stage a style, or
+// another skeleton's proportions, would let it slide. During contact the foot keeps the performer's
+// height, and it never sinks below the floor. The legs follow by two-bone IK, which keeps bone
+// lengths and the side of the knee; the hips are lowered where a leg would have to stretch. Every
+// quantity is a smooth function of the input or an integral of one, so nothing pops, and no delay
+// is added.
 //
-// Spaces: poses are local transforms of their skeleton; inside, canonical metres and axes (+Y up),
-// in which all bound skeletons have the same hips height. Sized at construction; Process does not
-// allocate. One thread at a time. Mathematics: model/README.md, 6. Constants: tuning.h. Pinned
-// by tests/unit/feet/feet_test.cpp.
+// Spaces: poses are local transforms of their skeleton; inside, all is in canonical metres and axes
+// (+Y up), in which all bound skeletons have the same hips height. Memory is sized at construction;
+// Process does not allocate. One thread at a time. Mathematics: model/README.md, 6. Constants:
+// tuning.h. Pinned by tests/unit/feet/feet_test.cpp.
 class Feet {
  public:
-  // The performer's pose is given on the skeleton of `input`, the feet of `output` are held.
+  // `input` binds the skeleton of the performer's pose, `output` the one whose feet are held.
   // `options` must pass Validate.
   Feet(const rig::Binding& input, const rig::Binding& output, const Options& options);
 
-  // One frame, `dt_s` after the last (0 for the first; over a hole of more than 0.25 s
-  // locks stay as they are, wherever the performer went).
-  // `input`: the performer's own pose; `styled`: what is published, changed in place:
-  // leg joints' rotations and the hips' translation, nothing else. Both must have unit rotations;
-  // they may not be the same memory. `weight`, 0 .. 1, is the stage's share: at 0 it only watches
-  // the contacts and leaves `styled` bit for bit.
+  // Processes one frame, `dt_s` after the last (0 for the first). Over a hole of 0.25 s or more the
+  // locks keep their state, wherever the performer went. `input`: the performer's own pose.
+  // `styled`: the pose to be published, changed in place: the rotations of the leg joints and the
+  // hips' translation, nothing else. Both need unit rotations and must not share memory. `weight`,
+  // 0 .. 1, is the strength of the stage: at 0 only the contacts are tracked, and `styled` stays as
+  // it is, bit for bit.
   STYLED_REALTIME void Process(float dt_s, float weight, const PoseView& input,
                                const MutablePoseView& styled) noexcept;
 
-  // Forgets locks, floor and contacts: the next frame is the first.
+  // Forgets locks, floor and contacts: the next frame counts as the first.
   STYLED_REALTIME void Reset() noexcept;
 
   const Contacts& contacts() const { return contacts_; }
 
  private:
   struct Leg {
-    int frames = 0;  // since Reset, at most 2: after the first, those that took time
+    int frames = 0;  // since Reset, at most 2; after the first, only frames with dt_s > 0 count
     Vec3 last_in_toes_m, last_in_heel_m, last_toes_m, last_heel_m;
-    Vec3 offset_m = Vec3::Zero();  // horizontal: from where the style puts the foot
-    Vec3 centre_m =
-        Vec3::Zero();  // horizontal: the gait's mean of styled less input, in world axes
+    Vec3 offset_m = Vec3::Zero();  // horizontal: the published foot less the styled one
+    // Horizontal, world axes: the gait's mean of the styled foot less the input's.
+    Vec3 centre_m = Vec3::Zero();
     CriticallyDamped lift_toes, lift_heel, moved;
 
-    float yields = 0;               // this frame's: 1 where the styled foot is too high to hold
-    Quat pitch = Quat::Identity();  // this frame's: of the foot, in world
-    Vec3 ankle_m;                   // where the ankle is to go
-    float as_styled = 1;            // 1 where that is where the style has it, 0 elsewhere
-    float need_m = 0;               // by how much the hips must come down for that
+    float yields = 0;               // this frame: 1 if the styled foot is too high to hold
+    Quat pitch = Quat::Identity();  // this frame: the foot's rotation, world
+    Vec3 ankle_m;                   // the ankle's target
+    float as_styled = 1;            // 1 if the target is the styled place, 0 far from it
+    float need_m = 0;               // how far the hips must come down to reach it
   };
-  // The performer's own foot, at the heights that the output's ankles and toes have over a floor.
+  // The performer's own foot, with heel and toes at the heights that the output's have above a
+  // floor.
   struct Sole {
     Vec3 heel_m, toes_m;
     float heel = 0, toes = 0;  // contact weights

@@ -26,41 +26,42 @@ struct MutablePoseView {
   operator PoseView() const { return {translations, rotations}; }
 };
 
-// One joint in space: position in canonical metres and axes; the rotation takes the joint's own
-// frame, whatever it is, to canonical axes.
+// The world transform of one joint: position in canonical metres and axes; the rotation is from the
+// joint's own frame to canonical axes.
 struct Placed {
   Vec3 position_m;
   Quat rotation;
 };
 
-// The legs of a skeleton: which joints, and all that stands between them and the root (locators,
-// twist joints). Made once, immutable.
+// The legs of a skeleton: their joints, and all joints between them and the root (locators, twist
+// joints included). Made once, immutable.
 class Legs {
  public:
-  // Indices into joints(); toes -1 where the skeleton has none. A leg whose foot is missing, or
-  // whose joints do not hang below one another, is not `resolved` and is left alone.
+  // Indices into joints(); `toes` is -1 if the skeleton has none. A leg without a foot, or whose
+  // joints are not a chain, is not `resolved` and is never changed.
   struct Leg {
     bool resolved = false;
     int upper = -1, lower = -1, foot = -1, toes = -1;
-    Vec3 hinge_in_upper = Vec3::UnitX();  // the knee's anatomical axis in the upper leg's frame:
-                                          // flexing turns the shank about it, positively
-    Vec3 across_foot = Vec3::UnitX();     // to the body's left in the T-pose, in the foot's frame
-    float ankle_above_toes_m = 0;         // in the T-pose; 0 without toes
+    // the knee's axis, in the upper leg's frame; flexion turns the shank positively
+    Vec3 hinge_in_upper = Vec3::UnitX();
+    Vec3 across_foot = Vec3::UnitX();  // the body's left in the T-pose, in the foot's frame
+    float ankle_above_toes_m = 0;      // in the T-pose; 0 without toes
   };
 
   explicit Legs(const rig::Binding& binding);
 
   const Leg& leg(int side) const { return legs_[static_cast<std::size_t>(side)]; }
   int hips() const { return hips_; }  // index into joints()
-  // The skeleton's joints that matter, parents first; parents() index the same list, -1 the root's.
+  // The joints in use, parents first. parents() holds indices into the same list, -1 for the root.
   const std::vector<int>& joints() const { return joints_; }
   const std::vector<int>& parents() const { return parents_; }
   float metres_per_unit() const { return metres_per_unit_; }
   const Quat& canonical_from_source() const { return canonical_from_source_; }
 
-  // Places joints() in space. `placed` has joints().size() entries; rotations of `pose` are unit.
+  // Computes the world transforms of joints(). `placed` has joints().size() entries; the rotations
+  // of `pose` are unit quaternions.
   STYLED_REALTIME void Place(const PoseView& pose, std::span<Placed> placed) const noexcept;
-  // The rotation that a joint's local one is relative to.
+  // The world rotation that the joint's local rotation is relative to.
   STYLED_REALTIME Quat ParentRotation(int index, std::span<const Placed> placed) const noexcept;
 
  private:
@@ -71,7 +72,7 @@ class Legs {
   Quat canonical_from_source_ = Quat::Identity();
 };
 
-// The canonical humanoid bound to itself, so that its own feet can be held.
+// The canonical humanoid bound to itself, for holding the feet of canonical poses. Allocates.
 rig::Binding HumanoidBinding();
 
 }  // namespace styled::feet

@@ -4,27 +4,29 @@
 
 namespace styled::feet {
 
-// How feet are held. Lengths are canonical metres (a source skeleton's are scaled by its hips
-// height), times seconds. The same for all performers; defaults are those of styled.toml.
-// What picked them: model/feet/tuning.h.
+// Settings of the feet stage, the same for all performers. Lengths are canonical metres (a source
+// skeleton is scaled by its hips height), times seconds. The defaults are those of styled.toml;
+// model/feet/tuning.h tells where they come from.
 struct Options {
-  // A heel or toe is on the floor while it is low (above its height when planted, 0 .. 1) and slow
-  // (over the ground, 0 .. 20); weights go smoothly from 1 to 0 between the two bounds.
+  // A heel or toe is in contact while it is low (height above its planted height, 0 .. 1) and slow
+  // (speed over the ground, 0 .. 20). Between the two bounds of each pair the weight falls smoothly
+  // from 1 to 0.
   float contact_low_m = tuning::kContactLow_m, contact_high_m = tuning::kContactHigh_m;
   float contact_slow_mps = tuning::kContactSlow_mps, contact_fast_mps = tuning::kContactFast_mps;
-  // Time constants with which a contact takes hold and lets go; 0 .. 1.
+  // Time constants of a contact's beginning and end; 0 .. 1.
   float blend_in_s = tuning::kBlendIn_s, blend_out_s = tuning::kBlendOut_s;
-  // A lock drawn this far from the styled foot has let go; 0.001 .. 1.
+  // The distance from the styled foot at which a lock has fully released; 0.001 .. 1.
   float reach_m = tuning::kReach_m;
-  // Time constant of the way back to the styled foot; 0.001 .. 10.
+  // Time constant of the return to the styled foot; 0.001 .. 10.
   float return_s = tuning::kReturn_s;
-  // A gait's memory, 0.01 .. 60: a step is set down where it will be off by as much at its end; and
-  // how much of that, 0 (lands as styled) .. 1.
+  // A step is set down so far off its styled place that it is as far off on the other side at its
+  // end. `centre_s`: the time constant of the gait's mean that this needs, 0.01 .. 60. `centre`:
+  // the share of it, 0 (lands as styled) .. 1.
   float centre_s = tuning::kCentre_s;
   float centre = tuning::kCentre;
-  // Of the leg's length, beyond which the hips come down; 0.5 .. 1.
+  // The hips come down if a leg must reach farther than this share of its length; 0.5 .. 1.
   float stretch = tuning::kStretch;
-  // The most they come down, 0 .. 1, and the smoothing of that, 0 .. 10.
+  // The most that the hips come down, 0 .. 1, and the time constant of it, 0 .. 10.
   float hips_drop_m = tuning::kHipsDrop_m;
   float hips_tau_s = tuning::kHipsTau_s;
 
@@ -43,7 +45,7 @@ enum class OptionsError {
   kHipsDrop,
 };
 
-// The first rule that is broken; NaN breaks every one.
+// Returns the first rule that `o` breaks; NaN breaks every rule.
 [[nodiscard]] constexpr OptionsError Validate(const Options& o) {
   const auto in = [](float value, float low, float high) { return value >= low && value <= high; };
   if (!(in(o.contact_low_m, 0, 1) && in(o.contact_high_m, 0, 1) &&

@@ -1,16 +1,16 @@
 #pragma once
 
-// The constants of the feet stage: value, unit, what a larger one trades for what, and the figure
-// that picked it. Figures are styleeval's over 240 clips (40 neutral ones of set 2, six styles)
-// unless said otherwise (model/weights/RESULTS.md, "The feet stage"). The stage "is to blame" for a
-// clip where its output accelerates harder than 1.5 times the input's p99.9 and the pose without
-// the stage does not. "No measurement on record" means that nobody varied the constant and wrote
-// down what it did.
+// The constants of the feet stage: value, unit, what a larger value trades for what, and the figure
+// that picked it. The figures are from styleeval over 240 clips (40 neutral ones of set 2, six
+// styles) unless said otherwise (model/weights/RESULTS.md, "The feet stage"). A clip is "to blame"
+// on the stage if its output accelerates harder than 1.5 times the input's p99.9 while the pose
+// without the stage does not. "No measurement on record" means that nobody varied the constant and
+// noted the effect.
 namespace styled::feet::tuning {
 
 // Contacts (contacts.h)
 
-// Smoothing of the speed of heel and toes that is judged, s: sensor noise. No measurement on
+// Time constant of the smoothing of heel and toe speeds, s, against sensor noise. No measurement on
 // record.
 inline constexpr float kSpeed_s = 0.012F;
 // Options::contact_*: the bounds between which a part of the foot is planted or free, m above the
@@ -25,86 +25,89 @@ inline constexpr float kBlendIn_s = 0.015F, kBlendOut_s = 0.045F;
 
 // Floor (floor.h)
 
-// Time constants in which the floor falls to what rests lower and rises to what rests higher, s. No
+// Time constants with which the floor falls to lower contacts and rises to higher ones, s. No
 // measurement on record.
 inline constexpr float kFloorFall_s = 0.1F, kFloorRise_s = 2.0F;
-// A surprise beyond this counts as this, m: one wild frame moves the floor by millimetres. No
-// measurement on record.
+// A step of the floor's height counts as this much at most, m, so that one wild frame moves the
+// floor by millimetres. No measurement on record.
 inline constexpr float kFloorStep_m = 0.05F;
-// Speed of the lowest part below which it is full evidence of the floor, and above which it is
-// none, m/s. No measurement on record.
+// Speed of the lowest part, m/s: below the first it is full evidence of the floor's height, above
+// the second none. No measurement on record.
 inline constexpr float kFloorResting_mps = 0.15F, kFloorMoving_mps = 0.6F;
 
 // Time
 
-// A hole in source time, s, over which locks stay as they are; what the stylist bridges ends at the
-// same one. One of 0.25 s takes 60 network steps at 240 Hz. No measurement on record.
+// A hole in source time at least this long, s, leaves the locks as they are. The stylist bridges
+// holes up to the same length. A hole of 0.25 s takes 60 network steps at 240 Hz. No measurement on
+// record.
 inline constexpr float kHole_s = 0.25F;
 
 // The lock (feet.h)
 
-// Options::reach_m: a lock drawn this far from the styled foot has let go, m. Options::return_s:
-// time constant of the way back. Options::centre_s, centre: a gait's memory. 0.16, 0.07, 0.4
-// against 0.12, 0.1, 0.6: less slide (then 11.5 -> 3.2 cm/s by the whole stage with the first
-// values; input 2.7). return_s 0.09, not 0.07, came with 1.2 % of clips to blame, among other
-// changes; longer ones do not help.
+// Options::reach_m: the distance from the styled foot at which a lock has released, m.
+// Options::return_s: time constant of the way back. Options::centre_s, centre: the gait's mean.
+// 0.16, 0.07, 0.4 against 0.12, 0.1, 0.6: less slide (then 11.5 -> 3.2 cm/s by the whole stage with
+// the first values; input 2.7). return_s 0.09 instead of 0.07 came with 1.2 % of clips to blame,
+// among other changes; longer ones do not help.
 inline constexpr float kReach_m = 0.16F;
 inline constexpr float kReturn_s = 0.09F;
 inline constexpr float kCentre_s = 0.4F;
 inline constexpr float kCentre = 1.0F;
-// Of the reach: where a lock begins to give. No measurement on record.
+// Share of the reach at which a lock begins to yield. No measurement on record.
 inline constexpr float kLetGo = 0.6F;
-// Of the reach: a foot that the style has so far above the performer's is not pulled down, in full
-// at twice that. No measurement on record.
+// Share of the reach: a foot this far above the performer's is pulled down less, one twice as far
+// not at all. No measurement on record.
 inline constexpr float kHigh = 0.4F;
 
 // Heights (feet.h)
 
-// Above the floor, where a free foot begins to be held up, m. Larger: softer landings, deeper feet.
-// 0.01: 4 clips to blame, 0.8 cm deepest; 0.015: 1 clip, 1.2 cm, which is more than the 1 cm
-// allowed. 0.03 while the performer's own foot is high (in full from kSwing_m on): 3 clips; with
-// the rest of the table 0, 0.7 cm. A foot in swing comes down at 1.6 m/s.
+// Height above the floor at which a free foot begins to be held up, m. Larger: softer landings,
+// deeper feet. 0.01: 4 clips to blame, 0.8 cm deepest; 0.015: 1 clip, 1.2 cm, which is more than
+// the 1 cm allowed. 0.03 while the performer's own foot is high (in full from kSwing_m on): 3
+// clips; with the rest of the table 0, 0.7 cm. A foot in swing comes down at 1.6 m/s.
 inline constexpr float kCushion_m = 0.01F;
 inline constexpr float kHighCushion_m = 0.03F;
 inline constexpr float kSwing_m = 0.06F;
-// The share of a lift at one end of the foot that the other end goes along with. 0: toe and heel
-// were held up in turn, a jolt. No measurement of the value on record.
+// The share of a lift at one end of the foot that is added to the other end. 0: toe and heel were
+// held up one after the other, a jolt. No measurement of the value on record.
 inline constexpr float kTakenAlong = 0.7F;
-// Smoothing of what lifts a foot to the performer's height, s. Slower ones do not help clips to
+// Time constant of the lift to the performer's height, s. Slower ones do not reduce the clips to
 // blame.
 inline constexpr float kLift_s = 0.03F;
-// The fastest lift that a session's first two frames may begin with, m/s: their times may jitter.
-// Heights with their speed, not from rest: 2 clips to blame, not 3.
+// The fastest lift with which a session's first two frames may begin, m/s, because their times may
+// jitter. Starting with a speed, not from rest: 2 clips to blame, not 3.
 inline constexpr float kFastestLift_mps = 3.0F;
-// The most that a foot is pitched, rad. No measurement on record.
+// The largest pitch of a foot, rad. No measurement on record.
 inline constexpr float kMostPitch_rad = 0.6F;
 
 // Legs and hips (feet.h)
 
-// Options::stretch: of the leg's length, beyond which the hips come down; Options::hips_drop_m: the
-// most they do. No measurement on record.
+// Options::stretch: the share of the leg's length beyond which the hips come down.
+// Options::hips_drop_m: the most that they do. No measurement on record.
 inline constexpr float kStretch = 0.975F;
 inline constexpr float kHipsDrop_m = 0.10F;
-// Options::hips_tau_s: smoothing of that, s. 0.1, not 0.04, came with 1.2 % of clips to blame,
-// among other changes.
+// Options::hips_tau_s: time constant of the drop, s. 0.1 instead of 0.04 came with 1.2 % of clips
+// to blame, among other changes.
 inline constexpr float kHipsTau_s = 0.1F;
 // Rounding of the corner at which the hips begin to come down, m. No measurement on record.
 inline constexpr float kDropCorner_m = 0.005F;
-// Rounding of the reach of a leg near straight, of its length. Larger: a calmer knee, and a leg
-// that is never quite straight. 0.012, 0.02, 0.04 in turn; the last took most of what the stage
-// added to the jerk (1.17 -> 1.13 in all).
+// Rounding of a leg's reach near straight, as a share of its length. Larger: a calmer knee, and a
+// leg that is never quite straight. 0.012, 0.02, 0.04 in turn; the last removed most of what the
+// stage added to the jerk (1.17 -> 1.13 in all).
 inline constexpr float kStraightCorner = 0.04F;
-// A foot moved by less than this (m) keeps the leg as straight as it is styled, and the smoothing
-// of that, s: without it 4.2 % of clips to blame, with it 0.8 (one set of weights).
+// A foot moved by less than kNear_m keeps the leg as straight as it is styled, smoothed with the
+// time constant kStraighten_s. Without it 4.2 % of clips to blame, with it 0.8 (one set of
+// weights).
 inline constexpr float kNear_m = 0.02F;
 inline constexpr float kStraighten_s = 0.05F;
 
 // Two-bone IK (two_bone_ik.h)
 
-// sin(bend) below which the knee's anatomical axis takes part in the axis of the bend. Larger: the
-// side of the knee is surer, the turn less exact. A wider blend of hyperextended knees was worse.
+// sin(bend) below which the knee's anatomical axis is blended into the axis of the bend. Larger:
+// the side of the knee is surer, the turn less exact. A wider blend of hyperextended knees was
+// worse.
 inline constexpr float kNearlyStraight = 0.35F;
-// The longest that a limb is made, of its length.
+// The longest reach of a limb, as a share of its length.
 inline constexpr float kOutermost = 0.9999F;
 
 }  // namespace styled::feet::tuning

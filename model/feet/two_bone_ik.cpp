@@ -11,8 +11,8 @@ namespace {
 
 constexpr float kTiny = 1e-6F;
 
-// The axis about which the knee bends now. Along the anatomical hinge it never falls below a small
-// positive part, so that it does not turn over when the leg goes through straight, nor when a style
+// The axis about which the knee bends now. Its component along the anatomical hinge is kept
+// positive, so that the axis does not flip when the leg passes through straight, nor when a style
 // bends the knee backwards.
 Vec3 BendAxis(const TwoBones& limb, const Vec3& thigh, const Vec3& shank) {
   const Vec3 bend = thigh.normalized().cross(shank.normalized());  // length: sin(bend)
@@ -28,8 +28,10 @@ Vec3 BendAxis(const TwoBones& limb, const Vec3& thigh, const Vec3& shank) {
   return length > kTiny ? Vec3(axis / length) : limb.hinge;
 }
 
-// A knee that is `over` beyond straight is bent the right way once it must bend by more than twice
-// that; between, where the reach hardly depends on it, it goes over without a jump.
+// `over`: by how much the knee is beyond straight now. The target flexion may be reached with the
+// knee bent either way. From 2 * over on it is bent the right way; up to `over` it stays beyond
+// straight; between, where the reach hardly depends on the angle, a straight line joins the two
+// without a jump.
 float Flexion(float wanted, float over) {
   if (wanted >= 2 * over) return wanted;
   return wanted >= over ? 3 * wanted - 4 * over : -wanted;
@@ -54,9 +56,12 @@ TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
   const float nearest = std::min(std::abs(a - b) + 1e-3F * (a + b), now);
   const float distance = std::clamp(wanted, nearest, farthest);
 
-  // Turning the shank by x about the unit axis n makes
+  // Turning the shank by x about the unit axis n gives
+  //
   //   |ankle - hip|^2 = a^2 + b^2 + 2 (A + B cos x + C sin x),
-  // A = (thigh.n)(n.shank), B = thigh.shank - A, C = thigh.(n x shank).
+  //
+  // A = (thigh.n)(n.shank), B = thigh.shank - A, C = thigh.(n x shank). With B = R cos(s), C = R
+  // sin(s) it is solved by x = s +- acos(((|ankle - hip|^2 - a^2 - b^2) / 2 - A) / R).
   Vec3 bent = shank;
   if (std::abs(distance - now) > kTiny * (a + b)) {
     const Vec3 n = BendAxis(limb, thigh, shank);
@@ -68,6 +73,7 @@ TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
       const float level = 0.5F * (apart * apart - a * a - b * b) - along;
       return std::acos(std::clamp(level / std::max(amplitude, kTiny), -1.0F, 1.0F));
     };
+    // bend: the knee's flexion now, measured from straight about n; negative: beyond straight.
     const float bend = -std::atan2(sine, cosine);
     const float turn = Flexion(flexion(distance), std::max(0.0F, -bend)) - bend;
     turns.lower = Quat(Eigen::AngleAxisf(turn, n));

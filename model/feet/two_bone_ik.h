@@ -8,31 +8,32 @@ namespace styled::feet {
 using body::Quat;
 using body::Vec3;
 
-// A limb of two bones as it is, all in one space and unit.
+// A limb of two bones in its present pose, all in one space and unit.
 struct TwoBones {
   Vec3 hip, knee, ankle;
-  Vec3 hinge;  // unit; the knee's anatomical axis: decides the side where the leg is straight
+  Vec3 hinge;  // unit; the knee's anatomical axis, which decides the side of a straight limb
 };
 
-// What to turn, in the same space: `upper` turns the whole limb about the hip, `lower` what is
-// below the knee about the knee, before `upper` is applied.
+// The rotations to apply, in the same space: `lower` turns what is below the knee about the knee,
+// then `upper` turns the whole limb about the hip.
 struct TwoBoneTurns {
   Quat lower = Quat::Identity(), upper = Quat::Identity();
-  float missed = 0;  // how far the ankle stays from the target
+  float missed = 0;  // the distance between the ankle and the target afterwards
 };
 
-// Brings the ankle to `target` by rotations alone, so the bones keep their lengths. First the
-// knee's angle by the law of cosines, about the axis it bends about now (about `hinge` where the
-// limb is straight within some degrees, blended between), so that it keeps its side; then the
-// shortest arc about the hip. Out of reach, the ankle ends on the line to the target as far (or
-// near) as the bones allow; on that line, too, it stays short or goes too far where a knee that is
-// bent backwards would have to snap through. A target at the ankle gives the identity. No state, no
+// Brings the ankle to `target` by rotations only, so the bones keep their lengths. First the knee's
+// angle by the law of cosines, about the axis about which the knee bends now, so that it keeps its
+// side; `hinge` is blended in where the limb is nearly straight. Then the shortest arc about the
+// hip. If the target is out of reach, the ankle ends on the line to it, as far (or near) as the
+// bones allow. It also stops short of the target, or passes it, on that line if a knee that is bent
+// backwards would have to snap through. A target at the ankle gives the identity. No state, no
 // allocation; any thread. Pinned by tests/unit/feet/two_bone_ik_test.cpp.
 STYLED_REALTIME TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept;
 
-// How far a limb of length `length` goes when `wanted` is asked for: hardly less well below its
-// length, half a `corner` less at it, never the whole of it. The knee's angle is a smooth function
-// of `wanted`, where the law of cosines alone would snap it straight.
+// A soft limit on the reach of a limb of length `length`. The result is about `wanted` well below
+// the length, half a `corner` less than the length at it, and always less than the length. With it
+// the knee's angle is a smooth function of `wanted`; the law of cosines alone would snap the knee
+// straight.
 STYLED_REALTIME float SoftReach(float wanted, float length, float corner) noexcept;
 
 }  // namespace styled::feet
