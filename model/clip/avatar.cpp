@@ -12,7 +12,7 @@
 namespace styled::clip {
 namespace {
 
-// Local rotations that make the T-pose.
+// The T-pose as local rotations.
 rig::RigPose RestPose(const rig::Binding& binding) {
   const rig::Skeleton& skeleton = binding.skeleton();
   const auto& worlds = binding.spec().rest_rotations;
@@ -58,6 +58,7 @@ Result<rig::Binding> TakeBvh(const std::string& file, const std::string& dialect
   const Clip& clip = read.value();
   auto binding = rig::BindDialect(clip.skeleton, dialect, &avatar.dialect, given);
   if (binding.ok()) return binding;
+  // No dialect fits: bind the first frame as a standing pose instead.
   const auto map = rig::MapJoints(clip.skeleton, given);
   if (dialect == "auto" && map.ok()) {
     auto standing = rig::BindStanding(clip.skeleton, map.value(), clip.frames.front(), false);

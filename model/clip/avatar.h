@@ -9,18 +9,20 @@
 
 namespace styled::clip {
 
-// A skeleton to put motion onto, read from an avatar's file and bound to the canonical humanoid.
+// The skeleton of an avatar's file, bound to the canonical humanoid, for retargeting motion onto
+// it.
 struct AvatarSkeleton {
-  std::shared_ptr<const rig::Binding> binding;  // metres and +Y up; of a BVH its units and axes
-  rig::RigPose rest;                            // its T-pose
-  std::string dialect;                          // "vrm", "gltf", "standing", or the BVH's
-  float metres_per_unit = 0;  // as RootInFile and offsets in the file; 0 = unknown
-  // What joint 0 hangs from in the file: world = translation + metres_per_unit * (rotation * file).
+  // glTF: metres, +Y up; BVH: the file's units and axes
+  std::shared_ptr<const rig::Binding> binding;
+  rig::RigPose rest;          // its T-pose
+  std::string dialect;        // "vrm", "gltf", "standing", or the BVH's
+  float metres_per_unit = 0;  // of RootInFile and the file's offsets; 0: unknown
+  // The transform of joint 0's parent in the file: world = translation + scale * (rotation * file).
   rig::Vec3 above_translation = rig::Vec3::Zero();
   rig::Quat above_rotation = rig::Quat::Identity();
   float above_scale = 1;
 
-  // Joint 0 as the file has it, relative to its parent there.
+  // Joint 0's world position or rotation as the file has it, relative to its parent there.
   rig::Vec3 RootInFile(const rig::Vec3& position) const {
     return above_rotation.conjugate() * (position - above_translation) / above_scale;
   }
@@ -29,9 +31,10 @@ struct AvatarSkeleton {
   }
 };
 
-// By extension: .bvh, else glTF (.vrm, .glb, .gltf). A BVH is bound by `dialect` or, where that is
-// "auto" and its zero pose none that we know, by its first frame, standing. `given`: joints by
-// hand. Errors name the file and say what was expected. Any thread; allocates.
+// Reads an avatar: .bvh by extension, anything else as glTF (.vrm, .glb, .gltf). A BVH is bound by
+// `dialect`. If that is "auto" and no known dialect fits its zero pose, it is bound by its first
+// frame, which must be standing. `given`: joints named by hand. Errors name the file and what was
+// expected. Any thread; allocates.
 Result<AvatarSkeleton> ReadAvatar(const std::string& file, const std::string& dialect,
                                   const rig::JointNames& given);
 

@@ -39,7 +39,7 @@ bool ToDouble(std::string_view word, double& value) {
          std::abs(value) < 1e9;  // false for NaN as well
 }
 
-// Words and lines of the text.
+// Splits the text into words and lines.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {
@@ -49,19 +49,19 @@ class Scanner {
   int line() const { return line_; }
   std::size_t left() const { return text_.size() - at_; }
 
-  // The next word, over line ends; empty at the end of the text. "{" and "}" are words.
+  // The next word, across line ends; empty at the end of the text. "{" and "}" are words.
   std::string_view Word() {
     while (at_ < text_.size() && (IsBlank(text_[at_]) || text_[at_] == '\n')) {
       if (text_[at_++] == '\n') ++line_;
     }
     return Take();
   }
-  // The next word on this line; empty where there is none.
+  // The next word on this line; empty if there is none.
   std::string_view WordOnLine() {
     while (at_ < text_.size() && IsBlank(text_[at_])) ++at_;
     return at_ < text_.size() && text_[at_] != '\n' ? Take() : std::string_view();
   }
-  // The rest of this line without blanks around it, and without an opening brace, which stays.
+  // The rest of this line without surrounding blanks, up to a brace, which is not consumed.
   std::string_view RestOfLine() {
     while (at_ < text_.size() && IsBlank(text_[at_])) ++at_;
     const std::size_t begin = at_;
@@ -91,7 +91,7 @@ class Scanner {
   int line_ = 1;
 };
 
-// What a message quotes: printable and short.
+// A word for an error message: printable and short.
 std::string Quote(std::string_view word) {
   if (word.empty()) return "the end";
   std::string quoted = "\"";
@@ -99,7 +99,8 @@ std::string Quote(std::string_view word) {
   return quoted + (word.size() > 40 ? "...\"" : "\"");
 }
 
-// "30" for 0.0333333: within a ten-thousandth of a whole or an NTSC rate, that rate is meant.
+// Frame times are rounded: 0.0333333 s means 30 Hz. A rate within a ten-thousandth of a whole or
+// NTSC rate is replaced by that rate.
 double NearestRate(double rate_hz) {
   const double whole = std::round(rate_hz);
   const double ntsc = std::round(rate_hz * 1.001) * 1000.0 / 1001.0;
@@ -230,7 +231,7 @@ class Parser {
     if (!SameWord(word, "MOTION")) return Fail(Quote(word), "MOTION");
     if (channel_count_ == 0) return Fail("no channels in any joint", "at least one");
 
-    // "Frames:" and "Frames :" both occur.
+    // Files have "Frames:" or "Frames :".
     std::string_view label = scan_.Word();
     if (SameWord(label, "Frames") && !Expect(":")) return false;
     if (!SameWord(label, "Frames") && !SameWord(label, "Frames:")) {
@@ -251,18 +252,20 @@ class Parser {
     if (!SameWord(label, "Time") && !SameWord(label, "Time:")) return Fail(Quote(label), "Time:");
     double frame_time_s = 0;
     const std::string_view time_word = scan_.Word();
-    // A little beyond both ends, because frame times are rounded.
+    // Slightly wider than the limits, because frame times are rounded.
     if (!ToDouble(time_word, frame_time_s) || !(frame_time_s > 0.000999 && frame_time_s < 1.001)) {
       return Fail(Quote(time_word), "a frame time of 0.001 to 1 s");
     }
     clip_.rate_hz = NearestRate(1.0 / frame_time_s);
 
-    // A value takes two characters at least, so the text bounds what a false count may reserve.
+    // A value needs at least two characters, so the size of the text limits the memory that a wrong
+    // frame count can reserve.
     const std::uint64_t most = scan_.left() / (2 * channel_count_) + 1;
     if (frames > most) {
       return Fail(std::to_string(frames) + " frames, more than the rest of the file can hold",
                   "as many as there are rows");
     }
+    // Joints without channels take memory per frame but no text, so limit the product, too.
     const std::uint64_t joints = clip_.skeleton.names.size();
     if (frames * joints > 4 * size_ + 65536) {
       return Fail(std::to_string(frames) + " frames of " + std::to_string(joints) +
@@ -309,6 +312,7 @@ class Parser {
         if (kind <= 'Z') {
           pose.translations[joint][kind - 'X'] = static_cast<float>(value);
         } else {
+          // Angles repeat after 360 degrees, half-angle rotations after 720.
           const double half = std::remainder(value, 720.0) * (std::numbers::pi / 360.0);
           Eigen::Quaterniond turn(std::cos(half), 0, 0, 0);
           turn.vec()[kind - 'x'] = std::sin(half);
@@ -324,6 +328,7 @@ class Parser {
                                 std::to_string(channel_count_));
   }
 
+  // q and -q are the same rotation: choose the sign that continues the previous frame.
   static void KeepSigns(const rig::RigPose& previous, rig::RigPose& pose) {
     for (std::size_t joint = 0; joint < pose.rotations.size(); ++joint) {
       Quat& q = pose.rotations[joint];

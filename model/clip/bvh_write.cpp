@@ -19,12 +19,12 @@ using Angles = std::array<double, 3>;  // radians, in channel order
 
 bool IsRotation(char kind) { return kind >= 'x'; }
 
-// `angle` plus whole turns, nearest to `near`.
+// `angle` plus the whole turns that bring it nearest to `near`.
 double Unwrap(double angle, double near) {
   return near + std::remainder(angle - near, 2 * std::numbers::pi);
 }
 
-// Takes one rotation apart into turns about up to three different axes, in order (intrinsic).
+// Decomposes a rotation into turns about up to three different axes, in channel order (intrinsic).
 class EulerSolver {
  public:
   explicit EulerSolver(const std::string& channels) {
@@ -37,8 +37,9 @@ class EulerSolver {
 
   int count() const { return count_; }
 
-  // R = Ri(a) Rj(b) Rk(c). Of the two solutions the one nearer to `previous` (where given; else the
-  // one with b within a quarter turn), unwrapped. Where b is a quarter turn, a stays as it was.
+  // R = Ri(a) Rj(b) Rk(c) has two solutions. Returns the one nearer to `previous`, unwrapped;
+  // without `previous` the one with b within a quarter turn. At the gimbal lock (b is a quarter
+  // turn) a stays as it was.
   Angles Solve(const Eigen::Quaterniond& q, const Angles* previous) const {
     if (count_ == 0) return {};
     const Angles near = previous != nullptr ? *previous : Angles{};
@@ -49,7 +50,7 @@ class EulerSolver {
       return {Unwrap(std::atan2(sign_ * m(k, j), m(j, j)), near[0]),
               Unwrap(std::atan2(sign_ * m(i, k), m(i, i)), near[1])};
     }
-    // At the gimbal only a + c or a - c is known: what is left of a is the float rotation's
+    // At the gimbal lock only a + c or a - c is determined; what the matrix still tells of a is
     // rounding.
     const bool gimbal = std::hypot(m(i, i), m(i, j)) < 1e-6;
     const double a = gimbal ? near[0] : std::atan2(-sign_ * m(j, k), m(k, k));
@@ -60,7 +61,7 @@ class EulerSolver {
   }
 
  private:
-  // b and c once a is known, from Ri(-a) R = Rj(b) Rk(c).
+  // Finds b and c for a given a, from Ri(-a) R = Rj(b) Rk(c).
   Angles Complete(const Eigen::Matrix3d& m, double a, const Angles& near) const {
     const auto [i, j, k] = axis_;
     const double cosine = std::cos(a), sine = sign_ * std::sin(a);
@@ -79,7 +80,7 @@ class EulerSolver {
 };
 
 void Append(std::string& text, double value, int decimals = 6) {
-  std::array<char, 352> digits;  // holds every double
+  std::array<char, 352> digits;  // enough for every double in fixed notation
   const auto result = std::to_chars(digits.data(), digits.data() + digits.size(), value,
                                     std::chars_format::fixed, decimals);
   std::string_view word(digits.data(), result.ptr - digits.data());
@@ -120,8 +121,8 @@ class Writer {
   }
 
  private:
-  // Depth first with a stack of its own, so that a chain may be as long as it likes. Joints are
-  // written in the clip's own order where that is depth first, as in every clip read from a file.
+  // Depth first with an explicit stack, so that the length of a chain is not limited. If the clip's
+  // order is depth first, as in every clip read from a file, joints are written in that order.
   void Hierarchy() {
     struct Open {
       int joint;
@@ -161,7 +162,7 @@ class Writer {
     const std::string indent(depth, '\t');
     std::vector<Vec3> sites;
     if (static_cast<std::size_t>(joint) < clip_.end_sites.size()) sites = clip_.end_sites[joint];
-    // Many readers want an End Site at the end of every chain.
+    // Many readers expect an End Site at the end of every chain.
     if (sites.empty() && children_[joint].empty()) sites.emplace_back(Vec3::Zero());
     for (const Vec3& site : sites) {
       text_.append(indent).append("\tEnd Site\n").append(indent).append("\t{\n");

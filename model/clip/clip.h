@@ -16,39 +16,41 @@ struct Clip {
   rig::Skeleton skeleton;
   double rate_hz = 30.0;
   std::vector<rig::RigPose> frames;
-  // BVH bookkeeping so that a file is written back as it came: per joint its channels in file order
-  // ('X','Y','Z' position, 'x','y','z' rotation), and its End Site offset where it has one.
+  // What a BVH file needs to be written back unchanged: per joint its channels in file order
+  // ('X','Y','Z' position, 'x','y','z' rotation) and the offsets of its End Sites. Empty:
+  // FormatBvh's own channels.
   std::vector<std::string> channels;
   std::vector<std::vector<rig::Vec3>> end_sites;
 };
 
 // Reads a BVH file or text. Accepts any hierarchy, channel order and count, CRLF, tabs, End Sites,
 // position channels on any joint, 1 to 1000 Hz (0.0333333 s is read as 30 Hz). Position channels
-// replace the OFFSET, the root's too: positions are absolute, not added to it. Angles are degrees,
-// turned in channel order (intrinsic); rotations come out continuous in sign along time.
-// Refuses, beside syntax: a second ROOT, no channels, a channel twice in a joint, numbers that are
-// not finite or beyond 1e9, rows that do not match Frames: or CHANNELS, 0 frames, more than 1024
-// joints or 256 levels. Memory is bounded by a small multiple of the text. Never throws on content.
-// Errors: "FILE:LINE: found X, expected Y". Any thread. Pinned by tests/unit/clip/bvh_test.cpp.
+// replace the OFFSET, also at the root: positions are absolute, not added to it. Angles are
+// degrees, applied in channel order (intrinsic); the resulting rotations are continuous in sign
+// over time. Refuses, besides syntax errors: a second ROOT, no channels, a channel twice in a
+// joint, numbers that are not finite or beyond 1e9, rows that do not match Frames: or CHANNELS, 0
+// frames, more than 1024 joints or 256 levels. Memory is bounded by a small multiple of the text.
+// Never throws on content. Errors: "FILE:LINE: found X, expected Y". Any thread. Pinned by
+// tests/unit/clip/bvh_test.cpp.
 Result<Clip> ReadBvh(const std::filesystem::path& file);
 Result<Clip> ParseBvh(std::string_view text, const std::string& name);
 
 // Writes with the clip's channel order (default: root XYZ + zxy, others zxy), continuous Euler
-// angles, %.6f. The format's own precision decides the round trip: < 1e-4 degrees. Rotations about
-// axes for which a joint has no channel are lost. Joints are written depth first. Errors: no
-// joints or frames, a rate out of 1 to 1000 Hz, a file that cannot be written.
+// angles, %.6f. The precision of the text limits the round trip: < 1e-4 degrees. Rotations about
+// axes for which a joint has no channel are lost. Joints are written depth first. Errors: no joints
+// or frames, a rate outside 1 to 1000 Hz, a file that cannot be written.
 Status WriteBvh(const Clip& clip, const std::filesystem::path& file);
 std::string FormatBvh(const Clip& clip);
 
-// The clip at another rate, through a C2 interpolant (natural cubic splines on positions and on
-// sign-continuous quaternions, renormalized): slerp alone makes 30 Hz clips jerk at 120 Hz. Keeps
-// the duration (last frame time <= the source's) and the original frames where the times coincide;
-// translations that never change stay as they are. `rate_hz` > 0. Pinned by
+// Resamples the clip with a C2 interpolant: natural cubic splines on positions and on
+// sign-continuous quaternions, renormalized. (With slerp alone, 30 Hz clips jerk at 120 Hz.) Keeps
+// the duration (last frame time <= the source's), the original frames at coinciding times, and
+// constant translations exactly. `rate_hz` > 0. Allocates; any thread. Pinned by
 // tests/unit/clip/resample_test.cpp.
 Clip Resample(const Clip& clip, double rate_hz);
 
-// The canonical poses of a clip, continuous in sign along time, and the same resampled in canonical
-// space. `binding` must be of the clip's skeleton; rates > 0, Hz.
+// The canonical poses of a clip, continuous in sign over time; and such poses at another rate, by
+// the same interpolant. `binding` must be of the clip's skeleton; rates > 0, Hz.
 std::vector<body::Pose> ToCanonical(const Clip& clip, const rig::Binding& binding);
 std::vector<body::Pose> ResamplePoses(const std::vector<body::Pose>& poses, double rate_hz,
                                       double new_rate_hz);

@@ -74,15 +74,17 @@ Status Check(const Motion& motion) {
   return Status::Ok();
 }
 
-// The binary chunk, and the views and accessors that say what lies in it.
+// Collects the binary chunk with the buffer views and accessors that describe it.
 class Buffer {
  public:
-  // `count` elements of `type` ("SCALAR", "VEC3", ...), whose numbers are `values`.
+  // Appends `count` elements of `type` ("SCALAR", "VEC3", ...) made of `values`; returns the
+  // accessor's index. `bounds` adds min and max, which glTF requires of positions and of key times.
   template <typename T>
   int Add(std::span<const T> values, int count, const char* type, bool vertices = false,
           bool bounds = false) {
     const auto bytes = std::as_bytes(values);
     json view{{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}};
+    // In glTF a buffer view of vertices names its target.
     if (vertices) view["target"] = kArrayBuffer;
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     while (bytes_.size() % 4 != 0) bytes_.push_back(std::byte{0});
@@ -121,7 +123,7 @@ std::vector<float> Numbers(const T& vector) {
 }
 std::vector<float> Numbers(const Quat& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
-// Joints in the pose that the mesh is bound in; metres, source axes.
+// World transforms of the joints in the pose that the mesh is bound in; metres, source axes.
 struct BindPose {
   std::vector<Vec3> positions_m;
   std::vector<Quat> rotations;
@@ -143,7 +145,7 @@ BindPose MakeBindPose(const Motion& motion) {
   return bind;
 }
 
-// Bones as double pyramids, each moved by one joint; flat normals.
+// Bones drawn as double pyramids with flat normals, each bound to one joint.
 class Mesh {
  public:
   Mesh(const Motion& motion, const BindPose& bind) {
@@ -156,7 +158,7 @@ class Mesh {
     }
     for (std::size_t j = 0; j < parents.size(); ++j) {
       if (has_child[j]) continue;
-      // The end of a chain goes on a little as it came.
+      // Extend the end of a chain a little along its last bone.
       const Vec3 came =
           j == 0
               ? Vec3(0, 2 * kTip_m, 0)
@@ -196,7 +198,7 @@ class Mesh {
     }
   }
 
-  // Counter-clockwise from outside.
+  // Adds a triangle whose corners are counter-clockwise seen from outside.
   void Triangle(std::size_t joint, const Vec3& a, const Vec3& b, const Vec3& c) {
     const Vec3 normal = (b - a).cross(c - a).normalized();
     for (const Vec3& corner : {a, b, c}) {
@@ -210,7 +212,7 @@ class Mesh {
   }
 };
 
-// The frames that float seconds can tell apart, and their times from 0.
+// The frames whose times differ as float seconds, and these times, from 0.
 struct Times {
   std::vector<std::size_t> frames;
   std::vector<float> seconds;
@@ -360,7 +362,7 @@ class Document {
     json_["buffers"] = {{{"byteLength", buffer_.bytes().size()}}};
     json_["bufferViews"] = std::move(buffer_.views);
     json_["accessors"] = std::move(buffer_.accessors);
-    // Names of joints may be of any encoding.
+    // Joint names may not be valid UTF-8: invalid bytes are replaced.
     std::string text = json_.dump(-1, ' ', false, json::error_handler_t::replace);
     while (text.size() % 4 != 0) text += ' ';
     const auto& binary = buffer_.bytes();

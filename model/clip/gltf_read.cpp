@@ -31,9 +31,9 @@ using nlohmann::json;
 constexpr const char* kExpected = ", expected an avatar's .vrm, .glb or .gltf";
 constexpr const char* kOnlyTwo =
     ", expected glTF 2.0: export it anew, or convert it (Blender reads and writes glTF)";
-constexpr float kEven = 0.01F;  // scales that differ by less along the axes are one
+constexpr float kEven = 0.01F;  // scales whose axes differ by less count as uniform
 
-// Text of a file, as it can be shown.
+// Text from a file, made printable for an error message.
 std::string Shown(std::string_view text) {
   std::string shown(text);
   std::replace_if(
@@ -41,7 +41,7 @@ std::string Shown(std::string_view text) {
   return shown;
 }
 
-// What a file is that does not begin as glTF does, in words; empty where it does.
+// Describes a file that does not begin like glTF; empty if it does.
 std::string NotGltf(std::string_view read) {
   if (read.empty()) return "found an empty file";
   std::string_view text = read;
@@ -51,21 +51,22 @@ std::string NotGltf(std::string_view read) {
   return "found a file that begins with \"" + Shown(read.substr(0, 16)) + "\"";
 }
 
-// The daemon reads avatars on the thread that feeds its watchdog (5 s), so that a file may take a
-// second at most. The JSON may hold images as text: that of a large avatar has 20 MB; reading 64
-// MiB takes about a second.
+// The daemon reads avatars on the thread that feeds its watchdog (5 s), so a file may take one
+// second at most. The JSON may contain images as text: that of a large avatar has 20 MB, and
+// reading 64 MiB takes about a second.
 constexpr std::size_t kMaxJson = std::size_t{64} << 20;
 constexpr const char* kTooMuchJson = "found more than 64 MiB of JSON, expected less";
-// Values that are kept of it. An avatar of 2000 nodes has 40 000.
+// The number of JSON values that are kept. An avatar of 2000 nodes has 40 000.
 constexpr std::size_t kMaxValues = 1 << 20;
 constexpr std::size_t kMaxNodes = 1 << 16;
-// Buffers, and images: an avatar has up to a hundred. Each costs a look at every folder on its
-// path.
+// The number of buffers, and of images; an avatar has up to a hundred. Each costs a look at every
+// folder on its path.
 constexpr std::size_t kMaxUris = 4096;
 constexpr std::ptrdiff_t kMaxParts = 16;   // folders on such a path
 constexpr std::size_t kMaxUriSize = 1024;  // bytes of such a path
 
-// What is read of a file. Lists are empty where the file has none, or none of numbers.
+// The parts of a file that are used. A list is empty if the file has none, or if it is not a list
+// of numbers.
 struct Node {
   std::string name;
   std::vector<int> children;
@@ -74,7 +75,7 @@ struct Node {
 struct Model {
   std::vector<Node> nodes;
   std::vector<std::vector<int>> skins;  // their joints
-  json vrm;                             // an extension's humanoid: VRM's, of 1.0 or 0.x
+  json vrm;                             // the humanoid of the VRM 1.0 or 0.x extension
 };
 
 struct Transform {
@@ -88,7 +89,7 @@ struct Transform {
   }
 };
 
-// The nodes of a file as a forest.
+// The nodes of a file as a forest, with their transforms.
 class Nodes {
  public:
   static Result<Nodes> Make(const Model& model) {
@@ -121,7 +122,7 @@ class Nodes {
     for (; node >= 0; node = parent(node)) world = local(node) * world;
     return world;
   }
-  // Of each node, whether it is `above` or hangs from it.
+  // Per node: whether it is `above` or a descendant of it.
   std::vector<bool> Below(int above) const {
     std::vector<bool> below(parents_.size(), false);
     for (const int node : order_) {
@@ -132,7 +133,8 @@ class Nodes {
   }
 
  private:
-  // Parents before their children. Returns the first node that is below no root, -1 for none.
+  // Orders nodes with parents before children. Returns the first node that no root reaches (it is
+  // on a cycle), -1 if there is none.
   int PutInOrder(const Model& model) {
     std::vector<bool> placed(parents_.size(), false);
     for (std::size_t node = 0; node < parents_.size(); ++node) {
@@ -190,7 +192,7 @@ class Nodes {
   std::vector<Transform> locals_;
 };
 
-// The value of an object's key; null where there is none.
+// The value of an object's key; null if there is none.
 const json& Member(const json& object, const char* key) {
   static const json kNull;
   if (!object.is_object()) return kNull;
@@ -209,7 +211,7 @@ std::optional<int> IndexOf(const json& object, const char* key) {
   return ToIndex(Member(object, key));
 }
 
-// What is no index is left out.
+// The indices in a list; other values are skipped.
 std::vector<int> Indices(const json& list) {
   std::vector<int> indices;
   if (!list.is_array()) return indices;
@@ -231,11 +233,11 @@ std::vector<double> Numbers(const json& list) {
 
 struct Humanoid {
   bool found = false;
-  std::set<int> bones;  // all of VRM's, fingers too
-  JointMap joint;       // nodes
+  std::set<int> bones;  // all of VRM's bones, fingers included
+  JointMap joint;       // node per canonical joint
 };
 
-// VRM's table of bones: an object of objects in 1.0, a list in 0.x. Bones have the same names.
+// Reads VRM's table of bones: an object of objects in 1.0, a list in 0.x, with the same bone names.
 Humanoid ReadVrm(const Model& model) {
   Humanoid humanoid;
   humanoid.joint.fill(-1);
@@ -262,7 +264,7 @@ std::string NameOf(const Model& model, int node) {
   return name.empty() ? "node_" + std::to_string(node) : name;
 }
 
-// Skins' joints (every node where there is no skin), mapped by their names.
+// Maps the skins' joints by their names; every node if the file has no skin.
 Result<Humanoid> ReadNames(const Model& model, const rig::JointNames& given) {
   Humanoid humanoid;
   for (const auto& skin : model.skins) {
@@ -288,13 +290,14 @@ Result<Humanoid> ReadNames(const Model& model, const rig::JointNames& given) {
   return humanoid;
 }
 
-// The bones below the hips with all that lies between, parents first, children in file order.
+// The bones below the hips with all nodes between them, parents first, children in file order.
 std::vector<int> Gather(const Model& model, const Nodes& nodes, int hips,
                         const std::set<int>& bones) {
   const std::vector<bool> below = nodes.Below(hips);
   std::set<int> wanted;
   for (const int bone : bones) {
     if (!below[static_cast<std::size_t>(bone)]) continue;
+    // Add the node and its ancestors up to the hips, or to one that was added before.
     int node = bone;
     while (node != hips && wanted.insert(node).second) node = nodes.parent(node);
   }
@@ -368,6 +371,7 @@ Result<GltfSkeleton> Read(const Model& model, const rig::JointNames& given) {
                              : "found no bone named like hips, expected a humanoid");
   }
   auto order = Gather(model, nodes.value(), hips, humanoid.bones);
+  // Too many bones: drop fingers and the like, keep the mapped ones.
   if (order.size() > rig::kMaxSourceJoints) {
     std::set<int> mapped(humanoid.joint.begin(), humanoid.joint.end());
     mapped.erase(-1);
@@ -382,7 +386,7 @@ Result<GltfSkeleton> Read(const Model& model, const rig::JointNames& given) {
   return built;
 }
 
-// "../a%2Fb" as "../a/b". A "%" that begins no escape stands for itself.
+// Decodes URI escapes: "../a%2Fb" becomes "../a/b". A "%" that begins no escape is kept.
 std::string Unescaped(std::string_view uri) {
   std::string text;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -399,9 +403,9 @@ std::string Unescaped(std::string_view uri) {
   return text;
 }
 
-// Why a buffer or image of an avatar in `home` may not be there; empty where it may. None of them
-// is opened: whoever does so next (a viewer, an exporter) shall not be led astray by a file that
-// was accepted here. Data in the uri itself is no file.
+// Why the uri of a buffer or image of an avatar in `home` is refused; empty if it is accepted. The
+// file is not opened here; the check protects the next program that opens it (a viewer, an
+// exporter) and trusts an avatar that was accepted. A "data:" uri is no file.
 std::string LeadsOut(const std::string& uri, const std::filesystem::path& home) {
   if (uri.starts_with("data:")) return "";
   if (uri.size() > kMaxUriSize) {
@@ -498,8 +502,8 @@ Status Broken(const std::string& found) {
   return Status::Error("is no glTF 2.0: " + found + kExpected);
 }
 
-// The JSON text of a .gltf, or of a .glb or .vrm (glTF 2.0, 4.4: a header, then chunks). Of the
-// latter nothing else is read.
+// The JSON text of a .gltf file, or of a .glb or .vrm (glTF 2.0, 4.4: a header, then chunks), of
+// which nothing else is read.
 Result<std::string> ReadJsonText(const InputFile& file) {
   constexpr std::size_t kHeader = 12, kChunk = 8;
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
@@ -529,14 +533,14 @@ Result<std::string> ReadJsonText(const InputFile& file) {
   return text;
 }
 
-// Keeps of a JSON text what is looked at here, in one pass: meshes, accessors, materials and
-// animations are most of a file. The library's own filter, json::parse with a callback, is no
-// choice: it searches the whole list anew after every object in it.
+// Builds only the used parts of a JSON text, in one pass: meshes, accessors, materials and
+// animations are most of a file. The library's own filter, json::parse with a callback, is too
+// slow: it searches the whole list again after every object in it.
 class Wanted final : public json::json_sax_t {
  public:
   explicit Wanted(json& root) : root_(root) {}
 
-  // What there is too much of; empty: nothing.
+  // Which limit was exceeded, as an error message; empty if none.
   const std::string& refused() const { return refused_; }
 
   bool null() override { return Add(nullptr); }
@@ -545,7 +549,7 @@ class Wanted final : public json::json_sax_t {
   bool number_unsigned(number_unsigned_t value) override { return Add(value); }
   bool number_float(number_float_t value, const string_t&) override { return Add(value); }
   bool string(string_t& value) override { return Add(std::move(value)); }
-  bool binary(binary_t&) override { return false; }  // in no text
+  bool binary(binary_t&) override { return false; }  // never in JSON text
   bool start_object(std::size_t) override { return Open(json::value_t::object); }
   bool start_array(std::size_t) override { return Open(json::value_t::array); }
   bool end_object() override { return Close(); }
@@ -568,7 +572,7 @@ class Wanted final : public json::json_sax_t {
     return std::find(names.begin(), names.end(), name) != names.end();
   }
 
-  // Whether the value of a key of the innermost object, which is kept, is looked at.
+  // Whether the value of this key of the innermost open object is used.
   bool IsWanted(const std::string& name) {
     constexpr std::array<std::string_view, 6> kTop{"asset", "buffers", "images",
                                                    "nodes", "skins",   "extensions"};
@@ -585,7 +589,7 @@ class Wanted final : public json::json_sax_t {
     return open_.size() > 3 || name == "humanoid";
   }
 
-  // Where a value that begins now is kept; null where it is skipped, or is one too many.
+  // The place of a value that begins now; null if the value is skipped, or is one too many.
   json* Place() {
     if (skipped_ > 0) return nullptr;
     if (std::exchange(skip_next_, false)) return nullptr;
@@ -626,17 +630,17 @@ class Wanted final : public json::json_sax_t {
   }
 
   json& root_;
-  std::vector<json*> open_;     // what is kept and has not ended, outermost first
+  std::vector<json*> open_;     // the kept values that are still open, outermost first
   json* member_ = nullptr;      // the value of the last key
   std::size_t skipped_ = 0;     // depth within a value that is skipped
-  bool skip_next_ = false;      // the last key's value
-  bool of_extensions_ = false;  // the last key of the root
-  std::size_t values_ = 0;      // that are kept
+  bool skip_next_ = false;      // skip the last key's value
+  bool of_extensions_ = false;  // the last key of the root was "extensions"
+  std::size_t values_ = 0;      // the number of kept values
   std::string refused_;
 };
 
-// The parts of the JSON that are looked at. Refuses what is no JSON, is nested deeper than any
-// avatar is, or has too many values.
+// The used parts of the JSON. Refuses text that is not JSON, is nested too deep, or has too many
+// values.
 Result<json> ParseWanted(const std::string& text) {
   json file;
   Wanted wanted(file);

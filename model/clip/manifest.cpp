@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestPattern = 1000;
 
-// A label of file names and the name it stands for.
+// A label in file names and the name that it stands for.
 struct Label {
   std::string label, name;
 };
@@ -33,11 +33,11 @@ struct Rule {
   std::string pattern, style, content, rig = "auto", split = "train";
   double judge_share = 0;
   double from = 0, to = 1, repeat_s = 0;
-  std::vector<std::string> except;  // patterns of files that are not meant
+  std::vector<std::string> except;  // patterns of files to leave out
 };
 
-// Matches one relative path against a pattern; backtracks over labels, digits and '*', but never
-// twice from the same place: patterns of many stars would take for ever.
+// Matches one relative path against a pattern. Backtracks over labels, digits and '*'. Remembers
+// failed positions, because a pattern with many stars would otherwise take exponential time.
 class Matcher {
  public:
   Matcher(const std::vector<Label>& styles, const std::vector<Label>& contents)
@@ -52,7 +52,7 @@ class Matcher {
   }
 
  private:
-  // `pattern` and `text`: what is left of them.
+  // `pattern` and `text` are the remaining parts.
   bool Step(std::string_view pattern, std::string_view text, Values& values) {
     const std::size_t place = pattern.size() * width_ + text.size();
     if (failed_[place]) return false;
@@ -91,7 +91,7 @@ class Matcher {
            Step(pattern.substr(1), text.substr(1), values);
   }
 
-  // Labels stand longest first.
+  // Tries each label; the labels are sorted longest first.
   bool Labels(const std::vector<Label>& labels, std::string_view rest, std::string_view text,
               Values& values, std::string& found) {
     for (const Label& label : labels) {
@@ -105,7 +105,7 @@ class Matcher {
 
   const std::vector<Label>& styles_;
   const std::vector<Label>& contents_;
-  std::vector<bool> failed_;  // by what is left of the pattern, then of the text
+  std::vector<bool> failed_;  // by the remaining lengths of pattern and text
   std::size_t width_ = 0;
 };
 
@@ -155,7 +155,7 @@ class Loader {
     }
     return true;
   }
-  // Leaves `out` alone where the key is missing and not required.
+  // Leaves `out` unchanged if the key is missing and not required.
   bool String(const toml::table& table, std::string_view key, bool required, std::string& out) {
     const toml::node* node = table.get(key);
     if (node == nullptr) {
@@ -189,7 +189,7 @@ class Loader {
     }
     return true;
   }
-  // An array of tables under `key`, which must not be empty.
+  // The array of tables under `key`; it must not be empty.
   const toml::array* Tables(const toml::table& root, std::string_view key) {
     const toml::node* node = root.get(key);
     const toml::array* array = node == nullptr ? nullptr : node->as_array();
@@ -275,7 +275,7 @@ class Loader {
     return true;
   }
 
-  // Leaves `out` alone where the key is missing; `out` is then from `low` up.
+  // Reads a number of at least `low`. Leaves `out` unchanged if the key is missing.
   bool Number(const toml::table& table, std::string_view key, double low, double& out) {
     const toml::node* node = table.get(key);
     if (node == nullptr) return true;
@@ -390,7 +390,7 @@ class Loader {
   }
 
   bool Collect(const toml::node& at, const Rule& rule) {
-    // The folder above the first component that is not a plain name.
+    // Start at the folder of the first path component that is not a plain name.
     const std::size_t plain = rule.pattern.substr(0, rule.pattern.find_first_of("{*")).rfind('/');
     const fs::path folder =
         plain == std::string::npos ? data_ : data_ / rule.pattern.substr(0, plain);
@@ -420,7 +420,8 @@ class Loader {
     return true;
   }
 
-  // The last takes of every (style, content) cell go to the judge; each cell keeps one at least.
+  // Assigns the last takes of every (style, content) cell to the judge; at least one clip stays in
+  // each.
   void SetAside(std::size_t first, double share) {
     if (share <= 0) return;
     std::map<std::tuple<std::string, std::string>, std::vector<ManifestEntry*>> cells;

@@ -16,11 +16,11 @@ struct ManifestEntry {
   std::string rig;      // a dialect of rig::BindDialect, "auto" by default
   std::string split;    // "train", "judge" or "validation"
   int take = 0;
-  double from = 0, to = 1;  // the part of the clip that is meant, as shares of its duration
-  double repeat_s = 0;      // a loop: repeated, its path going on, until it lasts at least so long
+  double from = 0, to = 1;  // the part of the clip to use, as shares of its duration
+  double repeat_s = 0;      // a loop: repeated, its path continued, for at least this long
 };
 
-// A dataset as a TOML manifest:
+// A dataset, described by a TOML manifest:
 //   name = "bandai-2"
 //   licence = "CC BY-NC 4.0"
 //   neutral = "neutral"                                   # the style that means "no style"
@@ -30,17 +30,17 @@ struct ManifestEntry {
 //   pattern = "bandai-2-train/dataset-2_{content}_{style}_{take}.bvh"   # or fixed style=/content=
 //   rig = "bandai-namco"
 //   split = "train"
-//   judge_share = 0.2    # of each (style, content) cell, the last takes in number go to "judge"
+//   judge_share = 0.2    # of each (style, content) cell, the last takes go to "judge"
 //   time = [0.0, 0.75]   # only this part of each clip: one clip may serve several splits in turn
 //   repeat_s = 8.0       # loops (the last frame shows the first again), repeated so long
 //   except = ["*/dataset-2_run_*"]   # files that the pattern does not mean
 //   [still]              # stretches in which nothing moves faster are another content
 //   content = "stand"
 //   speed_mps = 0.15
-// Paths are relative to the data folder given at load time. {content} and {style} match any of the
-// labels, the longest first; {take} digits; * anything but "/". Files that match no label are left
-// out; a file under two patterns whose parts in time overlap is an error, and so is a key that is
-// not known. judge_share is rounded per cell, which keeps one clip at least. Pinned by
+// Paths are relative to the data folder given at load time. {content} and {style} match any of
+// their labels, the longest first; {take} matches digits; * anything but "/". Files that match no
+// label are left out. Errors: two patterns that select overlapping parts of one file, an unknown
+// key. judge_share is rounded per cell, and at least one clip of each cell is kept. Pinned by
 // tests/unit/clip/manifest_test.cpp.
 struct ManifestStyle {
   std::string name;
@@ -55,8 +55,9 @@ struct Manifest {
   double still_speed_mps = 0;
 };
 
-// Errors name file, key, what was found and what was expected; a pattern that matches no file is an
-// error that names the pattern and the folder.
+// Loads a manifest and finds its files. Errors name the file, the key, what was found and what was
+// expected. A pattern that matches no file is an error that names the pattern and the folder.
+// Blocks; allocates; any thread.
 Result<Manifest> LoadManifest(const std::filesystem::path& file,
                               const std::filesystem::path& data_folder);
 

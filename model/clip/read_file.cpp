@@ -28,7 +28,7 @@ Result<InputFile> InputFile::Open(const std::filesystem::path& file, const char*
   const auto refuse = [&](const std::string& found) {
     return Status::Error(file.string() + ": " + found + expected);
   };
-  // O_NONBLOCK: a pipe is opened without waiting for who writes to it.
+  // O_NONBLOCK: opening a pipe must not wait for a writer.
   const int fd = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) return refuse(std::strerror(errno));
   struct stat about {};

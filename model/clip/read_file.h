@@ -8,9 +8,9 @@
 
 namespace styled::clip {
 
-// An ordinary file that is open for reading. Folders, pipes and devices are refused, so that no
-// path can keep the reader waiting or fill the memory. Errors name the file and say what it is;
-// `expected` ends them, e.g. ", expected a BVH file". Blocks; allocates.
+// A regular file that is open for reading. Folders, pipes and devices are refused, so that no path
+// can block the reader or fill the memory. Errors name the file and its kind, and end with
+// `expected`, e.g. ", expected a BVH file". Blocks; allocates.
 class InputFile {
  public:
   static Result<InputFile> Open(const std::filesystem::path& file, const char* expected);
@@ -19,8 +19,8 @@ class InputFile {
   InputFile& operator=(InputFile&&) = delete;
   InputFile(const InputFile&) = delete;
 
-  std::size_t size() const { return size_; }  // bytes, when it was opened
-  // `count` bytes from `offset` on, fewer where the file ends. Refuses what cannot be read.
+  std::size_t size() const { return size_; }  // bytes, at the time of opening
+  // Reads `count` bytes from `offset`, fewer at the end of the file.
   Result<std::string> Read(std::size_t offset, std::size_t count) const;
 
  private:

@@ -12,7 +12,7 @@ namespace {
 using rig::Quat;
 using rig::Vec3;
 using Row = Eigen::RowVectorXd;
-// One row per frame, one column per number that moves.
+// One row per frame, one column per changing number.
 using Samples = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // Second derivatives per frame interval squared, zero at both ends: the tridiagonal system
@@ -30,7 +30,7 @@ Samples SecondDerivatives(const Samples& y) {
   return m;
 }
 
-// Where a new frame lies: `share` of the way from frame `index` to the next one.
+// The place of a new frame: `share` of the way from frame `index` to the next one.
 struct Place {
   Eigen::Index index;
   double share;
@@ -51,6 +51,7 @@ std::vector<Place> Places(std::size_t frames, double rate_hz, double new_rate_hz
   return places;
 }
 
+// Evaluates the spline at `place`.
 void Evaluate(const Samples& y, const Samples& m, const Place& place, Row& out) {
   out = y.row(place.index);
   if (place.share == 0) return;
@@ -59,7 +60,7 @@ void Evaluate(const Samples& y, const Samples& m, const Place& place, Row& out) 
         ((a * a * a - a) * m.row(place.index) + (b * b * b - b) * m.row(place.index + 1)) / 6.0;
 }
 
-// Writes `q` in the sign that continues row `frame - 1`.
+// Writes `q` with the sign that continues row `frame - 1`.
 void PutRotation(Samples& y, std::size_t frame, Eigen::Index column, const Quat& q) {
   const Eigen::RowVector4d now = q.coeffs().cast<double>().transpose();
   const bool flip = frame > 0 && now.dot(y.block<1, 4>(frame - 1, column)) < 0;
@@ -84,7 +85,7 @@ Clip Resample(const Clip& clip, double rate_hz) {
   out.rate_hz = rate_hz;
   if (clip.frames.empty()) return out;
 
-  // Joints that only rotate keep their translation exactly.
+  // Translations that never change are copied, so they stay exact.
   const int joints = clip.skeleton.joint_count();
   std::vector<int> moving;
   for (int joint = 0; joint < joints; ++joint) {

@@ -10,14 +10,14 @@
 
 namespace styled::clip {
 
-// An export format. A new one is a row of the table in write.cpp and the files of its writer.
+// An export format. To add one, add its writer's files and a row to the table in write.cpp.
 struct Format {
   std::string_view extension;  // lower case, with its dot
   std::string_view summary;    // for an option's help
-  // The file has one rate and no times of its own: it is written at Motion::rate_hz, and a motion
-  // that has times_s must be resampled first.
+  // The format has one rate and no times per frame: it is written at Motion::rate_hz, and a motion
+  // with times_s must be resampled first.
   bool constant_rate;
-  // Writes the whole file. Errors name it.
+  // Writes the whole file. Errors name the file.
   Status (*write)(const Motion& motion, const std::filesystem::path& file);
 };
 
@@ -25,8 +25,8 @@ struct Format {
 std::span<const Format> Formats();
 // ".bvh, .glb", ...
 std::string FormatNames();
-// By the file's extension, upper or lower case. An unknown extension is an error that lists the
-// known ones.
+// Finds the format by the file's extension, in upper or lower case. An unknown extension is an
+// error that lists the known ones.
 Result<const Format*> FindFormat(const std::filesystem::path& file);
 
 // Writes `motion` in the format that the file's extension names; an existing file is replaced.

@@ -19,9 +19,9 @@ using body::kJointCount;
 using synthetic::Motion;
 
 constexpr float kUnitTolerance = 1e-3F;  // of a rotation's length
-constexpr double kLongestStep_s = 0.1;   // a network of a lower rate is stepped this often
+constexpr double kLongestStep_s = 0.1;   // the longest step, for networks of a lower rate
 
-// One style on the performer, or the performer taken to move in it.
+// One style applied to the performer, or (`own`) given as the performer's input style.
 struct Run {
   int style = 0;
   bool own = false;
@@ -49,7 +49,7 @@ std::vector<Run> MakeRuns(const net::Stylizer& network) {
 
 struct Angles {
   float rms_rad = 0, largest_rad = 0;
-  int joint = 0;  // the one that differs most
+  int joint = 0;  // the joint with the largest angle
 };
 
 Angles Between(const std::array<body::Quat, kJointCount>& a,
@@ -70,7 +70,7 @@ Angles Between(const std::array<body::Quat, kJointCount>& a,
 
 struct Fault {
   int joint;
-  std::string what;  // is wrong: expected and found
+  std::string what;  // what was expected and found
 };
 
 template <typename... Values>
@@ -80,7 +80,7 @@ std::string Text(const char* format, Values... values) {
   return text;
 }
 
-double Shown(float value) {  // a NaN's sign says nothing
+double Shown(float value) {  // a NaN's sign is not shown
   return std::isnan(value) ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(value);
 }
 
@@ -88,7 +88,7 @@ double Shown(float value) {  // a NaN's sign says nothing
 std::optional<Fault> Judge(const net::Decoded& decoded, const char* what, Figures& figures) {
   for (int joint = 0; joint < kJointCount; ++joint) {
     const body::Quat& q = decoded.rotations[static_cast<std::size_t>(joint)];
-    if (std::abs(q.norm() - 1) < kUnitTolerance) continue;  // false for what is not a number
+    if (std::abs(q.norm() - 1) < kUnitTolerance) continue;  // not skipped if NaN
     return Fault{joint, Text("%s: expected a rotation of length 1, found %g, %g, %g, %g", what,
                              Shown(q.x()), Shown(q.y()), Shown(q.z()), Shown(q.w()))};
   }
@@ -121,7 +121,7 @@ std::optional<Fault> Judge(const Angles& found, float most_rad, const char* what
                     Shown(most_rad), Shown(found.rms_rad), Shown(found.largest_rad))};
 }
 
-// The pose against what became of it: the hips are compared in the prediction's frame.
+// Judges a prediction for `pose`. The hips are compared in the prediction's heading frame.
 std::optional<Fault> Judge(const body::Pose& pose, const net::Prediction& out, Figures& figures) {
   if (auto fault = Judge(out.reconstruction, "the reconstruction", figures)) return fault;
   if (auto fault = Judge(out.styled, "the styled pose", figures)) return fault;

@@ -11,15 +11,15 @@
 
 namespace styled::trial {
 
-// Weights may be well-formed and finite and yet compute what is no pose: one tensor too large, and
-// every frame is not a number. So a network is tried before it is used: the built-in performer
-// walks, runs, turns and raises both hands for kTrial_s at the network's own rate; every style is
-// put on them at kMaxStrength, the most that anybody can ask for, and every style is taken for the
-// performer's own. Allocates, takes milliseconds: start-up and reload only. Pinned by
+// Weights may be well-formed and finite and still compute something that is not a pose: one tensor
+// too large, and every frame is NaN. So a network is tried before it is used. The synthetic
+// performer walks, runs, turns and raises both hands for kTrial_s at the network's own rate, with
+// every style at kMaxStrength (the largest allowed) and with every style as the input style.
+// Allocates; takes milliseconds: for start-up and reload only. Pinned by
 // tests/unit/trial/trial_test.cpp.
 inline constexpr double kTrial_s = 3.5;
 
-// What a trial measured, the worst of all styles and frames.
+// What a trial measured: the largest value of all styles and frames.
 struct Figures {
   float reconstruction_rad = 0;  // rms over joints between the pose and its reconstruction
   float change_rad = 0;          // rms over joints between reconstruction and styled pose
@@ -27,16 +27,16 @@ struct Figures {
   float height_m = 0;            // of the hips, either sign
 };
 
-// Bounds of a network that can be used at all, whatever its quality. What picked them:
+// The bounds that a network must keep to be usable at all, whatever its quality. Their source:
 // model/weights/RESULTS.md, "The trial run".
 inline constexpr Figures kMost{1.8F, 1.8F, 1000.0F, 100.0F};
 
 // Tries `network`. The error names `name` (its file), style, frame, joint, what was expected and
-// what was found. `figures`, if given, is written on success.
+// what was found. `figures`, if given, is written on success only.
 Status Try(const net::Stylizer& network, const std::string& name, Figures* figures = nullptr);
 
-// net::Load and Parse, and the trial behind them: what every program uses that runs a
-// network somebody gave it.
+// net::Load and net::Parse followed by the trial. Every program that runs a user's network uses
+// these.
 Result<std::shared_ptr<const net::Stylizer>> Load(const std::filesystem::path& file);
 Result<std::shared_ptr<const net::Stylizer>> Parse(std::span<const std::byte> bytes,
                                                    const std::string& name);
