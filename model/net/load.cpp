@@ -11,7 +11,7 @@
 namespace styled::net {
 namespace {
 
-// A network family: its name in weights files, and what reads the rest of such a file.
+// A network family: its name in weights files, and the function that reads the family's part.
 struct Family {
   const char* name;
   Result<std::shared_ptr<const Stylizer>> (*load)(WeightsFile& file);

@@ -11,8 +11,8 @@
 
 namespace styled::net {
 
-// The network of a weights file of any family (FORMAT.md). An error names the file, the key or
-// tensor, what was expected and what was found; that of an unknown family lists the known ones.
+// Loads the network of a weights file of any family (FORMAT.md). An error names the file, the key
+// or tensor, what was expected and what was found; for an unknown family it lists the known ones.
 // Allocates: start-up and reload only. Pinned by tests/unit/net/load_test.cpp.
 Result<std::shared_ptr<const Stylizer>> Load(const std::filesystem::path& file);
 Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,

@@ -20,7 +20,7 @@ static_assert(std::endian::native == std::endian::little, "tensor bytes are copi
 
 constexpr std::size_t kLengthBytes = sizeof(std::uint64_t);
 
-// Bytes per element, 0 for a dtype we do not know.
+// Bytes per element; 0 for an unknown dtype.
 std::uint64_t ElementBytes(std::string_view dtype) {
   if (dtype == "F64" || dtype == "I64" || dtype == "U64") return 8;
   if (dtype == "F32" || dtype == "I32" || dtype == "U32") return 4;
@@ -29,7 +29,7 @@ std::uint64_t ElementBytes(std::string_view dtype) {
   return 0;
 }
 
-// Reads a number that JSON may spell only as a non-negative integer.
+// Reads a JSON number that is a non-negative integer.
 bool ReadUnsigned(const json& value, std::uint64_t& number) {
   if (!value.is_number_unsigned()) return false;
   number = value.get<std::uint64_t>();
@@ -41,7 +41,7 @@ struct Extent {
   std::string name;
 };
 
-// Fills `tensor` and `extent` from one entry of the header; an empty string, or what is wrong.
+// Fills `tensor` and `extent` from one entry of the header. Returns an empty string, or the fault.
 std::string ReadEntry(const json& entry, std::span<const std::byte> data, TensorView& tensor,
                       Extent& extent) {
   if (!entry.is_object()) return "expected an object";
@@ -60,7 +60,7 @@ std::string ReadEntry(const json& entry, std::span<const std::byte> data, Tensor
   for (const json& dimension : shape) {
     std::uint64_t size = 0;
     if (!ReadUnsigned(dimension, size)) return "shape: expected non-negative integers";
-    // Bounding every partial product by the file keeps it from overflowing.
+    // Bounding every partial product by the file's size prevents an overflow.
     if (size != 0 && bytes > data.size() / size) {
       return "shape " + shape.dump() + " is larger than the file";
     }
@@ -85,7 +85,7 @@ std::string ReadEntry(const json& entry, std::span<const std::byte> data, Tensor
   return "";
 }
 
-// The tensors must cover the data exactly once; an empty string, or what is wrong.
+// The tensors must cover the data exactly once. Returns an empty string, or the fault.
 std::string CheckCover(std::vector<Extent>& extents, std::uint64_t data_bytes) {
   std::sort(extents.begin(), extents.end(), [](const Extent& a, const Extent& b) {
     return a.begin != b.begin ? a.begin < b.begin : a.end < b.end;
@@ -188,7 +188,7 @@ std::vector<std::byte> SerializeSafetensors(std::span<const NamedTensor> tensors
     offset = end;
   }
   std::string text = header.dump();
-  text.resize((text.size() + 7) / 8 * 8, ' ');  // the data begin on 8 bytes
+  text.resize((text.size() + 7) / 8 * 8, ' ');  // align the data to 8 bytes
 
   std::vector<std::byte> file(kLengthBytes + text.size() + offset);
   const std::uint64_t length = text.size();

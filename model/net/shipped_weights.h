@@ -6,9 +6,9 @@
 
 namespace styled::net {
 
-// The weights file to use: `given` if not empty, else $STYLED_WEIGHTS, else the shipped file beside
-// the running program: in the source tree of a build, or ../share/styled/weights of an
-// installation. The error lists where it looked. Start-up only.
+// Finds the weights file to use: `given` if not empty, else $STYLED_WEIGHTS, else the shipped file,
+// relative to the running program: in the source tree of a build, or in ../share/styled/weights of
+// an installation. The error lists the places searched. Start-up only.
 Result<std::filesystem::path> FindWeights(const std::filesystem::path& given);
 
 }  // namespace styled::net

@@ -13,7 +13,7 @@ constexpr int kMaxDepth = 16;
 std::string ParseStrictJson(std::string_view text, nlohmann::json& value) {
   using nlohmann::json;
   std::string error;
-  std::vector<std::set<std::string>> keys;  // of the objects now open
+  std::vector<std::set<std::string>> keys;  // of the open objects
   const auto watch = [&](int depth, json::parse_event_t event, json& parsed) {
     if (depth > kMaxDepth) {
       if (error.empty()) error = "nested deeper than " + std::to_string(kMaxDepth);

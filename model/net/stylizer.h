@@ -10,44 +10,45 @@
 #include "model/body/pose.h"
 #include "model/net/styles.h"
 
-// What every network that styles is to the rest of the program: poses of the canonical humanoid go
-// in, rotations come out, at the network's own rate. Features, filters and recurrent state are the
-// family's own. Nothing above model/net names a family. How to add one: CONTRIBUTING.md.
+// The interface of every style network to the rest of the program. Input: poses of the canonical
+// humanoid; output: rotations, at the network's own rate. Features, filters and recurrent state
+// belong to the family. Nothing above model/net names a family. How to add one: CONTRIBUTING.md.
 namespace styled::net {
 
-// What a weights file says, whatever its family (FORMAT.md).
+// The common keys of a weights file, whatever its family (FORMAT.md).
 struct Model {
   std::string family;  // "style-erd", "constant-offset"
   Styles styles;
-  float rate_hz = 30.0F;  // at which every stream is stepped; > 0
+  float rate_hz = 30.0F;  // the rate at which every stream is stepped; > 0
   std::string licence;
   std::string training;  // JSON text; informative
 };
 
-// One pose as a network decodes it. Rotations are local, of length 1, of either sign; the hips' are
-// relative to a frame that is turned about +Y by Prediction::heading_rad.
+// One pose as a network decodes it. Rotations are local unit quaternions of either sign; the hips'
+// rotation is relative to a frame rotated about +Y by Prediction::heading_rad.
 struct Decoded {
   std::array<body::Quat, body::kJointCount> rotations;
-  // What else it decodes, in the same frame, 0 where a family decodes no such thing. It is not part
-  // of the pose, but shows when a state is not finite: a rotation does not, once it is normalized.
+  // Velocities of the joints and height of the hips in the same frame; 0 if a family does not
+  // decode them. They are not part of the pose. They reveal a non-finite state, which a normalized
+  // rotation would hide.
   std::array<float, 3 * static_cast<std::size_t>(body::kJointCount)> velocities_m_s;
   float hips_height_m;
 };
 
-// What one step gives. The change of style, reconstruction⁻¹ · styled per joint, does not depend on
-// the heading: no family need turn its output back to the world.
+// The result of one step. The style change, reconstruction⁻¹ · styled per joint, does not depend on
+// the heading, so no family has to rotate its output back to the world.
 struct Prediction {
-  Decoded reconstruction;  // what the network makes of the input without a change of style
-  Decoded styled;          // in the styles asked for; none: neutral
-  float heading_rad = 0;   // 0: the frame is the world
+  Decoded reconstruction;  // the input as the network reproduces it, without a style change
+  Decoded styled;          // the input in the requested styles; none: neutral
+  float heading_rad = 0;   // rad; 0: the frame is the world
 };
 
-// The memory of one stream of poses: opaque to all but its family. Made at binding, of a size that
-// never changes; one thread at a time.
+// The recurrent state of one stream of poses, opaque to all but its family. Made at binding; its
+// size never changes. One thread at a time.
 class Stream {
  public:
   virtual ~Stream() = default;
-  // What a step reads and writes of it, so that it can be brought into the caches beforehand.
+  // The memory that a step reads and writes, so that the caller can prefetch it.
   virtual std::span<const std::byte> memory() const noexcept = 0;
 
  protected:
@@ -56,16 +57,16 @@ class Stream {
   Stream& operator=(const Stream&) = default;
 };
 
-// One stream's step. Nothing here is owned; `stream` is of the same Stylizer.
+// One stream's step. Owns nothing; `stream` must come from the same Stylizer.
 struct StepJob {
-  const body::Pose* pose = nullptr;     // canonical, finite, rotations of length 1
-  int input_style = 0;                  // the style that the performer moves in; 0 = neutral
-  std::span<const StyleWeight> styles;  // to be in force; see Stylizer::Step
+  const body::Pose* pose = nullptr;     // canonical, finite, unit rotations
+  int input_style = 0;                  // the style that the performer moves in; 0: neutral
+  std::span<const StyleWeight> styles;  // the requested styles; see Stylizer::Step
   Stream* stream = nullptr;
   Prediction* out = nullptr;
 };
 
-// A network with its weights. Immutable: shared by all performers and threads.
+// A network with its weights. Immutable; shared by all performers and threads.
 class Stylizer {
  public:
   virtual ~Stylizer() = default;
@@ -74,18 +75,18 @@ class Stylizer {
 
   virtual const Model& model() const noexcept = 0;
 
-  // A stream in its initial state. Allocates.
+  // Makes a stream in its initial state. Allocates.
   virtual std::unique_ptr<Stream> MakeStream() const = 0;
 
-  // Puts a stream back into its initial state. Noexcept, no allocation, no lock.
+  // Returns a stream to its initial state. Noexcept, no allocation, no lock.
   STYLED_REALTIME virtual void Start(Stream& stream) const noexcept = 0;
 
-  // Advances each job's stream by one period of model().rate_hz and writes its prediction: one call
-  // for all performers who share the network. A stream's result does not depend on the others, bit
-  // for bit. No stream and no output appears twice. Style 0 in `styles` and weight 0 are allowed, a
-  // style named twice has the sum; weights are clamped to [0, kMaxStrength], not a number counts as
-  // 0. Ignored: styles that the network lacks, and those after the first kMaxActive. Whatever the
-  // input is, no state that is not finite stays behind. Noexcept, no allocation, no lock.
+  // Advances each job's stream by one period of model().rate_hz and writes its prediction; one call
+  // for all performers that share the network. A stream's result does not depend on the other jobs,
+  // bit for bit. No stream and no output may appear twice. `styles` may contain style 0 and weight
+  // 0; the weights of a style given twice are added. Weights are clamped to [0, kMaxStrength]; NaN
+  // counts as 0. Ignored: styles that the network lacks, and styles after the first kMaxActive. No
+  // input leaves a non-finite state behind. Noexcept, no allocation, no lock.
   STYLED_REALTIME virtual void Step(std::span<const StepJob> jobs) const noexcept = 0;
 
  protected:

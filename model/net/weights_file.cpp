@@ -27,7 +27,7 @@ std::string ReadString(const json& object, const std::string& key, Faults& fault
   return value->get<std::string>();
 }
 
-// Adds a name or alias; names are looked up without case, so they must differ without it.
+// Reads a name or alias. Lookup ignores case, so names must differ in more than case.
 void ReadName(const json& value, const std::string& place, std::set<std::string>& known,
               std::string& name, Faults& faults) {
   if (!value.is_string() || value.get_ref<const std::string&>().empty()) {
@@ -69,7 +69,7 @@ void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
   }
 }
 
-// The family; a file of version 1 is older than they are.
+// Reads the family. Files of version 1 are older than the families and are all Style-ERD.
 void ReadFamily(const json& object, std::string& family, Faults& faults) {
   const json* const version = FindKey(object, "version", faults);
   if (version == nullptr) return;
@@ -107,7 +107,6 @@ std::string Spelled(const std::string& dtype, const std::vector<std::int64_t>& s
 
 }  // namespace
 
-// A value as it is shown in an error.
 std::string Shown(const json& value) {
   constexpr std::size_t kLongest = 80;
   std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);
@@ -115,7 +114,6 @@ std::string Shown(const json& value) {
   return text;
 }
 
-// The value of a required key; nullptr and a fault if there is none.
 const json* FindKey(const json& object, const std::string& key, Faults& faults) {
   const auto found = object.find(key);
   if (found != object.end()) return &*found;
@@ -126,7 +124,7 @@ const json* FindKey(const json& object, const std::string& key, Faults& faults) 
 void ExpectEqual(const json& object, const std::string& key, const json& expected, Faults& faults) {
   const json* value = FindKey(object, key, faults);
   if (value == nullptr) return;
-  // 1.0 is not 1: a count is written as an integer.
+  // 1.0 is not accepted for 1: counts are written as integers.
   if (value->type_name() != std::string_view(expected.type_name()) || *value != expected ||
       value->is_number_float()) {
     faults.Key(key, Shown(expected), Shown(*value));

@@ -10,13 +10,13 @@
 #include "model/net/safetensors.h"
 #include "model/net/stylizer.h"
 
-// What the weights files of all families have in common (FORMAT.md), and what a family reads the
-// rest with. Start-up code: it allocates, and no input makes it throw. Pinned by
+// The common part of all families' weights files (FORMAT.md), and functions with which a family
+// reads the rest. Start-up code: it allocates, and no input makes it throw. Pinned by
 // tests/unit/net/erd/load_test.cpp and tests/unit/net/load_test.cpp.
 namespace styled::net {
 
-// The first thing found wrong, and the file's name in front of it. Later faults are dropped, so
-// that a reader can go on and check once at the end.
+// Keeps the first fault, prefixed with the file's name. Later faults are dropped, so a reader can
+// continue and check once at the end.
 class Faults {
  public:
   explicit Faults(const std::string& file) : file_(file) {}
@@ -33,10 +33,10 @@ class Faults {
   std::string file_, first_;
 };
 
-// The families' names, as they stand in a file.
-inline constexpr const char* kStyleErd = "style-erd";  // a file of version 1 is of this one
+// The families' names as written in a file.
+inline constexpr const char* kStyleErd = "style-erd";  // also every file of version 1
 
-// A file of any family, its common keys read and checked.
+// A file of any family, with its common keys read and checked.
 struct WeightsFile {
   std::string name;       // begins every error
   Model model;            // the common keys
@@ -47,30 +47,33 @@ struct WeightsFile {
 // Reads container and common keys. `bytes` must outlive the result.
 Result<WeightsFile> ParseWeights(std::span<const std::byte> bytes, const std::string& name);
 
-// The common keys of a file that holds `model`, of the newest version.
+// The header of a file that holds `model`: the common keys, in the newest version.
 nlohmann::json HeaderOf(const Model& model);
 
-// Keys of a family's own.
+// The value of a required key; nullptr and a fault if there is none.
 const nlohmann::json* FindKey(const nlohmann::json& object, const std::string& key, Faults& faults);
+// Adds a fault if the key's value is not `expected`, type included.
 void ExpectEqual(const nlohmann::json& object, const std::string& key,
                  const nlohmann::json& expected, Faults& faults);
 struct Range {
   float least, most;
   bool least_allowed = true;
 };
-// 0 and a fault where there is no such number.
+// A required number within `range`; 0 and a fault if there is no such number.
 float ReadNumber(const nlohmann::json& object, const std::string& key, Range range, Faults& faults);
-// A value as it is shown in an error.
+// A value as text for an error message, shortened.
 std::string Shown(const nlohmann::json& value);
 
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Takes tensors out of the file one by one; what is left at the end is unknown.
+// Reads tensors one by one and removes them from the view. Finish() reports a tensor that is left
+// as unknown.
 class TensorReader {
  public:
   TensorReader(SafetensorsView& view, Faults& faults) : view_(view), faults_(faults) {}
 
-  // A matrix [rows, columns]; zeros and a fault if it is not as expected or not finite.
+  // A finite matrix [rows, columns]; zeros and a fault if the tensor is missing, of another type or
+  // shape, or not finite.
   RowMajor Matrix(const std::string& name, int rows, int columns);
   RowMajor Vector(const std::string& name, int rows);  // [rows]
   void Finish();

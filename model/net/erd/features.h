@@ -8,15 +8,14 @@
 
 namespace styled::erd {
 
-// What the network sees of one pose (style-ERD's r, p, v and the hips height), in this order:
-//   [0, 84)    r: local rotations x,y,z,w per joint, the heading taken out of the hips', each on
+// The network's input for one pose (Style-ERD's r, p, v and the hips height), in this order:
+//   [0, 84)    r: local rotations x,y,z,w per joint, the hips' relative to the heading, each on
 //              the hemisphere of FeatureParameters::hemisphere
 //   [84, 147)  p: joint positions in the heading frame, m; origin at the hips
 //   [147, 210) v: joint velocities in the heading frame, m/s, root motion included: difference to
 //              the pose one network period ago
 //   [210]      hips height above the floor (y = 0), m
-// The same code makes the training data and runs live. Pinned by
-// tests/unit/net/erd/features_test.cpp.
+// Training data and live frames use the same code. Pinned by tests/unit/net/erd/features_test.cpp.
 inline constexpr int kRotationFeatures = 4 * body::kJointCount;
 inline constexpr int kPositionFeatures = 3 * body::kJointCount;
 inline constexpr int kVelocityFeatures = 3 * body::kJointCount;
@@ -26,7 +25,7 @@ inline constexpr int kHipsHeightIndex = kVelocityBegin + kVelocityFeatures;
 inline constexpr int kFeatureCount = kHipsHeightIndex + 1;
 using Features = std::array<float, kFeatureCount>;
 
-// Set by the weights' metadata.
+// Read from the weights' metadata.
 struct FeatureParameters {
   float rate_hz = 30.0F;        // the network's own rate; > 0
   float heading_tau_s = 0.25F;  // time constant of the causal heading filter; 0 = unfiltered
@@ -35,8 +34,8 @@ struct FeatureParameters {
   FeatureParameters() { hemisphere.fill(body::Quat::Identity()); }
 };
 
-// What one stream of poses at the network's rate leaves behind between frames. Value type, 1 kB;
-// one per recurrent state. Any thread, one at a time.
+// The state that one stream of poses at the network's rate keeps between frames. Value type, 1 kB,
+// one per recurrent state; one thread at a time.
 struct FeatureState {
   bool started = false;
   float heading_cos = 1.0F, heading_sin = 0.0F;           // the filtered heading's direction
@@ -46,7 +45,7 @@ struct FeatureState {
 };
 
 // Computes the features of `pose` and advances `state` by one network period. The first frame after
-// construction has v = 0 and an unfiltered heading. Returns the filtered heading used (rad).
+// construction has v = 0 and an unfiltered heading. Returns the filtered heading in use (rad).
 STYLED_REALTIME float ComputeFeatures(const body::Pose& pose, const FeatureParameters& parameters,
                                       FeatureState& state, Features& features) noexcept;
 

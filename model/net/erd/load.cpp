@@ -1,4 +1,4 @@
-// Reads model/net/erd/FORMAT.md's file into a Network, or says in one sentence why not.
+// Reads the file format of model/net/erd/FORMAT.md into a Network; an error is one sentence.
 #include <type_traits>
 
 #include "model/net/erd/network.h"
@@ -14,7 +14,7 @@ using nlohmann::json;
 
 constexpr float kMaxHeadingTau_s = 60.0F;
 
-// The keys of this family: a size that is not the network's is refused.
+// The keys of this family. A size that differs from the network's is refused.
 void ReadKeys(const json& object, FeatureParameters& features, Faults& faults) {
   if (const json* contents = net::FindKey(object, "contents", faults)) {
     if (!contents->is_array()) {
@@ -49,7 +49,7 @@ void Pack(const Eigen::MatrixBase<Derived>& matrix, PackedMatrix<Rows, Columns>&
   }
 }
 
-// Layers out of a file's tensors.
+// Reads layers from a file's tensors.
 class LayerReader {
  public:
   explicit LayerReader(net::TensorReader& tensors) : tensors_(tensors) {}
@@ -66,7 +66,8 @@ class LayerReader {
     Pack(Take(name + ".weight", Rows, Columns), out.weight);
     Pack(Take<Rows>(name + ".bias"), out.bias);
   }
-  // As above, with one column per style behind, which joins the bias of its style.
+  // The same for a weight with one extra column per style at its end, which is added to the bias of
+  // its style.
   template <int Rows, int Columns>
   void Take(const std::string& name, int style_count, PackedMatrix<Rows, Columns>& out,
             std::array<PackedVector<Rows>, net::kMaxStyles>& style_bias) {
@@ -84,6 +85,7 @@ class LayerReader {
     for (int row = 0; row < kGates; ++row) {
       const int gate = row / kLatent;  // of ifgo
       const int to = net::LstmRow(gate, row % kLatent);
+      // See weights.h: the sigmoid gates' rows are halved.
       const float scale = gate == 2 ? 1.0F : 0.5F;
       weight.row(to) << scale * hidden.row(row), scale * input.row(row);
       ordered_bias[to] = scale * bias[row];
@@ -102,7 +104,7 @@ std::string LayerName(int style, int layer) {
   return "recurrent." + std::to_string(style) + "." + std::to_string(layer);
 }
 
-// The mean rotations give the hemispheres; a deviation divides.
+// The hemispheres are the mean rotations; deviations must be usable as divisors.
 void CheckFeatures(const Vector<kFeatureCount>& mean, const Vector<kFeatureCount>& deviation,
                    FeatureParameters& features, Faults& faults) {
   constexpr float kLeastNorm = 1e-3F;
@@ -123,8 +125,8 @@ void CheckFeatures(const Vector<kFeatureCount>& mean, const Vector<kFeatureCount
   }
 }
 
-// The heads under each other. They give standardized features; deviation and mean are put into
-// their weights, so that a step need not bring them back.
+// Stacks the heads into one layer. The file's heads give standardized features; deviation and mean
+// are folded into the weights, so that no step has to undo the standardization.
 void TakeHeads(LayerReader& tensors, const Vector<kFeatureCount>& mean,
                const Vector<kFeatureCount>& deviation, Affine<kHeads, kDecoderWidths[2]>& out) {
   RowMajor weight(kHeads, kDecoderWidths[2]);

@@ -33,7 +33,7 @@ void StartBranch(const std::array<LstmLayer, Layers>& layers, BranchState& state
   }
 }
 
-// Which styles run in this step, each once. The input's own style rides along with weight 0.
+// The styles that run in this step, each once. The input style's branch runs with weight 0.
 struct Wanted {
   std::array<StyleWeight, kMaxBranches> entry;
   int count = 0;
@@ -45,7 +45,7 @@ struct Wanted {
     return nullptr;
   }
   void Add(int style, float weight, int limit) noexcept {
-    const float clamped = weight > 0 ? std::min(weight, kMaxStrength) : 0.0F;  // NaN: 0
+    const float clamped = weight > 0 ? std::min(weight, kMaxStrength) : 0.0F;  // also for NaN
     if (StyleWeight* known = Find(style)) {
       known->weight = std::min(known->weight + clamped, kMaxStrength);
     } else if (count < limit) {
@@ -54,7 +54,7 @@ struct Wanted {
   }
 };
 
-// Drops the branches that are not wanted.
+// Drops the branches that this step does not use.
 void DropBranches(Wanted& wanted, State& state) noexcept {
   for (int& style : state.style) {
     if (style >= 0 && wanted.Find(style) == nullptr) style = -1;
@@ -67,7 +67,7 @@ int FindSlot(const State& state, int style) noexcept {
   return found == state.style.end() ? -1 : static_cast<int>(found - state.style.begin());
 }
 
-// The decoder's way from one latent to the heads.
+// The decoder's intermediate results from one latent to the heads.
 struct Decoding {
   PackedVector<kLatent> latent;
   const float* style_bias;  // of the first layer
@@ -77,15 +77,15 @@ struct Decoding {
   PackedVector<kHeads> heads;
 };
 
-// So many performers step together: what they need on the way fits into the first-level cache
-// beside a layer's weights.
+// The number of performers that step together: their intermediate results fit into the first-level
+// cache beside a layer's weights.
 constexpr std::size_t kTogether = 8;
 
-// What one performer needs on the way.
+// One performer's intermediate results.
 struct Way {
   Wanted wanted;
   int input_style = 0;
-  std::array<int, kMaxBranches> slot;  // of each wanted style, in the state
+  std::array<int, kMaxBranches> slot;  // of each wanted style's branch, in the state
   PackedVector<kFeatureCount> u;
   PackedVector<kEncoderWidth> e;
   PackedVector<kLatent> z;
@@ -93,7 +93,7 @@ struct Way {
   PackedVector<kDecoderWidths[0]> target;
 };
 
-// Layer upon layer of one branch, for all the performers who have it.
+// Runs the layers of one branch for all performers that use it.
 template <std::size_t Most>
 struct BranchRun {
   std::array<LstmOperands, Most> operands;
@@ -104,7 +104,7 @@ struct BranchRun {
     operands[count].z = z;
     states[count++] = &state;
   }
-  // The last h of each is its result.
+  // Leaves the result, the last layer's h, in each state.
   template <std::size_t Layers>
   void Run(const Kernels& kernels, const std::array<LstmLayer, Layers>& layers) noexcept {
     for (std::size_t l = 0; l < Layers; ++l) {
@@ -119,7 +119,7 @@ struct BranchRun {
   }
 };
 
-// One layer for all latents. No `bias`: each latent's own.
+// Computes one layer for all latents. Without `bias`, each latent uses its own style bias.
 template <std::size_t Most, int Rows, int Columns>
 void Decode(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight, const float* bias,
             PackedVector<Columns> Decoding::*from, PackedVector<Rows> Decoding::*to, bool relu,
@@ -180,7 +180,7 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
   std::array<Way, Most> ways;
   std::array<Operands, Most> operands;
 
-  // 1. The branches that are to run, and those that start now.
+  // 1. Find the branches to run; start those that did not run before.
   for (std::size_t k = 0; k < count; ++k) {
     const StepJob& job = jobs[k];
     Way& way = ways[k];
@@ -217,7 +217,7 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
   }
   Apply(kernels, w.encoder1.weight, std::span(operands).first(count), false);
 
-  // 3. z' = r_0(z) + Σ_s α_s r_s(z), and Ŝ's share of the decoder's first layer.
+  // 3. z' = r_0(z) + Σ_s α_s r_s(z), and the target style Ŝ's part of the decoder's first layer.
   BranchRun<Most> neutral;
   for (std::size_t k = 0; k < count; ++k) neutral.Add(ways[k].z.data(), jobs[k].state->neutral);
   neutral.Run(kernels, w.neutral);
@@ -254,6 +254,8 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
       AddTo(way.target, style.weight, w.decoder0_bias[style.style].data());
       sum += style.weight;
     }
+    // Ŝ is a mixture: neutral has the weight that the styles leave to 1; above 1 they are
+    // normalized.
     AddTo(way.target, std::max(0.0F, 1.0F - sum), w.decoder0_bias[0].data());
     if (sum > 1.0F) {
       for (float& value : way.target) value /= sum;
@@ -262,7 +264,7 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
     if (way.wanted.count > 0) latents[latent_count++] = &way.styled;
   }
 
-  // 4. d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads; all latents at once.
+  // 4. d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads, for all latents at once.
   const auto decodings = std::span<Decoding* const>(latents).first(latent_count);
   using D = Decoding;
   Decode<2 * Most>(kernels, w.decoder0, nullptr, &D::latent, &D::d0, true, decodings);

@@ -9,7 +9,7 @@
 namespace styled::erd {
 namespace {
 
-constexpr std::size_t kTogether = 8;  // so many at a time; as Network
+constexpr std::size_t kTogether = 8;  // jobs at a time, the same as in Network
 
 class ErdStream final : public net::Stream {
  public:
@@ -17,7 +17,7 @@ class ErdStream final : public net::Stream {
     State network;
     FeatureState features;  // the filtered heading and the last positions
   } frames;
-  Features features;  // of the step at hand
+  Features features;  // of the current step
 
   std::span<const std::byte> memory() const noexcept override {
     return std::as_bytes(std::span(&frames, 1));

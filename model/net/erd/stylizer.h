@@ -8,8 +8,9 @@
 
 namespace styled::erd {
 
-// Style-ERD (Tao et al., ACM TOG 2022) of a weights file of the family net::kStyleErd (FORMAT.md):
-// features (features.h), network (network.h), and a stream with the memories of both.
+// Loads Style-ERD (Tao et al., ACM TOG 2022) from a weights file of the family net::kStyleErd
+// (FORMAT.md): features (features.h), network (network.h), and streams with the state of both.
+// Errors name the key or tensor. Allocates; start-up and reload only.
 Result<std::shared_ptr<const net::Stylizer>> Load(net::WeightsFile& file);
 
 }  // namespace styled::erd

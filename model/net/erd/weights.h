@@ -7,8 +7,8 @@
 #include "model/net/erd/network.h"
 #include "model/net/kernels/kernel.h"
 
-// The weights in memory, in the order and layout in which a step reads them (kernel.h). Only
-// load.cpp and network.cpp see this.
+// The weights in memory, in the order and layout in which a step reads them (kernel.h). Included
+// only by load.cpp and network.cpp.
 namespace styled::erd {
 
 using net::Kernels;
@@ -32,8 +32,8 @@ struct Affine {
   PackedVector<Rows> bias;
 };
 
-// gates = weight [h; z] + bias, rows by LstmRow. The rows of the sigmoid gates (input, forget,
-// output) are halved, since sigmoid(x) = (1 + tanh(x / 2)) / 2. Halving is exact.
+// gates = weight [h; z] + bias, with rows ordered by LstmRow. The rows of the sigmoid gates (input,
+// forget, output) are halved, because sigmoid(x) = (1 + tanh(x / 2)) / 2. Halving is exact.
 struct LstmLayer {
   PackedMatrix<kGates, 2 * kLatent> weight;
   PackedVector<kGates> bias;
@@ -50,9 +50,9 @@ struct Network::Weights {
   PackedMatrix<kDecoderWidths[0], kLatent> decoder0;
   Affine<kDecoderWidths[1], kDecoderWidths[0]> decoder1;
   Affine<kDecoderWidths[2], kDecoderWidths[1]> decoder2;
-  // Rotations, velocities and height under each other, brought back from standardized features.
+  // Rotations, velocities and height stacked; the output is in features' units, not standardized.
   Affine<kHeads, kDecoderWidths[2]> heads;
-  // The bias of the first layer for each input or target style: what its one-hot column adds is in
+  // The bias of the first layer per input or target style: the style's one-hot column is added to
   // it.
   std::array<PackedVector<kEncoderWidth>, net::kMaxStyles> encoder0_bias;
   std::array<PackedVector<kDecoderWidths[0]>, net::kMaxStyles> decoder0_bias;

@@ -1,6 +1,6 @@
 #include "model/net/kernels/kernel.h"
 
-// Scalable vectors do not fit into arrays.
+// Targets with scalable vectors are disabled: such vectors cannot be stored in arrays.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "model/net/kernels/kernel.cpp"
@@ -8,7 +8,7 @@
 #include <hwy/foreach_target.h>  // before highway.h: it says for which target that is
 #include <hwy/highway.h>
 
-// Highway's vector stays in a register from here on.
+// Forces a Highway vector into a register from here on.
 #if HWY_ARCH_X86 && HWY_COMPILER_GCC_ACTUAL
 #define STYLED_KEEP_IN_REGISTER(vector) asm("" : "+v"((vector).raw))
 #else
@@ -25,16 +25,16 @@ using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 constexpr D d;
 constexpr int kLanes = hn::MaxLanes(d);
-constexpr int kVectors = kPanelRows / kLanes;  // of a panel
-constexpr int kUnits = 32;                     // of an LSTM layer
-constexpr bool kManyRegisters = kLanes == 16;  // AVX-512: 32 of them
+constexpr int kVectors = kPanelRows / kLanes;  // vectors per panel
+constexpr int kUnits = 32;                     // units of an LSTM layer
+constexpr bool kManyRegisters = kLanes == 16;  // AVX-512 has 32
 
-// How many sets of sums take turns over the columns of `vectors` vectors of rows, so that a
-// multiplication need not wait for the one before. It does not depend on how many inputs there are:
-// alone or beside others, an input gives the same bits.
+// The number of independent sets of sums over the columns, for `vectors` vectors of rows: a
+// multiplication then need not wait for the one before. It does not depend on the number of inputs,
+// so that an input gives the same bits alone or in a batch.
 constexpr int Sets(int vectors) { return kManyRegisters ? HWY_MAX(1, 8 / vectors) : 1; }
 
-// One column of a product: sum[i] += W[:, column] x[i], for vectors First and on.
+// Adds one column of a product: sum[i] += W[:, column] x[i], for `Vectors` vectors from First on.
 template <int Inputs, int First, int Vectors>
 HWY_INLINE void AccumulateColumn(const float* HWY_RESTRICT weights, std::size_t panel_stride,
                                  const std::array<const float*, Inputs>& x, int column,
@@ -48,8 +48,8 @@ HWY_INLINE void AccumulateColumn(const float* HWY_RESTRICT weights, std::size_t 
     const float* const from = weights + v / kVectors * panel_stride + v % kVectors * kLanes;
     V weight = hn::Load(d, from);
     if constexpr (Inputs > 1) {
-      // Several inputs are bound by what the first-level cache gives: load each weight once (GCC
-      // would load it for each multiplication), and early.
+      // Several inputs are limited by the bandwidth of the first-level cache: load each weight once
+      // (GCC would load it for each multiplication), and prefetch.
       STYLED_KEEP_IN_REGISTER(weight);
       if (v * kLanes % 16 == 0) hwy::Prefetch(from + 4 * kPanelRows);
     }
@@ -58,7 +58,7 @@ HWY_INLINE void AccumulateColumn(const float* HWY_RESTRICT weights, std::size_t 
   }
 }
 
-// sum[i] += W x[i] for vectors First and on of some panels.
+// sum[i] += W x[i] for `Vectors` vectors of rows, from vector First on.
 template <int Inputs, int First, int Vectors, int kSets>
 HWY_INLINE void Accumulate(const float* HWY_RESTRICT weights, std::size_t panel_stride, int columns,
                            const std::array<const float*, Inputs>& x, V (&sum)[Inputs][Vectors]) {
@@ -94,7 +94,7 @@ HWY_INLINE void Accumulate(const float* HWY_RESTRICT weights, std::size_t panel_
   }
 }
 
-// How many of `vectors` vectors of rows there are registers for at a time.
+// How many of `vectors` vectors of rows fit into the registers at a time.
 template <int Inputs>
 constexpr int VectorsAtATime(int vectors) {
   if (Inputs == 1 || (Inputs == 2 && kManyRegisters)) return vectors;
@@ -104,7 +104,7 @@ constexpr int VectorsAtATime(int vectors) {
   return some;
 }
 
-// Vectors First and on of All.
+// y = max(W x + bias, least) for the vectors First .. All - 1, as many at a time as fit.
 template <int Inputs, int All, int First>
 HWY_INLINE void AffineVectors(const float* weights, std::size_t panel_stride, int columns, int row,
                               const std::array<const float*, Inputs>& x, const Operands* inputs,
@@ -122,7 +122,8 @@ HWY_INLINE void AffineVectors(const float* weights, std::size_t panel_stride, in
     HWY_UNROLL(32)
     for (int v = 0; v < kSome; ++v) {
       const int at = row + (First + v) * kLanes;
-      // Last: it may be large beside the terms of the sum, which would lose their digits.
+      // The bias is added last: it may be large compared to the terms of the sum, which would lose
+      // digits.
       const V y = hn::Add(sum[i][v], hn::Load(d, inputs[i].bias + at));
       hn::Store(hn::Max(y, least), d, inputs[i].y + at);
     }
@@ -145,7 +146,7 @@ HWY_INLINE void AffinePanels(const float* weights, int panel, int columns, const
                                               panel * kPanelRows, x, inputs, least);
 }
 
-// As many panels at a time as there are registers for.
+// Processes as many panels at a time as the registers hold, then the rest.
 template <int Inputs, int Most>
 HWY_INLINE void AffineInputs(const float* weights, int panel, int panels, int columns,
                              const Operands* inputs, bool relu) {
@@ -186,8 +187,8 @@ void Standardize(const float* x, const float* mean, const float* inverse_deviati
   for (; i < count; ++i) some(hn::CappedTag<float, 1>(), i);
 }
 
-// tanh(x) = x P(x²) / Q(x²) as numerator and denominator, so that the gates can share a division.
-// Minimax on |x| <= 8.7, relative error 1.5e-8; beyond, tanh is 1 to 6e-8.
+// tanh(x) = x P(x²) / Q(x²) as numerator and denominator, so that gates can share one division.
+// Minimax on |x| <= 8.7, relative error 1.5e-8; beyond, tanh is 1 up to 6e-8.
 struct Ratio {
   V over, under;
 };
@@ -206,11 +207,11 @@ HWY_INLINE Ratio Tanh(V x) {
   return {hn::Mul(x, p), q};
 }
 
-// 16 units' gates, the sigmoid ones halved: σ(x) = (1 + tanh(x / 2)) / 2.
+// One vector of units from its gates; the sigmoid gates are halved: σ(x) = (1 + tanh(x / 2)) / 2.
 HWY_INLINE void Unit(V in, V forget, V cell, V open, float* h, float* c) {
   const V half = hn::Set(d, 0.5F);
   const Ratio i = Tanh(in), f = Tanh(forget), g = Tanh(cell), o = Tanh(open);
-  // σ(f) c + σ(i) tanh(g) over one denominator.
+  // σ(f) c + σ(i) tanh(g) over one common denominator.
   const V under = hn::Mul(i.under, g.under);
   const V kept = hn::Mul(hn::Mul(hn::Add(f.under, f.over), hn::Load(d, c)), under);
   const V added = hn::Mul(hn::Mul(hn::Add(i.under, i.over), g.over), f.under);
@@ -221,9 +222,9 @@ HWY_INLINE void Unit(V in, V forget, V cell, V open, float* h, float* c) {
   hn::Store(hn::Div(hn::Mul(opened, t.over), hn::Mul(o.under, t.under)), d, h);
 }
 
-constexpr int kGateVectors = 4 * 16 / kLanes;  // of the four gates of 16 units
+constexpr int kGateVectors = 4 * 16 / kLanes;  // vectors of the four gates of 16 units
 
-// Some gates of 16 units, vectors First and on, before their activations.
+// Gate sums of 16 units before their activations: `Vectors` vectors from First on.
 template <int Inputs, int First, int Vectors>
 HWY_INLINE void SomeGates(const float* weights, const float* bias,
                           const std::array<const float*, Inputs>& h,
@@ -234,7 +235,7 @@ HWY_INLINE void SomeGates(const float* weights, const float* bias,
     HWY_UNROLL(16)
     for (int v = 0; v < Vectors; ++v) sum[i][v] = hn::Load(d, bias + (First + v) * kLanes);
   }
-  // Wh h is first: it need not wait for the layer below.
+  // Wh h comes first, because it does not depend on the layer below.
   constexpr int kSets = Sets(kGateVectors);
   Accumulate<Inputs, First, Vectors, kSets>(weights, kPanelStride, kUnits, h, sum);
   Accumulate<Inputs, First, Vectors, kSets>(weights + kUnits * kPanelRows, kPanelStride, kUnits, z,
@@ -261,6 +262,7 @@ HWY_INLINE void Gates(const float* weights, const float* bias,
 template <int Inputs>
 HWY_INLINE void LstmInputs(const float* weights, const float* bias, const LstmOperands* states) {
   constexpr int kGate = 16 / kLanes;  // vectors of a gate's 16 units
+  // All units read the old h, so it is copied before h is overwritten.
   alignas(64) float old[Inputs][kUnits];
   std::array<const float*, Inputs> h, z;
   HWY_UNROLL(4)
@@ -300,8 +302,8 @@ void Lstm(const float* weights, const float* bias, std::span<const LstmOperands>
   if (!states.empty()) LstmInputs<1>(weights, bias, states.data());
 }
 
-// q / |q|. An estimate of 1 / |q| (8 bits on some targets) and two steps of Newton's are faster
-// than a root and a division.
+// q / |q|. An estimate of 1 / |q| (8 bits on some targets) with two Newton steps is faster than a
+// square root and a division.
 template <class Tag>
 HWY_INLINE void NormalizeSome(Tag tag, const float* quaternions, float* unit) {
   constexpr float kLeastSquare = 1e-12F;

@@ -4,22 +4,22 @@
 #include <cstddef>
 #include <span>
 
-// The arithmetic of a step, compiled once per SIMD target (Google Highway): a function table per
-// target, so that a step takes one indirect call per layer and nothing is resolved while it runs.
-// None of the functions allocates, locks or throws; all are free of state. Pinned by
+// The arithmetic of a network step, compiled once per SIMD target (Google Highway). Each target has
+// a table of functions, so a step makes one indirect call per layer and dispatches nothing itself.
+// The functions have no state, allocate nothing, lock nothing and do not throw. Pinned by
 // tests/unit/net/kernels/kernel_test.cpp on every target that the machine has.
 namespace styled::net {
 
-// Rows of a matrix are stored in panels of this many, one whole number of vectors on every target.
+// A matrix is stored in panels of this many rows: a whole number of vectors on every target.
 inline constexpr int kPanelRows = 32;
 constexpr int PaddedRows(int rows) { return (rows + kPanelRows - 1) / kPanelRows * kPanelRows; }
 
-// A vector whose end is padded to whole panels.
+// A vector, zero-padded to whole panels.
 template <int Rows>
 struct alignas(64) PackedVector : std::array<float, PaddedRows(Rows)> {};
 
-// A matrix as a kernel reads it, from the first float to the last: panel upon panel, within one
-// column upon column. The rows that fill up the last panel are zeros.
+// A matrix in the order in which a kernel reads it: panel by panel, and column by column within a
+// panel. Padding rows of the last panel are zeros.
 template <int Rows, int Columns>
 struct alignas(64) PackedMatrix : std::array<float, std::size_t{PaddedRows(Rows)} * Columns> {
   static constexpr std::size_t Index(int row, int column) {
@@ -28,18 +28,18 @@ struct alignas(64) PackedMatrix : std::array<float, std::size_t{PaddedRows(Rows)
   }
 };
 
-// An LSTM layer's gates are rows of one matrix [Wh Wi]. 16 units at a time have their input,
-// forget, cell and output rows side by side.
+// The gates of an LSTM layer are the rows of one matrix [Wh Wi]. For each block of 16 units, the
+// rows of the input, forget, cell and output gates follow one another.
 constexpr int LstmRow(int gate, int unit) { return (unit / 16 * 4 + gate) * 16 + unit % 16; }
 
-// One input of a product, and where its result goes. Bias and y are padded to whole panels, aligned
-// to 64 bytes, and overlap nothing else.
+// One input of a product and the place of its result. `bias` and `y` are padded to whole panels,
+// aligned to 64 bytes, and overlap nothing else.
 struct Operands {
   const float *bias, *x;
   float* y;
 };
 
-// One state of an LSTM layer, h and c changed in place. All aligned to 64 bytes.
+// One state of an LSTM layer; h and c are changed in place. All are aligned to 64 bytes.
 struct LstmOperands {
   const float* z;
   float *h, *c;
@@ -48,26 +48,26 @@ struct LstmOperands {
 struct Kernels {
   const char* target;  // Highway's name, e.g. "AVX3" (AVX-512)
 
-  // y = W x + bias, and relu of it on demand, for any number of inputs: up to four are taken at
-  // once, since reading the weights is most of the work. The result is the same bit for bit,
-  // whoever is beside an input. `panels` panels of `columns` columns.
+  // y = W x + bias, or its relu, for any number of inputs. Up to four inputs are processed at once,
+  // because reading the weights is most of the work. A result does not depend on the other inputs,
+  // bit for bit. `weights`: `panels` panels of `columns` columns.
   void (*affine)(const float* weights, int panels, int columns, std::span<const Operands> inputs,
                  bool relu) noexcept;
 
-  // u = (x - mean) inverse_deviation, clamped to +-limit; not a number gives 0.
+  // u = (x - mean) inverse_deviation, clamped to +-limit; NaN gives 0.
   void (*standardize)(const float* x, const float* mean, const float* inverse_deviation, int count,
                       float limit, float* u) noexcept;
 
   // [i f g o] = Wh h + Wi z + bias;  c' = σ(f) c + σ(i) tanh(g);  h' = σ(o) tanh(c'), for 32 units
-  // of any number of states, as above. No state's z is another's h.
+  // and any number of states. No state's z may be another's h.
   void (*lstm)(const float* weights, const float* bias,
                std::span<const LstmOperands> states) noexcept;
 
-  // unit = quaternions / their lengths; one without a direction becomes the identity.
+  // unit = quaternions / their lengths; a quaternion of length 0 becomes the identity.
   void (*normalize)(const float* quaternions, int count, float* unit) noexcept;
 };
 
-// The best that this machine has. Start-up only.
+// The fastest table that this machine supports. Call at start-up only.
 const Kernels& BestKernels();
 
 }  // namespace styled::net

@@ -11,10 +11,10 @@ constexpr const char* kTensor = "offset.rotation";
 constexpr int kColumns = 4 * body::kJointCount;
 constexpr float kUnitTolerance = 1e-3F;  // of a rotation's length
 
-// Rotation vectors per joint, so that styles can be weighed and added.
+// Rotation vectors per joint, so that styles can be weighted and added.
 using Turns = Eigen::Matrix<float, 3, body::kJointCount>;
 
-// No frame depends on the one before.
+// The family is stateless: no frame depends on an earlier one.
 class NoMemory final : public net::Stream {
  public:
   std::span<const std::byte> memory() const noexcept override { return {}; }
@@ -22,7 +22,7 @@ class NoMemory final : public net::Stream {
 
 // A style's weight within the limits that Stylizer::Step states.
 float Clamped(float weight) noexcept {
-  return weight > 0 ? std::min(weight, net::kMaxStrength) : 0.0F;  // not a number: 0
+  return weight > 0 ? std::min(weight, net::kMaxStrength) : 0.0F;  // 0 also for NaN
 }
 
 class OffsetStylizer final : public net::Stylizer {
@@ -39,7 +39,7 @@ class OffsetStylizer final : public net::Stylizer {
   }
 
  private:
-  // styled = input · exp(Σ_s α_s log o_s - log o_S), S the style of the input.
+  // styled = input · exp(Σ_s α_s log o_s - log o_S), where S is the input style.
   void StepOne(const net::StepJob& job) const noexcept {
     const int count = static_cast<int>(turns_.size());
     std::array<net::StyleWeight, net::kMaxActive> active;
@@ -76,7 +76,7 @@ class OffsetStylizer final : public net::Stylizer {
   }
 
   net::Model model_;
-  std::vector<Turns> turns_;  // of each style; [0] is not used
+  std::vector<Turns> turns_;  // per style; [0] is not used
 };
 
 }  // namespace
