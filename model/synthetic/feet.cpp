@@ -15,13 +15,13 @@ using body::Quat;
 using body::Vec3;
 using Eigen::Vector2d;
 
-constexpr double kRelease_s = 0.10;    // time constant of giving an offset back
-constexpr double kLongest_m = 0.22;    // no offset grows beyond this
+constexpr double kRelease_s = 0.10;    // time constant with which an offset is released
+constexpr double kLongest_m = 0.22;    // the longest offset
 constexpr double kStepFrom_m = 0.035;  // a standing foot farther off takes a small step
 constexpr double kStepFrom_rad = 0.20;
 constexpr double kStep_s = 0.55, kStepHeight_m = 0.035;
 constexpr double kLift_s = 0.05;
-constexpr float kStretch = 0.99F, kSoft_m = 0.006F;  // of a leg drawn to its held foot
+constexpr float kStretch = 0.99F, kSoft_m = 0.006F;  // of a leg that reaches for its held foot
 
 struct Leg {
   int upper, lower, foot, toes;
@@ -35,13 +35,14 @@ Vector2d Toe(const body::WorldPose& world, const Leg& leg) {
   return {toe.x(), toe.z()};
 }
 
-// The foot's heading, from its sideways axis: defined however steep the foot is.
+// The foot's heading from its sideways axis, which is defined for any pitch of the foot.
 double FootYaw(const body::WorldPose& world, const Leg& leg) {
   const Vec3 sideways = world.rotations[leg.foot] * Vec3::UnitX();
   return std::atan2(-sideways.z(), sideways.x());
 }
 
-// 1 for a foot at the floor, towards 0 for one that a blend calls standing while it is in the air.
+// 1 for a foot on the floor; falls with height, for a foot that a blend counts as standing while it
+// is in the air.
 double Near(double height_m) {
   constexpr double kNear_m = 0.025;
   return 1 / (1 + height_m * height_m / (kNear_m * kNear_m));
@@ -49,7 +50,7 @@ double Near(double height_m) {
 
 double Wrap(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
-// A standing foot that is held too far from its place lifts and goes there.
+// A foot that is held too far from its place lifts and returns to it.
 void AdvanceStep(FootState& foot, double dt_s) {
   foot.step = std::min(1.0, foot.step + dt_s / kStep_s);
   const double left = 1 - SmootherStep(foot.step);
@@ -75,15 +76,16 @@ void BeginStepIfDue(const FeetInput& input, double dt_s, FeetState& state) {
   foot.step_yaw_rad = foot.yaw_rad;
 }
 
-// Two equal bones: the leg from hip `from` to ankle `to`, its knee bending where it did.
+// IK of a leg of two equal bones: moves the ankle from `ankle_was` to `ankle`; the knee keeps its
+// axis.
 void Reach(const Leg& leg, const Vec3& hip, const Vec3& ankle_was, const Vec3& ankle, Quat& upper,
            Quat& lower) {
   const float l1 = body::Offset(leg.lower).norm(), l2 = body::Offset(leg.foot).norm();
   const float was = (ankle_was - hip).norm();
   float reach = (ankle - hip).norm();
   if (reach > was) {
-    // Towards the stretched leg, but not near it: there a hair of reach bends the knee much. What
-    // the motion itself stretches farther stays as it is; the room ends smoothly.
+    // Approach the stretched leg smoothly, without reaching it: near it a small change of reach
+    // bends the knee much. A leg that the motion itself stretches farther is left as it is.
     const float room = kSoft_m * std::log1p(std::exp((kStretch * (l1 + l2) - was) / kSoft_m));
     reach = was + room * std::tanh((reach - was) / room);
   }
@@ -128,7 +130,8 @@ void AdvanceFeet(const FeetInput& input, const body::WorldPose& world, double dt
     contacts += weight;
     error += weight * below_m;
   }
-  // The body stands on the feet that carry it; a run's flight keeps what it had. Critically damped.
+  // The body's height follows the feet that carry it, critically damped. During the flight of a run
+  // `grip` is 0, and no force acts.
   const double grip = std::min(1.0, contacts);
   const double wanted = error / contacts;
   const double acceleration =
@@ -148,7 +151,7 @@ void ApplyFeet(const FeetInput& input, const FeetState& state, const body::World
     const Vec3& ankle_was = world.positions_m[leg.foot];
     Vec3 toe = world.positions_m[leg.toes];
     const Vec3 toe_to_ankle = ankle_was - toe;
-    // Relative to the lifted body: what is left between this toe and the floor.
+    // The distance that is left between this toe and the floor after the body's lift.
     const double below_m = kToeHeight_m - state.lift_m - static_cast<double>(toe.y());
     toe.y() += static_cast<float>(input.contact[side] * Near(below_m) * below_m);
     if (foot.stepping) {

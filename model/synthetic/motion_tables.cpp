@@ -1,8 +1,9 @@
 #include "model/synthetic/motion_tables.h"
 
 // Fitted to the neutral clips of Bandai-Namco Research's motion dataset 2 (CC BY-NC 4.0; Kobayashi
-// et al. 2023) on the canonical humanoid: least squares over all cycles and takes; but for walk and
-// run, left and right are pooled. Numbers only; no clip is contained. One channel per line.
+// et al. 2023) on the canonical humanoid, by least squares over all cycles and takes. Left and
+// right are pooled except for walk and run. Contains fitted numbers only, no clip. One channel per
+// line.
 // clang-format off
 namespace styled::synthetic {
 

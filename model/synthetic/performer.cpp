@@ -17,10 +17,10 @@ using Eigen::Vector2d;
 
 constexpr double kTick_s = 1.0 / 240;
 constexpr double kTurnRate_rad = 0.85;  // of a walking turn, per second
-constexpr double kBlend_s = 0.11;       // of each of the three stages of a follower
-constexpr double kHomeRadius_m = 5;     // in random order: farther out it turns home
+constexpr double kBlend_s = 0.11;       // time constant of each of a follower's three stages
+constexpr double kHomeRadius_m = 5;     // in random order: beyond this it turns back
 constexpr double kPauseBetweenRaises_s = 0.1;
-constexpr double kRaise_s = 2.1;  // one raise and the pause behind it
+constexpr double kRaise_s = 2.1;  // one raise and the pause after it
 constexpr double kPi = std::numbers::pi;
 
 bool IsTurn(Kind kind) { return kind == Kind::kTurnLeft || kind == Kind::kTurnRight; }
@@ -34,7 +34,7 @@ const Gesture& GestureOf(Kind kind) {
 }
 bool IsRight(Kind kind) { return kind == Kind::kWaveRight || kind == Kind::kRaiseRight; }
 
-// Follows a target that may jump at any time; the value is C2.
+// A low-pass of three stages: the target may jump at any time, the value is C2.
 struct Follower {
   double first = 0, second = 0, value = 0;
 
@@ -46,28 +46,28 @@ struct Follower {
   }
 };
 
-// The gesture under way, if any.
+// The current gesture, if any.
 struct GestureState {
   Kind kind = Kind::kStand;
   bool active = false;
   GestureTime time;
   double tempo = 1, size = 1;
-  double hold_until_s = 0;  // since its rise: when it begins to fall
+  double hold_until_s = 0;  // time since the rise began at which the fall begins
 };
 
-// Everything that moves; copied to look between two ticks.
+// The whole moving state; copied to compute a pose between two ticks.
 struct Core {
   double time_s = 0;
   ScriptItem item;
-  double item_s = 0;        // since the item began
-  std::uint64_t items = 0;  // begun so far
+  double item_s = 0;        // time since the item began
+  std::uint64_t items = 0;  // items begun so far
   std::uint64_t draws = 0;
   Follower walk, run, turn_rate;
   double phase = 0, heading_rad = 0;
   Vector2d path_m = Vector2d::Zero();
   bool walked = false;
   GestureState gesture;
-  double rested_s = 1;  // since the last gesture ended
+  double rested_s = 1;  // time since the last gesture ended
   FeetState feet;
 };
 
@@ -86,7 +86,7 @@ struct Performer::State {
     return Wander(Mix(options.seed + 77) + static_cast<std::uint64_t>(which), time_s, around_hz);
   }
 
-  // --- what to do next ---
+  // --- choice of the next motion ---
   void BeginItem(Core& core) const {
     const Kind last = core.items == 0 ? Kind::kStand : core.item.motion;
     core.item = options.script.empty() ? Choose(core, last)
@@ -137,7 +137,7 @@ struct Performer::State {
     gesture.time.cycle = Draw(core);
     double left_s = core.item.seconds - core.item_s;
     if (IsRaise(gesture.kind)) {
-      // Hands go up and down as often as fits into the item; the hold takes up the rest.
+      // Raise the hands as often as fits into the item; the hold fills the rest.
       const double times = std::max(1.0, std::round(left_s / kRaise_s));
       left_s = std::clamp(left_s / times - kPauseBetweenRaises_s, 0.0, kRaise_s + 0.35);
     }
@@ -151,7 +151,7 @@ struct Performer::State {
       core.rested_s += dt_s;
       const Kind kind = core.item.motion;
       const bool still = core.walk.value + core.run.value < 0.25;
-      // The first one at once, a further raise only where it fits.
+      // The first raise begins at once, a further one only if it fits.
       const bool fits =
           core.item.seconds - core.item_s > 0.8 * kRaise_s || core.rested_s > core.item_s;
       if ((IsWave(kind) || IsRaise(kind)) && still && fits &&
@@ -180,7 +180,7 @@ struct Performer::State {
 
   void AdvanceGait(Core& core, double dt_s) const {
     const Kind kind = core.item.motion;
-    // A hand still high, or a small step, keeps it from setting out.
+    // Wait while a hand is still high or a foot takes a small step.
     const bool waits = (core.gesture.active && core.gesture.time.since_fall_s < 0.4) ||
                        core.feet.feet[0].stepping || core.feet.feet[1].stepping;
     const double was = core.walk.value + core.run.value;
@@ -189,7 +189,7 @@ struct Performer::State {
     const double turn = !IsTurn(kind) || waits ? 0 : kind == Kind::kTurnLeft ? 1 : -1;
     core.turn_rate.Advance(turn * kTurnRate_rad * options.speed, dt_s);
     if (was < 1e-5 && core.walk.value + core.run.value > 0) {
-      // The first step is a swing: of the left foot (lifts at kWalkGait.lift) or of the right one.
+      // The first step is a swing, of the left foot (lifts at kWalkGait.lift) or of the right one.
       core.phase = core.walked ? kWalkGait.lift + (Draw(core) < 0.5 ? 0.0 : 0.5) : options.phase;
       core.walked = true;
     }
@@ -229,7 +229,7 @@ struct Performer::State {
     AddLife(core.time_s, stand, channels);
   }
 
-  // Breathing, the weight going from one leg to the other, looking around.
+  // Breathing, shifting the weight from one leg to the other, looking around.
   void AddLife(double time_s, double stand, Channels& channels) const {
     const auto add = [&channels](int joint, int axis, double value) {
       channels[3 * joint + axis] += static_cast<float>(value);
@@ -253,8 +253,7 @@ struct Performer::State {
     FeetInput input;
     input.path_m = core.path_m;
     const double walk = core.walk.value, run = core.run.value, moving = walk + run;
-    const double swings =
-        SmootherStep(moving / 0.3);  // steps lower than that do not leave the floor
+    const double swings = SmootherStep(moving / 0.3);  // lower steps do not leave the floor
     for (int side = 0; side < 2; ++side) {
       const double contact = moving < 1e-9 ? 1
                                            : (walk * Contact(kWalkGait, core.phase, side == 1) +
@@ -281,7 +280,7 @@ struct Performer::State {
     AdvanceFeet(Feet(core), world, dt_s, core.feet);
   }
 
-  // The motion's own pose, turned, at the path's origin.
+  // The motion's own pose, rotated to its heading, at the path's origin.
   void Pose(const Core& core, body::Pose& pose, body::WorldPose& world) const {
     Channels channels;
     Synthesize(core, channels);
@@ -301,9 +300,9 @@ Performer& Performer::operator=(Performer&&) noexcept = default;
 
 void Performer::Pose(double time_s, body::Pose& pose) noexcept {
   const auto whole = static_cast<std::uint64_t>(std::max(0.0, time_s) / kTick_s + 1e-6);
-  // Always one tick ahead: the first pose already stands on its feet.
+  // Always one tick ahead, so that the first pose already stands on its feet.
   for (; state_->ticks <= whole; ++state_->ticks) state_->Advance(state_->core, kTick_s);
-  // Between two ticks: a shorter one, on a copy.
+  // A time between two ticks is a shorter tick on a copy of the state.
   Core core = state_->core;
   const double rest_s = time_s - static_cast<double>(state_->ticks - 1) * kTick_s;
   if (rest_s > 1e-6) state_->Advance(core, rest_s);

@@ -8,7 +8,7 @@
 
 namespace styled::synthetic {
 
-// What the synthetic performer can do.
+// The motions of the synthetic performer.
 enum class Motion : std::uint8_t {
   kStand,
   kWalk,
@@ -24,7 +24,7 @@ enum class Motion : std::uint8_t {
   kCount
 };
 
-// "stand", "walk", "run", "turn-left", "wave-both", ...: the words of ParseScript().
+// "stand", "walk", "run", "turn-left", "wave-both", ...: the words that ParseScript() accepts.
 std::string_view Name(Motion motion) noexcept;
 
 struct ScriptItem {
@@ -32,8 +32,8 @@ struct ScriptItem {
   double seconds = 1;
 };
 
-// "stand:2,walk:5,turn-left:3": what to do and for how many seconds (0.1 .. 3600; without a number
-// 4). "" is an empty script. Errors name the item and what was expected.
+// Parses "stand:2,walk:5,turn-left:3": motions and their seconds (0.1 .. 3600; 4 if omitted). "" is
+// an empty script. Errors name the item and what was expected.
 Result<std::vector<ScriptItem>> ParseScript(std::string_view text);
 
 }  // namespace styled::synthetic

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-// A uniform cubic B-spline over `length` knots at `knots` (clamped to 0 .. length).
+// A uniform cubic B-spline over `length` intervals, evaluated at `knots` (clamped to 0 .. length).
 template <typename Coefficient>
 double Spline(const Coefficient& coefficient, int length, double knots) noexcept {
   const double at = std::clamp(knots, 0.0, static_cast<double>(length));
@@ -24,7 +24,7 @@ double Spline(const Coefficient& coefficient, int length, double knots) noexcept
          6;
 }
 
-// The channel that takes this one's place when left and right are swapped, and its sign.
+// The channel that corresponds to this one when left and right are swapped, and its sign.
 struct Mirrored {
   int channel;
   double sign;
@@ -67,7 +67,7 @@ void AddGesture(const Gesture& gesture, bool right, const GestureTime& time, dou
                 Channels& out) noexcept {
   const bool falling = time.since_fall_s >= 0;
   const double knots = (falling ? time.since_fall_s : time.since_rise_s) / kKnot_s;
-  // The periodic part sets in as the plateau is reached and leaves as the hand begins to fall.
+  // The periodic part fades in as the plateau is reached and fades out as the hand begins to fall.
   double periodic = 0;
   if (gesture.cycle_hz > 0) {
     periodic = SmootherStep((time.since_rise_s - 0.7 * kRise_s) / 0.4);
