@@ -52,7 +52,7 @@ int Parse(int argc, char** argv, Arguments& arguments) {
     const int code = app.exit(error);
     return code == 0 ? 0 : kBadArguments;
   }
-  // As a shell makes it of a variable that is not set. Without a file it would be another command.
+  // A shell produces an empty name from an unset variable. Ignoring it would run another command.
   for (const char* const name : {"--config", "--check-config", "--replay", "--replay-to"}) {
     const CLI::Option* const option = app.get_option(name);
     if (option->count() == 0 || !option->as<std::string>().empty()) continue;
@@ -73,7 +73,7 @@ int Refuse(const std::string& why, int code) {
   return code;
 }
 
-// To stderr, with colours where that is a terminal; to the journal where stderr leads there.
+// Logs to stderr, with colours if that is a terminal; to the journal if stderr is connected to it.
 void StartLog(const std::string& level) {
   if (ToJournal()) {
     const std::vector<styled::runtime::LogField> always{{"SYSLOG_IDENTIFIER", "styled"},
@@ -105,7 +105,7 @@ styled::Result<styled::Origin> MakeOrigin(const Arguments& arguments) {
   return origin;
 }
 
-// No sockets are opened: a daemon may run beside it.
+// Opens no sockets, so that a daemon may run at the same time.
 int Replay(const Arguments& arguments, const styled::Origin& origin) {
   auto reader = styled::recording::Reader::Open(arguments.replay);
   if (!reader.ok()) return Refuse(reader.status().message(), kBadArguments);
@@ -120,14 +120,14 @@ int Replay(const Arguments& arguments, const styled::Origin& origin) {
   return 0;
 }
 
-// In every thread to come: the supervisor reads them from a descriptor.
+// Blocks the signals for all threads that start later; the supervisor reads them from a descriptor.
 void BlockSignals() {
   sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
-  signal(SIGXFSZ, SIG_IGN);  // a recording at its limit of size is an error like a full disk
+  signal(SIGXFSZ, SIG_IGN);  // a recording that reaches its size limit is an error like a full disk
 }
 
 }  // namespace
@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
   auto config = styled::config::Load(origin.value().file, origin.value().overrides);
   if (!config.ok()) return Refuse(config.status().message(), kBadArguments);
   if (!arguments.check_file.empty()) {
-    // Presets are only as right as the weights that they are for.
+    // Also loads the weights: the presets can only be checked against their styles.
     std::uint32_t crc = 0;
     const auto made = styled::pipeline::MakeRuntimeConfig(config.value(), nullptr, crc);
     if (!made.ok()) return Refuse(made.status().message(), kBadArguments);

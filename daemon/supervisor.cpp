@@ -37,7 +37,7 @@ std::string StateFile(const config::Config& config) {
   return config.state.dir.empty() ? "" : config.state.dir + "/performers.toml";
 }
 
-// "" where it cannot be read.
+// Returns "" when the file cannot be read.
 std::string ReadText(const std::string& file, std::size_t max_bytes) {
   auto text = ReadFile(file, max_bytes);
   return text.ok() ? std::move(text.value()) : "";
@@ -124,7 +124,7 @@ Status Supervisor::OpenSources() {
   return Status::Ok();
 }
 
-// Before the sockets: libzmq asks it about who comes.
+// Runs before the sockets are bound: libzmq then asks the gatekeeper about every client.
 Status Supervisor::OpenGate() {
   const config::Publish& publish = config_.publish;
   const config::Control& control = config_.control;
@@ -169,7 +169,7 @@ Status Supervisor::OpenSockets() {
   return Status::Ok();
 }
 
-// No reason not to start: the show goes on without it.
+// A recording that cannot start is logged and does not keep the daemon from starting.
 void Supervisor::StartRecording() {
   if (config_.record.file.empty()) return;
   record::About about;
@@ -204,7 +204,7 @@ void Supervisor::CloseRecording() {
                recorder_->file().string(), recorder_->lost());
 }
 
-// A broken state file is no reason not to start.
+// A broken state file is logged and does not keep the daemon from starting.
 void Supervisor::RestoreProfiles() {
   const std::string file = StateFile(config_);
   if (file.empty()) return;
@@ -299,7 +299,8 @@ void Supervisor::Run() {
     }
     if (watchdog_.asked()) {
       watchdog_.Look(pipeline_loop_->turns());
-      mailboxes_.wake_pipeline.Signal();  // it has a tick's time to turn, although nothing arrives
+      // An idle pipeline sleeps: the signal makes it turn once before the next look.
+      mailboxes_.wake_pipeline.Signal();
     }
     LogEvents();
     KeepProfiles();
@@ -377,7 +378,7 @@ void Supervisor::LogEvents() {
   }
 }
 
-// "suit, stage": the sources whose bits are set.
+// The names of the sources whose bits are set, e.g. "suit, stage".
 std::string Supervisor::NamesOf(std::uint64_t sources) const {
   std::string names;
   for (std::size_t i = 0; i < std::min<std::size_t>(config_.sources.size(), 64); ++i) {
@@ -388,7 +389,7 @@ std::string Supervisor::NamesOf(std::uint64_t sources) const {
   return names;
 }
 
-// Once a second, what grew: never a line per packet.
+// Logs once a second which counters grew, instead of a line per packet.
 void Supervisor::LogTrouble() {
   for (std::size_t i = 0; i < logged_.size(); ++i) {
     const auto counter = static_cast<runtime::Counter>(i);
@@ -406,7 +407,7 @@ void Supervisor::LogTrouble() {
   }
 }
 
-// The line of `systemctl status`.
+// Sets the status line of `systemctl status`.
 void Supervisor::SayHowItGoes(double seconds) {
   const std::uint64_t frames = counters_.Get(runtime::Counter::kPipelineFrames);
   std::string line = fmt::format("{} performers, {:.0f} frames/s; publishing on {}, control on {}",

@@ -29,8 +29,9 @@ struct Origin {
   std::string ready_file;  // "" = none
 };
 
-// Puts the daemon together and watches over it, on the main thread: signals, reloads, the state
-// file, the log. Threads: this one, the pipeline, control, and ZeroMQ's own.
+// Assembles the daemon and supervises it on the main thread: signals, reloads, the state file, the
+// log. The other threads are the pipeline, control, security (with keys only), the recording's
+// writer (while recording), one per USB source, and ZeroMQ's own.
 class Supervisor {
  public:
   Supervisor(config::Config config, Origin origin);
@@ -38,10 +39,10 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  // Opens everything, says READY. Errors: weights, addresses. SIGTERM, SIGINT and SIGHUP must be
-  // blocked in the process.
+  // Opens everything and reports READY to the service manager. Errors: weights, addresses, keys,
+  // the ready file. SIGTERM, SIGINT and SIGHUP must be blocked in the process.
   Status Start();
-  // Until SIGTERM or SIGINT. Feeds the service manager's watchdog while the pipeline turns.
+  // Runs until SIGTERM or SIGINT. Feeds the service manager's watchdog while the pipeline turns.
   void Run();
 
  private:
@@ -62,7 +63,7 @@ class Supervisor {
   void LogTrouble();
   std::string NamesOf(std::uint64_t sources) const;
   void SayHowItGoes(double seconds);
-  // `newest`: what the mailbox had no room for.
+  // `newest` replaces what the mailbox holds: profiles that found it full.
   void KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> newest = nullptr);
   void WarnOfRestartKeys(const config::Config& fresh) const;
 
@@ -72,7 +73,7 @@ class Supervisor {
   runtime::Counters counters_;
   runtime::Notifier notifier_ = runtime::Notifier::FromEnvironment();
   runtime::Watchdog watchdog_;
-  std::string refused_;  // why the last reload was; "" = it was not
+  std::string refused_;  // reason why the last reload was refused; "" = it was accepted
   pipeline::Mailboxes mailboxes_;
   void* context_;
   std::uint64_t epoch_;
@@ -81,7 +82,7 @@ class Supervisor {
   std::string publish_endpoint_, osc_endpoint_, control_endpoint_;
   std::vector<std::string> source_endpoints_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
-  std::unique_ptr<security::Gatekeeper> gatekeeper_;  // null: nobody is asked for keys
+  std::unique_ptr<security::Gatekeeper> gatekeeper_;  // null: no socket requires keys
   std::unique_ptr<publish::Publisher> publisher_;
   std::unique_ptr<control::ControlSocket> control_;
   std::unique_ptr<record::Recorder> recorder_;  // null: nothing is recorded

@@ -12,13 +12,14 @@ constexpr std::int64_t Nanoseconds(float seconds) {
   return static_cast<std::int64_t>(static_cast<double>(seconds) * 1e9);
 }
 
-// Where loops take their time from: passed in, so that tests move it and never sleep. Any thread.
+// The source of time of every loop. It is passed in, so that a test can advance the time itself and
+// never sleeps. Any thread may call.
 class Clock {
  public:
   virtual ~Clock() = default;
-  // Never goes back; the origin means nothing.
+  // Monotonic nanoseconds: never goes back. The origin is unspecified.
   virtual std::int64_t Now_ns() const noexcept = 0;
-  // Unix time.
+  // Unix time in nanoseconds.
   virtual std::int64_t Wall_ns() const noexcept = 0;
 };
 

@@ -11,12 +11,13 @@
 
 namespace styled::runtime {
 
-// Everything that the daemon counts, by name `folder.event` (Name()). Hostile or late input is
-// never logged where it happens: it is counted here, and the supervisor says once a second which
-// counts of trouble grew.
+// Everything that the daemon counts, each with a name of the form `folder.event` (Name()). Hostile
+// or late input is never logged where it happens. It is counted here, and once a second the
+// supervisor logs which of the trouble counters grew.
 enum class Counter : std::uint8_t {
-  kSourceReceived,  // datagrams and records
-  // In the order of native::DecodeResult from kTooShort on.
+  kSourceReceived,  // datagrams and records that arrived
+  // The next nine are in the order of native::DecodeResult, from kTooShort on; CounterOf() relies
+  // on it.
   kSourceTooShort,
   kSourceTooLong,
   kSourceBadMagic,
@@ -26,118 +27,120 @@ enum class Counter : std::uint8_t {
   kSourceBadReserved,
   kSourceBadKind,
   kSourceNoSession,
-  kSourceMalformed,      // not the message that the header says, or not the rig's protocol
+  kSourceMalformed,      // not the message that the header announces, or not the rig's protocol
   kSourceIncomplete,     // frames, or samples in several datagrams, of which a part is missing
-  kSourceIgnored,        // messages of a rig that say nothing of a pose
+  kSourceIgnored,        // messages of a rig that carry no pose
   kSourceBadName,        // performer's name is not [A-Za-z0-9_-]{1,32}
-  kSourceKernelDropped,  // the socket's buffer was full
-  kSourceRateLimited,    // one sender's, beyond sender_limit_hz; not in kSourceReceived
-  kSourceTakeovers,      // refused: greetings for a live tracker, from another address
-  kSourceTableFull,      // greetings of trackers for which there is no room
+  kSourceKernelDropped,  // datagrams that the kernel dropped because the socket's buffer was full
+  kSourceRateLimited,    // datagrams of a sender beyond sender_limit_hz; not in kSourceReceived
+  kSourceTakeovers,      // refused: handshakes for a live tracker from another address
+  kSourceTableFull,      // handshakes of trackers for which there is no room
   kSourceTcpAccepted,
-  kSourceTcpRefused,   // more connections than max_connections, all of them sending
-  kSourceTcpGaveWay,   // silent ones, closed for a new one where all were taken
-  kSourceTcpSilent,    // closed because no whole record came in time
-  kSourceTcpBroken,    // stream out of step: closed; the reason is counted beside
-  kSourceTcpCutShort,  // closed by the sender within a record
-  kUsbOpened,          // devices, again after each replug
-  kUsbLostDevices,     // unplugged or given up
+  kSourceTcpRefused,   // refused because max_connections connections were open, all of them sending
+  kSourceTcpGaveWay,   // silent connections closed to make room for a new one
+  kSourceTcpSilent,    // closed because no complete record came in time
+  kSourceTcpBroken,    // closed because the stream lost its framing; the reason has its own counter
+  kSourceTcpCutShort,  // closed by the sender in the middle of a record
+  kUsbOpened,          // devices opened, counted again after each replug
+  kUsbLostDevices,     // devices unplugged or given up
   kUsbTransfersFailed,
-  kUsbBadReports,   // no report of the rig, or no record of ours
+  kUsbBadReports,   // not a report of the rig, or not a record of the native protocol
   kUsbRingFull,     // transfers dropped because the pipeline was behind
   kPipelineFrames,  // accepted
   kPipelineBodies,  // accepted, repetitions included
   kPipelineBodyChanges,
   kPipelineBodiesRefused,
   kPipelineBeforeBody,    // frames whose session has sent no body
-  kPipelineUncalibrated,  // frames of a performer whose rig's rest pose nobody knows
-  kPipelineWrongSize,     // frames whose joint count is not the body's
-  kPipelineWrongBody,     // frames that name another body than the last
-  kPipelineDuplicate,     // sequence seen before
-  kPipelineReordered,     // sequence older than the last, not seen before
-  kPipelineFarAhead,      // sequence implausibly far ahead of the last
+  kPipelineUncalibrated,  // frames of a performer whose rig's rest pose is unknown
+  kPipelineWrongSize,     // frames whose joint count differs from the body's
+  kPipelineWrongBody,     // frames that name another body than the last one sent
+  kPipelineDuplicate,     // sequence number seen before
+  kPipelineReordered,     // sequence number older than the last and not seen before
+  kPipelineFarAhead,      // sequence number implausibly far ahead of the last
   kPipelineOldTime,       // source time not after the last frame's
-  kPipelineLost,          // sequence numbers skipped (those that come later as reordered included)
+  kPipelineLost,  // sequence numbers skipped, including those that arrive later as reordered
   kPipelineSecondSender,
-  kPipelineSessions,        // started
-  kPipelineClockJumps,      // sessions started because the sender's clock jumped
-  kPipelineRecounts,        // sessions started because a sender went on from another sequence
-  kPipelineLate,            // frames published with FLAG_LATE
-  kPipelineBacklogDropped,  // frames passed over because a newer one was waiting
+  kPipelineSessions,    // started
+  kPipelineClockJumps,  // sessions started because the sender's clock jumped
+  kPipelineRecounts,    // sessions started because a sender continued from another sequence number
+  kPipelineLate,        // frames published with FLAG_LATE
+  kPipelineBacklogDropped,  // frames skipped because a newer one was waiting
   kPipelineStale,           // frames published with FLAG_STALE
-  kPipelinePerformers,      // now
+  kPipelinePerformers,      // the present number
   kPipelinePerformersRefused,
   kPipelineForgotten,
-  kPipelineNamesReplaced,  // settings that gave way to a performer who came to a full table
-  kPipelineNamesExpired,   // settings of performers who were named and never came
+  kPipelineNamesReplaced,  // stored settings dropped because a new performer arrived at a full
+                           // table
+  kPipelineNamesExpired,   // stored settings dropped because their performer never arrived
   kPipelineCommands,
   kPipelineCues,
-  kPipelinePrewarmed,       // frames that were prepared for
+  kPipelinePrewarmed,       // frames whose data was brought into the caches beforehand
   kPipelineOverBudget,      // cycles longer than a frame's period at 120 Hz
-  kPipelineLongestCycleUs,  // of the last second
-  kPipelineEventsDropped,   // messages to the log that found its ring full
-  kPipelineEventsHeldBack,  // messages to the log beyond the limit of their kind and performer
+  kPipelineLongestCycleUs,  // the longest cycle of the last second, in microseconds
+  kPipelineEventsDropped,   // log messages dropped because their ring was full
+  kPipelineEventsHeldBack,  // log messages held back by the limit per kind and performer
   kPipelineBackwards,       // frames published with FLAG_BACKWARDS
-  kStylistConcealed,        // frames with the flag, as the next five
+  kStylistConcealed,        // published frames with this flag, as for the next five
   kStylistHeld,
   kStylistOutOfDomain,
   kStylistFading,
   kStylistNewSession,
   kStylistFailed,
-  kStylistSteps,  // of the network
+  kStylistSteps,  // steps of the network
   kPublishMessages,
   kPublishFailed,
   kPublishBodies,
-  kPublishSubscriptions,         // now, distinct
-  kPublishSubscriptionsRefused,  // over max_subscriptions, or matching nothing we publish
-  kPublishBadMessages,           // from subscribers, and no subscription
+  kPublishSubscriptions,         // the present number of distinct subscriptions
+  kPublishSubscriptionsRefused,  // over max_subscriptions, or of a topic that is never published
+  kPublishBadMessages,           // messages from subscribers that are not subscriptions
   kControlRequests,
   kControlOsc,
-  kControlRefused,  // answered with any code but CODE_OK; the next three are among them
+  kControlRefused,  // requests answered with any code but CODE_OK; includes the next three
   kControlMalformed,
   kControlTooLarge,
   kControlBusy,
-  kSecurityClients,           // let in, now
-  kSecurityAdmitted,          // handshakes of clients that are
-  kSecurityRefused,           // handshakes with a key that opens nothing here
-  kSecurityHandshakesFailed,  // without a key of ours: no CURVE, or another server's
-  kSecurityCut,               // connections of clients who were revoked
+  kSecurityClients,           // the present number of allowed keys
+  kSecurityAdmitted,          // handshakes with an allowed key
+  kSecurityRefused,           // handshakes with a key that is unknown or has the wrong role
+  kSecurityHandshakesFailed,  // handshakes that failed before the key check: no CURVE, or another
+                              // server's key
+  kSecurityCut,               // connections cut because the client was revoked
   kConfigReloads,
   kConfigReloadsRefused,
   kStateWrites,
   kStateWritesFailed,
-  kRecordOn,        // 1: what arrives is being recorded
+  kRecordOn,        // 1: arriving data is being recorded
   kRecordWritten,   // records in the file
-  kRecordLost,      // records that are not: the disk was slow, full or gone
-  kRecordFailures,  // reasons for that, each said in the log once
+  kRecordLost,      // records that were not written: the disk was slow, full or gone
+  kRecordFailures,  // distinct reasons for lost records, each logged once
   kCount
 };
 
-// The counter of a decoder's refusal (not kOk).
+// The counter of a decoder's refusal. `result` must not be kOk.
 constexpr Counter CounterOf(native::DecodeResult result) {
   return static_cast<Counter>(static_cast<int>(Counter::kSourceTooShort) +
                               static_cast<int>(result) -
                               static_cast<int>(native::DecodeResult::kTooShort));
 }
 
-// "source.bad_checksum".
+// The counter's name, e.g. "source.bad_checksum".
 std::string_view Name(Counter counter) noexcept;
-// Whether growth of it deserves a line in the log.
+// Whether growth of this counter is logged as a warning.
 bool IsTrouble(Counter counter) noexcept;
 
-// The table: always on, lock-free, any thread.
+// The table of counters: always on and lock-free. Any thread may call any function.
 class Counters {
  public:
   STYLED_REALTIME void Add(Counter counter, std::uint64_t amount = 1) noexcept {
     At(counter).fetch_add(amount, std::memory_order_relaxed);
   }
-  // The same, of source `source` (those from 63 on are one).
+  // The same, and marks source `source` as a cause. All sources from 63 on share one mark.
   STYLED_REALTIME void AddOf(int source, Counter counter, std::uint64_t amount = 1) noexcept {
     Add(counter, amount);
     sources_[static_cast<std::size_t>(counter)].fetch_or(
         std::uint64_t{1} << static_cast<unsigned>(std::min(source, 63)), std::memory_order_relaxed);
   }
-  // Of which sources AddOf() counted since the last call: bit i is source i.
+  // The sources that AddOf() marked since the last call: bit i is source i. Clears the marks.
   std::uint64_t TakeSources(Counter counter) noexcept {
     return sources_[static_cast<std::size_t>(counter)].exchange(0, std::memory_order_relaxed);
   }

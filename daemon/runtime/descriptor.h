@@ -6,7 +6,7 @@
 
 namespace styled::runtime {
 
-// Owns a file descriptor; -1: none.
+// Owns a file descriptor and closes it. -1 means none.
 class Descriptor {
  public:
   Descriptor() = default;

@@ -6,12 +6,13 @@
 
 namespace styled::runtime {
 
-// In units of 64 ns, shifted by 16 of them so that the first octave is linear: bucket b of octave o
-// begins at (16 + b) * 2^o - 16 units.
+// The unit is 64 ns. Values are offset by 16 units, so that the first octave is linear: bucket b of
+// octave o begins at (16 + b) * 2^o - 16 units.
 void Histogram::Add(std::int64_t latency_ns) noexcept {
   latency_ns = std::max<std::int64_t>(latency_ns, 0);
   const auto units = static_cast<std::uint64_t>(latency_ns) / 64 + kPerOctave;
-  const int octave = std::max(0, static_cast<int>(std::bit_width(units)) - 5);  // never below 0
+  // `units` is at least 16, whose width is 5, so that max() only guards the sign.
+  const int octave = std::max(0, static_cast<int>(std::bit_width(units)) - 5);
   const auto bucket = static_cast<int>((units >> octave) - kPerOctave);
   const int index = std::min(octave * kPerOctave + bucket, kPerOctave * kOctaves - 1);
   ++buckets_[static_cast<std::size_t>(index)];

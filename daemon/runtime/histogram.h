@@ -7,13 +7,14 @@
 
 namespace styled::runtime {
 
-// Latencies of the last second in fixed buckets: 16 per octave up to a minute, so that a
-// percentile is at most 6 % too high. No allocation; one thread.
+// Latencies since the last Clear() in fixed buckets: 16 per octave, up to a minute, so that a
+// percentile is at most 6 % too high. Larger latencies count in the last bucket. Allocates nothing;
+// one thread.
 class Histogram {
  public:
   STYLED_REALTIME void Add(std::int64_t latency_ns) noexcept;
-  // The latency (us) that `share` (0..1) of the samples do not exceed, as the upper edge of its
-  // bucket; 0 without samples.
+  // The latency in microseconds that a `share` (0..1, clamped) of the samples does not exceed: the
+  // upper edge of its bucket, at most Max_us(). 0 without samples.
   float Percentile_us(float share) const noexcept;
   float Max_us() const noexcept { return static_cast<float>(max_ns_) * 1e-3F; }
   std::uint32_t count() const { return count_; }

@@ -7,7 +7,7 @@
 namespace styled::runtime {
 namespace {
 
-constexpr std::size_t kShown = 128;  // bytes of the text in complaints
+constexpr std::size_t kShown = 128;  // bytes of the text that errors quote
 
 }  // namespace
 

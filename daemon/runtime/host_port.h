@@ -8,8 +8,8 @@
 
 namespace styled::runtime {
 
-// "0.0.0.0:7000" or "[::]:7000"; whether the host is numeric is not checked. Port 0: the system
-// chooses.
+// A parsed "0.0.0.0:7000" or "[::]:7000", the host without brackets. Whether the host is numeric is
+// not checked. Port 0 lets the system choose.
 struct HostPort {
   std::string host;
   std::uint16_t port = 0;

@@ -39,7 +39,8 @@ LogFields::LogFields(std::initializer_list<LogField> fields) { current_fields = 
 
 LogFields::~LogFields() { current_fields.clear(); }
 
-// NAME=value and a line's end; a value of several lines behind its length, 64 bits little-endian.
+// A field is NAME=value and a line feed. A value with line breaks is written as NAME, a line feed,
+// its length as a 64-bit little-endian number, the value and a line feed.
 std::string EncodeEntry(const std::vector<LogField>& fields) {
   std::string entry;
   for (const auto& [name, value] : fields) {

@@ -15,11 +15,12 @@
 
 namespace styled::runtime {
 
-// A name ([A-Z0-9_]) and any value.
+// A field of a journal entry: its name ([A-Z0-9_]) and any value.
 using LogField = std::pair<std::string, std::string>;
 
-// While it lives, what this thread logs carries `fields` in the journal, to be searched by
-// (journalctl STYLED_COUNTER=source.malformed). Other logs do without: the text says it, too.
+// While an object lives, every journal entry of this thread carries `fields`, so that it can be
+// found by them (journalctl STYLED_COUNTER=source.malformed). Logs to stderr do not show the
+// fields, so the message must contain the facts, too. Objects do not nest.
 class LogFields {
  public:
   LogFields(std::initializer_list<LogField> fields);
@@ -31,25 +32,25 @@ class LogFields {
 // One entry of the journal's native protocol.
 std::string EncodeEntry(const std::vector<LogField>& fields);
 
-// Whether descriptor `fd` is what systemd connected to the journal: `journal_stream` is that one's
-// "DEVICE:INODE" ($JOURNAL_STREAM; null: unset).
+// Whether descriptor `fd` is the one that systemd connected to the journal. `journal_stream` is the
+// value of $JOURNAL_STREAM, "DEVICE:INODE"; null when it is unset.
 bool IsJournal(const char* journal_stream, int fd);
 
-// The priority of a level as syslog(3) has them.
+// The syslog(3) priority of a log level.
 int Priority(spdlog::level::level_enum level);
 
-// The longest line of the log, in bytes; the rest is cut off ("...").
+// The longest log message in bytes; the rest is cut off and marked "...".
 inline constexpr std::size_t kLongestLine = 4000;
 
-// Lines for stderr: time, level and text. Here and in the journal, the text is Printable(): what
-// others sent and were quoted with cannot make a second line, colour a terminal or break what reads
-// the log as UTF-8.
+// Formats lines for stderr: time, level and text. Here and in the journal the text is passed
+// through Printable(): quoted input of a peer cannot start another line, colour a terminal, or
+// break a reader that expects UTF-8.
 std::unique_ptr<spdlog::formatter> LineFormatter();
 
 // Logs into the journal by its native protocol: MESSAGE, PRIORITY, SYSLOG_IDENTIFIER, `always` and
-// LogFields. A journal that is behind does not hold up who logs: lines are lost then, and the next
-// one that gets through says how many (STYLED_LINES_LOST). Where there is no such socket, lines go
-// to stderr behind <PRIORITY>, which the journal understands, too.
+// LogFields. Sending never blocks: while the journal is behind, lines are lost, and the next line
+// that gets through carries their number (STYLED_LINES_LOST). Where the journal's socket does not
+// exist, lines go to stderr with the prefix <PRIORITY>, which the journal understands, too.
 class JournalSink final : public spdlog::sinks::base_sink<std::mutex> {
  public:
   explicit JournalSink(std::vector<LogField> always,

@@ -14,8 +14,8 @@
 namespace styled::runtime {
 namespace {
 
-// What follows a line's end would be another message to systemd; too long a one would be refused
-// whole, and READY=1 with it.
+// Text after a line break would be another message to systemd. systemd refuses a message that is
+// too long as a whole, including its READY=1.
 std::string OneLine(std::string_view text) {
   constexpr std::size_t kLongest = 1000;  // bytes; more than `systemctl status` shows
   std::string line(text);
@@ -56,7 +56,8 @@ void Notifier::Send(const std::string& message, int flags) {
   to.sun_family = AF_UNIX;
   std::memcpy(to.sun_path, address_.data(), address_.size());
   if (to.sun_path[0] == '@') to.sun_path[0] = '\0';
-  // An abstract name ends where its length says, a path where it did before: without a zero.
+  // The length excludes any terminating zero: an abstract name ends at its length, and a path of
+  // that length is accepted, too.
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size());
   [[maybe_unused]] const auto sent =
       sendto(socket_.get(), message.data(), message.size(), MSG_NOSIGNAL | flags,

@@ -8,37 +8,40 @@
 
 namespace styled::runtime {
 
-// Tells the service manager how it goes: sd_notify(3)'s datagrams, which are so little that a
-// library for them would be more. Without a manager, or where its socket cannot be reached, all of
-// it does nothing. Lines break messages apart: those of `text` become spaces. One thread.
+// Reports the daemon's state to the service manager with the datagrams of sd_notify(3), which are
+// simple enough to need no library. Without a manager, or where its socket cannot be reached, every
+// call does nothing. A line break would end a message, so line breaks in `text` become spaces. One
+// thread.
 class Notifier {
  public:
-  // `address` as in $NOTIFY_SOCKET: a path, or @ and an abstract name; "" = no manager.
+  // `address` has the form of $NOTIFY_SOCKET: a path, or '@' and an abstract name. "" means that
+  // there is no manager.
   explicit Notifier(const std::string& address);
   static Notifier FromEnvironment();
 
   void Ready(std::string_view text);
-  // Ready() follows, whether the reload was a success or not.
+  // Call Ready() afterwards, whether the reload succeeded or not.
   void Reloading(std::int64_t now_ns);  // CLOCK_MONOTONIC
   void Stopping();
-  void Say(std::string_view text);  // the status line of `systemctl status`
-  void Alive();                     // to the manager's watchdog
+  void Say(std::string_view text);  // sets the status line of `systemctl status`
+  void Alive();                     // feeds the manager's watchdog
 
  private:
-  // Where the manager is behind, what is said again and again is dropped (MSG_DONTWAIT), the rest
-  // waits for a second at most.
+  // Periodic messages are sent with MSG_DONTWAIT and dropped when the manager is behind. All others
+  // wait for at most a second.
   void Send(const std::string& message, int flags = 0);
 
   std::string address_;
   Descriptor socket_;
 };
 
-// Passes on that a thread lives, by a number that the thread counts up as it turns. The manager's
-// watchdog is fed only when that number moved since the last look, so that a hung thread has the
-// process restarted although the one that looks is well.
+// Feeds the manager's watchdog on behalf of another thread. That thread increments a number each
+// time its loop turns; the watchdog is fed only when the number has changed since the last call of
+// Look(). A hung thread therefore leads to a restart of the process even when the caller of Look()
+// is well.
 class Watchdog {
  public:
-  // `asked`: the manager has a watchdog. All of it outlives this.
+  // `asked`: the manager has a watchdog. `notifier` must outlive this object.
   Watchdog(Notifier& notifier, bool asked) : notifier_(notifier), asked_(asked) {}
   bool asked() const { return asked_; }
   void Look(std::uint64_t turns);
@@ -49,7 +52,8 @@ class Watchdog {
   std::uint64_t seen_ = 0;
 };
 
-// Whether $WATCHDOG_USEC and $WATCHDOG_PID (null: unset) ask process `pid` to feed a watchdog.
+// Whether $WATCHDOG_USEC and $WATCHDOG_PID (null when unset) require process `pid` to feed a
+// watchdog.
 bool WatchdogAsked(const char* usec, const char* watchdog_pid, int pid);
 
 }  // namespace styled::runtime

@@ -7,14 +7,14 @@
 
 namespace styled::runtime {
 
-// Bounded ring between two threads: one pushes, one pops. Neither ever waits, and nothing is
-// allocated by the ring; what travels is moved. Capacity is a power of two.
+// Bounded ring between two threads, one producer and one consumer. Neither side ever waits. The
+// ring allocates nothing; values are moved in and out. Capacity is a power of two.
 template <typename T, std::size_t Capacity>
 class Ring {
   static_assert(Capacity > 0 && (Capacity & (Capacity - 1)) == 0);
 
  public:
-  // False, and `value` untouched, when full. Producer thread only.
+  // Returns false and leaves `value` untouched when the ring is full. Producer thread only.
   bool Push(T&& value) noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head - tail_.load(std::memory_order_acquire) == Capacity) return false;
@@ -23,7 +23,7 @@ class Ring {
     return true;
   }
 
-  // False, and `value` untouched, when empty. Consumer thread only.
+  // Returns false and leaves `value` untouched when the ring is empty. Consumer thread only.
   bool Pop(T& value) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_.load(std::memory_order_acquire)) return false;

@@ -37,7 +37,8 @@ Result<Descriptor> BindSocket(int type, const std::string& address, int receive_
   if (type == SOCK_STREAM) {
     setsockopt(socket_fd.get(), SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
   }
-  // As root past the system's limit; else as far as that allows.
+  // SO_RCVBUFFORCE exceeds the system's limit but needs privileges; SO_RCVBUF stays within the
+  // limit.
   if (setsockopt(socket_fd.get(), SOL_SOCKET, SO_RCVBUFFORCE, &receive_buffer_bytes,
                  sizeof receive_buffer_bytes) != 0) {
     setsockopt(socket_fd.get(), SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes,

@@ -10,13 +10,13 @@
 
 namespace styled::runtime {
 
-// A bound, non-blocking socket. `address` is numeric HOST:PORT; `type` SOCK_DGRAM or SOCK_STREAM.
-// Errors name the address and say when another process has the port.
+// Opens and binds a non-blocking socket. `address` is a numeric HOST:PORT; `type` is SOCK_DGRAM or
+// SOCK_STREAM. Errors name the address and say when another process holds the port.
 Result<Descriptor> BindSocket(int type, const std::string& address, int receive_buffer_bytes);
 
-// "127.0.0.1:43211" of a bound socket.
+// The local address of a bound socket, e.g. "127.0.0.1:43211".
 std::string BoundAddress(int fd);
-// The same of an address that a socket gave; "an unknown address" where it is none.
+// The same text for an address that a socket call returned; "an unknown address" if it is not one.
 std::string AddressText(const sockaddr_storage& address, socklen_t size);
 
 }  // namespace styled::runtime

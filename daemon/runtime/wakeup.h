@@ -2,9 +2,9 @@
 
 namespace styled::runtime {
 
-// Lets one thread end another's wait: an eventfd to poll for reading. Signal() from any thread,
-// Clear() by the waiting one. Neither blocks. Throws std::runtime_error when the system has no
-// descriptor left at construction.
+// Lets one thread end another thread's wait: an eventfd that the waiting thread polls for reading.
+// Any thread may call Signal(), the waiting thread calls Clear(). Neither blocks. The constructor
+// throws std::runtime_error when the system has no descriptor left.
 class Wakeup {
  public:
   Wakeup();

@@ -12,7 +12,8 @@
 
 namespace styled::runtime {
 
-// Beside the socket, which libzmq removes and makes anew.
+// The lock is a file beside the socket, because libzmq removes the socket's file and makes a new
+// one.
 Status ZmqSocket::LockPath(const std::string& path, const std::string& place) {
   const std::string file = path + ".lock";
   lock_ = Descriptor(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
@@ -24,7 +25,7 @@ Status ZmqSocket::LockPath(const std::string& path, const std::string& place) {
   return Status::Error(place + "in use (another styled?)");
 }
 
-// The file has its mode from its first moment on.
+// The umask gives the file its final mode at creation, so that nobody can connect before a chmod.
 bool ZmqSocket::BindIpc(const std::string& address, const IpcAccess& ipc) {
   for (const uid_t user : ipc.users) {
     if (zmq_setsockopt(socket_, ZMQ_IPC_FILTER_UID, &user, sizeof user) != 0) return false;
@@ -45,7 +46,8 @@ Status ZmqSocket::Bind(const std::string& address, const std::string& key, std::
   bool done = false;
   if (address.starts_with("ipc://")) {
     const std::string path = address.substr(6);
-    // Before the lock's file is made beside it; and once more, now that no other daemon has it.
+    // CheckKind runs before the lock file is created beside the path. CheckFree runs once the lock
+    // guarantees that no other daemon uses the path.
     if (Status status = ipc::CheckKind(path); !status.ok()) {
       return Status::Error(place + status.message());
     }

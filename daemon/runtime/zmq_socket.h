@@ -14,13 +14,13 @@
 
 namespace styled::runtime {
 
-// Who may connect to an ipc:// address.
+// Which users may connect to an ipc:// address.
 struct IpcAccess {
   mode_t mode = 0600;        // of the socket's file
-  std::vector<uid_t> users;  // empty: all whom the mode lets in
+  std::vector<uid_t> users;  // empty: every user whom the mode permits
 };
 
-// Owns a ZeroMQ socket; one thread at a time.
+// Owns a ZeroMQ socket. One thread at a time may use it.
 class ZmqSocket {
  public:
   ZmqSocket() = default;
@@ -43,7 +43,7 @@ class ZmqSocket {
   bool Set(int option, std::int64_t value) {
     return zmq_setsockopt(socket_, option, &value, sizeof value) == 0;
   }
-  // What `option` (int) holds; 0 on failure.
+  // The value of the int option `option`; 0 on failure.
   int Get(int option) const {
     int value = 0;
     std::size_t size = sizeof value;
@@ -51,11 +51,12 @@ class ZmqSocket {
     return value;
   }
 
-  // Binds `address` (port 0: any) and writes the endpoint bound. An ipc path is locked first:
-  // libzmq would silently take it from a daemon that runs. What is there and is no socket, or one
-  // at which another program listens, is refused and left alone; a socket that a dead daemon left
-  // is replaced. `key` names the address in errors. At start-up, while no other thread makes files:
-  // the process' umask is another for a moment.
+  // Binds `address` (port 0: any free one) and writes the bound address to `endpoint`. An ipc path
+  // is locked first, because libzmq would silently take it away from a running daemon. The call
+  // refuses a path that holds anything but a socket, or a socket at which another program listens,
+  // and leaves it alone. It replaces a socket that a dead daemon left behind. Errors begin with
+  // `key`. Call at start-up, while no other thread creates files: the process' umask changes for a
+  // moment.
   Status Bind(const std::string& address, const std::string& key, std::string& endpoint,
               const IpcAccess& ipc = {});
 
