@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kTcp = "tcp://";
 constexpr std::string_view kIpc = "ipc://";
-constexpr std::size_t kShown = 128;  // bytes of an address in complaints; a path has up to 107
+constexpr std::size_t kShown = 128;  // bytes of an address that errors quote; a path has up to 107
 
 bool StartsWith(std::string_view text, std::string_view prefix) {
   return text.substr(0, prefix.size()) == prefix;
@@ -56,7 +56,7 @@ bool IsLocal(std::string_view endpoint) {
   if (!parsed.ok()) return false;
   const std::string& host = parsed.value().host;
   if (host == "localhost" || host == "::1") return true;
-  // 127.0.0.0/8, digits and dots only: "127.evil.example" is a name.
+  // 127.0.0.0/8, digits and dots only: "127.evil.example" is a host name.
   return StartsWith(host, "127.") && host.find_first_not_of("0123456789.") == std::string::npos;
 }
 
@@ -67,7 +67,8 @@ Status CheckEndpoint(std::string_view endpoint) {
     return Status::Error("\"" + Printable(endpoint, kShown) +
                          "\": the path must have 1 to 107 characters");
   }
-  // libzmq writes "any port" as *; we take 0 like everywhere else.
+  // Port 0 means any port, as everywhere in the configuration; ZmqSocket::Bind() writes it as
+  // libzmq's *.
   if (StartsWith(endpoint, kTcp)) {
     const auto parsed = runtime::ParseHostPort(endpoint.substr(kTcp.size()));
     if (parsed.ok() && parsed.value().host == "localhost") {

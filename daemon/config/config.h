@@ -15,11 +15,11 @@
 #include "model/rig/dialects.h"
 #include "model/stylist/settings.h"
 
-// All that can be configured, one struct; styled.toml beside this file is its manual and says for
-// each key the unit, the range and the reason. Values here are the defaults.
+// The whole configuration as one struct. The manual is styled.toml beside this file: it gives unit,
+// range and reason of each key. The values here are the defaults.
 namespace styled::config {
 
-// Body part that a tracker without a skeleton of its own is worn on.
+// The body part that carries a tracker which has no skeleton of its own.
 struct Tracker {
   std::string id;    // as the rig names it, e.g. a MAC address
   std::string part;  // a joint of the canonical humanoid
@@ -27,43 +27,44 @@ struct Tracker {
 };
 
 struct Source {
-  std::string name = "rig";    // [A-Za-z0-9_-]{1,32}
+  std::string name = "rig";    // [A-Za-z0-9_-]{1,32}; performers are called NAME.PERFORMER
   std::string type = "udp";    // kSourceTypes
-  std::string listen;          // HOST:PORT; "" = the type's usual port, on every interface
-  std::string performer = {};  // of rigs that do not name theirs; "" = the source's name
-  std::string up = "auto";     // the rig's vertical axis where it is a switch: "auto", "y" or "z"
-  // OptiTrack's server, its stream and the network interface it comes in by.
+  std::string listen;          // HOST:PORT; "" = the type's default port, on every interface
+  std::string performer = {};  // for rigs that do not name their performers; "" = the source's name
+  // The rig's vertical axis, for rigs that have a switch for it: "auto", "y" or "z".
+  std::string up = "auto";
+  // OptiTrack's server, its multicast group, and the network interface that receives it.
   std::string server = {}, group = "239.255.42.99", interface = {};
   bool multicast = true;
-  std::string coordinates = "auto";  // bones relative to "global", "local" or what "auto" finds
+  std::string coordinates = "auto";  // bones relative to "global", "local" or as "auto" detects
   std::vector<Tracker> trackers = {};
-  rig::JointNames joints = {};  // by hand, where their names do not say whose they are
-  float rate_hz = 100;          // of the frames made of trackers that have no common clock
-  float delay_s = 0;            // by which frames wait so that bursts leave evenly; 0 = none
+  rig::JointNames joints = {};  // joint names set by hand, for rigs whose names are not recognized
+  float rate_hz = 100;          // of frames assembled from trackers that have no common clock
+  float delay_s = 0;  // time by which frames are delayed so that bursts leave evenly; 0 = none
   int receive_buffer_bytes = 4 << 20;
   int max_connections = 64;      // tcp
-  std::string usb_id = {};       // "1209:7690"; "" = any receiver (not of type usb)
-  std::string serial = {};       // of the one USB device; "" = all
-  int sender_limit_hz = 100000;  // datagrams of one address; 0 = any number
+  std::string usb_id = {};       // "1209:7690"; "" = any SlimeVR receiver (type usb requires an id)
+  std::string serial = {};       // serial number of the one USB device to open; "" = all
+  int sender_limit_hz = 100000;  // most datagrams a second of one address; 0 = no limit
   friend bool operator==(const Source&, const Source&) = default;
 };
 
-// A further skeleton that styled motion is published on.
+// A further skeleton onto which the styled motion is retargeted and published.
 struct Output {
   std::string name;                     // the topic: styled/<performer>/<name>/
   std::string avatar;                   // file: .vrm, .glb, .gltf or .bvh
-  std::string dialect = "auto";         // of a BVH
-  rig::JointNames joints;               // by hand
+  std::string dialect = "auto";         // dialect of a BVH file
+  rig::JointNames joints;               // joint names set by hand
   std::vector<std::string> performers;  // ids; empty = all
-  std::string place;                    // file:line, for complaints
+  std::string place;                    // file:line, for errors
 };
 
-// How a source of a type listens; by name in source.type.
+// How a type of source receives its data; source.type selects a row by name.
 struct SourceType {
   std::string_view name;
   bool stream = false;             // TCP
-  std::string_view usual_address;  // where nothing is said; "" = must be said
-  bool usb = false;                // no address at all
+  std::string_view usual_address;  // default of source.listen; "" = the key is required
+  bool usb = false;                // a USB device: no address at all
 };
 inline constexpr std::array<SourceType, 11> kSourceTypes{{
     {"udp", false, ""},
@@ -80,10 +81,10 @@ inline constexpr std::array<SourceType, 11> kSourceTypes{{
 }};
 const SourceType* FindSourceType(std::string_view name) noexcept;
 
-// Who may connect to an ipc:// address.
+// Which users may connect to an ipc:// address.
 struct Ipc {
-  int mode = 0600;                 // of the socket's file; connecting takes the right to write
-  std::vector<std::string> users;  // names or numbers; empty = whom the mode lets in
+  int mode = 0600;  // mode of the socket's file; connecting requires the right to write
+  std::vector<std::string> users;  // names or numbers; empty = every user whom the mode permits
   friend bool operator==(const Ipc&, const Ipc&) = default;
 };
 
@@ -104,14 +105,14 @@ struct Control {
   friend bool operator==(const Control&, const Control&) = default;
 };
 
-// Keys of those who come from other machines: daemon/security/README.md.
+// Keys of clients on other machines: daemon/security/README.md.
 struct Security {
-  std::string keys;  // folder; "" = there are none
+  std::string keys;  // folder; "" = no keys
   friend bool operator==(const Security&, const Security&) = default;
 };
 
 struct Model {
-  std::string weights;  // "" = as shipped
+  std::string weights;  // "" = the shipped weights
   stylist::Options stylist;
 };
 
@@ -134,10 +135,10 @@ struct Style {
 struct Preset {
   std::string name;
   std::vector<std::pair<std::string, float>> mix;  // style or alias, weight
-  std::string place;                               // file:line, for complaints
+  std::string place;                               // file:line, for errors
 };
 
-// A change of style that is ready to be fired: by its name, or by the performers' timecode.
+// A prepared change of style, fired by its name or by the performers' timecode.
 struct Cue {
   std::string name;
   std::string at;               // "HH:MM:SS:FF"; "" = by name only
@@ -147,7 +148,7 @@ struct Cue {
   bool clear = false, panic = false;
   std::optional<float> strength, transition_s;
   std::string only, input_style;
-  std::string place;  // file:line, for complaints
+  std::string place;  // file:line, for errors
 };
 
 // Open Sound Control, for consoles and control surfaces.
@@ -196,51 +197,52 @@ struct Config {
   Record record;
   Log log;
   Realtime realtime;
-  // Where a key was said, for complaints: "source.0.listen" is at "stage.toml:12" or at
-  // "STYLED_PUBLISH_ADDRESS". Keys that have their default are not there.
+  // Where each key was set, for errors: "source.0.listen" was set at "stage.toml:12" or by
+  // "STYLED_PUBLISH_ADDRESS". Keys with their default value are absent.
   std::map<std::string, std::string, std::less<>> places;
 };
 
-// A larger file is refused: the manual with all its comments has 13 KiB. It also bounds what a
-// reload, beside a running show, takes of time and memory.
+// A larger file is refused: the manual with all its comments has 13 KiB. The limit also bounds the
+// time and memory of a reload during a show.
 inline constexpr std::size_t kMaxFileBytes = 1 << 20;
-// The most of [[source]], of [[output]], of [[cue]] and of presets each. Some of the checks compare
-// each with each; so many take milliseconds.
+// The most entries of each of [[source]], [[output]], [[cue]] and [presets]. Some checks compare
+// every pair; with this many entries they take milliseconds.
 inline constexpr std::size_t kMaxEntries = 4096;
 
 // One setting from the command line ("section.key=value") or the environment.
 struct Override {
   std::string key;    // "publish.address", "source.0.listen"
-  std::string value;  // as TOML; what is no TOML is taken as a string
-  std::string place;  // "--set publish.address" or "STYLED_PUBLISH_ADDRESS", for complaints
+  std::string value;  // as TOML; text that is not valid TOML is used as a string
+  std::string place;  // "--set publish.address" or "STYLED_PUBLISH_ADDRESS", for errors
 };
 
-// STYLED_<SECTION>_<KEY> of `environment` ("NAME=value" strings, ended by null). Other names that
-// begin with STYLED_ are not ours to judge, unless a section's name follows: then the key must
-// exist.
+// Reads STYLED_<SECTION>_<KEY> from `environment` ("NAME=value" strings, ended by null). A name
+// with a known section must have a known key, otherwise the result is an error. Other names that
+// begin with STYLED_ are ignored.
 Result<std::vector<Override>> EnvironmentOverrides(const char* const* environment);
-// "section.key=value".
+// Parses "section.key=value".
 Result<Override> ParseOverride(const std::string& text);
 
-// The defaults, then `file` ("" = none), then `overrides` in order, then Validate. Errors name
-// file, line, key, what was expected and, for an unknown key, the nearest known one. Whatever is in
-// the file's place - a pipe, a device, 100,000 nested tables, no text at all - gives an error.
-// Start-up and reload only; allocates; any thread.
+// Applies the defaults, then `file` ("" = none), then `overrides` in order, then Validate. Errors
+// name file, line, key, the expected value and, for an unknown key, the nearest known one. Any
+// content in place of the file (a pipe, a device, 100,000 nested tables, binary data) gives an
+// error. Start-up and reload only; allocates; any thread.
 Result<Config> Load(const std::string& file, const std::vector<Override>& overrides);
-// The same of a file's text; `name` is what complaints call it.
+// The same for the text of a file; errors call it `name`.
 Result<Config> Parse(const std::string& text, const std::string& name,
                      const std::vector<Override>& overrides);
 
-// The rules that span keys: at least one source, no port twice, loopback unless allowed, presets as
-// the control socket would accept them (style names are checked against the weights, by the
-// supervisor). Errors begin with the key.
+// Checks the rules that span keys: at least one source, no address twice, only loopback addresses
+// unless allowed, presets as the control socket would accept them. The style names are checked
+// later, against the weights. Errors begin with the key.
 Status Validate(const Config& config);
 
-// Whether a socket at `address` asks for keys: it is not local, there are keys, and no word says
-// that everybody may come in.
+// Whether a socket at `address` requires keys: the address is not local, a folder of keys is
+// configured, and unauthenticated clients are not allowed.
 bool AsksForKeys(const Config& config, std::string_view address, bool allow_unauthenticated_remote);
 
-// The performer and source name rule of WIRE.md, and SOURCE.NAME, both parts by it.
+// IsName: the rule for names of performers and sources (WIRE.md). IsPerformerId: SOURCE.NAME, where
+// both parts are such names.
 bool IsName(std::string_view text) noexcept;
 bool IsPerformerId(std::string_view text) noexcept;
 

@@ -12,17 +12,17 @@ std::string Shown(const toml::node& node) {
   if (const auto* number = node.as_floating_point()) return NumberText(number->get());
   std::ostringstream text;
   node.visit([&text](const auto& value) { text << value; });
-  constexpr std::size_t kLongest = 200;  // enough to recognize it by
+  constexpr std::size_t kLongest = 200;  // enough to recognize the value
   return Printable(text.str(), kLongest);
 }
 
-constexpr std::size_t kLongestName = 64;  // bytes; of a key, joint or style, in complaints
+constexpr std::size_t kLongestName = 64;  // bytes of a key, joint or style that errors quote
 
 Status Expected(const std::string& what, const toml::node& node) {
   return Status::Error("expected " + what + ", found " + Shown(node));
 }
 
-// A number in [low, high] of the file's unit; the struct holds it times `factor`.
+// A number in [low, high], in the file's unit. The struct holds the number times `factor`.
 template <typename T, typename Field>
 Key<T> Float(std::string_view name, double low, double high, double factor, Field field) {
   return {name, [=](const toml::node& node, T& out) {
@@ -103,7 +103,7 @@ Section ModelSection() {
        Float<C>("jump_m", 0.1, 100, 1, STYLED_FIELD(model.stylist.jump_m)),
        Integer<C>("jump_accept_frames", 1, 1000, STYLED_FIELD(model.stylist.jump_accept_frames)),
        Float<C>("out_of_domain_begin_rad", 0, 4, 1, begin),
-       Float<C>("foreign_begin_rad", 0, 4, 1, begin),  // what it was called once
+       Float<C>("foreign_begin_rad", 0, 4, 1, begin),  // former name of the key
        Float<C>("out_of_domain_end_rad", 0, 4, 1, end),
        Float<C>("foreign_end_rad", 0, 4, 1, end),
        Float<C>("out_of_domain_fade_ms", 0, 10000, kMs, fade),
@@ -136,7 +136,7 @@ Section PerformersSection() {
            Float<C>("backlog_ms", 1, 10000, kMs, STYLED_FIELD(performers.backlog_s))}};
 }
 
-// "0660", as of chmod.
+// An octal file mode as for chmod, e.g. "0660".
 template <typename Field>
 Key<Config> Mode(std::string_view name, Field field) {
   return {name, [=](const toml::node& node, Config& out) {
@@ -150,7 +150,7 @@ Key<Config> Mode(std::string_view name, Field field) {
           }};
 }
 
-// ["anna", 1001]
+// A list of users, e.g. ["anna", 1001].
 template <typename Field>
 Key<Config> Users(std::string_view name, Field field) {
   return {
@@ -268,6 +268,7 @@ Status ReadPerformers(const toml::node& node, Output& output) {
   return Status::Ok();
 }
 
+// Levenshtein distance; one row of the matrix suffices, with the diagonal neighbour saved.
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;

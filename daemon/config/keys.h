@@ -11,7 +11,8 @@
 
 namespace styled::config {
 
-// One key of a section: reads its TOML node into the struct, or says what was expected there.
+// One key of a section. `read` converts its TOML node into the struct, or returns what was
+// expected.
 template <typename T>
 struct Key {
   std::string_view name;
@@ -23,8 +24,8 @@ struct Section {
   std::vector<Key<Config>> keys;
 };
 
-// The tables that loading, the environment and the complaints share. [[source]], [[output]] and
-// [[cue]] have tables of their own; [presets] has free keys.
+// The tables of all keys, shared by the loader, the environment and error messages. [[source]],
+// [[output]] and [[cue]] have tables of their own; [presets] has free keys.
 const std::vector<Section>& Sections();
 const std::vector<Key<Source>>& SourceKeys();
 const std::vector<Key<Output>>& OutputKeys();
@@ -34,12 +35,13 @@ inline constexpr std::string_view kOutputSection = "output";
 inline constexpr std::string_view kCueSection = "cue";
 inline constexpr std::string_view kPresetsSection = "presets";
 
-// Reads { style = weight, ... }.
+// Parses { style = weight, ... }; weights are 0 to 1.5.
 Status ReadMix(const toml::node& node, std::vector<std::pair<std::string, float>>& out);
-// Reads the value of presets.NAME: { style = weight, ... }.
+// Parses the value of presets.NAME: { style = weight, ... }.
 Status ReadPreset(const toml::node& node, Preset& preset);
 
-// ", nearest is \"x\"" for the candidate closest to `text` by edit distance; "" when none is near.
+// Returns ", nearest is \"x\"" for the candidate closest to `text` by edit distance, or "" when
+// none is close.
 std::string Nearest(std::string_view text, const std::vector<std::string_view>& candidates);
 
 }  // namespace styled::config

@@ -11,7 +11,7 @@
 namespace styled::config {
 namespace {
 
-// Where a node stands: "styled.toml:12", or the override's place.
+// The place of a node for errors: "styled.toml:12", or the override's place.
 std::string Place(const toml::node& node, const std::string& origin, bool is_file) {
   if (!is_file) return origin;
   return origin + ":" + std::to_string(node.source().begin.line);
@@ -22,11 +22,11 @@ struct Layer {
   bool is_file = true;
 
   Status Refuse(const toml::node& node, const std::string& key, const std::string& what) const {
-    constexpr std::size_t kLongestKey = 100;  // longer than any that is known
+    constexpr std::size_t kLongestKey = 100;  // longer than any known key
     return Status::Error(Place(node, origin, is_file) + ": " + Printable(key, kLongestKey) + ": " +
                          what);
   }
-  // Remembers where the key was said.
+  // Remembers where the key was set.
   void Note(const toml::node& node, const std::string& key, Config& config) const {
     config.places.insert_or_assign(key, Place(node, origin, is_file));
   }
@@ -100,7 +100,7 @@ Status ApplySources(const Layer& layer, const toml::node& node, Config& config) 
   return Status::Ok();
 }
 
-// [[name]] tables: each into an element of `out`, which they replace.
+// Reads the [[name]] tables into `out`, one element each, in place of the former elements.
 template <typename T>
 Status ApplyTables(const Layer& layer, std::string_view section, const std::vector<Key<T>>& keys,
                    const toml::node& node, Config& config, std::vector<T>& out) {
@@ -173,7 +173,7 @@ Status ApplyText(const std::string& text, const std::string& name, Config& confi
   return Status::Ok();
 }
 
-// "x=7" as TOML, else as the string that it is.
+// `value` as TOML. Text that does not parse becomes a string.
 toml::table ValueTable(const std::string& value) {
   try {
     return toml::parse("value = " + value + "\n");
@@ -227,7 +227,8 @@ Status ApplyOverride(const Override& override_, Config& config) {
                       "unknown section" + Nearest(section, Names(Sections())));
 }
 
-// Where the key that a complaint begins with was said, else where its table is, else `otherwise`.
+// The place of the key with which `complaint` begins, else the place of its table, else
+// `otherwise`.
 std::string PlaceOf(const Config& config, std::string_view complaint,
                     const std::string& otherwise) {
   std::string_view key = complaint.substr(0, complaint.find(": "));

@@ -13,12 +13,12 @@
 namespace styled::config {
 namespace {
 
-// An interface's name, or an IPv4 address that one of them has.
+// Whether `text` is the name of an interface, or an IPv4 address of one.
 bool IsInterface(const std::string& text) {
   in_addr wanted{};
   if (inet_pton(AF_INET, text.c_str(), &wanted) != 1) return if_nametoindex(text.c_str()) != 0;
   ifaddrs* all = nullptr;
-  if (getifaddrs(&all) != 0) return true;  // not known
+  if (getifaddrs(&all) != 0) return true;  // unknown: no warning
   bool found = wanted.s_addr == INADDR_ANY;
   for (const ifaddrs* i = all; i != nullptr; i = i->ifa_next) {
     if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET) continue;
@@ -48,7 +48,7 @@ Status CheckRecordFolder(const std::string& file) {
   if (file.empty()) return Status::Ok();
   namespace fs = std::filesystem;
   std::error_code error;
-  // The nearest that is there; of a pattern's folders the last is made at the start.
+  // The nearest existing folder. The recorder creates the missing folders at its start.
   fs::path folder = fs::absolute(file, error);
   if (!fs::is_directory(folder, error)) folder = folder.parent_path();
   while (!fs::exists(folder, error) && folder != folder.parent_path()) {

@@ -7,10 +7,10 @@
 
 namespace styled::config {
 
-// What of a configuration only the machine can tell, for --check-config: warnings of what may come
-// later (an interface that is not there), an error for what will not (a recording's folder that
-// cannot be made). Reads the machine's interfaces and folders, changes nothing.
-// Pinned by tests/unit/daemon/config_test.cpp.
+// Checks that depend on the machine, for --check-config. Warnings concern what may appear later (a
+// missing network interface), the error what will fail at the start (a recording folder that cannot
+// be created). Reads the machine's interfaces and folders, changes nothing. Pinned by
+// tests/unit/daemon/config_test.cpp.
 std::vector<std::string> MissingInterfaces(const Config& config);
 Status CheckRecordFolder(const std::string& file);
 

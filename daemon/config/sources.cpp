@@ -14,10 +14,10 @@
 namespace styled::config {
 namespace {
 
-// In complaints: names have at most 32 bytes, ids 65, and numeric addresses less.
+// For errors. Names have at most 32 bytes, ids 65, and numeric addresses fewer.
 std::string Shown(std::string_view text) { return Printable(text, 80); }
 
-// `place`: "source.0.".
+// `place` is the prefix of errors, e.g. "source.0.".
 Status CheckUsb(const Source& source, const std::string& place) {
   if (!source.listen.empty()) {
     return Status::Error(place + "listen: a source of type \"" + source.type +

@@ -11,7 +11,7 @@
 namespace styled::config {
 namespace {
 
-// In complaints: names have at most 32 bytes, ids 65, and numeric addresses less.
+// For errors. Names have at most 32 bytes, ids 65, and numeric addresses fewer.
 std::string Shown(std::string_view text) { return Printable(text, 80); }
 
 bool IsStream(const Source& source) { return FindSourceType(source.type)->stream; }
@@ -42,7 +42,7 @@ Status CheckOutputs(const std::vector<Output>& outputs) {
   return Status::Ok();
 }
 
-// `section`: Publish or Control.
+// `section` is a Publish or a Control.
 template <typename Socket>
 Status CheckSocket(const Config& config, const std::string& name, const Socket& section,
                    const std::string& who) {
@@ -79,7 +79,7 @@ Status CheckCues(const std::vector<Cue>& cues) {
   return Status::Ok();
 }
 
-// "" is off.
+// An empty address turns OSC off.
 Status CheckOsc(const Osc& osc) {
   if (osc.listen.empty()) return Status::Ok();
   const auto address = runtime::ParseHostPort(osc.listen);
@@ -95,13 +95,13 @@ Status CheckOsc(const Osc& osc) {
                        "osc.allow_unauthenticated_remote = true");
 }
 
-// An address that is listened at.
+// An address at which the daemon listens.
 struct Listener {
-  std::string key;       // of the configuration
+  std::string key;       // the configuration's key
   std::string address;   // as it is configured
   bool stream = false;   // TCP; else UDP
-  runtime::HostPort at;  // of ipc:// the path, and port 0
-  bool shares = false;   // asks the system for a port that other sockets have, too (SO_REUSEADDR)
+  runtime::HostPort at;  // for ipc:// the path with port 0
+  bool shares = false;   // the socket shares its port with others (SO_REUSEADDR)
 };
 
 void AddSocket(const std::string& key, const std::string& address, std::vector<Listener>& all) {
@@ -128,8 +128,8 @@ std::vector<Listener> Listeners(const Config& config) {
   return all;
 }
 
-// Whether the system, or libzmq, would refuse the second one. An address of all interfaces takes
-// the port of each of the same family.
+// Whether the system, or libzmq, would refuse to bind the second one. An all-interfaces address
+// occupies the port on every interface of the same family.
 bool Clash(const Listener& a, const Listener& b) {
   if (a.stream != b.stream || a.at.port != b.at.port) return false;
   if (a.address == b.address) return a.at.port != 0 || a.address.starts_with("ipc://");
@@ -142,14 +142,14 @@ bool Clash(const Listener& a, const Listener& b) {
   return a.at.host == b.at.host || is_all(a.at.host) || is_all(b.at.host);
 }
 
-// After the checks of each address.
+// Requires that each address was checked before.
 Status CheckClashes(const Config& config) {
   const auto all = Listeners(config);
   const auto is_said = [&](const Listener& l) { return config.places.contains(l.key); };
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       if (!Clash(all[i], all[k])) continue;
-      // The one that somebody wrote is to change, the later one if they wrote both.
+      // Blame the address that was set explicitly; the later one if both were.
       const bool first = is_said(all[k]) && !is_said(all[i]);
       const Listener& wrong = first ? all[k] : all[i];
       const Listener& other = first ? all[i] : all[k];

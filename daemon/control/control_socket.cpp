@@ -11,8 +11,8 @@ namespace {
 using runtime::Counter;
 
 constexpr int kPerCycle = 16;
-constexpr int kMaxInFlight = 32;      // half of what the rings hold
-constexpr std::size_t kMaxParts = 4;  // kept of a message; more are read and dropped
+constexpr int kMaxInFlight = 32;      // half of the rings' capacity
+constexpr std::size_t kMaxParts = 4;  // parts kept of a message; further ones are read and dropped
 
 }  // namespace
 
@@ -73,7 +73,8 @@ bool ControlSocket::Receive() {
 void ControlSocket::Handle() {
   auto exchange = std::make_unique<pipeline::Exchange>();
   auto& envelope = exchange->envelope;
-  envelope.push_back(parts_.front());  // the peer, by ROUTER
+  envelope.push_back(parts_.front());  // the peer's identity, prepended by the ROUTER socket
+  // A REQ peer sends an empty delimiter before its request, a DEALER may leave it out.
   const bool delimited = part_count_ >= 3 && parts_[1].empty();
   if (delimited) envelope.emplace_back();
   if (part_count_ != envelope.size() + 1) {
@@ -100,7 +101,8 @@ void ControlSocket::Handle() {
   Send(exchange->envelope, exchange->reply);
 }
 
-// Judged at each request: a client who is revoked, or no operator any more, may be connected still.
+// Judged at each request: a client that was revoked, or lost the operator's role, may still be
+// connected.
 std::string ControlSocket::Unauthorized() {
   if (access_ == nullptr) return "";
   const char* const key = zmq_msg_gets(&message_, "User-Id");
@@ -134,7 +136,7 @@ bool ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
     return false;
   }
   ++in_flight_;
-  mailboxes_.commands.Push(std::move(exchange));  // never full: it holds more than are in flight
+  mailboxes_.commands.Push(std::move(exchange));  // never full: it holds more than kMaxInFlight
   mailboxes_.wake_pipeline.Signal();
   return true;
 }
@@ -148,7 +150,7 @@ void ControlSocket::Refuse(const std::vector<std::vector<std::byte>>& envelope, 
   Send(envelope, reply);
 }
 
-// To a peer that has gone, or does not read, the reply is lost.
+// The reply is lost if the peer has gone or does not read.
 void ControlSocket::Send(const std::vector<std::vector<std::byte>>& envelope,
                          const v1::Reply& reply) {
   for (const auto& part : envelope) {
@@ -183,8 +185,8 @@ Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
   if (socket.get() == nullptr) return Status::Error("control: " + std::string(zmq_strerror(errno)));
   socket.Set(ZMQ_LINGER, 100);
   socket.Set(ZMQ_HANDSHAKE_IVL, 1000);
-  // Larger than kMaxRequestBytes, so that what is only a little too large is answered and not cut
-  // off.
+  // Larger than kMaxRequestBytes, so that a request that is slightly too large gets an answer.
+  // libzmq cuts the connection of a larger one.
   socket.Set(ZMQ_MAXMSGSIZE, std::int64_t{1 << 20});
   socket.Set(ZMQ_RCVHWM, 64);
   socket.Set(ZMQ_SNDHWM, 64);

@@ -19,29 +19,32 @@ namespace styled::control {
 
 inline constexpr std::size_t kMaxRequestBytes = 64 * 1024;
 
-// The control socket, on its own thread: parses requests, sends them to the pipeline between frames
-// and its replies back. What cannot be a request is answered here. Never waits for the pipeline.
+// The control socket, on its own thread. It parses requests, passes them to the pipeline between
+// frames, and sends the pipeline's replies back. Malformed, oversized and unauthorized requests are
+// answered here. It never waits for the pipeline.
 class ControlSocket {
  public:
-  // `osc` and `access` may be null.
+  // `osc` may be null (no OSC), `access` too (no keys required).
   ControlSocket(runtime::ZmqSocket socket, std::unique_ptr<OscSocket> osc, security::Access* access,
                 pipeline::Mailboxes& mailboxes, runtime::Counters& counters);
   ~ControlSocket();
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
 
+  // Handles pending replies, requests and OSC datagrams, and returns how many there were.
   int DoWork();
-  void Run();   // DoWork until Stop(), waiting in between
+  void Run();   // calls DoWork until Stop(), and sleeps while there is nothing to do
   void Stop();  // any thread
 
  private:
-  // One message, its parts in `parts_`; false when there is none.
+  // Receives one message into `parts_`; false when none is waiting.
   bool Receive();
   void Handle();
-  // Why the sender of the last message may not ask (any more); "" = he may.
+  // The reason why the sender of the last message is not (or no longer) authorized; "" when it is.
   std::string Unauthorized();
   void HandleOsc();
-  // To the pipeline; false, and nothing is moved, where too much waits there already.
+  // Passes the exchange to the pipeline. With too many in flight it sets the reply instead, moves
+  // nothing and returns false.
   bool Pass(std::unique_ptr<pipeline::Exchange>& exchange);
   void Refuse(const std::vector<std::vector<std::byte>>& envelope, v1::Code code,
               const std::string& reason);
@@ -59,7 +62,7 @@ class ControlSocket {
   std::atomic<bool> stop_{false};
 };
 
-// `keeper`: lets in operators with keys alone; null: everybody who can reach the address.
+// `keeper` admits only operators with a key; null admits everybody who can reach the address.
 Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
     void* context, const config::Control& config, std::unique_ptr<OscSocket> osc,
     pipeline::Mailboxes& mailboxes, runtime::Counters& counters, std::string& endpoint,

@@ -15,7 +15,7 @@ namespace {
 using vmc::osc::Arguments;
 using vmc::osc::Message;
 
-// A console's number: f, or i.
+// Consoles send numbers as OSC type f or i.
 bool Number(Arguments& arguments, float& value) {
   std::int32_t whole = 0;
   if (arguments.Float(value)) return std::isfinite(value);
@@ -26,13 +26,13 @@ bool Number(Arguments& arguments, float& value) {
 
 bool Text(Arguments& arguments, std::string& value) {
   std::string_view text;
-  // What protobuf holds as text has to be UTF-8, or no client and no recording can be read.
+  // Protobuf strings must be UTF-8: other text would make replies and recordings unreadable.
   if (!arguments.Text(text) || !IsUtf8(text)) return false;
   value = text;
   return true;
 }
 
-// Each fills the request and says whether the arguments are its own.
+// Each function below reads its arguments into the request. It returns false when they do not fit.
 bool Style(Arguments& arguments, v1::Request& request) {
   v1::Set& set = *request.mutable_set();
   auto& style = *set.add_mix();
@@ -128,7 +128,8 @@ constexpr std::array<Row, 10> kOfPerformers{{
     {"reset", Reset, "nothing"},
 }};
 
-// A button's value (TouchOSC sends 1 when pressed and 0 when released): only a press counts.
+// The value of a button: TouchOSC sends 1 when it is pressed and 0 when it is released. Only a
+// press has an effect.
 std::optional<float> Press(Arguments& arguments) {
   float value = 1;
   if (!arguments.AtEnd() && !Number(arguments, value)) return std::nullopt;
@@ -150,7 +151,8 @@ Result<v1::Request> ReadOsc(const Message& message) {
   const std::string rest = address.substr(kRoot.size());
   Arguments arguments(message);
   v1::Request request;
-  // Another daemon's answer, or ours come back: to answer it would never end.
+  // An error of another daemon, or our own that came back. Answering it would start an endless
+  // loop.
   if (rest == "error") return request;
   if (rest == "panic") {
     const auto pressed = Press(arguments);

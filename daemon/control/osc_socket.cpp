@@ -70,7 +70,8 @@ std::vector<std::unique_ptr<pipeline::Exchange>> OscSocket::Read() const {
       read.push_back(Refused(address, request.status().message()));
       continue;
     }
-    if (request.value().command_case() == v1::Request::COMMAND_NOT_SET) continue;  // a release
+    if (request.value().command_case() == v1::Request::COMMAND_NOT_SET)
+      continue;  // a button's release
     auto exchange = std::make_unique<pipeline::Exchange>();
     exchange->envelope.push_back(sender_);
     exchange->osc = address;

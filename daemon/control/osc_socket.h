@@ -11,18 +11,20 @@
 
 namespace styled::control {
 
-// Where control messages come in as OSC over UDP. Nobody waits for an answer there, so only what is
-// refused is told: to the sender, as /styled/error with the address and the reason, and to the log,
-// at most once a second. Control thread only.
+// Receives control messages as OSC over UDP. An OSC sender expects no reply, so only refusals are
+// reported: to the sender as /styled/error with the address and the reason, and in the log at most
+// once a second. Control thread only.
 class OscSocket {
  public:
-  // `listen`: numeric HOST:PORT. Errors name it.
+  // `listen`: numeric HOST:PORT. Errors name the address.
   static Result<std::unique_ptr<OscSocket>> Open(const std::string& listen);
 
-  // Takes the next datagram; false when there is none.
+  // Receives the next datagram; false when there is none.
   bool Receive();
-  // Its messages as requests, with the sender in the envelope. What cannot be one has its reply.
+  // The datagram's messages as requests, with the sender in the envelope. A message that is not a
+  // valid request comes with its reply already set.
   std::vector<std::unique_ptr<pipeline::Exchange>> Read() const;
+  // Sends /styled/error to the sender if the reply is a refusal, and logs it.
   void Answer(const pipeline::Exchange& exchange);
 
   int fd() const { return socket_.get(); }

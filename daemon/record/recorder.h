@@ -18,40 +18,41 @@
 
 namespace styled::record {
 
-// What a recording's header says of the daemon that made it.
+// What the header of a recording contains about the daemon that made it.
 struct About {
-  std::string config;  // text of the configuration file, and what was set over it
+  std::string config;  // text of the configuration file and of the overrides
   std::filesystem::path weights;
   std::string state;  // text of the state file
 };
 
-// Records what the daemon receives and is told, as [record] in styled.toml says, in the format of
-// proto/recording/FORMAT.md. A thread of its own compresses and writes; nobody waits for it. A disk
-// that is full, slow or gone costs records, which are counted, and nothing else.
-// Pinned by tests/e2e/recordings/daemon_test.cpp and tests/realtime.
+// Records what the daemon receives and which commands it executes, as configured in [record], in
+// the format of proto/recording/FORMAT.md. A thread of its own compresses and writes; no other
+// thread waits for it. If the disk is full, slow or gone, records are lost and counted; nothing
+// else suffers. Pinned by tests/e2e/recordings/daemon_test.cpp and tests/realtime.
 class Recorder {
  public:
-  // Makes the folder and the file. `endpoints[i]`: where source i listens. Errors name the file.
+  // Creates the folder and the file. `endpoints[i]` is the address of source i. Errors name the
+  // file.
   static Result<std::unique_ptr<Recorder>> Start(const config::Config& config,
                                                  const std::vector<std::string>& endpoints,
                                                  const About& about);
 
-  // Pipeline thread, or before it runs.
+  // Pipeline thread, or before it starts.
   STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept;
-  // A request that was answered; recorded where it changed something. Allocates.
+  // A request that was answered; recorded only if it succeeded and changes something. Allocates.
   void OnRequest(std::int64_t now_ns, const v1::Request& request, const v1::Reply& reply);
   void OnNote(std::int64_t now_ns, std::string_view text) noexcept;
 
-  // Supervisor thread, a few times a second: looks at the disk, sets the counters record.*, and
-  // says what is newly wrong, a line for the log; "" = nothing.
+  // Supervisor thread, a few times a second. Checks the disk, sets the counters record.*, and
+  // returns a line for the log when a new problem appeared, else "".
   std::string Check(runtime::Counters& counters);
 
-  // Writes what is waiting; when the pipeline has ended.
+  // Writes what is still waiting. Call after the pipeline has ended.
   void Close() { thread_->Stop(); }
 
   const std::filesystem::path& file() const { return file_; }
   std::uint64_t written() const { return thread_->written(); }
-  // Found the ring full, could not be written, or came while the disk was too full.
+  // Records that found the ring full, could not be written, or came while the disk was too full.
   std::uint64_t lost() const {
     return thread_->dropped() + thread_->lost() + skipped_.load(std::memory_order_relaxed);
   }
@@ -67,12 +68,12 @@ class Recorder {
   std::unique_ptr<recording::RecordingThread> thread_;
   std::atomic<bool> paused_{false};  // the disk is too full
   std::atomic<std::uint64_t> skipped_{0};
-  std::string said_;  // the supervisor's: the last complaint
+  std::string said_;  // the last complaint; supervisor thread
 };
 
-// The file that record.file means at `unix_s`: strftime's conversions replaced, local time; a
-// folder, or what ends in '/', gets a name with date and time; where the file exists, "-2", "-3",
-// ... before its extension.
+// The file name that record.file gives at time `unix_s`: strftime's conversions are replaced, in
+// local time. A folder, or a pattern that ends in '/', gets a name made of date and time. If the
+// file exists, "-2", "-3", ... is added before its extension.
 std::filesystem::path FileAt(const std::string& pattern, std::int64_t unix_s);
 
 }  // namespace styled::record

@@ -56,7 +56,8 @@ class Collector final : public publish::Publisher {
   bool asking_ = true;
 };
 
-// "127.0.0.1:9763" of a recording; nobody where it is something else.
+// Parses a recorded peer, e.g. "127.0.0.1:9763". Any other text gives a peer without an address,
+// but with an id of its own.
 source::Peer ParsePeer(const std::string& text) {
   source::Peer peer;
   peer.id = std::hash<std::string>()(text) | 1U;
@@ -71,7 +72,8 @@ source::Peer ParsePeer(const std::string& text) {
   return peer;
 }
 
-// `sender`: the first one that was recorded. A server that is configured by its name was he.
+// `sender`: the first recorded sender of the source. It stands for a NatNet server that the
+// configuration gives by host name.
 std::unique_ptr<source::Translator> MakeTranslator(const config::Source& config,
                                                    const std::string& sender) {
   if (config.type != "natnet") return source::MakeTranslator(config);
@@ -84,8 +86,8 @@ std::unique_ptr<source::Translator> MakeTranslator(const config::Source& config,
   return std::make_unique<source::NatNet>(config, address, group);
 }
 
-// One source, with what was recorded in place of its socket or device. Streams, and what vendors'
-// USB devices send, are cut into records here.
+// One source whose recorded arrivals replace its socket or device. TCP streams, and the data of USB
+// devices with the native protocol, are cut into records here.
 class Recorded final : public source::Transport {
  public:
   Recorded(const config::Source& config, int source, const std::string& sender,
@@ -141,6 +143,8 @@ class Recorded final : public source::Transport {
     } else {
       Cut(connection.rigs, bytes, peer, receiver);
     }
+    // Feeds the bytes piecewise through the stream's reader, because they may exceed its free
+    // space.
   }
   template <typename Reader>
   void Cut(Reader& reader, std::span<const std::byte> bytes, const source::Peer& peer,
@@ -180,7 +184,7 @@ class Recorded final : public source::Transport {
   std::string endpoint_;
 };
 
-// Sources may share a name, not name and type.
+// Sources may share a name, but not both name and type.
 std::string KeyOf(const std::string& name, const std::string& type) { return name + " " + type; }
 
 class Player {
@@ -230,7 +234,7 @@ class Player {
     Work();
     return Status::Ok();
   }
-  // What time alone brings about after the last record.
+  // Lets 0.2 s more pass, for what time alone causes after the last record.
   void Finish() { PassTimeUntil(clock_.now_ns + runtime::kSecond_ns / 5); }
 
  private:
@@ -240,7 +244,7 @@ class Player {
       const std::int64_t before_ns =
           std::exchange(clock_.now_ns, std::max(clock_.now_ns, pipeline_->NextDeadline_ns()));
       Work();
-      // A deadline that does not move on would hold time for ever.
+      // A deadline that does not advance would stop the time for ever.
       if (pipeline_->NextDeadline_ns() <= clock_.now_ns && before_ns == clock_.now_ns) break;
     }
     clock_.now_ns = std::max(clock_.now_ns, time_ns);
@@ -264,7 +268,7 @@ class Player {
   std::unique_ptr<pipeline::Pipeline> pipeline_;
 };
 
-// Who sent first to each source.
+// The first sender of each source.
 std::map<std::string, std::string> FirstSenders(recording::Reader& reader, std::size_t sources) {
   std::map<std::string, std::string> senders;
   recording::Record record;
@@ -371,7 +375,7 @@ Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config
   if (written.ok()) written = writer.value()->Flush();
   if (!status.ok() || !written.ok()) {
     std::error_code error;
-    std::filesystem::remove(file, error);  // the next try may have the name
+    std::filesystem::remove(file, error);  // so that the next attempt can use the name
     return status.ok() ? written : status;
   }
   const double seconds = static_cast<double>(range.last_ns - range.first_ns) * 1e-9;

@@ -17,35 +17,37 @@
 namespace styled::replay {
 
 struct Options {
-  std::string subscription;                 // topics that begin like this are published
-  bool commands = true;                     // give the recorded commands again
-  std::vector<pipeline::Profile> profiles;  // the settings that held at the beginning
+  std::string subscription;                 // publishes the topics that begin with this
+  bool commands = true;                     // execute the recorded commands again
+  std::vector<pipeline::Profile> profiles;  // the settings in force at the beginning
 };
 
-// A message of the publisher at `time_ns` on the recording's clock. `stats/` is left out: it tells
-// of this machine.
+// Receives a published message; `time_ns` is on the recording's clock. The topic `stats/` is left
+// out, because it describes this machine.
 using Sink = std::function<void(std::int64_t time_ns, std::string_view topic,
                                 std::span<const std::byte> payload)>;
 
-// The configuration of the daemon that made the recording, out of its header. Settings of a command
-// line are not part of it: `overrides` are. Errors name the recording, line and key.
+// The configuration of the daemon that made the recording, from its header. The header's copy of
+// that daemon's command line is only a comment: pass settings as `overrides`. Errors name the
+// recording, line and key.
 Result<config::Config> ConfigOf(const recording::Reader& reader,
                                 const std::vector<config::Override>& overrides);
 
-// Plays what arrived, and which commands fell where, through translators and pipeline as the daemon
-// of `config` with `runtime_config` would. The recorded times drive the clock: no sockets, no
-// threads, no sleep, and the same at every run, for every rig. `counters` tells what became of the
-// frames. Allocates; one thread. Errors: nothing arrived, or from a source that is not in the
-// configuration.
+// Plays the recorded arrivals and commands, in their order, through translators and pipeline as a
+// daemon with `config` and `runtime_config` would. The recorded times drive the clock: there are no
+// sockets, threads or sleeps, and every run gives the same result for every rig. `counters` shows
+// what happened to the frames. Allocates; one thread. Errors: nothing arrived, or something arrived
+// from a source that is not in the configuration.
 Status Replay(recording::Reader& reader, const config::Config& config,
               std::shared_ptr<const pipeline::RuntimeConfig> runtime_config, const Options& options,
               runtime::Counters& counters, const Sink& sink);
 
-// Whether a counter tells of the frames, and not of the machine or the daemon's peers.
+// Whether a counter describes the frames, and not the machine or the daemon's peers.
 bool IsOfTheMotion(runtime::Counter counter);
 
-// All of `styled --replay`: what is published goes to a new recording, `file`. Returns a line that
-// says what was played.
+// Implements `styled --replay`: writes what is published to a new recording, `file`. Returns a text
+// with duration, number of messages and counters, and a warning if the recording was made with
+// other weights.
 Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config& config,
                                  const std::string& file);
 

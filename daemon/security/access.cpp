@@ -12,14 +12,15 @@
 namespace styled::security {
 namespace {
 
-// 0: no socket.
+// Returns 0 when `fd` is not a socket.
 ino_t InodeOf(int fd) {
   struct stat about {};
   return fstat(fd, &about) == 0 && S_ISSOCK(about.st_mode) ? about.st_ino : 0;
 }
 
-// libzmq owns the descriptor and may close it at any time: what is shut down is held by one of our
-// own, after a look at what it is. libzmq finds the connection ended by the peer.
+// libzmq owns `fd` and may close it at any time, after which the number may belong to another
+// socket. The duplicate pins whatever `fd` is now; it is shut down only if its inode is the
+// expected one. libzmq then sees the connection ended by the peer.
 bool Cut(int fd, ino_t inode) {
   const runtime::Descriptor held(fcntl(fd, F_DUPFD_CLOEXEC, 0));
   return held.get() >= 0 && InodeOf(held.get()) == inode && shutdown(held.get(), SHUT_RDWR) == 0;
@@ -75,7 +76,7 @@ Access::Change Access::Replace(std::vector<keys::Client> clients) {
   return change;
 }
 
-// What takes long is done without the lock, for which the pipeline may wait.
+// The slow system calls run without the lock, because the pipeline may wait for it.
 int Access::Sweep() {
   std::vector<std::pair<int, ino_t>> strangers;
   {
@@ -88,7 +89,7 @@ int Access::Sweep() {
   for (const auto& [fd, inode] : strangers) {
     const bool ended = Cut(fd, inode);
     cut += ended ? 1 : 0;
-    if (!ended && InodeOf(fd) == inode) continue;  // later
+    if (!ended && InodeOf(fd) == inode) continue;  // still open: tried again at the next call
     const std::lock_guard lock(mutex_);
     const auto found = connections_.find(fd);
     if (found != connections_.end() && found->second.inode == inode) connections_.erase(found);

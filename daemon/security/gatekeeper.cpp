@@ -17,11 +17,11 @@ namespace {
 using runtime::Counter;
 
 constexpr const char* kZapAddress = "inproc://zeromq.zap.01";
-// libzmq knows it, Debian's header calls it a draft: a socket with a domain refuses everybody while
-// nobody can be asked.
+// ZMQ_ZAP_ENFORCE_DOMAIN, which Debian's header hides as a draft: a socket with a domain refuses
+// every client while no ZAP handler answers.
 constexpr int kZapEnforceDomain = 93;
-// "300", try again later, and not "400": a client of libzmq that is told 400 never comes again, so
-// that `stylectl allow` would take effect only once he is started anew.
+// "300" means try again later. A libzmq client that receives "400" never reconnects, so that
+// `stylectl allow` would have no effect before the client is restarted.
 constexpr const char* kRefused = "300";
 constexpr const char* kAllowed = "200";
 constexpr std::size_t kMaxFrames = 16;
@@ -92,13 +92,14 @@ Status Gatekeeper::Guard(runtime::ZmqSocket& socket, Door door) {
       zmq_setsockopt(socket.get(), ZMQ_ZAP_DOMAIN, domain.data(), domain.size()) == 0 &&
       socket.Set(kZapEnforceDomain, 1);
   if (!done) return Status::Error(domain + ": CURVE: " + zmq_strerror(zmq_errno()));
-  // Of those who have no key, or another server's, nobody is asked: they are counted here.
+  // Clients without a key, or with another server's key, fail before ZAP is asked. The monitor
+  // counts them.
   zmq_socket_monitor(socket.get(), MonitorOf(door).c_str(),
                      ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL);
   return Status::Ok();
 }
 
-// Before the folder is read: a change meanwhile is seen.
+// Watch before reading the folder, so that a change in between is noticed.
 void Gatekeeper::Watch() {
   inotify_ = runtime::Descriptor(inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
   watch_ = inotify_add_watch(inotify_.get(), keys::ClientsFolder(folder_).c_str(), kChanges);
@@ -133,7 +134,7 @@ bool Gatekeeper::DoWork() {
   return changed || answered > 0 || failed;
 }
 
-// The folder before the requests: who is revoked is not let in any more.
+// Runs before the requests are answered, so that a client just revoked is refused.
 bool Gatekeeper::FollowFolder() {
   alignas(inotify_event) std::array<char, 4096> events;
   bool changed = false;
@@ -143,7 +144,7 @@ bool Gatekeeper::FollowFolder() {
     changed = true;
     for (ssize_t at = 0; at < size;) {
       const auto* const event = reinterpret_cast<const inotify_event*>(events.data() + at);
-      // Removed or renamed: another may come in its place, and is looked for once a second.
+      // The folder was removed or renamed. Tick() looks once a second for a folder in its place.
       if ((event->mask & (IN_IGNORED | IN_MOVE_SELF)) != 0) watch_ = -1;
       at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
     }
@@ -152,7 +153,8 @@ bool Gatekeeper::FollowFolder() {
   return changed;
 }
 
-// With the descriptors or the memory gone nothing is known: everything stays, until it can be read.
+// On an error (e.g. no descriptors or memory left) the present list stays in force and the read is
+// tried again by Tick().
 void Gatekeeper::Reread() {
   auto clients = keys::ReadClients(folder_);
   reread_ = !clients.ok();
@@ -208,7 +210,7 @@ bool Gatekeeper::Admit(const ZapRequest& request) {
   return false;
 }
 
-// `user`: "" = refused. It travels with all that the client sends.
+// `user` "" refuses. Otherwise libzmq attaches it to every message of the client as "User-Id".
 void Gatekeeper::Reply(const std::string& id, const std::string& user) {
   const bool admitted = !user.empty();
   const std::array<std::string, 6> frames{
@@ -233,8 +235,8 @@ bool Gatekeeper::CountFailures() {
   return any;
 }
 
-// Once a second: what failed before is tried again, and one refusal stands for all in the log; one
-// who tries again and again is named once a minute.
+// Once a second: retries what failed, and logs one refusal for all of the last second. A client
+// that keeps retrying is logged once a minute.
 void Gatekeeper::Tick(std::int64_t now_ns) {
   next_tick_ns_ = now_ns + runtime::kSecond_ns;
   if (watch_ < 0 || reread_) {

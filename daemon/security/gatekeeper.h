@@ -19,27 +19,27 @@
 
 namespace styled::security {
 
-// Answers libzmq when it asks, during a handshake, whether a client may come in (ZAP), and follows
-// the folder of keys: what stylectl allows or revokes is in force at once. A thread of its own,
-// that the pipeline never waits for. Create it before the sockets that it guards are bound, and
-// destroy it after them: libzmq lets everybody in whom nobody is asked about.
+// Answers libzmq's question during a handshake whether a client is allowed (ZAP), and follows the
+// folder of keys, so that `stylectl allow` and `revoke` take effect at once. Runs on a thread of
+// its own that the pipeline never waits for. Create it before the sockets that it guards are bound,
+// and destroy it after them: without a ZAP handler libzmq admits every client.
 class Gatekeeper {
  public:
-  // Reads the folder, makes the daemon's own pair where there is none. Errors name the file.
+  // Reads the folder, and creates the daemon's own key pair if there is none. Errors name the file.
   static Result<std::unique_ptr<Gatekeeper>> Open(void* context, const std::string& folder,
                                                   runtime::Counters& counters);
   ~Gatekeeper();
   Gatekeeper(const Gatekeeper&) = delete;
   Gatekeeper& operator=(const Gatekeeper&) = delete;
 
-  // Sets up `socket`, not bound yet, so that only clients with a key for `door` come in.
+  // Configures `socket`, which must not be bound yet, to admit only clients with a key for `door`.
   Status Guard(runtime::ZmqSocket& socket, Door door);
   const std::string& public_key() const { return pair_.public_key; }
   Access& access() { return access_; }
 
-  // The loop, on its own thread from here on; ended by the destructor.
+  // Starts the loop on its own thread; the destructor ends it.
   void Start();
-  // What a turn of it does, for tests: false when there was nothing to do.
+  // One turn of the loop, public for tests. Returns false when there was nothing to do.
   bool DoWork();
 
  private:
@@ -62,14 +62,14 @@ class Gatekeeper {
   Access access_;
   runtime::SystemClock clock_;
   runtime::ZmqSocket zap_;
-  std::array<runtime::ZmqSocket, 2> failures_;  // of handshakes, by door: what libzmq says of them
+  std::array<runtime::ZmqSocket, 2> failures_;  // libzmq's monitors of failed handshakes, by door
   runtime::Descriptor inotify_;
   int watch_ = -1;
   runtime::Wakeup wake_;
   std::vector<std::string> frames_;
   zmq_msg_t message_;
   std::vector<std::string> complaints_;
-  std::string refusal_;  // the last one, not logged yet
+  std::string refusal_;  // the last refusal, not logged yet
   std::string logged_refusal_;
   std::int64_t next_tick_ns_ = 0, log_again_ns_ = 0;
   bool reread_ = false;

@@ -8,8 +8,9 @@
 
 namespace styled::security {
 
-// What `config` means on this machine. Where it names users, root and our own are among them: they
-// could get in anyway. The error names `section` and a user that there is not. Start-up only.
+// Resolves `config` to user ids of this machine. A list of users always includes root and the
+// daemon's own user, who could get access anyway. The error names `section` and the unknown user.
+// Start-up only.
 Result<runtime::IpcAccess> ResolveIpc(const config::Ipc& config, const std::string& section);
 
 }  // namespace styled::security

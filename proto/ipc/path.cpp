@@ -11,10 +11,10 @@
 namespace styled::ipc {
 namespace {
 
-// Of Linux' abstract sockets, which have no file.
+// Whether the path names an abstract socket of Linux, which has no file.
 bool IsAbstract(const std::string& path) { return path.starts_with('@'); }
 
-// 0, or the errno of connecting.
+// Connects to the socket. Returns 0, or the errno of the failure.
 int Connect(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -50,11 +50,11 @@ Status CheckFree(const std::string& path) {
   if (IsAbstract(path)) return Status::Ok();
   switch (const int error = Connect(path)) {
     case ENOENT:        // nothing is there
-    case ECONNREFUSED:  // nobody listens any more
+    case ECONNREFUSED:  // no program listens any more
       return Status::Ok();
     case 0:
-    case EAGAIN:      // many wait already
-    case EPROTOTYPE:  // of datagrams
+    case EAGAIN:      // its queue of connections is full
+    case EPROTOTYPE:  // a datagram socket
       return Status::Error("in use by another program; expected a free path");
     default:
       return Status::Error(std::strerror(error));

@@ -4,15 +4,16 @@
 
 #include "model/base/status.h"
 
-// Paths of ipc:// addresses. libzmq removes whatever is at the path it binds, an ordinary file or a
-// socket in use as readily as one that a dead daemon left; these are asked before. Start-up only.
+// Paths of ipc:// addresses. libzmq removes whatever is at the path that it binds: an ordinary file
+// and a socket in use as readily as a socket that a dead daemon left. Call these checks first.
+// Start-up only.
 namespace styled::ipc {
 
-// Refuses a path where something is that is no socket. Errors say what is there.
+// Refuses a path that holds anything but a socket. Errors say what is there.
 Status CheckKind(const std::string& path);
 
-// CheckKind, and refuses a socket at which a program listens. It is left alone, but for a
-// connection that is closed at once.
+// CheckKind, and also refuses a socket at which a program listens. The check connects to that
+// program and closes the connection at once; nothing else is touched.
 Status CheckFree(const std::string& path);
 
 }  // namespace styled::ipc
