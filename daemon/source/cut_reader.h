@@ -9,14 +9,18 @@
 
 namespace styled::source {
 
-// Cuts a rig's TCP stream into its datagrams, as native::StreamReader does with ours; the protocol
-// says where each ends. Works in the caller's buffer, twice the largest datagram.
+// Cuts a rig's TCP stream into its datagrams, as native::StreamReader does for the native protocol.
+// The rig's protocol determines where each datagram ends. Works in the caller's buffer, which must
+// hold two of the largest datagrams and outlive the reader. Allocates nothing; one thread at a
+// time.
 class CutReader {
  public:
   using Result = mvn::Cut;
 
   explicit CutReader(std::span<std::byte> buffer) noexcept : buffer_(buffer) {}
 
+  // Where to receive next. Moves an incomplete datagram to the front of the buffer, which
+  // invalidates the records handed out before.
   STYLED_REALTIME std::span<std::byte> Space() noexcept {
     if (begin_ > 0) {
       std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_),
@@ -26,7 +30,9 @@ class CutReader {
     }
     return buffer_.subspan(end_);
   }
+  // Call after `size` bytes were received at the front of Space().
   STYLED_REALTIME void Received(std::size_t size) noexcept { end_ += size; }
+  // The next whole datagram; `record` is written on kRecord only and is valid until Space().
   STYLED_REALTIME Result Next(std::span<const std::byte>& record) noexcept {
     const auto waiting = buffer_.subspan(begin_, end_ - begin_);
     std::size_t size = 0;
@@ -36,6 +42,7 @@ class CutReader {
     begin_ += size;
     return result;
   }
+  // Bytes received that belong to no whole datagram yet.
   std::size_t Pending() const noexcept { return end_ - begin_; }
 
  private:

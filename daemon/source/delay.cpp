@@ -18,18 +18,20 @@ using runtime::kSecond_ns;
 
 constexpr std::size_t kHeld = 1024;
 constexpr std::size_t kUsualBytes = 4096;
-constexpr std::int64_t kLost_ns = 5 * kSecond_ns;  // so late is a clock that was set back
+// A frame later than this means that the sender's clock was set back.
+constexpr std::int64_t kLost_ns = 5 * kSecond_ns;
 
-// When the frames of one performer are due.
+// The schedule of one performer's frames.
 struct Sender {
   std::uint64_t session = 0;
   std::string performer;
   runtime::Schedule schedule;
   std::uint64_t first_ns = 0;
-  // Of the newest frame, and how far apart frames are.
+  // The newest frame's values, and the distance between frames.
   std::uint64_t sequence = 0, time_ns = 0;
   std::int64_t due_ns = 0, period_ns = 0;
 
+  // Notes a frame unless it is older than the newest one.
   void Take(std::uint64_t the_sequence, std::uint64_t the_time_ns, std::int64_t the_due_ns) {
     if (the_sequence <= sequence && due_ns != 0) return;
     if (the_sequence == sequence + 1) period_ns = static_cast<std::int64_t>(the_time_ns - time_ns);
@@ -37,7 +39,7 @@ struct Sender {
     time_ns = the_time_ns;
     due_ns = the_due_ns;
   }
-  // Soon after the frame before it, which may still be on its way.
+  // A body is due a quarter of a period after the frame before it, which may still be in transit.
   std::int64_t BodyDue_ns(std::uint64_t the_sequence) const {
     const auto frames = static_cast<std::int64_t>(the_sequence - sequence) - 1;
     return due_ns + std::clamp<std::int64_t>(frames, -8, 8) * period_ns + period_ns / 4;
@@ -75,7 +77,8 @@ class Delayed final : public Transport, private Receiver {
   Smoothing smoothing() const override { return shown_; }
 
  private:
-  // When a frame or body leaves; of a frame also when it would if it had come in time.
+  // When a frame or body leaves. `schedule_ns` is set for frames: when it would leave if it were in
+  // time.
   struct Due {
     std::int64_t due_ns = 0;
     std::optional<std::int64_t> schedule_ns = {};
@@ -99,7 +102,7 @@ class Delayed final : public Transport, private Receiver {
       Slot& slot = slots_[free_.back()];
       slot.due = When(frame, now_ns);
       slot.frame = slot.memory.Keep(frame);
-      // In order of what is due; mostly at the end.
+      // Sorted insert by due time; mostly at the end.
       const auto later = [this](std::int64_t due_ns, std::size_t held) {
         return due_ns < slots_[held].due.due_ns;
       };
@@ -137,7 +140,8 @@ class Delayed final : public Transport, private Receiver {
     }
     return nullptr;
   }
-  // A name's new session takes the place of its last one; of too many names the first gives way.
+  // A performer's new session replaces its last one. When the table is full, the first entry is
+  // replaced.
   Sender& Ensure(std::uint64_t session, std::string_view performer, std::uint64_t time_ns) {
     if (Sender* known = Find(session, performer)) return *known;
     constexpr std::size_t kMost = 256;
@@ -152,7 +156,7 @@ class Delayed final : public Transport, private Receiver {
     return *place;
   }
 
-  // Hands on what is due, and at least `least` of what is held.
+  // Hands on the frames that are due, and at least `least` of those held.
   int Release(std::int64_t now_ns, std::size_t least) {
     std::array<SourceFrame, kBatch> batch;
     std::size_t count = 0;
@@ -189,9 +193,9 @@ class Delayed final : public Transport, private Receiver {
   Receiver* to_ = nullptr;
   int source_ = 0;
   std::vector<Slot> slots_;
-  std::vector<std::size_t> free_, due_;  // slots; due_ in the order in which they leave
+  std::vector<std::size_t> free_, due_;  // indices of slots; due_ in the order of leaving
   std::vector<Sender> senders_;
-  runtime::Histogram arrived_, left_;  // lateness of frames
+  runtime::Histogram arrived_, left_;  // lateness of frames at arrival and at leaving
   std::uint64_t missed_ = 0;
   std::int64_t sampled_ns_ = 0;
   Smoothing shown_;

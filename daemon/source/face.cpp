@@ -7,7 +7,7 @@
 namespace styled::source {
 namespace {
 
-// Protobuf's tags, (field << 3) | wire type, as the bytes that they are on the wire.
+// Protobuf's tags, (field << 3) | wire type.
 constexpr std::uint32_t kExpressions = 18U << 3U | 2U, kThru = 19U << 3U | 2U;
 constexpr std::uint32_t kName = 1U << 3U | 2U, kValue = 2U << 3U | 5U;
 
@@ -17,7 +17,7 @@ std::size_t VarintSize(std::size_t value) noexcept {
   return size;
 }
 
-// Writes until there is no room left; then nothing more.
+// Writes until something does not fit, then nothing more.
 class Writer {
  public:
   explicit Writer(std::span<std::byte> to) noexcept : to_(to) {}
@@ -43,7 +43,7 @@ class Writer {
   bool fits_ = true;
 };
 
-// proto3 leaves out a field that has its default: an empty name, and a weight whose bits are 0.
+// proto3 omits fields with default values: an empty name, and a weight whose bits are all 0.
 void Write(const Face::Expression& expression, Writer& out) noexcept {
   const std::size_t name = expression.name.size();
   const bool has_value = std::bit_cast<std::uint32_t>(expression.value) != 0;
@@ -76,6 +76,7 @@ std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept {
 bool IsUtf8(std::string_view text) noexcept {
   for (std::size_t i = 0; i < text.size();) {
     const auto lead = static_cast<std::uint32_t>(static_cast<unsigned char>(text[i]));
+    // The number of continuation bytes, by the lead byte. 80 to C1 and F5 to FF never lead.
     const std::size_t more = lead < 0x80 ? 0 : lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3;
     if ((lead >= 0x80 && lead < 0xC2) || lead > 0xF4 || text.size() - i <= more) return false;
     std::uint32_t code = more == 0 ? lead : lead & (0x3FU >> more);

@@ -9,8 +9,8 @@
 
 namespace styled::source {
 
-// What a rig sends beside the pose: expressions (name and weight), and messages to be passed on
-// unread. Views; a translator keeps one and refills it.
+// Data that a rig sends beside the pose: expressions (name and weight), and messages that are
+// passed on unread. Holds views only; a translator keeps one object and refills it.
 struct Face {
   struct Expression {
     std::string_view name;  // UTF-8
@@ -20,12 +20,12 @@ struct Face {
   std::vector<std::span<const std::byte>> thru;
 };
 
-// The face as fields 18 and 19 of v1::SourceFrame, the bytes that protobuf would write. Returns
-// their number, or 0 where `to` is too small for all of them. Pure.
-// Pinned against protobuf by tests/unit/daemon/performer_stream_test.cpp.
+// Encodes the face as fields 18 and 19 of v1::SourceFrame, byte for byte as protobuf would. Returns
+// the number of bytes, or 0 where `to` is too small for all of them. Pure. Pinned against protobuf
+// by tests/unit/daemon/performer_stream_test.cpp.
 STYLED_REALTIME std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept;
 
-// Whether protobuf's readers accept it as a string: no surrogates, no overlong forms.
+// Whether protobuf's readers accept the text as a string: no surrogates, no overlong forms.
 STYLED_REALTIME bool IsUtf8(std::string_view text) noexcept;
 
 }  // namespace styled::source

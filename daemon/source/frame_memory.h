@@ -12,18 +12,18 @@
 
 namespace styled::source {
 
-// The memory of one SourceFrame that outlives the call that brought it. Pipeline thread.
+// Copies a SourceFrame, so that it outlives the call that delivered it. Pipeline thread.
 class FrameMemory {
  public:
-  // Room for `bytes` of name, pose and face, or of a body. Allocates.
+  // Reserves `bytes` for name, pose and face, or for a body. Allocates.
   explicit FrameMemory(std::size_t bytes) { bytes_.reserve(bytes); }
 
-  // The frame, its views moved to this memory; valid until the next Keep. Allocates only for a
-  // frame larger than any before and than the room.
+  // Returns a copy of the frame whose views point into this object; valid until the next Keep.
+  // Allocates only for a frame that is larger than the reserved room and than any before.
   STYLED_REALTIME SourceFrame Keep(const SourceFrame& frame) noexcept {
     SourceFrame kept = frame;
     const auto name = std::as_bytes(std::span(frame.performer));
-    // First all bytes, then the views: a vector that grows moves.
+    // Copy all bytes before taking views: the vector moves when it grows.
     bytes_.assign(name.begin(), name.end());
     for (const auto part : {frame.root_position, frame.rotations, frame.face, frame.body_bytes}) {
       bytes_.insert(bytes_.end(), part.begin(), part.end());
@@ -41,7 +41,7 @@ class FrameMemory {
   std::vector<std::byte> bytes_;
 };
 
-// Room for any frame of a translator: a name, 256 joints and the largest face.
+// The largest frame of a translator: a name, 256 joints and the largest face.
 inline constexpr std::size_t kMostFrameBytes =
     32 + sizeof(rig::Vec3) + rig::kMaxSourceJoints * sizeof(rig::Quat) + kMaxFace;
 

@@ -11,8 +11,8 @@
 
 namespace styled::source {
 
-// The machine that sent something: its IP address, whatever the port. All zeros: unknown, or not
-// needed (USB, and rigs whose translator tells its senders apart).
+// The IP address of the machine that sent something, without the port. All zeros: unknown, or not
+// needed (USB, and rigs whose translator distinguishes its senders itself).
 using Machine = std::array<std::uint64_t, 2>;
 
 STYLED_REALTIME inline Machine MachineOf(const sockaddr_storage& address) noexcept {

@@ -106,7 +106,7 @@ bool ReadTimecode(std::span<const std::byte> bytes, Timecode& timecode) noexcept
   return true;
 }
 
-// What goes on to subscribers unread has to be what they can read.
+// Expressions are passed on to subscribers unparsed, so they must be valid for protobuf's readers.
 bool IsExpression(std::span<const std::byte> bytes) noexcept {
   Reader reader(bytes);
   while (!reader.AtEnd()) {
@@ -127,14 +127,14 @@ bool IsExpression(std::span<const std::byte> bytes) noexcept {
 
 constexpr std::uint32_t kExpressions = 18, kThru = 19;
 
-// Takes a field of the run that begins at `begin`, or goes on there.
+// Extends `run` by a field's bytes, or starts it anew at `begin` if it does not end there.
 void Extend(const std::byte* begin, const std::byte* end, std::span<const std::byte>& run) {
   const bool goes_on = !run.empty() && run.data() + run.size() == begin;
   const std::byte* const from = goes_on ? run.data() : begin;
   run = {from, end};
 }
 
-// One field of a SourceFrame; its tag has been read.
+// Reads one field of a SourceFrame, whose tag has been read.
 bool ReadField(Reader& reader, std::uint32_t field, std::uint32_t wire,
                SourceFrame& frame) noexcept {
   std::span<const std::byte> bytes;
@@ -156,6 +156,7 @@ bool ReadField(Reader& reader, std::uint32_t field, std::uint32_t wire,
       case kExpressions:
         return IsExpression(bytes);
       default:
+        // Fields 2 and 6 are scalars and must not come as bytes.
         return field != 2 && field != 6;
     }
   }
@@ -200,7 +201,7 @@ std::string_view ReadPerformer(std::span<const std::byte> payload) noexcept {
 
 namespace {
 
-// kCount: the frame is whole.
+// Returns kCount for a good frame, else the counter of the refusal.
 runtime::Counter Decode(std::span<const std::byte> bytes, SourceFrame& frame) noexcept {
   using runtime::Counter;
   native::Datagram datagram;
@@ -241,7 +242,7 @@ void NativeDecoder::HandOn(std::span<const std::span<const std::byte>> datagrams
     frames_[count++].machine = i < senders.size() ? senders[i] : Machine{};
   }
   counters_.Add(runtime::Counter::kSourceReceived, datagrams.size() - count);
-  hot.Leave();  // the pipeline has a section of its own
+  hot.Leave();  // the pipeline enters a section of its own
   if (count == 0) return;
   receiver.OnFrames(source_, std::span(frames_).first(count), datagrams.size() == kBatch);
 }

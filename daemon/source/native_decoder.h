@@ -13,18 +13,17 @@
 
 namespace styled::source {
 
-// Our own protocol (proto/styled/v1/WIRE.md), as it comes over UDP, TCP and USB and out of
-// recordings: the one place where its datagrams become SourceFrames. What cannot be decoded is
-// counted for the source and goes no further: header and checksum (proto/rigs/native), a malformed
-// message (source.malformed), a performer without a valid name (source.bad_name). One per source;
-// pipeline thread. Allocates nothing.
+// Decodes the native protocol (proto/styled/v1/WIRE.md) into SourceFrames, for UDP, TCP, USB and
+// recordings alike. Datagrams that cannot be decoded are counted for the source and dropped: bad
+// header or checksum (proto/rigs/native), malformed message (source.malformed), performer without a
+// valid name (source.bad_name). One per source; pipeline thread. Allocates nothing.
 class NativeDecoder {
  public:
   NativeDecoder(int source, runtime::Counters& counters);
 
-  // Up to kBatch whole datagrams or records that arrived together, oldest first, and who sent each:
-  // as many machines as datagrams, or none where the transport vouches for its senders. Hands on
-  // what could be decoded, in one call. Whatever was refused counts as received, too.
+  // Decodes up to kBatch whole datagrams or records that arrived together, oldest first, and passes
+  // the frames to `receiver` in one call. `senders` holds the machine of each datagram, or is empty
+  // where the transport itself distinguishes its senders. Refused datagrams count as received, too.
   void HandOn(std::span<const std::span<const std::byte>> datagrams,
               std::span<const Machine> senders, Receiver& receiver);
 
@@ -36,21 +35,21 @@ class NativeDecoder {
 
 enum class [[nodiscard]] FrameResult : std::uint8_t {
   kOk,
-  kMalformed,  // no valid protobuf, or a field of another type
+  kMalformed,  // not valid protobuf, or a field of the wrong type
   kBadName,    // performer is not [A-Za-z0-9_-]{1,32}
 };
 
-// Reads a serialized v1::SourceFrame without protobuf's objects: those give back a frame's
-// timecode, and grow with a hostile frame, on the heap. Floats must be packed (proto3's default;
-// one run per field), expressions and thru in one run (the last one counts); unknown fields are
-// skipped, the last of repeated scalars wins. Fills in all but machine, session and sequence;
-// `frame` is unspecified unless kOk, and views `payload`. Pure; any thread. Pinned against protobuf
-// by tests/unit/daemon/native_decoder_test.cpp.
+// Parses a serialized v1::SourceFrame without protobuf objects, which would allocate for a frame's
+// timecode and grow with a hostile frame. Floats must be packed (proto3's default; one run per
+// field). Expressions and thru must form one run (the last one counts). Unknown fields are skipped;
+// the last one of a repeated scalar counts. Fills in everything but machine, session and sequence.
+// `frame` is unspecified unless kOk, and its views point into `payload`. Pure; any thread. Pinned
+// against protobuf by tests/unit/daemon/native_decoder_test.cpp.
 STYLED_REALTIME FrameResult ReadSourceFrame(std::span<const std::byte> payload,
                                             SourceFrame& frame) noexcept;
 
-// Only the performer's name of a serialized SourceFrame or Body (field 1 of both); empty when there
-// is none or the bytes are malformed before it.
+// The performer's name of a serialized SourceFrame or Body (field 1 of both). Empty when there is
+// none or the bytes before it are malformed.
 STYLED_REALTIME std::string_view ReadPerformer(std::span<const std::byte> payload) noexcept;
 
 }  // namespace styled::source

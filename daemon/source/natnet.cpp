@@ -24,7 +24,7 @@ using runtime::Descriptor;
 
 constexpr std::int64_t kRetry_ns = 5 * runtime::kSecond_ns;
 
-// What an IPv4 address, or an interface's name, says of where a group is joined.
+// The network interface on which a group is joined, given by IPv4 address or by name.
 struct Interface {
   in_addr address{};
   int index = 0;
@@ -45,7 +45,7 @@ std::string ToString(const NatNet::Stream& stream) {
   return std::string(text.data()) + ":" + std::to_string(stream.port);
 }
 
-// Bound to the group itself, so that nothing else that is sent to the port comes in.
+// Binds to the group's address, so that no other traffic to the port arrives.
 Result<Descriptor> JoinGroup(const NatNet::Stream& stream, const Interface& interface,
                              int receive_buffer_bytes) {
   Descriptor joined(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
@@ -55,7 +55,7 @@ Result<Descriptor> JoinGroup(const NatNet::Stream& stream, const Interface& inte
   address.sin_addr = stream.group;
   address.sin_port = htons(stream.port);
   ip_mreqn membership{stream.group, interface.address, interface.index};
-  // Others on this machine may listen to the group as well.
+  // Other programs on this machine may listen to the group as well.
   setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
   setsockopt(fd, IPPROTO_IP, IP_MULTICAST_ALL, &zero, sizeof zero);
   if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &receive_buffer_bytes,
@@ -102,7 +102,7 @@ class NatNetTransport final : public Transport {
   std::int64_t NextDeadline_ns() const override {
     return std::min(translator_.NextDeadline_ns(), next_try_ns_);
   }
-  // One epoll instance holds both sockets; it is itself what the pipeline polls.
+  // One epoll instance holds both sockets; the pipeline polls that instance.
   int fd() const override { return epoll_.get(); }
   const std::string& endpoint() const override { return command_.endpoint(); }
   std::uint64_t received() const override {
@@ -128,8 +128,8 @@ class NatNetTransport final : public Transport {
     return static_cast<int>(datagrams.size());
   }
 
-  // Joins what the server streams to, if that is something else than before; tries again where it
-  // cannot be joined, e.g. because the interface is not up yet.
+  // Joins the group that the server streams to whenever it changes. Retries if a group cannot be
+  // joined, e.g. because the interface is not up yet.
   void Follow(std::int64_t now_ns, Receiver& receiver) {
     if (translator_.stream() == joined_ && now_ns < next_try_ns_) return;
     joined_ = translator_.stream();
@@ -158,8 +158,8 @@ class NatNetTransport final : public Transport {
   NatNet translator_;
   Outbox outbox_;
   std::optional<UdpSocket> data_;
-  std::uint64_t earlier_ = 0;             // received by the groups before data_
-  std::optional<NatNet::Stream> joined_;  // or tried to
+  std::uint64_t earlier_ = 0;             // datagrams received from former groups
+  std::optional<NatNet::Stream> joined_;  // the group joined, or last tried
   std::int64_t next_try_ns_ = Translator::kNever;
   std::string complaint_;
 };

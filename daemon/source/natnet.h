@@ -10,11 +10,11 @@
 
 namespace styled::source {
 
-// OptiTrack's NatNet, a dialogue with `config.server` (IPv4 HOST[:PORT], by default port 1510).
-// Commands go out from `config.listen`, by default any port; frames come back to that socket, or to
-// the group that the server names (config.group of servers before 3.0), joined on
-// `config.interface`: an IPv4 address of this machine or an interface's name, "" = as the routing
-// table has it. What the packets mean: rigs/natnet.h. Pinned by
+// Opens the transport for OptiTrack's NatNet, a dialogue with `config.server` (IPv4 HOST[:PORT],
+// default port 1510). Commands leave from `config.listen` (default: any port). Frames arrive at the
+// same socket, or at the multicast group that the server names (config.group for servers before
+// 3.0). The group is joined on `config.interface`: an IPv4 address of this machine or an
+// interface's name; "" follows the routing table. rigs/natnet.h interprets the packets. Pinned by
 // tests/unit/natnet/transport_test.cpp.
 Result<std::unique_ptr<Transport>> MakeNatNet(const config::Source& config, int source,
                                               runtime::Clock& clock, runtime::Counters& counters);

@@ -10,15 +10,15 @@
 
 namespace styled::source {
 
-// Keeps what a stranger can bring about at will from filling the log: `burst` lines at once, then
-// one a second. One per kind of line; pipeline thread. Does not allocate.
-// Pinned by tests/unit/daemon/tcp_test.cpp.
+// Limits log lines that a remote sender can cause at will: `burst` lines at once, then one a
+// second. One object per kind of line; pipeline thread. Does not allocate. Pinned by
+// tests/unit/daemon/tcp_test.cpp.
 class NoteLimit {
  public:
   explicit NoteLimit(int burst = 1) : burst_ns_((burst - 1) * runtime::kSecond_ns) {}
 
-  // It happened once more. 0: no line now; else for how many times the line stands, this one and
-  // those since the last line. `now_ns` never goes back.
+  // Counts one more event. Returns 0 if no line may be logged now; otherwise the number of events
+  // that the line stands for: this one and those since the last line. `now_ns` must not go back.
   STYLED_REALTIME std::uint64_t Take(std::int64_t now_ns) noexcept {
     ++times_;
     const std::int64_t from_ns = std::max(paid_ns_, now_ns);
@@ -33,7 +33,7 @@ class NoteLimit {
   std::uint64_t times_ = 0;
 };
 
-// For the end of such a line: "", or " (12 times)".
+// The suffix of such a line: "", or " (12 times)".
 inline std::string Times(std::uint64_t times) {
   return times > 1 ? " (" + std::to_string(times) + " times)" : "";
 }

@@ -31,9 +31,9 @@ void Outbox::Put(const SourceFrame& frame) noexcept {
 
 void Outbox::HandOn() noexcept {
   if (count_ == 0) return;
-  hot_.Leave();  // the pipeline has a section of its own
+  hot_.Leave();  // the pipeline enters a section of its own
   receiver_->OnFrames(source_, std::span(waiting_).first(count_), count_ == kBatch);
-  // Here, and not with the next frame: the last owner of a body frees it.
+  // Released here and not with the next frame, because the last owner of a body frees memory.
   for (std::size_t i = 0; i < count_; ++i) waiting_[i].body.reset();
   count_ = 0;
 }

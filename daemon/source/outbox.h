@@ -15,40 +15,40 @@
 
 namespace styled::source {
 
-// Who sent a datagram. `id` tells senders of one source apart and is never 0.
+// The sender of a datagram. `id` distinguishes the senders of one source and is never 0.
 struct Peer {
   std::uint64_t id = 1;
   sockaddr_storage address{};
-  socklen_t address_size = 0;  // 0: nobody who could be answered (TCP, tests)
+  socklen_t address_size = 0;  // 0: cannot be answered (TCP, tests)
 };
 
-// What a rig's translator makes of the datagrams it was given: frames for the pipeline, refusals to
-// be counted, lines for the log, answers to the rig. One per source; pipeline thread.
+// The output of a rig's translator: frames for the pipeline, refusals to be counted, lines for the
+// log, replies to the rig. One per source; pipeline thread.
 class Outbox {
  public:
   Outbox(int source, runtime::Counters& counters);
 
-  // A frame or body for the pipeline; what it views is copied. Those that wait are handed on when
-  // they fill a batch, and by Close().
+  // Queues a frame or body for the pipeline and copies what it views. The queue is passed on when
+  // it fills a batch, and by Close().
   STYLED_REALTIME void Put(const SourceFrame& frame) noexcept;
 
-  // The rig's datagram, or a part of it, was refused.
+  // Counts that the rig's datagram, or a part of it, was refused.
   STYLED_REALTIME void Refuse(runtime::Counter reason) noexcept {
     counters_.AddOf(source_, reason);
   }
-  // A line for the log: `text()` makes it, outside the hot section. Not for every datagram.
+  // Logs a line. `text()` composes it outside the hot section. Not for every datagram.
   template <typename MakeText>
   void Note(const MakeText& text) {
     LeaveHotSection();
     receiver_->OnNote(source_, text());
   }
-  // Answers a rig; what cannot be sent is not.
+  // Sends a reply to a rig; dropped if it cannot be sent at once.
   STYLED_REALTIME void Reply(const Peer& peer, std::span<const std::byte> datagram) noexcept;
-  // What follows may allocate: a new body. The promise of the hot path holds again with the next
-  // batch.
+  // Call before work that may allocate, such as a new body. The hot section is entered again with
+  // the next batch.
   void LeaveHotSection() noexcept { hot_.Leave(); }
 
-  // The transport's side: Open before a batch, Close after it.
+  // For the transport: Open before a batch, Close after it.
   void Open(Receiver& receiver, int reply_socket) noexcept;
   void Close() noexcept;
 
@@ -60,8 +60,8 @@ class Outbox {
   Receiver* receiver_ = nullptr;
   int reply_socket_ = -1;
   runtime::HotSection hot_{runtime::HotSection::kOutside};
-  std::vector<FrameMemory> memories_;        // of what waits
-  std::array<SourceFrame, kBatch> waiting_;  // the first count_
+  std::vector<FrameMemory> memories_;        // copies of the waiting frames
+  std::array<SourceFrame, kBatch> waiting_;  // only the first count_ are in use
   std::size_t count_ = 0;
 };
 

@@ -10,8 +10,8 @@
 namespace styled::source {
 namespace {
 
-// A rig's own count that goes on by more did not lose frames: it jumped. Half of what the pipeline
-// believes at once (Session::kFarAhead).
+// A larger step of the rig's own count is a jump, not lost frames. Half of the largest step that
+// the pipeline accepts (Session::kFarAhead).
 constexpr std::uint64_t kMostLost = 512;
 
 v1::Body MakeMessage(const std::string& performer, const rig::RigBody& body) {

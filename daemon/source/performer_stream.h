@@ -14,40 +14,41 @@
 
 namespace styled::source {
 
-// One performer of a rig's sender as the pipeline wants it: session, sequence numbers, and the body
-// before the first frame and again once a second (proto/styled/v1/WIRE.md). Made when a performer
-// is first seen; pipeline thread. Neither Send nor Restart allocates once the body is set.
-// Pinned by tests/unit/daemon/performer_stream_test.cpp.
+// Turns the poses of one performer of a rig's sender into SourceFrames: adds session and sequence
+// numbers, and sends the body before the first frame and again once a second
+// (proto/styled/v1/WIRE.md). Created when a performer is first seen; pipeline thread. Neither Send
+// nor Restart allocates once the body is set. Pinned by
+// tests/unit/daemon/performer_stream_test.cpp.
 class PerformerStream {
  public:
   // `performer`: a valid name (MakeName).
   explicit PerformerStream(std::string performer);
 
-  // The sender began anew: what follows is another session, of the same body.
+  // The sender restarted: subsequent frames belong to a new session with the same body.
   STYLED_REALTIME void Restart() noexcept;
-  // What the poses belong to; sent with the next frame. Another body than the last is a change
-  // within the session. Allocates.
+  // Sets the body that subsequent poses belong to; it is sent with the next frame. A body that
+  // differs from the last one is a change within the session. Allocates when the body differs.
   void SetBody(const rig::RigBody& body, Outbox& out);
-  // Room for the faces of frames. Allocates.
+  // Reserves room for the faces of frames. Allocates.
   void ReserveFace() { face_.resize(kMaxFace); }
   bool has_body() const { return message_ != nullptr; }
   const rig::RigBody& body() const { return body_; }
 
   struct FrameInfo {
     std::uint64_t source_time_ns = 0;    // the rig's clock; any epoch
-    std::int64_t now_ns = 0;             // arrival
-    std::uint64_t lost = 0;              // frames that the rig's own count says were lost before
-    const Timecode* timecode = nullptr;  // null: as in the last frame
-    const Face* face = nullptr;          // null, or larger than the room reserved: none
+    std::int64_t now_ns = 0;             // time of arrival, monotonic
+    std::uint64_t lost = 0;              // frames lost before this one, by the rig's own count
+    const Timecode* timecode = nullptr;  // null: the same as in the last frame
+    const Face* face = nullptr;          // null, or larger than the reserved room: no face
   };
-  // A pose of the body (local rotations; NaN in a joint: not tracked). Nothing before a body is
-  // set. `pose` has the body's joint count.
+  // Sends a pose of the body: local rotations, NaN for a joint that is not tracked. `pose` must
+  // have the body's joint count. Does nothing before a body is set.
   STYLED_REALTIME void Send(const rig::RigPose& pose, const FrameInfo& info, Outbox& out) noexcept;
 
   const std::string& performer() const { return performer_; }
 
  private:
-  // Session, the next sequence number, and the body's CRC.
+  // A frame with session, next sequence number and the body's CRC filled in.
   STYLED_REALTIME SourceFrame Next() noexcept;
 
   std::string performer_;
@@ -61,8 +62,8 @@ class PerformerStream {
   std::vector<std::byte> face_;
 };
 
-// A performer's name made of what a rig calls it: every character other than A-Za-z0-9_- becomes
-// '_', cut to 32; "performer" where nothing is left.
+// Makes a performer's name from the rig's name for it: every character other than A-Za-z0-9_-
+// becomes '_', and the text is cut to 32. An empty text gives "performer".
 std::string MakeName(std::string_view text);
 
 }  // namespace styled::source

@@ -11,19 +11,19 @@
 
 namespace styled::source {
 
-// How many datagrams a second one address may send, whatever its ports: a bucket for each address
-// that holds a quarter of a second's and is filled evenly. The table is bounded. An address that is
-// not in it takes the place of one that was silent for a second; where there is none, it shares one
-// bucket with all others like it, so that who forges addresses takes nothing from those known.
-// One per socket; pipeline thread. Does not allocate.
+// Limits the datagrams per second of one address, whatever its ports. Each address has a token
+// bucket that holds a quarter of a second's datagrams and is filled evenly. The table is bounded. A
+// new address replaces one that was silent for a second; if there is none, it shares one bucket
+// with all other addresses without a row. A sender that forges addresses therefore takes nothing
+// from known senders. One per socket; pipeline thread. Does not allocate.
 class RateLimiter {
  public:
-  // `limit_hz` 0: everything is admitted. `seed` decides which addresses share a row of the table;
-  // it should not be known outside.
+  // `limit_hz` 0 admits everything. `seed` decides which addresses share a row of the table; it
+  // should be unknown to senders.
   RateLimiter(int limit_hz, std::uint64_t seed);
   explicit RateLimiter(int limit_hz);
 
-  // Whether the datagram from there that arrived at `now_ns` may be looked at; `now_ns` never goes
+  // Whether the datagram from `from` that arrived at `now_ns` is admitted. `now_ns` must not go
   // back.
   STYLED_REALTIME bool Admit(const sockaddr_storage& from, std::int64_t now_ns) noexcept;
 

@@ -13,43 +13,46 @@
 
 namespace styled::source {
 
-// One frame or one body of one performer: what every source hands to the pipeline
-// (Receiver::OnFrames). A rig's translator fills it in directly; our own protocol is decoded into
-// it (native_decoder.h). It owns nothing but `body`: the views are valid during the call only, and
-// whoever keeps a frame longer copies it (frame_memory.h).
+// One frame or one body of one performer: what every source passes to the pipeline
+// (Receiver::OnFrames). A rig's translator fills it in directly; the native protocol is decoded
+// into it (native_decoder.h). It owns nothing but `body`. Its views are valid during the call only;
+// frame_memory.h copies a frame that must live longer.
 struct SourceFrame {
-  // Of both kinds. `machine` all zeros: the source tells its senders apart itself.
+  // For both kinds. `machine` all zeros: the source distinguishes its senders itself.
   bool is_body = false;
   std::string_view performer;  // a valid name: config::IsName
   Machine machine{};
   std::uint64_t session = 0, sequence = 0;
-  // CRC-32C of the serialized Body: a body's own, or of the body that a frame's pose belongs to (0:
-  // not stated, the session's last).
+  // CRC-32C of the serialized Body: of this body, or of the body that a frame's pose belongs to (0:
+  // not stated; the session's last body is meant).
   std::uint32_t body_crc = 0;
 
-  // Of a frame. The pose is floats in this machine's byte order, aligned or not: root position x,
-  // y, z in the rig's unit, and x, y, z, w of each joint's local rotation (parent from joint), in
-  // the body's order. A joint that is not tracked is NaN. Counts are the pipeline's to check.
+  // For a frame. The pose consists of floats in this machine's byte order, aligned or not: root
+  // position x, y, z in the rig's unit, and x, y, z, w of each joint's local rotation (parent from
+  // joint), in the body's order. A joint that is not tracked is NaN. The pipeline checks the
+  // counts.
   std::uint64_t source_time_ns = 0;  // the rig's clock, any epoch
   bool has_timecode = false;
   Timecode timecode;
   std::span<const std::byte> root_position, rotations;
-  // Expressions and passed-on messages: fields 18 and 19 of v1::SourceFrame, tags and all, which
-  // mean the same in v1::Frame. At most kMaxFace bytes (proto/styled/face.h).
+  // Expressions and passed-on messages: fields 18 and 19 of v1::SourceFrame including their tags,
+  // which mean the same in v1::Frame. At most kMaxFace bytes (proto/styled/face.h).
   std::span<const std::byte> face;
 
-  // Of a body: what a translator made, or else the serialized message as it arrived. That one is
-  // parsed only once the body is admitted, so that a refused sender costs no allocation.
+  // For a body: the object that a translator made, or else the serialized message as it arrived.
+  // The latter is parsed only after the body is admitted, so that a refused sender costs no
+  // allocation.
   std::shared_ptr<const v1::Body> body;
   std::span<const std::byte> body_bytes;
 };
 
-// Copies the pose's floats, bit for bit, into a pose of `joint_count` joints. False, and `pose`
-// untouched, when the frame has another joint count.
+// Copies the pose's floats, bit for bit, into a pose of `joint_count` joints. Returns false and
+// leaves `pose` untouched when the frame has another joint count.
 STYLED_REALTIME bool CopyPose(const SourceFrame& frame, int joint_count,
                               rig::RigPose& pose) noexcept;
 
-// The body of a SourceFrame that is one; false where its bytes are no v1::Body. Allocates.
+// The body of a SourceFrame whose is_body is set; false where its bytes are not a v1::Body.
+// Allocates.
 bool ReadBody(const SourceFrame& frame, v1::Body& body);
 
 }  // namespace styled::source

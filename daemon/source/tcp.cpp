@@ -26,18 +26,18 @@ using runtime::Counter;
 using runtime::Descriptor;
 using runtime::kSecond_ns;
 
-// Within this a new connection brings a whole record, however it drips: senders repeat skeleton or
-// name once a second, so five were missed.
-// What bounds a cycle: so many connections are read, so much of each. A frame of 21 joints is 400
-// bytes, so that is some 330 frames.
+// Bound of a cycle: so many connections are read, and so many bytes of each. A frame of 21 joints
+// has 400 bytes, so that is some 330 frames.
 constexpr int kReads = 8;
 constexpr std::size_t kReadBytes = 16384;
+// A new connection must bring a whole record within this time, even if its bytes come slowly.
+// Senders repeat skeleton or name once a second, so five were missed.
 constexpr std::int64_t kFirstRecord_ns = 5 * kSecond_ns;
-// One that brought no record for so long gives its place to a new one where there is no other. Of a
-// rig that still sends at 1 Hz, four may come late.
+// A connection without a record for so long may be replaced by a new one. Of a rig that still sends
+// at 1 Hz, four records may be late.
 constexpr std::int64_t kSilent_ns = 5 * kSecond_ns;
 
-// Reader: StreamReader for our own records, CutReader for a rig's.
+// Reader is StreamReader for native records, CutReader for a rig's.
 template <typename Reader>
 class Tcp final : public Transport {
  public:
@@ -56,7 +56,7 @@ class Tcp final : public Transport {
     Watch(listener_.get(), nullptr);
   }
 
-  // One epoll instance holds listener and connections; it is itself what the pipeline polls.
+  // One epoll instance holds the listener and all connections; the pipeline polls that instance.
   int DoWork(Receiver& receiver) override {
     std::array<epoll_event, kReads> events;
     const int ready = epoll_wait(epoll_.get(), events.data(), kReads, 0);
@@ -65,7 +65,7 @@ class Tcp final : public Transport {
       auto* connection = static_cast<Connection*>(events[static_cast<std::size_t>(i)].data.ptr);
       work += connection == nullptr ? Accept(receiver) : Receive(*connection, receiver);
     }
-    // Where more is waiting, a first record may be in it.
+    // If more events are waiting, a connection's first record may be among them.
     if (ready < kReads) work += CloseSilent(receiver);
     closed_.clear();
     return work;
@@ -96,10 +96,10 @@ class Tcp final : public Transport {
     std::vector<std::byte> buffer;
     Reader reader;
     Peer peer;
-    sockaddr_storage address{};  // who sends; not to be answered, hence not in `peer`
+    sockaddr_storage address{};  // the sender's; not in `peer`, because it cannot be answered
     socklen_t address_size = 0;
     std::int64_t accepted_ns,
-        record_ns;  // record_ns: of the last one; before the first, accepted_ns
+        record_ns;  // when the last record came; before the first, accepted_ns
     bool any_record = false;
   };
   using Owned = std::unique_ptr<Connection>;
@@ -136,13 +136,14 @@ class Tcp final : public Transport {
     return 1;
   }
 
-  // They are in the order in which they came.
+  // Connections are kept in the order of their acceptance.
   Connections::const_iterator OldestWithoutRecord() const {
     return std::ranges::find(connections_, false,
                              [](const Owned& connection) { return connection->any_record; });
   }
 
-  // Who never sent a record goes first, then who was silent for longest; who sends stays.
+  // Replaces a connection that never sent a record, else the one that was silent for longest. A
+  // connection that sends is kept.
   bool MakeRoom(std::int64_t now_ns, Receiver& receiver) {
     auto place = OldestWithoutRecord();
     if (place == connections_.end()) {
@@ -189,10 +190,10 @@ class Tcp final : public Transport {
     return closed;
   }
 
-  // One read of kReadBytes at most, and all the records that it completes. What is left is read in
-  // the next cycle, when the other sources have had their turn.
+  // One read of at most kReadBytes, and all records that it completes. The rest is read in the next
+  // cycle, after the other sources.
   int Receive(Connection& connection, Receiver& receiver) {
-    if (connection.socket.get() < 0) return 0;  // closed since this batch of events was asked for
+    if (connection.socket.get() < 0) return 0;  // closed earlier in this batch of events
     const auto all = connection.reader.Space();
     const auto space = all.first(std::min(all.size(), kReadBytes));
     const auto size = recv(connection.socket.get(), space.data(), space.size(), 0);
@@ -256,7 +257,8 @@ class Tcp final : public Transport {
   }
   static Counter WhyBroken(const CutReader&) { return Counter::kSourceMalformed; }
 
-  // The batch of events may still name it: it is kept until that has been gone through.
+  // Keeps the connection's object until the batch of events is done, because a later event may
+  // point to it.
   void Close(Connection& connection) {
     connection.socket = Descriptor();
     const auto place = std::ranges::find_if(

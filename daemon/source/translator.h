@@ -11,13 +11,14 @@
 
 namespace styled::source {
 
-// Turns a rig's own protocol (a codec of proto/rigs) into frames for the pipeline: a
-// PerformerStream per performer fills them in and puts them into the Outbox. Every rig's frames
-// meet the same rules in the pipeline; what only one rig needs ends here. One per source, pipeline
-// thread. From a performer's second frame on it does not allocate, lock, log or throw.
+// Translates a rig's own protocol (a codec of proto/rigs) into frames for the pipeline: one
+// PerformerStream per performer fills them in and puts them into the Outbox. The pipeline applies
+// the same rules to the frames of every rig; whatever is specific to one rig ends here. One per
+// source, pipeline thread. From a performer's second frame on it does not allocate, lock, log or
+// throw.
 //
-// Poses leave it on a right-handed skeleton as local rotations (parent from joint), a sender's
-// restart as PerformerStream::Restart, a joint that is not tracked as NaN.
+// Poses leave it on a right-handed skeleton as local rotations (parent from joint). A sender's
+// restart becomes PerformerStream::Restart, a joint that is not tracked becomes NaN.
 class Translator {
  public:
   Translator() = default;
@@ -25,20 +26,20 @@ class Translator {
   Translator(const Translator&) = delete;
   Translator& operator=(const Translator&) = delete;
 
-  // One datagram, or record of a stream, that arrived at `now_ns` (monotonic). The bytes are valid
-  // during the call.
+  // Handles one datagram, or record of a stream, that arrived at `now_ns` (monotonic). The bytes
+  // are valid during the call.
   virtual void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
                     Outbox& out) = 0;
 
-  // What time alone brings about: frames that nobody closes, ticks of a clock, heartbeats. Called
+  // Handles what depends on time alone: unfinished frames, ticks of a clock, heartbeats. Called
   // after every batch and when NextDeadline_ns() has passed.
   virtual void Tick(std::int64_t /*now_ns*/, Outbox& /*out*/) {}
   virtual std::int64_t NextDeadline_ns() const { return kNever; }
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-  // Sensors that have to be told how they are worn, and no skeleton of their own.
+  // Whether the rig consists of sensors without a skeleton, which must be calibrated to the body.
   virtual bool has_sensors() const { return false; }
-  // Errors say why not.
+  // Errors give the reason.
   virtual Status Calibrate(Calibration /*what*/, std::int64_t /*now_ns*/) {
     return Status::Error("a rig of this type has no sensors to calibrate");
   }

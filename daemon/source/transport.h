@@ -15,72 +15,72 @@
 
 namespace styled::source {
 
-// Bytes as they came, before anybody looked at them: a datagram, a piece of a TCP stream, what one
-// USB transfer brought.
+// Bytes as they arrived, before any decoding: a datagram, a piece of a TCP stream, or one USB
+// transfer.
 struct Arrival {
   int source = 0;
   std::int64_t time_ns = 0;  // monotonic
   std::span<const std::byte> bytes;
   const sockaddr* peer = nullptr;  // null: unknown
   socklen_t peer_size = 0;
-  std::uint32_t device = 0;  // USB: numbers its opening, from 1
+  std::uint32_t device = 0;  // USB: number of the device's opening, from 1; else 0
 };
 
-// What receives from all transports: the pipeline.
+// The receiver of all transports' output: the pipeline.
 class Receiver {
  public:
   virtual ~Receiver() = default;
-  // Frames and bodies that arrived together on source number `source`, 1 to kBatch of them, oldest
-  // first; what they view is valid during the call only. `more_waiting`: the batch is full, so that
-  // the newest frame may still be in the transport.
+  // Frames and bodies that arrived together on source number `source`: 1 to kBatch of them, oldest
+  // first. Their views are valid during the call only. `more_waiting`: the batch is full, so the
+  // newest frame may still be in the transport.
   virtual void OnFrames(int source, std::span<const SourceFrame> frames, bool more_waiting) = 0;
-  // All bytes that come, once, before anything made of them is handed on by OnFrames: what a
+  // All arriving bytes, once, before OnFrames delivers the frames made from them. This is what a
   // recording keeps.
   STYLED_REALTIME virtual void OnArrival(const Arrival& /*arrival*/) noexcept {}
-  // A line for the log, at most once for each thing that it says.
+  // A line for the log. The caller limits how often the same fact is reported.
   virtual void OnNote(int /*source*/, const std::string& /*text*/) {}
 };
 
-// What a technician asks of a rig whose sensors do not know how they are worn.
+// The calibrations of a rig whose sensors do not know how they are mounted on the body.
 enum class Calibration : std::uint8_t {
-  kFull,     // the performer stands in the rest pose, looking ahead: mounting and heading
-  kYaw,      // looking ahead: heading alone
-  kMounting  // in the second pose of the rig's own habit
+  kFull,     // the performer stands in the rest pose, facing forward: mounting and heading
+  kYaw,      // facing forward: heading alone
+  kMounting  // in the second pose that the rig defines
 };
 
-// What a delay does to the frames of a source, over the last second.
+// The effect of a delay on the frames of a source, over the last second.
 struct Smoothing {
-  float delay_ms = 0;        // 0: none
-  float arrived_ms = 0;      // 99 % of the frames came no further behind their sender's schedule
-  float left_ms = 0;         // ... and left no further behind it and the delay
-  std::uint64_t missed = 0;  // frames, since the start, that came later than the delay allows
+  float delay_ms = 0;  // 0: none
+  float arrived_ms =
+      0;  // lateness on the sender's schedule that 99 % of the frames did not exceed at arrival
+  float left_ms = 0;         // ... and at leaving, the delay not counted
+  std::uint64_t missed = 0;  // frames since the start that arrived later than the delay allows
 };
 
-// One way for bytes to come in; sources/<type>.h each. Used by the pipeline thread alone, except
-// construction. Never blocks.
+// One way for data to arrive; one implementation per type of source. Used by the pipeline thread
+// alone, except for construction. Never blocks.
 class Transport {
  public:
   virtual ~Transport() = default;
-  // Hands what has arrived to `receiver`, up to a bound, and returns how many datagrams that was.
+  // Passes what has arrived to `receiver`, up to a bound, and returns the number of datagrams.
   virtual int DoWork(Receiver& receiver) = 0;
-  // When DoWork has something to do though nothing arrives; INT64_MAX: never.
+  // The time at which DoWork has work even if nothing arrives; INT64_MAX: never.
   virtual std::int64_t NextDeadline_ns() const { return std::numeric_limits<std::int64_t>::max(); }
-  // Sensors that have to be told how they are worn, and no skeleton of their own.
+  // As Translator::has_sensors() and Translator::Calibrate().
   virtual bool has_sensors() const { return false; }
-  // Errors say why not.
   virtual Status Calibrate(Calibration /*what*/, std::int64_t /*now_ns*/) {
     return Status::Error("a rig of this type has no sensors to calibrate");
   }
-  // Readable when DoWork may find something.
+  // A descriptor that is readable when DoWork may find something.
   virtual int fd() const = 0;
-  // The address bound, "HOST:PORT" with the real port.
+  // The bound address, "HOST:PORT" with the actual port.
   virtual const std::string& endpoint() const = 0;
-  // Datagrams and records that arrived, those that were refused included.
+  // Number of datagrams and records that arrived, including refused ones.
   virtual std::uint64_t received() const = 0;
   virtual Smoothing smoothing() const { return {}; }
 };
 
-// At most this many frames are handed over at once: what bounds a cycle of the pipeline.
+// The most frames of one call of OnFrames, which bounds a cycle of the pipeline.
 inline constexpr std::size_t kBatch = 32;
 
 }  // namespace styled::source

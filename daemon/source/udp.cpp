@@ -6,7 +6,7 @@
 namespace styled::source {
 namespace {
 
-// Our own datagrams, as they are.
+// Native datagrams.
 class Udp final : public Transport {
  public:
   Udp(runtime::Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
@@ -33,7 +33,7 @@ class Udp final : public Transport {
   NativeDecoder decoder_;
 };
 
-// A rig's, through its translator.
+// A rig's datagrams, through its translator.
 class TranslatedUdp final : public Transport {
  public:
   TranslatedUdp(runtime::Descriptor socket, const config::Source& config, int source,

@@ -11,8 +11,8 @@
 
 namespace styled::source {
 
-// Datagrams over UDP, received in batches with recvmmsg. Counts what the kernel dropped. With a
-// translator they are a rig's own, and what it makes of them is handed on; without, they are ours.
+// Opens a UDP transport that receives datagrams in batches with recvmmsg and counts those that the
+// kernel dropped. With a translator the datagrams are a rig's, without one they are native.
 Result<std::unique_ptr<Transport>> MakeUdp(const config::Source& config, int source,
                                            runtime::Clock& clock, runtime::Counters& counters,
                                            std::unique_ptr<Translator> translator);

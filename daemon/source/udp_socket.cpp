@@ -8,7 +8,7 @@
 namespace styled::source {
 namespace {
 
-// A stamp that is older says that the wall clock was set, not that the datagram waited.
+// A stamp older than this means that the wall clock was set, not that the datagram waited.
 constexpr std::int64_t kLongestWait_ns = runtime::kSecond_ns / 10;
 
 }  // namespace
@@ -74,7 +74,7 @@ Peer UdpSocket::Sender(std::size_t i) const noexcept {
   const std::size_t place = places_[i];
   peer.address_size = messages_[place].msg_hdr.msg_namelen;
   peer.address = senders_[place];
-  // Of address and port alone: padding and flow labels may differ.
+  // Hashes address and port only, because padding and flow labels may differ.
   Fnv1a hash;
   if (peer.address.ss_family == AF_INET) {
     const auto& v4 = reinterpret_cast<const sockaddr_in&>(peer.address);
@@ -89,7 +89,7 @@ Peer UdpSocket::Sender(std::size_t i) const noexcept {
   return peer;
 }
 
-// SO_RXQ_OVFL: the socket's total of dropped datagrams, with each that was not.
+// SO_RXQ_OVFL delivers the socket's total of dropped datagrams with each received one.
 std::int64_t UdpSocket::ReadControl(std::size_t i, std::int64_t now_ns,
                                     std::int64_t wall_ns) noexcept {
   msghdr& header = messages_[i].msg_hdr;

@@ -60,7 +60,7 @@ void Device::OnTransfer(libusb_transfer* transfer) {
 
 void Device::Take(libusb_transfer& transfer) {
   --under_way_;
-  // One that was cancelled or failed halfway may have brought bytes; an empty one ended a burst.
+  // A cancelled or failed transfer may have delivered bytes; an empty one ended a burst.
   if (transfer.actual_length > 0) {
     reports_.PushData(
         number_, std::as_bytes(
@@ -78,7 +78,7 @@ void Device::Take(libusb_transfer& transfer) {
     case LIBUSB_TRANSFER_STALL:
       Fail(State::kStalled);
       break;
-    default:  // the bus garbled it, or it brought more than there was room for
+    default:  // corrupted on the bus, or larger than the buffer
       Fail(State::kStreaming);
       break;
   }
@@ -86,7 +86,7 @@ void Device::Take(libusb_transfer& transfer) {
 }
 
 void Device::Fail(State next) {
-  if (state_ != State::kStreaming) return;  // the others find the same stall
+  if (state_ != State::kStreaming) return;  // the other transfers report the same stall
   counters_.Add(Counter::kUsbTransfersFailed);
   if (++failures_ >= kGivesUp) return Stop("its transfers fail");
   if (next == State::kStalled) {

@@ -15,9 +15,10 @@
 
 namespace styled::source::usb {
 
-// One open device: its interface claimed (the kernel's driver steps aside until it is closed), 8
-// interrupt transfers of 64 bytes or 4 bulk transfers of 16 KiB always under way, so that none of
-// its data waits for us. USB thread alone; opening blocks. The libusb context outlives it.
+// One open device. Its interface is claimed (the kernel's driver is detached until it is closed),
+// and 8 interrupt transfers of 64 bytes or 4 bulk transfers of 16 KiB are always submitted, so that
+// the device never has to wait for the host. USB thread alone; opening blocks. The libusb context
+// must outlive it.
 class Device {
  public:
   struct Handle {
@@ -25,7 +26,8 @@ class Device {
   };
   using OwnedHandle = std::unique_ptr<libusb_device_handle, Handle>;
 
-  // Claims and starts. `number` goes with all that it reports. Errors say what was refused.
+  // Claims the interface and starts the transfers. `number` is attached to all that the device
+  // reports. Errors say what was refused.
   static Result<std::unique_ptr<Device>> Start(OwnedHandle handle, const Interface& interface,
                                                std::uint32_t number, Reports& reports,
                                                runtime::Counters& counters);
@@ -33,15 +35,15 @@ class Device {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  // To be called after every round of libusb's events: what must not be done inside them. A stalled
-  // endpoint is drained, cleared and started again.
+  // Call after every round of libusb's events, for work that is not allowed inside them: once all
+  // transfers of a stalled endpoint have returned, clears the stall and submits them again.
   void Service();
-  // Cancels what is under way. `reason`: a literal.
+  // Cancels the transfers. `reason` must be a string literal.
   void Stop(const char* reason);
-  // Stopped, unplugged or given up (16 failures with no success between), and nothing under way:
-  // ready to be destroyed.
+  // Whether the device is stopped, unplugged or given up (16 failures without a success in between)
+  // and no transfer is pending: it may be destroyed.
   bool done() const { return state_ == State::kEnding && under_way_ == 0; }
-  // Why: "unplugged", "its transfers fail", or what Stop() was told first.
+  // The reason: "unplugged", "its transfers fail", or that of the first Stop().
   const char* reason() const { return reason_; }
 
  private:
@@ -61,7 +63,8 @@ class Device {
   void SubmitAll();
   void CancelAll();
 
-  // Closed before they are freed: that takes them away from libusb, whatever became of them.
+  // handle_ is declared after transfers_, so that the device is closed before its transfers are
+  // freed; closing detaches them from libusb, whatever their state.
   std::vector<std::byte> buffer_;
   std::vector<Transfer> transfers_;
   OwnedHandle handle_;

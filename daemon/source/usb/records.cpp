@@ -27,7 +27,7 @@ void Records::Take(const Reports::Report& report, Receiver& receiver) {
   Stream& stream = StreamOf(report.device);
   stream.heard_ns = report.arrival_ns;
   StreamReader& reader = stream.reader;
-  // Never short of room: whatever is pending is less than a datagram.
+  // The transfer always fits: the pending bytes are less than a datagram.
   std::ranges::copy(report.bytes, reader.Space().begin());
   reader.Received(report.bytes.size());
   while (true) {

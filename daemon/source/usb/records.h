@@ -15,17 +15,17 @@
 
 namespace styled::source::usb {
 
-// Cuts what vendor devices send into our own records, which may begin and end anywhere in their
-// transfers. Where a record makes no sense, the rest of its transfer is dropped and the next one is
-// taken to begin with a record. Pipeline thread. Pinned by tests/unit/usb/records_test.cpp.
+// Cuts the data of vendor devices into native records, which may begin and end anywhere in their
+// transfers. After an invalid record the rest of its transfer is dropped, and the next transfer is
+// expected to begin with a record. Pipeline thread. Pinned by tests/unit/usb/records_test.cpp.
 class Records {
  public:
   Records(int source, runtime::Counters& counters)
       : counters_(counters), decoder_(source, counters) {}
 
-  // Hands what the records that the transfer completes say to `receiver`. Allocates for a device
-  // that was not heard before only; of more than 16 the longest silent is forgotten, with what it
-  // began.
+  // Decodes the records that the transfer completes, and passes their frames to `receiver`.
+  // Allocates only for a new device. Beyond 16 devices, the one that was silent for longest is
+  // forgotten, with its incomplete record.
   void Take(const Reports::Report& report, Receiver& receiver);
   std::uint64_t received() const { return received_; }
 

@@ -13,13 +13,13 @@
 
 namespace styled::source::usb {
 
-// What the USB thread has for the pipeline: finished transfers with their time of arrival, and
-// lines for the log, in their order through a bounded ring. Neither side waits; what finds the ring
-// full is dropped and, where it was data, counted (usb.ring_full). Nothing is allocated but here,
-// at construction. Pinned by tests/unit/usb/reports_test.cpp.
+// Passes finished transfers, with their time of arrival, and lines for the log from the USB thread
+// to the pipeline, in order, through a bounded ring. Neither side waits. An entry that finds the
+// ring full is dropped; lost data is counted (usb.ring_full). Allocates only at construction.
+// Pinned by tests/unit/usb/reports_test.cpp.
 class Reports {
  public:
-  // What one transfer may bring.
+  // The largest transfer.
   static constexpr std::size_t kMaxSize = 16384;
   // Ten seconds of a receiver's reports, or sixty full bulk transfers.
   static constexpr std::size_t kCapacity = 1U << 20U;
@@ -27,7 +27,7 @@ class Reports {
   struct Report {
     bool is_note = false;  // a line for the log, else a transfer
     std::uint32_t device =
-        0;  // numbers its opening: a device that was plugged in again has another
+        0;  // number of its opening: a device that was plugged in again has another
     std::int64_t arrival_ns = 0;       // monotonic
     std::span<const std::byte> bytes;  // at most kMaxSize; valid until the next Pop
   };
@@ -35,13 +35,14 @@ class Reports {
   // `capacity` in bytes, a power of two.
   Reports(runtime::Clock& clock, runtime::Counters& counters, std::size_t capacity = kCapacity);
 
-  // USB thread. `bytes` beyond kMaxSize are cut off. Both wake the pipeline.
+  // USB thread. `bytes` beyond kMaxSize are cut off. Both functions wake the pipeline.
   void PushData(std::uint32_t device, std::span<const std::byte> bytes) noexcept;
   void PushNote(std::string_view text) noexcept;
 
-  // Pipeline thread: the oldest; false, and `report` untouched, where there is none.
+  // Pipeline thread. Pops the oldest entry; returns false and leaves `report` untouched if there is
+  // none.
   bool Pop(Report& report) noexcept;
-  // Readable when there may be something to pop; Clear() before popping.
+  // A descriptor that is readable when there may be something to pop; call Clear() before popping.
   int fd() const { return wakeup_.fd(); }
   void Clear() noexcept { wakeup_.Clear(); }
 

@@ -24,7 +24,7 @@ std::string Describe(const config::Source& config) {
   return text;
 }
 
-// Both kinds: the thread that fills `reports_`, and what the pipeline polls.
+// The common part: the thread that fills `reports_`, and the descriptor that the pipeline polls.
 class Usb : public Transport {
  public:
   Usb(const config::Source& config, int source, runtime::Clock& clock, runtime::Counters& counters)
@@ -55,10 +55,11 @@ class Usb : public Transport {
 
  private:
   std::string endpoint_;
-  std::unique_ptr<UsbThread> thread_;  // ends before the ring that it fills
+  std::unique_ptr<UsbThread>
+      thread_;  // declared after reports_: ends before the ring that it fills
 };
 
-// Our own records.
+// Native records.
 class NativeUsb final : public Usb {
  public:
   NativeUsb(const config::Source& config, int source, runtime::Clock& clock,

@@ -14,7 +14,8 @@ namespace {
 using runtime::Counter;
 
 constexpr std::int64_t kScanEvery_ns = runtime::kSecond_ns;
-constexpr int kMostDoublings = 6;  // of the second before a device that failed is tried again
+constexpr int kMostDoublings =
+    6;  // the pause before a failed device is retried doubles at most 6 times, from 1 s
 constexpr std::int64_t kClosing_ns = runtime::kSecond_ns;
 constexpr auto kPauseOnError = std::chrono::milliseconds(10);
 
@@ -39,7 +40,7 @@ std::optional<Interface> InterfaceOf(libusb_device* device, Protocol protocol) {
   return found;
 }
 
-// "" where there is none. Blocks.
+// The serial number, "" if there is none. Blocks.
 std::string SerialOf(libusb_device* device, libusb_device_handle* handle) {
   libusb_device_descriptor descriptor{};
   if (libusb_get_device_descriptor(device, &descriptor) != LIBUSB_SUCCESS) return "";
@@ -72,7 +73,7 @@ Result<std::unique_ptr<UsbThread>> UsbThread::Start(Wanted wanted, Reports& repo
   }
   usb->context_.reset(context);
   if (libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) != 0) {
-    // Where it is refused, the look around once a second remains.
+    // If the registration is refused, the scan once a second remains.
     (void)libusb_hotplug_register_callback(
         context, LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT,
         LIBUSB_HOTPLUG_NO_FLAGS, LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY,
@@ -97,7 +98,7 @@ void UsbThread::Run() {
       scan_now_ = false;
       Scan();
       next_scan_ns = clock_.Now_ns() + kScanEvery_ns;
-      if (stop_) break;  // a string that was read may have swallowed the interruption
+      if (stop_) break;  // reading a string may have consumed the interruption
     }
     if (!HandleEvents(next_scan_ns)) std::this_thread::sleep_for(kPauseOnError);
     ServiceAll();
@@ -129,7 +130,7 @@ void UsbThread::Scan() {
   for (Known& known : known_) TryOpen(known);
 }
 
-// Keeps a new device that is wanted.
+// Adds a new device to known_ if it is wanted.
 void UsbThread::Meet(libusb_device* device) {
   libusb_device_descriptor descriptor{};
   if (libusb_get_device_descriptor(device, &descriptor) != LIBUSB_SUCCESS) return;

@@ -20,25 +20,25 @@
 
 namespace styled::source::usb {
 
-// Which devices are opened: all that IsWanted(), or the one of them with this serial number.
+// Which devices to open: all that IsWanted() accepts, or the one of them with this serial number.
 struct Wanted {
   Protocol protocol = Protocol::kSlimeVr;
   std::optional<config::UsbId> id;
   std::string serial;  // "" = any
 };
 
-// libusb's context and its event loop on a thread of their own, because opening a device and
-// reading its strings block. Opens what is wanted when it appears (libusb's hotplug events, and a
-// look around once a second: for systems without them, and for what could not be opened before),
-// as many as there are, and puts what they send into `reports`, which must outlive it. Says in the
-// log what it opened, lost, and why it could not.
+// Runs libusb's context and event loop on a thread of its own, because opening a device and reading
+// its strings block. Opens every wanted device when it appears and puts its data into `reports`,
+// which must outlive this object. Devices are found by libusb's hotplug events and by a scan once a
+// second (for systems without hotplug, and to retry devices that could not be opened). Logs which
+// devices were opened and lost, and why one could not be opened.
 class UsbThread {
  public:
   // Errors: no USB on this system.
   static Result<std::unique_ptr<UsbThread>> Start(Wanted wanted, Reports& reports,
                                                   runtime::Clock& clock,
                                                   runtime::Counters& counters);
-  // Stops the thread and gives the devices back.
+  // Stops the thread and closes the devices.
   ~UsbThread();
   UsbThread(const UsbThread&) = delete;
   UsbThread& operator=(const UsbThread&) = delete;
@@ -50,14 +50,14 @@ class UsbThread {
   struct Exit {
     void operator()(libusb_context* context) const { libusb_exit(context); }
   };
-  // A device that is on the bus and wanted.
+  // A wanted device on the bus.
   struct Known {
     std::unique_ptr<libusb_device, Unref> device;
     std::string name;  // for the log
     std::unique_ptr<Device> open;
-    bool other = false;     // has another serial number, or no such interface
-    std::string complaint;  // said why it is not open
-    int failures = 0;       // so often it was opened and given up
+    bool other = false;     // not wanted: other serial number, or no suitable interface
+    std::string complaint;  // the reason last logged why it is not open
+    int failures = 0;       // how often it was opened and given up
     std::int64_t next_try_ns = 0;
   };
 
@@ -76,9 +76,9 @@ class UsbThread {
   runtime::Clock& clock_;
   runtime::Counters& counters_;
   std::unique_ptr<libusb_context, Exit> context_;
-  std::vector<Known> known_;  // behind the context: gone before it
+  std::vector<Known> known_;  // declared after context_: destroyed before it
   std::uint32_t openings_ = 0;
-  bool scan_now_ = false;  // a device came or went
+  bool scan_now_ = false;  // a device was plugged in or out
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
