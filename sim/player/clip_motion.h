@@ -9,26 +9,26 @@
 
 namespace styled::player {
 
-// The BVH files that `paths` name, in their order; a folder stands for the *.bvh in it, by name.
-// Errors name the path and what was expected.
+// Lists the BVH files of `paths`, in their order; a folder stands for its *.bvh files, sorted by
+// name. Errors name the path and what was expected.
 Result<std::vector<std::filesystem::path>> FindClips(
     const std::vector<std::filesystem::path>& paths);
 
 struct ClipMotionOptions {
-  double rate_hz = 120;          // clips are resampled to it (C2)
-  std::string dialect = "auto";  // sent in the body; the daemon binds
+  double rate_hz = 120;          // clips are resampled to this rate
+  std::string dialect = "auto";  // sent in the body; the daemon uses it to bind the skeleton
   float metres_per_unit = 0;     // sent in the body; 0 = unknown
-  bool loop = false;             // begin again with the first file after the last
-  std::size_t first = 0;         // the file to begin with
+  bool loop = false;             // after the last file, continue with the first
+  std::size_t first = 0;         // index of the file to start with
 };
 
-// Recorded motion on the file's own skeleton. Several files are played one after the other, each a
-// new body. A single looped file stays one body: every pass goes on from where the last one
-// ended (horizontal place and heading, y up) and leads from its last pose to its first one within
-// 0.3 s, so that no frame of a loop jumps. Translations of other joints than the root are not sent.
+// Plays recorded motion on the file's own skeleton. Several files are played one after the other,
+// each with a new body. A single looped file keeps its body: each pass continues at the horizontal
+// position and heading where the previous one ended (y up), and blends from its last pose to the
+// first one within 0.3 s, so that no frame jumps. Only the root's translation is sent.
 class ClipMotion final : public Motion {
  public:
-  // Reads and resamples the first file. Files not empty. Errors: those of clip::ReadBvh.
+  // Reads and resamples the first file. `files` must not be empty. Errors: those of clip::ReadBvh.
   static Result<std::unique_ptr<ClipMotion>> Make(std::vector<std::filesystem::path> files,
                                                   ClipMotionOptions options);
 
@@ -46,8 +46,8 @@ class ClipMotion final : public Motion {
   RigBody body_;
   clip::Clip clip_;
   std::size_t file_ = 0, frame_ = 0, files_played_ = 0;
-  // Since the last seam of a loop: the rigid move that continues the path, and the last pose's
-  // difference to the first one, which fades out.
+  // Since the last seam of a loop: the rigid transform that continues the path, and the difference
+  // between the last pose and the first one, which fades out.
   rig::Quat turn_ = rig::Quat::Identity();
   rig::Vec3 shift_ = rig::Vec3::Zero();
   std::vector<rig::Vec3> seam_;  // rotation vectors per joint; empty before the first seam

@@ -4,17 +4,17 @@
 
 namespace styled::player {
 
-// Where a player gets its time from: passed in, so that tests move a fake one and never sleep.
-// Nanoseconds of any monotonic clock.
+// The clock of a player, passed in so that tests use a fake clock and never sleep. Times are
+// nanoseconds of a monotonic clock.
 class Clock {
  public:
   virtual ~Clock() = default;
   virtual std::int64_t Now_ns() = 0;
-  // Returns at `deadline_ns`, or earlier on a signal; at once where it has passed.
+  // Returns at `deadline_ns`; earlier on a signal; at once if the deadline has passed.
   virtual void SleepUntil(std::int64_t deadline_ns) = 0;
 };
 
-// CLOCK_MONOTONIC, slept on absolutely: what one sleep is late, the next is not.
+// CLOCK_MONOTONIC with absolute deadlines, so that delays of single sleeps do not add up.
 class SteadyClock final : public Clock {
  public:
   std::int64_t Now_ns() override;

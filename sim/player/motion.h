@@ -10,14 +10,14 @@ namespace styled::player {
 
 using rig::RigBody;
 
-// The motion of one performer at the player's rate, frame after frame. One thread; may read files.
+// The motion of one performer, frame by frame at the player's rate. One thread; may read files.
 class Motion {
  public:
   enum class Step {
     kPose,     // `pose` is the next frame
-    kNewBody,  // body() has changed: a new session begins with the next call
-    kEnd,      // there is no more
-    kError     // error() says why
+    kNewBody,  // body() has changed: the next call starts a new session
+    kEnd,      // the motion has ended
+    kError     // see error()
   };
 
   virtual ~Motion() = default;

@@ -7,8 +7,8 @@
 
 namespace styled::player {
 
-// The synthetic performer as a rig: skeleton "canonical" of its own proportions, in metres, with
-// identity rest. Endless.
+// The synthetic performer as a rig: skeleton "canonical" with its own proportions, in metres, with
+// an identity rest pose. Endless.
 class PerformerMotion final : public Motion {
  public:
   PerformerMotion(synthetic::Options options, const synthetic::Proportions& proportions,
@@ -26,8 +26,8 @@ class PerformerMotion final : public Motion {
   std::uint64_t frame_ = 0;
 };
 
-// `seconds` of a motion that does not end before as a BVH file in centimetres (a length of 1 m in
-// the body is 100 there where metres_per_unit is 1).
+// Writes `seconds` of an endless motion to a BVH file in centimetres (with metres_per_unit 1, a
+// length of 1 in the body is written as 100).
 Status WriteMotion(Motion& motion, double seconds, double rate_hz,
                    const std::filesystem::path& file);
 

@@ -14,29 +14,29 @@
 namespace styled::player {
 
 struct PlayerOptions {
-  double rate_hz = 120;  // 1 .. 1000, all performers
-  double seconds = 0;    // stop after so much source time; 0 = when the motion ends
-  // Called once, from Run(), when the receiver's machine has said several times that nobody listens
-  // there; sending goes on.
+  double rate_hz = 120;  // 1 .. 1000; all performers
+  double seconds = 0;    // stop after this much source time; 0 = at the end of the motion
+  // Called once, from Run(), after the receiver's machine has reported several times that no
+  // program listens on the port; sending continues.
   std::function<void()> on_refused = {};
 };
 
 struct PlayerCounts {
-  std::uint64_t ticks = 0;       // of the rate, all performers together one
-  std::uint64_t late_ticks = 0;  // begun more than a whole period behind time
+  std::uint64_t ticks = 0;       // one per period, for all performers together
+  std::uint64_t late_ticks = 0;  // started more than a period too late
   std::int64_t wall_ns = 0;
-  std::uint64_t refused = 0;  // datagrams for which nobody listened, as far as the link knows
+  std::uint64_t refused = 0;  // datagrams without a listener, as far as the link knows
 };
 
-// Plays senders into a link, paced by an absolute clock: tick i of sender k of n is due at
-// start + (i + k / n) periods and the delay that the sender wants, but not before its tick i - 1,
-// whatever happened before; what is overdue is sent at once, nothing is skipped. Runs on the
-// caller's thread. Pinned by tests/unit/sim/player_test.cpp.
+// Sends the frames of all senders into a link, paced by an absolute clock. Tick i of sender k of n
+// is due at start + (i + k / n) periods plus the sender's delay, but never before its tick i - 1.
+// Overdue ticks are sent at once; none is skipped. Runs on the caller's thread. Pinned by
+// tests/unit/sim/player_test.cpp.
 class Player {
  public:
   Player(PlayerOptions options, std::vector<std::unique_ptr<Sender>> senders);
 
-  // Returns when every motion has ended, after `seconds`, when `stop` is set, or on an error.
+  // Returns when all motions have ended, after `seconds`, when `stop` is set, or on an error.
   Status Run(Clock& clock, Link& link, const std::atomic<bool>& stop);
 
   const std::vector<std::unique_ptr<Sender>>& senders() const { return senders_; }
@@ -46,15 +46,15 @@ class Player {
   PlayerOptions options_;
   std::vector<std::unique_ptr<Sender>> senders_;
   PlayerCounts counts_;
-  bool told_ = false;  // on_refused was called
+  bool told_ = false;  // on_refused has been called
   std::int64_t first_refusal_ns_ = 0;
 
   void Listen(Link& link, std::int64_t now_ns);
 };
 
 // "performers=1 frames=2400 bodies=20 datagrams=2420 bytes=... sessions=1 seconds=20.00
-// late_ticks=0", "refused=12" where nobody listened, then the faults that occurred, "loss=12 ...":
-// words and numbers for tests.
+// late_ticks=0", then "refused=12" if datagrams found no listener, then the faults that occurred,
+// "loss=12 ...". Machine-readable, for tests.
 std::string Summary(const Player& player);
 
 }  // namespace styled::player

@@ -10,24 +10,24 @@
 namespace styled::player {
 
 struct StreamCounts {
-  std::uint64_t frames = 0;     // made, lost ones included
+  std::uint64_t frames = 0;     // produced, lost ones included
   std::uint64_t bodies = 0;     // sent
   std::uint64_t datagrams = 0;  // sent, of either kind
   std::uint64_t bytes = 0;
   std::uint64_t sessions = 0;
 };
 
-// What the player plays: something that sends at every tick of the rate. One thread.
+// A source of datagrams that the player calls once per period. One thread.
 class Sender {
  public:
   enum class Step { kSent, kSilent, kEnd, kError };
 
   virtual ~Sender() = default;
-  // Sends what is due at the next tick of the rate. kError: error() says why.
+  // Sends what is due in the next period. kError: see error().
   virtual Step Tick(Link& link) = 0;
-  // How long after its time the next Tick() comes: once before each, in seconds.
+  // Delay of the next Tick() in seconds; called once before each.
   virtual double NextDelay_s() { return 0; }
-  // Sends what is still held back (reordered, late, of a burst). Call once at the end.
+  // Sends what is still held back (reordered, late, or in a burst). Call once at the end.
   virtual Status Flush(Link& link) = 0;
 
   virtual int performers() const { return 1; }

@@ -19,22 +19,23 @@ namespace styled::player {
 struct StreamOptions {
   std::string performer = "sim";  // [A-Za-z0-9_-]{1,32}
   double rate_hz = 120;           // 1 .. 1000
-  // Session ids, each new and not 0; random in earnest, counted in tests.
+  // Returns session ids, nonzero and different on each call: random in the program, counted in
+  // tests.
   std::function<std::uint64_t()> new_session;
-  // SMPTE timecode of the first frame of every session, in seconds, counted at 30 frames a second.
+  // SMPTE timecode of each session's first frame, in seconds, counted at 30 frames per second.
   std::optional<double> timecode_s = {};
 };
 
-// One performer on the wire: its motion as datagrams, Body first and again once a second of source
-// time, with faults. Source time is the frame's index over the rate, from 0 in every session, as a
-// clock shows it that drifts and steps where the faults say so (the timecode comes from elsewhere);
-// between two sessions the performer is silent for Spec::restart_pause_ms. One thread.
-// Pinned by tests/unit/sim/stream_test.cpp.
+// One performer as datagrams of the native protocol, with faults. The Body is sent first and then
+// once per second of source time. Source time is the frame's index divided by the rate, from 0 in
+// each session, with the drift and steps of the clock that the faults specify; the timecode has
+// none of them. Between two sessions the performer is silent for Spec::restart_pause_ms. One
+// thread. Pinned by tests/unit/sim/stream_test.cpp.
 class Stream final : public Sender {
  public:
   Stream(StreamOptions options, std::unique_ptr<Motion> motion, faults::Faults faults);
 
-  // One frame, or none (lost, held back, silent).
+  // Sends one frame, or none if it is lost or held back, or during silence.
   Step Tick(Link& link) override;
   Status Flush(Link& link) override;
 
@@ -75,12 +76,12 @@ class Stream final : public Sender {
   std::uint64_t session_ = 0, sequence_ = 0;
   std::uint64_t frame_index_ = 0;  // in this session
   std::uint64_t tick_ = 0, silent_until_tick_ = 0;
-  std::uint64_t burst_end_tick_ = 0;  // what is made before leaves at it
+  std::uint64_t burst_end_tick_ = 0;  // frames produced before this tick are sent at it
   std::vector<Occlusion> occlusions_;
   std::uint32_t body_crc_ = 0;
 };
 
-// The rule for performers' names.
+// Whether `name` is a valid performer name ([A-Za-z0-9_-]{1,32}).
 bool IsPerformerName(std::string_view name);
 
 }  // namespace styled::player

@@ -15,30 +15,32 @@
 
 namespace styled::rigs {
 
-// One instant of all performers, as a rig's sender sees it.
+// The poses of all performers at one instant, as the rig's software has them.
 struct Frame {
-  std::uint64_t index = 0;                 // in this session
-  double time_s = 0;                       // since the session began
-  std::span<const body::Pose> poses;       // one per performer; canonical: right-handed, +Y up, +Z
-                                           // forward, +X left, metres. NaN rotation: not tracked
-  std::span<const body::Pose> whole = {};  // the same with nothing untracked; empty: not known.
-                                           // For sensors that do not hang on the parent's
+  std::uint64_t index = 0;  // in this session
+  double time_s = 0;        // since the session began
+  // One per performer; canonical: right-handed, +Y up, +Z forward, +X left, metres. A NaN rotation:
+  // not tracked.
+  std::span<const body::Pose> poses;
+  // The same without untracked joints, for sensors that do not depend on the parent's; empty:
+  // unknown.
+  std::span<const body::Pose> whole = {};
 };
 
-// Where a rig's datagrams go, in their order. Bytes are valid during the call.
+// Sends a datagram; calls keep the order. The bytes are valid during the call.
 using Send = std::function<void(std::span<const std::byte>)>;
 
 struct Options {
-  std::vector<std::string> performers{"sim"};  // their names, as many as there are poses
+  std::vector<std::string> performers{"sim"};  // names, one per pose
   double rate_hz = 60;
   std::uint64_t seed = 1;
-  // Quirks by name, e.g. "t-first", "tcp", "lz4", "4.1"; which there are is said by each rig's
-  // header. Make() refuses others.
+  // Quirks by name, e.g. "t-first", "tcp", "lz4", "4.1". Each rig's header lists those it has;
+  // Make() refuses others.
   std::vector<std::string> quirks;
 };
 
-// Stands in for a rig's sender: poses of the canonical humanoid in the rig's own bytes, with the
-// habits of the real one. May allocate. One thread.
+// Simulates the sending software of a rig: encodes poses of the canonical humanoid in the rig's
+// protocol, with the habits of the real software. May allocate. One thread.
 class Rig {
  public:
   Rig() = default;
@@ -46,25 +48,26 @@ class Rig {
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
 
-  // All that the sender sends for one frame.
+  // Sends all datagrams of one frame.
   virtual void Encode(const Frame& frame, const Send& send) = 0;
-  // The sender dies and begins anew; the next frame has index 0.
+  // The software restarts; the next frame has index 0.
   virtual void Restart() {}
-  // What came back on the sender's socket (a handshake, a heartbeat); answers go to `send`, which
-  // here sends to whom it came from.
+  // Handles a datagram received on the sender's socket (a handshake, a heartbeat). Replies go to
+  // `send`, which in this call sends to the peer of that datagram.
   virtual void Receive(std::span<const std::byte> /*datagram*/, const Send& /*send*/) {}
 
-  // Where such a rig sends by default, "udp://127.0.0.1:9763"; where it listens, if it is a server
-  // that sends to whoever asked.
+  // The default destination of such a rig, "udp://127.0.0.1:9763". For a server, which sends to the
+  // clients that connect, the address on which it listens.
   virtual std::string default_address() const = 0;
   virtual bool is_server() const { return false; }
 };
 
-// The stand-in for "mvn", ...; errors name the word and those known. Registered in make.cpp.
+// Makes the simulated rig of a type ("mvn", ...). Errors name the type and list the known ones.
+// Types are registered in make.cpp.
 Result<std::unique_ptr<Rig>> Make(const std::string& type, const Options& options);
 
-// For the makers of rigs: refuses quirks other than these and more performers than the rig has
-// (0: any number).
+// For implementations of Rig: refuses quirks not in `quirks` and more performers than
+// `max_performers` (0: unlimited).
 Status CheckOptions(const std::string& type, const Options& options, int max_performers,
                     std::initializer_list<std::string_view> quirks);
 

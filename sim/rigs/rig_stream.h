@@ -10,24 +10,24 @@
 
 namespace styled::rigs {
 
-// Motions of any skeletons, put onto the canonical humanoid and out through a rig's stand-in, with
-// faults on the way: what happens to a frame happens to all of its datagrams, but damage, which
-// meets one of them. One thread. Pinned by tests/unit/sim/rig_stream_test.cpp.
+// Retargets motions of any skeletons to the canonical humanoid and sends them through a simulated
+// rig, with faults. A fault applies to all datagrams of a frame, except damage, which applies to
+// one of them. One thread. Pinned by tests/unit/sim/rig_stream_test.cpp.
 class RigStream final : public player::Sender {
  public:
-  // As many motions as the rig has performers. Errors: a skeleton that cannot be bound.
+  // `motions`: one per performer of the rig. Errors: a skeleton that cannot be bound.
   static Result<std::unique_ptr<RigStream>> Make(
       std::unique_ptr<Rig> rig, std::vector<std::unique_ptr<player::Motion>> motions,
       double rate_hz, const faults::Spec& spec);
 
-  // A motion that ends ends the stream; a new body begins a new session.
+  // The end of any motion ends the stream; a new body starts a new session.
   Step Tick(player::Link& link) override;
   Status Flush(player::Link& link) override;
   int performers() const override { return static_cast<int>(motions_.size()); }
   const faults::Faults& faults() const override { return faults_; }
   double NextDelay_s() override { return faults_.DrawJitter_s(); }
 
-  // The canonical poses of the last frame made.
+  // The canonical poses of the last frame.
   std::span<const body::Pose> poses() const { return poses_; }
 
  private:
@@ -55,14 +55,14 @@ class RigStream final : public player::Sender {
   std::unique_ptr<Rig> rig_;
   std::vector<std::unique_ptr<player::Motion>> motions_;
   std::vector<std::unique_ptr<rig::Binding>> bindings_;
-  std::vector<body::Pose> poses_, whole_;  // whole_: before the occlusions
+  std::vector<body::Pose> poses_, whole_;  // whole_: without the occlusions
   rig::RigPose source_;
   double rate_hz_;
   faults::Faults faults_;
   std::vector<Held> held_;
   std::vector<std::byte> received_;
   std::uint64_t frame_index_ = 0, tick_ = 0, silent_until_tick_ = 0;
-  std::uint64_t burst_end_tick_ = 0;  // what is made before leaves at it
+  std::uint64_t burst_end_tick_ = 0;  // frames produced before this tick are sent at it
   std::vector<Occlusion> occlusions_;
 };
 

@@ -4,10 +4,10 @@
 
 namespace styled::rigs {
 
-// Rokoko Studio Live, layout 3: one datagram per frame for all actors, joints in the world and
-// left-handed, each turned from the reference rotation that Studio's T-pose has there. What is not
-// tracked is left out. At most 8 performers, 5 with "gloves" and without "lz4": a datagram's size.
-// Quirks: "lz4" (packed), "gloves" (fingers, straight).
+// Rokoko Studio Live, layout 3. One datagram per frame for all actors; joints are global and
+// left-handed, rotated relative to the reference rotation of Studio's T-pose. Joints that are not
+// tracked are omitted. At most 8 performers, or 5 with "gloves" and without "lz4", limited by a
+// datagram's size. Quirks: "lz4" (compressed), "gloves" (with fingers, straight).
 Result<std::unique_ptr<Rig>> MakeRokoko(const Options& options);
 
 }  // namespace styled::rigs

@@ -4,11 +4,11 @@
 
 namespace styled::rigs {
 
-// VirtualMotionCapture's sender, or another's by quirk. One performer on an avatar of the canonical
-// humanoid's measures; what is not tracked is left out. As the application itself sends: bones in
-// the order of HumanBodyBones, 13 to a datagram; then a datagram of expressions; last one with the
-// root (of fourteen arguments, for mixed reality), the rest of the bones in a bundle within, OK
-// and T, its seconds since it was started.
+// VirtualMotionCapture's sender, or another program's by quirk. One performer on an avatar with the
+// canonical humanoid's proportions; joints that are not tracked are omitted. Like the application,
+// it sends the bones in the order of HumanBodyBones, 13 per datagram; then a datagram of
+// expressions; last a datagram with the root (fourteen arguments, for mixed reality), the remaining
+// bones in a nested bundle, OK, and T, the seconds since its start.
 // Quirks:
 //   "t-first"       one datagram, T first, w < 0 where a bone is at rest, as SlimeVR
 //   "nested"        the same with root and bones in bundles within one another
