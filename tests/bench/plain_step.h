@@ -8,9 +8,9 @@
 
 namespace styled::erd {
 
-// The step as plain Eigen code of fixed sizes, compiled like the rest of the build: what
-// Network::Step was before it had kernels of its own, to measure them against. One performer;
-// neutral input; the styles given at construction, in force from the first step on.
+// The network's step as plain Eigen code of fixed sizes, compiled with the build's default flags.
+// It is the reference for measuring Network::Step's own kernels. One performer; neutral input; the
+// styles given at construction are in force from the first step on.
 class PlainStep {
  public:
   PlainStep(const WeightsFile& file, std::span<const net::StyleWeight> active);

@@ -10,7 +10,7 @@
 
 namespace styled::erd {
 
-// A performer's worth of steps for a bench: made-up features, `styles` styles at equal weights.
+// The steps of one performer for a benchmark: synthetic features, `styles` styles at equal weights.
 struct StepRun {
   static constexpr int kFrames = 256;
 
@@ -35,8 +35,8 @@ struct StepRun {
   void Step() { network->Step(NextFrame(), 0, active, state, out); }
 };
 
-// Other work between two frames at 120 Hz: 8 MB through the caches, so that a step finds the L2
-// cold.
+// Simulates other work between two frames at 120 Hz: reads 8 MB, so that the next step finds a cold
+// L2 cache.
 class OtherWork {
  public:
   int Read() const { return std::accumulate(data_.begin(), data_.end(), 0); }

@@ -9,7 +9,8 @@
 
 namespace styled::fuzz {
 
-// The body of a program that writes a case table's bytes to a folder, a file each. Its exit code.
+// The main function of a program that writes each entry of a case table to a file of a folder.
+// Returns the exit code.
 inline int WriteSeeds(int argc, char** argv, const std::vector<std::vector<std::byte>>& seeds) {
   if (argc != 2) {
     std::fprintf(stderr, "expected one argument, the folder\n");

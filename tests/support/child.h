@@ -11,11 +11,11 @@
 
 namespace styled::support {
 
-// A child process of a test, its stderr in a file. Killed on destruction.
+// A child process of a test, with its stderr in a file. The destructor kills it.
 class Child {
  public:
-  // `environment` is added to the test's own, in the place of variables of the same name. Aborts
-  // where the program cannot be started.
+  // `environment` is added to the test's environment and overrides variables of the same name.
+  // Aborts if the program cannot be started.
   Child(const std::vector<std::string>& arguments, const std::string& stderr_file,
         const std::map<std::string, std::string>& environment = {});
   ~Child();
@@ -23,7 +23,7 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   void Signal(int signal) const;
-  // The exit code, 128 + signal where a signal ended it; nothing when it still runs after
+  // The exit code, or 128 + signal if a signal ended the process; empty if it still runs after
   // `seconds`.
   std::optional<int> Wait(double seconds);
   bool Running() { return !Wait(0).has_value(); }
@@ -34,7 +34,7 @@ class Child {
   std::optional<int> exit_;
 };
 
-std::string ReadText(const std::string& file);  // "" where there is none
+std::string ReadText(const std::string& file);  // "" if there is no file
 void WriteText(const std::string& file, const std::string& text);
 
 }  // namespace styled::support

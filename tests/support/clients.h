@@ -16,17 +16,18 @@
 
 namespace styled::support {
 
-// One message of the publisher as it came.
+// One message of the publisher, as received.
 struct Message {
   std::string topic, payload;
 };
 
-// For a daemon that asks for keys (Z85); empty: none.
+// For a daemon that requires keys (Z85); empty: none.
 struct CurveKeys {
   std::string server_key, public_key, secret_key;
 };
 
-// A subscriber that collects all it gets on a thread of its own. Every method: the test's thread.
+// A subscriber that collects everything it receives on its own thread. Call its functions on the
+// test's thread.
 class Subscriber {
  public:
   Subscriber(const std::string& endpoint, const std::vector<std::string>& topics,
@@ -35,15 +36,15 @@ class Subscriber {
   Subscriber(const Subscriber&) = delete;
   Subscriber& operator=(const Subscriber&) = delete;
 
-  // Frames and bodies so far, of topics that begin with `prefix`.
+  // Frames and bodies received so far, on topics that begin with `prefix`.
   std::vector<v1::Frame> Frames(const std::string& prefix = "") const;
   std::size_t Count(const std::string& prefix) const;  // of messages
   std::vector<v1::Body> Bodies() const;
   std::optional<v1::Stats> LastStats() const;
-  // Waits until `done`; false after `seconds`.
+  // Waits until `done` returns true; false after `seconds`.
   bool WaitFor(const std::function<bool()>& done, double seconds) const;
   bool WaitForFrames(std::size_t count, const std::string& prefix = "", double seconds = 10) const;
-  // Returns when the publisher certainly knows the subscriptions: a body of `performer` came.
+  // Waits for any body: afterwards the publisher certainly knows the subscriptions.
   bool WaitForBody(double seconds = 10) const;
 
  private:
@@ -56,7 +57,7 @@ class Subscriber {
   std::thread thread_;
 };
 
-// The control socket's other end: DEALER, one request at a time.
+// A control client: DEALER, one request at a time.
 class ControlClient {
  public:
   explicit ControlClient(const std::string& endpoint, const CurveKeys& keys = {});
@@ -64,10 +65,9 @@ class ControlClient {
   ControlClient(const ControlClient&) = delete;
   ControlClient& operator=(const ControlClient&) = delete;
 
-  // The reply; one with code CODE_BUSY and reason "no reply" where none comes within 5 s
-  // (SetPatience).
+  // The reply. If none arrives within 5 s (SetPatience), one with CODE_BUSY and reason "no reply".
   v1::Reply Ask(v1::Request request);
-  // The parts as they are.
+  // Sends the parts unchanged.
   v1::Reply AskRaw(const std::vector<std::string>& parts);
 
   void SetPatience(double seconds);
@@ -76,7 +76,7 @@ class ControlClient {
                      float transition_ms = -1);
   v1::StatusReply Status();
   std::uint64_t Counter(const std::string& name);
-  // Waits until the counter has `value`; returns what it has at last.
+  // Waits until the counter has `value`; returns its last value.
   std::uint64_t CounterSoon(const std::string& name, std::uint64_t value);
   v1::PerformerStats Performer(const std::string& id);
 

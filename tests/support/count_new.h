@@ -2,9 +2,9 @@
 
 namespace styled::support {
 
-// How often the scope's code asked for memory, with operator new or malloc (a sanitizer's malloc is
-// not counted): a promise not to allocate is kept where calls() is 0. The binary needs
-// count_new.cpp among its sources. One scope at a time.
+// Counts calls of operator new and malloc while it exists (a sanitizer's malloc is not counted).
+// Code that must not allocate passes if calls() is 0. The binary needs count_new.cpp among its
+// sources. One instance at a time.
 class CountNew {
  public:
   CountNew();

@@ -14,26 +14,27 @@ struct WeightsFile;
 
 namespace styled::support {
 
-// The real `styled` as a child, all ports chosen by the system, with random weights (styles
-// "neutral", "style1" ... "style4", aliases "s1" ...), UDP source "rig" and TCP source "tcp".
+// The real `styled` as a child process. All ports are chosen by the system, the weights are random
+// (styles "neutral", "style1" ... "style4", aliases "s1" ...), and the sources are UDP "rig" and
+// TCP "tcp".
 class Daemon {
  public:
-  // `settings` as of --set: "performers.stale_ms=100". By default the limits on time are so wide
-  // that a busy machine does not make frames late or senders silent. `extra` is TOML for the file.
-  // `weights`: a file to use instead of random ones, if not empty.
+  // `settings` as for --set: "performers.stale_ms=100". By default the time limits are so wide that
+  // a busy machine makes no frame late and no sender stale. `extra` is TOML for the configuration
+  // file. `weights`: a file to use instead of random weights, if not empty.
   explicit Daemon(std::vector<std::string> settings = {}, const std::string& extra = "",
                   const std::map<std::string, std::string>& environment = {},
                   const std::string& weights = "");
 
-  // Starts it (again, after Stop) and waits until it is ready; a test failure if it is not.
+  // Starts the daemon (again, after Stop) and waits until it is ready; otherwise the test fails.
   void Start();
-  // SIGTERM; its exit code, or -1 when it did not end within 5 s.
+  // Sends SIGTERM. The exit code, or -1 if the daemon did not end within 5 s.
   int Stop();
-  void Configure(const std::string& extra);  // rewrites the file; SIGHUP is the test's
+  void Configure(const std::string& extra);  // rewrites the file; the test sends SIGHUP
 
   std::string udp, tcp, publish, control, osc;  // addresses
-  std::string server_key;                       // "" where it asks nobody for keys
-  std::vector<std::string> listens;             // of all sources, those of `extra` behind these two
+  std::string server_key;                       // "" if it requires no keys
+  std::vector<std::string> listens;  // of all sources: the two above, then those of `extra`
   std::string Log() const { return ReadText(folder / "stderr.txt"); }
 
   TemporaryFolder folder;

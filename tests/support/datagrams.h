@@ -7,8 +7,8 @@
 
 namespace styled::support {
 
-// Stands in for the service manager and the journal: a datagram socket in a folder of its own, and
-// what came there.
+// Stands in for the service manager and the journal: a datagram socket in its own folder that
+// stores what it receives.
 class Datagrams {
  public:
   Datagrams();
@@ -17,9 +17,10 @@ class Datagrams {
   Datagrams& operator=(const Datagrams&) = delete;
   const std::string& path() const { return path_; }
 
-  // The next one, or nothing within `seconds`.
+  // The next datagram; empty if none arrives within `seconds`.
   std::optional<std::string> Next(double seconds = 0);
-  // The next one that contains `text`, those before it dropped; nothing when none came in 20 s.
+  // The next datagram that contains `text`; earlier ones are dropped. Empty if none arrives in 20
+  // s.
   std::optional<std::string> Await(const std::string& text);
 
  private:

@@ -12,7 +12,7 @@
 #include "tests/support/native_frames.h"
 #include "tests/support/rig.h"
 
-// The pipeline with a clock that the test moves, no sockets and no sleep.
+// The pipeline with a clock that the test controls, without sockets and sleeps.
 namespace styled::support {
 
 class FakeClock final : public runtime::Clock {
@@ -22,7 +22,7 @@ class FakeClock final : public runtime::Clock {
   std::int64_t now_ns = 1'000'000'000'000;
 };
 
-// Keeps the frames that it is given; counts the rest.
+// Keeps the published frames and counts everything else.
 class FakePublisher final : public publish::Publisher {
  public:
   void Send(std::string_view topic, std::span<const std::byte> payload) noexcept override {
@@ -47,7 +47,7 @@ class FakePublisher final : public publish::Publisher {
   std::deque<publish::SubscriptionEvent> events;
 };
 
-// One source called "rig"; what arrives there is delivered by the test.
+// A pipeline with one source named "rig"; the test delivers its datagrams.
 class FakePipeline {
  public:
   FakePipeline(std::shared_ptr<const pipeline::RuntimeConfig> config,
@@ -82,7 +82,7 @@ class FakePipeline {
     EXPECT_TRUE(mailboxes.replies.Pop(exchange));
     return exchange->reply;
   }
-  // As `stylectl status` has it of a performer; nothing where there is none.
+  // The performer's row in `stylectl status`; empty if there is none.
   v1::PerformerStats StatsOf(const std::string& id) {
     v1::Request request;
     request.mutable_status();
@@ -93,7 +93,7 @@ class FakePipeline {
     return {};
   }
   std::uint64_t Count(runtime::Counter counter) const { return counters.Get(counter); }
-  // The log's lines since the last call.
+  // The log lines since the last call.
   std::vector<std::string> Lines() {
     std::vector<std::string> lines;
     pipeline::Event event;

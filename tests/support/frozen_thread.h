@@ -6,13 +6,13 @@
 
 namespace styled::support {
 
-// Stops one thread of another process as a debugger does (ptrace), while all others run on: no
-// signal can do that, and the process need not know of it. Runs on when this is destroyed. Create
-// and destroy it on one thread.
+// Stops one thread of another process through ptrace, as a debugger does, while its other threads
+// run on. No signal can do that, and the process needs no support for it. The destructor resumes
+// the thread. Construct and destroy it on the same thread.
 class FrozenThread {
  public:
-  // The thread of `pid` that is called `name`. Not frozen() where there is none or ptrace is not
-  // allowed here; error() says why.
+  // Stops the thread of `pid` named `name`. If there is none or ptrace is not permitted, frozen()
+  // is false and error() returns the reason.
   FrozenThread(pid_t pid, const std::string& name);
   ~FrozenThread();
   FrozenThread(const FrozenThread&) = delete;
@@ -20,7 +20,8 @@ class FrozenThread {
 
   bool frozen() const { return frozen_; }
   const std::string& error() const { return error_; }
-  // Waits until the process is killed. A killed thread is gone only once its tracer has looked.
+  // Waits until the process is killed. A killed thread disappears only after its tracer has waited
+  // for it.
   void AwaitDeath();
 
  private:

@@ -8,10 +8,11 @@
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
 
-// Between our own datagrams and what a source hands to the pipeline.
+// Conversions between native datagrams and what a source passes to the pipeline.
 namespace styled::support {
 
-// As source 0 hands these datagrams on. `senders`: as many machines, or none.
+// Passes the datagrams to `receiver` as source 0 would. `senders`: one machine per datagram, or
+// none.
 inline void HandOn(std::span<const std::span<const std::byte>> datagrams,
                    std::span<const source::Machine> senders, runtime::Counters& counters,
                    source::Receiver& receiver) {
@@ -19,7 +20,7 @@ inline void HandOn(std::span<const std::span<const std::byte>> datagrams,
   decoder.HandOn(datagrams, senders, receiver);
 }
 
-// The message that says the same as the frame.
+// The message with the same content as the frame.
 inline v1::SourceFrame AsMessage(const source::SourceFrame& frame) {
   v1::SourceFrame message;
   if (!frame.face.empty()) {

@@ -15,21 +15,21 @@ namespace styled::support {
 
 using Bytes = std::vector<std::byte>;
 
-// A sender of our own datagrams: one performer on the canonical skeleton (dialect "canonical") that
-// walks on the spot, waving. Each datagram takes the next sequence; each frame the next instant.
+// A sender of native datagrams: one performer on the canonical skeleton (dialect "canonical") that
+// walks on the spot and waves. Each datagram increments the sequence; each frame advances the time.
 class Rig {
  public:
   explicit Rig(std::string performer, std::uint64_t session_id = 7);
 
   Bytes Body();
   Bytes Frame();
-  // The next frame, changed by `change` before it is encoded.
+  // The next frame; `change` modifies it before it is encoded.
   Bytes Frame(const std::function<void(v1::SourceFrame&)>& change);
   // The next datagram with this payload.
   Bytes Datagram(native::Kind kind, std::string_view payload);
 
   v1::Body MakeBody() const;
-  v1::SourceFrame MakeFrame() const;  // of the next instant
+  v1::SourceFrame MakeFrame() const;  // for the next frame's time
 
   std::string performer;
   std::uint64_t session;
@@ -38,7 +38,7 @@ class Rig {
   std::uint64_t period_ns = 1'000'000'000 / 120;
 };
 
-// Where datagrams go. `address` is HOST:PORT of a listening source.
+// Sends datagrams. `address` is HOST:PORT of a listening source.
 class UdpLink {
  public:
   explicit UdpLink(const std::string& address);
@@ -59,7 +59,7 @@ class TcpLink {
   TcpLink& operator=(const TcpLink&) = delete;
   void Send(const Bytes& bytes) const;
   void Send(std::string_view text) const;
-  // All that comes until the other side closes, or says nothing for 10 s.
+  // Everything received until the other side closes, or sends nothing for 10 s.
   std::string ReadToEnd() const;
   // Whether the other side closes within `seconds`.
   bool Closed(double seconds) const;

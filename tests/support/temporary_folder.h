@@ -6,8 +6,8 @@
 
 namespace styled::support {
 
-// A folder of its own under the system's temporary folder, removed with all in it. Tests run beside
-// each other: a file of a fixed name is another test's, too.
+// A new folder under the system's temporary folder; the destructor removes it with its contents.
+// Tests run in parallel and must not share files of a fixed name.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

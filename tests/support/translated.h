@@ -10,7 +10,7 @@
 
 namespace styled::support {
 
-// What a translator makes of a rig's datagrams, without socket or pipeline.
+// Collects a translator's output for a rig's datagrams, without socket or pipeline.
 class Translated : public source::Receiver {
  public:
   explicit Translated(std::unique_ptr<source::Translator> translator)

@@ -12,10 +12,10 @@
 #include "tests/support/count_new.h"
 #include "tests/support/translated.h"
 
-// What tests of translators ask of Translated, and beyond it.
+// Helpers for tests of translators.
 namespace styled::support {
 
-// What is said of one datagram.
+// The output for one datagram.
 inline std::vector<Translated::Item> Said(Translated& translated,
                                           std::span<const std::byte> datagram,
                                           std::uint64_t peer = 1) {
@@ -24,7 +24,7 @@ inline std::vector<Translated::Item> Said(Translated& translated,
   return std::exchange(translated.items, {});
 }
 
-// How often the translator asks for memory while it takes a datagram. The binary needs
+// The number of allocations while the translator processes a datagram. The binary needs
 // count_new.cpp.
 inline int Allocations(source::Translator& translator, std::span<const std::byte> datagram,
                        std::int64_t now_ns) {
@@ -43,7 +43,8 @@ inline int Allocations(source::Translator& translator, std::span<const std::byte
   return count.calls();
 }
 
-// The canonical pose that the pipeline makes of a frame on its body; none where it refuses.
+// The canonical pose that the pipeline computes from a frame on its body; empty if it refuses the
+// body or the frame.
 inline std::optional<body::Pose> CanonicalPose(const v1::Body& body, const v1::SourceFrame& frame) {
   const auto bound = pipeline::BindBody(body, {});
   const int joints = body.names_size();
@@ -59,7 +60,8 @@ inline std::optional<body::Pose> CanonicalPose(const v1::Body& body, const v1::S
   return pose;
 }
 
-// How far two poses are apart: the hips in metres, and the joint that is turned most in degrees.
+// The difference between two poses: the hips' distance in metres, and the largest rotation
+// difference of a joint in degrees.
 struct Distance {
   float hips_m = 0, joint_deg = 0;
 };

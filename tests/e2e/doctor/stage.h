@@ -15,17 +15,18 @@
 
 namespace styled::support {
 
-// Puts this process, and the children to come, into a network of its own with loopback alone, where
-// no other test is heard. False where the kernel does not let it; once per process, before threads.
+// Moves this process and its future children into a new network namespace with loopback only, where
+// other tests are not audible. False if the kernel does not permit it. Call once per process,
+// before any thread starts.
 bool EnterOwnNetwork();
-// Whether a command of the shell succeeds.
+// Whether a shell command succeeds.
 bool Shell(const std::string& command);
 
-// A UDP port of 127.0.0.1 that nobody had a moment ago.
+// A UDP port of 127.0.0.1 that was free a moment ago.
 std::uint16_t FreePort();
 std::string Local(std::uint16_t port);  // "127.0.0.1:7000"
 
-// Sends what `make` makes, over and over, until it goes out of scope.
+// Sends the result of `make` repeatedly until the destructor.
 class Streaming {
  public:
   Streaming(const std::string& address, double rate_hz, std::function<Bytes()> make);
@@ -34,7 +35,7 @@ class Streaming {
   std::jthread thread_;
 };
 
-// A performer on a stage where something is wrong, and the doctor.
+// Fixture: a performer, a faulty set-up, and the doctor.
 class DoctorTest : public testing::Test {
  protected:
   static void SetUpTestSuite();
@@ -45,16 +46,16 @@ class DoctorTest : public testing::Test {
     nlohmann::json json;
     std::vector<std::string> problems;  // codes, in order
 
-    // The finding with this code; null where there is none.
+    // The finding with this code; null if there is none.
     const nlohmann::json& Finding(const std::string& finding) const;
     std::string Of(const std::string& finding, const char* key) const;
   };
-  // stylectl doctor --json with these arguments, listening for two seconds.
+  // Runs stylectl doctor --json with these arguments, listening for two seconds.
   Report Doctor(std::vector<std::string> arguments, bool capture = false);
-  // A styled.toml of one source, with a control port where nobody is.
+  // A styled.toml with one source, and with a control port where no program listens.
   std::string Config(const std::string& type, const std::string& listen,
                      const std::string& keys = "");
-  // stylesim as a child, until the test's end.
+  // Runs stylesim as a child until the test ends.
   void Play(const std::string& as, const std::string& to,
             const std::vector<std::string>& arguments = {});
 

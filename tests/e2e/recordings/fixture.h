@@ -12,8 +12,8 @@
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 
-// What the tests of recordings share: stylerec, stylesim and the daemon as children, and styled
-// frames to be compared bit for bit.
+// Shared by the tests of recordings: stylerec, stylesim and the daemon as children, and styled
+// frames that are compared bit by bit.
 namespace styled::support {
 
 using recording::Reader;
@@ -26,7 +26,7 @@ std::string StylesimBinary();
 inline constexpr const char* kId = "rig.sim";
 inline constexpr const char* kStyled = "styled/rig.sim/rig/";
 
-// A styled frame, but for what the clock of the wall decides.
+// The parts of a styled frame that do not depend on the wall clock.
 struct Styled {
   std::uint64_t source_time_ns = 0;
   std::string pose;    // bits
@@ -95,7 +95,7 @@ class RecordingsTest : public testing::Test {
               folder_ / "sim.txt");
     ASSERT_EQ(sim.Wait(60).value_or(-1), 0) << ReadText(folder_ / "sim.txt");
   }
-  // Waits until `log` says where stylerec is bound.
+  // Waits until `log` contains the address that stylerec has bound.
   std::string Bound(const std::string& log, const std::string& word) const {
     for (int i = 0; i < 1000; ++i) {
       const std::string text = ReadText(folder_ / log);
@@ -113,7 +113,7 @@ class RecordingsTest : public testing::Test {
     EXPECT_EQ(child.Wait(10).value_or(-1), 0);
   }
 
-  // What a fresh daemon makes of a recording.
+  // The output of a fresh daemon for a recording.
   std::vector<Styled> Replay(const std::string& file, std::size_t count, bool flat_out,
                              std::uint64_t* lost = nullptr, const std::string& style = "style2") {
     const auto daemon = MakeDaemon(style);
@@ -142,7 +142,7 @@ class RecordingsTest : public testing::Test {
     return records;
   }
 
-  // Records what a daemon publishes of the simulator.
+  // Records what a daemon publishes while the simulator plays.
   std::string RecordPublished(const std::string& faults, const std::string& seconds) {
     const auto daemon = MakeDaemon();
     const std::string file = folder_ / "published.styrec";

@@ -7,21 +7,21 @@
 #include <limits>
 #include <span>
 
-// A fuzzer's bytes as a script: what the senders do, one after the other. Where the bytes end every
-// answer is 0.
+// Interprets a fuzzer's bytes as a script of the senders' actions. After the last byte every value
+// is 0.
 namespace styled::fuzz {
 
 enum class Action : std::uint8_t {
   kWait,      // time passes
-  kBody,      // a sender sends its body, perhaps a strange one
+  kBody,      // a sender sends its body, possibly an invalid one
   kFrame,     // ... a frame
-  kFrames,    // ... some frames as they should be
-  kDamaged,   // ... a datagram that was changed on the way
-  kSession,   // ... begins another session, or takes another's
-  kSequence,  // ... counts on from elsewhere
-  kMachine,   // ... goes to another machine
+  kFrames,    // ... several valid frames
+  kDamaged,   // ... a datagram damaged in transit
+  kSession,   // ... starts a new session, or uses another sender's
+  kSequence,  // ... continues with another sequence number
+  kMachine,   // ... moves to another machine
   kClock,     // ... has its clock set
-  kControl,   // an operator changes a style of somebody but the victim
+  kControl,   // an operator changes the style of a performer other than the victim
   kSubscribe,
   kCount
 };
@@ -43,12 +43,12 @@ class Script {
     for (int i = 0; i < 8; ++i) value = (value << 8U) | Byte();
     return value;
   }
-  // From 1 to 2^64, evenly over the powers of two.
+  // From 1 to 2^64, with the powers of two equally likely.
   std::uint64_t Magnitude() {
     const std::uint8_t power = Byte() % 64;
     return (1ULL << power) + (static_cast<std::uint64_t>(Byte()) << power) / 256;
   }
-  // A number as it should not be.
+  // An invalid or extreme number.
   float Strange() {
     switch (Below(8)) {
       case 0:
