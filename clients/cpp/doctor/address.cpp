@@ -9,7 +9,7 @@
 namespace styled::doctor {
 namespace {
 
-constexpr std::string_view kMapped = "::ffff:";  // IPv4 within IPv6
+constexpr std::string_view kMapped = "::ffff:";  // IPv4 mapped into IPv6
 
 }  // namespace
 

@@ -31,7 +31,7 @@ std::string HostOf(int family, std::span<const std::byte> address) {
   return FromSocket(storage).host;
 }
 
-// What is behind the header of IP, `out` has the hosts already.
+// Parses the part behind the IP header; the hosts of `out` are already set.
 bool ParseUdp(std::span<const std::byte> udp, Captured& out) {
   if (udp.size() < kUdpHeader) return false;
   const std::size_t length = Read16(udp, 4);
@@ -43,7 +43,7 @@ bool ParseUdp(std::span<const std::byte> udp, Captured& out) {
   return true;
 }
 
-// In the kernel: UDP alone, else every byte of TCP would be copied.
+// The kernel filters for UDP; otherwise every TCP packet would be copied as well.
 Descriptor OpenSocket(std::uint16_t protocol, unsigned protocol_at) {
   Descriptor fd(socket(AF_PACKET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (fd.get() < 0) return fd;
@@ -79,7 +79,7 @@ class CaptureListener final : public Listener {
       const ssize_t size = recvfrom(fd_.get(), notes.buffer.data(), notes.buffer.size(), 0,
                                     reinterpret_cast<sockaddr*>(&link), &length);
       if (size <= 0) return;
-      // Not what leaves this machine or is for another's.
+      // Skip packets that this machine sent, or that are for another machine.
       if (link.sll_pkttype > PACKET_MULTICAST) continue;
       const auto packet =
           ParsePacket(std::span(notes.buffer).first(static_cast<std::size_t>(size)));

@@ -123,8 +123,8 @@ void Examination::Source(const SourceFacts& source) {
   if (source.in_daemon) Frames(source, evidence);
 }
 
-// Whatever the steps above made of it: a source of which a daemon receives nothing is a problem,
-// where no other source of that name receives and none of its problems is said.
+// Reports a source of which the daemon receives nothing, whatever the previous steps found. Not if
+// another source of the same name receives, or if a problem of that name is already reported.
 void Examination::Silent() {
   for (const SourceFacts& source : facts_.sources) {
     if (!source.in_daemon || source.received.value_or(1) > 0) continue;
@@ -147,7 +147,7 @@ void Examination::Silent() {
   }
 }
 
-// Formats that arrive although nobody wants them.
+// Reports formats that arrive although no source uses them.
 void Examination::Unclaimed() {
   const bool assumed = std::ranges::all_of(facts_.sources, [](const SourceFacts& source) {
     return source.wanted.origin == Wanted::Origin::kAssumed;
@@ -211,7 +211,8 @@ void Examination::Losses() {
        "Stop one of them, or give it another performer's name.");
 }
 
-// The kernel's own table tells whose they were, the daemon's counter only that there were some.
+// The kernel's socket table names the source that lost datagrams; the daemon's counter only gives a
+// total.
 void Examination::KernelDrops() {
   const auto say = [this](const SourceFacts* source, std::uint64_t count) {
     const std::string whose = source == nullptr ? "a source" : Label(*source);
@@ -234,7 +235,7 @@ void Examination::KernelDrops() {
   if (!said && counted > 0) say(nullptr, counted);
 }
 
-// The last step: who receives what the daemon publishes, and whether there is style in it.
+// The last step: who receives what the daemon publishes, and whether a style is set.
 void Examination::Listeners() {
   if (!facts_.daemon_answers()) return;
   const v1::Stats& stats = facts_.daemon.after.stats();

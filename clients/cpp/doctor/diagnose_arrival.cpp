@@ -1,4 +1,4 @@
-// Steps "port" and "arrival": whether datagrams come to where the source listens.
+// Steps "port" and "arrival": whether datagrams reach the address on which the source listens.
 #include <algorithm>
 
 #include "clients/cpp/doctor/examination.h"
@@ -6,7 +6,7 @@
 namespace styled::doctor {
 namespace {
 
-// Whether two sockets on the same port cannot be, of one protocol.
+// Whether `socket` prevents the source from binding its port.
 bool InTheWay(const BoundSocket& socket, const Wanted& wanted) {
   return socket.stream == wanted.stream && socket.local.port == wanted.listen.port &&
          (IsWildcard(socket.local.host) || IsWildcard(wanted.listen.host) ||
@@ -73,7 +73,8 @@ bool Examination::Arrival(const SourceFacts& source, const Evidence& evidence) {
   return false;
 }
 
-// It comes to this machine and this port, but to an address that the source does not listen on.
+// Datagrams reach this machine and the right port, but at an address on which the source does not
+// listen.
 bool Examination::WrongAddress(const SourceFacts& source) {
   const Wanted& wanted = source.wanted;
   for (const Flow* flow : Flows()) {
@@ -94,7 +95,7 @@ bool Examination::WrongAddress(const SourceFacts& source) {
   return false;
 }
 
-// It comes to this machine, but to another port, or by the other protocol.
+// Datagrams reach this machine, but at another port or by the other protocol (UDP, TCP).
 bool Examination::WrongPort(const SourceFacts& source) {
   const Wanted& wanted = source.wanted;
   if (wanted.format == Format::kUnknown) return false;
@@ -119,7 +120,7 @@ bool Examination::WrongPort(const SourceFacts& source) {
   return false;
 }
 
-// It comes to the interface, but not to programs.
+// Datagrams reach the interface, but a packet filter keeps them from programs.
 bool Examination::Filtered(const SourceFacts& source, std::uint16_t at) {
   const Wanted& wanted = source.wanted;
   const auto reaches = [&](const Flow& flow) { return Reaches(flow, wanted); };
@@ -154,9 +155,10 @@ bool Examination::Filtered(const SourceFacts& source, std::uint16_t at) {
 
 void Examination::Nothing(const SourceFacts& source) {
   const Wanted& wanted = source.wanted;
-  // Said once, of what is there instead, by Unclaimed().
+  // Unclaimed() reports once what arrives instead.
   if (wanted.origin == Wanted::Origin::kAssumed && !Flows().empty()) return;
-  // Of sources that share a name one is enough, so one is said to be silent.
+  // Among sources that share a name, one that receives is enough; so only one is reported as
+  // silent.
   std::string places = PlaceOf(wanted);
   for (const SourceFacts& other : facts_.sources) {
     if (&other == &source || other.wanted.name != wanted.name) continue;

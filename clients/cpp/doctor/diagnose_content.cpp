@@ -1,4 +1,4 @@
-// Steps "format" to "frames": what arrives, and what the daemon makes of it.
+// Steps "format" to "frames": what arrives, and how the daemon uses it.
 #include <algorithm>
 #include <array>
 
@@ -7,7 +7,7 @@
 namespace styled::doctor {
 namespace {
 
-constexpr double kBodyPeriod_s = 1;  // styled's own senders repeat the skeleton so often
+constexpr double kBodyPeriod_s = 1;  // interval at which styled's own senders repeat the skeleton
 
 std::string CountsOf(std::uint64_t part, std::uint64_t all) {
   return std::to_string(part) + " of " + std::to_string(all);
@@ -53,7 +53,7 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
   return false;
 }
 
-// Whether there are poses in it.
+// Whether the datagrams contain poses.
 bool Examination::Use(const SourceFacts& source, const Tally& tally) {
   const Format format = source.wanted.format;
   const std::string name(Row(format).name);
@@ -89,7 +89,7 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
            "It sends: " + kinds + ".", InTheSender(format, source.wanted.stream));
     return false;
   }
-  // A tracker that seeks a server says no more before it has found one.
+  // A tracker that searches for a server sends nothing else until it has found one.
   if (format == Format::kSlimeVr && !source.in_daemon) return true;
   Report(
       Severity::kProblem, Step::kVersion, &source, "no_pose",
@@ -110,7 +110,7 @@ void Examination::NoSkeleton(const SourceFacts& source, const std::string& why) 
       "is a program of your own, it must send a Body before its frames (proto/styled/v1/WIRE.md).");
 }
 
-// The daemon has the port and its bytes cannot be seen: what it counts has to do.
+// The daemon holds the port, so that its bytes cannot be read here: judge by the daemon's counters.
 bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& evidence) {
   const std::string name(Row(source.wanted.format).name);
   const bool native = source.wanted.format == Format::kNative;
@@ -156,7 +156,7 @@ bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& e
   return bad < half;
 }
 
-// Good datagrams arrive; do frames come of them?
+// Valid datagrams arrive; this checks whether they result in frames.
 void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
   if (HasLivePerformer(source) || RefusesPerformers(source)) return;
   struct Cause {
@@ -205,7 +205,8 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
     return Report(Severity::kProblem, cause.step, &source, cause.code,
                   Label(source) + ": no frames, because " + cause.what + ".", why, cause.change);
   }
-  // These grow more slowly than datagrams arrive: once a second, once in a frame's several.
+  // These counters grow more slowly than datagrams arrive: once per second, or once per frame of
+  // several datagrams.
   for (const Cause& cause : kCauses) {
     const std::string counter = cause.counter;
     if (counter != "pipeline.bodies_refused" && counter != "source.incomplete") continue;

@@ -1,4 +1,4 @@
-// OptiTrack: the server is asked first, and frames come by a group.
+// OptiTrack: the client asks the server first; frames arrive by a multicast group.
 #include <algorithm>
 
 #include "clients/cpp/doctor/examination.h"
@@ -33,7 +33,7 @@ void Examination::NatNet(const SourceFacts& source) {
   }
 }
 
-// The daemon does not tell which server it asks; its file does.
+// The daemon does not report which server it asks; only its configuration file names it.
 void Examination::Unasked(const SourceFacts& source) {
   if (!source.in_daemon || !source.received) return;
   const std::string ask =
@@ -150,7 +150,7 @@ bool Examination::Group(const SourceFacts& source) {
   return false;
 }
 
-// On an interface that the daemon does not listen to.
+// The group's frames arrive on an interface on which the daemon does not listen.
 bool Examination::GroupElsewhere(const SourceFacts& source, const std::string& group) {
   for (const Flow* flow : Flows()) {
     if (flow->to.host != group || flow->tally.Count(Format::kNatNet) == 0) continue;

@@ -1,4 +1,5 @@
-// Performer by performer: datagrams come, do frames leave; and what looks wrong with the rig.
+// Checks each performer: whether frames leave for the datagrams that arrive, and what looks wrong
+// with the rig.
 #include <algorithm>
 #include <array>
 

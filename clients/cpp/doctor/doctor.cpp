@@ -13,10 +13,10 @@
 namespace styled::doctor {
 namespace {
 
-constexpr double kCall_s = 1.5;  // for a NatNet server to answer
+constexpr double kCall_s = 1.5;  // time for a NatNet server to reply
 constexpr std::string_view kTcp = "tcp://";
 
-// Where the daemon's control socket is on this machine's network; none for ipc and names.
+// The TCP address of the daemon's control socket; empty for ipc endpoints and host names.
 std::optional<Endpoint> TcpOf(const std::string& endpoint) {
   if (!endpoint.starts_with(kTcp)) return std::nullopt;
   auto parsed = ParseEndpoint(std::string_view(endpoint).substr(kTcp.size()));
@@ -41,7 +41,7 @@ class Examiner {
     CallNatNetServers();
     OpenPorts();
     OpenCapture();
-    // Asked again: calls and the opening took time.
+    // Read the status again, since the NatNet calls and opening the ports took time.
     (void)Ask(facts_.daemon.before);
     const auto before = ListSockets();
     probe_->Run(options_.seconds);
@@ -66,7 +66,7 @@ class Examiner {
     const auto place = TcpOf(control);
     const bool any_port = place && place->port == 0;
     if (options_.endpoint_given || control.empty() || any_port) return Status::Ok();
-    // A socket on every interface is reached by loopback.
+    // A socket bound to every interface is reachable by loopback.
     const bool everywhere = place && IsWildcard(place->host);
     facts_.daemon.endpoint =
         everywhere ? std::string(kTcp) + ToString({"127.0.0.1", place->port}) : control;
@@ -104,8 +104,8 @@ class Examiner {
     return Status::Ok();
   }
 
-  // What the daemon has; beside it, or alone, what the file has; else what a daemon without a file
-  // would have. And what was asked for.
+  // Chooses the sources: those of the daemon; in addition, or without a daemon, those of the file;
+  // else those of a daemon without configuration. Sources of --listen are added.
   Status ChooseSources() {
     for (const auto& info : facts_.daemon.after.sources()) {
       AddSource(MakeWanted(Wanted::Origin::kDaemon, info.name(), info.type(), info.listen()))
@@ -134,7 +134,7 @@ class Examiner {
     return Status::Error("--source " + options_.source + ": no such source; there are" + known);
   }
 
-  // The daemon does not tell all that the file does; a source that it has is not listed twice.
+  // The daemon reports less than the file contains; a source of the daemon is not listed twice.
   void AddConfigured(const Wanted& wanted) {
     for (SourceFacts& source : facts_.sources) {
       const Wanted& known = source.wanted;
@@ -148,7 +148,7 @@ class Examiner {
       source.wanted.listen = listen;
       return;
     }
-    // An old daemon tells no sources: then the file is believed.
+    // An old daemon reports no sources; then those of the file are assumed.
     AddSource(wanted).in_daemon = facts_.daemon_answers() && facts_.daemon.after.sources().empty();
   }
 
@@ -161,7 +161,8 @@ class Examiner {
     bool called = false;
     for (SourceFacts& source : facts_.sources) {
       if (source.wanted.format != Format::kNatNet || facts_.daemon.remote) continue;
-      if (source.in_daemon && source.wanted.server.empty()) continue;  // the file would say more
+      // Only the file names the server.
+      if (source.in_daemon && source.wanted.server.empty()) continue;
       auto call = MakeNatNetCall(source.wanted.server, source.natnet.emplace());
       if (call.ok()) {
         probe_->Add(std::move(call.value()));
@@ -187,7 +188,7 @@ class Examiner {
     for (const auto& [group, port] : groups) (void)probe_->Join(group, port);
   }
 
-  // The sources' own ports and the usual ones of all formats.
+  // Opens the sources' own ports and the usual ports of all formats.
   void OpenPorts() {
     if (facts_.daemon.remote) return;
     std::set<std::pair<bool, std::uint16_t>> opened;
@@ -282,7 +283,8 @@ class Examiner {
 }  // namespace
 
 Result<Facts> Examine(const Options& options) {
-  google::protobuf::SetLogHandler(nullptr);  // what strangers send is named, not complained of
+  // Malformed input is reported by the doctor, not logged.
+  google::protobuf::SetLogHandler(nullptr);
   return Examiner(options).Run();
 }
 

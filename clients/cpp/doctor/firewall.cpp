@@ -31,7 +31,7 @@ std::string Text(const json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-// Where the system knows no names of protocols, nft prints numbers.
+// On systems without protocol names, nft prints numbers.
 std::string Protocol(const json& value) {
   const std::string text = Text(value);
   if (text == "17") return "udp";
@@ -43,12 +43,12 @@ std::string Field(const json& object, const char* key) {
   return object.is_object() && found != object.end() ? Text(*found) : "";
 }
 
-// The walk of one packet through the chains of one hook.
+// Follows one packet through the chains of one hook.
 class Walk {
  public:
   Walk(const json& rules, const Firewall::Packet& packet) : rules_(rules), packet_(packet) {}
 
-  // A chain that a hook calls: all of them must let the packet pass.
+  // Enters a base chain of the hook. The packet passes only if all base chains accept it.
   void Enter(const json& chain) {
     family_ = Field(chain, "family");
     table_ = Field(chain, "table");
@@ -64,10 +64,11 @@ class Walk {
  private:
   enum class End { kFallsThrough, kReturn, kAccepted, kDropped };
   static constexpr int kMaxDepth = 16;
-  static constexpr int kMaxRules = 100000;  // looked at, for all chains: calls may multiply
+  // Limit over all chains, since jumps can multiply the work.
+  static constexpr int kMaxRules = 100000;
 
   void Drop(Match matches, const std::string& chain, const std::string& what) {
-    // After a rule that may have let it pass even the surest drop is not sure.
+    // If an earlier rule may have accepted the packet, a later drop is not certain.
     const bool certain = matches == Match::kYes && doubts_ == 0;
     if (judgement.verdict == Firewall::Verdict::kDropped) return;
     if (!certain && judgement.verdict == Firewall::Verdict::kDepends) return;
@@ -75,7 +76,7 @@ class Walk {
     judgement.rule = family_ + " " + table_ + " " + chain + ": " + what;
   }
 
-  // `path`: whether the packet comes to this chain at all.
+  // `path`: whether the packet reaches this chain.
   End Run(const std::string& chain, Match path, int depth) {
     if (depth > kMaxDepth) return End::kFallsThrough;
     for (const auto& entry : rules_) {
@@ -140,7 +141,7 @@ class Walk {
     return End::kFallsThrough;
   }
 
-  // What iptables' own matches ask is not told, only their names.
+  // The JSON contains only the names of iptables' own matches, not their parameters.
   static Match MatchOfIptables(const std::string& name, const json& expressions) {
     if (name == "comment") return Match::kYes;
     const bool state = name == "conntrack" || name == "state";
@@ -148,7 +149,7 @@ class Walk {
       return e.is_object() && e.contains("match") && e["match"].contains("left") &&
              e["match"]["left"].contains("payload");
     });
-    // Without a port beside it, it is the rule for ESTABLISHED (or INVALID), not for what is new.
+    // Without a port condition this is the rule for ESTABLISHED (or INVALID), not for a new packet.
     return state && !port ? Match::kNo : Match::kUnknown;
   }
 
@@ -179,7 +180,7 @@ class Walk {
     const auto left = body.find("left");
     const auto right = body.find("right");
     if (left == body.end() || right == body.end()) return Match::kUnknown;
-    // Even "is not port 80" asks for the protocol first.
+    // Even "port is not 80" applies only to packets of the same protocol.
     if (OfAnotherProtocol(*left)) return Match::kNo;
     const std::string op = Field(body, "op");
     const Match equal = Compare(*left, *right);
@@ -204,7 +205,7 @@ class Walk {
     if (what == "meta" && key == "l4proto") return Contains(right, packet_.stream ? "tcp" : "udp");
     if (what == "meta" && (key == "iif" || key == "iifname")) {
       if (!packet_.interface.empty()) return Contains(right, packet_.interface);
-      // Some interface, but not this one.
+      // Matches some interface, but not loopback.
       return Contains(right, "lo") == Match::kYes && !right.is_object() ? Match::kNo
                                                                         : Match::kUnknown;
     }
@@ -222,14 +223,14 @@ class Walk {
     if (field == "protocol") return Contains(right, packet_.stream ? "tcp" : "udp");
     if (field != "daddr") return Match::kUnknown;
     if (!packet_.destination.empty()) return Contains(right, packet_.destination);
-    // An address of this machine is no group.
+    // An address of this machine is not a multicast group.
     return right.is_string() && IsMulticast(right.get<std::string>()) ? Match::kNo
                                                                       : Match::kUnknown;
   }
 
   bool Multicast() const { return IsMulticast(packet_.destination); }
 
-  // The elements of a value, a list, { a, b } or @name; none where they cannot be told.
+  // The elements of a value, a list, { a, b } or @name; empty if they are unknown.
   std::optional<std::vector<json>> Elements(const json& value) const {
     if (value.is_array()) return std::vector<json>(value.begin(), value.end());
     if (value.is_object() && value.contains("set")) return Elements(value["set"]);
@@ -284,13 +285,13 @@ class Walk {
   const Firewall::Packet& packet_;
   std::string family_, table_;
   int looked_at_ = 0;
-  int doubts_ = 0;  // rules before that may have let it pass
+  int doubts_ = 0;  // number of earlier rules that may have accepted the packet
 };
 
 }  // namespace
 
 Firewall Firewall::Read() {
-  // Fixed words: nothing of the user's goes to the shell.
+  // The command is constant: no user input reaches the shell.
   FILE* pipe = popen("PATH=$PATH:/usr/sbin:/sbin nft --json list ruleset 2>/dev/null", "re");
   Firewall out;
   out.why_ = "nft cannot be run";

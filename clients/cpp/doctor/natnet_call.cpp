@@ -77,7 +77,8 @@ class NatNetCall final : public Listener {
                      std::to_string(g[2]) + "." + std::to_string(g[3]);
   }
 
-  // In turn the shape that old servers know and the one from 4.0 on.
+  // Alternates between the request that old servers understand and the one of version 4.0 and
+  // later.
   void AskWho() {
     natnet::Connect connect;
     connect.shape =

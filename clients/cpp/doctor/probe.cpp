@@ -56,7 +56,7 @@ class UdpListener final : public Listener {
   }
 
  private:
-  // The address that it was sent to, and the interface.
+  // Reads the destination address and the interface of a datagram.
   void ReadTarget(msghdr& header, Arrival& arrival) const {
     unsigned index = 0;
     sockaddr_storage target{};
@@ -85,7 +85,7 @@ class UdpListener final : public Listener {
   Endpoint local_;
 };
 
-// A listener and its connections, all in one epoll instance.
+// A listening socket and its connections, all in one epoll instance.
 class TcpListener final : public Listener {
  public:
   TcpListener(Descriptor listener, Descriptor epoll)
@@ -231,7 +231,7 @@ std::vector<GroupState> Probe::Join(const std::string& group, std::uint16_t port
     const socklen_t size = ToSocket({group, port}, address);
     Descriptor fd(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     const int one = 1, zero = 0;
-    // As the daemon does: others on this machine may have joined as well.
+    // Like the daemon: other programs of this machine may have joined as well.
     setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
     setsockopt(fd.get(), IPPROTO_IP, IP_MULTICAST_ALL, &zero, sizeof zero);
     ip_mreqn membership{};

@@ -49,7 +49,7 @@ Wanted MakeWanted(Wanted::Origin origin, const std::string& name, const std::str
   if (const auto endpoint = ParseEndpoint(listen)) {
     out.listen = *endpoint;
   } else if (listen.empty() && out.format != Format::kUnknown) {
-    // A NatNet client asks from any port.
+    // A NatNet client uses any port.
     const bool any = out.format == Format::kNatNet;
     out.listen = {"0.0.0.0", any ? std::uint16_t{0} : Row(out.format).ports[0]};
   } else {
@@ -59,7 +59,7 @@ Wanted MakeWanted(Wanted::Origin origin, const std::string& name, const std::str
 }
 
 Result<Settings> ReadSettings(const std::string& file) {
-  constexpr std::size_t kMaxBytes = 1 << 20;  // as the daemon's
+  constexpr std::size_t kMaxBytes = 1 << 20;  // the same limit as the daemon's
   const auto text = ReadFile(file, kMaxBytes);
   if (!text.ok()) return text.status();
   if (const auto line = FindTooDeepToml(text.value())) {

@@ -68,7 +68,7 @@ Sniffed SniffNative(Bytes bytes) {
   return out;
 }
 
-// Names of the types that the daemon passes over.
+// Names of the types that the daemon ignores.
 std::string_view MvnMode(int type) {
   switch (type) {
     case 3:
@@ -138,7 +138,7 @@ Sniffed SniffMocopi(Bytes bytes, mocopi::Datagram& datagram) {
   return {Format::kMocopi, Verdict::kSkeleton, "skeleton (skdf)"};
 }
 
-// What the messages of a VMC datagram say, the most useful of them.
+// The contents of a VMC datagram; the most useful message determines the verdict.
 class VmcContent {
  public:
   void Add(const vmc::osc::Message& message) {
@@ -186,13 +186,13 @@ Sniffed SniffOsc(Bytes bytes) {
   return content.Summary();
 }
 
-// Its packets have no mark: a type whose upper bytes are 0 and a number.
+// SlimeVR's packets have no marker: only a type whose upper bytes are 0, and a number.
 bool LooksLikeSlimeVr(Bytes bytes) {
   const auto at = [bytes](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
   if (bytes.size() < 12 || at(0) + at(1) + at(2) != 0) return false;
   const unsigned type = at(3);
   const bool known = type <= 27 || type == 100 || type == 101 || type == 200;
-  return known && at(4) + at(5) + at(6) == 0;  // nobody gets so far as 2^40 datagrams
+  return known && at(4) + at(5) + at(6) == 0;  // the packet number stays below 2^40
 }
 
 std::optional<Sniffed> SniffSlimeVr(Bytes bytes, slimevr::Datagram& datagram) {
@@ -312,7 +312,8 @@ Sniffed Sniffer::SniffStart(Bytes start) {
   return {Format::kUnknown, Verdict::kForeign, "large datagrams"};
 }
 
-// What a server sends to its clients; what clients ask of it has too little to be known by.
+// Recognizes what a server sends to its clients. The clients' requests have too few fixed bytes to
+// be recognized.
 std::optional<Sniffed> Sniffer::SniffNatNet(Bytes bytes) {
   natnet::Packet packet;
   if (natnet::DecodePacket(bytes, packet) != natnet::DecodeResult::kOk) return {};
@@ -340,7 +341,7 @@ std::optional<Sniffed> Sniffer::SniffNatNet(Bytes bytes) {
   }
   const std::string what = frame ? "frames" : "model";
   if (!read) {
-    // Without a version there is only the id to go by.
+    // Without a known version, only the message id identifies the format.
     return natnet_version_ ? say(Verdict::kDamaged, "unreadable " + what)
                            : std::optional<Sniffed>();
   }

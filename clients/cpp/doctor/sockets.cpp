@@ -31,7 +31,8 @@ std::optional<T> Number(std::string_view text, int base) {
   return value;
 }
 
-// "0100007F:1B58": words of 32 bits in this machine's byte order, the port as a number.
+// Parses "0100007F:1B58": 32-bit words in this machine's byte order, the port as a hexadecimal
+// number.
 std::optional<Endpoint> ParseLocal(std::string_view text) {
   const std::size_t colon = text.find(':');
   if (colon != 8 && colon != 32) return std::nullopt;
@@ -64,7 +65,7 @@ struct Folder {
   std::unique_ptr<DIR, int (*)(DIR*)> handle;
 };
 
-// The socket that a descriptor in /proc/PID/fd is; 0: none.
+// The inode of the socket behind a descriptor in /proc/PID/fd; 0: not a socket.
 std::uint64_t SocketInode(const std::string& link) {
   std::array<char, 64> target{};
   const ssize_t size = readlink(link.c_str(), target.data(), target.size() - 1);
@@ -105,7 +106,7 @@ std::vector<BoundSocket> ParseSocketTable(std::string_view text, bool stream) {
   std::vector<BoundSocket> out;
   std::istringstream lines{std::string(text)};
   std::string line;
-  std::getline(lines, line);  // what the columns are called
+  std::getline(lines, line);  // skip the column headings
   while (std::getline(lines, line)) {
     std::istringstream words(line);
     const std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};

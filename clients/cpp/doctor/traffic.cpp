@@ -36,7 +36,7 @@ void Tally::Add(const Sniffed& what, std::uint64_t count) {
   } else if (kinds.size() < kMaxKinds) {
     kinds.push_back({what, count});
   } else {
-    // Of each format and verdict one row at most.
+    // At most one "others" row per format and verdict.
     const auto others = std::ranges::find_if(kinds, [&](const Kind& kind) {
       return kind.what.format == what.format && kind.what.verdict == what.verdict &&
              kind.what.kind == "others";
