@@ -13,7 +13,8 @@ using std::chrono::milliseconds;
 
 constexpr std::int64_t kMaxReplyBytes = 16 << 20;
 
-// The last part of a waiting message: the payload, with or without the empty delimiter before it.
+// Reads the last part of a waiting message: the payload, with or without the empty delimiter before
+// it.
 bool ReadLastPart(zmq::socket_t& socket, zmq::message_t& part) {
   if (!socket.recv(part, zmq::recv_flags::dontwait)) return false;
   while (socket.get(zmq::sockopt::rcvmore)) {
@@ -30,7 +31,7 @@ struct Control::Impl {
   zmq::socket_t socket;
   std::uint64_t next_id = 1;
 
-  // A new socket forgets what the old one still had to deliver.
+  // A new socket discards replies that were still on their way to the old one.
   void Open() {
     socket = zmq::socket_t(context, zmq::socket_type::dealer);
     socket.set(zmq::sockopt::linger, 0);
@@ -75,7 +76,7 @@ Result<std::unique_ptr<Control>> Control::Connect(const ControlOptions& options)
     if (!curve.ok()) return styled::Status::Error("control: " + curve.status().message());
     impl->options.curve = std::move(curve.value());
   }
-  std::random_device random;  // so that no reply to an earlier program fits
+  std::random_device random;  // so that replies to an earlier program do not match
   impl->next_id = (std::uint64_t{random()} << 24U) + 1;
   try {
     impl->Open();
@@ -93,7 +94,7 @@ CallStatus Control::Call(v1::Request& request, v1::Reply* reply) {
   request.set_id(impl.next_id++);
   try {
     const std::string bytes = request.SerializeAsString();
-    // The envelope of a REQ socket, which every ROUTER knows.
+    // The envelope of a REQ socket, which every ROUTER accepts.
     if (!impl.socket.send(zmq::message_t(), zmq::send_flags::sndmore | zmq::send_flags::dontwait) ||
         !impl.socket.send(zmq::buffer(bytes), zmq::send_flags::dontwait)) {
       return impl.NoAnswer();
@@ -110,7 +111,8 @@ CallStatus Control::Call(v1::Request& request, v1::Reply* reply) {
                 "what answers at " + impl.options.endpoint + " is not a styled daemon"};
       }
       if (reply->id() == request.id()) break;
-      // A daemon that could not read us answers to id 0; anything else is an earlier call's.
+      // A daemon that could not parse the request replies with id 0; any other id belongs to an
+      // earlier call.
       if (reply->id() == 0 && reply->code() != v1::CODE_OK) break;
     }
   } catch (const zmq::error_t& error) {

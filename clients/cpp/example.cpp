@@ -1,4 +1,5 @@
-// The whole of a subscriber: styles everyone, then prints where each performer's head is.
+// A complete subscriber: sets a style for all performers, then prints the position of each
+// performer's head.
 //   example [PUBLISHER [CONTROL [STYLE [FRAMES]]]]
 #include <cstdio>
 #include <cstdlib>
@@ -28,7 +29,8 @@ int main(int argc, char** argv) {
   const client::SubscriberCounters& counters = subscriber.value()->counters();
   std::vector<client::Update> updates;
   std::vector<client::Transform> joints;
-  while (counters.frames < enough) {  // a renderer's loop: what came while drawing is skipped
+  // Like a renderer: frames that arrive while it draws are skipped.
+  while (counters.frames < enough) {
     subscriber.value()->ReceiveLatest(std::chrono::milliseconds(1000), updates);
     for (const client::Update& u : updates) {
       if (u.kind != client::Update::Kind::kFrame || u.body == nullptr) continue;

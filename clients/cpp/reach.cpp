@@ -31,7 +31,8 @@ using std::chrono::milliseconds;
 
 constexpr std::string_view kIpc = "ipc://", kTcp = "tcp://";
 
-// Bytes that are heard of a handshake. ZeroMQ's longest has some 600: who says more is no daemon.
+// Limit of bytes read in a handshake. ZeroMQ's longest has about 600; a peer that sends more is not
+// a daemon.
 constexpr std::size_t kMaxHeard = 4096;
 
 int Left_ms(Clock::time_point deadline) {
@@ -53,12 +54,12 @@ class Descriptor {
   int fd_;
 };
 
-// A connection, for this file alone: bytes, until a deadline.
+// A connection for this file's purposes: bytes, until a deadline.
 class Connection {
  public:
   explicit Connection(Clock::time_point deadline) : deadline_(deadline) {}
 
-  // 0, or the errno of connecting; ETIMEDOUT where the deadline passes.
+  // Returns 0 or the errno of connect(); ETIMEDOUT after the deadline.
   int Connect(int family, const sockaddr* address, socklen_t size) {
     fd_ =
         std::make_unique<Descriptor>(socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
@@ -73,13 +74,13 @@ class Connection {
     return error;
   }
 
-  // A few bytes, for which there is always room.
+  // Sends a few bytes, for which the send buffer always has room.
   void Send(std::string_view bytes) const {
     (void)send(fd_->get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
   }
 
-  // False where the other side closes, has said far too much, or the deadline is past: poll()
-  // alone would not tell as long as there is more to read.
+  // False if the peer closes, has sent more than kMaxHeard, or the deadline has passed. The
+  // deadline is checked here, since poll() returns without a timeout as long as data is available.
   bool ReadMore() {
     std::array<char, 1024> bytes{};
     if (TooMuch() || Left_ms(deadline_) == 0 || !Wait(POLLIN)) return false;
@@ -116,7 +117,7 @@ std::string UserName(uid_t user) {
   return found == nullptr ? "user " + std::to_string(user) : std::string(found->pw_name);
 }
 
-// Who we are, as the subject of a sentence.
+// The user of this process, as the subject of a sentence.
 std::string OurUser() {
   const std::string name = UserName(geteuid());
   return name.starts_with("user ") ? name : "user " + name;
@@ -142,7 +143,7 @@ Reach Forbidden(const std::string& path, const struct stat& about) {
                                     Because(EACCES)};
 }
 
-// The first folder on the way to `path` that keeps us out.
+// Finds the first folder of `path` that denies access to this process.
 Reach NoEntry(const std::string& path) {
   for (std::size_t slash = path.find('/', 1); slash != std::string::npos;
        slash = path.find('/', slash + 1)) {
@@ -153,7 +154,7 @@ Reach NoEntry(const std::string& path) {
       continue;
     }
     std::string text = OurUser() + " may not enter " + folder + " (" + ModeText(about);
-    // The group's right helps only who may join it.
+    // The group's permission helps only a user who may join that group.
     text += (about.st_mode & S_IXGRP) != 0
                 ? ", group " + GroupName(about.st_gid) + "): join that group"
                 : ", owner " + UserName(about.st_uid) + "): only its owner may";
@@ -162,7 +163,7 @@ Reach NoEntry(const std::string& path) {
   return {Obstacle::kNoEntry, OurUser() + " may not enter the folder of " + path + Because(EACCES)};
 }
 
-// Connects to an ipc path, or says why not.
+// Connects to an ipc path, or returns the obstacle.
 Reach OpenPath(const std::string& path, Connection& connection) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -186,12 +187,12 @@ Reach OpenPath(const std::string& path, Connection& connection) {
   return {Obstacle::kNobody, "nobody answers there" + Because(error)};
 }
 
-// The same for HOST:PORT.
+// Connects to HOST:PORT, or returns the obstacle.
 Reach OpenHost(const std::string& host_and_port, Connection& connection) {
-  const std::size_t colon = host_and_port.rfind(':');  // CheckEndpoint has seen it
+  const std::size_t colon = host_and_port.rfind(':');  // CheckEndpoint has verified it
   std::string host = host_and_port.substr(0, colon);
   addrinfo wanted{}, *found = nullptr;
-  wanted.ai_family = AF_INET;  // as ZeroMQ connects
+  wanted.ai_family = AF_INET;  // as ZeroMQ does
   if (host.size() > 2 && host.front() == '[') {
     host = host.substr(1, host.size() - 2);
     wanted.ai_family = AF_INET6;
@@ -212,24 +213,24 @@ Reach OpenHost(const std::string& host_and_port, Connection& connection) {
                              : host + " cannot be reached" + Because(error)};
 }
 
-// How the other side greets (rfc.zeromq.org/spec/23, ZMTP 3): 10 bytes of signature, the version,
-// 20 of the mechanism's name. It says so as soon as it knows our version.
+// The peer's greeting (rfc.zeromq.org/spec/23, ZMTP 3): 10 bytes of signature, the version, and 20
+// bytes with the mechanism's name. The peer sends it as soon as it has read our version.
 constexpr std::string_view kSignature("\xFF\0\0\0\0\0\0\0\x01\x7F\x03\0", 12);
 constexpr char kNotZmtp[] = "what listens there does not speak ZeroMQ";
 constexpr std::size_t kMechanismAt = 12, kMechanismSize = 20, kGreeting = 64;
 
-// What is left of our greeting with the mechanism NULL.
+// The rest of our greeting, with the mechanism NULL.
 std::string RestOfGreeting() {
   std::string rest = "NULL";
   rest.resize(kGreeting - kSignature.size(), '\0');
   return rest;
 }
 
-// The type of socket in the READY that follows a greeting; "" where it has not come whole.
+// The socket type in the READY command after a greeting; "" if it is incomplete.
 std::string SocketType(std::string_view bytes) {
   constexpr std::string_view kName = "Socket-Type";
   const std::size_t at = bytes.find(kName);
-  const std::size_t size_at = at + kName.size() + 3;  // of four bytes, the last one
+  const std::size_t size_at = at + kName.size() + 3;  // the last of four bytes
   if (at == std::string_view::npos || size_at >= bytes.size()) return "";
   const auto size = static_cast<unsigned char>(bytes[size_at]);
   if (size_at + 1 + size > bytes.size()) return "";
@@ -242,7 +243,7 @@ Reach Open(const std::string& endpoint, Connection& connection) {
   return {Obstacle::kNobody, "nobody answers there"};
 }
 
-// Hands what comes at `from` on to `to`; how much, 0 where `from` closes.
+// Passes the available bytes of `from` on to `to`. Returns their number, 0 if `from` has closed.
 std::size_t Relay(int from, int to) {
   std::array<char, 4096> bytes{};
   const ssize_t size = recv(from, bytes.data(), bytes.size(), 0);
@@ -251,7 +252,7 @@ std::size_t Relay(int from, int to) {
   return static_cast<std::size_t>(size);
 }
 
-// A port of our own on loopback, for one connection.
+// A listening port on loopback, for one connection.
 class Listener {
  public:
   Listener() : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -278,9 +279,9 @@ class Listener {
   sockaddr_in address_{};
 };
 
-// How far ZeroMQ's own handshake gets with these keys. Its bytes pass through here, because libzmq
-// does not say which of its steps failed: a server greets, then answers a HELLO that it can read,
-// and only then is told who comes.
+// How far ZeroMQ's own CURVE handshake gets with these keys. libzmq does not report which step
+// failed, so its bytes are relayed through this process and observed: a server greets, then replies
+// to a HELLO that it can decrypt, and only afterwards learns the client's key.
 enum class Shake { kDone, kWelcomed, kRefused, kNothing };
 Shake TryKeys(const std::string& endpoint, zmq::socket_type type, const Curve& curve,
               Clock::time_point deadline) {
@@ -322,17 +323,18 @@ Shake TryKeys(const std::string& endpoint, zmq::socket_type type, const Curve& c
   return closed ? Shake::kRefused : Shake::kNothing;
 }
 
-// "an XPUB socket", as it is spoken.
+// The type with its article: "an XPUB socket".
 std::string Article(const std::string& type) { return type.starts_with('X') ? "an " : "a "; }
 
 std::string Name(Peer peer) { return peer == Peer::kControl ? "control socket" : "publisher"; }
 
-// With CURVE on both sides.
+// Both sides use CURVE.
 Reach ExamineKeys(const std::string& endpoint, Peer peer, const Curve& curve,
                   Clock::time_point deadline) {
   const auto own = peer == Peer::kControl ? zmq::socket_type::dealer : zmq::socket_type::sub;
   const auto other = peer == Peer::kControl ? zmq::socket_type::sub : zmq::socket_type::dealer;
-  // Who is not let in may be left without a word: there must be time for the second look.
+  // A daemon may ignore a client that it does not accept, without a reply; so half of the time is
+  // kept for the second attempt.
   const auto half = Clock::now() + (deadline - Clock::now()) / 2;
   const Shake shake = TryKeys(endpoint, own, curve, half);
   if (shake == Shake::kDone) return {};
@@ -351,7 +353,7 @@ Reach ExamineKeys(const std::string& endpoint, Peer peer, const Curve& curve,
               curve.public_key + ")"};
 }
 
-// What greets at the other end of `connection`.
+// Examines the greeting of the peer on `connection`.
 Reach Greet(const std::string& endpoint, Peer peer, const std::optional<Curve>& curve,
             Connection& connection, Clock::time_point deadline) {
   connection.Send(kSignature);
@@ -415,7 +417,7 @@ Status CheckEndpoint(const std::string& endpoint) {
   const auto wrong = [&endpoint](const std::string& what) {
     return Status::Error("'" + endpoint + "': " + what);
   };
-  // ZeroMQ's tcp://OWN_HOST:OWN_PORT;HOST:PORT says where to connect from, too.
+  // ZeroMQ's tcp://OWN_HOST:OWN_PORT;HOST:PORT also contains the local address.
   std::string text = endpoint.substr(kTcp.size());
   text.erase(0, text.rfind(';') + 1);  // npos + 1 is 0
   const std::size_t colon = text.rfind(':');
@@ -448,7 +450,7 @@ Reach Examine(const std::string& endpoint, Peer peer, const std::optional<Curve>
   if (opened.obstacle != Obstacle::kNone) return opened;
   try {
     return Greet(endpoint, peer, complete, connection, deadline);
-  } catch (const zmq::error_t&) {  // out of descriptors, or a signal
+  } catch (const zmq::error_t&) {  // out of descriptors, or interrupted by a signal
     return {Obstacle::kNobody, "nobody answers there"};
   }
 }

@@ -17,12 +17,16 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr std::int64_t kMaxMessageBytes = 1 << 20;  // a body of 1024 long names fits
-constexpr int kMaxDrain = 10'000;                   // messages that one ReceiveLatest reads at most
-constexpr std::int64_t kStale_ns = 50'000'000;      // later than usual by this: not the newest yet
-constexpr milliseconds kLongestCatchUp(500);        // a connection lost meanwhile is back by then
+constexpr std::int64_t kMaxMessageBytes = 1 << 20;  // a body with 1024 long names fits
+// Limit of messages per ReceiveLatest.
+constexpr int kMaxDrain = 10'000;  // messages that one ReceiveLatest reads at most
+// Later than usual by this: newer frames are still queued.
+constexpr std::int64_t kStale_ns = 50'000'000;
+// A connection that was lost meanwhile is restored by then.
+constexpr milliseconds kLongestCatchUp(500);
 constexpr std::size_t kMaxPerformers = 4096;
-constexpr std::size_t kMaxBodies = 64;  // kept per performer: its outputs, and what they were
+// Per performer: for its outputs, and for their previous bodies.
+constexpr std::size_t kMaxBodies = 64;
 constexpr std::string_view kBodyTopic = "body/";
 constexpr std::string_view kStatisticsTopic = "stats/";
 
@@ -41,7 +45,7 @@ std::string Topic(const StreamTopic& row, std::string_view performer) {
   return std::string(row.prefix).append(performer).append(row.suffix);
 }
 
-// One part of a performer's id, or the name of an [[output]].
+// Whether `text` is a valid part of a performer's id, or name of an [[output]].
 bool IsName(std::string_view text) {
   const auto fits = [](char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' ||
@@ -50,7 +54,7 @@ bool IsName(std::string_view text) {
   return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), fits);
 }
 
-// The id between prefix and suffix, or "" where `topic` has another shape.
+// The id between prefix and suffix, or "" if `topic` has another form.
 std::string_view PerformerOf(std::string_view topic, std::string_view prefix,
                              std::string_view suffix) {
   if (topic.size() <= prefix.size() + suffix.size() || !topic.starts_with(prefix) ||
@@ -62,8 +66,8 @@ std::string_view PerformerOf(std::string_view topic, std::string_view prefix,
   return IsPerformerId(topic) ? topic : std::string_view();
 }
 
-// Whose and what a frame on a topic is; views into the topic. `performer` is empty where it is
-// none.
+// Performer and stream of a frame's topic; views into the topic. `performer` is empty for other
+// topics.
 struct Origin {
   std::string_view performer, avatar;
   Stream stream = Stream::kAvatar;
@@ -83,14 +87,14 @@ Origin OriginOf(std::string_view topic) {
   return IsName(avatar) ? Origin{performer, avatar} : Origin{};
 }
 
-// How much longer than usual a frame was on its way: than the shortest way of the last two to four
-// seconds. No two machines' clocks are compared.
+// How much longer than usual a frame was in transit, compared with the shortest transit of the last
+// two to four seconds. Only differences are used, so the clocks of two machines need not agree.
 class Lag {
  public:
   std::int64_t Take(std::uint64_t published_ns, std::int64_t now_ns) {
     const std::int64_t way_ns = now_ns - static_cast<std::int64_t>(published_ns);
     if (!started_ || now_ns - turned_ns_ >= kTurn_ns) {
-      // After a longer silence than that the shortest way known is still the last one.
+      // After a longer silence, the last known shortest transit remains valid.
       previous_ns_ = started_ ? current_ns_ : way_ns;
       current_ns_ = way_ns;
       turned_ns_ = now_ns;
@@ -130,9 +134,9 @@ struct Subscriber::Impl {
   std::map<std::string, StreamState, std::less<>> streams;  // by topic
   std::map<std::string, std::vector<std::shared_ptr<const v1::Body>>, std::less<>> bodies;
   std::map<std::string, std::size_t, std::less<>> newest;  // ReceiveLatest: topic to index in `out`
-  std::string last_topic;                                  // of the frame that was accepted last
-  std::int64_t lag_ns = 0;                                 // of the same
-  std::vector<std::int64_t> lags_ns;                       // ReceiveLatest: of each in `out`
+  std::string last_topic;                                  // of the last accepted frame
+  std::int64_t lag_ns = 0;                                 // of the last accepted frame
+  std::vector<std::int64_t> lags_ns;                       // ReceiveLatest: of each update in `out`
   v1::Body scratch_body;
 
   void Open();
@@ -153,7 +157,7 @@ void Subscriber::Impl::Open() {
   socket.set(zmq::sockopt::reconnect_ivl, 100);
   socket.set(zmq::sockopt::reconnect_ivl_max, 1000);
   socket.set(zmq::sockopt::handshake_ivl, 1000);
-  socket.set(zmq::sockopt::heartbeat_ivl, 1000);  // a pulled cable is noticed, too
+  socket.set(zmq::sockopt::heartbeat_ivl, 1000);  // also detects an unplugged cable
   socket.set(zmq::sockopt::heartbeat_timeout, 3000);
   if (options.curve) {
     socket.set(zmq::sockopt::curve_serverkey, options.curve->server_key);
@@ -170,7 +174,8 @@ void Subscriber::Impl::Open() {
   monitor.set(zmq::sockopt::linger, 0);
   monitor.connect(name.data());
   if (options.performer.empty()) {
-    socket.set(zmq::sockopt::subscribe, kBodyTopic);  // who is there; then each one's own topics
+    // Finds the performers; then each one's own topics.
+    socket.set(zmq::sockopt::subscribe, kBodyTopic);
   } else {
     SubscribeTo(options.performer);
   }
@@ -397,8 +402,8 @@ int Subscriber::ReceiveLatest(milliseconds timeout, std::vector<Update>& out) {
       if (count > 0) {
         const auto is_stale = [](std::int64_t lag_ns) { return lag_ns > kStale_ns; };
         if (std::none_of(impl.lags_ns.begin(), impl.lags_ns.end(), is_stale)) break;
-        // Behind what waits here there may be more in the sockets on the way. From now on: the
-        // process may have been stopped since it came here.
+        // The sockets on the way may hold more messages than this process. The time limit starts
+        // now, since the process may have been suspended before.
         if (!std::exchange(catching_up, true)) until = Clock::now() + kLongestCatchUp;
       }
       if (!impl.Wait(until)) break;
@@ -429,7 +434,7 @@ int Subscriber::ReceiveLatest(milliseconds timeout, std::vector<Update>& out) {
     impl.lags_ns[older] = impl.lags_ns[count];
     impl.lags_ns.resize(count);
   }
-  out.resize(count);  // without the last one if it was rejected or superseded
+  out.resize(count);  // drops the last entry if it was rejected or superseded
   return static_cast<int>(count);
 }
 
@@ -441,7 +446,7 @@ int Subscriber::connected() {
       if (event.size() < 2) continue;
       std::uint16_t number = 0;
       std::copy_n(static_cast<const char*>(event.data()), 2, reinterpret_cast<char*>(&number));
-      // A handshake that failed ends in a disconnection, too, and was never counted.
+      // A failed handshake also ends in a disconnection, but was never counted.
       impl_->links = std::max(0, impl_->links + (number == ZMQ_EVENT_HANDSHAKE_SUCCEEDED ? 1 : -1));
     }
   } catch (const zmq::error_t&) {

@@ -10,7 +10,7 @@
 namespace styled::stylectl {
 namespace {
 
-constexpr float kSloppy_deg = 15;  // a calibration that is accepted with a warning
+constexpr float kSloppy_deg = 15;  // above this, an accepted calibration gets a warning
 
 struct CalibrateArguments {
   std::string pose = "t", sensors = "full";

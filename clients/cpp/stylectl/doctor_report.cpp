@@ -33,7 +33,7 @@ bool Healthy(const std::vector<Finding>& findings) {
                               [](const Finding& f) { return f.severity == Severity::kProblem; });
 }
 
-// The last word, where there is no problem: a warning is one that frames come through in spite of.
+// The closing line if there is no problem; frames arrive in spite of a warning.
 std::string Conclusion(const std::vector<Finding>& findings) {
   if (!Healthy(findings)) return "";
   const auto warnings = std::ranges::count_if(
@@ -43,7 +43,8 @@ std::string Conclusion(const std::vector<Finding>& findings) {
          (warnings == 1 ? " warning.\n" : " warnings.\n");
 }
 
-// `text` in lines of kTextWidth, the first after `head`, the others indented as far.
+// `text` wrapped to kTextWidth: the first line follows `head`, the others are indented to the same
+// column.
 std::string Paragraph(const std::string& head, const std::string& text) {
   if (text.empty()) return "";
   std::string out = head, line;
@@ -114,7 +115,7 @@ std::string TrafficText(const std::vector<Flow>& flows, const std::string& head)
   return Table(rows);
 }
 
-// What came to an interface and to none of our sockets.
+// Flows that arrived at an interface, but at none of this program's sockets.
 std::vector<Flow> OnlySeen(const Facts& facts) {
   std::vector<Flow> out;
   std::ranges::copy_if(facts.seen, std::back_inserter(out), [&facts](const Flow& seen) {

@@ -1,4 +1,4 @@
-// keygen, allow, revoke, keys: they work on files of this machine, no daemon is asked.
+// keygen, allow, revoke, keys: they work on local files; no daemon is contacted.
 #include "clients/cpp/stylectl/cli.h"
 #include "clients/cpp/stylectl/commands.h"
 #include "clients/cpp/stylectl/key_commands.h"

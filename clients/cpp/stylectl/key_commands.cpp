@@ -8,7 +8,7 @@
 namespace styled::stylectl {
 namespace {
 
-// A folder that is none says nothing of who is let in.
+// A path that is not a folder contains no information about accepted clients.
 Status CheckFolder(const std::string& folder) {
   std::error_code error;
   if (std::filesystem::is_directory(folder, error)) return Status::Ok();

@@ -13,7 +13,7 @@
 namespace styled::stylectl {
 Session::Session(std::ostream& out_stream, std::ostream& err_stream)
     : out(out_stream), err(err_stream) {
-  app.require_subcommand(0, 1);  // none: reported by Run, after what is unexpected
+  app.require_subcommand(0, 1);  // without one, Run reports it after unexpected arguments
   app.set_version_flag("--version", "stylectl 0.1.0");
   app.add_option("--endpoint", options.endpoint, "the daemon's control socket")
       ->envname("STYLED_CONTROL")
@@ -38,7 +38,7 @@ Session::Session(std::ostream& out_stream, std::ostream& err_stream)
 
 CLI::App* Session::Add(const std::string& name, const std::string& text, std::function<int()> run) {
   CLI::App* command = app.add_subcommand(name, text);
-  command->fallthrough();  // --json and the like may stand behind the command
+  command->fallthrough();  // options such as --json may follow the command
   command->callback([this, run = std::move(run)] { run_ = run; });
   return command;
 }
@@ -106,7 +106,8 @@ std::vector<std::string> Session::Commands() const {
   return names;
 }
 
-// A command line that CLI11 refuses. For a misspelt command or option, the nearest name.
+// Reports a command line that CLI11 refuses. For a misspelt command or option it suggests the
+// nearest name.
 int Session::Unexpected(const std::string& reason) {
   const auto chosen = app.get_subcommands();
   std::vector<std::string> known;

@@ -1,4 +1,4 @@
-// Session: how results and failures are reported.
+// Session: reporting of results and failures.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +12,7 @@ namespace {
 
 using client::CallStatus;
 
-// Whether the daemon may be at another endpoint.
+// Whether the daemon might listen at another endpoint.
 bool MayBeElsewhere(client::Obstacle obstacle) {
   using client::Obstacle;
   return obstacle == Obstacle::kUnknownHost || obstacle == Obstacle::kUnreachable ||
@@ -45,7 +45,8 @@ int Session::Changed(const CallStatus& status, const client::Applied& applied,
   return kExitOk;
 }
 
-// A performer may be configured before it comes; a misspelt one would wait forever, silently.
+// A performer may be configured before it appears. Without this note, a misspelt name would be
+// stored silently and never used.
 std::string Session::NoteUnseen() {
   v1::StatusReply status;
   if (performer == client::kEveryone || !control_->Status(&status).ok()) return "";
@@ -56,7 +57,7 @@ std::string Session::NoteUnseen() {
     if (entry.performer() != performer) names.push_back(entry.performer());
     listed = listed || entry.performer() == performer;
   }
-  // Bypass is the default of every performer: the daemon keeps no settings for it.
+  // Bypass is the default of every performer: the daemon stores no settings for it.
   std::string note =
       performer + (clears && !listed ? " has not been seen yet; what was configured ahead is "
                                        "forgotten"
@@ -69,7 +70,7 @@ std::string Session::NoteUnseen() {
   return note;
 }
 
-// For a misspelt name: the names that the daemon knows, and the nearest of them.
+// For a misspelt name: the names that the daemon knows, and the nearest one.
 Session::Hint Session::Explain(const CallStatus& status) {
   Hint hint;
   v1::ListReply list;
@@ -127,7 +128,7 @@ void Session::ExplainPerformer(Hint& hint) {
   if (!control_->Status(&reply).ok()) return;
   std::vector<std::string> names;
   for (const auto& entry : reply.stats().performers()) {
-    // A performer that is only configured ahead is listed too, and may be the very one.
+    // A performer that is only configured is listed, too: it may be the misspelt name itself.
     if (entry.performer() != performer) names.push_back(entry.performer());
   }
   hint.suggestion = Nearest(performer, names);
@@ -150,7 +151,7 @@ int Session::Fail(const CallStatus& status) {
   err << "stylectl: " << status.reason();
   if (!hint.suggestion.empty()) err << "; did you mean '" << hint.suggestion << "'?";
   err << "\n";
-  // Most reasons already contain what was expected.
+  // Most reasons already state what was expected.
   const bool complete = refused && status.reason().find("expected") != std::string::npos;
   if (!hint.expected.empty() && !complete) err << "  " << hint.expected << "\n";
   if (json) {

@@ -48,7 +48,7 @@ int Status(Session& session, const StatusArguments& arguments) {
   return kExitOk;
 }
 
-// Goes on while the daemon is away.
+// Continues while the daemon is down.
 int Watch(Session& session, const StatusArguments& arguments) {
   constexpr const char* kHome = "\x1b[H\x1b[2J";
   for (;;) {
@@ -56,7 +56,7 @@ int Watch(Session& session, const StatusArguments& arguments) {
     (void)Status(session, arguments);
     session.out << std::flush;
     std::this_thread::sleep_for(std::chrono::duration<double>(arguments.watch_s));
-    if (!session.out) return kExitOk;  // the reader is gone
+    if (!session.out) return kExitOk;  // the reader has closed the pipe
   }
 }
 

@@ -1,4 +1,4 @@
-// set, clear, preset, cue, pin, unpin, panic, reset: what changes how performers are styled.
+// set, clear, preset, cue, pin, unpin, panic, reset: the commands that change styling.
 #include <array>
 #include <charconv>
 #include <optional>
@@ -21,7 +21,7 @@ struct SetArguments {
   std::optional<double> transition_ms;
   bool absolute = false, detail = false;
   std::string parts;        // of the body, comma-separated
-  std::string input_style;  // the style that the performer moves in
+  std::string input_style;  // the style that the performer already moves in
 };
 
 struct PresetArguments {
@@ -29,7 +29,7 @@ struct PresetArguments {
   std::optional<double> transition_ms;
 };
 
-// A check of --parts: empty, or what is wrong.
+// Checks --parts: "" or what is wrong.
 std::string CheckParts(const std::string& list) {
   if (body::FindParts(list)) return "";
   return "'" + list + "': expected, separated by commas, some of " + std::string(body::kPartWords);
@@ -48,7 +48,7 @@ std::optional<v1::StyleWeight> ParseWeight(const std::string& text) {
   return out;
 }
 
-// The change that the options describe, and in words what changes; "" where nothing does.
+// Converts the options to a change. Returns a description of the change; "" if there is none.
 std::string ToChange(const SetArguments& arguments, v1::Set& change) {
   if (!arguments.style.empty()) {
     change.add_mix()->set_style(arguments.style);
@@ -104,7 +104,7 @@ void DeclareSet(Session& session) {
   CLI::Option* style = set->add_option("--style", arguments->style, "one style, at full weight");
   set->add_option("--mix", arguments->mix, "STYLE=WEIGHT, up to 4 times; weights sum to <= 1.5")
       ->excludes(style)
-      ->allow_extra_args(false)  // one per --mix: what follows may be PERFORMER
+      ->allow_extra_args(false)  // one value per --mix: the next argument may be PERFORMER
       ->check([](const std::string& text) {
         return ParseWeight(text) ? std::string() : "'" + text + "' is not STYLE=WEIGHT";
       });
@@ -122,9 +122,9 @@ void DeclareSet(Session& session) {
                   "the style that the performer moves in, which is removed; neutral: none");
 }
 
-// `preset PERFORMER NAME`, as every other command; `preset NAME PERFORMER`, as it once was, and
-// `preset NAME`. They cannot be confused: a performer's id has a dot, or is '*'; a name has none.
-// Returns what is wrong, or "".
+// Accepts `preset PERFORMER NAME`, the order of the other commands, and the former `preset NAME
+// PERFORMER` and `preset NAME`. The order is unambiguous: a performer's id contains a dot or is
+// '*', and a preset's name does not. Returns what is wrong, or "".
 std::string SortPresetWords(const std::array<std::string, 2>& words, std::string& performer,
                             std::string& name) {
   const auto is_performer = [](const std::string& word) {
@@ -163,7 +163,7 @@ void DeclarePreset(Session& session) {
   const auto arguments = std::make_shared<PresetArguments>();
   CLI::App* preset = session.Add("preset", "a named mix of the daemon's configuration",
                                  [&session, arguments] { return Preset(session, *arguments); });
-  // Both are optional to CLI11, which fills them from the front; SortPresetWords sorts them.
+  // CLI11 fills optional arguments from the front; SortPresetWords assigns them.
   preset->add_option("PERFORMER", arguments->words[0], "SOURCE.NAME, or '*'; left out: everyone");
   preset->add_option("NAME", arguments->words[1], "of the preset, as shown by list");
   preset->add_option("--transition", arguments->transition_ms, "fade, ms")

@@ -19,7 +19,8 @@ std::string Lower(std::string_view text) {
 int Distance(std::string_view a, std::string_view b) {
   const std::string from = Lower(a), to = Lower(b);
   const std::size_t width = to.size() + 1;
-  std::vector<int> cells((from.size() + 1) * width);  // optimal string alignment
+  // Distance table of "optimal string alignment"
+  std::vector<int> cells((from.size() + 1) * width);
   const auto at = [&](std::size_t i, std::size_t k) -> int& { return cells[i * width + k]; };
   for (std::size_t i = 0; i <= from.size(); ++i) at(i, 0) = static_cast<int>(i);
   for (std::size_t k = 0; k <= to.size(); ++k) at(0, k) = static_cast<int>(k);

@@ -12,7 +12,7 @@ namespace {
 constexpr std::array<std::array<std::uint8_t, 4>, 2> kBraille{
     {{0x01, 0x02, 0x04, 0x40}, {0x08, 0x10, 0x20, 0x80}}};
 
-// The character whose stroke runs nearest to a line of this direction, in dots (dots are square).
+// The character whose stroke is nearest to the direction (dx, dy), in dots (dots are square).
 char Stroke(float dx, float dy) {
   const float flat = std::abs(dx), steep = std::abs(dy);
   if (flat > 2.0F * steep) return '-';
@@ -20,7 +20,7 @@ char Stroke(float dx, float dy) {
   return (dx > 0) == (dy > 0) ? '\\' : '/';
 }
 
-// Reads one code point and advances; what is no UTF-8 gives U+FFFD and one byte.
+// Reads one code point and advances. Invalid UTF-8 yields U+FFFD and consumes one byte.
 char32_t Next(std::string_view text, std::size_t& at) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = byte(at);
@@ -40,7 +40,7 @@ char32_t Next(std::string_view text, std::size_t& at) {
   return glyph;
 }
 
-// Cuts the parameter interval of a line to one side of a border (Liang and Barsky).
+// Clips the parameter interval of a line at one border (Liang and Barsky).
 bool Cut(float p, float q, float& begin, float& end) {
   if (p == 0) return q >= 0;
   const float t = q / p;
@@ -62,7 +62,8 @@ void Canvas::Text(int column, int row, std::string_view text, Ink ink, int width
   const int end = width < 0 ? columns_ : std::min(columns_, column + width);
   for (std::size_t at = 0; at < text.size() && column < end; ++column) {
     char32_t glyph = Next(text, at);
-    if (glyph < 32 || glyph == 127) glyph = U' ';  // names come from the network
+    // Names come from the network: no control characters.
+    if (glyph < 32 || glyph == 127) glyph = U' ';
     if (!utf8_ && glyph > 126) glyph = U'?';
     if (column < 0) continue;
     Spot& spot = spots_[Index(column, row)];
@@ -94,7 +95,7 @@ void Canvas::Line(float x0, float y0, float x1, float y1, Ink ink, const DotRect
       !Cut(-dy, y0 - top, begin, end) || !Cut(dy, bottom - y0, begin, end)) {
     return;
   }
-  // Without dots one character per row or column is enough: more looks like two lines.
+  // Without braille, one character per row or column is enough: more would look like two lines.
   const float cell_x = utf8_ ? 1 : 2, cell_y = utf8_ ? 1 : 4;
   const float length = std::max(std::abs(dx) / cell_x, std::abs(dy) / cell_y) * (end - begin);
   const int steps = std::max(1, static_cast<int>(std::ceil(length)));
@@ -109,7 +110,7 @@ void Canvas::Line(float x0, float y0, float x1, float y1, Ink ink, const DotRect
 
 void Canvas::Circle(float x, float y, float radius, Ink ink, const DotRect& clip) {
   if (!std::isfinite(x + y + radius) || radius < 0) return;
-  if (!utf8_) {  // too coarse for a ring
+  if (!utf8_) {  // cells are too coarse for a circle
     Dot(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)), 'O', ink, clip);
     return;
   }

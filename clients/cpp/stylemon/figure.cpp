@@ -35,7 +35,7 @@ float ChainLength(const v1::Body& body, int joint, int ancestor) {
   return length;
 }
 
-// One picture: where a point of the world is in it.
+// Maps a point of the world to the picture.
 struct Projection {
   Vector3f x_axis;
   Vector3f hips;
@@ -116,7 +116,7 @@ Anatomy Analyse(const v1::Body& body) {
     if (anatomy.joint[c] >= 0) canonical[anatomy.joint[c]] = c;
   }
   anatomy.inks.assign(static_cast<std::size_t>(joints), Ink::kCentre);
-  for (int joint = 0; joint < joints; ++joint) {  // fingers and twists: as the limb they are on
+  for (int joint = 0; joint < joints; ++joint) {  // fingers and twist joints belong to their limb
     const int parent = body.parents(joint);
     if (canonical[joint] < 0 && parent >= 0) canonical[joint] = canonical[parent];
     anatomy.inks[joint] = InkOf(canonical[joint]);
@@ -125,7 +125,8 @@ Anatomy Analyse(const v1::Body& body) {
   const float leg = std::max(ChainLength(body, anatomy.joint[body::kLeftFoot], hips),
                              ChainLength(body, anatomy.joint[body::kRightFoot], hips));
   const float trunk = ChainLength(body, anatomy.joint[body::kHead], hips);
-  if (leg > 0 && trunk > 0) anatomy.height = 1.14F * (leg + trunk);  // sole and crown are beyond
+  // Adds the sole and the top of the head.
+  if (leg > 0 && trunk > 0) anatomy.height = 1.14F * (leg + trunk);
   return anatomy;
 }
 
@@ -182,7 +183,7 @@ void Draw(const Pose& pose, const DotRect& area, Canvas& canvas) {
   if ((pose.contacts & 2U) != 0) {
     DrawContact(pose, joint[body::kRightFoot], joint[body::kRightToes], view, area, canvas);
   }
-  // Far to near: seen from its right, the left limbs are behind.
+  // Draw far to near: seen from the figure's right, the left limbs are behind.
   DrawBones(pose, Ink::kLeft, view, area, canvas);
   DrawBones(pose, Ink::kCentre, view, area, canvas);
   DrawHead(pose, view, area, canvas);

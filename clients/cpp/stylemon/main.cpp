@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr int kExitUsage = 2;
-constexpr int kExitNothing = 3;  // with --seconds: no styled frame came in that time
+constexpr int kExitNothing = 3;  // with --seconds: no styled frame arrived in that time
 constexpr milliseconds kPicture(33);
 
 std::atomic<bool> stopped = false;
@@ -33,7 +33,7 @@ struct Arguments {
   double seconds = 0;
 };
 
-// False once the program is to end.
+// Returns false to end the program.
 bool PressKey(int key, Monitor& monitor) {
   if (key >= '1' && key <= '9') return monitor.PressStyle(key - '0'), true;
   switch (key) {
@@ -99,7 +99,7 @@ void RunPlain(Monitor& monitor, const Arguments& arguments, bool utf8, Clock::ti
       for (int row = 0; row < canvas.rows(); ++row) std::puts(canvas.RowText(row).c_str());
     }
     std::puts(StatusLine(view).c_str());
-    if (std::fflush(stdout) != 0) return;  // nobody reads any more
+    if (std::fflush(stdout) != 0) return;  // the reader has closed the pipe
   }
 }
 

@@ -7,7 +7,8 @@
 namespace styled::stylemon {
 namespace {
 
-// The value that `share` of the values do not exceed, ns in, ms out. Reorders `values`.
+// The value that a fraction `share` of the values does not exceed, from ns to ms. Reorders
+// `values`.
 double Percentile_ms(std::vector<std::int64_t>& values, double share) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   const auto rank =
@@ -39,7 +40,7 @@ Meter::Reading Meter::Read(std::int64_t now_ns) const {
     end.push_back(sample.end_ns);
   }
   reading.frames = static_cast<int>(daemon.size());
-  // Over the whole span up to now, once the stream has stopped for longer than its period.
+  // Once the stream has paused for longer than its period, the span ends at the present time.
   if (reading.frames > 1) {
     const double period = static_cast<double>(newest_ns - oldest_ns) / (reading.frames - 1);
     const double silent = static_cast<double>(now_ns - newest_ns);

@@ -18,10 +18,10 @@ using Clock = std::chrono::steady_clock;
 using client::Update;
 using std::chrono::milliseconds;
 
-constexpr float kYawShare = 0.08F;      // of the way to the current facing, per frame
-constexpr float kFloorBand = 0.15F;     // of the height: how far from 0 a floor is still at 0
-constexpr double kListAfter_s = 3.0;    // statistics older than this no longer name the performers
-constexpr double kStylesEvery_s = 2.0;  // how often the style list is asked for while unknown
+constexpr float kYawShare = 0.08F;   // fraction of the way to the current facing, per frame
+constexpr float kFloorBand = 0.15F;  // fraction of the height: a floor this near to 0 is drawn at 0
+constexpr double kListAfter_s = 3.0;  // older statistics no longer determine the list of performers
+constexpr double kStylesEvery_s = 2.0;  // interval of requests for the style list until it is known
 constexpr float kPi = 3.14159265F;
 
 double Seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
@@ -52,7 +52,7 @@ std::string SetText(const v1::PerformerStats& stats) {
 
 struct Monitor::Impl {
   MonitorOptions options;
-  std::unique_ptr<client::Subscriber> directory;  // everybody's bodies, statistics
+  std::unique_ptr<client::Subscriber> directory;  // bodies of all performers, statistics
   std::unique_ptr<client::Subscriber> frames;     // one performer's streams
   std::unique_ptr<Steering> steering;
   std::unique_ptr<client::Lookout> lookout;
@@ -63,13 +63,14 @@ struct Monitor::Impl {
   Clock::time_point stats_at{}, link_at = Clock::now(), input_at{}, styled_at{}, styles_at{};
   std::string selected;
   bool connected = false, yaw_known = false;
-  float strength = 1.0F;            // of the selected performer, as last heard or pressed
-  Clock::time_point strength_at{};  // when it was pressed
-  float extent = 0;                 // largest height seen, where bones do not tell it
-  float lowest = 0;                 // lowest joint lately
+  float strength = 1.0F;            // of the selected performer, as last received or set by a key
+  Clock::time_point strength_at{};  // when a key set it
+  float extent = 0;                 // largest height seen, if the bones do not determine it
+  float lowest = 0;                 // smoothed height of the lowest joint
   Eigen::Vector3f last_hips = Eigen::Vector3f::Zero();
   std::map<const v1::Body*, std::shared_ptr<const Anatomy>> anatomies;
-  std::vector<std::shared_ptr<const v1::Body>> held;  // so that the keys above stay taken
+  // Keeps the addresses used as keys above alive.
+  std::vector<std::shared_ptr<const v1::Body>> held;
   std::uint64_t styled_frames = 0;
 
   void Select(const std::string& performer);
@@ -118,7 +119,7 @@ void Monitor::Impl::Select(const std::string& performer) {
   listen.curve = options.curve;
   listen.streams = {client::Stream::kStyledRig, client::Stream::kSource};
   auto result = client::Subscriber::Connect(listen);
-  if (!result.ok()) return;  // the endpoint was good a moment ago: out of sockets
+  if (!result.ok()) return;  // the endpoint was valid before: out of sockets
   frames = std::move(result.value());
   selected = performer;
   view.input = Figure();
@@ -158,7 +159,7 @@ void Monitor::Impl::Take(Update& update) {
       TakeFrame(update);
       break;
     case Update::Kind::kBody:
-      break;  // kept by the subscriber
+      break;  // the subscriber keeps bodies
   }
 }
 
@@ -183,7 +184,8 @@ void Monitor::Impl::TakeFrame(Update& update) {
   if (!styled) Follow(figure);
 }
 
-// The input decides how both are looked at: a style that leans must be seen leaning.
+// The view follows the input figure, for both pictures: otherwise a style that leans would not be
+// seen to lean.
 void Monitor::Impl::Follow(const Figure& figure) {
   float yaw = 0;
   if (Facing(*figure.anatomy, figure.joints, yaw)) {
@@ -198,7 +200,7 @@ void Monitor::Impl::Follow(const Figure& figure) {
   const float low = Lowest(figure.joints);
   extent = std::max(extent, top - low);
   view.height = PictureHeight(*figure.anatomy, extent);
-  // A floor that is about at 0 is at 0. Elsewhere it is where the feet are, calmed.
+  // A floor near 0 is drawn at 0; otherwise at the smoothed height of the feet.
   lowest = yaw_known ? lowest + (low < lowest ? 0.2F : 0.01F) * (low - lowest) : low;
   const float body_height = figure.anatomy->height > 0 ? figure.anatomy->height : view.height;
   view.floor = std::abs(lowest) < kFloorBand * body_height ? 0 : lowest;
@@ -243,7 +245,7 @@ void Monitor::Impl::RefreshPerformers() {
     for (const auto& entry : stats.performers()) {
       view.performers.push_back({entry.performer(), entry.live(), SetText(entry)});
     }
-  } else {  // a daemon without statistics, or away: whoever was heard of
+  } else {  // without statistics, or with the daemon down: the performers heard of
     for (const std::string& name : directory->performers()) {
       view.performers.push_back({name, connected, ""});
     }

@@ -8,7 +8,7 @@
 namespace styled::stylemon {
 namespace {
 
-constexpr double kSilent_s = 1.0;  // a stream without frames for longer is called silent
+constexpr double kSilent_s = 1.0;  // a stream without frames for longer is shown as silent
 
 std::string Fixed(double value, int decimals, int width = 0) {
   std::array<char, 64> text{};
@@ -67,7 +67,8 @@ void DrawHeader(const View& view, Canvas& canvas) {
   canvas.Text(canvas.columns() - Width(right), 0, right, Ink::kDim);
 }
 
-// The list to the left, scrolled so that the selected one is seen. Returns its width.
+// Draws the list at the left, scrolled so that the selected performer is visible. Returns its
+// width.
 int DrawPerformers(const View& view, int row, int rows, Canvas& canvas) {
   int width = 10;
   for (const PerformerLine& line : view.performers) {
@@ -214,7 +215,7 @@ void DrawFigures(const View& view, int column, int row, int columns, int rows, C
 void DrawScreen(const View& view, Canvas& canvas) {
   const int rows = canvas.rows();
   DrawHeader(view, canvas);
-  const bool small = rows < 16;  // then the figures have all of it
+  const bool small = rows < 16;  // then the figures get all rows
   const int bottom = small ? rows - 1 : rows - 5;
   const std::string trouble = Trouble(view);
   if (view.performers.empty()) {

@@ -7,7 +7,7 @@
 namespace styled::stylemon {
 namespace {
 
-constexpr std::size_t kMaxWaiting = 16;  // a held key must not queue up for minutes
+constexpr std::size_t kMaxWaiting = 16;  // so that a held key does not fill the queue for minutes
 
 }  // namespace
 

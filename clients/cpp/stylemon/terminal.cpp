@@ -15,7 +15,7 @@ struct Look {
   attr_t attributes;
 };
 
-// By Ink. -1: the terminal's own.
+// Indexed by Ink. -1: the terminal's default colour.
 constexpr std::array<Look, static_cast<std::size_t>(Ink::kInkCount)> kLooks{{
     {-1, A_NORMAL},            // kPlain
     {-1, A_DIM},               // kDim
