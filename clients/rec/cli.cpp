@@ -28,8 +28,8 @@ class Program {
   void DeclareExport();
   void AboutTheFile(CLI::App* command);
   void FileToRead(CLI::App* command);
-  // `run` is called once the command line was read, and before it `check` where there is one: what
-  // it finds is a usage error.
+  // `run` is called after the command line was parsed. `check`, if given, is called before it; its
+  // error is a usage error.
   using Command = Status (*)(const Arguments&, const Dependencies&);
   CLI::App* Add(const string& name, const string& text, Command run,
                 std::function<Status()> check = {});
@@ -177,7 +177,7 @@ void Program::DeclareExport() {
           "file to write, in the format of its extension: " + clip::FormatNames())
       ->allow_extra_args(false)
       ->check([](const string& file) { return clip::FindFormat(file).status().message(); });
-  // By its option a format may be written to a file of any name.
+  // With its option, a format can be written to a file of any name.
   for (const clip::Format& format : clip::Formats()) {
     command->add_option_function<string>(
         "--" + string(format.extension.substr(1)),
@@ -192,7 +192,7 @@ void Program::DeclareExport() {
 }
 
 void Program::Declare() {
-  app_.require_subcommand(0, 1);  // none: said by Run
+  app_.require_subcommand(0, 1);  // Run reports a missing command
   app_.set_version_flag("--version", "stylerec " STYLED_VERSION);
   app_.footer(
       "Exit codes: 0 done, 1 failed, 2 usage.\n"
@@ -220,7 +220,7 @@ int Program::Run(vector<string> arguments) {
   }
   if (run_ == nullptr) return Usage("a command is required");
   const string command = app_.get_subcommands().front()->get_name();
-  // CLI11's ranges let it through.
+  // CLI11's range checks accept NaN.
   for (const double value : {a_.seconds, a_.wait_s, a_.from_s, a_.until_s, a_.rate_hz}) {
     if (std::isnan(value)) return Usage(command + ": a value is nan; expected a number");
   }

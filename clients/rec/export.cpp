@@ -1,4 +1,4 @@
-// From a take to what files hold: a constant rate, metres.
+// Converts a take to what files contain: a constant rate, metres.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kMaxFrames = 1e7;
 
-// "120" for a median step of 8.3333 ms: a whole rate, or one of NTSC's, where it is that near.
+// The nominal rate: "120" for a median step of 8.3333 ms. An integer or an NTSC rate, if one is
+// near enough.
 double RateMeant(const std::vector<double>& times_s) {
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < times_s.size(); ++i) steps_s.push_back(times_s[i] - times_s[i - 1]);
@@ -34,7 +35,7 @@ rig::RigPose Between(const rig::RigPose& a, const rig::RigPose& b, float share) 
   return pose;
 }
 
-// The frames at the grid of `rate_hz`.
+// Interpolates the frames at the times of `rate_hz`.
 std::vector<rig::RigPose> OnGrid(const Take& take, double rate_hz) {
   const auto& times_s = take.times_s;
   const auto off = [&](std::size_t i) {
@@ -74,7 +75,7 @@ Result<clip::Clip> ToClip(const Take& take, double rate_hz) {
   }
   clip::Clip clip;
   clip.skeleton = take.skeleton;
-  // The root's place is in its position channels; many readers add the offset to them.
+  // The root's position is in its position channels; many readers would add the offset to them.
   clip.skeleton.offsets[0].setZero();
   clip.rate_hz = own_hz;
   clip.frames = OnGrid(take, own_hz);

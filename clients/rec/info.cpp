@@ -97,7 +97,7 @@ double Seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return static_cast<double>(to_ns - from_ns) * 1e-9;
 }
 
-// It may be what a stranger sent: no second line, no terminal's escape.
+// The text may come from an untrusted sender: removes newlines and escape sequences.
 std::string Plain(std::string text) {
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < ' ' || c == '\x7F') c = '?';

@@ -14,9 +14,9 @@ extern "C" void RequestStop(int) { stop_requested = true; }
 }  // namespace
 
 int main(int argc, char** argv) {
-  // What does not parse is counted and said.
+  // Unparseable messages are counted and reported, not logged.
   google::protobuf::SetLogHandler(nullptr);
-  // No SA_RESTART: a wait ends with the signal.
+  // Without SA_RESTART a signal ends a wait.
   struct sigaction action {};
   action.sa_handler = RequestStop;
   sigaction(SIGINT, &action, nullptr);

@@ -31,7 +31,7 @@ class Pass {
       if (record.time_ns() > until_ns) break;
       if (record.time_ns() < from_ns) {
         for (Outlet* const outlet : outlets_) outlet->Note(record);
-        start_ns_ = clock_.Now_ns();  // reading up to here is no part of the playing
+        start_ns_ = clock_.Now_ns();  // the time for reading up to here is not part of the playback
         continue;
       }
       WaitFor(record.time_ns());
@@ -91,7 +91,7 @@ Status Play(recording::Reader& reader, const PlayOptions& options, player::Clock
     ++counts.passes;
     status = Pass(options, clock, outlets, stop, counts).Run(reader, range.first_ns);
   } while (options.loop && !stop && status.ok());
-  if (stop) status = Status::Ok();  // a signal ends what was under way, too
+  if (stop) status = Status::Ok();  // a signal also ends the call in progress
   for (Outlet* const outlet : outlets) outlet->Finish();
   counts.wall_ns = clock.Now_ns() - begin_ns;
   return status;

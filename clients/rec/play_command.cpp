@@ -1,4 +1,4 @@
-// `stylerec play`: which outlets, and what became of it.
+// `stylerec play`: chooses the outlets and reports the outcome.
 #include <CLI/CLI.hpp>
 #include <limits>
 #include <set>
@@ -14,7 +14,7 @@ namespace {
 
 using std::string;
 
-// What a recording has to send to a rig's listener.
+// Whether the recording contains arrivals that can be sent to a rig's listener.
 Result<bool> FindArrivals(recording::Reader& reader) {
   bool source = false;
   recording::Record record;
@@ -41,7 +41,7 @@ Result<RigOutletOptions> WhereTo(const Arguments& a, recording::Reader& reader) 
   return options;
 }
 
-// The sources whose arrivals, or else whose published frames, play would send.
+// The sources whose arrivals, or otherwise whose published frames, `play` would send.
 std::set<string> SourcesOf(recording::Reader& reader, bool from_published) {
   std::set<string> sources;
   recording::Record record;
@@ -92,7 +92,7 @@ Status CheckTo(const Arguments& a) {
   return Status::Ok();
 }
 
-// Whether it can be an address at all; whether it is free, binding it says.
+// Checks the form of the address; binding it later tells whether it is free.
 Status CheckPublish(const string& url) {
   const auto wrong = [&url] {
     return Status::Error("--publish " + url + ": expected e.g. tcp://127.0.0.1:7001 or ipc://PATH");
@@ -117,7 +117,7 @@ Result<double> SpeedOf(const string& text) {
   return speed;
 }
 
-// The outlets that were asked for.
+// The requested outlets.
 struct Outlets {
   std::unique_ptr<Steering> steering;
   std::unique_ptr<RigOutlet> rig;

@@ -10,7 +10,7 @@
 namespace styled::rec {
 namespace {
 
-// `payload` with another epoch; as it is where it is no such message.
+// `payload` with another epoch; unchanged if it is not such a message.
 template <typename Message>
 std::string WithEpoch(const std::string& payload, std::uint64_t salt) {
   Message message;
@@ -101,7 +101,7 @@ void PublishOutlet::Idle() {
   }
 }
 
-// To a subscription that names a performer, or a prefix of what names all.
+// Sends the bodies that match a subscription to one performer, or to a prefix of their topics.
 void PublishOutlet::SendBodies(const std::string& prefix) {
   for (const auto& [key, payload] : bodies_) {
     const std::string id = IdOfTopic(key.first, "body/");

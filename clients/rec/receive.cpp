@@ -72,8 +72,8 @@ struct Receiver::Socket {
   std::string endpoint;
   bool forwards = false;
   Address to;
-  Address from;                  // of the datagram at hand
-  std::uint32_t overflowed = 0;  // the kernel's count, as last seen
+  Address from;                  // of the current datagram
+  std::uint32_t overflowed = 0;  // last value of the kernel's drop counter
 };
 
 struct Receiver::Peer {
@@ -111,7 +111,7 @@ Status Receiver::Bind(Port port) {
   if (socket->fd < 0 || bind(socket->fd, address.value().get(), address.value().size) != 0) {
     return Status::Error("--listen " + port.listen + ": " + std::strerror(errno));
   }
-  // What the system does not grant is not needed on a quiet machine.
+  // A refused buffer size is no error: a quiet machine does not need it.
   (void)setsockopt(socket->fd, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
   constexpr int kOn = 1;
   (void)setsockopt(socket->fd, SOL_SOCKET, SO_RXQ_OVFL, &kOn, sizeof kOn);
@@ -166,7 +166,8 @@ Status Receiver::Drain(Socket& socket, recording::FileWriter& writer) {
     message.msg_control = control;
     message.msg_controllen = sizeof control;
     const ssize_t size = recvmsg(socket.fd, &message, 0);
-    if (size < 0) return Status::Ok();  // nothing more; or an ICMP answer to what was passed back
+    // No more data; or an ICMP reply to a datagram that was passed back.
+    if (size < 0) return Status::Ok();
     const std::int64_t now_ns = MonotonicNow_ns();
     socket.from.size = message.msg_namelen;
     for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
@@ -208,7 +209,8 @@ void Receiver::Forward(Socket& socket, std::size_t size) {
     peers_.push_back(std::move(peer));
     found = peers_.end() - 1;
   }
-  // The first try may only yield the refusal of the one before: nobody listened then.
+  // The first send may only return the ICMP refusal of the previous datagram, so it is retried
+  // once.
   for (int attempt = 0; attempt < 2; ++attempt) {
     if (send((*found)->fd, buffer_.data(), size, 0) < 0) continue;
     ++counts_.forwarded;

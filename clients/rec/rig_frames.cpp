@@ -30,8 +30,8 @@ void RigFrames::NoteBody(const std::string& topic, const std::string& payload) {
   body.set_performer(id.substr(id.find('.') + 1));
   body.clear_hash();
   body.clear_output();
-  // The daemon publishes the rests that its dialect knows; only those that the rig gave are sent,
-  // so that the daemon binds as it did.
+  // The daemon publishes rest rotations that its dialect defines. Only those that the rig sent are
+  // sent again, so that the daemon binds the body as before.
   if (body.dialect() == "given") {
     body.clear_dialect();
   } else {
@@ -54,7 +54,7 @@ void RigFrames::Take(const recording::Record& record, const Send& send) {
   if (topic.starts_with("body/")) return NoteBody(topic, record.published().payload());
   const std::string id = IdOfTopic(topic, "source/");
   if (id.empty() || !frame_.ParseFromString(record.published().payload())) return;
-  // The last pose once more, when nothing came from the rig.
+  // A stale frame repeats the last pose; the rig sent nothing.
   if ((frame_.flags() & styled::v1::FLAG_STALE) != 0) return;
   TakeFrame(id, record.time_ns(), send);
 }
@@ -68,7 +68,7 @@ void RigFrames::TakeFrame(const std::string& id, std::int64_t time_ns, const Sen
   const Body& body = known->second;
   const std::string source = id.substr(0, id.find('.'));
   Performer& performer = performers_[id];
-  // Within a session a rig's sequence only grows.
+  // Within a session a rig's sequence only increases.
   if (performer.session == 0 || frame_.epoch() != performer.epoch ||
       frame_.source_sequence() <= performer.source_sequence) {
     performer = {};

@@ -7,13 +7,13 @@
 namespace styled::rec {
 namespace {
 
-constexpr std::int64_t kSilence_ns = 150'000'000;  // longer than a daemon's takeover_ms, usually
+constexpr std::int64_t kSilence_ns = 150'000'000;  // usually longer than a daemon's takeover_ms
 
 std::span<const std::byte> BytesOf(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-// The performer's name of our own datagram; "" where its payload says none.
+// The performer's name in a native datagram; "" if its payload contains none.
 std::string NameIn(const native::Datagram& datagram) {
   const auto name = [&](auto message) {
     const auto size = static_cast<int>(datagram.payload.size());
@@ -23,7 +23,7 @@ std::string NameIn(const native::Datagram& datagram) {
                                               : name(styled::v1::SourceFrame());
 }
 
-// A listener on every address is reached on this machine.
+// A wildcard address is reached on this machine.
 std::string Reachable(std::string url) {
   for (const auto& [every, here] :
        {std::pair<std::string, std::string>{"//0.0.0.0:", "//127.0.0.1:"},
@@ -91,7 +91,7 @@ Status RigOutlet::Take(const recording::Record& record) {
   const recording::Arrival& arrival = record.arrival();
   const Sender sender{arrival.source(), arrival.listen(), arrival.peer()};
   const auto bytes = BytesOf(arrival.datagram());
-  // What USB transfers bring is a stream, too.
+  // USB transfers also form a stream.
   const bool pieces = arrival.type() == "tcp" || arrival.type() == "usb";
   return pieces ? DeliverPiece(sender, record.time_ns(), bytes)
                 : Deliver(sender, record.time_ns(), bytes);
@@ -142,7 +142,7 @@ Status RigOutlet::DeliverPiece(const Sender& sender, std::int64_t time_ns,
   return Status::Ok();
 }
 
-// A daemon refuses a second sender of a performer until the first was silent for a while.
+// A daemon refuses a second sender of a performer until the first one has been silent for a while.
 void RigOutlet::KeepSilence(const native::Datagram& datagram, const std::string& source,
                             std::int64_t time_ns) {
   const auto key = std::pair(source, datagram.session);
@@ -157,7 +157,7 @@ void RigOutlet::KeepSilence(const native::Datagram& datagram, const std::string&
     const std::int64_t recorded_ns = time_ns - session.recorded_ns;
     const std::int64_t silence_ns =
         recorded_ns < 0 ? kSilence_ns : std::min(recorded_ns, kSilence_ns);
-    // A daemon that is behind would not hear the silence.
+    // A daemon that lags behind would not notice the silence.
     if (steering_ != nullptr) {
       steering_->CatchUp();
       session.sent_ns = clock_.Now_ns();

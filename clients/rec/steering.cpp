@@ -5,10 +5,10 @@
 namespace styled::rec {
 namespace {
 
-constexpr std::uint64_t kUnderWay = 64;  // datagrams: small beside any socket's buffer
+constexpr std::uint64_t kUnderWay = 64;  // datagrams; small compared with any socket's buffer
 constexpr std::int64_t kStill_ns = 20'000'000, kLongest_ns = 2'000'000'000, kLook_ns = 500'000;
-// Looks that find the same count: the daemon's pipeline has looked at its sources before each
-// answer, however slow its machine is.
+// Number of polls with an unchanged count. The daemon's pipeline reads its sources before each
+// reply, however slow the machine is.
 constexpr int kStillLooks = 8, kSurelyStillLooks = 3;
 
 }  // namespace
@@ -52,12 +52,14 @@ void Steering::Settle(std::uint64_t under_way) {
       if (moved) moved_ns = now_ns;
     }
     if (received <= sent_) known_ = std::max(known_, received);
-    // The very number may be chance where a source counts more than it is sent.
+    // Equality may be a coincidence if a source counts more than it is sent, so it must hold for
+    // several polls.
     settled = under_way > 0 ? sent_ <= known_ + under_way
                             : received == sent_ && still >= kSurelyStillLooks;
     const bool at_rest = still >= kStillLooks && now_ns - moved_ns >= kStill_ns;
     if (!settled && (at_rest || now_ns - begin_ns >= kLongest_ns)) {
-      // It counts in its own way, or lost some: neither is a debt of the next datagrams.
+      // The source counts differently, or datagrams were lost. The next datagrams need not make up
+      // for the difference.
       before_ += received - sent_;
       known_ = sent_;
       settled = true;

@@ -20,16 +20,16 @@ using rig::Vec3;
 
 constexpr std::uint64_t kBack_ns = 1'000'000'000, kJump_ns = 3600ULL * 1'000'000'000;
 
-// A frame as one of the two messages has it.
+// A frame, from either of the two message types.
 struct Frame {
-  std::uint64_t body = 0;  // which
+  std::uint64_t body = 0;  // hash or crc that identifies the body
   std::uint64_t time_ns = 0;
   std::int64_t arrival_ns = 0;
   const google::protobuf::RepeatedField<float>* root = nullptr;
   const google::protobuf::RepeatedField<float>* rotations = nullptr;
 };
 
-// Finds one performer's bodies and frames among the records.
+// Finds the bodies and frames of one performer among the records.
 class Finder {
  public:
   Finder(std::string performer, What what, std::string output, bool from_arrivals)
@@ -50,7 +50,7 @@ class Finder {
   const std::string& topic() const { return topic_; }
   const std::map<std::uint64_t, styled::v1::Body>& bodies() const { return bodies_; }
 
-  // The frame in `record`, valid until the next call; nothing where there is none.
+  // The frame in `record`, valid until the next call; empty if there is none.
   std::optional<Frame> Look(const recording::Record& record) {
     if (from_arrivals_) return record.has_arrival() ? LookAt(record) : std::nullopt;
     if (!record.has_published()) return std::nullopt;
@@ -114,10 +114,10 @@ class Finder {
   styled::v1::SourceFrame source_frame_;
 };
 
-// Source times of several sessions, one behind the other.
+// Joins the source times of several sessions.
 class Timeline {
  public:
-  // Seconds since the first frame; nothing where the frame is not after the last.
+  // Seconds since the first frame; empty if the frame is not after the previous one.
   std::optional<double> Next(const Frame& frame, std::uint64_t& restarts) {
     const bool first = !started_;
     started_ = true;
@@ -146,7 +146,7 @@ class Timeline {
   double before_s_ = 0;
 };
 
-// What there is to export, for the one who asked for something else.
+// Lists what can be exported, for an error message.
 std::string Holdings(recording::Reader& reader) {
   std::set<std::string> held;
   reader.Rewind();
@@ -164,7 +164,7 @@ std::string Holdings(recording::Reader& reader) {
   return text.empty() ? "nothing of the kind" : text;
 }
 
-// How often each body is used.
+// Counts the frames of each body.
 std::map<std::uint64_t, std::uint64_t> CountBodies(recording::Reader& reader, Finder& finder) {
   std::map<std::uint64_t, std::uint64_t> used;
   reader.Rewind();
@@ -175,7 +175,8 @@ std::map<std::uint64_t, std::uint64_t> CountBodies(recording::Reader& reader, Fi
   return used;
 }
 
-// The source axis, with its sign, that leads most from one joint to another; zero without them.
+// The signed source axis with the largest component from one joint to another; zero without these
+// joints.
 Vec3 AxisBetween(const std::vector<Vec3>& places, int from, int to) {
   Vec3 axis = Vec3::Zero();
   if (from < 0 || to < 0) return axis;
@@ -186,8 +187,8 @@ Vec3 AxisBetween(const std::vector<Vec3>& places, int from, int to) {
   return axis;
 }
 
-// What the T-pose tells: the axes, and the unit where nobody said it. As the daemon's binding has
-// it (daemon/pipeline/body_binding.cpp).
+// Derives the axes from the T-pose, and the unit if it is not given, as the daemon's binding does
+// (daemon/pipeline/body_binding.cpp).
 void LookAtRest(Take& take) {
   const auto& skeleton = take.skeleton;
   rig::BindingSpec spec;
@@ -202,7 +203,8 @@ void LookAtRest(Take& take) {
   const auto& joint = spec.source_joint;
   const Vec3 up = AxisBetween(places, joint[body::kHips], joint[body::kHead]);
   const Vec3 left = AxisBetween(places, joint[body::kRightUpperArm], joint[body::kLeftUpperArm]);
-  if (up.isZero() || left.isZero() || up.dot(left) != 0) return;  // no humanoid: as it is
+  // Not a humanoid: leave it unchanged.
+  if (up.isZero() || left.isZero() || up.dot(left) != 0) return;
   Eigen::Matrix3f axes;
   axes.row(0) = left;
   axes.row(1) = up;
@@ -237,8 +239,8 @@ void SetSkeleton(const styled::v1::Body& body, Take& take) {
   }
 }
 
-// False, and nothing added, where the frame is no pose of the skeleton. Joints without a rotation
-// are as in the frame before.
+// Adds a frame. False, and nothing is added, if it is not a pose of the skeleton. Joints without a
+// rotation keep that of the previous frame.
 bool AddPose(const Frame& frame, Take& take) {
   const int joints = take.skeleton.joint_count();
   if (frame.root->size() != 3 || frame.rotations->size() != 4 * joints) return false;

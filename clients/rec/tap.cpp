@@ -15,11 +15,12 @@ namespace {
 using recording::MonotonicNow_ns;
 
 constexpr std::int64_t kLongestWait_ns = 100'000'000;
+// messages: about 20 s of twelve performers while the disk is busy.
 constexpr int kQueue = 100'000;  // messages: some 20 s of a dozen performers while the disk is busy
-constexpr int kBatch = 256;      // messages between two looks at the clock
+constexpr int kBatch = 256;      // messages between two reads of the clock
 constexpr std::int64_t kMaxMessage = 1 << 20;
 
-// Counts the frames that are missing in each topic.
+// Counts the frames missing in each topic.
 class Gaps {
  public:
   std::uint64_t Look(const std::string& topic, const std::string& payload) {
@@ -49,11 +50,11 @@ struct Tap::Impl {
   zmq::context_t context{1};
   zmq::socket_t socket;
   zmq::message_t part;
-  std::string connecting;  // to this endpoint
+  std::string connecting;  // endpoint being connected
   recording::Record record;
   Gaps gaps;
   styled::v1::Stats stats;
-  std::set<std::string> there;  // performers, by the statistics
+  std::set<std::string> there;  // performers, from the statistics
 
   void Open();
   void Wait(const recording::FileWriter& writer);
@@ -88,7 +89,7 @@ void Tap::Impl::Open() {
   }
 }
 
-// Until something comes, or the writer has something to do.
+// Waits until a message arrives or the writer has work.
 void Tap::Impl::Wait(const recording::FileWriter& writer) {
   const std::int64_t wait_ns =
       std::clamp<std::int64_t>(writer.NextDeadline_ns() - MonotonicNow_ns(), 0, kLongestWait_ns);
@@ -99,7 +100,7 @@ void Tap::Impl::Wait(const recording::FileWriter& writer) {
   }
 }
 
-// The next message of two parts, into `record`; false where none is waiting.
+// Reads the next message of two parts into `record`; false if none is waiting.
 bool Tap::Impl::Read() {
   try {
     while (socket.recv(part, zmq::recv_flags::dontwait)) {
@@ -127,7 +128,7 @@ void Tap::Impl::Count(const recording::Published& published) {
   for (const auto& performer : stats.performers()) there.insert(performer.performer());
 }
 
-// What should have come by now, as a sentence; "" where it came.
+// Describes what should have arrived by now, as a sentence; "" if it has.
 std::string Tap::Impl::Missing() const {
   std::string from;
   for (const auto& endpoint : options.endpoints) from += (from.empty() ? "" : ", ") + endpoint;
@@ -195,7 +196,7 @@ Status Tap::Run(recording::FileWriter& writer, const std::atomic<bool>& stop, st
     judge();
   }
   judge();
-  if (status.ok()) status = impl_->Drain(writer);  // what had arrived before the end
+  if (status.ok()) status = impl_->Drain(writer);  // what arrived before the end
   const Status flushed = writer.Flush();
   return status.ok() ? flushed : status;
 }

@@ -67,7 +67,7 @@ void Declare(CLI::App& app, Arguments& a) {
       "  stylevmc --to stage.anna=127.0.0.1:39539 --to stage.ben=127.0.0.1:39540 --rate 60");
 }
 
-// CLI11's ranges let it through.
+// CLI11's range checks accept NaN.
 bool AnyNan(const Arguments& a) {
   return std::isnan(a.options.rate_hz + a.statistics_s + a.seconds);
 }
@@ -78,7 +78,7 @@ std::string Targets(const Channel& channel) {
   return text;
 }
 
-// One line per channel: who goes where, and how.
+// Prints one line per channel: performer, targets, counts.
 class Report {
  public:
   Report(const Options& options, std::ostream& out, std::ostream& err) : out_(out), err_(err) {
@@ -88,7 +88,7 @@ class Report {
     }
   }
 
-  // Why no daemon answers is found out while none does.
+  // Examines why no daemon answers, only while none does.
   void Watch(Forwarder& forwarder) {
     const bool connected = forwarder.connected() > 0;
     for (const auto& lookout : lookouts_) {
@@ -125,7 +125,7 @@ class Report {
     since_ = Clock::now();
   }
 
-  // At most once a second, what went wrong last; who is shown, when that changes.
+  // Prints the last error, at most once per second, and the performer when it changes.
   void PrintNews(Forwarder& forwarder) {
     auto& channels = forwarder.channels();
     shown_.resize(channels.size());

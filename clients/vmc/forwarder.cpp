@@ -12,7 +12,8 @@ std::int64_t Now_ns() {
       .count();
 }
 
-// Whether `channel` shows `performer`, from now on if it showed nobody who still moves.
+// Whether `channel` shows `performer`. A channel whose performer is silent, or that has none,
+// switches to it.
 bool Shows(Channel& channel, const std::string& performer, std::int64_t now_ns,
            std::chrono::nanoseconds patience) {
   const bool free = channel.wanted.empty() &&
@@ -31,7 +32,7 @@ Result<std::unique_ptr<Forwarder>> Forwarder::Open(const Options& options) {
   subscription.endpoints = options.publishers;
   subscription.curve = options.curve;
   subscription.streams = {client::Stream::kStyledCanonical};
-  // The daemon poses the canonical humanoid for those alone whom somebody subscribes to.
+  // The daemon computes the canonical pose only for performers that have a subscriber for it.
   if (forwarder->channels_.size() == 1) subscription.performer = forwarder->channels_[0].wanted;
   auto subscriber = client::Subscriber::Connect(subscription);
   if (!subscriber.ok()) return subscriber.status();
@@ -63,7 +64,7 @@ Status Forwarder::OpenTargets(const Options& options) {
 }
 
 void Forwarder::Step(std::chrono::milliseconds timeout) {
-  // Latest-wins: what piled up is not worth a burst that overruns the applications.
+  // Latest-wins: sending a backlog as a burst would overrun the applications.
   subscriber_->ReceiveLatest(timeout, updates_);
   const std::int64_t now_ns = Now_ns();
   for (const client::Update& update : updates_) {

@@ -9,7 +9,7 @@ namespace {
 constexpr double kBurst = 4, kHurry = 1.25;
 constexpr std::int64_t kLargestJump_ns = 1'000'000'000, kLeast_ns = 1'000'000;
 
-// From `before` to `after`, negative where the clock went back.
+// `after` - `before`; negative if the clock went back.
 std::int64_t Difference(std::uint64_t after, std::uint64_t before) {
   return static_cast<std::int64_t>(after - before);
 }
@@ -18,13 +18,13 @@ std::int64_t Difference(std::uint64_t after, std::uint64_t before) {
 
 RateCap::RateCap(double rate_hz) : period_ns_(std::llround(1e9 / rate_hz)), allowance_(kBurst) {}
 
-// The schedule is kept, so that the mean is the rate; a frame may come a quarter of a period early.
+// The schedule is kept, so that the mean rate is exact; a frame may be a quarter of a period early.
 bool RateCap::IsDue(std::uint64_t source_time_ns) {
   const std::int64_t step_ns = Difference(source_time_ns, last_ns_);
   const bool jumped = !started_ || step_ns <= 0 || step_ns > kLargestJump_ns;
   started_ = true;
   last_ns_ = source_time_ns;
-  due_ns_ = jumped ? 0 : due_ns_ - step_ns;  // from this frame on
+  due_ns_ = jumped ? 0 : due_ns_ - step_ns;  // relative to this frame
   if (due_ns_ > period_ns_ / 4) return false;
   due_ns_ = std::max(due_ns_ + period_ns_, std::int64_t{0});
   return true;

@@ -80,12 +80,12 @@ Result<std::unique_ptr<Target>> Target::Open(const TargetSpec& spec) {
   if (error) return failed(error);
   impl->socket.non_blocking(true, error);
   if (error) return failed(error);
-  impl->socket.set_option(asio::socket_base::broadcast(true), error);  // IPv6 has none
+  impl->socket.set_option(asio::socket_base::broadcast(true), error);  // IPv6 has no broadcast
   return std::unique_ptr<Target>(new Target(std::move(impl)));
 }
 
-// The socket is not connected: an absent application's ICMP answers would take the place of
-// datagrams.
+// The socket is not connected. On a connected one, the ICMP reply of an absent application would
+// make the next send fail.
 std::string Target::Send(std::span<const std::byte> datagram) {
   error_code error;
   impl_->socket.send_to(asio::buffer(datagram.data(), datagram.size()), impl_->endpoint, 0, error);

@@ -15,7 +15,7 @@ std::string_view WithoutPort(std::string_view host) noexcept {
   return port ? host.substr(0, colon) : host;
 }
 
-// Names and schemes of addresses are the same in capitals (RFC 9110, 4.2.3).
+// Host names and schemes are case-insensitive (RFC 9110, 4.2.3).
 bool SameName(std::string_view a, std::string_view b) noexcept {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -41,7 +41,7 @@ bool IsOurs(const AccessRules& rules, std::string_view origin, std::string_view 
   return false;
 }
 
-// Takes as long for a token that begins right as for any other of its length.
+// Compares in constant time, so that the duration does not reveal a correct prefix.
 bool Same(std::string_view given, std::string_view token) noexcept {
   if (given.size() != token.size()) return false;
   unsigned different = 0;

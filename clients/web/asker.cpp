@@ -54,7 +54,7 @@ void Asker::Loop(const std::stop_token& stop) {
     } else {
       status = control_->Call(next.request, &reply);
     }
-    reply.set_id(id);  // the caller's own
+    reply.set_id(id);  // restore the caller's id
     next.done(std::move(status), std::move(reply));
   }
 }

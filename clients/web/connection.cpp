@@ -24,7 +24,8 @@ using Response = http::response<http::string_body>;
 
 constexpr std::size_t kMaxHeaderBytes = 16 << 10;
 constexpr std::chrono::seconds kRequestTimeout(15);
-constexpr int kSendBufferBytes = 64 << 10;  // most of what a browser that stalls gets stale
+// Limits how stale the data is that a stalled browser receives later.
+constexpr int kSendBufferBytes = 64 << 10;
 constexpr std::string_view kPolicy =
     "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' blob: data:; connect-src 'self' blob: data: ws: wss:; object-src 'none'; "
@@ -129,7 +130,8 @@ asio::awaitable<void> Converse(beast::tcp_stream stream, Gateway& gateway) {
     member.Now(Crowd::State::kReading);
     const auto [error, size] = co_await http::async_read(stream, buffer, parser, kAwait);
     const bool understood = !error;
-    // Gone, too slow or made to give way: there is nobody to answer.
+    // The peer is gone or too slow, or the connection was closed to make room: no reply is
+    // possible.
     const bool http = error.category() == http::make_error_code(http::error{}).category();
     if (!understood && (!http || error == http::error::end_of_stream)) co_return;
     if (understood && IsSocketRequest(gateway, parser.get())) {

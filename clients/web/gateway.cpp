@@ -113,7 +113,7 @@ Status Gateway::Listen() {
 void Gateway::Accept() {
   acceptor_.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
     if (error == boost::asio::error::operation_aborted) return;
-    if (error) {  // out of descriptors: not again at once
+    if (error) {  // out of descriptors: retry later
       retry_.expires_after(kAcceptRetry);
       retry_.async_wait([this](const boost::system::error_code& aborted) {
         if (!aborted) Accept();

@@ -130,7 +130,7 @@ void Hub::Unsubscribe(Browser& browser, const std::string& topic) {
   ForgetBodies(topic);
 }
 
-// What nobody listens for any more may change unseen.
+// Without a subscription the hub would miss changes, so it drops the cached bodies.
 void Hub::ForgetBodies(std::string_view topic) {
   if (!topic.starts_with(kEveryBodyTopic) || wanted_.contains(kEveryBodyTopic)) return;
   std::erase_if(bodies_, [&](const auto& body) {
@@ -145,7 +145,8 @@ void Hub::PublishBody(std::string_view topic, std::string_view payload) {
     ++counters_.upstream_malformed;
     return;
   }
-  // Both of a performer's bodies come under one topic; neither may supersede the other.
+  // A performer's bodies share one topic; the output is part of the key, so that they do not
+  // replace each other.
   std::string key = std::string(topic) + std::to_string(static_cast<int>(body.output()));
   if (bodies_.size() >= kMaxBodies) bodies_.clear();
   CachedBody& cached = bodies_[key];
@@ -180,7 +181,7 @@ void Hub::Publish(std::string_view topic, std::string_view payload, Clock::time_
     return;
   }
   const auto wanted = wanted_.find(topic);
-  if (wanted == wanted_.end()) return;  // was unsubscribed while it was under way
+  if (wanted == wanted_.end()) return;  // unsubscribed while the message was in transit
   Deliver(wanted->second, Published(std::string(topic), topic, payload));
 }
 

@@ -16,7 +16,7 @@ bool Mailbox::Put(MessagePtr message) {
     return false;
   }
   const std::size_t number = known->second;
-  by_key_.erase(known);  // its key is a view into the message that goes
+  by_key_.erase(known);  // its key is a view into the message about to be removed
   by_key_.emplace(message->key, number);
   waiting_[number - taken_] = std::move(message);
   return true;

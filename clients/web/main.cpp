@@ -55,7 +55,7 @@ void Declare(CLI::App& app, Arguments& arguments) {
   app.footer("Exit codes: 0 stopped by a signal, 1 could not run, 2 usage.");
 }
 
-// Whole or not at all: who waits for the file must not read half of it.
+// Writes atomically: a program that waits for the file must not read half of it.
 bool WriteReady(const std::string& file, const std::string& address) {
   const std::string part = file + ".part";
   std::ofstream(part) << nlohmann::json{{"listen", address}} << "\n";
@@ -77,7 +77,7 @@ int main(int argc, char** argv) {
     const int code = app.exit(error);
     return code == 0 ? 0 : kUsage;
   }
-  google::protobuf::SetLogHandler(nullptr);  // what does not parse is counted
+  google::protobuf::SetLogHandler(nullptr);  // unparseable messages are counted
   std::signal(SIGPIPE, SIG_IGN);
   try {
     boost::asio::io_context io(1);

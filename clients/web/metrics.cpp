@@ -15,7 +15,7 @@ namespace {
 using std::string;
 using std::string_view;
 
-// Of the daemon's counters these can fall.
+// The daemon's counters that can decrease.
 constexpr std::array<string_view, 4> kGaugeNames{"pipeline.performers", "pipeline.longest_cycle_us",
                                                  "publish.subscriptions", "security.clients"};
 
@@ -108,7 +108,7 @@ void WriteCounters(const v1::Stats& stats, Text& text) {
     const bool gauge =
         std::find(kGaugeNames.begin(), kGaugeNames.end(), counter.name()) != kGaugeNames.end();
     string value = Whole(counter.value());
-    if (name.ends_with("_us")) {  // Prometheus counts in seconds
+    if (name.ends_with("_us")) {  // Prometheus uses seconds
       name.replace(name.size() - 2, 2, "seconds");
       value = Number(static_cast<double>(counter.value()) * 1e-6);
     }

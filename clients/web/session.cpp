@@ -21,9 +21,9 @@ namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 using nlohmann::json;
 
-constexpr std::size_t kMaxMessageBytes = 64 << 10;  // as the daemon's control socket
-constexpr int kMaxRequests = 16;                    // of one browser, unanswered
-constexpr std::size_t kMaxNotices = 64;             // without key, waiting
+constexpr std::size_t kMaxMessageBytes = 64 << 10;  // the same as the daemon's control socket
+constexpr int kMaxRequests = 16;                    // of one browser, without reply
+constexpr std::size_t kMaxNotices = 64;             // without key, queued
 constexpr auto kAwait = asio::as_tuple(asio::use_awaitable);
 
 class Session : public Browser, public std::enable_shared_from_this<Session> {
@@ -88,7 +88,7 @@ void Session::Write() {
   socket_.async_write(asio::buffer(writing_->bytes),
                       [self = shared_from_this()](const beast::error_code& error, std::size_t) {
                         const MessagePtr written = std::exchange(self->writing_, nullptr);
-                        if (error) return;  // the reader ends, too
+                        if (error) return;  // the reader ends as well
                         ++self->gateway_.counters.sent_messages;
                         self->gateway_.counters.sent_bytes += written->bytes.size();
                         self->Write();
@@ -130,7 +130,7 @@ void Session::ReadText(std::string_view text) {
   }
 }
 
-// One wrong topic does not keep the others from coming; of several the first is told.
+// An invalid topic does not prevent the others; the first one is reported.
 void Session::ReadTopics(const json& topics, bool subscribe) {
   if (!topics.is_array()) return Complain("expected a list of topics");
   std::string wrong;

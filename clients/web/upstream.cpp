@@ -9,7 +9,7 @@ namespace styled::web {
 namespace {
 
 constexpr std::int64_t kMaxMessageBytes = 1 << 20;
-constexpr int kQueue = 1000;  // messages that wait here while the loop is busy
+constexpr int kQueue = 1000;  // messages queued while the loop is busy
 
 }  // namespace
 
@@ -78,8 +78,8 @@ void Upstream::Open(const std::string& endpoint, const std::optional<client::Cur
   events_.assign(monitor_.get(zmq::sockopt::fd));
 }
 
-// ZMQ_FD tells of changes only ("edge-triggered"), so that after each of them, and after each call
-// into the socket, everything that waits has to be read.
+// ZMQ_FD is edge-triggered. After each event, and after each call on the socket, all waiting
+// messages must be read.
 void Upstream::Wait(boost::asio::posix::stream_descriptor& descriptor) {
   descriptor.async_wait(boost::asio::posix::stream_descriptor::wait_read,
                         [self = self_, &descriptor](const boost::system::error_code& error) {
@@ -98,8 +98,9 @@ void Upstream::Soon() {
   });
 }
 
-// One message a turn: its writes are done before the next comes, wherever a socket takes them, so
-// that after a pause of ours a backlog is sent whole and nothing in it superseded.
+// Handles one message per turn of the loop. Its writes are done before the next one is read, as far
+// as sockets accept them. After a pause, a backlog is therefore sent completely, without superseded
+// messages.
 void Upstream::Drain() {
   ReadEvents();
   if (!ReadMessage()) return;
