@@ -1,6 +1,6 @@
-// stylesim stands in for a rig: it plays BVH files or its own synthetic performer to the daemon
-// over our own protocol (proto/styled/v1/WIRE.md) or a rig's (proto/rigs), with seeded faults, or
-// writes the performer as BVH.
+// stylesim simulates a rig: it plays BVH files or its own synthetic performer to the daemon, over
+// the native protocol (proto/styled/v1/WIRE.md) or a rig's (proto/rigs), with seeded faults. It can
+// also write the synthetic performer as BVH.
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <csignal>
@@ -31,7 +31,7 @@ namespace player = styled::player;
 namespace faults = styled::faults;
 namespace rigs = styled::rigs;
 
-constexpr int kFailed = 1;  // a file, an address, a socket
+constexpr int kFailed = 1;  // an error of a file, an address or a socket
 constexpr int kBadArguments = 2;
 
 struct Arguments {
@@ -191,7 +191,7 @@ Result<Motions> MakeMotions(const Arguments& a, const std::vector<synthetic::Scr
 
 using Senders = std::vector<std::unique_ptr<player::Sender>>;
 
-// Our own datagrams: a sender for each performer.
+// Native datagrams: one sender per performer.
 Senders MakeNative(const Arguments& a, Motions motions, const faults::Spec& spec) {
   Senders senders;
   for (int k = 0; k < a.performers; ++k) {
@@ -228,7 +228,7 @@ int Play(const Arguments& a, const std::string& to, bool listen, Senders senders
   return status.ok() ? 0 : Fail(status);
 }
 
-// A rig of another make: one sender for all performers.
+// Another rig type: one sender for all performers.
 int RunRig(const Arguments& a, Motions motions, const faults::Spec& spec) {
   if (spec.probability[static_cast<std::size_t>(faults::Fault::kOversized)] > 0) {
     return RefuseArguments(Status::Error("--faults oversized: expected --as native"));
@@ -274,7 +274,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kBadArguments;
   }
-  // No SA_RESTART: a sleep between two frames ends with the signal.
+  // Without SA_RESTART a signal ends the sleep between two frames.
   struct sigaction action {};
   action.sa_handler = RequestStop;
   sigaction(SIGINT, &action, nullptr);

@@ -18,7 +18,7 @@ constexpr std::string_view kWords =
     "occlude (each = a probability), seed, late-ms, restart-pause-ms, burst-frames, step-s, "
     "occlude-frames, jitter-ms or drift-ppm";
 
-// What is set by a number other than a probability.
+// A setting that is a number, but not a probability.
 struct Setting {
   std::string_view word;
   double Spec::*member;
@@ -48,7 +48,7 @@ Fault FaultByName(std::string_view name) {
   return Fault::kNone;
 }
 
-// One "word=value" of the list.
+// Parses one "word=value" of the list.
 Status ParseItem(std::string_view item, Spec& spec) {
   const auto wrong = [item](std::string_view expected) {
     return Status::Error("faults: '" + std::string(item) + "': expected " + std::string(expected));

@@ -18,7 +18,7 @@ bool IsBvh(const fs::path& path) {
   return extension == ".bvh";
 }
 
-// The turn about +Y in a rotation.
+// The rotation's twist about +Y.
 rig::Quat TurnOf(const rig::Quat& q) {
   const float norm = std::hypot(q.w(), q.y());
   if (norm < 1e-6F) return rig::Quat::Identity();
@@ -104,7 +104,8 @@ Motion::Step ClipMotion::Next(rig::RigPose& pose) {
   return Step::kPose;
 }
 
-// `last` is the last pose sent; the pass that follows begins as if one frame later.
+// `last` is the last pose sent. The next pass starts one frame later, so that this pose is not
+// repeated.
 void ClipMotion::JoinPasses(const rig::RigPose& last) {
   frame_ = std::min<std::size_t>(1, clip_.frames.size() - 1);
   const rig::RigPose& first = clip_.frames[0];

@@ -60,7 +60,7 @@ std::size_t ReceiveFrom(asio::ip::udp::socket& socket, std::span<std::byte> data
   socket.non_blocking(true, error);
   const std::size_t size =
       socket.receive_from(asio::buffer(datagram.data(), datagram.size()), sender, 0, error);
-  return error ? 0 : size;  // sending still waits for room: Asio polls
+  return error ? 0 : size;  // sends still wait for buffer space: Asio polls
 }
 
 class UdpLink final : public Link {
@@ -73,15 +73,15 @@ class UdpLink final : public Link {
     receiver_ = found.begin()->endpoint();
     socket_.open(receiver_.protocol(), error);
     if (error) return Status::Error(error.message());
-    // Oversized datagrams need the room; where it is refused, the default is what there is.
+    // Oversized datagrams need this buffer; if it is refused, the default remains.
     socket_.set_option(asio::socket_base::send_buffer_size(1 << 20), error);
     AskForErrors();
     return Status::Ok();
   }
 
-  // Not connect()ed: rigs are answered from other ports, too. That nobody listens (ICMP) is read
-  // from the socket's queue of errors; where it takes the place of a datagram, that one is sent
-  // again.
+  // The socket is not connected, since rigs reply from other ports, too. ICMP errors (no listener)
+  // are read from the socket's error queue. If such an error is returned instead of sending a
+  // datagram, the datagram is sent again.
   Status Send(std::span<const std::byte> datagram) override {
     error_code error;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -102,7 +102,7 @@ class UdpLink final : public Link {
   }
 
  private:
-  static constexpr int kAttempts = 4;  // errors may come as fast as datagrams go
+  static constexpr int kAttempts = 4;  // errors may arrive as fast as datagrams leave
 
   void AskForErrors() {
     const int on = 1;
@@ -113,7 +113,7 @@ class UdpLink final : public Link {
     }
   }
 
-  // Empties the queue of errors. False: there were none.
+  // Empties the error queue. False: it was empty.
   bool TakeErrors() {
     bool any = false;
     alignas(cmsghdr) std::array<char, 512> control{};
@@ -164,7 +164,7 @@ class ServerLink final : public Link {
       return now - client.second > std::chrono::seconds(5);
     });
     for (const auto& [client, heard] : clients_) {
-      error_code ignored;  // a client that went away is no reason to stop
+      error_code ignored;  // a client that has left is no reason to stop
       socket_.send_to(asio::buffer(datagram.data(), datagram.size()), client, 0, ignored);
     }
     return Status::Ok();

@@ -11,8 +11,8 @@
 namespace styled::player {
 namespace {
 
-// A receiver that is started after us, or anew, refuses a few. Some rigs send once a second until
-// somebody answers: of those, a second refusal so much later tells the same.
+// A receiver that starts late or restarts refuses a few datagrams. Some rigs send only once per
+// second until a server replies; for those, a second refusal after kRefusedFor_ns is enough.
 constexpr std::uint64_t kRefusals = 3;
 constexpr std::int64_t kRefusedFor_ns = 500'000'000;
 
@@ -21,7 +21,7 @@ constexpr std::int64_t kRefusedFor_ns = 500'000'000;
 Player::Player(PlayerOptions options, std::vector<std::unique_ptr<Sender>> senders)
     : options_(std::move(options)), senders_(std::move(senders)) {}
 
-// What the link knows of the receiver.
+// Polls the link for refused datagrams.
 void Player::Listen(Link& link, std::int64_t now_ns) {
   const bool first = counts_.refused == 0;
   const std::uint64_t more = link.refused() - counts_.refused;
@@ -41,7 +41,7 @@ Status Player::Run(Clock& clock, Link& link, const std::atomic<bool>& stop) {
           ? static_cast<std::uint64_t>(std::llround(options_.seconds * options_.rate_hz))
           : ~0ULL;
   const std::int64_t start_ns = clock.Now_ns();
-  // The next tick of each sender that still plays; the earliest first, of equals the first sender.
+  // The next tick of each sender that still plays, ordered by time, then by sender.
   struct Next {
     std::int64_t due_ns;
     std::size_t sender;

@@ -10,7 +10,7 @@ namespace styled::player {
 using faults::Fault;
 
 namespace {
-// As many joints as the largest datagram holds beside a frame's other fields.
+// As many joints as fit into the largest datagram beside a frame's other fields.
 constexpr int kOversizedJoints = 4080;
 }  // namespace
 
@@ -94,7 +94,7 @@ void Stream::AddTimecode() {
   timecode.set_rate(kRate);
 }
 
-// One joint's rotation becomes what no rotation is.
+// Replaces one joint's rotation by an invalid one.
 void Stream::SpoilJoint() {
   constexpr float kBad[] = {std::numeric_limits<float>::quiet_NaN(),
                             std::numeric_limits<float>::infinity(), 0.0F};
@@ -105,7 +105,7 @@ void Stream::SpoilJoint() {
   }
 }
 
-// Begins an occlusion, if that is the fault, and hides the joints of all that last.
+// Starts an occlusion if `fault` is one, and hides the joints of all current occlusions.
 void Stream::Occlude(Fault fault) {
   if (const auto joints = static_cast<std::uint32_t>(pose_.rotations.size());
       fault == Fault::kOcclude && joints > 1) {
@@ -122,7 +122,7 @@ void Stream::Occlude(Fault fault) {
   std::erase_if(occlusions_, [](const Occlusion& o) { return o.frames_left == 0; });
 }
 
-// The message as a datagram at the front of buffer_; its size.
+// Encodes the message as a datagram at the start of buffer_; returns its size.
 std::size_t Stream::Pack(native::Kind kind, const google::protobuf::MessageLite& message) {
   const std::size_t size = message.ByteSizeLong();
   std::byte* const payload = buffer_.data() + native::kHeaderSize;
@@ -139,14 +139,15 @@ Status Stream::SendBody(Link& link) {
                          " joints does not fit into a datagram of 65507 bytes");
   }
   ++counts_.bodies;
-  if (burst_end_tick_ > 0 && tick_ <= burst_end_tick_) {  // in its place among the frames held back
+  // Queued with the frames held back, to keep the order.
+  if (burst_end_tick_ > 0 && tick_ <= burst_end_tick_) {
     Hold(burst_end_tick_, size);
     return Status::Ok();
   }
   return SendBytes(link, std::span(buffer_).first(size));
 }
 
-// Keeps the datagram at the front of buffer_ until that tick.
+// Holds back the datagram at the start of buffer_ until `due_tick`.
 void Stream::Hold(std::uint64_t due_tick, std::size_t size) {
   held_.push_back({due_tick, {buffer_.begin(), buffer_.begin() + std::ptrdiff_t(size)}});
 }

@@ -12,11 +12,11 @@ using body::Quat;
 using body::Vec3;
 
 constexpr double kSkeletonPeriod_s = 3.5;
-constexpr double kWallStart_s = 1.7e9;  // of `uttm`; any day
+constexpr double kWallStart_s = 1.7e9;  // arbitrary start of `uttm`
 constexpr std::size_t kRoot = 0, kTorso7 = 7;
 
-// Where a bone lies: it ends at `joint`, whose offset and rotation it shares with the bones before
-// it, `parts` in all.
+// Placement of a bone: it ends at `joint` and shares that joint's offset and rotation with the
+// previous bones of the chain, `parts` in all.
 struct Piece {
   int joint;
   int parts;
@@ -37,7 +37,7 @@ mocopi::Skeleton MakeSkeleton() {
   mocopi::Skeleton skeleton = mocopi::UsualSkeleton();
   for (std::size_t id = 0; id < mocopi::kBones; ++id) {
     Vec3 offset = body::Offset(kPieces[id].joint) / static_cast<float>(kPieces[id].parts);
-    // The shoulders hang on torso_7, three quarters of the way to the neck.
+    // The shoulders are attached to torso_7, three quarters of the way to the neck.
     if (id != kTorso7 + 1 && skeleton[id].parent == kTorso7) {
       offset -= body::Offset(body::kNeck) * 0.75F;
     }
@@ -47,7 +47,7 @@ mocopi::Skeleton MakeSkeleton() {
   return skeleton;
 }
 
-// As the real one writes them: w <= 0, y without a sign where it is 0.
+// The real application writes w <= 0, and y as +0 if it is 0.
 std::array<float, 4> ToMocopi(const Quat& q) {
   const Quat p = q.w() > 0 ? q : Quat(-q.coeffs());
   return {-p.x(), 0.0F - p.y(), -p.z(), -p.w()};
@@ -90,7 +90,7 @@ class Mocopi final : public Rig {
       const auto [joint, parts] = kPieces[id];
       const Quat& turn = pose.rotations[static_cast<std::size_t>(joint)];
       Quat share = parts == 1 ? turn : body::Exp(body::Log(turn) / static_cast<float>(parts));
-      // torso_5 to torso_7 carry the shoulders, too, and do not bend with the neck.
+      // torso_5 to torso_7 also carry the shoulders, so they do not bend with the neck.
       if (joint == body::kNeck) share = id == kTorso7 + 1 ? turn : Quat::Identity();
       out.bones[id].rotation = ToMocopi(share);
       out.bones[id].position_m = skeleton_[id].rest.position_m;

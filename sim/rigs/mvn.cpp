@@ -12,8 +12,8 @@ using body::Joint;
 using body::Quat;
 using body::Vec3;
 
-// Each segment's canonical joint; where two segments share one, the first is at the joint and the
-// second stands on the way to the next, turned like the joint.
+// The canonical joint of each segment. Where two segments share a joint, the first is at the joint,
+// and the second lies between it and the next one with the same rotation.
 constexpr std::array<int, mvn::kBodySegments> kJointOfSegment{
     body::kHips,          body::kSpine,         body::kSpine,     body::kChest,
     body::kChest,         body::kNeck,          body::kHead,      body::kRightShoulder,
@@ -27,12 +27,12 @@ constexpr std::size_t kL3 = 2, kT8 = 4;
 std::array<float, 3> ToMvn(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
 std::array<float, 4> ToMvn(const Quat& q) { return {q.z(), q.x(), q.y(), q.w()}; }
 
-// Type 01 has the canonical axes, and centimetres.
+// Type 01 uses the canonical axes, and centimetres.
 mvn::Segment AsOfType01(std::uint32_t id, const Vec3& p, const Quat& q) {
   return {id, {100 * p.x(), 100 * p.y(), 100 * p.z()}, {q.x(), q.y(), q.z(), q.w()}};
 }
 
-// Where the segments stand, and how they are turned, in canonical axes.
+// Global positions and rotations of the segments, in canonical axes.
 void Place(const body::Pose& pose, std::array<Vec3, mvn::kBodySegments>& positions,
            std::array<Quat, mvn::kBodySegments>& rotations) {
   body::WorldPose world;
@@ -83,7 +83,7 @@ class Mvn final : public Rig {
   }
 
   void SendBody(const mvn::Header& header, const std::string& name, const Send& send) {
-    // As a real sender does: 12 and 13 know no time, and 13 is not marked as the last.
+    // Like a real sender: types 12 and 13 contain no time, and 13 is not marked as the last.
     mvn::Header bare = header;
     bare.sample = bare.time_ms = 0;
     SendFirst(mvn::EncodeName(bare, name, buffer_), send);

@@ -22,7 +22,7 @@ using body::Vec3;
 using natnet::MessageId;
 
 constexpr std::uint64_t kClock_hz = 10'000'000;
-constexpr double kStart_s = 100;  // of the server's clock, when a session begins
+constexpr double kStart_s = 100;  // the server's clock at the start of a session
 constexpr std::int32_t kFirstFrame = 1000;
 constexpr std::string_view kMulticast = "multicast";
 
@@ -39,10 +39,10 @@ std::array<float, 4> ToArray(const Quat& q) { return {q.x(), q.y(), q.z(), q.w()
 Vec3 ZFromY(const Vec3& v) { return {v.x(), -v.z(), v.y()}; }
 Quat ZFromY(const Quat& q) { return {q.w(), q.x(), -q.z(), q.y()}; }
 
-// Where frames go that do not go to each client.
+// The destination of frames in multicast mode.
 class GroupSocket {
  public:
-  // "GROUP[:PORT][@INTERFACE]", or "" for the usual one.
+  // Opens "GROUP[:PORT][@INTERFACE]"; "" = the default group.
   Status Open(const std::string& text) {
     const auto refuse = [&text](const std::string& why) {
       return Status::Error("natnet: quirk multicast=" + text + ": " + why +
@@ -62,14 +62,14 @@ class GroupSocket {
     if (!error && at < text.size()) {
       const auto interface = asio::ip::make_address_v4(text.substr(at + 1), error);
       if (!error) socket_.set_option(asio::ip::multicast::outbound_interface(interface), error);
-      // The source address is what clients know the server by.
+      // Clients identify the server by its source address.
       if (!error) socket_.bind({interface, 0}, error);
     }
     return error ? refuse(error.message()) : Status::Ok();
   }
 
   void Send(std::span<const std::byte> bytes) {
-    boost::system::error_code ignored;  // as of one that is not heard
+    boost::system::error_code ignored;  // a multicast sender does not know whether anyone receives
     socket_.send_to(asio::buffer(bytes.data(), bytes.size()), receiver_, 0, ignored);
   }
   std::uint16_t port() const { return receiver_.port(); }
@@ -133,7 +133,7 @@ class NatNet final : public Rig {
         if (natnet::DecodeEchoRequest(packet.payload, echo) != natnet::DecodeResult::kOk) return;
         echo.server = ticks_;
         return put(natnet::EncodeEchoResponse(echo, buffer_));
-      default:  // keep-alives and goodbyes: the link knows who was heard
+      default:  // keep-alives and disconnects: the link tracks the clients
         return;
     }
   }
@@ -211,7 +211,7 @@ class NatNet final : public Rig {
   natnet::Version version_{3, 0};
   bool local_ = false, z_up_ = false;
   std::uint64_t ticks_ = 0;
-  std::vector<std::string> names_;  // what the model's views point into
+  std::vector<std::string> names_;  // owns the text that the model's views refer to
   std::vector<std::byte> buffer_;
   std::unique_ptr<natnet::Frame> frame_ = std::make_unique<natnet::Frame>();
   std::unique_ptr<natnet::Model> model_ = std::make_unique<natnet::Model>();

@@ -56,7 +56,7 @@ void RigStream::Restart() {
   rig_->Restart();
 }
 
-// The next pose of every motion. kSilent: one of them has a new body.
+// Reads the next pose of every motion. kSilent: one of them has a new body.
 RigStream::Step RigStream::Advance() {
   Step result = Step::kSent;
   for (std::size_t k = 0; k < motions_.size(); ++k) {
@@ -79,11 +79,11 @@ RigStream::Step RigStream::Advance() {
   return result;
 }
 
-// Begins an occlusion, if that is the fault, and hides the joints of all that last.
+// Starts an occlusion if `fault` is one, and hides the joints of all current occlusions.
 void RigStream::Occlude(Fault fault) {
   if (fault == Fault::kNan || fault == Fault::kOcclude) {
     const std::uint32_t performer = faults_.Choose(static_cast<std::uint32_t>(poses_.size()));
-    // Never the hips: what rigs occlude is a limb, a hand.
+    // Never the hips: what rigs lose is a limb or a hand.
     const std::uint32_t joint = 1 + faults_.Choose(body::kJointCount - 1);
     const double frames = fault == Fault::kNan ? 1 : faults_.spec().occlude_frames;
     occlusions_.push_back({performer, joint, static_cast<std::uint32_t>(frames)});
@@ -96,7 +96,7 @@ void RigStream::Occlude(Fault fault) {
   std::erase_if(occlusions_, [](const Occlusion& o) { return o.frames_left == 0; });
 }
 
-// One of the datagrams is cut, or one bit of it flipped.
+// Truncates one of the datagrams or flips one of its bits.
 void RigStream::Damage(Fault fault, Datagrams& datagrams) {
   if (datagrams.empty()) return;
   auto& datagram = datagrams[faults_.Choose(static_cast<std::uint32_t>(datagrams.size()))];
@@ -166,7 +166,7 @@ RigStream::Step RigStream::Tick(player::Link& link) {
   };
   for (std::size_t size = 0; (size = link.Receive(received_)) > 0;) {
     rig_->Receive(std::span(received_).first(size), [&link](std::span<const std::byte> bytes) {
-      (void)link.Answer(bytes);  // who asked may be gone
+      (void)link.Answer(bytes);  // the client may have left
     });
   }
   if (tick_ < silent_until_tick_) {

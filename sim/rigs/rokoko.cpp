@@ -14,11 +14,11 @@ using rokoko::kJoints;
 
 constexpr std::size_t kMaxDatagramSize = 65507;
 
-// Studio's joint for each canonical one: the lists are in the same order.
+// Studio's joint for each canonical one; both lists have the same order.
 constexpr std::array<int, body::kJointCount> kJointOf = [] {
   std::array<int, body::kJointCount> joints{};
   for (int c = 0; c < body::kJointCount; ++c) {
-    const int toe_ends = c > body::kLeftToes ? 1 : 0;  // which the humanoid lacks
+    const int toe_ends = c > body::kLeftToes ? 1 : 0;  // the humanoid has no toe ends
     joints[static_cast<std::size_t>(c)] = c + toe_ends;
   }
   return joints;
@@ -62,7 +62,7 @@ class Rokoko final : public Rig {
            options_.quirks.end();
   }
 
-  // A joint that stands here, turned from the T-pose like this: canonical axes.
+  // Writes a joint with this global position and rotation from the T-pose, in canonical axes.
   static void Put(std::size_t joint, const Vec3& position, const Quat& turn, rokoko::Actor& actor) {
     const auto& t = rokoko::kJointTable[joint].t_pose;
     const Quat q = Quat(turn.w(), turn.x(), -turn.y(), -turn.z()) * Quat(t[3], t[0], t[1], t[2]);

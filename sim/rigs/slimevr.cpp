@@ -17,12 +17,13 @@ using body::Quat;
 using body::Vec3;
 
 constexpr float kPi = 3.14159265F;
-constexpr double kStanding_s = 1, kSkiing_s = 0.5;  // of the resets, each asked for shortly before
+// Duration of the poses for the resets; each reset is requested shortly before the end.
+constexpr double kStanding_s = 1, kSkiing_s = 0.5;
 constexpr double kAsks_s = 0.2;
 constexpr double kSeeks_s = 1, kAnnounces_s = 1, kNegotiates_s = 0.5, kGivesUp_s = 3;
 constexpr auto kStance = rig::Trackers::Stance::kTPose;
 
-// Where a sensor may be worn, and SlimeVR's TrackerPosition for it.
+// A place for a sensor, and SlimeVR's TrackerPosition for it.
 struct Place {
   Joint joint;
   std::uint8_t position;
@@ -92,7 +93,7 @@ class SlimeVr final : public Rig {
     now_s_ = heard_s_ = next_seek_s_ = 0;
     connected_s_ = -1;
     asked_ = 0;
-    // Switched on again, it does not know where it looked.
+    // After a restart the sensor has lost its heading.
     for (Sensor& sensor : sensors_) sensor.heading = Between(-kPi, kPi);
   }
 
@@ -142,7 +143,8 @@ class SlimeVr final : public Rig {
       for (float& part : any.coeffs()) part = std::normal_distribution<float>()(random_);
       return any.normalized();
     }
-    // Its face, or its top where the part is level, points there; lifted and turned about that.
+    // The sensor's face (or its top, if the body part is horizontal) points in this direction; then
+    // a random pitch and roll are added.
     const Quat towards = About(Vec3::UnitY(), rig::Trackers::Facing(joint, kStance));
     const float lift = Between(-0.7F, 0.7F), turn = Between(-kPi, kPi);
     return IsOfArm(joint)
@@ -163,7 +165,7 @@ class SlimeVr final : public Rig {
   void Seek(const Send& send) {
     next_seek_s_ = now_s_ + kSeeks_s;
     slimevr::Handshake handshake;
-    handshake.board = 4;  // a custom one
+    handshake.board = 4;  // a custom board
     handshake.imu = 13;
     handshake.mcu = 2;
     handshake.protocol = Has("legacy") ? 5 : 22;
@@ -198,13 +200,14 @@ class SlimeVr final : public Rig {
     }
   }
 
-  // The performer's world rotations.
+  // The performer's global rotations.
   using World = std::array<Quat, body::kJointCount>;
   World WorldOf(const Frame& frame) const {
     const body::Pose& pose = frame.poses[0];
     const double playing_s = now_s_ - connected_s_;
     if (Has("no-reset") || playing_s >= kStanding_s + kSkiing_s) {
-      // A sensor that is not seen is known by its own joint: it takes no other with it.
+      // An untracked joint affects only its own sensor: child joints are computed from the whole
+      // pose.
       body::Pose seen = frame.whole.empty() ? pose : frame.whole[0];
       for (Quat& q : seen.rotations) {
         if (!q.coeffs().allFinite()) q = Quat::Identity();
@@ -228,7 +231,7 @@ class SlimeVr final : public Rig {
     for (std::size_t k = 0; k < sensors_.size(); ++k) {
       const Sensor& sensor = sensors_[k];
       const Quat& part = world[static_cast<std::size_t>(sensor.place.joint)];
-      if (!part.coeffs().allFinite()) continue;  // out of reach: nothing comes from it
+      if (!part.coeffs().allFinite()) continue;  // out of reach: the sensor sends nothing
       // +Y up -> +Z up.
       const Quat q = About(Vec3::UnitX(), kPi / 2) * About(Vec3::UnitY(), sensor.heading) * part *
                      sensor.part_from_sensor;

@@ -16,7 +16,7 @@ using body::Vec3;
 
 constexpr std::size_t kBonesPerDatagram = 13;
 
-// Through the plane x = 0: from our axes to Unity's.
+// Mirrors at the plane x = 0: from our axes to Unity's.
 Vec3 ToUnity(const Vec3& p) { return {-p.x(), p.y(), p.z()}; }
 Quat ToUnity(const Quat& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
 
@@ -37,14 +37,15 @@ std::string Vrm1Name(std::string_view unity) {
   return name;
 }
 
-// A bone of the avatar: what moves it and where it lies on its parent.
+// A bone of the avatar: the joint that moves it, and its offset from its parent.
 struct AvatarBone {
   std::string name;
   int joint = -1;  // of the canonical humanoid; -1: at rest
   Vec3 offset = Vec3::Zero();
 };
 
-// In the order of HumanBodyBones. The upper chest, where there is one, is half-way to the neck.
+// The bones in the order of HumanBodyBones. The upper chest, if there is one, is half-way to the
+// neck.
 std::vector<AvatarBone> MakeAvatar(bool full, bool vrm1) {
   const Vec3 upper_chest = 0.5F * body::Offset(body::kNeck);
   std::vector<AvatarBone> bones;
@@ -117,7 +118,7 @@ class Vmc final : public Rig {
   bool time_first_, nested_, single_, moving_root_, zero_offsets_, has_time_;
   std::vector<AvatarBone> avatar_;
   std::array<std::byte, 16384> buffer_;
-  // The frame at hand.
+  // The current frame.
   vmc::Root root_;
   std::vector<vmc::Bone> bones_;
   vmc::Time time_;
@@ -201,7 +202,7 @@ void Vmc::SendAsTheApplication(const Send& send) {
   });
 }
 
-// With the play space's scale and offset behind.
+// Appends the play space's scale and offset.
 void Vmc::PutRootOfMixedReality(vmc::osc::Writer& writer) const {
   writer.BeginMessage("/VMC/Ext/Root/Pos", "sfffffffffffff");
   writer.Text("root");
