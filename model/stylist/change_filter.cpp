@@ -13,7 +13,7 @@ namespace {
 
 using body::kJointCount;
 
-// How far (m) the body reaches beyond each joint.
+// The distance (m) that the body extends beyond each joint.
 std::array<float, kJointCount> LimbReaches_m() {
   std::array<float, kJointCount> reach_m;
   reach_m.fill(tuning::kEndReach_m);
@@ -26,7 +26,7 @@ std::array<float, kJointCount> LimbReaches_m() {
 }
 const std::array<float, kJointCount> kLimbReach_m = LimbReaches_m();
 
-// An upper bound (m) on how far a point of the body moves when one delta replaces another.
+// An upper bound (m) on the displacement of any point of the body when `to` replaces `from`.
 float Displacement_m(const StyleDelta& from, const StyleDelta& to) {
   std::array<float, kJointCount> moved_m;
   float most_m = 0;
@@ -50,13 +50,14 @@ float ChangeFilter::UsualDelay_s(float dt_s, float reconstruction_rad, const Mix
                                  const Options& options) noexcept {
   const float share = started_ ? DecayShare(dt_s, tuning::kReconstruction_s) : 1.0F;
   reconstruction_rad_ += (reconstruction_rad - reconstruction_rad_) * share;
-  if (mixer.empty()) return options.change_tau_s;  // toward bypass the network is not followed
+  // while fading to bypass, its error does not matter
+  if (mixer.empty()) return options.change_tau_s;
   const float badly =
       SmoothStep((reconstruction_rad_ - tuning::kSlowerBegin_rad) / tuning::kSlowerSpan_rad);
   return options.change_tau_s * (1 + tuning::kSlowerBy * badly);
 }
 
-// A step of the target by d metres, low-passed with delay T, accelerates a limb by about d / T^2.
+// If the target steps by d metres, a low-pass with delay T accelerates a limb by about d / T^2.
 float ChangeFilter::SwitchDelay_s(const StyleDelta& target, float dt_s, float usual_s,
                                   const Mixer& mixer) noexcept {
   switching_ = mixer.fading() ? 1.0F : std::max(0.0F, switching_ - dt_s / tuning::kSwitchTail_s);

@@ -8,7 +8,7 @@
 namespace styled::stylist {
 namespace {
 
-constexpr float kLeastSpan_rad = 1e-3F;  // of a fade whose ends lie closer
+constexpr float kLeastSpan_rad = 1e-3F;  // shortest span of a fade
 
 // 1 below `begin`, 0 above `end`.
 float Inside(float value_rad, float begin_rad, float end_rad) {

@@ -7,24 +7,25 @@
 
 namespace styled::stylist {
 
-// How far a pose lies within what the network was trained on: the in-domain weight, 1 inside and 0
-// outside, scales the style delta. Two causes, either of which is enough: the network's
-// reconstruction error, smoothed over Options::out_of_domain_fade_s, and the hips' tilt off
-// upright, at once, since styles are of upright bodies and would push one that lies through the
-// floor. Value type, no allocation; one thread at a time. Pinned by
+// Measures how far a pose is within the network's training domain. The in-domain weight, 1 inside
+// and 0 outside, scales the style delta. Either of two causes reduces it: the network's
+// reconstruction error, smoothed over Options::out_of_domain_fade_s; and the hips' tilt off
+// upright, without smoothing, because styles belong to upright bodies and would push a lying one
+// through the floor. Value type, no allocation; one thread at a time. Pinned by
 // tests/unit/stylist/domain_test.cpp.
 class Domain {
  public:
-  // Judges one frame: the network's `reconstruction_rad` (rms over joints) and the hips' rotation
-  // relative to the world. `dt_s` since the frame before; `first`: there was none, no smoothing.
+  // Judges one frame by the network's `reconstruction_rad` (rms over joints) and the hips' rotation
+  // relative to the world. `dt_s`: time since the frame before. `first`: there was none; no
+  // smoothing.
   STYLED_REALTIME void Follow(float reconstruction_rad, const body::Quat& hips, float dt_s,
                               bool first, const Options& options) noexcept;
   STYLED_REALTIME void Reset() noexcept { *this = Domain(); }
 
   float weight() const { return reconstruction_ * upright_; }
-  // Some of the style is withheld.
+  // Whether some of the style is withheld.
   bool reduces() const { return reconstruction_ < 1.0F || upright_ < 1.0F; }
-  // Most of it is: FLAG_OUT_OF_DOMAIN.
+  // Whether most of the style is withheld: FLAG_OUT_OF_DOMAIN.
   bool outside() const { return reconstruction_ < 0.5F || upright_ < 0.5F; }
 
  private:

@@ -22,7 +22,7 @@ rig::Vec3 WorldPosition(const rig::Skeleton& skeleton, const rig::RigPose& pose,
   return position;
 }
 
-// -w log(sum exp(-h/w)): never above the lowest height, smooth where two heights meet.
+// -w log(sum exp(-h/w)): never above the lowest height, and smooth where two heights meet.
 class SoftMinimum {
  public:
   explicit SoftMinimum(float width) : width_(width) {}

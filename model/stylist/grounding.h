@@ -6,19 +6,19 @@
 
 namespace styled::stylist {
 
-// How far up the styled body must be shifted for its lowest foot to be as high as the input's: the
-// coarse half of step 6, which puts the whole body where the feet stage need only mend each foot.
-// "Lowest" is a soft minimum over feet and toes (1 cm wide), so that the shift has no kink where
-// one foot takes over from the other.
+// The upward shift of the styled body that makes its lowest foot as high as the input's. This is
+// the coarse half of step 6: it places the whole body, so that the feet stage has to correct only
+// each foot. "Lowest" is a soft minimum over feet and toes (1 cm wide), so the shift has no kink
+// where one foot takes over from the other.
 
 // On the canonical humanoid, metres along +Y.
 STYLED_REALTIME float GroundShift_m(const body::Pose& input, const body::Pose& styled) noexcept;
 
-// On the source skeleton, in its units along its own up axis.
+// On the source skeleton, in its units, along its own up axis.
 STYLED_REALTIME float GroundShift(const rig::Binding& binding, const rig::RigPose& input,
                                   const rig::RigPose& styled) noexcept;
 
-// The same where the input is on another skeleton, in canonical metres.
+// The same if the input is on another skeleton; in canonical metres.
 STYLED_REALTIME float GroundShift_m(const rig::Binding& input_binding, const rig::RigPose& input,
                                     const rig::Binding& binding,
                                     const rig::RigPose& styled) noexcept;

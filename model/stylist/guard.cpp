@@ -9,7 +9,7 @@
 namespace styled::stylist {
 namespace {
 
-// Comparisons are written so that what is not a number fails them.
+// Comparisons are written so that NaN fails them.
 bool AreUnit(std::span<const body::Quat> rotations) noexcept {
   return std::all_of(rotations.begin(), rotations.end(), [](const body::Quat& rotation) {
     return std::abs(rotation.squaredNorm() - 1) < tuning::kOutputUnitTolerance;
@@ -33,8 +33,8 @@ bool IsSound(const net::Decoded& decoded) noexcept {
 
 }  // namespace
 
-// Velocities and height are no part of the pose, but they tell of a state that is not a number:
-// the normalization makes the identity of a rotation that is none.
+// Velocities and height are not part of the pose, but they reveal a non-finite state: normalization
+// turns an invalid rotation into the identity.
 bool IsSound(const net::Prediction& step) noexcept {
   return IsSound(step.reconstruction) && IsSound(step.styled);
 }

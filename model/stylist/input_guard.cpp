@@ -17,7 +17,7 @@ bool Good(const rig::Quat& rotation) {
   return std::isfinite(length2) && length2 > tuning::kLeastLength2;
 }
 
-// Vectors of equal size; copies without allocating.
+// Copies vectors of equal size, without allocating.
 void Copy(const rig::RigPose& from, rig::RigPose& to) {
   std::copy(from.translations.begin(), from.translations.end(), to.translations.begin());
   std::copy(from.rotations.begin(), from.rotations.end(), to.rotations.begin());
@@ -61,7 +61,7 @@ InputGuard::Jump InputGuard::JudgeJump(double dt_s, float metres, const Options&
     verdict = candidate_frames_ >= options.jump_accept_frames ? Jump::kAccepted : Jump::kHeld;
   }
   if (verdict == Jump::kHeld) {
-    since_last_s_ -= dt_s;  // a held pose gives a jump no time to become a walk
+    since_last_s_ -= dt_s;  // time in a hold must not make a jump plausible
     Copy(last_, source);
     Copy(last_clean_, clean_);
     return verdict;

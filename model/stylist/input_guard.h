@@ -9,23 +9,25 @@
 
 namespace styled::stylist {
 
-// Guards the stylist against bad input, before binding: holds joints whose values are not finite or
-// whose rotation has no length, and poses whose root jumps by metres. Sized once; no allocation.
+// Protects the stylist from bad input, before binding. Holds joints whose values are not finite or
+// whose rotation has no length, and holds the whole pose when its root jumps by metres. Memory is
+// sized at construction; no allocation afterwards. One thread at a time. Pinned by
+// tests/unit/stylist/input_guard_test.cpp.
 class InputGuard {
  public:
   explicit InputGuard(const rig::Skeleton& skeleton);
 
-  // Copies `in` to `source` with bad joints replaced by their last good value (the rest pose before
-  // there is one), marks them in `held`, and writes the same with unit rotations to clean().
-  // Rotations are bit for bit as they came where they are of length 1, but for a rig's rounding;
-  // else of length 1.
+  // Copies `in` to `source` with bad joints replaced by their last good value (the rest pose if
+  // there is none yet), marks them in `held`, and writes the same with unit rotations to clean().
+  // In `source`, rotations whose length is 1 within a rig's rounding stay bit for bit as received;
+  // others are normalized.
   STYLED_REALTIME void HoldBadJoints(const rig::RigPose& in, rig::RigPose& source,
                                      std::bitset<256>& held) noexcept;
 
   enum class Jump { kNone, kHeld, kAccepted };
-  // Judges the step of the root from the last accepted pose. `metres` is the length of one unit.
-  // kHeld: `source` and clean() are put back to the last accepted pose. kAccepted: the jump has
-  // held for options.jump_accept_frames, and is the start of something new.
+  // Judges the root's step from the last accepted pose. `metres`: the length of one source unit.
+  // kHeld: `source` and clean() are reset to the last accepted pose. kAccepted: the new place has
+  // been stable for options.jump_accept_frames frames, and a new session begins there.
   STYLED_REALTIME Jump JudgeJump(double dt_s, float metres, const Options& options,
                                  rig::RigPose& source) noexcept;
 
@@ -35,7 +37,7 @@ class InputGuard {
  private:
   rig::RigPose clean_;       // this frame, unit rotations
   rig::RigPose last_;        // the last accepted source pose as received
-  rig::RigPose last_clean_;  // and with unit rotations
+  rig::RigPose last_clean_;  // the same with unit rotations
   rig::RigPose rest_;
   rig::Vec3 candidate_ = rig::Vec3::Zero();
   int candidate_frames_ = 0;

@@ -14,7 +14,7 @@ int StatesFor(double frame_period_s, double network_rate_hz) {
 }  // namespace
 
 void Interleaver::Restart() noexcept {
-  const int allowance = allowance_;  // a restart must not be a way to more work
+  const int allowance = allowance_;  // a restart must not allow more work
   *this = Interleaver();
   allowance_ = allowance;
 }
@@ -51,8 +51,8 @@ bool Interleaver::Begin(std::int64_t time_ns, float network_rate_hz) noexcept {
   return disagreements_ < tuning::kRateHistory && Afford();
 }
 
-// Pays for the ticks that the current frame makes due. Counted in floating point: the number may
-// not fit an integer.
+// Charges the ticks that are due in the current frame to the allowance; false if they exceed it.
+// Counted in floating point, because the number may not fit an integer.
 bool Interleaver::Afford() noexcept {
   allowance_ = std::min(allowance_ + kMeanStepsPerFrame, kMaxStepsPerFrame);
   const double now = static_cast<double>(now_ns_ - origin_ns_) * 1e-9 / tick_period_s_;
@@ -62,7 +62,8 @@ bool Interleaver::Afford() noexcept {
   return true;
 }
 
-// From one state to `states`: the first keeps its ticks, the others begin at the next of theirs.
+// Switches from one state to `states`: the first keeps its ticks, the others begin at their next
+// ones.
 void Interleaver::Interleave(int states, double network_rate_hz) noexcept {
   interleaved_ = states;
   tick_period_s_ = 1.0 / (network_rate_hz * states);

@@ -7,7 +7,7 @@
 namespace styled::stylist {
 namespace {
 
-constexpr float kSineOfPair = 0.8660254F;  // the pair's poles lie at 60 degrees, cosine 0.5
+constexpr float kSineOfPair = 0.8660254F;  // the pair's poles lie at 60 degrees; the cosine is 0.5
 
 }  // namespace
 
@@ -17,11 +17,12 @@ void LowPass::Follow(const StyleDelta& target, double dt_s, float delay_s) noexc
     rate_.setZero();
     return;
   }
-  // The delay of slow changes is 1/w of the real pole and 2 * 0.5/w of the pair.
+  // The delay of slow changes is 1/w for the real pole plus 2 * 0.5/w for the pair.
   const float w = 2.0F / delay_s;
   const float x = w * static_cast<float>(dt_s);
-  // About the target, the real pole falls by exp(-x). With its poles at 60 degrees the pair has
-  // that same motion as its forced one, and its free motion is about where the real pole is.
+  // The distance of the real pole's output from the target decays by exp(-x). With the pair's poles
+  // at 60 degrees, the pair's forced response to this decay is the decay itself, so its free
+  // response is an oscillation about the real pole's output.
   const float left = std::exp(-x);
   const StyleDelta from = first_ - target;
   const StyleDelta offset = value_ - first_;

@@ -7,29 +7,30 @@
 
 namespace styled::stylist {
 
-// A change of style: per joint the rotation vector (rad) that turns the input's local rotation into
-// the styled one, from the right.
+// A style delta: per joint the rotation vector (rad) that changes the input's local rotation into
+// the styled one, applied from the right.
 using StyleDelta = Eigen::Matrix<float, 3, body::kJointCount>;
 
-// The low-pass on the change of style: a Butterworth filter of third order, exact at any spacing of
-// frames. Of filters with the same delay it is the one that leaves what a body does (below 4 Hz)
-// alone and takes most of what only jerks: a third of the white-noise jerk of two equal real poles.
-// A step overshoots by 8 %. Fixed size, no allocation; one thread.
+// The low-pass on the style delta: a third-order Butterworth filter, exact for any spacing of
+// frames. Among filters of the same delay it leaves body motion (below 4 Hz) unchanged and removes
+// most jerk: it passes a third of the white-noise jerk of two equal real poles. A step overshoots
+// by 8 %. Fixed size, no allocation; one thread at a time. Pinned by
+// tests/unit/stylist/low_pass_test.cpp.
 class LowPass {
  public:
-  // Toward `target`, which held since the call before, `dt_s` ago. `delay_s`: of slow changes; 0
-  // takes the target as it is, without a past.
+  // Moves toward `target`, which was constant since the call `dt_s` before. `delay_s`: the delay of
+  // slow changes; 0 sets the output to the target and forgets the past.
   STYLED_REALTIME void Follow(const StyleDelta& target, double dt_s, float delay_s) noexcept;
 
-  // Exactly zero once what is left is too small to see.
+  // Sets the output to exactly zero once it is too small to see.
   STYLED_REALTIME void SettleAtZero() noexcept;
 
   const StyleDelta& value() const { return value_; }
   const StyleDelta& first() const { return first_; }  // less delayed, less smooth
 
  private:
-  StyleDelta first_ = StyleDelta::Zero();  // after the real pole
-  StyleDelta value_ = StyleDelta::Zero();  // after the complex pair
+  StyleDelta first_ = StyleDelta::Zero();  // output of the real pole
+  StyleDelta value_ = StyleDelta::Zero();  // output of the complex pair
   StyleDelta rate_ = StyleDelta::Zero();   // of value_, 1/s
 };
 

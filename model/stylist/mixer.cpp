@@ -32,7 +32,7 @@ void Mixer::Aim(const Settings& settings) noexcept {
   absolute_.start = absolute_.value;
   presence_.target = 0;
   absolute_.target = settings.absolute ? 1 : 0;
-  const bool nothing = empty();  // then there is nothing to fade the parts in or out of
+  const bool nothing = empty();  // no style in effect: parts need no fade
   for (std::size_t part = 0; part < parts_.size(); ++part) {
     Fade& fade = parts_[part];
     fade.target = (settings.parts >> part & 1U) != 0 ? 1 : 0;

@@ -8,29 +8,32 @@
 
 namespace styled::stylist {
 
-// The style weights in force, faded from what they were to what was last set. Time is source
-// time. Fixed size, no allocation; one thread.
+// The style weights in effect, faded from their values at the last change to the requested ones.
+// Time is source time. Fixed size, no allocation; one thread at a time. Pinned by
+// tests/unit/stylist/mixer_test.cpp.
 class Mixer {
  public:
-  // Aims at `settings` from the next Advance on, starting from the weights now in force. When more
-  // than net::kMaxActive branches would be alive, the faintest of those fading out is dropped.
+  // Begins a fade to `settings` at the next Advance, from the weights then in effect. If more than
+  // net::kMaxActive branches would be live, the one fading out with the smallest weight is dropped.
   STYLED_REALTIME void Aim(const Settings& settings) noexcept;
 
-  // Moves the fade on by `dt_s`, the time since the frame before; a new fade begins there. The
-  // first call of all shows the style at once.
+  // Advances the fade by `dt_s`, the time since the frame before. A fade that was just requested
+  // begins at that frame. The very first call sets the style without a fade.
   STYLED_REALTIME void Advance(double dt_s) noexcept;
 
   std::span<const net::StyleWeight> in_force() const { return {active_.data(), count_}; }
   bool fading() const { return fading_; }
-  // No style in force and none coming.
+  // No style is in effect and none is fading in.
   bool empty() const { return count_ == 0 && (input_style_ == 0 || presence_.value == 0); }
-  // What the performer is taken to move in: in force at once, but neutral only after the fade.
+  // The style that the performer is assumed to move in. A new one is used at once; neutral only
+  // after the fade.
   int input_style() const { return input_style_; }
-  // 0..1: how far a style is there at all, be it neutral; how far the absolute output stands in for
-  // the detail-preserving one.
+  // 0 .. 1: how far any style, even neutral, is in effect; and the share of the absolute output in
+  // place of the detail-preserving one.
   float presence() const { return presence_.value; }
   float absolute() const { return absolute_.value; }
-  // 0..1: how much of the style a part of the body shows; all show all of it if whole().
+  // 0 .. 1: the share of the style that a part of the body shows. whole(): all parts show all of
+  // it.
   float share(body::Part part) const { return parts_[static_cast<std::size_t>(part)].value; }
   bool whole() const { return whole_; }
 

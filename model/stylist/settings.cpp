@@ -5,9 +5,9 @@
 namespace styled::stylist {
 namespace {
 
-constexpr float kRounding = 1e-4F;  // of a sum of weights such as 0.5 + 0.7 + 0.3
+constexpr float kRounding = 1e-4F;  // rounding of a sum of weights such as 0.5 + 0.7 + 0.3
 
-// Written so that NaN is outside.
+// Written so that NaN is outside every range.
 bool IsIn(float value, float low, float high) { return value >= low && value <= high; }
 
 }  // namespace

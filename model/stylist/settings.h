@@ -9,40 +9,40 @@
 
 namespace styled::stylist {
 
-// What one performer is to look like, and how streams are handled. Plain values, no allocation; any
-// thread. Pinned by tests/unit/stylist/settings_test.cpp.
+// The style settings of one performer, and the options for all streams. Plain values, no
+// allocation; any thread. Pinned by tests/unit/stylist/settings_test.cpp.
 
-// The style of one performer. `mix` holds numbers of the network's styles and weights; the
-// weights in force are those times `strength`. Neutral, 0, is a target only for a performer whose
-// `input_style` is another.
+// The style of one performer. `mix` holds numbers and weights of the network's styles; the weights
+// in effect are these times `strength`. Neutral, 0, may be a target only if `input_style` is
+// another style.
 struct Settings {
   std::array<net::StyleWeight, net::kMaxMix> mix;  // unused entries have style -1
   float strength = 1.0F;                           // 0 .. net::kMaxStrength; 0 fades to bypass
-  float transition_s = tuning::kTransition_s;  // 0 .. net::kMaxTransition_s; fade from what was set
+  // 0 .. net::kMaxTransition_s; fade from the settings before
+  float transition_s = tuning::kTransition_s;
   bool absolute = false;                // the paper's output instead of the detail-preserving one
-  body::Parts parts = body::kAllParts;  // the others stay as captured; not empty
-  int input_style = 0;                  // style of the captured motion, removed first; 0 = neutral
+  body::Parts parts = body::kAllParts;  // other parts stay as captured; not empty
+  int input_style = 0;  // style of the captured motion, which is removed; 0: neutral
 };
 
-// The first rule that settings break; NaN breaks every one on numbers.
+// The first rule that settings break; NaN breaks every numeric rule.
 enum class SettingsError {
   kNone,
-  kUnknownStyle,       // an index that the network does not have
-  kNeutralStyle,       // neutral as a target of neutral input
-  kDuplicateStyle,     // a style twice in the mix
-  kWeight,             // outside 0 .. net::kMaxStrength
-  kSum,                // weights, or weights times strength, sum to more than net::kMaxStrength
-  kStrength,           // outside 0 .. net::kMaxStrength
-  kTransition,         // outside 0 .. net::kMaxTransition_s
-  kNoParts,            // nothing would be styled
+  kUnknownStyle,    // an index that the network does not have
+  kNeutralStyle,    // neutral as a target of neutral input
+  kDuplicateStyle,  // a style twice in the mix
+  kWeight,          // outside 0 .. net::kMaxStrength
+  kSum,         // the weights, or the weights times strength, sum to more than net::kMaxStrength
+  kStrength,    // outside 0 .. net::kMaxStrength
+  kTransition,  // outside 0 .. net::kMaxTransition_s
+  kNoParts,     // nothing would be styled
   kUnknownInputStyle,  // an index that the network does not have
 };
 
-// `style_count`: of the network, neutral included.
+// `style_count`: the network's number of styles, neutral included.
 [[nodiscard]] SettingsError Validate(const Settings& settings, int style_count) noexcept;
 
-// The first rule that options break, each named after the field that it bounds; NaN breaks every
-// one.
+// The first rule that options break, named after the field; NaN breaks every rule.
 enum class OptionsError {
   kNone,
   kChangeTau,        // change_tau_s outside 0 .. 1
@@ -57,43 +57,43 @@ enum class OptionsError {
   kFeet,             // feet_options do not pass feet::Validate
 };
 
-// How streams are handled; the same for all performers. Defaults are those of styled.toml; what
-// picked them: model/stylist/tuning.h.
+// How streams are processed; the same for all performers. The defaults are those of styled.toml;
+// model/stylist/tuning.h tells where they come from.
 struct Options {
-  // Delay of the low-pass on the style delta, longer where the network reconstructs badly
-  // (ChangeFilter); 0 = none.
+  // Delay of the low-pass on the style delta; it grows where the network reconstructs badly
+  // (ChangeFilter). 0: none.
   float change_tau_s = tuning::kChangeTau_s;
-  // A longer hole in source time, or one of more network steps than kMaxStepsPerFrame, starts the
-  // recurrent state anew.
+  // A longer hole in source time, or one of more than kMaxStepsPerFrame network steps, restarts the
+  // recurrent state.
   float gap_reset_s = tuning::kGapReset_s;
-  // Cross-fade over such a start.
+  // Duration of the cross-fade over such a restart.
   float restart_fade_s = tuning::kRestartFade_s;
-  // A root step beyond this (and 12 m/s) is held, canonical metres; after so many consistent frames
-  // it is believed.
+  // A root step beyond this (and beyond 12 m/s) is held, canonical metres. After so many consistent
+  // frames it is accepted.
   float jump_m = tuning::kJump_m;
   int jump_accept_frames = tuning::kJumpAcceptFrames;
-  // Reconstruction error where the style begins to fade out and where it is gone; time constant of
-  // that fade, 0 = none.
+  // Reconstruction error at which the style begins to fade out and at which it is gone; and the
+  // time constant of the fade, 0: none.
   float out_of_domain_begin_rad = tuning::kOutOfDomainBegin_rad;
   float out_of_domain_end_rad = tuning::kOutOfDomainEnd_rad;
   float out_of_domain_fade_s = tuning::kOutOfDomainFade_s;
-  // The same of the hips' tilt off upright (falls, lying), without a time constant.
+  // The same for the hips' tilt off upright (falls, lying), without a time constant.
   float tilt_begin_rad = tuning::kTiltBegin_rad;
   float tilt_end_rad = tuning::kTiltEnd_rad;
-  // Smoothing of the vertical shift that `ground` takes; 0 = none.
+  // Time constant of the vertical shift of `ground`; 0: none.
   float ground_tau_s = tuning::kGroundTau_s;
-  bool knees = true;           // no style bends a knee backwards
-  bool ground = true;          // lowest foot as high as the input's
-  bool feet = true;            // feet that the performer plants are held where they are
-  feet::Options feet_options;  // how
-  bool bypass = true;          // false: without style too, every pose goes through bind and unbind
+  bool knees = true;           // no style bends a knee backwards (knees.h)
+  bool ground = true;          // the lowest foot is as high as the input's (grounding.h)
+  bool feet = true;            // planted feet are held in place (feet.h)
+  feet::Options feet_options;  // for `feet`
+  bool bypass = true;          // false: bind and unbind every pose, even without a style
 
   [[nodiscard]] OptionsError Validate() const noexcept;
 
   friend bool operator==(const Options&, const Options&) = default;
 };
 
-// What the field that `error` names must be, in terms of Options: for messages. "" for kNone.
+// What the field named by `error` must be, for messages; "" for kNone.
 const char* Expectation(OptionsError error) noexcept;
 
 }  // namespace styled::stylist

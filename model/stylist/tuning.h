@@ -2,48 +2,48 @@
 
 #include "model/feet/tuning.h"
 
-// The constants that decide how a styled stream looks: value, unit, what a larger one trades for
-// what, and the figure that picked it. Figures are styleeval's on the validation clips of set 2
-// with the weights named, unless said otherwise: "jerk" is the output's over the input's, "another
-// rig" the clips of Xia et al. (model/weights/README.md, RESULTS.md). "No measurement on record"
-// means that nobody varied the constant and wrote down what it did.
+// The constants that decide how a styled stream looks: value, unit, what a larger value trades for
+// what, and the figure that picked it. The figures are from styleeval on the validation clips of
+// set 2 with the weights named, unless said otherwise. "Jerk" is the output's over the input's;
+// "another rig" means the clips of Xia et al. (model/weights/README.md, RESULTS.md). "No
+// measurement on record" means that nobody varied the constant and noted the effect.
 namespace styled::stylist::tuning {
 
-// Change of style (change_filter.h, low_pass.h)
+// Style delta (change_filter.h, low_pass.h)
 
 // Delay of the low-pass on the style delta, s. Larger: calmer, later. v1: 0.050, 0.065 and 0.080
-// give jerk 1.188, 1.183, 1.189, so it is not where jerk comes from; on another rig 0.070 takes
-// 16 % of the jerk and costs active 0.04 of SRA.
+// give jerk 1.188, 1.183, 1.189, so it does not cause the jerk; on another rig 0.070 removes 16 %
+// of the jerk and costs active 0.04 of SRA.
 inline constexpr float kChangeTau_s = 0.05F;
-// Reconstruction error (rms over joints, rad) from which on the delay grows, and the span over
-// which it does. v1 reconstructs its own domain to within 4 to 8 degrees (0.07 to 0.14), another
-// rig 16 to 35 degrees off: the growth begins where the first ends, and is full within the second.
+// Reconstruction error (rms over joints, rad) above which the delay grows, and the span over which
+// it grows. v1 reconstructs its own domain with an error of 4 to 8 degrees (0.07 to 0.14), another
+// rig with 16 to 35 degrees: the growth begins in the first range and is complete in the second.
 inline constexpr float kSlowerBegin_rad = 0.12F;
 inline constexpr float kSlowerSpan_rad = 0.4F;
-// ... by so many times the delay itself. Larger: calmer on other rigs, later there. 2 came with
+// The growth, as a multiple of the delay. Larger: calmer on other rigs, later there. 2 came with
 // jerk on another rig 2.2 -> 1.52 and 4 with 1.43 -> 1.30, each among other changes.
 inline constexpr float kSlowerBy = 4.0F;
-// Smoothing of the reconstruction error that this looks at, s. No measurement on record.
+// Time constant of the smoothing of that reconstruction error, s. No measurement on record.
 inline constexpr float kReconstruction_s = 0.1F;
-// What a delta must fall below to be none, so that bypass is reached: rad (0.01 degrees), rad/s.
-// Chosen as invisible; no measurement on record.
+// A delta below these is set to zero, so that bypass is reached: rad (0.01 degrees), rad/s. Chosen
+// as invisible; no measurement on record.
 inline constexpr float kSettled_rad = 2e-4F;
 inline constexpr float kSettled_rad_s = 2e-2F;
 
 // Switch of styles (change_filter.h)
 
-// Acceleration limit of a limb in a switch, m/s^2: the delay is at least sqrt(displacement / this).
-// Larger: sooner, harder. With it and a fade of 0.1 s, 1 of 70 switches has an acceleration that
-// neither style has by itself, and the new style is seen after 0.50 s; with a fade of 0.4 s and no
-// limit, 8 of 70 and 0.87 to 0.90 s (by a judge of longer windows; 0.83 s now). Its neighbours were
-// not recorded.
+// Acceleration limit of a limb during a switch, m/s^2: the delay is at least sqrt(displacement /
+// limit). Larger: sooner, harder. With it and a fade of 0.1 s, 1 of 70 switches has an acceleration
+// that neither style has by itself, and the new style is recognized after 0.50 s; with a fade of
+// 0.4 s and no limit, 8 of 70 and 0.87 to 0.90 s (by a judge of longer windows; 0.83 s now).
+// Neighbouring values were not recorded.
 inline constexpr float kSwitchAcceleration_mps2 = 40.0F;
 // Time constant in which that delay shrinks, s. 0.2: 2 of 70 switches with such an acceleration;
 // 0.5: 0 of 70, seen as soon (0.47 to 0.50 s).
 inline constexpr float kSwitchHold_s = 0.5F;
-// How long after the end of its fade a switch is over, s. No measurement on record.
+// Time after the end of its fade at which a switch is over, s. No measurement on record.
 inline constexpr float kSwitchTail_s = 0.6F;
-// What the body reaches beyond joints without a child (hands, toes, crown), m. The length of a
+// How far the body extends beyond joints without a child (hands, toes, crown), m. The length of a
 // hand; no measurement on record.
 inline constexpr float kEndReach_m = 0.1F;
 // Settings::transition_s, s: the fade of the weights. 0.4 threw an arm in one switch of nine and
@@ -52,89 +52,90 @@ inline constexpr float kTransition_s = 0.1F;
 
 // Out of domain (domain.h)
 
-// Reconstruction error where the style begins to fade out and where it is gone, rad. Larger: more
-// rigs are styled, and more poses of which the network knows nothing. At 0.35 and 0.6 the style
+// Reconstruction error at which the style begins to fade out and at which it is gone, rad. Larger:
+// more rigs are styled, and more poses that the network does not know. At 0.35 and 0.6 the style
 // faded on another rig and on set 1; at 0.7 and 1.1 on neither.
 inline constexpr float kOutOfDomainBegin_rad = 0.7F;
 inline constexpr float kOutOfDomainEnd_rad = 1.1F;
 // Time constant of that fade, s. No measurement on record.
 inline constexpr float kOutOfDomainFade_s = 0.3F;
 // Tilt of the hips off upright, rad: 52 and 74 degrees. Larger: more of a bow is styled, and more
-// of a fall. Without it a style pushed a body that lies up to 29 cm through the floor; with it, at
-// most 4.0 cm on the way down. Its neighbours were not recorded.
+// of a fall. Without it a style pushed a lying body up to 29 cm through the floor; with it, at most
+// 4.0 cm on the way down. Neighbouring values were not recorded.
 inline constexpr float kTiltBegin_rad = 0.9F;
 inline constexpr float kTiltEnd_rad = 1.3F;
 
 // Time (interleaver.h, stylist.cpp)
 
-// A hole in source time, s, beyond which the recurrent state starts anew; see the feet's.
+// A hole in source time beyond this restarts the recurrent state, s; the same value as the feet's.
 inline constexpr float kGapReset_s = feet::tuning::kHole_s;
 // Cross-fade over a restart, s. Larger: softer, later. No measurement on record.
 inline constexpr float kRestartFade_s = 0.2F;
-// A frame is flagged as concealing others where it comes after so many usual intervals. Between 1
-// (jitter flags everything) and 2 (one lost frame is not seen); no measurement on record.
+// A frame is flagged as concealing lost ones if it comes after more than this many usual intervals.
+// Between 1 (jitter flags everything) and 2 (one lost frame is missed); no measurement on record.
 inline constexpr double kGapFactor = 1.5;
-// How far a frame may be from its tick and be taken for it, of a tick's period. Larger: poses are
-// less often interpolated, and network steps less even. No measurement on record.
+// The distance between a frame and a tick within which the frame is used for the tick, as a share
+// of the tick's period. Larger: poses are interpolated less often, and network steps are less even.
+// No measurement on record.
 inline constexpr double kSnap = 0.2;
-// Recurrent states at most: serves 240 Hz with a network of 30.
+// The largest number of recurrent states: serves 240 Hz with a network of 30 Hz.
 inline constexpr int kMaxInterleaved = 8;
-// Frame intervals whose median is the stream's rate, and those measured before more than one state
-// is used. At 1 (not 7) one uneven first interval decided the rate.
+// The number of frame intervals whose median is the stream's rate, and the number measured before
+// more than one state is used. At 1 (not 7) one uneven first interval decided the rate.
 inline constexpr int kRateHistory = 9;
 inline constexpr int kRateDecide = 7;
 
 // Root jumps and bad values (input_guard.h)
 
-// A root step beyond kJump_m (canonical metres) and beyond kRunningFast_mps is held, for so many
-// frames. Sprinters reach 12 m/s. Larger frame counts: a real jump of the rig's origin is followed
-// later. No measurement on record.
+// A root step beyond kJump_m (canonical metres) and beyond kRunningFast_mps is held for
+// kJumpAcceptFrames frames. Sprinters reach 12 m/s. A larger frame count follows a real jump of the
+// rig's origin later. No measurement on record.
 inline constexpr float kJump_m = 1.0F;
 inline constexpr float kRunningFast_mps = 12.0F;
 inline constexpr int kJumpAcceptFrames = 10;
 // A coordinate beyond this is an error, whatever its unit.
 inline constexpr float kLargestCoordinate = 1e9F;
-// A rotation of a squared length below this has no direction, and is held.
+// A rotation of a smaller squared length has no direction, and is held.
 inline constexpr float kLeastLength2 = 1e-6F;
-// Tolerance of a rotation's squared length: what rigs' rounding leaves, and is passed on bit for
-// bit; and what may be published, which must let that through.
+// Tolerances of a rotation's squared length: input within the first is rigs' rounding and is passed
+// on bit for bit; the second is for output, and must be wider.
 inline constexpr float kInputUnitTolerance = 5e-4F;
 inline constexpr float kOutputUnitTolerance = 2e-3F;
-// A style bends and lowers a body, which moves its hips by a leg's length at most; a styled pose
-// that is five times as far from the performer's own is an error, canonical metres.
+// The largest distance between the styled pose and the performer's own, canonical metres. A style
+// bends and lowers a body, which moves its hips by a leg's length at most; five times as much is an
+// error.
 inline constexpr float kFarthest_m = 5.0F;
-// Allowed on top, of the distance from the origin: the rounding of floats far out.
+// Added to that, as a share of the distance from the origin: the rounding of floats far out.
 inline constexpr float kFarRounding = 1e-4F;
 
 // Height of the body (grounding.h)
 
-// Width of the soft minimum over feet and toes, m. A hard one had kinks: with the soft one and its
-// smoothing (0.03 s then) v0's jitter at 120 Hz fell from 2.6 to 1.2 times the input's.
+// Width of the soft minimum over feet and toes, m. A hard minimum had kinks: with the soft one and
+// its smoothing (0.03 s then) v0's jitter at 120 Hz fell from 2.6 to 1.2 times the input's.
 inline constexpr float kSoftLowest_m = 0.01F;
-// Smoothing of the vertical shift, s. Larger: calmer; a foot may sink longer. 0.05 came with jerk
-// 1.17 -> 1.13, 0.1 with 1.13 -> 1.12, each among other changes; crouching and falling sank 1 cm
-// deeper with the last.
+// Time constant of the vertical shift, s. Larger: calmer; a foot may sink longer. 0.05 came with
+// jerk 1.17 -> 1.13, 0.1 with 1.13 -> 1.12, each among other changes; crouching and falling sank 1
+// cm deeper with the last.
 inline constexpr float kGroundTau_s = 0.1F;
-// A shift below this is none, m. Chosen as invisible; no measurement on record.
+// A smaller shift counts as none, m. Chosen as invisible; no measurement on record.
 inline constexpr float kSettled_m = 2e-4F;
 
 // Knees (knees.h)
 
 // Width of the rounded corner that keeps a knee from bending backwards, rad. Larger: softer, and a
-// straight leg is bent more. A straight leg styled 30 degrees backwards passes by 9; without the
-// bound, by up to 20 degrees on another rig, from where the feet stage snapped it through: most of
-// its jerk there. Its neighbours were not recorded.
+// straight leg is bent more. A straight leg styled 30 degrees backwards exceeds the bound by 9.
+// Without the bound it was by up to 20 degrees on another rig, and the feet stage then snapped the
+// knee through: most of the jerk there. Neighbouring values were not recorded.
 inline constexpr float kKneeCorner_rad = 0.3F;
-// A knee bent by more than this, up to pi, is not one that a leg could have, and is let go. No
-// measurement on record.
+// A knee bent by more than this, up to pi, is impossible and is let go. No measurement on record.
 inline constexpr float kKneeBroken_rad = 2.0F;
 
 // Feet (stylist.cpp)
 
-// Weight of style from which on feet are held in full. Smaller: the stage sets in harder as a style
-// fades in. No measurement on record.
+// Weight of the style above which feet are held in full. Smaller: the stage sets in harder as a
+// style fades in. No measurement on record.
 inline constexpr float kFeetFull = 0.25F;
-// So little weight of style holds no foot, which bypass waits for. No measurement on record.
+// Below this weight of the style no foot is held; bypass waits for it. No measurement on record.
 inline constexpr float kNoStyle = 2e-3F;
 
 }  // namespace styled::stylist::tuning
