@@ -7,7 +7,7 @@
 
 namespace styled {
 
-// For CLI options: a number from `low` to `high`. CLI::Range takes NaN for one.
+// A check for CLI options: a number from `low` to `high`. Unlike CLI::Range it refuses NaN.
 inline CLI::Validator Number(double low, double high) {
   const std::string range = NumberText(low) + " to " + NumberText(high);
   return CLI::Validator(

@@ -1,5 +1,5 @@
-// Judges trained weights: style-ERD's figures for every style, beside the same judges on real clips
-// and the constant-offset baseline. Nothing here is asserted; `--json` is for whoever compares
+// Judges trained weights: Style-ERD's figures for every style, compared with the same judges on
+// real clips and with the constant-offset baseline. Asserts nothing; `--json` is for comparing
 // runs.
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -32,7 +32,7 @@ namespace train = styled::train;
 using styled::Result;
 using styled::Status;
 
-constexpr int kBlendFrames = 10;  // at the judges' rate, where chained clips overlap
+constexpr int kBlendFrames = 10;  // overlap of chained clips, at the judges' rate
 
 struct Arguments {
   std::string weights, manifest, inputs, data, cache, json, report, write_offset;
@@ -45,7 +45,7 @@ struct Arguments {
   float transition_s = 0.1F;
 };
 
-// For every content the longest input (its first seconds), with each style and the baseline's.
+// For every content the longest input (its first 6 s), with each style and the baseline.
 std::vector<judge::Scene> Scenes(const judge::Data& data,
                                  const std::vector<judge::Transferred>& baseline,
                                  const std::vector<judge::Transferred>& styled) {
@@ -76,8 +76,8 @@ std::vector<judge::Scene> Scenes(const judge::Data& data,
   return scenes;
 }
 
-// Neutral clips, of one content or of all in turn, as one stream that goes on for `seconds` and
-// then shows each clip once more, and what every style makes of it.
+// A long stream of neutral clips, of one content or of all in turn, and its output in every style.
+// The stream lasts `seconds` and then shows each clip once more.
 struct LongRun {
   judge::Chain chain;                // at the stream's rate
   std::vector<int> contents;         // of each clip of the chain
@@ -110,7 +110,7 @@ LongRun RunLong(const Arguments& arguments, const judge::Styler& styler,
   return run;
 }
 
-// One run per content, and as the last one all contents mixed.
+// One run per content, and a last one of all contents mixed.
 std::vector<LongRun> RunLong(const Arguments& arguments, const judge::Data& data,
                              const judge::Styler& styler) {
   std::vector<std::vector<const train::TrainingClip*>> by_content(data.manifest.contents.size());
@@ -136,7 +136,7 @@ std::vector<LongRun> RunLong(const Arguments& arguments, const judge::Data& data
   return runs;
 }
 
-// The parts of the long runs that begin after `seconds`, clip by clip, seams left out.
+// Cuts out the clips of the long runs that begin after `seconds`, without the seams.
 std::vector<judge::Transferred> TakeLate(std::span<const LongRun> runs, double seconds) {
   std::vector<judge::Transferred> late;
   const auto from = static_cast<std::size_t>(seconds * judge::kStreamRate_hz);
@@ -280,7 +280,7 @@ Status JudgeWeights(const Arguments& arguments, const judge::Data& data,
   return Status::Ok();
 }
 
-// What the synthetic performer is asked for as one content, and for how long at a time.
+// A content, and the script with which the synthetic performer performs it.
 struct Performance {
   const char* content;
   std::vector<styled::synthetic::ScriptItem> script;
@@ -288,7 +288,7 @@ struct Performance {
 
 std::vector<Performance> Performances() {
   using enum styled::synthetic::Motion;
-  constexpr double kPause_s = 1.5;  // gestures fall back to rest in it
+  constexpr double kPause_s = 1.5;  // gestures return to rest in it
   return {{"walk", {{kWalk, 60}}},
           {"run", {{kRun, 60}}},
           {"turn", {{kTurnLeft, 6}, {kWalk, 1.5}, {kTurnRight, 6}, {kWalk, 1.5}}},
@@ -308,8 +308,8 @@ std::vector<Performance> Performances() {
             {kStand, kPause_s}}}};
 }
 
-// Does the content judge, trained on real clips, recognize the synthetic performer? Counted are
-// windows throughout which it does only what belongs to the content (a pause belongs to none).
+// Does the content judge, trained on real clips, recognize the synthetic performer? Counts only
+// windows that belong to the content throughout (a pause belongs to none).
 void JudgeSynthetic(const judge::Data& data, const judge::Judges& judges,
                     const judge::Evaluator& evaluator, nlohmann::json& json) {
   namespace synthetic = styled::synthetic;
@@ -364,7 +364,7 @@ void JudgeSynthetic(const judge::Data& data, const judge::Judges& judges,
   json["synthetic"]["mean"] = all.value;
 }
 
-// What would be found after minutes only.
+// Checks first what would otherwise fail only after minutes.
 Status CheckFiles(const Arguments& arguments) {
   if (!arguments.weights.empty() && !std::filesystem::exists(arguments.weights)) {
     return Status::Error("--weights " + arguments.weights + ": no such file");

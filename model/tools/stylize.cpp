@@ -1,4 +1,4 @@
-// stylize: a BVH clip in, a styled one out, through the stylist that the daemon runs.
+// stylize: restyles a BVH clip with the stylist that the daemon runs.
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -24,14 +24,14 @@ using styled::Result;
 using styled::Status;
 
 constexpr int kBadArguments = 2;
-constexpr int kSomeFailed = 3;      // written, but not all of it is styled
-constexpr double kSlowest_hz = 30;  // clips below get frames in between: the network's own rate
+constexpr int kSomeFailed = 3;      // written, but some frames are not styled
+constexpr double kSlowest_hz = 30;  // slower clips get frames in between; the network's own rate
 
 struct Arguments {
   std::string style;
   float strength = 1.0F;
   std::vector<std::string> mix;
-  std::string parts = "all";  // of the body
+  std::string parts = "all";  // parts of the body to style
   std::string input_style;    // the style that the performer moves in
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
   std::string weights, rig = "auto", avatar, in, out;
@@ -50,7 +50,8 @@ std::string StyleNames(const styled::net::Styles& styles) {
   return names;
 }
 
-// "S=A" or "S" into a style index and a weight; the neutral style asks for nothing.
+// Parses "S=A" or "S" into a style index and a weight. Neutral adds no entry unless the input style
+// is another.
 Status AddStyle(const styled::net::Styles& styles, const std::string& text, const char* option,
                 styled::stylist::Settings& settings) {
   const std::size_t equals = text.find('=');
@@ -129,7 +130,7 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
   return settings;
 }
 
-// Binds and unbinds every frame: what the trip to the canonical humanoid and back does to a clip.
+// Binds and unbinds every frame: shows what the canonical humanoid alone does to a clip.
 void BindOnly(const styled::rig::Binding& binding, styled::clip::Clip& clip) {
   styled::body::Pose pose;
   styled::rig::RigPose out(clip.skeleton);
@@ -146,7 +147,7 @@ Result<std::shared_ptr<const styled::net::Stylizer>> LoadNetwork(const Arguments
   return styled::trial::Load(weights.value());
 }
 
-// Where the styled motion goes: the clip's own skeleton, or an avatar's.
+// The skeleton that the styled motion is written to: the clip's own, or an avatar's.
 class Wardrobe {
  public:
   Wardrobe(const styled::clip::AvatarSkeleton* avatar,
@@ -154,7 +155,7 @@ class Wardrobe {
            const styled::stylist::Options& options) {
     if (avatar != nullptr) worn_.emplace(performer, avatar->binding, avatar->rest, options);
   }
-  // False where the frame is the performer's own, because the styled one would be no pose.
+  // Returns false if the frame is the performer's own, because the styled pose was not sound.
   bool Process(std::int64_t time_ns, const styled::stylist::Output& out) {
     const bool styled = (out.flags & styled::stylist::kFailed) == 0;
     return (!worn_ || worn_->Process(time_ns, out)) && styled;
@@ -167,7 +168,7 @@ class Wardrobe {
   std::optional<styled::stylist::Avatar> worn_;
 };
 
-// `failed`: how many frames of the clip could not be styled and are the performer's own.
+// `failed`: the number of frames that could not be styled and are the performer's own.
 Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Binding> binding,
                const styled::clip::AvatarSkeleton* avatar, styled::clip::Clip& clip,
                std::size_t& failed) {
@@ -182,7 +183,8 @@ Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Bi
   styled::stylist::Stylist stylist(network.value(), std::move(binding), options);
   stylist.Set(settings.value());
   styled::stylist::Output out(clip.skeleton);
-  // Live, what lies between two frames far apart is not known; here it is, along a smooth curve.
+  // A live stream does not show the motion between two distant frames; a clip allows a smooth
+  // curve.
   const auto steps = static_cast<std::size_t>(std::ceil(kSlowest_hz / clip.rate_hz - 1e-6));
   const double rate_hz = clip.rate_hz * static_cast<double>(steps);
   const auto between = steps > 1 ? styled::clip::Resample(clip, rate_hz) : styled::clip::Clip();
@@ -198,14 +200,14 @@ Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Bi
   return Status::Ok();
 }
 
-// `binding`: of the skeleton that is written.
+// `binding`: that of the skeleton that is written.
 Status Write(const Arguments& arguments, const styled::rig::Binding& binding, bool in_metres,
              styled::clip::Clip clip) {
   styled::clip::Motion motion;
   static_cast<styled::clip::Clip&>(motion) = std::move(clip);
   motion.rest = binding.spec().rest_rotations;
   motion.canonical_from_source = binding.spec().canonical_from_source;
-  // A BVH does not say its unit: a body of the humanoid's height, then.
+  // A BVH does not state its unit: scale the body to the humanoid's height.
   motion.metres_per_unit = in_metres ? 1 : binding.scale();
   return styled::clip::Write(arguments.out, motion);
 }
@@ -267,7 +269,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("-m,--mix", arguments.mix, "a further style, STYLE=WEIGHT; at most 4 in all")
       ->take_all()
-      ->allow_extra_args(false);  // one per --mix: what follows may be the input
+      ->allow_extra_args(false);  // one value per --mix: the next word may be the input
   app.add_flag("--absolute", arguments.absolute,
                "the paper's output instead of the detail-preserving one");
   app.add_option("--parts,--only", arguments.parts,

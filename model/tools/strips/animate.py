@@ -131,7 +131,7 @@ def flattened(poses, start, count):
         for name in now:
             p = [a + part * (b - a) for a, b in zip(now[name], after[name])]
             p = [a - b - share * w for a, b, w in zip(p, begin, way)]
-            # What the cycle does not close by itself is spread over all of it.
+            # Distribute the difference between the cycle's ends over the whole cycle.
             p = [a + share * (f - b - l + e) for a, f, b, l, e in
                  zip(p, again[name], begin, poses[start + count][name], end)]
             x = p[0] * math.sin(across) + p[2] * math.cos(across)

@@ -9,7 +9,7 @@
 namespace styled::strips {
 namespace {
 
-// Five columns of seven dots, the lowest bit on top.
+// Five columns of seven dots; the lowest bit is the top dot.
 using Glyph = std::array<std::uint8_t, 5>;
 constexpr std::array<Glyph, 26> kLetters = {{
     {0x20, 0x54, 0x54, 0x54, 0x78}, {0x7F, 0x48, 0x44, 0x44, 0x38}, {0x38, 0x44, 0x44, 0x44, 0x20},

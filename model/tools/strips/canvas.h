@@ -13,7 +13,7 @@ struct Color {
   std::uint8_t red = 0, green = 0, blue = 0;
 };
 
-// A white picture on which strips are drawn. Pixels, origin top left, y down; what lies outside is
+// A white picture for drawing strips. Units are pixels, origin top left, y down; drawing outside is
 // clipped.
 class Canvas {
  public:

@@ -1,5 +1,5 @@
-// Draws strips of stick figures: the input on top, below it what each style makes of it, at the
-// same moments. The figures come from the very stylist that the daemon runs, at 120 Hz.
+// Draws strips of stick figures: the input on top, and below it each style at the same moments. The
+// figures come from the same stylist that the daemon runs, at 120 Hz.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -69,7 +69,7 @@ Result<Poses> LoadInput(const Arguments& arguments) {
   return poses;
 }
 
-// One figure seen from its right side (or from the front), its hips over `centre_px`.
+// One figure seen from its right side (or from the front), with its hips at `centre_px`.
 void DrawFigure(const body::Pose& pose, float heading_rad, float floor_m, bool front,
                 float centre_px, float floor_px, Canvas& canvas) {
   body::WorldPose world;
