@@ -53,7 +53,7 @@ TEST(Humanoid, HipsAboveToesIsTheSumOfTheLegsOffsets) {
   EXPECT_NEAR(height_m, kHipsAboveToes_m, 1e-6);
 }
 
-// Shipped weights carry this number: whoever changes the table sees it here first.
+// Shipped weights carry this number: a change of the table shows here first.
 TEST(Humanoid, HashIsTheOneThatShippedWeightsCarry) {
   static_assert(HumanoidHash() != 0);
   EXPECT_EQ(HumanoidHash(), 11816682837846854121ULL);

@@ -19,12 +19,12 @@ class Random {
   Vec3 Vector(float reach) {
     return {Between(-reach, reach), Between(-reach, reach), Between(-reach, reach)};
   }
-  // A turn of up to `most_rad` about any axis.
+  // A rotation of up to `most_rad` about any axis.
   Quat Turn(float most_rad) {
     const Vec3 axis = (Vector(1) + Vec3(1e-3F, 0, 0)).normalized();
     return Quat(Eigen::AngleAxisf(Between(-most_rad, most_rad), axis));
   }
-  // A body anywhere, facing anywhere, every joint turned.
+  // A body at any place, with any heading and with every joint rotated.
   Pose AnyPose() {
     Pose pose;
     pose.hips_position_m = Vector(20);
@@ -37,7 +37,7 @@ class Random {
   std::mt19937 engine_;
 };
 
-// A body that stands roughly upright, so that its heading is well defined.
+// A roughly upright body, so that its heading is well defined.
 inline Pose Upright(Random& random) {
   Pose pose;
   pose.hips_position_m = Vec3(random.Between(-5, 5), 0.95F, random.Between(-5, 5));
@@ -45,7 +45,7 @@ inline Pose Upright(Random& random) {
   return pose;
 }
 
-// The same body somewhere else, facing elsewhere.
+// The same body at another place, with another heading.
 inline Pose Moved(const Pose& pose, float yaw_rad, const Vec3& shift) {
   Pose moved = pose;
   moved.hips_position_m = Yaw(yaw_rad) * pose.hips_position_m + shift;

@@ -57,7 +57,7 @@ struct Case {
   std::string text, message;
 };
 
-// What each broken file is told: file, line, what was found, what was expected.
+// Broken files and their error messages: file, line, what was found, what was expected.
 std::vector<Case> Broken() {
   std::string deep = "HIERARCHY\nROOT a\n{\n", wide = "HIERARCHY\nROOT a\n{\n";
   for (int i = 0; i < 300; ++i) deep += "JOINT b\n{\n";
@@ -128,7 +128,7 @@ TEST(Bvh, RefusesAFileThatIsMissingOrAFolder) {
 
 TEST(Bvh, RefusesEveryPrefixOfAFileAndSurvivesIt) {
   const std::string whole = kSmall;
-  // Without its last number's digits and line end the last row would still be whole.
+  // The text is still whole without the digits of its last number and its line end.
   for (std::size_t size = 0; size + 3 < whole.size(); ++size) {
     EXPECT_NE(Refusal(whole.substr(0, size)), "accepted") << size;
   }
@@ -161,7 +161,7 @@ TEST(Bvh, SurvivesGarbageOfEveryKind) {
     }
     const Result<Clip> clip = ParseBvh(text, "garbage");
     if (!clip.ok()) continue;
-    // What is accepted is whole and finite.
+    // An accepted clip is complete and finite.
     const int joints = clip.value().skeleton.joint_count();
     EXPECT_GE(clip.value().rate_hz, 0.99);
     for (const rig::RigPose& frame : clip.value().frames) {
@@ -276,7 +276,7 @@ TEST(Bvh, DoesNotDependOnTheLocale) {
   if (locale != nullptr) std::setlocale(LC_ALL, "C");
 }
 
-// Pins what the samples are known to be.
+// Pins known facts about the samples.
 TEST(Bvh, ReadsARealClip) {
   const char* set = std::getenv("STYLED_DATA");
   const std::filesystem::path file =

@@ -22,7 +22,7 @@ using testing::HasSubstr;
 
 constexpr double kTenThousandthDegree_rad = 1e-4 * 3.14159265 / 180;
 
-// A chain of three joints whose rotations wander without limit, written with the given order.
+// A chain of three joints whose rotations wander without bound, in the given channel order.
 Clip Wandering(const std::string& order, unsigned seed, int frames = 200) {
   Random random(seed);
   Clip clip;
@@ -126,7 +126,8 @@ TEST(WriteBvh, PassesStraightThroughTheGimbalWithoutAJump) {
   for (const char* order : {"xyz", "xzy", "yxz", "yzx", "zxy", "zyx"}) {
     Clip clip = Wandering(order, 4, 1);
     clip.frames[0].rotations[1] = Quat::Identity();
-    for (int degree = 1; degree <= 360; ++degree) {  // about the middle axis, exactly over 90
+    // about the middle axis, passing exactly through 90
+    for (int degree = 1; degree <= 360; ++degree) {
       rig::RigPose pose = clip.frames[0];
       pose.rotations[1] = Quat(Eigen::AngleAxisf(static_cast<float>(degree) * 0.0174532925F,
                                                  Vec3::Unit(order[1] - 'x')));

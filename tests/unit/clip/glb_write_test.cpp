@@ -23,7 +23,7 @@ using rig::Quat;
 using rig::Vec3;
 using testing::HasSubstr;
 
-// Two chains in centimetres, Z up, with rests, that wander.
+// Two chains in centimetres, Z up, with rest rotations, that wander.
 Motion Wandering(int frames = 20) {
   Random random(5);
   Motion motion;
@@ -45,7 +45,7 @@ Motion Wandering(int frames = 20) {
   return motion;
 }
 
-// A .glb taken apart by the specification alone.
+// A .glb parsed by the specification alone.
 struct Glb {
   json document;
   std::vector<std::byte> binary;
@@ -83,7 +83,7 @@ struct Glb {
     return values;
   }
 
-  // World matrices of the nodes at key `key` of the animation; < 0: as the nodes stand.
+  // World matrices of the nodes at key `key` of the animation; key < 0: of the static nodes.
   std::vector<Eigen::Matrix4f> World(int key) const {
     const json& nodes = document["nodes"];
     std::vector<Eigen::Affine3f> local;
@@ -239,8 +239,8 @@ TEST(WriteGlb, WithoutAnAnimationTheNodesStandInTheRestPose) {
   }
 }
 
-// Skinning by the specification: at rest the mesh is as it was modelled; in a frame the first
-// corner of every bone, its head, is at its joint.
+// Skinning by the specification: at rest the mesh is unchanged; in a frame the first corner of
+// every bone, its head, is at its joint.
 TEST(WriteGlb, BonesMoveWithTheirJoints) {
   const Motion motion = Wandering();
   const Glb glb = Format(motion);

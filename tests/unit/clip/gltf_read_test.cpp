@@ -34,8 +34,8 @@ using testing::HasSubstr;
 json Floats(const Vec3& v) { return json::array({v.x(), v.y(), v.z()}); }
 json Floats(const Quat& q) { return json::array({q.x(), q.y(), q.z(), q.w()}); }
 
-// The canonical humanoid below a node of an exporter that works in centimetres with Z up, a meter
-// aside, with two fingers of one name; a camera and a hat that are no bones.
+// The canonical humanoid below a node of an exporter that uses centimetres and Z up, one metre
+// aside, with two fingers of the same name; a camera and a hat are not bones.
 json Avatar() {
   json nodes = json::array();
   const Quat z_up(Eigen::AngleAxisf(-1.5707963F, Vec3::UnitX()));
@@ -80,7 +80,7 @@ json Avatar() {
 json Vrm(bool one) {
   json avatar = Avatar();
   for (std::size_t i = 1; i < avatar["nodes"].size(); ++i) {
-    avatar["nodes"][i]["name"] = "bone" + std::to_string(i % 7);  // names say nothing
+    avatar["nodes"][i]["name"] = "bone" + std::to_string(i % 7);  // meaningless names
   }
   avatar.erase("skins");
   json object = json::object(), list = json::array();
@@ -257,7 +257,7 @@ TEST_F(GltfReadTest, Gltf1IsRefusedByItsName) {
               HasSubstr("avatar.gltf: is glTF 1.0, expected glTF 2.0"));
   avatar.erase("asset");
   EXPECT_THAT(Read(avatar.dump()).status().message(), HasSubstr("no asset.version"));
-  // Its binary form: version 1, then lengths of the file and of its JSON, and the format of that.
+  // Binary glTF 1: version 1, then the lengths of the file and of its JSON, and the JSON's format.
   const std::string text = R"({"asset": {"version": "1.0"}, "nodes": {}})";
   std::string binary = "glTF";
   for (const std::uint32_t word : {std::uint32_t{1}, static_cast<std::uint32_t>(20 + text.size()),
@@ -308,12 +308,12 @@ TEST_F(GltfReadTest, AFileThatWantsAnotherFromOutsideItsFolderIsRefused) {
   }
 }
 
-// A pipe that is opened would keep the daemon waiting until somebody writes to it.
+// Opening a pipe would block the daemon until somebody writes to it.
 TEST_F(GltfReadTest, PipesDevicesAndFoldersAreRefusedAndNobodyIsWaitedFor) {
   for (const std::string name : {"pipe.glb", "pipe.bvh"}) {
     const std::string pipe = folder_ / name;
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-    // Lets a reader go that does wait.
+    // Releases a reader that does block.
     std::atomic<bool> done = false;
     std::thread rescue([&] {
       while (!done) {
@@ -343,19 +343,19 @@ TEST_F(GltfReadTest, DeeplyNestedJsonIsRefused) {
   }
 }
 
-// Lists of a file, whose entries are all alike.
+// A list of `count` equal entries.
 std::string Many(const std::string& entry, int count) {
   std::string text = entry;
   for (int i = 1; i < count; ++i) text += "," + entry;
   return "[" + text + "]";
 }
 
-// A daemon reads avatars on the thread that feeds its watchdog. The times are those of a watchdog,
-// not of what is good: work in proportion to the file takes a hundredth of them.
+// A daemon reads avatars on the thread that feeds its watchdog. The time limits are the watchdog's,
+// not performance goals: work proportional to the file takes a hundredth of them.
 class GltfWorkTest : public GltfReadTest {
  protected:
-  // Reads a glTF 2.0 of these members. Refused in time, for this reason; read in time where it is
-  // empty.
+  // Reads a glTF 2.0 file with these members. Expects a refusal in time for this reason, or, if
+  // `why` is empty, success in time.
   void Expect(const std::string& members, const std::string& why) {
     const auto start = std::chrono::steady_clock::now();
     const auto read = Read(R"({"asset": {"version": "2.0"}, )" + members + "}");
@@ -385,7 +385,7 @@ TEST_F(GltfWorkTest, ManySmallEntriesTakeWorkInProportion) {
                members.substr(1, members.size() - 2),
            "");
   }
-  // No bone is named, so that all of them are looked through.
+  // No bone has a name, so all nodes are searched.
   Expect(R"("nodes": )" + Many(R"({"name": "x", "extras": {}})", 60'000),
          "no bone named like hips");
 }
@@ -407,7 +407,7 @@ TEST_F(GltfWorkTest, APathOfManyFoldersIsRefused) {
          "has more than 1024 characters, expected a file in the avatar's own folder");
 }
 
-// Of a .glb, whose header says how much JSON there is: the file itself may be small.
+// The header of a .glb states the length of its JSON; the file itself may be smaller.
 TEST_F(GltfWorkTest, MoreJsonThanAnAvatarHasIsRefused) {
   std::string binary = "glTF";
   for (const std::uint32_t word : {2U, 20U, (64U << 20) + 1, 0x4E4F534AU}) {

@@ -160,7 +160,7 @@ TEST_F(ManifestTest, FixedStyleAndContentAndStars) {
   EXPECT_EQ(manifest.value().entries[0].take, 0);
 }
 
-// As libFuzzer found it: each star tried every rest for each star before it.
+// Found by libFuzzer: each star tried every remainder for each star before it.
 TEST_F(ManifestTest, ManyStarsTakeNoLongerThanFew) {
   Touch("xia/old_01_000000000000000000000000000000000.bvh");
   Touch("xia/old_02_000.bvh");

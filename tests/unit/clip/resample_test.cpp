@@ -13,7 +13,7 @@ using body::Random;
 using rig::Quat;
 using rig::Vec3;
 
-// A smooth motion known at every instant: a root that runs in a curve, a joint that swings.
+// A smooth motion defined at every instant: a root on a curve, and a swinging joint.
 rig::RigPose At(double t_s) {
   rig::RigPose pose;
   const auto f = [](double value) { return static_cast<float>(value); };

@@ -46,7 +46,7 @@ TEST(ContactsTest, FollowAWalkersFeetAtAnyRate) {
       contacts.Process(static_cast<float>(i == 0 ? 0 : 1 / rate_hz), legs, placed, {});
       EXPECT_NEAR(contacts.floor_m(), 0.02F, 0.012F);
       for (int side = 0; side < kLegs; ++side) {
-        // Around its changes a contact is neither; elsewhere it must be right.
+        // Near its changes a contact may be either; elsewhere it must be right.
         const double phase = Walker{}.Phase(time_s, side);
         if (Walker::kStance - 0.06 < phase && phase < Walker::kStance + 0.12) continue;
         if (phase < 0.08 || phase > 0.92) continue;

@@ -52,7 +52,7 @@ struct FeetTest : testing::Test {
   Vec3 Toes(const rig::RigPose& pose, int side) const {
     return World(legs, pose)[static_cast<std::size_t>(legs.leg(side).toes)].position_m;
   }
-  // cm/s over the floor while the walker's own foot has been planted for a while.
+  // Speed over the floor, cm/s, of a foot whose own contact has lasted for a while.
   double Skate(double rate_hz, const PoseAt& at) const {
     double sum = 0, count = 0;
     for (int i = 1; i < kSeconds * rate_hz; ++i) {
@@ -99,7 +99,7 @@ TEST_F(FeetTest, APlantedFootStaysWhileTheStyleWouldHaveItSlide) {
   EXPECT_LT(Skate(120, Played(out, 120)), 1);
 }
 
-// m/s² of the joint that is accelerated most, over frames `from` to `to` at 120 Hz.
+// The largest acceleration of any joint, m/s², over the frames `from` to `to` at 120 Hz.
 float Largest(const Legs& legs, const PoseAt& at, int from, int to) {
   float most = 0;
   std::array<std::vector<Placed>, 3> last;
@@ -123,7 +123,7 @@ TEST_F(FeetTest, TheLockAddsNoJolt) {
   const auto largest = [this](const PoseAt& at) { return Largest(legs, at, 60, 6 * 120); };
   const Frames out = Hold(feet, 120, input, styled);
   EXPECT_LT(largest(Played(out, 120)), 1.5F * std::max(largest(input), largest(styled)));
-  // The negative control: a lock that takes and lets go at once.
+  // The negative control: a lock that begins and ends at once.
   Options abrupt;
   abrupt.blend_in_s = abrupt.blend_out_s = 0;
   abrupt.contact_high_m = abrupt.contact_low_m + 1e-5F;
@@ -232,7 +232,7 @@ TEST_F(FeetTest, AnyRigGivesTheSameAndItsBonesKeepTheirLengths) {
 TEST_F(FeetTest, JointsWithinAThighAreCarriedAlong) {
   rig::BindingSpec spec = rig::HumanoidSpec();
   rig::Skeleton& skeleton = spec.skeleton;
-  // A twist joint half way down the left thigh, turned against it; the knee hangs from it.
+  // A twist joint half way down the left thigh, rotated against it; the knee is its child.
   const Quat turned(Eigen::AngleAxisf(0.7F, Vec3(1, 2, 3).normalized()));
   const int knee = body::kLeftLowerLeg;
   skeleton.names.insert(skeleton.names.begin() + knee, "twist");
@@ -308,7 +308,7 @@ TEST_F(FeetTest, NoFootSinksBelowThePerformersFloor) {
   EXPECT_LT(deepest, 0.01F);
 }
 
-// The performer stands like one who walks at `time_s`.
+// The performer, standing in the walker's pose at `time_s`.
 PoseAt Frozen(const Walker& walker, double time_s) {
   return [&walker, time_s](double) { return walker.At(time_s); };
 }
@@ -356,12 +356,13 @@ TEST_F(FeetTest, AFootThatRollsOverItsTipIsNotThrown) {
     return pose;
   };
   const Frames out = Hold(feet, 120, Frozen(walker, stance_s), rolling);
-  // What tips the foot up turns round where it stands on its tip: all of it at once is 340 m/s².
+  // The direction in which the foot is pitched reverses where it stands on its tip; without the
+  // fade that takes 340 m/s².
   EXPECT_LT(Largest(legs, Played(out, 120), 10, 600), 250);
 }
 
 TEST_F(FeetTest, ALockThatIsDrawnTooFarDragsAlong) {
-  // He stands; the style walks away from under him.
+  // The performer stands; the style walks away.
   const PoseAt stands = [this](double) { return walker.At(0.33); };
   const PoseAt leaves = [this](double t) {
     rig::RigPose pose = walker.At(0.33);

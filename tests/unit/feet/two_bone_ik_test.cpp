@@ -11,7 +11,7 @@ namespace {
 
 using body::Random;
 
-// A leg anywhere, its knee bent by `bend_rad` about its hinge.
+// A leg at any place, its knee bent by `bend_rad` about its hinge.
 TwoBones Leg(Random& random, float bend_rad) {
   TwoBones limb;
   const Quat turn = random.Turn(3.1F);
@@ -36,7 +36,7 @@ Solved Apply(const TwoBones& limb, const TwoBoneTurns& turns) {
 float Length(const TwoBones& limb) {
   return (limb.knee - limb.hip).norm() + (limb.ankle - limb.knee).norm();
 }
-// The knee's bend about the hinge that the thigh carries along: positive is forwards.
+// The knee's bend about the hinge that the thigh carries: positive is forwards.
 float Bend(const TwoBones& limb, const TwoBoneTurns& turns) {
   const Solved s = Apply(limb, turns);
   const Vec3 thigh = (s.knee - limb.hip).normalized();
@@ -61,8 +61,8 @@ TEST(TwoBoneIkTest, ReachesEveryTargetWithinReachAndKeepsLengthsAndTheKneesSide)
   }
 }
 
-// From bent as knees bend to far backwards, as a style may do it, the foot to be held all the
-// while: the knee goes along without snapping through, if need be at the foot's expense.
+// A style bends the knee from its natural side to far backwards while the foot is held: the knee
+// follows without snapping through, if necessary at the expense of the foot's place.
 TEST(TwoBoneIkTest, AKneeThatAStyleBendsBackwardsNeverSnaps) {
   for (const float share : {0.97F, 0.9F, 0.8F}) {
     float before = 0;
@@ -91,7 +91,7 @@ TEST(TwoBoneIkTest, AStraightOrSlightlyOverstretchedKneeBendsForwardsWithoutAJum
       const float share = 1 - 0.3F * std::pow(static_cast<float>(step) / 20000.0F, 2);
       const TwoBoneTurns turns = ReachFor(limb, limb.hip + share * now * direction);
       const float bent = Bend(limb, turns);
-      // The law of cosines itself goes as the root of the distance; a flip would be 2 * bend.
+      // The law of cosines itself behaves like the root of the distance; a flip would be 2 * bend.
       ASSERT_NEAR(bent, before, step == 0 ? 1e-3F : 0.02F) << bend << " " << step;
       before = bent;
     }

@@ -8,22 +8,22 @@
 
 namespace styled::feet {
 
-// A body of the canonical humanoid that walks with flat feet, each planted exactly for kStance of
-// its cycle, and what a style might make of it: shorter steps at the same pace.
+// A walking canonical humanoid with flat feet, each planted exactly for kStance of its cycle, and a
+// possible styled version: shorter steps at the same pace.
 struct Walker {
   static constexpr double kCycle_s = 1.1, kStance = 0.6, kSpeed_mps = 0.8;
   static constexpr float kHips_m = 0.92F, kAnkle_m = 0.09F, kLift_m = 0.1F;
 
   double speed_mps = kSpeed_mps;
 
-  // 0 .. 1, planted below kStance.
+  // 0 .. 1; the foot is planted below kStance.
   double Phase(double time_s, int side) const {
     const double cycles = time_s / kCycle_s + 0.5 * side + 10;
     return cycles - std::floor(cycles);
   }
   Vec3 Ankle(double time_s, int side) const {
     const double phase = Phase(time_s, side);
-    // Planted, it is below the hips in the middle of the stance.
+    // A planted foot is below the hips in the middle of its stance.
     const double planted_at_s = time_s - (phase - kStance / 2) * kCycle_s;
     const double u = std::max(0.0, (phase - kStance) / (1 - kStance));
     const double way = u * u * u * (10 - 15 * u + 6 * u * u);
@@ -31,7 +31,7 @@ struct Walker {
     return {side == 0 ? 0.09F : -0.09F, kAnkle_m + kLift_m * static_cast<float>(lift),
             static_cast<float>(speed_mps * (planted_at_s + way * kCycle_s))};
   }
-  // `steps`: how long its steps are in proportion to its way.
+  // `steps`: the length of the steps as a share of the covered distance.
   rig::RigPose At(double time_s, float steps = 1) const {
     static const rig::Binding binding = HumanoidBinding();
     static const Legs legs(binding);

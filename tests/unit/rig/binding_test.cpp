@@ -120,7 +120,7 @@ TEST(Binding, ScaleIsHipsHeightOverHipsHeight) {
   EXPECT_NEAR(Binding::Make(spec).value().scale(), 1, 1e-6);
   for (Vec3& offset : spec.skeleton.offsets) offset *= 250;
   EXPECT_NEAR(Binding::Make(spec).value().scale(), 0.004, 1e-6);
-  // Without toes the ankles are compared with the ankles.
+  // Without toes, ankle heights are compared.
   spec.source_joint[body::kLeftToes] = spec.source_joint[body::kRightToes] = -1;
   EXPECT_NEAR(Binding::Make(spec).value().scale(), 0.004, 1e-6);
 }
@@ -200,7 +200,7 @@ TEST(Binding, BackAndThereGivesAnyCanonicalPoseBack) {
   }
 }
 
-// With the twist joint at rest the rig's joints must lie where the canonical ones do.
+// With the twist joint at rest, the rig's joints must be where the canonical ones are.
 TEST(Binding, PutsTheRigsJointsWhereTheCanonicalOnesAre) {
   Random random(5);
   for (int round = 0; round < 50; ++round) {
@@ -258,7 +258,7 @@ TEST(Binding, LeavesJointsThatTheSourceLacksAtRestAndKeepsTheirTurnsGoingOut) {
   for (int c : {body::kSpine, body::kNeck, body::kLeftShoulder}) {
     EXPECT_EQ(pose.rotations[c].coeffs(), Quat::Identity().coeffs());
   }
-  // A turn of the missing spine must still reach the chest.
+  // A rotation of the missing spine must still reach the chest.
   RigPose straight(spec.skeleton), out(spec.skeleton);
   body::Pose bent;
   bent.rotations[body::kSpine] = random.Turn(1);

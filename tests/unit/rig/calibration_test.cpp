@@ -12,8 +12,8 @@ namespace {
 
 constexpr float kDegrees = 57.29578F;
 
-// The same body with joint frames turned anyhow, its arms `lowered` in its zero pose, its axes
-// turned by `world` and, if asked, left-handed: what a rig is whose maker told nothing.
+// The same body with arbitrary joint frames, its arms `lowered` in its zero pose, its axes rotated
+// by `world` and, if asked, left-handed: a rig without documentation.
 struct Unknown {
   Skeleton skeleton;
   std::array<Quat, kJointCount> rest;  // world, in T-pose, before `world`
@@ -61,7 +61,7 @@ body::Pose Standing(StandingPose pose) {
   return standing;
 }
 
-// The worst difference of local rotations and of the hips' height when another pose is bound.
+// Binds random poses and compares the local rotations and the hips' height.
 void ExpectTheSame(const Unknown& rig, const Calibrated& calibrated, Random& random) {
   auto binding = Binding::Make(calibrated.spec);
   ASSERT_TRUE(binding.ok()) << binding.status().message();

@@ -98,7 +98,7 @@ TEST(Dialects, FindTheAxesOfATPoseInAnyOrientation) {
 }
 
 TEST(Dialects, RokokosConstantsMakeATPoseOfItsFrames) {
-  // A body whose joint frames at rest are Rokoko's, and whose T-pose is the canonical one.
+  // A body whose joint frames at rest are Rokoko's and whose T-pose is the canonical one.
   Skeleton skeleton = HumanoidSkeleton();
   const auto rest = [](int c) {
     const RestRow& row = kRokokoRest[c];
@@ -115,7 +115,7 @@ TEST(Dialects, RokokosConstantsMakeATPoseOfItsFrames) {
       1e-6);
 }
 
-// The folder of test clips; it is no part of the repository.
+// The folder of test clips, which is not part of the repository.
 std::filesystem::path Data() {
   const char* set = std::getenv("STYLED_DATA");
   return set != nullptr ? set : STYLED_DATA_DEFAULT;
@@ -173,12 +173,12 @@ TEST_F(DialectsOnData, BandaisClipsBindAndComeBack) {
   }
 }
 
-// What a walk must look like on the humanoid, whatever rig it came from: feet near the floor, hips
-// at their height, knees and elbows that hinge about one axis, and nothing near a half turn.
+// Properties of a walk on the humanoid, whatever rig it came from: feet near the floor, hips at
+// their height, knees and elbows that bend about one axis, and no joint near a half turn.
 TEST_F(DialectsOnData, AWalkLooksLikeAWalkOnTheHumanoid) {
   struct Case {
     const char* name;
-    float knee_axis_x;  // CMU's knees turn about the zero pose's X, its legs lie 20 degrees off
+    float knee_axis_x;  // CMU's knees turn about the zero pose's X; its legs are 20 degrees off
   };
   for (const Case& walk : {Case{"samples/dataset-1_walk_normal_001.bvh", 0.97F},
                            Case{"samples/dataset-2_walk_normal_001.bvh", 0.97F},

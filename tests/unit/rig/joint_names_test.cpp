@@ -8,8 +8,8 @@
 namespace styled::rig {
 namespace {
 
-// One column of the table of names: canonical order, "" where the rig has no such joint; `others`
-// are joints that must map to nothing.
+// One column of the table of names: in canonical order, "" if the rig has no such joint; `others`
+// are joints that must not be mapped.
 struct Naming {
   std::string rig;
   std::vector<std::string> names;

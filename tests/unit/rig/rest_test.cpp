@@ -11,7 +11,7 @@ namespace {
 constexpr float kQuarter = 1.57079633F;
 
 // A standing performer: arms hanging with slightly bent elbows, knees a little bent, feet flat and
-// turned outward. `yaw_rad` is where it faces.
+// turned outward. `yaw_rad`: the heading.
 body::Pose Standing(float yaw_rad) {
   const auto about = [](const Vec3& axis, float angle) {
     return Quat(Eigen::AngleAxisf(angle, axis));
@@ -87,7 +87,8 @@ TEST(RestBySwing, KeepsElbowsAndKneesHingedAboutTheAxisTheyHave) {
   spec.rest_rotations = RestOf(rig, Standing(0));
   const Binding found = Binding::Make(spec).value();
   const Binding truth = Binding::Make(rig.spec).value();
-  // The true body bends its elbow and its knee; the found binding must see the same hinges.
+  // The true body bends its elbow and its knee; through the found binding the same hinges must
+  // bend.
   body::Pose bent = Standing(0), seen;
   bent.rotations[body::kLeftLowerArm] = Quat(Eigen::AngleAxisf(-kQuarter, Vec3::UnitY()));
   bent.rotations[body::kLeftLowerLeg] = Quat(Eigen::AngleAxisf(kQuarter, Vec3::UnitX()));
@@ -104,10 +105,10 @@ TEST(RestBySwing, LetsHandsToesAndFingersInheritTheSwingAboveThem) {
   Random random(4);
   const StrangeRig rig = MakeStrangeRig(random, 100);
   const std::vector<Quat> rest = RestOf(rig, Standing(0));
-  const auto swing = [&](int joint) {  // of the rest pose found against the true one
+  const auto swing = [&](int joint) {  // from the true rest pose to the found one
     return rest[joint] * rig.spec.rest_rotations[joint].conjugate();
   };
-  // Neither hand nor finger was turned against the lower arm, so all three differ alike.
+  // Neither hand nor finger was rotated against the lower arm, so all three have the same error.
   const int lower_arm = rig.spec.source_joint[body::kLeftLowerArm];
   EXPECT_LT(Angle_rad(swing(lower_arm), swing(rig.spec.source_joint[body::kLeftHand])), 1e-3);
   EXPECT_LT(Angle_rad(swing(lower_arm), swing(rig.finger)), 1e-3);

@@ -33,8 +33,8 @@ inline BindingSpec HumanoidSpec() {
   return spec;
 }
 
-// The same body as another rig sees it: other axes, other unit, joint frames turned anyhow at rest,
-// a locator above the hips, a twist joint in each upper arm, and a finger.
+// The same body as another rig: other axes, another unit, arbitrary joint frames at rest, a locator
+// above the hips, a twist joint in each upper arm, and a finger.
 struct StrangeRig {
   BindingSpec spec;
   int locator = 0, twist = -1, finger = -1;
@@ -74,7 +74,7 @@ inline StrangeRig MakeStrangeRig(Random& random, float units_per_metre) {
   return rig;
 }
 
-// Any pose of a rig, its root anywhere.
+// A random pose of a rig, with its root at any place.
 inline RigPose AnyRigPose(const Skeleton& skeleton, Random& random, float reach) {
   RigPose pose(skeleton);
   for (Quat& q : pose.rotations) q = random.Turn(3.0F);

@@ -72,7 +72,8 @@ body::Pose Skier(Stance stance) {
   return pose;
 }
 
-// A performer's trackers: strapped on and switched on somehow, and what they say of a pose.
+// A performer's trackers with arbitrary mountings and start headings, and their measurements of a
+// pose.
 class Worn {
  public:
   Worn(std::vector<Joint> parts, std::uint64_t seed) : parts_(std::move(parts)), random_(seed) {
@@ -82,13 +83,14 @@ class Worn {
     }
   }
 
-  // Pointing as they usually do, tilted and turned in every way that leaves it so.
+  // Mounts the sensors as usual, with every tilt and rotation that keeps their heading.
   Worn& AsUsual(Stance stance) {
     for (const Joint j : parts_) {
       const Quat towards = Y(Trackers::Facing(j, stance));
       const float lift = Between(-1.0F, 1.0F), turn = Between(-kPi, kPi);
       if (stance == Stance::kTPose && IsOfArm(j)) {
-        // The sensor's +Y, raised by the angle, points there; about it any turn.
+        // The sensor's +Y, raised by the angle, has that heading; the rotation about it is
+        // arbitrary.
         part_from_sensor_[j] = towards * X(kPi / 2 - lift) * Y(turn);
       } else {
         const Quat rest = World(NPose()).rotations[j];
@@ -104,7 +106,7 @@ class Worn {
     }
     return *this;
   }
-  // Headings drift apart.
+  // Lets the headings drift apart.
   Worn& Drift() {
     for (const Joint j : parts_) heading_[j] += Between(-0.5F, 0.5F);
     return *this;
@@ -141,7 +143,7 @@ std::uint32_t Bits(const std::vector<Joint>& parts) {
   return bits;
 }
 
-// Follows the performer for `seconds` and returns the worst angle of any worn part.
+// Follows the performer for `seconds`; returns the largest angle error of any tracked part.
 float WorstDegrees(Trackers& trackers, const Worn& worn, std::int64_t start_ns,
                    std::uint64_t seed = 3, double seconds = 20) {
   synthetic::Options options;
@@ -203,7 +205,7 @@ TEST(Trackers, AreRecoveredAfterAFullResetInAnNPose) {
   }
 }
 
-// The negative control: where a sensor does not point as it is thought to, one pose cannot tell.
+// The negative control: if a sensor does not point as assumed, one pose does not determine it.
 TEST(Trackers, WornAnyhowAreNotRecoveredByAFullResetAlone) {
   Trackers trackers(AtOnce());
   const Worn worn = Worn(kAllWorn, 1).Anyhow();
@@ -228,7 +230,7 @@ TEST(Trackers, WornAnyhowAreRecoveredWithAMountingReset) {
   }
 }
 
-// What a mounting reset found is how the tracker sits: it holds though headings are lost.
+// A mounting reset measures how the tracker is mounted, which stays valid when headings drift.
 TEST(Trackers, NeedNoSecondMountingReset) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     Trackers trackers(AtOnce());
@@ -368,7 +370,7 @@ TEST(Trackers, ThatFallSilentAreHeldAndToldAsNan) {
   arm.Tell(trackers, kStart_ns + 1, truth);
   rest.Tell(trackers, kStart_ns + 1, truth);
   ASSERT_TRUE(trackers.Solve(kStart_ns + 1, pose));
-  // The body turns, the upper arm is not heard of any more.
+  // The body turns; the upper arm sends nothing more.
   truth.rotations[body::kHips] = Y(0.7F);
   const std::int64_t soon_ns = kStart_ns + 290'000'000, later_ns = kStart_ns + 310'000'000;
   rest.Tell(trackers, soon_ns, truth);
@@ -381,15 +383,15 @@ TEST(Trackers, ThatFallSilentAreHeldAndToldAsNan) {
     EXPECT_EQ(IsNan(pose.rotations[j]), j == body::kLeftUpperArm) << j;
   }
   EXPECT_TRUE(pose.hips_position_m.allFinite());
-  // It comes back.
+  // The upper arm sends again.
   arm.Tell(trackers, later_ns + 1, truth);
   rest.Tell(trackers, later_ns + 1, truth);
   ASSERT_TRUE(trackers.Solve(later_ns + 1, pose));
   EXPECT_LT(Degrees(pose.rotations[body::kLeftUpperArm], Z(-0.5F)), 0.1F);
 }
 
-// The stylist holds the joint's rotation to its parent: so the joints below it must be told with
-// regard to that.
+// The stylist holds the joint's rotation relative to its parent, so the joints below it must be
+// computed with the held rotation.
 TEST(Trackers, TellWhatIsBelowASilentOneWithRegardToWhatIsHeld) {
   Trackers trackers(AtOnce());
   const Worn arm = Worn({body::kLeftUpperArm}, 1).AsUsual(Stance::kTPose);
@@ -437,13 +439,14 @@ TEST(Trackers, AreTakenAtTheTimeOfThePoseBetweenTheirSamples) {
   };
   EXPECT_NEAR(heading_at(20 * kPeriod_ns), 1.9F, 1e-3F);
   EXPECT_NEAR(heading_at(20 * kPeriod_ns + kPeriod_ns / 4), 1.925F, 1e-3F);
-  EXPECT_NEAR(heading_at(21 * kPeriod_ns + kPeriod_ns / 4), 2.025F, 1e-3F);  // the next is late
-  EXPECT_NEAR(heading_at(22 * kPeriod_ns), 2.05F, 1e-3F);  // very late: no further ahead
+  // the next sample is late
+  EXPECT_NEAR(heading_at(21 * kPeriod_ns + kPeriod_ns / 4), 2.025F, 1e-3F);
+  EXPECT_NEAR(heading_at(22 * kPeriod_ns), 2.05F, 1e-3F);  // very late: no further extrapolation
   EXPECT_NEAR(heading_at(30 * kPeriod_ns), 2.05F, 1e-3F);
-  EXPECT_NEAR(heading_at(10 * kPeriod_ns), 1.3F, 1e-3F);  // the oldest that is kept
-  trackers.Take(body::kHips, 19 * kPeriod_ns, Y(3));      // older than the last
+  EXPECT_NEAR(heading_at(10 * kPeriod_ns), 1.3F, 1e-3F);  // the oldest sample that is kept
+  trackers.Take(body::kHips, 19 * kPeriod_ns, Y(3));      // older than the last: dropped
   EXPECT_NEAR(heading_at(22 * kPeriod_ns), 2.05F, 1e-3F);
-  trackers.Take(body::kHips, 20 * kPeriod_ns, Y(2.1F));  // instead of the last
+  trackers.Take(body::kHips, 20 * kPeriod_ns, Y(2.1F));  // replaces the last
   EXPECT_NEAR(heading_at(21 * kPeriod_ns), 2.1F, 1e-3F);
   EXPECT_NEAR(heading_at(20 * kPeriod_ns), 1.9F, 1e-3F);
 }
@@ -466,7 +469,7 @@ TEST(Trackers, WhoseSamplesComeInBurstsAreNotThrownAhead) {
   Trackers trackers(options);
   trackers.Take(body::kHips, 0, Quat::Identity());
   trackers.ResetFull(0);
-  // Two of 10 ms between them arrive within 0.1 ms, every 20 ms.
+  // Two samples, 10 ms apart, arrive within 0.1 ms, every 20 ms.
   for (int i = 1; i <= 20; ++i) {
     trackers.Take(body::kHips, (i + i % 2) * kPeriod_ns - i % 2 * 100'000, Y(0.1F * i));
   }
@@ -475,7 +478,8 @@ TEST(Trackers, WhoseSamplesComeInBurstsAreNotThrownAhead) {
   EXPECT_NEAR(Degrees(pose.rotations[body::kHips], Quat::Identity()) * kPi / 180, 2.05F, 0.01F);
 }
 
-// 100 Hz each, out of step, resampled: what is left is the motion within less than a period.
+// Sensors of 100 Hz each, out of step, are resampled: the rest of the error is the motion within
+// less than a period.
 TEST(Trackers, OutOfStepGiveThePoseOfOneTime) {
   Trackers::Options options;
   options.delay_ns = 12'000'000;
@@ -539,7 +543,7 @@ TEST(TrackersPlace, OfTheRestPoseIsThatOfTheHumanoid) {
   EXPECT_NEAR(pose.hips_position_m.z(), 0, 1e-5F);
 }
 
-// The synthetic performer's soles are thicker than the humanoid's at rest; that is all.
+// The synthetic performer's soles are thicker than the humanoid's at rest: the only difference.
 TEST(TrackersPlace, HasTheHeightOfThePerformersHips) {
   const float soles = static_cast<float>(synthetic::kToeHeight_m) - 0.02F;
   for (const std::string script : {"stand:60", "walk:60", "wave-both:60"}) {
@@ -552,7 +556,7 @@ TEST(TrackersPlace, HasTheHeightOfThePerformersHips) {
   }
 }
 
-// Heel and ball of both feet, where a sole is.
+// Heel and ball of both feet, at the sole.
 std::array<Vec3, 4> Soles(const body::Pose& pose) {
   const auto world = World(pose);
   std::array<Vec3, 4> soles;
@@ -565,7 +569,8 @@ std::array<Vec3, 4> Soles(const body::Pose& pose) {
   return soles;
 }
 
-// A sole that is left for another may have risen by so much since the last frame.
+// When the weight passes to another sole, the old one may have risen by this much since the last
+// frame.
 TEST(TrackersPlace, LetsAFootOnTheFloorNotSlide) {
   constexpr float kNearFloor_m = 0.02F;
   const Track track = Follow("walk:20,turn-left:10,stand:5", 3500, kLegsWorn);
