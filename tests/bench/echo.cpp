@@ -1,7 +1,7 @@
-// What the daemon's loop, sockets and wait modes cost without a stylist: each frame that arrives
-// goes out as it is, under the topic and at about the size of a styled one. The measure of the wire
-// bench. Usage: styled_echo block|hybrid|busy [cpu [priority]]; says where it listens, ends with
-// its input.
+// The cost of the daemon's loop, sockets and wait modes without a stylist: each received frame is
+// published unchanged, under the topic of a styled frame and at about its size. The reference for
+// the wire bench. Usage: styled_echo block|hybrid|busy [cpu [priority]]. It prints its addresses
+// and ends at the end of its input.
 #include <sys/prctl.h>
 #include <unistd.h>
 #include <zmq.h>
@@ -24,7 +24,7 @@
 namespace styled::bench {
 namespace {
 
-constexpr std::size_t kMessage = 640;  // a styled frame of 21 joints has about as much
+constexpr std::size_t kMessage = 640;  // about the size of a styled frame with 21 joints
 
 struct Stream {
   std::string topic;

@@ -29,7 +29,7 @@ struct Layer {
   Vector<kLatent> h0, c0;
 };
 
-// Tensors of the file by name.
+// Reads the file's tensors by name.
 class Reader {
  public:
   explicit Reader(const WeightsFile& file) : file_(file) {}
@@ -121,7 +121,8 @@ PlainStep::PlainStep(const WeightsFile& file, std::span<const net::StyleWeight> 
   w.mean = reader.Matrix("feature.mean");
   w.deviation = reader.Matrix("feature.deviation");
   reader.Read("encoder.0", w.encoder0);
-  w.encoder0.bias += reader.Matrix("encoder.0.weight").col(kFeatures);  // the input is neutral
+  // The input style is neutral.
+  w.encoder0.bias += reader.Matrix("encoder.0.weight").col(kFeatures);
   reader.Read("encoder.1", w.encoder1);
   const auto layer = [](std::size_t style, std::size_t l) {
     return "recurrent." + std::to_string(style) + "." + std::to_string(l);

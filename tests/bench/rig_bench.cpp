@@ -1,7 +1,7 @@
 // From a rig's datagrams to published frames: translator, outbox and pipeline as in the daemon,
-// without sockets, on the synthetic performer at 60 Hz. "HandedOn" ends where the pipeline copies
-// the pose, so that it is the way alone; "Published" styles it, too, and serializes one topic.
-// Random weights: shapes decide, not values. Never asserted by wall time.
+// without sockets, with the synthetic performer at 60 Hz. "HandedOn" ends where the pipeline copies
+// the pose, so it measures the translation only; "Published" also styles the pose and serializes
+// one topic. Random weights: the cost depends on shapes, not on values. No assertion on wall time.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -21,7 +21,7 @@ constexpr double kRate_hz = 60;
 constexpr auto kPeriod_ns = static_cast<std::int64_t>(1e9 / kRate_hz);
 using Datagram = std::vector<std::byte>;
 
-// What the sender of a rig sends, frame by frame.
+// The datagrams of a simulated rig, frame by frame.
 std::vector<std::vector<Datagram>> Record(const std::string& type) {
   auto rig = rigs::Make(type, {{"sim"}, kRate_hz, 1, {}});
   synthetic::Performer performer(synthetic::Options{});
@@ -57,7 +57,7 @@ struct Publisher final : publish::Publisher {
   bool asking = true;
 };
 
-// As much of the pipeline as it takes to have the pose.
+// The part of the pipeline up to the copy of the pose.
 struct Copies final : source::Receiver {
   void OnFrames(int, std::span<const source::SourceFrame> frames, bool) override {
     for (const source::SourceFrame& frame : frames) {

@@ -1,5 +1,6 @@
-// One step of the network, and the same in plain Eigen: hot, and after 8 MB of other work has gone
-// through the caches, which is how a step at 120 Hz finds them. Never asserted by wall time.
+// One step of the network, and the same in plain Eigen: with hot caches, and after other work has
+// read 8 MB, which is the state in which a step at 120 Hz finds the caches. No assertion on wall
+// time.
 #include <benchmark/benchmark.h>
 #include <sys/prctl.h>
 
@@ -55,7 +56,7 @@ void Cold(benchmark::State& state) {
   state.counters["p99_us"] = times_us[times_us.size() * 99 / 100];
 }
 
-// What this machine's caches can do at best: the bytes of a step's weights, read once, in order.
+// The lower bound from memory: the bytes of a step's weights, read once, in order.
 template <int Rows, int Columns>
 constexpr std::size_t kBytes = sizeof(net::PackedMatrix<Rows, Columns>);
 constexpr std::size_t StepBytes(std::size_t styles) {
@@ -65,7 +66,8 @@ constexpr std::size_t StepBytes(std::size_t styles) {
          kBytes<kDecoderWidths[2], kDecoderWidths[1]> + kBytes<kHeads, kDecoderWidths[2]>;
 }
 
-// As wide as this machine's registers, so many at once that no addition waits for another.
+// Uses the machine's full register width, with enough accumulators that no addition waits for
+// another.
 #if defined(__x86_64__)
 #define STYLED_EACH_WIDTH __attribute__((target_clones("avx512f", "avx2,fma", "default")))
 #else
@@ -101,7 +103,7 @@ STYLED_EACH_WIDTH float MultiplyAll(std::size_t count, float factor) {
   return sums[0][0] + sums[0][7] + sums[0][15];
 }
 
-// The other limit: as many multiplications and additions, from registers.
+// The other bound: the same number of multiplications and additions, from registers.
 void MultiplyWeights(benchmark::State& state) {
   const std::size_t floats = StepBytes(static_cast<std::size_t>(state.range(0))) / sizeof(float);
   float factor = 0.5F;
@@ -111,15 +113,15 @@ void MultiplyWeights(benchmark::State& state) {
   }
 }
 
-// At 120 Hz, the process asleep in between. As the pipeline prewarms, the step is made once for
-// nothing so many microseconds before it is due (0: not at all), and what is left of them is slept,
-// as a blocking loop does, or polled away, as a hybrid one does.
+// Steps at 120 Hz; the process sleeps in between. Like the pipeline's prewarming, an extra step is
+// computed and discarded some microseconds before the real one is due (0: none). The rest of that
+// time is slept, as in a blocking loop, or polled, as in a hybrid one.
 void Paced(benchmark::State& state) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::nanoseconds kPeriod{1'000'000'000 / 120};
   const std::chrono::microseconds before{state.range(0)};
   const bool polled = state.range(1) != 0;
-  prctl(PR_SET_TIMERSLACK, 1UL);  // as the pipeline's thread
+  prctl(PR_SET_TIMERSLACK, 1UL);  // like the pipeline's thread
   OurRun run(1);
   State scratch;
   net::Prediction nothing;
@@ -157,7 +159,7 @@ void Paced(benchmark::State& state) {
   if (!prewarm_us.empty()) state.counters["prewarm_p50_us"] = median(prewarm_us);
 }
 
-// So many performers, each as OurRun; per performer.
+// Several performers, each as OurRun; the result is per performer.
 template <bool Together>
 void Crowd(benchmark::State& state) {
   const auto count = static_cast<std::size_t>(state.range(0));

@@ -1,6 +1,6 @@
-// The whole stylist per frame, bind to feet, on the synthetic performer at 120 Hz, beside a step of
-// the network in plain Eigen: a unit that stays the same from commit to commit. Random weights:
-// shapes decide, not values. Never asserted by wall time.
+// The whole stylist per frame, from binding to feet, with the synthetic performer at 120 Hz, beside
+// one step of the network in plain Eigen, which serves as a unit that stays the same from commit to
+// commit. Random weights: the cost depends on shapes, not on values. No assertion on wall time.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ struct Stream {
   }
 };
 
-// `state.range(0)`: styles in the mix; `state.range(1)`: feet held.
+// `state.range(0)`: number of styles in the mix; `state.range(1)`: whether feet are held.
 void WholeStylist(benchmark::State& state) {
   const Stream stream;
   stylist::Options options;
@@ -68,7 +68,7 @@ BENCHMARK(WholeStylist)
     ->Args({4, 1})
     ->Unit(benchmark::kMicrosecond);
 
-// The unit: a step of the network alone, one style, in plain Eigen.
+// The unit: one step of the network, one style, in plain Eigen.
 void PlainStep(benchmark::State& state) {
   erd::StepRun run(erd::RandomNetwork(16, 1), 1);
   erd::PlainStep plain(erd::RandomWeights(16, 1), run.active);

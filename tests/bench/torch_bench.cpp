@@ -1,10 +1,10 @@
-// Our step, hot and L2-cold, and beside it the same step in plain Eigen and libtorch's forward of
-// the same network, weights and frames, in one run: one performer, one style, one frame at a time,
-// one thread. libtorch runs eagerly without gradients, in three forms: the recurrent layers op by
-// op, by at::lstm, which takes all layers in one call, and by the trainer's own kernel, which is no
-// libtorch at all; and at::lstm over whole clips, as the paper's Table 2. All are timed in turn in
-// many short rounds, so that a busy machine is unfair to none of them; the medians are compared.
-// Never asserted by wall time.
+// Compares, in one run, our step (hot and L2-cold), the same step in plain Eigen, and libtorch's
+// forward pass of the same network, weights and frames: one performer, one style, one frame at a
+// time, one thread. libtorch runs eagerly without gradients in three forms: the recurrent layers op
+// by op; by at::lstm, which takes all layers in one call; and by the trainer's own kernel, which is
+// not part of libtorch. In addition, at::lstm over whole clips, as in the paper's Table 2. All are
+// timed in turn in many short rounds, so that other load on the machine affects all of them alike;
+// medians are compared. No assertion on wall time.
 #include <torch/torch.h>
 #include <unistd.h>
 
@@ -34,7 +34,7 @@ constexpr int kRounds = 40;
 
 enum class Recurrent { kOps, kLstm, kTrainer };
 
-// One frame at a time through the trainer's generator, of whose branches only one runs.
+// Runs the trainer's generator one frame at a time, with only one of its branches.
 class TorchRun {
  public:
   TorchRun(const train::LoadedWeights& weights, int style, Recurrent recurrent)
@@ -57,7 +57,7 @@ class TorchRun {
 
   void Step(const Features& features) { Steps({&features, 1}); }
 
-  // Frames that are there all at once: every layer runs over all of them.
+  // All frames are available at once: each layer runs over all of them.
   void Steps(std::span<const Features> frames) {
     const Tensor x =
         torch::from_blob(const_cast<float*>(frames[0].data()),
@@ -72,7 +72,7 @@ class TorchRun {
   Tensor reconstruction, styled;
 
  private:
-  // A stack as at::lstm takes it: all layers in one call.
+  // A stack in the form of at::lstm: all layers in one call.
   struct Fused {
     explicit Fused(const train::Stack& stack) : layers(static_cast<int64_t>(stack.input.size())) {
       for (int64_t l = 0; l < layers; ++l) {
@@ -133,7 +133,7 @@ class TorchRun {
   Fused neutral_fused_, branch_fused_;
 };
 
-// Largest difference between our outputs of a frame and libtorch's.
+// The largest difference between our outputs for a frame and libtorch's.
 double Difference(const net::Prediction& ours, const TorchRun& theirs) {
   double largest = 0;
   const auto compare = [&largest](const net::Decoded& decoded, const Tensor& rotations) {
@@ -164,7 +164,7 @@ struct Timing {
   const char* name;
   int steps;  // per round
   std::function<void()> before, step;
-  int ours = 0;  // the timing of ours that it is compared with
+  int ours = 0;  // index of our timing that this one is compared with
   std::vector<double> times_us = {};
 
   void Round() {
@@ -182,7 +182,7 @@ struct Timing {
   }
 };
 
-// Frames that come at 120 Hz: the process sleeps in between.
+// Paces frames at 120 Hz; the process sleeps in between.
 class Pace {
  public:
   void Wait() {
@@ -218,7 +218,7 @@ int Main() {
   }
   const auto network = RandomNetwork(kStyles, 1);
   StepRun hot(network, 1), cold(network, 1);
-  StepRun inputs(network, 1);  // for its frames
+  StepRun inputs(network, 1);  // used for its frames only
   TorchRun ops(weights.value(), 1, Recurrent::kOps), lstm(weights.value(), 1, Recurrent::kLstm),
       trainer(weights.value(), 1, Recurrent::kTrainer);
   PlainStep plain_hot(RandomWeights(kStyles, 1), hot.active);
@@ -243,7 +243,7 @@ int Main() {
        2},
       {"libtorch, the trainer's kernel", 25, nullptr, [&] { trainer.Step(inputs.NextFrame()); }},
   };
-  // Clips that are there as a whole, as in the paper's Table 2: ours still goes frame by frame.
+  // Whole clips, as in the paper's Table 2; our step still runs frame by frame.
   const auto add_clip = [&](const char* our_name, const char* their_name, int frames) {
     timings.push_back({our_name, 2, nullptr, [&hot, frames] {
                          for (int i = 0; i < frames; ++i) hot.Step();
@@ -261,7 +261,7 @@ int Main() {
   add_clip("our steps, clip of 90 frames", "libtorch, at::lstm, 90 frames", 90);
   add_clip("our steps, clip of 120 frames", "libtorch, at::lstm, 120 frames", 120);
 
-  // The same work first: equal outputs on equal frames.
+  // First a check that both do the same work: equal outputs for equal frames.
   StepRun check(network, 1);
   PlainStep plain_check(RandomWeights(kStyles, 1), check.active);
   double difference = 0;
@@ -296,6 +296,6 @@ int Main() {
 }  // namespace styled::erd
 
 int main(int, char** argv) {
-  styled::train::UseFastKernels(argv);  // or libtorch would look slower than it is
+  styled::train::UseFastKernels(argv);  // without them libtorch would appear slower than it is
   return styled::erd::Main();
 }

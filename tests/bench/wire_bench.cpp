@@ -1,6 +1,6 @@
-// From the sender's send() to the subscriber's receive, through the real daemon and through an echo
-// loop of the same sockets and wait modes (echo.cpp), in turn: who shares the machine disturbs
-// both alike. Ratios count, not microseconds; never asserted.
+// Latency from the sender's send() to the subscriber's receive, through the real daemon and, in
+// turn, through an echo loop with the same sockets and wait modes (echo.cpp). Other load on the
+// machine affects both alike, so compare ratios, not microseconds. No assertions.
 #include <sys/wait.h>
 #include <unistd.h>
 #include <zmq.h>
@@ -38,7 +38,7 @@ struct Variant {
   bool echo = false, prewarm = false;
 };
 
-// Of all rounds of one variant.
+// Over all rounds of one variant.
 struct Result {
   std::vector<double> latency_us;
   std::uint64_t sent = 0, lost = 0;
@@ -53,7 +53,7 @@ constexpr double kPeriod_us = 1e6 / 120;
 
 std::int64_t Now_ns() { return Clock::now().time_since_epoch() / std::chrono::nanoseconds(1); }
 
-// The thread's time on a processor.
+// The CPU time of the pipeline's thread.
 double PipelineCpu_us(pid_t pid) {
   for (const auto& task :
        std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
@@ -113,7 +113,7 @@ class EchoChild {
   int in_;
 };
 
-// Receives on a thread of its own, as a renderer does.
+// Receives on a separate thread, as a renderer does.
 class Listener {
  public:
   Listener(const std::string& endpoint, int performers, bool echo) : echo_(echo) {
@@ -141,9 +141,10 @@ class Listener {
     zmq_ctx_term(context_);
   }
 
-  std::atomic<std::int64_t> from_ns = std::numeric_limits<std::int64_t>::max();  // frames sent then
+  // Frames sent from then on are measured.
+  std::atomic<std::int64_t> from_ns = std::numeric_limits<std::int64_t>::max();
   std::atomic<std::int64_t> to_ns = std::numeric_limits<std::int64_t>::max();
-  std::vector<double> latency_us;  // after Stop
+  std::vector<double> latency_us;  // valid after Stop
 
  private:
   void Run() {
@@ -172,7 +173,7 @@ class Listener {
   std::thread thread_;
 };
 
-// One round against whoever listens at these addresses.
+// Measures one round against the process at these addresses.
 void Measure(const Options& options, const std::string& udp, const std::string& publish, bool echo,
              pid_t pid, const std::string& control, Result& result) {
   std::vector<std::unique_ptr<Listener>> listeners;
@@ -187,12 +188,13 @@ void Measure(const Options& options, const std::string& udp, const std::string& 
     links.back()->Send(rigs.back().Body());
   }
   support::Sleep(0.3);
-  // Performers are out of step: they send at kInstants instants at most, evenly over the period.
+  // Performers are not synchronized: they send at no more than kInstants instants, evenly spread
+  // over the period.
   constexpr int kInstants = 16;
   const int group = (options.performers + kInstants - 1) / kInstants;
   const double period_ns = 1e9 / options.rate_hz;
   const auto total = static_cast<int>((options.seconds + 1) * options.rate_hz);
-  const auto measured_from = static_cast<int>(options.rate_hz);  // the first second warms up
+  const auto measured_from = static_cast<int>(options.rate_hz);  // the first second is the warm-up
   const std::int64_t start_ns = Now_ns() + 1'000'000;
   double cpu_us = 0;
   std::uint64_t sent = 0;

@@ -1,5 +1,5 @@
-// Fuzzes styled::native: the datagram decoder on the input as it is and resealed (so that the
-// checksum does not hide what lies behind it), and the stream reader on the input in pieces.
+// Fuzzes styled::native: the datagram decoder with the input unchanged and with a corrected
+// checksum (to reach the code behind the check), and the stream reader with the input in pieces.
 // Seeds: the unit test's case table (tests/unit/native/decode_cases.h).
 #include <algorithm>
 #include <cstdint>
@@ -22,7 +22,7 @@ void Require(bool condition) {
   if (!condition) std::abort();
 }
 
-// What decodes must encode to the same bytes.
+// A decoded datagram must encode to the same bytes.
 void CheckDatagram(std::span<const std::byte> bytes) {
   Datagram datagram;
   if (Decode(bytes, datagram) != DecodeResult::kOk) return;

@@ -1,6 +1,5 @@
-// Fuzzes the weights file's reader: the container, and the families' loaders behind it.
-// Seeds: safetensors_seeds.cpp.
-// metadata.
+// Fuzzes the weights file's reader: the container, its metadata, and the families' loaders behind
+// it. Seeds: safetensors_seeds.cpp.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Writes the seeds of safetensors_fuzz into a folder: main FOLDER
+// Writes the seeds of safetensors_fuzz to a folder. Usage: main FOLDER
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
     if (!status.ok()) std::fprintf(stderr, "%s\n", status.message().c_str());
     ok = ok && status.ok();
   };
-  // Small ones, in which a mutation hits the header and not a weight; and one that loads.
+  // Small files, in which a mutation hits the header rather than a weight; and one that loads.
   const WeightsFile whole = RandomWeights(2, 1);
   WeightsFile small = whole;
   std::erase_if(small.tensors, [](const NamedTensor& t) { return t.values.size() > 64; });

@@ -1,7 +1,7 @@
-// Drives a fuzz target without libFuzzer: every seed as it is, then seeded mutations of each (same
-// seeds, same run). main [--runs=N] [--seed=N] [--seconds=S] FILE-OR-FOLDER...
-// Ends after S seconds, or after N mutations of each seed where N is given. With neither, after
-// 20,000 mutations or 4 s.
+// Runs a fuzz target without libFuzzer: every seed unchanged, then seeded mutations of each (the
+// same seeds give the same run). Usage: main [--runs=N] [--seed=N] [--seconds=S] FILE-OR-FOLDER...
+// Ends after S seconds, or after N mutations per seed if N is given. With neither, it ends after
+// 20,000 mutations per seed or 4 s.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -44,7 +44,7 @@ void AddSeeds(const std::string& place, std::vector<Bytes>& seeds) {
   for (const auto& entry : std::filesystem::directory_iterator(place)) {
     if (entry.is_regular_file()) files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());  // the folder's own order differs between machines
+  std::sort(files.begin(), files.end());  // directory order differs between machines
   for (const auto& file : files) seeds.push_back(Read(file));
 }
 
@@ -65,12 +65,12 @@ Options Parse(int argc, char** argv) {
   return options;
 }
 
-// One small change: what breaks length fields, counts and signs most often.
+// One small change, of the kinds that most often break length fields, counts and signs.
 void Mutate(Bytes& bytes, std::mt19937& random) {
   const auto below = [&random](std::size_t n) { return static_cast<std::size_t>(random()) % n; };
   constexpr std::uint8_t kTelling[] = {0x00, 0x01, 0x7f, 0x80, 0xff, '0', '9', '-', '"', '{'};
   if (bytes.empty()) bytes.push_back(static_cast<std::uint8_t>(random()));
-  // Half of all changes in the first 64 bytes: headers are there.
+  // Half of all changes are in the first 64 bytes, where headers are.
   const std::size_t reach = below(2) == 0 ? std::min<std::size_t>(bytes.size(), 64) : bytes.size();
   const std::size_t at = below(reach);
   const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
@@ -115,11 +115,11 @@ int main(int argc, char** argv) {
   }
   for (const Bytes& seed : options.seeds) LLVMFuzzerTestOneInput(seed.data(), seed.size());
 
-  // Round by round over all seeds: a run cut short has still touched each.
+  // In rounds over all seeds, so that a run that is cut short has used each seed.
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   const auto end = begin + std::chrono::duration<double>(options.seconds.value_or(4));
-  // A time asked for is used up: no number of mutations that nobody gave ends it before.
+  // If only a time is given, the number of mutations is unlimited.
   const long runs =
       options.runs.value_or(options.seconds ? std::numeric_limits<long>::max() : 20000);
   std::mt19937 random(options.seed);

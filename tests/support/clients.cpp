@@ -142,7 +142,7 @@ ControlClient::~ControlClient() {
 void ControlClient::SetPatience(double seconds) {
   SetInt(socket_, ZMQ_RCVTIMEO, static_cast<int>(seconds * 1000));
   SetInt(socket_, ZMQ_SNDTIMEO,
-         static_cast<int>(seconds * 1000));  // a refused one may have no pipe
+         static_cast<int>(seconds * 1000));  // a refused connection may have no pipe
 }
 
 v1::Reply ControlClient::AskRaw(const std::vector<std::string>& parts) {

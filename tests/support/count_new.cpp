@@ -21,7 +21,7 @@ void Count() {
 
 #if COUNT_MALLOC
 
-// glibc's own names for what is replaced below; operator new comes by there, too.
+// glibc's names for the functions replaced below; operator new also ends there.
 // NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 void* __libc_malloc(std::size_t size);

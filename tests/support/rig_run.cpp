@@ -45,41 +45,40 @@ std::unique_ptr<rigs::RigStream> MakeStream(const RigRun& run, std::unique_ptr<r
   return std::move(stream.value());
 }
 
-// What plays the run, and the first performer's canonical pose in the frame that it sent last.
+// The player of the run, and the first performer's canonical pose in the last frame sent.
 struct Playing {
   std::unique_ptr<player::Sender> sender;
   std::function<const body::Pose&()> pose;
-  std::string server;                  // where it listens, if the stand-in is a server
-  std::unique_ptr<player::Link> link;  // there
+  std::string server;                  // its address, if the simulated rig is a server
+  std::unique_ptr<player::Link> link;  // to that server
 };
 
-// Our own protocol has no stand-in: the motion goes out on its own skeleton, which the daemon
-// binds. A second one, bound here, says what is to come.
-Playing PlayNative(const RigRun& run) {
-  const auto spec = faults::Parse(run.faults);
-  EXPECT_TRUE(spec.ok()) << spec.status().message();
-  EXPECT_TRUE(run.performers.size() == 1 && run.quirks.empty()) << "native: one, without quirks";
-  struct Twin {
-    std::unique_ptr<player::Motion> motion;
-    rig::Binding binding;
-    rig::RigPose on_rig;
-    body::Pose canonical;
-  };
-  auto motion = MakeMotion(run, 0);
-  auto binding = rig::BindDialect(motion->body().skeleton, motion->body().dialect);
-  EXPECT_TRUE(binding.ok()) << binding.status().message();
-  const auto twin = std::make_shared<Twin>(
-      Twin{std::move(motion), std::move(binding.value()), rig::RigPose(), body::Pose()});
-  Playing playing;
-  playing.sender = std::make_unique<player::Stream>(
-      player::StreamOptions{run.performers[0], run.rate_hz, [] { return std::uint64_t{7}; }, {}},
-      MakeMotion(run, 0), faults::Faults(spec.value()));
-  playing.pose = [twin]() -> const body::Pose& {
-    (void)twin->motion->Next(twin->on_rig);
-    twin->binding.Bind(twin->on_rig, twin->canonical);
-    return twin->canonical;
-  };
-  return playing;
+// There is no simulated rig for the native protocol: the motion is sent on its own skeleton, which
+// the daemon binds. A second binding here computes the expected poses.
+const auto spec = faults::Parse(run.faults);
+EXPECT_TRUE(spec.ok()) << spec.status().message();
+EXPECT_TRUE(run.performers.size() == 1 && run.quirks.empty()) << "native: one, without quirks";
+struct Twin {
+  std::unique_ptr<player::Motion> motion;
+  rig::Binding binding;
+  rig::RigPose on_rig;
+  body::Pose canonical;
+};
+auto motion = MakeMotion(run, 0);
+auto binding = rig::BindDialect(motion->body().skeleton, motion->body().dialect);
+EXPECT_TRUE(binding.ok()) << binding.status().message();
+const auto twin = std::make_shared<Twin>(
+    Twin{std::move(motion), std::move(binding.value()), rig::RigPose(), body::Pose()});
+Playing playing;
+playing.sender = std::make_unique<player::Stream>(
+    player::StreamOptions{run.performers[0], run.rate_hz, [] { return std::uint64_t{7}; }, {}},
+    MakeMotion(run, 0), faults::Faults(spec.value()));
+playing.pose = [twin]() -> const body::Pose& {
+  (void)twin->motion->Next(twin->on_rig);
+  twin->binding.Bind(twin->on_rig, twin->canonical);
+  return twin->canonical;
+};
+return playing;
 }
 
 Playing Play(const RigRun& run) {
@@ -102,7 +101,7 @@ Playing Play(const RigRun& run) {
 
 void Compare(const std::vector<body::Pose>& sent, double rate_hz, RigResult& result) {
   if (result.frames.empty()) return;
-  // The last frame that came is the last that was sent.
+  // The last frame received corresponds to the last one sent.
   const auto last_ns = static_cast<double>(result.frames.back().source_time_ns());
   for (const v1::Frame& frame : result.frames) {
     const double back_s = (last_ns - static_cast<double>(frame.source_time_ns())) * 1e-9;
@@ -169,7 +168,7 @@ RigResult StreamAsRig(const RigRun& run) {
   });
   EXPECT_TRUE(playing.sender->Flush(*link).ok());
   const std::string topic = "styled/" + id + "/canonical/";
-  // All that will come: nothing new for a while.
+  // Waits until no new frames arrive for a while.
   std::size_t before = 0;
   for (int i = 0; i < 40; ++i) {
     Sleep(0.1);

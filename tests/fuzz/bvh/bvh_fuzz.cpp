@@ -1,5 +1,5 @@
-// Fuzzes the BVH reader: what it reads is finite, can be resampled, and written as a file that is
-// read as the same skeleton and as many frames.
+// Fuzzes the BVH reader: what it accepts is finite, can be resampled, and can be written to a file
+// that reads back with the same skeleton and number of frames.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   const clip::Clip& clip = read.value();
   RequireFinite(clip);
-  // Few enough frames to be quick: a clip of 1 Hz becomes sixty times as many.
+  // Limited to be quick: a clip at 1 Hz becomes sixty times as many frames.
   if (clip.frames.size() * clip.skeleton.names.size() < 500) {
     RequireFinite(clip::Resample(clip, 60));
   }

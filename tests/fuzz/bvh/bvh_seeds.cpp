@@ -1,4 +1,4 @@
-// Writes small BVH files, one of each habit, as seeds of bvh_fuzz.
+// Writes small BVH files, one per exporter's conventions, as seeds of bvh_fuzz.
 #include <span>
 #include <string>
 

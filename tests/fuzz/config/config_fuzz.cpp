@@ -1,5 +1,5 @@
-// Fuzzes the daemon's configuration file: it is refused with a reason, or understood and valid. The
-// last line, where there is one, is an override as of --set.
+// Fuzzes the daemon's configuration file: it is either refused with a reason, or parsed and valid.
+// The last line, if any, is an override like --set.
 #include <cstdint>
 #include <cstdlib>
 #include <string>

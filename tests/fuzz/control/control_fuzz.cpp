@@ -1,5 +1,5 @@
-// Fuzzes control requests, through the pipeline, with a performer there: each is answered, refused
-// ones with a reason, and frames stay finite whatever was set.
+// Fuzzes control requests through the pipeline, with one performer: each request gets a reply, a
+// refusal contains a reason, and frames stay finite whatever was set.
 #include <google/protobuf/stubs/logging.h>
 
 #include <cmath>
@@ -47,7 +47,7 @@ class FiniteFrames final : public publish::Publisher {
   bool asking_ = true;
 };
 
-// The source of what Daemon delivers itself.
+// A source without a socket; Daemon delivers its datagrams directly.
 class Nothing final : public source::Transport {
  public:
   int DoWork(source::Receiver&) override { return 0; }
@@ -125,7 +125,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Require(reply.id() == request.id());
   Require(reply.code() == v1::CODE_OK || !reply.reason().empty());
   daemon.Play(2);
-  // As it was, so that an input means the same every time.
+  // Restores the initial state, so that an input always has the same effect.
   v1::Request undo;
   undo.set_performer("*");
   undo.mutable_pin()->set_pinned(false);

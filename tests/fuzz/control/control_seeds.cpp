@@ -1,4 +1,4 @@
-// Writes a request of each kind as seeds of control_fuzz.
+// Writes one request of each kind as seeds of control_fuzz.
 #include <span>
 #include <string>
 

@@ -1,5 +1,5 @@
-// Fuzzes what the doctor reads of strangers: datagrams, packets of the wire, streams; and what
-// other programs tell it: rulesets, tables of sockets.
+// Fuzzes the doctor's parsers: untrusted datagrams, captured packets and streams, and the output of
+// other programs: firewall rulesets and socket tables.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -20,7 +20,7 @@ void Require(bool condition) {
   if (!condition) std::abort();
 }
 
-// A word for the report: short, and nothing in it moves a terminal's cursor.
+// The text for the report must be short and contain no control characters.
 void Check(const doctor::Sniffed& what) {
   Require((what.format == doctor::Format::kUnknown) == (what.verdict == doctor::Verdict::kForeign));
   Require(!what.kind.empty() && what.kind.size() <= kMaxKind);

@@ -19,7 +19,7 @@ Bytes ToBytes(std::string_view text) {
   return out;
 }
 
-// IPv4 and UDP around a datagram.
+// Wraps a datagram in IPv4 and UDP.
 Bytes Packet(const Bytes& payload) {
   using namespace styled::slimevr::testing;
   const auto u16 = [](std::size_t value) {

@@ -1,5 +1,6 @@
-// Fuzzes the reader of manifests, over a folder of files of the usual names: a manifest is refused
-// with a reason that names it, or what it lists is there and of its own styles and contents.
+// Fuzzes the reader of manifests, over a folder of files with the usual names: a manifest is either
+// refused with a reason that names it, or every clip that it lists exists with its style and
+// content.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -21,7 +22,7 @@ void Require(bool condition) {
   if (!condition) std::abort();
 }
 
-// Patterns look at names alone.
+// The files contain no motion: patterns match names only.
 struct Folder {
   Folder() {
     for (const char* const name :

@@ -1,5 +1,5 @@
-// Fuzzes styled::mocopi: what decodes is written by the encoder in the grammar's own order, reads
-// back as the same, and is written the same again. Seeds: tests/unit/mocopi/decode_cases.h.
+// Fuzzes styled::mocopi: a decoded datagram is written by the encoder in the grammar's order, reads
+// back the same, and encodes to the same bytes again. Seeds: tests/unit/mocopi/decode_cases.h.
 #include <algorithm>
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Fuzzes styled::mvn: every decoder on the same bytes, and the stream's cutter.
+// Fuzzes styled::mvn: every decoder with the same bytes, and the splitting of the stream.
 #include <cstdint>
 #include <cstdlib>
 #include <vector>
@@ -14,8 +14,8 @@ void Require(bool condition) {
   if (!condition) std::abort();
 }
 
-// Poses of type 02 encode to the bytes that they were read from, but for the header's reserved
-// bytes and payload size.
+// Poses of type 02 encode to the bytes that they were decoded from, except for the header's
+// reserved bytes and payload size.
 void CheckPose(std::span<const std::byte> bytes) {
   mvn::Header header;
   static mvn::Pose pose;

@@ -1,6 +1,6 @@
-// Fuzzes styled::natnet: the bitstream's major and minor number, then a packet, read as what its
-// id says, whether or not its header tells the right size. What is read must encode to something
-// that is read as the same. Seeds: the unit test's case tables.
+// Fuzzes styled::natnet. The input is the bitstream's major and minor number, then a packet, which
+// is decoded according to its id, whether or not its header has the right size. A decoded packet
+// must encode to one that decodes to the same. Seeds: the unit test's case tables.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -28,7 +28,7 @@ std::vector<std::byte>& Buffer() {
   return buffer;
 }
 
-// The payload of what was just encoded.
+// The payload of the packet encoded last.
 std::span<const std::byte> Encoded(std::size_t size) {
   Packet packet;
   Require(DecodePacket(std::span(Buffer()).first(size), packet) == DecodeResult::kOk);

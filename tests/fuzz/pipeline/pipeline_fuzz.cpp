@@ -1,9 +1,9 @@
-// Fuzzes the pipeline with what several senders do at once: their clocks, sequence numbers,
-// sessions, machines, bodies and values, by a script that the input is (script.h), on a fake clock.
-// Beside them a victim sends at 120 Hz. Whatever the others do:
-// - what is published is finite, rotations are of unit length;
-// - the victim's frames are bit for bit those of a victim alone, none missing;
-// - a batch takes no more steps of the network than stylist.h states.
+// Fuzzes the pipeline with several simultaneous senders: their clocks, sequence numbers, sessions,
+// machines, bodies and values. The input is a script (script.h), executed on a fake clock. A victim
+// beside them sends at 120 Hz. Whatever the others do:
+// - published values are finite, and rotations have unit length;
+// - the victim's frames are bit-identical to those of a victim alone, and none is missing;
+// - a batch takes no more network steps than stylist.h states.
 #include <google/protobuf/stubs/logging.h>
 
 #include <array>
@@ -74,7 +74,7 @@ class Stage {
     pipeline_.Deliver({victim_.Body()}, kVictims);
   }
 
-  // One batch: the others' datagrams, the victim's next frame between them.
+  // Delivers one batch: the others' datagrams, with the victim's next frame among them.
   void Deliver(const std::vector<Bytes>& others, const std::vector<source::Machine>& machines) {
     pipeline_.clock.now_ns += kPeriod_ns;
     std::vector<Bytes> batch(others);
@@ -89,7 +89,7 @@ class Stage {
     REQUIRE(steps <= batch.size() * stylist::kMaxStepsPerFrame);
     batches_ += batch.size();
     steps_ += steps;
-    // Of seven performers at most each may use up its allowance once.
+    // Each of at most seven performers may use up its allowance once.
     REQUIRE(steps_ <= 64U * 64 + batches_ * stylist::kMeanStepsPerFrame);
     pipeline_.Work();
     (void)pipeline_.Lines();
@@ -97,7 +97,7 @@ class Stage {
     while (pipeline_.mailboxes.profiles.Pop(kept)) {
     }
   }
-  // What was published since the last call.
+  // The frames published since the last call.
   std::vector<v1::Frame> Take() { return std::exchange(pipeline_.publisher.frames, {}); }
   support::FakePipeline& pipeline() { return pipeline_; }
 
@@ -109,7 +109,7 @@ class Stage {
 
 bool IsVictims(const v1::Frame& frame) { return frame.performer() == "rig.victim"; }
 
-// The victim's frame `index` (of three topics: rig, canonical, source) without anybody beside.
+// The victim's frame `index` (of three topics: rig, canonical, source) without any other sender.
 const v1::Frame& Undisturbed(std::size_t index) {
   static Stage alone;
   static std::vector<v1::Frame> frames;
@@ -130,7 +130,7 @@ bool Same(const v1::Frame& a, const v1::Frame& b) {
          a.source_sequence() == b.source_sequence();
 }
 
-// Those beside the victim.
+// The other senders.
 class Others {
  public:
   explicit Others(Script& script) : script_(script) {
@@ -176,7 +176,7 @@ class Others {
         rig.sequence = Change(rig.sequence);
         break;
       case Action::kMachine:
-        // Never the victim's: who is there may be anybody.
+        // Never the victim's machine: a sender there may claim any identity.
         machines_[who] = source::Machine{2 + script_.Below(4)};
         break;
       case Action::kClock:
@@ -306,7 +306,7 @@ class Others {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   [[maybe_unused]] static auto* const quiet = google::protobuf::SetLogHandler(nullptr);
-  constexpr std::size_t kMostBytes = 1024;  // longer scripts say nothing new
+  constexpr std::size_t kMostBytes = 1024;  // longer scripts find nothing new
   Script script({data, std::min(size, kMostBytes)});
   Stage stage;
   Others others(script);

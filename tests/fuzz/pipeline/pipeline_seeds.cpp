@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   std::vector<std::vector<std::byte>> seeds(kScripts);
   for (auto& script : seeds) {
     for (int i = 0; i < kActions; ++i) {
-      // A body of each sender first, then every action, and frames most often.
+      // First a body of each sender, then every action, with frames most often.
       auto action = static_cast<Action>(random() % static_cast<unsigned>(Action::kCount));
       if (random() % 3 == 0) action = Action::kFrames;
       if (i < kSenders) action = Action::kBody;

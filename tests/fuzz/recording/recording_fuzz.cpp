@@ -1,5 +1,5 @@
-// Fuzzes the reader of recordings: the input as it is, and with the checksums of what looks like
-// blocks made right, so that they do not hide what lies behind them. Seeds:
+// Fuzzes the reader of recordings: with the input unchanged, and with corrected checksums of
+// everything that looks like a block, to reach the code behind the checks. Seeds:
 // tests/unit/recording/samples.h.
 #include <google/protobuf/stubs/logging.h>
 
@@ -34,7 +34,7 @@ void ReadAll(const std::vector<std::byte>& bytes) {
   while (reader.value()->Next(record)) ++records;
   const auto& counts = reader.value()->counts();
   Require(counts.records == records);
-  // Every byte is in a block, skipped, or in the tail.
+  // Every byte belongs to a block, to a skipped part, or to the tail.
   const std::uint64_t behind = bytes.size() > kPreambleSize ? bytes.size() - kPreambleSize : 0;
   Require(counts.skipped_bytes + counts.tail_bytes + counts.blocks * kBlockHeaderSize <= behind);
   Require(behind == 0 || counts.blocks > 0 || counts.skipped_bytes + counts.tail_bytes == behind);

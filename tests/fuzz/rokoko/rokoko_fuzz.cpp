@@ -1,6 +1,6 @@
-// Fuzzes styled::rokoko: the input as a datagram, and packed, so that LZ4's checksums do not hide
-// the text behind them. What decodes is written by the encoder, reads back as the same and is
-// written the same again. Seeds: tests/unit/rokoko/texts.h and lz4_frames.h.
+// Fuzzes styled::rokoko: with the input as a datagram, and compressed, so that LZ4's checksums do
+// not hide the text behind them. A decoded frame is written by the encoder, reads back the same,
+// and encodes to the same bytes again. Seeds: tests/unit/rokoko/texts.h and lz4_frames.h.
 #include <cstdint>
 #include <cstdlib>
 #include <span>
@@ -41,7 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   std::vector<std::byte> packed(size + 64);
   const std::size_t packed_size = packer.Pack(bytes, packed);
-  if (packed_size == 0) return 0;  // more than a megabyte, or not to be packed
+  if (packed_size == 0) return 0;  // more than a megabyte, or not compressible
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   static Frame unpacked;
   Require(decoder.Decode(std::span(packed).first(packed_size), unpacked) ==

@@ -1,5 +1,5 @@
-// Fuzzes files of keys: refused with a reason, or keys that are some and can be written and read
-// again.
+// Fuzzes key files: a file is either refused with a reason, or its keys are valid and can be
+// written and read again.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>

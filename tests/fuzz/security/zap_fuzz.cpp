@@ -1,4 +1,5 @@
-// Fuzzes what the gatekeeper is asked: refused, or a door of ours and a key that is one.
+// Fuzzes authentication requests (ZAP): a request is either refused, or it names one of the
+// daemon's sockets and a valid key.
 #include <cstdint>
 #include <cstdlib>
 #include <string>

@@ -1,5 +1,5 @@
 // Fuzzes styled::slimevr: the input as a receiver's report, as a tracker's datagram and as a
-// server's answer. What decodes has unit rotations and, written and read again, is the same.
+// server's reply. A decoded packet has unit rotations and is unchanged by encoding and decoding.
 // Seeds: the unit tests' case tables (tests/unit/slimevr/decode_cases.h).
 #include <algorithm>
 #include <array>
@@ -36,7 +36,8 @@ void CheckReport(std::span<const std::byte> bytes) {
     Require(DecodeReport(once, again) == ReportResult::kOk);
     Require(again.count == 1 && again.records[0].tracker == report.records[i].tracker);
     Require(again.records[0].body.index() == report.records[i].body.index());
-    // A second time nothing is left to round, but for packed rotations beyond half a turn.
+    // The second round trip loses nothing to rounding, except packed rotations of more than half a
+    // turn.
     if (OrientationOf(again.records[0]) != nullptr) continue;
     EncodeRecord(again.records[0], twice);
     Require(once == twice);
@@ -59,7 +60,7 @@ void CheckDatagram(std::span<const std::byte> bytes) {
     if (std::holds_alternative<Rotation>(packet) ||
         std::holds_alternative<LegacyRotation>(packet) ||
         std::holds_alternative<RotationAndAcceleration>(packet)) {
-      continue;  // brought to unit length again: the last bit may differ
+      continue;  // normalized again: the last bit may differ
     }
     Require(Encode(again.number, again.packets[0], twice) == size);
     Require(

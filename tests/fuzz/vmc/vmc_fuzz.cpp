@@ -1,6 +1,6 @@
 // Fuzzes styled::vmc: the input as one OSC datagram (read, decoded, written again), and as a
-// sequence of datagrams for the assembler, each behind two bytes: milliseconds since the last one,
-// and a quarter of its size. Seeds: the unit tests' case tables.
+// sequence of datagrams for the assembler, each preceded by two bytes: the milliseconds since the
+// previous one, and a quarter of its size. Seeds: the unit tests' case tables.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -21,7 +21,7 @@ void Require(bool condition) {
   if (!condition) std::abort();
 }
 
-// What was read is written to the same meaning, and read again.
+// A decoded message is written with the same meaning, and read again.
 void CheckMessage(const osc::Message& raw) {
   vmc::Message message;
   if (Decode(raw, message) != vmc::DecodeResult::kOk) return;
@@ -57,7 +57,7 @@ void CheckDatagram(Span bytes) {
   Require(writer.ok() && std::ranges::equal(copy, bytes));
 }
 
-// A frame packed is a frame read.
+// A packed frame reads back the same.
 void CheckPacking(const vmc::Frame& frame) {
   std::vector<vmc::Bone> bones;
   std::vector<vmc::Blend> blends;
@@ -115,7 +115,8 @@ void CheckSequence(Span bytes) {
     const Span part = bytes.first(std::min(wanted, bytes.size()));
     bytes = bytes.subspan(part.size());
     if (assembler->Flush(now_ns)) CheckFrame(assembler->frame(), last_time_s);
-    const std::vector<std::byte> datagram(part.begin(), part.end());  // ends where it ends
+    // An exact-size copy, so that ASan detects reads past the end.
+    const std::vector<std::byte> datagram(part.begin(), part.end());
     if (assembler->Begin(datagram, now_ns) != osc::Result::kOk) continue;
     while (assembler->Next()) CheckFrame(assembler->frame(), last_time_s);
   }

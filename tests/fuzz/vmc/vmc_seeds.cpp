@@ -1,5 +1,5 @@
-// Writes the cases of tests/unit/vmc, each to a file, as seeds of vmc_fuzz; then all good ones
-// together, as a sequence of datagrams, and a few frames of either habit.
+// Writes the cases of tests/unit/vmc, each to a file, as seeds of vmc_fuzz; then all valid ones as
+// one sequence of datagrams, and a few frames as each kind of sender sends them.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
