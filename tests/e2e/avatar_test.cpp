@@ -14,7 +14,7 @@ namespace {
 using rig::Quat;
 using rig::Vec3;
 
-// The canonical humanoid, half as tall again, as an avatar's file in centimetres.
+// Writes the canonical humanoid, one and a half times as tall, as an avatar file in centimetres.
 void WriteAvatar(const std::string& file, float metres_per_unit, float taller) {
   clip::Motion motion;
   for (const auto& row : body::kHumanoid) {
@@ -63,7 +63,8 @@ TEST(AvatarTest, AnAvatarIsDrivenOnItsOwnSkeletonAndMayBeChangedWhileItRuns) {
   EXPECT_EQ(body->performer(), "rig.anna");
   EXPECT_EQ(body->names_size(), body::kJointCount);
   EXPECT_NEAR(body->offsets(1), 1.5F * body::kHumanoid[0].y_m, 1e-4F);
-  // The same motion: local rotations of a T-posed avatar are the canonical ones, but for its legs.
+  // The same motion: the local rotations of a T-posed avatar are the canonical ones, except for its
+  // legs.
   const auto canonical = subscriber.Frames("styled/rig.anna/canonical/");
   for (const auto& frame : subscriber.Frames("styled/rig.anna/hero/")) {
     ASSERT_EQ(frame.body_hash(), body->hash());
@@ -81,7 +82,7 @@ TEST(AvatarTest, AnAvatarIsDrivenOnItsOwnSkeletonAndMayBeChangedWhileItRuns) {
     ASSERT_NEAR(frame.root_position(1), 1.5F * same->root_position(1), 0.12F);
   }
 
-  // Another file under the same name, by SIGHUP; then a broken one, which changes nothing.
+  // SIGHUP with another file under the same name; then with a broken one, which changes nothing.
   const std::string taller = folder / "taller.glb";
   WriteAvatar(taller, 1, 2);
   daemon.Configure(Output("hero", taller));

@@ -8,8 +8,8 @@
 namespace styled::support {
 namespace {
 
-// The canonical skeleton with arms that hang in its zero pose: no T-pose to anybody who takes the
-// zero pose for one.
+// The canonical skeleton with hanging arms in its zero pose: not a T-pose if the zero pose is taken
+// for one.
 struct HangingRig {
   Rig rig{"anna"};
   v1::Body body;
@@ -22,7 +22,7 @@ struct HangingRig {
     }
   }
   Bytes Body() { return rig.Datagram(native::Kind::kBody, body.SerializeAsString()); }
-  // Standing in T-pose, or with the right knee bent.
+  // A frame in T-pose, or with the right knee bent.
   Bytes Frame(bool bent = false) {
     return rig.Frame([bent](v1::SourceFrame& frame) {
       frame.set_body_crc(0);

@@ -105,7 +105,7 @@ TEST(ControlTest, TwentyKindsOfBadMessagesGetACodeAndAReasonAndChangeNothing) {
     EXPECT_EQ(reply.applied_size(), 0) << i;
     EXPECT_NE(reply.id(), 0U) << i;
   }
-  // Not even requests.
+  // Messages that are not requests.
   EXPECT_EQ(control.AskRaw({"\x12\xFF garbage"}).code(), v1::CODE_MALFORMED);
   EXPECT_EQ(control.AskRaw({"one", "two"}).code(), v1::CODE_MALFORMED);
   EXPECT_EQ(control.AskRaw({"one", "two", "three", "four", "five"}).code(), v1::CODE_MALFORMED);
@@ -144,7 +144,7 @@ TEST(ControlTest, WorksWithNoFramesFlowingAndAnswersAReqSocketToo) {
   ASSERT_EQ(reply.applied_size(), 1);
   EXPECT_EQ(reply.applied(0).performer(), "rig.later");
   EXPECT_EQ(reply.applied(0).first_sequence(), 1U);
-  // A REQ puts an empty part before its request.
+  // A REQ socket sends an empty part before its request.
   v1::Request status;
   status.mutable_status();
   EXPECT_EQ(control.AskRaw({"", status.SerializeAsString()}).code(), v1::CODE_OK);

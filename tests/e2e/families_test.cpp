@@ -1,4 +1,4 @@
-// The daemon runs the network of any family that its weights name.
+// The daemon runs the network of any family that its weights file names.
 #include <gtest/gtest.h>
 
 #include "tests/support/daemon.h"

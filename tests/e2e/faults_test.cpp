@@ -13,8 +13,8 @@
 namespace styled::support {
 namespace {
 
-// A faulty performer "bad" beside a healthy one "good", on the same socket. Afterwards every fault
-// must be in the counters, exactly, and "good" must not miss a frame.
+// A faulty performer "bad" beside a healthy one "good", on the same socket. Afterwards the counters
+// must contain every fault exactly, and "good" must not miss a frame.
 class FaultsTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -26,7 +26,7 @@ class FaultsTest : public testing::Test {
     ASSERT_TRUE(subscriber_->WaitFor([&] { return subscriber_->Bodies().size() >= 4; }, 10));
   }
 
-  // `step` sends the bad one's datagrams of one instant.
+  // `step` sends the datagrams of "bad" for one instant.
   void Run(int count, const std::function<void(int)>& step) {
     std::thread healthy([&] { Paced(count, 120, [&](int) { good_link_.Send(good_.Frame()); }); });
     Paced(count, 120, step);
@@ -36,7 +36,7 @@ class FaultsTest : public testing::Test {
 
   std::uint64_t Count(const std::string& counter) { return control_.Counter(counter); }
 
-  // What each counter must have come to; every other fault counter must be 0.
+  // Expects these values; every other fault counter must be 0.
   void ExpectCounts(std::map<std::string, std::uint64_t> expected) {
     for (const auto& [name, value] : expected)
       EXPECT_EQ(control_.CounterSoon(name, value), value) << name;
@@ -181,7 +181,7 @@ TEST_F(FaultsTest, CorruptedDatagramsAreRefusedEachWithItsReason) {
         break;  // oversized
       case 6:
         header::Write(std::span(bytes), header::kLength, 1U << 30U);
-        break;  // claims to be
+        break;  // the header claims to be oversized
       default:
         break;
     }
@@ -220,7 +220,7 @@ TEST_F(FaultsTest, WellFormedDatagramsWithNonsenseInsideAreRefused) {
         break;
     }
   });
-  // Sequences 1 (garbage) and 2 (no such name) of each six never reach the performer.
+  // Of each six, sequences 1 (garbage) and 2 (invalid name) never reach the performer.
   ExpectCounts({{"source.malformed", 10},
                 {"source.bad_name", 10},
                 {"pipeline.wrong_size", 20},
@@ -312,7 +312,7 @@ TEST_F(FaultsTest, IdleTcpConnectionsDoNotLockARigOut) {
     tcp.Send(rig.Frame());
   });
   ExpectGoodUnharmed();
-  // Nobody else comes and nothing of theirs does: time alone closes them.
+  // No other connection arrives, and these send nothing: only the time limit closes them.
   for (const auto& link : idle) EXPECT_TRUE(link->Closed(20));
   EXPECT_FALSE(tcp.Closed(0));
   ExpectCounts({{"source.tcp_gave_way", 1}, {"source.tcp_silent", 63}, {"source.tcp_refused", 0}});

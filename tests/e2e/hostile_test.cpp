@@ -1,5 +1,5 @@
 // A victim at 120 Hz beside every fault of stylesim and beside random clocks, over real sockets: no
-// frame of the victim is lost, and the control socket answers.
+// frame of the victim is lost, and the control socket replies.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ class HostileTest : public testing::Test {
   }
   ~HostileTest() override { Stop(); }
 
-  // From now on the victim sends, and an operator asks for the status ten times a second.
+  // From now on the victim sends, and an operator requests the status ten times per second.
   void Begin() {
     threads_.emplace_back([this] {
       const auto begin = Clock::now();
@@ -69,7 +69,7 @@ class HostileTest : public testing::Test {
     std::printf("status: median %.1f ms, 90 %% %.1f ms, longest %.1f ms of %zu; %d frames\n",
                 answers_ms_[answers_ms_.size() / 2], p90_ms, answers_ms_.back(), answers_ms_.size(),
                 static_cast<int>(sent_));
-    // The longest is the machine's, too, which runs other tests beside this one.
+    // The longest reply also depends on the machine, which runs other tests at the same time.
     EXPECT_LT(p90_ms, 100);
     EXPECT_LT(answers_ms_.back(), 2000);
   }
@@ -120,7 +120,7 @@ TEST_F(HostileTest, BesideAThousandRandomClocks) {
   std::mt19937_64 random(3);
   const UdpLink link(daemon_.udp);
   for (int clock = 0; clock < 1000; ++clock) {
-    // Each begins anew while it goes on sending, and so is taken at once.
+    // Each starts a new session while it keeps sending, so the daemon accepts it at once.
     const int name = clock % 24, round = clock / 24;
     Rig evil("evil" + std::to_string(name),
              static_cast<std::uint64_t>(1000 * name + 2 * round + 1));

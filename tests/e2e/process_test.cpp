@@ -71,7 +71,7 @@ TEST(ProcessTest, SighupTakesOverAGoodConfigurationAndFramesGoOn) {
   ASSERT_TRUE(subscriber.WaitForFrames(120, "styled/"));
   EXPECT_EQ(control.Counter("config.reloads"), 1U);
 
-  // Other weights, with other styles.
+  // Weights with other styles.
   WriteRandomWeights(daemon.folder / "weights.safetensors", 3, 2);
   daemon.child->Signal(SIGHUP);
   ASSERT_EQ(control.CounterSoon("config.reloads", 2), 2U) << daemon.Log();
@@ -100,7 +100,7 @@ TEST(ProcessTest, SighupWithABadConfigurationKeepsTheRunningOneAndSaysWhy) {
   EXPECT_EQ(control.SetStyle("rig.a", "style4").code(), v1::CODE_OK);
 }
 
-// Well-formed, finite, and all that they compute is not a number.
+// The file is well-formed and its values are finite, but every output is NaN.
 void WriteWildWeights(const std::string& file, const std::string& tensor) {
   erd::WeightsFile weights = erd::RandomWeights(5, 1);
   for (float& value : weights.tensor(tensor).values) value *= 1e30F;
@@ -155,7 +155,8 @@ TEST(ProcessTest, WildWeightsOnSighupAreRefusedAndTheRunningOnesGoOnStyling) {
   EXPECT_EQ(frames.back().styles(0).style(), "style2");
 }
 
-// Weights that a trial cannot find out: they go wild where the performer's hips are high.
+// Weights whose defect a trial cannot detect: they produce invalid poses only when the performer's
+// hips are high.
 TEST(ProcessTest, WhatIsNoPoseIsNeverPublishedButFlaggedAndCounted) {
   const TemporaryFolder folder;
   WriteWeights(folder / "sleeping.safetensors", erd::SleepingWeights(5, 1));
@@ -197,7 +198,7 @@ TEST(ProcessTest, WhatIsNoPoseIsNeverPublishedButFlaggedAndCounted) {
   EXPECT_EQ(styled.back().flags(), v1::FLAG_NONE) << "styled again";
 }
 
-// "A bad reload changes nothing", whatever is in the file's place.
+// "A bad reload changes nothing", whatever replaces the file.
 TEST(ProcessTest, SighupWithAnyFileChangesNothing) {
   Daemon daemon({}, "[presets]\nmild = { s1 = 0.3 }\n");
   ControlClient control(daemon.control);
@@ -306,12 +307,12 @@ TEST(ProcessTest, ALockFileThatCannotBeWrittenIsSaidWithItsReason) {
       << outcome.text;
 }
 
-// A variable of the shell that is not set: a daemon is not what was asked for.
+// As from an unset shell variable: the user did not ask for a running daemon.
 TEST(ProcessTest, AFileWithoutANameEndsWithTwoAndStartsNoDaemon) {
   TemporaryFolder folder;
   for (const std::string name : {"--config", "--check-config", "--replay"}) {
     std::vector<std::string> arguments{name, ""};
-    // Nor does it start where it was not refused: these weights are none.
+    // If it were not refused, the daemon would still not start: these weights do not exist.
     arguments.insert(arguments.end(), {"--weights", folder / "none"});
     if (name == "--replay") arguments.insert(arguments.end(), {"--replay-to", folder / "to"});
     const Outcome outcome = RunStyled(folder, arguments);

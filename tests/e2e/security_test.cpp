@@ -1,5 +1,5 @@
-// Keys, roles and locks of the real daemon, on an address that is not loopback's, with the real
-// stylectl. What must not happen is shown by what does: every stranger here becomes a client in
+// Keys, roles and locks of the real daemon, on an address other than loopback, with the real
+// stylectl. Every refusal has a positive control: each refused client becomes an accepted one in
 // some test.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 struct Said {
   int code = -1;
-  std::string out;  // both
+  std::string out;  // stdout and stderr
 };
 
 Said RunProgram(const std::vector<std::string>& arguments,
@@ -37,19 +37,19 @@ Said Stylectl(std::vector<std::string> arguments) {
   return RunProgram(arguments);
 }
 
-// What a program connects to that the daemon binds on every interface.
+// The address to connect to for a daemon that binds every interface.
 std::string Here(const std::string& endpoint) {
   return "tcp://127.0.0.1" + endpoint.substr(endpoint.rfind(':'));
 }
 
-// A daemon that asks for keys, and those who come to it.
+// A daemon that requires keys, and its clients.
 class Guarded {
  public:
   explicit Guarded(std::vector<std::string> settings = {})
       : daemon(With(std::move(settings), Folder())) {
     publish = Here(daemon.publish);
     control = Here(daemon.control);
-    // The test's own eyes.
+    // The test's own observer.
     const CurveKeys keys = Allow("watcher", "operator");
     eyes = std::make_unique<ControlClient>(control, keys);
   }
@@ -96,7 +96,7 @@ class Guarded {
   }
 };
 
-// Sequences of each performer must follow on each other, from wherever they began.
+// The sequences of each performer must be contiguous, from any start.
 void ExpectNoGap(const Subscriber& subscriber, const std::string& who) {
   std::map<std::string, std::uint64_t> last;
   for (const auto& frame : subscriber.Frames("styled/")) {
@@ -150,7 +150,7 @@ TEST(SecurityTest, ASubscribersKeyDoesNotOpenTheControlSocket) {
   EXPECT_EQ(control.SetStyle("*", "style1").reason(), "no reply");
   EXPECT_GE(guarded.eyes->Counter("security.refused"), 1U);
   EXPECT_EQ(guarded.eyes->SetStyle("*", "style1").code(), v1::CODE_OK) << "an operator";
-  // The same key in another role, in the same connection's next attempt.
+  // The same key in another role, at the connection's next attempt.
   guarded.Allow("anna", anna, "operator");
   control.SetPatience(10);
   v1::Request status;
@@ -181,7 +181,7 @@ TEST(SecurityTest, AllowAndRevokeAreInForceWithoutARestart) {
 
   guarded.Revoke("bob");
   ASSERT_EQ(guarded.eyes->CounterSoon("security.cut", 1), 1U) << guarded.daemon.Log();
-  // What was under way before the cut has come once his count has stood still for a second.
+  // Frames in transit before the cut have arrived once the count has not changed for a second.
   std::size_t stood = 0;
   std::uint64_t since = rig.sequence;
   ASSERT_TRUE(send_until([&] {
@@ -249,7 +249,7 @@ TEST(SecurityTest, StylectlReachesADaemonOnAnotherMachineByItsKeys) {
   const Said without = ask({"--timeout", "0.5"});
   EXPECT_EQ(without.code, 3);
   EXPECT_NE(without.out.find("wants --key and --server-key"), std::string::npos) << without.out;
-  // Keys that do not help, each with its own words.
+  // Invalid keys, each with its own error message.
   (void)guarded.NewClient("stranger");
   (void)guarded.Allow("bob", "subscriber");
   const auto refused = [&](const std::string& name, const std::string& server,
@@ -328,7 +328,7 @@ TEST(SecurityTest, GarbageAndHalfOpenConnectionsHarmNobody) {
   Paced(240, 120, [&](int i) {
     link.Send(rig.Frame());
     hanging.push_back(std::make_unique<TcpLink>(i % 2 == 0 ? publish : control));
-    if (i % 3 == 0) return;  // says nothing at all
+    if (i % 3 == 0) return;  // sends nothing at all
     Bytes garbage(static_cast<std::size_t>(1 + i * 7));
     for (std::size_t k = 0; k < garbage.size(); ++k) {
       garbage[k] = static_cast<std::byte>((k * 131 + static_cast<std::size_t>(i)) & 0xFFU);
@@ -339,7 +339,7 @@ TEST(SecurityTest, GarbageAndHalfOpenConnectionsHarmNobody) {
   ExpectNoGap(annas, "anna");
   EXPECT_EQ(guarded.eyes->SetStyle("rig.a", "style1").code(), v1::CODE_OK);
   for (const auto& connection : hanging) {
-    bool closed = false;  // behind the greeting that ZeroMQ sends first
+    bool closed = false;  // after the greeting, which ZeroMQ sends first
     for (int i = 0; i < 100 && !closed; ++i) closed = connection->Closed(1);
     ASSERT_TRUE(closed);
   }
@@ -449,7 +449,7 @@ TEST(SecurityTest, ASenderBeyondItsLimitIsCountedAndAnotherIsServed) {
   Daemon daemon({"source.0.sender_limit_hz=200"});
   ControlClient control(daemon.control);
   Subscriber subscriber(daemon.publish, {"body/", "styled/rig.b/rig/"});
-  // Another address of loopback's.
+  // A second loopback address.
   class Elsewhere {
    public:
     explicit Elsewhere(const std::string& to) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {

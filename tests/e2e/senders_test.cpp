@@ -25,7 +25,7 @@ TEST(SendersTest, ARestartedSenderIsTheSamePerformerWithItsStyle) {
   Paced(60, 120, [&](int) { link.Send(first.Frame()); });
   ASSERT_TRUE(subscriber.WaitForFrames(60, "styled/"));
   Sleep(0.2);
-  Rig second("a", 200);  // its clock and sequence begin anew
+  Rig second("a", 200);  // its clock and sequence start again
   second.time_ns = 5;
   link.Send(second.Body());
   Paced(60, 120, [&](int) { link.Send(second.Frame()); });
@@ -130,7 +130,7 @@ TEST(SendersTest, MorePerformersThanAllowedAreRefusedAndTheOthersUnharmed) {
   EXPECT_EQ(control.CounterSoon("pipeline.frames", 40), 40U);
   EXPECT_EQ(control.Counter("pipeline.performers_refused"), 1U);
   EXPECT_EQ(control.Counter("pipeline.before_body"), 20U);
-  // Once the others are forgotten there is room, and sequences still do not go back.
+  // Once the others are forgotten there is room again, and sequences still do not decrease.
   EXPECT_EQ(control.CounterSoon("pipeline.performers", 0), 0U);
   EXPECT_EQ(control.Counter("pipeline.forgotten"), 2U);
   Subscriber subscriber(daemon.publish, {"body/", "styled/rig.a/rig/"});
@@ -175,7 +175,8 @@ TEST(SendersTest, OfABacklogBeyondItsBoundOnlyTheNewestIsPublished) {
   Paced(60, 120, [&](int) { link.Send(rig.Frame()); });
   ASSERT_TRUE(subscriber.WaitForFrames(40, "styled/"));
   daemon.child->Signal(SIGSTOP);
-  Paced(60, 120, [&](int) { link.Send(rig.Frame()); });  // half a second waits in the socket
+  // Half a second of frames is queued in the socket.
+  Paced(60, 120, [&](int) { link.Send(rig.Frame()); });
   daemon.child->Signal(SIGCONT);
   Sleep(0.3);
   const auto frames = subscriber.Frames("styled/");

@@ -47,7 +47,7 @@ TEST(ShowTest, ACueIsFiredByNameAndAWrongOneIsNamed) {
   EXPECT_EQ(control.Ask(list).list().cues_size(), 2);
 }
 
-// A console: sends OSC, and hears what comes back.
+// A lighting console: sends OSC and receives replies.
 class Console {
  public:
   explicit Console(const std::string& address) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -74,7 +74,7 @@ class Console {
     ASSERT_EQ(send(fd_, bytes.data(), writer.size(), 0), static_cast<ssize_t>(writer.size()));
   }
   void SendRaw(const std::string& bytes) const { (void)send(fd_, bytes.data(), bytes.size(), 0); }
-  // Address and reason of the next error.
+  // Address and reason of the next error message.
   std::pair<std::string, std::string> Error() const {
     std::array<std::byte, 2048> bytes;
     const ssize_t size = recv(fd_, bytes.data(), bytes.size(), 0);

@@ -8,7 +8,7 @@
 namespace styled::support {
 namespace {
 
-// Sequences +1 from frame to frame, each caused by the next datagram.
+// Sequences increase by one per frame, and each frame is caused by the next datagram.
 void ExpectUnbroken(const std::vector<v1::Frame>& frames) {
   for (std::size_t i = 1; i < frames.size(); ++i) {
     ASSERT_EQ(frames[i].sequence(), frames[i - 1].sequence() + 1);
@@ -54,7 +54,7 @@ TEST(StreamTest, EveryFrameOfSecondsAt120HzArrivesInOrderAndASwitchIsInForceAtTh
     EXPECT_EQ(frame.source_time_ns(), sent[i].source_time_ns());
     EXPECT_EQ(Bits(source[i].rotations()), Bits(sent[i].rotations())) << "source is as received";
     if (frame.sequence() < first_sequence) {
-      // Bypass: bit for bit.
+      // Bypass is bit-identical.
       ASSERT_EQ(frame.flags() & v1::FLAG_BYPASS, v1::FLAG_BYPASS) << i;
       ASSERT_EQ(Bits(frame.rotations()), Bits(sent[i].rotations())) << i;
       ASSERT_EQ(Bits(frame.root_position()), Bits(sent[i].root_position())) << i;
@@ -80,7 +80,7 @@ TEST(StreamTest, ARigOverTcpIsStyledToo) {
   link.Send(a.Body());
   link.Send(b.Body());
   ASSERT_TRUE(subscriber.WaitForBody());
-  Bytes burst;  // records do not care how the stream is cut
+  Bytes burst;  // records must not depend on how the stream is split
   Paced(60, 120, [&](int i) {
     for (Rig* rig : {&a, &b}) {
       const Bytes bytes = rig->Frame();
@@ -106,7 +106,7 @@ TEST(StreamTest, FramesCarryTimesTimecodeAndTheHashOfTheirBody) {
   ASSERT_TRUE(subscriber.WaitForBody());
   for (int i = 0; i < 3; ++i) {
     link.Send(rig.Frame([i](v1::SourceFrame& frame) {
-      if (i == 1) return;  // a rig may leave it out
+      if (i == 1) return;  // the field is optional for a rig
       frame.mutable_timecode()->set_hours(10);
       frame.mutable_timecode()->set_frames(static_cast<std::uint32_t>(i));
       frame.mutable_timecode()->set_rate(29.97F);
@@ -183,7 +183,7 @@ TEST(StreamTest, StatsComeOnceASecondWithEveryCounterAndPerformer) {
   EXPECT_TRUE(performer.live());
   EXPECT_EQ(performer.joints(), 21U);
   EXPECT_EQ(performer.dialect(), "canonical");
-  // Where the time went: all of it is named once, so that the parts are no more than the longest.
+  // Latency by stage: each stage is listed once, and their sum does not exceed the longest total.
   std::vector<std::string> stages;
   float sum_us = 0;
   for (const auto& stage : stats.stages()) {

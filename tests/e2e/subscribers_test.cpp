@@ -16,7 +16,7 @@ class Stalled {
     zmq_setsockopt(socket_, ZMQ_RCVHWM, &small, sizeof small);
     const int buffer = 4096;
     zmq_setsockopt(socket_, ZMQ_RCVBUF, &buffer, sizeof buffer);
-    const int none = 0;  // of HWM: no limit
+    const int none = 0;  // high-water mark: no limit
     zmq_setsockopt(socket_, ZMQ_LINGER, &none, sizeof none);
     zmq_setsockopt(socket_, ZMQ_SNDHWM, &none, sizeof none);
     for (int i = 0; i < topics; ++i) {
@@ -70,7 +70,7 @@ TEST(SubscribersTest, TwoLateOnesToOneTopicBothGetTheBodyAtOnce) {
     Subscriber subscriber(daemon.publish, {"body/rig.a/", "styled/rig.a/rig/"});
     ASSERT_TRUE(subscriber.WaitFor([&] { return subscriber.Bodies().size() >= 2; }, 5));
     EXPECT_GE(control.Counter("publish.bodies"), before + 2);
-    // Both stay: the second one's subscription is a repetition to ZeroMQ.
+    // Both keep running: to ZeroMQ the second subscription is a repetition.
     static std::vector<std::unique_ptr<Subscriber>> staying;
     staying.push_back(std::make_unique<Subscriber>(
         daemon.publish, std::vector<std::string>{"body/rig.a/", "styled/rig.a/rig/"}));

@@ -1,5 +1,5 @@
-// What daemon/security/README.md says of attackers, where security_test.cpp does not show it: the
-// real daemon and real sockets.
+// The claims of daemon/security/README.md about attackers that security_test.cpp does not cover:
+// real daemon, real sockets.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -24,7 +24,7 @@ namespace {
 
 const std::vector<std::string> kTopics{"body/", "styled/rig.a/rig/"};
 
-// Starts a daemon that is expected to refuse; what it said.
+// Starts a daemon that must refuse; returns its exit code and output.
 std::pair<int, std::string> Refused(const std::vector<std::string>& settings) {
   const TemporaryFolder folder;
   WriteRandomWeights(folder / "weights.safetensors");
@@ -40,8 +40,7 @@ std::pair<int, std::string> Refused(const std::vector<std::string>& settings) {
   return {code.value_or(-1), ReadText(folder / "said.txt")};
 }
 
-// A Unix socket bound to `path`; nobody listens at it any more once this is gone, and its file
-// stays.
+// A Unix socket bound to `path`. The destructor closes it, but leaves the file.
 class Bound {
  public:
   explicit Bound(const std::string& path) : fd_(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -92,7 +91,7 @@ TEST(ThreatsTest, AnotherProgramsSocketIsLeftAloneAndADeadOneIsReplaced) {
   EXPECT_EQ(control.SetStyle("rig.a", "style1").code(), v1::CODE_OK);
 }
 
-// Passes one connection on to a daemon and keeps what it sees.
+// Relays one connection to a daemon and stores what passes.
 class Wire {
  public:
   explicit Wire(const std::string& to) : to_(to), listener_(socket(AF_INET, SOCK_STREAM, 0)) {
@@ -162,7 +161,7 @@ class Wire {
   std::jthread thread_;
 };
 
-// A performer's name travels in the subscription, in the topic and in the message.
+// A performer's name is part of the subscription, the topic and the message.
 TEST(ThreatsTest, WhoListensOnTheWireSeesNoMotionWhereKeysAreAskedFor) {
   const auto name_is_seen = [](const std::string& publish, const CurveKeys& keys,
                                const Daemon& daemon) {
@@ -195,7 +194,7 @@ TEST(ThreatsTest, AMessageBeyondItsLimitCutsOffWhoSentItAndNobodyElse) {
   Rig rig("a");
   link.Send(rig.Body());
   ASSERT_TRUE(good.WaitForBody());
-  // 1 KiB is a subscription's limit: of two the shorter one is served, the longer never.
+  // A subscription is limited to 1 KiB: the shorter of the two is served, the longer one never.
   Subscriber bad(daemon.publish, {"body/", std::string(1100, 'x')});
   EXPECT_FALSE(bad.WaitForBody(2));
   Subscriber other(daemon.publish, {"body/", std::string(900, 'x')});

@@ -1,4 +1,4 @@
-// The offline programs as somebody at a shell meets them.
+// The offline programs as a user runs them in a shell.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 
 class ToolsTest : public testing::Test {
  protected:
-  // Runs `arguments`; what it said to stderr is in said_.
+  // Runs `arguments`; said_ holds its stderr.
   int Run(std::vector<std::string> arguments) {
     const std::string log = folder_ / ("log" + std::to_string(runs_++) + ".txt");
     Child child(arguments, log);
@@ -24,7 +24,7 @@ class ToolsTest : public testing::Test {
     said_ = ReadText(log);
     return code;
   }
-  // A second of the synthetic performer as BVH.
+  // Writes a second of the synthetic performer as BVH.
   std::string Walk(const std::string& rate_hz = "30", const std::string& seconds = "1") {
     const std::string file = folder_ / ("walk" + rate_hz + ".bvh");
     EXPECT_EQ(Run({STYLESIM_BINARY, "--script", "walk:60", "--write", file, "--seconds", seconds,
@@ -62,7 +62,7 @@ TEST_F(ToolsTest, StylizeTakesItsFilesBehindAMix) {
   EXPECT_NE(ReadText(out), mixed);
 }
 
-// To be made neutral takes a style to take away; without one neutral asks for nothing.
+// Styling to neutral needs an input style to remove; without one, neutral requests nothing.
 TEST_F(ToolsTest, StylizeTakesAStyleAway) {
   const std::string in = Walk(), out = folder_ / "out.bvh";
   ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "neutral", in, out}), 0) << said_;
@@ -76,8 +76,8 @@ TEST_F(ToolsTest, StylizeTakesAStyleAway) {
   EXPECT_NE(said_.find("--input-style: unknown style 'zombie'"), std::string::npos) << said_;
 }
 
-// Between frames far apart stylize goes along a curve: what it makes of 10 frames a second is what
-// it makes of 30.
+// Between frames far apart, stylize interpolates along a curve: its result for 10 frames per second
+// matches that for 30.
 TEST_F(ToolsTest, StylizeMakesOfASlowClipWhatItMakesOfAFastOne) {
   std::vector<clip::Clip> styled;
   for (const std::string rate_hz : {"30", "10"}) {
@@ -111,7 +111,8 @@ TEST_F(ToolsTest, StylizeRefusesWildWeightsAndWritesNothing) {
   }
 }
 
-// Weights that a trial cannot find out: they go wild where the performer's hips are high.
+// Weights whose defect a trial cannot detect: they produce invalid poses only when the performer's
+// hips are high.
 TEST_F(ToolsTest, StylizeSaysHowManyFramesItCouldNotStyleAndWritesNoNonsense) {
   const std::string in = Walk(), out = folder_ / "out.bvh", weights = folder_ / "sleeping";
   clip::Clip clip = clip::ReadBvh(in).value();
@@ -142,7 +143,7 @@ TEST_F(ToolsTest, StylizeSaysHowManyFramesItCouldNotStyleAndWritesNoNonsense) {
   }
 }
 
-// Weights of another family, by the same program: the spine's rotation is the style's.
+// Weights of another family with the same program: the spine's rotation is the style's offset.
 TEST_F(ToolsTest, StylizeRunsAConstantOffset) {
   const std::string in = Walk(), out = folder_ / "out.bvh", weights = folder_ / "offset";
   offset::WriteTestWeights(weights);
@@ -201,7 +202,7 @@ TEST_F(ToolsTest, StylizeWritesTheFormatOfTheExtension) {
       << said_;
 }
 
-// Without a pace it would flood whoever listens.
+// Without a valid rate it would flood the receiver.
 TEST_F(ToolsTest, StylesimRefusesARateThatIsNoNumber) {
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--rate", "nan"}), 2);
   EXPECT_NE(said_.find("nan"), std::string::npos) << said_;

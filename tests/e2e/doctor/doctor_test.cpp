@@ -1,6 +1,6 @@
-// "Connected, but nothing arrives": each failure is staged with the real programs, and the doctor
-// has to name it. What another test of this machine sends is not heard where the kernel gives this
-// one a network of its own; else the doctor keeps to its sockets.
+// "Connected, but nothing arrives": each failure is set up with the real programs, and the doctor
+// must name it. If the kernel permits a network namespace, other tests on this machine are not
+// audible; otherwise the doctor listens on its own sockets only.
 #include <gmock/gmock.h>
 #include <netinet/in.h>
 #include <signal.h>
@@ -20,7 +20,7 @@ using testing::IsEmpty;
 
 constexpr double kRate_hz = 60;
 
-// Of a rig's own: its body, then frames; once a second the body again.
+// A rig's own datagrams: its body, then frames, and the body again once per second.
 std::function<Bytes()> Performer(bool with_body) {
   auto rig = std::make_shared<Rig>("anna");
   rig->period_ns = static_cast<std::uint64_t>(1e9 / kRate_hz);
@@ -37,7 +37,7 @@ TEST_F(DoctorTest, BadOptionsAreRefused) {
 
 TEST_F(DoctorTest, WithoutDaemonAndSenderBothAreSaid) {
   const Report report = Doctor({"--config", Config("mvn", Local(FreePort()))});
-  // Beside other tests there are other daemons.
+  // Other tests run daemons on the same machine.
   EXPECT_THAT(report.problems, AnyOf(ElementsAre("no_daemon", "nothing_arrives"),
                                      ElementsAre("wrong_control_endpoint", "nothing_arrives")));
   EXPECT_TRUE(!own_network || report.problems.at(0) == "no_daemon");
@@ -77,7 +77,7 @@ TEST_F(DoctorTest, TheFormatOnAnotherPortIsFound) {
   EXPECT_THAT(report.Of("wrong_port", "what"), HasSubstr(place));
 }
 
-// They say no more before a server greets them.
+// Trackers send nothing else before a server replies.
 TEST_F(DoctorTest, TrackersThatSeekAServerAreNamedAndNoProblem) {
   const std::string place = Local(FreePort());
   Play("slimevr", place);
@@ -180,7 +180,7 @@ TEST_F(DoctorTest, WhereFramesGoThroughAllIsWell) {
 TEST_F(DoctorTest, AReceiveBufferThatIsTooSmallIsNamed) {
   const Daemon daemon({"source.0.receive_buffer_bytes=4096"});
   const Streaming rig(daemon.udp, 2 * kRate_hz, Performer(true));
-  // The daemon sleeps for longer than the buffer lasts, over and over.
+  // The daemon repeatedly sleeps for longer than the socket's buffer lasts.
   const std::jthread sleeper([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       daemon.child->Signal(SIGSTOP);
@@ -222,7 +222,7 @@ TEST_F(DoctorInWordsTest, WithTwoSendersOfOnePerformerNotAllIsWell) {
   const Streaming first(daemon.udp, kRate_hz, Performer(true));
   auto other = std::make_shared<Rig>("anna", 8);
   auto count = std::make_shared<int>(0);
-  // Now and then only: most of what arrives is good, so that this is a warning and no problem.
+  // Rarely, so that most datagrams are valid: a warning, not a problem.
   const Streaming second(daemon.udp, kRate_hz / 6,
                          [=] { return (*count)++ % 10 == 0 ? other->Body() : other->Frame(); });
   const std::string said = Says(daemon, "2");

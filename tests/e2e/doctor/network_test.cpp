@@ -1,4 +1,4 @@
-// What takes a network that the test may change: interfaces, groups, a firewall, the usual ports.
+// Tests that need a network that they can change: interfaces, groups, a firewall, the usual ports.
 #include <gmock/gmock.h>
 
 #include "tests/e2e/doctor/stage.h"
@@ -52,7 +52,7 @@ TEST_F(DoctorNetworkTest, ALoopbackSourceDoesNotHearWhatIsSentToTheNetwork) {
   EXPECT_THAT(report.Of("wrong_address", "change"), HasSubstr("listen = \"0.0.0.0:" + port + "\""));
 }
 
-// Two cables, both ends of each in this machine: what leaves by one end comes in by the other.
+// Two virtual cables with both ends in this machine: what leaves by one end arrives at the other.
 TEST_F(DoctorNetworkTest, AGroupThatComesByAnotherInterfaceIsFound) {
   const auto cable = [](const std::string& a, const std::string& b, const std::string& net) {
     return Shell("ip link add " + a + " type veth peer name " + b + " && ip link set " + a +
@@ -62,7 +62,7 @@ TEST_F(DoctorNetworkTest, AGroupThatComesByAnotherInterfaceIsFound) {
   if (!cable("stage0", "stage1", "10.78.0") || !cable("stage2", "stage3", "10.79.0")) {
     GTEST_SKIP() << "no ip command, or no veth in the kernel";
   }
-  // The sender is this machine, too, which the kernel otherwise takes for a forgery.
+  // The sender is this machine as well; the kernel would otherwise drop its packets as spoofed.
   ASSERT_TRUE(
       Shell("for i in all stage1; do echo 1 > /proc/sys/net/ipv4/conf/$i/accept_local &&"
             " echo 0 > /proc/sys/net/ipv4/conf/$i/rp_filter || exit 1; done"));
@@ -75,7 +75,7 @@ TEST_F(DoctorNetworkTest, AGroupThatComesByAnotherInterfaceIsFound) {
   for (const std::string interface : {"stage2", "10.79.0.129"}) {
     const Report wrong = Doctor({"--config", source(interface)});
     EXPECT_THAT(wrong.problems, ElementsAre("no_daemon", "multicast_elsewhere")) << wrong.text;
-    // The kernel hands a group's datagrams to the sender's own interface as well.
+    // The kernel also delivers a group's datagrams to the sender's own interface.
     EXPECT_THAT(wrong.Of("multicast_elsewhere", "change"),
                 AnyOf(HasSubstr("interface = \"stage1\""), HasSubstr("interface = \"stage0\"")));
   }
@@ -103,8 +103,8 @@ TEST_F(DoctorNetworkTest, AFirewallThatDropsThePortIsNamedWithItsRule) {
   EXPECT_THAT(open.problems, ElementsAre("no_daemon")) << open.text;
 }
 
-// Every rig's stand-in at once: what the daemon makes frames of, the doctor finds nothing wrong
-// with, and names.
+// All simulated rigs at once: where the daemon produces frames, the doctor recognizes the rig and
+// reports no problem.
 TEST_F(DoctorNetworkTest, OfAllRigsNothingIsFoundWhileAllFramesFlow) {
   const std::string server = Local(FreePort());
   const std::vector<std::string> types{"mvn", "mocopi", "rokoko", "vmc", "natnet"};
@@ -125,7 +125,7 @@ TEST_F(DoctorNetworkTest, OfAllRigsNothingIsFoundWhileAllFramesFlow) {
   EXPECT_EQ(ControlClient(daemon.control).SetStyle("*", "s1").code(), v1::CODE_OK);
   const Report report =
       Doctor({"--endpoint", daemon.control, "--config", daemon.folder / "styled.toml"}, true);
-  // The two sources that the daemon always has get nothing; that is all.
+  // Only the two default sources of the daemon receive nothing.
   EXPECT_THAT(report.problems, ElementsAre("nothing_arrives", "nothing_arrives")) << report.text;
   EXPECT_THAT(report.json["findings"].at(0)["source"], AnyOf("rig", "tcp"));
   for (std::size_t i = 0; i + 1 < types.size(); ++i) {

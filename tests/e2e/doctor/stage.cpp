@@ -37,8 +37,8 @@ bool RaiseLoopback() {
 
 }  // namespace
 
-// Root needs no more; anybody else first becomes the root of a user namespace. Half of it would
-// leave this process without any network, so a child tries it first.
+// Root needs no more; any other user first becomes root of a user namespace. A partial success
+// would leave this process without any network, so a child tries it first.
 bool EnterOwnNetwork() {
   const auto enter = [] {
     if (unshare(CLONE_NEWNET) == 0) return RaiseLoopback();

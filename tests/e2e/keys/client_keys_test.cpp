@@ -1,5 +1,5 @@
-// stylerec and stylevmc at a daemon that asks for keys: with them they do what they do elsewhere,
-// without they get nothing.
+// stylerec and stylevmc with a daemon that requires keys: with keys they work as usual, without
+// keys they receive nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ class ClientKeysTest : public testing::Test {
     const keys::Client client{"own", pair.public_key, keys::Role::kOperator};
     EXPECT_TRUE(keys::Allow(folder_ / "keys", client).ok());
     link_.Send(rig_.Body());
-    // A performer who goes on until the end.
+    // A performer that sends until the end of the test.
     performing_ = std::thread([this] {
       while (!over_) Paced(12, 120, [this](int) { link_.Send(rig_.Frame()); });
     });
@@ -37,7 +37,7 @@ class ClientKeysTest : public testing::Test {
     performing_.join();
   }
 
-  // Exit code; `said_` is all that it said.
+  // Returns the exit code; `said_` holds the output.
   int Run(std::vector<std::string> command, bool with_keys) {
     if (with_keys) {
       for (const std::string& word : {std::string("--key"), folder_ / "own.key",
@@ -52,12 +52,12 @@ class ClientKeysTest : public testing::Test {
     said_ = ReadText(log);
     return code;
   }
-  // What this machine connects to where the daemon binds every interface.
+  // The address to connect to if the daemon binds every interface.
   static std::string Here(const std::string& endpoint) {
     return "tcp://127.0.0.1" + endpoint.substr(endpoint.rfind(':'));
   }
 
-  // Whether a recording has some of the performer as captured.
+  // Whether a recording contains captured frames of the performer.
   static bool HasFrames(const std::string& file) {
     const auto reader = recording::Reader::Open(file);
     recording::Record record;
@@ -82,7 +82,7 @@ TEST_F(ClientKeysTest, StylerecRecordsAndPlaysWithThem) {
     return Run({STYLEREC_BINARY, "record", "--from", Here(daemon_.publish), "--seconds", "2", file},
                with_keys);
   };
-  // On a busy machine two seconds may be over before the link is there.
+  // On a busy machine, two seconds may pass before the connection is established.
   std::string file;
   for (int attempt = 0; attempt < 10 && !HasFrames(file); ++attempt) {
     file = folder_ / ("with" + std::to_string(attempt) + ".styrec");
@@ -110,7 +110,7 @@ TEST_F(ClientKeysTest, StylevmcForwardsWithThem) {
                 "--seconds", "2"},
                with_keys);
   };
-  int code = 3;  // nothing came
+  int code = 3;  // nothing arrived
   for (int attempt = 0; attempt < 10 && code == 3; ++attempt) code = forward(true);
   EXPECT_EQ(code, 0) << said_;
   EXPECT_EQ(forward(false), 3) << said_;

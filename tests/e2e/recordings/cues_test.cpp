@@ -1,4 +1,4 @@
-// A show over a recording: cues fired by its timecode come at the same frames on every run.
+// A show over a recording: cues fired by its timecode apply to the same frames in every run.
 #include <array>
 #include <cstdio>
 #include <map>
@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kRate = 120, kFrames = 60 * kRate;
 
-// By the sequence of the rig's datagrams, which frames first carry another set of styles than the
-// one before.
+// The sequences (of the rig's datagrams) of the frames whose set of styles differs from the
+// previous frame's.
 using Switches = std::vector<std::pair<std::uint64_t, std::string>>;
 
 std::string Cue(const std::string& name, const std::string& at, const std::string& what) {
@@ -21,7 +21,7 @@ std::string Cue(const std::string& name, const std::string& at, const std::strin
 
 class CuesOverARecordingTest : public RecordingsTest {
  protected:
-  // What arrived in a minute from a rig that carries timecode from 01:00:00:00 on.
+  // Records what arrives in a minute from a rig with timecode from 01:00:00:00.
   std::string RecordAMinute() const {
     const std::string file = folder_ / "minute.styrec";
     const auto writer = recording::FileWriter::Create(file, recording::BeginningNow("test", "0"));
@@ -55,7 +55,8 @@ class CuesOverARecordingTest : public RecordingsTest {
     return file;
   }
 
-  // Played by stylerec into a new daemon as fast as that takes it: source time drives the cues.
+  // Plays the recording with stylerec into a new daemon as fast as it accepts it: source time
+  // drives the cues.
   Switches Perform(const std::string& file, const std::string& cues) {
     const Daemon daemon({"performers.backlog_ms=10000"}, "[style]\ntransition_ms = 0\n" + cues);
     const Subscriber subscriber(daemon.publish, {"styled/", "body/"});
@@ -88,7 +89,7 @@ TEST_F(CuesOverARecordingTest, TwentyOverAMinuteComeAtTheSameFramesOnEveryRun) {
     std::array<char, 16> at{};
     std::snprintf(at.data(), at.size(), "01:00:%02d:%02d", second, frame);
     cues += Cue("c" + std::to_string(i), at.data(), "style = \"" + style + "\"");
-    // Each of the 30 timecodes of a second is on four frames; the body came before them.
+    // Each of the 30 timecodes of a second is on four frames; the body precedes them.
     expected[static_cast<std::uint64_t>(second * kRate + frame * 4) + 1] = style + " ";
   }
   cues += Cue("not-hers", "01:00:01:00", "performer = \"rig.berta\"\npanic = true");

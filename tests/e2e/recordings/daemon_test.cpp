@@ -1,5 +1,5 @@
-// The daemon's own recording, [record] in styled.toml: what it received and was told, played into
-// another daemon, comes out as it did; and a disk that fails harms nobody.
+// The daemon's own recording, [record] in styled.toml: the recorded datagrams and commands, played
+// into another daemon, give the same output; and a failing disk affects no frame.
 #include <fcntl.h>
 #include <sys/resource.h>
 
@@ -20,7 +20,7 @@ class DaemonRecordingTest : public RecordingsTest {
     settings.push_back("performers.takeover_ms=10");
     return std::make_unique<Daemon>(settings);
   }
-  // stylesim to both sources at once.
+  // Runs stylesim for both sources at once.
   std::vector<std::unique_ptr<Child>> StartSims(const Daemon& daemon) const {
     const auto start = [&](const std::string& to, const std::string& faults) {
       return std::make_unique<Child>(
@@ -38,7 +38,7 @@ class DaemonRecordingTest : public RecordingsTest {
   struct Both {
     std::vector<Styled> udp, tcp;
   };
-  // What comes of the file in a daemon that knows nothing of it.
+  // The output of the file in a daemon that has not seen it.
   Both PlayInto(const Both& expected, const std::string& speed) {
     const Daemon daemon({"performers.takeover_ms=10"});
     const Subscriber subscriber(daemon.publish, {"styled/", "body/"});
@@ -73,7 +73,7 @@ TEST_F(DaemonRecordingTest, IsStyledAgainBitForBitWithItsCommandsAtItsOwnSpeedAn
     ASSERT_TRUE(subscriber.WaitForFrames(250, kStyledTcp));
     ASSERT_EQ(control.SetStyle("tcp.sim", "style1", 1, 50).code(), v1::CODE_OK);
     for (auto& sim : sims) ASSERT_EQ(sim->Wait(60).value_or(-1), 0);
-    // All that was sent has been received when the count stands still.
+    // When the counter stops changing, everything sent has been received.
     std::uint64_t before = 1;
     while (received != before) {
       before = received;
@@ -113,8 +113,9 @@ struct RigCase {
   friend void PrintTo(const RigCase& rig, std::ostream* out) { *out << rig.type; }
 };
 
-// Rigs whose frames carry the rig's own clock, each in one datagram. Of SlimeVR's frames, and of
-// those that VMC sends in pieces, the daemon's clock decides: tests/golden plays these.
+// Rigs whose frames contain the rig's own clock, each frame in one datagram. For SlimeVR, and for
+// VMC frames in several datagrams, the output depends on the daemon's clock: tests/golden plays
+// these.
 class RigRecordingTest : public DaemonRecordingTest, public testing::WithParamInterface<RigCase> {
  protected:
   std::string Source() const {
@@ -193,7 +194,7 @@ TEST_F(DaemonRecordingTest, TheHeaderSaysOfWhatDaemonItIsAndSettingsOfTheLastRun
   ASSERT_EQ(daemon->Stop(), 0);
   daemon->Start();
   ASSERT_EQ(daemon->Stop(), 0);
-  const std::string second = folder_ / "take-2.styrec";  // the first one stays
+  const std::string second = folder_ / "take-2.styrec";  // the first one is kept
   const auto reader = Reader::Open(second);
   ASSERT_TRUE(reader.ok()) << reader.status().message();
   const auto& header = reader.value()->header();
@@ -292,6 +293,7 @@ TEST_F(DaemonRecordingTest, WithLessThanMinFreeLeftItPausesAndSaysSo) {
 
 TEST_F(DaemonRecordingTest, NamesAreMadeOfTheTimeAndNoFileIsTouched) {
   const auto name = [](const std::string& pattern) {
+    // 2001-09-09 in every time zone.
     return record::FileAt(pattern, 1'000'000'000).string();  // 2001-09-09, everywhere
   };
   EXPECT_EQ(name(folder_ / "take-%Y-%m.styrec"), folder_ / "take-2001-09.styrec");

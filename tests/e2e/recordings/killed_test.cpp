@@ -1,5 +1,5 @@
-// kill -9 of whoever records, at random moments: the file reads up to the last 100 ms. Ten times
-// each; STYLED_KILLS=50 for more, and then with no exception for a machine that was busy.
+// kill -9 of the recording process, at random moments: the file is readable up to the last 100 ms.
+// Ten times each; STYLED_KILLS=50 for more, and then without an exception for a busy machine.
 #include <cstdlib>
 #include <iostream>
 #include <random>
@@ -22,13 +22,13 @@ int Kills() {
   return text == nullptr ? 10 : std::max(1, std::atoi(text));
 }
 
-// A rig that sends until it is told to stop, and remembers when each datagram left.
+// A rig that sends until it is stopped, and stores the time of each datagram.
 class Feed {
  public:
   explicit Feed(const std::string& address)
       : link_(address), thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 
-  // When datagram after datagram was sent, by sequence.
+  // Returns the send time of each datagram, by sequence.
   std::vector<std::int64_t> Stop() {
     thread_.request_stop();
     thread_.join();
@@ -37,7 +37,7 @@ class Feed {
 
  private:
   void Run(const std::stop_token& stop) {
-    Rig rig("sim", std::random_device{}() | 1U);  // a session of its own
+    Rig rig("sim", std::random_device{}() | 1U);  // with a random session
     const std::int64_t begin_ns = MonotonicNow_ns();
     for (std::int64_t i = 0; !stop.stop_requested(); ++i) {
       const auto due_ns =
@@ -55,7 +55,7 @@ class Feed {
 
 class KilledTest : public RecordingsTest {
  protected:
-  // Somebody records what comes to `address`, or is published, in `file`.
+  // A process that records to `file` what arrives at `address` or is published.
   struct Recorder {
     std::string address, file;
     Child* child = nullptr;
@@ -88,7 +88,7 @@ class KilledTest : public RecordingsTest {
         << "of " << Kills() << " lost more than " << kMost_ms << " ms";
   }
 
-  // When the last datagram that is in the file was sent. Nothing may be missing before it.
+  // The send time of the last datagram in the file. No earlier one may be missing.
   std::int64_t LastKept_ns(const std::string& file, const std::vector<std::int64_t>& sent_ns) {
     const auto reader = Reader::Open(file);
     EXPECT_TRUE(reader.ok()) << reader.status().message();
@@ -111,7 +111,7 @@ class KilledTest : public RecordingsTest {
     const auto& counts = reader.value()->counts();
     EXPECT_EQ(counts.damaged_places + counts.lost_blocks + counts.malformed, 0U);
     for (std::size_t i = 1; i < sequences.size(); ++i) {
-      // Of what is published, bodies are no frames.
+      // In a published stream, bodies use sequence numbers but are not frames.
       EXPECT_LE(sequences[i] - sequences[i - 1], 2U) << "after " << sequences[i - 1];
     }
     return sent_ns.at(sequences.back());

@@ -1,5 +1,5 @@
-// A field problem becomes a test: what was recorded, played into a fresh daemon, comes out styled
-// bit for bit as it did, at any speed.
+// A field problem becomes a test: a recording played into a fresh daemon gives bit-identical styled
+// frames, at any speed.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -10,7 +10,7 @@
 namespace styled::support {
 namespace {
 
-// The recording of a subscriber: source frames become a rig's datagrams again.
+// A recording of a subscriber: source frames become a rig's datagrams again.
 TEST_F(RecordingsTest, WhatWasPublishedIsStyledAgainBitForBitAtItsOwnSpeedAndFlatOut) {
   const std::string file = RecordPublished("loss=0.02,nan=0.02,seed=3", "4");
   std::vector<v1::Frame> frames;
@@ -28,13 +28,13 @@ TEST_F(RecordingsTest, WhatWasPublishedIsStyledAgainBitForBitAtItsOwnSpeedAndFla
   ExpectSame(Replay(file, expected.size(), false), expected, "at its own speed");
   ExpectSame(Replay(file, expected.size(), true), expected, "flat out");
   ExpectSame(Replay(file, expected.size(), true), expected, "flat out again");
-  // Poses that are equal whatever is done would prove nothing.
+  // Negative control: another style must give other poses.
   const auto other = Replay(file, expected.size(), true, nullptr, "style3");
   ASSERT_EQ(other.size(), expected.size());
   EXPECT_NE(other.back().pose, expected.back().pose);
 }
 
-// The recording of the wire, with everything on it that can go wrong.
+// A recording of datagrams, with every fault.
 TEST_F(RecordingsTest, WhatArrivedIsStyledAgainBitForBitAtItsOwnSpeedAndFlatOut) {
   const std::string file = folder_ / "arrivals.styrec";
   std::vector<Styled> expected;
@@ -71,7 +71,7 @@ TEST_F(RecordingsTest, WhatArrivedIsStyledAgainBitForBitAtItsOwnSpeedAndFlatOut)
   EXPECT_EQ(replay_lost, lost);
 }
 
-// A recording as the daemon makes it: commands lie between the arrivals that they fell between.
+// A recording made by the daemon: commands are between the arrivals where they took effect.
 TEST_F(RecordingsTest, CommandsFallOnTheSameFrameAgain) {
   const std::string file = folder_ / "commands.styrec";
   {
@@ -111,7 +111,7 @@ TEST_F(RecordingsTest, CommandsFallOnTheSameFrameAgain) {
   const auto wears_it = [&](std::size_t i) {
     return first[i].styles.find("style3") != std::string::npos;
   };
-  // The commands lie behind frames 150 and 250; the second one fades for 100 ms, too.
+  // The commands follow frames 150 and 250; the second one also fades for 100 ms.
   for (std::size_t i = 0; i < first.size(); ++i) {
     if (i > 250 && i <= 264) continue;
     EXPECT_EQ(wears_it(i), i > 150 && i <= 250) << i;
@@ -147,7 +147,7 @@ TEST_F(RecordingsTest, SubscribersOfARecordingGetWhatSubscribersGot) {
   EXPECT_GE(subscriber.Bodies().size(), 2U);
 }
 
-// A new epoch at every repetition: a subscriber that drops what it has seen shows them all.
+// Each repetition has a new epoch: a subscriber that drops known frames shows all of them.
 TEST_F(RecordingsTest, ALoopIsNewToADaemonAndToSubscribersEachTime) {
   const std::string file = RecordPublished("", "1");
   const auto daemon = MakeDaemon();

@@ -1,5 +1,5 @@
-// `styled --replay`: a recording of several rigs at once, those included whose frames the daemon's
-// clock decides, through the daemon with its times as the clock.
+// `styled --replay`: a recording of several rigs, including those whose output depends on the
+// daemon's clock, through the daemon with the recorded times as its clock.
 #include <map>
 
 #include "tests/e2e/recordings/fixture.h"
@@ -27,8 +27,8 @@ using Streams = std::map<std::string, std::vector<v1::Frame>>;
 
 class ReplayTest : public RecordingsTest {
  protected:
-  // Four rigs at once, one of them with faults, and a style that changes in the middle. What
-  // subscribers got of it.
+  // Records four rigs at once, one of them with faults, with a style that changes in the middle.
+  // Returns what subscribers received.
   Streams Record() {
     const Daemon daemon({"record.file=" + take_, "style.initial=style2"}, kSources);
     const Subscriber subscriber(daemon.publish, {"styled/", "body/"});
@@ -120,7 +120,8 @@ TEST_F(ReplayTest, SeveralRigsComeOutAsTheyDidAndTheSameAtEveryRun) {
   ASSERT_EQ(found.size(), live.size());
   for (const auto& [stream, frames] : live) {
     ASSERT_TRUE(found.contains(stream)) << stream;
-    // When a tracker's, or a VMC frame in pieces, is due, is a matter of the daemon's clock.
+    // For trackers, and for VMC frames in several datagrams, the frame's time depends on the
+    // daemon's clock.
     const bool exact = stream.starts_with("rig.") || stream.starts_with("suit.");
     if (exact) {
       ExpectSame(Digests(found.at(stream)), Digests(frames), stream);

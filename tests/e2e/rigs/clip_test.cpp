@@ -1,5 +1,5 @@
 // A real clip (Bandai-Namco-Research-Motiondataset) through every rig's protocol, at the rates that
-// such rigs have: as captured it comes out the same, and styled it comes out on the rig's own
+// such rigs have: unstyled it comes out unchanged, and styled it comes out on the rig's own
 // skeleton.
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ namespace styled::support {
 namespace {
 
 constexpr float kDegrees = 57.29578F;
-constexpr double kFrom_s = 8;  // the dance is under way
+constexpr double kFrom_s = 8;  // in the middle of the dance
 constexpr double kSeconds = 2.5;
 const std::string kClip = STYLED_PARITY_DATA "/dataset-1_dance-short_normal_001.bvh";
 const std::string kWeights = STYLED_SOURCE_DIR "/model/weights/v1.safetensors";
@@ -32,11 +32,11 @@ struct Case {
   std::string type;
   double rate_hz;
   int joints;             // of the rig's own skeleton
-  std::string hips;       // their name there
+  std::string hips;       // the joint's name there
   std::string performer;  // "" = suit.sim
   int may_lack = 0;
   std::vector<std::string> quirks = {};
-  std::string stand_in = {};  // where it has another name than the source's type
+  std::string stand_in = {};  // if it differs from the source's type
 
   std::string Name() const {
     std::string name = type;
@@ -67,7 +67,7 @@ float AngleBetween(const v1::Frame& a, const v1::Frame& b) {
   return worst;
 }
 
-// In each styled frame, how far the joint stands from the capture that does so most; the mean.
+// For each styled frame, the largest distance of a joint from the captured one; returns the mean.
 float MeanChange(const RigResult& result) {
   std::map<std::uint64_t, const v1::Frame*> captured;
   for (const auto& frame : result.source_frames) captured[frame.sequence()] = &frame;
@@ -121,9 +121,8 @@ TEST_P(ClipRigTest, ComesOutAsItIsAndThenInStyleOnTheRigsOwnSkeleton) {
   std::cout << "; elderly turns some joint by " << change << " deg on average\n";
 }
 
-// "udp" and "tcp" are our own protocol, which carries the clip's own skeleton. Type 01 of MVN has
-// its angles in degrees and lengths in centimetres, as floats: what is lost by that stays within
-// the same half degree.
+// "udp" and "tcp" are the native protocol, with the clip's own skeleton. Type 01 of MVN has angles
+// in degrees and lengths in centimetres as floats; the rounding stays within the same half degree.
 INSTANTIATE_TEST_SUITE_P(
     Rigs, ClipRigTest,
     testing::Values(
@@ -138,10 +137,10 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"udp", 120, 21, "Hips", ""}, Case{"tcp", 120, 21, "Hips", ""}),
     [](const auto& test) { return test.param.Name(); });
 
-// A frame of SlimeVR's is the pose at an instant of the daemon's clock, which falls between two of
-// the clip's: it is held against the instant of the clip that it is nearest to, all parts at once.
-// Where this process was kept from sending the trackers of a moment together, they told of no one
-// instant: such frames, which a busy machine makes, are left out.
+// A SlimeVR frame is the pose at an instant of the daemon's clock, between two frames of the clip.
+// It is compared, with all parts at once, with the nearest instant of the clip. If this process was
+// delayed while it sent the trackers of one instant, their values belong to different instants;
+// such frames, which occur on a busy machine, are skipped.
 class SlimeVrClipTest : public ClipRigTest {
  protected:
   const std::vector<int> worn_{body::kHips,          body::kChest,         body::kHead,
@@ -163,7 +162,7 @@ class SlimeVrClipTest : public ClipRigTest {
       binding.value().Bind(pose, poses_.emplace_back());
     }
   }
-  // The clip at every millisecond.
+  // The clip's poses at every millisecond.
   std::vector<body::WorldPose> Instants(double rate_hz) const {
     const int steps = static_cast<int>(1000 / rate_hz);
     std::vector<body::WorldPose> instants;
@@ -179,7 +178,7 @@ class SlimeVrClipTest : public ClipRigTest {
     }
     return instants;
   }
-  // Of what a tracker is worn on, in the world, at the instant that is nearest.
+  // The largest error of the tracked parts' global rotations, at the nearest instant.
   float WorstDegrees(const v1::Frame& frame, const std::vector<body::WorldPose>& instants) const {
     body::Pose got;
     for (int j = 0; j < body::kJointCount; ++j) {
@@ -240,7 +239,7 @@ TEST_F(SlimeVrClipTest, TheSegmentsWithTrackersFollowWithinADegreeAt100Hz) {
     }
     ++index;
   };
-  Paced(200, kRate_hz, [&](int) { send({}); });  // the boards greet, and play both resets
+  Paced(200, kRate_hz, [&](int) { send({}); });  // the boards connect, and play both resets
   ASSERT_TRUE(subscriber.WaitForFrames(50, canonical));
   const std::size_t first = subscriber.Frames(canonical).size();
   std::vector<std::int64_t> unsteady_ns;

@@ -1,5 +1,6 @@
-// Ten thousand damaged datagrams of every rig through the running daemon: each counted, nobody else
-// disturbed. Of our stand-ins' datagrams, and of the real things' where such were captured.
+// Ten thousand damaged datagrams of every rig through the running daemon: each is counted, and no
+// other performer is disturbed. The datagrams come from simulated rigs, and from captures of real
+// ones where available.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -21,7 +22,7 @@ constexpr std::uint64_t kDatagrams = 10000;
 
 using Random = std::mt19937;
 
-// A few bits flipped, cut short, made longer, or a run of bytes written over.
+// Flips a few bits, truncates, extends, or overwrites a run of bytes.
 Bytes Mutated(std::span<const std::byte> datagram, Random& random) {
   Bytes bytes(datagram.begin(), datagram.end());
   const auto below = [&random](std::size_t limit) {
@@ -49,7 +50,7 @@ Bytes Mutated(std::span<const std::byte> datagram, Random& random) {
   return bytes;
 }
 
-// What sends: a stand-in, or what others captured of the real thing.
+// The sender: a simulated rig, or a capture of a real one.
 class Sender {
  public:
   virtual ~Sender() = default;
@@ -82,7 +83,7 @@ class StandIn final : public Sender {
   std::unique_ptr<rigs::Rig> rig_;
 };
 
-// Any of the packets, again and again.
+// Repeats randomly chosen captured packets.
 class Captured : public Sender {
  public:
   explicit Captured(std::vector<Bytes> packets) : packets_(std::move(packets)) {}
@@ -98,10 +99,10 @@ class Captured : public Sender {
   Random random_{11};
 };
 
-// What Motive said, to what asked for it.
+// Motive's captured replies, sent to the corresponding requests.
 class CapturedMotive final : public Captured {
  public:
-  // The first of each kind answers.
+  // The first packet of each kind is the reply.
   explicit CapturedMotive(const std::vector<Bytes>& packets) : Captured(packets) {
     for (const Bytes& bytes : packets) answers_.emplace(IdOf(bytes), bytes);
   }
@@ -129,7 +130,8 @@ class CapturedMotive final : public Captured {
   std::map<natnet::MessageId, Bytes> answers_;
 };
 
-// Ten thousand of a source "suit", beside another performer who is not to notice.
+// Sends ten thousand datagrams to a source "suit", beside another performer that must not be
+// affected.
 class MutatedTest : public testing::TestWithParam<std::string> {
  protected:
   void Run(const std::string& type, Sender& sender) {
@@ -151,7 +153,7 @@ class MutatedTest : public testing::TestWithParam<std::string> {
     styled::support::Rig undisturbed("a");
     other.Send(undisturbed.Body());
     ASSERT_TRUE(subscriber.WaitForBody());
-    // A server's datagrams reach nobody before somebody asked.
+    // A server sends only to clients that have connected.
     for (int i = 0; sender.is_server() && heard_ == 0 && i < 1000; ++i) {
       Answer(sender);
       Sleep(0.01);
@@ -161,7 +163,7 @@ class MutatedTest : public testing::TestWithParam<std::string> {
     std::uint64_t frames = 0;
     for (std::uint64_t index = 0; sent_ < kDatagrams; ++index) {
       Answer(sender);
-      // Now and then whole ones, so that there is a performer to disturb.
+      // Every tenth is undamaged, so that there is a performer to disturb.
       const bool whole = index % 10 == 0;
       for (const Bytes& bytes : sender.Next(index)) {
         EXPECT_TRUE(link_->Send(whole ? bytes : Mutated(bytes, random)).ok());
@@ -171,7 +173,7 @@ class MutatedTest : public testing::TestWithParam<std::string> {
       other.Send(undisturbed.Frame());
       ++frames;
       Sleep(0.002);
-      // No faster than a socket's buffer is emptied.
+      // Not faster than the daemon empties its socket's buffer.
       if (index % 400 == 0) WaitUntilAllAreCounted(sender);
     }
     WaitUntilAllAreCounted(sender);
@@ -183,7 +185,7 @@ class MutatedTest : public testing::TestWithParam<std::string> {
     EXPECT_EQ(control_->Counter("source.rate_limited"), 0U) << "each is looked at";
     EXPECT_GT(control_->Counter("source.malformed"), 1000U);
     suit_ = control_->Performer("suit.suit");
-    // The log says whose trouble it was, once a second.
+    // The log names the source, once per second.
     for (int i = 0; i < 200 && daemon_->Log().find("source.malformed: ") == std::string::npos; ++i)
       Sleep(0.05);
     EXPECT_EQ(daemon_->Stop(), 0) << daemon_->Log();
@@ -234,7 +236,8 @@ INSTANTIATE_TEST_SUITE_P(EveryRig, MutatedTest,
 
 using CapturedTest = MutatedTest;
 
-// Two packets, so every whole frame is the same one: one comes through, the others are duplicates.
+// There are only two packets, so all undamaged frames are the same: one is accepted, the others are
+// duplicates.
 TEST_F(CapturedTest, TenThousandDamagedPacketsOfARealMocopiAreCountedAndDisturbNobodyElse) {
   const Bytes skeleton =
       mocopi::testing::ReadRecording("mocopi_sample_skdf.bin", STYLED_DATA_DEFAULT);
@@ -245,7 +248,7 @@ TEST_F(CapturedTest, TenThousandDamagedPacketsOfARealMocopiAreCountedAndDisturbN
   EXPECT_GT(suit_.received(), 0U) << "there was a performer to disturb";
 }
 
-// A session with one rigid body and no skeleton: what is disturbed is the decoder and the dialogue.
+// A session with one rigid body and no skeleton: it exercises the decoder and the dialogue.
 TEST_F(CapturedTest, TenThousandDamagedPacketsOfARealMotiveAreCountedAndDisturbNobodyElse) {
   const auto folder = natnet::testing::CaptureFolder(STYLED_DATA_DEFAULT);
   if (!std::filesystem::exists(folder / "traffic.pcapng")) {

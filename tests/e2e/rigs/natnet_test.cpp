@@ -8,7 +8,7 @@
 namespace styled::support {
 namespace {
 
-// Frames that pass before server and daemon know each other.
+// Frames sent before server and daemon are connected.
 constexpr int kHandshake = 12;
 
 TEST(NatNetRigTest, PosesAreTheMotionInEveryBitstream) {

@@ -28,7 +28,7 @@ std::string NameOf(int joint) {
   return std::string(body::kHumanoid[static_cast<std::size_t>(joint)].name);
 }
 
-// The daemon, and boards of trackers with a socket each.
+// The daemon, and boards of trackers with one socket each.
 class Stage {
  public:
   explicit Stage(const Boards& boards, const std::string& keys = "")
@@ -45,7 +45,7 @@ class Stage {
     EXPECT_TRUE(subscriber->WaitFor([&] { return subscriber->LastStats().has_value(); }, 10));
   }
 
-  // The performer stays in a pose.
+  // The performer holds a pose.
   void Hold(const body::Pose& pose, double seconds) {
     Paced(static_cast<int>(seconds * kRate_hz), kRate_hz, [&](int) {
       for (Board& board : boards_) {
@@ -66,7 +66,7 @@ class Stage {
 
   void Silence(std::size_t board) { boards_[board].silent = true; }
 
-  // Of the parts with a tracker, in the world: the newest frame against the pose.
+  // The largest error of the tracked parts' global rotations: the newest frame against the pose.
   float WorstDegrees(const body::Pose& pose) const {
     const auto frames = subscriber->Frames(kTopic);
     if (frames.empty()) return 180;
@@ -124,7 +124,7 @@ Boards OnePerBoard(const std::vector<std::string>& quirks) {
 
 TEST(SlimeVrRigTest, BoardsThatResetByTheirButtonGiveTheMotionWithinADegree) {
   Stage stage(OnePerBoard({"anyhow"}));
-  stage.Hold({}, 2);  // the boards greet, and play both resets
+  stage.Hold({}, 2);  // the boards connect, and play both resets
   stage.ExpectTheMotion();
   ControlClient control(stage.daemon.control);
   EXPECT_EQ(control.Counter("source.malformed"), 0U);

@@ -1,4 +1,4 @@
-// styled_freeze PID THREAD: stops that thread, says so, and waits until the process has been
+// styled_freeze PID THREAD: stops that thread, reports it, and waits until the process has been
 // killed.
 #include <cstdlib>
 #include <iostream>

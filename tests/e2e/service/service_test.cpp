@@ -1,4 +1,4 @@
-// The daemon as a service manager sees it, whose socket the test is.
+// The daemon under a service manager, whose socket the test simulates.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -80,7 +80,7 @@ TEST(ServiceTest, AHungPipelineStarvesTheWatchdogAlthoughTheSupervisorIsWell) {
   {
     const FrozenThread hung(service.daemon.child->pid(), "pipeline");
     if (!hung.frozen()) GTEST_SKIP() << hung.error();
-    // What it did before may still be told, once.
+    // The first reports may still cover the time before the freeze.
     ASSERT_TRUE(service.manager.Await("frames/s"));
     ASSERT_TRUE(service.manager.Await("frames/s"));
     for (int seconds = 0; seconds < 3;) {
@@ -93,7 +93,7 @@ TEST(ServiceTest, AHungPipelineStarvesTheWatchdogAlthoughTheSupervisorIsWell) {
   EXPECT_TRUE(service.manager.Await("WATCHDOG=1")) << "alive again, it is said so";
 }
 
-// systemd's answer to that.
+// systemd sends SIGABRT when the watchdog expires.
 TEST(ServiceTest, AHungPipelineDoesNotSurviveSigabrt) {
   Service service;
   ASSERT_TRUE(service.manager.Await("READY=1"));

@@ -1,5 +1,5 @@
-// Styled frames leave as VMC: a second daemon, which listens as an application would, has the same
-// poses; liblo, which is not ours, reads the same messages.
+// Styled frames sent as VMC: a second daemon, which listens like an application, has the same
+// poses; and liblo, an independent implementation, reads the same messages.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lo/lo.h>
@@ -69,8 +69,8 @@ struct Comparison {
   float worst_deg = 0, worst_mm = 0;
 };
 
-// Both streams carry the rig's clock, the second one from its own zero: the last frame that came is
-// one of the last that were sent, and says by how much they differ.
+// Both streams contain the rig's clock, the second one from its own zero. The last frame received
+// is one of the last sent, which determines the offset.
 Comparison Compare(const std::vector<v1::Frame>& sent, const std::vector<v1::Frame>& came) {
   std::uint64_t ahead_ns = 0;
   float nearest_deg = 360;
@@ -98,7 +98,7 @@ Comparison Compare(const std::vector<v1::Frame>& sent, const std::vector<v1::Fra
   return result;
 }
 
-// Plays a styled performer from one daemon into another. `options` of stylevmc.
+// Plays a styled performer from one daemon into another. `options` are stylevmc's.
 void PlayThrough(std::vector<std::string> options) {
   Daemon first;
   Daemon second({}, "[[source]]\nname = \"avatar\"\ntype = \"vmc\"\nlisten = \"127.0.0.1:0\"\n");
@@ -122,7 +122,7 @@ void PlayThrough(std::vector<std::string> options) {
     }));
   });
   ASSERT_TRUE(came.WaitForFrames(200, kAvatar)) << forwarder.Log();
-  // The face goes all the way, too.
+  // Face expressions are transmitted as well.
   const v1::Frame last = came.Frames(kAvatar).back();
   ASSERT_EQ(last.expressions_size(), 1);
   EXPECT_EQ(last.expressions(0).name(), "Joy");
@@ -143,7 +143,7 @@ TEST(VmcOut, ASecondDaemonHasTheSamePoses) { PlayThrough({}); }
 
 TEST(VmcOut, ASecondDaemonHasTheSamePosesWhereTheRootCarries) { PlayThrough({"--root", "root"}); }
 
-// liblo as the application.
+// liblo in the role of the application.
 class Liblo {
  public:
   Liblo() : server_(lo_server_new(nullptr, [](int, const char*, const char*) {})) {
@@ -209,7 +209,7 @@ TEST(VmcOut, LibloReadsWholeFramesInTheirOrderAtTheRateAsked) {
     link.Send(rig.Frame());
     liblo.Receive();
   });
-  // A frame may have been cut by the first datagram that was heard.
+  // The first datagram received may have been the middle of a frame.
   for (std::size_t i = 1; i < liblo.frames.size(); ++i) {
     const auto& frame = liblo.frames[i];
     ASSERT_EQ(frame.bones.size(), 21U);
@@ -224,7 +224,7 @@ TEST(VmcOut, LibloReadsWholeFramesInTheirOrderAtTheRateAsked) {
   const float span_s = liblo.frames.back().time_s - liblo.frames[1].time_s;
   EXPECT_LE(static_cast<float>(liblo.frames.size() - 2), 30 * span_s + 2);
   EXPECT_GT(liblo.frames.size(), 20U);
-  // What came is what was published, mirrored: each frame is one of the daemon's, by hips alone.
+  // Each frame received is a published one, mirrored; matched by the hips only.
   const auto published = sent.Frames(kStyled);
   const auto& hips = liblo.frames.back().bones.at("Hips");
   const auto same = [&](const v1::Frame& frame) {
@@ -271,7 +271,7 @@ TEST(VmcOut, GoesOnWhenTheDaemonIsStartedAgain) {
   while (!ear.Receive(100).empty()) {
   }
   heard = 0;
-  Rig again("a", 8);  // its clock begins anew, too
+  Rig again("a", 8);  // its clock starts again, too
   EXPECT_TRUE(SendUntil(UdpLink(daemon.udp), again, hears)) << forwarder.Log();
   EXPECT_TRUE(forwarder.child->Running());
 }

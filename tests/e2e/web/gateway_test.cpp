@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-// The real styleweb, at a port of the system's choice.
+// The real styleweb, on a port chosen by the system.
 class Web {
  public:
   Web(const std::string& publish, const std::string& control,
@@ -53,13 +53,13 @@ class Web {
   std::string address;
 };
 
-// A file that nobody else may read.
+// Writes a file that only its owner can read.
 void WriteSecret(const std::string& file, const std::string& text) {
   WriteText(file, text);
   EXPECT_EQ(chmod(file.c_str(), 0600), 0);
 }
 
-// Runs styleweb until it ends by itself: exit code and what it said.
+// Runs styleweb until it exits; returns exit code and output.
 std::pair<int, std::string> Refused(const std::vector<std::string>& options) {
   const TemporaryFolder folder;
   std::vector<std::string> arguments{STYLEWEB_BINARY};
@@ -69,7 +69,7 @@ std::pair<int, std::string> Refused(const std::vector<std::string>& options) {
   return {code.value_or(-1), ReadText(folder / "stderr.txt")};
 }
 
-// A performer who never stops.
+// A performer that sends until the destructor.
 class Walking {
  public:
   Walking(const std::string& address, const std::string& name)
@@ -89,7 +89,7 @@ class Walking {
   std::jthread thread_;
 };
 
-// Reads until a message is what `wanted` says; nothing after `seconds`.
+// Reads until `wanted` accepts a message; empty after `seconds`.
 template <typename Wanted>
 std::optional<Received> Await(BrowserLink& link, const Wanted& wanted, double seconds = 20) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
@@ -298,7 +298,7 @@ TEST(GatewayTest, AStalledBrowserCostsNobodyAnythingAndSeesThePresentWhenItReads
   const std::string wish = R"({"subscribe": ["source/rig.a/", "styled/rig.a/rig/"]})";
   stalled.SendText(wish);
   healthy.SendText(wish);
-  // The sockets' buffers are full when frames begin to be superseded.
+  // Frames are superseded only after the sockets' buffers are full.
   std::uint64_t last = 0, missed = 0, frames = 0;
   v1::Frame frame;
   const auto count = [&](const Received& r) {
@@ -317,7 +317,7 @@ TEST(GatewayTest, AStalledBrowserCostsNobodyAnythingAndSeesThePresentWhenItReads
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(Await(healthy, count));
   EXPECT_LT(ResidentBytes(web.child->pid()), before + (4U << 20U));
   EXPECT_EQ(missed, 0U) << "the healthy one got every frame";
-  // What the buffers hold is old; then come frames of now.
+  // The buffers hold old frames; current ones follow.
   const std::uint64_t now = last;
   EXPECT_TRUE(Await(stalled, [&](const Received& r) {
     return r.topic == "source/rig.a/" && frame.ParseFromString(r.payload) &&
@@ -378,7 +378,7 @@ TEST(GatewayTest, HostileBrowsersAreAnsweredOrDroppedAndNobodyElseNotices) {
     EXPECT_TRUE(complains(text)) << text;
   }
   EXPECT_TRUE(complains(std::string(30000, '[')));
-  // What is right beside something wrong comes all the same.
+  // Valid topics next to invalid ones are subscribed all the same.
   EXPECT_TRUE(complains(R"({"subscribe": ["styled/no such name/rig/", 1, "stats/"]})"));
   EXPECT_TRUE(Await(bad, IsTopic("stats/")));
   bad.SendBinary("\x12\xFF garbage");
@@ -410,7 +410,7 @@ TEST(GatewayTest, HostileBrowsersAreAnsweredOrDroppedAndNobodyElseNotices) {
   EXPECT_EQ(web.child->Wait(5), 0);
 }
 
-// More half-sent requests than there is room for, each replaced as soon as it is closed.
+// More unfinished requests than the limit, each replaced as soon as it is closed.
 TEST(GatewayTest, UnfinishedRequestsKeepNobodyOut) {
   Daemon daemon;
   const Web web(daemon, {"--max-connections", "8"});
@@ -472,7 +472,7 @@ TEST(GatewayTest, ADaemonThatAsksForKeysIsShownWithThem) {
   link.SendText(R"({"subscribe": ["styled/rig.a/rig/"]})");
   EXPECT_TRUE(Await(link, IsTopic("styled/rig.a/rig/")));
   EXPECT_EQ(AskThrough(link, SetStyle("rig.a", "style1")).code(), v1::CODE_OK);
-  // The first statistics tell that the daemon is up, within a second or so.
+  // The first statistics show that the daemon is up, within about a second.
   for (int i = 0; i < 1000 && Ask(web.address, "/healthz").status != 200; ++i) Sleep(0.01);
   EXPECT_EQ(Ask(web.address, "/healthz").status, 200);
   HttpReply health = Ask(blind.address, "/healthz");
@@ -523,7 +523,7 @@ TEST(GatewayTest, OptionsThatAreWrongAreNamed) {
     EXPECT_EQ(code, 2) << word;
     EXPECT_NE(said.find(word), std::string::npos) << said;
   }
-  // In words, or with a token, it may be reached by others.
+  // With the explicit option, or with a token, other machines may connect.
   const Web open("tcp://127.0.0.1:9", "tcp://127.0.0.1:9",
                  {"--listen", "0.0.0.0:0", "--allow-unauthenticated-remote"});
   EXPECT_EQ(Ask("http://127.0.0.1:" + open.address.substr(open.address.rfind(':') + 1), "/healthz",
