@@ -55,30 +55,31 @@ struct Playing {
 
 // There is no simulated rig for the native protocol: the motion is sent on its own skeleton, which
 // the daemon binds. A second binding here computes the expected poses.
-const auto spec = faults::Parse(run.faults);
-EXPECT_TRUE(spec.ok()) << spec.status().message();
-EXPECT_TRUE(run.performers.size() == 1 && run.quirks.empty()) << "native: one, without quirks";
-struct Twin {
-  std::unique_ptr<player::Motion> motion;
-  rig::Binding binding;
-  rig::RigPose on_rig;
-  body::Pose canonical;
-};
-auto motion = MakeMotion(run, 0);
-auto binding = rig::BindDialect(motion->body().skeleton, motion->body().dialect);
-EXPECT_TRUE(binding.ok()) << binding.status().message();
-const auto twin = std::make_shared<Twin>(
-    Twin{std::move(motion), std::move(binding.value()), rig::RigPose(), body::Pose()});
-Playing playing;
-playing.sender = std::make_unique<player::Stream>(
-    player::StreamOptions{run.performers[0], run.rate_hz, [] { return std::uint64_t{7}; }, {}},
-    MakeMotion(run, 0), faults::Faults(spec.value()));
-playing.pose = [twin]() -> const body::Pose& {
-  (void)twin->motion->Next(twin->on_rig);
-  twin->binding.Bind(twin->on_rig, twin->canonical);
-  return twin->canonical;
-};
-return playing;
+Playing PlayNative(const RigRun& run) {
+  const auto spec = faults::Parse(run.faults);
+  EXPECT_TRUE(spec.ok()) << spec.status().message();
+  EXPECT_TRUE(run.performers.size() == 1 && run.quirks.empty()) << "native: one, without quirks";
+  struct Twin {
+    std::unique_ptr<player::Motion> motion;
+    rig::Binding binding;
+    rig::RigPose on_rig;
+    body::Pose canonical;
+  };
+  auto motion = MakeMotion(run, 0);
+  auto binding = rig::BindDialect(motion->body().skeleton, motion->body().dialect);
+  EXPECT_TRUE(binding.ok()) << binding.status().message();
+  const auto twin = std::make_shared<Twin>(
+      Twin{std::move(motion), std::move(binding.value()), rig::RigPose(), body::Pose()});
+  Playing playing;
+  playing.sender = std::make_unique<player::Stream>(
+      player::StreamOptions{run.performers[0], run.rate_hz, [] { return std::uint64_t{7}; }, {}},
+      MakeMotion(run, 0), faults::Faults(spec.value()));
+  playing.pose = [twin]() -> const body::Pose& {
+    (void)twin->motion->Next(twin->on_rig);
+    twin->binding.Bind(twin->on_rig, twin->canonical);
+    return twin->canonical;
+  };
+  return playing;
 }
 
 Playing Play(const RigRun& run) {
