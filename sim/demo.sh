@@ -135,10 +135,10 @@ stop_of_tour() {
   local style=${styles[$((switches % count))]} other=${styles[$(((switches + 5) % count))]}
   case $((switches % 8)) in
     4) control set '*' --mix "$style=0.5" --mix "$other=0.5" --strength 1 --transition 1000 ;;
-    5) control set '*' --style "$style" --only arms --transition 600 ;;
-    6) control set '*' --style "$style" --only all --strength 0.5 ;;
+    5) control set '*' --style "$style" --parts arms --transition 600 ;;
+    6) control set '*' --style "$style" --parts all --strength 0.5 ;;
     7) control clear '*' ;;
-    *) control set '*' --style "$style" --only all --strength 1 --transition 400 ;;
+    *) control set '*' --style "$style" --parts all --strength 1 --transition 400 ;;
   esac
 }
 while [ "$stopped" = no ]; do

@@ -45,7 +45,7 @@ ROWS = {
     "daemon/publish": "daemon/security daemon/config daemon/runtime proto/styled model/net " + STAGES,
     "daemon/source": "daemon/config daemon/runtime proto " + STAGES,
     "daemon/security": "daemon/config daemon/runtime proto/keys proto/ipc model/base",
-    "daemon/config": "daemon/runtime proto/rigs " + STAGES + " model/net model/stylist",
+    "daemon/config": "daemon/runtime proto/rigs proto/styled " + STAGES + " model/net model/stylist",
     "daemon/runtime": "model/base proto/ipc proto/rigs/native",
     # Who sends and who listens: neither the daemon nor a network.
     "clients": "clients proto model/clip " + STAGES,
@@ -55,6 +55,7 @@ ROWS = {
 # Single headers beyond a row, each with its reason.
 ALSO = {
     ("clients/rec", "sim/player"): "a recording is played by what plays clips",
+    ("proto/styled", "model/net/styles.h"): "the limits of what may be asked of a network, once",
     ("clients", "model/tools/number.h"): "an option's number, for all command lines",
     ("sim", "model/tools/number.h"): "an option's number, for all command lines",
 }

@@ -153,7 +153,7 @@ CallStatus Control::Status(v1::StatusReply* out) {
   return status;
 }
 
-CallStatus Control::Set(std::string_view performer, const v1::Set& change, Applied* applied) {
+CallStatus Control::Set(std::string_view performer, const v1::Look& change, Applied* applied) {
   v1::Request request;
   *request.mutable_set() = change;
   return Change(request, performer, applied);
@@ -161,7 +161,7 @@ CallStatus Control::Set(std::string_view performer, const v1::Set& change, Appli
 
 CallStatus Control::SetStyle(std::string_view performer, std::string_view style, float strength,
                              Applied* applied) {
-  v1::Set change;
+  v1::Look change;
   v1::StyleWeight& weight = *change.add_mix();
   weight.set_style(style.data(), style.size());
   weight.set_weight(1.0F);
@@ -170,7 +170,7 @@ CallStatus Control::SetStyle(std::string_view performer, std::string_view style,
 }
 
 CallStatus Control::Clear(std::string_view performer, Applied* applied) {
-  v1::Set change;
+  v1::Look change;
   change.set_clear(true);
   return Set(performer, change, applied);
 }

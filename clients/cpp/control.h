@@ -75,8 +75,8 @@ class Control {
 
   CallStatus List(v1::ListReply* out);
   CallStatus Status(v1::StatusReply* out);
-  CallStatus Set(std::string_view performer, const v1::Set& change, Applied* applied = nullptr);
-  // Set() with one style at full weight; `strength` as in v1::Set.
+  CallStatus Set(std::string_view performer, const v1::Look& change, Applied* applied = nullptr);
+  // Set() with one style at full weight; `strength` as in v1::Look.
   CallStatus SetStyle(std::string_view performer, std::string_view style, float strength = 1.0F,
                       Applied* applied = nullptr);
   CallStatus Clear(std::string_view performer, Applied* applied = nullptr);

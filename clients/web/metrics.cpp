@@ -130,7 +130,7 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
   each("styled_performer_rate_hertz", "gauge", "frames of the last second",
        [](const P& p) { return Number(p.rate_hz()); });
   each("styled_performer_strength_ratio", "gauge", "strength of the style",
-       [](const P& p) { return Number(p.strength()); });
+       [](const P& p) { return Number(p.look().strength()); });
   each("styled_performer_received_total", "counter", "frames accepted from the rig",
        [](const P& p) { return Whole(p.received()); });
   each("styled_performer_published_total", "counter", "poses published",
@@ -154,7 +154,7 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
   }
   text.Family("styled_performer_style_weight_ratio", "gauge", "the mix that is set");
   for (const auto& p : stats.performers()) {
-    for (const auto& style : p.styles()) {
+    for (const auto& style : p.look().mix()) {
       text.Sample(Number(style.weight()),
                   "performer=" + Quoted(p.performer()) + ",style=" + Quoted(style.style()));
     }

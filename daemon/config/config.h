@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "model/base/status.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/settings.h"
+#include "proto/styled/v1/look.pb.h"
 
 // The whole configuration as one struct. The manual is styled.toml beside this file: it gives unit,
 // range and reason of each key. The values here are the defaults.
@@ -128,14 +128,13 @@ struct Performers {
 
 struct Style {
   std::string initial;  // a preset or a style; "" = bypass
-  float strength = 1.0F;
-  float transition_s = 0.1F;
+  v1::Look look;        // what else differs from InitialLook(); no mix
 };
 
 struct Preset {
   std::string name;
-  std::vector<std::pair<std::string, float>> mix;  // style or alias, weight
-  std::string place;                               // file:line, for errors
+  v1::Look look;      // a mix, of styles or aliases
+  std::string place;  // file:line, for errors
 };
 
 // A prepared change of style, fired by its name or by the performers' timecode.
@@ -143,11 +142,9 @@ struct Cue {
   std::string name;
   std::string at;               // "HH:MM:SS:FF"; "" = by name only
   std::string performer = "*";  // an id, or "*"
-  std::string style, preset;    // at most one of these two, the mix and `clear`
-  std::vector<std::pair<std::string, float>> mix;
-  bool clear = false, panic = false;
-  std::optional<float> strength, transition_s;
-  std::string only, input_style;
+  std::string style;            // alone, at weight 1; excludes look.mix, .preset and .clear
+  bool panic = false;
+  v1::Look look;      // the fields that change
   std::string place;  // file:line, for errors
 };
 

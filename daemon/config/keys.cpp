@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "daemon/config/look_keys.h"
 #include "model/base/text.h"
 
 namespace styled::config {
@@ -16,11 +17,13 @@ std::string Shown(const toml::node& node) {
   return Printable(text.str(), kLongest);
 }
 
-constexpr std::size_t kLongestName = 64;  // bytes of a key, joint or style that errors quote
+}  // namespace
 
 Status Expected(const std::string& what, const toml::node& node) {
   return Status::Error("expected " + what + ", found " + Shown(node));
 }
+
+namespace {
 
 // A number in [low, high], in the file's unit. The struct holds the number times `factor`.
 template <typename T, typename Field>
@@ -124,6 +127,28 @@ Section ModelSection() {
                 STYLED_FIELD(model.stylist.feet_options.hips_drop_m))}};
 }
 
+// The fields of a look by their names, and by former ones.
+template <typename T, typename Field>
+void AddLookKeys(Field look, std::vector<Key<T>>& keys) {
+  for (const LookField& field : kLookFields) {
+    for (const std::string_view name : {field.name, field.former}) {
+      if (name.empty()) continue;
+      keys.push_back({name, [&field, look](const toml::node& node, T& out) {
+                        return ReadLookField(field, node, look(out));
+                      }});
+    }
+  }
+}
+
+// `initial` names what a mix or a preset would.
+Section StyleSection() {
+  Section section{"style", {Text<Config>("initial", STYLED_FIELD(style.initial))}};
+  AddLookKeys(STYLED_FIELD(style.look), section.keys);
+  std::erase_if(section.keys,
+                [](const Key<Config>& key) { return key.name == "mix" || key.name == "preset"; });
+  return section;
+}
+
 Section PerformersSection() {
   using C = Config;
   return {"performers",
@@ -189,10 +214,7 @@ std::vector<Section> MakeSections() {
       {"security", {Text<C>("keys", STYLED_FIELD(security.keys))}},
       ModelSection(),
       PerformersSection(),
-      {"style",
-       {Text<C>("initial", STYLED_FIELD(style.initial)),
-        Float<C>("strength", 0, 1.5, 1, STYLED_FIELD(style.strength)),
-        Float<C>("transition_ms", 0, 60000, kMs, STYLED_FIELD(style.transition_s))}},
+      StyleSection(),
       {"osc",
        {Text<C>("listen", STYLED_FIELD(osc.listen)),
         Flag<C>("allow_unauthenticated_remote", STYLED_FIELD(osc.allow_unauthenticated_remote))}},
@@ -331,39 +353,28 @@ const std::vector<Key<Output>>& OutputKeys() {
 
 const std::vector<Key<Cue>>& CueKeys() {
   using C = Cue;
-  static const std::vector<Key<Cue>> keys{
-      Text<C>("name", STYLED_FIELD(name)),
-      Text<C>("at", STYLED_FIELD(at)),
-      Text<C>("performer", STYLED_FIELD(performer)),
-      Text<C>("style", STYLED_FIELD(style)),
-      Text<C>("preset", STYLED_FIELD(preset)),
-      Key<C>{"mix", [](const toml::node& node, C& out) { return ReadMix(node, out.mix); }},
-      Flag<C>("clear", STYLED_FIELD(clear)),
-      Flag<C>("panic", STYLED_FIELD(panic)),
-      Float<C>("strength", 0, 1.5, 1, STYLED_FIELD(strength)),
-      Float<C>("transition_ms", 0, 60000, kMs, STYLED_FIELD(transition_s)),
-      Text<C>("only", STYLED_FIELD(only)),
-      Text<C>("from", STYLED_FIELD(input_style)),
-  };
+  static const std::vector<Key<Cue>> keys = [] {
+    std::vector<Key<Cue>> made{
+        Text<C>("name", STYLED_FIELD(name)),
+        Text<C>("at", STYLED_FIELD(at)),
+        Text<C>("performer", STYLED_FIELD(performer)),
+        Text<C>("style", STYLED_FIELD(style)),
+        Flag<C>("panic", STYLED_FIELD(panic)),
+        Key<C>{"clear",
+               [](const toml::node& node, C& out) {
+                 if (!node.is_boolean()) return Expected("true or false", node);
+                 out.look.set_clear(*node.value<bool>());
+                 return Status::Ok();
+               }},
+    };
+    AddLookKeys(STYLED_FIELD(look), made);
+    return made;
+  }();
   return keys;
 }
 
-Status ReadPreset(const toml::node& node, Preset& preset) { return ReadMix(node, preset.mix); }
-
-Status ReadMix(const toml::node& node, std::vector<std::pair<std::string, float>>& out) {
-  const toml::table* mix = node.as_table();
-  if (mix == nullptr || mix->empty()) {
-    return Expected("styles and weights, e.g. { elderly = 0.7, tired = 0.3 }", node);
-  }
-  for (const auto& [style, weight] : *mix) {
-    const auto value = weight.value<double>();
-    if (!weight.is_number() || !(*value >= 0 && *value <= 1.5)) {
-      return Expected("a weight from 0 to 1.5 for \"" + Printable(style.str(), kLongestName) + "\"",
-                      weight);
-    }
-    out.emplace_back(style.str(), static_cast<float>(*value));
-  }
-  return Status::Ok();
+Status ReadPreset(const toml::node& node, Preset& preset) {
+  return ReadLookField(*FindLookField("mix"), node, preset.look);
 }
 
 std::string Nearest(std::string_view text, const std::vector<std::string_view>& candidates) {

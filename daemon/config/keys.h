@@ -35,10 +35,12 @@ inline constexpr std::string_view kOutputSection = "output";
 inline constexpr std::string_view kCueSection = "cue";
 inline constexpr std::string_view kPresetsSection = "presets";
 
-// Parses { style = weight, ... }; weights are 0 to 1.5.
-Status ReadMix(const toml::node& node, std::vector<std::pair<std::string, float>>& out);
 // Parses the value of presets.NAME: { style = weight, ... }.
 Status ReadPreset(const toml::node& node, Preset& preset);
+
+inline constexpr std::size_t kLongestName = 64;  // bytes of a key, joint or style that errors quote
+// "expected WHAT, found NODE".
+Status Expected(const std::string& what, const toml::node& node);
 
 // Returns ", nearest is \"x\"" for the candidate closest to `text` by edit distance, or "" when
 // none is close.

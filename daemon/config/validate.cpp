@@ -6,7 +6,7 @@
 #include "daemon/config/sources.h"
 #include "daemon/runtime/host_port.h"
 #include "model/base/text.h"
-#include "model/net/styles.h"
+#include "proto/styled/look.h"
 
 namespace styled::config {
 namespace {
@@ -166,12 +166,12 @@ Status CheckClashes(const Config& config) {
 
 Status CheckPreset(const Preset& preset) {
   float sum = 0;
-  for (const auto& [style, weight] : preset.mix) sum += weight;
-  if (preset.mix.size() > net::kMaxMix) {
-    return Status::Error("presets." + preset.name + ": " + std::to_string(preset.mix.size()) +
+  for (const auto& entry : preset.look.mix()) sum += entry.weight();
+  if (preset.look.mix_size() > net::kMaxMix) {
+    return Status::Error("presets." + preset.name + ": " + std::to_string(preset.look.mix_size()) +
                          " styles; expected at most " + std::to_string(net::kMaxMix));
   }
-  if (sum > 1.5F) {
+  if (sum > net::kMaxStrength) {
     return Status::Error("presets." + preset.name + ": weights sum to " + NumberText(sum) +
                          "; expected at most 1.5");
   }

@@ -6,8 +6,7 @@
 #include <string>
 
 #include "model/base/text.h"
-#include "model/body/parts.h"
-#include "proto/styled/body_parts.h"
+#include "proto/styled/look.h"
 
 namespace styled::control {
 namespace {
@@ -34,7 +33,7 @@ bool Text(Arguments& arguments, std::string& value) {
 
 // Each function below reads its arguments into the request. It returns false when they do not fit.
 bool Style(Arguments& arguments, v1::Request& request) {
-  v1::Set& set = *request.mutable_set();
+  v1::Look& set = *request.mutable_set();
   auto& style = *set.add_mix();
   float strength = 0, transition_ms = 0;
   if (!Text(arguments, *style.mutable_style())) return false;
@@ -48,40 +47,54 @@ bool Style(Arguments& arguments, v1::Request& request) {
   return true;
 }
 
-bool Mix(Arguments& arguments, v1::Request& request) {
-  while (!arguments.AtEnd()) {
-    auto& entry = *request.mutable_set()->add_mix();
-    float weight = 0;
-    if (!Text(arguments, *entry.mutable_style()) || !Number(arguments, weight)) return false;
-    entry.set_weight(weight);
+// Reads one field of a look.
+struct FieldReader {
+  Arguments& arguments;
+  v1::Look& look;
+
+  bool operator()(const LookNumber& number) const {
+    float value = 0;
+    if (!Number(arguments, value)) return false;
+    (look.*number.set)(value);
+    return true;
   }
-  return request.set().mix_size() > 0;
-}
+  bool operator()(const LookFlag& flag) const {
+    float value = 0;
+    if (!Number(arguments, value)) return false;
+    (look.*flag.set)(value != 0);
+    return true;
+  }
+  bool operator()(const LookName& name) const {
+    std::string text;
+    if (!Text(arguments, text)) return false;
+    name.set(look, text);
+    return true;
+  }
+  bool operator()(const LookMix&) const {
+    while (!arguments.AtEnd()) {
+      auto& entry = *look.add_mix();
+      float weight = 0;
+      if (!Text(arguments, *entry.mutable_style()) || !Number(arguments, weight)) return false;
+      entry.set_weight(weight);
+    }
+    return look.mix_size() > 0;
+  }
+  bool operator()(const LookParts&) const {
+    std::string words;
+    if (!Text(arguments, words)) return false;
+    const auto parts = body::FindParts(words);
+    if (parts) SetParts(*parts, look);
+    return parts.has_value();
+  }
+};
 
-bool Strength(Arguments& arguments, v1::Request& request) {
-  float strength = 0;
-  if (!Number(arguments, strength)) return false;
-  request.mutable_set()->set_strength(strength);
-  return true;
-}
-
-bool Transition(Arguments& arguments, v1::Request& request) {
-  float transition_ms = 0;
-  if (!Number(arguments, transition_ms)) return false;
-  request.mutable_set()->set_transition_ms(transition_ms);
-  return true;
-}
-
-bool Only(Arguments& arguments, v1::Request& request) {
-  std::string words;
-  if (!Text(arguments, words)) return false;
-  const auto parts = body::FindParts(words);
-  if (parts) AddParts(*parts, *request.mutable_set()->mutable_only());
-  return parts.has_value();
-}
-
-bool From(Arguments& arguments, v1::Request& request) {
-  return Text(arguments, *request.mutable_set()->mutable_own_style());
+std::string ExpectedOf(const LookField& field) {
+  if (const auto* const number = std::get_if<LookNumber>(&field.kind)) {
+    return "a number from " + NumberText(number->low) + " to " + NumberText(number->high);
+  }
+  if (std::holds_alternative<LookFlag>(field.kind)) return "1 or 0";
+  if (std::holds_alternative<LookMix>(field.kind)) return "styles and weights in turn";
+  return std::string(field.help);
 }
 
 bool Clear(Arguments&, v1::Request& request) {
@@ -115,14 +128,10 @@ struct Row {
   bool (*read)(Arguments&, v1::Request&);
   std::string_view expected;
 };
-constexpr std::array<Row, 10> kOfPerformers{{
+// What a performer has beside the fields of a look; a preset's own request fades, too.
+constexpr std::array<Row, 5> kOfPerformers{{
     {"style", Style, "a style and, if wanted, strength and transition in ms"},
-    {"mix", Mix, "styles and weights in turn"},
-    {"strength", Strength, "a number from 0 to 1.5"},
-    {"transition", Transition, "milliseconds"},
     {"preset", Preset, "a preset and, if wanted, transition in ms"},
-    {"only", Only, "parts of the body, e.g. \"arms,head\", or \"all\""},
-    {"from", From, "the style that the performer moves in already"},
     {"pin", Pin, "1 or 0"},
     {"clear", Clear, "nothing"},
     {"reset", Reset, "nothing"},
@@ -182,8 +191,16 @@ Result<v1::Request> ReadOsc(const Message& message) {
     if (row.read(arguments, request) && arguments.AtEnd()) return request;
     return refuse(std::string(row.expected));
   }
-  std::string words;
-  for (const Row& row : kOfPerformers) words.append(words.empty() ? "" : ", ").append(row.word);
+  if (const LookField* const field = FindLookField(word)) {
+    const std::string performer = rest.substr(0, slash);
+    request.set_performer(performer == "all" ? "*" : performer);
+    const bool read = std::visit(FieldReader{arguments, *request.mutable_set()}, field->kind);
+    if (read && arguments.AtEnd()) return request;
+    return refuse(ExpectedOf(*field));
+  }
+  std::string words = "style";
+  for (const LookField& field : kLookFields) words.append(", ").append(field.word);
+  words += ", pin, clear, reset";
   return refuse("/styled/PERFORMER/ and one of " + words + "; or /styled/cue, /styled/panic");
 }
 

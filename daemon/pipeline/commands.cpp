@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "model/base/text.h"
-#include "proto/styled/body_parts.h"
 
 namespace styled::pipeline {
 namespace {
@@ -19,15 +18,6 @@ void Refuse(v1::Reply& reply, v1::Code code, std::string reason) {
   reply.clear_applied();
 }
 
-bool InRange(float value, float low, float high) { return value >= low && value <= high; }
-
-bool CheckTransition(bool given, float transition_ms, v1::Reply& reply) {
-  if (!given || InRange(transition_ms, 0, 60000)) return true;
-  Refuse(reply, v1::CODE_OUT_OF_RANGE,
-         "transition_ms is " + NumberText(transition_ms) + ", expected 0 to 60000");
-  return false;
-}
-
 }  // namespace
 
 bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
@@ -37,14 +27,20 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
       List(reply);
       return true;
     case v1::Request::kSet:
-      Set(request, reply);
+      Change(request.performer(), request.set(), "set", reply);
       return true;
     case v1::Request::kPin:
       Pin(request, reply);
       return true;
-    case v1::Request::kPreset:
-      Preset(request, reply);
+    case v1::Request::kPreset: {
+      v1::Look change;
+      change.set_preset(request.preset().name());
+      if (request.preset().has_transition_ms()) {
+        change.set_transition_ms(request.preset().transition_ms());
+      }
+      Change(request.performer(), std::move(change), "preset", reply);
       return true;
+    }
     case v1::Request::kPanic:
       Panic(reply);
       return true;
@@ -114,11 +110,7 @@ void Commands::List(v1::Reply& reply) const {
   for (const auto& preset : roster_.config().presets) {
     auto& info = *list.add_presets();
     info.set_name(preset.name);
-    for (const auto& [style, weight] : preset.mix) {
-      auto& entry = *info.add_mix();
-      entry.set_style(style);
-      entry.set_weight(weight);
-    }
+    *info.mutable_mix() = preset.look.mix();
   }
 }
 
@@ -128,19 +120,18 @@ void Commands::Applied(const Profile& profile, v1::Reply& reply) const {
   applied.set_first_sequence(profile.next_sequence);
 }
 
-template <typename Change>
-void Commands::ChangeLooks(const std::string& performer, Change change, v1::Reply& reply) {
+void Commands::ChangeLooks(const std::string& performer, const v1::Look& change, v1::Reply& reply) {
   const net::Styles& styles = roster_.config().network->model().styles;
   const Targets targets = Find(performer, reply);
   if (!targets.ok) return;
-  std::vector<std::pair<Profile*, Look>> wanted;
+  std::vector<std::pair<Profile*, v1::Look>> changed;
   const auto add = [&](Profile& profile) {
     if (profile.pinned) {
       if (!targets.all) Refuse(reply, v1::CODE_PINNED, profile.id + " is pinned; unpin it first");
       return targets.all;
     }
-    Look look = profile.look;
-    change(look);
+    v1::Look look = profile.look;
+    styled::Apply(change, look);
     std::vector<std::string> unknown;
     const auto error =
         stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
@@ -148,7 +139,7 @@ void Commands::ChangeLooks(const std::string& performer, Change change, v1::Repl
       Refuse(reply, v1::CODE_OUT_OF_RANGE, profile.id + ": " + Explain(error));
       return false;
     }
-    wanted.emplace_back(&profile, std::move(look));
+    changed.emplace_back(&profile, std::move(look));
     return true;
   };
   for (Profile* profile : targets.profiles) {
@@ -157,7 +148,7 @@ void Commands::ChangeLooks(const std::string& performer, Change change, v1::Repl
     return;
   }
   if (targets.all && !add(roster_.to_come)) return;
-  for (auto& [profile, look] : wanted) {
+  for (auto& [profile, look] : changed) {
     profile->look = std::move(look);
     profile->configured = true;
     if (Performer* live = roster_.LiveOf(*profile)) (void)live->ApplyLook(roster_.config());
@@ -167,93 +158,51 @@ void Commands::ChangeLooks(const std::string& performer, Change change, v1::Repl
   changed_ = true;
 }
 
-void Commands::Set(const v1::Request& request, v1::Reply& reply) {
-  const v1::Set& set = request.set();
-  if (set.clear() && set.mix_size() > 0) {
-    return Refuse(reply, v1::CODE_MALFORMED, "set: clear and mix exclude each other");
+bool Commands::FillPreset(v1::Look& change, const std::string& what, v1::Reply& reply) const {
+  const auto& presets = roster_.config().presets;
+  if (const config::Preset* const preset = FindPreset(change.preset(), presets)) {
+    *change.mutable_mix() = preset->look.mix();
+    return true;
   }
-  if (set.mix_size() > net::kMaxMix) {
-    return Refuse(reply, v1::CODE_OUT_OF_RANGE,
-                  "set: " + std::to_string(set.mix_size()) + " styles, expected at most " +
-                      std::to_string(net::kMaxMix));
+  std::string reason =
+      what + ": no preset \"" + Printable(change.preset(), kShown) + "\"; the presets are";
+  for (const auto& known : presets) reason += " " + known.name;
+  Refuse(reply, v1::CODE_UNKNOWN_PRESET,
+         presets.empty() ? what + ": no presets are configured" : reason);
+  return false;
+}
+
+void Commands::Change(const std::string& performer, v1::Look change, const std::string& what,
+                      v1::Reply& reply) {
+  // As a whole look has it whose mix came from no preset.
+  if (what == "set" && change.preset().empty()) change.clear_preset();
+  const bool by_preset = change.has_preset();
+  const int mixes = static_cast<int>(change.clear()) + static_cast<int>(change.mix_size() > 0) +
+                    static_cast<int>(by_preset);
+  if (mixes > 1) {
+    return Refuse(reply, v1::CODE_MALFORMED, what + ": expected one of mix, preset and clear");
   }
-  if (set.has_strength() && !InRange(set.strength(), 0, net::kMaxStrength)) {
-    return Refuse(reply, v1::CODE_OUT_OF_RANGE,
-                  "set: strength is " + NumberText(set.strength()) + ", expected 0 to 1.5");
+  if (const std::string wrong = CheckLook(change); !wrong.empty()) {
+    return Refuse(reply, v1::CODE_OUT_OF_RANGE, what + ": " + wrong);
   }
-  if (!CheckTransition(set.has_transition_ms(), set.transition_ms(), reply)) return;
-  for (const int part : set.only()) {
-    if (!v1::BodyPart_IsValid(part)) {
-      return Refuse(reply, v1::CODE_OUT_OF_RANGE,
-                    "set: only has " + std::to_string(part) + ", expected a BodyPart, 0 to 6");
-    }
-  }
-  const body::Parts parts = PartsOf(set.only());
-  std::vector<std::pair<std::string, float>> mix;
-  for (const auto& entry : set.mix()) mix.emplace_back(entry.style(), entry.weight());
+  if (by_preset && !FillPreset(change, what, reply)) return;
   std::string why;
-  std::vector<std::pair<std::string, float>> own;  // one or none
-  if (!set.own_style().empty()) own.emplace_back(set.own_style(), 1.0F);
-  const net::Styles& styles = roster_.config().network->model().styles;
-  if (!ProperNames(styles, mix, why) || !ProperNames(styles, own, why)) {
-    return Refuse(reply, v1::CODE_UNKNOWN_STYLE, "set: " + why);
+  if (!ProperNames(roster_.config().network->model().styles, change, why)) {
+    return Refuse(reply, v1::CODE_UNKNOWN_STYLE, what + ": " + why);
   }
-  if (!own.empty() && net::FindStyle(styles, own.front().first) == 0) own.clear();
-  ChangeLooks(
-      request.performer(),
-      [&](Look& look) {
-        if (set.clear() || !mix.empty()) {
-          look.mix = mix;
-          look.preset.clear();
-        }
-        if (set.has_strength()) look.strength = set.strength();
-        if (set.has_transition_ms()) look.transition_s = set.transition_ms() * 1e-3F;
-        if (set.has_absolute()) look.absolute = set.absolute();
-        if (parts != 0) look.parts = parts;
-        if (set.has_own_style()) look.input_style = own.empty() ? "" : own.front().first;
-      },
-      reply);
-  if (set.clear() && reply.code() == v1::CODE_OK) ForgetMisnamed(request.performer());
+  ChangeLooks(performer, change, reply);
+  if (change.clear() && reply.code() == v1::CODE_OK) ForgetMisnamed(performer);
 }
 
 // Who was named by mistake, or never came, is not to be listed for ever.
 void Commands::ForgetMisnamed(const std::string& id) {
   Profile* const profile = roster_.FindProfile(id);
   if (profile == nullptr || profile->seen || profile->pinned || profile->rest ||
-      profile->look != roster_.to_come.look) {
+      !Equal(profile->look, roster_.to_come.look)) {
     return;
   }
   profile->configured = false;
   roster_.DropUnused(*profile);
-}
-
-void Commands::Preset(const v1::Request& request, v1::Reply& reply) {
-  const auto& presets = roster_.config().presets;
-  const std::string& name = request.preset().name();
-  const auto preset = std::find_if(presets.begin(), presets.end(),
-                                   [&name](const config::Preset& p) { return p.name == name; });
-  if (preset == presets.end()) {
-    std::string reason = "no preset \"" + Printable(name, kShown) + "\"; the presets are";
-    for (const auto& known : presets) reason += " " + known.name;
-    return Refuse(reply, v1::CODE_UNKNOWN_PRESET,
-                  presets.empty() ? "no presets are configured" : reason);
-  }
-  const bool timed = request.preset().has_transition_ms();
-  const float transition_ms = request.preset().transition_ms();
-  if (!CheckTransition(timed, transition_ms, reply)) return;
-  auto mix = preset->mix;
-  std::string why;
-  if (!ProperNames(roster_.config().network->model().styles, mix, why)) {
-    return Refuse(reply, v1::CODE_UNKNOWN_STYLE, "preset: " + why);
-  }
-  ChangeLooks(
-      request.performer(),
-      [&](Look& look) {
-        look.mix = mix;
-        look.preset = name;
-        if (timed) look.transition_s = transition_ms * 1e-3F;
-      },
-      reply);
 }
 
 void Commands::Pin(const v1::Request& request, v1::Reply& reply) {
@@ -269,8 +218,9 @@ void Commands::Pin(const v1::Request& request, v1::Reply& reply) {
 
 void Commands::Panic(v1::Reply& reply) {
   const auto clear = [&](Profile& profile) {
-    profile.look.mix.clear();
-    profile.look.preset.clear();
+    v1::Look bypass;
+    bypass.set_clear(true);
+    styled::Apply(bypass, profile.look);
     profile.configured = true;
     if (Performer* live = roster_.LiveOf(profile)) (void)live->ApplyLook(roster_.config());
   };
@@ -283,18 +233,16 @@ void Commands::Panic(v1::Reply& reply) {
 }
 
 void Commands::FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply) {
-  for (std::size_t i = 0; i < cue.requests.size(); ++i) {
-    v1::Request request = cue.requests[i];
-    request.set_performer(performer);
-    v1::Reply one;
-    (void)Apply(request, one);
-    if (one.code() == v1::CODE_PINNED) continue;
-    if (one.code() != v1::CODE_OK && reply.code() == v1::CODE_OK) {
-      reply.set_code(one.code());
-      reply.set_reason("cue " + cue.name + ": " + one.reason());
-    }
-    if (i + 1 == cue.requests.size()) reply.mutable_applied()->MergeFrom(one.applied());
+  v1::Request request = cue.request;
+  request.set_performer(performer);
+  v1::Reply one;
+  (void)Apply(request, one);
+  if (one.code() == v1::CODE_PINNED) return;
+  if (one.code() != v1::CODE_OK && reply.code() == v1::CODE_OK) {
+    reply.set_code(one.code());
+    reply.set_reason("cue " + cue.name + ": " + one.reason());
   }
+  reply.mutable_applied()->MergeFrom(one.applied());
 }
 
 void Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {

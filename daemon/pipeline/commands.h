@@ -33,19 +33,21 @@ class Commands {
   // An id not yet seen gets its profile.
   Targets Find(const std::string& performer, v1::Reply& reply);
   void List(v1::Reply& reply) const;
-  void Set(const v1::Request& request, v1::Reply& reply);
+  // A change of looks, by the command that `what` names.
+  void Change(const std::string& performer, v1::Look change, const std::string& what,
+              v1::Reply& reply);
   void ForgetMisnamed(const std::string& id);
   void Pin(const v1::Request& request, v1::Reply& reply);
-  void Preset(const v1::Request& request, v1::Reply& reply);
   void Panic(v1::Reply& reply);
   void Fire(const v1::Cue& wanted, v1::Reply& reply);
-  // The requests of one cue, for one performer or "*".
+  // The request of one cue, for one performer or "*".
   void FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply);
   void Reset(const v1::Request& request, v1::Reply& reply);
 
-  // Changes the look of each target by `change`, all or none.
-  template <typename Change>
-  void ChangeLooks(const std::string& performer, Change change, v1::Reply& reply);
+  // The mix of the preset that a change names, into the change; false where there is none.
+  bool FillPreset(v1::Look& change, const std::string& what, v1::Reply& reply) const;
+  // Applies a checked change to each target, all or none.
+  void ChangeLooks(const std::string& performer, const v1::Look& change, v1::Reply& reply);
   void Applied(const Profile& profile, v1::Reply& reply) const;
 
   Roster& roster_;

@@ -6,8 +6,6 @@
 #include <cstdio>
 
 #include "daemon/pipeline/profile.h"
-#include "model/body/parts.h"
-#include "proto/styled/body_parts.h"
 
 namespace styled::pipeline {
 namespace {
@@ -15,44 +13,31 @@ namespace {
 constexpr std::int64_t kSecond = 1000;  // in a label; more frames than any rate has
 constexpr std::int64_t kWinding = 2 * kSecond;
 
-// What the cue says of style, preset or mix.
-Status AddMix(const config::Cue& cue, const std::vector<config::Preset>& presets,
-              const net::Styles& styles, Cue& made) {
-  const auto preset = std::find_if(presets.begin(), presets.end(),
-                                   [&cue](const auto& p) { return p.name == cue.preset; });
-  if (!cue.preset.empty() && preset == presets.end()) {
-    return Status::Error("preset: no preset \"" + cue.preset + "\"");
+// The change that a cue makes: checked as for a performer with no settings of their own.
+Status MakeChange(const config::Cue& cue, const std::vector<config::Preset>& presets,
+                  const net::Styles& styles, v1::Look& change) {
+  change = cue.look;
+  if (!cue.style.empty()) {
+    change.add_mix()->set_style(cue.style);
+    change.mutable_mix(0)->set_weight(1);
   }
-  auto mix = cue.mix;
-  if (!cue.style.empty()) mix.emplace_back(cue.style, 1.0F);
-  if (!cue.preset.empty()) mix = preset->mix;
+  if (const std::string wrong = CheckLook(change); !wrong.empty()) return Status::Error(wrong);
   std::string why;
-  std::vector<std::pair<std::string, float>> own;
-  if (!cue.input_style.empty()) own.emplace_back(cue.input_style, 1.0F);
-  if (!ProperNames(styles, mix, why) || !ProperNames(styles, own, why)) {
-    return Status::Error(why);
+  if (!ProperNames(styles, change, why)) return Status::Error(why);
+  v1::Look applied = change;
+  if (!change.preset().empty()) {
+    const config::Preset* const preset = FindPreset(change.preset(), presets);
+    if (preset == nullptr) {
+      return Status::Error("preset: no preset \"" + change.preset() + "\"");
+    }
+    *applied.mutable_mix() = preset->look.mix();
   }
-  Look look;
-  look.mix = mix;
-  look.strength = cue.strength.value_or(1.0F);
-  look.input_style = own.empty() ? "" : own.front().first;
+  v1::Look look = InitialLook();
+  styled::Apply(applied, look);
   std::vector<std::string> unknown;
   const auto error =
       stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
-  if (error != stylist::SettingsError::kNone) return Status::Error(Explain(error));
-  if (!cue.preset.empty()) made.requests.emplace_back().mutable_preset()->set_name(cue.preset);
-  v1::Set& set = *made.requests.emplace_back().mutable_set();
-  for (const auto& [style, weight] : mix) {
-    if (!cue.preset.empty()) break;  // it keeps its name
-    auto& entry = *set.add_mix();
-    entry.set_style(style);
-    entry.set_weight(weight);
-  }
-  set.set_clear(cue.clear);
-  if (cue.strength) set.set_strength(*cue.strength);
-  if (cue.transition_s) set.set_transition_ms(*cue.transition_s * 1e3F);
-  if (!cue.input_style.empty()) set.set_own_style(cue.input_style);
-  return Status::Ok();
+  return error == stylist::SettingsError::kNone ? Status::Ok() : Status::Error(Explain(error));
 }
 
 }  // namespace
@@ -108,31 +93,20 @@ Result<Cue> MakeCue(const config::Cue& cue, const std::vector<config::Preset>& p
     if (!timecode) return refuse("at: \"" + cue.at + "\"; expected HH:MM:SS:FF");
     made.at = TimecodeLabel(*timecode);
   }
-  const bool looks = !cue.style.empty() || !cue.preset.empty() || !cue.mix.empty() || cue.clear ||
-                     cue.strength || cue.transition_s || !cue.only.empty() ||
-                     !cue.input_style.empty();
-  const int mixes = static_cast<int>(!cue.style.empty()) + static_cast<int>(!cue.preset.empty()) +
-                    static_cast<int>(!cue.mix.empty()) + static_cast<int>(cue.clear);
+  const bool changes = !cue.style.empty() || !IsEmpty(cue.look);
+  const int mixes = static_cast<int>(!cue.style.empty()) +
+                    static_cast<int>(!cue.look.preset().empty()) +
+                    static_cast<int>(cue.look.mix_size() > 0) + static_cast<int>(cue.look.clear());
   if (mixes > 1) return refuse("expected one of style, preset, mix and clear");
-  if (cue.panic == looks) {
+  if (cue.panic == changes) {
     return refuse("expected what to do: panic alone, or style, preset, mix, clear, strength, ...");
   }
   if (cue.panic) {
-    made.requests.emplace_back().mutable_panic();
+    made.request.mutable_panic();
     return made;
   }
-  const Status status = AddMix(cue, presets, styles, made);
+  const Status status = MakeChange(cue, presets, styles, *made.request.mutable_set());
   if (!status.ok()) return refuse(status.message());
-  if (!cue.only.empty()) {
-    const auto parts = body::FindParts(cue.only);
-    if (!parts) {
-      return refuse("only: \"" + cue.only + "\"; expected, separated by commas, some of " +
-                    std::string(body::kPartWords));
-    }
-    AddParts(*parts, *made.requests.back().mutable_set()->mutable_only());
-  }
-  // The fade comes first: it is of this change, too.
-  std::rotate(made.requests.begin(), made.requests.end() - 1, made.requests.end());
   return made;
 }
 

@@ -16,9 +16,9 @@ namespace styled::pipeline {
 // One [[cue]]: what it asks for, and when.
 struct Cue {
   std::string name;
-  std::optional<std::int64_t> at;     // TimecodeLabel
-  std::string performer;              // an id, or "*"
-  std::vector<v1::Request> requests;  // without a performer
+  std::optional<std::int64_t> at;  // TimecodeLabel
+  std::string performer;           // an id, or "*"
+  v1::Request request;             // without a performer
 };
 
 // HH:MM:SS:FF as a number that grows with it, whatever the rate.

@@ -12,16 +12,13 @@
 #include <filesystem>
 #include <sstream>
 
+#include "daemon/config/look_keys.h"
 #include "daemon/runtime/descriptor.h"
 #include "model/base/read_file.h"
 #include "model/base/toml_nesting.h"
 
 namespace styled::pipeline {
 namespace {
-
-float InRange(float value, float most, float otherwise) {
-  return value >= 0 && value <= most ? value : otherwise;
-}
 
 toml::table RestRow(const KeptRest& rest) {
   const auto add = [](toml::array& array, const rig::Quat& rotation) {
@@ -39,22 +36,31 @@ toml::table RestRow(const KeptRest& rest) {
 }
 
 toml::table Row(const Profile& profile) {
-  toml::array mix;
-  for (const auto& [style, weight] : profile.look.mix) {
-    mix.push_back(toml::table{{"style", style}, {"weight", static_cast<double>(weight)}});
-  }
-  toml::table row{{"mix", std::move(mix)},
-                  {"strength", static_cast<double>(profile.look.strength)},
-                  {"transition_s", static_cast<double>(profile.look.transition_s)},
-                  {"absolute", profile.look.absolute},
-                  {"only", body::PartsText(profile.look.parts)},
-                  {"own_style", profile.look.input_style},
-                  {"preset", profile.look.preset},
-                  {"pinned", profile.pinned},
-                  {"has_come", profile.has_come},
-                  {"absent_hours", profile.absent_hours}};
+  toml::table row = config::LookTable(profile.look);
+  row.insert("pinned", profile.pinned);
+  row.insert("has_come", profile.has_come);
+  row.insert("absent_hours", profile.absent_hours);
   if (profile.rest) row.insert("rest", RestRow(*profile.rest));
   return row;
+}
+
+// Of a field that no request could have set the initial value stays.
+v1::Look ReadLook(const toml::table& row) {
+  v1::Look look = InitialLook();
+  const auto read = [&look](std::string_view field, const toml::node* node) {
+    if (node != nullptr) (void)config::ReadLookField(*FindLookField(field), *node, look);
+  };
+  // Files of version 0.1 have the fade in seconds, and other names.
+  if (const auto transition_s = row["transition_s"].value<double>()) {
+    const toml::value<double> transition_ms(*transition_s * 1e3);
+    read("transition_ms", &transition_ms);
+  }
+  read("input_style", row.get("own_style"));
+  for (const LookField& field : kLookFields) {
+    if (!field.former.empty()) read(field.name, row.get(field.former));
+    read(field.name, row.get(field.name));
+  }
+  return look;
 }
 
 std::optional<KeptRest> ReadRest(const toml::table& row) {
@@ -83,13 +89,7 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   Profile profile;
   profile.id = id;
   profile.configured = true;
-  profile.look.strength = InRange(row["strength"].value_or(1.0F), net::kMaxStrength, 1);
-  profile.look.transition_s = InRange(row["transition_s"].value_or(0.1F), 60, 0.1F);
-  profile.look.absolute = row["absolute"].value_or(false);
-  profile.look.parts =
-      body::FindParts(row["only"].value_or(std::string("all"))).value_or(body::kAllParts);
-  profile.look.input_style = row["own_style"].value_or(std::string());
-  profile.look.preset = row["preset"].value_or(std::string());
+  profile.look = ReadLook(row);
   profile.pinned = row["pinned"].value_or(false);
   if (const toml::table* rest = row["rest"].as_table()) profile.rest = ReadRest(*rest);
   // Older files have neither; who is calibrated has come.
@@ -97,14 +97,6 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   constexpr std::int64_t kMost_h = 1'000'000;
   profile.absent_hours = static_cast<int>(
       std::clamp<std::int64_t>(row["absent_hours"].value_or(std::int64_t{0}), 0, kMost_h));
-  if (const toml::array* mix = row["mix"].as_array()) {
-    for (const auto& entry : *mix) {
-      const toml::table* pair = entry.as_table();
-      if (pair == nullptr || profile.look.mix.size() == net::kMaxMix) continue;
-      profile.look.mix.emplace_back((*pair)["style"].value_or(std::string()),
-                                    InRange((*pair)["weight"].value_or(0.0F), 1.5F, 0));
-    }
-  }
   return profile;
 }
 

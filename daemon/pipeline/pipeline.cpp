@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "model/base/text.h"
-#include "proto/styled/body_parts.h"
 
 namespace styled::pipeline {
 namespace {
@@ -16,6 +15,16 @@ constexpr int kSubscriptionsPerCycle = 16;
 constexpr int kCommandsPerCycle = 8;
 constexpr std::int64_t kBudget_ns = kSecond_ns / 120;
 constexpr std::int64_t kStaysWarm_ns = 2 * runtime::kMillisecond_ns;
+
+// What `look` was before it was one message.
+void FillFormerFields(v1::PerformerStats& row) {
+  const v1::Look& look = row.look();
+  *row.mutable_styles() = look.mix();
+  row.set_strength(look.strength());
+  row.set_preset(look.preset());
+  if (PartsOf(look) != body::kAllParts) *row.mutable_only() = look.parts();
+  row.set_own_style(look.input_style());
+}
 
 }  // namespace
 
@@ -269,16 +278,9 @@ void Pipeline::FillStats(v1::Stats& stats) {
     auto& row = *stats.add_performers();
     row.set_performer(id);
     row.set_sequence(profile->next_sequence - 1);
-    row.set_strength(profile->look.strength);
     row.set_pinned(profile->pinned);
-    if (profile->look.parts != body::kAllParts) AddParts(profile->look.parts, *row.mutable_only());
-    row.set_own_style(profile->look.input_style);
-    row.set_preset(profile->look.preset);
-    for (const auto& [style, weight] : profile->look.mix) {
-      auto& entry = *row.add_styles();
-      entry.set_style(style);
-      entry.set_weight(weight);
-    }
+    *row.mutable_look() = profile->look;
+    FillFormerFields(row);
     if (const Performer* live = roster_.LiveOf(*profile)) live->Describe(row);
   }
   for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *stats.add_sources());

@@ -4,61 +4,80 @@
 
 #include "model/base/hash.h"
 #include "model/base/text.h"
-#include "proto/styled/body_parts.h"
 
 namespace styled::pipeline {
 
-stylist::Settings Resolve(const Look& look, const net::Styles& styles,
+namespace {
+
+// Replaces a style's name by its proper one; false where the network has none such.
+bool ProperName(const net::Styles& styles, std::string& style, std::string& why) {
+  const int index = net::FindStyle(styles, style);
+  if (index >= 0) {
+    style = styles[static_cast<std::size_t>(index)].name;
+    return true;
+  }
+  why = "no style \"" + Printable(style, 80) + "\"; expected one of";
+  for (std::size_t i = 1; i < styles.size(); ++i) why += (i == 1 ? " " : ", ") + styles[i].name;
+  return false;
+}
+
+}  // namespace
+
+stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
                           std::vector<std::string>& unknown) {
   stylist::Settings settings;
-  settings.strength = look.strength;
-  settings.transition_s = look.transition_s;
-  settings.absolute = look.absolute;
-  settings.parts = look.parts;
-  if (!look.input_style.empty()) {
-    const int own = net::FindStyle(styles, look.input_style);
-    if (own < 0) unknown.push_back(look.input_style);
-    settings.input_style = std::max(0, own);
+  settings.strength = look.strength();
+  settings.transition_s = look.transition_ms() * 1e-3F;
+  settings.absolute = look.absolute();
+  settings.parts = PartsOf(look);
+  if (!look.input_style().empty()) {
+    const int input = net::FindStyle(styles, look.input_style());
+    if (input < 0) unknown.push_back(look.input_style());
+    settings.input_style = std::max(0, input);
   }
   std::size_t used = 0;
-  for (const auto& [style, weight] : look.mix) {
-    const int index = net::FindStyle(styles, style);
-    // To be made neutral takes a style to take away, which other weights may lack.
-    if (index == 0 && settings.input_style == 0 && !look.input_style.empty()) continue;
+  for (const auto& entry : look.mix()) {
+    const int index = net::FindStyle(styles, entry.style());
+    // Neutral as a target needs an input style to remove, which other weights may lack.
+    if (index == 0 && settings.input_style == 0 && !look.input_style().empty()) continue;
     if (index < 0) {
-      unknown.push_back(style);
+      unknown.push_back(entry.style());
     } else if (used < settings.mix.size()) {
-      settings.mix[used++] = {index, weight};
+      settings.mix[used++] = {index, entry.weight()};
     }
   }
   return settings;
 }
 
-bool ProperNames(const net::Styles& styles, std::vector<std::pair<std::string, float>>& mix,
-                 std::string& why) {
-  for (auto& [style, weight] : mix) {
-    const int index = net::FindStyle(styles, style);
-    if (index < 0) {
-      why = "no style \"" + Printable(style, 80) + "\"; expected one of";
-      for (int i = 1; i < static_cast<int>(styles.size()); ++i) {
-        why += (i == 1 ? " " : ", ") + styles[static_cast<std::size_t>(i)].name;
-      }
-      return false;
-    }
-    style = styles[static_cast<std::size_t>(index)].name;
+bool ProperNames(const net::Styles& styles, v1::Look& change, std::string& why) {
+  for (auto& entry : *change.mutable_mix()) {
+    if (!ProperName(styles, *entry.mutable_style(), why)) return false;
   }
+  if (change.input_style().empty()) return true;
+  if (!ProperName(styles, *change.mutable_input_style(), why)) return false;
+  if (net::FindStyle(styles, change.input_style()) == 0) change.set_input_style("");
   return true;
 }
 
-bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
-            const net::Styles& styles, Look& look, std::string& why) {
+const config::Preset* FindPreset(std::string_view name,
+                                 const std::vector<config::Preset>& presets) {
   const auto preset = std::find_if(presets.begin(), presets.end(),
-                                   [&name](const config::Preset& p) { return p.name == name; });
-  auto mix = preset != presets.end() ? preset->mix
-                                     : std::vector<std::pair<std::string, float>>{{name, 1.0F}};
-  if (!ProperNames(styles, mix, why)) return false;
-  look.mix = std::move(mix);
-  look.preset = preset != presets.end() ? name : "";
+                                   [name](const config::Preset& p) { return p.name == name; });
+  return preset == presets.end() ? nullptr : &*preset;
+}
+
+bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
+            const net::Styles& styles, v1::Look& look, std::string& why) {
+  v1::Look change;
+  if (const config::Preset* const preset = FindPreset(name, presets)) {
+    change = preset->look;
+    change.set_preset(name);
+  } else {
+    change.add_mix()->set_style(name);
+    change.mutable_mix(0)->set_weight(1);
+  }
+  if (!ProperNames(styles, change, why)) return false;
+  styled::Apply(change, look);
   std::vector<std::string> unknown;
   const auto error =
       stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
@@ -69,19 +88,10 @@ bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
 std::vector<v1::Request> AsRequests(const Profile& profile) {
   std::vector<v1::Request> requests(profile.pinned ? 2 : 1);
   for (auto& request : requests) request.set_performer(profile.id);
-  const Look& look = profile.look;
-  v1::Set& set = *requests.front().mutable_set();
-  for (const auto& [style, weight] : look.mix) {
-    auto& entry = *set.add_mix();
-    entry.set_style(style);
-    entry.set_weight(weight);
-  }
-  set.set_clear(look.mix.empty());
-  set.set_strength(look.strength);
-  set.set_transition_ms(look.transition_s * 1e3F);
-  set.set_absolute(look.absolute);
-  AddParts(look.parts, *set.mutable_only());
-  set.set_own_style(look.input_style);
+  v1::Look& set = *requests.front().mutable_set();
+  set = profile.look;
+  set.clear_preset();
+  set.set_clear(set.mix().empty());
   if (profile.pinned) requests.back().mutable_pin()->set_pinned(true);
   return requests;
 }
@@ -94,7 +104,7 @@ std::string Explain(stylist::SettingsError error) {
     case SettingsError::kUnknownStyle:
       return "unknown style";
     case SettingsError::kNeutralStyle:
-      return "neutral is no target style of who is neutral already; use clear, or set an own style";
+      return "neutral is no target style unless input_style names the style to remove; use clear";
     case SettingsError::kDuplicateStyle:
       return "a style is named twice";
     case SettingsError::kWeight:

@@ -3,28 +3,17 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
+#include <string_view>
 #include <vector>
 
 #include "daemon/config/config.h"
 #include "model/net/styles.h"
 #include "model/rig/skeleton.h"
 #include "model/stylist/stylist.h"
+#include "proto/styled/look.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
-
-// What a performer is to look like, by name, so that it outlives weights, sessions and restarts.
-struct Look {
-  std::vector<std::pair<std::string, float>> mix;  // styles by their network's name
-  float strength = 1.0F;
-  float transition_s = 0.1F;
-  bool absolute = false;
-  body::Parts parts = body::kAllParts;
-  std::string input_style;  // style of the captured motion, the network's name for it; "": neutral
-  std::string preset;       // the one that set the mix, or ""
-  friend bool operator==(const Look&, const Look&) = default;
-};
 
 // A rest pose that was found by calibrating (rig::Calibrate), for skeletons of these joints.
 struct KeptRest {
@@ -38,8 +27,8 @@ std::uint64_t SkeletonHash(const rig::Skeleton& skeleton);
 
 // What belongs to a performer's id and not to its sender.
 struct Profile {
-  std::string id;  // SOURCE.NAME; "*": of performers to come
-  Look look;
+  std::string id;                 // SOURCE.NAME; "*": of performers to come
+  v1::Look look = InitialLook();  // whole; names styles, so that it outlives weights and restarts
   std::optional<KeptRest> rest;
   bool pinned = false;
   bool configured = false;          // somebody set it: kept when the performer is forgotten
@@ -54,20 +43,23 @@ struct Profile {
 
 // The look in terms of a network's style numbers. Styles that it does not know are left out and
 // named in `unknown`. Allocates; not for the hot path.
-stylist::Settings Resolve(const Look& look, const net::Styles& styles,
+stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
                           std::vector<std::string>& unknown);
 
-// The mix of a preset or, failing that, of the style of that name at weight 1. False when `name` is
-// neither, or the mix does not pass stylist::Validate: `why` says so.
+// The preset of that name, or null.
+const config::Preset* FindPreset(std::string_view name, const std::vector<config::Preset>& presets);
+
+// The mix of the preset `name` or, failing that, of the style `name` at weight 1, into `look`.
+// False when it is neither, or the mix does not pass stylist::Validate: `why` says so.
 bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
-            const net::Styles& styles, Look& look, std::string& why);
+            const net::Styles& styles, v1::Look& look, std::string& why);
 
-// Whether styles of `mix` are the network's, with their proper names in return.
-bool ProperNames(const net::Styles& styles, std::vector<std::pair<std::string, float>>& mix,
-                 std::string& why);
+// Replaces the names of styles in a change (mix, input_style; neutral becomes "" there) by their
+// proper ones. False where the network has no such style: `why` names it.
+bool ProperNames(const net::Styles& styles, v1::Look& change, std::string& why);
 
-// The control requests that make a performer's settings these: a set, and a pin where he is pinned.
-// A preset's name and a calibration are not among what requests can say.
+// The control requests that give a performer these settings: a set, and a pin for a pinned one. A
+// preset's name and a calibration are left out: requests cannot restore them.
 std::vector<v1::Request> AsRequests(const Profile& profile);
 
 // "weights sum to more than 1.5", ...

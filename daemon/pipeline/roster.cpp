@@ -28,9 +28,10 @@ void Roster::InitializeToCome() {
   if (to_come.configured) return;
   to_come = Profile();
   to_come.id = "*";
-  to_come.look.strength = config_->style.strength;
-  to_come.look.transition_s = config_->style.transition_s;
-  std::string why;  // checked by the supervisor
+  std::string why;  // checked when the configuration was read
+  v1::Look change = config_->style.look;
+  if (ProperNames(config_->network->model().styles, change, why))
+    styled::Apply(change, to_come.look);
   if (!config_->style.initial.empty()) {
     (void)LookUp(config_->style.initial, config_->presets, config_->network->model().styles,
                  to_come.look, why);

@@ -13,7 +13,7 @@ namespace {
 
 Status CheckStyles(const config::Config& config, const net::Styles& styles) {
   for (const auto& preset : config.presets) {
-    Look look;
+    v1::Look look = InitialLook();
     std::string why;
     // style.initial, consoles and who reads a list could not tell them apart.
     if (const int style = net::FindStyle(styles, preset.name); style >= 0) {
@@ -27,9 +27,12 @@ Status CheckStyles(const config::Config& config, const net::Styles& styles) {
       return Status::Error(preset.place + ": presets." + preset.name + ": " + why);
     }
   }
-  if (config.style.initial.empty()) return Status::Ok();
-  Look look;
+  v1::Look look = InitialLook();
+  v1::Look change = config.style.look;
   std::string why;
+  if (!ProperNames(styles, change, why)) return Status::Error("style.input_style: " + why);
+  if (config.style.initial.empty()) return Status::Ok();
+  styled::Apply(change, look);
   if (LookUp(config.style.initial, config.presets, styles, look, why)) {
     return Status::Ok();
   }

@@ -58,11 +58,11 @@ TEST(ControlTest, TwentyKindsOfBadMessagesGetACodeAndAReasonAndChangeNothing) {
   v1::Request reset_unseen = For("rig.nobody");
   reset_unseen.mutable_reset();
   v1::Request no_part = For("rig.a");
-  no_part.mutable_set()->add_only(static_cast<v1::BodyPart>(7));
+  no_part.mutable_set()->add_parts(static_cast<v1::BodyPart>(7));
   v1::Request clear_and_mix = SetMix("rig.a", {{"style2", 1}});
   clear_and_mix.mutable_set()->set_clear(true);
   v1::Request no_own_style = For("rig.a");
-  no_own_style.mutable_set()->set_own_style("nostyle");
+  no_own_style.mutable_set()->set_input_style("nostyle");
 
   struct Case {
     v1::Request request;
@@ -231,14 +231,14 @@ TEST(ControlTest, SettingsSurviveARestartOfTheDaemon) {
     ControlClient control(daemon.control);
     ASSERT_EQ(control.SetStyle("rig.a", "style3", 0.7F, 250).code(), v1::CODE_OK);
     v1::Request everyone = SetMix("*", {{"style2", 0.4F}});
-    everyone.mutable_set()->add_only(v1::BODY_PART_HEAD);
-    everyone.mutable_set()->add_only(v1::BODY_PART_LEFT_ARM);
+    everyone.mutable_set()->add_parts(v1::BODY_PART_HEAD);
+    everyone.mutable_set()->add_parts(v1::BODY_PART_LEFT_ARM);
     ASSERT_EQ(control.Ask(everyone).code(), v1::CODE_OK);
     v1::Request pin = For("rig.a");
     pin.mutable_pin()->set_pinned(true);
     ASSERT_EQ(control.Ask(pin).code(), v1::CODE_OK);
     v1::Request made_neutral = SetMix("rig.c", {{"neutral", 1}});
-    made_neutral.mutable_set()->set_own_style("style3");
+    made_neutral.mutable_set()->set_input_style("style3");
     ASSERT_EQ(control.Ask(made_neutral).code(), v1::CODE_OK);
     ASSERT_EQ(control.SetStyle("rig.b", "style4").code(), v1::CODE_OK);
   }
@@ -248,9 +248,9 @@ TEST(ControlTest, SettingsSurviveARestartOfTheDaemon) {
   EXPECT_EQ(control.Performer("rig.a").styles(0).style(), "style2");
   EXPECT_TRUE(control.Performer("rig.a").pinned());
   ASSERT_EQ(control.Performer("rig.a").only_size(), 2);
-  EXPECT_EQ(control.Performer("rig.a").only(1), v1::BODY_PART_LEFT_ARM);
+  EXPECT_EQ(control.Performer("rig.a").look().parts(1), v1::BODY_PART_LEFT_ARM);
   EXPECT_EQ(control.Performer("rig.b").styles(0).style(), "style4");
-  EXPECT_EQ(control.Performer("rig.c").own_style(), "style3");
+  EXPECT_EQ(control.Performer("rig.c").look().input_style(), "style3");
   EXPECT_EQ(control.Performer("rig.c").styles(0).style(), "neutral");
   const UdpLink link(daemon.udp);
   Rig fresh("new");

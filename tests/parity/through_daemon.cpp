@@ -56,7 +56,7 @@ std::string FrameOf(const clip::Clip& clip, int frame) {
 std::uint64_t SetMix(support::ControlClient& control, const Segment& segment, bool absolute) {
   v1::Request request;
   request.set_performer(kPerformer);
-  v1::Set& set = *request.mutable_set();
+  v1::Look& set = *request.mutable_set();
   for (const auto& [style, weight] : segment.mix) {
     auto& entry = *set.add_mix();
     entry.set_style(style);

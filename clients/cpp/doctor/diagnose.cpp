@@ -243,7 +243,7 @@ void Examination::Listeners() {
   for (const auto& performer : stats.performers()) {
     if (!performer.live()) continue;
     ++live;
-    bypassed += performer.styles().empty() || performer.strength() == 0 ? 1 : 0;
+    bypassed += performer.look().mix().empty() || performer.look().strength() == 0 ? 1 : 0;
   }
   if (live == 0) return;
   if (ValueOf(facts_.daemon.after, "publish.subscriptions") == 0) {

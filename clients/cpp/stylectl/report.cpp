@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <utility>
 
-#include "proto/styled/body_parts.h"
+#include "clients/cpp/stylectl/look_options.h"
 
 namespace styled::stylectl {
 namespace {
@@ -42,13 +43,6 @@ bool IsNumber(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789.-") == std::string::npos;
 }
 
-json MixJson(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix) {
-  json out = json::array();
-  for (const auto& entry : mix)
-    out.push_back({{"style", entry.style()}, {"weight", entry.weight()}});
-  return out;
-}
-
 }  // namespace
 
 std::string Table(const std::vector<std::vector<std::string>>& rows) {
@@ -74,15 +68,6 @@ std::string Table(const std::vector<std::vector<std::string>>& rows) {
     out += line + "\n";
   }
   return out;
-}
-
-std::string MixText(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix) {
-  std::string out;
-  for (const auto& entry : mix) {
-    if (!out.empty()) out += " + ";
-    out += entry.style() + " " + Number(entry.weight(), 2);
-  }
-  return out.empty() ? "bypass" : out;
 }
 
 std::string ListText(const v1::ListReply& list) {
@@ -128,15 +113,8 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
     for (const auto& performer : stats.performers()) {
       std::string notes;
       if (performer.pinned()) notes += "pinned";
-      if (!performer.preset().empty()) {
-        notes += std::string(notes.empty() ? "" : ", ") + "preset " + performer.preset();
-      }
-      if (!performer.own_style().empty()) {
-        notes += std::string(notes.empty() ? "" : ", ") + "from " + performer.own_style();
-      }
-      if (!performer.only().empty()) {
-        notes += std::string(notes.empty() ? "" : ", ") + "only " +
-                 body::PartsText(PartsOf(performer.only()));
+      if (const std::string look = NotesText(performer.look()); !look.empty()) {
+        notes += (notes.empty() ? "" : ", ") + look;
       }
       const bool refused = !performer.live() && !performer.refused_as().empty();
       if (!performer.refused_as().empty()) {
@@ -152,7 +130,8 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                       Number(performer.rate_hz(), 1), Number(performer.latency_p50_us(), 0),
                       Number(performer.latency_p99_us(), 0), Number(performer.latency_max_us(), 0),
                       std::to_string(performer.published()), std::to_string(performer.lost()),
-                      Number(performer.strength(), 2), MixText(performer.styles()), notes});
+                      Number(performer.look().strength(), 2), MixText(performer.look().mix()),
+                      notes});
     }
     std::sort(rows.begin() + 1, rows.end());  // by performer
     out += Table(rows) + warnings;
@@ -234,28 +213,24 @@ json StatusJson(const v1::StatusReply& status) {
   }
   for (const auto& counter : stats.counters()) counters[counter.name()] = counter.value();
   for (const auto& performer : stats.performers()) {
-    performers.push_back(
-        {{"performer", performer.performer()},
-         {"sequence", performer.sequence()},
-         {"live", performer.live()},
-         {"rate_hz", performer.rate_hz()},
-         {"latency_p50_us", performer.latency_p50_us()},
-         {"latency_p99_us", performer.latency_p99_us()},
-         {"latency_max_us", performer.latency_max_us()},
-         {"received", performer.received()},
-         {"published", performer.published()},
-         {"lost", performer.lost()},
-         {"refused", performer.refused()},
-         {"refused_as", performer.refused_as()},
-         {"warning", performer.warning()},
-         {"styles", MixJson(performer.styles())},
-         {"strength", performer.strength()},
-         {"only", performer.only().empty() ? "all" : body::PartsText(PartsOf(performer.only()))},
-         {"own_style", performer.own_style()},
-         {"preset", performer.preset()},
-         {"pinned", performer.pinned()},
-         {"joints", performer.joints()},
-         {"dialect", performer.dialect()}});
+    json row{{"performer", performer.performer()},
+             {"sequence", performer.sequence()},
+             {"live", performer.live()},
+             {"rate_hz", performer.rate_hz()},
+             {"latency_p50_us", performer.latency_p50_us()},
+             {"latency_p99_us", performer.latency_p99_us()},
+             {"latency_max_us", performer.latency_max_us()},
+             {"received", performer.received()},
+             {"published", performer.published()},
+             {"lost", performer.lost()},
+             {"refused", performer.refused()},
+             {"refused_as", performer.refused_as()},
+             {"warning", performer.warning()},
+             {"pinned", performer.pinned()},
+             {"joints", performer.joints()},
+             {"dialect", performer.dialect()}};
+    row.update(LookJson(performer.look()));
+    performers.push_back(std::move(row));
   }
   return {{"version", status.version()},
           {"epoch", Hex(status.epoch())},

@@ -18,9 +18,6 @@ nlohmann::json ListJson(const v1::ListReply& list);
 nlohmann::json StatusJson(const v1::StatusReply& status);
 nlohmann::json AppliedJson(const std::vector<v1::Applied>& applied);
 
-// "old 1.00 + proud 0.30", or "bypass" for an empty mix.
-std::string MixText(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix);
-
 // Columns padded to their widest cell (UTF-8 counted by code point), two spaces between; a column
 // whose cells after the first row are all numbers is aligned right.
 std::string Table(const std::vector<std::vector<std::string>>& rows);

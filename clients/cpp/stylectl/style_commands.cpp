@@ -1,125 +1,41 @@
 // set, clear, preset, cue, pin, unpin, panic, reset: the commands that change styling.
 #include <array>
-#include <charconv>
+#include <memory>
 #include <optional>
 
 #include "clients/cpp/stylectl/cli.h"
 #include "clients/cpp/stylectl/commands.h"
-#include "clients/cpp/stylectl/report.h"
+#include "clients/cpp/stylectl/look_options.h"
 #include "clients/cpp/subscriber.h"
-#include "model/base/text.h"
 #include "model/tools/number.h"
-#include "proto/styled/body_parts.h"
 
 namespace styled::stylectl {
 namespace {
-
-struct SetArguments {
-  std::string style;
-  std::vector<std::string> mix;  // STYLE=WEIGHT
-  std::optional<double> strength;
-  std::optional<double> transition_ms;
-  bool absolute = false, detail = false;
-  std::string parts;        // of the body, comma-separated
-  std::string input_style;  // the style that the performer already moves in
-};
 
 struct PresetArguments {
   std::array<std::string, 2> words;  // as given: performer and name, in either order
   std::optional<double> transition_ms;
 };
 
-// Checks --parts: "" or what is wrong.
-std::string CheckParts(const std::string& list) {
-  if (body::FindParts(list)) return "";
-  return "'" + list + "': expected, separated by commas, some of " + std::string(body::kPartWords);
-}
-
-std::optional<v1::StyleWeight> ParseWeight(const std::string& text) {
-  const std::size_t sign = text.rfind('=');
-  if (sign == std::string::npos || sign == 0) return std::nullopt;
-  float weight = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data() + sign + 1, end, weight);
-  if (error != std::errc() || stop != end) return std::nullopt;
-  v1::StyleWeight out;
-  out.set_style(text.substr(0, sign));
-  out.set_weight(weight);
-  return out;
-}
-
-// Converts the options to a change. Returns a description of the change; "" if there is none.
-std::string ToChange(const SetArguments& arguments, v1::Set& change) {
-  if (!arguments.style.empty()) {
-    change.add_mix()->set_style(arguments.style);
-    change.mutable_mix(0)->set_weight(1.0F);
-  }
-  for (const std::string& text : arguments.mix) *change.add_mix() = *ParseWeight(text);
-  std::string what = change.mix().empty() ? "" : MixText(change.mix());
-  const auto add = [&what](const std::string& part) { what += (what.empty() ? "" : ", ") + part; };
-  if (arguments.strength) {
-    change.set_strength(static_cast<float>(*arguments.strength));
-    add("strength " + NumberText(*arguments.strength));
-  }
-  if (arguments.transition_ms) {
-    change.set_transition_ms(static_cast<float>(*arguments.transition_ms));
-    add("transition " + NumberText(*arguments.transition_ms) + " ms");
-  }
-  if (arguments.absolute || arguments.detail) {
-    change.set_absolute(arguments.absolute);
-    add(arguments.absolute ? "absolute" : "detail-preserving");
-  }
-  const body::Parts parts = body::FindParts(arguments.parts).value_or(0);
-  if (parts != 0) {
-    AddParts(parts, *change.mutable_only());
-    add(parts == body::kAllParts ? "all of the body" : "only " + body::PartsText(parts));
-  }
-  if (!arguments.input_style.empty()) {
-    change.set_own_style(arguments.input_style);
-    add("input style " + arguments.input_style);
-  }
-  return what;
-}
-
-int Set(Session& session, const SetArguments& arguments) {
-  v1::Set change;
-  const std::string what = ToChange(arguments, change);
+int Set(Session& session, const v1::Look& change) {
+  const std::string what = ChangeText(change);
   if (what.empty()) {
-    return session.Usage(
-        "set: nothing to set; expected --style, --mix, --strength, --transition, --parts, "
-        "--input-style, --absolute or --detail (to go to bypass: stylectl clear)");
+    return session.Usage("set: nothing to set; expected " + LookOptionNames() +
+                         " (to go to bypass: stylectl clear)");
   }
   for (const auto& entry : change.mix()) session.styles.push_back(entry.style());
-  if (!arguments.input_style.empty()) session.styles.push_back(arguments.input_style);
+  if (!change.input_style().empty()) session.styles.push_back(change.input_style());
   client::Applied applied;
   return session.Changed(session.control().Set(session.performer, change, &applied), applied, what);
 }
 
 void DeclareSet(Session& session) {
-  const auto arguments = std::make_shared<SetArguments>();
+  const auto change = std::make_shared<v1::Look>();
   CLI::App* set =
       session.AddOnline("set", "style, strength and transition of a performer; the rest stays",
-                        [&session, arguments] { return Set(session, *arguments); });
+                        [&session, change] { return Set(session, *change); });
   session.AddPerformer(set, true);
-  CLI::Option* style = set->add_option("--style", arguments->style, "one style, at full weight");
-  set->add_option("--mix", arguments->mix, "STYLE=WEIGHT, up to 4 times; weights sum to <= 1.5")
-      ->excludes(style)
-      ->allow_extra_args(false)  // one value per --mix: the next argument may be PERFORMER
-      ->check([](const std::string& text) {
-        return ParseWeight(text) ? std::string() : "'" + text + "' is not STYLE=WEIGHT";
-      });
-  set->add_option("--strength", arguments->strength, "0 (bypass) to 1.5")->check(Number(0.0, 1.5));
-  set->add_option("--transition", arguments->transition_ms, "fade, ms; of later changes, too")
-      ->check(Number(0.0, 60000.0));
-  CLI::Option* absolute =
-      set->add_flag("--absolute", arguments->absolute, "the network's pose as it is");
-  set->add_flag("--detail", arguments->detail, "keep the performer's own detail (default)")
-      ->excludes(absolute);
-  set->add_option("--parts,--only", arguments->parts,
-                  "style these parts alone, comma-separated: " + std::string(body::kPartWords))
-      ->check(CheckParts);
-  set->add_option("--input-style,--from", arguments->input_style,
-                  "the style that the performer moves in, which is removed; neutral: none");
+  AddLookOptions(*set, *change);
 }
 
 // Accepts `preset PERFORMER NAME`, the order of the other commands, and the former `preset NAME

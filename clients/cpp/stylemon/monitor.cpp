@@ -9,7 +9,7 @@
 
 #include "clients/cpp/key_options.h"
 #include "clients/cpp/reach.h"
-#include "proto/styled/body_parts.h"
+#include "proto/styled/look.h"
 
 namespace styled::stylemon {
 namespace {
@@ -35,16 +35,18 @@ std::int64_t WallNow_ns() {
 std::string SetText(const v1::PerformerStats& stats) {
   std::string out;
   std::array<char, 16> number{};
-  for (const auto& entry : stats.styles()) {
+  const v1::Look& look = stats.look();
+  for (const auto& entry : look.mix()) {
     std::snprintf(number.data(), number.size(), " %.2f", entry.weight());
     out += (out.empty() ? "" : " + ") + entry.style() + number.data();
   }
   if (out.empty()) out = "bypass";
-  if (!stats.styles().empty() && std::abs(stats.strength() - 1.0F) > 0.001F) {
-    std::snprintf(number.data(), number.size(), " x %.2f", stats.strength());
+  if (!look.mix().empty() && std::abs(look.strength() - 1.0F) > 0.001F) {
+    std::snprintf(number.data(), number.size(), " x %.2f", look.strength());
     out += number.data();
   }
-  if (!stats.only().empty()) out += " only " + body::PartsText(PartsOf(stats.only()));
+  const body::Parts parts = PartsOf(look);
+  if (parts != 0 && parts != body::kAllParts) out += " only " + body::PartsText(parts);
   return stats.pinned() ? "pinned " + out : out;
 }
 
@@ -271,7 +273,8 @@ void Monitor::Impl::RefreshPerformers() {
       mine == view.performers.end() ? -1 : static_cast<int>(mine - view.performers.begin());
   const v1::PerformerStats* entry = StatsOf(selected);
   view.set = entry == nullptr ? "" : SetText(*entry);
-  if (entry != nullptr && Seconds(Clock::now() - strength_at) > 2.0) strength = entry->strength();
+  if (entry != nullptr && Seconds(Clock::now() - strength_at) > 2.0)
+    strength = entry->look().strength();
 }
 
 void Monitor::Listen(milliseconds duration) {

@@ -60,7 +60,7 @@ void Steering::FetchStyles() {
   });
 }
 
-void Steering::Change(const std::string& performer, const v1::Set& change,
+void Steering::Change(const std::string& performer, const v1::Look& change,
                       const std::string& what) {
   Push([this, performer, change, what](client::Control& control) {
     client::Applied applied;
@@ -74,14 +74,14 @@ void Steering::Change(const std::string& performer, const v1::Set& change,
 }
 
 void Steering::SetStyle(const std::string& performer, const std::string& style) {
-  v1::Set change;
+  v1::Look change;
   change.add_mix()->set_style(style);
   change.mutable_mix(0)->set_weight(1.0F);
   Change(performer, change, style);
 }
 
 void Steering::SetStrength(const std::string& performer, float strength) {
-  v1::Set change;
+  v1::Look change;
   change.set_strength(strength);
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "strength %.1f", strength);
@@ -89,7 +89,7 @@ void Steering::SetStrength(const std::string& performer, float strength) {
 }
 
 void Steering::Clear(const std::string& performer) {
-  v1::Set change;
+  v1::Look change;
   change.set_clear(true);
   Change(performer, change, "bypass");
 }

@@ -44,7 +44,7 @@ class Steering {
   explicit Steering(std::unique_ptr<client::Control> control);
   void Loop(const std::stop_token& stop);
   void Push(Command command);
-  void Change(const std::string& performer, const v1::Set& change, const std::string& what);
+  void Change(const std::string& performer, const v1::Look& change, const std::string& what);
 
   std::unique_ptr<client::Control> control_;
   std::mutex mutex_;

@@ -18,10 +18,10 @@ import {
   type CalibrateReply,
   type ListReply,
   type Reply,
-  type SetSchema,
   type StatusReply,
 } from './gen/proto/styled/v1/control_pb.js';
 import { FrameSchema, type Frame } from './gen/proto/styled/v1/frame_pb.js';
+import { type LookSchema } from './gen/proto/styled/v1/look_pb.js';
 import { StatsSchema, type Stats } from './gen/proto/styled/v1/stats_pb.js';
 import { checkBody, checkFrame } from './kinematics.js';
 import { Link, type LinkState } from './link.js';
@@ -124,7 +124,7 @@ function wordOf<T extends Record<string, number>>(words: T, word: keyof T & stri
   return words[word];
 }
 
-export type SetInit = MessageInitShape<typeof SetSchema>;
+export type SetInit = MessageInitShape<typeof LookSchema>;
 type RequestInit = MessageInitShape<typeof RequestSchema>;
 
 function socketUrl(options: ClientOptions): string {

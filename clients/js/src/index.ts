@@ -9,4 +9,5 @@ export type { Stream } from './topics.js';
 export * from './gen/proto/styled/v1/body_pb.js';
 export * from './gen/proto/styled/v1/control_pb.js';
 export * from './gen/proto/styled/v1/frame_pb.js';
+export * from './gen/proto/styled/v1/look_pb.js';
 export * from './gen/proto/styled/v1/stats_pb.js';

@@ -122,12 +122,12 @@ test('control: replies, refusals, silence', () =>
       requests.push(request);
       return { code: Code.OK, applied: [{ performer: 'rig.a', firstSequence: 12n }] };
     };
-    const applied = await client.set('rig.a', { strength: 0, only: [1, 3] });
+    const applied = await client.set('rig.a', { strength: 0, parts: [1, 3] });
     assert.equal(applied[0].firstSequence, 12n);
     assert.equal(requests[0].performer, 'rig.a');
     assert.equal(requests[0].command.value.strength, 0); // 0 is present, not absent
     assert.equal(requests[0].command.value.transitionMs, undefined);
-    assert.deepEqual(requests[0].command.value.only, [1, 3]);
+    assert.deepEqual(requests[0].command.value.parts, [1, 3]);
     await client.setStyle('*', 'elderly', 0.5);
     assert.equal(requests[1].command.value.mix[0].style, 'elderly');
     await client.preset('*', 'calm', 100);

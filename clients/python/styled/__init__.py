@@ -7,7 +7,7 @@
             head = update.world()[list(update.body.names).index('head')]
 
 styled.aio has the same for asyncio. The messages themselves are in styled.v1 (frame_pb2, body_pb2,
-control_pb2, stats_pb2), as proto/styled/v1 documents them.
+control_pb2, look_pb2, stats_pb2), as proto/styled/v1 documents them.
 """
 
 import sys

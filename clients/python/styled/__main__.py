@@ -6,6 +6,8 @@ import sys
 import time
 
 import styled
+from styled.commands import LOOK_FIELDS
+from styled.v1 import look_pb2
 
 EXIT_REFUSED, EXIT_USAGE, EXIT_NO_DAEMON = 1, 2, 3
 
@@ -47,13 +49,9 @@ def parse():
     change = command('set', 'change how a performer is styled', run_set, 'required')
     change.add_argument('--style', help='this one alone')
     change.add_argument('--mix', action='append', metavar='STYLE=WEIGHT', help='several of them')
-    change.add_argument('--strength', type=float, help='0 to 1.5')
-    change.add_argument('--transition', type=float, metavar='MS',
-                        help='fade of this and later changes')
-    change.add_argument('--parts', '--only', dest='only', metavar='PART,...',
-                        help="parts of the body, e.g. head,left-arm")
-    change.add_argument('--input-style', '--from', dest='own_style', metavar='STYLE',
-                        help='the style that the performer moves in, which is removed')
+    for name in LOOK_FIELDS:
+        change.add_argument(*look_options(name), dest=name,
+                            help=LOOK_HELP.get(name), **look_kind(name))
     command('clear', 'fade to bypass', run_clear, 'optional')
     cue = command('cue', 'fire the cues of that name', run_cue, None)
     cue.add_argument('name', metavar='NAME')
@@ -123,9 +121,9 @@ def run_status(a):
     for source in status.sources:
         print(f'source {source.name}: {source.type} at {source.listen}, {source.received} received')
     for p in status.stats.performers:
-        styles = ' '.join(f'{s.style}={s.weight:g}' for s in p.styles) or 'bypass'
+        styles = ' '.join(f'{s.style}={s.weight:g}' for s in p.look.mix) or 'bypass'
         print(f'{p.performer}: {"live" if p.live else "silent"}, {p.rate_hz:.1f} Hz, {styles}, '
-              f'strength {p.strength:g}, latency p99 {p.latency_p99_us:.0f} us')
+              f'strength {p.look.strength:g}, latency p99 {p.latency_p99_us:.0f} us')
     return 0
 
 
@@ -150,14 +148,38 @@ def weights(texts):
     return mix
 
 
+FORMER_OPTIONS = {'parts': ['--only'], 'input_style': ['--from']}
+
+
+def look_options(field):
+    """'--input-style' and '--from' of input_style; without the unit of transition_ms."""
+    option = '--' + field.removesuffix('_ms').replace('_', '-')
+    return [option] + FORMER_OPTIONS.get(field, [])
+
+
+LOOK_HELP = {'strength': '0 to 1.5', 'transition_ms': 'fade of this and later changes',
+             'absolute': "the network's pose as it is", 'parts': 'e.g. head,left-arm; the others as captured',
+             'input_style': 'what the performer moves in already'}
+
+
+def look_kind(field):
+    kind = look_pb2.Look.DESCRIPTOR.fields_by_name[field]
+    if kind.type == kind.TYPE_BOOL:
+        return {'action': argparse.BooleanOptionalAction}
+    if kind.type == kind.TYPE_FLOAT:
+        return {'type': float, 'metavar': 'MS' if field.endswith('_ms') else 'X'}
+    return {'metavar': 'PART,...' if field == 'parts' else 'NAME'}
+
+
 def run_set(a):
-    if all(v is None for v in (a.style, a.mix, a.strength, a.transition, a.only, a.own_style)):
+    fields = {name: getattr(a, name) for name in LOOK_FIELDS}
+    if all(v is None for v in (a.style, a.mix, *fields.values())):
         raise ValueError('set: nothing to change, expected --style, --mix, --strength, ...')
+    if fields['parts'] is not None:
+        fields['parts'] = fields['parts'].split(',')
     mix = weights(a.mix) if a.mix else None
     with control(a) as daemon:
-        return say(daemon.set(a.performer, style=a.style, mix=mix, strength=a.strength,
-                              transition_ms=a.transition, own_style=a.own_style,
-                              only=a.only.split(',') if a.only else None), 'set')
+        return say(daemon.set(a.performer, style=a.style, mix=mix, **fields), 'set')
 
 
 def run_clear(a):

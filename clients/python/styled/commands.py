@@ -2,18 +2,22 @@
 into results, apart from the socket they go by."""
 
 import random
-from typing import Dict, Iterable, Mapping, Optional
+from typing import Any, Dict, Mapping, Optional
 
 from google.protobuf.message import DecodeError
 
 from styled.errors import Garbled, Refused
 from styled.inbox import is_performer_id
-from styled.v1 import control_pb2, frame_pb2
+from styled.v1 import control_pb2, frame_pb2, look_pb2
 
 EVERYONE = '*'
 
 PARTS = {name[len('BODY_PART_'):].lower().replace('_', '-'): number
          for name, number in frame_pb2.BodyPart.items()}
+
+# What `set` takes by name, beside style and mix; `clear` is a call of its own.
+LOOK_FIELDS = [field.name for field in look_pb2.Look.DESCRIPTOR.fields
+               if field.name not in ('mix', 'clear')]
 
 
 def _change(performer: str) -> control_pb2.Request:
@@ -23,30 +27,34 @@ def _change(performer: str) -> control_pb2.Request:
     return control_pb2.Request(performer=performer)
 
 
+# Spellings of version 0.1.
+_FORMER = {'only': 'parts', 'own_style': 'input_style'}
+
+
 def _set_request(performer: str, style: Optional[str], mix: Optional[Mapping[str, float]],
-                strength: Optional[float], transition_ms: Optional[float],
-                absolute: Optional[bool], only: Optional[Iterable[str]],
-                own_style: Optional[str]) -> control_pb2.Request:
+                 fields: Mapping[str, Any]) -> control_pb2.Request:
     if style is not None and mix is not None:
         raise ValueError('set: both style and mix, expected one of them')
     request = _change(performer)
-    request.set.SetInParent()
+    look = request.set
+    look.SetInParent()
     if style is not None:
         mix = {style: 1.0}
     for name, weight in (mix or {}).items():
-        request.set.mix.add(style=name, weight=weight)
-    if strength is not None:
-        request.set.strength = strength
-    if transition_ms is not None:
-        request.set.transition_ms = transition_ms
-    if absolute is not None:
-        request.set.absolute = absolute
-    if own_style is not None:
-        request.set.own_style = own_style
-    for part in only or ():
-        if part not in PARTS:
-            raise ValueError(f"only: '{part}', expected some of {', '.join(PARTS)}")
-        request.set.only.append(PARTS[part])
+        look.mix.add(style=name, weight=weight)
+    for given, value in fields.items():
+        name = _FORMER.get(given, given)
+        if name not in LOOK_FIELDS:
+            raise TypeError(f"set: no '{given}', expected style, mix, {', '.join(LOOK_FIELDS)}")
+        if value is None:
+            continue
+        if name != 'parts':
+            setattr(look, name, value)
+            continue
+        for part in value:
+            if part not in PARTS:
+                raise ValueError(f"parts: '{part}', expected some of {', '.join(PARTS)}")
+            look.parts.append(PARTS[part])
     return request
 
 
@@ -77,15 +85,12 @@ class Commands:
         return self._do(control_pb2.Request(status={}), lambda reply: reply.status)
 
     def set(self, performer: str, *, style: Optional[str] = None,
-            mix: Optional[Mapping[str, float]] = None, strength: Optional[float] = None,
-            transition_ms: Optional[float] = None, absolute: Optional[bool] = None,
-            only: Optional[Iterable[str]] = None,
-            own_style: Optional[str] = None) -> Dict[str, int]:
-        """Changes what is given; the rest stays. `style` is a mix of that one alone; `only` the
-        parts of the body that are styled, e.g. ['head', 'left-arm'] or ['all']; `own_style` what
-        the performer moves in already."""
-        return self._do(_set_request(performer, style, mix, strength, transition_ms, absolute, only,
-                                     own_style), _applied)
+            mix: Optional[Mapping[str, float]] = None, **fields: Any) -> Dict[str, int]:
+        """Changes what is given; the rest stays. `style` is a mix of that one alone; `fields` are
+        those of styled.v1.look_pb2.Look: strength, transition_ms, absolute, preset, `parts` (those
+        that are styled, e.g. ['head', 'left-arm'] or ['all']), `input_style` (what the performer
+        moves in already)."""
+        return self._do(_set_request(performer, style, mix, fields), _applied)
 
     def clear(self, performer: str = EVERYONE) -> Dict[str, int]:
         """Fades to bypass, the performer as captured."""

@@ -87,12 +87,13 @@ class ClientTest(unittest.TestCase):
             self.daemon.simulate()
             wait_for(lambda: control.status().stats.performers, 'the performer')
             applied = control.set('rig.sim', mix={'elderly': 0.5, 'feminine': 0.25}, strength=0.8,
-                                  only=['left-arm'], transition_ms=0)
+                                  parts=['left-arm'], transition_ms=0)
             self.assertEqual(list(applied), ['rig.sim'])
             performer = control.status().stats.performers[0]
             self.assertEqual([(s.style, round(s.weight, 3)) for s in performer.styles],
                              [('elderly', 0.5), ('feminine', 0.25)])
             self.assertEqual((round(performer.strength, 3), list(performer.only)), (0.8, [3]))
+            self.assertEqual((round(performer.look.strength, 3), list(performer.look.parts)), (0.8, [3]))
             control.pin('rig.sim')
             self.assertTrue(control.status().stats.performers[0].pinned)
             with self.assertRaises(styled.Refused) as refused:

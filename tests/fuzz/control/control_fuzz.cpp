@@ -66,7 +66,13 @@ class Daemon {
     transports.push_back(std::make_unique<Nothing>());
     auto live = std::make_shared<pipeline::RuntimeConfig>();
     live->network = erd::RandomStylizer(5, 1);
-    live->presets = {{"both", {{"style1", 0.5F}, {"style2", 0.5F}}, "here"}};
+    auto& both = live->presets.emplace_back();
+    both.name = "both";
+    for (const char* style : {"style1", "style2"}) {
+      auto& entry = *both.look.add_mix();
+      entry.set_style(style);
+      entry.set_weight(0.5F);
+    }
     pipeline_ = std::make_unique<pipeline::Pipeline>(
         pipeline::Dependencies{clock_, counters_, publisher_, mailboxes_},
         std::vector<std::string>{"rig"}, std::move(transports), std::move(live), 1, 100);
@@ -134,8 +140,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   undo.mutable_set()->set_strength(1);
   undo.mutable_set()->set_transition_ms(0);
   undo.mutable_set()->set_absolute(false);
-  undo.mutable_set()->add_only(v1::BODY_PART_ALL);
-  undo.mutable_set()->set_own_style("");
+  undo.mutable_set()->add_parts(v1::BODY_PART_ALL);
+  undo.mutable_set()->set_input_style("");
   Require(daemon.Ask(undo).code() == v1::CODE_OK);
   return 0;
 }

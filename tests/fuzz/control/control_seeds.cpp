@@ -29,8 +29,8 @@ int main(int argc, char** argv) {
       r.mutable_set()->set_strength(0.8F);
       r.mutable_set()->set_transition_ms(200);
       r.mutable_set()->set_absolute(true);
-      r.mutable_set()->add_only(styled::v1::BODY_PART_ALL);
-      r.mutable_set()->set_own_style("style3");
+      r.mutable_set()->add_parts(styled::v1::BODY_PART_ALL);
+      r.mutable_set()->set_input_style("style3");
     });
     add(performer, [](Request& r) { r.mutable_set()->set_clear(true); });
     add(performer, [](Request& r) { r.mutable_preset()->set_name("both"); });

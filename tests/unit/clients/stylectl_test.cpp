@@ -190,23 +190,23 @@ TEST_F(StylectlTest, SetSendsWhatWasGivenAndNothingElse) {
   EXPECT_EQ(Run({"set", "rig.anna", "--detail"}), kExitOk);
   EXPECT_TRUE(last_.set().has_absolute());
   EXPECT_FALSE(last_.set().absolute());
-  EXPECT_TRUE(last_.set().only().empty());
+  EXPECT_TRUE(last_.set().parts().empty());
 
   EXPECT_EQ(Run({"set", "--only", "arms,head", "rig.anna"}), kExitOk);
   EXPECT_EQ(last_.performer(), "rig.anna");
-  EXPECT_EQ(last_.set().only_size(), 3);
-  EXPECT_TRUE(Says("only head,left-arm,right-arm"));
+  EXPECT_EQ(last_.set().parts_size(), 3);
+  EXPECT_TRUE(Says("parts head,left-arm,right-arm"));
   EXPECT_EQ(Run({"set", "rig.anna", "--only", "all"}), kExitOk);
-  ASSERT_EQ(last_.set().only_size(), 1);
-  EXPECT_EQ(last_.set().only(0), v1::BODY_PART_ALL);
-  EXPECT_FALSE(last_.set().has_own_style());
+  ASSERT_EQ(last_.set().parts_size(), 1);
+  EXPECT_EQ(last_.set().parts(0), v1::BODY_PART_ALL);
+  EXPECT_FALSE(last_.set().has_input_style());
   for (const char* option : {"--input-style", "--from"}) {
     EXPECT_EQ(Run({"set", "rig.anna", option, "elderly", "--style", "proud"}), kExitOk);
-    EXPECT_EQ(last_.set().own_style(), "elderly");
+    EXPECT_EQ(last_.set().input_style(), "elderly");
     EXPECT_TRUE(Says("input style elderly")) << out_.str();
   }
   EXPECT_EQ(Run({"set", "--parts", "head", "rig.anna"}), kExitOk);
-  EXPECT_EQ(last_.set().only_size(), 1);
+  EXPECT_EQ(last_.set().parts_size(), 1);
 }
 
 TEST_F(StylectlTest, EveryOtherCommandSendsItself) {

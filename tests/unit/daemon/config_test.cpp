@@ -8,6 +8,7 @@
 
 #include "daemon/config/address.h"
 #include "daemon/config/machine.h"
+#include "proto/styled/look.h"
 #include "tests/support/child.h"
 
 namespace styled::config {
@@ -66,7 +67,10 @@ TEST_F(ConfigTest, TheManualIsTheDefaultsAndNamesEveryKey) {
   EXPECT_FLOAT_EQ(feet.hips_drop_m, feet_defaults.hips_drop_m);
   EXPECT_FLOAT_EQ(config.value().performers.stale_s, defaults.performers.stale_s);
   EXPECT_FLOAT_EQ(config.value().performers.late_s, defaults.performers.late_s);
-  EXPECT_FLOAT_EQ(config.value().style.transition_s, defaults.style.transition_s);
+  v1::Look look = InitialLook();
+  Apply(config.value().style.look, look);
+  EXPECT_TRUE(Equal(look, InitialLook()));
+  EXPECT_TRUE(IsEmpty(defaults.style.look));
   for (const std::string key : {"sender_limit_hz",
                                 "ipc_mode",
                                 "ipc_users",
@@ -305,6 +309,9 @@ TEST_F(ConfigTest, RulesThatSpanKeysNameTheLineToo) {
   EXPECT_EQ(Complaint("[[cue]]\nname = 'a b'\npanic = true\n"),
             file_ + ":2: cue.0.name: \"a b\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
   EXPECT_THAT(Complaint("\n[[output]]\nname = 'x'\n"), HasSubstr(file_ + ":2: output.0.avatar"));
+  EXPECT_THAT(Complaint("[[cue]]\nname = 'a'\nparts = 'tail'\n"),
+              HasSubstr(file_ + ":3: cue.parts: expected in quotes, separated by commas, some of"));
+  EXPECT_EQ(Complaint("[[cue]]\nname = 'a'\nonly = 'arms'\nfrom = 'old'\n"), "");
   EXPECT_THAT(Complaint("[style]\nstrength = 1.6\n"),
               HasSubstr("expected a number from 0 to 1.5, found 1.6"));
   EXPECT_THAT(Complaint("", {"performers.late_ms=200"}),

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "proto/styled/look.h"
 #include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::pipeline {
@@ -40,8 +41,13 @@ class MakeCueTest : public testing::Test {
     cue.name = "entrance";
     cue.place = "show.toml:7";
     say(cue);
-    return MakeCue(cue, {{"mixed", {{"style1", 0.5F}, {"style2", 0.5F}}, ""}},
-                   network_->model().styles);
+    config::Preset mixed{"mixed", {}, ""};
+    for (const char* style : {"style1", "style2"}) {
+      auto& entry = *mixed.look.add_mix();
+      entry.set_style(style);
+      entry.set_weight(0.5F);
+    }
+    return MakeCue(cue, {mixed}, network_->model().styles);
   }
   std::string Complaint(const std::function<void(config::Cue&)>& say) {
     const auto made = Make(say);
@@ -54,30 +60,30 @@ TEST_F(MakeCueTest, ACueIsTheRequestsThatItMeans) {
   const auto style = Make([](config::Cue& cue) {
     cue.at = "01:00:10:00";
     cue.style = "style1";
-    cue.strength = 0.5F;
-    cue.transition_s = 1.5F;
-    cue.only = "arms";
+    cue.look.set_strength(0.5F);
+    cue.look.set_transition_ms(1500);
+    SetParts(*body::FindParts("arms"), cue.look);
   });
   ASSERT_TRUE(style.ok()) << style.status().message();
   EXPECT_EQ(style.value().at, std::int64_t{3610} * 1000);
-  ASSERT_EQ(style.value().requests.size(), 1U);
-  const v1::Set& set = style.value().requests[0].set();
+  const v1::Look& set = style.value().request.set();
   EXPECT_EQ(set.mix(0).style(), "style1");
   EXPECT_EQ(set.strength(), 0.5F);
   EXPECT_EQ(set.transition_ms(), 1500);
-  EXPECT_EQ(set.only_size(), 2);
+  EXPECT_EQ(set.parts_size(), 2);
 
   const auto preset = Make([](config::Cue& cue) {
-    cue.preset = "mixed";
-    cue.transition_s = 2;
+    cue.look.set_preset("mixed");
+    cue.look.set_transition_ms(2000);
   });
-  ASSERT_EQ(preset.value().requests.size(), 2U);
-  EXPECT_EQ(preset.value().requests[0].set().transition_ms(), 2000) << "the fade is of this change";
-  EXPECT_EQ(preset.value().requests[0].set().mix_size(), 0);
-  EXPECT_EQ(preset.value().requests[1].preset().name(), "mixed");
+  ASSERT_TRUE(preset.ok()) << preset.status().message();
+  EXPECT_EQ(preset.value().request.set().transition_ms(), 2000) << "the fade is of this change";
+  EXPECT_EQ(preset.value().request.set().mix_size(), 0) << "the preset as it is when fired";
+  EXPECT_EQ(preset.value().request.set().preset(), "mixed");
 
-  EXPECT_TRUE(Make([](config::Cue& cue) { cue.clear = true; }).value().requests[0].set().clear());
-  EXPECT_TRUE(Make([](config::Cue& cue) { cue.panic = true; }).value().requests[0].has_panic());
+  EXPECT_TRUE(
+      Make([](config::Cue& cue) { cue.look.set_clear(true); }).value().request.set().clear());
+  EXPECT_TRUE(Make([](config::Cue& cue) { cue.panic = true; }).value().request.has_panic());
 }
 
 TEST_F(MakeCueTest, WhatCannotBeFiredIsRefusedWithItsPlace) {
@@ -90,22 +96,21 @@ TEST_F(MakeCueTest, WhatCannotBeFiredIsRefusedWithItsPlace) {
   EXPECT_THAT(Complaint([](config::Cue&) {}), HasSubstr(place + "expected what to do"));
   EXPECT_THAT(Complaint([](config::Cue& cue) {
                 cue.panic = true;
-                cue.strength = 1;
+                cue.look.set_strength(1);
               }),
               HasSubstr("panic alone"));
   EXPECT_THAT(Complaint([](config::Cue& cue) {
                 cue.style = "style1";
-                cue.clear = true;
+                cue.look.set_clear(true);
               }),
               HasSubstr("one of style, preset, mix and clear"));
   EXPECT_THAT(Complaint([](config::Cue& cue) { cue.style = "pirate"; }), HasSubstr("pirate"));
-  EXPECT_THAT(Complaint([](config::Cue& cue) { cue.preset = "none"; }),
+  EXPECT_THAT(Complaint([](config::Cue& cue) { cue.look.set_preset("none"); }),
               HasSubstr("no preset \"none\""));
-  EXPECT_THAT(Complaint([](config::Cue& cue) {
-                cue.style = "style1";
-                cue.only = "tail";
-              }),
-              HasSubstr("only: \"tail\"; expected"));
+  EXPECT_THAT(Complaint([](config::Cue& cue) { cue.look.set_strength(2); }),
+              HasSubstr("strength is 2, expected 0 to 1.5"));
+  EXPECT_THAT(Complaint([](config::Cue& cue) { cue.look.set_input_style("pirate"); }),
+              HasSubstr("pirate"));
 }
 
 }  // namespace

@@ -57,8 +57,13 @@ TEST_F(OscTest, EveryAddressIsTheRequestOfItsName) {
   const auto preset = Read("/styled/rig.a/preset", "sf", "p", 100.0).value();
   EXPECT_EQ(preset.preset().name(), "p");
   EXPECT_EQ(preset.preset().transition_ms(), 100);
-  EXPECT_EQ(Read("/styled/rig.a/only", "s", "arms,head").value().set().only_size(), 3);
-  EXPECT_EQ(Read("/styled/rig.a/from", "s", "old").value().set().own_style(), "old");
+  for (const char* address : {"/styled/rig.a/parts", "/styled/rig.a/only"}) {
+    EXPECT_EQ(Read(address, "s", "arms,head").value().set().parts_size(), 3);
+  }
+  for (const char* address : {"/styled/rig.a/input_style", "/styled/rig.a/from"}) {
+    EXPECT_EQ(Read(address, "s", "old").value().set().input_style(), "old");
+  }
+  EXPECT_TRUE(Read("/styled/rig.a/absolute", "i", 1).value().set().absolute());
   EXPECT_TRUE(Read("/styled/rig.a/pin", "i", 1).value().pin().pinned());
   EXPECT_FALSE(Read("/styled/rig.a/pin", "f", 0.0).value().pin().pinned());
   EXPECT_TRUE(Read("/styled/rig.a/clear").value().set().clear());

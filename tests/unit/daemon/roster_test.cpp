@@ -316,7 +316,7 @@ TEST_F(RosterTest, RepliesSayNumbersAsPeopleWriteThemAndAreUtf8) {
   EXPECT_EQ(Ask(request).reason(), "set: strength is 2, expected 0 to 1.5");
   request.mutable_set()->set_strength(1);
   request.mutable_set()->set_transition_ms(70000.5F);
-  EXPECT_EQ(Ask(request).reason(), "transition_ms is 70000.5, expected 0 to 60000");
+  EXPECT_EQ(Ask(request).reason(), "set: transition_ms is 70000.5, expected 0 to 60000");
   // Cut off at any byte, it would be no UTF-8 with one of these.
   for (int i = 0; i < 3; ++i) {
     std::string name(static_cast<std::size_t>(i), 'x');
@@ -356,10 +356,9 @@ TEST_F(RosterTest, AStateFileSaysNothingThatNoRequestCould) {
   ASSERT_TRUE(read.ok()) << read.status().message();
   ASSERT_EQ(read.value().size(), 2U);
   const Profile& a = read.value()[0];
-  EXPECT_EQ(a.look.strength, 1);
-  EXPECT_FLOAT_EQ(a.look.transition_s, 0.1F);
-  EXPECT_EQ(a.look.mix.size(), 4U);
-  EXPECT_EQ(a.look.mix[0].second, 0);
+  EXPECT_EQ(a.look.strength(), 1);
+  EXPECT_FLOAT_EQ(a.look.transition_ms(), 100);
+  EXPECT_EQ(a.look.mix_size(), 0);
   EXPECT_EQ(a.absent_hours, 0);
   EXPECT_FALSE(a.rest);
   EXPECT_FALSE(a.has_come);

@@ -77,8 +77,8 @@ class Machine {
     auto& performer = *facts.daemon.after.mutable_stats()->add_performers();
     performer.set_performer(id);
     performer.set_live(true);
-    performer.set_strength(1);
-    if (!style.empty()) performer.add_styles()->set_style(style);
+    performer.mutable_look()->set_strength(1);
+    if (!style.empty()) performer.mutable_look()->add_mix()->set_style(style);
   }
 
   std::vector<Finding> Findings() const { return Diagnose(facts); }

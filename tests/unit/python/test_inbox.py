@@ -163,17 +163,20 @@ class KinematicsTest(unittest.TestCase):
 
 class RequestTest(unittest.TestCase):
     def test_set_says_what_is_given_and_no_more(self):
-        request = _set_request('*', 'old', None, 0.5, None, None, ['head', 'left-arm'], None)
+        request = _set_request('*', 'old', None, {'strength': 0.5, 'parts': ['head', 'left-arm']})
         self.assertEqual([(w.style, w.weight) for w in request.set.mix], [('old', 1)])
-        self.assertEqual((request.set.strength, list(request.set.only)), (0.5, [1, 3]))
-        self.assertFalse(request.set.HasField('transition_ms') or request.set.HasField('own_style'))
+        self.assertEqual((request.set.strength, list(request.set.parts)), (0.5, [1, 3]))
+        self.assertFalse(request.set.HasField('transition_ms') or request.set.HasField('input_style'))
+        former = _set_request('*', None, None, {'only': ['head'], 'own_style': 'old'}).set
+        self.assertEqual((list(former.parts), former.input_style), ([1], 'old'))
 
     def test_refuses_wrong_arguments(self):
-        nothing = (None,) * 6
-        for arguments in (('anna', 'old') + nothing, ('*', 'old', {'old': 1}) + nothing[1:],
-                          ('*', 'old', None, None, None, None, ['tail'], None)):
+        for arguments in (('anna', 'old', None, {}), ('*', 'old', {'old': 1}, {}),
+                          ('*', 'old', None, {'parts': ['tail']})):
             with self.assertRaises(ValueError):
                 _set_request(*arguments)
+        with self.assertRaisesRegex(TypeError, "no 'strenght', expected style, mix, strength"):
+            _set_request('*', 'old', None, {'strenght': 1})
 
     def test_keys_are_z85_or_raw(self):
         for bad in ('', 'x' * 39, b'x' * 31, '~' * 40):

@@ -24,7 +24,7 @@ v1::Stats Example() {
     performer.set_rate_hz(119.88F);
     performer.set_latency_p50_us(42);
     performer.set_live(true);
-    performer.add_styles()->set_style("odd\"style\\");
+    performer.mutable_look()->add_mix()->set_style("odd\"style\\");
   }
   return stats;
 }

@@ -31,7 +31,7 @@ function styleGrid(app: App, inForce: () => Map<string, number>): HTMLElement {
         return button;
       }));
     }
-    const set = new Set(app.entry()?.styles.filter(({ weight }) => weight > 0).map(({ style }) => style));
+    const set = new Set(app.entry()?.look?.mix.filter(({ weight }) => weight > 0).map(({ style }) => style));
     for (const [name, { button }] of buttons) {
       button.setAttribute('aria-pressed', String(set.has(name)));
     }
@@ -163,7 +163,7 @@ function bodyParts(app: App): HTMLElement {
     on = next;
     touched_ms = performance.now();
     paint();
-    void app.set({ only: on.size === all.length ? [BodyPart.ALL] : [...on] }, 'body parts');
+    void app.set({ parts: on.size === all.length ? [BodyPart.ALL] : [...on] }, 'body parts');
   };
   const figure = svg('svg', { viewBox: '0 0 60 104', class: 'parts' },
     ...PARTS.map(([part, name, path]) => {
@@ -182,9 +182,9 @@ function bodyParts(app: App): HTMLElement {
       return shape;
     }));
   app.watch(() => {
-    const only = app.entry()?.only ?? [];
+    const parts = app.entry()?.look?.parts ?? [];
     if (performance.now() - touched_ms < 1500) return;
-    on = new Set(only.length === 0 ? all : only);
+    on = new Set(parts.length === 0 || parts.includes(BodyPart.ALL) ? all : parts);
     paint();
   });
   paint();
@@ -216,9 +216,9 @@ export function controls(app: App, inForce: () => Map<string, number>): HTMLElem
   let shown = '';
   app.watch(() => {
     const entry = app.entry();
-    if (entry) strength.show(entry.strength);
+    if (entry?.look) strength.show(entry.look.strength ?? 1);
     pin.setAttribute('aria-pressed', String(entry?.pinned ?? false));
-    bypass.setAttribute('aria-pressed', String(entry !== undefined && (entry.styles.length === 0 || entry.strength === 0)));
+    bypass.setAttribute('aria-pressed', String(entry?.look !== undefined && (entry.look.mix.length === 0 || entry.look.strength === 0)));
     for (const button of who.children) {
       button.setAttribute('aria-pressed', String(button.getAttribute('data-who') === String(app.everyone)));
     }
@@ -230,7 +230,7 @@ export function controls(app: App, inForce: () => Map<string, number>): HTMLElem
         h('button', { 'data-preset': name, onclick: () => void app.preset(name) }, name.replaceAll('_', ' '))));
     }
     for (const chip of presets.children) {
-      chip.setAttribute('aria-pressed', String(chip.getAttribute('data-preset') === entry?.preset));
+      chip.setAttribute('aria-pressed', String(chip.getAttribute('data-preset') === entry?.look?.preset));
     }
   });
   return h('aside', { className: 'panel right' },

@@ -47,10 +47,10 @@ export function keys(
     h('dl', {}, ...HELP.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)])));
   const toggleHelp = () => (help.hidden = !help.hidden);
   const stronger = (step: number) => {
-    const entry = app.entry();
-    if (!entry) return;
-    const next = Math.min(1.5, Math.max(0, Math.round((entry.strength + step) * 10) / 10));
-    entry.strength = next; // until the daemon says so itself
+    const look = app.entry()?.look;
+    if (!look) return;
+    const next = Math.min(1.5, Math.max(0, Math.round(((look.strength ?? 1) + step) * 10) / 10));
+    look.strength = next; // until the daemon says so itself
     app.changed();
     void app.set({ strength: next }, `strength ${Math.round(100 * next)} %`);
   };

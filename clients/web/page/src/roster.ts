@@ -27,8 +27,8 @@ function list(app: App): HTMLElement {
       row.setAttribute('aria-selected', String(entry.performer === app.selected));
       row.classList.toggle('live', entry.live);
       setText(rate, entry.live ? `${entry.rateHz.toFixed(0)} Hz` : 'silent');
-      const set = entry.styles.filter(({ weight }) => weight > 0).map(({ style }) => style).join(' + ');
-      setText(words, (entry.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : ''));
+      const set = (entry.look?.mix ?? []).filter(({ weight }) => weight > 0).map(({ style }) => style).join(' + ');
+      setText(words, (entry.look?.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : ''));
     }
   });
   return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty);

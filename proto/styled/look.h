@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "model/body/parts.h"
+#include "model/net/styles.h"
+#include "proto/styled/v1/frame.pb.h"
+#include "proto/styled/v1/look.pb.h"
+
+// The fields of v1::Look as every format spells them: the configuration and the state file (TOML),
+// stylectl (options and JSON) and OSC read and write a look by kLookFields, so that a new field of
+// a known kind is one line of look.proto and one row here. Allocates; not for the hot path. Pinned
+// by tests/unit/daemon/look_test.cpp.
+namespace styled {
+
+struct LookNumber {
+  bool (v1::Look::*has)() const;
+  float (v1::Look::*get)() const;
+  void (v1::Look::*set)(float);
+  float low, high, initial;  // in the unit of the name's suffix; the range is inclusive
+};
+struct LookFlag {  // initially false
+  bool (v1::Look::*has)() const;
+  bool (v1::Look::*get)() const;
+  void (v1::Look::*set)(bool);
+};
+struct LookName {  // of a style or a preset; initially ""
+  bool (v1::Look::*has)() const;
+  const std::string& (v1::Look::*get)() const;
+  void (*set)(v1::Look&, const std::string&);
+};
+struct LookMix {};    // styles and weights; initially empty
+struct LookParts {};  // of the body, as body::FindParts reads them; initially all
+
+struct LookField {
+  std::string_view name;    // as in look.proto; the key in TOML and JSON
+  std::string_view word;    // of an option and in an OSC address: without the unit
+  std::string_view former;  // an earlier spelling that is still read as key and word; "" = none
+  std::string_view help;
+  std::variant<LookNumber, LookFlag, LookName, LookMix, LookParts> kind;
+};
+
+inline constexpr std::array<LookField, 7> kLookFields{{
+    {"mix", "mix", "", "styles and weights, at most 4, that sum to 1.5 at most", LookMix{}},
+    {"strength", "strength", "", "of the style: 0 (bypass) to 1.5",
+     LookNumber{&v1::Look::has_strength, &v1::Look::strength, &v1::Look::set_strength, 0,
+                net::kMaxStrength, 1}},
+    {"transition_ms", "transition", "", "fade of this and later changes, ms",
+     LookNumber{&v1::Look::has_transition_ms, &v1::Look::transition_ms,
+                &v1::Look::set_transition_ms, 0, net::kMaxTransition_s * 1000, 100}},
+    {"absolute", "absolute", "", "the network's pose as it is, not the performer's own detail",
+     LookFlag{&v1::Look::has_absolute, &v1::Look::absolute, &v1::Look::set_absolute}},
+    {"parts", "parts", "only", "the parts of the body that are styled, e.g. \"arms,head\"",
+     LookParts{}},
+    {"input_style", "input_style", "from", "the style that the performer moves in already",
+     LookName{&v1::Look::has_input_style, &v1::Look::input_style,
+              [](v1::Look& look, const std::string& name) { look.set_input_style(name); }}},
+    {"preset", "preset", "", "a mix of the daemon's configuration, by its name",
+     LookName{&v1::Look::has_preset, &v1::Look::preset,
+              [](v1::Look& look, const std::string& name) { look.set_preset(name); }}},
+}};
+
+// The field of this name, word or former spelling, or null.
+const LookField* FindLookField(std::string_view name) noexcept;
+
+// v1::BodyPart and model/body/parts.h: the same parts in the same order, from 1, and 0 for all.
+body::Parts PartsOf(const v1::Look& look);
+void SetParts(body::Parts parts, v1::Look& look);
+
+// Every field at its initial value: the look of a performer that nobody has configured.
+v1::Look InitialLook();
+bool Equal(const v1::Look& a, const v1::Look& b);
+// Whether a change names no field, `clear` included.
+bool IsEmpty(const v1::Look& change);
+// Applies a change, which has passed CheckLook, to a whole look. Of `preset` this copies the name:
+// the caller puts the preset's mix into the change. A mix without it ends the look's preset.
+void Apply(const v1::Look& change, v1::Look& look);
+// Which field of a change is out of range, and what was expected; "" where none is. Names of styles
+// and presets are not looked up, and weights are not summed.
+std::string CheckLook(const v1::Look& change);
+
+}  // namespace styled
