@@ -47,8 +47,8 @@ void Pipeline::NoteNewest(int index) noexcept {
   const Item& item = items_[static_cast<std::size_t>(index)];
   if (item.performer == nullptr) return;
   // What will not be admitted must not pass for newer than what will.
-  if (!item.performer->session.Plausible(item.frame->machine, item.frame->session,
-                                         item.frame->sequence, receive_ns_, rules_)) {
+  if (!item.performer->admission.session.Plausible(item.frame->machine, item.frame->session,
+                                                   item.frame->sequence, receive_ns_, rules_)) {
     return;
   }
   int& newest = item.performer->newest_in_batch;
@@ -73,13 +73,13 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
     StyleAccepted(hot);
     hot.Enter();
   }
-  const std::int64_t before_ns = performer.session.elapsed_ns();
+  const std::int64_t before_ns = performer.admission.session.elapsed_ns();
   if (!Admit(performer, item)) return;
-  performer.sends_frames = true;
+  performer.admission.sends_frames = true;
 
   const std::int64_t now_ns = to_.clock.Now_ns();
   const std::int64_t lateness_ns =
-      performer.schedule.Lateness_ns(performer.session.elapsed_ns(), now_ns);
+      performer.admission.schedule.Lateness_ns(performer.admission.session.elapsed_ns(), now_ns);
   AwaitNext(performer, before_ns);
   if (PassOver(performer, index, full, lateness_ns)) {
     to_.counters.AddOf(source, Counter::kPipelineBacklogDropped);
@@ -90,7 +90,7 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
     PassCues(performer, item.frame->timecode, hot);
   }
   Performer::FrameContext context;
-  context.elapsed_ns = performer.session.elapsed_ns();
+  context.elapsed_ns = performer.admission.session.elapsed_ns();
   context.receive_ns = receive_ns_;
   context.wall_ns = wall_ns_;
   context.source_sequence = item.frame->sequence;
@@ -101,12 +101,11 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
                             ? Counter::kPipelineWrongSize
                             : Counter::kPipelineUncalibrated;
     to_.counters.AddOf(source, why);
-    performer.MarkRefused(why);
+    performer.admission.MarkRefused(why);
     return;
   }
   accepted_[accepted_count_++] = &performer;
-  ++performer.received;
-  performer.MarkLive(receive_ns_);
+  performer.admission.MarkLive(receive_ns_);
   to_.counters.Add(Counter::kPipelineFrames);
   if (late) to_.counters.Add(Counter::kPipelineLate);
 }
@@ -138,11 +137,11 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
 
 // One period of the sender's clock later, if it has one to speak of.
 void Pipeline::AwaitNext(Performer& performer, std::int64_t before_ns) noexcept {
-  const std::int64_t elapsed_ns = performer.session.elapsed_ns();
+  const std::int64_t elapsed_ns = performer.admission.session.elapsed_ns();
   const std::int64_t period_ns = elapsed_ns - before_ns;
   const bool steady = period_ns > 0 && period_ns < kLongestPeriod_ns;
-  performer.anticipation.Await(steady ? performer.schedule.Due_ns(elapsed_ns + period_ns)
-                                      : Anticipation::kNever);
+  performer.admission.anticipation.Await(
+      steady ? performer.admission.schedule.Due_ns(elapsed_ns + period_ns) : Anticipation::kNever);
 }
 
 // Most frames pass none and stay in the hot section.
@@ -160,8 +159,8 @@ void Pipeline::PassCues(Performer& performer, const Timecode& timecode, runtime:
   std::string said;
   if (commands_.Pass(performer, timecode, said)) {
     to_.counters.Add(Counter::kPipelineCues);
-    LogOf(LogLimit::Kind::kCue, {}, performer.profile.id, Event::Level::kInfo,
-          said + " from frame " + std::to_string(performer.profile.next_sequence));
+    log_.LogOf(LogLimit::Kind::kCue, {}, performer.profile.id, Event::Level::kInfo,
+               said + " from frame " + std::to_string(performer.profile.next_sequence));
   }
   hot.Enter();
 }
@@ -169,12 +168,12 @@ void Pipeline::PassCues(Performer& performer, const Timecode& timecode, runtime:
 bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
   const auto count = [&](Counter counter) {
     to_.counters.AddOf(performer.source, counter);
-    performer.MarkRefused(counter);
+    performer.admission.MarkRefused(counter);
     return false;
   };
-  const std::uint64_t lost = performer.session.lost();
-  switch (performer.session.Admit(item.frame->machine, item.frame->session, item.frame->sequence,
-                                  receive_ns_, rules_)) {
+  const std::uint64_t lost = performer.admission.session.lost();
+  switch (performer.admission.session.Admit(item.frame->machine, item.frame->session,
+                                            item.frame->sequence, receive_ns_, rules_)) {
     case Session::Arrival::kDuplicate:
       return count(Counter::kPipelineDuplicate);
     case Session::Arrival::kReordered:
@@ -192,24 +191,26 @@ bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
     case Session::Arrival::kNext:
       break;
   }
-  if (performer.session.lost() > lost) {
-    to_.counters.AddOf(performer.source, Counter::kPipelineLost, performer.session.lost() - lost);
+  if (performer.admission.session.lost() > lost) {
+    to_.counters.AddOf(performer.source, Counter::kPipelineLost,
+                       performer.admission.session.lost() - lost);
   }
   // A session that has not sent its body may still name the last one's.
-  if (!performer.has_body() || (item.frame->body_crc == 0 && !performer.session_has_body)) {
+  if (!performer.binding().has_body() ||
+      (item.frame->body_crc == 0 && !performer.admission.session_has_body)) {
     return count(Counter::kPipelineBeforeBody);
   }
-  if (item.frame->body_crc != 0 && item.frame->body_crc != performer.body_crc()) {
-    return count(performer.session_has_body ? Counter::kPipelineWrongBody
-                                            : Counter::kPipelineBeforeBody);
+  if (item.frame->body_crc != 0 && item.frame->body_crc != performer.binding().crc()) {
+    return count(performer.admission.session_has_body ? Counter::kPipelineWrongBody
+                                                      : Counter::kPipelineBeforeBody);
   }
-  switch (performer.session.AdmitTime(item.frame->source_time_ns, rules_)) {
+  switch (performer.admission.session.AdmitTime(item.frame->source_time_ns, rules_)) {
     case Session::Time::kOld:
       return count(Counter::kPipelineOldTime);
     case Session::Time::kJump:
       to_.counters.AddOf(performer.source, Counter::kPipelineClockJumps);
       StartSession(performer);
-      performer.session_has_body = true;  // the sender is the same
+      performer.admission.session_has_body = true;  // the sender is the same
       break;
     case Session::Time::kNext:
       break;
@@ -219,16 +220,15 @@ bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
 
 void Pipeline::StartSession(Performer& performer) noexcept {
   to_.counters.Add(Counter::kPipelineSessions);
-  performer.session_has_body = false;
-  performer.schedule = runtime::Schedule();
+  performer.admission.StartSession();
   performer.Restart();
 }
 
 // The sender is the same, and so is its body until it sends another.
 void Pipeline::Recount(Performer& performer) noexcept {
-  const bool had_body = performer.session_has_body;
+  const bool had_body = performer.admission.session_has_body;
   StartSession(performer);
-  performer.session_has_body = had_body;
+  performer.admission.session_has_body = had_body;
   to_.counters.AddOf(performer.source, Counter::kPipelineRecounts);
 }
 
@@ -240,7 +240,7 @@ bool Pipeline::PassOver(Performer& performer, int index, bool full,
   const std::int64_t backlog_ns = Nanoseconds(roster_.config().performers.backlog_s);
   if (lateness_ns <= backlog_ns) return false;
   if (performer.newest_in_batch != index) return true;
-  return full && receive_ns_ - performer.last_send_ns < backlog_ns;
+  return full && receive_ns_ - performer.outputs.last_send_ns() < backlog_ns;
 }
 
 void Pipeline::AcceptBody(int source, const source::SourceFrame& body) {
@@ -255,15 +255,15 @@ void Pipeline::AcceptBody(int source, const source::SourceFrame& body) {
     to_.counters.AddOf(source, Counter::kPipelinePerformersRefused);
     return;
   }
-  const std::uint64_t lost = performer->session.lost();
-  const auto arrival =
-      performer->session.Admit(body.machine, body.session, body.sequence, receive_ns_, rules_);
+  const std::uint64_t lost = performer->admission.session.lost();
+  const auto arrival = performer->admission.session.Admit(body.machine, body.session, body.sequence,
+                                                          receive_ns_, rules_);
   const auto refuse = [&](Counter why) {
     to_.counters.AddOf(source, why);
-    performer->MarkRefused(why);
+    performer->admission.MarkRefused(why);
   };
-  if (performer->session.lost() > lost) {
-    to_.counters.AddOf(source, Counter::kPipelineLost, performer->session.lost() - lost);
+  if (performer->admission.session.lost() > lost) {
+    to_.counters.AddOf(source, Counter::kPipelineLost, performer->admission.session.lost() - lost);
   }
   if (arrival == Session::Arrival::kDuplicate) {
     return refuse(Counter::kPipelineDuplicate);
@@ -273,39 +273,39 @@ void Pipeline::AcceptBody(int source, const source::SourceFrame& body) {
   if (arrival == Session::Arrival::kNewSession) StartSession(*performer);
   if (arrival == Session::Arrival::kRecounted) Recount(*performer);
   // A session's first body is welcome even when frames overtook it.
-  if (arrival == Session::Arrival::kReordered && performer->session_has_body) {
+  if (arrival == Session::Arrival::kReordered && performer->admission.session_has_body) {
     return refuse(Counter::kPipelineReordered);
   }
   AdoptBody(*performer, body, fresh);
 }
 
 void Pipeline::AdoptBody(Performer& performer, const source::SourceFrame& body, bool fresh) {
-  if (!performer.has_body() || body.body_crc != performer.body_crc()) {
-    if (performer.has_body() && !performer.MayChangeBody(receive_ns_)) {
+  if (!performer.binding().has_body() || body.body_crc != performer.binding().crc()) {
+    if (performer.binding().has_body() && !performer.admission.MayChangeBody(receive_ns_)) {
       to_.counters.AddOf(performer.source, Counter::kPipelineBodiesRefused);
-      performer.MarkRefused(Counter::kPipelineBodiesRefused);
-      return LogOf(LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id,
-                   Event::Level::kWarning,
-                   "the body changes again and again, expected twice a second at most: the last "
-                   "one stays");
+      performer.admission.MarkRefused(Counter::kPipelineBodiesRefused);
+      return log_.LogOf(
+          LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id, Event::Level::kWarning,
+          "the body changes again and again, expected twice a second at most: the last "
+          "one stays");
     }
     const Status status = performer.AcceptBody(body, roster_.config());
     if (!status.ok()) {
       to_.counters.AddOf(performer.source, Counter::kPipelineBodiesRefused);
-      performer.MarkRefused(Counter::kPipelineBodiesRefused);
-      LogOf(LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id,
-            Event::Level::kWarning, status.message());
-      performer.session_has_body = performer.waits();
-      if (fresh && !performer.waits()) roster_.Forget(performer);
+      performer.admission.MarkRefused(Counter::kPipelineBodiesRefused);
+      log_.LogOf(LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id,
+                 Event::Level::kWarning, status.message());
+      performer.admission.session_has_body = performer.binding().waits();
+      if (fresh && !performer.binding().waits()) roster_.Forget(performer);
       return;
     }
     if (!fresh) to_.counters.Add(Counter::kPipelineBodyChanges);
-    LogOf(LogLimit::Kind::kBodyBound, body.machine, performer.profile.id, Event::Level::kInfo,
-          "body bound");
-    performer.SendBodies(to_.publisher);
+    log_.LogOf(LogLimit::Kind::kBodyBound, body.machine, performer.profile.id, Event::Level::kInfo,
+               "body bound");
+    performer.outputs.SendBodies(to_.publisher);
     performer.next_body_ns = receive_ns_ + kSecond_ns;
   }
-  performer.session_has_body = true;
+  performer.admission.session_has_body = true;
   to_.counters.Add(Counter::kPipelineBodies);
 }
 

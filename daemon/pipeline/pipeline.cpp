@@ -1,30 +1,15 @@
 #include "daemon/pipeline/pipeline.h"
 
-#include <algorithm>
-
-#include "model/base/text.h"
+#include "daemon/pipeline/calibration.h"
 
 namespace styled::pipeline {
 namespace {
 
 using runtime::Counter;
-using runtime::kSecond_ns;
 using runtime::Nanoseconds;
 
 constexpr int kSubscriptionsPerCycle = 16;
 constexpr int kCommandsPerCycle = 8;
-constexpr std::int64_t kBudget_ns = kSecond_ns / 120;
-constexpr std::int64_t kStaysWarm_ns = 2 * runtime::kMillisecond_ns;
-
-// What `look` was before it was one message.
-void FillFormerFields(v1::PerformerStats& row) {
-  const v1::Look& look = row.look();
-  *row.mutable_styles() = look.mix();
-  row.set_strength(look.strength());
-  row.set_preset(look.preset());
-  if (PartsOf(look) != body::kAllParts) *row.mutable_only() = look.parts();
-  row.set_own_style(look.input_style());
-}
 
 }  // namespace
 
@@ -37,12 +22,11 @@ Pipeline::Pipeline(const Dependencies& dependencies, std::vector<std::string> so
       subscriptions_(max_subscriptions, to_.counters),
       roster_(std::move(source_names), std::move(config), epoch, subscriptions_, to_.counters),
       commands_(roster_),
-      started_ns_(to_.clock.Now_ns()),
-      next_stats_ns_(started_ns_ + kSecond_ns) {
+      stats_(to_, roster_, transports_, stages_, subscriptions_),
+      log_(to_.clock, to_.counters, to_.mailboxes) {
   rules_ = {Nanoseconds(roster_.config().performers.takeover_s),
             Nanoseconds(roster_.config().performers.clock_back_s)};
-  subscriptions_.Register(stats_topic_);
-  roster_.Age(started_ns_);
+  roster_.Age(to_.clock.Now_ns());
 }
 
 int Pipeline::DoWork() {
@@ -57,43 +41,8 @@ int Pipeline::DoWork() {
   work += DoReloads();
   work += DoTimers(begin_ns, drained);
   work += DoSubscriptions();
-  if (work > 0) {
-    const std::int64_t cycle_ns = to_.clock.Now_ns() - begin_ns;
-    longest_cycle_ns_ = std::max(longest_cycle_ns_, cycle_ns);
-    if (cycle_ns > kBudget_ns) to_.counters.Add(Counter::kPipelineOverBudget);
-  }
+  if (work > 0) stats_.NoteCycle(to_.clock.Now_ns() - begin_ns);
   return work;
-}
-
-std::int64_t Pipeline::NextDeadline_ns() const {
-  std::int64_t next_ns = next_stats_ns_;
-  for (const auto& transport : transports_) {
-    next_ns = std::min(next_ns, transport->NextDeadline_ns());
-  }
-  for (const auto& performer : roster_.performers) {
-    const auto& limits = roster_.config().performers;
-    const std::int64_t silent_ns =
-        performer->live
-            ? performer->last_frame_ns + performer->Patience_ns(Nanoseconds(limits.stale_s))
-            : performer->session.last_arrival_ns() + Nanoseconds(limits.forget_s);
-    next_ns = std::min({next_ns, performer->next_body_ns, silent_ns});
-    if (to_.anticipate) next_ns = std::min(next_ns, performer->anticipation.prepare_ns());
-  }
-  return next_ns;
-}
-
-bool Pipeline::Expects(std::int64_t now_ns) const {
-  return to_.anticipate &&
-         std::any_of(roster_.performers.begin(), roster_.performers.end(),
-                     [now_ns](const auto& p) { return p->anticipation.Expects(now_ns); });
-}
-
-// While frames keep coming the caches are warm by themselves.
-void Pipeline::Prepare(Performer& performer, std::int64_t now_ns) {
-  if (!performer.anticipation.Prepare(now_ns)) return;
-  if (!to_.prewarm || now_ns - receive_ns_ < kStaysWarm_ns) return;
-  performer.Prewarm();
-  to_.counters.Add(Counter::kPipelinePrewarmed);
 }
 
 int Pipeline::DoCommands() {
@@ -122,72 +71,23 @@ std::unique_ptr<std::vector<Profile>> Pipeline::PopUnsaved() {
 }
 
 void Pipeline::Answer(Exchange& exchange) {
-  if (exchange.request.has_calibrate()) return Calibrate(exchange.request, exchange.reply);
+  if (exchange.request.has_calibrate()) {
+    Performer* const performer =
+        Calibrate(exchange.request, transports_, roster_, to_.clock.Now_ns(), exchange.reply);
+    if (performer == nullptr) return;
+    performer->outputs.SendBodies(to_.publisher);
+    commands_.MarkChanged();
+    return;
+  }
   if (commands_.Apply(exchange.request, exchange.reply)) return;
-  auto& status = *exchange.reply.mutable_status();
-  status.set_version(STYLED_VERSION);
-  status.set_epoch(roster_.epoch());
-  status.set_uptime_s(static_cast<double>(to_.clock.Now_ns() - started_ns_) * 1e-9);
-  status.set_weights(roster_.config().weights_name);
-  FillStats(*status.mutable_stats());
-  for (std::size_t i = 0; i < transports_.size(); ++i) {
-    DescribeSource(i, *status.add_sources());
-  }
-}
-
-void Pipeline::DescribeSource(std::size_t index, v1::SourceInfo& info) const {
-  const source::Transport& transport = *transports_[index];
-  info.set_name(roster_.source_names()[index]);
-  if (index < source_types_.size()) info.set_type(source_types_[index]);
-  info.set_listen(transport.endpoint());
-  info.set_received(transport.received());
-  const source::Smoothing smoothing = transport.smoothing();
-  info.set_delay_ms(smoothing.delay_ms);
-  info.set_arrived_ms(smoothing.arrived_ms);
-  info.set_left_ms(smoothing.left_ms);
-  info.set_missed(smoothing.missed);
-}
-
-void Pipeline::Calibrate(const v1::Request& request, v1::Reply& reply) {
-  reply.set_id(request.id());
-  Profile* profile = roster_.FindProfile(request.performer());
-  Performer* performer = profile == nullptr ? nullptr : roster_.LiveOf(*profile);
-  if (performer == nullptr) {
-    reply.set_code(v1::CODE_UNKNOWN_PERFORMER);
-    reply.set_reason("performer \"" + Printable(request.performer(), 80) +
-                     "\": expected one that is here");
-    return;
-  }
-  const v1::Calibrate& wanted = request.calibrate();
-  if (!v1::Calibrate::Pose_IsValid(wanted.pose()) ||
-      !v1::Calibrate::Sensors_IsValid(wanted.sensors())) {
-    reply.set_code(v1::CODE_OUT_OF_RANGE);
-    reply.set_reason("calibrate: expected a pose of 0 or 1, sensors of 0 to 2");
-    return;
-  }
-  source::Transport& transport = *transports_[static_cast<std::size_t>(performer->source)];
-  if (transport.has_sensors()) {
-    const Status status =
-        transport.Calibrate(static_cast<source::Calibration>(wanted.sensors()), to_.clock.Now_ns());
-    reply.set_code(status.ok() ? v1::CODE_OK : v1::CODE_NOT_READY);
-    reply.set_reason(status.message());
-  } else {
-    reply.set_code(performer->Calibrate(wanted, roster_.config(), to_.clock.Now_ns(), reply));
-  }
-  if (reply.code() != v1::CODE_OK) return;
-  profile->configured = true;
-  auto& applied = *reply.add_applied();
-  applied.set_performer(profile->id);
-  applied.set_first_sequence(profile->next_sequence);
-  performer->SendBodies(to_.publisher);
-  commands_.MarkChanged();
+  stats_.Fill(*exchange.reply.mutable_status());
 }
 
 int Pipeline::DoReloads() {
   std::shared_ptr<const RuntimeConfig> config;
   if (!to_.mailboxes.reloads.Pop(config)) return 0;
   for (auto& complaint : roster_.Apply(std::move(config))) {
-    Log(Event::Level::kWarning, std::move(complaint));
+    log_.Log(Event::Level::kWarning, std::move(complaint));
   }
   rules_ = {Nanoseconds(roster_.config().performers.takeover_s),
             Nanoseconds(roster_.config().performers.clock_back_s)};
@@ -209,123 +109,14 @@ int Pipeline::DoSubscriptions() {
   }
   if (work == 0) return 0;
   for (const auto& performer : roster_.performers) {
-    if (performer->Asked()) performer->SendBodies(to_.publisher);
+    if (performer->outputs.Asked()) performer->outputs.SendBodies(to_.publisher);
   }
   return work;
-}
-
-int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
-  const auto& limits = roster_.config().performers;
-  int work = 0;
-  for (std::size_t i = 0; i < roster_.performers.size();) {
-    Performer& performer = *roster_.performers[i++];
-    const std::int64_t silence_ns = now_ns - performer.session.last_arrival_ns();
-    if (to_.anticipate && drained) Prepare(performer, now_ns);
-    if (drained && performer.live &&
-        now_ns - performer.last_frame_ns >= performer.Patience_ns(Nanoseconds(limits.stale_s))) {
-      Stale(performer, now_ns);
-      ++work;
-    }
-    if (performer.FacingChanged()) {
-      const std::string warning = performer.Warning();
-      LogOf(LogLimit::Kind::kFacing, {}, performer.profile.id,
-            warning.empty() ? Event::Level::kInfo : Event::Level::kWarning,
-            warning.empty() ? "walks where the toes point again" : warning);
-    }
-    if (drained && !performer.live && silence_ns >= Nanoseconds(limits.forget_s)) {
-      LogOf(LogLimit::Kind::kForgotten, {}, performer.profile.id, Event::Level::kInfo,
-            "forgotten after silence");
-      to_.counters.Add(Counter::kPipelineForgotten);
-      roster_.Forget(performer);
-      --i;
-      ++work;
-    } else if (now_ns >= performer.next_body_ns) {
-      performer.next_body_ns = now_ns + kSecond_ns;
-      performer.SendBodies(to_.publisher);
-      ++work;
-    }
-  }
-  if (now_ns >= next_stats_ns_) {
-    PublishStats();
-    roster_.Age(now_ns);
-    for (auto& text : roster_.PopLog()) Log(Event::Level::kInfo, std::move(text));
-    if (roster_.PopChanged()) commands_.MarkChanged();
-    ++work;
-  }
-  return work;
-}
-
-void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {
-  performer.live = false;
-  Performer::FrameContext context;
-  context.receive_ns = performer.last_frame_ns;
-  context.publish_ns = now_ns;
-  context.wall_ns = to_.clock.Wall_ns();
-  if (!performer.Repeat(context)) return;
-  performer.Send(to_.publisher, now_ns);
-  to_.counters.Add(Counter::kPipelineStale);
-}
-
-void Pipeline::FillStats(v1::Stats& stats) {
-  stats.set_epoch(roster_.epoch());
-  stats.set_wall_time_ns(static_cast<std::uint64_t>(to_.clock.Wall_ns()));
-  for (int i = 0; i < static_cast<int>(Counter::kCount); ++i) {
-    auto& counter = *stats.add_counters();
-    counter.set_name(std::string(runtime::Name(static_cast<Counter>(i))));
-    counter.set_value(to_.counters.Get(static_cast<Counter>(i)));
-  }
-  for (const auto& [id, profile] : roster_.profiles) {
-    auto& row = *stats.add_performers();
-    row.set_performer(id);
-    row.set_sequence(profile->next_sequence - 1);
-    row.set_pinned(profile->pinned);
-    *row.mutable_look() = profile->look;
-    FillFormerFields(row);
-    if (const Performer* live = roster_.LiveOf(*profile)) live->Describe(row);
-  }
-  for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *stats.add_sources());
-  stages_.Describe(stats);
-}
-
-void Pipeline::PublishStats() {
-  const std::int64_t now_ns = to_.clock.Now_ns();
-  next_stats_ns_ = std::max(next_stats_ns_ + kSecond_ns, now_ns + kSecond_ns / 2);
-  for (const auto& performer : roster_.performers) performer->Sample();
-  stages_.Sample();
-  to_.counters.Set(Counter::kPipelineLongestCycleUs,
-                   static_cast<std::uint64_t>(longest_cycle_ns_ / 1000));
-  longest_cycle_ns_ = 0;
-  if (stats_topic_.wanted == 0) return;
-  v1::Stats stats;
-  FillStats(stats);
-  stats.SerializeToString(&stats_bytes_);
-  to_.publisher.Send(stats_topic_.name, std::as_bytes(std::span(stats_bytes_)));
 }
 
 void Pipeline::OnNote(int source, const std::string& text) {
-  Log(Event::Level::kWarning,
-      roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
-}
-
-void Pipeline::LogOf(LogLimit::Kind kind, const source::Machine& sender,
-                     const std::string& performer, Event::Level level, std::string text) {
-  std::uint64_t held_back = 0;
-  if (!log_limit_.Admit(kind, sender, performer, to_.clock.Now_ns(), held_back)) {
-    to_.counters.Add(Counter::kPipelineEventsHeldBack);
-    return;
-  }
-  if (held_back > 0) text += " (and " + std::to_string(held_back) + " more like this before)";
-  Log(level, performer + ": " + std::move(text));
-}
-
-void Pipeline::Log(Event::Level level, std::string text) {
-  // It may quote what a stranger sent: no second line, no terminal's escape.
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7F') c = '?';
-  }
-  if (!to_.mailboxes.events.Push({level, std::move(text)})) {
-    to_.counters.Add(Counter::kPipelineEventsDropped);
-  }
+  log_.Log(Event::Level::kWarning,
+           roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
 }  // namespace styled::pipeline

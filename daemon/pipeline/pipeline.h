@@ -7,32 +7,18 @@
 #include <vector>
 
 #include "daemon/pipeline/commands.h"
-#include "daemon/pipeline/log_limit.h"
-#include "daemon/pipeline/mailboxes.h"
+#include "daemon/pipeline/dependencies.h"
+#include "daemon/pipeline/event_log.h"
 #include "daemon/pipeline/roster.h"
 #include "daemon/pipeline/stages.h"
+#include "daemon/pipeline/stats.h"
 #include "daemon/pipeline/worker.h"
-#include "daemon/publish/publisher.h"
 #include "daemon/publish/subscriptions.h"
-#include "daemon/record/recorder.h"
-#include "daemon/runtime/clock.h"
-#include "daemon/runtime/counters.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/source_frame.h"
 #include "daemon/source/transport.h"
 
 namespace styled::pipeline {
-
-// What the pipeline works with; each outlives it.
-struct Dependencies {
-  runtime::Clock& clock;
-  runtime::Counters& counters;
-  publish::Publisher& publisher;
-  Mailboxes& mailboxes;
-  record::Recorder* recorder = nullptr;  // null: nothing is recorded
-  bool anticipate = true;                // knows when each frame is due, and wakes shortly before
-  bool prewarm = true;                   // and then brings what it needs into the caches
-};
 
 // The one thread that frames walk through, from the datagram's arrival to zmq_send, without a queue
 // between. Whoever calls DoWork() waits, where there is nothing to do, for the transports, the
@@ -54,7 +40,7 @@ class Pipeline final : public Worker, public source::Receiver {
   // Settings of the last run; before the first DoWork.
   void Restore(std::vector<Profile> profiles) { roster_.Restore(std::move(profiles)); }
   // As configured, for status; before the first DoWork.
-  void SetSourceTypes(std::vector<std::string> types) { source_types_ = std::move(types); }
+  void SetSourceTypes(std::vector<std::string> types) { stats_.SetSourceTypes(std::move(types)); }
   // After the last cycle: the settings, if a change of them found the mailbox full; else null.
   std::unique_ptr<std::vector<Profile>> PopUnsaved();
 
@@ -98,18 +84,9 @@ class Pipeline final : public Worker, public source::Receiver {
                                 std::int64_t lateness_ns) const noexcept;
   void Stale(Performer& performer, std::int64_t now_ns);
   void Answer(Exchange& exchange);
-  void Calibrate(const v1::Request& request, v1::Reply& reply);
-  void FillStats(v1::Stats& stats);
-  void DescribeSource(std::size_t index, v1::SourceInfo& info) const;
-  void PublishStats();
-  void Log(Event::Level level, std::string text);
-  // The same within the limit of its kind and performer. `sender`: who caused it, if it was one.
-  void LogOf(LogLimit::Kind kind, const source::Machine& sender, const std::string& performer,
-             Event::Level level, std::string text);
 
   Dependencies to_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
-  std::vector<std::string> source_types_;
   publish::Subscriptions subscriptions_;
   Roster roster_;
   Commands commands_;
@@ -120,13 +97,10 @@ class Pipeline final : public Worker, public source::Receiver {
   std::array<Performer*, stylist::Stylist::kTogether> accepted_{};
   std::size_t accepted_count_ = 0;
   Stages stages_;
+  Stats stats_;
+  EventLog log_;
   publish::SubscriptionEvent subscription_;
-  publish::Topic stats_topic_{"stats/"};
-  std::int64_t started_ns_, next_stats_ns_;
-  std::int64_t longest_cycle_ns_ = 0;
   int busy_cycles_ = 0;  // since the last look at silence
-  LogLimit log_limit_;
-  std::string stats_bytes_;
 };
 
 }  // namespace styled::pipeline

@@ -58,15 +58,14 @@ Performer* Roster::Add(int source, std::string_view name, std::int64_t now_ns) {
   if (profile == nullptr) return nullptr;
   profile->seen = true;
   performers.push_back(std::make_unique<Performer>(*profile, source, std::string(name), epoch_,
-                                                   subscriptions_, counters_));
-  performers.back()->added_ns = now_ns;
+                                                   now_ns, subscriptions_, counters_));
   counters_.Set(runtime::Counter::kPipelinePerformers, performers.size());
   return performers.back().get();
 }
 
 bool Roster::ForgetFrameless(std::int64_t now_ns) {
   for (const auto& performer : performers) {  // in the order in which they came
-    if (performer->sends_frames || now_ns - performer->added_ns < kFrameless_ns) continue;
+    if (performer->admission.sends_frames || now_ns - performer->added_ns < kFrameless_ns) continue;
     log_.push_back(performer->profile.id + ": sent a skeleton and no frame, gave way to another");
     counters_.Add(runtime::Counter::kPipelineForgotten);
     Forget(*performer);
@@ -78,7 +77,7 @@ bool Roster::ForgetFrameless(std::int64_t now_ns) {
 void Roster::Forget(Performer& performer) {
   Profile& profile = performer.profile;
   NoteCome(profile);
-  if (performer.received > 0) profile.absent_hours = 0;
+  if (performer.admission.received() > 0) profile.absent_hours = 0;
   std::erase_if(performers, [&](const auto& owned) { return owned.get() == &performer; });
   counters_.Set(runtime::Counter::kPipelinePerformers, performers.size());
   DropUnused(profile);
@@ -97,7 +96,7 @@ void Roster::Drop(Profile& profile) {
 bool Roster::HasCome(const Profile& profile) const {
   if (profile.has_come || profile.rest) return true;
   const Performer* live = LiveOf(profile);
-  return live != nullptr && live->received > 0;
+  return live != nullptr && live->admission.received() > 0;
 }
 
 void Roster::NoteCome(Profile& profile) {

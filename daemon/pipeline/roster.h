@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/pipeline/performer.h"
+#include "daemon/pipeline/performer/performer.h"
 
 namespace styled::pipeline {
 

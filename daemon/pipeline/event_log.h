@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+
+#include "daemon/pipeline/log_limit.h"
+#include "daemon/pipeline/mailboxes.h"
+#include "daemon/runtime/clock.h"
+#include "daemon/runtime/counters.h"
+#include "daemon/source/transport.h"
+
+namespace styled::pipeline {
+
+// The pipeline's lines for the log, which the supervisor writes. Never blocks: a line that finds
+// the mailbox full is dropped and counted. Pipeline thread, outside the hot section; allocates.
+class EventLog {
+ public:
+  // All outlive it.
+  EventLog(const runtime::Clock& clock, runtime::Counters& counters, Mailboxes& mailboxes)
+      : clock_(clock), counters_(counters), mailboxes_(mailboxes) {}
+
+  void Log(Event::Level level, std::string text);
+  // The same within the limit of its kind and performer. `sender`: the machine that caused it; all
+  // zeros: none.
+  void LogOf(LogLimit::Kind kind, const source::Machine& sender, const std::string& performer,
+             Event::Level level, std::string text);
+
+ private:
+  const runtime::Clock& clock_;
+  runtime::Counters& counters_;
+  Mailboxes& mailboxes_;
+  LogLimit limit_;
+};
+
+}  // namespace styled::pipeline

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "daemon/pipeline/anticipation.h"
+#include "daemon/pipeline/session.h"
+#include "daemon/runtime/counters.h"
+#include "daemon/runtime/schedule.h"
+#include "model/base/realtime.h"
+#include "proto/styled/v1/stats.pb.h"
+
+namespace styled::pipeline {
+
+// Which datagrams of a performer count: whose they are and which is next (session), how late they
+// are (schedule), how often the body may change, when the performer is stale, and what was refused.
+// One per performer, pipeline thread; allocates nothing but in Describe. Times are of the daemon's
+// monotonic clock. Pinned by tests/unit/daemon/admission_test.cpp.
+class Admission {
+ public:
+  Session session;
+  runtime::Schedule schedule;
+  Anticipation anticipation;
+  bool session_has_body = false;  // this session sent its body
+  bool sends_frames = false;      // of its body; calibrated or not
+
+  // The next datagrams are a new session's.
+  STYLED_REALTIME void StartSession() noexcept {
+    session_has_body = false;
+    schedule = runtime::Schedule();
+  }
+
+  // Whether one more change of the body may be made now: kBodyChanges at once and one in
+  // kBodyChange_ns, because each makes everything anew that depends on it.
+  bool MayChangeBody(std::int64_t now_ns) noexcept;
+
+  // A frame that arrived at `now_ns` was accepted and leaves: the performer is live.
+  STYLED_REALTIME void MarkLive(std::int64_t now_ns) noexcept;
+  STYLED_REALTIME void MarkStale() noexcept { live_ = false; }
+  bool live() const { return live_; }
+  std::int64_t last_frame_ns() const { return last_frame_ns_; }  // of the last accepted frame
+  std::uint64_t received() const { return received_; }           // frames accepted
+  // Silence after which the performer is stale: `stale_ns`, or three periods of a slower rig.
+  STYLED_REALTIME std::int64_t Patience_ns(std::int64_t stale_ns) const noexcept;
+
+  // A datagram of this performer changed nothing, and is counted as `why`.
+  STYLED_REALTIME void MarkRefused(runtime::Counter why) noexcept {
+    ++refused_;
+    refused_as_ = why;
+  }
+
+  // Once a second: `frames` left since the last call. Rate and refusals are of that second.
+  void Sample(std::uint64_t frames) noexcept;
+  void Describe(v1::PerformerStats& stats) const;
+
+ private:
+  static constexpr int kBodyChanges = 8;  // for a rig that finds its bones one by one
+  static constexpr std::int64_t kBodyChange_ns = 500'000'000;
+
+  int body_changes_left_ = kBodyChanges;
+  std::int64_t body_changed_ns_ = 0;
+  bool live_ = false;
+  std::uint64_t received_ = 0;
+  std::int64_t last_frame_ns_ = 0;
+  std::array<std::int64_t, 2> intervals_ns_{};  // between the last frames
+  std::int64_t since_ns_ = 0;                   // the last frame that the rate counts
+  bool fresh_ = true;                           // that one was the first after a silence
+  float rate_hz_ = 0;
+  std::uint64_t refused_ = 0, refused_at_sample_ = 0;
+  runtime::Counter refused_as_ = runtime::Counter::kCount;
+  bool refusing_ = false;  // in the last second
+};
+
+}  // namespace styled::pipeline

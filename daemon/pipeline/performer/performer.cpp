@@ -1,0 +1,157 @@
+#include "daemon/pipeline/performer/performer.h"
+
+#include <utility>
+
+namespace styled::pipeline {
+
+Performer::Performer(Profile& the_profile, int the_source, std::string the_name,
+                     std::uint64_t epoch, std::int64_t now_ns,
+                     publish::Subscriptions& subscriptions, runtime::Counters& counters)
+    : profile(the_profile),
+      source(the_source),
+      name(std::move(the_name)),
+      added_ns(now_ns),
+      outputs(profile.id, epoch, subscriptions, counters),
+      counters_(counters) {
+  face_.reserve(kMaxFace);
+}
+
+const rig::JointNames& Performer::Names(const RuntimeConfig& config) const {
+  static const rig::JointNames kNone;
+  const auto index = static_cast<std::size_t>(source);
+  return index < config.joints.size() ? config.joints[index] : kNone;
+}
+
+Status Performer::AcceptBody(const source::SourceFrame& body, const RuntimeConfig& config) {
+  Status status = binding_.Accept(body, profile, Names(config));
+  if (status.ok()) UseBinding(config);
+  return status;
+}
+
+v1::Code Performer::Calibrate(const v1::Calibrate& request, const RuntimeConfig& config,
+                              std::int64_t now_ns, v1::Reply& reply) {
+  const v1::Code code = binding_.Calibrate(request, profile, Names(config), now_ns, reply);
+  if (code == v1::CODE_OK) UseBinding(config);
+  return code;
+}
+
+void Performer::UseBinding(const RuntimeConfig& config) {
+  styling_.emplace(binding_.body(), config, counters_);
+  outputs.Bind(binding_.body(), binding_.given(), config);
+  (void)ApplyLook(config);
+}
+
+std::vector<std::string> Performer::ApplyLook(const RuntimeConfig& config) {
+  if (styling_) return styling_->ApplyLook(profile.look, config);
+  std::vector<std::string> unknown;
+  (void)Resolve(profile.look, config.network->model().styles, unknown);
+  return unknown;
+}
+
+void Performer::Rebuild(const RuntimeConfig& config) {
+  if (!styling_) return;
+  styling_->Rebuild(binding_.body(), config);
+  outputs.Bind(binding_.body(), binding_.given(), config);
+}
+
+void Performer::Restart() noexcept {
+  if (styling_) styling_->Restart();
+  facing_.Reset();
+}
+
+Performer::Accepted Performer::Accept(const source::SourceFrame& frame,
+                                      const FrameContext& context) noexcept {
+  if (!binding_.Receive(frame, context.receive_ns)) return Accepted::kWrongSize;
+  if (!styling_) return Accepted::kUncalibrated;
+  styling_->SetInput(binding_.received());
+  header_.source_time_ns = frame.source_time_ns;
+  header_.source_sequence = context.source_sequence;
+  header_.has_timecode = frame.has_timecode;
+  header_.timecode = frame.timecode;
+  face_.assign(frame.face.begin(), frame.face.end());
+  context_ = context;
+  return Accepted::kOk;
+}
+
+stylist::Stylist::Job Performer::Style() noexcept { return styling_->MakeJob(context_.elapsed_ns); }
+
+void Performer::Finish(std::int64_t publish_ns) noexcept {
+  context_.publish_ns = publish_ns;
+  // In canonical axes: before the poses are brought into the rig's.
+  const bool failed = outputs.Retarget(context_.elapsed_ns, styling_->out());
+  styling_->Finish(failed ? stylist::kFailed : 0U);
+  WatchFacing();
+  Serialize(styling_->out().flags | context_.extra_flags, context_);
+  measure_from_ns_ = context_.receive_ns;
+}
+
+void Performer::WatchFacing() noexcept {
+  const std::int64_t step_ns = context_.elapsed_ns - std::exchange(faced_ns_, context_.elapsed_ns);
+  facing_.Sample(styling_->out().canonical_input, static_cast<double>(step_ns) * 1e-9);
+  backwards_ = binding_.body().toes_backwards || facing_.backwards();
+  if (!backwards_) return;
+  context_.extra_flags |= v1::FLAG_BACKWARDS;
+  counters_.Add(runtime::Counter::kPipelineBackwards);
+}
+
+void Performer::Prewarm() noexcept {
+  if (styling_) styling_->Prewarm();
+}
+
+bool Performer::Repeat(FrameContext context) noexcept {
+  if (!styling_ || !styling_->has_output()) return false;
+  const std::uint32_t once = v1::FLAG_CONCEALED | v1::FLAG_NEW_SESSION;
+  const std::uint32_t backwards = backwards_ ? v1::FLAG_BACKWARDS : v1::FLAG_NONE;
+  Serialize((styling_->out().flags & ~once) | backwards | v1::FLAG_STALE, context);
+  measure_from_ns_.reset();
+  return true;
+}
+
+void Performer::Serialize(std::uint32_t flags, const FrameContext& context) noexcept {
+  header_.sequence = profile.next_sequence++;
+  header_.receive_time_ns = context.receive_ns;
+  header_.publish_time_ns = context.publish_ns;
+  header_.wall_time_ns = context.wall_ns;
+  header_.contacts = styling_->out().contacts;
+  outputs.Serialize(header_, flags, *styling_, face_);
+}
+
+void Performer::Send(publish::Publisher& publisher, std::int64_t now_ns) {
+  outputs.Send(publisher, now_ns, measure_from_ns_);
+}
+
+std::string Performer::Warning() const {
+  if (binding_.waits()) {
+    return "nobody knows the rig's rest pose: let the performer stand in T-pose, and stylectl "
+           "calibrate " +
+           profile.id + " --pose t";
+  }
+  if (binding_.bound() && binding_.body().toes_backwards) {
+    return "the toes point backwards: left and right are exchanged, or the axes are mirrored; "
+           "mend it in the rig, or by stylectl calibrate " +
+           profile.id + " --pose t";
+  }
+  if (backwards_) {
+    return "walks against where the toes point; if that is not meant, left and right are "
+           "exchanged, or the axes are mirrored: mend it in the rig, or by stylectl calibrate " +
+           profile.id + " --pose t";
+  }
+  return "";
+}
+
+bool Performer::FacingChanged() noexcept {
+  return std::exchange(backwards_logged_, backwards_) != backwards_;
+}
+
+void Performer::Sample() { admission.Sample(outputs.Sample(admission.live())); }
+
+void Performer::Describe(v1::PerformerStats& stats) const {
+  admission.Describe(stats);
+  outputs.Describe(stats);
+  stats.set_warning(Warning());
+  if (!binding_.bound()) return;
+  stats.set_joints(static_cast<std::uint32_t>(binding_.body().binding->skeleton().joint_count()));
+  stats.set_dialect(binding_.body().dialect);
+}
+
+}  // namespace styled::pipeline

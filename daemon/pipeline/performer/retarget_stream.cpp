@@ -1,0 +1,40 @@
+#include "daemon/pipeline/performer/retarget_stream.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace styled::pipeline {
+
+RetargetStream::RetargetStream(std::shared_ptr<const RetargetOutput> output, const BoundBody& body,
+                               const std::string& id, std::uint64_t epoch,
+                               const RuntimeConfig& config, publish::Subscriptions& subscriptions)
+    : output_(std::move(output)),
+      avatar_(body.binding, output_->skeleton.binding, output_->skeleton.rest, config.stylist),
+      rotations_(output_->skeleton.rest.rotations),
+      message_(id, epoch, output_->body, body.binding->skeleton().joint_count(),
+               config.network->model().styles),
+      subscriptions_(subscriptions) {
+  v1::Body message = output_->body;
+  message.set_performer(id);
+  body_bytes_ = message.SerializeAsString();
+  topic.name = "styled/" + id + "/" + output_->name + "/";
+  subscriptions_.Register(topic);
+}
+
+RetargetStream::~RetargetStream() { subscriptions_.Unregister(topic); }
+
+void RetargetStream::Process(std::int64_t elapsed_ns, const stylist::Output& out) noexcept {
+  if (topic.wanted == 0) {
+    has_frame_ = failed_ = false;
+    return;
+  }
+  if (!has_frame_) avatar_.Reset();
+  has_frame_ = true;
+  failed_ = !avatar_.Process(elapsed_ns, out);
+  const auto& skeleton = output_->skeleton;
+  root_ = skeleton.RootInFile(skeleton.binding->RootPosition(avatar_.pose()));
+  std::copy(avatar_.pose().rotations.begin(), avatar_.pose().rotations.end(), rotations_.begin());
+  rotations_.front() = skeleton.RootInFile(rotations_.front());
+}
+
+}  // namespace styled::pipeline

@@ -1,0 +1,67 @@
+#include "daemon/pipeline/performer/styling.h"
+
+#include <array>
+#include <utility>
+
+#include "daemon/pipeline/profile.h"
+
+namespace styled::pipeline {
+
+using runtime::Counter;
+
+Styling::Styling(const BoundBody& body, const RuntimeConfig& config, runtime::Counters& counters)
+    : binding_(body.binding),
+      left_handed_(body.left_handed),
+      counters_(counters),
+      stylist_(config.network, body.binding, config.stylist),
+      rehearsal_(config.network, body.binding, config.stylist),
+      in_(body.binding->skeleton()),
+      out_(body.binding->skeleton()) {}
+
+std::vector<std::string> Styling::ApplyLook(const v1::Look& look, const RuntimeConfig& config) {
+  std::vector<std::string> unknown;
+  const net::Styles& styles = config.network->model().styles;
+  const auto settings = Resolve(look, styles, unknown);
+  const auto error = stylist::Validate(settings, static_cast<int>(styles.size()));
+  if (error == stylist::SettingsError::kNone) stylist_.Set(settings);
+  return unknown;
+}
+
+void Styling::Rebuild(const BoundBody& body, const RuntimeConfig& config) {
+  stylist_ = stylist::Stylist(config.network, body.binding, config.stylist);
+  rehearsal_ = stylist::Rehearsal(config.network, body.binding, config.stylist);
+  has_output_ = false;
+}
+
+void Styling::SetInput(rig::RigPose& received) noexcept {
+  std::swap(in_, received);  // both of the skeleton's size
+  if (left_handed_) rig::Mirror(in_);
+}
+
+void Styling::Finish(std::uint32_t extra_flags) noexcept {
+  rig_root_ = binding_->RootPosition(out_.rig);
+  if (left_handed_) {
+    rig::Mirror(out_.rig);
+    rig::Mirror(out_.source);
+    rig_root_ = rig::Mirrored(rig_root_);
+  }
+  has_output_ = true;
+  CountFlags(out_.flags | extra_flags);
+  counters_.Add(Counter::kStylistSteps, static_cast<std::uint64_t>(out_.steps));
+}
+
+void Styling::CountFlags(std::uint32_t flags) noexcept {
+  constexpr std::array<std::pair<std::uint32_t, Counter>, 6> kCounted{{
+      {stylist::kConcealed, Counter::kStylistConcealed},
+      {stylist::kHeld, Counter::kStylistHeld},
+      {stylist::kOutOfDomain, Counter::kStylistOutOfDomain},
+      {stylist::kFading, Counter::kStylistFading},
+      {stylist::kNewSession, Counter::kStylistNewSession},
+      {stylist::kFailed, Counter::kStylistFailed},
+  }};
+  for (const auto& [flag, counter] : kCounted) {
+    if ((flags & flag) != 0) counters_.Add(counter);
+  }
+}
+
+}  // namespace styled::pipeline

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/body_binding.h"
+#include "daemon/pipeline/facing.h"
+#include "daemon/pipeline/runtime_config.h"
+#include "daemon/runtime/counters.h"
+#include "model/base/realtime.h"
+#include "model/stylist/stylist.h"
+#include "proto/styled/look.h"
+
+namespace styled::pipeline {
+
+// The stylist of a performer on one body, its input and its last output. Made anew when the body
+// changes. Pipeline thread; construction, Rebuild and ApplyLook allocate.
+class Styling {
+ public:
+  // `counters` outlives it.
+  Styling(const BoundBody& body, const RuntimeConfig& config, runtime::Counters& counters);
+
+  // A look from the next frame on, where the network has its styles; returns the names of those
+  // that it lacks.
+  std::vector<std::string> ApplyLook(const v1::Look& look, const RuntimeConfig& config);
+  // New weights or options: a new stylist, with no look and no output yet.
+  void Rebuild(const BoundBody& body, const RuntimeConfig& config);
+  // The recurrent state starts anew; the next frame's source time may be anything.
+  STYLED_REALTIME void Restart() noexcept { stylist_.Reset(); }
+
+  // Swaps the next pose in, mirrored where the binding is of the mirrored skeleton.
+  STYLED_REALTIME void SetInput(rig::RigPose& received) noexcept;
+  // The job of that pose, for Stylist::ProcessTogether. `elapsed_ns` as the session's.
+  STYLED_REALTIME stylist::Stylist::Job MakeJob(std::int64_t elapsed_ns) noexcept {
+    return {&stylist_, elapsed_ns, &in_, &out_};
+  }
+  // After the job: brings the poses into the rig's axes and counts steps and flags, among them the
+  // `extra` ones.
+  STYLED_REALTIME void Finish(std::uint32_t extra_flags) noexcept;
+  // Brings what the next frame needs into the caches. Changes nothing.
+  STYLED_REALTIME void Prewarm() noexcept { rehearsal_.Prewarm(stylist_); }
+
+  const rig::RigPose& in() const { return in_; }
+  const stylist::Output& out() const { return out_; }
+  bool has_output() const { return has_output_; }
+  const rig::Vec3& rig_root() const { return rig_root_; }  // of out().rig, in the rig's units
+
+ private:
+  void CountFlags(std::uint32_t flags) noexcept;
+
+  std::shared_ptr<const rig::Binding> binding_;
+  bool left_handed_;
+  runtime::Counters& counters_;
+  stylist::Stylist stylist_;
+  stylist::Rehearsal rehearsal_;  // of the stylist, before a frame is due
+  rig::RigPose in_;
+  stylist::Output out_;
+  bool has_output_ = false;
+  rig::Vec3 rig_root_ = rig::Vec3::Zero();
+};
+
+}  // namespace styled::pipeline

@@ -1,0 +1,100 @@
+#include "daemon/pipeline/stats.h"
+
+#include <algorithm>
+#include <span>
+
+namespace styled::pipeline {
+namespace {
+
+using runtime::Counter;
+using runtime::kSecond_ns;
+
+constexpr std::int64_t kBudget_ns = kSecond_ns / 120;
+
+// What `look` was before it was one message.
+void FillFormerFields(v1::PerformerStats& row) {
+  const v1::Look& look = row.look();
+  *row.mutable_styles() = look.mix();
+  row.set_strength(look.strength());
+  row.set_preset(look.preset());
+  if (PartsOf(look) != body::kAllParts) *row.mutable_only() = look.parts();
+  row.set_own_style(look.input_style());
+}
+
+}  // namespace
+
+Stats::Stats(const Dependencies& dependencies, const Roster& roster, const Transports& transports,
+             Stages& stages, publish::Subscriptions& subscriptions)
+    : to_(dependencies),
+      roster_(roster),
+      transports_(transports),
+      stages_(stages),
+      started_ns_(to_.clock.Now_ns()),
+      due_ns_(started_ns_ + kSecond_ns) {
+  subscriptions.Register(topic_);
+}
+
+void Stats::NoteCycle(std::int64_t cycle_ns) noexcept {
+  longest_cycle_ns_ = std::max(longest_cycle_ns_, cycle_ns);
+  if (cycle_ns > kBudget_ns) to_.counters.Add(Counter::kPipelineOverBudget);
+}
+
+void Stats::DescribeSource(std::size_t index, v1::SourceInfo& info) const {
+  const source::Transport& transport = *transports_[index];
+  info.set_name(roster_.source_names()[index]);
+  if (index < source_types_.size()) info.set_type(source_types_[index]);
+  info.set_listen(transport.endpoint());
+  info.set_received(transport.received());
+  const source::Smoothing smoothing = transport.smoothing();
+  info.set_delay_ms(smoothing.delay_ms);
+  info.set_arrived_ms(smoothing.arrived_ms);
+  info.set_left_ms(smoothing.left_ms);
+  info.set_missed(smoothing.missed);
+}
+
+void Stats::Fill(v1::StatusReply& status) const {
+  status.set_version(STYLED_VERSION);
+  status.set_epoch(roster_.epoch());
+  status.set_uptime_s(static_cast<double>(to_.clock.Now_ns() - started_ns_) * 1e-9);
+  status.set_weights(roster_.config().weights_name);
+  Fill(*status.mutable_stats());
+  for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *status.add_sources());
+}
+
+void Stats::Fill(v1::Stats& stats) const {
+  stats.set_epoch(roster_.epoch());
+  stats.set_wall_time_ns(static_cast<std::uint64_t>(to_.clock.Wall_ns()));
+  for (int i = 0; i < static_cast<int>(Counter::kCount); ++i) {
+    auto& counter = *stats.add_counters();
+    counter.set_name(std::string(runtime::Name(static_cast<Counter>(i))));
+    counter.set_value(to_.counters.Get(static_cast<Counter>(i)));
+  }
+  for (const auto& [id, profile] : roster_.profiles) {
+    auto& row = *stats.add_performers();
+    row.set_performer(id);
+    row.set_sequence(profile->next_sequence - 1);
+    row.set_pinned(profile->pinned);
+    *row.mutable_look() = profile->look;
+    FillFormerFields(row);
+    if (const Performer* live = roster_.LiveOf(*profile)) live->Describe(row);
+  }
+  for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *stats.add_sources());
+  stages_.Describe(stats);
+}
+
+void Stats::Publish() {
+  const std::int64_t now_ns = to_.clock.Now_ns();
+  due_ns_ = std::max(due_ns_ + kSecond_ns, now_ns + kSecond_ns / 2);
+  for (const auto& performer : roster_.performers) performer->Sample();
+  stages_.Sample();
+  to_.counters.Set(Counter::kPipelineLongestCycleUs,
+                   static_cast<std::uint64_t>(longest_cycle_ns_ / 1000));
+  longest_cycle_ns_ = 0;
+  if (topic_.wanted == 0) return;
+  v1::Stats stats;
+  Fill(stats);
+  stats.SerializeToString(&bytes_);
+  to_.publisher.Send(topic_.name, std::as_bytes(std::span(bytes_)));
+}
+
+}  // namespace styled::pipeline

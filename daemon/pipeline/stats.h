@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/dependencies.h"
+#include "daemon/pipeline/roster.h"
+#include "daemon/pipeline/stages.h"
+#include "daemon/publish/subscriptions.h"
+#include "daemon/source/transport.h"
+#include "proto/styled/v1/control.pb.h"
+#include "proto/styled/v1/stats.pb.h"
+
+namespace styled::pipeline {
+
+// The daemon's account of itself: topic "stats/" once a second, and StatusReply. Pipeline thread;
+// allocates but in NoteCycle.
+class Stats {
+ public:
+  using Transports = std::vector<std::unique_ptr<source::Transport>>;
+
+  // All outlive it.
+  Stats(const Dependencies& dependencies, const Roster& roster, const Transports& transports,
+        Stages& stages, publish::Subscriptions& subscriptions);
+  Stats(const Stats&) = delete;  // its topic is registered
+  Stats& operator=(const Stats&) = delete;
+
+  // As configured, by source; before the first request.
+  void SetSourceTypes(std::vector<std::string> types) { source_types_ = std::move(types); }
+  // A cycle of the pipeline that did something took so long.
+  void NoteCycle(std::int64_t cycle_ns) noexcept;
+
+  void Fill(v1::StatusReply& status) const;
+  std::int64_t due_ns() const { return due_ns_; }
+  // Begins the next second, and publishes the last one's statistics where somebody subscribes.
+  void Publish();
+
+ private:
+  void Fill(v1::Stats& stats) const;
+  void DescribeSource(std::size_t index, v1::SourceInfo& info) const;
+
+  Dependencies to_;
+  const Roster& roster_;
+  const Transports& transports_;
+  Stages& stages_;
+  std::vector<std::string> source_types_;
+  publish::Topic topic_{"stats/"};
+  std::int64_t started_ns_, due_ns_;
+  std::int64_t longest_cycle_ns_ = 0;
+  std::string bytes_;
+};
+
+}  // namespace styled::pipeline

@@ -1,0 +1,102 @@
+// What the pipeline does by the clock: deadlines, silence, bodies, statistics.
+#include <algorithm>
+
+#include "daemon/pipeline/pipeline.h"
+
+namespace styled::pipeline {
+namespace {
+
+using runtime::Counter;
+using runtime::kSecond_ns;
+using runtime::Nanoseconds;
+
+constexpr std::int64_t kStaysWarm_ns = 2 * runtime::kMillisecond_ns;
+
+}  // namespace
+
+std::int64_t Pipeline::NextDeadline_ns() const {
+  std::int64_t next_ns = stats_.due_ns();
+  for (const auto& transport : transports_) {
+    next_ns = std::min(next_ns, transport->NextDeadline_ns());
+  }
+  for (const auto& performer : roster_.performers) {
+    const auto& limits = roster_.config().performers;
+    const std::int64_t silent_ns =
+        performer->admission.live()
+            ? performer->admission.last_frame_ns() +
+                  performer->admission.Patience_ns(Nanoseconds(limits.stale_s))
+            : performer->admission.session.last_arrival_ns() + Nanoseconds(limits.forget_s);
+    next_ns = std::min({next_ns, performer->next_body_ns, silent_ns});
+    if (to_.anticipate) next_ns = std::min(next_ns, performer->admission.anticipation.prepare_ns());
+  }
+  return next_ns;
+}
+
+bool Pipeline::Expects(std::int64_t now_ns) const {
+  return to_.anticipate &&
+         std::any_of(roster_.performers.begin(), roster_.performers.end(),
+                     [now_ns](const auto& p) { return p->admission.anticipation.Expects(now_ns); });
+}
+
+// While frames keep coming the caches are warm by themselves.
+void Pipeline::Prepare(Performer& performer, std::int64_t now_ns) {
+  if (!performer.admission.anticipation.Prepare(now_ns)) return;
+  if (!to_.prewarm || now_ns - receive_ns_ < kStaysWarm_ns) return;
+  performer.Prewarm();
+  to_.counters.Add(Counter::kPipelinePrewarmed);
+}
+
+int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
+  const auto& limits = roster_.config().performers;
+  int work = 0;
+  for (std::size_t i = 0; i < roster_.performers.size();) {
+    Performer& performer = *roster_.performers[i++];
+    const std::int64_t silence_ns = now_ns - performer.admission.session.last_arrival_ns();
+    if (to_.anticipate && drained) Prepare(performer, now_ns);
+    if (drained && performer.admission.live() &&
+        now_ns - performer.admission.last_frame_ns() >=
+            performer.admission.Patience_ns(Nanoseconds(limits.stale_s))) {
+      Stale(performer, now_ns);
+      ++work;
+    }
+    if (performer.FacingChanged()) {
+      const std::string warning = performer.Warning();
+      log_.LogOf(LogLimit::Kind::kFacing, {}, performer.profile.id,
+                 warning.empty() ? Event::Level::kInfo : Event::Level::kWarning,
+                 warning.empty() ? "walks where the toes point again" : warning);
+    }
+    if (drained && !performer.admission.live() && silence_ns >= Nanoseconds(limits.forget_s)) {
+      log_.LogOf(LogLimit::Kind::kForgotten, {}, performer.profile.id, Event::Level::kInfo,
+                 "forgotten after silence");
+      to_.counters.Add(Counter::kPipelineForgotten);
+      roster_.Forget(performer);
+      --i;
+      ++work;
+    } else if (now_ns >= performer.next_body_ns) {
+      performer.next_body_ns = now_ns + kSecond_ns;
+      performer.outputs.SendBodies(to_.publisher);
+      ++work;
+    }
+  }
+  if (now_ns >= stats_.due_ns()) {
+    stats_.Publish();
+    roster_.Age(now_ns);
+    for (auto& text : roster_.PopLog()) log_.Log(Event::Level::kInfo, std::move(text));
+    if (roster_.PopChanged()) commands_.MarkChanged();
+    ++work;
+  }
+  return work;
+}
+
+void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {
+  performer.admission.MarkStale();
+  Performer::FrameContext context;
+  context.receive_ns = performer.admission.last_frame_ns();
+  context.publish_ns = now_ns;
+  context.wall_ns = to_.clock.Wall_ns();
+  if (!performer.Repeat(context)) return;
+  performer.Send(to_.publisher, now_ns);
+  to_.counters.Add(Counter::kPipelineStale);
+}
+
+}  // namespace styled::pipeline
