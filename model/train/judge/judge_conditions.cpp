@@ -53,7 +53,7 @@ Data Some(const Data& data, int step) {
   return some;
 }
 
-// Real clips of the targets as they would have been published, spoilt.
+// Real clips of the target styles, perturbed like the inputs.
 std::vector<Transferred> RealPerturbed(const Data& data, const Styler& styler, Perturbation kind,
                                        const std::vector<Poses>& inputs) {
   std::vector<Transferred> out;

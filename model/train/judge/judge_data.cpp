@@ -15,7 +15,7 @@
 namespace styled::judge {
 namespace {
 
-// Names judges by all that they depend on.
+// A key for cached judges, made of everything that they depend on.
 std::string JudgeKey(const Data& data, const JudgeSettings& settings) {
   std::string text = std::to_string(body::HumanoidHash()) + kJudgeRecipe;
   for (const train::TrainingClip& c : data.judge) {

@@ -13,21 +13,21 @@
 
 namespace styled::judge {
 
-// What weights are judged with: a manifest's clips at kJudgeRate_hz, by split, and the inputs.
+// The data for judging weights: a manifest's clips at kJudgeRate_hz, by split, and the inputs.
 struct Data {
   clip::Manifest manifest;
   std::vector<train::TrainingClip> train, judge, validation;
-  // What is styled: the neutral clips of `validation`, or of another manifest's, at the stream's
-  // rate, and the content of each.
+  // The clips to be styled, at the stream's rate, with the content of each: the neutral clips of
+  // `validation`, or of another manifest's.
   std::vector<Poses> inputs;
   std::vector<int> contents;
 };
 
-// `inputs` may be empty: then the manifest's own neutral clips. Errors name the file.
+// `inputs` may be empty: then the manifest's own neutral clips are used. Errors name the file.
 Result<Data> LoadData(const std::filesystem::path& manifest, const std::filesystem::path& inputs,
                       const std::filesystem::path& folder);
 
-// Judges for the manifest, from `cache` where the same were trained before.
+// Judges for the manifest; read from `cache` if the same were trained before.
 Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
                            const std::filesystem::path& cache);
 
@@ -37,19 +37,19 @@ inline constexpr int kAbsent = -1;
 struct Styler {
   std::shared_ptr<const net::Stylizer> network;
   std::shared_ptr<const rig::Binding> binding;
-  std::vector<int> style_of;  // manifest style -> network style, or kAbsent, as neutral is
-  int input_style = 0;        // what the network is told that the inputs are, its number
+  std::vector<int> style_of;  // manifest style -> network style, or kAbsent, as for neutral
+  int input_style = 0;        // the style number that the network is given for the inputs
 };
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest);
 
-// Every input in every style: by weights, and by the constant offset (mean target minus mean
-// neutral over the contents that both have, per joint, from the generator's clips). Spans in the
-// result are into `data`.
+// Every input in every style: by the weights, and by the baseline, a constant offset per joint
+// (mean target pose minus mean neutral pose, over the contents that both have, from the generator's
+// training clips). Spans in the result point into `data`.
 std::vector<Transferred> Style(const Data& data, const Styler& styler,
                                const stylist::Options& options, bool absolute);
 std::vector<Transferred> ApplyBaseline(const Data& data);
 
-// The constant offset as weights of the family constant-offset, for the manifest's styles.
+// Writes the constant offset as weights of the family constant-offset, with the manifest's styles.
 Status WriteBaseline(const Data& data, const std::filesystem::path& file);
 
 }  // namespace styled::judge

@@ -9,18 +9,18 @@
 
 namespace styled::judge {
 
-// What the feet stage is worth: every clip in every style, once with and once without it.
+// The effect of the feet stage: every clip in every style, once with and once without it.
 struct FeetStage {
   FeetFigures with, without;
   // Per clip and style, the largest acceleration of any joint over the input's 99.9 % quantile.
   std::vector<double> acceleration_with, acceleration_without;
-  // Of all these, the share where the stage is to blame: more than 1.5 with it, and more than a
-  // tenth more than without.
+  // The share of these for which the stage is to blame: more than 1.5 with it, and more than 10 %
+  // above the value without it.
   double to_blame = 0;
   double jerk_with = 0, jerk_without = 0;  // over the input's
 };
 
-// `inputs` at kStreamRate_hz; `styles` are the network's. Allocates; needs no torch.
+// `inputs` are at kStreamRate_hz; `styles` are the network's. Allocates; needs no libtorch.
 FeetStage MeasureFeetStage(const std::shared_ptr<const net::Stylizer>& network,
                            const std::shared_ptr<const rig::Binding>& binding,
                            stylist::Options options, std::span<const int> styles,

@@ -17,7 +17,8 @@ body::Quat Bend(float degrees) {
   return body::Quat(Eigen::AngleAxisf(degrees / kDegrees, body::Vec3::UnitX()));
 }
 
-// `standing` with both legs bent (degrees: thigh forward, shank back, foot up), the torso forward.
+// `standing` with both legs bent (degrees: thigh forward, shank back, foot up) and the torso
+// leaning forward.
 body::Pose WithLegs(const body::Pose& standing, float thigh, float shank, float foot, float torso,
                     float hips_height_m) {
   body::Pose pose = standing;
@@ -31,7 +32,7 @@ body::Pose WithLegs(const body::Pose& standing, float thigh, float shank, float 
   return pose;
 }
 
-// The whole body turned about its left-right axis and laid at that height.
+// The whole body rotated about its left-right axis, with the hips at that height.
 body::Pose Laid(const body::Pose& standing, float degrees, float hips_height_m) {
   body::Pose pose = standing;
   body::WorldPose world;
@@ -74,9 +75,9 @@ float Lowest_m(const body::Pose& pose) {
 }
 
 struct ForeignFigures {
-  Mean reconstruction_deg;  // in the posture
-  Mean flagged;             // ... share of frames
-  Mean styled_deg;          // ... the joint that the style turns most
+  Mean reconstruction_deg;  // during the posture
+  Mean flagged;             // the share of these frames that are flagged out of domain
+  Mean styled_deg;          // in these frames, the joint that the style rotates most
   double deepest_cm = 0;    // below the input's lowest joint
   float turn_deg = 0, turn_in_deg = 0;
 

@@ -8,10 +8,10 @@
 
 namespace styled::judge {
 
-// A performer who stands, goes over into a posture that no training set has, stays in it, and gets
-// up again: nothing but standing for twenty seconds, sitting, crouching, a fall on the back within
-// half a second and lying there, lying face down. Made from `standing`, a pose of a real clip; 120
-// Hz.
+// A performer who stands, moves into a posture that no training set has, stays in it, and gets up
+// again. The motions: only standing for twenty seconds; sitting; crouching; a fall on the back
+// within half a second, then lying; lying face down. Made from `standing`, a pose of a real clip;
+// 120 Hz.
 struct ForeignMotion {
   std::string name;
   Poses poses;
@@ -19,10 +19,11 @@ struct ForeignMotion {
 };
 std::vector<ForeignMotion> ForeignMotions(const body::Pose& standing);
 
-// What the stylist makes of them, over all styles: prints a table and returns it. How far rec is
-// from the input, how many of the frames in the posture are flagged out_of_domain, how far their
-// joints are turned by the style, how deep the body goes below the input's lowest joint, and the
-// largest turn of a joint between two frames. Scenes of two styles go to `scenes`.
+// Runs them through the stylist in every style; prints a table and returns it. The figures: the
+// distance of the reconstruction from the input, the share of frames in the posture that are
+// flagged out of domain, how far the style rotates their joints, how far the body goes below the
+// input's lowest joint, and the largest rotation of a joint between two frames. Scenes of two
+// styles are added to `scenes`.
 nlohmann::json JudgeForeign(const Data& data, const Styler& styler, const stylist::Options& options,
                             std::vector<Scene>& scenes);
 

@@ -64,7 +64,7 @@ std::string RenderReport(const Report& report) {
                               {"offset", Track(scene.offset)},
                               {"styled", Track(scene.styled)}});
   }
-  // "</" would end the script element inside a name.
+  // "</" in a name would end the script element.
   std::string text = data.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at)) {
     text.insert(at + 1, 1, '\\');

@@ -11,20 +11,20 @@
 
 namespace styled::judge {
 
-// One clip and what was made of it, to be looked at; poses at kJudgeRate_hz. `offset` (the constant
-// baseline) and `styled` may be empty; else they are as long as `input`.
+// One clip and its outputs, for viewing; poses at kJudgeRate_hz. `offset` (the constant baseline)
+// and `styled` may be empty; otherwise they are as long as `input`.
 struct Scene {
   std::string content, style;
   Poses input, offset, styled;
 };
 
 struct Report {
-  std::string weights, manifest;  // as a reader knows them
-  nlohmann::json figures;         // what styleeval --json writes
+  std::string weights, manifest;  // names for the reader
+  nlohmann::json figures;         // the content of styleeval --json
   std::vector<Scene> scenes;
 };
 
-// The page as one HTML document that needs nothing else: tables, plots, animated stick figures.
+// The report as one self-contained HTML document: tables, plots, animated stick figures.
 std::string RenderReport(const Report& report);
 
 // Errors name the file.

@@ -9,13 +9,13 @@
 
 namespace styled::judge {
 
-// The figures by which styled motion is measured, as pure functions of poses, windows' verdicts and
-// feature vectors (style-ERD, "How quality is measured"). Poses
-// are canonical, metres, y up, at a constant rate. Nothing here needs torch; all of it allocates.
-// Pinned by tests/unit/judge/judge_metrics_test.cpp.
+// The measures of styled motion, as pure functions of poses, judges' verdicts on windows, and
+// feature vectors. Poses are canonical, metres, y up, at a constant rate. Nothing here needs
+// libtorch; everything allocates. Pinned by tests/unit/judge/judge_metrics_test.cpp.
 
-// A mean pose's shift compared with the real one: `fraction` is its length along the real shift, in
-// real shifts; `cosine` their angle's. 1 and 1 are perfect. 0 and 0 if either is zero.
+// The shift of a mean pose by the style, compared with the real one: `fraction` is its component
+// along the real shift, in lengths of the real shift; `cosine` is that of the angle between them. 1
+// and 1 are perfect. Both are 0 if either shift is zero.
 struct Expression {
   double fraction = 0, cosine = 0;
 };
@@ -36,7 +36,7 @@ struct Pca {
 };
 Pca FitPca(const Eigen::MatrixXd& samples, int dimensions);
 
-// A mean that is gathered clip by clip.
+// A mean that is accumulated clip by clip.
 struct Mean {
   double sum = 0, count = 0;
 
@@ -45,20 +45,20 @@ struct Mean {
   double value() const { return count > 0 ? sum / count : 0; }
 };
 
-// Joint jerk (m/s^3): third difference of the joints' world positions, the hips' horizontal path
-// taken out, averaged over joints and frames. Empty below four frames.
+// Joint jerk (m/s^3): the third difference of the joints' world positions without the hips'
+// horizontal path, averaged over joints and frames. Empty for fewer than four frames.
 Mean MeanJerk(std::span<const body::Pose> poses, double rate_hz);
 
 // Per frame (all but the first and last), the largest acceleration of any joint, m/s^2, in world.
 std::vector<double> LargestAccelerations(std::span<const body::Pose> poses, double rate_hz);
 
-// How far the joint that turns most turns, its local rotation, from one pose to the other; degrees.
+// The largest rotation of any joint's local rotation between two poses; degrees.
 float Turn_deg(const body::Pose& a, const body::Pose& b);
 
-// How the feet meet the floor. A foot is in contact while the *input's* toes are within 3 cm of the
-// lowest point the input's feet reach and move slower than 40 cm/s over the ground; skate is the
-// mean horizontal speed of the output's (input's) toes over those frames. The floor is that lowest
-// point too: penetration is how far the output's lowest foot is below it, 0 if above.
+// Contact of the feet with the floor. A foot is in contact while the *input's* toes are within 3 cm
+// of the lowest point that the input's feet reach, and slower than 40 cm/s over the ground. Skate
+// is the mean horizontal speed of the output's (input's) toes over these frames. The floor is at
+// that lowest point; penetration is how far the output's lowest foot is below it, 0 if above.
 struct FeetFigures {
   Mean skate_in_cm_s, skate_out_cm_s, penetration_cm;
   double deepest_cm = 0;
@@ -68,15 +68,15 @@ struct FeetFigures {
 FeetFigures MeasureFeet(std::span<const body::Pose> input, std::span<const body::Pose> output,
                         double rate_hz);
 
-// Verdicts on the windows of one transferred (or real) clip.
+// The verdicts on the windows of one transferred (or real) clip.
 struct ClipVerdict {
-  int cell = 0;  // what is averaged in equal parts, e.g. content + contents * style
-  int clip = 0;  // the input clip: one clip transferred to six styles has six verdicts
+  int cell = 0;  // the unit of averaging, e.g. content + contents * style
+  int clip = 0;  // the input clip: its transfers to six styles have six verdicts
   double hits = 0, windows = 0;
 };
 
 // The mean over cells of each cell's share of hits, and its 95 % interval from a bootstrap over
-// clips (a clip's verdicts are drawn together, since they are not independent).
+// clips (all verdicts of a clip are drawn together, because they are not independent).
 struct Share {
   double value = 0, low = 0, high = 0, worst = 1;
   int worst_cell = -1;

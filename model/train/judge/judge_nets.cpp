@@ -11,11 +11,11 @@
 namespace styled::judge {
 namespace {
 
-constexpr float kFeatureNoise = 0.15F;  // on standardized features, while training
-// And a constant offset per window and feature, in the features' own deviations: what a recording
-// session shares (markers, actor) must not decide what a style is, and a small constant signature
-// must not pass for one. The content judge meets poses between styles; half a deviation is what
-// served it best on styles left out of its training.
+constexpr float kFeatureNoise = 0.15F;  // on standardized features, during training
+// During training each window and feature also gets a constant offset, in the feature's deviations:
+// what the clips of a recording session share (markers, actor) must not decide the style, and a
+// small constant signature must not pass for one. The content judge also sees poses between styles;
+// half a deviation worked best for styles left out of its training.
 constexpr float kStyleOffset = 1.0F;
 constexpr float kContentOffset = 0.5F;
 constexpr float kRotationNoise = 0.03F;  // the auto-encoder's, on quaternions
@@ -67,7 +67,7 @@ struct AutoEncoderImpl : torch::nn::Module {
 };
 TORCH_MODULE(AutoEncoder);
 
-// Draws windows: styles in equal parts, contents within a style in equal parts, then clips.
+// Draws windows: styles with equal probability, then contents within the style, then clips.
 class Sampler {
  public:
   Sampler(const std::vector<Sequence>& sequences, int styles, int contents, int window,
@@ -181,7 +181,7 @@ void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int
   train();
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < settings.iterations; ++i) {
-    // A tenth of warm-up, then a cosine down to zero.
+    // Linear warm-up over a tenth of the run, then cosine decay to zero.
     const double done = static_cast<double>(i) / settings.iterations;
     const double rate = kRate * std::min(1.0, done / 0.1) * 0.5 * (1 + std::cos(M_PI * done));
     for (auto& group : optimizer.param_groups()) {

@@ -13,11 +13,11 @@
 
 namespace styled::judge {
 
-// The rate at which judges look at motion; clips and published frames are brought to it.
+// The rate at which judges see motion; clips and published frames are converted to it.
 inline constexpr double kJudgeRate_hz = 30.0;
 
-// Stands for what settings do not say (layers, noise): change it with them, so that judges trained
-// otherwise are not read from a cache.
+// A version for what is not in JudgeSettings (layers, noise). Change it with them, so that judges
+// of an older recipe are not read from a cache.
 inline constexpr const char* kJudgeRecipe = "2";
 
 // The features of one clip from its second frame on (the first has no velocity), and its labels.
@@ -27,11 +27,11 @@ struct Sequence {
   std::vector<erd::Features> frames;
 };
 
-// The features of `poses` (at kJudgeRate_hz) as a session of their own.
+// The features of `poses` (at kJudgeRate_hz), with a new feature state.
 Sequence MakeSequence(std::span<const body::Pose> poses, int style, int content, bool mirrored,
                       const erd::FeatureParameters& parameters);
 
-// What the judges say of every window of one sequence.
+// The judges' verdicts on every window of one sequence.
 struct Verdicts {
   std::vector<int> starts;          // first frame of each window
   std::vector<int> style, content;  // the judges' answers
@@ -45,14 +45,15 @@ struct JudgeSettings {
   unsigned seed = 1;
 };
 
-// Three networks trained on real clips that the generator never saw: a style and a content
-// classifier (1-D convolutions over windows of standardized features, mean and maximum over time)
-// and a denoising auto-encoder over rotations (style-ERD's FMD: noise N(0, 0.03), loss eq. 2).
-// Judge() is const; any number of threads may call it, each runs torch on its own.
+// Three networks trained on real clips that the generator never saw: a style classifier and a
+// content classifier (1-D convolutions over windows of standardized features, mean and maximum over
+// time), and a denoising auto-encoder over rotations (Style-ERD's FMD: noise N(0, 0.03), loss eq.
+// 2). Judge() is const and may be called from any number of threads; each runs libtorch in its own
+// thread.
 class Judges {
  public:
-  // Trains on `clips` and their mirror images, or reads what an earlier call with the same `key`
-  // left in `cache` (created if missing). Prints its progress to stderr.
+  // Trains on `clips` and their mirror images, or reads the result of an earlier call with the same
+  // `key` from `cache` (created if missing). Prints its progress to stderr.
   static Result<Judges> TrainOrLoad(const std::vector<train::TrainingClip>& clips, int styles,
                                     int contents, const JudgeSettings& settings,
                                     const std::filesystem::path& cache, const std::string& key);
@@ -61,12 +62,12 @@ class Judges {
   Judges& operator=(Judges&&) noexcept;
 
   const JudgeSettings& settings() const;
-  // What sequences must be made with: the rate, the heading filter and the hemispheres.
+  // The parameters with which sequences must be made: rate, heading filter and hemispheres.
   const erd::FeatureParameters& parameters() const;
-  // Judges windows at every `stride` frames. A sequence shorter than the window has none.
+  // Judges a window at every `stride`-th frame. A sequence shorter than the window has no windows.
   Verdicts Judge(const Sequence& sequence, int stride) const;
-  // The style judge's answers for windows of `window` frames, at least 4, at every frame. It looks
-  // at means over time, so shorter windows than it learned from cost it accuracy, nothing else.
+  // The style judge's answers for windows of `window` frames, at least 4, beginning at every frame.
+  // The judge uses means over time, so windows shorter than in its training only cost accuracy.
   std::vector<int> JudgeStyle(const Sequence& sequence, int window) const;
 
  private:

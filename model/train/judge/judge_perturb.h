@@ -8,15 +8,15 @@
 
 namespace styled::judge {
 
-// What live rigs do to motion that recordings for training do not show. Deterministic by seed, one
-// draw per clip.
+// Faults of live rigs that training recordings do not show. Deterministic by seed, one draw per
+// clip.
 enum class Perturbation {
   kRest,    // every joint's rest pose off by a constant rotation of 5 to 15 degrees
   kNoise,   // white noise on every rotation (0.5 degrees rms) and on the hips (2 mm rms)
   kDrift,   // the heading drifts by 20 degrees a minute, the hips by 5 cm/s
   kFloor,   // the floor is 10 cm too high or too low
   kFrozen,  // one limb joint keeps its first rotation
-  kLegs,    // steps 15 % too long or too short for the humanoid: other legs than the binding thinks
+  kLegs,    // steps 15 % too long or too short: the performer's legs differ from the binding's
   kCount
 };
 

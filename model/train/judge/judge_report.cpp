@@ -10,10 +10,11 @@ namespace styled::judge {
 namespace {
 
 constexpr int kStride = 8;         // frames between judged windows
-constexpr int kSparseStride = 24;  // where there are clips in plenty
+constexpr int kSparseStride = 24;  // for splits with plenty of clips
 constexpr int kFmdDimensions = 32;
 constexpr std::uint64_t kSeed = 1;
-constexpr double kWorthSaying = 0.05;  // share of windows that a style is taken for another
+// least share of windows mistaken for another style that is printed
+constexpr double kWorthSaying = 0.05;
 
 nlohmann::json ToJson(const Share& share) {
   return {{"value", share.value},

@@ -13,29 +13,32 @@
 
 namespace styled::judge {
 
-// A clip as styled by something that is to be judged; both at kStreamRate_hz, equally long.
+// A clip and its styled version, to be judged; both at kStreamRate_hz and of equal length.
 struct Transferred {
-  int clip = 0;     // which input, for the bootstrap
+  int clip = 0;     // number of the input, for the bootstrap
   int style = 0;    // the target
-  int content = 0;  // the input's
+  int content = 0;  // the content of the input
   std::span<const body::Pose> input;
   Poses output;
 };
 
-// Every figure of style-ERD's table for one target style, over all contents in equal parts.
+// Every figure for one target style, averaged over contents with equal weights.
 struct StyleFigures {
   Share sra, cra;
   Share sra_real;   // the style judge on real clips of the target
   Share cra_input;  // the content judge on the inputs
   std::vector<double> sra_by_content, cra_by_content;
-  std::vector<double> taken_for;  // by style, the share of windows that the judge takes for it
+  std::vector<double> taken_for;  // per style, the share of windows that the judge mistakes for it
   Expression expression, expression_walk;
-  Expression expression_real;  // the training clips' shift, neutral to target: what can be reached
+  // the shift of the training clips from neutral to target: the reachable value
+  Expression expression_real;
   std::vector<Expression> expression_by_content;
-  double fmd = 0, fmd_real = 0, fmd_neutral = 0;  // real: target against the training clips' target
-  double fmd_windows = 0;                         // on either side
-  double jitter_stream = 0, jitter_clip = 0;      // jerk out over in, at 120 Hz and at 30
-  double jitter_real = 0;                         // real target's over the input's, at 120 Hz
+  // fmd_real: training clips of the target against real target clips
+  double fmd = 0, fmd_real = 0, fmd_neutral = 0;
+  double fmd_windows = 0;  // windows on either side
+  // jerk of the output over the input's, at 120 and at 30 Hz
+  double jitter_stream = 0, jitter_clip = 0;
+  double jitter_real = 0;  // jerk of real target clips over the input's, at 120 Hz
   FeetFigures feet;
 };
 
@@ -43,16 +46,17 @@ struct Figures {
   std::string name;
   std::vector<StyleFigures> styles;  // [0], neutral, is empty
   Share sra, cra, cra_input;         // over all cells
-  Share sra_first;                   // of the first window of each clip: when states are fresh
-  std::vector<int> unknown;          // cells that the style judge has never seen: not in any SRA
-  Share sra_with_unknown;            // but in this one
+  Share sra_first;                   // of each clip's first window, when states are fresh
+  std::vector<int> unknown;          // cells that the style judge was not trained on: in no SRA
+  Share sra_with_unknown;            // except in this one
 };
 
-// Judges transferred clips against what real clips say. Construction looks at all real clips once.
+// Judges transferred clips in comparison with real ones. Construction evaluates all real clips
+// once.
 class Evaluator {
  public:
-  // `validation` is what outputs are compared with; `train` gives the other real set of the
-  // Frechet distance, `judge` the principal axes. The manifest and judges must outlive this.
+  // Outputs are compared with `validation`; `train` is the other real set of the Frechet distance;
+  // `judge` gives the principal axes. The manifest and judges must outlive this object.
   Evaluator(const clip::Manifest& manifest, const Judges& judges,
             const std::vector<train::TrainingClip>& train,
             const std::vector<train::TrainingClip>& judge,
@@ -68,12 +72,12 @@ class Evaluator {
   nlohmann::json RealToJson() const;
 
  private:
-  // What one (style, content) cell of real or transferred clips adds up to.
+  // The sums over one (style, content) cell of real or transferred clips.
   struct Cell {
     Eigen::VectorXd position_sum = Eigen::VectorXd::Zero(erd::kPositionFeatures);
     double frames = 0;
     std::vector<Eigen::RowVectorXd> embeddings;
-    std::map<int, double> taken_for;  // windows, by what the style judge says
+    std::map<int, double> taken_for;  // windows by the style judge's answer
     Mean jerk;
 
     Eigen::VectorXd MeanPose() const { return position_sum / std::max(1.0, frames); }
@@ -81,7 +85,7 @@ class Evaluator {
   using Cells = std::vector<Cell>;  // style * contents + content
 
   int cell_of(int style, int content) const { return style * contents_ + content; }
-  // `first`: the style of the first window alone.
+  // `first`: also the verdict on the first window alone.
   void Gather(const Sequence& sequence, int stride, Cell& cell, ClipVerdict* style,
               ClipVerdict* content, ClipVerdict* first = nullptr) const;
   void MeasureStyle(int style, const Cells& out, const Cells& in, StyleFigures& figures) const;
@@ -93,12 +97,12 @@ class Evaluator {
   int styles_, contents_;
   Pca pca_;
   Cells real_, other_real_;
-  std::vector<bool> known_;  // by cell: the judge's own clips have a window of it
+  std::vector<bool> known_;  // by cell: the judge was trained on a window of it
   std::vector<ClipVerdict> real_styles_, real_contents_;
   Share real_style_, real_content_;
 };
 
-// How well the network knows neutral clips it never saw: rec against the input.
+// How well the network reconstructs neutral clips that it was not trained on.
 struct Reconstruction {
   Mean angle_deg, position_cm;
 };

@@ -9,10 +9,10 @@
 namespace styled::judge {
 namespace {
 
-constexpr double kHard = 1.5;  // times the input's p99.9: an acceleration that is seen
+constexpr double kHard = 1.5;  // times the input's p99.9: a visibly hard acceleration
 
-// Seconds from `switch_s` until the first trailing window judged `style`; -1 if none before
-// `until_s`. Window i of `verdicts` ends at frame i + window of the thinned stream.
+// Seconds from `switch_s` until the end of the first window judged as `style`; -1 if there is none
+// before `until_s`. Window i of `verdicts` ends at frame i + window of the thinned stream.
 double SeenAfter_s(std::span<const int> verdicts, int window, int style, double switch_s,
                    double until_s) {
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
@@ -23,12 +23,13 @@ double SeenAfter_s(std::span<const int> verdicts, int window, int style, double 
   return -1;
 }
 
-// One Seen in the making.
+// Accumulates the data of one Seen.
 class Watch {
  public:
   Watch(const Judges& judges, int window) : judges_(judges), window_(window) {}
 
-  // Switch i of `plan` is at i * every_s and is to plan[i], a judges' style.
+  // Evaluates a stream: switch i of `plan` is at i * every_s and goes to plan[i], a style of the
+  // judges.
   void Look(const Sequence& live, const Sequence& cut, std::span<const int> plan, double every_s) {
     const std::vector<int> of_live = judges_.JudgeStyle(live, window_);
     const std::vector<int> of_cut = judges_.JudgeStyle(cut, window_);
@@ -86,7 +87,7 @@ Response MeasureResponse(const Judges& judges, std::span<const train::TrainingCl
   std::mt19937 random(7);
   const auto every = static_cast<std::size_t>(std::lround(every_s * kStreamRate_hz));
   for (const ResponseInput& of : inputs) {
-    // The plan: style index (into `styles`) in force from each multiple of `every`.
+    // The plan: the style (index into `styles`) in effect from each multiple of `every`.
     std::vector<int> plan;
     std::vector<Switch> switches;
     for (std::size_t frame = 0; frame + every <= of.input.size(); frame += every) {
@@ -120,7 +121,8 @@ Response MeasureResponse(const Judges& judges, std::span<const train::TrainingCl
     }
     std::vector<double> calm;
     const auto after = static_cast<long>(
-        std::min(static_cast<std::size_t>(kStreamRate_hz), every - 4));  // the second of a switch
+        // the second after a switch
+        std::min(static_cast<std::size_t>(kStreamRate_hz), every - 4));
     for (std::size_t i = 1; i < plan.size(); ++i) {
       const long at = static_cast<long>(i * every) - 2;
       const auto largest = [at, after](const std::vector<double>& of_stream) {
@@ -128,6 +130,7 @@ Response MeasureResponse(const Judges& judges, std::span<const train::TrainingCl
       };
       const double hardest = largest(live_accelerations);
       accelerations.push_back(hardest / usual);
+      // Two styles that are hard by themselves there excuse the switch.
       const double excused =
           std::max({usual, largest(in_force[plan[i - 1]]), largest(in_force[plan[i]])});
       if (hardest > kHard * excused) response.to_blame += 1;

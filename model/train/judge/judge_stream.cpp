@@ -68,7 +68,7 @@ Chain ChainClips(std::span<const Poses> clips, double rate_hz, double seconds, i
     body::Quat turn = body::Quat::Identity();
     body::Vec3 move = body::Vec3::Zero();
     if (overlap > 0) {
-      // They coincide, in heading and place on the floor, in the middle of the overlap.
+      // The two clips coincide in heading and place on the floor in the middle of the overlap.
       const body::Pose& to = chain.poses[at + overlap / 2];
       const body::Pose& from = clip[overlap / 2];
       turn = body::Yaw(heading(to) - heading(from));

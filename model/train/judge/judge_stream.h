@@ -14,7 +14,7 @@ namespace styled::judge {
 
 using Poses = std::vector<body::Pose>;
 
-// The rate at which weights are judged, as live: recorded clips are brought to it by
+// The rate at which weights are judged, as live: recorded clips are converted to it with
 // clip::ResamplePoses, styled frame by frame, and every fourth frame goes to the judges.
 inline constexpr double kStreamRate_hz = 120.0;
 inline constexpr int kStreamPerJudge = 4;
@@ -22,11 +22,11 @@ inline constexpr int kStreamPerJudge = 4;
 // Every kStreamPerJudge-th pose.
 Poses Thin(std::span<const body::Pose> poses);
 
-// The settings of one style at full strength, at once.
+// Settings for one style at full strength, without a fade.
 stylist::Settings OneStyle(int style, bool absolute);
 
-// What the stylist publishes for `input` (at `rate_hz`) as one session. `switches` take effect at
-// their frame, in ascending order.
+// The stylist's output for `input` (at `rate_hz`) as one session. `switches` take effect at their
+// frames, which must be in ascending order.
 struct Switch {
   std::size_t frame = 0;
   stylist::Settings settings;
@@ -39,22 +39,22 @@ Poses StyleStream(const std::shared_ptr<const net::Stylizer>& network,
 // The baseline that a network must beat: a constant rotation per joint.
 struct ConstantOffset {
   std::array<body::Quat, body::kJointCount> offset;
-  body::Pose Apply(const body::Pose& pose) const;  // grounded as the stylist grounds
+  body::Pose Apply(const body::Pose& pose) const;  // grounded like the stylist's output
 };
 
-// Clips played back to back as one performer: each is turned and moved so that it begins where and
-// as its predecessor ends, the last and first `blend` frames overlapping.
+// Clips played back to back as one performer: each is rotated and moved so that it begins at its
+// predecessor's end; the last and first `blend` frames overlap.
 struct Chain {
   struct Part {
     int clip = 0;           // index into the clips given
-    std::size_t begin = 0;  // first and one-past-last frame that belong to this clip alone
+    std::size_t begin = 0;  // frames that belong to this clip alone: first, and one past the last
     std::size_t end = 0;
   };
   Poses poses;
   std::vector<Part> parts;
 };
-// Repeats `clips` in turn until `seconds` are over, then plays each once more. Clips shorter than
-// 3 * blend are left out. The rate is that of the clips.
+// Repeats `clips` in turn until `seconds` have passed, then plays each once more. Clips shorter
+// than 3 * blend are skipped. The rate is that of the clips.
 Chain ChainClips(std::span<const Poses> clips, double rate_hz, double seconds, int blend);
 
 }  // namespace styled::judge

@@ -11,11 +11,11 @@
 
 namespace styled::judge {
 
-// What a run is worth while it learns: styleeval's main figures, means over styles, of weights as
-// they run live on the manifest's neutral validation clips.
+// Judges weights during their training: styleeval's main figures, averaged over styles, for the
+// weights run as live on the manifest's neutral validation clips.
 class Validator {
  public:
-  // Trains the judges, or reads them from `cache`; prints its progress to stderr.
+  // Trains the judges, or reads them from `cache`; prints progress to stderr.
   static Result<Validator> Make(const std::filesystem::path& manifest,
                                 const std::filesystem::path& folder,
                                 const std::filesystem::path& cache,
@@ -23,9 +23,9 @@ class Validator {
   ~Validator();
   Validator(Validator&&) noexcept;
 
-  // By name: score, sra (over real), cra (over the inputs'), expression, cosine, fmd (over neutral
-  // to target; 0 where there are too few windows), jitter. Higher scores are better:
-  // sra + cra + cosine - fmd - |1 - expression| - what jitter is above 1.
+  // Figures by name: score, sra (over real clips'), cra (over the inputs'), expression, cosine, fmd
+  // (over neutral to target; 0 if there are too few windows), jitter. A higher score is better: sra
+  // + cra + cosine - fmd - |1 - expression| - max(0, jitter - 1).
   Result<std::vector<std::pair<std::string, double>>> Measure(
       const std::filesystem::path& weights) const;
 
