@@ -1,5 +1,5 @@
-// Recordings of every rig, clean and with all that goes wrong, through translators and pipeline:
-// what comes out is what came out, on every SIMD path. README.md says how they are made.
+// Recordings of every rig, clean and with faults, through translators and pipeline: the output
+// equals the recorded one, on every SIMD path. README.md tells how the recordings are made.
 #include "tests/golden/golden.h"
 
 #include <gtest/gtest.h>
@@ -15,10 +15,10 @@
 namespace styled::golden {
 namespace {
 
-// Between SIMD paths sums are taken in another order; measured: see README.md.
+// SIMD paths add sums in different orders; measured: see README.md.
 constexpr float kMost_m = 0.0001F;
 constexpr float kMost_deg = 0.01F;
-// What the rigs' own formats round away.
+// The rounding of the rigs' own formats.
 constexpr float kMostOfRig_m = 0.001F;
 constexpr float kMostOfRig_deg = 0.1F;
 
@@ -64,7 +64,7 @@ std::uint32_t Flags(const v1::Frame& frame) {
   return frame.flags() & ~static_cast<std::uint32_t>(v1::FLAG_LATE);
 }
 
-// All that is expected of a topic is there, pose for pose.
+// Every expected frame of a topic is present, with the expected pose.
 void Compare(const std::string& topic, const std::vector<v1::Frame>& found,
              const std::vector<v1::Frame>& expected, float metres_per_unit, Difference& worst) {
   for (const auto& frame : expected) {
@@ -123,7 +123,7 @@ TEST_P(GoldenTest, ComesOutAsExpectedOnEverySimdPath) {
   std::cout << worst.metres * 1e3F << " mm, " << worst.degrees << " deg at most\n";
 }
 
-// The witness that is no daemon: the poses that the synthetic performer was in.
+// An independent witness: the true poses of the synthetic performer.
 class CleanGoldenTest : public testing::TestWithParam<Entry> {};
 
 TEST_P(CleanGoldenTest, UnstyledItIsTheMotionOfThePerformer) {
@@ -142,7 +142,7 @@ TEST_P(CleanGoldenTest, UnstyledItIsTheMotionOfThePerformer) {
     for (std::size_t i = 0; i < truth.size(); ++i) {
       made.Pose(static_cast<double>(i) / entry.rate_hz, truth[i]);
     }
-    // The last frame that came is the last that was sent.
+    // The last frame received is the last one sent.
     const auto last_ns = static_cast<double>(frames.back().source_time_ns());
     for (const auto& frame : frames) {
       const double back_s = (last_ns - static_cast<double>(frame.source_time_ns())) * 1e-9;
@@ -172,7 +172,7 @@ std::string NameOf(const testing::TestParamInfo<Entry>& test) {
   return name;
 }
 
-// With faults, frames are missing or damaged; SlimeVR's trackers have no clock in common.
+// With faults, frames are missing or damaged; SlimeVR's trackers have no common clock.
 std::vector<Entry> CleanOnes() {
   auto entries = ReadList(kFolder + "recordings.txt");
   std::erase_if(entries, [](const Entry& entry) {
@@ -204,7 +204,7 @@ TEST(GoldenGuardTest, TheSameComesOutAtEveryRun) {
   }
 }
 
-// Guards the guards: expectations that any output meets would prove nothing.
+// Checks the test itself: expectations that every output meets would prove nothing.
 TEST(GoldenGuardTest, AnotherStyleIsFarBeyondTheTolerance) {
   const auto entries = ReadList(kFolder + "recordings.txt");
   ASSERT_GE(entries.size(), 30U);

@@ -14,20 +14,20 @@
 
 namespace styled::golden {
 
-// What a recording of the daemon makes the pipeline publish.
+// What the pipeline publishes for a recording of the daemon.
 struct Played {
   std::map<std::string, std::vector<v1::Frame>> frames;  // by topic
-  std::vector<v1::Body> bodies;                          // each once
+  std::vector<v1::Body> bodies;                          // each different body once
   std::map<std::string, std::uint64_t> counters;         // of source.*, pipeline.* and stylist.*
 };
 
 struct Options {
-  bool commands = true;  // give the recorded commands again; false: nothing is ever styled
+  bool commands = true;  // false: ignore the recorded commands, so nothing is styled
 };
 
-// Plays a recording through translators and pipeline, as the daemon that its header's configuration
-// describes, with the weights at `weights`. The recorded times drive the clock, so it takes
-// milliseconds and gives the same at every run: no sockets, no threads, no sleep. Errors: the
+// Plays a recording through translators and pipeline, configured like the daemon in the recording's
+// header, with the weights at `weights`. The recorded times drive the clock, so a replay takes
+// milliseconds and always gives the same result: no sockets, no threads, no sleep. Errors: the
 // configuration, the weights, a source that is not in the configuration.
 Result<Played> Replay(recording::Reader& reader, const std::string& weights,
                       const Options& options = {});

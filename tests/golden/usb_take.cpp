@@ -1,6 +1,6 @@
-// styled_golden_usb KIND SECONDS: makes take.styrec in the working folder, of a USB device that
-// umockdev pretends to be there: KIND usb, a vendor's with our own records, or slimevr-usb, a
-// receiver. record.sh calls it.
+// styled_golden_usb KIND SECONDS: makes take.styrec in the working folder from a USB device that
+// umockdev emulates. KIND usb: a vendor's device with our own records; slimevr-usb: a receiver.
+// record.sh calls it.
 
 #include <signal.h>
 

@@ -1,5 +1,5 @@
-// styled_golden_write TAKE NAME: makes golden recording NAME of what the daemon recorded in TAKE,
-// packed as small as the format allows, and what is expected of it. record.sh calls it.
+// styled_golden_write TAKE NAME: makes golden recording NAME from the daemon's recording TAKE,
+// packed as small as the format allows, and its expected output. record.sh calls it.
 #include <filesystem>
 #include <iostream>
 #include <limits>
@@ -14,7 +14,7 @@ using styled::Status;
 const std::string kFolder = STYLED_SOURCE_DIR "/tests/golden/";
 const std::string kWeights = STYLED_SOURCE_DIR "/model/weights/v1.safetensors";
 
-// In blocks as large as they may be: zstd finds more in them.
+// Writes blocks of the largest allowed size, which zstd compresses better.
 Status Repack(styled::recording::Reader& take, const std::string& file) {
   std::filesystem::remove(file);
   auto writer = styled::recording::FileWriter::Create(

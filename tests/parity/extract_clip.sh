@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# extract_clip.sh FOLDER: unpacks the real clip of the parity tests into FOLDER, from the archives in
-# $STYLED_DATA (default: shared/data beside the checkout). Without them it says so and ends well.
+# extract_clip.sh FOLDER: unpacks the real clip of the parity tests into FOLDER, from the archives
+# in $STYLED_DATA (default: shared/data beside the checkout). Without them it prints a message and
+# succeeds.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 data=${STYLED_DATA:-$root/../shared/data}

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# make_fixtures.sh [BUILD]: makes tests/parity/fixtures anew from the shipped weights, with the
-# programs in BUILD/bin (default build/release, configured where libtorch is). Run it whenever
-# model/weights/v1.safetensors changes. The synthetic performer's clip is written where it is
-# missing only: delete it to follow a change of the performer.
+# make_fixtures.sh [BUILD]: makes tests/parity/fixtures again from the shipped weights, with the
+# programs in BUILD/bin (default build/release, configured with libtorch). Run it whenever
+# model/weights/v1.safetensors changes. The synthetic performer's clip is written only if it is
+# missing: delete it to follow a change of the performer.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 cd "$root"
@@ -23,6 +23,6 @@ fi
 tests/parity/extract_clip.sh "$build/parity-data"
 real=$build/parity-data/dataset-1_dance-short_normal_001.bvh
 [ -f "$real" ] || { echo "the real clip is missing: its fixture is left as it was" >&2; exit 1; }
-# Outputs only, and only every fourth frame: nothing of the clip itself, and small.
+# Outputs only, of every fourth frame: small, and nothing of the clip itself.
 "$reference" "$real" "$weights" "$fixtures/real.safetensors" --every 4 --features-every 0
 ls -l "$fixtures"

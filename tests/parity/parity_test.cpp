@@ -1,6 +1,6 @@
-// From a BVH file through our code and through the real daemon, against the tensors of the
-// trainer's own code: committed ones, and live where libtorch is there. Tolerance: 1e-4 per
-// component, float32; largest difference seen: see README.md.
+// A BVH file through our code and through the real daemon, compared with the output of the
+// trainer's own code: with committed tensors, and with live ones if libtorch is present. Tolerance:
+// 1e-4 per component, float32; largest difference seen: see README.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,17 +29,17 @@ constexpr float kTolerance = 1e-4F;
 struct Case {
   const char* name;
   fs::path clip;
-  fs::path fixture;  // empty: made by the trainer's code in this test
+  fs::path fixture;  // empty: computed by the trainer's code in this test
 };
 void PrintTo(const Case& the_case, std::ostream* out) { *out << the_case.name; }
 
-// Largest difference, and where.
+// The largest difference and its place.
 struct Largest {
   float value = 0;
   int frame = -1, component = -1;
 
   void Add(float difference, int at_frame, int at_component) {
-    if (!(difference <= value)) *this = {difference, at_frame, at_component};  // NaN counts
+    if (!(difference <= value)) *this = {difference, at_frame, at_component};  // also true for NaN
   }
   void Expect(const std::string& what) const {
     std::cout << what << ": largest difference " << value << '\n';
@@ -121,7 +121,7 @@ class Parity : public testing::TestWithParam<Case> {
     return mix;
   }
 
-  // Steps the network over the clip, every switch `delay` frames late, and compares.
+  // Steps the network over the clip, with every switch `delay` frames late, and compares.
   void RunNetwork(int delay, Largest& reconstruction, Largest& styled) const {
     const erd::FeatureParameters& parameters = network_->features();
     erd::FeatureState memory;
@@ -157,7 +157,7 @@ class Parity : public testing::TestWithParam<Case> {
     }
   }
 
-  // The frames of the daemon against what `expect(frame, joint, outputs)` makes of the reference.
+  // Compares the daemon's frames with `expect(frame, joint, outputs)` of the reference.
   template <typename Expected>
   void RunDaemon(bool absolute, const std::string& what, Expected expected) const {
     const auto published =
@@ -208,7 +208,8 @@ TEST_P(Parity, FeaturesAreTheTrainers) {
       headings.Add(std::abs(turn_rad), frame, 0);
     }
   }
-  if (!reference_.features.empty()) features.Expect("features");  // Real has its headings only
+  // the real clip's fixture has headings only
+  if (!reference_.features.empty()) features.Expect("features");
   headings.Expect("heading");
 }
 
@@ -219,7 +220,7 @@ TEST_P(Parity, NetworkStepsAsTheTrainers) {
   styled.Expect("styled");
 }
 
-// The control: one frame late is another result, so the switch is compared to the frame.
+// The negative control: a switch that is one frame late differs, so switches are compared exactly.
 TEST_P(Parity, ASwitchThatIsOneFrameLateIsSeen) {
   Largest reconstruction, styled;
   RunNetwork(1, reconstruction, styled);
@@ -234,7 +235,7 @@ TEST_P(Parity, DaemonPublishesTheTrainersPoses) {
   });
 }
 
-// in · rec⁻¹ · sty; the heading of the hips cancels, because the change acts from the right.
+// in · rec⁻¹ · sty: the heading of the hips cancels, because the style delta acts from the right.
 TEST_P(Parity, DaemonPublishesTheTrainersChangeOfStyle) {
   RunDaemon(false, "detail-preserving", [this](int frame, int joint, const Outputs& outputs) {
     return (poses_[frame].rotations[joint] * At(outputs.reconstruction, joint).conjugate() *

@@ -12,7 +12,7 @@
 namespace styled::parity {
 namespace {
 
-// Rows of floats with the frames they belong to; frame numbers are small enough to be exact.
+// Rows of floats with their frame numbers; these are small enough to be exact as floats.
 std::vector<float> Load(const net::SafetensorsView& view, const std::string& name,
                         std::int64_t columns) {
   const auto found = view.tensors.find(name);

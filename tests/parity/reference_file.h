@@ -15,19 +15,19 @@ namespace styled::parity {
 using Rotations = std::array<float, erd::kRotationFeatures>;  // x,y,z,w per joint, hips in the
                                                               // heading frame
 
-// What the trainer's code makes of one frame.
+// The trainer's outputs for one frame.
 struct Outputs {
   Rotations reconstruction{}, styled{};
   float heading_rad = 0;
 };
 
-// The trainer's side of a parity test, by frame number; a committed one leaves frames out to stay
+// The trainer's side of a parity test, by frame number; a committed file leaves frames out to stay
 // small. On disk: a safetensors file whose metadata has `clip` and `weights` (CRC-32C of those
 // files), `schedule` and `frames`.
 struct Reference {
   std::string schedule;
   std::string clip_crc, weights_crc;
-  int frames = 0;  // of the clip that were run
+  int frames = 0;  // the number of the clip's frames that were run
   std::map<int, Outputs> outputs;
   std::map<int, erd::Features> features;
 };

@@ -19,7 +19,7 @@ std::vector<v1::Frame> StreamThroughDaemon(const clip::Clip& clip, int frames,
                                            const std::vector<Segment>& schedule,
                                            const std::filesystem::path& weights, bool absolute);
 
-// Source time of a frame.
+// The source time of a frame.
 std::uint64_t TimeOf_ns(const clip::Clip& clip, int frame);
 
 }  // namespace styled::parity
