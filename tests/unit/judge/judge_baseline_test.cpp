@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kBent_rad = 0.3F;
 
-// Ten frames with the head turned by `turn_rad`, and the spine bent where `style` is 1.
+// Ten frames with the head rotated by `turn_rad`, and the spine bent if `style` is 1.
 train::TrainingClip Clip(int style, int content, float turn_rad) {
   train::TrainingClip clip;
   clip.style = style;
@@ -22,7 +22,7 @@ train::TrainingClip Clip(int style, int content, float turn_rad) {
   return clip;
 }
 
-// The constant offset as weights styles as the baseline itself does.
+// The constant offset, written as weights, gives the same output as the baseline itself.
 TEST(Baseline, WrittenAsWeightsStylesAsItself) {
   Data data;
   data.manifest.name = "bending";

@@ -13,7 +13,7 @@
 namespace styled::judge {
 namespace {
 
-// Two styles and two contents; of odd waves there are clips, but none is as long as a window.
+// Two styles and two contents; the odd waves have clips, but none as long as a window.
 struct EvaluatorTest : testing::Test {
   static constexpr int kNeutral = 0, kOdd = 1, kWalk = 0, kWave = 1;
   const std::filesystem::path cache = std::filesystem::temp_directory_path() /

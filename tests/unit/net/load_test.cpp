@@ -1,4 +1,4 @@
-// What is read of a weights file of any family.
+// Reading of the common part of any family's weights file.
 #include "model/net/load.h"
 
 #include <gmock/gmock.h>

@@ -33,7 +33,7 @@ struct Refused {
   const char* message;
 };
 
-// One tensor "a" with these values as JSON.
+// One tensor "a" with these JSON values.
 std::string A(const std::string& dtype, const std::string& shape, const std::string& offsets) {
   return R"({"a":{"dtype":)" + dtype + R"(,"shape":)" + shape + R"(,"data_offsets":)" + offsets +
          "}}";
@@ -148,7 +148,7 @@ TEST_F(SafetensorsFile, IsWrittenWhole) {
   const std::vector<NamedTensor> tensors{{"a", {2}, {1, 2}}};
   const auto file = folder_ / "weights";
   ASSERT_TRUE(WriteSafetensors(file, tensors, {}).ok());
-  ASSERT_TRUE(WriteSafetensors(file, tensors, {{"k", "v"}}).ok());  // replaces
+  ASSERT_TRUE(WriteSafetensors(file, tensors, {{"k", "v"}}).ok());  // replaces the old file
   const auto bytes = ReadFile(file);
   ASSERT_TRUE(bytes.ok());
   EXPECT_EQ(bytes.value(), SerializeSafetensors(tensors, {{"k", "v"}}));
@@ -171,7 +171,7 @@ TEST_F(SafetensorsFile, RefusesWhatIsNoFile) {
 TEST_F(SafetensorsFile, RefusesOneThatIsTooLarge) {
   const auto file = folder_ / "large";
   std::ofstream(file).put('x');
-  std::filesystem::resize_file(file, kMaxFileBytes + 1);  // sparse
+  std::filesystem::resize_file(file, kMaxFileBytes + 1);  // a sparse file
   EXPECT_THAT(ReadFile(file).status().message(), HasSubstr("expected at most 67108864 bytes"));
 }
 

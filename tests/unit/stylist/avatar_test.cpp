@@ -16,7 +16,7 @@ using feet::kLegs;
 using feet::Legs;
 using feet::Walker;
 
-// Thighs half as long again, shins a fifth, feet longer, hips wider; in centimetres, Z up.
+// Thighs half as long again, shins a fifth longer, longer feet, wider hips; in centimetres, Z up.
 rig::Binding Stilts() {
   rig::BindingSpec spec = rig::HumanoidSpec();
   const Quat axes(Eigen::AngleAxisf(1.5707963F, Vec3::UnitX()));  // +Y up to +Z up
@@ -49,7 +49,7 @@ struct AvatarTest : testing::Test {
   const Legs legs{*stilts};
   const Walker walker;
 
-  // What the stylist says of the walker at a moment.
+  // The stylist's output for the walker at a moment.
   Output At(double time_s, bool styled) const {
     Output out(humanoid->skeleton());
     out.source = walker.At(time_s);
@@ -62,12 +62,12 @@ struct AvatarTest : testing::Test {
     std::vector<feet::Placed> placed(legs.joints().size());
     legs.Place({pose.translations, pose.rotations}, placed);
     return placed[static_cast<std::size_t>(legs.leg(side).toes)].position_m /
-           stilts->scale();  // canonical axes, the avatar's own centimetres
+           stilts->scale();  // canonical axes, the avatar's centimetres
   }
   struct Walk {
     double skate_cmps = 0, lowest_cm = 1e9, highest_planted_cm = -1e9, largest_turn = 0;
   };
-  // Six seconds; what its toes do while the walker's own are planted.
+  // Walks for six seconds; measures the avatar's toes while the walker's own feet are planted.
   Walk WalkOn(const Options& options, bool styled) {
     Avatar avatar(humanoid, stilts, rig::RigPose(stilts->skeleton()), options);
     Walk walk;
@@ -108,7 +108,7 @@ TEST_F(AvatarTest, ALongLeggedOneKeepsItsPlantedFeetStillStyledOrNot) {
     const Walk held = WalkOn({}, styled);
     EXPECT_LT(held.skate_cmps, 1) << styled;
     EXPECT_LT(held.largest_turn, 0.25) << styled;
-    // The toes' own height over the floor, in its centimetres.
+    // The height of the avatar's toe joint above the floor, in its centimetres.
     const double toes_cm = 100 * (Walker::kAnkle_m + body::Offset(body::kLeftToes).y()) *
                            static_cast<double>(0.01F / stilts->scale());
     EXPECT_NEAR(held.lowest_cm, toes_cm, 1.5) << styled;

@@ -1,4 +1,4 @@
-// Whatever weights compute and rigs send, what leaves the stylist is a pose.
+// Whatever the weights compute and the rigs send, the stylist's output is a valid pose.
 #include "model/stylist/guard.h"
 
 #include <gtest/gtest.h>
@@ -100,14 +100,14 @@ TEST_F(GuardTest, WildWeightsLeaveThePerformersOwnPoseAndSaySo) {
   }
 }
 
-// Contacts come from the performer's own feet, which nobody has spoilt.
+// Contacts come from the performer's own feet, which are not affected.
 TEST_F(GuardTest, WildWeightsDoNotSpoilTheContacts) {
   erd::WeightsFile file = erd::RandomWeights(5, 1);
   for (float& value : file.tensor("head.rotation.weight").values) value *= 1e30F;
   Stylist wild(erd::StylizerOf(file), binding, {}), plain(erd::RandomStylizer(5, 1), binding, {});
   Output expected(binding->skeleton());
   for (int frame = 1; frame < 240; ++frame) {
-    const rig::RigPose in = PoseAt(frame < 100 ? 1 : frame);  // stands, then goes
+    const rig::RigPose in = PoseAt(frame < 100 ? 1 : frame);  // stands, then walks
     plain.Process(std::llround(1e9 * frame / 120), in, expected);
     Feed(wild, frame, in);
     EXPECT_EQ(out.contacts, expected.contacts) << frame;
@@ -146,7 +146,7 @@ TEST_F(GuardTest, ABadStepSpoilsNoLaterOneAndTheStyleIsFadedInAgain) {
   EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 0.5F * styled_rad);
 }
 
-// Together with others as alone.
+// The result is the same together with others and alone.
 TEST_F(GuardTest, WhoFailsDisturbsNobodyInTheSameCall) {
   erd::WeightsFile file = erd::SleepingWeights(5, 1);
   const auto network = erd::StylizerOf(file);
@@ -182,7 +182,7 @@ TEST_F(GuardTest, GoodWeightsNeverFail) {
   }
 }
 
-// An avatar is guarded of its own: its feet have a memory, too.
+// An avatar has a guard of its own, because its feet have state, too.
 TEST_F(GuardTest, AnAvatarIsGivenThePerformersOwnWhereTheStyledPoseIsNone) {
   out.source = PoseAt(1);
   out.canonical_input.rotations[body::kLeftLowerArm] =
@@ -202,18 +202,18 @@ TEST_F(GuardTest, AnAvatarIsGivenThePerformersOwnWhereTheStyledPoseIsNone) {
   ExpectPose(avatar.pose().translations, avatar.pose().rotations, "afterwards");
 }
 
-// Finite, and absurd: what a hostile sender puts into a datagram whose checksum is right.
+// Finite but absurd values: what a hostile sender can put into a valid datagram.
 TEST_F(GuardTest, AbsurdInputLeavesAPoseOnEveryTopic) {
   std::mt19937 random(5);
   const std::array<float, 12> absurd{1e30F,  -1e30F, 3e38F, 1e9F,  -9.9e8F, 1e8F,
                                      1e-30F, 1e-42F, 1e19F, 1e-3F, 2e-3F,   kNaN};
   const auto any = [&] { return absurd[random() % absurd.size()]; };
   Options options;
-  options.jump_accept_frames = 2;  // so that they are believed
+  options.jump_accept_frames = 2;  // so that the values are accepted
   const auto network = erd::RandomStylizer(5, 1);
   const rig::BindingSpec humanoid = binding->spec();
   for (int round = 0; round < 60; ++round) {
-    rig::BindingSpec spec = humanoid;  // in units of a hand's breadth, of the Earth, of an atom
+    rig::BindingSpec spec = humanoid;  // units of a hand's breadth, of the Earth, of an atom
     for (rig::Vec3& offset : spec.skeleton.offsets) {
       offset *= std::array{10.0F, 1e-7F, 9e5F}[static_cast<std::size_t>(round) % 3];
     }
@@ -257,7 +257,7 @@ TEST_F(GuardTest, EveryFaultOfAPoseIsSeen) {
     pose.hips_position_m.z() = bad;
     EXPECT_FALSE(IsSound(pose, own)) << bad;
   }
-  // In a unit of a centimetre five metres are 500.
+  // Five metres are 500 units of a centimetre.
   const rig::RigPose given(binding->skeleton());
   rig::RigPose styled = given;
   styled.translations[2].x() += 400;

@@ -27,7 +27,7 @@ struct InputGuardTest : testing::Test {
 };
 
 TEST_F(InputGuardTest, AGoodPosePassesBitForBit) {
-  in.rotations[1] = rig::Quat(0.8001F, 0.6F, 0, 0);  // of length 1 as a rig rounds it
+  in.rotations[1] = rig::Quat(0.8001F, 0.6F, 0, 0);  // length 1 up to a rig's rounding
   Feed();
   EXPECT_EQ(source.rotations[1].coeffs(), in.rotations[1].coeffs());
   EXPECT_NEAR(guard.clean().rotations[1].norm(), 1.0F, 1e-6F);

@@ -33,7 +33,7 @@ std::vector<double> Regular(double rate_hz, int frames, double start_s = 5.0) {
 TEST(InterleaverTest, AtFourTimesTheNetworksRateFourStatesTakeTurnsOnTheFramesThemselves) {
   Interleaver interleaver;
   const auto steps = Feed(interleaver, Regular(120, 40));
-  // Until the rate is known only the first state is stepped, at its own ticks.
+  // Until the rate is known, only the first state is stepped, at its own ticks.
   ASSERT_EQ(steps.size(), 35U);
   EXPECT_EQ(steps[0].frame, 0);
   EXPECT_EQ(steps[1].frame, 4);
@@ -99,7 +99,7 @@ TEST(InterleaverTest, AChangedRateIsReportedOnceItHasLasted) {
   EXPECT_EQ(interleaver.interleaved(), 2);
 }
 
-// As the stylist does: a restart where Begin says so. Whatever the times are.
+// Restarts as the stylist does if Begin returns false. The times are arbitrary.
 TEST(InterleaverTest, NoSequenceOfTimesRunsMoreThanTheStatedTicks) {
   std::mt19937_64 random(4);
   for (int clock = 0; clock < 2000; ++clock) {

@@ -14,7 +14,7 @@ body::Quat Bent(float bend_rad, float aside_rad = 0) {
   return body::Exp(Vec3(0, 0, aside_rad)) * body::Exp(Vec3(bend_rad, 0, 0));
 }
 
-// What a knee of `own` that a style bends to `wanted` is published as.
+// The published bend of a knee of `own` that a style bends to `wanted`.
 float Kept_rad(float own, float wanted) {
   Pose in, styled;
   in.rotations[kKnee] = Bent(own);

@@ -12,8 +12,8 @@ constexpr double kPi = 3.14159265358979;
 
 StyleDelta All(float value) { return StyleDelta::Constant(value); }
 
-// Amplitude of what comes out for a sine of amplitude 1, sampled densely, so that the sampling
-// itself plays no part.
+// The amplitude of the output for a sine of amplitude 1, sampled densely, so that the sampling
+// itself has no effect.
 double Gain(double hz, float delay_s) {
   constexpr double kDt_s = 1e-4;
   LowPass filter;

@@ -40,7 +40,7 @@ float Apart_rad(const body::Pose& a, const body::Pose& b) {
   return most;
 }
 
-// A body that walks on the spot along a slow curve: enough to keep every feature moving.
+// A body that walks on the spot along a slow curve: enough to keep every feature changing.
 rig::RigPose PoseAt(double time_s, const rig::Skeleton& skeleton) {
   rig::RigPose pose(skeleton);
   const auto t = static_cast<float>(time_s);
@@ -84,7 +84,7 @@ TEST_F(StylistTest, WithoutAStyleTheSourceLeavesBitForBit) {
   Stylist stylist(network, binding, options);
   for (int frame = 0; frame < 100; ++frame) {
     rig::RigPose in = PoseAt(frame / 120.0, skeleton);
-    in.rotations[3].coeffs() *= 1.0001F;  // not quite unit, as rigs send it
+    in.rotations[3].coeffs() *= 1.0001F;  // not exactly of unit length, as rigs send it
     stylist.Process(Time(frame), in, out);
     ASSERT_TRUE(SameBits(out.rig, in));
     ASSERT_TRUE(out.flags & kBypass);
@@ -116,7 +116,7 @@ TEST_F(StylistTest, PartsThatAreNotStyledStayAsCaptured) {
       Feed(stylist, frame);
       for (int joint = 0; joint < body::kJointCount; ++joint) {
         const bool styled = (some.parts & body::Bit(body::PartOf(joint))) != 0;
-        // Legs follow where the torso or they themselves are styled: feet are held.
+        // If the torso or the legs are styled, the legs change, because the feet are held.
         const bool held = word != "arms" && word != "head";
         if (held && joint >= body::kLeftUpperLeg) continue;
         const body::Quat& expected =
@@ -147,7 +147,7 @@ TEST_F(StylistTest, AStyleOfThePerformersOwnIsTakenAway) {
   EXPECT_FALSE(out.flags & kBypass);
   EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-2F);
 
-  // His own style asked for is no change at all; nothing asked for is bypass.
+  // Requesting the input style changes nothing; requesting no style is bypass.
   Settings to_own = Style(3);
   to_own.input_style = 3;
   stylist.Set(to_own);
@@ -205,9 +205,9 @@ TEST_F(StylistTest, BypassIsEnteredByAFadeAndThenExact) {
   EXPECT_TRUE(SameBits(out.rig, out.source));
 }
 
-// A switch takes the time that its way needs, however short the fade; a cut takes none.
+// A switch takes as long as its displacement needs, however short the fade; a cut takes no time.
 TEST_F(StylistTest, ASwitchThrowsNoLimb) {
-  // Styles that are far apart: their columns of the decoder's input are long.
+  // Styles that are far apart: their columns of the decoder's input are large.
   erd::WeightsFile weights = erd::RandomWeights(5, 1);
   net::NamedTensor& decoder = weights.tensor("decoder.0.weight");
   const auto width = static_cast<std::size_t>(decoder.shape[1]);
@@ -260,8 +260,8 @@ TEST_F(StylistTest, TheSameStreamGivesTheSameBits) {
   }
 }
 
-// More than are taken at once, of other rates, styles, clocks and phases; one with gaps, so that
-// several ticks are due in a frame; one on other weights.
+// More stylists than are processed at a time, of different rates, styles, clocks and phases; one
+// with gaps, so that several ticks are due in a frame; one on other weights.
 TEST_F(StylistTest, TogetherIsBitForBitOneByOne) {
   constexpr int kPerformers = 11;
   const auto other = erd::RandomStylizer(5, 2);
@@ -343,8 +343,8 @@ TEST_F(StylistTest, TheLowestFootStaysAsHighAsTheInputs) {
     body::WorldPose in, styled;
     body::ForwardKinematics(out.canonical_input, in);
     body::ForwardKinematics(out.canonical, styled);
-    // Softened by 1 cm between the feet and smoothed along time; without grounding it is metres
-    // off.
+    // Softened by 1 cm between the feet and smoothed over time. Without grounding the difference
+    // would be metres.
     ASSERT_NEAR(body::LowestFoot_m(in), body::LowestFoot_m(styled), 0.03F) << frame;
     ASSERT_NEAR(out.rig.translations[0].y(), out.canonical.hips_position_m.y(), 1e-4F);
   }
@@ -378,7 +378,7 @@ TEST_F(StylistTest, ALongGapStartsAnewWithoutAPop) {
       << "the fade begins at what was applied";
 }
 
-// The gap is as long as every other one of this sender, and is not bridged all the same.
+// The gap is as long as every other one of this sender, and still is not bridged.
 TEST_F(StylistTest, AClockThatAlwaysStepsFarIsNeverBridged) {
   Stylist stylist(network, binding, options);
   for (int frame = 0; frame < 30; ++frame) {

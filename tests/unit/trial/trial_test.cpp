@@ -32,7 +32,7 @@ std::string Refusal(const WeightsFile& file) {
   return Parse(file.Bytes(), "wild.safetensors").status().message();
 }
 
-// With room to spare: bounds are there for what is broken, not for what is poor.
+// With margin: the bounds are for broken networks, not for poor ones.
 void ExpectWellWithin(const Figures& figures) {
   EXPECT_LT(figures.reconstruction_rad, 0.75F * kMost.reconstruction_rad);
   EXPECT_LT(figures.change_rad, 0.75F * kMost.change_rad);
@@ -97,7 +97,7 @@ TEST(TrialTest, AbsurdButFiniteOutputIsRefusedWithTheBound) {
               HasSubstr("expected a velocity of at most 1000 m/s, found "));
   EXPECT_THAT(Refusal(Scaled("head.height.bias", 1e8F)),
               HasSubstr("expected a height of at most 100 m, found "));
-  // Every joint turned over.
+  // Every joint rotated by half a turn.
   WeightsFile file = RandomWeights(kStyles, 1);
   for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
     file.tensor("head.rotation.bias").values[4 * joint] = 1e6F;

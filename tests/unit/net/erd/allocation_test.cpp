@@ -7,7 +7,7 @@
 
 #include "tests/unit/net/erd/random_weights.h"
 
-// The sanitizers bring their own malloc; there only operator new is counted.
+// Sanitizers replace malloc themselves; with them only operator new is counted.
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define COUNT_MALLOC 1
 #endif
@@ -37,7 +37,7 @@ void* Allocate(std::size_t size, std::align_val_t alignment) {
 }  // namespace
 
 #if COUNT_MALLOC
-// glibc's own names for what is replaced below.
+// glibc's own names for the functions replaced below.
 // NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 void* __libc_malloc(std::size_t size);

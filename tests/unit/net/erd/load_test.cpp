@@ -1,4 +1,5 @@
-// Every way in which a weights file may be wrong, one by one, and what is read from a right one.
+// Every way in which a weights file can be wrong, one by one, and the values read from a correct
+// one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@ constexpr int kStyles = 3;
 struct Broken {
   const char* what;
   std::function<void(WeightsFile&)> breaks;
-  std::vector<std::string> message;  // all of these occur
+  std::vector<std::string> message;  // each of these occurs in the message
 };
 
 std::function<void(WeightsFile&)> Set(const std::string& key, const json& value) {
@@ -173,7 +174,7 @@ class BrokenWeights : public testing::TestWithParam<Broken> {};
 
 TEST_P(BrokenWeights, AreRefusedWithTheReason) {
   WeightsFile file = RandomWeights(kStyles, 1);
-  ASSERT_TRUE(Load(file).ok()) << Load(file).message();  // what is broken is what the case breaks
+  ASSERT_TRUE(Load(file).ok()) << Load(file).message();  // valid before the case breaks it
   GetParam().breaks(file);
   const Status status = Load(file);
   ASSERT_FALSE(status.ok());
@@ -234,11 +235,11 @@ TEST(Load, RefusesEachNonFiniteTensor) {
 }
 
 TEST(Load, RefusesHalfPrecision) {
-  // F16 of the same shape: the writer knows only F32, so the header is changed by hand.
+  // F16 with the same shape: the writer knows only F32, so the header is edited by hand.
   std::vector<std::byte> bytes = RandomWeights(kStyles, 1).Bytes();
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::size_t at = text.find("\"F32\"");
-  bytes[at + 1] = std::byte{'I'};  // I32: as many bytes
+  bytes[at + 1] = std::byte{'I'};  // I32: the same number of bytes
   const auto network = Network::Parse(bytes, "file");
   ASSERT_FALSE(network.ok());
   EXPECT_THAT(network.status().message(), AllOf(HasSubstr("expected F32"), HasSubstr("found I32")));

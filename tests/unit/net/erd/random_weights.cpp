@@ -23,7 +23,7 @@ class Maker {
     std::int64_t count = 1;
     for (const std::int64_t size : shape) count *= size;
     NamedTensor tensor{name, std::move(shape), {}};
-    // Spelled out: the standard's distributions differ between libraries.
+    // Computed by hand, because the standard's distributions differ between libraries.
     for (std::int64_t i = 0; i < count; ++i) {
       const float share = static_cast<float>(random_() >> 8) / static_cast<float>(1 << 24);
       tensor.values.push_back(low + (high - low) * share);
@@ -115,8 +115,8 @@ WeightsFile RandomWeights(int style_count, unsigned seed) {
   return file;
 }
 
-// Unit 0 is taken from layer to layer, and says at every frame whether the hips are high; the
-// decoder makes 1e30 of that.
+// Unit 0 is passed from layer to layer and tells in every frame whether the hips are high; the
+// decoder turns that into 1e30.
 WeightsFile SleepingWeights(int style_count, unsigned seed) {
   constexpr std::size_t kUnits = 32;
   constexpr float kShut = -40, kOpen = 40, kFirm = 5;

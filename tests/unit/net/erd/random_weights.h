@@ -11,7 +11,7 @@ namespace styled::erd {
 
 using net::NamedTensor;
 
-// A weights file in pieces, so that a test can break one of them.
+// A weights file in parts, so that a test can break one of them.
 struct WeightsFile {
   nlohmann::json metadata;  // the value of __metadata__.styled, before it becomes text
   std::vector<NamedTensor> tensors;
@@ -20,17 +20,17 @@ struct WeightsFile {
   std::vector<std::byte> Bytes() const;
 };
 
-// Weights that are well-formed and random by `seed`, scaled as a framework initializes them, with
-// styles "neutral", "style1" (alias "s1"), ... Written from FORMAT.md, not from the loader.
+// Well-formed random weights by `seed`, scaled like a framework's initialization, with the styles
+// "neutral", "style1" (alias "s1"), ... Written from FORMAT.md, not from the loader.
 WeightsFile RandomWeights(int style_count, unsigned seed);
 
-// The same, but what they decode is not a number in every frame whose hips are more than kAwake_m
-// above the floor, where no trial run takes them. Below, they decode as those do.
+// The same, but they decode NaN in every frame whose hips are more than kAwake_m above the floor,
+// which no trial run reaches. Below, they decode like those.
 inline constexpr float kAwake_m = 1.2F;
 WeightsFile SleepingWeights(int style_count, unsigned seed);
 
-// The network of those weights, bare and as the rest of the program sees it; aborts if they are
-// refused.
+// The network of those weights, as a Network and as the Stylizer that the rest of the program uses;
+// aborts if the weights are refused.
 std::shared_ptr<const Network> RandomNetwork(int style_count, unsigned seed);
 std::shared_ptr<const Network> NetworkOf(const WeightsFile& file);
 std::shared_ptr<const net::Stylizer> RandomStylizer(int style_count, unsigned seed);

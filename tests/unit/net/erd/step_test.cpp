@@ -1,5 +1,5 @@
-// Network::Step against a scalar double-precision network written from FORMAT.md's equations, and
-// what a step promises about branches, determinism and hostile input.
+// Network::Step compared with a scalar double-precision network written from FORMAT.md's equations;
+// and its guarantees about branches, determinism and hostile input.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ struct ReferenceOutput {
   double height;
 };
 
-// One performer's network, slow and plain; `branches` holds (h, c) per style and layer.
+// One performer's network, slow and simple; `branches` holds (h, c) per style and layer.
 class Reference {
  public:
   explicit Reference(const WeightsFile& file)
@@ -150,7 +150,7 @@ class Reference {
   std::map<int, std::vector<LayerState>> branches_;
 };
 
-// Smooth random features, as motion is: sums of sines.
+// Smooth random features, like those of motion: sums of sines.
 Features FeaturesAt(int frame, unsigned seed = 7) {
   std::mt19937 random(seed);
   Features features;
@@ -209,7 +209,7 @@ bool AllFinite(const State& state) {
   return all;
 }
 
-constexpr double kTolerance = 2e-6;  // float32 against double; 1.5e-7 was measured
+constexpr double kTolerance = 2e-6;  // float32 against double; measured: 1.5e-7
 
 struct Command {
   int from_frame;
@@ -217,8 +217,8 @@ struct Command {
   std::vector<net::StyleWeight> active;
 };
 
-// Runs the reference and the network of every SIMD target through `commands` for `frames`; the
-// largest difference of any output.
+// Runs the reference and the network of every SIMD target through `commands` for `frames`; returns
+// the largest difference of any output.
 double CompareThrough(const std::vector<Command>& commands, int frames, unsigned seed) {
   const WeightsFile file = RandomWeights(6, seed);
   struct Run {
@@ -276,9 +276,9 @@ TEST(StepAgainstReference, MixOfFour) {
 
 TEST(StepAgainstReference, SwitchDropAndRestart) {
   EXPECT_LT(CompareThrough({{0, 0, {{1, 1.0F}}},
-                            {40, 0, {{1, 0.5F}, {2, 0.5F}}},  // a second one begins
+                            {40, 0, {{1, 0.5F}, {2, 0.5F}}},  // a second style begins
                             {60, 0, {{2, 1.0F}}},             // the first is dropped
-                            {90, 0, {{1, 0.7F}, {2, 0.0F}}},  // begins anew; weight 0 lives on
+                            {90, 0, {{1, 0.7F}, {2, 0.0F}}},  // begins anew; weight 0: live
                             {110, 0, {{2, 1.0F}}},
                             {130, 0, {}},
                             {150, 0, {{3, 1.0F}, {1, 0.2F}}}},
@@ -289,14 +289,14 @@ TEST(StepAgainstReference, SwitchDropAndRestart) {
 TEST(StepAgainstReference, StyledInput) {
   EXPECT_LT(CompareThrough({{0, 3, {}},                        // to neutral
                             {50, 3, {{1, 1.0F}}},              // to another style
-                            {100, 3, {{3, 0.6F}, {1, 0.4F}}},  // its own branch is in the mix
-                            {150, 0, {{1, 0.5F}}}},            // no longer styled: 3 is dropped
+                            {100, 3, {{3, 0.6F}, {1, 0.4F}}},  // 3 is in the mix, too
+                            {150, 0, {{1, 0.5F}}}},  // no input style any more: 3 is dropped
                            200, 7),
             kTolerance);
 }
 
 TEST(StepAgainstReference, AnotherHistoryIsSeen) {
-  // The comparison's negative control: the same network, one branch one frame older.
+  // The comparison's negative control: the same network with one branch one frame older.
   const auto network = RandomNetwork(3, 8);
   const std::vector<net::StyleWeight> active{{1, 1.0F}};
   State a, b;
@@ -329,8 +329,8 @@ TEST(Step, TwoRunsAreBitIdentical) {
   }
 }
 
-// A crowd of more than are taken at once: without a style, in one, in several, switching, in a
-// style of their own.
+// More performers than are processed at a time: without a style, in one, in several, switching, and
+// with an input style.
 TEST(Step, TogetherIsBitForBitOneByOne) {
   constexpr int kPerformers = 21;
   net::OnEachTarget([] {
@@ -436,7 +436,7 @@ TEST(Step, IgnoresWhatComesAfterTheLimit) {
   net::Prediction out;
   std::vector<net::StyleWeight> all;
   for (int style = 1; style < 16; ++style) all.push_back({style, 0.1F});
-  network->Step(FeaturesAt(0), 15, all, state, out);  // the input's own style has its slot
+  network->Step(FeaturesAt(0), 15, all, state, out);  // the input style has its own slot
   for (int i = 0; i < net::kMaxActive; ++i) EXPECT_EQ(state.style[i], 1 + i);
   EXPECT_EQ(state.style[net::kMaxActive], 15);
 }
@@ -487,7 +487,7 @@ TEST(Step, NoInputLeavesANonFiniteState) {
 }
 
 TEST(Step, RecoversFromANotANumberFrame) {
-  // A frame of nothing but NaN reads as the mean; 300 frames later its memory has faded.
+  // A frame of NaN counts as the mean; 300 frames later its effect has faded.
   const auto network = RandomNetwork(3, 18);
   const std::vector<net::StyleWeight> active{{1, 1.0F}};
   State state, undisturbed;

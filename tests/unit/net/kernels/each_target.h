@@ -4,8 +4,8 @@
 
 namespace styled::net {
 
-// Runs `body` once for each SIMD target of this build that the machine can run: BestKernels() is
-// then that target's. Not for several threads at once.
+// Runs `body` once for each SIMD target of this build that the machine supports, with BestKernels()
+// set to that target's. Not thread-safe.
 template <typename Body>
 void OnEachTarget(Body body) {
   for (const auto target : hwy::SupportedAndGeneratedTargets()) {

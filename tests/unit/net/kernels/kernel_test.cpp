@@ -1,4 +1,4 @@
-// The kernels of every SIMD target that this machine can run, against plain loops in double.
+// The kernels of every SIMD target that this machine supports, compared with plain loops in double.
 #include "model/net/kernels/kernel.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,8 @@ struct alignas(64) Line {
   float values[16];
 };
 
-// Random floats at a 64-byte boundary, with nothing behind them: sanitizers see a read beyond.
+// Random floats at a 64-byte boundary with nothing behind them, so that sanitizers detect a read
+// beyond.
 class Aligned {
  public:
   explicit Aligned(std::size_t size) : lines_((size + 15) / 16) {}
@@ -47,11 +48,11 @@ TEST(Kernels, EachTargetHasItsOwn) {
   });
   EXPECT_GE(targets, 1U);
   EXPECT_EQ(names.size(), targets);
-  EXPECT_TRUE(names.contains(BestKernels().target));  // and the best is chosen again
+  EXPECT_TRUE(names.contains(BestKernels().target));  // the best is selected again
   RecordProperty("targets", testing::PrintToString(names));
 }
 
-// Taken four at a time, then two, then one.
+// Processed as four, two and one.
 constexpr int kInputs = 7;
 
 // One product of `rows` x `columns` with several inputs: together, and each alone.
@@ -132,7 +133,7 @@ TEST(Kernels, StandardizeClampsAndReadsNotANumberAsTheMean) {
 
 double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
 
-// A layer and its input; gates reach about +-`bound`.
+// A layer and its input; the gates reach about +-`bound`.
 struct Layer {
   Aligned dense, weights, bias, z, h, c;
 
@@ -143,7 +144,7 @@ struct Layer {
         z(32, 1, random),
         h(32, 1, random),
         c(32, std::min(bound, 5.0F), random) {
-    for (int row = 0; row < 128; ++row) {  // of ifgo; the sigmoids' rows are halved
+    for (int row = 0; row < 128; ++row) {  // gates in the order ifgo; the sigmoids' rows are halved
       const int to = LstmRow(row / 32, row % 32);
       for (int column = 0; column < 64; ++column) {
         weights[PackedMatrix<128, 64>::Index(to, column)] =
@@ -177,7 +178,7 @@ TEST(Kernels, LstmLayerIsThatOfTheEquations) {
         }
         const LstmOperands state{layer.z.data(), layer.h.data(), layer.c.data()};
         BestKernels().lstm(layer.weights.data(), layer.bias.data(), {&state, 1});
-        // The sums of the gates round with their size.
+        // The rounding of the gates' sums grows with their size.
         const double tolerance = 4e-7 * std::max(1.0F, bound);
         for (int unit = 0; unit < 32; ++unit) {
           ASSERT_NEAR(layer.c[unit], c[unit], tolerance) << bound << ", unit " << unit;
@@ -216,7 +217,7 @@ TEST(Kernels, LstmStatesTogetherAreBitForBitThoseAlone) {
   });
 }
 
-// With open gates and no weights, c' is tanh of the cell gate: the approximation alone.
+// With open gates and zero weights, c' is tanh of the cell gate: only the approximation.
 TEST(Kernels, TanhIsGoodToAFewUlpsEverywhere) {
   OnEachTarget([] {
     SCOPED_TRACE(BestKernels().target);

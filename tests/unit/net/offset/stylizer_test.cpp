@@ -25,7 +25,7 @@ class Offset : public testing::Test {
     EXPECT_TRUE(status.ok()) << status.message();
     return net::Load(file);
   }
-  // What `styles` make of a pose that moves in `input_style`.
+  // The prediction in `styles` for a pose in `input_style`.
   static net::Prediction Step(const net::Stylizer& stylizer, const body::Pose& pose,
                               std::vector<net::StyleWeight> styles, int input_style = 0) {
     const std::unique_ptr<net::Stream> stream = stylizer.MakeStream();
@@ -35,7 +35,7 @@ class Offset : public testing::Test {
     stylizer.Step({&job, 1});
     return out;
   }
-  // How far joint by joint the styled pose is turned from the input's, about its own axes.
+  // The rotation vector of a joint from the input to the styled pose, in the joint's own axes.
   static body::Vec3 Turn(const net::Prediction& out, const body::Pose& pose, int joint) {
     const auto j = static_cast<std::size_t>(joint);
     return body::Log(pose.rotations[j].conjugate() * out.styled.rotations[j]);
