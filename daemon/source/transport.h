@@ -51,9 +51,10 @@ enum class Calibration : std::uint8_t {
 // The effect of a delay on the frames of a source, over the last second.
 struct Smoothing {
   float delay_ms = 0;  // 0: none
-  float arrived_ms =
-      0;  // lateness on the sender's schedule that 99 % of the frames did not exceed at arrival
-  float left_ms = 0;         // ... and at leaving, the delay not counted
+  // The lateness on the sender's schedule that 99 % of the frames did not exceed: at arrival, and
+  // at leaving, the delay itself not counted.
+  float arrived_ms = 0;
+  float left_ms = 0;
   std::uint64_t missed = 0;  // frames since the start that arrived later than the delay allows
 };
 

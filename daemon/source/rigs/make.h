@@ -9,10 +9,11 @@
 
 namespace styled::source {
 
-// Where a rig is registered: a row of config::kSourceTypes, a line in make.cpp and its file in
-// daemon/CMakeLists.txt.
+// A rig is registered in three places: a row of config::kSourceTypes, a line in make.cpp, and its
+// file in daemon/CMakeLists.txt.
 
-// The translator for config.type, or null where that is no rig's protocol.
+// Makes the translator for config.type; null for types without a rig's protocol, and for natnet,
+// whose transport makes its own.
 std::unique_ptr<Translator> MakeTranslator(const config::Source& config);
 
 }  // namespace styled::source

@@ -12,8 +12,8 @@ namespace {
 
 using runtime::Counter;
 
-// A frame so far behind the newest is a restart's, a nearer one an old one's, as long as so many do
-// not come one after the other.
+// A frame at least so far behind the newest one means a restart. A smaller distance means a late
+// frame, unless kOldFrames such frames come in a row.
 constexpr std::uint32_t kRestartFrames = 60;
 constexpr float kRestart_s = 1.0F;
 constexpr int kOldFrames = 5;
@@ -32,7 +32,7 @@ rig::RigBody MakeBody(const mocopi::Skeleton& bones) {
   return body;
 }
 
-// One application that sends, on one address.
+// One sending application at one address.
 class Sender {
  public:
   Sender(std::uint64_t peer, std::string performer) : peer_(peer), stream_(std::move(performer)) {}
@@ -51,7 +51,7 @@ class Sender {
 
  private:
   void TakeSkeleton(const mocopi::Skeleton& skeleton, Outbox& out) {
-    if (stream_.has_body() && skeleton == skeleton_) return;  // as every 3.5 s
+    if (stream_.has_body() && skeleton == skeleton_) return;  // repeated every 3.5 s
     out.LeaveHotSection();
     skeleton_ = skeleton;
     stream_.SetBody(MakeBody(skeleton), out);
@@ -66,14 +66,14 @@ class Sender {
       const auto& r = frame.bones[id].rotation;
       pose_.rotations[id] = rig::Quat(r[3], r[0], r[1], r[2]);
     }
-    const auto& root = frame.bones[0].position_m;  // the others repeat their offsets
+    const auto& root = frame.bones[0].position_m;  // the other bones repeat their offsets
     pose_.translations.front() = {root[0], root[1], root[2]};
     info.source_time_ns = static_cast<std::uint64_t>(double{frame.time_s} * 1e9);
     info.now_ns = now_ns;
     stream_.Send(pose_, info, out);
   }
 
-  // False for a frame that is there already, or comes too late.
+  // Returns false for a duplicate or late frame.
   bool Admit(const mocopi::Frame& frame, std::uint64_t& lost, Outbox& out) noexcept {
     if (any_) {
       const bool back = frame.number <= number_;
@@ -106,7 +106,7 @@ class Sender {
   bool any_ = false;
   std::uint32_t number_ = 0;
   float time_s_ = 0;
-  int behind_ = 0;  // frames one after the other that were older than the newest
+  int behind_ = 0;  // consecutive frames that were older than the newest
 };
 
 class Mocopi final : public Translator {
@@ -125,7 +125,7 @@ class Mocopi final : public Translator {
   }
 
  private:
-  // Null where there are too many already, and all of them live.
+  // Returns null if there are kMaxSenders and none of them was silent for 10 s.
   Sender* Find(const Peer& peer, std::int64_t now_ns, Outbox& out) {
     for (Sender& sender : senders_) {
       if (sender.peer() == peer.id) return &sender;

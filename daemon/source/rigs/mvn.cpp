@@ -15,14 +15,14 @@ namespace {
 using mvn::DecodeResult;
 using runtime::Counter;
 
-// How long a new character may stay without its name and T-pose: MVN tells them once a second.
+// How long a new character may remain without name and T-pose: MVN sends them once a second.
 constexpr std::int64_t kPatience_ns = 3 * runtime::kSecond_ns / 2;
-// A sample this far behind the newest is a restart, not an old one.
+// A sample so far behind the newest one is a restart, not a late sample.
 constexpr std::uint32_t kRestartSamples = 240;
 constexpr std::size_t kMaxCharacters = 64;
 constexpr int kHead = 6, kHandSegments = 20;
 
-// Body, then each hand's: carpus, thumb of three, fingers of four.
+// The body, then for each hand: carpus, a thumb of three segments, four fingers of four.
 rig::Skeleton MakeSkeleton(bool fingers) {
   rig::Skeleton skeleton;
   const auto add = [&skeleton](std::string name, int parent) {
@@ -68,7 +68,7 @@ class Character {
     timecode_ = {given.hours, given.minutes, given.seconds, given.milliseconds, 1000, false};
     has_timecode_ = true;
   }
-  // One datagram's part of a pose; `performer` gives the name when the time has come for one.
+  // Handles one datagram's part of a pose. `performer` supplies the name once it is needed.
   template <typename MakePerformer>
   void TakePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
                 std::int64_t now_ns, const MakePerformer& performer, Outbox& out);
@@ -84,15 +84,15 @@ class Character {
   std::uint64_t peer_;
   std::uint8_t id_;
   std::int64_t since_ns_, seen_ns_;
-  NoteLimit& incomplete_notes_;  // of all characters
+  NoteLimit& incomplete_notes_;  // shared by all characters
   std::string called_;
   std::optional<PerformerStream> stream_;
   std::array<rig::Vec3, mvn::kBodySegments> scale_m_;  // T-pose, +Z up
   bool has_scale_ = false;
-  bool y_up_ = false;  // type 02 of a sender that was told so
+  bool y_up_ = false;  // type 02 of a sender that is set to +Y up
   mvn::Type type_ = mvn::Type::kEuler;
   std::uint32_t sample_ = 0;
-  // The sample at hand: whole, or given up and counted.
+  // State of the current sample: sent, or incomplete and counted.
   bool any_sample_ = false, sent_ = false, incomplete_ = false;
   std::array<rig::Vec3, mvn::kMaxSegments> positions_;
   std::array<rig::Quat, mvn::kMaxSegments> rotations_;
@@ -114,7 +114,7 @@ void Character::TakeScale(const mvn::Scale& scale, Outbox& out) {
   }
   has_scale_ = true;
   if (!stream_ || !stream_->has_body()) return;
-  // Told after the fact: another body, if it is another.
+  // The T-pose arrived after the body was made: a changed body, if it differs.
   mvn::Header header;
   header.type = type_;
   header.finger_segments =
@@ -128,7 +128,8 @@ Character::Order Character::Sort(const mvn::Header& header, std::int64_t now_ns,
     return Order::kOld;
   }
   if (any_sample_ && header.sample == sample_ && sent_) {
-    // What the header did not count, behind a pose that was whole without it, is no fault.
+    // A part that the headers did not announce, after a pose that was complete without it, is no
+    // error.
     if (header.datagram < next_part_) out.Refuse(Counter::kPipelineDuplicate);
     return Order::kOld;
   }
@@ -143,12 +144,13 @@ Character::Order Character::Sort(const mvn::Header& header, std::int64_t now_ns,
   return Order::kNext;
 }
 
-// True once the sample is whole: all the segments that its headers count. Which datagram is the
-// last one they say, too, but not all senders do. A part that is missing leaves it incomplete.
+// Collects the parts of a sample. Returns true once all segments that the headers announce are
+// there; not every sender marks the last datagram. A missing part leaves the sample incomplete.
 bool Character::Gather(const mvn::Header& header, const mvn::Pose& pose, std::int64_t now_ns,
                        Outbox& out) {
   wanted_ = mvn::kBodySegments + header.props + header.finger_segments;
-  if (header.datagram == 0 && next_part_ > 0) {  // its number does not say so, but it begins anew
+  // The sample number is the same, but the sample begins again.
+  if (header.datagram == 0 && next_part_ > 0) {
     SayIncomplete(now_ns, out);
     gathered_ = next_part_ = 0;
     incomplete_ = false;
@@ -171,7 +173,7 @@ bool Character::Gather(const mvn::Header& header, const mvn::Pose& pose, std::in
   return false;
 }
 
-// Once for each sample.
+// Counts and logs an incomplete sample, once.
 void Character::SayIncomplete(std::int64_t now_ns, Outbox& out) {
   if (incomplete_) return;
   incomplete_ = true;
@@ -212,6 +214,7 @@ void Character::MakeBody(const mvn::Header& header, const std::string& up, Outbo
     joint_rotations_[j] = rotations_[s];
   }
   OffsetsFromWorld(body_.skeleton.parents, positions, joint_rotations_, body_.skeleton.offsets);
+  // The T-pose is +Z up, +X forward. Cycling the axes makes it +Y up, +Z forward.
   for (std::size_t j = 0; has_scale_ && j < mvn::kBodySegments; ++j) {
     const int parent = body_.skeleton.parents[j];
     rig::Vec3 offset = scale_m_[j];
@@ -226,7 +229,8 @@ template <typename MakePerformer>
 void Character::TakePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
                          std::int64_t now_ns, const MakePerformer& performer, Outbox& out) {
   seen_ns_ = now_ns;
-  if (header.type == mvn::Type::kEuler && type_ == mvn::Type::kQuaternion) return;  // both are sent
+  // The sender sends both types.
+  if (header.type == mvn::Type::kEuler && type_ == mvn::Type::kQuaternion) return;
   if (Sort(header, now_ns, out) == Order::kOld || !Gather(header, pose, now_ns, out)) return;
   sent_ = true;
   if (!stream_) {
@@ -306,7 +310,7 @@ class Mvn final : public Translator {
         [this](const Character& who) { return PerformerOf(who); }, out);
   }
 
-  // Null where there are too many already, and all of them live.
+  // Returns null if there are kMaxCharacters and none of them was silent for 10 s.
   Character* Find(const mvn::Header& header, const Peer& peer, std::int64_t now_ns, Outbox& out) {
     for (auto& character : characters_) {
       if (character->Is(peer.id, header.character)) return character.get();
@@ -331,7 +335,7 @@ class Mvn final : public Translator {
     for (int i = 2; Taken(name, who); ++i) name = stem + "-" + std::to_string(i);
     return name;
   }
-  // Another sender's is not in the way: the pipeline lets one of them in at a time.
+  // Another sender's character may have the same name: the pipeline admits one sender at a time.
   bool Taken(std::string_view name, const Character& who) const {
     return std::any_of(characters_.begin(), characters_.end(), [&](const auto& other) {
       return other->id() != who.id() && other->performer() == name;

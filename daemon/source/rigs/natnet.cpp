@@ -16,12 +16,12 @@ using runtime::Counter;
 using runtime::kSecond_ns;
 
 constexpr std::int64_t kPulse_ns = kSecond_ns;        // commands, keep-alives, questions
-constexpr std::int64_t kSilence_ns = 2 * kSecond_ns;  // then we ask again who is there
-// A frame this far behind the newest is a server that began anew, or a recording that is played
-// again, and not one that was overtaken.
+constexpr std::int64_t kSilence_ns = 2 * kSecond_ns;  // silence after which CONNECT is repeated
+// A frame at least so far behind the newest one means that the server restarted or replays a
+// recording, not that the frame was overtaken.
 constexpr std::int32_t kOvertaken = 16;
-constexpr int kBadFrames = 10;         // in a row: perhaps another bitstream
-constexpr std::uint32_t kSteady = 30;  // equal steps that are no losses, but the server's rate
+constexpr int kBadFrames = 10;         // consecutive: the bitstream may have changed
+constexpr std::uint32_t kSteady = 30;  // equal steps that are the server's rate, not losses
 constexpr std::size_t kMaxSaid = 64;
 constexpr std::string_view kClientName = "styled";
 constexpr natnet::Version kClientVersion{3, 0};
@@ -77,8 +77,8 @@ void NatNet::Tick(std::int64_t now_ns, Outbox& out) {
   if (wants_model_) AskForModel(now_ns, out);
 }
 
-// Old servers know the record, from 4.0 on also the longer shape; none of them minds the other.
-// We ask for no bitstream: SERVER INFO tells which one it is.
+// Old servers know the record; from 4.0 on also the longer shape; no server objects to the other
+// one. No bitstream is requested: SERVER INFO states which one is used.
 void NatNet::AskWho(Outbox& out) {
   natnet::Connect connect;
   connect.shape =
@@ -159,7 +159,7 @@ void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
   performers_ = std::move(performers);
 }
 
-// Moves the performer of this skeleton's name over, or makes one.
+// Reuses the performer of this skeleton's name, or makes one.
 bool NatNet::Adopt(const natnet::SkeletonDescription& description,
                    std::vector<std::unique_ptr<Performer>>& performers, Outbox& out) {
   auto skeleton = NatNetSkeleton::Make(description);
@@ -205,7 +205,7 @@ void NatNet::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, 
 }
 
 NatNet::Order NatNet::Sort(std::uint64_t& lost, Outbox& out) {
-  // As unsigned: hostile numbers may be as far apart as they like.
+  // Unsigned arithmetic, because hostile numbers may be any distance apart.
   const auto number = static_cast<std::uint32_t>(frame_->number);
   const auto ahead = static_cast<std::int32_t>(number - static_cast<std::uint32_t>(last_number_));
   if (any_frame_ && ahead == 0) {
@@ -223,6 +223,8 @@ NatNet::Order NatNet::Sort(std::uint64_t& lost, Outbox& out) {
     const auto step = static_cast<std::uint32_t>(ahead);
     steady_ = step == last_step_ ? steady_ + 1 : 0;
     last_step_ = step;
+    // The stride is the smallest step seen. A larger step becomes the stride when it was repeated
+    // kSteady times: then the server sends fewer frames. Any multiple of the stride counts as loss.
     stride_ = stride_ == 0 || steady_ >= kSteady ? step : std::min(stride_, step);
     lost = step / stride_ - 1;
   }

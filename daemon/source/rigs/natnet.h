@@ -17,16 +17,16 @@
 
 namespace styled::source {
 
-// OptiTrack's Motive, or whoever else speaks NatNet 2.7 to 4.2: asks the server who it is and what
-// it tracks, keeps it sending, and makes a performer of every skeleton, called as there; NAME-2,
-// ... where a name is taken. CONNECT is repeated once a second while nobody answers, and again when
-// the server has been silent for two seconds; the model is asked for again when the server says
-// that it changed or an unknown skeleton comes. Frames count only from the server's own address.
-// Bodies and poses are +Y up. Talks through Outbox::Reply; its sockets are the transport's
+// OptiTrack's Motive, or another server of NatNet 2.7 to 4.2. Asks the server for its version and
+// its model, keeps it sending, and makes a performer of every skeleton, with the skeleton's name;
+// NAME-2, ... where a name is taken. CONNECT is repeated once a second until the server replies,
+// and again when it was silent for two seconds. The model is requested again when the server
+// announces a change or an unknown skeleton appears. Only frames from the server's own address
+// count. Bodies and poses are +Y up. Sends through Outbox::Reply; the transport owns the sockets
 // (daemon/source/natnet.h). Pipeline thread. Pinned by tests/unit/natnet/translator_test.cpp.
 class NatNet final : public Translator {
  public:
-  // Where a server sends its frames when it does not send them to the command socket.
+  // Where a server sends its frames if not to the command socket.
   struct Stream {
     in_addr group{};
     std::uint16_t port = 0;
@@ -43,8 +43,8 @@ class NatNet final : public Translator {
   void Tick(std::int64_t now_ns, Outbox& out) override;
   std::int64_t NextDeadline_ns() const override { return next_pulse_ns_; }
 
-  // What to join; nothing before the server answered, or where it streams to each client. From 3.0
-  // on the server says so, before that the config does.
+  // The group to join. Empty before the server replied, or if it streams to each client. From 3.0
+  // on the server states it, before that the configuration does.
   const std::optional<Stream>& stream() const { return stream_; }
 
  private:
@@ -70,26 +70,26 @@ class NatNet final : public Translator {
   void AskWho(Outbox& out);
   void AskForModel(std::int64_t now_ns, Outbox& out);
   void SendCommand(natnet::MessageId id, Outbox& out);
-  // A line for the log, once.
+  // Logs a line, but the same text only once.
   void Say(std::string text, Outbox& out);
 
   config::Source config_;
   Peer server_;
   in_addr group_;
   std::optional<Stream> stream_;
-  std::optional<natnet::Version> version_;  // once the server answered
+  std::optional<natnet::Version> version_;  // empty until the server replied
   std::int64_t next_pulse_ns_ = 0, heard_ns_ = 0, asked_model_ns_ = 0;
   bool wants_model_ = false;
-  bool model_whole_ = true;  // false: unknown skeletons are those that the model could not give
+  bool model_whole_ = true;  // false: unknown skeletons are those that the model lacks
   std::uint32_t asked_who_ = 0;
   int bad_frames_ = 0;  // in a row
 
   std::vector<std::unique_ptr<Performer>> performers_;
   NatNetConventionFinder convention_;
-  bool flags_ = false;  // a bone was marked as tracked: the marks mean something
+  bool flags_ = false;  // a bone was marked as tracked, so the marks are meaningful
   bool any_frame_ = false;
   std::int32_t last_number_ = 0;
-  // From frame to frame: servers may send every n-th only.
+  // Steps between frame numbers: a server may send only every n-th frame.
   std::uint32_t stride_ = 0, last_step_ = 0, steady_ = 0;
   Timecode timecode_;
   std::vector<std::string> said_;

@@ -38,8 +38,8 @@ Quat Nan() {
   return {kNan, kNan, kNan, kNan};
 }
 
-// Bones in an order in which parents precede their children, as indices into the description;
-// shorter than it where that cannot be.
+// Sorts the bones so that parents precede their children; returns indices into the description.
+// Incomplete if there is a second root, an unknown parent or a cycle.
 std::vector<std::size_t> SortBones(const natnet::SkeletonDescription& description,
                                    std::vector<int>& parents) {
   std::vector<std::size_t> order;
@@ -67,7 +67,8 @@ std::vector<std::size_t> SortBones(const natnet::SkeletonDescription& descriptio
   return order;
 }
 
-// Motive may put the skeleton's name and '_' or ':' before every bone's, and call the root by it.
+// The bone's name without prefix. Motive may put the skeleton's name and '_' or ':' before every
+// bone's name, and give the root the skeleton's name.
 std::string NameOf(const natnet::SkeletonDescription& description,
                    const natnet::BoneDescription& bone) {
   const auto prefixed = [&](std::string_view name) {
@@ -84,7 +85,7 @@ std::string NameOf(const natnet::SkeletonDescription& description,
   return std::string(bone.name.substr(description.name.size() + 1));
 }
 
-// Somebody in a T-pose is tall and wide, and not deep: whether the offsets are +Z up.
+// Whether the offsets are +Z up: a body in the T-pose is tall and wide, but not deep.
 bool IsZUp(const rig::Skeleton& skeleton) {
   Vec3 lowest = Vec3::Zero(), highest = Vec3::Zero();
   std::vector<Vec3> positions(skeleton.offsets.size(), Vec3::Zero());
@@ -112,7 +113,8 @@ Result<NatNetSkeleton> NatNetSkeleton::Make(const natnet::SkeletonDescription& d
   for (const std::size_t b : order) {
     const auto& bone = description.bones[b];
     std::string name = NameOf(description, bone);
-    // What is no UTF-8 would make the whole body unreadable; no rig's joint needs more than ASCII.
+    // Text that is not UTF-8 would make the whole body unreadable; no rig's joint names need more
+    // than ASCII.
     std::ranges::replace_if(
         name, [](char c) { return c < ' ' || c > '~'; }, '_');
     skeleton.names.push_back(std::move(name));
@@ -134,7 +136,7 @@ const natnet::Bone* NatNetSkeleton::Find(const natnet::Skeleton& bones, std::siz
   const auto usable = [flags](const natnet::Bone& bone) {
     return (bone.tracked || !flags) && IsRotation(RotationOf(bone)) && PositionOf(bone).allFinite();
   };
-  // In the description's order, as a rule.
+  // Usually the bones are in the description's order.
   const std::size_t place = places_[j];
   if (place < bones.bone_count && bones.bones[place].description_id() == ids_[j]) {
     return usable(bones.bones[place]) ? &bones.bones[place] : nullptr;
@@ -169,6 +171,8 @@ void NatNetSkeleton::Convert(const natnet::Skeleton& bones, NatNetConvention con
 
 void NatNetSkeleton::AddMisfits(const natnet::Skeleton& bones, bool flags,
                                 std::array<float, 4>& misfits) const noexcept {
+  // Under the right convention the bone lies at its described offset: in the parent's frame if
+  // positions are global, as sent if they are local.
   for (std::size_t j = 1; j < ids_.size(); ++j) {
     const natnet::Bone* bone = Find(bones, j, flags);
     const natnet::Bone* parent =
@@ -212,7 +216,7 @@ bool NatNetConventionFinder::Take(const std::array<float, 4>& misfits) noexcept 
       second = std::min(second, misfits[i]);
     }
   }
-  // Told apart: right, the misfit is millimetres, wrong it is the size of a body.
+  // Conclusive: the right convention misses by millimetres, a wrong one by the size of a body.
   const bool tells = std::isfinite(second) && least < 0.5F * second;
   if (!tells || (known_ && best == current_)) {
     if (tells) others_ = 0;

@@ -20,15 +20,15 @@ using runtime::Counter;
 using Joints = std::bitset<kJoints>;
 
 constexpr std::size_t kMaxActors = 64;  // of all senders
-// Time that is less behind is an old frame's, as long as so many do not come one after the other.
+// A smaller step back in time means a late frame, unless kOldFrames such frames come in a row.
 constexpr double kRestart_s = 1;
 constexpr int kOldFrames = 5;
 
-// Through the plane x = 0, from left-handed to right-handed.
+// Mirrors through the plane x = 0, from left-handed to right-handed.
 rig::Vec3 Mirrored(const std::array<float, 3>& p) { return {-p[0], p[1], p[2]}; }
 rig::Quat Mirrored(const std::array<float, 4>& q) { return {q[3], q[0], -q[1], -q[2]}; }
 
-// The joints that are given and whose rotations are such.
+// The joints that are present and have a valid rotation.
 Joints Usable(const rokoko::Actor& actor) noexcept {
   Joints usable = actor.has;
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -40,7 +40,7 @@ Joints Usable(const rokoko::Actor& actor) noexcept {
 
 class Actor {
  public:
-  // `occurrence`: of the actors of this name in one frame.
+  // `occurrence`: index among the actors of this name in one frame.
   Actor(std::uint64_t peer, std::string_view name, int occurrence, std::string performer)
       : peer_(peer), name_(name), occurrence_(occurrence), stream_(std::move(performer)) {}
 
@@ -65,7 +65,7 @@ class Actor {
   }
 
  private:
-  // False for a frame that is there already, or comes too late.
+  // Returns false for a duplicate or late frame.
   bool Admit(double time_s, Outbox& out) noexcept {
     if (any_ && time_s == time_s_) {
       out.Refuse(Counter::kPipelineDuplicate);
@@ -85,7 +85,7 @@ class Actor {
     return true;
   }
 
-  // Bones do not stretch: any frame shows where a joint is in its parent's frame.
+  // Bones do not stretch, so any frame shows where a joint is in its parent's frame.
   void MakeBody(const rokoko::Actor& actor, const Joints& usable, Outbox& out) {
     out.LeaveHotSection();
     known_ = usable;
@@ -99,7 +99,7 @@ class Actor {
     for (std::size_t j = 0; j < kJoints; ++j) {
       if (!known_[j]) continue;
       place[j] = static_cast<int>(joint_of_.size());
-      // The nearest joint above it that is there; the hip is.
+      // The nearest ancestor that is present; the hip always is.
       int parent = rokoko::kJointTable[j].parent;
       while (parent >= 0 && !known_[static_cast<std::size_t>(parent)]) {
         parent = rokoko::kJointTable[static_cast<std::size_t>(parent)].parent;
@@ -116,7 +116,7 @@ class Actor {
     pose_ = rig::RigPose(body.skeleton);
   }
 
-  // Of the body's joints, right-handed; NaN where the frame has none.
+  // World rotations of the body's joints, right-handed; NaN where the frame has none.
   void TakeRotations(const rokoko::Actor& actor, const Joints& usable) {
     constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
     world_.resize(joint_of_.size());
@@ -145,10 +145,10 @@ class Actor {
   PerformerStream stream_;
   bool any_ = false;
   double time_s_ = 0;
-  int behind_ = 0;  // frames one after the other that were older than the newest
+  int behind_ = 0;  // consecutive frames that were older than the newest
   Joints known_;
   float hip_height_m_ = 0;
-  std::vector<std::size_t> joint_of_;  // the body's joints
+  std::vector<std::size_t> joint_of_;  // the body's joints as indices into kJointTable
   std::vector<rig::Quat> world_;
   rig::RigPose pose_;
 };
@@ -177,7 +177,8 @@ class Rokoko final : public Translator {
   }
 
  private:
-  // Whom the frame's actor `k` is. Null where there are too many already, and all of them live.
+  // The actor to which the frame's actor `k` belongs. Null if there are kMaxActors and none of them
+  // was silent for 10 s.
   Actor* Find(int k, const Peer& peer, std::int64_t now_ns, Outbox& out) {
     const auto* const first = frame_.actors.begin();
     const std::string_view name = first[k].name();
@@ -197,8 +198,8 @@ class Rokoko final : public Translator {
     return actors_.back().get();
   }
 
-  // A performer's name that no other actor of the same sender has; another sender's is not in the
-  // way: the pipeline lets one of them in at a time.
+  // A performer's name that no other actor of the same sender has. Another sender's actor may have
+  // the same name: the pipeline admits one sender at a time.
   std::string FreeName(std::string_view name, std::uint64_t peer) const {
     std::string free = name.empty() ? unnamed_ : MakeName(name);
     const std::string stem = free.substr(0, 28);

@@ -17,15 +17,16 @@ namespace {
 using runtime::AddressText;
 using runtime::Counter;
 
-// Those that the configuration names are among them, each in a place kept for it.
+// Includes the devices that the configuration names, each of which has a reserved place.
 constexpr std::size_t kMaxDevices = 64;
 constexpr std::int64_t kHeartbeat_ns = runtime::kSecond_ns / 2;
 constexpr std::int64_t kSilent_ns = 5 * runtime::kSecond_ns;
-// A tracker is live, and only where it is, until it was silent for so long. It answers a heartbeat
-// and a ping every kHeartbeat_ns, so four of each were lost, which Wi-Fi's bursts are not; and one
-// that comes from elsewhere began to seek us after 3 s without us, or was switched off.
+// A tracker is live, and bound to its address, until it was silent for so long. It replies to a
+// heartbeat and a ping every kHeartbeat_ns, so four of each would be lost, more than in Wi-Fi's
+// bursts. A tracker that turns up elsewhere either searched for a server after 3 s without this
+// one, or was switched off.
 constexpr std::int64_t kTakeover_ns = 2 * runtime::kSecond_ns;
-// From this protocol on every sensor is announced before it counts; older firmware has one.
+// From this protocol on every sensor is announced before use; older firmware has one sensor.
 constexpr std::uint32_t kAnnouncesSensors = 9;
 
 // A tracker's board with its sensors.
@@ -37,13 +38,13 @@ struct Device {
     parts.fill(kUnannounced);
   }
 
-  Peer peer;  // id 0: nowhere
+  Peer peer;  // id 0: none
   std::uint64_t address = 0;
   bool configured = false;
   std::int64_t heard_ns = 0;
-  std::int64_t since_ns = 0;  // at `peer`
-  std::uint32_t ping = 0;     // sent there last
-  bool answers = false;       // sent one back, so it is there
+  std::int64_t since_ns = 0;  // since when it is at `peer`
+  std::uint32_t ping = 0;     // the id of the last ping to `peer`
+  bool answers = false;       // `peer` returned a ping, so its address is real
   std::uint64_t number = 0;   // of the last datagram
   std::int64_t number_ns = 0;
   std::uint64_t number_before_greeting = 0;
@@ -85,7 +86,7 @@ class SlimeVr final : public Translator {
       if (handshake != nullptr) return Greet(*handshake, peer, now_ns, out);
     }
     Device* device = At(peer);
-    // Of a tracker that knew a daemon before us: it gives up after 3 s and greets us.
+    // A tracker that knows another server: it gives up after 3 s and sends a handshake.
     if (device == nullptr) return out.Refuse(Counter::kSourceIgnored);
     if (!IsNext(*device, now_ns, out)) return;
     device->heard_ns = now_ns;
@@ -127,14 +128,14 @@ class SlimeVr final : public Translator {
     return found == devices_.end() ? nullptr : &*found;
   }
 
-  // Whether nobody may take it over: it is heard, and not only from an address that somebody made
-  // up, who never sees our ping.
+  // Whether the device is protected against takeover: it is live, and its address has returned a
+  // ping or is new. A forged address never receives the ping.
   static bool Holds(const Device& device, std::int64_t now_ns) {
     return device.peer.id != 0 && now_ns - device.heard_ns <= kTakeover_ns &&
            (device.answers || now_ns - device.since_ns <= kTakeover_ns);
   }
 
-  // Only who is let in is answered, where the greeting came from.
+  // Only an admitted tracker gets a reply, at the address of its handshake.
   void Greet(const slimevr::Handshake& handshake, const Peer& peer, std::int64_t now_ns,
              Outbox& out) {
     const std::uint64_t address = AddressOf(handshake, peer);
@@ -185,10 +186,11 @@ class SlimeVr final : public Translator {
     });
   }
 
-  // A new device, or the one that was silent for longest; null where all are live or kept for
-  // those that the configuration names.
+  // A new device, or the one that was silent for longest. Null if all devices are live or reserved
+  // by the configuration.
   Device* FindRoom(std::int64_t now_ns) {
-    if (devices_.size() < kMaxDevices) return &devices_.emplace_back();  // reserved
+    // Never reallocates: reserved.
+    if (devices_.size() < kMaxDevices) return &devices_.emplace_back();
     Device* oldest = nullptr;
     for (Device& device : devices_) {
       const bool silent = now_ns - device.heard_ns > kSilent_ns;
@@ -211,9 +213,10 @@ class SlimeVr final : public Translator {
     });
   }
 
-  // As the server has it: 0 is always taken. Numbers that begin anew after a greeting are those of
-  // a board that was switched on again, and has another heading since. Where none was the next for
-  // long, the last one was wrong: they begin anew, too.
+  // Checks the packet number as SlimeVR's server does: 0 is always accepted. Numbers that start
+  // again after a handshake mean that the board was switched on again and has another heading. If
+  // no number was accepted for kTakeover_ns, the last one was wrong, and numbering starts again,
+  // too.
   bool IsNext(Device& device, std::int64_t now_ns, Outbox& out) {
     const std::uint64_t number = datagram_.number;
     if (number == 0) return true;
@@ -270,7 +273,7 @@ class SlimeVr final : public Translator {
     rig_.Take(body::Joint(part), orientation, now_ns);
   }
 
-  // Where the configuration says whose trackers they are, a stranger's button resets nobody.
+  // If the configuration names trackers, buttons of all others are ignored.
   void Act(const Device& device, std::uint8_t action, std::int64_t now_ns, Outbox& out) {
     Calibration what = Calibration::kFull;
     switch (action) {
@@ -310,11 +313,11 @@ class SlimeVr final : public Translator {
   std::vector<Device> devices_;
   slimevr::Datagram datagram_;
   std::int64_t next_heartbeat_ns_ = kNever;
-  std::mt19937 random_;     // pings that nobody guesses who does not receive them
+  std::mt19937 random_;     // ids of pings, which only their receiver can know
   bool has_table_ = false;  // the configuration names trackers
   NoteLimit takeover_notes_, full_notes_;
-  NoteLimit restart_notes_{kMaxDevices}, error_notes_{kMaxDevices};  // all of them at once
-  NoteLimit buttons_{8};  // resets: nobody presses more often in good faith
+  NoteLimit restart_notes_{kMaxDevices}, error_notes_{kMaxDevices};  // all devices at once
+  NoteLimit buttons_{8};  // resets; nobody presses a button more often in good faith
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ using runtime::Counter;
 
 constexpr std::size_t kMaxReceivers = 16;
 
-// A dongle since it was plugged in, with the trackers that it has registered, by their number.
+// One opening of a receiver, with its registered trackers by number.
 struct Receiver {
   struct Tracker {
     std::optional<std::uint64_t> address;
@@ -53,7 +53,7 @@ class SlimeVrHid final : public Translator {
   }
 
  private:
-  // Of more than there is room for, the one that was silent for longest is forgotten.
+  // If all places are taken, the receiver that was silent for longest is forgotten.
   Receiver& ReceiverOf(const Peer& peer) {
     const auto found = std::ranges::find(receivers_, peer.id, &Receiver::peer);
     if (found != receivers_.end()) return *found;

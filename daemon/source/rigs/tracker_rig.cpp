@@ -11,11 +11,11 @@
 namespace styled::source {
 namespace {
 
-// A daemon that was held up longer than this leaves frames out.
+// If a tick comes later than this, the frames in between are left out.
 constexpr std::int64_t kCatchUp_ns = runtime::kSecond_ns / 10;
 
-// SlimeVR's TrackerPosition.kt: where a tracker can say that it is worn. 1 is the head; there is no
-// 0, and what follows are fingers.
+// SlimeVR's TrackerPosition.kt: the positions that a tracker can report. 1 is the head; 0 is
+// unused, and the positions beyond are fingers.
 constexpr std::array<int, 21> kPartOfPosition{TrackerRig::kUnassigned,
                                               body::kHead,
                                               body::kNeck,
@@ -118,7 +118,8 @@ int TrackerRig::PartOf(const slimevr::TrackerId& id, int position, std::int64_t 
     found->part = part;
   } else {
     out.LeaveHotSection();
-    // Somebody may make them up: who is worn nowhere makes room. Parts are fewer than kMaxKnown.
+    // Trackers can be forged, so one without a joint is replaced. There are fewer joints than
+    // kMaxKnown.
     if (known_.size() == kMaxKnown) {
       known_.erase(std::ranges::find(known_, kUnassigned, &Known::part));
     }
@@ -146,7 +147,8 @@ void TrackerRig::SayPart(const slimevr::TrackerId& id, int part, std::int64_t no
   }
 }
 
-// The sensors' world is +Z up: the server's turn by -90 degrees about x makes it +Y up.
+// The sensors' world is +Z up. A rotation by -90 degrees about x, as in SlimeVR's server, makes it
+// +Y up.
 void TrackerRig::Take(body::Joint part, const slimevr::Orientation& orientation,
                       std::int64_t now_ns) noexcept {
   if (!orientation.usable) return;

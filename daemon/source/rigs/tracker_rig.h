@@ -16,24 +16,23 @@
 
 namespace styled::source {
 
-// One performer who wears SlimeVR's trackers, however their records come in (UDP, the receiver on
-// USB): gives them to the body solver and sends its poses at config.rate_hz, as body "canonical"
-// in metres: the rest pose until the first full reset, nothing while all trackers are silent. After
-// every reset follows a new session, because the pose jumps. Pipeline thread; Take and Tick do not
-// allocate once the first frame was sent.
-// Pinned by tests/unit/slimevr/tracker_rig_test.cpp.
+// One performer who carries SlimeVR's trackers, however their records arrive (UDP, or the receiver
+// on USB). Passes the records to the body solver and sends its poses at config.rate_hz, as body
+// "canonical" in metres: the rest pose until the first full reset, nothing while all trackers are
+// silent. Each reset starts a new session, because the pose jumps. Pipeline thread; Take and Tick
+// do not allocate once the first frame was sent. Pinned by tests/unit/slimevr/tracker_rig_test.cpp.
 class TrackerRig {
  public:
   explicit TrackerRig(const config::Source& config);
 
   static constexpr int kUnassigned = -1;
-  // Which part the tracker is worn on: as the configuration says, else, where nobody else has that
-  // part, where the tracker itself says it is (`position`, SlimeVR's TrackerPosition; 0: nowhere).
-  // Says so in the log the first time; of trackers on no part, whoever makes them up, no more than
-  // one a second after the first kMaxKnown / 4. Allocates: keep the answer.
+  // The joint that carries the tracker: as configured; else, if no other tracker has that joint,
+  // the one that the tracker itself reports (`position`, SlimeVR's TrackerPosition; 0: none). Logs
+  // the result the first time; for trackers on no joint, which anybody can forge, at most one line
+  // a second after the first kMaxKnown / 4. Allocates: keep the result.
   int PartOf(const slimevr::TrackerId& id, int position, std::int64_t now_ns, Outbox& out);
 
-  // The devices that the configuration names, each once.
+  // The addresses of the devices that the configuration names, each once.
   std::vector<std::uint64_t> ConfiguredDevices() const;
 
   STYLED_REALTIME void Take(body::Joint part, const slimevr::Orientation& orientation,
@@ -41,14 +40,15 @@ class TrackerRig {
   void Tick(std::int64_t now_ns, Outbox& out);
   std::int64_t NextDeadline_ns() const { return next_frame_ns_; }
 
-  // What was left out is said in the log with the next Tick. Errors: nothing could be calibrated.
+  // The result is logged with the next Tick, including the trackers left out. Errors: nothing could
+  // be calibrated.
   Status Calibrate(Calibration what, std::int64_t now_ns);
 
  private:
   struct Known {
     slimevr::TrackerId id;
     int part = kUnassigned;
-    bool said = false;  // in the log
+    bool said = false;  // it is logged
   };
   static constexpr std::size_t kMaxKnown = 256;
 
@@ -57,7 +57,7 @@ class TrackerRig {
   void SendFrame(std::int64_t time_ns, std::int64_t now_ns, std::uint64_t lost, Outbox& out);
 
   std::vector<Known> assigned_;  // by the configuration
-  std::vector<Known> known_;     // heard of beside them; oldest first
+  std::vector<Known> known_;     // trackers that are not configured; oldest first
   NoteLimit strangers_{kMaxKnown / 4};
   std::string note_;  // for the log
   bool told_to_calibrate_ = false;

@@ -20,17 +20,17 @@ using rig::Vec3;
 using runtime::Counter;
 using vmc::BoneSet;
 
-// Of one datagram. Senders put one frame, or a part of it, into each; of the largest datagram 680
-// could be made, which is more work than the time of a frame allows.
+// Most frames made of one datagram. Senders put one frame, or a part of it, into each. The largest
+// datagram could hold 680, which is more work than the time of a frame allows.
 constexpr int kMostFrames = 4;
 constexpr std::size_t kMaxSenders = 8;
-// An avatar of other measures: bones that lie this far from where they were, and stay there.
+// Another avatar: bones that are kMoved_m away from where they were, and stay there.
 constexpr float kMoved_m = 0.01F, kSteady_m = 0.001F;
 constexpr int kMovedFrames = 10;
 
 Quat ToQuat(const std::array<float, 4>& r) { return {r[3], r[0], r[1], r[2]}; }
 Vec3 ToVec3(const std::array<float, 3>& p) { return {p[0], p[1], p[2]}; }
-// Through the plane x = 0: from Unity's axes to ours, and back.
+// Mirrors through the plane x = 0: from Unity's axes to right-handed ones, and back.
 Quat Mirrored(const Quat& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
 Vec3 Mirrored(const Vec3& p) { return {-p.x(), p.y(), p.z()}; }
 
@@ -38,7 +38,7 @@ float Distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return (ToVec3(a) - ToVec3(b)).norm();
 }
 
-// One application that sends, from one address.
+// One sending application at one address.
 class Sender {
  public:
   Sender(std::uint64_t peer, std::string performer) : peer_(peer), stream_(std::move(performer)) {
@@ -85,23 +85,23 @@ class Sender {
   vmc::Assembler::Counts reported_;
   PerformerStream stream_;
   const BoneSet canonical_ = CanonicalBones(), required_ = RequiredBones();
-  BoneSet bones_ = 0;          // of the body
-  BoneSet before_ = 0;         // of the last frame
-  BonePositions positions_{};  // where each bone was last
-  BonePositions told_{};       // ... when the body was made
+  BoneSet bones_ = 0;          // the body's bones
+  BoneSet before_ = 0;         // the last frame's bones
+  BonePositions positions_{};  // each bone's last position
+  BonePositions told_{};       // the same when the body was made
   int moved_frames_ = 0;
   Vec3 root_position_ = Vec3::Zero(), hips_position_ = Vec3::Zero();
   Quat root_rotation_ = Quat::Identity();
   std::vector<int> bone_of_joint_;
   rig::RigPose pose_;
   Face face_;
-  std::int64_t source_from_arrival_ns_ = 0;  // what to add to a time of arrival
+  std::int64_t source_from_arrival_ns_ = 0;  // offset from a time of arrival to source time
 };
 
 void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
   if (frame.restarted) {
     stream_.Restart();
-    bones_ = before_ = 0;  // another avatar, perhaps
+    bones_ = before_ = 0;  // the avatar may have changed
   }
   Remember(frame);
   if (frame.bones == 0) return;
@@ -117,7 +117,7 @@ void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
   stream_.Send(pose_, info, out);
 }
 
-// What is not a number is as if it had not come.
+// Notes positions and root. Values that are not finite are ignored.
 void Sender::Remember(const vmc::Frame& frame) {
   bool moved = false, steady = true;
   for (int bone = 0; bone < vmc::kBoneCount; ++bone) {
@@ -140,8 +140,8 @@ void Sender::Remember(const vmc::Frame& frame) {
   if (rotation.coeffs().allFinite() && rotation.norm() > 0) root_rotation_ = rotation.normalized();
 }
 
-// The bones that the body should have; 0 while nothing can be said yet: the first frame may be the
-// end of one. Of those that have gone only what no skeleton needs leaves the body.
+// The bones that the body should have; 0 while that is unknown, because the first frame may be the
+// end of one. A bone that disappeared leaves the body only if no skeleton needs it.
 BoneSet Sender::Wanted(const vmc::Frame& frame) {
   if (bones_ == 0) {
     const bool whole = (required_ & ~frame.bones) == 0 || frame.bones == before_;
@@ -177,7 +177,8 @@ void Sender::Pose(const vmc::Frame& frame) {
   pose_.translations.front() = Mirrored(root_position_ + root_rotation_ * hips_position_);
 }
 
-// What it says of the face; names that are no UTF-8 no subscriber could read.
+// The frame's expressions. Names that are not UTF-8 are left out, because subscribers could not
+// parse them.
 const Face* Sender::Look(const vmc::Frame& frame) {
   face_.expressions.clear();
   face_.thru.clear();
@@ -191,7 +192,8 @@ const Face* Sender::Look(const vmc::Frame& frame) {
   return &face_;
 }
 
-// Arrival continues the sender's clock where frames come without it.
+// The frame's source time. For a frame without a time, the time of arrival continues the sender's
+// clock.
 std::uint64_t Sender::Time_ns(const vmc::Frame& frame) {
   if (frame.has_time) {
     source_from_arrival_ns_ = std::llround(double{frame.time_s} * 1e9) - frame.received_ns;
@@ -211,7 +213,7 @@ void Sender::Report(Outbox& out) {
   report(reported_.incomplete, counts.incomplete, Counter::kSourceIncomplete);
 }
 
-// Whether it speaks of a bone.
+// Whether the datagram contains a bone.
 bool HasBone(std::span<const std::byte> datagram) {
   vmc::osc::Reader reader(datagram);
   vmc::osc::Message bytes;
@@ -255,7 +257,7 @@ class Vmc final : public Translator {
   }
 
  private:
-  // Null where there are too many already, and all of them live.
+  // Returns null if there are kMaxSenders and none of them was silent for 10 s.
   Sender* Add(const Peer& peer, std::int64_t now_ns, Outbox& out) {
     out.LeaveHotSection();
     std::erase_if(senders_, [now_ns](const auto& sender) {

@@ -10,8 +10,8 @@ namespace {
 
 using rig::Vec3;
 
-// A finger as of somebody of the canonical humanoid's size: where it begins in the left hand's
-// frame, and how long its two inner bones are, palm down.
+// A finger of a hand of the canonical humanoid's size, palm down: where it begins in the left
+// hand's frame, and the lengths of its two inner bones.
 struct Finger {
   float x_m, y_m, z_m;
   float lengths_m[2];
@@ -24,7 +24,7 @@ constexpr std::array<Finger, 5> kFingers{{
     {0.078F, 0, -0.034F, {0.029F, 0.019F}},
 }};
 
-// Where the bones are when such a body stands in the T-pose.
+// Positions of the bones in the canonical humanoid's T-pose.
 std::array<Vec3, vmc::kBoneCount> CanonicalPositions() {
   std::array<Vec3, vmc::kBoneCount> at;
   body::WorldPose world;

@@ -7,17 +7,17 @@
 
 namespace styled::source {
 
-// Where VMC's bones lie, relative to their parents, as received: Unity's axes, metres.
+// Positions of VMC's bones relative to their parents, as received: Unity's axes, metres.
 using BonePositions = std::array<std::array<float, 3>, vmc::kBoneCount>;
 
-// Those that no binding can do without, or that move the body: what the canonical humanoid has.
+// The bones of the canonical humanoid: those that a binding requires or that move the body.
 vmc::BoneSet CanonicalBones();
-// Those that every VRM has.
+// The bones that every VRM model has.
 vmc::BoneSet RequiredBones();
 
-// The body that these bones make, hips among them: right-handed, joints by vmc::kParentsFirst, rest
-// rotations identity, as of VRM's normalized humanoid. Where all positions but the hips' are zero,
-// which some senders leave so, the bones are as long as the canonical humanoid's.
+// The body made of `bones`, which must include the hips: right-handed, joints in the order of
+// vmc::kParentsFirst, identity rest rotations as in VRM's normalized humanoid. If all positions but
+// the hips' are zero, as some senders leave them, the bones get the canonical humanoid's lengths.
 rig::RigBody MakeVmcBody(vmc::BoneSet bones, const BonePositions& positions);
 
 }  // namespace styled::source

@@ -7,8 +7,9 @@
 
 namespace styled::source {
 
-// Local rotations of `pose` from those in the world, parents before their children. Where one is of
-// no length, or not finite, so is the joint's and its children's: the stylist holds them.
+// Computes the local rotations of `pose` from world rotations; parents must precede their children.
+// A rotation of zero length, or one that is not finite, makes its joint and the children NaN; the
+// stylist holds such joints.
 STYLED_REALTIME inline void LocalFromWorld(std::span<const int> parents,
                                            std::span<const rig::Quat> world,
                                            rig::RigPose& pose) noexcept {
@@ -21,8 +22,8 @@ STYLED_REALTIME inline void LocalFromWorld(std::span<const int> parents,
   }
 }
 
-// Offsets from the parents, in the parents' frames, of a skeleton that stands like this. `offsets`
-// has a row per joint; the root's is its place.
+// Computes the offsets from the parents, in the parents' frames, of a skeleton in the given world
+// pose. `offsets` has a row per joint; the root's is its world position.
 inline void OffsetsFromWorld(std::span<const int> parents, std::span<const rig::Vec3> positions,
                              std::span<const rig::Quat> rotations,
                              std::span<rig::Vec3> offsets) noexcept {

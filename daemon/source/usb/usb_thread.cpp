@@ -14,8 +14,8 @@ namespace {
 using runtime::Counter;
 
 constexpr std::int64_t kScanEvery_ns = runtime::kSecond_ns;
-constexpr int kMostDoublings =
-    6;  // the pause before a failed device is retried doubles at most 6 times, from 1 s
+// The pause before a failed device is retried doubles at most so many times, from 1 s.
+constexpr int kMostDoublings = 6;
 constexpr std::int64_t kClosing_ns = runtime::kSecond_ns;
 constexpr auto kPauseOnError = std::chrono::milliseconds(10);
 
