@@ -15,7 +15,7 @@ constexpr std::size_t kChunkHeader = 8;
 constexpr std::string_view kFormat = "sony motion format";
 constexpr float kMaxTime_s = 1e9F;
 
-// A chunk's letters, as the number that they are on the wire.
+// A chunk's four letters as the little-endian number on the wire.
 constexpr std::uint32_t Tag(std::string_view letters) {
   std::uint32_t tag = 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -31,7 +31,7 @@ constexpr std::uint32_t kFram = Tag("fram"), kFnum = Tag("fnum"), kTime = Tag("t
 constexpr std::uint32_t kUttm = Tag("uttm"), kTmcd = Tag("tmcd"), kBtrs = Tag("btrs");
 constexpr std::uint32_t kBtdt = Tag("btdt");
 
-// `bytes` holds at least sizeof(T).
+// `bytes` must hold at least sizeof(T).
 template <typename T>
 T Load(Bytes bytes) noexcept {
   std::uint64_t value = 0;
@@ -52,7 +52,7 @@ struct Chunk {
   Bytes payload;
 };
 
-// Takes the chunk at the front of `rest`; false where it does not fit.
+// Removes the chunk at the front of `rest`; returns false if it does not fit.
 bool Next(Bytes& rest, Chunk& chunk) noexcept {
   if (rest.size() < kChunkHeader) return false;
   const std::size_t length = Load<std::uint32_t>(rest);
@@ -63,7 +63,7 @@ bool Next(Bytes& rest, Chunk& chunk) noexcept {
   return true;
 }
 
-// What `container` holds under the tags that are asked for; others are skipped.
+// Collects the payloads of `container`'s chunks with the given tags; other chunks are skipped.
 template <std::size_t kFields>
 R Collect(Bytes container, const std::array<std::uint32_t, kFields>& tags,
           std::array<std::optional<Bytes>, kFields>& fields) noexcept {
@@ -188,14 +188,14 @@ R ReadFrame(Bytes payload, Frame& frame) noexcept {
   });
 }
 
-// Writes chunks one behind the other into bytes that are known to be enough.
+// Writes consecutive chunks into bytes whose size was checked before.
 class Writer {
  public:
   explicit Writer(std::span<std::byte> out) noexcept : out_(out) {}
 
   std::size_t size() const noexcept { return size_; }
 
-  // A chunk that ends with the matching End().
+  // Begins a chunk, which ends with the matching End().
   std::size_t Begin(std::uint32_t tag) noexcept {
     const std::size_t at = size_;
     Put(std::uint32_t{0});

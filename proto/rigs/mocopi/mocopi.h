@@ -10,22 +10,22 @@
 #include "model/base/realtime.h"
 
 // Sony mocopi's motion format: little-endian chunks {u32 length, 4 letters, payload}, some of which
-// hold chunks. A datagram is `head`, `sndf` and either `skdf` (the skeleton, about every 3.5 s) or
-// `fram` (a pose). The grammar and the meaning of its fields are known from the work of
-// seagetch/mcp-receiver, t-34400/mocopi_protocol_supplement and animu-sphere/usd-vrm-plugins.
-// Bones are local to their parents, metres, right-handed, +Y up, +Z forward, +X the body's left;
-// all rotations are identity in the T-pose. Pure functions; any thread; nothing here allocates,
-// blocks or throws. Pinned by tests/unit/mocopi, fuzzed by tests/fuzz/mocopi.
+// contain chunks. A datagram is `head`, `sndf` and either `skdf` (the skeleton, about every 3.5 s)
+// or `fram` (a pose). The grammar and the meaning of its fields are known from the work of
+// seagetch/mcp-receiver, t-34400/mocopi_protocol_supplement and animu-sphere/usd-vrm-plugins. Bones
+// are local to their parents, metres, right-handed, +Y up, +Z forward, +X the body's left; all
+// rotations are identity in the T-pose. Pure functions; any thread; nothing here allocates, blocks
+// or throws. Pinned by tests/unit/mocopi, fuzzed by tests/fuzz/mocopi.
 namespace styled::mocopi {
 
 inline constexpr int kBones = 27;
-// Sony's own plug-in tells datagrams apart by these sizes.
+// Sony's own plug-in distinguishes datagrams by these sizes.
 inline constexpr std::size_t kSkeletonSize = 1821;
 inline constexpr std::size_t kFrameSize = 1591;  // with `uttm`; +14 with `tmcd`, -16 without `uttm`
 inline constexpr std::size_t kFrameSizeWithTimecode = 1605;
 
-// Relative to the parent bone. As received: neither normalized nor looked at (rest is often sent
-// as -0, 0, -0, -1).
+// Relative to the parent bone. As received: neither normalized nor checked (rest is often sent as
+// -0, 0, -0, -1).
 struct Transform {
   std::array<float, 4> rotation{0, 0, 0, 1};  // x, y, z, w
   std::array<float, 3> position_m{};
@@ -33,13 +33,13 @@ struct Transform {
 };
 
 struct Sender {
-  std::array<std::byte, 8> address{};  // `ipad`: the sender's, as it sees it; not to be relied on
-  std::uint16_t port = 12351;          // `rcvp`: the receiver's
+  std::array<std::byte, 8> address{};  // `ipad`: the sender's address as it sees it; unreliable
+  std::uint16_t port = 12351;          // `rcvp`: the receiver's port
   friend bool operator==(const Sender&, const Sender&) = default;
 };
 
 struct Bone {
-  int parent = -1;  // an earlier bone; -1 for bone 0 alone
+  int parent = -1;  // an earlier bone; -1 for bone 0 only
   Transform rest;
   friend bool operator==(const Bone&, const Bone&) = default;
 };
@@ -48,15 +48,15 @@ using Skeleton = std::array<Bone, kBones>;
 struct Frame {
   std::uint32_t number = 0;           // `fnum`: +1 per frame
   float time_s = 0;                   // `time`: since the stream began; 0 to 1e9
-  std::optional<double> unix_time_s;  // `uttm`: not in the apps of early 2023
-  // `tmcd`: in newer apps; what it says is not known.
+  std::optional<double> unix_time_s;  // `uttm`: absent in the apps of early 2023
+  // `tmcd`: in newer apps; its meaning is unknown.
   std::optional<std::array<std::byte, 6>> timecode;
   std::array<Transform, kBones> bones;
 };
 
 struct Datagram {
   enum class Kind : std::uint8_t { kSkeleton, kFrame };
-  Sender sender;  // the default where the datagram does not say
+  Sender sender;  // default values if the datagram has no `sndf`
   Kind kind = Kind::kFrame;
   Skeleton skeleton;  // kSkeleton: one entry per bone id
   Frame frame;        // kFrame
@@ -66,31 +66,31 @@ enum class [[nodiscard]] DecodeResult : std::uint8_t {
   kOk,
   kNotMocopi,   // does not begin with a `head` whose `ftyp` is "sony motion format"
   kBadVersion,  // `vrsn` is not 1
-  kCutChunk,    // a chunk that leaves what holds it, or fewer bytes than a chunk's header
-  kBadSize,     // a field of another size than its type has
-  kMissing,     // a field, or all of `skdf` and `fram`, is not there
-  kRepeated,    // a chunk that is there twice, or `skdf` and `fram` both
-  kBadBone,     // an id beyond 26 or given twice, a parent that is no earlier bone
+  kCutChunk,    // a chunk exceeds its container, or fewer bytes than a chunk's header
+  kBadSize,     // a field's size differs from its type's
+  kMissing,     // a required field, or both `skdf` and `fram`, are absent
+  kRepeated,    // a chunk occurs twice, or both `skdf` and `fram` occur
+  kBadBone,     // an id beyond 26 or given twice, or a parent that is not an earlier bone
   kBadTime,     // `time` is not a number from 0 to 1e9
   kCount        // the number of results
 };
 // A word for counters and messages: "ok", "not_mocopi", ...
 std::string_view Name(DecodeResult result) noexcept;
 
-// Reads one whole datagram. Chunks may come in any order behind `head`; unknown ones are skipped by
-// their length and never entered, so that nesting goes no deeper than the grammar's four levels.
-// `datagram` is unspecified unless kOk.
+// Decodes one whole datagram. Chunks may follow `head` in any order. Unknown ones are skipped by
+// their length and never entered, so that the nesting depth is limited to the grammar's four
+// levels. `datagram` is unspecified unless kOk.
 STYLED_REALTIME DecodeResult Decode(std::span<const std::byte> bytes, Datagram& datagram) noexcept;
 
-// Write a datagram to the front of `out`, in the order of the real ones, and return its size; 0,
-// and nothing written, where `out` is too small.
+// Write a datagram to the front of `out`, in the order of real ones, and return its size. Return 0
+// and write nothing if `out` is too small.
 STYLED_REALTIME std::size_t Encode(const Sender& sender, const Skeleton& skeleton,
                                    std::span<std::byte> out) noexcept;
 STYLED_REALTIME std::size_t Encode(const Sender& sender, const Frame& frame,
                                    std::span<std::byte> out) noexcept;
 
-// The bones, and where they are in an adult's T-pose: what a receiver works with until a `skdf`
-// comes. Rounded from the published sample.
+// The bones and their offsets in an adult's T-pose: the default until a `skdf` arrives. Rounded
+// from the published sample.
 struct BoneRow {
   std::string_view name;
   int parent;

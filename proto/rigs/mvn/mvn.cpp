@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kEulerItem = 28, kQuaternionItem = 32;
 
-// Reads big-endian numbers from the front of `bytes`; what is not there sets `bad` and is 0.
+// Reads big-endian numbers from the front of `bytes`. A missing one reads as 0 and sets `bad`.
 struct Reader {
   std::span<const std::byte> bytes;
   bool bad = false;
@@ -34,7 +34,7 @@ struct Reader {
     for (float& value : values) value = Float();
     return values;
   }
-  // A signed length and that many bytes.
+  // Reads a signed length and that many bytes.
   std::string_view Text() noexcept {
     const auto size = static_cast<std::int32_t>(Unsigned(4));
     if (bad || size < 0 || static_cast<std::size_t>(size) > bytes.size()) {
@@ -48,7 +48,7 @@ struct Reader {
   }
 };
 
-// Writes big-endian numbers; what does not fit sets `full`.
+// Writes big-endian numbers. One that does not fit sets `full`.
 struct Writer {
   std::span<std::byte> bytes;
   std::size_t size = 0;
@@ -86,8 +86,8 @@ std::array<float, 4> FromEuler(const std::array<float, 3>& degrees) noexcept {
           static_cast<float>(cx * cy * cz + sx * sy * sz)};
 }
 
-// The angles of R = Rz Ry Rx, y within a right angle. x is taken of what z leaves, so that both are
-// right together where y is a right angle and neither is by itself.
+// The angles of R = Rz Ry Rx, with y from -90 to 90 degrees. x is taken from Rz^-1 R, so that x and
+// z together stay correct at y = +-90 degrees, where neither is unique.
 std::array<float, 3> ToEuler(const std::array<float, 4>& xyzw) noexcept {
   constexpr double kDegrees = 180.0 / 3.14159265358979323846;
   const double x = xyzw[0], y = xyzw[1], z = xyzw[2], w = xyzw[3];
@@ -124,7 +124,7 @@ Writer BeginWriting(const Header& header, std::span<std::byte> out) noexcept {
   writer.Unsigned(header.body_segments, 1);
   writer.Unsigned(header.props, 1);
   writer.Unsigned(header.finger_segments, 1);
-  writer.Unsigned(0, 4);  // reserved, and the payload's size, known at the end
+  writer.Unsigned(0, 4);  // reserved, and the payload's size, which Finish writes
   return writer;
 }
 
@@ -212,7 +212,7 @@ DecodeResult DecodeScale(std::span<const std::byte> bytes, Scale& out) noexcept 
     out.segments[i].position_m = reader.Floats<3>();
     if (reader.bad) return DecodeResult::kTooShort;
   }
-  // The points that follow are markers on the body, of no use to a pose.
+  // The points that follow are markers on the body, which a pose does not need.
   return DecodeResult::kOk;
 }
 

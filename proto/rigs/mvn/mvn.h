@@ -9,9 +9,9 @@
 #include "model/base/realtime.h"
 
 // Xsens MVN's network streamer (MXTP): big-endian datagrams of a 24-byte header and a payload by
-// type. After the vendor's "MVN real-time network streaming, protocol specification", rev. N, 2018;
-// where its prose and real packets differ (metres in type 02), the packets count. Pure functions,
-// any thread, no allocation. Pinned by tests/unit/mvn, fuzzed by tests/fuzz/mvn.
+// type. Follows the vendor's "MVN real-time network streaming, protocol specification", rev. N,
+// 2018. Where its text and real packets differ (metres in type 02), the packets are followed. Pure
+// functions, any thread, no allocation. Pinned by tests/unit/mvn, fuzzed by tests/fuzz/mvn.
 namespace styled::mvn {
 
 inline constexpr std::size_t kHeaderSize = 24;
@@ -29,7 +29,7 @@ enum class Type : std::uint8_t {
 };
 
 struct Header {
-  Type type = Type::kQuaternion;  // any number of two digits; those above are read
+  Type type = Type::kQuaternion;  // any two-digit number; only those above are decoded
   std::uint32_t sample = 0;       // the same for all datagrams of one sample; may skip values
   std::uint8_t datagram = 0;      // index within the sample
   bool last = true;
@@ -42,23 +42,23 @@ struct Header {
 
 struct Segment {
   std::uint32_t id = 0;                       // 1 .. 23 of the body
-  std::array<float, 3> position{};            // as its Type
+  std::array<float, 3> position{};            // space and unit of its Type
   std::array<float, 4> rotation{0, 0, 0, 1};  // x, y, z, w, as received: not normalized
 };
 
-// One datagram's part of a sample: segments first .. first + count - 1, in the order of the wire.
+// One datagram's part of a sample: consecutive segments in the order of the wire.
 struct Pose {
   int count = 0;
   std::array<Segment, kMaxSegments> segments{};
 };
 
-// The T-pose: where the segments' origins stand when all orientations are identity.
+// The T-pose: the segments' origins when all orientations are identity.
 struct Scale {
   struct Row {
-    std::string_view name;              // into the bytes that were decoded
+    std::string_view name;              // points into the decoded bytes
     std::array<float, 3> position_m{};  // +Z up
   };
-  int count = 0;  // 0: a datagram of points alone
+  int count = 0;  // 0: the datagram holds points only
   std::array<Row, kMaxSegments> segments{};
 };
 
@@ -68,32 +68,32 @@ struct Timecode {
 
 enum class [[nodiscard]] DecodeResult : std::uint8_t {
   kOk,
-  kTooShort,        // fewer bytes than a header, or than its items need
+  kTooShort,        // fewer bytes than a header, or than its items require
   kBadMagic,        // not "MXTP" and two digits
-  kLengthMismatch,  // more bytes than header and items say
+  kLengthMismatch,  // more bytes than header and items require
   kTooManyItems,    // more than kMaxSegments
-  kBadText,         // a string that leaves its datagram, or no timecode
+  kBadText,         // a string that exceeds its datagram, or an invalid timecode
   kNotThisType      // the header names another type
 };
 std::string_view Name(DecodeResult result) noexcept;
 
 STYLED_REALTIME DecodeResult DecodeHeader(std::span<const std::byte> bytes, Header& out) noexcept;
 
-// Payloads of a whole datagram, header included. Out parameters are unspecified unless kOk.
-// Types 01 and 02. Type 01's angles become quaternions as R = Rz Ry Rx, MotionBuilder's order,
-// for whose plug-in the type was made; the specification does not say it.
+// Decode the payload of a whole datagram, header included. Out parameters are unspecified unless
+// kOk. DecodePose handles types 01 and 02. Type 01's angles become quaternions as R = Rz Ry Rx, the
+// order of MotionBuilder, for whose plug-in the type was made; the specification does not state it.
 STYLED_REALTIME DecodeResult DecodePose(std::span<const std::byte> bytes, Header& header,
                                         Pose& out) noexcept;
 STYLED_REALTIME DecodeResult DecodeScale(std::span<const std::byte> bytes, Scale& out) noexcept;
-// The value of "name:", empty where there is none.
+// The value of "name:"; empty if there is none.
 STYLED_REALTIME DecodeResult DecodeName(std::span<const std::byte> bytes,
                                         std::string_view& name) noexcept;
 STYLED_REALTIME DecodeResult DecodeTimecode(std::span<const std::byte> bytes,
                                             Timecode& out) noexcept;
 
-// Encoders write to the front of `out` and return the size; 0 where it does not fit. The header's
-// type, items and payload_size are set by them.
-// As the header's type says: kEuler, whose rotations are to be unit quaternions, else kQuaternion.
+// Encoders write to the front of `out` and return the size; 0 if it does not fit. They set the
+// header's type, items and payload_size. EncodePose writes kEuler if the header's type is that,
+// which requires unit quaternions, else kQuaternion.
 std::size_t EncodePose(Header header, std::span<const Segment> segments,
                        std::span<std::byte> out) noexcept;
 std::size_t EncodeScale(Header header, std::span<const Scale::Row> segments,

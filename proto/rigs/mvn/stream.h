@@ -7,15 +7,15 @@
 
 namespace styled::mvn {
 
-// Over TCP, MXTP datagrams follow one another; their headers' payload sizes delimit them.
+// Over TCP, MXTP datagrams follow one another, delimited by the payload sizes in their headers.
 enum class [[nodiscard]] Cut {
   kRecord,    // `size` bytes at the front are one datagram
-  kNeedMore,  // not all of it is there yet
-  kBroken     // no header: nothing after this point can be trusted
+  kNeedMore,  // the datagram is not complete yet
+  kBroken     // not a header: nothing after this point can be trusted
 };
 
-// Looks at the front of what was received. Old senders leave the payload size 0 in types 01 and
-// 02: then the items tell.
+// Examines the front of the received bytes; writes `size` on kRecord only. Old senders leave the
+// payload size 0 in types 01 and 02; it is then computed from the number of items.
 STYLED_REALTIME Cut CutRecord(std::span<const std::byte> received, std::size_t& size) noexcept;
 
 }  // namespace styled::mvn

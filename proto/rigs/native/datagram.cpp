@@ -11,7 +11,7 @@ namespace {
 
 using Crc = boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true>;
 
-// The checksum of a whole datagram, its own field taken as 0.
+// The checksum of a whole datagram, with its own field counted as 0.
 std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept {
   constexpr std::array<std::byte, header::kCrcSize> kZero{};
   Crc crc;

@@ -5,8 +5,8 @@
 #include <span>
 #include <string_view>
 
-// Where the fields of a datagram's header lie (WIRE.md), and little-endian access to them.
-// Offsets in bytes. For the codec, and for senders that damage datagrams on purpose.
+// Offsets in bytes of the fields of a datagram's header (WIRE.md), and little-endian access to
+// them. For the codec, and for simulators that damage datagrams on purpose.
 namespace styled::native::header {
 
 inline constexpr std::string_view kMagicText = "STYD";
@@ -22,7 +22,7 @@ inline constexpr std::size_t kCrcSize = 4;
 inline constexpr std::size_t kSession = 16;
 inline constexpr std::size_t kSequence = 24;
 
-// `bytes` must reach past the field. Compilers make one load or store of the loop.
+// `bytes` must extend past the field. Compilers turn the loop into one load or store.
 template <typename T>
 T Read(std::span<const std::byte> bytes, std::size_t offset) noexcept {
   std::uint64_t value = 0;

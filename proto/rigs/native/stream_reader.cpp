@@ -31,7 +31,7 @@ StreamReader::Result StreamReader::Next(std::span<const std::byte>& record) noex
   if (broken_ != DecodeResult::kOk) return Result::kBroken;
   const std::span<const std::byte> received = buffer_.subspan(begin_, end_ - begin_);
 
-  // A wrong first byte is refused at once: waiting for the header could take for ever.
+  // Refuse a wrong first byte at once: the rest of the header may never arrive.
   const std::size_t magic_size = std::min(received.size(), header::kMagicText.size());
   if (magic_size != 0 && std::memcmp(received.data(), header::kMagicText.data(), magic_size) != 0) {
     return break_off(DecodeResult::kBadMagic);

@@ -14,9 +14,9 @@ namespace styled::native {
 //   const auto n = read(socket, reader.Space());  reader.Received(n);
 //   while (reader.Next(record) == StreamReader::Result::kRecord) Decode(record, ...);
 //
-// Framing is trusted as far as the header's magic, version and length make sense: a record with a
-// wrong checksum is still handed out (Decode() refuses it), and the next header tells whether the
-// length was damaged too.
+// The stream stays readable as long as the headers' magic, version and length are plausible. A
+// record with a wrong checksum is still returned (Decode() refuses it); if its length was damaged,
+// too, the next header shows it.
 class StreamReader {
  public:
   enum class [[nodiscard]] Result {
@@ -30,11 +30,11 @@ class StreamReader {
     assert(buffer.size() >= kMaxDatagramSize);
   }
 
-  // Where to receive next; never empty after Next() said kNeedMore. Moves an incomplete record to
-  // the front where room is short: spans from Next() end here.
+  // Where to receive next; never empty after Next() returned kNeedMore. Moves an incomplete record
+  // to the front if room is short, which invalidates the spans from Next().
   STYLED_REALTIME std::span<std::byte> Space() noexcept;
 
-  // `size` bytes were received at the front of Space(); size <= Space().size().
+  // Call after `size` bytes were received at the front of Space(); size <= Space().size().
   STYLED_REALTIME void Received(std::size_t size) noexcept;
 
   // The next record of what was received; `record` is written on kRecord only and is valid until
@@ -44,12 +44,13 @@ class StreamReader {
   // kOk, or the rule that the stream broke: kBadMagic, kBadVersion, kTooLong.
   DecodeResult Broken() const noexcept { return broken_; }
 
-  // Bytes received that belong to no whole record yet; not 0 when a connection ends = cut short.
+  // Bytes received that belong to no whole record yet. If not 0 when the connection ends, the
+  // stream was cut short.
   std::size_t Pending() const noexcept { return end_ - begin_; }
 
  private:
   std::span<std::byte> buffer_;
-  std::size_t begin_ = 0, end_ = 0;  // of what was received and not yet handed out
+  std::size_t begin_ = 0, end_ = 0;  // the bytes received and not yet returned
   DecodeResult broken_ = DecodeResult::kOk;
 };
 

@@ -11,17 +11,19 @@
 
 #include "proto/rigs/natnet/packet.h"
 
-// Of the codec alone: walking little-endian bytes, and writing them.
+// For the codec only: reading and writing little-endian bytes.
 static_assert(std::endian::native == std::endian::little);
 
 namespace styled::natnet {
 
-// From here on sections and data sets say their sizes, and a frame has assets and PTP time.
+// From this version on, sections and data sets state their sizes, and a frame has assets and PTP
+// time.
 inline constexpr Version kSized{4, 1};
-// A bitstream whose every element is known; of a later one only what its sizes allow to find.
+// Whether every element of the bitstream is known. Of a later one only the parts that its sizes
+// delimit are read.
 constexpr bool IsKnown(Version version) noexcept { return version < Version{4, 3}; }
 
-// Reads from the front. The first rule that is broken is kept; from then on all is zero and empty.
+// Reads from the front. Keeps the first error; after it all values are zero or empty.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
@@ -46,7 +48,7 @@ class Reader {
   }
   void Skip(std::size_t size) noexcept { Take(size); }
 
-  // Numbers, and arrays of floats.
+  // Reads a number or an array of floats.
   template <typename T>
   T Get() noexcept {
     T value{};
@@ -55,7 +57,7 @@ class Reader {
     return value;
   }
 
-  // Up to a NUL, which is read too.
+  // Reads a text and its terminating NUL.
   std::string_view GetText() noexcept {
     const auto end = std::find(bytes_.begin(), bytes_.end(), std::byte{0});
     if (end == bytes_.end()) {
@@ -66,7 +68,7 @@ class Reader {
     return {reinterpret_cast<const char*>(taken.data()), taken.size() - 1};
   }
 
-  // How many elements of at least `smallest` bytes follow.
+  // Reads the number of elements of at least `smallest` bytes that follow.
   std::size_t GetCount(std::size_t smallest) noexcept {
     const auto count = Get<std::int32_t>();
     if (count < 0 || static_cast<std::size_t>(count) > left() / smallest) {
@@ -76,8 +78,8 @@ class Reader {
     return static_cast<std::size_t>(count);
   }
 
-  // A part with an end of its own, and what is the matter with it once it was read. `exact`: it
-  // must have been read to its end.
+  // Sub splits off a part with its own end. Join takes over the part's error after it was read;
+  // `exact`: it must have been read to its end.
   Reader Sub(std::size_t size) noexcept { return Reader(Take(size)); }
   void Join(const Reader& part, bool exact) noexcept {
     if (!part.ok()) return Fail(part.result());
@@ -89,7 +91,8 @@ class Reader {
   DecodeResult result_ = DecodeResult::kOk;
 };
 
-// Writes a packet from the front of `out`; what does not fit is not written, nor what follows it.
+// Writes a packet from the front of `out`. After the first value that does not fit nothing more is
+// written.
 class Writer {
  public:
   explicit Writer(std::span<std::byte> out) noexcept
@@ -115,7 +118,7 @@ class Writer {
     for (std::size_t i = 0; i < count; ++i) Put('\0');
   }
 
-  // A size that is known later: Mark, then what it covers, then SetSize of the mark.
+  // For a size that is known later: Mark, then the content, then SetSize of the mark.
   std::size_t Mark() noexcept {
     Put<std::int32_t>(0);
     return size_;
@@ -126,7 +129,7 @@ class Writer {
     std::memcpy(&out_[mark - sizeof covered], &covered, sizeof covered);
   }
 
-  // Writes the header and returns the packet's size; 0 where it did not fit.
+  // Writes the header and returns the packet's size; 0 if it did not fit.
   std::size_t Finish(MessageId id) noexcept {
     if (full_) return 0;
     const std::array<std::uint16_t, 2> header{static_cast<std::uint16_t>(id),

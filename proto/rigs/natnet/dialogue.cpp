@@ -10,7 +10,7 @@ constexpr std::size_t kRecordSize = kNameSize + 8;
 constexpr std::size_t kBitstreamSize = 270;
 constexpr std::string_view kPing = "Ping";
 
-// Up to a NUL or the end.
+// The text up to a NUL or the end.
 std::string_view TextOf(std::span<const std::byte> bytes) noexcept {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return text.substr(0, text.find('\0'));
@@ -45,7 +45,8 @@ void DecodeConnect(std::span<const std::byte> payload, Connect& connect) noexcep
   connect.name = TextOf(payload.first(std::min(payload.size(), kNameSize)));
   if (payload.size() < kRecordSize) return;
   Reader reader(payload.subspan(kNameSize));
-  // A record is told from the longer shape by its size alone: an application may be called "Ping".
+  // Only the size distinguishes a record from the longer shape: an application may be called
+  // "Ping".
   if (payload.size() < kBitstreamSize) {
     connect.shape = Connect::Shape::kRecord;
     connect.application = GetVersion(reader);

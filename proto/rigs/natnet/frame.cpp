@@ -8,12 +8,12 @@ namespace styled::natnet {
 namespace {
 
 constexpr Version kPlates{2, 9};    // force plates
-constexpr Version kDevices{2, 11};  // as 3.0 called itself at first
+constexpr Version kDevices{2, 11};  // 3.0 was called 2.11 at first
 
-// The record of rigid bodies and bones. Of the sources read, TimSchneider42/python-natnet-client,
-// jeguzzi/natnet_py and IMRCLab/libmotioncapture agree on it for all versions, and
-// mje-nz/python_natnet from 3.0 on; the latter has 4 more bytes after a 2.x body's markers, which
-// real 2.7 and 2.9 packets do not.
+// Size of the record of a rigid body or bone. Of the sources read,
+// TimSchneider42/python-natnet-client, jeguzzi/natnet_py and IMRCLab/libmotioncapture agree on it
+// for all versions, and mje-nz/python_natnet from 3.0 on; the latter has 4 more bytes after a 2.x
+// body's markers, which real 2.7 and 2.9 packets do not have.
 std::size_t BodySize(Version version) noexcept { return version.major < 3 ? 42 : 38; }
 
 Bone GetBody(Reader& reader, Version version) noexcept {
@@ -29,10 +29,11 @@ Bone GetBody(Reader& reader, Version version) noexcept {
   return body;
 }
 
-// A section: how many elements, from 4.1 on in how many bytes (which begin after the size), then
-// the elements, each read by `get`. So TimSchneider42/python-natnet-client, tried with Motive 3.1
-// by those who wrote it; IMRCLab/libmotioncapture skips assets by this very size. A later
-// bitstream's elements may be longer: then only `kept` sections are walked, the rest is skipped.
+// Reads a section: the number of elements, from 4.1 on also their size in bytes (counted after the
+// size field), then the elements, each by `get`. This follows TimSchneider42/python-natnet-client,
+// whose authors tested it with Motive 3.1; IMRCLab/libmotioncapture skips assets by this size. A
+// later bitstream's elements may be longer, so there only `kept` sections are read and the others
+// are skipped.
 template <typename Get>
 std::size_t GetSection(Reader& reader, Version version, std::size_t smallest, bool kept,
                        Get get) noexcept {
@@ -66,7 +67,7 @@ void GetSkeleton(Reader& reader, Version version, Frame& frame) noexcept {
   for (std::size_t i = 0; i < bones; ++i) skeleton.bones[i] = GetBody(reader, version);
 }
 
-// Force plates and devices alike.
+// Force plates and devices have the same form.
 void SkipAnalog(Reader& reader) noexcept {
   reader.Skip(4);  // id
   for (std::size_t channels = reader.GetCount(4); channels > 0; --channels) {

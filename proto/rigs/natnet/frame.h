@@ -8,8 +8,8 @@
 
 namespace styled::natnet {
 
-// A bone in a frame. Where it is counts from the volume's origin or from its parent, as the server
-// was told; the stream does not say which.
+// A bone in a frame. Its pose is relative to the volume's origin or to its parent, depending on the
+// server's settings; the stream does not state which.
 struct Bone {
   std::int32_t id = 0;  // skeleton's id in the upper 16 bits, description's id in the lower
   std::array<float, 3> position_m{};
@@ -24,7 +24,7 @@ struct Skeleton {
   std::array<Bone, kMaxBones> bones;
 };
 
-// FRAMEOFDATA. Markers, rigid bodies, assets, force plates and devices are checked and left out.
+// FRAMEOFDATA. Markers, rigid bodies, assets, force plates and devices are checked and skipped.
 struct Frame {
   std::int32_t number = 0;
   std::size_t rigid_body_count = 0;
@@ -33,8 +33,8 @@ struct Frame {
   std::array<Skeleton, kMaxSkeletons> skeletons;
   // SMPTE: hours, minutes, seconds, frames from the highest byte down; 0 without a generator.
   std::uint32_t timecode = 0, timecode_subframe = 0;
-  double timestamp_s = 0;  // since the server's start, of the camera's frame
-  // Server ticks (ServerInfo::Connection::clock_hz); from 3.0 on, 0 where it does not know.
+  double timestamp_s = 0;  // of the camera's frame, since the server's start
+  // Server ticks (ServerInfo::Connection::clock_hz); from 3.0 on, 0 if the server does not know.
   std::uint64_t exposure_ticks = 0, received_ticks = 0, transmit_ticks = 0;
   std::uint16_t params = 0;
 };
@@ -44,12 +44,12 @@ inline constexpr std::uint16_t kModelsChanged = 2;
 inline constexpr std::uint16_t kEditing = 4;  // played back, not live
 inline constexpr std::uint16_t kBitstreamChanged = 8;
 
-// `frame` is unspecified unless kOk. Up to 4.0 the frame must end where the payload does; from 4.1
-// on its sections are checked by their sizes, and the end may have grown.
+// `frame` is unspecified unless kOk. Up to 4.0 the frame must end where the payload does. From 4.1
+// on its sections are checked by their sizes, and more bytes may follow.
 STYLED_REALTIME DecodeResult DecodeFrame(std::span<const std::byte> payload, Version version,
                                          Frame& frame) noexcept;
 
-// The frame with its skeletons, and nothing in the other sections. 0 where it does not fit.
+// Encodes the frame with its skeletons; all other sections are empty. Returns 0 if it does not fit.
 STYLED_REALTIME std::size_t EncodeFrame(const Frame& frame, Version version,
                                         std::span<std::byte> out) noexcept;
 

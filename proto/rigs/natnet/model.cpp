@@ -23,7 +23,7 @@ void SkipMarkerSet(Reader& reader) noexcept {
   SkipNames(reader);
 }
 
-// A rigid body, or a bone: the same record, in which only rigid bodies have markers.
+// A rigid body or a bone: both have the same record, in which only rigid bodies have markers.
 BoneDescription GetBone(Reader& reader, Version version) noexcept {
   BoneDescription bone;
   bone.name = reader.GetText();
@@ -56,8 +56,8 @@ void GetSkeleton(Reader& reader, Version version, Model& model) noexcept {
   for (std::size_t i = 0; i < bones; ++i) skeleton.bones[i] = GetBone(reader, version);
 }
 
-// jeguzzi/natnet_py reads four corners as here, TimSchneider42/python-natnet-client three: a plate
-// has four.
+// Reads four corners, as jeguzzi/natnet_py does. TimSchneider42/python-natnet-client reads three,
+// but a plate has four.
 void SkipForcePlate(Reader& reader) noexcept {
   reader.Skip(4);                          // id
   reader.GetText();                        // serial number
@@ -74,7 +74,7 @@ void SkipDevice(Reader& reader) noexcept {
   SkipNames(reader);
 }
 
-// False where the data set is of a kind that cannot be skipped.
+// Returns false for a data set of a kind that cannot be skipped.
 bool GetDataSet(std::int32_t kind, Reader& reader, Version version, Model& model) noexcept {
   switch (kind) {
     case kMarkerSet:
@@ -88,7 +88,7 @@ bool GetDataSet(std::int32_t kind, Reader& reader, Version version, Model& model
       GetSkeleton(reader, version, model);
       return true;
     case kForcePlate:
-      if (version.major < 3) return false;  // 2.9 and 2.10: no source tells
+      if (version.major < 3) return false;  // 2.9 and 2.10: the layout is unknown
       SkipForcePlate(reader);
       return true;
     case kDevice:
@@ -121,8 +121,7 @@ DecodeResult DecodeModel(std::span<const std::byte> payload, Version version,
     }
     const std::size_t size = reader.GetCount(1);
     Reader part = reader.Sub(size);
-    // The size skips what is of no use; in later bitstreams also what was added to a skeleton's
-    // end.
+    // The size skips unused data sets, and in later bitstreams additions at a skeleton's end.
     if (kind == kSkeleton) {
       GetSkeleton(part, version, model);
       reader.Join(part, IsKnown(version));

@@ -8,15 +8,15 @@
 
 namespace styled::natnet {
 
-inline constexpr std::size_t kMaxSkeletons = 16;  // per model and frame: further ones are left out
-inline constexpr std::size_t kMaxBones = 64;      // a skeleton of more is left out
+inline constexpr std::size_t kMaxSkeletons = 16;  // per model and frame; further ones are left out
+inline constexpr std::size_t kMaxBones = 64;      // a skeleton with more is left out
 
-// One bone of a skeleton at rest, as Motive tells it.
+// One bone of a skeleton at rest, as Motive describes it.
 struct BoneDescription {
   std::string_view name;
   std::int32_t id = 0;              // 1 to N within the skeleton
-  std::int32_t parent = 0;          // its id; 0: none
-  std::array<float, 3> offset_m{};  // from the parent
+  std::int32_t parent = 0;          // the parent's id; 0: none
+  std::array<float, 3> offset_m{};  // from the parent, in the rest pose
 };
 struct SkeletonDescription {
   std::string_view name;
@@ -25,22 +25,22 @@ struct SkeletonDescription {
   std::array<BoneDescription, kMaxBones> bones;
 };
 
-// MODELDEF: what is tracked. All but skeletons is only counted.
+// MODELDEF: the tracked objects. Only skeletons are read, the others are counted or skipped.
 struct Model {
   std::size_t rigid_body_count = 0;
   std::size_t skeleton_count = 0;
   std::size_t skeletons_left_out = 0;
-  // False: before 4.1 a data set of an unknown kind hides all that follows it.
+  // False: before 4.1, a data set of an unknown kind hides everything after it.
   bool complete = true;
   std::array<SkeletonDescription, kMaxSkeletons> skeletons;
 };
 
-// `model` is unspecified unless kOk; names point into `payload`. Bytes may follow the last data
-// set.
+// `model` is unspecified unless kOk; names point into `payload`. More bytes may follow the last
+// data set.
 STYLED_REALTIME DecodeResult DecodeModel(std::span<const std::byte> payload, Version version,
                                          Model& model) noexcept;
 
-// The skeletons alone. 0 where they do not fit.
+// Encodes the skeletons only. Returns 0 if they do not fit.
 STYLED_REALTIME std::size_t EncodeModel(const Model& model, Version version,
                                         std::span<std::byte> out) noexcept;
 

@@ -8,12 +8,13 @@
 
 #include "model/base/realtime.h"
 
-// OptiTrack NatNet, bitstreams 2.7 to 4.2 and, as far as they say their sizes, later ones: UDP,
+// OptiTrack NatNet, bitstreams 2.7 to 4.2, and later ones as far as their sizes allow: UDP,
 // little-endian, metres, right-handed, quaternions x, y, z, w. Pure functions; any thread; nothing
 // here allocates, blocks or throws. Facts from the published behaviour of the protocol and from
 // mje-nz/python_natnet (BSD-3), TimSchneider42/python-natnet-client (MIT), jeguzzi/natnet_py (MIT)
-// and IMRCLab/libmotioncapture (MIT); no code of theirs. Pinned by tests/unit/natnet on captured
-// packets of 3.0 (no skeletons there) and on bytes written by hand, fuzzed by tests/fuzz/natnet.
+// and IMRCLab/libmotioncapture (MIT); none of their code is used. Pinned by tests/unit/natnet on
+// captured packets of 3.0 (without skeletons) and on bytes written by hand, fuzzed by
+// tests/fuzz/natnet.
 namespace styled::natnet {
 
 inline constexpr std::size_t kHeaderSize = 4;
@@ -45,7 +46,7 @@ struct Packet {
   std::span<const std::byte> payload;  // points into the bytes that were decoded
 };
 
-// Of an application or of a bitstream. What a frame looks like depends on the latter.
+// Version of an application or of a bitstream. The latter determines a frame's layout.
 struct Version {
   std::uint8_t major = 0, minor = 0, build = 0, revision = 0;
   friend constexpr auto operator<=>(const Version&, const Version&) = default;
@@ -56,24 +57,24 @@ inline constexpr Version kOldest{2, 7};
 enum class [[nodiscard]] DecodeResult : std::uint8_t {
   kOk,
   kTooShort,        // fewer bytes than a header
-  kLengthMismatch,  // the header's size is not that of what follows it
+  kLengthMismatch,  // the header's size differs from that of the payload
   kOldVersion,      // a bitstream before kOldest, whose frames end differently
-  kTruncated,       // a field reaches past the end, or past its section's
+  kTruncated,       // a field extends past the end, or past its section's end
   kBadCount,        // a negative count, or more elements than the bytes left can hold
-  kSizeMismatch,    // 4.1, 4.2: a section's elements end before the size that it gives
-  kTrailing,        // bytes after the end, where none may be
+  kSizeMismatch,    // 4.1, 4.2: a section's elements end before its stated size
+  kTrailing,        // bytes after the end, where none are allowed
   kCount            // the number of results, for tables
 };
 
 // A word for messages: "ok", "too_short", ...
 std::string_view Name(DecodeResult result) noexcept;
 
-// Splits a datagram; any id. `packet` is written only on kOk.
+// Splits a datagram into id and payload; any id is accepted. Writes `packet` only on kOk.
 STYLED_REALTIME DecodeResult DecodePacket(std::span<const std::byte> bytes,
                                           Packet& packet) noexcept;
 
-// Writes header and payload to the front of `out` and returns their size; 0 where they do not fit:
-// what `out` holds is unspecified then, as with the other encoders.
+// Writes header and payload to the front of `out` and returns their size. Returns 0 if they do not
+// fit; the content of `out` is unspecified then, as with the other encoders.
 STYLED_REALTIME std::size_t EncodePacket(const Packet& packet, std::span<std::byte> out) noexcept;
 
 }  // namespace styled::natnet

@@ -16,7 +16,7 @@ constexpr Turn kRightThumbEnd{0.653F, -0.653F, 0.271F, 0.271F};
 
 }  // namespace
 
-// Tips and toe ends, of which the plug-ins say nothing, are turned like the joint before them.
+// The plug-ins state no rotation for tips and toe ends; they get that of the joint before them.
 const std::array<JointRow, kJoints> kJointTable{{
     {"hip", -1, {0, 0, 0, 1}},
     {"spine", 0, kUpright},

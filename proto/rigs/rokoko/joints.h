@@ -3,8 +3,8 @@
 #include <array>
 #include <string_view>
 
-// The joints of Rokoko Studio's actors, and the T-pose that its poses are to be seen against. Names
-// and reference rotations are facts of Rokoko's own plug-ins for Unity and Blender.
+// The joints of Rokoko Studio's actors, and the T-pose to which its poses refer. Names and
+// reference rotations are facts of Rokoko's own plug-ins for Unity and Blender.
 namespace styled::rokoko {
 
 // Body (23), then the fingers of the left hand (20) and of the right: thumb, index, middle, ring,
@@ -25,7 +25,7 @@ inline constexpr int kHip = 0, kSpine = 1, kChest = 2, kNeck = 3, kHead = 4;
 inline constexpr int kLeftShoulder = 5, kLeftHand = 8, kRightShoulder = 9, kRightHand = 12;
 inline constexpr int kLeftUpLeg = 13, kLeftToe = 16, kRightUpLeg = 18, kRightToe = 21;
 
-// The joint of that name, -1 where there is none. Looks at `hint` first: senders keep an order.
+// The joint of that name, or -1. Tries `hint` first, because senders keep an order.
 int FindJoint(std::string_view name, int hint) noexcept;
 
 }  // namespace styled::rokoko

@@ -28,7 +28,7 @@ bool JsonReader::Open(std::size_t size, simdjson::ondemand::document& document,
   error_ = Error::kNone;
   depth_ = 1;
   if (size > max_bytes_) return Fail(Error::kSyntax);
-  // What simdjson reads beyond the text must not be of an earlier one.
+  // simdjson reads padding beyond the text, which must not contain an earlier text.
   std::memset(text_.get() + size, 0, simdjson::SIMDJSON_PADDING);
   if (parser_.iterate(text_.get(), size, size + simdjson::SIMDJSON_PADDING).get(document) !=
       simdjson::SUCCESS) {
@@ -56,7 +56,7 @@ bool JsonReader::String(Value& value, std::span<char> out, std::size_t& size) no
   }
   if (HasHalfPair(text)) return Fail(Error::kSyntax);
   size = std::min(text.size(), out.size());
-  // Back to the first byte of the character that does not fit.
+  // Goes back to the first byte of a character that does not fit.
   while (size < text.size() && size > 0 &&
          (static_cast<unsigned char>(text[size]) & 0xC0U) == 0x80) {
     --size;

@@ -12,33 +12,33 @@
 
 namespace styled::rokoko {
 
-// Reads JSON texts (RFC 8259) of a bounded size and depth with simdjson's on-demand parser, which
-// does not check values that are never read. So each value must be read by exactly one of the
-// functions below: then a text is either correct as a whole or refused. Strict: UTF-8 must be
-// valid, escaped surrogates in pairs, numbers within a double, exponents of at most 19 digits.
-// After the first error every call fails and error() gives the reason; of a text with several
-// errors it is any one of them. The constructor allocates (7 bytes per byte of text), the other
-// functions do not. One thread.
-// Pinned against nlohmann::json by tests/unit/rokoko/json_reader_test.cpp.
+// Reads JSON texts (RFC 8259) of a bounded size and depth with simdjson's on-demand parser. That
+// parser does not check values that are never read, so each value must be read by exactly one of
+// the functions below: then a text is either correct as a whole or refused. Strict: UTF-8 must be
+// valid, escaped surrogates must come in pairs, numbers must fit a double, exponents have at most
+// 19 digits. After the first error every call fails and error() gives the reason; of several errors
+// in a text any one may be reported. The constructor allocates (7 bytes per byte of text), the
+// other functions do not. One thread. Pinned against nlohmann::json by
+// tests/unit/rokoko/json_reader_test.cpp.
 class JsonReader {
  public:
   using Value = simdjson::ondemand::value;
   using Type = simdjson::ondemand::json_type;
-  static constexpr int kMaxDepth = 32;  // objects and arrays within each other
+  static constexpr int kMaxDepth = 32;  // nested objects and arrays
 
   enum class Error : std::uint8_t {
     kNone,
-    kSyntax,   // not JSON, or not UTF-8, or a number beyond a double
+    kSyntax,   // not JSON, not UTF-8, or a number beyond a double
     kTooDeep,  // more than kMaxDepth
-    kOther     // no error so far, but the value is of another type than the call expects
+    kOther     // the value's type differs from what the call expects
   };
 
   explicit JsonReader(std::size_t max_bytes);
 
-  // Where the next text is to be written; max_bytes long.
+  // Write the next text here; max_bytes long.
   std::span<char> buffer() noexcept { return {text_.get(), max_bytes_}; }
 
-  // Reads the first `size` bytes of the buffer, which are one object, as Members does.
+  // Reads the first `size` bytes of the buffer, which must be one object, like Members.
   template <typename Read>
   STYLED_REALTIME bool Text(std::size_t size, const Read& read) noexcept;
 
@@ -54,12 +54,12 @@ class JsonReader {
            Mismatch(value, Type::number);
   }
   STYLED_REALTIME bool Bool(Value& value, bool& flag) noexcept;
-  // As many whole characters as fit; `size` is set to their bytes.
+  // Copies as many whole characters as fit and sets `size` to their bytes.
   STYLED_REALTIME bool String(Value& value, std::span<char> out, std::size_t& size) noexcept;
-  // Any value, which is checked.
+  // Checks any value and drops it.
   STYLED_REALTIME bool Skip(Value& value) noexcept;
 
-  // By the value's first character, and without reading it.
+  // Decides by the value's first character, without reading the value.
   static bool Is(Value& value, Type type) noexcept {
     Type found{};
     return value.type().get(found) == simdjson::SUCCESS && found == type;
@@ -69,7 +69,7 @@ class JsonReader {
 
  private:
   bool Fail(Error error) noexcept;
-  // Fails with the reason why `value` is no correct value of `type`.
+  // Fails with the reason why `value` is not a correct value of `type`.
   bool Mismatch(Value& value, Type type) noexcept;
   bool Open(std::size_t size, simdjson::ondemand::document& document,
             simdjson::ondemand::object& root) noexcept;
@@ -133,8 +133,8 @@ bool JsonReader::Elements(Value& value, const Read& read) noexcept {
   return true;
 }
 
-// simdjson writes half of an escaped surrogate pair as if it were a character: ED A0 80 to ED BF
-// BF, which is no UTF-8. Anything else in `text` it has checked.
+// simdjson decodes half of an escaped surrogate pair as if it were a character: ED A0 80 to ED BF
+// BF, which is not UTF-8. It has checked everything else in `text`.
 inline bool JsonReader::HasHalfPair(std::string_view text) noexcept {
   for (std::size_t i = 0; i + 1 < text.size(); ++i) {
     if (text[i] == '\xED' && static_cast<unsigned char>(text[i + 1]) >= 0xA0) return true;

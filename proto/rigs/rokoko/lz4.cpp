@@ -42,8 +42,8 @@ struct Lz4Unpacker::Context {
   LZ4F_dctx* lz4 = nullptr;
 };
 
-// liblz4 allocates when it has read a header that asks for more than any before it. The header of
-// a frame of the largest blocks, linked, asks for the most.
+// liblz4 allocates whenever a frame's header requires more memory than any before. The constructor
+// decodes the header with the largest requirement: largest blocks, linked.
 Lz4Unpacker::Lz4Unpacker() : context_(std::make_unique<Context>()) {
   LZ4F_cctx* writer = nullptr;
   if (LZ4F_isError(LZ4F_createCompressionContext(&writer, LZ4F_VERSION)) != 0) {
@@ -65,7 +65,7 @@ Lz4Unpacker::~Lz4Unpacker() = default;
 
 Lz4Unpacker::Result Lz4Unpacker::Unpack(std::span<const std::byte> packed, std::span<std::byte> out,
                                         std::size_t& size) noexcept {
-  if (!IsLz4Frame(packed)) return Result::kBad;  // nor one of the frames that are to be skipped
+  if (!IsLz4Frame(packed)) return Result::kBad;  // LZ4's skippable frames are refused, too
   LZ4F_resetDecompressionContext(context_->lz4);
   LZ4F_decompressOptions_t options{};
   options.stableDst = 1;
@@ -101,7 +101,7 @@ struct Lz4Packer::Context {
   Context& operator=(const Context&) = delete;
 
   LZ4F_preferences_t preferences;
-  std::vector<std::byte> buffer;  // liblz4 wants room for the worst case
+  std::vector<std::byte> buffer;  // liblz4 requires room for the worst case
   LZ4F_cctx* lz4 = nullptr;
 };
 

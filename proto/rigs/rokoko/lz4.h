@@ -6,14 +6,14 @@
 
 #include "model/base/realtime.h"
 
-// LZ4's frame format through liblz4, with contexts that are made once. Pinned against the `lz4`
-// command's bytes by tests/unit/rokoko/lz4_test.cpp.
+// LZ4's frame format through liblz4, with contexts that are created once. Pinned against the output
+// of the `lz4` command by tests/unit/rokoko/lz4_test.cpp.
 namespace styled::rokoko {
 
 // Whether the bytes begin as an LZ4 frame: 04 22 4D 18.
 bool IsLz4Frame(std::span<const std::byte> bytes) noexcept;
 
-// The constructor allocates all memory that any frame can need. One thread.
+// The constructor allocates all memory that any frame can require. One thread.
 class Lz4Unpacker {
  public:
   Lz4Unpacker();
@@ -23,10 +23,10 @@ class Lz4Unpacker {
 
   enum class [[nodiscard]] Result : unsigned char {
     kOk,
-    kBad,     // no frame, a damaged or cut one, or bytes behind it
-    kTooLong  // it holds more than `out`
+    kBad,     // not a frame, a damaged or truncated one, or bytes after it
+    kTooLong  // the content exceeds `out`
   };
-  // Unpacks the one frame that `packed` is; `size` is written on kOk alone.
+  // Unpacks `packed`, which must be exactly one frame. Writes `size` on kOk only.
   STYLED_REALTIME Result Unpack(std::span<const std::byte> packed, std::span<std::byte> out,
                                 std::size_t& size) noexcept;
 
@@ -35,7 +35,7 @@ class Lz4Unpacker {
   std::unique_ptr<Context> context_;
 };
 
-// For senders. One thread; the first frame may allocate.
+// For simulators. One thread; the first frame may allocate.
 class Lz4Packer {
  public:
   Lz4Packer();
@@ -43,8 +43,8 @@ class Lz4Packer {
   Lz4Packer(const Lz4Packer&) = delete;
   Lz4Packer& operator=(const Lz4Packer&) = delete;
 
-  // Packs `text` as one frame with a checksum; its size, or 0 where `out` is too small. `out` needs
-  // room for text that cannot be packed: its size and a few dozen bytes more.
+  // Packs `text` as one frame with a checksum and returns its size, or 0 if `out` is too small.
+  // `out` needs room for incompressible text: its size and a few dozen bytes more.
   std::size_t Pack(std::span<const std::byte> text, std::span<std::byte> out) noexcept;
 
  private:

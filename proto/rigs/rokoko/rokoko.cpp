@@ -16,13 +16,13 @@ using Value = JsonReader::Value;
 
 constexpr double kMaxTime_s = 1e10;
 
-// Reads what a frame is made of. Each function reads the value that it is given and returns false
-// where reading must stop; the reason is the reader's error, or `fault_`.
+// Reads the members of a frame. Each function reads the given value and returns false if reading
+// must stop; the reason is the reader's error, or `fault_`.
 class FrameReader {
  public:
   FrameReader(JsonReader& json, Frame& frame) noexcept : json_(json), frame_(frame) {}
 
-  // The first `size` bytes of the reader's buffer.
+  // Reads the first `size` bytes of the reader's buffer.
   R Read(std::size_t size) noexcept {
     frame_.version = 3;
     frame_.fps = 0;
@@ -55,7 +55,7 @@ class FrameReader {
     frame_.actor_count = frame_.actors_left_out = 0;
   }
 
-  // Calls `read(key, value)` per member. A member that is null is left out.
+  // Calls `read(key, value)` per member; skips members that are null.
   template <typename ReadMember>
   bool Members(Value& object, const ReadMember& read) noexcept {
     return json_.Members(object, [this, &read](std::string_view key, Value& value) {
@@ -93,7 +93,7 @@ class FrameReader {
     return (frame_.time_s >= 0 && frame_.time_s <= kMaxTime_s) || Fault(R::kBadValue);
   }
 
-  // 3, 2.5, "3.0" or "3,0".
+  // The version as 3, 2.5, "3.0" or "3,0".
   bool ReadVersion(Value& value) noexcept {
     if (!JsonReader::Is(value, Type::string)) {
       if (!ReadFloat(value, frame_.version)) return false;
@@ -166,7 +166,7 @@ class FrameReader {
     return good;
   }
 
-  // An object of numbers, each under one letter; `all` is set to whether none is missing.
+  // Reads an object of numbers, each under one letter. Sets `all` if none is missing.
   template <std::size_t kCount>
   bool ReadNumbers(Value& object, std::array<float, kCount>& values, std::string_view letters,
                    bool& all) noexcept {
@@ -188,12 +188,12 @@ class FrameReader {
   int joint_hint_ = 0;
 };
 
-// Writes text as long as there is room.
+// Writes text until something does not fit.
 class TextWriter {
  public:
   explicit TextWriter(std::span<char> out) noexcept : out_(out) {}
 
-  // 0 where something did not fit or was no number.
+  // 0 if something did not fit or a number was not finite.
   std::size_t size() const noexcept { return good_ ? size_ : 0; }
 
   TextWriter& operator<<(std::string_view text) noexcept {
@@ -213,7 +213,7 @@ class TextWriter {
     if (good_) size_ = static_cast<std::size_t>(end - out_.data());
     return *this;
   }
-  // In quotes.
+  // Writes the text in quotes.
   void Quoted(std::string_view text) noexcept {
     *this << "\"";
     for (const char& c : text) {
@@ -265,7 +265,7 @@ void WriteActor(const Actor& actor, TextWriter& out) noexcept {
 
 void Actor::set_name(std::string_view name) noexcept {
   name_size = std::min(name.size(), kMaxNameSize);
-  // Not within a character.
+  // Do not cut within a character.
   while (name_size < name.size() && name_size > 0 &&
          (static_cast<unsigned char>(name[name_size]) & 0xC0U) == 0x80) {
     --name_size;

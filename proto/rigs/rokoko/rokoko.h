@@ -12,10 +12,10 @@
 #include "proto/rigs/rokoko/joints.h"
 #include "proto/rigs/rokoko/lz4.h"
 
-// Rokoko Studio's custom streaming: a datagram is one frame of all actors as JSON, or as that in an
-// LZ4 frame. Layouts 3 (all in `scene`, joints in `body`) and 2 and 2.5 (all at the top, joints in
-// the actor). After Rokoko's plug-ins for Blender, Unity and Unreal; faces, props, characters and
-// newtons are skipped. Pinned by tests/unit/rokoko, fuzzed by tests/fuzz/rokoko.
+// Rokoko Studio's custom streaming: a datagram is one frame of all actors as JSON, plain or in an
+// LZ4 frame. Layouts 3 (everything in `scene`, joints in `body`) and 2 and 2.5 (everything at the
+// top, joints in the actor). Follows Rokoko's plug-ins for Blender, Unity and Unreal; faces, props,
+// characters and newtons are skipped. Pinned by tests/unit/rokoko, fuzzed by tests/fuzz/rokoko.
 namespace styled::rokoko {
 
 inline constexpr int kMaxActors = 8;
@@ -31,32 +31,32 @@ struct JointPose {
 struct Actor {
   std::array<char, kMaxNameSize> name_bytes{};
   std::size_t name_size = 0;                   // cut at a whole character
-  float hip_height_m = 0, total_height_m = 0;  // 0: not said
-  std::bitset<kJoints> has;                    // the joints that are given
-  std::array<JointPose, kJoints> joints;       // those alone are meant
+  float hip_height_m = 0, total_height_m = 0;  // 0: not sent
+  std::bitset<kJoints> has;                    // the joints that are present
+  std::array<JointPose, kJoints> joints;       // only those in `has` are valid
 
   std::string_view name() const { return {name_bytes.data(), name_size}; }
   void set_name(std::string_view name) noexcept;
 };
 
 struct Frame {
-  float version = 3;  // 2, 2.5, 3; as far as is known the layout says more than the number
+  float version = 3;  // 2, 2.5, 3; the layout is detected, not derived from it
   double time_s = 0;  // on Studio's timeline; 0 to 1e10
-  float fps = 0;      // 0: not said
+  float fps = 0;      // 0: not sent
   int actor_count = 0;
-  int actors_left_out = 0;  // beyond kMaxActors
+  int actors_left_out = 0;  // number of actors beyond kMaxActors
   std::array<Actor, kMaxActors> actors;
 };
 
 enum class [[nodiscard]] DecodeResult : std::uint8_t {
   kOk,
   kNotRokoko,   // begins neither as a JSON object nor as an LZ4 frame
-  kBadLz4,      // damaged, cut, or bytes behind it
+  kBadLz4,      // damaged, truncated, or bytes after it
   kTooLong,     // more than kMaxTextSize of text
   kBadJson,     // not JSON; not UTF-8
-  kTooDeep,     // more than JsonReader::kMaxDepth objects within each other
+  kTooDeep,     // nesting deeper than JsonReader::kMaxDepth
   kBadVersion,  // older than 2, or 4 and newer
-  kBadValue,    // a member that is read is of another type or out of range
+  kBadValue,    // a member is of another type or out of range
   kMissing,     // no actors, or no timestamp
   kCount        // the number of results
 };
@@ -65,18 +65,18 @@ std::string_view Name(DecodeResult result) noexcept;
 
 class JsonReader;
 
-// Reads frames. A joint is there where its position and rotation have all their numbers; a member
-// that is null is as if it were not there; of members of the same name the last one counts. The
-// text is read by JsonReader, with its limits; of a frame with several errors the result is any one
-// of them. `frame` is unspecified unless kOk. One thread; the constructor allocates (15 MB), the
-// other functions do not.
+// Decodes frames. A joint is present if its position and rotation have all their numbers. A member
+// that is null counts as absent; of members of the same name the last one counts. JsonReader reads
+// the text, with its limits. Of several errors in a frame any one may be the result. `frame` is
+// unspecified unless kOk. One thread; the constructor allocates (15 MB), the other functions do
+// not.
 class Decoder {
  public:
   Decoder();
   ~Decoder();
-  // A datagram.
+  // Decodes a datagram.
   STYLED_REALTIME DecodeResult Decode(std::span<const std::byte> bytes, Frame& frame) noexcept;
-  // The JSON of one frame.
+  // Decodes the JSON of one frame.
   STYLED_REALTIME DecodeResult DecodeText(std::string_view text, Frame& frame) noexcept;
 
  private:
@@ -84,9 +84,9 @@ class Decoder {
   std::unique_ptr<JsonReader> json_;
 };
 
-// Writes the frame as JSON in layout 3 to the front of `out` and returns its size; 0 where it does
-// not fit or a number is not finite. Joints that an actor does not have are left out. Numbers are
-// the shortest that read back as the same float. No allocation.
+// Writes the frame as JSON in layout 3 to the front of `out` and returns its size; 0 if it does not
+// fit or a number is not finite. Joints that are not in `has` are left out. Numbers have the
+// shortest form that reads back as the same float. No allocation.
 STYLED_REALTIME std::size_t EncodeText(const Frame& frame, std::span<char> out) noexcept;
 
 }  // namespace styled::rokoko

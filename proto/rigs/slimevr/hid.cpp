@@ -104,7 +104,7 @@ Info ReadInfo(Bytes bytes) noexcept {
   return info;
 }
 
-// Each writes its type and its fields into 16 zeros.
+// Each overload writes its type and its fields into 16 zeros.
 struct Writer {
   Out out;
 
@@ -173,7 +173,7 @@ Button ReadButton(Bytes bytes) noexcept {
   return {U8(bytes, 2), Little<std::uint16_t>(bytes, 3), U8(bytes, 15)};
 }
 
-// False for a type not known.
+// Returns false for an unknown type.
 bool ReadRecord(Bytes bytes, Record& record) noexcept {
   record.tracker = U8(bytes, 1);
   switch (U8(bytes, 0)) {
@@ -257,8 +257,8 @@ void EncodeRecord(const Record& record, std::span<std::byte, kRecordSize> out) n
   Put(out, 1, record.tracker);
 }
 
-// The exponential map of M. Reynolds, "Quaternion quantization", part 1 (2017), as the firmware
-// and the server have it; the small constant only keeps the square root from zero.
+// The exponential map of M. Reynolds, "Quaternion quantization", part 1 (2017), as in firmware and
+// server. The small constant only avoids a division by zero.
 std::array<float, 4> Unpack(std::uint32_t packed) noexcept {
   const std::array<float, 3> v{static_cast<float>(packed & 1023U) / 512.0F - 1.0F,
                                static_cast<float>((packed >> 10U) & 2047U) / 1024.0F - 1.0F,

@@ -10,12 +10,12 @@
 
 #include "model/base/realtime.h"
 
-// What the SlimeVR receiver (USB 1209:7690), and a tracker on a cable (1209:7692), put into an
-// input report: up to four records of 16 bytes, little-endian inside. Records of different trackers
-// are in no order of time, lost ones leave no trace, empty slots are filled with registrations.
-// Facts from SlimeVR's nRF firmware (what is written) and its server's HIDCommon.kt (what is read),
-// both MIT; where they disagree it is said below. Pure functions, any thread, no allocation. Pinned
-// by tests/unit/slimevr, fuzzed by tests/fuzz/slimevr.
+// Input reports of the SlimeVR receiver (USB 1209:7690) and of a tracker on a cable (1209:7692): up
+// to four little-endian records of 16 bytes. Records of different trackers are in no order of time,
+// lost records leave no trace, empty slots are filled with registrations. Facts from SlimeVR's nRF
+// firmware (which writes them) and its server's HIDCommon.kt (which reads them), both MIT; comments
+// below note where they disagree. Pure functions, any thread, no allocation. Pinned by
+// tests/unit/slimevr, fuzzed by tests/fuzz/slimevr.
 namespace styled::slimevr {
 
 inline constexpr std::size_t kRecordSize = 16;
@@ -26,17 +26,19 @@ inline constexpr std::size_t kReportSize = kRecordSize * kRecordsPerReport;
 // face; worn upright: +Y up). x, y, z, w.
 struct Orientation {
   std::array<float, 4> rotation{0, 0, 0, 1};  // unit length
-  bool usable = true;  // false: the sender's was zero or not finite; rotation is identity then
+  // False: the sent rotation was zero or not finite; `rotation` is identity then.
+  bool usable = true;
 };
 
-// Each of these is one record. Signal strength is the receiver's, 0 in what a tracker sends itself.
+// Each of these is one record. Signal strength is measured by the receiver; 0 if a tracker sends it
+// itself.
 struct Registration {         // type 255: binds the number to the tracker
   std::uint64_t address = 0;  // 48 bits
 };
 struct Battery {
-  int percent = -1;                                               // -1: none told
+  int percent = -1;                                               // -1: not sent
   float volts = 2.45F;                                            // 2.45 .. 5.00
-  float temperature_c = std::numeric_limits<float>::quiet_NaN();  // -38.5 .. 88.5; NaN: none told
+  float temperature_c = std::numeric_limits<float>::quiet_NaN();  // -38.5 .. 88.5; NaN: not sent
 };
 struct Info {  // type 0
   Battery battery;
@@ -94,30 +96,31 @@ STYLED_REALTIME const Orientation* OrientationOf(const Record& record) noexcept;
 struct Report {
   std::size_t count = 0;
   std::array<Record, kRecordsPerReport> records{};
-  std::size_t unknown = 0;  // records of a type not listed, left out
+  std::size_t unknown = 0;  // records of unlisted types, left out
 };
 
 enum class [[nodiscard]] ReportResult : std::uint8_t {
   kOk,
   kEmpty,
-  kRagged,   // no multiple of 16 bytes
+  kRagged,   // size not a multiple of 16 bytes
   kTooLong,  // more than four records
   kCount
 };
 std::string_view Name(ReportResult result) noexcept;
 
-// `report` is written only on kOk; its records count - 1 and below.
+// Writes `report` only on kOk. Only the first `count` records are valid.
 STYLED_REALTIME ReportResult DecodeReport(std::span<const std::byte> bytes,
                                           Report& report) noexcept;
-// One record as the firmware lays it out; values beyond a field's range are saturated.
+// Encodes one record as the firmware does; values beyond a field's range are saturated.
 void EncodeRecord(const Record& record, std::span<std::byte, kRecordSize> out) noexcept;
 
-// Types 2 and 7: the rotation's axis times its angle / pi, 10 bits for x and 11 for y and z. The
-// encoder rounds to the nearest step, where the firmware cuts off: up to one step more than it.
+// Types 2 and 7: the rotation's axis times its angle / pi, with 10 bits for x and 11 for y and z.
+// The encoder rounds to the nearest step, while the firmware truncates, so it may be one step
+// higher.
 STYLED_REALTIME std::array<float, 4> Unpack(std::uint32_t packed) noexcept;
 std::uint32_t Pack(const std::array<float, 4>& rotation) noexcept;
 
-// Unit length; not usable where that cannot be had.
+// Normalizes to unit length; not `usable` if that is impossible.
 STYLED_REALTIME Orientation MakeOrientation(float x, float y, float z, float w) noexcept;
 
 }  // namespace styled::slimevr

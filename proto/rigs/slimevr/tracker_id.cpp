@@ -14,7 +14,7 @@ std::optional<unsigned> ParseNumber(std::string_view text, unsigned largest) {
 }
 
 std::optional<std::uint64_t> ParseIpv4(std::string_view text) {
-  std::uint64_t address = kIsIpv4 >> 32U;  // shifted up with the four bytes
+  std::uint64_t address = kIsIpv4 >> 32U;  // the loop below shifts it above the four bytes
   for (int i = 0; i < 4; ++i) {
     const auto dot = i < 3 ? text.find('.') : text.size();
     if (dot == std::string_view::npos) return {};

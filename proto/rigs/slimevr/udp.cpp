@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kBundleType = 100, kCompactBundleType = 101;
 constexpr float kQ15 = 32768, kQ7 = 128;
 
-// Reads from the front; past the end it gives zeros and is not ok() any more.
+// Reads from the front. Past the end it returns zeros and ok() becomes false.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
@@ -35,7 +35,7 @@ class Reader {
     for (const std::byte b : Take(sizeof(T))) value = value << 8U | std::to_integer<unsigned>(b);
     return static_cast<T>(value);
   }
-  // Not there at all: `otherwise`.
+  // Returns `otherwise` if fewer bytes are left than the number has.
   template <typename T>
   T NumberOr(T otherwise) noexcept {
     return left() < sizeof(T) ? otherwise : Number<T>();
@@ -70,7 +70,7 @@ Handshake ReadHandshake(Reader& in) noexcept {
   h.board = in.NumberOr<std::uint32_t>(0);
   h.imu = in.NumberOr<std::uint32_t>(0);
   h.mcu = in.NumberOr<std::uint32_t>(0);
-  if (in.left() >= 12) in.Take(12);  // of the IMU, not used any more
+  if (in.left() >= 12) in.Take(12);  // IMU fields that are not used any more
   h.protocol = in.NumberOr<std::uint32_t>(0);
   h.firmware = in.Text(in.NumberOr<std::uint8_t>(0));
   if (in.left() >= h.mac.size()) {
@@ -110,7 +110,7 @@ RotationAndAcceleration ReadMotion(Reader& in) noexcept {
   return r;
 }
 
-// Braced initializers are evaluated from left to right. False for a type not known.
+// Relies on the order of braced initializers, left to right. Returns false for an unknown type.
 bool ReadPacket(std::uint32_t type, Reader& in, Packet& packet) noexcept {
   switch (type) {
     case 0:
@@ -132,6 +132,7 @@ bool ReadPacket(std::uint32_t type, Reader& in, Packet& packet) noexcept {
     case 11:
       packet = Text{in.Text(in.Number<std::uint32_t>())};
       return true;
+    // Old firmware sends the level only, new firmware the voltage before it.
     case 12: {
       const bool both = in.left() >= 8;
       packet = BatteryLevel{both ? in.Float() : 0.0F, in.Float()};
@@ -200,6 +201,7 @@ UdpResult ReadPackets(std::uint32_t type, Reader& in, int depth, Datagram& datag
     const std::size_t length = compact ? in.U8() : in.Number<std::uint16_t>();
     if (!in.ok()) return UdpResult::kTooShort;
     if (length == 0) continue;
+    // A length that exceeds the bundle is cut, as the server does.
     Reader inner(in.Take(std::min(length, in.left())));
     const std::uint32_t inner_type = compact ? inner.U8() : inner.Number<std::uint32_t>();
     if (!inner.ok()) return UdpResult::kTooShort;

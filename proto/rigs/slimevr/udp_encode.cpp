@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kBundleType = 100, kCompactBundleType = 101;
 constexpr float kQ15 = 32768, kQ7 = 128;
 
-// Writes to the front; what does not fit makes it not ok().
+// Writes to the front. If something does not fit, size() is 0.
 class Writer {
  public:
   explicit Writer(std::span<std::byte> out) noexcept : out_(out) {}
@@ -47,7 +47,7 @@ class Writer {
   bool ok_ = true;
 };
 
-// A packet's type and its body, from the overload for it.
+// A packet's type on the wire. WriteBody below writes its body.
 struct TypeOf {
   std::uint8_t operator()(const Heartbeat&) const noexcept { return 0; }
   std::uint8_t operator()(const LegacyRotation& p) const noexcept { return p.sensor == 0 ? 1 : 16; }

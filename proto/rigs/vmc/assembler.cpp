@@ -10,8 +10,8 @@ namespace styled::vmc {
 namespace {
 
 constexpr std::int64_t kStale_ns = 500'000'000;
-// No datagram comes later than this: a clock that reads the same for so long stands, and one that
-// is back began anew.
+// No datagram arrives later than this. A clock that shows the same value for longer stands still,
+// and one that is back by then was restarted.
 constexpr std::int64_t kLatest_ns = 250'000'000;
 constexpr float kRestart_s = 1.0F;
 // 36 hours: from here on a float's steps are 1/64 s, a frame's length.
@@ -19,14 +19,14 @@ constexpr float kCoarse_s = 131072.0F;
 constexpr std::int64_t kMinPeriod_ns = 1'000'000, kMaxPeriod_ns = 250'000'000;
 constexpr std::int64_t kMinSilence_ns = 4'000'000, kMaxSilence_ns = 50'000'000;
 
-// What a message is about: bones are 1 .. 55.
+// The subject of a message. Bones are 1 .. 55; expressions have a hash with bit 6 set.
 constexpr std::uint64_t kTimeKey = 60, kRootKey = 61, kAvailableKey = 62, kApplyKey = 63;
 
 bool IsClock(float time_s) noexcept { return time_s >= 0 && time_s < kCoarse_s; }
 
 std::uint64_t BlendKey(std::string_view name) noexcept { return HashOf(name) | 64U; }
 
-// Finds the first T of a datagram, and whether all of it is OSC.
+// Finds the first T of a datagram, and checks that all of it is OSC.
 osc::Result ScanTime(std::span<const std::byte> datagram, bool& has_time, float& time_s) noexcept {
   osc::Reader reader(datagram);
   osc::Message bytes;
@@ -76,8 +76,8 @@ bool Assembler::IsOld(float time_s) noexcept {
   return recent && last_time_s_ - time_s <= kRestart_s;
 }
 
-// All of an old datagram, lest its bones come into the frame that is open now; where T comes last,
-// those that came before it, too, and elsewhere those that come behind.
+// Skips all of an old datagram, so that its bones do not enter the open frame. If T comes last, the
+// messages before it are dropped, too; otherwise those that follow it are.
 void Assembler::PassOver() noexcept {
   reader_ = osc::Reader();
   at_end_ = true;
@@ -123,7 +123,7 @@ std::int64_t Assembler::Silence_ns() const noexcept {
   return std::clamp(period_ns_ / 2, kMinSilence_ns, kMaxSilence_ns);
 }
 
-// message_ and bone_ from the bytes; false where they are of no use.
+// Decodes message_ and bone_; returns false for messages that are not used.
 bool Assembler::Decode(const osc::Message& bytes) noexcept {
   const DecodeResult result = vmc::Decode(bytes, message_);
   if (result != DecodeResult::kOk) {
@@ -143,8 +143,8 @@ bool Assembler::Decode(const osc::Message& bytes) noexcept {
   return true;
 }
 
-// Once the sender's last message is known a frame ends with it: then what is there already and
-// comes again unchanged is a copy.
+// Once the sender's last message is known, a frame ends with it. A repeated value that is unchanged
+// is then a copy and begins no frame.
 bool Assembler::BeginsNext() const noexcept {
   const Frame& frame = open();
   const bool no_copies = end_key_ == 0;
@@ -169,7 +169,7 @@ bool Assembler::BeginsNext() const noexcept {
   return false;
 }
 
-// Its place among the frame's expressions; their count where it is not among them.
+// Index of the expression in the frame; blend_count if it is absent.
 std::size_t Assembler::Find(const Blend& blend) const noexcept {
   const Frame& frame = open();
   std::size_t at = 0;
@@ -248,20 +248,20 @@ bool Assembler::IsComplete() const noexcept {
   return open().bones != 0 && end_seen_ && (expected_ & ~open().bones) == 0;
 }
 
-// No frame of several messages begins with the one that ends it: it is a copy, or all before it
-// was lost.
+// A frame of several messages never begins with the message that ends it: that is a copy, or the
+// messages before it were lost.
 bool Assembler::IsLateEnd() const noexcept {
   return empty_ && std::popcount(expected_) > 1 && MessageKey() != 0 && MessageKey() == end_key_;
 }
 
-// Ends the open frame. `learn`: by a rule that sees the sender's own end of it, so that its last
-// message is known from now on. True: there is a new frame().
+// Ends the open frame. `learn`: the end was found by a rule that sees the sender's own end of the
+// frame, so its last message is learned. Returns true if there is a new frame().
 bool Assembler::Close(bool learn) noexcept {
   const Frame& frame = open();
   const bool pose = frame.bones != 0 || frame.has_root;
   const bool content = pose || frame.blend_count > 0 || frame.thru_count > 0;
-  // Expressions may come apart from the bones, at a rate of their own; T alone is the end of a
-  // frame that was taken for ended before.
+  // Learn only from poses, since expressions may come separately and at their own rate; and from a
+  // T alone, which ends a frame that was taken for finished before.
   if (learn && (pose || !content) && last_key_ != 0) LearnEnd();
   const bool good = content && TakeTime();
   if (good) {
@@ -273,13 +273,13 @@ bool Assembler::Close(bool learn) noexcept {
   return good;
 }
 
-// Another end than the one known counts when it came twice running: the end itself may be lost.
+// Another last message is accepted when it came twice in a row, because the end itself may be lost.
 void Assembler::LearnEnd() noexcept {
   if (end_key_ == 0 || last_key_ == candidate_key_) end_key_ = last_key_;
   candidate_key_ = last_key_;
 }
 
-// The frame's time. False: it is not later than the last one.
+// Sets the frame's time. Returns false if it is not later than the last one.
 bool Assembler::TakeTime() noexcept {
   Frame& frame = open();
   if (!has_mark_ || clock_stands_ || !IsClock(mark_s_)) return true;
@@ -316,6 +316,7 @@ void Assembler::TakeBones() noexcept {
 void Assembler::LearnPeriod() noexcept {
   const Frame& frame = open();
   std::int64_t period_ns = frame.received_ns - last_frame_ns_;
+  // Prefer the sender's clock: arrivals jitter.
   if (frame.has_time && last_had_time_) {
     period_ns = static_cast<std::int64_t>((frame.time_s - last_time_s_) * 1e9F);
   }

@@ -12,14 +12,14 @@
 
 namespace styled::vmc {
 
-// All that a sender said of one instant. Space as in vmc.h.
+// The messages of a sender for one instant. Space as in vmc.h.
 struct Frame {
   struct Expression {
     static constexpr std::size_t kMaxName = 64;
     std::array<char, kMaxName> text;
     std::size_t size = 0;
     float value = 0;
-    std::uint32_t datagram = 0;  // the assembler's own
+    std::uint32_t datagram = 0;  // used by the assembler
     std::string_view name() const noexcept { return {text.data(), size}; }
   };
   struct Passed {
@@ -30,38 +30,42 @@ struct Frame {
   };
   static constexpr std::size_t kMaxBlends = 256, kMaxThrus = 8;
 
-  BoneSet bones = 0;                             // that came
-  BoneSet missing = 0;                           // that came before in this session: to be held
-  BoneSet stale = 0;                             // ... and have been missing for more than 0.5 s
-  std::array<Transform, kBoneCount> transforms;  // of `bones`
+  BoneSet bones = 0;    // that arrived
+  BoneSet missing = 0;  // that arrived earlier in this session, but not now: to be held
+  BoneSet stale = 0;    // those of `missing` that were absent for more than 0.5 s
+  std::array<Transform, kBoneCount> transforms;  // valid for `bones`
   bool has_root = false;
   Transform root;
-  bool has_time = false;         // else only `received_ns` tells
+  bool has_time = false;         // else only `received_ns` is known
   float time_s = 0;              // the sender's clock
-  std::int64_t received_ns = 0;  // arrival of its first message
-  bool restarted = false;        // the sender's clock went back: a new session begins with it
+  std::int64_t received_ns = 0;  // arrival of the frame's first message
+  bool restarted = false;        // the sender's clock went back: this frame begins a new session
   bool has_available = false;
   Available available;
   std::size_t blend_count = 0, thru_count = 0;
   std::array<Expression, kMaxBlends> blends;  // each name once
-  bool blends_applied = false;                // Blend/Apply came
+  bool blends_applied = false;                // Blend/Apply arrived
   std::array<Passed, kMaxThrus> thrus;        // whole messages, in their order
 };
 
-// Puts the messages of one sender together to frames: the protocol says nowhere where one ends.
-// Senders of both habits, T first and T last, in one datagram, in several or in one per message:
-//  - a second T of another value begins the next frame;
-//  - so does a bone, root or expression that the frame has already, from a later datagram (in the
-//    same one it is a correction: the last counts; with the frame's own T it belongs to it, and
-//    unchanged it is a copy, once the sender's habit is known);
-//  - so does a silence of half a period: senders send a frame in one burst. That also puts right
-//    what a lost datagram, or a start in the middle of a frame, put out of step;
-//  - and a frame ends at once where the bones of the previous one are there, and the message that
-//    was the sender's last then.
-// The first three rules: usd-vrm-plugins' FrameAssembler (Apache-2.0) found them. T not after the
-// last frame's: refused; lower by more than 1 s, or 250 ms after the last frame: the sender began
-// anew. A clock that stands, is negative, or of more than 36 hours (a float no longer tells frames
-// apart) is no clock: the frame has no time.
+// Assembles one sender's messages into frames. The protocol does not mark the end of a frame, and
+// senders differ: T comes first or last, and a frame fills one datagram, several, or one per
+// message. The rules:
+//  - A second T of another value begins the next frame.
+//  - A bone, root or expression that the frame already has begins the next one if it comes from a
+//    later datagram. Exceptions: in the same datagram it is a correction, and the last one counts;
+//    in a datagram with the frame's own T it belongs to the frame; unchanged it is a copy, once the
+//    sender's habit is known.
+//  - A silence of half a period ends the frame, because senders send a frame in one burst. This
+//    rule also restores the order after a lost datagram or a start in the middle of a frame.
+//  - A frame ends at once when all bones of the previous frame have arrived, and the message that
+//    ended that one.
+// The first three rules are those of FrameAssembler in usd-vrm-plugins (Apache-2.0).
+//
+// A T that is not after the last frame's is refused. If it is lower by more than 1 s, or comes more
+// than 250 ms after the last frame, the sender has restarted. A clock that stands still, is
+// negative, or exceeds 36 hours (where a float no longer resolves single frames) is ignored: the
+// frame has no time.
 //
 //   if (assembler.Begin(datagram, now_ns) == osc::Result::kOk) {
 //     while (assembler.Next()) Use(assembler.frame());
@@ -73,32 +77,33 @@ class Assembler {
  public:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-  // What was refused or passed over, since the assembler was made.
+  // Numbers of refused and skipped items since construction.
   struct Counts {
-    std::uint64_t refused = 0;    // messages of ours with missing or wrong arguments, unknown bones
-    std::uint64_t ignored = 0;    // other messages
-    std::uint64_t duplicate = 0;  // frames, datagrams and messages that came before
-    std::uint64_t late = 0;       // frames and datagrams older than the last frame
-    std::uint64_t left_out = 0;   // expressions and Thrus that found no room
-    std::uint64_t incomplete = 0;  // frames that lacked a bone of the one before
+    std::uint64_t refused = 0;     // known messages with missing or wrong arguments, unknown bones
+    std::uint64_t ignored = 0;     // other messages
+    std::uint64_t duplicate = 0;   // frames, datagrams and messages that were repeated
+    std::uint64_t late = 0;        // frames and datagrams older than the last frame
+    std::uint64_t left_out = 0;    // expressions and Thrus beyond the maximum
+    std::uint64_t incomplete = 0;  // frames that lacked a bone of the frame before
   };
 
-  // A datagram that arrived at `now_ns` (monotonic). Where it is not kOk nothing has happened. The
-  // bytes are looked at until Next() has said false.
+  // Starts a datagram that arrived at `now_ns` (monotonic). Any result but kOk leaves the assembler
+  // unchanged. The bytes must stay valid until Next() returned false.
   STYLED_REALTIME osc::Result Begin(std::span<const std::byte> datagram,
                                     std::int64_t now_ns) noexcept;
-  // True: frame() is one more frame. Frames of T or OK alone are none.
+  // Returns true if frame() is a new frame. T or OK alone make no frame.
   STYLED_REALTIME bool Next() noexcept;
-  // Ends a frame that has waited long enough; as Next().
+  // Ends a frame that has waited long enough; returns as Next() does.
   STYLED_REALTIME bool Flush(std::int64_t now_ns) noexcept;
+  // When Flush() ends the open frame; kNever if none is open.
   std::int64_t deadline_ns() const noexcept;
 
-  // Valid until the next call of anything above.
+  // Valid until the next call of Begin(), Next() or Flush().
   const Frame& frame() const noexcept { return frames_[1 - open_index_]; }
   const Counts& counts() const noexcept { return counts_; }
 
  private:
-  using Key = std::uint64_t;  // what a message is about; 0: nothing
+  using Key = std::uint64_t;  // identifies a message's subject; 0: none
 
   Frame& open() noexcept { return frames_[open_index_]; }
   const Frame& open() const noexcept { return frames_[open_index_]; }
@@ -124,33 +129,33 @@ class Assembler {
   std::array<Frame, 2> frames_;  // the open one and the last one
   std::size_t open_index_ = 0;
   Counts counts_;
-  // The datagram at hand.
+  // The current datagram.
   osc::Reader reader_;
   Message message_;
-  int bone_ = -1;         // of message_, where it is a Bone
+  int bone_ = -1;         // of message_, if it is a Bone
   bool waiting_ = false;  // message_ begins the next frame and is not added yet
   bool at_end_ = true;
-  bool flush_first_ = false;    // it came after a silence
+  bool flush_first_ = false;    // it came after a silence: the open frame ends before it
   bool of_open_frame_ = false;  // it carries the open frame's T
-  bool passing_over_ = false;   // what has no T of its own belongs to an old one
+  bool passing_over_ = false;   // datagrams without a T of their own belong to an old frame
   std::uint32_t datagram_ = 0;
   std::int64_t now_ns_ = 0;
   // The open frame.
   bool empty_ = true, has_mark_ = false, end_seen_ = false;
-  float mark_s_ = 0;  // its T, of use as a time or not
+  float mark_s_ = 0;  // its T, whether usable as a time or not
   Key last_key_ = 0;
   std::uint32_t root_datagram_ = 0;
   std::array<std::uint32_t, kBoneCount> bone_datagram_{};
   // The session.
   bool vrm1_ = false;
   Key end_key_ = 0;        // the message that ends a frame
-  Key candidate_key_ = 0;  // ... that ended the last one for which it was not that
-  BoneSet expected_ = 0;   // of the last frame
+  Key candidate_key_ = 0;  // the message that ended the last frame, if not by end_key_
+  BoneSet expected_ = 0;   // the bones of the last frame
   BoneSet seen_ = 0;
   std::array<std::int64_t, kBoneCount> seen_ns_{};
   bool any_time_ = false, clock_stands_ = false;
-  float last_time_s_ = 0;           // of the last frame that had one
-  std::int64_t last_timed_ns_ = 0;  // when that arrived
+  float last_time_s_ = 0;           // of the last frame that had a time
+  std::int64_t last_timed_ns_ = 0;  // arrival of that frame
   std::int64_t last_frame_ns_ = 0;  // the last frame's arrival
   bool last_had_time_ = false;
   std::int64_t period_ns_ = 16'000'000;

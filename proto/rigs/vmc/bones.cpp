@@ -69,7 +69,7 @@ constexpr char Lower(char c) noexcept {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-// Whether `a` comes before `b` when case does not count.
+// Whether `a` sorts before `b`, ignoring case.
 constexpr bool Before(std::string_view a, std::string_view b) noexcept {
   const std::size_t size = std::min(a.size(), b.size());
   for (std::size_t i = 0; i < size; ++i) {
@@ -126,6 +126,7 @@ int FindBone(std::string_view name, bool vrm1) noexcept {
       kByName.begin(), kByName.end(), name,
       [](const Named& row, std::string_view wanted) { return Before(row.name, wanted); });
   if (found != kByName.end() && Same(found->name, name)) {
+    // In lower-case VRM 1.0 names, thumbProximal is Unity's next bone, ThumbIntermediate.
     const bool left = found->bone == kLeftThumbProximal;
     const bool right = found->bone == kRightThumbProximal;
     return vrm1 && (left || right) && name != found->name ? found->bone + 1 : found->bone;

@@ -7,15 +7,14 @@
 
 #include "model/base/realtime.h"
 
-// The bones of VMC: UnityEngine.HumanBodyBones by their index, with the hierarchy of VRM's
-// humanoid (vrm-c/vrm-specification). Pure; any thread.
-// Pinned by tests/unit/vmc/bones_test.cpp.
+// The bones of VMC: UnityEngine.HumanBodyBones by their index, with the hierarchy of VRM's humanoid
+// (vrm-c/vrm-specification). Pure; any thread. Pinned by tests/unit/vmc/bones_test.cpp.
 namespace styled::vmc {
 
 inline constexpr int kBoneCount = 55;
 
-// Those of the body. Fingers, of each hand Proximal, Intermediate, Distal of Thumb, Index, Middle,
-// Ring, Little: 24 .. 38 left, 39 .. 53 right.
+// The bones of the body by name. The fingers are 24 .. 38 (left) and 39 .. 53 (right): Proximal,
+// Intermediate, Distal of Thumb, Index, Middle, Ring, Little.
 enum BoneIndex : int {
   kHips,
   kLeftUpperLeg,
@@ -50,7 +49,7 @@ enum BoneIndex : int {
 
 struct BoneRow {
   std::string_view name;
-  int parent;  // -1: hips. Where a parent is absent from a model, the nearest ancestor there is
+  int parent;  // -1: hips. If a model lacks the parent, use ParentAmong()
 };
 extern const std::array<BoneRow, kBoneCount> kBones;
 
@@ -64,10 +63,11 @@ constexpr bool Has(BoneSet set, int bone) noexcept { return (set & Bit(bone)) !=
 inline constexpr BoneSet kAllBones = Bit(kBoneCount) - 1;
 inline constexpr BoneSet kFingers = Bit(kRightLittleDistal + 1) - Bit(kLeftThumbProximal);
 
-// The bone that `name` means, or -1: HumanBodyBones' own spelling, else any case. VRM 1.0 counts
-// the thumb's bones from the hand on (thumbMetacarpal, thumbProximal, thumbDistal), Unity and VRM
-// 0.x from the knuckle on (ThumbProximal, ThumbIntermediate, ThumbDistal), so that "thumbProximal"
-// in lower case may be either: `vrm1` decides. Only a session that spoke of "thumbMetacarpal" is.
+// The bone named `name`, or -1: HumanBodyBones' own spelling, else any case. VRM 1.0 counts the
+// thumb's bones from the hand on (thumbMetacarpal, thumbProximal, thumbDistal), Unity and VRM 0.x
+// from the knuckle on (ThumbProximal, ThumbIntermediate, ThumbDistal). "thumbProximal" in lower
+// case is therefore ambiguous and `vrm1` decides: set it once the session contained
+// "thumbMetacarpal".
 STYLED_REALTIME int FindBone(std::string_view name, bool vrm1) noexcept;
 // Whether only VRM 1.0 has this name.
 STYLED_REALTIME bool IsVrm1Name(std::string_view name) noexcept;

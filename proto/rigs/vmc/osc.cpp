@@ -8,7 +8,7 @@ namespace styled::vmc::osc {
 namespace {
 
 constexpr std::string_view kBundle{"#bundle\0", 8};
-constexpr std::size_t kBundleHeader = 16;  // with the timetag
+constexpr std::size_t kBundleHeader = 16;  // includes the timetag
 
 std::uint32_t Word(std::span<const std::byte> bytes) noexcept {
   std::uint32_t value = 0;
@@ -19,7 +19,7 @@ std::uint32_t Word(std::span<const std::byte> bytes) noexcept {
 
 constexpr std::size_t Padded(std::size_t size) noexcept { return (size + 3) & ~std::size_t{3}; }
 
-// Takes `size` bytes and the zeros up to a multiple of 4 from the front of `bytes`.
+// Removes `size` bytes and their zero padding to a multiple of 4 from the front of `bytes`.
 bool TakePadded(std::span<const std::byte>& bytes, std::size_t size) noexcept {
   if (size > bytes.size() || Padded(size) > bytes.size()) return false;
   const auto padding = bytes.subspan(size, Padded(size) - size);
@@ -27,7 +27,7 @@ bool TakePadded(std::span<const std::byte>& bytes, std::size_t size) noexcept {
   return std::ranges::all_of(padding, [](std::byte byte) { return byte == std::byte{0}; });
 }
 
-// Takes a text and its padding from the front of `bytes`. False where it has no end within them.
+// Removes a text and its padding from the front of `bytes`. Returns false if it has no end.
 bool TakeText(std::span<const std::byte>& bytes, std::string_view& text) noexcept {
   const auto end = std::find(bytes.begin(), bytes.end(), std::byte{0});
   if (end == bytes.end()) return false;
@@ -36,7 +36,7 @@ bool TakeText(std::span<const std::byte>& bytes, std::string_view& text) noexcep
   return TakePadded(bytes, text.size() + 1);
 }
 
-// The arguments' bytes must be just what their types say.
+// Checks that the bytes of the arguments match their types exactly.
 Result CheckArguments(std::string_view types, std::span<const std::byte> bytes) noexcept {
   const auto skip = [&bytes](std::size_t size) {
     if (size > bytes.size()) return false;
@@ -72,7 +72,7 @@ Result CheckArguments(std::string_view types, std::span<const std::byte> bytes) 
       case 'F':
       case 'N':
       case 'I':
-      case '[':  // an array's brackets have no bytes of their own
+      case '[':  // an array's brackets have no argument bytes
       case ']':
         break;
       default:
@@ -89,7 +89,7 @@ Result ReadMessage(std::span<const std::byte> bytes, Message& message) noexcept 
     return Result::kBadAddress;
   }
   message.types = {};
-  // Old senders leave the type tags out of a message without arguments.
+  // Old senders omit the type tags of a message without arguments.
   if (!bytes.empty()) {
     if (bytes.front() != std::byte{','} || !TakeText(bytes, message.types)) {
       return Result::kBadTypes;
@@ -116,7 +116,7 @@ Reader::Step Reader::Fail(Result why) noexcept {
   return Step::kBroken;
 }
 
-// A message, or the beginning of a bundle (then kEnd: nothing to hand out yet).
+// Reads a message, or opens a bundle. kEnd means a bundle was opened and there is no message yet.
 Reader::Step Reader::TakeElement(std::span<const std::byte> element, Message& message) noexcept {
   if (element.size() % 4 != 0) return Fail(Result::kBadSize);
   if (element.size() >= kBundle.size() &&
@@ -146,7 +146,7 @@ Reader::Step Reader::Next(Message& message) noexcept {
       --depth_;
       continue;
     }
-    // `rest` is a multiple of 4, as the bundle is.
+    // `rest` has at least 4 bytes: like the bundle, it is a multiple of 4.
     const std::size_t size = Word(rest);
     if (size == 0 || size > rest.size() - 4) return Fail(Result::kBadElement);
     const auto element = rest.subspan(4, size);
@@ -210,7 +210,7 @@ void Writer::Word(std::uint32_t value) noexcept {
   for (std::size_t i = 0; i < 4; ++i) at[i] = static_cast<std::byte>(value >> (24 - 8 * i));
 }
 
-// `first` before the text where it is not 0.
+// Writes `first`, if it is not 0, before the text.
 void Writer::Padded(char first, std::string_view text) noexcept {
   text = text.substr(0, text.find('\0'));
   const std::size_t before = first == 0 ? 0 : 1;
@@ -222,7 +222,7 @@ void Writer::Padded(char first, std::string_view text) noexcept {
   if (!text.empty()) std::memcpy(at + before, text.data(), text.size());
 }
 
-// Within a bundle an element's size stands before it.
+// Within a bundle, an element is preceded by its size.
 void Writer::BeginElement() noexcept {
   if (depth_ > kMaxDepth) {
     ok_ = false;

@@ -18,7 +18,7 @@ std::size_t Size(const Blend& blend) noexcept {
 }
 std::size_t Size(const Thru& thru) noexcept { return kSizeField + thru.bytes.size(); }
 
-// Puts what fits into `room` bytes and takes it from the front of `list`.
+// Writes what fits into `room` bytes and removes it from the front of `list`.
 template <typename T>
 void PutWhatFits(std::span<const T>& list, std::size_t& room, osc::Writer& writer) noexcept {
   for (; !list.empty(); list = list.subspan(1)) {

@@ -7,7 +7,7 @@
 
 namespace styled::vmc {
 
-// What to send of one instant. Views are the caller's.
+// The content of one frame to send. The caller owns what the views point to.
 struct Packed {
   Root root;
   std::span<const Bone> bones;  // names of HumanBodyBones
@@ -17,10 +17,10 @@ struct Packed {
   float time_s = 0;
 };
 
-// Cuts one frame into datagrams that every known receiver takes: the root and bones first, at most
-// 13 of them to a datagram, and last, in one datagram, Blend/Apply, OK and T (EVMC4U counts frames
-// by a T that comes last; VMCLiveLink publishes at Blend/Apply). Each datagram is one bundle. No
-// allocation; one thread.
+// Splits one frame into datagrams that every known receiver accepts: the root and bones first, at
+// most 13 of them per datagram; last, together in one datagram, Blend/Apply, OK and T (EVMC4U
+// counts frames by a T that comes last; VMCLiveLink publishes at Blend/Apply). Each datagram is one
+// bundle. No allocation; one thread.
 //
 //   for (Packer packer(frame); const auto size = packer.Next(buffer);) send(buffer, size);
 class Packer {
@@ -30,8 +30,9 @@ class Packer {
 
   explicit Packer(const Packed& frame) noexcept : frame_(frame) {}
 
-  // Writes the next datagram to the front of `out`, kMaxPacketSize bytes or more, and returns its
-  // size; 0 when there is no more. Blends and Thrus that no packet could hold are left out.
+  // Writes the next datagram to the front of `out`, which must hold kMaxPacketSize bytes, and
+  // returns its size; 0 when there are no more. Blends and Thrus too large for a datagram are left
+  // out.
   STYLED_REALTIME std::size_t Next(std::span<std::byte> out) noexcept;
 
  private:

@@ -7,7 +7,8 @@ constexpr std::string_view kAvailable = "/VMC/Ext/OK", kRoot = "/VMC/Ext/Root/Po
                            kBone = "/VMC/Ext/Bone/Pos", kBlend = "/VMC/Ext/Blend/Val",
                            kApply = "/VMC/Ext/Blend/Apply", kThru = "/VMC/Thru/";
 
-// Takes arguments one by one; the first that is not there as it should be decides.
+// Reads arguments one by one. The first one that is missing or of a wrong type determines the
+// result.
 class Taker {
  public:
   explicit Taker(const osc::Message& message) noexcept : arguments_(message) {}
@@ -33,7 +34,7 @@ class Taker {
   DecodeResult result_ = DecodeResult::kOk;
 };
 
-// One word, alone or with one number: what the protocol allows.
+// The protocol allows one text, alone or with one number.
 DecodeResult CheckThru(std::string_view types) noexcept {
   if (types.empty()) return DecodeResult::kTooFewArguments;
   return types == "s" || types == "sf" || types == "si" ? DecodeResult::kOk
@@ -78,7 +79,7 @@ DecodeResult Decode(const osc::Message& bytes, Message& message) noexcept {
   }
   if (bytes.address == kRoot) {
     Root root;
-    std::string_view name;  // "root" always
+    std::string_view name;  // always "root"
     taker.Text(name);
     taker.Place(root.transform);
     return finish(root);
