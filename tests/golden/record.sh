@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # record.sh BUILD [NAME...]: makes golden recordings and their expected outputs again: all of
-# recordings.txt, or those NAMEd. For each, the daemon of BUILD records ([record]) a rig's stand-in
-# for two seconds, with a style from the second one on. Takes minutes on an idle machine. Ports 27000-27003.
+# recordings.txt, or those NAMEd. BUILD's daemon records ([record]) each rig's stand-in for two
+# seconds, styled from the second one on. Needs minutes on an idle machine, and ports 27000-27003.
 set -euo pipefail
 [ $# -ge 1 ] || { sed -n '2,4s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 here=$(cd "$(dirname "$0")" && pwd)
