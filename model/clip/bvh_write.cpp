@@ -31,6 +31,8 @@ class EulerSolver {
     for (char kind : channels) {
       if (IsRotation(kind) && count_ < 3) axis_[count_++] = kind - 'x';
     }
+    // The third axis completes the three; the sign tells whether their order is cyclic (XYZ, YZX,
+    // ZXY) or reversed.
     if (count_ == 2) axis_[2] = 3 - axis_[0] - axis_[1];
     if (count_ >= 2) sign_ = (axis_[0] + 1) % 3 == axis_[1] ? 1.0 : -1.0;
   }

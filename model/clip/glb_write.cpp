@@ -186,6 +186,7 @@ class Mesh {
     const Vec3 across = along.unitOrthogonal();
     const Vec3 other = along.cross(across) / length_m;
     const float width_m = std::clamp(0.1F * length_m, 0.002F, 0.04F);
+    // The two pyramids share a square ring at a fifth of the bone.
     const Vec3 middle = head + 0.2F * along;
     std::array<Vec3, 4> ring;
     for (int k = 0; k < 4; ++k) {

@@ -171,6 +171,8 @@ class Nodes {
         affine.scale(Eigen::Map<const Eigen::Vector3d>(node.scale.data()));
       }
     }
+    // Only rotation and uniform scale can be bound: the columns must be equally long and not
+    // mirrored.
     const Eigen::Matrix3d linear = affine.linear();
     const Eigen::Vector3d lengths = linear.colwise().norm();
     const double size = lengths.mean();

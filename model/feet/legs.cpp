@@ -22,6 +22,7 @@ Legs::Legs(const rig::Binding& binding)
       canonical_from_source_(binding.spec().canonical_from_source) {
   const rig::BindingSpec& spec = binding.spec();
   const rig::Skeleton& skeleton = spec.skeleton;
+  // Select the joints on the paths from the root to the hips and the feet.
   std::vector<bool> needed(skeleton.names.size(), false);
   const auto need = [&](int joint) {
     for (; joint >= 0; joint = skeleton.parents[static_cast<std::size_t>(joint)]) {
@@ -45,6 +46,7 @@ Legs::Legs(const rig::Binding& binding)
   };
   hips_ = at(spec.source_joint[body::kHips]);
 
+  // Heights in the T-pose, relative to the root, from world rest rotations.
   std::vector<float> rest_height_m(joints_.size(), 0.0F);
   for (std::size_t i = 1; i < joints_.size(); ++i) {
     const auto joint = static_cast<std::size_t>(joints_[i]);
@@ -73,6 +75,7 @@ Legs::Legs(const rig::Binding& binding)
       leg.ankle_above_toes_m = rest_height_m[static_cast<std::size_t>(leg.foot)] -
                                rest_height_m[static_cast<std::size_t>(leg.toes)];
     }
+    // The body's left (canonical +X) in a joint's own frame in the T-pose.
     const auto left_in = [&](int joint) -> Vec3 {
       const Quat& rest = spec.rest_rotations[static_cast<std::size_t>(joint)];
       return (canonical_from_source_ * rest).conjugate() * Vec3::UnitX();

@@ -164,7 +164,8 @@ void Binding::Bind(const RigPose& source, body::Pose& pose) const noexcept {
         joint == 0 ? source.rotations[0] : source_world[parents[joint]] * source.rotations[joint];
   }
 
-  // D = G_source * conj(rest): the world rotation away from the T-pose, which both bodies share.
+  // change = source_world * conj(rest): the world rotation away from the T-pose. It is the same for
+  // both skeletons.
   std::array<Quat, kJointCount> world;
   for (int c = 0; c < kJointCount; ++c) {
     const int parent = kHumanoid[c].parent;
@@ -182,6 +183,7 @@ void Binding::Bind(const RigPose& source, body::Pose& pose) const noexcept {
     pose.rotations[c] = local;
   }
 
+  // The hips' world position: forward kinematics along the chain from the root.
   Vec3 hips = Vec3::Zero();
   for (int joint : hips_chain_) {
     const int parent = parents[joint];
@@ -220,6 +222,7 @@ void Binding::Unbind(const body::Pose& pose, const RigPose& received, RigPose& o
     out_world[joint] = parent_world * out.rotations[joint];
   }
 
+  // Joints above the hips stay as received; the hips' own translation puts them in place.
   const Vec3 hips = canonical_from_source.conjugate() * (pose.hips_position_m / scale_);
   Vec3 parent_position = Vec3::Zero();
   for (int joint : hips_chain_) {
@@ -238,6 +241,7 @@ Vec3 Binding::RootPosition(const RigPose& pose) const noexcept {
   Quat parent_world = pose.rotations[0];
   for (std::size_t i = 1; i < hips_chain_.size(); ++i) {
     const int joint = hips_chain_[i];
+    // What the joint's translation has beyond its offset is moved to joint 0.
     position += parent_world * (pose.translations[joint] - spec_.skeleton.offsets[joint]);
     parent_world = parent_world * pose.rotations[joint];
   }

@@ -56,6 +56,7 @@ std::optional<Quat> FindAxes(const Stand& stand) {
   if (!(spine.cwiseAbs().maxCoeff(&axis) > 0)) return std::nullopt;
   Vec3 up = Vec3::Zero();
   up[axis] = spine[axis] < 0 ? -1.0F : 1.0F;
+  // Left: the mean direction across hips and shoulders, made perpendicular to up.
   Vec3 left = (stand.At(body::kLeftUpperLeg) - stand.At(body::kRightUpperLeg)).normalized() +
               (stand.At(body::kLeftUpperArm) - stand.At(body::kRightUpperArm)).normalized();
   left -= up * left.dot(up);

@@ -66,6 +66,7 @@ Quat FaceForward(const Vec3& forward) {
 
 Quat Swing(const Standing& pose, int joint, const Quat& parent_swing, const Quat& hips_swing) {
   const Bone bone = FindBone(pose, joint);
+  // The head is upright already: only its heading is corrected, to that of the hips.
   if (joint == body::kHead) return FaceForward(hips_swing.conjugate() * Vec3::UnitZ());
   if (!bone.found) return parent_swing;
   if (joint == body::kLeftFoot || joint == body::kRightFoot) return FaceForward(bone.standing);
@@ -76,6 +77,7 @@ Quat Swing(const Standing& pose, int joint, const Quat& parent_swing, const Quat
     if (left.isZero()) left = Across(pose, body::kLeftUpperArm, body::kRightUpperArm);
   }
   if (!left.isZero()) return SwingTwoAxes(left, bone.standing);
+  // The shortest arc that is left after the parent's swing.
   return Quat::FromTwoVectors(parent_swing * bone.standing, bone.rest) * parent_swing;
 }
 

@@ -56,6 +56,7 @@ InputGuard::Jump InputGuard::JudgeJump(double dt_s, float metres, const Options&
   };
   Jump verdict = Jump::kNone;
   if (has_last_ && !near(last_.translations[0], since_last_s_)) {
+    // Count consecutive frames at the new place, each near the one before.
     candidate_frames_ = candidate_frames_ > 0 && near(candidate_, dt_s) ? candidate_frames_ + 1 : 1;
     candidate_ = root;
     verdict = candidate_frames_ >= options.jump_accept_frames ? Jump::kAccepted : Jump::kHeld;

@@ -69,6 +69,8 @@ void Interleaver::Interleave(int states, double network_rate_hz) noexcept {
   tick_period_s_ = 1.0 / (network_rate_hz * states);
   const double now = static_cast<double>(now_ns_ - origin_ns_) * 1e-9 / tick_period_s_;
   const auto due = static_cast<std::int64_t>(std::ceil(now - tuning::kSnap));
+  // Tick t of one state becomes tick t * states of the finer grid. Continue after the last tick
+  // that ran, but skip ticks of new states that are already in the past.
   next_tick_ = std::max((next_tick_ - 1) * states + 1, std::min(due, next_tick_ * states));
 }
 
@@ -80,6 +82,7 @@ bool Interleaver::Next(Tick& tick) noexcept {
   const double frame_s = static_cast<double>(now_ns_ - last_ns_) * 1e-9;
   float share = 1.0F;
   if (-after_s > tuning::kSnap * tick_period_s_ && frame_s > 0) {
+    // The tick is before this frame by -after_s: interpolate between the last frame and this one.
     share = static_cast<float>(std::clamp(1.0 + after_s / frame_s, 0.0, 1.0));
   }
   tick = {static_cast<int>(next_tick_ % std::max(1, interleaved_)), share};

@@ -8,6 +8,7 @@ Mixer::Slot& Mixer::SlotFor(int style) noexcept {
   for (Slot& slot : slots_) {
     if (slot.style == style) return slot;
   }
+  // A free slot, else the one that is fading out with the smallest weight.
   Slot* best = slots_.data();
   for (Slot& slot : slots_) {
     if (slot.style < 0) {

@@ -310,6 +310,7 @@ HWY_INLINE void NormalizeSome(Tag tag, const float* quaternions, float* unit) {
   alignas(16) constexpr float kIdentity[4] = {0, 0, 0, 1};
   const auto q = hn::LoadU(tag, quaternions);
   const auto squares = hn::Mul(q, q);
+  // Sum the squares of each group of four lanes, into all four of them.
   const auto pairs = hn::Add(squares, hn::Shuffle2301(squares));
   const auto square = hn::Add(pairs, hn::Shuffle1032(pairs));
   const auto half_square = hn::Mul(hn::Set(tag, 0.5F), square);

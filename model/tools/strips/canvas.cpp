@@ -76,6 +76,7 @@ void Canvas::Line(float x0, float y0, float x1, float y1, float width, Color col
       const float px = static_cast<float>(x) + 0.5F - x0;
       const float py = static_cast<float>(y) + 0.5F - y0;
       const float along = std::clamp((px * dx + py * dy) / length2, 0.0F, 1.0F);
+      // The distance to the segment gives the pixel's coverage, with an edge of one pixel.
       const float distance = std::hypot(px - along * dx, py - along * dy);
       const float share = std::clamp(0.5F * width - distance + 0.5F, 0.0F, 1.0F);
       if (share > 0) Blend(x, y, share, color);

@@ -57,6 +57,7 @@ double FrechetDistance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 Pca FitPca(const Eigen::MatrixXd& samples, int dimensions) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Covariance(samples));
   const int kept = std::min<int>(dimensions, static_cast<int>(samples.cols()));
+  // Eigen sorts eigenvalues in ascending order: the leading axes are the last columns.
   return {samples.colwise().mean(), solver.eigenvectors().rightCols(kept)};
 }
 
@@ -167,6 +168,7 @@ Share MacroShare(std::span<const ClipVerdict> verdicts, std::uint64_t seed, int 
   std::sort(clips.begin(), clips.end());
   clips.erase(std::unique(clips.begin(), clips.end()), clips.end());
   if (clips.empty()) return share;
+  // Bootstrap: draw as many clips as there are, with replacement, and average again.
   std::mt19937_64 random(seed);
   std::uniform_int_distribution<std::size_t> pick(0, clips.size() - 1);
   std::vector<double> values;
