@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Runs the benches of a build and prints one table: what, the goal, what was measured.
+"""Runs the benches of a build and prints one table: name, goal, measurement.
 
     tests/bench/run.py [BUILD=build/release] [--out FOLDER] [--seconds S] [--rounds N] [--priority P]
 
-Every figure is a ratio within one run, or a count. All of it goes to FOLDER/bench.json, too, and where
-Debian's python3-matplotlib is installed two plots beside it. Nothing else should run meanwhile.
+Every figure is a ratio within one run, or a count. All are also written to FOLDER/bench.json, and two
+plots if Debian's python3-matplotlib is installed. Nothing else should run at the same time.
 """
 import argparse
 import json
@@ -115,7 +115,7 @@ def wires():
 
 
 def crowds():
-    """The most performers of whom none loses a frame and 99 % of frames come within a period."""
+    """The most performers with no lost frame and 99 % of frames within a period."""
     good, last = 0, {}
     for performers in range(100, options.most + 1, 100):
         found = wire(f'crowd-{performers}', performers, 1, ['echo, block', 'styled, block'], rounds=1)

@@ -16,7 +16,7 @@ bl_info = {
 }
 
 try:
-    import styled  # where the Python client is installed, that one
+    import styled  # prefer an installed Python client
 except ImportError:
     sys.path.append(os.path.join(os.path.dirname(__file__), 'modules'))
     try:
@@ -31,7 +31,7 @@ from . import live, operators, panel, properties
 _PARTS = (properties, operators, panel)
 
 
-# Sockets do not outlive the file that they moved the armatures of.
+# Sockets must not outlive the file whose armatures they drive.
 @bpy.app.handlers.persistent
 def _before_another_file(_):
     live.live.disconnect()

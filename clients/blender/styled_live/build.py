@@ -1,5 +1,5 @@
-"""An armature of a body's own: its joints where the T-pose has them, in metres, +Z up, looking along
--Y as Blender's figures do."""
+"""Builds an armature from a body: joints at their positions in the T-pose, in metres, +Z up, facing -Y
+as Blender's figures do."""
 
 from typing import Optional
 
@@ -8,13 +8,13 @@ from mathutils import Vector
 
 from . import skeleton
 
-_SHORTEST_M = 0.01   # Blender deletes bones without length
-_LEAF = 0.4          # of the bone before it
+_SHORTEST_M = 0.01  # Blender deletes bones without length
+_LEAF = 0.4         # fraction of the parent bone's length
 
 
 def _tail(children, name, place) -> Optional[Vector]:
-    """Where a bone ends: at the next joint, of several at the one that is straightest up or down,
-    as necks and knees are, and shoulders and hips are not."""
+    """Where a bone ends: at its joint's child. With several children, at the one in the most vertical
+    direction, which is the neck or the spine and not a shoulder or hip."""
     def steepness(child):
         step = place[child] - place[name]
         return -abs(step.z) / max(step.length, 1e-9) if len(children[name]) > 1 else 0
@@ -26,8 +26,8 @@ def _tail(children, name, place) -> Optional[Vector]:
 
 
 def make_armature(body, name: str, collection) -> 'bpy.types.Object':
-    """A new armature object, selected and active, that bears the names of the body's joints. Blender
-    must be in object mode."""
+    """A new armature object, selected and active, whose bones have the names of the body's joints.
+    Blender must be in object mode."""
     rest = skeleton.rest_of_body(body)
     axes = skeleton.axes_of(rest)
     turn = skeleton.BLENDER_AXES.transposed()
@@ -54,7 +54,7 @@ def make_armature(body, name: str, collection) -> 'bpy.types.Object':
         tail = _tail(children, joint, place)
         if parent >= 0:
             bone.parent = armature.edit_bones[rest.names[parent]]
-            if tail is None:  # a leaf goes on as its parent went
+            if tail is None:  # a leaf continues in its parent's direction
                 onward = bone.head - bone.parent.head
                 tail = bone.head + onward * _LEAF if onward.length * _LEAF > _SHORTEST_M else None
         bone.tail = bone.head + Vector((0, 0, 0.1)) if tail is None else tail

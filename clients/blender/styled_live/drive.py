@@ -1,5 +1,5 @@
-"""Puts frames on an armature: what can be known once is in a Plan, what each frame takes in
-apply()."""
+"""Applies frames to an armature. A Plan holds what is computed once; apply() does the work of each
+frame."""
 
 from typing import Dict, List, NamedTuple, Optional
 
@@ -8,29 +8,30 @@ from styled import kinematics
 
 from . import skeleton
 
-# Limbs: rests differ there (A-pose, T-pose), and these swing the one to the other.
+# Limbs, whose rest poses may differ (A-pose, T-pose); _swings() aligns one rest pose with the
+# other.
 _LIMBS = [(side + start, side + end) for side in ('left', 'right')
           for start, end in (('UpperArm', 'LowerArm'), ('LowerArm', 'Hand'),
                              ('UpperLeg', 'LowerLeg'), ('LowerLeg', 'Foot'))]
 
 
 class Unfit(ValueError):
-    """Body and armature have too little in common; the text says what is missing."""
+    """Body and armature have too little in common; the text states what is missing."""
 
 
 class _Step(NamedTuple):
     bone: str
     parent: Optional[str]
-    joint: Optional[int]     # of the body; None: the bone stays as it is to its parent
-    joint_rest: Matrix       # what a joint's world rotation is multiplied by for the bone's
-    moves: bool              # has a place of its own: no bone above it follows a joint
+    joint: Optional[int]  # of the body; None: the bone keeps its rest pose relative to its parent
+    joint_rest: Matrix    # factor from a joint's world rotation to its bone's
+    moves: bool           # has its own position: no bone above it follows a joint
 
 
 class Plan:
-    """How the joints of one body turn and move the bones of one armature, whatever rest pose, rolls,
-    axes, handedness and size either of them has. A bone of a joint's very name follows it; where
-    names differ, bones do that are the same joint of a humanoid. Holds names only, nothing of Blender's
-    that undo or a new file could take away."""
+    """Maps the joints of one body to the bones of one armature, for any rest poses, rolls, axes,
+    handedness and sizes. A bone with a joint's exact name follows that joint; otherwise a bone follows
+    the same joint of the humanoid. It holds names only, and no objects of Blender, which undo or
+    loading a file could remove."""
 
     def __init__(self, body, armature):
         self.body = body
@@ -55,20 +56,21 @@ class Plan:
                         '(hips, leftUpperArm, mixamorig:LeftArm, upper_arm.L, ...)')
         return joints
 
-    # A skeleton that is no humanoid is taken to have the other's axes, or, of bodies, glTF's.
+    # A skeleton that is not a humanoid is assumed to have the other one's axes, or glTF's for a
+    # body.
     def _axes(self):
         source, target = skeleton.axes_of(self._source), skeleton.axes_of(self._target)
         if source is None:
             source = Matrix.Identity(3)
         return source, skeleton.BLENDER_AXES if target is None else target
 
-    # Armature units per body unit, and where the armature's floor is, upward.
+    # Armature units per body unit, and the height of the armature's floor.
     def _measure(self, axes_source, axes_target):
         source = skeleton.hips_height(self._source, axes_source)
         target = skeleton.hips_height(self._target, axes_target)
         if source is None or target is None:
             return skeleton.metres_per_unit(self.body, self._source, axes_source), Vector()
-        # Some armatures have their origin in the hips.
+        # Some armatures have their origin at the hips.
         low = skeleton.lowest(self._target, axes_target)
         floor = low if low < -0.25 * target else 0.0
         return target / source, axes_target[1] * floor
@@ -99,8 +101,8 @@ class Plan:
                 led.add(bone.name)
         return steps
 
-    # From the armature's rest to the body's T-pose, of limbs; hands and fingers go with the forearm,
-    # feet, like all else, are taken to be alike.
+    # Rotations of the limbs from the armature's rest pose to the body's T-pose. Hands and fingers
+    # follow the forearm; feet and everything else are assumed to have the same rest pose.
     def _swings(self) -> Dict[str, Matrix]:
         swings = {}
         for start, end in _LIMBS:
@@ -114,8 +116,8 @@ class Plan:
         return swings
 
     def apply(self, frame, armature_object) -> None:
-        """Poses the armature. ValueError where the frame is of another body; KeyError where a bone
-        has gone."""
+        """Poses the armature. Raises ValueError if the frame belongs to another body, KeyError if a bone
+        no longer exists."""
         world = kinematics.world_transforms(self.body, frame)
         bones, pose_bones = armature_object.data.bones, armature_object.pose.bones
         poses: Dict[str, Matrix] = {}
@@ -134,7 +136,7 @@ class Plan:
             if step.moves:
                 place = self._turn @ Vector(world[step.joint].position)
                 pose.translation = place * self._unit + self._floor
-            else:  # at rest to its parent
+            else:  # rest pose relative to the parent
                 pose.translation = bone.convert_local_to_pose(
                     Matrix.Identity(4), bone.matrix_local, **above).translation
             pose_bone.matrix_basis = bone.convert_local_to_pose(

@@ -1,11 +1,11 @@
-"""Which bone of a skeleton is which joint of a humanoid, by its name: the habits that the daemon
-knows (model/rig/joint_names.cpp), by the same rules. Knows nothing of Blender."""
+"""Identifies the joints of a humanoid by their names, with the same conventions and rules as the daemon
+(model/rig/joint_names.cpp). Independent of Blender."""
 
 import os
 import re
 from typing import Dict, List, Optional, Tuple
 
-# Aliases are lower case without separators, the better one first.
+# Aliases in lower case without separators, the preferred one first.
 _CENTRE = {'hips': ('hips', 'hip', 'pelvis'), 'neck': ('neck', 'neck1', 'neck01', 'lowerneck'),
            'head': ('head',)}
 _SIDED = {'Shoulder': ('shoulder', 'clavicle', 'collar'),
@@ -16,11 +16,11 @@ _SIDED = {'Shoulder': ('shoulder', 'clavicle', 'collar'),
           'LowerLeg': ('lowerleg', 'lowleg', 'leg', 'shin', 'calf', 'tibia'),
           'Foot': ('foot',),
           'Toes': ('toes', 'toe', 'toebase', 'toe0', 'ball')}
-# SMPL and MVN's BVH files name limbs by the joint, not by the bone below it.
+# SMPL and MVN's BVH files name limbs after the joint, not after the bone below it.
 _SIDED_BY_JOINT = {'Shoulder': ('collar',), 'UpperArm': ('shoulder',), 'LowerArm': ('elbow',),
                    'Hand': ('wrist',), 'UpperLeg': ('hip',), 'LowerLeg': ('knee',),
                    'Foot': ('ankle',), 'Toes': ('foot', 'toe', 'toes')}
-# Spine and chest: the first pair of which both are there.
+# Spine and chest: the first pair with both names present.
 _BACKS = (('lowerback', 'spine'), ('lowerback', 'upperback'), ('l5', 't12'), ('ab', 'chest'),
           ('abdomen', 'chest'), ('torso2', 'torso4'), ('spine', 'chest'), ('spine', 'spine1'),
           ('spine', 'spine2'), ('spine01', 'spine02'), ('spine1', 'spine2'), ('chest', 'chest2'),
@@ -28,7 +28,7 @@ _BACKS = (('lowerback', 'spine'), ('lowerback', 'upperback'), ('l5', 't12'), ('a
 
 
 def _folded(names: List[str]) -> Dict[str, str]:
-    """Names without what exporters put before them, separators and case, to the names."""
+    """Maps names without exporters' prefixes, separators and case to the names."""
     plain = [name.rsplit(':')[-1] for name in names]
     prefix = os.path.commonprefix(plain) if len(plain) > 2 else ''
     prefix = re.match(r'(.*[_ .-])?', prefix, re.S).group(0)
@@ -68,8 +68,8 @@ def _back(names: _Names) -> Tuple[Optional[str], Optional[str]]:
 
 
 def map_names(names: List[str]) -> Dict[str, str]:
-    """Canonical joint (leftUpperArm) to the name that it has here; those that are not found are
-    missing."""
+    """Maps each canonical joint (leftUpperArm) to its name in this skeleton; joints that are not found
+    are missing."""
     table = _Names(names)
     found = {joint: table.centre(*aliases) for joint, aliases in _CENTRE.items()}
     if found['hips'] is None and table.centre('torso1') is not None:  # mocopi

@@ -1,5 +1,5 @@
-"""The connection to a daemon, and the timer that brings its newest frames to the armatures that are
-driven. One per Blender; what drives what is kept in the objects (properties.py)."""
+"""The connection to a daemon, and the timer that applies its newest frames to the driven armatures.
+One per Blender; which performer drives which armature is stored in the objects (properties.py)."""
 
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
@@ -9,15 +9,15 @@ import styled
 from .drive import Plan, Unfit
 
 RATE_HZ = 60
-_CONTROL_TIMEOUT_S = 0.5  # Blender stands still meanwhile
+_CONTROL_TIMEOUT_S = 0.5  # Blender is blocked meanwhile
 STREAMS = ('rig', 'canonical', 'source')
 
-# What is driven by what: performer, and one of STREAMS or the name of an [[output]].
+# The source of an armature's motion: performer, and one of STREAMS or the name of an [[output]].
 Choice = Tuple[str, str]
 
 
 class Latest(NamedTuple):
-    """What an armature shows."""
+    """What an armature displays."""
     epoch: int
     sequence: int
     styles: str
@@ -44,10 +44,10 @@ class _Link:
             if update.kind is styled.Kind.FRAME:
                 newest = update
         if armature_object.mode == 'EDIT':
-            self._planned_for = None  # its rest may be another afterwards
+            self._planned_for = None  # its rest pose may have changed
             return
         if newest is None or newest.body is None:
-            return  # the body comes with the next second at the latest
+            return  # the body arrives within a second
         bones = armature_object.data.bones
         key = (newest.body.hash, armature_object.data.name, len(bones))
         if key != self._planned_for:
@@ -81,7 +81,7 @@ class Live:
         self._listener: Optional[styled.Subscriber] = None
         self._control: Optional[styled.Control] = None
         self._links: Dict[str, _Link] = {}
-        self._strength: Optional[Tuple[str, float]] = None  # asked for, not yet sent
+        self._strength: Optional[Tuple[str, float]] = None  # requested, not yet sent
 
     @property
     def active(self) -> bool:
@@ -89,11 +89,11 @@ class Live:
 
     @property
     def reached(self) -> bool:
-        """Whether the publisher is there."""
+        """Whether the publisher is connected."""
         return self.active and self._listener.connected() > 0
 
     def connect(self, publisher: str, control: str, curve=None) -> None:
-        """ValueError where an address or a key is none; that nobody is there is a `problem`."""
+        """Raises ValueError for an invalid address or key; an absent daemon is a `problem`, no error."""
         self.disconnect()
         self._control = styled.Control(control, timeout=_CONTROL_TIMEOUT_S, curve=curve)
         try:
@@ -132,14 +132,14 @@ class Live:
         return self._ask(lambda control: control.panic()) is not None
 
     def set_strength_soon(self, performer: str, strength: float) -> None:
-        """With the next tick: who drags a slider asks more often than a daemon must be asked."""
+        """Applies the strength with the next tick, since a dragged slider calls this too often."""
         self._strength = (performer, strength)
 
     def performers(self) -> List[str]:
         return sorted({performer for performer, _ in self.bodies})
 
     def streams(self, performer: str) -> List[str]:
-        """Those that every performer has, then its avatars."""
+        """The streams that every performer has, then its avatars."""
         return list(STREAMS) + sorted(stream for owner, stream in self.bodies
                                       if owner == performer and stream not in STREAMS)
 
@@ -150,7 +150,7 @@ class Live:
         return self._links.get(armature_object.name)
 
     def step(self) -> None:
-        """One tick: newest bodies, newest frames onto their armatures, what was asked for."""
+        """One tick: reads new bodies, applies the newest frames, sends pending requests."""
         for update in self._listener.receive_latest(0):
             if update.kind is styled.Kind.BODY:
                 self._keep(update.body)
@@ -165,7 +165,7 @@ class Live:
         stream = {1: 'rig', 2: 'canonical'}.get(body.output, body.output_name)
         self.bodies[body.performer, stream] = body
 
-    # The objects say what is driven; undo, renaming and loading may change that at any time.
+    # The objects state what is driven; undo, renaming and loading may change that at any time.
     def _follow(self) -> None:
         wanted = {}
         for thing in bpy.data.objects:
@@ -185,7 +185,7 @@ class Live:
                     continue
             self._links[name].step(thing)
 
-    # None, and the reason in `problem`, where the daemon refuses or does not answer.
+    # Returns None, with the reason in `problem`, if the daemon refuses or does not answer.
     def _ask(self, what):
         if self._control is None:
             self.problem = 'not connected'
@@ -204,7 +204,7 @@ def _choice(armature_object) -> Choice:
 
 
 def tick() -> Optional[float]:
-    """Blender's timer; None ends it."""
+    """Blender's timer; returning None ends it."""
     if not live.active:
         return None
     live.step()

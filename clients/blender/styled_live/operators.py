@@ -1,4 +1,4 @@
-"""What the panel's buttons do."""
+"""The operators behind the panel's buttons."""
 
 import bpy
 import styled
@@ -35,7 +35,7 @@ class STYLED_OT_connect(bpy.types.Operator):
             live.connect(at.publisher, at.control)
         except ValueError as error:
             return _fail(self, error)
-        if live.problem:  # it may come later
+        if live.problem:  # the daemon may start later
             self.report({'WARNING'}, live.problem)
         return {'FINISHED'}
 
@@ -90,7 +90,7 @@ class STYLED_OT_drive(_Connected, bpy.types.Operator):
             return _fail(self, f"performer '{chosen.performer}', expected SOURCE.NAME; here are: "
                                f"{', '.join(live.performers()) or 'none yet'}")
         body = live.body(chosen.performer, chosen.stream)
-        if body is not None:  # else it is found out when the body comes
+        if body is not None:  # otherwise the mapping is checked when the body arrives
             try:
                 plan = Plan(body, context.object.data)
             except Unfit as error:

@@ -1,4 +1,4 @@
-"""What is set in the panel: of the scene where the daemon is, of each armature who drives it."""
+"""The settings in the panel: of the scene, the daemon's addresses; of each armature, its performer."""
 
 import bpy
 import styled

@@ -1,5 +1,5 @@
-"""Skeletons at rest, those of bodies and those of armatures: where their joints are, and where up,
-left and ahead are."""
+"""Rest skeletons of bodies and armatures: positions of their joints, and the axes that point up, left
+and forward."""
 
 from typing import Dict, List, NamedTuple, Optional
 
@@ -7,7 +7,7 @@ from mathutils import Matrix, Quaternion, Vector
 
 from .humanoid import map_names
 
-# Canonical axes (+X the body's left, +Y up, +Z ahead) from Blender's (+X, +Z, -Y), by rows.
+# Canonical axes (+X the body's left, +Y up, +Z forward) from Blender's (+X, +Z, -Y), by rows.
 BLENDER_AXES = Matrix(((1, 0, 0), (0, 0, 1), (0, -1, 0)))
 
 
@@ -17,14 +17,14 @@ _HIPS_ABOVE_TOES_M = 0.96  # of the canonical humanoid
 class Rest(NamedTuple):
     names: List[str]
     positions: Dict[str, Vector]
-    rotations: Dict[str, Matrix]        # of bodies: world from joint in the T-pose
-    humanoid: Dict[str, str]            # canonical joint to the name that it has here
+    rotations: Dict[str, Matrix]  # of bodies: world from joint in the T-pose
+    humanoid: Dict[str, str]      # canonical joint to its name in this skeleton
 
     def at(self, canonical: str) -> Optional[Vector]:
         return self.positions.get(self.humanoid.get(canonical))
 
     def direction(self, start: str, end: str) -> Optional[Vector]:
-        """Between two canonical joints, of length 1."""
+        """The unit vector between two canonical joints."""
         start, end = self.at(start), self.at(end)
         if start is None or end is None or (end - start).length < 1e-9:
             return None
@@ -32,7 +32,7 @@ class Rest(NamedTuple):
 
 
 def quaternion(x: float, y: float, z: float, w: float) -> Quaternion:
-    """From the order of the wire."""
+    """From the component order of the wire."""
     return Quaternion((w, x, y, z))
 
 
@@ -52,14 +52,14 @@ def rest_of_body(body) -> Rest:
 
 
 def rest_of_armature(armature) -> Rest:
-    """In the armature's own space."""
+    """The rest pose, in the armature's own space."""
     names = [bone.name for bone in armature.bones]
     return Rest(names, {bone.name: bone.head_local.copy() for bone in armature.bones}, {},
                 map_names(names))
 
 
 def _axis(direction: Vector) -> Vector:
-    """The signed axis that is nearest."""
+    """The nearest signed axis."""
     largest = max(range(3), key=lambda i: abs(direction[i]))
     axis = Vector((0, 0, 0))
     axis[largest] = -1 if direction[largest] < 0 else 1
@@ -67,9 +67,9 @@ def _axis(direction: Vector) -> Vector:
 
 
 def axes_of(rest: Rest) -> Optional[Matrix]:
-    """Canonical from own axes, found as the daemon finds it: up goes from the hips to the head, left
-    from the right thigh to the left one. Ahead is where the toes point: a left-handed skeleton is
-    one, too, and its matrix mirrors. None where these joints are not known."""
+    """The matrix from own to canonical axes, found like the daemon does: up from the hips to the head,
+    left from the right thigh to the left one, forward where the toes point. Left-handed skeletons are
+    supported; the matrix then contains a reflection. None if these joints are not known."""
     upward = rest.direction('hips', 'head') or rest.direction('hips', 'neck')
     leftward = rest.direction('rightUpperLeg', 'leftUpperLeg') or \
         rest.direction('rightUpperArm', 'leftUpperArm')
@@ -85,7 +85,7 @@ def axes_of(rest: Rest) -> Optional[Matrix]:
 
 
 def hips_height(rest: Rest, axes: Matrix) -> Optional[float]:
-    """From the lowest of feet and toes up to the hips, in own units."""
+    """Height of the hips above the lowest of feet and toes, in own units."""
     hips = rest.at('hips')
     low = [rest.at(joint) for joint in ('leftFoot', 'rightFoot', 'leftToes', 'rightToes')]
     low = [axes[1].dot(place) for place in low if place is not None]
@@ -96,7 +96,7 @@ def hips_height(rest: Rest, axes: Matrix) -> Optional[float]:
 
 
 def metres_per_unit(body, rest: Rest, axes: Optional[Matrix]) -> float:
-    """As the body says, or, like the daemon, by its hips' height."""
+    """As the body states; else estimated from the height of the hips, like the daemon does."""
     if body.metres_per_unit > 0:
         return body.metres_per_unit
     height = None if axes is None else hips_height(rest, axes)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The whole of a subscriber: styles everyone, then prints where each performer's head is.
-  heads.py [PUBLISHER [CONTROL [STYLE [FRAMES]]]]"""
+"""A complete subscriber: sets a style for all performers, then prints the position of each performer's
+head: heads.py [PUBLISHER [CONTROL [STYLE [FRAMES]]]]"""
 import sys
 
 import styled

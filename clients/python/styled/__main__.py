@@ -1,4 +1,4 @@
-"""python3 -m styled: looks at a daemon's frames and steers it, from a shell."""
+"""python3 -m styled: shows a daemon's frames and controls it, from a shell."""
 
 import argparse
 import os
@@ -212,7 +212,7 @@ def main():
         print(f'{parser.prog}: {error}', file=sys.stderr)
         return EXIT_NO_DAEMON
     except (KeyboardInterrupt, BrokenPipeError):
-        sys.stderr.close()  # a reader that is gone takes no more
+        sys.stderr.close()  # the reader has closed the pipe
         return 0
 
 

@@ -1,4 +1,4 @@
-"""The same subscriber and control for asyncio: what blocks there is awaited here.
+"""The subscriber and the control client for asyncio: calls that block there are awaited here.
 
     async with styled.aio.Subscriber() as subscriber, styled.aio.Control() as control:
         await control.set('*', style='old')
@@ -22,7 +22,7 @@ from styled.v1 import control_pb2
 
 
 class Subscriber:
-    """As styled.Subscriber, arguments and all; of one event loop."""
+    """Like styled.Subscriber, with the same arguments; for one event loop."""
 
     def __init__(self, endpoints: Union[str, Iterable[str]] = listening.DEFAULT_PUBLISHER, *,
                  performer: str = '', streams: Iterable[Wanted] = (Stream.RIG,),
@@ -60,7 +60,7 @@ class Subscriber:
         return self._inbox.performers()
 
     async def receive(self, timeout: Optional[float] = None) -> Optional[Update]:
-        """Every-frame mode: the next update, None where none comes within `timeout` seconds."""
+        """Every-frame mode: the next update, or None if none arrives within `timeout` seconds."""
         end = None if timeout is None else time.monotonic() + timeout
         while True:
             update = await self._read()
@@ -89,7 +89,7 @@ class Subscriber:
         return newest.take()
 
     async def frames(self, timeout: Optional[float] = None) -> AsyncIterator[Update]:
-        """Frames whose body is here, for ever, or until none came for `timeout` seconds."""
+        """Yields frames whose body has arrived; ends after `timeout` seconds without one (None: never)."""
         while True:
             update = await self.receive(timeout)
             if update is None:
@@ -116,7 +116,7 @@ class Subscriber:
 
 
 class Control(Commands):
-    """As styled.Control; every call is to be awaited. Calls that overlap wait for one another."""
+    """Like styled.Control; await every call. Overlapping calls wait for each other."""
 
     def __init__(self, endpoint: str = blocking.DEFAULT_CONTROL, *, timeout: float = 2.0,
                  curve: Optional[Curve] = None):
@@ -145,7 +145,7 @@ class Control(Commands):
         return result(await self.call(request))
 
     async def call(self, request: control_pb2.Request) -> control_pb2.Reply:
-        """Any request; its id is overwritten."""
+        """Sends any request; its id is overwritten."""
         async with self._turn:
             end = time.monotonic() + self._timeout
             message = [b'', self._conversation.encode(request)]

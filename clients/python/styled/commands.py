@@ -1,5 +1,5 @@
-"""What can be asked of a daemon: requests of control.proto made from arguments, and replies made
-into results, apart from the socket they go by."""
+"""The requests to a daemon, independent of the socket: arguments are converted to requests of
+control.proto, and replies to results."""
 
 import random
 from typing import Any, Dict, Mapping, Optional
@@ -73,8 +73,8 @@ def _calibrate_request(performer: str, pose: str, sensors: str,
 
 
 class Commands:
-    """The calls that styled.Control and styled.aio.Control have, each with its own `_do(request,
-    result)`: of the first a call returns its result, of the second a coroutine of it."""
+    """The calls that styled.Control and styled.aio.Control share. Each class defines `_do(request,
+    result)`: in the first, a call returns its result; in the second, a coroutine of it."""
 
     def list(self) -> control_pb2.ListReply:
         """Styles and presets."""
@@ -86,21 +86,21 @@ class Commands:
 
     def set(self, performer: str, *, style: Optional[str] = None,
             mix: Optional[Mapping[str, float]] = None, **fields: Any) -> Dict[str, int]:
-        """Changes what is given; the rest stays. `style` is a mix of that one alone; `fields` are
-        those of styled.v1.look_pb2.Look: strength, transition_ms, absolute, preset, `parts` (those
-        that are styled, e.g. ['head', 'left-arm'] or ['all']), `input_style` (what the performer
-        moves in already)."""
+        """Changes the given settings and keeps the rest. `style` sets a mix of that style only.
+        `fields` are those of styled.v1.look_pb2.Look: strength, transition_ms, absolute, preset,
+        `parts` (of the body that are styled, e.g. ['head', 'left-arm'] or ['all']), `input_style`
+        (the style that the performer already moves in)."""
         return self._do(_set_request(performer, style, mix, fields), _applied)
 
     def clear(self, performer: str = EVERYONE) -> Dict[str, int]:
-        """Fades to bypass, the performer as captured."""
+        """Fades to bypass: the performer as captured."""
         request = _change(performer)
         request.set.clear = True
         return self._do(request, _applied)
 
     def preset(self, performer: str, name: str,
                transition_ms: Optional[float] = None) -> Dict[str, int]:
-        """A named mix of the daemon's configuration."""
+        """Applies a named mix of the daemon's configuration."""
         request = _change(performer)
         request.preset.name = name
         if transition_ms is not None:
@@ -114,35 +114,35 @@ class Commands:
         return self._do(request, _applied)
 
     def reset(self, performer: str) -> Dict[str, int]:
-        """Clears recurrent state, keeps the settings."""
+        """Clears the network's recurrent state, keeps the settings."""
         request = _change(performer)
         request.reset.SetInParent()
         return self._do(request, _applied)
 
     def calibrate(self, performer: str, pose: str = 't', sensors: str = 'full',
                   clear: bool = False) -> control_pb2.CalibrateReply:
-        """The performer stands in this pose (t or n) at this moment."""
+        """Calibrates: the performer stands in this pose (t or n) at this moment."""
         return self._do(_calibrate_request(performer, pose, sensors, clear),
                         lambda reply: reply.calibrate)
 
     def cue(self, name: str) -> Dict[str, int]:
-        """Fires the cues of that name, of the daemon's configuration."""
+        """Fires the cues with that name in the daemon's configuration."""
         request = _change(EVERYONE)
         request.cue.name = name
         return self._do(request, _applied)
 
     def panic(self) -> Dict[str, int]:
-        """Everyone to bypass, pinned or not."""
+        """Sets all performers to bypass, pinned or not."""
         request = control_pb2.Request(performer=EVERYONE)
         request.panic.SetInParent()
         return self._do(request, _applied)
 
 
 class Conversation:
-    """Numbers requests, and tells the reply to the last one from those to earlier ones."""
+    """Numbers requests, and distinguishes the reply to the last one from replies to earlier ones."""
 
     def __init__(self) -> None:
-        # So that no reply to an earlier program fits.
+        # So that replies to an earlier program do not match.
         self._id = random.getrandbits(48)
 
     def encode(self, request: control_pb2.Request) -> bytes:
@@ -151,12 +151,12 @@ class Conversation:
         return request.SerializeToString()
 
     def decode(self, payload: bytes, endpoint: str) -> Optional[control_pb2.Reply]:
-        """The reply; None where it belongs to an earlier request."""
+        """The reply, or None if it belongs to an earlier request."""
         try:
             reply = control_pb2.Reply.FromString(payload)
         except DecodeError:
             raise Garbled(f'what answers at {endpoint} is not a styled daemon') from None
-        # A daemon that could not read us answers to id 0.
+        # A daemon that could not parse the request replies with id 0.
         unread = reply.id == 0 and reply.code != control_pb2.CODE_OK
         if reply.id != self._id and not unread:
             return None

@@ -1,4 +1,4 @@
-"""Asks a daemon and changes what it does; styled.aio has the same for asyncio."""
+"""Queries and controls a daemon; styled.aio has the same for asyncio."""
 
 import time
 from typing import Optional
@@ -15,7 +15,7 @@ _MAX_REPLY_BYTES = 16 << 20
 
 
 def open_socket(context: zmq.Context, endpoint: str, curve: Optional[Curve]) -> zmq.Socket:
-    """A DEALER socket of either kind, connected."""
+    """Connects a DEALER socket of pyzmq, blocking or asyncio."""
     socket = context.socket(zmq.DEALER)
     socket.linger = 0
     socket.maxmsgsize = _MAX_REPLY_BYTES
@@ -46,10 +46,10 @@ def no_answer(endpoint: str, timeout: float) -> NoAnswer:
 
 
 class Control(Commands):
-    """One daemon's control socket. Each call blocks until the reply or for `timeout` seconds, and
+    """The control socket of one daemon. Each call blocks until the reply or for `timeout` seconds, and
     raises styled.Refused, NoAnswer or Garbled. `performer` is SOURCE.NAME or '*'. A change returns
-    {performer: first sequence under it}. proto/styled/v1/control.proto says what each field means
-    and what is refused. One thread at a time; a context manager.
+    {performer: first sequence at which it is in force}. proto/styled/v1/control.proto defines each
+    field and what is refused. One thread at a time; a context manager.
     """
 
     def __init__(self, endpoint: str = DEFAULT_CONTROL, *, timeout: float = 2.0,
@@ -77,9 +77,9 @@ class Control(Commands):
         return result(self.call(request))
 
     def call(self, request: control_pb2.Request) -> control_pb2.Reply:
-        """Any request; its id is overwritten."""
+        """Sends any request; its id is overwritten."""
         end = time.monotonic() + self._timeout
-        # The envelope of a REQ socket, which every ROUTER knows.
+        # The envelope of a REQ socket, which every ROUTER accepts.
         message = [b'', self._conversation.encode(request)]
         try:
             self._socket.send_multipart(message, zmq.NOBLOCK)
@@ -90,7 +90,7 @@ class Control(Commands):
                     return reply
         except zmq.Again:
             pass
-        # A new socket forgets what the old one still had to deliver.
+        # A new socket discards replies that were still on their way to the old one.
         self._socket.close(0)
         self._socket = open_socket(self._context, self._endpoint, self._curve)
         raise no_answer(self._endpoint, self._timeout)

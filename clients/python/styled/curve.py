@@ -1,4 +1,4 @@
-"""Keys of ZeroMQ's CURVE, for daemons that are reached over a network and not over loopback."""
+"""Keys of ZeroMQ's CURVE, for daemons that are reached over a network instead of loopback."""
 
 import dataclasses
 from typing import Optional, Union
@@ -24,8 +24,8 @@ def _check(name: str, key: Key) -> bytes:
 
 @dataclasses.dataclass(frozen=True)
 class Curve:
-    """The daemon's public key, and the own pair. Without a pair a new one is made: enough for a
-    daemon that lets in everybody who knows its key, not for one that has a list of clients."""
+    """The daemon's public key and the client's key pair. A missing pair is generated. That suffices for
+    a daemon that admits every client that knows its key, but not for one with a list of clients."""
     server_key: Key
     public_key: Optional[Key] = None
     secret_key: Optional[Key] = None

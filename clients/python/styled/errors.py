@@ -1,20 +1,20 @@
-"""What a call may raise. Wrong arguments raise ValueError, with what was expected."""
+"""The errors that a call may raise. Invalid arguments raise ValueError, with what was expected."""
 
 
 class Error(Exception):
-    """All of the errors below."""
+    """The base class of the errors below."""
 
 
 class NoAnswer(Error):
-    """Nobody answered in time; the change may or may not have been applied."""
+    """No reply in time; the change may or may not have been applied."""
 
 
 class Garbled(Error):
-    """Something answered that is no styled daemon."""
+    """The reply did not come from a styled daemon."""
 
 
 class Refused(Error):
-    """The daemon said no, and changed nothing. `code` as of control.proto, by name
+    """The daemon refused, and changed nothing. `code` is the name of a code of control.proto
     ("UNKNOWN_STYLE"); str() is the daemon's reason."""
 
     def __init__(self, code, reason):

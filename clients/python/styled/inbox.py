@@ -1,5 +1,5 @@
-"""What a subscriber makes of the messages it gets, apart from the sockets they come by: topics, the
-bodies that frames belong to, gaps (proto/styled/v1/WIRE.md)."""
+"""Processes a subscriber's messages, independent of the sockets: topics, the bodies of frames, and gaps
+(proto/styled/v1/WIRE.md)."""
 
 import dataclasses
 import time
@@ -15,7 +15,7 @@ from styled.v1 import body_pb2, frame_pb2, stats_pb2
 _NAME = re.compile(r'[A-Za-z0-9_-]{1,32}')
 _ID = re.compile(r'[A-Za-z0-9_-]{1,32}\.[A-Za-z0-9_-]{1,32}')
 _MAX_PERFORMERS = 4096
-_MAX_BODIES = 64  # kept per performer: its outputs, and what they were before
+_MAX_BODIES = 64  # per performer: for its outputs, and for their previous bodies
 
 
 def is_performer_id(text: str) -> bool:
@@ -24,14 +24,14 @@ def is_performer_id(text: str) -> bool:
 
 
 class Stream(enum.Enum):
-    """What a performer is published as."""
+    """The streams in which a performer is published."""
     RIG = 'rig'              # styled, on the rig's own skeleton
     CANONICAL = 'canonical'  # styled, on the canonical humanoid
     SOURCE = 'source'        # as received, on the rig's own skeleton
     AVATAR = 'avatar'        # styled, on an avatar of the daemon's configuration
 
 
-# What to subscribe to: a stream, or the name of an [[output]] of the daemon's configuration.
+# What to subscribe to: a stream, or the name of an [[output]] in the daemon's configuration.
 Wanted = Union[Stream, str]
 
 _OUTPUTS = {Stream.RIG: body_pb2.OUTPUT_RIG, Stream.CANONICAL: body_pb2.OUTPUT_CANONICAL,
@@ -56,7 +56,7 @@ def _check_wanted(wanted: Wanted) -> Wanted:
 
 
 def _stream_of(words: List[str]) -> Tuple[Optional[Stream], str]:
-    """What a topic, cut at its slashes, is of; with the name of an avatar's [[output]]."""
+    """Performer and stream of a topic split at its slashes, and the name of an avatar's [[output]]."""
     if len(words) == 3 and words[0] == 'source' and is_performer_id(words[1]):
         return Stream.SOURCE, ''
     if len(words) != 4 or words[0] != 'styled' or not is_performer_id(words[1]):
@@ -74,19 +74,19 @@ class Kind(enum.Enum):
 
 @dataclasses.dataclass
 class Update:
-    """One thing that arrived. What does not belong to its kind is None, 0 or False."""
+    """One received message. Fields that do not belong to its kind are None, 0 or False."""
     kind: Kind
     stream: Optional[Stream] = None
-    output_name: str = ''    # of Stream.AVATAR: the [[output]]'s
+    output_name: str = ''  # for Stream.AVATAR: the name of the [[output]]
     frame: Optional[frame_pb2.Frame] = None
-    body: Optional[body_pb2.Body] = None  # of the frame: checked; None while it has not arrived
-    missed: int = 0          # frames of this stream lost on the way just before this one
-    skipped: int = 0         # receive_latest only: older frames that this one superseded
-    new_epoch: bool = False  # the daemon was restarted since the stream's last frame
+    body: Optional[body_pb2.Body] = None  # of the frame, checked; None until it has arrived
+    missed: int = 0                       # frames of this stream lost in transit directly before this one
+    skipped: int = 0                      # receive_latest only: older frames that this one superseded
+    new_epoch: bool = False               # the daemon restarted since the previous frame of this stream
     statistics: Optional[stats_pb2.Stats] = None
 
     def world(self) -> List[kinematics.Transform]:
-        """Where the frame's joints are, in the order of body.names."""
+        """The world transforms of the frame's joints, in the order of body.names."""
         if self.frame is None or self.body is None:
             raise ValueError('world() of an update without a frame, or whose body is not here yet')
         return kinematics.world_transforms(self.body, self.frame)
@@ -94,19 +94,19 @@ class Update:
 
 @dataclasses.dataclass
 class Counters:
-    """Since the subscriber was made. Nothing is ever reset."""
+    """Totals since the subscriber was made; never reset."""
     frames: int = 0           # accepted
-    missed: int = 0           # lost by sequence, summed over streams
-    epochs: int = 0           # restarts of the daemon, seen per stream
+    missed: int = 0           # lost in transit, by gaps in `sequence`, summed over streams
+    epochs: int = 0           # restarts of the daemon, counted once per stream
     bodies: int = 0           # new skeletons
     replayed_bodies: int = 0  # dropped: already known
-    repeated_frames: int = 0  # dropped: sequence not above the last
-    malformed: int = 0        # dropped: not of WIRE.md, or a frame that does not fit its body
+    repeated_frames: int = 0  # dropped: sequence not greater than the last
+    malformed: int = 0        # dropped: not as in WIRE.md, or a frame that does not fit its body
 
 
 class _Lag:
-    """How much longer than usual a frame was on its way: than the shortest way of the last two to
-    four seconds. No two machines' clocks are compared."""
+    """How much longer than usual a frame was in transit, compared with the shortest transit of the last
+    two to four seconds. Only differences are used, so the clocks of two machines need not agree."""
 
     def __init__(self) -> None:
         self._turned: Optional[float] = None
@@ -131,8 +131,8 @@ class _State:
 
 
 class Inbox:
-    """Takes messages, gives updates. Knows no socket; `topics()` and `new_topics` say what a socket
-    has to subscribe to."""
+    """Converts messages to updates. Has no socket; `topics()` and `new_topics` list what its owner must
+    subscribe to."""
 
     def __init__(self, performer: str = '', streams: Iterable[Wanted] = (Stream.RIG,),
                  statistics: bool = False):
@@ -140,8 +140,8 @@ class Inbox:
             raise ValueError(f"performer '{performer}' is not SOURCE.NAME "
                              '([A-Za-z0-9_-]{1,32} each)')
         self.counters = Counters()
-        self.new_topics: List[str] = []  # to be subscribed to and emptied by the socket's owner
-        self.lag_s = 0.0                 # of the last frame, behind its usual way
+        self.new_topics: List[str] = []  # the owner must subscribe to these and clear the list
+        self.lag_s = 0.0                 # of the last frame, compared with its usual transit
         self._performer = performer
         self._streams = tuple(_check_wanted(stream) for stream in streams)
         self._statistics = statistics
@@ -151,14 +151,14 @@ class Inbox:
     def topics(self) -> List[str]:
         topics = ['stats/'] if self._statistics else []
         if not self._performer:
-            return topics + ['body/']  # who is there; then each one's own
+            return topics + ['body/']  # finds the performers; then each one's own topics
         return topics + [f'body/{self._performer}/'] + self._frame_topics(self._performer)
 
     def performers(self) -> List[str]:
         return sorted(self._bodies)
 
     def accept(self, parts: List[bytes]) -> Optional[Update]:
-        """The update that a message is, None where it is dropped."""
+        """The update for a message, or None if the message is dropped."""
         if len(parts) == 2:
             try:
                 return self._accept(parts[0].decode('ascii'), parts[1])
@@ -232,7 +232,7 @@ class Inbox:
 
 def _parse(kind, payload: bytes):
     parsed = kind()
-    # Some of protobuf's implementations stop at an end of group and only warn.
+    # Some implementations of protobuf stop at an end-group tag and only warn.
     if parsed.ParseFromString(payload) != len(payload):
         raise DecodeError('not all of it was read')
     return parsed
@@ -243,15 +243,15 @@ def _same(a: body_pb2.Body, b: body_pb2.Body) -> bool:
 
 
 class Newest:
-    """Latest-wins: of several updates the newest frame of each performer and stream, every body,
-    and the newest statistics."""
+    """Latest-wins: keeps the newest frame of each performer and stream, every body, and the newest
+    statistics."""
 
     def __init__(self) -> None:
         self._updates: Dict[Tuple, Update] = {}
         self._lags_s: Dict[Tuple, float] = {}
 
     def add(self, update: Update, lag_s: float = 0.0) -> None:
-        """`lag_s`: of a frame, behind its usual way."""
+        """`lag_s`: for a frame, how much later than usual it arrived."""
         key: Tuple = (update.kind,)
         if update.kind is Kind.FRAME:
             key = (update.kind, update.stream, update.output_name, update.frame.performer)
@@ -267,7 +267,7 @@ class Newest:
         self._lags_s[key] = lag_s if update.kind is Kind.FRAME else 0.0
 
     def lag_s(self) -> float:
-        """Of the frame that is the latest behind its usual way."""
+        """The lag of the frame that is the latest, compared with its usual transit."""
         return max(self._lags_s.values(), default=0.0)
 
     def take(self) -> List[Update]:

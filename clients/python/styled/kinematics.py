@@ -1,8 +1,8 @@
-"""From a frame's rotations to where each joint is.
+"""Forward kinematics: from a frame's rotations to the joints' world transforms.
 
-A frame carries, for each joint, its rotation relative to its parent (joint 0: to the world); a body
-carries each joint's offset from its parent. All of it in the body's own units and axes: for the
-canonical humanoid metres, right-handed, +Y up, +Z forward, +X the body's left. Quaternions are
+A frame contains, for each joint, its rotation relative to its parent (joint 0: to the world); a body
+contains each joint's offset from its parent. Both use the body's own units and axes. The canonical
+humanoid has metres, right-handed axes, +Y up, +Z forward, +X the body's left. Quaternions are
 (x, y, z, w).
 """
 
@@ -11,20 +11,20 @@ from typing import List, NamedTuple, Tuple
 
 from styled.v1 import body_pb2, frame_pb2
 
-MAX_JOINTS = 1024  # a body beyond it is taken for a damaged message
+MAX_JOINTS = 1024  # a larger body is considered a damaged message
 
 Vector = Tuple[float, float, float]
 Quaternion = Tuple[float, float, float, float]
 
 
 class Transform(NamedTuple):
-    """A joint in its skeleton's world."""
+    """The transform of a joint in its skeleton's world."""
     position: Vector
     rotation: Quaternion  # world from joint, unit length
 
 
 def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
-    """First b, then a."""
+    """The rotation b followed by a."""
     ax, ay, az, aw = a
     bx, by, bz, bw = b
     return (aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
@@ -32,7 +32,7 @@ def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
 
 
 def rotate(q: Quaternion, v: Vector) -> Vector:
-    """v turned by the unit quaternion q."""
+    """v rotated by the unit quaternion q."""
     x, y, z, w = q
     vx, vy, vz = v
     tx, ty, tz = 2 * (y * vz - z * vy), 2 * (z * vx - x * vz), 2 * (x * vy - y * vx)
@@ -41,7 +41,7 @@ def rotate(q: Quaternion, v: Vector) -> Vector:
 
 
 def check_body(body: body_pb2.Body) -> str:
-    """What is wrong with a body, "" where nothing is."""
+    """What is wrong with a body; "" if it is valid."""
     joints = len(body.names)
     if not 1 <= joints <= MAX_JOINTS:
         return f'{joints} joints, expected 1 to {MAX_JOINTS}'
@@ -56,7 +56,7 @@ def check_body(body: body_pb2.Body) -> str:
 
 
 def check_frame(frame: frame_pb2.Frame, body: body_pb2.Body) -> str:
-    """What is wrong with a frame on a body that passed check_body, "" where nothing is."""
+    """What is wrong with a frame on a body that passed check_body; "" if it is valid."""
     if frame.body_hash != body.hash or frame.output != body.output:
         return 'the frame is of another body'
     if len(frame.root_position) != 3 or len(frame.rotations) != 4 * len(body.names):
@@ -72,8 +72,8 @@ def check_frame(frame: frame_pb2.Frame, body: body_pb2.Body) -> str:
 
 
 def world_transforms(body: body_pb2.Body, frame: frame_pb2.Frame) -> List[Transform]:
-    """Forward kinematics: where each joint of `body`, in its order, is in `frame`. ValueError where
-    the two do not belong together."""
+    """Forward kinematics: the world transform of each joint of `body`, in its order, in `frame`. Raises
+    ValueError if they do not belong together."""
     wrong = check_frame(frame, body)
     if wrong:
         raise ValueError(wrong)

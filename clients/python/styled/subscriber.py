@@ -1,4 +1,4 @@
-"""A subscriber whose calls block; styled.aio has one for asyncio."""
+"""A blocking subscriber; styled.aio has one for asyncio."""
 
 import itertools
 import time
@@ -11,15 +11,15 @@ from styled.inbox import Counters, Inbox, Kind, Newest, Stream, Update, Wanted
 
 DEFAULT_PUBLISHER = 'tcp://127.0.0.1:7001'
 MAX_MESSAGE_BYTES = 1 << 20  # a body of 1024 long names fits
-MAX_DRAIN = 10_000           # messages that one receive_latest reads at most
-STALE_S = 0.05               # later than usual by this: not the newest yet
-LONGEST_CATCH_UP_S = 0.5     # a connection that was lost meanwhile is back by then
+MAX_DRAIN = 10_000           # limit of messages per receive_latest
+STALE_S = 0.05               # later than usual by this: newer frames are still queued
+LONGEST_CATCH_UP_S = 0.5     # a connection that was lost meanwhile is restored by then
 _monitors = itertools.count()
 
 
 def open_socket(socket: zmq.Socket, inbox: Inbox, endpoints: Union[str, Iterable[str]],
                 queue_messages: int, curve: Optional[Curve]) -> None:
-    """Sets up a SUB socket of either kind and connects it."""
+    """Sets up and connects a SUB socket of pyzmq, blocking or asyncio."""
     endpoints = [endpoints] if isinstance(endpoints, str) else list(endpoints)
     if not endpoints:
         raise ValueError('no endpoint given')
@@ -31,7 +31,7 @@ def open_socket(socket: zmq.Socket, inbox: Inbox, endpoints: Union[str, Iterable
     socket.reconnect_ivl = 100
     socket.reconnect_ivl_max = 1000
     socket.handshake_ivl = 1000
-    socket.heartbeat_ivl = 1000  # a pulled cable is noticed, too
+    socket.heartbeat_ivl = 1000  # also detects an unplugged cable
     socket.heartbeat_timeout = 3000
     if curve is not None:
         curve.apply(socket)
@@ -50,7 +50,7 @@ def subscribe(socket: zmq.Socket, topics: List[str]) -> None:
 
 
 class Links:
-    """How many of a socket's endpoints have a live connection."""
+    """Counts the endpoints of a socket that have a live connection."""
 
     def __init__(self, context: zmq.Context, socket: zmq.Socket):
         address = f'inproc://styled-monitor-{next(_monitors)}'
@@ -63,7 +63,7 @@ class Links:
     def count(self) -> int:
         while self._monitor.poll(0):
             event = int.from_bytes(self._monitor.recv_multipart()[0][:2], 'little')
-            # A handshake that failed ends in a disconnection, too, and was never counted.
+            # A failed handshake also ends in a disconnection, but was never counted.
             step = 1 if event == zmq.EVENT_HANDSHAKE_SUCCEEDED else -1
             self._links = max(0, self._links + step)
         return self._links
@@ -73,19 +73,19 @@ class Links:
 
 
 class Subscriber:
-    """Listens to one or several daemons. Connects in the background and reconnects by itself, for
-    as long as it is read from. Frames come as they were published, in order per stream, gaps
-    counted. One thread at a time; a context manager.
+    """Subscribes to one or several daemons. Connects in the background, and reconnects by itself while
+    it is being read. Frames are delivered as published, in order per stream; gaps are counted. One
+    thread at a time; a context manager.
 
-    endpoints       of publishers, one or several (their performers' ids must differ)
-    performer       SOURCE.NAME; '' = all, those that come later too
+    endpoints       of publishers, one or several (the ids of their performers must differ)
+    performer       SOURCE.NAME; '' = all, including those that appear later
     streams         what to subscribe to: styled.RIG, CANONICAL, SOURCE, or the name of an
                     [[output]] of the daemon; empty: bodies and statistics only
-    statistics      the daemon's counters too, once a second
-    queue_messages  waiting in this process before the newest are dropped
-    curve           styled.Curve, for daemons that ask for keys
+    statistics      also subscribe to the daemon's counters, once per second
+    queue_messages  queue of this process; when it is full, the newest are dropped
+    curve           styled.Curve, for daemons that require keys
 
-    ValueError where one of them cannot be. That nobody listens there is no error.
+    Raises ValueError for an invalid argument. It is no error if no daemon listens there yet.
     """
 
     def __init__(self, endpoints: Union[str, Iterable[str]] = DEFAULT_PUBLISHER, *,
@@ -118,17 +118,17 @@ class Subscriber:
         return self._inbox.counters
 
     def connected(self) -> int:
-        """Endpoints with a live connection. It says nothing about frames: a daemon without a rig
-        is silent."""
+        """Number of endpoints with a live connection. It does not show whether frames arrive: a daemon
+        without a rig publishes none."""
         return self._links.count()
 
     def performers(self) -> List[str]:
-        """Ids whose bodies have been seen, sorted. With a `performer`: only that."""
+        """Ids of the performers whose bodies were seen, sorted. With `performer`: only that one."""
         return self._inbox.performers()
 
     def receive(self, timeout: Optional[float] = None) -> Optional[Update]:
-        """Every-frame mode: the next update, None where none comes within `timeout` seconds
-        (None: wait for ever; 0: only what is here already)."""
+        """Every-frame mode: the next update, or None if none arrives within `timeout` seconds (None:
+        wait forever; 0: only what has already arrived)."""
         end = None if timeout is None else time.monotonic() + timeout
         while True:
             update = self._read()
@@ -138,11 +138,11 @@ class Subscriber:
                 return None
 
     def receive_latest(self, timeout: Optional[float] = None) -> List[Update]:
-        """Latest-wins mode, for a renderer: waits up to `timeout` seconds for a first update, then
-        reads all that is waiting; the newest frame of each performer and stream, every body, the
-        newest statistics. Who draws slower than 120 Hz so never lags behind. Who was stopped, or
-        whose network was, finds seconds of frames on the way: while what comes is 50 ms later than
-        usual, it reads on, for half a second at most."""
+        """Latest-wins mode, for a renderer: waits up to `timeout` seconds for a first update, then reads
+        all waiting messages. Returns the newest frame per performer and stream, every body, and the
+        newest statistics. A reader that draws at less than 120 Hz therefore does not lag behind. After
+        the process or its network was suspended, seconds of frames are queued: as long as messages
+        arrive 50 ms later than usual, this keeps reading, for at most 0.5 s."""
         end = None if timeout is None else time.monotonic() + timeout
         newest = Newest()
         catching_up = False
@@ -154,8 +154,8 @@ class Subscriber:
             if newest.take():
                 if newest.lag_s() <= STALE_S:
                     break
-                # Behind what waits here there may be more in the sockets on the way. From now on:
-                # the process may have been stopped since it came here.
+                # The sockets on the way may hold more messages than this process. The time limit
+                # starts now, since the process may have been suspended before.
                 end = end if catching_up else time.monotonic() + LONGEST_CATCH_UP_S
                 catching_up = True
             if not self._wait(end):
@@ -163,7 +163,7 @@ class Subscriber:
         return newest.take()
 
     def frames(self, timeout: Optional[float] = None) -> Iterator[Update]:
-        """Frames whose body is here, for ever, or until none came for `timeout` seconds."""
+        """Yields frames whose body has arrived; ends after `timeout` seconds without one (None: never)."""
         while True:
             update = self.receive(timeout)
             if update is None:
@@ -171,7 +171,7 @@ class Subscriber:
             if update.kind is Kind.FRAME and update.body is not None:
                 yield update
 
-    # The next update of those that are here.
+    # The next of the updates that have already arrived.
     def _read(self) -> Optional[Update]:
         while True:
             try:

@@ -1,5 +1,5 @@
-"""Inside Blender, without a window: the add-on is installed from its zip as a user would, and its
-armatures are compared with the Python client's own forward kinematics of the same frames. Blender
+"""Runs inside Blender, without a window. The add-on is installed from its zip as a user would do it, and
+its armatures are compared with the Python client's own forward kinematics of the same frames. Blender
 runs no timers without a window, so the tests call the timer's function themselves."""
 import math
 import os
@@ -34,7 +34,7 @@ MIXAMO = {'hips': 'Hips', 'spine': 'Spine', 'chest': 'Spine1', 'neck': 'Neck', '
 
 
 def in_blender(position):
-    """The canonical humanoid's +Y up, +Z ahead to Blender's +Z up, -Y ahead."""
+    """From the canonical humanoid's axes (+Y up, +Z forward) to Blender's (+Z up, -Y forward)."""
     x, y, z = position
     return Vector((x, -z, y))
 
@@ -72,7 +72,7 @@ class AddonTest(unittest.TestCase):
         return wait_for(met, what)
 
     def listen(self, stream='canonical'):
-        """A subscriber of the test's own, to which every frame comes."""
+        """The test's own subscriber, which receives every frame."""
         subscriber = styled.Subscriber(self.daemon.publish, performer='rig.sim', streams=[stream])
         self.addCleanup(subscriber.close)
         next(subscriber.frames(timeout=PATIENCE_S))
@@ -83,7 +83,7 @@ class AddonTest(unittest.TestCase):
         return link.latest.sequence if link is not None and link.latest is not None else -1
 
     def show_another(self, thing, subscriber, at_least=8):
-        """Ticks until the armature shows another frame; that frame, by the test's own subscriber."""
+        """Ticks until the armature shows another frame; returns it from the test's own subscriber."""
         before = self.shown(thing)
         self.tick_until(lambda: self.shown(thing) > before + at_least, 'another frame')
         shown = self.shown(thing)
@@ -92,7 +92,7 @@ class AddonTest(unittest.TestCase):
 
     def compare(self, thing, subscriber, place=in_blender, bone_of=lambda joint: joint, poses=12,
                 hand='leftHand'):
-        """`poses` ticks, well apart: each joint's bone begins where the client says the joint is."""
+        """After each of `poses` ticks, every joint's bone starts at the client's joint position."""
         worst_m, travelled_m, last = 0.0, 0.0, None
         for _ in range(poses):
             update = self.show_another(thing, subscriber)
@@ -110,8 +110,8 @@ class AddonTest(unittest.TestCase):
         self.assertGreater(travelled_m, 0.1, 'the performer stood still: nothing was tested')
 
     def make_humanoid(self, name=mixamo, roll=None, lowered_deg=0.0, turn=Matrix.Identity(3), scale=1.0):
-        """An armature of the canonical humanoid's proportions, not made by the add-on: with bones of
-        other names and rolls, arms lowered, in other axes or of another size."""
+        """An armature with the canonical humanoid's proportions, not made by the add-on: with other
+        names and rolls, lowered arms, other axes or another size."""
         body = live.body('rig.sim', 'canonical')
         names, places, lowered = list(body.names), {}, {}
         armature = bpy.data.armatures.new('other')
@@ -241,7 +241,7 @@ class AddonTest(unittest.TestCase):
         bpy.ops.object.mode_set(mode='OBJECT')
         thing.pose.bones['room'].location = (0.1, 0.2, 0.3)
         thing.pose.bones['room'].rotation_quaternion = (0.8, 0.2, 0.1, 0.55)
-        # The head is where its parent carries it; all others are where they were.
+        # The head moves with its parent; all other joints are unchanged.
         self.compare(thing, self.listen(), bone_of=lambda n: None if n in ('neck', 'head') else n, poses=6)
 
     def test_the_newest_frame_wins_and_release_keeps_the_pose(self):
@@ -323,7 +323,7 @@ class AddonTest(unittest.TestCase):
             bpy.ops.styled.connect()
         self.assertFalse(live.active)
         self.chosen.publisher, self.chosen.control = f'ipc://{self.daemon.folder}/nobody', 'ipc:///nobody'
-        self.assertEqual(bpy.ops.styled.connect(), {'FINISHED'})  # they may come later
+        self.assertEqual(bpy.ops.styled.connect(), {'FINISHED'})  # the daemon may start later
         self.assertIn('no daemon answers', live.problem)
         with self.assertRaisesRegex(RuntimeError, "no body of 'rig.sim'"):
             bpy.ops.styled.make_armature()

@@ -1,5 +1,5 @@
-"""What `cmake --install` puts somewhere is enough for builds that know nothing of this tree: one by
-CMake, one by pkg-config; both run against the live daemon."""
+"""The files of `cmake --install` suffice for builds outside this tree: one with CMake, one with
+pkg-config; both run against the live daemon."""
 import os
 import shutil
 import subprocess
@@ -38,7 +38,7 @@ class PackageTest(unittest.TestCase):
 
     @classmethod
     def find(cls, name):
-        """The one installed file of this name."""
+        """The installed file with this name; there must be exactly one."""
         found = [os.path.join(folder, name) for folder, _, files in os.walk(cls.prefix) if name in files]
         assert len(found) == 1, (name, found)
         return found[0]

@@ -8,7 +8,7 @@ import tempfile
 import time
 
 BIN = os.environ['STYLED_BIN']
-PATIENCE_S = 60  # of a busy machine
+PATIENCE_S = 60  # for a busy machine
 
 
 def wait_for(condition, what):
@@ -22,9 +22,8 @@ def wait_for(condition, what):
 
 
 class Daemon:
-    """`styled` with the shipped weights; its publisher and control socket at paths that stay the
-    same when it is started again. One source, `rig`, of type `source`; `extra` is TOML for the
-    configuration."""
+    """`styled` with the shipped weights. Its publisher and control socket keep their paths when it is
+    restarted. One source, `rig`, of type `source`; `extra` is TOML for the configuration."""
 
     def __init__(self, source='udp', extra=''):
         self.folder = tempfile.mkdtemp(prefix='styled-test-')
@@ -59,7 +58,7 @@ class Daemon:
         self._process.wait(PATIENCE_S)
 
     def simulate(self, *options, script='walk:5'):
-        """A performer rig.sim, walking, at 120 Hz; without a script what `options` say."""
+        """A performer rig.sim that walks at 120 Hz; without a script, `options` decide."""
         motion = ['--script', script] if script else []
         child = subprocess.Popen([os.path.join(BIN, 'stylesim'), '--to', f'udp://{self.udp}',
                                   *motion, *options], stdout=subprocess.DEVNULL)

@@ -22,7 +22,7 @@ class Gateway:
             self.url = 'http://' + json.load(text)['listen'].split('://')[-1]
 
     def metrics(self):
-        """As Prometheus would get them."""
+        """The metrics as Prometheus would read them."""
         with urllib.request.urlopen(self.url + '/metrics', timeout=PATIENCE_S) as reply:
             return reply.read().decode()
 

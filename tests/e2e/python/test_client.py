@@ -17,7 +17,7 @@ ROOT = os.path.join(os.path.dirname(__file__), '..', '..', '..')
 
 
 def run(*arguments, **options):
-    """python3 -m styled; (exit code, output, errors)."""
+    """Runs python3 -m styled; returns (exit code, output, errors)."""
     done = subprocess.run([sys.executable, '-m', 'styled', *arguments], capture_output=True, text=True,
                           timeout=PATIENCE_S, **options)
     return done.returncode, done.stdout, done.stderr
@@ -191,7 +191,7 @@ class WithoutADaemonTest(unittest.TestCase):
             router.linger = 0
             port = router.bind_to_random_port('tcp://127.0.0.1')
             with styled.Control(f'tcp://127.0.0.1:{port}', timeout=PATIENCE_S) as control:
-                # The reply lies ready before it is waited for.
+                # The reply is queued before the client waits for it.
                 control._socket.send(b'hello')
                 router.send_multipart([router.recv_multipart()[0], b'\xff\xff\xff'])
                 with self.assertRaisesRegex(styled.Garbled, 'not a styled daemon'):

@@ -1,5 +1,5 @@
-"""What styleweb serves at /metrics is what Prometheus's own promtool takes, with a performer and
-without a daemon."""
+"""Prometheus's own promtool accepts what styleweb serves at /metrics, with a performer and without a
+daemon."""
 import re
 import shutil
 import subprocess
@@ -13,7 +13,7 @@ SKIPPED = 77
 
 
 def check(metrics):
-    """promtool's exit code and complaints."""
+    """promtool's exit code and messages."""
     done = subprocess.run(['promtool', 'check', 'metrics'], input=metrics, text=True, capture_output=True)
     return done.returncode, done.stdout + done.stderr
 

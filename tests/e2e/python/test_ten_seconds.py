@@ -1,5 +1,5 @@
-"""The examples of all clients at once, as the README has them, in front of one live daemon: ten
-seconds of a rig at 120 Hz, every frame in sequence."""
+"""The examples of all clients at once, as in the README, with one live daemon: ten seconds of a rig at
+120 Hz, every frame in sequence."""
 import os
 import re
 import shutil
@@ -42,7 +42,8 @@ class TenSecondsTest(unittest.TestCase):
         for name, child in self.examples.items():
             out, err = child.communicate(timeout=PATIENCE_S)
             self.assertEqual(child.returncode, 0, err)
-            # Before it, that a gateway that has just started has not heard of the daemon yet.
+            # Before that line there may be one that a gateway that has just started knows no daemon
+            # yet.
             self.assertRegex(err, r'(?m)^\d+ frames, \d+ missed\n\Z')
             frames, missed = map(int, re.findall(r'\d+', err.splitlines()[-1]))
             passed_over = 0
@@ -51,8 +52,8 @@ class TenSecondsTest(unittest.TestCase):
                                             gateway.metrics()).group(1))
             print(f'{name}: {frames} frames, {missed} missed, {passed_over} passed over by the gateway')
             self.assertGreaterEqual(frames, FRAMES)
-            # The gateway gives a browser that does not keep up the newest, and counts the others. That
-            # is all that may be missing.
+            # For a browser that does not keep up, the gateway sends the newest frame and counts the
+            # others. Only those may be missing.
             self.assertLessEqual(missed, passed_over)
             self.assertRegex(out, r'^rig\.sim -?\d+\.\d\d 1\.\d\d -?\d+\.\d\d m\n')
 
