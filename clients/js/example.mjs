@@ -1,4 +1,4 @@
-// Sets a style, then prints where each performer's head is, ten times a second.
+// Sets a style, then prints the position of each performer's head, ten times per second.
 //   node example.mjs [URL [STYLE [FRAMES]]]
 import { StyledClient, worldTransforms } from 'styled-client';
 
@@ -31,7 +31,7 @@ setInterval(() => {
   for (const performer of performers) {
     const update = client.latest(performer, 'canonical');
     if (!update?.body) continue;
-    frames += 1 + update.skipped; // those that came since the last look, too
+    frames += 1 + update.skipped; // includes those that arrived between two calls
     missed += update.missed;
     const head = 3 * update.body.names.indexOf('head');
     const at = worldTransforms(update.body, update.frame).positions.subarray(head, head + 3);

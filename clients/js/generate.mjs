@@ -1,5 +1,5 @@
 // Makes src/gen from proto/styled/v1 with protoc (Debian: protobuf-compiler) and protoc-gen-es.
-// STYLED_PROTO: the folder that holds proto/, default: the top of the checkout.
+// STYLED_PROTO: the folder that contains proto/; default: the top of the checkout.
 import { execFileSync } from 'node:child_process';
 import { mkdirSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';

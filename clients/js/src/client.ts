@@ -27,28 +27,28 @@ import { checkBody, checkFrame } from './kinematics.js';
 import { Link, type LinkState } from './link.js';
 import { checkPerformer, checkPerformers, frameTopic, parseTopic, type Stream } from './topics.js';
 
-const MAX_BODIES = 64; // kept of each performer
+const MAX_BODIES = 64; // per performer
 const UNKNOWN_MS = 2000; // the daemon answers a subscription with bodies at once
 
-/** How the daemon is, as the gateway sees it. */
+/** The daemon's state, as the gateway reports it. */
 export interface DaemonState {
   up: boolean;
   reason: string;
 }
 
-/** One frame, with what belongs to it. */
+/** One frame, with its skeleton and what was missed before it. */
 export interface Update {
   performer: string;
   stream: Stream;
   frame: Frame;
-  /** Its skeleton, checked; undefined while it has not arrived. */
+  /** Its skeleton, checked; undefined until it has arrived. */
   body: Body | undefined;
-  /** Frames of this stream just before it that did not arrive: lost, or passed over on the way to us
-   * because we did not read. */
+  /** Frames of this stream directly before this one that did not arrive: lost in transit, or dropped by
+   * the gateway because this client did not read. */
   missed: number;
-  /** Older frames that arrived and that this one superseded; of `latest` only. */
+  /** Older frames that arrived and that this one superseded; for `latest` only. */
   skipped: number;
-  /** The daemon was restarted since the stream's last frame. */
+  /** The daemon restarted since the previous frame of this stream. */
   newEpoch: boolean;
 }
 
@@ -58,26 +58,26 @@ export interface ClientEvents {
   frame(update: Update): void;
   body(body: Body): void;
   stats(stats: Stats): void;
-  /** What the gateway did not understand or refused, and once for each name subscribed to that the
-   * daemon sent no body of: whoever bears it may still come. `unknown` is that name. */
+  /** A message that the gateway did not understand or refused. Also, once for each subscribed performer
+   * for which the daemon sent no body; that performer may still appear. `unknown` is its name. */
   complaint(text: string, unknown?: string): void;
 }
 
 export interface ClientOptions {
-  /** Where styleweb is: "http://127.0.0.1:7080", or its WebSocket "ws://127.0.0.1:7080/ws". */
+  /** The address of styleweb: "http://127.0.0.1:7080", or its WebSocket "ws://127.0.0.1:7080/ws". */
   url: string;
   token?: string;
-  /** Of one control request. */
+  /** Time limit of one control request. */
   timeout_ms?: number;
 }
 
 type Mode = 'everyFrame' | 'latest';
 
-// How far one kind of subscriber has come: both of a stream may be there, and what the one was handed
-// is still to come for the other.
+// The position of one kind of subscriber in a stream. Both kinds may be subscribed at once, and a frame
+// delivered to one of them may still be pending for the other.
 class Reader {
   users = 0;
-  sinceLast = 0; // arrived since the last one that was handed on
+  sinceLast = 0; // arrived since the last one that was delivered
   epoch = 0n;
   sequence = 0n;
   started = false;
@@ -86,8 +86,8 @@ class Reader {
 interface StreamState {
   performer: string;
   stream: Stream;
-  everyFrame: Reader; // want each frame parsed as it comes
-  latest: Reader; // want the newest alone
+  everyFrame: Reader; // each frame is parsed when it arrives
+  latest: Reader; // only the newest frame is parsed, on request
   raw: Uint8Array | undefined; // the newest, not parsed yet
   frames: number; // arrived
 }
@@ -98,14 +98,14 @@ interface Pending {
   timer: ReturnType<typeof setTimeout>;
 }
 
-/** How a performer stands while it is calibrated, and what of the rig is. */
+/** The pose in which a performer is calibrated, and the parts of the rig that are calibrated. */
 export interface CalibrateOptions {
   /** 't': arms sideways, palms down (default); 'n': arms hanging, palms at the thighs. */
   pose?: keyof typeof POSES;
-  /** Of rigs without a skeleton: how sensors are worn and heading ('full', default), heading alone
-   * ('yaw'), or 'mounting' in the second pose of the rig's own habit. */
+  /** For rigs without a skeleton: the sensors' mounting and heading ('full', default), heading only
+   * ('yaw'), or 'mounting' in the rig's own second pose. */
   sensors?: keyof typeof SENSORS;
-  /** Forget the calibration instead. */
+  /** Discard the calibration instead. */
   clear?: boolean;
 }
 
@@ -116,7 +116,7 @@ const SENSORS = {
   mounting: Calibrate_Sensors.MOUNTING,
 };
 
-// The number that a word stands for.
+// The enum value for a word.
 function wordOf<T extends Record<string, number>>(words: T, word: keyof T & string, what: string): T[keyof T & string] {
   if (!Object.hasOwn(words, word)) {
     throw new TypeError(`found "${word}" as ${what}, expected ${Object.keys(words).join(', ')}`);
@@ -132,7 +132,7 @@ function socketUrl(options: ClientOptions): string {
   try {
     url = new URL(options.url);
   } catch {
-    // said below
+    // reported below
   }
   if (!url || !/^(http|ws)s?:$/.test(url.protocol)) {
     throw new TypeError(
@@ -149,10 +149,10 @@ function socketUrl(options: ClientOptions): string {
 }
 
 /**
- * A subscriber and control client of a styled daemon, through styleweb. Connects in the background
- * and again by itself; what was subscribed to stays so. Every-frame streams call back in order, with
- * gaps counted; latest-wins streams are asked (`latest`) by a renderer when it draws, and only what it
- * draws is parsed.
+ * A subscriber and control client of a styled daemon, through styleweb. Connects in the background,
+ * reconnects by itself, and keeps its subscriptions. Every-frame streams call back in order, with gaps
+ * counted. A renderer polls latest-wins streams with `latest` when it draws, and only the frames that it
+ * draws are parsed.
  */
 export class StyledClient {
   private readonly link: Link;
@@ -188,12 +188,12 @@ export class StyledClient {
   get daemonState(): DaemonState {
     return this.daemonState_;
   }
-  /** The gateway lets nobody change anything. */
+  /** The gateway refuses all changes (--watch-only). */
   get watchOnly(): boolean {
     return this.watchOnly_;
   }
 
-  /** Returns a function that takes the listener away again. */
+  /** Returns a function that removes the listener. */
   on<K extends keyof ClientEvents>(event: K, listener: ClientEvents[K]): () => void {
     const set = this.listeners.get(event) ?? new Set();
     this.listeners.set(event, set);
@@ -201,14 +201,14 @@ export class StyledClient {
     return () => set.delete(listener as (...args: never[]) => void);
   }
 
-  // ---- subscribing. Each returns a function that ends it.
+  // ---- Subscriptions. Each function returns a function that ends the subscription.
 
   /** Every frame, in order, as "frame" events. */
   subscribe(performer: string, stream: Stream = 'rig'): () => void {
     return this.addStream(performer, stream, 'everyFrame');
   }
 
-  /** The newest frame, whenever `latest` asks. */
+  /** The newest frame, on each call of `latest`. */
   subscribeLatest(performer: string, stream: Stream = 'rig'): () => void {
     return this.addStream(performer, stream, 'latest');
   }
@@ -218,14 +218,14 @@ export class StyledClient {
     return this.addPlain('stats/');
   }
 
-  /** Everyone's bodies, those of performers who come later too, as "body" events. */
+  /** The bodies of all performers, including later ones, as "body" events. */
   subscribeBodies(): () => void {
     return this.addPlain('body/');
   }
 
   /**
-   * The newest frame of a stream of subscribeLatest that was not returned before; undefined where
-   * there is none.
+   * The newest frame of a stream of subscribeLatest that was not returned before; undefined if there is
+   * none.
    */
   latest(performer: string, stream: Stream = 'rig'): Update | undefined {
     const state = this.streams.get(frameTopic(performer, stream));
@@ -245,8 +245,8 @@ export class StyledClient {
     return this.bodies.get(performer)?.filter((body) => body.output === output).at(-1);
   }
 
-  // ---- control. Each rejects with RefusedError or NoAnswerError; with TypeError, and nothing is sent,
-  // where an argument cannot be meant. `performer` is SOURCE.NAME or "*", all.
+  // ---- Control. Each call rejects with RefusedError or NoAnswerError, or with TypeError (before anything
+  // is sent) for an invalid argument. `performer` is SOURCE.NAME or "*", all performers.
 
   async list(): Promise<ListReply> {
     return (await this.ask({ command: { case: 'list', value: {} } })).list!;
@@ -254,7 +254,7 @@ export class StyledClient {
   async status(): Promise<StatusReply> {
     return (await this.ask({ command: { case: 'status', value: {} } })).status!;
   }
-  /** Changes what is present in `change`. */
+  /** Changes the settings that are present in `change`. */
   set(performer: string, change: SetInit): Promise<Applied[]> {
     return this.change(performer, { case: 'set', value: change });
   }
@@ -274,18 +274,18 @@ export class StyledClient {
   reset(performer: string): Promise<Applied[]> {
     return this.change(performer, { case: 'reset', value: {} });
   }
-  /** The performer, one, stands in this pose at this moment. */
+  /** Calibrates one performer, who stands in this pose at this moment. */
   async calibrate(performer: string, options: CalibrateOptions = {}): Promise<CalibrateReply> {
     checkPerformer(performer);
     const { pose = 't', sensors = 'full', clear = false } = options;
     const value = { pose: wordOf(POSES, pose, 'pose'), sensors: wordOf(SENSORS, sensors, 'sensors'), clear };
     return (await this.ask({ performer, command: { case: 'calibrate', value } })).calibrate!;
   }
-  /** Fires the cues of that name, of the daemon's configuration. */
+  /** Fires the cues with that name in the daemon's configuration. */
   cue(name: string): Promise<Applied[]> {
     return this.change('*', { case: 'cue', value: { name } });
   }
-  /** Everyone to bypass, pinned or not. */
+  /** Sets all performers to bypass, pinned or not. */
   async panic(): Promise<Applied[]> {
     return (await this.ask({ command: { case: 'panic', value: {} } })).applied;
   }
@@ -295,7 +295,7 @@ export class StyledClient {
     return (await this.ask({ performer, command })).applied;
   }
 
-  /** Any request, unchecked; its id is ours. */
+  /** Sends any request, unchecked; the client sets its id. */
   ask(request: RequestInit): Promise<Reply> {
     const id = this.nextId++;
     return new Promise((resolve, reject) => {
@@ -311,7 +311,7 @@ export class StyledClient {
     });
   }
 
-  // ---- within
+  // ---- Internals
 
   private settle(id: bigint): Pending | undefined {
     const pending = this.pending.get(id);
@@ -382,7 +382,7 @@ export class StyledClient {
     };
   }
 
-  // A name that is misspelt gives silence: that is said, once a daemon has had time to answer.
+  // A misspelt name would cause silence; so a complaint is emitted once the daemon has had time to reply.
   private await(performer: string): void {
     if (!this.daemonState_.up || this.bodies.has(performer) || this.awaited.has(performer)) return;
     this.awaited.set(performer, setTimeout(() => {
@@ -443,7 +443,7 @@ export class StyledClient {
     if (reply) this.onReply(reply);
   }
 
-  // Undefined, and a complaint, where `payload` is no such message.
+  // Undefined, with a complaint, if `payload` is not such a message.
   private parse<S extends DescMessage>(schema: S, payload: Uint8Array, what: string) {
     try {
       return fromBinary(schema, payload);
@@ -489,7 +489,7 @@ export class StyledClient {
     if (wrong) return this.emit('complaint', `body of ${performer}: ${wrong}`);
     const known = this.bodies.get(performer) ?? [];
     if (known.some((other) => other.hash === body.hash && other.output === body.output)) return;
-    // All outputs, and what each was before: frames of it may still be under way.
+    // Keeps the bodies of all outputs, and their previous ones: frames of those may still be in transit.
     this.bodies.set(performer, [...known.slice(1 - MAX_BODIES), body]);
     this.emit('body', body);
   }

@@ -1,6 +1,6 @@
 import { Code } from './gen/proto/styled/v1/control_pb.js';
 
-/** The daemon said no; nothing changed. `message` is its reason. */
+/** The daemon refused; nothing changed. `message` is its reason. */
 export class RefusedError extends Error {
   override name = 'RefusedError';
   constructor(
@@ -11,12 +11,12 @@ export class RefusedError extends Error {
   }
 }
 
-/** Nobody answered in time, or the gateway went away; it may or may not have been applied. */
+/** No reply in time, or the connection to the gateway was lost; the request may have been applied. */
 export class NoAnswerError extends Error {
   override name = 'NoAnswerError';
   constructor(
     message: string,
-    /** The request was sent. If not, nothing changed. */
+    /** Whether the request was sent. If not, nothing changed. */
     readonly sent = true,
   ) {
     super(message);

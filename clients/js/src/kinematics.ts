@@ -1,4 +1,4 @@
-// What a frame means: bodies, checked once, and forward kinematics. The same rules as
+// Checks of bodies and frames, and forward kinematics, with the same rules as
 // clients/cpp/transforms.cpp.
 import type { Body } from './gen/proto/styled/v1/body_pb.js';
 import type { Frame } from './gen/proto/styled/v1/frame_pb.js';
@@ -40,7 +40,7 @@ export function checkFrame(body: Body, frame: Frame): string {
   return '';
 }
 
-/** Where joints are in their skeleton's world: body units and axes; world from joint. */
+/** World transforms of joints (world from joint), in body units and axes. */
 export interface Transforms {
   /** 3*J: x, y, z */
   positions: Float32Array;
@@ -54,8 +54,8 @@ export function makeTransforms(body: Body): Transforms {
 }
 
 /**
- * Forward kinematics. `body` must have passed checkBody and `frame` checkFrame; allocates nothing
- * where `out` is given (of makeTransforms(body)).
+ * Forward kinematics. `body` must have passed checkBody and `frame` checkFrame. Allocates nothing if
+ * `out` is given (from makeTransforms(body)).
  */
 export function worldTransforms(
   body: Body,

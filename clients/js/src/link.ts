@@ -1,10 +1,10 @@
-// The connection to styleweb: opens, opens again when it breaks, and says how it stands.
+// The connection to styleweb: opens, reconnects when it is lost, and reports its state.
 import { Socket } from '#socket';
 
 export type LinkState =
   | { kind: 'connecting'; reason: string }
   | { kind: 'open' }
-  /** The gateway says no; it is asked again after a while all the same. */
+  /** The gateway refused the connection; it is retried after a while. */
   | { kind: 'refused'; reason: string; status: number }
   | { kind: 'closed' };
 
@@ -16,9 +16,9 @@ export interface LinkHandlers {
 
 const FIRST_RETRY_MS = 250;
 const LONGEST_RETRY_MS = 3000;
-const GIVE_UP_MS = 5000; // on one attempt
+const GIVE_UP_MS = 5000; // limit of one attempt
 
-// What may be shown: a token is not.
+// The address for display, without the token.
 function address(url: string): string {
   return url.replace(/\?.*$/, '');
 }
@@ -60,19 +60,19 @@ export class Link {
     this.socket = undefined;
     if (!socket) return;
     socket.onopen = socket.onmessage = socket.onclose = null;
-    socket.onerror = () => {}; // of a socket that is closed while it connects
+    socket.onerror = () => {}; // closing a socket that is connecting causes an error event
     socket.close();
   }
 
   private open(): void {
-    // Who was refused stays so until it is known better.
+    // A refusal remains the state until another outcome is known.
     if (!this.refused) this.handlers.state({ kind: 'connecting', reason: this.reason });
     let socket: WebSocket;
     try {
       socket = new Socket(this.url);
     } catch (error) {
       this.closed = true;
-      throw error; // no address: trying again would not mend it
+      throw error; // an invalid address: retrying would not help
     }
     this.socket = socket;
     socket.binaryType = 'arraybuffer';
@@ -109,7 +109,7 @@ export class Link {
     this.retry_ms = Math.min(2 * this.retry_ms, LONGEST_RETRY_MS);
   }
 
-  // A WebSocket does not say why it was refused; the same address over HTTP does.
+  // A WebSocket does not report why it was refused; the same address over HTTP does.
   private async explain(): Promise<void> {
     const before = this.reason;
     this.reason = `nobody answers at ${address(this.url)}`;
@@ -118,7 +118,7 @@ export class Link {
       const response = await fetch(this.url.replace(/^ws/, 'http'), {
         signal: AbortSignal.timeout(GIVE_UP_MS / 2),
       });
-      if (response.status === 426) this.reason = ''; // it is there again
+      if (response.status === 426) this.reason = ''; // reachable again: it only requires the upgrade
       else if (!this.closed) {
         this.reason = (await response.text()).trim() || `HTTP ${response.status}`;
         this.refused = true;

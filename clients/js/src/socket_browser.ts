@@ -1,2 +1,2 @@
-// The WebSocket of this environment: the browser's own.
+// The WebSocket implementation: the browser's own.
 export const Socket = globalThis.WebSocket;

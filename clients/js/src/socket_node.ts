@@ -1,5 +1,5 @@
-// The WebSocket of this environment: Node has one of its own from version 22 on, but none that takes
-// headers; so always ws.
+// The WebSocket implementation: always ws. Node's own (from version 22 on) does not accept request
+// headers.
 import { WebSocket } from 'ws';
 
 export const Socket = WebSocket as unknown as typeof globalThis.WebSocket;

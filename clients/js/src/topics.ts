@@ -1,4 +1,4 @@
-/** What a performer is published as. */
+/** The streams in which a performer is published. */
 export type Stream =
   | 'rig' // styled, on the rig's own skeleton
   | 'canonical' // styled, on the canonical humanoid
@@ -8,14 +8,14 @@ const STREAMS: readonly string[] = ['rig', 'canonical', 'source'] satisfies Stre
 const PERFORMER = /^[A-Za-z0-9_-]{1,32}\.[A-Za-z0-9_-]{1,32}$/;
 const A_PERFORMER = 'expected SOURCE.NAME, as in rig.anna, both 1 to 32 of A-Z a-z 0-9 _ -';
 
-/** Throws a TypeError where `performer` is not SOURCE.NAME. */
+/** Throws a TypeError if `performer` is not SOURCE.NAME. */
 export function checkPerformer(performer: string): void {
   if (typeof performer !== 'string' || !PERFORMER.test(performer)) {
     throw new TypeError(`found ${JSON.stringify(`${performer}`)} as performer, ${A_PERFORMER}`);
   }
 }
 
-/** The same, but "*", for all, is let through. */
+/** The same, but also accepts "*", all performers. */
 export function checkPerformers(performer: string): void {
   if (performer === '*') return;
   if (typeof performer !== 'string' || !PERFORMER.test(performer)) {
@@ -23,7 +23,7 @@ export function checkPerformers(performer: string): void {
   }
 }
 
-/** Throws a TypeError where there is no such topic. */
+/** Throws a TypeError if there is no such topic. */
 export function frameTopic(performer: string, stream: Stream): string {
   checkPerformer(performer);
   if (!STREAMS.includes(stream)) {
@@ -37,7 +37,7 @@ export type Parsed =
   | { kind: 'body'; performer: string }
   | { kind: 'stats' };
 
-/** Nothing where `topic` has another shape. */
+/** Undefined if `topic` has another form. */
 export function parseTopic(topic: string): Parsed | undefined {
   if (topic === 'stats/') return { kind: 'stats' };
   const match = /^(styled|source|body)\/([^/]+)\/(?:(rig|canonical)\/)?$/.exec(topic);

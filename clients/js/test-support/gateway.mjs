@@ -1,4 +1,4 @@
-// A stand-in for styleweb: says what a test tells it to, and keeps what it hears.
+// A fake styleweb: sends what a test specifies, and stores what it receives.
 import http from 'node:http';
 import { WebSocketServer } from 'ws';
 import { create, fromBinary, toBinary } from '@bufbuild/protobuf';

@@ -5,7 +5,7 @@ import { Calibrate_Pose, Calibrate_Sensors, Code, NoAnswerError, Output, Refused
 
 import { Gateway, body, frame, until } from '../test-support/gateway.mjs';
 
-// Runs `play` with a gateway and a client that are both ended, whatever happens.
+// Runs `play` with a gateway and a client, and always closes both.
 async function together(play, options = {}) {
   const gateway = await Gateway.start();
   const client = new StyledClient({ url: gateway.url, timeout_ms: 2000, ...options });
@@ -189,7 +189,7 @@ test('what cannot be a name is said at once, and not sent', () =>
       assert.throws(() => client.subscribe(name), aName);
       assert.throws(() => client.subscribeLatest(name, 'source'), aName);
     }
-    assert.throws(() => client.subscribe('*'), aName); // frames are of one
+    assert.throws(() => client.subscribe('*'), aName); // a frame subscription needs one performer
     await assert.rejects(client.calibrate('*'), aName);
     assert.throws(() => client.subscribe('rig.a', 'Canonical'), /found "Canonical" as stream, expected rig, canonical, source/);
     await assert.rejects(client.calibrate('rig.a', { pose: 'sitting' }), /found "sitting" as pose, expected t, n/);
@@ -283,7 +283,7 @@ test('both kinds of subscriber to one stream: each gets its own, with its own ga
     const end = client.subscribe('rig.a');
     for (const sequence of [4, 5, 7]) gateway.publish('styled/rig.a/rig/', frame(sequence));
     await until(() => updates.length === 3, 'each frame');
-    assert.deepEqual(updates.map((u) => u.missed), [0, 0, 1]); // of before it came it knows nothing
+    assert.deepEqual(updates.map((u) => u.missed), [0, 0, 1]); // frames before its subscription are unknown
     const newest = client.latest('rig.a');
     assert.deepEqual([newest.frame.sequence, newest.missed, newest.skipped], [7n, 3, 2]);
     end();
@@ -315,7 +315,7 @@ test('a name that nobody bears is told once, and not of who is there, has left o
     client.subscribe('rig.a');
     client.subscribe('rig.b')();
     gateway.publish('body/rig.a/', body());
-    client.subscribe('rig.last'); // whose turn comes after all of them
+    client.subscribe('rig.last'); // its turn comes after all others
     await until(() => complaints.some((text) => text.includes('rig.last')), 'the last complaint');
     assert.ok(client.body('rig.a', Output.RIG));
     assert.deepEqual(complaints.map((text) => /nobody called ([^,]+),/.exec(text)?.[1]), ['rig.nobdoy', 'rig.last']);

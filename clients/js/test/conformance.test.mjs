@@ -1,4 +1,4 @@
-// Bodies and frames that every client reads to the same numbers: tests/conformance/README.md.
+// Bodies and frames that every client must decode to the same numbers: tests/conformance/README.md.
 //   STYLED_GOLDENS=tests/conformance node --test
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
@@ -18,7 +18,7 @@ function assertFields(schema, message, expected) {
   const found = toJson(schema, message, {
     useProtoFieldName: true, alwaysEmitImplicit: true, enumAsInteger: true,
   });
-  // The goldens have truth as the wire has it.
+  // The golden files contain booleans as numbers, like the wire.
   if (found.timecode) found.timecode.drop_frame = Number(found.timecode.drop_frame);
   for (const [name, value] of Object.entries(expected)) {
     assert.deepEqual(found[name] ?? null, value, name);
@@ -70,7 +70,7 @@ for (const entry of [...refused.bodies, ...refused.frames]) {
         gateway.publish('body/rig.anna/', bytes(entry.body));
       }
       await until(() => complaints.length + frames.length > 0, 'a complaint');
-      // Of another body: its own may be still to come.
+      // A frame of another body is delivered: its own body may arrive later.
       assert.equal(frames.length, entry.why === 'of another body' ? 1 : 0);
       assert.equal(frames[0]?.body, undefined);
       assert.equal(bodies.length, entry.frame ? 1 : 0);

@@ -15,15 +15,15 @@ const close = (found, wanted) =>
 test('a root that is turned and moved carries its children; its own offset is not added', () => {
   const frame = create(FrameSchema, {
     bodyHash: 5n, output: 2, rootPosition: [1, 2, 3],
-    // a quarter about Z, then a quarter about Y; the last one of length 2
+    // a quarter turn about Z, then one about Y; the last quaternion has length 2
     rotations: [0, 0, half, half, 0, half, 0, half, 0, 0, 0, 2],
   });
   const body = makeBody();
   assert.equal(checkFrame(body, frame), '');
   const { positions, rotations } = worldTransforms(body, frame);
   close(positions.subarray(0, 3), [1, 2, 3]);
-  close(positions.subarray(3, 6), [0.5, 2, 3]); // +Y turned to -X
-  close(positions.subarray(6, 9), [0.5, 2, 2]); // +X about Y to -Z, which Z leaves
+  close(positions.subarray(3, 6), [0.5, 2, 3]); // +Y rotated to -X
+  close(positions.subarray(6, 9), [0.5, 2, 2]); // +X about Y to -Z, which the rotation about Z leaves unchanged
   close(rotations.subarray(8, 12), rotations.subarray(4, 8));
   close(rotations.subarray(4, 8), [-0.5, 0.5, 0.5, 0.5]);
 });
