@@ -15,7 +15,7 @@ std::string_view Trim(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
 }
 
-// `name = "value"` or `name = value`; a value in quotes may hold anything but a quote.
+// Splits `name = "value"` or `name = value`. A quoted value may hold anything but its quote.
 bool Split(std::string_view line, std::string_view& name, std::string_view& value) {
   const std::size_t sign = line.find('=');
   if (sign == std::string_view::npos) return false;
@@ -43,7 +43,7 @@ class Reader {
     std::string_view name, value;
     if (!Split(text, name, value)) return Refuse("expected NAME = \"VALUE\"");
     if (section_ == "metadata" && name == "role") return Role(value);
-    if (section_ != "curve") return Status::Ok();  // others' remarks
+    if (section_ != "curve") return Status::Ok();  // other sections hold other programs' data
     if (name == "public-key") return Key(value, file.public_key);
     if (name == "secret-key") return Key(value, file.secret_key);
     return Refuse("expected public-key or secret-key");
@@ -54,7 +54,7 @@ class Reader {
     return file.role ? Status::Ok() : Refuse("role: expected subscriber or operator");
   }
 
-  // Neither key is ever repeated in a complaint: it may be the secret one in the wrong place.
+  // An error never repeats a key: it may be the secret one in the wrong place.
   Status Key(std::string_view value, std::string& key) {
     if (!key.empty()) return Refuse("a second key of this kind");
     if (!IsKey(value)) return Refuse("expected a key, 40 characters of Z85");
@@ -88,7 +88,7 @@ std::optional<Role> ParseRole(std::string_view text) noexcept {
 
 bool IsKey(std::string_view text) {
   std::array<std::uint8_t, kKeyBytes> bytes{};
-  // libzmq measures up to the first zero byte.
+  // libzmq measures the text up to the first zero byte.
   return text.size() == kKeyCharacters && text.find('\0') == std::string_view::npos &&
          zmq_z85_decode(bytes.data(), std::string(text).c_str()) != nullptr;
 }
@@ -134,7 +134,7 @@ std::string Format(const KeyFile& file) {
   return text;
 }
 
-// Keys are given on command lines, where a first "-" would make an option of one.
+// Keys are arguments of command lines, where a leading "-" would make them an option.
 Result<KeyFile> MakePair() {
   std::array<char, kKeyCharacters + 1> public_key{'-'}, secret_key{};
   while (public_key[0] == '-') {

@@ -45,7 +45,7 @@ std::string Octal(mode_t mode) {
   return text.data();
 }
 
-// What a private file is for, in the words of its refusal.
+// The words for a private file in error messages.
 struct Secret {
   const char* kind;         // "a file of keys"
   const char* holds;        // "a secret key"
@@ -84,7 +84,7 @@ Status CheckPrivate(const struct stat& about, const std::string& file, const Sec
                           secret.replacement + " if somebody may have read it");
 }
 
-// `owner`: of the folder of keys, who is in charge of it; beside root.
+// Only root and `owner`, the owner of the folder of keys, may own the file.
 Status CheckNotWritable(const struct stat& about, const std::string& file, uid_t owner) {
   if ((about.st_mode & kOthersWrite) != 0) {
     return Refuse(file, "others may write to it (mode " + Octal(about.st_mode) +
@@ -98,7 +98,7 @@ Status CheckNotWritable(const struct stat& about, const std::string& file, uid_t
   return Status::Ok();
 }
 
-// O_NONBLOCK: a pipe in a file's place is not waited for.
+// O_NONBLOCK: do not wait for a writer if the path is a pipe.
 int OpenToRead(const std::string& file) {
   return open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
 }
@@ -111,7 +111,7 @@ Result<KeyFile> ReadKeyFile(int fd, const std::string& file) {
   return parsed;
 }
 
-// The text of a file that nobody else may read.
+// Reads the text of a file, which no other user may be able to read.
 Result<std::string> ReadPrivate(const std::string& file, const Secret& secret) {
   const File opened(OpenToRead(file));
   if (opened.get() < 0) return Failed(file);
@@ -133,8 +133,8 @@ bool WriteAll(int fd, const std::string& text) {
   return fsync(fd) == 0;
 }
 
-// Under another name first, then by link (`replace` false: refused where the name is taken) or
-// rename.
+// Writes under another name first. Then rename() replaces the file, or, with `replace` false,
+// link() fails if the name exists.
 Status Write(const std::string& file, const std::string& text, mode_t mode, bool replace) {
   const std::string fresh = file + ".new-" + std::to_string(getpid());
   const File opened(open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW,
@@ -157,13 +157,13 @@ Status CheckFolder(const std::string& folder, uid_t owner) {
   return CheckNotWritable(about, folder, owner);
 }
 
-// Who owns `folder`; root where it cannot be said.
+// The owner of `folder`; root if it cannot be determined.
 uid_t OwnerOf(const std::string& folder) {
   struct stat about {};
   return stat(folder.c_str(), &about) == 0 ? about.st_uid : 0;
 }
 
-// A folder that is missing is made, for us to write to and for all to read.
+// Creates a missing folder: the owner may write, all may read.
 Status MakeFolder(const std::string& folder, uid_t owner) {
   if (mkdir(folder.c_str(), 0755) != 0 && errno != EEXIST) return Failed(folder);
   return CheckFolder(folder, owner);
@@ -173,7 +173,7 @@ std::string ClientFile(const std::string& folder, const std::string& name) {
   return ClientsFolder(folder) + "/" + name + std::string(kEnding);
 }
 
-// The names of clients' files, sorted.
+// The names of the clients' files, sorted.
 Result<std::vector<std::string>> ListNames(const std::string& folder) {
   std::vector<std::string> names;
   const std::unique_ptr<DIR, int (*)(DIR*)> opened(opendir(folder.c_str()), closedir);
@@ -192,10 +192,10 @@ Result<std::vector<std::string>> ListNames(const std::string& folder) {
   return names;
 }
 
-// What is wrong for now only: it says nothing about the file.
+// Whether the error is temporary and says nothing about the file.
 bool IsPassing(int error) { return error == EMFILE || error == ENFILE || error == ENOMEM; }
 
-// `passing`: the reason lies with us, not with the file.
+// `passing`: the error is temporary, and not the file's fault.
 Result<Client> ReadClient(const std::string& folder, const std::string& name, bool& passing) {
   const std::string file = ClientFile(folder, name);
   if (!IsClientName(name)) {
@@ -269,7 +269,7 @@ Result<KeyFile> ServerPair(const std::string& folder, bool& made) {
   }
   auto pair = ReadPair(file);
   if (!pair.ok()) return pair.status();
-  // For clients; that it cannot be written (a read-only folder) keeps nobody out.
+  // For clients. If it cannot be written (a read-only folder), the daemon works nevertheless.
   const KeyFile shown{pair.value().public_key, "", std::nullopt};
   const auto old = ReadPublicKey(ServerPublicFile(folder));
   if (!old.ok() || old.value() != shown.public_key) {
@@ -328,7 +328,7 @@ Status Allow(const std::string& folder, const Client& client) {
   }
   if (const Status status = MakeFolder(ClientsFolder(folder), OwnerOf(folder)); !status.ok())
     return status;
-  // Public: a daemon that runs as another user has to read it.
+  // Readable by all: the daemon may run as another user.
   return Write(ClientFile(folder, client.name), Format({client.key, "", client.role}), 0644, true);
 }
 

@@ -16,7 +16,7 @@ using google::protobuf::io::CodedOutputStream;
 using native::header::Read;
 using native::header::Write;
 
-// Where the fields of a block's header lie (FORMAT.md).
+// Offsets of the fields of a block's header (FORMAT.md).
 constexpr std::size_t kType = 4, kCompression = 5, kFlags = 6, kStoredSize = 8, kRawSize = 12,
                       kRecords = 16, kPayloadCrc = 20, kFirstTime = 24, kLastTime = 32,
                       kNumber = 40, kHeaderCrc = 44;

@@ -10,8 +10,8 @@
 
 #include "proto/recording/recording.pb.h"
 
-// The bytes of a recording, as FORMAT.md: a preamble, then blocks. Nothing here knows a file.
-// Pinned by tests/unit/recording/block_test.cpp and, from the other side, by
+// The byte format of a recording (FORMAT.md): a preamble, then blocks. Nothing here depends on
+// files. Pinned by tests/unit/recording/block_test.cpp and, independently, by
 // tests/unit/recording/read_recording.py.
 namespace styled::recording {
 
@@ -31,28 +31,29 @@ enum class BlockType : std::uint8_t {
 enum class Compression : std::uint8_t { kNone = 0, kZstd = 1 };
 
 struct BlockHeader {
-  std::uint8_t type = 0;           // BlockType; another one may come with a later program
+  std::uint8_t type = 0;           // a BlockType; later programs may add types
   std::uint8_t compression = 0;    // Compression
-  std::uint32_t stored_size = 0;   // bytes that follow the header
-  std::uint32_t raw_size = 0;      // the same decompressed
+  std::uint32_t stored_size = 0;   // bytes after the header
+  std::uint32_t raw_size = 0;      // size of these bytes when decompressed
   std::uint32_t records = 0;       // messages in the block
   std::uint32_t payload_crc = 0;   // CRC-32C of the stored bytes
   std::int64_t first_time_ns = 0;  // smallest and largest time_ns of the block's records
   std::int64_t last_time_ns = 0;
-  std::uint32_t number = 0;  // +1 from block to block, from 0
+  std::uint32_t number = 0;  // +1 per block, from 0
 };
 
 std::array<std::byte, kPreambleSize> Preamble();
 
 void EncodeBlockHeader(const BlockHeader& header,
                        std::span<std::byte, kBlockHeaderSize> out) noexcept;
-// Nothing where the bytes are no block header: magic, checksum, or sizes that no writer makes.
+// Empty if the bytes are not a valid block header: wrong magic or checksum, or sizes over
+// kMaxRawSize.
 std::optional<BlockHeader> DecodeBlockHeader(
     std::span<const std::byte, kBlockHeaderSize> bytes) noexcept;
-// CRC-32C, as everywhere in the project.
+// CRC-32C, the same as native::Crc32c.
 std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept;
 
-// Gathers messages and makes blocks of them. One thread at a time; allocates.
+// Collects messages and encodes them as blocks. One thread at a time; allocates.
 class BlockBuilder {
  public:
   BlockBuilder();
@@ -60,18 +61,18 @@ class BlockBuilder {
   BlockBuilder(const BlockBuilder&) = delete;
   BlockBuilder& operator=(const BlockBuilder&) = delete;
 
-  // False, and nothing added, where the record is larger than kMaxRecordSize or would make the
+  // Returns false and adds nothing if the record is larger than kMaxRecordSize or would make the
   // block larger than kMaxRawSize.
   [[nodiscard]] bool Add(const Record& record);
 
   std::uint32_t records() const { return records_; }
   std::size_t raw_size() const { return raw_.size(); }
 
-  // What was added as a whole block, valid until the next call of anything here. The builder is
-  // empty after it, and its next block has the next number.
+  // Encodes what was added as one block, valid until the next call of any function here. Afterwards
+  // the builder is empty, and its next block has the next number.
   std::span<const std::byte> Close();
-  // The file's first block, number 0. Before anything else. A header larger than kMaxRecordSize
-  // loses its configuration text.
+  // Encodes the file's first block, number 0. Call it before anything else. A header larger than
+  // kMaxRecordSize loses its configuration text.
   std::span<const std::byte> Header(FileHeader header);
 
  private:

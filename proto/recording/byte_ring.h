@@ -16,17 +16,18 @@
 
 namespace styled::recording {
 
-// Bounded ring of messages of any size between two threads: one pushes, one pops. Neither ever
-// waits; pushing neither allocates nor locks. A message is pushed whole or not at all.
+// Bounded ring of messages of any size between two threads, one producer and one consumer. Neither
+// ever waits; pushing neither allocates nor locks. A message is pushed completely or not at all.
 // Pinned by tests/unit/recording/byte_ring_test.cpp.
 class ByteRing {
  public:
-  // `capacity` in bytes, a power of two; touched here, so that pushing meets no page fault.
+  // `capacity` in bytes, a power of two. The constructor touches the memory, so that pushing causes
+  // no page fault.
   explicit ByteRing(std::size_t capacity) : bytes_(capacity) {
     assert(std::has_single_bit(capacity) && capacity >= 64);
   }
 
-  // The parts, one behind the other, as one message. False, and nothing pushed, where there is no
+  // Pushes the parts, concatenated, as one message. Returns false and pushes nothing if there is no
   // room. Producer thread only.
   STYLED_REALTIME bool Push(std::initializer_list<std::span<const std::byte>> parts) noexcept {
     std::size_t size = 0;
@@ -43,7 +44,7 @@ class ByteRing {
     return true;
   }
 
-  // The oldest message, written over `out`; false where there is none. Consumer thread only.
+  // Pops the oldest message into `out`; returns false if there is none. Consumer thread only.
   bool Pop(std::vector<std::byte>& out) {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_.load(std::memory_order_acquire)) return false;
@@ -77,7 +78,7 @@ class ByteRing {
   }
 
   std::vector<std::byte> bytes_;
-  alignas(64) std::atomic<std::size_t> head_{0};  // count bytes since the beginning
+  alignas(64) std::atomic<std::size_t> head_{0};  // both count bytes since the beginning
   alignas(64) std::atomic<std::size_t> tail_{0};
 };
 

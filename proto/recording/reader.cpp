@@ -18,8 +18,8 @@ namespace styled::recording {
 namespace {
 
 constexpr std::size_t kSearchStep = 4U << 10U;
-// Behind a block with a wrong checksum the search goes on within it: bytes may be missing from it.
-// Beyond so many such bytes it goes on behind it, so that no file takes for ever.
+// After a block with a wrong checksum the search continues within it, because bytes of it may be
+// missing. After so many such bytes it continues behind it, which bounds the time for any file.
 constexpr std::uint64_t kPatience = 64U << 20U;
 
 class Memory final : public Input {
@@ -119,7 +119,7 @@ BlockScanner::Candidate BlockScanner::Look(std::uint64_t at, BlockHeader& header
   std::array<std::byte, kBlockHeaderSize> bytes{};
   const std::size_t size = input_->Read(at, bytes);
   if (size < kBlockHeaderSize) {
-    // Nothing at all, or a header's first bytes.
+    // Fewer bytes than a header: cut short if they begin like one.
     const std::size_t compared = std::min(size, kBlockMagic.size());
     const bool begins = std::memcmp(bytes.data(), kBlockMagic.data(), compared) == 0;
     return begins ? Candidate::kCutShort : Candidate::kNone;
@@ -149,7 +149,7 @@ std::uint64_t BlockScanner::FindMagic(std::uint64_t from) {
     const auto found = std::search(buffer.begin(), end, magic, magic + kBlockMagic.size());
     if (found != end) return from + static_cast<std::uint64_t>(found - buffer.begin());
     if (size < buffer.size()) break;
-    from += size - (kBlockMagic.size() - 1);  // it may lie across two steps
+    from += size - (kBlockMagic.size() - 1);  // the magic may span two steps
   }
   return input_->size();
 }
@@ -162,7 +162,7 @@ bool BlockScanner::Next(BlockHeader& header, std::vector<std::byte>* payload, Re
     ++counts.damaged_places;
     counts.skipped_bytes += end - begin;
   };
-  std::uint64_t cut = size;  // where a block begins whose end is not there
+  std::uint64_t cut = size;  // the first block whose end is missing
   for (std::uint64_t at = begin; at < size;) {
     const Candidate candidate = Look(at, header, payload);
     if (candidate == Candidate::kBlock) {
@@ -215,7 +215,7 @@ void Reader::Rewind() {
   counts_ = {};
   raw_.clear();
   raw_at_ = 0;
-  // The header, or the first records where it is damaged.
+  // Reads the header, or the first records if the header is damaged.
   (void)NextBlock();
 }
 
@@ -230,8 +230,8 @@ bool Reader::Decompress(const BlockHeader& header) {
                              stored_.size()) == raw_.size();
 }
 
-// Fills raw_ with the next block of records; false at the end. Takes the header, too, where it is
-// the first block.
+// Fills raw_ with the next block of records; returns false at the end. Also reads the header if
+// that is the first block.
 bool Reader::NextBlock() {
   BlockHeader header;
   raw_at_ = 0;

@@ -10,12 +10,12 @@
 namespace styled::recording {
 namespace {
 
-constexpr std::chrono::milliseconds kNap{5};  // beside the age of a block
+constexpr std::chrono::milliseconds kNap{5};  // waits in addition to the age of a block
 
 enum class Kind : std::uint8_t { kArrival, kTransfer, kPublished, kCommand, kNote };
 
-// What every entry of the ring begins with; then `head_size` bytes (peer, device, topic), then the
-// rest.
+// The beginning of every ring entry. It is followed by `head_size` bytes (peer, device or topic),
+// then the payload.
 struct EntryHead {
   std::int64_t time_ns = 0;
   std::uint16_t source = 0;
@@ -75,7 +75,7 @@ Result<std::unique_ptr<RecordingThread>> RecordingThread::Start(
 RecordingThread::RecordingThread(std::unique_ptr<FileWriter> writer, std::vector<Origin> origins,
                                  std::size_t ring_bytes)
     : ring_(ring_bytes), writer_(std::move(writer)), origins_(std::move(origins)) {
-  origins_.emplace_back();  // of an index beyond them
+  origins_.emplace_back();  // for a source index out of range
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
 

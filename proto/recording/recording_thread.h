@@ -19,23 +19,24 @@
 
 namespace styled::recording {
 
-// A source as Arrival names it.
+// A source, as an Arrival names it.
 struct Origin {
   std::string name, type, listen;
 };
 
 struct RecordingThreadOptions {
-  std::size_t ring_bytes = 16U << 20U;  // a power of two; what may wait for the disk
+  std::size_t ring_bytes = 16U << 20U;  // a power of two; bounds what may wait for the disk
   WriterOptions writer;
 };
 
-// Records from a thread that must not wait: what is pushed goes through a bounded ring to a thread
-// that compresses and writes. A full ring drops and counts. What is pushed is in
-// the file 30 ms later, unless the machine is busy. Push...: one thread. The rest: any thread.
-// Pinned by tests/unit/recording/recording_thread_test.cpp.
+// Records for a thread that must not wait: entries go through a bounded ring to another thread,
+// which compresses and writes them. A full ring drops entries and counts them. An entry is in the
+// file 30 ms after its push, unless the machine is busy. All Push functions: one thread. The rest:
+// any thread. Pinned by tests/unit/recording/recording_thread_test.cpp.
 class RecordingThread {
  public:
-  // Makes the file; errors are those of FileWriter::Create. `origins[i]` is source number i.
+  // Creates the file; errors are those of FileWriter::Create. `origins[i]` describes source number
+  // i.
   static Result<std::unique_ptr<RecordingThread>> Start(const std::filesystem::path& file,
                                                         const FileHeader& header,
                                                         std::vector<Origin> origins,
@@ -44,15 +45,16 @@ class RecordingThread {
   RecordingThread(const RecordingThread&) = delete;
   RecordingThread& operator=(const RecordingThread&) = delete;
 
-  // Writes what was pushed and ends the thread. Nothing may be pushed from now on.
+  // Writes all pushed entries and ends the thread. Push nothing afterwards.
   void Stop();
 
-  // False, and one more in dropped(), where the ring is full. Times: MonotonicNow_ns(). `peer` may
-  // be null; `source` is an index of the origins; a topic is cut to 64 KiB.
+  // Each Push returns false and increments dropped() if the ring is full. Times are those of
+  // MonotonicNow_ns(). `peer` may be null; `source` is an index into the origins; a topic is cut to
+  // 64 KiB.
   STYLED_REALTIME bool PushArrival(std::int64_t time_ns, int source, const sockaddr* peer,
                                    socklen_t peer_size,
                                    std::span<const std::byte> datagram) noexcept;
-  // What a USB device brought; `device` numbers its opening.
+  // Data of one USB transfer; `device` is the number of the device's opening.
   STYLED_REALTIME bool PushTransfer(std::int64_t time_ns, int source, std::uint32_t device,
                                     std::span<const std::byte> bytes) noexcept;
   STYLED_REALTIME bool PushPublished(std::int64_t time_ns, std::string_view topic,
@@ -61,10 +63,11 @@ class RecordingThread {
   bool PushNote(std::int64_t time_ns, std::string_view text) noexcept;
 
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
-  // Written to the file, or given up because it could not be (error() says why).
+  // Records written to the file, and records given up because they could not be written (error()
+  // gives the reason).
   std::uint64_t written() const { return written_.load(std::memory_order_relaxed); }
   std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
-  Status error() const;  // the last one
+  Status error() const;  // the last error
 
  private:
   RecordingThread(std::unique_ptr<FileWriter> writer, std::vector<Origin> origins,
@@ -78,19 +81,19 @@ class RecordingThread {
   ByteRing ring_;
   std::atomic<std::uint64_t> dropped_{0}, written_{0}, lost_{0};
 
-  // The thread's own.
+  // Used by the writing thread only.
   std::unique_ptr<FileWriter> writer_;
   std::vector<Origin> origins_;
   std::vector<std::byte> entry_;
   Record record_;
 
-  mutable std::mutex mutex_;  // error_; and what the thread sleeps on
+  mutable std::mutex mutex_;  // guards error_; also for wake_
   std::condition_variable_any wake_;
   Status error_ = Status::Ok();
   std::jthread thread_;
 };
 
-// "127.0.0.1:9763", "[::1]:9763"; "" where the address is neither IPv4 nor IPv6.
+// The address as text, "127.0.0.1:9763" or "[::1]:9763"; "" if it is neither IPv4 nor IPv6.
 std::string AddressText(const sockaddr* address, socklen_t size);
 
 }  // namespace styled::recording

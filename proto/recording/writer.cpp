@@ -37,7 +37,7 @@ Result<std::unique_ptr<FileWriter>> FileWriter::Create(const std::filesystem::pa
     return Status::Error(file.string() + ": cannot be written: " + std::strerror(errno));
   }
   std::unique_ptr<FileWriter> writer(new FileWriter(file, options, fd));
-  // Preamble and header in one piece: a file is never found with half of them.
+  // Preamble and header in one write, so that a file never ends between them.
   const auto preamble = Preamble();
   std::vector<std::byte> begin(preamble.begin(), preamble.end());
   const auto block = writer->builder_.Header(header);
@@ -54,7 +54,7 @@ FileWriter::~FileWriter() {
 
 Status FileWriter::Add(const Record& record, std::int64_t now_ns) {
   if (!builder_.Add(record)) {
-    // No room beside what is waiting, or none at all.
+    // The record does not fit into the waiting block, or is larger than any block allows.
     Status status = Flush();
     if (!status.ok()) return status;
     if (!builder_.Add(record)) {
@@ -94,7 +94,7 @@ Status FileWriter::Write(std::span<const std::byte> bytes) {
     if (size < 0 && errno == EINTR) continue;
     if (size <= 0) {
       const std::string reason = size < 0 ? std::strerror(errno) : "no bytes accepted";
-      // Half a block would cost a reader its way to the next one.
+      // Removes a partial block: a reader would have to search for the next one.
       const auto end = static_cast<off_t>(counts_.bytes);
       if (written > 0 && (ftruncate(fd_, end) != 0 || lseek(fd_, end, SEEK_SET) != end)) {
         counts_.bytes += written;
