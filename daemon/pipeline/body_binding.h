@@ -12,21 +12,22 @@
 
 namespace styled::pipeline {
 
-// A rig's body, checked and bound: by a calibration of this skeleton where there is one, by its own
-// T-pose rests where it sends them, else by dialect.
+// A rig's body, checked and bound: by a calibration of this skeleton if there is one, else by the
+// body's own T-pose rests if it has them, else by dialect.
 struct BoundBody {
   std::shared_ptr<const rig::Binding> binding;
-  std::string dialect;       // "calibrated"; "given" where the rig sent its rests
-  bool left_handed = false;  // binding is of the skeleton mirrored; poses are to be, too
+  std::string dialect;  // "calibrated"; "given" if the rig sent its rests
+  // The binding is that of the mirrored skeleton; poses must be mirrored, too.
+  bool left_handed = false;
   // In the rest pose the toes lie behind the ankles: left and right are exchanged, or the axes are
-  // mirrored. Bound all the same; a calibration mends it.
+  // mirrored. The body is bound nevertheless; a calibration corrects it.
   bool toes_backwards = false;
 };
 
-// Errors say what in the body was expected and found. Allocate; pipeline thread, outside the hot
-// section.
+// Errors state what in the body was expected and found. Both functions allocate; pipeline thread,
+// outside the hot section.
 Result<rig::Skeleton> ReadSkeleton(const v1::Body& body);
-// `given`: the source's joints by hand.
+// `given`: the source's joint names set by hand.
 Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& calibrated,
                            const rig::JointNames& given = {});
 

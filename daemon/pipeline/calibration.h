@@ -10,9 +10,10 @@
 
 namespace styled::pipeline {
 
-// Answers a Calibrate request (control.proto): a rig of sensors is reset by its transport, another
-// one's performer is bound anew by the pose it stands in. The performer whose bodies or sensors
-// changed; null, and the reply says why, on an error. Pipeline thread; allocates.
+// Executes a Calibrate request (control.proto). A rig of sensors is reset by its transport; for any
+// other rig the performer is bound anew by its current pose. Returns the performer whose bodies or
+// sensors changed; on an error returns null and fills the reply's code and reason. Pipeline thread;
+// allocates.
 Performer* Calibrate(const v1::Request& request,
                      const std::vector<std::unique_ptr<source::Transport>>& transports,
                      Roster& roster, std::int64_t now_ns, v1::Reply& reply);

@@ -13,7 +13,7 @@
 
 namespace styled::pipeline {
 
-// One [[cue]]: what it asks for, and when.
+// One [[cue]]: the request it executes, and its timecode.
 struct Cue {
   std::string name;
   std::optional<std::int64_t> at;  // TimecodeLabel
@@ -21,14 +21,14 @@ struct Cue {
   v1::Request request;             // without a performer
 };
 
-// HH:MM:SS:FF as a number that grows with it, whatever the rate.
+// HH:MM:SS:FF as a number that increases with the timecode, whatever its rate.
 std::int64_t TimecodeLabel(const Timecode& timecode) noexcept;
 std::string TimecodeText(std::int64_t label);
-// "01:02:03:04", or with ';' before the frames; nothing where it is none.
+// Parses "01:02:03:04", or with ';' before the frames; empty for other texts.
 std::optional<Timecode> ParseTimecode(std::string_view text);
 
-// Whether a performer's timecode went over `at` between two of his frames: more than two seconds,
-// or backward, is somebody winding the tape, and fires nothing.
+// Whether a performer's timecode passed `at` between two of its frames. A step of more than two
+// seconds, or backward, is winding of the tape and passes nothing.
 bool Passes(std::int64_t at, std::int64_t last, std::int64_t now) noexcept;
 
 // Errors name the place, the key and what was expected; styles and presets must exist. Start-up and

@@ -8,15 +8,15 @@
 
 namespace styled::pipeline {
 
-// What the pipeline works with; each outlives it.
+// The objects that the pipeline uses; each must outlive it.
 struct Dependencies {
   runtime::Clock& clock;
   runtime::Counters& counters;
   publish::Publisher& publisher;
   Mailboxes& mailboxes;
   record::Recorder* recorder = nullptr;  // null: nothing is recorded
-  bool anticipate = true;                // knows when each frame is due, and wakes shortly before
-  bool prewarm = true;                   // and then brings what it needs into the caches
+  bool anticipate = true;                // predicts each frame and wakes shortly before
+  bool prewarm = true;                   // and then brings its data into the caches
 };
 
 }  // namespace styled::pipeline

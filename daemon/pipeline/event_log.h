@@ -10,17 +10,18 @@
 
 namespace styled::pipeline {
 
-// The pipeline's lines for the log, which the supervisor writes. Never blocks: a line that finds
-// the mailbox full is dropped and counted. Pipeline thread, outside the hot section; allocates.
+// Passes the pipeline's log lines to the supervisor, which writes them. Never blocks: a line that
+// finds the mailbox full is dropped and counted. Pipeline thread, outside the hot section;
+// allocates.
 class EventLog {
  public:
-  // All outlive it.
+  // All arguments must outlive it.
   EventLog(const runtime::Clock& clock, runtime::Counters& counters, Mailboxes& mailboxes)
       : clock_(clock), counters_(counters), mailboxes_(mailboxes) {}
 
   void Log(Event::Level level, std::string text);
-  // The same within the limit of its kind and performer. `sender`: the machine that caused it; all
-  // zeros: none.
+  // The same within the limit of the line's kind and performer. `sender`: the machine that caused
+  // the line; all zeros: none.
   void LogOf(LogLimit::Kind kind, const source::Machine& sender, const std::string& performer,
              Event::Level level, std::string text);
 

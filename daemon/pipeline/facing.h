@@ -9,14 +9,14 @@
 
 namespace styled::pipeline {
 
-// Whether a performer goes where the toes do not point, for longer than people walk backwards: what
-// a skeleton with left and right exchanged, or in mirrored axes, looks like once it is bound.
-// Judged on the bound input (canonical axes, metres), one per performer. Allocates nothing. Pinned
-// by tests/unit/daemon/facing_test.cpp.
+// Detects that a performer walks against the direction of the toes for longer than people walk
+// backwards, which means that the bound skeleton has left and right exchanged, or mirrored axes.
+// Judges the bound input (canonical axes, metres); one per performer. Allocates nothing. Pinned by
+// tests/unit/daemon/facing_test.cpp.
 class Facing {
  public:
-  // One frame, `dt_s` of source time after the last. A step that is no walking is passed over:
-  // slower than kSlow_mps (swaying), faster than kFast_mps (a jump of the rig), sideways.
+  // Evaluates one frame, `dt_s` of source time after the last. Ignores steps that are not walking:
+  // slower than kSlow_mps (swaying), faster than kFast_mps (a jump of the rig), or sideways.
   STYLED_REALTIME void Sample(const body::Pose& pose, double dt_s) noexcept {
     body::Vec3 step = pose.hips_position_m - last_m_;
     last_m_ = pose.hips_position_m;
@@ -30,11 +30,11 @@ class Facing {
     if (!(length_m > kSlow_mps * dt && length_m < kFast_mps * dt)) return;
     body::Vec3 forward = Forward(pose);
     forward.y() = 0;
-    if (forward.norm() < kUpright) return;  // lies, or falls
+    if (forward.norm() < kUpright) return;  // lying or falling
     const float along = forward.normalized().dot(step) / length_m;
     if (std::abs(along) < kAlong) return;
     (along > 0 ? ahead_m_ : back_m_) += length_m;
-    // Walked so far, what was before counts half.
+    // Beyond this distance, earlier steps count half.
     if (ahead_m_ + back_m_ > kRemembered_m) {
       ahead_m_ /= 2;
       back_m_ /= 2;
@@ -43,7 +43,7 @@ class Facing {
       backwards_ = !backwards_;
     }
   }
-  // The rig starts anew.
+  // Call when the rig starts a new session.
   STYLED_REALTIME void Reset() noexcept { *this = Facing(); }
 
   bool backwards() const { return backwards_; }
@@ -51,12 +51,13 @@ class Facing {
  private:
   static constexpr float kSlow_mps = 0.3F, kFast_mps = 6.0F;
   static constexpr float kUpright = 0.5F;    // horizontal share of the forward axis
-  static constexpr float kAlong = 0.7F;      // cosine: within 45 degrees of ahead or back
-  static constexpr float kSuspect_m = 5.0F;  // way backwards; an actor's few steps are less
-  static constexpr float kOften = 9.0F;      // of ten metres walked, nine
+  static constexpr float kAlong = 0.7F;      // cosine: within 45 degrees of forward or backward
+  static constexpr float kSuspect_m = 5.0F;  // distance backwards; an actor walks fewer steps
+  static constexpr float kOften = 9.0F;      // nine of ten metres walked
   static constexpr float kRemembered_m = 20.0F;
 
-  // Of both feet in the world, or of the hips where the source has none (identity then).
+  // The mean forward axis of both feet in the world. Joints that the source lacks have identity
+  // rotations, so that without legs this is the axis of the hips.
   static body::Vec3 Forward(const body::Pose& pose) noexcept {
     body::Vec3 sum = body::Vec3::Zero();
     for (const auto& leg :
@@ -72,7 +73,7 @@ class Facing {
   }
 
   body::Vec3 last_m_ = body::Vec3::Zero();
-  float ahead_m_ = 0, back_m_ = 0;  // walked, of late
+  float ahead_m_ = 0, back_m_ = 0;  // recent distances
   bool started_ = false, backwards_ = false;
 };
 

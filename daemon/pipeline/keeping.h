@@ -9,17 +9,18 @@
 
 namespace styled::pipeline {
 
-// A file beyond this is none of ours: 4096 performers, each with the calibration of a rig of 64
-// joints, take half of it.
+// A larger file is refused: 4096 performers, each with the calibration of a rig of 64 joints, take
+// half of it.
 inline constexpr std::size_t kMaxStateBytes = std::size_t{64} << 20;
 
-// The file in [state] dir where settings survive a restart of the daemon: TOML, one table per
-// performer id, replaced whole and atomically. Supervisor thread; blocks on the disk.
+// The file in [state] dir that keeps settings over a restart of the daemon: TOML, one table per
+// performer id, replaced as a whole and atomically. Supervisor thread; blocks on the disk.
 Status WriteProfiles(const std::string& file, const std::vector<Profile>& profiles);
-// Empty where there is no such file. Errors name file, line and what is wrong. Whatever is in the
-// file's place, the call ends; values that no request could have set become the defaults.
+// Reads the profiles; empty if there is no such file. Errors name file, line and what is wrong. The
+// call returns whatever is in place of the file. Values that no request could have set become the
+// defaults.
 Result<std::vector<Profile>> ReadProfiles(const std::string& file);
-// The same of such a file's text; `name` is what complaints call it.
+// The same for the text of such a file; errors call it `name`.
 Result<std::vector<Profile>> ParseProfiles(const std::string& text, const std::string& name);
 
 }  // namespace styled::pipeline

@@ -12,19 +12,19 @@
 
 namespace styled::pipeline {
 
-// Which of the pipeline's lines reach the log, so that no sender fills it and none hides another's.
-// The limit is of one kind of line about one subject (a performer): the first line passes, the next
-// one a second later, then after 2, 4, ... 64 s; who was quiet for twice as long begins anew. New
-// subjects pass 16 at once and 2 a second of each machine that sends them, and 64 at once and 8 a
-// second of all, so that invented names cost no more than that and hide nobody from elsewhere.
-// Bounded, no allocation; pipeline thread. Pinned by tests/unit/daemon/log_limit_test.cpp.
+// Limits the pipeline's log lines, so that no sender fills the log and none hides another's lines.
+// The limit applies per kind of line and subject (a performer): the first line passes, the next one
+// a second later, then after 2, 4, ... 64 s; after twice that time without a line it starts again.
+// Lines of new subjects pass 16 at once and 2 a second per sending machine, and 64 at once and 8 a
+// second in total. Invented names therefore cost no more than that and hide no line of another
+// machine. Bounded, no allocation; pipeline thread. Pinned by tests/unit/daemon/log_limit_test.cpp.
 class LogLimit {
  public:
   enum class Kind : std::uint8_t { kBodyRefused, kBodyBound, kForgotten, kCue, kFacing, kCount };
 
-  // Whether the line may pass. `held_back`: how many of the kind about the subject did not since
-  // its last one; only where it may.
-  // `sender`: the machine that caused the line; all zeros: none.
+  // Whether the line may pass. If it may, `held_back` receives how many lines of this kind and
+  // subject were held back since the last one. `sender`: the machine that caused the line; all
+  // zeros: none.
   bool Admit(Kind kind, const source::Machine& sender, std::string_view subject,
              std::int64_t now_ns, std::uint64_t& held_back) noexcept {
     const std::size_t hash = std::hash<std::string_view>()(subject);
@@ -82,7 +82,7 @@ class LogLimit {
     }
     return nullptr;
   }
-  // One that is free, or the longest quiet one.
+  // A free row, or the one that was quiet for longest.
   Row* Free(std::int64_t now_ns) noexcept {
     Row* best = rows_.data();
     std::int64_t quietest_ns = std::numeric_limits<std::int64_t>::min();
@@ -96,7 +96,7 @@ class LogLimit {
     }
     return best;
   }
-  // The longest quiet machine gives way to a new one.
+  // A new machine replaces the one that was quiet for longest.
   bool Spend(const source::Machine& sender, std::int64_t now_ns) noexcept {
     Bucket* mine = machines_.data();
     for (Bucket& bucket : machines_) {

@@ -14,23 +14,23 @@
 
 namespace styled::pipeline {
 
-// A request on its way from the control thread to the pipeline and, with its reply, back. Allocated
-// and freed by the control thread.
+// A request on its way from the control thread to the pipeline and, with its reply, back. The
+// control thread allocates and frees it.
 struct Exchange {
-  std::vector<std::vector<std::byte>> envelope;  // routing parts; the control thread's
-  std::string osc;  // address of the OSC message that it came as, or ""
+  std::vector<std::vector<std::byte>> envelope;  // routing parts, for the control thread
+  std::string osc;  // address of the OSC message that the request came from, or ""
   v1::Request request;
   v1::Reply reply;
 };
 
-// A line for the log, from the pipeline, which does not log.
+// A log line of the pipeline, which does not log itself.
 struct Event {
   enum class Level : std::uint8_t { kInfo, kWarning };
   Level level = Level::kInfo;
   std::string text;
 };
 
-// All that crosses threads: bounded rings, emptied between frames.
+// Everything that crosses threads: bounded rings, emptied between frames.
 struct Mailboxes {
   runtime::Ring<std::unique_ptr<Exchange>, 64> commands;           // control -> pipeline
   runtime::Ring<std::unique_ptr<Exchange>, 64> replies;            // pipeline -> control

@@ -20,28 +20,30 @@
 
 namespace styled::pipeline {
 
-// The one thread that frames walk through, from the datagram's arrival to zmq_send, without a queue
-// between. Whoever calls DoWork() waits, where there is nothing to do, for the transports, the
-// publisher and mailboxes.wake_pipeline, no longer than until NextDeadline_ns(). From a performer's
-// second frame on nothing between receive and zmq_send allocates, locks, logs or throws
-// (tests/realtime).
+// The single thread that processes frames from the datagram's arrival to zmq_send, without a queue
+// in between. When DoWork() finds nothing to do, its caller waits for the transports, the publisher
+// and mailboxes.wake_pipeline, at most until NextDeadline_ns(). From a performer's second frame on
+// nothing between receive and zmq_send allocates, locks, logs or throws (tests/realtime).
 //
-// A cycle is bounded whatever arrives: of each UDP source it takes kBatch datagrams at most, of a
-// TCP source 8 reads of 16 KiB, and a datagram makes no more frames than it may have performers (4
-// of a VMC sender, 8 of Rokoko, 16 of NatNet). A frame runs at most stylist::kMaxStepsPerFrame
-// steps of the network, and frames in a row kMeanStepsPerFrame each, so that the worst cycle of a
-// source of our own datagrams is 32 * 64 steps (10 ms at 5 us each) once, and 32 * 8 after that.
+// A cycle is bounded whatever arrives. It handles at most kBatch datagrams of each UDP source and 8
+// reads of 16 KiB of a TCP source, and a datagram makes at most as many frames as it may have
+// performers (4 of a VMC sender, 8 of Rokoko, 16 of NatNet). A frame runs at most
+// stylist::kMaxStepsPerFrame steps of the network, and consecutive frames kMeanStepsPerFrame each.
+// The worst cycle of a source with native datagrams is therefore 32 * 64 steps (10 ms at 5 us each)
+// once, and 32 * 8 after that.
 class Pipeline final : public Worker, public source::Receiver {
  public:
-  // `source_names[i]` is the name of what transports call source i. Epoch: random, of this start.
+  // `source_names[i]` is the name of source number i of the transports. `epoch` is random and
+  // identifies this start of the daemon.
   Pipeline(const Dependencies& dependencies, std::vector<std::string> source_names,
            std::vector<std::unique_ptr<source::Transport>> transports,
            std::shared_ptr<const RuntimeConfig> config, std::uint64_t epoch, int max_subscriptions);
-  // Settings of the last run; before the first DoWork.
+  // The settings of the last run. Call before the first DoWork.
   void Restore(std::vector<Profile> profiles) { roster_.Restore(std::move(profiles)); }
-  // As configured, for status; before the first DoWork.
+  // The configured types, for status. Call before the first DoWork.
   void SetSourceTypes(std::vector<std::string> types) { stats_.SetSourceTypes(std::move(types)); }
-  // After the last cycle: the settings, if a change of them found the mailbox full; else null.
+  // Call after the last cycle. Returns the settings if a change of them found the mailbox full,
+  // else null.
   std::unique_ptr<std::vector<Profile>> PopUnsaved();
 
   int DoWork() override;
@@ -60,7 +62,7 @@ class Pipeline final : public Worker, public source::Receiver {
   // One frame or body of a batch.
   struct Item {
     const source::SourceFrame* frame = nullptr;
-    Performer* performer = nullptr;  // null: not there yet, or a body
+    Performer* performer = nullptr;  // null: unknown yet, or a body
   };
 
   int DoCommands();
@@ -75,7 +77,8 @@ class Pipeline final : public Worker, public source::Receiver {
   void StyleAccepted(runtime::HotSection& hot);
   STYLED_REALTIME void AwaitNext(Performer& performer, std::int64_t before_ns) noexcept;
   void PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot);
-  // Whether the frame's session, sequence and body are the performer's next; counts if not.
+  // Whether the frame's session, sequence and body are valid for the performer; counts the refusal
+  // if not.
   STYLED_REALTIME bool Admit(Performer& performer, const Item& item) noexcept;
   STYLED_REALTIME void StartSession(Performer& performer) noexcept;
   STYLED_REALTIME void Recount(Performer& performer) noexcept;
@@ -91,16 +94,16 @@ class Pipeline final : public Worker, public source::Receiver {
   Roster roster_;
   Commands commands_;
   SessionRules rules_;
-  std::int64_t receive_ns_ = 0, wall_ns_ = 0;  // of the batch at hand, or the last
+  std::int64_t receive_ns_ = 0, wall_ns_ = 0;  // of the current batch, or the last
   std::array<Item, source::kBatch> items_;
-  // Frames of the batch that are to be styled together, each of another performer.
+  // Frames of the batch that will be styled together, each of another performer.
   std::array<Performer*, stylist::Stylist::kTogether> accepted_{};
   std::size_t accepted_count_ = 0;
   Stages stages_;
   Stats stats_;
   EventLog log_;
   publish::SubscriptionEvent subscription_;
-  int busy_cycles_ = 0;  // since the last look at silence
+  int busy_cycles_ = 0;  // since silence was last checked
 };
 
 }  // namespace styled::pipeline

@@ -13,24 +13,24 @@
 
 namespace styled::pipeline {
 
-// How a thread waits for what is next.
+// How a thread waits for the next frame.
 enum class Wait : std::uint8_t {
-  kBlock,   // asleep
-  kHybrid,  // asleep, but awake while a frame is expected
-  kBusy,    // awake: takes a core for itself
+  kBlock,   // sleeps
+  kHybrid,  // sleeps, but polls while a frame is expected
+  kBusy,    // polls: occupies a core
 };
 
-// The thread of the pipeline: waits for transports, subscribers, commands or the next deadline, and
+// Runs the pipeline's thread: waits for transports, subscribers, commands or the next deadline, and
 // calls DoWork until there is nothing to do. Run() returns after Stop().
 class PipelineThread {
  public:
-  // `wake` is one of the descriptors waited for, cleared when it fires; so are `fds`.
+  // The thread waits for `wake` and `fds`; `wake` is cleared when it fires.
   PipelineThread(Worker& worker, std::span<const int> fds, runtime::Wakeup& wake,
                  const runtime::Clock& clock, Wait wait);
   void Run();
   void Stop();  // any thread
-  // Turns of the loop so far: whoever wakes the thread and sees no more of them knows that it
-  // hangs. Any thread.
+  // Number of turns of the loop so far. If it does not change after a wake-up, the thread hangs.
+  // Any thread.
   std::uint64_t turns() const { return turns_.load(std::memory_order_relaxed); }
 
  private:

@@ -9,8 +9,8 @@
 
 namespace styled::pipeline {
 
-// How a performer stands, and whether he has stood still: the last pose received, and some of the
-// last third of a second. What a calibration is made from. Sized once; pipeline thread.
+// The performer's last pose and some poses of the last third of a second, which show whether the
+// performer stood still. Input of a calibration. Sized once; pipeline thread.
 class PoseHistory {
  public:
   explicit PoseHistory(const rig::Skeleton& skeleton) : pose_(skeleton) { kept_.fill(pose_); }
@@ -28,7 +28,7 @@ class PoseHistory {
   const rig::RigPose& pose() const { return pose_; }
   std::int64_t last_ns() const { return last_ns_; }
 
-  // The joint that turned most over what is remembered, and by how much.
+  // The joint that turned most within the history, and by how much.
   struct Motion {
     std::size_t joint = 0;
     float radians = 0;

@@ -12,12 +12,12 @@
 
 namespace styled::pipeline {
 
-// One [[output]], read. Immutable and shared by performers.
+// One [[output]] with its avatar. Immutable and shared by performers.
 struct RetargetOutput {
   std::string name;
   std::vector<std::string> performers;  // ids; empty = all
   clip::AvatarSkeleton skeleton;
-  v1::Body body;  // without a performer; in the axes and units of the file
+  v1::Body body;  // without a performer's name; in the axes and units of the file
 
   bool IsFor(std::string_view performer) const;
 };

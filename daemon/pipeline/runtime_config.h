@@ -15,8 +15,8 @@
 
 namespace styled::pipeline {
 
-// What a reload may change: the configuration together with what its files hold. The supervisor
-// makes one, whole; it is immutable and shared with the pipeline thread.
+// Everything that a reload may change: the configuration and the content of its files. The
+// supervisor makes it; it is immutable and shared with the pipeline thread.
 struct RuntimeConfig {
   std::shared_ptr<const net::Stylizer> network;
   std::string weights_name;  // file name, for status
@@ -25,15 +25,15 @@ struct RuntimeConfig {
   std::vector<config::Preset> presets;
   std::vector<Cue> cues;
   stylist::Options stylist;
-  std::vector<rig::JointNames> joints;                         // by hand, per source
+  std::vector<rig::JointNames> joints;  // joint names set by hand, per source
   std::vector<std::shared_ptr<const RetargetOutput>> outputs;  // as the [[output]] tables
 };
 
-// Reads the weights and the avatars that `config` names and checks presets, cues and the initial
+// Reads the weights and the avatars that `config` names, and checks presets, cues and the initial
 // style against the weights. Errors name the key or the file and what was expected. `running`, or
-// null: parts of it are shared where nothing about them changed, so that performers need not start
-// anew; its weights where the file still has the CRC-32C `weights_crc`, which is updated. Blocks
-// and allocates; start-up and reload only.
+// null: unchanged parts of it are shared, so that performers need not restart; its weights are
+// shared if the file still has the CRC-32C `weights_crc`, which is updated. Blocks and allocates;
+// start-up and reload only.
 Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Config& config,
                                                                const RuntimeConfig* running,
                                                                std::uint32_t& weights_crc);

@@ -8,48 +8,51 @@
 
 namespace styled::pipeline {
 
-// A sender that begins anew while it goes on sending adds this to its session's id and is taken at
-// once; any other id is another sender's.
+// A sender that restarts its stream while it keeps sending adds this to its session's id, and is
+// accepted at once. Any other id is treated as another sender's.
 inline constexpr std::uint64_t kSessionStep = 2;
 
 struct SessionRules {
-  std::int64_t takeover_ns = 100'000'000;      // silence after which another sender may be the
-                                               // performer, or the same one count from anywhere
-  std::int64_t clock_back_ns = 1'000'000'000;  // of the sender's clock; less is an old frame
+  // Silence after which another sender may become the performer, or the same one may continue from
+  // any sequence number.
+  std::int64_t takeover_ns = 100'000'000;
+  // Of the sender's clock; a smaller step back is an old frame.
+  std::int64_t clock_back_ns = 1'000'000'000;
 };
 
-// Whose datagrams are the performer's, and which of them are next: machine, session id, sequence,
-// source time. Knows no bytes and no clock; one per performer, pipeline thread. Allocates nothing.
+// Decides which datagrams belong to a performer and which of them are next, by machine, session id,
+// sequence and source time. It reads no bytes and no clock. One per performer, pipeline thread.
+// Allocates nothing.
 //
-// Nobody can be silenced for good by one datagram: a session id counts only from the machine that
-// began the session, and a sequence number far from the last one changes nothing while the
-// performer's own go on. Where they do not (the sender restarted under the same id, or its counter
-// jumped), a few in a row after a silence are taken for the new count.
-// Pinned by tests/unit/daemon/session_test.cpp.
+// No single datagram can silence a performer for good. A session id counts only from the machine
+// that began the session. A sequence number far from the last one changes nothing while the
+// performer's own numbers continue. If they do not (the sender restarted under the same id, or its
+// counter jumped), a few consecutive numbers after a silence are accepted as the new count. Pinned
+// by tests/unit/daemon/session_test.cpp.
 class Session {
  public:
-  // Datagrams that the newest may be ahead of the one before it while the performer sends: 8.5 s of
-  // 120 Hz. What was lost in a silence may be more.
+  // The largest step of the sequence while the performer sends: 8.5 s at 120 Hz. After a silence
+  // the step may be larger.
   static constexpr std::uint64_t kFarAhead = 1024;
-  // In a row, each a little after the one before, that make a new count.
+  // Number of consecutive datagrams, each a little after the one before, that start a new count.
   static constexpr int kConsistent = 5;
 
   enum class Arrival : std::uint8_t {
     kNext,
-    kNewSession,    // the sender restarted, or another took over after silence: state starts anew
+    kNewSession,    // the sender restarted, or another took over after silence: reset the state
     kDuplicate,     // sequence seen before
     kReordered,     // older than the newest, and not seen before (or too old to tell)
-    kRecounted,     // the same sender counts from elsewhere after silence: state starts anew
-    kSecondSender,  // another session or machine while this one is alive: nothing changes
+    kRecounted,     // the same sender continues from another number after silence: reset the state
+    kSecondSender,  // another session or machine while this one is live: nothing changes
     kFarAhead,      // sequence implausibly far ahead of the newest: nothing changes
   };
-  // Judges a datagram of any kind and takes note of it. `machine`: the sender's; all zeros where
-  // the transport vouches for the sender itself.
+  // Judges a datagram of any kind and updates the state. `machine`: the sender's; all zeros if the
+  // transport itself distinguishes its senders.
   STYLED_REALTIME Arrival Admit(const source::Machine& machine, std::uint64_t session,
                                 std::uint64_t sequence, std::int64_t now_ns,
                                 const SessionRules& rules) noexcept;
 
-  // Whether Admit may find the datagram new; takes no note of it.
+  // Whether Admit might accept the datagram; changes nothing.
   STYLED_REALTIME bool Plausible(const source::Machine& machine, std::uint64_t session,
                                  std::uint64_t sequence, std::int64_t now_ns,
                                  const SessionRules& rules) const noexcept;
@@ -57,32 +60,32 @@ class Session {
   enum class Time : std::uint8_t {
     kNext,
     kOld,   // not after the last frame's
-    kJump,  // the clock went back by more than clock_back_ns, or ahead by more than an hour
+    kJump,  // the clock went back by more than clock_back_ns, or forward by more than an hour
   };
-  // Judges a frame's source time; after kJump the clock counts anew from this frame.
+  // Judges a frame's source time. After kJump, time is counted from this frame.
   STYLED_REALTIME Time AdmitTime(std::uint64_t source_time_ns, const SessionRules& rules) noexcept;
 
-  // Source time since the session's first frame (or the last jump of its clock), of the last frame
-  // admitted.
+  // Source time of the last admitted frame since the session's first frame, or since the last jump
+  // of its clock.
   std::int64_t elapsed_ns() const {
     return static_cast<std::int64_t>(last_time_ns_ - first_time_ns_);
   }
-  // Sequence numbers skipped, of all sessions; no more than kFarAhead at once and, in the long run,
-  // four for each that came or what the sender's rate makes of a silence: a counter that leaps
-  // loses nothing.
+  // Sequence numbers skipped, over all sessions. Limited to kFarAhead at once and, in the long run,
+  // to four per arrived datagram or what the sender's rate explains by a silence, so that a counter
+  // that jumps is not counted as loss.
   std::uint64_t lost() const { return lost_; }
-  // Of the last datagram that was kNext or kNewSession.
+  // Arrival of the last datagram that was kNext or kNewSession.
   std::int64_t last_arrival_ns() const { return last_arrival_ns_; }
 
  private:
   STYLED_REALTIME void Start(const source::Machine& machine, std::uint64_t session,
                              std::uint64_t sequence, std::int64_t now_ns) noexcept;
-  // Another sender is let in after `takeover_ns` of silence; one of another machine after three
-  // intervals of a slower sender.
+  // Silence after which another sender is admitted: `takeover_ns`, or, for a sender on another
+  // machine, three intervals of a slower sender.
   STYLED_REALTIME std::int64_t Patience_ns(const source::Machine& machine,
                                            const SessionRules& rules) const noexcept;
   STYLED_REALTIME void NoteArrival(std::uint64_t skipped, std::int64_t now_ns) noexcept;
-  // Whether datagrams that fit nowhere have become a count of their own.
+  // Whether datagrams that do not fit have formed a new count.
   STYLED_REALTIME bool Recount(std::uint64_t sequence, bool silent) noexcept;
 
   bool live_ = false, timed_ = false;
@@ -91,9 +94,9 @@ class Session {
   std::uint64_t newest_ = 0;  // sequence
   std::uint64_t seen_ = 0;    // bit i: newest_ - i has arrived
   std::uint64_t stray_ = 0;   // sequence of the last datagram that did not fit
-  int strays_ = 0;            // in a row
+  int strays_ = 0;            // number of those in a row
   std::uint64_t first_time_ns_ = 0, last_time_ns_ = 0;
-  std::uint64_t lost_ = 0, losable_ = kFarAhead;  // losable_: may still be counted as lost
+  std::uint64_t lost_ = 0, losable_ = kFarAhead;  // losable_: how many may still be counted as lost
   std::int64_t last_arrival_ns_ = 0;
   std::array<std::int64_t, 2> intervals_ns_{};  // between the last arrivals
 };

@@ -10,25 +10,25 @@
 
 namespace styled::pipeline {
 
-// Where a frame's time goes between the arrival of its datagram and the last zmq_send, summed over
-// a second. One thread.
+// Measures where a frame's time is spent between the arrival of its datagram and the last zmq_send,
+// summed over a second. One thread.
 class Stages {
  public:
   enum Stage : std::uint8_t { kTake, kStyle, kSerialize, kSend, kCount };
 
-  // A stretch that went to one stage; of kTake nothing may be known but the whole batch's.
+  // Adds a time spent in one stage. For kTake only the time of a whole batch may be known.
   STYLED_REALTIME void Add(Stage stage, std::int64_t ns) noexcept {
     Sum& sum = sums_[stage];
     sum.ns += ns;
     sum.longest_ns = std::max(sum.longest_ns, ns);
   }
   STYLED_REALTIME void AddFrames(std::size_t count) noexcept { frames_ += count; }
-  // What went to the stages but kTake so far; a batch's difference is not kTake's.
+  // Time spent in all stages but kTake so far. The difference over a batch is not kTake's.
   STYLED_REALTIME std::int64_t Elsewhere_ns() const noexcept {
     return sums_[kStyle].ns + sums_[kSerialize].ns + sums_[kSend].ns;
   }
 
-  // Once a second: what Describe tells from now on.
+  // Call once a second: fixes the values for Describe.
   void Sample() noexcept {
     sampled_ = sums_;
     sampled_frames_ = frames_;

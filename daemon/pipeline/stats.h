@@ -16,26 +16,26 @@
 
 namespace styled::pipeline {
 
-// The daemon's account of itself: topic "stats/" once a second, and StatusReply. Pipeline thread;
-// allocates but in NoteCycle.
+// The daemon's statistics: topic "stats/" once a second, and StatusReply. Pipeline thread;
+// allocates except in NoteCycle.
 class Stats {
  public:
   using Transports = std::vector<std::unique_ptr<source::Transport>>;
 
-  // All outlive it.
+  // All arguments must outlive it.
   Stats(const Dependencies& dependencies, const Roster& roster, const Transports& transports,
         Stages& stages, publish::Subscriptions& subscriptions);
   Stats(const Stats&) = delete;  // its topic is registered
   Stats& operator=(const Stats&) = delete;
 
-  // As configured, by source; before the first request.
+  // The configured types, by source. Call before the first request.
   void SetSourceTypes(std::vector<std::string> types) { source_types_ = std::move(types); }
-  // A cycle of the pipeline that did something took so long.
+  // Call after a cycle of the pipeline that did something; it took `cycle_ns`.
   void NoteCycle(std::int64_t cycle_ns) noexcept;
 
   void Fill(v1::StatusReply& status) const;
   std::int64_t due_ns() const { return due_ns_; }
-  // Begins the next second, and publishes the last one's statistics where somebody subscribes.
+  // Begins the next second, and publishes the last one's statistics if a client subscribes.
   void Publish();
 
  private:

@@ -4,15 +4,15 @@
 
 namespace styled::pipeline {
 
-// What a PipelineThread turns over: the pipeline, or what a bench puts in its place.
+// The work of a PipelineThread: the pipeline, or a benchmark's replacement.
 class Worker {
  public:
   virtual ~Worker() = default;
-  // How much was done; 0: nothing to do before NextDeadline_ns(), unless something arrives.
+  // Returns how much was done; 0: nothing to do before NextDeadline_ns(), unless something arrives.
   // Bounded, never blocks.
   virtual int DoWork() = 0;
   virtual std::int64_t NextDeadline_ns() const = 0;
-  // A frame is about to arrive: who waits in hybrid mode polls.
+  // Whether a frame is about to arrive, so that a thread in hybrid mode polls.
   virtual bool Expects(std::int64_t now_ns) const = 0;
 };
 

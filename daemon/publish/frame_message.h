@@ -18,7 +18,7 @@
 
 namespace styled::publish {
 
-// What the frames of one pose have in common on all topics.
+// The part of the frames of one pose that is the same on all topics.
 struct FrameHeader {
   std::uint64_t sequence = 0, source_sequence = 0;
   std::uint64_t source_time_ns = 0;
@@ -28,12 +28,12 @@ struct FrameHeader {
   std::uint32_t contacts = 0;
 };
 
-// One topic's `Frame` of one performer, made once and refilled for each pose. Construction
-// allocates all that later frames need; the rest does not. Pipeline thread only.
+// One topic's `Frame` of one performer, made once and refilled for each pose. Only construction
+// allocates. Pipeline thread only.
 class FrameMessage {
  public:
-  // `body`: with its hash; `rig_joints`: how many joints may be held. `styles` are the network's,
-  // by index, and outlive the message.
+  // `body` must have its hash; `rig_joints`: the most joints that can be held. `styles` are the
+  // network's, by index, and must outlive the message.
   FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
                int rig_joints, const net::Styles& styles);
 
@@ -42,8 +42,8 @@ class FrameMessage {
   STYLED_REALTIME void AddHeld(int joint) noexcept;
   STYLED_REALTIME void SetPose(const rig::Vec3& root_position,
                                std::span<const rig::Quat> rotations) noexcept;
-  // With `face` behind it: fields 18 and 19 as they were received (source::SourceFrame), at most
-  // kMaxFace bytes. Valid until the next call.
+  // Serializes the frame, followed by `face`: fields 18 and 19 as received (source::SourceFrame),
+  // at most kMaxFace bytes. Valid until the next call.
   STYLED_REALTIME std::span<const std::byte> Serialize(std::span<const std::byte> face) noexcept;
 
  private:

@@ -18,7 +18,7 @@ struct SubscriptionEvent {
   std::string topic;
 };
 
-// Where frames leave: two parts, topic and payload. Pipeline thread only.
+// Publishes messages of two parts, topic and payload. Pipeline thread only.
 class Publisher {
  public:
   virtual ~Publisher() = default;
@@ -26,13 +26,14 @@ class Publisher {
   virtual void Send(std::string_view topic, std::span<const std::byte> payload) noexcept = 0;
   // The next change of subscriptions; false when there is none.
   virtual bool NextSubscription(SubscriptionEvent& event) = 0;
-  // Edge-triggered: call NextSubscription until it says false before waiting on it. -1: none.
+  // Edge-triggered: call NextSubscription until it returns false before waiting on it. -1: none.
   virtual int fd() const = 0;
 };
 
-// Opens the XPUB socket. `context` is the process' ZeroMQ context. Subscribers that do not read
-// lose frames at their queue (high_water_mark); nobody else notices. `keeper`: lets in those with
-// keys alone; null: everybody who can reach the address. `endpoint` receives the address bound.
+// Opens the XPUB socket. `context` is the process' ZeroMQ context. A subscriber that does not read
+// loses frames at its own queue (high_water_mark), without effect on others. `keeper` admits only
+// clients with keys; null admits everybody who can reach the address. `endpoint` receives the bound
+// address.
 Result<std::unique_ptr<Publisher>> MakeZmqPublisher(void* context, const config::Publish& config,
                                                     runtime::Counters& counters,
                                                     std::string& endpoint,

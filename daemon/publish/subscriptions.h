@@ -10,18 +10,19 @@
 
 namespace styled::publish {
 
-// A topic that something could be published on. `wanted` counts the distinct subscriptions that
-// match it: nothing is serialized while it is 0. `asked` is set by each matching subscription, a
-// repeated one too, and cleared by whoever answers it with the body.
+// A topic that can be published on. `wanted` is the number of distinct subscriptions that match it;
+// while it is 0 nothing is serialized. Each matching subscription, even a repeated one, sets
+// `asked`; the code that answers with the body clears it.
 struct Topic {
   std::string name;  // ends in "/"
   int wanted = 0;
   bool asked = false;
 };
 
-// Which topics are subscribed to, as ZeroMQ matches: a subscription is a prefix. Bounded: at most
-// `max_subscriptions` distinct ones, and none that cannot match what we publish. (libzmq keeps its
-// own, unbounded; this bounds our work and memory.) Pipeline thread only; allocates.
+// The active subscriptions, matched as ZeroMQ does: a subscription is a prefix. Bounded: at most
+// `max_subscriptions` distinct ones, and none that cannot match a published topic. (libzmq keeps an
+// unbounded set of its own; this bounds the daemon's work and memory.) Pipeline thread only;
+// allocates.
 class Subscriptions {
  public:
   Subscriptions(int max_subscriptions, runtime::Counters& counters)
@@ -31,7 +32,8 @@ class Subscriptions {
   void Register(Topic& topic);
   void Unregister(Topic& topic);
 
-  // XPUB_VERBOSE reports every subscription, but of a topic's unsubscriptions only the last.
+  // With XPUB_VERBOSE, libzmq reports every subscription, but only the last unsubscription of a
+  // topic.
   void Subscribe(std::string_view prefix);
   void Unsubscribe(std::string_view prefix);
 

@@ -37,8 +37,8 @@ struct LookParts {};  // of the body, as body::FindParts reads them; initially a
 
 struct LookField {
   std::string_view name;    // as in look.proto; the key in TOML and JSON
-  std::string_view word;    // of an option and in an OSC address: without the unit
-  std::string_view former;  // an earlier spelling that is still read as key and word; "" = none
+  std::string_view word;    // name of an option and in an OSC address: without the unit
+  std::string_view former;  // a former name that is still read as key and word; "" = none
   std::string_view help;
   std::variant<LookNumber, LookFlag, LookName, LookMix, LookParts> kind;
 };
@@ -63,23 +63,24 @@ inline constexpr std::array<LookField, 7> kLookFields{{
               [](v1::Look& look, const std::string& name) { look.set_preset(name); }}},
 }};
 
-// The field of this name, word or former spelling, or null.
+// The field with this name, word or former name, or null.
 const LookField* FindLookField(std::string_view name) noexcept;
 
-// v1::BodyPart and model/body/parts.h: the same parts in the same order, from 1, and 0 for all.
+// v1::BodyPart and model/body/parts.h list the same parts in the same order, from 1; 0 means all.
 body::Parts PartsOf(const v1::Look& look);
 void SetParts(body::Parts parts, v1::Look& look);
 
-// Every field at its initial value: the look of a performer that nobody has configured.
+// Every field at its initial value: the look of a performer without settings of its own.
 v1::Look InitialLook();
 bool Equal(const v1::Look& a, const v1::Look& b);
 // Whether a change names no field, `clear` included.
 bool IsEmpty(const v1::Look& change);
-// Applies a change, which has passed CheckLook, to a whole look. Of `preset` this copies the name:
-// the caller puts the preset's mix into the change. A mix without it ends the look's preset.
+// Applies a change, which must have passed CheckLook, to a complete look. Of `preset` only the name
+// is copied: the caller puts the preset's mix into the change. A mix without a preset clears the
+// look's preset.
 void Apply(const v1::Look& change, v1::Look& look);
-// Which field of a change is out of range, and what was expected; "" where none is. Names of styles
-// and presets are not looked up, and weights are not summed.
+// Names the field of a change that is out of range, and what was expected; "" if there is none.
+// Names of styles and presets are not looked up, and weights are not summed.
 std::string CheckLook(const v1::Look& change);
 
 }  // namespace styled

@@ -4,7 +4,7 @@
 
 namespace styled {
 
-// SMPTE timecode as a rig gives it (message Timecode of frame.proto).
+// SMPTE timecode as the rig sends it (message Timecode of frame.proto).
 struct Timecode {
   std::uint32_t hours = 0, minutes = 0, seconds = 0, frames = 0;
   float rate = 0;           // frames per second; 0: unknown; 1000: `frames` are milliseconds

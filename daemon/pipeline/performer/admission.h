@@ -12,49 +12,50 @@
 
 namespace styled::pipeline {
 
-// Which datagrams of a performer count: whose they are and which is next (session), how late they
-// are (schedule), how often the body may change, when the performer is stale, and what was refused.
-// One per performer, pipeline thread; allocates nothing but in Describe. Times are of the daemon's
+// Decides which datagrams of a performer count. Holds their session and order, their lateness
+// (schedule), the limit of body changes, the silence after which the performer is stale, and the
+// refusals. One per performer, pipeline thread; only Describe allocates. Times are on the daemon's
 // monotonic clock. Pinned by tests/unit/daemon/admission_test.cpp.
 class Admission {
  public:
   Session session;
   runtime::Schedule schedule;
   Anticipation anticipation;
-  bool session_has_body = false;  // this session sent its body
-  bool sends_frames = false;      // of its body; calibrated or not
+  bool session_has_body = false;  // this session has sent its body
+  bool sends_frames = false;      // frames of its body arrive, calibrated or not
 
-  // The next datagrams are a new session's.
+  // Call when subsequent datagrams belong to a new session.
   STYLED_REALTIME void StartSession() noexcept {
     session_has_body = false;
     schedule = runtime::Schedule();
   }
 
-  // Whether one more change of the body may be made now: kBodyChanges at once and one in
-  // kBodyChange_ns, because each makes everything anew that depends on it.
+  // Whether one more change of the body is allowed now: kBodyChanges at once, then one per
+  // kBodyChange_ns, because each change rebuilds everything that depends on the body.
   bool MayChangeBody(std::int64_t now_ns) noexcept;
 
-  // A frame that arrived at `now_ns` was accepted and leaves: the performer is live.
+  // Call when a frame that arrived at `now_ns` was accepted: the performer is live.
   STYLED_REALTIME void MarkLive(std::int64_t now_ns) noexcept;
   STYLED_REALTIME void MarkStale() noexcept { live_ = false; }
   bool live() const { return live_; }
   std::int64_t last_frame_ns() const { return last_frame_ns_; }  // of the last accepted frame
   std::uint64_t received() const { return received_; }           // frames accepted
-  // Silence after which the performer is stale: `stale_ns`, or three periods of a slower rig.
+  // Silence after which the performer is stale: `stale_ns`, or three periods of a slower rig, at
+  // most 10 s.
   STYLED_REALTIME std::int64_t Patience_ns(std::int64_t stale_ns) const noexcept;
 
-  // A datagram of this performer changed nothing, and is counted as `why`.
+  // Call when a datagram of this performer changed nothing and was counted as `why`.
   STYLED_REALTIME void MarkRefused(runtime::Counter why) noexcept {
     ++refused_;
     refused_as_ = why;
   }
 
-  // Once a second: `frames` left since the last call. Rate and refusals are of that second.
+  // Call once a second with the `frames` sent since the last call. Updates rate and refusals.
   void Sample(std::uint64_t frames) noexcept;
   void Describe(v1::PerformerStats& stats) const;
 
  private:
-  static constexpr int kBodyChanges = 8;  // for a rig that finds its bones one by one
+  static constexpr int kBodyChanges = 8;  // for a rig that detects its bones one by one
   static constexpr std::int64_t kBodyChange_ns = 500'000'000;
 
   int body_changes_left_ = kBodyChanges;
@@ -63,8 +64,8 @@ class Admission {
   std::uint64_t received_ = 0;
   std::int64_t last_frame_ns_ = 0;
   std::array<std::int64_t, 2> intervals_ns_{};  // between the last frames
-  std::int64_t since_ns_ = 0;                   // the last frame that the rate counts
-  bool fresh_ = true;                           // that one was the first after a silence
+  std::int64_t since_ns_ = 0;                   // the last frame counted in the rate
+  bool fresh_ = true;                           // that frame was the first after a silence
   float rate_hz_ = 0;
   std::uint64_t refused_ = 0, refused_at_sample_ = 0;
   runtime::Counter refused_as_ = runtime::Counter::kCount;

@@ -16,32 +16,31 @@
 
 namespace styled::pipeline {
 
-// A performer's body: the message of the rig, its binding to the canonical humanoid where the rest
-// pose is known, and the poses that came on it. One per performer, pipeline thread. Everything but
-// Receive allocates. Pinned by tests/unit/daemon/pipeline_test.cpp and
-// tests/e2e/calibrate_test.cpp.
+// A performer's body: the rig's message, its binding to the canonical humanoid if the rest pose is
+// known, and its received poses. One per performer, pipeline thread. Everything but Receive
+// allocates. Pinned by tests/unit/daemon/pipeline_test.cpp and tests/e2e/calibrate_test.cpp.
 class PerformerBinding {
  public:
-  // Takes over a new body and binds it. An error changes nothing, except where no body was bound
-  // and the joints at least are known: then the performer waits() for a calibration. `names`: the
-  // source's joints by hand.
+  // Takes over a new body and binds it. After an error nothing changes, except if no body was bound
+  // and at least the joints are recognized: then the performer waits() for a calibration. `names`:
+  // the source's joint names set by hand.
   Status Accept(const source::SourceFrame& body, const Profile& profile,
                 const rig::JointNames& names);
-  // What control.proto says of Calibrate, for rigs that have a skeleton: writes profile.rest and
-  // binds anew. Any code but CODE_OK changes nothing and gives the reply a reason.
+  // Executes Calibrate (control.proto) for rigs with a skeleton: writes profile.rest and binds
+  // anew. With any code but CODE_OK nothing changes, and the reply gets a reason.
   v1::Code Calibrate(const v1::Calibrate& request, Profile& profile, const rig::JointNames& names,
                      std::int64_t now_ns, v1::Reply& reply);
 
   bool has_body() const { return history_ != nullptr; }
   bool waits() const { return has_body() && !bound_; }
   bool bound() const { return bound_.has_value(); }
-  const BoundBody& body() const { return *bound_; }  // where bound()
+  const BoundBody& body() const { return *bound_; }  // requires bound()
   const v1::Body& given() const { return given_; }
   std::uint32_t crc() const { return crc_; }
 
-  // Copies a frame's pose and remembers it. False where it has another joint count than the body.
+  // Copies and remembers a frame's pose. Returns false if its joint count differs from the body's.
   STYLED_REALTIME bool Receive(const source::SourceFrame& frame, std::int64_t receive_ns) noexcept;
-  // The last pose received, as it came; may be swapped with another of the skeleton's size.
+  // The last pose as received; may be swapped with another pose of the same skeleton.
   rig::RigPose& received() noexcept { return received_; }
 
  private:
@@ -49,7 +48,7 @@ class PerformerBinding {
   v1::Code Forget(Profile& profile, const rig::JointNames& names, v1::Reply& reply);
 
   v1::Body given_;                        // as the rig sent it
-  std::unique_ptr<PoseHistory> history_;  // of its skeleton
+  std::unique_ptr<PoseHistory> history_;  // of given_'s skeleton
   rig::RigPose received_;
   std::optional<BoundBody> bound_;
   std::uint32_t crc_ = 0;

@@ -23,41 +23,41 @@
 
 namespace styled::pipeline {
 
-// What leaves of one performer: a topic each for the rig's skeleton, the canonical humanoid, the
-// source and the bodies, and one for each RetargetOutput; serialized only while somebody
-// subscribes. Also the latency from receive to send. Pipeline thread; Bind, SendBodies and Describe
-// allocate.
+// The published output of one performer: a topic each for the rig's skeleton, the canonical
+// humanoid, the source and the bodies, and one for each RetargetOutput. A topic is serialized only
+// while a client subscribes. Also measures the latency from receive to send. Pipeline thread; Bind,
+// SendBodies and Describe allocate.
 class Outputs {
  public:
-  // `id`: the performer's; `subscriptions` and `counters` outlive it.
+  // `id`: the performer's; `subscriptions` and `counters` must outlive it.
   Outputs(const std::string& id, std::uint64_t epoch, publish::Subscriptions& subscriptions,
           runtime::Counters& counters);
   ~Outputs();
   Outputs(const Outputs&) = delete;
   Outputs& operator=(const Outputs&) = delete;
 
-  // Messages and retarget streams for a body (`given`: the rig's message) and a configuration;
-  // what was serialized of the last one is dropped.
+  // Makes messages and retarget streams for a body (`given`: the rig's message) and a
+  // configuration. Drops what was serialized for the last body.
   void Bind(const BoundBody& body, const v1::Body& given, const RuntimeConfig& config);
 
-  // Retargets a styled frame; true where a retarget output fell back to the performer's own motion.
+  // Retargets a styled frame. Returns true if a retarget output fell back to the performer's own
+  // motion.
   STYLED_REALTIME bool Retarget(std::int64_t elapsed_ns, const stylist::Output& out) noexcept;
-  // Serializes a frame for the topics that are wanted. `face`: as received, at most
-  // kMaxFace bytes.
+  // Serializes a frame for the subscribed topics. `face`: as received, at most kMaxFace bytes.
   STYLED_REALTIME void Serialize(const publish::FrameHeader& header, std::uint32_t flags,
                                  const Styling& styling, std::span<const std::byte> face) noexcept;
-  // Sends what Serialize left. `measure_from_ns`: when the frame was received, for the latency;
-  // nothing: a repetition, which is not counted.
+  // Sends what Serialize prepared. `measure_from_ns`: when the frame was received, for the latency;
+  // empty for a repetition, which is not measured.
   void Send(publish::Publisher& publisher, std::int64_t now_ns,
             std::optional<std::int64_t> measure_from_ns);
   std::int64_t last_send_ns() const { return last_send_ns_; }
 
-  // Whether a new subscriber waits for the bodies; SendBodies answers all of them.
+  // Whether a new subscriber waits for the bodies; SendBodies serves all of them.
   bool Asked() const;
   void SendBodies(publish::Publisher& publisher);
 
-  // Once a second: the frames sent since the last call. Where `keep` is set and there were none the
-  // latencies stay: a slow rig's.
+  // Call once a second; returns the frames sent since the last call. If `keep` is set and there
+  // were none, the latencies stay as they are, for slow rigs.
   std::uint64_t Sample(bool keep) noexcept;
   void Describe(v1::PerformerStats& stats) const;
 
@@ -70,12 +70,12 @@ class Outputs {
   publish::Subscriptions& subscriptions_;
   runtime::Counters& counters_;
   std::array<publish::Topic, kTopicCount> topics_;
-  // Of the body, while one is bound.
+  // These depend on the bound body; empty before.
   std::shared_ptr<const net::Stylizer> network_;  // the messages refer to its style names
   std::string rig_bytes_, canonical_bytes_;       // v1.Body messages
   std::array<std::optional<publish::FrameMessage>, kFrameTopics> messages_;
   std::vector<std::unique_ptr<RetargetStream>> streams_;
-  std::array<std::span<const std::byte>, kFrameTopics> ready_;  // empty: not wanted
+  std::array<std::span<const std::byte>, kFrameTopics> ready_;  // empty: not subscribed
   std::int64_t last_send_ns_ = 0;
   std::uint64_t published_ = 0, published_at_sample_ = 0;
   runtime::Histogram latency_;

@@ -19,7 +19,7 @@ namespace styled::pipeline {
 // construction allocates.
 class RetargetStream {
  public:
-  // `subscriptions` outlives it; the topic is registered while it lives.
+  // `subscriptions` must outlive it; the topic is registered during its lifetime.
   RetargetStream(std::shared_ptr<const RetargetOutput> output, const BoundBody& body,
                  const std::string& id, std::uint64_t epoch, const RuntimeConfig& config,
                  publish::Subscriptions& subscriptions);
@@ -27,14 +27,14 @@ class RetargetStream {
   RetargetStream(const RetargetStream&) = delete;
   RetargetStream& operator=(const RetargetStream&) = delete;
 
-  // Retargets a frame; computed only while somebody subscribes, and the frame after a pause is a
-  // first one. `elapsed_ns` as the session's.
+  // Retargets a frame, but only while a client subscribes; the first frame after a pause starts
+  // anew. `elapsed_ns` is the session's.
   STYLED_REALTIME void Process(std::int64_t elapsed_ns, const stylist::Output& out) noexcept;
-  // The frame is the performer's own motion: the styled pose was invalid.
+  // The styled pose was invalid, so the frame is the performer's own motion.
   bool failed() const { return failed_; }
 
-  // Serializes the last frame, where there is one and somebody subscribes. `fill` writes header,
-  // flags and styles into the message.
+  // Serializes the last frame if there is one and a client subscribes. `fill` writes header, flags
+  // and styles into the message.
   template <typename Fill>
   STYLED_REALTIME void Serialize(std::span<const std::byte> face, Fill fill) noexcept {
     ready_ = {};
@@ -43,7 +43,7 @@ class RetargetStream {
     message_.SetPose(root_, rotations_);
     ready_ = message_.Serialize(face);
   }
-  // Serialized and not sent yet; empty: nothing.
+  // The serialized frame that is not sent yet, or empty.
   std::span<const std::byte> ready() const { return ready_; }
   STYLED_REALTIME void MarkSent() noexcept { ready_ = {}; }
   const std::string& body_bytes() const { return body_bytes_; }  // the v1.Body message

@@ -15,31 +15,31 @@
 
 namespace styled::pipeline {
 
-// The stylist of a performer on one body, its input and its last output. Made anew when the body
+// The stylist of a performer on one body, its input and its last output. Replaced when the body
 // changes. Pipeline thread; construction, Rebuild and ApplyLook allocate.
 class Styling {
  public:
-  // `counters` outlives it.
+  // `counters` must outlive it.
   Styling(const BoundBody& body, const RuntimeConfig& config, runtime::Counters& counters);
 
-  // A look from the next frame on, where the network has its styles; returns the names of those
-  // that it lacks.
+  // Applies a look from the next frame on, as far as the network has its styles; returns the names
+  // of those that it lacks.
   std::vector<std::string> ApplyLook(const v1::Look& look, const RuntimeConfig& config);
-  // New weights or options: a new stylist, with no look and no output yet.
+  // After new weights or options: makes a new stylist, without look and output.
   void Rebuild(const BoundBody& body, const RuntimeConfig& config);
-  // The recurrent state starts anew; the next frame's source time may be anything.
+  // Resets the recurrent state; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept { stylist_.Reset(); }
 
-  // Swaps the next pose in, mirrored where the binding is of the mirrored skeleton.
+  // Swaps the next pose in, and mirrors it if the binding is that of the mirrored skeleton.
   STYLED_REALTIME void SetInput(rig::RigPose& received) noexcept;
-  // The job of that pose, for Stylist::ProcessTogether. `elapsed_ns` as the session's.
+  // The job for that pose, for Stylist::ProcessTogether. `elapsed_ns` is the session's.
   STYLED_REALTIME stylist::Stylist::Job MakeJob(std::int64_t elapsed_ns) noexcept {
     return {&stylist_, elapsed_ns, &in_, &out_};
   }
-  // After the job: brings the poses into the rig's axes and counts steps and flags, among them the
-  // `extra` ones.
+  // Call after the job: transforms the poses into the rig's axes, and counts steps and flags,
+  // including `extra_flags`.
   STYLED_REALTIME void Finish(std::uint32_t extra_flags) noexcept;
-  // Brings what the next frame needs into the caches. Changes nothing.
+  // Brings the next frame's data into the caches. Changes nothing.
   STYLED_REALTIME void Prewarm() noexcept { rehearsal_.Prewarm(stylist_); }
 
   const rig::RigPose& in() const { return in_; }
