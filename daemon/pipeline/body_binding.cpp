@@ -54,7 +54,7 @@ Status FillSkeleton(const v1::Body& body, rig::Skeleton& skeleton) {
   return Status::Ok();
 }
 
-// The source axis (with its sign) nearest to a direction.
+// The signed source axis nearest to a direction.
 Vec3 NearestAxis(const Vec3& direction) {
   Eigen::Index axis = 0;
   direction.cwiseAbs().maxCoeff(&axis);
@@ -63,7 +63,7 @@ Vec3 NearestAxis(const Vec3& direction) {
   return nearest;
 }
 
-// Where the joints stand in the T-pose that the rests make, in source axes.
+// Positions of the joints in the T-pose of the rests, in source axes.
 std::vector<Vec3> RestPositions(const rig::BindingSpec& spec) {
   std::vector<Vec3> positions(spec.skeleton.offsets);
   for (std::size_t j = 1; j < positions.size(); ++j) {
@@ -73,7 +73,7 @@ std::vector<Vec3> RestPositions(const rig::BindingSpec& spec) {
   return positions;
 }
 
-// Which source axes are left, up and forward, seen at the T-pose that the rests make.
+// Finds which source axes are left, up and forward in the T-pose of the rests.
 Status FindAxes(rig::BindingSpec& spec) {
   const std::vector<Vec3> positions = RestPositions(spec);
   for (const int needed : {body::kLeftUpperArm, body::kRightUpperArm, body::kHead, body::kHips}) {

@@ -8,8 +8,8 @@
 namespace styled::pipeline {
 namespace {
 
-// Bytes of a name in a reason, which has to be valid UTF-8: clients cannot read the reply
-// otherwise.
+// Most bytes of a name that a reason quotes. The text must be valid UTF-8, or clients cannot parse
+// the reply.
 constexpr std::size_t kShown = 80;
 
 void Refuse(v1::Reply& reply, v1::Code code, std::string reason) {
@@ -52,7 +52,7 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
       return true;
     case v1::Request::kStatus:
       return false;
-    case v1::Request::kCalibrate:  // the pipeline's own
+    case v1::Request::kCalibrate:  // handled by the pipeline
     case v1::Request::COMMAND_NOT_SET:
       break;
   }
@@ -125,6 +125,7 @@ void Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
   const Targets targets = Find(performer, reply);
   if (!targets.ok) return;
   std::vector<std::pair<Profile*, v1::Look>> changed;
+  // Returns false if the change must not be applied; pinned profiles are skipped with "*".
   const auto add = [&](Profile& profile) {
     if (profile.pinned) {
       if (!targets.all) Refuse(reply, v1::CODE_PINNED, profile.id + " is pinned; unpin it first");
@@ -142,6 +143,7 @@ void Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
     changed.emplace_back(&profile, std::move(look));
     return true;
   };
+  // All checks come before any change, so that either all targets change or none.
   for (Profile* profile : targets.profiles) {
     if (add(*profile)) continue;
     if (!targets.all) roster_.DropUnused(*profile);
@@ -174,7 +176,7 @@ bool Commands::FillPreset(v1::Look& change, const std::string& what, v1::Reply& 
 
 void Commands::Change(const std::string& performer, v1::Look change, const std::string& what,
                       v1::Reply& reply) {
-  // As a whole look has it whose mix came from no preset.
+  // A complete look has an empty preset if its mix came from no preset; ignore it in a change.
   if (what == "set" && change.preset().empty()) change.clear_preset();
   const bool by_preset = change.has_preset();
   const int mixes = static_cast<int>(change.clear()) + static_cast<int>(change.mix_size() > 0) +
@@ -194,7 +196,7 @@ void Commands::Change(const std::string& performer, v1::Look change, const std::
   if (change.clear() && reply.code() == v1::CODE_OK) ForgetMisnamed(performer);
 }
 
-// Who was named by mistake, or never came, is not to be listed for ever.
+// Forgets a performer that was named by mistake or never arrived, so that it is not listed forever.
 void Commands::ForgetMisnamed(const std::string& id) {
   Profile* const profile = roster_.FindProfile(id);
   if (profile == nullptr || profile->seen || profile->pinned || profile->rest ||

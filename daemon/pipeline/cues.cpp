@@ -10,10 +10,10 @@
 namespace styled::pipeline {
 namespace {
 
-constexpr std::int64_t kSecond = 1000;  // in a label; more frames than any rate has
+constexpr std::int64_t kSecond = 1000;  // one second in a label; more frames than any rate has
 constexpr std::int64_t kWinding = 2 * kSecond;
 
-// The change that a cue makes: checked as for a performer with no settings of their own.
+// The change that a cue makes, checked as for a performer without settings of its own.
 Status MakeChange(const config::Cue& cue, const std::vector<config::Preset>& presets,
                   const net::Styles& styles, v1::Look& change) {
   change = cue.look;

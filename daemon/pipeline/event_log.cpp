@@ -19,7 +19,7 @@ void EventLog::LogOf(LogLimit::Kind kind, const source::Machine& sender,
 }
 
 void EventLog::Log(Event::Level level, std::string text) {
-  // It may quote what a stranger sent: no second line, no terminal's escape.
+  // The text may quote a remote sender: replace line breaks and terminal escapes.
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < ' ' || c == '\x7F') c = '?';
   }

@@ -1,4 +1,4 @@
-// The way of a frame through the pipeline: the hot half of pipeline.h.
+// A frame's path through the pipeline: the hot half of pipeline.h.
 #include <algorithm>
 
 #include "daemon/pipeline/pipeline.h"
@@ -21,13 +21,13 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   wall_ns_ = to_.clock.Wall_ns();
   to_.counters.Add(Counter::kSourceReceived, frames.size());
   const std::int64_t elsewhere_ns = stages_.Elsewhere_ns();
-  // 1 look at all, so that each performer's newest frame is known
+  // 1 Examine all frames, to find each performer's newest one.
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const bool is_body = frames[i].is_body;
     items_[i] = {&frames[i], is_body ? nullptr : roster_.Find(source, frames[i].performer)};
     NoteNewest(static_cast<int>(i));
   }
-  // 2 one after the other, to the subscribers; what is of different performers is styled together
+  // 2 Process them in order and send them. Frames of different performers are styled together.
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (frames[i].is_body) {
       StyleAccepted(hot);
@@ -46,13 +46,13 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
 void Pipeline::NoteNewest(int index) noexcept {
   const Item& item = items_[static_cast<std::size_t>(index)];
   if (item.performer == nullptr) return;
-  // What will not be admitted must not pass for newer than what will.
+  // A frame that will not be admitted must not count as newer than one that will.
   if (!item.performer->admission.session.Plausible(item.frame->machine, item.frame->session,
                                                    item.frame->sequence, receive_ns_, rules_)) {
     return;
   }
   int& newest = item.performer->newest_in_batch;
-  if (newest >= 0) {  // a duplicate or an old frame after it is not newer
+  if (newest >= 0) {  // a later duplicate or old frame is not newer
     const auto& best = *items_[static_cast<std::size_t>(newest)].frame;
     if (best.session == item.frame->session && best.sequence >= item.frame->sequence) return;
   }
@@ -60,13 +60,14 @@ void Pipeline::NoteNewest(int index) noexcept {
 }
 
 void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot) {
-  // A body earlier in the batch may have made the performer.
+  // A body earlier in the batch may have created the performer.
   if (item.performer == nullptr) item.performer = roster_.Find(source, item.frame->performer);
   if (item.performer == nullptr) {
     to_.counters.AddOf(source, Counter::kPipelineBeforeBody);
     return;
   }
   Performer& performer = *item.performer;
+  // A performer's second frame, or a full batch, ends the group that is styled together.
   const auto last = accepted_.begin() + static_cast<std::ptrdiff_t>(accepted_count_);
   if (accepted_count_ == accepted_.size() ||
       std::find(accepted_.begin(), last, &performer) != last) {
@@ -83,7 +84,7 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
   AwaitNext(performer, before_ns);
   if (PassOver(performer, index, full, lateness_ns)) {
     to_.counters.AddOf(source, Counter::kPipelineBacklogDropped);
-    return;  // no refusal: the newest one leaves
+    return;  // not a refusal: the newest frame is sent
   }
   const bool late = lateness_ns > Nanoseconds(roster_.config().performers.late_s);
   if (item.frame->has_timecode && !roster_.config().cues.empty()) {
@@ -110,7 +111,7 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
   if (late) to_.counters.Add(Counter::kPipelineLate);
 }
 
-// Leaves the hot section.
+// Styles and sends the accepted frames. Leaves the hot section.
 void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   const auto batch = std::span(accepted_).first(accepted_count_);
   if (batch.empty()) return hot.Leave();
@@ -135,7 +136,7 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   stages_.Add(Stages::kSend, sent_ns - serialized_ns);
 }
 
-// One period of the sender's clock later, if it has one to speak of.
+// The next frame is expected one period of the sender's clock later, if that period is plausible.
 void Pipeline::AwaitNext(Performer& performer, std::int64_t before_ns) noexcept {
   const std::int64_t elapsed_ns = performer.admission.session.elapsed_ns();
   const std::int64_t period_ns = elapsed_ns - before_ns;
@@ -144,7 +145,7 @@ void Pipeline::AwaitNext(Performer& performer, std::int64_t before_ns) noexcept 
       steady ? performer.admission.schedule.Due_ns(elapsed_ns + period_ns) : Anticipation::kNever);
 }
 
-// Most frames pass none and stay in the hot section.
+// Most frames pass no cue and stay in the hot section.
 void Pipeline::PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot) {
   const std::int64_t now = TimecodeLabel(timecode);
   const auto passed = [&](const Cue& cue) {
@@ -155,7 +156,7 @@ void Pipeline::PassCues(Performer& performer, const Timecode& timecode, runtime:
     performer.timecode = now;
     return;
   }
-  StyleAccepted(hot);  // what came before the cue
+  StyleAccepted(hot);  // the frames before the cue
   std::string said;
   if (commands_.Pass(performer, timecode, said)) {
     to_.counters.Add(Counter::kPipelineCues);
@@ -195,7 +196,7 @@ bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
     to_.counters.AddOf(performer.source, Counter::kPipelineLost,
                        performer.admission.session.lost() - lost);
   }
-  // A session that has not sent its body may still name the last one's.
+  // A session that has not sent its body may still refer to the last session's body.
   if (!performer.binding().has_body() ||
       (item.frame->body_crc == 0 && !performer.admission.session_has_body)) {
     return count(Counter::kPipelineBeforeBody);
@@ -224,7 +225,7 @@ void Pipeline::StartSession(Performer& performer) noexcept {
   performer.Restart();
 }
 
-// The sender is the same, and so is its body until it sends another.
+// The sender is the same, and its body stays valid until it sends another.
 void Pipeline::Recount(Performer& performer) noexcept {
   const bool had_body = performer.admission.session_has_body;
   StartSession(performer);
@@ -232,9 +233,9 @@ void Pipeline::Recount(Performer& performer) noexcept {
   to_.counters.AddOf(performer.source, Counter::kPipelineRecounts);
 }
 
-// Up to backlog_s all late frames are published; beyond that the newest only. With a full batch the
-// newest may still be waiting: then nothing, but for one frame per backlog_s, so that a machine
-// that cannot keep up shows what it can.
+// Up to backlog_s all late frames are published; beyond that only the newest one. If the batch is
+// full, the newest frame may still be waiting. Then only one frame per backlog_s is published, so
+// that a machine that cannot keep up shows as much as it can.
 bool Pipeline::PassOver(Performer& performer, int index, bool full,
                         std::int64_t lateness_ns) const noexcept {
   const std::int64_t backlog_ns = Nanoseconds(roster_.config().performers.backlog_s);
@@ -248,7 +249,7 @@ void Pipeline::AcceptBody(int source, const source::SourceFrame& body) {
   const bool fresh = performer == nullptr;
   if (fresh) {
     performer = roster_.Add(source, body.performer, receive_ns_);
-    // Another performer may have given way, whose frames are still in this batch.
+    // Another performer may have been replaced, and its frames may still be in this batch.
     for (Item& other : items_) other.performer = nullptr;
   }
   if (performer == nullptr) {
@@ -272,7 +273,7 @@ void Pipeline::AcceptBody(int source, const source::SourceFrame& body) {
   if (arrival == Session::Arrival::kFarAhead) return refuse(Counter::kPipelineFarAhead);
   if (arrival == Session::Arrival::kNewSession) StartSession(*performer);
   if (arrival == Session::Arrival::kRecounted) Recount(*performer);
-  // A session's first body is welcome even when frames overtook it.
+  // A session's first body is accepted even if frames overtook it.
   if (arrival == Session::Arrival::kReordered && performer->admission.session_has_body) {
     return refuse(Counter::kPipelineReordered);
   }

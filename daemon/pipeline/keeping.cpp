@@ -44,13 +44,13 @@ toml::table Row(const Profile& profile) {
   return row;
 }
 
-// Of a field that no request could have set the initial value stays.
+// A field with a value that no request could have set keeps its initial value.
 v1::Look ReadLook(const toml::table& row) {
   v1::Look look = InitialLook();
   const auto read = [&look](std::string_view field, const toml::node* node) {
     if (node != nullptr) (void)config::ReadLookField(*FindLookField(field), *node, look);
   };
-  // Files of version 0.1 have the fade in seconds, and other names.
+  // Files of version 0.1 store the fade in seconds, and use other names.
   if (const auto transition_s = row["transition_s"].value<double>()) {
     const toml::value<double> transition_ms(*transition_s * 1e3);
     read("transition_ms", &transition_ms);
@@ -92,7 +92,7 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   profile.look = ReadLook(row);
   profile.pinned = row["pinned"].value_or(false);
   if (const toml::table* rest = row["rest"].as_table()) profile.rest = ReadRest(*rest);
-  // Older files have neither; who is calibrated has come.
+  // Older files have neither field. A calibrated performer has come.
   profile.has_come = row["has_come"].value_or(false) || profile.rest;
   constexpr std::int64_t kMost_h = 1'000'000;
   profile.absent_hours = static_cast<int>(

@@ -33,7 +33,8 @@ int Pipeline::DoWork() {
   const std::int64_t begin_ns = to_.clock.Now_ns();
   int work = 0;
   for (const auto& transport : transports_) work += transport->DoWork(*this);
-  // Nobody is silent whose frames may still wait in a socket.
+  // While frames may still wait in a socket, no performer counts as silent; but check at least
+  // every kBusyCycles cycles.
   constexpr int kBusyCycles = 64;
   const bool drained = work == 0 || ++busy_cycles_ >= kBusyCycles;
   if (drained) busy_cycles_ = 0;
@@ -55,7 +56,7 @@ int Pipeline::DoCommands() {
       to_.recorder->OnRequest(to_.clock.Now_ns(), exchange->request, exchange->reply);
     }
     to_.counters.Add(Counter::kPipelineCommands);
-    // Never full: the control thread keeps fewer in flight than the ring holds.
+    // Never full: the control thread keeps fewer requests in flight than the ring holds.
     if (to_.mailboxes.replies.Push(std::move(exchange))) to_.mailboxes.wake_control.Signal();
   }
   if (commands_.PopChanged()) {

@@ -27,8 +27,8 @@ void PipelineThread::Watch(int fd) {
   epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event);
 }
 
-// To the nanosecond where the kernel can (5.11): a delayed frame is not to leave a millisecond
-// late.
+// Waits with nanosecond resolution if the kernel supports it (5.11), so that a delayed frame does
+// not leave up to a millisecond late.
 int PipelineThread::Sleep(std::int64_t wait_ns, std::span<epoll_event> events) {
   const auto most = static_cast<int>(events.size());
   const timespec wait{wait_ns / runtime::kSecond_ns, wait_ns % runtime::kSecond_ns};
@@ -46,7 +46,7 @@ void PipelineThread::Run() {
   prctl(PR_SET_TIMERSLACK, 1UL);  // ns; 50 us by default
   std::array<epoll_event, 16> events;
   while (!stop_.load(std::memory_order_relaxed)) {
-    turns_.store(turns() + 1, std::memory_order_relaxed);  // written here alone
+    turns_.store(turns() + 1, std::memory_order_relaxed);  // only this thread writes it
     if (worker_.DoWork() > 0 || StaysAwake()) continue;
     const std::int64_t wait_ns = worker_.NextDeadline_ns() - clock_.Now_ns();
     const int ready = Sleep(std::clamp<std::int64_t>(wait_ns, 0, runtime::kSecond_ns), events);

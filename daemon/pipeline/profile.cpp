@@ -9,7 +9,7 @@ namespace styled::pipeline {
 
 namespace {
 
-// Replaces a style's name by its proper one; false where the network has none such.
+// Replaces a style's name by its proper spelling; false if the network has no such style.
 bool ProperName(const net::Styles& styles, std::string& style, std::string& why) {
   const int index = net::FindStyle(styles, style);
   if (index >= 0) {
@@ -38,7 +38,7 @@ stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
   std::size_t used = 0;
   for (const auto& entry : look.mix()) {
     const int index = net::FindStyle(styles, entry.style());
-    // Neutral as a target needs an input style to remove, which other weights may lack.
+    // Neutral as a target requires an input style to remove, which other weights may lack.
     if (index == 0 && settings.input_style == 0 && !look.input_style().empty()) continue;
     if (index < 0) {
       unknown.push_back(entry.style());

@@ -8,7 +8,7 @@
 namespace styled::pipeline {
 namespace {
 
-constexpr int kMaxAbsent_h = 1'000'000;  // a century; what is counted further tells nothing
+constexpr int kMaxAbsent_h = 1'000'000;  // about a century; larger values carry no information
 
 }  // namespace
 
@@ -23,7 +23,7 @@ Roster::Roster(std::vector<std::string> source_names, std::shared_ptr<const Runt
   InitializeToCome();
 }
 
-// As the configuration's [style] says, unless somebody set "*".
+// Uses the configuration's [style], unless "*" was set explicitly.
 void Roster::InitializeToCome() {
   if (to_come.configured) return;
   to_come = Profile();
@@ -64,7 +64,7 @@ Performer* Roster::Add(int source, std::string_view name, std::int64_t now_ns) {
 }
 
 bool Roster::ForgetFrameless(std::int64_t now_ns) {
-  for (const auto& performer : performers) {  // in the order in which they came
+  for (const auto& performer : performers) {  // in the order of their arrival
     if (performer->admission.sends_frames || now_ns - performer->added_ns < kFrameless_ns) continue;
     log_.push_back(performer->profile.id + ": sent a skeleton and no frame, gave way to another");
     counters_.Add(runtime::Counter::kPipelineForgotten);
@@ -92,7 +92,7 @@ void Roster::Drop(Profile& profile) {
   profiles.erase(std::string(profile.id));
 }
 
-// A rest pose is found only of a performer who is here.
+// A calibration also proves that the performer has come.
 bool Roster::HasCome(const Profile& profile) const {
   if (profile.has_come || profile.rest) return true;
   const Performer* live = LiveOf(profile);
@@ -117,7 +117,7 @@ void Roster::NoteNamed(Profile& profile) {
 
 bool Roster::MakeRoom(const std::string& comer) {
   Profile* gives_way = nullptr;
-  // The order in which they give way: only named before come, then the longest absent.
+  // Replacement order: profiles that were only named come first, then those absent for longest.
   const auto rank = [this](const Profile& p) {
     return std::tuple(HasCome(p), -p.absent_hours, p.named_last, std::string_view(p.id));
   };
@@ -155,7 +155,7 @@ void Roster::Age(std::int64_t now_ns) {
   }
   if (ended.empty()) return;
   std::string names;
-  constexpr std::size_t kListed = 8;  // names in one line of the log
+  constexpr std::size_t kListed = 8;  // most names in one log line
   for (std::size_t i = 0; i < ended.size(); ++i) {
     if (i < kListed) names += (i == 0 ? "" : ", ") + ended[i]->id;
     Drop(*ended[i]);
@@ -194,7 +194,7 @@ Performer* Roster::LiveOf(const Profile& profile) const {
 }
 
 void Roster::Restore(std::vector<Profile> kept) {
-  // Where there are more than max_profiles(), the first ones are taken.
+  // If there are more than max_profiles(), the first ones in this order are kept.
   std::stable_sort(kept.begin(), kept.end(), [](const Profile& a, const Profile& b) {
     return std::pair(!a.has_come, a.absent_hours) < std::pair(!b.has_come, b.absent_hours);
   });

@@ -15,7 +15,7 @@ Status CheckStyles(const config::Config& config, const net::Styles& styles) {
   for (const auto& preset : config.presets) {
     v1::Look look = InitialLook();
     std::string why;
-    // style.initial, consoles and who reads a list could not tell them apart.
+    // A preset with a style's name would be ambiguous in style.initial, on consoles and in lists.
     if (const int style = net::FindStyle(styles, preset.name); style >= 0) {
       const auto& proper = styles[static_cast<std::size_t>(style)].name;
       return Status::Error(preset.place + ": presets." + preset.name + ": \"" + preset.name +
@@ -39,7 +39,7 @@ Status CheckStyles(const config::Config& config, const net::Styles& styles) {
   return Status::Error("style.initial: \"" + config.style.initial + "\" is no preset, and " + why);
 }
 
-// The running one where nothing about it changed, so that performers need not start anew.
+// Returns the running output if nothing about it changed, so that performers need not restart.
 std::shared_ptr<const RetargetOutput> KeepUnchanged(std::shared_ptr<const RetargetOutput> fresh,
                                                     const RuntimeConfig* running) {
   if (running == nullptr) return fresh;
@@ -73,7 +73,7 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
   const Status status = CheckStyles(config, made->network->model().styles);
   if (!status.ok()) return status;
   if (running != nullptr) {
-    made->joints = running->joints;  // sources change at a restart only
+    made->joints = running->joints;  // sources change only at a restart
   } else {
     for (const auto& source : config.sources) made->joints.push_back(source.joints);
   }

@@ -6,14 +6,15 @@ namespace styled::pipeline {
 namespace {
 constexpr std::uint64_t kWindow = 64;
 constexpr std::uint64_t kHour_ns = 3600ULL * 1'000'000'000;
-constexpr std::uint64_t kFastest_ns = 1'000'000;  // between two datagrams of one performer
-// For each datagram that came so many may be counted as lost: an overload loses less than half.
+// Shortest interval between two datagrams of one performer.
+constexpr std::uint64_t kFastest_ns = 1'000'000;
+// Each arrived datagram permits so many counted losses: even an overload loses less than half.
 constexpr std::uint64_t kLosable = 4;
 constexpr std::int64_t kLongestPatience_ns = 10'000'000'000;
-// Beyond this a session's time is counted anew, long before it overflows: 146 years.
+// A longer session starts its time anew, long before the counter overflows: 146 years.
 constexpr std::uint64_t kLongestSession_ns = 1ULL << 62U;
 
-// By how much the newest sequence may go on after such a silence.
+// The largest plausible step of the sequence after such a silence.
 std::uint64_t MostAhead(std::int64_t silence_ns) noexcept {
   return Session::kFarAhead +
          static_cast<std::uint64_t>(std::max<std::int64_t>(0, silence_ns)) / kFastest_ns;
@@ -34,7 +35,7 @@ void Session::Start(const source::Machine& machine, std::uint64_t session, std::
   last_arrival_ns_ = now_ns;
 }
 
-// The shorter of two intervals: one silence does not make a sender slow.
+// Uses the shorter of two intervals, so that one silence does not make a sender slow.
 std::int64_t Session::Patience_ns(const source::Machine& machine,
                                   const SessionRules& rules) const noexcept {
   if (machine == machine_) return rules.takeover_ns;
@@ -72,6 +73,7 @@ Session::Arrival Session::Admit(const source::Machine& machine, std::uint64_t se
       Start(machine, session, sequence, now_ns);
       return Arrival::kRecounted;
     }
+    // Bit i of seen_ stands for newest_ - i: shift by the step, then set bit 0 for this datagram.
     seen_ = step >= kWindow ? 1 : (seen_ << step) | 1U;
     newest_ = sequence;
     strays_ = 0;

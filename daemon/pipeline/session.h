@@ -16,7 +16,7 @@ struct SessionRules {
   // Silence after which another sender may become the performer, or the same one may continue from
   // any sequence number.
   std::int64_t takeover_ns = 100'000'000;
-  // Of the sender's clock; a smaller step back is an old frame.
+  // A sender's clock that goes back further starts a new session; a smaller step is an old frame.
   std::int64_t clock_back_ns = 1'000'000'000;
 };
 

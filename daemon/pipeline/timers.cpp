@@ -1,4 +1,4 @@
-// What the pipeline does by the clock: deadlines, silence, bodies, statistics.
+// The pipeline's work that depends on time: deadlines, silence, bodies, statistics.
 #include <algorithm>
 
 #include "daemon/pipeline/pipeline.h"
@@ -38,7 +38,7 @@ bool Pipeline::Expects(std::int64_t now_ns) const {
                      [now_ns](const auto& p) { return p->admission.anticipation.Expects(now_ns); });
 }
 
-// While frames keep coming the caches are warm by themselves.
+// Prewarms only after a pause: while frames keep arriving the caches stay warm by themselves.
 void Pipeline::Prepare(Performer& performer, std::int64_t now_ns) {
   if (!performer.admission.anticipation.Prepare(now_ns)) return;
   if (!to_.prewarm || now_ns - receive_ns_ < kStaysWarm_ns) return;

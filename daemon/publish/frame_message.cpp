@@ -17,14 +17,14 @@ FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, co
   frame_.set_body_hash(body.hash());
   frame_.mutable_root_position()->Resize(3, 0);
   frame_.mutable_rotations()->Resize(4 * body.names_size(), 0);
-  // Fill what varies to its largest once: protobuf keeps cleared elements for the next frames.
+  // Fill the variable fields to their largest size once: protobuf keeps cleared elements for reuse.
   frame_.mutable_held_joints()->Resize(rig_joints, 1U << 14U);
   for (int i = 0; i < net::kMaxActive; ++i) {
     auto* const style = frame_.add_styles();
     style->set_style(std::string(longest, 'x'));
     style->set_weight(1);
   }
-  constexpr std::size_t kScalars = 256;  // 17 fields, the timecode among them
+  constexpr std::size_t kScalars = 256;  // 17 fields, including the timecode
   buffer_.resize(frame_.ByteSizeLong() + kScalars + kMaxFace);
   frame_.clear_held_joints();
   frame_.clear_styles();
@@ -81,7 +81,7 @@ void FrameMessage::SetPose(const rig::Vec3& root_position,
 
 std::span<const std::byte> FrameMessage::Serialize(std::span<const std::byte> face) noexcept {
   const std::size_t size = frame_.ByteSizeLong();
-  if (size + face.size() > buffer_.size()) return {};  // cannot be: sized for the largest
+  if (size + face.size() > buffer_.size()) return {};  // impossible: sized for the largest frame
   auto* const begin = reinterpret_cast<std::uint8_t*>(buffer_.data());
   frame_.SerializeWithCachedSizesToArray(begin);
   std::copy(face.begin(), face.end(), buffer_.begin() + static_cast<std::ptrdiff_t>(size));

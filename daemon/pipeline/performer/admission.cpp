@@ -31,19 +31,20 @@ void Admission::MarkLive(std::int64_t now_ns) noexcept {
   }
 }
 
-// The shorter of two intervals: one silence does not make a rig slow.
+// Uses the shorter of two intervals, so that one silence does not make a rig slow.
 std::int64_t Admission::Patience_ns(std::int64_t stale_ns) const noexcept {
   constexpr std::int64_t kMost_ns = 10 * runtime::kSecond_ns;
   const std::int64_t period_ns = std::min(intervals_ns_[0], intervals_ns_[1]);
   return std::max(stale_ns, std::min(3 * period_ns, kMost_ns));
 }
 
-// The rate is between frames, not between samples: a rig of 1 Hz would have none or two a second.
+// Measures the rate between frames, not between samples: a rig at 1 Hz would have none or two
+// frames in a second.
 void Admission::Sample(std::uint64_t frames) noexcept {
   refusing_ = refused_ > refused_at_sample_;
   refused_at_sample_ = refused_;
   const std::int64_t span_ns = last_frame_ns_ - since_ns_;
-  // Live again since the last sample: the first frame only begins the time.
+  // After a silence, the first frame only starts the time span.
   const std::uint64_t intervals = frames - (fresh_ && frames > 0 ? 1 : 0);
   if (intervals > 0 && span_ns > 0) {
     rate_hz_ = static_cast<float>(intervals) * 1e9F / static_cast<float>(span_ns);

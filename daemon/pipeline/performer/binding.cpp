@@ -40,7 +40,7 @@ Status PerformerBinding::Accept(const source::SourceFrame& frame, const Profile&
                        " --pose t");
 }
 
-// By the body as it was given and the calibration as it is kept. An error changes nothing.
+// Binds the body in given_ with the profile's calibration. After an error nothing changes.
 Status PerformerBinding::Bind(const Profile& profile, const rig::JointNames& names) {
   auto bound = BindBody(given_, profile.rest, names);
   if (!bound.ok()) return bound.status();

@@ -39,7 +39,7 @@ void Outputs::Bind(const BoundBody& body, const v1::Body& given, const RuntimeCo
     streams_.push_back(
         std::make_unique<RetargetStream>(output, body, id_, epoch_, config, subscriptions_));
   }
-  network_ = config.network;  // the last one's may go now
+  network_ = config.network;  // the messages no longer refer to the last network's styles
 }
 
 bool Outputs::Retarget(std::int64_t elapsed_ns, const stylist::Output& out) noexcept {
@@ -65,7 +65,7 @@ void Outputs::Serialize(const publish::FrameHeader& header, std::uint32_t flags,
   for (std::size_t i = 0; i < ready_.size(); ++i) {
     if (topics_[i].wanted == 0) continue;
     publish::FrameMessage& message = *messages_[i];
-    // What is received and not held is bit for bit the source's.
+    // Without held joints, the output equals the source bit for bit.
     const std::uint32_t own = i == kSource && !out.held.any() ? v1::FLAG_BYPASS : 0;
     fill(message, flags | own);
     if (i == kRig) message.SetPose(styling.rig_root(), out.rig.rotations);

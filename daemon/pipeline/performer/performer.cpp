@@ -77,7 +77,8 @@ stylist::Stylist::Job Performer::Style() noexcept { return styling_->MakeJob(con
 
 void Performer::Finish(std::int64_t publish_ns) noexcept {
   context_.publish_ns = publish_ns;
-  // In canonical axes: before the poses are brought into the rig's.
+  // Retargeting needs canonical axes, so it comes before the poses are transformed to the rig's
+  // axes.
   const bool failed = outputs.Retarget(context_.elapsed_ns, styling_->out());
   styling_->Finish(failed ? stylist::kFailed : 0U);
   WatchFacing();

@@ -34,7 +34,7 @@ void Styling::Rebuild(const BoundBody& body, const RuntimeConfig& config) {
 }
 
 void Styling::SetInput(rig::RigPose& received) noexcept {
-  std::swap(in_, received);  // both of the skeleton's size
+  std::swap(in_, received);  // both have the skeleton's size
   if (left_handed_) rig::Mirror(in_);
 }
 
