@@ -1,6 +1,6 @@
 import { defineConfig } from 'vite';
 
-// `npm run dev` shows the page with a gateway that runs beside it.
+// `npm run dev` serves the page and uses a running gateway.
 const gateway = process.env.STYLEWEB ?? 'http://127.0.0.1:7080';
 
 export default defineConfig({

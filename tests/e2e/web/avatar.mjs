@@ -1,5 +1,5 @@
-// A VRM 1.0 avatar of boxes, made from nothing: one box per humanoid bone, 1.2 m tall. `picture`: bytes of
-// a PNG for its texture.
+// Generates a VRM 1.0 avatar of boxes: one box per humanoid bone, 1.2 m tall. `picture`: bytes of a
+// PNG for its texture.
 const BONES = [
   ['hips', -1, 0, 0.7, 0], ['spine', 0, 0, 0.1, 0], ['chest', 1, 0, 0.12, 0], ['neck', 2, 0, 0.14, 0],
   ['head', 3, 0, 0.06, 0],

@@ -1,4 +1,5 @@
-// BVH as three.js reads it, and where a frame's joints are: neither by code of the page.
+// Reads BVH with three.js, and computes a frame's joint positions, both independently of the page's
+// code.
 import { Quaternion, Vector3 } from 'three';
 import { BVHLoader } from 'three/examples/jsm/loaders/BVHLoader.js';
 
@@ -9,7 +10,7 @@ export function readBvh(text) {
   return {
     frames: times.length,
     frameTime_s: times.at(-1) / (times.length - 1),
-    /** Name -> place in the world, in a frame. */
+    /** Name -> world position, in a frame. */
     positions(frame) {
       bones.forEach((bone, i) => {
         bone.position.fromArray(clip.tracks[2 * i].values, 3 * frame);

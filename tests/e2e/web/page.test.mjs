@@ -1,6 +1,6 @@
 // The page in a real browser, in front of the real gateway, daemon and simulator.
 //   STYLED_BIN=build/release/bin CHROMIUM=/usr/bin/chromium node --test page.test.mjs
-// SCREENSHOTS: a folder where pictures are left.
+// SCREENSHOTS: a folder for screenshots.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -49,7 +49,7 @@ async function startWeb(listen) {
   address = JSON.parse(readFileSync(file('web.json'), 'utf8')).listen;
 }
 
-// The port of a first start is kept, so that the simulator finds the daemon again.
+// A restart uses the port of the first start, so that the simulator finds the daemon again.
 async function startAll() {
   const config = (udp) => writeFileSync(file('styled.toml'), `[[source]]
 name = "rig"
@@ -81,7 +81,7 @@ before(async () => {
   page.on('download', (download) => downloads.push(download));
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('console', (message) => {
-    // Refused connections while the gateway is away, and a broken texture, are the test's own doing.
+    // The test itself causes refused connections while the gateway is down, and a broken texture.
     if (message.type() === 'error' && !/ERR_CONNECTION|WebSocket|Failed to load|Couldn't load texture blob/.test(message.text())) {
       errors.push(message.text());
     }
@@ -95,7 +95,7 @@ after(async () => {
   rmSync(folder, { recursive: true, force: true });
 });
 
-// Of the first performer: joints in metres and the frame's sequence, before and after.
+// For the first performer: joints in metres and the frame's sequence, input and styled.
 const poses = () =>
   page.evaluate(() => {
     const [performer] = globalThis.styled.stage.performers.values();
@@ -105,7 +105,7 @@ const poses = () =>
   });
 const farthest = (a, b) => Math.max(...a.map((value, i) => Math.abs(value - b[i])));
 
-// The largest difference of a joint between before and after, at one sequence.
+// The largest difference of a joint between input and styled, at the same sequence.
 async function apart() {
   let found;
   await until(async () => {
@@ -202,7 +202,7 @@ test('a VRM avatar is worn and moves; a file that is none is said so', async () 
   const whole = makeAvatar();
   await drop('half.vrm', whole.subarray(0, whole.length / 2));
   await said(/^half\.vrm is not whole: it has \d+ of \d+ bytes; expected/);
-  // Whole by its length, but a box has more corners than the file.
+  // The length is correct, but a box refers to more vertices than the file contains.
   await drop('torn.vrm', Buffer.from(whole.toString('latin1').replace('"count":8,', '"count":9,'), 'latin1'));
   await said(/^torn\.vrm .*; expected a VRM .*\(.+\)$/);
   await drop('torn picture.vrm', makeAvatar(Buffer.from('no picture')));
@@ -226,7 +226,8 @@ test('a VRM avatar is worn and moves; a file that is none is said so', async () 
   await until(async () => (await hand()) === undefined, 'no avatar');
 });
 
-// What comes over the WebSocket from here on, kept beside the recorder: of each stream, by sequence.
+// Stores what arrives over the WebSocket from now on, independently of the recorder: per stream, by
+// sequence.
 const listen = () =>
   page.evaluate(() => {
     const heard = { source: [], rig: [] };
@@ -248,8 +249,8 @@ async function saved(count) {
   }));
 }
 
-// The file is what was heard: each frame at its place in the rig's time, and in its pose. A busy machine
-// loses some, before the daemon or behind it: their places are kept.
+// The file must match the received frames: each frame's time on the rig's clock, and its pose. A
+// busy machine loses some frames, before or after the daemon: their grid steps must remain.
 function assertHeard({ name, text }, stream, all) {
   const read = readBvh(text);
   const first_s = Math.max(all.source[0].rig_s, all.rig[0].rig_s);
@@ -295,7 +296,7 @@ test('what is recorded is what came, and both files are beside each other', asyn
     assert.ok(read.frames * read.frameTime_s > 3);
   }
   assert.match(await page.locator('.recording .hint').innerText(), /frames at 120 Hz/);
-  // The last take can be had again.
+  // The last take can be saved again.
   await page.locator('[data-save=input]').click();
   const [again] = await saved(1);
   assert.equal(again.text, files.find(({ name }) => name === again.name).text);
@@ -319,7 +320,7 @@ test('a list that was chosen from leaves the keys to the page; its own arrows st
   const list = page.getByLabel('What is saved');
   const recording = () => page.evaluate(() => globalThis.styled.recorder.recording);
   const focused = () => list.evaluate((element) => document.activeElement === element);
-  await list.click(); // opens it, and nothing is chosen
+  await list.click(); // opens it without a choice
   await page.keyboard.press('Escape');
   await page.keyboard.press('2');
   const second = await page.locator('[data-style]').nth(1).getAttribute('data-style');
@@ -348,7 +349,8 @@ test('the stage as video', async () => {
   const [video] = downloads.splice(0);
   assert.match(video.suggestedFilename(), /-video-[\d-]+\.webm$/);
   const base64 = readFileSync(await video.path()).toString('base64');
-  // A browser plays it to its end, and none of it is black. Not on our page, which may show nothing but its own.
+  // A browser plays it to its end without a black frame. On a blank page, since the page's own
+  // policy permits only its own content.
   const blank = await browser.newPage();
   const played = await blank.evaluate(async (base64) => {
     const video = document.createElement('video');
@@ -437,13 +439,13 @@ test('whom the daemon lists is not called unknown', async () => {
     new MutationObserver(() => globalThis.said.push(document.querySelector('.toast').textContent))
       .observe(document.querySelector('.toast'), { childList: true, characterData: true, subtree: true });
   });
-  // Configured ahead, and so listed; it never sends a frame.
+  // Configured in advance, so it is listed; it never sends a frame.
   await page.evaluate(() => globalThis.styled.client.set('rig.nobody', { strength: 0.5 }));
   await page.locator('[data-performer="rig.nobody"]').waitFor();
   await until(() => page.evaluate(() => globalThis.complaints.includes('rig.nobody')), "the client's complaint");
   assert.match(await page.locator('[data-performer="rig.nobody"]').innerText(), /silent/);
   assert.deepEqual(await page.evaluate(() => globalThis.said.filter((text) => /nobody called/.test(text))), []);
-  // Of others it is said.
+  // For an unlisted name there is a message.
   await page.evaluate(() => globalThis.styled.client.subscribe('rig.nobdoy'));
   await until(() => page.evaluate(() => globalThis.said.some((text) => /nobody called rig\.nobdoy/.test(text))), 'the complaint');
 });
@@ -465,7 +467,7 @@ test('nothing is cut off or over another, however small the window', async () =>
     const found = await page.evaluate(async () => {
       await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
       const rows = [document.querySelector('header'), ...document.querySelectorAll('.plot figcaption')];
-      // Readings as long as they may become.
+      // Readings of the maximum length.
       const long = ['123456 / 123456 µs', '119.9 Hz', '120 / 120 per s'];
       [...document.querySelectorAll('.plot output')].forEach((output, i) => (output.textContent = long[i]));
       const wrong = [];

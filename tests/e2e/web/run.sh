@@ -1,6 +1,6 @@
 #!/bin/sh
-# run.sh CHROMIUM: the page's test. Its driver is fetched from npm once, into the current folder; where
-# it cannot be, the test is skipped (77).
+# run.sh CHROMIUM: runs the page's test. Its driver is fetched from npm once, into the current
+# folder; if that fails, the test is skipped (77).
 [ -f "$STYLED_BIN/../web/index.html" ] || {
   echo "skipped, the page was not built"
   exit 77

@@ -1,5 +1,5 @@
 #!/bin/sh
-# run_units.sh NPM: tests of the page's parts, where the page was built in ./npm; else skipped (77).
+# run_units.sh NPM: unit tests of the page, if it was built in ./npm; otherwise skipped (77).
 [ -d npm/node_modules/three ] || {
   echo "skipped, the page was not built"
   exit 77

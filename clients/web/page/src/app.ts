@@ -1,4 +1,4 @@
-// What all panels share: the client, what the daemon said last, and the changes that they ask for.
+// The state that all panels share: the client, the daemon's last replies, and requested changes.
 import {
   NoAnswerError,
   RefusedError,
@@ -80,7 +80,7 @@ export class App {
     return this.everyone ? '*' : this.selected;
   }
 
-  /** Every change takes the transition time along. */
+  /** Every change is sent with the transition time. */
   set(change: SetInit, what: string): Promise<void> {
     return this.run(what, () =>
       this.client.set(this.target, { ...change, transitionMs: this.transition_ms }));
@@ -114,7 +114,7 @@ export class App {
     }
   }
 
-  // `change`: what was asked for, where it may have come about all the same.
+  // `change`: the requested change, if it may have been applied in spite of the error.
   private report(error: unknown, change = ''): void {
     if (!(error instanceof RefusedError || error instanceof NoAnswerError)) throw error;
     const open = change && error instanceof NoAnswerError && error.sent;
@@ -122,7 +122,7 @@ export class App {
   }
 }
 
-/** At most one call at a time, the newest argument wins: for what is dragged. */
+/** At most one call at a time; the newest argument wins. For sliders that are dragged. */
 export function paced<T>(action: (value: T) => Promise<void>): (value: T) => void {
   let busy = false;
   let waiting: [T] | undefined;

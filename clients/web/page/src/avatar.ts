@@ -1,5 +1,6 @@
-// A VRM avatar, worn by a styled body. VRM's normalized humanoid has the canonical humanoid's joints,
-// axes and rest pose, so that rotations go over as they are; hips are scaled by hips height.
+// A VRM avatar that shows a styled body. VRM's normalized humanoid has the canonical humanoid's
+// joints, axes and rest pose, so rotations are copied unchanged; the hips' position is scaled by
+// hips height.
 import { Group, LoadingManager, Quaternion, Vector3 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { VRMLoaderPlugin, VRMUtils, type VRM, type VRMHumanBoneName } from '@pixiv/three-vrm';
@@ -11,14 +12,14 @@ const MAX_BYTES = 256 << 20;
 
 export class Avatar {
   readonly group = new Group();
-  /** A pose has come: it may be shown. */
+  /** A pose has arrived, so the avatar may be shown. */
   ready = false;
   private readonly turn: number; // VRM 0 looks along -Z
 
   private constructor(
     readonly name: string,
     private readonly vrm: VRM,
-    /** Pictures of the file that could not be loaded: what they are on is drawn without. */
+    /** Textures of the file that could not be loaded; their surfaces are drawn without them. */
     readonly lostPictures: number,
   ) {
     this.turn = vrm.meta?.metaVersion === '0' ? -1 : 1;
@@ -28,7 +29,7 @@ export class Avatar {
     this.group.visible = false;
   }
 
-  /** Says in its error what is wrong with the file. */
+  /** The error states what is wrong with the file. */
   static async load(file: File): Promise<Avatar> {
     if (file.size > MAX_BYTES) throw new Error(`${file.name} is too large; expected at most 256 MiB`);
     const bytes = await file.arrayBuffer();
@@ -63,10 +64,10 @@ export class Avatar {
     });
     const hips = humanoid.getNormalizedBoneNode('hips');
     if (hips) {
-      // The body at rest stands on its feet: its hips are as high as Body.offsets says.
+      // The body at rest stands on its feet: Body.offsets contains the height of the hips.
       const scale = (humanoid.normalizedRestPose.hips?.position?.[1] ?? 1) / restHeight(body);
       const [x, y, z] = frame.rootPosition as [number, number, number];
-      // Horizontally the avatar goes where the performer goes.
+      // Horizontally the avatar follows the performer without scaling.
       hips.position.set(0, y * scale, 0);
       this.group.position.set(x, 0, z);
     }
@@ -78,7 +79,7 @@ export class Avatar {
     this.vrm.update(Math.min(dt_s, 0.1));
   }
 
-  /** Where a humanoid bone is, in the scene. */
+  /** Position of a humanoid bone in the scene. */
   place(bone: VRMHumanBoneName): Vector3 | undefined {
     return this.vrm.humanoid.getRawBoneNode(bone)?.getWorldPosition(new Vector3());
   }
@@ -88,7 +89,7 @@ export class Avatar {
   }
 }
 
-// Hips above the soles: joint 0's offset is its place at rest.
+// Height of the hips above the soles: joint 0's offset is its position at rest.
 function restHeight(body: Body): number {
   const height = body.offsets[1]!;
   return height > 0.1 ? height : 1;

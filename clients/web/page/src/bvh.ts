@@ -1,6 +1,6 @@
-// Writes BVH as model/clip/bvh_write.cpp does: root XYZ + zxy, others zxy, angles continuous along time,
-// %.6f, body units. The root's OFFSET is 0, as stylerec exports it: its place is in its position
-// channels, and many readers add the offset to them.
+// Writes BVH like model/clip/bvh_write.cpp: root XYZ + zxy, others zxy, angles continuous over
+// time, %.6f, body units. The root's OFFSET is 0, like in stylerec's exports: its position is in
+// the position channels, and many readers would add the offset to them.
 import type { Body } from 'styled-client';
 
 const DEGREES = 180 / Math.PI;
@@ -9,7 +9,7 @@ const ROWS = 64; // frames in one piece of text
 
 type Pose = ArrayLike<number>; // 3 of the root, then x, y, z, w per joint
 
-/** `angle` plus whole turns, nearest to `near`. */
+/** `angle` plus the number of full turns that brings it nearest to `near`. */
 function unwrap(angle: number, near: number): number {
   return angle + 2 * Math.PI * Math.round((near - angle) / (2 * Math.PI));
 }
@@ -18,8 +18,8 @@ const distance = (angles: number[], near: ArrayLike<number>) =>
   angles.reduce((sum, angle, i) => sum + Math.abs(angle - near[i]!), 0);
 
 /**
- * R = Rz(a) Rx(b) Ry(c), radians. Of the two solutions the one nearer to `near`, unwrapped; where b is
- * a quarter turn and only a + c or a - c is known, a stays as it was. Pinned by test/bvh.test.mjs.
+ * Solves R = Rz(a) Rx(b) Ry(c), in radians, for the solution nearer to `near`, unwrapped. If b is a
+ * quarter turn, only a + c or a - c is determined, and a keeps its value. Pinned by test/bvh.test.mjs.
  */
 function eulerOf(pose: Pose, at: number, near: ArrayLike<number>, first: boolean): number[] {
   const length = Math.hypot(pose[at]!, pose[at + 1]!, pose[at + 2]!, pose[at + 3]!);
@@ -48,7 +48,7 @@ const number = (value: number) => {
   return text === '-0.000000' ? '0.000000' : text;
 };
 
-// One word each, unlike all others: most readers end a name at a blank.
+// Unique names without blanks: most readers end a name at a blank.
 function wordsOf(names: string[]): string[] {
   const taken = new Set<string>();
   return names.map((name, joint) => {
@@ -59,7 +59,7 @@ function wordsOf(names: string[]): string[] {
   });
 }
 
-// The hierarchy, and its joints depth first, which is the order of a row.
+// The hierarchy, and its joints in depth-first order, which is the order of a motion row.
 function hierarchyOf(body: Body): { text: string; order: number[] } {
   const names = wordsOf(body.names);
   const children: number[][] = body.names.map(() => []);
@@ -87,7 +87,7 @@ function hierarchyOf(body: Body): { text: string; order: number[] } {
     }
     open.pop();
     const indent = '\t'.repeat(open.length);
-    // Many readers want an End Site at the end of every chain.
+    // Many readers require an End Site at the end of every chain.
     if (children[top.joint]!.length === 0) {
       text += `${indent}\tEnd Site\n${indent}\t{\n${indent}\t\tOFFSET 0.000000 0.000000 0.000000\n${indent}\t}\n`;
     }
@@ -96,7 +96,7 @@ function hierarchyOf(body: Body): { text: string; order: number[] } {
   return { text, order };
 }
 
-/** The file in pieces, so that a long one can be made bit by bit. `frames`: how many poses come. */
+/** Yields the file in pieces, so that a long one need not be built at once. `frames`: number of poses. */
 export function* bvhText(body: Body, rate_hz: number, frames: number, poses: Iterable<Pose>): Generator<string> {
   const { text, order } = hierarchyOf(body);
   yield `${text}MOTION\nFrames: ${frames}\nFrame Time: ${(1 / rate_hz).toFixed(9)}\n`;

@@ -71,7 +71,8 @@ function slider(name: string, range: { min: number; max: number; step: number },
   return {
     element: h('label', { className: 'slider' }, h('span', {}, name), value, knob),
     show(next) {
-      // What comes from the daemon is up to a second old: a knob in the hand is right.
+      // The daemon's value is up to a second old: while a knob is in use, the knob's own value is
+      // shown.
       if (performance.now() - held_ms < 1500 || Math.abs(Number(knob.value) - next) < range.step / 2) return;
       knob.value = String(next);
       paint();
@@ -79,7 +80,7 @@ function slider(name: string, range: { min: number; max: number; step: number },
   };
 }
 
-/** Two styles: to the side how much of each, upwards how strong. */
+/** Mixes two styles: horizontally their proportion, vertically the strength. */
 function mixPad(app: App): HTMLElement {
   const pick = (label: string) => h('select', { 'aria-label': label });
   const a = pick('first style of the mix'), b = pick('second style of the mix');
@@ -147,7 +148,7 @@ const PARTS: [BodyPart, string, string][] = [
   [BodyPart.LEFT_LEG, 'left leg', 'M31 61h10l-1 20-1 20h-6l-1-20Z'],
 ];
 
-/** Which parts of the body are styled; a click takes one away or puts it back. */
+/** The parts of the body that are styled; a click toggles one. */
 function bodyParts(app: App): HTMLElement {
   const all = PARTS.map(([part]) => part);
   let on = new Set(all);

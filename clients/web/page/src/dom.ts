@@ -28,7 +28,7 @@ export function svg(tag: string, attributes: Record<string, string>, ...children
   return element;
 }
 
-/** Sets text only where it changes, so that nothing is laid out anew for nothing. */
+/** Sets text only if it changes, to avoid needless layout. */
 export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }

@@ -1,4 +1,4 @@
-// A body of round cones, one skinned mesh: each cone moves with the joint it begins at.
+// A body of round cones in one skinned mesh: each cone moves with the joint at its start.
 import {
   Bone,
   BufferGeometry,
@@ -19,16 +19,16 @@ import { makeTransforms, worldTransforms, type Frame } from 'styled-client';
 
 import type { Part, Skeleton } from './skeleton.js';
 
-/** How finely bodies are drawn; less where the processor draws. */
+/** Level of detail of bodies; lower with software rendering. */
 export interface Detail {
-  around: number; // corners of a ring
+  around: number; // vertices of a ring
   cap: number; // rings of a half sphere
 }
 export const FINE: Detail = { around: 20, cap: 5 };
 export const COARSE: Detail = { around: 10, cap: 2 };
 export const COARSEST: Detail = { around: 7, cap: 2 };
 
-// Radii at both ends, and how much flatter front to back than wide; for a body 1.5 m to the head joint.
+// Radii at both ends, and the ratio of depth to width; for a body of 1.5 m up to the head joint.
 const SHAPES: Record<Part, [number, number, number]> = {
   hips: [0.118, 0.104, 0.8],
   spine: [0.108, 0.13, 0.76],
@@ -49,7 +49,7 @@ const SHADES: Partial<Record<Part, number>> = {
   hips: 0.72, spine: 0.94, chest: 1, neck: 0.86, head: 1.08, shoulder: 1, hand: 1.08,
   upperLeg: 0.9, lowerLeg: 0.9, foot: 0.72, toes: 0.72,
 };
-// How far the last joint of a limb goes on, in metres of that body.
+// Length beyond the last joint of a limb, in metres, for the same body.
 const ENDS: Partial<Record<Part, number>> = { head: 0.12, hand: 0.11, toes: 0.05, foot: 0.1 };
 
 class Shape {
@@ -124,8 +124,8 @@ class Shape {
   }
 }
 
-// The T-pose in the scene's axes and metres, as cones. Made there, so that radii are metres whatever
-// the rig's units are.
+// The T-pose as cones, in the scene's axes and in metres, so that radii do not depend on the rig's
+// units.
 function shapeOf(skeleton: Skeleton, detail: Detail): BufferGeometry {
   const shape = new Shape(detail);
   const { body, joints, rest, scene } = skeleton;
@@ -148,7 +148,7 @@ function shapeOf(skeleton: Skeleton, detail: Detail): BufferGeometry {
       if (part === 'beyond' && from !== 'beyond') [ra, rb, depth] = [0.016, 0.012, 1];
       const shade = SHADES[from] ?? 0.92;
       if (from === 'shoulder' && part === 'upperArm') {
-        // The flesh between chest and arm.
+        // The volume between chest and arm.
         const trunk = body.parents[parent]!;
         const inner = trunk >= 0 ? places[trunk]!.clone().lerp(at, 0.42) : places[parent]!;
         inner.y += 0.2 * (at.y - inner.y);
@@ -165,7 +165,7 @@ function shapeOf(skeleton: Skeleton, detail: Detail): BufferGeometry {
       const from = part === 'head' ? at.clone().addScaledVector(up, 0.045 * size) : at;
       shape.cone(from, to, ra * size, rb * size, depth, part === 'hand' ? up : ahead, joint, SHADES[part] ?? 1);
       if (part === 'head') {
-        // Where it looks.
+        // The eyes, which show where the head faces.
         const eyes = from.clone().addScaledVector(up, 0.05 * size).addScaledVector(ahead, 0.084 * size);
         const aside = new Vector3(0.045 * size, 0, 0);
         shape.cone(eyes.clone().sub(aside), eyes.add(aside), 0.036 * size, 0.036 * size, 1, ahead, joint, 0.1);
@@ -179,8 +179,8 @@ function shapeOf(skeleton: Skeleton, detail: Detail): BufferGeometry {
   return shape.build();
 }
 
-// Each vertex moves with one joint, so one bone is looked up, not four: most of the cost of a body
-// where the processor draws.
+// Each vertex moves with one joint, so the shader reads one bone instead of four: with software
+// rendering that is most of the cost of a body.
 const ONE_BONE = {
   base: `#ifdef USE_SKINNING
     mat4 boneMatX = getBoneMatrix(skinIndex.x);
@@ -215,7 +215,7 @@ export interface FigureLook {
 /** One body on the stage. `group` is in the performer's world, in metres. */
 export class Figure {
   readonly group = new Group();
-  /** 3*J, scene axes, metres, the performer's world: of the last pose. */
+  /** Joint positions of the last pose: 3*J, in metres, scene axes, the performer's world. */
   readonly joints: Float32Array;
   readonly left = new Vector3();
   readonly right = new Vector3();
@@ -230,8 +230,8 @@ export class Figure {
     this.joints = new Float32Array(3 * skeleton.body.names.length);
     this.material = bodyMaterial(detail);
     this.setLook(look);
-    // Bones live outside of the scene graph: their matrices are written, not composed. Bind pose:
-    // scene from joint in the T-pose.
+    // Bones are not in the scene graph: their matrices are written directly. Bind pose: scene from
+    // joint in the T-pose.
     this.bones = skeleton.rest.map(() => new Bone());
     const inverses = skeleton.rest.map(({ position, rotation }) =>
       new Matrix4().compose(position, rotation, new Vector3(1, 1, 1)).premultiply(skeleton.scene).invert());

@@ -1,4 +1,4 @@
-// The picture of the stage as video, as far as the browser can do it.
+// Records the stage's picture as video, if the browser supports it.
 const TYPES = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm', 'video/mp4'];
 const BITS_PER_S = 8e6;
 const MAX_BYTES = 512 << 20;
@@ -7,7 +7,7 @@ const TYPE = typeof MediaRecorder === 'undefined' ? undefined
   : TYPES.find((type) => MediaRecorder.isTypeSupported(type));
 
 export class Film {
-  /** Of its files; '' where the browser makes none. */
+  /** File extension; '' if the browser cannot record video. */
   static readonly extension = TYPE === undefined ? '' : TYPE.startsWith('video/mp4') ? 'mp4' : 'webm';
 
   private readonly media: MediaRecorder;
@@ -15,7 +15,7 @@ export class Film {
   private bytes = 0;
   private readonly done: Promise<void>;
 
-  /** Films until `end`; `onBreak`: it cannot go on. */
+  /** Records until `end`; `onBreak` is called if it cannot continue. */
   constructor(canvas: HTMLCanvasElement, onBreak: (reason: string) => void) {
     this.media = new MediaRecorder(canvas.captureStream(), { mimeType: TYPE!, videoBitsPerSecond: BITS_PER_S });
     this.done = new Promise((resolve) => this.media.addEventListener('stop', () => resolve()));

@@ -1,5 +1,5 @@
-// The patch of floor that one body stands on. It walks along under the body like a treadmill, so that
-// a performer stays on stage and a foot that slides is seen to slide.
+// The patch of floor under one body. It moves under the body like a treadmill, so that the
+// performer stays on stage and foot sliding remains visible.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -94,7 +94,7 @@ class Trail {
     this.points.length = 0;
   }
 
-  /** Fades with age, and where it leaves the floor. */
+  /** Fades with age, and towards the edge of the patch. */
   draw(anchor: Vector3, reach: number): void {
     const count = this.points.length;
     const bright = (i: number) => {
@@ -124,9 +124,9 @@ interface Stamp {
 }
 
 export class Floor {
-  /** At the body's spot. */
+  /** Placed at the body's spot on the stage. */
   readonly group = new Group();
-  /** In the performer's world: what is put here stands on the floor that walks. */
+  /** In the performer's world: objects in it stand on the moving floor. */
   readonly world = new Group();
   readonly disc: Mesh;
   private readonly uniforms;
@@ -183,7 +183,7 @@ export class Floor {
     this.stamps.visible = contacts;
   }
 
-  /** A new pose: feet and hips in the performer's world; bit 0 and 1 of `contacts` left and right. */
+  /** A new pose: feet and hips in the performer's world; bits 0 and 1 of `contacts` are left and right. */
   step(left: Vector3, right: Vector3, contacts: number): void {
     [left, right].forEach((foot, side) => {
       this.trails[side]!.add(foot);
@@ -201,7 +201,7 @@ export class Floor {
     this.placed.length = 0;
   }
 
-  /** `anchor`: the place in the performer's world that is at the spot. */
+  /** `anchor`: the position in the performer's world that is shown at the spot. */
   draw(anchor: Vector3, hips: Vector3, left: Vector3, right: Vector3, dt_s: number): void {
     this.world.position.set(-anchor.x, 0, -anchor.z);
     const u = this.uniforms;

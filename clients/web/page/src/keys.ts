@@ -1,4 +1,4 @@
-// Everything from the keyboard.
+// Keyboard control.
 import type { App } from './app.js';
 import { STYLE_KEYS } from './controls.js';
 import { h } from './dom.js';
@@ -22,15 +22,16 @@ const HELP: [string, string][] = [
   ['?', 'this list'],
 ];
 
-// What a closed list of choices in focus needs for itself; letters and digits are the page's.
+// Keys that a focused, closed select element handles; letters and digits belong to the page.
 const LIST_KEYS = new Set(['ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight', 'Home', 'End', 'PageUp', 'PageDown', 'Enter', ' ']);
 
-// Browsers that know no :open keep the keys of an open list from the page, or cannot be asked.
+// Browsers without :open do not deliver the keys of an open list to the page, or offer no way to
+// tell.
 function isOpen(list: HTMLSelectElement): boolean {
   return CSS.supports('selector(:open)') && list.matches(':open');
 }
 
-// A choice made with the mouse is done: the list lets go of the keys. One made with the arrows may go on.
+// After a choice with the mouse, the list loses focus. A choice with the arrow keys may continue.
 function letGo(): void {
   let byKey = false;
   addEventListener('pointerdown', () => (byKey = false), true);
@@ -50,7 +51,7 @@ export function keys(
     const look = app.entry()?.look;
     if (!look) return;
     const next = Math.min(1.5, Math.max(0, Math.round(((look.strength ?? 1) + step) * 10) / 10));
-    look.strength = next; // until the daemon says so itself
+    look.strength = next; // until the daemon reports it
     app.changed();
     void app.set({ strength: next }, `strength ${Math.round(100 * next)} %`);
   };
@@ -98,7 +99,7 @@ export function keys(
     const action = plain[event.key.toLowerCase()];
     if (!action) return;
     event.preventDefault();
-    if (event.key.toLowerCase() === 'r' && event.repeat) return; // held down it would start and stop
+    if (event.key.toLowerCase() === 'r' && event.repeat) return; // key repeat would start and stop it
     action();
   });
   return { help, toggleHelp };

@@ -12,7 +12,7 @@ import { roster } from './roster.js';
 import { Stage } from './stage.js';
 import { banner, toast, topBar } from './status.js';
 
-// A token comes behind the '#', which no server is told, and is kept for this tab.
+// A token follows the '#', which browsers do not send to a server; it is stored for this tab.
 function token(): string | undefined {
   const given = new URLSearchParams(location.hash.slice(1)).get('token');
   if (given) {
@@ -51,5 +51,5 @@ app.watch(() => {
 });
 app.changed();
 
-// For tests, and for the curious at the console.
+// For tests and for the browser's console.
 Object.assign(window, { styled: { app, client, stage, recorder: record.recorder } });

@@ -9,10 +9,10 @@ import { skeletonOf } from './skeleton.js';
 
 export const BEFORE = 0x8b9cb3;
 export const AFTER = 0xffb35c;
-const APART_M = 1.14; // half the distance of the two floors
-const CLOSE_M = 0.62; // ... of those in the background
-const ANCHOR_S = 0.12; // time constant with which the floor follows the hips
-const MOVE_S = 0.25; // ... and a performer goes to another spot
+const APART_M = 1.14; // half the distance between the two floors
+const CLOSE_M = 0.62; // ... for performers in the background
+const ANCHOR_S = 0.12; // time constant of the floor that follows the hips
+const MOVE_S = 0.25; // ... of a performer that moves to another spot
 
 export interface View {
   overlay: boolean;
@@ -61,7 +61,7 @@ export class PerformerOnStage {
     this.group.removeFromParent();
   }
 
-  /** Worn by the styled body instead of its capsules; drives it from the canonical stream. */
+  /** Replaces the styled body's cones by an avatar, which the canonical stream drives. */
   setAvatar(avatar: Avatar | undefined): void {
     this.avatar?.group.removeFromParent();
     this.avatar?.dispose();
@@ -73,7 +73,7 @@ export class PerformerOnStage {
     this.endCanonical = this.client.subscribeLatest(this.name, 'canonical');
   }
 
-  /** How finely it is drawn from now on. */
+  /** Sets the level of detail. */
   setDetail(detail: Detail): void {
     if (detail === this.detail) return;
     this.detail = detail;
@@ -84,7 +84,7 @@ export class PerformerOnStage {
     }
   }
 
-  /** The newest poses, if any are new. */
+  /** Applies the newest poses, if there are new ones. */
   take(): void {
     for (const role of [this.roles.before, this.roles.after]) {
       const update = this.client.latest(this.name, role.stream);

@@ -1,4 +1,4 @@
-// The strip below: what the daemon measured of the selected performer, second by second.
+// The strip below: the daemon's measurements of the selected performer, once per second.
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 
@@ -20,7 +20,7 @@ class Plot {
   private readonly now = h('output', {});
   private readonly beyond = h('span', { className: 'beyond', hidden: true });
 
-  /** `cut`: of the first line what is far above the second is cut off, and told as a number. */
+  /** `cut`: values of the first line far above the second are clipped, and shown as a number. */
   constructor(title: string, lines: Line[], private readonly words: (values: number[]) => string,
               private readonly least: number, private readonly cut?: (most: number) => string) {
     this.data = [[], ...lines.map(() => [])];

@@ -1,4 +1,4 @@
-// The record button: what it says, and the files that it leaves.
+// The record button: its text, and the files that it saves.
 import type { App } from './app.js';
 import { bvhText } from './bvh.js';
 import { h, setText } from './dom.js';
@@ -7,12 +7,12 @@ import { Recorder, type Ended } from './recorder.js';
 import { causesInWords, causesOf, filledIn, gridOf, posesOn, type Grid, type Take } from './take.js';
 import type { Stage } from './stage.js';
 
-const AT_ONCE_MS = 40; // of writing, then the page gets its turn
-const KEPT_MS = 60000; // until a browser has surely begun to save
+const AT_ONCE_MS = 40; // of writing, then the event loop runs
+const KEPT_MS = 60000; // long enough for any browser to begin saving
 
 type What = 'styled' | 'input' | 'video';
 
-/** What stands in the way of recording, or ''. */
+/** Why recording is not possible, or ''. */
 function obstacle(app: App): string {
   if (app.client.linkState.kind !== 'open') return 'The gateway is away.';
   if (!app.client.daemonState.up) return 'The daemon is away.';
@@ -32,7 +32,7 @@ async function written(pieces: Iterable<string>): Promise<Blob> {
   let begun_ms = performance.now();
   for (const piece of pieces) {
     parts.push(piece);
-    // A page that is not seen is woken once a second only: it has nobody to wait for.
+    // A hidden page gets timers only once per second, and need not stay responsive: do not yield.
     if (document.hidden || performance.now() - begun_ms < AT_ONCE_MS) continue;
     await new Promise((resolve) => setTimeout(resolve));
     begun_ms = performance.now();
@@ -49,7 +49,7 @@ function stamp(time: Date): string {
     `-${two(time.getHours())}${two(time.getMinutes())}${two(time.getSeconds())}`;
 }
 
-/** A take that has ended, ready to be saved as often as one likes. */
+/** A take that has ended; it can be saved repeatedly. */
 class Result {
   readonly filled: number[];
 
@@ -100,7 +100,7 @@ function resultOf(take: Take | undefined, film: Blob | undefined): Result | unde
 
 export interface RecordPanel {
   element: HTMLElement;
-  /** Over the stage, while it records. */
+  /** Shown over the stage during recording. */
   badge: HTMLElement;
   recorder: Recorder;
   toggle(): void;

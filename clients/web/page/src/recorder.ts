@@ -1,24 +1,24 @@
-// Records one performer: every frame of the input and of the styled motion that gets here.
+// Records one performer: every received frame of the input and of the styled motion.
 import type { Body, StyledClient, Stats, Update } from 'styled-client';
 
 import { Track, type Take } from './take.js';
 
-/** What is kept at most: half an hour at 120 Hz, of a skeleton of usual size. */
+/** Limits of a take: half an hour at 120 Hz for a skeleton of usual size. */
 export interface Limits {
-  poses: number; // of one stream
-  bytes: number; // of both
+  poses: number; // per stream
+  bytes: number; // for both
 }
 const LIMITS: Limits = { poses: 30 * 60 * 120, bytes: 384 << 20 };
-const SILENT_STATS = 3; // once a second: a rig that stumbles is waited for
+const SILENT_STATS = 3; // statistics messages, one per second: a short pause of the rig is tolerated
 
 export interface Ended {
-  take: Take | undefined; // nothing came
-  /** Why it ended by itself; '' where somebody ended it. */
+  take: Take | undefined; // undefined: no frame arrived
+  /** Why it ended by itself; '' if the user ended it. */
   reason: string;
 }
 
 export class Recorder {
-  /** While it records. */
+  /** Called during recording. */
   performer = '';
   take: Take | undefined;
   onEnd: (ended: Ended) => void = () => {};
@@ -33,7 +33,7 @@ export class Recorder {
     client.on('frame', (update) => this.onFrame(update));
     client.on('daemon', ({ up, reason }) => {
       if (up) return;
-      // Without the gateway nothing is known of the daemon.
+      // Without the gateway the daemon's state is unknown.
       if (client.linkState.kind !== 'open') return this.end('the connection to the gateway, styleweb, broke');
       this.end(`the daemon went away${reason ? ` (${reason})` : ''}`);
     });
@@ -64,7 +64,7 @@ export class Recorder {
     this.ends = [this.client.subscribe(performer, 'source'), this.client.subscribe(performer, 'rig')];
   }
 
-  /** `reason`: why, where nobody asked for it. */
+  /** `reason`: why, if the user did not request it. */
   stop(reason = ''): void {
     this.end(reason);
   }
@@ -87,7 +87,7 @@ export class Recorder {
     if (performer !== this.performer || stream === 'canonical') return;
     if (this.take && frame.epoch !== this.epoch) return this.end('the daemon was restarted');
     if (this.take && frame.bodyHash !== this.take.body.hash) return this.end(`${performer} has another skeleton now`);
-    if (!body) return; // it is under way
+    if (!body) return; // it has not arrived yet
     this.take ??= this.begin(update, body);
     const track = stream === 'source' ? this.take.source : this.take.styled;
     track.add(frame);

@@ -1,4 +1,4 @@
-// The left-hand side: who is here, how they are looked at, and what they wear.
+// The left-hand side: the performers, their views and their avatars.
 import type { App } from './app.js';
 import { Avatar } from './avatar.js';
 import { h, setText } from './dom.js';

@@ -1,6 +1,6 @@
-// What a rig's skeleton is: which joint is what, and where up, left and ahead are. A Body says neither
-// its axes nor its handedness, but its T-pose does: up is from the feet to the head, left from the
-// right arm to the left one, and ahead is where the toes point.
+// Identifies a rig's joints and axes. A Body contains neither axes nor handedness, but its T-pose
+// determines them: up is from the feet to the head, left from the right arm to the left one, and
+// forward is where the toes point.
 import { Matrix4, Quaternion, Vector3 } from 'three';
 import { Output, type Body } from 'styled-client';
 
@@ -17,7 +17,7 @@ export interface Joint {
 export interface Skeleton {
   body: Body;
   joints: Joint[];
-  /** Scene from body: metres, +Y up, +Z ahead, +X the body's left. */
+  /** Scene from body: metres, +Y up, +Z forward, +X the body's left. */
   scene: Matrix4;
   /** The T-pose in the body's own units and axes. */
   rest: { position: Vector3; rotation: Quaternion }[];
@@ -64,7 +64,7 @@ function restOf(body: Body): Skeleton['rest'] {
   return rest;
 }
 
-/** The signed axis that `v` is nearest to. */
+/** The signed axis nearest to `v`. */
 function axisOf(v: Vector3): Vector3 {
   const [x, y, z] = [Math.abs(v.x), Math.abs(v.y), Math.abs(v.z)];
   if (y >= x && y >= z) return new Vector3(0, Math.sign(v.y) || 1, 0);

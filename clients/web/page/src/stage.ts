@@ -1,4 +1,4 @@
-// The scene: who stands where, the camera, the picture.
+// The scene: the performers' places, the camera, the picture.
 import {
   CanvasTexture,
   Color,
@@ -22,11 +22,11 @@ import { PerformerOnStage, type View } from './performer.js';
 import { Sharpness } from './sharpness.js';
 
 const BACKGROUND = 0x0c0f13;
-const SEEN_MS = 3000; // between two looks at the clock; longer, and the page was hidden
+const SEEN_MS = 3000; // after a longer time between two frames, the page was hidden
 const HOME = new Vector3(0, 1.5, 5.05);
 const TARGET = new Vector3(0, 0.83, 0);
 
-// Drawn by the processor: every pixel counts.
+// Whether rendering is done in software, where every pixel is expensive.
 function isSoftware(renderer: WebGLRenderer): boolean {
   const gl = renderer.getContext();
   const info = gl.getExtension('WEBGL_debug_renderer_info');
@@ -34,7 +34,7 @@ function isSoftware(renderer: WebGLRenderer): boolean {
   return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
-// Darkness with a little light behind the stage.
+// A dark background with a little light behind the stage.
 function backdrop(): CanvasTexture {
   const canvas = h('canvas', { width: 64, height: 256 });
   const context = canvas.getContext('2d')!;
@@ -59,10 +59,10 @@ export class Stage {
   readonly performers = new Map<string, PerformerOnStage>();
   readonly view: View = { overlay: false, trails: true, contacts: true };
   selected = '';
-  /** Pictures of the last second. */
+  /** Frames drawn in the last second. */
   fps = 0;
   pictures = 0;
-  /** Somebody films: the picture keeps its size. */
+  /** A video is being recorded: the picture keeps its size. */
   steady = false;
   onSelect: (name: string) => void = () => {};
 
@@ -84,7 +84,7 @@ export class Stage {
     if (wanted !== 'high' && (wanted === 'low' || isSoftware(renderer))) {
       renderer.dispose();
       const canvas = h('canvas');
-      // Opaque: nothing behind it is drawn.
+      // Opaque, so that nothing behind it needs to be drawn.
       const context = canvas.getContext('webgl2', { alpha: false, antialias: false });
       renderer = new WebGLRenderer(context ? { canvas, context } : {});
       renderer.setPixelRatio(1);
@@ -136,7 +136,7 @@ export class Stage {
     this.camera.position.copy(this.orbit.target).add(offset);
   }
 
-  /** Who there is, in order; others leave. */
+  /** Sets the performers, in order; others are removed. */
   setPerformers(names: string[]): void {
     for (const [name, performer] of this.performers) {
       if (names.includes(name)) continue;
@@ -162,7 +162,7 @@ export class Stage {
     this.place(names);
   }
 
-  /** The selected one in front, the others in rows behind. */
+  /** Places the selected performer in front, the others in rows behind. */
   place(names: string[] = [...this.performers.keys()]): void {
     const others = names.filter((name) => name !== this.selected);
     const perRow = 3;
@@ -181,7 +181,7 @@ export class Stage {
     if (clientWidth === 0 || clientHeight === 0) return;
     this.renderer.setSize(clientWidth, clientHeight);
     this.camera.aspect = clientWidth / clientHeight;
-    // Two floors side by side fit, however narrow.
+    // Two floors side by side must fit into a picture of any width.
     this.camera.fov = clamp(34 * Math.max(1, 1.5 / this.camera.aspect), 30, 60);
     this.camera.updateProjectionMatrix();
   }
@@ -233,7 +233,7 @@ export class Stage {
     }
   }
 
-  /** Fewer pixels where the processor draws and cannot keep up, more again when it can. */
+  /** With software rendering, adapts the resolution to the achieved frame rate. */
   private spare(): void {
     if (this.steady || this.detail !== COARSE) return;
     const ratio = this.sharpness.next(this.fps);

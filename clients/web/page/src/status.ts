@@ -1,12 +1,12 @@
-// The bar above, messages, and what is wrong when something is.
+// The top bar, messages, and the current problem.
 import type { App } from './app.js';
 import { h, setText } from './dom.js';
 import type { Stage } from './stage.js';
 
 const MESSAGE_MS = 4000;
-const READ_MS = 60; // a letter
+const READ_MS = 60; // reading time per letter
 
-/** What stands in the way, or '' when all is well. `kind`: for the colour of the light. */
+/** The current problem, or '' if there is none. `kind`: selects the colour of the light. */
 function trouble(app: App): { kind: 'ok' | 'wait' | 'bad'; title: string; text: string } {
   const { linkState: link, daemonState: daemon } = app.client;
   if (link.kind === 'refused') {
@@ -58,7 +58,7 @@ export function toast(app: App): HTMLElement {
     timer = window.setTimeout(() => box.classList.remove('shown'), Math.max(MESSAGE_MS, READ_MS * text.length));
   };
   app.client.on('complaint', (text, unknown) => {
-    // Whom the daemon lists is silent, as the list says, and not misspelt.
+    // A performer that the daemon lists is not misspelt, only silent; the list shows that already.
     if (unknown && app.performers().some(({ performer }) => performer === unknown)) return;
     app.onMessage(text, true);
   });

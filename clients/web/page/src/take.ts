@@ -1,20 +1,21 @@
-// What a recording holds: poses as they came, and the even grid of time that a BVH file wants them on.
+// The contents of a recording: poses as received, and the uniform time grid that a BVH file needs.
 import type { Body, Frame } from 'styled-client';
 
-const PIECE = 256; // poses kept in one array
-const MOMENT = 4; // numbers that say when a pose was
-const DISAGREE_S = 0.5; // between two clocks, over one step: the rig's began anew
-const FORGET = 0.9; // of what a pose is early or late, the share that the next one is told
+const PIECE = 256; // poses per array
+const MOMENT = 4; // numbers per pose that describe its time
+const DISAGREE_S = 0.5; // if two clocks differ by more over one step, the rig's clock restarted
+const FORGET = 0.9; // fraction of a pose's timing error that is carried over to the next one
 const SAME_RATE = 4e-4;
 
 /** The poses of one stream, in order. A pose: 3 of the root, then 4 (x, y, z, w) per joint. */
 export class Track {
   readonly width: number;
   length = 0;
-  /** Frames that the daemon published and that did not get here, by their sequence. */
+  /** Published frames that did not arrive, by gaps in `sequence`. */
   missed = 0;
   private readonly poses: Float32Array[] = [];
-  // MOMENT of each: sequence, seconds of the rig, of the daemon, the rig's own sequence
+  // MOMENT numbers each: sequence, the rig's time (s), the daemon's time (s), the rig's own
+  // sequence
   private readonly moments: Float64Array[] = [];
 
   constructor(joints: number) {
@@ -25,7 +26,7 @@ export class Track {
     return this.poses.length * PIECE * (4 * this.width + 8 * MOMENT);
   }
 
-  /** False where it is not newer than the last. */
+  /** False if it is not newer than the last one. */
   add(frame: Frame): boolean {
     const sequence = Number(frame.sequence);
     if (this.length > 0) {
@@ -77,12 +78,12 @@ export interface Take {
   styled: Track;
 }
 
-/** Where every pose of the tracks stands in even steps of 1/rate_hz, and the steps that all have. */
+/** The index of each pose of the tracks on a grid of 1/rate_hz, and the range that all tracks cover. */
 export interface Grid {
   rate_hz: number;
   first: number;
   frames: number;
-  /** Of each track, of each pose. */
+  /** By track, by pose. */
   slots: number[][];
 }
 
@@ -92,7 +93,7 @@ interface Moment {
   daemon_s: number;
 }
 
-// Of all tracks, each sequence once: the same one has the same times everywhere.
+// The moments of all tracks, each sequence once: its times are the same in every track.
 function momentsOf(tracks: Track[]): Moment[] {
   const moments = new Map<number, Moment>();
   for (const track of tracks) {
@@ -104,14 +105,16 @@ function momentsOf(tracks: Track[]): Moment[] {
   return [...moments.values()].sort((a, b) => a.sequence - b.sequence);
 }
 
-// By the rig's clock, which has no network in it; by the daemon's where the rig's stands or jumps.
+// By the rig's clock, which contains no network jitter; by the daemon's if the rig's stands still
+// or jumps.
 function step_s(a: Moment, b: Moment): number {
   const rig = b.rig_s - a.rig_s, daemon = b.daemon_s - a.daemon_s;
   return rig > 0 && Math.abs(rig - daemon) < DISAGREE_S ? rig : Math.max(0, daemon);
 }
 
-// "120" for 119.998: a whole rate, or one of NTSC's, where over all `steps` that makes less than half a
-// step of difference. Otherwise as it is: a file's time is to be true to its end.
+// The nominal rate: "120" for 119.998. An integer or an NTSC rate, if over all `steps` the
+// difference is less than half a step; otherwise the rate is kept, so that the file's time is
+// correct to its end.
 function rateMeant(rate_hz: number, steps: number): number {
   const ntsc_hz = (Math.round(rate_hz * 1.001) * 1000) / 1001;
   for (const meant_hz of [Math.round(rate_hz), ntsc_hz]) {
@@ -122,8 +125,8 @@ function rateMeant(rate_hz: number, steps: number): number {
 }
 
 /**
- * The grid of tracks of one take; undefined where there are not two poses. The step is the median one;
- * every pose has a step of its own, and as many are left free before it as time, or the sequence, says.
+ * The grid for the tracks of one take; undefined with fewer than two poses. The grid's step is the median
+ * step. Every pose gets its own grid index; the gap before it follows from its time, or its sequence.
  */
 export function gridOf(tracks: Track[]): Grid | undefined {
   const moments = momentsOf(tracks);
@@ -138,7 +141,7 @@ export function gridOf(tracks: Track[]): Grid | undefined {
   steps_s.forEach((step, i) => {
     const sequences = moments[i + 1]!.sequence - moments[i]!.sequence;
     const steps = Math.max(sequences, Math.round((step + late_s) / usual_s));
-    // A pose that jitters is early or late once; the next one is measured from where it should have been.
+    // Jitter must not accumulate: the next pose is measured from this one's expected time.
     late_s = FORGET * (step + late_s - steps * usual_s);
     slot += steps;
     whole_s += step;
@@ -151,19 +154,19 @@ export function gridOf(tracks: Track[]): Grid | undefined {
   return { rate_hz: rateMeant(slot / whole_s, slot), first, frames: Math.max(0, last - first + 1), slots };
 }
 
-/** How many steps of the grid have no pose of the track. */
+/** The number of grid steps without a pose of the track. */
 export function filledIn(grid: Grid, track: number): number {
   const { first, frames } = grid;
   return frames - grid.slots[track]!.filter((slot) => slot >= first && slot < first + frames).length;
 }
 
-/** Of the steps that have no pose, how many by what is known of them. */
+/** The number of steps without a pose, by cause. */
 export interface Causes {
-  /** The daemon published them: its sequence has a gap. */
+  /** Published by the daemon, but not received: its sequence has a gap. */
   unreached: number;
-  /** The rig numbered them, and the daemon published none. */
+  /** Numbered by the rig, but not published by the daemon. */
   unpublished: number;
-  /** Neither: time passed, and no number is missing. */
+  /** Neither: time passed, but no number is missing. */
   unnumbered: number;
 }
 
@@ -174,7 +177,7 @@ export function causesOf(grid: Grid, index: number, track: Track): Causes {
     published: track.sequence(i + 1) - track.sequence(i),
     numbered: track.sourceSequence(i + 1) - track.sourceSequence(i),
   }));
-  // A rig of several performers may number the frames of all in one row.
+  // A rig with several performers may number the frames of all in one sequence.
   const each = steps.map(({ published, numbered }) => numbered / published).sort((a, b) => a - b);
   const usual = each[Math.floor(each.length / 2)] ?? 0;
   const causes: Causes = { unreached: 0, unpublished: 0, unnumbered: 0 };
@@ -191,7 +194,7 @@ export function causesOf(grid: Grid, index: number, track: Track): Causes {
   return causes;
 }
 
-/** `causes` in words; '' where nothing was filled in. */
+/** `causes` in words; '' if nothing was filled in. */
 export function causesInWords({ unreached, unpublished, unnumbered }: Causes): string {
   return [
     unreached && `${unreached} did not reach this page`,
@@ -201,7 +204,8 @@ export function causesInWords({ unreached, unpublished, unnumbered }: Causes): s
   ].filter((part) => part).join('; ');
 }
 
-// The pose at `share` of the way from a to b: straight for the root, the shorter arc for joints.
+// Interpolates from a to b at fraction `share`: linearly for the root, on the shorter arc for
+// joints.
 function between(a: Float32Array, b: Float32Array, share: number): Float64Array {
   const pose = new Float64Array(a.length);
   for (let i = 0; i < 3; ++i) pose[i] = a[i]! + share * (b[i]! - a[i]!);
@@ -220,7 +224,7 @@ function between(a: Float32Array, b: Float32Array, share: number): Float64Array 
   return pose;
 }
 
-/** One pose per step of the grid: as it came, or interpolated between its neighbors. */
+/** One pose per grid step: as received, or interpolated between its neighbors. */
 export function* posesOn(grid: Grid, index: number, track: Track): Generator<Float32Array | Float64Array> {
   const slots = grid.slots[index]!;
   let after = 0;

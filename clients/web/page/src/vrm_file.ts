@@ -1,6 +1,6 @@
-// What of a .vrm file can be told from its bytes alone, before a library stumbles over it.
+// Checks a .vrm file by its bytes only, before a library fails on it.
 
-// Without which there is no humanoid, in VRM 0.x and 1.0 alike.
+// The bones that a humanoid requires, in VRM 0.x and 1.0 alike.
 const REQUIRED = [
   'hips', 'spine', 'head',
   'leftUpperArm', 'leftLowerArm', 'leftHand', 'rightUpperArm', 'rightLowerArm', 'rightHand',
@@ -13,7 +13,7 @@ type Fields = Record<string, unknown>;
 const isFields = (value: unknown): value is Fields => typeof value === 'object' && value !== null;
 const fieldsOf = (value: unknown): Fields => (isFields(value) ? value : {});
 
-// Which bones the file has; undefined where it has no humanoid.
+// The bones of the file; undefined if it has no humanoid.
 function bonesOf(gltf: unknown): Set<string> | undefined {
   const extensions = fieldsOf(fieldsOf(gltf).extensions);
   const { humanBones } = fieldsOf(fieldsOf(extensions.VRMC_vrm ?? extensions.VRM).humanoid);
@@ -48,13 +48,13 @@ function sentence(name: string, [what, words]: [string, string?]): string {
   return `${name} ${what}; ${WANTED}${words ? ` (${words})` : ''}`;
 }
 
-/** What is wrong with the file, in a sentence; '' where nothing is seen. */
+/** What is wrong with the file, in a sentence; '' if no problem is found. */
 export function vrmFault(name: string, bytes: ArrayBuffer): string {
   const wrong = wrongIn(bytes);
   return wrong ? sentence(name, wrong) : '';
 }
 
-/** The same of a file that a library could not read, with the library's own words. */
+/** The same for a file that a library could not read, with the library's message. */
 export function unreadable(name: string, error: unknown): string {
   return sentence(name, ['cannot be read, something in it is damaged', error instanceof Error ? error.message : String(error)]);
 }

@@ -1,4 +1,4 @@
-// The BVH writer against three.js' reader, and against our own forward kinematics.
+// The BVH writer, compared with three.js' reader and with the client's forward kinematics.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Euler, Quaternion } from 'three';

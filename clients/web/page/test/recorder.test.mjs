@@ -1,4 +1,4 @@
-// The recorder with the real client, in front of a gateway that says what a test tells it to.
+// The recorder with the real client and a fake gateway that sends what a test specifies.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { create, toBinary } from '@bufbuild/protobuf';

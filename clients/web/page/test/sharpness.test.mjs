@@ -1,4 +1,4 @@
-// How sharp the picture is where the processor draws.
+// The resolution with software rendering.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
@@ -37,7 +37,7 @@ test('neither quick nor slow, or quick only now and then, changes nothing', () =
 test('a step that was too much is tried ever more rarely', () => {
   const sharpness = new Sharpness(1);
   let ratio = sharpness.next(20), changes = 0;
-  // A machine that is quick below full size, and slow at it.
+  // A machine that is fast below full resolution, and slow at it.
   for (let second = 0; second < 600; ++second) {
     const next = sharpness.next(ratio > 0.95 ? 20 : 60);
     if (next !== ratio) ++changes;

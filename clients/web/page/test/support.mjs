@@ -1,4 +1,4 @@
-// Bodies and motion made up for tests, and BVH as three.js reads it, which knows nothing of our writer.
+// Synthetic bodies and motion, and BVH read by three.js, which is independent of the page's writer.
 import { create } from '@bufbuild/protobuf';
 import { Vector3 } from 'three';
 import { BVHLoader } from 'three/examples/jsm/loaders/BVHLoader.js';
@@ -9,7 +9,7 @@ export function randomOf(seed) {
   return () => (state = (state * 48271) % 2147483647) / 2147483647;
 }
 
-/** Joints whose order is not depth first, in metres. */
+/** A body whose joints are not in depth-first order, in metres. */
 export function makeBody(fields = {}) {
   const parents = [-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 3];
   const random = randomOf(7);
@@ -28,13 +28,13 @@ export function makeFrame(body, sequence, fields = {}) {
   });
 }
 
-/** The quaternion of a turn about an axis of any length. */
+/** The quaternion of a rotation about an axis of any length. */
 export function turn([x, y, z], angle) {
   const s = Math.sin(angle / 2) / Math.hypot(x, y, z);
   return [x * s, y * s, z * s, Math.cos(angle / 2)];
 }
 
-/** What the file says: a name's world position in a frame, how many frames, their step. */
+/** Reads the file: a joint's world position in a frame, the number of frames, their step. */
 export function readBvh(text) {
   const { skeleton, clip } = new BVHLoader().parse(text);
   const bones = skeleton.bones.filter(({ name }) => name !== 'ENDSITE');

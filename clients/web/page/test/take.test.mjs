@@ -1,4 +1,4 @@
-// Where poses stand in time, and what is put where there are none.
+// The times of poses, and what fills the gaps between them.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
@@ -8,7 +8,7 @@ import { makeBody, makeFrame, randomOf, turn } from './support.mjs';
 const body = makeBody();
 const ns = (seconds) => BigInt(Math.round(seconds * 1e9));
 
-// [sequence, seconds of the rig, seconds of the daemon]; the root's x is the time.
+// [sequence, the rig's time (s), the daemon's time (s)]; the root's x is the time.
 function trackOf(moments) {
   const track = new Track(body.names.length);
   for (const [sequence, rig_s, daemon_s = rig_s + 5] of moments) {
@@ -45,14 +45,14 @@ test('frames that the rig lost leave no gap in the sequence; time tells', () => 
 });
 
 test('why there is no pose: by the numbers of the daemon and of the rig, and by time alone', () => {
-  // A rig of two performers that numbers all of its frames in one row, at 100 Hz.
+  // A rig with two performers that numbers all frames in one sequence, at 100 Hz.
   const track = new Track(body.names.length);
   let sequence = 0;
   for (const i of range(300)) {
-    if (i === 40 || i === 41) continue; // numbered by the rig, unknown to the daemon
-    const late = i >= 200 ? 3 : 0; // the rig pauses, and counts on
+    if (i === 40 || i === 41) continue; // numbered by the rig, not published by the daemon
+    const late = i >= 200 ? 3 : 0; // the rig pauses, and its numbers continue
     ++sequence;
-    if ([100, 101, 102, 103, 296].includes(i)) continue; // published, and not here
+    if ([100, 101, 102, 103, 296].includes(i)) continue; // published, not received
     track.add(makeFrame(body, sequence, {
       sourceSequence: BigInt(70 + 2 * i), sourceTimeNs: ns((i + late) / 100), receiveTimeNs: ns(5 + (i + late) / 100),
     }));
@@ -62,7 +62,7 @@ test('why there is no pose: by the numbers of the daemon and of the rig, and by 
   assert.deepEqual(causes, { unreached: 5, unpublished: 2, unnumbered: 3 });
   assert.equal(filledIn(grid, 0), 10);
   assert.match(causesInWords(causes), /^5 did not reach this page; 2 never left the daemon: lost on the way .* too late; 3 where/);
-  // Of what is not in the file nothing is said.
+  // Gaps outside the file are not counted.
   const early = { ...grid, frames: 60 };
   assert.deepEqual(causesOf(early, 0, track), { unreached: 0, unpublished: 2, unnumbered: 0 });
 });

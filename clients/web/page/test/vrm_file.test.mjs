@@ -1,4 +1,4 @@
-// What is said of a file that is no avatar.
+// Messages for files that are not avatars.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
