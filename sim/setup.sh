@@ -3,7 +3,7 @@
 #   sim/setup.sh run            what the daemon, the simulator and the clients need
 #   sim/setup.sh test           the same, and the tests
 #   sim/setup.sh train          the same, and libtorch for styletrain and styleeval
-# Without apt-get or root it only says what is missing. Meant to be sourced too: it defines
+# Without apt-get or root it only prints what is missing. It can also be sourced: it defines
 # styled_install LEVEL (there is one more: package, for systemd/packages.sh) and
 # styled_build PRESET [CMAKE OPTIONS...], which builds $styled_targets (default: everything).
 
@@ -25,7 +25,8 @@ styled_install() {
     [ "$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null)" = "install ok installed" ] ||
       missing+=("$package")
   done
-  # For styleweb's page. Not by package: a newer node of another origin brings its own npm.
+  # For styleweb's page. Checks for the command, not the package: node from another source has its
+  # own npm.
   command -v npm >/dev/null || missing+=(nodejs npm)
   [ ${#missing[@]} -eq 0 ] && return 0
   local sudo=()
@@ -46,8 +47,8 @@ styled_install() {
       apt-get install -q -y --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# Ninja's output in, how far it is out: on a terminal one line that is rewritten, else a line for
-# every tenth of the steps.
+# Reads Ninja's output and prints the progress: on a terminal one line that is rewritten, else a
+# line per tenth of the steps.
 styled_progress() {
   local line step steps percent shown=-1
   while IFS= read -r line; do

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds the Debian packages: styled, styled-tools, styled-web, libstyled-client-dev, python3-styled.
 #   systemd/packages.sh [BUILD [CMAKE OPTIONS...]]
-#     BUILD  a folder to build in, new or not; default build/package. The packages are put there.
-# Installs what is missing (sim/setup.sh). DEBFULLNAME and DEBEMAIL, where set, are the maintainer.
+#     BUILD  the build folder, new or existing; default build/package. The packages are written there.
+# Installs what is missing (sim/setup.sh). DEBFULLNAME and DEBEMAIL, if set, name the maintainer.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/sim/setup.sh"

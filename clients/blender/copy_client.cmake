@@ -1,2 +1,2 @@
-# The Python client as it was built, without what python3 left beside it.
+# Copies the built Python client without python3's cache files.
 file(COPY ${FROM} DESTINATION ${TO} PATTERN __pycache__ EXCLUDE)

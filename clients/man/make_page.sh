@@ -1,6 +1,7 @@
 #!/bin/sh
-# make_page.sh PROGRAM PAGE VERSION: the page as scdoc wants it. @VERSION@ becomes VERSION; the line
-# @OPTIONS@ becomes what PROGRAM says to --help, and each of its commands; a line @FILE path@ that file.
+# make_page.sh PROGRAM PAGE VERSION: prints the page as input for scdoc. @VERSION@ becomes VERSION;
+# the line @OPTIONS@ becomes the --help of PROGRAM and of each of its commands; a line @FILE path@
+# becomes that file.
 set -eu
 program=$1 page=$2 version=$3
 here=$(dirname "$0")

@@ -1,6 +1,6 @@
-# From what a program of ours says to --help (CLI11's format): its options, positionals and commands as
-# scdoc, each name with its text below. Variable `want`: "options", "more" (the same without --help), or
-# "commands" (their names alone).
+# Converts a program's --help (CLI11's format) to scdoc: its options, positionals and commands, each
+# name with its text below. Variable `want`: "options", "more" (the same without --help), or
+# "commands" (only their names).
 function escape(text) {
   gsub(/\\/, "\\\\", text)
   gsub(/[*_<>`#~\[\]]/, "\\\\&", text)
@@ -45,7 +45,7 @@ END {
       if (line != "") known = 0
     } else if (known && line ~ /^  [^ ]/) {
       flush()
-      # The text stands from column 31 on, or below where the name is longer.
+      # The text starts at column 31, or on the next line if the name is longer.
       if (substr(lines[i + 1], 1, 30) == blank || length(line) < 31) {
         head = substr(line, 3)
       } else {

@@ -1,16 +1,17 @@
-# Completion of Styled's programs in bash, on file names, options, commands; on styles, presets and
-# performers of the daemon that runs. What can be completed is asked of the programs themselves (--help),
-# so it is never older than they are.
+# Bash completion for Styled's programs: file names, options and commands; styles, presets and
+# performers of the running daemon. Options and commands come from the programs' --help, so they are
+# always current.
 
 declare -gA _styled_said=()
 
-# What "$@" --help says, into REPLY; asked once in a session.
+# Stores the output of "$@" --help in REPLY; runs it once per session.
 _styled_ask_help() {
   [[ -n ${_styled_said["$*"]-} ]] || _styled_said["$*"]=$("$@" --help 2>/dev/null)
   REPLY=${_styled_said["$*"]}
 }
 
-# The help of a program, into REPLY; of the command among its words first, if there is one.
+# Stores a program's help in REPLY, preceded by that of the command among its words, if there is
+# one.
 _styled_help() {
   local program=$1 word all
   shift
@@ -25,18 +26,17 @@ _styled_help() {
   done
 }
 
-# Of a help text: every option, and every command.
+# All options and commands of a help text.
 _styled_options() {
   awk '/^(Options|Subcommands):/{on=1; next} /^[^ ]/{on=0}
        on && /^  [^ ]/{sub(/\{false\}/, "", $1); gsub(/\{false\},?/, ",", $1)
                        n = split($1, names, ","); for (i = 1; i <= n; ++i) if (names[i] != "") print names[i]}'
 }
 
-# Of a help text: every command.
+# All commands of a help text.
 _styled_commands() { awk '/^Subcommands:/{on=1; next} /^[^ ]/{on=0} on && /^  [^ ]/{print $1}'; }
 
-# Of a help text: the words that the option $1 may be followed by, where it names them: {t,n}, or
-# ": native, mocopi, mvn".
+# The values of option $1 in a help text, if it lists them: {t,n}, or ": native, mocopi, mvn".
 _styled_choices() {
   awk -v option="$1" '
     function look() {
@@ -54,7 +54,7 @@ _styled_choices() {
     END{look()}'
 }
 
-# What the daemon says. Silence where there is none.
+# Queries the daemon; prints nothing if there is none.
 _styled_ask() { "${_styled_folder}stylectl" --timeout 0.5 --json "$1" 2>/dev/null; }
 _styled_styles() { _styled_ask list | sed 's/.*"styles"://' | _styled_values name; }
 _styled_presets() { _styled_ask list | sed 's/.*"presets"://; s/"styles":.*//' | _styled_values name; }
@@ -69,7 +69,7 @@ _styled_complete() {
   COMPREPLY=()
   _styled_help "$program" "${COMP_WORDS[@]:1:COMP_CWORD-1}"
   help=$REPLY
-  # The command among the words, and what stands alone behind it.
+  # The command among the words, and the positional arguments after it.
   local command= commands at
   local -a alone=()
   _styled_ask_help "$program"
@@ -120,7 +120,7 @@ _styled_complete() {
   if [[ $current == -* || (-z $words && -z $files) ]]; then
     words+=$'\n'$(_styled_options <<<"$help")
   fi
-  # No compgen -W: it would expand what a daemon calls its styles.
+  # Not compgen -W: it would perform shell expansion on the daemon's names.
   while IFS= read -r word; do
     [[ -n $word && $word == "$current"* ]] && COMPREPLY+=("$(printf %q "$word")")
   done < <(tr ' ' '\n' <<<"$words")

@@ -1,4 +1,4 @@
-# Puts protoc's modules of proto.styled.v1 in FROM into the package styled.v1 in TO.
+# Moves protoc's modules of proto.styled.v1 from FROM to the package styled.v1 in TO.
 file(GLOB modules RELATIVE ${FROM} ${FROM}/*_pb2.py)
 foreach(module ${modules})
   file(READ ${FROM}/${module} text)

@@ -1,7 +1,8 @@
 #!/bin/sh
-# build_page.sh CLIENTS ROOT BUILD OUT: the client library and the page, built in BUILD from a copy of
-# the sources in CLIENTS (ROOT/proto has the messages); the page is put in OUT. Packages are fetched
-# from npm when package-lock.json has changed; where they cannot be, that is said, and there is no page.
+# build_page.sh CLIENTS ROOT BUILD OUT: builds the client library and the page in BUILD from a copy
+# of the sources in CLIENTS (ROOT/proto contains the messages), and copies the page to OUT. Packages
+# are fetched from npm when package-lock.json has changed; if that fails, a message is printed and
+# no page is built.
 set -eu
 clients=$1 root=$2 build=$3 out=$4
 mkdir -p "$build"

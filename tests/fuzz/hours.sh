@@ -1,11 +1,10 @@
 #!/usr/bin/env bash
 # Fuzzes every parser with libFuzzer under ASan and UBSan, for as long as you like:
 #   tests/fuzz/hours.sh [MINUTES=10 [JOBS=1 [TARGET...]]]
-# MINUTES of each target, JOBS at once. What was found interesting stays in build/fuzz/corpus, so
-# that the next run goes on from there; build/fuzz/hours.tsv keeps every run: when, target, seconds,
-# inputs, coverage, exit code. Ends with a table of all runs so far. Exit code 1 where an input was
-# found that fails: it lies in build/fuzz/found/TARGET, and the log beside it says why. STYLED_CMAKE:
-# more options for CMake.
+# MINUTES per target, JOBS at once. Interesting inputs stay in build/fuzz/corpus, from where the
+# next run continues; build/fuzz/hours.tsv lists every run: time, target, seconds, inputs, coverage,
+# exit code. It ends with a table of all runs so far. Exit code 1 if a failing input was found: it
+# is stored in build/fuzz/found/TARGET, with a log beside it. STYLED_CMAKE: more options for CMake.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 minutes=${1:-10} jobs=${2:-1}
@@ -23,7 +22,7 @@ cmake -S "$root" -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++-16 -DCMAKE_BU
   tail -n 20 "$build.log" >&2
   exit 1
 }
-# As ctest knows them: the command line of each ends with its seeds.
+# The targets from ctest: the command line of each ends with its seeds.
 list=$build/targets.json
 look() { (cd "$build" && ctest -N --show-only=json-v1 -L fuzz) >"$list"; }
 look
@@ -46,12 +45,12 @@ for target in "${targets[@]}"; do
     exit 2
   }
 done
-# A target builds what writes its seeds.
+# A target also builds the program that writes its seeds.
 if ! { ninja -C "$build" "${targets[@]}" && (cd "$build" && ctest -R "$seeds"); } >>"$build.log" 2>&1; then
   tail -n 20 "$build.log" >&2
   exit 1
 fi
-look  # what is built has a command line now
+look  # built targets now have a command line
 
 fuzz() {
   local target=$1 corpus=$build/corpus/$1 found=$build/found/$1 code=0 begin=$SECONDS

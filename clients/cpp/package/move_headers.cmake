@@ -1,5 +1,5 @@
-# Puts the client's public headers of SOURCE, and protoc's of GENERATED, into TREE, and the example
-# to EXAMPLE, with includes as they are where they are installed:
+# Copies the client's public headers from SOURCE, and protoc's from GENERATED, to TREE, and the
+# example to EXAMPLE, and rewrites their includes to the installed paths:
 #   clients/cpp/*.h       <styled/client/*.h>        model/body/humanoid.h  <styled/body/humanoid.h>
 #   model/base/*.h        <styled/base/*.h>          proto/styled/v1/*      <styled/v1/*>
 function(move from to)

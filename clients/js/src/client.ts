@@ -73,8 +73,8 @@ export interface ClientOptions {
 
 type Mode = 'everyFrame' | 'latest';
 
-// The position of one kind of subscriber in a stream. Both kinds may be subscribed at once, and a frame
-// delivered to one of them may still be pending for the other.
+// The position of one kind of subscriber in a stream. Both kinds may be subscribed at once, and a
+// frame delivered to one of them may still be pending for the other.
 class Reader {
   users = 0;
   sinceLast = 0; // arrived since the last one that was delivered
@@ -245,8 +245,8 @@ export class StyledClient {
     return this.bodies.get(performer)?.filter((body) => body.output === output).at(-1);
   }
 
-  // ---- Control. Each call rejects with RefusedError or NoAnswerError, or with TypeError (before anything
-  // is sent) for an invalid argument. `performer` is SOURCE.NAME or "*", all performers.
+  // ---- Control. Each call rejects with RefusedError or NoAnswerError, or with TypeError (before
+  // anything is sent) for an invalid argument. `performer` is SOURCE.NAME or "*", all performers.
 
   async list(): Promise<ListReply> {
     return (await this.ask({ command: { case: 'list', value: {} } })).list!;
@@ -382,7 +382,8 @@ export class StyledClient {
     };
   }
 
-  // A misspelt name would cause silence; so a complaint is emitted once the daemon has had time to reply.
+  // A misspelt name would cause silence; so a complaint is emitted once the daemon has had time to
+  // reply.
   private await(performer: string): void {
     if (!this.daemonState_.up || this.bodies.has(performer) || this.awaited.has(performer)) return;
     this.awaited.set(performer, setTimeout(() => {
@@ -489,7 +490,8 @@ export class StyledClient {
     if (wrong) return this.emit('complaint', `body of ${performer}: ${wrong}`);
     const known = this.bodies.get(performer) ?? [];
     if (known.some((other) => other.hash === body.hash && other.output === body.output)) return;
-    // Keeps the bodies of all outputs, and their previous ones: frames of those may still be in transit.
+    // Keeps the bodies of all outputs, and their previous ones: frames of those may still be in
+    // transit.
     this.bodies.set(performer, [...known.slice(1 - MAX_BODIES), body]);
     this.emit('body', body);
   }
