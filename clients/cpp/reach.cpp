@@ -319,6 +319,7 @@ Shake TryKeys(const std::string& endpoint, zmq::socket_type type, const Curve& c
     heard += size;
     if (heard > kMaxHeard) return Shake::kNothing;
   }
+  // More than a greeting: the server could decrypt our HELLO, so its public key is the given one.
   if (heard > kGreeting) return Shake::kWelcomed;
   return closed ? Shake::kRefused : Shake::kNothing;
 }

@@ -424,6 +424,8 @@ int Subscriber::ReceiveLatest(milliseconds timeout, std::vector<Update>& out) {
       ++count;
       continue;
     }
+    // The newer update takes the slot of the older one. What the older frame reported as missed or
+    // skipped was lost before the newer one, too.
     const Update& superseded = out[older];
     if (update.kind == Update::Kind::kFrame) {
       out[count].missed += superseded.missed;

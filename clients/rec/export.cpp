@@ -20,6 +20,7 @@ double RateMeant(const std::vector<double>& times_s) {
   const double rate_hz = 1 / *middle;
   const double whole_hz = std::round(rate_hz);
   const double ntsc_hz = std::round(rate_hz * 1.001) * 1000.0 / 1001.0;
+  // An integer rate and its NTSC neighbour differ by 1e-3, so at most one is within 4e-4.
   for (const double meant_hz : {whole_hz, ntsc_hz}) {
     if (meant_hz >= 1 && std::abs(rate_hz / meant_hz - 1) < 4e-4) return meant_hz;
   }

@@ -127,6 +127,7 @@ class Timeline {
     if (first) {
       begin_ns_ = frame.time_ns;
     } else if (frame.time_ns <= last_ns_ || frame.time_ns - last_ns_ > kJump_ns) {
+      // The clock restarted: continue by the time between the arrivals, at least 1 ms.
       ++restarts;
       const std::int64_t silence_ns =
           std::max<std::int64_t>(frame.arrival_ns - arrival_ns_, 1'000'000);

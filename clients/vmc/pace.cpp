@@ -31,6 +31,7 @@ bool RateCap::IsDue(std::uint64_t source_time_ns) {
 }
 
 bool RateCap::Take(std::uint64_t source_time_ns, std::int64_t now_ns) {
+  // Token bucket by arrival time: refilled at kHurry times the rate, holds at most kBurst frames.
   const double passed_ns = refilled_ns_ == 0 ? 0.0 : static_cast<double>(now_ns - refilled_ns_);
   refilled_ns_ = now_ns;
   allowance_ = std::min(kBurst, allowance_ + kHurry * passed_ns / static_cast<double>(period_ns_));
@@ -43,6 +44,7 @@ float Timeline::Seconds(std::uint64_t source_time_ns, std::int64_t now_ns) {
   if (started_) {
     const std::int64_t passed_ns = now_ns - last_now_ns_;
     std::int64_t step_ns = Difference(source_time_ns, last_source_ns_);
+    // The source's clock went back, stood still or jumped: advance by the local time instead.
     if (step_ns <= 0 || step_ns > passed_ns + kLargestJump_ns) {
       step_ns = std::max(passed_ns, kLeast_ns);
     }

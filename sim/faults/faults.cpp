@@ -127,6 +127,8 @@ std::uint32_t Faults::Choose(std::uint32_t below) noexcept {
 }
 
 Fault Faults::Draw() noexcept {
+  // Inverts the cumulative distribution: `at` falls into the interval of one fault, or of none. A
+  // frame that must have no fault draws as well, so that each Draw() uses one random number.
   double at = Uniform(random_);
   Fault fault = Fault::kNone;
   for (std::size_t i = 1; i < spec_.probability.size() && fault == Fault::kNone; ++i) {
@@ -149,6 +151,8 @@ double Faults::DrawJitter_s() noexcept {
 
 double Faults::ClockError_s(double true_s, Fault fault) noexcept {
   if (fault == Fault::kStep) stepped_s_ += spec_.step_s;
+  // The steps are limited, and not only the result: a clock that was set back to 0 runs on from
+  // there.
   const double drift_s = true_s * spec_.drift_ppm * 1e-6;
   stepped_s_ = std::max(stepped_s_, -true_s - drift_s);
   return std::max(drift_s + stepped_s_, -true_s);

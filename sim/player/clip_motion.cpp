@@ -93,6 +93,7 @@ Motion::Step ClipMotion::Next(rig::RigPose& pose) {
   pose.rotations[0] = turn_ * pose.rotations[0];
   const double share = static_cast<double>(frame_) / (kSeam_s * options_.rate_hz);
   if (!seam_.empty() && share < 1) {
+    // 1 - (6 s^5 - 15 s^4 + 10 s^3) fades with zero velocity and acceleration at both ends.
     const double faded = 1 - share * share * share * (10 + share * (6 * share - 15));
     const auto weight = static_cast<float>(faded);
     for (std::size_t j = 0; j < seam_.size(); ++j) {

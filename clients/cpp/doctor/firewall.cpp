@@ -95,6 +95,8 @@ class Walk {
   }
 
   End RunRule(const json& expressions, const std::string& chain, Match path, int depth) {
+    // nft evaluates expressions from left to right: a verdict applies if all matches before it
+    // hold.
     Match matches = Match::kYes;
     for (const auto& expression : expressions) {
       if (!expression.is_object() || expression.empty()) continue;

@@ -19,7 +19,8 @@ std::string Lower(std::string_view text) {
 int Distance(std::string_view a, std::string_view b) {
   const std::string from = Lower(a), to = Lower(b);
   const std::size_t width = to.size() + 1;
-  // Distance table of "optimal string alignment"
+  // The distance table of "optimal string alignment": at(i, k) is the distance of the first i
+  // characters of `from` to the first k of `to`.
   std::vector<int> cells((from.size() + 1) * width);
   const auto at = [&](std::size_t i, std::size_t k) -> int& { return cells[i * width + k]; };
   for (std::size_t i = 0; i <= from.size(); ++i) at(i, 0) = static_cast<int>(i);
