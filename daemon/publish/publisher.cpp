@@ -33,7 +33,7 @@ class ZmqPublisher final : public Publisher {
       if (zmq_msg_recv(&message_, socket_.get(), ZMQ_DONTWAIT) < 0) return false;
       const auto* data = static_cast<const char*>(zmq_msg_data(&message_));
       const std::size_t size = zmq_msg_size(&message_);
-      // libzmq passes on what else a peer sends; nobody has a reason to.
+      // libzmq also passes on other messages of a subscriber; none is expected.
       if (size == 0 || (data[0] != 0 && data[0] != 1) || zmq_msg_more(&message_) != 0) {
         counters_.Add(Counter::kPublishBadMessages);
         continue;
@@ -49,7 +49,7 @@ class ZmqPublisher final : public Publisher {
   int fd() const override { return socket_.Get(ZMQ_FD); }
 
  private:
-  // Whose subscription the message is, and by which connection it came: libzmq keeps both with it.
+  // Notes the sender of the subscription and its connection; libzmq attaches both to the message.
   void NoteSubscriber() {
     const char* const key = zmq_msg_gets(&message_, "User-Id");
     const int connection = zmq_msg_get(&message_, ZMQ_SRCFD);
@@ -75,7 +75,8 @@ Result<std::unique_ptr<Publisher>> MakeZmqPublisher(void* context, const config:
   socket.Set(ZMQ_SNDBUF, config.send_buffer_bytes);
   socket.Set(ZMQ_LINGER, 100);
   socket.Set(ZMQ_HANDSHAKE_IVL, 1000);
-  socket.Set(ZMQ_MAXMSGSIZE, std::int64_t{1024});  // of what peers send: subscriptions
+  // Of subscribers' messages, which are subscriptions.
+  socket.Set(ZMQ_MAXMSGSIZE, std::int64_t{1024});
   socket.Set(ZMQ_TCP_KEEPALIVE, 1);
   const auto ipc = security::ResolveIpc(config.ipc, "publish");
   if (!ipc.ok()) return ipc.status();

@@ -6,7 +6,7 @@
 namespace styled::publish {
 namespace {
 
-// Longer than any topic of ours: "styled/" 32 "." 32 "/canonical/".
+// Longer than any published topic: "styled/" 32 "." 32 "/canonical/".
 constexpr std::size_t kLongest = 96;
 
 bool CanMatch(std::string_view prefix) {

@@ -7,7 +7,7 @@
 namespace styled {
 namespace {
 
-// What std::visit needs: one call operator per kind of field.
+// A visitor for std::visit, with one call operator per kind of field.
 template <typename... Ts>
 struct Overloaded : Ts... {
   using Ts::operator()...;
@@ -77,7 +77,7 @@ std::string CheckLook(const v1::Look& change) {
     const auto* const number = std::get_if<LookNumber>(&field.kind);
     if (number == nullptr || !(change.*number->has)()) continue;
     const float value = (change.*number->get)();
-    if (value >= number->low && value <= number->high) continue;  // false: not a number, too
+    if (value >= number->low && value <= number->high) continue;  // false for NaN, too
     return std::string(field.name) + " is " + NumberText(value) + ", expected " +
            NumberText(number->low) + " to " + NumberText(number->high);
   }
