@@ -89,6 +89,8 @@ Status FindAxes(rig::BindingSpec& spec) {
   const Vec3 up = NearestAxis(at(body::kHead) - at(body::kHips));
   if (left.dot(up) != 0) return Status::Error("body: rest: does not make a T-pose");
   Eigen::Matrix3f axes;
+  // The rows are the canonical axes in source coordinates, so the matrix maps source to canonical.
+  // left x up is forward, which makes it a rotation.
   axes.row(0) = left;
   axes.row(1) = up;
   axes.row(2) = left.cross(up);

@@ -40,6 +40,7 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   StyleAccepted(hot);
   for (const auto& performer : roster_.performers) performer->newest_in_batch = -1;
   const std::int64_t batch_ns = to_.clock.Now_ns() - receive_ns_;
+  // kTake gets the part of the batch's time that no other stage accounts for.
   stages_.Add(Stages::kTake, batch_ns - (stages_.Elsewhere_ns() - elsewhere_ns));
 }
 

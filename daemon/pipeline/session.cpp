@@ -46,6 +46,8 @@ std::int64_t Session::Patience_ns(const source::Machine& machine,
 void Session::NoteArrival(std::uint64_t skipped, std::int64_t now_ns) noexcept {
   const std::int64_t silence_ns = std::max<std::int64_t>(0, now_ns - last_arrival_ns_);
   const auto usual_ns = static_cast<std::uint64_t>(std::min(intervals_ns_[0], intervals_ns_[1]));
+  // Each arrival permits more countable losses: kLosable, or as many as the silence before it
+  // explains at the sender's usual rate.
   losable_ +=
       std::max(kLosable, static_cast<std::uint64_t>(silence_ns) / std::max(usual_ns, kFastest_ns));
   const std::uint64_t lost = std::min(skipped, losable_);

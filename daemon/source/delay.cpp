@@ -129,6 +129,7 @@ class Delayed final : public Transport, private Receiver {
     }
     arrived_.Add(late_ns);
     if (late_ns > delay_ns_) ++missed_;
+    // now_ns - late_ns is when the frame would have arrived with the shortest transit.
     const std::int64_t schedule_ns = now_ns - late_ns + delay_ns_;
     sender.Take(frame.sequence, frame.source_time_ns, schedule_ns);
     return {std::max(now_ns, schedule_ns), schedule_ns};

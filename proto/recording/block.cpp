@@ -121,6 +121,7 @@ std::span<const std::byte> BlockBuilder::Encode(BlockType type) {
   std::size_t stored = ZSTD_compressCCtx(compressor_->context, payload.data(), payload.size(),
                                          raw_.data(), raw_.size(), kCompressionLevel);
   Compression compression = Compression::kZstd;
+  // Stored uncompressed if compression fails or does not help.
   if (ZSTD_isError(stored) != 0 || stored >= raw_.size()) {
     std::copy(raw_.begin(), raw_.end(), payload.begin());
     stored = raw_.size();

@@ -173,6 +173,7 @@ bool BlockScanner::Next(BlockHeader& header, std::vector<std::byte>* payload, Re
       ++counts.blocks;
       return true;
     }
+    // A later whole block proves that this was damage; only without one it is the cut-off end.
     if (candidate == Candidate::kCutShort) cut = std::min(cut, at);
     at = FindMagic(std::max(at + 1, offset_));
   }

@@ -275,6 +275,7 @@ std::uint32_t Pack(const std::array<float, 4>& rotation) noexcept {
   const auto& [x, y, z, w] = unit.rotation;
   const float sine = std::sqrt(x * x + y * y + z * z);
   const float sign = w < 0 ? -1.0F : 1.0F;  // the shorter way round
+  // The inverse of Unpack: axis * angle / pi, where angle = 2 atan2(sine, w).
   const float scale = 2 / std::numbers::pi_v<float> * std::atan2(sine, std::abs(w)) *
                       (sine > 0 ? sign / sine : 0.0F);
   const auto raw = [scale](float value, std::uint32_t steps) {

@@ -56,6 +56,7 @@ osc::Result Assembler::Begin(std::span<const std::byte> datagram, std::int64_t n
   now_ns_ = now_ns;
   ++datagram_;
   reader_ = osc::Reader(datagram);
+  // Datagrams without a T continue to belong to the skipped frame, until a T or a silence ends it.
   passing_over_ = passing_over_ && !has_time && !silence;
   if (has_time && !of_open_frame_ && IsOld(time_s)) {
     ++(time_s == last_time_s_ ? counts_.duplicate : counts_.late);
