@@ -80,7 +80,7 @@ struct OptionAdder {
             },
             "STYLE=WEIGHT, up to 4 times; weights sum to <= 1.5")
         ->excludes(style)
-        ->allow_extra_args(false)  // one per --mix: what follows may be PERFORMER
+        ->allow_extra_args(false)  // one value per --mix: the next argument may be PERFORMER
         ->check([](const std::string& text) {
           return ParseWeight(text) ? std::string() : "'" + text + "' is not STYLE=WEIGHT";
         });
@@ -112,7 +112,7 @@ struct JsonWriter {
   json operator()(const LookParts&) const { return body::PartsText(PartsOf(look)); }
 };
 
-// The value in words; nothing where a change does not have the field.
+// The value in words; empty if the change does not contain the field.
 struct TextWriter {
   const v1::Look& look;
 
