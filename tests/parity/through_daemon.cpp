@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kName = "dancer";
 constexpr const char* kPerformer = "tcp.dancer";
 
-// What comes out is the network's: no low-pass, no fade, no feet, no pose out of domain.
+// Publishes the network's output unchanged: no low-pass, no fade, no feet, no pose out of domain.
 const std::vector<std::string> kSettings{"model.change_tau_ms=0",
                                          "model.out_of_domain_end_rad=4.0",
                                          "model.out_of_domain_begin_rad=3.9",
@@ -52,7 +52,7 @@ std::string FrameOf(const clip::Clip& clip, int frame) {
   return message.SerializeAsString();
 }
 
-// The reply's first sequence.
+// Sets a mix; returns the first sequence number of the reply.
 std::uint64_t SetMix(support::ControlClient& control, const Segment& segment, bool absolute) {
   v1::Request request;
   request.set_performer(kPerformer);

@@ -11,10 +11,10 @@
 namespace styled::parity {
 
 // Streams the first `frames` frames of a clip, on its own skeleton and in its own source time, into
-// the real `styled` over TCP; the mixes of `schedule` are set through the control socket when all
-// frames before their first one have been published. Returns the canonical frames published. No
-// low-pass, no fade, no feet, no pose out of domain: what comes out is the network's. A test
-// failure where a command is refused or names another sequence than that of its first frame.
+// the real `styled` over TCP. The mixes of `schedule` are set through the control socket when all
+// frames before their first one have been published. Returns the canonical frames published.
+// Low-pass, fade, feet and the domain check are off, so the frames are the network's output. Fails
+// the test if a command is refused, or if its reply names another sequence than its first frame's.
 std::vector<v1::Frame> StreamThroughDaemon(const clip::Clip& clip, int frames,
                                            const std::vector<Segment>& schedule,
                                            const std::filesystem::path& weights, bool absolute);
