@@ -18,15 +18,11 @@
 #include "daemon/runtime/descriptor.h"
 #include "daemon/runtime/journal.h"
 #include "daemon/runtime/realtime.h"
-#include "daemon/source/delay.h"
-#include "daemon/source/natnet.h"
-#include "daemon/source/rigs/make.h"
-#include "daemon/source/tcp.h"
-#include "daemon/source/udp.h"
-#include "daemon/source/usb/usb.h"
+#include "daemon/source/open.h"
 #include "model/base/random_id.h"
 #include "model/base/read_file.h"
 #include "model/net/shipped_weights.h"
+#include "proto/rigs/types.h"
 
 namespace styled {
 namespace {
@@ -104,18 +100,11 @@ Status Supervisor::Start() {
 Status Supervisor::OpenSources() {
   for (std::size_t i = 0; i < config_.sources.size(); ++i) {
     const auto& source = config_.sources[i];
-    const config::SourceType& type = *config::FindSourceType(source.type);
-    const auto make = type.usb ? source::MakeUsb : type.stream ? source::MakeTcp : source::MakeUdp;
-    auto transport =
-        source.type == "natnet"
-            ? source::MakeNatNet(source, static_cast<int>(i), clock_, counters_)
-            : make(source, static_cast<int>(i), clock_, counters_, source::MakeTranslator(source));
+    auto transport = source::Open(source, static_cast<int>(i), clock_, counters_);
     if (!transport.ok()) {
-      return Status::Error("source." + std::to_string(i) + (type.usb ? ": " : ".listen: ") +
+      const bool usb = rigs::FindSourceType(source.type)->usb;
+      return Status::Error("source." + std::to_string(i) + (usb ? ": " : ".listen: ") +
                            transport.status().message());
-    }
-    if (source.delay_s > 0) {
-      transport = source::MakeDelayed(std::move(transport.value()), source.delay_s, clock_);
     }
     source_endpoints_.push_back(transport.value()->endpoint());
     spdlog::info("source {} listens on {} {}", source.name, source.type, source_endpoints_.back());

@@ -55,9 +55,7 @@ std::atomic<bool> stop_requested{false};
 extern "C" void RequestStop(int) { stop_requested = true; }
 
 void AddOptions(CLI::App& app, Arguments& a) {
-  app.add_option("--as", a.as,
-                 "the rig to stand in for: native, mocopi, mvn, natnet, rokoko, slimevr, vmc")
-      ->capture_default_str();
+  app.add_option("--as", a.as, "the rig to stand in for: " + rigs::Words())->capture_default_str();
   app.add_option("--quirk", a.quirks,
                  "a habit of that rig; a wrong one is answered with those known");
   app.add_option("--to", a.to,

@@ -28,7 +28,7 @@ struct Tracker {
 
 struct Source {
   std::string name = "rig";    // [A-Za-z0-9_-]{1,32}; performers are called NAME.PERFORMER
-  std::string type = "udp";    // kSourceTypes
+  std::string type = "udp";    // rigs::kSourceTypes (proto/rigs/types.h)
   std::string listen;          // HOST:PORT; "" = the type's default port, on every interface
   std::string performer = {};  // for rigs that do not name their performers; "" = the source's name
   // The rig's vertical axis, for rigs that have a switch for it: "auto", "y" or "z".
@@ -58,28 +58,6 @@ struct Output {
   std::vector<std::string> performers;  // ids; empty = all
   std::string place;                    // file:line, for errors
 };
-
-// How a type of source receives its data; source.type selects a row by name.
-struct SourceType {
-  std::string_view name;
-  bool stream = false;             // TCP
-  std::string_view usual_address;  // default of source.listen; "" = the key is required
-  bool usb = false;                // a USB device: no address at all
-};
-inline constexpr std::array<SourceType, 11> kSourceTypes{{
-    {"udp", false, ""},
-    {"tcp", true, ""},
-    {"mvn", false, "0.0.0.0:9763"},
-    {"mvn-tcp", true, "0.0.0.0:9763"},
-    {"mocopi", false, "0.0.0.0:12351"},
-    {"rokoko", false, "0.0.0.0:14043"},
-    {"slimevr", false, "0.0.0.0:6969"},
-    {"natnet", false, "0.0.0.0:0"},
-    {"slimevr-usb", false, "", true},
-    {"usb", false, "", true},
-    {"vmc", false, "0.0.0.0:39540"},
-}};
-const SourceType* FindSourceType(std::string_view name) noexcept;
 
 // Which users may connect to an ipc:// address.
 struct Ipc {

@@ -5,6 +5,7 @@
 
 #include "daemon/config/look_keys.h"
 #include "model/base/text.h"
+#include "proto/rigs/types.h"
 
 namespace styled::config {
 namespace {
@@ -236,8 +237,8 @@ std::vector<Section> MakeSections() {
 
 std::vector<std::string_view> SourceTypeNames() {
   std::vector<std::string_view> names;
-  names.reserve(kSourceTypes.size());
-  for (const auto& type : kSourceTypes) names.push_back(type.name);
+  names.reserve(rigs::kSourceTypes.size());
+  for (const auto& type : rigs::kSourceTypes) names.push_back(type.name);
   return names;
 }
 

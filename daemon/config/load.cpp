@@ -7,6 +7,7 @@
 #include "model/base/read_file.h"
 #include "model/base/text.h"
 #include "model/base/toml_nesting.h"
+#include "proto/rigs/types.h"
 
 namespace styled::config {
 namespace {
@@ -90,7 +91,7 @@ Status ApplySources(const Layer& layer, const toml::node& node, Config& config) 
       if (!status.ok()) return status;
       layer.Note(value, place + "." + std::string(key.str()), config);
     }
-    const SourceType& type = *FindSourceType(source.type);
+    const rigs::SourceType& type = *rigs::FindSourceType(source.type);
     if (source.listen.empty()) source.listen = type.usual_address;
     if (source.listen.empty() && !type.usb) {
       return layer.Refuse(element, "source.listen", "missing; expected HOST:PORT");

@@ -10,6 +10,7 @@
 #include "model/body/find_joint.h"
 #include "proto/rigs/natnet/packet.h"
 #include "proto/rigs/slimevr/tracker_id.h"
+#include "proto/rigs/types.h"
 
 namespace styled::config {
 namespace {
@@ -31,7 +32,7 @@ Status CheckUsb(const Source& source, const std::string& place) {
   return id.ok() ? Status::Ok() : Status::Error(place + "usb_id: " + id.status().message());
 }
 
-Status CheckNatNet(const Source& source) {
+Status CheckServer(const Source& source) {
   const auto server = ParseServer(source.server);
   return server.ok() ? ParseGroup(source.group).status() : server.status();
 }
@@ -108,13 +109,14 @@ Status CheckSources(const std::vector<Source>& sources) {
     if (const Status status = CheckTrackers(sources[i].trackers); !status.ok()) {
       return Status::Error(place + status.message());
     }
-    if (FindSourceType(sources[i].type)->usb) {
+    const rigs::SourceType& type = *rigs::FindSourceType(sources[i].type);
+    if (type.usb) {
       Status status = CheckUsb(sources[i], place);
       if (!status.ok()) return status;
       continue;
     }
-    if (sources[i].type == "natnet") {
-      const Status status = CheckNatNet(sources[i]);
+    if (type.rig->asks_server) {
+      const Status status = CheckServer(sources[i]);
       if (!status.ok()) return Status::Error(place + status.message());
     }
     const auto address = runtime::ParseHostPort(sources[i].listen);

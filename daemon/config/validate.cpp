@@ -6,6 +6,7 @@
 #include "daemon/config/sources.h"
 #include "daemon/runtime/host_port.h"
 #include "model/base/text.h"
+#include "proto/rigs/types.h"
 #include "proto/styled/look.h"
 
 namespace styled::config {
@@ -14,7 +15,7 @@ namespace {
 // For errors. Names have at most 32 bytes, ids 65, and numeric addresses fewer.
 std::string Shown(std::string_view text) { return Printable(text, 80); }
 
-bool IsStream(const Source& source) { return FindSourceType(source.type)->stream; }
+bool IsStream(const Source& source) { return rigs::FindSourceType(source.type)->stream; }
 
 Status CheckOutputs(const std::vector<Output>& outputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
@@ -115,9 +116,10 @@ std::vector<Listener> Listeners(const Config& config) {
   std::vector<Listener> all;
   for (std::size_t i = 0; i < config.sources.size(); ++i) {
     const Source& source = config.sources[i];
-    if (FindSourceType(source.type)->usb) continue;
+    if (rigs::FindSourceType(source.type)->usb) continue;
     all.push_back({"source." + std::to_string(i) + ".listen", source.listen, IsStream(source),
-                   runtime::ParseHostPort(source.listen).value(), source.type == "natnet"});
+                   runtime::ParseHostPort(source.listen).value(),
+                   rigs::FindSourceType(source.type)->rig->asks_server});
   }
   AddSocket("publish.address", config.publish.address, all);
   AddSocket("control.address", config.control.address, all);
@@ -179,12 +181,6 @@ Status CheckPreset(const Preset& preset) {
 }
 
 }  // namespace
-
-const SourceType* FindSourceType(std::string_view name) noexcept {
-  const auto* const found = std::find_if(kSourceTypes.begin(), kSourceTypes.end(),
-                                         [&](const SourceType& type) { return type.name == name; });
-  return found == kSourceTypes.end() ? nullptr : found;
-}
 
 bool IsName(std::string_view text) noexcept {
   return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), [](char c) {

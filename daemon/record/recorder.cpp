@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "daemon/runtime/clock.h"
+#include "proto/rigs/types.h"
 
 namespace styled::record {
 namespace {
@@ -17,7 +18,7 @@ std::vector<recording::Origin> OriginsOf(const config::Config& config,
   std::vector<recording::Origin> origins;
   for (std::size_t i = 0; i < config.sources.size(); ++i) {
     const auto& source = config.sources[i];
-    const config::SourceType& type = *config::FindSourceType(source.type);
+    const rigs::SourceType& type = *rigs::FindSourceType(source.type);
     const std::string scheme = type.usb ? "usb:" : type.stream ? "tcp://" : "udp://";
     origins.push_back({source.name, source.type, scheme + endpoints[i]});
   }

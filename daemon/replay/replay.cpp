@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "daemon/config/sources.h"
 #include "daemon/pipeline/keeping.h"
 #include "daemon/pipeline/runtime_config.h"
 #include "daemon/runtime/clock.h"
@@ -18,11 +19,11 @@
 #include "daemon/source/native_decoder.h"
 #include "daemon/source/outbox.h"
 #include "daemon/source/rigs/make.h"
-#include "daemon/source/rigs/natnet.h"
 #include "model/base/text.h"
 #include "model/net/shipped_weights.h"
 #include "proto/recording/writer.h"
 #include "proto/rigs/native/stream_reader.h"
+#include "proto/rigs/types.h"
 
 namespace styled::replay {
 namespace {
@@ -74,16 +75,11 @@ source::Peer ParsePeer(const std::string& text) {
 
 // `sender`: the first recorded sender of the source. It stands for a NatNet server that the
 // configuration gives by host name.
-std::unique_ptr<source::Translator> MakeTranslator(const config::Source& config,
+std::unique_ptr<source::Translator> MakeTranslator(config::Source config,
                                                    const std::string& sender) {
-  if (config.type != "natnet") return source::MakeTranslator(config);
-  source::Peer server = ParsePeer(config.server);
-  if (server.address_size == 0) server = ParsePeer(sender);
-  sockaddr_in address{};
-  std::memcpy(&address, &server.address, sizeof address);
-  in_addr group{};
-  inet_pton(AF_INET, config.group.c_str(), &group);
-  return std::make_unique<source::NatNet>(config, address, group);
+  const bool named = !config::ParseServer(config.server).ok();
+  if (rigs::FindSourceType(config.type)->rig->asks_server && named) config.server = sender;
+  return source::MakeTranslator(config);
 }
 
 // One source whose recorded arrivals replace its socket or device. TCP streams, and the data of USB
@@ -93,7 +89,7 @@ class Recorded final : public source::Transport {
   Recorded(const config::Source& config, int source, const std::string& sender,
            runtime::Clock& clock, runtime::Counters& counters)
       : clock_(clock),
-        stream_(config::FindSourceType(config.type)->stream || config.type == "usb"),
+        stream_(rigs::FindSourceType(config.type)->stream || config.type == rigs::kNative.usb),
         translator_(MakeTranslator(config, sender)),
         decoder_(source, counters),
         outbox_(source, counters) {}

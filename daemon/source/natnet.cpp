@@ -166,8 +166,9 @@ class NatNetTransport final : public Transport {
 
 }  // namespace
 
-Result<std::unique_ptr<Transport>> MakeNatNet(const config::Source& config, int source,
-                                              runtime::Clock& clock, runtime::Counters& counters) {
+Result<std::unique_ptr<Transport>> MakeNatNetTransport(const config::Source& config, int source,
+                                                       runtime::Clock& clock,
+                                                       runtime::Counters& counters) {
   const auto server = config::ParseServer(config.server);
   if (!server.ok()) return server.status();
   const auto group = config::ParseGroup(config.group);

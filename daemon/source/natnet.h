@@ -16,7 +16,8 @@ namespace styled::source {
 // 3.0). The group is joined on `config.interface`: an IPv4 address of this machine or an
 // interface's name; "" follows the routing table. rigs/natnet.h interprets the packets. Pinned by
 // tests/unit/natnet/transport_test.cpp.
-Result<std::unique_ptr<Transport>> MakeNatNet(const config::Source& config, int source,
-                                              runtime::Clock& clock, runtime::Counters& counters);
+Result<std::unique_ptr<Transport>> MakeNatNetTransport(const config::Source& config, int source,
+                                                       runtime::Clock& clock,
+                                                       runtime::Counters& counters);
 
 }  // namespace styled::source

@@ -1,35 +1,26 @@
 #include <algorithm>
-#include <array>
 
-#include "sim/rigs/mocopi.h"
-#include "sim/rigs/mvn.h"
-#include "sim/rigs/natnet.h"
+#include "proto/rigs/types.h"
 #include "sim/rigs/rig.h"
-#include "sim/rigs/rokoko.h"
-#include "sim/rigs/slimevr.h"
-#include "sim/rigs/vmc.h"
 
 namespace styled::rigs {
-namespace {
 
-struct Row {
-  std::string_view type;
-  Result<std::unique_ptr<Rig>> (*make)(const Options& options);
-};
-constexpr std::array kRows{
-    Row{"mocopi", MakeMocopi}, Row{"mvn", MakeMvn},         Row{"natnet", MakeNatNet},
-    Row{"rokoko", MakeRokoko}, Row{"slimevr", MakeSlimeVr}, Row{"vmc", MakeVmc},
-};
+#define STYLED_RIG(Name, ...) Result<std::unique_ptr<Rig>> Make##Name(const Options& options);
+STYLED_RIGS(STYLED_RIG)
+#undef STYLED_RIG
 
-}  // namespace
+std::string Words() {
+  std::string words(kNative.word);
+  for (const RigType& rig : kRigs) words.append(", ").append(rig.word);
+  return words;
+}
 
 Result<std::unique_ptr<Rig>> Make(const std::string& type, const Options& options) {
-  std::string known = "native";
-  for (const Row& row : kRows) {
-    if (row.type == type) return row.make(options);
-    known.append(", ").append(row.type);
-  }
-  return Status::Error("no rig is called '" + type + "'; expected " + known);
+#define STYLED_RIG(Name, ...) \
+  if (type == k##Name.word) return Make##Name(options);
+  STYLED_RIGS(STYLED_RIG)
+#undef STYLED_RIG
+  return Status::Error("no rig is called '" + type + "'; expected " + Words());
 }
 
 Status CheckOptions(const std::string& type, const Options& options, int max_performers,

@@ -62,8 +62,10 @@ class Rig {
   virtual bool is_server() const { return false; }
 };
 
-// Makes the simulated rig of a type ("mvn", ...). Errors name the type and list the known ones.
-// Types are registered in make.cpp.
+// The words of all rigs, "native, mocopi, ...".
+std::string Words();
+// Makes the simulated rig of a type ("mvn", ...): Make<Name>() of its row in proto/rigs/types.h.
+// Errors name the type and list the known ones. "native" has none (sim/player).
 Result<std::unique_ptr<Rig>> Make(const std::string& type, const Options& options);
 
 // For implementations of Rig: refuses quirks not in `quirks` and more performers than

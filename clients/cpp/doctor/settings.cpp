@@ -49,9 +49,9 @@ Wanted MakeWanted(Wanted::Origin origin, const std::string& name, const std::str
   if (const auto endpoint = ParseEndpoint(listen)) {
     out.listen = *endpoint;
   } else if (listen.empty() && out.format != Format::kUnknown) {
-    // A NatNet client uses any port.
-    const bool any = out.format == Format::kNatNet;
-    out.listen = {"0.0.0.0", any ? std::uint16_t{0} : Row(out.format).ports[0]};
+    // A client that asks its server uses any port.
+    const auto& rig = Row(out.format);
+    out.listen = {"0.0.0.0", rig.asks_server ? std::uint16_t{0} : rig.ports[0]};
   } else {
     out.network = false;
   }
@@ -78,8 +78,8 @@ Result<Wanted> ParseListen(const std::string& text) {
   const std::string type = text.substr(0, equals);
   const std::string listen = equals == std::string::npos ? "" : text.substr(equals + 1);
   if (FormatOfType(type) == Format::kUnknown) {
-    return Status::Error("'" + text + "': expected TYPE=HOST:PORT, TYPE as a source's: udp, tcp, " +
-                         "vmc, mvn, mvn-tcp, mocopi, natnet, rokoko, slimevr");
+    return Status::Error("'" + text +
+                         "': expected TYPE=HOST:PORT, TYPE as a source's: " + NetworkTypes());
   }
   const auto endpoint = ParseEndpoint(listen);
   if (!endpoint || !IsNumeric(endpoint->host)) {

@@ -6,6 +6,7 @@
 #include "daemon/runtime/clock.h"
 #include "daemon/source/performer_stream.h"
 #include "proto/rigs/mocopi/mocopi.h"
+#include "proto/rigs/types.h"
 
 namespace styled::source {
 namespace {
@@ -22,7 +23,7 @@ constexpr std::size_t kMaxSenders = 8;
 rig::RigBody MakeBody(const mocopi::Skeleton& bones) {
   rig::RigBody body;
   body.metres_per_unit = 1.0F;
-  body.dialect = "mocopi";
+  body.dialect = rigs::kMocopi.dialect;
   for (std::size_t id = 0; id < mocopi::kBones; ++id) {
     const auto& at = bones[id].rest.position_m;
     body.skeleton.names.emplace_back(mocopi::kBoneTable[id].name);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "daemon/config/sources.h"
 #include "daemon/runtime/clock.h"
 
 namespace styled::source {
@@ -283,6 +284,13 @@ void NatNet::Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out) {
     performer->skeleton.Convert(bones, convention_.convention(), flags_, performer->pose);
     performer->stream.Send(performer->pose, info, out);
   }
+}
+
+std::unique_ptr<Translator> MakeNatNet(const config::Source& config) {
+  const auto server = config::ParseServer(config.server);
+  const auto group = config::ParseGroup(config.group);
+  return std::make_unique<NatNet>(config, server.ok() ? server.value() : sockaddr_in{},
+                                  group.ok() ? group.value() : in_addr{});
 }
 
 }  // namespace styled::source

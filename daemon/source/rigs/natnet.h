@@ -17,13 +17,25 @@
 
 namespace styled::source {
 
-// OptiTrack's Motive, or another server of NatNet 2.7 to 4.2. Asks the server for its version and
-// its model, keeps it sending, and makes a performer of every skeleton, with the skeleton's name;
-// NAME-2, ... where a name is taken. CONNECT is repeated once a second until the server replies,
-// and again when it was silent for two seconds. The model is requested again when the server
-// announces a change or an unknown skeleton appears. Only frames from the server's own address
-// count. Bodies and poses are +Y up. Sends through Outbox::Reply; the transport owns the sockets
-// (daemon/source/natnet.h). Pipeline thread. Pinned by tests/unit/natnet/translator_test.cpp.
+// OptiTrack's Motive and other servers of NatNet 2.7 to 4.2 ("natnet"; bytes: proto/rigs/natnet).
+//
+// Transport   UDP, a dialogue with `server` (port 1510) through Outbox::Reply; the sockets are the
+//             transport's (daemon/source/natnet.h). CONNECT once a second while nobody answers, and
+//             again when the server was silent for 2 s; the model is asked for again when the
+//             server says that it changed or an unknown skeleton comes.
+// Performer   Each of the server's skeletons, up to 16: its name there; NAME-2, ... where a name is
+//             taken.
+// Body        The skeleton's bones in metres, made +Y up, dialect "motive". Whether bones are
+//             global or local and which axis is up is found in the frames (natnet_skeleton.h),
+//             unless `coordinates` and `up` say so.
+// Time        The frame's timestamp in seconds; SMPTE timecode where the server has one. A gap in
+//             the frame numbers beyond the server's usual step counts as lost frames.
+// Session     A new one where frame numbers fall back by 16 or more, or the convention changes.
+// Refused     source.ignored for packets from elsewhere than the server, or before it answered;
+//             source.malformed; source.bad_version; source.incomplete until the convention is
+//             known; pipeline.duplicate, pipeline.reordered, pipeline.before_body and
+//             pipeline.bodies_refused.
+// Pinned by tests/unit/natnet/translator_test.cpp.
 class NatNet final : public Translator {
  public:
   // Where a server sends its frames if not to the command socket.
@@ -96,5 +108,9 @@ class NatNet final : public Translator {
   std::unique_ptr<natnet::Frame> frame_ = std::make_unique<natnet::Frame>();
   std::unique_ptr<natnet::Model> model_ = std::make_unique<natnet::Model>();
 };
+
+// The translator without its sockets, for a recording: its server is config.server, as it is
+// written, or nobody.
+std::unique_ptr<Translator> MakeNatNet(const config::Source& config);
 
 }  // namespace styled::source

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "daemon/source/rigs/world_pose.h"
+#include "proto/rigs/types.h"
 
 namespace styled::source {
 namespace {
@@ -126,7 +127,7 @@ Result<NatNetSkeleton> NatNetSkeleton::Make(const natnet::SkeletonDescription& d
     for (Vec3& offset : skeleton.offsets) offset = YFromZ(offset);
   }
   made.body_.metres_per_unit = 1;
-  made.body_.dialect = "motive";
+  made.body_.dialect = rigs::kNatNet.dialect;
   made.world_.resize(order.size());
   return made;
 }

@@ -10,6 +10,7 @@
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/world_pose.h"
 #include "proto/rigs/rokoko/rokoko.h"
+#include "proto/rigs/types.h"
 
 namespace styled::source {
 namespace {
@@ -92,7 +93,7 @@ class Actor {
     hip_height_m_ = actor.hip_height_m;
     rig::RigBody body;
     body.metres_per_unit = 1;
-    body.dialect = "rokoko";
+    body.dialect = rigs::kRokoko.dialect;
     joint_of_.clear();
     std::array<int, kJoints> place{};
     std::vector<rig::Vec3> positions;

@@ -8,8 +8,10 @@
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/sockets.h"
 #include "daemon/source/note_limit.h"
+#include "daemon/source/rigs/slimevr_hid.h"
 #include "daemon/source/rigs/tracker_rig.h"
 #include "proto/rigs/slimevr/udp.h"
+#include "proto/rigs/types.h"
 
 namespace styled::source {
 namespace {
@@ -323,6 +325,7 @@ class SlimeVr final : public Translator {
 }  // namespace
 
 std::unique_ptr<Translator> MakeSlimeVr(const config::Source& config) {
+  if (config.type == rigs::kSlimeVr.usb) return MakeSlimeVrHid(config);
   return std::make_unique<SlimeVr>(config);
 }
 

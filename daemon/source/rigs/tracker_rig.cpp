@@ -7,6 +7,7 @@
 #include "daemon/config/sources.h"
 #include "daemon/runtime/clock.h"
 #include "model/body/find_joint.h"
+#include "proto/rigs/types.h"
 
 namespace styled::source {
 namespace {
@@ -60,7 +61,7 @@ rig::RigBody CanonicalBody() {
   }
   made.rest.assign(body::kJointCount, rig::Quat::Identity());
   made.metres_per_unit = 1;
-  made.dialect = "canonical";
+  made.dialect = rigs::kSlimeVr.dialect;
   return made;
 }
 

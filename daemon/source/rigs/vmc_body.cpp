@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/body/pose.h"
+#include "proto/rigs/types.h"
 
 namespace styled::source {
 namespace {
@@ -95,7 +96,7 @@ rig::RigBody MakeVmcBody(vmc::BoneSet bones, const BonePositions& positions) {
   const bool ours = AllZero(bones, positions);
   rig::RigBody body;
   body.metres_per_unit = 1.0F;
-  body.dialect = "vmc";
+  body.dialect = rigs::kVmc.dialect;
   rig::Skeleton& skeleton = body.skeleton;
   std::array<int, vmc::kBoneCount> joint_of{};
   for (const int bone : vmc::kParentsFirst) {

@@ -20,7 +20,7 @@ void Check(const std::string& text, const std::vector<config::Override>& overrid
   Require(!loaded.value().sources.empty());
   for (const auto& source : loaded.value().sources) {
     Require(config::IsName(source.name));
-    Require(config::FindSourceType(source.type) != nullptr);
+    Require(rigs::FindSourceType(source.type) != nullptr);
   }
   Require(config::Validate(loaded.value()).ok());
 }

@@ -86,7 +86,7 @@ TEST_F(SettingsTest, AFileWithoutSourcesHasTheDaemonsOwn) {
 // The client includes nothing of the daemon: what both have to know is held together here.
 TEST_F(SettingsTest, TypesListenWhereTheDaemonHasThem) {
   int known = 0;
-  for (const auto& type : config::kSourceTypes) {
+  for (const auto& type : rigs::kSourceTypes) {
     const auto wanted = MakeWanted(Wanted::Origin::kConfig, "rig", std::string(type.name), "");
     if (type.usb) {
       EXPECT_FALSE(wanted.network) << type.name;

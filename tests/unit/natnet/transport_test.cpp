@@ -54,7 +54,7 @@ TEST(NatNetTransport, IsRefusedWithWhatWasExpected) {
   const auto refused = [&](const std::function<void(config::Source&)>& change) {
     config::Source config = Config();
     change(config);
-    const auto made = MakeNatNet(config, 0, clock, counters);
+    const auto made = MakeNatNetTransport(config, 0, clock, counters);
     return made.ok() ? "" : made.status().message();
   };
   EXPECT_EQ(refused([](auto&) {}), "");
@@ -88,7 +88,7 @@ class Session {
     config::Source config = Config();
     config.server = BoundAddress(server_.get());
     config.interface = interface;
-    auto made = MakeNatNet(config, 3, clock, counters);
+    auto made = MakeNatNetTransport(config, 3, clock, counters);
     if (!made.ok()) {
       ADD_FAILURE() << made.status().message();
       return;

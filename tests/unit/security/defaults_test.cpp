@@ -21,7 +21,7 @@ TEST(DefaultsTest, EverythingIsOnLoopbackUnlessToldOtherwise) {
 
 TEST(DefaultsTest, ARigThatIsNamedListensOnEveryInterface) {
   int rigs = 0;
-  for (const auto& type : kSourceTypes) {
+  for (const auto& type : rigs::kSourceTypes) {
     if (type.usual_address.empty()) continue;
     EXPECT_TRUE(type.usual_address.starts_with("0.0.0.0:")) << type.name;
     ++rigs;

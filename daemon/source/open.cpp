@@ -1,0 +1,25 @@
+#include "daemon/source/open.h"
+
+#include "daemon/source/delay.h"
+#include "daemon/source/natnet.h"
+#include "daemon/source/rigs/make.h"
+#include "daemon/source/tcp.h"
+#include "daemon/source/udp.h"
+#include "daemon/source/usb/usb.h"
+#include "proto/rigs/types.h"
+
+namespace styled::source {
+
+Result<std::unique_ptr<Transport>> Open(const config::Source& config, int source,
+                                        runtime::Clock& clock, runtime::Counters& counters) {
+  const rigs::SourceType& type = *rigs::FindSourceType(config.type);
+  const auto make = type.usb ? MakeUsb : type.stream ? MakeTcp : MakeUdp;
+  // NatNet's client opens a second socket, where its server tells it to.
+  auto opened = type.rig->asks_server
+                    ? MakeNatNetTransport(config, source, clock, counters)
+                    : make(config, source, clock, counters, MakeTranslator(config));
+  if (!opened.ok() || config.delay_s <= 0) return opened;
+  return MakeDelayed(std::move(opened.value()), config.delay_s, clock);
+}
+
+}  // namespace styled::source

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+// Which rigs there are, one row each: what daemon, simulator and clients have to know of a rig
+// besides its format. Nothing here knows the daemon.
+//
+// A new rig is a row in STYLED_RIGS, and three functions named after it, in files of its own:
+//   daemon/source/rigs/  source::Make<Name>(const config::Source&): its translator
+//   sim/rigs/            rigs::Make<Name>(const Options&): its stand-in
+//   clients/cpp/doctor/  a case of Sniffer::Sniff for Format::k<Name>: what the doctor knows it by
+namespace styled::rigs {
+
+struct RigType {
+  std::string_view word;  // for programs: stylesim --as, the doctor's --json
+  std::string_view name;  // for people
+  // source.type in styled.toml, by how the bytes come; "" where they do not come that way.
+  std::string_view datagrams = "", stream = "", usb = "";
+  // Where a source listens when the configuration gives no address, numeric; "" = it must.
+  std::string_view listen = "";
+  // A server that is asked and answers, instead of a sender that finds us.
+  bool asks_server = false;
+  // Usual ports at the receiver, for the doctor; 0: none.
+  std::array<std::uint16_t, 2> ports{};
+  // What its skeleton is called in model/rig/dialects.h; "" = the sender says.
+  std::string_view dialect = "";
+  // For the doctor: what to look for in the sender, one or two sentences.
+  std::string_view in_the_sender = "";
+};
+
+// clang-format off
+#define STYLED_RIGS(RIG)                                                                      \
+  RIG(Mocopi, .word = "mocopi", .name = "Sony mocopi", .datagrams = "mocopi",                 \
+      .listen = "0.0.0.0:12351", .ports = {12351}, .dialect = "mocopi",                       \
+      .in_the_sender =                                                                        \
+          "In the mocopi app: Settings, PC connection: address and port, format mocopi "      \
+          "(UDP); then press Send.")                                                          \
+  RIG(Mvn, .word = "mvn", .name = "Xsens MVN", .datagrams = "mvn", .stream = "mvn-tcp",       \
+      .listen = "0.0.0.0:9763", .ports = {9763},                                                \
+      .in_the_sender =                                                                        \
+          "In MVN: Options, Network Streamer: add a target with address and port, protocol "  \
+          "UDP, and tick Position + Orientation (Quaternion).")                               \
+  RIG(NatNet, .word = "natnet", .name = "OptiTrack NatNet", .datagrams = "natnet",            \
+      .listen = "0.0.0.0:0", .asks_server = true, .ports = {1511}, .dialect = "motive",       \
+      .in_the_sender =                                                                        \
+          "In Motive: Streaming: Broadcast Frame Data on, Skeletons on, Local Interface not " \
+          "loopback.")                                                                        \
+  RIG(Rokoko, .word = "rokoko", .name = "Rokoko Studio", .datagrams = "rokoko",               \
+      .listen = "0.0.0.0:14043", .ports = {14043}, .dialect = "rokoko",                       \
+      .in_the_sender =                                                                        \
+          "In Rokoko Studio: Livestream, Custom: forward IP and port, data format JSON v3.")  \
+  RIG(SlimeVr, .word = "slimevr", .name = "SlimeVR", .datagrams = "slimevr",                  \
+      .usb = "slimevr-usb", .listen = "0.0.0.0:6969", .ports = {6969},                        \
+      .dialect = "canonical",                                                                 \
+      .in_the_sender =                                                                        \
+          "Trackers look for their server by broadcast: they must be in this machine's "      \
+          "network, and no SlimeVR server may run here.")                                     \
+  RIG(Vmc, .word = "vmc", .name = "VMC", .datagrams = "vmc", .listen = "0.0.0.0:39540",       \
+      .ports = {39540, 39539}, .dialect = "vmc",                                              \
+      .in_the_sender =                                                                        \
+          "In the sending app switch the VMC (OSC) sender on and set address and port.")
+// clang-format on
+
+// Our own protocol (proto/styled/v1/WIRE.md), which needs no translator.
+inline constexpr RigType kNative{
+    .word = "native",
+    .name = "styled's own format",
+    .datagrams = "udp",
+    .stream = "tcp",
+    .usb = "usb",
+    .ports = {7000},
+    .in_the_sender = "Look at the sender's address and port (stylesim: --to udp://HOST:PORT)."};
+
+// kMocopi, kMvn, ... by themselves, and all of them in the order of the rows.
+#define STYLED_RIG(Name, ...) inline constexpr RigType k##Name{__VA_ARGS__};
+STYLED_RIGS(STYLED_RIG)
+#undef STYLED_RIG
+#define STYLED_RIG(Name, ...) k##Name,
+inline constexpr std::array kRigs = std::to_array<RigType>({STYLED_RIGS(STYLED_RIG)});
+#undef STYLED_RIG
+
+// One value of source.type: a rig and how its bytes come.
+struct SourceType {
+  std::string_view name;
+  bool stream = false;             // TCP
+  std::string_view usual_address;  // where nothing is said; "" = must be said
+  bool usb = false;                // no address at all
+  const RigType* rig = &kNative;
+};
+
+namespace detail {
+constexpr std::size_t CountTypes() {
+  std::size_t count = 3;  // of kNative
+  for (const RigType& rig : kRigs) {
+    for (const auto name : {rig.datagrams, rig.stream, rig.usb}) count += name.empty() ? 0 : 1;
+  }
+  return count;
+}
+constexpr auto MakeTypes() {
+  std::array<SourceType, CountTypes()> types{};
+  std::size_t count = 0;
+  const auto add = [&](const RigType& rig) {
+    if (!rig.datagrams.empty()) types[count++] = {rig.datagrams, false, rig.listen, false, &rig};
+    if (!rig.stream.empty()) types[count++] = {rig.stream, true, rig.listen, false, &rig};
+    if (!rig.usb.empty()) types[count++] = {rig.usb, false, "", true, &rig};
+  };
+  add(kNative);
+  for (const RigType& rig : kRigs) add(rig);
+  return types;
+}
+}  // namespace detail
+
+inline constexpr auto kSourceTypes = detail::MakeTypes();
+
+// The type of that name, or null.
+constexpr const SourceType* FindSourceType(std::string_view name) noexcept {
+  for (const SourceType& type : kSourceTypes) {
+    if (type.name == name) return &type;
+  }
+  return nullptr;
+}
+
+}  // namespace styled::rigs
