@@ -6,6 +6,7 @@
 #include "daemon/config/sources.h"
 #include "daemon/runtime/host_port.h"
 #include "model/base/text.h"
+#include "model/net/styles.h"
 #include "proto/rigs/types.h"
 #include "proto/styled/look.h"
 
