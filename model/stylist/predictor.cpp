@@ -1,0 +1,127 @@
+#include "model/stylist/predictor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "model/body/heading.h"
+#include "model/stylist/guard.h"
+
+namespace styled::stylist {
+namespace {
+
+using body::kJointCount;
+using body::Pose;
+using body::Quat;
+using body::Vec3;
+
+}  // namespace
+
+Predictor::Predictor(std::shared_ptr<const net::Stylizer> network) : network_(std::move(network)) {
+  for (auto& stream : streams_) stream = network_->MakeStream();
+}
+
+void Predictor::Restart() noexcept {
+  interleaver_.Restart();
+  RestartStates();
+}
+
+void Predictor::RestartStates() noexcept {
+  for (const auto& stream : streams_) network_->Start(*stream);
+  stepped_.reset();
+  reconstruction_rad_ = 0;
+}
+
+bool Predictor::Begin(std::int64_t time_ns) noexcept {
+  steps_ = 0;
+  unsound_ = false;
+  return interleaver_.Begin(time_ns, network_->model().rate_hz);
+}
+
+void Predictor::End(const Pose& input) noexcept {
+  last_input_ = input;
+  has_last_input_ = true;
+}
+
+bool Predictor::Next(const Pose& input, Step& step) noexcept {
+  Interleaver::Tick tick;
+  if (!interleaver_.Next(tick)) return false;
+  ++steps_;
+  const bool exact = tick.share >= 1.0F || !has_last_input_;
+  if (!exact) body::Interpolate(last_input_, input, tick.share, step.between);
+  step.pose = exact ? &input : &step.between;
+  step.state = tick.state;
+  return true;
+}
+
+net::StepJob Predictor::JobOf(Step& step, const Mixer& mixer) const noexcept {
+  return {step.pose, mixer.input_style(), mixer.in_force(),
+          streams_[static_cast<std::size_t>(step.state)].get(), &step.out};
+}
+
+void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& near) noexcept {
+  const net::Prediction& out = step.out;
+  if (!IsSound(out)) {
+    unsound_ = true;
+    return;
+  }
+  const Quat heading_from_world = body::Yaw(-out.heading_rad);
+  StyleDelta& delta = deltas_[static_cast<std::size_t>(step.state)];
+  float error2 = 0;
+  for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+    const Quat& reconstruction = out.reconstruction.rotations[joint];
+    Quat input = step.pose->rotations[joint];
+    if (joint == body::kHips) input = heading_from_world * input;
+    delta.col(static_cast<Eigen::Index>(joint)) =
+        body::LogNear(reconstruction.conjugate() * out.styled.rotations[joint],
+                      near.col(static_cast<Eigen::Index>(joint)));
+    // Toes tell nothing about a posture, and some rigs' turn over.
+    const bool toes = joint == body::kLeftToes || joint == body::kRightToes;
+    if (!toes) error2 += body::Log(input.conjugate() * reconstruction).squaredNorm();
+  }
+  // On neutral input a style of weight 0 changes nothing; on styled input it removes that style.
+  // Scaled before the low-pass, so that another input style is no jump.
+  if (mixer.input_style() > 0) delta *= mixer.presence();
+  stepped_.set(static_cast<std::size_t>(step.state));
+  last_styled_ = out.styled.rotations;
+  last_heading_rad_ = out.heading_rad;
+  reconstruction_rad_ = std::sqrt(error2 / static_cast<float>(kJointCount - 2));
+}
+
+// The mean is a box filter over one period of the network, whose notch lies on the ripple that the
+// states' disagreement makes.
+StyleDelta Predictor::MeanDelta() const noexcept {
+  StyleDelta mean = StyleDelta::Zero();
+  int count = 0;
+  for (std::size_t state = 0; state < deltas_.size(); ++state) {
+    if (!stepped_.test(state)) continue;
+    mean += deltas_[state];
+    ++count;
+  }
+  if (count > 0) mean /= static_cast<float>(count);
+  return mean;
+}
+
+void Predictor::BlendAbsolute(const Pose& input, const Mixer& mixer,
+                              StyleDelta& delta) const noexcept {
+  const Quat world_from_heading = body::Yaw(last_heading_rad_);
+  for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+    Quat styled = last_styled_[joint];
+    if (joint == body::kHips) styled = world_from_heading * styled;
+    const Vec3 whole = mixer.presence() * body::Log(input.rotations[joint].conjugate() * styled);
+    auto column = delta.col(static_cast<Eigen::Index>(joint));
+    column += mixer.absolute() * (whole - column);
+  }
+}
+
+void Predictor::Prefetch() const noexcept {
+  constexpr std::size_t kLine = 64;
+  const auto used = static_cast<std::size_t>(std::max(1, interleaver_.interleaved()));
+  for (std::size_t i = 0; i < used; ++i) {
+    const std::span<const std::byte> bytes = streams_[i]->memory();
+    for (std::size_t at = 0; at < bytes.size(); at += kLine) __builtin_prefetch(&bytes[at]);
+  }
+}
+
+}  // namespace styled::stylist
