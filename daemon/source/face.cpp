@@ -73,25 +73,4 @@ std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept {
   return out.fits() ? out.size() : 0;
 }
 
-bool IsUtf8(std::string_view text) noexcept {
-  for (std::size_t i = 0; i < text.size();) {
-    const auto lead = static_cast<std::uint32_t>(static_cast<unsigned char>(text[i]));
-    // The number of continuation bytes, by the lead byte. 80 to C1 and F5 to FF never lead.
-    const std::size_t more = lead < 0x80 ? 0 : lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3;
-    if ((lead >= 0x80 && lead < 0xC2) || lead > 0xF4 || text.size() - i <= more) return false;
-    std::uint32_t code = more == 0 ? lead : lead & (0x3FU >> more);
-    for (std::size_t k = 1; k <= more; ++k) {
-      const auto next = static_cast<std::uint32_t>(static_cast<unsigned char>(text[i + k]));
-      if ((next & 0xC0U) != 0x80U) return false;
-      code = code << 6U | (next & 0x3FU);
-    }
-    if ((more == 2 && (code < 0x800 || (code >= 0xD800 && code < 0xE000))) ||
-        (more == 3 && (code < 0x10000 || code > 0x10FFFF))) {
-      return false;
-    }
-    i += more + 1;
-  }
-  return true;
-}
-
 }  // namespace styled::source

@@ -25,7 +25,4 @@ struct Face {
 // by tests/unit/daemon/performer_stream_test.cpp.
 STYLED_REALTIME std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept;
 
-// Whether protobuf's readers accept the text as a string: no surrogates, no overlong forms.
-STYLED_REALTIME bool IsUtf8(std::string_view text) noexcept;
-
 }  // namespace styled::source

@@ -5,6 +5,7 @@
 #include "daemon/config/config.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/face.h"
+#include "model/base/text.h"
 #include "proto/rigs/native/datagram.h"
 #include "proto/styled/face.h"
 

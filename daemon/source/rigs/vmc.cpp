@@ -10,6 +10,7 @@
 #include "daemon/source/face.h"
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/vmc_body.h"
+#include "model/base/text.h"
 #include "proto/rigs/vmc/assembler.h"
 
 namespace styled::source {

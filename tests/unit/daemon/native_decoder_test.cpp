@@ -6,6 +6,7 @@
 #include <random>
 
 #include "daemon/source/face.h"
+#include "model/base/text.h"
 #include "proto/styled/v1/frame.pb.h"
 #include "tests/support/rig.h"
 
