@@ -5,6 +5,7 @@
 #include <string>
 
 #include "daemon/config/config.h"
+#include "proto/rigs/types.h"
 
 namespace {
 
