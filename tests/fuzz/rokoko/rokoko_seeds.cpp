@@ -15,10 +15,10 @@ std::vector<std::byte> ToBytes(std::span<const std::byte> bytes) {
 int main(int argc, char** argv) {
   using namespace styled::rokoko;
   std::vector<std::vector<std::byte>> seeds;
-  for (const auto& c : testing::DecodeCases()) {
+  for (const auto& c : styled::rokoko::testing::DecodeCases()) {
     if (c.text.size() < 65536) seeds.push_back(ToBytes(std::as_bytes(std::span(c.text))));
   }
-  seeds.push_back(ToBytes(std::as_bytes(std::span(testing::kLz4Default))));
-  seeds.push_back(ToBytes(std::as_bytes(std::span(testing::kLz4BlockChecksums))));
+  seeds.push_back(ToBytes(std::as_bytes(std::span(styled::rokoko::testing::kLz4Default))));
+  seeds.push_back(ToBytes(std::as_bytes(std::span(styled::rokoko::testing::kLz4BlockChecksums))));
   return styled::fuzz::WriteSeeds(argc, argv, seeds);
 }
