@@ -1,7 +1,9 @@
 #include "model/train/dataset.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <iostream>
 #include <optional>
 #include <random>
 #include <unordered_map>
@@ -13,6 +15,8 @@
 namespace styled::train {
 namespace {
 
+// Lower limits of the deviations, so that a feature that hardly varies in the clips is not
+// standardized to a large number by another rig. Higher: less of small motion is seen.
 constexpr float kRotationFloor = 0.02F;
 constexpr float kPositionFloor_m = 0.01F;
 constexpr float kVelocityFloor_mps = 0.05F;
@@ -89,7 +93,7 @@ std::vector<body::Pose> RepeatLoop(const std::vector<body::Pose>& loop, int fram
 }
 
 Miscalibration DrawMiscalibration(std::uint64_t seed) {
-  constexpr float kRotation_rad = 15.0F * 0.017453293F;
+  constexpr float kRotation_rad = 15.0F * 0.017453293F;  // 15 degrees, of a bad calibration
   constexpr float kFloor_m = 0.1F;
   std::mt19937_64 random(seed);
   std::normal_distribution<float> normal;
@@ -108,64 +112,122 @@ Miscalibration DrawMiscalibration(std::uint64_t seed) {
   return out;
 }
 
+namespace {
+
+// A frame of a clip as a window shows it.
+body::Pose PoseAt(const TrainingClip& clip, int frame, bool mirrored, const Miscalibration* wrong) {
+  body::Pose pose = clip.poses[frame];
+  if (mirrored) body::Mirror(pose, pose);
+  if (wrong == nullptr) return pose;
+  for (int joint = 1; joint < body::kJointCount; ++joint) {
+    pose.rotations[joint] = pose.rotations[joint] * wrong->rotations[joint];
+  }
+  pose.hips_position_m.y() += wrong->floor_m;
+  return pose;
+}
+
+// What the features of a frame depend on besides its pose.
+struct Past {
+  erd::FeatureState state;
+  float heading_rad = 0.0F;
+  body::Vec3 hips_m = body::Vec3::Zero();
+};
+
+// The past of the frame after `frame`.
+Past PastAt(const TrainingClip& clip, int frame, bool mirrored, const Miscalibration* wrong) {
+  const body::Pose before = PoseAt(clip, frame, mirrored, wrong);
+  body::WorldPose world;
+  body::ForwardKinematics(before, world);
+  Past past;
+  past.state.started = true;
+  past.state.positions_m = world.positions_m;
+  past.state.heading_cos = clip.heading_cos[frame];
+  past.state.heading_sin = clip.heading_sin[frame] * (mirrored ? -1.0F : 1.0F);
+  if (wrong != nullptr) {  // shoulders with a wrong rotation turn the heading, too
+    body::WorldPose right_world;
+    body::ForwardKinematics(PoseAt(clip, frame, mirrored, nullptr), right_world);
+    const Eigen::Rotation2Df turn(body::Heading_rad(world) - body::Heading_rad(right_world));
+    const Eigen::Vector2f heading =
+        turn * Eigen::Vector2f(past.state.heading_cos, past.state.heading_sin);
+    past.state.heading_cos = heading.x();
+    past.state.heading_sin = heading.y();
+  }
+  past.heading_rad = std::atan2(past.state.heading_sin, past.state.heading_cos);
+  past.hips_m = before.hips_position_m;
+  return past;
+}
+
+}  // namespace
+
 void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, bool session_start,
                 const erd::FeatureParameters& parameters, const WindowView& out,
                 const Miscalibration* wrong) {
-  const auto pose_at = [&](int frame) {
-    body::Pose pose = clip.poses[frame];
-    if (mirrored) body::Mirror(pose, pose);
-    if (wrong == nullptr) return pose;
-    for (int joint = 1; joint < body::kJointCount; ++joint) {
-      pose.rotations[joint] = pose.rotations[joint] * wrong->rotations[joint];
-    }
-    pose.hips_position_m.y() += wrong->floor_m;
-    return pose;
-  };
-
-  erd::FeatureState state;
-  float last_heading_rad = 0.0F;
-  body::Vec3 last_hips_m = body::Vec3::Zero();
-  if (start > 0 && !session_start) {
-    const body::Pose before = pose_at(start - 1);
-    body::WorldPose world;
-    body::ForwardKinematics(before, world);
-    state.started = true;
-    state.positions_m = world.positions_m;
-    state.heading_cos = clip.heading_cos[start - 1];
-    state.heading_sin = clip.heading_sin[start - 1] * (mirrored ? -1.0F : 1.0F);
-    if (wrong != nullptr) {  // shoulders that are turned wrongly turn the heading, too
-      body::Pose right = clip.poses[start - 1];
-      if (mirrored) body::Mirror(right, right);
-      body::WorldPose right_world;
-      body::ForwardKinematics(right, right_world);
-      const Eigen::Rotation2Df turn(body::Heading_rad(world) - body::Heading_rad(right_world));
-      const Eigen::Vector2f heading = turn * Eigen::Vector2f(state.heading_cos, state.heading_sin);
-      state.heading_cos = heading.x();
-      state.heading_sin = heading.y();
-    }
-    last_heading_rad = std::atan2(state.heading_sin, state.heading_cos);
-    last_hips_m = before.hips_position_m;
-  }
-
+  Past past;
+  if (start > 0 && !session_start) past = PastAt(clip, start - 1, mirrored, wrong);
   erd::Features features;
   for (int t = 0; t < length; ++t) {
-    const body::Pose pose = pose_at(start + t);
-    const bool first = !state.started;
-    const float heading_rad = erd::ComputeFeatures(pose, parameters, state, features);
+    const body::Pose pose = PoseAt(clip, start + t, mirrored, wrong);
+    const bool first = !past.state.started;
+    const float heading_rad = erd::ComputeFeatures(pose, parameters, past.state, features);
     std::copy(features.begin(), features.end(), out.features + t * out.feature_stride);
     if (out.yaw_change_rad != nullptr) {
-      out.yaw_change_rad[t * out.yaw_stride] = first ? 0.0F : heading_rad - last_heading_rad;
+      out.yaw_change_rad[t * out.yaw_stride] = first ? 0.0F : heading_rad - past.heading_rad;
     }
     if (out.hips_step_m != nullptr) {
       const body::Vec3 step =
           first ? body::Vec3(body::Vec3::Zero())
-                : body::Vec3(body::Yaw(-heading_rad) * (pose.hips_position_m - last_hips_m));
+                : body::Vec3(body::Yaw(-heading_rad) * (pose.hips_position_m - past.hips_m));
       Eigen::Map<body::Vec3>(out.hips_step_m + t * out.step_stride) = step;
     }
-    last_heading_rad = heading_rad;
-    last_hips_m = pose.hips_position_m;
+    past.heading_rad = heading_rad;
+    past.hips_m = pose.hips_position_m;
   }
 }
+
+namespace {
+
+// Binds skeletons to the canonical humanoid; keeps the last one, since most sets have only one.
+class Binder {
+ public:
+  Result<const rig::Binding*> Bind(const rig::Skeleton& skeleton, const std::string& dialect) {
+    if (!binding_ || dialect_ != dialect || binding_->skeleton() != skeleton) {
+      Result<rig::Binding> bound = rig::BindDialect(skeleton, dialect);
+      if (!bound.ok()) return bound.status();
+      binding_.emplace(std::move(bound.value()));
+      dialect_ = dialect;
+    }
+    return &*binding_;
+  }
+
+ private:
+  std::optional<rig::Binding> binding_;
+  std::string dialect_;
+};
+
+// The poses of an entry at `rate_hz`: resampled, a loop repeated, then cut to its part in time.
+Result<std::vector<body::Pose>> ReadPoses(const clip::ManifestEntry& entry, double rate_hz,
+                                          Binder& binder) {
+  Result<clip::Clip> source = clip::ReadBvh(entry.file);
+  if (!source.ok()) return source.status();
+  const Result<const rig::Binding*> binding = binder.Bind(source.value().skeleton, entry.rig);
+  if (!binding.ok()) {
+    return Status::Error(entry.file.string() + ": " + binding.status().message());
+  }
+  std::vector<body::Pose> poses = clip::ToCanonical(source.value(), *binding.value());
+  if (std::abs(source.value().rate_hz / rate_hz - 1.0) > 1e-3) {
+    poses = clip::ResamplePoses(poses, source.value().rate_hz, rate_hz);
+  }
+  if (entry.repeat_s > 0) {
+    poses = RepeatLoop(poses, static_cast<int>(std::ceil(entry.repeat_s * rate_hz)));
+  }
+  const auto frame_at = [&poses](double share) {
+    return static_cast<long>(std::lround(share * static_cast<double>(poses.size())));
+  };
+  return std::vector<body::Pose>{poses.begin() + frame_at(entry.from),
+                                 poses.begin() + frame_at(entry.to)};
+}
+
+}  // namespace
 
 Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
                                             const std::string& split,
@@ -177,39 +239,18 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
   }
   std::vector<TrainingClip> clips;
   std::unordered_map<std::string, int> sources;
-  std::optional<rig::Binding> binding;  // of the last skeleton seen: most sets have only one
-  std::string bound_rig;
+  Binder binder;
   for (const clip::ManifestEntry& entry : manifest.entries) {
     if (entry.split != split) continue;
-    Result<clip::Clip> source = clip::ReadBvh(entry.file);
-    if (!source.ok()) return source.status();
-    if (!binding || bound_rig != entry.rig || binding->skeleton() != source.value().skeleton) {
-      Result<rig::Binding> bound = rig::BindDialect(source.value().skeleton, entry.rig);
-      if (!bound.ok()) {
-        return Status::Error(entry.file.string() + ": " + bound.status().message());
-      }
-      binding.emplace(std::move(bound.value()));
-      bound_rig = entry.rig;
-    }
+    Result<std::vector<body::Pose>> poses = ReadPoses(entry, parameters.rate_hz, binder);
+    if (!poses.ok()) return poses.status();
     TrainingClip clip;
     clip.file = entry.file.string();
     const int next_source = static_cast<int>(sources.size());
     clip.source = sources.try_emplace(entry.file.parent_path().string(), next_source).first->second;
     clip.style = styles.at(entry.style);
     clip.content = IndexOf(manifest.contents, entry.content);
-    clip.poses = clip::ToCanonical(source.value(), *binding);
-    if (std::abs(source.value().rate_hz / parameters.rate_hz - 1.0) > 1e-3) {
-      clip.poses = clip::ResamplePoses(clip.poses, source.value().rate_hz, parameters.rate_hz);
-    }
-    if (entry.repeat_s > 0) {
-      clip.poses =
-          RepeatLoop(clip.poses, static_cast<int>(std::ceil(entry.repeat_s * parameters.rate_hz)));
-    }
-    const auto frame_at = [&clip](double share) {
-      return static_cast<long>(std::lround(share * static_cast<double>(clip.poses.size())));
-    };
-    clip.poses = {clip.poses.begin() + frame_at(entry.from),
-                  clip.poses.begin() + frame_at(entry.to)};
+    clip.poses = std::move(poses.value());
     if (static_cast<int>(clip.poses.size()) < min_frames) continue;
     if (!manifest.still_content.empty()) {
       clip.still_content = IndexOf(manifest.contents, manifest.still_content);
@@ -222,6 +263,25 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
                          std::to_string(min_frames) + " frames");
   }
   return clips;
+}
+
+Result<TrainingData> LoadTrainingData(const std::filesystem::path& manifest,
+                                      const std::filesystem::path& data,
+                                      const erd::FeatureParameters& parameters, int min_frames) {
+  const auto begin = std::chrono::steady_clock::now();
+  Result<clip::Manifest> read = clip::LoadManifest(manifest, data);
+  if (!read.ok()) return read.status();
+  Result<std::vector<TrainingClip>> train =
+      LoadClips(read.value(), "train", parameters, min_frames);
+  if (!train.ok()) return train.status();
+  Result<std::vector<TrainingClip>> validation =
+      LoadClips(read.value(), "validation", parameters, min_frames);
+  if (!validation.ok()) return validation.status();
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+  std::cout << train.value().size() << " training clips, " << validation.value().size()
+            << " validation clips, " << seconds.count() << " s" << std::endl;
+  return TrainingData{std::move(read.value()), std::move(train.value()),
+                      std::move(validation.value())};
 }
 
 void SetHemisphere(const erd::Features& mean, erd::FeatureParameters& parameters) {

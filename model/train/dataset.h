@@ -19,9 +19,10 @@ struct TrainingClip {
   int style = 0;    // index into Manifest::styles
   int content = 0;  // index into Manifest::contents
   std::vector<body::Pose> poses;
-  // The heading filter's state after each frame, started at the clip's first frame.
+  // The heading filter's state after each frame, from the clip's first frame on.
   std::vector<float> heading_cos, heading_sin;
-  // Up to and with each frame, how many are still (Manifest::still_speed_mps); empty: not asked.
+  // How many frames up to and with each are still (Manifest::still_speed_mps); empty where the
+  // manifest has no [still].
   std::vector<int> still_count;
   int still_content = -1;
 
@@ -73,6 +74,17 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
                                             const std::string& split,
                                             const erd::FeatureParameters& parameters,
                                             int min_frames);
+
+// A run's clips: the splits "train" and "validation".
+struct TrainingData {
+  clip::Manifest manifest;
+  std::vector<TrainingClip> train, validation;
+};
+// Reads the manifest and both splits as LoadClips does, and prints how many clips there are. Errors
+// name the file.
+Result<TrainingData> LoadTrainingData(const std::filesystem::path& manifest,
+                                      const std::filesystem::path& data,
+                                      const erd::FeatureParameters& parameters, int min_frames);
 
 // Mean and deviation, deviations at least 0.02 (r), 0.01 m (p), 0.05 m/s (v), 0.01 m (height).
 FeatureStatistics ComputeStatistics(const std::vector<TrainingClip>& clips,

@@ -23,9 +23,11 @@ class Sampler {
     int per_style = 3;
     int length = 25;  // frames per window
     double carry = 0.5, session_start = 0.25;
-    double unpaired = 0.1;       // share of neutral windows of any content
-    double miscalibrated = 0.0;  // share of windows as a badly calibrated rig shows them
-    double idle = 0.0;           // share of neutral windows in which the performer just stands
+    // Share of neutral windows of any content. More: the critic compares fewer windows; 0: contents
+    // in which the target was not recorded are never transferred.
+    double unpaired = 0.1;
+    double miscalibrated = 0.0;  // share of windows with the input of a badly calibrated rig
+    double idle = 0.0;           // share of neutral windows that are idle
     uint64_t seed = 1;
   };
   struct Window {
@@ -36,7 +38,7 @@ class Sampler {
     bool carried = false;  // its states continue those at the end of the slot's last window
     int content = 0;
     bool paired = true;  // its target style was recorded in this content, so a critic can compare
-    bool idle = false;   // its first frame, held: nobody is recorded doing nothing
+    bool idle = false;   // its first frame, held: no data set has long idle postures
     uint64_t miscalibration = 0;  // seed of DrawMiscalibration, 0: well calibrated
   };
 
@@ -45,18 +47,19 @@ class Sampler {
 
   const Options& options() const { return options_; }
   int slots() const { return static_cast<int>(last_.size()); }
-  int OwnStyle(int slot) const;
+  int InputStyle(int slot) const;
   int TargetStyle(int slot) const;
 
   // The next batch, one window per slot. A carried window continues the last one where the clip is
   // long enough, else it is a random one that starts warm.
   const std::vector<Window>& Next();
 
-  // Whether any neutral clip shows who could be idle: on both feet, his hands down.
-  bool KnowsIdle() const { return !stands_.empty(); }
+  // Whether any neutral clip has a frame that idle windows can be made of: both feet and the hands
+  // down.
+  bool HasIdleFrames() const { return !idle_.empty(); }
 
-  // A window of any style, for the classifier.
-  Window Any(int style);
+  // A window of `style`, of any content that it has, beside the batches.
+  Window Draw(int style);
 
   std::string Save() const;
   void Restore(const std::string& text);
@@ -71,16 +74,21 @@ class Sampler {
   double Uniform();
   int64_t Below(int64_t bound);
   bool IsNeutralSlot(int slot) const;
-  Window Idle();
+  bool NextIdle(int slot);
+  Window DrawIdle();
+  bool Continues(const Window& before) const;
+  Window NextFor(int slot, bool carried);
   bool Has(int style, int content) const;
-  Window From(const Cell& cell);
+  Window DrawFrom(const Cell& cell);
+  void FindPlaces();
+  void FindIdleFrames();
 
   const std::vector<TrainingClip>& clips_;
   Options options_;
   std::mt19937_64 random_;
-  std::vector<std::vector<Cell>> cells_;     // per style, the contents that it has
-  std::vector<std::vector<int>> paired_;     // per target style, indices into cells_[0]
-  std::vector<std::pair<int, int>> stands_;  // neutral clips, and frames in which somebody stands
+  std::vector<std::vector<Cell>> cells_;   // per style, the contents that it has
+  std::vector<std::vector<int>> paired_;   // per target style, indices into cells_[0]
+  std::vector<std::pair<int, int>> idle_;  // neutral clips, and frames with feet and hands down
   std::vector<Window> last_;
 };
 

@@ -98,7 +98,7 @@ Learner::Learner(const TrainConfig& config, const clip::Manifest& manifest,
 
   std::vector<int64_t> own, target;
   for (int slot = 0; slot < sampler_.slots(); ++slot) {
-    own.push_back(sampler_.OwnStyle(slot));
+    own.push_back(sampler_.InputStyle(slot));
     target.push_back(sampler_.TargetStyle(slot));
   }
   const int64_t styles = generator_.shape.styles;
@@ -196,7 +196,7 @@ void Learner::TrainClassifier() {
   for (int i = 0; i < config_.classifier_iterations; ++i) {
     std::vector<Sampler::Window> windows;
     for (int64_t k = 0; k < slots_.count(); ++k)
-      windows.push_back(sampler.Any(static_cast<int>(k) % styles));
+      windows.push_back(sampler.Draw(static_cast<int>(k) % styles));
     const Batch batch = MakeBatch(windows);
     const Tensor u = batch.u.narrow(0, 1, frames_ - 1).narrow(2, 0, kContentFeatures);
     const Tensor logits = classifier_.Logits(u);

@@ -20,7 +20,7 @@ std::vector<int64_t> Learner::NearestStyles(const Generator& from) const {
   std::vector<int64_t> nearest{0};
   for (int style = 1; style < options.styles; ++style) {
     std::vector<Sampler::Window> windows;
-    for (int64_t i = 0; i < kWindows; ++i) windows.push_back(sampler.Any(style));
+    for (int64_t i = 0; i < kWindows; ++i) windows.push_back(sampler.Draw(style));
     const Batch batch = MakeBatch(windows);
     const Tensor z = from.Encode(batch.u.cpu().repeat({1, branches, 1}), styles);
     StackState neutral_state = from.neutral.Initial(kWindows * branches);
@@ -68,7 +68,7 @@ Status Learner::ExpectIdle() {
     return Status::Error("--idle needs a manifest with [still] and with the content \"" +
                          config_.idle_as + "\" of --idle-as");
   }
-  if (!sampler_.KnowsIdle()) {
+  if (!sampler_.HasIdleFrames()) {
     return Status::Error("--idle: no neutral clip shows who stands on both feet with hands down");
   }
   idle_as_ = found - all.begin();

@@ -33,8 +33,8 @@ TEST(Sampler, SlotsKeepTheirRolesAndWindowsFitTheirClips) {
     const auto windows = sampler.Next();
     for (int slot = 0; slot < 8; ++slot) {
       const Sampler::Window& w = windows[slot];
-      EXPECT_EQ(clips[w.clip].style, sampler.OwnStyle(slot));
-      EXPECT_NE(sampler.OwnStyle(slot), sampler.TargetStyle(slot));
+      EXPECT_EQ(clips[w.clip].style, sampler.InputStyle(slot));
+      EXPECT_NE(sampler.InputStyle(slot), sampler.TargetStyle(slot));
       EXPECT_LE(w.start + 25, static_cast<int>(clips[w.clip].poses.size()));
       EXPECT_FALSE(w.carried && w.session_start);
       carried += w.carried ? 1 : 0;
@@ -76,8 +76,8 @@ TEST(Sampler, FoldersCountAlikeHoweverMuchTheyHold) {
   Sampler sampler(clips, kOptions);
   int from_first = 0;
   for (int i = 0; i < 1000; ++i) {
-    Sampler::Window window = sampler.Any(0);
-    while (window.content != 0) window = sampler.Any(0);
+    Sampler::Window window = sampler.Draw(0);
+    while (window.content != 0) window = sampler.Draw(0);
     from_first += clips[window.clip].source == 0 ? 1 : 0;
   }
   EXPECT_NEAR(from_first, 500, 80);
@@ -121,11 +121,11 @@ TEST(Sampler, WhoIdlesHoldsAFrameInWhichANeutralOneStandsForSeconds) {
     const std::vector<Sampler::Window> windows = sampler.Next();
     for (int slot = 0; slot < 8; ++slot) {
       const Sampler::Window& w = windows[slot];
-      neutral += sampler.OwnStyle(slot) == 0 ? 1 : 0;
+      neutral += sampler.InputStyle(slot) == 0 ? 1 : 0;
       ended += before[slot].idle && !w.idle ? 1 : 0;
       if (!w.idle) continue;
       ++idle;
-      EXPECT_EQ(sampler.OwnStyle(slot), 0);
+      EXPECT_EQ(sampler.InputStyle(slot), 0);
       EXPECT_EQ(w.clip, static_cast<int>(clips.size()) - 1);
       EXPECT_TRUE(w.start == 40 || w.start == 45) << w.start;
       EXPECT_EQ(w.content, 2);
