@@ -20,105 +20,134 @@ MatrixMap Group(const Tensor& tensor, long group, long rows, long columns) {
   return {tensor.data_ptr<float>() + group * rows * columns, rows, columns};
 }
 
-// Gates are stored after their nonlinearity: that is what the backward pass needs.
+// What the forward pass keeps for the backward pass. Gates are stored after their nonlinearity,
+// which is what the backward pass needs. [G, T, N, 4Z or Z].
+struct Activations {
+  Tensor gates, outputs, cells, cell_tanh;
+};
+
+// The frames of one of the groups, one after the other.
+void Forward(const Shape& s, long group, const Tensor& x, const Tensor& wi, const Tensor& wh,
+             const Tensor& b, const Tensor& h0, const Tensor& c0, const Activations& out) {
+  const long n = s.samples;
+  const long z = s.width;
+  const MatrixMap input = Group(x, group, s.frames * n, z);
+  const MatrixMap input_weight = Group(wi, group, 4 * z, z);
+  // As a plain matrix, so that it is packed column by column without strides at every frame.
+  const Matrix hidden_weight_t = Group(wh, group, 4 * z, z).transpose();
+  MatrixMap gate = Group(out.gates, group, s.frames * n, 4 * z);
+  MatrixMap output = Group(out.outputs, group, s.frames * n, z);
+  MatrixMap cell = Group(out.cells, group, s.frames * n, z);
+  MatrixMap tanh_cell = Group(out.cell_tanh, group, s.frames * n, z);
+  gate.noalias() = input * input_weight.transpose();
+  gate.rowwise() +=
+      Eigen::Map<const Eigen::RowVectorXf>(b.data_ptr<float>() + group * 4 * z, 4 * z);
+  for (long t = 0; t < s.frames; ++t) {
+    auto at = gate.middleRows(t * n, n);
+    const float* h_before = t == 0 ? h0.data_ptr<float>() + group * n * z : &output((t - 1) * n, 0);
+    const float* c_before = t == 0 ? c0.data_ptr<float>() + group * n * z : &cell((t - 1) * n, 0);
+    at.noalias() += ConstMatrixMap(h_before, n, z) * hidden_weight_t;
+    at.leftCols(2 * z) = at.leftCols(2 * z).array().logistic();
+    at.middleCols(2 * z, z) = at.middleCols(2 * z, z).array().tanh();
+    at.rightCols(z) = at.rightCols(z).array().logistic();
+    cell.middleRows(t * n, n).array() =
+        at.middleCols(z, z).array() * ConstMatrixMap(c_before, n, z).array() +
+        at.leftCols(z).array() * at.middleCols(2 * z, z).array();
+    tanh_cell.middleRows(t * n, n) = cell.middleRows(t * n, n).array().tanh();
+    output.middleRows(t * n, n) = at.rightCols(z).array() * tanh_cell.middleRows(t * n, n).array();
+  }
+}
+
+// What the backward pass of a group reads.
+struct Saved {
+  Tensor x, wi, wh, h0, c0;
+  Activations made;
+};
+
+// The gradients of the gates before their nonlinearity, `dgate` [T * N, 4Z], from the last frame to
+// the first. `dc` and `dh` [G, N, Z] start as the gradients of the last states (those of the
+// outputs are `dy`) and end as those of the first.
+void BackwardThroughTime(const Shape& s, long group, const Saved& saved, const Tensor& dy,
+                         const Tensor& dc, const Tensor& dh, Matrix& dgate) {
+  const long n = s.samples;
+  const long z = s.width;
+  const MatrixMap gate = Group(saved.made.gates, group, s.frames * n, 4 * z);
+  const MatrixMap cell = Group(saved.made.cells, group, s.frames * n, z);
+  const MatrixMap tanh_cell = Group(saved.made.cell_tanh, group, s.frames * n, z);
+  const MatrixMap doutput = Group(dy, group, s.frames * n, z);
+  const MatrixMap hidden_weight = Group(saved.wh, group, 4 * z, z);
+  MatrixMap dcell = Group(dc, group, n, z);
+  MatrixMap dhidden_before = Group(dh, group, n, z);
+  Matrix dhidden(n, z);
+  for (long t = s.frames - 1; t >= 0; --t) {
+    const auto at = gate.middleRows(t * n, n).array();
+    const auto i = at.leftCols(z);
+    const auto f = at.middleCols(z, z);
+    const auto c = at.middleCols(2 * z, z);
+    const auto o = at.rightCols(z);
+    const auto tc = tanh_cell.middleRows(t * n, n).array();
+    auto d = dgate.middleRows(t * n, n).array();
+    dhidden = doutput.middleRows(t * n, n) + dhidden_before;
+    d.rightCols(z) = dhidden.array() * tc * o * (1.0F - o);
+    dcell.array() += dhidden.array() * o * (1.0F - tc.square());
+    const float* c_before =
+        t == 0 ? saved.c0.data_ptr<float>() + group * n * z : &cell((t - 1) * n, 0);
+    d.leftCols(z) = dcell.array() * c * i * (1.0F - i);
+    d.middleCols(z, z) = dcell.array() * ConstMatrixMap(c_before, n, z).array() * f * (1.0F - f);
+    d.middleCols(2 * z, z) = dcell.array() * i * (1.0F - c.square());
+    dcell.array() *= f;
+    dhidden_before.noalias() = dgate.middleRows(t * n, n) * hidden_weight;
+  }
+}
+
 class LstmFunction : public torch::autograd::Function<LstmFunction> {
  public:
-  static torch::autograd::variable_list forward(torch::autograd::AutogradContext* context, Tensor x,
-                                                Tensor wi, Tensor wh, Tensor b, Tensor h0,
-                                                Tensor c0) {
-    x = x.contiguous();
-    wi = wi.contiguous();
-    wh = wh.contiguous();
-    b = b.contiguous();
-    h0 = h0.contiguous();
-    c0 = c0.contiguous();
+  static torch::autograd::variable_list forward(torch::autograd::AutogradContext* context,
+                                                const Tensor& x_in, const Tensor& wi_in,
+                                                const Tensor& wh_in, const Tensor& b_in,
+                                                const Tensor& h0_in, const Tensor& c0_in) {
+    const Tensor x = x_in.contiguous();
+    const Tensor wi = wi_in.contiguous();
+    const Tensor wh = wh_in.contiguous();
+    const Tensor b = b_in.contiguous();
+    const Tensor h0 = h0_in.contiguous();
+    const Tensor c0 = c0_in.contiguous();
     const Shape s(x);
-    const long n = s.samples;
-    const long z = s.width;
-    Tensor gates = torch::empty({s.groups, s.frames, n, 4 * z}, x.options());
-    Tensor y = torch::empty_like(x);
-    Tensor cells = torch::empty_like(x);
-    Tensor cell_tanh = torch::empty_like(x);
-    for (long g = 0; g < s.groups; ++g) {
-      const MatrixMap input = Group(x, g, s.frames * n, z);
-      const MatrixMap input_weight = Group(wi, g, 4 * z, z);
-      // As a plain matrix, so that it is packed column by column without strides at every frame.
-      const Matrix hidden_weight_t = Group(wh, g, 4 * z, z).transpose();
-      MatrixMap gate = Group(gates, g, s.frames * n, 4 * z);
-      MatrixMap output = Group(y, g, s.frames * n, z);
-      MatrixMap cell = Group(cells, g, s.frames * n, z);
-      MatrixMap tanh_cell = Group(cell_tanh, g, s.frames * n, z);
-      gate.noalias() = input * input_weight.transpose();
-      gate.rowwise() +=
-          Eigen::Map<const Eigen::RowVectorXf>(b.data_ptr<float>() + g * 4 * z, 4 * z);
-      for (long t = 0; t < s.frames; ++t) {
-        auto at = gate.middleRows(t * n, n);
-        const float* h_before = t == 0 ? h0.data_ptr<float>() + g * n * z : &output((t - 1) * n, 0);
-        const float* c_before = t == 0 ? c0.data_ptr<float>() + g * n * z : &cell((t - 1) * n, 0);
-        at.noalias() += ConstMatrixMap(h_before, n, z) * hidden_weight_t;
-        at.leftCols(2 * z) = at.leftCols(2 * z).array().logistic();
-        at.middleCols(2 * z, z) = at.middleCols(2 * z, z).array().tanh();
-        at.rightCols(z) = at.rightCols(z).array().logistic();
-        cell.middleRows(t * n, n).array() =
-            at.middleCols(z, z).array() * ConstMatrixMap(c_before, n, z).array() +
-            at.leftCols(z).array() * at.middleCols(2 * z, z).array();
-        tanh_cell.middleRows(t * n, n) = cell.middleRows(t * n, n).array().tanh();
-        output.middleRows(t * n, n) =
-            at.rightCols(z).array() * tanh_cell.middleRows(t * n, n).array();
-      }
-    }
-    context->save_for_backward({x, wi, wh, h0, c0, gates, y, cells, cell_tanh});
-    return {y, cells.select(1, s.frames - 1).clone()};
+    const Activations made{
+        .gates = torch::empty({s.groups, s.frames, s.samples, 4 * s.width}, x.options()),
+        .outputs = torch::empty_like(x),
+        .cells = torch::empty_like(x),
+        .cell_tanh = torch::empty_like(x)};
+    for (long g = 0; g < s.groups; ++g) Forward(s, g, x, wi, wh, b, h0, c0, made);
+    context->save_for_backward(
+        {x, wi, wh, h0, c0, made.gates, made.outputs, made.cells, made.cell_tanh});
+    return {made.outputs, made.cells.select(1, s.frames - 1).clone()};
   }
 
   static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
-                                                 torch::autograd::variable_list gradients) {
-    const auto saved = context->get_saved_variables();
-    const Tensor &x = saved[0], &wi = saved[1], &wh = saved[2], &h0 = saved[3], &c0 = saved[4],
-                 &gates = saved[5], &y = saved[6], &cells = saved[7], &cell_tanh = saved[8];
-    const Shape s(x);
+                                                 const torch::autograd::variable_list& gradients) {
+    const auto v = context->get_saved_variables();
+    const Saved saved{v[0], v[1], v[2], v[3], v[4], {v[5], v[6], v[7], v[8]}};
+    const Shape s(saved.x);
     const long n = s.samples;
     const long z = s.width;
-    const Tensor dy = gradients[0].defined() ? gradients[0].contiguous() : torch::zeros_like(x);
-    // dc starts as the gradient of the last cell state and ends as that of c0; likewise dh.
-    Tensor dc = gradients[1].defined() ? gradients[1].contiguous().clone() : torch::zeros_like(c0);
-    Tensor dh = torch::zeros_like(h0);
-    Tensor dx = torch::empty_like(x);
-    Tensor dwi = torch::empty_like(wi);
-    Tensor dwh = torch::empty_like(wh);
-    Tensor db = torch::empty({s.groups, 4 * z}, x.options());
+    const Tensor dy =
+        gradients[0].defined() ? gradients[0].contiguous() : torch::zeros_like(saved.x);
+    const Tensor dc =
+        gradients[1].defined() ? gradients[1].contiguous().clone() : torch::zeros_like(saved.c0);
+    const Tensor dh = torch::zeros_like(saved.h0);
+    const Tensor dx = torch::empty_like(saved.x);
+    const Tensor dwi = torch::empty_like(saved.wi);
+    const Tensor dwh = torch::empty_like(saved.wh);
+    const Tensor db = torch::empty({s.groups, 4 * z}, saved.x.options());
     Matrix dgate(s.frames * n, 4 * z);
-    Matrix dhidden(n, z);
     for (long g = 0; g < s.groups; ++g) {
-      const MatrixMap gate = Group(gates, g, s.frames * n, 4 * z);
-      const MatrixMap cell = Group(cells, g, s.frames * n, z);
-      const MatrixMap tanh_cell = Group(cell_tanh, g, s.frames * n, z);
-      const MatrixMap output = Group(y, g, s.frames * n, z);
-      const MatrixMap doutput = Group(dy, g, s.frames * n, z);
-      const MatrixMap hidden_weight = Group(wh, g, 4 * z, z);
-      MatrixMap dcell = Group(dc, g, n, z);
-      MatrixMap dhidden_before = Group(dh, g, n, z);
-      for (long t = s.frames - 1; t >= 0; --t) {
-        const auto at = gate.middleRows(t * n, n).array();
-        const auto i = at.leftCols(z), f = at.middleCols(z, z), c = at.middleCols(2 * z, z),
-                   o = at.rightCols(z);
-        const auto tc = tanh_cell.middleRows(t * n, n).array();
-        auto d = dgate.middleRows(t * n, n).array();
-        dhidden = doutput.middleRows(t * n, n) + dhidden_before;
-        d.rightCols(z) = dhidden.array() * tc * o * (1.0F - o);
-        dcell.array() += dhidden.array() * o * (1.0F - tc.square());
-        const float* c_before = t == 0 ? c0.data_ptr<float>() + g * n * z : &cell((t - 1) * n, 0);
-        d.leftCols(z) = dcell.array() * c * i * (1.0F - i);
-        d.middleCols(z, z) =
-            dcell.array() * ConstMatrixMap(c_before, n, z).array() * f * (1.0F - f);
-        d.middleCols(2 * z, z) = dcell.array() * i * (1.0F - c.square());
-        dcell.array() *= f;
-        dhidden_before.noalias() = dgate.middleRows(t * n, n) * hidden_weight;
-      }
-      Group(dx, g, s.frames * n, z).noalias() = dgate * Group(wi, g, 4 * z, z);
-      Group(dwi, g, 4 * z, z).noalias() = dgate.transpose() * Group(x, g, s.frames * n, z);
+      BackwardThroughTime(s, g, saved, dy, dc, dh, dgate);
+      const MatrixMap output = Group(saved.made.outputs, g, s.frames * n, z);
+      Group(dx, g, s.frames * n, z).noalias() = dgate * Group(saved.wi, g, 4 * z, z);
+      Group(dwi, g, 4 * z, z).noalias() = dgate.transpose() * Group(saved.x, g, s.frames * n, z);
       MatrixMap dw = Group(dwh, g, 4 * z, z);
-      dw.noalias() = dgate.topRows(n).transpose() * Group(h0, g, n, z);
+      dw.noalias() = dgate.topRows(n).transpose() * Group(saved.h0, g, n, z);
       dw.noalias() +=
           dgate.bottomRows((s.frames - 1) * n).transpose() * output.topRows((s.frames - 1) * n);
       Eigen::Map<Eigen::RowVectorXf>(db.data_ptr<float>() + g * 4 * z, 4 * z) =
