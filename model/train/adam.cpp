@@ -35,6 +35,10 @@ Tensor Parameters::Find(const std::string& name) const {
   TORCH_CHECK(false, "no parameter ", name);
 }
 
+void Parameters::RequireGradient(bool required) {
+  for (const auto& [name, tensor] : named_) tensor.requires_grad_(required);
+}
+
 Adam::Adam(const Parameters& parameters, double beta1, double beta2)
     : first(torch::zeros_like(parameters.flat())),
       second(torch::zeros_like(parameters.flat())),

@@ -24,6 +24,8 @@ class Parameters {
   const std::vector<std::pair<std::string, torch::Tensor>>& named() const { return named_; }
   torch::Tensor Find(const std::string& name) const;
   void ZeroGradient() { gradient_.zero_(); }
+  // Whether backward passes compute gradients of these; true at first.
+  void RequireGradient(bool required);
 
  private:
   std::vector<std::pair<std::string, torch::Tensor>> named_;

@@ -20,8 +20,8 @@
 
 #include "model/net/kernels/kernel.h"
 #include "model/train/blas.h"
-#include "model/train/checkpoint.h"
 #include "model/train/erd/lstm.h"
+#include "model/train/erd/weights.h"
 #include "tests/bench/plain_step.h"
 #include "tests/bench/step_run.h"
 
@@ -37,7 +37,7 @@ enum class Recurrent { kOps, kLstm, kTrainer };
 // Runs the trainer's generator one frame at a time, with only one of its branches.
 class TorchRun {
  public:
-  TorchRun(const train::LoadedWeights& weights, int style, Recurrent recurrent)
+  TorchRun(const train::style_erd::LoadedWeights& weights, int style, Recurrent recurrent)
       : generator_(*weights.generator),
         recurrent_(recurrent),
         mean_(weights.mean),
@@ -74,7 +74,8 @@ class TorchRun {
  private:
   // A stack in the form of at::lstm: all layers in one call.
   struct Fused {
-    explicit Fused(const train::Stack& stack) : layers(static_cast<int64_t>(stack.input.size())) {
+    explicit Fused(const train::style_erd::Stack& stack)
+        : layers(static_cast<int64_t>(stack.input.size())) {
       for (int64_t l = 0; l < layers; ++l) {
         const Tensor bias = stack.bias[l][0].contiguous();
         parameters.insert(parameters.end(),
@@ -97,21 +98,21 @@ class TorchRun {
     std::vector<Tensor> parameters, state;
   };
 
-  Tensor Run(const train::Stack& stack, train::StackState& state, Fused& fused,
-             const Tensor& z) const {
+  Tensor Run(const train::style_erd::Stack& stack, train::style_erd::StackState& state,
+             Fused& fused, const Tensor& z) const {
     if (recurrent_ == Recurrent::kLstm) return fused(z);
     Tensor x = z.unsqueeze(0);
     if (recurrent_ == Recurrent::kTrainer) return stack(x, state)[0];
     for (std::size_t l = 0; l < stack.input.size(); ++l) {
-      std::tie(x, state.c[l]) = train::LstmLayerByOps(x, stack.input[l], stack.hidden[l],
-                                                      stack.bias[l], state.h[l], state.c[l]);
+      std::tie(x, state.c[l]) = train::style_erd::LstmLayerByOps(
+          x, stack.input[l], stack.hidden[l], stack.bias[l], state.h[l], state.c[l]);
       state.h[l] = x.squeeze(1);
     }
     return x[0];
   }
 
-  static train::Stack Only(const train::Stack& all, int style) {
-    train::Stack one;
+  static train::style_erd::Stack Only(const train::style_erd::Stack& all, int style) {
+    train::style_erd::Stack one;
     for (std::size_t l = 0; l < all.input.size(); ++l) {
       const auto slice = [style](const Tensor& tensor) {
         return tensor.narrow(0, style - 1, 1).contiguous();
@@ -125,11 +126,11 @@ class TorchRun {
     return one;
   }
 
-  const train::Generator& generator_;
+  const train::style_erd::Generator& generator_;
   Recurrent recurrent_;
   Tensor mean_, deviation_, input_style_, own_, target_;
-  train::Stack neutral_, branch_;
-  train::StackState neutral_state_, branch_state_;
+  train::style_erd::Stack neutral_, branch_;
+  train::style_erd::StackState neutral_state_, branch_state_;
   Fused neutral_fused_, branch_fused_;
 };
 
@@ -195,14 +196,14 @@ class Pace {
   Clock::time_point next_ = Clock::now();
 };
 
-Result<train::LoadedWeights> LoadRandomWeights(int styles, unsigned seed) {
+Result<train::style_erd::LoadedWeights> LoadRandomWeights(int styles, unsigned seed) {
   const auto file = std::filesystem::temp_directory_path() /
                     ("styled-torch-bench-" + std::to_string(getpid()) + ".safetensors");
   const auto bytes = RandomWeights(styles, seed).Bytes();
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
-  auto weights = train::ReadWeights(file);
+  auto weights = train::style_erd::ReadWeights(file);
   std::filesystem::remove(file);
   return weights;
 }

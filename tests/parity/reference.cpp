@@ -10,6 +10,7 @@
 
 #include "model/train/checkpoint.h"
 #include "model/train/dataset.h"
+#include "model/train/erd/weights.h"
 #include "tests/parity/reference_file.h"
 
 namespace styled::parity {
@@ -23,7 +24,8 @@ struct Arguments {
   int frames = 1000, every = 1, features_every = 1;
 };
 
-Result<train::TrainingClip> LoadClip(const Arguments& a, const train::LoadedWeights& weights) {
+Result<train::TrainingClip> LoadClip(const Arguments& a,
+                                     const train::style_erd::LoadedWeights& weights) {
   clip::Manifest manifest;
   manifest.name = "parity";
   manifest.styles = {{"neutral", {}, {}}};
@@ -42,9 +44,9 @@ Tensor Target(const Tensor& alpha) {
 }
 
 // The states of the groups in `fresh` become the learned ones again.
-void StartBranches(const train::Stack& branches, const std::set<int>& fresh,
-                   train::StackState& state) {
-  const train::StackState learned = branches.Initial(1);
+void StartBranches(const train::style_erd::Stack& branches, const std::set<int>& fresh,
+                   train::style_erd::StackState& state) {
+  const train::style_erd::StackState learned = branches.Initial(1);
   for (std::size_t layer = 0; layer < state.h.size(); ++layer) {
     state.h[layer] = state.h[layer].clone();
     state.c[layer] = state.c[layer].clone();
@@ -56,15 +58,15 @@ void StartBranches(const train::Stack& branches, const std::set<int>& fresh,
 }
 
 // Runs the generator segment by segment; r_0 and the branches that stay alive carry their states.
-Status RunGenerator(const train::LoadedWeights& weights, const Tensor& features,
+Status RunGenerator(const train::style_erd::LoadedWeights& weights, const Tensor& features,
                     const std::vector<Segment>& schedule, Reference& reference) {
-  const train::Generator& generator = *weights.generator;
+  const train::style_erd::Generator& generator = *weights.generator;
   const int64_t styles = generator.shape.styles;
   const Tensor u = ((features - weights.mean) / weights.deviation).unsqueeze(1);  // [T, 1, 211]
   Tensor neutral_target = torch::zeros({1, styles});
   neutral_target[0][0] = 1.0;
-  train::StackState r0_state = generator.neutral.Initial(1);
-  train::StackState branch_state = generator.branches.Initial(1);
+  train::style_erd::StackState r0_state = generator.neutral.Initial(1);
+  train::style_erd::StackState branch_state = generator.branches.Initial(1);
   std::set<int> alive;
   for (std::size_t i = 0; i < schedule.size(); ++i) {
     const int begin = schedule[i].first_frame;
@@ -119,7 +121,7 @@ void Thin(const std::vector<Segment>& schedule, int every, Rows& rows) {
 Status Run(const Arguments& a) {
   auto schedule = ParseSchedule(a.schedule);
   if (!schedule.ok()) return schedule.status();
-  auto weights = train::ReadWeights(a.weights);
+  auto weights = train::style_erd::ReadWeights(a.weights);
   if (!weights.ok()) return weights.status();
   auto weights_crc = FileCrc(a.weights), clip_crc = FileCrc(a.clip);
   if (!clip_crc.ok()) return clip_crc.status();

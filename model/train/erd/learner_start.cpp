@@ -1,19 +1,62 @@
-// How a run starts otherwise than from random weights, all of them trained.
+// How a run starts: the classifier, other weights than random ones, and which of them are trained.
 #include <algorithm>
 #include <iostream>
 
 #include "model/train/erd/learner.h"
 #include "model/train/geometry.h"
 
-namespace styled::train {
+namespace styled::train::style_erd {
+namespace {
 
 using torch::Tensor;
 
-// For each of our styles, the style of `from` whose branch reconstructs windows of it best.
-std::vector<int64_t> Learner::NearestStyles(const Generator& from) const {
-  constexpr int64_t kWindows = 32;
+constexpr int64_t kContentFeatures =
+    erd::kRotationFeatures + erd::kPositionFeatures + erd::kVelocityFeatures;
+// Added to the run's seed, so that these windows are not those of the first iterations.
+constexpr uint64_t kClassifierSeed = 1000003, kNearestSeed = 2000003;
+// The classifier's learning rate, which falls linearly to a tenth over its iterations.
+constexpr double kClassifierRate = 1e-3, kClassifierDecay = 0.9;
+constexpr int kClassifierLogEvery = 250;  // iterations
+
+}  // namespace
+
+void Learner::TrainClassifier() {
   Sampler::Options options = sampler_.options();
-  options.seed += 2000003;
+  options.seed += kClassifierSeed;
+  Sampler sampler(clips_, options);
+  Adam adam(classifier_.parameters);
+  const int styles = options.styles;
+  double loss_sum = 0;
+  double right_sum = 0;
+  for (int i = 0; i < config_.classifier_iterations; ++i) {
+    std::vector<Sampler::Window> windows;
+    for (int64_t k = 0; k < slots_.count(); ++k)
+      windows.push_back(sampler.Draw(static_cast<int>(k) % styles));
+    const Batch batch = batches_.Make(windows);
+    const Tensor u = batch.u.narrow(0, 1, frames_ - 1).narrow(2, 0, kContentFeatures);
+    const Tensor logits = classifier_.Logits(u);
+    const Tensor label = batch.content.argmax(1);
+    const Tensor loss = torch::nn::functional::cross_entropy(logits, label);
+    classifier_.parameters.ZeroGradient();
+    loss.backward();
+    adam.Step(classifier_.parameters,
+              kClassifierRate * (1.0 - kClassifierDecay * i / config_.classifier_iterations));
+    loss_sum += loss.item<double>();
+    right_sum += (logits.argmax(1) == label).to(torch::kFloat32).mean().item<double>();
+    if ((i + 1) % kClassifierLogEvery == 0) {
+      std::cout << "classifier " << i + 1 << ": loss " << loss_sum / kClassifierLogEvery
+                << ", right " << right_sum / kClassifierLogEvery << std::endl;
+      loss_sum = right_sum = 0;
+    }
+  }
+  classifier_.parameters.RequireGradient(false);
+}
+
+// For each of the run's styles, the style of `from` whose branch reconstructs windows of it best.
+std::vector<int64_t> Learner::NearestStyles(const Generator& from) const {
+  constexpr int64_t kWindows = 32;  // per style; enough for a mean over contents
+  Sampler::Options options = sampler_.options();
+  options.seed += kNearestSeed;
   Sampler sampler(clips_, options);
   const int64_t branches = from.branches.groups;
   const Tensor styles = torch::arange(1, branches + 1).repeat_interleave(kWindows);
@@ -21,7 +64,7 @@ std::vector<int64_t> Learner::NearestStyles(const Generator& from) const {
   for (int style = 1; style < options.styles; ++style) {
     std::vector<Sampler::Window> windows;
     for (int64_t i = 0; i < kWindows; ++i) windows.push_back(sampler.Draw(style));
-    const Batch batch = MakeBatch(windows);
+    const Batch batch = batches_.Make(windows);
     const Tensor z = from.Encode(batch.u.cpu().repeat({1, branches, 1}), styles);
     StackState neutral_state = from.neutral.Initial(kWindows * branches);
     StackState branch_state = from.branches.Initial(kWindows);
@@ -39,7 +82,7 @@ std::vector<int64_t> Learner::NearestStyles(const Generator& from) const {
   return nearest;
 }
 
-Status Learner::Adopt(const LoadedWeights& weights) {
+Status Learner::StartFrom(const LoadedWeights& weights) {
   const torch::NoGradGuard no_grad;
   const Generator& from = *weights.generator;
   std::vector<int64_t> source = NearestStyles(from);
@@ -58,84 +101,6 @@ Status Learner::Adopt(const LoadedWeights& weights) {
   if (!copied.ok()) return copied;
   average_.parameters.flat().copy_(generator_.parameters.flat());
   carried_ = generator_.Start(slots_);
-  return Status::Ok();
-}
-
-Status Learner::ExpectIdle() {
-  const std::vector<std::string>& all = manifest_.contents;
-  const auto found = std::find(all.begin(), all.end(), config_.idle_as);
-  if (found == all.end() || manifest_.still_content.empty()) {
-    return Status::Error("--idle needs a manifest with [still] and with the content \"" +
-                         config_.idle_as + "\" of --idle-as");
-  }
-  if (!sampler_.HasIdleFrames()) {
-    return Status::Error("--idle: no neutral clip shows who stands on both feet with hands down");
-  }
-  idle_as_ = found - all.begin();
-  return Status::Ok();
-}
-
-Status Learner::LearnFrom(const LoadedWeights& weights, const std::vector<Lesson>& lessons) {
-  const torch::NoGradGuard no_grad;
-  if (!torch::equal(weights.mean, mean_.cpu()) ||
-      !torch::equal(weights.deviation, deviation_.cpu())) {
-    return Status::Error("has other feature statistics than the run; both must be of one kin");
-  }
-  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-  };
-  const auto contents = static_cast<int64_t>(manifest_.contents.size());
-  std::vector<int64_t> source{0};
-  Tensor gain = torch::zeros({generator_.shape.styles, contents});
-  std::vector<std::string> shared;
-  for (int64_t style = 1; style < generator_.shape.styles; ++style) {
-    const std::string& name = manifest_.styles[static_cast<std::size_t>(style)].name;
-    const auto found = std::find(weights.styles.begin() + 1, weights.styles.end(), name);
-    const bool known = found != weights.styles.end();
-    source.push_back(known ? found - weights.styles.begin() : 1);
-    shared.push_back(known ? name : "");
-    if (known && lessons.empty()) gain.select(0, style).fill_(1);
-  }
-  for (const Lesson& lesson : lessons) {
-    const auto style = std::find(shared.begin(), shared.end(), lesson.style);
-    if (lesson.style == manifest_.styles[0].name) {
-      return Status::Error("cannot teach \"" + lesson.style +
-                           "\": it is what changes are taken from");
-    }
-    if (lesson.style.empty() || style == shared.end()) {
-      return Status::Error("cannot teach \"" + lesson.style +
-                           "\": it and the run must both have it");
-    }
-    const std::vector<std::string>& all = manifest_.contents;
-    if (!lesson.content.empty() && !has(all, lesson.content)) {
-      return Status::Error("cannot teach \"" + lesson.style + "/" + lesson.content +
-                           "\": the manifest has no such content");
-    }
-    for (int64_t content = 0; content < contents; ++content) {
-      if (!lesson.content.empty() && lesson.content != all[content]) continue;
-      gain.index_put_({style - shared.begin() + 1, content}, lesson.gain);
-    }
-  }
-  if (gain.sum().item<double>() == 0) return Status::Error("has none of the run's styles");
-
-  GeneratorShape shape = weights.generator->shape;
-  shape.styles = generator_.shape.styles;
-  Teacher teacher;
-  teacher.generator = std::make_unique<Generator>(shape, mean_, deviation_);
-  const Status copied = teacher.generator->CopyStyles(*weights.generator, source);
-  if (!copied.ok()) return copied;
-  teacher.carried = teacher.generator->Start(slots_);
-  // One of a slot's two styles is neutral, number 0.
-  teacher.gain = gain.to(device_).index_select(0, slots_.own + slots_.target);
-  for (Teacher& earlier : teachers_) earlier.gain.masked_fill_(teacher.gain > 0, 0);
-  const Tensor from_it = slots_.styled.flatten().unsqueeze(1) * (teacher.gain > 0);
-  teacher.gain = torch::where(from_it > 0, torch::ones_like(teacher.gain), teacher.gain);
-  if (config_.idle > 0) {
-    teacher.mean_sum =
-        torch::zeros({generator_.shape.styles, body::kJointCount, 3}, mean_.options());
-    teacher.mean_count = torch::zeros({generator_.shape.styles}, mean_.options());
-  }
-  teachers_.push_back(std::move(teacher));
   return Status::Ok();
 }
 
@@ -168,4 +133,4 @@ void Learner::StartFromZeros() {
   average_.parameters.flat().copy_(generator_.parameters.flat());
 }
 
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

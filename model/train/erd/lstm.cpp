@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 
-namespace styled::train {
+namespace styled::train::style_erd {
 namespace {
 
 using torch::Tensor;
@@ -190,4 +190,4 @@ std::pair<Tensor, Tensor> LstmLayer(const Tensor& x, const Tensor& input_weight,
   return {out[0], out[1]};
 }
 
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace styled::train {
+namespace styled::train::style_erd {
 
 // One LSTM layer of G independent networks over a whole window. Shapes: x [G, T, N, Z] (groups,
 // frames, samples), input_weight and hidden_weight [G, 4Z, Z], bias [G, 4Z] (gate order i, f, g,
@@ -25,4 +25,4 @@ std::pair<torch::Tensor, torch::Tensor> LstmLayerByOps(
     const torch::Tensor& x, const torch::Tensor& input_weight, const torch::Tensor& hidden_weight,
     const torch::Tensor& bias, const torch::Tensor& h0, const torch::Tensor& c0);
 
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace styled::train {
+namespace styled::train::style_erd {
 namespace {
 
 using torch::Tensor;
@@ -97,4 +97,4 @@ void Moments::Restore(const Tensor& saved) {
   visits_.copy_(saved.narrow(1, running_.size(1), 1));
 }
 
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

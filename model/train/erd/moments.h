@@ -6,7 +6,7 @@
 
 #include "model/train/dataset.h"
 
-namespace styled::train {
+namespace styled::train::style_erd {
 
 // What each style does to a body on average, per style and content: how far it shifts every joint,
 // and how much wider or narrower it moves it (the deviation over time within a window). Measured
@@ -53,4 +53,4 @@ class Moments {
   torch::Tensor visits_;   // [styles * contents, 1]
 };
 
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

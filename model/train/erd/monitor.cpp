@@ -1,14 +1,16 @@
 #include "model/train/erd/monitor.h"
 
-#include <algorithm>
+#include <cmath>
+#include <sstream>
 
 #include "model/train/erd/moments.h"
 #include "model/train/geometry.h"
 
-namespace styled::train {
+namespace styled::train::style_erd {
 namespace {
 
-constexpr int kEffectFrames = 24;
+constexpr int kEffectFrames = 24;  // of the windows in which the clips' own shifts are measured
+constexpr double kTiny = 1e-12;    // m or m²; keeps a style without clips at 0
 
 using torch::Tensor;
 
@@ -18,16 +20,26 @@ double MeanJerk(const Tensor& positions) {
   return p.diff(3, 0).square().sum(-1).sqrt().mean().item<double>();
 }
 
+// The columns of one figure, and what the summary has of it.
+void AddFigure(const std::string& figure, const std::vector<std::string>& styles,
+               const std::vector<double>& values, MonitorReport& report) {
+  std::ostringstream text;
+  text << " | " << figure;
+  for (std::size_t i = 0; i < styles.size(); ++i) {
+    report.figures.emplace_back(figure + '_' + styles[i], values[i]);
+    text << ' ' << std::round(values[i] * 100) / 100;
+  }
+  report.summary += text.str();
+}
+
 }  // namespace
 
-Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int contents,
-                 const erd::FeatureParameters& parameters, const Tensor& mean,
-                 const Tensor& deviation)
-    : styles_(styles) {
-  // Fixed windows: the first clips of each neutral cell, from their middle.
+// Fixed windows: the first clips of each neutral cell, from their middle. `kept`: the contents that
+// have any.
+void Monitor::AddWindows(const std::vector<TrainingClip>& clips, int contents,
+                         const erd::FeatureParameters& parameters, std::vector<int64_t>& kept) {
   std::vector<Tensor> windows;
-  std::vector<int> window_content;
-  std::vector<int> kept;
+  std::vector<int64_t> content_of;  // each window's place in `kept`
   for (int content = 0; content < contents; ++content) {
     int found = 0;
     for (const TrainingClip& clip : clips) {
@@ -38,69 +50,104 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips, int styles, int content
       FillWindow(clip, (length - kFrames) / 2, kFrames, false, false, parameters,
                  {.features = window.data_ptr<float>()});
       windows.push_back(window);
-      window_content.push_back(static_cast<int>(kept.size()));
+      content_of.push_back(static_cast<int64_t>(kept.size()));
       ++found;
     }
     if (found > 0) kept.push_back(content);
   }
   TORCH_CHECK(!windows.empty(), "the validation split has no neutral clip of ", kFrames + 1,
               " frames");
-  features_ = torch::stack(windows, 1).to(mean.device());
-  u_ = (features_ - mean) / deviation;
+  features_ = torch::stack(windows, 1);
   content_ =
       torch::zeros({static_cast<int64_t>(kept.size()), static_cast<int64_t>(windows.size())});
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    content_[window_content[i]][static_cast<int64_t>(i)] = 1.0F;
+    content_[content_of[i]][static_cast<int64_t>(i)] = 1.0F;
   }
-  content_ = (content_ / content_.sum(1, true)).to(mean.device());
-  const Tensor kept_index =
-      torch::tensor(std::vector<int64_t>(kept.begin(), kept.end()), torch::kInt64);
-  const StyleEffects real = MeasureEffects(clips, styles, contents, kEffectFrames, 1, parameters);
-  real_shift_ = real.moments.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)
-                    .index_select(1, kept_index)
-                    .to(mean.device());
-  present_ = real.known.index_select(1, kept_index).to(mean.device());
+  content_ = content_ / content_.sum(1, true);
 }
 
-MonitorRow Monitor::Evaluate(const Generator& generator) const {
-  torch::NoGradGuard no_grad;
+Monitor::Monitor(const std::vector<TrainingClip>& clips,
+                 const std::vector<clip::ManifestStyle>& styles, int contents,
+                 const erd::FeatureParameters& parameters, const Tensor& mean,
+                 const Tensor& deviation) {
+  for (std::size_t i = 1; i < styles.size(); ++i) names_.push_back(styles[i].name);
+  std::vector<int64_t> kept;
+  AddWindows(clips, contents, parameters, kept);
+  const torch::Device device = mean.device();
+  features_ = features_.to(device);
+  content_ = content_.to(device);
+  u_ = (features_ - mean) / deviation;
+  const Tensor kept_index = torch::tensor(kept, torch::kInt64);
+  const StyleEffects real = MeasureEffects(clips, static_cast<int>(styles.size()), contents,
+                                           kEffectFrames, 1, parameters);
+  real_shift_ = real.moments.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)
+                    .index_select(1, kept_index)
+                    .to(device);
+  present_ = real.known.index_select(1, kept_index).to(device);
+}
+
+// Encoder and recurrent layers, for all styles at once.
+Monitor::Sequences Monitor::Run(const Generator& generator) const {
   const int64_t batch = u_.size(1);
-  const int64_t branches = styles_ - 1;
-  const Tensor styles = torch::zeros({batch}, torch::kInt64).to(u_.device());
-  const Tensor z = generator.Encode(u_, styles);
+  const auto branches = static_cast<int64_t>(names_.size());
+  const Tensor neutral = torch::zeros({batch}, torch::kInt64).to(u_.device());
+  const Tensor z = generator.Encode(u_, neutral);
   StackState neutral_state = generator.neutral.Initial(batch);
   StackState branch_state = generator.branches.Initial(batch);
-  const Tensor r0 = generator.Neutral(z, neutral_state);
-  const Tensor residual = generator.Branches(z.repeat({1, branches, 1}), branch_state);
-  const Tensor one_hot = torch::eye(styles_).to(u_.device());
-  const Tensor rec = generator.Decode(r0, one_hot.narrow(0, 0, 1).expand({batch, -1})).rotations;
-  const Tensor input = features_.narrow(2, 0, erd::kRotationFeatures)
-                           .reshape({kFrames, batch, body::kJointCount, 4});
-  const Tensor positions = features_.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)
-                               .narrow(0, kSkipped, kFrames - kSkipped);
-  const double input_jerk = MeanJerk(positions);
+  Sequences run;
+  run.z_neutral = generator.Neutral(z, neutral_state);
+  run.z_residual = generator.Branches(z.repeat({1, branches, 1}), branch_state);
+  run.one_hot = torch::eye(branches + 1).to(u_.device());
+  run.rec =
+      generator.Decode(run.z_neutral, run.one_hot.narrow(0, 0, 1).expand({batch, -1})).rotations;
+  run.input = features_.narrow(2, 0, erd::kRotationFeatures)
+                  .reshape({kFrames, batch, body::kJointCount, 4});
+  run.positions = features_.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)
+                      .narrow(0, kSkipped, kFrames - kSkipped);
+  return run;
+}
 
-  MonitorRow row;
-  const Tensor dot = (rec * input).sum(-1).abs().clamp_max(1.0);
-  row.reconstruction_deg = torch::acos(dot).mean().item<double>() * 2.0 * 180.0 / M_PI;
-  for (int64_t style = 1; style < styles_; ++style) {
-    const Tensor sty = generator
-                           .Decode(r0 + residual.narrow(1, (style - 1) * batch, batch),
-                                   one_hot.narrow(0, style, 1).expand({batch, -1}))
-                           .rotations;
-    const Tensor published = Multiply(input, Multiply(Conjugate(rec), sty));
-    const Tensor styled =
-        HipsRelativePositions(published).narrow(0, kSkipped, kFrames - kSkipped).flatten(2, 3);
-    const Tensor shift =
-        (torch::matmul(content_, (styled - positions).mean(0)) * present_[style]).flatten();
+Tensor Monitor::StyledPositions(const Generator& generator, const Sequences& run,
+                                int64_t style) const {
+  const int64_t batch = u_.size(1);
+  const Tensor sty =
+      generator
+          .Decode(run.z_neutral + run.z_residual.narrow(1, (style - 1) * batch, batch),
+                  run.one_hot.narrow(0, style, 1).expand({batch, -1}))
+          .rotations;
+  const Tensor published = Multiply(run.input, Multiply(Conjugate(run.rec), sty));
+  return HipsRelativePositions(published).narrow(0, kSkipped, kFrames - kSkipped).flatten(2, 3);
+}
+
+MonitorReport Monitor::Evaluate(const Generator& generator) const {
+  const torch::NoGradGuard no_grad;
+  const Sequences run = Run(generator);
+  const Tensor dot = (run.rec * run.input).sum(-1).abs().clamp_max(1.0);
+  const double reconstruction_deg = torch::acos(dot).mean().item<double>() * 2.0 * 180.0 / M_PI;
+  const double input_jerk = MeanJerk(run.positions);
+  std::vector<double> expression;
+  std::vector<double> cosine;
+  std::vector<double> jerk_ratio;
+  for (int64_t style = 1; style <= static_cast<int64_t>(names_.size()); ++style) {
+    const Tensor styled = StyledPositions(generator, run, style);
+    const Tensor change = (styled - run.positions).mean(0);
+    const Tensor shift = (torch::matmul(content_, change) * present_[style]).flatten();
     const Tensor real = real_shift_[style].flatten();
     const double along = torch::dot(shift, real).item<double>();
     const double real_norm = real.norm().item<double>();
-    row.expression.push_back(along / (real_norm * real_norm + 1e-12));
-    row.cosine.push_back(along / (real_norm * shift.norm().item<double>() + 1e-12));
-    row.jerk_ratio.push_back(MeanJerk(styled) / input_jerk);
+    expression.push_back(along / (real_norm * real_norm + kTiny));
+    cosine.push_back(along / (real_norm * shift.norm().item<double>() + kTiny));
+    jerk_ratio.push_back(MeanJerk(styled) / input_jerk);
   }
-  return row;
+  MonitorReport report;
+  report.figures.emplace_back("reconstruction_deg", reconstruction_deg);
+  std::ostringstream text;
+  text << "rec " << reconstruction_deg << " deg";
+  report.summary = text.str();
+  AddFigure("expression", names_, expression, report);
+  AddFigure("cosine", names_, cosine, report);
+  AddFigure("jerk_ratio", names_, jerk_ratio, report);
+  return report;
 }
 
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

@@ -4,9 +4,10 @@
 
 #include "model/net/erd/features.h"
 #include "model/net/erd/network.h"
+#include "model/train/checkpoint.h"
 #include "model/train/erd/lstm.h"
 
-namespace styled::train {
+namespace styled::train::style_erd {
 namespace {
 
 using torch::Tensor;
@@ -155,19 +156,43 @@ Decoded Generator::Decode(const Tensor& z, const Tensor& target) const {
 
 Decoded Generator::Transfer(const Tensor& u, const Slots& slots, const Tensor& goes_on,
                             Carried& carried) const {
-  const Tensor z = Encode(u, slots.own);
+  const Tensor z = Encode(u, slots.input);
   carried.neutral = neutral.Start(carried.neutral, goes_on.view({1, -1, 1}));
   carried.branches = branches.Start(carried.branches, goes_on.view({branches.groups, -1, 1}));
   const Tensor r0 = Neutral(z, carried.neutral);
   const Tensor residual = Branches(z, carried.branches);
   const Tensor own = residual * slots.styled;
   return Decode(torch::cat({r0 + own, r0 + residual - own}, 1),
-                torch::cat({slots.own_one_hot, slots.target_one_hot}, 0));
+                torch::cat({slots.input_one_hot, slots.target_one_hot}, 0));
 }
 
 Carried Generator::Start(const Slots& slots) const {
   return {neutral.Initial(slots.count()).Concrete(),
           branches.Initial(slots.count() / branches.groups).Concrete()};
+}
+
+void SaveCarried(const Carried& carried, const std::string& prefix, Checkpoint& checkpoint) {
+  auto& t = checkpoint.tensors;
+  t[prefix + "neutral.h"] = torch::stack(carried.neutral.h);
+  t[prefix + "neutral.c"] = torch::stack(carried.neutral.c);
+  t[prefix + "branches.h"] = torch::stack(carried.branches.h);
+  t[prefix + "branches.c"] = torch::stack(carried.branches.c);
+}
+
+void RestoreCarried(const Checkpoint& checkpoint, const std::string& prefix, Carried& carried) {
+  const auto unstack = [&](const std::string& name, std::vector<Tensor>& layers) {
+    const Tensor& all = checkpoint.tensors.at(prefix + name);
+    TORCH_CHECK(
+        all.size(0) == static_cast<int64_t>(layers.size()) && all[0].sizes() == layers[0].sizes(),
+        "carried states of another batch");
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      layers[i] = all[static_cast<int64_t>(i)].clone().to(layers[i].device());
+    }
+  };
+  unstack("neutral.h", carried.neutral.h);
+  unstack("neutral.c", carried.neutral.c);
+  unstack("branches.h", carried.branches.h);
+  unstack("branches.c", carried.branches.c);
 }
 
 Status Generator::CopyStyles(const Generator& from, const std::vector<int64_t>& source) {
@@ -247,4 +272,4 @@ Tensor ContentClassifier::Logits(const Tensor& x) const {
   return head_(torch::cat({last.mean(0), last.amax(0)}, 1));
 }
 
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

@@ -8,8 +8,12 @@
 #include "model/base/status.h"
 #include "model/train/adam.h"
 
-// The three networks of Style-ERD. Everything is time-major: [T, B, features].
 namespace styled::train {
+struct Checkpoint;
+}
+
+// The three networks of Style-ERD. Everything is time-major: [T, B, features].
+namespace styled::train::style_erd {
 
 // y = W x + b on the last dimension.
 struct Affine {
@@ -59,17 +63,21 @@ struct Decoded {
 
 // The slots of a batch, which keep their styles from one iteration to the next.
 struct Slots {
-  torch::Tensor own, target;                  // [B] int64
-  torch::Tensor own_one_hot, target_one_hot;  // [B, styles]
-  torch::Tensor styled;  // [1, B, 1]: 1 where the slot's own style is not neutral
+  torch::Tensor input, target;                  // [B] int64: styles; one of the two is neutral, 0
+  torch::Tensor input_one_hot, target_one_hot;  // [B, styles]
+  torch::Tensor styled;                         // [1, B, 1]: 1 where the input style is not neutral
 
-  int64_t count() const { return own.size(0); }
+  int64_t count() const { return input.size(0); }
 };
 
 // Where each slot's last window ended.
 struct Carried {
   StackState neutral, branches;
 };
+// As tensors of a checkpoint whose names begin with `prefix`. RestoreCarried throws (c10::Error)
+// where states of another batch are found; `carried` must have the shape of this one.
+void SaveCarried(const Carried& carried, const std::string& prefix, Checkpoint& checkpoint);
+void RestoreCarried(const Checkpoint& checkpoint, const std::string& prefix, Carried& carried);
 
 // Encoder, neutral branch, style branches, decoder of model/net/erd/FORMAT.md, no content input.
 class Generator {
@@ -85,7 +93,7 @@ class Generator {
   // target [B, N]: the decoder's style input.
   Decoded Decode(const torch::Tensor& z, const torch::Tensor& target) const;
 
-  // Every slot's window with its own style, then every one with its target: [T, 2B, ...]. Neutral
+  // Every slot's window in its input style, then every one in its target: [T, 2B, ...]. Neutral
   // windows are reconstructed by r_0 alone and transferred with their slot's branch, styled ones
   // the other way. `goes_on` [B] bool: which windows start where `carried` says; it is brought up
   // to their ends.
@@ -93,8 +101,8 @@ class Generator {
                    Carried& carried) const;
   // Learned states for all slots, without gradients.
   Carried Start(const Slots& slots) const;
-  // Takes what all styles share from `from`, a generator of the same widths, and of each of our
-  // styles the branch and input columns of its style `source[i]`. Errors name the tensor.
+  // Copies what all styles share from `from`, a generator of the same widths, and for style i of
+  // this one the branch and input columns of its style `source[i]`. Errors name the tensor.
   Status CopyStyles(const Generator& from, const std::vector<int64_t>& source);
 
   Parameters parameters;
@@ -140,4 +148,4 @@ class ContentClassifier {
   Affine head_;
 };
 
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace styled::train {
+namespace styled::train::style_erd {
 namespace {
 
 using torch::Tensor;
@@ -49,4 +49,4 @@ TEST(Lstm, CarriedStatesContinueTheWindow) {
 }
 
 }  // namespace
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

@@ -4,7 +4,7 @@
 
 #include "tests/unit/train/walker.h"
 
-namespace styled::train {
+namespace styled::train::style_erd {
 namespace {
 
 using torch::Tensor;
@@ -95,4 +95,4 @@ TEST(Moments, SaveAndRestoreAreExact) {
 }
 
 }  // namespace
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

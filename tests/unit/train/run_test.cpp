@@ -15,10 +15,12 @@
 #include "model/net/erd/network.h"
 #include "model/train/checkpoint.h"
 #include "model/train/curve.h"
+#include "model/train/erd/recipe.h"
+#include "model/train/erd/weights.h"
 #include "model/train/trainer.h"
 #include "tests/unit/train/walker.h"
 
-namespace styled::train {
+namespace styled::train::style_erd {
 namespace {
 
 using torch::Tensor;
@@ -31,6 +33,20 @@ rig::Skeleton CanonicalSkeleton() {
     skeleton.offsets.emplace_back(row.x_m, row.y_m, row.z_m);
   }
   return skeleton;
+}
+
+// All flags of a run, and the run.
+struct RunFlags : RunConfig, Config {};
+
+Status Train(const RunFlags& flags, const Validate& validate = nullptr) {
+  const auto recipe = MakeRecipe(flags, flags);
+  return recipe.ok() ? train::Train(flags, *recipe.value(), validate) : recipe.status();
+}
+
+Status ExportRun(const std::filesystem::path& run, const std::filesystem::path& file) {
+  return train::ExportRun(run, file, [](const std::string& family) -> ExportFunction {
+    return family == kFamily ? ExportWeights : nullptr;
+  });
 }
 
 void ExpectSameButTheClock(const Checkpoint& a, const Checkpoint& b) {
@@ -89,8 +105,8 @@ split = "validation"
   }
   void TearDown() override { std::filesystem::remove_all(root_); }
 
-  TrainConfig Config(const std::string& out) const {
-    TrainConfig config;
+  RunFlags Config(const std::string& out) const {
+    RunFlags config;
     config.manifest = root_ / "manifest.toml";
     config.data = root_;
     config.out = root_ / out;
@@ -105,8 +121,8 @@ split = "validation"
   }
   static void Check(const Status& status) { ASSERT_TRUE(status.ok()) << status.message(); }
   // Trains what `whole` trained once more, stopped at an iteration and resumed.
-  void ExpectPartsAreTheSame(const TrainConfig& whole, int64_t stop_at) {
-    TrainConfig parts = whole;
+  void ExpectPartsAreTheSame(const RunFlags& whole, int64_t stop_at) {
+    RunFlags parts = whole;
     parts.out = root_ / "parts";
     parts.stop_at = stop_at;
     Check(Train(parts));
@@ -127,7 +143,7 @@ TEST_F(Run, ResumedIsBitForBitTheSameAsUninterrupted) {
   ExpectPartsAreTheSame(Config("whole"), 4);
 
   // The control: another seed is another run.
-  TrainConfig other = Config("other");
+  RunFlags other = Config("other");
   other.seed = 2;
   Check(Train(other));
   Checkpoint whole, different;
@@ -137,7 +153,7 @@ TEST_F(Run, ResumedIsBitForBitTheSameAsUninterrupted) {
 }
 
 TEST_F(Run, ACheckpointOfOtherDataIsRefused) {
-  TrainConfig config = Config("run");
+  RunFlags config = Config("run");
   config.stop_at = 1;
   Check(Train(config));
   config.resume = true;
@@ -170,7 +186,7 @@ std::filesystem::path WithNewStyle(const std::filesystem::path& root, bool odd_t
 TEST_F(Run, ARunStartsFromWeights) {
   Check(Train(Config("first")));
   const std::filesystem::path manifest = WithNewStyle(root_, true);
-  TrainConfig config = Config("second");
+  RunFlags config = Config("second");
   config.manifest = manifest;
   config.init = root_ / "first" / "weights.safetensors";
   config.iterations = 1;
@@ -235,9 +251,9 @@ std::vector<float> Styled(const std::filesystem::path& weights, const std::strin
 class AddedStyle : public Run {
  protected:
   // The run that added "new" to the weights of the run "first".
-  TrainConfig Added() {
+  RunFlags Added() {
     Check(Train(Config("first")));
-    TrainConfig config = Config("added");
+    RunFlags config = Config("added");
     config.manifest = WithNewStyle(root_, false);
     config.init = root_ / "first" / "weights.safetensors";
     config.add_styles = {"new"};
@@ -247,7 +263,7 @@ class AddedStyle : public Run {
 };
 
 TEST_F(AddedStyle, LearnsAndTheOthersStayBitForBit) {
-  TrainConfig config = Added();
+  RunFlags config = Added();
   const std::filesystem::path file = root_ / "added.safetensors";
   Check(ExportRun(root_ / "added", file));
 
@@ -272,7 +288,7 @@ TEST_F(AddedStyle, LearnsAndTheOthersStayBitForBit) {
 
 TEST_F(AddedStyle, LearnedAnewAnyStyleStaysInItsPlaceAndTheOthersBitForBit) {
   const std::filesystem::path added = Added().out / "weights.safetensors";
-  TrainConfig again = Config("again");  // the manifest of neutral and "odd" alone
+  RunFlags again = Config("again");  // the manifest of neutral and "odd" alone
   again.init = added;
   again.add_styles = {"odd"};
   again.replace = true;
@@ -323,9 +339,9 @@ class Taught : public Run {
     decoder.select(1, decoder.size(1) - 1).copy_(torch::linspace(-4, 4, decoder.size(0)));
     Check(WriteWeights(*loaded.generator, loaded.mean, loaded.deviation, loaded.metadata, strong_));
   }
-  TrainConfig Student(const std::string& out, std::vector<std::string> teachers,
-                      double weight = 5) const {
-    TrainConfig config = Config(out);
+  RunFlags Student(const std::string& out, std::vector<std::string> teachers,
+                   double weight = 5) const {
+    RunFlags config = Config(out);
     config.seed = 2;
     config.teachers = std::move(teachers);
     config.w_teacher = weight;
@@ -368,7 +384,7 @@ TEST_F(Taught, ALessonIsOfOneContentAndAsStrongAsItSays) {
 }
 
 TEST_F(Taught, WhoIdlesIsTaughtTheMeanAndARunGoesOnBitForBit) {
-  TrainConfig config = Student("plain", {strong_});
+  RunFlags config = Student("plain", {strong_});
   config.init = weak_;
   config.idle = 0.4;
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("--idle needs a manifest with [still]"));
@@ -385,7 +401,7 @@ TEST_F(Taught, WhoIdlesIsTaughtTheMeanAndARunGoesOnBitForBit) {
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("and a --teacher"));
 
   config.teachers = {strong_};
-  EXPECT_THAT(Train(config).message(), testing::HasSubstr("no neutral clip shows who stands"));
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("no neutral clip has a frame"));
   clip::Clip stands = clip::ReadBvh(root_ / "set-train" / "wave_plain_1.bvh").value();
   const body::Pose down = HandsDown();
   for (rig::RigPose& frame : stands.frames) {
@@ -404,7 +420,7 @@ TEST_F(Taught, WhoIdlesIsTaughtTheMeanAndARunGoesOnBitForBit) {
 
 TEST_F(Taught, ATeacherThatCannotTeachIsRefused) {
   const std::string& teacher = weak_;
-  TrainConfig config = Config("student");
+  RunFlags config = Config("student");
   for (const char* styles : {":nobody", ":odd,nobody"}) {
     config.teachers = {teacher + styles};
     EXPECT_THAT(Train(config).message(), testing::HasSubstr("cannot teach \"nobody\""));
@@ -418,7 +434,8 @@ TEST_F(Taught, ATeacherThatCannotTeachIsRefused) {
   config.teachers = {teacher + ":"};
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("found no style"));
   config.teachers = {teacher + ":neutral"};
-  EXPECT_THAT(Train(config).message(), testing::HasSubstr("it is what changes are taken from"));
+  EXPECT_THAT(Train(config).message(),
+              testing::HasSubstr("changes are relative to the neutral style"));
   for (const char* gain : {"", "2x", "-1", "0", "nan", "11"}) {
     config.teachers = {teacher + ":odd*" + gain};
     EXPECT_THAT(Train(config).message(), testing::HasSubstr("expected a number above 0")) << gain;
@@ -435,7 +452,7 @@ TEST_F(Taught, ATeacherThatCannotTeachIsRefused) {
 }
 
 TEST_F(Run, ValidationKeepsTheBestAndEndsARunThatGetsNoBetter) {
-  TrainConfig config = Config("run");
+  RunFlags config = Config("run");
   config.iterations = 1000;
   config.validate_minutes = 1e-9;  // after every iteration
   config.patience = 3;
@@ -528,4 +545,4 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
 }
 
 }  // namespace
-}  // namespace styled::train
+}  // namespace styled::train::style_erd

@@ -9,6 +9,7 @@
 
 #include "model/clip/clip.h"
 #include "model/synthetic/performer.h"
+#include "model/train/erd/recipe.h"
 #include "model/train/judge/judge_validation.h"
 #include "model/train/trainer.h"
 
@@ -86,21 +87,25 @@ contents = [ { name = "walk", labels = ["walk"] }, { name = "wave", labels = ["w
   // The figures of a run of so many iterations.
   std::map<std::string, double> Figures(const judge::Validator& judge, const std::string& out,
                                         int iterations) {
-    TrainConfig config;
-    config.manifest = root_ / "manifest.toml";
-    config.data = root_;
-    config.out = root_ / out;
-    config.device = "cpu";
-    config.iterations = iterations;
+    RunConfig run;
+    run.manifest = root_ / "manifest.toml";
+    run.data = root_;
+    run.out = root_ / out;
+    run.device = "cpu";
+    run.iterations = iterations;
+    run.monitor_every = 100000;
+    run.log_every = 250;
+    style_erd::Config config;
     config.classifier_iterations = 100;
     config.per_style = 6;
     config.w_smooth = 4;
     config.w_penalty = 40;
-    config.monitor_every = 100000;
-    config.log_every = 250;
-    const Status trained = Train(config);
+    const auto recipe = style_erd::MakeRecipe(run, config);
+    EXPECT_TRUE(recipe.ok()) << recipe.status().message();
+    if (!recipe.ok()) return {};
+    const Status trained = Train(run, *recipe.value());
     EXPECT_TRUE(trained.ok()) << trained.message();
-    const auto figures = judge.Measure(config.out / "weights.safetensors");
+    const auto figures = judge.Measure(run.out / "weights.safetensors");
     EXPECT_TRUE(figures.ok()) << figures.status().message();
     std::map<std::string, double> named;
     for (const auto& [name, value] : figures.value()) {

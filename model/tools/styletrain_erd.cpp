@@ -1,0 +1,159 @@
+// The flags of styletrain for Style-ERD.
+#include <utility>
+
+#include "model/tools/train_family.h"
+#include "model/train/erd/recipe.h"
+
+namespace styled::train {
+namespace {
+
+using style_erd::Config;
+
+// Where a run starts, and its teachers.
+void AddStartFlags(CLI::App& app, Config& config) {
+  app.add_option("--init", config.init, "Weights to start from; styles are matched by name");
+  app.add_option("--teacher", config.teachers,
+                 "Weights whose changes of style are imitated, as FILE or "
+                 "FILE:STYLE[/CONTENT][*GAIN],...; repeatable, later ones win");
+  app.add_option("--idle", config.idle,
+                 "Share of neutral windows with an idle posture; needs --teacher")
+      ->capture_default_str();
+  app.add_option("--idle-as", config.idle_as,
+                 "Content whose mean change of style is the target there")
+      ->capture_default_str();
+  app.add_option("--critic-first", config.critic_first,
+                 "Iterations in which only the critic learns (with --init)")
+      ->capture_default_str();
+}
+
+// Windows and their disturbance.
+void AddDataFlags(CLI::App& app, Config& config) {
+  app.add_option("--rate", config.rate_hz, "The network's rate, Hz")->capture_default_str();
+  app.add_option("--heading-tau", config.heading_tau_s, "Heading filter, s")->capture_default_str();
+  app.add_option("--window", config.window, "Frames that are judged")->capture_default_str();
+  app.add_option("--per-style", config.per_style, "Windows per style in a batch")
+      ->capture_default_str();
+  app.add_option("--carry", config.carry, "Share of windows that start with carried states")
+      ->capture_default_str();
+  app.add_option("--session-start", config.session_start)->capture_default_str();
+  app.add_option("--offset", config.offset)->capture_default_str();
+  app.add_option("--noise", config.noise)->capture_default_str();
+  app.add_option("--miscalibrated", config.miscalibrated,
+                 "Share of windows with wrong rest poses and a wrong floor")
+      ->capture_default_str();
+}
+
+// Learning rates and schedules.
+void AddOptimizerFlags(CLI::App& app, Config& config) {
+  app.add_option("--generator-rate", config.generator_rate)->capture_default_str();
+  app.add_option("--critic-rate", config.critic_rate)->capture_default_str();
+  app.add_option("--beta1", config.beta1)->capture_default_str();
+  app.add_option("--beta2", config.beta2)->capture_default_str();
+  app.add_option("--decay-from", config.decay_from)->capture_default_str();
+  app.add_option("--decay-to", config.decay_to)->capture_default_str();
+  app.add_option("--ema", config.ema)->capture_default_str();
+  app.add_option("--penalty-every", config.penalty_every,
+                 "Gradient penalty every so many iterations, as much stronger")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--classifier-iterations", config.classifier_iterations)->capture_default_str();
+}
+
+// Weights of the losses.
+void AddLossFlags(CLI::App& app, Config& config) {
+  app.add_option("--w-rotation", config.w_rotation)->capture_default_str();
+  app.add_option("--w-position", config.w_position)->capture_default_str();
+  app.add_option("--w-velocity", config.w_velocity)->capture_default_str();
+  app.add_option("--w-height", config.w_height)->capture_default_str();
+  app.add_option("--w-adversarial", config.w_adversarial)->capture_default_str();
+  app.add_option("--w-perceptual", config.w_perceptual)->capture_default_str();
+  app.add_option("--w-penalty", config.w_penalty)->capture_default_str();
+  app.add_option("--w-moments", config.w_moments)->capture_default_str();
+  app.add_option("--w-teacher", config.w_teacher)->capture_default_str();
+  app.add_option("--w-smooth", config.w_smooth)->capture_default_str();
+  app.add_option("--smooth-from", config.smooth_from)->capture_default_str();
+  app.add_option("--smooth-full", config.smooth_full)->capture_default_str();
+}
+
+// What the ablations of the paper leave out.
+void AddAblationFlags(CLI::App& app, Config& config) {
+  app.add_option("--attention", config.attention, "0: a plain multi-class discriminator (ablation)")
+      ->capture_default_str();
+  app.add_option("--learned-states", config.learned_states,
+                 "0: recurrent states start at zero (ablation)")
+      ->capture_default_str();
+  app.add_option("--judge-published", config.judge_published,
+                 "1: judges see the detail-preserving output, 0: the absolute one")
+      ->capture_default_str();
+  app.add_option("--judge-root", config.judge_root, "Judged velocities include the hips' path")
+      ->capture_default_str();
+}
+
+CLI::App* AddAddStyle(CLI::App& app, Config& config) {
+  CLI::App* add =
+      app.add_subcommand("add-style", "Teach trained weights more styles")->fallthrough();
+  add->footer(
+      "styletrain add-style --name NAME --init WEIGHTS --manifest M.toml --data DIR --out RUN\n"
+      "The manifest has the neutral style and NAME. All that WEIGHTS has is frozen and stays\n"
+      "bit for bit the same. All other options of styletrain hold, but --per-style is 12; and "
+      "without\n"
+      "--replace --w-moments 200, --w-smooth 3, --w-penalty 60, --penalty-every 4, --decay-from "
+      "0.5,\n"
+      "--smooth-from 0 and --smooth-full 0.1, where you give no others.");
+  add->add_option("--name", config.add_styles,
+                  "The new style, as the manifest names it; repeatable")
+      ->required();
+  add->add_flag("--replace", config.replace,
+                "NAME may be a style of WEIGHTS: it is learned anew, from where it is");
+  return add;
+}
+
+class StyleErdFlags : public FamilyFlags {
+ public:
+  explicit StyleErdFlags(CLI::App& app) {
+    AddStartFlags(app, config_);
+    AddDataFlags(app, config_);
+    AddOptimizerFlags(app, config_);
+    AddLossFlags(app, config_);
+    AddAblationFlags(app, config_);
+    add_style_ = AddAddStyle(app, config_);
+  }
+
+  Status Resolve(const CLI::App& app) override {
+    if (!add_style_->parsed()) return Status::Ok();
+    if (config_.init.empty()) {  // before judges are trained for nothing
+      return Status::Error("add-style: --init is needed, the weights to add to");
+    }
+    // The best of RESULTS.md ("A style added to frozen weights") for a style without any weights.
+    const auto unless_given = [&app](const char* flag, auto& value, double of_added) {
+      if (app.get_option(flag)->count() > 0) return;
+      value = static_cast<std::decay_t<decltype(value)>>(of_added);
+    };
+    unless_given("--per-style", config_.per_style, 12);
+    if (config_.replace) return Status::Ok();
+    unless_given("--w-moments", config_.w_moments, 200);
+    unless_given("--w-smooth", config_.w_smooth, 3);
+    unless_given("--w-penalty", config_.w_penalty, 60);
+    unless_given("--penalty-every", config_.penalty_every, 4);
+    unless_given("--decay-from", config_.decay_from, 0.5);
+    unless_given("--smooth-from", config_.smooth_from, 0);
+    unless_given("--smooth-full", config_.smooth_full, 0.1);
+    return Status::Ok();
+  }
+
+  Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const override {
+    return style_erd::MakeRecipe(run, config_);
+  }
+
+ private:
+  Config config_;
+  CLI::App* add_style_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<FamilyFlags> AddStyleErdFlags(CLI::App& app) {
+  return std::make_unique<StyleErdFlags>(app);
+}
+
+}  // namespace styled::train

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <string_view>
+
+#include "model/base/status.h"
+#include "model/train/recipe.h"
+#include "model/train/trainer.h"
+
+// The network families that styletrain can train: a row each in the table of styletrain.cpp, and a
+// source styletrain_FAMILY.cpp with the family's own flags.
+namespace styled::train {
+
+// The values of a family's flags, and what is made of them.
+class FamilyFlags {
+ public:
+  virtual ~FamilyFlags() = default;
+  // After `app` has parsed the command line: defaults that depend on other flags, and what cannot
+  // work together. Errors name the flag.
+  virtual Status Resolve(const CLI::App& app) = 0;
+  virtual Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const = 0;
+};
+
+struct Family {
+  std::string_view name;  // of --family, of checkpoints and of weights files
+  // Adds the family's flags and subcommands; the result must outlive the parsing.
+  std::unique_ptr<FamilyFlags> (*add_flags)(CLI::App& app);
+  ExportFunction export_weights;
+};
+
+// style-erd: styletrain_erd.cpp
+std::unique_ptr<FamilyFlags> AddStyleErdFlags(CLI::App& app);
+
+}  // namespace styled::train

@@ -1,0 +1,119 @@
+// The losses of the generator and what the critic sees.
+#include "model/train/erd/learner.h"
+#include "model/train/geometry.h"
+
+namespace styled::train::style_erd {
+namespace {
+
+using torch::Tensor;
+
+constexpr int64_t kJudgedFeatures = erd::kPositionFeatures + erd::kVelocityFeatures;
+constexpr int64_t kContentFeatures = erd::kRotationFeatures + kJudgedFeatures;
+
+}  // namespace
+
+// What the critic sees: standardized positions and velocities, [T, B, 126].
+Tensor Learner::Judged(const Tensor& positions, const Tensor& velocities) const {
+  const Tensor raw = torch::cat({positions.flatten(2, 3), velocities.flatten(2, 3)}, 2);
+  return (raw - mean_.narrow(0, erd::kPositionBegin, kJudgedFeatures)) /
+         deviation_.narrow(0, erd::kPositionBegin, kJudgedFeatures);
+}
+
+Tensor Learner::Real(const Batch& batch) const {
+  if (config_.judge_root) {
+    return batch.u.narrow(0, 1, frames_ - 1)
+        .narrow(2, erd::kPositionBegin, kJudgedFeatures)
+        .contiguous();
+  }
+  const Tensor still = torch::zeros_like(batch.hips_step_m);
+  return Judged(batch.positions.narrow(0, 1, frames_ - 1),
+                WorldVelocities(batch.positions, batch.yaw_change_rad, still,
+                                torch::zeros_like(batch.yaw_change_rad), config_.rate_hz));
+}
+
+// The mean over windows whose target the critic knows in their content: where a label pair was
+// never recorded, "fake" would follow from the labels alone.
+Tensor Learner::PairedMean(const Batch& batch, const Tensor& score) const {
+  return (score * batch.paired).sum() / batch.paired.sum().clamp_min(1.0);
+}
+
+// Eq. 2 and 3, weighted.
+Tensor Learner::Reconstruction(const Batch& batch, const Generated& generated) {
+  const Tensor rotation =
+      SquaredHalfAngle(generated.rec, batch.rotations).sum(torch::IntArrayRef({0, 2})).mean();
+  const Tensor position = (generated.rec_positions - batch.positions).square().sum(-1).mean();
+  const Tensor velocity =
+      (generated.rec_velocities - batch.u.narrow(2, erd::kVelocityBegin, erd::kVelocityFeatures))
+          .square()
+          .mean();
+  const Tensor height =
+      (generated.rec_height - batch.u.narrow(2, erd::kHipsHeightIndex, 1)).square().mean();
+  tally_.Add("rec_rad", (rotation / (frames_ * body::kJointCount)).sqrt() * 2.0);
+  tally_.Add("rec_m", position.sqrt());
+  tally_.Add("velocity", velocity);
+  tally_.Add("height", height);
+  return config_.w_rotation * rotation + config_.w_position * position +
+         config_.w_velocity * velocity + config_.w_height * height;
+}
+
+// The critic's score of what is transferred, whose target is 0 (eq. 5).
+Tensor Learner::Adversarial(const Batch& batch, const Generated& generated) {
+  const Tensor labels = torch::cat({slots_.target_one_hot, batch.content}, 1);
+  const Tensor loss = PairedMean(batch, critic_(generated.fake, labels).square());
+  tally_.Add("adversarial", loss);
+  return loss;
+}
+
+// Transferred rotations of the judged frames as features, [T - 1, B, 84].
+Tensor Learner::OnHemisphere(const Tensor& rotations) const {
+  const Tensor mean = mean_.narrow(0, 0, erd::kRotationFeatures).view({body::kJointCount, 4});
+  return ToHemisphere(rotations.narrow(0, 1, frames_ - 1), mean).flatten(2, 3);
+}
+
+// Eq. 7: the classifier's feature maps before and after the transfer.
+Tensor Learner::Perceptual(const Batch& batch, const Generated& generated) const {
+  const Tensor rotations =
+      (OnHemisphere(generated.rotations) - mean_.narrow(0, 0, erd::kRotationFeatures)) /
+      deviation_.narrow(0, 0, erd::kRotationFeatures);
+  std::vector<Tensor> before;
+  {
+    const torch::NoGradGuard no_grad;
+    before = classifier_.Maps(batch.u.narrow(0, 1, frames_ - 1).narrow(2, 0, kContentFeatures));
+  }
+  const std::vector<Tensor> after = classifier_.Maps(torch::cat({rotations, generated.fake}, 2));
+  Tensor sum = torch::zeros({}, batch.u.options());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    sum = sum + (after[i] - before[i]).square().mean();
+  }
+  return sum;
+}
+
+// The mean effects of each style, in neutral windows that were transferred to it.
+Tensor Learner::MomentMatching(const Batch& batch, const Generated& generated) {
+  const Tensor mean = mean_.narrow(0, erd::kPositionBegin, erd::kPositionFeatures);
+  const Tensor deviation = deviation_.narrow(0, erd::kPositionBegin, erd::kPositionFeatures);
+  const Tensor in = batch.features.narrow(0, 1, frames_ - 1).narrow(2, 0, kEffectFeatures);
+  const Tensor positions = generated.fake.narrow(2, 0, erd::kPositionFeatures) * deviation + mean;
+  const Tensor out = torch::cat({OnHemisphere(generated.rotations), positions}, 2);
+  const Tensor loss = moments_.Loss(in, out, slots_.target, batch.content.argmax(1),
+                                    batch.paired * (1.0 - slots_.styled.flatten()));
+  tally_.Add("moments", moments_.Distance());
+  return loss;
+}
+
+// The second difference over time of the change of style: what keeps the output from jerking.
+Tensor Learner::Smoothness(const Generated& generated) {
+  const Tensor log_change = LogQuaternion(generated.change);
+  const Tensor smooth = log_change.diff(2, 0).square().sum(torch::IntArrayRef({0, 2, 3})).mean();
+  tally_.Add("smooth", smooth);
+  tally_.Add("change_rad", log_change.detach().square().sum(-1).sqrt().mean());
+  return smooth;
+}
+
+Tensor Learner::Teaching(const Batch& batch, const Generated& generated) {
+  const Tensor loss = teachers_->Loss(batch, generated.change);
+  tally_.Add("teacher_rad", (loss.detach() / (frames_ * body::kJointCount)).sqrt() * 2.0);
+  return loss;
+}
+
+}  // namespace styled::train::style_erd
