@@ -9,7 +9,8 @@ void StepTogether(std::span<const BatchEntry> entries) noexcept {
   std::array<Predictor::Step, kMost> steps;
   std::array<const BatchEntry*, kMost> stepping;
   std::array<net::StepJob, kMost> jobs;
-  // Each state whose tick is due steps once per round; most frames are one tick, so one round.
+  // One round steps every performer's next state that is due. Most frames are one tick, so one
+  // round.
   for (;;) {
     std::size_t count = 0;
     for (const BatchEntry& entry : entries) {
@@ -19,7 +20,8 @@ void StepTogether(std::span<const BatchEntry> entries) noexcept {
       stepping[count++] = &entry;
     }
     if (count == 0) return;
-    // One call per run of performers with the same network: all, except while a reload goes round.
+    // One call per run of performers with the same network: all of them, except while a reload is
+    // being adopted.
     for (std::size_t from = 0, to = 0; from < count; from = to) {
       const net::Stylizer* const network = stepping[from]->predictor->network();
       while (to < count && stepping[to]->predictor->network() == network) ++to;

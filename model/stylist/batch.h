@@ -8,7 +8,7 @@
 
 namespace styled::stylist {
 
-// One performer's frame among others: what its network steps read and write. Nothing is owned.
+// One performer's frame in a batch: what its network steps read and write. Owns nothing.
 struct BatchEntry {
   Predictor* predictor = nullptr;
   const body::Pose* input = nullptr;  // canonical
@@ -16,10 +16,10 @@ struct BatchEntry {
   const StyleDelta* near = nullptr;  // see Predictor::Accept
 };
 
-// Runs every step that is due for these frames, bit for bit as each performer alone: performers who
-// share a network share the reading of its weights. At most kMost entries; instantiated for 1,
-// which keeps a single performer's frame free of the arrays that a batch needs, and kMaxBatch. No
-// allocation.
+// Runs every network step that is due for these frames, with the results of each performer alone,
+// bit for bit. Performers that share a network share the reading of its weights. At most kMost
+// entries; instantiated for 1, so that a single performer does not pay for a batch's arrays, and
+// for kMaxBatch. No allocation. Pinned by tests/unit/stylist/stylist_test.cpp.
 inline constexpr std::size_t kMaxBatch = 8;  // Stylist::kTogether
 template <std::size_t kMost>
 STYLED_REALTIME void StepTogether(std::span<const BatchEntry> entries) noexcept;

@@ -66,6 +66,7 @@ void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& n
     unsound_ = true;
     return;
   }
+  // The hips' rotations of a prediction are relative to the heading: compare the input there.
   const Quat heading_from_world = body::Yaw(-out.heading_rad);
   StyleDelta& delta = deltas_[static_cast<std::size_t>(step.state)];
   float error2 = 0;
@@ -76,12 +77,12 @@ void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& n
     delta.col(static_cast<Eigen::Index>(joint)) =
         body::LogNear(reconstruction.conjugate() * out.styled.rotations[joint],
                       near.col(static_cast<Eigen::Index>(joint)));
-    // Toes tell nothing about a posture, and some rigs' turn over.
+    // Toes tell nothing about a posture, and some rigs' toes turn over.
     const bool toes = joint == body::kLeftToes || joint == body::kRightToes;
     if (!toes) error2 += body::Log(input.conjugate() * reconstruction).squaredNorm();
   }
   // On neutral input a style of weight 0 changes nothing; on styled input it removes that style.
-  // Scaled before the low-pass, so that another input style is no jump.
+  // Scaled before the low-pass, so that another input style causes no jump.
   if (mixer.input_style() > 0) delta *= mixer.presence();
   stepped_.set(static_cast<std::size_t>(step.state));
   last_styled_ = out.styled.rotations;
@@ -89,8 +90,8 @@ void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& n
   reconstruction_rad_ = std::sqrt(error2 / static_cast<float>(kJointCount - 2));
 }
 
-// The mean is a box filter over one period of the network, whose notch lies on the ripple that the
-// states' disagreement makes.
+// The mean is a box filter over one period of the network. The states' disagreement makes a ripple
+// of that period, which is at the filter's notch.
 StyleDelta Predictor::MeanDelta() const noexcept {
   StyleDelta mean = StyleDelta::Zero();
   int count = 0;

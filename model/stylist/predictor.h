@@ -14,68 +14,69 @@
 
 namespace styled::stylist {
 
-// Step 2 of the stylist for one performer: which recurrent states are due, the pose at each one's
-// tick, and the style delta that their predictions ask for. The network itself is called by
-// StepTogether (batch.h). Construction allocates; nothing else does. One thread at a time. Pinned
-// by tests/unit/stylist/stylist_test.cpp.
+// Step 2 of the stylist for one performer: finds the recurrent states that are due, gives the pose
+// at each one's tick, and turns their predictions into style deltas. StepTogether (batch.h) calls
+// the network itself. Construction allocates; nothing else does. One thread at a time. Pinned by
+// tests/unit/stylist/stylist_test.cpp.
 class Predictor {
  public:
   explicit Predictor(std::shared_ptr<const net::Stylizer> network);
 
-  // All states and ticks start anew.
+  // Restarts all states and ticks.
   STYLED_REALTIME void Restart() noexcept;
-  // The states alone.
+  // Restarts the states only.
   STYLED_REALTIME void RestartStates() noexcept;
-  // The next frame has no frame before it.
+  // The next frame is treated as the first: no input before it.
   STYLED_REALTIME void ForgetInput() noexcept { has_last_input_ = false; }
 
-  // Announces the frame at `time_ns`; false: restart, then once more (Interleaver::Begin).
+  // Announces the frame at `time_ns`. If false, call Restart and then Begin again
+  // (Interleaver::Begin).
   [[nodiscard]] STYLED_REALTIME bool Begin(std::int64_t time_ns) noexcept;
-  // The frame is over; `input`: its canonical pose.
+  // Ends the frame; `input`: its canonical pose.
   STYLED_REALTIME void End(const body::Pose& input) noexcept;
 
-  // One step of one recurrent state, on its way to the network and back.
+  // One step of one recurrent state.
   struct Step {
     int state;
-    const body::Pose* pose;  // the input or `between`
-    body::Pose between;      // the input at the state's own tick
+    const body::Pose* pose;  // the input, or `between`
+    body::Pose between;      // the input interpolated at the state's tick
     net::Prediction out;
   };
-  // The next state whose tick is due at the frame of the canonical pose `input`; false when none
-  // is.
+  // The next state whose tick is due in the frame of the canonical pose `input`; false if none is.
   [[nodiscard]] STYLED_REALTIME bool Next(const body::Pose& input, Step& step) noexcept;
-  // `step` as the network takes it, in the styles in force.
+  // The network's job for `step`, in the styles in effect. `step` must outlive the job.
   STYLED_REALTIME net::StepJob JobOf(Step& step, const Mixer& mixer) const noexcept;
-  // What the network made of it. `near`: which way round a turn beyond 90 degrees is counted.
+  // Takes the prediction in `step`. `near` decides which way round a rotation beyond 90 degrees is
+  // counted (body::LogNear).
   STYLED_REALTIME void Accept(const Step& step, const Mixer& mixer,
                               const StyleDelta& near) noexcept;
 
-  // What the interleaved states ask for, averaged.
+  // The mean of the interleaved states' newest style deltas.
   STYLED_REALTIME StyleDelta MeanDelta() const noexcept;
-  // The paper's output instead, as far as that is asked for: unfiltered, from the newest step
-  // alone.
+  // Replaces `delta` by the paper's absolute output, in the share mixer.absolute(): unfiltered,
+  // from the newest step only.
   STYLED_REALTIME void BlendAbsolute(const body::Pose& input, const Mixer& mixer,
                                      StyleDelta& delta) const noexcept;
 
-  // Brings what the next frame reads into the caches.
+  // Brings the streams that the next frame reads into the caches.
   void Prefetch() const noexcept;
 
   const net::Stylizer* network() const { return network_.get(); }
-  bool any() const { return stepped_.any(); }  // a state has stepped since the restart
-  bool unsound() const { return unsound_; }    // a prediction of this frame is no pose
-  int steps() const { return steps_; }         // of the network, for this frame
+  bool any() const { return stepped_.any(); }  // a state has stepped since the last restart
+  bool unsound() const { return unsound_; }    // a prediction of this frame was not sound
+  int steps() const { return steps_; }         // network steps of this frame
   double frame_period_s() const { return interleaver_.frame_period_s(); }
-  // Reconstruction error: rms joint angle between reconstruction and input, toes apart; of the
-  // newest step.
+  // Reconstruction error of the newest step: rms joint angle between reconstruction and input,
+  // without toes.
   float reconstruction_rad() const { return reconstruction_rad_; }
 
  private:
   std::shared_ptr<const net::Stylizer> network_;
   Interleaver interleaver_;
   std::array<std::unique_ptr<net::Stream>, tuning::kMaxInterleaved> streams_;
-  std::array<StyleDelta, tuning::kMaxInterleaved> deltas_;  // each state's newest
+  std::array<StyleDelta, tuning::kMaxInterleaved> deltas_;  // the newest of each state
   std::bitset<tuning::kMaxInterleaved> stepped_;
-  std::array<body::Quat, body::kJointCount> last_styled_;  // of the newest step
+  std::array<body::Quat, body::kJointCount> last_styled_;  // the newest step's
   float last_heading_rad_ = 0;
   body::Pose last_input_;
   bool has_last_input_ = false, unsound_ = false;

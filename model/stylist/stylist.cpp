@@ -25,7 +25,7 @@ using body::kJointCount;
 using body::Pose;
 using body::Vec3;
 
-// The performer's own motion, bit for bit.
+// Publishes the performer's own motion, bit for bit.
 void PassThrough(Output& out) noexcept {
   out.canonical = out.canonical_input;
   std::copy(out.source.translations.begin(), out.source.translations.end(),
@@ -55,7 +55,7 @@ struct Stylist::Impl {
     }
   }
 
-  // The six steps, but for the second, which is StepTogether.
+  // The six steps except the second, which is StepTogether.
   void Bind(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept;
   void ChangeStyle(const Pose& input) noexcept;
   void Apply(Output& out) const noexcept;
@@ -84,17 +84,17 @@ struct Stylist::Impl {
   Predictor predictor;
   ChangeFilter filter;
   Domain domain;
-  // Of the canonical humanoid, and of the source skeleton in its units.
+  // Vertical shifts: of the canonical humanoid, and of the source skeleton in its units.
   CriticallyDamped shift_m, rig_shift;
   feet::Feet feet, rig_feet;
-  CriticallyDamped feet_style;  // the weight of style, as late as what the style does
-  std::array<Vec3, kJointCount> offsets_in, offsets_out;  // the humanoid's as translations
+  CriticallyDamped feet_style;  // the style's weight, delayed like the style itself
+  std::array<Vec3, kJointCount> offsets_in, offsets_out;  // the humanoid's offsets as translations
 
   std::int64_t last_ns = 0;
-  double dt_s = 0;        // of the frame at hand, since the one before
-  double last_gap_s = 0;  // the same of the one before, where it was beyond gap_reset_s
+  double dt_s = 0;        // time between the frame before and this one
+  double last_gap_s = 0;  // dt_s of the frame before if it exceeded gap_reset_s, else 0
   bool started = false, fresh_session = true;
-  bool failed = false;  // what the network, or a stage, made is no pose; no step sound since
+  bool failed = false;  // a prediction or an output was not sound, and no step has been since
 };
 
 Stylist::Stylist(std::shared_ptr<const net::Stylizer> network,
@@ -107,7 +107,7 @@ Stylist& Stylist::operator=(Stylist&&) noexcept = default;
 void Stylist::Set(const Settings& settings) noexcept {
   impl_->settings = settings;
   impl_->mixer.Aim(settings);
-  if (settings.transition_s <= 0) impl_->filter.EndSwitch();  // a cut, whatever was being faded
+  if (settings.transition_s <= 0) impl_->filter.EndSwitch();  // a cut also ends an earlier switch
 }
 
 const Settings& Stylist::settings() const { return impl_->settings; }
@@ -122,28 +122,29 @@ void Stylist::Reset() noexcept {
   impl_->fresh_session = true;
 }
 
-// Several performers' frames at once, so that step 2 runs for all of them together.
+// Processes several performers' frames at once, so that step 2 runs for all of them together.
 template <std::size_t kMost>
 void Stylist::ProcessSome(std::span<const Job> jobs) noexcept {
   std::array<BatchEntry, kMost> entries;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     Impl& s = *jobs[i].stylist->impl_;
-    // 1 Bind: the source pose, invalid joints held, as a pose of the canonical humanoid.
+    // 1 Bind: the source pose, with invalid joints held, as a pose of the canonical humanoid.
     s.Bind(jobs[i].time_ns, *jobs[i].in, *jobs[i].out);
     entries[i] = s.EntryOf(*jobs[i].out);
   }
-  // 2 Network: each recurrent state that is due predicts the pose reconstructed and styled.
+  // 2 Network: each due recurrent state predicts the pose reconstructed and styled.
   StepTogether<kMost>(std::span(entries).first(jobs.size()));
   for (const Job& job : jobs) {
     Impl& s = *job.stylist->impl_;
     if (s.HasSoundSteps()) {
-      // 3 Style change: what turns the one into the other, filtered over time.
+      // 3 Style change: the rotations from the reconstructed to the styled pose, filtered over
+      // time.
       s.ChangeStyle(job.out->canonical_input);
-      // 4 Apply: on the performer's own motion.
+      // 4 Apply: the style change on the performer's own motion.
       s.Apply(*job.out);
       // 5 Unbind: onto the source skeleton, with the lowest foot as high as the performer's.
       s.Unbind(*job.out);
-      // 6 Feet: on both skeletons, what the performer plants stays planted.
+      // 6 Feet: on both skeletons, feet that the performer plants stay planted.
       s.HoldFeet(*job.out);
     }
     s.GuardOutput(*job.out);
@@ -175,7 +176,7 @@ void Stylist::Impl::Bind(std::int64_t time_ns, const rig::RigPose& in, Output& o
   mixer.Advance(dt_s);
 }
 
-// Jumps, gaps and changes of rate.
+// Handles jumps, gaps and changes of rate; sets kConcealed.
 void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
   const InputGuard::Jump jump = input_guard.JudgeJump(dt_s, binding->scale(), options, out.source);
   if (jump == InputGuard::Jump::kHeld) {
@@ -186,11 +187,12 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
     rig_feet.Reset();
     fresh_session = true;
   }
-  // What is longer than gap_reset_s is never bridged, however usual it is: a sender whose clock
-  // steps by minutes would have every tick between run in one frame.
+  // A hole longer than gap_reset_s is never bridged, even if every hole is as long: a sender whose
+  // clock steps by minutes would have every tick between run in one frame.
   const double usual_s = predictor.frame_period_s();
   if (started && dt_s > options.gap_reset_s) {
-    // A slow rig's frames are all that far apart: nothing is missing.
+    // A slow rig's frames are all that far apart: only a hole longer than the last one conceals
+    // frames.
     if (last_gap_s == 0 || dt_s > tuning::kGapFactor * last_gap_s) out.flags |= kConcealed;
     last_gap_s = dt_s;
     RestartAfterGap();
@@ -204,7 +206,7 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
   }
 }
 
-// The recurrent states and the filter start anew; what is applied is faded over from.
+// Restarts the recurrent states and the filter; cross-fades from the style delta applied so far.
 void Stylist::Impl::Restart() noexcept {
   predictor.Restart();
   filter.Restart(started);
@@ -215,13 +217,15 @@ void Stylist::Impl::RestartAfterGap() noexcept {
   filter.RestartAfterGap(started, dt_s, options);
 }
 
-// False where the network predicted what is no pose, in this frame or in the newest one that it ran
-// in.
+// False if the network's prediction was not sound, in this frame or in the last frame that had a
+// step.
 bool Stylist::Impl::HasSoundSteps() noexcept {
   failed = predictor.unsound() || (failed && !predictor.any());
   return !failed;
 }
 
+// Order: low-pass, absolute output, parts, in-domain weight. The last two have fades of their own,
+// so they come after the low-pass.
 void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
   const float error_rad = predictor.reconstruction_rad();
   domain.Follow(error_rad, input.rotations[body::kHips], static_cast<float>(dt_s), !started,
@@ -249,7 +253,7 @@ void Stylist::Impl::Apply(Output& out) const noexcept {
   if (options.knees) KeepKnees(input, 1 - mixer.absolute(), styled);
 }
 
-// Nothing is styled, and nothing of what was is left.
+// Nothing is styled, and the last style has faded completely.
 bool Stylist::Impl::Bypassed() const noexcept {
   return mixer.empty() && filter.applied().isZero(0.0F) && feet_style.value() < tuning::kNoStyle &&
          std::abs(shift_m.value()) < tuning::kSettled_m &&
@@ -272,8 +276,8 @@ void Stylist::Impl::Unbind(Output& out) noexcept {
   ShiftUp(*binding, rig_shift.Follow(up, dt, options.ground_tau_s), out.rig);
 }
 
-// With no style in force the stages only watch the performer's contacts. Nor are feet held that no
-// style moves: a style of the torso or of a leg moves them.
+// With a weight of 0, the feet stages only track the performer's contacts. Feet are held only if a
+// style moves them: one of the torso or of a leg.
 void Stylist::Impl::HoldFeet(Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   float style = 0;
@@ -294,12 +298,12 @@ void Stylist::Impl::HoldFeet(Output& out) noexcept {
   out.canonical.hips_position_m = offsets_out[body::kHips];
 }
 
-// A frame that is no pose leaves as the performer's own.
+// If the styled frame is not sound, the performer's own is published instead.
 void Stylist::Impl::GuardOutput(Output& out) noexcept {
   if (!failed) {
     failed = !IsSound(out.canonical, out.canonical_input) ||
              !IsSound(out.rig, out.source, binding->scale());
-    if (failed) {  // the feet may remember why
+    if (failed) {  // their state may be the cause
       feet.Reset();
       rig_feet.Reset();
     }
@@ -307,8 +311,8 @@ void Stylist::Impl::GuardOutput(Output& out) noexcept {
   if (failed) GiveBack(out);
 }
 
-// Whatever the styling remembers starts anew, since what is not a number would stay in it for good;
-// the style is then faded in.
+// Clears the whole state of the styling, because NaN in it would stay for good; the style is then
+// faded in.
 void Stylist::Impl::GiveBack(Output& out) noexcept {
   predictor.RestartStates();
   filter.Clear();
@@ -351,6 +355,7 @@ Rehearsal::~Rehearsal() = default;
 Rehearsal::Rehearsal(Rehearsal&&) noexcept = default;
 Rehearsal& Rehearsal::operator=(Rehearsal&&) noexcept = default;
 
+// Runs the last pose through the scratch stylist, at the usual frame interval.
 void Rehearsal::Prewarm(const Stylist& stylist) noexcept {
   const Stylist::Impl& s = *stylist.impl_;
   PrefetchObject(std::as_bytes(std::span(&s, 1)));

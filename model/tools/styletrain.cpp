@@ -23,7 +23,7 @@ constexpr Family kFamilies[] = {
     {style_erd::kFamily, AddStyleErdFlags, style_erd::ExportWeights},
 };
 
-// The row of a family; null where there is none.
+// The row of a family; null if there is none.
 const Family* FindFamily(std::string_view name) {
   const auto* const found =
       std::find_if(std::begin(kFamilies), std::end(kFamilies),
@@ -43,7 +43,7 @@ std::string FamilyOnCommandLine(int argc, char** argv) {
   return family;
 }
 
-// The command as the metadata of the weights has it, wherever this program and the data lie.
+// The command line as recorded in the weights' metadata: DIR stands for the folder of --data.
 std::string RecordedCommand(int argc, char** argv) {
   std::string command = "styletrain";
   for (int i = 1; i < argc; ++i) {
@@ -53,12 +53,12 @@ std::string RecordedCommand(int argc, char** argv) {
   return command;
 }
 
-// The flags that no family has of its own.
+// The flags that all families share.
 struct Flags {
   RunConfig run;
   std::string family;
   std::vector<std::string> export_paths;
-  std::string judges;  // folder of the judges; empty: the run is not judged
+  std::string judges;  // folder of cached judges; empty: the run is not judged
 };
 
 void AddRunFlags(CLI::App& app, Flags& flags) {
@@ -136,7 +136,8 @@ int Main(int argc, char** argv) {
   CLI::App app{"Trains a style network on motion clips."};
   AddFlags(app, flags);
   const Family* const known = FindFamily(name);
-  const Family& family = known != nullptr ? *known : kFamilies[0];  // the parser refuses the name
+  // the parser refuses an unknown name
+  const Family& family = known != nullptr ? *known : kFamilies[0];
   const std::unique_ptr<FamilyFlags> family_flags = family.add_flags(app);
   CLI11_PARSE(app, argc, argv);
   const auto refuse = [](const std::string& why) {

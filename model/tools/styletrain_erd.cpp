@@ -9,7 +9,7 @@ namespace {
 
 using style_erd::Config;
 
-// Where a run starts, and its teachers.
+// The start of a run, and its teachers.
 void AddStartFlags(CLI::App& app, Config& config) {
   app.add_option("--init", config.init, "Weights to start from; styles are matched by name");
   app.add_option("--teacher", config.teachers,
@@ -26,7 +26,7 @@ void AddStartFlags(CLI::App& app, Config& config) {
       ->capture_default_str();
 }
 
-// Windows and their disturbance.
+// Windows and their perturbations.
 void AddDataFlags(CLI::App& app, Config& config) {
   app.add_option("--rate", config.rate_hz, "The network's rate, Hz")->capture_default_str();
   app.add_option("--heading-tau", config.heading_tau_s, "Heading filter, s")->capture_default_str();
@@ -75,7 +75,7 @@ void AddLossFlags(CLI::App& app, Config& config) {
   app.add_option("--smooth-full", config.smooth_full)->capture_default_str();
 }
 
-// What the ablations of the paper leave out.
+// Parts of the paper that an ablation leaves out.
 void AddAblationFlags(CLI::App& app, Config& config) {
   app.add_option("--attention", config.attention, "0: a plain multi-class discriminator (ablation)")
       ->capture_default_str();
@@ -121,10 +121,11 @@ class StyleErdFlags : public FamilyFlags {
 
   Status Resolve(const CLI::App& app) override {
     if (!add_style_->parsed()) return Status::Ok();
-    if (config_.init.empty()) {  // before judges are trained for nothing
+    if (config_.init.empty()) {  // before judges are trained in vain
       return Status::Error("add-style: --init is needed, the weights to add to");
     }
-    // The best of RESULTS.md ("A style added to frozen weights") for a style without any weights.
+    // The best settings of RESULTS.md ("A style added to frozen weights") for a style without
+    // weights.
     const auto unless_given = [&app](const char* flag, auto& value, double of_added) {
       if (app.get_option(flag)->count() > 0) return;
       value = static_cast<std::decay_t<decltype(value)>>(of_added);

@@ -9,16 +9,16 @@
 #include "model/train/recipe.h"
 #include "model/train/trainer.h"
 
-// The network families that styletrain can train: a row each in the table of styletrain.cpp, and a
-// source styletrain_FAMILY.cpp with the family's own flags.
+// The network families that styletrain can train. Each has a row in the table of styletrain.cpp and
+// a source styletrain_FAMILY.cpp with its own flags.
 namespace styled::train {
 
-// The values of a family's flags, and what is made of them.
+// The values of a family's flags, and the recipe made from them.
 class FamilyFlags {
  public:
   virtual ~FamilyFlags() = default;
-  // After `app` has parsed the command line: defaults that depend on other flags, and what cannot
-  // work together. Errors name the flag.
+  // Call after `app` has parsed the command line. Sets defaults that depend on other flags, and
+  // checks which flags exclude each other. Errors name the flag.
   virtual Status Resolve(const CLI::App& app) = 0;
   virtual Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const = 0;
 };

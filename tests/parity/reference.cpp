@@ -1,5 +1,5 @@
-// The trainer's side of the parity tests: features of a clip as the training set has them, and the
-// trainer's own network over all of its frames, the styles switched on the way.
+// The trainer's side of the parity tests: a clip's features as in the training set, run through the
+// trainer's own network, with styles switched on the way.
 #include <torch/torch.h>
 
 #include <CLI/CLI.hpp>
@@ -43,7 +43,7 @@ Tensor Target(const Tensor& alpha) {
   return (target / target.sum()).unsqueeze(0);
 }
 
-// The states of the groups in `fresh` become the learned ones again.
+// Resets the states of the groups in `fresh` to the learned initial ones.
 void StartBranches(const train::style_erd::Stack& branches, const std::set<int>& fresh,
                    train::style_erd::StackState& state) {
   const train::style_erd::StackState learned = branches.Initial(1);
@@ -57,7 +57,7 @@ void StartBranches(const train::style_erd::Stack& branches, const std::set<int>&
   }
 }
 
-// Runs the generator segment by segment; r_0 and the branches that stay alive carry their states.
+// Runs the generator segment by segment; r_0 and the branches that stay live keep their states.
 Status RunGenerator(const train::style_erd::LoadedWeights& weights, const Tensor& features,
                     const std::vector<Segment>& schedule, Reference& reference) {
   const train::style_erd::Generator& generator = *weights.generator;
@@ -73,7 +73,7 @@ Status RunGenerator(const train::style_erd::LoadedWeights& weights, const Tensor
     const int end = i + 1 < schedule.size() ? schedule[i + 1].first_frame : reference.frames;
     if (begin >= end) return Status::Error("schedule: a segment begins behind the last frame");
 
-    // 1. The mix; what was not alive starts from its learned state.
+    // 1. The mix; a branch that was not live starts from its learned state.
     Tensor alpha = torch::zeros({styles});
     std::set<int> wanted, fresh;
     for (const auto& [name, weight] : schedule[i].mix) {
@@ -89,7 +89,7 @@ Status RunGenerator(const train::style_erd::LoadedWeights& weights, const Tensor
     StartBranches(generator.branches, fresh, branch_state);
     alive = wanted;
 
-    // 2. z' = r_0(z) + Σ_s α_s r_s(z): every branch runs, those without weight add nothing.
+    // 2. z' = r_0(z) + Σ_s α_s r_s(z): every branch runs; those without weight add nothing.
     const Tensor z = generator.Encode(u.slice(0, begin, end), torch::zeros({1}, torch::kInt64));
     const Tensor r0 = generator.Neutral(z, r0_state);
     const Tensor residuals = generator.Branches(z.repeat({1, styles - 1, 1}), branch_state);
@@ -109,7 +109,7 @@ Status RunGenerator(const train::style_erd::LoadedWeights& weights, const Tensor
   return Status::Ok();
 }
 
-// Leaves every n-th frame, each segment's first and the one after it; n = 0: none.
+// Keeps every n-th frame, each segment's first frame and the one after it; n = 0: no frame.
 template <typename Rows>
 void Thin(const std::vector<Segment>& schedule, int every, Rows& rows) {
   std::erase_if(rows, [&](const auto& row) {
