@@ -215,10 +215,11 @@ int Play(const Arguments& a, const std::string& to, bool listen, Senders senders
   if (!link.ok()) return Fail(link.status());
   player::SteadyClock clock;
   const auto on_refused = [&to] {
-    std::fprintf(stderr,
-                 "stylesim: nobody listens at %s (Connection refused); sending goes on. Is styled "
-                 "running, with a source at that port?\n",
-                 to.c_str());
+    std::fprintf(
+        stderr,
+        "stylesim: no program listens at %s (Connection refused); sending goes on. Is styled "
+        "running, with a source at that port?\n",
+        to.c_str());
   };
   player::Player player({a.rate_hz, a.seconds, on_refused}, std::move(senders));
   const Status status = player.Run(clock, *link.value(), stop_requested);

@@ -168,7 +168,7 @@ Reach OpenPath(const std::string& path, Connection& connection) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path || path.front() == '@') {
-    return {Obstacle::kNobody, "nobody listens there"};
+    return {Obstacle::kNobody, "no program listens there"};
   }
   struct stat about {};
   if (stat(path.c_str(), &about) != 0) {
@@ -184,7 +184,7 @@ Reach OpenPath(const std::string& path, Connection& connection) {
   if (error == ECONNREFUSED) {
     return {Obstacle::kLeftBehind, path + " was left behind by a program that is gone"};
   }
-  return {Obstacle::kNobody, "nobody answers there" + Because(error)};
+  return {Obstacle::kNobody, "no reply from there" + Because(error)};
 }
 
 // Connects to HOST:PORT, or returns the obstacle.
@@ -207,7 +207,8 @@ Reach OpenHost(const std::string& host_and_port, Connection& connection) {
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owned(found, freeaddrinfo);
   const int error = connection.Connect(found->ai_family, found->ai_addr, found->ai_addrlen);
   if (error == 0) return {};
-  if (error == ECONNREFUSED) return {Obstacle::kNobody, "nobody listens there" + Because(error)};
+  if (error == ECONNREFUSED)
+    return {Obstacle::kNobody, "no program listens there" + Because(error)};
   return {Obstacle::kUnreachable,
           error == ETIMEDOUT ? host + " does not answer: it is off, or a firewall keeps us out"
                              : host + " cannot be reached" + Because(error)};
@@ -240,7 +241,7 @@ std::string SocketType(std::string_view bytes) {
 Reach Open(const std::string& endpoint, Connection& connection) {
   if (endpoint.starts_with(kIpc)) return OpenPath(endpoint.substr(kIpc.size()), connection);
   if (endpoint.starts_with(kTcp)) return OpenHost(endpoint.substr(kTcp.size()), connection);
-  return {Obstacle::kNobody, "nobody answers there"};
+  return {Obstacle::kNobody, "no reply from there"};
 }
 
 // Passes the available bytes of `from` on to `to`. Returns their number, 0 if `from` has closed.
@@ -340,7 +341,7 @@ Reach ExamineKeys(const std::string& endpoint, Peer peer, const Curve& curve,
   const Shake shake = TryKeys(endpoint, own, curve, half);
   if (shake == Shake::kDone) return {};
   if (shake == Shake::kNothing) {
-    return {Obstacle::kNotZeroMq, "what listens there does not go on with the handshake"};
+    return {Obstacle::kNotZeroMq, "what listens there does not continue the handshake"};
   }
   if (shake == Shake::kRefused) {
     return {Obstacle::kWrongKeys, "its key is another one than the server's key given"};
@@ -375,7 +376,7 @@ Reach Greet(const std::string& endpoint, Peer peer, const std::optional<Curve>& 
   }
   const std::string_view mechanism(read.data() + kMechanismAt, kMechanismSize);
   const bool asks = mechanism.starts_with("CURVE");
-  if (asks && !curve) return {Obstacle::kAsksForKeys, "it asks for keys, and none were given"};
+  if (asks && !curve) return {Obstacle::kAsksForKeys, "it requires keys, and none were given"};
   if (!asks && curve) {
     return {Obstacle::kAsksForNone, "it asks for no keys, and some were given"};
   }
@@ -452,7 +453,7 @@ Reach Examine(const std::string& endpoint, Peer peer, const std::optional<Curve>
   try {
     return Greet(endpoint, peer, complete, connection, deadline);
   } catch (const zmq::error_t&) {  // out of descriptors, or interrupted by a signal
-    return {Obstacle::kNobody, "nobody answers there"};
+    return {Obstacle::kNobody, "no reply from there"};
   }
 }
 

@@ -36,7 +36,7 @@ enum class Obstacle {
 
 struct Reach {
   Obstacle obstacle = Obstacle::kNone;
-  std::string text;  // for display: "nobody listens there (Connection refused)"; "" for kNone
+  std::string text;  // for display: "no program listens there (Connection refused)"; "" for kNone
 };
 
 // Checks the text of `endpoint`; does not connect. A tcp:// endpoint needs a host and a port:

@@ -147,7 +147,7 @@ class Report {
   }
 
  private:
-  // " at tcp://...: nobody listens there (Connection refused); is styled running, ..."
+  // " at tcp://...: no program listens there (Connection refused); is styled running, ..."
   std::string Why() const {
     std::string text;
     for (const auto& lookout : lookouts_) {

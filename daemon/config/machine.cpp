@@ -38,7 +38,7 @@ std::vector<std::string> MissingInterfaces(const Config& config) {
     const std::string& interface = config.sources[i].interface;
     if (interface.empty() || IsInterface(interface)) continue;
     warnings.push_back("source." + std::to_string(i) + ".interface: \"" + interface +
-                       "\" is none of this machine now; expected an interface's name or its "
+                       "\" is not on this machine now; expected an interface's name or its "
                        "IPv4 address");
   }
   return warnings;

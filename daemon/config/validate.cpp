@@ -53,7 +53,7 @@ Status CheckSocket(const Config& config, const std::string& name, const Socket& 
   if (!status.ok()) return Status::Error(name + ".address: " + status.message());
   constexpr int kOthersConnect = 0022;
   if (!section.ipc.users.empty() && (section.ipc.mode & kOthersConnect) == 0) {
-    return Status::Error(name + ".ipc_users: nobody else gets past " + name +
+    return Status::Error(name + ".ipc_users: no other user gets past " + name +
                          ".ipc_mode; expected e.g. ipc_mode = \"0666\" beside it");
   }
   const bool open = section.allow_unauthenticated_remote;

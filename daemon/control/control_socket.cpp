@@ -115,7 +115,7 @@ std::string ControlSocket::Unauthorized() {
     case security::Access::Verdict::kUnknownKey:
       break;
   }
-  return "this key is not let in any more";
+  return "this key is no longer allowed";
 }
 
 void ControlSocket::HandleOsc() {

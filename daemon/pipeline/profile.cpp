@@ -118,7 +118,7 @@ std::string Explain(stylist::SettingsError error) {
     case SettingsError::kNoParts:
       return "no part of the body is styled; use clear";
     case SettingsError::kUnknownInputStyle:
-      return "unknown own style";
+      return "unknown input style";
   }
   return "";
 }

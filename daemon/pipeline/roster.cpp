@@ -66,7 +66,8 @@ Performer* Roster::Add(int source, std::string_view name, std::int64_t now_ns) {
 bool Roster::ForgetFrameless(std::int64_t now_ns) {
   for (const auto& performer : performers) {  // in the order of their arrival
     if (performer->admission.sends_frames || now_ns - performer->added_ns < kFrameless_ns) continue;
-    log_.push_back(performer->profile.id + ": sent a skeleton and no frame, gave way to another");
+    log_.push_back(performer->profile.id +
+                   ": sent a skeleton and no frame, and was replaced by another performer");
     counters_.Add(runtime::Counter::kPipelineForgotten);
     Forget(*performer);
     return true;
@@ -129,7 +130,7 @@ bool Roster::MakeRoom(const std::string& comer) {
   if (gives_way == nullptr) return false;
   counters_.Add(runtime::Counter::kPipelineNamesReplaced);
   log_.push_back(gives_way->id + (HasCome(*gives_way) ? ": absent for long" : ": only named") +
-                 ", its settings gave way to " + comer + ", who came to a full table of " +
+                 ", its settings were dropped for " + comer + " in a full table of " +
                  std::to_string(max_profiles()));
   changed_ = true;
   Drop(*gives_way);
@@ -163,7 +164,7 @@ void Roster::Age(std::int64_t now_ns) {
   if (ended.size() > kListed) names += " and " + std::to_string(ended.size() - kListed) + " more";
   counters_.Add(runtime::Counter::kPipelineNamesExpired, ended.size());
   log_.push_back(names + ": named " + std::to_string(kForgetNamed_h) +
-                 " hours ago or more and never came, the settings are forgotten");
+                 " hours ago or more and never seen, the settings are forgotten");
 }
 
 Profile* Roster::FindProfile(const std::string& id) {

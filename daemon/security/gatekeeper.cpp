@@ -166,10 +166,10 @@ void Gatekeeper::Reread() {
   counters_.Set(Counter::kSecurityClients, access_.size());
   counters_.Add(Counter::kSecurityCut, static_cast<std::uint64_t>(change.cut));
   for (const auto& client : change.revoked) {
-    spdlog::info("security: {} is not let in any more", Describe(client));
+    spdlog::info("security: {} is no longer allowed", Describe(client));
   }
   for (const auto& client : change.allowed) {
-    spdlog::info("security: {} is let in", Describe(client));
+    spdlog::info("security: {} is allowed", Describe(client));
   }
   if (change.cut > 0) spdlog::info("security: {} connections cut", change.cut);
   if (complaints_ == clients.value().complaints) return;
@@ -206,7 +206,7 @@ bool Gatekeeper::Admit(const ZapRequest& request) {
   refusal_ = std::string(request.address) + " is refused at " + std::string(Domain(request.door));
   refusal_ += verdict == Access::Verdict::kRole
                   ? ": " + Describe(client) + ", expected an operator"
-                  : ": nobody's key; to let it in: stylectl allow NAME '" + request.key + "'";
+                  : ": unknown key; to allow it: stylectl allow NAME '" + request.key + "'";
   return false;
 }
 

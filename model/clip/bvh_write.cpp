@@ -225,7 +225,7 @@ Status WriteBvh(const Clip& clip, const std::filesystem::path& file) {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"),
                                                          &std::fclose);
   if (!stream) {
-    return Status::Error(file.string() + ": found a place that cannot be written, expected a file");
+    return Status::Error(file.string() + ": cannot be opened for writing, expected a file");
   }
   const std::string text = FormatBvh(clip);
   const bool written = std::fwrite(text.data(), 1, text.size(), stream.get()) == text.size();

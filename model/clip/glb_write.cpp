@@ -411,7 +411,7 @@ Status WriteGlb(const Motion& motion, const std::filesystem::path& file) {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"),
                                                          &std::fclose);
   if (!stream) {
-    return Status::Error(file.string() + ": found a place that cannot be written, expected a file");
+    return Status::Error(file.string() + ": cannot be opened for writing, expected a file");
   }
   const auto& value = bytes.value();
   const bool written = std::fwrite(value.data(), 1, value.size(), stream.get()) == value.size();

@@ -323,7 +323,7 @@ Status Allow(const std::string& folder, const Client& client) {
   if (!known.ok()) return known.status();
   for (const Client& other : known.value().allowed) {
     if (other.key == client.key && other.name != client.name) {
-      return Status::Error("this key is let in already, as " + other.name);
+      return Status::Error("this key is already allowed, as " + other.name);
     }
   }
   if (const Status status = MakeFolder(ClientsFolder(folder), OwnerOf(folder)); !status.ok())
@@ -336,7 +336,7 @@ Status Revoke(const std::string& folder, const std::string& name) {
   const std::string file = ClientFile(folder, name);
   if (IsClientName(name) && unlink(file.c_str()) == 0) return Status::Ok();
   if (!IsClientName(name) || errno == ENOENT) {
-    return Status::Error("'" + name + "' is not let in at " + folder);
+    return Status::Error("'" + name + "' is not allowed at " + folder);
   }
   return Failed(file);
 }

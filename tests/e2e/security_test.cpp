@@ -221,12 +221,12 @@ TEST(SecurityTest, AnOperatorWhoIsRevokedOrDemotedIsRefusedAtHisNextRequest) {
             "this key is a subscriber's; expected an operator's");
   guarded.Revoke("anna");
   v1::Reply reply;
-  for (int i = 0; i < 500 && reply.reason() != "this key is not let in any more"; ++i) {
+  for (int i = 0; i < 500 && reply.reason() != "this key is no longer allowed"; ++i) {
     reply = control.SetStyle("rig.a", "style2");
     Sleep(0.01);
   }
   EXPECT_EQ(reply.code(), v1::CODE_UNAUTHORIZED);
-  EXPECT_EQ(reply.reason(), "this key is not let in any more");
+  EXPECT_EQ(reply.reason(), "this key is no longer allowed");
   guarded.Allow("anna", anna, "operator");
   EXPECT_EQ(soon(v1::CODE_OK).code(), v1::CODE_OK);
 }

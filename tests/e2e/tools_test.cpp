@@ -44,7 +44,7 @@ class ToolsTest : public testing::Test {
 TEST_F(ToolsTest, StylesimSaysOnceThatNobodyListens) {
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--seconds", "1"}), 0);
   const std::string line =
-      "stylesim: nobody listens at udp://127.0.0.1:9 (Connection refused); sending goes on.";
+      "stylesim: no program listens at udp://127.0.0.1:9 (Connection refused); sending goes on.";
   const std::size_t at = said_.find(line);
   ASSERT_NE(at, std::string::npos) << said_;
   EXPECT_EQ(said_.find(line, at + 1), std::string::npos) << said_;
@@ -185,7 +185,7 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
   }
   EXPECT_EQ(Run({STYLESIM_BINARY, "--bvh", folder_ / "none.bvh"}), 1);
   EXPECT_NE(said_.find("none.bvh"), std::string::npos) << said_;
-  EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "tcp://127.0.0.1:1"}), 1) << "nobody listens there";
+  EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "tcp://127.0.0.1:1"}), 1) << "no program listens there";
   EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "zombie", in, out}), 1);
   EXPECT_NE(said_.find("unknown style 'zombie'"), std::string::npos) << said_;
   WriteText(in, "HIERARCHY\n");

@@ -193,7 +193,7 @@ void Examination::Losses() {
        "The machine does not keep up: end other programs, set realtime.priority = 20.");
   warn("source.takeovers_refused", "takeover_refused",
        "greetings for a live tracker were refused: they came from another address.",
-       "Two trackers have one MAC, or somebody pretends to be one: the daemon's log names both "
+       "Two trackers have one MAC, or another sender imitates one: the daemon's log names both "
        "addresses.");
   warn("source.table_full", "too_many_trackers",
        "greetings of trackers were refused: there is no room for more.",

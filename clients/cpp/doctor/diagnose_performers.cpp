@@ -30,7 +30,7 @@ constexpr std::array<Reason, 11> kReasons{{
     {"pipeline.wrong_body", "they name another skeleton than the one sent", "Restart the sender."},
     {"pipeline.wrong_size", "they have another number of joints than the skeleton",
      "Restart the sender."},
-    {"pipeline.uncalibrated", "nobody knows the rig's rest pose",
+    {"pipeline.uncalibrated", "the rig's rest pose is unknown",
      "Let the performer stand in T-pose: stylectl calibrate PERFORMER --pose t."},
     {"pipeline.bodies_refused", "the skeleton is refused",
      "The daemon's log says why; correct the rig's skeleton, or its dialect."},

@@ -49,7 +49,7 @@ void DeclareKeyCommands(Session& session) {
       ->capture_default_str();
   CLI::App* revoke = add("revoke", "let a client in no more; it is cut off at once", RevokeKey);
   revoke->add_option("NAME", arguments->name, "as shown by keys")->required();
-  CLI::App* keys = add("keys", "the daemon's key, and who is let in", ListKeys);
+  CLI::App* keys = add("keys", "the daemon's key, and the clients that it allows", ListKeys);
   session.with_key_folder = {allow, revoke, keys};
 }
 

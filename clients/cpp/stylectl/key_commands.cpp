@@ -46,7 +46,7 @@ Result<KeyReport> AllowKey(const KeyArguments& arguments) {
   const Status status = keys::Allow(arguments.folder, client);
   if (!status.ok()) return status;
   const std::string role(keys::Name(client.role));
-  return KeyReport{client.name + " is let in as " + role + "\n",
+  return KeyReport{client.name + " is allowed as " + role + "\n",
                    {{"name", client.name}, {"role", role}, {"publicKey", client.key}}};
 }
 
@@ -54,7 +54,7 @@ Result<KeyReport> RevokeKey(const KeyArguments& arguments) {
   if (const Status status = CheckFolder(arguments.folder); !status.ok()) return status;
   const Status status = keys::Revoke(arguments.folder, arguments.name);
   if (!status.ok()) return status;
-  return KeyReport{arguments.name + " is not let in any more\n", {{"name", arguments.name}}};
+  return KeyReport{arguments.name + " is no longer allowed\n", {{"name", arguments.name}}};
 }
 
 Result<KeyReport> ListKeys(const KeyArguments& arguments) {

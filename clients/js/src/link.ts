@@ -112,7 +112,7 @@ export class Link {
   // A WebSocket does not report why it was refused; the same address over HTTP does.
   private async explain(): Promise<void> {
     const before = this.reason;
-    this.reason = `nobody answers at ${address(this.url)}`;
+    this.reason = `no reply from ${address(this.url)}`;
     this.refused = false;
     try {
       const response = await fetch(this.url.replace(/^ws/, 'http'), {

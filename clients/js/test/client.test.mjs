@@ -92,7 +92,7 @@ test('a gateway that starts later is found', async () => {
   const client = new StyledClient({ url });
   const reasons = [];
   client.on('link', (state) => reasons.push(state.reason));
-  await until(() => reasons.includes(`nobody answers at ws://127.0.0.1:${port}/ws`), 'the reason');
+  await until(() => reasons.includes(`no reply from ws://127.0.0.1:${port}/ws`), 'the reason');
   const second = await Gateway.start(port);
   await opened(client);
   client.close();

@@ -123,18 +123,18 @@ void Performer::Send(publish::Publisher& publisher, std::int64_t now_ns) {
 
 std::string Performer::Warning() const {
   if (binding_.waits()) {
-    return "nobody knows the rig's rest pose: let the performer stand in T-pose, and stylectl "
+    return "the rig's rest pose is unknown: let the performer stand in T-pose, and stylectl "
            "calibrate " +
            profile.id + " --pose t";
   }
   if (binding_.bound() && binding_.body().toes_backwards) {
     return "the toes point backwards: left and right are exchanged, or the axes are mirrored; "
-           "mend it in the rig, or by stylectl calibrate " +
+           "correct it in the rig, or by stylectl calibrate " +
            profile.id + " --pose t";
   }
   if (backwards_) {
     return "walks against where the toes point; if that is not meant, left and right are "
-           "exchanged, or the axes are mirrored: mend it in the rig, or by stylectl calibrate " +
+           "exchanged, or the axes are mirrored: correct it in the rig, or by stylectl calibrate " +
            profile.id + " --pose t";
   }
   return "";

@@ -139,7 +139,7 @@ void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
   out.LeaveHotSection();
   if (!model_->complete) {
     Say("server " + config_.server +
-            " tells of something unknown; what it tells after that is lost",
+            " sent data of an unknown type; what follows it in that packet is lost",
         out);
   }
   if (model_->skeletons_left_out > 0) {
@@ -148,7 +148,8 @@ void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
         out);
   }
   if (model_->skeleton_count == 0) {
-    Say("server " + config_.server + " tells of no skeleton: is it to stream them?", out);
+    Say("server " + config_.server + " streams no skeleton: enable them in its streaming settings",
+        out);
   }
   model_whole_ = model_->complete && model_->skeletons_left_out == 0;
   std::vector<std::unique_ptr<Performer>> performers;

@@ -135,7 +135,7 @@ void TrackerRig::SayPart(const slimevr::TrackerId& id, int part, std::int64_t no
   if (times == 0) return;
   out.Note([&] {
     return "tracker " + slimevr::ToText(id) +
-           (part == kUnassigned ? " is worn on no part that we know of: give it one in `trackers`"
+           (part == kUnassigned ? " is assigned to no joint: assign it in `trackers`"
                                 : " is worn on " + PartName(part)) +
            (times > 1 ? "; so are " + std::to_string(times - 1) + " others" : "");
   });

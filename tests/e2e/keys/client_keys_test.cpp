@@ -115,7 +115,7 @@ TEST_F(ClientKeysTest, StylevmcForwardsWithThem) {
   EXPECT_EQ(code, 0) << said_;
   EXPECT_EQ(forward(false), 3) << said_;
   EXPECT_THAT(said_, HasSubstr("no daemon answers at " + Here(daemon_.publish) +
-                               ": it asks for keys, and none were given"));
+                               ": it requires keys, and none were given"));
 }
 
 TEST_F(ClientKeysTest, HalfOfThemIsRefusedWithAReason) {

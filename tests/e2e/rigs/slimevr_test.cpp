@@ -162,9 +162,9 @@ TEST(SlimeVrRigTest, TrackersOnNoPartAreNamedInTheLogOnceAndCounted) {
   EXPECT_GT(control.Counter("source.ignored"), 50U);
   EXPECT_EQ(stage.daemon.Stop(), 0);
   const std::string log = stage.daemon.Log();
-  const std::size_t named = log.find(rigs::SlimeVrTrackerId(1, 0) + " is worn on no part");
+  const std::size_t named = log.find(rigs::SlimeVrTrackerId(1, 0) + " is assigned to no joint");
   ASSERT_NE(named, std::string::npos) << log;
-  EXPECT_EQ(log.find("is worn on no part", named + 40), std::string::npos) << log;
+  EXPECT_EQ(log.find("is assigned to no joint", named + 40), std::string::npos) << log;
 }
 
 TEST(SlimeVrRigTest, ATrackerThatFallsSilentIsHeldAndTheOthersGoOn) {

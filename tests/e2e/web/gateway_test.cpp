@@ -478,7 +478,7 @@ TEST(GatewayTest, ADaemonThatAsksForKeysIsShownWithThem) {
   HttpReply health = Ask(blind.address, "/healthz");
   EXPECT_EQ(health.status, 503) << "without a key nothing comes";
   const auto says_why = [&health] {
-    return health.body.find("it asks for keys, and none were given") != std::string::npos;
+    return health.body.find("it requires keys, and none were given") != std::string::npos;
   };
   for (int i = 0; i < 1000 && !says_why(); ++i) {
     Sleep(0.01);

@@ -84,7 +84,7 @@ TEST_F(ReachTest, APortWhereNobodyListens) {
   }
   const Reach reach = Examine(endpoint, Peer::kControl, {}, kPatience);
   EXPECT_EQ(reach.obstacle, Obstacle::kNobody);
-  EXPECT_EQ(reach.text, "nobody listens there (Connection refused)");
+  EXPECT_EQ(reach.text, "no program listens there (Connection refused)");
 }
 
 TEST_F(ReachTest, KeysThatAreMissingNeedlessOrWrong) {
@@ -298,7 +298,7 @@ TEST_F(ReachTest, TheControlClientSaysWhy) {
   const CallStatus status = control.value()->Panic();
   EXPECT_EQ(status.kind(), CallStatus::Kind::kNoAnswer);
   EXPECT_EQ(status.obstacle(), Obstacle::kAsksForKeys);
-  EXPECT_THAT(status.reason(), HasSubstr("within 100 ms: it asks for keys, and none were given"));
+  EXPECT_THAT(status.reason(), HasSubstr("within 100 ms: it requires keys, and none were given"));
 }
 
 TEST_F(ReachTest, EveryObstacleHasItsAdvice) {

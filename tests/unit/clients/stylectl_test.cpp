@@ -299,7 +299,7 @@ TEST_F(StylectlTest, OptionsOfEveryCommandMayStandBeforeItAndBehindIt) {
   EXPECT_EQ(Run({"--keys", folder / "keys", "keys"}), kExitOk) << err_.str();
   EXPECT_EQ(Run({"keys", "--keys", folder / "keys"}), kExitOk) << err_.str();
   EXPECT_EQ(Run({"--keys=" + (folder / "keys"), "revoke", "anna"}), kExitRefused);
-  EXPECT_TRUE(Complains("'anna' is not let in at " + (folder / "keys"))) << err_.str();
+  EXPECT_TRUE(Complains("'anna' is not allowed at " + (folder / "keys"))) << err_.str();
   // Mistaken for --key.
   EXPECT_EQ(Run({"--keys", folder / "keys", "status"}), kExitUsage);
   EXPECT_TRUE(Complains("own pair of keys is --key")) << err_.str();

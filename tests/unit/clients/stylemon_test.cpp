@@ -260,7 +260,8 @@ TEST(MonitorWithout, ADaemonSaysSo) {
   EXPECT_NE(StatusLine(monitor.value()->view()).find("is styled running?"), std::string::npos);
   // Soon it knows why.
   const auto says_why = [&monitor] {
-    return StatusLine(monitor.value()->view()).find("nobody listens there") != std::string::npos;
+    return StatusLine(monitor.value()->view()).find("no program listens there") !=
+           std::string::npos;
   };
   for (int i = 0; i < 500 && !says_why(); ++i) monitor.value()->Listen(milliseconds(20));
   EXPECT_TRUE(says_why()) << StatusLine(monitor.value()->view());

@@ -162,7 +162,7 @@ TEST(WriteGlb, RefusesWhatIsNoMotionOneByOne) {
 
 TEST(WriteGlb, NamesTheFileThatCannotBeWritten) {
   EXPECT_THAT(WriteGlb(Wandering(2), "/nonexistent/x.glb").message(),
-              HasSubstr("/nonexistent/x.glb: found a place that cannot be written"));
+              HasSubstr("/nonexistent/x.glb: cannot be opened for writing"));
   Motion none = Wandering(2);
   none.frames.clear();
   EXPECT_THAT(WriteGlb(none, "/tmp/x.glb").message(), HasSubstr("/tmp/x.glb: found a motion"));

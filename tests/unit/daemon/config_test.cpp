@@ -214,7 +214,7 @@ TEST_F(ConfigTest, WhoMayConnectToAnIpcPathIsRead) {
         << users;
   }
   EXPECT_THAT(Complaint("[control]\nipc_users = ['anna']\n"),
-              HasSubstr("control.ipc_users: nobody else gets past control.ipc_mode"));
+              HasSubstr("control.ipc_users: no other user gets past control.ipc_mode"));
 }
 
 TEST_F(ConfigTest, ALimitForEachSenderIsANumberOrNone) {

@@ -152,7 +152,7 @@ TEST_F(RosterTest, WhoComesToAFullTableTakesThePlaceOfWhoWasOnlyNamedLongestAgo)
   EXPECT_EQ(Count(Counter::kPipelinePerformersRefused), 0U);
   EXPECT_EQ(Count(Counter::kPipelineFrames), 1U);
   EXPECT_EQ(Count(Counter::kPipelineNamesReplaced), 1U);
-  EXPECT_THAT(Log(), HasSubstr("rig.g1: only named, its settings gave way to rig.anna"));
+  EXPECT_THAT(Log(), HasSubstr("rig.g1: only named, its settings were dropped for rig.anna"));
   EXPECT_TRUE(Knows("rig.anna"));
   EXPECT_TRUE(Knows("rig.g0"));
   EXPECT_FALSE(Knows("rig.g1"));
@@ -189,7 +189,7 @@ TEST_F(RosterTest, OfThoseWhoCameOnlyTheLongestAbsentGivesWayAndNobodyWhoIsPinne
   ASSERT_EQ(Pin("rig.p0").code(), v1::CODE_OK);
   Pass(1);
   Come("anna");
-  EXPECT_THAT(Log(), HasSubstr("rig.p1: absent for long, its settings gave way to rig.anna"));
+  EXPECT_THAT(Log(), HasSubstr("rig.p1: absent for long, its settings were dropped for rig.anna"));
   EXPECT_TRUE(Knows("rig.p0"));
   EXPECT_FALSE(Knows("rig.p1"));
   ASSERT_EQ(Pin("*").code(), v1::CODE_OK);
@@ -219,7 +219,7 @@ TEST_F(RosterTest, NamesThatNeverCameEndAfterAWeek) {
   EXPECT_FALSE(Knows("rig.ghost"));
   EXPECT_TRUE(Knows("rig.anna")) << "who came is kept";
   EXPECT_EQ(Count(Counter::kPipelineNamesExpired), 1U);
-  EXPECT_THAT(Log(), HasSubstr("rig.ghost: named 168 hours ago or more and never came"));
+  EXPECT_THAT(Log(), HasSubstr("rig.ghost: named 168 hours ago or more and never seen"));
   Restart();
   EXPECT_FALSE(Knows("rig.ghost"));
   EXPECT_TRUE(Knows("rig.anna"));

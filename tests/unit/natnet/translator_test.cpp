@@ -337,7 +337,8 @@ TEST_F(NatNetDialogue, RefusesAServerThatIsTooOldAndSaysSo) {
 TEST_F(NatNetDialogue, TellsOfAServerWithoutSkeletons) {
   Begin({});
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_EQ(notes[0], "server 127.0.0.1 tells of no skeleton: is it to stream them?");
+  EXPECT_EQ(notes[0],
+            "server 127.0.0.1 streams no skeleton: enable them in its streaming settings");
 }
 
 TEST_F(NatNetDialogue, HearsNobodyButTheServer) {

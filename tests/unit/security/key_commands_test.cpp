@@ -52,7 +52,7 @@ TEST_F(KeyCommandsTest, ClientsAreLetInShownAndRevoked) {
   const auto bob = keys::MakePair().value();
   ASSERT_TRUE(keys::WritePair(folder_ / "bob.key", bob).ok());
   EXPECT_EQ(RunAt({"allow", "anna", anna, "--role", "operator"}), kExitOk) << err_.str();
-  EXPECT_EQ(out_.str(), "anna is let in as operator\n");
+  EXPECT_EQ(out_.str(), "anna is allowed as operator\n");
   EXPECT_EQ(RunAt({"allow", "bob", folder_ / "bob.key"}), kExitOk) << "a file, and no role";
   EXPECT_EQ(RunAt({"keys"}), kExitOk);
   EXPECT_EQ(out_.str(), "daemon: " + server_ +

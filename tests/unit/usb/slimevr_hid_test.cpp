@@ -95,7 +95,7 @@ TEST_F(SlimeVrHidTest, AnOrientationBeforeItsTrackerIsRegisteredIsIgnored) {
 
 TEST_F(SlimeVrHidTest, ATrackerThatNobodyAssignedIsToldOnceAndIgnored) {
   for (int i = 0; i < 3; ++i) out.Take(Report({Registers(0, 0x99), Upright(0)}));
-  EXPECT_THAT(out.notes, ElementsAre(HasSubstr("010203040599/0 is worn on no part")));
+  EXPECT_THAT(out.notes, ElementsAre(HasSubstr("010203040599/0 is assigned to no joint")));
   EXPECT_EQ(out.Count(Counter::kSourceIgnored), 3U);
 }
 
