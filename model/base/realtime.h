@@ -1,10 +1,13 @@
 #pragma once
 
 // Marks a function of the hot path: it must not allocate, lock, block, log or throw. Clang 20 and
-// later check it (function effects); elsewhere tests/realtime does, on the release binary.
+// later check that, through every call (tests/realtime/effects.sh); tests/realtime counts
+// allocations and locks of the running daemon, whatever the compiler. Before the declaration, and
+// again before a template's definition.
 #if defined(__has_cpp_attribute)
 #if __has_cpp_attribute(clang::nonblocking)
-#define STYLED_REALTIME [[clang::nonblocking]]
+// GNU's spelling: it applies to the function's type from in front of the declaration.
+#define STYLED_REALTIME __attribute__((nonblocking))
 #endif
 #endif
 #ifndef STYLED_REALTIME
