@@ -1,4 +1,5 @@
-// Converts a take to what files contain: a constant rate, metres.
+// Converts a take to the motion that an export format writes: at a constant rate where the format
+// has one, with the times of the frames otherwise. Units stay the rig's.
 #include <algorithm>
 #include <cmath>
 

@@ -74,7 +74,7 @@ class Session {
   // to four per arrived datagram or what the sender's rate explains by a silence, so that a counter
   // that jumps is not counted as loss.
   std::uint64_t lost() const { return lost_; }
-  // Arrival of the last datagram that was kNext or kNewSession.
+  // Arrival of the last datagram that was kNext, kNewSession or kRecounted.
   std::int64_t last_arrival_ns() const { return last_arrival_ns_; }
 
  private:

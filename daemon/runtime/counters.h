@@ -80,7 +80,7 @@ enum class Counter : std::uint8_t {
   kPipelineEventsDropped,   // log messages dropped because their ring was full
   kPipelineEventsHeldBack,  // log messages held back by the limit per kind and performer
   kPipelineBackwards,       // frames published with FLAG_BACKWARDS
-  kStylistConcealed,        // published frames with this flag, as for the next five
+  kStylistConcealed,  // published frames with this flag; so are the others up to kStylistFailed
   kStylistHeld,
   kStylistOutOfDomain,
   kStylistFading,

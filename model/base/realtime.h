@@ -1,7 +1,7 @@
 #pragma once
 
 // Marks a function of the hot path: it must not allocate, lock, block, log or throw. Clang 20 and
-// later check that, through every call (tests/realtime/effects.sh); tests/realtime counts
+// later check that, through every call (tests/realtime/effects.py); tests/realtime counts
 // allocations and locks of the running daemon, whatever the compiler. Before the declaration, and
 // again before a template's definition.
 #if defined(__has_cpp_attribute)

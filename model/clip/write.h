@@ -15,7 +15,8 @@ struct Format {
   std::string_view extension;  // lower case, with its dot
   std::string_view summary;    // for an option's help
   // The format has one rate and no times per frame: it is written at Motion::rate_hz, and a motion
-  // with times_s must be resampled first.
+  // with times_s must be resampled first. stylerec then also leaves out the root joint's offset,
+  // which such a format would add to the root's position.
   bool constant_rate;
   // Writes the whole file. Errors name the file.
   Status (*write)(const Motion& motion, const std::filesystem::path& file);

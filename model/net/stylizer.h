@@ -43,8 +43,8 @@ struct Prediction {
   float heading_rad = 0;   // rad; 0: the frame is the world
 };
 
-// The recurrent state of one stream of poses, opaque to all but its family. Made at binding; its
-// size never changes. One thread at a time.
+// The recurrent state of one stream of poses and the scratch memory of its steps, opaque to all but
+// its family. Made at binding; its size never changes. One thread at a time.
 class Stream {
  public:
   virtual ~Stream() = default;

@@ -82,7 +82,7 @@ struct Options {
   float tilt_end_rad = tuning::kTiltEnd_rad;
   // Time constant of the vertical shift of `ground`; 0: none.
   float ground_tau_s = tuning::kGroundTau_s;
-  bool knees = true;           // no style bends a knee backwards (knees.h)
+  bool knees = true;           // no style bends a knee far backwards (knees.h)
   bool ground = true;          // the lowest foot is as high as the input's (grounding.h)
   bool feet = true;            // planted feet are held in place (feet.h)
   feet::Options feet_options;  // for `feet`

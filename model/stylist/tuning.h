@@ -123,11 +123,12 @@ inline constexpr float kSettled_m = 2e-4F;
 // Knees (knees.h)
 
 // Width of the rounded corner that keeps a knee from bending backwards, rad. Larger: softer, and a
-// straight leg is bent more. A straight leg styled 30 degrees backwards exceeds the bound by 9.
+// straight leg is bent more. A straight leg styled 30 degrees backwards leaves at about 10.
 // Without the bound it was by up to 20 degrees on another rig, and the feet stage then snapped the
 // knee through: most of the jerk there. Neighbouring values were not recorded.
 inline constexpr float kKneeCorner_rad = 0.3F;
-// A knee bent by more than this, up to pi, is impossible and is let go. No measurement on record.
+// A knee styled beyond this in either direction is not bounded: its side is not certain there. No
+// measurement on record.
 inline constexpr float kKneeBroken_rad = 2.0F;
 
 // Feet (stylist.cpp)

@@ -10,7 +10,7 @@
 #include "model/train/trainer.h"
 
 // The network families that styletrain can train. Each has a row in the table of styletrain.cpp and
-// a source styletrain_FAMILY.cpp with its own flags.
+// a source like styletrain_erd.cpp with its own flags.
 namespace styled::train {
 
 // The values of a family's flags, and the recipe made from them.
