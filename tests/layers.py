@@ -26,6 +26,7 @@ ROWS = {
     "model/stylist": STAGES + " model/feet model/net",
     "model/trial": STAGES + " model/net model/stylist model/synthetic",
     "model/train": STAGES + " model/clip model/net",
+    "model/train/erd": STAGES + " model/clip model/net model/train",
     "model/train/judge": STAGES + " model/clip model/feet model/net model/stylist model/trial model/train",
     "model/tools": "model",
     # Bytes that cross a process border.
@@ -115,6 +116,7 @@ def unnoticed():
             ("model/net/erd/network.cpp", "model/net/stgcn/network.h"),
             ("daemon/config/config.h", "daemon/source/transport.h"),
             ("model/body/pose.h", "model/rig/rig.h"),
+            ("model/train/trainer.cpp", "model/train/erd/learner.h"),
             ("model/tools/styleeval.cpp", "sim/player/player.h"),
             ("proto/rigs/vmc/vmc.cpp", "proto/rigs/mvn/mvn.h"),
             ("daemon/runtime/clock.h", "tests/support/daemon.h"),
