@@ -2,6 +2,7 @@
 
 #include "daemon/config/address.h"
 #include "daemon/config/config.h"
+#include "proto/rigs/types.h"
 
 namespace styled::config {
 namespace {
