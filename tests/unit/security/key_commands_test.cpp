@@ -65,7 +65,7 @@ TEST_F(KeyCommandsTest, ClientsAreLetInShownAndRevoked) {
   EXPECT_EQ(out_.str().find(bob.secret_key), std::string::npos);
   EXPECT_EQ(RunAt({"revoke", "anna"}), kExitOk);
   EXPECT_EQ(RunAt({"revoke", "anna"}), kExitRefused);
-  EXPECT_THAT(err_.str(), HasSubstr("'anna' is not let in"));
+  EXPECT_THAT(err_.str(), HasSubstr("'anna' is not allowed"));
   EXPECT_EQ(keys::ReadClients(keys_).value().allowed.size(), 1U);
 }
 

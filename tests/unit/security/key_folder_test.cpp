@@ -131,7 +131,7 @@ TEST_F(KeyFolderTest, ClientsAreAllowedInARoleAndRevoked) {
   EXPECT_EQ(ReadClients(keys_).value().allowed[0].role, Role::kOperator);
   EXPECT_TRUE(Revoke(keys_, "anna").ok());
   EXPECT_EQ(Names(), std::vector<std::string>{"bob"});
-  EXPECT_THAT(Revoke(keys_, "anna").message(), HasSubstr("'anna' is not let in"));
+  EXPECT_THAT(Revoke(keys_, "anna").message(), HasSubstr("'anna' is not allowed"));
   EXPECT_EQ(std::distance(fs::directory_iterator(ClientsFolder(keys_)), fs::directory_iterator()),
             1)
       << "nothing is left behind";
@@ -148,7 +148,7 @@ TEST_F(KeyFolderTest, NamesAndKeysThatAreNoneAreRefusedAndSoIsAKeyTwice) {
   EXPECT_TRUE(fs::exists(ServerKeyFile(keys_)));
   EXPECT_THAT(Allow(keys_, {"anna", "key", Role::kOperator}).message(), HasSubstr("no public key"));
   ASSERT_TRUE(Allow(keys_, {"anna", key, Role::kSubscriber}).ok());
-  EXPECT_THAT(Allow(keys_, {"eve", key, Role::kOperator}).message(), HasSubstr("already, as anna"));
+  EXPECT_THAT(Allow(keys_, {"eve", key, Role::kOperator}).message(), HasSubstr("already allowed, as anna"));
   EXPECT_FALSE(Allow(folder_ / "nowhere", {"anna", key, Role::kOperator}).ok());
 }
 
