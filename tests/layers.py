@@ -76,7 +76,7 @@ def row_of(path):
 
 def family_of(path):
     """'erd' of model/net/erd/network.h; '' of what is of no family."""
-    match = re.match(r"model/net/(\w+)/", path)
+    match = re.match(r"model/net/([\w-]+)/", path)
     return match[1] if match and match[1] != "kernels" else ""
 
 
