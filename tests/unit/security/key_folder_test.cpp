@@ -148,7 +148,8 @@ TEST_F(KeyFolderTest, NamesAndKeysThatAreNoneAreRefusedAndSoIsAKeyTwice) {
   EXPECT_TRUE(fs::exists(ServerKeyFile(keys_)));
   EXPECT_THAT(Allow(keys_, {"anna", "key", Role::kOperator}).message(), HasSubstr("no public key"));
   ASSERT_TRUE(Allow(keys_, {"anna", key, Role::kSubscriber}).ok());
-  EXPECT_THAT(Allow(keys_, {"eve", key, Role::kOperator}).message(), HasSubstr("already allowed, as anna"));
+  EXPECT_THAT(Allow(keys_, {"eve", key, Role::kOperator}).message(),
+              HasSubstr("already allowed, as anna"));
   EXPECT_FALSE(Allow(folder_ / "nowhere", {"anna", key, Role::kOperator}).ok());
 }
 
