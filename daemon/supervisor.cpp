@@ -15,10 +15,10 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/pipeline/keeping.h"
-#include "daemon/runtime/descriptor.h"
 #include "daemon/runtime/journal.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/open.h"
+#include "model/base/descriptor.h"
 #include "model/base/random_id.h"
 #include "model/base/read_file.h"
 #include "model/net/shipped_weights.h"
@@ -272,7 +272,7 @@ void Supervisor::Run() {
   sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
-  const runtime::Descriptor signal_fd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
+  const Descriptor signal_fd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
   std::int64_t logged_ns = clock_.Now_ns();
   while (true) {
     pollfd waiting{signal_fd.get(), POLLIN, 0};

@@ -23,6 +23,8 @@
 #include <utility>
 #include <zmq.hpp>
 
+#include "model/base/descriptor.h"
+
 namespace styled::client {
 namespace {
 
@@ -40,20 +42,6 @@ int Left_ms(Clock::time_point deadline) {
   return static_cast<int>(std::max<std::int64_t>(0, left.count()));
 }
 
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
-
 // A connection for this file's purposes: bytes, until a deadline.
 class Connection {
  public:
@@ -61,9 +49,8 @@ class Connection {
 
   // Returns 0 or the errno of connect(); ETIMEDOUT after the deadline.
   int Connect(int family, const sockaddr* address, socklen_t size) {
-    fd_ =
-        std::make_unique<Descriptor>(socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-    const int fd = fd_->get();
+    fd_ = Descriptor(socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    const int fd = fd_.get();
     if (fd < 0) return errno;
     if (connect(fd, address, size) == 0) return 0;
     if (errno != EINPROGRESS) return errno;
@@ -76,7 +63,7 @@ class Connection {
 
   // Sends a few bytes, for which the send buffer always has room.
   void Send(std::string_view bytes) const {
-    (void)send(fd_->get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    (void)send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
   }
 
   // False if the peer closes, has sent more than kMaxHeard, or the deadline has passed. The
@@ -84,7 +71,7 @@ class Connection {
   bool ReadMore() {
     std::array<char, 1024> bytes{};
     if (TooMuch() || Left_ms(deadline_) == 0 || !Wait(POLLIN)) return false;
-    const ssize_t size = recv(fd_->get(), bytes.data(), bytes.size(), 0);
+    const ssize_t size = recv(fd_.get(), bytes.data(), bytes.size(), 0);
     closed_ = size <= 0;
     if (size > 0) read_.append(bytes.data(), static_cast<std::size_t>(size));
     return size > 0;
@@ -93,16 +80,16 @@ class Connection {
   const std::string& read() const { return read_; }
   bool TooMuch() const { return read_.size() > kMaxHeard; }
   bool closed() const { return closed_; }
-  int fd() const { return fd_->get(); }
+  int fd() const { return fd_.get(); }
 
  private:
   bool Wait(short event) const {
-    pollfd waiting{fd_->get(), event, 0};
+    pollfd waiting{fd_.get(), event, 0};
     return poll(&waiting, 1, Left_ms(deadline_)) > 0;
   }
 
   Clock::time_point deadline_;
-  std::unique_ptr<Descriptor> fd_;
+  Descriptor fd_;
   std::string read_;
   bool closed_ = false;
 };

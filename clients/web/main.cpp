@@ -45,8 +45,8 @@ void Declare(CLI::App& app, Arguments& arguments) {
   app.add_flag("--watch-only", o.watch_only, "browsers may not change anything");
   app.add_option(
          "--max-connections", o.max_connections,
-         "beyond them the oldest unfinished request gives way; where there is none, the new "
-         "connection is closed at once")
+         "at most so many connections; a further one closes the oldest that has not finished its "
+         "request, or is closed itself if there is none")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_option("--ready-file", arguments.ready_file,

@@ -62,7 +62,7 @@ struct Output {
 // Which users may connect to an ipc:// address.
 struct Ipc {
   int mode = 0600;  // mode of the socket's file; connecting requires the right to write
-  std::vector<std::string> users;  // names or numbers; empty = every user whom the mode permits
+  std::vector<std::string> users;  // names or numbers; empty: all users that `mode` permits
   friend bool operator==(const Ipc&, const Ipc&) = default;
 };
 

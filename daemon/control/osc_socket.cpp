@@ -20,7 +20,7 @@ constexpr std::size_t kMaxMessages = 16;  // of one datagram
 
 }  // namespace
 
-OscSocket::OscSocket(runtime::Descriptor socket)
+OscSocket::OscSocket(Descriptor socket)
     : socket_(std::move(socket)),
       endpoint_(runtime::BoundAddress(socket_.get())),
       buffer_(vmc::osc::kMaxDatagramSize) {}

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "daemon/pipeline/mailboxes.h"
-#include "daemon/runtime/descriptor.h"
+#include "model/base/descriptor.h"
 #include "model/base/status.h"
 
 namespace styled::control {
@@ -31,11 +31,11 @@ class OscSocket {
   const std::string& endpoint() const { return endpoint_; }
 
  private:
-  explicit OscSocket(runtime::Descriptor socket);
+  explicit OscSocket(Descriptor socket);
   std::unique_ptr<pipeline::Exchange> Refused(const std::string& address,
                                               const std::string& reason) const;
 
-  runtime::Descriptor socket_;
+  Descriptor socket_;
   std::string endpoint_;
   std::vector<std::byte> buffer_;
   std::size_t size_ = 0;

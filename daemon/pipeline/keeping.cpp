@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include "daemon/config/look_keys.h"
-#include "daemon/runtime/descriptor.h"
+#include "model/base/descriptor.h"
 #include "model/base/read_file.h"
 #include "model/base/toml_nesting.h"
 
@@ -110,8 +110,7 @@ Status WriteProfiles(const std::string& file, const std::vector<Profile>& profil
   const std::string bytes = text.str();
   const std::string fresh = file + ".new";
   const auto refuse = [&fresh] { return Status::Error(fresh + ": " + std::strerror(errno)); };
-  const runtime::Descriptor out(
-      open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
+  const Descriptor out(open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
   if (out.get() < 0) return refuse();
   if (write(out.get(), bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()) ||
       fsync(out.get()) != 0 || rename(fresh.c_str(), file.c_str()) != 0) {

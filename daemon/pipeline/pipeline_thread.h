@@ -8,8 +8,8 @@
 
 #include "daemon/pipeline/worker.h"
 #include "daemon/runtime/clock.h"
-#include "daemon/runtime/descriptor.h"
 #include "daemon/runtime/wakeup.h"
+#include "model/base/descriptor.h"
 
 namespace styled::pipeline {
 
@@ -43,7 +43,7 @@ class PipelineThread {
   runtime::Wakeup& wake_;
   const runtime::Clock& clock_;
   Wait mode_;
-  runtime::Descriptor epoll_;
+  Descriptor epoll_;
   std::atomic<bool> stop_{false};
   std::atomic<std::uint64_t> turns_{0};
 };

@@ -36,7 +36,7 @@ void Session::Start(const source::Machine& machine, std::uint64_t session, std::
 }
 
 // Uses the shorter of two intervals, so that one silence does not make a sender slow.
-std::int64_t Session::Patience_ns(const source::Machine& machine,
+std::int64_t Session::TakeoverAfter_ns(const source::Machine& machine,
                                   const SessionRules& rules) const noexcept {
   if (machine == machine_) return rules.takeover_ns;
   const std::int64_t interval_ns = std::min(intervals_ns_[0], intervals_ns_[1]);
@@ -64,7 +64,7 @@ Session::Arrival Session::Admit(const source::Machine& machine, std::uint64_t se
   const bool silent = silence_ns >= rules.takeover_ns;
   if (!live_ || session != session_ || machine != machine_) {
     const bool anew = session == session_ + kSessionStep && machine == machine_;
-    if (live_ && !anew && silence_ns < Patience_ns(machine, rules)) return Arrival::kSecondSender;
+    if (live_ && !anew && silence_ns < TakeoverAfter_ns(machine, rules)) return Arrival::kSecondSender;
     Start(machine, session, sequence, now_ns);
     return Arrival::kNewSession;
   }
@@ -98,7 +98,7 @@ bool Session::Plausible(const source::Machine& machine, std::uint64_t session,
                         std::uint64_t sequence, std::int64_t now_ns,
                         const SessionRules& rules) const noexcept {
   const std::int64_t silence_ns = now_ns - last_arrival_ns_;
-  if (!live_ || silence_ns >= Patience_ns(machine, rules)) return true;
+  if (!live_ || silence_ns >= TakeoverAfter_ns(machine, rules)) return true;
   if (machine != machine_) return false;
   if (session != session_) return session == session_ + kSessionStep;
   return sequence > newest_ && sequence - newest_ <= MostAhead(silence_ns);

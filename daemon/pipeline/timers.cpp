@@ -24,7 +24,7 @@ std::int64_t Pipeline::NextDeadline_ns() const {
     const std::int64_t silent_ns =
         performer->admission.live()
             ? performer->admission.last_frame_ns() +
-                  performer->admission.Patience_ns(Nanoseconds(limits.stale_s))
+                  performer->admission.StaleAfter_ns(Nanoseconds(limits.stale_s))
             : performer->admission.session.last_arrival_ns() + Nanoseconds(limits.forget_s);
     next_ns = std::min({next_ns, performer->next_body_ns, silent_ns});
     if (to_.anticipate) next_ns = std::min(next_ns, performer->admission.anticipation.prepare_ns());
@@ -55,7 +55,7 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
     if (to_.anticipate && drained) Prepare(performer, now_ns);
     if (drained && performer.admission.live() &&
         now_ns - performer.admission.last_frame_ns() >=
-            performer.admission.Patience_ns(Nanoseconds(limits.stale_s))) {
+            performer.admission.StaleAfter_ns(Nanoseconds(limits.stale_s))) {
       Stale(performer, now_ns);
       ++work;
     }

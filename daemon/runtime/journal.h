@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/runtime/descriptor.h"
+#include "model/base/descriptor.h"
 
 namespace styled::runtime {
 

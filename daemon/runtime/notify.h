@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/runtime/descriptor.h"
+#include "model/base/descriptor.h"
 
 namespace styled::runtime {
 

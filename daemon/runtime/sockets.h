@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "daemon/runtime/descriptor.h"
+#include "model/base/descriptor.h"
 #include "model/base/status.h"
 
 namespace styled::runtime {

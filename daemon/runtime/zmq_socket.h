@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/runtime/descriptor.h"
+#include "model/base/descriptor.h"
 #include "model/base/status.h"
 
 namespace styled::runtime {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/runtime/descriptor.h"
+#include "model/base/descriptor.h"
 
 namespace styled::security {
 namespace {
@@ -22,7 +22,7 @@ ino_t InodeOf(int fd) {
 // socket. The duplicate pins whatever `fd` is now; it is shut down only if its inode is the
 // expected one. libzmq then sees the connection ended by the peer.
 bool Cut(int fd, ino_t inode) {
-  const runtime::Descriptor held(fcntl(fd, F_DUPFD_CLOEXEC, 0));
+  const Descriptor held(fcntl(fd, F_DUPFD_CLOEXEC, 0));
   return held.get() >= 0 && InodeOf(held.get()) == inode && shutdown(held.get(), SHUT_RDWR) == 0;
 }
 

@@ -101,7 +101,7 @@ Status Gatekeeper::Guard(runtime::ZmqSocket& socket, Door door) {
 
 // Watch before reading the folder, so that a change in between is noticed.
 void Gatekeeper::Watch() {
-  inotify_ = runtime::Descriptor(inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
+  inotify_ = Descriptor(inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
   watch_ = inotify_add_watch(inotify_.get(), keys::ClientsFolder(folder_).c_str(), kChanges);
 }
 

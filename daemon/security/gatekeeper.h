@@ -10,10 +10,10 @@
 
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
-#include "daemon/runtime/descriptor.h"
 #include "daemon/runtime/wakeup.h"
 #include "daemon/runtime/zmq_socket.h"
 #include "daemon/security/access.h"
+#include "model/base/descriptor.h"
 #include "model/base/status.h"
 #include "proto/keys/key_file.h"
 
@@ -63,7 +63,7 @@ class Gatekeeper {
   runtime::SystemClock clock_;
   runtime::ZmqSocket zap_;
   std::array<runtime::ZmqSocket, 2> failures_;  // libzmq's monitors of failed handshakes, by door
-  runtime::Descriptor inotify_;
+  Descriptor inotify_;
   int watch_ = -1;
   runtime::Wakeup wake_;
   std::vector<std::string> frames_;

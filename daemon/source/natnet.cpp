@@ -20,7 +20,6 @@ namespace {
 
 using runtime::BindSocket;
 using runtime::BoundAddress;
-using runtime::Descriptor;
 
 constexpr std::int64_t kRetry_ns = 5 * runtime::kSecond_ns;
 

@@ -23,7 +23,6 @@ using runtime::AddressText;
 using runtime::BindSocket;
 using runtime::BoundAddress;
 using runtime::Counter;
-using runtime::Descriptor;
 using runtime::kSecond_ns;
 
 // Bound of a cycle: so many connections are read, and so many bytes of each. A frame of 21 joints

@@ -9,7 +9,7 @@ namespace {
 // Native datagrams.
 class Udp final : public Transport {
  public:
-  Udp(runtime::Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
+  Udp(Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
       runtime::Counters& counters)
       : socket_(std::move(socket), clock, counters, config.sender_limit_hz),
         source_(source),
@@ -36,9 +36,8 @@ class Udp final : public Transport {
 // A rig's datagrams, through its translator.
 class TranslatedUdp final : public Transport {
  public:
-  TranslatedUdp(runtime::Descriptor socket, const config::Source& config, int source,
-                runtime::Clock& clock, runtime::Counters& counters,
-                std::unique_ptr<Translator> translator)
+  TranslatedUdp(Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
+                runtime::Counters& counters, std::unique_ptr<Translator> translator)
       : socket_(std::move(socket), clock, counters, config.sender_limit_hz),
         source_(source),
         clock_(clock),

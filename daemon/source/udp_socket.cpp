@@ -13,7 +13,7 @@ constexpr std::int64_t kLongestWait_ns = runtime::kSecond_ns / 10;
 
 }  // namespace
 
-UdpSocket::UdpSocket(runtime::Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
+UdpSocket::UdpSocket(Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
                      int sender_limit_hz)
     : socket_(std::move(socket)),
       clock_(clock),

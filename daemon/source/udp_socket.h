@@ -20,7 +20,7 @@ namespace styled::source {
 class UdpSocket {
  public:
   // `sender_limit_hz`: most datagrams per second of one address; 0 = no limit.
-  UdpSocket(runtime::Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
+  UdpSocket(Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
             int sender_limit_hz);
 
   // Receives what has arrived, up to kBatch datagrams; never blocks. Datagrams over the limit are
@@ -48,7 +48,7 @@ class UdpSocket {
   // Reads when message `i` arrived, and counts what the kernel dropped before it.
   std::int64_t ReadControl(std::size_t i, std::int64_t now_ns, std::int64_t wall_ns) noexcept;
 
-  runtime::Descriptor socket_;
+  Descriptor socket_;
   runtime::Clock& clock_;
   runtime::Counters& counters_;
   std::string endpoint_;

@@ -92,8 +92,8 @@ void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& n
 
 // The mean is a box filter over one period of the network. The states' disagreement makes a ripple
 // of that period, which is at the filter's notch.
-StyleDelta Predictor::MeanDelta() const noexcept {
-  StyleDelta mean = StyleDelta::Zero();
+void Predictor::MeanDelta(StyleDelta& mean) const noexcept {
+  mean.setZero();
   int count = 0;
   for (std::size_t state = 0; state < deltas_.size(); ++state) {
     if (!stepped_.test(state)) continue;
@@ -101,7 +101,6 @@ StyleDelta Predictor::MeanDelta() const noexcept {
     ++count;
   }
   if (count > 0) mean /= static_cast<float>(count);
-  return mean;
 }
 
 void Predictor::BlendAbsolute(const Pose& input, const Mixer& mixer,

@@ -51,8 +51,8 @@ class Predictor {
   STYLED_REALTIME void Accept(const Step& step, const Mixer& mixer,
                               const StyleDelta& near) noexcept;
 
-  // The mean of the interleaved states' newest style deltas.
-  STYLED_REALTIME StyleDelta MeanDelta() const noexcept;
+  // Writes the mean of the interleaved states' newest style deltas; 0 if none has stepped.
+  STYLED_REALTIME void MeanDelta(StyleDelta& mean) const noexcept;
   // Replaces `delta` by the paper's absolute output, in the share mixer.absolute(): unfiltered,
   // from the newest step only.
   STYLED_REALTIME void BlendAbsolute(const body::Pose& input, const Mixer& mixer,

@@ -230,8 +230,10 @@ void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
   const float error_rad = predictor.reconstruction_rad();
   domain.Follow(error_rad, input.rotations[body::kHips], static_cast<float>(dt_s), !started,
                 options);
-  filter.Follow(predictor.MeanDelta(), dt_s, error_rad, mixer, options);
-  StyleDelta delta = filter.value();
+  StyleDelta delta;
+  predictor.MeanDelta(delta);
+  filter.Follow(delta, dt_s, error_rad, mixer, options);
+  delta = filter.value();
   if (mixer.absolute() > 0 && predictor.any()) predictor.BlendAbsolute(input, mixer, delta);
   if (!mixer.whole()) {
     for (int joint = 0; joint < kJointCount; ++joint) {

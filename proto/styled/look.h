@@ -43,7 +43,7 @@ struct LookField {
   std::variant<LookNumber, LookFlag, LookName, LookMix, LookParts> kind;
 };
 
-inline constexpr std::array<LookField, 7> kLookFields{{
+inline constexpr auto kLookFields = std::to_array<LookField>({
     {"mix", "mix", "", "styles and weights, at most 4, that sum to 1.5 at most", LookMix{}},
     {"strength", "strength", "", "of the style: 0 (bypass) to 1.5",
      LookNumber{&v1::Look::has_strength, &v1::Look::strength, &v1::Look::set_strength, 0,
@@ -61,7 +61,7 @@ inline constexpr std::array<LookField, 7> kLookFields{{
     {"preset", "preset", "", "a mix of the daemon's configuration, by its name",
      LookName{&v1::Look::has_preset, &v1::Look::preset,
               [](v1::Look& look, const std::string& name) { look.set_preset(name); }}},
-}};
+});
 
 // The field with this name, word or former name, or null.
 const LookField* FindLookField(std::string_view name) noexcept;

@@ -1,34 +1,13 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <cstddef>
 #include <span>
-#include <utility>
 
 #include "clients/cpp/doctor/sniff.h"
 #include "clients/cpp/doctor/traffic.h"
+#include "model/base/descriptor.h"
 
 namespace styled::doctor {
-
-// Owns a file descriptor; -1 means none.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_ = -1;
-};
 
 // Larger than any datagram.
 inline constexpr std::size_t kMaxReceived = 65536;

@@ -32,7 +32,7 @@ void Admission::MarkLive(std::int64_t now_ns) noexcept {
 }
 
 // Uses the shorter of two intervals, so that one silence does not make a rig slow.
-std::int64_t Admission::Patience_ns(std::int64_t stale_ns) const noexcept {
+std::int64_t Admission::StaleAfter_ns(std::int64_t stale_ns) const noexcept {
   constexpr std::int64_t kMost_ns = 10 * runtime::kSecond_ns;
   const std::int64_t period_ns = std::min(intervals_ns_[0], intervals_ns_[1]);
   return std::max(stale_ns, std::min(3 * period_ns, kMost_ns));

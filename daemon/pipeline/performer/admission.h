@@ -42,7 +42,7 @@ class Admission {
   std::uint64_t received() const { return received_; }           // frames accepted
   // Silence after which the performer is stale: `stale_ns`, or three periods of a slower rig, at
   // most 10 s.
-  STYLED_REALTIME std::int64_t Patience_ns(std::int64_t stale_ns) const noexcept;
+  STYLED_REALTIME std::int64_t StaleAfter_ns(std::int64_t stale_ns) const noexcept;
 
   // Call when a datagram of this performer changed nothing and was counted as `why`.
   STYLED_REALTIME void MarkRefused(runtime::Counter why) noexcept {

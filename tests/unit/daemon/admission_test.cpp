@@ -34,14 +34,14 @@ TEST(AdmissionTest, ABodyChangesEightTimesAtOnceAndTwiceASecond) {
 TEST(AdmissionTest, ASlowRigIsStaleAfterThreeOfItsPeriods) {
   Admission admission;
   const std::int64_t stale_ns = 250 * kMillisecond_ns;
-  EXPECT_EQ(admission.Patience_ns(stale_ns), stale_ns);
+  EXPECT_EQ(admission.StaleAfter_ns(stale_ns), stale_ns);
   std::int64_t now_ns = kSecond_ns;
   for (int i = 0; i < 3; ++i) admission.MarkLive(now_ns += kSecond_ns);
-  EXPECT_EQ(admission.Patience_ns(stale_ns), 3 * kSecond_ns);
+  EXPECT_EQ(admission.StaleAfter_ns(stale_ns), 3 * kSecond_ns);
   admission.MarkLive(now_ns += 10 * kMillisecond_ns);
-  EXPECT_EQ(admission.Patience_ns(stale_ns), stale_ns) << "the shorter of two intervals counts";
+  EXPECT_EQ(admission.StaleAfter_ns(stale_ns), stale_ns) << "the shorter of two intervals counts";
   for (int i = 0; i < 3; ++i) admission.MarkLive(now_ns += 60 * kSecond_ns);
-  EXPECT_EQ(admission.Patience_ns(stale_ns), 10 * kSecond_ns) << "at most";
+  EXPECT_EQ(admission.StaleAfter_ns(stale_ns), 10 * kSecond_ns) << "at most";
 }
 
 TEST(AdmissionTest, TheRateIsThatOfTheFramesAndNoneWhileStale) {

@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "daemon/runtime/descriptor.h"
+#include "model/base/descriptor.h"
 
 // Multicast on the loopback interface, which not every kernel or container lets pass.
 namespace styled::natnet::testing {
@@ -20,8 +20,8 @@ inline std::string OwnGroup(int index) {
 }
 
 inline bool CanMulticast(const std::string& group) {
-  const runtime::Descriptor receiver(socket(AF_INET, SOCK_DGRAM, 0));
-  const runtime::Descriptor sender(socket(AF_INET, SOCK_DGRAM, 0));
+  const Descriptor receiver(socket(AF_INET, SOCK_DGRAM, 0));
+  const Descriptor sender(socket(AF_INET, SOCK_DGRAM, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
   inet_pton(AF_INET, group.c_str(), &address.sin_addr);

@@ -4,8 +4,8 @@
 
 #include <deque>
 
-#include "daemon/runtime/descriptor.h"
 #include "daemon/source/rigs/natnet.h"
+#include "model/base/descriptor.h"
 #include "model/rig/dialects.h"
 #include "tests/support/count_new.h"
 #include "tests/support/translated.h"
@@ -167,7 +167,7 @@ class Fixture : public ::testing::Test, public Translated {
     items.clear();
   }
 
-  runtime::Descriptor server_, command_;
+  Descriptor server_, command_;
   Peer peer_;
   runtime::Counters counters_;
   Outbox outbox_{0, counters_};

@@ -142,7 +142,7 @@ class Session {
   std::unique_ptr<Transport> transport;
 
  private:
-  runtime::Descriptor server_;
+  Descriptor server_;
   sockaddr_storage client_{};
   std::unique_ptr<rigs::Rig> rig_;
 };

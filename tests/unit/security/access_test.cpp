@@ -8,14 +8,13 @@
 #include <array>
 #include <memory>
 
-#include "daemon/runtime/descriptor.h"
+#include "model/base/descriptor.h"
 
 namespace styled::security {
 namespace {
 
 using keys::Client;
 using keys::Role;
-using runtime::Descriptor;
 
 // A connection: ours, and the client's end of it.
 struct Wire {

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace styled::runtime {
+namespace styled {
 
 // Owns a file descriptor and closes it. -1 means none.
 class Descriptor {
@@ -25,4 +25,4 @@ class Descriptor {
   int fd_ = -1;
 };
 
-}  // namespace styled::runtime
+}  // namespace styled
