@@ -21,8 +21,8 @@ using recording::AddressText;
 using recording::MonotonicNow_ns;
 
 constexpr std::size_t kMaxPeers = 64;
-constexpr int kBatch = 256, kReceiveBuffer = 4 << 20;
-constexpr std::int64_t kLongestWait_ns = 100'000'000;
+constexpr int kDatagrams = 256, kReceiveBuffer = 4 << 20;
+constexpr std::int64_t kLongestPoll_ns = 100'000'000;
 
 struct Address {
   sockaddr_storage storage{};
@@ -139,7 +139,7 @@ Status Receiver::Run(recording::FileWriter& writer, double seconds, const std::a
     const std::int64_t now_ns = MonotonicNow_ns();
     if (seconds > 0 && static_cast<double>(now_ns - begin_ns) * 1e-9 >= seconds) break;
     const std::int64_t wait_ns =
-        std::clamp<std::int64_t>(writer.NextDeadline_ns() - now_ns, 0, kLongestWait_ns);
+        std::clamp<std::int64_t>(writer.NextDeadline_ns() - now_ns, 0, kLongestPoll_ns);
     waiting.clear();
     for (const auto& socket : sockets_) waiting.push_back({socket->fd, POLLIN, 0});
     for (const auto& peer : peers_) waiting.push_back({peer->fd, POLLIN, 0});
@@ -155,7 +155,7 @@ Status Receiver::Run(recording::FileWriter& writer, double seconds, const std::a
 }
 
 Status Receiver::Drain(Socket& socket, recording::FileWriter& writer) {
-  for (int i = 0; i < kBatch; ++i) {
+  for (int i = 0; i < kDatagrams; ++i) {
     iovec piece{buffer_.data(), buffer_.size()};
     alignas(cmsghdr) char control[64];
     msghdr message{};
@@ -219,7 +219,7 @@ void Receiver::Forward(Socket& socket, std::size_t size) {
 }
 
 void Receiver::PassBack(Peer& peer) {
-  for (int i = 0; i < kBatch; ++i) {
+  for (int i = 0; i < kDatagrams; ++i) {
     const ssize_t size = recv(peer.fd, buffer_.data(), buffer_.size(), 0);
     if (size < 0) return;
     ++counts_.answered;

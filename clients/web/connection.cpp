@@ -47,7 +47,7 @@ Verdict JudgeRequest(const Gateway& gateway, const Request& request, bool needs_
                needs_token);
 }
 
-Response Text(http::status status, std::string_view text) {
+Response Plain(http::status status, std::string_view text) {
   Response response(status, 11);
   response.set(http::field::content_type, "text/plain; charset=utf-8");
   response.set(http::field::cache_control, "no-store");
@@ -58,34 +58,34 @@ Response Text(http::status status, std::string_view text) {
 Response Refuse(Gateway& gateway, Verdict verdict) {
   ++gateway.counters.refused_access;
   const bool token = verdict == Verdict::kToken;
-  Response response = Text(token                        ? http::status::unauthorized
-                           : verdict == Verdict::kTwice ? http::status::bad_request
-                                                        : http::status::forbidden,
-                           std::string(Explain(verdict)) + "\n");
+  Response response = Plain(token                        ? http::status::unauthorized
+                            : verdict == Verdict::kTwice ? http::status::bad_request
+                                                         : http::status::forbidden,
+                            std::string(Explain(verdict)) + "\n");
   if (token) response.set(http::field::www_authenticate, "Bearer");
   return response;
 }
 
 Response Health(const Gateway& gateway) {
-  if (gateway.hub->daemon_up()) return Text(http::status::ok, "ok\n");
-  return Text(http::status::service_unavailable, gateway.hub->Reason(Hub::Clock::now()) + "\n");
+  if (gateway.hub->daemon_up()) return Plain(http::status::ok, "ok\n");
+  return Plain(http::status::service_unavailable, gateway.hub->Reason(Hub::Clock::now()) + "\n");
 }
 
 Response Metrics(Gateway& gateway) {
   Counters counters = gateway.counters;
   counters.upstream_malformed += gateway.upstream->malformed();
-  Response response =
-      Text(http::status::ok, PrometheusText(counters, gateway.gauges(), gateway.hub->statistics()));
+  Response response = Plain(http::status::ok,
+                            PrometheusText(counters, gateway.gauges(), gateway.hub->statistics()));
   response.set(http::field::content_type, "text/plain; version=0.0.4; charset=utf-8");
   return response;
 }
 
 Response FromPage(const Gateway& gateway, std::string_view target) {
   if (gateway.page.empty() && target.substr(0, target.find('?')) == "/") {
-    return Text(http::status::ok, kNoPage);
+    return Plain(http::status::ok, kNoPage);
   }
   const PageFile* file = gateway.page.Find(target);
-  if (file == nullptr) return Text(http::status::not_found, "there is nothing here\n");
+  if (file == nullptr) return Plain(http::status::not_found, "there is nothing here\n");
   Response response(http::status::ok, 11);
   response.set(http::field::content_type, file->type);
   response.set(http::field::cache_control,
@@ -105,11 +105,11 @@ Response Respond(Gateway& gateway, const Request& request) {
     return Refuse(gateway, verdict);
   }
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
-    return Text(http::status::method_not_allowed, "only GET and HEAD are answered\n");
+    return Plain(http::status::method_not_allowed, "only GET and HEAD are answered\n");
   }
   if (path == "/healthz") return Health(gateway);
   if (path == "/metrics") return Metrics(gateway);
-  if (path == "/ws") return Text(http::status::upgrade_required, "a WebSocket is spoken here\n");
+  if (path == "/ws") return Plain(http::status::upgrade_required, "a WebSocket is spoken here\n");
   return FromPage(gateway, target);
 }
 
@@ -141,7 +141,7 @@ asio::awaitable<void> Converse(beast::tcp_stream stream, Gateway& gateway) {
       co_return;
     }
     Response response = understood ? Respond(gateway, parser.get())
-                                   : Text(http::status::bad_request, error.message() + "\n");
+                                   : Plain(http::status::bad_request, error.message() + "\n");
     response.set("X-Content-Type-Options", "nosniff");
     response.keep_alive(understood && parser.get().keep_alive());
     response.prepare_payload();

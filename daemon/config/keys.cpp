@@ -10,7 +10,7 @@
 namespace styled::config {
 namespace {
 
-std::string Shown(const toml::node& node) {
+std::string ShownNode(const toml::node& node) {
   if (const auto* number = node.as_floating_point()) return NumberText(number->get());
   std::ostringstream text;
   node.visit([&text](const auto& value) { text << value; });
@@ -21,7 +21,7 @@ std::string Shown(const toml::node& node) {
 }  // namespace
 
 Status Expected(const std::string& what, const toml::node& node) {
-  return Status::Error("expected " + what + ", found " + Shown(node));
+  return Status::Error("expected " + what + ", found " + ShownNode(node));
 }
 
 namespace {

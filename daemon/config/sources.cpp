@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "daemon/config/address.h"
+#include "daemon/config/shown.h"
 #include "daemon/runtime/host_port.h"
-#include "model/base/text.h"
 #include "model/body/find_joint.h"
 #include "proto/rigs/natnet/packet.h"
 #include "proto/rigs/slimevr/tracker_id.h"
@@ -14,9 +14,6 @@
 
 namespace styled::config {
 namespace {
-
-// For errors. Names have at most 32 bytes, ids 65, and numeric addresses fewer.
-std::string Shown(std::string_view text) { return Printable(text, 80); }
 
 // `place` is the prefix of errors, e.g. "source.0.".
 Status CheckUsb(const Source& source, const std::string& place) {

@@ -3,18 +3,15 @@
 
 #include "daemon/config/address.h"
 #include "daemon/config/config.h"
+#include "daemon/config/shown.h"
 #include "daemon/config/sources.h"
 #include "daemon/runtime/host_port.h"
-#include "model/base/text.h"
 #include "model/net/styles.h"
 #include "proto/rigs/types.h"
 #include "proto/styled/look.h"
 
 namespace styled::config {
 namespace {
-
-// For errors. Names have at most 32 bytes, ids 65, and numeric addresses fewer.
-std::string Shown(std::string_view text) { return Printable(text, 80); }
 
 bool IsStream(const Source& source) { return rigs::FindSourceType(source.type)->stream; }
 

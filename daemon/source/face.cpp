@@ -8,7 +8,7 @@ namespace styled::source {
 namespace {
 
 // Protobuf's tags, (field << 3) | wire type.
-constexpr std::uint32_t kExpressions = 18U << 3U | 2U, kThru = 19U << 3U | 2U;
+constexpr std::uint32_t kExpressionsTag = 18U << 3U | 2U, kThruTag = 19U << 3U | 2U;
 constexpr std::uint32_t kName = 1U << 3U | 2U, kValue = 2U << 3U | 5U;
 
 std::size_t VarintSize(std::size_t value) noexcept {
@@ -47,7 +47,7 @@ class Writer {
 void Write(const Face::Expression& expression, Writer& out) noexcept {
   const std::size_t name = expression.name.size();
   const bool has_value = std::bit_cast<std::uint32_t>(expression.value) != 0;
-  out.Varint(kExpressions);
+  out.Varint(kExpressionsTag);
   out.Varint((name > 0 ? 1 + VarintSize(name) + name : 0) + (has_value ? 1 + sizeof(float) : 0));
   if (name > 0) {
     out.Varint(kName);
@@ -66,7 +66,7 @@ std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept {
   Writer out(to);
   for (const auto& expression : face.expressions) Write(expression, out);
   for (const auto bytes : face.thru) {
-    out.Varint(kThru);
+    out.Varint(kThruTag);
     out.Varint(bytes.size());
     out.Bytes(bytes);
   }

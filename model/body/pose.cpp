@@ -58,6 +58,10 @@ Vec3 LogNear(const Quat& rotation, const Vec3& near) noexcept {
   return (longer - near).squaredNorm() < (shorter - near).squaredNorm() ? longer : shorter;
 }
 
+Quat ShortestTurn(const Vec3& from, const Vec3& to) noexcept {
+  return Quat::FromTwoVectors(from, to);
+}
+
 Quat Exp(const Vec3& rotation_vector) noexcept {
   const float angle = rotation_vector.norm();
   const float scale = angle < 1e-6F ? 0.5F : std::sin(0.5F * angle) / angle;

@@ -58,4 +58,8 @@ STYLED_REALTIME Vec3 LogNear(const Quat& rotation, const Vec3& near) noexcept;
 // The inverse of Log: the unit quaternion of a rotation vector.
 STYLED_REALTIME Quat Exp(const Vec3& rotation_vector) noexcept;
 
+// The rotation by the smallest angle that turns the direction of `from` into that of `to`; neither
+// may be 0. Eigen's FromTwoVectors, compiled once: it instantiates a singular value decomposition.
+STYLED_REALTIME Quat ShortestTurn(const Vec3& from, const Vec3& to) noexcept;
+
 }  // namespace styled::body

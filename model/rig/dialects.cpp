@@ -171,7 +171,7 @@ std::vector<Quat> CmuRest(const Skeleton& skeleton, const JointMap& map,
   for (auto [upper, lower] : {std::pair{body::kLeftUpperLeg, body::kLeftLowerLeg},
                               std::pair{body::kRightUpperLeg, body::kRightLowerLeg}}) {
     const Vec3 thigh = positions[map[lower]] - positions[map[upper]];
-    if (thigh.norm() > 0) standing.rotations[map[upper]] = Quat::FromTwoVectors(thigh, down);
+    if (thigh.norm() > 0) standing.rotations[map[upper]] = body::ShortestTurn(thigh, down);
   }
   return RestBySwing(skeleton, map, standing, canonical_from_source);
 }

@@ -78,7 +78,7 @@ Quat Swing(const Standing& pose, int joint, const Quat& parent_swing, const Quat
   }
   if (!left.isZero()) return SwingTwoAxes(left, bone.standing);
   // The shortest arc that is left after the parent's swing.
-  return Quat::FromTwoVectors(parent_swing * bone.standing, bone.rest) * parent_swing;
+  return body::ShortestTurn(parent_swing * bone.standing, bone.rest) * parent_swing;
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ void Reach(const Leg& leg, const Vec3& hip, const Vec3& ankle_was, const Vec3& a
   const Vec3 axis = upper * Vec3::UnitX();
   lower = Quat(Eigen::AngleAxisf(flexion(reach) - flexion(was), axis)) * lower;
   const Vec3 now = upper * body::Offset(leg.lower) + lower * body::Offset(leg.foot);
-  const Quat swing = Quat::FromTwoVectors(now, ankle - hip);
+  const Quat swing = body::ShortestTurn(now, ankle - hip);
   upper = (swing * upper).normalized();
   lower = (swing * lower).normalized();
 }

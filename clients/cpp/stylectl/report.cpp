@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-std::string Number(double value, int digits) {
+std::string Fixed(double value, int digits) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.*f", digits, value);
   return text.data();
@@ -26,7 +26,7 @@ std::string Hex(std::uint64_t value) {
 
 std::string Duration(double seconds) {
   const auto whole = static_cast<long long>(std::max(0.0, seconds));
-  if (whole < 60) return Number(seconds, 1) + " s";
+  if (whole < 60) return Fixed(seconds, 1) + " s";
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%lld:%02lld:%02lld", whole / 3600, whole / 60 % 60,
                 whole % 60);
@@ -127,10 +127,10 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                       performer.live() ? "live"
                       : refused        ? "refused"
                                        : "silent",
-                      Number(performer.rate_hz(), 1), Number(performer.latency_p50_us(), 0),
-                      Number(performer.latency_p99_us(), 0), Number(performer.latency_max_us(), 0),
+                      Fixed(performer.rate_hz(), 1), Fixed(performer.latency_p50_us(), 0),
+                      Fixed(performer.latency_p99_us(), 0), Fixed(performer.latency_max_us(), 0),
                       std::to_string(performer.published()), std::to_string(performer.lost()),
-                      Number(performer.look().strength(), 2), MixText(performer.look().mix()),
+                      Fixed(performer.look().strength(), 2), MixText(performer.look().mix()),
                       notes});
     }
     std::sort(rows.begin() + 1, rows.end());  // by performer
@@ -145,15 +145,15 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
       {"SOURCE", "DELAY ms", "CAME LATE ms", "LEFT LATE ms", "MISSED"}};
   for (const auto& source : status.sources()) {
     if (source.delay_ms() <= 0) continue;
-    delays.push_back({source.name() + " " + source.listen(), Number(source.delay_ms(), 0),
-                      Number(source.arrived_ms(), 1), Number(source.left_ms(), 1),
+    delays.push_back({source.name() + " " + source.listen(), Fixed(source.delay_ms(), 0),
+                      Fixed(source.arrived_ms(), 1), Fixed(source.left_ms(), 1),
                       std::to_string(source.missed())});
   }
   if (delays.size() > 1) out += Table(delays);
   if (stats.stages_size() > 0) {
     std::vector<std::vector<std::string>> stages{{"STAGE", "MEAN us/FRAME", "MAX us"}};
     for (const auto& stage : stats.stages()) {
-      stages.push_back({stage.name(), Number(stage.mean_us(), 1), Number(stage.max_us(), 0)});
+      stages.push_back({stage.name(), Fixed(stage.mean_us(), 1), Fixed(stage.max_us(), 0)});
     }
     out += Table(stages);
   }

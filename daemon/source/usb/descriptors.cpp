@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint8_t kSubclassStyled = 'S';
 constexpr std::uint8_t kProtocolRecords = 1;
-constexpr unsigned kReportSize = 64;
+constexpr unsigned kHidReportBytes = 64;
 
 bool Speaks(Protocol protocol, const libusb_interface_descriptor& setting) noexcept {
   if (protocol == Protocol::kSlimeVr) return setting.bInterfaceClass == LIBUSB_CLASS_HID;
@@ -22,7 +22,7 @@ bool Carries(Protocol protocol, const libusb_endpoint_descriptor& endpoint) noex
   if (protocol == Protocol::kNative) return type == LIBUSB_ENDPOINT_TRANSFER_TYPE_BULK;
   constexpr unsigned kSizeBits = 0x7FF;  // above them: transactions per microframe
   return type == LIBUSB_ENDPOINT_TRANSFER_TYPE_INTERRUPT &&
-         (endpoint.wMaxPacketSize & kSizeBits) == kReportSize;
+         (endpoint.wMaxPacketSize & kSizeBits) == kHidReportBytes;
 }
 
 }  // namespace
