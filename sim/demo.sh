@@ -2,7 +2,8 @@
 # Builds Styled and shows it at work: the built-in synthetic performer is streamed at 120 Hz into the
 # daemon, the shipped weights restyle it, a tour goes through styles, mixes and parts of the body, and
 # the terminal monitor draws input and styled figure side by side. The same in a browser: its address
-# is printed. Ctrl-C, or q in the monitor, ends it.
+# is printed; the first time its page is built while the demo runs. Ctrl-C, or q in the monitor, ends
+# it.
 #   --seconds N      end by itself after N seconds
 #   --performers N   that many performers (default 1)
 #   --plain          no full-screen monitor: a picture and a line every two seconds
@@ -28,7 +29,7 @@ while [ $# -gt 0 ]; do
     --plain) plain=yes ;;
     --no-build) build=no ;;
     -h | --help)
-      sed -n '2,9s/^# \{0,1\}//p' "$0"
+      sed -n '2,10s/^# \{0,1\}//p' "$0"
       exit 0
       ;;
     *)
@@ -54,6 +55,8 @@ work=$(mktemp -d)
 pids=()
 stop() {
   trap - EXIT INT TERM
+  # The viewer's process group: it may be a build.
+  [ -z "${web:-}" ] || kill -TERM -- "-$web" 2>/dev/null || true
   for pid in "${pids[@]}"; do kill -TERM "$pid" 2>/dev/null || true; done
   for pid in "${pids[@]}"; do wait "$pid" 2>/dev/null || true; done
   rm -rf "$work"
@@ -96,20 +99,34 @@ setsid "$bin/stylesim" --to "$source_at" --rate 120 --performers "$performers" \
 sim=$!
 pids+=("$sim")
 
+# The view for browsers. Its HTTP code and its page take as long to build as half of the rest, so they
+# are built at the lowest priority while the performer moves already, unless nothing has changed.
+port=7080  # the usual one, or the next that is free
+while (: <"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do port=$((port + 1)); done
+serve_viewer() {
+  if [ "$build" = yes ]; then
+    nice -n 19 cmake --build "$root/build/release" --target styled_demo_web \
+      >"$root/build/release-web.log" 2>&1 || return
+  fi
+  [ -x "$bin/styleweb" ] && [ -e "$root/build/release/web/index.html" ] || return
+  exec "$bin/styleweb" --listen "127.0.0.1:$port" --publish "$publish_at" \
+    --control "$control_at" --ready-file "$work/web.json" >"$work/styleweb.log" 2>&1
+}
+export -f serve_viewer
+export build root bin port publish_at control_at work
+setsid bash -c serve_viewer &
+web=$!
+pids+=("$web")
+for _ in $(seq 15); do
+  [ -s "$work/web.json" ] && break
+  kill -0 "$web" 2>/dev/null || break
+  sleep 0.1
+done
 viewer=
-if [ -x "$bin/styleweb" ] && [ -e "$root/build/release/web/index.html" ]; then
-  for port in 7080 0; do  # the usual port, else any
-    setsid "$bin/styleweb" --listen "127.0.0.1:$port" --publish "$publish_at" \
-      --control "$control_at" --ready-file "$work/web.json" >"$work/styleweb.log" 2>&1 &
-    web=$!
-    for _ in $(seq 50); do
-      [ -s "$work/web.json" ] && break 2
-      kill -0 "$web" 2>/dev/null || break
-      sleep 0.1
-    done
-  done
-  pids+=("$web")
-  viewer=$(sed -n 's/.*"listen": *"\([^"]*\)".*/\1/p' "$work/web.json" 2>/dev/null || true)
+if [ -s "$work/web.json" ]; then
+  viewer="http://127.0.0.1:$port"
+elif kill -0 "$web" 2>/dev/null; then
+  viewer="http://127.0.0.1:$port, in some minutes: it is being built (build/release-web.log)"
 fi
 if [ -n "$viewer" ]; then
   echo "viewer: $viewer"

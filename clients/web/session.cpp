@@ -21,7 +21,7 @@ namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 using nlohmann::json;
 
-constexpr std::size_t kMaxMessageBytes = 64 << 10;  // the same as the daemon's control socket
+constexpr std::size_t kMaxRequestBytes = 64 << 10;  // the same as the daemon's control socket
 constexpr int kMaxRequests = 16;                    // of one browser, without reply
 constexpr std::size_t kMaxNotices = 64;             // without key, queued
 constexpr auto kAwait = asio::as_tuple(asio::use_awaitable);
@@ -58,7 +58,7 @@ asio::awaitable<void> Session::Run(beast::http::request<beast::http::empty_body>
   auto timeouts = websocket::stream_base::timeout::suggested(beast::role_type::server);
   timeouts.idle_timeout = std::chrono::seconds(30);
   socket_.set_option(timeouts);
-  socket_.read_message_max(kMaxMessageBytes);
+  socket_.read_message_max(kMaxRequestBytes);
   if (const auto [error] = co_await socket_.async_accept(request, kAwait); error) co_return;
   open_ = true;
   Notice({{"styleweb", STYLED_VERSION}, {"watchOnly", gateway_.options.watch_only}});
