@@ -9,23 +9,21 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 build=build/release
 
-# clang-tidy's own list of commands: g++'s precompiled headers are not clang's, and without them it
-# sees what a source forgot to include.
 tidy() {  # tidy < sources
-  mkdir -p build/tidy
-  sed -E 's/ -Winvalid-pch| -include [^ ]*cmake_pch\.hxx//g' "$build/compile_commands.json" \
-    >build/tidy/compile_commands.json
-  xargs -r -P 2 -n 4 clang-tidy-16 -p build/tidy --quiet >build/tidy.log 2>/dev/null
+  xargs -r -P 2 -n 4 clang-tidy-16 -p build/sources --quiet >build/tidy.log 2>/dev/null
   ! grep -E '(error|warning):' build/tidy.log | sort -u | head -40 | grep .
 }
 
 sources() {  # of stdin: what has a compile command here
   grep '\.cpp$' | grep '^model/\|^daemon/\|^clients/\|^sim/\|^proto/rigs/' |
     grep -v '^model/train/\|styletrain\|styleeval' | while read -r file; do
-    ! grep -qF "\"$PWD/$file\"" "$build/compile_commands.json" || echo "$file"
+    ! grep -qF "\"$PWD/$file\"" build/sources/compile_commands.json || echo "$file"
   done
 }
 
+case "${1:-}" in
+  --tidy | --changed) tests/source_commands.sh || exit ;;
+esac
 case "${1:-}" in
   --tidy)
     git ls-files '*.cpp' | sources | tidy

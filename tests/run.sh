@@ -82,7 +82,7 @@ step "clang-tidy of what changed" tests/lint.sh --changed
 if [ "$full" = yes ]; then
   step "clang-tidy" tests/lint.sh --tidy
   step "install clang 22" styled_install effects
-  step "function effects" tests/realtime/effects.py clang++-22 build/release
+  step "function effects" sh -c 'tests/source_commands.sh && tests/realtime/effects.py clang++-22 build/sources'
   for sanitizer in asan tsan; do
     step "build ($sanitizer)" styled_build "$sanitizer"
     step "tests ($sanitizer)" run_ctest "$sanitizer" -j2
