@@ -2,14 +2,17 @@
 
 #include <cmath>
 
+#include "model/train/stgcn/normalized_leaky.h"
+
 namespace styled::train::st_gcn {
 namespace {
 
 using stgcn::kLabelCount;
 using torch::Tensor;
 
-constexpr double kSlope = 0.2;     // of LeakyReLU
-constexpr double kEpsilon = 1e-5;  // of the norms' variances, for values of about 1
+constexpr double kSlope = 0.2;  // of LeakyReLU
+// Of the sum of a block's two paths; both are linear at their ends, where it costs nothing.
+constexpr double kShare = M_SQRT1_2;
 
 // He et al. 2015: the variance of uniform numbers in ±bound is 2 / inputs.
 double HeBound(int64_t inputs) { return std::sqrt(6.0 / static_cast<double>(inputs)); }
@@ -114,21 +117,11 @@ TemporalConv::TemporalConv(Parameters& parameters, const std::string& name, int6
       bias(parameters.Add(name + ".bias", {channels}, 0)) {}
 
 // Seen as [B, C, T, V] the memory is that of channels_last, which oneDNN prefers.
-Tensor TemporalConv::operator()(const Tensor& x) const {
+Tensor TemporalConv::operator()(const Tensor& x, double gain) const {
   const auto type = x.scalar_type();
-  return at::conv2d(x.permute({0, 3, 1, 2}), weight.to(type).unsqueeze(-1), bias.to(type), 1,
-                    {1, 0})
+  return at::conv2d(x.permute({0, 3, 1, 2}), (gain * weight).to(type).unsqueeze(-1),
+                    (gain * bias).to(type), 1, {1, 0})
       .permute({0, 2, 3, 1});
-}
-
-Tensor NormalizedLeaky(const Tensor& x, const Tensor& scale, const Tensor& shift) {
-  const auto type = x.scalar_type();
-  const Tensor flat = x.flatten(1, 2).to(torch::kFloat32);
-  const Tensor centred = flat - flat.mean(1, true);
-  const Tensor variance = centred.square().mean(1, true);
-  const Tensor y =
-      centred * ((variance + kEpsilon).rsqrt() * scale.unsqueeze(1)) + shift.unsqueeze(1);
-  return at::leaky_relu(y, kSlope).to(type).view(x.sizes());
 }
 
 namespace {
@@ -172,9 +165,8 @@ Tensor ResBlock::operator()(const Graph& graph, const Tensor& x) const {
   Tensor y = gconv1_.Pooled(graph, Activate(x, scale1_, shift1_));
   y = tconv1_(torch::relu(y));
   y = gconv2_(graph, Activate(y, scale2_, shift2_));
-  y = tconv2_(torch::relu(y));
-  const Tensor skip = Product(Mix(graph.pool[level_], SumOfPairs(x)), skip_);
-  return (y + skip) * M_SQRT1_2;
+  y = tconv2_(torch::relu(y), kShare);
+  return y + Product(Mix(graph.pool[level_], SumOfPairs(x)), kShare * skip_);
 }
 
 AdainBlock::AdainBlock(Parameters& parameters, const std::string& name, int level, int64_t in,
@@ -205,9 +197,8 @@ Tensor AdainBlock::operator()(const Graph& graph, const Tensor& x, const Tensor&
   Tensor y = gconv1_(graph, norm(adain1_, x));
   y = tconv1_(torch::relu(Unpool(graph, y)));
   y = gconv2_(graph, norm(adain2_, y));
-  y = tconv2_(torch::relu(y));
-  const Tensor skip = Unpool(graph, Product(x, skip_));
-  return (y + skip) * M_SQRT1_2;
+  y = tconv2_(torch::relu(y), kShare);
+  return y + Unpool(graph, Product(x, kShare * skip_));
 }
 
 }  // namespace styled::train::st_gcn

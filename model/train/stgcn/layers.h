@@ -61,14 +61,10 @@ struct GraphConv {
 struct TemporalConv {
   TemporalConv() = default;
   TemporalConv(Parameters& parameters, const std::string& name, int64_t channels);
-  torch::Tensor operator()(const torch::Tensor& x) const;
+  // The result is multiplied by `gain`.
+  torch::Tensor operator()(const torch::Tensor& x, double gain = 1) const;
   torch::Tensor weight, bias;  // [C, C, 3], [C]
 };
-
-// Means over frames and nodes of each sample and channel are made 0, deviations 1 (ε = 1e-5 on the
-// variance), then LeakyReLU(0.2) of scale · x + shift. scale, shift: [B or 1, C].
-torch::Tensor NormalizedLeaky(const torch::Tensor& x, const torch::Tensor& scale,
-                              const torch::Tensor& shift);
 
 // The encoding block: half the frames, the next coarser level. With norms in the generator.
 class ResBlock {

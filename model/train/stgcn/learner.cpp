@@ -181,12 +181,8 @@ Learner::Made Learner::Make(const Batch& batch, Turn turn) {
   return made;
 }
 
-void Learner::StepAdam(Parameters& parameters, Adam& adam, double rate) const {
-  {
-    const torch::NoGradGuard no_grad;
-    parameters.gradient().add_(parameters.flat(), config_.weight_decay);
-  }
-  adam.Step(parameters, rate);
+void Learner::StepAdam(Parameters& parameters, AdamWithDecay& adam, double rate) const {
+  adam.Step(parameters, rate, config_.weight_decay);
 }
 
 void Learner::StepWarmUp(const Batch& batch) {

@@ -11,6 +11,7 @@
 #include "model/train/adam.h"
 #include "model/train/checkpoint.h"
 #include "model/train/recipe.h"
+#include "model/train/stgcn/adam_with_decay.h"
 #include "model/train/stgcn/config.h"
 #include "model/train/stgcn/kinematics.h"
 #include "model/train/stgcn/networks.h"
@@ -121,7 +122,7 @@ class Learner {
   void StepGenerator(const Batch& batch, const Made& made, Turn turn, double decay);
   torch::Tensor Losses(const Batch& batch, const Made& made, Turn turn);
   torch::Tensor FreeLoss(const torch::Tensor& features, const torch::Tensor& code) const;
-  void StepAdam(Parameters& parameters, Adam& adam, double rate) const;
+  void StepAdam(Parameters& parameters, AdamWithDecay& adam, double rate) const;
   void UpdateAverage();
 
   const Config& config_;
@@ -133,7 +134,7 @@ class Learner {
   Sampler sampler_;
   Networks networks_, average_;
   Critic critic_;
-  Adam generator_adam_, encoder_adam_, mapping_adam_, critic_adam_;
+  AdamWithDecay generator_adam_, encoder_adam_, mapping_adam_, critic_adam_;
   std::array<DiversityWeight, 2> diversity_;  // by Turn
   int64_t iteration_ = 0;
   Means means_;

@@ -33,7 +33,7 @@ class Trunk {
   Linear in_;
   torch::Tensor in_node_bias_;  // [21, width]
   ResBlock res1_, res2_;
-  torch::Tensor conv_weight_, conv_bias_;  // [4w, 4w, 16, 5]: over frames and nodes; [4w]
+  torch::Tensor conv_weight_, conv_bias_;  // [4w, 16, 5, 4w]: out, frame, node, in; [4w]
 };
 
 // G: a motion's content, decoded with a code. T is a multiple of 4.

@@ -54,7 +54,10 @@ Status ExportWeights(const Checkpoint& checkpoint, const std::filesystem::path& 
       for (const auto& [tensor_name, tensor] : all->named()) {
         const bool zero = !biased && tensor_name.ends_with(".node_bias");
         const Tensor source = biased || zero ? tensor : bare_parts[i].second->Find(tensor_name);
-        tensors.emplace_back(tensor_name, zero ? torch::zeros_like(source) : source);
+        const bool last = tensor_name.ends_with(".conv.weight");  // input channels, in training
+        tensors.emplace_back(tensor_name, zero   ? torch::zeros_like(source)
+                                          : last ? source.permute({0, 3, 1, 2})
+                                                 : source);
       }
     }
     tensors.emplace_back("codes.mean", t.at("codes.mean"));
