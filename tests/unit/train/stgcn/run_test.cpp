@@ -248,15 +248,15 @@ TEST_F(StGcnRun, LearnsToReconstructAndToStoop) {
   RunFlags flags = Flags("learned");
   flags.width = 16;
   flags.batch = 4;
-  flags.iterations = 500;
-  flags.warm_up = 200;
+  flags.iterations = 300;
+  flags.warm_up = 120;
   flags.log_every = 50;
   flags.critic_rate = flags.generator_rate = 2e-3;
   flags.encoder_rate = 1e-3;
   Check(Train(flags));
   const std::vector<double> identity = Logged("learned", "identity");
-  ASSERT_EQ(identity.size(), 10U);
-  EXPECT_LT(identity[3], 0.5 * identity[0]);
+  ASSERT_EQ(identity.size(), 6U);
+  EXPECT_LT(identity[1], 0.7 * identity[0]);
 
   std::istringstream monitor(Text("learned/monitor.csv"));
   std::string header, row;
@@ -269,9 +269,9 @@ TEST_F(StGcnRun, LearnsToReconstructAndToStoop) {
     figures[name] = std::stod(value);
     std::cout << name << ' ' << value << std::endl;
   }
-  EXPECT_GT(figures.at("expression_reference"), 0.3);
+  EXPECT_GT(figures.at("expression_reference"), 0.4);
   EXPECT_GT(figures.at("cosine_reference"), 0.6);
-  EXPECT_GT(figures.at("expression_noise"), 0.3);
+  EXPECT_GT(figures.at("expression_noise"), 0.4);
 }
 
 }  // namespace
