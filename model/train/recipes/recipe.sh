@@ -81,7 +81,7 @@ recipe_train() {  # recipe_train COMMAND... -- NAME LENGTH_OPTION LENGTH OPTIONS
     recipe_sessions[$run]=$((${recipe_sessions[$run]:-0} + 2))
     length=(--iterations "${recipe_sessions[$run]}")
     set -- "$@" --log-every 1
-    case " $* " in *" --classifier-iterations "*) ;; *) set -- "$@" --classifier-iterations 2 ;; esac
+    case " $* " in *" --classifier-iterations "* | *" --family "*) ;; *) set -- "$@" --classifier-iterations 2 ;; esac
   fi
   recipe_run "${command[@]}" --data "$data" --out "$runs/$run" "${length[@]}" "$@"
 }

@@ -1,0 +1,182 @@
+// One iteration: which losses reach which networks, and the weight of diversity.
+
+#include "model/train/stgcn/learner.h"
+
+#include <gtest/gtest.h>
+#include <torch/torch.h>
+
+#include <map>
+
+#include "tests/unit/train/walker.h"
+
+namespace styled::train::st_gcn {
+namespace {
+
+using torch::Tensor;
+
+class LearnerTest : public testing::Test {
+ protected:
+  LearnerTest() {
+    for (int i = 0; i < 4; ++i) {
+      clips_.push_back(Walker(120, static_cast<float>(i)));
+      clips_.back().style = i % 2;
+    }
+    statistics_ = ComputeStatistics(clips_, stgcn::FeatureParameters());
+    stgcn::SetHemisphere(statistics_.mean, parameters_);
+    store_.emplace(clips_, statistics_, parameters_, 8);
+    config_.width = 8;
+    config_.batch = 3;
+    config_.warm_up = 0;
+  }
+  std::unique_ptr<Learner> Make() {
+    torch::manual_seed(1);
+    return std::make_unique<Learner>(config_, 1, *store_, statistics_, 2, 1, torch::kCPU);
+  }
+
+  std::vector<TrainingClip> clips_;
+  Statistics statistics_;
+  stgcn::FeatureParameters parameters_;
+  std::optional<WindowStore> store_;
+  Config config_;
+};
+
+double Gradient(const Parameters& parameters) {
+  return parameters.gradient().abs().sum().item<double>();
+}
+
+// Sums of the gradients' sizes, by the beginning of the parameters' names.
+double Gradient(const Parameters& parameters, const std::string& begin) {
+  double sum = 0;
+  for (const auto& [name, tensor] : parameters.named()) {
+    if (name.starts_with(begin)) sum += tensor.grad().abs().sum().item<double>();
+  }
+  return sum;
+}
+
+TEST_F(LearnerTest, EveryParameterOfEveryNetworkGetsAGradient) {
+  const auto learner = Make();
+  std::map<std::string, double> largest;
+  const auto observe = [&largest](const Parameters& parameters) {
+    for (const auto& [name, tensor] : parameters.named()) {
+      largest[name] = std::max(largest[name], tensor.grad().abs().max().item<double>());
+    }
+  };
+  for (int i = 0; i < 8; ++i) {
+    learner->Step(0);
+    for (const auto& [name, parameters] : learner->networks().parts()) observe(*parameters);
+    observe(learner->critic().parameters);
+  }
+  EXPECT_GT(largest.size(), 120U);
+  for (const auto& [name, gradient] : largest) EXPECT_GT(gradient, 0) << name;
+  EXPECT_TRUE(learner->Finite());
+}
+
+TEST_F(LearnerTest, ReferencesTeachTheEncoderOnlyIfAsked) {
+  for (const bool learns : {true, false}) {
+    config_.encoder_learns_from_references = learns;
+    const auto learner = Make();
+    learner->Step(0);  // by noise
+    const Tensor before = learner->networks().encoder.parameters.flat().clone();
+    const Tensor mapping = learner->networks().mapping.parameters.flat().clone();
+    learner->Step(0);  // by references
+    EXPECT_EQ(torch::equal(before, learner->networks().encoder.parameters.flat()), !learns);
+    EXPECT_TRUE(torch::equal(mapping, learner->networks().mapping.parameters.flat()));
+  }
+}
+
+TEST_F(LearnerTest, TheFreeHeadReachesTheTrunkOnlyIfAsked) {
+  config_.w_adversarial = config_.w_cycle = config_.w_identity = config_.w_style = 0;
+  config_.w_diversity = config_.diversity_target_cm = config_.w_fk = 0;
+  for (const bool teaches : {true, false}) {
+    config_.free_head_teaches = teaches;
+    const auto learner = Make();
+    learner->Step(0);
+    const Parameters& encoder = learner->networks().encoder.parameters;
+    EXPECT_GT(Gradient(encoder, "e.free."), 0);
+    EXPECT_EQ(Gradient(encoder, "e.heads."), 0) << "its target does not follow it";
+    EXPECT_EQ(Gradient(encoder, "e.res1.") > 0, teaches);
+    EXPECT_EQ(Gradient(learner->networks().generator.parameters), 0);
+  }
+}
+
+TEST_F(LearnerTest, WarmUpIsIdentityAlone) {
+  config_.warm_up = 1;
+  const auto learner = Make();
+  const Tensor critic = learner->critic().parameters.flat().clone();
+  learner->Step(0);
+  EXPECT_TRUE(torch::equal(critic, learner->critic().parameters.flat()));
+  EXPECT_GT(Gradient(learner->networks().generator.parameters), 0);
+  EXPECT_GT(Gradient(learner->networks().encoder.parameters, "e.heads."), 0);
+  EXPECT_EQ(Gradient(learner->networks().mapping.parameters), 0);
+  learner->Step(0);
+  EXPECT_FALSE(torch::equal(critic, learner->critic().parameters.flat()));
+}
+
+TEST_F(LearnerTest, TheAverageFollowsTheWeights) {
+  config_.ema = 0;
+  auto learner = Make();
+  learner->Step(0);
+  EXPECT_TRUE(torch::equal(learner->average().generator.parameters.flat(),
+                           learner->networks().generator.parameters.flat()));
+  config_.ema = 0.999;
+  learner = Make();
+  const Tensor start = learner->average().generator.parameters.flat().clone();
+  learner->Step(0);
+  const Tensor now = learner->networks().generator.parameters.flat();
+  const Tensor expected = start + (1.0 - 2.0 / 51.0) * (now - start);
+  EXPECT_LT((learner->average().generator.parameters.flat() - expected).abs().max().item<double>(),
+            1e-6);
+}
+
+TEST_F(LearnerTest, TheHipsOfEveryOutputStandStill) {
+  const auto learner = Make();
+  learner->Step(0);
+  const torch::NoGradGuard no_grad;
+  const Networks& networks = learner->networks();
+  const Tensor x = store_->Read({{0, 0, false}});
+  const Tensor out = networks.generator.Decode(
+      learner->graph(), networks.generator.Encode(learner->graph(), x), torch::randn({1, 64}));
+  EXPECT_EQ(out.sizes(), x.sizes());
+  EXPECT_EQ(out.select(2, 0).select(2, 0).abs().max().item<double>(), 0);
+  EXPECT_EQ(out.select(2, 0).select(2, 2).abs().max().item<double>(), 0);
+  EXPECT_GT(out.select(2, 0).select(2, 1).abs().max().item<double>(), 0);
+}
+
+TEST(DiversityWeightTest, RisesWhereVarietyLacksAndFallsWhereItAbounds) {
+  DiversityWeight low(1, 3), high(1, 3), right(1, 3), constant(1, 0);
+  for (int i = 0; i < 300; ++i) {
+    low.Observe(0);
+    high.Observe(6);
+    right.Observe(3);
+    constant.Observe(0);
+  }
+  EXPECT_NEAR(low.weight(), 3.32, 0.01) << "exp(300 * 0.004)";
+  EXPECT_NEAR(high.weight(), 0.301, 0.001);
+  EXPECT_EQ(right.weight(), 1);
+  EXPECT_EQ(constant.weight(), 1);
+  for (int i = 0; i < 3000; ++i) {
+    low.Observe(0);
+    high.Observe(1e9);
+  }
+  EXPECT_EQ(low.weight(), 5);
+  EXPECT_EQ(high.weight(), 0.1);
+}
+
+// A plant whose variety is a multiple of the weight comes to rest at the target.
+TEST(DiversityWeightTest, SteersToItsTarget) {
+  DiversityWeight weight(1, 3);
+  for (int i = 0; i < 5000; ++i) weight.Observe(1.4 * weight.weight());
+  EXPECT_NEAR(1.4 * weight.weight(), 3, 0.01);
+}
+
+TEST(MeansTest, AreOverTheIterationsThatHadThem) {
+  Means means;
+  means.Add("often", torch::tensor(1.0F));
+  means.Add("once", torch::tensor(8.0F));
+  means.Add("often", torch::tensor(2.0F));
+  EXPECT_EQ(means.Pop(), (Figures{{"often", 1.5}, {"once", 8}}));
+  EXPECT_TRUE(means.Pop().empty());
+}
+
+}  // namespace
+}  // namespace styled::train::st_gcn
