@@ -1,0 +1,143 @@
+#include "model/net/kernels/rows.h"
+
+#include <algorithm>
+#include <cassert>
+
+// Targets with scalable vectors are disabled: such vectors cannot be stored in arrays.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "model/net/kernels/rows.cpp"
+#include <hwy/foreach_target.h>  // before highway.h: it says for which target that is
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace styled::net {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::CappedTag<float, 16>;
+using V = hn::Vec<D>;
+constexpr D d;
+constexpr int kLanes = hn::MaxLanes(d);
+constexpr int kVectors = kRowPanel / kLanes;  // per panel
+// The tile whose sums fill the registers without spilling: with 32 (AVX-512) 8 x 2 vectors leave
+// room for loads ahead and were faster than 12 x 2 where the rows do not divide by 12 (240 against
+// 190 GFLOP/s at 80 rows, equal at 1,344); with 16, 6 x 2 or 2 x 4.
+constexpr int kTilePanels = kLanes == 16 ? 2 : 1;
+constexpr int kTileRows = kLanes == 16 ? 8 : kLanes == 8 ? 6 : 2;
+
+// One tile: `Rows` rows from `row` on, `Panels` panels from `panel` on.
+template <int Rows, int Panels>
+HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
+  constexpr int kSome = Panels * kVectors;
+  V sum[Rows][kSome];
+  HWY_UNROLL(16)
+  for (int r = 0; r < Rows; ++r) {
+    HWY_UNROLL(8)
+    for (int v = 0; v < kSome; ++v) sum[r][v] = hn::Zero(d);
+  }
+  const std::span<const int> depths = product.weights->depths();
+  std::ptrdiff_t depth = 0;
+  for (const int one : depths) depth += one;
+  const std::ptrdiff_t panel_stride = depth * kRowPanel;
+  const float* HWY_RESTRICT weights = product.weights->data() + panel * panel_stride;
+  for (std::size_t t = 0; t < depths.size(); ++t) {
+    const std::ptrdiff_t stride = product.terms[t].stride;
+    const float* HWY_RESTRICT x = product.terms[t].x + row * stride;
+    for (int channel = 0; channel < depths[t]; ++channel) {
+      V weight[kSome];
+      HWY_UNROLL(8)
+      for (int v = 0; v < kSome; ++v) {
+        weight[v] = hn::Load(d, weights + v / kVectors * panel_stride + v % kVectors * kLanes);
+      }
+      HWY_UNROLL(16)
+      for (int r = 0; r < Rows; ++r) {
+        const V factor = hn::Set(d, x[r * stride + channel]);
+        HWY_UNROLL(8)
+        for (int v = 0; v < kSome; ++v) sum[r][v] = hn::MulAdd(factor, weight[v], sum[r][v]);
+      }
+      weights += kRowPanel;
+    }
+  }
+  const V least = hn::Set(d, product.relu ? 0.0F : hwy::LowestValue<float>());
+  const int column = panel * kRowPanel;
+  HWY_UNROLL(16)
+  for (int r = 0; r < Rows; ++r) {
+    const std::ptrdiff_t at = (row + r) * product.stride + column;
+    const float* bias = nullptr;
+    if (product.bias != nullptr) {
+      bias =
+          product.bias +
+          static_cast<std::ptrdiff_t>((row + r) % product.bias_rows) * product.weights->columns() +
+          column;
+    }
+    HWY_UNROLL(8)
+    for (int v = 0; v < kSome; ++v) {
+      V y = sum[r][v];
+      if (bias != nullptr) y = hn::Add(y, hn::LoadU(d, bias + v * kLanes));
+      if (product.add != nullptr) y = hn::Add(y, hn::LoadU(d, product.add + at + v * kLanes));
+      // In this order a NaN stays a NaN, so that whoever judges the output finds it.
+      hn::StoreU(hn::Max(least, y), d, product.y + at + v * kLanes);
+    }
+  }
+}
+
+// All rows of a panel, in tiles of `Rows`, then the rest in halves.
+template <int Rows, int Panels>
+HWY_INLINE void Column(const RowProduct& product, int panel, int row) {
+  for (; row + Rows <= product.rows; row += Rows) Tile<Rows, Panels>(product, panel, row);
+  constexpr int kFewer = Rows == 3 ? 1 : (Rows + 1) / 2;  // 8 4 2 1, 6 3 1
+  if constexpr (Rows > 1) {
+    if (row < product.rows) Column<kFewer, Panels>(product, panel, row);
+  }
+}
+
+// Panels outermost: a panel's weights stay in the first-level cache while the rows pass.
+void Product(const RowProduct& product) noexcept {
+  const int panels = product.weights->columns() / kRowPanel;
+  int panel = 0;
+  for (; panel + kTilePanels <= panels; panel += kTilePanels) {
+    Column<kTileRows, kTilePanels>(product, panel, 0);
+  }
+  if constexpr (kTilePanels > 1) {
+    for (; panel < panels; ++panel) Column<kTileRows, 1>(product, panel, 0);
+  }
+}
+
+}  // namespace
+
+const RowKernels& TargetRowKernels() {
+  static const RowKernels kernels{hwy::TargetName(HWY_TARGET), Product};
+  return kernels;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace styled::net
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace styled::net {
+
+HWY_EXPORT(TargetRowKernels);
+const RowKernels& BestRowKernels() { return HWY_DYNAMIC_DISPATCH(TargetRowKernels)(); }
+
+PackedColumns::PackedColumns(std::span<const int> depths, int columns)
+    : depths_(depths.begin(), depths.end()), columns_(PaddedColumns(columns)) {
+  for (const int depth : depths_) {
+    begins_.push_back(depth_);
+    depth_ += depth;
+  }
+  values_.Resize(static_cast<std::size_t>(depth_) * static_cast<std::size_t>(columns_));
+}
+
+float& PackedColumns::At(std::size_t term, int column, int channel) {
+  assert(column >= 0 && column < columns_ && channel >= 0 && channel < depths_[term]);
+  const std::size_t panel = static_cast<std::size_t>(column / kRowPanel);
+  const std::size_t deep = static_cast<std::size_t>(begins_[term] + channel);
+  return values_.data()[(panel * static_cast<std::size_t>(depth_) + deep) * kRowPanel +
+                        static_cast<std::size_t>(column % kRowPanel)];
+}
+
+}  // namespace styled::net
+#endif

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+// Products of many rows with one matrix, for networks that see a whole clip: a row is one node of
+// one frame, its floats are channels. Compiled once per SIMD target, as kernel.h. The functions
+// have no state, allocate nothing, lock nothing and do not throw. Pinned by
+// tests/unit/net/kernels/rows_test.cpp on every target that the machine has.
+namespace styled::net {
+
+// Columns of a product are stored in panels of this many: a whole number of vectors on every
+// target, 64 bytes.
+inline constexpr int kRowPanel = 16;
+constexpr int PaddedColumns(int columns) {
+  return (columns + kRowPanel - 1) / kRowPanel * kRowPanel;
+}
+
+// Floats at a 64-byte boundary.
+class AlignedFloats {
+ public:
+  AlignedFloats() = default;
+  explicit AlignedFloats(std::size_t size) : lines_((size + kRowPanel - 1) / kRowPanel) {}
+  // Keeps what is there where it fits; allocates only to grow.
+  void Resize(std::size_t size) { lines_.resize((size + kRowPanel - 1) / kRowPanel); }
+  float* data() { return lines_.empty() ? nullptr : lines_[0].values; }
+  const float* data() const { return lines_.empty() ? nullptr : lines_[0].values; }
+  std::size_t size() const { return lines_.size() * kRowPanel; }
+
+ private:
+  struct alignas(64) Line {
+    float values[kRowPanel] = {};
+  };
+  std::vector<Line> lines_;
+};
+
+// The weights of the sum of products Σ_t x_t W_t', packed in the order in which they are read:
+// panel by panel, in it term by term, in it input channel by input channel.
+class PackedColumns {
+ public:
+  PackedColumns() = default;
+  // `depths`: the input channels of each term; `columns`: output channels, padded with zeros.
+  PackedColumns(std::span<const int> depths, int columns);
+  // Element (column, channel) of W_term, row-major as a linear layer's weight: [columns, depth].
+  float& At(std::size_t term, int column, int channel);
+
+  const float* data() const { return values_.data(); }
+  int columns() const { return columns_; }  // padded
+  std::span<const int> depths() const { return depths_; }
+
+ private:
+  std::vector<int> depths_;
+  std::vector<int> begins_;  // of the terms, in channels
+  int depth_ = 0;            // of all terms
+  int columns_ = 0;
+  AlignedFloats values_;
+};
+
+// The input of one term: row r begins at x + r * stride. Rows of terms may overlap: a temporal
+// convolution is three terms over the same frames, each shifted by one frame.
+struct RowTerm {
+  const float* x;
+  std::ptrdiff_t stride;  // floats
+};
+
+// y_r = Σ_t x_t,r W_t' + bias_(r mod bias_rows) + add_r, or its relu. All pointers in floats.
+struct RowProduct {
+  const PackedColumns* weights = nullptr;
+  std::span<const RowTerm> terms;  // as many as the weights have
+  int rows = 0;
+  const float* bias = nullptr;  // [bias_rows, weights->columns()]; nullptr: none
+  int bias_rows = 1;            // > 0
+  const float* add = nullptr;   // as y, with y's stride; may be y; nullptr: none
+  bool relu = false;
+  float* y = nullptr;         // [rows, weights->columns()], all columns are written
+  std::ptrdiff_t stride = 0;  // of y; >= weights->columns()
+};
+
+struct RowKernels {
+  const char* target;  // Highway's name
+
+  // The products in registers: tiles of rows and panels, one pass over the weights per panel.
+  // A row's result does not depend on the other rows, bit for bit.
+  void (*product)(const RowProduct& product) noexcept;
+};
+
+// The fastest table that this machine supports. Call at start-up only.
+const RowKernels& BestRowKernels();
+
+}  // namespace styled::net
