@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <type_traits>
 
 // Targets with scalable vectors are disabled: such vectors cannot be stored in arrays.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
@@ -105,10 +106,107 @@ void Product(const RowProduct& product) noexcept {
   }
 }
 
+constexpr int kAtATime = 4;  // vectors that pass together: independent chains of additions
+
+// Calls some(first channel, count of vectors as a constant) for all channels.
+template <typename Some>
+HWY_INLINE void ForChannels(int channels, Some some) {
+  constexpr int kWide = kAtATime * kLanes;
+  int channel = 0;
+  for (; channel + kWide <= channels; channel += kWide) {
+    some(channel, std::integral_constant<int, kAtATime>());
+  }
+  for (; channel < channels; channel += kLanes) some(channel, std::integral_constant<int, 1>());
+}
+
+void Mix(const RowMixture& mixture) noexcept {
+  const auto rows = static_cast<std::ptrdiff_t>(mixture.begins.size()) - 1;
+  const std::ptrdiff_t channels = mixture.channels;
+  const V least = hn::Set(d, mixture.relu ? 0.0F : hwy::LowestValue<float>());
+  for (std::ptrdiff_t frame = 0; frame < mixture.frames; ++frame) {
+    for (std::ptrdiff_t row = 0; row < rows; ++row) {
+      const int begin = mixture.begins[static_cast<std::size_t>(row)];
+      const int end = mixture.begins[static_cast<std::size_t>(row) + 1];
+      float* const y = mixture.y + (frame * rows + row) * channels;
+      ForChannels(mixture.channels, [&](int channel, auto vectors) HWY_ATTR {
+        V sum[vectors];
+        for (int v = 0; v < vectors; ++v) {
+          sum[v] = mixture.constant == nullptr
+                       ? hn::Zero(d)
+                       : hn::LoadU(d, mixture.constant + row * channels + channel + v * kLanes);
+        }
+        for (int i = begin; i < end; ++i) {
+          const RowMixture::Part& part = mixture.parts[static_cast<std::size_t>(i)];
+          const RowMixture::Input& input = mixture.inputs[static_cast<std::size_t>(part.input)];
+          const float* const x = input.x + frame * input.frame + part.row * channels + channel;
+          const V share = hn::Set(d, part.share);
+          for (int v = 0; v < vectors; ++v) {
+            sum[v] = hn::MulAdd(share, hn::LoadU(d, x + v * kLanes), sum[v]);
+          }
+        }
+        for (int v = 0; v < vectors; ++v) {
+          hn::StoreU(hn::Max(least, sum[v]), d, y + channel + v * kLanes);
+        }
+      });
+    }
+  }
+}
+
+HWY_INLINE V Leaky(V x) { return hn::Max(hn::Mul(hn::Set(d, 0.2F), x), x); }
+
+void Activate(const float* x, const float* other, int rows, int channels, const float* scale,
+              const float* shift, float* y) noexcept {
+  const V half = hn::Set(d, 0.5F);
+  for (int channel = 0; channel < channels; channel += kLanes) {
+    const V by = scale == nullptr ? hn::Set(d, 1.0F) : hn::LoadU(d, scale + channel);
+    const V to = scale == nullptr ? hn::Zero(d) : hn::LoadU(d, shift + channel);
+    for (int row = 0; row < rows; ++row) {
+      const std::ptrdiff_t at = std::ptrdiff_t{row} * channels + channel;
+      V value = Leaky(hn::MulAdd(hn::LoadU(d, x + at), by, to));
+      if (other != nullptr) {
+        const V second = Leaky(hn::MulAdd(hn::LoadU(d, other + at), by, to));
+        value = hn::Mul(half, hn::Add(value, second));
+      }
+      hn::StoreU(value, d, y + at);
+    }
+  }
+}
+
+void Sum(const float* x, int rows, int channels, const float* weights, int period,
+         const float* centre, int power, float* sum) noexcept {
+  ForChannels(channels, [&](int channel, auto vectors) HWY_ATTR {
+    V total[vectors], middle[vectors];
+    for (int v = 0; v < vectors; ++v) {
+      total[v] = hn::Zero(d);
+      middle[v] = hn::LoadU(d, centre + channel + v * kLanes);
+    }
+    for (int row = 0, phase = 0; row < rows; ++row, phase = phase + 1 < period ? phase + 1 : 0) {
+      const V weight = hn::Set(d, weights[phase]);
+      const float* const from = x + std::ptrdiff_t{row} * channels + channel;
+      for (int v = 0; v < vectors; ++v) {
+        const V off = hn::Sub(hn::LoadU(d, from + v * kLanes), middle[v]);
+        const V term = power == 2 ? hn::Mul(off, off) : off;
+        total[v] = hn::MulAdd(weight, term, total[v]);
+      }
+    }
+    for (int v = 0; v < vectors; ++v) hn::StoreU(total[v], d, sum + channel + v * kLanes);
+  });
+}
+
+void Blend(const float* a, const float* b, float share, std::size_t count, bool relu,
+           float* y) noexcept {
+  const V of_a = hn::Set(d, 1 - share), of_b = hn::Set(d, share);
+  const V least = hn::Set(d, relu ? 0.0F : hwy::LowestValue<float>());
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const V mean = hn::MulAdd(of_a, hn::LoadU(d, a + i), hn::Mul(of_b, hn::LoadU(d, b + i)));
+    hn::StoreU(hn::Max(least, mean), d, y + i);
+  }
+}
+
 }  // namespace
 
 const RowKernels& TargetRowKernels() {
-  static const RowKernels kernels{hwy::TargetName(HWY_TARGET), Product};
+  static const RowKernels kernels{hwy::TargetName(HWY_TARGET), Product, Mix, Activate, Sum, Blend};
   return kernels;
 }
 

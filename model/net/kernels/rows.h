@@ -77,12 +77,50 @@ struct RowProduct {
   std::ptrdiff_t stride = 0;  // of y; >= weights->columns()
 };
 
+// y_i = constant_i + Σ share x_row over the parts of output row i, or its relu, frame by frame: a
+// sparse product over the nodes of a graph. All pointers in floats.
+struct RowMixture {
+  struct Part {
+    int input, row;  // which of `inputs`, and the row of its frame
+    float share;
+  };
+  struct Input {
+    const float* x;
+    std::ptrdiff_t frame;  // from one frame to the next
+  };
+  std::span<const int> begins;  // of the parts of each output row, and the end: rows + 1 numbers
+  std::span<const Part> parts;
+  std::span<const Input> inputs;
+  int frames = 0;
+  int channels = 0;                 // of a row; a multiple of kRowPanel
+  const float* constant = nullptr;  // [rows, channels]; nullptr: 0
+  bool relu = false;
+  float* y = nullptr;  // [frames, rows, channels]
+};
+
 struct RowKernels {
   const char* target;  // Highway's name
 
   // The products in registers: tiles of rows and panels, one pass over the weights per panel.
   // A row's result does not depend on the other rows, bit for bit.
   void (*product)(const RowProduct& product) noexcept;
+
+  void (*mix)(const RowMixture& mixture) noexcept;
+
+  // y = leaky(x scale + shift) by channel, leaky(u) = max(u, 0.2 u); [rows, channels], channels a
+  // multiple of kRowPanel. With `other`, of the same shape, y is the mean of what both give.
+  // Without `scale` and `shift` (nullptr) they are 1 and 0.
+  void (*activate)(const float* x, const float* other, int rows, int channels, const float* scale,
+                   const float* shift, float* y) noexcept;
+
+  // sum[c] = Σ_r w_r (x_r,c - centre[c])^power over [rows, channels], power 1 or 2, where w_r is
+  // weights[r mod period]. Sums in single precision: add up longer columns from parts.
+  void (*sum)(const float* x, int rows, int channels, const float* weights, int period,
+              const float* centre, int power, float* sum) noexcept;
+
+  // y = (1 - share) a + share b, or its relu; `count` floats, a multiple of kRowPanel.
+  void (*blend)(const float* a, const float* b, float share, std::size_t count, bool relu,
+                float* y) noexcept;
 };
 
 // The fastest table that this machine supports. Call at start-up only.
