@@ -13,7 +13,7 @@ using net::RowMajor;
 using net::TensorReader;
 
 constexpr float kMaxHeadingTau_s = 60.0F;
-constexpr int kMaxWidth = 128;
+constexpr int kMaxWidth = 96;          // the next has more weights than net::kMaxFileBytes
 constexpr int kTaps = 3;               // of a convolution over time
 const float kShare = std::sqrt(0.5F);  // of the main and the skip path in a block's sum
 
