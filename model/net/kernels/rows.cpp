@@ -28,6 +28,10 @@ constexpr int kVectors = kRowPanel / kLanes;  // per panel
 constexpr int kTilePanels = kLanes == 16 ? 2 : 1;
 constexpr int kTileRows = kLanes == 16 ? 8 : kLanes == 8 ? 6 : 2;
 
+int Columns(const RowProduct& product) {
+  return product.columns > 0 ? product.columns : product.weights->columns();
+}
+
 // One tile: `Rows` rows from `row` on, `Panels` panels from `panel` on.
 template <int Rows, int Panels>
 HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
@@ -42,7 +46,8 @@ HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
   std::ptrdiff_t depth = 0;
   for (const int one : depths) depth += one;
   const std::ptrdiff_t panel_stride = depth * kRowPanel;
-  const float* HWY_RESTRICT weights = product.weights->data() + panel * panel_stride;
+  const int first = product.first_column / kRowPanel;
+  const float* HWY_RESTRICT weights = product.weights->data() + (first + panel) * panel_stride;
   for (std::size_t t = 0; t < depths.size(); ++t) {
     const std::ptrdiff_t stride = product.terms[t].stride;
     const float* HWY_RESTRICT x = product.terms[t].x + row * stride;
@@ -69,9 +74,7 @@ HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
     const float* bias = nullptr;
     if (product.bias != nullptr) {
       bias =
-          product.bias +
-          static_cast<std::ptrdiff_t>((row + r) % product.bias_rows) * product.weights->columns() +
-          column;
+          product.bias + std::ptrdiff_t{(row + r) % product.bias_rows} * Columns(product) + column;
     }
     HWY_UNROLL(8)
     for (int v = 0; v < kSome; ++v) {
@@ -96,7 +99,7 @@ HWY_INLINE void Column(const RowProduct& product, int panel, int row) {
 
 // Panels outermost: a panel's weights stay in the first-level cache while the rows pass.
 void Product(const RowProduct& product) noexcept {
-  const int panels = product.weights->columns() / kRowPanel;
+  const int panels = Columns(product) / kRowPanel;
   int panel = 0;
   for (; panel + kTilePanels <= panels; panel += kTilePanels) {
     Column<kTileRows, kTilePanels>(product, panel, 0);
@@ -203,10 +206,55 @@ void Blend(const float* a, const float* b, float share, std::size_t count, bool 
   }
 }
 
+// The matrix B of F(4, 3): rows (4 0 -5 0 1 0), (0 -4 -4 1 1 0), (0 4 -4 -1 1 0), (0 -2 -1 2 1 0),
+// (0 2 -1 -2 1 0), (0 4 0 -5 0 1).
+void Turn(const float* x, int frame, float* y, std::ptrdiff_t plane) noexcept {
+  const V two = hn::Set(d, 2.0F), four = hn::Set(d, 4.0F), five = hn::Set(d, 5.0F);
+  for (int i = 0; i < frame; i += kLanes) {
+    V in[kTile + 2];
+    for (int t = 0; t < kTile + 2; ++t) in[t] = hn::LoadU(d, x + std::ptrdiff_t{t} * frame + i);
+    const V even = hn::NegMulAdd(four, in[2], in[4]), odd = hn::NegMulAdd(four, in[1], in[3]);
+    const V far = hn::Sub(in[4], in[2]), wide = hn::Mul(two, hn::Sub(in[3], in[1]));
+    const V out[kTurned] = {hn::MulAdd(four, in[0], hn::NegMulAdd(five, in[2], in[4])),
+                            hn::Add(even, odd),
+                            hn::Sub(even, odd),
+                            hn::Add(far, wide),
+                            hn::Sub(far, wide),
+                            hn::MulAdd(four, in[1], hn::NegMulAdd(five, in[3], in[5]))};
+    for (int p = 0; p < kTurned; ++p) hn::StoreU(out[p], d, y + p * plane + i);
+  }
+}
+
+// The matrix A of F(4, 3): rows (1 1 1 1 1 0), (0 1 -1 2 -2 0), (0 1 1 4 4 0), (0 1 -1 8 -8 1).
+void TurnBack(const float* x, std::ptrdiff_t plane, int nodes, int channels, const float* bias,
+              int frames, bool add, float* y) noexcept {
+  const V two = hn::Set(d, 2.0F), four = hn::Set(d, 4.0F), eight = hn::Set(d, 8.0F);
+  const std::ptrdiff_t frame = std::ptrdiff_t{nodes} * channels;
+  for (int node = 0; node < nodes; ++node) {
+    for (int channel = 0; channel < channels; channel += kLanes) {
+      const std::ptrdiff_t at = std::ptrdiff_t{node} * channels + channel;
+      V in[kTurned];
+      for (int p = 0; p < kTurned; ++p) in[p] = hn::LoadU(d, x + p * plane + at);
+      const V sum1 = hn::Add(in[1], in[2]), sum2 = hn::Add(in[3], in[4]);
+      const V less1 = hn::Sub(in[1], in[2]), less2 = hn::Sub(in[3], in[4]);
+      const V of = hn::LoadU(d, bias + channel);
+      const V out[kTile] = {hn::Add(of, hn::Add(in[0], hn::Add(sum1, sum2))),
+                            hn::Add(of, hn::MulAdd(two, less2, less1)),
+                            hn::Add(of, hn::MulAdd(four, sum2, sum1)),
+                            hn::Add(of, hn::Add(in[5], hn::MulAdd(eight, less2, less1)))};
+      for (int t = 0; t < frames; ++t) {
+        float* const to = y + t * frame + at;
+        hn::StoreU(add ? hn::Add(out[t], hn::LoadU(d, to)) : out[t], d, to);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 const RowKernels& TargetRowKernels() {
-  static const RowKernels kernels{hwy::TargetName(HWY_TARGET), Product, Mix, Activate, Sum, Blend};
+  static const RowKernels kernels{
+      hwy::TargetName(HWY_TARGET), Product, Mix, Activate, Sum, Blend, Turn, TurnBack};
   return kernels;
 }
 
@@ -226,7 +274,7 @@ PackedColumns::PackedColumns(std::span<const int> depths, int columns)
     begins_.push_back(depth_);
     depth_ += depth;
   }
-  values_.Resize(static_cast<std::size_t>(depth_) * static_cast<std::size_t>(columns_));
+  values_.Grow(static_cast<std::size_t>(depth_) * static_cast<std::size_t>(columns_));
 }
 
 float& PackedColumns::At(std::size_t term, int column, int channel) {

@@ -22,8 +22,11 @@ class AlignedFloats {
  public:
   AlignedFloats() = default;
   explicit AlignedFloats(std::size_t size) : lines_((size + kRowPanel - 1) / kRowPanel) {}
-  // Keeps what is there where it fits; allocates only to grow.
-  void Resize(std::size_t size) { lines_.resize((size + kRowPanel - 1) / kRowPanel); }
+  // Never shrinks; new floats are 0, the others keep their values.
+  void Grow(std::size_t size) {
+    const std::size_t lines = (size + kRowPanel - 1) / kRowPanel;
+    if (lines > lines_.size()) lines_.resize(lines);
+  }
   float* data() { return lines_.empty() ? nullptr : lines_[0].values; }
   const float* data() const { return lines_.empty() ? nullptr : lines_[0].values; }
   std::size_t size() const { return lines_.size() * kRowPanel; }
@@ -69,12 +72,14 @@ struct RowProduct {
   const PackedColumns* weights = nullptr;
   std::span<const RowTerm> terms;  // as many as the weights have
   int rows = 0;
-  const float* bias = nullptr;  // [bias_rows, weights->columns()]; nullptr: none
+  const float* bias = nullptr;  // [bias_rows, columns]; nullptr: none
   int bias_rows = 1;            // > 0
   const float* add = nullptr;   // as y, with y's stride; may be y; nullptr: none
   bool relu = false;
-  float* y = nullptr;         // [rows, weights->columns()], all columns are written
-  std::ptrdiff_t stride = 0;  // of y; >= weights->columns()
+  float* y = nullptr;         // [rows, columns], all are written
+  std::ptrdiff_t stride = 0;  // of y; >= columns
+  // Only these columns of the weights, multiples of kRowPanel; 0: all. They are the first of y's.
+  int first_column = 0, columns = 0;
 };
 
 // y_i = constant_i + Σ share x_row over the parts of output row i, or its relu, frame by frame: a
@@ -97,6 +102,11 @@ struct RowMixture {
   bool relu = false;
   float* y = nullptr;  // [frames, rows, channels]
 };
+
+// Winograd's F(4, 3): a filter of three taps over time gives kTile frames from kTurned products of
+// sums of kTile + 2 frames.
+inline constexpr int kTile = 4;
+inline constexpr int kTurned = 6;
 
 struct RowKernels {
   const char* target;  // Highway's name
@@ -121,6 +131,15 @@ struct RowKernels {
   // y = (1 - share) a + share b, or its relu; `count` floats, a multiple of kRowPanel.
   void (*blend)(const float* a, const float* b, float share, std::size_t count, bool relu,
                 float* y) noexcept;
+
+  // The sums of a tile, kTurned planes, from the frames x, x + frame, ..., of `frame` floats each;
+  // a multiple of kRowPanel. Plane p is at y + p plane.
+  void (*turn)(const float* x, int frame, float* y, std::ptrdiff_t plane) noexcept;
+
+  // The first `frames` (1 .. kTile) frames of a tile from the products of its planes, [nodes,
+  // channels] each; plus bias [channels], and plus what is in y with `add`.
+  void (*turn_back)(const float* x, std::ptrdiff_t plane, int nodes, int channels,
+                    const float* bias, int frames, bool add, float* y) noexcept;
 };
 
 // The fastest table that this machine supports. Call at start-up only.

@@ -106,7 +106,7 @@ void GraphConv::RunTogether(const net::RowKernels& kernels, const float* x, int 
   std::array<RowTerm, kLabelCount> terms;
   for (std::size_t k = 0; k < kLabelCount; ++k) {
     const Sparse& before = labels_[k].before;
-    scratch.mixed[k].Resize(static_cast<std::size_t>(frames * out_nodes_ * in_channels_));
+    scratch.mixed[k].Grow(static_cast<std::size_t>(frames * out_nodes_ * in_channels_));
     kernels.mix({before.begins,
                  before.parts,
                  {&input, 1},
@@ -131,7 +131,7 @@ void GraphConv::Run(const net::RowKernels& kernels, const float* x, int frames, 
     const int rows = frames * label.rows;
     const float* from = x;
     if (label.before.rows() > 0) {
-      scratch.mixed[k].Resize(static_cast<std::size_t>(rows * in_channels_));
+      scratch.mixed[k].Grow(static_cast<std::size_t>(rows * in_channels_));
       kernels.mix({label.before.begins,
                    label.before.parts,
                    {&input, 1},
@@ -142,7 +142,7 @@ void GraphConv::Run(const net::RowKernels& kernels, const float* x, int frames, 
                    scratch.mixed[k].data()});
       from = scratch.mixed[k].data();
     }
-    scratch.product[k].Resize(static_cast<std::size_t>(rows * out_channels_));
+    scratch.product[k].Grow(static_cast<std::size_t>(rows * out_channels_));
     const RowTerm term{from, in_channels_};
     kernels.product({&label.weight,
                      {&term, 1},

@@ -33,7 +33,7 @@ int ReadWidth(const nlohmann::json& object, Faults& faults) {
 }
 
 void Copy(const RowMajor& from, net::AlignedFloats& to) {
-  to.Resize(static_cast<std::size_t>(from.size()));
+  to.Grow(static_cast<std::size_t>(from.size()));
   std::copy_n(from.data(), from.size(), to.data());
 }
 
@@ -90,21 +90,17 @@ class LayerReader {
     return {mixing, weight, bias, pooling.transpose() * node_bias};
   }
 
-  // The taps are the terms; with `skip`, its weight is the fourth. All times `scale`.
-  Linear TakeTime(const std::string& name, int channels, float scale, const RowMajor* skip) {
-    const RowMajor weight = tensors_.Tensor(name + ".weight", {channels, channels, kTaps});
-    const RowMajor bias = scale * tensors_.Vector(name + ".bias", channels).transpose();
-    std::vector<int> depths(kTaps, channels);
-    if (skip != nullptr) depths.push_back(static_cast<int>(skip->cols()));
-    Linear linear;
-    linear.weight = net::PackedColumns(depths, channels);
-    for (int tap = 0; tap < kTaps; ++tap) {
-      const RowMajor one = weight(Eigen::all, Eigen::seqN(tap, channels, kTaps));
-      Pack(one, scale, static_cast<std::size_t>(tap), linear.weight);
-    }
-    if (skip != nullptr) Pack(*skip, scale, kTaps, linear.weight);
-    Copy(bias, linear.bias);
-    return linear;
+  TimeConv TakeTime(const std::string& name, int channels, float scale) {
+    const RowMajor weight = tensors_.Tensor(name + ".weight", {channels, channels, 3});
+    return {weight, tensors_.Vector(name + ".bias", channels), scale};
+  }
+
+  // The skip path's weight, scaled.
+  net::PackedColumns TakeSkip(const std::string& name, int out, int in) {
+    const std::array<int, 1> depth{in};
+    net::PackedColumns packed(depth, out);
+    Pack(tensors_.Matrix(name + ".skip.weight", out, in), kShare, 0, packed);
+    return packed;
   }
 
   Norm TakeNorm(const std::string& name, int channels) {
@@ -145,11 +141,11 @@ EncoderBlock LayerReader::TakeEncoder(const std::string& name, int level, int in
   for (Eigen::MatrixXf& label : pooled) label *= pooling;
   if (normalized) block.norm1 = TakeNorm(name + ".norm1", in);
   block.graph1 = TakeGraph(name + ".gconv1", in, in, pooled, pooling);
-  block.time1 = TakeTime(name + ".tconv1", in, 1, nullptr);
+  block.time1 = TakeTime(name + ".tconv1", in, 1);
   if (normalized) block.norm2 = TakeNorm(name + ".norm2", in);
   block.graph2 = TakeGraph(name + ".gconv2", out, in, Adjacency(level + 1), same);
-  const RowMajor skip = tensors_.Matrix(name + ".skip.weight", out, in);
-  block.time2 = TakeTime(name + ".tconv2", out, kShare, &skip);
+  block.time2 = TakeTime(name + ".tconv2", out, kShare);
+  block.skip = TakeSkip(name, out, in);
   block.pool_begins.push_back(0);
   for (int cluster = 0; cluster < pooling.cols(); ++cluster) {
     for (int node = 0; node < pooling.rows(); ++node) {
@@ -176,13 +172,11 @@ DecoderBlock LayerReader::TakeDecoder(const std::string& name, int level, int in
   };
   block.adain1 = TakeAdaIn(name + ".adain1", in);
   block.graph1 = TakeGraph(name + ".gconv1", out, in, Adjacency(level + 1), same(unpooling.rows()));
-  block.time1 = TakeTime(name + ".tconv1", out, 1, nullptr);
+  block.time1 = TakeTime(name + ".tconv1", out, 1);
   block.adain2 = TakeAdaIn(name + ".adain2", out);
   block.graph2 = TakeGraph(name + ".gconv2", out, out, unpooled, same(unpooling.cols()));
-  block.time2 = TakeTime(name + ".tconv2", out, kShare, nullptr);
-  const std::array<int, 1> depth{in};
-  block.skip.weight = net::PackedColumns(depth, out);
-  Pack(tensors_.Matrix(name + ".skip.weight", out, in), kShare, 0, block.skip.weight);
+  block.time2 = TakeTime(name + ".tconv2", out, kShare);
+  block.skip = TakeSkip(name, out, in);
   const std::span<const int> clusters = ClustersOf(level);
   block.clusters.assign(clusters.begin(), clusters.end());
   for (Eigen::Index c = 0; c < unpooling.rows(); ++c) {

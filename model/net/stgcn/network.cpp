@@ -90,30 +90,16 @@ Affine AdaptiveNorm(const RowKernels& kernels, const AdaIn& adain, const Code& c
   return affine;
 }
 
-// A buffer of [frames, row] with a frame of zeros before and behind, for a convolution over time.
-// Returns frame 0.
-float* Padded(net::AlignedFloats& buffer, int frames, std::size_t row) {
-  const auto inside = static_cast<std::size_t>(frames) * row;
-  buffer.Resize(inside + 2 * row);
-  std::fill_n(buffer.data(), row, 0.0F);
-  std::fill_n(buffer.data() + row + inside, row, 0.0F);
-  return buffer.data() + row;
-}
-
 float* Sized(net::AlignedFloats& buffer, std::size_t size) {
-  buffer.Resize(size);
+  buffer.Grow(size);
   return buffer.data();
 }
 
-// A 3 x 1 convolution over time of a padded buffer, with what else `linear` adds.
-void ConvolveTime(const RowKernels& kernels, const Linear& linear, const float* x, int frames,
-                  int nodes, int channels, const RowTerm* skip, const float* add, float* y) {
-  const auto frame = static_cast<std::ptrdiff_t>(Size(nodes, channels));
-  std::array<RowTerm, 4> terms{{{x - frame, channels}, {x, channels}, {x + frame, channels}, {}}};
-  if (skip != nullptr) terms[3] = *skip;
-  kernels.product({&linear.weight, std::span(terms).first(linear.weight.depths().size()),
-                   frames * nodes, linear.bias.data(), linear.bias_rows, add, false, y,
-                   linear.weight.columns()});
+// y = x W', row by row.
+void Multiply(const RowKernels& kernels, const net::PackedColumns& weight, const float* x, int rows,
+              float* y) {
+  const RowTerm term{x, weight.depths()[0]};
+  kernels.product({&weight, {&term, 1}, rows, nullptr, 1, nullptr, false, y, weight.columns()});
 }
 
 // LReLU(affine(x)), graph convolution and perhaps ReLU, a block of frames at a time. With `pairs`,
@@ -141,7 +127,7 @@ void RunEncoder(const RowKernels& kernels, const EncoderBlock& block, const floa
                 float* y, Scratch& s) {
   const int half = frames / 2, wide = block.graph1.in_nodes(), nodes = block.graph1.out_nodes();
   const Affine norm1 = InstanceNorm(kernels, block.norm1, x, frames, wide, block.in);
-  float* const time1 = Padded(s.time1, half, Size(nodes, block.in));
+  float* const time1 = block.time1.Prepare(s.time1, half, nodes);
   ConvolveGraph(kernels, block.graph1, norm1, x, half, true, true, time1, s);
   // The skip path: the mean of two frames and of each cluster.
   const auto frame = static_cast<std::ptrdiff_t>(Size(wide, block.in));
@@ -150,12 +136,12 @@ void RunEncoder(const RowKernels& kernels, const EncoderBlock& block, const floa
   kernels.mix({block.pool_begins, block.pool_parts, pair, half, block.in, nullptr, false, skip});
 
   float* const between = Sized(s.between, Size(half, nodes, block.in));
-  ConvolveTime(kernels, block.time1, time1, half, nodes, block.in, nullptr, nullptr, between);
+  block.time1.Run(kernels, time1, half, nodes, false, between, s.time);
   const Affine norm2 = InstanceNorm(kernels, block.norm2, between, half, nodes, block.in);
-  float* const time2 = Padded(s.time2, half, Size(nodes, block.out));
+  float* const time2 = block.time2.Prepare(s.time2, half, nodes);
   ConvolveGraph(kernels, block.graph2, norm2, between, half, false, true, time2, s);
-  const RowTerm of_skip{skip, block.in};
-  ConvolveTime(kernels, block.time2, time2, half, nodes, block.out, &of_skip, nullptr, y);
+  Multiply(kernels, block.skip, skip, half * nodes, y);
+  block.time2.Run(kernels, time2, half, nodes, true, y, s.time);
 }
 
 // Unpooling over time: [frames, row] to [2 frames, row], linear with both ends kept, or its relu.
@@ -180,27 +166,18 @@ void RunDecoder(const RowKernels& kernels, const DecoderBlock& block, const Code
   float* const pooled = Sized(s.pooled, Size(frames, nodes, block.out));
   ConvolveGraph(kernels, block.graph1, norm1, x, frames, false, false, pooled, s);
   // Unpooling over space copies nodes. Until they mix, one copy is enough.
-  float* const time1 = Padded(s.time1, twice, row);
+  float* const time1 = block.time1.Prepare(s.time1, twice, nodes);
   UnpoolTime(kernels, pooled, frames, row, true, time1);
   float* const between = Sized(s.between, static_cast<std::size_t>(twice) * row);
-  ConvolveTime(kernels, block.time1, time1, twice, nodes, block.out, nullptr, nullptr, between);
+  block.time1.Run(kernels, time1, twice, nodes, false, between, s.time);
   const Affine norm2 = AdaptiveNorm(kernels, block.adain2, code, between, twice, nodes, block.out,
                                     block.cluster_sizes);
-  float* const time2 = Padded(s.time2, twice, Size(wide, block.out));
+  float* const time2 = block.time2.Prepare(s.time2, twice, wide);
   ConvolveGraph(kernels, block.graph2, norm2, between, twice, false, true, time2, s);
 
   // The skip path: its product commutes with both unpoolings. It is put into y, which the last
   // convolution adds to.
-  const RowTerm of_x{x, block.in};
-  kernels.product({&block.skip.weight,
-                   {&of_x, 1},
-                   frames * nodes,
-                   nullptr,
-                   1,
-                   nullptr,
-                   false,
-                   pooled,
-                   block.out});
+  Multiply(kernels, block.skip, x, frames * nodes, pooled);
   float* const skip = Sized(s.skip, static_cast<std::size_t>(twice) * row);
   UnpoolTime(kernels, pooled, frames, row, false, skip);
   const auto channels = static_cast<std::size_t>(block.out);
@@ -211,7 +188,7 @@ void RunDecoder(const RowKernels& kernels, const DecoderBlock& block, const Code
                   y + (frame * block.clusters.size() + node) * channels);
     }
   }
-  ConvolveTime(kernels, block.time2, time2, twice, wide, block.out, nullptr, y, y);
+  block.time2.Run(kernels, time2, twice, wide, true, y, s.time);
 }
 
 // The standardized features of `clip`, filled up with its last frame to `frames`, through the input
@@ -273,7 +250,7 @@ void Network::Encode(std::span<const Features> clip, Content& content, Scratch& 
   float* const middle = Sized(scratch.out[0], Size(frames / 2, kNodes[1], first.out));
   RunEncoder(*w.kernels, first, in, frames, middle, scratch);
   content.frames = static_cast<int>(clip.size());
-  content.values.Resize(Size(frames / 4, kNodes[2], second.out));
+  content.values.Grow(Size(frames / 4, kNodes[2], second.out));
   RunEncoder(*w.kernels, second, middle, frames / 2, content.values.data(), scratch);
 }
 

@@ -11,6 +11,7 @@
 #include "model/net/kernels/rows.h"
 #include "model/net/stgcn/features.h"
 #include "model/net/stgcn/graph_conv.h"
+#include "model/net/stgcn/time_conv.h"
 #include "model/net/stylizer.h"
 
 namespace styled::net {
@@ -35,6 +36,7 @@ using Noise = Eigen::Matrix<float, kNoise, 1>;  // standard normal
 struct Scratch {
   net::AlignedFloats frames, block, skip, pooled, interpolated, time1, time2, between, out[2];
   GraphScratch graph;
+  TimeScratch time;
 };
 
 // The networks of Park et al. 2021 (FORMAT.md): the generator, here in two halves, the style

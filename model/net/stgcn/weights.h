@@ -4,6 +4,7 @@
 
 #include "model/net/stgcn/graph_conv.h"
 #include "model/net/stgcn/network.h"
+#include "model/net/stgcn/time_conv.h"
 
 // The weights in memory, in the order and layout in which the kernels read them. Included only by
 // load.cpp and network.cpp.
@@ -22,12 +23,13 @@ struct Norm {
 };
 
 // An ST-ResBlk with pooling: from T frames of V nodes to T/2 of V'. The second convolution over
-// time has a fourth term, the skip path; both are scaled by 1 / sqrt 2.
+// time and the skip path are scaled by 1 / sqrt 2.
 struct EncoderBlock {
   int in = 0, out = 0;  // channels
   Norm norm1, norm2;
   GraphConv graph1, graph2;
-  Linear time1, time2;
+  TimeConv time1, time2;
+  net::PackedColumns skip;
   // The mean over each cluster, for the skip path.
   std::vector<int> pool_begins;
   std::vector<net::RowMixture::Part> pool_parts;
@@ -45,7 +47,8 @@ struct DecoderBlock {
   int in = 0, out = 0;
   AdaIn adain1, adain2;
   GraphConv graph1, graph2;
-  Linear time1, time2, skip;
+  TimeConv time1, time2;
+  net::PackedColumns skip;
   std::vector<int> clusters;         // of each node of V, its node of V'
   std::vector<float> cluster_sizes;  // [V']
 };

@@ -169,6 +169,164 @@ TEST(Rows, TermsMayOverlapAndYMayBeAddedToItself) {
   });
 }
 
+// The other passes over rows, on random numbers of every width.
+TEST(Rows, MixturesAreSumsOfRowsOfTheSameFrame) {
+  OnEachTarget([] {
+    SCOPED_TRACE(BestRowKernels().target);
+    std::mt19937 random(4);
+    for (const int channels : {16, 48, 64, 80}) {
+      const auto c = static_cast<std::size_t>(channels);
+      constexpr std::size_t kFrames = 3, kA = 4, kB = 2;  // rows of a frame of either input
+      const std::vector<float> a = RandomFloats(kFrames * kA * c, random);
+      const std::vector<float> b = RandomFloats(kFrames * kB * c, random);
+      const std::vector<float> constant = RandomFloats(3 * c, random);
+      const std::array<RowMixture::Input, 2> inputs{
+          {{a.data(), static_cast<std::ptrdiff_t>(kA * c)},
+           {b.data(), static_cast<std::ptrdiff_t>(kB * c)}}};
+      const std::array<int, 4> begins{0, 2, 2, 3};
+      const std::array<RowMixture::Part, 3> parts{{{0, 3, 0.5F}, {1, 1, -2.0F}, {0, 0, 1.0F}}};
+      for (const bool relu : {false, true}) {
+        std::vector<float> y(kFrames * 3 * c);
+        BestRowKernels().mix(
+            {begins, parts, inputs, kFrames, channels, constant.data(), relu, y.data()});
+        for (std::size_t t = 0; t < kFrames; ++t) {
+          for (std::size_t i = 0; i < c; ++i) {
+            const std::array<float, 3> expected{
+                constant[i] + 0.5F * a[(t * kA + 3) * c + i] - 2.0F * b[(t * kB + 1) * c + i],
+                constant[c + i], constant[2 * c + i] + a[t * kA * c + i]};
+            for (std::size_t row = 0; row < 3; ++row) {
+              const float least = relu ? 0.0F : -100.0F;
+              ASSERT_NEAR(y[(t * 3 + row) * c + i], std::max(least, expected[row]), 1e-6);
+            }
+          }
+        }
+      }
+    }
+  });
+}
+
+TEST(Rows, ActivationIsLeakyAfterScaleAndShiftAndMayAverageTwo) {
+  OnEachTarget([] {
+    std::mt19937 random(5);
+    constexpr int kRows = 3, kChannels = 32;
+    const std::vector<float> x = RandomFloats(kRows * kChannels, random);
+    const std::vector<float> other = RandomFloats(kRows * kChannels, random);
+    const std::vector<float> scale = RandomFloats(kChannels, random);
+    const std::vector<float> shift = RandomFloats(kChannels, random);
+    const auto leaky = [](float v) { return v > 0 ? v : 0.2F * v; };
+    std::vector<float> plain(x.size()), affine(x.size()), mean(x.size());
+    const auto activate = BestRowKernels().activate;
+    activate(x.data(), nullptr, kRows, kChannels, nullptr, nullptr, plain.data());
+    activate(x.data(), nullptr, kRows, kChannels, scale.data(), shift.data(), affine.data());
+    activate(x.data(), other.data(), kRows, kChannels, scale.data(), shift.data(), mean.data());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const std::size_t c = i % kChannels;
+      const float first = leaky(x[i] * scale[c] + shift[c]);
+      EXPECT_FLOAT_EQ(plain[i], leaky(x[i]));
+      EXPECT_NEAR(affine[i], first, 1e-6);
+      EXPECT_NEAR(mean[i], 0.5F * (first + leaky(other[i] * scale[c] + shift[c])), 1e-6);
+    }
+  });
+}
+
+TEST(Rows, SumsAreWeightedByRowAndAboutACentre) {
+  OnEachTarget([] {
+    std::mt19937 random(6);
+    for (const int channels : {16, 64, 80}) {
+      constexpr int kRows = 11;
+      const auto c = static_cast<std::size_t>(channels);
+      const std::vector<float> x = RandomFloats(kRows * c, random);
+      const std::vector<float> centre = RandomFloats(c, random);
+      const std::array<float, 3> weights{1, 2, 3};
+      for (const int power : {1, 2}) {
+        std::vector<float> sum(c);
+        BestRowKernels().sum(x.data(), kRows, channels, weights.data(), 3, centre.data(), power,
+                             sum.data());
+        for (std::size_t i = 0; i < c; ++i) {
+          double expected = 0;
+          for (std::size_t row = 0; row < kRows; ++row) {
+            expected += weights[row % 3] * std::pow(x[row * c + i] - centre[i], power);
+          }
+          ASSERT_NEAR(sum[i], expected, 1e-5);
+        }
+      }
+    }
+  });
+}
+
+TEST(Rows, ABlendIsBetweenTheTwo) {
+  OnEachTarget([] {
+    const std::vector<float> a(32, -1.0F), b(32, 3.0F);
+    std::vector<float> y(32);
+    BestRowKernels().blend(a.data(), b.data(), 0.25F, y.size(), false, y.data());
+    for (const float value : y) EXPECT_FLOAT_EQ(value, 0);
+    BestRowKernels().blend(a.data(), b.data(), 0.125F, y.size(), false, y.data());
+    for (const float value : y) EXPECT_FLOAT_EQ(value, -0.5F);
+    BestRowKernels().blend(a.data(), b.data(), 0.125F, y.size(), true, y.data());
+    for (const float value : y) EXPECT_FLOAT_EQ(value, 0);
+  });
+}
+
+// A filter of one channel through turn, one product per plane and turn_back is the convolution.
+TEST(Rows, ATurnedTileIsAConvolutionOverTime) {
+  OnEachTarget([] {
+    std::mt19937 random(7);
+    constexpr std::size_t kNodes = 2, kFrame = kNodes * 16;
+    constexpr double g[3] = {0.7, -0.4, 0.3};
+    const double of_plane[kTurned] = {g[0] / 4,
+                                      -(g[0] + g[1] + g[2]) / 6,
+                                      -(g[0] - g[1] + g[2]) / 6,
+                                      g[0] / 24 + g[1] / 12 + g[2] / 6,
+                                      g[0] / 24 - g[1] / 12 + g[2] / 6,
+                                      g[2]};
+    const std::vector<float> x = RandomFloats((kTile + 2) * kFrame, random);
+    const std::vector<float> bias = RandomFloats(16, random);
+    std::vector<float> planes(kTurned * kFrame);
+    BestRowKernels().turn(x.data(), kFrame, planes.data(), kFrame);
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      planes[i] *= static_cast<float>(of_plane[i / kFrame]);
+    }
+    for (int frames = 1; frames <= kTile; ++frames) {
+      for (const bool add : {false, true}) {
+        std::vector<float> y(kTile * kFrame, 5.0F);
+        BestRowKernels().turn_back(planes.data(), kFrame, kNodes, 16, bias.data(), frames, add,
+                                   y.data());
+        for (std::size_t i = 0; i < y.size(); ++i) {
+          double expected = 5;
+          if (i / kFrame < static_cast<std::size_t>(frames)) {
+            expected = (add ? 5 : 0) + bias[i % 16];
+            for (std::size_t tap = 0; tap < 3; ++tap) expected += g[tap] * x[i + tap * kFrame];
+          }
+          ASSERT_NEAR(y[i], expected, 1e-5) << frames << ", " << i;
+        }
+      }
+    }
+  });
+}
+
+TEST(Rows, SomeColumnsOfAProductAreThoseOfTheWhole) {
+  OnEachTarget([] {
+    std::mt19937 random(8);
+    Case c({20}, 80, 9, random);
+    RowProduct product{&c.packed, c.terms, c.rows};
+    product.y = c.y.data();
+    product.stride = c.Stride();
+    BestRowKernels().product(product);
+    std::vector<float> some(static_cast<std::size_t>(c.rows) * 48, 0.0F);
+    product.y = some.data();
+    product.stride = 48;
+    product.first_column = 32;
+    product.columns = 48;
+    BestRowKernels().product(product);
+    for (int row = 0; row < c.rows; ++row) {
+      for (int column = 0; column < 48; ++column) {
+        ASSERT_EQ(some[static_cast<std::size_t>(row * 48 + column)],
+                  c.y[static_cast<std::size_t>(row * c.Stride() + 32 + column)]);
+      }
+    }
+  });
+}
+
 TEST(Rows, ANumberThatIsNoneStays) {
   OnEachTarget([] {
     for (const bool relu : {false, true}) {
