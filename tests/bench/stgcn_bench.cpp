@@ -13,6 +13,14 @@
 
 #include "tests/unit/net/stgcn/random_weights.h"
 
+#ifdef STYLED_STGCN_TORCH
+#include <torch/torch.h>
+
+#include "model/train/blas.h"
+#include "tests/parity/stgcn_torch.h"
+#include "tests/support/temporary_folder.h"
+#endif
+
 namespace styled::stgcn {
 namespace {
 
@@ -54,33 +62,76 @@ struct Ours {
   Scratch scratch;
 };
 
-int Main(int width) {
-  constexpr int kDomains = 7;
-  const WeightsFile file = RandomWeights(kDomains, width, 1);
-  const auto network = NetworkOf(file);
-  Ours window(*network, 64), clip(*network, 300);
-  Code code = Code::Zero();
-  std::vector<Timing> timings{
-      {"ours, 64 frames", [&] { window.Once(); }},
-      {"ours, 300 frames", [&] { clip.Once(); }, 1},
-      {"ours, 64 frames, decoded twice", [&] { window.Twice(); }},
-      {"ours, style encoder, 64 frames",
-       [&] { code += network->EncodeStyle(window.clip, kFreeHead, window.scratch); }, 3},
-      {"ours, style encoder, 300 frames",
-       [&] { code += network->EncodeStyle(clip.clip, kFreeHead, clip.scratch); }, 4},
-  };
+#ifdef STYLED_STGCN_TORCH
+// The same work by libtorch, without gradients.
+struct Torch {
+  Torch(const parity::StgcnPair& the_pair, const Ours& ours)
+      : pair(the_pair), x(pair.Standardized(ours.clip)), code(torch::zeros({1, kCode})) {}
+  void Once() {
+    const torch::NoGradGuard no_grad;
+    const auto& g = pair.networks.generator;
+    out = g.Decode(pair.graph, g.Encode(pair.graph, x), code);
+  }
+  void Style() {
+    const torch::NoGradGuard no_grad;
+    const auto& e = pair.networks.encoder;
+    out = e.FreeCode(e.Features(pair.graph, x));
+  }
+  const parity::StgcnPair& pair;
+  torch::Tensor x, code, out;
+};
+
+std::shared_ptr<const Network> LoadOrExit(const std::string& file) {
+  const auto loaded = Network::Load(file);
+  if (loaded.ok()) return loaded.value();
+  std::fprintf(stderr, "%s\n", loaded.status().message().c_str());
+  std::exit(1);
+}
+#endif
+
+// Runs all in turn, prints a row for each.
+void Compare(std::vector<Timing>& timings) {
   for (int round = 0; round < kRounds + 1; ++round) {
     for (Timing& timing : timings) timing.Round();
     if (round > 0) continue;
     for (Timing& timing : timings) timing.times_us.clear();  // the first round warms up
   }
-  std::printf("width %d, one core, SIMD target %s\n\n", width, net::BestRowKernels().target);
   std::printf("%-36s %9s %9s %9s\n", "", "p50 us", "clips/s", "of ours");
   for (Timing& timing : timings) {
     const double p50_us = timing.Median_us();
     std::printf("%-36s %9.1f %9.1f %8.2fx\n", timing.name.c_str(), p50_us, 1e6 / p50_us,
                 p50_us / timings[timing.ours].Median_us());
   }
+}
+
+int Main(int width) {
+  constexpr int kDomains = 7;
+#ifdef STYLED_STGCN_TORCH
+  torch::set_num_threads(1);
+  const support::TemporaryFolder folder;
+  const std::string file = folder / "weights.safetensors";
+  const parity::StgcnPair pair(kDomains, width, 1, file);
+  const auto network = LoadOrExit(file);
+#else
+  const auto network = NetworkOf(RandomWeights(kDomains, width, 1));
+#endif
+  Ours window(*network, 64), clip(*network, 300);
+  Code code = Code::Zero();
+  std::vector<Timing> timings{
+      {"ours, 64 frames", [&] { window.Once(); }, 0},
+      {"ours, 300 frames", [&] { clip.Once(); }, 1},
+      {"ours, 64 frames, decoded twice", [&] { window.Twice(); }, 0},
+      {"ours, style encoder, 64 frames",
+       [&] { code += network->EncodeStyle(window.clip, kFreeHead, window.scratch); }, 3},
+  };
+#ifdef STYLED_STGCN_TORCH
+  Torch torch_window(pair, window), torch_clip(pair, clip);
+  timings.push_back({"libtorch, 64 frames", [&] { torch_window.Once(); }, 0});
+  timings.push_back({"libtorch, 300 frames", [&] { torch_clip.Once(); }, 1});
+  timings.push_back({"libtorch, style encoder, 64 frames", [&] { torch_window.Style(); }, 3});
+#endif
+  std::printf("width %d, one core, SIMD target %s\n\n", width, net::BestRowKernels().target);
+  Compare(timings);
   return code.allFinite() ? 0 : 1;
 }
 
@@ -89,5 +140,8 @@ int Main(int width) {
 
 // The width is the argument; 64 without one, as the paper's.
 int main(int argc, char** argv) {
+#ifdef STYLED_STGCN_TORCH
+  styled::train::UseFastKernels(argv);  // without them libtorch would appear slower than it is
+#endif
   return styled::stgcn::Main(argc > 1 ? std::atoi(argv[1]) : 64);
 }

@@ -251,6 +251,7 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
       net::ReadNumber(file.header, "heading_tau_s", {0, kMaxHeadingTau_s}, faults);
   net::ExpectEqual(file.header, "code", static_cast<unsigned>(kCode), faults);
   net::ExpectEqual(file.header, "noise", static_cast<unsigned>(kNoise), faults);
+  net::ExpectEqual(file.header, "window", static_cast<unsigned>(kReference), faults);
   const int width = w.width = ReadWidth(file.header, faults);
   if (!faults.none()) return faults.status();
 

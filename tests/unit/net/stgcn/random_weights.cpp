@@ -90,11 +90,17 @@ json Header(int domains, int width, unsigned seed) {
     const std::string number = std::to_string(s);
     styles.push_back({{"name", "style" + number}, {"aliases", json::array({"s" + number})}});
   }
-  return {{"version", 2},          {"family", "st-gcn"},
-          {"humanoid_hash", hash}, {"styles", styles},
-          {"rate_hz", 30.0},       {"heading_tau_s", 0.25},
-          {"width", width},        {"code", kCode},
-          {"noise", kNoise},       {"training", {{"command", "random"}, {"seed", seed}}},
+  return {{"version", 2},
+          {"family", "st-gcn"},
+          {"humanoid_hash", hash},
+          {"styles", styles},
+          {"rate_hz", 30.0},
+          {"heading_tau_s", 0.25},
+          {"width", width},
+          {"code", kCode},
+          {"noise", kNoise},
+          {"window", kReference},
+          {"training", {{"command", "random"}, {"seed", seed}}},
           {"licence", "CC0-1.0"}};
 }
 
