@@ -1,0 +1,147 @@
+// Whole clips through the spatio-temporal network, clips per second on one core: encoded and
+// decoded once (the styled clip), decoded twice (the detail-preserving form), and the style
+// encoder. Where libtorch is built, its forward pass of the same network, weights and clips beside
+// ours, in one run. Timed in turn in many short rounds, so that other load on the machine affects
+// all alike; medians are compared. No assertion on wall time.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/unit/net/stgcn/random_weights.h"
+
+#ifdef STYLED_STGCN_TORCH
+#include <torch/torch.h>
+
+#include "model/train/blas.h"
+#include "tests/parity/stgcn_torch.h"
+#include "tests/support/temporary_folder.h"
+#endif
+
+namespace styled::stgcn {
+namespace {
+
+constexpr int kRounds = 60;
+
+struct Timing {
+  std::string name;
+  std::function<void()> run;
+  std::size_t ours = 0;  // the timing that this one is compared with
+  std::vector<double> times_us = {};
+
+  void Round() {
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    run();
+    times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+  }
+  double Median_us() {
+    std::sort(times_us.begin(), times_us.end());
+    return times_us[times_us.size() / 2];
+  }
+};
+
+// Our network on one clip.
+struct Ours {
+  Ours(const Network& the_network, int frames)
+      : network(the_network), clip(WalkFeatures(frames, network.features())), out(clip.size()) {}
+  void Once() {
+    network.Encode(clip, content, scratch);
+    network.Decode(content, network.mean_code(1), out, scratch);
+  }
+  void Twice() {
+    Once();
+    network.Decode(content, network.mean_code(0), out, scratch);
+  }
+  const Network& network;
+  std::vector<Features> clip, out;
+  Network::Content content;
+  Scratch scratch;
+};
+
+#ifdef STYLED_STGCN_TORCH
+// The same work by libtorch, without gradients.
+struct Torch {
+  Torch(const parity::StgcnPair& the_pair, const Ours& ours)
+      : pair(the_pair), x(pair.Standardized(ours.clip)), code(torch::zeros({1, kCode})) {}
+  void Once() {
+    const torch::NoGradGuard no_grad;
+    const auto& g = pair.networks.generator;
+    out = g.Decode(pair.graph, g.Encode(pair.graph, x), code);
+  }
+  void Style() {
+    const torch::NoGradGuard no_grad;
+    const auto& e = pair.networks.encoder;
+    out = e.FreeCode(e.Features(pair.graph, x));
+  }
+  const parity::StgcnPair& pair;
+  torch::Tensor x, code, out;
+};
+
+std::shared_ptr<const Network> LoadOrExit(const std::string& file) {
+  const auto loaded = Network::Load(file);
+  if (loaded.ok()) return loaded.value();
+  std::fprintf(stderr, "%s\n", loaded.status().message().c_str());
+  std::exit(1);
+}
+#endif
+
+// Runs all in turn, prints a row for each.
+void Compare(std::vector<Timing>& timings) {
+  for (int round = 0; round < kRounds + 1; ++round) {
+    for (Timing& timing : timings) timing.Round();
+    if (round > 0) continue;
+    for (Timing& timing : timings) timing.times_us.clear();  // the first round warms up
+  }
+  std::printf("%-36s %9s %9s %9s\n", "", "p50 us", "clips/s", "of ours");
+  for (Timing& timing : timings) {
+    const double p50_us = timing.Median_us();
+    std::printf("%-36s %9.1f %9.1f %8.2fx\n", timing.name.c_str(), p50_us, 1e6 / p50_us,
+                p50_us / timings[timing.ours].Median_us());
+  }
+}
+
+int Main(int width) {
+  constexpr int kDomains = 7;
+#ifdef STYLED_STGCN_TORCH
+  torch::set_num_threads(1);
+  const support::TemporaryFolder folder;
+  const std::string file = folder / "weights.safetensors";
+  const parity::StgcnPair pair(kDomains, width, 1, file);
+  const auto network = LoadOrExit(file);
+#else
+  const auto network = NetworkOf(RandomWeights(kDomains, width, 1));
+#endif
+  Ours window(*network, 64), clip(*network, 300);
+  Code code = Code::Zero();
+  std::vector<Timing> timings{
+      {"ours, 64 frames", [&] { window.Once(); }, 0},
+      {"ours, 300 frames", [&] { clip.Once(); }, 1},
+      {"ours, 64 frames, decoded twice", [&] { window.Twice(); }, 0},
+      {"ours, style encoder, 64 frames",
+       [&] { code += network->EncodeStyle(window.clip, kFreeHead, window.scratch); }, 3},
+  };
+#ifdef STYLED_STGCN_TORCH
+  Torch torch_window(pair, window), torch_clip(pair, clip);
+  timings.push_back({"libtorch, 64 frames", [&] { torch_window.Once(); }, 0});
+  timings.push_back({"libtorch, 300 frames", [&] { torch_clip.Once(); }, 1});
+  timings.push_back({"libtorch, style encoder, 64 frames", [&] { torch_window.Style(); }, 3});
+#endif
+  std::printf("width %d, one core, SIMD target %s\n\n", width, net::BestRowKernels().target);
+  Compare(timings);
+  return code.allFinite() ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace styled::stgcn
+
+// The width is the argument; 64 without one, as the paper's.
+int main(int argc, char** argv) {
+#ifdef STYLED_STGCN_TORCH
+  styled::train::UseFastKernels(argv);  // without them libtorch would appear slower than it is
+#endif
+  return styled::stgcn::Main(argc > 1 ? std::atoi(argv[1]) : 64);
+}
