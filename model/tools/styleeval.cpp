@@ -13,6 +13,7 @@
 #include "model/synthetic/performer.h"
 #include "model/tools/number.h"
 #include "model/train/blas.h"
+#include "model/train/judge/judge_comparison.h"
 #include "model/train/judge/judge_conditions.h"
 #include "model/train/judge/judge_data.h"
 #include "model/train/judge/judge_feet.h"
@@ -399,6 +400,8 @@ Status Run(const Arguments& arguments) {
   auto trained = judge::TrainJudges(data, arguments.judges, arguments.cache);
   if (!trained.ok()) return trained.status();
   const judge::Judges& judges = trained.value();
+  const auto parts = judge::TrainPartJudges(data, arguments.judges, arguments.cache);
+  if (!parts.ok()) return parts.status();
   const judge::Evaluator evaluator(data.manifest, judges, data.train, data.judge, data.validation);
   const judge::Share& style = evaluator.real_style();
   const judge::Share& content = evaluator.real_content();
@@ -427,6 +430,17 @@ Status Run(const Arguments& arguments) {
         JudgeWeights(arguments, data, styler.value(), judges, evaluator, styled, scenes, json);
     if (!judged.ok()) return judged;
   }
+  const judge::Comparison comparison(data.manifest, judges, parts.value(), data.judge);
+  std::vector<judge::Compared> sets;
+  sets.push_back(comparison.OfReal("real", "real clips", data.validation));
+  sets.push_back(comparison.OfStyled("neutral", "neutral input", judge::Unstyled(data)));
+  sets.push_back(comparison.OfStyled("offset", "constant offset", baseline));
+  sets.push_back(comparison.OfStyled("offset_per_content", "offset per content",
+                                     judge::ApplyBaseline(data, judge::OffsetPer::kContent)));
+  if (!styled.empty()) sets.push_back(comparison.OfStyled("styled", "styled", styled));
+  judge::Print(data.manifest, sets);
+  json["judges"] = judge::ToJson(data.manifest, sets);
+
   if (!arguments.report.empty()) {
     const std::vector<judge::Scene> of_data = Scenes(data, baseline, styled);
     scenes.insert(scenes.begin(), of_data.begin(), of_data.end());
