@@ -16,6 +16,7 @@
 #include "model/train/judge/judge_comparison.h"
 #include "model/train/judge/judge_conditions.h"
 #include "model/train/judge/judge_data.h"
+#include "model/train/judge/judge_details.h"
 #include "model/train/judge/judge_feet.h"
 #include "model/train/judge/judge_foreign.h"
 #include "model/train/judge/judge_html.h"
@@ -439,6 +440,10 @@ Status Run(const Arguments& arguments) {
                                      judge::ApplyBaseline(data, judge::OffsetPer::kContent)));
   if (!styled.empty()) sets.push_back(comparison.OfStyled("styled", "styled", styled));
   judge::Print(data.manifest, sets);
+  const judge::Details details =
+      judge::MeasureDetails(data, "styled", styled.empty() ? baseline : styled);
+  judge::Print(data.manifest, details);
+  json["details"] = judge::ToJson(data.manifest, details);
   json["judges"] = judge::ToJson(data.manifest, sets);
 
   if (!arguments.report.empty()) {
