@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "model/train/judge/judge_text.h"
+
 namespace styled::judge {
 namespace {
 
@@ -25,16 +27,7 @@ std::vector<Row> Rows(const Compared& set) {
   return rows;
 }
 
-std::string Text(const Share& share) {
-  if (share.windows <= 0) return "-";
-  char text[16];
-  std::snprintf(text, sizeof text, "%.2f", share.value);
-  return text;
-}
-
-nlohmann::json Value(const Share& share) {
-  return share.windows > 0 ? nlohmann::json(share.value) : nlohmann::json(nullptr);
-}
+std::string Text(const Share& share, int width = 0) { return Padded(Measured(share), width, 2); }
 
 }  // namespace
 
@@ -191,15 +184,15 @@ nlohmann::json ToJson(const clip::Manifest& manifest, std::span<const Compared> 
     for (const Row& row : Rows(set)) {
       nlohmann::json one = {{"key", row.key},
                             {"title", row.title},
-                            {"value", Value(row.share.all)},
+                            {"value", Value(Measured(row.share.all))},
                             {"low", row.share.all.low},
                             {"high", row.share.all.high},
                             {"windows", row.share.all.windows}};
       for (std::size_t s = 1; s < row.share.by_style.size(); ++s) {
-        one["styles"][manifest.styles[s].name] = Value(row.share.by_style[s]);
+        one["styles"][manifest.styles[s].name] = Value(Measured(row.share.by_style[s]));
       }
       for (std::size_t c = 0; c < row.share.by_content.size(); ++c) {
-        one["contents"][manifest.contents[c]] = Value(row.share.by_content[c]);
+        one["contents"][manifest.contents[c]] = Value(Measured(row.share.by_content[c]));
       }
       judges.push_back(std::move(one));
     }

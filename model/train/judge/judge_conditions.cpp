@@ -23,7 +23,7 @@ Row Summary(const Figures& figures) {
   Mean cosine;
   Mean jerk;
   for (const StyleFigures& of : figures.styles) {
-    if (of.sra.windows <= 0) continue;
+    if (of.sra.windows <= 0 || !std::isfinite(of.expression.fraction)) continue;
     expression.Add(of.expression.fraction);
     cosine.Add(of.expression.cosine);
     jerk.Add(of.jitter_stream);

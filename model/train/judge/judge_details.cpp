@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdio>
 
+#include "model/train/judge/judge_text.h"
+
 namespace styled::judge {
 namespace {
 
@@ -11,17 +13,20 @@ constexpr std::array kGaits{"walk", "run"};
 
 nlohmann::json ToJson(const Gait& gait) {
   nlohmann::json json;
-  for (const GaitColumn& column : kGaitColumns) json[column.key] = Value(gait.*column.figure);
+  for (const GaitColumn& column : kGaitColumns)
+    json[column.key] = Value(Measured(gait.*column.figure));
   json["clips"] = gait.mean_knee_deg.count;
   return json;
 }
 
+double Worst(const JerkRatios& jerk) { return jerk.worst_clip < 0 ? kNotMeasured : jerk.worst; }
+
 nlohmann::json ToJson(const JerkRatios& jerk) {
   return {
-      {"mean_of_clips", Value(jerk.clip)},
+      {"mean_of_clips", Value(Measured(jerk.clip))},
       {"worst_clip", jerk.worst_clip < 0 ? nlohmann::json(nullptr) : nlohmann::json(jerk.worst)},
-      {"first_quarter_second", Value(jerk.first_quarter_second)},
-      {"after_first_second", Value(jerk.after_first_second)},
+      {"first_quarter_second", Value(Measured(jerk.first_quarter_second))},
+      {"after_first_second", Value(Measured(jerk.after_first_second))},
       {"clips", jerk.clip.count}};
 }
 
@@ -34,7 +39,7 @@ std::string Title(const GaitColumn& column) {
 void PrintGaitRow(const std::string& name, const char* of, const Gait& gait) {
   std::printf("%-14.14s %-7s", name.c_str(), of);
   for (const GaitColumn& column : kGaitColumns) {
-    std::printf(" %s", Cell(gait.*column.figure, 14, column.decimals).c_str());
+    std::printf(" %s", Padded(Measured(gait.*column.figure), 14, column.decimals).c_str());
   }
   std::printf("  %.0f\n", gait.mean_knee_deg.count);
 }
@@ -54,31 +59,16 @@ void PrintGaits(const clip::Manifest& manifest, const Details& details) {
 }
 
 void PrintRow(const std::string& name, const JerkRatios& jerk, const ActsKept& acts) {
-  Mean worst;
-  if (jerk.worst_clip >= 0) worst.Add(jerk.worst);
   std::printf("%-14.14s %s %s %s %s %6.0f  %s %s %6.0f %s %6.0f\n", name.c_str(),
-              Cell(jerk.clip, 8, 2).c_str(), Cell(worst, 8, 2).c_str(),
-              Cell(jerk.first_quarter_second, 12, 2).c_str(),
-              Cell(jerk.after_first_second, 10, 2).c_str(), jerk.clip.count,
-              Cell(acts.reach, 8, 2).c_str(), Cell(acts.direction_deg, 8, 1).c_str(),
-              acts.reach.count, Cell(acts.kick_height, 8, 2).c_str(), acts.kick_height.count);
+              Padded(Measured(jerk.clip), 8, 2).c_str(), Padded(Worst(jerk), 8, 2).c_str(),
+              Padded(Measured(jerk.first_quarter_second), 12, 2).c_str(),
+              Padded(Measured(jerk.after_first_second), 10, 2).c_str(), jerk.clip.count,
+              Padded(Measured(acts.reach), 8, 2).c_str(),
+              Padded(Measured(acts.direction_deg), 8, 1).c_str(), acts.reach.count,
+              Padded(Measured(acts.kick_height), 8, 2).c_str(), acts.kick_height.count);
 }
 
 }  // namespace
-
-std::string Cell(const Mean& mean, int width, int decimals) {
-  char text[48];
-  if (mean.count > 0) {
-    std::snprintf(text, sizeof text, "%*.*f", width, decimals, mean.value());
-  } else {
-    std::snprintf(text, sizeof text, "%*s", width, "-");
-  }
-  return text;
-}
-
-nlohmann::json Value(const Mean& mean) {
-  return mean.count > 0 ? nlohmann::json(mean.value()) : nlohmann::json(nullptr);
-}
 
 Details MeasureDetails(const Data& data, std::string title, std::span<const Transferred> clips) {
   Details details{.title = std::move(title),
@@ -145,10 +135,10 @@ void Print(const clip::Manifest& manifest, const Details& details) {
 }
 
 nlohmann::json ToJson(const ActsKept& acts) {
-  return {{"reach", Value(acts.reach)},
-          {"direction_deg", Value(acts.direction_deg)},
+  return {{"reach", Value(Measured(acts.reach))},
+          {"direction_deg", Value(Measured(acts.direction_deg))},
           {"hands", acts.reach.count},
-          {"kick_height", Value(acts.kick_height)},
+          {"kick_height", Value(Measured(acts.kick_height))},
           {"kicks", acts.kick_height.count}};
 }
 

@@ -37,9 +37,4 @@ void Print(const clip::Manifest& manifest, const Details& details);
 nlohmann::json ToJson(const clip::Manifest& manifest, const Details& details);
 nlohmann::json ToJson(const ActsKept& acts);
 
-// "-" for a mean of nothing, else with so many decimals; right-aligned.
-std::string Cell(const Mean& mean, int width, int decimals);
-// null for a mean of nothing.
-nlohmann::json Value(const Mean& mean);
-
 }  // namespace styled::judge

@@ -192,27 +192,32 @@ std::vector<int> Judges::JudgeStyle(const Sequence& sequence, int window) const 
   return Answers(impl_->style(impl_->Standardize(Windows(sequence, starts, window))));
 }
 
+namespace {
+
+Eigen::MatrixXd Rows(const torch::Tensor& matrix) {
+  const torch::Tensor flat = matrix.to(torch::kDouble).contiguous();
+  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+      flat.data_ptr<double>(), flat.size(0), flat.size(1));
+}
+
+}  // namespace
+
 Verdicts Judges::Judge(const Sequence& sequence, int stride) const {
   torch::NoGradGuard no_grad;
   const int window = impl_->settings.window;
   Verdicts verdicts;
   const int last = static_cast<int>(sequence.frames.size()) - window;
   for (int start = 0; start <= last; start += stride) verdicts.starts.push_back(start);
-  const long count = static_cast<long>(verdicts.starts.size());
-  if (count == 0) return verdicts;
+  if (verdicts.starts.empty()) return verdicts;
 
   const torch::Tensor windows = Windows(sequence, verdicts.starts, window);
   const torch::Tensor x = impl_->Standardize(windows);
   verdicts.style = Answers(impl_->style(x));
-  verdicts.content = Answers(impl_->content(x));
-  const torch::Tensor embedding =
-      impl_->encoder->encoder->forward(impl_->Rotations(windows) - impl_->RotationMean())
-          .mean(2)
-          .to(torch::kDouble)
-          .contiguous();
-  verdicts.embedding =
-      Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-          embedding.data_ptr<double>(), count, embedding.size(1));
+  const torch::Tensor pooled = impl_->content->Pool(x);
+  verdicts.content = Answers(impl_->content->head(pooled));
+  verdicts.content_features = Rows(pooled.slice(1, 0, pooled.size(1) / 2));
+  verdicts.embedding = Rows(
+      impl_->encoder->encoder->forward(impl_->Rotations(windows) - impl_->RotationMean()).mean(2));
   return verdicts;
 }
 

@@ -46,7 +46,7 @@ Result<std::vector<std::pair<std::string, double>>> Validator::Measure(
   Mean fmd;
   Mean jitter;
   for (const StyleFigures& of : figures.styles) {
-    if (of.sra.windows <= 0) continue;
+    if (of.sra.windows <= 0 || !std::isfinite(of.expression.fraction)) continue;
     sra.Add(of.sra.value / std::max(1e-6, of.sra_real.value));
     cra.Add(of.cra.value / std::max(1e-6, of.cra_input.value));
     expression.Add(of.expression.fraction);
