@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "model/train/judge/judge_data.h"
+#include "model/train/judge/judge_stream.h"
+
+namespace styled::judge {
+
+// What a clip is to become: a style of the manifest, as clips of it show it (`references`, poses at
+// kJudgeRate_hz), or as chance gives it (`noise`, a seed), or, with neither, as the family defines
+// the style's mean. Not both.
+struct Target {
+  int style = 0;
+  std::vector<std::span<const body::Pose>> references;
+  std::optional<std::uint64_t> noise;
+};
+
+// A network that restyles whole clips, which a stylist, frame by frame, cannot run. The judges see
+// it through this alone.
+class Restyler {
+ public:
+  virtual ~Restyler() = default;
+  // Whether it can make this style of the manifest.
+  virtual bool Has(int style) const = 0;
+  // `clip` and the result are canonical poses at kJudgeRate_hz, frame for frame, as they would be
+  // published.
+  virtual Poses Restyle(std::span<const body::Pose> clip, const Target& target) const = 0;
+};
+
+// Every input in every style that `restyler` has, but neutral, each as `target(input, style)` says.
+// Outputs are converted to kStreamRate_hz; spans in the result point into `data`.
+std::vector<Transferred> Restyle(const Data& data, const Restyler& restyler,
+                                 const std::function<Target(int input, int style)>& target);
+
+}  // namespace styled::judge
