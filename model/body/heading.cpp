@@ -17,4 +17,10 @@ float Heading_rad(const WorldPose& world) noexcept {
   return std::atan2(forward.x(), forward.z());
 }
 
+float FilterHeading(float raw_rad, float keep, float& cosine, float& sine) noexcept {
+  cosine = keep * cosine + (1 - keep) * std::cos(raw_rad);
+  sine = keep * sine + (1 - keep) * std::sin(raw_rad);
+  return std::atan2(sine, cosine);
+}
+
 }  // namespace styled::body

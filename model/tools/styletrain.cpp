@@ -13,6 +13,7 @@
 #include "model/train/blas.h"
 #include "model/train/erd/recipe.h"
 #include "model/train/judge/judge_validation.h"
+#include "model/train/stgcn/recipe.h"
 #include "model/train/trainer.h"
 
 namespace styled::train {
@@ -21,6 +22,7 @@ namespace {
 // The first is the default.
 constexpr Family kFamilies[] = {
     {style_erd::kFamily, AddStyleErdFlags, style_erd::ExportWeights},
+    {st_gcn::kFamily, AddStGcnFlags, st_gcn::ExportWeights},
 };
 
 // The row of a family; null if there is none.

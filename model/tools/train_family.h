@@ -32,5 +32,7 @@ struct Family {
 
 // style-erd: styletrain_erd.cpp
 std::unique_ptr<FamilyFlags> AddStyleErdFlags(CLI::App& app);
+// st-gcn: styletrain_stgcn.cpp
+std::unique_ptr<FamilyFlags> AddStGcnFlags(CLI::App& app);
 
 }  // namespace styled::train

@@ -23,10 +23,8 @@ float ComputeFeatures(const Pose& pose, const FeatureParameters& parameters, Fea
   const float keep = state.started && parameters.heading_tau_s > 0
                          ? std::exp(-period_s / parameters.heading_tau_s)
                          : 0.0F;
-  // A low-pass on the heading's direction, not on its angle, which jumps at 180 degrees.
-  state.heading_cos = keep * state.heading_cos + (1 - keep) * std::cos(raw_rad);
-  state.heading_sin = keep * state.heading_sin + (1 - keep) * std::sin(raw_rad);
-  const float heading_rad = std::atan2(state.heading_sin, state.heading_cos);
+  const float heading_rad =
+      body::FilterHeading(raw_rad, keep, state.heading_cos, state.heading_sin);
   const Quat heading_from_world = body::Yaw(-heading_rad);
 
   for (int joint = 0; joint < kJointCount; ++joint) {

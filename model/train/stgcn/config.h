@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "model/base/status.h"
+
+namespace styled::train::st_gcn {
+
+// The flags of styletrain that only this family has. Defaults are for hours on one CPU core;
+// AsInThePaper has the authors' own. Figures behind them are in model/train/README.md.
+struct Config {
+  // The data.
+  double heading_tau_s = 0.25;  // time constant of the heading filter; the runtime's is the same
+  int hop = 4;                  // frames between the starts of two windows of a clip
+  bool mirror = true;           // half of all windows are mirror images
+  // Source and target domain share the source's content, so that the critic compares motions of
+  // one kind; else contents are drawn alone. `unpaired`: the share of sources that may have any
+  // content nevertheless, which the critic does not see.
+  bool shared_contents = true;
+  double unpaired = 0.1;
+
+  // The networks.
+  int width = 32;  // channels of the finest level; a multiple of 8
+  bool node_bias = true;
+  bool content_critic = true;      // the critic also says whether the content is the source's
+  bool scaled_heads = true;        // smaller first outputs, else the critic wins at once
+  std::string precision = "auto";  // of activations: "fp32", "bf16", or bf16 where it is fast
+
+  // The order of work.
+  int batch = 8;
+  int warm_up = 1000;       // iterations of identity alone at the start of a run
+  bool both_turns = false;  // noise and references in every iteration, else in turn
+  bool encoder_learns_from_references = true;  // in their turn; else from noise's alone
+  bool same_clip = true;  // identity and cycle take the code of another window of the clip
+
+  // The optimizers (Adam), whose rates fall quadratically to decay_to of their start.
+  double generator_rate = 6e-4, critic_rate = 6e-4, encoder_rate = 3e-4, mapping_rate = 2e-4;
+  double warm_up_rate = 2e-3;
+  double beta1 = 0.5, beta2 = 0.99, weight_decay = 1e-4;
+  double decay_to = 0.2;
+  double ema = 0.999;  // of the weights that are exported, per iteration; 0: those of the moment
+
+  // Weights of the losses.
+  double w_adversarial = 1, w_cycle = 1, w_identity = 1, w_style = 1;
+  double w_penalty = 1;    // R1
+  int penalty_every = 4;   // iterations; as much stronger
+  double w_diversity = 1;  // at first
+  // Mean joint distance between two outputs of a source and domain that the weight of diversity is
+  // steered to, separately for noise and references; 0: the weight is constant.
+  double diversity_target_cm = 3;
+  double w_fk = 1;    // of the positions' distance to those that follow from the rotations
+  double w_free = 1;  // of the head for windows without a label
+  bool free_head_teaches = true;  // its gradient reaches the layers below
+  double w_smooth = 0;            // of the third difference of what a style changes, cm per frame³
+};
+
+// The settings of Park et al. 2021 and their published code, where the two differ the code's.
+void AsInThePaper(Config& config);
+
+// Refuses values outside their ranges. Errors name the flag.
+Status Check(const Config& config);
+
+}  // namespace styled::train::st_gcn

@@ -1,0 +1,123 @@
+// What the networks are trained by.
+#include "model/train/stgcn/losses.h"
+
+#include "model/train/stgcn/learner.h"
+
+namespace styled::train::st_gcn {
+namespace {
+
+using torch::Tensor;
+
+constexpr double kTiny = 1e-8;  // below a square root, whose gradient is infinite at 0
+constexpr double kCmPerM = 100;
+
+}  // namespace
+
+Tensor JointNorm(const Tensor& difference) {
+  return (difference.square().sum(2) + kTiny).sqrt().mean();
+}
+
+Tensor MaskedMean(const Tensor& value, const Tensor& mask) {
+  return (value * mask).sum() / mask.sum().clamp_min(1.0);
+}
+
+Tensor GradientPenalty(const Tensor& logit, const Tensor& input) {
+  const Tensor gradient = torch::autograd::grad({logit.sum()}, {input}, {}, true, true)[0];
+  return 0.5 * gradient.square().flatten(1).sum(1).mean();
+}
+
+Tensor MeanDistance(const Tensor& a, const Tensor& b) {
+  return ((a - b).square().sum(-1) + kTiny).sqrt().mean();
+}
+
+// softplus(-logit) is the cross entropy of "real", softplus(logit) that of "made".
+void Learner::StepCritic(const Batch& batch, const Tensor& fake, double decay) {
+  critic_.parameters.RequireGradient(true);
+  const bool penalized = config_.w_penalty > 0 && iteration_ % config_.penalty_every == 0;
+  Tensor real_logit, fake_logit, loss;
+  if (penalized) {
+    const Tensor real = batch.source.detach().clone().requires_grad_(true);
+    real_logit = critic_(graph_, real, batch.domain, batch.content);
+    fake_logit = critic_(graph_, fake.detach(), batch.target, batch.content);
+    const Tensor penalty = GradientPenalty(real_logit, real);
+    means_.Add("penalty", penalty);
+    loss = config_.w_penalty * config_.penalty_every * penalty;
+  } else {
+    const Tensor logit = critic_(graph_, torch::cat({batch.source, fake.detach()}),
+                                 torch::cat({batch.domain, batch.target}),
+                                 torch::cat({batch.content, batch.content}));
+    real_logit = logit.narrow(0, 0, config_.batch);
+    fake_logit = logit.narrow(0, config_.batch, config_.batch);
+    loss = torch::zeros({}, torch::TensorOptions().device(device_));
+  }
+  const Tensor judgement = MaskedMean(torch::softplus(-real_logit), batch.paired) +
+                           MaskedMean(torch::softplus(fake_logit), batch.paired);
+  means_.Add("critic", judgement);
+  critic_.parameters.ZeroGradient();
+  (loss + judgement).backward();
+  StepAdam(critic_.parameters, critic_adam_, config_.critic_rate * decay);
+}
+
+Tensor Learner::Losses(const Batch& batch, const Made& made, Turn turn) {
+  Networks& n = networks_;
+  const std::string suffix = turn == Turn::kNoise ? "_noise" : "_reference";
+  const Tensor logit = critic_(graph_, made.fake, batch.target, batch.content);
+  const Tensor adversarial = MaskedMean(torch::softplus(-logit), batch.paired);
+  const Tensor identity = JointNorm(made.reconstruction - batch.source);
+  const Tensor back =
+      n.generator.Decode(graph_, n.generator.Encode(graph_, made.fake), made.own_code);
+  const Tensor cycle = JointNorm(back - batch.source);
+  // A code of a reference is not drawn toward what is read from the output: both would become
+  // constant.
+  const Tensor wanted = turn == Turn::kNoise ? made.target_code : made.target_code.detach();
+  const Tensor read = n.encoder.Code(n.encoder.Features(graph_, made.fake), batch.target);
+  const Tensor style = (wanted - read).abs().mean();
+  const Tensor diversity = (made.fake - made.other_fake).abs().mean();
+  DiversityWeight& weight = diversity_[static_cast<std::size_t>(turn)];
+  Tensor loss = config_.w_adversarial * adversarial + config_.w_identity * identity +
+                config_.w_cycle * cycle + config_.w_style * style - weight.weight() * diversity +
+                config_.w_free * made.free_loss;
+  const Tensor fake_m = kinematics_.Positions_m(made.fake);
+  if (config_.w_fk > 0) {
+    const Tensor fk =
+        (made.raw - made.fake).abs().mean() +
+        (made.reconstruction - kinematics_.Published(made.reconstruction)).abs().mean();
+    loss = loss + config_.w_fk * fk;
+    means_.Add("fk", fk);
+  }
+  if (config_.w_smooth > 0) {
+    const Tensor change_m = fake_m - kinematics_.Positions_m(batch.source);
+    const Tensor third = change_m.diff(3, 1);
+    const Tensor smooth = kCmPerM * MeanDistance(third, torch::zeros_like(third));
+    loss = loss + config_.w_smooth * smooth;
+    means_.Add("smooth", smooth);
+  }
+  const Tensor apart_cm =
+      kCmPerM * MeanDistance(fake_m, kinematics_.Positions_m(made.other_fake)).detach();
+  means_.Add("adversarial" + suffix, adversarial);
+  means_.Add("identity", identity);
+  means_.Add("cycle", cycle);
+  means_.Add("style" + suffix, style);
+  means_.Add("apart_cm" + suffix, apart_cm);
+  means_.Add("w_diversity" + suffix, torch::tensor(weight.weight(), torch::kFloat64));
+  means_.Add("free", made.free_loss);
+  weight.Observe(apart_cm.item<double>());
+  return loss;
+}
+
+void Learner::StepGenerator(const Batch& batch, const Made& made, Turn turn, double decay) {
+  Networks& n = networks_;
+  critic_.parameters.RequireGradient(false);
+  const Tensor loss = Losses(batch, made, turn);
+  for (const auto& [name, parameters] : n.parts()) parameters->ZeroGradient();
+  loss.backward();
+  StepAdam(n.generator.parameters, generator_adam_, config_.generator_rate * decay);
+  if (turn == Turn::kNoise) {
+    StepAdam(n.mapping.parameters, mapping_adam_, config_.mapping_rate * decay);
+  }
+  if (turn == Turn::kNoise || config_.encoder_learns_from_references) {
+    StepAdam(n.encoder.parameters, encoder_adam_, config_.encoder_rate * decay);
+  }
+}
+
+}  // namespace styled::train::st_gcn
