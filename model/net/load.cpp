@@ -6,27 +6,54 @@
 
 #include "model/net/erd/stylizer.h"
 #include "model/net/offset/stylizer.h"
+#include "model/net/stgcn/stylizer.h"
 #include "model/net/weights_file.h"
 
 namespace styled::net {
 namespace {
 
-// A network family: its name in weights files, and the function that reads the family's part.
+// A network family: its name in weights files, and the function that reads the family's part, of
+// either kind.
 struct Family {
   const char* name;
   Result<std::shared_ptr<const Stylizer>> (*load)(WeightsFile& file);
+  Result<std::shared_ptr<const ClipStylizer>> (*load_clips)(WeightsFile& file) = nullptr;
 };
 constexpr std::array kFamilies = {
     Family{kStyleErd, erd::Load},
     Family{offset::kFamily, offset::Load},
+    Family{stgcn::kFamily, nullptr, stgcn::Load},
 };
 
-std::string FamilyNames() {
+// The families of some kinds, as an error lists them.
+std::string FamilyNames(bool frames, bool clips) {
   std::string names;
   for (const Family& family : kFamilies) {
+    if (family.load != nullptr ? !frames : !clips) continue;
     names += (names.empty() ? "\"" : "\" or \"") + std::string(family.name);
   }
   return names + '"';
+}
+
+const Family* FindFamily(const std::string& name) {
+  const auto* const found =
+      std::find_if(kFamilies.begin(), kFamilies.end(),
+                   [&name](const Family& candidate) { return candidate.name == name; });
+  return found == kFamilies.end() ? nullptr : found;
+}
+
+Result<AnyStylizer> LoadFamily(const Family& family, WeightsFile& file) {
+  AnyStylizer any;
+  if (family.load != nullptr) {
+    auto network = family.load(file);
+    if (!network.ok()) return network.status();
+    any.frames = std::move(network.value());
+  } else {
+    auto network = family.load_clips(file);
+    if (!network.ok()) return network.status();
+    any.clips = std::move(network.value());
+  }
+  return any;
 }
 
 }  // namespace
@@ -42,13 +69,31 @@ Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
   Result<WeightsFile> file = ParseWeights(bytes, name);
   if (!file.ok()) return file.status();
   const std::string& wanted = file.value().model.family;
-  const auto* const family =
-      std::find_if(kFamilies.begin(), kFamilies.end(),
-                   [&wanted](const Family& candidate) { return candidate.name == wanted; });
-  if (family != kFamilies.end()) return family->load(file.value());
+  const Family* const family = FindFamily(wanted);
+  if (family != nullptr && family->load != nullptr) return family->load(file.value());
   Faults faults(name);
-  faults.Key("family", FamilyNames(), Shown(wanted));
+  faults.Key("family", FamilyNames(true, false),
+             Shown(wanted) + (family != nullptr ? ": it styles whole clips, no live streams" : ""));
   return faults.status();
 }
+
+Result<AnyStylizer> LoadAny(const std::filesystem::path& file) {
+  const Result<std::vector<std::byte>> bytes = ReadFile(file);
+  if (!bytes.ok()) return bytes.status();
+  return ParseAny(bytes.value(), file.string());
+}
+
+Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name) {
+  Result<WeightsFile> file = ParseWeights(bytes, name);
+  if (!file.ok()) return file.status();
+  const std::string& wanted = file.value().model.family;
+  const Family* const family = FindFamily(wanted);
+  if (family != nullptr) return LoadFamily(*family, file.value());
+  Faults faults(name);
+  faults.Key("family", FamilyNames(true, true), Shown(wanted));
+  return faults.status();
+}
+
+std::string ClipFamilyNames() { return FamilyNames(false, true); }
 
 }  // namespace styled::net

@@ -7,15 +7,32 @@
 #include <string>
 
 #include "model/base/status.h"
+#include "model/net/clip_stylizer.h"
 #include "model/net/stylizer.h"
 
 namespace styled::net {
 
 // Loads the network of a weights file of any family (FORMAT.md). An error names the file, the key
-// or tensor, what was expected and what was found; for an unknown family it lists the known ones.
-// Allocates: start-up and reload only. Pinned by tests/unit/net/load_test.cpp.
+// or tensor, what was expected and what was found; for an unknown family it lists the known ones,
+// and so it does for a family whose network needs whole clips. Allocates: start-up and reload only.
+// Pinned by tests/unit/net/load_test.cpp.
 Result<std::shared_ptr<const Stylizer>> Load(const std::filesystem::path& file);
 Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
                                               const std::string& name);
+
+// A network of either kind; exactly one is set.
+struct AnyStylizer {
+  std::shared_ptr<const Stylizer> frames;     // styles frame by frame
+  std::shared_ptr<const ClipStylizer> clips;  // needs whole clips
+
+  const Model& model() const { return clips ? clips->model() : frames->model(); }
+};
+
+// The same for programs that run both kinds.
+Result<AnyStylizer> LoadAny(const std::filesystem::path& file);
+Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name);
+
+// The families whose networks need whole clips, for messages: "\"a\" or \"b\"".
+std::string ClipFamilyNames();
 
 }  // namespace styled::net

@@ -196,6 +196,12 @@ RowMajor TensorReader::Vector(const std::string& name, int rows) {
   return Read(name, {rows}, rows, 1);
 }
 
+RowMajor TensorReader::Tensor(const std::string& name, const std::vector<std::int64_t>& shape) {
+  std::int64_t columns = 1;
+  for (std::size_t i = 1; i < shape.size(); ++i) columns *= shape[i];
+  return Read(name, shape, static_cast<int>(shape[0]), static_cast<int>(columns));
+}
+
 void TensorReader::Finish() {
   if (!view_.tensors.empty()) {
     faults_.Add("tensor '" + view_.tensors.begin()->first + "': unknown");

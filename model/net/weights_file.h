@@ -76,6 +76,8 @@ class TensorReader {
   // shape, or not finite.
   RowMajor Matrix(const std::string& name, int rows, int columns);
   RowMajor Vector(const std::string& name, int rows);  // [rows]
+  // The same for any shape, its last dimensions side by side: [shape[0], shape[1] * ...].
+  RowMajor Tensor(const std::string& name, const std::vector<std::int64_t>& shape);
   void Finish();
 
  private:

@@ -1,9 +1,12 @@
 // stylize: restyles a BVH clip with the stylist that the daemon runs.
 
+#include "model/tools/stylize.h"
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
-#include <map>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,90 +14,46 @@
 #include "model/clip/avatar.h"
 #include "model/clip/clip.h"
 #include "model/clip/write.h"
+#include "model/net/load.h"
 #include "model/net/shipped_weights.h"
-#include "model/net/stylizer.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/avatar.h"
+#include "model/stylist/clip_stylist.h"
 #include "model/stylist/stylist.h"
+#include "model/tools/number.h"
 #include "model/trial/trial.h"
 
 namespace {
 
 using styled::Result;
 using styled::Status;
+using styled::stylize::Arguments;
 
 constexpr int kBadArguments = 2;
 constexpr int kSomeFailed = 3;      // written, but some frames are not styled
+constexpr double kMaxAmount = 3;    // of a variation: beyond, codes are nothing like trained ones
 constexpr double kSlowest_hz = 30;  // slower clips get frames in between; the network's own rate
-
-struct Arguments {
-  std::string style;
-  float strength = 1.0F;
-  std::vector<std::string> mix;
-  std::string parts = "all";  // parts of the body to style
-  std::string input_style;    // the style that the performer moves in
-  bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
-  std::string weights, rig = "auto", avatar, in, out;
-};
 
 int Fail(const Status& status) {
   std::fprintf(stderr, "stylize: %s\n", status.message().c_str());
   return 1;
 }
 
-std::string StyleNames(const styled::net::Styles& styles) {
-  std::string names;
-  for (const styled::net::StyleInfo& style : styles) {
-    names += (names.empty() ? "" : ", ") + style.name;
-  }
-  return names;
-}
-
-// Parses "S=A" or "S" into a style index and a weight. Neutral adds no entry unless the input style
-// is another.
+// Adds the style that `text` names to the mix. Neutral adds no entry unless the input style is
+// another.
 Status AddStyle(const styled::net::Styles& styles, const std::string& text, const char* option,
                 styled::stylist::Settings& settings) {
-  const std::size_t equals = text.find('=');
-  const std::string name = text.substr(0, equals);
-  float weight = 1.0F;
-  if (equals != std::string::npos) {
-    const std::string number = text.substr(equals + 1);
-    char* end = nullptr;
-    weight = std::strtof(number.c_str(), &end);
-    if (number.empty() || *end != '\0') {
-      return Status::Error(std::string(option) + ": '" + text + "': expected STYLE=WEIGHT");
-    }
-  }
-  const int style = styled::net::FindStyle(styles, name);
-  if (style < 0) {
-    return Status::Error(std::string(option) + ": unknown style '" + name + "'; expected one of " +
-                         StyleNames(styles));
-  }
-  if (style == 0 && settings.input_style == 0) return Status::Ok();
+  const auto found = styled::stylize::FindWeighted(styles, text, option);
+  if (!found.ok()) return found.status();
+  if (found.value().style == 0 && settings.input_style == 0) return Status::Ok();
   for (styled::net::StyleWeight& entry : settings.mix) {
     if (entry.style < 0) {
-      entry = {style, weight};
+      entry = found.value();
       return Status::Ok();
     }
   }
   return Status::Error(std::string(option) + ": more than " + std::to_string(styled::net::kMaxMix) +
                        " styles");
-}
-
-const char* Explain(styled::stylist::SettingsError error) {
-  using Error = styled::stylist::SettingsError;
-  switch (error) {
-    case Error::kDuplicateStyle:
-      return "a style is named twice";
-    case Error::kWeight:
-      return "a weight is outside 0 to 1.5";
-    case Error::kSum:
-      return "the weights times the strength sum to more than 1.5";
-    case Error::kStrength:
-      return "--strength is outside 0 to 1.5";
-    default:
-      return "the style settings are not valid";
-  }
 }
 
 Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
@@ -103,20 +62,12 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
   settings.strength = arguments.strength;
   settings.transition_s = 0;
   settings.absolute = arguments.absolute;
-  const auto parts = styled::body::FindParts(arguments.parts);
-  if (!parts) {
-    return Status::Error("--parts " + arguments.parts +
-                         ": expected, separated by commas, some of " +
-                         std::string(styled::body::kPartWords));
-  }
-  settings.parts = *parts;
-  if (!arguments.input_style.empty()) {
-    settings.input_style = styled::net::FindStyle(styles, arguments.input_style);
-    if (settings.input_style < 0) {
-      return Status::Error("--input-style: unknown style '" + arguments.input_style +
-                           "'; expected one of " + StyleNames(styles));
-    }
-  }
+  const auto parts = styled::stylize::FindParts(arguments);
+  if (!parts.ok()) return parts.status();
+  settings.parts = parts.value();
+  const auto input_style = styled::stylize::FindInputStyle(arguments, styles);
+  if (!input_style.ok()) return input_style.status();
+  settings.input_style = input_style.value();
   if (!arguments.style.empty()) {
     const Status status = AddStyle(styles, arguments.style, "--style", settings);
     if (!status.ok()) return status;
@@ -126,7 +77,9 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
     if (!status.ok()) return status;
   }
   const auto error = styled::stylist::Validate(settings, static_cast<int>(styles.size()));
-  if (error != styled::stylist::SettingsError::kNone) return Status::Error(Explain(error));
+  if (error != styled::stylist::SettingsError::kNone) {
+    return Status::Error(styled::stylize::Explain(error));
+  }
   return settings;
 }
 
@@ -141,10 +94,10 @@ void BindOnly(const styled::rig::Binding& binding, styled::clip::Clip& clip) {
   }
 }
 
-Result<std::shared_ptr<const styled::net::Stylizer>> LoadNetwork(const Arguments& arguments) {
+Result<styled::net::AnyStylizer> LoadNetwork(const Arguments& arguments) {
   auto weights = styled::net::FindWeights(arguments.weights);
   if (!weights.ok()) return weights.status();
-  return styled::trial::Load(weights.value());
+  return styled::trial::LoadAny(weights.value());
 }
 
 // The skeleton that the styled motion is written to: the clip's own, or an avatar's.
@@ -168,34 +121,83 @@ class Wardrobe {
   std::optional<styled::stylist::Avatar> worn_;
 };
 
+// A clip's frames as they are styled. A live stream does not show the motion between two distant
+// frames; a clip allows a smooth curve, so a slow one has `steps` - 1 frames in between.
+struct Frames {
+  explicit Frames(const styled::clip::Clip& the_clip)
+      : clip(the_clip),
+        steps(static_cast<std::size_t>(std::ceil(kSlowest_hz / clip.rate_hz - 1e-6))),
+        rate_hz(clip.rate_hz * static_cast<double>(steps)),
+        count((clip.frames.size() - 1) * steps + 1),
+        between(steps > 1 ? styled::clip::Resample(clip, rate_hz) : styled::clip::Clip()) {}
+  bool Given(std::size_t i) const { return i % steps == 0; }
+  const styled::rig::RigPose& At(std::size_t i) const {
+    return Given(i) ? clip.frames[i / steps] : between.frames[i];
+  }
+  std::int64_t Time_ns(std::size_t i) const {
+    return static_cast<std::int64_t>(static_cast<double>(i) / rate_hz * 1e9);
+  }
+
+  const styled::clip::Clip& clip;
+  std::size_t steps;
+  double rate_hz;
+  std::size_t count;
+  styled::clip::Clip between;
+};
+
+// Writes the next frame's styled pose.
+using StyleNext = std::function<void(std::size_t i, styled::stylist::Output& out)>;
+
+// The styling of `frames` as the arguments and the network's kind ask for.
+Result<StyleNext> MakeStyling(const Arguments& arguments, const styled::net::AnyStylizer& network,
+                              std::shared_ptr<const styled::rig::Binding> binding,
+                              const styled::stylist::Options& options, const Frames& frames) {
+  if (network.clips) {
+    const Status length = styled::stylize::CheckLength(frames.clip, arguments.in, *network.clips);
+    if (!length.ok()) return length;
+    auto style = styled::stylize::ParseClipStyle(arguments, *network.clips);
+    if (!style.ok()) return style.status();
+    auto stylist = std::make_shared<styled::stylist::ClipStylist>(
+        network.clips, std::move(style.value()), std::move(binding), options,
+        styled::stylist::ClipFrames{
+            frames.count, frames.rate_hz,
+            [&frames](std::size_t i) -> const styled::rig::RigPose& { return frames.At(i); }});
+    return StyleNext([stylist](std::size_t, styled::stylist::Output& out) { stylist->Next(out); });
+  }
+  const styled::net::Model& model = network.model();
+  const Status refused = styled::stylize::RefuseClipArguments(arguments, model.family);
+  if (!refused.ok()) return refused;
+  auto settings = ParseSettings(arguments, model.styles);
+  if (!settings.ok()) return settings.status();
+  auto stylist =
+      std::make_shared<styled::stylist::Stylist>(network.frames, std::move(binding), options);
+  stylist->Set(settings.value());
+  return StyleNext([stylist, &frames](std::size_t i, styled::stylist::Output& out) {
+    stylist->Process(frames.Time_ns(i), frames.At(i), out);
+  });
+}
+
 // `failed`: the number of frames that could not be styled and are the performer's own.
-Status Restyle(const Arguments& arguments, std::shared_ptr<const styled::rig::Binding> binding,
+Status Restyle(const Arguments& arguments,
+               const std::shared_ptr<const styled::rig::Binding>& binding,
                const styled::clip::AvatarSkeleton* avatar, styled::clip::Clip& clip,
                std::size_t& failed) {
   auto network = LoadNetwork(arguments);
   if (!network.ok()) return network.status();
-  auto settings = ParseSettings(arguments, network.value()->model().styles);
-  if (!settings.ok()) return settings.status();
   styled::stylist::Options options;
   options.bypass = !arguments.no_bypass;
   options.feet = arguments.feet;
+  const Frames frames(clip);
+  const auto style_next = MakeStyling(arguments, network.value(), binding, options, frames);
+  if (!style_next.ok()) return style_next.status();
   Wardrobe wardrobe(avatar, binding, options);
-  styled::stylist::Stylist stylist(network.value(), std::move(binding), options);
-  stylist.Set(settings.value());
   styled::stylist::Output out(clip.skeleton);
-  // A live stream does not show the motion between two distant frames; a clip allows a smooth
-  // curve.
-  const auto steps = static_cast<std::size_t>(std::ceil(kSlowest_hz / clip.rate_hz - 1e-6));
-  const double rate_hz = clip.rate_hz * static_cast<double>(steps);
-  const auto between = steps > 1 ? styled::clip::Resample(clip, rate_hz) : styled::clip::Clip();
-  const std::size_t count = (clip.frames.size() - 1) * steps + 1;
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool given = i % steps == 0;
-    const auto time_ns = static_cast<std::int64_t>(static_cast<double>(i) / rate_hz * 1e9);
-    stylist.Process(time_ns, given ? clip.frames[i / steps] : between.frames[i], out);
-    const bool styled = wardrobe.Process(time_ns, out);
-    if (given && !styled) ++failed;
-    if (given) clip.frames[i / steps] = wardrobe.Pose(out);
+  for (std::size_t i = 0; i < frames.count; ++i) {
+    style_next.value()(i, out);
+    const bool styled = wardrobe.Process(frames.Time_ns(i), out);
+    if (!frames.Given(i)) continue;
+    if (!styled) ++failed;
+    clip.frames[i / frames.steps] = wardrobe.Pose(out);  // nothing reads the input's any more
   }
   return Status::Ok();
 }
@@ -216,7 +218,7 @@ int Run(const Arguments& arguments) {
   if (arguments.list) {
     auto network = LoadNetwork(arguments);
     if (!network.ok()) return Fail(network.status());
-    std::printf("%s\n", StyleNames(network.value()->model().styles).c_str());
+    std::printf("%s\n", styled::stylize::StyleNames(network.value().model().styles).c_str());
     return 0;
   }
   auto clip = styled::clip::ReadBvh(arguments.in);
@@ -259,6 +261,66 @@ int Run(const Arguments& arguments) {
 
 }  // namespace
 
+namespace styled::stylize {
+
+std::string StyleNames(const net::Styles& styles) {
+  std::string names;
+  for (const net::StyleInfo& style : styles) names += (names.empty() ? "" : ", ") + style.name;
+  return names;
+}
+
+Result<net::StyleWeight> FindWeighted(const net::Styles& styles, const std::string& text,
+                                      const char* option) {
+  const std::size_t equals = text.find('=');
+  const std::string name = text.substr(0, equals);
+  float weight = 1.0F;
+  if (equals != std::string::npos) {
+    const std::string number = text.substr(equals + 1);
+    char* end = nullptr;
+    weight = std::strtof(number.c_str(), &end);
+    if (number.empty() || *end != '\0') {
+      return Status::Error(std::string(option) + ": '" + text + "': expected STYLE=WEIGHT");
+    }
+  }
+  const int style = net::FindStyle(styles, name);
+  if (style >= 0) return net::StyleWeight{style, weight};
+  return Status::Error(std::string(option) + ": unknown style '" + name + "'; expected one of " +
+                       StyleNames(styles));
+}
+
+Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles) {
+  if (arguments.input_style.empty()) return 0;
+  const int style = net::FindStyle(styles, arguments.input_style);
+  if (style >= 0) return style;
+  return Status::Error("--input-style: unknown style '" + arguments.input_style +
+                       "'; expected one of " + StyleNames(styles));
+}
+
+Result<body::Parts> FindParts(const Arguments& arguments) {
+  const auto parts = body::FindParts(arguments.parts);
+  if (parts) return *parts;
+  return Status::Error("--parts " + arguments.parts + ": expected, separated by commas, some of " +
+                       std::string(body::kPartWords));
+}
+
+const char* Explain(stylist::SettingsError error) {
+  using Error = stylist::SettingsError;
+  switch (error) {
+    case Error::kDuplicateStyle:
+      return "a style is named twice";
+    case Error::kWeight:
+      return "a weight is outside 0 to 1.5";
+    case Error::kSum:
+      return "the weights times the strength sum to more than 1.5";
+    case Error::kStrength:
+      return "--strength is outside 0 to 1.5";
+    default:
+      return "the style settings are not valid";
+  }
+}
+
+}  // namespace styled::stylize
+
 int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App app(
@@ -270,6 +332,24 @@ int main(int argc, char** argv) {
   app.add_option("-m,--mix", arguments.mix, "a further style, STYLE=WEIGHT; at most 4 in all")
       ->take_all()
       ->allow_extra_args(false);  // one value per --mix: the next word may be the input
+  app.add_option(
+         "-l,--like", arguments.like,
+         "an example of the target style, CLIP.bvh or CLIP.bvh=WEIGHT; several are averaged "
+         "(weights of family st-gcn)")
+      ->take_all()
+      ->allow_extra_args(false);
+  CLI::Option* const vary =
+      app.add_option("--vary", arguments.vary,
+                     "a variation of each style named, by this number (weights of family st-gcn)");
+  app.add_option("--amount", arguments.amount, "of the variation: 0 none, 1 as in training")
+      ->check(styled::Number(0, kMaxAmount))
+      ->capture_default_str()
+      ->needs(vary);
+  app.add_option("--window", arguments.window,
+                 "frames that are normalized together (weights of family st-gcn): auto, the whole "
+                 "clip up to 20 s; whole; or overlapping windows of 8.5 s")
+      ->check(CLI::IsMember({"auto", "whole", "overlapping"}))
+      ->capture_default_str();
   app.add_flag("--absolute", arguments.absolute,
                "the paper's output instead of the detail-preserving one");
   app.add_option("--parts,--only", arguments.parts,
@@ -284,7 +364,8 @@ int main(int argc, char** argv) {
   app.add_flag("--bind-only", arguments.bind_only,
                "only bind to the canonical humanoid and back, without the network")
       ->excludes("--style")
-      ->excludes("--mix");
+      ->excludes("--mix")
+      ->excludes("--like");
   app.add_option("-w,--weights", arguments.weights, "weights file (default: the shipped one)");
   app.add_option("--rig", arguments.rig, "rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();

@@ -136,6 +136,17 @@ std::optional<Fault> Judge(const body::Pose& pose, const net::Prediction& out, F
                "the change by the style", figures.change_rad);
 }
 
+// The error for a prediction in the style of which `own` tells whether it is the performer's.
+Status Refusal(const std::string& name, const net::Model& model, int style, bool own,
+               std::size_t frame, std::size_t frames, const Fault& fault) {
+  return Status::Error(name + ": the trial run on the built-in performer failed: style '" +
+                       model.styles[static_cast<std::size_t>(style)].name + "'" +
+                       (own ? " as the performer's own" : "") + ", frame " + std::to_string(frame) +
+                       " of " + std::to_string(frames) + ", joint " +
+                       std::string(body::kHumanoid[static_cast<std::size_t>(fault.joint)].name) +
+                       ": " + fault.what);
+}
+
 synthetic::Performer MakePerformer() {
   synthetic::Options options;
   options.script = {{Motion::kWalk, 1.0},
@@ -146,13 +157,21 @@ synthetic::Performer MakePerformer() {
   return synthetic::Performer(std::move(options));
 }
 
+// The performer's poses at the network's rate.
+std::vector<body::Pose> MakePoses(float rate_hz) {
+  const double step_s = std::min(1.0 / static_cast<double>(rate_hz), kLongestStep_s);
+  synthetic::Performer performer = MakePerformer();
+  std::vector<body::Pose> poses(static_cast<std::size_t>(kTrial_s / step_s));
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    performer.Pose(static_cast<double>(frame) * step_s, poses[frame]);
+  }
+  return poses;
+}
+
 }  // namespace
 
 Status Try(const net::Stylizer& network, const std::string& name, Figures* figures) {
-  const double step_s =
-      std::min(1.0 / static_cast<double>(network.model().rate_hz), kLongestStep_s);
-  const int frames = static_cast<int>(kTrial_s / step_s);
-  synthetic::Performer performer = MakePerformer();
+  const std::vector<body::Pose> poses = MakePoses(network.model().rate_hz);
   body::Pose pose;
   std::vector<Run> runs = MakeRuns(network);
   std::vector<net::StepJob> jobs;
@@ -162,19 +181,39 @@ Status Try(const net::Stylizer& network, const std::string& name, Figures* figur
                     run.stream.get(), &run.out});
   }
   Figures worst;
-  for (int frame = 0; frame < frames; ++frame) {
-    performer.Pose(frame * step_s, pose);
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    pose = poses[frame];
     network.Step(jobs);
     for (const Run& run : runs) {
-      const auto fault = Judge(pose, run.out, worst);
-      if (!fault) continue;
-      return Status::Error(
-          name + ": the trial run on the built-in performer failed: style '" +
-          network.model().styles[static_cast<std::size_t>(run.style)].name + "'" +
-          (run.own ? " as the performer's own" : "") + ", frame " + std::to_string(frame) + " of " +
-          std::to_string(frames) + ", joint " +
-          std::string(body::kHumanoid[static_cast<std::size_t>(fault->joint)].name) + ": " +
-          fault->what);
+      if (const auto fault = Judge(pose, run.out, worst)) {
+        return Refusal(name, network.model(), run.style, run.own, frame, poses.size(), *fault);
+      }
+    }
+  }
+  if (figures != nullptr) *figures = worst;
+  return Status::Ok();
+}
+
+Status Try(const net::ClipStylizer& network, const std::string& name, Figures* figures) {
+  const std::vector<body::Pose> poses = MakePoses(network.model().rate_hz);
+  const auto styles = static_cast<int>(network.model().styles.size());
+  Figures worst;
+  for (int style = 0; style < styles; ++style) {
+    for (const bool own : {false, true}) {
+      if (own && style == 0) continue;
+      net::StyleRequest request;
+      request.strength = net::kMaxStrength;
+      if (!own) request.sources = {{style, {}, {}, 1}};
+      const auto stream =
+          network.MakeStream(network.MakeCode(request), own ? style : 0, net::Extent::kWhole);
+      for (const body::Pose& pose : poses) stream->Add(pose);
+      stream->End();
+      net::Prediction out;
+      for (std::size_t frame = 0; stream->Take(out); ++frame) {
+        if (const auto fault = Judge(poses[frame], out, worst)) {
+          return Refusal(name, network.model(), style, own, frame, poses.size(), *fault);
+        }
+      }
     }
   }
   if (figures != nullptr) *figures = worst;
@@ -194,6 +233,16 @@ Result<std::shared_ptr<const net::Stylizer>> Parse(std::span<const std::byte> by
   auto network = net::Parse(bytes, name);
   if (!network.ok()) return network;
   const Status status = Try(*network.value(), name);
+  if (!status.ok()) return status;
+  return network;
+}
+
+Result<net::AnyStylizer> LoadAny(const std::filesystem::path& file) {
+  auto network = net::LoadAny(file);
+  if (!network.ok()) return network;
+  const net::AnyStylizer& any = network.value();
+  const Status status =
+      any.clips ? Try(*any.clips, file.string()) : Try(*any.frames, file.string());
   if (!status.ok()) return status;
   return network;
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "model/base/status.h"
+#include "model/net/load.h"
 #include "model/net/stylizer.h"
 
 namespace styled::trial {
@@ -34,11 +35,13 @@ inline constexpr Figures kMost{1.8F, 1.8F, 1000.0F, 100.0F};
 // Tries `network`. The error names `name` (its file), style, frame, joint, what was expected and
 // what was found. `figures`, if given, is written on success only.
 Status Try(const net::Stylizer& network, const std::string& name, Figures* figures = nullptr);
+Status Try(const net::ClipStylizer& network, const std::string& name, Figures* figures = nullptr);
 
-// net::Load and net::Parse followed by the trial. Every program that runs a user's network uses
-// these.
+// net::Load, net::Parse and net::LoadAny followed by the trial. Every program that runs a user's
+// network uses these.
 Result<std::shared_ptr<const net::Stylizer>> Load(const std::filesystem::path& file);
 Result<std::shared_ptr<const net::Stylizer>> Parse(std::span<const std::byte> bytes,
                                                    const std::string& name);
+Result<net::AnyStylizer> LoadAny(const std::filesystem::path& file);
 
 }  // namespace styled::trial

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <set>
 
 #include "model/clip/clip.h"
 #include "tests/support/child.h"
 #include "tests/support/daemon.h"
 #include "tests/unit/net/erd/random_weights.h"
 #include "tests/unit/net/offset/weights.h"
+#include "tests/unit/net/stgcn/random_weights.h"
 
 namespace styled::support {
 namespace {
@@ -158,6 +160,142 @@ TEST_F(ToolsTest, StylizeRunsAConstantOffset) {
   }
   EXPECT_EQ(Run({STYLIZE_BINARY, "--weights", weights, "--style", "elderly", in, out}), 1);
   EXPECT_NE(said_.find("unknown style 'elderly'; expected one of neutral, bent, raised"),
+            std::string::npos)
+      << said_;
+}
+
+// Weights whose network needs whole clips, with the same program.
+class StylizeClips : public ToolsTest {
+ protected:
+  StylizeClips() {
+    WriteText(weights_, [] {
+      const std::vector<std::byte> bytes = stgcn::RandomWeights(4, 16, 1).Bytes();
+      return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    }());
+  }
+  // Runs stylize with these arguments in front of the files; what it wrote, or "".
+  std::string Stylize(std::vector<std::string> arguments, const std::string& in) {
+    arguments.insert(arguments.begin(), {STYLIZE_BINARY, "--weights", weights_});
+    arguments.insert(arguments.end(), {in, out_});
+    std::filesystem::remove(out_);
+    return Run(arguments) == 0 ? ReadText(out_) : "";
+  }
+  // The refusal of these arguments: nothing is written.
+  std::string Refusal(const std::vector<std::string>& arguments, const std::string& in) {
+    EXPECT_EQ(Stylize(arguments, in), "");
+    EXPECT_FALSE(std::filesystem::exists(out_));
+    return said_;
+  }
+
+  std::string weights_ = folder_ / "stgcn.safetensors", out_ = folder_ / "out.bvh";
+};
+
+TEST_F(StylizeClips, StylesByNameExampleNoiseAndMix) {
+  const std::string in = Walk("30", "4"), example = Walk("60", "3");
+  const std::string source = ReadText(in);
+  const std::string named = Stylize({"--style", "style2"}, in);
+  ASSERT_NE(named, "") << said_;
+  EXPECT_NE(named, source);
+  EXPECT_EQ(Stylize({"--style", "s2"}, in), named) << "the same twice, and by its alias";
+  std::set<std::string> all{named};
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"--style", "style2", "--strength", "0.5"},
+           {"--style", "style2", "--vary", "1"},
+           {"--style", "style2", "--vary", "2"},
+           {"--style", "style2", "--vary", "2", "--amount", "0.4"},
+           {"--like", example},
+           {"--like", example + "=0.7"},
+           {"--like", example, "--like", in},
+           {"--like", example + "=0.5", "--style", "style2=0.5"},
+           {"--style", "style2=0.5", "--mix", "style3=0.5"},
+           {"--style", "style2", "--input-style", "style1"},
+           {"--style", "neutral", "--input-style", "style1"},
+           {"--style", "style2", "--only", "arms"},
+           {"--style", "style2", "--absolute"},
+           {"--style", "style2", "--window", "overlapping", "--no-feet"}}) {
+    const std::string written = Stylize(arguments, in);
+    EXPECT_NE(written, "") << said_;
+    EXPECT_TRUE(all.insert(written).second) << testing::PrintToString(arguments);
+  }
+  EXPECT_EQ(Stylize({"--style", "style2", "--vary", "9", "--amount", "0"}, in), named);
+  EXPECT_EQ(Stylize({}, in), Stylize({"--style", "style2", "--strength", "0"}, in)) << "bypass";
+  EXPECT_EQ(Stylize({"--style", "neutral"}, in), Stylize({}, in));
+}
+
+TEST_F(StylizeClips, KeepsFramesAndRateOfAnyClip) {
+  for (const char* const rate_hz : {"10", "30", "50", "120"}) {
+    const std::string in = Walk(rate_hz, "2");
+    ASSERT_NE(Stylize({"--style", "style1"}, in), "") << said_;
+    const clip::Clip given = clip::ReadBvh(in).value(), styled = clip::ReadBvh(out_).value();
+    EXPECT_EQ(styled.frames.size(), given.frames.size());
+    EXPECT_EQ(styled.rate_hz, given.rate_hz);
+  }
+}
+
+TEST_F(StylizeClips, AnExampleOfAStyleIsCalledThat) {
+  const std::string in = Walk("30", "4");
+  ASSERT_NE(Stylize({"--like", in}, in), "") << said_;
+  EXPECT_NE(said_.find(in + ": nearest to "), std::string::npos) << said_;
+  EXPECT_NE(said_.find(" of the mean distance between styles"), std::string::npos) << said_;
+}
+
+TEST_F(StylizeClips, RefusesWhatItCannotDo) {
+  const std::string in = Walk("30", "3");
+  const auto refuses = [&](const std::vector<std::string>& arguments, const std::string& reason) {
+    const std::string said = Refusal(arguments, in);
+    EXPECT_NE(said.find(reason), std::string::npos) << said;
+  };
+  refuses({"--style", "zombie"},
+          "--style: unknown style 'zombie'; expected one of neutral, style1, style2, style3");
+  refuses({"--mix", "zombie=0.2"}, "--mix: unknown style 'zombie'");
+  refuses({"--from", "zombie", "--style", "style1"}, "--input-style: unknown style 'zombie'");
+  refuses({"--style", "style1=x"}, "--style: 'style1=x': expected STYLE=WEIGHT");
+  refuses({"--style", "style1=nan"}, "a weight is outside 0 to 1.5");
+  refuses({"--style", "style1", "--mix", "s1=0.1"}, "a style is named twice");
+  refuses({"--style", "style1", "--like", in}, "sum to more than 1.5");
+  refuses({"--style", "style1", "--strength", "2"}, "--strength is outside 0 to 1.5");
+  refuses({"--vary", "3"}, "--vary: expected --style or --mix, found none");
+  refuses({"--like", in + "=x"}, "--like: '" + in + "=x': expected CLIP or CLIP=WEIGHT");
+  refuses({"--like", folder_ / "none.bvh"}, "--like: " + std::string(folder_ / "none.bvh"));
+  refuses({"--style", "style1", "--parts", "tail"}, "--parts tail: expected");
+  refuses({"--style", "style1", "--window", "huge"}, "--window");
+  refuses({"--style", "style1", "--amount", "1"}, "--amount");
+
+  clip::Clip brief = clip::ReadBvh(in).value();
+  brief.frames.resize(7, rig::RigPose(brief.skeleton));
+  const std::string few = folder_ / "few.bvh";
+  ASSERT_TRUE(clip::WriteBvh(brief, few).ok());
+  EXPECT_NE(Refusal({"--style", "style1"}, few)
+                .find(few + ": found 7 frames at 30 Hz, expected "
+                            "at least 8"),
+            std::string::npos)
+      << said_;
+  refuses({"--like", few}, "--like: " + few + ": found 7 frames at 30 Hz, expected at least 8");
+}
+
+TEST_F(StylizeClips, WeightsWithoutAStyleEncoderAreNamed) {
+  const std::string in = Walk("30", "1");
+  offset::WriteTestWeights(weights_);
+  EXPECT_NE(Refusal({"--like", in}, in)
+                .find("--like: the weights of family \"constant-offset\" have no style encoder; "
+                      "expected weights of family \"st-gcn\""),
+            std::string::npos)
+      << said_;
+  EXPECT_NE(Refusal({"--style", "bent", "--vary", "1"}, in).find("--vary: the weights of family"),
+            std::string::npos)
+      << said_;
+  EXPECT_NE(Refusal({"--style", "bent", "--window", "whole"}, in).find("--window: the weights of"),
+            std::string::npos)
+      << said_;
+}
+
+TEST_F(StylizeClips, WildWeightsAreRefused) {
+  const std::string in = Walk("30", "1");
+  stgcn::WeightsFile wild = stgcn::RandomWeights(3, 16, 1);
+  for (float& value : wild.tensor("g.out.weight").values) value *= 1e38F;
+  const std::vector<std::byte> bytes = wild.Bytes();
+  WriteText(weights_, std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  EXPECT_NE(Refusal({"--style", "style1"}, in).find(weights_ + ": the trial run"),
             std::string::npos)
       << said_;
 }

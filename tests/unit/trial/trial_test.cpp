@@ -10,6 +10,7 @@
 #include "model/stylist/stylist.h"
 #include "model/synthetic/performer.h"
 #include "tests/unit/net/erd/random_weights.h"
+#include "tests/unit/net/stgcn/random_weights.h"
 
 namespace styled::trial {
 namespace {
@@ -140,9 +141,44 @@ TEST(TrialTest, WhateverPassesGivesASoundPoseInEveryFrame) {
   EXPECT_GT(refused, 0);
 }
 
+// Networks that need whole clips are tried on the same performer, with the same bounds.
+TEST(TrialTest, RandomWeightsOfAClipNetworkPassAndWildOnesAreRefused) {
+  Figures worst;
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto any = net::ParseAny(stgcn::RandomWeights(3, 16, seed).Bytes(), "random");
+    ASSERT_TRUE(any.ok()) << any.status().message();
+    Figures figures;
+    const Status status = Try(*any.value().clips, "random", &figures);
+    ASSERT_TRUE(status.ok()) << seed << ": " << status.message();
+    worst.reconstruction_rad = std::max(worst.reconstruction_rad, figures.reconstruction_rad);
+    worst.change_rad = std::max(worst.change_rad, figures.change_rad);
+  }
+  std::printf("random st-gcn: reconstruction %.2f rad, change %.2f rad\n", worst.reconstruction_rad,
+              worst.change_rad);
+  EXPECT_GT(worst.change_rad, 0.01F);
+
+  const auto refusal = [](const std::string& tensor, std::size_t from, std::size_t to, float by) {
+    stgcn::WeightsFile file = stgcn::RandomWeights(3, 16, 1);
+    std::vector<float>& values = file.tensor(tensor).values;
+    for (std::size_t i = from; i < std::min(to, values.size()); ++i) values[i] *= by;
+    const auto any = net::ParseAny(file.Bytes(), "wild");
+    return any.ok() ? Try(*any.value().clips, "wild").message() : any.status().message();
+  };
+  constexpr std::size_t kAll = 1U << 30;
+  EXPECT_THAT(refusal("g.dec2.tconv2.weight", 0, kAll, 1e38F),
+              AllOf(StartsWith("wild: the trial run on the built-in performer failed: style "
+                               "'neutral', frame 0 of 105, joint "),
+                    HasSubstr("expected a rotation of length 1, found ")));
+  // Only the second domain's codes.
+  EXPECT_THAT(refusal("codes.mean", 64, 128, 1e38F), HasSubstr("style 'style1', frame 0 of"));
+  EXPECT_THAT(refusal("e.heads.weight", 2UL * 64 * 64, kAll, 1e38F),
+              HasSubstr("style 'style2' as the performer's own, frame 0 of"));
+}
+
 TEST(TrialTest, AFileIsTriedAsItIsLoaded) {
   EXPECT_THAT(Load("no/such/weights").status().message(), HasSubstr("no/such/weights"));
   EXPECT_TRUE(Load(STYLED_SHIPPED "/v1.safetensors").ok());
+  EXPECT_TRUE(LoadAny(STYLED_SHIPPED "/v1.safetensors").ok());
 }
 
 }  // namespace

@@ -1,0 +1,162 @@
+#include "model/net/stgcn/graph_conv.h"
+
+#include <cassert>
+
+namespace styled::stgcn {
+namespace {
+
+using net::RowMajor;
+using net::RowMixture;
+using net::RowTerm;
+
+void Pack(const Eigen::Ref<const RowMajor>& from, std::size_t term, net::PackedColumns& to) {
+  for (int column = 0; column < from.rows(); ++column) {
+    for (int channel = 0; channel < from.cols(); ++channel) {
+      to.At(term, column, channel) = from(column, channel);
+    }
+  }
+}
+
+int CountRows(const Eigen::MatrixXf& matrix) {
+  return static_cast<int>((matrix.array() != 0).rowwise().any().count());
+}
+
+}  // namespace
+
+GraphConv::GraphConv(const std::array<Eigen::MatrixXf, kLabelCount>& mixing, const RowMajor& weight,
+                     const Eigen::VectorXf& bias, const RowMajor& node_bias)
+    : in_nodes_(static_cast<int>(mixing[0].rows())),
+      out_nodes_(static_cast<int>(mixing[0].cols())),
+      in_channels_(static_cast<int>(weight.cols())),
+      out_channels_(static_cast<int>(weight.rows()) / kLabelCount),
+      constant_(static_cast<std::size_t>(out_nodes_ * out_channels_)) {
+  assert(in_channels_ % net::kRowPanel == 0 && out_channels_ % net::kRowPanel == 0);
+  const std::array<int, 1> depth{in_channels_};
+  const std::array<int, kLabelCount> depths{in_channels_, in_channels_, in_channels_};
+  Eigen::Map<RowMajor> constant(constant_.data(), out_nodes_, out_channels_);
+  constant = node_bias;
+  together_ = true;
+  std::array<bool, kLabelCount> is_before;
+  for (std::size_t k = 0; k < kLabelCount; ++k) {
+    const Eigen::MatrixXf& m = mixing[k];
+    const auto block =
+        weight.middleRows(static_cast<Eigen::Index>(k) * out_channels_, out_channels_);
+    constant +=
+        m.colwise().sum().transpose() *
+        bias.segment(static_cast<Eigen::Index>(k) * out_channels_, out_channels_).transpose();
+    const int sources = CountRows(m), targets = CountRows(m.transpose());
+    is_before[k] = targets < sources;
+    together_ = together_ && is_before[k] && targets == out_nodes_;
+    OneLabel& label = labels_[k];
+    label.weight = net::PackedColumns(depth, out_channels_);
+    Pack(block, 0, label.weight);
+    label.rows = is_before[k] ? targets : sources;
+    if (!is_before[k] && sources == in_nodes_) continue;
+    const Eigen::MatrixXf rows = is_before[k] ? Eigen::MatrixXf(m.transpose()) : m;
+    for (int row = 0; row < rows.rows(); ++row) {
+      if (!(rows.row(row).array() != 0).any()) continue;
+      if (is_before[k]) {
+        for (int j = 0; j < rows.cols(); ++j) {
+          if (rows(row, j) != 0) label.before.parts.push_back({0, j, rows(row, j)});
+        }
+      } else {
+        label.before.parts.push_back({0, row, 1.0F});
+      }
+      label.before.EndRow();
+    }
+  }
+  if (together_) {
+    all_ = net::PackedColumns(depths, out_channels_);
+    for (std::size_t k = 0; k < kLabelCount; ++k) {
+      Pack(weight.middleRows(static_cast<Eigen::Index>(k) * out_channels_, out_channels_), k, all_);
+      labels_[k].weight = {};
+    }
+    return;
+  }
+  // Which row of a label's product belongs to a node.
+  std::array<std::vector<int>, kLabelCount> row_of;
+  for (std::size_t k = 0; k < kLabelCount; ++k) {
+    const Eigen::MatrixXf rows = is_before[k] ? Eigen::MatrixXf(mixing[k].transpose()) : mixing[k];
+    int next = 0;
+    for (int row = 0; row < rows.rows(); ++row) {
+      row_of[k].push_back((rows.row(row).array() != 0).any() ? next++ : -1);
+    }
+  }
+  for (int i = 0; i < out_nodes_; ++i) {
+    for (std::size_t k = 0; k < kLabelCount; ++k) {
+      const int input = static_cast<int>(k);
+      if (is_before[k]) {
+        const int row = row_of[k][static_cast<std::size_t>(i)];
+        if (row >= 0) after_.parts.push_back({input, row, 1.0F});
+        continue;
+      }
+      for (int j = 0; j < in_nodes_; ++j) {
+        if (mixing[k](j, i) == 0) continue;
+        after_.parts.push_back({input, row_of[k][static_cast<std::size_t>(j)], mixing[k](j, i)});
+      }
+    }
+    after_.EndRow();
+  }
+}
+
+// One product of three terms per row of y.
+void GraphConv::RunTogether(const net::RowKernels& kernels, const float* x, int frames, bool relu,
+                            float* y, GraphScratch& scratch) const {
+  const RowMixture::Input input{x, std::ptrdiff_t{in_nodes_} * in_channels_};
+  std::array<RowTerm, kLabelCount> terms;
+  for (std::size_t k = 0; k < kLabelCount; ++k) {
+    const Sparse& before = labels_[k].before;
+    scratch.mixed[k].Grow(static_cast<std::size_t>(frames * out_nodes_ * in_channels_));
+    kernels.mix({before.begins,
+                 before.parts,
+                 {&input, 1},
+                 frames,
+                 in_channels_,
+                 nullptr,
+                 false,
+                 scratch.mixed[k].data()});
+    terms[k] = {scratch.mixed[k].data(), in_channels_};
+  }
+  kernels.product({&all_, terms, frames * out_nodes_, constant_.data(), out_nodes_, nullptr, relu,
+                   y, out_channels_});
+}
+
+void GraphConv::Run(const net::RowKernels& kernels, const float* x, int frames, bool relu, float* y,
+                    GraphScratch& scratch) const {
+  if (together_) return RunTogether(kernels, x, frames, relu, y, scratch);
+  const RowMixture::Input input{x, std::ptrdiff_t{in_nodes_} * in_channels_};
+  std::array<RowMixture::Input, kLabelCount> products;
+  for (std::size_t k = 0; k < kLabelCount; ++k) {
+    const OneLabel& label = labels_[k];
+    const int rows = frames * label.rows;
+    const float* from = x;
+    if (label.before.rows() > 0) {
+      scratch.mixed[k].Grow(static_cast<std::size_t>(rows * in_channels_));
+      kernels.mix({label.before.begins,
+                   label.before.parts,
+                   {&input, 1},
+                   frames,
+                   in_channels_,
+                   nullptr,
+                   false,
+                   scratch.mixed[k].data()});
+      from = scratch.mixed[k].data();
+    }
+    scratch.product[k].Grow(static_cast<std::size_t>(rows * out_channels_));
+    const RowTerm term{from, in_channels_};
+    kernels.product({&label.weight,
+                     {&term, 1},
+                     rows,
+                     nullptr,
+                     1,
+                     nullptr,
+                     false,
+                     scratch.product[k].data(),
+                     out_channels_});
+    products[k] = {scratch.product[k].data(), std::ptrdiff_t{label.rows} * out_channels_};
+  }
+  kernels.mix(
+      {after_.begins, after_.parts, products, frames, out_channels_, constant_.data(), relu, y});
+}
+
+}  // namespace styled::stgcn

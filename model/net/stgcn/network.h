@@ -1,0 +1,95 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "model/base/status.h"
+#include "model/net/kernels/rows.h"
+#include "model/net/stgcn/features.h"
+#include "model/net/stgcn/graph_conv.h"
+#include "model/net/stgcn/time_conv.h"
+#include "model/net/stylizer.h"
+
+namespace styled::net {
+struct WeightsFile;
+}
+
+namespace styled::stgcn {
+
+inline constexpr int kCode = 64;          // numbers in a style code
+inline constexpr int kNoise = 16;         // numbers that the mapping network takes
+inline constexpr int kReference = 64;     // frames that the style encoder takes
+inline constexpr int kReferenceHop = 16;  // between the windows of a longer reference
+inline constexpr int kLeastFrames = 8;    // of a clip
+inline constexpr int kFreeHead = -1;      // the head of the style encoder that needs no domain
+
+// A style: what the decoder's normalizations are computed from. The style encoder's are unbounded;
+// the mapping network's lie in (-1, 1).
+using Code = Eigen::Matrix<float, kCode, 1>;
+using Noise = Eigen::Matrix<float, kNoise, 1>;  // standard normal
+
+// Memory of one thread's calls; grows with the longest clip, about 150 kB per frame at width 64.
+struct Scratch {
+  net::AlignedFloats frames, block, skip, pooled, interpolated, time1, time2, between, out[2];
+  GraphScratch graph;
+  TimeScratch time;
+};
+
+// The networks of Park et al. 2021 (FORMAT.md): the generator, here in two halves, the style
+// encoder and the mapping network. Features go in and come out in their units (features.h); the
+// networks see them standardized. Immutable; shared by all threads, each with its own scratch.
+// Allocates; not for live streams. Pinned by tests/unit/net/stgcn and tests/parity.
+class Network {
+ public:
+  // Reads the file format of model/net/stgcn/FORMAT.md. Errors name the file, the tensor or key,
+  // what was expected and what was found.
+  static Result<std::shared_ptr<const Network>> Load(const std::filesystem::path& file);
+  static Result<std::shared_ptr<const Network>> Parse(std::span<const std::byte> bytes,
+                                                      const std::string& name);
+  // The same for a file whose common keys are already read; consumes its tensors.
+  static Result<std::shared_ptr<const Network>> Read(net::WeightsFile& file);
+  ~Network();
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+
+  const net::Model& model() const { return model_; }
+  const FeatureParameters& features() const { return features_; }
+  int width() const;
+  int domain_count() const { return static_cast<int>(model_.styles.size()); }
+
+  // The generator's encoding of a clip: what is decoded in any style.
+  struct Content {
+    int frames = 0;             // of the clip
+    net::AlignedFloats values;  // [frames / 4 rounded up, 5, 4 width]
+  };
+  // `clip`: at least kLeastFrames. A length that 4 does not divide is filled up with its last
+  // frame. All normalizations are over the whole clip.
+  void Encode(std::span<const Features> clip, Content& content, Scratch& scratch) const;
+  // out: content.frames features. Rotations are not of length 1; the hips' x and z are 0.
+  void Decode(const Content& content, const Code& code, std::span<Features> out,
+              Scratch& scratch) const;
+
+  // The code of a reference clip by the head of `domain` (0 .. domain_count() - 1), or by
+  // kFreeHead. A clip of more than kReference frames: the mean over its windows, kReferenceHop
+  // apart; of fewer: both ends are repeated. Not empty.
+  Code EncodeStyle(std::span<const Features> clip, int domain, Scratch& scratch) const;
+
+  // The mapping network: a code of `domain`.
+  Code MapNoise(const Noise& noise, int domain) const;
+
+  // The mean code of the domain's training clips.
+  const Code& mean_code(int domain) const;
+
+ private:
+  struct Weights;
+  Network();
+  net::Model model_;
+  FeatureParameters features_;
+  std::unique_ptr<Weights> weights_;
+};
+
+}  // namespace styled::stgcn

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/base/status.h"
+#include "model/body/parts.h"
+#include "model/clip/clip.h"
+#include "model/net/clip_stylizer.h"
+#include "model/net/styles.h"
+#include "model/stylist/clip_stylist.h"
+#include "model/stylist/settings.h"
+
+// What the sources of the program stylize share.
+namespace styled::stylize {
+
+struct Arguments {
+  std::string style;
+  float strength = 1.0F;
+  std::vector<std::string> mix;
+  std::vector<std::string> like;      // clips that are examples of the style
+  std::optional<std::uint64_t> vary;  // seed of the variation of every style named
+  float amount = 1.0F;                // of that variation
+  std::string window = "auto";        // a row of kWindows
+  std::string parts = "all";          // parts of the body to style
+  std::string input_style;            // the style that the performer moves in
+  bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
+  std::string weights, rig = "auto", avatar, in, out;
+};
+
+struct Window {
+  const char* word;
+  net::Extent extent;
+};
+inline constexpr Window kWindows[] = {{"auto", net::Extent::kByLength},
+                                      {"whole", net::Extent::kWhole},
+                                      {"overlapping", net::Extent::kWindows}};
+
+// "a, b, c"
+std::string StyleNames(const net::Styles& styles);
+// Parses "S=A" or "S"; errors name the option.
+Result<net::StyleWeight> FindWeighted(const net::Styles& styles, const std::string& text,
+                                      const char* option);
+// The style that the performer moves in, 0 where the arguments name none.
+Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles);
+Result<body::Parts> FindParts(const Arguments& arguments);
+const char* Explain(stylist::SettingsError error);
+
+// What the arguments ask of a network that needs whole clips. Reads the examples, and prints how
+// far each is from the styles that the network knows.
+Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
+                                          const net::ClipStylizer& network);
+// Whether a clip has the frames that the network needs; the error names its file.
+Status CheckLength(const clip::Clip& clip, const std::string& file,
+                   const net::ClipStylizer& network);
+// The first argument that only such a network can serve; `family` is that of one that cannot.
+Status RefuseClipArguments(const Arguments& arguments, const std::string& family);
+
+}  // namespace styled::stylize

@@ -1,0 +1,185 @@
+// The arguments of stylize for networks that need whole clips: styles from examples, variations
+// and mixes of both.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+#include "model/base/text.h"
+#include "model/clip/clip.h"
+#include "model/net/load.h"
+#include "model/rig/dialects.h"
+#include "model/tools/stylize.h"
+
+namespace styled::stylize {
+namespace {
+
+// An example of a style, as --like names it.
+struct Example {
+  std::string file;
+  float weight = 1;
+  std::vector<body::Pose> poses;  // at the network's rate
+};
+
+// Parses "CLIP=A" or "CLIP". A file that exists may have an equals sign in its name. Without a
+// weight, examples share one equally.
+Result<Example> ParseExample(const std::string& text, std::size_t count) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos || std::filesystem::exists(text)) {
+    return Example{text, 1.0F / static_cast<float>(count), {}};
+  }
+  const std::string number = text.substr(equals + 1);
+  char* end = nullptr;
+  const float weight = std::strtof(number.c_str(), &end);
+  if (number.empty() || *end != '\0') {
+    return Status::Error("--like: '" + text + "': expected CLIP or CLIP=WEIGHT");
+  }
+  return Example{text.substr(0, equals), weight, {}};
+}
+
+// How many poses of the network's rate a clip has.
+std::size_t NetworkFrames(const clip::Clip& clip, float rate_hz) {
+  const double duration_s = static_cast<double>(clip.frames.size() - 1) / clip.rate_hz;
+  return static_cast<std::size_t>(duration_s * static_cast<double>(rate_hz) + 1e-6) + 1;
+}
+
+Result<Example> ReadExample(const std::string& text, std::size_t count, const std::string& rig,
+                            const net::ClipStylizer& network) {
+  auto example = ParseExample(text, count);
+  if (!example.ok()) return example;
+  const auto error = [&example](const std::string& what) {
+    return Status::Error("--like: " + what);
+  };
+  const std::string& file = example.value().file;
+  const auto clip = clip::ReadBvh(file);
+  if (!clip.ok()) return error(clip.status().message());
+  const auto bound = rig::BindDialect(clip.value().skeleton, rig);
+  if (!bound.ok()) return error(file + ": " + bound.status().message());
+  const Status length = CheckLength(clip.value(), file, network);
+  if (!length.ok()) return error(length.message());
+  example.value().poses =
+      clip::ResamplePoses(clip::ToCanonical(clip.value(), bound.value()), clip.value().rate_hz,
+                          static_cast<double>(network.model().rate_hz));
+  return example;
+}
+
+// Says how near an example is to what the network was trained on.
+void PrintNearest(const Example& example, const net::ClipStylizer& network) {
+  constexpr float kFar = 1;  // as far as styles are from each other
+  net::StyleRequest alone;
+  alone.sources.push_back({-1, {}, example.poses, 1});
+  const net::NearestStyle nearest = network.Nearest(network.MakeCode(alone));
+  const auto& style = network.model().styles[static_cast<std::size_t>(nearest.style)];
+  std::fprintf(stderr, "stylize: %s: nearest to %s, at %s of the mean distance between styles%s\n",
+               example.file.c_str(), style.name.c_str(), NumberText(nearest.distance, 2).c_str(),
+               nearest.distance > kFar ? ": unlike all styles that these weights know" : "");
+}
+
+// The named styles of the arguments, each once.
+Status AddNamed(const Arguments& arguments, const net::Styles& styles, int input_style,
+                net::StyleRequest& request) {
+  std::vector<std::pair<const char*, std::string>> named;
+  if (!arguments.style.empty()) named.emplace_back("--style", arguments.style);
+  for (const std::string& one : arguments.mix) named.emplace_back("--mix", one);
+  if (named.size() > net::kMaxMix) {
+    return Status::Error("--mix: more than " + std::to_string(net::kMaxMix) + " styles");
+  }
+  if (named.empty() && arguments.vary) {
+    return Status::Error(
+        "--vary: expected --style or --mix, found none: a variation is of a style");
+  }
+  std::set<int> known;
+  for (const auto& [option, text] : named) {
+    const auto found = FindWeighted(styles, text, option);
+    if (!found.ok()) return found.status();
+    const auto [style, weight] = found.value();
+    if (!known.insert(style).second) {
+      return Status::Error(Explain(stylist::SettingsError::kDuplicateStyle));
+    }
+    // Neutral alone asks for nothing, unless the performer's own style is to go.
+    if (style == 0 && input_style == 0 && !arguments.vary) continue;
+    request.sources.push_back({style, arguments.vary, {}, weight});
+  }
+  return Status::Ok();
+}
+
+// The weight that all sources together have.
+Result<float> CheckWeights(const net::StyleRequest& request) {
+  using Error = stylist::SettingsError;
+  const auto within = [](float value) { return value >= 0 && value <= net::kMaxStrength; };
+  float sum = 0;
+  for (const net::StyleSource& source : request.sources) {
+    if (!within(source.weight)) return Status::Error(Explain(Error::kWeight));
+    sum += source.weight;
+  }
+  if (!within(request.strength)) return Status::Error(Explain(Error::kStrength));
+  constexpr float kRounding = 1e-5F;  // of shares like 1/3
+  if (sum * std::max(1.0F, request.strength) > net::kMaxStrength + kRounding) {
+    return Status::Error(Explain(Error::kSum));
+  }
+  return std::min(sum * request.strength, net::kMaxStrength);
+}
+
+}  // namespace
+
+Status CheckLength(const clip::Clip& clip, const std::string& file,
+                   const net::ClipStylizer& network) {
+  const float rate_hz = network.model().rate_hz;
+  const std::size_t frames = NetworkFrames(clip, rate_hz);
+  const auto least = static_cast<std::size_t>(network.least_frames());
+  if (frames >= least) return Status::Ok();
+  return Status::Error(file + ": found " + std::to_string(frames) + " frames at " +
+                       NumberText(rate_hz) + " Hz, expected at least " + std::to_string(least));
+}
+
+Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
+                                          const net::ClipStylizer& network) {
+  const net::Styles& styles = network.model().styles;
+  stylist::ClipStyle style;
+  style.absolute = arguments.absolute;
+  const auto parts = FindParts(arguments);
+  if (!parts.ok()) return parts.status();
+  style.parts = parts.value();
+  const auto input_style = FindInputStyle(arguments, styles);
+  if (!input_style.ok()) return input_style.status();
+  style.input_style = input_style.value();
+  for (const Window& window : kWindows) {
+    if (arguments.window == window.word) style.extent = window.extent;
+  }
+
+  net::StyleRequest request;
+  request.strength = arguments.strength;
+  request.amount = arguments.amount;
+  const Status named = AddNamed(arguments, styles, style.input_style, request);
+  if (!named.ok()) return named;
+  std::vector<Example> examples;
+  for (const std::string& text : arguments.like) {
+    auto example = ReadExample(text, arguments.like.size(), arguments.rig, network);
+    if (!example.ok()) return example.status();
+    examples.push_back(std::move(example.value()));
+  }
+  for (const Example& example : examples) {
+    request.sources.push_back({-1, {}, example.poses, example.weight});
+  }
+  const auto weight = CheckWeights(request);
+  if (!weight.ok()) return weight.status();
+  for (const Example& example : examples) PrintNearest(example, network);
+  style.weight = weight.value();
+  style.code = network.MakeCode(request);
+  return style;
+}
+
+Status RefuseClipArguments(const Arguments& arguments, const std::string& family) {
+  const auto refusal = [&family](const std::string& option, const std::string& what) {
+    return Status::Error(option + ": the weights of family \"" + family + "\" have no " + what +
+                         "; expected weights of family " + net::ClipFamilyNames());
+  };
+  if (!arguments.like.empty()) return refusal("--like", "style encoder");
+  if (arguments.vary) return refusal("--vary", "variations of a style");
+  if (arguments.window != kWindows[0].word) return refusal("--window", "windows");
+  return Status::Ok();
+}
+
+}  // namespace styled::stylize

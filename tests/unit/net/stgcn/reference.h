@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "tests/unit/net/stgcn/random_weights.h"
+
+// The networks of FORMAT.md a second time, as plain loops in double: every layer in the order in
+// which the equations have it, with dense adjacency, nothing folded, nothing left out. Slow.
+namespace styled::stgcn {
+
+// Frame, node, channel; features standardized.
+using Clip = std::vector<std::vector<std::vector<double>>>;
+
+class Reference {
+ public:
+  explicit Reference(const WeightsFile& file) : file_(file) {}
+
+  Clip Standardized(const std::vector<Features>& clip) const;
+  // The clip in the style of `code`, in features' units. Any length.
+  std::vector<Features> Generate(const std::vector<Features>& clip, const Code& code) const;
+  // The code of exactly kReference frames.
+  Code EncodeStyle(const std::vector<Features>& clip, int domain) const;
+  Code MapNoise(const Noise& noise, int domain) const;
+
+ private:
+  struct Tensor {
+    const net::NamedTensor& of;
+    double operator()(std::size_t a, std::size_t b = 0, std::size_t c = 0, std::size_t d = 0) const;
+  };
+  Tensor Get(const std::string& name) const { return {file_.tensor(name)}; }
+  std::size_t Channels(const std::string& name) const;
+
+  Clip Linear(const Clip& x, const std::string& name) const;
+  Clip GraphConvolution(const Clip& x, const std::string& name, int level) const;
+  Clip TimeConvolution(const Clip& x, const std::string& name) const;
+  Clip Normalized(const Clip& x, const std::vector<double>& scale,
+                  const std::vector<double>& shift) const;
+  Clip InstanceNorm(const Clip& x, const std::string& name) const;
+  Clip AdaIn(const Clip& x, const std::string& name, const Code& code) const;
+  Clip Encoder(const Clip& x, const std::string& name, int level, bool norms) const;
+  Clip Decoder(const Clip& x, const std::string& name, int level, const Code& code) const;
+  std::vector<double> Dense(const std::vector<double>& x, const std::string& name) const;
+
+  const WeightsFile& file_;
+};
+
+}  // namespace styled::stgcn
