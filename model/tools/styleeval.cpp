@@ -11,6 +11,7 @@
 
 #include "model/tools/number.h"
 #include "model/train/blas.h"
+#include "model/train/judge/judge_clip_restyler.h"
 #include "model/train/judge/judge_details.h"
 #include "model/train/judge/judge_provenance.h"
 
@@ -60,22 +61,45 @@ void PrintJudgesOnReal(const judge::Evaluator& evaluator, int window) {
       content.worst, evaluator.CellName(content.worst_cell).c_str());
 }
 
+// What the weights make of the inputs in one way.
+struct Styled {
+  const char* key;      // in JSON
+  const char* title;    // of its table
+  const char* heading;  // of its column
+  std::vector<judge::Transferred> clips;
+};
+
 // The clips that are judged, and those that they are compared with.
 struct Outputs {
-  std::vector<judge::Transferred> styled;  // empty without weights
+  std::vector<Styled> styled;  // the main one last; empty without weights
   std::vector<judge::Transferred> offset, offset_per_content;
-
-  // What the report is about.
-  const std::vector<judge::Transferred>& main() const { return styled.empty() ? offset : styled; }
-  const char* title() const { return styled.empty() ? "constant offset" : "styled"; }
 };
+
+std::vector<Styled> StyleBy(const judge::AnyStyler& styler, const judge::Data& data,
+                            const stylist::Options& options) {
+  std::vector<Styled> styled;
+  if (styler.frames) {
+    styled.push_back({"styled", "styled (detail-preserving, as live)", "styled",
+                      judge::Style(data, *styler.frames, options, false)});
+    return styled;
+  }
+  const auto by = [&](judge::CodeFrom from) {
+    return judge::Restyle(data, *styler.clips, judge::TargetsOf(data, from));
+  };
+  styled.push_back(
+      {"mean", "styled by the mean code of each style", "mean code", by(judge::CodeFrom::kMean)});
+  styled.push_back({"noise", "styled by noise", "noise", by(judge::CodeFrom::kNoise)});
+  styled.push_back({"styled", "styled by example clips of each style", "examples",
+                    by(judge::CodeFrom::kReference)});
+  return styled;
+}
 
 // What the report is about first, then what it is compared with.
 void JudgeOutputs(EvalSession& session, const judge::Comparison& comparison,
                   const Outputs& outputs) {
   const judge::Data& data = session.data;
-  if (!outputs.styled.empty()) {
-    Report(session, "styled", "styled (detail-preserving, as live)", outputs.styled);
+  for (const Styled& styled : outputs.styled) {
+    Report(session, styled.key, styled.title, styled.clips);
   }
   std::vector<judge::Compared> sets;
   sets.push_back(comparison.OfReal("real", "real clips", data.validation));
@@ -83,14 +107,17 @@ void JudgeOutputs(EvalSession& session, const judge::Comparison& comparison,
   sets.push_back(
       comparison.OfStyled("offset_per_content", "offset per content", outputs.offset_per_content));
   sets.push_back(comparison.OfStyled("offset", "constant offset", outputs.offset));
-  if (!outputs.styled.empty()) {
-    sets.push_back(comparison.OfStyled("styled", "styled", outputs.styled));
+  for (const Styled& styled : outputs.styled) {
+    sets.push_back(comparison.OfStyled(styled.key, styled.heading, styled.clips));
   }
   judge::Print(data.manifest, sets);
   session.json["judges"] = judge::ToJson(data.manifest, sets);
   session.json["warnings"] = judge::WeakJudges(data.manifest, sets.front());
 
-  const judge::Details details = judge::MeasureDetails(data, outputs.title(), outputs.main());
+  const judge::Details details =
+      outputs.styled.empty()
+          ? judge::MeasureDetails(data, "constant offset", outputs.offset)
+          : judge::MeasureDetails(data, outputs.styled.back().heading, outputs.styled.back().clips);
   judge::Print(data.manifest, details);
   session.json["details"] = judge::ToJson(data.manifest, details);
   Report(session, "baseline", "baseline (a constant rotation per joint)", outputs.offset);
@@ -101,8 +128,9 @@ void JudgeOutputs(EvalSession& session, const judge::Comparison& comparison,
 Status WriteResults(const EvalSession& session, const Outputs& outputs) {
   const EvalArguments& arguments = session.arguments;
   if (!arguments.report.empty()) {
-    std::vector<judge::Scene> scenes =
-        judge::ScenesOf(session.data, outputs.offset, outputs.styled);
+    std::vector<judge::Scene> scenes = judge::ScenesOf(
+        session.data, outputs.offset,
+        outputs.styled.empty() ? std::vector<judge::Transferred>() : outputs.styled.back().clips);
     scenes.insert(scenes.end(), session.scenes.begin(), session.scenes.end());
     const Status written =
         judge::WriteReport({.weights = std::filesystem::path(arguments.weights).filename().string(),
@@ -126,9 +154,20 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   const judge::Data& data = loaded.value();
   if (!arguments.write_offset.empty()) return judge::WriteBaseline(data, arguments.write_offset);
   const bool with_weights = !arguments.weights.empty();
-  auto styler = with_weights ? judge::LoadStyler(arguments.weights, data.manifest)
-                             : Result<judge::Styler>(judge::Styler{});
-  if (!styler.ok()) return styler.status();
+  judge::AnyStyler styler;
+  if (with_weights) {
+    auto read = judge::LoadAnyStyler(arguments.weights, data.manifest, arguments.stylist,
+                                     arguments.absolute);
+    if (!read.ok()) return read.status();
+    styler = std::move(read.value());
+  }
+  const bool asks_for_live = arguments.robust || arguments.rates || arguments.styled_inputs ||
+                             arguments.foreign || !arguments.clips.empty();
+  if (styler.clips && asks_for_live) {
+    return Status::Error(arguments.weights +
+                         ": needs whole clips; --robust, --rates, --styled-inputs, --foreign and "
+                         "--clips judge networks that run live");
+  }
 
   const nlohmann::json provenance =
       judge::Provenance(command, data, arguments.judges, arguments.weights);
@@ -146,14 +185,14 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
                   {"glossary", judge::Glossary()}};
 
   Outputs outputs;
-  if (with_weights) outputs.styled = judge::Style(data, styler.value(), arguments.stylist, false);
+  if (with_weights) outputs.styled = StyleBy(styler, data, arguments.stylist);
   outputs.offset = judge::ApplyBaseline(data);
   outputs.offset_per_content = judge::ApplyBaseline(data, judge::OffsetPer::kContent);
   const judge::Comparison comparison(data.manifest, judges.value(), parts.value(), data.judge);
   JudgeOutputs(session, comparison, outputs);
   if (arguments.synthetic) JudgeSynthetic(session);
-  if (with_weights) {
-    const Status judged = JudgeConditions(session, styler.value());
+  if (styler.frames) {
+    const Status judged = JudgeConditions(session, *styler.frames);
     if (!judged.ok()) return judged;
   }
   judge::PrintGlossary();
@@ -192,7 +231,9 @@ int main(int argc, char** argv) {
                  "Judge also after so many seconds of continuous state; 0: do not")
       ->check(styled::Number(0, 86400))
       ->capture_default_str();
-  app.add_flag("--absolute", arguments.absolute, "Judge the paper's absolute output, too");
+  app.add_flag("--absolute", arguments.absolute,
+               "Judge the paper's absolute output, too; instead, where the network needs whole "
+               "clips");
   app.add_flag("--robust", arguments.robust, "Judge inputs as live rigs spoil them, too");
   app.add_flag("--rates", arguments.rates, "Judge rigs of 24 to 240 Hz, too");
   app.add_flag("--styled-inputs", arguments.styled_inputs,

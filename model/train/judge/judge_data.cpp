@@ -177,21 +177,25 @@ Result<PartJudges> TrainPartJudges(const Data& data, const JudgeSettings& settin
                                  JudgeKey(data, settings) + "-" + kPartRecipe);
 }
 
+Result<std::vector<int>> StylesOf(const net::Styles& styles, const clip::Manifest& manifest) {
+  std::vector<int> style_of;
+  bool found = false;
+  for (const clip::ManifestStyle& style : manifest.styles) {
+    const int index = net::FindStyle(styles, style.name);
+    style_of.push_back(index > 0 ? index : kAbsent);
+    found = found || index > 0;
+  }
+  if (!found) return Status::Error("has none of the manifest's styles besides neutral");
+  return style_of;
+}
+
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest) {
   auto network = trial::Load(weights);
   if (!network.ok()) return network.status();
-  Styler styler{
-      network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()), {}, 0};
-  int found = 0;
-  for (const clip::ManifestStyle& style : manifest.styles) {
-    const int index = net::FindStyle(styler.network->model().styles, style.name);
-    styler.style_of.push_back(index > 0 ? index : kAbsent);
-    found += index > 0 ? 1 : 0;
-  }
-  if (found == 0) {
-    return Status::Error(weights.string() + ": has none of the manifest's styles besides neutral");
-  }
-  return styler;
+  auto style_of = StylesOf(network.value()->model().styles, manifest);
+  if (!style_of.ok()) return Status::Error(weights.string() + ": " + style_of.status().message());
+  return Styler{network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()),
+                std::move(style_of.value()), 0};
 }
 
 std::vector<Transferred> Style(const Data& data, const Styler& styler,

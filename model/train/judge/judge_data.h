@@ -44,6 +44,8 @@ struct Styler {
   std::vector<int> style_of;  // manifest style -> network style, or kAbsent, as for neutral
   int input_style = 0;        // the style number that the network is given for the inputs
 };
+// The network's number of each style of the manifest. An error if it has none but neutral.
+Result<std::vector<int>> StylesOf(const net::Styles& styles, const clip::Manifest& manifest);
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest);
 
 // What a constant offset depends on: the style, or the style and the content, which only an offline

@@ -16,8 +16,9 @@ namespace styled::judge {
 // the style's mean. Not both.
 struct Target {
   int style = 0;
-  std::vector<std::span<const body::Pose>> references;
-  std::optional<std::uint64_t> noise;
+  std::vector<std::span<const body::Pose>> references = {};
+  bool labelled = true;  // whether the network is told the references' style
+  std::optional<std::uint64_t> noise = {};
 };
 
 // A network that restyles whole clips, which a stylist, frame by frame, cannot run. The judges see
@@ -27,7 +28,9 @@ class Restyler {
   virtual ~Restyler() = default;
   // Whether it can make this style of the manifest.
   virtual bool Has(int style) const = 0;
-  // `clip` and the result are canonical poses at kJudgeRate_hz, frame for frame, as they would be
+  // The rate of the clips that it takes and makes: kStreamRate_hz or kJudgeRate_hz.
+  virtual double rate_hz() const = 0;
+  // `clip` and the result are canonical poses at rate_hz(), frame for frame, as they would be
   // published.
   virtual Poses Restyle(std::span<const body::Pose> clip, const Target& target) const = 0;
 };
@@ -36,5 +39,12 @@ class Restyler {
 // Outputs are converted to kStreamRate_hz; spans in the result point into `data`.
 std::vector<Transferred> Restyle(const Data& data, const Restyler& restyler,
                                  const std::function<Target(int input, int style)>& target);
+
+// Targets for Restyle: each style's mean; a noise of its own for each input and style; a clip of
+// the style as the example, drawn from those of `data.validation` that have 64 frames or more, or
+// from all where none has. Deterministic. The result refers to `data`.
+enum class CodeFrom { kMean, kNoise, kReference };
+std::function<Target(int input, int style)> TargetsOf(const Data& data, CodeFrom from,
+                                                      std::uint64_t seed = 1);
 
 }  // namespace styled::judge
