@@ -23,11 +23,12 @@ using StyleCode = std::vector<float>;
 
 // One ingredient of a style.
 struct StyleSource {
-  // From Model::styles: its mean; or, with a seed, a variation of it; or -1: from `reference`.
+  // From Model::styles: its mean; with a seed, a variation of it; with a reference, that as an
+  // example of this style. Or -1: from `reference` alone.
   int style = -1;
   std::optional<std::uint64_t> seed;
   // An example of the style, at Model::rate_hz; not empty where style is -1. More than one example
-  // makes a mean: StyleRequest weights them.
+  // makes a mean: StyleRequest weights them. Not together with a seed.
   std::span<const body::Pose> reference;
   float weight = 1;
 };

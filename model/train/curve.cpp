@@ -6,38 +6,76 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace styled::train {
 namespace {
 
-constexpr double kWidth = 640, kPanel = 110, kLeft = 60, kTop = 22;
+// Pixels. A panel has its title above and the numbers of its minutes below.
+constexpr double kWidth = 640, kPanel = 120, kLeft = 60, kTop = 22, kBottom = 24;
+constexpr double kPlot = kWidth - kLeft - 16;  // width of the plot
 
 std::string Format(const char* format, double a, double b = 0) {
-  char text[96];
+  char text[128];
   std::snprintf(text, sizeof text, format, a, b);
   return text;
 }
 
-// One column over minutes; its lowest and highest values are written at the axis.
+// A step of 1, 2 or 5 times a power of ten that divides `span` into four to ten parts.
+double TickStep(double span) {
+  const double decade = std::pow(10.0, std::floor(std::log10(std::max(1e-9, span) / 4)));
+  for (const double step : {5.0, 2.0}) {
+    if (span / (step * decade) >= 4) return step * decade;
+  }
+  return decade;
+}
+
+std::string Line(double x1, double y1, double x2, double y2, const char* colour) {
+  return "<path stroke=\"" + std::string(colour) + "\" fill=\"none\" d=\"" +
+         Format("M%.1f %.1f", x1, y1) + Format("L%.1f %.1f\"/>\n", x2, y2);
+}
+
+std::string Text(double x, double y, const char* anchor, const std::string& text) {
+  return Format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"", x, y) + anchor + "\">" + text +
+         "</text>\n";
+}
+
+// The axes of a panel between `top` and `bottom`: minutes to the right, with a line and a number at
+// each tick; at the left the lowest and the highest value.
+std::string Axes(double last_minute, double low, double high, double top, double bottom) {
+  std::string out;
+  const double step = TickStep(last_minute);
+  for (int tick = 0; tick * step <= last_minute * 1.0001; ++tick) {
+    const double x = kLeft + tick * step / last_minute * kPlot;
+    out += Line(x, top, x, bottom + 3, "#ddd");
+    out += Text(x, bottom + 14, "middle", Format("%.4g", tick * step));
+  }
+  for (const auto& [value, y] : {std::pair(high, top), std::pair(low, bottom)}) {
+    out += Line(kLeft - 3, y, kLeft + kPlot, y, "#999");
+    out += Text(kLeft - 6, y + 4, "end", Format("%.3g", value));
+  }
+  return out + Line(kLeft, top, kLeft, bottom, "#999");
+}
+
+// One column over minutes, with its last value in the title.
 std::string Panel(const std::string& name, const std::vector<double>& minutes,
                   const std::vector<double>& values, double top) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const double span = std::max(1e-9, *high - *low);
   const double last = std::max(1e-9, minutes.back());
-  const double height = kPanel - 2 * kTop;
+  const double bottom = top + kPanel - kBottom;
   std::string points;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    points += Format("%.1f,%.1f ", kLeft + minutes[i] / last * (kWidth - kLeft - 10),
-                     top + kTop + (1 - (values[i] - *low) / span) * height);
+    points += Format("%.1f,%.1f ", kLeft + minutes[i] / last * kPlot,
+                     bottom - (values[i] - *low) / span * (bottom - top - kTop));
   }
   std::ostringstream out;
   out << "<text x=\"" << kLeft << "\" y=\"" << top + 14 << "\" font-weight=\"bold\">" << name << " "
-      << Format("%.3f", values.back()) << "</text>\n<text x=\"4\" y=\"" << top + kTop + 6 << "\">"
-      << Format("%.3g", *high) << "</text>\n<text x=\"4\" y=\"" << top + kTop + height << "\">"
-      << Format("%.3g", *low)
-      << "</text>\n<polyline fill=\"none\" stroke=\"#e0651a\" stroke-width=\"2\" points=\""
-      << points << "\"/>\n";
+      << Format("%.3f", values.back()) << "</text>\n"
+      << Axes(last, *low, *high, top + kTop, bottom)
+      << "<polyline fill=\"none\" stroke=\"#e0651a\" stroke-width=\"2\" points=\"" << points
+      << "\"/>\n";
   return out.str();
 }
 
@@ -75,7 +113,7 @@ Status DrawCurve(const std::filesystem::path& csv, const std::filesystem::path& 
     out << Panel(names[i], minutes, columns[i], kPanel * static_cast<double>(i - 2));
   }
   out << "<text x=\"" << kLeft << "\" y=\"" << height - 6 << "\">"
-      << Format("0 to %.0f minutes, %.0f iterations", minutes.back(), columns[0].back())
+      << Format("minutes; %.1f of them, %.0f iterations", minutes.back(), columns[0].back())
       << "</text>\n</svg>\n";
   if (!out.flush()) return Status::Error(svg.string() + ": cannot be written");
   return Status::Ok();

@@ -7,7 +7,7 @@
 namespace styled::train {
 
 // Draws a CSV file whose first two columns are iteration and elapsed_s as an SVG picture: a panel
-// per further column, over minutes. Errors name the file.
+// per further column, over minutes, with axes. Errors name the file.
 Status DrawCurve(const std::filesystem::path& csv, const std::filesystem::path& svg);
 
 }  // namespace styled::train

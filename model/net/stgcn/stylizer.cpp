@@ -148,7 +148,7 @@ class StgcnStylizer final : public net::ClipStylizer {
   }
 
   Code CodeOfSource(const net::StyleSource& source, float amount) const {
-    if (source.style >= 0) {
+    if (source.reference.empty()) {
       return source.seed ? Varied(*network_, *source.seed, source.style, amount)
                          : network_->mean_code(source.style);
     }
@@ -158,8 +158,7 @@ class StgcnStylizer final : public net::ClipStylizer {
       ComputeFeatures(source.reference[i], network_->features(), heading, clip[i]);
     }
     Scratch scratch;
-    const Reference reference{clip, 1};
-    return CodeOf(*network_, {&reference, 1}, scratch);
+    return network_->EncodeStyle(clip, source.style < 0 ? kFreeHead : source.style, scratch);
   }
 
   std::shared_ptr<const Network> network_;

@@ -7,8 +7,11 @@
 
 #include "model/clip/clip.h"
 #include "model/rig/dialects.h"
+#include "model/train/judge/judge_acts.h"
+#include "model/train/judge/judge_details.h"
 #include "model/train/judge/judge_metrics.h"
 #include "model/train/judge/judge_perturb.h"
+#include "model/train/judge/judge_text.h"
 
 namespace styled::judge {
 namespace {
@@ -23,7 +26,7 @@ Row Summary(const Figures& figures) {
   Mean cosine;
   Mean jerk;
   for (const StyleFigures& of : figures.styles) {
-    if (of.sra.windows <= 0) continue;
+    if (of.sra.windows <= 0 || !std::isfinite(of.expression.fraction)) continue;
     expression.Add(of.expression.fraction);
     cosine.Add(of.expression.cosine);
     jerk.Add(of.jitter_stream);
@@ -207,7 +210,8 @@ Result<nlohmann::json> JudgeOtherClips(std::span<const std::filesystem::path> fi
                                        std::vector<Scene>& scenes) {
   std::printf(
       "\nother rigs' clips: worst style's jerk over the input's at 120 Hz; largest turn of one "
-      "joint between frames, input and worst style, degrees\n");
+      "joint between frames, input and worst style, degrees; acts kept, means over styles: reach, "
+      "degrees off, height of a kick\n");
   nlohmann::json json;
   for (const std::filesystem::path& file : files) {
     Result<clip::Clip> read = clip::ReadBvh(file);
@@ -222,6 +226,7 @@ Result<nlohmann::json> JudgeOtherClips(std::span<const std::filesystem::path> fi
     const float turn_in_deg = LargestTurn_deg(input);
     double worst_jerk = 0;
     float worst_turn_deg = 0;
+    ActsKept acts;
     std::string jerks_as;
     std::string turns_as;
     const std::string name = file.filename().string();
@@ -233,13 +238,19 @@ Result<nlohmann::json> JudgeOtherClips(std::span<const std::filesystem::path> fi
       scenes.push_back({name, style_name, Beginning(input), {}, Beginning(out)});
       const double jerk = MeanJerk(out, kStreamRate_hz).value() / std::max(1e-9, jerk_in);
       const float turn_deg = LargestTurn_deg(out);
-      json[name]["styles"][style_name] = {{"jitter_120", jerk}, {"largest_turn_deg", turn_deg}};
+      const ActsKept kept = MeasureActs(input, out, kStreamRate_hz);
+      acts.Add(kept);
+      json[name]["styles"][style_name] = {
+          {"jitter_120", jerk}, {"largest_turn_deg", turn_deg}, {"acts", ToJson(kept)}};
       if (jerk > worst_jerk) worst_jerk = jerk, jerks_as = style_name;
       if (turn_deg > worst_turn_deg) worst_turn_deg = turn_deg, turns_as = style_name;
     }
     json[name]["input_largest_turn_deg"] = turn_in_deg;
-    std::printf("  %-28s %5.2f (%s)   %5.1f  %5.1f (%s)\n", name.c_str(), worst_jerk,
-                jerks_as.c_str(), turn_in_deg, worst_turn_deg, turns_as.c_str());
+    std::printf("  %-28s %5.2f (%s)   %5.1f  %5.1f (%s)  %s %s %s\n", name.c_str(), worst_jerk,
+                jerks_as.c_str(), turn_in_deg, worst_turn_deg, turns_as.c_str(),
+                Padded(Measured(acts.reach), 5, 2).c_str(),
+                Padded(Measured(acts.direction_deg), 5, 1).c_str(),
+                Padded(Measured(acts.kick_height), 5, 2).c_str());
   }
   return json;
 }

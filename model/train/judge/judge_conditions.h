@@ -30,8 +30,9 @@ nlohmann::json JudgeStyledInputs(const Data& data, const Styler& styler, const E
                                  const stylist::Options& options);
 
 // Clips of other rigs, which no judge was trained on. Per clip, the worst over styles of the jerk
-// (120 Hz, output over input) and of the largest rotation of one joint between two frames. Their
-// first seconds are added to `scenes`, for the report. Errors name the file.
+// (120 Hz, output over input) and of the largest rotation of one joint between two frames; and
+// whether the performer's acts are kept (judge_acts.h), mean over styles. Their first seconds are
+// added to `scenes`, for the report. Errors name the file.
 Result<nlohmann::json> JudgeOtherClips(std::span<const std::filesystem::path> files,
                                        const Styler& styler, const stylist::Options& options,
                                        std::vector<Scene>& scenes);

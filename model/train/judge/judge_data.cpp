@@ -34,13 +34,22 @@ std::string JudgeKey(const Data& data, const JudgeSettings& settings) {
 
 using Rotations = Eigen::Matrix<double, erd::kRotationFeatures, 1>;
 
-std::vector<ConstantOffset> Baselines(const Data& data) {
-  const std::size_t styles = data.manifest.styles.size();
+// The mean rotations of every cell of the generator's training clips.
+struct MeanRotations {
+  explicit MeanRotations(const Data& data);
+  bool has(std::size_t cell) const { return counts[cell] > 0; }
+  Rotations of(std::size_t cell) const { return sums[cell] / counts[cell]; }
+
+  std::vector<Rotations> sums;  // by style * contents + content
+  std::vector<double> counts;
+};
+
+MeanRotations::MeanRotations(const Data& data) {
   const std::size_t contents = data.manifest.contents.size();
+  sums.assign(data.manifest.styles.size() * contents, Rotations::Zero());
+  counts.assign(sums.size(), 0);
   erd::FeatureParameters parameters;
   train::SetHemisphere(train::ComputeStatistics(data.train, parameters).mean, parameters);
-  std::vector<Rotations> sums(styles * contents, Rotations::Zero());
-  std::vector<double> counts(styles * contents, 0);
   for (const train::TrainingClip& c : data.train) {
     const std::size_t cell = static_cast<std::size_t>(c.style) * contents + c.content;
     for (const erd::Features& frame :
@@ -50,36 +59,62 @@ std::vector<ConstantOffset> Baselines(const Data& data) {
       counts[cell] += 1;
     }
   }
-  std::vector<ConstantOffset> baselines(styles);
-  for (std::size_t style = 0; style < styles; ++style) {
+}
+
+// From one mean of rotations to another; means of none give the identity.
+ConstantOffset Offset(const Rotations& neutral, const Rotations& target) {
+  ConstantOffset offset;
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    const auto rotation = [joint](const Rotations& mean) {
+      const Eigen::Vector4d q = mean.segment<4>(4 * joint);
+      return q.norm() > 0 ? body::Quat(Eigen::Vector4f(q.normalized().cast<float>()))
+                          : body::Quat::Identity();
+    };
+    offset.offset[joint] = rotation(neutral).conjugate() * rotation(target);
+  }
+  return offset;
+}
+
+// The offset of each style.
+std::vector<ConstantOffset> Baselines(const Data& data) {
+  const std::size_t contents = data.manifest.contents.size();
+  const MeanRotations means(data);
+  std::vector<ConstantOffset> baselines;
+  for (std::size_t style = 0; style < data.manifest.styles.size(); ++style) {
     Rotations neutral = Rotations::Zero();
     Rotations target = Rotations::Zero();
     for (std::size_t content = 0; content < contents; ++content) {
       const std::size_t cell = style * contents + content;
-      if (counts[cell] <= 0 || counts[content] <= 0) continue;
-      neutral += sums[content] / counts[content];
-      target += sums[cell] / counts[cell];
+      if (!means.has(cell) || !means.has(content)) continue;
+      neutral += means.of(content);
+      target += means.of(cell);
     }
-    for (int joint = 0; joint < body::kJointCount; ++joint) {
-      const auto rotation = [joint](const Rotations& mean) {
-        const Eigen::Vector4d q = mean.segment<4>(4 * joint);
-        return q.norm() > 0 ? body::Quat(Eigen::Vector4f(q.normalized().cast<float>()))
-                            : body::Quat::Identity();
-      };
-      baselines[style].offset[joint] = rotation(neutral).conjugate() * rotation(target);
-    }
+    baselines.push_back(Offset(neutral, target));
+  }
+  return baselines;
+}
+
+// The offset of each style in each content, by style * contents + content.
+std::vector<ConstantOffset> BaselinesPerContent(const Data& data) {
+  const std::size_t contents = data.manifest.contents.size();
+  const MeanRotations means(data);
+  const std::vector<ConstantOffset> of_all = Baselines(data);
+  std::vector<ConstantOffset> baselines;
+  for (std::size_t cell = 0; cell < means.sums.size(); ++cell) {
+    const std::size_t content = cell % contents;
+    const bool both = means.has(cell) && means.has(content);
+    baselines.push_back(both ? Offset(means.of(content), means.of(cell)) : of_all[cell / contents]);
   }
   return baselines;
 }
 
 std::vector<Transferred> Transfer(const Data& data, const std::vector<int>& style_of,
-                                  const std::function<Poses(const Poses&, int)>& make) {
+                                  const std::function<Poses(std::size_t input, int style)>& make) {
   std::vector<Transferred> out;
   for (std::size_t i = 0; i < data.inputs.size(); ++i) {
     for (int style = 0; style < static_cast<int>(data.manifest.styles.size()); ++style) {
       if (style_of[style] == kAbsent) continue;
-      out.push_back({static_cast<int>(i), style, data.contents[i], data.inputs[i],
-                     make(data.inputs[i], style)});
+      out.push_back({static_cast<int>(i), style, data.contents[i], data.inputs[i], make(i, style)});
     }
   }
   return out;
@@ -135,41 +170,73 @@ Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
                              JudgeKey(data, settings));
 }
 
+Result<PartJudges> TrainPartJudges(const Data& data, const JudgeSettings& settings,
+                                   const std::filesystem::path& cache) {
+  return PartJudges::TrainOrLoad(data.judge, static_cast<int>(data.manifest.styles.size()),
+                                 static_cast<int>(data.manifest.contents.size()), settings, cache,
+                                 JudgeKey(data, settings) + "-" + kPartRecipe);
+}
+
+Result<std::vector<int>> StylesOf(const net::Styles& styles, const clip::Manifest& manifest) {
+  std::vector<int> style_of;
+  bool found = false;
+  for (const clip::ManifestStyle& style : manifest.styles) {
+    const int index = net::FindStyle(styles, style.name);
+    style_of.push_back(index > 0 ? index : kAbsent);
+    found = found || index > 0;
+  }
+  if (!found) return Status::Error("has none of the manifest's styles besides neutral");
+  return style_of;
+}
+
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest) {
   auto network = trial::Load(weights);
   if (!network.ok()) return network.status();
-  Styler styler{
-      network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()), {}, 0};
-  int found = 0;
-  for (const clip::ManifestStyle& style : manifest.styles) {
-    const int index = net::FindStyle(styler.network->model().styles, style.name);
-    styler.style_of.push_back(index > 0 ? index : kAbsent);
-    found += index > 0 ? 1 : 0;
-  }
-  if (found == 0) {
-    return Status::Error(weights.string() + ": has none of the manifest's styles besides neutral");
-  }
-  return styler;
+  auto style_of = StylesOf(network.value()->model().styles, manifest);
+  if (!style_of.ok()) return Status::Error(weights.string() + ": " + style_of.status().message());
+  return Styler{network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()),
+                std::move(style_of.value()), 0};
 }
 
 std::vector<Transferred> Style(const Data& data, const Styler& styler,
                                const stylist::Options& options, bool absolute) {
-  return Transfer(data, styler.style_of, [&](const Poses& input, int style) {
+  return Transfer(data, styler.style_of, [&](std::size_t input, int style) {
     Switch start{0, OneStyle(styler.style_of[style], absolute)};
     start.settings.input_style = styler.input_style;
-    return StyleStream(styler.network, styler.binding, options, {&start, 1}, input);
+    return StyleStream(styler.network, styler.binding, options, {&start, 1}, data.inputs[input]);
   });
 }
 
-std::vector<Transferred> ApplyBaseline(const Data& data) {
-  const std::vector<ConstantOffset> baselines = Baselines(data);
+namespace {
+
+// All styles but neutral, which inputs have already.
+std::vector<int> EveryStyle(const Data& data) {
   std::vector<int> all(data.manifest.styles.size(), 0);
   all[0] = kAbsent;
-  return Transfer(data, all, [&](const Poses& input, int style) {
+  return all;
+}
+
+}  // namespace
+
+std::vector<Transferred> ApplyBaseline(const Data& data, OffsetPer per) {
+  const std::size_t contents = data.manifest.contents.size();
+  const std::vector<ConstantOffset> baselines =
+      per == OffsetPer::kStyle ? Baselines(data) : BaselinesPerContent(data);
+  return Transfer(data, EveryStyle(data), [&](std::size_t input, int style) {
+    const auto place = static_cast<std::size_t>(style);
+    const ConstantOffset& baseline =
+        per == OffsetPer::kStyle
+            ? baselines[place]
+            : baselines[place * contents + static_cast<std::size_t>(data.contents[input])];
     Poses output;
-    for (const body::Pose& pose : input) output.push_back(baselines[style].Apply(pose));
+    for (const body::Pose& pose : data.inputs[input]) output.push_back(baseline.Apply(pose));
     return output;
   });
+}
+
+std::vector<Transferred> Unstyled(const Data& data) {
+  return Transfer(data, EveryStyle(data),
+                  [&](std::size_t input, int) { return data.inputs[input]; });
 }
 
 Status WriteBaseline(const Data& data, const std::filesystem::path& file) {

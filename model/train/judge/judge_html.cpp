@@ -49,6 +49,34 @@ std::string Track(const Poses& poses) {
 
 }  // namespace
 
+std::vector<Scene> ScenesOf(const Data& data, const std::vector<Transferred>& baseline,
+                            const std::vector<Transferred>& styled) {
+  const auto frames = static_cast<std::size_t>(6 * kStreamRate_hz);
+  const auto cut = [&](std::span<const body::Pose> poses) {
+    return Thin(poses.first(std::min(poses.size(), frames)));
+  };
+  std::vector<Scene> scenes;
+  for (std::size_t content = 0; content < data.manifest.contents.size(); ++content) {
+    int longest = -1;
+    for (std::size_t i = 0; i < data.inputs.size(); ++i) {
+      if (data.contents[i] != static_cast<int>(content)) continue;
+      if (longest < 0 || data.inputs[i].size() > data.inputs[longest].size()) {
+        longest = static_cast<int>(i);
+      }
+    }
+    for (const Transferred& of : styled.empty() ? baseline : styled) {
+      if (of.clip != longest) continue;
+      const auto offset = std::find_if(baseline.begin(), baseline.end(), [&of](const auto& other) {
+        return other.clip == of.clip && other.style == of.style;
+      });
+      scenes.push_back({data.manifest.contents[content], data.manifest.styles[of.style].name,
+                        cut(of.input), offset == baseline.end() ? Poses() : cut(offset->output),
+                        styled.empty() ? Poses() : cut(of.output)});
+    }
+  }
+  return scenes;
+}
+
 std::string RenderReport(const Report& report) {
   nlohmann::json data = {{"weights", report.weights},
                          {"manifest", report.manifest},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/base/status.h"
+#include "model/train/judge/judge_data.h"
 #include "model/train/judge/judge_stream.h"
 
 namespace styled::judge {
@@ -17,6 +18,11 @@ struct Scene {
   std::string content, style;
   Poses input, offset, styled;
 };
+
+// For every content the longest input (its first 6 s), with each style and the baseline; `styled`
+// may be empty.
+std::vector<Scene> ScenesOf(const Data& data, const std::vector<Transferred>& baseline,
+                            const std::vector<Transferred>& styled);
 
 struct Report {
   std::string weights, manifest;  // names for the reader

@@ -81,6 +81,37 @@ Mean MeanJerk(std::span<const body::Pose> poses, double rate_hz) {
   return mean;
 }
 
+void JerkRatios::Add(const JerkRatios& other) {
+  clip.Add(other.clip);
+  first_quarter_second.Add(other.first_quarter_second);
+  after_first_second.Add(other.after_first_second);
+  if (other.worst_clip >= 0 && (worst_clip < 0 || other.worst > worst)) {
+    worst = other.worst;
+    worst_clip = other.worst_clip;
+  }
+}
+
+JerkRatios MeasureJerkRatios(std::span<const body::Pose> input, std::span<const body::Pose> output,
+                             double rate_hz, int clip) {
+  JerkRatios ratios;
+  const auto add = [&](std::size_t from, std::size_t to, Mean& mean) {
+    const std::size_t end = std::min({to, input.size(), output.size()});
+    if (end <= from) return;
+    const Mean of_input = MeanJerk(input.subspan(from, end - from), rate_hz);
+    const Mean of_output = MeanJerk(output.subspan(from, end - from), rate_hz);
+    if (of_input.value() > 0) mean.Add(of_output.value() / of_input.value());
+  };
+  const auto second = static_cast<std::size_t>(std::lround(rate_hz));
+  add(0, input.size(), ratios.clip);
+  add(0, second / 4, ratios.first_quarter_second);
+  add(second, input.size(), ratios.after_first_second);
+  if (ratios.clip.count > 0) {
+    ratios.worst = ratios.clip.value();
+    ratios.worst_clip = clip;
+  }
+  return ratios;
+}
+
 std::vector<double> LargestAccelerations(std::span<const body::Pose> poses, double rate_hz) {
   const std::vector<body::WorldPose> worlds = Worlds(poses);
   const float square = static_cast<float>(rate_hz * rate_hz);

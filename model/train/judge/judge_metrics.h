@@ -49,6 +49,22 @@ struct Mean {
 // horizontal path, averaged over joints and frames. Empty for fewer than four frames.
 Mean MeanJerk(std::span<const body::Pose> poses, double rate_hz);
 
+// The jerk of outputs over their own inputs', clip by clip: pooled over clips, the fast ones would
+// hide the others. A figure without a count was not measured.
+struct JerkRatios {
+  Mean clip;                  // over the whole clip
+  Mean first_quarter_second;  // of a session
+  Mean after_first_second;
+  double worst = 0;  // of the whole clips
+  int worst_clip = -1;
+
+  void Add(const JerkRatios& other);
+};
+// Of one clip, number `clip`; `input` and `output` are frame for frame. An input without jerk has
+// no ratio.
+JerkRatios MeasureJerkRatios(std::span<const body::Pose> input, std::span<const body::Pose> output,
+                             double rate_hz, int clip);
+
 // Per frame (all but the first and last), the largest acceleration of any joint, m/s^2, in world.
 std::vector<double> LargestAccelerations(std::span<const body::Pose> poses, double rate_hz);
 

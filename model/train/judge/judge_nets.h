@@ -33,9 +33,11 @@ Sequence MakeSequence(std::span<const body::Pose> poses, int style, int content,
 
 // The judges' verdicts on every window of one sequence.
 struct Verdicts {
-  std::vector<int> starts;          // first frame of each window
-  std::vector<int> style, content;  // the judges' answers
-  Eigen::MatrixXd embedding;        // one row per window: the auto-encoder's last encoder layer
+  std::vector<int> starts;           // first frame of each window
+  std::vector<int> style, content;   // the judges' answers
+  Eigen::MatrixXd embedding;         // one row per window: the auto-encoder's last encoder layer
+  Eigen::MatrixXd content_features;  // one row per window: the content judge's last layer, mean
+                                     // over time
 };
 
 struct JudgeSettings {

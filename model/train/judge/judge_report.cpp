@@ -1,10 +1,13 @@
 #include "model/train/judge/judge_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <initializer_list>
 
 #include "model/body/heading.h"
 #include "model/clip/clip.h"
+#include "model/train/judge/judge_text.h"
 
 namespace styled::judge {
 namespace {
@@ -17,11 +20,46 @@ constexpr std::uint64_t kSeed = 1;
 constexpr double kWorthSaying = 0.05;
 
 nlohmann::json ToJson(const Share& share) {
-  return {{"value", share.value},
+  return {{"value", Value(Measured(share))},
           {"low", share.low},
           {"high", share.high},
           {"windows", share.windows},
           {"worst", share.worst}};
+}
+
+double Deepest_cm(const FeetFigures& feet) {
+  return feet.penetration_cm.count > 0 ? feet.deepest_cm : kNotMeasured;
+}
+
+// A share with its interval, as a table's cell.
+std::string Interval(const Share& share) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.3f [%.2f %.2f]", share.value, share.low, share.high);
+  return share.windows > 0 ? text : "      -          ";
+}
+
+std::string Joined(std::initializer_list<std::string> cells) {
+  std::string text;
+  for (const std::string& cell : cells) text.append(text.empty() ? 0 : 1, ' ').append(cell);
+  return text;
+}
+
+std::string ShiftsAndDistances(const StyleFigures& of) {
+  const auto both = [](const Expression& expression) {
+    return Joined({Padded(expression.fraction, 5, 2), Padded(expression.cosine, 5, 2)});
+  };
+  return Joined({both(of.expression), both(of.expression_walk), both(of.expression_real),
+                 Padded(of.fmd, 7, 2), Padded(of.fmd_real, 5, 2), Padded(of.fmd_neutral, 6, 2),
+                 Padded(of.content_fmd, 6, 2), Padded(of.content_fmd_real, 5, 2),
+                 Padded(of.content_fmd_neutral, 5, 2)});
+}
+
+std::string JerkAndFeet(const StyleFigures& of) {
+  return Joined({Padded(of.jitter_stream, 6, 2), Padded(of.jitter_clip, 5, 2),
+                 Padded(of.jitter_real, 5, 2), Padded(Measured(of.feet.skate_in_cm_s), 6, 1), ">",
+                 Padded(Measured(of.feet.skate_out_cm_s), 4, 1),
+                 Padded(Measured(of.feet.penetration_cm), 4, 2),
+                 Padded(Deepest_cm(of.feet), 4, 1)});
 }
 
 std::vector<ClipVerdict> Of(std::span<const ClipVerdict> verdicts, int style, int contents) {
@@ -89,6 +127,7 @@ void Evaluator::Gather(const Sequence& sequence, int stride, Cell& cell, ClipVer
     cell.taken_for[verdicts.style[i]] += 1;
     if (content != nullptr) content->hits += verdicts.content[i] == sequence.content;
     cell.embeddings.emplace_back(verdicts.embedding.row(static_cast<Eigen::Index>(i)));
+    cell.content_features.emplace_back(verdicts.content_features.row(static_cast<Eigen::Index>(i)));
   }
   if (style != nullptr) style->windows += static_cast<double>(verdicts.starts.size());
   if (content != nullptr) content->windows += static_cast<double>(verdicts.starts.size());
@@ -173,7 +212,7 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
         for (const ClipVerdict& verdict : verdicts) {
           if (verdict.cell == place) mean.Add({verdict.hits, verdict.windows});
         }
-        return mean.value();
+        return Measured(mean);
       };
       of.sra_by_content.push_back(share(sra));
       of.cra_by_content.push_back(share(cra));
@@ -186,7 +225,7 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
       at_30_out += jerk_30_out[cell_of(style, content)].value();
       at_30_in += jerk_30_in[cell_of(style, content)].value();
     }
-    of.jitter_clip = at_30_in > 0 ? at_30_out / at_30_in : 0;
+    of.jitter_clip = at_30_in > 0 ? at_30_out / at_30_in : kNotMeasured;
   }
   return figures;
 }
@@ -196,7 +235,8 @@ void Evaluator::MeasureStyle(int style, const Cells& out, const Cells& in,
   Eigen::VectorXd shift = Eigen::VectorXd::Zero(erd::kPositionFeatures);
   Eigen::VectorXd real_shift = shift;
   Eigen::VectorXd other_shift = shift;
-  figures.expression_by_content.resize(static_cast<std::size_t>(contents_));
+  figures.expression_by_content.resize(static_cast<std::size_t>(contents_),
+                                       {kNotMeasured, kNotMeasured});
   std::vector<int> counts(static_cast<std::size_t>(contents_), 0);
   double jerk_out = 0;
   double jerk_in = 0;
@@ -225,28 +265,40 @@ void Evaluator::MeasureStyle(int style, const Cells& out, const Cells& in,
                   other_real_[cell_of(style, content)].embeddings.size()}));
     figures.fmd_windows += counts[content];
   }
+  if (jerk_in <= 0) return;  // no content has both styled and real clips
   figures.expression = MeasureExpression(shift, real_shift);
   figures.expression_real = MeasureExpression(other_shift, real_shift);
-  figures.jitter_stream = jerk_in > 0 ? jerk_out / jerk_in : 0;
-  figures.jitter_real = jerk_in > 0 ? jerk_real / jerk_in : 0;
+  figures.jitter_stream = jerk_in > 0 ? jerk_out / jerk_in : kNotMeasured;
+  figures.jitter_real = jerk_in > 0 ? jerk_real / jerk_in : kNotMeasured;
   if (figures.fmd_windows < 2 * kFmdDimensions) return;
-  const Eigen::MatrixXd target = Pick(real_, style, counts);
-  figures.fmd = FrechetDistance(Pick(out, style, counts), target);
-  figures.fmd_real = FrechetDistance(Pick(other_real_, style, counts), target);
-  figures.fmd_neutral = FrechetDistance(Pick(in, style, counts), target);
+  const auto axes = [&](const Cells& cells) {
+    return pca_.Project(Pick(cells, style, counts, &Cell::embeddings));
+  };
+  const Eigen::MatrixXd target = axes(real_);
+  figures.fmd = FrechetDistance(axes(out), target);
+  figures.fmd_real = FrechetDistance(axes(other_real_), target);
+  figures.fmd_neutral = FrechetDistance(axes(in), target);
+  const auto pooled = [&](const Cells& cells) {
+    return Pick(cells, style, counts, &Cell::content_features);
+  };
+  const Eigen::MatrixXd pooled_target = pooled(real_);
+  figures.content_fmd = FrechetDistance(pooled(out), pooled_target);
+  figures.content_fmd_real = FrechetDistance(pooled(other_real_), pooled_target);
+  figures.content_fmd_neutral = FrechetDistance(pooled(in), pooled_target);
 }
 
-Eigen::MatrixXd Evaluator::Pick(const Cells& cells, int style, std::span<const int> counts) const {
+Eigen::MatrixXd Evaluator::Pick(const Cells& cells, int style, std::span<const int> counts,
+                                std::vector<Eigen::RowVectorXd> Cell::*features) const {
   std::vector<Eigen::RowVectorXd> rows;
   for (int content = 0; content < contents_; ++content) {
-    const std::vector<Eigen::RowVectorXd>& from = cells[cell_of(style, content)].embeddings;
+    const std::vector<Eigen::RowVectorXd>& from = cells[cell_of(style, content)].*features;
     for (int i = 0; i < counts[content]; ++i) {
       rows.push_back(from[from.size() * static_cast<std::size_t>(i) / counts[content]]);
     }
   }
   Eigen::MatrixXd samples(static_cast<Eigen::Index>(rows.size()), rows.front().cols());
   for (std::size_t i = 0; i < rows.size(); ++i) samples.row(i) = rows[i];
-  return pca_.Project(samples);
+  return samples;
 }
 
 std::string Evaluator::CellName(int cell) const {
@@ -275,23 +327,26 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
         {"sra_of_real", with_worst(of.sra_real)},
         {"cra", with_worst(of.cra)},
         {"cra_of_inputs", with_worst(of.cra_input)},
-        {"expression", of.expression.fraction},
-        {"expression_cosine", of.expression.cosine},
-        {"expression_walk", of.expression_walk.fraction},
-        {"expression_walk_cosine", of.expression_walk.cosine},
-        {"expression_of_training_clips", of.expression_real.fraction},
-        {"expression_cosine_of_training_clips", of.expression_real.cosine},
-        {"fmd", of.fmd},
-        {"fmd_real_real", of.fmd_real},
-        {"fmd_neutral_target", of.fmd_neutral},
+        {"expression", Value(of.expression.fraction)},
+        {"expression_cosine", Value(of.expression.cosine)},
+        {"expression_walk", Value(of.expression_walk.fraction)},
+        {"expression_walk_cosine", Value(of.expression_walk.cosine)},
+        {"expression_of_training_clips", Value(of.expression_real.fraction)},
+        {"expression_cosine_of_training_clips", Value(of.expression_real.cosine)},
+        {"fmd", Value(of.fmd)},
+        {"fmd_real_real", Value(of.fmd_real)},
+        {"fmd_neutral_target", Value(of.fmd_neutral)},
+        {"content_fmd", Value(of.content_fmd)},
+        {"content_fmd_real_real", Value(of.content_fmd_real)},
+        {"content_fmd_neutral_target", Value(of.content_fmd_neutral)},
         {"fmd_windows", of.fmd_windows},
-        {"jitter_120", of.jitter_stream},
-        {"jitter_30", of.jitter_clip},
-        {"jitter_120_of_real", of.jitter_real},
-        {"skate_in_cm_s", of.feet.skate_in_cm_s.value()},
-        {"skate_out_cm_s", of.feet.skate_out_cm_s.value()},
-        {"penetration_cm", of.feet.penetration_cm.value()},
-        {"deepest_cm", of.feet.deepest_cm}};
+        {"jitter_120", Value(of.jitter_stream)},
+        {"jitter_30", Value(of.jitter_clip)},
+        {"jitter_120_of_real", Value(of.jitter_real)},
+        {"skate_in_cm_s", Value(Measured(of.feet.skate_in_cm_s))},
+        {"skate_out_cm_s", Value(Measured(of.feet.skate_out_cm_s))},
+        {"penetration_cm", Value(Measured(of.feet.penetration_cm))},
+        {"deepest_cm", Value(Deepest_cm(of.feet))}};
     nlohmann::json& by_content = json["styles"][manifest_.styles[style].name]["by_content"];
     nlohmann::json& taken_for = json["styles"][manifest_.styles[style].name]["taken_for"];
     for (int other = 0; other < styles_; ++other) {
@@ -299,10 +354,10 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
     }
     for (int content = 0; content < contents_; ++content) {
       const Expression& expression = of.expression_by_content[content];
-      by_content[manifest_.contents[content]] = {{"sra", of.sra_by_content[content]},
-                                                 {"cra", of.cra_by_content[content]},
-                                                 {"expression", expression.fraction},
-                                                 {"expression_cosine", expression.cosine}};
+      by_content[manifest_.contents[content]] = {{"sra", Value(of.sra_by_content[content])},
+                                                 {"cra", Value(of.cra_by_content[content])},
+                                                 {"expression", Value(expression.fraction)},
+                                                 {"expression_cosine", Value(expression.cosine)}};
     }
   }
   return json;
@@ -322,50 +377,53 @@ nlohmann::json Evaluator::RealToJson() const {
 void Evaluator::Print(const Figures& figures) const {
   std::printf("\n%s\n", figures.name.c_str());
   std::printf(
-      "%-10s %-16s %-5s %-16s %-5s  %-11s %-11s %-11s  %-6s %-5s %-6s  %-6s %-5s %-5s  %-12s "
-      "%-9s\n",
-      "style", "SRA [95 %]", "real", "CRA [95 %]", "in", "expr  cos", "walk  cos", "real  cos",
-      "FMD", "real", "neutr", "jit120", "jit30", "real", "skate cm/s", "floor cm");
+      "%-10s %-17s %-5s %-17s %-5s  %-11s %-11s %-11s  %6s %5s %6s  %5s %5s %5s  %5s %5s %5s  "
+      "%-12s %-9s\n",
+      "style", "SRA [95 %]", "real", "CRA [95 %]", "in", " expr   cos", " walk   cos",
+      " real   cos", "FMD", "real", "neutr", "FMD-c", "real", "neutr", "jit120", "jit30", "real",
+      " skate cm/s", "floor cm");
   StyleFigures mean;
-  double styles = 0;
   const auto row = [](const char* name, const StyleFigures& of) {
-    std::printf(
-        "%-10s %.3f [%.2f %.2f] %.3f %.3f [%.2f %.2f] %.3f  %5.2f %5.2f %5.2f %5.2f %5.2f %5.2f  "
-        "%6.2f %5.2f "
-        "%6.2f  %6.2f %5.2f %5.2f  %5.1f > %4.1f %4.2f %4.1f\n",
-        name, of.sra.value, of.sra.low, of.sra.high, of.sra_real.value, of.cra.value, of.cra.low,
-        of.cra.high, of.cra_input.value, of.expression.fraction, of.expression.cosine,
-        of.expression_walk.fraction, of.expression_walk.cosine, of.expression_real.fraction,
-        of.expression_real.cosine, of.fmd, of.fmd_real, of.fmd_neutral, of.jitter_stream,
-        of.jitter_clip, of.jitter_real, of.feet.skate_in_cm_s.value(),
-        of.feet.skate_out_cm_s.value(), of.feet.penetration_cm.value(), of.feet.deepest_cm);
+    std::printf("%-10.10s %s %s %s %s  %s %s\n", name, Interval(of.sra).c_str(),
+                Padded(Measured(of.sra_real), 5, 3).c_str(), Interval(of.cra).c_str(),
+                Padded(Measured(of.cra_input), 5, 3).c_str(), ShiftsAndDistances(of).c_str(),
+                JerkAndFeet(of).c_str());
   };
+  // The mean of a figure over the styles that have it.
+  const auto average = [&](const auto& figure) {
+    Mean of_styles;
+    for (int style = 1; style < styles_; ++style) {
+      StyleFigures of = figures.styles[style];
+      if (std::isfinite(figure(of))) of_styles.Add(figure(of));
+    }
+    figure(mean) = Measured(of_styles);
+  };
+  const auto average_both = [&](Expression StyleFigures::*expression) {
+    average([=](StyleFigures& of) -> double& { return (of.*expression).fraction; });
+    average([=](StyleFigures& of) -> double& { return (of.*expression).cosine; });
+  };
+  for (Expression StyleFigures::*expression :
+       {&StyleFigures::expression, &StyleFigures::expression_walk,
+        &StyleFigures::expression_real}) {
+    average_both(expression);
+  }
+  for (double StyleFigures::*figure :
+       {&StyleFigures::fmd, &StyleFigures::fmd_real, &StyleFigures::fmd_neutral,
+        &StyleFigures::content_fmd, &StyleFigures::content_fmd_real,
+        &StyleFigures::content_fmd_neutral, &StyleFigures::jitter_stream,
+        &StyleFigures::jitter_clip, &StyleFigures::jitter_real}) {
+    average([=](StyleFigures& of) -> double& { return of.*figure; });
+  }
+  Mean sra_real;
   for (int style = 1; style < styles_; ++style) {
     const StyleFigures& of = figures.styles[style];
     row(manifest_.styles[style].name.c_str(), of);
-    styles += 1;
-    mean.sra_real.value += of.sra_real.value;
-    mean.expression.fraction += of.expression.fraction;
-    mean.expression.cosine += of.expression.cosine;
-    mean.expression_walk.fraction += of.expression_walk.fraction;
-    mean.expression_walk.cosine += of.expression_walk.cosine;
-    mean.expression_real.fraction += of.expression_real.fraction;
-    mean.expression_real.cosine += of.expression_real.cosine;
-    mean.fmd += of.fmd;
-    mean.fmd_real += of.fmd_real;
-    mean.fmd_neutral += of.fmd_neutral;
-    mean.jitter_stream += of.jitter_stream;
-    mean.jitter_clip += of.jitter_clip;
-    mean.jitter_real += of.jitter_real;
     mean.feet.Add(of.feet);
+    if (of.sra_real.windows <= 0) continue;
+    sra_real.Add(of.sra_real.value);
+    mean.sra_real.windows += of.sra_real.windows;
   }
-  for (double* value :
-       {&mean.sra_real.value, &mean.expression.fraction, &mean.expression.cosine,
-        &mean.expression_walk.fraction, &mean.expression_walk.cosine,
-        &mean.expression_real.fraction, &mean.expression_real.cosine, &mean.fmd, &mean.fmd_real,
-        &mean.fmd_neutral, &mean.jitter_stream, &mean.jitter_clip, &mean.jitter_real}) {
-    *value /= std::max(1.0, styles);
-  }
+  mean.sra_real.value = sra_real.value();
   mean.sra = figures.sra;
   mean.cra = figures.cra;
   mean.cra_input = figures.cra_input;

@@ -10,6 +10,7 @@
 #include "model/train/judge/judge_metrics.h"
 #include "model/train/judge/judge_nets.h"
 #include "model/train/judge/judge_stream.h"
+#include "model/train/judge/judge_text.h"
 
 namespace styled::judge {
 
@@ -22,23 +23,29 @@ struct Transferred {
   Poses output;
 };
 
-// Every figure for one target style, averaged over contents with equal weights.
+inline constexpr Expression kNoExpression{kNotMeasured, kNotMeasured};
+
+// Every figure for one target style, averaged over contents with equal weights. NaN where it was
+// not measured (judge_text.h).
 struct StyleFigures {
   Share sra, cra;
   Share sra_real;   // the style judge on real clips of the target
   Share cra_input;  // the content judge on the inputs
   std::vector<double> sra_by_content, cra_by_content;
   std::vector<double> taken_for;  // per style, the share of windows that the judge mistakes for it
-  Expression expression, expression_walk;
+  Expression expression = kNoExpression, expression_walk = kNoExpression;
   // the shift of the training clips from neutral to target: the reachable value
-  Expression expression_real;
+  Expression expression_real = kNoExpression;
   std::vector<Expression> expression_by_content;
   // fmd_real: training clips of the target against real target clips
-  double fmd = 0, fmd_real = 0, fmd_neutral = 0;
+  double fmd = kNotMeasured, fmd_real = kNotMeasured, fmd_neutral = kNotMeasured;
+  // The same by the content judge's features, as Park et al. 2021 measure it.
+  double content_fmd = kNotMeasured, content_fmd_real = kNotMeasured;
+  double content_fmd_neutral = kNotMeasured;
   double fmd_windows = 0;  // windows on either side
   // jerk of the output over the input's, at 120 and at 30 Hz
-  double jitter_stream = 0, jitter_clip = 0;
-  double jitter_real = 0;  // jerk of real target clips over the input's, at 120 Hz
+  double jitter_stream = kNotMeasured, jitter_clip = kNotMeasured;
+  double jitter_real = kNotMeasured;  // jerk of real target clips over the input's, at 120 Hz
   FeetFigures feet;
 };
 
@@ -76,7 +83,7 @@ class Evaluator {
   struct Cell {
     Eigen::VectorXd position_sum = Eigen::VectorXd::Zero(erd::kPositionFeatures);
     double frames = 0;
-    std::vector<Eigen::RowVectorXd> embeddings;
+    std::vector<Eigen::RowVectorXd> embeddings, content_features;  // of each window
     std::map<int, double> taken_for;  // windows by the style judge's answer
     Mean jerk;
 
@@ -89,8 +96,9 @@ class Evaluator {
   void Gather(const Sequence& sequence, int stride, Cell& cell, ClipVerdict* style,
               ClipVerdict* content, ClipVerdict* first = nullptr) const;
   void MeasureStyle(int style, const Cells& out, const Cells& in, StyleFigures& figures) const;
-  // Equal numbers of windows of each content, as rows in principal axes.
-  Eigen::MatrixXd Pick(const Cells& cells, int style, std::span<const int> counts) const;
+  // Equal numbers of windows of each content, as rows.
+  Eigen::MatrixXd Pick(const Cells& cells, int style, std::span<const int> counts,
+                       std::vector<Eigen::RowVectorXd> Cell::*features) const;
 
   const clip::Manifest& manifest_;
   const Judges& judges_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include "model/train/judge/judge_metrics.h"
@@ -147,6 +148,47 @@ Response MeasureResponse(const Judges& judges, std::span<const train::TrainingCl
   response.acceleration_max = Quantile(accelerations, 1.0);
   response.steady = Quantile(steady, 0.5);
   return response;
+}
+
+void Print(const Response& response) {
+  std::printf("\nswitching (%d switches)\n", response.switches);
+  for (const Seen& seen : {response.soon, response.sure}) {
+    std::printf(
+        "  windows of %.2f s (of real clips %.3f are judged rightly): the new style is seen after "
+        "%.2f s (median), %.2f s (p90); an instant cut after %.2f and %.2f s; never %.1f %%\n",
+        seen.window / kJudgeRate_hz, seen.right_on_real, seen.median_s, seen.p90_s,
+        seen.cut_median_s, seen.cut_p90_s, 100 * seen.never);
+  }
+  std::printf(
+      "  largest joint acceleration in the second after a switch, over the input's p99.9: %.2f "
+      "(median), %.2f (max); away from switches, p99.9: %.2f; above 1.5 times that and what both "
+      "styles do then: %.1f %%\n",
+      response.acceleration_median, response.acceleration_max, response.steady,
+      100 * response.to_blame);
+}
+
+namespace {
+
+nlohmann::json ToJson(const Seen& seen) {
+  return {{"window_s", seen.window / kJudgeRate_hz},
+          {"right_on_real", seen.right_on_real},
+          {"median_s", seen.median_s},
+          {"p90_s", seen.p90_s},
+          {"instant_cut_median_s", seen.cut_median_s},
+          {"instant_cut_p90_s", seen.cut_p90_s},
+          {"never", seen.never}};
+}
+
+}  // namespace
+
+nlohmann::json ToJson(const Response& response) {
+  return {{"switches", response.switches},
+          {"soon", ToJson(response.soon)},
+          {"sure", ToJson(response.sure)},
+          {"acceleration_median", response.acceleration_median},
+          {"acceleration_max", response.acceleration_max},
+          {"acceleration_steady", response.steady},
+          {"to_blame", response.to_blame}};
 }
 
 }  // namespace styled::judge

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
 
@@ -50,5 +51,8 @@ Response MeasureResponse(const Judges& judges, std::span<const train::TrainingCl
                          const std::shared_ptr<const rig::Binding>& binding,
                          const stylist::Options& options, float transition_s, double every_s,
                          std::span<const ResponseInput> inputs);
+
+void Print(const Response& response);
+nlohmann::json ToJson(const Response& response);
 
 }  // namespace styled::judge

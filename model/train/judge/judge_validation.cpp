@@ -3,9 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/train/judge/judge_clip_restyler.h"
 #include "model/train/judge/judge_data.h"
 
 namespace styled::judge {
+namespace {
+
+// Inputs in turn by noise and by an example.
+std::function<Target(int, int)> BothTargets(const Data& data) {
+  return [noise = TargetsOf(data, CodeFrom::kNoise),
+          example = TargetsOf(data, CodeFrom::kReference)](int input, int style) {
+    return input % 2 == 0 ? noise(input, style) : example(input, style);
+  };
+}
+
+}  // namespace
 
 struct Validator::Impl {
   Data data;
@@ -35,10 +47,12 @@ Result<Validator> Validator::Make(const std::filesystem::path& manifest,
 
 Result<std::vector<std::pair<std::string, double>>> Validator::Measure(
     const std::filesystem::path& weights) const {
-  const Result<Styler> styler = LoadStyler(weights, impl_->data.manifest);
+  const Data& data = impl_->data;
+  const auto styler = LoadAnyStyler(weights, data.manifest, {}, false);
   if (!styler.ok()) return styler.status();
-  const Figures figures =
-      impl_->evaluator.Measure("", Style(impl_->data, styler.value(), {}, false));
+  const Figures figures = impl_->evaluator.Measure(
+      "", styler.value().clips ? Restyle(data, *styler.value().clips, BothTargets(data))
+                               : Style(data, *styler.value().frames, {}, false));
   Mean sra;
   Mean cra;
   Mean expression;
@@ -46,7 +60,7 @@ Result<std::vector<std::pair<std::string, double>>> Validator::Measure(
   Mean fmd;
   Mean jitter;
   for (const StyleFigures& of : figures.styles) {
-    if (of.sra.windows <= 0) continue;
+    if (of.sra.windows <= 0 || !std::isfinite(of.expression.fraction)) continue;
     sra.Add(of.sra.value / std::max(1e-6, of.sra_real.value));
     cra.Add(of.cra.value / std::max(1e-6, of.cra_input.value));
     expression.Add(of.expression.fraction);

@@ -12,7 +12,8 @@
 namespace styled::judge {
 
 // Judges weights during their training: styleeval's main figures, averaged over styles, for the
-// weights run as live on the manifest's neutral validation clips.
+// weights run as live on the manifest's neutral validation clips; weights that need whole clips, in
+// turn by noise and by example clips of the style.
 class Validator {
  public:
   // Trains the judges, or reads them from `cache`; prints progress to stderr.

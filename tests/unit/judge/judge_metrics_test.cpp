@@ -123,6 +123,42 @@ TEST(MeanJerk, GrowsWithNoiseThatVelocityHardlyShows) {
   EXPECT_GT(MeanJerk(noisy, 120).value(), 100 * MeanJerk(smooth, 120).value());
 }
 
+// Amplitudes of 1 cm, whose jerk is proportional to the amplitude; `start` times as much in the
+// first quarter second.
+std::vector<body::Pose> Swaying(float amplitude, float start) {
+  return Moving(240, 120, [=](float t) {
+    return body::Vec3(0, 0.01F * amplitude * (t < 0.25F ? start : 1) * std::sin(20 * t), 0);
+  });
+}
+
+TEST(JerkRatios, AreOfTheClipItsBeginningAndItsRest) {
+  const auto input = Swaying(1, 1);
+  const JerkRatios same = MeasureJerkRatios(input, input, 120, 7);
+  EXPECT_NEAR(same.clip.value(), 1, 1e-6);
+  const JerkRatios twice = MeasureJerkRatios(input, Swaying(2, 3), 120, 7);
+  EXPECT_NEAR(twice.first_quarter_second.value(), 6, 0.3);
+  EXPECT_NEAR(twice.after_first_second.value(), 2, 0.05);
+  EXPECT_GT(twice.clip.value(), twice.after_first_second.value());
+  EXPECT_EQ(twice.worst_clip, 7);
+}
+TEST(JerkRatios, OfClipsAreAveragedNotPooled) {
+  JerkRatios sum;
+  sum.Add(MeasureJerkRatios(Swaying(100, 1), Swaying(100, 1), 120, 0));  // a run: ratio 1
+  sum.Add(MeasureJerkRatios(Swaying(1, 1), Swaying(3, 1), 120, 1));      // a gesture: ratio 3
+  EXPECT_NEAR(sum.clip.value(), 2, 0.05);
+  EXPECT_NEAR(sum.worst, 3, 0.1);
+  EXPECT_EQ(sum.worst_clip, 1);
+}
+TEST(JerkRatios, OfAShortOrAStillInputAreNotMeasured) {
+  const auto still = Moving(240, 120, [](float) { return body::Vec3(0, 0, 0); });
+  EXPECT_EQ(MeasureJerkRatios(still, Swaying(1, 1), 120, 0).clip.count, 0);
+  const auto input = Swaying(1, 1);
+  const JerkRatios beginning =
+      MeasureJerkRatios(std::span(input).first(60), std::span(input).first(60), 120, 0);
+  EXPECT_EQ(beginning.after_first_second.count, 0);
+  EXPECT_EQ(beginning.first_quarter_second.count, 1);
+}
+
 TEST(LargestAccelerations, OfAParabolaIsTwice) {
   const auto poses = Moving(20, 30, [](float t) { return body::Vec3(0, 0, t * t); });
   const std::vector<double> accelerations = LargestAccelerations(poses, 30);

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "model/train/judge/judge_comparison.h"
+#include "model/train/judge/judge_data.h"
+#include "model/train/judge/judge_html.h"
+#include "model/train/judge/judge_report.h"
+
+// What the sources of styleeval share.
+namespace styled {
+
+struct EvalArguments {
+  std::string weights, manifest, inputs, data, cache, json, report, write_offset;
+  double long_s = 60;
+  bool absolute = false, synthetic = false, robust = false, rates = false, styled_inputs = false,
+       foreign = false;
+  std::vector<std::filesystem::path> clips;
+  judge::JudgeSettings judges;
+  stylist::Options stylist;
+  float transition_s = 0.1F;
+};
+
+// The judges of one call, and what they have said so far. Everything it refers to outlives it.
+struct EvalSession {
+  const EvalArguments& arguments;
+  const judge::Data& data;
+  const judge::Judges& judges;
+  const judge::Evaluator& evaluator;
+  nlohmann::json json;
+  std::vector<judge::Scene> scenes;
+};
+
+// Measures, prints and records the clips under `key`, unless none is as long as a window.
+void Report(EvalSession& session, const char* key, const std::string& title,
+            const std::vector<judge::Transferred>& clips);
+
+// Weights that run live, under every condition that the arguments ask for; styleeval_live.cpp. The
+// ordinary one, clip by clip, is judged before.
+Status JudgeConditions(EvalSession& session, const judge::Styler& styler);
+
+// Does the content judge, trained on real clips, recognize the synthetic performer?
+// styleeval_synthetic.cpp
+void JudgeSynthetic(EvalSession& session);
+
+}  // namespace styled

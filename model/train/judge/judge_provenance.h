@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "model/train/judge/judge_data.h"
+#include "model/train/judge/judge_nets.h"
+
+namespace styled::judge {
+
+// What a report was made of, so that another can repeat it: the command, the judges' settings, the
+// weights' hash, and per split the number of clips and frames and a hash of all poses (FNV-1a, 64
+// bit, hexadecimal).
+nlohmann::json Provenance(const std::string& command, const Data& data,
+                          const JudgeSettings& settings, const std::filesystem::path& weights);
+void PrintProvenance(const nlohmann::json& provenance);
+
+// What the names of figures mean, in the order in which a report explains them: pairs of term and
+// meaning.
+nlohmann::json Glossary();
+void PrintGlossary();
+
+}  // namespace styled::judge
