@@ -17,7 +17,7 @@ OF_OTHERS = {
     'proto/rigs/README.md': {'connection.cpp', 'packets.h', 'connection.c', 'hid.c'},
     'clients/cpp/README.md': {'renderer.cpp'},
     'model/net/kernels/kernel.cpp': {'highway.h'},
-    'model/net/kernels/kernel.cpp': {'highway.h'},
+    'model/net/kernels/rows.cpp': {'highway.h'},
 }
 
 

@@ -35,8 +35,8 @@ struct DotRect {
   int left = 0, top = 0, width = 0, height = 0;
 };
 
-// A picture of character cells with text and lines. Lines are drawn in braille dots, or in - | / \
-// and * if the terminal does not support UTF-8. Everything outside is clipped. One thread;
+// A picture of character cells with text and lines. Lines are drawn in braille dots, or in ASCII
+// strokes if the terminal does not support UTF-8. Everything outside is clipped. One thread;
 // allocates at construction. Pinned by tests/unit/clients/canvas_test.cpp.
 class Canvas {
  public:
