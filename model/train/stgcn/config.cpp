@@ -23,6 +23,8 @@ void AsInThePaper(Config& config) {
   config.decay_to = 1;
   config.ema = 0;
   config.penalty_every = 1;
+  config.w_adversarial = config.w_cycle = config.w_identity = config.w_style = 1;
+  config.w_penalty = config.w_diversity = 1;
   config.diversity_target_cm = config.w_fk = config.w_smooth = 0;
 }
 

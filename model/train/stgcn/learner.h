@@ -120,7 +120,10 @@ class Learner {
   void StepWarmUp(const Batch& batch);
   void StepCritic(const Batch& batch, const torch::Tensor& fake, double decay);
   void StepGenerator(const Batch& batch, const Made& made, Turn turn, double decay);
+  // losses.cpp, with StepCritic and StepGenerator
   torch::Tensor Losses(const Batch& batch, const Made& made, Turn turn);
+  torch::Tensor BodyLosses(const Batch& batch, const Made& made);
+  torch::Tensor Diversity(const Made& made, Turn turn, const std::string& suffix);
   torch::Tensor FreeLoss(const torch::Tensor& features, const torch::Tensor& code) const;
   void StepAdam(Parameters& parameters, AdamWithDecay& adam, double rate) const;
   void UpdateAverage();

@@ -58,8 +58,42 @@ void Learner::StepCritic(const Batch& batch, const Tensor& fake, double decay) {
   StepAdam(critic_.parameters, critic_adam_, config_.critic_rate * decay);
 }
 
+// What the paper has no term for: positions that agree with the rotations, and changes of style
+// that do not jerk.
+Tensor Learner::BodyLosses(const Batch& batch, const Made& made) {
+  Tensor loss = torch::zeros({}, torch::TensorOptions().device(device_));
+  if (config_.w_fk > 0) {
+    const Tensor fk =
+        (made.raw - made.fake).abs().mean() +
+        (made.reconstruction - kinematics_.Published(made.reconstruction)).abs().mean();
+    loss = loss + config_.w_fk * fk;
+    means_.Add("fk", fk);
+  }
+  if (config_.w_smooth > 0) {
+    const Tensor change_m =
+        kinematics_.Positions_m(made.fake) - kinematics_.Positions_m(batch.source);
+    const Tensor third = change_m.diff(3, 1);
+    const Tensor smooth = kCmPerM * MeanDistance(third, torch::zeros_like(third));
+    loss = loss + config_.w_smooth * smooth;
+    means_.Add("smooth", smooth);
+  }
+  return loss;
+}
+
+// The weighted diversity of the two outputs; then its weight follows their distance.
+Tensor Learner::Diversity(const Made& made, Turn turn, const std::string& suffix) {
+  DiversityWeight& steered = diversity_[static_cast<std::size_t>(turn)];
+  const double weight = steered.weight();
+  const Tensor apart_cm = kCmPerM * MeanDistance(kinematics_.Positions_m(made.fake.detach()),
+                                                 kinematics_.Positions_m(made.other_fake));
+  means_.Add("apart_cm" + suffix, apart_cm);
+  means_.Add("w_diversity" + suffix, torch::tensor(weight, torch::kFloat64));
+  steered.Observe(apart_cm.item<double>());
+  return weight * (made.fake - made.other_fake).abs().mean();
+}
+
 Tensor Learner::Losses(const Batch& batch, const Made& made, Turn turn) {
-  Networks& n = networks_;
+  const Networks& n = networks_;
   const std::string suffix = turn == Turn::kNoise ? "_noise" : "_reference";
   const Tensor logit = critic_(graph_, made.fake, batch.target, batch.content);
   const Tensor adversarial = MaskedMean(torch::softplus(-logit), batch.paired);
@@ -72,37 +106,14 @@ Tensor Learner::Losses(const Batch& batch, const Made& made, Turn turn) {
   const Tensor wanted = turn == Turn::kNoise ? made.target_code : made.target_code.detach();
   const Tensor read = n.encoder.Code(n.encoder.Features(graph_, made.fake), batch.target);
   const Tensor style = (wanted - read).abs().mean();
-  const Tensor diversity = (made.fake - made.other_fake).abs().mean();
-  DiversityWeight& weight = diversity_[static_cast<std::size_t>(turn)];
-  Tensor loss = config_.w_adversarial * adversarial + config_.w_identity * identity +
-                config_.w_cycle * cycle + config_.w_style * style - weight.weight() * diversity +
-                config_.w_free * made.free_loss;
-  const Tensor fake_m = kinematics_.Positions_m(made.fake);
-  if (config_.w_fk > 0) {
-    const Tensor fk =
-        (made.raw - made.fake).abs().mean() +
-        (made.reconstruction - kinematics_.Published(made.reconstruction)).abs().mean();
-    loss = loss + config_.w_fk * fk;
-    means_.Add("fk", fk);
-  }
-  if (config_.w_smooth > 0) {
-    const Tensor change_m = fake_m - kinematics_.Positions_m(batch.source);
-    const Tensor third = change_m.diff(3, 1);
-    const Tensor smooth = kCmPerM * MeanDistance(third, torch::zeros_like(third));
-    loss = loss + config_.w_smooth * smooth;
-    means_.Add("smooth", smooth);
-  }
-  const Tensor apart_cm =
-      kCmPerM * MeanDistance(fake_m, kinematics_.Positions_m(made.other_fake)).detach();
   means_.Add("adversarial" + suffix, adversarial);
   means_.Add("identity", identity);
   means_.Add("cycle", cycle);
   means_.Add("style" + suffix, style);
-  means_.Add("apart_cm" + suffix, apart_cm);
-  means_.Add("w_diversity" + suffix, torch::tensor(weight.weight(), torch::kFloat64));
   means_.Add("free", made.free_loss);
-  weight.Observe(apart_cm.item<double>());
-  return loss;
+  return config_.w_adversarial * adversarial + config_.w_identity * identity +
+         config_.w_cycle * cycle + config_.w_style * style + config_.w_free * made.free_loss -
+         Diversity(made, turn, suffix) + BodyLosses(batch, made);
 }
 
 void Learner::StepGenerator(const Batch& batch, const Made& made, Turn turn, double decay) {

@@ -14,6 +14,7 @@ namespace {
 using torch::Tensor;
 
 constexpr double kCmPerM = 100;
+constexpr double kTiny = 1e-12;  // m²; keeps a cosine without a change at 0
 constexpr int kPerContent = 5;   // neutral windows that are watched
 constexpr int kPerCell = 24;     // windows that judges learn from and shifts are measured in
 constexpr double kRidge = 1e-2;  // of correlations of standardized statistics
@@ -134,42 +135,61 @@ void Monitor::MeasureShifts(const WindowStore& train, int contents) {
   present_ = has & has[0];
 }
 
-// `outputs`: of each style but neutral, one window per source.
+// What one style's outputs, one per source, add to the figures; their sum is divided afterwards.
+void Monitor::AddStyle(int64_t style, const Tensor& outputs, Kind& kind) const {
+  const Tensor kept = present_[style].index_select(0, content_).nonzero().squeeze(1);
+  if (kept.size(0) == 0) {
+    kind.style_of.push_back(std::nan(""));
+    return;
+  }
+  const Tensor content = content_.index_select(0, kept);
+  const Tensor output = outputs.index_select(0, kept.to(device_)), judged = output.cpu();
+  kind.style_of.push_back(Share(style_judge_.Judge(judged) == style));
+  kind.style += kind.style_of.back();
+  kind.content += Share(content_judge_.Judge(judged) == content);
+  const Tensor after = kinematics_.Positions_m(output);
+  const Tensor before = kinematics_.Positions_m(source_.index_select(0, kept.to(device_)));
+  kind.jerk += MeanJerk(after) / MeanJerk(before);
+  const Tensor change = (after - before).mean(1).cpu().flatten();
+  const Tensor real = shift_m_[style].index_select(0, content).flatten();
+  const double along = torch::dot(change, real).item<double>();
+  const double length = real.norm().item<double>();
+  kind.expression += along / (length * length);
+  kind.cosine += along / (length * change.norm().item<double>() + kTiny);
+}
+
+// `outputs`: of each style but neutral.
 Monitor::Kind Monitor::Measure(const std::string& name, const std::vector<Tensor>& outputs) const {
   Kind kind;
   kind.name = name;
-  const Tensor source_m = kinematics_.Positions_m(source_);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    const auto style = static_cast<int64_t>(i) + 1;
-    const Tensor kept = present_[style].index_select(0, content_).nonzero().squeeze(1);
-    if (kept.size(0) == 0) {
-      kind.style_of.push_back(std::nan(""));
-      continue;
-    }
-    const Tensor output = outputs[i].index_select(0, kept.to(device_));
-    const Tensor judged = output.cpu();
-    kind.style_of.push_back(Share(style_judge_.Judge(judged) == style));
-    kind.content += Share(content_judge_.Judge(judged) == content_.index_select(0, kept));
-    const Tensor positions = kinematics_.Positions_m(output);
-    const Tensor before = source_m.index_select(0, kept.to(device_));
-    kind.jerk += MeanJerk(positions) / MeanJerk(before);
-    const Tensor change = (positions - before).mean(1).flatten(1).cpu().flatten();
-    const Tensor real = shift_m_[style].index_select(0, content_.index_select(0, kept)).flatten();
-    const double along = torch::dot(change, real).item<double>();
-    const double length = real.norm().item<double>();
-    kind.expression += along / (length * length);
-    kind.cosine += along / (length * change.norm().item<double>() + 1e-12);
+    AddStyle(static_cast<int64_t>(i) + 1, outputs[i], kind);
   }
-  double styles = 0;
-  for (const double one : kind.style_of) {
-    if (std::isnan(one)) continue;
-    kind.style += one;
-    ++styles;
-  }
+  const auto missing = std::count_if(kind.style_of.begin(), kind.style_of.end(),
+                                     [](double one) { return std::isnan(one); });
+  const auto styles = static_cast<double>(outputs.size()) - static_cast<double>(missing);
   for (double* figure : {&kind.style, &kind.content, &kind.expression, &kind.cosine, &kind.jerk}) {
     *figure /= std::max(styles, 1.0);
   }
   return kind;
+}
+
+// Text and columns of one kind of code.
+void Monitor::Report(const Kind& kind, MonitorReport& report) const {
+  std::ostringstream text;
+  text << " | " << kind.name;
+  for (const auto& [figure, value] : {std::pair<const char*, double>{"style", kind.style},
+                                      {"content", kind.content},
+                                      {"expression", kind.expression},
+                                      {"cosine", kind.cosine},
+                                      {"jerk_ratio", kind.jerk}}) {
+    report.figures.emplace_back(std::string(figure) + '_' + kind.name, value);
+    text << ' ' << figure << ' ' << std::round(value * 100) / 100;
+  }
+  for (std::size_t i = 0; i < kind.style_of.size(); ++i) {
+    report.figures.emplace_back("style_" + kind.name + '_' + names_[i + 1], kind.style_of[i]);
+  }
+  report.summary += text.str();
 }
 
 MonitorReport Monitor::Evaluate(const Networks& networks, const Graph& graph) const {
@@ -208,21 +228,9 @@ MonitorReport Monitor::Evaluate(const Networks& networks, const Graph& graph) co
   report.figures = {{"identity_cm", kCmPerM * identity_m},
                     {"apart_cm", kCmPerM * apart_m / static_cast<double>(styles - 1)}};
   text << "identity " << kCmPerM * identity_m << " cm, apart " << report.figures[1].second << " cm";
-  for (const Kind& kind : {Measure("noise", by_noise), Measure("reference", by_reference)}) {
-    text << " | " << kind.name;
-    for (const auto& [figure, value] : {std::pair<const char*, double>{"style", kind.style},
-                                        {"content", kind.content},
-                                        {"expression", kind.expression},
-                                        {"cosine", kind.cosine},
-                                        {"jerk_ratio", kind.jerk}}) {
-      report.figures.emplace_back(std::string(figure) + '_' + kind.name, value);
-      text << ' ' << figure << ' ' << std::round(value * 100) / 100;
-    }
-    for (std::size_t i = 0; i < kind.style_of.size(); ++i) {
-      report.figures.emplace_back("style_" + kind.name + '_' + names_[i + 1], kind.style_of[i]);
-    }
-  }
   report.summary = text.str();
+  Report(Measure("noise", by_noise), report);
+  Report(Measure("reference", by_reference), report);
   return report;
 }
 

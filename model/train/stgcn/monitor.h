@@ -49,6 +49,8 @@ class Monitor {
   };
   void TeachJudges(const WindowStore& train, const WindowStore& validation, int contents);
   void MeasureShifts(const WindowStore& train, int contents);
+  void AddStyle(int64_t style, const torch::Tensor& outputs, Kind& kind) const;
+  void Report(const Kind& kind, MonitorReport& report) const;
   Kind Measure(const std::string& name, const std::vector<torch::Tensor>& outputs) const;
 
   const Kinematics& kinematics_;

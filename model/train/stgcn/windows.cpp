@@ -145,13 +145,19 @@ Tensor WindowStore::Read(const std::vector<Window>& windows) const {
 
 Sampler::Sampler(const WindowStore& store, const Options& options)
     : store_(store), options_(options), random_(options.seed) {
-  const auto domains = static_cast<std::size_t>(options.domains);
-  const auto contents = static_cast<std::size_t>(options.contents);
+  FindCells();
+  FindContents();
+}
+
+// Every window, by domain, content and folder.
+void Sampler::FindCells() {
+  const auto domains = static_cast<std::size_t>(options_.domains);
+  const auto contents = static_cast<std::size_t>(options_.contents);
+  const WindowStore& store = store_;
   int sources = 0;
   for (int clip = 0; clip < store.clips(); ++clip) {
     sources = std::max(sources, store.SourceOf(clip) + 1);
   }
-  // 1. Every window, by domain, content and folder.
   cells_.assign(domains, std::vector<Cell>(contents, Cell(static_cast<std::size_t>(sources))));
   for (int clip = 0; clip < store.clips(); ++clip) {
     for (const int start : store.Starts(clip)) {
@@ -162,10 +168,14 @@ Sampler::Sampler(const WindowStore& store, const Options& options)
       places.back().starts.push_back(start);
     }
   }
-  // 2. Those with enough of them.
+}
+
+// The contents of each domain that have enough windows, and those that two domains share.
+void Sampler::FindContents() {
+  const std::size_t domains = cells_.size();
   contents_of_.resize(domains);
   for (std::size_t domain = 0; domain < domains; ++domain) {
-    for (std::size_t content = 0; content < contents; ++content) {
+    for (std::size_t content = 0; content < cells_[domain].size(); ++content) {
       Cell& cell = cells_[domain][content];
       std::erase_if(cell, [](const std::vector<Place>& places) {
         std::size_t windows = 0;
@@ -175,7 +185,6 @@ Sampler::Sampler(const WindowStore& store, const Options& options)
       if (!cell.empty()) contents_of_[domain].push_back(static_cast<int>(content));
     }
   }
-  // 3. The contents that two domains share.
   shared_.assign(domains, std::vector<std::vector<int>>(domains));
   for (std::size_t a = 0; a < domains; ++a) {
     for (std::size_t b = 0; b < domains; ++b) {

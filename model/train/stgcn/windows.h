@@ -91,6 +91,8 @@ class Sampler {
   // The windows of one domain and content: by folder, by clip.
   using Cell = std::vector<std::vector<Place>>;
 
+  void FindCells();
+  void FindContents();
   int Below(std::size_t bound);
   double Uniform();
   Window Draw(const Cell& cell);
