@@ -33,7 +33,7 @@ int Columns(const RowProduct& product) {
 }
 
 // One tile: `Rows` rows from `row` on, `Panels` panels from `panel` on.
-template <int Rows, int Panels>
+template <int Rows, int Panels, bool Ahead>
 HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
   constexpr int kSome = Panels * kVectors;
   V sum[Rows][kSome];
@@ -51,7 +51,7 @@ HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
   for (std::size_t t = 0; t < depths.size(); ++t) {
     const std::ptrdiff_t stride = product.terms[t].stride;
     const float* HWY_RESTRICT x = product.terms[t].x + row * stride;
-    for (int channel = 0; channel < depths[t]; ++channel) {
+    const auto one = [&](int channel) HWY_ATTR {
       V weight[kSome];
       HWY_UNROLL(8)
       for (int v = 0; v < kSome; ++v) {
@@ -63,8 +63,22 @@ HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
         HWY_UNROLL(8)
         for (int v = 0; v < kSome; ++v) sum[r][v] = hn::MulAdd(factor, weight[v], sum[r][v]);
       }
+      if (Ahead) {
+        HWY_UNROLL(4)
+        for (int p = 0; p < Panels; ++p) {
+          __builtin_prefetch(weights + (Panels + p) * panel_stride, 0, 2);
+        }
+      }
       weights += kRowPanel;
+    };
+    int channel = 0;
+    for (; channel + 4 <= depths[t]; channel += 4) {
+      one(channel);
+      one(channel + 1);
+      one(channel + 2);
+      one(channel + 3);
     }
+    for (; channel < depths[t]; ++channel) one(channel);
   }
   const V least = hn::Set(d, product.relu ? 0.0F : hwy::LowestValue<float>());
   const int column = panel * kRowPanel;
@@ -90,7 +104,11 @@ HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
 // All rows of a panel, in tiles of `Rows`, then the rest in halves.
 template <int Rows, int Panels>
 HWY_INLINE void Column(const RowProduct& product, int panel, int row) {
-  for (; row + Rows <= product.rows; row += Rows) Tile<Rows, Panels>(product, panel, row);
+  if (row == 0 && Rows <= product.rows) {
+    Tile<Rows, Panels, true>(product, panel, row);
+    row += Rows;
+  }
+  for (; row + Rows <= product.rows; row += Rows) Tile<Rows, Panels, false>(product, panel, row);
   constexpr int kFewer = Rows == 3 ? 1 : (Rows + 1) / 2;  // 8 4 2 1, 6 3 1
   if constexpr (Rows > 1) {
     if (row < product.rows) Column<kFewer, Panels>(product, panel, row);
@@ -226,25 +244,29 @@ void Turn(const float* x, int frame, float* y, std::ptrdiff_t plane) noexcept {
 }
 
 // The matrix A of F(4, 3): rows (1 1 1 1 1 0), (0 1 -1 2 -2 0), (0 1 1 4 4 0), (0 1 -1 8 -8 1).
-void TurnBack(const float* x, std::ptrdiff_t plane, int nodes, int channels, const float* bias,
-              int frames, bool add, float* y) noexcept {
+void TurnBack(const TurnedTile& tile) noexcept {
   const V two = hn::Set(d, 2.0F), four = hn::Set(d, 4.0F), eight = hn::Set(d, 8.0F);
-  const std::ptrdiff_t frame = std::ptrdiff_t{nodes} * channels;
-  for (int node = 0; node < nodes; ++node) {
-    for (int channel = 0; channel < channels; channel += kLanes) {
-      const std::ptrdiff_t at = std::ptrdiff_t{node} * channels + channel;
+  const std::ptrdiff_t frame = std::ptrdiff_t{tile.nodes} * tile.channels;
+  const std::ptrdiff_t add_frame = std::ptrdiff_t{tile.add_rows} * tile.channels;
+  for (std::ptrdiff_t node = 0; node < tile.nodes; ++node) {
+    const std::ptrdiff_t row = tile.add_row != nullptr ? tile.add_row[node] : node;
+    for (int channel = 0; channel < tile.channels; channel += kLanes) {
+      const std::ptrdiff_t at = node * tile.channels + channel;
       V in[kTurned];
-      for (int p = 0; p < kTurned; ++p) in[p] = hn::LoadU(d, x + p * plane + at);
+      for (int p = 0; p < kTurned; ++p) in[p] = hn::LoadU(d, tile.x + p * tile.plane + at);
       const V sum1 = hn::Add(in[1], in[2]), sum2 = hn::Add(in[3], in[4]);
       const V less1 = hn::Sub(in[1], in[2]), less2 = hn::Sub(in[3], in[4]);
-      const V of = hn::LoadU(d, bias + channel);
+      const V of = hn::LoadU(d, tile.bias + channel);
       const V out[kTile] = {hn::Add(of, hn::Add(in[0], hn::Add(sum1, sum2))),
                             hn::Add(of, hn::MulAdd(two, less2, less1)),
                             hn::Add(of, hn::MulAdd(four, sum2, sum1)),
                             hn::Add(of, hn::Add(in[5], hn::MulAdd(eight, less2, less1)))};
-      for (int t = 0; t < frames; ++t) {
-        float* const to = y + t * frame + at;
-        hn::StoreU(add ? hn::Add(out[t], hn::LoadU(d, to)) : out[t], d, to);
+      for (int t = 0; t < tile.frames; ++t) {
+        V y = out[t];
+        if (tile.add != nullptr) {
+          y = hn::Add(y, hn::LoadU(d, tile.add + t * add_frame + row * tile.channels + channel));
+        }
+        hn::StoreU(y, d, tile.y + t * frame + at);
       }
     }
   }

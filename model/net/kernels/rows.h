@@ -108,6 +108,19 @@ struct RowMixture {
 inline constexpr int kTile = 4;
 inline constexpr int kTurned = 6;
 
+// y_t,v = bias + the tile's frame t at node v + add_t,row(v), rows of `channels` floats.
+struct TurnedTile {
+  const float* x = nullptr;  // plane p at x + p plane: [nodes, channels]
+  std::ptrdiff_t plane = 0;
+  int nodes = 0, channels = 0;  // a multiple of kRowPanel
+  int frames = kTile;           // 1 .. kTile
+  const float* bias = nullptr;  // [channels]
+  const float* add = nullptr;   // [frames, add_rows, channels]; nullptr: none
+  int add_rows = 0;
+  const int* add_row = nullptr;  // of each node; nullptr: the node's own
+  float* y = nullptr;            // [frames, nodes, channels]; may be `add` where rows are nodes
+};
+
 struct RowKernels {
   const char* target;  // Highway's name
 
@@ -136,10 +149,8 @@ struct RowKernels {
   // a multiple of kRowPanel. Plane p is at y + p plane.
   void (*turn)(const float* x, int frame, float* y, std::ptrdiff_t plane) noexcept;
 
-  // The first `frames` (1 .. kTile) frames of a tile from the products of its planes, [nodes,
-  // channels] each; plus bias [channels], and plus what is in y with `add`.
-  void (*turn_back)(const float* x, std::ptrdiff_t plane, int nodes, int channels,
-                    const float* bias, int frames, bool add, float* y) noexcept;
+  // The first frames of a tile from the products of its planes.
+  void (*turn_back)(const TurnedTile& tile) noexcept;
 };
 
 // The fastest table that this machine supports. Call at start-up only.

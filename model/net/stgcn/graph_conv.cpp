@@ -1,5 +1,6 @@
 #include "model/net/stgcn/graph_conv.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace styled::stgcn {
@@ -17,6 +18,10 @@ void Pack(const Eigen::Ref<const RowMajor>& from, std::size_t term, net::PackedC
   }
 }
 
+bool HasEntries(const Eigen::MatrixXf& matrix, Eigen::Index row) {
+  return (matrix.row(row).array() != 0).any();
+}
+
 int CountRows(const Eigen::MatrixXf& matrix) {
   return static_cast<int>((matrix.array() != 0).rowwise().any().count());
 }
@@ -31,68 +36,76 @@ GraphConv::GraphConv(const std::array<Eigen::MatrixXf, kLabelCount>& mixing, con
       out_channels_(static_cast<int>(weight.rows()) / kLabelCount),
       constant_(static_cast<std::size_t>(out_nodes_ * out_channels_)) {
   assert(in_channels_ % net::kRowPanel == 0 && out_channels_ % net::kRowPanel == 0);
-  const std::array<int, 1> depth{in_channels_};
-  const std::array<int, kLabelCount> depths{in_channels_, in_channels_, in_channels_};
   Eigen::Map<RowMajor> constant(constant_.data(), out_nodes_, out_channels_);
   constant = node_bias;
   together_ = true;
-  std::array<bool, kLabelCount> is_before;
   for (std::size_t k = 0; k < kLabelCount; ++k) {
-    const Eigen::MatrixXf& m = mixing[k];
-    const auto block =
-        weight.middleRows(static_cast<Eigen::Index>(k) * out_channels_, out_channels_);
+    const Eigen::Index begin = static_cast<Eigen::Index>(k) * out_channels_;
     constant +=
-        m.colwise().sum().transpose() *
-        bias.segment(static_cast<Eigen::Index>(k) * out_channels_, out_channels_).transpose();
-    const int sources = CountRows(m), targets = CountRows(m.transpose());
-    is_before[k] = targets < sources;
-    together_ = together_ && is_before[k] && targets == out_nodes_;
-    OneLabel& label = labels_[k];
-    label.weight = net::PackedColumns(depth, out_channels_);
-    Pack(block, 0, label.weight);
-    label.rows = is_before[k] ? targets : sources;
-    if (!is_before[k] && sources == in_nodes_) continue;
-    const Eigen::MatrixXf rows = is_before[k] ? Eigen::MatrixXf(m.transpose()) : m;
-    for (int row = 0; row < rows.rows(); ++row) {
-      if (!(rows.row(row).array() != 0).any()) continue;
-      if (is_before[k]) {
-        for (int j = 0; j < rows.cols(); ++j) {
-          if (rows(row, j) != 0) label.before.parts.push_back({0, j, rows(row, j)});
-        }
-      } else {
-        label.before.parts.push_back({0, row, 1.0F});
-      }
-      label.before.EndRow();
-    }
+        mixing[k].colwise().sum().transpose() * bias.segment(begin, out_channels_).transpose();
+    PackLabel(mixing[k], weight.middleRows(begin, out_channels_), labels_[k]);
+    together_ = together_ && labels_[k].is_mixed && labels_[k].rows == out_nodes_;
   }
-  if (together_) {
-    all_ = net::PackedColumns(depths, out_channels_);
-    for (std::size_t k = 0; k < kLabelCount; ++k) {
-      Pack(weight.middleRows(static_cast<Eigen::Index>(k) * out_channels_, out_channels_), k, all_);
-      labels_[k].weight = {};
-    }
+  if (!together_) {
+    LinkOutput(mixing);
     return;
   }
-  // Which row of a label's product belongs to a node.
+  const std::array<int, kLabelCount> depths{in_channels_, in_channels_, in_channels_};
+  all_ = net::PackedColumns(depths, out_channels_);
+  for (std::size_t k = 0; k < kLabelCount; ++k) {
+    Pack(weight.middleRows(static_cast<Eigen::Index>(k) * out_channels_, out_channels_), k, all_);
+    labels_[k].weight = {};
+  }
+}
+
+// Decides where the label is mixed, and lists the rows of its product.
+void GraphConv::PackLabel(const Eigen::MatrixXf& mixing, const Eigen::Ref<const RowMajor>& weight,
+                          OneLabel& label) {
+  const int sources = CountRows(mixing), targets = CountRows(mixing.transpose());
+  label.is_mixed = targets < sources;
+  label.rows = std::min(targets, sources);
+  const std::array<int, 1> depth{in_channels_};
+  label.weight = net::PackedColumns(depth, out_channels_);
+  Pack(weight, 0, label.weight);
+  if (!label.is_mixed && sources == in_nodes_) return;  // x as it is
+  const Eigen::MatrixXf rows = label.is_mixed ? Eigen::MatrixXf(mixing.transpose()) : mixing;
+  for (int row = 0; row < rows.rows(); ++row) {
+    if (!HasEntries(rows, row)) continue;
+    if (label.is_mixed) {
+      for (int j = 0; j < in_nodes_; ++j) {
+        if (rows(row, j) != 0) label.before.parts.push_back({0, j, rows(row, j)});
+      }
+    } else {
+      label.before.parts.push_back({0, row, 1.0F});
+    }
+    label.before.EndRow();
+  }
+}
+
+// Lists which rows of the labels' products make each node of y.
+void GraphConv::LinkOutput(const std::array<Eigen::MatrixXf, kLabelCount>& mixing) {
+  // The row of a label's product that belongs to a node: of y if it is mixed before, else of x.
   std::array<std::vector<int>, kLabelCount> row_of;
   for (std::size_t k = 0; k < kLabelCount; ++k) {
-    const Eigen::MatrixXf rows = is_before[k] ? Eigen::MatrixXf(mixing[k].transpose()) : mixing[k];
+    const Eigen::MatrixXf rows =
+        labels_[k].is_mixed ? Eigen::MatrixXf(mixing[k].transpose()) : mixing[k];
     int next = 0;
     for (int row = 0; row < rows.rows(); ++row) {
-      row_of[k].push_back((rows.row(row).array() != 0).any() ? next++ : -1);
+      row_of[k].push_back(HasEntries(rows, row) ? next++ : -1);
     }
   }
   for (int i = 0; i < out_nodes_; ++i) {
     for (std::size_t k = 0; k < kLabelCount; ++k) {
       const int input = static_cast<int>(k);
-      if (is_before[k]) {
+      if (labels_[k].is_mixed) {
         const int row = row_of[k][static_cast<std::size_t>(i)];
         if (row >= 0) after_.parts.push_back({input, row, 1.0F});
         continue;
       }
       for (int j = 0; j < in_nodes_; ++j) {
-        if (mixing[k](j, i) == 0) continue;
-        after_.parts.push_back({input, row_of[k][static_cast<std::size_t>(j)], mixing[k](j, i)});
+        const float share = mixing[k](j, i);
+        if (share == 0) continue;
+        after_.parts.push_back({input, row_of[k][static_cast<std::size_t>(j)], share});
       }
     }
     after_.EndRow();

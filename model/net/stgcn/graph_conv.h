@@ -50,11 +50,15 @@ class GraphConv {
     void EndRow() { begins.push_back(static_cast<int>(parts.size())); }
   };
   struct OneLabel {
-    Sparse before;  // rows that W_k is applied to, from x; no rows: all of x as it is
-    int rows = 0;   // of the product, per frame
+    bool is_mixed = false;  // before the product, else after it
+    Sparse before;          // rows that W_k is applied to, from x; no rows: all of x as it is
+    int rows = 0;           // of the product, per frame
     net::PackedColumns weight;
   };
 
+  void PackLabel(const Eigen::MatrixXf& mixing, const Eigen::Ref<const net::RowMajor>& weight,
+                 OneLabel& label);
+  void LinkOutput(const std::array<Eigen::MatrixXf, kLabelCount>& mixing);
   void RunTogether(const net::RowKernels& kernels, const float* x, int frames, bool relu, float* y,
                    GraphScratch& scratch) const;
 

@@ -119,10 +119,6 @@ class LayerReader {
 
   EncoderBlock TakeEncoder(const std::string& name, int level, int in, int out, bool normalized);
   DecoderBlock TakeDecoder(const std::string& name, int level, int in, int out);
-  RowMajor Take(const std::string& name, int rows, int columns) {
-    return tensors_.Matrix(name, rows, columns);
-  }
-
   TensorReader& tensors() { return tensors_; }
 
  private:
@@ -223,6 +219,45 @@ Linear TakeConv(TensorReader& tensors, int channels) {
   return linear;
 }
 
+GeneratorWeights TakeGenerator(LayerReader& layers, int width) {
+  GeneratorWeights g;
+  g.in = layers.TakeLinear("g.in", width, kChannels, kNodes[0]);
+  g.encoder[0] = layers.TakeEncoder("g.enc1", 0, width, 2 * width, true);
+  g.encoder[1] = layers.TakeEncoder("g.enc2", 1, 2 * width, 4 * width, true);
+  g.decoder[0] = layers.TakeDecoder("g.dec1", 1, 4 * width, 2 * width);
+  g.decoder[1] = layers.TakeDecoder("g.dec2", 0, 2 * width, width);
+  g.out = layers.TakeLinear("g.out", kChannels, width, 0);
+  return g;
+}
+
+StyleEncoderWeights TakeStyleEncoder(LayerReader& layers, int width, int domains) {
+  StyleEncoderWeights e;
+  const int trunk = 4 * width;
+  e.in = layers.TakeLinear("e.in", width, kChannels, kNodes[0]);
+  e.blocks[0] = layers.TakeEncoder("e.res1", 0, width, 2 * width, false);
+  e.blocks[1] = layers.TakeEncoder("e.res2", 1, 2 * width, trunk, false);
+  e.conv = TakeConv(layers.tensors(), trunk);
+  const RowMajor heads = layers.tensors().Tensor("e.heads.weight", {domains, kCode, trunk});
+  const RowMajor bias = layers.tensors().Matrix("e.heads.bias", domains, kCode);
+  for (int domain = 0; domain < domains; ++domain) {
+    e.heads.push_back({Eigen::Map<const RowMajor>(heads.row(domain).data(), kCode, trunk),
+                       bias.row(domain).transpose()});
+  }
+  e.heads.push_back(layers.TakeDense("e.free", kCode, trunk));
+  return e;
+}
+
+MappingWeights TakeMapping(LayerReader& layers, int domains) {
+  constexpr int kHidden = 256;
+  MappingWeights f;
+  f.noise = layers.TakeDense("f.noise", kHidden, kNoise);
+  f.label = layers.TakeDense("f.label", kHidden, domains);
+  f.first = layers.TakeDense("f.fc1", 2 * kHidden, 2 * kHidden);
+  f.second = layers.TakeDense("f.fc2", 4 * kHidden, 2 * kHidden);
+  f.out = layers.TakeDense("f.out", kCode, 4 * kHidden);
+  return f;
+}
+
 }  // namespace
 
 Network::Network() : weights_(std::make_unique<Weights>()) {}
@@ -267,34 +302,9 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   SetHemisphere(w.mean, features);
 
   const int domains = network->domain_count();
-  auto& g = w.generator;
-  g.in = layers.TakeLinear("g.in", width, kChannels, kNodes[0]);
-  g.encoder[0] = layers.TakeEncoder("g.enc1", 0, width, 2 * width, true);
-  g.encoder[1] = layers.TakeEncoder("g.enc2", 1, 2 * width, 4 * width, true);
-  g.decoder[0] = layers.TakeDecoder("g.dec1", 1, 4 * width, 2 * width);
-  g.decoder[1] = layers.TakeDecoder("g.dec2", 0, 2 * width, width);
-  g.out = layers.TakeLinear("g.out", kChannels, width, 0);
-
-  auto& e = w.encoder;
-  const int trunk = 4 * width;
-  e.in = layers.TakeLinear("e.in", width, kChannels, kNodes[0]);
-  e.blocks[0] = layers.TakeEncoder("e.res1", 0, width, 2 * width, false);
-  e.blocks[1] = layers.TakeEncoder("e.res2", 1, 2 * width, trunk, false);
-  e.conv = TakeConv(tensors, trunk);
-  const RowMajor heads = tensors.Tensor("e.heads.weight", {domains, kCode, trunk});
-  const RowMajor head_bias = tensors.Matrix("e.heads.bias", domains, kCode);
-  for (int domain = 0; domain < domains; ++domain) {
-    e.heads.push_back({Eigen::Map<const RowMajor>(heads.row(domain).data(), kCode, trunk),
-                       head_bias.row(domain).transpose()});
-  }
-  e.heads.push_back(layers.TakeDense("e.free", kCode, trunk));
-
-  auto& f = w.mapping;
-  f.noise = layers.TakeDense("f.noise", 256, kNoise);
-  f.label = layers.TakeDense("f.label", 256, domains);
-  f.first = layers.TakeDense("f.fc1", 512, 512);
-  f.second = layers.TakeDense("f.fc2", 1024, 512);
-  f.out = layers.TakeDense("f.out", kCode, 1024);
+  w.generator = TakeGenerator(layers, width);
+  w.encoder = TakeStyleEncoder(layers, width, domains);
+  w.mapping = TakeMapping(layers, domains);
   const RowMajor codes = tensors.Matrix("codes.mean", domains, kCode);
   for (int domain = 0; domain < domains; ++domain) {
     w.mean_codes.emplace_back(codes.row(domain).transpose());

@@ -136,12 +136,12 @@ void RunEncoder(const RowKernels& kernels, const EncoderBlock& block, const floa
   kernels.mix({block.pool_begins, block.pool_parts, pair, half, block.in, nullptr, false, skip});
 
   float* const between = Sized(s.between, Size(half, nodes, block.in));
-  block.time1.Run(kernels, time1, half, nodes, false, between, s.time);
+  block.time1.Run(kernels, time1, half, nodes, {}, between, s.time);
   const Affine norm2 = InstanceNorm(kernels, block.norm2, between, half, nodes, block.in);
   float* const time2 = block.time2.Prepare(s.time2, half, nodes);
   ConvolveGraph(kernels, block.graph2, norm2, between, half, false, true, time2, s);
   Multiply(kernels, block.skip, skip, half * nodes, y);
-  block.time2.Run(kernels, time2, half, nodes, true, y, s.time);
+  block.time2.Run(kernels, time2, half, nodes, {y, nodes}, y, s.time);
 }
 
 // Unpooling over time: [frames, row] to [2 frames, row], linear with both ends kept, or its relu.
@@ -169,26 +169,17 @@ void RunDecoder(const RowKernels& kernels, const DecoderBlock& block, const Code
   float* const time1 = block.time1.Prepare(s.time1, twice, nodes);
   UnpoolTime(kernels, pooled, frames, row, true, time1);
   float* const between = Sized(s.between, static_cast<std::size_t>(twice) * row);
-  block.time1.Run(kernels, time1, twice, nodes, false, between, s.time);
+  block.time1.Run(kernels, time1, twice, nodes, {}, between, s.time);
   const Affine norm2 = AdaptiveNorm(kernels, block.adain2, code, between, twice, nodes, block.out,
                                     block.cluster_sizes);
   float* const time2 = block.time2.Prepare(s.time2, twice, wide);
   ConvolveGraph(kernels, block.graph2, norm2, between, twice, false, true, time2, s);
 
-  // The skip path: its product commutes with both unpoolings. It is put into y, which the last
-  // convolution adds to.
+  // The skip path: its product commutes with both unpoolings, of which the copies are not made.
   Multiply(kernels, block.skip, x, frames * nodes, pooled);
   float* const skip = Sized(s.skip, static_cast<std::size_t>(twice) * row);
   UnpoolTime(kernels, pooled, frames, row, false, skip);
-  const auto channels = static_cast<std::size_t>(block.out);
-  for (std::size_t frame = 0; frame < static_cast<std::size_t>(twice); ++frame) {
-    for (std::size_t node = 0; node < block.clusters.size(); ++node) {
-      const auto cluster = static_cast<std::size_t>(block.clusters[node]);
-      std::copy_n(skip + frame * row + cluster * channels, channels,
-                  y + (frame * block.clusters.size() + node) * channels);
-    }
-  }
-  block.time2.Run(kernels, time2, twice, wide, true, y, s.time);
+  block.time2.Run(kernels, time2, twice, wide, {skip, nodes, block.clusters.data()}, y, s.time);
 }
 
 // The standardized features of `clip`, filled up with its last frame to `frames`, through the input
@@ -219,6 +210,18 @@ const float* RunInput(const RowKernels& kernels, const Linear& in, const Feature
 
 Eigen::VectorXf Apply(const Dense& dense, const Eigen::VectorXf& x) {
   return dense.weight * x + dense.bias;
+}
+
+// A reference shorter than a window: both ends repeated, the clip in the middle. Empty if the clip
+// is long enough.
+std::vector<Features> FilledReference(std::span<const Features> clip) {
+  std::vector<Features> filled;
+  if (clip.size() >= kReference) return filled;
+  const std::size_t before = (kReference - clip.size()) / 2;
+  filled.assign(kReference, clip.back());
+  std::fill_n(filled.begin(), before, clip.front());
+  std::copy(clip.begin(), clip.end(), filled.begin() + static_cast<std::ptrdiff_t>(before));
+  return filled;
 }
 
 // The windows of a reference: their first frames. One window of a short clip.
@@ -291,18 +294,9 @@ void Network::Decode(const Content& content, const Code& code, std::span<Feature
 
 Code Network::EncodeStyle(std::span<const Features> clip, int domain, Scratch& scratch) const {
   assert(!clip.empty() && domain >= kFreeHead && domain < domain_count());
-  const Weights::StyleEncoder& e = weights_->encoder;
-  const RowKernels& kernels = *weights_->kernels;
-  const auto& [first, second] = e.blocks;
-  std::vector<Features> whole;
-  if (clip.size() < kReference) {
-    // Both ends repeated, the clip in the middle.
-    const std::size_t before = (kReference - clip.size()) / 2;
-    whole.assign(kReference, clip.back());
-    std::fill_n(whole.begin(), before, clip.front());
-    std::copy(clip.begin(), clip.end(), whole.begin() + static_cast<std::ptrdiff_t>(before));
-    clip = whole;
-  }
+  const StyleEncoderWeights& e = weights_->encoder;
+  const std::vector<Features> filled = FilledReference(clip);
+  if (!filled.empty()) clip = filled;
   const std::vector<int> begins = WindowBegins(clip.size());
   const int deep = e.conv.weight.depths()[0], out = e.conv.weight.columns();
   net::AlignedFloats trunk(Size(kWindowsTogether, deep)), hidden(Size(kWindowsTogether, out));
@@ -311,30 +305,20 @@ Code Network::EncodeStyle(std::span<const Features> clip, int domain, Scratch& s
     const int count = std::min<int>(kWindowsTogether, static_cast<int>(begins.size() - done));
     for (int i = 0; i < count; ++i) {
       const auto begin = static_cast<std::size_t>(begins[done + static_cast<std::size_t>(i)]);
-      const float* const in = RunInput(kernels, e.in, weights_->mean, weights_->inverse_deviation,
-                                       clip.subspan(begin, kReference), kReference, scratch);
-      float* const middle = Sized(scratch.out[0], Size(kReference / 2, kNodes[1], first.out));
-      RunEncoder(kernels, first, in, kReference, middle, scratch);
-      float* const last = trunk.data() + Size(i, deep);
-      RunEncoder(kernels, second, middle, kReference / 2, last, scratch);
-      kernels.activate(last, nullptr, deep / second.out, second.out, nullptr, nullptr, last);
+      EncodeWindow(clip.subspan(begin, kReference), trunk.data() + Size(i, deep), scratch);
     }
     const RowTerm term{trunk.data(), deep};
-    kernels.product({&e.conv.weight,
-                     {&term, 1},
-                     count,
-                     e.conv.bias.data(),
-                     1,
-                     nullptr,
-                     false,
-                     hidden.data(),
-                     out});
-    for (int i = 0; i < count; ++i) {
-      for (int c = 0; c < out; ++c) {
-        const float value = hidden.data()[Size(i, out) + static_cast<std::size_t>(c)];
-        sum[c] += static_cast<double>(std::max(value, kLeak * value));
-      }
-    }
+    weights_->kernels->product({&e.conv.weight,
+                                {&term, 1},
+                                count,
+                                e.conv.bias.data(),
+                                1,
+                                nullptr,
+                                false,
+                                hidden.data(),
+                                out});
+    const Eigen::Map<const net::RowMajor> rows(hidden.data(), count, out);
+    sum += rows.cwiseMax(kLeak * rows).colwise().sum().transpose().cast<double>();
   }
   // Heads are linear: the code of the mean is the mean of the codes.
   const Eigen::VectorXf mean = (sum / static_cast<double>(begins.size())).cast<float>();
@@ -342,9 +326,22 @@ Code Network::EncodeStyle(std::span<const Features> clip, int domain, Scratch& s
   return Apply(e.heads[head], mean);
 }
 
+// The style encoder's blocks on one window: [16, 5, 4 width], activated.
+void Network::EncodeWindow(std::span<const Features> window, float* y, Scratch& scratch) const {
+  const StyleEncoderWeights& e = weights_->encoder;
+  const RowKernels& kernels = *weights_->kernels;
+  const auto& [first, second] = e.blocks;
+  const float* const in = RunInput(kernels, e.in, weights_->mean, weights_->inverse_deviation,
+                                   window, kReference, scratch);
+  float* const middle = Sized(scratch.out[0], Size(kReference / 2, kNodes[1], first.out));
+  RunEncoder(kernels, first, in, kReference, middle, scratch);
+  RunEncoder(kernels, second, middle, kReference / 2, y, scratch);
+  kernels.activate(y, nullptr, kReference / 4 * kNodes[2], second.out, nullptr, nullptr, y);
+}
+
 Code Network::MapNoise(const Noise& noise, int domain) const {
   assert(domain >= 0 && domain < domain_count());
-  const Weights::Mapping& f = weights_->mapping;
+  const MappingWeights& f = weights_->mapping;
   const auto relu = [](const Eigen::VectorXf& x) -> Eigen::VectorXf { return x.cwiseMax(0.0F); };
   Eigen::VectorXf both(f.noise.bias.size() + f.label.bias.size());
   both << relu(Apply(f.noise, noise)), relu(f.label.weight.col(domain) + f.label.bias);

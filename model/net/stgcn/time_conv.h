@@ -27,9 +27,17 @@ class TimeConv {
   // Returns the first frame.
   float* Prepare(net::AlignedFloats& buffer, int frames, int nodes) const;
 
-  // x: [frames, nodes, C], prepared; y: the same shape. With `add`, y has the skip path's values,
-  // and the result is added.
-  void Run(const net::RowKernels& kernels, const float* x, int frames, int nodes, bool add,
+  // What is added to the result, the skip path: [frames, rows, C], for node v its row row_of[v];
+  // without `row_of` there is a row for each node.
+  struct Skip {
+    const float* x = nullptr;  // nullptr: nothing is added
+    int rows = 0;
+    const int* row_of = nullptr;
+  };
+
+  // x: [frames, nodes, C], prepared; y: the same shape; may be the skip path's where that has a row
+  // for each node.
+  void Run(const net::RowKernels& kernels, const float* x, int frames, int nodes, const Skip& skip,
            float* y, TimeScratch& scratch) const;
 
   int channels() const { return channels_; }

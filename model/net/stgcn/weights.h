@@ -58,23 +58,29 @@ struct Dense {
   Eigen::VectorXf bias;
 };
 
+struct GeneratorWeights {
+  Linear in, out;
+  std::array<EncoderBlock, 2> encoder;
+  std::array<DecoderBlock, 2> decoder;
+};
+
+struct StyleEncoderWeights {
+  Linear in, conv;  // conv: [80 * 4w, 4w]
+  std::array<EncoderBlock, 2> blocks;
+  std::vector<Dense> heads;  // one per domain, and the free head last
+};
+
+struct MappingWeights {
+  Dense noise, label, first, second, out;
+};
+
 struct Network::Weights {
   const net::RowKernels* kernels = &net::BestRowKernels();
   int width = 0;
   Features mean, deviation, inverse_deviation;
-  struct Generator {
-    Linear in, out;
-    std::array<EncoderBlock, 2> encoder;
-    std::array<DecoderBlock, 2> decoder;
-  } generator;
-  struct StyleEncoder {
-    Linear in, conv;  // conv: [80 * 4w, 4w]
-    std::array<EncoderBlock, 2> blocks;
-    std::vector<Dense> heads;  // one per domain, and the free head last
-  } encoder;
-  struct Mapping {
-    Dense noise, label, first, second, out;
-  } mapping;
+  GeneratorWeights generator;
+  StyleEncoderWeights encoder;
+  MappingWeights mapping;
   std::vector<Code> mean_codes;
 };
 

@@ -286,18 +286,33 @@ TEST(Rows, ATurnedTileIsAConvolutionOverTime) {
     for (std::size_t i = 0; i < planes.size(); ++i) {
       planes[i] *= static_cast<float>(of_plane[i / kFrame]);
     }
+    // Nothing added; y itself; another tensor's row for each node.
+    const std::vector<float> other = RandomFloats(std::size_t{kTile} * 3 * 16, random);
+    const std::array<int, kNodes> rows{2, 0};
     for (int frames = 1; frames <= kTile; ++frames) {
-      for (const bool add : {false, true}) {
+      for (const int way : {0, 1, 2}) {
         std::vector<float> y(kTile * kFrame, 5.0F);
-        BestRowKernels().turn_back(planes.data(), kFrame, kNodes, 16, bias.data(), frames, add,
-                                   y.data());
+        TurnedTile tile{planes.data(), kFrame, kNodes, 16, frames, bias.data()};
+        tile.y = y.data();
+        if (way == 1) {
+          tile.add = y.data();
+          tile.add_rows = kNodes;
+        } else if (way == 2) {
+          tile.add = other.data();
+          tile.add_rows = 3;
+          tile.add_row = rows.data();
+        }
+        BestRowKernels().turn_back(tile);
         for (std::size_t i = 0; i < y.size(); ++i) {
+          const std::size_t t = i / kFrame, node = i % kFrame / 16, c = i % 16;
           double expected = 5;
-          if (i / kFrame < static_cast<std::size_t>(frames)) {
-            expected = (add ? 5 : 0) + bias[i % 16];
+          if (t < static_cast<std::size_t>(frames)) {
+            if (way == 0) expected = 0;
+            if (way == 2) expected = other[(t * 3 + static_cast<std::size_t>(rows[node])) * 16 + c];
+            expected += bias[c];
             for (std::size_t tap = 0; tap < 3; ++tap) expected += g[tap] * x[i + tap * kFrame];
           }
-          ASSERT_NEAR(y[i], expected, 1e-5) << frames << ", " << i;
+          ASSERT_NEAR(y[i], expected, 1e-5) << frames << ", " << way << ", " << i;
         }
       }
     }
