@@ -37,7 +37,7 @@ void Session::Start(const source::Machine& machine, std::uint64_t session, std::
 
 // Uses the shorter of two intervals, so that one silence does not make a sender slow.
 std::int64_t Session::TakeoverAfter_ns(const source::Machine& machine,
-                                  const SessionRules& rules) const noexcept {
+                                       const SessionRules& rules) const noexcept {
   if (machine == machine_) return rules.takeover_ns;
   const std::int64_t interval_ns = std::min(intervals_ns_[0], intervals_ns_[1]);
   return std::max(rules.takeover_ns, std::min(3 * interval_ns, kLongestPatience_ns));
@@ -64,7 +64,8 @@ Session::Arrival Session::Admit(const source::Machine& machine, std::uint64_t se
   const bool silent = silence_ns >= rules.takeover_ns;
   if (!live_ || session != session_ || machine != machine_) {
     const bool anew = session == session_ + kSessionStep && machine == machine_;
-    if (live_ && !anew && silence_ns < TakeoverAfter_ns(machine, rules)) return Arrival::kSecondSender;
+    if (live_ && !anew && silence_ns < TakeoverAfter_ns(machine, rules))
+      return Arrival::kSecondSender;
     Start(machine, session, sequence, now_ns);
     return Arrival::kNewSession;
   }

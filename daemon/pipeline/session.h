@@ -83,7 +83,7 @@ class Session {
   // Silence after which another sender is admitted: `takeover_ns`, or, for a sender on another
   // machine, three intervals of a slower sender.
   STYLED_REALTIME std::int64_t TakeoverAfter_ns(const source::Machine& machine,
-                                           const SessionRules& rules) const noexcept;
+                                                const SessionRules& rules) const noexcept;
   STYLED_REALTIME void NoteArrival(std::uint64_t skipped, std::int64_t now_ns) noexcept;
   // Whether datagrams that do not fit have formed a new count.
   STYLED_REALTIME bool Recount(std::uint64_t sequence, bool silent) noexcept;

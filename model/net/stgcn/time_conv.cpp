@@ -16,8 +16,8 @@ constexpr double kTapShares[kTurned][3] = {{1.0 / 4, 0, 0},
                                            {1.0 / 24, -1.0 / 12, 1.0 / 6},
                                            {0, 0, 1}};
 // Floats of a product's input at a time: six of them and their outputs stay in the second-level
-// cache, and the weights are read seldom enough: 96 rows of 64 channels, 24 of 256. Counted in rows,
-// 48, 96 and 192 took 1.25, 1.28 and 1.32 ms for 64 frames at width 64.
+// cache, and the weights are read seldom enough: 96 rows of 64 channels, 24 of 256. Counted in
+// rows, 48, 96 and 192 took 1.25, 1.28 and 1.32 ms for 64 frames at width 64.
 constexpr int kFloatsTogether = 6144;
 
 int Tiles(int frames) { return (frames + kTile - 1) / kTile; }
