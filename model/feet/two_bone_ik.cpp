@@ -81,7 +81,8 @@ TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
   }
   const Vec3 reached = thigh + bent;
   turns.missed = std::abs(wanted - reached.norm());
-  if (reached.norm() > kTiny) turns.upper = body::ShortestTurn(reached, wish).normalized();
+  // Not body::ShortestTurn: only inlined does it round as in every output so far.
+  if (reached.norm() > kTiny) turns.upper = Quat::FromTwoVectors(reached, wish).normalized();
   return turns;
 }
 
