@@ -157,7 +157,7 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   judge::AnyStyler styler;
   if (with_weights) {
     auto read = judge::LoadAnyStyler(arguments.weights, data.manifest, arguments.stylist,
-                                     arguments.absolute);
+                                     {arguments.clip_rate_hz, arguments.absolute});
     if (!read.ok()) return read.status();
     styler = std::move(read.value());
   }
@@ -234,6 +234,11 @@ int main(int argc, char** argv) {
   app.add_flag("--absolute", arguments.absolute,
                "Judge the paper's absolute output, too; instead, where the network needs whole "
                "clips");
+  app.add_option("--clip-rate", arguments.clip_rate_hz,
+                 "Where the network needs whole clips: 120 styles them as a live stream of that "
+                 "rate, 30 as they were recorded")
+      ->check(CLI::IsMember({30, 120}))
+      ->capture_default_str();
   app.add_flag("--robust", arguments.robust, "Judge inputs as live rigs spoil them, too");
   app.add_flag("--rates", arguments.rates, "Judge rigs of 24 to 240 Hz, too");
   app.add_flag("--styled-inputs", arguments.styled_inputs,
