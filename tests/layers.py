@@ -28,6 +28,7 @@ ROWS = {
     "model/train": STAGES + " model/clip model/net",
     "model/train/erd": STAGES + " model/clip model/net model/train",
     "model/train/stgcn": STAGES + " model/clip model/net model/train",
+    "model/train/baselines": STAGES + " model/clip model/net model/train",
     "model/train/judge": STAGES + " model/clip model/feet model/net model/stylist model/trial model/train",
     "model/tools": "model",
     # Bytes that cross a process border.

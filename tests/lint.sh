@@ -16,7 +16,7 @@ tidy() {  # tidy < sources
 
 sources() {  # of stdin: what has a compile command here
   grep '\.cpp$' | grep '^model/\|^daemon/\|^clients/\|^sim/\|^proto/rigs/' |
-    grep -v '^model/train/\|styletrain\|styleeval' | while read -r file; do
+    grep -v '^model/train/\|styletrain\|styleeval\|stylebaseline' | while read -r file; do
     ! grep -qF "\"$PWD/$file\"" build/sources/compile_commands.json || echo "$file"
   done
 }

@@ -12,10 +12,13 @@
 #include "model/tools/number.h"
 #include "model/train/blas.h"
 #include "model/train/judge/judge_clip_restyler.h"
+#include "model/train/judge/judge_codes.h"
 #include "model/train/judge/judge_details.h"
 #include "model/train/judge/judge_provenance.h"
 
 namespace styled {
+
+constexpr int kVariations = 10;  // noises, and examples, of one input and style
 
 void Report(EvalSession& session, const char* key, const std::string& title,
             const std::vector<judge::Transferred>& clips) {
@@ -125,6 +128,13 @@ void JudgeOutputs(EvalSession& session, const judge::Comparison& comparison,
          outputs.offset_per_content);
 }
 
+void JudgeCodes(EvalSession& session, const judge::ClipRestyler& restyler) {
+  const judge::CodeSpace codes =
+      judge::MeasureCodes(session.data, session.judges, restyler, kVariations);
+  judge::Print(session.data.manifest, codes);
+  session.json["codes"] = judge::ToJson(session.data.manifest, codes);
+}
+
 Status WriteResults(const EvalSession& session, const Outputs& outputs) {
   const EvalArguments& arguments = session.arguments;
   if (!arguments.report.empty()) {
@@ -157,7 +167,7 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   judge::AnyStyler styler;
   if (with_weights) {
     auto read = judge::LoadAnyStyler(arguments.weights, data.manifest, arguments.stylist,
-                                     arguments.absolute);
+                                     {arguments.clip_rate_hz, arguments.absolute});
     if (!read.ok()) return read.status();
     styler = std::move(read.value());
   }
@@ -195,6 +205,7 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
     const Status judged = JudgeConditions(session, *styler.frames);
     if (!judged.ok()) return judged;
   }
+  if (styler.clips) JudgeCodes(session, *styler.clips);
   judge::PrintGlossary();
   return WriteResults(session, outputs);
 }
@@ -234,6 +245,11 @@ int main(int argc, char** argv) {
   app.add_flag("--absolute", arguments.absolute,
                "Judge the paper's absolute output, too; instead, where the network needs whole "
                "clips");
+  app.add_option("--clip-rate", arguments.clip_rate_hz,
+                 "Where the network needs whole clips: 120 styles them as a live stream of that "
+                 "rate, 30 as they were recorded")
+      ->check(CLI::IsMember({30, 120}))
+      ->capture_default_str();
   app.add_flag("--robust", arguments.robust, "Judge inputs as live rigs spoil them, too");
   app.add_flag("--rates", arguments.rates, "Judge rigs of 24 to 240 Hz, too");
   app.add_flag("--styled-inputs", arguments.styled_inputs,

@@ -16,6 +16,7 @@ namespace styled {
 struct EvalArguments {
   std::string weights, manifest, inputs, data, cache, json, report, write_offset;
   double long_s = 60;
+  double clip_rate_hz = judge::kStreamRate_hz;
   bool absolute = false, synthetic = false, robust = false, rates = false, styled_inputs = false,
        foreign = false;
   std::vector<std::filesystem::path> clips;

@@ -1,9 +1,11 @@
 """The recipes of model/train/recipes are commands that styletrain and styleeval could be given."""
 import glob
+import json
 import os
 import re
 import shlex
 import subprocess
+import tempfile
 import unittest
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
@@ -41,7 +43,9 @@ class RecipesTest(unittest.TestCase):
         self.recipes = sorted(set(map(os.path.basename, glob.glob(os.path.join(RECIPES, '*.sh')))) - {'recipe.sh'})
 
     def commands(self, recipe):
-        arguments = ['--dry-run'] + ([WEIGHTS] if recipe == 'evaluate.sh' else []) + ['RUNS']
+        with open(os.path.join(RECIPES, recipe), encoding='utf-8') as text:
+            needs_weights = "recipe_needs='WEIGHTS '" in text.read()
+        arguments = ['--dry-run'] + ([WEIGHTS] if needs_weights else []) + ['RUNS']
         done = run(recipe, *arguments)
         self.assertEqual((0, ''), (done.returncode, done.stderr))
         return [line for line in done.stdout.splitlines() if line.startswith('style')]
@@ -69,6 +73,65 @@ class RecipesTest(unittest.TestCase):
     def test_what_does_not_exist_is_found(self):
         lost = os.path.join(ROOT, 'model', 'weights', 'manifests', 'lost.toml')
         self.assertEqual(['--quickly', lost], wrong([f'styletrain --quickly --manifest {lost}'], known_options()))
+
+    def test_the_rows_of_st_gcns_first_table_differ_by_one_loss_each(self):
+        commands = self.commands('st_gcn_table_1.sh')
+        trainings = [shlex.split(line) for line in commands if line.startswith('styletrain')]
+        self.assertEqual(9, len(trainings))  # three rows, three seeds
+        rows = []
+        for row in ('adversarial', 'style', 'diversity'):
+            seeds = [words for words in trainings if f'RUNS/{row}-' in ' '.join(words)]
+            self.assertEqual(['1', '2', '3'], [words[words.index('--seed') + 1] for words in seeds])
+            rows.append([word for word in seeds[0] if f'RUNS/{row}-' not in word])
+        self.assertEqual([{'--w-style'}, {'--w-diversity', '--diversity-target'}],
+                         [set(more) - set(less) - {'0'} for more, less in zip(rows, rows[1:])])
+
+
+def judged(fmd=10.0, accuracy=0.9, seed=1):
+    """What styleeval --json writes, as far as a table reads it; of the second style nothing was measured."""
+    names = ('fmd', 'fmd_real_real', 'fmd_neutral_target', 'jitter_120')
+    figures = {'styles': {
+        'odd': {**{name: fmd for name in names}, **{'content_' + name: fmd / 2 for name in names}},
+        'rare': {**{name: None for name in names}, **{'content_' + name: None for name in names}}}}
+    judges = [{'key': key, 'value': accuracy} for key in ('style', 'content', 'movement', 'legs_pose')]
+    judges.append({'key': 'legs_movement', 'value': None})
+    return {'styled': figures, 'noise': figures,
+            'judges': [{'key': key, 'judges': judges} for key in ('styled', 'noise', 'real')],
+            'codes': {'noise': {'distance_cm': 2.5}, 'examples': {'distance_cm': None}, 'real_cm': 3.0},
+            'provenance': {'manifest': 'm', 'judges': {'seed': seed}, 'data': {}, 'inputs': 2}}
+
+
+class TableTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def file(self, name, figures):
+        path = os.path.join(self.folder, name)
+        with open(path, 'w', encoding='utf-8') as file:
+            json.dump(figures, file)
+        return path
+
+    def test_a_row_is_the_mean_of_its_runs_and_their_deviation(self):
+        first, second = self.file('a', judged(10, 0.5)), self.file('b', judged(12, 0.7))
+        done = run('table.py', f'by noise=noise@{first},{second}', f'examples=styled@{first}', f'real=real@{first}')
+        self.assertEqual((0, ''), (done.returncode, done.stderr))
+        noise, examples, real = [line.strip('| ').split(' | ') for line in done.stdout.splitlines()[2:]]
+        self.assertEqual(['by noise', '5.50 ± 0.71', '0.60 ± 0.14', '11.00 ± 1.41', '0.60 ± 0.14', '0.60 ± 0.14',
+                          '0.60 ± 0.14', '-', '11.00 ± 1.41', '2.50 ± 0.00'], noise)
+        self.assertEqual(['examples', '5.00', '0.50', '10.00', '0.50', '0.50', '0.50', '-', '10.00', '-'], examples)
+        self.assertEqual(['real', '5.00', '0.50', '10.00', '0.50', '0.50', '0.50', '-', '-', '3.00'], real)
+
+    def test_what_is_not_comparable_is_refused(self):
+        first, other = self.file('a', judged()), self.file('b', judged(seed=2))
+        for arguments, said in (([f'x=noise@{first}', f'y=noise@{other}'], f'{other}: judges are not those of {first}'),
+                                ([f'x=mean@{first}'], f"{first}: has no set of clips 'mean'"),
+                                (['x'], "'x': expected TITLE=KEY@FILE"), (['x=noise@lost'], 'lost')):
+            with self.subTest(said=said):
+                done = run('table.py', *arguments)
+                self.assertEqual((1, ''), (done.returncode, done.stdout))
+                self.assertIn(said, done.stderr)
 
 
 if __name__ == '__main__':

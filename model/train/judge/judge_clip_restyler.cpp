@@ -11,11 +11,11 @@ namespace styled::judge {
 
 ClipRestyler::ClipRestyler(std::shared_ptr<const net::ClipStylizer> network,
                            std::vector<int> style_of, const stylist::Options& options,
-                           bool absolute)
+                           const ClipForm& form)
     : network_(std::move(network)),
       style_of_(std::move(style_of)),
       options_(options),
-      absolute_(absolute),
+      form_(form),
       binding_(std::make_shared<const rig::Binding>(feet::HumanoidBinding())) {
   assert(network_->model().rate_hz == static_cast<float>(kJudgeRate_hz));  // of the references
 }
@@ -42,14 +42,14 @@ net::StyleCode ClipRestyler::CodeOf(const Target& target) const {
 Poses ClipRestyler::RestyleBy(std::span<const body::Pose> clip, const net::StyleCode& code) const {
   rig::RigPose source(binding_->skeleton());
   const stylist::ClipFrames frames{
-      clip.size(), kStreamRate_hz, [&](std::size_t i) -> const rig::RigPose& {
+      clip.size(), form_.rate_hz, [&](std::size_t i) -> const rig::RigPose& {
         source.translations[0] = clip[i].hips_position_m;
         std::copy(clip[i].rotations.begin(), clip[i].rotations.end(), source.rotations.begin());
         return source;
       }};
   stylist::ClipStyle style;
   style.code = code;
-  style.absolute = absolute_;
+  style.absolute = form_.absolute;
   stylist::ClipStylist stylist(network_, style, binding_, options_, frames);
   stylist::Output output(binding_->skeleton());
   Poses styled;
@@ -66,7 +66,7 @@ Poses ClipRestyler::Restyle(std::span<const body::Pose> clip, const Target& targ
 
 Result<AnyStyler> LoadAnyStyler(const std::filesystem::path& weights,
                                 const clip::Manifest& manifest, const stylist::Options& options,
-                                bool absolute) {
+                                const ClipForm& form) {
   auto network = trial::LoadAny(weights);
   if (!network.ok()) return network.status();
   auto style_of = StylesOf(network.value().model().styles, manifest);
@@ -74,7 +74,7 @@ Result<AnyStyler> LoadAnyStyler(const std::filesystem::path& weights,
   AnyStyler styler;
   if (network.value().clips) {
     styler.clips = std::make_unique<ClipRestyler>(network.value().clips,
-                                                  std::move(style_of.value()), options, absolute);
+                                                  std::move(style_of.value()), options, form);
   } else {
     styler.frames = Styler{network.value().frames,
                            std::make_shared<const rig::Binding>(feet::HumanoidBinding()),

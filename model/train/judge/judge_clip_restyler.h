@@ -11,19 +11,28 @@
 
 namespace styled::judge {
 
-// A network of the runtime that needs whole clips, published by the same stages as live: its clips
-// are styled at the stream's rate by stylist::ClipStylist.
+// How a network that needs whole clips is published.
+struct ClipForm {
+  // Of the clips: at kStreamRate_hz four streams are interleaved, as live; at kJudgeRate_hz, the
+  // rate at which they were recorded, there is one. The absolute output of interleaved streams
+  // trembles.
+  double rate_hz = kStreamRate_hz;
+  bool absolute = false;
+};
+
+// A network of the runtime that needs whole clips, published by the same stages as live, by
+// stylist::ClipStylist.
 class ClipRestyler final : public Restyler {
  public:
   // `style_of`: manifest style to network style, or kAbsent.
   ClipRestyler(std::shared_ptr<const net::ClipStylizer> network, std::vector<int> style_of,
-               const stylist::Options& options, bool absolute);
+               const stylist::Options& options, const ClipForm& form);
 
-  double rate_hz() const override { return kStreamRate_hz; }
+  double rate_hz() const override { return form_.rate_hz; }
   bool Has(int style) const override;
   Poses Restyle(std::span<const body::Pose> clip, const Target& target) const override;
 
-  // The code of a target, and a clip (at kStreamRate_hz) by a code.
+  // The code of a target, and a clip (at rate_hz()) by a code.
   net::StyleCode CodeOf(const Target& target) const;
   Poses RestyleBy(std::span<const body::Pose> clip, const net::StyleCode& code) const;
   const net::ClipStylizer& network() const { return *network_; }
@@ -32,7 +41,7 @@ class ClipRestyler final : public Restyler {
   std::shared_ptr<const net::ClipStylizer> network_;
   std::vector<int> style_of_;
   stylist::Options options_;
-  bool absolute_;
+  ClipForm form_;
   std::shared_ptr<const rig::Binding> binding_;
 };
 
@@ -41,9 +50,9 @@ struct AnyStyler {
   std::optional<Styler> frames;         // runs live
   std::unique_ptr<ClipRestyler> clips;  // needs whole clips
 };
-// `absolute` is for clips alone: Style() asks a Styler for either form. Errors name the file.
+// `form` is for clips alone: Style() asks a Styler for either output. Errors name the file.
 Result<AnyStyler> LoadAnyStyler(const std::filesystem::path& weights,
                                 const clip::Manifest& manifest, const stylist::Options& options,
-                                bool absolute);
+                                const ClipForm& form);
 
 }  // namespace styled::judge

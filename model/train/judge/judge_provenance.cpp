@@ -62,6 +62,25 @@ constexpr std::array kGlossary{
          "how far the hand of the fastest gesture reaches in the input's direction, over "
          "the input's; off: the angle between the two arms"},
     Term{"kick", "the greatest height of a foot ahead of the body, over the input's"},
+    Term{"APD",
+         "average pairwise distance of joints between outputs of one input in one style, cm: "
+         "variety, worth something only where the same outputs are recognized"},
+    Term{"read off",
+         "the code that the network reads off its own output, from the code that made it, over the "
+         "mean distance between the styles' mean codes: 0 is the same code"},
+    Term{"strength",
+         "how far one noise moves a clip in one style, and in another: rank correlation over "
+         "noises, mean over pairs of styles"},
+    Term{"slope, cosine",
+         "how far the output moves along what is an example's own, its deviation from other "
+         "examples of the style: 1 is as far as the example, 0 is a network that uses the label "
+         "alone"},
+    Term{"halves",
+         "distance of the outputs by two halves of one example over that by two examples: below 1 "
+         "where examples are told apart"},
+    Term{"monotone",
+         "pairs of styles between whose mean codes the output never steps back; places on the way "
+         "at 1/4, 1/2, 3/4, and the largest step over the mean one"},
     Term{"-", "not measured"},
 };
 

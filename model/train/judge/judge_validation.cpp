@@ -48,7 +48,7 @@ Result<Validator> Validator::Make(const std::filesystem::path& manifest,
 Result<std::vector<std::pair<std::string, double>>> Validator::Measure(
     const std::filesystem::path& weights) const {
   const Data& data = impl_->data;
-  const auto styler = LoadAnyStyler(weights, data.manifest, {}, false);
+  const auto styler = LoadAnyStyler(weights, data.manifest, {}, {});
   if (!styler.ok()) return styler.status();
   const Figures figures = impl_->evaluator.Measure(
       "", styler.value().clips ? Restyle(data, *styler.value().clips, BothTargets(data))

@@ -108,8 +108,10 @@ Following MeasureFollowing(std::span<const Deviation> deviations) {
 
 double HalvesRatio(const LocalClip& first_half, const LocalClip& second_half,
                    const LocalClip& of_other) {
+  const double half_cm = Distance_cm(first_half, second_half);
   const double other_cm = Distance_cm(first_half, of_other);
-  return other_cm > 0 ? Distance_cm(first_half, second_half) / other_cm : kNotMeasured;
+  if (other_cm > 0) return half_cm / other_cm;
+  return half_cm > 0 ? kNotMeasured : 1;  // all outputs are equal: no example is told apart
 }
 
 Interpolation MeasureInterpolation(std::span<const LocalClip> outputs) {

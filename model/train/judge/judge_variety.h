@@ -50,7 +50,7 @@ struct Following {
 Following MeasureFollowing(std::span<const Deviation> deviations);
 
 // Outputs of two halves of one example over outputs of two examples: below 1 where a network tells
-// examples apart. NaN if the latter are equal.
+// examples apart, 1 where all three are equal. NaN if only the latter are.
 double HalvesRatio(const LocalClip& first_half, const LocalClip& second_half,
                    const LocalClip& of_other);
 

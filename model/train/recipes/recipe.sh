@@ -4,6 +4,8 @@
 #   train NAME LENGTH [OPTIONS...]       a run of styletrain in the folder $runs/NAME, or its resumption
 #   add_style NAME LENGTH [OPTIONS...]   the same of styletrain add-style
 #   evaluate [OPTIONS...]                styleeval
+#   baseline NAME [OPTIONS...]           stylebaseline in the folder $runs/NAME
+#   tabulate ROW...                      table.py
 # LENGTH is styletrain's: "--minutes 95" or "--iterations 9000".
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../.." && pwd)
@@ -18,7 +20,7 @@ usage: model/train/recipes/$name.sh [--dry-run] [--smoke] ${recipe_needs:-}RUNS
   --dry-run  print the commands
   --smoke    two iterations of each run: shows that the commands work, and nothing else
 STYLED_DATA  the folder of the unpacked clips: bandai-1, bandai-2-train, bandai-2-val
-STYLED_BIN   the folder of styletrain and styleeval; default build/release/bin
+STYLED_BIN   the folder of styletrain, styleeval and stylebaseline; default build/release/bin
 USAGE
 }
 recipe_refuse() {
@@ -53,7 +55,7 @@ if [ "$dry_run" = no ]; then
   for folder in bandai-1 bandai-2-train bandai-2-val; do
     [ -d "$data/$folder" ] || recipe_refuse "STYLED_DATA: $data has no folder $folder; unpack the archives"
   done
-  for program in styletrain styleeval; do
+  for program in styletrain styleeval stylebaseline; do
     [ -x "$bin/$program" ] || recipe_refuse "$bin/$program is missing; sim/setup.sh train builds it"
   done
   mkdir -p "$runs"
@@ -103,3 +105,10 @@ evaluate() {
   fi
   recipe_run "$bin/styleeval" --data "$data" --cache "$runs/judges" "$@"
 }
+baseline() {
+  local run=$1
+  shift
+  [ "$smoke" = no ] || set -- "$@" --iterations 2 --judge-iterations 2
+  recipe_run "$bin/stylebaseline" --data "$data" --cache "$runs/judges" --out "$runs/$run" "$@"
+}
+tabulate() { recipe_run "$root/model/train/recipes/table.py" "$@"; }

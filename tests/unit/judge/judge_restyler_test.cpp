@@ -77,7 +77,7 @@ class Asked final : public net::ClipStylizer {
 
 TEST(ClipRestyler, AsksForMeanNoiseOrExamplesOfTheNetworksOwnStyle) {
   // The manifest's style 2 is the network's 1; it lacks the manifest's 1.
-  const ClipRestyler restyler(std::make_shared<Asked>(), {kAbsent, kAbsent, 1}, {}, false);
+  const ClipRestyler restyler(std::make_shared<Asked>(), {kAbsent, kAbsent, 1}, {}, {});
   EXPECT_FALSE(restyler.Has(1));
   EXPECT_TRUE(restyler.Has(2));
   const Poses first(70);

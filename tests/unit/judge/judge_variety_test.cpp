@@ -73,6 +73,7 @@ TEST(Variety, FollowingIsTheShareOfTheDeviationThatArrives) {
 TEST(Variety, HalvesOfOneExampleAreNearerThanAnother) {
   EXPECT_NEAR(HalvesRatio(Line(5, 0), Line(5, 1), Line(5, 4)), 0.25, 1e-5);
   EXPECT_NEAR(HalvesRatio(Line(5, 0), Line(5, 4), Line(5, 4)), 1, 1e-5);
+  EXPECT_EQ(HalvesRatio(Line(5, 3), Line(5, 3), Line(5, 3)), 1) << "no example is told apart";
   EXPECT_TRUE(std::isnan(HalvesRatio(Line(5, 0), Line(5, 1), Line(5, 0))));
 }
 

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""A table (Markdown) of what styleeval and stylebaseline --json wrote, one line per ROW:
+
+    TITLE=KEY@FILE[,FILE...]
+
+KEY says which of a file's sets of clips: mean, noise, styled, real, neutral, offset, offset_per_content.
+Several files are runs with several seeds: their mean ± their deviation. Refuses files whose judges, data or
+inputs differ. "-": not measured.
+
+    FMD-c      Frechet distance by the content judge's features, as Park et al. 2021 measure it; its mean over styles
+    accuracy   windows whose content is still recognized (CRA)
+    FMD        the same distance by an auto-encoder of rotations
+    SRA        windows that are recognized as the target style
+    movement, legs    the same by judges of movement alone, of the legs' pose and of the legs' movement
+    jerk       at 120 Hz, over the input's
+    APD cm     distance between outputs of one input in one style (judge_codes.h)
+"""
+import json
+import statistics
+import sys
+
+FIGURES = {'offset': 'baseline', 'offset_per_content': 'baseline_per_content'}
+# What a real or neutral clip scores stands beside every set's own figures.
+FMD = {'real': 'fmd_real_real', 'neutral': 'fmd_neutral_target'}
+VARIETY = {'noise': 'noise', 'styled': 'examples'}
+JUDGES = {'accuracy': 'content', 'SRA': 'style', 'movement': 'movement', 'legs, pose': 'legs_pose',
+          'legs, movement': 'legs_movement'}
+COLUMNS = ['FMD-c', 'accuracy', 'FMD', 'SRA', 'movement', 'legs, pose', 'legs, movement', 'jerk', 'APD cm']
+SAME = ('manifest', 'judges', 'data', 'inputs')
+
+
+def mean_over_styles(figures, name):
+    found = [style[name] for style in figures['styles'].values() if style[name] is not None]
+    return statistics.fmean(found) if found else None
+
+
+def figures_of(judged, key):
+    """The columns of one set of clips in one file; None where there is no figure."""
+    row = dict.fromkeys(COLUMNS)
+    judges = {judge['key']: judge['value'] for judged_set in judged['judges'] if judged_set['key'] == key
+              for judge in judged_set['judges']}
+    row.update({column: judges[judge] for column, judge in JUDGES.items()})
+    figures = judged[FIGURES.get(key, key) if key not in FMD else 'styled' if 'styled' in judged else 'baseline']
+    fmd = FMD.get(key, 'fmd')
+    row['FMD'] = mean_over_styles(figures, fmd)
+    row['FMD-c'] = mean_over_styles(figures, 'content_' + fmd)
+    if key not in FMD:
+        row['jerk'] = mean_over_styles(figures, 'jitter_120')
+    codes = judged.get('codes')
+    if codes and key in VARIETY:
+        row['APD cm'] = codes[VARIETY[key]]['distance_cm']
+    elif codes and key == 'real':
+        row['APD cm'] = codes['real_cm']
+    return row
+
+
+def text(values):
+    values = [value for value in values if value is not None]
+    if not values:
+        return '-'
+    spread = f' ± {statistics.stdev(values):.2f}' if len(values) > 1 else ''
+    return f'{statistics.fmean(values):.2f}{spread}'
+
+
+def table(rows):
+    """Markdown of [(title, key, [judged])]."""
+    lines = ['| ' + ' | '.join(['', *COLUMNS]) + ' |', '|---' * (len(COLUMNS) + 1) + '|']
+    for title, key, runs in rows:
+        figures = [figures_of(judged, key) for judged in runs]
+        lines.append('| ' + ' | '.join([title, *(text([row[column] for row in figures]) for column in COLUMNS)]) + ' |')
+    return '\n'.join(lines)
+
+
+def read(arguments):
+    """[(title, key, [judged])] of the command line; ValueError says which file does not belong."""
+    rows, first = [], None
+    for argument in arguments:
+        title, equals, source = argument.rpartition('=')
+        key, at, files = source.partition('@')
+        if not (equals and at and files):
+            raise ValueError(f"'{argument}': expected TITLE=KEY@FILE[,FILE...]")
+        runs = []
+        for name in files.split(','):
+            with open(name, encoding='utf-8') as file:
+                runs.append(json.load(file))
+            if key not in [judged_set['key'] for judged_set in runs[-1]['judges']]:
+                raise ValueError(f"{name}: has no set of clips '{key}'")
+            made = {part: runs[-1]['provenance'][part] for part in SAME}
+            first = first or (name, made)
+            for part in SAME:
+                if made[part] != first[1][part]:
+                    raise ValueError(f'{name}: {part} are not those of {first[0]}')
+        rows.append((title, key, runs))
+    return rows
+
+
+def main():
+    if len(sys.argv) < 2 or sys.argv[1] in ('-h', '--help'):
+        print(__doc__)
+        return 0 if len(sys.argv) > 1 else 2
+    try:
+        print(table(read(sys.argv[1:])))
+    except (OSError, ValueError) as error:
+        print(f'table.py: {error}', file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
