@@ -14,6 +14,8 @@
 #include "model/train/judge/judge_clip_restyler.h"
 #include "model/train/judge/judge_codes.h"
 #include "model/train/judge/judge_details.h"
+#include "model/train/judge/judge_mixed.h"
+#include "model/train/judge/judge_pictures.h"
 #include "model/train/judge/judge_provenance.h"
 
 namespace styled {
@@ -146,7 +148,8 @@ Status WriteResults(const EvalSession& session, const Outputs& outputs) {
         judge::WriteReport({.weights = std::filesystem::path(arguments.weights).filename().string(),
                             .manifest = session.data.manifest.name,
                             .figures = session.json,
-                            .scenes = std::move(scenes)},
+                            .scenes = std::move(scenes),
+                            .pictures = session.pictures},
                            arguments.report);
     if (!written.ok()) return written;
   }
@@ -205,7 +208,13 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
     const Status judged = JudgeConditions(session, *styler.frames);
     if (!judged.ok()) return judged;
   }
-  if (styler.clips) JudgeCodes(session, *styler.clips);
+  if (styler.clips) {
+    JudgeCodes(session, *styler.clips);
+    const judge::MixedFigures mixed = judge::MeasureMixed(data, judges.value(), *styler.clips);
+    judge::Print(data.manifest, mixed);
+    session.json["mixed"] = judge::ToJson(data.manifest, mixed);
+    if (!arguments.report.empty()) session.pictures = judge::PicturesOf(data, *styler.clips);
+  }
   judge::PrintGlossary();
   return WriteResults(session, outputs);
 }

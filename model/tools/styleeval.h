@@ -9,6 +9,7 @@
 #include "model/train/judge/judge_data.h"
 #include "model/train/judge/judge_html.h"
 #include "model/train/judge/judge_report.h"
+#include "model/train/judge/judge_strips.h"
 
 // What the sources of styleeval share.
 namespace styled {
@@ -33,6 +34,7 @@ struct EvalSession {
   const judge::Evaluator& evaluator;
   nlohmann::json json;
   std::vector<judge::Scene> scenes;
+  std::vector<judge::Picture> pictures = {};
 };
 
 // Measures, prints and records the clips under `key`, unless none is as long as a window.

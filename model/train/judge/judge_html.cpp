@@ -97,8 +97,14 @@ std::string RenderReport(const Report& report) {
   for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at)) {
     text.insert(at + 1, 1, '\\');
   }
+  constexpr std::string_view kPictures = "<!--PICTURES-->";
+  std::string pictures;
+  for (const Picture& picture : report.pictures) {
+    pictures += "<h2>" + picture.title + "</h2>\n" + RenderPicture(picture);
+  }
   constexpr std::string_view kPlace = "/*DATA*/null";
   std::string page = kReportPage;
+  page.replace(page.find(kPictures), kPictures.size(), pictures);
   page.replace(page.find(kPlace), kPlace.size(), text);
   return page;
 }

@@ -9,6 +9,7 @@
 #include "model/base/status.h"
 #include "model/train/judge/judge_data.h"
 #include "model/train/judge/judge_stream.h"
+#include "model/train/judge/judge_strips.h"
 
 namespace styled::judge {
 
@@ -28,6 +29,7 @@ struct Report {
   std::string weights, manifest;  // names for the reader
   nlohmann::json figures;         // the content of styleeval --json
   std::vector<Scene> scenes;
+  std::vector<Picture> pictures = {};
 };
 
 // The report as one self-contained HTML document: tables, plots, animated stick figures.

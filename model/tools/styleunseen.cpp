@@ -1,0 +1,137 @@
+// Styles that weights were not trained on, each by its walk as an example without a label: how far
+// the output's mean pose moves along the example's own shift from its set's normal walk, and how
+// far a constant offset taken from the same clips moves it.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "model/train/blas.h"
+#include "model/train/judge/judge_text.h"
+#include "model/train/judge/judge_unseen.h"
+#include "model/trial/trial.h"
+
+namespace styled {
+namespace {
+
+struct Arguments {
+  std::string weights, manifest, data, json;
+  std::vector<std::string> styles;
+};
+
+using Clips = std::vector<train::TrainingClip>;
+
+// The walks of all splits, the longest of each style; null where there is none.
+Result<std::vector<judge::Poses>> Walks(const clip::Manifest& manifest) {
+  std::vector<judge::Poses> walks(manifest.styles.size());
+  erd::FeatureParameters parameters;
+  parameters.rate_hz = static_cast<float>(judge::kJudgeRate_hz);
+  for (const char* split : {"train", "judge", "validation"}) {
+    const auto of_split = [split](const clip::ManifestEntry& entry) {
+      return entry.split == split;
+    };
+    if (std::none_of(manifest.entries.begin(), manifest.entries.end(), of_split)) continue;
+    const Result<Clips> clips = train::LoadClips(manifest, split, parameters, 2);
+    if (!clips.ok()) return clips.status();
+    for (const train::TrainingClip& clip : clips.value()) {
+      judge::Poses& walk = walks[static_cast<std::size_t>(clip.style)];
+      const bool walks_here = manifest.contents[static_cast<std::size_t>(clip.content)] == "walk";
+      if (walks_here && clip.poses.size() > walk.size()) walk = clip.poses;
+    }
+  }
+  return walks;
+}
+
+// The styles to measure: those named, else those that the weights do not know.
+Result<std::vector<std::size_t>> Choose(const Arguments& arguments, const clip::Manifest& manifest,
+                                        const net::Styles& known) {
+  std::vector<std::size_t> chosen;
+  std::string lists[2];
+  for (std::size_t i = 1; i < manifest.styles.size(); ++i) {
+    const std::string& name = manifest.styles[i].name;
+    const bool is_known = net::FindStyle(known, name) > 0;
+    lists[is_known ? 0 : 1] += " " + name;
+    const bool named =
+        std::find(arguments.styles.begin(), arguments.styles.end(), name) != arguments.styles.end();
+    if (arguments.styles.empty() ? !is_known : named) chosen.push_back(i);
+  }
+  std::printf("%s\n  known to the weights:%s\n  not known:%s\n", manifest.name.c_str(),
+              lists[0].c_str(), lists[1].c_str());
+  if (!arguments.styles.empty() && chosen.size() != arguments.styles.size()) {
+    return Status::Error("--styles: not all of them are styles of " + arguments.manifest);
+  }
+  if (chosen.empty()) return Status::Error(arguments.weights + ": knows every style");
+  return chosen;
+}
+
+std::string Cells(const judge::Expression& of) {
+  return judge::Padded(of.cosine, 8, 2) + judge::Padded(of.fraction, 11, 2);
+}
+
+Status Run(const Arguments& arguments) {
+  if (Status status = train::CheckDataFolder(arguments.data); !status.ok()) return status;
+  const auto manifest = clip::LoadManifest(arguments.manifest, arguments.data);
+  if (!manifest.ok()) return manifest.status();
+  const auto network = trial::LoadAny(arguments.weights);
+  if (!network.ok()) return network.status();
+  if (!network.value().clips) return Status::Error(arguments.weights + ": takes no examples");
+  const net::Styles& known = network.value().model().styles;
+  const auto chosen = Choose(arguments, manifest.value(), known);
+  if (!chosen.ok()) return chosen.status();
+  const auto walks = Walks(manifest.value());
+  if (!walks.ok()) return walks.status();
+  const judge::Poses& normal = walks.value()[0];
+  if (normal.empty()) return Status::Error(arguments.manifest + ": no neutral walk");
+
+  const judge::ClipRestyler restyler(network.value().clips, {}, {}, {});
+  std::printf("%-16s %7s%11s %8s%11s  %s\n", "", "cosine", "expression", "offset's", "expression",
+              "nearest style, distance");
+  nlohmann::json json;
+  judge::Mean means[4];
+  for (const std::size_t style : chosen.value()) {
+    const judge::Poses& example = walks.value()[style];
+    if (example.empty()) continue;
+    const std::string& name = manifest.value().styles[style].name;
+    const judge::UnseenFigures of = judge::MeasureUnseen(restyler, normal, normal, example);
+    const std::string& nearest = known[static_cast<std::size_t>(of.nearest.style)].name;
+    std::printf("%-16s%s %s  %s %.2f\n", name.c_str(), Cells(of.network).c_str(),
+                Cells(of.offset).c_str(), nearest.c_str(),
+                static_cast<double>(of.nearest.distance));
+    const double values[] = {of.network.cosine, of.network.fraction, of.offset.cosine,
+                             of.offset.fraction};
+    for (int i = 0; i < 4; ++i) means[i].Add(values[i]);
+    json[name] = {{"cosine", values[0]},        {"expression", values[1]},
+                  {"offset_cosine", values[2]}, {"offset_expression", values[3]},
+                  {"nearest", nearest},         {"distance", of.nearest.distance}};
+  }
+  std::printf("%-16s%s %s\n", "mean", Cells({means[1].value(), means[0].value()}).c_str(),
+              Cells({means[3].value(), means[2].value()}).c_str());
+  if (arguments.json.empty()) return Status::Ok();
+  std::ofstream file(arguments.json);
+  file << json.dump(2) << "\n";
+  return file.flush() ? Status::Ok() : Status::Error(arguments.json + ": cannot be written");
+}
+
+}  // namespace
+}  // namespace styled
+
+int main(int argc, char** argv) {
+  styled::train::UseFastKernels(argv);
+  styled::Arguments arguments;
+  CLI::App app("Judges weights on examples of styles that they were not trained on.");
+  app.add_option("--weights", arguments.weights, "Weights that take examples")->required();
+  app.add_option("--manifest", arguments.manifest, "Data set with the styles (TOML)")->required();
+  app.add_option("--data", arguments.data, "Folder that the manifest's paths start from")
+      ->required();
+  app.add_option("--styles", arguments.styles,
+                 "Styles to measure; else all that the weights do not know")
+      ->delimiter(',');
+  app.add_option("--json", arguments.json, "Write the figures to this file, too");
+  CLI11_PARSE(app, argc, argv);
+  const styled::Status status = styled::Run(arguments);
+  if (status.ok()) return 0;
+  std::cerr << "styleunseen: " << status.message() << "\n";
+  return 1;
+}
