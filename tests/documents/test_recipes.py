@@ -83,8 +83,11 @@ class RecipesTest(unittest.TestCase):
             seeds = [words for words in trainings if f'RUNS/{row}-' in ' '.join(words)]
             self.assertEqual(['1', '2', '3'], [words[words.index('--seed') + 1] for words in seeds])
             rows.append([word for word in seeds[0] if f'RUNS/{row}-' not in word])
-        self.assertEqual([{'--w-style'}, {'--w-diversity', '--diversity-target'}],
+        self.assertEqual([{'--w-style'}, {'--w-diversity'}],
                          [set(more) - set(less) - {'0'} for more, less in zip(rows, rows[1:])])
+        targets = [row[row.index('--diversity-target') + 1] for row in rows]
+        self.assertEqual(['0', '0'], targets[:2])
+        self.assertGreater(float(targets[2]), 0)
 
 
 def judged(fmd=10.0, accuracy=0.9, seed=1):
