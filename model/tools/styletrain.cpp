@@ -45,12 +45,13 @@ std::string FamilyOnCommandLine(int argc, char** argv) {
   return family;
 }
 
-// The command line as recorded in the weights' metadata: DIR stands for the folder of --data.
+// The command line as recorded in the weights' metadata: DIR stands for the folder of --data, RUN
+// for that of --out: paths of a machine are nobody else's business.
 std::string RecordedCommand(int argc, char** argv) {
   std::string command = "styletrain";
   for (int i = 1; i < argc; ++i) {
-    const bool folder = std::string_view(argv[i - 1]) == "--data";
-    command += std::string(" ") + (folder ? "DIR" : argv[i]);
+    const std::string_view flag = argv[i - 1];
+    command += std::string(" ") + (flag == "--data" ? "DIR" : flag == "--out" ? "RUN" : argv[i]);
   }
   return command;
 }
