@@ -4,7 +4,7 @@
 # gets other weights of the same kind. Then its figures on set 2.
 . "$(dirname "$0")/recipe.sh"
 
-run=(--family st-gcn --manifest "$manifests/bandai-2.toml" --seed 1 --warm-up 1500 --log-every 100 --monitor-every 500)
+run=(--family st-gcn --manifest "$manifests/bandai-2.toml" --seed 1 --warm-up 1500)
 # The weights were made with these losses up to here: styles by example 0.96, by noise 0.86, jerk 1.34.
 train st-gcn --minutes 60 --stop-at 10850 "${run[@]}" --w-penalty 5 --w-smooth 0.1
 # Noises no further apart than they need to be, a calmer critic that counts for more, calmer motion:

@@ -5,6 +5,6 @@
 . "$(dirname "$0")/recipe.sh"
 
 train st-gcn-both --minutes 50 --family st-gcn --manifest "$manifests/bandai.toml" --seed 1 --warm-up 2500 \
-  --w-penalty 20 --w-smooth 0.5 --w-adversarial 2.5 --diversity-target 2.6 --log-every 100 --monitor-every 500
+  --w-penalty 20 --w-smooth 0.5 --w-adversarial 2.5 --diversity-target 2.6
 evaluate --weights "$runs/st-gcn-both/weights.safetensors" --manifest "$manifests/bandai-2.toml" --long 0 \
   --json "$runs/st-gcn-both.json"
