@@ -164,10 +164,8 @@ int main(int argc, char** argv) {
   CLI::App app("Trains and judges a system that st-gcn is compared with.");
   styled::AddOptions(app, arguments);
   CLI11_PARSE(app, argc, argv);
-  std::string command = std::filesystem::path(argv[0]).filename().string();
-  for (int i = 1; i < argc; ++i) command.append(" ").append(argv[i]);
   try {
-    const styled::Status status = styled::Run(arguments, command);
+    const styled::Status status = styled::Run(arguments, styled::judge::CommandLine(argc, argv));
     if (status.ok()) return 0;
     std::cerr << "stylebaseline: " << status.message() << "\n";
   } catch (const std::exception& error) {

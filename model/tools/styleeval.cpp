@@ -219,12 +219,6 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   return WriteResults(session, outputs);
 }
 
-std::string CommandLine(int argc, char** argv) {
-  std::string command = std::filesystem::path(argv[0]).filename().string();
-  for (int i = 1; i < argc; ++i) command.append(" ").append(argv[i]);
-  return command;
-}
-
 }  // namespace
 }  // namespace styled
 
@@ -297,7 +291,7 @@ int main(int argc, char** argv) {
     std::cerr << "styleeval: --cache is required\n";
     return 1;
   }
-  const styled::Status status = styled::Run(arguments, styled::CommandLine(argc, argv));
+  const styled::Status status = styled::Run(arguments, styled::judge::CommandLine(argc, argv));
   if (status.ok()) return 0;
   std::cerr << "styleeval: " << status.message() << "\n";
   return 1;

@@ -23,7 +23,7 @@ struct Arguments {
 
 using Clips = std::vector<train::TrainingClip>;
 
-// The walks of all splits, the longest of each style; null where there is none.
+// The longest walk of each style in all splits; empty where a style has none.
 Result<std::vector<judge::Poses>> Walks(const clip::Manifest& manifest) {
   std::vector<judge::Poses> walks(manifest.styles.size());
   erd::FeatureParameters parameters;
@@ -47,6 +47,13 @@ Result<std::vector<judge::Poses>> Walks(const clip::Manifest& manifest) {
 // The styles to measure: those named, else those that the weights do not know.
 Result<std::vector<std::size_t>> Choose(const Arguments& arguments, const clip::Manifest& manifest,
                                         const net::Styles& known) {
+  for (const std::string& name : arguments.styles) {
+    const auto named = [&](const auto& style) { return style.name == name; };
+    if (std::none_of(manifest.styles.begin() + 1, manifest.styles.end(), named)) {
+      return Status::Error("--styles: '" + name + "' is not a style beside neutral of " +
+                           arguments.manifest);
+    }
+  }
   std::vector<std::size_t> chosen;
   std::string lists[2];
   for (std::size_t i = 1; i < manifest.styles.size(); ++i) {
@@ -59,9 +66,6 @@ Result<std::vector<std::size_t>> Choose(const Arguments& arguments, const clip::
   }
   std::printf("%s\n  known to the weights:%s\n  not known:%s\n", manifest.name.c_str(),
               lists[0].c_str(), lists[1].c_str());
-  if (!arguments.styles.empty() && chosen.size() != arguments.styles.size()) {
-    return Status::Error("--styles: not all of them are styles of " + arguments.manifest);
-  }
   if (chosen.empty()) return Status::Error(arguments.weights + ": knows every style");
   return chosen;
 }

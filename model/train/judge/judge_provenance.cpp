@@ -119,6 +119,12 @@ std::string HashOfFile(const std::filesystem::path& file) {
 
 }  // namespace
 
+std::string CommandLine(int argc, char** argv) {
+  std::string command = std::filesystem::path(argv[0]).filename().string();
+  for (int i = 1; i < argc; ++i) command.append(" ").append(argv[i]);
+  return command;
+}
+
 nlohmann::json Provenance(const std::string& command, const Data& data,
                           const JudgeSettings& settings, const std::filesystem::path& weights) {
   nlohmann::json json = {{"command", command},

@@ -9,6 +9,9 @@
 
 namespace styled::judge {
 
+// The command as a report repeats it: the program's name without its folder, and the arguments.
+std::string CommandLine(int argc, char** argv);
+
 // What a report was made of, so that another can repeat it: the command, the judges' settings, the
 // weights' hash, and per split the number of clips and frames and a hash of all poses (FNV-1a, 64
 // bit, hexadecimal).
