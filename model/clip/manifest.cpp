@@ -270,6 +270,7 @@ class Loader {
         return Fail(node, "contents", "\"" + name + "\" twice", "each content once");
       }
       manifest_.contents.push_back(std::move(name));
+      manifest_.content_labels.push_back(std::max<std::size_t>(labels.size(), 1));
     }
     LongestFirst(contents_);
     return true;

@@ -50,6 +50,8 @@ struct Manifest {
   std::string name, licence;
   std::vector<ManifestStyle> styles;
   std::vector<std::string> contents;
+  // By content: how many labels stand for it, as left and right do. Clips of one label are one act.
+  std::vector<std::size_t> content_labels;
   std::vector<ManifestEntry> entries;  // sorted by path, then by `from`
   std::string still_content;           // one of contents; empty: standing has no label of its own
   double still_speed_mps = 0;

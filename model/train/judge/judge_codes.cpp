@@ -47,6 +47,7 @@ class Measurement {
     codes_.noise.by_style.resize(static_cast<std::size_t>(styles()));
     codes_.examples.by_style.resize(codes_.noise.by_style.size());
     codes_.real_by_content.resize(static_cast<std::size_t>(contents()));
+    deviations_.resize(static_cast<std::size_t>(contents()));
     Mean between;  // mean codes
     for (const int a : present_) {
       for (const int b : present_) {
@@ -59,7 +60,7 @@ class Measurement {
       MeasureNoise(content, count, between.value());
       for (const int style : present_) MeasureExamples(content, style, count);
     }
-    codes_.following = MeasureFollowing(deviations_);
+    Follow();
     MeasureLines();
     return codes_;
   }
@@ -151,13 +152,14 @@ class Measurement {
       codes_.real_cm.Add(apart.value());
       codes_.real_by_content[static_cast<std::size_t>(content)].Add(apart.value());
     }
-    if (examples.size() >= 3) AddDeviations(real, outputs);
+    if (examples.size() >= 3) AddDeviations(content, real, outputs);
     if (examples.size() >= 2) MeasureHalves(content, style, examples);
     outputs.resize(std::min(outputs.size(), static_cast<std::size_t>(count)));
     AddSet(outputs, content, style, codes_.examples);
   }
 
-  void AddDeviations(const std::vector<LocalClip>& real, const std::vector<Poses>& outputs) {
+  void AddDeviations(int content, const std::vector<LocalClip>& real,
+                     const std::vector<Poses>& outputs) {
     const auto count = static_cast<double>(real.size());
     Eigen::VectorXd mean_real = Eigen::VectorXd::Zero(3 * body::kJointCount);
     Eigen::VectorXd mean_output = mean_real;
@@ -166,9 +168,20 @@ class Measurement {
       mean_output += MeanPoseOf(Local(outputs[i])) / count;
     }
     for (std::size_t i = 0; i < real.size(); ++i) {
-      deviations_.push_back(
+      deviations_[static_cast<std::size_t>(content)].push_back(
           {MeanPoseOf(real[i]) - mean_real, MeanPoseOf(Local(outputs[i])) - mean_output});
     }
+  }
+
+  void Follow() {
+    std::vector<Deviation> of_all;
+    for (std::size_t content = 0; content < deviations_.size(); ++content) {
+      codes_.following.push_back(MeasureFollowing(deviations_[content]));
+      const std::vector<std::size_t>& labels = data_.manifest.content_labels;
+      if (content < labels.size() && labels[content] > 1) continue;
+      of_all.insert(of_all.end(), deviations_[content].begin(), deviations_[content].end());
+    }
+    codes_.of_all = MeasureFollowing(of_all);
   }
 
   // The first example's halves against the second example.
@@ -216,9 +229,9 @@ class Measurement {
   const Data& data_;
   const Judges& judges_;
   const ClipRestyler& restyler_;
-  std::vector<Poses> inputs_;  // by content
-  std::vector<int> present_;   // styles
-  std::vector<Deviation> deviations_;
+  std::vector<Poses> inputs_;                       // by content
+  std::vector<int> present_;                        // styles
+  std::vector<std::vector<Deviation>> deviations_;  // by content
   CodeSpace codes_;
 };
 
@@ -260,6 +273,25 @@ void PrintVariety(const clip::Manifest& manifest, const CodeSpace& codes) {
   }
 }
 
+void PrintFollowing(const clip::Manifest& manifest, const CodeSpace& codes) {
+  std::printf("following: slope %s, cosine %s of %d examples",
+              Padded(codes.of_all.slope, 0, 2).c_str(), Padded(codes.of_all.cosine, 0, 2).c_str(),
+              codes.of_all.examples);
+  for (std::size_t c = 0; c < codes.following.size(); ++c) {
+    std::printf("%s%s %s, %s", c == 0 ? " (" : "; ", manifest.contents[c].c_str(),
+                Padded(codes.following[c].slope, 0, 2).c_str(),
+                Padded(codes.following[c].cosine, 0, 2).c_str());
+  }
+  std::printf("); halves of one example over two: %s\n",
+              Padded(Measured(codes.halves), 0, 2).c_str());
+}
+
+nlohmann::json ToJson(const Following& following) {
+  return {{"slope", Value(following.slope)},
+          {"cosine", Value(following.cosine)},
+          {"examples", following.examples}};
+}
+
 }  // namespace
 
 CodeSpace MeasureCodes(const Data& data, const Judges& judges, const ClipRestyler& restyler,
@@ -274,10 +306,7 @@ void Print(const clip::Manifest& manifest, const CodeSpace& codes) {
       "correlation %s\n",
       Padded(Measured(codes.consistency), 0, 2).c_str(),
       Padded(Measured(codes.intensity), 0, 2).c_str());
-  std::printf("following: slope %s, cosine %s of %d examples; halves of one example over two: %s\n",
-              Padded(codes.following.slope, 0, 2).c_str(),
-              Padded(codes.following.cosine, 0, 2).c_str(), codes.following.examples,
-              Padded(Measured(codes.halves), 0, 2).c_str());
+  PrintFollowing(manifest, codes);
   std::printf(
       "between styles: monotone in %d of %d pairs, at 1/4, 1/2, 3/4: %s, %s, %s; largest "
       "step %s of the mean\n",
@@ -292,17 +321,18 @@ nlohmann::json ToJson(const clip::Manifest& manifest, const CodeSpace& codes) {
   for (std::size_t c = 0; c < codes.real_by_content.size(); ++c) {
     by_content[manifest.contents[c]] = Value(Measured(codes.real_by_content[c]));
   }
+  nlohmann::json following = ToJson(codes.of_all);
+  following["halves"] = Value(Measured(codes.halves));
+  for (std::size_t c = 0; c < codes.following.size(); ++c) {
+    following["contents"][manifest.contents[c]] = ToJson(codes.following[c]);
+  }
   return {{"noise", ToJson(manifest, codes.noise)},
           {"examples", ToJson(manifest, codes.examples)},
           {"real_cm", Value(Measured(codes.real_cm))},
           {"real_contents", std::move(by_content)},
           {"consistency", Value(Measured(codes.consistency))},
           {"intensity", Value(Measured(codes.intensity))},
-          {"following",
-           {{"slope", Value(codes.following.slope)},
-            {"cosine", Value(codes.following.cosine)},
-            {"examples", codes.following.examples},
-            {"halves", Value(Measured(codes.halves))}}},
+          {"following", std::move(following)},
           {"interpolation",
            {{"pairs", codes.pairs},
             {"monotone", codes.monotone},

@@ -29,7 +29,11 @@ struct CodeSpace {
   // Of how far one noise moves a clip in two styles: rank correlation, mean over pairs of styles.
   Mean intensity;
   // Examples of one style and content: does the output move with what is the example's own?
-  Following following;
+  // `of_all` is over the contents whose clips are one act: where a content is raises of either
+  // hand, an example's mean pose says mainly which hand, which is the input's and not the example's
+  // to say.
+  std::vector<Following> following;  // by content
+  Following of_all;
   Mean halves;  // two halves of one example, over two examples
   // Between the mean codes of each pair of styles, on a walk (or the first content).
   int pairs = 0, monotone = 0;

@@ -112,9 +112,9 @@ TEST_F(CodesTest, ANetworkThatIgnoresItsCodeScoresNothing) {
   ASSERT_EQ(codes.examples.distance_cm.count, 2);
   EXPECT_EQ(codes.examples.distance_cm.value(), 0);
   EXPECT_GT(codes.examples.recognized.count, 0) << "recognition is reported beside it";
-  EXPECT_EQ(codes.following.examples, 8);
-  EXPECT_EQ(codes.following.slope, 0);
-  EXPECT_EQ(codes.following.cosine, 0);
+  EXPECT_EQ(codes.of_all.examples, 8);
+  EXPECT_EQ(codes.of_all.slope, 0);
+  EXPECT_EQ(codes.of_all.cosine, 0);
   ASSERT_EQ(codes.halves.count, 2);
   EXPECT_EQ(codes.halves.value(), 1);
   EXPECT_EQ(codes.pairs, 1);
@@ -139,8 +139,8 @@ TEST_F(CodesTest, ANetworkThatFollowsItsCodeScoresAll) {
   EXPECT_GT(codes.noise.distance_cm.value(), 0.1);
   EXPECT_GT(codes.examples.distance_cm.value(), 0.1);
   EXPECT_GT(codes.noise.by_style[1].value(), 0.1);
-  EXPECT_GT(codes.following.slope, 0.8);
-  EXPECT_GT(codes.following.cosine, 0.9);
+  EXPECT_GT(codes.of_all.slope, 0.8);
+  EXPECT_GT(codes.of_all.cosine, 0.9);
   EXPECT_LT(codes.halves.value(), 0.2);
   EXPECT_EQ(codes.monotone, 1);
   EXPECT_NEAR(codes.half.value(), 0.5, 0.1);
