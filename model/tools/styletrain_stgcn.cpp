@@ -70,6 +70,8 @@ void AddLossFlags(CLI::App& app, Config& config) {
   app.add_option("--w-free", config.w_free, "The head without a label")->capture_default_str();
   app.add_option("--free-head-teaches", config.free_head_teaches)->capture_default_str();
   app.add_option("--w-smooth", config.w_smooth)->capture_default_str();
+  app.add_option("--w-posture", config.w_posture)->capture_default_str();
+  app.add_option("--w-read", config.w_read)->capture_default_str();
 }
 
 class StGcnFlags : public FamilyFlags {

@@ -26,6 +26,7 @@ void AsInThePaper(Config& config) {
   config.w_adversarial = config.w_cycle = config.w_identity = config.w_style = 1;
   config.w_penalty = config.w_diversity = 1;
   config.diversity_target_cm = config.w_fk = config.w_smooth = 0;
+  config.w_posture = config.w_read = 0;
 }
 
 Status Check(const Config& config) {
@@ -67,7 +68,9 @@ Status Check(const Config& config) {
       {"--diversity-target", config.diversity_target_cm},
       {"--w-fk", config.w_fk},
       {"--w-free", config.w_free},
-      {"--w-smooth", config.w_smooth}};
+      {"--w-smooth", config.w_smooth},
+      {"--w-posture", config.w_posture},
+      {"--w-read", config.w_read}};
   for (const auto& [flag, value] : not_negative) {
     if (!(value >= 0 && std::isfinite(value))) return refuse(flag, value, "a number, 0 or more");
   }

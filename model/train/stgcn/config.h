@@ -53,6 +53,12 @@ struct Config {
   double w_free = 1;  // of the head for windows without a label
   bool free_head_teaches = true;  // its gradient reaches the layers below
   double w_smooth = 0;            // of the third difference of what a style changes, cm per frame³
+  // Of the mean pose over a window: in the turn of references it should go where the target's cell
+  // of this content is, and on by what is the reference's own (postures.h).
+  double w_posture = 0;
+  // Of reading postures off examples without a label: another window of the source's clip, in a
+  // posture that nobody recorded, gives the source that posture.
+  double w_read = 0;
 };
 
 // The settings of Park et al. 2021 and their published code, where the two differ the code's.

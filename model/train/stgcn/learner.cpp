@@ -75,7 +75,7 @@ void DiversityWeight::Observe(double distance_cm) {
 }
 
 Learner::Learner(const Config& config, uint64_t seed, const WindowStore& store,
-                 const Statistics& statistics, int domains, int contents,
+                 const Statistics& statistics, int domains, const std::vector<bool>& single_act,
                  const torch::Device& device)
     : config_(config),
       seed_(seed),
@@ -84,15 +84,17 @@ Learner::Learner(const Config& config, uint64_t seed, const WindowStore& store,
       kinematics_(statistics, device),
       graph_(device, TypeOf(config.precision, device)),
       exact_graph_(device, torch::kFloat32),
+      postures_(store, domains, single_act),
       sampler_(store, {.domains = domains,
-                       .contents = contents,
+                       .contents = static_cast<int>(single_act.size()),
                        .shared_contents = config.shared_contents,
                        .unpaired = config.unpaired,
                        .mirror = config.mirror,
                        .seed = seed}),
       networks_(ShapeOf(config, domains), device, config.scaled_heads),
       average_(ShapeOf(config, domains), device, config.scaled_heads),
-      critic_(ShapeOf(config, domains), config.content_critic ? contents : 0, device,
+      critic_(ShapeOf(config, domains),
+              config.content_critic ? static_cast<int64_t>(single_act.size()) : 0, device,
               config.scaled_heads ? kLogitScale : 1.0),
       generator_adam_(networks_.generator.parameters, config.beta1, config.beta2),
       encoder_adam_(networks_.encoder.parameters, config.beta1, config.beta2),
@@ -116,8 +118,12 @@ Learner::Batch Learner::NextBatch() {
     for (const Sample& sample : samples) windows.push_back(sample.*of);
   }
   std::vector<int64_t> domain, target, content;
-  std::vector<float> paired;
+  std::vector<float> paired, has_wanted;
+  std::vector<Tensor> shifts;
   for (const Sample& sample : samples) {
+    Tensor shift = torch::zeros({body::kJointCount, stgcn::kChannels});
+    has_wanted.push_back(postures_.Wanted(sample, shift) ? 1.0F : 0.0F);
+    shifts.push_back(shift);
     domain.push_back(sample.domain);
     target.push_back(sample.target);
     content.push_back(sample.content);
@@ -131,7 +137,9 @@ Learner::Batch Learner::NextBatch() {
           .domain = Indices(domain, device_),
           .target = Indices(target, device_),
           .content = Indices(content, device_),
-          .paired = torch::tensor(paired).to(device_)};
+          .paired = torch::tensor(paired).to(device_),
+          .wanted = parts[0].mean(1) + torch::stack(shifts).to(device_),
+          .has_wanted = torch::tensor(has_wanted).to(device_)};
 }
 
 // Seeded by the iteration, so that a resumed run draws the same.
@@ -195,7 +203,9 @@ void Learner::StepWarmUp(const Batch& batch) {
   const Tensor fk = (decoded - kinematics_.Published(decoded)).abs().mean();
   n.generator.parameters.ZeroGradient();
   n.encoder.parameters.ZeroGradient();
-  (identity + config_.w_fk * fk + config_.w_free * FreeLoss(features, code)).backward();
+  Tensor loss = identity + config_.w_fk * fk + config_.w_free * FreeLoss(features, code);
+  if (config_.w_read > 0) loss = loss + ReadPosture(batch);
+  loss.backward();
   StepAdam(n.generator.parameters, generator_adam_, config_.warm_up_rate);
   StepAdam(n.encoder.parameters, encoder_adam_, config_.warm_up_rate);
   means_.Add("identity", identity);

@@ -15,6 +15,7 @@
 #include "model/train/stgcn/config.h"
 #include "model/train/stgcn/kinematics.h"
 #include "model/train/stgcn/networks.h"
+#include "model/train/stgcn/postures.h"
 #include "model/train/stgcn/windows.h"
 
 namespace styled::train::st_gcn {
@@ -77,7 +78,8 @@ enum class Turn { kNoise, kReferences };
 class Learner {
  public:
   Learner(const Config& config, uint64_t seed, const WindowStore& store,
-          const Statistics& statistics, int domains, int contents, const torch::Device& device);
+          const Statistics& statistics, int domains, const std::vector<bool>& single_act,
+          const torch::Device& device);
 
   // One iteration. `progress` in [0, 1] decides the learning rates.
   void Step(double progress);
@@ -104,6 +106,8 @@ class Learner {
     torch::Tensor source, same_clip, reference1, reference2;  // [B, 64, 21, 7]
     torch::Tensor domain, target, content;                    // [B]
     torch::Tensor paired;                                     // [B]: 1 where the critic compares
+    torch::Tensor wanted;                                     // [B, 21, 7]: mean of the output
+    torch::Tensor has_wanted;                                 // [B]: 1 where there is one
   };
   // What a turn makes of a batch.
   struct Made {
@@ -123,6 +127,8 @@ class Learner {
   // losses.cpp, with StepCritic and StepGenerator
   torch::Tensor Losses(const Batch& batch, const Made& made, Turn turn);
   torch::Tensor BodyLosses(const Batch& batch, const Made& made);
+  torch::Tensor Posture(const Batch& batch, const Made& made);
+  torch::Tensor ReadPosture(const Batch& batch);
   torch::Tensor Diversity(const Made& made, Turn turn, const std::string& suffix);
   torch::Tensor FreeLoss(const torch::Tensor& features, const torch::Tensor& code) const;
   void StepAdam(Parameters& parameters, AdamWithDecay& adam, double rate) const;
@@ -134,6 +140,7 @@ class Learner {
   const WindowStore& store_;
   const Kinematics kinematics_;
   const Graph graph_, exact_graph_;
+  const Postures postures_;
   Sampler sampler_;
   Networks networks_, average_;
   Critic critic_;

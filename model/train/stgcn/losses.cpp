@@ -80,6 +80,39 @@ Tensor Learner::BodyLosses(const Batch& batch, const Made& made) {
   return loss;
 }
 
+// The mean pose by an example of the target's style: it should stand as the example does.
+Tensor Learner::Posture(const Batch& batch, const Made& made) {
+  const Tensor off = (made.fake.mean(1) - batch.wanted).abs().mean({1, 2});
+  const Tensor posture = MaskedMean(off, batch.has_wanted);
+  means_.Add("posture", posture);
+  return config_.w_posture * posture;
+}
+
+// The head without a label: a window of the source's clip is shifted as a whole, rotations first,
+// so that it shows a posture that no set has; the source should take it. Half of the sources are
+// shifted otherwise, so that their own posture says nothing of what is wanted.
+Tensor Learner::ReadPosture(const Batch& batch) {
+  // Seeded by the iteration, so that a resumed run draws the same.
+  std::mt19937_64 random(seed_ * 1000003 + static_cast<uint64_t>(iteration_));
+  std::vector<Tensor> wanted_shifts, source_shifts;
+  for (int i = 0; i < config_.batch; ++i) {
+    wanted_shifts.push_back(postures_.Draw(random));
+    source_shifts.push_back(i % 2 == 0 ? postures_.Draw(random)
+                                       : torch::zeros_like(wanted_shifts.back()));
+  }
+  const Tensor wanted_shift = torch::stack(wanted_shifts).to(device_).unsqueeze(1);
+  const Tensor source_shift = torch::stack(source_shifts).to(device_).unsqueeze(1);
+  const Tensor example = kinematics_.Published(batch.same_clip + wanted_shift);
+  const Tensor wanted = kinematics_.Published(batch.source + wanted_shift);
+  const Tensor source = kinematics_.Published(batch.source + source_shift);
+  const Networks& n = networks_;
+  const Tensor code = n.encoder.FreeCode(n.encoder.Features(graph_, example));
+  const Tensor decoded = n.generator.Decode(graph_, n.generator.Encode(graph_, source), code);
+  const Tensor read = JointNorm(decoded - wanted);
+  means_.Add("read", read);
+  return config_.w_read * read;
+}
+
 // The weighted diversity of the two outputs; then its weight follows their distance.
 Tensor Learner::Diversity(const Made& made, Turn turn, const std::string& suffix) {
   DiversityWeight& steered = diversity_[static_cast<std::size_t>(turn)];
@@ -111,9 +144,13 @@ Tensor Learner::Losses(const Batch& batch, const Made& made, Turn turn) {
   means_.Add("cycle", cycle);
   means_.Add("style" + suffix, style);
   means_.Add("free", made.free_loss);
-  return config_.w_adversarial * adversarial + config_.w_identity * identity +
-         config_.w_cycle * cycle + config_.w_style * style + config_.w_free * made.free_loss -
-         Diversity(made, turn, suffix) + BodyLosses(batch, made);
+  Tensor loss = config_.w_adversarial * adversarial + config_.w_identity * identity +
+                config_.w_cycle * cycle + config_.w_style * style +
+                config_.w_free * made.free_loss - Diversity(made, turn, suffix) +
+                BodyLosses(batch, made);
+  if (turn == Turn::kReferences && config_.w_posture > 0) loss = loss + Posture(batch, made);
+  if (turn == Turn::kReferences && config_.w_read > 0) loss = loss + ReadPosture(batch);
+  return loss;
 }
 
 void Learner::StepGenerator(const Batch& batch, const Made& made, Turn turn, double decay) {

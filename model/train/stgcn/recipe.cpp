@@ -29,6 +29,13 @@ struct Inputs {
   Statistics statistics;
 };
 
+// Contents that one label stands for.
+std::vector<bool> SingleActs(const clip::Manifest& manifest) {
+  std::vector<bool> single;
+  for (const std::size_t labels : manifest.content_labels) single.push_back(labels == 1);
+  return single;
+}
+
 class StGcnRecipe : public Recipe {
  public:
   StGcnRecipe(const RunConfig& run, const Config& config, Inputs inputs)
@@ -37,7 +44,7 @@ class StGcnRecipe : public Recipe {
         inputs_(std::move(inputs)),
         train_(inputs_.data.train, inputs_.statistics, inputs_.parameters, config_.hop),
         validation_(inputs_.data.validation, inputs_.statistics, inputs_.parameters, kCodeHop),
-        learner_(config_, run_.seed, train_, inputs_.statistics, styles(), contents(),
+        learner_(config_, run_.seed, train_, inputs_.statistics, styles(), SingleActs(manifest()),
                  DeviceOf(run_)),
         monitor_(train_, validation_, manifest().styles, contents(), learner_.kinematics(),
                  DeviceOf(run_)) {}

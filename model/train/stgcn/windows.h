@@ -43,6 +43,7 @@ class WindowStore {
   // Windows of a clip that are not mirrored, the last one at its end.
   const std::vector<int>& Starts(int clip) const { return starts_[clip]; }
   int clips() const { return static_cast<int>(features_.size()); }
+  const torch::Tensor& FramesOf(int clip) const { return features_[clip]; }  // [frames, 21, 7]
   int StyleOf(int clip) const { return clips_[clip].style; }
   int ContentOf(int clip, int start) const;
   int SourceOf(int clip) const { return clips_[clip].source; }

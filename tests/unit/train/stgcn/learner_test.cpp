@@ -30,7 +30,8 @@ class LearnerTest : public testing::Test {
   }
   std::unique_ptr<Learner> Make() {
     torch::manual_seed(1);
-    return std::make_unique<Learner>(config_, 1, *store_, statistics_, 2, 1, torch::kCPU);
+    return std::make_unique<Learner>(config_, 1, *store_, statistics_, 2, std::vector<bool>{true},
+                                     torch::kCPU);
   }
 
   std::vector<TrainingClip> clips_;
@@ -96,6 +97,25 @@ TEST_F(LearnerTest, TheFreeHeadReachesTheTrunkOnlyIfAsked) {
     EXPECT_EQ(Gradient(encoder, "e.heads."), 0) << "its target does not follow it";
     EXPECT_EQ(Gradient(encoder, "e.res1.") > 0, teaches);
     EXPECT_EQ(Gradient(learner->networks().generator.parameters), 0);
+  }
+}
+
+TEST_F(LearnerTest, PosturesOfExamplesTeachHeadsAndGenerator) {
+  config_.w_adversarial = config_.w_cycle = config_.w_identity = config_.w_style = 0;
+  config_.w_diversity = config_.diversity_target_cm = config_.w_fk = config_.w_free = 0;
+  for (const bool labelled : {true, false}) {
+    config_.w_posture = labelled ? 1 : 0;
+    config_.w_read = labelled ? 0 : 1;
+    const auto learner = Make();
+    const Parameters& encoder = learner->networks().encoder.parameters;
+    const Parameters& generator = learner->networks().generator.parameters;
+    learner->Step(0);  // by noise
+    EXPECT_EQ(Gradient(generator), 0);
+    learner->Step(0);  // by references
+    EXPECT_EQ(Gradient(encoder, "e.heads.") > 0, labelled);
+    EXPECT_EQ(Gradient(encoder, "e.free.") > 0, !labelled);
+    EXPECT_GT(Gradient(encoder, "e.res1."), 0);
+    EXPECT_GT(Gradient(generator), 0);
   }
 }
 

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "model/train/stgcn/windows.h"
+
+namespace styled::train::st_gcn {
+
+// Postures of clips: time means of standardized features, [21, 7], on the CPU. What is a clip's
+// own is its posture less the mean of its cell, the clips of its domain and content: what the
+// examples of a style differ by. The difference of two cells of one content is what two styles
+// differ by. Of mirrored windows all of this is mirrored. Immutable.
+class Postures {
+ public:
+  // `single_act`: by content, whether its clips are of one act, so that a posture does not depend
+  // on which hand is raised.
+  Postures(const WindowStore& store, int domains, std::vector<bool> single_act);
+
+  // Where a sample's output should stand by its first reference, as a difference to the source:
+  // from the source's cell to the target's of the same content, and on by what is the reference's
+  // own. False where there is no telling: the target domain lacks the content, or the reference is
+  // no single act.
+  bool Wanted(const Sample& sample, torch::Tensor& shift) const;
+
+  // A posture that nobody recorded, as a difference: up to 1.2 of the way between two styles of one
+  // content, chosen by chance, and up to 1.5 times what is one clip's own; half of the time of the
+  // whole body, else of every limb by a chance of its own.
+  torch::Tensor Draw(std::mt19937_64& random) const;
+
+ private:
+  torch::Tensor Own(const Window& window) const;
+  torch::Tensor DrawWhole(std::mt19937_64& random) const;
+  bool HasCell(int domain, int content) const;
+  const torch::Tensor& CellOf(int domain, int content) const {
+    return cells_[static_cast<std::size_t>(domain)][static_cast<std::size_t>(content)];
+  }
+
+  const WindowStore& store_;
+  std::vector<bool> single_act_;
+  std::vector<torch::Tensor> clips_;               // by clip
+  std::vector<std::vector<torch::Tensor>> cells_;  // [domain][content]; undefined where empty
+  std::vector<int> drawn_;                         // clips of single acts
+  struct Pair {
+    int from, to, content;
+  };
+  std::vector<Pair> pairs_;  // of domains that share a content
+};
+
+}  // namespace styled::train::st_gcn
