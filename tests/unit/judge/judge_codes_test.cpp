@@ -6,70 +6,11 @@
 
 #include "model/clip/clip.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/judge/arm_network.h"
 #include "tests/unit/train/walker.h"
 
 namespace styled::judge {
 namespace {
-
-body::Quat Arm(float angle_rad) { return body::Exp(body::Vec3(0, 0, angle_rad)); }
-
-// Sets the left upper arm to the code's one number, an angle; a deaf one to the same always.
-class ArmStream final : public net::ClipStream {
- public:
-  explicit ArmStream(float angle_rad) : angle_rad_(angle_rad) {}
-  void Add(const body::Pose& pose) override { poses_.push_back(pose); }
-  void End() override { ended_ = true; }
-  bool Take(net::Prediction& out) override {
-    if (!ended_ || taken_ == poses_.size()) return false;
-    const body::Pose& pose = poses_[taken_++];
-    out.heading_rad = 0;
-    out.reconstruction.rotations = pose.rotations;
-    out.reconstruction.velocities_m_s.fill(0);
-    out.reconstruction.hips_height_m = pose.hips_position_m.y();
-    out.styled = out.reconstruction;
-    out.styled.rotations[body::kLeftUpperArm] = Arm(angle_rad_);
-    return true;
-  }
-
- private:
-  float angle_rad_;
-  bool ended_ = false;
-  std::size_t taken_ = 0;
-  Poses poses_;
-};
-
-class ArmNetwork final : public net::ClipStylizer {
- public:
-  explicit ArmNetwork(bool deaf) : deaf_(deaf) {
-    model_.styles = {{"neutral", {}}, {"low", {}}, {"high", {}}};
-  }
-  const net::Model& model() const noexcept override { return model_; }
-  int least_frames() const noexcept override { return 4; }
-  // The mean angle of the examples; a style's own, varied by a seed.
-  net::StyleCode MakeCode(const net::StyleRequest& request) const override {
-    float angle_rad = 0;
-    for (const net::StyleSource& source : request.sources) {
-      float of_source = 0.5F * static_cast<float>(source.style) +
-                        0.05F * static_cast<float>(source.seed.value_or(0) % 5);
-      if (!source.reference.empty()) of_source = 0;
-      for (const body::Pose& pose : source.reference) {
-        of_source += body::Log(pose.rotations[body::kLeftUpperArm]).z() /
-                     static_cast<float>(source.reference.size());
-      }
-      angle_rad += source.weight * of_source;
-    }
-    return {angle_rad};
-  }
-  net::NearestStyle Nearest(const net::StyleCode&) const override { return {}; }
-  std::unique_ptr<net::ClipStream> MakeStream(const net::StyleCode& code, int,
-                                              net::Extent) const override {
-    return std::make_unique<ArmStream>(deaf_ ? 0.5F : code[0]);
-  }
-
- private:
-  bool deaf_;
-  net::Model model_;
-};
 
 // Three styles of one content, which differ in the angle of the left arm, as do the clips of each.
 struct CodesTest : testing::Test {
@@ -84,10 +25,7 @@ struct CodesTest : testing::Test {
       for (int i = 0; i < 4; ++i) {
         train::TrainingClip clip = train::Walker(140, 0.4F * static_cast<float>(i));
         clip.style = style;
-        for (body::Pose& pose : clip.poses) {
-          pose.rotations[body::kLeftUpperArm] =
-              Arm(0.5F * static_cast<float>(style) + 0.1F * static_cast<float>(i - 1));
-        }
+        SetArm(clip.poses, ArmNetwork::StyleAngle_rad(style) + 0.1F * static_cast<float>(i - 1));
         data.validation.push_back(clip);
         data.judge.push_back(std::move(clip));
       }
@@ -99,8 +37,8 @@ struct CodesTest : testing::Test {
   CodeSpace Measured(bool deaf) {
     const auto judges = TrainJudges(data, {.iterations = 4, .batch = 8}, folder.path());
     EXPECT_TRUE(judges.ok()) << judges.status().message();
-    const ClipRestyler restyler(std::make_shared<ArmNetwork>(deaf), {kAbsent, 1, 2}, {},
-                                {.rate_hz = kJudgeRate_hz});
+    const auto network = std::make_shared<ArmNetwork>(ArmHabits{.share = deaf ? 0.0F : 1.0F});
+    const ClipRestyler restyler(network, {kAbsent, 1, 2}, {}, {.rate_hz = kJudgeRate_hz});
     return MeasureCodes(data, judges.value(), restyler, kCount);
   }
 };
