@@ -4,10 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <set>
 
 #include "model/body/heading.h"
-#include "model/train/judge/judge_mixed.h"
 
 namespace styled::judge {
 namespace {
@@ -55,28 +53,6 @@ TEST(Strips, OutputsAreSeenAsTheirSource) {
   };
   EXPECT_NEAR(toes(source).second, 232, 0.2);
   EXPECT_NEAR(toes({}).second, 222, 0.2);
-}
-
-TEST(MixedClip, HasEveryActAndNoFrameOfABlendInASegment) {
-  Data data;
-  data.manifest.contents = {"walk", "raise", "run"};
-  for (const auto& [content, height_m] : {std::pair{0, 1.0F}, {1, 2.0F}, {2, 3.0F}}) {
-    train::TrainingClip& clip = data.validation.emplace_back();
-    clip.content = content;
-    clip.poses.resize(150);
-    for (body::Pose& pose : clip.poses) pose.hips_position_m.y() = height_m;
-  }
-  const MixedClip mixed = MakeMixed(data);
-  ASSERT_EQ(mixed.poses.size(), kMixedFrames);
-  std::set<int> contents;
-  for (const MixedClip::Segment& segment : mixed.segments) {
-    contents.insert(segment.content);
-    for (std::size_t i = segment.begin; i < segment.end; ++i) {
-      ASSERT_EQ(mixed.poses[i].hips_position_m.y(), static_cast<float>(segment.content + 1));
-    }
-  }
-  EXPECT_EQ(contents, (std::set<int>{0, 2}));
-  EXPECT_TRUE(MakeMixed({}).poses.empty());
 }
 
 }  // namespace
