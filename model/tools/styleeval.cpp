@@ -212,7 +212,7 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
     JudgeCodes(session, *styler.clips);
     const judge::MixedFigures mixed = judge::MeasureMixed(data, judges.value(), *styler.clips);
     judge::Print(data.manifest, mixed);
-    session.json["mixed"] = judge::ToJson(data.manifest, mixed);
+    session.json["mixed_acts"] = judge::ToJson(data.manifest, mixed);
     if (!arguments.report.empty()) session.pictures = judge::PicturesOf(data, *styler.clips);
   }
   judge::PrintGlossary();
