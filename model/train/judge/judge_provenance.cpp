@@ -43,6 +43,9 @@ constexpr std::array kGlossary{
     Term{"offset per content",
          "the same for each content alone, which a live system does not "
          "know: the baseline to beat"},
+    Term{"absolute",
+         "the network's output itself, as in the paper; the other form, detail-preserving, applies "
+         "the network's change of style to the input"},
     Term{"expression",
          "the mean change of pose along the real change, 1 is the target's; its "
          "cosine is that of the angle between the two"},
@@ -55,13 +58,20 @@ constexpr std::array kGlossary{
          "the third derivative of joint positions over the input's; of a table's means "
          "over all clips, or the mean and the worst of the clips' own ratios"},
     Term{"skate", "speed of planted feet over the floor, input > output"},
+    Term{"below floor",
+         "how far the lowest foot is under the lowest point that the input's feet reach, 0 above "
+         "it: mean over time; deepest: the most"},
     Term{"bob", "rise and fall of the hips within two steps"},
     Term{"step", "distance of the ankles along the heading when they are farthest apart"},
     Term{"knee", "bend of the knees, 0 is straight: least, and mean over time"},
+    Term{"arm swing", "range of a hand along the heading, from the hips, within two steps"},
     Term{"reach",
          "how far the hand of the fastest gesture reaches in the input's direction, over "
          "the input's; off: the angle between the two arms"},
     Term{"kick", "the greatest height of a foot ahead of the body, over the input's"},
+    Term{"mean code, noise, examples",
+         "what says the style to a network with a space of styles: the style's mean code, a code "
+         "drawn by chance in the style, or a clip of it"},
     Term{"APD",
          "average pairwise distance of joints between outputs of one input in one style, cm: "
          "variety, worth something only where the same outputs are recognized"},
@@ -81,6 +91,23 @@ constexpr std::array kGlossary{
     Term{"monotone",
          "pairs of styles between whose mean codes the output never steps back; places on the way "
          "at 1/4, 1/2, 3/4, and the largest step over the mean one"},
+    Term{"mixed acts",
+         "a clip in which the performer walks, turns, waves and runs without a pause, styled as a "
+         "whole by each style's mean code; beside it the same frames, each act styled alone: the "
+         "difference is what acts lose by being in one clip"},
+    Term{"taken for", "what the style judge says of the windows of a style"},
+    Term{"seen after",
+         "time from a change of style until the style judge takes the last frames for the new one; "
+         "an instant cut: the same where the output changes at once, the judge's own delay; never: "
+         "not before the next change"},
+    Term{"p90, p99.9", "what 90 and 99.9 % of all values are at most"},
+    Term{"to blame",
+         "share of changes of style, or of clips with the feet stage, in which the largest "
+         "acceleration of a joint is over 1.5 times the input's p99.9 and well over what it is "
+         "without the change or the stage"},
+    Term{"turn", "the largest rotation of one joint between two frames, degrees"},
+    Term{"rec off by", "angle between the input and the network's own reconstruction of it"},
+    Term{"flagged", "share of frames in a posture that is recognized as unlike the training data"},
     Term{"-", "not measured"},
 };
 
