@@ -7,23 +7,11 @@
 
 namespace styled::stgcn {
 
-Code Mean(std::span<const WeightedCode> codes) {
-  Code sum = Code::Zero();
-  float weights = 0;
-  for (const WeightedCode& one : codes) {
-    sum += one.weight * one.code;
-    weights += one.weight;
-  }
-  assert(weights > 0);
-  return sum / weights;
-}
-
-Code CodeOf(const Network& network, std::span<const Reference> references, Scratch& scratch) {
-  std::vector<WeightedCode> codes;
-  for (const Reference& reference : references) {
-    codes.push_back({network.EncodeStyle(reference.clip, kFreeHead, scratch), reference.weight});
-  }
-  return Mean(codes);
+Code PulledIn(const Network& network, const Code& code) {
+  const net::NearestStyle nearest = Nearest(network, code);
+  const Code& mean = network.mean_code(nearest.style);
+  if (!(nearest.distance > kFarthest)) return code;
+  return mean + kFarthest / nearest.distance * (code - mean);
 }
 
 // Computed by hand, because the standard's distributions differ between libraries: splitmix64

@@ -16,16 +16,11 @@ struct WeightedCode {
   float weight = 1;
 };
 
-// The weighted mean; weights are not negative, and their sum is above 0.
-Code Mean(std::span<const WeightedCode> codes);
-
-// The code of reference clips without a label: the weighted mean of the free head's codes. Each
-// clip's heading begins with its first frame. None is empty.
-struct Reference {
-  std::span<const Features> clip;
-  float weight = 1;
-};
-Code CodeOf(const Network& network, std::span<const Reference> references, Scratch& scratch);
+// The code itself where the network knows what it stands for. One whose distance (of Nearest) is
+// above kFarthest is drawn straight toward the nearest mean until it has that distance: an example
+// that is no motion of a person, or three times a variation, would otherwise tear the body apart.
+inline constexpr float kFarthest = 1.5F;
+Code PulledIn(const Network& network, const Code& code);
 
 // F(z, domain) for the noise that `seed` stands for: the same number gives the same noise in every
 // domain and on every machine.

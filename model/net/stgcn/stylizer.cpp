@@ -149,8 +149,9 @@ class StgcnStylizer final : public net::ClipStylizer {
 
   Code CodeOfSource(const net::StyleSource& source, float amount) const {
     if (source.reference.empty()) {
-      return source.seed ? Varied(*network_, *source.seed, source.style, amount)
-                         : network_->mean_code(source.style);
+      return source.seed
+                 ? PulledIn(*network_, Varied(*network_, *source.seed, source.style, amount))
+                 : network_->mean_code(source.style);
     }
     HeadingState heading;
     std::vector<Features> clip(source.reference.size());
@@ -158,7 +159,8 @@ class StgcnStylizer final : public net::ClipStylizer {
       ComputeFeatures(source.reference[i], network_->features(), heading, clip[i]);
     }
     Scratch scratch;
-    return network_->EncodeStyle(clip, source.style < 0 ? kFreeHead : source.style, scratch);
+    return PulledIn(*network_, network_->EncodeStyle(
+                                   clip, source.style < 0 ? kFreeHead : source.style, scratch));
   }
 
   std::shared_ptr<const Network> network_;

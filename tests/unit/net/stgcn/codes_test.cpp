@@ -18,17 +18,6 @@ struct CodesTest : testing::Test {
 
 float Apart(const Code& a, const Code& b) { return (a - b).cwiseAbs().maxCoeff(); }
 
-TEST_F(CodesTest, ReferencesAreAveragedByTheirWeights) {
-  const std::vector<Features> a = WalkFeatures(70, {}), b = WalkFeatures(200, {});
-  const std::span<const Features> later = std::span(b).subspan(100);
-  const Code of_a = network->EncodeStyle(a, kFreeHead, scratch);
-  const Code of_b = network->EncodeStyle(later, kFreeHead, scratch);
-  ASSERT_GT(Apart(of_a, of_b), 1e-3F);
-  const std::array<Reference, 2> equal{{{a, 1}, {later, 1}}}, some{{{a, 0.7F}, {later, 0.3F}}};
-  EXPECT_LT(Apart(CodeOf(*network, equal, scratch), 0.5F * of_a + 0.5F * of_b), 1e-6F);
-  EXPECT_LT(Apart(CodeOf(*network, some, scratch), 0.7F * of_a + 0.3F * of_b), 1e-6F);
-}
-
 TEST_F(CodesTest, ASeedIsAlwaysTheSameNoise) {
   EXPECT_EQ(NoiseOf(7), NoiseOf(7));
   // Computed by another program: what every machine must give.
@@ -91,9 +80,21 @@ TEST_F(CodesTest, TheNearestDomainAndItsDistance) {
   EXPECT_GT(nearest.distance, 10);
 }
 
+TEST_F(CodesTest, AFarCodeIsPulledInAndANearOneStays) {
+  const Code near = network->mean_code(1) + Code::Constant(1e-3F);
+  EXPECT_EQ(PulledIn(*network, near), near);
+  const Code far = network->mean_code(1) + Code::Constant(100);
+  const Code& mean = network->mean_code(Nearest(*network, far).style);
+  const Code pulled = PulledIn(*network, far);
+  EXPECT_NEAR(Nearest(*network, pulled).distance, kFarthest, 1e-3F);
+  const float share = (pulled - mean).norm() / (far - mean).norm();
+  EXPECT_LT(Apart(pulled, mean + share * (far - mean)), 1e-4F) << "straight toward the mean";
+}
+
 TEST_F(CodesTest, WithOneDomainThereIsNoDistanceBetween) {
   const auto alone = NetworkOf(RandomWeights(1, 16, 2));
   EXPECT_EQ(Nearest(*alone, Code::Ones()).distance, 0);
+  EXPECT_EQ(PulledIn(*alone, Code::Ones()), Code::Ones());
 }
 
 }  // namespace
