@@ -66,6 +66,9 @@ void AddLossFlags(CLI::App& app, Config& config) {
   app.add_option("--w-velocity", config.w_velocity)->capture_default_str();
   app.add_option("--w-height", config.w_height)->capture_default_str();
   app.add_option("--w-adversarial", config.w_adversarial)->capture_default_str();
+  app.add_option("--w-movement", config.w_movement, "A critic of the movement alone")
+      ->capture_default_str();
+  app.add_option("--w-legs", config.w_legs, "A critic of the legs alone")->capture_default_str();
   app.add_option("--w-perceptual", config.w_perceptual)->capture_default_str();
   app.add_option("--w-penalty", config.w_penalty)->capture_default_str();
   app.add_option("--w-moments", config.w_moments)->capture_default_str();

@@ -37,6 +37,8 @@ Status Check(const Config& config) {
       {"--w-velocity", config.w_velocity},
       {"--w-height", config.w_height},
       {"--w-adversarial", config.w_adversarial},
+      {"--w-movement", config.w_movement},
+      {"--w-legs", config.w_legs},
       {"--w-perceptual", config.w_perceptual},
       {"--w-penalty", config.w_penalty},
       {"--w-moments", config.w_moments},

@@ -57,7 +57,8 @@ struct Config {
   // Without the adversarial loss FMD is three times as large; without the perceptual one it is
   // smaller (RESULTS.md, Table 1), and content stays recognized.
   double w_adversarial = 1.0, w_perceptual = 0.1;
-  double w_penalty = 128.0;  // gradient penalty of the critic, eq. 6
+  double w_movement = 0.0, w_legs = 0.0;  // of critics of these alone (views.h)
+  double w_penalty = 128.0;               // gradient penalty of the critic, eq. 6
   double w_moments = 0.0;  // distance of each style's mean effect from the clips' (moments.h), m²
   double w_teacher = 0.5;  // distance from the teachers' changes of style
   // Second difference of the change of style; the jerk of the output against its expression.

@@ -64,6 +64,18 @@ Tensor Learner::Adversarial(const Batch& batch, const Generated& generated) {
   return loss;
 }
 
+Tensor Learner::PartialAdversarial(const Batch& batch, const Generated& generated) {
+  const Tensor labels = torch::cat({slots_.target_one_hot, batch.content}, 1);
+  Tensor sum = torch::zeros({}, batch.u.options());
+  for (const PartialCritic& partial : partial_) {
+    const Tensor loss =
+        PairedMean(batch, partial.critic(Seen(generated.fake, partial.view), labels).square());
+    tally_.Add(std::string("adversarial_") + partial.name, loss);
+    sum = sum + partial.weight * loss;
+  }
+  return sum;
+}
+
 // Transferred rotations of the judged frames as features, [T - 1, B, 84].
 Tensor Learner::OnHemisphere(const Tensor& rotations) const {
   const Tensor mean = mean_.narrow(0, 0, erd::kRotationFeatures).view({body::kJointCount, 4});

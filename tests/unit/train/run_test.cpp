@@ -116,6 +116,7 @@ split = "validation"
     config.smooth_from = 0.0;
     config.monitor_every = 100;
     config.w_moments = 10;
+    config.w_movement = config.w_legs = 0.3;
     config.offset = config.noise = 0.1;
     return config;
   }
