@@ -128,7 +128,12 @@ class TableTest(unittest.TestCase):
 
     def test_what_is_not_comparable_is_refused(self):
         first, other = self.file('a', judged()), self.file('b', judged(seed=2))
+        empty, bare = self.file('c', {}), self.file('d', {**judged(), 'noise': {}})
+        listed = self.file('e', [])
         for arguments, said in (([f'x=noise@{first}', f'y=noise@{other}'], f'{other}: judges are not those of {first}'),
+                                ([f'x=noise@{empty}'], f"{empty}: has no key 'judges'"),
+                                ([f'x=noise@{bare}'], f"{bare}: has no key 'styles'"),
+                                ([f'x=noise@{listed}'], f'{listed}: expected what styleeval'),
                                 ([f'x=mean@{first}'], f"{first}: has no set of clips 'mean'"),
                                 (['x'], "'x': expected TITLE=KEY@FILE"), (['x=noise@lost'], 'lost')):
             with self.subTest(said=said):

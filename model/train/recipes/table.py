@@ -71,6 +71,29 @@ def table(rows):
     return '\n'.join(lines)
 
 
+def provenance_of(judged):
+    """What must be the same in all files of a table."""
+    return {part: judged['provenance'][part] for part in SAME}
+
+
+def load(name, key):
+    """The figures of a file that has those of the set of clips `key`."""
+    with open(name, encoding='utf-8') as file:
+        try:
+            judged = json.load(file)
+            if key not in [judged_set['key'] for judged_set in judged['judges']]:
+                raise ValueError(f"{name}: has no set of clips '{key}'")
+            figures_of(judged, key)
+            provenance_of(judged)
+        except json.JSONDecodeError as error:
+            raise ValueError(f'{name}: expected JSON: {error}') from error
+        except KeyError as error:
+            raise ValueError(f'{name}: has no key {error}; styleeval and stylebaseline --json write it') from error
+        except TypeError as error:
+            raise ValueError(f'{name}: expected what styleeval and stylebaseline --json write: {error}') from error
+    return judged
+
+
 def read(arguments):
     """[(title, key, [judged])] of the command line; ValueError says which file does not belong."""
     rows, first = [], None
@@ -81,11 +104,8 @@ def read(arguments):
             raise ValueError(f"'{argument}': expected TITLE=KEY@FILE[,FILE...]")
         runs = []
         for name in files.split(','):
-            with open(name, encoding='utf-8') as file:
-                runs.append(json.load(file))
-            if key not in [judged_set['key'] for judged_set in runs[-1]['judges']]:
-                raise ValueError(f"{name}: has no set of clips '{key}'")
-            made = {part: runs[-1]['provenance'][part] for part in SAME}
+            runs.append(load(name, key))
+            made = provenance_of(runs[-1])
             first = first or (name, made)
             for part in SAME:
                 if made[part] != first[1][part]:
