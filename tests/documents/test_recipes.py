@@ -70,6 +70,13 @@ class RecipesTest(unittest.TestCase):
                 self.assertEqual(2, done.returncode)
                 self.assertIn(said, done.stderr)
 
+    def test_seeds_and_minutes_of_a_table_are_numbers(self):
+        for variable, value in (('STYLED_SEEDS', 'a'), ('STYLED_SEEDS', '1 -2'), ('STYLED_MINUTES', 'x')):
+            with self.subTest(variable=variable, value=value):
+                done = run('st_gcn_table_2.sh', '--dry-run', WEIGHTS, 'RUNS', **{variable: value})
+                self.assertEqual((2, ''), (done.returncode, done.stdout))
+                self.assertIn(f'{variable}: found ', done.stderr)
+
     def test_what_does_not_exist_is_found(self):
         lost = os.path.join(ROOT, 'model', 'weights', 'manifests', 'lost.toml')
         self.assertEqual(['--quickly', lost], wrong([f'styletrain --quickly --manifest {lost}'], known_options()))

@@ -8,13 +8,18 @@ recipe_needs='WEIGHTS '
 judged=${arguments[0]}
 [ -r "$judged" ] || recipe_refuse "$judged cannot be read; expected weights"
 set_2=(--manifest "$manifests/bandai-2.toml")
+minutes=${STYLED_MINUTES:-10}
 read -ra seeds <<<"${STYLED_SEEDS:-1 2 3}"
+for seed in "${seeds[@]}"; do
+  [[ $seed =~ ^[0-9]+$ ]] || recipe_refuse "STYLED_SEEDS: found '$seed', expected whole numbers, like \"1 2 3\""
+done
+[[ $minutes =~ ^[0-9]+(\.[0-9]+)?$ ]] || recipe_refuse "STYLED_MINUTES: found '$minutes', expected a number"
 
 evaluate "${set_2[@]}" --weights "$judged" --long 0 --json "$runs/st-gcn.json"
 evaluate "${set_2[@]}" --weights "$weights/v1.safetensors" --long 0 --json "$runs/style-erd.json"
 for design in aberman holden; do
   for seed in "${seeds[@]}"; do
-    baseline "$design-$seed" --design "$design" "${set_2[@]}" --seed "$seed" --minutes "${STYLED_MINUTES:-10}" \
+    baseline "$design-$seed" --design "$design" "${set_2[@]}" --seed "$seed" --minutes "$minutes" \
       --json "$runs/$design-$seed.json"
   done
 done
