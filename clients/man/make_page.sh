@@ -1,6 +1,7 @@
 #!/bin/sh
 # make_page.sh PROGRAM PAGE VERSION: prints the page as input for scdoc. @VERSION@ becomes VERSION;
-# the line @OPTIONS@ becomes the --help of PROGRAM and of each of its commands; a line @FILE path@
+# the line @OPTIONS@ becomes the --help of PROGRAM and of each of its commands; a line @OPTIONS words@
+# what PROGRAM says to the words and --help that it does not say to --help alone; a line @FILE path@
 # becomes that file.
 set -eu
 program=$1 page=$2 version=$3
@@ -23,6 +24,11 @@ while IFS= read -r line; do
         echo
         options more "$program" "$command"
       done
+      ;;
+    "@OPTIONS "*)
+      words=${line#@OPTIONS }
+      { options options "$program"; echo "@"; echo; options options "$program" ${words%@}; } |
+        awk 'BEGIN { RS = "" } $0 == "@" { more = 1; next } !more { said[$0]; next } !($0 in said) { print $0 "\n" }'
       ;;
     "@FILE "*)
       file=${line#@FILE }

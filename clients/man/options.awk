@@ -45,8 +45,10 @@ END {
       if (line != "") known = 0
     } else if (known && line ~ /^  [^ ]/) {
       flush()
-      # The text starts at column 31, or on the next line if the name is longer.
-      if (substr(lines[i + 1], 1, 30) == blank || length(line) < 31) {
+      # The text starts at column 31 behind a blank, or on the next line if the name is longer. Without
+      # a text a long name may have its type there.
+      if (substr(lines[i + 1], 1, 30) == blank || substr(line, 30) !~ /^ [^ ]/ ||
+          substr(line, 31) ~ /^(TEXT|INT|UINT|FLOAT|BOOLEAN)([^A-Za-z]|$)/) {
         head = substr(line, 3)
       } else {
         head = substr(line, 3, 28)

@@ -38,6 +38,19 @@ def commands_of(program):
     return [(program,)] + [(program, name) for name in section(help_of(program), 'Subcommands')]
 
 
+def families_of(program):
+    """Families of networks other than the first, whose options the help shows where they are named."""
+    found = re.search(r'--family TEXT:\{([^}]*)\}', help_of(program))
+    return [(program, '--family', family) for family in found[1].split(',')[1:]] if found else []
+
+
+def values(text):
+    """The names of options, and what the help says of their values: type, range or words, default."""
+    return [(re.escape(names.split(',')[-1]), value)
+            for names, value in re.findall(r'(?m)^  (-\S+) ((?:TEXT|INT|UINT|FLOAT|BOOLEAN)[:=]\S+)', text)
+            if not value.startswith(('FLOAT:FLOAT', 'INT:INT'))]
+
+
 SCRIPT = f'''source {COMPLETION}
 while IFS= read -r line; do
   read -ra COMP_WORDS <<<"$line"
@@ -67,13 +80,15 @@ class ManTest(unittest.TestCase):
         for program in PROGRAMS:
             with open(os.path.join(MAN, program + '.1')) as text:
                 # Bold between < and >.
-                page = text.read().replace(r'\fB', '<').replace(r'\fR', '>').replace('\\', '')
+                page = text.read().replace(r'\fB', '<').replace(r'\fR', '>').replace('\\&', '').replace('\\', '')
             for name in ('NAME', 'SYNOPSIS', 'DESCRIPTION'):
                 self.assertRegex(page, rf'(?m)^\.SH {name}$', program)
-            for command in commands_of(program):
+            for command in commands_of(program) + families_of(program):
                 self.assertIn(' '.join(command), page)
                 for option in options(help_of(*command)):
                     self.assertRegex(page, rf'(?m)^<([^>\n]*, )?{re.escape(option)}(, [^>\n]*)?>', command)
+                for option, value in values(help_of(*command)):
+                    self.assertRegex(page, rf'(?m)^<[^>\n]*{option}[^>\n]*> {re.escape(value)}( |$)', command)
 
     def test_pages_are_without_errors(self):
         for page in os.listdir(MAN):
