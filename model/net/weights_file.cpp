@@ -7,6 +7,7 @@
 #include <cstring>
 #include <set>
 
+#include "model/base/text.h"
 #include "model/body/humanoid.h"
 #include "model/net/strict_json.h"
 
@@ -27,7 +28,8 @@ std::string ReadString(const json& object, const std::string& key, Faults& fault
   return value->get<std::string>();
 }
 
-// Reads a name or alias. Lookup ignores case, so names must differ in more than case.
+// Reads a name or alias. Lookup ignores case, so names must differ in more than case. Programs
+// print names, so none may control a terminal.
 void ReadName(const json& value, const std::string& place, std::set<std::string>& known,
               std::string& name, Faults& faults) {
   if (!value.is_string() || value.get_ref<const std::string&>().empty()) {
@@ -35,6 +37,10 @@ void ReadName(const json& value, const std::string& place, std::set<std::string>
     return;
   }
   name = value.get<std::string>();
+  if (Printable(name, name.size()) != name) {
+    faults.Key(place, "a name without control characters", Shown(value));
+    return;
+  }
   std::string lower = name;
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -66,6 +72,11 @@ void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
       ReadName(alias, place + ".aliases", known, style.aliases.emplace_back(), faults);
     }
     styles.push_back(std::move(style));
+    // The first is neutral, whatever it is called.
+    if (s > 0 && FindStyle({styles.back()}, "neutral") == 0) {
+      faults.Key(place, "a style, since the first is neutral", Shown(entry));
+      return;
+    }
   }
 }
 
