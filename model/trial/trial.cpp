@@ -20,6 +20,9 @@ using synthetic::Motion;
 
 constexpr float kUnitTolerance = 1e-3F;  // of a rotation's length
 constexpr double kLongestStep_s = 0.1;   // the longest step, for networks of a lower rate
+// Variations of each style: those whose codes are looked at, since one value of the weights takes
+// part in some only; and those that are decoded, the fewest that differ.
+constexpr std::uint64_t kVariations = 32, kDecodedVariations = 2;
 
 // One style applied to the performer, or (`own`) given as the performer's input style.
 struct Run {
@@ -136,15 +139,19 @@ std::optional<Fault> Judge(const body::Pose& pose, const net::Prediction& out, F
                "the change by the style", figures.change_rad);
 }
 
-// The error for a prediction in the style of which `own` tells whether it is the performer's.
-Status Refusal(const std::string& name, const net::Model& model, int style, bool own,
-               std::size_t frame, std::size_t frames, const Fault& fault) {
-  return Status::Error(name + ": the trial run on the built-in performer failed: style '" +
-                       model.styles[static_cast<std::size_t>(style)].name + "'" +
-                       (own ? " as the performer's own" : "") + ", frame " + std::to_string(frame) +
-                       " of " + std::to_string(frames) + ", joint " +
-                       std::string(body::kHumanoid[static_cast<std::size_t>(fault.joint)].name) +
-                       ": " + fault.what);
+// `style`: which, and how it was asked for. "style 'old'"
+Status Refusal(const std::string& name, const std::string& style, std::size_t frame,
+               std::size_t frames, const Fault& fault) {
+  return Status::Error(
+      name + ": the trial run on the built-in performer failed: " + style + ", frame " +
+      std::to_string(frame) + " of " + std::to_string(frames) + ", joint " +
+      std::string(body::kHumanoid[static_cast<std::size_t>(fault.joint)].name) + ": " + fault.what);
+}
+
+// A style as errors name it.
+std::string StyleText(const net::Model& model, int style, bool own) {
+  return "style '" + model.styles[static_cast<std::size_t>(style)].name + "'" +
+         (own ? " as the performer's own" : "");
 }
 
 synthetic::Performer MakePerformer() {
@@ -168,6 +175,57 @@ std::vector<body::Pose> MakePoses(float rate_hz) {
   return poses;
 }
 
+// One request to a network that needs whole clips.
+struct ClipRun {
+  net::StyleRequest request;
+  int input_style = 0;
+  std::string text;  // as errors name it
+};
+
+// Are all variations' codes finite?
+Status CheckCodes(const net::ClipStylizer& network, const std::string& name) {
+  for (int style = 0; style < static_cast<int>(network.model().styles.size()); ++style) {
+    for (std::uint64_t seed = 1; seed <= kVariations; ++seed) {
+      net::StyleRequest request;
+      request.sources = {{style, seed, {}, 1}};
+      for (const float value : network.MakeCode(request)) {
+        if (std::isfinite(value)) continue;
+        return Status::Error(
+            name + ": the trial run failed: " + StyleText(network.model(), style, false) +
+            ", variation " + std::to_string(seed) +
+            ": expected finite numbers in its code, found " + Text("%g", Shown(value)));
+      }
+    }
+  }
+  return Status::Ok();
+}
+
+// Every way to a style code: a style's mean, its variations, and an example without a label, which
+// are `poses`; and every style as the performer's own, whose code is that of `poses` as an example.
+std::vector<ClipRun> MakeClipRuns(const net::Model& model, std::span<const body::Pose> poses) {
+  std::vector<ClipRun> runs;
+  const auto add = [&runs](const net::StyleSource& source, const std::string& text) {
+    ClipRun& run = runs.emplace_back();
+    run.request.sources = {source};
+    run.request.strength = net::kMaxStrength;
+    run.text = text;
+  };
+  for (int style = 0; style < static_cast<int>(model.styles.size()); ++style) {
+    const std::string text = StyleText(model, style, false);
+    add({style, {}, {}, 1}, text);
+    if (style > 0) {
+      ClipRun& own = runs.emplace_back();
+      own.input_style = style;
+      own.text = StyleText(model, style, true);
+    }
+    for (std::uint64_t seed = 1; seed <= kDecodedVariations; ++seed) {
+      add({style, seed, {}, 1}, text + ", variation " + std::to_string(seed));
+    }
+  }
+  add({-1, {}, poses, 1}, "the style of an example");
+  return runs;
+}
+
 }  // namespace
 
 Status Try(const net::Stylizer& network, const std::string& name, Figures* figures) {
@@ -186,7 +244,8 @@ Status Try(const net::Stylizer& network, const std::string& name, Figures* figur
     network.Step(jobs);
     for (const Run& run : runs) {
       if (const auto fault = Judge(pose, run.out, worst)) {
-        return Refusal(name, network.model(), run.style, run.own, frame, poses.size(), *fault);
+        return Refusal(name, StyleText(network.model(), run.style, run.own), frame, poses.size(),
+                       *fault);
       }
     }
   }
@@ -196,23 +255,18 @@ Status Try(const net::Stylizer& network, const std::string& name, Figures* figur
 
 Status Try(const net::ClipStylizer& network, const std::string& name, Figures* figures) {
   const std::vector<body::Pose> poses = MakePoses(network.model().rate_hz);
-  const auto styles = static_cast<int>(network.model().styles.size());
+  const Status codes = CheckCodes(network, name);
+  if (!codes.ok()) return codes;
   Figures worst;
-  for (int style = 0; style < styles; ++style) {
-    for (const bool own : {false, true}) {
-      if (own && style == 0) continue;
-      net::StyleRequest request;
-      request.strength = net::kMaxStrength;
-      if (!own) request.sources = {{style, {}, {}, 1}};
-      const auto stream =
-          network.MakeStream(network.MakeCode(request), own ? style : 0, net::Extent::kWhole);
-      for (const body::Pose& pose : poses) stream->Add(pose);
-      stream->End();
-      net::Prediction out;
-      for (std::size_t frame = 0; stream->Take(out); ++frame) {
-        if (const auto fault = Judge(poses[frame], out, worst)) {
-          return Refusal(name, network.model(), style, own, frame, poses.size(), *fault);
-        }
+  for (const ClipRun& run : MakeClipRuns(network.model(), poses)) {
+    const auto stream =
+        network.MakeStream(network.MakeCode(run.request), run.input_style, net::Extent::kWhole);
+    for (const body::Pose& pose : poses) stream->Add(pose);
+    stream->End();
+    net::Prediction out;
+    for (std::size_t frame = 0; stream->Take(out); ++frame) {
+      if (const auto fault = Judge(poses[frame], out, worst)) {
+        return Refusal(name, run.text, frame, poses.size(), *fault);
       }
     }
   }

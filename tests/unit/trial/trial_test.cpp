@@ -173,6 +173,20 @@ TEST(TrialTest, RandomWeightsOfAClipNetworkPassAndWildOnesAreRefused) {
   EXPECT_THAT(refusal("codes.mean", 64, 128, 1e38F), HasSubstr("style 'style1', frame 0 of"));
   EXPECT_THAT(refusal("e.heads.weight", 2UL * 64 * 64, kAll, 1e38F),
               HasSubstr("style 'style2' as the performer's own, frame 0 of"));
+  // Only examples without a label, and only variations.
+  for (const char* const tensor : {"e.free.weight", "e.free.bias"}) {
+    EXPECT_THAT(refusal(tensor, 0, kAll, 1e30F), HasSubstr("the style of an example, frame 0 of"));
+  }
+  // One layer alone cannot: its output ends in a tanh.
+  stgcn::WeightsFile file = stgcn::RandomWeights(3, 16, 1);
+  for (const char* const tensor : {"f.fc1.weight", "f.fc2.weight"}) {
+    for (float& value : file.tensor(tensor).values) value *= 1e38F;
+  }
+  const auto wild = net::ParseAny(file.Bytes(), "wild");
+  ASSERT_TRUE(wild.ok()) << wild.status().message();
+  EXPECT_THAT(
+      Try(*wild.value().clips, "wild").message(),
+      HasSubstr("style 'neutral', variation 1: expected finite numbers in its code, found nan"));
 }
 
 TEST(TrialTest, AFileIsTriedAsItIsLoaded) {
