@@ -20,7 +20,8 @@ void AddDataFlags(CLI::App& app, Config& config) {
   app.add_option("--unpaired", config.unpaired,
                  "Share of sources of any content, which the critic does not see")
       ->capture_default_str();
-  app.add_option("--width", config.width, "Channels of the finest level")->capture_default_str();
+  app.add_option("--width", config.width, "Channels of the finest level, a multiple of 16 up to 96")
+      ->capture_default_str();
   app.add_option("--node-bias", config.node_bias)->capture_default_str();
   app.add_option("--content-critic", config.content_critic,
                  "The critic also says whether the content is the source's")

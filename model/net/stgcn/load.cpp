@@ -13,7 +13,6 @@ using net::RowMajor;
 using net::TensorReader;
 
 constexpr float kMaxHeadingTau_s = 60.0F;
-constexpr int kMaxWidth = 96;          // the next has more weights than net::kMaxFileBytes
 constexpr int kTaps = 3;               // of a convolution over time
 const float kShare = std::sqrt(0.5F);  // of the main and the skip path in a block's sum
 
@@ -22,13 +21,12 @@ int ReadWidth(const nlohmann::json& object, Faults& faults) {
   const nlohmann::json* const value = net::FindKey(object, "width", faults);
   if (value == nullptr) return 0;
   const double width = value->is_number_integer() ? value->get<double>() : 0;
-  if (width >= net::kRowPanel && width <= kMaxWidth && std::fmod(width, net::kRowPanel) == 0) {
+  if (width >= kWidthStep && width <= kMaxWidth && std::fmod(width, kWidthStep) == 0) {
     return static_cast<int>(width);
   }
-  faults.Key(
-      "width",
-      "a multiple of " + std::to_string(net::kRowPanel) + " up to " + std::to_string(kMaxWidth),
-      net::Shown(*value));
+  faults.Key("width",
+             "a multiple of " + std::to_string(kWidthStep) + " up to " + std::to_string(kMaxWidth),
+             net::Shown(*value));
   return 0;
 }
 

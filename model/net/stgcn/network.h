@@ -25,7 +25,11 @@ inline constexpr int kNoise = 16;         // numbers that the mapping network ta
 inline constexpr int kReference = 64;     // frames that the style encoder takes
 inline constexpr int kReferenceHop = 16;  // between the windows of a longer reference
 inline constexpr int kLeastFrames = 8;    // of a clip
-inline constexpr int kFreeHead = -1;      // the head of the style encoder that needs no domain
+// Channels of the finest level: a multiple of what the kernels compute at once, and so few that the
+// weights fit into net::kMaxFileBytes.
+inline constexpr int kWidthStep = net::kRowPanel;
+inline constexpr int kMaxWidth = 96;
+inline constexpr int kFreeHead = -1;  // the head of the style encoder that needs no domain
 
 // A style: what the decoder's normalizations are computed from. The style encoder's are unbounded;
 // the mapping network's lie in (-1, 1).

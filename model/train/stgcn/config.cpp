@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "model/base/text.h"
+#include "model/net/stgcn/network.h"
 
 namespace styled::train::st_gcn {
 
@@ -34,8 +35,11 @@ Status Check(const Config& config) {
     return Status::Error(std::string(flag) + ": found " + NumberText(found) + ", expected " +
                          expected);
   };
-  if (config.width < 8 || config.width % 8 != 0) {
-    return refuse("--width", config.width, "a multiple of 8");
+  using stgcn::kMaxWidth, stgcn::kWidthStep;
+  if (config.width < kWidthStep || config.width > kMaxWidth || config.width % kWidthStep != 0) {
+    const std::string expected =
+        "a multiple of " + std::to_string(kWidthStep) + " up to " + std::to_string(kMaxWidth);
+    return refuse("--width", config.width, expected.c_str());
   }
   for (const auto& [flag, value] : {std::pair{"--hop", config.hop},
                                     {"--batch", config.batch},

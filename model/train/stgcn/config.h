@@ -21,7 +21,7 @@ struct Config {
   double unpaired = 0.1;
 
   // The networks.
-  int width = 32;  // channels of the finest level; a multiple of 8
+  int width = 32;  // channels of the finest level; a multiple of 16 up to 96
   bool node_bias = true;
   bool content_critic = true;      // the critic also says whether the content is the source's
   bool scaled_heads = true;        // smaller first outputs, else the critic wins at once

@@ -42,7 +42,7 @@ class StGcnRun : public testing::Test {
     flags.device = "cpu";
     flags.iterations = 10;
     flags.warm_up = 3;
-    flags.width = 8;
+    flags.width = 16;
     flags.batch = 2;
     flags.monitor_every = 1000;
     flags.log_every = 1;
@@ -123,7 +123,7 @@ TEST_F(StGcnRun, ACheckpointOfOtherDataOrAnotherShapeIsRefused) {
   other.heading_tau_s = 1;
   EXPECT_THAT(Train(other).message(), testing::HasSubstr("other data or another heading filter"));
   other = flags;
-  other.width = 16;
+  other.width = 32;
   EXPECT_THAT(Train(other).message(), testing::HasSubstr("another width or other styles"));
 }
 
@@ -133,7 +133,12 @@ TEST_F(StGcnRun, FlagsThatCannotWorkAreRefused) {
     change(flags);
     return Train(flags).message();
   };
-  EXPECT_THAT(refused([](RunFlags& f) { f.width = 12; }), testing::HasSubstr("--width: found 12"));
+  // What no program could load afterwards.
+  for (const int width : {0, 8, 24, 112}) {
+    EXPECT_THAT(refused([width](RunFlags& f) { f.width = width; }),
+                testing::HasSubstr("--width: found " + std::to_string(width) +
+                                   ", expected a multiple of 16 up to 96"));
+  }
   EXPECT_THAT(refused([](RunFlags& f) { f.batch = 0; }), testing::HasSubstr("--batch: found 0"));
   EXPECT_THAT(refused([](RunFlags& f) { f.hop = 0; }), testing::HasSubstr("--hop: found 0"));
   EXPECT_THAT(refused([](RunFlags& f) { f.penalty_every = 0; }),
@@ -157,29 +162,29 @@ TEST_F(StGcnRun, ExportedTensorsHaveTheNamesAndShapesOfTheFormat) {
   ASSERT_TRUE(file.ok()) << file.status().message();
   EXPECT_EQ(file.value().model.family, "st-gcn");
   EXPECT_EQ(file.value().model.styles[1].aliases, std::vector<std::string>{"strange"});
-  EXPECT_EQ(file.value().header.at("width"), 8);
+  EXPECT_EQ(file.value().header.at("width"), 16);
   EXPECT_EQ(file.value().header.at("window"), 64);
   EXPECT_EQ(file.value().header.at("training").at("iterations"), 10);
   const auto& tensors = file.value().view.tensors;
   const std::map<std::string, std::vector<std::int64_t>> expected{
       {"features.mean", {21, 7}},
       {"features.deviation", {21, 7}},
-      {"g.in.node_bias", {21, 8}},
-      {"g.enc1.norm1.scale", {8}},
-      {"g.enc1.gconv1.weight", {24, 8}},
-      {"g.enc1.gconv1.node_bias", {21, 8}},
-      {"g.enc1.gconv2.weight", {48, 8}},
-      {"g.enc1.gconv2.node_bias", {10, 16}},
-      {"g.enc1.tconv2.weight", {16, 16, 3}},
-      {"g.enc2.skip.weight", {32, 16}},
-      {"g.dec1.adain1.weight", {64, 64}},
-      {"g.dec1.gconv1.node_bias", {5, 16}},
-      {"g.dec2.adain2.bias", {16}},
-      {"g.dec2.gconv2.node_bias", {21, 8}},
-      {"g.out.weight", {7, 8}},
-      {"e.res2.tconv2.bias", {32}},
-      {"e.conv.weight", {32, 32, 16, 5}},
-      {"e.heads.weight", {2, 64, 32}},
+      {"g.in.node_bias", {21, 16}},
+      {"g.enc1.norm1.scale", {16}},
+      {"g.enc1.gconv1.weight", {48, 16}},
+      {"g.enc1.gconv1.node_bias", {21, 16}},
+      {"g.enc1.gconv2.weight", {96, 16}},
+      {"g.enc1.gconv2.node_bias", {10, 32}},
+      {"g.enc1.tconv2.weight", {32, 32, 3}},
+      {"g.enc2.skip.weight", {64, 32}},
+      {"g.dec1.adain1.weight", {128, 64}},
+      {"g.dec1.gconv1.node_bias", {5, 32}},
+      {"g.dec2.adain2.bias", {32}},
+      {"g.dec2.gconv2.node_bias", {21, 16}},
+      {"g.out.weight", {7, 16}},
+      {"e.res2.tconv2.bias", {64}},
+      {"e.conv.weight", {64, 64, 16, 5}},
+      {"e.heads.weight", {2, 64, 64}},
       {"e.free.bias", {64}},
       {"f.noise.weight", {256, 16}},
       {"f.label.weight", {256, 2}},
@@ -203,7 +208,7 @@ TEST_F(StGcnRun, ExportedTensorsHaveTheNamesAndShapesOfTheFormat) {
   EXPECT_TRUE(torch::equal(floats("codes.mean"), checkpoint.tensors.at("codes.mean")));
   Shape shape;
   shape.domains = 2;
-  shape.width = 8;
+  shape.width = 16;
   const Encoder encoder(shape, torch::kCPU);
   const torch::NoGradGuard no_grad;
   encoder.parameters.flat().copy_(checkpoint.tensors.at("encoder"));
@@ -228,7 +233,7 @@ TEST_F(StGcnRun, AsInThePaperIsARunOfItsOwnSettingsAndExportsTheSameFormat) {
   EXPECT_TRUE(flags.both_turns);
   EXPECT_FALSE(flags.node_bias || flags.same_clip || flags.content_critic || flags.scaled_heads ||
                flags.encoder_learns_from_references || flags.shared_contents);
-  flags.width = 8;
+  flags.width = 16;
   flags.iterations = 3;
   Check(Train(flags));
   // Both turns are in every iteration, and the weight of diversity is constant.
@@ -239,7 +244,7 @@ TEST_F(StGcnRun, AsInThePaperIsARunOfItsOwnSettingsAndExportsTheSameFormat) {
   const auto file = net::ParseWeights(bytes.value(), "weights");
   ASSERT_TRUE(file.ok()) << file.status().message();
   const auto& bias = file.value().view.tensors.at("g.enc1.gconv2.node_bias");
-  EXPECT_EQ(bias.shape, (std::vector<std::int64_t>{10, 16}));
+  EXPECT_EQ(bias.shape, (std::vector<std::int64_t>{10, 32}));
   for (const std::byte byte : bias.bytes) EXPECT_EQ(byte, std::byte{0});
 }
 
