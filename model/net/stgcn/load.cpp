@@ -30,6 +30,15 @@ int ReadWidth(const nlohmann::json& object, Faults& faults) {
   return 0;
 }
 
+// Names of the acts of the training data, for people.
+void CheckContents(const nlohmann::json& object, Faults& faults) {
+  const nlohmann::json* const value = net::FindKey(object, "contents", faults);
+  if (value == nullptr) return;
+  bool names = value->is_array();
+  for (const nlohmann::json& name : *value) names = names && name.is_string();
+  if (!names) faults.Key("contents", "an array of strings", net::Shown(*value));
+}
+
 void Copy(const RowMajor& from, net::AlignedFloats& to) {
   to.Grow(static_cast<std::size_t>(from.size()));
   std::copy_n(from.data(), from.size(), to.data());
@@ -285,6 +294,7 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   net::ExpectEqual(file.header, "code", static_cast<unsigned>(kCode), faults);
   net::ExpectEqual(file.header, "noise", static_cast<unsigned>(kNoise), faults);
   net::ExpectEqual(file.header, "window", static_cast<unsigned>(kReference), faults);
+  CheckContents(file.header, faults);
   const int width = w.width = ReadWidth(file.header, faults);
   if (!faults.none()) return faults.status();
 

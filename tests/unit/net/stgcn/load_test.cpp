@@ -51,6 +51,12 @@ std::vector<Broken> BrokenFiles() {
       {"CodeFraction", Set("code", 64.0), {"key 'code': expected 64, found 64.0"}},
       {"Noise", Set("noise", 8), {"key 'noise': expected 16, found 8"}},
       {"Window", Set("window", 32), {"key 'window': expected 64, found 32"}},
+      {"ContentsNumber",
+       Set("contents", 5),
+       {"key 'contents': expected an array of strings, found 5"}},
+      {"ContentsOfNumbers",
+       Set("contents", json::array({"walk", 5})),
+       {"key 'contents': expected an array of strings, found [\"walk\",5]"}},
       {"WidthZero", Set("width", 0), {"key 'width': expected a multiple of 16 up to 96, found 0"}},
       {"WidthNegative", Set("width", -16), {"key 'width'", "found -16"}},
       {"WidthNotAMultiple", Set("width", 40), {"key 'width'", "found 40"}},
@@ -117,7 +123,7 @@ INSTANTIATE_TEST_SUITE_P(Load, BrokenWeights, testing::ValuesIn(BrokenFiles()),
                          [](const auto& info) { return std::string(info.param.what); });
 
 TEST(StgcnLoad, RefusesEachMissingKeyOfItsOwn) {
-  for (const char* const key : {"heading_tau_s", "width", "code", "noise", "window"}) {
+  for (const char* const key : {"heading_tau_s", "width", "code", "noise", "window", "contents"}) {
     WeightsFile file = RandomWeights(kDomains, kWidth, 1);
     file.metadata.erase(key);
     EXPECT_EQ(Load(file).message(), "file: key '" + std::string(key) + "': missing");

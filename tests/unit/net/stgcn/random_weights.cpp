@@ -100,6 +100,7 @@ json Header(int domains, int width, unsigned seed) {
           {"code", kCode},
           {"noise", kNoise},
           {"window", kReference},
+          {"contents", json::array({"walk"})},
           {"training", {{"command", "random"}, {"seed", seed}}},
           {"licence", "CC0-1.0"}};
 }
