@@ -1,28 +1,49 @@
 #include "model/net/shipped_weights.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <system_error>
 #include <vector>
 
 namespace styled::net {
+namespace {
 
-Result<std::filesystem::path> FindWeights(const std::filesystem::path& given) {
-  namespace fs = std::filesystem;
+namespace fs = std::filesystem;
+
+constexpr const char* kExtension = ".safetensors";
+
+// Where shipped weights may be: of an installation, in the source tree of a build, of the system.
+std::vector<fs::path> Folders() {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+  if (!error) {
+    folders.push_back(program / "../share/styled/weights");
+    folders.push_back(program / "../../../model/weights");  // build/PRESET/bin
+  }
+  folders.emplace_back("/usr/share/styled/weights");
+  return folders;
+}
+
+}  // namespace
+
+Result<fs::path> FindWeights(const fs::path& given) {
+  fs::path wanted = given;
+  if (const char* from_environment = std::getenv("STYLED_WEIGHTS");
+      given.empty() && from_environment != nullptr) {
+    wanted = from_environment;
+  }
   std::vector<fs::path> candidates;
-  if (!given.empty()) {
-    candidates = {given};
-  } else if (const char* from_environment = std::getenv("STYLED_WEIGHTS")) {
-    candidates = {from_environment};
+  if (wanted.empty()) {
+    wanted = "v1.safetensors";
   } else {
-    constexpr const char* kShipped = "v1.safetensors";
-    std::error_code error;
-    const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-    if (!error) {
-      candidates.push_back(folder / "../share/styled/weights" / kShipped);
-      candidates.push_back(folder / "../../../model/weights" / kShipped);  // build/PRESET/bin
-    }
-    candidates.push_back(fs::path("/usr/share/styled/weights") / kShipped);
+    candidates.push_back(wanted);
+  }
+  if (!wanted.has_parent_path()) {
+    fs::path name = wanted;
+    if (name.extension() != kExtension) name += kExtension;
+    for (const fs::path& folder : Folders()) candidates.push_back(folder / name);
   }
   std::string looked;
   for (const fs::path& candidate : candidates) {
@@ -32,6 +53,21 @@ Result<std::filesystem::path> FindWeights(const std::filesystem::path& given) {
   }
   return Status::Error("no weights file: looked for " + looked +
                        "; expected a .safetensors file (option --weights or STYLED_WEIGHTS)");
+}
+
+std::vector<fs::path> OtherShippedWeights(const fs::path& file) {
+  std::vector<fs::path> others;
+  for (const fs::path& folder : Folders()) {
+    std::error_code error;
+    if (!fs::equivalent(folder, file.parent_path(), error)) continue;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+      const fs::path name = entry.path().filename();
+      if (name.extension() == kExtension && name != file.filename()) others.push_back(name);
+    }
+    break;
+  }
+  std::sort(others.begin(), others.end());
+  return others;
 }
 
 }  // namespace styled::net

@@ -1,14 +1,19 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "model/base/status.h"
 
 namespace styled::net {
 
-// Finds the weights file to use: `given` if not empty, else $STYLED_WEIGHTS, else the shipped file,
-// relative to the running program: in the source tree of a build, or in ../share/styled/weights of
-// an installation. The error lists the places searched. Start-up only.
+// Finds the weights file to use: `given` if not empty, else $STYLED_WEIGHTS, else the shipped file.
+// A name without a folder that is no file here is looked for among the shipped ones, with or
+// without its ".safetensors". The error lists the places searched. Start-up only. Pinned by
+// tests/e2e/tools_test.cpp.
 Result<std::filesystem::path> FindWeights(const std::filesystem::path& given);
+
+// The other weights in the folder of `file`, by name; none where `file` is not a shipped one.
+std::vector<std::filesystem::path> OtherShippedWeights(const std::filesystem::path& file);
 
 }  // namespace styled::net
