@@ -3,6 +3,7 @@
 #include "model/tools/stylize.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "model/base/text.h"
 #include "model/clip/avatar.h"
 #include "model/clip/clip.h"
 #include "model/clip/write.h"
@@ -20,7 +22,7 @@
 #include "model/stylist/avatar.h"
 #include "model/stylist/clip_stylist.h"
 #include "model/stylist/stylist.h"
-#include "model/tools/number.h"
+#include "model/tools/command_line.h"
 #include "model/trial/trial.h"
 
 namespace {
@@ -29,9 +31,7 @@ using styled::Result;
 using styled::Status;
 using styled::stylize::Arguments;
 
-constexpr int kBadArguments = 2;
 constexpr int kSomeFailed = 3;      // written, but some frames are not styled
-constexpr double kMaxAmount = 3;    // of a variation: beyond, codes are nothing like trained ones
 constexpr double kSlowest_hz = 30;  // slower clips get frames in between; the network's own rate
 
 int Fail(const Status& status) {
@@ -48,7 +48,7 @@ Status AddStyle(const styled::net::Styles& styles, const std::string& text, cons
   if (found.value().style == 0 && settings.input_style == 0) return Status::Ok();
   for (styled::net::StyleWeight& entry : settings.mix) {
     if (entry.style < 0) {
-      entry = found.value();
+      entry = {found.value().style, found.value().weight.value_or(1.0F)};
       return Status::Ok();
     }
   }
@@ -77,6 +77,13 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
     if (!status.ok()) return status;
   }
   const auto error = styled::stylist::Validate(settings, static_cast<int>(styles.size()));
+  if (error == styled::stylist::SettingsError::kSum) {
+    float sum = 0;
+    for (const styled::net::StyleWeight& entry : settings.mix) {
+      if (entry.style >= 0) sum += entry.weight;
+    }
+    return styled::stylize::TooMuch(arguments, sum * std::max(1.0F, settings.strength));
+  }
   if (error != styled::stylist::SettingsError::kNone) {
     return Status::Error(styled::stylize::Explain(error));
   }
@@ -214,13 +221,20 @@ Status Write(const Arguments& arguments, const styled::rig::Binding& binding, bo
   return styled::clip::Write(arguments.out, motion);
 }
 
-int Run(const Arguments& arguments) {
-  if (arguments.list) {
-    auto network = LoadNetwork(arguments);
-    if (!network.ok()) return Fail(network.status());
-    std::printf("%s\n", styled::stylize::StyleNames(network.value().model().styles).c_str());
-    return 0;
+// Prints the styles of the weights, and on standard error which other weights there are.
+int List(const Arguments& arguments) {
+  auto network = LoadNetwork(arguments);
+  if (!network.ok()) return Fail(network.status());
+  std::printf("%s\n", styled::stylize::StyleNames(network.value().model().styles).c_str());
+  const auto file = styled::net::FindWeights(arguments.weights);
+  for (const auto& other : styled::net::OtherShippedWeights(file.value())) {
+    std::fprintf(stderr, "other weights: --weights %s\n", other.stem().c_str());
   }
+  return 0;
+}
+
+int Run(const Arguments& arguments) {
+  if (arguments.list) return List(arguments);
   auto clip = styled::clip::ReadBvh(arguments.in);
   if (!clip.ok()) return Fail(clip.status());
   auto bound = styled::rig::BindDialect(clip.value().skeleton, arguments.rig);
@@ -269,21 +283,44 @@ std::string StyleNames(const net::Styles& styles) {
   return names;
 }
 
-Result<net::StyleWeight> FindWeighted(const net::Styles& styles, const std::string& text,
-                                      const char* option) {
+Result<float> ParseWeight(const std::string& number, const char* option, const std::string& text) {
+  char* end = nullptr;
+  const float weight = std::strtof(number.c_str(), &end);
+  if (!number.empty() && *end == '\0' && weight >= 0 && weight <= net::kMaxStrength) return weight;
+  return Status::Error(std::string(option) + ": '" + text +
+                       "': expected behind '=' a weight from 0 to " +
+                       NumberText(net::kMaxStrength));
+}
+
+std::string WeightsText(const Arguments& arguments) {
+  std::string named;
+  const auto add = [&named](const char* option, const std::string& text) {
+    named += (named.empty() ? "" : ", ") + std::string(option) + " " + text;
+  };
+  if (!arguments.style.empty()) add("--style", arguments.style);
+  for (const std::string& text : arguments.mix) add("--mix", text);
+  for (const std::string& text : arguments.like) add("--like", text);
+  if (arguments.strength != 1) add("--strength", NumberText(arguments.strength));
+  return named;
+}
+
+Status TooMuch(const Arguments& arguments, float sum) {
+  return Status::Error(WeightsText(arguments) + ": the weights times the strength sum to " +
+                       NumberText(sum, 3) + ", expected at most " + NumberText(net::kMaxStrength));
+}
+
+Result<Weighted> FindWeighted(const net::Styles& styles, const std::string& text,
+                              const char* option) {
   const std::size_t equals = text.find('=');
   const std::string name = text.substr(0, equals);
-  float weight = 1.0F;
+  std::optional<float> weight;
   if (equals != std::string::npos) {
-    const std::string number = text.substr(equals + 1);
-    char* end = nullptr;
-    weight = std::strtof(number.c_str(), &end);
-    if (number.empty() || *end != '\0') {
-      return Status::Error(std::string(option) + ": '" + text + "': expected STYLE=WEIGHT");
-    }
+    const auto parsed = ParseWeight(text.substr(equals + 1), option, text);
+    if (!parsed.ok()) return parsed.status();
+    weight = parsed.value();
   }
   const int style = net::FindStyle(styles, name);
-  if (style >= 0) return net::StyleWeight{style, weight};
+  if (style >= 0) return Weighted{style, weight};
   return Status::Error(std::string(option) + ": unknown style '" + name + "'; expected one of " +
                        StyleNames(styles));
 }
@@ -308,10 +345,6 @@ const char* Explain(stylist::SettingsError error) {
   switch (error) {
     case Error::kDuplicateStyle:
       return "a style is named twice";
-    case Error::kWeight:
-      return "a weight is outside 0 to 1.5";
-    case Error::kSum:
-      return "the weights times the strength sum to more than 1.5";
     case Error::kStrength:
       return "--strength is outside 0 to 1.5";
     default:
@@ -326,67 +359,12 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Restyles a BVH clip: same frame count and rate, on its own skeleton or on an avatar's.",
       "stylize");
-  app.add_option("-s,--style", arguments.style, "target style, STYLE or STYLE=WEIGHT");
-  app.add_option("-a,--strength", arguments.strength, "0 to 1.5; 0 gives the input back")
-      ->capture_default_str();
-  app.add_option("-m,--mix", arguments.mix, "a further style, STYLE=WEIGHT; at most 4 in all")
-      ->take_all()
-      ->allow_extra_args(false);  // one value per --mix: the next word may be the input
-  app.add_option(
-         "-l,--like", arguments.like,
-         "an example of the target style, CLIP.bvh or CLIP.bvh=WEIGHT; several are averaged "
-         "(weights of family st-gcn)")
-      ->take_all()
-      ->allow_extra_args(false);
-  CLI::Option* const vary =
-      app.add_option("--vary", arguments.vary,
-                     "a variation of each style named, by this number (weights of family st-gcn)");
-  app.add_option("--amount", arguments.amount, "of the variation: 0 none, 1 as in training")
-      ->check(styled::Number(0, kMaxAmount))
-      ->capture_default_str()
-      ->needs(vary);
-  app.add_option("--window", arguments.window,
-                 "frames that are normalized together (weights of family st-gcn): auto, the whole "
-                 "clip up to 20 s; whole; or overlapping windows of 8.5 s")
-      ->check(CLI::IsMember({"auto", "whole", "overlapping"}))
-      ->capture_default_str();
-  app.add_flag("--absolute", arguments.absolute,
-               "the paper's output instead of the detail-preserving one");
-  app.add_option("--parts,--only", arguments.parts,
-                 "style these parts of the body alone, comma-separated")
-      ->capture_default_str();
-  app.add_option("--input-style,--from", arguments.input_style,
-                 "the style that the performer moves in, which is removed");
-  app.add_flag("--no-bypass", arguments.no_bypass,
-               "without a style, still go through bind, network and unbind");
-  app.add_flag("--feet,!--no-feet", arguments.feet,
-               "hold feet that the performer plants where they are (default: --feet)");
-  app.add_flag("--bind-only", arguments.bind_only,
-               "only bind to the canonical humanoid and back, without the network")
-      ->excludes("--style")
-      ->excludes("--mix")
-      ->excludes("--like");
-  app.add_option("-w,--weights", arguments.weights, "weights file (default: the shipped one)");
-  app.add_option("--rig", arguments.rig, "rig dialect, e.g. bandai-namco, cmu")
-      ->capture_default_str();
-  app.add_option("--avatar", arguments.avatar,
-                 "put the motion onto this skeleton: .vrm, .glb, .gltf or .bvh")
-      ->excludes("--bind-only");
-  app.add_flag("--list", arguments.list, "print the styles of the weights");
-  CLI::Option* in = app.add_option("in", arguments.in, "input BVH");
-  CLI::Option* out =
-      app.add_option("out", arguments.out, "output file: " + styled::clip::FormatNames())
-          ->check([](const std::string& file) {
-            return styled::clip::FindFormat(file).status().message();
-          });
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kBadArguments;
-  }
-  if (!arguments.list && (in->empty() || out->empty())) {
-    std::fprintf(stderr, "stylize: expected an input and an output file; see --help\n");
-    return kBadArguments;
+  styled::stylize::AddOptions(app, arguments);
+  if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
+  const Status together = styled::stylize::CheckTogether(app, arguments);
+  if (!together.ok()) {
+    Fail(together);
+    return styled::kBadArguments;
   }
   return Run(arguments);
 }

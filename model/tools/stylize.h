@@ -1,5 +1,6 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -38,11 +39,27 @@ inline constexpr Window kWindows[] = {{"auto", net::Extent::kByLength},
                                       {"whole", net::Extent::kWhole},
                                       {"overlapping", net::Extent::kWindows}};
 
+// stylize_options.cpp: fills `arguments` as `app` parses.
+void AddOptions(CLI::App& app, Arguments& arguments);
+// What the parser does not check: arguments that are missing or say nothing alone.
+Status CheckTogether(const CLI::App& app, const Arguments& arguments);
+
 // "a, b, c"
 std::string StyleNames(const net::Styles& styles);
+// Parses the A of "S=A", a number from 0 to net::kMaxStrength; `option` and `text`, the whole
+// argument, are for errors.
+Result<float> ParseWeight(const std::string& number, const char* option, const std::string& text);
 // Parses "S=A" or "S"; errors name the option.
-Result<net::StyleWeight> FindWeighted(const net::Styles& styles, const std::string& text,
-                                      const char* option);
+struct Weighted {
+  int style = 0;
+  std::optional<float> weight;
+};
+Result<Weighted> FindWeighted(const net::Styles& styles, const std::string& text,
+                              const char* option);
+// The arguments that have weights: "--style old, --like a.bvh=0.9, --strength 1.2"
+std::string WeightsText(const Arguments& arguments);
+// The error for weights that sum to more than they may, times the strength.
+Status TooMuch(const Arguments& arguments, float sum);
 // The style that the performer moves in, 0 where the arguments name none.
 Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles);
 Result<body::Parts> FindParts(const Arguments& arguments);

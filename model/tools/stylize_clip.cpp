@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <set>
+#include <span>
 
 #include "model/base/text.h"
 #include "model/clip/clip.h"
@@ -19,24 +21,17 @@ namespace {
 // An example of a style, as --like names it.
 struct Example {
   std::string file;
-  float weight = 1;
+  std::optional<float> weight;
   std::vector<body::Pose> poses;  // at the network's rate
 };
 
-// Parses "CLIP=A" or "CLIP". A file that exists may have an equals sign in its name. Without a
-// weight, examples share one equally.
-Result<Example> ParseExample(const std::string& text, std::size_t count) {
+// Parses "CLIP=A" or "CLIP". A file that exists may have an equals sign in its name.
+Result<Example> ParseExample(const std::string& text) {
   const std::size_t equals = text.rfind('=');
-  if (equals == std::string::npos || std::filesystem::exists(text)) {
-    return Example{text, 1.0F / static_cast<float>(count), {}};
-  }
-  const std::string number = text.substr(equals + 1);
-  char* end = nullptr;
-  const float weight = std::strtof(number.c_str(), &end);
-  if (number.empty() || *end != '\0') {
-    return Status::Error("--like: '" + text + "': expected CLIP or CLIP=WEIGHT");
-  }
-  return Example{text.substr(0, equals), weight, {}};
+  if (equals == std::string::npos || std::filesystem::exists(text)) return Example{text, {}, {}};
+  const auto weight = ParseWeight(text.substr(equals + 1), "--like", text);
+  if (!weight.ok()) return weight.status();
+  return Example{text.substr(0, equals), weight.value(), {}};
 }
 
 // How many poses of the network's rate a clip has.
@@ -45,9 +40,9 @@ std::size_t NetworkFrames(const clip::Clip& clip, float rate_hz) {
   return static_cast<std::size_t>(duration_s * static_cast<double>(rate_hz) + 1e-6) + 1;
 }
 
-Result<Example> ReadExample(const std::string& text, std::size_t count, const std::string& rig,
+Result<Example> ReadExample(const std::string& text, const std::string& rig,
                             const net::ClipStylizer& network) {
-  auto example = ParseExample(text, count);
+  auto example = ParseExample(text);
   if (!example.ok()) return example;
   const auto error = [&example](const std::string& what) {
     return Status::Error("--like: " + what);
@@ -77,9 +72,15 @@ void PrintNearest(const Example& example, const net::ClipStylizer& network) {
                nearest.distance > kFar ? ": unlike all styles that these weights know" : "");
 }
 
+// What the style is made of, with the weight that was given, if any.
+struct Ingredient {
+  net::StyleSource source;
+  std::optional<float> weight;
+};
+
 // The named styles of the arguments, each once.
-Status AddNamed(const Arguments& arguments, const net::Styles& styles, int input_style,
-                net::StyleRequest& request) {
+Status AddNamed(const Arguments& arguments, const net::Styles& styles,
+                std::vector<Ingredient>& ingredients) {
   std::vector<std::pair<const char*, std::string>> named;
   if (!arguments.style.empty()) named.emplace_back("--style", arguments.style);
   for (const std::string& one : arguments.mix) named.emplace_back("--mix", one);
@@ -98,28 +99,41 @@ Status AddNamed(const Arguments& arguments, const net::Styles& styles, int input
     if (!known.insert(style).second) {
       return Status::Error(Explain(stylist::SettingsError::kDuplicateStyle));
     }
-    // Neutral alone asks for nothing, unless the performer's own style is to go.
-    if (style == 0 && input_style == 0 && !arguments.vary) continue;
-    request.sources.push_back({style, arguments.vary, {}, weight});
+    ingredients.push_back({{style, arguments.vary, {}, 1}, weight});
   }
   return Status::Ok();
 }
 
+// Ingredients without a weight share equally what the others leave of 1.
+Status ShareRest(const Arguments& arguments, std::vector<Ingredient>& ingredients) {
+  float rest = 1;
+  int without = 0;
+  for (const Ingredient& one : ingredients) {
+    rest -= one.weight.value_or(0);
+    if (!one.weight) ++without;
+  }
+  if (without > 0 && rest <= 0) {
+    return Status::Error(WeightsText(arguments) + ": the weights given sum to " +
+                         NumberText(1 - rest, 3) +
+                         ", expected less than 1: the others share what is left of 1");
+  }
+  const float share = rest / static_cast<float>(std::max(1, without));
+  for (Ingredient& one : ingredients) one.source.weight = one.weight.value_or(share);
+  return Status::Ok();
+}
+
 // The weight that all sources together have.
-Result<float> CheckWeights(const net::StyleRequest& request) {
-  using Error = stylist::SettingsError;
-  const auto within = [](float value) { return value >= 0 && value <= net::kMaxStrength; };
+Result<float> CheckWeights(const Arguments& arguments, std::span<const net::StyleSource> sources) {
+  const float strength = arguments.strength;
+  if (!(strength >= 0 && strength <= net::kMaxStrength)) {
+    return Status::Error(Explain(stylist::SettingsError::kStrength));
+  }
   float sum = 0;
-  for (const net::StyleSource& source : request.sources) {
-    if (!within(source.weight)) return Status::Error(Explain(Error::kWeight));
-    sum += source.weight;
-  }
-  if (!within(request.strength)) return Status::Error(Explain(Error::kStrength));
+  for (const net::StyleSource& source : sources) sum += source.weight;
   constexpr float kRounding = 1e-5F;  // of shares like 1/3
-  if (sum * std::max(1.0F, request.strength) > net::kMaxStrength + kRounding) {
-    return Status::Error(Explain(Error::kSum));
-  }
-  return std::min(sum * request.strength, net::kMaxStrength);
+  const float most = sum * std::max(1.0F, strength);
+  if (most > net::kMaxStrength + kRounding) return TooMuch(arguments, most);
+  return std::min(sum * strength, net::kMaxStrength);
 }
 
 }  // namespace
@@ -152,18 +166,26 @@ Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
   net::StyleRequest request;
   request.strength = arguments.strength;
   request.amount = arguments.amount;
-  const Status named = AddNamed(arguments, styles, style.input_style, request);
+  std::vector<Ingredient> ingredients;
+  const Status named = AddNamed(arguments, styles, ingredients);
   if (!named.ok()) return named;
   std::vector<Example> examples;
   for (const std::string& text : arguments.like) {
-    auto example = ReadExample(text, arguments.like.size(), arguments.rig, network);
+    auto example = ReadExample(text, arguments.rig, network);
     if (!example.ok()) return example.status();
     examples.push_back(std::move(example.value()));
   }
   for (const Example& example : examples) {
-    request.sources.push_back({-1, {}, example.poses, example.weight});
+    ingredients.push_back({{-1, {}, example.poses, 1}, example.weight});
   }
-  const auto weight = CheckWeights(request);
+  const Status shared = ShareRest(arguments, ingredients);
+  if (!shared.ok()) return shared;
+  for (const Ingredient& one : ingredients) {
+    // Neutral asks for nothing, unless the performer's own style is to go.
+    const bool nothing = one.source.style == 0 && style.input_style == 0 && !one.source.seed;
+    if (!nothing) request.sources.push_back(one.source);
+  }
+  const auto weight = CheckWeights(arguments, request.sources);
   if (!weight.ok()) return weight.status();
   for (const Example& example : examples) PrintNearest(example, network);
   style.weight = weight.value();

@@ -222,6 +222,42 @@ TEST_F(StylizeClips, StylesByNameExampleNoiseAndMix) {
   EXPECT_EQ(Stylize({"--style", "neutral"}, in), Stylize({}, in));
 }
 
+TEST_F(StylizeClips, WhatIsNamedWithoutAWeightSharesTheRestOfOne) {
+  const std::string in = Walk("30", "3"), other = Walk("60", "3");
+  const std::string third = "=0.33333334";
+  EXPECT_EQ(Stylize({"--style", "style2", "--like", other}, in),
+            Stylize({"--style", "style2=0.5", "--like", other + "=0.5"}, in));
+  EXPECT_EQ(Stylize({"--like", in + "=0.75", "--like", other}, in),
+            Stylize({"--like", in + "=0.75", "--like", other + "=0.25"}, in));
+  EXPECT_EQ(
+      Stylize({"--style", "style1", "--mix", "style2", "--like", other}, in),
+      Stylize({"--style", "style1" + third, "--mix", "style2" + third, "--like", other + third},
+              in));
+  EXPECT_NE(Stylize({"--style", "style2", "--like", other}, in),
+            Stylize({"--style", "style2"}, in));
+}
+
+TEST_F(StylizeClips, TheInputStyleAloneIsRefusedWithWhatRemovesIt) {
+  const std::string in = Walk("30", "3");
+  EXPECT_NE(Refusal({"--input-style", "style1"}, in)
+                .find("--input-style: expected --style, --mix or --like, found none: give --style "
+                      "neutral to remove style1"),
+            std::string::npos)
+      << said_;
+}
+
+TEST_F(StylizeClips, NumbersOfVariationsAreWholeAndInRange) {
+  const std::string in = Walk("30", "3");
+  for (const char* const number : {"-1", "18446744073709551616", "1e5", "1.5", ""}) {
+    EXPECT_NE(Refusal({"--style", "style1", "--vary", number}, in)
+                  .find("'" + std::string(number) +
+                        "': expected a whole number from 0 to 18446744073709551615"),
+              std::string::npos)
+        << number << ": " << said_;
+  }
+  EXPECT_NE(Stylize({"--style", "style1", "--vary", "18446744073709551615"}, in), "") << said_;
+}
+
 TEST_F(StylizeClips, KeepsFramesAndRateOfAnyClip) {
   for (const char* const rate_hz : {"10", "30", "50", "120"}) {
     const std::string in = Walk(rate_hz, "2");
@@ -249,13 +285,22 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
           "--style: unknown style 'zombie'; expected one of neutral, style1, style2, style3");
   refuses({"--mix", "zombie=0.2"}, "--mix: unknown style 'zombie'");
   refuses({"--from", "zombie", "--style", "style1"}, "--input-style: unknown style 'zombie'");
-  refuses({"--style", "style1=x"}, "--style: 'style1=x': expected STYLE=WEIGHT");
-  refuses({"--style", "style1=nan"}, "a weight is outside 0 to 1.5");
+  refuses({"--style", "style1=x"},
+          "--style: 'style1=x': expected behind '=' a weight from 0 to 1.5");
+  refuses({"--style", "style1=nan"}, "--style: 'style1=nan': expected behind '=' a weight");
   refuses({"--style", "style1", "--mix", "s1=0.1"}, "a style is named twice");
-  refuses({"--style", "style1", "--like", in}, "sum to more than 1.5");
+  refuses({"--style", "style1=1", "--like", in + "=0.7", "--strength", "0.5"},
+          "--style style1=1, --like " + in +
+              "=0.7, --strength 0.5: the weights times the strength sum to 1.7, expected at most "
+              "1.5");
+  refuses(
+      {"--style", "style1", "--like", in + "=1.2"},
+      "--style style1, --like " + in + "=1.2: the weights given sum to 1.2, expected less than 1");
   refuses({"--style", "style1", "--strength", "2"}, "--strength is outside 0 to 1.5");
   refuses({"--vary", "3"}, "--vary: expected --style or --mix, found none");
-  refuses({"--like", in + "=x"}, "--like: '" + in + "=x': expected CLIP or CLIP=WEIGHT");
+  refuses({"--like", in + "=x"}, "--like: '" + in + "=x': expected behind '=' a weight");
+  refuses({"--like", in + "=2"},
+          "--like: '" + in + "=2': expected behind '=' a weight from 0 to 1.5");
   refuses({"--like", folder_ / "none.bvh"}, "--like: " + std::string(folder_ / "none.bvh"));
   refuses({"--style", "style1", "--parts", "tail"}, "--parts tail: expected");
   refuses({"--style", "style1", "--window", "huge"}, "--window");
@@ -308,6 +353,12 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
            {STYLIZE_BINARY, "--strength", "much", in, out},
            {STYLIZE_BINARY, "--style", "elderly", in, folder_ / "out.fbx"},
            {STYLIZE_BINARY, "--bind-only", "--style", "elderly", in, out},
+           {STYLIZE_BINARY, "--bind-only", "--vary", "3", in, out},
+           {STYLIZE_BINARY, "--bind-only", "--window", "whole", in, out},
+           {STYLIZE_BINARY, "--bind-only", "--input-style", "elderly", in, out},
+           {STYLIZE_BINARY, "--bind-only", "--strength", "0.5", in, out},
+           {STYLIZE_BINARY, "--bind-only", "--no-feet", in, out},
+           {STYLIZE_BINARY, "--input-style", "elderly", in, out},
            {STYLESIM_BINARY, "--rate", "0"},
            {STYLESIM_BINARY, "--performer", "a b"},
            {STYLESIM_BINARY, "--script", "fly:3"},
