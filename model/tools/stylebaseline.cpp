@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 
+#include "model/tools/command_line.h"
 #include "model/tools/number.h"
 #include "model/train/baselines/baseline.h"
 #include "model/train/blas.h"
@@ -119,7 +121,9 @@ void AddTrainingOptions(CLI::App& app, Arguments& arguments) {
       ->check(Number(1, 1e9))
       ->capture_default_str();
   app.add_option("--batch", arguments.budget.batch)->check(Number(1, 1024))->capture_default_str();
-  app.add_option("--seed", arguments.seed, "Seed of the training")->capture_default_str();
+  app.add_option("--seed", arguments.seed, "Seed of the training")
+      ->check(Whole(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
   app.add_option("--macs", arguments.macs,
                  "aberman: multiply-adds for a window, which decide its width; st-gcn's at width "
                  "32 by default")
@@ -163,7 +167,7 @@ int main(int argc, char** argv) {
   styled::Arguments arguments;
   CLI::App app("Trains and judges a system that st-gcn is compared with.");
   styled::AddOptions(app, arguments);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
   try {
     const styled::Status status = styled::Run(arguments, styled::judge::CommandLine(argc, argv));
     if (status.ok()) return 0;

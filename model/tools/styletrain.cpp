@@ -5,10 +5,13 @@
 #include <cstdlib>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "model/tools/command_line.h"
+#include "model/tools/number.h"
 #include "model/tools/train_family.h"
 #include "model/train/blas.h"
 #include "model/train/erd/recipe.h"
@@ -73,7 +76,9 @@ void AddRunFlags(CLI::App& app, Flags& flags) {
   app.add_option("--minutes", run.minutes, "Length of the run in wall time, all resumes");
   app.add_option("--iterations", run.iterations, "Length of the run in iterations");
   app.add_option("--stop-at", run.stop_at, "End this session at an iteration; resume later");
-  app.add_option("--seed", run.seed)->capture_default_str();
+  app.add_option("--seed", run.seed, "Of every random number of the run")
+      ->check(Whole(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
   app.add_flag("--resume", run.resume, "Continue the run in --out; give the same flags");
   app.add_option("--device", run.device)
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
@@ -102,7 +107,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
   std::vector<std::string> names;
   for (const Family& family : kFamilies) names.emplace_back(family.name);
   app.set_config("--config", "", "TOML file with any of these options but --family");
-  app.add_option("--family", flags.family, "Family of the network")
+  app.add_option("--family", flags.family,
+                 "Family of the network; with --help, whose options are shown")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
   app.add_option("--export", flags.export_paths, "RUN FILE: write the weights of a run and end")
@@ -131,7 +137,7 @@ Status Run(const Flags& flags, const FamilyFlags& family) {
 int Main(int argc, char** argv) {
   Flags flags;
   const char* const data = std::getenv("STYLED_DATA");
-  flags.run.data = data != nullptr ? data : "../shared/data";
+  if (data != nullptr) flags.run.data = data;
   flags.run.manifest = "model/weights/manifests/bandai-2.toml";
   flags.run.command = RecordedCommand(argc, argv);
   const std::string name = flags.family = FamilyOnCommandLine(argc, argv);
@@ -142,16 +148,19 @@ int Main(int argc, char** argv) {
   // the parser refuses an unknown name
   const Family& family = known != nullptr ? *known : kFamilies[0];
   const std::unique_ptr<FamilyFlags> family_flags = family.add_flags(app);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = Parse(app, argc, argv)) return *ended;
   const auto refuse = [](const std::string& why) {
     std::cerr << "styletrain: " << why << '\n';
-    return 2;
+    return kBadArguments;
   };
   if (flags.family != name) return refuse("--family must be on the command line");
   const Status resolved = family_flags->Resolve(app);
   if (!resolved.ok()) return refuse(resolved.message());
   if (flags.export_paths.empty() && flags.run.out.empty()) {
     return refuse("--out or --export is needed");
+  }
+  if (flags.export_paths.empty() && flags.run.data.empty()) {
+    return refuse("--data is needed, the folder of the unpacked data, or STYLED_DATA");
   }
   const Status status = Run(flags, *family_flags);
   if (status.ok()) return 0;

@@ -88,7 +88,8 @@ class StGcnFlags : public FamilyFlags {
     AddLossFlags(app, config_);
   }
 
-  Status Resolve(const CLI::App&) override { return Status::Ok(); }
+  // Before judges are trained in vain.
+  Status Resolve(const CLI::App&) override { return st_gcn::Check(config_); }
 
   Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const override {
     return st_gcn::MakeRecipe(run, config_);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "model/tools/command_line.h"
 #include "model/train/blas.h"
 #include "model/train/judge/judge_text.h"
 #include "model/train/judge/judge_unseen.h"
@@ -133,7 +134,7 @@ int main(int argc, char** argv) {
                  "Styles to measure; else all that the weights do not know")
       ->delimiter(',');
   app.add_option("--json", arguments.json, "Write the figures to this file, too");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
   const styled::Status status = styled::Run(arguments);
   if (status.ok()) return 0;
   std::cerr << "styleunseen: " << status.message() << "\n";

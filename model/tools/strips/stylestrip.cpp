@@ -9,6 +9,7 @@
 #include "model/feet/legs.h"
 #include "model/rig/dialects.h"
 #include "model/synthetic/performer.h"
+#include "model/tools/command_line.h"
 #include "model/tools/number.h"
 #include "model/tools/strips/canvas.h"
 #include "model/train/judge/judge_stream.h"
@@ -188,7 +189,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--front", arguments.front, "Seen from the front, not from the right");
   app.add_flag("--absolute", arguments.absolute, "The paper's absolute output");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
   if (arguments.input.empty() == arguments.script.empty()) {
     std::cerr << "stylestrip: give either a BVH file or --synthetic\n";
     return 2;

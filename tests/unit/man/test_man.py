@@ -106,6 +106,37 @@ class ManTest(unittest.TestCase):
             self.assertIn(key, page.replace('\\', ''))
 
 
+class CommandLineTest(unittest.TestCase):
+    def refused(self, *command):
+        """What a program says to a command line that it does not understand."""
+        done = subprocess.run([os.path.join(BIN, command[0]), *command[1:]], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout), (2, ''), command)
+        return done.stderr
+
+    def test_what_is_not_understood_ends_with_two(self):
+        for program in PROGRAMS:
+            self.assertNotEqual(self.refused(program, '--no-such-option'), '', program)
+
+    def test_seeds_are_whole_numbers(self):
+        for program in {'styletrain', 'styleeval'} & set(PROGRAMS):
+            for seed in ('-1', '1e5', '18446744073709551616'):
+                self.assertIn(f"'{seed}': expected a whole number from 0 to ", self.refused(program, '--seed', seed))
+
+    def test_the_trainer_refuses_a_width_that_no_program_loads(self):
+        if 'styletrain' in PROGRAMS:
+            said = self.refused('styletrain', '--family', 'st-gcn', '--width', '8', '--data', '.', '--out', '/nonexistent',
+                                '--iterations', '1', '--validate', '/nonexistent')
+            self.assertIn('--width: found 8, expected a multiple of 16 up to 96', said)
+
+    def test_the_trainer_asks_for_a_folder_of_data(self):
+        if 'styletrain' in PROGRAMS:
+            environment = {name: value for name, value in os.environ.items() if name != 'STYLED_DATA'}
+            done = subprocess.run([os.path.join(BIN, 'styletrain'), '--out', '/nonexistent', '--iterations', '1'],
+                                  capture_output=True, text=True, env=environment)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn('--data is needed', done.stderr)
+
+
 class CompletionTest(unittest.TestCase):
     def test_every_option_and_command_is_completed(self):
         commands = [command for program in PROGRAMS for command in commands_of(program)]
