@@ -345,6 +345,16 @@ TEST_F(StylizeClips, WildWeightsAreRefused) {
       << said_;
 }
 
+TEST_F(ToolsTest, ShippedWeightsAreFoundByName) {
+  for (const char* const name : {"st-gcn", "st-gcn.safetensors"}) {
+    EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", name}), 0) << said_;
+    EXPECT_NE(said_.find("other weights: --weights v1"), std::string::npos) << said_;
+  }
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", "zombie"}), 1);
+  EXPECT_NE(said_.find("looked for zombie, "), std::string::npos) << said_;
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", folder_ / "st-gcn"}), 1) << "a path";
+}
+
 TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
   const std::string in = Walk(), out = folder_ / "out.bvh";
   for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
