@@ -18,7 +18,8 @@ recipe_usage() {
 usage: model/train/recipes/$name.sh [--dry-run] [--smoke] ${recipe_needs:-}RUNS
   RUNS       folder for the runs, made where there is none
   --dry-run  print the commands
-  --smoke    two iterations of each run: shows that the commands work, and nothing else
+  --smoke    two iterations of each run, on and before a few clips of each kind: shows that the
+             commands work, and nothing else
 STYLED_DATA  the folder of the unpacked clips: bandai-1, bandai-2-train, bandai-2-val
 STYLED_BIN   the folder of styletrain, styleeval and stylebaseline; default build/release/bin
 USAGE
@@ -59,6 +60,24 @@ if [ "$dry_run" = no ]; then
     [ -x "$bin/$program" ] || recipe_refuse "$bin/$program is missing; sim/setup.sh train builds it"
   done
   mkdir -p "$runs"
+fi
+# recipe_few_clips FROM TO: a folder of data with links to at most 5 takes of each act and style, the
+# fewest of which the judges' share is one.
+recipe_few_clips() {
+  local folder file kind last='' count=0
+  for folder in bandai-1 bandai-2-train bandai-2-val; do
+    mkdir -p "$2/$folder"
+    for file in "$1/$folder"/*.bvh; do
+      kind=${file%_*}
+      [ "$kind" = "$last" ] || count=0
+      last=$kind count=$((count + 1))
+      [ $count -gt 5 ] || ln -sf "$(realpath "$file")" "$2/$folder/"
+    done
+  done
+}
+if [ "$smoke" = yes ] && [ "$dry_run" = no ]; then
+  recipe_few_clips "$data" "$runs/few"
+  data=$runs/few
 fi
 export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1} OMP_WAIT_POLICY=passive
 
