@@ -8,7 +8,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 
+#include "model/tools/command_line.h"
 #include "model/tools/number.h"
 #include "model/train/blas.h"
 #include "model/train/judge/judge_clip_restyler.h"
@@ -175,11 +177,13 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
     styler = std::move(read.value());
   }
   const bool asks_for_live = arguments.robust || arguments.rates || arguments.styled_inputs ||
-                             arguments.foreign || !arguments.clips.empty();
+                             arguments.foreign || !arguments.clips.empty() ||
+                             arguments.transition_given ||
+                             (arguments.long_given && arguments.long_s > 0);
   if (styler.clips && asks_for_live) {
     return Status::Error(arguments.weights +
-                         ": needs whole clips; --robust, --rates, --styled-inputs, --foreign and "
-                         "--clips judge networks that run live");
+                         ": needs whole clips; --robust, --rates, --styled-inputs, --foreign, "
+                         "--clips, --long and --transition judge networks that run live");
   }
 
   const nlohmann::json provenance =
@@ -241,10 +245,11 @@ int main(int argc, char** argv) {
                  "Write a page (HTML) with tables, plots and animated stick figures");
   app.add_option("--inputs", arguments.inputs,
                  "Style the neutral validation clips of this manifest instead");
-  app.add_option("--long", arguments.long_s,
-                 "Judge also after so many seconds of continuous state; 0: do not")
-      ->check(styled::Number(0, 86400))
-      ->capture_default_str();
+  CLI::Option* const long_s =
+      app.add_option("--long", arguments.long_s,
+                     "Judge also after so many seconds of continuous state; 0: do not")
+          ->check(styled::Number(0, 86400))
+          ->capture_default_str();
   app.add_flag("--absolute", arguments.absolute,
                "Judge the paper's absolute output, too; instead, where the network needs whole "
                "clips");
@@ -270,9 +275,10 @@ int main(int argc, char** argv) {
   app.add_flag("!--no-feet", arguments.stylist.feet, "Do not hold feet that are planted");
   app.add_flag("!--no-ground", arguments.stylist.ground,
                "Do not shift the styled body vertically: what of jitter and skate is grounding");
-  app.add_option("--transition", arguments.transition_s, "Cross-fade of a switch, seconds")
-      ->check(styled::Number(0, 3))
-      ->capture_default_str();
+  CLI::Option* const transition =
+      app.add_option("--transition", arguments.transition_s, "Cross-fade of a switch, seconds")
+          ->check(styled::Number(0, 3))
+          ->capture_default_str();
   app.add_option("--judge-iterations", arguments.judges.iterations, "Training steps of the judges")
       ->check(styled::Number(1, 1e7))
       ->capture_default_str();
@@ -285,11 +291,15 @@ int main(int argc, char** argv) {
                    : "'" + text + "': expected a multiple of 4 from 24 to 240";
       })
       ->capture_default_str();
-  app.add_option("--seed", arguments.judges.seed, "Seed of the judges")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  app.add_option("--seed", arguments.judges.seed, "Seed of the judges")
+      ->check(styled::Whole(0, std::numeric_limits<unsigned>::max()))
+      ->capture_default_str();
+  if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
+  arguments.long_given = long_s->count() > 0;
+  arguments.transition_given = transition->count() > 0;
   if (cache->empty() && write_offset->empty()) {
     std::cerr << "styleeval: --cache is required\n";
-    return 1;
+    return styled::kBadArguments;
   }
   const styled::Status status = styled::Run(arguments, styled::judge::CommandLine(argc, argv));
   if (status.ok()) return 0;
