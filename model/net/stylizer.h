@@ -28,10 +28,11 @@ struct Model {
 // rotation is relative to a frame rotated about +Y by Prediction::heading_rad.
 struct Decoded {
   std::array<body::Quat, body::kJointCount> rotations;
-  // Velocities of the joints and height of the hips in the same frame; 0 if a family does not
-  // decode them. They are not part of the pose. They reveal a non-finite state, which a normalized
-  // rotation would hide.
+  // Velocities of the joints in the same frame; 0 if a family does not decode them. They are not
+  // part of the pose. They reveal a non-finite state, which a normalized rotation would hide.
   std::array<float, 3 * static_cast<std::size_t>(body::kJointCount)> velocities_m_s;
+  // Height of the hips; the input's in both poses of a prediction if a family does not decode it.
+  // The stylist uses the difference of the two.
   float hips_height_m;
 };
 

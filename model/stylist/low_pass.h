@@ -8,8 +8,10 @@
 namespace styled::stylist {
 
 // A style delta: per joint the rotation vector (rad) that changes the input's local rotation into
-// the styled one, applied from the right.
-using StyleDelta = Eigen::Matrix<float, 3, body::kJointCount>;
+// the styled one, applied from the right. The column kRise is how far the style raises the hips:
+// (0, m, 0). One matrix, so that both pass through the same filters and fades.
+inline constexpr int kRise = body::kJointCount;
+using StyleDelta = Eigen::Matrix<float, 3, kRise + 1>;
 
 // The low-pass on the style delta: a third-order Butterworth filter, exact for any spacing of
 // frames. Among filters of the same delay it leaves body motion (below 4 Hz) unchanged and removes

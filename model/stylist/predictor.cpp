@@ -81,6 +81,7 @@ void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& n
     const bool toes = joint == body::kLeftToes || joint == body::kRightToes;
     if (!toes) error2 += body::Log(input.conjugate() * reconstruction).squaredNorm();
   }
+  delta.col(kRise) << 0, out.styled.hips_height_m - out.reconstruction.hips_height_m, 0;
   // On neutral input a style of weight 0 changes nothing; on styled input it removes that style.
   // Scaled before the low-pass, so that another input style causes no jump.
   if (mixer.input_style() > 0) delta *= mixer.presence();

@@ -54,7 +54,7 @@ class Predictor {
   // Writes the mean of the interleaved states' newest style deltas; 0 if none has stepped.
   STYLED_REALTIME void MeanDelta(StyleDelta& mean) const noexcept;
   // Replaces `delta` by the paper's absolute output, in the share mixer.absolute(): unfiltered,
-  // from the newest step only.
+  // from the newest step only. Not its rise: the hips keep the performer's height and the change.
   STYLED_REALTIME void BlendAbsolute(const body::Pose& input, const Mixer& mixer,
                                      StyleDelta& delta) const noexcept;
 

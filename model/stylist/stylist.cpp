@@ -239,6 +239,8 @@ void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
     for (int joint = 0; joint < kJointCount; ++joint) {
       delta.col(joint) *= mixer.share(body::PartOf(joint));
     }
+    delta.col(kRise) *=  // the legs carry it
+        std::min(mixer.share(body::Part::kLeftLeg), mixer.share(body::Part::kRightLeg));
   }
   if (domain.reduces()) delta *= domain.weight();
   filter.Apply(delta, dt_s, options);
@@ -247,7 +249,7 @@ void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
 void Stylist::Impl::Apply(Output& out) const noexcept {
   const Pose& input = out.canonical_input;
   Pose& styled = out.canonical;
-  styled.hips_position_m = input.hips_position_m;
+  styled.hips_position_m = input.hips_position_m + filter.applied().col(kRise);
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
     const Vec3 turn = filter.applied().col(static_cast<Eigen::Index>(joint));
     styled.rotations[joint] = (input.rotations[joint] * body::Exp(turn)).normalized();
