@@ -50,11 +50,14 @@ float ChangeFilter::UsualDelay_s(float dt_s, float reconstruction_rad, const Mix
                                  const Options& options) noexcept {
   const float share = started_ ? DecayShare(dt_s, tuning::kReconstruction_s) : 1.0F;
   reconstruction_rad_ += (reconstruction_rad - reconstruction_rad_) * share;
+  const float early = 1 - SmoothStep(age_s_ / tuning::kStart_s);
   // while fading to bypass, its error does not matter
-  if (mixer.empty()) return options.change_tau_s;
   const float badly =
-      SmoothStep((reconstruction_rad_ - tuning::kSlowerBegin_rad) / tuning::kSlowerSpan_rad);
-  return options.change_tau_s * (1 + tuning::kSlowerBy * badly);
+      mixer.empty()
+          ? 0
+          : SmoothStep((reconstruction_rad_ - tuning::kSlowerBegin_rad) / tuning::kSlowerSpan_rad);
+  const float slower = std::max(tuning::kSlowerBy * badly, tuning::kSlowerAtStart * early);
+  return options.change_tau_s * (1 + slower);
 }
 
 // If the target steps by d metres, a low-pass with delay T accelerates a limb by about d / T^2.
@@ -75,6 +78,7 @@ void ChangeFilter::Follow(const StyleDelta& target, double dt_s, float reconstru
                           const Mixer& mixer, const Options& options) noexcept {
   first_ = !started_;
   const auto dt = static_cast<float>(dt_s);
+  age_s_ = first_ ? 0 : age_s_ + dt;
   const float usual_s = UsualDelay_s(dt, reconstruction_rad, mixer, options);
   delay_s_ = first_ ? 0 : SwitchDelay_s(target, dt, usual_s, mixer);
   low_pass_.Follow(target, first_ ? 0 : dt_s, delay_s_);

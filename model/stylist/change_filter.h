@@ -16,8 +16,9 @@ class ChangeFilter {
   // First half of a frame, `dt_s` after the one before: low-passes toward `target`. The delay is
   // Options::change_tau_s. It is longer while the network reconstructs badly (`reconstruction_rad`,
   // rms over joints), because small motions of the performer then make large ones of the delta. It
-  // is also longer during a switch of styles, the more so the farther a limb has to move, so that
-  // no limb is thrown. The first frame after a restart sets the value to the target.
+  // is longer after a restart, too, because recurrent states that have seen little of the performer
+  // change their minds; and during a switch of styles, the more so the farther a limb has to move,
+  // so that no limb is thrown. The first frame after a restart sets the value to the target.
   STYLED_REALTIME void Follow(const StyleDelta& target, double dt_s, float reconstruction_rad,
                               const Mixer& mixer, const Options& options) noexcept;
 
@@ -57,6 +58,7 @@ class ChangeFilter {
   float fade_ = 1.0F;                          // 0 at a restart, 1 when the cross-fade has ended
   bool started_ = false;                       // since the last restart
   bool first_ = true;                          // this frame is the first since the last restart
+  float age_s_ = 0;                            // time since the last restart
   float reconstruction_rad_ = 0;               // smoothed
   float switching_ = 0;                        // 1 while style weights fade, then falls to 0
   float switch_delay_s_ = 0;                   // the delay that the switch needs, s

@@ -39,10 +39,25 @@ TEST_F(ChangeFilterTest, TheFirstFrameTakesItsTargetAtOnceAndLaterOnesFollow) {
   EXPECT_EQ(filter.applied(), All(0.2F));
   EXPECT_EQ(filter.delay_s(), 0);
   Feed(All(0.4F), 1);
-  EXPECT_FLOAT_EQ(filter.delay_s(), options.change_tau_s);
   EXPECT_LT(filter.applied()(0, 0), 0.25F);
   Feed(All(0.4F), 120);
   EXPECT_NEAR(filter.applied()(0, 0), 0.4F, 1e-3F);
+}
+
+TEST_F(ChangeFilterTest, AfterAStartTheDelayIsLongerForHalfASecond) {
+  Style(0);
+  const auto expect = [this](const char* when) {
+    Feed(All(0), 1);
+    Feed(All(0.2F), 1);
+    EXPECT_NEAR(filter.delay_s(), 3 * options.change_tau_s, 1e-3F) << when;
+    Feed(All(0.2F), 29);
+    EXPECT_NEAR(filter.delay_s(), 2 * options.change_tau_s, 3e-3F) << when;
+    Feed(All(0.2F), 31);
+    EXPECT_FLOAT_EQ(filter.delay_s(), options.change_tau_s) << when;
+  };
+  expect("at first");
+  filter.Restart(true);
+  expect("after a restart");
 }
 
 TEST_F(ChangeFilterTest, ABadReconstructionMakesTheDelayFiveTimesAsLong) {
@@ -55,7 +70,7 @@ TEST_F(ChangeFilterTest, ABadReconstructionMakesTheDelayFiveTimesAsLong) {
 
 TEST_F(ChangeFilterTest, ASwitchIsDelayedByHowFarALimbHasToGo) {
   Style(0);
-  Feed(All(0), 3);
+  Feed(All(0), 120);
   Style(0.2F, 2);
   StyleDelta arm = All(0);
   arm(0, body::kLeftUpperArm) = 1.5F;
@@ -68,7 +83,7 @@ TEST_F(ChangeFilterTest, ASwitchIsDelayedByHowFarALimbHasToGo) {
 
 TEST_F(ChangeFilterTest, ANearStyleAndACutAreNotDelayed) {
   Style(0);
-  Feed(All(0), 3);
+  Feed(All(0), 120);
   Style(0.2F, 2);
   StyleDelta hand = All(0);
   hand(0, body::kLeftHand) = 0.5F;
