@@ -52,6 +52,8 @@ Feet::Feet(const rig::Binding& input, const rig::Binding& output, const Options&
 void Feet::Reset() noexcept {
   contacts_.Reset();
   state_.fill(Leg());
+  level_m_.Reset();
+  level_frames_ = 0;
   drop_m_.Reset();
   last_across_.setZero();
 }
@@ -64,6 +66,8 @@ void Feet::Process(float dt_s, float weight, const PoseView& input,
   contacts_.Process(dt_s, in_legs_, in_, options_);
   if (weight <= 0) {
     state_.fill(Leg());
+    level_m_.Reset();
+    level_frames_ = 0;
     drop_m_.Reset();
     last_across_.setZero();
     return;
@@ -74,8 +78,8 @@ void Feet::Process(float dt_s, float weight, const PoseView& input,
   for (int side = 0; side < kLegs; ++side) {
     if (Resolved(side)) PlaceFoot(side, dt_s, weight);
   }
-  // 3 The hips' drop. 4 The legs' IK.
-  LowerHips(dt_s, styled);
+  // 3 The hips' height, from the legs that stand. 4 The legs' IK.
+  MoveHips(dt_s, styled);
   for (int side = 0; side < kLegs; ++side) {
     if (Resolved(side)) Reach(side, styled);
   }
@@ -170,22 +174,39 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   state.ankle_m = pitched_heel + weight * state.offset_m;
   state.ankle_m.y() += lift_toes;
 
-  // Hips: how far the ankle's target is out of the leg's reach.
-  const Vec3& hip = at(out_, leg.upper);
-  const Vec3& knee = at(out_, leg.lower);
-  const float length = (knee - hip).norm() + (heel - knee).norm();
-  const float moved = (state.ankle_m - heel).norm() / tuning::kNear_m;
+  MeasureLeg(side, dt_s, weight * std::max(c_toes, c_heel));
+}
+
+// What the leg asks of the hips.
+void Feet::MeasureLeg(int side, float dt_s, float carries) noexcept {
+  const Legs::Leg& leg = legs_.leg(side);
+  Leg& state = state_[static_cast<std::size_t>(side)];
+  const auto at = [this](int joint) -> const Vec3& {
+    return out_[static_cast<std::size_t>(joint)].position_m;
+  };
+  const Vec3& hip = at(leg.upper);
+  const Vec3& knee = at(leg.lower);
+  const Vec3& ankle = at(leg.foot);
+  const float length = (knee - hip).norm() + (ankle - knee).norm();
+  const float moved = (state.ankle_m - ankle).norm() / tuning::kNear_m;
   // Smoothed over time, too: an offset that returns quickly would snap the knee straight.
-  state.as_styled =
-      1 - state.moved.Follow(1 - std::exp(-moved * moved), dt_s, tuning::kStraighten_s);
-  // A foot that is hardly moved may keep the styled leg's length; otherwise `stretch` limits it.
+  const float far = state.moved.Follow(1 - std::exp(-moved * moved), dt_s, tuning::kStraighten_s);
+  state.as_styled = 1 - (1 - tuning::kAsStyled) * far;
+  // A leg may be as long as it is styled, in part if its foot is moved; else `stretch` limits it.
+  const float own = (ankle - hip).norm();
   const float least = options_.stretch * length;
-  const float reach = least + state.as_styled * std::max(0.0F, (heel - hip).norm() - least);
+  const float reach = least + state.as_styled * std::max(0.0F, own - least);
   const float across2 = Flat(state.ankle_m - hip).squaredNorm();
-  const float standing = std::max(c_toes, c_heel);
-  const float down = std::sqrt(std::max(reach * reach - across2, 1e-4F));
-  state.need_m =
-      weight * standing * SoftExcess(hip.y() - state.ankle_m.y() - down, tuning::kDropCorner_m);
+  const auto above_m = [across2](float apart) {  // of a hip so far away from the ankle's target
+    return std::sqrt(std::max(apart * apart - across2, 1e-4F));
+  };
+  state.carries = carries;
+  const float rise_m = state.ankle_m.y() + above_m(own) - hip.y();
+  // At most kHipsRise_m, by a rounded corner.
+  state.rise_m =
+      std::max(-options_.hips_drop_m,
+               rise_m - SoftExcess(rise_m - tuning::kHipsRise_m / 2, tuning::kHipsRise_m / 2));
+  state.beyond_m = hip.y() - state.ankle_m.y() - above_m(reach);
 }
 
 // The lock is an integral. In each frame the published foot moves by `hold` times the performer's
@@ -232,16 +253,34 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes,
   state.last_heel_m = heel;
 }
 
-void Feet::LowerHips(float dt_s, const MutablePoseView& styled) noexcept {
-  const float need_m = std::hypot(state_[0].need_m, state_[1].need_m);
+// The hips rise or fall so that the legs that stand keep the lengths, and the knees the angles,
+// that the style gives them; a leg that then is too short still draws the hips down.
+void Feet::MoveHips(float dt_s, const MutablePoseView& styled) noexcept {
+  const Leg& left = state_[0];
+  const Leg& right = state_[1];
+  const float rise_m = (left.carries * left.rise_m + right.carries * right.rise_m) /
+                       std::max(1.0F, left.carries + right.carries);
+  if (level_frames_ == 1 && dt_s > 0) {  // the session may begin in mid-stride
+    const float speed = (rise_m - level_m_.value()) / dt_s;
+    level_m_.Start(level_m_.value(),
+                   std::clamp(speed, -tuning::kFastestLift_mps, tuning::kFastestLift_mps));
+  }
+  if (level_frames_ == 0 || dt_s > 0) level_frames_ = std::min(level_frames_ + 1, 2);
+  const float level_m = level_m_.Follow(rise_m, dt_s, tuning::kLevel_s);
+  const auto need = [level_m](const Leg& leg) {
+    return leg.carries * SoftExcess(leg.beyond_m + level_m, tuning::kDropCorner_m);
+  };
+  const float need_m = std::hypot(need(left), need(right));
   const float drop_m =
       drop_m_.Follow(std::min(need_m, options_.hips_drop_m), dt_s, options_.hips_tau_s);
-  if (drop_m <= 0) return;
-  const Vec3 down(0, -drop_m, 0);
+  const Vec3 up(0, level_m - drop_m, 0);
+  if (up.isZero(0)) return;
+  // A free foot is taken up; down it would sink.
+  for (Leg& leg : state_) leg.ankle_m.y() += (1 - leg.carries) * std::max(0.0F, up.y());
   const auto hips = static_cast<std::size_t>(legs_.hips());
   styled.translations[static_cast<std::size_t>(legs_.joints()[hips])] +=
-      legs_.ParentRotation(legs_.hips(), out_).conjugate() * (down / legs_.metres_per_unit());
-  for (std::size_t i = hips; i < out_.size(); ++i) out_[i].position_m += down;
+      legs_.ParentRotation(legs_.hips(), out_).conjugate() * (up / legs_.metres_per_unit());
+  for (std::size_t i = hips; i < out_.size(); ++i) out_[i].position_m += up;
 }
 
 void Feet::Reach(int side, const MutablePoseView& styled) noexcept {

@@ -14,10 +14,10 @@ namespace styled::feet {
 // Step 6 of the stylist, for one output skeleton. While the performer's own foot is on the floor,
 // the published foot moves over the floor as the performer's does; without this stage a style, or
 // another skeleton's proportions, would let it slide. During contact the foot keeps the performer's
-// height, and it never sinks below the floor. The legs follow by two-bone IK, which keeps bone
-// lengths and the side of the knee; the hips are lowered where a leg would have to stretch. Every
-// quantity is a smooth function of the input or an integral of one, so nothing pops, and no delay
-// is added.
+// height, and it never sinks below the floor. The hips are moved to the height at which the legs
+// that stand keep the knees' styled angles, above the performer's own if need be. The legs follow
+// by two-bone IK, which keeps bone lengths and the side of the knee. Every quantity is a smooth
+// function of the input or an integral of one, so nothing pops, and no delay is added.
 //
 // Spaces: poses are local transforms of their skeleton; inside, all is in canonical metres and axes
 // (+Y up), in which all bound skeletons have the same hips height. Memory is sized at construction;
@@ -55,8 +55,10 @@ class Feet {
     float yields = 0;               // this frame: 1 if the styled foot is too high to hold
     Quat pitch = Quat::Identity();  // this frame: the foot's rotation, world
     Vec3 ankle_m;                   // the ankle's target
-    float as_styled = 1;            // 1 if the target is the styled place, 0 far from it
-    float need_m = 0;               // how far the hips must come down to reach it
+    float as_styled = 1;            // the share of the styled straightness that the leg may keep
+    float carries = 0;              // 0 .. 1: the foot is planted, and held
+    float rise_m = 0;               // of the hips, for the leg to keep its styled length
+    float beyond_m = 0;             // how far the hips are above the leg's reach
   };
   // The performer's own foot, with heel and toes at the heights that the output's have above a
   // floor.
@@ -69,14 +71,16 @@ class Feet {
   void TurnWithPerformer() noexcept;
   void PlaceFoot(int side, float dt_s, float weight) noexcept;
   void Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const Vec3& heel) noexcept;
-  void LowerHips(float dt_s, const MutablePoseView& styled) noexcept;
+  void MeasureLeg(int side, float dt_s, float carries) noexcept;
+  void MoveHips(float dt_s, const MutablePoseView& styled) noexcept;
   void Reach(int side, const MutablePoseView& styled) noexcept;
 
   Legs in_legs_, legs_;
   Options options_;
   Contacts contacts_;
   std::array<Leg, kLegs> state_;
-  CriticallyDamped drop_m_;
+  CriticallyDamped level_m_, drop_m_;
+  int level_frames_ = 0;             // of level_m_, as Leg::frames
   Vec3 last_across_ = Vec3::Zero();  // the input's right hip to left hip, horizontal, unit
   std::vector<Placed> in_, out_;
 };

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <functional>
+#include <utility>
 
 #include "tests/unit/feet/walker.h"
 #include "tests/unit/rig/rigs.h"
@@ -359,6 +360,42 @@ TEST_F(FeetTest, AFootThatRollsOverItsTipIsNotThrown) {
   // The direction in which the foot is pitched reverses where it stands on its tip; without the
   // fade that takes 340 m/s².
   EXPECT_LT(Largest(legs, Played(out, 120), 10, 600), 250);
+}
+
+// Who stands with both knees bent by `bend_rad`, the hips `hips_m` above the floor.
+rig::RigPose Standing(const rig::Binding& binding, float bend_rad, float hips_m) {
+  rig::RigPose pose(binding.skeleton());
+  pose.translations[0].y() = hips_m;
+  const auto turn = [&pose](int joint, float angle_rad) {
+    pose.rotations[static_cast<std::size_t>(joint)] =
+        Quat(Eigen::AngleAxisf(angle_rad, Vec3::UnitX()));
+  };
+  for (const int joint : {body::kLeftUpperLeg, body::kRightUpperLeg}) turn(joint, -bend_rad / 2);
+  for (const int joint : {body::kLeftLowerLeg, body::kRightLowerLeg}) turn(joint, bend_rad);
+  for (const int joint : {body::kLeftFoot, body::kRightFoot}) turn(joint, -bend_rad / 2);
+  return pose;
+}
+
+// A style that straightens legs raises the body above the performer's, one that bends them lowers
+// it; the feet stay on the floor, and the knees are the style's.
+TEST_F(FeetTest, TheHipsMoveSoThatALegThatStandsKeepsItsStyledKnee) {
+  for (const auto& [own_rad, styled_rad] : {std::pair(0.8F, 0.5F), std::pair(0.5F, 0.8F)}) {
+    const float hips_m = 0.02F - Toes(Standing(binding, own_rad, 0), 0).y();
+    const float wanted_m = 0.02F - Toes(Standing(binding, styled_rad, 0), 0).y();
+    ASSERT_GT(std::abs(wanted_m - hips_m), 0.03F);
+    Feet fresh(binding, binding, {});
+    const auto stands = [&, bend_rad = own_rad](double) {
+      return Standing(binding, bend_rad, hips_m);
+    };
+    const auto bent = [&, bend_rad = styled_rad](double) {
+      return Standing(binding, bend_rad, hips_m);
+    };
+    const rig::RigPose out = Hold(fresh, 120, stands, bent).back();
+    EXPECT_NEAR(out.translations[0].y(), wanted_m, 0.005F) << styled_rad;
+    EXPECT_NEAR(body::Angle_rad(out.rotations[body::kLeftLowerLeg], Quat::Identity()), styled_rad,
+                0.04F);
+    EXPECT_NEAR(Toes(out, 0).y(), 0.02F, 0.003F) << styled_rad;
+  }
 }
 
 TEST_F(FeetTest, ALockThatIsDrawnTooFarDragsAlong) {
