@@ -29,6 +29,17 @@ std::vector<body::Pose> Punch(float off_rad, float bent_rad, float late_s) {
   return poses;
 }
 
+// That punch, and the hand drawn back the same way; then the same again, `off_rad` to the side.
+std::vector<body::Pose> TwoPunches(float off_rad) {
+  std::vector<body::Pose> poses;
+  for (const float off : {0.0F, off_rad}) {
+    const auto there = Punch(off, 0, 0);
+    poses.insert(poses.end(), there.begin(), there.end());
+    poses.insert(poses.end(), there.rbegin(), there.rend());
+  }
+  return poses;
+}
+
 // A second of standing in which the left leg rises forward to `height_rad` and comes down.
 std::vector<body::Pose> Kick(float height_rad) {
   std::vector<body::Pose> poses(120);
@@ -80,6 +91,48 @@ TEST(Acts, HandsThatSwingInAWalkMakeNoGesture) {
   EXPECT_EQ(MeasureActs(input, input, kRate_hz).reach.count, 0);
   const std::vector<body::Pose> still(240);
   EXPECT_EQ(MeasureActs(still, still, kRate_hz).reach.count, 0);
+}
+
+TEST(EveryAct, OfAnUnchangedClipIsKept) {
+  for (const auto& input : {Punch(0, 0, 0), TwoPunches(0.5F), Kick(kPi / 2)}) {
+    const ActsKept kept = MeasureEveryAct(input, input, kRate_hz);
+    EXPECT_GT(kept.reach.count + kept.kick_height.count, 0);
+    EXPECT_NEAR(kept.least_reach, 1, 1e-5);
+    EXPECT_NEAR(kept.worst_direction_deg, 0, 0.1);
+    EXPECT_NEAR(kept.least_kick_height, 1, 1e-5);
+  }
+}
+
+TEST(EveryAct, CountsWhereTheFastestGestureAloneWouldHideTheOther) {
+  const ActsKept kept = MeasureEveryAct(TwoPunches(0), TwoPunches(0.7F), kRate_hz);
+  EXPECT_EQ(kept.reach.count, 4) << "twice there and back";
+  EXPECT_NEAR(kept.worst_direction_deg, 0.7F * 180 / kPi, 3);
+  EXPECT_NEAR(kept.direction_deg.value(), 0.35F * 180 / kPi, 3);
+  EXPECT_NEAR(kept.least_reach, std::cos(0.7F), 0.05);
+}
+
+TEST(EveryAct, APunchCountsInAStepButASwingDoesNot) {
+  auto punch = Punch(0, 0, 0);
+  std::vector<body::Pose> swing(240);
+  for (std::size_t i = 0; i < punch.size(); ++i) {
+    const auto time_s = static_cast<float>(static_cast<double>(i) / kRate_hz);
+    swing[i].rotations[body::kLeftUpperArm] =
+        body::Exp(body::Vec3(0.6F * std::sin(2 * kPi * time_s), 0, 0)) *
+        body::Exp(body::Vec3(0, 0, -kPi / 2));
+    punch[i].hips_position_m.z() += 0.7F * time_s;
+    swing[i].hips_position_m.z() += 1.2F * time_s;
+  }
+  EXPECT_EQ(MeasureEveryAct(punch, punch, kRate_hz).reach.count, 1);
+  EXPECT_EQ(MeasureEveryAct(swing, swing, kRate_hz).reach.count, 0);
+}
+
+TEST(EveryAct, AddKeepsTheWorstOfAll) {
+  ActsKept all;
+  all.Add(MeasureEveryAct(TwoPunches(0), TwoPunches(0.7F), kRate_hz));
+  all.Add(MeasureEveryAct(Kick(kPi / 2), Kick(kPi / 3), kRate_hz));
+  EXPECT_NEAR(all.worst_direction_deg, 0.7F * 180 / kPi, 3);
+  EXPECT_LT(all.least_kick_height, 0.7);
+  EXPECT_EQ(all.kick_height.count, 1);
 }
 
 }  // namespace

@@ -1,0 +1,197 @@
+// Are a performer's acts kept, whatever the style? Punches, kicks and dances on any rig, restyled
+// as live by weights in each of their styles: how far each gesture still reaches and in which
+// direction, how high each kick goes, and the jerk. Needs no judge and asserts nothing.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+
+#include "model/clip/clip.h"
+#include "model/feet/legs.h"
+#include "model/rig/calibration.h"
+#include "model/rig/dialects.h"
+#include "model/train/judge/judge_acts.h"
+#include "model/train/judge/judge_stream.h"
+#include "model/train/judge/judge_text.h"
+#include "model/trial/trial.h"
+
+namespace styled {
+namespace {
+
+constexpr double kLookEvery_s = 0.1;
+
+struct Arguments {
+  std::string weights, json;
+  std::vector<std::string> styles;
+  std::vector<std::filesystem::path> clips;
+  bool standing = false;
+  stylist::Options stylist;
+};
+
+// Figures of one clip in one style, or of several.
+struct Row {
+  judge::ActsKept acts;
+  judge::JerkRatios jerk;
+
+  void Add(const Row& other) {
+    acts.Add(other.acts);
+    jerk.Add(other.jerk);
+  }
+};
+
+// The first frame that stands upright gives the rest pose; the error is that of the first frame.
+Result<rig::Binding> BindStanding(const clip::Clip& clip) {
+  const auto joints = rig::MapJoints(clip.skeleton, {});
+  if (!joints.ok()) return joints.status();
+  const auto bind = [&](std::size_t frame) {
+    return rig::BindStanding(clip.skeleton, joints.value(), clip.frames[frame], false);
+  };
+  const auto stride = static_cast<std::size_t>(std::ceil(clip.rate_hz * kLookEvery_s));
+  for (std::size_t frame = 0; frame < clip.frames.size(); frame += stride) {
+    Result<rig::Binding> bound = bind(frame);
+    if (bound.ok()) return bound;
+  }
+  return bind(0);
+}
+
+// The clip at kStreamRate_hz. `standing`: its rest pose is that of a frame that stands upright, and
+// its first frame, often a T-pose beside the motion, is dropped; else its rig is a known one.
+Result<judge::Poses> LoadInput(const std::filesystem::path& file, bool standing) {
+  Result<clip::Clip> read = clip::ReadBvh(file);
+  if (!read.ok()) return read.status();
+  clip::Clip& clip = read.value();
+  const auto named = [&file](const Status& status) {
+    return Status::Error(file.string() + ": " + status.message());
+  };
+  Result<rig::Binding> binding =
+      standing ? BindStanding(clip) : rig::BindDialect(clip.skeleton, "auto");
+  if (!binding.ok()) return named(binding.status());
+  if (standing) clip.frames.erase(clip.frames.begin());
+  return clip::ResamplePoses(clip::ToCanonical(clip, binding.value()), clip.rate_hz,
+                             judge::kStreamRate_hz);
+}
+
+Row Measure(const judge::Poses& input, const judge::Poses& output, int clip) {
+  return {judge::MeasureEveryAct(input, output, judge::kStreamRate_hz),
+          judge::MeasureJerkRatios(input, output, judge::kStreamRate_hz, clip)};
+}
+
+double If(double count, double value) { return count > 0 ? value : judge::kNotMeasured; }
+
+void Print(const std::string& name, const Row& row) {
+  using judge::Padded;
+  const judge::ActsKept& acts = row.acts;
+  std::printf("%-36.36s %6.0f %s %s %s %s %6.0f %s %s  %s %s\n", name.c_str(), acts.reach.count,
+              Padded(Measured(acts.reach), 6, 2).c_str(),
+              Padded(If(acts.reach.count, acts.least_reach), 6, 2).c_str(),
+              Padded(Measured(acts.direction_deg), 6, 1).c_str(),
+              Padded(If(acts.reach.count, acts.worst_direction_deg), 6, 1).c_str(),
+              acts.kick_height.count, Padded(Measured(acts.kick_height), 6, 2).c_str(),
+              Padded(If(acts.kick_height.count, acts.least_kick_height), 6, 2).c_str(),
+              Padded(Measured(row.jerk.clip), 6, 2).c_str(),
+              Padded(If(row.jerk.clip.count, row.jerk.worst), 6, 2).c_str());
+}
+
+nlohmann::json ToJson(const Row& row) {
+  using judge::Value;
+  const judge::ActsKept& acts = row.acts;
+  return {{"gestures", acts.reach.count},
+          {"reach", Value(Measured(acts.reach))},
+          {"least_reach", Value(If(acts.reach.count, acts.least_reach))},
+          {"direction_deg", Value(Measured(acts.direction_deg))},
+          {"worst_direction_deg", Value(If(acts.reach.count, acts.worst_direction_deg))},
+          {"kicks", acts.kick_height.count},
+          {"kick_height", Value(Measured(acts.kick_height))},
+          {"least_kick_height", Value(If(acts.kick_height.count, acts.least_kick_height))},
+          {"jerk", Value(Measured(row.jerk.clip))},
+          {"worst_jerk", Value(If(row.jerk.clip.count, row.jerk.worst))}};
+}
+
+Result<std::vector<int>> Choose(const Arguments& arguments, const net::Styles& styles) {
+  std::vector<int> chosen;
+  for (const std::string& name : arguments.styles) {
+    const int style = net::FindStyle(styles, name);
+    if (style < 1) return Status::Error(arguments.weights + ": no style '" + name + "'");
+    chosen.push_back(style);
+  }
+  if (chosen.empty()) {
+    for (std::size_t i = 1; i < styles.size(); ++i) chosen.push_back(static_cast<int>(i));
+  }
+  return chosen;
+}
+
+void PrintHeader(const char* of) {
+  std::printf("%-36s %6s %6s %6s %6s %6s %6s %6s %6s  %6s %6s\n", of, "hands", "reach", "least",
+              "off", "worst", "kicks", "height", "least", "jerk", "worst");
+}
+
+Status Run(const Arguments& arguments) {
+  const auto network = trial::Load(arguments.weights);
+  if (!network.ok()) return network.status();
+  const net::Styles& styles = network.value()->model().styles;
+  const auto chosen = Choose(arguments, styles);
+  if (!chosen.ok()) return chosen.status();
+  const auto binding = std::make_shared<const rig::Binding>(feet::HumanoidBinding());
+
+  std::map<int, Row> of_style;
+  Row all;
+  nlohmann::json json;
+  PrintHeader("clip, all styles");
+  for (std::size_t i = 0; i < arguments.clips.size(); ++i) {
+    const std::filesystem::path& file = arguments.clips[i];
+    const auto input = LoadInput(file, arguments.standing);
+    if (!input.ok()) return input.status();
+    Row of_clip;
+    for (const int style : chosen.value()) {
+      const judge::Switch start{0, judge::OneStyle(style, false)};
+      const judge::Poses output = judge::StyleStream(network.value(), binding, arguments.stylist,
+                                                     {&start, 1}, input.value());
+      const Row row = Measure(input.value(), output, static_cast<int>(i));
+      json["clips"][file.filename().string()][styles[static_cast<std::size_t>(style)].name] =
+          ToJson(row);
+      of_clip.Add(row);
+      of_style[style].Add(row);
+    }
+    Print(file.filename().string(), of_clip);
+    all.Add(of_clip);
+  }
+  PrintHeader("style, all clips");
+  for (const auto& [style, row] : of_style) {
+    const std::string& name = styles[static_cast<std::size_t>(style)].name;
+    Print(name, row);
+    json["styles"][name] = ToJson(row);
+  }
+  Print("all", all);
+  json["all"] = ToJson(all);
+  if (arguments.json.empty()) return Status::Ok();
+  std::ofstream file(arguments.json);
+  file << json.dump(2) << "\n";
+  return file.flush() ? Status::Ok() : Status::Error(arguments.json + ": cannot be written");
+}
+
+}  // namespace
+}  // namespace styled
+
+int main(int argc, char** argv) {
+  styled::Arguments arguments;
+  CLI::App app(
+      "Measures what styles leave of a performer's acts. Columns: gestures of hands in place, how "
+      "far they reach over the input's (mean, least), degrees off its direction (mean, worst); "
+      "kicks, their height over the input's; jerk over the input's (mean, worst clip).");
+  app.add_option("clips", arguments.clips, "BVH files")->required()->check(CLI::ExistingFile);
+  app.add_option("--weights", arguments.weights, "Weights that run live")->required();
+  app.add_option("--styles", arguments.styles, "Only these styles")->delimiter(',');
+  app.add_flag(
+      "--standing", arguments.standing,
+      "For unknown rigs: each clip's first frame stands upright, soles flat; it gives the rest "
+      "pose and is then dropped");
+  app.add_option("--json", arguments.json, "Write the figures to this file, too");
+  CLI11_PARSE(app, argc, argv);
+  const styled::Status status = styled::Run(arguments);
+  if (status.ok()) return 0;
+  std::cerr << "styleacts: " << status.message() << "\n";
+  return 1;
+}
