@@ -31,6 +31,7 @@ void Predictor::RestartStates() noexcept {
   for (const auto& stream : streams_) network_->Start(*stream);
   stepped_.reset();
   reconstruction_rad_ = 0;
+  limb_errors_m_ = {};
 }
 
 bool Predictor::Begin(std::int64_t time_ns) noexcept {
@@ -69,11 +70,12 @@ void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& n
   // The hips' rotations of a prediction are relative to the heading: compare the input there.
   const Quat heading_from_world = body::Yaw(-out.heading_rad);
   StyleDelta& delta = deltas_[static_cast<std::size_t>(step.state)];
+  std::array<Quat, kJointCount> inputs = step.pose->rotations;
+  inputs[body::kHips] = heading_from_world * inputs[body::kHips];
   float error2 = 0;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
     const Quat& reconstruction = out.reconstruction.rotations[joint];
-    Quat input = step.pose->rotations[joint];
-    if (joint == body::kHips) input = heading_from_world * input;
+    const Quat& input = inputs[joint];
     delta.col(static_cast<Eigen::Index>(joint)) =
         body::LogNear(reconstruction.conjugate() * out.styled.rotations[joint],
                       near.col(static_cast<Eigen::Index>(joint)));
@@ -88,6 +90,7 @@ void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& n
   stepped_.set(static_cast<std::size_t>(step.state));
   last_styled_ = out.styled.rotations;
   last_heading_rad_ = out.heading_rad;
+  limb_errors_m_ = LimbErrors_m(inputs, out.reconstruction.rotations);
   reconstruction_rad_ = std::sqrt(error2 / static_cast<float>(kJointCount - 2));
 }
 

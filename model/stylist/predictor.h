@@ -9,6 +9,7 @@
 #include "model/body/pose.h"
 #include "model/net/stylizer.h"
 #include "model/stylist/interleaver.h"
+#include "model/stylist/limb_gate.h"
 #include "model/stylist/low_pass.h"
 #include "model/stylist/mixer.h"
 
@@ -69,6 +70,8 @@ class Predictor {
   // Reconstruction error of the newest step: rms joint angle between reconstruction and input,
   // without toes.
   float reconstruction_rad() const { return reconstruction_rad_; }
+  // The same by limb, m.
+  const PerLimb& limb_errors_m() const { return limb_errors_m_; }
 
  private:
   std::shared_ptr<const net::Stylizer> network_;
@@ -82,6 +85,7 @@ class Predictor {
   bool has_last_input_ = false, unsound_ = false;
   int steps_ = 0;
   float reconstruction_rad_ = 0;
+  PerLimb limb_errors_m_{};
 };
 
 }  // namespace styled::stylist

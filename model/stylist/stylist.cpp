@@ -58,6 +58,7 @@ struct Stylist::Impl {
   // The six steps except the second, which is StepTogether.
   void Bind(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept;
   void ChangeStyle(const Pose& input) noexcept;
+  float Shown(body::Part part) const noexcept;
   void Apply(Output& out) const noexcept;
   void Unbind(Output& out) noexcept;
   void HoldFeet(Output& out) noexcept;
@@ -84,6 +85,7 @@ struct Stylist::Impl {
   Predictor predictor;
   ChangeFilter filter;
   Domain domain;
+  LimbGate gate;
   // Vertical shifts: of the canonical humanoid, and of the source skeleton in its units.
   CriticallyDamped shift_m, rig_shift;
   feet::Feet feet, rig_feet;
@@ -224,8 +226,13 @@ bool Stylist::Impl::HasSoundSteps() noexcept {
   return !failed;
 }
 
-// Order: low-pass, absolute output, parts, in-domain weight. The last two have fades of their own,
-// so they come after the low-pass.
+// The share of its style that a part of the body shows.
+float Stylist::Impl::Shown(body::Part part) const noexcept {
+  return mixer.share(part) * gate.weight(LimbOf(part));
+}
+
+// Order: low-pass, absolute output, parts and limbs, in-domain weight. The last three have fades of
+// their own, so they come after the low-pass.
 void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
   const float error_rad = predictor.reconstruction_rad();
   domain.Follow(error_rad, input.rotations[body::kHips], static_cast<float>(dt_s), !started,
@@ -235,9 +242,12 @@ void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
   filter.Follow(delta, dt_s, error_rad, mixer, options);
   delta = filter.value();
   if (mixer.absolute() > 0 && predictor.any()) predictor.BlendAbsolute(input, mixer, delta);
-  if (!mixer.whole()) {
+  if (options.limb_gate) {
+    gate.Follow(predictor.limb_errors_m(), static_cast<float>(dt_s), !started);
+  }
+  if (!mixer.whole() || gate.reduces()) {
     for (int joint = 0; joint < kJointCount; ++joint) {
-      delta.col(joint) *= mixer.share(body::PartOf(joint));
+      delta.col(joint) *= Shown(body::PartOf(joint));
     }
     delta.col(kRise) *=  // the legs carry it
         std::min(mixer.share(body::Part::kLeftLeg), mixer.share(body::Part::kRightLeg));
@@ -281,7 +291,8 @@ void Stylist::Impl::Unbind(Output& out) noexcept {
 }
 
 // With a weight of 0, the feet stages only track the performer's contacts. Feet are held only if a
-// style moves them: one of the torso or of a leg.
+// style moves them: one of the torso or of a leg. Not scaled by the gate: a limb that fades to its
+// own motion takes its offset along, and to let go of the foot as well made kicks jerk.
 void Stylist::Impl::HoldFeet(Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   float style = 0;
@@ -321,6 +332,7 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
   predictor.RestartStates();
   filter.Clear();
   domain.Reset();
+  gate.Reset();
   shift_m.Reset();
   rig_shift.Reset();
   feet_style.Reset();
@@ -331,6 +343,8 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
 
 void Stylist::Impl::Finish(Output& out) noexcept {
   out.reconstruction_rad = predictor.reconstruction_rad();
+  out.limb_errors_m = predictor.limb_errors_m();
+  out.limb_weights = gate.weights();
   out.steps = predictor.steps();
   if (out.held.any()) out.flags |= kHeld;
   if (mixer.fading()) out.flags |= kFading;

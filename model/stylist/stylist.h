@@ -10,6 +10,7 @@
 #include "model/base/realtime.h"
 #include "model/net/stylizer.h"
 #include "model/rig/binding.h"
+#include "model/stylist/limb_gate.h"
 #include "model/stylist/settings.h"
 
 namespace styled::stylist {
@@ -45,6 +46,9 @@ struct Output {
   int in_force_count = 0;
   int steps = 0;                 // network steps of this frame, at most kMaxStepsPerFrame
   float reconstruction_rad = 0;  // rms joint angle between reconstruction and input, without toes
+  // Per limb: the reconstruction's distance from the input, m, and the share of the style that the
+  // limb shows for it, 0 .. 1 (limb_gate.h).
+  PerLimb limb_errors_m{}, limb_weights{1, 1, 1, 1, 1};
 
   explicit Output(const rig::Skeleton& skeleton) : rig(skeleton), source(skeleton) {}
 };

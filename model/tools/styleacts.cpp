@@ -2,6 +2,8 @@
 // as live by weights in each of their styles: how far each gesture still reaches and in which
 // direction, how high each kick goes, and the jerk. Needs no judge and asserts nothing.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -35,10 +37,12 @@ struct Arguments {
 struct Row {
   judge::ActsKept acts;
   judge::JerkRatios jerk;
+  std::array<judge::Mean, stylist::kLimbCount> shown;  // share of the style that a limb shows
 
   void Add(const Row& other) {
     acts.Add(other.acts);
     jerk.Add(other.jerk);
+    for (std::size_t limb = 0; limb < shown.size(); ++limb) shown[limb].Add(other.shown[limb]);
   }
 };
 
@@ -74,9 +78,26 @@ Result<judge::Poses> LoadInput(const std::filesystem::path& file, bool standing)
                              judge::kStreamRate_hz);
 }
 
-Row Measure(const judge::Poses& input, const judge::Poses& output, int clip) {
-  return {judge::MeasureEveryAct(input, output, judge::kStreamRate_hz),
-          judge::MeasureJerkRatios(input, output, judge::kStreamRate_hz, clip)};
+// Restyles `input` as one session, and measures it.
+Row Measure(const judge::Poses& input, stylist::Stylist& stylist, int clip) {
+  const rig::Binding& binding = feet::HumanoidBinding();
+  stylist::Output output(binding.skeleton());
+  rig::RigPose source(binding.skeleton());
+  Row row;
+  judge::Poses poses;
+  for (std::size_t i = 0; i < input.size(); ++i) {
+    source.translations[0] = input[i].hips_position_m;
+    std::copy(input[i].rotations.begin(), input[i].rotations.end(), source.rotations.begin());
+    stylist.Process(std::llround(1e9 * static_cast<double>(i) / judge::kStreamRate_hz), source,
+                    output);
+    poses.push_back(output.canonical);
+    for (std::size_t limb = 0; limb < row.shown.size(); ++limb) {
+      row.shown[limb].Add(output.limb_weights[limb]);
+    }
+  }
+  row.acts = judge::MeasureEveryAct(input, poses, judge::kStreamRate_hz);
+  row.jerk = judge::MeasureJerkRatios(input, poses, judge::kStreamRate_hz, clip);
+  return row;
 }
 
 double If(double count, double value) { return count > 0 ? value : judge::kNotMeasured; }
@@ -84,7 +105,7 @@ double If(double count, double value) { return count > 0 ? value : judge::kNotMe
 void Print(const std::string& name, const Row& row) {
   using judge::Padded;
   const judge::ActsKept& acts = row.acts;
-  std::printf("%-36.36s %6.0f %s %s %s %s %6.0f %s %s  %s %s\n", name.c_str(), acts.reach.count,
+  std::printf("%-36.36s %6.0f %s %s %s %s %6.0f %s %s  %s %s ", name.c_str(), acts.reach.count,
               Padded(Measured(acts.reach), 6, 2).c_str(),
               Padded(If(acts.reach.count, acts.least_reach), 6, 2).c_str(),
               Padded(Measured(acts.direction_deg), 6, 1).c_str(),
@@ -93,21 +114,29 @@ void Print(const std::string& name, const Row& row) {
               Padded(If(acts.kick_height.count, acts.least_kick_height), 6, 2).c_str(),
               Padded(Measured(row.jerk.clip), 6, 2).c_str(),
               Padded(If(row.jerk.clip.count, row.jerk.worst), 6, 2).c_str());
+  for (const judge::Mean& shown : row.shown)
+    std::printf(" %s", Padded(Measured(shown), 4, 2).c_str());
+  std::printf("\n");
 }
 
 nlohmann::json ToJson(const Row& row) {
   using judge::Value;
   const judge::ActsKept& acts = row.acts;
-  return {{"gestures", acts.reach.count},
-          {"reach", Value(Measured(acts.reach))},
-          {"least_reach", Value(If(acts.reach.count, acts.least_reach))},
-          {"direction_deg", Value(Measured(acts.direction_deg))},
-          {"worst_direction_deg", Value(If(acts.reach.count, acts.worst_direction_deg))},
-          {"kicks", acts.kick_height.count},
-          {"kick_height", Value(Measured(acts.kick_height))},
-          {"least_kick_height", Value(If(acts.kick_height.count, acts.least_kick_height))},
-          {"jerk", Value(Measured(row.jerk.clip))},
-          {"worst_jerk", Value(If(row.jerk.clip.count, row.jerk.worst))}};
+  nlohmann::json json = {
+      {"gestures", acts.reach.count},
+      {"reach", Value(Measured(acts.reach))},
+      {"least_reach", Value(If(acts.reach.count, acts.least_reach))},
+      {"direction_deg", Value(Measured(acts.direction_deg))},
+      {"worst_direction_deg", Value(If(acts.reach.count, acts.worst_direction_deg))},
+      {"kicks", acts.kick_height.count},
+      {"kick_height", Value(Measured(acts.kick_height))},
+      {"least_kick_height", Value(If(acts.kick_height.count, acts.least_kick_height))},
+      {"jerk", Value(Measured(row.jerk.clip))},
+      {"worst_jerk", Value(If(row.jerk.clip.count, row.jerk.worst))}};
+  for (std::size_t limb = 0; limb < row.shown.size(); ++limb) {
+    json["shown"][std::string(stylist::kLimbNames[limb])] = Value(Measured(row.shown[limb]));
+  }
+  return json;
 }
 
 Result<std::vector<int>> Choose(const Arguments& arguments, const net::Styles& styles) {
@@ -124,8 +153,8 @@ Result<std::vector<int>> Choose(const Arguments& arguments, const net::Styles& s
 }
 
 void PrintHeader(const char* of) {
-  std::printf("%-36s %6s %6s %6s %6s %6s %6s %6s %6s  %6s %6s\n", of, "hands", "reach", "least",
-              "off", "worst", "kicks", "height", "least", "jerk", "worst");
+  std::printf("%-36s %6s %6s %6s %6s %6s %6s %6s %6s  %6s %6s   shown\n", of, "hands", "reach",
+              "least", "off", "worst", "kicks", "height", "least", "jerk", "worst");
 }
 
 Status Run(const Arguments& arguments) {
@@ -146,10 +175,9 @@ Status Run(const Arguments& arguments) {
     if (!input.ok()) return input.status();
     Row of_clip;
     for (const int style : chosen.value()) {
-      const judge::Switch start{0, judge::OneStyle(style, false)};
-      const judge::Poses output = judge::StyleStream(network.value(), binding, arguments.stylist,
-                                                     {&start, 1}, input.value());
-      const Row row = Measure(input.value(), output, static_cast<int>(i));
+      stylist::Stylist stylist(network.value(), binding, arguments.stylist);
+      stylist.Set(judge::OneStyle(style, false));
+      const Row row = Measure(input.value(), stylist, static_cast<int>(i));
       json["clips"][file.filename().string()][styles[static_cast<std::size_t>(style)].name] =
           ToJson(row);
       of_clip.Add(row);
@@ -180,14 +208,20 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Measures what styles leave of a performer's acts. Columns: gestures of hands in place, how "
       "far they reach over the input's (mean, least), degrees off its direction (mean, worst); "
-      "kicks, their height over the input's; jerk over the input's (mean, worst clip).");
+      "kicks, their height over the input's; jerk over the input's (mean, worst clip); share of "
+      "the "
+      "style shown by left arm, right arm, trunk, left leg, right leg.");
   app.add_option("clips", arguments.clips, "BVH files")->required()->check(CLI::ExistingFile);
   app.add_option("--weights", arguments.weights, "Weights that run live")->required();
-  app.add_option("--styles", arguments.styles, "Only these styles")->delimiter(',');
+  app.add_option("--styles", arguments.styles, "Only these styles")
+      ->allow_extra_args(false)
+      ->delimiter(',');
   app.add_flag(
       "--standing", arguments.standing,
       "For unknown rigs: each clip's first frame stands upright, soles flat; it gives the rest "
       "pose and is then dropped");
+  app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
+               "Do not withhold the style of limbs that the network does not know");
   app.add_option("--json", arguments.json, "Write the figures to this file, too");
   CLI11_PARSE(app, argc, argv);
   const styled::Status status = styled::Run(arguments);

@@ -273,6 +273,8 @@ int main(int argc, char** argv) {
   app.add_flag("--synthetic", arguments.synthetic,
                "Does the content judge recognize the synthetic performer?");
   app.add_flag("!--no-feet", arguments.stylist.feet, "Do not hold feet that are planted");
+  app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
+               "Do not withhold the style of limbs that the network does not know");
   app.add_flag("!--no-ground", arguments.stylist.ground,
                "Do not shift the styled body vertically: what of jitter and skate is grounding");
   CLI::Option* const transition =

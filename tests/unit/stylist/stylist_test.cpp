@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -62,7 +63,11 @@ struct StylistTest : testing::Test {
     EXPECT_TRUE(bound.ok()) << (bound.ok() ? "" : bound.status().message());
     return std::make_shared<const rig::Binding>(std::move(bound.value()));
   }();
-  Options options;
+  Options options = [] {
+    Options ungated;
+    ungated.limb_gate = false;  // a random network knows no limb at all
+    return ungated;
+  }();
   Output out{skeleton};
 
   static Settings Style(int style, float weight = 1.0F, float transition_s = 0) {
@@ -475,6 +480,35 @@ TEST_F(StylistTest, WhoLiesDownIsLeftAsHeIsAndStyledAgainWhenHeIsUp) {
   for (; frame < 480; ++frame) feed(frame, 0.3F);
   EXPECT_FALSE(out.flags & kOutOfDomain);
   EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-2F);
+}
+
+TEST_F(StylistTest, LimbsThatTheNetworkDoesNotKnowKeepTheirOwnMotion) {
+  options.ground = options.feet = options.bypass = false;
+  Stylist ungated(network, binding, options);
+  options.limb_gate = true;
+  Stylist gated(network, binding, options);
+  for (Stylist* stylist : {&ungated, &gated}) {
+    stylist->Set(Style(2));
+    for (int frame = 0; frame < 240; ++frame) Feed(*stylist, frame);
+    float most_rad = 0;
+    for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+      const float styled_rad = body::Log(out.canonical_input.rotations[joint].conjugate() *
+                                         out.canonical.rotations[joint])
+                                   .norm();
+      const float shown =
+          out.limb_weights[static_cast<std::size_t>(LimbOf(body::PartOf(static_cast<int>(joint))))];
+      most_rad = std::max(most_rad, styled_rad);
+      if (shown == 0) {
+        EXPECT_LT(styled_rad, 1e-3F) << joint;
+      }
+    }
+    const float least = *std::min_element(out.limb_weights.begin(), out.limb_weights.end());
+    EXPECT_GT(*std::max_element(out.limb_errors_m.begin(), out.limb_errors_m.end()), 0.3F);
+    EXPECT_EQ(least, stylist == &gated ? 0 : 1);
+    if (stylist == &ungated) {
+      EXPECT_GT(most_rad, 0.01F);
+    }
+  }
 }
 
 TEST_F(StylistTest, TheAbsoluteOutputIsTheDecodersOwn) {

@@ -1,0 +1,130 @@
+#include "model/stylist/limb_gate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/base/smooth.h"
+#include "model/stylist/tuning.h"
+
+namespace styled::stylist {
+namespace {
+
+using body::kJointCount;
+using body::Quat;
+using body::Vec3;
+
+constexpr std::size_t Index(Limb limb) { return static_cast<std::size_t>(limb); }
+
+constexpr auto kLimbOf = [] {
+  std::array<std::size_t, kJointCount> limbs{};
+  for (int joint = 0; joint < kJointCount; ++joint) {
+    limbs[static_cast<std::size_t>(joint)] = static_cast<std::size_t>(LimbOf(body::PartOf(joint)));
+  }
+  return limbs;
+}();
+
+// Joints whose place tells how a limb is held. The others' place within their limb is fixed or says
+// the same, and some rigs' toes turn over.
+constexpr bool IsMeasured(int joint) {
+  switch (joint) {
+    case body::kChest:
+    case body::kNeck:
+    case body::kHead:
+    case body::kLeftLowerArm:
+    case body::kLeftHand:
+    case body::kRightLowerArm:
+    case body::kRightHand:
+    case body::kLeftLowerLeg:
+    case body::kLeftFoot:
+    case body::kRightLowerLeg:
+    case body::kRightFoot:
+      return true;
+    default:
+      return false;
+  }
+}
+
+constexpr PerLimb kMeasured = [] {
+  PerLimb counts{};
+  for (int joint = 0; joint < kJointCount; ++joint) {
+    if (IsMeasured(joint)) counts[kLimbOf[static_cast<std::size_t>(joint)]] += 1;
+  }
+  return counts;
+}();
+
+constexpr PerLimb kBegin_m{tuning::kGateArmBegin_m, tuning::kGateArmBegin_m,
+                           tuning::kGateTrunkBegin_m, tuning::kGateLegBegin_m,
+                           tuning::kGateLegBegin_m};
+constexpr PerLimb kEnd_m{tuning::kGateArmEnd_m, tuning::kGateArmEnd_m, tuning::kGateTrunkEnd_m,
+                         tuning::kGateLegEnd_m, tuning::kGateLegEnd_m};
+
+// A chain of joints, from the joint that its limb is attached to.
+struct Chain {
+  std::array<Vec3, kJointCount> places_m;
+  std::array<Quat, kJointCount> rotations;
+
+  explicit Chain(std::span<const Quat, kJointCount> local) {
+    places_m[body::kHips].setZero();
+    rotations[body::kHips] = local[body::kHips];
+    for (std::size_t joint = 1; joint < kJointCount; ++joint) {
+      const auto parent = static_cast<std::size_t>(body::kHumanoid[joint].parent);
+      const Vec3 offset_m = body::Offset(static_cast<int>(joint));
+      const bool begins = kLimbOf[joint] != kLimbOf[parent];
+      places_m[joint] = begins ? offset_m : places_m[parent] + rotations[parent] * offset_m;
+      rotations[joint] = begins ? local[joint] : rotations[parent] * local[joint];
+    }
+  }
+};
+
+}  // namespace
+
+PerLimb LimbErrors_m(std::span<const Quat, kJointCount> input,
+                     std::span<const Quat, kJointCount> reconstruction) noexcept {
+  const Chain is(input);
+  const Chain found(reconstruction);
+  PerLimb errors_m{};
+  for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+    if (!IsMeasured(static_cast<int>(joint))) continue;
+    errors_m[kLimbOf[joint]] += (found.places_m[joint] - is.places_m[joint]).norm();
+  }
+  for (std::size_t limb = 0; limb < kLimbCount; ++limb) errors_m[limb] /= kMeasured[limb];
+  return errors_m;
+}
+
+void LimbGate::Hold(const PerLimb& errors_m, bool first) noexcept {
+  for (std::size_t limb = 0; limb < kLimbCount; ++limb) {
+    // Beyond the end nothing changes: what a limb was worst at must not delay its return.
+    const float most_m = kEnd_m[limb] + tuning::kGateBand_m;
+    const float error_m = errors_m[limb] <= most_m ? errors_m[limb] : most_m;  // NaN: the most
+    float& held_m = held_m_[limb];
+    held_m = first ? error_m : std::clamp(held_m, error_m, error_m + tuning::kGateBand_m);
+  }
+}
+
+PerLimb LimbGate::Targets() const noexcept {
+  PerLimb targets;
+  for (std::size_t limb = 0; limb < kLimbCount; ++limb) {
+    targets[limb] = 1 - SmoothStep(held_m_[limb], kBegin_m[limb], kEnd_m[limb]);
+  }
+  const float arms = std::min(targets[Index(Limb::kLeftArm)], targets[Index(Limb::kRightArm)]);
+  float& trunk = targets[Index(Limb::kTrunk)];
+  trunk = std::min(trunk, 1 - tuning::kGateTrunkWithArms * (1 - arms));
+  return targets;
+}
+
+void LimbGate::Follow(const PerLimb& errors_m, float dt_s, bool first) noexcept {
+  Hold(errors_m, first);
+  const PerLimb targets = Targets();
+  for (std::size_t limb = 0; limb < kLimbCount; ++limb) {
+    const bool closes = targets[limb] < weights_[limb];
+    const float tau_s = closes ? tuning::kGateClose_s : tuning::kGateOpen_s;
+    weights_[limb] = std::clamp(
+        fades_[limb].Follow(targets[limb], first ? 0 : dt_s, first ? 0 : tau_s), 0.0F, 1.0F);
+  }
+}
+
+bool LimbGate::reduces() const {
+  return std::any_of(weights_.begin(), weights_.end(), [](float weight) { return weight < 1; });
+}
+
+}  // namespace styled::stylist

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "model/base/critically_damped.h"
+#include "model/base/realtime.h"
+#include "model/body/parts.h"
+#include "model/body/pose.h"
+
+namespace styled::stylist {
+
+// The limbs that a network can know or not, apart from each other. Head and torso are one: the
+// spine moves both.
+enum class Limb : std::uint8_t { kLeftArm, kRightArm, kTrunk, kLeftLeg, kRightLeg };
+inline constexpr int kLimbCount = 5;
+inline constexpr std::array<std::string_view, kLimbCount> kLimbNames{
+    "left-arm", "right-arm", "trunk", "left-leg", "right-leg"};
+constexpr Limb LimbOf(body::Part part) {
+  switch (part) {
+    case body::Part::kLeftArm:
+      return Limb::kLeftArm;
+    case body::Part::kRightArm:
+      return Limb::kRightArm;
+    case body::Part::kLeftLeg:
+      return Limb::kLeftLeg;
+    case body::Part::kRightLeg:
+      return Limb::kRightLeg;
+    default:
+      return Limb::kTrunk;
+  }
+}
+
+// A figure per limb, by Limb.
+using PerLimb = std::array<float, kLimbCount>;
+
+// How far `reconstruction` is from `input`, per limb: mean distance of its joints, m. Both are
+// rotations by body::Joint, the hips' relative to the same heading. Arms are compared in the
+// chest's frame and legs in the hips', so that no limb has the error of another; hands and feet
+// count by their place, not their rotation.
+STYLED_REALTIME PerLimb
+LimbErrors_m(std::span<const body::Quat, body::kJointCount> input,
+             std::span<const body::Quat, body::kJointCount> reconstruction) noexcept;
+
+// Decides how much of the style each limb shows, by how well the network reconstructs it: 1 for
+// acts like those that it was trained on, 0 for a punch, where the style change of an arm is as
+// large as in a wave but points anywhere. Of one limb:
+//   - a bad reconstruction counts at once; a better one only once it is kGateBand_m better, so that
+//     the gate does not flutter (hysteresis);
+//   - the weight is 1 below the limb's begin, 0 above its end, smooth between (tuning.h);
+//   - it falls within a time constant of kGateClose_s and returns within kGateOpen_s, with
+//     continuous speed.
+// An arm is carried by the trunk: where an arm shows none of the style, the trunk shows at most
+// 1 - kGateTrunkWithArms of it, or a styled back would turn the punch. Only the past is used. Value
+// type, no allocation; one thread at a time. Pinned by tests/unit/stylist/limb_gate_test.cpp.
+class LimbGate {
+ public:
+  // Judges one frame, `dt_s` after the one before. `first`: there was none; no smoothing. An error
+  // that is not finite counts as a limb that is not known.
+  STYLED_REALTIME void Follow(const PerLimb& errors_m, float dt_s, bool first) noexcept;
+  STYLED_REALTIME void Reset() noexcept { *this = LimbGate(); }
+
+  // 0 .. 1: the share of the style that the limb shows.
+  float weight(Limb limb) const { return weights_[static_cast<std::size_t>(limb)]; }
+  const PerLimb& weights() const { return weights_; }
+  // Whether some limb's style is withheld.
+  bool reduces() const;
+
+ private:
+  void Hold(const PerLimb& errors_m, bool first) noexcept;
+  PerLimb Targets() const noexcept;
+
+  PerLimb held_m_{};  // the error that counts
+  std::array<CriticallyDamped, kLimbCount> fades_;
+  PerLimb weights_{1, 1, 1, 1, 1};
+};
+
+}  // namespace styled::stylist
