@@ -112,14 +112,30 @@ PerLimb LimbGate::Targets() const noexcept {
   return targets;
 }
 
+// Two one-pole filters, the first of another time constant for either direction, each exact for a
+// target that is held over the frame. One critically damped filter would carry the speed of a fade
+// out into the slow return.
 void LimbGate::Follow(const PerLimb& errors_m, float dt_s, bool first) noexcept {
   Hold(errors_m, first);
   const PerLimb targets = Targets();
+  if (first) led_ = weights_ = targets;
+  const float close_s = tuning::kGateClose_s;
+  const float open_s = tuning::kGateOpen_s;
+  const float close_left = std::exp(-dt_s / close_s);
+  const float open_left = std::exp(-dt_s / open_s);
   for (std::size_t limb = 0; limb < kLimbCount; ++limb) {
-    const bool closes = targets[limb] < weights_[limb];
-    const float tau_s = closes ? tuning::kGateClose_s : tuning::kGateOpen_s;
-    weights_[limb] = std::clamp(
-        fades_[limb].Follow(targets[limb], first ? 0 : dt_s, first ? 0 : tau_s), 0.0F, 1.0F);
+    const float target = targets[limb];
+    const float led = led_[limb] - target;
+    const float apart = weights_[limb] - target;
+    if (led > 0) {
+      led_[limb] = target + led * close_left;
+      weights_[limb] = target + (apart + led * dt_s / close_s) * close_left;
+    } else {
+      const float part = led * open_s / (open_s - close_s);
+      led_[limb] = target + led * open_left;
+      weights_[limb] = target + part * open_left + (apart - part) * close_left;
+    }
+    weights_[limb] = std::clamp(weights_[limb], 0.0F, 1.0F);
   }
 }
 

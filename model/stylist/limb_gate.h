@@ -5,7 +5,6 @@
 #include <span>
 #include <string_view>
 
-#include "model/base/critically_damped.h"
 #include "model/base/realtime.h"
 #include "model/body/parts.h"
 #include "model/body/pose.h"
@@ -51,7 +50,7 @@ LimbErrors_m(std::span<const body::Quat, body::kJointCount> input,
 //     the gate does not flutter (hysteresis);
 //   - the weight is 1 below the limb's begin, 0 above its end, smooth between (tuning.h);
 //   - it falls within a time constant of kGateClose_s and returns within kGateOpen_s, with
-//     continuous speed.
+//     continuous speed, and without falling on once the error is small again.
 // An arm is carried by the trunk: where an arm shows none of the style, the trunk shows at most
 // 1 - kGateTrunkWithArms of it, or a styled back would turn the punch. Only the past is used. Value
 // type, no allocation; one thread at a time. Pinned by tests/unit/stylist/limb_gate_test.cpp.
@@ -72,8 +71,8 @@ class LimbGate {
   void Hold(const PerLimb& errors_m, bool first) noexcept;
   PerLimb Targets() const noexcept;
 
-  PerLimb held_m_{};  // the error that counts
-  std::array<CriticallyDamped, kLimbCount> fades_;
+  PerLimb held_m_{};            // the error that counts
+  PerLimb led_{1, 1, 1, 1, 1};  // the first of two one-pole filters; the second gives weights_
   PerLimb weights_{1, 1, 1, 1, 1};
 };
 

@@ -39,6 +39,7 @@ struct Arguments {
   int figures = 12;
   float strength = 1;
   bool front = false, absolute = false;
+  styled::stylist::Options stylist;
 };
 
 Result<Poses> LoadInput(const Arguments& arguments) {
@@ -128,8 +129,8 @@ Status Run(const Arguments& arguments) {
       if (index < 1) return Status::Error(arguments.weights + ": no style \"" + style + "\"");
       judge::Switch start{0, judge::OneStyle(index, arguments.absolute)};
       start.settings.strength = arguments.strength;
-      rows.emplace_back(style,
-                        judge::StyleStream(network.value(), binding, {}, {&start, 1}, poses));
+      rows.emplace_back(style, judge::StyleStream(network.value(), binding, arguments.stylist,
+                                                  {&start, 1}, poses));
     }
   }
 
@@ -188,6 +189,8 @@ int main(int argc, char** argv) {
       ->check(styled::Number(1, 1000))
       ->capture_default_str();
   app.add_flag("--front", arguments.front, "Seen from the front, not from the right");
+  app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
+               "Do not withhold the style of limbs that the network does not know");
   app.add_flag("--absolute", arguments.absolute, "The paper's absolute output");
   if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
   if (arguments.input.empty() == arguments.script.empty()) {

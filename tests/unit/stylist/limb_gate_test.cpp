@@ -106,7 +106,7 @@ TEST_F(LimbGateTest, AFlutteringErrorDoesNotMakeTheStyleFlutter) {
 }
 
 TEST_F(LimbGateTest, ItsSpeedIsBoundedAtEveryRateAndTheSameAtAll) {
-  // A critically damped filter of time constant t moves by at most 1 / (e t) of a step in a second.
+  // Two equal poles of time constant t move by at most 1 / (e t) of a step in a second.
   const float most_per_s = 1.05F / (std::exp(1.0F) * tuning::kGateClose_s);
   for (const float rate_hz : {24.0F, 30.0F, 60.0F, 120.0F, 240.0F}) {
     SCOPED_TRACE(rate_hz);
@@ -128,6 +128,17 @@ TEST_F(LimbGateTest, ItsSpeedIsBoundedAtEveryRateAndTheSameAtAll) {
     for (int i = 0; i < frames(1); ++i) step(All(i % 3 == 0 ? kUnknown_m : kKnown_m));
     EXPECT_LE(fastest, most_per_s);
   }
+}
+
+TEST_F(LimbGateTest, AShortBurstDoesNotFallOnWhenItIsOver) {
+  Feed(All(kKnown_m), 0.1F);
+  Feed(All(kUnknown_m), tuning::kGateClose_s);
+  const float at_the_end = left_arm();
+  Feed(All(kKnown_m), 3 * tuning::kGateClose_s);
+  EXPECT_GT(left_arm(), 0.6F * at_the_end);
+  const float least = left_arm();
+  Feed(All(kKnown_m), 0.1F);
+  EXPECT_GT(left_arm(), least);
 }
 
 TEST_F(LimbGateTest, OnlyThePastCounts) {

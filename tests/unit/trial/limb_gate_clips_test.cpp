@@ -1,0 +1,97 @@
+// The gate of limbs on real clips: known acts pass, unknown ones keep the performer's own motion.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "model/clip/clip.h"
+#include "model/rig/dialects.h"
+#include "model/stylist/stylist.h"
+#include "model/trial/trial.h"
+
+namespace styled::stylist {
+namespace {
+
+constexpr double kRate_hz = 120;
+constexpr int kFeminine = 6;
+
+std::filesystem::path Data() {
+  const char* set = std::getenv("STYLED_DATA");
+  return std::filesystem::path(set != nullptr ? set : STYLED_DATA_DEFAULT) / "samples";
+}
+
+struct LimbGateOnClips : testing::Test {
+  void SetUp() override {
+    if (!std::filesystem::exists(Data())) {
+      GTEST_SKIP() << "skipped, no data in " << Data() << " (set STYLED_DATA)";
+    }
+    auto loaded = trial::Load(STYLED_SHIPPED "/v1.safetensors");
+    ASSERT_TRUE(loaded.ok());
+    network = loaded.value();
+  }
+
+  // Restyles the clip; returns how much of the style change without the gate is left with it, by
+  // limb: the ratio of the turns of its joints, summed over the clip.
+  PerLimb Left(const std::string& name) {
+    const auto read = clip::ReadBvh(Data() / name);
+    EXPECT_TRUE(read.ok());
+    const clip::Clip clip = clip::Resample(read.value(), kRate_hz);
+    auto bound = rig::BindDialect(clip.skeleton);
+    EXPECT_TRUE(bound.ok());
+    const auto binding = std::make_shared<const rig::Binding>(std::move(bound.value()));
+    std::array<PerLimb, 2> turned{};
+    for (const bool gate : {false, true}) {
+      Options options;
+      options.limb_gate = gate;
+      Stylist stylist(network, binding, options);
+      Settings settings;
+      settings.mix[0] = {kFeminine, 1};
+      stylist.Set(settings);
+      Output out(binding->skeleton());
+      for (std::size_t frame = 0; frame < clip.frames.size(); ++frame) {
+        stylist.Process(std::llround(1e9 * static_cast<double>(frame) / kRate_hz),
+                        clip.frames[frame], out);
+        for (int joint = 0; joint < body::kJointCount; ++joint) {
+          const auto j = static_cast<std::size_t>(joint);
+          turned[gate ? 1 : 0][static_cast<std::size_t>(LimbOf(body::PartOf(joint)))] +=
+              body::Log(out.canonical_input.rotations[j].conjugate() * out.canonical.rotations[j])
+                  .norm();
+        }
+      }
+    }
+    PerLimb left;
+    for (std::size_t limb = 0; limb < left.size(); ++limb) {
+      left[limb] = turned[1][limb] / turned[0][limb];
+    }
+    return left;
+  }
+
+  std::shared_ptr<const net::Stylizer> network;
+};
+
+TEST_F(LimbGateOnClips, KnownActsKeepTheirStyle) {
+  for (const char* name :
+       {"dataset-1_walk_normal_001.bvh", "dataset-2_walk_normal_001.bvh",
+        "dataset-2_walk-turn-left_normal_001.bvh", "dataset-2_raise-up-right-hand_normal_001.bvh",
+        "dataset-2_wave-both-hands_normal_001.bvh"}) {
+    const PerLimb left = Left(name);
+    for (std::size_t limb = 0; limb < left.size(); ++limb) {
+      EXPECT_GE(left[limb], 0.95F) << name << " " << kLimbNames[limb];
+    }
+  }
+}
+
+TEST_F(LimbGateOnClips, PunchesAndKicksAreThePerformersOwn) {
+  for (const char* name : {"dataset-1_punch_normal_001.bvh", "dataset-1_kick_normal_001.bvh"}) {
+    const PerLimb left = Left(name);
+    for (const Limb arm : {Limb::kLeftArm, Limb::kRightArm}) {
+      EXPECT_LE(left[static_cast<std::size_t>(arm)], 0.2F) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace styled::stylist
