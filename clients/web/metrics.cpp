@@ -147,6 +147,17 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
     text.Sample(Number(p.latency_p99_us() * 1e-6), labels + "\"p99\"");
     text.Sample(Number(p.latency_max_us() * 1e-6), labels + "\"max\"");
   }
+  text.Family("styled_performer_shown_ratio", "gauge",
+              "share of its style that a limb showed, over the last second");
+  for (const auto& p : stats.performers()) {
+    if (!p.has_shown()) continue;
+    const string labels = "performer=" + Quoted(p.performer()) + ",limb=";
+    text.Sample(Number(p.shown().left_arm()), labels + "\"left-arm\"");
+    text.Sample(Number(p.shown().right_arm()), labels + "\"right-arm\"");
+    text.Sample(Number(p.shown().trunk()), labels + "\"trunk\"");
+    text.Sample(Number(p.shown().left_leg()), labels + "\"left-leg\"");
+    text.Sample(Number(p.shown().right_leg()), labels + "\"right-leg\"");
+  }
   text.Family("styled_stage_seconds", "gauge", "time of a stage per frame, over the last second");
   for (const auto& stage : stats.stages()) {
     text.Sample(Number(stage.mean_us() * 1e-6), "stage=" + Quoted(stage.name()) + ",of=\"mean\"");

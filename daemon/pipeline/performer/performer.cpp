@@ -144,12 +144,16 @@ bool Performer::FacingChanged() noexcept {
   return std::exchange(backwards_logged_, backwards_) != backwards_;
 }
 
-void Performer::Sample() { admission.Sample(outputs.Sample(admission.live())); }
+void Performer::Sample() {
+  admission.Sample(outputs.Sample(admission.live()));
+  if (styling_) styling_->Sample();
+}
 
 void Performer::Describe(v1::PerformerStats& stats) const {
   admission.Describe(stats);
   outputs.Describe(stats);
   stats.set_warning(Warning());
+  if (styling_) styling_->Describe(stats);
   if (!binding_.bound()) return;
   stats.set_joints(static_cast<std::uint32_t>(binding_.body().binding->skeleton().joint_count()));
   stats.set_dialect(binding_.body().dialect);

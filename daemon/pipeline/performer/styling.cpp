@@ -48,6 +48,26 @@ void Styling::Finish(std::uint32_t extra_flags) noexcept {
   has_output_ = true;
   CountFlags(out_.flags | extra_flags);
   counters_.Add(Counter::kStylistSteps, static_cast<std::uint64_t>(out_.steps));
+  if ((out_.flags & stylist::kBypass) != 0) return;
+  for (std::size_t limb = 0; limb < shown_.sum.size(); ++limb) {
+    shown_.sum[limb] += out_.limb_weights[limb];
+  }
+  ++shown_.poses;
+}
+
+void Styling::Sample() noexcept { shown_last_ = std::exchange(shown_, {}); }
+
+void Styling::Describe(v1::PerformerStats& stats) const {
+  if (shown_last_.poses == 0) return;
+  const auto mean = [this](stylist::Limb limb) {
+    return shown_last_.sum[static_cast<std::size_t>(limb)] / static_cast<float>(shown_last_.poses);
+  };
+  v1::LimbShares& shown = *stats.mutable_shown();
+  shown.set_left_arm(mean(stylist::Limb::kLeftArm));
+  shown.set_right_arm(mean(stylist::Limb::kRightArm));
+  shown.set_trunk(mean(stylist::Limb::kTrunk));
+  shown.set_left_leg(mean(stylist::Limb::kLeftLeg));
+  shown.set_right_leg(mean(stylist::Limb::kRightLeg));
 }
 
 void Styling::CountFlags(std::uint32_t flags) noexcept {

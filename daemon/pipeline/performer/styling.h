@@ -12,6 +12,7 @@
 #include "model/base/realtime.h"
 #include "model/stylist/stylist.h"
 #include "proto/styled/look.h"
+#include "proto/styled/v1/stats.pb.h"
 
 namespace styled::pipeline {
 
@@ -42,12 +43,22 @@ class Styling {
   // Brings the next frame's data into the caches. Changes nothing.
   STYLED_REALTIME void Prewarm() noexcept { rehearsal_.Prewarm(stylist_); }
 
+  // Ends the second of which Describe tells.
+  void Sample() noexcept;
+  // Fills `shown`, unless no pose of that second was styled.
+  void Describe(v1::PerformerStats& stats) const;
+
   const rig::RigPose& in() const { return in_; }
   const stylist::Output& out() const { return out_; }
   bool has_output() const { return has_output_; }
   const rig::Vec3& rig_root() const { return rig_root_; }  // of out().rig, in the rig's units
 
  private:
+  // A sum over poses, by limb, and their number.
+  struct Shown {
+    stylist::PerLimb sum{};
+    int poses = 0;
+  };
   void CountFlags(std::uint32_t flags) noexcept;
 
   std::shared_ptr<const rig::Binding> binding_;
@@ -58,6 +69,7 @@ class Styling {
   rig::RigPose in_;
   stylist::Output out_;
   bool has_output_ = false;
+  Shown shown_, shown_last_;  // in this second so far, and in the one before
   rig::Vec3 rig_root_ = rig::Vec3::Zero();
 };
 

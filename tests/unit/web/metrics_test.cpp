@@ -24,6 +24,7 @@ v1::Stats Example() {
     performer.set_rate_hz(119.88F);
     performer.set_latency_p50_us(42);
     performer.set_live(true);
+    if (name == std::string("rig.a")) performer.mutable_shown()->set_right_arm(0.25F);
     performer.mutable_look()->add_mix()->set_style("odd\"style\\");
   }
   return stats;
@@ -62,6 +63,9 @@ TEST(MetricsTest, EveryLineIsWhatPrometheusReads) {
   EXPECT_EQ(values["styled_performer_rate_hertz{performer=\"rig.b\"}"], "119.879997");
   EXPECT_EQ(values["styled_performer_latency_seconds{performer=\"rig.a\",of=\"p50\"}"].substr(0, 3),
             "4.2");
+  EXPECT_EQ(values["styled_performer_shown_ratio{performer=\"rig.a\",limb=\"right-arm\"}"], "0.25");
+  EXPECT_EQ(text.str().find("shown_ratio{performer=\"rig.b\""), std::string::npos)
+      << "nothing is styled there";
 }
 
 TEST(MetricsTest, WithoutADaemonOnlyTheGatewaySpeaks) {
