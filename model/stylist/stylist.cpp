@@ -250,7 +250,7 @@ void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
       delta.col(joint) *= Shown(body::PartOf(joint));
     }
     delta.col(kRise) *=  // the legs carry it
-        std::min(mixer.share(body::Part::kLeftLeg), mixer.share(body::Part::kRightLeg));
+        std::min(Shown(body::Part::kLeftLeg), Shown(body::Part::kRightLeg));
   }
   if (domain.reduces()) delta *= domain.weight();
   filter.Apply(delta, dt_s, options);
