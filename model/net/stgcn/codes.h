@@ -19,6 +19,9 @@ struct WeightedCode {
 // The code itself where the network knows what it stands for. One whose distance (of Nearest) is
 // above kFarthest is drawn straight toward the nearest mean until it has that distance: an example
 // that is no motion of a person, or three times a variation, would otherwise tear the body apart.
+// A person in the T-pose as the example: the walk jerks 1.8 times as much as the input, one of
+// zeros 1.3 times; with the weights before, 16 and 26 times without the limit. Styles never seen
+// lie at 0.5 to 0.9.
 inline constexpr float kFarthest = 1.5F;
 Code PulledIn(const Network& network, const Code& code);
 
