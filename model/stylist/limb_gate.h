@@ -46,6 +46,9 @@ LimbErrors_m(std::span<const body::Quat, body::kJointCount> input,
 // Decides how much of the style each limb shows, by how well the network reconstructs it: 1 for
 // acts like those that it was trained on, 0 for a punch, where the style change of an arm is as
 // large as in a wave but points anywhere. Of one limb:
+//   - what the limb is off by at its best is usual for this performer: another rig, or rest poses
+//   that
+//     are off. It is learnt within a minute, up to kGateMostUsual_m, and does not count;
 //   - a bad reconstruction counts at once; a better one only once it is kGateBand_m better, so that
 //     the gate does not flutter (hysteresis);
 //   - the weight is 1 below the limb's begin, 0 above its end, smooth between (tuning.h);
@@ -68,9 +71,11 @@ class LimbGate {
   bool reduces() const;
 
  private:
+  PerLimb Unusual(const PerLimb& errors_m, float dt_s, bool first) noexcept;
   void Hold(const PerLimb& errors_m, bool first) noexcept;
   PerLimb Targets() const noexcept;
 
+  PerLimb usual_m_{};           // a low quantile of the errors so far
   PerLimb held_m_{};            // the error that counts
   PerLimb led_{1, 1, 1, 1, 1};  // the first of two one-pole filters; the second gives weights_
   PerLimb weights_{1, 1, 1, 1, 1};
