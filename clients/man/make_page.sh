@@ -6,6 +6,7 @@
 set -eu
 program=$1 page=$2 version=$3
 here=$(dirname "$0")
+unset STYLED_DATA  # a default of some programs; the page is of none's
 
 # options WANT PROGRAM [COMMAND]
 options() {

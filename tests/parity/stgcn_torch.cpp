@@ -26,6 +26,7 @@ std::string Metadata(const train::st_gcn::Shape& shape) {
   header["code"] = shape.code;
   header["noise"] = shape.noise;
   header["window"] = train::st_gcn::kWindowFrames;
+  header["contents"] = {"walk"};
   return header.dump();
 }
 

@@ -50,9 +50,12 @@ Result<std::vector<std::pair<std::string, double>>> Validator::Measure(
   const Data& data = impl_->data;
   const auto styler = LoadAnyStyler(weights, data.manifest, {}, {});
   if (!styler.ok()) return styler.status();
+  // The gate withholds what a network that still reconstructs badly has learnt of styles.
+  stylist::Options options;
+  options.limb_gate = false;
   const Figures figures = impl_->evaluator.Measure(
       "", styler.value().clips ? Restyle(data, *styler.value().clips, BothTargets(data))
-                               : Style(data, *styler.value().frames, {}, false));
+                               : Style(data, *styler.value().frames, options, false));
   Mean sra;
   Mean cra;
   Mean expression;

@@ -18,7 +18,9 @@ PROGRAMS = [name for name in ('styled', 'stylectl', 'stylemon', 'stylesim', 'sty
 
 @functools.lru_cache(maxsize=None)
 def help_of(*command):
-    done = subprocess.run([os.path.join(BIN, command[0]), *command[1:], '--help'], capture_output=True, text=True)
+    environment = {name: value for name, value in os.environ.items() if name != 'STYLED_DATA'}
+    done = subprocess.run([os.path.join(BIN, command[0]), *command[1:], '--help'], capture_output=True, text=True,
+                          env=environment)
     assert done.returncode == 0, (command, done.stderr)
     return done.stdout
 

@@ -347,6 +347,7 @@ class Taught : public Run {
     config.teachers = std::move(teachers);
     config.w_teacher = weight;
     config.w_adversarial = config.w_perceptual = config.w_smooth = 0;
+    config.w_movement = config.w_legs = 0;
     config.iterations = 100;
     config.log_every = 10;
     return config;
