@@ -93,9 +93,9 @@ inline constexpr float kHipsTau_s = 0.1F;
 inline constexpr float kDropCorner_m = 0.005F;
 // Rounding of a leg's reach near straight, as a share of its length. Larger: a calmer knee, and a
 // leg that is never quite straight. Before the hips followed the legs 0.04 was needed: it removed
-// most of what the stage added to the jerk. Now, with kAsStyled 0 and v1, 0.04 and 0.0125: jerk 1.28
-// and 1.29, legs by pose 0.78 and 0.82, least bend of a walk 20.6 and 13.9 degrees (real styles 11),
-// clips to blame 0.0 and 1.3 %.
+// most of what the stage added to the jerk. Now, with kAsStyled 0 and v1, 0.04 and 0.0125:
+// jerk 1.28 and 1.29, legs by pose 0.78 and 0.82, least bend of a walk 20.6 and 13.9 degrees (real
+// styles 11), clips to blame 0.0 and 1.3 %.
 inline constexpr float kStraightCorner = 0.02F;
 // A foot moved by less than kNear_m keeps the leg as straight as it is styled, smoothed with the
 // time constant kStraighten_s. Without it 4.2 % of clips to blame, with it 0.8 (one set of
