@@ -44,9 +44,7 @@ Result<Example> ReadExample(const std::string& text, const std::string& rig,
                             const net::ClipStylizer& network) {
   auto example = ParseExample(text);
   if (!example.ok()) return example;
-  const auto error = [&example](const std::string& what) {
-    return Status::Error("--like: " + what);
-  };
+  const auto error = [](const std::string& what) { return Status::Error("--like: " + what); };
   const std::string& file = example.value().file;
   const auto clip = clip::ReadBvh(file);
   if (!clip.ok()) return error(clip.status().message());

@@ -13,7 +13,6 @@ using net::RowMajor;
 using net::TensorReader;
 
 constexpr float kMaxHeadingTau_s = 60.0F;
-constexpr int kTaps = 3;               // of a convolution over time
 const float kShare = std::sqrt(0.5F);  // of the main and the skip path in a block's sum
 
 // Reads the width; 0 and a fault if there is none that the kernels can run.

@@ -125,6 +125,7 @@ class StgcnStylizer final : public net::ClipStylizer {
 
   net::StyleCode MakeCode(const net::StyleRequest& request) const override {
     std::vector<WeightedCode> codes;
+    codes.reserve(request.sources.size());
     for (const net::StyleSource& source : request.sources) {
       codes.push_back({CodeOfSource(source, request.amount), source.weight});
     }
