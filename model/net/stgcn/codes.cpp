@@ -10,7 +10,7 @@ namespace styled::stgcn {
 Code PulledIn(const Network& network, const Code& code) {
   const net::NearestStyle nearest = Nearest(network, code);
   const Code& mean = network.mean_code(nearest.style);
-  if (!(nearest.distance > kFarthest)) return code;
+  if (!(nearest.distance > kFarthest) || !std::isfinite(nearest.distance)) return code;
   return mean + kFarthest / nearest.distance * (code - mean);
 }
 

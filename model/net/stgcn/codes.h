@@ -22,6 +22,7 @@ struct WeightedCode {
 // A person in the T-pose as the example: the walk jerks 1.8 times as much as the input, one of
 // zeros 1.3 times; with the weights before, 16 and 26 times without the limit. Styles never seen
 // lie at 0.5 to 0.9.
+// A distance that is not finite is of broken weights, which must show: such a code stays.
 inline constexpr float kFarthest = 1.5F;
 Code PulledIn(const Network& network, const Code& code);
 
