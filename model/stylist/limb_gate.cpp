@@ -93,11 +93,10 @@ PerLimb LimbErrors_m(std::span<const Quat, kJointCount> input,
 
 // The quantile by the rule of Robbins and Monro: up and down at speeds whose ratio is the share of
 // frames below it.
-PerLimb LimbGate::Unusual(const PerLimb& errors_m, float dt_s, bool first) noexcept {
+PerLimb LimbGate::Unusual(const PerLimb& errors_m, float dt_s) noexcept {
   constexpr float kArms_m = tuning::kGateKnown_m + tuning::kGateMostUsual_m;
   constexpr float kLegs_m = tuning::kGateKnown_m;
   constexpr PerLimb kMost_m{kArms_m, kArms_m, kArms_m, kLegs_m, kLegs_m};
-  if (first) usual_m_.fill(tuning::kGateKnown_m);
   PerLimb unusual_m;
   for (std::size_t limb = 0; limb < kLimbCount; ++limb) {
     float& usual_m = usual_m_[limb];
@@ -135,7 +134,7 @@ PerLimb LimbGate::Targets() const noexcept {
 // target that is held over the frame. One critically damped filter would carry the speed of a fade
 // out into the slow return.
 void LimbGate::Follow(const PerLimb& errors_m, float dt_s, bool first) noexcept {
-  Hold(Unusual(errors_m, dt_s, first), first);
+  Hold(Unusual(errors_m, dt_s), first);
   const PerLimb targets = Targets();
   if (first) led_ = weights_ = targets;
   const float close_s = tuning::kGateClose_s;

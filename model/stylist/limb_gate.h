@@ -46,9 +46,9 @@ LimbErrors_m(std::span<const body::Quat, body::kJointCount> input,
 // Decides how much of the style each limb shows, by how well the network reconstructs it: 1 for
 // acts like those that it was trained on, 0 for a punch, where the style change of an arm is as
 // large as in a wave but points anywhere. Of one limb:
-//   - what the limb is off by at its best is usual for this performer: another rig, or rest poses
-//   that
-//     are off. It is learnt within a minute, up to kGateMostUsual_m, and does not count;
+//   - an arm or the trunk may be off by more than usual at its best, on another rig or where rest
+//     poses are off. That is learnt within a minute and does not count, up to kGateMostUsual_m. Not
+//     of legs: kicks would lose height;
 //   - a bad reconstruction counts at once; a better one only once it is kGateBand_m better, so that
 //     the gate does not flutter (hysteresis);
 //   - the weight is 1 below the limb's begin, 0 above its end, smooth between (tuning.h);
@@ -60,7 +60,7 @@ LimbErrors_m(std::span<const body::Quat, body::kJointCount> input,
 class LimbGate {
  public:
   // Judges one frame, `dt_s` after the one before. `first`: there was none; no smoothing. An error
-  // that is not finite counts as a limb that is not known.
+  // that is not finite counts as a limb that is not known. What is usual is kept; Reset forgets it.
   STYLED_REALTIME void Follow(const PerLimb& errors_m, float dt_s, bool first) noexcept;
   STYLED_REALTIME void Reset() noexcept { *this = LimbGate(); }
 
@@ -71,11 +71,11 @@ class LimbGate {
   bool reduces() const;
 
  private:
-  PerLimb Unusual(const PerLimb& errors_m, float dt_s, bool first) noexcept;
+  PerLimb Unusual(const PerLimb& errors_m, float dt_s) noexcept;
   void Hold(const PerLimb& errors_m, bool first) noexcept;
   PerLimb Targets() const noexcept;
 
-  PerLimb usual_m_{};           // a low quantile of the errors so far
+  PerLimb usual_m_{};           // a low quantile of the errors so far, at least kGateKnown_m
   PerLimb held_m_{};            // the error that counts
   PerLimb led_{1, 1, 1, 1, 1};  // the first of two one-pole filters; the second gives weights_
   PerLimb weights_{1, 1, 1, 1, 1};

@@ -80,8 +80,8 @@ struct Options {
   // The same for the hips' tilt off upright (falls, lying), without a time constant.
   float tilt_begin_rad = tuning::kTiltBegin_rad;
   float tilt_end_rad = tuning::kTiltEnd_rad;
-  bool limb_gate =
-      true;  // a limb that the network does not know keeps its own motion (limb_gate.h)
+  // A limb that does what the network does not know keeps its own motion (limb_gate.h).
+  bool limb_gate = true;
   // Time constant of the vertical shift of `ground`; 0: none.
   float ground_tau_s = tuning::kGroundTau_s;
   bool knees = true;           // no style bends a knee far backwards (knees.h)

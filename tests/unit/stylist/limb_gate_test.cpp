@@ -173,6 +173,13 @@ TEST_F(LimbGateTest, WhatIsUsualForAPerformerDoesNotCountForLong) {
   EXPECT_GT(left_arm(), 0.95F);
   Feed(Only(Limb::kLeftArm, kUnknown_m), 1);
   EXPECT_LT(left_arm(), 0.05F) << "a punch still counts";
+  started = false;
+  Feed(Only(Limb::kLeftArm, usual_m), 1);
+  EXPECT_GT(left_arm(), 0.95F) << "kept over a gap in the stream";
+  gate.Reset();
+  started = false;
+  Feed(Only(Limb::kLeftArm, usual_m), 1);
+  EXPECT_LT(left_arm(), 0.6F) << "forgotten";
 }
 
 // A second of punches, a second of guard, for two minutes.
