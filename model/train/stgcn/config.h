@@ -56,8 +56,8 @@ struct Config {
   // Of the mean pose over a window: in the turn of references it should go where the target's cell
   // of this content is, and on by what is the reference's own (postures.h).
   double w_posture = 0;
-  // Of reading postures off examples without a label: another window of the source's clip, in a
-  // posture that nobody recorded, gives the source that posture.
+  // Of reading postures off examples without a label: another window of the source's clip is
+  // shifted to a random new posture, and the source should be decoded in that posture.
   double w_read = 0;
 };
 

@@ -118,28 +118,38 @@ Learner::Batch Learner::NextBatch() {
     for (const Sample& sample : samples) windows.push_back(sample.*of);
   }
   std::vector<int64_t> domain, target, content;
-  std::vector<float> paired, has_wanted;
-  std::vector<Tensor> shifts;
+  std::vector<float> paired;
   for (const Sample& sample : samples) {
-    Tensor shift = torch::zeros({body::kJointCount, stgcn::kChannels});
-    has_wanted.push_back(postures_.Wanted(sample, shift) ? 1.0F : 0.0F);
-    shifts.push_back(shift);
     domain.push_back(sample.domain);
     target.push_back(sample.target);
     content.push_back(sample.content);
     paired.push_back(sample.paired ? 1.0F : 0.0F);
   }
   const std::vector<Tensor> parts = store_.Read(windows).to(device_).chunk(4, 0);
-  return {.source = parts[0],
-          .same_clip = parts[1],
-          .reference1 = parts[2],
-          .reference2 = parts[3],
-          .domain = Indices(domain, device_),
-          .target = Indices(target, device_),
-          .content = Indices(content, device_),
-          .paired = torch::tensor(paired).to(device_),
-          .wanted = parts[0].mean(1) + torch::stack(shifts).to(device_),
-          .has_wanted = torch::tensor(has_wanted).to(device_)};
+  Batch batch{.source = parts[0],
+              .same_clip = parts[1],
+              .reference1 = parts[2],
+              .reference2 = parts[3],
+              .domain = Indices(domain, device_),
+              .target = Indices(target, device_),
+              .content = Indices(content, device_),
+              .paired = torch::tensor(paired).to(device_),
+              .wanted = {},
+              .has_wanted = {}};
+  if (config_.w_posture > 0) AddWanted(samples, batch);
+  return batch;
+}
+
+void Learner::AddWanted(const std::vector<Sample>& samples, Batch& batch) const {
+  std::vector<float> has_wanted;
+  std::vector<Tensor> shifts;
+  for (const Sample& sample : samples) {
+    Tensor shift = torch::zeros({body::kJointCount, stgcn::kChannels});
+    has_wanted.push_back(postures_.Wanted(sample, shift) ? 1.0F : 0.0F);
+    shifts.push_back(shift);
+  }
+  batch.wanted = batch.source.mean(1) + torch::stack(shifts).to(device_);
+  batch.has_wanted = torch::tensor(has_wanted).to(device_);
 }
 
 // Seeded by the iteration, so that a resumed run draws the same.

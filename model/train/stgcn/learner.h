@@ -106,8 +106,8 @@ class Learner {
     torch::Tensor source, same_clip, reference1, reference2;  // [B, 64, 21, 7]
     torch::Tensor domain, target, content;                    // [B]
     torch::Tensor paired;                                     // [B]: 1 where the critic compares
-    torch::Tensor wanted;                                     // [B, 21, 7]: mean of the output
-    torch::Tensor has_wanted;                                 // [B]: 1 where there is one
+    // With w_posture: the mean of the output that is wanted, [B, 21, 7]; [B]: 1 where there is one.
+    torch::Tensor wanted, has_wanted;
   };
   // What a turn makes of a batch.
   struct Made {
@@ -118,6 +118,7 @@ class Learner {
   };
 
   Batch NextBatch();
+  void AddWanted(const std::vector<Sample>& samples, Batch& batch) const;
   torch::Tensor Noise(int64_t stream) const;
   Made Make(const Batch& batch, Turn turn);
   void StepTurn(const Batch& batch, Turn turn, double decay);

@@ -89,8 +89,8 @@ Tensor Learner::Posture(const Batch& batch, const Made& made) {
 }
 
 // The head without a label: a window of the source's clip is shifted as a whole, rotations first,
-// so that it shows a posture that no set has; the source should take it. Half of the sources are
-// shifted otherwise, so that their own posture says nothing of what is wanted.
+// so that it shows a new posture; the source should be decoded in that posture. Half of the sources
+// are shifted otherwise, so that their own posture says nothing of what is wanted.
 Tensor Learner::ReadPosture(const Batch& batch) {
   // Seeded by the iteration, so that a resumed run draws the same.
   std::mt19937_64 random(seed_ * 1000003 + static_cast<uint64_t>(iteration_));

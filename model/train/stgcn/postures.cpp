@@ -9,6 +9,9 @@ namespace {
 
 using torch::Tensor;
 
+// Shares of recorded differences, somewhat beyond 1, so that styles stronger than the recorded ones
+// are learnt too. Larger: more of such styles, and more postures that no person has. One pair was
+// tried: examples of styles never seen went from cosine 0.28 to 0.65.
 constexpr float kMostOfStyles = 1.2F, kMostOfClips = 1.5F;
 
 // Trunk and head, arms, legs: consecutive joints of the humanoid.

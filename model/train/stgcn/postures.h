@@ -26,9 +26,9 @@ class Postures {
   // no single act.
   bool Wanted(const Sample& sample, torch::Tensor& shift) const;
 
-  // A posture that nobody recorded, as a difference: up to 1.2 of the way between two styles of one
-  // content, chosen by chance, and up to 1.5 times what is one clip's own; half of the time of the
-  // whole body, else of every limb by a chance of its own.
+  // A random new posture, as a difference: up to kMostOfStyles of the way between two random styles
+  // of one content, and up to kMostOfClips times what is a random clip's own. Half of the draws are
+  // of the whole body; in the others each limb is drawn separately.
   torch::Tensor Draw(std::mt19937_64& random) const;
 
  private:

@@ -1,4 +1,4 @@
-// Postures of clips, of cells, and postures that nobody recorded.
+// Mean poses of clips and cells, and random new ones.
 
 #include "model/train/stgcn/postures.h"
 
