@@ -5,8 +5,8 @@
 
 namespace styled {
 
-inline constexpr int kBadArguments =
-    2;  // the exit status for a command line that is not understood
+// The exit status for a command line that is not understood.
+inline constexpr int kBadArguments = 2;
 
 // Parses the command line. Returns the exit status if the program is to end: 0 after --help,
 // kBadArguments after an error, which is printed.

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 
@@ -15,7 +14,9 @@
 #include "model/feet/legs.h"
 #include "model/rig/calibration.h"
 #include "model/rig/dialects.h"
+#include "model/tools/command_line.h"
 #include "model/train/judge/judge_acts.h"
+#include "model/train/judge/judge_provenance.h"
 #include "model/train/judge/judge_stream.h"
 #include "model/train/judge/judge_text.h"
 #include "model/trial/trial.h"
@@ -195,9 +196,7 @@ Status Run(const Arguments& arguments) {
   Print("all", all);
   json["all"] = ToJson(all);
   if (arguments.json.empty()) return Status::Ok();
-  std::ofstream file(arguments.json);
-  file << json.dump(2) << "\n";
-  return file.flush() ? Status::Ok() : Status::Error(arguments.json + ": cannot be written");
+  return judge::WriteJson(json, arguments.json);
 }
 
 }  // namespace
@@ -223,7 +222,7 @@ int main(int argc, char** argv) {
   app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
                "Do not withhold the style of limbs that the network does not know");
   app.add_option("--json", arguments.json, "Write the figures to this file, too");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
   const styled::Status status = styled::Run(arguments);
   if (status.ok()) return 0;
   std::cerr << "styleacts: " << status.message() << "\n";

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 
@@ -108,9 +107,7 @@ Status Run(const Arguments& arguments, const std::string& command) {
                        std::filesystem::path(arguments.out) / (arguments.design + ".pt"));
   const Status judged = Judge(arguments, data, network, json);
   if (!judged.ok() || arguments.json.empty()) return judged;
-  std::ofstream file(arguments.json);
-  file << json.dump(2) << "\n";
-  return file.flush() ? Status::Ok() : Status::Error(arguments.json + ": cannot be written");
+  return judge::WriteJson(json, arguments.json);
 }
 
 void AddTrainingOptions(CLI::App& app, Arguments& arguments) {

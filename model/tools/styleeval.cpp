@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 
@@ -156,9 +155,7 @@ Status WriteResults(const EvalSession& session, const Outputs& outputs) {
     if (!written.ok()) return written;
   }
   if (arguments.json.empty()) return Status::Ok();
-  std::ofstream file(arguments.json);
-  file << session.json.dump(2) << "\n";
-  return file.flush() ? Status::Ok() : Status::Error(arguments.json + ": cannot be written");
+  return judge::WriteJson(session.json, arguments.json);
 }
 
 Status Run(const EvalArguments& arguments, const std::string& command) {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 
 #include "model/tools/command_line.h"
 #include "model/train/blas.h"
+#include "model/train/judge/judge_provenance.h"
 #include "model/train/judge/judge_text.h"
 #include "model/train/judge/judge_unseen.h"
 #include "model/trial/trial.h"
@@ -114,9 +114,7 @@ Status Run(const Arguments& arguments) {
   std::printf("%-16s%s %s\n", "mean", Cells({means[1].value(), means[0].value()}).c_str(),
               Cells({means[3].value(), means[2].value()}).c_str());
   if (arguments.json.empty()) return Status::Ok();
-  std::ofstream file(arguments.json);
-  file << json.dump(2) << "\n";
-  return file.flush() ? Status::Ok() : Status::Error(arguments.json + ": cannot be written");
+  return judge::WriteJson(json, arguments.json);
 }
 
 }  // namespace

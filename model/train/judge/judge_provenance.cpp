@@ -152,6 +152,12 @@ std::string CommandLine(int argc, char** argv) {
   return command;
 }
 
+Status WriteJson(const nlohmann::json& json, const std::filesystem::path& file) {
+  std::ofstream out(file);
+  out << json.dump(2) << "\n";
+  return out.flush() ? Status::Ok() : Status::Error(file.string() + ": cannot be written");
+}
+
 nlohmann::json Provenance(const std::string& command, const Data& data,
                           const JudgeSettings& settings, const std::filesystem::path& weights) {
   nlohmann::json json = {{"command", command},

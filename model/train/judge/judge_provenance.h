@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "model/base/status.h"
 #include "model/train/judge/judge_data.h"
 #include "model/train/judge/judge_nets.h"
 
@@ -11,6 +12,9 @@ namespace styled::judge {
 
 // The command as a report repeats it: the program's name without its folder, and the arguments.
 std::string CommandLine(int argc, char** argv);
+
+// Writes figures to a file. The error names it.
+Status WriteJson(const nlohmann::json& json, const std::filesystem::path& file);
 
 // What a report was made of, so that another can repeat it: the command, the judges' settings, the
 // weights' hash, and per split the number of clips and frames and a hash of all poses (FNV-1a, 64
