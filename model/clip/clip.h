@@ -49,6 +49,11 @@ std::string FormatBvh(const Clip& clip);
 // tests/unit/clip/resample_test.cpp.
 Clip Resample(const Clip& clip, double rate_hz);
 
+// The binding of a clip whose rest pose no dialect knows: by the first frame, of those every 0.1 s,
+// that stands upright as rig::BindStanding understands it, arms anywhere. Right only where that
+// frame also looks ahead with its soles flat. Errors are of the first frame.
+Result<rig::Binding> BindStanding(const Clip& clip);
+
 // The canonical poses of a clip, continuous in sign over time; and such poses at another rate, by
 // the same interpolant. `binding` must be of the clip's skeleton; rates > 0, Hz.
 std::vector<body::Pose> ToCanonical(const Clip& clip, const rig::Binding& binding);

@@ -32,7 +32,8 @@ struct Values {
 struct Rule {
   std::string pattern, style, content, rig = "auto", split = "train";
   double judge_share = 0;
-  double from = 0, to = 1, repeat_s = 0;
+  double from = 0, to = 1, repeat_s = 0, skip_s = 0;
+  bool floor_at_feet = false, still = true;
   std::vector<std::string> except;  // patterns of files to leave out
 };
 
@@ -322,12 +323,13 @@ class Loader {
 
   bool ReadRule(const toml::table& table, Rule& rule) {
     if (!OnlyKeys(table, {"pattern", "style", "content", "rig", "split", "judge_share", "time",
-                          "repeat_s", "except"}) ||
+                          "repeat_s", "skip_s", "floor", "still", "except"}) ||
         !String(table, "pattern", true, rule.pattern) ||
         !String(table, "style", false, rule.style) ||
         !String(table, "content", false, rule.content) || !String(table, "rig", false, rule.rig) ||
         !String(table, "split", false, rule.split) ||
-        !Number(table, "repeat_s", 0, rule.repeat_s) || !Time(table, rule) ||
+        !Number(table, "repeat_s", 0, rule.repeat_s) || !Number(table, "skip_s", 0, rule.skip_s) ||
+        !Time(table, rule) || !Floor(table, rule) || !Truth(table, "still", rule.still) ||
         !Strings(table, "except", false, rule.except)) {
       return false;
     }
@@ -375,6 +377,27 @@ class Loader {
     return true;
   }
 
+  // Leaves `out` unchanged if the key is missing.
+  bool Truth(const toml::table& table, std::string_view key, bool& out) {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return true;
+    const auto value = node->value_exact<bool>();
+    if (!value) return Fail(*node, std::string(key), "something else", "true or false");
+    out = *value;
+    return true;
+  }
+
+  bool Floor(const toml::table& table, Rule& rule) {
+    std::string floor;
+    if (!String(table, "floor", false, floor)) return false;
+    if (!floor.empty() && floor != "feet") {
+      return Fail(*table.get("floor"), "floor", "\"" + floor + "\"",
+                  "\"feet\", or nothing where the file's own floor is right");
+    }
+    rule.floor_at_feet = !floor.empty();
+    return true;
+  }
+
   bool Time(const toml::table& table, Rule& rule) {
     const toml::node* node = table.get("time");
     if (node == nullptr) return true;
@@ -411,7 +434,8 @@ class Loader {
       }
       manifest_.entries.push_back({walk->path(), rule.style.empty() ? values->style : rule.style,
                                    rule.content.empty() ? values->content : rule.content, rule.rig,
-                                   rule.split, values->take, rule.from, rule.to, rule.repeat_s});
+                                   rule.split, values->take, rule.from, rule.to, rule.repeat_s,
+                                   rule.skip_s, rule.floor_at_feet, rule.still});
     }
     if (manifest_.entries.size() == first) {
       return Fail(at, "pattern", "no file for \"" + rule.pattern + "\" in " + data_.string(),

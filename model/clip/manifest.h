@@ -13,11 +13,14 @@ struct ManifestEntry {
   std::filesystem::path file;
   std::string style;    // one of Manifest::styles
   std::string content;  // one of Manifest::contents
-  std::string rig;      // a dialect of rig::BindDialect, "auto" by default
+  std::string rig;      // a dialect of rig::BindDialect, "auto" by default, or "standing"
   std::string split;    // "train", "judge" or "validation"
   int take = 0;
-  double from = 0, to = 1;  // the part of the clip to use, as shares of its duration
-  double repeat_s = 0;      // a loop: repeated, its path continued, for at least this long
+  double from = 0, to = 1;     // the part of the clip to use, as shares of its duration
+  double repeat_s = 0;         // a loop: repeated, its path continued, for at least this long
+  double skip_s = 0;           // what precedes the motion, a T-pose or a way to the first place
+  bool floor_at_feet = false;  // the floor is under the lowest foot, whatever the file says
+  bool still = true;           // [still] holds for this clip
 };
 
 // A dataset, described by a TOML manifest:
@@ -28,10 +31,13 @@ struct ManifestEntry {
 //   contents = [ { name = "turn", labels = ["walk-turn-left", "walk-turn-right"] }, ... ]
 //   [[clips]]
 //   pattern = "bandai-2-train/dataset-2_{content}_{style}_{take}.bvh"   # or fixed style=/content=
-//   rig = "bandai-namco"
+//   rig = "bandai-namco" # or "standing": the first frame that stands upright gives the rest pose
 //   split = "train"
 //   judge_share = 0.2    # of each (style, content) cell, the last takes go to "judge"
 //   time = [0.0, 0.75]   # only this part of each clip: one clip may serve several splits in turn
+//   skip_s = 0.5         # left out at the beginning of each file; `time` is of the rest
+//   floor = "feet"       # the file has no floor, or not at 0: it is under the lowest foot
+//   still = false        # [still] below does not hold for these
 //   repeat_s = 8.0       # loops (the last frame shows the first again), repeated so long
 //   except = ["*/dataset-2_run_*"]   # files that the pattern does not mean
 //   [still]              # stretches in which nothing moves faster are another content

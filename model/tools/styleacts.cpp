@@ -12,7 +12,6 @@
 
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
-#include "model/rig/calibration.h"
 #include "model/rig/dialects.h"
 #include "model/tools/command_line.h"
 #include "model/train/judge/judge_acts.h"
@@ -23,8 +22,6 @@
 
 namespace styled {
 namespace {
-
-constexpr double kLookEvery_s = 0.1;
 
 struct Arguments {
   std::string weights, json;
@@ -47,21 +44,6 @@ struct Row {
   }
 };
 
-// The first frame that stands upright gives the rest pose; the error is that of the first frame.
-Result<rig::Binding> BindStanding(const clip::Clip& clip) {
-  const auto joints = rig::MapJoints(clip.skeleton, {});
-  if (!joints.ok()) return joints.status();
-  const auto bind = [&](std::size_t frame) {
-    return rig::BindStanding(clip.skeleton, joints.value(), clip.frames[frame], false);
-  };
-  const auto stride = static_cast<std::size_t>(std::ceil(clip.rate_hz * kLookEvery_s));
-  for (std::size_t frame = 0; frame < clip.frames.size(); frame += stride) {
-    Result<rig::Binding> bound = bind(frame);
-    if (bound.ok()) return bound;
-  }
-  return bind(0);
-}
-
 // The clip at kStreamRate_hz. `standing`: its rest pose is that of a frame that stands upright, and
 // its first frame, often a T-pose beside the motion, is dropped; else its rig is a known one.
 Result<judge::Poses> LoadInput(const std::filesystem::path& file, bool standing) {
@@ -72,7 +54,7 @@ Result<judge::Poses> LoadInput(const std::filesystem::path& file, bool standing)
     return Status::Error(file.string() + ": " + status.message());
   };
   Result<rig::Binding> binding =
-      standing ? BindStanding(clip) : rig::BindDialect(clip.skeleton, "auto");
+      standing ? clip::BindStanding(clip) : rig::BindDialect(clip.skeleton, "auto");
   if (!binding.ok()) return named(binding.status());
   if (standing) clip.frames.erase(clip.frames.begin());
   return clip::ResamplePoses(clip::ToCanonical(clip, binding.value()), clip.rate_hz,

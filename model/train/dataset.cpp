@@ -4,8 +4,10 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <random>
+#include <string_view>
 #include <unordered_map>
 
 #include "model/body/heading.h"
@@ -189,9 +191,13 @@ namespace {
 // Binds skeletons to the canonical humanoid; keeps the last one, since most sets have only one.
 class Binder {
  public:
-  Result<const rig::Binding*> Bind(const rig::Skeleton& skeleton, const std::string& dialect) {
-    if (!binding_ || dialect_ != dialect || binding_->skeleton() != skeleton) {
-      Result<rig::Binding> bound = rig::BindDialect(skeleton, dialect);
+  static constexpr std::string_view kStanding = "standing";
+
+  Result<const rig::Binding*> Bind(const clip::Clip& clip, const std::string& dialect) {
+    const bool standing = dialect == kStanding;
+    if (!binding_ || standing || dialect_ != dialect || binding_->skeleton() != clip.skeleton) {
+      Result<rig::Binding> bound =
+          standing ? clip::BindStanding(clip) : rig::BindDialect(clip.skeleton, dialect);
       if (!bound.ok()) return bound.status();
       binding_.emplace(std::move(bound.value()));
       dialect_ = dialect;
@@ -204,18 +210,51 @@ class Binder {
   std::string dialect_;
 };
 
-// The poses of an entry at `rate_hz`: resampled, a loop repeated, then cut to its part in time.
+// How far below the heights of a standing figure's the feet and toes are at their lowest, m. Of the
+// frames' lowest the share kOnTheFloor counts, so that no single frame that errs decides; it is far
+// less than the share of a jump in which a foot stands.
+constexpr double kOnTheFloor = 0.02;
+float FloorUnderFeet_m(const std::vector<body::Pose>& poses) {
+  body::WorldPose standing;
+  body::ForwardKinematics(body::Pose(), standing);
+  std::vector<float> lowest_m;
+  for (const body::Pose& pose : poses) {
+    body::WorldPose world;
+    body::ForwardKinematics(pose, world);
+    float lowest = std::numeric_limits<float>::max();
+    for (const int joint : {body::kLeftFoot, body::kRightFoot, body::kLeftToes, body::kRightToes}) {
+      lowest = std::min(lowest, world.positions_m[joint].y() - standing.positions_m[joint].y());
+    }
+    lowest_m.push_back(lowest);
+  }
+  const auto place = static_cast<long>(kOnTheFloor * static_cast<double>(lowest_m.size()));
+  std::nth_element(lowest_m.begin(), lowest_m.begin() + place, lowest_m.end());
+  return lowest_m[place];
+}
+
+// The poses of an entry at `rate_hz`: what precedes the motion left out, resampled, put on the
+// floor, a loop repeated, then cut to its part in time.
 Result<std::vector<body::Pose>> ReadPoses(const clip::ManifestEntry& entry, double rate_hz,
                                           Binder& binder) {
   Result<clip::Clip> source = clip::ReadBvh(entry.file);
   if (!source.ok()) return source.status();
-  const Result<const rig::Binding*> binding = binder.Bind(source.value().skeleton, entry.rig);
+  const Result<const rig::Binding*> binding = binder.Bind(source.value(), entry.rig);
   if (!binding.ok()) {
     return Status::Error(entry.file.string() + ": " + binding.status().message());
   }
+  auto& frames = source.value().frames;
+  const auto skipped = static_cast<std::size_t>(std::lround(entry.skip_s * source.value().rate_hz));
+  if (skipped >= frames.size()) {
+    return Status::Error(entry.file.string() + ": skip_s leaves nothing of the clip");
+  }
+  frames.erase(frames.begin(), frames.begin() + static_cast<long>(skipped));
   std::vector<body::Pose> poses = clip::ToCanonical(source.value(), *binding.value());
   if (std::abs(source.value().rate_hz / rate_hz - 1.0) > 1e-3) {
     poses = clip::ResamplePoses(poses, source.value().rate_hz, rate_hz);
+  }
+  if (entry.floor_at_feet) {
+    const float floor_m = FloorUnderFeet_m(poses);
+    for (body::Pose& pose : poses) pose.hips_position_m.y() -= floor_m;
   }
   if (entry.repeat_s > 0) {
     poses = RepeatLoop(poses, static_cast<int>(std::ceil(entry.repeat_s * rate_hz)));
@@ -252,10 +291,9 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
     clip.content = IndexOf(manifest.contents, entry.content);
     clip.poses = std::move(poses.value());
     if (static_cast<int>(clip.poses.size()) < min_frames) continue;
-    if (!manifest.still_content.empty()) {
-      clip.still_content = IndexOf(manifest.contents, manifest.still_content);
-    }
-    RunFilters(parameters, manifest.still_speed_mps, clip);
+    const bool still = entry.still && !manifest.still_content.empty();
+    if (still) clip.still_content = IndexOf(manifest.contents, manifest.still_content);
+    RunFilters(parameters, still ? manifest.still_speed_mps : 0, clip);
     clips.push_back(std::move(clip));
   }
   if (clips.empty()) {

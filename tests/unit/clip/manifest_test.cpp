@@ -93,6 +93,9 @@ TEST_F(ManifestTest, NamesFileLineKeyAndWhatIsWrong) {
       {kHead + Rule("time = [0.5, 0.5]\n"), "time: found something else, expected [from, to]"},
       {kHead + Rule("time = 0.5\n"), "time: found something else"},
       {kHead + Rule("repeat_s = -1\n"), "repeat_s: found -1"},
+      {kHead + Rule("skip_s = -0.1\n"), "skip_s: found -0.1"},
+      {kHead + Rule("floor = \"low\"\n"), "floor: found \"low\", expected \"feet\""},
+      {kHead + Rule("still = 0\n"), "still: found something else, expected true or false"},
       {kHead + Rule("except = \"d/*\"\n"), "except: found something else, expected an array"},
       {kHead + Rule("except = [\"d/*\"]\n"), "pattern: found no file"},
       {kHead + std::string("[still]\ncontent = \"stand\"\nspeed_mps = 0.1\n") + Rule(""),
@@ -192,6 +195,27 @@ TEST_F(ManifestTest, OneClipServesSeveralSplitsInTurn) {
   EXPECT_EQ(manifest.entries[1].repeat_s, 0.0);
   EXPECT_EQ(manifest.still_content, "turn");
   EXPECT_EQ(manifest.still_speed_mps, 0.2);
+}
+
+TEST_F(ManifestTest, SaysWhatPrecedesTheMotionAndWhereTheFloorIs) {
+  Touch("d/walk_old_1.bvh");
+  Touch("d/turn_old_1.bvh");
+  Touch("d/walk-left_old_1.bvh");
+  const Result<Manifest> result =
+      Load(kHead + Rule("except = [\"*/walk-left*\"]\n") +
+           Rule("rig = \"standing\"\nskip_s = 0.5\nfloor = \"feet\"\nstill = false\n"
+                "except = [\"*/walk_*\"]\n"));
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  ASSERT_EQ(result.value().entries.size(), 2U);
+  const ManifestEntry& other = result.value().entries[0];
+  EXPECT_EQ(other.rig, "standing");
+  EXPECT_EQ(other.skip_s, 0.5);
+  EXPECT_TRUE(other.floor_at_feet);
+  EXPECT_FALSE(other.still);
+  const ManifestEntry& usual = result.value().entries[1];
+  EXPECT_EQ(usual.skip_s, 0.0);
+  EXPECT_FALSE(usual.floor_at_feet);
+  EXPECT_TRUE(usual.still);
 }
 
 TEST_F(ManifestTest, SetsTheLastTakesOfEveryCellAsideForTheJudge) {

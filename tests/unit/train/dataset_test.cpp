@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "model/body/heading.h"
+#include "model/clip/clip.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/train/walker.h"
 
@@ -122,6 +123,79 @@ TEST(Dataset, AWindowIsStandingWhereMostOfItIsStill) {
   EXPECT_EQ(clip.ContentOf(14, 10), 3);
   EXPECT_EQ(clip.ContentOf(16, 10), 0);
   EXPECT_EQ(clip.ContentOf(30, 10), 0);
+}
+
+// A clip of the humanoid whose arms hang in the zero pose, 1 m above where it should be: T-pose for
+// a quarter of a second, then standing, then half a second of steps.
+clip::Clip HangingAndHigh() {
+  clip::Clip clip;
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    const body::JointRow& row = body::kHumanoid[static_cast<std::size_t>(joint)];
+    clip.skeleton.names.emplace_back(row.name);
+    clip.skeleton.parents.push_back(row.parent);
+    rig::Vec3 offset = body::Offset(joint);
+    if (joint == body::kLeftLowerArm || joint == body::kLeftHand || joint == body::kRightLowerArm ||
+        joint == body::kRightHand) {
+      offset = rig::Vec3(0, -offset.norm(), 0);
+    }
+    clip.skeleton.offsets.push_back(offset);
+  }
+  for (int t = 0; t < 30; ++t) {
+    rig::RigPose& pose = clip.frames.emplace_back(clip.skeleton);
+    pose.translations[0].y() += 1.0F;
+    if (t < 8) {
+      pose.rotations[body::kLeftUpperArm] = body::Exp(body::Vec3(0, 0, 1.5708F));
+      pose.rotations[body::kRightUpperArm] = body::Exp(body::Vec3(0, 0, -1.5708F));
+    } else if (t >= 15) {
+      pose.rotations[body::kLeftUpperLeg] =
+          body::Exp(body::Vec3(-0.8F * std::sin(0.4F * static_cast<float>(t - 15)), 0, 0));
+    }
+  }
+  return clip;
+}
+
+// Loads the one clip of the folder under the [[clips]] keys `more`.
+Result<std::vector<TrainingClip>> LoadOne(const std::filesystem::path& folder,
+                                          const std::string& more) {
+  std::ofstream(folder / "m.toml")
+      << "name = \"m\"\nlicence = \"none\"\nneutral = \"neutral\"\n"
+         "styles = [ { name = \"neutral\", labels = [\"n\"] } ]\n"
+         "contents = [ { name = \"stand\" }, { name = \"step\" } ]\n"
+         "[still]\ncontent = \"stand\"\nspeed_mps = 0.2\n"
+         "[[clips]]\npattern = \"one.bvh\"\nstyle = \"neutral\"\ncontent = \"step\"\n"
+      << more;
+  const Result<clip::Manifest> manifest = clip::LoadManifest(folder / "m.toml", folder);
+  if (!manifest.ok()) return manifest.status();
+  return LoadClips(manifest.value(), "train", {}, 2);
+}
+
+TEST(Dataset, AClipWithoutAKnownRestPoseOrFloorIsPutRightByItsManifest) {
+  const support::TemporaryFolder temporary;
+  const auto& folder = temporary.path();
+  ASSERT_TRUE(clip::WriteBvh(HangingAndHigh(), folder / "one.bvh").ok());
+  EXPECT_NE(LoadOne(folder, "").status().message().find("no T-pose"), std::string::npos);
+
+  const auto as_it_is = LoadOne(folder, "rig = \"standing\"\n");
+  ASSERT_TRUE(as_it_is.ok()) << as_it_is.status().message();
+  EXPECT_EQ(as_it_is.value()[0].poses.size(), 30U);
+  EXPECT_NEAR(as_it_is.value()[0].poses[12].hips_position_m.y(), 1.98F, 0.01F);
+  EXPECT_EQ(as_it_is.value()[0].ContentOf(8, 6), 0) << "it stands there";
+
+  const auto right =
+      LoadOne(folder, "rig = \"standing\"\nskip_s = 0.27\nfloor = \"feet\"\nstill = false\n");
+  ASSERT_TRUE(right.ok()) << right.status().message();
+  const TrainingClip& clip = right.value()[0];
+  ASSERT_EQ(clip.poses.size(), 22U) << "less the T-pose";
+  EXPECT_EQ(clip.ContentOf(0, 6), 1);
+  body::WorldPose world;
+  body::ForwardKinematics(clip.poses[4], world);
+  EXPECT_NEAR(world.positions_m[body::kRightToes].y(), 0.02F, 0.01F) << "on the floor";
+  EXPECT_LT(world.positions_m[body::kLeftHand].y(),
+            world.positions_m[body::kLeftUpperArm].y() - 0.4F)
+      << "the arms hang, as in the file";
+
+  EXPECT_NE(LoadOne(folder, "rig = \"standing\"\nskip_s = 1\n").status().message().find("skip_s"),
+            std::string::npos);
 }
 
 TEST(Dataset, ArchivesThatAreNotUnpackedAreNamed) {
