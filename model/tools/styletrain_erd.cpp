@@ -36,6 +36,9 @@ void AddDataFlags(CLI::App& app, Config& config) {
   app.add_option("--carry", config.carry, "Share of windows that start with carried states")
       ->capture_default_str();
   app.add_option("--session-start", config.session_start)->capture_default_str();
+  app.add_option("--unpaired", config.unpaired,
+                 "Share of neutral windows of any content, recorded in their target style or not")
+      ->capture_default_str();
   app.add_option("--offset", config.offset)->capture_default_str();
   app.add_option("--noise", config.noise)->capture_default_str();
   app.add_option("--miscalibrated", config.miscalibrated,

@@ -15,6 +15,10 @@ Status Check(const Config& config) {
     return Status::Error("--idle: found " + NumberText(config.idle) +
                          ", expected 0, or below 1 and a --teacher");
   }
+  if (!(config.unpaired >= 0 && config.unpaired <= 1)) {
+    return Status::Error("--unpaired: found " + NumberText(config.unpaired) +
+                         ", expected a share, 0 to 1");
+  }
   const std::pair<const char*, double> not_negative[] = {
       {"--rate", config.rate_hz},
       {"--heading-tau", config.heading_tau_s},

@@ -38,7 +38,10 @@ struct Config {
   int per_style = 3;   // a batch has so many neutral and as many styled windows per style, >= 1
   double carry = 0.5;  // share of windows that start from the states at the end of the slot's last
   double session_start = 0.25;  // share of the others that begin as a new session
-  double miscalibrated = 0.0;   // share whose input has wrong rest poses and a wrong floor
+  // Share of neutral windows of any content, also of those in which their target was not recorded
+  // (sampler.h). Of a manifest with many contents of neutral clips alone more is learnt with more.
+  double unpaired = 0.1;
+  double miscalibrated = 0.0;  // share whose input has wrong rest poses and a wrong floor
   // Disturbance of the input, in deviations of each feature: a constant of each window, and noise
   // of each frame, both up to this size. The targets are undisturbed. More makes the output calmer
   // on rigs that no data set has, and farther from the style (0.3, 1.5 for set 1; 0.2, 0.7 for v1).

@@ -29,6 +29,7 @@ Sampler::Options SamplerOptions(const Config& config, uint64_t seed,
           .length = config.window + 1,
           .carry = config.carry,
           .session_start = config.session_start,
+          .unpaired = config.unpaired,
           .miscalibrated = config.miscalibrated,
           .idle = config.idle,
           .seed = seed};
