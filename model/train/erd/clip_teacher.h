@@ -1,0 +1,69 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/clip/manifest.h"
+#include "model/net/clip_stylizer.h"
+#include "model/train/dataset.h"
+#include "model/train/sampler.h"
+
+namespace styled::train::style_erd {
+
+// What a network that sees whole clips (net::ClipStylizer) makes of every training clip: neutral
+// clips in each style that it teaches, by the style's mean code, and clips of those styles in
+// neutral. Where it reconstructs a clip well, its own output is what is taught, not its change of
+// style: a student that learns from the change inherits the teacher's errors of reconstruction.
+// Where it does not, as with another rig, its change is taught: its output would be another body.
+// Immutable; any thread.
+class ClipTeacher {
+ public:
+  // What the pose of a frame must be changed by: rotations [T, B, 21, 4], input⁻¹ ∘ taught, the
+  // hips' relative to the heading, and the rise of the hips [T, B], m. The identity and 0 where
+  // nothing is taught.
+  struct Changes {
+    torch::Tensor rotations, rise_m;
+  };
+  // The styles that a slot's window is in and goes to, indices into Manifest::styles.
+  struct Roles {
+    std::vector<int> input, target;
+  };
+
+  // `taught`: per style of the manifest but neutral, its name if it is taught, else "". Takes some
+  // 0.1 ms per frame and style, and 340 bytes. Errors: another rate than the clips'.
+  static Result<ClipTeacher> Make(const net::ClipStylizer& network, const clip::Manifest& manifest,
+                                  const std::vector<TrainingClip>& clips, double rate_hz,
+                                  const std::vector<std::string>& taught);
+
+  // The share of clips of which its change is taught, not its output.
+  double share_by_change() const { return share_by_change_; }
+
+  // Of `frames` frames of each window, on the CPU: what the teacher changes `lead` frames later, a
+  // clip's last frame held. An idle window has its first frame's.
+  Changes Of(const std::vector<Sampler::Window>& windows, const Roles& roles, int frames,
+             double lead = 0) const;
+
+ private:
+  // One frame's: 21 rotations x,y,z,w and the rise.
+  static constexpr int kNumbers = 4 * body::kJointCount + 1;
+  using Frames = std::vector<std::array<float, kNumbers>>;
+
+  ClipTeacher() = default;
+  static void Read(const Frames& clip, double at, body::Pose& change, float& rise_m);
+  // What one clip is changed by, and how well the clip is reconstructed.
+  struct OfClip {
+    Frames by_output, by_change;
+    double error_rad = 0;
+  };
+  static OfClip Changed(const net::ClipStylizer& network, const TrainingClip& clip, int input_style,
+                        int style);
+
+  // By style and clip; empty where it is not taught. Clips of a style are under that style.
+  std::vector<std::vector<Frames>> changes_;
+  double share_by_change_ = 0;
+};
+
+}  // namespace styled::train::style_erd
