@@ -15,6 +15,13 @@ void AddStartFlags(CLI::App& app, Config& config) {
   app.add_option("--teacher", config.teachers,
                  "Weights whose changes of style are imitated, as FILE or "
                  "FILE:STYLE[/CONTENT][*GAIN],...; repeatable, later ones win");
+  app.add_option("--idle-content", config.idle_contents,
+                 "A content in which performers idle; taught like idle postures; repeatable");
+  app.add_option("--keep-content", config.kept_contents,
+                 "A content that no style was recorded in: stays as it is; repeatable");
+  app.add_option("--teacher-lead", config.teacher_lead_s,
+                 "Seconds by which the student is ahead of a teacher that sees whole clips")
+      ->capture_default_str();
   app.add_option("--idle", config.idle,
                  "Share of neutral windows with an idle posture; needs --teacher")
       ->capture_default_str();
@@ -76,6 +83,11 @@ void AddLossFlags(CLI::App& app, Config& config) {
   app.add_option("--w-penalty", config.w_penalty)->capture_default_str();
   app.add_option("--w-moments", config.w_moments)->capture_default_str();
   app.add_option("--w-teacher", config.w_teacher)->capture_default_str();
+  app.add_option("--w-teacher-position", config.w_teacher_position,
+                 "Of the positions that follow from what a teacher does")
+      ->capture_default_str();
+  app.add_option("--w-teacher-velocity", config.w_teacher_velocity, "Of their velocities")
+      ->capture_default_str();
   app.add_option("--w-smooth", config.w_smooth)->capture_default_str();
   app.add_option("--smooth-from", config.smooth_from)->capture_default_str();
   app.add_option("--smooth-full", config.smooth_full)->capture_default_str();

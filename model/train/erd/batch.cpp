@@ -89,6 +89,7 @@ Batch BatchMaker::Make(const std::vector<Sampler::Window>& windows) const {
   batch.carried = buffers.carried.to(device);
   batch.idle = buffers.idle.to(device);
   batch.paired = buffers.paired.to(device);
+  batch.windows = windows;
   return batch;
 }
 

@@ -20,6 +20,7 @@ struct Batch {
   torch::Tensor content;               // [B, contents] one-hot
   torch::Tensor carried, idle;         // [B] bool
   torch::Tensor paired;  // [B] 1 where the target style was recorded in the window's content
+  std::vector<Sampler::Window> windows;  // what they are made of
 };
 
 // Makes batches of the sampler's windows. `clips` must outlive it. One thread.

@@ -19,6 +19,12 @@ Status Check(const Config& config) {
     return Status::Error("--unpaired: found " + NumberText(config.unpaired) +
                          ", expected a share, 0 to 1");
   }
+  if (!config.idle_contents.empty() && config.idle <= 0) {
+    return Status::Error("--idle-content needs --idle");
+  }
+  if (!config.kept_contents.empty() && config.teachers.empty()) {
+    return Status::Error("--keep-content needs a --teacher");
+  }
   const std::pair<const char*, double> not_negative[] = {
       {"--rate", config.rate_hz},
       {"--heading-tau", config.heading_tau_s},
@@ -46,7 +52,10 @@ Status Check(const Config& config) {
       {"--w-perceptual", config.w_perceptual},
       {"--w-penalty", config.w_penalty},
       {"--w-moments", config.w_moments},
+      {"--teacher-lead", config.teacher_lead_s},
       {"--w-teacher", config.w_teacher},
+      {"--w-teacher-position", config.w_teacher_position},
+      {"--w-teacher-velocity", config.w_teacher_velocity},
       {"--w-smooth", config.w_smooth}};
   for (const auto& [flag, value] : not_negative) {
     if (!(value >= 0 && std::isfinite(value))) {

@@ -1,6 +1,8 @@
 #include "model/train/erd/distillation.h"
 
 #include <algorithm>
+#include <iostream>
+#include <utility>
 
 #include "model/train/geometry.h"
 
@@ -12,6 +14,13 @@ using torch::Tensor;
 // Windows before a mean is a target of idle windows: fewer are noise.
 constexpr int kFewestWindows = 4;
 
+// As many identity rotations as `rotations` has.
+Tensor Identity(const Tensor& rotations) {
+  Tensor out = torch::zeros_like(rotations);
+  out.select(-1, 3).fill_(1);
+  return out;
+}
+
 bool Contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -20,14 +29,22 @@ std::string Prefix(std::size_t teacher) { return "teacher." + std::to_string(tea
 
 }  // namespace
 
+Distillation::Distillation(Setup setup) : setup_(std::move(setup)) {
+  for (const auto& [slots, styles] : {std::pair(&setup_.slots.input, &roles_.input),
+                                      std::pair(&setup_.slots.target, &roles_.target)}) {
+    const Tensor on_cpu = slots->cpu();
+    const auto* const begin = on_cpu.data_ptr<int64_t>();
+    styles->assign(begin, begin + on_cpu.numel());
+  }
+}
+
 // Per style but neutral its name, or an empty one where the teacher does not have it.
-std::vector<std::string> Distillation::SharedStyles(const LoadedWeights& weights) const {
+std::vector<std::string> Distillation::SharedStyles(
+    const std::vector<std::string>& of_teacher) const {
   std::vector<std::string> shared;
   for (std::size_t style = 1; style < setup_.manifest.styles.size(); ++style) {
     const std::string& name = setup_.manifest.styles[style].name;
-    const bool known =
-        std::find(weights.styles.begin() + 1, weights.styles.end(), name) != weights.styles.end();
-    shared.push_back(known ? name : "");
+    shared.push_back(Contains(of_teacher, name) ? name : "");
   }
   return shared;
 }
@@ -93,24 +110,49 @@ Status Distillation::Add(const LoadedWeights& weights, const std::vector<Lesson>
     return Status::Error(
         "has other feature statistics than the run; train one with --init the other");
   }
-  const std::vector<std::string> shared = SharedStyles(weights);
+  const std::vector<std::string> shared = SharedStyles(weights.styles);
   const Result<Tensor> gains = Gains(shared, lessons);
   if (!gains.ok()) return gains.status();
   Result<std::unique_ptr<Generator>> generator = InOurOrder(weights, shared);
   if (!generator.ok()) return generator.status();
-
-  const Slots& slots = setup_.slots;
   Teacher teacher;
   teacher.generator = std::move(generator.value());
-  teacher.carried = teacher.generator->Start(slots);
+  teacher.carried = teacher.generator->Start(setup_.slots);
+  return Add(std::move(teacher), gains.value());
+}
+
+Status Distillation::Add(const net::ClipStylizer& network, const std::vector<Lesson>& lessons) {
+  const torch::NoGradGuard no_grad;
+  std::vector<std::string> names;
+  for (const net::StyleInfo& style : network.model().styles) names.push_back(style.name);
+  std::vector<std::string> shared = SharedStyles(names);
+  const Result<Tensor> gains = Gains(shared, lessons);
+  if (!gains.ok()) return gains.status();
+  const Tensor taught = gains.value().sum(1);
+  for (std::size_t i = 0; i < shared.size(); ++i) {
+    if (taught[static_cast<int64_t>(i) + 1].item<double>() == 0) shared[i].clear();
+  }
+  Result<ClipTeacher> clips =
+      ClipTeacher::Make(network, setup_.manifest, setup_.clips, setup_.rate_hz, shared);
+  if (!clips.ok()) return clips.status();
+  std::cout << "teacher: its change of style, not its output, in "
+            << 100 * clips.value().share_by_change() << " % of the clips" << std::endl;
+  Teacher teacher;
+  teacher.clips = std::make_unique<ClipTeacher>(std::move(clips.value()));
+  return Add(std::move(teacher), gains.value());
+}
+
+Status Distillation::Add(Teacher teacher, const Tensor& gains) {
+  const Slots& slots = setup_.slots;
   // One of a slot's two styles is neutral, number 0, so that the sum is the other.
-  teacher.gain = gains.value().to(setup_.mean.device()).index_select(0, slots.input + slots.target);
+  teacher.gain = gains.to(setup_.mean.device()).index_select(0, slots.input + slots.target);
   for (Teacher& earlier : teachers_) earlier.gain.masked_fill_(teacher.gain > 0, 0);
   // Changes from a style have no gain.
   const Tensor from_style = slots.styled.flatten().unsqueeze(1) * (teacher.gain > 0);
   teacher.gain = torch::where(from_style > 0, torch::ones_like(teacher.gain), teacher.gain);
   if (setup_.idle_content >= 0) {
     teacher.mean_sum = torch::zeros({styles(), body::kJointCount, 3}, setup_.mean.options());
+    teacher.rise_sum = torch::zeros({styles()}, setup_.mean.options());
     teacher.mean_count = torch::zeros({styles()}, setup_.mean.options());
   }
   teachers_.push_back(std::move(teacher));
@@ -119,65 +161,116 @@ Status Distillation::Add(const LoadedWeights& weights, const std::vector<Lesson>
 
 // The target of an idle window is a mean, the same in every frame; there is none before the mean is
 // of enough windows.
-void Distillation::ReplaceIdle(const Batch& batch, Teacher& teacher, Tensor& change,
+void Distillation::ReplaceIdle(const Batch& batch, Teacher& teacher, Target& target,
                                Tensor& gain) const {
   const Slots& slots = setup_.slots;
+  const Tensor idle =
+      batch.idle | (((batch.content * setup_.idle_contents).sum(1) > 0) & (slots.input == 0));
   const Tensor measured =
-      (slots.input == 0) & (batch.content.argmax(1) == setup_.idle_content) & ~batch.idle;
-  const Tensor counts = measured.to(change.dtype());
-  const Tensor mean = LogQuaternion(change).mean(0);  // [B, 21, 3]
+      (slots.input == 0) & (batch.content.argmax(1) == setup_.idle_content) & ~idle;
+  const Tensor counts = measured.to(target.change.dtype());
+  const Tensor mean = LogQuaternion(target.change).mean(0);  // [B, 21, 3]
   teacher.mean_sum.index_add_(0, slots.target, mean * counts.view({-1, 1, 1}));
+  teacher.rise_sum.index_add_(0, slots.target, target.rise_m.mean(0) * counts);
   teacher.mean_count.index_add_(0, slots.target, counts);
 
   const Tensor known = teacher.mean_count.index({slots.target});
-  const Tensor target =
+  const Tensor turned =
       teacher.mean_sum.index({slots.target}) / known.clamp_min(1).view({-1, 1, 1});
-  change = torch::where(batch.idle.view({1, -1, 1, 1}), ExpQuaternion(target).unsqueeze(0), change);
+  const Tensor risen = teacher.rise_sum.index({slots.target}) / known.clamp_min(1);
+  target.change =
+      torch::where(idle.view({1, -1, 1, 1}), ExpQuaternion(turned).unsqueeze(0), target.change);
+  target.rise_m = torch::where(idle.view({1, -1}), risen.unsqueeze(0), target.rise_m);
   const Tensor idle_gain = torch::where(known < kFewestWindows, torch::zeros_like(gain),
                                         teacher.gain.select(1, setup_.idle_content));
-  gain = torch::where(batch.idle, idle_gain, gain);
+  gain = torch::where(idle, idle_gain, gain);
+}
+
+Distillation::Target Distillation::Undisturbed(Teacher& teacher, const Batch& batch) const {
+  const Slots& slots = setup_.slots;
+  Target target;
+  if (teacher.clips) {
+    const auto frames = static_cast<int>(batch.u.size(0));
+    const torch::Device device = setup_.mean.device();
+    const ClipTeacher::Changes changes =
+        teacher.clips->Of(batch.windows, roles_, frames, setup_.lead_s * setup_.rate_hz);
+    target.change = changes.rotations.to(device);
+    target.rise_m = changes.rise_m.to(device);
+    return target;
+  }
+  const int64_t count = slots.count();
+  const Decoded both = teacher.generator->Transfer(batch.u, slots, batch.carried, teacher.carried);
+  target.change = Multiply(Conjugate(both.rotations.narrow(1, 0, count)),
+                           both.rotations.narrow(1, count, count));
+  target.rise_m =
+      (both.height.narrow(1, count, count) - both.height.narrow(1, 0, count)).squeeze(2) *
+      setup_.deviation[erd::kHipsHeightIndex];
+  return target;
 }
 
 Distillation::Target Distillation::TargetOf(Teacher& teacher, const Batch& batch) const {
   const torch::NoGradGuard no_grad;
-  const int64_t count = setup_.slots.count();
-  const Tensor both =
-      teacher.generator->Transfer(batch.u, setup_.slots, batch.carried, teacher.carried).rotations;
-  Target target;
-  target.change = Multiply(Conjugate(both.narrow(1, 0, count)), both.narrow(1, count, count));
+  Target target = Undisturbed(teacher, batch);
   Tensor gain = (teacher.gain * batch.content).sum(1);
-  if (teacher.mean_sum.defined()) ReplaceIdle(batch, teacher, target.change, gain);
+  if (teacher.mean_sum.defined()) ReplaceIdle(batch, teacher, target, gain);
+  const Tensor kept =
+      ((batch.content * setup_.kept_contents).sum(1) > 0) & (setup_.slots.input == 0) & ~batch.idle;
+  gain = torch::where(kept, (gain > 0).to(gain.dtype()), gain);
+  target.change = torch::where(kept.view({1, -1, 1, 1}), Identity(target.change), target.change);
+  target.rise_m = torch::where(kept.view({1, -1}), torch::zeros_like(target.rise_m), target.rise_m);
   target.taught = (gain > 0).to(target.change.dtype());
-  target.change = ScaleRotation(target.change, gain.view({1, count, 1, 1}));
+  target.change = ScaleRotation(target.change, gain.view({1, -1, 1, 1}));
+  target.rise_m = target.rise_m * gain;
   return target;
 }
 
-Tensor Distillation::Loss(const Batch& batch, const Tensor& change) {
-  Tensor sum = torch::zeros({}, batch.u.options());
-  Tensor taught = torch::zeros({}, batch.u.options());
+Distillation::Distance Distillation::Apart(const Batch& batch, const Student& student) {
+  const Tensor zero = torch::zeros({}, batch.u.options());
+  Distance sum{zero, zero, zero};
+  Tensor taught = zero;
   for (Teacher& teacher : teachers_) {
     const Target target = TargetOf(teacher, batch);
-    const Tensor apart = SquaredHalfAngle(change, target.change);  // [T, B, 21]
-    sum = sum + (apart.sum(torch::IntArrayRef({0, 2})) * target.taught).sum();
+    Tensor positions_m;
+    {
+      const torch::NoGradGuard no_grad;
+      positions_m = HipsRelativePositions(Multiply(batch.rotations, target.change));
+    }
+    const Tensor apart = SquaredHalfAngle(student.change, target.change);  // [T, B, 21]
+    Tensor off_m = student.positions_m - positions_m;                      // [T, B, 21, 3]
+    const Tensor rise_off_m = student.rise_m - target.rise_m;
+    off_m = torch::cat(
+        {off_m.narrow(3, 0, 1), off_m.narrow(3, 1, 1) + rise_off_m.view({off_m.size(0), -1, 1, 1}),
+         off_m.narrow(3, 2, 1)},
+        3);
+    const auto mean_square = [](const Tensor& x) {
+      return x.square().sum(3).mean(torch::IntArrayRef({0, 2}));  // [B]
+    };
+    sum.rotation = sum.rotation + (apart.sum(torch::IntArrayRef({0, 2})) * target.taught).sum();
+    sum.position = sum.position + (mean_square(off_m) * target.taught).sum();
+    sum.velocity =
+        sum.velocity + (mean_square(off_m.diff(1, 0) * setup_.rate_hz) * target.taught).sum();
     taught = taught + target.taught.sum();
   }
-  return sum / taught.clamp_min(1.0);
+  taught = taught.clamp_min(1.0);
+  return {sum.rotation / taught, sum.position / taught, sum.velocity / taught};
 }
 
 void Distillation::Save(Checkpoint& checkpoint) const {
   for (std::size_t i = 0; i < teachers_.size(); ++i) {
-    SaveCarried(teachers_[i].carried, Prefix(i), checkpoint);
+    if (teachers_[i].generator) SaveCarried(teachers_[i].carried, Prefix(i), checkpoint);
     if (!teachers_[i].mean_sum.defined()) continue;
     checkpoint.tensors[Prefix(i) + "mean_sum"] = teachers_[i].mean_sum;
+    checkpoint.tensors[Prefix(i) + "rise_sum"] = teachers_[i].rise_sum;
     checkpoint.tensors[Prefix(i) + "mean_count"] = teachers_[i].mean_count;
   }
 }
 
 void Distillation::Restore(const Checkpoint& checkpoint) {
   for (std::size_t i = 0; i < teachers_.size(); ++i) {
-    RestoreCarried(checkpoint, Prefix(i), teachers_[i].carried);
+    if (teachers_[i].generator) RestoreCarried(checkpoint, Prefix(i), teachers_[i].carried);
     if (!teachers_[i].mean_sum.defined()) continue;
     teachers_[i].mean_sum.copy_(checkpoint.tensors.at(Prefix(i) + "mean_sum"));
+    teachers_[i].rise_sum.copy_(checkpoint.tensors.at(Prefix(i) + "rise_sum"));
     teachers_[i].mean_count.copy_(checkpoint.tensors.at(Prefix(i) + "mean_count"));
   }
 }

@@ -53,6 +53,17 @@ Tensor ToTensor(const erd::Features& features, const torch::Device& device) {
       .to(device);
 }
 
+// 1 for each of the manifest's contents that is named.
+Tensor Named(const clip::Manifest& manifest, const std::vector<std::string>& names,
+             const torch::Device& device) {
+  Tensor out = torch::zeros({static_cast<int64_t>(manifest.contents.size())});
+  for (std::size_t i = 0; i < manifest.contents.size(); ++i) {
+    const bool named = std::find(names.begin(), names.end(), manifest.contents[i]) != names.end();
+    out[static_cast<int64_t>(i)] = named ? 1.0F : 0.0F;
+  }
+  return out.to(device);
+}
+
 // Learning rates are constant, then fall linearly.
 double Decay(const Config& config, double progress) {
   if (progress <= config.decay_from) return 1.0;
@@ -128,11 +139,17 @@ Learner::Learner(const Config& config, uint64_t seed, const LearnerData& data,
   if (!config.learned_states) StartFromZeros();
   const torch::NoGradGuard no_grad;
   carried_ = generator_.Start(slots_);
-  teachers_.emplace(Distillation::Setup{.manifest = manifest_,
-                                        .slots = slots_,
-                                        .mean = mean_,
-                                        .deviation = deviation_,
-                                        .idle_content = IdleContent(config, manifest_)});
+  teachers_.emplace(
+      Distillation::Setup{.manifest = manifest_,
+                          .clips = clips_,
+                          .rate_hz = config_.rate_hz,
+                          .lead_s = config_.teacher_lead_s,
+                          .slots = slots_,
+                          .mean = mean_,
+                          .deviation = deviation_,
+                          .idle_content = IdleContent(config, manifest_),
+                          .idle_contents = Named(manifest_, config_.idle_contents, device_),
+                          .kept_contents = Named(manifest_, config_.kept_contents, device_)});
 }
 
 void Learner::AssignSlots() {
@@ -154,6 +171,10 @@ Status Learner::AddTeacher(const LoadedWeights& weights, const std::vector<Lesso
   return teachers_->Add(weights, lessons);
 }
 
+Status Learner::AddTeacher(const net::ClipStylizer& network, const std::vector<Lesson>& lessons) {
+  return teachers_->Add(network, lessons);
+}
+
 // A badly calibrated window must come out as the well calibrated one would: `rec` is then compared
 // with that, and the change of style is put on that before it is judged.
 Learner::Generated Learner::Generate(const Batch& batch) {
@@ -169,6 +190,11 @@ Learner::Generated Learner::Generate(const Batch& batch) {
   const Tensor positions = HipsRelativePositions(torch::cat({out.rec, out.rotations}, 1));
   out.rec_positions = positions.narrow(1, 0, count);
   const Tensor sty_positions = positions.narrow(1, count, count);
+  out.positions = config_.judge_published
+                      ? sty_positions
+                      : HipsRelativePositions(Multiply(batch.rotations, out.change));
+  out.rise_m = (decoded.height.narrow(1, count, count) - out.rec_height).squeeze(2) *
+               deviation_[erd::kHipsHeightIndex];
   // The lowest foot stays as high as the input's.
   const Tensor lift = LowestFoot(batch.positions) - LowestFoot(sty_positions);
   const Tensor step = config_.judge_root ? batch.hips_step_m : torch::zeros_like(batch.hips_step_m);
@@ -237,7 +263,7 @@ void Learner::StepGenerator(const Batch& batch, const Generated& generated, doub
   if (config_.w_moments > 0) {
     loss = loss + config_.w_moments * MomentMatching(batch, generated);
   }
-  if (!teachers_->empty()) loss = loss + config_.w_teacher * Teaching(batch, generated);
+  if (!teachers_->empty()) loss = loss + Teaching(batch, generated);
   loss = loss + config_.w_smooth * SmoothShare(config_, progress) * Smoothness(generated);
   tally_.Add("loss", loss);
   generator_.parameters.ZeroGradient();

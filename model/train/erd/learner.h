@@ -55,6 +55,7 @@ class Learner {
   Status StartFrom(const LoadedWeights& weights);
   // Teaches from now on what `weights` make of the same windows (Distillation::Add).
   Status AddTeacher(const LoadedWeights& weights, const std::vector<Lesson>& lessons);
+  Status AddTeacher(const net::ClipStylizer& network, const std::vector<Lesson>& lessons);
   // Trains the content classifier on real windows of all styles, then freezes it.
   void TrainClassifier();
   // One iteration, critic first. `progress` in [0, 1] decides learning rates and the smoothness.
@@ -79,6 +80,8 @@ class Learner {
     torch::Tensor rec, rec_positions;          // D(input style), [T, B, 21, 4 or 3]
     torch::Tensor rec_velocities, rec_height;  // the heads, standardized
     torch::Tensor change;                      // rec⁻¹ ∘ sty, [T, B, 21, 4]
+    torch::Tensor positions;                   // of the input so changed, [T, B, 21, 3]
+    torch::Tensor rise_m;                      // of the hips by the height heads, [T, B]
     torch::Tensor rotations;                   // transferred, in the form that is judged
     torch::Tensor fake;                        // transferred, as the critic sees it
   };

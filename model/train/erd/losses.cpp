@@ -123,9 +123,13 @@ Tensor Learner::Smoothness(const Generated& generated) {
 }
 
 Tensor Learner::Teaching(const Batch& batch, const Generated& generated) {
-  const Tensor loss = teachers_->Loss(batch, generated.change);
-  tally_.Add("teacher_rad", (loss.detach() / (frames_ * body::kJointCount)).sqrt() * 2.0);
-  return loss;
+  const Distillation::Distance apart =
+      teachers_->Apart(batch, {generated.change, generated.positions, generated.rise_m});
+  tally_.Add("teacher_rad", (apart.rotation.detach() / (frames_ * body::kJointCount)).sqrt() * 2.0);
+  tally_.Add("teacher_m", apart.position.detach().sqrt());
+  tally_.Add("teacher_mps", apart.velocity.detach().sqrt());
+  return config_.w_teacher * apart.rotation + config_.w_teacher_position * apart.position +
+         config_.w_teacher_velocity * apart.velocity;
 }
 
 }  // namespace styled::train::style_erd

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "model/net/load.h"
 #include "model/train/checkpoint.h"
 #include "model/train/device.h"
 #include "model/train/erd/add_style.h"
@@ -63,6 +64,8 @@ class StyleErdRecipe : public Recipe {
   const clip::Manifest& manifest() const { return inputs_.data.manifest; }
   std::size_t contents() const { return manifest().contents.size(); }
   Status CheckIdle() const;
+  Status CheckContents() const;
+  Status AddTeacher(const TeacherFlag& flag);
   std::string Metadata(double wall_time_s) const;
 
   const RunConfig run_;
@@ -85,7 +88,22 @@ Status StyleErdRecipe::CheckIdle() const {
   return Status::Ok();
 }
 
+// Contents that a flag names must be the manifest's.
+Status StyleErdRecipe::CheckContents() const {
+  const std::vector<std::string>& all = manifest().contents;
+  for (const auto& [flag, names] : {std::pair("--idle-content", &config_.idle_contents),
+                                    std::pair("--keep-content", &config_.kept_contents)}) {
+    for (const std::string& name : *names) {
+      if (std::find(all.begin(), all.end(), name) != all.end()) continue;
+      return Status::Error(std::string(flag) + ": the manifest has no content \"" + name + "\"");
+    }
+  }
+  return Status::Ok();
+}
+
 Status StyleErdRecipe::AddTeachers() {
+  const Status contents = CheckContents();
+  if (!contents.ok()) return contents;
   if (config_.idle > 0) {
     const Status idle = CheckIdle();
     if (!idle.ok()) return idle;
@@ -93,12 +111,19 @@ Status StyleErdRecipe::AddTeachers() {
   for (const std::string& text : config_.teachers) {
     const Result<TeacherFlag> flag = ParseTeacher(text);
     if (!flag.ok()) return Status::Error("--teacher " + text + ": " + flag.status().message());
-    const Result<LoadedWeights> teacher = ReadWeights(flag.value().weights);
-    if (!teacher.ok()) return Status::Error("--teacher " + teacher.status().message());
-    const Status fits = learner_.AddTeacher(teacher.value(), flag.value().lessons);
-    if (!fits.ok()) return Status::Error("--teacher " + text + ": " + fits.message());
+    const Status added = AddTeacher(flag.value());
+    if (!added.ok()) return Status::Error("--teacher " + text + ": " + added.message());
   }
   return Status::Ok();
+}
+
+Status StyleErdRecipe::AddTeacher(const TeacherFlag& flag) {
+  const Result<net::AnyStylizer> any = net::LoadAny(flag.weights);
+  if (!any.ok()) return any.status();
+  if (any.value().clips) return learner_.AddTeacher(*any.value().clips, flag.lessons);
+  const Result<LoadedWeights> teacher = ReadWeights(flag.weights);
+  if (!teacher.ok()) return teacher.status();
+  return learner_.AddTeacher(teacher.value(), flag.lessons);
 }
 
 Status StyleErdRecipe::Start() {

@@ -385,6 +385,16 @@ TEST_F(Taught, ALessonIsOfOneContentAndAsStrongAsItSays) {
   }
 }
 
+TEST_F(Taught, AContentIsKeptAsItIs) {
+  RunFlags config = Student("taught", {strong_});
+  Check(Train(config));
+  config.out = root_ / "kept";
+  config.kept_contents = {"walk", "wave"};
+  Check(Train(config));
+  // Windows of a style, half of all, are brought to neutral as before.
+  EXPECT_LT(LogOf("kept", "change_rad").back(), 0.75 * LogOf("taught", "change_rad").back());
+}
+
 TEST_F(Taught, WhoIdlesIsTaughtTheMeanAndARunGoesOnBitForBit) {
   RunFlags config = Student("plain", {strong_});
   config.init = weak_;
@@ -449,6 +459,13 @@ TEST_F(Taught, ATeacherThatCannotTeachIsRefused) {
   config.teachers = {teacher + ".gone"};
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("--teacher "));
   config.teachers = {teacher};
+  config.kept_contents = {"walk", "nowhere"};
+  EXPECT_THAT(Train(config).message(),
+              testing::HasSubstr("--keep-content: the manifest has no content \"nowhere\""));
+  config.kept_contents.clear();
+  config.idle_contents = {"walk"};
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("--idle-content needs --idle"));
+  config.idle_contents.clear();
   config.heading_tau_s = 0.5;
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("other feature statistics"));
 }
