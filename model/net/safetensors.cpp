@@ -36,6 +36,16 @@ bool ReadUnsigned(const json& value, std::uint64_t& number) {
   return number <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
 }
 
+// The beginning of a file with this header: length and text, aligned to 8 bytes.
+std::vector<std::byte> WithHeader(std::string header) {
+  header.resize((header.size() + 7) / 8 * 8, ' ');
+  std::vector<std::byte> file(kLengthBytes + header.size());
+  const std::uint64_t length = header.size();
+  std::memcpy(file.data(), &length, kLengthBytes);
+  std::memcpy(file.data() + kLengthBytes, header.data(), header.size());
+  return file;
+}
+
 struct Extent {
   std::uint64_t begin, end;
   std::string name;
@@ -187,14 +197,10 @@ std::vector<std::byte> SerializeSafetensors(std::span<const NamedTensor> tensors
         {"dtype", "F32"}, {"shape", tensor.shape}, {"data_offsets", {offset, end}}};
     offset = end;
   }
-  std::string text = header.dump();
-  text.resize((text.size() + 7) / 8 * 8, ' ');  // align the data to 8 bytes
-
-  std::vector<std::byte> file(kLengthBytes + text.size() + offset);
-  const std::uint64_t length = text.size();
-  std::memcpy(file.data(), &length, kLengthBytes);
-  std::memcpy(file.data() + kLengthBytes, text.data(), text.size());
-  std::byte* out = file.data() + kLengthBytes + text.size();
+  std::vector<std::byte> file = WithHeader(header.dump());
+  const std::size_t head = file.size();
+  file.resize(head + offset);
+  std::byte* out = file.data() + head;
   for (const NamedTensor& tensor : tensors) {
     const std::size_t bytes = tensor.values.size() * sizeof(float);
     if (bytes != 0) std::memcpy(out, tensor.values.data(), bytes);
@@ -203,9 +209,23 @@ std::vector<std::byte> SerializeSafetensors(std::span<const NamedTensor> tensors
   return file;
 }
 
-Status WriteSafetensors(const std::filesystem::path& file, std::span<const NamedTensor> tensors,
-                        const std::map<std::string, std::string>& metadata) {
-  const std::vector<std::byte> bytes = SerializeSafetensors(tensors, metadata);
+Result<std::vector<std::byte>> WithMetadata(std::span<const std::byte> file,
+                                            const std::map<std::string, std::string>& metadata,
+                                            const std::string& name) {
+  const auto view = ParseSafetensors(file, name);
+  if (!view.ok()) return view.status();
+  std::uint64_t length = 0;
+  std::memcpy(&length, file.data(), kLengthBytes);
+  const auto* const text = reinterpret_cast<const char*>(file.data()) + kLengthBytes;
+  auto header = nlohmann::ordered_json::parse(text, text + length);  // parsed once, so it is sound
+  header["__metadata__"] = metadata;
+  std::vector<std::byte> out = WithHeader(header.dump());
+  const auto tensors = file.subspan(kLengthBytes + length);
+  out.insert(out.end(), tensors.begin(), tensors.end());
+  return out;
+}
+
+Status WriteFile(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   std::filesystem::path beside = file;
   beside += ".part";
   {
@@ -219,6 +239,11 @@ Status WriteSafetensors(const std::filesystem::path& file, std::span<const Named
   std::filesystem::rename(beside, file, code);
   if (code) return Status::Error(file.string() + ": " + code.message());
   return Status::Ok();
+}
+
+Status WriteSafetensors(const std::filesystem::path& file, std::span<const NamedTensor> tensors,
+                        const std::map<std::string, std::string>& metadata) {
+  return WriteFile(file, SerializeSafetensors(tensors, metadata));
 }
 
 }  // namespace styled::net

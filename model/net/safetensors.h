@@ -50,8 +50,16 @@ struct NamedTensor {
 std::vector<std::byte> SerializeSafetensors(std::span<const NamedTensor> tensors,
                                             const std::map<std::string, std::string>& metadata);
 
-// Writes them to a temporary file beside `file` and renames it, so a reader sees the old file or
-// the new one, never a part.
+// A file with the same tensors, byte for byte and in the same order, and other metadata; or the
+// error of ParseSafetensors.
+Result<std::vector<std::byte>> WithMetadata(std::span<const std::byte> file,
+                                            const std::map<std::string, std::string>& metadata,
+                                            const std::string& name);
+
+// Writes a file to a temporary one beside it and renames that, so a reader sees the old file or the
+// new one, never a part.
+Status WriteFile(const std::filesystem::path& file, std::span<const std::byte> bytes);
+// The same for these tensors.
 Status WriteSafetensors(const std::filesystem::path& file, std::span<const NamedTensor> tensors,
                         const std::map<std::string, std::string>& metadata);
 

@@ -17,6 +17,8 @@ inline constexpr float kMaxTransition_s = 60.0F;  // of a style change
 struct StyleInfo {
   std::string name;
   std::vector<std::string> aliases;
+  // Mean speed of the style's walks and runs, canonical metres per second; 0: not measured.
+  float walk_mps = 0, run_mps = 0;
 };
 
 // The styles of a weights file; [0] is neutral. A style's number is its index here.

@@ -17,6 +17,9 @@ namespace {
 using nlohmann::json;
 
 constexpr float kMaxRate_hz = 1000.0F;
+constexpr const char* kWalkKey = "walk_mps";
+constexpr const char* kRunKey = "run_mps";
+constexpr double kLeastSpeed_mps = 0.05, kMostSpeed_mps = 15;
 
 std::string ReadString(const json& object, const std::string& key, Faults& faults) {
   const json* value = FindKey(object, key, faults);
@@ -70,6 +73,16 @@ void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
     ReadName(entry["name"], place + ".name", known, style.name, faults);
     for (const json& alias : entry["aliases"]) {
       ReadName(alias, place + ".aliases", known, style.aliases.emplace_back(), faults);
+    }
+    for (const auto& [key, speed] :
+         {std::pair(kWalkKey, &style.walk_mps), std::pair(kRunKey, &style.run_mps)}) {
+      if (!entry.contains(key)) continue;
+      const json& value = entry[key];
+      const double speed_mps = value.is_number() ? value.get<double>() : 0;
+      if (!(speed_mps >= kLeastSpeed_mps && speed_mps <= kMostSpeed_mps)) {
+        faults.Key(place + "." + key, "a number from 0.05 to 15", Shown(value));
+      }
+      *speed = static_cast<float>(speed_mps);
     }
     styles.push_back(std::move(style));
     // The first is neutral, whatever it is called.
@@ -187,7 +200,10 @@ Result<WeightsFile> ParseWeights(std::span<const std::byte> bytes, const std::st
 json HeaderOf(const Model& model) {
   json styles = json::array();
   for (const StyleInfo& style : model.styles) {
-    styles.push_back({{"name", style.name}, {"aliases", style.aliases}});
+    json& entry = styles.emplace_back();
+    entry = {{"name", style.name}, {"aliases", style.aliases}};
+    if (style.walk_mps > 0) entry[kWalkKey] = style.walk_mps;
+    if (style.run_mps > 0) entry[kRunKey] = style.run_mps;
   }
   const json training = json::parse(model.training, nullptr, /*allow_exceptions=*/false);
   return {{"version", 2},

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "model/net/weights_file.h"
 #include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::net {
@@ -35,6 +36,27 @@ TEST(Load, AnUnknownFamilyIsRefusedWithTheKnownOnes) {
   EXPECT_THAT(Parse(file.Bytes(), "file").status().message(),
               AllOf(HasSubstr("file: key 'family': expected "), HasSubstr("\"style-erd\""),
                     HasSubstr("found \"transformer\"")));
+}
+
+TEST(Load, StylesMayHaveTheirSpeeds) {
+  erd::WeightsFile file = erd::RandomWeights(3, 1);
+  file.metadata["styles"][0]["walk_mps"] = 1.25;
+  file.metadata["styles"][0]["run_mps"] = 3;
+  const auto network = Parse(file.Bytes(), "file");
+  ASSERT_TRUE(network.ok()) << network.status().message();
+  const Model& model = network.value()->model();
+  EXPECT_EQ(model.styles[0].walk_mps, 1.25F);
+  EXPECT_EQ(model.styles[0].run_mps, 3);
+  EXPECT_EQ(model.styles[1].walk_mps, 0) << "not measured";
+  EXPECT_EQ(HeaderOf(model)["styles"][0]["walk_mps"], 1.25);
+  EXPECT_FALSE(HeaderOf(model)["styles"][1].contains("walk_mps"));
+  for (const nlohmann::json& wrong : {nlohmann::json(0), nlohmann::json(-1), nlohmann::json(16),
+                                      nlohmann::json("fast"), nlohmann::json(nullptr)}) {
+    file.metadata["styles"][2]["run_mps"] = wrong;
+    EXPECT_EQ(
+        Parse(file.Bytes(), "file").status().message(),
+        "file: key 'styles[2].run_mps': expected a number from 0.05 to 15, found " + wrong.dump());
+  }
 }
 
 TEST(Load, NamesTheFile) {

@@ -175,5 +175,19 @@ TEST_F(SafetensorsFile, RefusesOneThatIsTooLarge) {
   EXPECT_THAT(ReadFile(file).status().message(), HasSubstr("expected at most 67108864 bytes"));
 }
 
+TEST(Safetensors, OtherMetadataLeavesTheTensorsAsTheyAre) {
+  const std::vector<NamedTensor> tensors{{"b", {2}, {1.5F, -2}}, {"a", {1, 1}, {3}}};
+  const auto file = SerializeSafetensors(tensors, {{"k", "old"}});
+  const std::map<std::string, std::string> metadata{{"k", "a much longer value"}};
+  const auto other = WithMetadata(file, metadata, "file");
+  ASSERT_TRUE(other.ok()) << other.status().message();
+  const auto view = ParseSafetensors(other.value(), "file");
+  ASSERT_TRUE(view.ok()) << view.status().message();
+  EXPECT_EQ(view.value().metadata, metadata);
+  EXPECT_EQ(view.value().tensors.size(), 2U);
+  EXPECT_EQ(other.value(), SerializeSafetensors(tensors, metadata)) << "in the same order, too";
+  EXPECT_FALSE(WithMetadata(std::span(file).first(20), metadata, "file").ok());
+}
+
 }  // namespace
 }  // namespace styled::net
