@@ -58,8 +58,8 @@ void Feet::Reset() noexcept {
   last_across_.setZero();
 }
 
-void Feet::Process(float dt_s, float weight, const PoseView& input,
-                   const MutablePoseView& styled) noexcept {
+void Feet::Process(float dt_s, float weight, const PoseView& input, const MutablePoseView& styled,
+                   const Travel& travel) noexcept {
   if (dt_s >= tuning::kHole_s) dt_s = 0;  // over a hole, locks keep their state
   // 1 Contacts, from the performer's own feet.
   in_legs_.Place(input, in_);
@@ -76,7 +76,7 @@ void Feet::Process(float dt_s, float weight, const PoseView& input,
   // 2 The target of each foot: heights, then the lock.
   legs_.Place(styled, out_);
   for (int side = 0; side < kLegs; ++side) {
-    if (Resolved(side)) PlaceFoot(side, dt_s, weight);
+    if (Resolved(side)) PlaceFoot(side, dt_s, weight, travel);
   }
   // 3 The hips' height, from the legs that stand. 4 The legs' IK.
   MoveHips(dt_s, styled);
@@ -120,7 +120,7 @@ Feet::Sole Feet::InputFoot(int side) const noexcept {
   return sole;
 }
 
-void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
+void Feet::PlaceFoot(int side, float dt_s, float weight, const Travel& travel) noexcept {
   const Legs::Leg& leg = legs_.leg(side);
   const Sole input = InputFoot(side);
   Leg& state = state_[static_cast<std::size_t>(side)];
@@ -170,7 +170,7 @@ void Feet::PlaceFoot(int side, float dt_s, float weight) noexcept {
   state.pitch = Quat::Identity();
   if (has_toes) state.pitch = Pitch(foot, ankle.rotation * leg.across_foot, lift_toes - lift_heel);
   const Vec3 pitched_heel = toes - state.pitch * foot;
-  Lock(side, dt_s, input, toes, pitched_heel);
+  Lock(side, dt_s, input, toes, pitched_heel, travel);
   state.ankle_m = pitched_heel + weight * state.offset_m;
   state.ankle_m.y() += lift_toes;
 
@@ -211,12 +211,16 @@ void Feet::MeasureLeg(int side, float dt_s, float carries) noexcept {
 
 // The lock is an integral. In each frame the published foot moves by `hold` times the performer's
 // own step plus (1 - hold) times the styled step, so it never jumps, however the contacts change.
-void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes,
-                const Vec3& heel) noexcept {
+void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const Vec3& heel,
+                const Travel& travel) noexcept {
   Leg& state = state_[static_cast<std::size_t>(side)];
   const Vec3& in_heel = input.heel_m;
   const Vec3& in_toes = input.toes_m;
-  const Vec3 change = Flat(toes - in_toes);  // what the style changes about the foot's place
+  // What the style changes about the foot's place, against a performer who travels as it does.
+  const Vec3 ahead = Flat(in_toes - in_[static_cast<std::size_t>(in_legs_.hips())].position_m);
+  const Vec3 step_out = travel.longer * travel.along.dot(ahead) * travel.along;
+  const Vec3 change = Flat(toes - in_toes) - travel.moved_m - step_out;
+  const float reach_m = options_.reach_m + step_out.norm();  // of which the longer step is no fault
 
   if (state.frames == 0) {
     state.centre_m = change;
@@ -226,7 +230,7 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes,
     // is held.
     state.centre_m += DecayShare(dt_s, options_.centre_s) * (change - state.centre_m);
     Vec3 wish = options_.centre * (state.centre_m - change);
-    wish *= std::min(1.0F, options_.reach_m / std::max(wish.norm(), 1e-6F));
+    wish *= std::min(1.0F, reach_m / std::max(wish.norm(), 1e-6F));
 
     const float heel_hold = (1 - state.yields) * input.heel;
     const float toe_hold = (1 - state.yields) * input.toes;
@@ -240,7 +244,7 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes,
     const float far = state.offset_m.norm();
     if (far > 0) {
       const Vec3 outwards = state.offset_m / far;
-      const float give = SmoothStep(far, tuning::kLetGo * options_.reach_m, options_.reach_m);
+      const float give = SmoothStep(far, tuning::kLetGo * reach_m, reach_m);
       step -= give * std::max(0.0F, step.dot(outwards)) * outwards;
     }
     state.offset_m += step;

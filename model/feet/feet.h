@@ -7,6 +7,7 @@
 #include "model/feet/contacts.h"
 #include "model/feet/legs.h"
 #include "model/feet/options.h"
+#include "model/feet/travel.h"
 #include "model/feet/two_bone_ik.h"
 
 namespace styled::feet {
@@ -35,8 +36,9 @@ class Feet {
   // hips' translation, nothing else. Both need unit rotations and must not share memory. `weight`,
   // 0 .. 1, is the strength of the stage: at 0 only the contacts are tracked, and `styled` stays as
   // it is, bit for bit.
+  // `travel`: where the styled body is on the floor, if elsewhere than the performer.
   STYLED_REALTIME void Process(float dt_s, float weight, const PoseView& input,
-                               const MutablePoseView& styled) noexcept;
+                               const MutablePoseView& styled, const Travel& travel = {}) noexcept;
 
   // Forgets locks, floor and contacts: the next frame counts as the first.
   STYLED_REALTIME void Reset() noexcept;
@@ -69,8 +71,9 @@ class Feet {
   Sole InputFoot(int side) const noexcept;
   bool Resolved(int side) const { return in_legs_.leg(side).resolved && legs_.leg(side).resolved; }
   void TurnWithPerformer() noexcept;
-  void PlaceFoot(int side, float dt_s, float weight) noexcept;
-  void Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const Vec3& heel) noexcept;
+  void PlaceFoot(int side, float dt_s, float weight, const Travel& travel) noexcept;
+  void Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const Vec3& heel,
+            const Travel& travel) noexcept;
   void MeasureLeg(int side, float dt_s, float carries) noexcept;
   void MoveHips(float dt_s, const MutablePoseView& styled) noexcept;
   void Reach(int side, const MutablePoseView& styled) noexcept;
