@@ -43,11 +43,13 @@ bool Avatar::Process(std::int64_t time_ns, const Output& styled) noexcept {
     ShiftUp(*avatar_, shift_m_.Follow(wanted_m, dt_s, ground_tau_s_) / avatar_->scale(), pose_);
   }
   feet_.Process(dt_s, hold_ ? 1.0F : 0.0F, {performed_.translations, performed_.rotations},
-                {pose_.translations, pose_.rotations});
+                {pose_.translations, pose_.rotations}, styled.travel);
   if (IsSound(*avatar_, pose_, styled.canonical)) return true;
   // The feet's state may have caused it: start anew, and show the performer's own motion.
   Reset();
-  avatar_->Unbind(styled.canonical_input, last_, pose_);
+  body::Pose own = styled.canonical_input;
+  own.hips_position_m += styled.travel.moved_m;
+  avatar_->Unbind(own, last_, pose_);
   return false;
 }
 

@@ -84,17 +84,31 @@ float GroundShift_m(const rig::Binding& input_binding, const rig::RigPose& input
          binding.scale() * SoftLowest(binding, styled, Up(binding));
 }
 
-void ShiftUp(const rig::Binding& binding, float shift, rig::RigPose& styled) noexcept {
+namespace {
+
+// `by`: source units, in the world's source axes.
+void ShiftInSource(const rig::Binding& binding, const rig::Vec3& by, rig::RigPose& styled) {
   const rig::Skeleton& skeleton = binding.skeleton();
   const auto hips = static_cast<std::size_t>(binding.spec().source_joint[body::kHips]);
-  // The shift is along the world's up; the hips' translation is in their parent's frame.
+  // The shift is in the world's axes; the hips' translation is in their parent's frame.
   rig::Quat world_from_parent = rig::Quat::Identity();
   for (int above = skeleton.parents[hips]; above >= 0;
        above = skeleton.parents[static_cast<std::size_t>(above)]) {
     world_from_parent =
         styled.rotations[static_cast<std::size_t>(above)].normalized() * world_from_parent;
   }
-  styled.translations[hips] += world_from_parent.conjugate() * (shift * Up(binding));
+  styled.translations[hips] += world_from_parent.conjugate() * by;
+}
+
+}  // namespace
+
+void ShiftUp(const rig::Binding& binding, float shift, rig::RigPose& styled) noexcept {
+  ShiftInSource(binding, shift * Up(binding), styled);
+}
+
+void Shift(const rig::Binding& binding, const body::Vec3& by_m, rig::RigPose& styled) noexcept {
+  ShiftInSource(
+      binding, binding.spec().canonical_from_source.conjugate() * (by_m / binding.scale()), styled);
 }
 
 }  // namespace styled::stylist

@@ -23,7 +23,10 @@ STYLED_REALTIME float GroundShift_m(const rig::Binding& input_binding, const rig
                                     const rig::Binding& binding,
                                     const rig::RigPose& styled) noexcept;
 
-// Moves the hips of `styled` by `shift` source units along the source's up axis.
+// Moves the hips of `styled` by `by_m`, canonical metres and axes.
+STYLED_REALTIME void Shift(const rig::Binding& binding, const body::Vec3& by_m,
+                           rig::RigPose& styled) noexcept;
+// The same by `shift` source units along the source's up axis.
 STYLED_REALTIME void ShiftUp(const rig::Binding& binding, float shift,
                              rig::RigPose& styled) noexcept;
 

@@ -39,13 +39,14 @@ bool IsSound(const net::Prediction& step) noexcept {
   return IsSound(step.reconstruction) && IsSound(step.styled);
 }
 
-bool IsSound(const body::Pose& styled, const body::Pose& own) noexcept {
+bool IsSound(const body::Pose& styled, const body::Pose& own, float moved_m) noexcept {
   return AreUnit(styled.rotations) &&
-         IsNear(styled.hips_position_m, own.hips_position_m, tuning::kFarthest_m);
+         IsNear(styled.hips_position_m, own.hips_position_m, tuning::kFarthest_m + moved_m);
 }
 
-bool IsSound(const rig::RigPose& styled, const rig::RigPose& own, float metres) noexcept {
-  const float most = tuning::kFarthest_m / metres;
+bool IsSound(const rig::RigPose& styled, const rig::RigPose& own, float metres,
+             float moved_m) noexcept {
+  const float most = (tuning::kFarthest_m + moved_m) / metres;
   for (std::size_t joint = 0; joint < styled.translations.size(); ++joint) {
     if (!IsNear(styled.translations[joint], own.translations[joint], most)) return false;
   }

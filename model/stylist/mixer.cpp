@@ -31,8 +31,10 @@ void Mixer::Aim(const Settings& settings) noexcept {
   }
   presence_.start = presence_.value;
   absolute_.start = absolute_.value;
+  stride_.start = stride_.value;
   presence_.target = 0;
   absolute_.target = settings.absolute ? 1 : 0;
+  stride_.target = settings.root == Root::kStride ? 1 : 0;
   const bool nothing = empty();  // no style in effect: parts need no fade
   for (std::size_t part = 0; part < parts_.size(); ++part) {
     Fade& fade = parts_[part];
@@ -65,6 +67,7 @@ void Mixer::Advance(double dt_s) noexcept {
     };
     move(presence_);
     move(absolute_);
+    move(stride_);
     whole_ = true;
     for (Fade& part : parts_) {
       move(part);

@@ -32,6 +32,8 @@ class Mixer {
   // place of the detail-preserving one.
   float presence() const { return presence_.value; }
   float absolute() const { return absolute_.value; }
+  // 0 .. 1: the share of the style's speed that the way over the floor has (Root::kStride).
+  float stride() const { return stride_.value; }
   // 0 .. 1: the share of the style that a part of the body shows. whole(): all parts show all of
   // it.
   float share(body::Part part) const { return parts_[static_cast<std::size_t>(part)].value; }
@@ -56,7 +58,7 @@ class Mixer {
   std::array<net::StyleWeight, net::kMaxActive> active_;
   std::size_t count_ = 0;
   int input_style_ = 0, next_input_style_ = 0;
-  Fade presence_, absolute_;
+  Fade presence_, absolute_, stride_;
   std::array<Fade, body::kPartCount> parts_ = AllParts();
   bool whole_ = true;
   double elapsed_s_ = 0;

@@ -12,6 +12,12 @@ namespace styled::stylist {
 // The style settings of one performer, and the options for all streams. Plain values, no
 // allocation; any thread. Pinned by tests/unit/stylist/settings_test.cpp.
 
+// Where the styled body is on the floor.
+enum class Root {
+  kFollow,  // where the performer is
+  kStride,  // the performer's way, scaled by what the style does to speed (stride.h)
+};
+
 // The style of one performer. `mix` holds numbers and weights of the network's styles; the weights
 // in effect are these times `strength`. Neutral, 0, may be a target only if `input_style` is
 // another style.
@@ -22,6 +28,7 @@ struct Settings {
   float transition_s = tuning::kTransition_s;
   bool absolute = false;                // the paper's output instead of the detail-preserving one
   body::Parts parts = body::kAllParts;  // other parts stay as captured; not empty
+  Root root = Root::kFollow;            // back to kFollow: from the place reached so far
   int input_style = 0;  // style of the captured motion, which is removed; 0: neutral
 };
 

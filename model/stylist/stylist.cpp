@@ -16,6 +16,7 @@
 #include "model/stylist/knees.h"
 #include "model/stylist/mixer.h"
 #include "model/stylist/predictor.h"
+#include "model/stylist/stride.h"
 #include "model/stylist/tuning.h"
 
 namespace styled::stylist {
@@ -25,13 +26,16 @@ using body::kJointCount;
 using body::Pose;
 using body::Vec3;
 
-// Publishes the performer's own motion, bit for bit.
-void PassThrough(Output& out) noexcept {
+// Publishes the performer's own motion, bit for bit, in the place that strides have reached.
+void PassThrough(const rig::Binding& binding, Output& out) noexcept {
   out.canonical = out.canonical_input;
   std::copy(out.source.translations.begin(), out.source.translations.end(),
             out.rig.translations.begin());
   std::copy(out.source.rotations.begin(), out.source.rotations.end(), out.rig.rotations.begin());
   out.flags |= kBypass;
+  if (out.travel.moved_m.isZero(0.0F)) return;
+  out.canonical.hips_position_m += out.travel.moved_m;
+  Shift(binding, out.travel.moved_m, out.rig);
 }
 
 void PrefetchObject(std::span<const std::byte> bytes) noexcept {
@@ -70,6 +74,7 @@ struct Stylist::Impl {
   void Restart() noexcept;
   void RestartAfterGap() noexcept;
   void JudgeFrame(std::int64_t time_ns, Output& out) noexcept;
+  void MoveOn(Output& out) noexcept;
   void GiveBack(Output& out) noexcept;
   bool Bypassed() const noexcept;
   BatchEntry EntryOf(const Output& out) noexcept {
@@ -86,6 +91,7 @@ struct Stylist::Impl {
   ChangeFilter filter;
   Domain domain;
   LimbGate gate;
+  Stride stride;
   // Vertical shifts: of the canonical humanoid, and of the source skeleton in its units.
   CriticallyDamped shift_m, rig_shift;
   feet::Feet feet, rig_feet;
@@ -118,6 +124,7 @@ void Stylist::Reset() noexcept {
   impl_->Restart();
   impl_->input_guard.Reset();
   impl_->predictor.ForgetInput();
+  impl_->stride.Reset();
   impl_->feet.Reset();
   impl_->rig_feet.Reset();
   impl_->started = false;  // the next frame's time may be anything
@@ -176,6 +183,18 @@ void Stylist::Impl::Bind(std::int64_t time_ns, const rig::RigPose& in, Output& o
   JudgeFrame(time_ns, out);
   binding->Bind(input_guard.clean(), out.canonical_input);
   mixer.Advance(dt_s);
+  MoveOn(out);
+}
+
+// The way over the floor is scaled as far as the style is shown, and only where legs show it.
+void Stylist::Impl::MoveOn(Output& out) noexcept {
+  const float shown =
+      domain.weight() * std::min(Shown(body::Part::kLeftLeg), Shown(body::Part::kRightLeg));
+  const net::Styles& styles = predictor.network()->model().styles;
+  stride.Follow(out.canonical_input.hips_position_m, dt_s, options.gap_reset_s,
+                filter.delay_s() / 2,
+                [&](float speed_mps) { return shown * LogStride(styles, mixer, speed_mps); });
+  out.travel = stride.travel();
 }
 
 // Handles jumps, gaps and changes of rate; sets kConcealed.
@@ -185,6 +204,7 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
     out.held.set(0);
   } else if (jump == InputGuard::Jump::kAccepted) {
     Restart();
+    stride.Reset();
     feet.Reset();
     rig_feet.Reset();
     fresh_session = true;
@@ -259,7 +279,8 @@ void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
 void Stylist::Impl::Apply(Output& out) const noexcept {
   const Pose& input = out.canonical_input;
   Pose& styled = out.canonical;
-  styled.hips_position_m = input.hips_position_m + filter.applied().col(kRise);
+  styled.hips_position_m =
+      input.hips_position_m + out.travel.moved_m + filter.applied().col(kRise);
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
     const Vec3 turn = filter.applied().col(static_cast<Eigen::Index>(joint));
     styled.rotations[joint] = (input.rotations[joint] * body::Exp(turn)).normalized();
@@ -269,14 +290,14 @@ void Stylist::Impl::Apply(Output& out) const noexcept {
 
 // Nothing is styled, and the last style has faded completely.
 bool Stylist::Impl::Bypassed() const noexcept {
-  return mixer.empty() && filter.applied().isZero(0.0F) && feet_style.value() < tuning::kNoStyle &&
-         std::abs(shift_m.value()) < tuning::kSettled_m &&
+  return mixer.empty() && stride.factor() == 1 && filter.applied().isZero(0.0F) &&
+         feet_style.value() < tuning::kNoStyle && std::abs(shift_m.value()) < tuning::kSettled_m &&
          std::abs(rig_shift.value()) * binding->scale() < tuning::kSettled_m;
 }
 
 void Stylist::Impl::Unbind(Output& out) noexcept {
   if (options.bypass && Bypassed()) {
-    PassThrough(out);
+    PassThrough(*binding, out);
     shift_m.Reset();
     rig_shift.Reset();
     return;
@@ -304,20 +325,21 @@ void Stylist::Impl::HoldFeet(Output& out) noexcept {
   const bool held = options.feet && (out.flags & kBypass) == 0;
   const float weight = held ? SmoothStep(domain.weight() * style / tuning::kFeetFull) : 0.0F;
   rig_feet.Process(dt, weight, {input_guard.clean().translations, input_guard.clean().rotations},
-                   {out.rig.translations, out.rig.rotations});
+                   {out.rig.translations, out.rig.rotations}, out.travel);
   out.contacts = rig_feet.contacts().bits();
   offsets_in[body::kHips] = out.canonical_input.hips_position_m;
   offsets_out[body::kHips] = out.canonical.hips_position_m;
   feet.Process(dt, weight, {offsets_in, out.canonical_input.rotations},
-               {offsets_out, out.canonical.rotations});
+               {offsets_out, out.canonical.rotations}, out.travel);
   out.canonical.hips_position_m = offsets_out[body::kHips];
 }
 
 // If the styled frame is not sound, the performer's own is published instead.
 void Stylist::Impl::GuardOutput(Output& out) noexcept {
   if (!failed) {
-    failed = !IsSound(out.canonical, out.canonical_input) ||
-             !IsSound(out.rig, out.source, binding->scale());
+    const float moved_m = out.travel.moved_m.norm();
+    failed = !IsSound(out.canonical, out.canonical_input, moved_m) ||
+             !IsSound(out.rig, out.source, binding->scale(), moved_m);
     if (failed) {  // their state may be the cause
       feet.Reset();
       rig_feet.Reset();
@@ -336,7 +358,7 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
   shift_m.Reset();
   rig_shift.Reset();
   feet_style.Reset();
-  PassThrough(out);
+  PassThrough(*binding, out);
   out.flags |= kFailed;
   HoldFeet(out);
 }

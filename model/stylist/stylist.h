@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/base/realtime.h"
+#include "model/feet/travel.h"
 #include "model/net/stylizer.h"
 #include "model/rig/binding.h"
 #include "model/stylist/limb_gate.h"
@@ -37,10 +38,13 @@ inline constexpr int kMeanStepsPerFrame = 8;
 struct Output {
   body::Pose canonical;
   body::Pose canonical_input;  // the bound input, before the style
-  rig::RigPose rig;     // the styled pose on the source skeleton; in bypass the input, bit for bit
-  rig::RigPose source;  // the input on the source skeleton, with bad joints held
+  // The styled pose on the source skeleton; in bypass the input, bit for bit, but for the hips'
+  // place after a Root::kStride.
+  rig::RigPose rig;
+  rig::RigPose source;    // the input on the source skeleton, with bad joints held
   std::bitset<256> held;  // source joints whose input was bad
   std::uint32_t flags = 0;
+  feet::Travel travel;  // how far the styled hips are off the performer's, and how steps differ
   std::uint32_t contacts = 0;  // bit 0 left, bit 1 right: the performer's own foot is planted
   std::array<net::StyleWeight, net::kMaxActive> in_force;  // styles and weights in this frame
   int in_force_count = 0;
@@ -70,8 +74,8 @@ class Stylist {
   STYLED_REALTIME void Set(const Settings& settings) noexcept;
   const Settings& settings() const;
 
-  // Clears recurrent state, held values and filters; keeps the settings and the style weights in
-  // effect.
+  // Clears recurrent state, held values, filters and what Root::kStride has gained; keeps the
+  // settings and the style weights in effect.
   STYLED_REALTIME void Reset() noexcept;
 
   // Styles one frame. `time_ns` is source time and must be greater than the last frame's (the

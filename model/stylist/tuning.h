@@ -181,6 +181,37 @@ inline constexpr float kKneeCorner_rad = 0.3F;
 // measurement on record.
 inline constexpr float kKneeBroken_rad = 2.0F;
 
+// Stride (stride.h)
+
+// Time constant of the average of the performer's velocity, s. It must be longer than a step, in
+// which the hips' speed and direction sway, and shorter than the start of a walk.
+inline constexpr float kStrideSpeed_s = 0.2F;
+// Time constant with which the factor is followed, s, beside half the delay of the style delta.
+inline constexpr float kStrideFactor_s = 0.1F;
+// A smaller logarithm of the factor counts as none: 0.1 mm per metre. Chosen as invisible.
+inline constexpr float kStrideSettled = 1e-4F;
+// Shares of the walking speed: below the first the performer stands, and no way is scaled; from the
+// second on their way is scaled as in a walk. Shifts of weight reach 0.2 m/s, the slowest walks of
+// set 2 are above 0.5 of the mean walk.
+inline constexpr float kStrideStands = 0.15F, kStrideWalks = 0.5F;
+// Shares of the way from walking to running speed between which the walk's factor gives way to the
+// run's. Neutral walks of set 2 are up to 0.07, runs down to 0.73.
+inline constexpr float kStrideRunBegins = 0.3F, kStrideRuns = 0.7F;
+// A style's run is that much faster than its walk at least, so that the two can be told apart.
+inline constexpr float kStrideLeastRun = 1.2F;
+// A style has a speed of its own: the three actors of set 2 run at 2.7 to 3.4 m/s in neutral, and
+// each style within 10 % of one speed whoever runs (correlation with neutral's about 0). So a
+// performer who is slower than usual is slowed less, by this share of the deviation (logarithms),
+// up to the factor kStrideUnusual. Larger: nearer to the style's own speed, and less of the
+// performer's control over it. 0: the ratio of mean speeds alone.
+inline constexpr float kStrideOwnSpeed = 0.5F;
+inline constexpr float kStrideUnusual = 1.4F;
+// Below this speed the direction of a stride is uncertain, m/s: the speed of shifts of weight.
+inline constexpr float kStrideStanding_mps = 0.2F;
+// Bounds of the factor. Set 2 has 0.48 (elderly, run) to 1.29 (active, walk), set 1 0.40 (not
+// confident) to 1.6 (angry); weights up to 1.5 reach 0.25 and 2.0.
+inline constexpr float kLeastStride = 0.25F, kMostStride = 2.0F;
+
 // Feet (stylist.cpp)
 
 // Weight of the style above which feet are held in full. Smaller: the stage sets in harder as a

@@ -536,5 +536,88 @@ TEST_F(StylistTest, TheAbsoluteOutputIsTheDecodersOwn) {
   }
 }
 
+// Weights whose second style walks half as fast again.
+std::shared_ptr<const net::Stylizer> Striding() {
+  erd::WeightsFile file = erd::RandomWeights(5, 1);
+  for (const auto& [style, walk_mps] : {std::pair(0, 0.8), std::pair(2, 1.2)}) {
+    file.metadata["styles"][style]["walk_mps"] = walk_mps;
+    file.metadata["styles"][style]["run_mps"] = 2 * walk_mps;
+  }
+  return erd::StylizerOf(file);
+}
+
+TEST_F(StylistTest, AStrideTakesTheBodyAlongAndNoSettingMakesItJump) {
+  options.change_tau_s = 0;
+  Stylist stylist(Striding(), binding, options);
+  Settings settings = Style(2, 1, 0.1F);
+  settings.root = Root::kStride;
+  stylist.Set(settings);
+  int frame = 0;
+  rig::Vec3 last = rig::Vec3::Zero();
+  const auto go = [&](double seconds) {
+    for (const int end = frame + static_cast<int>(120 * seconds); frame < end; ++frame) {
+      Feed(stylist, frame);
+      EXPECT_LT((out.rig.translations[0] - out.canonical.hips_position_m).norm(), 0.15F)
+          << "on both skeletons alike, but for the height";
+      rig::Vec3 step = out.rig.translations[0] - last;
+      step.y() = 0;
+      if (frame > 0) EXPECT_LT(step.norm() * 120, 1.5F) << "frame " << frame;
+      last = out.rig.translations[0];
+    }
+    return out.rig.translations[0].z() - out.source.translations[0].z();
+  };
+  EXPECT_NEAR(go(5), 5 * 0.4, 0.2);
+  EXPECT_FALSE(out.flags & kFailed);
+  settings.root = Root::kFollow;
+  stylist.Set(settings);
+  const float kept = go(2);
+  EXPECT_NEAR(go(2), kept, 1e-4F) << "the offset stays";
+  stylist.Set({});
+  go(5);
+  EXPECT_TRUE(out.flags & kBypass);
+  EXPECT_NEAR(go(1), kept, 1e-4F) << "in bypass, too";
+  EXPECT_TRUE(SameBits(out.rig,
+                       [this] {
+                         rig::RigPose moved = out.source;
+                         moved.translations[0] = out.rig.translations[0];
+                         return moved;
+                       }()))
+      << "nothing else is changed";
+  stylist.Reset();
+  Feed(stylist, frame++);
+  EXPECT_TRUE(SameBits(out.rig, out.source)) << "a reset brings the performer home";
+}
+
+TEST_F(StylistTest, AStrideNeedsAStyleOfTheLegs) {
+  for (const std::string_view word : {"arms", "left-leg", "all"}) {
+    Stylist stylist(Striding(), binding, options);
+    Settings settings = Style(2);
+    settings.root = Root::kStride;
+    settings.parts = *body::FindParts(word);
+    stylist.Set(settings);
+    for (int frame = 0; frame < 240; ++frame) Feed(stylist, frame);
+    if (word == "all") {
+      EXPECT_GT(out.travel.moved_m.norm(), 0.5F);
+    } else {
+      EXPECT_EQ(out.travel.moved_m.norm(), 0) << word;
+    }
+  }
+}
+
+TEST_F(StylistTest, ManyMetresOfStrideAreSound) {
+  Stylist stylist(Striding(), binding, options);
+  Settings settings = Style(2);
+  settings.root = Root::kStride;
+  stylist.Set(settings);
+  for (int frame = 0; frame < 2000; ++frame) {
+    const double time_s = frame / 20.0;
+    rig::RigPose pose = PoseAt(time_s, skeleton);
+    pose.translations[0].z() = static_cast<float>(1.6 * time_s);  // it runs: 1.5 times as fast
+    stylist.Process(std::llround(1e9 * time_s), pose, out);
+    ASSERT_FALSE(out.flags & kFailed) << "frame " << frame;
+  }
+  EXPECT_GT(out.travel.moved_m.norm(), 40);
+}
+
 }  // namespace
 }  // namespace styled::stylist

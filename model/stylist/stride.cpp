@@ -1,0 +1,105 @@
+#include "model/stylist/stride.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/base/smooth.h"
+#include "model/stylist/tuning.h"
+
+namespace styled::stylist {
+
+using body::Vec3;
+
+Stride::Step Stride::Measure(const Vec3& hips_m, double dt_s, double hole_s) noexcept {
+  if (!hips_m.allFinite()) return Step::kNone;
+  step_m_ = Vec3(hips_m.x() - last_m_.x(), 0, hips_m.z() - last_m_.z());
+  last_m_ = hips_m;
+  const bool first = !placed_;
+  placed_ = true;
+  if (first || !(dt_s > 0)) return Step::kNone;
+  const auto dt = static_cast<float>(dt_s);
+  if (dt_s >= hole_s || !(step_m_.norm() <= tuning::kRunningFast_mps * dt)) {
+    seen_ = 0;  // the velocity of before tells nothing
+    return Step::kNone;
+  }
+  // An average whose past is as long as the session, so that a session that begins in mid-stride
+  // does not begin with the speed of standing.
+  const float share = DecayShare(dt, tuning::kStrideSpeed_s);
+  seen_ += share * (1 - seen_);
+  velocity_mps_ += share / seen_ * (step_m_ / dt - velocity_mps_);
+  return Step::kTaken;
+}
+
+void Stride::Scale(float log_factor, float dt_s, float settle_s) noexcept {
+  float log = log_factor_.Follow(log_factor, dt_s, tuning::kStrideFactor_s + settle_s);
+  if (log_factor == 0 && std::abs(log) < tuning::kStrideSettled) {
+    log_factor_.Start(0);
+    log = 0;
+  }
+  factor_ = log == 0 ? 1.0F : std::exp(log);
+  gained_m_ += (static_cast<double>(factor_) - 1) * step_m_.cast<double>();
+  travel_.moved_m = gained_m_.cast<float>();
+  travel_.longer = factor_ - 1;
+  travel_.along = velocity_mps_ / std::max(speed_mps(), tuning::kStrideStanding_mps);
+}
+
+namespace {
+
+// The logarithm of x / y; 0 where either was not measured.
+float LogRatio(float x, float y) noexcept { return x > 0 && y > 0 ? std::log(x / y) : 0; }
+
+// How a speed compares with those of the style that the performer moves in.
+struct Gait {
+  Gait(const net::StyleInfo& own, const net::StyleInfo& neutral, float speed_mps) noexcept;
+
+  float moving = 0, running = 0;          // 0 .. 1: not standing; a run, not a walk
+  float faster_walk = 0, faster_run = 0;  // logarithms: over the style's own mean speed
+};
+
+Gait::Gait(const net::StyleInfo& own, const net::StyleInfo& neutral, float speed_mps) noexcept {
+  // A gait that the style lacks is neutral's.
+  const float walk_mps = own.walk_mps > 0 ? own.walk_mps : neutral.walk_mps;
+  const float run_mps =
+      std::max(own.run_mps > 0 ? own.run_mps : neutral.run_mps, tuning::kStrideLeastRun * walk_mps);
+  moving = SmoothStep(speed_mps, tuning::kStrideStands * walk_mps, tuning::kStrideWalks * walk_mps);
+  const auto at = [&](float share) { return walk_mps + share * (run_mps - walk_mps); };
+  running = SmoothStep(speed_mps, at(tuning::kStrideRunBegins), at(tuning::kStrideRuns));
+  const auto faster = [speed_mps](float usual_mps) {
+    const float most = std::log(tuning::kStrideUnusual);
+    return std::clamp(std::log(std::max(speed_mps, 1e-3F) / usual_mps), -most, most);
+  };
+  faster_walk = faster(walk_mps);
+  faster_run = faster(run_mps);
+}
+
+}  // namespace
+
+float LogStride(const net::Styles& styles, const Mixer& mixer, float speed_mps) noexcept {
+  if (mixer.stride() == 0 || styles.empty() || styles[0].walk_mps <= 0 || styles[0].run_mps <= 0) {
+    return 0;
+  }
+  const net::StyleInfo& neutral = styles[0];
+  const auto info = [&styles](int style) -> const net::StyleInfo& {
+    const bool known = style >= 0 && static_cast<std::size_t>(style) < styles.size();
+    return styles[known ? static_cast<std::size_t>(style) : 0];
+  };
+  const net::StyleInfo& own = info(mixer.input_style());
+  const Gait gait(own, neutral, speed_mps);
+  const auto blend = [&gait](float walk, float run) { return walk + gait.running * (run - walk); };
+  const auto change = [&](const net::StyleInfo& style) {
+    return blend(LogRatio(style.walk_mps, neutral.walk_mps),
+                 LogRatio(style.run_mps, neutral.run_mps));
+  };
+  const float faster = blend(gait.faster_walk, gait.faster_run);
+  float log = -mixer.presence() * change(own);
+  for (const net::StyleWeight& style : mixer.in_force()) {
+    const net::StyleInfo& target = info(style.style);
+    if (target.walk_mps <= 0 && target.run_mps <= 0) continue;
+    log += style.weight * (change(target) - tuning::kStrideOwnSpeed * faster);
+  }
+  const float bounded =
+      std::clamp(log, std::log(tuning::kLeastStride), std::log(tuning::kMostStride));
+  return mixer.stride() * gait.moving * bounded;
+}
+
+}  // namespace styled::stylist

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "model/base/critically_damped.h"
+#include "model/base/realtime.h"
+#include "model/body/pose.h"
+#include "model/feet/travel.h"
+#include "model/net/styles.h"
+#include "model/stylist/mixer.h"
+
+namespace styled::stylist {
+
+// The performer's way over the floor, scaled by what the style does to speed (Root::kStride). The
+// styled hips move by the factor times the performer's own step in every frame, so a straight line
+// stays straight, a circle a circle, a turn as far. What has been gained or lost, moved_m(), is
+// kept: it is an integral, so no change of style or setting makes a jump. Spaces: canonical metres,
+// +Y up; all vectors are horizontal. Fixed size, no allocation; one thread at a time. Mathematics:
+// model/README.md, 4. Pinned by tests/unit/stylist/stride_test.cpp.
+class Stride {
+ public:
+  // One frame, `dt_s` after the one before (0: the first). `hips_m`: the performer's own hips.
+  // `log_factor` gives the natural logarithm of the factor for a speed (m/s), which is the
+  // performer's, smoothed; `settle_s` is added to the time constant with which it is followed. A
+  // step over a hole of `hole_s` or more, or one that no performer makes, is not scaled; neither is
+  // a place that is not finite.
+  template <typename LogFactor>
+  STYLED_REALTIME void Follow(const body::Vec3& hips_m, double dt_s, double hole_s, float settle_s,
+                              const LogFactor& log_factor) noexcept {
+    const Step step = Measure(hips_m, dt_s, hole_s);
+    if (step != Step::kNone) Scale(log_factor(speed_mps()), static_cast<float>(dt_s), settle_s);
+  }
+
+  // The styled hips less the performer's, and the factor in this frame, for the feet.
+  const body::Vec3& moved_m() const { return travel_.moved_m; }
+  const feet::Travel& travel() const { return travel_; }
+  // The factor in this frame; exactly 1 where no style scales anything.
+  float factor() const { return factor_; }
+  // The performer's speed over the floor, smoothed.
+  float speed_mps() const { return velocity_mps_.norm(); }
+
+  // The performer is in another place: styled and own hips agree again.
+  STYLED_REALTIME void Reset() noexcept { *this = Stride(); }
+
+ private:
+  enum class Step { kNone, kTaken };
+  Step Measure(const body::Vec3& hips_m, double dt_s, double hole_s) noexcept;
+  void Scale(float log_factor, float dt_s, float settle_s) noexcept;
+
+  Eigen::Vector3d gained_m_ = Eigen::Vector3d::Zero();  // in double: a sum over hours
+  body::Vec3 last_m_ = body::Vec3::Zero(), step_m_ = body::Vec3::Zero();
+  body::Vec3 velocity_mps_ = body::Vec3::Zero();
+  float seen_ = 0;  // 0 .. 1: the share of the velocity's average that has been filled
+  bool placed_ = false;
+  CriticallyDamped log_factor_;
+  float factor_ = 1;
+  feet::Travel travel_;
+};
+
+// The logarithm of the factor at a speed: each style in force by its weight, less that of the style
+// in which the performer moves. 0 for standing; at walking speed by the styles' walks, at running
+// speed by their runs (net::StyleInfo), smooth between. A performer who is slower or faster than
+// the style that they move in usually is goes half of the way to the styles' own speeds
+// (tuning::kStrideOwnSpeed). Styles without measured speeds count as 0. Bounded by
+// tuning::kLeastStride and kMostStride. Pure.
+STYLED_REALTIME float LogStride(const net::Styles& styles, const Mixer& mixer,
+                                float speed_mps) noexcept;
+
+}  // namespace styled::stylist

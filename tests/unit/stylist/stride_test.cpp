@@ -1,0 +1,259 @@
+#include "model/stylist/stride.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+
+#include "model/stylist/tuning.h"
+
+namespace styled::stylist {
+namespace {
+
+using body::Vec3;
+
+constexpr double kHole_s = 0.25;
+constexpr float kSettle_s = 0.025F;
+
+// Neutral, one that hurries, one that shuffles, one that was not measured.
+const net::Styles kStyles{
+    {"neutral", {}, 1.2F, 3.1F}, {"active", {}, 1.5F, 3.5F}, {"old", {}, 0.8F, 1.5F}, {"odd", {}}};
+constexpr int kActive = 1, kOld = 2, kOdd = 3;
+
+Mixer Mixed(std::initializer_list<net::StyleWeight> mix, Root root = Root::kStride,
+            int input_style = 0) {
+  Settings settings;
+  std::copy(mix.begin(), mix.end(), settings.mix.begin());
+  settings.root = root;
+  settings.input_style = input_style;
+  settings.transition_s = 0;
+  Mixer mixer;
+  mixer.Aim(settings);
+  mixer.Advance(0);
+  return mixer;
+}
+
+float Factor(const Mixer& mixer, float speed_mps) {
+  return std::exp(LogStride(kStyles, mixer, speed_mps));
+}
+
+TEST(LogStrideTest, StandingIsNotScaledWalkAndRunByTheirOwnSpeeds) {
+  const Mixer old = Mixed({{kOld, 1}});
+  EXPECT_EQ(Factor(old, 0), 1);
+  EXPECT_EQ(Factor(old, 0.1F), 1) << "a shift of weight";
+  EXPECT_NEAR(Factor(old, 1.2F), 0.8F / 1.2F, 1e-4F);
+  EXPECT_NEAR(Factor(old, 3.1F), 1.5F / 3.1F, 1e-4F);
+  const Mixer active = Mixed({{kActive, 1}});
+  EXPECT_NEAR(Factor(active, 1.2F), 1.25F, 1e-4F);
+  EXPECT_NEAR(Factor(active, 3.1F), 3.5F / 3.1F, 1e-4F);
+}
+
+TEST(LogStrideTest, APerformerWhoGoesFasterIsNeverStyledSlower) {
+  for (const int style : {kActive, kOld}) {
+    const Mixer mixer = Mixed({{style, 1}});
+    float before_mps = 0;
+    for (float speed_mps = 0; speed_mps < 12; speed_mps += 0.01F) {
+      const float styled_mps = speed_mps * Factor(mixer, speed_mps);
+      EXPECT_GE(styled_mps, before_mps)
+          << kStyles[static_cast<std::size_t>(style)].name << " at " << speed_mps << " m/s";
+      before_mps = styled_mps;
+    }
+  }
+}
+
+TEST(LogStrideTest, AMixIsScaledByWeightAndAnInputStyleIsTakenOut) {
+  EXPECT_NEAR(Factor(Mixed({{kOld, 0.5F}}), 1.2F), std::sqrt(0.8F / 1.2F), 1e-4F);
+  EXPECT_NEAR(Factor(Mixed({{kOld, 0.5F}, {kActive, 0.5F}}), 1.2F), std::sqrt(0.8F * 1.5F) / 1.2F,
+              1e-4F);
+  EXPECT_NEAR(Factor(Mixed({{0, 1}}, Root::kStride, kOld), 0.8F), 1.2F / 0.8F, 1e-4F);
+  EXPECT_NEAR(Factor(Mixed({{kActive, 1}}, Root::kStride, kOld), 0.8F), 1.5F / 0.8F, 1e-4F);
+  Settings strong;
+  strong.mix[0] = {kOld, 1};
+  strong.strength = 0.5F;
+  strong.root = Root::kStride;
+  strong.transition_s = 0;
+  Mixer mixer;
+  mixer.Aim(strong);
+  mixer.Advance(0);
+  EXPECT_NEAR(Factor(mixer, 1.2F), std::sqrt(0.8F / 1.2F), 1e-4F) << "strength counts";
+}
+
+TEST(LogStrideTest, NothingIsScaledWithoutStrideStyleOrSpeeds) {
+  for (const float speed_mps : {0.0F, 0.8F, 1.2F, 3.0F, 9.0F}) {
+    EXPECT_EQ(Factor(Mixed({{kOld, 1}}, Root::kFollow), speed_mps), 1);
+    EXPECT_EQ(Factor(Mixed({}), speed_mps), 1);
+    EXPECT_EQ(Factor(Mixed({{kOdd, 1}}), speed_mps), 1);
+    const net::Styles bare{{"neutral", {}}, {"active", {}}};
+    EXPECT_EQ(LogStride(bare, Mixed({{kActive, 1}}), speed_mps), 0);
+    EXPECT_EQ(LogStride({}, Mixed({{kActive, 1}}), speed_mps), 0);
+  }
+}
+
+TEST(LogStrideTest, TheFactorIsBounded) {
+  const net::Styles wild{
+      {"neutral", {}, 1.2F, 3.1F}, {"fast", {}, 15, 15}, {"slow", {}, 0.05F, 0.05F}};
+  EXPECT_NEAR(std::exp(LogStride(wild, Mixed({{1, 1.5F}}), 1.2F)), tuning::kMostStride, 1e-4F);
+  EXPECT_NEAR(std::exp(LogStride(wild, Mixed({{2, 1.5F}}), 1.2F)), tuning::kLeastStride, 1e-4F);
+}
+
+struct StrideTest : testing::Test {
+  Stride stride;
+  double time_s = 0;
+  Vec3 at = Vec3::Zero();
+
+  using Path = std::function<Vec3(double time_s)>;
+  // Follows `path` for so long with a factor, calling `each` after every frame.
+  void Go(
+      const Path& path, double seconds, double rate_hz, float factor,
+      const std::function<void()>& each = [] {}) {
+    const int frames = static_cast<int>(std::lround(seconds * rate_hz));
+    const double from_s = time_s;
+    for (int i = started ? 1 : 0; i <= frames; ++i) {
+      time_s = from_s + i / rate_hz;
+      at = path(time_s);
+      stride.Follow(at, started ? 1 / rate_hz : 0, kHole_s, kSettle_s,
+                    [factor](float) { return std::log(factor); });
+      started = true;
+      each();
+    }
+  }
+  Vec3 Styled() const { return at + stride.moved_m(); }
+  bool started = false;
+};
+
+Vec3 Straight(double time_s) { return {0.4F, 0.9F, static_cast<float>(1.2 * time_s)}; }
+
+TEST_F(StrideTest, AWayIsScaledFromWhereItBegan) {
+  Go(Straight, 10, 120, 1.25F);
+  EXPECT_NEAR(Styled().z(), 1.25 * 12, 0.02);
+  EXPECT_NEAR(Styled().x(), 0.4, 1e-5);
+  EXPECT_EQ(stride.moved_m().y(), 0) << "heights are the performer's";
+  EXPECT_NEAR(stride.speed_mps(), 1.2, 1e-3) << "in the first frames, too";
+  EXPECT_NEAR(stride.travel().longer, 0.25, 1e-4);
+  EXPECT_NEAR((stride.travel().along - Vec3::UnitZ()).norm(), 0, 1e-3);
+}
+
+TEST_F(StrideTest, AStandingPerformerDoesNotDrift) {
+  const Mixer mixer = Mixed({{kOld, 1}});
+  for (int i = 0; i < 120 * 600; ++i) {
+    const double t = i / 120.0;
+    const Vec3 sway(static_cast<float>(0.03 * std::sin(1.9 * t)), 0.9F,
+                    static_cast<float>(0.02 * std::sin(3.1 * t)));
+    stride.Follow(sway, i == 0 ? 0 : 1 / 120.0, kHole_s, kSettle_s,
+                  [&mixer](float speed_mps) { return LogStride(kStyles, mixer, speed_mps); });
+    ASSERT_EQ(stride.moved_m().norm(), 0) << "at " << t << " s";
+  }
+}
+
+TEST_F(StrideTest, ACircleIsACircleScaledAndItsTurnIsKept) {
+  constexpr double kRadius_m = 2, kTurn_s = 10;
+  const Path circle = [](double time_s) {
+    const double angle = 2 * std::numbers::pi * time_s / kTurn_s;
+    return Vec3(static_cast<float>(kRadius_m * std::cos(angle)), 0.9F,
+                static_cast<float>(kRadius_m * std::sin(angle)));
+  };
+  Go(circle, kTurn_s / 4, 120, 0.6F);  // the factor settles
+  const Vec3 centre = Styled() - 0.6F * Vec3(at.x(), 0, at.z());
+  Go(circle, 5 * kTurn_s, 120, 0.6F, [&] {
+    const Vec3 spoke = Styled() - centre;
+    EXPECT_NEAR(std::hypot(spoke.x(), spoke.z()), 0.6 * kRadius_m, 1e-3);
+    EXPECT_NEAR(std::atan2(spoke.z(), spoke.x()), std::atan2(at.z(), at.x()), 1e-3);
+  });
+}
+
+TEST_F(StrideTest, ThereAndBackEndsWhereItBegan) {
+  const Path pendulum = [](double time_s) {
+    return Vec3(0, 0.9F, static_cast<float>(3 * (1 - std::cos(0.4 * time_s))));
+  };
+  Go(pendulum, 10, 120, 1.3F);
+  const Vec3 was = stride.moved_m() - 0.3F * (at - pendulum(0));
+  Go(pendulum, 100 * 2 * std::numbers::pi / 0.4 - 10, 120, 1.3F);
+  EXPECT_NEAR((stride.moved_m() - 0.3F * (at - pendulum(0)) - was).norm(), 0, 1e-3);
+}
+
+TEST_F(StrideTest, SwitchingToFollowKeepsThePlaceAndNothingJumps) {
+  Vec3 before = Straight(0);
+  float before_mps = 1.2F;
+  bool first = true;
+  const auto smooth = [&] {
+    const float speed_mps = (Styled() - before).norm() * 120;
+    if (!first) {
+      // 0.3 times 1.2 m/s within some 0.2 s: 3 m/s^2 would be felt as a push.
+      EXPECT_LT(std::abs(speed_mps - before_mps) * 120, 3) << "at " << time_s << " s";
+    }
+    before_mps = first ? 1.2F : speed_mps;
+    before = Styled();
+    first = false;
+  };
+  Go(Straight, 3, 120, 1, smooth);
+  EXPECT_EQ(stride.moved_m().norm(), 0);
+  EXPECT_EQ(stride.factor(), 1);
+  Go(Straight, 5, 120, 1.3F, smooth);
+  EXPECT_NEAR(stride.factor(), 1.3F, 1e-4F);
+  Go(Straight, 5, 120, 1, smooth);
+  EXPECT_EQ(stride.factor(), 1) << "exactly, so that bypass is reached";
+  const Vec3 kept = stride.moved_m();
+  EXPECT_GT(kept.z(), 1.5F);
+  Go(Straight, 5, 120, 1, smooth);
+  EXPECT_EQ(stride.moved_m(), kept);
+  Go(Straight, 5, 120, 0.7F, smooth);
+  EXPECT_LT(stride.moved_m().z(), kept.z());
+}
+
+TEST_F(StrideTest, AllFrameRatesAgree) {
+  const Mixer mixer = Mixed({{kActive, 1}});
+  // Stands, walks with the sway of steps, runs, stands.
+  const auto path = [](double t) {
+    const double walk = std::clamp(t - 1, 0.0, 4.0), run = std::clamp(t - 5, 0.0, 4.0);
+    return Vec3(static_cast<float>(0.03 * std::sin(6 * walk)), 0.9F,
+                static_cast<float>(1.2 * walk + 3 * run + 0.02 * std::sin(12 * walk)));
+  };
+  std::vector<float> ends;
+  for (const double rate_hz : {24.0, 30.0, 60.0, 120.0, 240.0}) {
+    Stride one;
+    for (int i = 0; i <= 12 * rate_hz; ++i) {
+      one.Follow(path(i / rate_hz), i == 0 ? 0 : 1 / rate_hz, kHole_s, kSettle_s,
+                 [&mixer](float speed_mps) { return LogStride(kStyles, mixer, speed_mps); });
+    }
+    ends.push_back(one.moved_m().z());
+  }
+  EXPECT_GT(ends.back(), 1.5F);
+  for (const float end : ends) EXPECT_NEAR(end, ends.back(), 0.03F * ends.back());
+}
+
+TEST_F(StrideTest, HolesAndImpossibleStepsAreTakenAsTheyAre) {
+  Go(Straight, 2, 120, 1.3F);
+  const Vec3 moved = stride.moved_m();
+  const auto longer = [](float) { return std::log(1.3F); };
+  stride.Follow(at + Vec3(0, 0, 0.3F), 0.3, kHole_s, kSettle_s, longer);
+  EXPECT_EQ(stride.moved_m(), moved) << "a hole in time";
+  stride.Follow(at + Vec3(0.9F, 0, 0.3F), 1 / 120.0, kHole_s, kSettle_s, longer);
+  EXPECT_EQ(stride.moved_m(), moved) << "108 m/s";
+  stride.Follow(at, 0, kHole_s, kSettle_s, longer);
+  EXPECT_EQ(stride.moved_m(), moved) << "no time";
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (const float bad : {kNaN, kInfinity, -kInfinity, 3e38F}) {
+    stride.Follow({bad, 0, bad}, 1 / 120.0, kHole_s, kSettle_s, longer);
+    stride.Follow({0, bad, 0}, 1 / 120.0, kHole_s, kSettle_s, longer);
+    stride.Follow(at, 1 / 120.0, kHole_s, kSettle_s, longer);
+    ASSERT_TRUE(stride.moved_m().allFinite());
+    ASSERT_TRUE(std::isfinite(stride.factor()));
+    ASSERT_NEAR((stride.moved_m() - moved).norm(), 0, 0.05);
+  }
+}
+
+TEST_F(StrideTest, ANewPlaceBeginsWithoutAnOffset) {
+  Go(Straight, 2, 120, 1.3F);
+  EXPECT_NE(stride.moved_m().norm(), 0);
+  stride.Reset();
+  EXPECT_EQ(stride.moved_m().norm(), 0);
+  EXPECT_EQ(stride.factor(), 1);
+  stride.Follow({5, 1, 5}, 0, kHole_s, kSettle_s, [](float) { return 0.3F; });
+  EXPECT_EQ(stride.moved_m().norm(), 0);
+}
+
+}  // namespace
+}  // namespace styled::stylist
