@@ -15,6 +15,7 @@
 #include "model/tools/train_family.h"
 #include "model/train/blas.h"
 #include "model/train/erd/recipe.h"
+#include "model/train/judge/judge_speeds.h"
 #include "model/train/judge/judge_validation.h"
 #include "model/train/stgcn/recipe.h"
 #include "model/train/trainer.h"
@@ -64,6 +65,7 @@ struct Flags {
   RunConfig run;
   std::string family;
   std::vector<std::string> export_paths;
+  std::string speeds;  // weights that get the speeds of the manifest's styles; nothing is trained
   std::string judges;  // folder of cached judges; empty: the run is not judged
 };
 
@@ -113,11 +115,17 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   app.add_option("--export", flags.export_paths, "RUN FILE: write the weights of a run and end")
       ->expected(2);
+  app.add_option("--write-speeds", flags.speeds,
+                 "FILE: measure how fast each style of --manifest walks and runs, write it into "
+                 "these weights for `root = \"stride\"`, and end");
   AddRunFlags(app, flags);
   AddValidationFlags(app, flags);
 }
 
 Status Run(const Flags& flags, const FamilyFlags& family) {
+  if (!flags.speeds.empty()) {
+    return judge::MeasureAndWriteSpeeds(flags.run.manifest, flags.run.data, flags.speeds);
+  }
   if (!flags.export_paths.empty()) {
     return ExportRun(flags.export_paths[0], flags.export_paths[1], [](const std::string& name) {
       const Family* const row = FindFamily(name);
@@ -156,8 +164,8 @@ int Main(int argc, char** argv) {
   if (flags.family != name) return refuse("--family must be on the command line");
   const Status resolved = family_flags->Resolve(app);
   if (!resolved.ok()) return refuse(resolved.message());
-  if (flags.export_paths.empty() && flags.run.out.empty()) {
-    return refuse("--out or --export is needed");
+  if (flags.export_paths.empty() && flags.speeds.empty() && flags.run.out.empty()) {
+    return refuse("--out, --export or --write-speeds is needed");
   }
   if (flags.export_paths.empty() && flags.run.data.empty()) {
     return refuse("--data is needed, the folder of the unpacked data, or STYLED_DATA");

@@ -1,0 +1,88 @@
+#include "model/train/judge/judge_speeds.h"
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "model/net/weights_file.h"
+#include "model/train/judge/judge_gait.h"
+#include "model/train/judge/judge_stream.h"
+
+namespace styled::judge {
+namespace {
+
+using Json = nlohmann::ordered_json;  // keeps the order of the keys
+
+// To the centimetre per second: clips of one style differ by more.
+double Rounded(double speed_mps) { return std::round(100 * speed_mps) / 100; }
+
+void Enter(const char* key, double speed_mps, Json& style) {
+  if (speed_mps > 0) style[key] = speed_mps;
+}
+
+}  // namespace
+
+std::vector<StyleSpeeds> MeasureSpeeds(const clip::Manifest& manifest,
+                                       std::span<const train::TrainingClip> clips, double rate_hz) {
+  std::vector<StyleSpeeds> speeds;
+  for (std::size_t style = 0; style < manifest.styles.size(); ++style) {
+    const auto of = [&](std::string_view content) {
+      Mean mean;
+      for (const train::TrainingClip& clip : clips) {
+        if (clip.style != static_cast<int>(style)) continue;
+        if (manifest.contents[static_cast<std::size_t>(clip.content)] != content) continue;
+        const Gait gait = MeasureGait(clip.poses, rate_hz);
+        if (gait.speed_cm_s.count > 0) mean.Add(gait.speed_cm_s.value() / 100);
+      }
+      return mean.count > 0 ? Rounded(mean.value()) : 0;
+    };
+    speeds.push_back({manifest.styles[style].name, of("walk"), of("run")});
+  }
+  return speeds;
+}
+
+Status WriteSpeeds(std::span<const StyleSpeeds> speeds, const std::filesystem::path& weights) {
+  const auto bytes = net::ReadFile(weights);
+  if (!bytes.ok()) return bytes.status();
+  // Checks the file's common keys, so that those read below are there.
+  const auto parsed = net::ParseWeights(bytes.value(), weights.string());
+  if (!parsed.ok()) return parsed.status();
+  auto metadata = parsed.value().view.metadata;
+  Json keys = Json::parse(metadata.at("styled"));
+  for (Json& style : keys["styles"]) {
+    for (const StyleSpeeds& measured : speeds) {
+      if (style["name"] != measured.style) continue;
+      Enter("walk_mps", measured.walk_mps, style);
+      Enter("run_mps", measured.run_mps, style);
+    }
+  }
+  metadata["styled"] = keys.dump();
+  const auto written = net::WithMetadata(bytes.value(), metadata, weights.string());
+  if (!written.ok()) return written.status();
+  const auto readable = net::ParseWeights(written.value(), weights.string());
+  if (!readable.ok()) return readable.status();
+  return net::WriteFile(weights, written.value());
+}
+
+Status MeasureAndWriteSpeeds(const std::filesystem::path& manifest_file,
+                             const std::filesystem::path& folder,
+                             const std::filesystem::path& weights) {
+  const Status found = train::CheckDataFolder(folder);
+  if (!found.ok()) return found;
+  const auto manifest = clip::LoadManifest(manifest_file, folder);
+  if (!manifest.ok()) return manifest.status();
+  erd::FeatureParameters parameters;
+  parameters.rate_hz = static_cast<float>(kStreamRate_hz / kStreamPerJudge);
+  const auto clips = train::LoadClips(manifest.value(), "train", parameters, 2);
+  if (!clips.ok()) return clips.status();
+  const auto speeds =
+      MeasureSpeeds(manifest.value(), clips.value(), static_cast<double>(parameters.rate_hz));
+  for (const StyleSpeeds& style : speeds) {
+    std::printf("%-16s walk %.2f m/s, run %.2f m/s\n", style.style.c_str(), style.walk_mps,
+                style.run_mps);
+  }
+  return WriteSpeeds(speeds, weights);
+}
+
+}  // namespace styled::judge
