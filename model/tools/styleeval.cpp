@@ -173,14 +173,15 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
     if (!read.ok()) return read.status();
     styler = std::move(read.value());
   }
+  if (styler.frames && arguments.root == "stride") styler.frames->root = stylist::Root::kStride;
   const bool asks_for_live = arguments.robust || arguments.rates || arguments.styled_inputs ||
                              arguments.foreign || !arguments.clips.empty() ||
-                             arguments.transition_given ||
+                             arguments.transition_given || arguments.root != "follow" ||
                              (arguments.long_given && arguments.long_s > 0);
   if (styler.clips && asks_for_live) {
     return Status::Error(arguments.weights +
                          ": needs whole clips; --robust, --rates, --styled-inputs, --foreign, "
-                         "--clips, --long and --transition judge networks that run live");
+                         "--clips, --long, --transition and --root judge networks that run live");
   }
 
   const nlohmann::json provenance =
@@ -266,6 +267,11 @@ int main(int argc, char** argv) {
   app.add_option("--change-tau", arguments.stylist.change_tau_s,
                  "Low-pass on the change of style, seconds")
       ->check(styled::Number(0, 1))
+      ->capture_default_str();
+  app.add_option("--root", arguments.root,
+                 "Where the styled body is on the floor: follow, where the performer is, or "
+                 "stride, their way scaled by what the style does to speed")
+      ->check(CLI::IsMember({"follow", "stride"}))
       ->capture_default_str();
   app.add_flag("--synthetic", arguments.synthetic,
                "Does the content judge recognize the synthetic performer?");

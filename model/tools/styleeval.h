@@ -24,6 +24,7 @@ struct EvalArguments {
   std::vector<std::filesystem::path> clips;
   judge::JudgeSettings judges;
   stylist::Options stylist;
+  std::string root = "follow";  // or "stride": stylist::Root
   float transition_s = 0.1F;
 };
 

@@ -62,6 +62,7 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
   settings.strength = arguments.strength;
   settings.transition_s = 0;
   settings.absolute = arguments.absolute;
+  if (arguments.root == "stride") settings.root = styled::stylist::Root::kStride;
   const auto parts = styled::stylize::FindParts(arguments);
   if (!parts.ok()) return parts.status();
   settings.parts = parts.value();

@@ -26,6 +26,7 @@ struct Arguments {
   float amount = 1.0F;                // of that variation
   std::string window = "auto";        // a row of kWindows
   std::string parts = "all";          // parts of the body to style
+  std::string root = "follow";        // or "stride": stylist::Root
   std::string input_style;            // the style that the performer moves in
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
   std::string weights, rig = "auto", avatar, in, out;

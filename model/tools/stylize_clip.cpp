@@ -149,6 +149,11 @@ Status CheckLength(const clip::Clip& clip, const std::string& file,
 Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
                                           const net::ClipStylizer& network) {
   const net::Styles& styles = network.model().styles;
+  if (arguments.root != "follow") {
+    return Status::Error(
+        "--root stride: weights that need whole clips have no speeds of styles; "
+        "expected weights that run live");
+  }
   stylist::ClipStyle style;
   style.absolute = arguments.absolute;
   const auto parts = FindParts(arguments);

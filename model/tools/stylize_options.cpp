@@ -47,6 +47,12 @@ void AddStageOptions(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--input-style,--from", arguments.input_style,
                  "the style that the performer moves in; --style neutral removes it");
+  app.add_option(
+         "--root", arguments.root,
+         "where on the floor: follow the performer, or stride, their way scaled by what the "
+         "style does to speed")
+      ->check(CLI::IsMember({"follow", "stride"}))
+      ->capture_default_str();
   app.add_flag("--no-bypass", arguments.no_bypass,
                "without a style, still go through bind, network and unbind");
   app.add_flag("--feet,!--no-feet", arguments.feet,
@@ -71,8 +77,9 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
 // What says something about styling or weights, and so nothing with --bind-only. Not CLI11's
 // excludes(), which would write as much behind each of them in the help.
 constexpr const char* kNotWithBindOnly[] = {
-    "--style",    "--strength", "--mix",         "--like",      "--vary", "--amount",  "--window",
-    "--absolute", "--parts",    "--input-style", "--no-bypass", "--feet", "--weights", "--avatar"};
+    "--style",    "--strength", "--mix",         "--like", "--vary",      "--amount", "--window",
+    "--absolute", "--parts",    "--input-style", "--root", "--no-bypass", "--feet",   "--weights",
+    "--avatar"};
 
 }  // namespace
 
@@ -97,6 +104,9 @@ Status CheckTogether(const CLI::App& app, const Arguments& arguments) {
         "--input-style: expected --style, --mix or --like, found none: give "
         "--style neutral to remove " +
         arguments.input_style);
+  }
+  if (!arguments.list && arguments.root != "follow" && without) {
+    return Status::Error("--root stride: expected a style, whose speed it takes: --style or --mix");
   }
   return Status::Ok();
 }

@@ -195,7 +195,7 @@ Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Mani
   auto style_of = StylesOf(network.value()->model().styles, manifest);
   if (!style_of.ok()) return Status::Error(weights.string() + ": " + style_of.status().message());
   return Styler{network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()),
-                std::move(style_of.value()), 0};
+                std::move(style_of.value())};
 }
 
 std::vector<Transferred> Style(const Data& data, const Styler& styler,
@@ -203,6 +203,7 @@ std::vector<Transferred> Style(const Data& data, const Styler& styler,
   return Transfer(data, styler.style_of, [&](std::size_t input, int style) {
     Switch start{0, OneStyle(styler.style_of[style], absolute)};
     start.settings.input_style = styler.input_style;
+    start.settings.root = styler.root;
     return StyleStream(styler.network, styler.binding, options, {&start, 1}, data.inputs[input]);
   });
 }

@@ -43,6 +43,7 @@ struct Styler {
   std::shared_ptr<const rig::Binding> binding;
   std::vector<int> style_of;  // manifest style -> network style, or kAbsent, as for neutral
   int input_style = 0;        // the style number that the network is given for the inputs
+  stylist::Root root = stylist::Root::kFollow;
 };
 // The network's number of each style of the manifest. An error if it has none but neutral.
 Result<std::vector<int>> StylesOf(const net::Styles& styles, const clip::Manifest& manifest);
