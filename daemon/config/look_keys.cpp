@@ -87,6 +87,13 @@ struct Reader {
     name.set(look, *node.value<std::string>());
     return Status::Ok();
   }
+  Status operator()(const LookChoice& choice) const {
+    const auto word = node.value<std::string>();
+    const auto number = word ? FindChoice(choice, *word) : std::nullopt;
+    if (!number) return Expected(ChoiceWords(choice) + ", in quotes", node);
+    choice.set(look, *number);
+    return Status::Ok();
+  }
   Status operator()(const LookMix&) const { return ReadMix(node, look); }
   Status operator()(const LookParts&) const { return ReadParts(node, look); }
 };
@@ -101,6 +108,9 @@ struct Writer {
   }
   void operator()(const LookFlag& flag) const { table.insert(key, (look.*flag.get)()); }
   void operator()(const LookName& name) const { table.insert(key, (look.*name.get)()); }
+  void operator()(const LookChoice& choice) const {
+    table.insert(key, std::string(ChoiceWord(choice, look)));
+  }
   void operator()(const LookMix&) const {
     toml::array mix;
     for (const auto& entry : look.mix()) {

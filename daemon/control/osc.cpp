@@ -70,6 +70,13 @@ struct FieldReader {
     name.set(look, text);
     return true;
   }
+  bool operator()(const LookChoice& choice) const {
+    std::string word;
+    if (!Text(arguments, word)) return false;
+    const auto number = FindChoice(choice, word);
+    if (number) choice.set(look, *number);
+    return number.has_value();
+  }
   bool operator()(const LookMix&) const {
     while (!arguments.AtEnd()) {
       auto& entry = *look.add_mix();
@@ -93,6 +100,7 @@ std::string ExpectedOf(const LookField& field) {
     return "a number from " + NumberText(number->low) + " to " + NumberText(number->high);
   }
   if (std::holds_alternative<LookFlag>(field.kind)) return "1 or 0";
+  if (const auto* const choice = std::get_if<LookChoice>(&field.kind)) return ChoiceWords(*choice);
   if (std::holds_alternative<LookMix>(field.kind)) return "styles and weights in turn";
   return std::string(field.help);
 }

@@ -30,6 +30,7 @@ stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
   settings.transition_s = look.transition_ms() * 1e-3F;
   settings.absolute = look.absolute();
   settings.parts = PartsOf(look);
+  settings.root = look.root() == v1::ROOT_STRIDE ? stylist::Root::kStride : stylist::Root::kFollow;
   if (!look.input_style().empty()) {
     const int input = net::FindStyle(styles, look.input_style());
     if (input < 0) unknown.push_back(look.input_style());

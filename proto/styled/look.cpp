@@ -25,6 +25,25 @@ const LookField* FindLookField(std::string_view name) noexcept {
   return found == kLookFields.end() ? nullptr : found;
 }
 
+std::optional<int> FindChoice(const LookChoice& choice, std::string_view word) {
+  const auto found = std::find(choice.words.begin(), choice.words.end(), word);
+  if (found == choice.words.end()) return std::nullopt;
+  return static_cast<int>(found - choice.words.begin());
+}
+
+std::string ChoiceWords(const LookChoice& choice) {
+  std::string words;
+  for (const std::string_view word : choice.words) {
+    words.append(words.empty() ? "" : " or ").append(word);
+  }
+  return words;
+}
+
+std::string_view ChoiceWord(const LookChoice& choice, const v1::Look& look) {
+  const auto number = static_cast<std::size_t>(choice.get(look));
+  return choice.words[number < choice.words.size() ? number : 0];
+}
+
 body::Parts PartsOf(const v1::Look& look) {
   body::Parts parts = 0;
   for (const int part : look.parts()) {
@@ -48,6 +67,7 @@ v1::Look InitialLook() {
     std::visit(Overloaded{[&](const LookNumber& number) { (look.*number.set)(number.initial); },
                           [&](const LookFlag& flag) { (look.*flag.set)(false); },
                           [&](const LookName& name) { name.set(look, ""); },
+                          [&](const LookChoice& choice) { choice.set(look, 0); },
                           [&](const LookParts&) { SetParts(body::kAllParts, look); },
                           [](const LookMix&) {}},
                field.kind);
@@ -74,6 +94,12 @@ void Apply(const v1::Look& change, v1::Look& look) {
 
 std::string CheckLook(const v1::Look& change) {
   for (const LookField& field : kLookFields) {
+    if (const auto* const choice = std::get_if<LookChoice>(&field.kind)) {
+      const int value = choice->get(change);
+      if (value >= 0 && static_cast<std::size_t>(value) < choice->words.size()) continue;
+      return std::string(field.name) + " is " + std::to_string(value) + ", expected " +
+             ChoiceWords(*choice);
+    }
     const auto* const number = std::get_if<LookNumber>(&field.kind);
     if (number == nullptr || !(change.*number->has)()) continue;
     const float value = (change.*number->get)();

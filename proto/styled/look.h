@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -32,6 +34,12 @@ struct LookName {  // of a style or a preset; initially ""
   const std::string& (v1::Look::*get)() const;
   void (*set)(v1::Look&, const std::string&);
 };
+struct LookChoice {  // initially the first
+  bool (v1::Look::*has)() const;
+  int (*get)(const v1::Look&);
+  void (*set)(v1::Look&, int);
+  std::span<const std::string_view> words;  // by the number of the message's enum
+};
 struct LookMix {};    // styles and weights; initially empty
 struct LookParts {};  // of the body, as body::FindParts reads them; initially all
 
@@ -40,8 +48,10 @@ struct LookField {
   std::string_view word;    // name of an option and in an OSC address: without the unit
   std::string_view former;  // a former name that is still read as key and word; "" = none
   std::string_view help;
-  std::variant<LookNumber, LookFlag, LookName, LookMix, LookParts> kind;
+  std::variant<LookNumber, LookFlag, LookName, LookChoice, LookMix, LookParts> kind;
 };
+
+inline constexpr auto kRootWords = std::to_array<std::string_view>({"follow", "stride"});
 
 inline constexpr auto kLookFields = std::to_array<LookField>({
     {"mix", "mix", "", "styles and weights, at most 4, that sum to 1.5 at most", LookMix{}},
@@ -61,10 +71,21 @@ inline constexpr auto kLookFields = std::to_array<LookField>({
     {"preset", "preset", "", "a mix of the daemon's configuration, by its name",
      LookName{&v1::Look::has_preset, &v1::Look::preset,
               [](v1::Look& look, const std::string& name) { look.set_preset(name); }}},
+    {"root", "root", "",
+     "where on the floor: \"follow\" the performer, or \"stride\", their way at the style's speed",
+     LookChoice{&v1::Look::has_root, [](const v1::Look& look) { return int{look.root()}; },
+                [](v1::Look& look, int root) { look.set_root(static_cast<v1::Root>(root)); },
+                kRootWords}},
 });
 
 // The field with this name, word or former name, or null.
 const LookField* FindLookField(std::string_view name) noexcept;
+
+// The number of a choice's word; none if it has no such word. And all words, e.g. "a or b".
+std::optional<int> FindChoice(const LookChoice& choice, std::string_view word);
+std::string ChoiceWords(const LookChoice& choice);
+// The word of the look's choice; that of an unknown number is the first.
+std::string_view ChoiceWord(const LookChoice& choice, const v1::Look& look);
 
 // v1::BodyPart and model/body/parts.h list the same parts in the same order, from 1; 0 means all.
 body::Parts PartsOf(const v1::Look& look);

@@ -63,6 +63,19 @@ struct OptionAdder {
         },
         help);
   }
+  void operator()(const LookChoice& choice) const {
+    command
+        .add_option_function<std::string>(
+            names,
+            [this_change = &change, choice](const std::string& word) {
+              choice.set(*this_change, FindChoice(choice, word).value_or(0));
+            },
+            help)
+        ->check([choice](const std::string& word) {
+          return FindChoice(choice, word) ? std::string()
+                                          : "'" + word + "': expected " + ChoiceWords(choice);
+        });
+  }
   void operator()(const LookMix&) const {
     CLI::Option* const style = command.add_option_function<std::string>(
         "--style",
@@ -108,6 +121,7 @@ struct JsonWriter {
   json operator()(const LookNumber& number) const { return (look.*number.get)(); }
   json operator()(const LookFlag& flag) const { return (look.*flag.get)(); }
   json operator()(const LookName& name) const { return (look.*name.get)(); }
+  json operator()(const LookChoice& choice) const { return ChoiceWord(choice, look); }
   json operator()(const LookMix&) const { return MixJson(look.mix()); }
   json operator()(const LookParts&) const { return body::PartsText(PartsOf(look)); }
 };
@@ -128,6 +142,10 @@ struct TextWriter {
     if (!(look.*name.has)()) return std::nullopt;
     const std::string& text = (look.*name.get)();
     return text.empty() ? "none" : text;
+  }
+  std::optional<std::string> operator()(const LookChoice& choice) const {
+    if (!(look.*choice.has)()) return std::nullopt;
+    return std::string(ChoiceWord(choice, look));
   }
   std::optional<std::string> operator()(const LookMix&) const {
     if (look.mix().empty()) return std::nullopt;

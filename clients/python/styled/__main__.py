@@ -6,7 +6,7 @@ import sys
 import time
 
 import styled
-from styled.commands import LOOK_FIELDS
+from styled.commands import LOOK_FIELDS, ROOTS
 from styled.v1 import look_pb2
 
 EXIT_REFUSED, EXIT_USAGE, EXIT_NO_DAEMON = 1, 2, 3
@@ -159,7 +159,8 @@ def look_options(field):
 
 LOOK_HELP = {'strength': '0 to 1.5', 'transition_ms': 'fade of this and later changes',
              'absolute': "the network's pose as it is", 'parts': 'e.g. head,left-arm; the others as captured',
-             'input_style': 'what the performer moves in already'}
+             'input_style': 'what the performer moves in already',
+             'root': "where on the floor: as captured, or at the style's speed"}
 
 
 def look_kind(field):
@@ -168,6 +169,8 @@ def look_kind(field):
         return {'action': argparse.BooleanOptionalAction}
     if kind.type == kind.TYPE_FLOAT:
         return {'type': float, 'metavar': 'MS' if field.endswith('_ms') else 'X'}
+    if kind.type == kind.TYPE_ENUM and field == 'root':
+        return {'choices': list(ROOTS)}
     return {'metavar': 'PART,...' if field == 'parts' else 'NAME'}
 
 

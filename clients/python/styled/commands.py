@@ -15,6 +15,8 @@ EVERYONE = '*'
 PARTS = {name[len('BODY_PART_'):].lower().replace('_', '-'): number
          for name, number in frame_pb2.BodyPart.items()}
 
+ROOTS = {name[len('ROOT_'):].lower(): number for name, number in look_pb2.Root.items()}
+
 # What `set` takes by name, beside style and mix; `clear` is a call of its own.
 LOOK_FIELDS = [field.name for field in look_pb2.Look.DESCRIPTOR.fields
                if field.name not in ('mix', 'clear')]
@@ -47,6 +49,11 @@ def _set_request(performer: str, style: Optional[str], mix: Optional[Mapping[str
         if name not in LOOK_FIELDS:
             raise TypeError(f"set: no '{given}', expected style, mix, {', '.join(LOOK_FIELDS)}")
         if value is None:
+            continue
+        if name == 'root':
+            if value not in ROOTS:
+                raise ValueError(f"root: '{value}', expected {' or '.join(ROOTS)}")
+            look.root = ROOTS[value]
             continue
         if name != 'parts':
             setattr(look, name, value)
@@ -89,7 +96,8 @@ class Commands:
         """Changes the given settings and keeps the rest. `style` sets a mix of that style only.
         `fields` are those of styled.v1.look_pb2.Look: strength, transition_ms, absolute, preset,
         `parts` (of the body that are styled, e.g. ['head', 'left-arm'] or ['all']), `input_style`
-        (the style that the performer already moves in)."""
+        (the style that the performer already moves in), `root` ('follow', or 'stride': the way
+        over the floor at the style's speed)."""
         return self._do(_set_request(performer, style, mix, fields), _applied)
 
     def clear(self, performer: str = EVERYONE) -> Dict[str, int]:

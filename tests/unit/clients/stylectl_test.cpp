@@ -191,6 +191,14 @@ TEST_F(StylectlTest, SetSendsWhatWasGivenAndNothingElse) {
   EXPECT_TRUE(last_.set().has_absolute());
   EXPECT_FALSE(last_.set().absolute());
   EXPECT_TRUE(last_.set().parts().empty());
+  EXPECT_FALSE(last_.set().has_root());
+
+  EXPECT_EQ(Run({"set", "rig.anna", "--root", "stride"}), kExitOk);
+  EXPECT_EQ(last_.set().root(), v1::ROOT_STRIDE);
+  EXPECT_TRUE(Says("root stride"));
+  EXPECT_EQ(Run({"set", "rig.anna", "--root", "follow"}), kExitOk);
+  EXPECT_TRUE(last_.set().has_root());
+  EXPECT_EQ(last_.set().root(), v1::ROOT_FOLLOW);
 
   EXPECT_EQ(Run({"set", "--only", "arms,head", "rig.anna"}), kExitOk);
   EXPECT_EQ(last_.performer(), "rig.anna");
@@ -362,6 +370,8 @@ TEST_F(StylectlTest, AWrongCommandLineIsAUsageErrorAndAsksNobody) {
       {"set", "*", "--style", "old", "--transition", "-1"},
       {"set", "*", "--only", "tail"},
       {"set", "*", "--only"},
+      {"set", "*", "--root", "home"},
+      {"set", "*", "--root", "1"},
       {"preset"},
       {"pin"},
       {"list", "--timeout", "0"},

@@ -312,6 +312,10 @@ TEST_F(ConfigTest, RulesThatSpanKeysNameTheLineToo) {
   EXPECT_THAT(Complaint("[[cue]]\nname = 'a'\nparts = 'tail'\n"),
               HasSubstr(file_ + ":3: cue.parts: expected in quotes, separated by commas, some of"));
   EXPECT_EQ(Complaint("[[cue]]\nname = 'a'\nonly = 'arms'\nfrom = 'old'\n"), "");
+  for (const char* root : {"'home'", "1", "true"}) {
+    EXPECT_THAT(Complaint("[style]\nroot = " + std::string(root) + "\n"),
+                HasSubstr(file_ + ":2: style.root: expected follow or stride, in quotes"));
+  }
   EXPECT_THAT(Complaint("[style]\nstrength = 1.6\n"),
               HasSubstr("expected a number from 0 to 1.5, found 1.6"));
   EXPECT_THAT(Complaint("", {"performers.late_ms=200"}),

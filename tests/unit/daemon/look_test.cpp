@@ -33,6 +33,7 @@ v1::Look Changed() {
   SetParts(*body::FindParts("head,left-arm"), look);
   look.set_input_style("tired");
   look.set_preset("scene");
+  look.set_root(v1::ROOT_STRIDE);
   return look;
 }
 
@@ -120,6 +121,11 @@ TEST(LookTest, WhatIsOutOfRangeIsNamed) {
   change.add_parts(static_cast<v1::BodyPart>(7));
   EXPECT_EQ(CheckLook(change), "parts has 7, expected a BodyPart, 0 to 6");
   change.Clear();
+  change.set_root(static_cast<v1::Root>(7));
+  EXPECT_EQ(CheckLook(change), "root is 7, expected follow or stride");
+  change.set_root(static_cast<v1::Root>(-1));
+  EXPECT_EQ(CheckLook(change), "root is -1, expected follow or stride");
+  change.Clear();
   for (int i = 0; i < 5; ++i) change.add_mix();
   EXPECT_EQ(CheckLook(change), "mix has 5 styles, expected at most 4");
 }
@@ -134,6 +140,7 @@ TEST(LookTest, TheBytesOfEarlierClientsMeanTheSame) {
       "\x32\x02\x01\x03\x3A\x05tired"s));
   v1::Look expected = Changed();
   expected.clear_preset();
+  expected.clear_root();
   EXPECT_TRUE(Equal(look, expected));
   ASSERT_TRUE(look.ParseFromString("\x28\x01"s));
   EXPECT_TRUE(look.clear());

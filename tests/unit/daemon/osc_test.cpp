@@ -64,6 +64,7 @@ TEST_F(OscTest, EveryAddressIsTheRequestOfItsName) {
     EXPECT_EQ(Read(address, "s", "old").value().set().input_style(), "old");
   }
   EXPECT_TRUE(Read("/styled/rig.a/absolute", "i", 1).value().set().absolute());
+  EXPECT_EQ(Read("/styled/rig.a/root", "s", "stride").value().set().root(), v1::ROOT_STRIDE);
   EXPECT_TRUE(Read("/styled/rig.a/pin", "i", 1).value().pin().pinned());
   EXPECT_FALSE(Read("/styled/rig.a/pin", "f", 0.0).value().pin().pinned());
   EXPECT_TRUE(Read("/styled/rig.a/clear").value().set().clear());
@@ -100,6 +101,7 @@ TEST_F(OscTest, WhatIsNotUnderstoodIsSaid) {
   EXPECT_THAT(why(Read("/styled/rig.a/mix", "sfs", "a", 1.0, "b")), HasSubstr("in turn"));
   EXPECT_THAT(why(Read("/styled/rig.a/mix")), HasSubstr("in turn"));
   EXPECT_THAT(why(Read("/styled/rig.a/only", "s", "tail")), HasSubstr("parts of the body"));
+  EXPECT_THAT(why(Read("/styled/rig.a/root", "s", "home")), HasSubstr("follow or stride"));
   EXPECT_THAT(why(Read("/styled/rig.a/dance")), HasSubstr("one of style, mix, strength"));
   EXPECT_THAT(why(Read("/styled/")), HasSubstr("one of style, mix, strength"));
   EXPECT_THAT(why(Read("/styled/cue")), HasSubstr("a cue's name"));

@@ -166,13 +166,16 @@ class RequestTest(unittest.TestCase):
         request = _set_request('*', 'old', None, {'strength': 0.5, 'parts': ['head', 'left-arm']})
         self.assertEqual([(w.style, w.weight) for w in request.set.mix], [('old', 1)])
         self.assertEqual((request.set.strength, list(request.set.parts)), (0.5, [1, 3]))
+        self.assertFalse(request.set.HasField('root'))
+        self.assertEqual(_set_request('*', None, None, {'root': 'stride'}).set.root, 1)
         self.assertFalse(request.set.HasField('transition_ms') or request.set.HasField('input_style'))
         former = _set_request('*', None, None, {'only': ['head'], 'own_style': 'old'}).set
         self.assertEqual((list(former.parts), former.input_style), ([1], 'old'))
 
     def test_refuses_wrong_arguments(self):
         for arguments in (('anna', 'old', None, {}), ('*', 'old', {'old': 1}, {}),
-                          ('*', 'old', None, {'parts': ['tail']})):
+                          ('*', 'old', None, {'parts': ['tail']}),
+                          ('*', 'old', None, {'root': 'home'})):
             with self.assertRaises(ValueError):
                 _set_request(*arguments)
         with self.assertRaisesRegex(TypeError, "no 'strenght', expected style, mix, strength"):
