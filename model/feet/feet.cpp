@@ -248,7 +248,11 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const
       step -= give * std::max(0.0F, step.dot(outwards)) * outwards;
     }
     state.offset_m += step;
-    state.offset_m += (1 - hold) * DecayShare(dt_s, options_.return_s) * (wish - state.offset_m);
+    // A step that is longer or shorter must be where it lands before it lands, or the foot slides.
+    const float scaled = std::min(1.0F, std::abs(travel.longer) / tuning::kStrideScaled);
+    const float landing = SmoothStep(travel.along.dot(ahead), 0, tuning::kStrideAhead_m);
+    const float return_s = options_.return_s * (1 - (1 - tuning::kStrideReturn) * scaled * landing);
+    state.offset_m += (1 - hold) * DecayShare(dt_s, return_s) * (wish - state.offset_m);
   }
   if (state.frames == 0 || dt_s > 0) state.frames = std::min(state.frames + 1, 2);
   state.last_in_toes_m = in_toes;
