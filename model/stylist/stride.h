@@ -58,7 +58,7 @@ class Stride {
 // The logarithm of the factor at a speed: each style in force by its weight, less that of the style
 // in which the performer moves. 0 for standing; at walking speed by the styles' walks, at running
 // speed by their runs (net::StyleInfo), smooth between. A performer who is slower or faster than
-// the style that they move in usually is goes half of the way to the styles' own speeds
+// the style that they move in usually is goes most of the way to the styles' own speeds
 // (tuning::kStrideOwnSpeed). Styles without measured speeds count as 0. Bounded by
 // tuning::kLeastStride and kMostStride. Pure.
 STYLED_REALTIME float LogStride(const net::Styles& styles, const Mixer& mixer,
