@@ -279,8 +279,7 @@ void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
 void Stylist::Impl::Apply(Output& out) const noexcept {
   const Pose& input = out.canonical_input;
   Pose& styled = out.canonical;
-  styled.hips_position_m =
-      input.hips_position_m + out.travel.moved_m + filter.applied().col(kRise);
+  styled.hips_position_m = input.hips_position_m + out.travel.moved_m + filter.applied().col(kRise);
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
     const Vec3 turn = filter.applied().col(static_cast<Eigen::Index>(joint));
     styled.rotations[joint] = (input.rotations[joint] * body::Exp(turn)).normalized();

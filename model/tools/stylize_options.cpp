@@ -76,10 +76,10 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
 
 // What says something about styling or weights, and so nothing with --bind-only. Not CLI11's
 // excludes(), which would write as much behind each of them in the help.
-constexpr const char* kNotWithBindOnly[] = {
-    "--style",    "--strength", "--mix",         "--like", "--vary",      "--amount", "--window",
-    "--absolute", "--parts",    "--input-style", "--root", "--no-bypass", "--feet",   "--weights",
-    "--avatar"};
+constexpr const char* kNotWithBindOnly[] = {"--style", "--strength",    "--mix",    "--like",
+                                            "--vary",  "--amount",      "--window", "--absolute",
+                                            "--parts", "--input-style", "--root",   "--no-bypass",
+                                            "--feet",  "--weights",     "--avatar"};
 
 }  // namespace
 
