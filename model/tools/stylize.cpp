@@ -56,6 +56,21 @@ Status AddStyle(const styled::net::Styles& styles, const std::string& text, cons
                        " styles");
 }
 
+// Whether the weights know how fast neutral and each style in the mix go.
+Status CheckSpeeds(const styled::net::Styles& styles, const styled::stylist::Settings& settings) {
+  const auto error = [](const std::string& style) {
+    return Status::Error("--root stride: the weights have no speed of '" + style +
+                         "', expected weights with speeds (styletrain --write-speeds)");
+  };
+  if (styles[0].walk_mps <= 0 || styles[0].run_mps <= 0) return error(styles[0].name);
+  for (const styled::net::StyleWeight& entry : settings.mix) {
+    if (entry.style < 0) continue;
+    const auto& style = styles[static_cast<std::size_t>(entry.style)];
+    if (style.walk_mps <= 0 && style.run_mps <= 0) return error(style.name);
+  }
+  return Status::Ok();
+}
+
 Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
                                                 const styled::net::Styles& styles) {
   styled::stylist::Settings settings;
@@ -76,6 +91,10 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
   for (const std::string& entry : arguments.mix) {
     const Status status = AddStyle(styles, entry, "--mix", settings);
     if (!status.ok()) return status;
+  }
+  if (settings.root == styled::stylist::Root::kStride) {
+    const Status known = CheckSpeeds(styles, settings);
+    if (!known.ok()) return known;
   }
   const auto error = styled::stylist::Validate(settings, static_cast<int>(styles.size()));
   if (error == styled::stylist::SettingsError::kSum) {
