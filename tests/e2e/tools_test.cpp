@@ -78,6 +78,23 @@ TEST_F(ToolsTest, StylizeTakesAStyleAway) {
   EXPECT_NE(said_.find("--input-style: unknown style 'zombie'"), std::string::npos) << said_;
 }
 
+TEST_F(ToolsTest, StylizeTakesTheBodyAlongAtTheSpeedOfTheStyle) {
+  const std::string in = Walk("30", "4"), out = folder_ / "out.bvh";
+  const auto way = [&](const std::string& root) {
+    EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", "--root", root, in, out}), 0) << said_;
+    const clip::Clip styled = clip::ReadBvh(out).value();
+    const rig::Vec3 way =
+        styled.frames.back().translations[0] - styled.frames.front().translations[0];
+    return std::hypot(way.x(), way.z());
+  };
+  const float followed = way("follow");
+  EXPECT_LT(way("stride"), 0.9F * followed) << "the elderly walk slower";
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", "--root", "home", in, out}), 2);
+  EXPECT_NE(said_.find("follow,stride"), std::string::npos) << said_;
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--root", "stride", in, out}), 2);
+  EXPECT_NE(said_.find("--root stride: expected a style"), std::string::npos) << said_;
+}
+
 // Between frames far apart, stylize interpolates along a curve: its result for 10 frames per second
 // matches that for 30.
 TEST_F(ToolsTest, StylizeMakesOfASlowClipWhatItMakesOfAFastOne) {
@@ -304,6 +321,8 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   refuses({"--like", folder_ / "none.bvh"}, "--like: " + std::string(folder_ / "none.bvh"));
   refuses({"--style", "style1", "--parts", "tail"}, "--parts tail: expected");
   refuses({"--style", "style1", "--window", "huge"}, "--window");
+  refuses({"--style", "style1", "--root", "stride"},
+          "--root stride: weights that need whole clips");
   refuses({"--style", "style1", "--amount", "1"}, "--amount");
 
   clip::Clip brief = clip::ReadBvh(in).value();
@@ -330,6 +349,10 @@ TEST_F(StylizeClips, WeightsWithoutAStyleEncoderAreNamed) {
             std::string::npos)
       << said_;
   EXPECT_NE(Refusal({"--style", "bent", "--window", "whole"}, in).find("--window: the weights of"),
+            std::string::npos)
+      << said_;
+  EXPECT_NE(Refusal({"--style", "bent", "--root", "stride"}, in)
+                .find("--root stride: the weights have no speed of 'neutral'"),
             std::string::npos)
       << said_;
 }
