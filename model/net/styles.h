@@ -14,12 +14,24 @@ inline constexpr int kMaxActive = 8;   // styles in effect: a mix and the one it
 inline constexpr float kMaxStrength = 1.5F;
 inline constexpr float kMaxTransition_s = 60.0F;  // of a style change
 
+// A style whose output is recognized in a smaller share of windows is weak: who chooses it must be
+// told. v1's styles have either 0.85 and more, or 0.6 and less.
+inline constexpr float kWeakBelow = 0.8F;
+
 struct StyleInfo {
   std::string name;
   std::vector<std::string> aliases;
+  // The strength of its evidence; 0: not measured. The share of windows in which a judge takes the
+  // styled validation clips for the style, and how much of it was recorded for training.
+  float recognized = 0, recorded_s = 0;
   // Mean speed of the style's walks and runs, canonical metres per second; 0: not measured.
   float walk_mps = 0, run_mps = 0;
 };
+
+// Measured, and recognized too seldom.
+inline bool IsWeak(const StyleInfo& style) {
+  return style.recognized > 0 && style.recognized < kWeakBelow;
+}
 
 // The styles of a weights file; [0] is neutral. A style's number is its index here.
 using Styles = std::vector<StyleInfo>;

@@ -1,6 +1,7 @@
 #include "model/net/weights_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -17,9 +18,19 @@ namespace {
 using nlohmann::json;
 
 constexpr float kMaxRate_hz = 1000.0F;
-constexpr const char* kWalkKey = "walk_mps";
-constexpr const char* kRunKey = "run_mps";
-constexpr double kLeastSpeed_mps = 0.05, kMostSpeed_mps = 15;
+
+// What was measured of a style, each key optional.
+struct Measured {
+  const char* key;
+  float StyleInfo::*value;
+  double least, most;
+  const char* range;
+};
+constexpr std::array<Measured, 4> kMeasured{
+    {{"walk_mps", &StyleInfo::walk_mps, 0.05, 15, "a number from 0.05 to 15"},
+     {"run_mps", &StyleInfo::run_mps, 0.05, 15, "a number from 0.05 to 15"},
+     {"recognized", &StyleInfo::recognized, 0, 1, "a number from 0 to 1"},
+     {"recorded_s", &StyleInfo::recorded_s, 0.1, 1e8, "a number from 0.1 to 1e8"}}};
 
 std::string ReadString(const json& object, const std::string& key, Faults& faults) {
   const json* value = FindKey(object, key, faults);
@@ -52,6 +63,18 @@ void ReadName(const json& value, const std::string& place, std::set<std::string>
   }
 }
 
+void ReadMeasured(const json& entry, const std::string& place, StyleInfo& style, Faults& faults) {
+  for (const Measured& measured : kMeasured) {
+    if (!entry.contains(measured.key)) continue;
+    const json& found = entry[measured.key];
+    const double value = found.is_number() ? found.get<double>() : -1;
+    if (!(value >= measured.least && value <= measured.most)) {
+      faults.Key(place + "." + measured.key, measured.range, Shown(found));
+    }
+    style.*measured.value = static_cast<float>(value);
+  }
+}
+
 void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
   const json* list = FindKey(metadata, "styles", faults);
   if (list == nullptr) return;
@@ -74,16 +97,7 @@ void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
     for (const json& alias : entry["aliases"]) {
       ReadName(alias, place + ".aliases", known, style.aliases.emplace_back(), faults);
     }
-    for (const auto& [key, speed] :
-         {std::pair(kWalkKey, &style.walk_mps), std::pair(kRunKey, &style.run_mps)}) {
-      if (!entry.contains(key)) continue;
-      const json& value = entry[key];
-      const double speed_mps = value.is_number() ? value.get<double>() : 0;
-      if (!(speed_mps >= kLeastSpeed_mps && speed_mps <= kMostSpeed_mps)) {
-        faults.Key(place + "." + key, "a number from 0.05 to 15", Shown(value));
-      }
-      *speed = static_cast<float>(speed_mps);
-    }
+    ReadMeasured(entry, place, style, faults);
     styles.push_back(std::move(style));
     // The first is neutral, whatever it is called.
     if (s > 0 && FindStyle({styles.back()}, "neutral") == 0) {
@@ -202,8 +216,9 @@ json HeaderOf(const Model& model) {
   for (const StyleInfo& style : model.styles) {
     json& entry = styles.emplace_back();
     entry = {{"name", style.name}, {"aliases", style.aliases}};
-    if (style.walk_mps > 0) entry[kWalkKey] = style.walk_mps;
-    if (style.run_mps > 0) entry[kRunKey] = style.run_mps;
+    for (const Measured& measured : kMeasured) {
+      if (style.*measured.value > 0) entry[measured.key] = style.*measured.value;
+    }
   }
   const json training = json::parse(model.training, nullptr, /*allow_exceptions=*/false);
   return {{"version", 2},

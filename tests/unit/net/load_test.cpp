@@ -38,6 +38,25 @@ TEST(Load, AnUnknownFamilyIsRefusedWithTheKnownOnes) {
                     HasSubstr("found \"transformer\"")));
 }
 
+TEST(Load, StylesMayHaveTheirEvidence) {
+  erd::WeightsFile file = erd::RandomWeights(4, 1);
+  file.metadata["styles"][1]["recognized"] = 0.75;
+  file.metadata["styles"][1]["recorded_s"] = 61.5;
+  file.metadata["styles"][2]["recognized"] = 0.8;
+  const auto network = Parse(file.Bytes(), "file");
+  ASSERT_TRUE(network.ok()) << network.status().message();
+  const Styles& styles = network.value()->model().styles;
+  EXPECT_EQ(styles[1].recognized, 0.75F);
+  EXPECT_EQ(styles[1].recorded_s, 61.5F);
+  EXPECT_TRUE(IsWeak(styles[1]));
+  EXPECT_FALSE(IsWeak(styles[2]));
+  EXPECT_FALSE(IsWeak(styles[3])) << "not measured";
+  EXPECT_EQ(HeaderOf(network.value()->model())["styles"][1]["recorded_s"], 61.5);
+  file.metadata["styles"][2]["recognized"] = 1.5;
+  EXPECT_EQ(Parse(file.Bytes(), "file").status().message(),
+            "file: key 'styles[2].recognized': expected a number from 0 to 1, found 1.5");
+}
+
 TEST(Load, StylesMayHaveTheirSpeeds) {
   erd::WeightsFile file = erd::RandomWeights(3, 1);
   file.metadata["styles"][0]["walk_mps"] = 1.25;
