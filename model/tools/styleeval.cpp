@@ -15,6 +15,7 @@
 #include "model/train/judge/judge_clip_restyler.h"
 #include "model/train/judge/judge_codes.h"
 #include "model/train/judge/judge_details.h"
+#include "model/train/judge/judge_evidence.h"
 #include "model/train/judge/judge_mixed.h"
 #include "model/train/judge/judge_pictures.h"
 #include "model/train/judge/judge_provenance.h"
@@ -218,7 +219,12 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
     if (!arguments.report.empty()) session.pictures = judge::PicturesOf(data, *styler.clips);
   }
   judge::PrintGlossary();
-  return WriteResults(session, outputs);
+  const Status results = WriteResults(session, outputs);
+  if (!results.ok() || !arguments.write_evidence) return results;
+  return judge::WriteEvidence(
+      judge::EvidenceOf(data.manifest, data.train, judge::kJudgeRate_hz,
+                        evaluator.Measure("", outputs.styled.front().clips)),
+      arguments.weights);
 }
 
 }  // namespace
@@ -238,6 +244,10 @@ int main(int argc, char** argv) {
   CLI::Option* const write_offset =
       app.add_option("--write-offset", arguments.write_offset,
                      "Only write the baseline as weights to this file, to be judged as others are");
+  CLI::Option* const write_evidence =
+      app.add_flag("--write-evidence", arguments.write_evidence,
+                   "Write into the weights how often each style is recognized and how much of it "
+                   "was recorded");
   app.add_option("--json", arguments.json, "Write every figure to this file, too");
   app.add_option("--report", arguments.report,
                  "Write a page (HTML) with tables, plots and animated stick figures");
@@ -300,6 +310,10 @@ int main(int argc, char** argv) {
       ->check(styled::Whole(0, std::numeric_limits<unsigned>::max()))
       ->capture_default_str();
   if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
+  if (!write_evidence->empty() && arguments.weights.empty()) {
+    std::cerr << "styleeval: --write-evidence needs --weights\n";
+    return styled::kBadArguments;
+  }
   arguments.long_given = long_s->count() > 0;
   arguments.transition_given = transition->count() > 0;
   if (cache->empty() && write_offset->empty()) {

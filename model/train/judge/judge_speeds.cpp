@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "model/net/weights_file.h"
+#include "model/train/judge/judge_evidence.h"
 #include "model/train/judge/judge_gait.h"
 #include "model/train/judge/judge_stream.h"
 
@@ -43,26 +43,13 @@ std::vector<StyleSpeeds> MeasureSpeeds(const clip::Manifest& manifest,
 }
 
 Status WriteSpeeds(std::span<const StyleSpeeds> speeds, const std::filesystem::path& weights) {
-  const auto bytes = net::ReadFile(weights);
-  if (!bytes.ok()) return bytes.status();
-  // Checks the file's common keys, so that those read below are there.
-  const auto parsed = net::ParseWeights(bytes.value(), weights.string());
-  if (!parsed.ok()) return parsed.status();
-  auto metadata = parsed.value().view.metadata;
-  Json keys = Json::parse(metadata.at("styled"));
-  for (Json& style : keys["styles"]) {
+  return EditStyles(weights, [speeds](Json& style) {
     for (const StyleSpeeds& measured : speeds) {
       if (style["name"] != measured.style) continue;
       Enter("walk_mps", measured.walk_mps, style);
       Enter("run_mps", measured.run_mps, style);
     }
-  }
-  metadata["styled"] = keys.dump();
-  const auto written = net::WithMetadata(bytes.value(), metadata, weights.string());
-  if (!written.ok()) return written.status();
-  const auto readable = net::ParseWeights(written.value(), weights.string());
-  if (!readable.ok()) return readable.status();
-  return net::WriteFile(weights, written.value());
+  });
 }
 
 Status MeasureAndWriteSpeeds(const std::filesystem::path& manifest_file,

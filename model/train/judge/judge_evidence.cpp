@@ -1,0 +1,61 @@
+#include "model/train/judge/judge_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/net/weights_file.h"
+
+namespace styled::judge {
+
+using Json = nlohmann::ordered_json;  // keeps the order of the keys
+
+Status EditStyles(const std::filesystem::path& weights,
+                  const std::function<void(Json& style)>& edit) {
+  const auto bytes = net::ReadFile(weights);
+  if (!bytes.ok()) return bytes.status();
+  // Checks the file's common keys, so that those read below are there.
+  const auto parsed = net::ParseWeights(bytes.value(), weights.string());
+  if (!parsed.ok()) return parsed.status();
+  auto metadata = parsed.value().view.metadata;
+  Json keys = Json::parse(metadata.at("styled"));
+  for (Json& style : keys["styles"]) edit(style);
+  metadata["styled"] = keys.dump();
+  const auto written = net::WithMetadata(bytes.value(), metadata, weights.string());
+  if (!written.ok()) return written.status();
+  const auto readable = net::ParseWeights(written.value(), weights.string());
+  if (!readable.ok()) return readable.status();
+  return net::WriteFile(weights, written.value());
+}
+
+std::vector<Evidence> EvidenceOf(const clip::Manifest& manifest,
+                                 std::span<const train::TrainingClip> clips, double rate_hz,
+                                 const Figures& figures) {
+  std::vector<Evidence> all;
+  for (std::size_t style = 1; style < manifest.styles.size(); ++style) {
+    Evidence evidence{.style = manifest.styles[style].name};
+    for (const train::TrainingClip& clip : clips) {
+      if (clip.style != static_cast<int>(style)) continue;
+      evidence.recorded_s += static_cast<double>(clip.poses.size()) / rate_hz;
+    }
+    if (evidence.recorded_s == 0) continue;
+    const Share& sra = figures.styles[style].sra;
+    evidence.recognized = sra.windows > 0 ? sra.value : -1;
+    all.push_back(evidence);
+  }
+  return all;
+}
+
+Status WriteEvidence(std::span<const Evidence> evidence, const std::filesystem::path& weights) {
+  return EditStyles(weights, [evidence](Json& style) {
+    for (const Evidence& of : evidence) {
+      if (style["name"] != of.style) continue;
+      style["recorded_s"] = std::round(10 * of.recorded_s) / 10;
+      // 0 means not measured: a style that is never recognized has the least figure instead.
+      if (of.recognized >= 0) {
+        style["recognized"] = std::max(0.001, std::round(1000 * of.recognized) / 1000);
+      }
+    }
+  });
+}
+
+}  // namespace styled::judge

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/base/status.h"
+#include "model/clip/manifest.h"
+#include "model/train/dataset.h"
+#include "model/train/judge/judge_report.h"
+
+namespace styled::judge {
+
+// Calls `edit` for each style of a weights file of any family, as its metadata has it
+// (model/net/FORMAT.md), and writes what came of it. Tensors and all other keys stay. Replaces
+// `weights` atomically, and not where the result is no weights file. Errors name the file.
+Status EditStyles(const std::filesystem::path& weights,
+                  const std::function<void(nlohmann::ordered_json& style)>& edit);
+
+// The strength of the evidence for a style: how much of it the generator was trained on, s, and the
+// share of windows in which the judge takes the styled clips for it, -1 where it was not measured.
+struct Evidence {
+  std::string style;
+  double recorded_s = 0, recognized = -1;
+};
+// `clips`: those that the generator was trained on, at `rate_hz`; styles without any are left out.
+std::vector<Evidence> EvidenceOf(const clip::Manifest& manifest,
+                                 std::span<const train::TrainingClip> clips, double rate_hz,
+                                 const Figures& figures);
+
+// Writes it into the styles of a weights file; styles that are not in `evidence` keep what they
+// have.
+Status WriteEvidence(std::span<const Evidence> evidence, const std::filesystem::path& weights);
+
+}  // namespace styled::judge
