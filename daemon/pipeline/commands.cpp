@@ -100,6 +100,9 @@ void Commands::List(v1::Reply& reply) const {
     info.set_name(styles[i].name);
     for (const auto& alias : styles[i].aliases) info.add_aliases(alias);
     info.set_neutral(i == 0);
+    info.set_recognized(styles[i].recognized);
+    info.set_recorded_s(styles[i].recorded_s);
+    info.set_weak(net::IsWeak(styles[i]));
   }
   for (const Cue& cue : roster_.config().cues) {
     auto& info = *list.add_cues();

@@ -70,13 +70,30 @@ std::string Table(const std::vector<std::vector<std::string>>& rows) {
   return out;
 }
 
+namespace {
+
+std::string RecognizedText(const v1::StyleInfo& style) {
+  if (style.recognized() <= 0) return "-";
+  return Fixed(style.recognized(), 2) + (style.weak() ? " weak" : "");
+}
+
+double Rounded(double value, int digits) { return std::stod(Fixed(value, digits)); }
+
+std::string RecordedText(const v1::StyleInfo& style) {
+  if (style.recorded_s() <= 0) return "-";
+  return style.recorded_s() < 60 ? Fixed(style.recorded_s(), 0) + " s"
+                                 : Fixed(style.recorded_s() / 60, 1) + " min";
+}
+
+}  // namespace
+
 std::string ListText(const v1::ListReply& list) {
-  std::vector<std::vector<std::string>> rows{{"STYLE", "ALSO"}};
+  std::vector<std::vector<std::string>> rows{{"STYLE", "RECOGNIZED", "RECORDED", "ALSO"}};
   for (const auto& style : list.styles()) {
     std::string also;
     for (const std::string& alias : style.aliases()) also += (also.empty() ? "" : ", ") + alias;
     if (style.neutral()) also += also.empty() ? "(neutral)" : "  (neutral)";
-    rows.push_back({style.name(), also});
+    rows.push_back({style.name(), RecognizedText(style), RecordedText(style), also});
   }
   std::string out = Table(rows);
   if (!list.presets().empty()) {
@@ -183,6 +200,11 @@ json ListJson(const v1::ListReply& list) {
     json aliases = json::array();
     for (const std::string& alias : style.aliases()) aliases.push_back(alias);
     styles.push_back({{"name", style.name()}, {"aliases", aliases}, {"neutral", style.neutral()}});
+    // Not measured: null, so that a script does not take it for 0.
+    json& entry = styles.back();
+    entry["recognized"] = style.recognized() > 0 ? json(Rounded(style.recognized(), 3)) : json();
+    entry["recorded_s"] = style.recorded_s() > 0 ? json(Rounded(style.recorded_s(), 1)) : json();
+    entry["weak"] = style.weak();
   }
   for (const auto& preset : list.presets()) {
     presets.push_back({{"name", preset.name()}, {"mix", MixJson(preset.mix())}});

@@ -106,7 +106,9 @@ def run_list(a):
     with control(a) as daemon:
         reply = daemon.list()
     for style in reply.styles:
-        print(style.name, *(f'({alias})' for alias in style.aliases))
+        evidence = [f'recognized {style.recognized:.2f}{" (weak)" if style.weak else ""}'] \
+            if style.recognized > 0 else []
+        print(style.name, *(f'({alias})' for alias in style.aliases), *evidence)
     for cue in reply.cues:
         print(f'cue {cue.name}: {cue.performer}', *([f'at {cue.at}'] if cue.at else []))
     for preset in reply.presets:

@@ -32,7 +32,13 @@ v1::Reply Answer(const v1::Request& request) {
     auto& old = *reply.mutable_list()->add_styles();
     old.set_name("old");
     old.add_aliases("elderly");
-    reply.mutable_list()->add_styles()->set_name("proud");
+    old.set_recognized(0.984F);
+    old.set_recorded_s(432);
+    auto& proud = *reply.mutable_list()->add_styles();
+    proud.set_name("proud");
+    proud.set_recognized(0.312F);
+    proud.set_recorded_s(48);
+    proud.set_weak(true);
     reply.mutable_list()->add_presets()->set_name("scene");
     return reply;
   }
@@ -109,7 +115,10 @@ class StylectlTest : public testing::Test {
 TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
   EXPECT_EQ(Run({"list"}), kExitOk);
   EXPECT_EQ(out_.str(),
-            "STYLE    ALSO\nneutral  (neutral)\nold      elderly\nproud\n\n"
+            "STYLE    RECOGNIZED  RECORDED  ALSO\n"
+            "neutral  -           -         (neutral)\n"
+            "old      0.98        7.2 min   elderly\n"
+            "proud    0.31 weak   48 s\n\n"
             "PRESET  MIX\nscene   bypass\n");
   EXPECT_EQ(Run({"status"}), kExitOk);
   EXPECT_TRUE(Says("styled 1.2.3"));
@@ -118,6 +127,16 @@ TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
   EXPECT_FALSE(Says("source.zero"));
   EXPECT_EQ(Run({"status", "--all"}), kExitOk);
   EXPECT_TRUE(Says("source.zero"));
+}
+
+TEST_F(StylectlTest, WhatWasNotMeasuredOfAStyleIsNullInJson) {
+  EXPECT_EQ(Run({"list", "--json"}), kExitOk);
+  const auto styles = nlohmann::json::parse(out_.str())["styles"];
+  EXPECT_TRUE(styles[0]["recognized"].is_null());
+  EXPECT_EQ(styles[1]["recognized"], 0.984);
+  EXPECT_EQ(styles[1]["recorded_s"], 432);
+  EXPECT_EQ(styles[1]["weak"], false);
+  EXPECT_EQ(styles[2]["weak"], true);
 }
 
 TEST_F(StylectlTest, RangesAreSaidAsTheyAreWritten) {

@@ -51,6 +51,13 @@ export class App {
   entry(): PerformerStats | undefined {
     return this.stats?.performers.find(({ performer }) => performer === this.selected);
   }
+  /** What is to be said where a style is chosen that is recognized too seldom. */
+  weakness(name: string): string | undefined {
+    const info = this.list?.styles.find((style) => style.name === name);
+    if (!info?.weak) return undefined;
+    return `weak: recognized in ${Math.round(100 * info.recognized)} % of test clips`;
+  }
+
   styles(): string[] {
     return (this.list?.styles ?? []).filter(({ neutral }) => !neutral).map(({ name }) => name);
   }

@@ -23,10 +23,13 @@ function styleGrid(app: App, inForce: () => Map<string, number>): HTMLElement {
         const fill = h('i', {});
         const key = STYLE_KEYS[i % 10]!;
         const hint = i < 10 ? key : `⇧${key}`;
+        const weakness = app.weakness(name);
+        const title = `${name} (${i < 10 ? '' : 'Shift+'}${key})`;
         const button = h('button', {
-          'data-style': name, title: `${name} (${i < 10 ? '' : 'Shift+'}${key})`,
+          'data-style': name, title: weakness ? `${title}, ${weakness}` : title,
           onclick: () => void app.setStyle(name),
-        }, fill, h('span', {}, name), i < 20 ? h('kbd', {}, hint) : undefined);
+        }, fill, h('span', {}, name), weakness ? h('small', {}, 'weak') : undefined,
+           i < 20 ? h('kbd', {}, hint) : undefined);
         buttons.set(name, { button, fill });
         return button;
       }));
