@@ -86,29 +86,38 @@ float GroundShift_m(const rig::Binding& input_binding, const rig::RigPose& input
 
 namespace {
 
-// `by`: source units, in the world's source axes.
-void ShiftInSource(const rig::Binding& binding, const rig::Vec3& by, rig::RigPose& styled) {
+// `by`: source units, in the world's source axes. The result is in the frame of the hips' parent.
+rig::Vec3 InHipsParent(const rig::Binding& binding, const rig::Vec3& by,
+                       const rig::RigPose& pose) noexcept {
   const rig::Skeleton& skeleton = binding.skeleton();
   const auto hips = static_cast<std::size_t>(binding.spec().source_joint[body::kHips]);
-  // The shift is in the world's axes; the hips' translation is in their parent's frame.
   rig::Quat world_from_parent = rig::Quat::Identity();
   for (int above = skeleton.parents[hips]; above >= 0;
        above = skeleton.parents[static_cast<std::size_t>(above)]) {
     world_from_parent =
-        styled.rotations[static_cast<std::size_t>(above)].normalized() * world_from_parent;
+        pose.rotations[static_cast<std::size_t>(above)].normalized() * world_from_parent;
   }
-  styled.translations[hips] += world_from_parent.conjugate() * by;
+  return world_from_parent.conjugate() * by;
+}
+
+rig::Vec3& HipsOf(const rig::Binding& binding, rig::RigPose& pose) noexcept {
+  return pose.translations[static_cast<std::size_t>(binding.spec().source_joint[body::kHips])];
 }
 
 }  // namespace
 
 void ShiftUp(const rig::Binding& binding, float shift, rig::RigPose& styled) noexcept {
-  ShiftInSource(binding, shift * Up(binding), styled);
+  HipsOf(binding, styled) += InHipsParent(binding, shift * Up(binding), styled);
+}
+
+rig::Vec3 HipsShift(const rig::Binding& binding, const body::Vec3& by_m,
+                    const rig::RigPose& pose) noexcept {
+  return InHipsParent(
+      binding, binding.spec().canonical_from_source.conjugate() * (by_m / binding.scale()), pose);
 }
 
 void Shift(const rig::Binding& binding, const body::Vec3& by_m, rig::RigPose& styled) noexcept {
-  ShiftInSource(
-      binding, binding.spec().canonical_from_source.conjugate() * (by_m / binding.scale()), styled);
+  HipsOf(binding, styled) += HipsShift(binding, by_m, styled);
 }
 
 }  // namespace styled::stylist

@@ -23,7 +23,11 @@ STYLED_REALTIME float GroundShift_m(const rig::Binding& input_binding, const rig
                                     const rig::Binding& binding,
                                     const rig::RigPose& styled) noexcept;
 
-// Moves the hips of `styled` by `by_m`, canonical metres and axes.
+// What moves the hips of `pose` by `by_m`, canonical metres and axes: source units, in the frame of
+// the hips' parent.
+STYLED_REALTIME rig::Vec3 HipsShift(const rig::Binding& binding, const body::Vec3& by_m,
+                                    const rig::RigPose& pose) noexcept;
+// Moves the hips of `styled` by that.
 STYLED_REALTIME void Shift(const rig::Binding& binding, const body::Vec3& by_m,
                            rig::RigPose& styled) noexcept;
 // The same by `shift` source units along the source's up axis.

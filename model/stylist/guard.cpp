@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "model/stylist/grounding.h"
 #include "model/stylist/tuning.h"
 
 namespace styled::stylist {
@@ -39,16 +40,19 @@ bool IsSound(const net::Prediction& step) noexcept {
   return IsSound(step.reconstruction) && IsSound(step.styled);
 }
 
-bool IsSound(const body::Pose& styled, const body::Pose& own, float moved_m) noexcept {
+bool IsSound(const body::Pose& styled, const body::Pose& own, const body::Vec3& moved_m) noexcept {
   return AreUnit(styled.rotations) &&
-         IsNear(styled.hips_position_m, own.hips_position_m, tuning::kFarthest_m + moved_m);
+         IsNear(styled.hips_position_m, own.hips_position_m + moved_m, tuning::kFarthest_m);
 }
 
-bool IsSound(const rig::RigPose& styled, const rig::RigPose& own, float metres,
-             float moved_m) noexcept {
-  const float most = (tuning::kFarthest_m + moved_m) / metres;
+bool IsSound(const rig::Binding& binding, const rig::RigPose& styled, const rig::RigPose& own,
+             const body::Vec3& moved_m) noexcept {
+  const float most = tuning::kFarthest_m / binding.scale();
+  const auto hips = static_cast<std::size_t>(binding.spec().source_joint[body::kHips]);
   for (std::size_t joint = 0; joint < styled.translations.size(); ++joint) {
-    if (!IsNear(styled.translations[joint], own.translations[joint], most)) return false;
+    body::Vec3 place = own.translations[joint];
+    if (joint == hips && !moved_m.isZero(0)) place += HipsShift(binding, moved_m, own);
+    if (!IsNear(styled.translations[joint], place, most)) return false;
   }
   return AreUnit(styled.rotations);
 }

@@ -15,14 +15,15 @@ namespace styled::stylist {
 // The network's output: finite, rotations of length 1.
 STYLED_REALTIME bool IsSound(const net::Prediction& step) noexcept;
 
-// The canonical pose `styled` against the performer's own. `moved_m`: how far a stride has taken
-// the styled body from the performer, finite.
+// The canonical pose `styled` against the performer's own, `moved_m` from where the performer is: a
+// stride has taken it there.
 STYLED_REALTIME bool IsSound(const body::Pose& styled, const body::Pose& own,
-                             float moved_m = 0) noexcept;
+                             const body::Vec3& moved_m = body::Vec3::Zero()) noexcept;
 
-// The same on a skeleton, joint by joint; `own` is finite. `metres`: the length of one source unit.
-STYLED_REALTIME bool IsSound(const rig::RigPose& styled, const rig::RigPose& own, float metres,
-                             float moved_m = 0) noexcept;
+// The same on a skeleton, joint by joint; `own` is finite.
+STYLED_REALTIME bool IsSound(const rig::Binding& binding, const rig::RigPose& styled,
+                             const rig::RigPose& own,
+                             const body::Vec3& moved_m = body::Vec3::Zero()) noexcept;
 
 // `pose` on its skeleton, compared with the canonical pose that it was made from.
 STYLED_REALTIME bool IsSound(const rig::Binding& binding, const rig::RigPose& pose,

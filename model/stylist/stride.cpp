@@ -26,7 +26,8 @@ Stride::Step Stride::Measure(const Vec3& hips_m, double dt_s, double hole_s) noe
   // does not begin with the speed of standing.
   const float share = DecayShare(dt, tuning::kStrideSpeed_s);
   seen_ += share * (1 - seen_);
-  velocity_mps_ += share / seen_ * (step_m_ / dt - velocity_mps_);
+  // Frames some nanoseconds apart have no share at all.
+  if (seen_ > 0) velocity_mps_ += share / seen_ * (step_m_ / dt - velocity_mps_);
   return Step::kTaken;
 }
 

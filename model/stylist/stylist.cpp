@@ -336,9 +336,8 @@ void Stylist::Impl::HoldFeet(Output& out) noexcept {
 // If the styled frame is not sound, the performer's own is published instead.
 void Stylist::Impl::GuardOutput(Output& out) noexcept {
   if (!failed) {
-    const float moved_m = out.travel.moved_m.norm();
-    failed = !IsSound(out.canonical, out.canonical_input, moved_m) ||
-             !IsSound(out.rig, out.source, binding->scale(), moved_m);
+    failed = !IsSound(out.canonical, out.canonical_input, out.travel.moved_m) ||
+             !IsSound(*binding, out.rig, out.source, out.travel.moved_m);
     if (failed) {  // their state may be the cause
       feet.Reset();
       rig_feet.Reset();

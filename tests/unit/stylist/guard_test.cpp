@@ -9,6 +9,7 @@
 
 #include "model/feet/legs.h"
 #include "model/stylist/avatar.h"
+#include "model/stylist/grounding.h"
 #include "model/stylist/stylist.h"
 #include "tests/unit/net/erd/random_weights.h"
 
@@ -245,6 +246,28 @@ TEST_F(GuardTest, AbsurdInputLeavesAPoseOnEveryTopic) {
   }
 }
 
+// After forty metres of stride the hips are there, and nothing else may be.
+TEST_F(GuardTest, AStrideMovesTheHipsAlone) {
+  const body::Vec3 moved_m(0, 0, 40);
+  const body::Pose own;
+  body::Pose pose = own;
+  EXPECT_FALSE(IsSound(pose, own, moved_m));
+  pose.hips_position_m += moved_m;
+  EXPECT_FALSE(IsSound(pose, own));
+  EXPECT_TRUE(IsSound(pose, own, moved_m));
+  pose.hips_position_m += moved_m;
+  EXPECT_FALSE(IsSound(pose, own, moved_m));
+
+  const rig::RigPose given(binding->skeleton());
+  rig::RigPose styled = given;
+  Shift(*binding, moved_m, styled);
+  EXPECT_FALSE(IsSound(*binding, styled, given));
+  EXPECT_TRUE(IsSound(*binding, styled, given, moved_m));
+  const auto hand = static_cast<std::size_t>(binding->spec().source_joint[body::kLeftHand]);
+  styled.translations[hand].z() += 40 / binding->scale();
+  EXPECT_FALSE(IsSound(*binding, styled, given, moved_m));
+}
+
 TEST_F(GuardTest, EveryFaultOfAPoseIsSeen) {
   const body::Pose own;
   body::Pose pose = own;
@@ -259,14 +282,13 @@ TEST_F(GuardTest, EveryFaultOfAPoseIsSeen) {
     pose.hips_position_m.z() = bad;
     EXPECT_FALSE(IsSound(pose, own)) << bad;
   }
-  // Five metres are 500 units of a centimetre.
   const rig::RigPose given(binding->skeleton());
+  const float metre = 1 / binding->scale();
   rig::RigPose styled = given;
-  styled.translations[2].x() += 400;
-  EXPECT_TRUE(IsSound(styled, given, 0.01F));
-  EXPECT_FALSE(IsSound(styled, given, 1.0F));
-  styled.translations[2].x() += 200;
-  EXPECT_FALSE(IsSound(styled, given, 0.01F));
+  styled.translations[2].x() += 4 * metre;
+  EXPECT_TRUE(IsSound(*binding, styled, given));
+  styled.translations[2].x() += 2 * metre;
+  EXPECT_FALSE(IsSound(*binding, styled, given));
 
   net::Prediction step;
   const auto good = [&step] {

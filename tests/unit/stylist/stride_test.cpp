@@ -18,8 +18,10 @@ constexpr double kHole_s = 0.25;
 constexpr float kSettle_s = 0.025F;
 
 // Neutral, one that hurries, one that shuffles, one that was not measured.
-const net::Styles kStyles{
-    {"neutral", {}, 1.2F, 3.1F}, {"active", {}, 1.5F, 3.5F}, {"old", {}, 0.8F, 1.5F}, {"odd", {}}};
+const net::Styles kStyles{{.name = "neutral", .walk_mps = 1.2F, .run_mps = 3.1F},
+                          {.name = "active", .walk_mps = 1.5F, .run_mps = 3.5F},
+                          {.name = "old", .walk_mps = 0.8F, .run_mps = 1.5F},
+                          {.name = "odd"}};
 constexpr int kActive = 1, kOld = 2, kOdd = 3;
 
 Mixer Mixed(std::initializer_list<net::StyleWeight> mix, Root root = Root::kStride,
@@ -85,15 +87,16 @@ TEST(LogStrideTest, NothingIsScaledWithoutStrideStyleOrSpeeds) {
     EXPECT_EQ(Factor(Mixed({{kOld, 1}}, Root::kFollow), speed_mps), 1);
     EXPECT_EQ(Factor(Mixed({}), speed_mps), 1);
     EXPECT_EQ(Factor(Mixed({{kOdd, 1}}), speed_mps), 1);
-    const net::Styles bare{{"neutral", {}}, {"active", {}}};
+    const net::Styles bare{{.name = "neutral"}, {.name = "active"}};
     EXPECT_EQ(LogStride(bare, Mixed({{kActive, 1}}), speed_mps), 0);
     EXPECT_EQ(LogStride({}, Mixed({{kActive, 1}}), speed_mps), 0);
   }
 }
 
 TEST(LogStrideTest, TheFactorIsBounded) {
-  const net::Styles wild{
-      {"neutral", {}, 1.2F, 3.1F}, {"fast", {}, 15, 15}, {"slow", {}, 0.05F, 0.05F}};
+  const net::Styles wild{{.name = "neutral", .walk_mps = 1.2F, .run_mps = 3.1F},
+                         {.name = "fast", .walk_mps = 15, .run_mps = 15},
+                         {.name = "slow", .walk_mps = 0.05F, .run_mps = 0.05F}};
   EXPECT_NEAR(std::exp(LogStride(wild, Mixed({{1, 1.5F}}), 1.2F)), tuning::kMostStride, 1e-4F);
   EXPECT_NEAR(std::exp(LogStride(wild, Mixed({{2, 1.5F}}), 1.2F)), tuning::kLeastStride, 1e-4F);
 }
@@ -243,6 +246,18 @@ TEST_F(StrideTest, HolesAndImpossibleStepsAreTakenAsTheyAre) {
     ASSERT_TRUE(std::isfinite(stride.factor()));
     ASSERT_NEAR((stride.moved_m() - moved).norm(), 0, 0.05);
   }
+}
+
+// The first velocity would be 0 / 0, and NaN would stay.
+TEST_F(StrideTest, FramesNanosecondsApartLeaveNothingBehind) {
+  const auto factor = [](float) { return std::log(1.25F); };
+  stride.Follow(Vec3::Zero(), 0, kHole_s, kSettle_s, factor);
+  for (int i = 0; i < 3; ++i) stride.Follow(Vec3::Zero(), 1e-9, kHole_s, kSettle_s, factor);
+  EXPECT_EQ(stride.speed_mps(), 0);
+  started = true;
+  Go(Straight, 5, 120, 1.25F);
+  EXPECT_NEAR(stride.speed_mps(), 1.2, 1e-3);
+  EXPECT_TRUE(stride.moved_m().allFinite());
 }
 
 TEST_F(StrideTest, ANewPlaceBeginsWithoutAnOffset) {
