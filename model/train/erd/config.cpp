@@ -1,5 +1,6 @@
 #include "model/train/erd/config.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -24,6 +25,15 @@ Status Check(const Config& config) {
   }
   if (!config.kept_contents.empty() && config.teachers.empty()) {
     return Status::Error("--keep-content needs a --teacher");
+  }
+  const auto named = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (const std::string& name : config.idle_contents) {
+    if (name == config.idle_as || named(config.kept_contents, name)) {
+      return Status::Error("--idle-content " + name +
+                           ": --idle-as or --keep-content names it, too");
+    }
   }
   const std::pair<const char*, double> not_negative[] = {
       {"--rate", config.rate_hz},

@@ -72,6 +72,7 @@ class StyleErdRecipe : public Recipe {
   const Config config_;
   const Inputs inputs_;
   Learner learner_;
+  bool any_clips_ = false;  // whether a teacher sees whole clips
   style_erd::Monitor monitor_;
 };
 
@@ -114,13 +115,19 @@ Status StyleErdRecipe::AddTeachers() {
     const Status added = AddTeacher(flag.value());
     if (!added.ok()) return Status::Error("--teacher " + text + ": " + added.message());
   }
+  if (config_.teacher_lead_s > 0 && !any_clips_) {
+    return Status::Error("--teacher-lead needs a --teacher that sees whole clips");
+  }
   return Status::Ok();
 }
 
 Status StyleErdRecipe::AddTeacher(const TeacherFlag& flag) {
   const Result<net::AnyStylizer> any = net::LoadAny(flag.weights);
   if (!any.ok()) return any.status();
-  if (any.value().clips) return learner_.AddTeacher(*any.value().clips, flag.lessons);
+  if (any.value().clips) {
+    any_clips_ = true;
+    return learner_.AddTeacher(*any.value().clips, flag.lessons);
+  }
   const Result<LoadedWeights> teacher = ReadWeights(flag.weights);
   if (!teacher.ok()) return teacher.status();
   return learner_.AddTeacher(teacher.value(), flag.lessons);

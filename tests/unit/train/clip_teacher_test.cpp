@@ -165,11 +165,11 @@ TEST_F(AClipTeacher, WhatIsTaughtMayBeAheadOfTheInput) {
   }
 }
 
-TEST_F(AClipTeacher, RefusesAnotherRateAndANetworkWithoutTheNeutralStyle) {
+TEST_F(AClipTeacher, RefusesAnotherRate) {
   EXPECT_THAT(Make({"", "bent"}, 60).status().message(),
               testing::HasSubstr("works at 30 Hz, the run at 60"));
   network_.mutable_model().styles[0].name = "plain";
-  EXPECT_THAT(Make().status().message(), testing::HasSubstr("has no style \"neutral\""));
+  EXPECT_TRUE(Make().ok()) << "its first style is neutral, whatever it is called";
 }
 
 }  // namespace

@@ -465,7 +465,13 @@ TEST_F(Taught, ATeacherThatCannotTeachIsRefused) {
   config.kept_contents.clear();
   config.idle_contents = {"walk"};
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("--idle-content needs --idle"));
+  config.idle = 0.1;
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("--idle-as or --keep-content names it"));
+  config.idle = 0;
   config.idle_contents.clear();
+  config.teacher_lead_s = 0.05;
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("--teacher-lead needs a --teacher that"));
+  config.teacher_lead_s = 0;
   config.heading_tau_s = 0.5;
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("other feature statistics"));
 }
