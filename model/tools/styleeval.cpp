@@ -247,7 +247,8 @@ int main(int argc, char** argv) {
   CLI::Option* const write_evidence =
       app.add_flag("--write-evidence", arguments.write_evidence,
                    "Write into the weights how often each style is recognized and how much of it "
-                   "was recorded");
+                   "was recorded")
+          ->excludes(write_offset);
   app.add_option("--json", arguments.json, "Write every figure to this file, too");
   app.add_option("--report", arguments.report,
                  "Write a page (HTML) with tables, plots and animated stick figures");

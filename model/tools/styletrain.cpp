@@ -115,10 +115,13 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   app.add_option("--export", flags.export_paths, "RUN FILE: write the weights of a run and end")
       ->expected(2);
-  app.add_option("--write-speeds", flags.speeds,
-                 "FILE: measure how fast each style of --manifest walks and runs, write it into "
-                 "these weights for `root = \"stride\"`, and end");
+  CLI::Option* const speeds =
+      app.add_option("--write-speeds", flags.speeds,
+                     "FILE: measure how fast each style of --manifest walks and runs, write it "
+                     "into these weights for `root = \"stride\"`, and end");
   AddRunFlags(app, flags);
+  // The default manifest would replace the speeds of styles that it shares with the right one.
+  speeds->needs("--manifest")->excludes("--out")->excludes("--export");
   AddValidationFlags(app, flags);
 }
 

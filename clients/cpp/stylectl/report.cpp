@@ -1,6 +1,7 @@
 #include "clients/cpp/stylectl/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -74,7 +75,8 @@ namespace {
 
 std::string RecognizedText(const v1::StyleInfo& style) {
   if (style.recognized() <= 0) return "-";
-  return Fixed(style.recognized(), 2) + (style.weak() ? " weak" : "");
+  // Down, so that no style is weak at 0.80.
+  return Fixed(std::floor(100 * style.recognized()) / 100, 2) + (style.weak() ? " weak" : "");
 }
 
 double Rounded(double value, int digits) { return std::stod(Fixed(value, digits)); }

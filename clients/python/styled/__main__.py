@@ -106,7 +106,7 @@ def run_list(a):
     with control(a) as daemon:
         reply = daemon.list()
     for style in reply.styles:
-        evidence = [f'recognized {style.recognized:.2f}{" (weak)" if style.weak else ""}'] \
+        evidence = [f'recognized {int(100 * style.recognized) / 100:.2f}{" (weak)" if style.weak else ""}'] \
             if style.recognized > 0 else []
         print(style.name, *(f'({alias})' for alias in style.aliases), *evidence)
     for cue in reply.cues:

@@ -9,8 +9,14 @@ namespace styled::judge {
 
 using Json = nlohmann::ordered_json;  // keeps the order of the keys
 
+bool IsCalled(const Json& style, const std::string& name) {
+  net::StyleInfo info{.name = style["name"].get<std::string>(),
+                      .aliases = style["aliases"].get<std::vector<std::string>>()};
+  return net::FindStyle({std::move(info)}, name) == 0;
+}
+
 Status EditStyles(const std::filesystem::path& weights,
-                  const std::function<void(Json& style)>& edit) {
+                  const std::function<bool(Json& style)>& edit) {
   const auto bytes = net::ReadFile(weights);
   if (!bytes.ok()) return bytes.status();
   // Checks the file's common keys, so that those read below are there.
@@ -18,7 +24,9 @@ Status EditStyles(const std::filesystem::path& weights,
   if (!parsed.ok()) return parsed.status();
   auto metadata = parsed.value().view.metadata;
   Json keys = Json::parse(metadata.at("styled"));
-  for (Json& style : keys["styles"]) edit(style);
+  bool any = false;
+  for (Json& style : keys["styles"]) any = edit(style) || any;
+  if (!any) return Status::Error(weights.string() + ": has none of the manifest's styles");
   metadata["styled"] = keys.dump();
   const auto written = net::WithMetadata(bytes.value(), metadata, weights.string());
   if (!written.ok()) return written.status();
@@ -47,14 +55,17 @@ std::vector<Evidence> EvidenceOf(const clip::Manifest& manifest,
 
 Status WriteEvidence(std::span<const Evidence> evidence, const std::filesystem::path& weights) {
   return EditStyles(weights, [evidence](Json& style) {
+    bool found = false;
     for (const Evidence& of : evidence) {
-      if (style["name"] != of.style) continue;
+      if (!IsCalled(style, of.style)) continue;
+      found = true;
       style["recorded_s"] = std::round(10 * of.recorded_s) / 10;
       // 0 means not measured: a style that is never recognized has the least figure instead.
       if (of.recognized >= 0) {
         style["recognized"] = std::max(0.001, std::round(1000 * of.recognized) / 1000);
       }
     }
+    return found;
   });
 }
 

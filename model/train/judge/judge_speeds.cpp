@@ -44,11 +44,14 @@ std::vector<StyleSpeeds> MeasureSpeeds(const clip::Manifest& manifest,
 
 Status WriteSpeeds(std::span<const StyleSpeeds> speeds, const std::filesystem::path& weights) {
   return EditStyles(weights, [speeds](Json& style) {
+    bool found = false;
     for (const StyleSpeeds& measured : speeds) {
-      if (style["name"] != measured.style) continue;
+      if (!IsCalled(style, measured.style)) continue;
+      found = true;
       Enter("walk_mps", measured.walk_mps, style);
       Enter("run_mps", measured.run_mps, style);
     }
+    return found;
   });
 }
 

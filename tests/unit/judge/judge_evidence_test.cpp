@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <fstream>
 #include <sstream>
 
@@ -58,6 +59,15 @@ TEST_F(WeightsOnDisk, AStyleThatIsNeverRecognizedIsWeakAndNotUnknown) {
   EXPECT_TRUE(net::IsWeak(Read()[1]));
   ASSERT_TRUE(WriteEvidence(std::vector<Evidence>{{name, 3, -1}}, file_).ok());
   EXPECT_TRUE(net::IsWeak(Read()[1])) << "a run that did not measure it takes nothing away";
+}
+
+TEST_F(WeightsOnDisk, AreOfTheManifestsStylesByNameOrAlias) {
+  std::string shouted = Read()[1].name;
+  for (char& letter : shouted) letter = static_cast<char>(std::toupper(letter));
+  ASSERT_TRUE(WriteEvidence(std::vector<Evidence>{{shouted, 3, 0.9}}, file_).ok());
+  EXPECT_FLOAT_EQ(Read()[1].recognized, 0.9F);
+  EXPECT_THAT(WriteEvidence(std::vector<Evidence>{{"nobody", 3, 1}}, file_).message(),
+              testing::HasSubstr("evidence.safetensors: has none of the manifest's styles"));
 }
 
 TEST_F(WeightsOnDisk, AFileThatIsNoneIsLeftAlone) {

@@ -55,7 +55,7 @@ export class App {
   weakness(name: string): string | undefined {
     const info = this.list?.styles.find((style) => style.name === name);
     if (!info?.weak) return undefined;
-    return `weak: recognized in ${Math.round(100 * info.recognized)} % of test clips`;
+    return `weak: recognized in ${Math.floor(100 * info.recognized)} % of test windows`;
   }
 
   styles(): string[] {
