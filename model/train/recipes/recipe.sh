@@ -10,6 +10,7 @@
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../.." && pwd)
 name=$(basename "$0" .sh)
+recipe_folders=${recipe_folders:-}  # of clips, beside those of Bandai-Namco
 weights=$root/model/weights
 manifests=$weights/manifests
 
@@ -20,7 +21,7 @@ usage: model/train/recipes/$name.sh [--dry-run] [--smoke] ${recipe_needs:-}RUNS
   --dry-run  print the commands
   --smoke    two iterations of each run, on and before a few clips of each kind: shows that the
              commands work, and nothing else
-STYLED_DATA  the folder of the unpacked clips: bandai-1, bandai-2-train, bandai-2-val
+STYLED_DATA  the folder of the unpacked clips: bandai-1, bandai-2-train, bandai-2-val${recipe_folders:+, }${recipe_folders// /, }
 STYLED_BIN   the folder of styletrain, styleeval and stylebaseline; default build/release/bin
 USAGE
 }
@@ -53,7 +54,8 @@ data=${STYLED_DATA:-}
 bin=${STYLED_BIN:-$root/build/release/bin}
 if [ "$dry_run" = no ]; then
   [ -n "$data" ] || recipe_refuse "STYLED_DATA is not set; expected the folder of the unpacked clips"
-  for folder in bandai-1 bandai-2-train bandai-2-val; do
+  # shellcheck disable=SC2086
+  for folder in bandai-1 bandai-2-train bandai-2-val $recipe_folders; do
     [ -d "$data/$folder" ] || recipe_refuse "STYLED_DATA: $data has no folder $folder; unpack the archives"
   done
   for program in styletrain styleeval stylebaseline; do
@@ -73,6 +75,9 @@ recipe_few_clips() {
       last=$kind count=$((count + 1))
       [ $count -gt 5 ] || ln -sf "$(realpath "$file")" "$2/$folder/"
     done
+  done
+  for folder in $recipe_folders; do
+    ln -sfn "$(realpath "$1/$folder")" "$2/$folder"
   done
 }
 if [ "$smoke" = yes ] && [ "$dry_run" = no ]; then

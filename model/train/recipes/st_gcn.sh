@@ -4,7 +4,7 @@
 # machine gets other weights of the same kind. Then its figures on set 2.
 . "$(dirname "$0")/recipe.sh"
 
-run=(--family st-gcn --manifest "$manifests/bandai-2.toml" --seed 1 --minutes 70 --warm-up 3000
+run=(--minutes 70 --family st-gcn --manifest "$manifests/bandai-2.toml" --seed 1 --warm-up 3000
   --w-posture 10 --w-read 1.5)
 # The weights were made with these losses up to here.
 train st-gcn "${run[@]}" --stop-at 12000 --w-penalty 5 --w-smooth 0.1
