@@ -151,7 +151,7 @@ Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
   const net::Styles& styles = network.model().styles;
   if (arguments.root != "follow") {
     return Status::Error(
-        "--root stride: weights that need whole clips have no speeds of styles; "
+        "--root stride: weights that need whole clips leave the body where the performer is; "
         "expected weights that run live");
   }
   stylist::ClipStyle style;

@@ -210,9 +210,9 @@ class Binder {
   std::string dialect_;
 };
 
-// How far below the heights of a standing figure's the feet and toes are at their lowest, m. Of the
-// frames' lowest the share kOnTheFloor counts, so that no single frame that errs decides; it is far
-// less than the share of a jump in which a foot stands.
+// How high the floor is, by the feet and toes at their lowest against a standing figure's, m. Of
+// the frames' lowest the share kOnTheFloor counts, so that no single frame that errs decides; it is
+// far less than the share of a jump in which a foot stands.
 constexpr double kOnTheFloor = 0.02;
 float FloorUnderFeet_m(const std::vector<body::Pose>& poses) {
   body::WorldPose standing;
