@@ -17,8 +17,13 @@ const std::string kWeights = STYLED_SOURCE_DIR "/model/weights/v1.safetensors";
 // Writes blocks of the largest allowed size, which zstd compresses better.
 Status Repack(styled::recording::Reader& take, const std::string& file) {
   std::filesystem::remove(file);
+  // The weights that the expected output is made with: other ones, or ones whose metadata changed.
+  auto hash = styled::recording::HashOfFile(kWeights);
+  if (!hash.ok()) return hash.status();
+  auto header = take.header();
+  header.set_weights_hash(hash.value());
   auto writer = styled::recording::FileWriter::Create(
-      file, take.header(),
+      file, header,
       {.block_size = 2U << 20U, .block_age_ns = std::numeric_limits<std::int64_t>::max()});
   if (!writer.ok()) return writer.status();
   styled::recording::Record record;
