@@ -224,32 +224,35 @@ Distillation::Target Distillation::TargetOf(Teacher& teacher, const Batch& batch
   return target;
 }
 
+// From the places of the joints that the teacher wants, the rise of the hips included.
+Tensor Distillation::OffBy(const Batch& batch, const Student& student, const Target& target) {
+  Tensor wanted_m;
+  {
+    const torch::NoGradGuard no_grad;
+    wanted_m = HipsRelativePositions(Multiply(batch.rotations, target.change));
+  }
+  const Tensor rise_m = student.rise_m - target.rise_m;
+  const Tensor none = torch::zeros_like(rise_m);
+  return student.positions_m - wanted_m + torch::stack({none, rise_m, none}, 2).unsqueeze(2);
+}
+
 Distillation::Distance Distillation::Apart(const Batch& batch, const Student& student) {
   const Tensor zero = torch::zeros({}, batch.u.options());
   Distance sum{zero, zero, zero};
   Tensor taught = zero;
   for (Teacher& teacher : teachers_) {
     const Target target = TargetOf(teacher, batch);
-    Tensor positions_m;
-    {
-      const torch::NoGradGuard no_grad;
-      positions_m = HipsRelativePositions(Multiply(batch.rotations, target.change));
-    }
-    const Tensor apart = SquaredHalfAngle(student.change, target.change);  // [T, B, 21]
-    Tensor off_m = student.positions_m - positions_m;                      // [T, B, 21, 3]
-    const Tensor rise_off_m = student.rise_m - target.rise_m;
-    off_m = torch::cat(
-        {off_m.narrow(3, 0, 1), off_m.narrow(3, 1, 1) + rise_off_m.view({off_m.size(0), -1, 1, 1}),
-         off_m.narrow(3, 2, 1)},
-        3);
-    const auto mean_square = [](const Tensor& x) {
-      return x.square().sum(3).mean(torch::IntArrayRef({0, 2}));  // [B]
-    };
-    sum.rotation = sum.rotation + (apart.sum(torch::IntArrayRef({0, 2})) * target.taught).sum();
-    sum.position = sum.position + (mean_square(off_m) * target.taught).sum();
-    sum.velocity =
-        sum.velocity + (mean_square(off_m.diff(1, 0) * setup_.rate_hz) * target.taught).sum();
     taught = taught + target.taught.sum();
+    const Tensor apart = SquaredHalfAngle(student.change, target.change);  // [T, B, 21]
+    sum.rotation = sum.rotation + (apart.sum(torch::IntArrayRef({0, 2})) * target.taught).sum();
+    if (!student.positions_m.defined()) continue;
+    const Tensor off_m = OffBy(batch, student, target);
+    const auto add = [&target](const Tensor& off, Tensor& to) {  // off [T, B, 21, 3]
+      const Tensor of_window = off.square().sum(3).mean(torch::IntArrayRef({0, 2}));
+      to = to + (of_window * target.taught).sum();
+    };
+    add(off_m, sum.position);
+    add(off_m.diff(1, 0) * setup_.rate_hz, sum.velocity);
   }
   taught = taught.clamp_min(1.0);
   return {sum.rotation / taught, sum.position / taught, sum.velocity / taught};

@@ -47,6 +47,7 @@ class Distillation {
 
   // What the generator does to the input: its change of style [T, B, 21, 4], the joints' positions
   // that follow from it [T, B, 21, 3], relative to the hips, and the rise of the hips [T, B], m.
+  // Positions may be undefined: only rotations are compared then.
   struct Student {
     torch::Tensor change, positions_m, rise_m;
   };
@@ -89,6 +90,7 @@ class Distillation {
   Status Add(Teacher teacher, const torch::Tensor& gains);
   Target Undisturbed(Teacher& teacher, const Batch& batch) const;
   Target TargetOf(Teacher& teacher, const Batch& batch) const;
+  static torch::Tensor OffBy(const Batch& batch, const Student& student, const Target& target);
   void ReplaceIdle(const Batch& batch, Teacher& teacher, Target& target, torch::Tensor& gain) const;
 
   Setup setup_;

@@ -190,9 +190,12 @@ Learner::Generated Learner::Generate(const Batch& batch) {
   const Tensor positions = HipsRelativePositions(torch::cat({out.rec, out.rotations}, 1));
   out.rec_positions = positions.narrow(1, 0, count);
   const Tensor sty_positions = positions.narrow(1, count, count);
-  out.positions = config_.judge_published
-                      ? sty_positions
-                      : HipsRelativePositions(Multiply(batch.rotations, out.change));
+  const bool compared = config_.w_teacher_position > 0 || config_.w_teacher_velocity > 0;
+  if (compared && !teachers_->empty()) {
+    out.positions = config_.judge_published
+                        ? sty_positions
+                        : HipsRelativePositions(Multiply(batch.rotations, out.change));
+  }
   out.rise_m = (decoded.height.narrow(1, count, count) - out.rec_height).squeeze(2) *
                deviation_[erd::kHipsHeightIndex];
   // The lowest foot stays as high as the input's.

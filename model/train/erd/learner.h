@@ -80,7 +80,7 @@ class Learner {
     torch::Tensor rec, rec_positions;          // D(input style), [T, B, 21, 4 or 3]
     torch::Tensor rec_velocities, rec_height;  // the heads, standardized
     torch::Tensor change;                      // rec⁻¹ ∘ sty, [T, B, 21, 4]
-    torch::Tensor positions;                   // of the input so changed, [T, B, 21, 3]
+    torch::Tensor positions;                   // of the input so changed, if taught, [T, B, 21, 3]
     torch::Tensor rise_m;                      // of the hips by the height heads, [T, B]
     torch::Tensor rotations;                   // transferred, in the form that is judged
     torch::Tensor fake;                        // transferred, as the critic sees it

@@ -126,8 +126,10 @@ Tensor Learner::Teaching(const Batch& batch, const Generated& generated) {
   const Distillation::Distance apart =
       teachers_->Apart(batch, {generated.change, generated.positions, generated.rise_m});
   tally_.Add("teacher_rad", (apart.rotation.detach() / (frames_ * body::kJointCount)).sqrt() * 2.0);
-  tally_.Add("teacher_m", apart.position.detach().sqrt());
-  tally_.Add("teacher_mps", apart.velocity.detach().sqrt());
+  if (generated.positions.defined()) {
+    tally_.Add("teacher_m", apart.position.detach().sqrt());
+    tally_.Add("teacher_mps", apart.velocity.detach().sqrt());
+  }
   return config_.w_teacher * apart.rotation + config_.w_teacher_position * apart.position +
          config_.w_teacher_velocity * apart.velocity;
 }
