@@ -9,14 +9,18 @@ namespace styled::judge {
 
 using Json = nlohmann::ordered_json;  // keeps the order of the keys
 
+namespace {
+
 bool IsCalled(const Json& style, const std::string& name) {
   net::StyleInfo info{.name = style["name"].get<std::string>(),
                       .aliases = style["aliases"].get<std::vector<std::string>>()};
   return net::FindStyle({std::move(info)}, name) == 0;
 }
 
-Status EditStyles(const std::filesystem::path& weights,
-                  const std::function<bool(Json& style)>& edit) {
+}  // namespace
+
+Status EditStyles(const std::filesystem::path& weights, std::span<const std::string> names,
+                  const std::function<void(std::size_t name, Json& style)>& edit) {
   const auto bytes = net::ReadFile(weights);
   if (!bytes.ok()) return bytes.status();
   // Checks the file's common keys, so that those read below are there.
@@ -25,7 +29,13 @@ Status EditStyles(const std::filesystem::path& weights,
   auto metadata = parsed.value().view.metadata;
   Json keys = Json::parse(metadata.at("styled"));
   bool any = false;
-  for (Json& style : keys["styles"]) any = edit(style) || any;
+  for (Json& style : keys["styles"]) {
+    for (std::size_t name = 0; name < names.size(); ++name) {
+      if (!IsCalled(style, names[name])) continue;
+      edit(name, style);
+      any = true;
+    }
+  }
   if (!any) return Status::Error(weights.string() + ": has none of the manifest's styles");
   metadata["styled"] = keys.dump();
   const auto written = net::WithMetadata(bytes.value(), metadata, weights.string());
@@ -54,18 +64,15 @@ std::vector<Evidence> EvidenceOf(const clip::Manifest& manifest,
 }
 
 Status WriteEvidence(std::span<const Evidence> evidence, const std::filesystem::path& weights) {
-  return EditStyles(weights, [evidence](Json& style) {
-    bool found = false;
-    for (const Evidence& of : evidence) {
-      if (!IsCalled(style, of.style)) continue;
-      found = true;
-      style["recorded_s"] = std::round(10 * of.recorded_s) / 10;
-      // 0 means not measured: a style that is never recognized has the least figure instead.
-      if (of.recognized >= 0) {
-        style["recognized"] = std::max(0.001, std::round(1000 * of.recognized) / 1000);
-      }
+  std::vector<std::string> names;
+  for (const Evidence& of : evidence) names.push_back(of.style);
+  return EditStyles(weights, names, [evidence](std::size_t name, Json& style) {
+    const Evidence& of = evidence[name];
+    style["recorded_s"] = std::round(10 * of.recorded_s) / 10;
+    // 0 means not measured: a style that is never recognized has the least figure instead.
+    if (of.recognized >= 0) {
+      style["recognized"] = std::max(0.001, std::round(1000 * of.recognized) / 1000);
     }
-    return found;
   });
 }
 

@@ -14,14 +14,12 @@
 
 namespace styled::judge {
 
-// Calls `edit` for each style of a weights file of any family, as its metadata has it
-// (model/net/FORMAT.md), and writes what came of it. Tensors and all other keys stay. Replaces
-// `weights` atomically, and not where the result is no weights file. `edit` says whether the style
-// is one that it knows; that none is is an error. Errors name the file.
-Status EditStyles(const std::filesystem::path& weights,
-                  const std::function<bool(nlohmann::ordered_json& style)>& edit);
-// Whether the style has that name or alias, as everywhere in any case of letters.
-bool IsCalled(const nlohmann::ordered_json& style, const std::string& name);
+// Calls `edit` with the index of each of `names` and the style that it calls in a weights file of
+// any family, by name or alias, as its metadata has it (model/net/FORMAT.md), and writes what came
+// of it. Tensors and all other keys stay. Replaces `weights` atomically, and not where the result
+// is no weights file. Errors name the file; that it has none of the styles is one.
+Status EditStyles(const std::filesystem::path& weights, std::span<const std::string> names,
+                  const std::function<void(std::size_t name, nlohmann::ordered_json& style)>& edit);
 
 // The strength of the evidence for a style: how much of it the generator was trained on, s, and the
 // share of windows in which the judge takes the styled clips for it, -1 where it was not measured.

@@ -43,15 +43,11 @@ std::vector<StyleSpeeds> MeasureSpeeds(const clip::Manifest& manifest,
 }
 
 Status WriteSpeeds(std::span<const StyleSpeeds> speeds, const std::filesystem::path& weights) {
-  return EditStyles(weights, [speeds](Json& style) {
-    bool found = false;
-    for (const StyleSpeeds& measured : speeds) {
-      if (!IsCalled(style, measured.style)) continue;
-      found = true;
-      Enter("walk_mps", measured.walk_mps, style);
-      Enter("run_mps", measured.run_mps, style);
-    }
-    return found;
+  std::vector<std::string> names;
+  for (const StyleSpeeds& measured : speeds) names.push_back(measured.style);
+  return EditStyles(weights, names, [speeds](std::size_t name, Json& style) {
+    Enter("walk_mps", speeds[name].walk_mps, style);
+    Enter("run_mps", speeds[name].run_mps, style);
   });
 }
 

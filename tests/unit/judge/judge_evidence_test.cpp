@@ -52,7 +52,7 @@ TEST_F(WeightsOnDisk, GetEvidenceAndSpeedsAndKeepAllElse) {
   EXPECT_EQ(after[2].recognized, 0) << "not measured";
 }
 
-// 0 would say that nobody has measured it.
+// A figure of 0 means that the style was not measured.
 TEST_F(WeightsOnDisk, AStyleThatIsNeverRecognizedIsWeakAndNotUnknown) {
   const std::string name = Read()[1].name;
   ASSERT_TRUE(WriteEvidence(std::vector<Evidence>{{name, 3, 0}}, file_).ok());
