@@ -57,10 +57,10 @@ class Stride {
 
 // The logarithm of the factor at a speed: each style in force by its weight, less that of the style
 // in which the performer moves. 0 for standing; at walking speed by the styles' walks, at running
-// speed by their runs (net::StyleInfo), smooth between. A performer who is slower or faster than
-// the style that they move in usually is goes most of the way to the styles' own speeds
-// (tuning::kStrideOwnSpeed). Styles without measured speeds count as 0. Bounded by
-// tuning::kLeastStride and kMostStride. Pure.
+// speed by their runs (net::StyleInfo), smooth between. Most of the difference between the speed
+// and the usual one of the style that the performer moves in is taken back, so that the result is
+// near the styles' own speeds (tuning::kStrideOwnSpeed). Styles without measured speeds count as 0.
+// Bounded by tuning::kLeastStride and kMostStride. Pure.
 STYLED_REALTIME float LogStride(const net::Styles& styles, const Mixer& mixer,
                                 float speed_mps) noexcept;
 

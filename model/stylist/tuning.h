@@ -202,10 +202,10 @@ inline constexpr float kStrideLeastRun = 1.2F;
 // A style has a speed of its own, whoever shows it: over three parts of the takes of each style of
 // set 2 (first, middle and last third, which need not be the three actors) the logarithm of its
 // speed correlates with that of neutral's by 0.18 in walks and by -0.33 in runs (18 pairs each). So
-// a performer who is slower than usual is slowed less, by this share of the deviation (logarithms),
-// up to the factor kStrideUnusual. Larger: nearer to the style's own speed, and less of the
-// performer's control over it. 0: the ratio of mean speeds alone. Set 2, v1: with 0.5 the slowest
-// runs are 11 % (exhausted) below the real style's, with 0.75 9 %.
+// this share of the performer's deviation from the usual speed (logarithms) is taken back, up to
+// the factor kStrideUnusual: a slow performer is slowed less. Larger: nearer to the style's own
+// speed, and less of the performer's control over it. 0: the ratio of mean speeds alone. Set 2, v1:
+// with 0.5 the slowest runs are 11 % (exhausted) below the real style's, with 0.75 9 %.
 inline constexpr float kStrideOwnSpeed = 0.75F;
 inline constexpr float kStrideUnusual = 1.4F;
 // Below this speed the direction of a stride is uncertain, m/s: the speed of shifts of weight.
