@@ -9,6 +9,7 @@
 
 #include "model/net/load.h"
 #include "model/train/judge/judge_speeds.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::judge {
@@ -29,8 +30,8 @@ class WeightsOnDisk : public testing::Test {
     return network.ok() ? network.value()->model().styles : net::Styles();
   }
 
-  const std::filesystem::path file_ =
-      std::filesystem::path(testing::TempDir()) / "evidence.safetensors";
+  const support::TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_ / "evidence.safetensors";
   std::vector<std::byte> bytes_;
 };
 
