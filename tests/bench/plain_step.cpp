@@ -6,6 +6,7 @@
 namespace styled::erd {
 namespace {
 
+constexpr int kLatent = kPaper.latent;
 constexpr int kGates = 4 * kLatent;
 constexpr int kHeads = kRotationFeatures + kVelocityFeatures + 1;
 constexpr int kFeatures = kFeatureCount;

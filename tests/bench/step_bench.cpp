@@ -21,6 +21,10 @@ struct OurRun : StepRun {
   explicit OurRun(int styles) : StepRun(RandomNetwork(16, 1), styles) {}
 };
 
+struct WideRun : StepRunOf<kWide> {
+  explicit WideRun(int styles) : StepRunOf(RandomWideNetwork(16, 1), styles) {}
+};
+
 struct PlainRun : OurRun {
   PlainStep plain;
   explicit PlainRun(int styles) : OurRun(styles), plain(RandomWeights(16, 1), active) {}
@@ -60,10 +64,12 @@ void Cold(benchmark::State& state) {
 template <int Rows, int Columns>
 constexpr std::size_t kBytes = sizeof(net::PackedMatrix<Rows, Columns>);
 constexpr std::size_t StepBytes(std::size_t styles) {
-  return kBytes<kEncoderWidth, kFeatureCount> + kBytes<kLatent, kEncoderWidth> +
-         (kNeutralLayers + styles * kStyleLayers) * kBytes<kGates, 2 * kLatent> +
-         kBytes<kDecoderWidths[0], kLatent> + kBytes<kDecoderWidths[1], kDecoderWidths[0]> +
-         kBytes<kDecoderWidths[2], kDecoderWidths[1]> + kBytes<kHeads, kDecoderWidths[2]>;
+  constexpr int kZ = kPaper.latent;
+  constexpr auto kWidths = kPaper.decoder;
+  return kBytes<kPaper.encoder, kFeatureCount> + kBytes<kZ, kPaper.encoder> +
+         (kNeutralLayers + styles * kStyleLayers) * kBytes<4 * kZ, 2 * kZ> +
+         kBytes<kWidths[0], kZ> + kBytes<kWidths[1], kWidths[0]> + kBytes<kWidths[2], kWidths[1]> +
+         kBytes<kHeads, kWidths[2]>;
 }
 
 // Uses the machine's full register width, with enough accumulators that no addition waits for
@@ -159,23 +165,23 @@ void Paced(benchmark::State& state) {
   if (!prewarm_us.empty()) state.counters["prewarm_p50_us"] = median(prewarm_us);
 }
 
-// Several performers, each as OurRun; the result is per performer.
-template <bool Together>
+// Several performers, each as Run; the result is per performer.
+template <typename Run, bool Together>
 void Crowd(benchmark::State& state) {
   const auto count = static_cast<std::size_t>(state.range(0));
-  std::vector<OurRun> runs;
+  std::vector<Run> runs;
   for (std::size_t k = 0; k < count; ++k) runs.emplace_back(1);
-  for (OurRun& run : runs) run.network = runs.front().network;
-  std::vector<StepJob> jobs(count);
+  for (Run& run : runs) run.network = runs.front().network;
+  std::vector<typename Run::Job> jobs(count);
   for (auto _ : state) {
     if constexpr (Together) {
       for (std::size_t k = 0; k < count; ++k) {
-        OurRun& run = runs[k];
+        Run& run = runs[k];
         jobs[k] = {&run.NextFrame(), 0, run.active, &run.state, &run.out};
       }
       runs.front().network->StepTogether(jobs);
     } else {
-      for (OurRun& run : runs) run.Step();
+      for (Run& run : runs) run.Step();
     }
     benchmark::ClobberMemory();
   }
@@ -188,12 +194,19 @@ void Styles(benchmark::internal::Benchmark* bench) {
   bench->ArgName("styles")->Arg(0)->Arg(1)->Arg(4)->Unit(benchmark::kMicrosecond);
 }
 BENCHMARK(Hot<OurRun>)->Apply(Styles);
+BENCHMARK(Hot<WideRun>)->Apply(Styles);
 BENCHMARK(Hot<PlainRun>)->Apply(Styles);
 BENCHMARK(ReadWeights)->Apply(Styles);
 BENCHMARK(MultiplyWeights)->Apply(Styles);
-BENCHMARK(Crowd<false>)->ArgName("performers")->Arg(8)->Arg(64)->Arg(512);
-BENCHMARK(Crowd<true>)->ArgName("performers")->Arg(8)->Arg(64)->Arg(512);
+void Performers(benchmark::internal::Benchmark* bench) {
+  bench->ArgName("performers")->Arg(8)->Arg(64)->Arg(512);
+}
+BENCHMARK(Crowd<OurRun, false>)->Apply(Performers);
+BENCHMARK(Crowd<OurRun, true>)->Apply(Performers);
+BENCHMARK(Crowd<WideRun, false>)->Apply(Performers);
+BENCHMARK(Crowd<WideRun, true>)->Apply(Performers);
 BENCHMARK(Cold<OurRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
+BENCHMARK(Cold<WideRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
 BENCHMARK(Cold<PlainRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
 BENCHMARK(Paced)
     ->ArgNames({"before_us", "polled"})

@@ -11,17 +11,19 @@
 namespace styled::erd {
 
 // The steps of one performer for a benchmark: synthetic features, `styles` styles at equal weights.
-struct StepRun {
+template <Shape kShape>
+struct StepRunOf {
+  using Job = StepJobOf<kShape>;
   static constexpr int kFrames = 256;
 
-  std::shared_ptr<const Network> network;
+  std::shared_ptr<const ShapedNetwork<kShape>> network;
   std::vector<Features> frames{kFrames};
   std::vector<net::StyleWeight> active;
-  State state;
+  StateOf<kShape> state;
   net::Prediction out;
   int frame = 0;
 
-  StepRun(std::shared_ptr<const Network> the_network, int styles)
+  StepRunOf(std::shared_ptr<const ShapedNetwork<kShape>> the_network, int styles)
       : network(std::move(the_network)) {
     for (int f = 0; f < kFrames; ++f) {
       for (int i = 0; i < kFeatureCount; ++i) {
@@ -34,6 +36,7 @@ struct StepRun {
   const Features& NextFrame() { return frames[frame++ % kFrames]; }
   void Step() { network->Step(NextFrame(), 0, active, state, out); }
 };
+using StepRun = StepRunOf<kPaper>;
 
 // Simulates other work between two frames at 120 Hz: reads 8 MB, so that the next step finds a cold
 // L2 cache.

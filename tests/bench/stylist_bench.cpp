@@ -21,9 +21,10 @@ struct Stream {
   rig::Skeleton skeleton = synthetic::MakeSkeleton({});
   std::vector<rig::RigPose> frames;
   std::shared_ptr<const rig::Binding> binding;
-  std::shared_ptr<const net::Stylizer> network = erd::RandomStylizer(16, 1);
+  std::shared_ptr<const net::Stylizer> network;
 
-  Stream() {
+  explicit Stream(bool wide)
+      : network(erd::RandomStylizer(16, 1, wide ? erd::kWide : erd::kPaper)) {
     auto bound = rig::BindDialect(skeleton, "auto");
     binding = std::make_shared<const rig::Binding>(std::move(bound.value()));
     synthetic::Performer performer(synthetic::Options{});
@@ -38,9 +39,10 @@ struct Stream {
   }
 };
 
-// `state.range(0)`: number of styles in the mix; `state.range(1)`: whether feet are held.
+// `state.range(0)`: number of styles in the mix; `state.range(1)`: whether feet are held;
+// `state.range(2)`: whether the network is wide.
 void WholeStylist(benchmark::State& state) {
-  const Stream stream;
+  const Stream stream(state.range(2) != 0);
   stylist::Options options;
   options.feet = state.range(1) != 0;
   stylist::Stylist stylist(stream.network, stream.binding, options);
@@ -61,11 +63,15 @@ void WholeStylist(benchmark::State& state) {
   }
 }
 BENCHMARK(WholeStylist)
-    ->ArgNames({"styles", "feet"})
-    ->Args({0, 0})
-    ->Args({1, 0})
-    ->Args({1, 1})
-    ->Args({4, 1})
+    ->ArgNames({"styles", "feet", "wide"})
+    ->Args({0, 0, 0})
+    ->Args({1, 0, 0})
+    ->Args({1, 1, 0})
+    ->Args({4, 1, 0})
+    ->Args({0, 0, 1})
+    ->Args({1, 0, 1})
+    ->Args({1, 1, 1})
+    ->Args({4, 1, 1})
     ->Unit(benchmark::kMicrosecond);
 
 // The unit: one step of the network, one style, in plain Eigen.

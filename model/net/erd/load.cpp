@@ -15,7 +15,7 @@ using nlohmann::json;
 constexpr float kMaxHeadingTau_s = 60.0F;
 
 // The keys of this family. A size that differs from the network's is refused.
-void ReadKeys(const json& object, FeatureParameters& features, Faults& faults) {
+void ReadKeys(const json& object, const Shape& shape, FeatureParameters& features, Faults& faults) {
   if (const json* contents = net::FindKey(object, "contents", faults)) {
     if (!contents->is_array()) {
       faults.Key("contents", "an array", net::Shown(*contents));
@@ -30,9 +30,9 @@ void ReadKeys(const json& object, FeatureParameters& features, Faults& faults) {
   const auto expect = [&](const char* key, const json& expected) {
     net::ExpectEqual(object, key, expected, faults);
   };
-  expect("latent", static_cast<unsigned>(kLatent));
-  expect("encoder", json::array({static_cast<unsigned>(kEncoderWidth)}));
-  expect("decoder", kDecoderWidths);
+  expect("latent", static_cast<unsigned>(shape.latent));
+  expect("encoder", json::array({static_cast<unsigned>(shape.encoder)}));
+  expect("decoder", shape.decoder);
   expect("neutral_layers", static_cast<unsigned>(kNeutralLayers));
   expect("style_layers", static_cast<unsigned>(kStyleLayers));
   expect("gates", "ifgo");
@@ -76,15 +76,17 @@ class LayerReader {
     Pack(all.leftCols<Columns>(), out);
     for (int s = 0; s < style_count; ++s) Pack(bias + all.col(Columns + s), style_bias[s]);
   }
-  void Take(const std::string& name, LstmLayer& out) {
-    const RowMajor input = Take(name + ".input", kGates, kLatent);
-    const RowMajor hidden = Take(name + ".hidden", kGates, kLatent);
+  template <int Latent>
+  void Take(const std::string& name, LstmLayer<Latent>& out) {
+    constexpr int kGates = 4 * Latent;
+    const RowMajor input = Take(name + ".input", kGates, Latent);
+    const RowMajor hidden = Take(name + ".hidden", kGates, Latent);
     const Vector<kGates> bias = Take<kGates>(name + ".bias");
-    RowMajor weight(kGates, 2 * kLatent);
+    RowMajor weight(kGates, 2 * Latent);
     Vector<kGates> ordered_bias;
     for (int row = 0; row < kGates; ++row) {
-      const int gate = row / kLatent;  // of ifgo
-      const int to = net::LstmRow(gate, row % kLatent);
+      const int gate = row / Latent;  // of ifgo
+      const int to = net::LstmRow(gate, row % Latent);
       // See weights.h: the sigmoid gates' rows are halved.
       const float scale = gate == 2 ? 1.0F : 0.5F;
       weight.row(to) << scale * hidden.row(row), scale * input.row(row);
@@ -92,8 +94,8 @@ class LayerReader {
     }
     Pack(weight, out.weight);
     Pack(ordered_bias, out.bias);
-    Pack(Take<kLatent>(name + ".h0"), out.h0);
-    Pack(Take<kLatent>(name + ".c0"), out.c0);
+    Pack(Take<Latent>(name + ".h0"), out.h0);
+    Pack(Take<Latent>(name + ".c0"), out.c0);
   }
 
  private:
@@ -127,15 +129,15 @@ void CheckFeatures(const Vector<kFeatureCount>& mean, const Vector<kFeatureCount
 
 // Stacks the heads into one layer. The file's heads give standardized features; deviation and mean
 // are folded into the weights, so that no step has to undo the standardization.
+template <int Width>
 void TakeHeads(LayerReader& tensors, const Vector<kFeatureCount>& mean,
-               const Vector<kFeatureCount>& deviation, Affine<kHeads, kDecoderWidths[2]>& out) {
-  RowMajor weight(kHeads, kDecoderWidths[2]);
+               const Vector<kFeatureCount>& deviation, Affine<kHeads, Width>& out) {
+  RowMajor weight(kHeads, Width);
   Vector<kHeads> bias;
   int row = 0;
   const auto take = [&](const std::string& name, auto rows, int feature) {
     const auto scale = deviation.segment<rows>(feature);
-    weight.middleRows<rows>(row) =
-        scale.asDiagonal() * tensors.Take(name + ".weight", rows, kDecoderWidths[2]);
+    weight.middleRows<rows>(row) = scale.asDiagonal() * tensors.Take(name + ".weight", rows, Width);
     bias.segment<rows>(row) =
         scale.cwiseProduct(tensors.Take<rows>(name + ".bias")) + mean.segment<rows>(feature);
     row += rows;
@@ -149,29 +151,35 @@ void TakeHeads(LayerReader& tensors, const Vector<kFeatureCount>& mean,
 
 }  // namespace
 
-Network::Network() : weights_(std::make_unique<Weights>()) {}
+template <Shape kShape>
+ShapedNetwork<kShape>::ShapedNetwork() : weights_(std::make_unique<Weights>()) {}
 
-Result<std::shared_ptr<const Network>> Network::Load(const std::filesystem::path& file) {
+template <Shape kShape>
+Result<std::shared_ptr<const ShapedNetwork<kShape>>> ShapedNetwork<kShape>::Load(
+    const std::filesystem::path& file) {
   const Result<std::vector<std::byte>> bytes = net::ReadFile(file);
   if (!bytes.ok()) return bytes.status();
   return Parse(bytes.value(), file.string());
 }
 
-Result<std::shared_ptr<const Network>> Network::Parse(std::span<const std::byte> bytes,
-                                                      const std::string& name) {
+template <Shape kShape>
+Result<std::shared_ptr<const ShapedNetwork<kShape>>> ShapedNetwork<kShape>::Parse(
+    std::span<const std::byte> bytes, const std::string& name) {
   Result<net::WeightsFile> file = net::ParseWeights(bytes, name);
   if (!file.ok()) return file.status();
   return Read(file.value());
 }
 
-Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
-  const std::shared_ptr<Network> network(new Network);
+template <Shape kShape>
+Result<std::shared_ptr<const ShapedNetwork<kShape>>> ShapedNetwork<kShape>::Read(
+    net::WeightsFile& file) {
+  const std::shared_ptr<ShapedNetwork> network(new ShapedNetwork);
   Weights& w = *network->weights_;
   FeatureParameters& features = network->features_;
   Faults faults(file.name);
   network->model_ = file.model;
   features.rate_hz = file.model.rate_hz;
-  ReadKeys(file.header, features, faults);
+  ReadKeys(file.header, kShape, features, faults);
   if (!faults.none()) return faults.status();
 
   net::TensorReader all(file.view, faults);
@@ -195,7 +203,22 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   TakeHeads(tensors, mean, deviation, w.heads);
   all.Finish();
   if (!faults.none()) return faults.status();
-  return std::shared_ptr<const Network>(network);
+  return std::shared_ptr<const ShapedNetwork>(network);
 }
+
+template ShapedNetwork<kPaper>::ShapedNetwork();
+template Result<std::shared_ptr<const ShapedNetwork<kPaper>>> ShapedNetwork<kPaper>::Load(
+    const std::filesystem::path& file);
+template Result<std::shared_ptr<const ShapedNetwork<kPaper>>> ShapedNetwork<kPaper>::Parse(
+    std::span<const std::byte> bytes, const std::string& name);
+template Result<std::shared_ptr<const ShapedNetwork<kPaper>>> ShapedNetwork<kPaper>::Read(
+    net::WeightsFile& file);
+template ShapedNetwork<kWide>::ShapedNetwork();
+template Result<std::shared_ptr<const ShapedNetwork<kWide>>> ShapedNetwork<kWide>::Load(
+    const std::filesystem::path& file);
+template Result<std::shared_ptr<const ShapedNetwork<kWide>>> ShapedNetwork<kWide>::Parse(
+    std::span<const std::byte> bytes, const std::string& name);
+template Result<std::shared_ptr<const ShapedNetwork<kWide>>> ShapedNetwork<kWide>::Read(
+    net::WeightsFile& file);
 
 }  // namespace styled::erd

@@ -25,8 +25,9 @@ void Apply(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight,
   kernels.affine(weight.data(), PaddedRows(Rows) / kPanelRows, Columns, inputs, relu);
 }
 
-template <std::size_t Layers>
-void StartBranch(const std::array<LstmLayer, Layers>& layers, BranchState& state) noexcept {
+template <Shape kShape, std::size_t Layers>
+void StartBranch(const std::array<LstmLayer<kShape.latent>, Layers>& layers,
+                 BranchStateOf<kShape>& state) noexcept {
   for (std::size_t l = 0; l < Layers; ++l) {
     std::copy(layers[l].h0.begin(), layers[l].h0.end(), state.h[l].data());
     std::copy(layers[l].c0.begin(), layers[l].c0.end(), state.c[l].data());
@@ -55,25 +56,28 @@ struct Wanted {
 };
 
 // Drops the branches that this step does not use.
-void DropBranches(Wanted& wanted, State& state) noexcept {
+template <Shape kShape>
+void DropBranches(Wanted& wanted, StateOf<kShape>& state) noexcept {
   for (int& style : state.style) {
     if (style >= 0 && wanted.Find(style) == nullptr) style = -1;
   }
 }
 
 // The slot of `style`, or -1.
-int FindSlot(const State& state, int style) noexcept {
+template <Shape kShape>
+int FindSlot(const StateOf<kShape>& state, int style) noexcept {
   const auto found = std::find(state.style.begin(), state.style.end(), style);
   return found == state.style.end() ? -1 : static_cast<int>(found - state.style.begin());
 }
 
 // The decoder's intermediate results from one latent to the heads.
+template <Shape kShape>
 struct Decoding {
-  PackedVector<kLatent> latent;
+  PackedVector<kShape.latent> latent;
   const float* style_bias;  // of the first layer
-  PackedVector<kDecoderWidths[0]> d0;
-  PackedVector<kDecoderWidths[1]> d1;
-  PackedVector<kDecoderWidths[2]> d2;
+  PackedVector<kShape.decoder[0]> d0;
+  PackedVector<kShape.decoder[1]> d1;
+  PackedVector<kShape.decoder[2]> d2;
   PackedVector<kHeads> heads;
 };
 
@@ -82,37 +86,39 @@ struct Decoding {
 constexpr std::size_t kTogether = 8;
 
 // One performer's intermediate results.
+template <Shape kShape>
 struct Way {
   Wanted wanted;
   int input_style = 0;
   std::array<int, kMaxBranches> slot;  // of each wanted style's branch, in the state
   PackedVector<kFeatureCount> u;
-  PackedVector<kEncoderWidth> e;
-  PackedVector<kLatent> z;
-  Decoding reconstruction, styled;
-  PackedVector<kDecoderWidths[0]> target;
+  PackedVector<kShape.encoder> e;
+  PackedVector<kShape.latent> z;
+  Decoding<kShape> reconstruction, styled;
+  PackedVector<kShape.decoder[0]> target;
 };
 
 // Runs the layers of one branch for all performers that use it.
-template <std::size_t Most>
+template <Shape kShape, std::size_t Most>
 struct BranchRun {
   std::array<LstmOperands, Most> operands;
-  std::array<BranchState*, Most> states;
+  std::array<BranchStateOf<kShape>*, Most> states;
   std::size_t count = 0;
 
-  void Add(const float* z, BranchState& state) noexcept {
+  void Add(const float* z, BranchStateOf<kShape>& state) noexcept {
     operands[count].z = z;
     states[count++] = &state;
   }
   // Leaves the result, the last layer's h, in each state.
   template <std::size_t Layers>
-  void Run(const Kernels& kernels, const std::array<LstmLayer, Layers>& layers) noexcept {
+  void Run(const Kernels& kernels,
+           const std::array<LstmLayer<kShape.latent>, Layers>& layers) noexcept {
     for (std::size_t l = 0; l < Layers; ++l) {
       for (std::size_t i = 0; i < count; ++i) {
         operands[i].h = states[i]->h[l].data();
         operands[i].c = states[i]->c[l].data();
       }
-      kernels.lstm(layers[l].weight.data(), layers[l].bias.data(),
+      kernels.lstm(kShape.latent, layers[l].weight.data(), layers[l].bias.data(),
                    std::span(operands).first(count));
       for (std::size_t i = 0; i < count; ++i) operands[i].z = operands[i].h;
     }
@@ -120,13 +126,13 @@ struct BranchRun {
 };
 
 // Computes one layer for all latents. Without `bias`, each latent uses its own style bias.
-template <std::size_t Most, int Rows, int Columns>
+template <std::size_t Most, Shape kShape, int Rows, int Columns>
 void Decode(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight, const float* bias,
-            PackedVector<Columns> Decoding::*from, PackedVector<Rows> Decoding::*to, bool relu,
-            std::span<Decoding* const> decodings) noexcept {
+            PackedVector<Columns> Decoding<kShape>::*from, PackedVector<Rows> Decoding<kShape>::*to,
+            bool relu, std::span<Decoding<kShape>* const> decodings) noexcept {
   std::array<Operands, Most> operands;
   for (std::size_t i = 0; i < decodings.size(); ++i) {
-    Decoding& decoding = *decodings[i];
+    Decoding<kShape>& decoding = *decodings[i];
     operands[i] = {bias != nullptr ? bias : decoding.style_bias, (decoding.*from).data(),
                    (decoding.*to).data()};
   }
@@ -149,20 +155,25 @@ void ToDecoded(const Kernels& kernels, const PackedVector<kHeads>& heads, Decode
 
 }  // namespace
 
-Network::~Network() = default;
+template <Shape kShape>
+ShapedNetwork<kShape>::~ShapedNetwork() = default;
 
-void Network::Start(State& state) const noexcept {
-  StartBranch(weights_->neutral, state.neutral);
+template <Shape kShape>
+void ShapedNetwork<kShape>::Start(State& state) const noexcept {
+  StartBranch<kShape>(weights_->neutral, state.neutral);
   state.style.fill(-1);
 }
 
-void Network::Step(const Features& features, int input_style, std::span<const StyleWeight> active,
-                   State& state, Prediction& out) const noexcept {
+template <Shape kShape>
+void ShapedNetwork<kShape>::Step(const Features& features, int input_style,
+                                 std::span<const StyleWeight> active, State& state,
+                                 Prediction& out) const noexcept {
   const StepJob job{&features, input_style, active, &state, &out};
   StepSome<1>({&job, 1});
 }
 
-void Network::StepTogether(std::span<const StepJob> jobs) const noexcept {
+template <Shape kShape>
+void ShapedNetwork<kShape>::StepTogether(std::span<const StepJob> jobs) const noexcept {
   if (jobs.size() == 1) return StepSome<1>(jobs);
   while (!jobs.empty()) {
     const std::size_t count = std::min(jobs.size(), kTogether);
@@ -171,19 +182,20 @@ void Network::StepTogether(std::span<const StepJob> jobs) const noexcept {
   }
 }
 
+template <Shape kShape>
 template <std::size_t Most>
-void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
+void ShapedNetwork<kShape>::StepSome(std::span<const StepJob> jobs) const noexcept {
   const Weights& w = *weights_;
   const Kernels& kernels = *w.kernels;
   const int style_count = this->style_count();
   const std::size_t count = jobs.size();
-  std::array<Way, Most> ways;
+  std::array<Way<kShape>, Most> ways;
   std::array<Operands, Most> operands;
 
   // 1. Find the branches to run; start those that did not run before.
   for (std::size_t k = 0; k < count; ++k) {
     const StepJob& job = jobs[k];
-    Way& way = ways[k];
+    Way<kShape>& way = ways[k];
     way.input_style = job.input_style > 0 && job.input_style < style_count ? job.input_style : 0;
     for (const StyleWeight& style : job.active) {
       if (style.style > 0 && style.style < style_count) {
@@ -198,7 +210,7 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
       if (slot < 0) {
         slot = FindSlot(*job.state, -1);
         job.state->style[slot] = style;
-        StartBranch(w.styles[style - 1], job.state->branch[slot]);
+        StartBranch<kShape>(w.styles[style - 1], job.state->branch[slot]);
       }
       way.slot[i] = slot;
     }
@@ -206,7 +218,7 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
 
   // 2. z = W1 relu(W0 [u, S] + b0) + b1
   for (std::size_t k = 0; k < count; ++k) {
-    Way& way = ways[k];
+    Way<kShape>& way = ways[k];
     kernels.standardize(jobs[k].features->data(), w.mean.data(), w.inverse_deviation.data(),
                         kFeatureCount, kMaxStandardized, way.u.data());
     operands[k] = {w.encoder0_bias[way.input_style].data(), way.u.data(), way.e.data()};
@@ -218,7 +230,7 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
   Apply(kernels, w.encoder1.weight, std::span(operands).first(count), false);
 
   // 3. z' = r_0(z) + Σ_s α_s r_s(z), and the target style Ŝ's part of the decoder's first layer.
-  BranchRun<Most> neutral;
+  BranchRun<kShape, Most> neutral;
   for (std::size_t k = 0; k < count; ++k) neutral.Add(ways[k].z.data(), jobs[k].state->neutral);
   neutral.Run(kernels, w.neutral);
   std::bitset<kMaxStyles> styles;
@@ -227,21 +239,21 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
   }
   for (int style = 1; style < style_count; ++style) {
     if (!styles.test(style)) continue;
-    BranchRun<Most> run;
+    BranchRun<kShape, Most> run;
     for (std::size_t k = 0; k < count; ++k) {
       const int slot = FindSlot(*jobs[k].state, style);
       if (slot >= 0) run.Add(ways[k].z.data(), jobs[k].state->branch[slot]);
     }
     run.Run(kernels, w.styles[style - 1]);
   }
-  std::array<Decoding*, 2 * Most> latents;
+  std::array<Decoding<kShape>*, 2 * Most> latents;
   std::size_t latent_count = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    Way& way = ways[k];
+    Way<kShape>& way = ways[k];
     const State& state = *jobs[k].state;
     const float* const of_neutral = state.neutral.h[kNeutralLayers - 1].data();
-    std::copy_n(of_neutral, kLatent, way.reconstruction.latent.begin());
-    std::copy_n(of_neutral, kLatent, way.styled.latent.begin());
+    std::copy_n(of_neutral, kShape.latent, way.reconstruction.latent.begin());
+    std::copy_n(of_neutral, kShape.latent, way.styled.latent.begin());
     way.reconstruction.style_bias = w.decoder0_bias[way.input_style].data();
     way.styled.style_bias = way.target.data();
     way.target.fill(0);
@@ -265,15 +277,15 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
   }
 
   // 4. d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads, for all latents at once.
-  const auto decodings = std::span<Decoding* const>(latents).first(latent_count);
-  using D = Decoding;
-  Decode<2 * Most>(kernels, w.decoder0, nullptr, &D::latent, &D::d0, true, decodings);
-  Decode<2 * Most>(kernels, w.decoder1.weight, w.decoder1.bias.data(), &D::d0, &D::d1, true,
-                   decodings);
-  Decode<2 * Most>(kernels, w.decoder2.weight, w.decoder2.bias.data(), &D::d1, &D::d2, true,
-                   decodings);
-  Decode<2 * Most>(kernels, w.heads.weight, w.heads.bias.data(), &D::d2, &D::heads, false,
-                   decodings);
+  const auto decodings = std::span<Decoding<kShape>* const>(latents).first(latent_count);
+  using D = Decoding<kShape>;
+  Decode<2 * Most, kShape>(kernels, w.decoder0, nullptr, &D::latent, &D::d0, true, decodings);
+  Decode<2 * Most, kShape>(kernels, w.decoder1.weight, w.decoder1.bias.data(), &D::d0, &D::d1, true,
+                           decodings);
+  Decode<2 * Most, kShape>(kernels, w.decoder2.weight, w.decoder2.bias.data(), &D::d1, &D::d2, true,
+                           decodings);
+  Decode<2 * Most, kShape>(kernels, w.heads.weight, w.heads.bias.data(), &D::d2, &D::heads, false,
+                           decodings);
   for (std::size_t k = 0; k < count; ++k) {
     Prediction& out = *jobs[k].out;
     ToDecoded(kernels, ways[k].reconstruction.heads, out.reconstruction);
@@ -284,5 +296,8 @@ void Network::StepSome(std::span<const StepJob> jobs) const noexcept {
     }
   }
 }
+
+template class ShapedNetwork<kPaper>;
+template class ShapedNetwork<kWide>;
 
 }  // namespace styled::erd

@@ -12,6 +12,7 @@
 #include "model/base/realtime.h"
 #include "model/base/status.h"
 #include "model/net/erd/features.h"
+#include "model/net/erd/shape.h"
 #include "model/net/stylizer.h"
 
 namespace styled::net {
@@ -20,9 +21,6 @@ struct WeightsFile;
 
 namespace styled::erd {
 
-inline constexpr int kLatent = 32;
-inline constexpr int kNeutralLayers = 6;
-inline constexpr int kStyleLayers = 4;
 inline constexpr int kMaxBranches = net::kMaxActive + 1;  // and the input style's
 // Limit of standardized features, in deviations. A feature farther out than nearly all training
 // data tells the network nothing more. A dance reaches 51 with weights trained on walks, the toes
@@ -31,41 +29,49 @@ inline constexpr int kMaxBranches = net::kMaxActive + 1;  // and the input style
 inline constexpr float kMaxStandardized = 4.0F;
 
 // Recurrent state of one branch: h and c per layer, sized for the deepest branch.
-struct BranchState {
-  alignas(64) std::array<Eigen::Matrix<float, kLatent, 1>, kNeutralLayers> h, c;
+template <Shape kShape>
+struct BranchStateOf {
+  alignas(64) std::array<Eigen::Matrix<float, kShape.latent, 1>, kNeutralLayers> h, c;
 };
 
 // The recurrent state of one performer: the neutral branch r_0 and the live style branches. Value
-// type, about 9 kB, no pointers. Undefined until Network::Start fills it.
-struct State {
-  BranchState neutral;
-  std::array<BranchState, kMaxBranches> branch;
+// type, about 9 kB (wide: 18 kB), no pointers. Undefined until ShapedNetwork::Start fills it.
+template <Shape kShape>
+struct StateOf {
+  BranchStateOf<kShape> neutral;
+  std::array<BranchStateOf<kShape>, kMaxBranches> branch;
   std::array<int, kMaxBranches> style;  // style of branch[i]; -1: the branch is not live
 };
 
-// One performer's step in a batch; the members are the arguments of Network::Step.
-struct StepJob {
+// One performer's step in a batch; the members are the arguments of ShapedNetwork::Step.
+template <Shape kShape>
+struct StepJobOf {
   const Features* features = nullptr;
   int input_style = 0;
   std::span<const net::StyleWeight> active;
-  State* state = nullptr;
+  StateOf<kShape>* state = nullptr;
   net::Prediction* out = nullptr;
 };
 
 // The network: encoder, recurrent branches, decoder. Input: features; output: rotations. stylizer.h
-// wraps it for poses and streams. Immutable; shared by all performers and threads.
-class Network {
+// wraps it for poses and streams. Immutable; shared by all performers and threads. One class per
+// shape, since a step knows all its sizes when it is compiled; kPaper and kWide are built.
+template <Shape kShape>
+class ShapedNetwork {
  public:
+  using State = StateOf<kShape>;
+  using StepJob = StepJobOf<kShape>;
+
   // Reads the file format of model/net/erd/FORMAT.md. Errors name the file, the tensor or key, what
   // was expected and what was found.
-  static Result<std::shared_ptr<const Network>> Load(const std::filesystem::path& file);
-  static Result<std::shared_ptr<const Network>> Parse(std::span<const std::byte> bytes,
-                                                      const std::string& name);
+  static Result<std::shared_ptr<const ShapedNetwork>> Load(const std::filesystem::path& file);
+  static Result<std::shared_ptr<const ShapedNetwork>> Parse(std::span<const std::byte> bytes,
+                                                            const std::string& name);
   // The same for a file whose common keys are already read; consumes its tensors.
-  static Result<std::shared_ptr<const Network>> Read(net::WeightsFile& file);
-  ~Network();
-  Network(const Network&) = delete;
-  Network& operator=(const Network&) = delete;
+  static Result<std::shared_ptr<const ShapedNetwork>> Read(net::WeightsFile& file);
+  ~ShapedNetwork();
+  ShapedNetwork(const ShapedNetwork&) = delete;
+  ShapedNetwork& operator=(const ShapedNetwork&) = delete;
 
   const net::Model& model() const { return model_; }
   const FeatureParameters& features() const { return features_; }
@@ -92,12 +98,19 @@ class Network {
 
  private:
   struct Weights;
-  Network();
+  ShapedNetwork();
   template <std::size_t Most>
   void StepSome(std::span<const StepJob> jobs) const noexcept;
   net::Model model_;
   FeatureParameters features_;
   std::unique_ptr<Weights> weights_;
 };
+
+// The paper's shape, by short names.
+using BranchState = BranchStateOf<kPaper>;
+using State = StateOf<kPaper>;
+using StepJob = StepJobOf<kPaper>;
+using Network = ShapedNetwork<kPaper>;
+using WideNetwork = ShapedNetwork<kWide>;
 
 }  // namespace styled::erd

@@ -11,10 +11,11 @@ namespace {
 
 constexpr std::size_t kTogether = 8;  // jobs at a time, the same as in Network
 
+template <Shape kShape>
 class ErdStream final : public net::Stream {
  public:
   struct Memory {
-    State network;
+    StateOf<kShape> network;
     FeatureState features;  // the filtered heading and the last positions
   } frames;
   Features features;  // of the current step
@@ -24,31 +25,33 @@ class ErdStream final : public net::Stream {
   }
 };
 
+template <Shape kShape>
 class ErdStylizer final : public net::Stylizer {
  public:
-  explicit ErdStylizer(std::shared_ptr<const Network> network) : network_(std::move(network)) {}
+  explicit ErdStylizer(std::shared_ptr<const ShapedNetwork<kShape>> network)
+      : network_(std::move(network)) {}
 
   const net::Model& model() const noexcept override { return network_->model(); }
 
   std::unique_ptr<net::Stream> MakeStream() const override {
-    auto stream = std::make_unique<ErdStream>();
+    auto stream = std::make_unique<ErdStream<kShape>>();
     Start(*stream);
     return stream;
   }
 
   void Start(net::Stream& stream) const noexcept override {
-    auto& memory = static_cast<ErdStream&>(stream).frames;
+    auto& memory = static_cast<ErdStream<kShape>&>(stream).frames;
     network_->Start(memory.network);
     memory.features = FeatureState();
   }
 
   void Step(std::span<const net::StepJob> jobs) const noexcept override {
-    std::array<StepJob, kTogether> steps;
+    std::array<StepJobOf<kShape>, kTogether> steps;
     for (; !jobs.empty(); jobs = jobs.subspan(std::min(jobs.size(), kTogether))) {
       const std::size_t count = std::min(jobs.size(), kTogether);
       for (std::size_t k = 0; k < count; ++k) {
         const net::StepJob& job = jobs[k];
-        auto& stream = static_cast<ErdStream&>(*job.stream);
+        auto& stream = static_cast<ErdStream<kShape>&>(*job.stream);
         auto& memory = stream.frames;
         job.out->heading_rad =
             ComputeFeatures(*job.pose, network_->features(), memory.features, stream.features);
@@ -59,16 +62,24 @@ class ErdStylizer final : public net::Stylizer {
   }
 
  private:
-  std::shared_ptr<const Network> network_;
+  std::shared_ptr<const ShapedNetwork<kShape>> network_;
 };
+
+template <Shape kShape>
+Result<std::shared_ptr<const net::Stylizer>> LoadShape(net::WeightsFile& file) {
+  auto network = ShapedNetwork<kShape>::Read(file);
+  if (!network.ok()) return network.status();
+  return std::shared_ptr<const net::Stylizer>(
+      std::make_shared<ErdStylizer<kShape>>(std::move(network.value())));
+}
 
 }  // namespace
 
 Result<std::shared_ptr<const net::Stylizer>> Load(net::WeightsFile& file) {
-  auto network = Network::Read(file);
-  if (!network.ok()) return network.status();
-  return std::shared_ptr<const net::Stylizer>(
-      std::make_shared<ErdStylizer>(std::move(network.value())));
+  // A file of neither shape is compared with the paper's.
+  const auto latent = file.header.find("latent");
+  const bool wide = latent != file.header.end() && *latent == kWide.latent;
+  return wide ? LoadShape<kWide>(file) : LoadShape<kPaper>(file);
 }
 
 }  // namespace styled::erd

@@ -15,9 +15,6 @@ using net::Kernels;
 using net::PackedMatrix;
 using net::PackedVector;
 
-inline constexpr int kEncoderWidth = 64;
-inline constexpr std::array<int, 3> kDecoderWidths{58, 86, 128};
-inline constexpr int kGates = 4 * kLatent;
 inline constexpr int kHeads = kRotationFeatures + kVelocityFeatures + 1;
 
 template <int Rows>
@@ -34,28 +31,33 @@ struct Affine {
 
 // gates = weight [h; z] + bias, with rows ordered by LstmRow. The rows of the sigmoid gates (input,
 // forget, output) are halved, because sigmoid(x) = (1 + tanh(x / 2)) / 2. Halving is exact.
+template <int Latent>
 struct LstmLayer {
-  PackedMatrix<kGates, 2 * kLatent> weight;
-  PackedVector<kGates> bias;
-  PackedVector<kLatent> h0, c0;
+  PackedMatrix<4 * Latent, 2 * Latent> weight;
+  PackedVector<4 * Latent> bias;
+  PackedVector<Latent> h0, c0;
 };
 
-struct Network::Weights {
+template <Shape kShape>
+struct ShapedNetwork<kShape>::Weights {
+  static constexpr int kLatent = kShape.latent;
+  static constexpr std::array<int, 3> kDecoder = kShape.decoder;
+
   const Kernels* kernels = &net::BestKernels();
   PackedVector<kFeatureCount> mean, inverse_deviation;
-  PackedMatrix<kEncoderWidth, kFeatureCount> encoder0;
-  Affine<kLatent, kEncoderWidth> encoder1;
-  std::array<LstmLayer, kNeutralLayers> neutral;
-  std::vector<std::array<LstmLayer, kStyleLayers>> styles;  // [s - 1] is style s
-  PackedMatrix<kDecoderWidths[0], kLatent> decoder0;
-  Affine<kDecoderWidths[1], kDecoderWidths[0]> decoder1;
-  Affine<kDecoderWidths[2], kDecoderWidths[1]> decoder2;
+  PackedMatrix<kShape.encoder, kFeatureCount> encoder0;
+  Affine<kLatent, kShape.encoder> encoder1;
+  std::array<LstmLayer<kLatent>, kNeutralLayers> neutral;
+  std::vector<std::array<LstmLayer<kLatent>, kStyleLayers>> styles;  // [s - 1] is style s
+  PackedMatrix<kDecoder[0], kLatent> decoder0;
+  Affine<kDecoder[1], kDecoder[0]> decoder1;
+  Affine<kDecoder[2], kDecoder[1]> decoder2;
   // Rotations, velocities and height stacked; the output is in features' units, not standardized.
-  Affine<kHeads, kDecoderWidths[2]> heads;
+  Affine<kHeads, kDecoder[2]> heads;
   // The bias of the first layer per input or target style: the style's one-hot column is added to
   // it.
-  std::array<PackedVector<kEncoderWidth>, net::kMaxStyles> encoder0_bias;
-  std::array<PackedVector<kDecoderWidths[0]>, net::kMaxStyles> decoder0_bias;
+  std::array<PackedVector<kShape.encoder>, net::kMaxStyles> encoder0_bias;
+  std::array<PackedVector<kDecoder[0]>, net::kMaxStyles> decoder0_bias;
 };
 
 }  // namespace styled::erd

@@ -26,7 +26,6 @@ using V = hn::Vec<D>;
 constexpr D d;
 constexpr int kLanes = hn::MaxLanes(d);
 constexpr int kVectors = kPanelRows / kLanes;  // vectors per panel
-constexpr int kUnits = 32;                     // units of an LSTM layer
 constexpr bool kManyRegisters = kLanes == 16;  // AVX-512 has 32
 
 // The number of independent sets of sums over the columns, for `vectors` vectors of rows: a
@@ -225,11 +224,11 @@ HWY_INLINE void Unit(V in, V forget, V cell, V open, float* h, float* c) {
 constexpr int kGateVectors = 4 * 16 / kLanes;  // vectors of the four gates of 16 units
 
 // Gate sums of 16 units before their activations: `Vectors` vectors from First on.
-template <int Inputs, int First, int Vectors>
+template <int Units, int Inputs, int First, int Vectors>
 HWY_INLINE void SomeGates(const float* weights, const float* bias,
                           const std::array<const float*, Inputs>& h,
                           const std::array<const float*, Inputs>& z, V (&sum)[Inputs][Vectors]) {
-  constexpr std::size_t kPanelStride = std::size_t{2} * kUnits * kPanelRows;
+  constexpr std::size_t kPanelStride = std::size_t{2} * Units * kPanelRows;
   HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) {
     HWY_UNROLL(16)
@@ -237,45 +236,45 @@ HWY_INLINE void SomeGates(const float* weights, const float* bias,
   }
   // Wh h comes first, because it does not depend on the layer below.
   constexpr int kSets = Sets(kGateVectors);
-  Accumulate<Inputs, First, Vectors, kSets>(weights, kPanelStride, kUnits, h, sum);
-  Accumulate<Inputs, First, Vectors, kSets>(weights + kUnits * kPanelRows, kPanelStride, kUnits, z,
+  Accumulate<Inputs, First, Vectors, kSets>(weights, kPanelStride, Units, h, sum);
+  Accumulate<Inputs, First, Vectors, kSets>(weights + Units * kPanelRows, kPanelStride, Units, z,
                                             sum);
 }
 
-template <int Inputs, int First = 0>
+template <int Units, int Inputs, int First = 0>
 HWY_INLINE void Gates(const float* weights, const float* bias,
                       const std::array<const float*, Inputs>& h,
                       const std::array<const float*, Inputs>& z, V (&gates)[Inputs][kGateVectors]) {
   constexpr int kSome = VectorsAtATime<Inputs>(kGateVectors);
   V sum[Inputs][kSome];
-  SomeGates<Inputs, First, kSome>(weights, bias, h, z, sum);
+  SomeGates<Units, Inputs, First, kSome>(weights, bias, h, z, sum);
   HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) {
     HWY_UNROLL(16)
     for (int v = 0; v < kSome; ++v) gates[i][First + v] = sum[i][v];
   }
   if constexpr (First + kSome < kGateVectors) {
-    Gates<Inputs, First + kSome>(weights, bias, h, z, gates);
+    Gates<Units, Inputs, First + kSome>(weights, bias, h, z, gates);
   }
 }
 
-template <int Inputs>
+template <int Units, int Inputs>
 HWY_INLINE void LstmInputs(const float* weights, const float* bias, const LstmOperands* states) {
   constexpr int kGate = 16 / kLanes;  // vectors of a gate's 16 units
   // All units read the old h, so it is copied before h is overwritten.
-  alignas(64) float old[Inputs][kUnits];
+  alignas(64) float old[Inputs][Units];
   std::array<const float*, Inputs> h, z;
   HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) {
-    for (int u = 0; u < kUnits; u += kLanes) {
+    for (int u = 0; u < Units; u += kLanes) {
       hn::Store(hn::Load(d, states[i].h + u), d, old[i] + u);
     }
     h[i] = old[i];
     z[i] = states[i].z;
   }
-  for (int first = 0; first < kUnits; first += 16) {
+  for (int first = 0; first < Units; first += 16) {
     V gates[Inputs][kGateVectors];
-    Gates<Inputs>(weights, bias, h, z, gates);
+    Gates<Units, Inputs>(weights, bias, h, z, gates);
     HWY_UNROLL(4)
     for (int i = 0; i < Inputs; ++i) {
       HWY_UNROLL(4)
@@ -286,20 +285,27 @@ HWY_INLINE void LstmInputs(const float* weights, const float* bias, const LstmOp
              states[i].c + unit);
       }
     }
-    weights += std::size_t{4} * kUnits * kPanelRows;
+    weights += std::size_t{4} * Units * kPanelRows;
     bias += 2 * kPanelRows;
   }
 }
 
-void Lstm(const float* weights, const float* bias, std::span<const LstmOperands> states) noexcept {
+template <int Units>
+void LstmStates(const float* weights, const float* bias,
+                std::span<const LstmOperands> states) noexcept {
   for (; states.size() >= 4; states = states.subspan(4)) {
-    LstmInputs<4>(weights, bias, states.data());
+    LstmInputs<Units, 4>(weights, bias, states.data());
   }
   if (states.size() >= 2) {
-    LstmInputs<2>(weights, bias, states.data());
+    LstmInputs<Units, 2>(weights, bias, states.data());
     states = states.subspan(2);
   }
-  if (!states.empty()) LstmInputs<1>(weights, bias, states.data());
+  if (!states.empty()) LstmInputs<Units, 1>(weights, bias, states.data());
+}
+
+void Lstm(int units, const float* weights, const float* bias,
+          std::span<const LstmOperands> states) noexcept {
+  units == 64 ? LstmStates<64>(weights, bias, states) : LstmStates<32>(weights, bias, states);
 }
 
 // q / |q|. An estimate of 1 / |q| (8 bits on some targets) with two Newton steps is faster than a

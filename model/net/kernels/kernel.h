@@ -58,9 +58,9 @@ struct Kernels {
   void (*standardize)(const float* x, const float* mean, const float* inverse_deviation, int count,
                       float limit, float* u) noexcept;
 
-  // [i f g o] = Wh h + Wi z + bias;  c' = σ(f) c + σ(i) tanh(g);  h' = σ(o) tanh(c'), for 32 units
-  // and any number of states. No state's z may be another's h.
-  void (*lstm)(const float* weights, const float* bias,
+  // [i f g o] = Wh h + Wi z + bias;  c' = σ(f) c + σ(i) tanh(g);  h' = σ(o) tanh(c'), for a layer
+  // of 32 or 64 units and any number of states. No state's z may be another's h.
+  void (*lstm)(int units, const float* weights, const float* bias,
                std::span<const LstmOperands> states) noexcept;
 
   // unit = quaternions / their lengths; a quaternion of length 0 becomes the identity.

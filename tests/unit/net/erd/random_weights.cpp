@@ -64,7 +64,9 @@ std::vector<std::byte> WeightsFile::Bytes() const {
   return net::SerializeSafetensors(tensors, {{"styled", metadata.dump()}});
 }
 
-WeightsFile RandomWeights(int style_count, unsigned seed) {
+WeightsFile RandomWeights(int style_count, unsigned seed, const Shape& shape) {
+  const int latent = shape.latent;
+  const auto [d0, d1, d2] = shape.decoder;
   WeightsFile file;
   char hash[17];
   std::snprintf(hash, sizeof(hash), "%016llx",
@@ -81,9 +83,9 @@ WeightsFile RandomWeights(int style_count, unsigned seed) {
                    {"contents", json::array()},
                    {"rate_hz", 30.0},
                    {"heading_tau_s", 0.25},
-                   {"latent", 32},
-                   {"encoder", {64}},
-                   {"decoder", {58, 86, 128}},
+                   {"latent", latent},
+                   {"encoder", {shape.encoder}},
+                   {"decoder", shape.decoder},
                    {"neutral_layers", 6},
                    {"style_layers", 4},
                    {"gates", "ifgo"},
@@ -94,24 +96,26 @@ WeightsFile RandomWeights(int style_count, unsigned seed) {
   make.Uniform("feature.mean", {211}, -0.2F, 0.2F);
   for (int joint = 0; joint < 21; ++joint) file.tensors[0].values[4 * joint + 3] += 1.0F;
   make.Uniform("feature.deviation", {211}, 0.05F, 0.5F);
-  make.Linear("encoder.0", 64, 211 + style_count);
-  make.Linear("encoder.1", 32, 64);
+  make.Linear("encoder.0", shape.encoder, 211 + style_count);
+  make.Linear("encoder.1", latent, shape.encoder);
+  // As far as with 32 units, whatever the width.
+  const float bound = 0.4F * std::sqrt(32.0F / static_cast<float>(latent));
   for (int s = 0; s < style_count; ++s) {
     for (int layer = 0; layer < (s == 0 ? 6 : 4); ++layer) {
       const std::string name = "recurrent." + std::to_string(s) + "." + std::to_string(layer);
-      make.Uniform(name + ".input", {128, 32}, -0.4F, 0.4F);
-      make.Uniform(name + ".hidden", {128, 32}, -0.4F, 0.4F);
-      make.Uniform(name + ".bias", {128}, -0.3F, 0.3F);
-      make.Uniform(name + ".h0", {32}, -0.5F, 0.5F);
-      make.Uniform(name + ".c0", {32}, -0.8F, 0.8F);
+      make.Uniform(name + ".input", {4 * latent, latent}, -bound, bound);
+      make.Uniform(name + ".hidden", {4 * latent, latent}, -bound, bound);
+      make.Uniform(name + ".bias", {4 * latent}, -0.3F, 0.3F);
+      make.Uniform(name + ".h0", {latent}, -0.5F, 0.5F);
+      make.Uniform(name + ".c0", {latent}, -0.8F, 0.8F);
     }
   }
-  make.Linear("decoder.0", 58, 32 + style_count);
-  make.Linear("decoder.1", 86, 58);
-  make.Linear("decoder.2", 128, 86);
-  make.Linear("head.rotation", 84, 128);
-  make.Linear("head.velocity", 63, 128);
-  make.Linear("head.height", 1, 128);
+  make.Linear("decoder.0", d0, latent + style_count);
+  make.Linear("decoder.1", d1, d0);
+  make.Linear("decoder.2", d2, d1);
+  make.Linear("head.rotation", 84, d2);
+  make.Linear("head.velocity", 63, d2);
+  make.Linear("head.height", 1, d2);
   return file;
 }
 
@@ -163,12 +167,17 @@ std::shared_ptr<const Network> RandomNetwork(int style_count, unsigned seed) {
   return NetworkOf(RandomWeights(style_count, seed));
 }
 
+std::shared_ptr<const WideNetwork> RandomWideNetwork(int style_count, unsigned seed) {
+  return Expect(WideNetwork::Parse(RandomWeights(style_count, seed, kWide).Bytes(), "random"));
+}
+
 std::shared_ptr<const Network> NetworkOf(const WeightsFile& file) {
   return Expect(Network::Parse(file.Bytes(), "random"));
 }
 
-std::shared_ptr<const net::Stylizer> RandomStylizer(int style_count, unsigned seed) {
-  return StylizerOf(RandomWeights(style_count, seed));
+std::shared_ptr<const net::Stylizer> RandomStylizer(int style_count, unsigned seed,
+                                                    const Shape& shape) {
+  return StylizerOf(RandomWeights(style_count, seed, shape));
 }
 
 std::shared_ptr<const net::Stylizer> StylizerOf(const WeightsFile& file) {

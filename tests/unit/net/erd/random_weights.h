@@ -22,7 +22,7 @@ struct WeightsFile {
 
 // Well-formed random weights by `seed`, scaled like a framework's initialization, with the styles
 // "neutral", "style1" (alias "s1"), ... Written from FORMAT.md, not from the loader.
-WeightsFile RandomWeights(int style_count, unsigned seed);
+WeightsFile RandomWeights(int style_count, unsigned seed, const Shape& shape = kPaper);
 
 // The same, but they decode NaN in every frame whose hips are more than kAwake_m above the floor,
 // which no trial run reaches. Below, they decode like those.
@@ -33,7 +33,9 @@ WeightsFile SleepingWeights(int style_count, unsigned seed);
 // aborts if the weights are refused.
 std::shared_ptr<const Network> RandomNetwork(int style_count, unsigned seed);
 std::shared_ptr<const Network> NetworkOf(const WeightsFile& file);
-std::shared_ptr<const net::Stylizer> RandomStylizer(int style_count, unsigned seed);
+std::shared_ptr<const WideNetwork> RandomWideNetwork(int style_count, unsigned seed);
+std::shared_ptr<const net::Stylizer> RandomStylizer(int style_count, unsigned seed,
+                                                    const Shape& shape = kPaper);
 std::shared_ptr<const net::Stylizer> StylizerOf(const WeightsFile& file);
 
 }  // namespace styled::erd

@@ -52,7 +52,7 @@ class Reference {
     for (const auto& [style, alpha] : alive) {
       if (!branches_.count(style)) StartBranch(style);
       const Doubles residual = RunBranch(style, 4, z);
-      for (int i = 0; i < 32; ++i) {
+      for (std::size_t i = 0; i < sum.size(); ++i) {
         sum[i] += alpha * residual[i];
         if (style == input_style) of_input[i] += residual[i];
       }
@@ -112,11 +112,12 @@ class Reference {
       const std::string name = Name(style, layer);
       const Doubles input = Product(name + ".input", z);
       const Doubles hidden = Product(name + ".hidden", state.h);
+      const auto latent = static_cast<int>(z.size());
       const auto gate = [&](int block, int i) {
-        const int row = 32 * block + i;
+        const int row = latent * block + i;
         return input[row] + hidden[row] + Value(name + ".bias", row);
       };
-      for (int i = 0; i < 32; ++i) {
+      for (int i = 0; i < latent; ++i) {
         state.c[i] = Sigmoid(gate(1, i)) * state.c[i] + Sigmoid(gate(0, i)) * std::tanh(gate(2, i));
         state.h[i] = Sigmoid(gate(3, i)) * std::tanh(state.c[i]);
       }
@@ -219,15 +220,16 @@ struct Command {
 
 // Runs the reference and the network of every SIMD target through `commands` for `frames`; returns
 // the largest difference of any output.
+template <Shape kShape = kPaper>
 double CompareThrough(const std::vector<Command>& commands, int frames, unsigned seed) {
-  const WeightsFile file = RandomWeights(6, seed);
+  const WeightsFile file = RandomWeights(6, seed, kShape);
   struct Run {
-    std::shared_ptr<const Network> network;
-    State state;
+    std::shared_ptr<const ShapedNetwork<kShape>> network;
+    StateOf<kShape> state;
   };
   std::vector<Run> runs;
   net::OnEachTarget([&] {
-    const auto network = Network::Parse(file.Bytes(), "random");
+    const auto network = ShapedNetwork<kShape>::Parse(file.Bytes(), "random");
     EXPECT_TRUE(network.ok()) << network.status().message();
     network.value()->Start(runs.emplace_back(Run{network.value(), {}}).state);
   });
@@ -295,6 +297,15 @@ TEST(StepAgainstReference, StyledInput) {
             kTolerance);
 }
 
+TEST(StepAgainstReference, AWideNetwork) {
+  EXPECT_LT(CompareThrough<kWide>({{0, 0, {{2, 1.0F}}},
+                                   {40, 0, {{1, 0.5F}, {2, 0.7F}}},
+                                   {90, 3, {{3, 0.6F}, {1, 0.4F}}},
+                                   {150, 0, {}}},
+                                  200, 20),
+            kTolerance);
+}
+
 TEST(StepAgainstReference, AnotherHistoryIsSeen) {
   // The comparison's negative control: the same network with one branch one frame older.
   const auto network = RandomNetwork(3, 8);
@@ -331,34 +342,39 @@ TEST(Step, TwoRunsAreBitIdentical) {
 
 // More performers than are processed at a time: without a style, in one, in several, switching, and
 // with an input style.
-TEST(Step, TogetherIsBitForBitOneByOne) {
+template <Shape kShape>
+void ExpectTogetherAsAlone(const ShapedNetwork<kShape>& network) {
   constexpr int kPerformers = 21;
-  net::OnEachTarget([] {
-    const auto network = RandomNetwork(6, 19);
-    std::vector<State> alone(kPerformers), together(kPerformers);
-    std::vector<net::Prediction> out_alone(kPerformers), out_together(kPerformers);
-    for (State& state : alone) network->Start(state);
-    for (State& state : together) network->Start(state);
-    for (int frame = 0; frame < 12; ++frame) {
-      std::vector<Features> features;
-      std::vector<std::vector<net::StyleWeight>> active(kPerformers);
-      for (int k = 0; k < kPerformers; ++k) {
-        features.push_back(FeaturesAt(frame + 3 * k));
-        for (int s = 0; s < k % 5; ++s) active[k].push_back({1 + (k + s + frame / 4) % 6, 0.4F});
-      }
-      std::vector<StepJob> jobs;
-      for (int k = 0; k < kPerformers; ++k) {
-        const int own = k % 4 == 3 ? 2 : 0;
-        network->Step(features[k], own, active[k], alone[k], out_alone[k]);
-        jobs.push_back({&features[k], own, active[k], &together[k], &out_together[k]});
-      }
-      network->StepTogether(jobs);
-      for (int k = 0; k < kPerformers; ++k) {
-        ASSERT_EQ(Difference(out_alone[k].styled, out_together[k].styled), 0) << frame << " " << k;
-        ASSERT_EQ(Difference(out_alone[k].reconstruction, out_together[k].reconstruction), 0);
-        ASSERT_EQ(alone[k].style, together[k].style);
-      }
+  std::vector<StateOf<kShape>> alone(kPerformers), together(kPerformers);
+  std::vector<net::Prediction> out_alone(kPerformers), out_together(kPerformers);
+  for (auto& state : alone) network.Start(state);
+  for (auto& state : together) network.Start(state);
+  for (int frame = 0; frame < 12; ++frame) {
+    std::vector<Features> features;
+    std::vector<std::vector<net::StyleWeight>> active(kPerformers);
+    for (int k = 0; k < kPerformers; ++k) {
+      features.push_back(FeaturesAt(frame + 3 * k));
+      for (int s = 0; s < k % 5; ++s) active[k].push_back({1 + (k + s + frame / 4) % 6, 0.4F});
     }
+    std::vector<StepJobOf<kShape>> jobs;
+    for (int k = 0; k < kPerformers; ++k) {
+      const int own = k % 4 == 3 ? 2 : 0;
+      network.Step(features[k], own, active[k], alone[k], out_alone[k]);
+      jobs.push_back({&features[k], own, active[k], &together[k], &out_together[k]});
+    }
+    network.StepTogether(jobs);
+    for (int k = 0; k < kPerformers; ++k) {
+      ASSERT_EQ(Difference(out_alone[k].styled, out_together[k].styled), 0) << frame << " " << k;
+      ASSERT_EQ(Difference(out_alone[k].reconstruction, out_together[k].reconstruction), 0);
+      ASSERT_EQ(alone[k].style, together[k].style);
+    }
+  }
+}
+
+TEST(Step, TogetherIsBitForBitOneByOne) {
+  net::OnEachTarget([] {
+    ExpectTogetherAsAlone(*RandomNetwork(6, 19));
+    ExpectTogetherAsAlone(*RandomWideNetwork(6, 19));
   });
 }
 

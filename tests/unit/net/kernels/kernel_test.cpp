@@ -134,86 +134,101 @@ TEST(Kernels, StandardizeClampsAndReadsNotANumberAsTheMean) {
 double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
 
 // A layer and its input; the gates reach about +-`bound`.
+template <int Units>
 struct Layer {
+  static constexpr int kRows = 4 * Units, kColumns = 2 * Units;
   Aligned dense, weights, bias, z, h, c;
 
   Layer(float bound, std::mt19937& random)
-      : dense(128 * 64, bound / 32, random),
-        weights(128 * 64),
-        bias(128, bound, random),
-        z(32, 1, random),
-        h(32, 1, random),
-        c(32, std::min(bound, 5.0F), random) {
-    for (int row = 0; row < 128; ++row) {  // gates in the order ifgo; the sigmoids' rows are halved
-      const int to = LstmRow(row / 32, row % 32);
-      for (int column = 0; column < 64; ++column) {
-        weights[PackedMatrix<128, 64>::Index(to, column)] =
-            (row / 32 == 2 ? 1.0F : 0.5F) * dense[row * 64 + column];
+      : dense(kRows * kColumns, bound / Units, random),
+        weights(kRows * kColumns),
+        bias(kRows, bound, random),
+        z(Units, 1, random),
+        h(Units, 1, random),
+        c(Units, std::min(bound, 5.0F), random) {
+    // Gates in the order ifgo; the sigmoids' rows are halved.
+    for (int row = 0; row < kRows; ++row) {
+      const int to = LstmRow(row / Units, row % Units);
+      for (int column = 0; column < kColumns; ++column) {
+        weights[PackedMatrix<kRows, kColumns>::Index(to, column)] =
+            (row / Units == 2 ? 1.0F : 0.5F) * dense[row * kColumns + column];
       }
     }
   }
   double Gate(int gate, int unit) {
-    const int row = 32 * gate + unit;
+    const int row = Units * gate + unit;
     double sum = bias[LstmRow(gate, unit)] * (gate == 2 ? 1.0 : 2.0);
-    for (int column = 0; column < 64; ++column) {
-      sum += static_cast<double>(dense[row * 64 + column]) *
-             (column < 32 ? h[column] : z[column - 32]);
+    for (int column = 0; column < kColumns; ++column) {
+      sum += static_cast<double>(dense[row * kColumns + column]) *
+             (column < Units ? h[column] : z[column - Units]);
     }
     return sum;
   }
 };
 
-TEST(Kernels, LstmLayerIsThatOfTheEquations) {
-  OnEachTarget([] {
-    SCOPED_TRACE(BestKernels().target);
-    std::mt19937 random(3);
-    for (const float bound : {0.01F, 1.0F, 5.0F, 30.0F, 1000.0F}) {
-      for (int repeat = 0; repeat < 20; ++repeat) {
-        Layer layer(bound, random);
-        std::vector<double> c, h;
-        for (int unit = 0; unit < 32; ++unit) {
-          c.push_back(Sigmoid(layer.Gate(1, unit)) * layer.c[unit] +
-                      Sigmoid(layer.Gate(0, unit)) * std::tanh(layer.Gate(2, unit)));
-          h.push_back(Sigmoid(layer.Gate(3, unit)) * std::tanh(c.back()));
-        }
-        const LstmOperands state{layer.z.data(), layer.h.data(), layer.c.data()};
-        BestKernels().lstm(layer.weights.data(), layer.bias.data(), {&state, 1});
-        // The rounding of the gates' sums grows with their size.
-        const double tolerance = 4e-7 * std::max(1.0F, bound);
-        for (int unit = 0; unit < 32; ++unit) {
-          ASSERT_NEAR(layer.c[unit], c[unit], tolerance) << bound << ", unit " << unit;
-          ASSERT_NEAR(layer.h[unit], h[unit], tolerance) << bound << ", unit " << unit;
-        }
+template <int Units>
+void ExpectLayerOfTheEquations() {
+  SCOPED_TRACE(BestKernels().target);
+  std::mt19937 random(3);
+  for (const float bound : {0.01F, 1.0F, 5.0F, 30.0F, 1000.0F}) {
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      Layer<Units> layer(bound, random);
+      std::vector<double> c, h;
+      for (int unit = 0; unit < Units; ++unit) {
+        c.push_back(Sigmoid(layer.Gate(1, unit)) * layer.c[unit] +
+                    Sigmoid(layer.Gate(0, unit)) * std::tanh(layer.Gate(2, unit)));
+        h.push_back(Sigmoid(layer.Gate(3, unit)) * std::tanh(c.back()));
+      }
+      const LstmOperands state{layer.z.data(), layer.h.data(), layer.c.data()};
+      BestKernels().lstm(Units, layer.weights.data(), layer.bias.data(), {&state, 1});
+      // The rounding of the gates' sums grows with their size.
+      const double tolerance = 4e-7 * std::max(1.0F, bound);
+      for (int unit = 0; unit < Units; ++unit) {
+        ASSERT_NEAR(layer.c[unit], c[unit], tolerance) << bound << ", unit " << unit;
+        ASSERT_NEAR(layer.h[unit], h[unit], tolerance) << bound << ", unit " << unit;
       }
     }
+  }
+}
+
+TEST(Kernels, LstmLayerIsThatOfTheEquations) {
+  OnEachTarget([] {
+    ExpectLayerOfTheEquations<32>();
+    ExpectLayerOfTheEquations<64>();
   });
+}
+
+template <int Units>
+void ExpectStatesTogetherAsAlone() {
+  SCOPED_TRACE(BestKernels().target);
+  std::mt19937 random(5);
+  Layer<Units> layer(2, random);
+  std::vector<Aligned> z, h, c;
+  std::vector<LstmOperands> all;
+  for (int i = 0; i < kInputs; ++i) {
+    z.emplace_back(Units, 1, random);
+    h.emplace_back(Units, 1, random);
+    c.emplace_back(Units, 2, random);
+  }
+  std::vector<Aligned> alone_h = h, alone_c = c;
+  for (int i = 0; i < kInputs; ++i) {
+    all.push_back({z[i].data(), h[i].data(), c[i].data()});
+    const LstmOperands one{z[i].data(), alone_h[i].data(), alone_c[i].data()};
+    BestKernels().lstm(Units, layer.weights.data(), layer.bias.data(), {&one, 1});
+  }
+  BestKernels().lstm(Units, layer.weights.data(), layer.bias.data(), all);
+  for (int i = 0; i < kInputs; ++i) {
+    for (int unit = 0; unit < Units; ++unit) {
+      ASSERT_EQ(h[i][unit], alone_h[i][unit]) << i << ", unit " << unit;
+      ASSERT_EQ(c[i][unit], alone_c[i][unit]) << i << ", unit " << unit;
+    }
+  }
 }
 
 TEST(Kernels, LstmStatesTogetherAreBitForBitThoseAlone) {
   OnEachTarget([] {
-    SCOPED_TRACE(BestKernels().target);
-    std::mt19937 random(5);
-    Layer layer(2, random);
-    std::vector<Aligned> z, h, c;
-    std::vector<LstmOperands> all;
-    for (int i = 0; i < kInputs; ++i) {
-      z.emplace_back(32, 1, random);
-      h.emplace_back(32, 1, random);
-      c.emplace_back(32, 2, random);
-    }
-    std::vector<Aligned> alone_h = h, alone_c = c;
-    for (int i = 0; i < kInputs; ++i) {
-      all.push_back({z[i].data(), h[i].data(), c[i].data()});
-      const LstmOperands one{z[i].data(), alone_h[i].data(), alone_c[i].data()};
-      BestKernels().lstm(layer.weights.data(), layer.bias.data(), {&one, 1});
-    }
-    BestKernels().lstm(layer.weights.data(), layer.bias.data(), all);
-    for (int i = 0; i < kInputs; ++i) {
-      for (int unit = 0; unit < 32; ++unit) {
-        ASSERT_EQ(h[i][unit], alone_h[i][unit]) << i << ", unit " << unit;
-        ASSERT_EQ(c[i][unit], alone_c[i][unit]) << i << ", unit " << unit;
-      }
-    }
+    ExpectStatesTogetherAsAlone<32>();
+    ExpectStatesTogetherAsAlone<64>();
   });
 }
 
@@ -232,7 +247,7 @@ TEST(Kernels, TanhIsGoodToAFewUlpsEverywhere) {
         bias[LstmRow(3, unit)] = 50;
       }
       const LstmOperands state{z.data(), h.data(), c.data()};
-      BestKernels().lstm(weights.data(), bias.data(), {&state, 1});
+      BestKernels().lstm(32, weights.data(), bias.data(), {&state, 1});
       const double expected = std::tanh(static_cast<double>(points[i]));
       for (int unit = 0; unit < 32; ++unit) {
         const double found = unit % 2 == 0 ? c[unit] : -c[unit];
