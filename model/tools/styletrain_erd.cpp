@@ -12,6 +12,8 @@ using style_erd::Config;
 // The start of a run, and its teachers.
 void AddStartFlags(CLI::App& app, Config& config) {
   app.add_option("--init", config.init, "Weights to start from; styles are matched by name");
+  app.add_option("--wide", config.wide, "1: a network of twice the paper's widths")
+      ->capture_default_str();
   app.add_option("--teacher", config.teachers,
                  "Weights whose changes of style are imitated, as FILE or "
                  "FILE:STYLE[/CONTENT][*GAIN],...; repeatable, later ones win");

@@ -12,6 +12,9 @@ Status Check(const Config& config) {
   if (config.window < 4 || config.per_style < 1 || config.rate_hz <= 0) {
     return Status::Error("--window must be at least 4, --per-style 1, --rate above 0");
   }
+  if (config.wide && !config.init.empty()) {
+    return Status::Error("--wide: the weights of --init have a shape of their own");
+  }
   if (!(config.idle >= 0 && config.idle < 1) || (config.idle > 0 && config.teachers.empty())) {
     return Status::Error("--idle: found " + NumberText(config.idle) +
                          ", expected 0, or below 1 and a --teacher");

@@ -38,6 +38,10 @@ struct Config {
   std::vector<std::string> add_styles;
   bool replace = false;  // they may be among init's, and are then trained from there
 
+  // The wide shape of model/net/erd/shape.h instead of the paper's. Weights to start from bring
+  // their own.
+  bool wide = false;
+
   // The data.
   double rate_hz = 30.0;  // of the network; clips are resampled to it
   double heading_tau_s =

@@ -269,12 +269,17 @@ void Distillation::Save(Checkpoint& checkpoint) const {
 }
 
 void Distillation::Restore(const Checkpoint& checkpoint) {
+  const auto& tensors = checkpoint.tensors;
   for (std::size_t i = 0; i < teachers_.size(); ++i) {
-    if (teachers_[i].generator) RestoreCarried(checkpoint, Prefix(i), teachers_[i].carried);
-    if (!teachers_[i].mean_sum.defined()) continue;
-    teachers_[i].mean_sum.copy_(checkpoint.tensors.at(Prefix(i) + "mean_sum"));
-    teachers_[i].rise_sum.copy_(checkpoint.tensors.at(Prefix(i) + "rise_sum"));
-    teachers_[i].mean_count.copy_(checkpoint.tensors.at(Prefix(i) + "mean_count"));
+    Teacher& teacher = teachers_[i];
+    const std::string mean_sum = Prefix(i) + "mean_sum";
+    if (teacher.generator && tensors.contains(Prefix(i) + "neutral.h")) {
+      RestoreCarried(checkpoint, Prefix(i), teacher.carried);
+    }
+    if (!teacher.mean_sum.defined() || !tensors.contains(mean_sum)) continue;
+    teacher.mean_sum.copy_(tensors.at(mean_sum));
+    teacher.rise_sum.copy_(tensors.at(Prefix(i) + "rise_sum"));
+    teacher.mean_count.copy_(tensors.at(Prefix(i) + "mean_count"));
   }
 }
 

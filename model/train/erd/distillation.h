@@ -59,7 +59,8 @@ class Distillation {
   // Also adds to the means for idle windows.
   Distance Apart(const Batch& batch, const Student& student);
 
-  // Carried states and means, under "teacher.N.". Restore throws where they do not fit.
+  // Carried states and means, under "teacher.N.". Restore throws where they do not fit. Teachers
+  // that the run has got since the checkpoint have nothing in it, and begin anew.
   void Save(Checkpoint& checkpoint) const;
   void Restore(const Checkpoint& checkpoint);
 

@@ -35,8 +35,7 @@ Sampler::Options SamplerOptions(const Config& config, uint64_t seed,
           .seed = seed};
 }
 
-GeneratorShape Shape(const clip::Manifest& manifest) {
-  GeneratorShape shape;
+GeneratorShape WithStyles(GeneratorShape shape, const clip::Manifest& manifest) {
   shape.styles = StyleCount(manifest);
   return shape;
 }
@@ -113,8 +112,8 @@ Learner::Learner(const Config& config, uint64_t seed, const LearnerData& data,
       moments_(MeasureEffects(clips_, StyleCount(manifest_), ContentCount(manifest_), config.window,
                               kFewestWindows, data.parameters),
                device),
-      generator_(Shape(manifest_), mean_, deviation_),
-      average_(Shape(manifest_), mean_, deviation_),
+      generator_(WithStyles(data.shape, manifest_), mean_, deviation_),
+      average_(generator_.shape, mean_, deviation_),
       critic_(kJudgedFeatures, StyleCount(manifest_), ContentCount(manifest_), config.window,
               config.attention),
       classifier_(kContentFeatures, ContentCount(manifest_)),
@@ -341,6 +340,9 @@ Status Learner::Restore(const Checkpoint& checkpoint) {
     if (!torch::equal(t.at("mean"), mean_.cpu()) ||
         !torch::equal(t.at("deviation"), deviation_.cpu())) {
       return Status::Error("was made with other data or another rate");
+    }
+    if (t.at("generator").sizes() != generator_.parameters.flat().sizes()) {
+      return Status::Error("was made with other styles or another --wide");
     }
     generator_.parameters.flat().copy_(t.at("generator"));
     average_.parameters.flat().copy_(t.at("average"));

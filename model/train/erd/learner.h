@@ -40,6 +40,8 @@ struct LearnerData {
   const std::vector<TrainingClip>& clips;
   const FeatureStatistics& statistics;
   const erd::FeatureParameters& parameters;
+  // Of the generator; its number of styles is the manifest's.
+  const GeneratorShape& shape;
 };
 
 // The networks being trained, their optimizers, and one iteration of training (Style-ERD, section

@@ -38,6 +38,14 @@ Tensor Leaky(const Tensor& x) { return torch::leaky_relu(x, kLeak); }
 
 }  // namespace
 
+GeneratorShape GeneratorShape::Of(const erd::Shape& widths) {
+  GeneratorShape shape;
+  shape.latent = widths.latent;
+  shape.encoder = {widths.encoder};
+  shape.decoder = {widths.decoder.begin(), widths.decoder.end()};
+  return shape;
+}
+
 Affine::Affine(Parameters& parameters, const std::string& name, int64_t in, int64_t out) {
   const double bound = 1.0 / std::sqrt(static_cast<double>(in));
   weight = parameters.Add(name + ".weight", {out, in}, bound);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/base/status.h"
+#include "model/net/erd/shape.h"
 #include "model/train/adam.h"
 
 namespace styled::train {
@@ -25,10 +26,12 @@ struct Affine {
 
 struct GeneratorShape {
   int64_t styles = 7;  // neutral included
-  int64_t latent = 32;
-  std::vector<int64_t> encoder{64};
-  std::vector<int64_t> decoder{58, 86, 128};
-  int64_t neutral_layers = 6, style_layers = 4;
+  int64_t latent = erd::kPaper.latent;
+  std::vector<int64_t> encoder{erd::kPaper.encoder};
+  std::vector<int64_t> decoder{erd::kPaper.decoder.begin(), erd::kPaper.decoder.end()};
+  int64_t neutral_layers = erd::kNeutralLayers, style_layers = erd::kStyleLayers;
+
+  static GeneratorShape Of(const erd::Shape& widths);
 };
 
 // The states of a stack of LSTM layers: per layer [groups, samples, Z].

@@ -27,6 +27,7 @@ struct Inputs {
   std::optional<LoadedWeights> init;
   FeatureStatistics statistics;
   erd::FeatureParameters parameters;
+  GeneratorShape shape;
   std::vector<int64_t> places;  // of added styles in the weights; empty: none are added
 };
 
@@ -36,10 +37,10 @@ class StyleErdRecipe : public Recipe {
       : run_(run),
         config_(config),
         inputs_(std::move(inputs)),
-        learner_(
-            config_, run_.seed,
-            {inputs_.data.manifest, inputs_.data.train, inputs_.statistics, inputs_.parameters},
-            DeviceOf(run_)),
+        learner_(config_, run_.seed,
+                 {inputs_.data.manifest, inputs_.data.train, inputs_.statistics, inputs_.parameters,
+                  inputs_.shape},
+                 DeviceOf(run_)),
         monitor_(inputs_.data.validation, manifest().styles, static_cast<int>(contents()),
                  inputs_.parameters, learner_.mean(), learner_.deviation()) {}
 
@@ -186,6 +187,7 @@ Status UseInit(const Config& config, Inputs& inputs) {
   Result<LoadedWeights> loaded = ReadWeights(config.init);
   if (!loaded.ok()) return Status::Error("--init " + loaded.status().message());
   const LoadedWeights& init = inputs.init.emplace(std::move(loaded.value()));
+  inputs.shape = init.generator->shape;
   if (init.features.rate_hz != inputs.parameters.rate_hz ||
       init.features.heading_tau_s != inputs.parameters.heading_tau_s) {
     return Status::Error("--init " + config.init.string() +
@@ -199,6 +201,7 @@ Status UseInit(const Config& config, Inputs& inputs) {
 
 Result<Inputs> ReadInputs(const RunConfig& run, const Config& config) {
   Inputs inputs;
+  if (config.wide) inputs.shape = GeneratorShape::Of(erd::kWide);
   inputs.parameters.rate_hz = static_cast<float>(config.rate_hz);
   inputs.parameters.heading_tau_s = static_cast<float>(config.heading_tau_s);
   Result<TrainingData> data =

@@ -371,6 +371,18 @@ TEST_F(Taught, ATeacherIsImitated) {
   ExpectPartsAreTheSame(Student("student", {strong_}), 50);
 }
 
+TEST_F(Taught, AResumedRunMayHaveGotAnotherTeacher) {
+  RunFlags config = Student("student", {weak_});
+  config.stop_at = 40;
+  Check(Train(config));
+  config.teachers.push_back(strong_);
+  config.resume = true;
+  config.stop_at = 0;
+  Check(Train(config));
+  Check(Train(Student("without", {weak_})));
+  EXPECT_GT(LogOf("student", "change_rad").back(), 2 * LogOf("without", "change_rad").back());
+}
+
 TEST_F(Taught, ALessonIsOfOneContentAndAsStrongAsItSays) {
   Check(Train(Student("all", {strong_})));
   Check(Train(Student("half", {strong_ + ":odd*0.5"})));
@@ -518,17 +530,16 @@ TEST_F(Run, ValidationKeepsTheBestAndEndsARunThatGetsNoBetter) {
 }
 
 // The runtime network, frame by frame, against the training network over the whole window.
-TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
-  Check(Train(Config("run")));
-  const std::filesystem::path file = root_ / "exported.safetensors";
-  Check(ExportRun(root_ / "run", file));
-  auto loaded = erd::Network::Load(file);
+template <erd::Shape kShape>
+void ExpectRuntimeAgrees(const std::filesystem::path& run, const std::filesystem::path& file) {
+  auto loaded = erd::ShapedNetwork<kShape>::Load(file);
   ASSERT_TRUE(loaded.ok()) << loaded.status().message();
-  const erd::Network& network = *loaded.value();
+  const erd::ShapedNetwork<kShape>& network = *loaded.value();
   EXPECT_EQ(net::FindStyle(network.model().styles, "strange"), 1);
 
   Checkpoint checkpoint;
-  Check(ReadCheckpoint(root_ / "run" / "checkpoint.pt", checkpoint));
+  const Status read = ReadCheckpoint(run / "checkpoint.pt", checkpoint);
+  ASSERT_TRUE(read.ok()) << read.message();
   const auto shape = ShapeFromJson(checkpoint.strings.at("metadata"));
   ASSERT_TRUE(shape.ok());
   const Tensor mean = checkpoint.tensors.at("mean"), deviation = checkpoint.tensors.at("deviation");
@@ -548,7 +559,7 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
   const Tensor rec = generator.Decode(r0, torch::tensor({{1.0F, 0.0F}})).rotations;
   const Tensor sty = generator.Decode(zs, torch::tensor({{0.0F, 1.0F}})).rotations;
 
-  erd::State state;
+  erd::StateOf<kShape> state;
   network.Start(state);
   net::Prediction out;
   const std::array<net::StyleWeight, 1> active{{{.style = 1, .weight = 1.0F}}};
@@ -567,6 +578,35 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
     }
   }
   EXPECT_LT(largest, 2e-5F);
+}
+
+TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
+  RunFlags config = Config("run");
+  Check(Train(config));
+  const std::filesystem::path file = root_ / "exported.safetensors";
+  Check(ExportRun(config.out, file));
+  ExpectRuntimeAgrees<erd::kPaper>(config.out, file);
+
+  config.out = root_ / "wide";
+  config.wide = true;
+  Check(Train(config));
+  Check(ExportRun(config.out, file));
+  ExpectRuntimeAgrees<erd::kWide>(config.out, file);
+
+  // Neither a run that goes on nor one that starts from weights changes its shape.
+  config.wide = false;
+  config.resume = true;
+  config.iterations = 20;
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("another --wide"));
+  config.resume = false;
+  config.wide = true;
+  config.init = file;
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("--wide: the weights of --init"));
+  config.wide = false;
+  config.out = root_ / "further";
+  config.iterations = 2;
+  Check(Train(config));
+  EXPECT_TRUE(erd::WideNetwork::Load(config.out / "weights.safetensors").ok());
 }
 
 }  // namespace
