@@ -180,6 +180,12 @@ test('mix pad, body parts, preset and keys reach the daemon', async () => {
   await until(async () => (await status()).only.length === 5, 'all parts but the head');
   await page.locator('[data-part=head]').click();
   await until(async () => (await status()).only.length === 0, 'all parts');
+  const pressed = (root) => page.locator(`[data-root=${root}]`).getAttribute('aria-pressed');
+  assert.equal(await pressed('follow'), 'true');
+  for (const root of ['stride', 'follow']) {
+    await page.locator(`[data-root=${root}]`).click();
+    await until(async () => (await pressed(root)) === 'true', `the daemon to say that the root is "${root}"`);
+  }
   await page.locator('[data-preset=half_elderly]').click();
   await until(async () => (await status()).styles.some(([style, weight]) => style === 'elderly' && weight === 0.5), 'the preset');
   await page.keyboard.press('2');

@@ -1,5 +1,5 @@
 // The right-hand side: styles, strength, mix pad, transition, body parts, presets.
-import { BodyPart } from 'styled-client';
+import { BodyPart, Root } from 'styled-client';
 
 import { paced, type App } from './app.js';
 import { clamp, h, setText, svg } from './dom.js';
@@ -195,6 +195,26 @@ function bodyParts(app: App): HTMLElement {
   return h('div', { className: 'partbox' }, figure);
 }
 
+const ROOTS: [Root, string, string][] = [
+  [Root.FOLLOW, 'Follow', 'The body stays where the performer is'],
+  [Root.STRIDE, 'Stride', 'The body walks and runs at the speed of the style'],
+];
+
+/** Where the styled body is on the floor. */
+function rootSwitch(app: App): HTMLElement {
+  const box = h('div', { className: 'switch', role: 'group', 'aria-label': 'Way over the floor' });
+  for (const [root, label, title] of ROOTS) {
+    box.append(h('button', {
+      'data-root': label.toLowerCase(), title, onclick: () => void app.set({ root }, label.toLowerCase()),
+    }, label));
+  }
+  app.watch(() => {
+    const now = app.entry()?.look?.root ?? Root.FOLLOW;
+    ROOTS.forEach(([root], i) => box.children[i]!.setAttribute('aria-pressed', String(root === now)));
+  });
+  return box;
+}
+
 export function controls(app: App, inForce: () => Map<string, number>): HTMLElement {
   const percent = (value: number) => `${Math.round(100 * value)} %`;
   const strength = slider('Strength', { min: 0, max: 1.5, step: 0.01 }, percent,
@@ -239,7 +259,7 @@ export function controls(app: App, inForce: () => Map<string, number>): HTMLElem
   });
   return h('aside', { className: 'panel right' },
     section('Style', who, styleGrid(app, inForce)),
-    h('section', {}, strength.element, transition.element,
+    h('section', {}, strength.element, transition.element, rootSwitch(app),
       h('div', { className: 'row' }, bypass, pin, reset)),
     presetSection,
     h('div', { className: 'two' },
