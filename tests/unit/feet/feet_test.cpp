@@ -415,6 +415,40 @@ TEST_F(FeetTest, ALockThatIsDrawnTooFarDragsAlong) {
   EXPECT_LT((Toes(out[30], 0) - Toes(out[0], 0)).norm(), 0.01F) << "held at first";
 }
 
+TEST_F(FeetTest, ABodyThatTravelsAtItsOwnSpeedPlantsItsFeetOnItsOwnWay) {
+  for (const float factor : {0.7F, 1.3F}) {
+    // The performer's own pose, carried along less or more of the floor.
+    const auto moved_m = [&](double t) {
+      return Vec3(0, 0, (factor - 1) * static_cast<float>(walker.speed_mps * t));
+    };
+    const PoseAt carried = [&](double t) {
+      rig::RigPose pose = walker.At(t);
+      pose.translations[0] += moved_m(t);
+      return pose;
+    };
+    Feet fresh(binding, binding, {});
+    Frames out;
+    for (int i = 0; i < kSeconds * 120; ++i) {
+      const rig::RigPose in = walker.At(i / 120.0);
+      out.push_back(carried(i / 120.0));
+      fresh.Process(i == 0 ? 0.0F : 1 / 120.0F, 1, {in.translations, in.rotations},
+                    {out.back().translations, out.back().rotations},
+                    {moved_m(i / 120.0), factor - 1, Vec3::UnitZ()});
+    }
+    const PoseAt played = Played(out, 120);
+    EXPECT_GT(Skate(120, carried), 20) << factor;
+    EXPECT_LT(Skate(120, played), 4) << factor;
+    // Two steps later the foot stands two of its own steps ahead.
+    const double stands_s = 2.3 * Walker::kCycle_s;
+    const auto toes_m = [&](int cycles) {
+      return Toes(played(stands_s + cycles * Walker::kCycle_s), 0).z();
+    };
+    const double own_m = factor * walker.speed_mps * Walker::kCycle_s;
+    EXPECT_NEAR(toes_m(1) - toes_m(0), own_m, 0.03) << factor;
+    EXPECT_NEAR(toes_m(2) - toes_m(1), own_m, 0.03) << factor;
+  }
+}
+
 TEST_F(FeetTest, AGapKeepsWhatWasHeldAndARestForgets) {
   (void)Hold(feet, 120, input, styled);
   const rig::RigPose in = walker.At(20);
