@@ -26,6 +26,8 @@ struct StyleInfo {
   float recognized = 0, recorded_s = 0;
   // Mean speed of the style's walks and runs, canonical metres per second; 0: not measured.
   float walk_mps = 0, run_mps = 0;
+  // Their mean cadence, steps of either foot per minute; 0: not measured.
+  float walk_spm = 0, run_spm = 0;
 };
 
 // Measured, and recognized too seldom.

@@ -26,9 +26,11 @@ struct Measured {
   double least, most;
   const char* range;
 };
-constexpr std::array<Measured, 4> kMeasured{
+constexpr std::array<Measured, 6> kMeasured{
     {{"walk_mps", &StyleInfo::walk_mps, 0.05, 15, "a number from 0.05 to 15"},
      {"run_mps", &StyleInfo::run_mps, 0.05, 15, "a number from 0.05 to 15"},
+     {"walk_spm", &StyleInfo::walk_spm, 20, 400, "a number from 20 to 400"},
+     {"run_spm", &StyleInfo::run_spm, 20, 400, "a number from 20 to 400"},
      {"recognized", &StyleInfo::recognized, 0, 1, "a number from 0 to 1"},
      {"recorded_s", &StyleInfo::recorded_s, 0.1, 1e8, "a number from 0.1 to 1e8"}}};
 

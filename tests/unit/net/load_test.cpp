@@ -78,6 +78,34 @@ TEST(Load, StylesMayHaveTheirSpeeds) {
   }
 }
 
+TEST(Load, StylesMayHaveTheirCadences) {
+  erd::WeightsFile file = erd::RandomWeights(3, 1);
+  file.metadata["styles"][0]["walk_spm"] = 110.5;
+  file.metadata["styles"][0]["run_spm"] = 20;
+  file.metadata["styles"][1]["run_spm"] = 400;
+  const auto network = Parse(file.Bytes(), "file");
+  ASSERT_TRUE(network.ok()) << network.status().message();
+  const Model& model = network.value()->model();
+  EXPECT_EQ(model.styles[0].walk_spm, 110.5F);
+  EXPECT_EQ(model.styles[0].run_spm, 20);
+  EXPECT_EQ(model.styles[1].run_spm, 400);
+  EXPECT_EQ(model.styles[1].walk_spm, 0) << "not measured";
+  EXPECT_EQ(model.styles[0].walk_mps, 0) << "a cadence is no speed";
+  EXPECT_EQ(HeaderOf(model)["styles"][0]["walk_spm"], 110.5);
+  EXPECT_FALSE(HeaderOf(model)["styles"][1].contains("walk_spm"));
+  for (const char* const key : {"walk_spm", "run_spm"}) {
+    erd::WeightsFile broken = erd::RandomWeights(3, 1);
+    for (const nlohmann::json& wrong :
+         {nlohmann::json(0), nlohmann::json(19.9), nlohmann::json(400.1), nlohmann::json(-110),
+          nlohmann::json("brisk"), nlohmann::json(nullptr)}) {
+      broken.metadata["styles"][2][key] = wrong;
+      EXPECT_EQ(Parse(broken.Bytes(), "file").status().message(),
+                "file: key 'styles[2]." + std::string(key) +
+                    "': expected a number from 20 to 400, found " + wrong.dump());
+    }
+  }
+}
+
 TEST(Load, NamesTheFile) {
   EXPECT_THAT(Load("no/such/weights").status().message(),
               HasSubstr("no/such/weights: no such file"));
