@@ -117,8 +117,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->expected(2);
   CLI::Option* const speeds =
       app.add_option("--write-speeds", flags.speeds,
-                     "FILE: measure how fast each style of --manifest walks and runs, write it "
-                     "into these weights for `root = \"stride\"`, and end");
+                     "FILE: measure how fast each style of --manifest walks and runs, and how many "
+                     "steps a minute it takes, write it into these weights for `root = "
+                     "\"stride\"` and `stylize --cadence`, and end");
   AddRunFlags(app, flags);
   // The default manifest would replace the speeds of styles that it shares with the right one.
   speeds->needs("--manifest")->excludes("--out")->excludes("--export");

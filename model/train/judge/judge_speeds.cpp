@@ -14,11 +14,23 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // keeps the order of the keys
 
-// To the centimetre per second: clips of one style differ by more.
-double Rounded(double speed_mps) { return std::round(100 * speed_mps) / 100; }
+// The mean speed and cadence of some clips.
+struct Pace {
+  Mean speed_mps, cadence_spm;
 
-void Enter(const char* key, double speed_mps, Json& style) {
-  if (speed_mps > 0) style[key] = speed_mps;
+  // To the centimetre per second and the tenth of a step per minute: clips of one style differ by
+  // more.
+  double Speed() const { return Rounded(speed_mps, 100); }
+  double Cadence() const { return Rounded(cadence_spm, 10); }
+
+ private:
+  static double Rounded(const Mean& mean, double parts) {
+    return mean.count > 0 ? std::round(parts * mean.value()) / parts : 0;
+  }
+};
+
+void Enter(const char* key, double figure, Json& style) {
+  if (figure > 0) style[key] = figure;
 }
 
 }  // namespace
@@ -28,16 +40,19 @@ std::vector<StyleSpeeds> MeasureSpeeds(const clip::Manifest& manifest,
   std::vector<StyleSpeeds> speeds;
   for (std::size_t style = 0; style < manifest.styles.size(); ++style) {
     const auto of = [&](std::string_view content) {
-      Mean mean;
+      Pace pace;
       for (const train::TrainingClip& clip : clips) {
         if (clip.style != static_cast<int>(style)) continue;
         if (manifest.contents[static_cast<std::size_t>(clip.content)] != content) continue;
         const Gait gait = MeasureGait(clip.poses, rate_hz);
-        if (gait.speed_cm_s.count > 0) mean.Add(gait.speed_cm_s.value() / 100);
+        if (gait.speed_cm_s.count > 0) pace.speed_mps.Add(gait.speed_cm_s.value() / 100);
+        if (gait.cadence_per_min.count > 0) pace.cadence_spm.Add(gait.cadence_per_min.value());
       }
-      return mean.count > 0 ? Rounded(mean.value()) : 0;
+      return pace;
     };
-    speeds.push_back({manifest.styles[style].name, of("walk"), of("run")});
+    const Pace walk = of("walk"), run = of("run");
+    speeds.push_back(
+        {manifest.styles[style].name, walk.Speed(), run.Speed(), walk.Cadence(), run.Cadence()});
   }
   return speeds;
 }
@@ -48,6 +63,8 @@ Status WriteSpeeds(std::span<const StyleSpeeds> speeds, const std::filesystem::p
   return EditStyles(weights, names, [speeds](std::size_t name, Json& style) {
     Enter("walk_mps", speeds[name].walk_mps, style);
     Enter("run_mps", speeds[name].run_mps, style);
+    Enter("walk_spm", speeds[name].walk_spm, style);
+    Enter("run_spm", speeds[name].run_spm, style);
   });
 }
 
@@ -65,8 +82,8 @@ Status MeasureAndWriteSpeeds(const std::filesystem::path& manifest_file,
   const auto speeds =
       MeasureSpeeds(manifest.value(), clips.value(), static_cast<double>(parameters.rate_hz));
   for (const StyleSpeeds& style : speeds) {
-    std::printf("%-16s walk %.2f m/s, run %.2f m/s\n", style.style.c_str(), style.walk_mps,
-                style.run_mps);
+    std::printf("%-16s walk %.2f m/s, %.1f steps/min; run %.2f m/s, %.1f steps/min\n",
+                style.style.c_str(), style.walk_mps, style.walk_spm, style.run_mps, style.run_spm);
   }
   return WriteSpeeds(speeds, weights);
 }

@@ -40,7 +40,7 @@ TEST_F(WeightsOnDisk, GetEvidenceAndSpeedsAndKeepAllElse) {
   const std::string name = before[1].name;
   const std::vector<Evidence> evidence{{name, 61.52, 0.98765}, {"nobody", 5, 0.5}};
   ASSERT_TRUE(WriteEvidence(evidence, file_).ok());
-  const std::vector<StyleSpeeds> speeds{{name, 1.25, 0}};
+  const std::vector<StyleSpeeds> speeds{{name, 1.25, 0, 118.4, 0}};
   ASSERT_TRUE(WriteSpeeds(speeds, file_).ok());
   const net::Styles after = Read();
   ASSERT_EQ(after.size(), before.size());
@@ -50,7 +50,18 @@ TEST_F(WeightsOnDisk, GetEvidenceAndSpeedsAndKeepAllElse) {
   EXPECT_FLOAT_EQ(after[1].recognized, 0.988F);
   EXPECT_FLOAT_EQ(after[1].walk_mps, 1.25F);
   EXPECT_EQ(after[1].run_mps, 0);
+  EXPECT_FLOAT_EQ(after[1].walk_spm, 118.4F);
+  EXPECT_EQ(after[1].run_spm, 0);
   EXPECT_EQ(after[2].recognized, 0) << "not measured";
+}
+
+TEST_F(WeightsOnDisk, ACadenceThatNoBodyHasIsRefusedAndNothingIsWritten) {
+  const std::string name = Read()[1].name;
+  const Status status = WriteSpeeds(std::vector<StyleSpeeds>{{name, 1.25, 0, 12, 0}}, file_);
+  EXPECT_THAT(
+      status.message(),
+      testing::HasSubstr("'styles[1].walk_spm': expected a number from 20 to 400, found 12"));
+  EXPECT_EQ(Read()[1].walk_mps, 0);
 }
 
 // A figure of 0 means that the style was not measured.
