@@ -95,7 +95,11 @@ struct Options {
   bool ground = true;          // the lowest foot is as high as the input's (grounding.h)
   bool feet = true;            // planted feet are held in place (feet.h)
   feet::Options feet_options;  // for `feet`
-  bool bypass = true;          // false: bind and unbind every pose, even without a style
+  // For a caller who then warps time by Output::cadence, so that steps come as often as the
+  // style's: what a stride scales is then the length of steps (ChangeOfGait). Never live, where
+  // time is the performer's.
+  bool own_cadence = false;
+  bool bypass = true;  // false: bind and unbind every pose, even without a style
 
   [[nodiscard]] OptionsError Validate() const noexcept;
 

@@ -31,13 +31,22 @@ Stride::Step Stride::Measure(const Vec3& hips_m, double dt_s, double hole_s) noe
   return Step::kTaken;
 }
 
-void Stride::Scale(float log_factor, float dt_s, float settle_s) noexcept {
-  float log = log_factor_.Follow(log_factor, dt_s, tuning::kStrideFactor_s + settle_s);
-  if (log_factor == 0 && std::abs(log) < tuning::kStrideSettled) {
-    log_factor_.Start(0);
-    log = 0;
-  }
-  factor_ = log == 0 ? 1.0F : std::exp(log);
+namespace {
+
+// A factor that follows exp(`log_target`), and is exactly 1 where it settles at 1.
+float FollowFactor(CriticallyDamped& log_factor, float log_target, float dt_s,
+                   float tau_s) noexcept {
+  const float log = log_factor.Follow(log_target, dt_s, tau_s);
+  if (log_target == 0 && std::abs(log) < tuning::kStrideSettled) log_factor.Start(0);
+  return log_factor.value() == 0 ? 1.0F : std::exp(log_factor.value());
+}
+
+}  // namespace
+
+void Stride::Scale(const GaitChange& change, float dt_s, float settle_s) noexcept {
+  const float tau_s = tuning::kStrideFactor_s + settle_s;
+  factor_ = FollowFactor(log_factor_, change.log_way, dt_s, tau_s);
+  cadence_ = FollowFactor(log_cadence_, change.log_cadence, dt_s, tau_s);
   gained_m_ += (static_cast<double>(factor_) - 1) * step_m_.cast<double>();
   travel_.moved_m = gained_m_.cast<float>();
   travel_.longer = factor_ - 1;
@@ -73,12 +82,22 @@ Gait::Gait(const net::StyleInfo& own, const net::StyleInfo& neutral, float speed
   faster_run = faster(run_mps);
 }
 
-}  // namespace
+// A figure of each style that a change of gait is computed from.
+struct Figure {
+  float net::StyleInfo::*walk;
+  float net::StyleInfo::*run;
+  float own_share;    // of the performer's deviation from the usual speed that is taken back
+  float least, most;  // factor
+};
+constexpr Figure kSpeed{&net::StyleInfo::walk_mps, &net::StyleInfo::run_mps,
+                        tuning::kStrideOwnSpeed, tuning::kLeastStride, tuning::kMostStride};
+constexpr Figure kCadence{&net::StyleInfo::walk_spm, &net::StyleInfo::run_spm, 0,
+                          tuning::kLeastCadence, tuning::kMostCadence};
 
-float LogStride(const net::Styles& styles, const Mixer& mixer, float speed_mps) noexcept {
-  if (mixer.stride() == 0 || styles.empty() || styles[0].walk_mps <= 0 || styles[0].run_mps <= 0) {
-    return 0;
-  }
+// The logarithm of the factor of `figure` that the styles in force ask for at a speed.
+float LogFactor(const Figure& figure, const net::Styles& styles, const Mixer& mixer,
+                float speed_mps) noexcept {
+  if (styles.empty() || styles[0].walk_mps <= 0 || styles[0].run_mps <= 0) return 0;
   const net::StyleInfo& neutral = styles[0];
   const auto info = [&styles](int style) -> const net::StyleInfo& {
     const bool known = style >= 0 && static_cast<std::size_t>(style) < styles.size();
@@ -88,19 +107,38 @@ float LogStride(const net::Styles& styles, const Mixer& mixer, float speed_mps) 
   const Gait gait(own, neutral, speed_mps);
   const auto blend = [&gait](float walk, float run) { return walk + gait.running * (run - walk); };
   const auto change = [&](const net::StyleInfo& style) {
-    return blend(LogRatio(style.walk_mps, neutral.walk_mps),
-                 LogRatio(style.run_mps, neutral.run_mps));
+    return blend(LogRatio(style.*figure.walk, neutral.*figure.walk),
+                 LogRatio(style.*figure.run, neutral.*figure.run));
   };
   const float faster = blend(gait.faster_walk, gait.faster_run);
   float log = -mixer.presence() * change(own);
   for (const net::StyleWeight& style : mixer.in_force()) {
     const net::StyleInfo& target = info(style.style);
-    if (target.walk_mps <= 0 && target.run_mps <= 0) continue;
-    log += style.weight * (change(target) - tuning::kStrideOwnSpeed * faster);
+    if (target.*figure.walk <= 0 && target.*figure.run <= 0) continue;
+    log += style.weight * (change(target) - figure.own_share * faster);
   }
-  const float bounded =
-      std::clamp(log, std::log(tuning::kLeastStride), std::log(tuning::kMostStride));
-  return mixer.stride() * gait.moving * bounded;
+  return gait.moving * std::clamp(log, std::log(figure.least), std::log(figure.most));
+}
+
+}  // namespace
+
+float LogStride(const net::Styles& styles, const Mixer& mixer, float speed_mps) noexcept {
+  if (mixer.stride() == 0) return 0;
+  return mixer.stride() * LogFactor(kSpeed, styles, mixer, speed_mps);
+}
+
+float LogCadence(const net::Styles& styles, const Mixer& mixer, float speed_mps) noexcept {
+  return LogFactor(kCadence, styles, mixer, speed_mps);
+}
+
+GaitChange ChangeOfGait(const net::Styles& styles, const Mixer& mixer, bool own_cadence,
+                        float speed_mps) noexcept {
+  const float log_speed = LogStride(styles, mixer, speed_mps);
+  if (!own_cadence) return {log_speed, 0};
+  const float log_cadence = LogCadence(styles, mixer, speed_mps);
+  const float log_step = log_speed - mixer.stride() * log_cadence;
+  return {std::clamp(log_step, std::log(tuning::kLeastStride), std::log(tuning::kMostStride)),
+          log_cadence};
 }
 
 }  // namespace styled::stylist

@@ -9,6 +9,16 @@
 
 namespace styled::stylist {
 
+// What a style does to a gait, as natural logarithms: of the factor of the way over the floor, and
+// of the factor of the cadence, which is 0 unless the caller warps time (Options::own_cadence).
+struct GaitChange {
+  float log_way = 0, log_cadence = 0;
+
+  friend GaitChange operator*(float share, const GaitChange& change) {
+    return {share * change.log_way, share * change.log_cadence};
+  }
+};
+
 // The performer's way over the floor, scaled by what the style does to speed (Root::kStride). The
 // styled hips move by the factor times the performer's own step in every frame, so a straight line
 // stays straight, a circle a circle, a turn as far. What has been gained or lost, moved_m(), is
@@ -18,15 +28,14 @@ namespace styled::stylist {
 class Stride {
  public:
   // One frame, `dt_s` after the one before (0: the first). `hips_m`: the performer's own hips.
-  // `log_factor` gives the natural logarithm of the factor for a speed (m/s), which is the
-  // performer's, smoothed; `settle_s` is added to the time constant with which it is followed. A
-  // step over a hole of `hole_s` or more, or one that no performer makes, is not scaled; neither is
-  // a place that is not finite.
-  template <typename LogFactor>
+  // `change` gives the GaitChange for a speed (m/s), which is the performer's, smoothed; `settle_s`
+  // is added to the time constant with which it is followed. A step over a hole of `hole_s` or
+  // more, or one that no performer makes, is not scaled; neither is a place that is not finite.
+  template <typename Change>
   STYLED_REALTIME void Follow(const body::Vec3& hips_m, double dt_s, double hole_s, float settle_s,
-                              const LogFactor& log_factor) noexcept {
+                              const Change& change) noexcept {
     const Step step = Measure(hips_m, dt_s, hole_s);
-    if (step != Step::kNone) Scale(log_factor(speed_mps()), static_cast<float>(dt_s), settle_s);
+    if (step != Step::kNone) Scale(change(speed_mps()), static_cast<float>(dt_s), settle_s);
   }
 
   // The styled hips less the performer's, and the factor in this frame, for the feet.
@@ -34,6 +43,10 @@ class Stride {
   const feet::Travel& travel() const { return travel_; }
   // The factor in this frame; exactly 1 where no style scales anything.
   float factor() const { return factor_; }
+  // The factor of the cadence in this frame; exactly 1 where no style has another. It is followed
+  // by the same filter as the way's, so that their product, the factor of the speed in warped time,
+  // is in every frame what Root::kStride alone makes of the speed.
+  float cadence() const { return cadence_; }
   // The performer's speed over the floor, smoothed.
   float speed_mps() const { return velocity_mps_.norm(); }
 
@@ -43,15 +56,15 @@ class Stride {
  private:
   enum class Step { kNone, kTaken };
   Step Measure(const body::Vec3& hips_m, double dt_s, double hole_s) noexcept;
-  void Scale(float log_factor, float dt_s, float settle_s) noexcept;
+  void Scale(const GaitChange& change, float dt_s, float settle_s) noexcept;
 
   Eigen::Vector3d gained_m_ = Eigen::Vector3d::Zero();  // in double: a sum over hours
   body::Vec3 last_m_ = body::Vec3::Zero(), step_m_ = body::Vec3::Zero();
   body::Vec3 velocity_mps_ = body::Vec3::Zero();
   float seen_ = 0;  // 0 .. 1: the share of the velocity's average that has been filled
   bool placed_ = false;
-  CriticallyDamped log_factor_;
-  float factor_ = 1;
+  CriticallyDamped log_factor_, log_cadence_;
+  float factor_ = 1, cadence_ = 1;
   feet::Travel travel_;
 };
 
@@ -63,5 +76,21 @@ class Stride {
 // Bounded by tuning::kLeastStride and kMostStride. Pure.
 STYLED_REALTIME float LogStride(const net::Styles& styles, const Mixer& mixer,
                                 float speed_mps) noexcept;
+
+// The logarithm of the factor of the cadence at a speed, by the same gaits and weights, of the
+// styles' cadences; in any Root. It is the ratio to neutral's cadence alone, so that a performer
+// who steps faster than others remains one who does. Styles without a measured cadence count as 0,
+// and so do all where neutral has no speeds, which tell a walk from a run. Bounded by
+// tuning::kLeastCadence and kMostCadence. Pure.
+STYLED_REALTIME float LogCadence(const net::Styles& styles, const Mixer& mixer,
+                                 float speed_mps) noexcept;
+
+// Both, for the stylist. Speed is the length of steps times their cadence. Where the caller warps
+// time to the style's cadence (`own_cadence`), LogStride's factor of the speed is therefore shared:
+// the way is scaled by the ratio of step lengths, LogStride - LogCadence, within the bounds of
+// LogStride, which are those that the feet are made for. With Root::kFollow the way stays the
+// performer's, and only time changes. Pure.
+STYLED_REALTIME GaitChange ChangeOfGait(const net::Styles& styles, const Mixer& mixer,
+                                        bool own_cadence, float speed_mps) noexcept;
 
 }  // namespace styled::stylist

@@ -192,9 +192,11 @@ void Stylist::Impl::MoveOn(Output& out) noexcept {
       domain.weight() * std::min(Shown(body::Part::kLeftLeg), Shown(body::Part::kRightLeg));
   const net::Styles& styles = predictor.network()->model().styles;
   stride.Follow(out.canonical_input.hips_position_m, dt_s, options.gap_reset_s,
-                filter.delay_s() / 2,
-                [&](float speed_mps) { return shown * LogStride(styles, mixer, speed_mps); });
+                filter.delay_s() / 2, [&](float speed_mps) {
+                  return shown * ChangeOfGait(styles, mixer, options.own_cadence, speed_mps);
+                });
   out.travel = stride.travel();
+  out.cadence = stride.cadence();
 }
 
 // Handles jumps, gaps and changes of rate; sets kConcealed.

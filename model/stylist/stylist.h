@@ -44,6 +44,9 @@ struct Output {
   rig::RigPose source;    // the input on the source skeleton, with bad joints held
   std::bitset<256> held;  // source joints whose input was bad
   std::uint32_t flags = 0;
+  // How many steps the style takes in the time of one of the performer's, smoothed: time is to pass
+  // so many times as fast. 1 without Options::own_cadence, and where the performer stands.
+  float cadence = 1;
   feet::Travel travel;  // how far the styled hips are off the performer's, and how steps differ
   std::uint32_t contacts = 0;  // bit 0 left, bit 1 right: the performer's own foot is planted
   std::array<net::StyleWeight, net::kMaxActive> in_force;  // styles and weights in this frame

@@ -186,7 +186,9 @@ inline constexpr float kKneeBroken_rad = 2.0F;
 // Time constant of the average of the performer's velocity, s. It must be longer than a step, in
 // which the hips' speed and direction sway, and shorter than the start of a walk.
 inline constexpr float kStrideSpeed_s = 0.2F;
-// Time constant with which the factor is followed, s, beside half the delay of the style delta.
+// Time constant with which the factor is followed, s, beside half the delay of the style delta. The
+// factor of the cadence has the same, so that the speed in warped time is that of the stride; it is
+// shorter than a step (0.3 to 0.6 s), so that the steps of a walk's beginning are warped, too.
 inline constexpr float kStrideFactor_s = 0.1F;
 // A smaller logarithm of the factor counts as none: 0.1 mm per metre. Chosen as invisible.
 inline constexpr float kStrideSettled = 1e-4F;
@@ -213,6 +215,9 @@ inline constexpr float kStrideStanding_mps = 0.2F;
 // Bounds of the factor. Set 2 has 0.48 (elderly, run) to 1.29 (active, walk), set 1 0.40 (not
 // confident) to 1.6 (angry); weights up to 1.5 reach 0.25 and 2.0.
 inline constexpr float kLeastStride = 0.25F, kMostStride = 2.0F;
+// Bounds of the factor of the cadence. Set 2 has 0.90 (masculine, run) to 1.21 (active, walk), set
+// 1 0.65 (sad, walk) to 1.37 (angry, walk); weights up to 1.5 reach 0.53 and 1.60.
+inline constexpr float kLeastCadence = 0.5F, kMostCadence = 2.0F;
 
 // Feet (stylist.cpp)
 

@@ -18,10 +18,11 @@ constexpr double kHole_s = 0.25;
 constexpr float kSettle_s = 0.025F;
 
 // Neutral, one that hurries, one that shuffles, one that was not measured.
-const net::Styles kStyles{{.name = "neutral", .walk_mps = 1.2F, .run_mps = 3.1F},
-                          {.name = "active", .walk_mps = 1.5F, .run_mps = 3.5F},
-                          {.name = "old", .walk_mps = 0.8F, .run_mps = 1.5F},
-                          {.name = "odd"}};
+const net::Styles kStyles{
+    {.name = "neutral", .walk_mps = 1.2F, .run_mps = 3.1F, .walk_spm = 110, .run_spm = 155},
+    {.name = "active", .walk_mps = 1.5F, .run_mps = 3.5F, .walk_spm = 132, .run_spm = 142},
+    {.name = "old", .walk_mps = 0.8F, .run_mps = 1.5F, .walk_spm = 121, .run_spm = 159},
+    {.name = "odd"}};
 constexpr int kActive = 1, kOld = 2, kOdd = 3;
 
 Mixer Mixed(std::initializer_list<net::StyleWeight> mix, Root root = Root::kStride,
@@ -101,6 +102,96 @@ TEST(LogStrideTest, TheFactorIsBounded) {
   EXPECT_NEAR(std::exp(LogStride(wild, Mixed({{2, 1.5F}}), 1.2F)), tuning::kLeastStride, 1e-4F);
 }
 
+float Cadence(const Mixer& mixer, float speed_mps) {
+  return std::exp(LogCadence(kStyles, mixer, speed_mps));
+}
+
+TEST(LogCadenceTest, StandingKeepsItsTimeWalksAndRunsHaveTheirOwnRatios) {
+  const Mixer old = Mixed({{kOld, 1}});
+  EXPECT_EQ(Cadence(old, 0), 1);
+  EXPECT_EQ(Cadence(old, 0.1F), 1) << "a shift of weight";
+  EXPECT_NEAR(Cadence(old, 1.2F), 121.0F / 110, 1e-4F);
+  EXPECT_NEAR(Cadence(old, 3.1F), 159.0F / 155, 1e-4F);
+  const Mixer active = Mixed({{kActive, 1}});
+  EXPECT_NEAR(Cadence(active, 1.2F), 132.0F / 110, 1e-4F);
+  EXPECT_NEAR(Cadence(active, 3.1F), 142.0F / 155, 1e-4F);
+  EXPECT_EQ(Cadence(active, 0.9F), Cadence(active, 1.5F)) << "the performer's own pace is kept";
+}
+
+TEST(LogCadenceTest, IsOfTheMixWhateverTheRoot) {
+  for (const Root root : {Root::kFollow, Root::kStride}) {
+    EXPECT_NEAR(Cadence(Mixed({{kOld, 0.5F}}, root), 1.2F), std::sqrt(1.1F), 1e-4F);
+    EXPECT_NEAR(Cadence(Mixed({{kOld, 0.5F}, {kActive, 0.5F}}, root), 1.2F), std::sqrt(1.1F * 1.2F),
+                1e-4F);
+    EXPECT_NEAR(Cadence(Mixed({{0, 1}}, root, kOld), 0.8F), 1 / 1.1F, 1e-4F);
+    EXPECT_NEAR(Cadence(Mixed({{kActive, 1}}, root, kOld), 0.8F), 1.2F / 1.1F, 1e-4F);
+  }
+}
+
+TEST(LogCadenceTest, WhatWasNotMeasuredCountsAsNothing) {
+  net::Styles walks = kStyles;
+  walks[kOld].run_spm = 0;
+  net::Styles bare = kStyles;
+  bare[0].walk_spm = bare[0].run_spm = 0;
+  net::Styles speedless = kStyles;
+  speedless[0].walk_mps = 0;
+  const Mixer old = Mixed({{kOld, 1}});
+  EXPECT_NEAR(LogCadence(walks, old, 1.2F), std::log(1.1F), 1e-4F);
+  EXPECT_EQ(LogCadence(walks, old, 3.1F), 0);
+  for (const float speed_mps : {0.0F, 0.8F, 1.2F, 3.0F, 9.0F}) {
+    EXPECT_EQ(Cadence(Mixed({}), speed_mps), 1);
+    EXPECT_EQ(Cadence(Mixed({{kOdd, 1}}), speed_mps), 1);
+    EXPECT_EQ(Cadence(Mixed({{kOdd, 0.5F}, {kOld, 0.5F}}), speed_mps),
+              Cadence(Mixed({{kOld, 0.5F}}), speed_mps));
+    EXPECT_EQ(LogCadence(bare, old, speed_mps), 0);
+    EXPECT_EQ(LogCadence(speedless, old, speed_mps), 0);
+    EXPECT_EQ(LogCadence({}, old, speed_mps), 0);
+  }
+}
+
+TEST(LogCadenceTest, IsBounded) {
+  net::Styles wild = kStyles;
+  wild[1].walk_spm = 400;
+  wild[2].walk_spm = 20;
+  EXPECT_NEAR(std::exp(LogCadence(wild, Mixed({{1, 1.5F}}), 1.2F)), tuning::kMostCadence, 1e-4F);
+  EXPECT_NEAR(std::exp(LogCadence(wild, Mixed({{2, 1.5F}}), 1.2F)), tuning::kLeastCadence, 1e-4F);
+}
+
+// Speed is the length of steps times their cadence: what the two factors share is the style's.
+TEST(ChangeOfGaitTest, InWarpedTimeAStrideScalesTheLengthOfSteps) {
+  for (const int style : {kActive, kOld, kOdd}) {
+    const Mixer stride = Mixed({{style, 1}}), follow = Mixed({{style, 1}}, Root::kFollow);
+    for (const float speed_mps : {0.0F, 0.4F, 1.2F, 1.8F, 3.1F}) {
+      const float log_speed = LogStride(kStyles, stride, speed_mps);
+      const GaitChange live = ChangeOfGait(kStyles, stride, false, speed_mps);
+      EXPECT_EQ(live.log_way, log_speed);
+      EXPECT_EQ(live.log_cadence, 0);
+      const GaitChange warped = ChangeOfGait(kStyles, stride, true, speed_mps);
+      EXPECT_EQ(warped.log_cadence, LogCadence(kStyles, stride, speed_mps));
+      EXPECT_NEAR(warped.log_way + warped.log_cadence, log_speed, 1e-5F);
+      const GaitChange followed = ChangeOfGait(kStyles, follow, true, speed_mps);
+      EXPECT_EQ(followed.log_way, 0) << "the way is the performer's";
+      EXPECT_EQ(followed.log_cadence, warped.log_cadence);
+    }
+  }
+  const GaitChange old = ChangeOfGait(kStyles, Mixed({{kOld, 1}}), true, 1.2F);
+  const float step_m = 0.8F / 121, neutral_step_m = 1.2F / 110;  // per step, in minutes
+  EXPECT_NEAR(std::exp(old.log_way), step_m / neutral_step_m, 1e-4F);
+}
+
+TEST(ChangeOfGaitTest, StepsAreNoLongerThanAStrideMakesThem) {
+  net::Styles wild = kStyles;
+  wild[kActive].walk_mps = 15;
+  wild[kActive].walk_spm = 60;
+  wild[kOld].walk_mps = 0.05F;
+  wild[kOld].walk_spm = 300;
+  const auto way = [&wild](int style) {
+    return std::exp(ChangeOfGait(wild, Mixed({{style, 1}}), true, 1.2F).log_way);
+  };
+  EXPECT_NEAR(way(kActive), tuning::kMostStride, 1e-4F);
+  EXPECT_NEAR(way(kOld), tuning::kLeastStride, 1e-4F);
+}
+
 struct StrideTest : testing::Test {
   Stride stride;
   double time_s = 0;
@@ -117,7 +208,7 @@ struct StrideTest : testing::Test {
       time_s = from_s + i / rate_hz;
       at = path(time_s);
       stride.Follow(at, started ? 1 / rate_hz : 0, kHole_s, kSettle_s,
-                    [factor](float) { return std::log(factor); });
+                    [factor](float) { return GaitChange{std::log(factor)}; });
       started = true;
       each();
     }
@@ -144,8 +235,9 @@ TEST_F(StrideTest, AStandingPerformerDoesNotDrift) {
     const double t = i / 120.0;
     const Vec3 sway(static_cast<float>(0.03 * std::sin(1.9 * t)), 0.9F,
                     static_cast<float>(0.02 * std::sin(3.1 * t)));
-    stride.Follow(sway, i == 0 ? 0 : 1 / 120.0, kHole_s, kSettle_s,
-                  [&mixer](float speed_mps) { return LogStride(kStyles, mixer, speed_mps); });
+    stride.Follow(sway, i == 0 ? 0 : 1 / 120.0, kHole_s, kSettle_s, [&mixer](float speed_mps) {
+      return GaitChange{LogStride(kStyles, mixer, speed_mps)};
+    });
     ASSERT_EQ(stride.moved_m().norm(), 0) << "at " << t << " s";
   }
 }
@@ -217,8 +309,9 @@ TEST_F(StrideTest, AllFrameRatesAgree) {
   for (const double rate_hz : {24.0, 30.0, 60.0, 120.0, 240.0}) {
     Stride one;
     for (int i = 0; i <= 12 * rate_hz; ++i) {
-      one.Follow(path(i / rate_hz), i == 0 ? 0 : 1 / rate_hz, kHole_s, kSettle_s,
-                 [&mixer](float speed_mps) { return LogStride(kStyles, mixer, speed_mps); });
+      one.Follow(
+          path(i / rate_hz), i == 0 ? 0 : 1 / rate_hz, kHole_s, kSettle_s,
+          [&mixer](float speed_mps) { return GaitChange{LogStride(kStyles, mixer, speed_mps)}; });
     }
     ends.push_back(one.moved_m().z());
   }
@@ -226,10 +319,34 @@ TEST_F(StrideTest, AllFrameRatesAgree) {
   for (const float end : ends) EXPECT_NEAR(end, ends.back(), 0.03F * ends.back());
 }
 
+// Walks from a stand and stands again: in every frame the speed in warped time is that of a stride.
+TEST_F(StrideTest, WayAndCadenceTogetherAreTheStridesSpeed) {
+  const Mixer mixer = Mixed({{kOld, 1}});
+  Stride live, warped;
+  for (int i = 0; i <= 120 * 12; ++i) {
+    const double t = i / 120.0, dt_s = i == 0 ? 0 : 1 / 120.0;
+    const Vec3 hips(0, 0.9F, static_cast<float>(1.2 * std::clamp(t - 2, 0.0, 6.0)));
+    const auto follow = [&](Stride& stride, bool own_cadence) {
+      stride.Follow(hips, dt_s, kHole_s, kSettle_s, [&](float speed_mps) {
+        return ChangeOfGait(kStyles, mixer, own_cadence, speed_mps);
+      });
+    };
+    follow(live, false);
+    follow(warped, true);
+    EXPECT_EQ(live.cadence(), 1);
+    EXPECT_NEAR(warped.factor() * warped.cadence(), live.factor(), 1e-3F) << t << " s";
+    if (t < 2 || t > 10.5) {
+      EXPECT_EQ(warped.cadence(), 1) << "standing keeps its time";
+    } else if (t > 3.5 && t < 8) {
+      EXPECT_NEAR(warped.cadence(), 1.1F, 1e-3F) << t << " s";
+    }
+  }
+}
+
 TEST_F(StrideTest, HolesAndImpossibleStepsAreTakenAsTheyAre) {
   Go(Straight, 2, 120, 1.3F);
   const Vec3 moved = stride.moved_m();
-  const auto longer = [](float) { return std::log(1.3F); };
+  const auto longer = [](float) { return GaitChange{std::log(1.3F)}; };
   stride.Follow(at + Vec3(0, 0, 0.3F), 0.3, kHole_s, kSettle_s, longer);
   EXPECT_EQ(stride.moved_m(), moved) << "a hole in time";
   stride.Follow(at + Vec3(0.9F, 0, 0.3F), 1 / 120.0, kHole_s, kSettle_s, longer);
@@ -250,7 +367,7 @@ TEST_F(StrideTest, HolesAndImpossibleStepsAreTakenAsTheyAre) {
 
 // The first velocity would be 0 / 0, and NaN would stay.
 TEST_F(StrideTest, FramesNanosecondsApartLeaveNothingBehind) {
-  const auto factor = [](float) { return std::log(1.25F); };
+  const auto factor = [](float) { return GaitChange{std::log(1.25F)}; };
   stride.Follow(Vec3::Zero(), 0, kHole_s, kSettle_s, factor);
   for (int i = 0; i < 3; ++i) stride.Follow(Vec3::Zero(), 1e-9, kHole_s, kSettle_s, factor);
   EXPECT_EQ(stride.speed_mps(), 0);
@@ -266,7 +383,7 @@ TEST_F(StrideTest, ANewPlaceBeginsWithoutAnOffset) {
   stride.Reset();
   EXPECT_EQ(stride.moved_m().norm(), 0);
   EXPECT_EQ(stride.factor(), 1);
-  stride.Follow({5, 1, 5}, 0, kHole_s, kSettle_s, [](float) { return 0.3F; });
+  stride.Follow({5, 1, 5}, 0, kHole_s, kSettle_s, [](float) { return GaitChange{0.3F}; });
   EXPECT_EQ(stride.moved_m().norm(), 0);
 }
 

@@ -537,14 +537,15 @@ TEST_F(StylistTest, TheAbsoluteOutputIsTheDecodersOwn) {
 }
 
 // Weights whose second style walks half as fast again.
-std::shared_ptr<const net::Stylizer> Striding() {
+erd::WeightsFile StridingWeights() {
   erd::WeightsFile file = erd::RandomWeights(5, 1);
   for (const auto& [style, walk_mps] : {std::pair(0, 0.8), std::pair(2, 1.2)}) {
     file.metadata["styles"][style]["walk_mps"] = walk_mps;
     file.metadata["styles"][style]["run_mps"] = 2 * walk_mps;
   }
-  return erd::StylizerOf(file);
+  return file;
 }
+std::shared_ptr<const net::Stylizer> Striding() { return erd::StylizerOf(StridingWeights()); }
 
 TEST_F(StylistTest, AStrideTakesTheBodyAlongAndNoSettingMakesItJump) {
   options.change_tau_s = 0;
@@ -601,6 +602,25 @@ TEST_F(StylistTest, AStrideNeedsAStyleOfTheLegs) {
     } else {
       EXPECT_EQ(out.travel.moved_m.norm(), 0) << word;
     }
+  }
+}
+
+// Where time is warped, a stride has another length of steps; without the option nothing is.
+TEST_F(StylistTest, TheCadenceIsOfAStyleOfTheLegsAndOnlyWhereItIsAskedFor) {
+  for (const auto& [word, own_cadence] :
+       {std::pair("all", true), std::pair("all", false), std::pair("arms", true)}) {
+    options.own_cadence = own_cadence;
+    erd::WeightsFile file = StridingWeights();
+    file.metadata["styles"][0]["walk_spm"] = 100;
+    file.metadata["styles"][2]["walk_spm"] = 125;
+    Stylist stylist(erd::StylizerOf(file), binding, options);
+    Settings settings = Style(2);
+    settings.parts = *body::FindParts(word);
+    stylist.Set(settings);
+    for (int frame = 0; frame < 240; ++frame) Feed(stylist, frame);
+    const bool warped = own_cadence && settings.parts == body::kAllParts;
+    EXPECT_NEAR(out.cadence, warped ? 1.25F : 1, warped ? 0.05F : 0) << word << own_cadence;
+    EXPECT_EQ(out.travel.moved_m.norm(), 0) << "the way is the performer's";
   }
 }
 
