@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,6 +49,13 @@ std::string FormatBvh(const Clip& clip);
 // constant translations exactly. `rate_hz` > 0. Allocates; any thread. Pinned by
 // tests/unit/clip/resample_test.cpp.
 Clip Resample(const Clip& clip, double rate_hz);
+
+// The clip with its frames at other times: frame i is at times_s[i], s. Times begin with 0 and rise
+// strictly; there is one per frame. The rate stays, and between frames the interpolant is that of
+// Resample. The first and the last frame are kept: where the last is not on the rate's grid, all
+// times are stretched by less than half a frame in all, so that it is. At least two frames remain
+// of two. Allocates; any thread. Pinned by tests/unit/clip/retime_test.cpp.
+Clip Retime(const Clip& clip, std::span<const double> times_s);
 
 // The binding of a clip whose rest pose no dialect knows: by the first frame, of those every 0.1 s,
 // that stands upright as rig::BindStanding understands it, arms anywhere. Right only where that

@@ -1,4 +1,4 @@
-// Resample and ResamplePoses: natural cubic splines (C2) through equally spaced frames.
+// Resample, Retime and ResamplePoses: natural cubic splines (C2) through equally spaced frames.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -35,6 +35,12 @@ struct Place {
   Eigen::Index index;
   double share;
 };
+// `at` counts frames; what is nearly one of them is that one.
+Place PlaceAt(double at) {
+  if (std::abs(at - std::round(at)) < 1e-6) at = std::round(at);
+  const double index = std::floor(at);
+  return {static_cast<Eigen::Index>(index), at - index};
+}
 std::vector<Place> Places(std::size_t frames, double rate_hz, double new_rate_hz) {
   std::vector<Place> places;
   if (frames == 0) return places;
@@ -43,11 +49,26 @@ std::vector<Place> Places(std::size_t frames, double rate_hz, double new_rate_hz
   const auto count = static_cast<std::size_t>(std::floor(end / step + 1e-6)) + 1;
   places.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    double at = std::min(static_cast<double>(i) * step, end);
-    if (std::abs(at - std::round(at)) < 1e-6) at = std::round(at);
-    const double index = std::floor(at);
-    places.push_back({static_cast<Eigen::Index>(index), at - index});
+    places.push_back(PlaceAt(std::min(static_cast<double>(i) * step, end)));
   }
+  return places;
+}
+
+// The places of frames `step_s` apart, or nearly so that the last frame is one of them.
+std::vector<Place> PlacesInTime(std::span<const double> times_s, double step_s) {
+  std::vector<Place> places;
+  if (times_s.empty()) return places;
+  const std::size_t last = times_s.size() - 1;
+  const auto steps = std::max<std::size_t>(std::lround(times_s[last] / step_s), last > 0 ? 1 : 0);
+  places.reserve(steps + 1);
+  std::size_t index = 0;
+  for (std::size_t i = 0; i < steps; ++i) {
+    const double time_s = times_s[last] * static_cast<double>(i) / static_cast<double>(steps);
+    while (times_s[index + 1] <= time_s) ++index;
+    const double share = (time_s - times_s[index]) / (times_s[index + 1] - times_s[index]);
+    places.push_back(PlaceAt(static_cast<double>(index) + share));
+  }
+  places.push_back({static_cast<Eigen::Index>(last), 0});
   return places;
 }
 
@@ -74,10 +95,8 @@ Vec3 GetPosition(const Row& row, Eigen::Index column) {
   return row.segment<3>(column).transpose().cast<float>();
 }
 
-}  // namespace
-
-Clip Resample(const Clip& clip, double rate_hz) {
-  assert(rate_hz > 0 && clip.rate_hz > 0);
+// The clip at `places`, at a new rate.
+Clip Evaluated(const Clip& clip, const std::vector<Place>& places, double rate_hz) {
   Clip out;
   out.skeleton = clip.skeleton;
   out.channels = clip.channels;
@@ -112,7 +131,7 @@ Clip Resample(const Clip& clip, double rate_hz) {
   const Samples m = SecondDerivatives(y);
   Row row(y.cols());
   rig::RigPose pose = clip.frames[0];
-  for (const Place& place : Places(clip.frames.size(), clip.rate_hz, rate_hz)) {
+  for (const Place& place : places) {
     Evaluate(y, m, place, row);
     for (int joint = 0; joint < joints; ++joint) {
       pose.rotations[joint] = GetRotation(row, 4 * joint);
@@ -123,6 +142,18 @@ Clip Resample(const Clip& clip, double rate_hz) {
     out.frames.push_back(pose);
   }
   return out;
+}
+
+}  // namespace
+
+Clip Resample(const Clip& clip, double rate_hz) {
+  assert(rate_hz > 0 && clip.rate_hz > 0);
+  return Evaluated(clip, Places(clip.frames.size(), clip.rate_hz, rate_hz), rate_hz);
+}
+
+Clip Retime(const Clip& clip, std::span<const double> times_s) {
+  assert(clip.rate_hz > 0 && times_s.size() == clip.frames.size());
+  return Evaluated(clip, PlacesInTime(times_s, 1 / clip.rate_hz), clip.rate_hz);
 }
 
 std::vector<body::Pose> ResamplePoses(const std::vector<body::Pose>& poses, double rate_hz,
