@@ -56,21 +56,6 @@ Status AddStyle(const styled::net::Styles& styles, const std::string& text, cons
                        " styles");
 }
 
-// Whether the weights know how fast neutral and each style in the mix go.
-Status CheckSpeeds(const styled::net::Styles& styles, const styled::stylist::Settings& settings) {
-  const auto error = [](const std::string& style) {
-    return Status::Error("--root stride: the weights have no speed of '" + style +
-                         "', expected weights with speeds (styletrain --write-speeds)");
-  };
-  if (styles[0].walk_mps <= 0 || styles[0].run_mps <= 0) return error(styles[0].name);
-  for (const styled::net::StyleWeight& entry : settings.mix) {
-    if (entry.style < 0) continue;
-    const auto& style = styles[static_cast<std::size_t>(entry.style)];
-    if (style.walk_mps <= 0 && style.run_mps <= 0) return error(style.name);
-  }
-  return Status::Ok();
-}
-
 Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
                                                 const styled::net::Styles& styles) {
   styled::stylist::Settings settings;
@@ -92,10 +77,8 @@ Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
     const Status status = AddStyle(styles, entry, "--mix", settings);
     if (!status.ok()) return status;
   }
-  if (settings.root == styled::stylist::Root::kStride) {
-    const Status known = CheckSpeeds(styles, settings);
-    if (!known.ok()) return known;
-  }
+  const Status known = styled::stylize::CheckGait(arguments, styles, settings);
+  if (!known.ok()) return known;
   const auto error = styled::stylist::Validate(settings, static_cast<int>(styles.size()));
   if (error == styled::stylist::SettingsError::kSum) {
     float sum = 0;
@@ -204,29 +187,38 @@ Result<StyleNext> MakeStyling(const Arguments& arguments, const styled::net::Any
   });
 }
 
-// `failed`: the number of frames that could not be styled and are the performer's own.
-Status Restyle(const Arguments& arguments,
-               const std::shared_ptr<const styled::rig::Binding>& binding,
-               const styled::clip::AvatarSkeleton* avatar, styled::clip::Clip& clip,
-               std::size_t& failed) {
+// What came of a clip's frames.
+struct Styled {
+  std::size_t failed = 0;       // how many could not be styled and are the performer's own
+  std::vector<double> times_s;  // of each frame, where time passes at the style's cadence
+};
+
+Result<Styled> Restyle(const Arguments& arguments,
+                       const std::shared_ptr<const styled::rig::Binding>& binding,
+                       const styled::clip::AvatarSkeleton* avatar, styled::clip::Clip& clip) {
   auto network = LoadNetwork(arguments);
   if (!network.ok()) return network.status();
   styled::stylist::Options options;
   options.bypass = !arguments.no_bypass;
   options.feet = arguments.feet;
+  options.own_cadence = arguments.cadence;
   const Frames frames(clip);
   const auto style_next = MakeStyling(arguments, network.value(), binding, options, frames);
   if (!style_next.ok()) return style_next.status();
   Wardrobe wardrobe(avatar, binding, options);
   styled::stylist::Output out(clip.skeleton);
+  Styled result;
+  double time_s = 0;
   for (std::size_t i = 0; i < frames.count; ++i) {
     style_next.value()(i, out);
     const bool styled = wardrobe.Process(frames.Time_ns(i), out);
+    if (i > 0) time_s += 1 / (frames.rate_hz * static_cast<double>(out.cadence));
     if (!frames.Given(i)) continue;
-    if (!styled) ++failed;
+    if (!styled) ++result.failed;
+    result.times_s.push_back(time_s);
     clip.frames[i / frames.steps] = wardrobe.Pose(out);  // nothing reads the input's any more
   }
-  return Status::Ok();
+  return result;
 }
 
 // `binding`: that of the skeleton that is written.
@@ -268,12 +260,13 @@ int Run(const Arguments& arguments) {
   }
   const auto* const onto = avatar ? &*avatar : nullptr;
   const std::size_t frames = clip.value().frames.size();
-  std::size_t failed = 0;
+  Styled done;
   if (arguments.bind_only) {
     BindOnly(*binding, clip.value());
   } else {
-    const Status status = Restyle(arguments, binding, onto, clip.value(), failed);
-    if (!status.ok()) return Fail(status);
+    auto result = Restyle(arguments, binding, onto, clip.value());
+    if (!result.ok()) return Fail(result.status());
+    done = std::move(result.value());
   }
   const bool in_metres = avatar && avatar->metres_per_unit > 0;
   const auto& written_on = avatar ? *avatar->binding : *binding;
@@ -282,14 +275,15 @@ int Run(const Arguments& arguments) {
     clip.value().channels.clear();
     clip.value().end_sites.clear();
   }
+  if (arguments.cadence) styled::stylize::TakeTimes(arguments.out, done.times_s, clip.value());
   const Status written = Write(arguments, written_on, in_metres, std::move(clip.value()));
   if (!written.ok()) return Fail(written);
-  if (failed == 0) return 0;
+  if (done.failed == 0) return 0;
   std::fprintf(
       stderr,
       "stylize: %s: %zu of %zu frames are the performer's own: expected a finite pose with "
       "unit rotations from the network, found none\n",
-      arguments.out.c_str(), failed, frames);
+      arguments.out.c_str(), done.failed, frames);
   return kSomeFailed;
 }
 
@@ -377,7 +371,8 @@ const char* Explain(stylist::SettingsError error) {
 int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App app(
-      "Restyles a BVH clip: same frame count and rate, on its own skeleton or on an avatar's.",
+      "Restyles a BVH clip, on its own skeleton or on an avatar's: same rate and, but for "
+      "--cadence, same frame count.",
       "stylize");
   styled::stylize::AddOptions(app, arguments);
   if (const auto ended = styled::Parse(app, argc, argv)) return *ended;

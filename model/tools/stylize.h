@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct Arguments {
   std::string parts = "all";          // parts of the body to style
   std::string root = "follow";        // or "stride": stylist::Root
   std::string input_style;            // the style that the performer moves in
+  bool cadence = false;               // warp time, so that steps come as often as the style's
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
   std::string weights, rig = "auto", avatar, in, out;
 };
@@ -65,6 +67,14 @@ Status TooMuch(const Arguments& arguments, float sum);
 Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles);
 Result<body::Parts> FindParts(const Arguments& arguments);
 const char* Explain(stylist::SettingsError error);
+
+// stylize_gait.cpp: whether the weights know what --root stride and --cadence need, of neutral and
+// of each style that `settings` names; the error names the option and the style.
+Status CheckGait(const Arguments& arguments, const net::Styles& styles,
+                 const stylist::Settings& settings);
+// Puts the frames of a styled clip at `times_s` (clip::Retime), and says on standard error how long
+// it was and is; `file` is the output's name.
+void TakeTimes(const std::string& file, std::span<const double> times_s, clip::Clip& clip);
 
 // What the arguments ask of a network that needs whole clips. Reads the examples, and prints how
 // far each is from the styles that the network knows.

@@ -154,6 +154,11 @@ Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
         "--root stride: weights that need whole clips leave the body where the performer is; "
         "expected weights that run live");
   }
+  if (arguments.cadence) {
+    return Status::Error(
+        "--cadence: weights that need whole clips leave steps at the performer's pace; expected "
+        "weights that run live");
+  }
   stylist::ClipStyle style;
   style.absolute = arguments.absolute;
   const auto parts = FindParts(arguments);

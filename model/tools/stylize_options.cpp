@@ -53,6 +53,9 @@ void AddStageOptions(CLI::App& app, Arguments& arguments) {
          "style does to speed")
       ->check(CLI::IsMember({"follow", "stride"}))
       ->capture_default_str();
+  app.add_flag("--cadence", arguments.cadence,
+               "warp time where the performer walks or runs, so that steps come as often as the "
+               "style's; the length of the clip changes");
   app.add_flag("--no-bypass", arguments.no_bypass,
                "without a style, still go through bind, network and unbind");
   app.add_flag("--feet,!--no-feet", arguments.feet,
@@ -76,10 +79,10 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
 
 // What says something about styling or weights, and so nothing with --bind-only. Not CLI11's
 // excludes(), which would write as much behind each of them in the help.
-constexpr const char* kNotWithBindOnly[] = {"--style", "--strength",    "--mix",    "--like",
-                                            "--vary",  "--amount",      "--window", "--absolute",
-                                            "--parts", "--input-style", "--root",   "--no-bypass",
-                                            "--feet",  "--weights",     "--avatar"};
+constexpr const char* kNotWithBindOnly[] = {
+    "--style",     "--strength", "--mix",     "--like",        "--vary", "--amount",
+    "--window",    "--absolute", "--parts",   "--input-style", "--root", "--cadence",
+    "--no-bypass", "--feet",     "--weights", "--avatar"};
 
 }  // namespace
 
@@ -107,6 +110,9 @@ Status CheckTogether(const CLI::App& app, const Arguments& arguments) {
   }
   if (!arguments.list && arguments.root != "follow" && without) {
     return Status::Error("--root stride: expected a style, whose speed it takes: --style or --mix");
+  }
+  if (!arguments.list && arguments.cadence && without) {
+    return Status::Error("--cadence: expected a style, whose steps it takes: --style or --mix");
   }
   return Status::Ok();
 }

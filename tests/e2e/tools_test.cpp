@@ -1,4 +1,6 @@
 // The offline programs as a user runs them in a shell.
+#include "tests/e2e/tools.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,41 +9,12 @@
 #include <set>
 
 #include "model/clip/clip.h"
-#include "tests/support/child.h"
-#include "tests/support/daemon.h"
 #include "tests/unit/net/erd/random_weights.h"
 #include "tests/unit/net/offset/weights.h"
 #include "tests/unit/net/stgcn/random_weights.h"
 
 namespace styled::support {
 namespace {
-
-class ToolsTest : public testing::Test {
- protected:
-  // Runs `arguments`; said_ holds its stderr.
-  int Run(std::vector<std::string> arguments) {
-    const std::string log = folder_ / ("log" + std::to_string(runs_++) + ".txt");
-    Child child(arguments, log);
-    const int code = child.Wait(60).value_or(-1);
-    said_ = ReadText(log);
-    return code;
-  }
-  // Writes a second of the synthetic performer as BVH.
-  std::string Walk(const std::string& rate_hz = "30", const std::string& seconds = "1") {
-    const std::string file = folder_ / ("walk" + rate_hz + ".bvh");
-    EXPECT_EQ(Run({STYLESIM_BINARY, "--script", "walk:60", "--write", file, "--seconds", seconds,
-                   "--rate", rate_hz}),
-              0)
-        << said_;
-    return file;
-  }
-
-  TemporaryFolder folder_;
-  std::string said_;
-
- private:
-  int runs_ = 0;
-};
 
 TEST_F(ToolsTest, StylesimSaysOnceThatNobodyListens) {
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--seconds", "1"}), 0);
@@ -323,6 +296,7 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   refuses({"--style", "style1", "--window", "huge"}, "--window");
   refuses({"--style", "style1", "--root", "stride"},
           "--root stride: weights that need whole clips");
+  refuses({"--style", "style1", "--cadence"}, "--cadence: weights that need whole clips");
   refuses({"--style", "style1", "--amount", "1"}, "--amount");
 
   clip::Clip brief = clip::ReadBvh(in).value();
@@ -391,6 +365,7 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
            {STYLIZE_BINARY, "--bind-only", "--input-style", "elderly", in, out},
            {STYLIZE_BINARY, "--bind-only", "--strength", "0.5", in, out},
            {STYLIZE_BINARY, "--bind-only", "--no-feet", in, out},
+           {STYLIZE_BINARY, "--bind-only", "--cadence", in, out},
            {STYLIZE_BINARY, "--input-style", "elderly", in, out},
            {STYLESIM_BINARY, "--rate", "0"},
            {STYLESIM_BINARY, "--performer", "a b"},
