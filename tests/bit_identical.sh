@@ -70,7 +70,7 @@ stylize_both() {  # stylize_both CLIP OPTIONS...
   for side in old new; do
     strength=1
     [ "$side" = new ] || strength=$old_strength
-    "${!side}/stylize" --weights model/weights/v1.safetensors --strength "$strength" "$@" "$clip" \
+    "${!side}/stylize" --weights model/weights/v2.safetensors --strength "$strength" "$@" "$clip" \
       "$work/$side.bvh" >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
     mv "$work/$side.bvh" "$work/$side"
   done

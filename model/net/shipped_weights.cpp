@@ -36,7 +36,7 @@ Result<fs::path> FindWeights(const fs::path& given) {
   }
   std::vector<fs::path> candidates;
   if (wanted.empty()) {
-    wanted = "v1.safetensors";
+    wanted = "v2.safetensors";
   } else {
     candidates.push_back(wanted);
   }

@@ -15,7 +15,7 @@ inline constexpr float kMaxStrength = 1.5F;
 inline constexpr float kMaxTransition_s = 60.0F;  // of a style change
 
 // A style whose output is recognized in a smaller share of windows is weak: who chooses it must be
-// told. v1's styles have either 0.85 and more, or 0.6 and less.
+// told. v2's styles have either 0.8 and more, or 0.7 and less.
 inline constexpr float kWeakBelow = 0.8F;
 
 struct StyleInfo {

@@ -66,7 +66,7 @@ void AddStageOptions(CLI::App& app, Arguments& arguments) {
 
 void AddFileOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("-w,--weights", arguments.weights,
-                 "weights: a file, or the name of shipped ones, like st-gcn (default: v1)");
+                 "weights: a file, or the name of shipped ones, like st-gcn (default: v2)");
   app.add_option("--rig", arguments.rig, "rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();
   app.add_option("--avatar", arguments.avatar,

@@ -30,7 +30,7 @@ struct Options {
   int performers = 1, subscribers = 1, rounds = 3, daemon_cpu = -1, priority = 0;
   double seconds = 4, rate_hz = 120;
   std::vector<std::string> only;
-  std::string weights = STYLED_SOURCE_DIR "/model/weights/v1.safetensors", style = "elderly", json;
+  std::string weights = STYLED_SOURCE_DIR "/model/weights/v2.safetensors", style = "elderly", json;
 };
 
 struct Variant {

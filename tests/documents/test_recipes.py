@@ -10,7 +10,7 @@ import unittest
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 RECIPES = os.path.join(ROOT, 'model', 'train', 'recipes')
-WEIGHTS = os.path.join(ROOT, 'model', 'weights', 'v1.safetensors')
+WEIGHTS = os.path.join(ROOT, 'model', 'weights', 'v2.safetensors')
 
 
 def run(recipe, *arguments, **environment):
@@ -66,7 +66,7 @@ class RecipesTest(unittest.TestCase):
                 (['RUNS'], {}, 'STYLED_DATA is not set'),
                 (['RUNS'], {'STYLED_DATA': ROOT}, 'has no folder bandai-1')):
             with self.subTest(said=said):
-                done = run('v0.sh', *arguments, **environment)
+                done = run('st_gcn.sh', *arguments, **environment)
                 self.assertEqual(2, done.returncode)
                 self.assertIn(said, done.stderr)
 

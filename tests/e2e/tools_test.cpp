@@ -345,7 +345,7 @@ TEST_F(StylizeClips, WildWeightsAreRefused) {
 TEST_F(ToolsTest, ShippedWeightsAreFoundByName) {
   for (const char* const name : {"st-gcn", "st-gcn.safetensors"}) {
     EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", name}), 0) << said_;
-    EXPECT_NE(said_.find("other weights: --weights v1"), std::string::npos) << said_;
+    EXPECT_NE(said_.find("other weights: --weights v2"), std::string::npos) << said_;
   }
   EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", "zombie"}), 1);
   EXPECT_NE(said_.find("looked for zombie, "), std::string::npos) << said_;

@@ -24,7 +24,7 @@ constexpr float kMostOfRig_deg = 0.1F;
 
 constexpr float kDegrees = 57.29578F;
 const std::string kFolder = STYLED_SOURCE_DIR "/tests/golden/";
-const std::string kWeights = STYLED_SOURCE_DIR "/model/weights/v1.safetensors";
+const std::string kWeights = STYLED_SOURCE_DIR "/model/weights/v2.safetensors";
 
 struct Difference {
   float metres = 0, degrees = 0;

@@ -12,7 +12,7 @@ namespace {
 using styled::Status;
 
 const std::string kFolder = STYLED_SOURCE_DIR "/tests/golden/";
-const std::string kWeights = STYLED_SOURCE_DIR "/model/weights/v1.safetensors";
+const std::string kWeights = STYLED_SOURCE_DIR "/model/weights/v2.safetensors";
 
 // Writes blocks of the largest allowed size, which zstd compresses better.
 Status Repack(styled::recording::Reader& take, const std::string& file) {

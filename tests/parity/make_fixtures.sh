@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # make_fixtures.sh [BUILD]: makes tests/parity/fixtures again from the shipped weights, with the
 # programs in BUILD/bin (default build/release, configured with libtorch). Run it whenever
-# model/weights/v1.safetensors changes. The synthetic performer's clip is written only if it is
+# model/weights/v2.safetensors changes. The synthetic performer's clip is written only if it is
 # missing: delete it to follow a change of the performer.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 cd "$root"
 build=${1:-build/release}
-weights=model/weights/v1.safetensors
+weights=model/weights/v2.safetensors
 [ -f "$weights" ] || weights=${STYLED_WEIGHTS:?no $weights; set STYLED_WEIGHTS}
 fixtures=tests/parity/fixtures
 reference=$build/bin/styled_parity_reference

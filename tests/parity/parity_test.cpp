@@ -60,7 +60,7 @@ void AddRotation(const Quat& a, const Quat& b, int frame, int joint, Largest& la
 }
 
 fs::path Weights() {
-  const fs::path shipped = fs::path(STYLED_SOURCE_DIR) / "model/weights/v1.safetensors";
+  const fs::path shipped = fs::path(STYLED_SOURCE_DIR) / "model/weights/v2.safetensors";
   const char* other = std::getenv("STYLED_WEIGHTS");
   return fs::exists(shipped) || other == nullptr ? shipped : fs::path(other);
 }
@@ -74,7 +74,7 @@ class Parity : public testing::TestWithParam<Case> {
     clip_ = std::move(clip.value());
     auto binding = rig::BindDialect(clip_.skeleton);
     ASSERT_TRUE(binding.ok()) << binding.status().message();
-    auto network = erd::Network::Load(Weights());
+    auto network = erd::WideNetwork::Load(Weights());
     ASSERT_TRUE(network.ok()) << network.status().message();
     network_ = network.value();
     ReadReferenceOfCase();
@@ -125,7 +125,7 @@ class Parity : public testing::TestWithParam<Case> {
   void RunNetwork(int delay, Largest& reconstruction, Largest& styled) const {
     const erd::FeatureParameters& parameters = network_->features();
     erd::FeatureState memory;
-    erd::State state;
+    erd::WideNetwork::State state;
     network_->Start(state);
     for (int frame = 0; frame < reference_.frames; ++frame) {
       erd::Features features;
@@ -148,7 +148,7 @@ class Parity : public testing::TestWithParam<Case> {
   std::vector<Eigen::Vector3f> Rises_m() const {
     const erd::FeatureParameters& parameters = network_->features();
     erd::FeatureState memory;
-    erd::State state;
+    erd::WideNetwork::State state;
     network_->Start(state);
     std::vector<Eigen::Vector3f> rises_m;
     for (int frame = 0; frame < reference_.frames; ++frame) {
@@ -205,7 +205,7 @@ class Parity : public testing::TestWithParam<Case> {
   clip::Clip clip_;
   Reference reference_;
   std::vector<Segment> schedule_;
-  std::shared_ptr<const erd::Network> network_;
+  std::shared_ptr<const erd::WideNetwork> network_;
   std::vector<body::Pose> poses_;
 };
 

@@ -37,7 +37,7 @@ touch /root/secret /home/secret
 begun=$(now_ms)
 check "systemctl start returns" "$(systemctl start styled; echo $?)" 0
 start_ms=$(($(now_ms) - begun))  # emulated, and perhaps on a busy machine: what a start takes here
-check "once it is ready" "$(property styled ActiveState) $(log | grep -c 'info\|ready: weights v1')" "active 1"
+check "once it is ready" "$(property styled ActiveState) $(log | grep -c 'info\|ready: weights v2')" "active 1"
 check "it says how it goes" "$(soon 'property styled StatusText | grep -c "^0 performers, 0 frames/s; publishing on tcp"' 1)" 1
 pid=$(main styled)
 uid=$(stat -c %u /proc/"$pid")

@@ -23,10 +23,10 @@ namespace styled::support {
 namespace {
 
 constexpr float kDegrees = 57.29578F;
-constexpr double kFrom_s = 8;  // in the middle of the dance
+constexpr double kFrom_s = 2;  // in the middle of the walk
 constexpr double kSeconds = 2.5;
-const std::string kClip = STYLED_PARITY_DATA "/dataset-1_dance-short_normal_001.bvh";
-const std::string kWeights = STYLED_SOURCE_DIR "/model/weights/v1.safetensors";
+const std::string kClip = STYLED_PARITY_DATA "/dataset-1_walk_normal_001.bvh";
+const std::string kWeights = STYLED_SOURCE_DIR "/model/weights/v2.safetensors";
 
 struct Case {
   std::string type;

@@ -73,10 +73,10 @@ TEST_F(ChangeFilterTest, ASwitchIsDelayedByHowFarALimbHasToGo) {
   Feed(All(0), 120);
   Style(0.2F, 2);
   StyleDelta arm = All(0);
-  arm(0, body::kLeftUpperArm) = 1.5F;
+  arm(0, body::kLeftUpperArm) = 2.5F;
   Feed(arm, 1);
   // From the shoulder's joint to the finger tips: 0.27 + 0.25 + 0.1 m.
-  const float least_s = std::sqrt(1.5F * 0.62F / tuning::kSwitchAcceleration_mps2);
+  const float least_s = std::sqrt(2.5F * 0.62F / tuning::kSwitchAcceleration_mps2);
   EXPECT_NEAR(filter.delay_s(), least_s, 1e-3F);
   EXPECT_GT(filter.delay_s(), 2 * options.change_tau_s);
 }

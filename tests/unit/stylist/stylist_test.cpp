@@ -167,7 +167,7 @@ TEST_F(StylistTest, AStyleOfThePerformersOwnIsTakenAway) {
 
 TEST_F(StylistTest, BeingToldOfAStyleOfHisOwnIsNoJump) {
   options.feet = options.ground = false;  // they have fades of their own
-  Settings nothing_asked, to_neutral = Style(0, 1, 0.3F);
+  Settings nothing_asked, to_neutral = Style(0, 1, 0.6F);
   nothing_asked.input_style = to_neutral.input_style = 3;
   Stylist stylist(network, binding, options);
   stylist.Set(nothing_asked);
@@ -180,10 +180,10 @@ TEST_F(StylistTest, BeingToldOfAStyleOfHisOwnIsNoJump) {
   // Nor in the middle of a fade.
   stylist.Set(to_neutral);
   body::Pose before;
-  for (int frame = 61; frame < 90; ++frame) Feed(stylist, frame);
+  for (int frame = 61; frame < 120; ++frame) Feed(stylist, frame);
   EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-2F);
   stylist.Set(Settings());
-  for (int frame = 90; frame < 200; ++frame) {
+  for (int frame = 120; frame < 230; ++frame) {
     before = out.canonical;
     Feed(stylist, frame);
     EXPECT_LT(Apart_rad(before, out.canonical), 0.1F) << "frame " << frame;
