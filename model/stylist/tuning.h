@@ -11,9 +11,9 @@ namespace styled::stylist::tuning {
 
 // Style delta (change_filter.h, low_pass.h)
 
-// Delay of the low-pass on the style delta, s. Larger: calmer, later. v2 learned to be 0.08 s ahead.
-// v2 on set 2 at 0.050, 0.080 and 0.100: jerk, mean of the clips' ratios, 1.48, 1.34, 1.30; in the
-// first quarter second 1.45, 1.20, 1.17; movement alone recognized in 0.74, 0.71, 0.69.
+// Delay of the low-pass on the style delta, s. Larger: calmer, later. v2 learned to be 0.08 s
+// ahead. v2 on set 2 at 0.050, 0.080 and 0.100: jerk, mean of the clips' ratios, 1.48, 1.34, 1.30;
+// in the first quarter second 1.45, 1.20, 1.17; movement alone recognized in 0.74, 0.71, 0.69.
 inline constexpr float kChangeTau_s = 0.08F;
 // Reconstruction error (rms over joints, rad) above which the delay grows, and the span over which
 // it grows. v1 reconstructs its own domain with an error of 4 to 8 degrees (0.07 to 0.14), another
