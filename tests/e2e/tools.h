@@ -22,14 +22,7 @@ class ToolsTest : public testing::Test {
     return code;
   }
   // Writes a second of the synthetic performer as BVH.
-  std::string Walk(const std::string& rate_hz = "30", const std::string& seconds = "1") {
-    const std::string file = folder_ / ("walk" + rate_hz + ".bvh");
-    EXPECT_EQ(Run({STYLESIM_BINARY, "--script", "walk:60", "--write", file, "--seconds", seconds,
-                   "--rate", rate_hz}),
-              0)
-        << said_;
-    return file;
-  }
+  std::string Walk(const std::string& rate_hz = "30", const std::string& seconds = "1");
 
   TemporaryFolder folder_;
   std::string said_;
