@@ -38,6 +38,18 @@ Status ReplaceByPartial(const std::filesystem::path& file) {
   return error ? Status::Error(file.string() + ": " + error.message()) : Status::Ok();
 }
 
+void SaveAdam(const std::string& name, const Adam& adam, Checkpoint& checkpoint) {
+  checkpoint.tensors[name + ".first"] = adam.first;
+  checkpoint.tensors[name + ".second"] = adam.second;
+  checkpoint.tensors[name + ".steps"] = torch::tensor({adam.steps}, torch::kInt64);
+}
+
+void RestoreAdam(const std::string& name, const Checkpoint& checkpoint, Adam& adam) {
+  adam.first.copy_(checkpoint.tensors.at(name + ".first"));
+  adam.second.copy_(checkpoint.tensors.at(name + ".second"));
+  adam.steps = checkpoint.tensors.at(name + ".steps").item<int64_t>();
+}
+
 Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& file) {
   try {
     torch::serialize::OutputArchive archive;

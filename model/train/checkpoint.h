@@ -8,6 +8,7 @@
 #include <string>
 
 #include "model/base/status.h"
+#include "model/train/adam.h"
 
 namespace styled::train {
 
@@ -35,5 +36,10 @@ Status ReplaceByPartial(const std::filesystem::path& file);
 // incomplete after an error.
 Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& file);
 Status ReadCheckpoint(const std::filesystem::path& file, Checkpoint& checkpoint);
+
+// The state of an optimizer under `name`. RestoreAdam throws where there is none, or of another
+// length.
+void SaveAdam(const std::string& name, const Adam& adam, Checkpoint& checkpoint);
+void RestoreAdam(const std::string& name, const Checkpoint& checkpoint, Adam& adam);
 
 }  // namespace styled::train

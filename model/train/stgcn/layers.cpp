@@ -1,7 +1,5 @@
 #include "model/train/stgcn/layers.h"
 
-#include <cmath>
-
 #include "model/train/stgcn/normalized_leaky.h"
 
 namespace styled::train::st_gcn {
@@ -11,8 +9,6 @@ using stgcn::kLabelCount;
 using torch::Tensor;
 
 constexpr double kSlope = 0.2;  // of LeakyReLU
-// Of the sum of a block's two paths; both are linear at their ends, where it costs nothing.
-constexpr double kShare = M_SQRT1_2;
 
 // He et al. 2015: the variance of uniform numbers in ±bound is 2 / inputs.
 double HeBound(int64_t inputs) { return std::sqrt(6.0 / static_cast<double>(inputs)); }
@@ -23,24 +19,22 @@ Tensor FromEigen(const Eigen::MatrixXf& matrix) {  // column-major
       .clone(at::MemoryFormat::Contiguous);
 }
 
-// m [R, V] applied to the nodes of x [B, T, V, C]: [B, T, R, C].
-Tensor Mix(const Tensor& m, const Tensor& x) {
-  const int64_t rows = x.size(0) * x.size(1);
-  return at::bmm(m.expand({rows, m.size(0), m.size(1)}), x.reshape({rows, x.size(2), x.size(3)}))
-      .view({x.size(0), x.size(1), m.size(0), x.size(3)});
-}
-
-// x [..., in] times wᵀ, w [out, in], in the type of x.
-Tensor Product(const Tensor& x, const Tensor& w) {
-  return at::matmul(x, w.to(x.scalar_type()).t());
-}
-
 Tensor SumOfPairs(const Tensor& x) {
   const Tensor pairs = x.view({x.size(0), x.size(1) / 2, 2, x.size(2), x.size(3)});
   return pairs.select(2, 0) + pairs.select(2, 1);
 }
 
 }  // namespace
+
+Tensor Mix(const Tensor& m, const Tensor& x) {
+  const int64_t rows = x.size(0) * x.size(1);
+  return at::bmm(m.expand({rows, m.size(0), m.size(1)}), x.reshape({rows, x.size(2), x.size(3)}))
+      .view({x.size(0), x.size(1), m.size(0), x.size(3)});
+}
+
+Tensor Product(const Tensor& x, const Tensor& w) {
+  return at::matmul(x, w.to(x.scalar_type()).t());
+}
 
 Graph::Graph(const torch::Device& device, torch::Dtype type) : type(type) {
   const auto place = [&](const Tensor& matrix) { return matrix.to(device).to(type).contiguous(); };
@@ -95,21 +89,21 @@ Tensor GraphConv::NodeBias(const Graph& graph) const {
 
 // Nodes are mixed first: a node's three mixtures lie one after the other then, and one product
 // with [W_0 W_1 W_2] sums over the labels.
-Tensor GraphConv::Product(const Tensor& mixing, const Tensor& x) const {
+Tensor GraphConv::Mixed(const Tensor& mixing, const Tensor& x) const {
   const int64_t in = x.size(3), out = bias.size(0) / kLabelCount;
   const int64_t nodes = mixing.size(0) / kLabelCount;
   const Tensor mixed = Mix(mixing, x).view({x.size(0), x.size(1), nodes, kLabelCount * in});
   const Tensor w = weight.view({kLabelCount, out, in}).transpose(0, 1).reshape({out, -1});
-  return st_gcn::Product(mixed, w);
+  return Product(mixed, w);
 }
 
 Tensor GraphConv::operator()(const Graph& graph, const Tensor& x) const {
-  return Product(graph.mixing[level], x) + NodeBias(graph).to(x.scalar_type());
+  return Mixed(graph.mixing[level], x) + NodeBias(graph).to(x.scalar_type());
 }
 
 Tensor GraphConv::Pooled(const Graph& graph, const Tensor& x) const {
   const Tensor constant = torch::matmul(graph.mean[level], NodeBias(graph));
-  return Product(graph.pooled[level], SumOfPairs(x)) + constant.to(x.scalar_type());
+  return Mixed(graph.pooled[level], SumOfPairs(x)) + constant.to(x.scalar_type());
 }
 
 TemporalConv::TemporalConv(Parameters& parameters, const std::string& name, int64_t channels)

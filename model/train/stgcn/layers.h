@@ -3,6 +3,7 @@
 #include <torch/torch.h>
 
 #include <array>
+#include <cmath>
 #include <string>
 
 #include "model/net/stgcn/graph.h"
@@ -14,6 +15,14 @@
 // differentiated twice. Tensors of parameters have the names and shapes of the weights file
 // (weights.h).
 namespace styled::train::st_gcn {
+
+// Of the sum of a block's two paths; both are linear at their ends, where it costs nothing.
+inline constexpr double kShare = M_SQRT1_2;
+
+// m [R, V] applied to the nodes of x [B, T, V, C]: [B, T, R, C].
+torch::Tensor Mix(const torch::Tensor& m, const torch::Tensor& x);
+// x [..., in] times wᵀ, w [out, in], in the type of x.
+torch::Tensor Product(const torch::Tensor& x, const torch::Tensor& w);
 
 // The fixed matrices of the graph and of time, in one type on one device. Mixing matrices multiply
 // from the left and have a row per node and label, the labels of a node one after the other.
@@ -49,12 +58,13 @@ struct GraphConv {
   // Followed by the pooling of nodes and of frame pairs: [B, T, V, in] to [B, T/2, V', out].
   torch::Tensor Pooled(const Graph& graph, const torch::Tensor& x) const;
 
+  // The parts of both: the product for mixing matrices [3R, V], which may pool or unpool nodes, and
+  // biases of all kinds, float32 [V of the level, out].
+  torch::Tensor Mixed(const torch::Tensor& mixing, const torch::Tensor& x) const;
+  torch::Tensor NodeBias(const Graph& graph) const;
+
   int level = 0;
   torch::Tensor weight, bias, node_bias;  // [3 out, in], [3 out], [V of the level, out] or none
-
- private:
-  torch::Tensor NodeBias(const Graph& graph) const;  // of all kinds, [V, out]
-  torch::Tensor Product(const torch::Tensor& mixing, const torch::Tensor& x) const;
 };
 
 // A convolution over three frames, zeros before the first and after the last.

@@ -22,16 +22,6 @@ constexpr double kSteering = 0.004;
 // More and the term outweighs the critic; less and it does not come back when it is needed.
 constexpr double kLeastWeight = 0.1, kMostWeight = 5.0;
 
-// bfloat16 products are twice as fast where the CPU has them, and half as fast where it has not.
-torch::Dtype TypeOf(const std::string& precision, const torch::Device& device) {
-  if (precision == "fp32") return torch::kFloat32;
-  if (precision == "bf16" || device.is_cuda()) return torch::kBFloat16;
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512bf16")) return torch::kBFloat16;
-#endif
-  return torch::kFloat32;
-}
-
 Shape ShapeOf(const Config& config, int domains) {
   Shape shape;
   shape.domains = domains;
@@ -45,6 +35,15 @@ Tensor Indices(const std::vector<int64_t>& values, const torch::Device& device) 
 }
 
 }  // namespace
+
+torch::Dtype TypeOf(const std::string& precision, const torch::Device& device) {
+  if (precision == "fp32") return torch::kFloat32;
+  if (precision == "bf16" || device.is_cuda()) return torch::kBFloat16;
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512bf16")) return torch::kBFloat16;
+#endif
+  return torch::kFloat32;
+}
 
 Networks::Networks(const Shape& shape, const torch::Device& device, bool scaled_heads)
     : generator(shape, device, scaled_heads ? kOutScale : 1.0),

@@ -6,18 +6,6 @@ namespace {
 
 using torch::Tensor;
 
-void SaveAdam(const std::string& name, const Adam& adam, Checkpoint& checkpoint) {
-  checkpoint.tensors[name + ".first"] = adam.first;
-  checkpoint.tensors[name + ".second"] = adam.second;
-  checkpoint.tensors[name + ".steps"] = torch::tensor({adam.steps}, torch::kInt64);
-}
-
-void RestoreAdam(const std::string& name, const Checkpoint& checkpoint, Adam& adam) {
-  adam.first.copy_(checkpoint.tensors.at(name + ".first"));
-  adam.second.copy_(checkpoint.tensors.at(name + ".second"));
-  adam.steps = checkpoint.tensors.at(name + ".steps").item<int64_t>();
-}
-
 void RestoreFlat(const std::string& name, const Checkpoint& checkpoint, Parameters& parameters) {
   const Tensor& flat = checkpoint.tensors.at(name);
   TORCH_CHECK(flat.sizes() == parameters.flat().sizes(), "is of another width or other styles");
