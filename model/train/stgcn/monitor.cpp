@@ -229,8 +229,8 @@ MonitorReport Monitor::Evaluate(const Networks& networks, const Graph& graph) co
                     {"apart_cm", kCmPerM * apart_m / static_cast<double>(styles - 1)}};
   text << "identity " << kCmPerM * identity_m << " cm, apart " << report.figures[1].second << " cm";
   report.summary = text.str();
-  Report(Measure("noise", by_noise), report);
-  Report(Measure("reference", by_reference), report);
+  Judge("noise", by_noise, report);
+  Judge("reference", by_reference, report);
   return report;
 }
 

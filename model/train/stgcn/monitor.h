@@ -41,6 +41,15 @@ class Monitor {
   MonitorReport Evaluate(const Networks& networks, const Graph& graph) const;
   const std::string& reals() const { return reals_; }  // what the judges say of real windows
 
+  // The parts of Evaluate, for other networks of the same features: the windows that are styled,
+  // standardized [N, 64, 21, 7]; and adds to `report` the figures, with `name` behind theirs, of
+  // what a network made of them, as published, in each style but neutral.
+  const torch::Tensor& source() const { return source_; }
+  void Judge(const std::string& name, const std::vector<torch::Tensor>& outputs,
+             MonitorReport& report) const {
+    Report(Measure(name, outputs), report);
+  }
+
  private:
   struct Kind {
     std::string name;
