@@ -22,6 +22,10 @@ bool HasEntries(const Eigen::MatrixXf& matrix, Eigen::Index row) {
   return (matrix.row(row).array() != 0).any();
 }
 
+std::size_t Size(int a, int b, int c) {
+  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b) * static_cast<std::size_t>(c);
+}
+
 int CountRows(const Eigen::MatrixXf& matrix) {
   return static_cast<int>((matrix.array() != 0).rowwise().any().count());
 }
@@ -112,30 +116,34 @@ void GraphConv::LinkOutput(const std::array<Eigen::MatrixXf, kLabelCount>& mixin
   }
 }
 
+std::size_t GraphConv::ScratchSize(int frames) const {
+  if (together_) return kLabelCount * Size(frames, out_nodes_, in_channels_);
+  std::size_t size = 0;
+  for (const OneLabel& label : labels_) {
+    if (label.before.rows() > 0) size += Size(frames, label.rows, in_channels_);
+    size += Size(frames, label.rows, out_channels_);
+  }
+  return size;
+}
+
 // One product of three terms per row of y.
 void GraphConv::RunTogether(const net::RowKernels& kernels, const float* x, int frames, bool relu,
-                            float* y, GraphScratch& scratch) const {
+                            float* y, float* scratch) const noexcept {
   const RowMixture::Input input{x, std::ptrdiff_t{in_nodes_} * in_channels_};
   std::array<RowTerm, kLabelCount> terms;
   for (std::size_t k = 0; k < kLabelCount; ++k) {
     const Sparse& before = labels_[k].before;
-    scratch.mixed[k].Grow(static_cast<std::size_t>(frames * out_nodes_ * in_channels_));
-    kernels.mix({before.begins,
-                 before.parts,
-                 {&input, 1},
-                 frames,
-                 in_channels_,
-                 nullptr,
-                 false,
-                 scratch.mixed[k].data()});
-    terms[k] = {scratch.mixed[k].data(), in_channels_};
+    kernels.mix(
+        {before.begins, before.parts, {&input, 1}, frames, in_channels_, nullptr, false, scratch});
+    terms[k] = {scratch, in_channels_};
+    scratch += Size(frames, out_nodes_, in_channels_);
   }
   kernels.product({&all_, terms, frames * out_nodes_, constant_.data(), out_nodes_, nullptr, relu,
                    y, out_channels_});
 }
 
 void GraphConv::Run(const net::RowKernels& kernels, const float* x, int frames, bool relu, float* y,
-                    GraphScratch& scratch) const {
+                    float* scratch) const noexcept {
   if (together_) return RunTogether(kernels, x, frames, relu, y, scratch);
   const RowMixture::Input input{x, std::ptrdiff_t{in_nodes_} * in_channels_};
   std::array<RowMixture::Input, kLabelCount> products;
@@ -144,7 +152,6 @@ void GraphConv::Run(const net::RowKernels& kernels, const float* x, int frames, 
     const int rows = frames * label.rows;
     const float* from = x;
     if (label.before.rows() > 0) {
-      scratch.mixed[k].Grow(static_cast<std::size_t>(rows * in_channels_));
       kernels.mix({label.before.begins,
                    label.before.parts,
                    {&input, 1},
@@ -152,21 +159,15 @@ void GraphConv::Run(const net::RowKernels& kernels, const float* x, int frames, 
                    in_channels_,
                    nullptr,
                    false,
-                   scratch.mixed[k].data()});
-      from = scratch.mixed[k].data();
+                   scratch});
+      from = scratch;
+      scratch += Size(frames, label.rows, in_channels_);
     }
-    scratch.product[k].Grow(static_cast<std::size_t>(rows * out_channels_));
     const RowTerm term{from, in_channels_};
-    kernels.product({&label.weight,
-                     {&term, 1},
-                     rows,
-                     nullptr,
-                     1,
-                     nullptr,
-                     false,
-                     scratch.product[k].data(),
-                     out_channels_});
-    products[k] = {scratch.product[k].data(), std::ptrdiff_t{label.rows} * out_channels_};
+    kernels.product(
+        {&label.weight, {&term, 1}, rows, nullptr, 1, nullptr, false, scratch, out_channels_});
+    products[k] = {scratch, std::ptrdiff_t{label.rows} * out_channels_};
+    scratch += Size(frames, label.rows, out_channels_);
   }
   kernels.mix(
       {after_.begins, after_.parts, products, frames, out_channels_, constant_.data(), relu, y});

@@ -4,16 +4,12 @@
 #include <array>
 #include <vector>
 
+#include "model/base/realtime.h"
 #include "model/net/kernels/rows.h"
 #include "model/net/stgcn/graph.h"
 #include "model/net/weights_file.h"
 
 namespace styled::stgcn {
-
-// Memory for the products of one graph convolution; grows to the largest it is used for.
-struct GraphScratch {
-  std::array<net::AlignedFloats, kLabelCount> mixed, product;
-};
 
 // A graph convolution with its pooling or unpooling over space folded in: from S nodes of Cin
 // channels to R nodes of Cout,
@@ -22,7 +18,7 @@ struct GraphScratch {
 // label multiplies as few rows as possible, exactly: W_k either for each node that has a
 // neighbour of the label (mixed before the product) or for each node that is one (mixed after).
 // Of 3 V rows these are 3 V' where pooling follows, 22 of 30 on level 1 and 7 of 15 on level 2.
-// Immutable; any thread, each with its own scratch.
+// Immutable; any thread, each with its own scratch memory.
 class GraphConv {
  public:
   GraphConv() = default;
@@ -32,9 +28,11 @@ class GraphConv {
   GraphConv(const std::array<Eigen::MatrixXf, kLabelCount>& mixing, const net::RowMajor& weight,
             const Eigen::VectorXf& bias, const net::RowMajor& node_bias);
 
-  // x: [frames, S, Cin]; y: [frames, R, Cout], or its relu.
-  void Run(const net::RowKernels& kernels, const float* x, int frames, bool relu, float* y,
-           GraphScratch& scratch) const;
+  // Floats of scratch memory that Run needs.
+  std::size_t ScratchSize(int frames) const;
+  // x: [frames, S, Cin]; y: [frames, R, Cout], or its relu. Noexcept, no allocation.
+  STYLED_REALTIME void Run(const net::RowKernels& kernels, const float* x, int frames, bool relu,
+                           float* y, float* scratch) const noexcept;
 
   int in_nodes() const { return in_nodes_; }
   int out_nodes() const { return out_nodes_; }
@@ -59,8 +57,8 @@ class GraphConv {
   void PackLabel(const Eigen::MatrixXf& mixing, const Eigen::Ref<const net::RowMajor>& weight,
                  OneLabel& label);
   void LinkOutput(const std::array<Eigen::MatrixXf, kLabelCount>& mixing);
-  void RunTogether(const net::RowKernels& kernels, const float* x, int frames, bool relu, float* y,
-                   GraphScratch& scratch) const;
+  STYLED_REALTIME void RunTogether(const net::RowKernels& kernels, const float* x, int frames,
+                                   bool relu, float* y, float* scratch) const noexcept;
 
   int in_nodes_ = 0, out_nodes_ = 0, in_channels_ = 0, out_channels_ = 0;
   std::array<OneLabel, kLabelCount> labels_;

@@ -109,6 +109,7 @@ void ConvolveGraph(const RowKernels& kernels, const GraphConv& graph, const Affi
   const std::size_t in = Size(graph.in_nodes(), graph.in_channels());
   const std::size_t out = Size(graph.out_nodes(), graph.out_channels());
   float* const block = Sized(scratch.block, kBlockFrames * in);
+  float* const memory = Sized(scratch.graph, graph.ScratchSize(kBlockFrames));
   for (int begin = 0; begin < frames; begin += kBlockFrames) {
     const int count = std::min(kBlockFrames, frames - begin);
     for (int i = 0; i < count; ++i) {
@@ -117,8 +118,7 @@ void ConvolveGraph(const RowKernels& kernels, const GraphConv& graph, const Affi
       kernels.activate(first, pairs ? first + in : nullptr, graph.in_nodes(), graph.in_channels(),
                        affine.by(), affine.to(), block + static_cast<std::size_t>(i) * in);
     }
-    graph.Run(kernels, block, count, relu, y + static_cast<std::size_t>(begin) * out,
-              scratch.graph);
+    graph.Run(kernels, block, count, relu, y + static_cast<std::size_t>(begin) * out, memory);
   }
 }
 

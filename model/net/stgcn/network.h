@@ -38,8 +38,8 @@ using Noise = Eigen::Matrix<float, kNoise, 1>;  // standard normal
 
 // Memory of one thread's calls; grows with the longest clip, about 150 kB per frame at width 64.
 struct Scratch {
-  net::AlignedFloats frames, block, skip, pooled, interpolated, time1, time2, between, out[2];
-  GraphScratch graph;
+  net::AlignedFloats frames, block, graph, skip, pooled, interpolated, time1, time2, between,
+      out[2];
   TimeScratch time;
 };
 
