@@ -13,7 +13,6 @@ using net::RowKernels;
 using net::RowMixture;
 using net::RowTerm;
 
-constexpr float kNormEpsilon = 1e-5F;
 constexpr float kLeak = 0.2F;  // of the leaky ReLU, also in net::RowKernels::activate
 // Frames of one graph convolution at a time: its products then stay in the second-level cache.
 constexpr int kBlockFrames = 16;
@@ -184,15 +183,14 @@ void RunDecoder(const RowKernels& kernels, const DecoderBlock& block, const Code
 
 // The standardized features of `clip`, filled up with its last frame to `frames`, through the input
 // layer. Returns [frames, 21, width].
-const float* RunInput(const RowKernels& kernels, const Linear& in, const Features& mean,
-                      const Features& inverse_deviation, std::span<const Features> clip, int frames,
-                      Scratch& s) {
+const float* RunInput(const RowKernels& kernels, const Linear& in, const Standardization& standard,
+                      std::span<const Features> clip, int frames, Scratch& s) {
   float* const x = Sized(s.frames, Size(frames, kFeatureCount));
   for (int frame = 0; frame < frames; ++frame) {
     const Features& from = clip[std::min(static_cast<std::size_t>(frame), clip.size() - 1)];
     float* const to = x + Size(frame, kFeatureCount);
     for (std::size_t i = 0; i < kFeatureCount; ++i)
-      to[i] = (from[i] - mean[i]) * inverse_deviation[i];
+      to[i] = (from[i] - standard.mean[i]) * standard.inverse_deviation[i];
   }
   const RowTerm term{x, kChannels};
   float* const y = Sized(s.out[1], Size(frames, kNodes[0], in.weight.columns()));
@@ -247,8 +245,7 @@ void Network::Encode(std::span<const Features> clip, Content& content, Scratch& 
   assert(clip.size() >= kLeastFrames);
   const Weights& w = *weights_;
   const int frames = (static_cast<int>(clip.size()) + 3) / 4 * 4;
-  const float* const in =
-      RunInput(*w.kernels, w.generator.in, w.mean, w.inverse_deviation, clip, frames, scratch);
+  const float* const in = RunInput(*w.kernels, w.generator.in, w.standard, clip, frames, scratch);
   const auto& [first, second] = w.generator.encoder;
   float* const middle = Sized(scratch.out[0], Size(frames / 2, kNodes[1], first.out));
   RunEncoder(*w.kernels, first, in, frames, middle, scratch);
@@ -285,7 +282,7 @@ void Network::Decode(const Content& content, const Code& code, std::span<Feature
     for (std::size_t i = 0; i < kFeatureCount; ++i) {
       const std::size_t row = frame * kNodes[0] + i / kChannels;
       const float value = y[row * static_cast<std::size_t>(columns) + i % kChannels];
-      out[frame][i] = value * w.deviation[i] + w.mean[i];
+      out[frame][i] = value * w.standard.deviation[i] + w.standard.mean[i];
     }
     // Constant in every pose; the network's output there is noise.
     out[frame][kChannels * body::kHips] = out[frame][kChannels * body::kHips + 2] = 0;
@@ -331,8 +328,7 @@ void Network::EncodeWindow(std::span<const Features> window, float* y, Scratch& 
   const StyleEncoderWeights& e = weights_->encoder;
   const RowKernels& kernels = *weights_->kernels;
   const auto& [first, second] = e.blocks;
-  const float* const in = RunInput(kernels, e.in, weights_->mean, weights_->inverse_deviation,
-                                   window, kReference, scratch);
+  const float* const in = RunInput(kernels, e.in, weights_->standard, window, kReference, scratch);
   float* const middle = Sized(scratch.out[0], Size(kReference / 2, kNodes[1], first.out));
   RunEncoder(kernels, first, in, kReference, middle, scratch);
   RunEncoder(kernels, second, middle, kReference / 2, y, scratch);

@@ -2,7 +2,8 @@
 
 #include <vector>
 
-#include "model/net/stgcn/graph_conv.h"
+#include "model/net/stgcn/layer_reader.h"
+#include "model/net/stgcn/layers.h"
 #include "model/net/stgcn/network.h"
 #include "model/net/stgcn/time_conv.h"
 
@@ -10,29 +11,11 @@
 // load.cpp and network.cpp.
 namespace styled::stgcn {
 
-// Rows times a matrix, plus a bias that may differ by node.
-struct Linear {
-  net::PackedColumns weight;
-  net::AlignedFloats bias;  // [bias_rows, weight.columns()]
-  int bias_rows = 1;
-};
-
-// Scale and shift of a normalization without a code; empty: none.
-struct Norm {
-  std::vector<float> scale, shift;
-};
-
 // An ST-ResBlk with pooling: from T frames of V nodes to T/2 of V'. The second convolution over
-// time and the skip path are scaled by 1 / sqrt 2.
-struct EncoderBlock {
-  int in = 0, out = 0;  // channels
+// time is scaled by 1 / sqrt 2, as the skip path is.
+struct EncoderBlock : EncoderNodes {
   Norm norm1, norm2;
-  GraphConv graph1, graph2;
   TimeConv time1, time2;
-  net::PackedColumns skip;
-  // The mean over each cluster, for the skip path.
-  std::vector<int> pool_begins;
-  std::vector<net::RowMixture::Part> pool_parts;
 };
 
 // Scale and shift from a code: [1 + γ; β] = weight code + bias, 2 C numbers.
@@ -41,16 +24,10 @@ struct AdaIn {
   Eigen::VectorXf bias;
 };
 
-// An ST-AdaIN-ResBlk with unpooling: from T frames of V' nodes to 2T of V. Copies of a node stay
-// one until the second graph convolution.
-struct DecoderBlock {
-  int in = 0, out = 0;
+// An ST-AdaIN-ResBlk with unpooling: from T frames of V' nodes to 2T of V.
+struct DecoderBlock : DecoderNodes {
   AdaIn adain1, adain2;
-  GraphConv graph1, graph2;
   TimeConv time1, time2;
-  net::PackedColumns skip;
-  std::vector<int> clusters;         // of each node of V, its node of V'
-  std::vector<float> cluster_sizes;  // [V']
 };
 
 struct Dense {
@@ -77,7 +54,7 @@ struct MappingWeights {
 struct Network::Weights {
   const net::RowKernels* kernels = &net::BestRowKernels();
   int width = 0;
-  Features mean, deviation, inverse_deviation;
+  Standardization standard;
   GeneratorWeights generator;
   StyleEncoderWeights encoder;
   MappingWeights mapping;
