@@ -240,6 +240,7 @@ std::vector<Sample> Sampler::Next(int count) {
   for (int i = 0; i < count; ++i) {
     Sample sample;
     sample.domain = Below(contents_of_.size());
+    if (options_.neutral > 0 && Uniform() < options_.neutral) sample.domain = 0;
     sample.target = Below(contents_of_.size());
     const std::vector<int>& shared = shared_[sample.domain][sample.target];
     const bool any = !options_.shared_contents || shared.empty() || Uniform() < options_.unpaired;

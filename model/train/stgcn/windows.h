@@ -66,13 +66,15 @@ struct Sample {
 // Draws samples: source and target domain uniform, then the content uniform among those that both
 // have, then folder, clip and window; so real and transferred windows of a domain have the same
 // distribution of contents. A share `unpaired` of the sources has any content. Without
-// `shared_contents` all have, and count as paired. Deterministic; Save and Restore are exact.
+// `shared_contents` all have, and count as paired. A share `neutral` of the source domains is
+// domain 0, beyond those that are by chance. Deterministic; Save and Restore are exact.
 class Sampler {
  public:
   struct Options {
     int domains = 0, contents = 0;
     bool shared_contents = true;
     double unpaired = 0.1;
+    double neutral = 0;
     bool mirror = true;
     uint64_t seed = 1;
   };

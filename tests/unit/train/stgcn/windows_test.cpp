@@ -159,6 +159,22 @@ TEST(SamplerTest, WithoutSharedContentsAllCount) {
   EXPECT_TRUE(foreign);
 }
 
+TEST(SamplerTest, AShareOfTheSourcesIsNeutral) {
+  const Data data;
+  for (const double neutral : {0.0, 0.5, 1.0}) {
+    Sampler sampler(*data.store,
+                    {.domains = 2, .contents = 3, .neutral = neutral, .mirror = false});
+    int plain = 0, plain_targets = 0;
+    for (const Sample& sample : sampler.Next(4000)) {
+      EXPECT_EQ(data.clips[sample.source.clip].style, sample.domain);
+      plain += sample.domain == 0 ? 1 : 0;
+      plain_targets += sample.target == 0 ? 1 : 0;
+    }
+    EXPECT_NEAR(plain, 4000 * (0.5 + 0.5 * neutral), 100) << neutral;
+    EXPECT_NEAR(plain_targets, 2000, 100) << neutral;
+  }
+}
+
 TEST(SamplerTest, GoesOnWhereItWasSaved) {
   const Data data;
   const Sampler::Options options{.domains = 2, .contents = 3, .seed = 9};
