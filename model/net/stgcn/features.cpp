@@ -57,6 +57,14 @@ void PoseOf(const Features& features, float heading_rad, body::Pose& pose) noexc
   pose.hips_position_m = Vec3(0, features[kChannels * kHips + 1], 0);
 }
 
+void ToDecoded(const Features& features, net::Decoded& out) noexcept {
+  body::Pose pose;
+  PoseOf(features, 0, pose);
+  out.rotations = pose.rotations;
+  out.velocities_m_s.fill(0);
+  out.hips_height_m = pose.hips_position_m.y();
+}
+
 void MirrorFeatures(const Features& features, Features& out) noexcept {
   const Features source = features;  // `out` may be `features`
   // A reflection at x = 0 negates a position's x, and a rotation's y and z.

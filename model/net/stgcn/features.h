@@ -4,6 +4,7 @@
 
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
+#include "model/net/stylizer.h"
 
 namespace styled::stgcn {
 
@@ -46,6 +47,9 @@ STYLED_REALTIME float ComputeFeatures(const body::Pose& pose, const FeatureParam
 // with the hips above x = z = 0. Positions of other joints are not used: they follow from the
 // rotations. Rotations need not have length 1; one shorter than 1e-6 counts as the identity.
 STYLED_REALTIME void PoseOf(const Features& features, float heading_rad, body::Pose& pose) noexcept;
+
+// The same as a network's output: the hips stay relative to the heading, velocities are 0.
+STYLED_REALTIME void ToDecoded(const Features& features, net::Decoded& out) noexcept;
 
 // The features of the mirrored pose (body::Mirror): joints of left and right swapped, reflected at
 // x = 0. `out` may be `features`. Keeps the hemisphere where that is its own mirror image, as the

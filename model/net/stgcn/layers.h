@@ -9,7 +9,7 @@
 // kernels read them: what the networks of whole clips and of live streams (stgcn_causal) share.
 namespace styled::stgcn {
 
-inline constexpr float kNormEpsilon = 1e-5F;  // in the variance of every normalization
+inline constexpr float kNormEpsilon = 1e-5F;      // in the variance of every normalization
 inline constexpr float kPathShare = 0.70710678F;  // 1 / sqrt 2: of each path in a block's sum
 
 // Rows times a matrix, plus a bias that may differ by node.

@@ -13,21 +13,12 @@
 namespace styled::stgcn {
 namespace {
 
-using net::Decoded;
 using net::Prediction;
 
 // What the generator makes of some frames.
 struct Output {
   std::vector<Features> own, styled;
 };
-
-void ToDecoded(const Features& features, Decoded& out) {
-  body::Pose pose;
-  PoseOf(features, 0, pose);  // the hips stay relative to the heading
-  out.rotations = pose.rotations;
-  out.velocities_m_s.fill(0);
-  out.hips_height_m = pose.hips_position_m.y();
-}
 
 // to = (1 - share) from + share to
 void Blend(const Features& from, float share, Features& to) {
