@@ -7,6 +7,7 @@
 #include "model/net/erd/stylizer.h"
 #include "model/net/offset/stylizer.h"
 #include "model/net/stgcn/stylizer.h"
+#include "model/net/stgcn_causal/stylizer.h"
 #include "model/net/weights_file.h"
 
 namespace styled::net {
@@ -23,6 +24,7 @@ constexpr std::array kFamilies = {
     Family{kStyleErd, erd::Load},
     Family{offset::kFamily, offset::Load},
     Family{stgcn::kFamily, nullptr, stgcn::Load},
+    Family{stgcn_causal::kFamily, stgcn_causal::Load},
 };
 
 // The families of some kinds, as an error lists them.

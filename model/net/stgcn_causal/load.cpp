@@ -1,0 +1,239 @@
+// Reads the file format of model/net/stgcn_causal/FORMAT.md into a Network; an error is one
+// sentence.
+#include <algorithm>
+#include <cmath>
+
+#include "model/net/stgcn/layer_reader.h"
+#include "model/net/stgcn_causal/network.h"
+#include "model/net/stgcn_causal/weights.h"
+#include "model/net/weights_file.h"
+
+namespace styled::stgcn_causal {
+namespace {
+
+using net::Faults;
+using net::RowMajor;
+using stgcn::kChannels;
+using stgcn::kCode;
+using stgcn::kFeatureCount;
+using stgcn::kNodes;
+using stgcn::kPathShare;
+using stgcn::LayerReader;
+
+constexpr int kMostSpacing = 16;
+constexpr int kMostFrames = 1000;
+using Spacing = std::array<int, 4>;  // of enc1, enc2, dec1, dec2
+
+// A whole number from `least` to `most`, or 0.
+int WholeNumber(const nlohmann::json& value, int least, int most) {
+  const double number = value.is_number_integer() ? value.get<double>() : 0;
+  return number >= least && number <= most ? static_cast<int>(number) : 0;
+}
+
+int ReadFrames(const nlohmann::json& object, const std::string& key, int least, Faults& faults) {
+  const nlohmann::json* const value = net::FindKey(object, key, faults);
+  if (value == nullptr) return 0;
+  const int frames = WholeNumber(*value, least, kMostFrames);
+  if (frames == 0) {
+    faults.Key(
+        key, "a whole number from " + std::to_string(least) + " to " + std::to_string(kMostFrames),
+        net::Shown(*value));
+  }
+  return frames;
+}
+
+Spacing ReadSpacing(const nlohmann::json& object, Faults& faults) {
+  Spacing spacing{};
+  const nlohmann::json* const value = net::FindKey(object, "spacing", faults);
+  if (value == nullptr) return spacing;
+  bool good = value->is_array() && value->size() == spacing.size();
+  for (std::size_t i = 0; good && i < spacing.size(); ++i) {
+    spacing[i] = WholeNumber((*value)[i], 1, kMostSpacing);
+    good = spacing[i] > 0;
+  }
+  if (!good) {
+    faults.Key("spacing", "4 whole numbers from 1 to " + std::to_string(kMostSpacing),
+               net::Shown(*value));
+  }
+  return spacing;
+}
+
+// Reads blocks from a file's tensors and gives them their places in a stream's memory.
+class BlockReader {
+ public:
+  BlockReader(LayerReader& layers, Layout& layout) : layers_(layers), layout_(layout) {}
+
+  EncoderBlock TakeEncoder(const std::string& name, int level, int in, int out, int spacing) {
+    EncoderBlock block{layers_.TakeEncoder(name, level, in, out, 1), {}, {}, {}, {}, {}, {}};
+    const int wide = block.graph1.in_nodes(), nodes = block.graph1.out_nodes();
+    block.affine1 = layers_.TakeNorm(name + ".norm1", in);
+    block.affine2 = layers_.TakeNorm(name + ".norm2", in);
+    block.norm1 = TakePast(name + ".norm1", in, Equal(wide), 1);
+    block.norm2 = TakePast(name + ".norm2", in, Equal(nodes), 1);
+    block.time1 = TakeTime(name + ".tconv1", in, 1, spacing, nodes, 1);
+    block.time2 = TakeTime(name + ".tconv2", out, kPathShare, spacing, nodes, 1);
+    return block;
+  }
+
+  DecoderBlock TakeDecoder(const std::string& name, int level, int in, int out, int spacing) {
+    DecoderBlock block{layers_.TakeDecoder(name, level, in, out), {}, {}, {}, {}, {}, {}};
+    const int nodes = block.graph1.in_nodes(), wide = block.graph2.out_nodes();
+    block.adain1 = TakeAdaIn(name + ".adain1", in);
+    block.adain2 = TakeAdaIn(name + ".adain2", out);
+    block.norm1 = TakePast(name + ".adain1", in, Equal(nodes), kDecodings);
+    block.norm2 = TakePast(name + ".adain2", out, block.cluster_sizes, kDecodings);
+    block.time1 = TakeTime(name + ".tconv1", out, 1, spacing, nodes, kDecodings);
+    block.time2 = TakeTime(name + ".tconv2", out, kPathShare, spacing, wide, kDecodings);
+    return block;
+  }
+
+ private:
+  static std::vector<float> Equal(int nodes) {
+    return std::vector<float>(static_cast<std::size_t>(nodes), 1.0F);
+  }
+
+  PastNorm TakePast(const std::string& name, int channels, const std::vector<float>& node_weights,
+                    int copies) {
+    const RowMajor mean = layers_.tensors().Vector(name + ".start_mean", channels);
+    const RowMajor square = layers_.tensors().Vector(name + ".start_square", channels);
+    return {mean, square, node_weights, copies, layout_};
+  }
+
+  PastConv TakeTime(const std::string& name, int channels, float scale, int spacing, int nodes,
+                    int copies) {
+    const RowMajor weight = layers_.tensors().Tensor(name + ".weight", {channels, channels, kTaps});
+    const Eigen::VectorXf bias = layers_.tensors().Vector(name + ".bias", channels);
+    return {weight, bias, scale, spacing, nodes, copies, layout_};
+  }
+
+  stgcn::Linear TakeAdaIn(const std::string& name, int channels) {
+    stgcn::Linear adain = layers_.TakeLinear(name, 2 * channels, kCode, 0);
+    for (int c = 0; c < channels; ++c) adain.bias.data()[c] += 1;  // 1 + γ
+    return adain;
+  }
+
+  LayerReader& layers_;
+  Layout& layout_;
+};
+
+// Places for what a step computes, as large as the largest that lies there.
+class ScratchSizes {
+ public:
+  void Add(const EncoderBlock& block) {
+    const stgcn::GraphConv &first = block.graph1, &second = block.graph2;
+    Cover(1, first, second, block.in, block.out);
+    skip_ = std::max(skip_, Size(second.in_nodes(), block.in));
+  }
+  void Add(const DecoderBlock& block) {
+    const stgcn::GraphConv &first = block.graph1, &second = block.graph2;
+    Cover(kDecodings, first, second, block.in, block.out);
+    skip_ = std::max(skip_, kDecodings * Size(first.in_nodes(), block.out));
+  }
+  void TakeFrom(Layout& layout, Scratch& scratch) const {
+    scratch.affine = layout.Take(2 * channels_);
+    scratch.sums = layout.Take(2 * channels_);
+    scratch.adain = layout.Take(kDecodings * 2 * channels_);
+    scratch.activated = layout.Take(activated_);
+    scratch.between = layout.Take(between_);
+    scratch.skip = layout.Take(skip_);
+    scratch.graph = layout.Take(graph_);
+  }
+
+ private:
+  static std::size_t Size(int a, int b) {
+    return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
+  }
+  void Cover(int copies, const stgcn::GraphConv& first, const stgcn::GraphConv& second, int in,
+             int out) {
+    const auto many = static_cast<std::size_t>(copies);
+    channels_ = std::max({channels_, static_cast<std::size_t>(in), static_cast<std::size_t>(out)});
+    activated_ = std::max({activated_, many * Size(first.in_nodes(), first.in_channels()),
+                           many * Size(second.in_nodes(), second.in_channels())});
+    between_ = std::max(between_, many * Size(first.out_nodes(), first.out_channels()));
+    graph_ = std::max({graph_, first.ScratchSize(copies), second.ScratchSize(copies)});
+  }
+
+  std::size_t channels_ = 0, activated_ = 0, between_ = 0, skip_ = 0, graph_ = 0;
+};
+
+}  // namespace
+
+Network::Network() : weights_(std::make_unique<Weights>()) {}
+
+Result<std::shared_ptr<const Network>> Network::Load(const std::filesystem::path& file) {
+  const Result<std::vector<std::byte>> bytes = net::ReadFile(file);
+  if (!bytes.ok()) return bytes.status();
+  return Parse(bytes.value(), file.string());
+}
+
+Result<std::shared_ptr<const Network>> Network::Parse(std::span<const std::byte> bytes,
+                                                      const std::string& name) {
+  Result<net::WeightsFile> file = net::ParseWeights(bytes, name);
+  if (!file.ok()) return file.status();
+  return Read(file.value());
+}
+
+Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
+  const std::shared_ptr<Network> network(new Network);
+  Weights& w = *network->weights_;
+  Faults faults(file.name);
+  network->model_ = file.model;
+  stgcn::ReadParameters(file, network->features_, faults);
+  net::ExpectEqual(file.header, "code", static_cast<unsigned>(kCode), faults);
+  stgcn::CheckContents(file.header, faults);
+  const int width = w.width = stgcn::ReadWidth(file.header, faults);
+  const Spacing spacing = ReadSpacing(file.header, faults);
+  w.memory = ReadFrames(file.header, "memory", 2, faults);
+  w.start_frames = ReadFrames(file.header, "start_frames", 1, faults);
+  if (!faults.none()) return faults.status();
+
+  net::TensorReader tensors(file.view, faults);
+  LayerReader layers(tensors);
+  const stgcn::Standardization standard =
+      stgcn::TakeStandardization(tensors, network->features_, faults);
+  if (!faults.none()) return faults.status();
+  const auto copy = [](const stgcn::Features& from, net::AlignedFloats& to) {
+    to.Grow(kFeatureCount);
+    std::copy(from.begin(), from.end(), to.data());
+  };
+  copy(standard.mean, w.mean);
+  copy(standard.deviation, w.deviation);
+  copy(standard.inverse_deviation, w.inverse_deviation);
+
+  Layout layout;
+  BlockReader blocks(layers, layout);
+  w.in = layers.TakeLinear("g.in", width, kChannels, kNodes[0]);
+  w.encoder[0] = blocks.TakeEncoder("g.enc1", 0, width, 2 * width, spacing[0]);
+  w.encoder[1] = blocks.TakeEncoder("g.enc2", 1, 2 * width, 4 * width, spacing[1]);
+  w.decoder[0] = blocks.TakeDecoder("g.dec1", 1, 4 * width, 2 * width, spacing[2]);
+  w.decoder[1] = blocks.TakeDecoder("g.dec2", 0, 2 * width, width, spacing[3]);
+  w.out = layers.TakeLinear("g.out", kChannels, width, 0);
+  const int domains = network->domain_count();
+  const RowMajor codes = tensors.Matrix("codes.mean", domains, kCode);
+  for (int domain = 0; domain < domains; ++domain) {
+    w.codes.emplace_back(codes.row(domain).transpose());
+  }
+  tensors.Finish();
+  if (!faults.none()) return faults.status();
+
+  ScratchSizes sizes;
+  for (const EncoderBlock& block : w.encoder) sizes.Add(block);
+  for (const DecoderBlock& block : w.decoder) sizes.Add(block);
+  Scratch& s = w.scratch;
+  const auto wide = static_cast<std::size_t>(width);
+  constexpr auto kNode = [](int level) {
+    return static_cast<std::size_t>(kNodes[static_cast<std::size_t>(level)]);
+  };
+  s.standardized = layout.Take(kFeatureCount);
+  s.codes = layout.Take(std::size_t{kDecodings} * kCode);
+  s.in = layout.Take(kNode(0) * wide);
+  s.encoded = {layout.Take(kNode(1) * 2 * wide), layout.Take(kNode(2) * 4 * wide)};
+  s.decoded = {layout.Take(kDecodings * kNode(1) * 2 * wide),
+               layout.Take(kDecodings * kNode(0) * wide)};
+  s.out = layout.Take(kDecodings * kNode(0) * static_cast<std::size_t>(w.out.weight.columns()));
+  sizes.TakeFrom(layout, s);
+  w.state_size = layout.size();
+  return std::shared_ptr<const Network>(network);
+}
+
+}  // namespace styled::stgcn_causal

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "model/base/realtime.h"
+#include "model/base/status.h"
+#include "model/net/kernels/rows.h"
+#include "model/net/stgcn/features.h"
+#include "model/net/stylizer.h"
+
+namespace styled::net {
+struct WeightsFile;
+}
+
+namespace styled::stgcn_causal {
+
+// Limit of standardized features, in deviations: erd's, for the reason given there. Here a feature
+// far out would also be in the statistics of the next second.
+inline constexpr float kMaxStandardized = 4.0F;
+// After the last style's end the second decoder goes on alone for this many memories of the
+// statistics. What it then differs by from the first, which it follows again, is below a
+// thousandth of what it was.
+inline constexpr int kMemoriesAlone = 5;
+
+// The recurrent state of one stream and the scratch memory of its steps, made by
+// Network::MakeState. Value type; a copy goes on as the original would.
+struct State {
+  net::AlignedFloats memory;  // rings, statistics, scratch; 0.8 MB at width 64
+  std::uint64_t frame = 0;    // the next one
+  double count = 0;           // N_(frame - 1)
+  int alone = 0;              // frames that the second decoder still goes on alone; 0: it follows
+};
+
+// Frames as the network gives them, in the units of stgcn/features.h: rotations are not of length
+// 1; the hips' x and z are 0.
+struct Output {
+  stgcn::Features reconstruction;  // in the performer's own style
+  stgcn::Features styled;          // in the requested styles
+};
+
+// The generator of Park et al. 2021 made causal: a frame comes out for each that goes in, computed
+// from it and those before it (FORMAT.md). Immutable; shared by all threads, each with its own
+// states. Pinned by tests/unit/net/stgcn_causal.
+class Network {
+ public:
+  // Reads the file format of FORMAT.md. Errors name the file, the tensor or key, what was expected
+  // and what was found.
+  static Result<std::shared_ptr<const Network>> Load(const std::filesystem::path& file);
+  static Result<std::shared_ptr<const Network>> Parse(std::span<const std::byte> bytes,
+                                                      const std::string& name);
+  // The same for a file whose common keys are already read; consumes its tensors.
+  static Result<std::shared_ptr<const Network>> Read(net::WeightsFile& file);
+  ~Network();
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+
+  const net::Model& model() const { return model_; }
+  const stgcn::FeatureParameters& features() const { return features_; }
+  int width() const;
+  int domain_count() const { return static_cast<int>(model_.styles.size()); }
+
+  // A started state. Allocates.
+  State MakeState() const;
+  // Returns a state of MakeState to its beginning. Noexcept, no allocation.
+  STYLED_REALTIME void Start(State& state) const noexcept;
+
+  // Advances `state` by one frame and writes `out`. `input_style` and `active`: as in
+  // net::StepJob and Stylizer::Step. Features that are not a number count as the mean, so no input
+  // leaves a non-finite state behind. Noexcept, no allocation, no lock.
+  STYLED_REALTIME void Step(const stgcn::Features& features, int input_style,
+                            std::span<const net::StyleWeight> active, State& state,
+                            Output& out) const noexcept;
+
+ private:
+  struct Weights;
+  Network();
+  net::Model model_;
+  stgcn::FeatureParameters features_;
+  std::unique_ptr<Weights> weights_;
+};
+
+}  // namespace styled::stgcn_causal

@@ -1,0 +1,63 @@
+#include "model/net/stgcn_causal/stylizer.h"
+
+#include "model/net/stgcn/features.h"
+#include "model/net/stgcn_causal/network.h"
+
+namespace styled::stgcn_causal {
+namespace {
+
+class CausalStream final : public net::Stream {
+ public:
+  explicit CausalStream(State initial) : state(std::move(initial)) {}
+
+  std::span<const std::byte> memory() const noexcept override {
+    return std::as_bytes(std::span(state.memory.data(), state.memory.size()));
+  }
+
+  State state;
+  stgcn::HeadingState heading;
+  stgcn::Features features;  // of the current step
+  Output output;
+};
+
+class CausalStylizer final : public net::Stylizer {
+ public:
+  explicit CausalStylizer(std::shared_ptr<const Network> network) : network_(std::move(network)) {}
+
+  const net::Model& model() const noexcept override { return network_->model(); }
+
+  std::unique_ptr<net::Stream> MakeStream() const override {
+    return std::make_unique<CausalStream>(network_->MakeState());
+  }
+
+  void Start(net::Stream& stream) const noexcept override {
+    auto& own = static_cast<CausalStream&>(stream);
+    network_->Start(own.state);
+    own.heading = stgcn::HeadingState();
+  }
+
+  void Step(std::span<const net::StepJob> jobs) const noexcept override {
+    for (const net::StepJob& job : jobs) {
+      auto& stream = static_cast<CausalStream&>(*job.stream);
+      job.out->heading_rad =
+          stgcn::ComputeFeatures(*job.pose, network_->features(), stream.heading, stream.features);
+      network_->Step(stream.features, job.input_style, job.styles, stream.state, stream.output);
+      stgcn::ToDecoded(stream.output.reconstruction, job.out->reconstruction);
+      stgcn::ToDecoded(stream.output.styled, job.out->styled);
+    }
+  }
+
+ private:
+  std::shared_ptr<const Network> network_;
+};
+
+}  // namespace
+
+Result<std::shared_ptr<const net::Stylizer>> Load(net::WeightsFile& file) {
+  auto network = Network::Read(file);
+  if (!network.ok()) return network.status();
+  return std::shared_ptr<const net::Stylizer>(
+      std::make_shared<CausalStylizer>(std::move(network.value())));
+}
+
+}  // namespace styled::stgcn_causal

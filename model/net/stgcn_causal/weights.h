@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "model/net/kernels/kernel.h"
+#include "model/net/stgcn/graph.h"
+#include "model/net/stgcn/layers.h"
+#include "model/net/stgcn/network.h"
+#include "model/net/stgcn_causal/network.h"
+#include "model/net/stgcn_causal/past.h"
+
+// The weights in memory, in the order and layout in which the kernels read them. Included only by
+// load.cpp and network.cpp.
+namespace styled::stgcn_causal {
+
+// An ST-ResBlk, from V nodes to V'. The second convolution over time is scaled by 1 / sqrt 2, as
+// the skip path is.
+struct EncoderBlock : stgcn::EncoderNodes {
+  stgcn::Norm affine1, affine2;
+  PastNorm norm1, norm2;
+  PastConv time1, time2;
+};
+
+// An ST-AdaIN-ResBlk, from V' nodes to V; of a code, an AdaIN's scale and shift: [1 + γ; β].
+struct DecoderBlock : stgcn::DecoderNodes {
+  stgcn::Linear adain1, adain2;
+  PastNorm norm1, norm2;
+  PastConv time1, time2;
+};
+
+// Places of a step's intermediate results in the stream's memory. Where there are several
+// decodings, the first dimension is theirs.
+struct Scratch {
+  std::size_t standardized;              // [21, 7]
+  std::size_t codes;                     // [kDecodings, 64]
+  std::size_t in;                        // [21, w]
+  std::array<std::size_t, 2> encoded;    // [10, 2w], [5, 4w]
+  std::array<std::size_t, 2> decoded;    // [10, 2w], [21, w], each for all decodings
+  std::size_t out;                       // [21, 7 padded]
+  std::size_t affine, adain, sums;       // scale and shift of a normalization; of a code
+  std::size_t activated, between, skip;  // of the block that runs
+  std::size_t graph;                     // of the graph convolution that runs
+};
+
+struct Network::Weights {
+  const net::RowKernels* kernels = &net::BestRowKernels();
+  const net::Kernels* vectors = &net::BestKernels();
+  int width = 0;
+  int memory = 0, start_frames = 0;  // M, K
+  net::AlignedFloats mean, deviation, inverse_deviation;
+  stgcn::Linear in, out;
+  std::array<EncoderBlock, 2> encoder;
+  std::array<DecoderBlock, 2> decoder;
+  std::vector<stgcn::Code> codes;  // of the domains
+  Scratch scratch;
+  std::size_t state_size = 0;  // floats of State::memory
+
+  // Calls f with each normalization of the decoder and then each of its convolutions.
+  template <typename F>
+  void ForDecoder(F f) const {
+    for (const DecoderBlock& block : decoder) {
+      f(block.norm1);
+      f(block.norm2);
+      f(block.time1);
+      f(block.time2);
+    }
+  }
+};
+
+}  // namespace styled::stgcn_causal
