@@ -23,40 +23,6 @@ Clip Each(Clip x, F f) {
   }
   return x;
 }
-Clip Relu(const Clip& x) {
-  return Each(x, [](double v) { return v > 0 ? v : 0; });
-}
-Clip Leaky(const Clip& x) {
-  return Each(x, [](double v) { return v > 0 ? v : 0.2 * v; });
-}
-
-Clip Sum(const Clip& a, const Clip& b) {  // (a + b) / sqrt 2
-  Clip sum = a;
-  for (std::size_t t = 0; t < a.size(); ++t) {
-    for (std::size_t v = 0; v < a[t].size(); ++v) {
-      for (std::size_t c = 0; c < a[t][v].size(); ++c) {
-        sum[t][v][c] = (a[t][v][c] + b[t][v][c]) / std::sqrt(2.0);
-      }
-    }
-  }
-  return sum;
-}
-
-Clip PoolSpace(const Clip& x, int level) {
-  const std::span<const int> clusters = ClustersOf(level);
-  const auto nodes = static_cast<std::size_t>(kNodes[static_cast<std::size_t>(level) + 1]);
-  Clip y = Zeros(x.size(), nodes, x[0][0].size());
-  std::vector<double> members(nodes, 0.0);
-  for (const int cluster : clusters) members[static_cast<std::size_t>(cluster)] += 1;
-  for (std::size_t t = 0; t < x.size(); ++t) {
-    for (std::size_t v = 0; v < clusters.size(); ++v) {
-      const auto to = static_cast<std::size_t>(clusters[v]);
-      for (std::size_t c = 0; c < x[t][v].size(); ++c) y[t][to][c] += x[t][v][c] / members[to];
-    }
-  }
-  return y;
-}
-
 Clip PoolTime(const Clip& x) {
   Clip y = Zeros(x.size() / 2, x[0].size(), x[0][0].size());
   for (std::size_t t = 0; t < y.size(); ++t) {
@@ -64,17 +30,6 @@ Clip PoolTime(const Clip& x) {
       for (std::size_t c = 0; c < x[0][0].size(); ++c) {
         y[t][v][c] = (x[2 * t][v][c] + x[2 * t + 1][v][c]) / 2;
       }
-    }
-  }
-  return y;
-}
-
-Clip UnpoolSpace(const Clip& x, int level) {  // to `level`
-  const std::span<const int> clusters = ClustersOf(level);
-  Clip y = Zeros(x.size(), clusters.size(), x[0][0].size());
-  for (std::size_t t = 0; t < x.size(); ++t) {
-    for (std::size_t v = 0; v < clusters.size(); ++v) {
-      y[t][v] = x[t][static_cast<std::size_t>(clusters[v])];
     }
   }
   return y;
@@ -113,6 +68,51 @@ bool Neighbours(int level, int a, int b) {
 }
 
 }  // namespace
+
+Clip Relu(const Clip& x) {
+  return Each(x, [](double v) { return v > 0 ? v : 0; });
+}
+Clip Leaky(const Clip& x) {
+  return Each(x, [](double v) { return v > 0 ? v : 0.2 * v; });
+}
+
+Clip Sum(const Clip& a, const Clip& b) {  // (a + b) / sqrt 2
+  Clip sum = a;
+  for (std::size_t t = 0; t < a.size(); ++t) {
+    for (std::size_t v = 0; v < a[t].size(); ++v) {
+      for (std::size_t c = 0; c < a[t][v].size(); ++c) {
+        sum[t][v][c] = (a[t][v][c] + b[t][v][c]) / std::sqrt(2.0);
+      }
+    }
+  }
+  return sum;
+}
+
+Clip PoolSpace(const Clip& x, int level) {
+  const std::span<const int> clusters = ClustersOf(level);
+  const auto nodes = static_cast<std::size_t>(kNodes[static_cast<std::size_t>(level) + 1]);
+  Clip y = Zeros(x.size(), nodes, x[0][0].size());
+  std::vector<double> members(nodes, 0.0);
+  for (const int cluster : clusters) members[static_cast<std::size_t>(cluster)] += 1;
+  for (std::size_t t = 0; t < x.size(); ++t) {
+    for (std::size_t v = 0; v < clusters.size(); ++v) {
+      const auto to = static_cast<std::size_t>(clusters[v]);
+      for (std::size_t c = 0; c < x[t][v].size(); ++c) y[t][to][c] += x[t][v][c] / members[to];
+    }
+  }
+  return y;
+}
+
+Clip UnpoolSpace(const Clip& x, int level) {  // to `level`
+  const std::span<const int> clusters = ClustersOf(level);
+  Clip y = Zeros(x.size(), clusters.size(), x[0][0].size());
+  for (std::size_t t = 0; t < x.size(); ++t) {
+    for (std::size_t v = 0; v < clusters.size(); ++v) {
+      y[t][v] = x[t][static_cast<std::size_t>(clusters[v])];
+    }
+  }
+  return y;
+}
 
 double Reference::Tensor::operator()(std::size_t a, std::size_t b, std::size_t c,
                                      std::size_t d) const {
@@ -274,33 +274,28 @@ Clip Reference::Standardized(const std::vector<Features>& clip) const {
   return x;
 }
 
-namespace {
-
-void AddBias(Clip& x, const std::vector<float>& bias, const std::vector<float>& node_bias) {
-  for (auto& frame : x) {
+Clip Reference::WithBias(const Clip& x, const std::string& name) const {
+  Clip y = Linear(x, name);
+  const bool of_nodes = name != "g.out";
+  for (auto& frame : y) {
     for (std::size_t v = 0; v < frame.size(); ++v) {
       for (std::size_t c = 0; c < frame[v].size(); ++c) {
-        frame[v][c] += static_cast<double>(bias[c]);
-        if (!node_bias.empty()) {
-          frame[v][c] += static_cast<double>(node_bias[v * frame[v].size() + c]);
-        }
+        frame[v][c] += Get(name + ".bias")(c);
+        if (of_nodes) frame[v][c] += Get(name + ".node_bias")(v, c);
       }
     }
   }
+  return y;
 }
-
-}  // namespace
 
 std::vector<Features> Reference::Generate(const std::vector<Features>& clip,
                                           const Code& code) const {
   std::vector<Features> filled = clip;
   while (filled.size() % 4 != 0) filled.push_back(filled.back());
-  Clip x = Linear(Standardized(filled), "g.in");
-  AddBias(x, file_.tensor("g.in.bias").values, file_.tensor("g.in.node_bias").values);
+  Clip x = WithBias(Standardized(filled), "g.in");
   x = Encoder(Encoder(x, "g.enc1", 0, true), "g.enc2", 1, true);
   x = Decoder(Decoder(x, "g.dec1", 2, code), "g.dec2", 1, code);
-  x = Linear(x, "g.out");
-  AddBias(x, file_.tensor("g.out.bias").values, {});
+  x = WithBias(x, "g.out");
   std::vector<Features> out(clip.size());
   const Tensor mean = Get("features.mean"), deviation = Get("features.deviation");
   for (std::size_t t = 0; t < out.size(); ++t) {
@@ -317,8 +312,7 @@ std::vector<Features> Reference::Generate(const std::vector<Features>& clip,
 
 Code Reference::EncodeStyle(const std::vector<Features>& clip, int domain) const {
   if (clip.size() != kReference) std::abort();
-  Clip x = Linear(Standardized(clip), "e.in");
-  AddBias(x, file_.tensor("e.in.bias").values, file_.tensor("e.in.node_bias").values);
+  Clip x = WithBias(Standardized(clip), "e.in");
   x = Leaky(Encoder(Encoder(x, "e.res1", 0, false), "e.res2", 1, false));
   const Tensor conv = Get("e.conv.weight"), bias = Get("e.conv.bias");
   Row trunk(x[0][0].size());

@@ -11,6 +11,12 @@ namespace styled::stgcn {
 // Frame, node, channel; features standardized.
 using Clip = std::vector<std::vector<std::vector<double>>>;
 
+Clip Relu(const Clip& x);
+Clip Leaky(const Clip& x);
+Clip Sum(const Clip& a, const Clip& b);      // (a + b) / sqrt 2
+Clip PoolSpace(const Clip& x, int level);    // from `level`
+Clip UnpoolSpace(const Clip& x, int level);  // to `level`
+
 class Reference {
  public:
   explicit Reference(const WeightsFile& file) : file_(file) {}
@@ -22,6 +28,12 @@ class Reference {
   Code EncodeStyle(const std::vector<Features>& clip, int domain) const;
   Code MapNoise(const Noise& noise, int domain) const;
 
+  // Layers that do not depend on time.
+  Clip WithBias(const Clip& x, const std::string& name) const;  // g.in, e.in, g.out
+  Clip Linear(const Clip& x, const std::string& name) const;    // without bias
+  Clip GraphConvolution(const Clip& x, const std::string& name, int level) const;
+  std::vector<double> Dense(const std::vector<double>& x, const std::string& name) const;
+
  private:
   struct Tensor {
     const net::NamedTensor& of;
@@ -30,8 +42,6 @@ class Reference {
   Tensor Get(const std::string& name) const { return {file_.tensor(name)}; }
   std::size_t Channels(const std::string& name) const;
 
-  Clip Linear(const Clip& x, const std::string& name) const;
-  Clip GraphConvolution(const Clip& x, const std::string& name, int level) const;
   Clip TimeConvolution(const Clip& x, const std::string& name) const;
   Clip Normalized(const Clip& x, const std::vector<double>& scale,
                   const std::vector<double>& shift) const;
@@ -39,7 +49,6 @@ class Reference {
   Clip AdaIn(const Clip& x, const std::string& name, const Code& code) const;
   Clip Encoder(const Clip& x, const std::string& name, int level, bool norms) const;
   Clip Decoder(const Clip& x, const std::string& name, int level, const Code& code) const;
-  std::vector<double> Dense(const std::vector<double>& x, const std::string& name) const;
 
   const WeightsFile& file_;
 };
