@@ -1,0 +1,158 @@
+#include "model/net/stgcn_causal/stylizer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "model/net/load.h"
+#include "model/synthetic/performer.h"
+#include "tests/unit/net/stgcn_causal/random_weights.h"
+
+namespace styled::stgcn_causal {
+namespace {
+
+using net::Prediction;
+using net::StyleWeight;
+
+std::vector<body::Pose> Walk(int frames) {
+  synthetic::Options options;
+  options.script = {{synthetic::Motion::kWalk, 2.0}, {synthetic::Motion::kTurnLeft, 1.0}};
+  synthetic::Performer performer(std::move(options));
+  std::vector<body::Pose> poses(static_cast<std::size_t>(frames));
+  for (int i = 0; i < frames; ++i) performer.Pose(i / 30.0, poses[static_cast<std::size_t>(i)]);
+  return poses;
+}
+
+// Bit for bit.
+bool Same(const net::Decoded& a, const net::Decoded& b) {
+  bool same = a.hips_height_m == b.hips_height_m && a.velocities_m_s == b.velocities_m_s;
+  for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+    same = same && a.rotations[joint].coeffs() == b.rotations[joint].coeffs();
+  }
+  return same;
+}
+bool Same(const Prediction& a, const Prediction& b) {
+  return Same(a.reconstruction, b.reconstruction) && Same(a.styled, b.styled) &&
+         a.heading_rad == b.heading_rad;
+}
+
+struct CausalStylizer : testing::Test {
+  CausalStylizer() {
+    const auto loaded = net::Parse(file.Bytes(), "random");
+    EXPECT_TRUE(loaded.ok()) << loaded.status().message();
+    stylizer = loaded.value();
+  }
+
+  WeightsFile file = RandomWeights(6, 16, 1);
+  std::shared_ptr<const Network> network = CausalNetwork(file);
+  std::shared_ptr<const net::Stylizer> stylizer;
+};
+
+TEST_F(CausalStylizer, ItsFamilyIsOfLiveStreams) {
+  EXPECT_EQ(stylizer->model().family, kFamily);
+  EXPECT_EQ(stylizer->model().styles.size(), 6U);
+  const auto any = net::ParseAny(file.Bytes(), "random");
+  ASSERT_TRUE(any.ok()) << any.status().message();
+  EXPECT_NE(any.value().frames, nullptr);
+  EXPECT_EQ(any.value().clips, nullptr);
+}
+
+TEST_F(CausalStylizer, PosesGoThroughTheFeaturesAndComeBackAsLocalRotations) {
+  const std::vector<body::Pose> poses = Walk(60);
+  const std::vector<StyleWeight> active{{2, 1.0F}};
+  const auto stream = stylizer->MakeStream();
+  State state = network->MakeState();
+  stgcn::HeadingState heading;
+  for (const body::Pose& pose : poses) {
+    Prediction found;
+    const net::StepJob job{&pose, 1, active, stream.get(), &found};
+    stylizer->Step({&job, 1});
+
+    Features features;
+    Output out;
+    const float heading_rad = stgcn::ComputeFeatures(pose, network->features(), heading, features);
+    network->Step(features, 1, active, state, out);
+    EXPECT_EQ(found.heading_rad, heading_rad);
+    for (const auto& [decoded, expected] :
+         {std::pair(&found.reconstruction, &out.reconstruction), {&found.styled, &out.styled}}) {
+      EXPECT_EQ(decoded->hips_height_m, (*expected)[stgcn::kChannels * body::kHips + 1]);
+      // Parent by parent the local rotations give the output's global ones again.
+      std::array<body::Quat, body::kJointCount> global;
+      for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+        const int parent = body::kHumanoid[joint].parent;
+        global[joint] = decoded->rotations[joint];
+        if (parent >= 0) global[joint] = global[static_cast<std::size_t>(parent)] * global[joint];
+        Eigen::Vector4f wanted(expected->data() + stgcn::kChannels * joint + 3);
+        wanted.normalize();
+        EXPECT_GT(std::abs(global[joint].coeffs().dot(wanted)), 1 - 1e-5F) << joint;
+      }
+      for (const float velocity : decoded->velocities_m_s) EXPECT_EQ(velocity, 0);
+    }
+  }
+}
+
+// Performers without a style, in one, in several, switching, and with an input style.
+TEST_F(CausalStylizer, TogetherIsBitForBitOneByOne) {
+  constexpr std::size_t kPerformers = 21;
+  const std::vector<body::Pose> poses = Walk(60);
+  std::vector<std::unique_ptr<net::Stream>> alone, together;
+  for (std::size_t k = 0; k < kPerformers; ++k) {
+    alone.push_back(stylizer->MakeStream());
+    together.push_back(stylizer->MakeStream());
+  }
+  for (std::size_t frame = 0; frame < 12; ++frame) {
+    std::vector<std::vector<StyleWeight>> active(kPerformers);
+    std::vector<Prediction> out_alone(kPerformers), out_together(kPerformers);
+    std::vector<net::StepJob> jobs;
+    for (std::size_t k = 0; k < kPerformers; ++k) {
+      for (std::size_t s = 0; s < k % 5; ++s) {
+        active[k].push_back({static_cast<int>(1 + (k + s + frame / 4) % 6), 0.4F});
+      }
+      const int own = k % 4 == 3 ? 2 : 0;
+      const body::Pose& pose = poses[frame + k];
+      const net::StepJob job{&pose, own, active[k], alone[k].get(), &out_alone[k]};
+      stylizer->Step({&job, 1});
+      jobs.push_back({&pose, own, active[k], together[k].get(), &out_together[k]});
+    }
+    stylizer->Step(jobs);
+    for (std::size_t k = 0; k < kPerformers; ++k) {
+      ASSERT_TRUE(Same(out_alone[k], out_together[k])) << frame << " " << k;
+    }
+  }
+}
+
+TEST_F(CausalStylizer, AStartedStreamIsAsANewOne) {
+  const std::vector<body::Pose> poses = Walk(60);
+  const std::vector<StyleWeight> active{{3, 1.0F}};
+  const auto used = stylizer->MakeStream(), fresh = stylizer->MakeStream();
+  Prediction out, expected;
+  for (const body::Pose& pose : poses) {
+    const net::StepJob job{&pose, 0, active, used.get(), &out};
+    stylizer->Step({&job, 1});
+  }
+  stylizer->Start(*used);
+  for (std::size_t i = 30; i < 60; ++i) {
+    const std::array<net::StepJob, 2> jobs{
+        {{&poses[i], 0, active, used.get(), &out}, {&poses[i], 0, active, fresh.get(), &expected}}};
+    stylizer->Step(jobs);
+    ASSERT_TRUE(Same(out, expected)) << i;
+  }
+}
+
+// A step writes into what memory() names, and that stays where it is.
+TEST_F(CausalStylizer, MemoryIsWhatAStepWrites) {
+  const std::vector<body::Pose> poses = Walk(2);
+  const auto stream = stylizer->MakeStream();
+  const std::span<const std::byte> memory = stream->memory();
+  ASSERT_FALSE(memory.empty());
+  const std::vector<std::byte> before(memory.begin(), memory.end());
+  Prediction out;
+  const net::StepJob job{poses.data(), 0, {}, stream.get(), &out};
+  stylizer->Step({&job, 1});
+  EXPECT_EQ(stream->memory().data(), memory.data());
+  EXPECT_EQ(stream->memory().size(), memory.size());
+  EXPECT_FALSE(std::equal(memory.begin(), memory.end(), before.begin()));
+}
+
+}  // namespace
+}  // namespace styled::stgcn_causal
