@@ -29,7 +29,7 @@ inline constexpr int kMemoriesAlone = 5;
 // The recurrent state of one stream and the scratch memory of its steps, made by
 // Network::MakeState. Value type; a copy goes on as the original would.
 struct State {
-  net::AlignedFloats memory;  // rings, statistics, scratch; 0.8 MB at width 64
+  net::AlignedFloats memory;  // rings, statistics, scratch; 0.3 MB at width 64
   std::uint64_t frame = 0;    // the next one
   double count = 0;           // N_(frame - 1)
   int alone = 0;              // frames that the second decoder still goes on alone; 0: it follows

@@ -37,28 +37,24 @@ PastConv::PastConv(const net::RowMajor& weight, const Eigen::VectorXf& bias, flo
   }
 }
 
-float* PastConv::Slot(float* memory, std::uint64_t frame) const noexcept {
+float* PastConv::Input(float* memory, std::uint64_t frame) const noexcept {
   const std::uint64_t slot = frame % static_cast<std::uint64_t>(2 * spacing_ + 1);
   return memory + ring_ + slot * Size(copies_, nodes_, channels_);
-}
-
-float* PastConv::Input(float* memory, std::uint64_t frame) const noexcept {
-  return Slot(memory, frame);
 }
 
 void PastConv::Run(const net::RowKernels& kernels, float* memory, std::uint64_t frame, int copies,
                    const float* add, float* y) const noexcept {
   assert(copies >= 1 && copies <= copies_);
-  const float* const now = Slot(memory, frame);
+  const float* const now = Input(memory, frame);
   if (frame == 0) {
     for (int past = 1; past <= 2 * spacing_; ++past) {
       std::copy_n(now, Size(copies, nodes_, channels_),
-                  Slot(memory, static_cast<std::uint64_t>(past)));
+                  Input(memory, static_cast<std::uint64_t>(past)));
     }
   }
   // In a ring of 2 d + 1 frames, d + 1 frames on is d frames ago, and one frame on is 2 d ago.
   const auto ahead = [&](int frames) {
-    return Slot(memory, frame + static_cast<std::uint64_t>(frames));
+    return Input(memory, frame + static_cast<std::uint64_t>(frames));
   };
   const std::array<net::RowTerm, kTaps> terms{
       {{ahead(1), channels_}, {ahead(spacing_ + 1), channels_}, {now, channels_}}};
@@ -68,7 +64,7 @@ void PastConv::Run(const net::RowKernels& kernels, float* memory, std::uint64_t 
 void PastConv::Follow(float* memory) const noexcept {
   const std::size_t one = Size(nodes_, channels_);
   for (int slot = 0; slot <= 2 * spacing_; ++slot) {
-    float* const first = Slot(memory, static_cast<std::uint64_t>(slot));
+    float* const first = Input(memory, static_cast<std::uint64_t>(slot));
     std::copy_n(first, one, first + one);
   }
 }

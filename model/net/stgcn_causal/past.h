@@ -43,7 +43,7 @@ class PastConv {
   PastConv(const net::RowMajor& weight, const Eigen::VectorXf& bias, float scale, int spacing,
            int nodes, int copies, Layout& layout);
 
-  // Where v of `frame` (0, 1, ...) is to be written before Run: [copies, nodes, C].
+  // The place of v of `frame` (0, 1, ...), to be written before Run: [copies, nodes, C].
   STYLED_REALTIME float* Input(float* memory, std::uint64_t frame) const noexcept;
   // y: [copies, nodes, C], of the first `copies`. `add`, of the same shape, is added; it may be y.
   STYLED_REALTIME void Run(const net::RowKernels& kernels, float* memory, std::uint64_t frame,
@@ -52,8 +52,6 @@ class PastConv {
   STYLED_REALTIME void Follow(float* memory) const noexcept;
 
  private:
-  STYLED_REALTIME float* Slot(float* memory, std::uint64_t frame) const noexcept;
-
   int spacing_ = 0, nodes_ = 0, channels_ = 0, copies_ = 0;
   net::PackedColumns weight_;
   net::AlignedFloats bias_;
