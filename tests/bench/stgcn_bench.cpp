@@ -1,8 +1,9 @@
 // Whole clips through the spatio-temporal network, clips per second on one core: encoded and
 // decoded once (the styled clip), decoded twice (the detail-preserving form), and the style
-// encoder. Where libtorch is built, its forward pass of the same network, weights and clips beside
-// ours, in one run. Timed in turn in many short rounds, so that other load on the machine affects
-// all alike, in processor time; medians are compared, and the least. Nothing is asserted.
+// encoder; and 64 frames of a live stream through the causal one, frame by frame. Where libtorch is
+// built, its forward pass of the same network, weights and clips beside ours, in one run. Timed in
+// turn in many short rounds, so that other load on the machine affects all alike, in processor
+// time; medians are compared, and the least. Nothing is asserted.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "tests/unit/net/stgcn/random_weights.h"
+#include "tests/unit/net/stgcn_causal/random_weights.h"
 
 #ifdef STYLED_STGCN_TORCH
 #include <torch/torch.h>
@@ -71,6 +73,23 @@ struct Ours {
   Scratch scratch;
 };
 
+// A stream of live frames: with a style the decoder runs twice.
+struct Causal {
+  Causal(int domains, int width, std::vector<net::StyleWeight> the_styles)
+      : network(stgcn_causal::CausalNetwork(stgcn_causal::RandomWeights(domains, width, 1))),
+        state(network->MakeState()),
+        clip(WalkFeatures(kReference, network->features())),
+        styles(std::move(the_styles)) {}
+  void Run() {
+    for (const Features& features : clip) network->Step(features, 0, styles, state, out);
+  }
+  std::shared_ptr<const stgcn_causal::Network> network;
+  stgcn_causal::State state;
+  std::vector<Features> clip;
+  std::vector<net::StyleWeight> styles;
+  stgcn_causal::Output out;
+};
+
 #ifdef STYLED_STGCN_TORCH
 // The same work by libtorch, without gradients.
 struct Torch {
@@ -127,6 +146,7 @@ int Main(int width) {
   const auto network = NetworkOf(RandomWeights(kDomains, width, 1));
 #endif
   Ours window(*network, 64), clip(*network, 300);
+  Causal plain(kDomains, width, {}), styled(kDomains, width, {{1, 1.0F}});
   Code code = Code::Zero();
   std::vector<Timing> timings{
       {"ours, 64 frames", [&] { window.Once(); }, 0},
@@ -134,6 +154,8 @@ int Main(int width) {
       {"ours, 64 frames, decoded twice", [&] { window.Twice(); }, 0},
       {"ours, style encoder, 64 frames",
        [&] { code += network->EncodeStyle(window.clip, kFreeHead, window.scratch); }, 3},
+      {"ours, causal, 64 frames, no style", [&] { plain.Run(); }, 0},
+      {"ours, causal, 64 frames, styled", [&] { styled.Run(); }, 0},
   };
 #ifdef STYLED_STGCN_TORCH
   Torch torch_window(pair, window), torch_clip(pair, clip);
