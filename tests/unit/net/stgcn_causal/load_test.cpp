@@ -4,14 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 
+#include "tests/unit/net/stgcn/each_tensor.h"
 #include "tests/unit/net/stgcn_causal/random_weights.h"
 
 namespace styled::stgcn_causal {
 namespace {
 
-using net::NamedTensor;
 using nlohmann::json;
 using testing::HasSubstr;
 
@@ -95,33 +94,10 @@ TEST(CausalLoad, RefusesEachMissingKeyOfItsOwn) {
   }
 }
 
-// One tensor after the other: missing, of another shape, not finite.
 TEST(CausalLoad, RefusesEachTensorThatIsNotAsItShouldBe) {
-  WeightsFile file = RandomWeights(kDomains, kWidth, 1);
+  const WeightsFile file = RandomWeights(kDomains, kWidth, 1);
   ASSERT_EQ(file.tensors.size(), 84U);
-  for (std::size_t i = 0; i < file.tensors.size(); ++i) {
-    const NamedTensor whole = file.tensors[i];
-    const std::string begin = "file: tensor '" + whole.name + "': expected ";
-    const std::string shape = json(whole.shape).dump();
-
-    file.tensors.erase(file.tensors.begin() + static_cast<std::ptrdiff_t>(i));
-    EXPECT_EQ(Load(file).message(), begin + "F32 " + shape + ", found none");
-
-    NamedTensor broken = whole;
-    ++broken.shape.front();
-    broken.values.resize(broken.values.size() / static_cast<std::size_t>(whole.shape.front()) *
-                         static_cast<std::size_t>(broken.shape.front()));
-    file.tensors.insert(file.tensors.begin() + static_cast<std::ptrdiff_t>(i), broken);
-    EXPECT_EQ(Load(file).message(),
-              begin + "F32 " + shape + ", found F32 " + json(broken.shape).dump());
-
-    file.tensors[i] = whole;
-    file.tensors[i].values.back() = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_EQ(Load(file).message(),
-              begin + "finite values, found nan at " + std::to_string(whole.values.size() - 1));
-    file.tensors[i] = whole;
-  }
-  EXPECT_TRUE(Load(file).ok()) << Load(file).message();
+  stgcn::ExpectEachTensorIsChecked(file, Load);
 }
 
 TEST(CausalLoad, ReadsWhatIsWritten) {

@@ -1,11 +1,13 @@
 #include "model/net/stgcn_causal/stylizer.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "model/net/load.h"
 #include "model/synthetic/performer.h"
+#include "model/trial/trial.h"
 #include "tests/unit/net/stgcn_causal/random_weights.h"
 
 namespace styled::stgcn_causal {
@@ -152,6 +154,25 @@ TEST_F(CausalStylizer, MemoryIsWhatAStepWrites) {
   EXPECT_EQ(stream->memory().data(), memory.data());
   EXPECT_EQ(stream->memory().size(), memory.size());
   EXPECT_FALSE(std::equal(memory.begin(), memory.end(), before.begin()));
+}
+
+// Whoever runs a user's weights tries them first.
+TEST_F(CausalStylizer, SoundWeightsPassTheTrialRunAndWildOnesDoNot) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const auto bytes = RandomWeights(3, 16, seed).Bytes();
+    const auto tried = trial::Parse(bytes, "random");
+    EXPECT_TRUE(tried.ok()) << seed << ": " << tried.status().message();
+  }
+  const auto refusal = [](const std::string& tensor, std::size_t from, float by) {
+    WeightsFile wild = RandomWeights(3, 16, 1);
+    std::vector<float>& values = wild.tensor(tensor).values;
+    for (std::size_t i = from; i < values.size(); ++i) values[i] *= by;
+    return trial::Parse(wild.Bytes(), "wild").status().message();
+  };
+  EXPECT_THAT(refusal("g.dec2.tconv2.weight", 0, 1e38F),
+              testing::HasSubstr("style 'neutral', frame 0 of 105, joint "));
+  EXPECT_THAT(refusal("codes.mean", 2 * stgcn::kCode, 1e38F),
+              testing::HasSubstr("style 'style2', frame 0 of"));
 }
 
 }  // namespace
