@@ -174,7 +174,7 @@ Reference::Output Reference::Step(const Features& features, int input_style,
 
   const bool differs = sum > 0 || input_style != 0;
   if (alone_ == 0) styled_ = own_;
-  if (differs) alone_ = 5 * memory_;
+  if (differs) alone_ = 8 * memory_;
   Output out;
   out.reconstruction = Decode(h, Code(input_style), own_);
   out.styled = alone_ > 0 ? Decode(h, code, styled_) : out.reconstruction;

@@ -46,7 +46,8 @@ bool AllFinite(const Output& out) {
 
 std::vector<Features> Walk(int frames) { return stgcn::WalkFeatures(frames, {}); }
 
-constexpr double kTolerance = 2e-5;  // float32 against double, in metres and quaternion components
+// float32 against double, in metres and quaternion components; measured: 1e-6
+constexpr double kTolerance = 5e-6;
 
 struct Command {
   int from_frame;
@@ -115,17 +116,17 @@ TEST_F(StepAgainstReference, TheSumOfWeightsIsLimited) {
 }
 
 TEST_F(StepAgainstReference, AStyleBeginsMixesEndsAndBeginsAnew) {
-  file.metadata["memory"] = 5;  // after 25 frames the second decoder follows again
+  file.metadata["memory"] = 5;  // after 40 frames the second decoder follows again
   EXPECT_LT(CompareThrough({{0, 0, {}},
                             {20, 0, {{1, 1.0F}}},
                             {40, 0, {{1, 0.3F}, {5, 0.1F}, {2, 0.2F}, {4, 0.25F}}},
                             {60, 0, {{2, 1.0F}}},
-                            {80, 0, {{2, 0.0F}}},  // it ends; it goes on alone up to frame 105
+                            {80, 0, {{2, 0.0F}}},  // it ends; it goes on alone up to frame 119
                             {90, 0, {}},
-                            {120, 0, {{3, 1.0F}, {1, 0.2F}}},
-                            {140, 0, {}},
-                            {150, 0, {{4, 1.0F}}}},  // before it follows again
-                           170),
+                            {130, 0, {{3, 1.0F}, {1, 0.2F}}},
+                            {150, 0, {}},
+                            {160, 0, {{4, 1.0F}}}},  // before it follows again
+                           180),
             kTolerance);
 }
 
@@ -280,7 +281,7 @@ TEST_F(Step, AStyleEndsWithoutAJump) {
   EXPECT_GT(apart(0), 1e-2);
   // The last frame that the second decoder makes: what is left is gone in the next one.
   EXPECT_GT(apart(alone - 1), 0);
-  EXPECT_LT(apart(alone - 1), 1e-2 * apart(0));
+  EXPECT_LT(apart(alone - 1), 5e-3 * apart(0));
   EXPECT_EQ(apart(alone), 0);
 }
 
