@@ -24,7 +24,7 @@ inline constexpr float kMaxStandardized = 4.0F;
 // After the last style's end the second decoder goes on alone for this many memories of the
 // statistics, before it follows the first again. Larger: a smaller jump then, and a decoder's work
 // for longer. With random weights, of the difference in the first frame after the end: 5 leaves
-// 1 to 2 hundredths (3 mm, 0.3 degrees), 8 a thousandth.
+// 1 to 2 hundredths (3 mm, 0.3 degrees), 8 1 to 2 thousandths.
 inline constexpr int kMemoriesAlone = 8;
 
 // The recurrent state of one stream and the scratch memory of its steps, made by
