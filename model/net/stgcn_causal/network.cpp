@@ -186,11 +186,9 @@ class Requested {
 // From rows of `columns` floats to features' units.
 void ToFeatures(const float* rows, int columns, const float* mean, const float* deviation,
                 stgcn::Features& out) noexcept {
-  for (int joint = 0; joint < body::kJointCount; ++joint) {
-    for (int channel = 0; channel < kChannels; ++channel) {
-      const auto i = static_cast<std::size_t>(kChannels * joint + channel);
-      out[i] = rows[joint * columns + channel] * deviation[i] + mean[i];
-    }
+  for (std::size_t i = 0; i < kFeatureCount; ++i) {
+    const float* const row = rows + i / kChannels * static_cast<std::size_t>(columns);
+    out[i] = row[i % kChannels] * deviation[i] + mean[i];
   }
   // Constant in every pose; the network's output there is noise.
   out[kChannels * body::kHips] = out[kChannels * body::kHips + 2] = 0;
