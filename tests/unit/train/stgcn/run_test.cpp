@@ -14,6 +14,7 @@
 #include "model/net/weights_file.h"
 #include "model/train/checkpoint.h"
 #include "model/train/stgcn/networks.h"
+#include "model/train/stgcn/read_generator.h"
 #include "model/train/stgcn/recipe.h"
 #include "model/train/trainer.h"
 #include "tests/unit/train/stgcn/made_up_set.h"
@@ -215,6 +216,34 @@ TEST_F(StGcnRun, ExportedTensorsHaveTheNamesAndShapesOfTheFormat) {
   EXPECT_TRUE(torch::equal(floats("e.conv.weight").permute({0, 2, 3, 1}),
                            encoder.parameters.Find("e.conv.weight")));
   EXPECT_TRUE(torch::equal(floats("e.heads.weight"), encoder.parameters.Find("e.heads.weight")));
+}
+
+TEST_F(StGcnRun, TheGeneratorOfAFileIsTheOneThatWasWritten) {
+  Check(Train(Flags("run")));
+  const auto file = set_.root() / "run" / "weights.safetensors";
+  const auto loaded = ReadGenerator(file);
+  ASSERT_TRUE(loaded.ok()) << loaded.status().message();
+  const LoadedGenerator& read = loaded.value();
+  const Checkpoint checkpoint = Read("run");
+  EXPECT_TRUE(
+      torch::equal(read.generator->parameters.flat(), checkpoint.tensors.at("average.generator")));
+  EXPECT_TRUE(torch::equal(read.codes, checkpoint.tensors.at("codes.mean")));
+  EXPECT_EQ(read.statistics.mean[8], checkpoint.tensors.at("mean").flatten()[8].item<float>());
+  EXPECT_EQ(read.statistics.deviation[146],
+            checkpoint.tensors.at("deviation").flatten()[146].item<float>());
+  EXPECT_EQ(read.model.styles[1].name, "odd");
+  EXPECT_FLOAT_EQ(read.parameters.heading_tau_s, 0.25F);
+  EXPECT_FALSE(read.generator->parameters.Find("g.out.bias").requires_grad());
+
+  std::string bytes = Text("run/weights.safetensors");
+  const auto family = bytes.find("st-gcn");
+  ASSERT_NE(family, std::string::npos);
+  const auto other = set_.root() / "other.safetensors";
+  std::ofstream(other, std::ios::binary) << bytes.replace(family, 6, "xt-gcn");
+  EXPECT_THAT(ReadGenerator(other).status().message(),
+              testing::HasSubstr("other.safetensors: key 'family': expected \"st-gcn\", found "
+                                 "\"xt-gcn\""));
+  EXPECT_THAT(ReadGenerator(set_.root() / "none").status().message(), testing::HasSubstr("none"));
 }
 
 TEST_F(StGcnRun, AsInThePaperIsARunOfItsOwnSettingsAndExportsTheSameFormat) {

@@ -1,0 +1,66 @@
+#include "model/train/stgcn/read_generator.h"
+
+#include <cstring>
+#include <string>
+
+#include "model/net/stgcn/network.h"
+#include "model/net/weights_file.h"
+#include "model/train/checkpoint.h"
+#include "model/train/stgcn/weights.h"
+
+namespace styled::train::st_gcn {
+namespace {
+
+using torch::Tensor;
+
+// A tensor of a file that the runtime could read, so it is there and as large as expected.
+void CopyFloats(const net::SafetensorsView& view, const std::string& name, const Tensor& to) {
+  const net::TensorView& tensor = view.tensors.at(name);
+  const Tensor floats = torch::empty(tensor.shape);
+  TORCH_CHECK(tensor.bytes.size() == floats.nbytes(), "tensor '", name, "' is no float32");
+  std::memcpy(floats.data_ptr(), tensor.bytes.data(), tensor.bytes.size());
+  to.copy_(floats);
+}
+
+}  // namespace
+
+Result<LoadedGenerator> ReadGenerator(const std::filesystem::path& file) {
+  const Result<std::vector<std::byte>> bytes = net::ReadFile(file);
+  if (!bytes.ok()) return bytes.status();
+  const auto opened = net::ParseWeights(bytes.value(), file.string());
+  if (!opened.ok()) return opened.status();
+  const std::string& family = opened.value().model.family;
+  if (family != kFamily) {
+    return Status::Error(file.string() + ": key 'family': expected \"" + kFamily + "\", found \"" +
+                         family + "\"");
+  }
+  const auto network = stgcn::Network::Parse(bytes.value(), file.string());
+  if (!network.ok()) return network.status();
+  try {
+    const torch::NoGradGuard no_grad;
+    const net::SafetensorsView& view = opened.value().view;
+    Shape shape;
+    shape.domains = network.value()->domain_count();
+    shape.width = network.value()->width();
+    LoadedGenerator loaded;
+    loaded.generator = std::make_unique<Generator>(shape, torch::kCPU);
+    loaded.generator->parameters.RequireGradient(false);
+    for (const auto& [name, tensor] : loaded.generator->parameters.named()) {
+      CopyFloats(view, name, tensor);
+    }
+    loaded.model = network.value()->model();
+    loaded.parameters = network.value()->features();
+    const auto features = [&view](const std::string& name, stgcn::Features& to) {
+      CopyFloats(view, name, torch::from_blob(to.data(), {body::kJointCount, stgcn::kChannels}));
+    };
+    features("features.mean", loaded.statistics.mean);
+    features("features.deviation", loaded.statistics.deviation);
+    loaded.codes = torch::empty({shape.domains, shape.code});
+    CopyFloats(view, "codes.mean", loaded.codes);
+    return loaded;
+  } catch (const std::exception& failure) {
+    return Status::Error(file.string() + ": " + Reason(failure));
+  }
+}
+
+}  // namespace styled::train::st_gcn

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "model/base/status.h"
+#include "model/net/stylizer.h"
+#include "model/train/stgcn/networks.h"
+#include "model/train/stgcn/windows.h"
+
+namespace styled::train::st_gcn {
+
+// The generator of a weights file, on the CPU and without gradients, and what is needed to run it
+// on clips. Errors name file, key or tensor: all that the runtime refuses, and files of other
+// families.
+struct LoadedGenerator {
+  std::unique_ptr<Generator> generator;
+  net::Model model;                     // styles: those of the codes
+  stgcn::FeatureParameters parameters;  // with the hemisphere of `statistics`
+  Statistics statistics;
+  torch::Tensor codes;  // [n, code]: the mean code of each style
+};
+Result<LoadedGenerator> ReadGenerator(const std::filesystem::path& file);
+
+}  // namespace styled::train::st_gcn

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+
+#include "model/base/status.h"
+#include "model/train/recipe.h"
+
+namespace styled::train::st_gcn_causal {
+
+inline constexpr const char* kFamily = "st-gcn-causal";
+
+// Writes the file of model/net/stgcn_causal/FORMAT.md, atomically. Everything that is needed is in
+// the checkpoint; errors name what is missing.
+Status ExportWeights(const Checkpoint& checkpoint, const std::filesystem::path& file);
+
+}  // namespace styled::train::st_gcn_causal
