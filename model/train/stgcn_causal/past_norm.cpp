@@ -27,17 +27,6 @@ Past::Past(int64_t frames, const torch::Device& device) {
   this->start = first.to(device);
 }
 
-Tensor NodeMoments(const Tensor& x, const Tensor& share) {
-  const Tensor exact = x.to(torch::kFloat32);
-  const Tensor row = share.unsqueeze(0);
-  return torch::cat({st_gcn::Mix(row, exact), st_gcn::Mix(row, exact.square())}, 3).squeeze(2);
-}
-
-Tensor ScaledLeaky(const Tensor& x, const Tensor& gain, const Tensor& offset) {
-  const Tensor y = torch::addcmul(offset.unsqueeze(2), x.to(torch::kFloat32), gain.unsqueeze(2));
-  return at::leaky_relu(y, kSlope).to(x.scalar_type());
-}
-
 PastNorm::PastNorm(Parameters& parameters, const std::string& name, int64_t channels)
     : start_mean(parameters.Add(name + ".start_mean", {channels}, 0)),
       start_square(parameters.Add(name + ".start_square", {channels}, 0)) {
@@ -47,7 +36,10 @@ PastNorm::PastNorm(Parameters& parameters, const std::string& name, int64_t chan
 
 Tensor PastNorm::operator()(const Past& past, const Tensor& x, const Tensor& scale,
                             const Tensor& shift, const Tensor& share) const {
-  Tensor moments = NodeMoments(x, share);
+  const Tensor exact = x.to(torch::kFloat32), row = share.unsqueeze(0);
+  // Means over nodes of x and of x²: [B, T, 2C].
+  Tensor moments =
+      torch::cat({st_gcn::Mix(row, exact), st_gcn::Mix(row, exact.square())}, 3).squeeze(2);
   if (observed_ != nullptr) {
     moments = moments.mean(1, true);
     observed_->sum += moments.flatten(0, 1).sum(0);
@@ -60,7 +52,9 @@ Tensor PastNorm::operator()(const Past& past, const Tensor& x, const Tensor& sca
   const std::vector<Tensor> parts = moments.chunk(2, 2);
   const Tensor variance = (parts[1] - parts[0].square()).clamp_min(0);
   const Tensor gain = (variance + kEpsilon).rsqrt() * scale.unsqueeze(1);
-  return ScaledLeaky(x, gain, shift.unsqueeze(1) - gain * parts[0]);
+  const Tensor offset = shift.unsqueeze(1) - gain * parts[0];
+  const Tensor y = torch::addcmul(offset.unsqueeze(2), exact, gain.unsqueeze(2));
+  return at::leaky_relu(y, kSlope).to(x.scalar_type());
 }
 
 void PastNorm::Observe(bool on) {

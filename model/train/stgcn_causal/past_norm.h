@@ -23,21 +23,14 @@ struct Past {
   torch::Tensor start;   // [T, 1]
 };
 
-// Means over nodes of x and of x², [B, T, V, C] to float32 [B, T, 2C]. `share` of each node,
-// float32 [V]. Whatever the type of x, the arithmetic is float32.
-torch::Tensor NodeMoments(const torch::Tensor& x, const torch::Tensor& share);
-
-// LeakyReLU(gain · x + offset), gain and offset float32 [B, T, C], in the type of x.
-torch::Tensor ScaledLeaky(const torch::Tensor& x, const torch::Tensor& gain,
-                          const torch::Tensor& offset);
-
 // One normalization with its LeakyReLU.
 class PastNorm {
  public:
   PastNorm() = default;
   PastNorm(Parameters& parameters, const std::string& name, int64_t channels);
 
-  // x [B, T, V, C], scale and shift float32 [B or 1, C].
+  // x [B, T, V, C]; scale and shift float32 [B or 1, C]; `share` of each node in the means, float32
+  // [V]. Whatever the type of x, the arithmetic is float32.
   torch::Tensor operator()(const Past& past, const torch::Tensor& x, const torch::Tensor& scale,
                            const torch::Tensor& shift, const torch::Tensor& share) const;
 
