@@ -18,6 +18,7 @@
 #include "model/train/judge/judge_speeds.h"
 #include "model/train/judge/judge_validation.h"
 #include "model/train/stgcn/recipe.h"
+#include "model/train/stgcn_causal/recipe.h"
 #include "model/train/trainer.h"
 
 namespace styled::train {
@@ -27,6 +28,7 @@ namespace {
 constexpr Family kFamilies[] = {
     {style_erd::kFamily, AddStyleErdFlags, style_erd::ExportWeights},
     {st_gcn::kFamily, AddStGcnFlags, st_gcn::ExportWeights},
+    {st_gcn_causal::kFamily, AddStGcnCausalFlags, st_gcn_causal::ExportWeights},
 };
 
 // The row of a family; null if there is none.

@@ -34,5 +34,7 @@ struct Family {
 std::unique_ptr<FamilyFlags> AddStyleErdFlags(CLI::App& app);
 // st-gcn: styletrain_stgcn.cpp
 std::unique_ptr<FamilyFlags> AddStGcnFlags(CLI::App& app);
+// st-gcn-causal: styletrain_causal.cpp
+std::unique_ptr<FamilyFlags> AddStGcnCausalFlags(CLI::App& app);
 
 }  // namespace styled::train

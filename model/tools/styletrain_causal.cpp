@@ -1,0 +1,68 @@
+// The flags of styletrain for the causal spatio-temporal graph network.
+#include "model/tools/train_family.h"
+#include "model/train/stgcn_causal/recipe.h"
+
+namespace styled::train {
+namespace {
+
+using st_gcn_causal::Config;
+
+void AddFlags(CLI::App& app, Config& config) {
+  app.add_option("--init", config.init, "Weights of family st-gcn to learn from");
+  app.add_option("--hop", config.hop, "Frames between the starts of windows")
+      ->capture_default_str();
+  app.add_option("--mirror", config.mirror, "Half of the windows are mirror images")
+      ->capture_default_str();
+  app.add_option("--neutral", config.neutral,
+                 "Share of the sources that is neutral, beyond those by chance")
+      ->capture_default_str();
+  app.add_option("--unpaired", config.unpaired,
+                 "Share of sources of any content, recorded in their target style or not")
+      ->capture_default_str();
+  app.add_option("--varied", config.varied, "Share of targets of a strength from 0 to 1.5, not 1")
+      ->capture_default_str();
+  app.add_option("--precision", config.precision)
+      ->check(CLI::IsMember({"auto", "fp32", "bf16"}))
+      ->capture_default_str();
+  app.add_option("--batch", config.batch)->capture_default_str();
+  app.add_option("--start-windows", config.start_windows,
+                 "Windows that the start of the statistics is measured on; 0: mean 0, square 1")
+      ->capture_default_str();
+  app.add_option("--generator-rate", config.generator_rate)->capture_default_str();
+  app.add_option("--beta1", config.beta1)->capture_default_str();
+  app.add_option("--beta2", config.beta2)->capture_default_str();
+  app.add_option("--decay-to", config.decay_to)->capture_default_str();
+  app.add_option("--ema", config.ema)->capture_default_str();
+  app.add_option("--w-velocity", config.w_velocity,
+                 "Of differences from frame to frame, beside 1 of the features")
+      ->capture_default_str();
+  app.add_option("--w-first", config.w_first,
+                 "Of the first 8 frames of a window, beside 1 of the others")
+      ->capture_default_str();
+}
+
+class StGcnCausalFlags : public FamilyFlags {
+ public:
+  explicit StGcnCausalFlags(CLI::App& app) { AddFlags(app, config_); }
+
+  Status Resolve(const CLI::App& app) override {
+    // Neither an export nor a measurement of speeds learns from anything.
+    const bool trains = app.get_option("--out")->count() > 0;
+    return trains ? st_gcn_causal::Check(config_) : Status::Ok();
+  }
+
+  Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const override {
+    return st_gcn_causal::MakeRecipe(run, config_);
+  }
+
+ private:
+  Config config_;
+};
+
+}  // namespace
+
+std::unique_ptr<FamilyFlags> AddStGcnCausalFlags(CLI::App& app) {
+  return std::make_unique<StGcnCausalFlags>(app);
+}
+
+}  // namespace styled::train
