@@ -250,6 +250,19 @@ Status CheckRun(const RunConfig& run) {
   return error ? Status::Error("--out " + run.out.string() + ": " + error.message()) : Status::Ok();
 }
 
+Result<std::unique_ptr<Recipe>> MakeChecked(
+    const RunConfig& run, const Status& flags,
+    const std::function<Result<std::unique_ptr<Recipe>>()>& make) {
+  if (!flags.ok()) return flags;
+  const Status checked = CheckRun(run);
+  if (!checked.ok()) return checked;
+  try {
+    return make();
+  } catch (const std::exception& failure) {
+    return Status::Error(std::string("libtorch: ") + Reason(failure));
+  }
+}
+
 Status Train(const RunConfig& run, Recipe& recipe, const Validate& validate) {
   const Status checked = CheckRun(run);
   if (!checked.ok()) return checked;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "model/base/status.h"
@@ -35,9 +36,15 @@ struct RunConfig {
 using Validate = std::function<Result<Figures>(const std::filesystem::path& weights)>;
 
 // Refuses flags that cannot work: no length, a negative or infinite time, a folder without data, a
-// CUDA device that libtorch does not see. Errors name the flag. Creates `out`. A family's recipe
-// calls it before it reads any data.
+// CUDA device that libtorch does not see. Errors name the flag. Creates `out`.
 Status CheckRun(const RunConfig& run);
+
+// Makes a family's recipe. `flags` is what the family's check of its own flags returned: refused
+// before CheckRun, and both before `make`, which may read data. What `make` throws is an error,
+// too.
+Result<std::unique_ptr<Recipe>> MakeChecked(
+    const RunConfig& run, const Status& flags,
+    const std::function<Result<std::unique_ptr<Recipe>>()>& make);
 
 // Runs `recipe` until iterations or minutes are over. Writes into `out`: checkpoint.pt and
 // weights.safetensors (both replaced atomically, at every checkpoint), log.csv, monitor.csv; with

@@ -227,11 +227,7 @@ Result<Inputs> ReadInputs(const RunConfig& run, const Config& config) {
 }  // namespace
 
 Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run, const Config& config) {
-  const Status flags = Check(config);
-  if (!flags.ok()) return flags;
-  const Status checked = CheckRun(run);
-  if (!checked.ok()) return checked;
-  try {
+  return MakeChecked(run, Check(config), [&]() -> Result<std::unique_ptr<Recipe>> {
     Result<Inputs> inputs = ReadInputs(run, config);
     if (!inputs.ok()) return inputs.status();
     SeedTorch(run);
@@ -239,9 +235,7 @@ Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run, const Config& c
     const Status taught = recipe->AddTeachers();
     if (!taught.ok()) return taught;
     return std::unique_ptr<Recipe>(std::move(recipe));
-  } catch (const std::exception& failure) {
-    return Status::Error(std::string("libtorch: ") + Reason(failure));
-  }
+  });
 }
 
 Status ExportWeights(const Checkpoint& checkpoint, const std::filesystem::path& file) {

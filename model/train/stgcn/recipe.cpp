@@ -171,11 +171,7 @@ Result<Inputs> ReadInputs(const RunConfig& run, const Config& config) {
 }  // namespace
 
 Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run, const Config& config) {
-  const Status flags = Check(config);
-  if (!flags.ok()) return flags;
-  const Status checked = CheckRun(run);
-  if (!checked.ok()) return checked;
-  try {
+  return MakeChecked(run, Check(config), [&]() -> Result<std::unique_ptr<Recipe>> {
     Result<Inputs> inputs = ReadInputs(run, config);
     if (!inputs.ok()) return inputs.status();
     SeedTorch(run);
@@ -183,9 +179,7 @@ Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run, const Config& c
     const Status data = recipe->CheckData();
     if (!data.ok()) return data;
     return std::unique_ptr<Recipe>(std::move(recipe));
-  } catch (const std::exception& failure) {
-    return Status::Error(std::string("libtorch: ") + Reason(failure));
-  }
+  });
 }
 
 }  // namespace styled::train::st_gcn

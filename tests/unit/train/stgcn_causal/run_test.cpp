@@ -34,6 +34,17 @@ Status Train(const RunFlags& flags) {
   return recipe.ok() ? train::Train(flags, *recipe.value()) : recipe.status();
 }
 
+// The averaged network of a run with two styles.
+Student Average(const Checkpoint& checkpoint) {
+  const torch::NoGradGuard no_grad;
+  st_gcn::Shape shape;
+  shape.domains = 2;
+  shape.width = 16;
+  Student student(shape, torch::kCPU);
+  student.parameters.flat().copy_(checkpoint.tensors.at("average"));
+  return student;
+}
+
 void Check(const Status& status) { ASSERT_TRUE(status.ok()) << status.message(); }
 
 class CausalRun : public testing::Test {
@@ -204,12 +215,8 @@ TEST_F(CausalRun, AnExportedFileHasTheTensorsOfTheFormatAsTheyWere) {
 
   const auto& tensors = file.value().view.tensors;
   const Checkpoint checkpoint = Read("run");
-  st_gcn::Shape shape;
-  shape.domains = 2;
-  shape.width = 16;
-  const Student student(shape, torch::kCPU);
+  const Student student = Average(checkpoint);
   const torch::NoGradGuard no_grad;
-  student.parameters.flat().copy_(checkpoint.tensors.at("average"));
   std::map<std::string, Tensor> expected(student.parameters.named().begin(),
                                          student.parameters.named().end());
   expected["features.mean"] = checkpoint.tensors.at("mean");
@@ -243,12 +250,8 @@ TEST_F(CausalRun, TheRuntimeComputesTheSameFromTheFile) {
   const auto network = stgcn_causal::Network::Load(Weights("run"));
   ASSERT_TRUE(network.ok()) << network.status().message();
   const Checkpoint checkpoint = Read("run");
-  st_gcn::Shape shape;
-  shape.domains = 2;
-  shape.width = 16;
-  const Student student(shape, torch::kCPU);
+  const Student student = Average(checkpoint);
   const torch::NoGradGuard no_grad;
-  student.parameters.flat().copy_(checkpoint.tensors.at("average"));
   constexpr int64_t kFrames = 64;
   torch::manual_seed(1);
   const Tensor x = 0.2 * torch::randn({1, kFrames, 21, 7}).cumsum(1);
