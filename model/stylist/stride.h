@@ -78,9 +78,9 @@ STYLED_REALTIME float LogStride(const net::Styles& styles, const Mixer& mixer,
                                 float speed_mps) noexcept;
 
 // The logarithm of the factor of the cadence at a speed, by the same gaits and weights, of the
-// styles' cadences; in any Root. It is the ratio to neutral's cadence alone, so that a performer
-// who steps faster than others remains one who does. Styles without a measured cadence count as 0,
-// and so do all where neutral has no speeds, which tell a walk from a run. Bounded by
+// styles' cadences; in any Root. It is the ratio to neutral's cadence alone: a performer who takes
+// more steps a minute than others keeps this difference. Styles without a measured cadence count as
+// 0, and so do all where neutral has no speeds, which tell a walk from a run. Bounded by
 // tuning::kLeastCadence and kMostCadence. Pure.
 STYLED_REALTIME float LogCadence(const net::Styles& styles, const Mixer& mixer,
                                  float speed_mps) noexcept;

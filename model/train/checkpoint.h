@@ -37,8 +37,8 @@ Status ReplaceByPartial(const std::filesystem::path& file);
 Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& file);
 Status ReadCheckpoint(const std::filesystem::path& file, Checkpoint& checkpoint);
 
-// The state of an optimizer under `name`. RestoreAdam throws where there is none, or of another
-// length.
+// The state of an optimizer, saved under `name`. RestoreAdam throws where the checkpoint has no
+// state of this name, or one for another number of parameters.
 void SaveAdam(const std::string& name, const Adam& adam, Checkpoint& checkpoint);
 void RestoreAdam(const std::string& name, const Checkpoint& checkpoint, Adam& adam);
 

@@ -13,7 +13,7 @@
 // tests/unit/net/stgcn/load_test.cpp.
 namespace styled::stgcn {
 
-// The width; 0 if there is none that the kernels can run.
+// Reads the key "width". Returns 0, and adds a fault, where the kernels cannot run it.
 int ReadWidth(const nlohmann::json& object, net::Faults& faults);
 // "contents": names of the acts of the training data, for people.
 void CheckContents(const nlohmann::json& object, net::Faults& faults);

@@ -35,8 +35,8 @@ set_1=(angry childish giant happy musical not-confident proud sad swagger)
 set_2=(active elderly exhausted feminine masculine youthful)
 first=$runs/st-gcn/weights.safetensors second=$runs/st-gcn-1/weights.safetensors
 second_teaches=$(teach 1.3 "$second" "${set_1[@]}")
-# The shipped weights were made in three parts: the second teacher was ready after the first of them, and
-# the second was too strong and jerked.
+# The shipped weights were made in three parts. The second teacher was not ready when part one began. After
+# part two the styles were too strong and jerked: part three has lower gains and more smoothness.
 train v2 "${run[@]}" --stop-at 16400 --w-smooth 1 --teacher "$(teach 1.4 "$first" "${set_2[@]}")"
 train v2 "${run[@]}" --resume --stop-at 28500 --w-smooth 1 --w-moments 30 \
   --teacher "$(teach 1.2 "$first" "active*1.5" elderly "exhausted*1.45" feminine "masculine*1.25" youthful)" \
