@@ -12,64 +12,6 @@ using net::Faults;
 using net::RowMajor;
 using net::TensorReader;
 
-Dense TakeDense(TensorReader& tensors, const std::string& name, int rows, int columns) {
-  return {tensors.Matrix(name + ".weight", rows, columns), tensors.Vector(name + ".bias", rows)};
-}
-
-TimeConv TakeTime(TensorReader& tensors, const std::string& name, int channels, float scale) {
-  const RowMajor weight = tensors.Tensor(name + ".weight", {channels, channels, 3});
-  return {weight, tensors.Vector(name + ".bias", channels), scale};
-}
-
-AdaIn TakeAdaIn(TensorReader& tensors, const std::string& name, int channels) {
-  AdaIn adain{tensors.Matrix(name + ".weight", 2 * channels, kCode),
-              tensors.Vector(name + ".bias", 2 * channels)};
-  adain.bias.head(channels).array() += 1;  // 1 + γ
-  return adain;
-}
-
-// From `level` to the coarser one.
-EncoderBlock TakeEncoder(LayerReader& layers, const std::string& name, int level, int in, int out,
-                         bool normalized) {
-  EncoderBlock block{layers.TakeEncoder(name, level, in, out, 2), {}, {}, {}, {}};
-  if (normalized) block.norm1 = layers.TakeNorm(name + ".norm1", in);
-  block.time1 = TakeTime(layers.tensors(), name + ".tconv1", in, 1);
-  if (normalized) block.norm2 = layers.TakeNorm(name + ".norm2", in);
-  block.time2 = TakeTime(layers.tensors(), name + ".tconv2", out, kPathShare);
-  return block;
-}
-
-// From the coarser level to `level`.
-DecoderBlock TakeDecoder(LayerReader& layers, const std::string& name, int level, int in, int out) {
-  DecoderBlock block{layers.TakeDecoder(name, level, in, out), {}, {}, {}, {}};
-  block.adain1 = TakeAdaIn(layers.tensors(), name + ".adain1", in);
-  block.time1 = TakeTime(layers.tensors(), name + ".tconv1", out, 1);
-  block.adain2 = TakeAdaIn(layers.tensors(), name + ".adain2", out);
-  block.time2 = TakeTime(layers.tensors(), name + ".tconv2", out, kPathShare);
-  return block;
-}
-
-// The convolution over 16 frames of 5 nodes as one matrix; the trunk's floats are in the order
-// frame, node, channel, the file's in channel, frame, node.
-Linear TakeConv(TensorReader& tensors, int channels) {
-  constexpr int kFrames = kReference / 4;
-  const RowMajor weight = tensors.Tensor("e.conv.weight", {channels, channels, kFrames, kNodes[2]});
-  const RowMajor bias = tensors.Vector("e.conv.bias", channels).transpose();
-  constexpr int kPlaces = kFrames * kNodes[2];
-  const std::array<int, 1> depth{kPlaces * channels};
-  Linear linear;
-  linear.weight = net::PackedColumns(depth, channels);
-  for (int out = 0; out < channels; ++out) {
-    for (int place = 0; place < kPlaces; ++place) {
-      for (int in = 0; in < channels; ++in) {
-        linear.weight.At(0, out, place * channels + in) = weight(out, in * kPlaces + place);
-      }
-    }
-  }
-  Copy(bias, linear.bias);
-  return linear;
-}
-
 GeneratorWeights TakeGenerator(LayerReader& layers, int width) {
   GeneratorWeights g;
   g.in = layers.TakeLinear("g.in", width, kChannels, kNodes[0]);
@@ -79,23 +21,6 @@ GeneratorWeights TakeGenerator(LayerReader& layers, int width) {
   g.decoder[1] = TakeDecoder(layers, "g.dec2", 0, 2 * width, width);
   g.out = layers.TakeLinear("g.out", kChannels, width, 0);
   return g;
-}
-
-StyleEncoderWeights TakeStyleEncoder(LayerReader& layers, int width, int domains) {
-  StyleEncoderWeights e;
-  const int trunk = 4 * width;
-  e.in = layers.TakeLinear("e.in", width, kChannels, kNodes[0]);
-  e.blocks[0] = TakeEncoder(layers, "e.res1", 0, width, 2 * width, false);
-  e.blocks[1] = TakeEncoder(layers, "e.res2", 1, 2 * width, trunk, false);
-  e.conv = TakeConv(layers.tensors(), trunk);
-  const RowMajor heads = layers.tensors().Tensor("e.heads.weight", {domains, kCode, trunk});
-  const RowMajor bias = layers.tensors().Matrix("e.heads.bias", domains, kCode);
-  for (int domain = 0; domain < domains; ++domain) {
-    e.heads.push_back({Eigen::Map<const RowMajor>(heads.row(domain).data(), kCode, trunk),
-                       bias.row(domain).transpose()});
-  }
-  e.heads.push_back(TakeDense(layers.tensors(), "e.free", kCode, trunk));
-  return e;
 }
 
 MappingWeights TakeMapping(LayerReader& layers, int domains) {
@@ -146,7 +71,7 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   if (!faults.none()) return faults.status();
   const int domains = network->domain_count();
   w.generator = TakeGenerator(layers, width);
-  w.encoder = TakeStyleEncoder(layers, width, domains);
+  w.encoder = StyleEncoder(layers, width, domains);
   w.mapping = TakeMapping(layers, domains);
   const RowMajor codes = tensors.Matrix("codes.mean", domains, kCode);
   for (int domain = 0; domain < domains; ++domain) {

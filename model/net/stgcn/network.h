@@ -91,7 +91,6 @@ class Network {
  private:
   struct Weights;
   Network();
-  void EncodeWindow(std::span<const Features> window, float* y, Scratch& scratch) const;
   net::Model model_;
   FeatureParameters features_;
   std::unique_ptr<Weights> weights_;
