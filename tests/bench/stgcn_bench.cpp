@@ -61,11 +61,11 @@ struct Ours {
       : network(the_network), clip(WalkFeatures(frames, network.features())), out(clip.size()) {}
   void Once() {
     network.Encode(clip, content, scratch);
-    network.Decode(content, network.mean_code(1), out, scratch);
+    network.Decode(content, network.space().mean_code(1), out, scratch);
   }
   void Twice() {
     Once();
-    network.Decode(content, network.mean_code(0), out, scratch);
+    network.Decode(content, network.space().mean_code(0), out, scratch);
   }
   const Network& network;
   std::vector<Features> clip, out;
@@ -153,7 +153,7 @@ int Main(int width) {
       {"ours, 300 frames", [&] { clip.Once(); }, 1},
       {"ours, 64 frames, decoded twice", [&] { window.Twice(); }, 0},
       {"ours, style encoder, 64 frames",
-       [&] { code += network->EncodeStyle(window.clip, kFreeHead, window.scratch); }, 3},
+       [&] { code += network->space().EncodeStyle(window.clip, kFreeHead, window.scratch); }, 3},
       {"ours, causal, 64 frames, no style", [&] { plain.Run(); }, 0},
       {"ours, causal, 64 frames, styled", [&] { styled.Run(); }, 0},
   };

@@ -2,6 +2,7 @@
 // through the trainer's writer and our reader.
 #include <gtest/gtest.h>
 
+#include "model/net/stgcn/code_space.h"
 #include "model/net/stgcn/network.h"
 #include "tests/parity/stgcn_torch.h"
 #include "tests/support/temporary_folder.h"
@@ -78,11 +79,12 @@ TEST_P(StgcnParity, TheStyleEncoderWithEveryHead) {
   const Tensor features = encoder.Features(pair_.graph, pair_.Standardized(clip));
   for (int64_t domain = 0; domain < kDomains; ++domain) {
     const Tensor expected = encoder.Code(features, torch::tensor({domain}));
-    const stgcn::Code found = network_->EncodeStyle(clip, static_cast<int>(domain), scratch_);
+    const stgcn::Code found =
+        network_->space().EncodeStyle(clip, static_cast<int>(domain), scratch_);
     EXPECT_LT((found - ToCode(expected)).cwiseAbs().maxCoeff(), kTolerance) << domain;
     EXPECT_GT(expected.abs().max().item<float>(), 0.1F);
   }
-  const stgcn::Code free = network_->EncodeStyle(clip, stgcn::kFreeHead, scratch_);
+  const stgcn::Code free = network_->space().EncodeStyle(clip, stgcn::kFreeHead, scratch_);
   EXPECT_LT((free - ToCode(encoder.FreeCode(features))).cwiseAbs().maxCoeff(), kTolerance);
 }
 
@@ -90,7 +92,7 @@ TEST_P(StgcnParity, TheMappingNetwork) {
   const torch::NoGradGuard no_grad;
   for (int64_t domain = 0; domain < kDomains; ++domain) {
     const Tensor z = torch::randn({1, stgcn::kNoise});
-    const stgcn::Code found = network_->MapNoise(
+    const stgcn::Code found = network_->space().MapNoise(
         Eigen::Map<const stgcn::Noise>(z.data_ptr<float>()), static_cast<int>(domain));
     const Tensor expected = pair_.networks.mapping(z, torch::tensor({domain}));
     EXPECT_LT((found - ToCode(expected)).cwiseAbs().maxCoeff(), kTolerance) << domain;

@@ -7,9 +7,9 @@
 
 namespace styled::stgcn {
 
-Code PulledIn(const Network& network, const Code& code) {
-  const net::NearestStyle nearest = Nearest(network, code);
-  const Code& mean = network.mean_code(nearest.style);
+Code PulledIn(const CodeSpace& space, const Code& code) {
+  const net::NearestStyle nearest = Nearest(space, code);
+  const Code& mean = space.mean_code(nearest.style);
   if (!(nearest.distance > kFarthest) || !std::isfinite(nearest.distance)) return code;
   return mean + kFarthest / nearest.distance * (code - mean);
 }
@@ -34,37 +34,37 @@ Noise NoiseOf(std::uint64_t seed) {
   return noise;
 }
 
-Code NoiseCode(const Network& network, std::uint64_t seed, int domain) {
-  return network.MapNoise(NoiseOf(seed), domain);
+Code NoiseCode(const CodeSpace& space, std::uint64_t seed, int domain) {
+  return space.MapNoise(NoiseOf(seed), domain);
 }
 
-Code Varied(const Network& network, std::uint64_t seed, int domain, float amount) {
-  const Code& mean = network.mean_code(domain);
-  return mean + amount * (NoiseCode(network, seed, domain) - mean);
+Code Varied(const CodeSpace& space, std::uint64_t seed, int domain, float amount) {
+  const Code& mean = space.mean_code(domain);
+  return mean + amount * (NoiseCode(space, seed, domain) - mean);
 }
 
-Code AtStrength(const Network& network, const Code& code, float alpha) {
-  const Code& neutral = network.mean_code(0);
+Code AtStrength(const CodeSpace& space, const Code& code, float alpha) {
+  const Code& neutral = space.mean_code(0);
   return neutral + alpha * (code - neutral);
 }
 
-Code Mixed(const Network& network, std::span<const WeightedCode> codes) {
-  const Code& neutral = network.mean_code(0);
+Code Mixed(const CodeSpace& space, std::span<const WeightedCode> codes) {
+  const Code& neutral = space.mean_code(0);
   Code sum = neutral;
   for (const WeightedCode& one : codes) sum += one.weight * (one.code - neutral);
   return sum;
 }
 
-net::NearestStyle Nearest(const Network& network, const Code& code) {
-  const int domains = network.domain_count();
+net::NearestStyle Nearest(const CodeSpace& space, const Code& code) {
+  const int domains = space.domain_count();
   net::NearestStyle nearest{0, std::numeric_limits<float>::infinity()};
   double between = 0;
   for (int domain = 0; domain < domains; ++domain) {
-    const Code& mean = network.mean_code(domain);
+    const Code& mean = space.mean_code(domain);
     const float distance = (code - mean).norm();
     if (distance < nearest.distance) nearest = {domain, distance};
     for (int other = 0; other < domain; ++other) {
-      between += static_cast<double>((mean - network.mean_code(other)).norm());
+      between += static_cast<double>((mean - space.mean_code(other)).norm());
     }
   }
   between /= std::max(1, domains * (domains - 1) / 2);

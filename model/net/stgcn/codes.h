@@ -3,8 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "model/net/clip_stylizer.h"
-#include "model/net/stgcn/network.h"
+#include "model/net/stgcn/code_space.h"
 
 // Arithmetic of style codes: they may be averaged, mixed, weakened and extrapolated. Linear paths
 // between codes give monotone changes of style (Park et al. 2021, section 4.4). Allocates; any
@@ -24,24 +23,24 @@ struct WeightedCode {
 // lie at 0.5 to 0.9.
 // A distance that is not finite is of broken weights, which must show: such a code stays.
 inline constexpr float kFarthest = 1.5F;
-Code PulledIn(const Network& network, const Code& code);
+Code PulledIn(const CodeSpace& space, const Code& code);
 
 // F(z, domain) for the noise that `seed` stands for: the same number gives the same noise in every
 // domain and on every machine.
 Noise NoiseOf(std::uint64_t seed);
-Code NoiseCode(const Network& network, std::uint64_t seed, int domain);
+Code NoiseCode(const CodeSpace& space, std::uint64_t seed, int domain);
 
 // A variation of a domain: mean + amount (F - mean).
-Code Varied(const Network& network, std::uint64_t seed, int domain, float amount);
+Code Varied(const CodeSpace& space, std::uint64_t seed, int domain, float amount);
 
 // neutral + alpha (code - neutral): 0 is neutral, 1 the code, above 1 more than it.
-Code AtStrength(const Network& network, const Code& code, float alpha);
+Code AtStrength(const CodeSpace& space, const Code& code, float alpha);
 
 // neutral + Σ weight (code - neutral). Weights that sum to 1 give the weighted mean.
-Code Mixed(const Network& network, std::span<const WeightedCode> codes);
+Code Mixed(const CodeSpace& space, std::span<const WeightedCode> codes);
 
 // The domain whose mean code is nearest, and its distance over the mean distance of all pairs of
 // domains' mean codes. Within the training data the distance is about 1 or less.
-net::NearestStyle Nearest(const Network& network, const Code& code);
+net::NearestStyle Nearest(const CodeSpace& space, const Code& code);
 
 }  // namespace styled::stgcn

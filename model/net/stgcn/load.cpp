@@ -23,17 +23,6 @@ GeneratorWeights TakeGenerator(LayerReader& layers, int width) {
   return g;
 }
 
-MappingWeights TakeMapping(LayerReader& layers, int domains) {
-  constexpr int kHidden = 256;
-  MappingWeights f;
-  f.noise = TakeDense(layers.tensors(), "f.noise", kHidden, kNoise);
-  f.label = TakeDense(layers.tensors(), "f.label", kHidden, domains);
-  f.first = TakeDense(layers.tensors(), "f.fc1", 2 * kHidden, 2 * kHidden);
-  f.second = TakeDense(layers.tensors(), "f.fc2", 4 * kHidden, 2 * kHidden);
-  f.out = TakeDense(layers.tensors(), "f.out", kCode, 4 * kHidden);
-  return f;
-}
-
 }  // namespace
 
 Network::Network() : weights_(std::make_unique<Weights>()) {}
@@ -69,14 +58,9 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   LayerReader layers(tensors);
   w.standard = TakeStandardization(tensors, features, faults);
   if (!faults.none()) return faults.status();
-  const int domains = network->domain_count();
   w.generator = TakeGenerator(layers, width);
-  w.encoder = StyleEncoder(layers, width, domains);
-  w.mapping = TakeMapping(layers, domains);
-  const RowMajor codes = tensors.Matrix("codes.mean", domains, kCode);
-  for (int domain = 0; domain < domains; ++domain) {
-    w.mean_codes.emplace_back(codes.row(domain).transpose());
-  }
+  const auto domains = static_cast<int>(file.model.styles.size());
+  w.space = std::make_unique<const CodeSpace>(layers, features, w.standard, width, domains);
   tensors.Finish();
   if (!faults.none()) return faults.status();
   return std::shared_ptr<const Network>(network);

@@ -11,9 +11,7 @@ Network::~Network() = default;
 
 int Network::width() const { return weights_->width; }
 
-const Code& Network::mean_code(int domain) const {
-  return weights_->mean_codes[static_cast<std::size_t>(domain)];
-}
+const CodeSpace& Network::space() const { return *weights_->space; }
 
 void Network::Encode(std::span<const Features> clip, Content& content, Scratch& scratch) const {
   assert(clip.size() >= kLeastFrames);
@@ -61,21 +59,6 @@ void Network::Decode(const Content& content, const Code& code, std::span<Feature
     // Constant in every pose; the network's output there is noise.
     out[frame][kChannels * body::kHips] = out[frame][kChannels * body::kHips + 2] = 0;
   }
-}
-
-Code Network::EncodeStyle(std::span<const Features> clip, int domain, Scratch& scratch) const {
-  assert(domain >= kFreeHead && domain < domain_count());
-  return weights_->encoder.Encode(*weights_->kernels, weights_->standard, clip, domain, scratch);
-}
-
-Code Network::MapNoise(const Noise& noise, int domain) const {
-  assert(domain >= 0 && domain < domain_count());
-  const MappingWeights& f = weights_->mapping;
-  const auto relu = [](const Eigen::VectorXf& x) -> Eigen::VectorXf { return x.cwiseMax(0.0F); };
-  Eigen::VectorXf both(f.noise.bias.size() + f.label.bias.size());
-  both << relu(f.noise.Apply(noise)), relu(f.label.weight.col(domain) + f.label.bias);
-  const Eigen::VectorXf hidden = relu(f.second.Apply(relu(f.first.Apply(both))));
-  return f.out.Apply(hidden).array().tanh();
 }
 
 }  // namespace styled::stgcn

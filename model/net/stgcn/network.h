@@ -36,6 +36,8 @@ inline constexpr int kFreeHead = -1;  // the head of the style encoder that need
 using Code = Eigen::Matrix<float, kCode, 1>;
 using Noise = Eigen::Matrix<float, kNoise, 1>;  // standard normal
 
+class CodeSpace;
+
 // Memory of one thread's calls; grows with the longest clip, about 150 kB per frame at width 64.
 struct Scratch {
   net::AlignedFloats frames, block, graph, skip, pooled, interpolated, time1, time2, between,
@@ -43,8 +45,8 @@ struct Scratch {
   TimeScratch time;
 };
 
-// The networks of Park et al. 2021 (FORMAT.md): the generator, here in two halves, the style
-// encoder and the mapping network. Features go in and come out in their units (features.h); the
+// The networks of Park et al. 2021 (FORMAT.md): the generator, here in two halves, and those that
+// know what a style is (code_space.h). Features go in and come out in their units (features.h); the
 // networks see them standardized. Immutable; shared by all threads, each with its own scratch.
 // Allocates; not for live streams. Pinned by tests/unit/net/stgcn and tests/parity.
 class Network {
@@ -63,7 +65,6 @@ class Network {
   const net::Model& model() const { return model_; }
   const FeatureParameters& features() const { return features_; }
   int width() const;
-  int domain_count() const { return static_cast<int>(model_.styles.size()); }
 
   // The generator's encoding of a clip: what is decoded in any style.
   struct Content {
@@ -77,16 +78,8 @@ class Network {
   void Decode(const Content& content, const Code& code, std::span<Features> out,
               Scratch& scratch) const;
 
-  // The code of a reference clip by the head of `domain` (0 .. domain_count() - 1), or by
-  // kFreeHead. A clip of more than kReference frames: the mean over its windows, kReferenceHop
-  // apart; of fewer: both ends are repeated. Not empty.
-  Code EncodeStyle(std::span<const Features> clip, int domain, Scratch& scratch) const;
-
-  // The mapping network: a code of `domain`.
-  Code MapNoise(const Noise& noise, int domain) const;
-
-  // The mean code of the domain's training clips.
-  const Code& mean_code(int domain) const;
+  // What a style is to this network: codes for Decode.
+  const CodeSpace& space() const;
 
  private:
   struct Weights;

@@ -6,7 +6,7 @@
 #include <deque>
 #include <numbers>
 
-#include "model/net/stgcn/codes.h"
+#include "model/net/stgcn/code_space.h"
 #include "model/net/stgcn/features.h"
 #include "model/net/stgcn/network.h"
 
@@ -67,8 +67,8 @@ class StgcnStream final : public net::ClipStream {
     }
     network_->Encode(clip, content_, scratch_);
     Output output{std::vector<Features>(clip.size()), std::vector<Features>(clip.size())};
-    network_->Decode(content_, network_->EncodeStyle(clip, input_style_, scratch_), output.own,
-                     scratch_);
+    network_->Decode(content_, network_->space().EncodeStyle(clip, input_style_, scratch_),
+                     output.own, scratch_);
     network_->Decode(content_, code_, output.styled, scratch_);
     // The last window's end fades into this one's beginning.
     const std::size_t overlap = std::min(last_.own.size(), count);
@@ -115,17 +115,10 @@ class StgcnStylizer final : public net::ClipStylizer {
   int least_frames() const noexcept override { return kLeastFrames; }
 
   net::StyleCode MakeCode(const net::StyleRequest& request) const override {
-    std::vector<WeightedCode> codes;
-    codes.reserve(request.sources.size());
-    for (const net::StyleSource& source : request.sources) {
-      codes.push_back({CodeOfSource(source, request.amount), source.weight});
-    }
-    const Code code = AtStrength(*network_, Mixed(*network_, codes), request.strength);
-    return {code.data(), code.data() + code.size()};
+    return network_->space().MakeCode(request);
   }
-
   net::NearestStyle Nearest(const net::StyleCode& code) const override {
-    return stgcn::Nearest(*network_, ToCode(code));
+    return network_->space().Nearest(code);
   }
 
   std::unique_ptr<net::ClipStream> MakeStream(const net::StyleCode& code, int input_style,
@@ -134,27 +127,6 @@ class StgcnStylizer final : public net::ClipStylizer {
   }
 
  private:
-  static Code ToCode(const net::StyleCode& code) {
-    assert(code.size() == kCode);
-    return Eigen::Map<const Code>(code.data());
-  }
-
-  Code CodeOfSource(const net::StyleSource& source, float amount) const {
-    if (source.reference.empty()) {
-      return source.seed
-                 ? PulledIn(*network_, Varied(*network_, *source.seed, source.style, amount))
-                 : network_->mean_code(source.style);
-    }
-    HeadingState heading;
-    std::vector<Features> clip(source.reference.size());
-    for (std::size_t i = 0; i < clip.size(); ++i) {
-      ComputeFeatures(source.reference[i], network_->features(), heading, clip[i]);
-    }
-    Scratch scratch;
-    return PulledIn(*network_, network_->EncodeStyle(
-                                   clip, source.style < 0 ? kFreeHead : source.style, scratch));
-  }
-
   std::shared_ptr<const Network> network_;
 };
 

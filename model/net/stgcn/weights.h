@@ -1,11 +1,11 @@
 #pragma once
 
-#include <vector>
+#include <memory>
 
 #include "model/net/stgcn/blocks.h"
+#include "model/net/stgcn/code_space.h"
 #include "model/net/stgcn/layer_reader.h"
 #include "model/net/stgcn/network.h"
-#include "model/net/stgcn/style_encoder.h"
 
 // The weights in memory, in the order and layout in which the kernels read them. Included only by
 // load.cpp and network.cpp.
@@ -17,18 +17,12 @@ struct GeneratorWeights {
   std::array<DecoderBlock, 2> decoder;
 };
 
-struct MappingWeights {
-  Dense noise, label, first, second, out;
-};
-
 struct Network::Weights {
   const net::RowKernels* kernels = &net::BestRowKernels();
   int width = 0;
   Standardization standard;
   GeneratorWeights generator;
-  StyleEncoder encoder;
-  MappingWeights mapping;
-  std::vector<Code> mean_codes;
+  std::unique_ptr<const CodeSpace> space;
 };
 
 }  // namespace styled::stgcn

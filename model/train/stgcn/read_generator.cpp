@@ -3,6 +3,7 @@
 #include <cstring>
 #include <string>
 
+#include "model/net/stgcn/code_space.h"
 #include "model/net/stgcn/network.h"
 #include "model/net/weights_file.h"
 #include "model/train/checkpoint.h"
@@ -40,7 +41,7 @@ Result<LoadedGenerator> ReadGenerator(const std::filesystem::path& file) {
     const torch::NoGradGuard no_grad;
     const net::SafetensorsView& view = opened.value().view;
     Shape shape;
-    shape.domains = network.value()->domain_count();
+    shape.domains = network.value()->space().domain_count();
     shape.width = network.value()->width();
     LoadedGenerator loaded;
     loaded.generator = std::make_unique<Generator>(shape, torch::kCPU);
@@ -57,6 +58,10 @@ Result<LoadedGenerator> ReadGenerator(const std::filesystem::path& file) {
     features("features.deviation", loaded.statistics.deviation);
     loaded.codes = torch::empty({shape.domains, shape.code});
     CopyFloats(view, "codes.mean", loaded.codes);
+    for (const auto& [name, tensor] : view.tensors) {
+      if (!name.starts_with("e.") && !name.starts_with("f.")) continue;
+      CopyFloats(view, name, loaded.space.emplace_back(name, torch::empty(tensor.shape)).second);
+    }
     return loaded;
   } catch (const std::exception& failure) {
     return Status::Error(file.string() + ": " + Reason(failure));

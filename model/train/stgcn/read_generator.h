@@ -7,6 +7,7 @@
 
 #include "model/base/status.h"
 #include "model/net/stylizer.h"
+#include "model/train/safetensors_write.h"
 #include "model/train/stgcn/networks.h"
 #include "model/train/stgcn/windows.h"
 
@@ -21,6 +22,7 @@ struct LoadedGenerator {
   stgcn::FeatureParameters parameters;  // with the hemisphere of `statistics`
   Statistics statistics;
   torch::Tensor codes;  // [n, code]: the mean code of each style
+  NamedTensors space;   // style encoder and mapping network, as in the file
 };
 Result<LoadedGenerator> ReadGenerator(const std::filesystem::path& file);
 

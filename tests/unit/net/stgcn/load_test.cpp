@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "model/net/stgcn/code_space.h"
 #include "tests/unit/net/stgcn/each_tensor.h"
 #include "tests/unit/net/stgcn/random_weights.h"
 
@@ -142,12 +143,12 @@ TEST(StgcnLoad, ReadsWhatIsWritten) {
   const auto network = NetworkOf(file);
   EXPECT_EQ(network->model().family, "st-gcn");
   EXPECT_EQ(network->model().styles[2].name, "style2");
-  EXPECT_EQ(network->domain_count(), kDomains);
+  EXPECT_EQ(network->space().domain_count(), kDomains);
   EXPECT_EQ(network->width(), kWidth);
   EXPECT_EQ(network->features().rate_hz, 30);
   EXPECT_EQ(network->features().heading_tau_s, 0.5F);
   const std::vector<float>& codes = file.tensor("codes.mean").values;
-  EXPECT_EQ(network->mean_code(1)[3], codes[kCode + 3]);
+  EXPECT_EQ(network->space().mean_code(1)[3], codes[kCode + 3]);
   const std::vector<float>& mean = file.tensor("features.mean").values;
   for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
     const Eigen::Map<const Eigen::Vector4f> q(mean.data() + kChannels * joint + 3);

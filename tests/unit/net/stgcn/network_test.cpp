@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "model/net/stgcn/code_space.h"
 #include "tests/unit/net/kernels/each_target.h"
 #include "tests/unit/net/stgcn/random_weights.h"
 #include "tests/unit/net/stgcn/reference.h"
@@ -89,7 +90,7 @@ TEST(Network, AScratchThatServedALongerClipGivesTheSameBits) {
   std::vector<Features> out(other.size());
   network->Encode(other, content, scratch);
   network->Decode(content, Code::Zero(), out, scratch);
-  network->EncodeStyle(other, 1, scratch);
+  network->space().EncodeStyle(other, 1, scratch);
   network->Encode(clip, content, scratch);
   out.resize(clip.size());
   network->Decode(content, Code::Ones(), out, scratch);
@@ -104,7 +105,7 @@ TEST(Network, StyleCodesAreThoseOfTheEquations) {
     const auto network = NetworkOf(file);
     Scratch scratch;
     for (const int domain : {0, 1, 2, kFreeHead}) {
-      const Code found = network->EncodeStyle(walk, domain, scratch);
+      const Code found = network->space().EncodeStyle(walk, domain, scratch);
       const Code expected = reference.EncodeStyle(walk, domain);
       EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), kTolerance) << domain;
       EXPECT_GT(expected.cwiseAbs().maxCoeff(), 0.1F) << domain;
@@ -120,11 +121,11 @@ TEST(Network, ALongReferenceIsTheMeanOfItsWindows) {
     Code sum = Code::Zero();
     int windows = 0;
     for (int begin = 0; begin + kReference <= frames; begin += kReferenceHop, ++windows) {
-      sum += network->EncodeStyle(std::span(walk).subspan(static_cast<std::size_t>(begin), 64), 1,
-                                  scratch);
+      sum += network->space().EncodeStyle(
+          std::span(walk).subspan(static_cast<std::size_t>(begin), 64), 1, scratch);
     }
     const Code mean = sum / static_cast<float>(windows);
-    EXPECT_LT((network->EncodeStyle(walk, 1, scratch) - mean).cwiseAbs().maxCoeff(), 1e-5F)
+    EXPECT_LT((network->space().EncodeStyle(walk, 1, scratch) - mean).cwiseAbs().maxCoeff(), 1e-5F)
         << frames;
   }
 }
@@ -139,7 +140,8 @@ TEST(Network, AShortReferenceIsFilledUpWithItsEnds) {
       filled.push_back(filled.back());
       if (filled.size() < kReference) filled.insert(filled.begin(), filled.front());
     }
-    EXPECT_EQ(network->EncodeStyle(walk, 2, scratch), network->EncodeStyle(filled, 2, scratch))
+    EXPECT_EQ(network->space().EncodeStyle(walk, 2, scratch),
+              network->space().EncodeStyle(filled, 2, scratch))
         << frames;
   }
 }
@@ -152,10 +154,10 @@ TEST(Network, NoiseBecomesTheCodeOfTheEquations) {
   for (int domain = 0; domain < 3; ++domain) {
     Noise noise;
     for (float& value : noise) value = std::normal_distribution<float>()(random);
-    const Code found = network->MapNoise(noise, domain);
+    const Code found = network->space().MapNoise(noise, domain);
     EXPECT_LT((found - reference.MapNoise(noise, domain)).cwiseAbs().maxCoeff(), 1e-5F) << domain;
     EXPECT_LT(found.cwiseAbs().maxCoeff(), 1.0F);
-    EXPECT_NE(found, network->MapNoise(noise, (domain + 1) % 3));
+    EXPECT_NE(found, network->space().MapNoise(noise, (domain + 1) % 3));
   }
 }
 

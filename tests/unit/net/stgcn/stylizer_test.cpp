@@ -86,8 +86,9 @@ TEST_F(StgcnStylizerTest, AClipIsEncodedOnceAndDecodedInItsOwnAndTheRequestedSty
     Scratch scratch;
     Network::Content content;
     network->Encode(clip, content, scratch);
-    network->Decode(content, network->EncodeStyle(clip, own, scratch), reconstructed, scratch);
-    network->Decode(content, network->mean_code(3), styled, scratch);
+    network->Decode(content, network->space().EncodeStyle(clip, own, scratch), reconstructed,
+                    scratch);
+    network->Decode(content, network->space().mean_code(3), styled, scratch);
     for (std::size_t i = 0; i < poses.size(); ++i) {
       EXPECT_EQ(found[i].heading_rad, heading_rad[i]);
       for (const auto& [features, decoded] : {std::pair(&reconstructed, &found[i].reconstruction),
@@ -169,11 +170,11 @@ TEST_F(StgcnStylizerTest, CodesAreMadeOfMeansNoiseAndReferences) {
     ComputeFeatures(example[i], network->features(), heading, clip[i]);
   }
   Scratch scratch;
-  const Code& neutral = network->mean_code(0);
+  const Code& neutral = network->space().mean_code(0);
   const Code expected =
-      neutral + 0.9F * (0.2F * (network->mean_code(1) - neutral) +
-                        0.3F * (Varied(*network, 11, 2, 0.5F) - neutral) +
-                        0.5F * (network->EncodeStyle(clip, kFreeHead, scratch) - neutral));
+      neutral + 0.9F * (0.2F * (network->space().mean_code(1) - neutral) +
+                        0.3F * (Varied(network->space(), 11, 2, 0.5F) - neutral) +
+                        0.5F * (network->space().EncodeStyle(clip, kFreeHead, scratch) - neutral));
   ASSERT_EQ(found.size(), static_cast<std::size_t>(kCode));
   EXPECT_LT((Eigen::Map<const Code>(found.data()) - expected).cwiseAbs().maxCoeff(), 1e-5F);
   EXPECT_EQ(stylizer->Nearest(Named(3)).style, 3);

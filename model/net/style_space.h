@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "model/body/pose.h"
+
+// The space of styles of a network that knows more than a list of them. Every point of it, a code,
+// is a style: of an example, of chance, or between others.
+namespace styled::net {
+
+// A style as the network's decoder takes it; its meaning is the family's.
+using StyleCode = std::vector<float>;
+
+// One ingredient of a style.
+struct StyleSource {
+  // From Model::styles: its mean; with a seed, a variation of it; with a reference, that as an
+  // example of this style. Or -1: from `reference` alone.
+  int style = -1;
+  std::optional<std::uint64_t> seed;
+  // An example of the style, at Model::rate_hz; not empty where style is -1. More than one example
+  // makes a mean: StyleRequest weights them. Not together with a seed.
+  std::span<const body::Pose> reference;
+  float weight = 1;
+};
+
+// What a style is made of: neutral + strength Σ weight (source - neutral).
+struct StyleRequest {
+  std::vector<StyleSource> sources;
+  float amount = 1;    // of variation: mean + amount (varied - mean)
+  float strength = 1;  // 0: neutral
+};
+
+// How far a code lies from what the network was trained on.
+struct NearestStyle {
+  int style = 0;       // the one with the nearest mean
+  float distance = 0;  // to it, over the mean distance between styles; 0 if there is only one
+};
+
+// Immutable; any thread. Allocates: not for the real-time thread.
+class StyleSpace {
+ public:
+  virtual ~StyleSpace() = default;
+  StyleSpace(const StyleSpace&) = delete;
+  StyleSpace& operator=(const StyleSpace&) = delete;
+
+  // The fewest poses that make an example, or a clip that is styled as a whole.
+  virtual int least_frames() const noexcept = 0;
+
+  // Styles must be within those of the weights file; weights, amount and strength finite.
+  virtual StyleCode MakeCode(const StyleRequest& request) const = 0;
+  virtual NearestStyle Nearest(const StyleCode& code) const = 0;
+
+ protected:
+  StyleSpace() = default;
+};
+
+}  // namespace styled::net
