@@ -8,6 +8,7 @@
 
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
+#include "model/net/style_space.h"
 #include "model/net/styles.h"
 
 // The interface of every style network to the rest of the program. Input: poses of the canonical
@@ -76,6 +77,15 @@ class Stylizer {
 
   virtual const Model& model() const noexcept = 0;
 
+  // The space of styles of a network that has one; null: it knows the styles of its list alone.
+  virtual const StyleSpace* space() const noexcept { return nullptr; }
+  // The same network with the style `code` of space(), as the style `number`: one more, or another
+  // in place of one that With has added. Null without a space. Allocates.
+  virtual std::shared_ptr<const Stylizer> With(int number, const StyleInfo& style,
+                                               const StyleCode& code) const;
+  // Whether a stream of `other` is a stream of this network, too: it differs by styles of With.
+  virtual bool SharesStreams(const Stylizer& other) const noexcept { return this == &other; }
+
   // Makes a stream in its initial state. Allocates.
   virtual std::unique_ptr<Stream> MakeStream() const = 0;
 
@@ -93,5 +103,10 @@ class Stylizer {
  protected:
   Stylizer() = default;
 };
+
+inline std::shared_ptr<const Stylizer> Stylizer::With(int /*number*/, const StyleInfo& /*style*/,
+                                                      const StyleCode& /*code*/) const {
+  return nullptr;
+}
 
 }  // namespace styled::net

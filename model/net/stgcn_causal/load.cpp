@@ -158,8 +158,6 @@ class ScratchSizes {
 
 }  // namespace
 
-Network::Network() : weights_(std::make_unique<Weights>()) {}
-
 Result<std::shared_ptr<const Network>> Network::Load(const std::filesystem::path& file) {
   const Result<std::vector<std::byte>> bytes = net::ReadFile(file);
   if (!bytes.ok()) return bytes.status();
@@ -175,11 +173,15 @@ Result<std::shared_ptr<const Network>> Network::Parse(std::span<const std::byte>
 
 Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   const std::shared_ptr<Network> network(new Network);
-  Weights& w = *network->weights_;
+  const auto weights = std::make_shared<Weights>();
+  network->weights_ = weights;
+  Weights& w = *weights;
   Faults faults(file.name);
   network->model_ = file.model;
   stgcn::ReadParameters(file, network->features_, faults);
   net::ExpectEqual(file.header, "code", static_cast<unsigned>(kCode), faults);
+  net::ExpectEqual(file.header, "noise", static_cast<unsigned>(stgcn::kNoise), faults);
+  net::ExpectEqual(file.header, "window", static_cast<unsigned>(stgcn::kReference), faults);
   stgcn::CheckContents(file.header, faults);
   const int width = w.width = stgcn::ReadWidth(file.header, faults);
   const Spacing spacing = ReadSpacing(file.header, faults);
@@ -208,10 +210,11 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   w.decoder[0] = blocks.TakeDecoder("g.dec1", 1, 4 * width, 2 * width, spacing[2]);
   w.decoder[1] = blocks.TakeDecoder("g.dec2", 0, 2 * width, width, spacing[3]);
   w.out = layers.TakeLinear("g.out", kChannels, width, 0);
-  const int domains = network->domain_count();
-  const RowMajor codes = tensors.Matrix("codes.mean", domains, kCode);
+  const int domains = network->style_count();
+  w.space = std::make_unique<const stgcn::CodeSpace>(layers, network->features_, standard, width,
+                                                     domains);
   for (int domain = 0; domain < domains; ++domain) {
-    w.codes.emplace_back(codes.row(domain).transpose());
+    network->codes_.push_back(w.space->mean_code(domain));
   }
   tensors.Finish();
   if (!faults.none()) return faults.status();

@@ -200,6 +200,20 @@ Network::~Network() = default;
 
 int Network::width() const { return weights_->width; }
 
+const stgcn::CodeSpace& Network::space() const { return *weights_->space; }
+
+std::shared_ptr<const Network> Network::With(int number, net::StyleInfo style,
+                                             const stgcn::Code& code) const {
+  assert(number >= space().domain_count() && number <= style_count());
+  const auto at = static_cast<std::size_t>(number);
+  const std::shared_ptr<Network> with(new Network(*this));
+  with->codes_.resize(std::max(codes_.size(), at + 1));
+  with->codes_[at] = code;
+  with->model_.styles.resize(with->codes_.size());
+  with->model_.styles[at] = std::move(style);
+  return with;
+}
+
 State Network::MakeState() const {
   State state;
   state.memory.Grow(weights_->state_size);
@@ -246,11 +260,11 @@ void Network::Step(const stgcn::Features& features, int input_style,
   RunEncoder(frame, w.encoder[1], frame.At(s.encoded[0]), frame.At(s.encoded[1]));
 
   // 2. The codes, and whether the second decoder goes on alone.
-  const int own = input_style > 0 && input_style < domain_count() ? input_style : 0;
-  const Requested requested(active, domain_count());
+  const int own = input_style > 0 && input_style < style_count() ? input_style : 0;
+  const Requested requested(active, style_count());
   float* const codes = frame.At(s.codes);
-  std::copy_n(w.codes[static_cast<std::size_t>(own)].data(), kCode, codes);
-  requested.WriteCode(w.codes, codes + kCode);
+  std::copy_n(codes_[static_cast<std::size_t>(own)].data(), kCode, codes);
+  requested.WriteCode(codes_, codes + kCode);
   const bool differs = own != 0 || requested.any();
   if (differs) {
     if (state.alone == 0) w.ForDecoder([&](const auto& layer) { layer.Follow(frame.memory); });

@@ -5,10 +5,12 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "model/base/realtime.h"
 #include "model/base/status.h"
 #include "model/net/kernels/rows.h"
+#include "model/net/stgcn/code_space.h"
 #include "model/net/stgcn/features.h"
 #include "model/net/stylizer.h"
 
@@ -56,13 +58,22 @@ class Network {
   // The same for a file whose common keys are already read; consumes its tensors.
   static Result<std::shared_ptr<const Network>> Read(net::WeightsFile& file);
   ~Network();
-  Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
+  // The styles: those of the file, and those of With after them.
   const net::Model& model() const { return model_; }
   const stgcn::FeatureParameters& features() const { return features_; }
   int width() const;
-  int domain_count() const { return static_cast<int>(model_.styles.size()); }
+  int style_count() const { return static_cast<int>(model_.styles.size()); }
+
+  // What a style is to this network, by the styles of the file.
+  const stgcn::CodeSpace& space() const;
+  // The same network with `code` as the style `number`: one more, style_count(), or another one in
+  // place of a style that With has added. The layers are shared: a state of the one is a state of
+  // the other. Allocates.
+  std::shared_ptr<const Network> With(int number, net::StyleInfo style,
+                                      const stgcn::Code& code) const;
+  bool SharesStates(const Network& other) const { return weights_ == other.weights_; }
 
   // A started state. Allocates.
   State MakeState() const;
@@ -77,11 +88,13 @@ class Network {
                             Output& out) const noexcept;
 
  private:
+  Network(const Network&) = default;
   struct Weights;
-  Network();
+  Network() = default;
   net::Model model_;
   stgcn::FeatureParameters features_;
-  std::unique_ptr<Weights> weights_;
+  std::vector<stgcn::Code> codes_;  // of model_.styles
+  std::shared_ptr<const Weights> weights_;
 };
 
 }  // namespace styled::stgcn_causal

@@ -26,6 +26,18 @@ class CausalStylizer final : public net::Stylizer {
 
   const net::Model& model() const noexcept override { return network_->model(); }
 
+  const net::StyleSpace* space() const noexcept override { return &network_->space(); }
+
+  std::shared_ptr<const net::Stylizer> With(int number, const net::StyleInfo& style,
+                                            const net::StyleCode& code) const override {
+    return std::make_shared<CausalStylizer>(network_->With(number, style, stgcn::ToCode(code)));
+  }
+
+  bool SharesStreams(const net::Stylizer& other) const noexcept override {
+    const auto* const causal = dynamic_cast<const CausalStylizer*>(&other);
+    return causal != nullptr && network_->SharesStates(*causal->network_);
+  }
+
   std::unique_ptr<net::Stream> MakeStream() const override {
     return std::make_unique<CausalStream>(network_->MakeState());
   }

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <array>
-#include <vector>
+#include <memory>
 
 #include "model/net/kernels/kernel.h"
+#include "model/net/stgcn/code_space.h"
 #include "model/net/stgcn/graph.h"
 #include "model/net/stgcn/layers.h"
 #include "model/net/stgcn/network.h"
@@ -52,7 +53,7 @@ struct Network::Weights {
   stgcn::Linear in, out;
   std::array<EncoderBlock, 2> encoder;
   std::array<DecoderBlock, 2> decoder;
-  std::vector<stgcn::Code> codes;  // of the domains
+  std::unique_ptr<const stgcn::CodeSpace> space;
   Scratch scratch;
   std::size_t state_size = 0;  // floats of State::memory
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "model/net/stgcn/network.h"
 #include "model/net/weights_file.h"
 #include "model/train/checkpoint.h"
 #include "model/train/device.h"
@@ -103,6 +104,8 @@ std::string CausalRecipe::Metadata(double wall_time_s) const {
   header["heading_tau_s"] = inputs_.teacher.parameters.heading_tau_s;
   header["width"] = shape.width;
   header["code"] = shape.code;
+  header["noise"] = stgcn::kNoise;
+  header["window"] = stgcn::kReference;
   header["contents"] = inputs_.data.manifest.contents;
   header["spacing"] = kSpacing;
   header["memory"] = static_cast<int>(kMemory);
@@ -114,6 +117,9 @@ void CausalRecipe::Save(double wall_time_s, Checkpoint& checkpoint) const {
   learner_.Save(checkpoint);
   checkpoint.tensors["mean"] = kinematics_.mean();
   checkpoint.tensors["deviation"] = kinematics_.deviation();
+  for (const auto& [name, tensor] : inputs_.teacher.space) {
+    checkpoint.tensors[std::string(kTeachers) + name] = tensor;
+  }
   checkpoint.strings["metadata"] = Metadata(wall_time_s);
 }
 

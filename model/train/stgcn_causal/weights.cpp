@@ -26,6 +26,9 @@ Status ExportWeights(const Checkpoint& checkpoint, const std::filesystem::path& 
                          {"features.deviation", t.at("deviation")},
                          {"codes.mean", t.at("codes.mean")}};
     for (const auto& named : student.parameters.named()) tensors.push_back(named);
+    for (const auto& [name, tensor] : t) {
+      if (name.starts_with(kTeachers)) tensors.emplace_back(name.substr(kTeachers.size()), tensor);
+    }
     return WriteSafetensors(tensors, metadata, file);
   } catch (const std::exception& failure) {
     return Status::Error(Reason(failure));

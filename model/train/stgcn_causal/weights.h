@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 #include "model/base/status.h"
 #include "model/train/recipe.h"
@@ -8,6 +9,8 @@
 namespace styled::train::st_gcn_causal {
 
 inline constexpr const char* kFamily = "st-gcn-causal";
+// Begins the names of a checkpoint's tensors that a weights file has as the teacher's has them.
+inline constexpr std::string_view kTeachers = "teacher.";
 
 // Writes the file of model/net/stgcn_causal/FORMAT.md, atomically. Everything that is needed is in
 // the checkpoint; errors name what is missing.

@@ -57,8 +57,8 @@ std::vector<Broken> BrokenFiles() {
       {"StartFramesHuge", Set("start_frames", 1e15), start + "1"},
       {"WidthOfAnother", Set("width", 32),
        "tensor 'g.in.weight': expected F32 [32,7], found F32 [16,7]"},
-      {"StyleEncoder", Add("e.in.weight"), "tensor 'e.in.weight': unknown"},
-      {"MappingNetwork", Add("f.out.weight"), "tensor 'f.out.weight': unknown"},
+      {"Noise", Set("noise", 8), "key 'noise': expected 16, found 8"},
+      {"Window", Set("window", 32), "key 'window': expected 64, found 32"},
       {"StartOfASkip", Add("g.enc1.skip.start_mean"), "tensor 'g.enc1.skip.start_mean': unknown"},
       {"Deviation", [](WeightsFile& file) { file.tensor("features.deviation").values[100] = 0; },
        "tensor 'features.deviation': expected values > 0, found 0.0"},
@@ -86,8 +86,8 @@ INSTANTIATE_TEST_SUITE_P(Load, BrokenWeights, testing::ValuesIn(BrokenFiles()),
                          [](const auto& info) { return std::string(info.param.what); });
 
 TEST(CausalLoad, RefusesEachMissingKeyOfItsOwn) {
-  for (const char* const key :
-       {"heading_tau_s", "width", "code", "contents", "spacing", "memory", "start_frames"}) {
+  for (const char* const key : {"heading_tau_s", "width", "code", "noise", "window", "contents",
+                                "spacing", "memory", "start_frames"}) {
     WeightsFile file = RandomWeights(kDomains, kWidth, 1);
     file.metadata.erase(key);
     EXPECT_EQ(Load(file).message(), "file: key '" + std::string(key) + "': missing");
@@ -96,7 +96,7 @@ TEST(CausalLoad, RefusesEachMissingKeyOfItsOwn) {
 
 TEST(CausalLoad, RefusesEachTensorThatIsNotAsItShouldBe) {
   const WeightsFile file = RandomWeights(kDomains, kWidth, 1);
-  ASSERT_EQ(file.tensors.size(), 84U);
+  ASSERT_EQ(file.tensors.size(), 125U);
   stgcn::ExpectEachTensorIsChecked(file, Load);
 }
 
@@ -106,7 +106,7 @@ TEST(CausalLoad, ReadsWhatIsWritten) {
   const auto network = CausalNetwork(file);
   EXPECT_EQ(network->model().family, "st-gcn-causal");
   EXPECT_EQ(network->model().styles[2].name, "style2");
-  EXPECT_EQ(network->domain_count(), kDomains);
+  EXPECT_EQ(network->style_count(), kDomains);
   EXPECT_EQ(network->width(), kWidth);
   EXPECT_EQ(network->features().rate_hz, 30);
   EXPECT_EQ(network->features().heading_tau_s, 0.5F);

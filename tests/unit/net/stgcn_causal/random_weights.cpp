@@ -8,14 +8,10 @@ namespace styled::stgcn_causal {
 
 WeightsFile RandomWeights(int domains, int width, unsigned seed) {
   WeightsFile file = stgcn::RandomWeights(domains, width, seed);
-  for (const char* const key : {"noise", "window"}) file.metadata.erase(key);
   file.metadata["family"] = "st-gcn-causal";
   file.metadata["spacing"] = {2, 4, 2, 1};
   file.metadata["memory"] = 21;
   file.metadata["start_frames"] = 16;
-  std::erase_if(file.tensors, [](const net::NamedTensor& tensor) {
-    return tensor.name.starts_with("e.") || tensor.name.starts_with("f.");
-  });
   std::mt19937 random(seed);
   const auto share = [&random] {
     return static_cast<float>(random() >> 8) / static_cast<float>(1 << 24);

@@ -93,6 +93,59 @@ TEST_F(CausalStylizer, PosesGoThroughTheFeaturesAndComeBackAsLocalRotations) {
   }
 }
 
+// The example's code comes from the same networks as the offline family's.
+TEST_F(CausalStylizer, AnExampleHasTheCodeOfTheOfflineNetwork) {
+  const auto offline = net::ParseAny(stgcn::RandomWeights(6, 16, 1).Bytes(), "offline");
+  ASSERT_TRUE(offline.ok()) << offline.status().message();
+  ASSERT_NE(stylizer->space(), nullptr);
+  const std::vector<body::Pose> example = Walk(100);
+  const net::StyleSource alone{.style = -1, .seed = {}, .reference = example};
+  const net::StyleSource labelled{.style = 2, .seed = {}, .reference = example};
+  const net::StyleSource varied{.style = 3, .seed = 7, .reference = {}};
+  for (const net::StyleSource& source : {alone, labelled, varied}) {
+    const net::StyleRequest request{.sources = {source}, .amount = 0.7F, .strength = 0.9F};
+    EXPECT_EQ(stylizer->space()->MakeCode(request), offline.value().clips->MakeCode(request));
+  }
+}
+
+TEST_F(CausalStylizer, AStyleIsAddedWhileItsStreamsGoOn) {
+  const net::StyleCode code = stylizer->space()->MakeCode({.sources = {{.style = 2}}});
+  const auto more = stylizer->With(6, {.name = "mine"}, code);
+  ASSERT_NE(more, nullptr);
+  EXPECT_EQ(stylizer->model().styles.size(), 6U);
+  ASSERT_EQ(more->model().styles.size(), 7U);
+  EXPECT_EQ(more->model().styles[6].name, "mine");
+  EXPECT_TRUE(more->SharesStreams(*stylizer) && stylizer->SharesStreams(*more));
+
+  // A stream that began without the new style, beside one in the style that it is a copy of.
+  const std::vector<body::Pose> poses = Walk(40);
+  const auto stream = stylizer->MakeStream(), beside = stylizer->MakeStream();
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    const bool late = frame >= 20;
+    const std::vector<StyleWeight> added{{late ? 6 : 2, 1.0F}}, own{{2, 1.0F}};
+    Prediction found, expected;
+    const net::StepJob job{&poses[frame], 0, added, stream.get(), &found};
+    (late ? *more : *stylizer).Step({&job, 1});
+    const net::StepJob other{&poses[frame], 0, own, beside.get(), &expected};
+    stylizer->Step({&other, 1});
+    EXPECT_TRUE(Same(found, expected)) << frame;
+  }
+
+  // Another in its place; the file's own styles and the other network stay.
+  const net::StyleCode next = stylizer->space()->MakeCode({.sources = {{.style = 4}}});
+  const auto replaced = more->With(6, {.name = "next"}, next);
+  EXPECT_EQ(replaced->model().styles.size(), 7U);
+  EXPECT_EQ(replaced->model().styles[6].name, "next");
+  EXPECT_EQ(more->model().styles[6].name, "mine");
+  EXPECT_EQ(replaced->space()->Nearest(next).style, 4);
+}
+
+TEST_F(CausalStylizer, StreamsOfOtherWeightsAreNotShared) {
+  const auto other = net::Parse(file.Bytes(), "again");
+  ASSERT_TRUE(other.ok());
+  EXPECT_FALSE(stylizer->SharesStreams(*other.value()));
+}
+
 // Performers without a style, in one, in several, switching, and with an input style.
 TEST_F(CausalStylizer, TogetherIsBitForBitOneByOne) {
   constexpr std::size_t kPerformers = 21;
