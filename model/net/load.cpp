@@ -13,29 +13,32 @@
 namespace styled::net {
 namespace {
 
-// A network family: its name in weights files, and the function that reads the family's part, of
-// either kind.
+// A network family: its name in weights files, the function that reads the family's part, of either
+// kind, and whether it knows a space of styles.
 struct Family {
   const char* name;
   Result<std::shared_ptr<const Stylizer>> (*load)(WeightsFile& file);
   Result<std::shared_ptr<const ClipStylizer>> (*load_clips)(WeightsFile& file) = nullptr;
+  bool space = false;
 };
 constexpr std::array kFamilies = {
     Family{kStyleErd, erd::Load},
     Family{offset::kFamily, offset::Load},
-    Family{stgcn::kFamily, nullptr, stgcn::Load},
-    Family{stgcn_causal::kFamily, stgcn_causal::Load},
+    Family{stgcn::kFamily, nullptr, stgcn::Load, true},
+    Family{stgcn_causal::kFamily, stgcn_causal::Load, nullptr, true},
 };
 
-// The families of some kinds, as an error lists them.
-std::string FamilyNames(bool frames, bool clips) {
+// The families that are `wanted`, as an error lists them.
+std::string FamilyNames(bool (*wanted)(const Family& family)) {
   std::string names;
   for (const Family& family : kFamilies) {
-    if (family.load != nullptr ? !frames : !clips) continue;
+    if (!wanted(family)) continue;
     names += (names.empty() ? "\"" : "\" or \"") + std::string(family.name);
   }
   return names + '"';
 }
+
+bool IsLive(const Family& family) { return family.load != nullptr; }
 
 const Family* FindFamily(const std::string& name) {
   const auto* const found =
@@ -74,7 +77,7 @@ Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
   const Family* const family = FindFamily(wanted);
   if (family != nullptr && family->load != nullptr) return family->load(file.value());
   Faults faults(name);
-  faults.Key("family", FamilyNames(true, false),
+  faults.Key("family", FamilyNames(IsLive),
              Shown(wanted) + (family != nullptr ? ": it styles whole clips, no live streams" : ""));
   return faults.status();
 }
@@ -92,10 +95,15 @@ Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string
   const Family* const family = FindFamily(wanted);
   if (family != nullptr) return LoadFamily(*family, file.value());
   Faults faults(name);
-  faults.Key("family", FamilyNames(true, true), Shown(wanted));
+  faults.Key("family", FamilyNames([](const Family&) { return true; }), Shown(wanted));
   return faults.status();
 }
 
-std::string ClipFamilyNames() { return FamilyNames(false, true); }
+std::string ClipFamilyNames() {
+  return FamilyNames([](const Family& family) { return !IsLive(family); });
+}
+std::string SpaceFamilyNames() {
+  return FamilyNames([](const Family& family) { return family.space; });
+}
 
 }  // namespace styled::net

@@ -32,7 +32,9 @@ struct AnyStylizer {
 Result<AnyStylizer> LoadAny(const std::filesystem::path& file);
 Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name);
 
-// The families whose networks need whole clips, for messages: "\"a\" or \"b\"".
+// The families whose networks need whole clips, or know a space of styles, for messages: "\"a\" or
+// \"b\"".
 std::string ClipFamilyNames();
+std::string SpaceFamilyNames();
 
 }  // namespace styled::net

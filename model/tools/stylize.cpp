@@ -155,6 +155,26 @@ struct Frames {
   styled::clip::Clip between;
 };
 
+// Puts what the arguments blend in place of the styles of `settings`, as one more style of the
+// network.
+Status AddBlend(const Arguments& arguments, styled::stylist::Settings& settings,
+                std::shared_ptr<const styled::net::Stylizer>& stylizer) {
+  if (arguments.root != "follow" || arguments.cadence) {
+    return Status::Error(
+        std::string(arguments.cadence ? "--cadence" : "--root stride") +
+        ": how fast an example or a variation goes is not known; expected --style and --mix alone");
+  }
+  auto blend = styled::stylize::MakeBlend(arguments, stylizer->model(), *stylizer->space(),
+                                          settings.input_style);
+  if (!blend.ok()) return blend.status();
+  const auto number = static_cast<int>(stylizer->model().styles.size());
+  stylizer = stylizer->With(number, {.name = "blend"}, blend.value().code);
+  settings.mix = {};
+  settings.mix[0] = {number, 1};
+  settings.strength = 1;  // the code has it
+  return Status::Ok();
+}
+
 // Writes the next frame's styled pose.
 using StyleNext = std::function<void(std::size_t i, styled::stylist::Output& out)>;
 
@@ -163,7 +183,8 @@ Result<StyleNext> MakeStyling(const Arguments& arguments, const styled::net::Any
                               std::shared_ptr<const styled::rig::Binding> binding,
                               const styled::stylist::Options& options, const Frames& frames) {
   if (network.clips) {
-    const Status length = styled::stylize::CheckLength(frames.clip, arguments.in, *network.clips);
+    const Status length = styled::stylize::CheckLength(frames.clip, arguments.in,
+                                                       network.clips->model(), *network.clips);
     if (!length.ok()) return length;
     auto style = styled::stylize::ParseClipStyle(arguments, *network.clips);
     if (!style.ok()) return style.status();
@@ -175,12 +196,17 @@ Result<StyleNext> MakeStyling(const Arguments& arguments, const styled::net::Any
     return StyleNext([stylist](std::size_t, styled::stylist::Output& out) { stylist->Next(out); });
   }
   const styled::net::Model& model = network.model();
-  const Status refused = styled::stylize::RefuseClipArguments(arguments, model.family);
+  const Status refused = styled::stylize::RefuseClipArguments(arguments, *network.frames);
   if (!refused.ok()) return refused;
   auto settings = ParseSettings(arguments, model.styles);
   if (!settings.ok()) return settings.status();
+  auto stylizer = network.frames;
+  if (!arguments.like.empty() || arguments.vary) {
+    const auto added = AddBlend(arguments, settings.value(), stylizer);
+    if (!added.ok()) return added;
+  }
   auto stylist =
-      std::make_shared<styled::stylist::Stylist>(network.frames, std::move(binding), options);
+      std::make_shared<styled::stylist::Stylist>(std::move(stylizer), std::move(binding), options);
   stylist->Set(settings.value());
   return StyleNext([stylist, &frames](std::size_t i, styled::stylist::Output& out) {
     stylist->Process(frames.Time_ns(i), frames.At(i), out);

@@ -76,14 +76,21 @@ Status CheckGait(const Arguments& arguments, const net::Styles& styles,
 // it was and is; `file` is the output's name.
 void TakeTimes(const std::string& file, std::span<const double> times_s, clip::Clip& clip);
 
-// What the arguments ask of a network that needs whole clips. Reads the examples, and prints how
-// far each is from the styles that the network knows.
+// What the arguments ask of a network that needs whole clips.
 Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
                                           const net::ClipStylizer& network);
+// What --style, --mix, --like and --vary make together, and the weight of all of it. Reads the
+// examples, and prints how far each is from the styles that the network knows.
+struct Blend {
+  net::StyleCode code;
+  float weight = 1;
+};
+Result<Blend> MakeBlend(const Arguments& arguments, const net::Model& model,
+                        const net::StyleSpace& space, int input_style);
 // Whether a clip has the frames that the network needs; the error names its file.
-Status CheckLength(const clip::Clip& clip, const std::string& file,
-                   const net::ClipStylizer& network);
-// The first argument that only such a network can serve; `family` is that of one that cannot.
-Status RefuseClipArguments(const Arguments& arguments, const std::string& family);
+Status CheckLength(const clip::Clip& clip, const std::string& file, const net::Model& model,
+                   const net::StyleSpace& space);
+// The first argument that this network of live streams cannot serve.
+Status RefuseClipArguments(const Arguments& arguments, const net::Stylizer& network);
 
 }  // namespace styled::stylize

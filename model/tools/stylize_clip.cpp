@@ -1,5 +1,5 @@
-// The arguments of stylize for networks that need whole clips: styles from examples, variations
-// and mixes of both.
+// The arguments of stylize for networks that know a space of styles: styles from examples,
+// variations and mixes of both.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -41,7 +41,7 @@ std::size_t NetworkFrames(const clip::Clip& clip, float rate_hz) {
 }
 
 Result<Example> ReadExample(const std::string& text, const std::string& rig,
-                            const net::ClipStylizer& network) {
+                            const net::Model& model, const net::StyleSpace& space) {
   auto example = ParseExample(text);
   if (!example.ok()) return example;
   const auto error = [](const std::string& what) { return Status::Error("--like: " + what); };
@@ -50,21 +50,21 @@ Result<Example> ReadExample(const std::string& text, const std::string& rig,
   if (!clip.ok()) return error(clip.status().message());
   const auto bound = rig::BindDialect(clip.value().skeleton, rig);
   if (!bound.ok()) return error(file + ": " + bound.status().message());
-  const Status length = CheckLength(clip.value(), file, network);
+  const Status length = CheckLength(clip.value(), file, model, space);
   if (!length.ok()) return error(length.message());
   example.value().poses =
       clip::ResamplePoses(clip::ToCanonical(clip.value(), bound.value()), clip.value().rate_hz,
-                          static_cast<double>(network.model().rate_hz));
+                          static_cast<double>(model.rate_hz));
   return example;
 }
 
 // Says how near an example is to what the network was trained on.
-void PrintNearest(const Example& example, const net::ClipStylizer& network) {
+void PrintNearest(const Example& example, const net::Styles& styles, const net::StyleSpace& space) {
   constexpr float kFar = 1;  // as far as styles are from each other
   net::StyleRequest alone;
   alone.sources.push_back({-1, {}, example.poses, 1});
-  const net::NearestStyle nearest = network.Nearest(network.MakeCode(alone));
-  const auto& style = network.model().styles[static_cast<std::size_t>(nearest.style)];
+  const net::NearestStyle nearest = space.Nearest(space.MakeCode(alone));
+  const auto& style = styles[static_cast<std::size_t>(nearest.style)];
   std::fprintf(stderr, "stylize: %s: nearest to %s, at %s of the mean distance between styles%s\n",
                example.file.c_str(), style.name.c_str(), NumberText(nearest.distance, 2).c_str(),
                nearest.distance > kFar ? ": unlike all styles that these weights know" : "");
@@ -136,11 +136,11 @@ Result<float> CheckWeights(const Arguments& arguments, std::span<const net::Styl
 
 }  // namespace
 
-Status CheckLength(const clip::Clip& clip, const std::string& file,
-                   const net::ClipStylizer& network) {
-  const float rate_hz = network.model().rate_hz;
+Status CheckLength(const clip::Clip& clip, const std::string& file, const net::Model& model,
+                   const net::StyleSpace& space) {
+  const float rate_hz = model.rate_hz;
   const std::size_t frames = NetworkFrames(clip, rate_hz);
-  const auto least = static_cast<std::size_t>(network.least_frames());
+  const auto least = static_cast<std::size_t>(space.least_frames());
   if (frames >= least) return Status::Ok();
   return Status::Error(file + ": found " + std::to_string(frames) + " frames at " +
                        NumberText(rate_hz) + " Hz, expected at least " + std::to_string(least));
@@ -171,15 +171,24 @@ Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
     if (arguments.window == window.word) style.extent = window.extent;
   }
 
+  auto blend = MakeBlend(arguments, network.model(), network, style.input_style);
+  if (!blend.ok()) return blend.status();
+  style.weight = blend.value().weight;
+  style.code = std::move(blend.value().code);
+  return style;
+}
+
+Result<Blend> MakeBlend(const Arguments& arguments, const net::Model& model,
+                        const net::StyleSpace& space, int input_style) {
   net::StyleRequest request;
   request.strength = arguments.strength;
   request.amount = arguments.amount;
   std::vector<Ingredient> ingredients;
-  const Status named = AddNamed(arguments, styles, ingredients);
+  const Status named = AddNamed(arguments, model.styles, ingredients);
   if (!named.ok()) return named;
   std::vector<Example> examples;
   for (const std::string& text : arguments.like) {
-    auto example = ReadExample(text, arguments.rig, network);
+    auto example = ReadExample(text, arguments.rig, model, space);
     if (!example.ok()) return example.status();
     examples.push_back(std::move(example.value()));
   }
@@ -190,25 +199,30 @@ Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
   if (!shared.ok()) return shared;
   for (const Ingredient& one : ingredients) {
     // Neutral asks for nothing, unless the performer's own style is to go.
-    const bool nothing = one.source.style == 0 && style.input_style == 0 && !one.source.seed;
+    const bool nothing = one.source.style == 0 && input_style == 0 && !one.source.seed;
     if (!nothing) request.sources.push_back(one.source);
   }
   const auto weight = CheckWeights(arguments, request.sources);
   if (!weight.ok()) return weight.status();
-  for (const Example& example : examples) PrintNearest(example, network);
-  style.weight = weight.value();
-  style.code = network.MakeCode(request);
-  return style;
+  for (const Example& example : examples) PrintNearest(example, model.styles, space);
+  return Blend{space.MakeCode(request), weight.value()};
 }
 
-Status RefuseClipArguments(const Arguments& arguments, const std::string& family) {
-  const auto refusal = [&family](const std::string& option, const std::string& what) {
-    return Status::Error(option + ": the weights of family \"" + family + "\" have no " + what +
-                         "; expected weights of family " + net::ClipFamilyNames());
+Status RefuseClipArguments(const Arguments& arguments, const net::Stylizer& network) {
+  const auto refusal = [&network](const std::string& option, const std::string& what,
+                                  const std::string& families) {
+    return Status::Error(option + ": the weights of family \"" + network.model().family +
+                         "\" have no " + what + "; expected weights of family " + families);
   };
-  if (!arguments.like.empty()) return refusal("--like", "style encoder");
-  if (arguments.vary) return refusal("--vary", "variations of a style");
-  if (arguments.window != kWindows[0].word) return refusal("--window", "windows");
+  if (!arguments.like.empty() && network.space() == nullptr) {
+    return refusal("--like", "style encoder", net::SpaceFamilyNames());
+  }
+  if (arguments.vary && network.space() == nullptr) {
+    return refusal("--vary", "variations of a style", net::SpaceFamilyNames());
+  }
+  if (arguments.window != kWindows[0].word) {
+    return refusal("--window", "windows", net::ClipFamilyNames());
+  }
   return Status::Ok();
 }
 

@@ -183,17 +183,17 @@ struct ClipRun {
 };
 
 // Are all variations' codes finite?
-Status CheckCodes(const net::ClipStylizer& network, const std::string& name) {
-  for (int style = 0; style < static_cast<int>(network.model().styles.size()); ++style) {
+Status CheckCodes(const net::Model& model, const net::StyleSpace& space, const std::string& name) {
+  for (int style = 0; style < static_cast<int>(model.styles.size()); ++style) {
     for (std::uint64_t seed = 1; seed <= kVariations; ++seed) {
       net::StyleRequest request;
       request.sources = {{style, seed, {}, 1}};
-      for (const float value : network.MakeCode(request)) {
+      for (const float value : space.MakeCode(request)) {
         if (std::isfinite(value)) continue;
-        return Status::Error(
-            name + ": the trial run failed: " + StyleText(network.model(), style, false) +
-            ", variation " + std::to_string(seed) +
-            ": expected finite numbers in its code, found " + Text("%g", Shown(value)));
+        return Status::Error(name + ": the trial run failed: " + StyleText(model, style, false) +
+                             ", variation " + std::to_string(seed) +
+                             ": expected finite numbers in its code, found " +
+                             Text("%g", Shown(value)));
       }
     }
   }
@@ -228,8 +228,18 @@ std::vector<ClipRun> MakeClipRuns(const net::Model& model, std::span<const body:
 
 }  // namespace
 
-Status Try(const net::Stylizer& network, const std::string& name, Figures* figures) {
-  const std::vector<body::Pose> poses = MakePoses(network.model().rate_hz);
+Status Try(const net::Stylizer& given, const std::string& name, Figures* figures) {
+  const std::vector<body::Pose> poses = MakePoses(given.model().rate_hz);
+  std::shared_ptr<const net::Stylizer> with;
+  if (const net::StyleSpace* const space = given.space(); space != nullptr) {
+    const Status codes = CheckCodes(given.model(), *space, name);
+    if (!codes.ok()) return codes;
+    net::StyleRequest request;
+    request.sources = {{-1, {}, poses, 1}};
+    with = given.With(static_cast<int>(given.model().styles.size()), {.name = "of an example"},
+                      space->MakeCode(request));
+  }
+  const net::Stylizer& network = with ? *with : given;
   body::Pose pose;
   std::vector<Run> runs = MakeRuns(network);
   std::vector<net::StepJob> jobs;
@@ -255,7 +265,7 @@ Status Try(const net::Stylizer& network, const std::string& name, Figures* figur
 
 Status Try(const net::ClipStylizer& network, const std::string& name, Figures* figures) {
   const std::vector<body::Pose> poses = MakePoses(network.model().rate_hz);
-  const Status codes = CheckCodes(network, name);
+  const Status codes = CheckCodes(network.model(), network, name);
   if (!codes.ok()) return codes;
   Figures worst;
   for (const ClipRun& run : MakeClipRuns(network.model(), poses)) {

@@ -16,7 +16,8 @@ namespace styled::trial {
 // too large, and every frame is NaN. So a network is tried before it is used. The synthetic
 // performer walks, runs, turns and raises both hands for kTrial_s at the network's own rate, with
 // every style at kMaxStrength (the largest allowed) and with every style as the input style; a
-// network of whole clips also with variations of every style and by an example. Allocates; takes
+// network with a space of styles also by an example, one of whole clips with variations of every
+// style, too. Allocates; takes
 // milliseconds, for a network of whole clips a second: for start-up and reload only. Pinned by
 // tests/unit/trial/trial_test.cpp.
 inline constexpr double kTrial_s = 3.5;

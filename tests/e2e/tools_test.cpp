@@ -12,6 +12,7 @@
 #include "tests/unit/net/erd/random_weights.h"
 #include "tests/unit/net/offset/weights.h"
 #include "tests/unit/net/stgcn/random_weights.h"
+#include "tests/unit/net/stgcn_causal/random_weights.h"
 
 namespace styled::support {
 namespace {
@@ -157,11 +158,10 @@ TEST_F(ToolsTest, StylizeRunsAConstantOffset) {
 // Weights whose network needs whole clips, with the same program.
 class StylizeClips : public ToolsTest {
  protected:
-  StylizeClips() {
-    WriteText(weights_, [] {
-      const std::vector<std::byte> bytes = stgcn::RandomWeights(4, 16, 1).Bytes();
-      return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    }());
+  StylizeClips() { Take(stgcn::RandomWeights(4, 16, 1)); }
+  void Take(const stgcn::WeightsFile& weights) {
+    const std::vector<std::byte> bytes = weights.Bytes();
+    WriteText(weights_, std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   }
   // Runs stylize with these arguments in front of the files; what it wrote, or "".
   std::string Stylize(std::vector<std::string> arguments, const std::string& in) {
@@ -311,12 +311,49 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   refuses({"--like", few}, "--like: " + few + ": found 7 frames at 30 Hz, expected at least 8");
 }
 
+// The same of live weights that know a space of styles.
+TEST_F(StylizeClips, LiveWeightsTakeExamplesNoiseAndMixToo) {
+  Take(stgcn_causal::RandomWeights(4, 16, 1));
+  const std::string in = Walk("30", "4"), example = Walk("60", "3");
+  const std::string named = Stylize({"--style", "style2"}, in);
+  ASSERT_NE(named, "") << said_;
+  std::set<std::string> all{named, ReadText(in)};
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"--style", "style2", "--vary", "1"},
+           {"--style", "style2", "--vary", "2", "--amount", "0.4"},
+           {"--like", example},
+           {"--like", example, "--strength", "0.7"},
+           {"--like", example, "--absolute"},
+           {"--like", example, "--like", in},
+           {"--like", example + "=0.5", "--style", "style2=0.5"}}) {
+    const std::string written = Stylize(arguments, in);
+    EXPECT_NE(written, "") << said_;
+    EXPECT_TRUE(all.insert(written).second) << testing::PrintToString(arguments);
+  }
+  EXPECT_EQ(Stylize({"--style", "style2", "--vary", "9", "--amount", "0"}, in), named);
+  EXPECT_NE(Stylize({"--like", example}, in), "");
+  EXPECT_NE(said_.find(example + ": nearest to "), std::string::npos) << said_;
+
+  clip::Clip brief = clip::ReadBvh(in).value();
+  brief.frames.resize(7, rig::RigPose(brief.skeleton));
+  const std::string few = folder_ / "few.bvh";
+  ASSERT_TRUE(clip::WriteBvh(brief, few).ok());
+  EXPECT_NE(Refusal({"--like", few}, in)
+                .find("--like: " + few + ": found 7 frames at 30 Hz, expected at least 8"),
+            std::string::npos)
+      << said_;
+  EXPECT_NE(Refusal({"--style", "style2", "--window", "whole"}, in)
+                .find("\"st-gcn-causal\" have no windows; expected weights of family \"st-gcn\""),
+            std::string::npos)
+      << said_;
+}
+
 TEST_F(StylizeClips, WeightsWithoutAStyleEncoderAreNamed) {
   const std::string in = Walk("30", "1");
   offset::WriteTestWeights(weights_);
   EXPECT_NE(Refusal({"--like", in}, in)
                 .find("--like: the weights of family \"constant-offset\" have no style encoder; "
-                      "expected weights of family \"st-gcn\""),
+                      "expected weights of family \"st-gcn\" or \"st-gcn-causal\""),
             std::string::npos)
       << said_;
   EXPECT_NE(Refusal({"--style", "bent", "--vary", "1"}, in).find("--vary: the weights of family"),

@@ -11,6 +11,7 @@
 #include "model/synthetic/performer.h"
 #include "tests/unit/net/erd/random_weights.h"
 #include "tests/unit/net/stgcn/random_weights.h"
+#include "tests/unit/net/stgcn_causal/random_weights.h"
 
 namespace styled::trial {
 namespace {
@@ -187,6 +188,22 @@ TEST(TrialTest, RandomWeightsOfAClipNetworkPassAndWildOnesAreRefused) {
   EXPECT_THAT(
       Try(*wild.value().clips, "wild").message(),
       HasSubstr("style 'neutral', variation 1: expected finite numbers in its code, found nan"));
+}
+
+// A live network with a space of styles is also tried by an example.
+TEST(TrialTest, RandomCausalWeightsPassAndWildExamplesAreRefused) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto network = stgcn_causal::RandomWeights(3, 16, seed);
+    const auto parsed = Parse(network.Bytes(), "random");
+    ASSERT_TRUE(parsed.ok()) << seed << ": " << parsed.status().message();
+  }
+  const auto refusal = [](const std::string& tensor) {
+    stgcn::WeightsFile file = stgcn_causal::RandomWeights(3, 16, 1);
+    for (float& value : file.tensor(tensor).values) value *= 1e30F;
+    return Parse(file.Bytes(), "wild").status().message();
+  };
+  EXPECT_THAT(refusal("e.free.weight"), HasSubstr("style 'of an example', frame 0 of"));
+  EXPECT_THAT(refusal("g.dec2.tconv2.weight"), HasSubstr("style 'neutral', frame 0 of"));
 }
 
 TEST(TrialTest, AFileIsTriedAsItIsLoaded) {
