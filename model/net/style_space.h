@@ -52,6 +52,9 @@ class StyleSpace {
   // Styles must be within those of the weights file; weights, amount and strength finite.
   virtual StyleCode MakeCode(const StyleRequest& request) const = 0;
   virtual NearestStyle Nearest(const StyleCode& code) const = 0;
+  // The code, or one nearer to what the network knows where this lies so far from it that the body
+  // would be torn apart. MakeCode's sources are limited already.
+  virtual StyleCode Limited(const StyleCode& code) const { return code; }
 
  protected:
   StyleSpace() = default;

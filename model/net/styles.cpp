@@ -13,6 +13,7 @@ int FindStyle(const Styles& styles, std::string_view name) {
   };
   for (std::size_t s = 0; s < styles.size(); ++s) {
     const StyleInfo& style = styles[s];
+    if (style.retired) continue;
     if (same(style.name) || std::any_of(style.aliases.begin(), style.aliases.end(), same)) {
       return static_cast<int>(s);
     }

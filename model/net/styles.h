@@ -7,9 +7,10 @@
 namespace styled::net {
 
 // The limits of what a user may request of a network, whatever its family: defined here only.
-inline constexpr int kMaxStyles = 32;  // in a weights file, neutral included
-inline constexpr int kMaxMix = 4;      // styles that a user may mix
-inline constexpr int kMaxActive = 8;   // styles in effect: a mix and the one it fades from
+inline constexpr int kMaxStyles = 32;             // of a network, neutral included
+inline constexpr std::size_t kMaxStyleName = 32;  // bytes of the name of a style that is added
+inline constexpr int kMaxMix = 4;                 // styles that a user may mix
+inline constexpr int kMaxActive = 8;  // styles in effect: a mix and the one it fades from
 // of a strength, a style's weight, a mix's sum of weights
 inline constexpr float kMaxStrength = 1.5F;
 inline constexpr float kMaxTransition_s = 60.0F;  // of a style change
@@ -28,6 +29,9 @@ struct StyleInfo {
   float walk_mps = 0, run_mps = 0;
   // Their mean cadence, steps of either foot per minute; 0: not measured.
   float walk_spm = 0, run_spm = 0;
+  // Another style has its name now, or nobody shall choose it any more: FindStyle passes it over.
+  // It may still be fading out.
+  bool retired = false;
 };
 
 // Measured, and recognized too seldom.

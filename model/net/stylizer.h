@@ -83,6 +83,9 @@ class Stylizer {
   // in place of one that With has added. Null without a space. Allocates.
   virtual std::shared_ptr<const Stylizer> With(int number, const StyleInfo& style,
                                                const StyleCode& code) const;
+  // The same network, in which nobody shall choose the style `number` of With any more. Null
+  // without a space. Allocates.
+  virtual std::shared_ptr<const Stylizer> Retired(int number) const;
   // Whether a stream of `other` is a stream of this network, too: it differs by styles of With.
   virtual bool SharesStreams(const Stylizer& other) const noexcept { return this == &other; }
 
@@ -108,5 +111,6 @@ inline std::shared_ptr<const Stylizer> Stylizer::With(int /*number*/, const Styl
                                                       const StyleCode& /*code*/) const {
   return nullptr;
 }
+inline std::shared_ptr<const Stylizer> Stylizer::Retired(int /*number*/) const { return nullptr; }
 
 }  // namespace styled::net

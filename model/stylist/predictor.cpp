@@ -1,6 +1,7 @@
 #include "model/stylist/predictor.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -20,6 +21,11 @@ using body::Vec3;
 
 Predictor::Predictor(std::shared_ptr<const net::Stylizer> network) : network_(std::move(network)) {
   for (auto& stream : streams_) stream = network_->MakeStream();
+}
+
+void Predictor::Adopt(std::shared_ptr<const net::Stylizer> network) noexcept {
+  assert(network->SharesStreams(*network_));
+  network_ = std::move(network);
 }
 
 void Predictor::Restart() noexcept {

@@ -23,6 +23,9 @@ class Predictor {
  public:
   explicit Predictor(std::shared_ptr<const net::Stylizer> network);
 
+  // Goes on with `network`, which must share streams with the one before.
+  void Adopt(std::shared_ptr<const net::Stylizer> network) noexcept;
+
   // Restarts all states and ticks.
   STYLED_REALTIME void Restart() noexcept;
   // Restarts the states only.

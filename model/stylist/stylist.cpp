@@ -118,6 +118,10 @@ void Stylist::Set(const Settings& settings) noexcept {
   if (settings.transition_s <= 0) impl_->filter.EndSwitch();  // a cut also ends an earlier switch
 }
 
+void Stylist::Adopt(std::shared_ptr<const net::Stylizer> network) noexcept {
+  impl_->predictor.Adopt(std::move(network));
+}
+
 const Settings& Stylist::settings() const { return impl_->settings; }
 
 void Stylist::Reset() noexcept {
@@ -394,6 +398,10 @@ Rehearsal::Rehearsal(std::shared_ptr<const net::Stylizer> network,
 Rehearsal::~Rehearsal() = default;
 Rehearsal::Rehearsal(Rehearsal&&) noexcept = default;
 Rehearsal& Rehearsal::operator=(Rehearsal&&) noexcept = default;
+
+void Rehearsal::Adopt(std::shared_ptr<const net::Stylizer> network) noexcept {
+  scratch_->stylist.Adopt(std::move(network));
+}
 
 // Runs the last pose through the scratch stylist, at the usual frame interval.
 void Rehearsal::Prewarm(const Stylist& stylist) noexcept {

@@ -77,6 +77,10 @@ class Stylist {
   STYLED_REALTIME void Set(const Settings& settings) noexcept;
   const Settings& settings() const;
 
+  // Goes on with a network that shares streams with this one (net::Stylizer::SharesStreams): its
+  // list of styles may be another, its motion goes on. Set may then name its styles.
+  void Adopt(std::shared_ptr<const net::Stylizer> network) noexcept;
+
   // Clears recurrent state, held values, filters and what Root::kStride has gained; keeps the
   // settings and the style weights in effect.
   STYLED_REALTIME void Reset() noexcept;
@@ -122,6 +126,8 @@ class Rehearsal {
   Rehearsal(Rehearsal&&) noexcept;
   Rehearsal& operator=(Rehearsal&&) noexcept;
 
+  // As the stylist's.
+  void Adopt(std::shared_ptr<const net::Stylizer> network) noexcept;
   // Costs as much as one frame.
   STYLED_REALTIME void Prewarm(const Stylist& stylist) noexcept;
 

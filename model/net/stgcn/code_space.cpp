@@ -54,6 +54,11 @@ net::NearestStyle CodeSpace::Nearest(const net::StyleCode& code) const {
   return stgcn::Nearest(*this, ToCode(code));
 }
 
+net::StyleCode CodeSpace::Limited(const net::StyleCode& code) const {
+  const Code limited = PulledIn(*this, ToCode(code));
+  return {limited.data(), limited.data() + limited.size()};
+}
+
 Code CodeSpace::CodeOfSource(const net::StyleSource& source, float amount) const {
   if (source.reference.empty()) {
     return source.seed ? PulledIn(*this, Varied(*this, *source.seed, source.style, amount))

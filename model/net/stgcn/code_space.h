@@ -32,6 +32,7 @@ class CodeSpace final : public net::StyleSpace {
   int least_frames() const noexcept override { return kLeastFrames; }
   net::StyleCode MakeCode(const net::StyleRequest& request) const override;
   net::NearestStyle Nearest(const net::StyleCode& code) const override;
+  net::StyleCode Limited(const net::StyleCode& code) const override;  // PulledIn of codes.h
 
  private:
   Code CodeOfSource(const net::StyleSource& source, float amount) const;

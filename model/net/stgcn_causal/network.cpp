@@ -214,6 +214,13 @@ std::shared_ptr<const Network> Network::With(int number, net::StyleInfo style,
   return with;
 }
 
+std::shared_ptr<const Network> Network::Retired(int number) const {
+  assert(number >= space().domain_count() && number < style_count());
+  const std::shared_ptr<Network> without(new Network(*this));
+  without->model_.styles[static_cast<std::size_t>(number)].retired = true;
+  return without;
+}
+
 State Network::MakeState() const {
   State state;
   state.memory.Grow(weights_->state_size);

@@ -73,6 +73,8 @@ class Network {
   // the other. Allocates.
   std::shared_ptr<const Network> With(int number, net::StyleInfo style,
                                       const stgcn::Code& code) const;
+  // The same network with the style `number`, one that With has added, as retired.
+  std::shared_ptr<const Network> Retired(int number) const;
   bool SharesStates(const Network& other) const { return weights_ == other.weights_; }
 
   // A started state. Allocates.

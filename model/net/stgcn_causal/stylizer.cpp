@@ -33,6 +33,10 @@ class CausalStylizer final : public net::Stylizer {
     return std::make_shared<CausalStylizer>(network_->With(number, style, stgcn::ToCode(code)));
   }
 
+  std::shared_ptr<const net::Stylizer> Retired(int number) const override {
+    return std::make_shared<CausalStylizer>(network_->Retired(number));
+  }
+
   bool SharesStreams(const net::Stylizer& other) const noexcept override {
     const auto* const causal = dynamic_cast<const CausalStylizer*>(&other);
     return causal != nullptr && network_->SharesStates(*causal->network_);
