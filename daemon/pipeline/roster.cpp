@@ -224,13 +224,13 @@ std::unique_ptr<std::vector<Profile>> Roster::Snapshot() const {
 }
 
 std::vector<std::string> Roster::Apply(std::shared_ptr<const RuntimeConfig> config) {
-  const bool rebuild = config->network != config_->network || config->stylist != config_->stylist ||
-                       config->outputs != config_->outputs;
+  const bool rebuild = !config->network->SharesStreams(*config_->network) ||
+                       config->stylist != config_->stylist || config->outputs != config_->outputs;
   const auto before = std::exchange(config_, std::move(config));
   InitializeToCome();
   std::vector<std::string> complaints;
   for (const auto& performer : performers) {
-    if (rebuild) performer->Rebuild(*config_);
+    rebuild ? performer->Rebuild(*config_) : performer->Adopt(*config_);
     for (const auto& style : performer->ApplyLook(*config_)) {
       complaints.push_back(performer->profile.id + ": the new weights have no style \"" + style +
                            "\"");

@@ -8,8 +8,8 @@ namespace styled::publish {
 
 FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
                            int rig_joints, const net::Styles& styles)
-    : spare_timecode_(std::make_unique<v1::Timecode>()), styles_(styles) {
-  std::size_t longest = 0;
+    : spare_timecode_(std::make_unique<v1::Timecode>()), styles_(&styles) {
+  std::size_t longest = net::kMaxStyleName;
   for (const auto& style : styles) longest = std::max(longest, style.name.size());
   frame_.set_performer(performer);
   frame_.set_epoch(epoch);
@@ -59,9 +59,9 @@ void FrameMessage::SetHeader(const FrameHeader& header, std::uint32_t flags) noe
 void FrameMessage::SetStyles(std::span<const net::StyleWeight> in_force) noexcept {
   frame_.clear_styles();
   for (const auto& active : in_force) {
-    if (active.style < 0 || active.style >= static_cast<int>(styles_.size())) continue;
+    if (active.style < 0 || active.style >= static_cast<int>(styles_->size())) continue;
     auto* const style = frame_.add_styles();
-    style->set_style(styles_[static_cast<std::size_t>(active.style)].name);
+    style->set_style((*styles_)[static_cast<std::size_t>(active.style)].name);
     style->set_weight(active.weight);
   }
 }

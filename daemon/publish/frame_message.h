@@ -33,9 +33,12 @@ struct FrameHeader {
 class FrameMessage {
  public:
   // `body` must have its hash; `rig_joints`: the most joints that can be held. `styles` are the
-  // network's, by index, and must outlive the message.
+  // network's, by index, and must outlive the message, or be replaced by UseStyles.
   FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
                int rig_joints, const net::Styles& styles);
+
+  // Other styles from now on: those before, and added ones of at most net::kMaxStyleName bytes.
+  void UseStyles(const net::Styles& styles) noexcept { styles_ = &styles; }
 
   STYLED_REALTIME void SetHeader(const FrameHeader& header, std::uint32_t flags) noexcept;
   STYLED_REALTIME void SetStyles(std::span<const net::StyleWeight> in_force) noexcept;
@@ -49,7 +52,7 @@ class FrameMessage {
  private:
   v1::Frame frame_;
   std::unique_ptr<v1::Timecode> spare_timecode_;  // in the frame while the rig sends one
-  const net::Styles& styles_;
+  const net::Styles* styles_;
   std::vector<std::byte> buffer_;
 };
 

@@ -42,6 +42,15 @@ void Outputs::Bind(const BoundBody& body, const v1::Body& given, const RuntimeCo
   network_ = config.network;  // the messages no longer refer to the last network's styles
 }
 
+void Outputs::Adopt(const RuntimeConfig& config) {
+  const net::Styles& styles = config.network->model().styles;
+  for (auto& message : messages_) {
+    if (message) message->UseStyles(styles);
+  }
+  for (const auto& stream : streams_) stream->UseStyles(styles);
+  network_ = config.network;
+}
+
 bool Outputs::Retarget(std::int64_t elapsed_ns, const stylist::Output& out) noexcept {
   bool failed = false;
   for (const auto& stream : streams_) {

@@ -40,6 +40,10 @@ class Outputs {
   // configuration. Drops what was serialized for the last body.
   void Bind(const BoundBody& body, const v1::Body& given, const RuntimeConfig& config);
 
+  // Takes over a configuration whose network shares streams with the last one's; the motion goes
+  // on.
+  void Adopt(const RuntimeConfig& config);
+
   // Retargets a styled frame. Returns true if a retarget output fell back to the performer's own
   // motion.
   STYLED_REALTIME bool Retarget(std::int64_t elapsed_ns, const stylist::Output& out) noexcept;

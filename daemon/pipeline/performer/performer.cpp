@@ -54,6 +54,12 @@ void Performer::Rebuild(const RuntimeConfig& config) {
   outputs.Bind(binding_.body(), binding_.given(), config);
 }
 
+void Performer::Adopt(const RuntimeConfig& config) {
+  if (!styling_) return;
+  styling_->Adopt(config);
+  outputs.Adopt(config);
+}
+
 void Performer::Restart() noexcept {
   if (styling_) styling_->Restart();
   facing_.Reset();

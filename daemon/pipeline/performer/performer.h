@@ -38,10 +38,11 @@ class Performer {
   const PerformerBinding& binding() const { return binding_; }
 
   // ApplyLook applies the profile's settings from the next frame on. Rebuild makes a new stylist
-  // after weights or options changed. Both allocate. ApplyLook returns the styles of the profile
-  // that the network lacks.
+  // after weights or options changed. Both allocate. Adopt goes on with a network that only has
+  // other styles. ApplyLook returns the styles of the profile that the network lacks.
   std::vector<std::string> ApplyLook(const RuntimeConfig& config);
   void Rebuild(const RuntimeConfig& config);
+  void Adopt(const RuntimeConfig& config);
 
   // Resets the recurrent state; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept;

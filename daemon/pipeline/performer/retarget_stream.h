@@ -27,6 +27,9 @@ class RetargetStream {
   RetargetStream(const RetargetStream&) = delete;
   RetargetStream& operator=(const RetargetStream&) = delete;
 
+  // As FrameMessage::UseStyles.
+  void UseStyles(const net::Styles& styles) noexcept { message_.UseStyles(styles); }
+
   // Retargets a frame, but only while a client subscribes; the first frame after a pause starts
   // anew. `elapsed_ns` is the session's.
   STYLED_REALTIME void Process(std::int64_t elapsed_ns, const stylist::Output& out) noexcept;

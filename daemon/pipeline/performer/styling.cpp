@@ -33,6 +33,11 @@ void Styling::Rebuild(const BoundBody& body, const RuntimeConfig& config) {
   has_output_ = false;
 }
 
+void Styling::Adopt(const RuntimeConfig& config) {
+  stylist_.Adopt(config.network);
+  rehearsal_.Adopt(config.network);
+}
+
 void Styling::SetInput(rig::RigPose& received) noexcept {
   std::swap(in_, received);  // both have the skeleton's size
   if (left_handed_) rig::Mirror(in_);

@@ -28,6 +28,8 @@ class Styling {
   std::vector<std::string> ApplyLook(const v1::Look& look, const RuntimeConfig& config);
   // After new weights or options: makes a new stylist, without look and output.
   void Rebuild(const BoundBody& body, const RuntimeConfig& config);
+  // After a network that shares streams with the last one: goes on with it.
+  void Adopt(const RuntimeConfig& config);
   // Resets the recurrent state; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept { stylist_.Reset(); }
 
