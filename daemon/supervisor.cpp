@@ -8,13 +8,17 @@
 #include <unistd.h>
 #include <zmq.h>
 
+#include <array>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "daemon/pipeline/keeping.h"
+#include "daemon/pipeline/like.h"
 #include "daemon/runtime/journal.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/open.h"
@@ -275,8 +279,10 @@ void Supervisor::Run() {
   const Descriptor signal_fd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
   std::int64_t logged_ns = clock_.Now_ns();
   while (true) {
-    pollfd waiting{signal_fd.get(), POLLIN, 0};
-    poll(&waiting, 1, kTick_ms);
+    std::array<pollfd, 2> waiting{pollfd{signal_fd.get(), POLLIN, 0},
+                                  pollfd{mailboxes_.wake_supervisor.fd(), POLLIN, 0}};
+    poll(waiting.data(), waiting.size(), kTick_ms);
+    if (waiting[1].revents != 0) mailboxes_.wake_supervisor.Clear();
     signalfd_siginfo caught{};
     while (read(signal_fd.get(), &caught, sizeof caught) == sizeof caught) {
       if (caught.ssi_signo == SIGHUP) {
@@ -291,6 +297,7 @@ void Supervisor::Run() {
       // An idle pipeline sleeps: the signal makes it turn once before the next look.
       mailboxes_.wake_pipeline.Signal();
     }
+    MakeStyles();
     LogEvents();
     KeepProfiles();
     CheckRecording();
@@ -322,14 +329,34 @@ void Supervisor::Reload() {
   notifier_.Ready(status.ok() ? "reloaded" : "reload refused: " + refused_);
 }
 
+// Makes the styles that clients show examples of, off the real-time thread.
+void Supervisor::MakeStyles() {
+  std::unique_ptr<pipeline::Exchange> exchange;
+  while (mailboxes_.examples.Pop(exchange)) {
+    auto made =
+        pipeline::AddStyle(*runtime_config_, *exchange->request.mutable_like(), exchange->reply);
+    if (made != nullptr) {
+      const v1::LikeReply& like = exchange->reply.like();
+      spdlog::info(
+          "style {} made of an example; nearest to {}, at {:.2f} of the distance of styles",
+          like.name(), like.nearest(), like.distance());
+      runtime_config_ = made;
+    }
+    pipeline::Reload reload{std::move(made), std::move(exchange)};
+    while (!mailboxes_.reloads.Push(std::move(reload))) {  // emptied between frames
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    mailboxes_.wake_pipeline.Signal();
+  }
+}
+
 Status Supervisor::TakeOver() {
   auto fresh = config::Load(origin_.file, origin_.overrides);
   if (!fresh.ok()) return fresh.status();
   std::uint32_t crc = weights_crc_;
   auto made = pipeline::MakeRuntimeConfig(fresh.value(), runtime_config_.get(), crc);
   if (!made.ok()) return made.status();
-  auto parcel = made.value();
-  if (!mailboxes_.reloads.Push(std::move(parcel))) {
+  if (!mailboxes_.reloads.Push({made.value(), nullptr})) {
     return Status::Error("the last reload is still under way");
   }
   mailboxes_.wake_pipeline.Signal();

@@ -58,6 +58,7 @@ class Supervisor {
   Status WriteReadyFile() const;
   void Stop();
   void Reload();
+  void MakeStyles();
   Status TakeOver();
   void LogEvents();
   void LogTrouble();

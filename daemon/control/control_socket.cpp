@@ -87,18 +87,26 @@ void ControlSocket::Handle() {
     return Refuse(envelope, v1::CODE_UNAUTHORIZED, why);
   }
   const auto& payload = parts_.back();
-  if (payload.size() > kMaxRequestBytes) {
+  const auto refuse_size = [&](const std::string& why) {
     counters_.Add(Counter::kControlTooLarge);
-    return Refuse(
-        envelope, v1::CODE_TOO_LARGE,
-        "request of " + std::to_string(payload.size()) + " bytes, expected at most 65536");
-  }
+    Refuse(envelope, v1::CODE_TOO_LARGE, why);
+  };
+  if (const std::string why = TooLarge(payload.size(), true); !why.empty()) return refuse_size(why);
   if (!exchange->request.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
+    if (payload.size() > kMaxRequestBytes) return refuse_size(TooLarge(payload.size(), false));
     counters_.Add(Counter::kControlMalformed);
     return Refuse(envelope, v1::CODE_MALFORMED, "not a styled.v1.Request");
   }
+  const std::string why = TooLarge(payload.size(), exchange->request.has_like());
+  if (!why.empty()) return refuse_size(why);
   if (Pass(exchange)) return;
   Send(exchange->envelope, exchange->reply);
+}
+
+std::string ControlSocket::TooLarge(std::size_t bytes, bool like) {
+  const std::size_t most = like ? kMaxLikeBytes : kMaxRequestBytes;
+  if (bytes <= most) return "";
+  return "request of " + std::to_string(bytes) + " bytes, expected at most " + std::to_string(most);
 }
 
 // Judged at each request: a client that was revoked, or lost the operator's role, may still be
@@ -126,18 +134,29 @@ void ControlSocket::HandleOsc() {
   }
 }
 
+bool ControlSocket::Busy(pipeline::Exchange& exchange, const std::string& why) {
+  counters_.Add(Counter::kControlBusy);
+  counters_.Add(Counter::kControlRefused);
+  exchange.reply.set_id(exchange.request.id());
+  exchange.reply.set_code(v1::CODE_BUSY);
+  exchange.reply.set_reason(why);
+  return false;
+}
+
 bool ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
   if (in_flight_ == kMaxInFlight) {
-    counters_.Add(Counter::kControlBusy);
-    counters_.Add(Counter::kControlRefused);
-    exchange->reply.set_id(exchange->request.id());
-    exchange->reply.set_code(v1::CODE_BUSY);
-    exchange->reply.set_reason("too many requests are waiting; try again");
-    return false;
+    return Busy(*exchange, "too many requests are waiting; try again");
+  }
+  if (exchange->request.has_like()) {
+    if (!mailboxes_.examples.Push(std::move(exchange))) {
+      return Busy(*exchange, "too many examples are waiting; try again");
+    }
+    mailboxes_.wake_supervisor.Signal();
+  } else {
+    mailboxes_.commands.Push(std::move(exchange));  // never full: it holds more than kMaxInFlight
+    mailboxes_.wake_pipeline.Signal();
   }
   ++in_flight_;
-  mailboxes_.commands.Push(std::move(exchange));  // never full: it holds more than kMaxInFlight
-  mailboxes_.wake_pipeline.Signal();
   return true;
 }
 
@@ -185,9 +204,9 @@ Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
   if (socket.get() == nullptr) return Status::Error("control: " + std::string(zmq_strerror(errno)));
   socket.Set(ZMQ_LINGER, 100);
   socket.Set(ZMQ_HANDSHAKE_IVL, 1000);
-  // Larger than kMaxRequestBytes, so that a request that is slightly too large gets an answer.
-  // libzmq cuts the connection of a larger one.
-  socket.Set(ZMQ_MAXMSGSIZE, std::int64_t{1 << 20});
+  // Larger than kMaxLikeBytes, so that a request that is slightly too large gets an answer. libzmq
+  // cuts the connection of a larger one.
+  socket.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxLikeBytes + (1U << 20U)));
   socket.Set(ZMQ_RCVHWM, 64);
   socket.Set(ZMQ_SNDHWM, 64);
   socket.Set(ZMQ_TCP_KEEPALIVE, 1);

@@ -18,6 +18,7 @@
 namespace styled::control {
 
 inline constexpr std::size_t kMaxRequestBytes = 64 * 1024;
+inline constexpr std::size_t kMaxLikeBytes = 8 * 1024 * 1024;  // of a Like, which has a clip
 
 // The control socket, on its own thread. It parses requests, passes them to the pipeline between
 // frames, and sends the pipeline's replies back. Malformed, oversized and unauthorized requests are
@@ -42,10 +43,13 @@ class ControlSocket {
   void Handle();
   // The reason why the sender of the last message is not (or no longer) authorized; "" when it is.
   std::string Unauthorized();
+  // The reason why a request of `bytes` is too large; "" when it is not.
+  static std::string TooLarge(std::size_t bytes, bool like);
   void HandleOsc();
   // Passes the exchange to the pipeline. With too many in flight it sets the reply instead, moves
   // nothing and returns false.
   bool Pass(std::unique_ptr<pipeline::Exchange>& exchange);
+  bool Busy(pipeline::Exchange& exchange, const std::string& why);  // false
   void Refuse(const std::vector<std::vector<std::byte>>& envelope, v1::Code code,
               const std::string& reason);
   void Send(const std::vector<std::vector<std::byte>>& envelope, const v1::Reply& reply);

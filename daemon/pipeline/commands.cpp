@@ -53,6 +53,7 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
     case v1::Request::kStatus:
       return false;
     case v1::Request::kCalibrate:  // handled by the pipeline
+    case v1::Request::kLike:       // by the supervisor
     case v1::Request::COMMAND_NOT_SET:
       break;
   }
@@ -60,6 +61,17 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
          "no command that this daemon knows; expected list, set, pin, preset, panic, reset, cue, "
          "calibrate or status");
   return true;
+}
+
+void Commands::Show(const v1::Request& like, v1::Reply& reply) {
+  reply.set_id(like.id());
+  if (like.performer().empty()) return;
+  v1::Look change;
+  auto& mix = *change.add_mix();
+  mix.set_style(like.like().name());
+  mix.set_weight(1);
+  if (like.like().has_transition_ms()) change.set_transition_ms(like.like().transition_ms());
+  Change(like.performer(), std::move(change), "like", reply);
 }
 
 Commands::Targets Commands::Find(const std::string& performer, v1::Reply& reply) {
@@ -96,6 +108,7 @@ void Commands::List(v1::Reply& reply) const {
   auto& list = *reply.mutable_list();
   const auto& styles = roster_.config().network->model().styles;
   for (std::size_t i = 0; i < styles.size(); ++i) {
+    if (styles[i].retired) continue;
     auto& info = *list.add_styles();
     info.set_name(styles[i].name);
     for (const auto& alias : styles[i].aliases) info.add_aliases(alias);

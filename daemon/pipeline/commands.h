@@ -18,6 +18,8 @@ class Commands {
   // Fills the reply's code, reason and result. Returns false for GetStatus, which the pipeline
   // answers.
   bool Apply(const v1::Request& request, v1::Reply& reply);
+  // The rest of a Like whose style the supervisor has made: the performers whom it names wear it.
+  void Show(const v1::Request& like, v1::Reply& reply);
   // Fires the cues that the performer's timecode passed since its last frame; they take effect with
   // the current frame. Returns true if there was one; `said` then names them for the log.
   bool Pass(Performer& performer, const Timecode& timecode, std::string& said);

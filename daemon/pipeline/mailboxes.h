@@ -30,15 +30,23 @@ struct Event {
   std::string text;
 };
 
+// What the supervisor hands to the pipeline: a configuration to take over, or a request whose work
+// it did, or both. The request is answered under the configuration.
+struct Reload {
+  std::shared_ptr<const RuntimeConfig> config;
+  std::unique_ptr<Exchange> exchange;
+};
+
 // Everything that crosses threads: bounded rings, emptied between frames.
 struct Mailboxes {
-  runtime::Ring<std::unique_ptr<Exchange>, 64> commands;           // control -> pipeline
-  runtime::Ring<std::unique_ptr<Exchange>, 64> replies;            // pipeline -> control
-  runtime::Ring<std::shared_ptr<const RuntimeConfig>, 4> reloads;  // supervisor -> pipeline
-  runtime::Ring<Event, 256> events;                                // pipeline -> supervisor
+  runtime::Ring<std::unique_ptr<Exchange>, 64> commands;  // control -> pipeline
+  runtime::Ring<std::unique_ptr<Exchange>, 64> replies;   // pipeline -> control
+  runtime::Ring<std::unique_ptr<Exchange>, 4> examples;   // control -> supervisor: Like
+  runtime::Ring<Reload, 4> reloads;                       // supervisor -> pipeline
+  runtime::Ring<Event, 256> events;                       // pipeline -> supervisor
   runtime::Ring<std::unique_ptr<std::vector<Profile>>, 4>
       profiles;  // pipeline -> supervisor: to keep
-  runtime::Wakeup wake_pipeline, wake_control;
+  runtime::Wakeup wake_pipeline, wake_control, wake_supervisor;
 };
 
 }  // namespace styled::pipeline

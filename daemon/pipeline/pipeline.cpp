@@ -52,18 +52,23 @@ int Pipeline::DoCommands() {
   while (work < kCommandsPerCycle && to_.mailboxes.commands.Pop(exchange)) {
     ++work;
     Answer(*exchange);
-    if (to_.recorder != nullptr) {
-      to_.recorder->OnRequest(to_.clock.Now_ns(), exchange->request, exchange->reply);
-    }
-    to_.counters.Add(Counter::kPipelineCommands);
-    // Never full: the control thread keeps fewer requests in flight than the ring holds.
-    if (to_.mailboxes.replies.Push(std::move(exchange))) to_.mailboxes.wake_control.Signal();
+    Return(std::move(exchange));
   }
   if (commands_.PopChanged()) {
     auto kept = roster_.Snapshot();
     if (!to_.mailboxes.profiles.Push(std::move(kept))) commands_.MarkChanged();
   }
   return work;
+}
+
+// Sends a request with its reply back.
+void Pipeline::Return(std::unique_ptr<Exchange> exchange) {
+  if (to_.recorder != nullptr) {
+    to_.recorder->OnRequest(to_.clock.Now_ns(), exchange->request, exchange->reply);
+  }
+  to_.counters.Add(Counter::kPipelineCommands);
+  // Never full: the control thread keeps fewer requests in flight than the ring holds.
+  if (to_.mailboxes.replies.Push(std::move(exchange))) to_.mailboxes.wake_control.Signal();
 }
 
 std::unique_ptr<std::vector<Profile>> Pipeline::PopUnsaved() {
@@ -85,17 +90,26 @@ void Pipeline::Answer(Exchange& exchange) {
 }
 
 int Pipeline::DoReloads() {
-  std::shared_ptr<const RuntimeConfig> config;
-  if (!to_.mailboxes.reloads.Pop(config)) return 0;
+  Reload reload;
+  if (!to_.mailboxes.reloads.Pop(reload)) return 0;
+  if (reload.config != nullptr) TakeOver(std::move(reload.config), reload.exchange == nullptr);
+  if (reload.exchange != nullptr) {
+    Exchange& exchange = *reload.exchange;
+    if (exchange.reply.code() == v1::CODE_OK) commands_.Show(exchange.request, exchange.reply);
+    Return(std::move(reload.exchange));
+  }
+  return 1;
+}
+
+void Pipeline::TakeOver(std::shared_ptr<const RuntimeConfig> config, bool reloaded) {
   for (auto& complaint : roster_.Apply(std::move(config))) {
     log_.Log(Event::Level::kWarning, std::move(complaint));
   }
   rules_ = {Nanoseconds(roster_.config().performers.takeover_s),
             Nanoseconds(roster_.config().performers.clock_back_s)};
-  if (to_.recorder != nullptr) {
+  if (to_.recorder != nullptr && reloaded) {
     to_.recorder->OnNote(to_.clock.Now_ns(), "reloaded: weights " + roster_.config().weights_name);
   }
-  return 1;
 }
 
 int Pipeline::DoSubscriptions() {

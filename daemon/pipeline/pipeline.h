@@ -67,6 +67,8 @@ class Pipeline final : public Worker, public source::Receiver {
 
   int DoCommands();
   int DoReloads();
+  void TakeOver(std::shared_ptr<const RuntimeConfig> config, bool reloaded);
+  void Return(std::unique_ptr<Exchange> exchange);
   int DoSubscriptions();
   int DoTimers(std::int64_t now_ns, bool drained);
   void Prepare(Performer& performer, std::int64_t now_ns);

@@ -65,10 +65,12 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
   const std::uint32_t fresh_crc = native::Crc32c(bytes.value());
   if (running != nullptr && fresh_crc == weights_crc) {
     made->network = running->network;
+    made->own_styles = running->own_styles;
   } else {
     auto network = trial::Parse(bytes.value(), path.value().string());
     if (!network.ok()) return network.status();
     made->network = std::move(network.value());
+    made->own_styles = static_cast<int>(made->network->model().styles.size());
   }
   const Status status = CheckStyles(config, made->network->model().styles);
   if (!status.ok()) return status;

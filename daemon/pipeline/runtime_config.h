@@ -19,6 +19,7 @@ namespace styled::pipeline {
 // supervisor makes it; it is immutable and shared with the pipeline thread.
 struct RuntimeConfig {
   std::shared_ptr<const net::Stylizer> network;
+  int own_styles = 0;        // of the weights file; those behind it were added (like.h)
   std::string weights_name;  // file name, for status
   config::Performers performers;
   config::Style style;

@@ -11,6 +11,7 @@
 
 #include "daemon/config/sources.h"
 #include "daemon/pipeline/keeping.h"
+#include "daemon/pipeline/like.h"
 #include "daemon/pipeline/runtime_config.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/host_port.h"
@@ -189,7 +190,9 @@ class Player {
          std::shared_ptr<const pipeline::RuntimeConfig> runtime_config, const Options& options,
          const std::map<std::string, std::string>& senders, runtime::Counters& counters,
          const Sink& sink)
-      : commands_(options.commands), collector_(clock_, options.subscription, sink) {
+      : commands_(options.commands),
+        collector_(clock_, options.subscription, sink),
+        runtime_config_(std::move(runtime_config)) {
     std::vector<std::string> names;
     std::vector<std::unique_ptr<source::Transport>> transports;
     for (std::size_t i = 0; i < config.sources.size(); ++i) {
@@ -209,7 +212,7 @@ class Player {
     }
     pipeline_ = std::make_unique<pipeline::Pipeline>(
         pipeline::Dependencies{clock_, counters, collector_, mailboxes_, nullptr, false, false},
-        std::move(names), std::move(transports), std::move(runtime_config), 1, kSubscriptions);
+        std::move(names), std::move(transports), runtime_config_, 1, kSubscriptions);
     pipeline_->Restore(options.profiles);
   }
 
@@ -225,7 +228,11 @@ class Player {
     } else if (record.has_command() && commands_) {
       auto exchange = std::make_unique<pipeline::Exchange>();
       exchange->request = record.command().request();
-      (void)mailboxes_.commands.Push(std::move(exchange));
+      if (exchange->request.has_like()) {
+        MakeStyle(std::move(exchange));
+      } else {
+        (void)mailboxes_.commands.Push(std::move(exchange));
+      }
     }
     Work();
     return Status::Ok();
@@ -234,6 +241,13 @@ class Player {
   void Finish() { PassTimeUntil(clock_.now_ns + runtime::kSecond_ns / 5); }
 
  private:
+  // What the supervisor does live; the recording holds the style's code.
+  void MakeStyle(std::unique_ptr<pipeline::Exchange> exchange) {
+    auto made =
+        pipeline::AddStyle(*runtime_config_, *exchange->request.mutable_like(), exchange->reply);
+    if (made != nullptr) runtime_config_ = made;
+    (void)mailboxes_.reloads.Push({std::move(made), std::move(exchange)});
+  }
   void PassTimeUntil(std::int64_t time_ns) {
     if (clock_.now_ns == 0) clock_.now_ns = time_ns;
     while (pipeline_->NextDeadline_ns() <= time_ns) {
@@ -260,6 +274,7 @@ class Player {
   RecordedClock clock_;
   Collector collector_;
   pipeline::Mailboxes mailboxes_;
+  std::shared_ptr<const pipeline::RuntimeConfig> runtime_config_;
   std::map<std::string, Recorded*> sources_;
   std::unique_ptr<pipeline::Pipeline> pipeline_;
 };

@@ -288,7 +288,7 @@ TEST_F(PipelineTest, NewWeightsKeepLooksByName) {
   ASSERT_EQ(frames()[0].styles_size(), 1);
   network_ = erd::RandomStylizer(3, 9);
   std::shared_ptr<const RuntimeConfig> config = MakeConfig();
-  ASSERT_TRUE(mailboxes_.reloads.Push(std::move(config)));
+  ASSERT_TRUE(mailboxes_.reloads.Push({std::move(config), nullptr}));
   Pass(8);
   Deliver({rig_.Frame()});
   ASSERT_EQ(frames().size(), 2U);
