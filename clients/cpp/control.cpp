@@ -204,6 +204,19 @@ CallStatus Control::Calibrate(std::string_view performer, const v1::Calibrate& c
   return status;
 }
 
+CallStatus Control::Like(std::string_view performer, const v1::Like& like, v1::LikeReply* out,
+                         Applied* applied) {
+  v1::Request request;
+  request.set_performer(performer.data(), performer.size());
+  *request.mutable_like() = like;
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (!status.ok()) return status;
+  if (applied != nullptr) applied->assign(reply.applied().begin(), reply.applied().end());
+  if (out != nullptr) out->Swap(reply.mutable_like());
+  return status;
+}
+
 CallStatus Control::Cue(std::string_view name, Applied* applied) {
   v1::Request request;
   request.mutable_cue()->set_name(std::string(name));
@@ -246,6 +259,8 @@ std::string CodeName(v1::Code code) {
       return "BAD_POSE";
     case v1::CODE_UNKNOWN_CUE:
       return "UNKNOWN_CUE";
+    case v1::CODE_NO_EXAMPLES:
+      return "NO_EXAMPLES";
     default:
       return "CODE_" + std::to_string(static_cast<int>(code));
   }

@@ -86,6 +86,9 @@ class Control {
   CallStatus Reset(std::string_view performer, Applied* applied = nullptr);
   CallStatus Calibrate(std::string_view performer, const v1::Calibrate& calibrate,
                        v1::CalibrateReply* out = nullptr);
+  // Makes a style of an example, for all clients; with `performer` "" nobody moves in it yet.
+  CallStatus Like(std::string_view performer, const v1::Like& like, v1::LikeReply* out = nullptr,
+                  Applied* applied = nullptr);
   // `name`: a cue of the daemon's configuration.
   CallStatus Cue(std::string_view name, Applied* applied = nullptr);
   CallStatus Panic(Applied* applied = nullptr);  // all performers to bypass

@@ -12,6 +12,7 @@ int Run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err
   // In the order in which --help lists the commands.
   DeclareShowCommands(session);
   DeclareStyleCommands(session);
+  DeclareLike(session);
   DeclareCalibrate(session);
   DeclareDoctor(session);
   DeclareKeyCommands(session);
