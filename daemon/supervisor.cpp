@@ -332,9 +332,9 @@ void Supervisor::Reload() {
 // Makes the styles that clients show examples of, off the real-time thread.
 void Supervisor::MakeStyles() {
   std::unique_ptr<pipeline::Exchange> exchange;
-  while (mailboxes_.examples.Pop(exchange)) {
-    auto made =
-        pipeline::AddStyle(*runtime_config_, *exchange->request.mutable_like(), exchange->reply);
+  while (mailboxes_.examples.Pop(exchange) || mailboxes_.takes.Pop(exchange)) {
+    auto made = pipeline::AddStyle(*runtime_config_, *exchange->request.mutable_like(),
+                                   exchange->take, exchange->reply);
     if (made != nullptr) {
       const v1::LikeReply& like = exchange->reply.like();
       spdlog::info(

@@ -147,7 +147,7 @@ bool ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
   if (in_flight_ == kMaxInFlight) {
     return Busy(*exchange, "too many requests are waiting; try again");
   }
-  if (exchange->request.has_like()) {
+  if (exchange->request.has_like() && exchange->request.like().learn_s() == 0) {
     if (!mailboxes_.examples.Push(std::move(exchange))) {
       return Busy(*exchange, "too many examples are waiting; try again");
     }

@@ -124,6 +124,9 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   stylist::Stylist::ProcessTogether(std::span(jobs).first(batch.size()));
   const std::int64_t styled_ns = to_.clock.Now_ns();
   for (Performer* const performer : batch) performer->Finish(styled_ns);
+  if (!takes_.empty()) {
+    for (const Performer* const performer : batch) takes_.OnFrame(*performer);
+  }
   hot.Leave();
   const std::int64_t serialized_ns = to_.clock.Now_ns();
   std::int64_t sent_ns = serialized_ns;

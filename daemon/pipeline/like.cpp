@@ -101,42 +101,92 @@ Refusal ReadCode(const v1::Like& like, const net::StyleSpace& space, net::StyleC
   return {};
 }
 
-Refusal MakeCode(const v1::Like& like, const net::Stylizer& network, net::StyleCode& code,
-                 float& seconds) {
-  const net::StyleSpace* const space = network.space();
-  if (space == nullptr) {
+Refusal CheckExample(const v1::Like& like, const net::Stylizer& network) {
+  if (network.space() == nullptr) {
     return {v1::CODE_NO_EXAMPLES, "the weights of family \"" + network.model().family +
                                       "\" have no style encoder; expected weights that have one"};
   }
-  if (like.clip().empty() == (like.code_size() == 0)) {
-    return Malformed("expected a clip or a code, found " +
-                     std::string(like.clip().empty() ? "neither" : "both"));
+  const int examples = static_cast<int>(!like.clip().empty()) +
+                       static_cast<int>(like.code_size() > 0) +
+                       static_cast<int>(like.learn_s() != 0) + static_cast<int>(like.has_vary());
+  if (examples != 1) {
+    return Malformed("expected one of clip, code, learn_s and vary, found " +
+                     std::to_string(examples) + " of them");
   }
-  if (like.code_size() > 0) return ReadCode(like, *space, code);
-  std::vector<body::Pose> poses;
-  Refusal refusal = ReadClip(like, network.model(), *space, poses, seconds);
-  if (refusal.code != v1::CODE_OK) return refusal;
+  const float learn_s = like.learn_s();
+  if (learn_s != 0 && !(learn_s >= kShortestTake_s && learn_s <= kLongestExample_s)) {
+    return Malformed("learn_s: found " + NumberText(learn_s) + ", expected " +
+                     NumberText(kShortestTake_s) + " to " + NumberText(kLongestExample_s) + " s");
+  }
+  return {};
+}
+
+Refusal FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
+                      net::StyleRequest& request) {
+  const net::Styles& styles = running.network->model().styles;
+  const int style = net::FindStyle(styles, vary.style());
+  if (style < 0 || style >= running.own_styles) {
+    std::string names;
+    for (int own = 0; own < running.own_styles; ++own) {
+      names += " " + styles[static_cast<std::size_t>(own)].name;
+    }
+    return {v1::CODE_UNKNOWN_STYLE, "vary: \"" + Printable(vary.style(), 80) +
+                                        "\" is no style of the weights; these are" + names};
+  }
+  request.amount = vary.has_amount() ? vary.amount() : 1;
+  if (!(request.amount >= 0 && request.amount <= net::kMaxStrength)) {
+    return {v1::CODE_OUT_OF_RANGE, "vary: amount: found " + NumberText(request.amount) +
+                                       ", expected 0 to " + NumberText(net::kMaxStrength)};
+  }
+  request.sources = {{.style = style, .seed = vary.seed()}};
+  return {};
+}
+
+Refusal MakeCode(const v1::Like& like, const RuntimeConfig& running,
+                 std::span<const body::Pose> take, net::StyleCode& code, float& seconds) {
+  const net::Model& model = running.network->model();
+  const net::StyleSpace& space = *running.network->space();
+  if (like.code_size() > 0) return ReadCode(like, space, code);
   net::StyleRequest request;
-  request.sources = {{.style = -1, .seed = {}, .reference = poses}};
-  code = space->MakeCode(request);
-  if (Usable(code, *space)) return {};
-  return Malformed("the network finds no style in the clip: its code is not finite");
+  std::vector<body::Pose> poses(take.begin(), take.end());
+  Refusal refusal;
+  if (like.has_vary()) {
+    refusal = FindVariation(like.vary(), running, request);
+  } else {
+    if (take.empty()) refusal = ReadClip(like, model, space, poses, seconds);
+    request.sources = {{.style = -1, .seed = {}, .reference = poses}};
+  }
+  if (refusal.code != v1::CODE_OK) return refusal;
+  if (!take.empty()) seconds = like.learn_s();
+  code = space.MakeCode(request);
+  if (Usable(code, space)) return {};
+  return Malformed("the network finds no style in the example: its code is not finite");
+}
+
+bool Accept(const Refusal& refusal, v1::Reply& reply) {
+  if (refusal.code == v1::CODE_OK) return true;
+  reply.set_code(refusal.code);
+  reply.set_reason("like: " + refusal.reason);
+  return false;
 }
 
 }  // namespace
 
+bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& reply) {
+  Place place;
+  return Accept(FindPlace(running, like.name(), place), reply) &&
+         Accept(CheckExample(like, *running.network), reply);
+}
+
 std::shared_ptr<const RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& like,
-                                              v1::Reply& reply) {
+                                              std::span<const body::Pose> take, v1::Reply& reply) {
   Place place;
   net::StyleCode code;
   float seconds = 0;
-  Refusal refusal = FindPlace(running, like.name(), place);
-  if (refusal.code == v1::CODE_OK) refusal = MakeCode(like, *running.network, code, seconds);
-  if (refusal.code != v1::CODE_OK) {
-    reply.set_code(refusal.code);
-    reply.set_reason("like: " + refusal.reason);
-    return nullptr;
-  }
+  const bool made_code = CheckLike(running, like, reply) &&
+                         Accept(FindPlace(running, like.name(), place), reply) &&
+                         Accept(MakeCode(like, running, take, code, seconds), reply);
+  if (!made_code) return nullptr;
   const net::StyleSpace& space = *running.network->space();
   auto made = std::make_shared<RuntimeConfig>(running);
   if (place.replaced >= 0) made->network = made->network->Retired(place.replaced);
@@ -149,6 +199,8 @@ std::shared_ptr<const RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::
   said.set_seconds(seconds);
   said.mutable_code()->Add(code.begin(), code.end());
   like.clear_clip();
+  like.clear_learn_s();
+  like.clear_vary();
   *like.mutable_code() = said.code();
   return made;
 }

@@ -1,21 +1,28 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "daemon/pipeline/runtime_config.h"
-#include "model/base/status.h"
+#include "model/body/pose.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
 
 inline constexpr double kLongestExample_s = 60;
+inline constexpr float kShortestTake_s = 1;
+
+// Whether a Like can be done at all, whatever its example shows: name, one example, weights that
+// take one. Else fills code and reason of `reply`. Any thread.
+bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& reply);
 
 // Does the part of a Like that is not the pipeline's: reads the clip, finds the style's code, and
 // makes a configuration whose network has the style; null after an error. Fills code, reason and
-// result of `reply`. In `like` the clip is then replaced by the code, so that a recording holds the
-// style and not the clip. Blocks (10 s of clip: a tenth of a second); allocates; any thread, but
-// not the pipeline's. Pinned by tests/unit/daemon/like_test.cpp.
+// result of `reply`. `take`: what a performer showed for Like.learn_s, at the network's rate. In
+// `like` the example is then replaced by the code, so that a recording holds the style and not the
+// example. Blocks (10 s of clip: a tenth of a second); allocates; any thread, but not the
+// pipeline's. Pinned by tests/e2e/like_test.cpp.
 std::shared_ptr<const RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& like,
-                                              v1::Reply& reply);
+                                              std::span<const body::Pose> take, v1::Reply& reply);
 
 }  // namespace styled::pipeline

@@ -10,6 +10,7 @@
 #include "daemon/pipeline/runtime_config.h"
 #include "daemon/runtime/ring.h"
 #include "daemon/runtime/wakeup.h"
+#include "model/body/pose.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
@@ -21,6 +22,7 @@ struct Exchange {
   std::string osc;  // address of the OSC message that the request came from, or ""
   v1::Request request;
   v1::Reply reply;
+  std::vector<body::Pose> take;  // what a performer showed of a style, for Like.learn_s
 };
 
 // A log line of the pipeline, which does not log itself.
@@ -42,6 +44,7 @@ struct Mailboxes {
   runtime::Ring<std::unique_ptr<Exchange>, 64> commands;  // control -> pipeline
   runtime::Ring<std::unique_ptr<Exchange>, 64> replies;   // pipeline -> control
   runtime::Ring<std::unique_ptr<Exchange>, 4> examples;   // control -> supervisor: Like
+  runtime::Ring<std::unique_ptr<Exchange>, 4> takes;      // pipeline -> supervisor
   runtime::Ring<Reload, 4> reloads;                       // supervisor -> pipeline
   runtime::Ring<Event, 256> events;                       // pipeline -> supervisor
   runtime::Ring<std::unique_ptr<std::vector<Profile>>, 4>

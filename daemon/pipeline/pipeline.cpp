@@ -40,6 +40,7 @@ int Pipeline::DoWork() {
   if (drained) busy_cycles_ = 0;
   work += DoCommands();
   work += DoReloads();
+  work += DoTakes(begin_ns);
   work += DoTimers(begin_ns, drained);
   work += DoSubscriptions();
   if (work > 0) stats_.NoteCycle(to_.clock.Now_ns() - begin_ns);
@@ -51,12 +52,36 @@ int Pipeline::DoCommands() {
   int work = 0;
   while (work < kCommandsPerCycle && to_.mailboxes.commands.Pop(exchange)) {
     ++work;
+    if (exchange->request.has_like()) {
+      if (!takes_.Begin(exchange, roster_, to_.clock.Now_ns())) Return(std::move(exchange));
+      continue;
+    }
     Answer(*exchange);
     Return(std::move(exchange));
   }
   if (commands_.PopChanged()) {
     auto kept = roster_.Snapshot();
     if (!to_.mailboxes.profiles.Push(std::move(kept))) commands_.MarkChanged();
+  }
+  return work;
+}
+
+// Passes on what performers have shown of a style.
+int Pipeline::DoTakes(std::int64_t now_ns) {
+  int work = 0;
+  while (!takes_.empty()) {
+    std::unique_ptr<Exchange> exchange = takes_.Pop(now_ns);
+    if (exchange == nullptr) break;
+    ++work;
+    if (exchange->reply.code() != v1::CODE_OK) {
+      Return(std::move(exchange));
+    } else if (to_.mailboxes.takes.Push(std::move(exchange))) {
+      to_.mailboxes.wake_supervisor.Signal();
+    } else {
+      exchange->reply.set_code(v1::CODE_BUSY);
+      exchange->reply.set_reason("like: too many examples are waiting; try again");
+      Return(std::move(exchange));
+    }
   }
   return work;
 }

@@ -12,6 +12,7 @@
 #include "daemon/pipeline/roster.h"
 #include "daemon/pipeline/stages.h"
 #include "daemon/pipeline/stats.h"
+#include "daemon/pipeline/takes.h"
 #include "daemon/pipeline/worker.h"
 #include "daemon/publish/subscriptions.h"
 #include "daemon/runtime/realtime.h"
@@ -69,6 +70,7 @@ class Pipeline final : public Worker, public source::Receiver {
   int DoReloads();
   void TakeOver(std::shared_ptr<const RuntimeConfig> config, bool reloaded);
   void Return(std::unique_ptr<Exchange> exchange);
+  int DoTakes(std::int64_t now_ns);
   int DoSubscriptions();
   int DoTimers(std::int64_t now_ns, bool drained);
   void Prepare(Performer& performer, std::int64_t now_ns);
@@ -95,6 +97,7 @@ class Pipeline final : public Worker, public source::Receiver {
   publish::Subscriptions subscriptions_;
   Roster roster_;
   Commands commands_;
+  Takes takes_;
   SessionRules rules_;
   std::int64_t receive_ns_ = 0, wall_ns_ = 0;  // of the current batch, or the last
   std::array<Item, source::kBatch> items_;

@@ -172,6 +172,11 @@ Profile* Roster::FindProfile(const std::string& id) {
   return found == profiles.end() ? nullptr : found->second.get();
 }
 
+const Profile* Roster::FindProfile(const std::string& id) const {
+  const auto found = profiles.find(id);
+  return found == profiles.end() ? nullptr : found->second.get();
+}
+
 Profile* Roster::EnsureProfile(const std::string& id) {
   if (Profile* known = FindProfile(id)) return known;
   if (profiles.size() >= max_profiles()) return nullptr;

@@ -48,6 +48,7 @@ class Roster {
   // FindProfile returns the profile of an id, or null. EnsureProfile makes one if needed; null when
   // there are too many.
   Profile* FindProfile(const std::string& id);
+  const Profile* FindProfile(const std::string& id) const;
   Profile* EnsureProfile(const std::string& id);
   // Call when a profile was set by its name (not by "*"): its hours start again.
   void NoteNamed(Profile& profile);

@@ -243,8 +243,8 @@ class Player {
  private:
   // What the supervisor does live; the recording holds the style's code.
   void MakeStyle(std::unique_ptr<pipeline::Exchange> exchange) {
-    auto made =
-        pipeline::AddStyle(*runtime_config_, *exchange->request.mutable_like(), exchange->reply);
+    auto made = pipeline::AddStyle(*runtime_config_, *exchange->request.mutable_like(), {},
+                                   exchange->reply);
     if (made != nullptr) runtime_config_ = made;
     (void)mailboxes_.reloads.Push({std::move(made), std::move(exchange)});
   }

@@ -70,6 +70,12 @@ class Performer {
   // to now.
   void Send(publish::Publisher& publisher, std::int64_t now_ns);
 
+  // The performer's last pose as captured, and its time in the session; null before the first.
+  const body::Pose* input() const noexcept {
+    return styling_ && styling_->has_output() ? &styling_->out().canonical_input : nullptr;
+  }
+  std::int64_t elapsed_ns() const noexcept { return context_.elapsed_ns; }
+
   // Warning() describes what looks wrong with the rig; "" for nothing. FacingChanged() returns true
   // once after each change of the facing warning.
   std::string Warning() const;
