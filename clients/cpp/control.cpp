@@ -90,7 +90,8 @@ Result<std::unique_ptr<Control>> Control::Connect(const ControlOptions& options)
 
 CallStatus Control::Call(v1::Request& request, v1::Reply* reply) {
   Impl& impl = *impl_;
-  const auto deadline = Clock::now() + impl.options.timeout;
+  const auto shown = milliseconds(static_cast<std::int64_t>(1000 * request.like().learn_s()));
+  const auto deadline = Clock::now() + impl.options.timeout + shown;
   request.set_id(impl.next_id++);
   try {
     const std::string bytes = request.SerializeAsString();

@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cmath>
 #include <fstream>
 #include <limits>
+#include <thread>
 
 #include "sim/player/performer_motion.h"
 #include "tests/support/daemon.h"
@@ -143,7 +146,7 @@ TEST_F(LikeTest, WhatCannotBeAnExampleIsRefusedWithTheReason) {
   refuses(Like("rig.a", "mine", "no motion"), v1::CODE_MALFORMED,
           "like: walk.bvh:1: found \"no\", expected HIERARCHY");
   refuses(Like("rig.a", "mine", ""), v1::CODE_MALFORMED,
-          "like: expected a clip or a code, found neither");
+          "like: expected one of clip, code, learn_s and vary, found 0 of them");
   refuses(Like("rig.a", "", walk), v1::CODE_MALFORMED,
           "like: name \"\": expected 1 to 32 of A-Z a-z 0-9 _ -");
   refuses(Like("rig.a", "S2", walk), v1::CODE_MALFORMED,
@@ -169,6 +172,71 @@ TEST_F(LikeTest, WhatCannotBeAnExampleIsRefusedWithTheReason) {
   const v1::Reply unknown = control_.Ask(Like("nosource.a", "mine", walk));
   EXPECT_EQ(unknown.code(), v1::CODE_UNKNOWN_PERFORMER);
   NextFrame();
+}
+
+TEST_F(LikeTest, APerformerShowsTheStyle) {
+  // Frames come all the while; the reply comes after the second and a half that was asked for.
+  std::atomic<bool> more{true};
+  std::thread moving([&] {
+    while (more) {
+      link_.Send(rig_.Frame());
+      Sleep(1.0 / 120);
+    }
+  });
+  ASSERT_TRUE(subscriber_.WaitForFrames(20, "styled/"));
+  v1::Request request = Like("rig.a", "mine", "");
+  request.mutable_like()->set_learn_s(1.5F);
+  const v1::Reply reply = control_.Ask(request);
+  ASSERT_EQ(reply.code(), v1::CODE_OK) << reply.reason();
+  EXPECT_EQ(reply.like().seconds(), 1.5F);
+  EXPECT_THAT(Styles(), testing::Contains("mine"));
+  ASSERT_EQ(reply.applied_size(), 1);
+  EXPECT_GT(reply.applied(0).first_sequence(), 150U) << "frames of the take";
+
+  // Who stops is told so, and so is who never began.
+  std::jthread stops([&] {
+    Sleep(0.5);
+    more = false;
+  });
+  const v1::Reply stopped = control_.Ask(request);
+  EXPECT_EQ(stopped.code(), v1::CODE_NOT_READY);
+  EXPECT_THAT(stopped.reason(), HasSubstr("like: the performer's frames stopped or began anew "));
+  moving.join();
+  Sleep(0.4);
+  const v1::Reply silent = control_.Ask(request);
+  EXPECT_EQ(silent.code(), v1::CODE_NOT_READY);
+  EXPECT_THAT(silent.reason(), HasSubstr("\"rig.a\": no frame in the last 0.3 s"));
+  request.set_performer("rig.nobody");
+  EXPECT_EQ(control_.Ask(request).code(), v1::CODE_UNKNOWN_PERFORMER);
+  request.mutable_like()->set_learn_s(61);
+  EXPECT_THAT(control_.Ask(request).reason(),
+              HasSubstr("like: learn_s: found 61, expected 1 to 60 s"));
+  request.mutable_like()->set_learn_s(std::nanf(""));
+  EXPECT_EQ(control_.Ask(request).code(), v1::CODE_MALFORMED);
+}
+
+TEST_F(LikeTest, AVariationIsAStyle) {
+  NextFrame();
+  v1::Request request = Like("rig.a", "style2-7", "");
+  request.mutable_like()->mutable_vary()->set_style("s2");
+  request.mutable_like()->mutable_vary()->set_seed(7);
+  const v1::Reply first = control_.Ask(request);
+  ASSERT_EQ(first.code(), v1::CODE_OK) << first.reason();
+  EXPECT_EQ(NextFrame().styles(0).style(), "style2-7");
+  const auto code_of = [&](std::uint64_t seed, float amount) {
+    request.mutable_like()->mutable_vary()->set_seed(seed);
+    request.mutable_like()->mutable_vary()->set_amount(amount);
+    const v1::Reply reply = control_.Ask(request);
+    return std::vector<float>(reply.like().code().begin(), reply.like().code().end());
+  };
+  const std::vector<float> seven(first.like().code().begin(), first.like().code().end());
+  EXPECT_EQ(code_of(7, 1), seven);
+  EXPECT_NE(code_of(8, 1), seven);
+  EXPECT_EQ(code_of(7, 0), code_of(8, 0)) << "the style itself";
+  request.mutable_like()->mutable_vary()->set_amount(2);
+  EXPECT_EQ(control_.Ask(request).code(), v1::CODE_OUT_OF_RANGE);
+  request.mutable_like()->mutable_vary()->set_style("style2-7");
+  EXPECT_EQ(control_.Ask(request).code(), v1::CODE_UNKNOWN_STYLE) << "only of the weights";
 }
 
 TEST_F(LikeTest, AClipMayBeLargerThanOtherRequestsButNotMuch) {

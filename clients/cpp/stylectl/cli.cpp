@@ -12,7 +12,7 @@ int Run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err
   // In the order in which --help lists the commands.
   DeclareShowCommands(session);
   DeclareStyleCommands(session);
-  DeclareLike(session);
+  DeclareMakingCommands(session);
   DeclareCalibrate(session);
   DeclareDoctor(session);
   DeclareKeyCommands(session);

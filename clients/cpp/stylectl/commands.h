@@ -8,7 +8,7 @@ namespace styled::stylectl {
 // command line live as long as the session.
 void DeclareShowCommands(Session& session);   // list, status
 void DeclareStyleCommands(Session& session);  // set, clear, preset, cue, pin, unpin, panic, reset
-void DeclareLike(Session& session);
+void DeclareMakingCommands(Session& session);  // like, learn, vary
 void DeclareCalibrate(Session& session);
 void DeclareDoctor(Session& session);
 void DeclareKeyCommands(Session& session);  // keygen, allow, revoke, keys

@@ -1,8 +1,11 @@
-// like.
+// like, learn, vary: the commands that make a style.
 #include <cctype>
+#include <chrono>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
 #include "clients/cpp/stylectl/cli.h"
 #include "clients/cpp/stylectl/commands.h"
@@ -17,10 +20,19 @@ constexpr std::size_t kMaxClipBytes = 8 * 1024 * 1024 - 4096;  // a request with
 constexpr std::size_t kMaxNameBytes = 32;
 constexpr float kFar = 1;  // as far as styles are from each other
 
-struct LikeArguments {
-  std::string clip, name, rig = "auto";
-  bool unworn = false;
+struct Arguments {
+  std::string name;
   std::optional<double> transition_ms;
+  // like
+  std::string clip, rig = "auto";
+  bool unworn = false;
+  // learn
+  double seconds = 8;
+  int countdown_s = 3;
+  // vary
+  std::string style;
+  std::uint64_t seed = 1;
+  double amount = 1;
 };
 
 // The file's name without its extension, as a style may be called.
@@ -48,8 +60,9 @@ void ReportJson(Session& session, const v1::LikeReply& like, const client::Appli
 }
 
 void ReportText(Session& session, const v1::LikeReply& like, const client::Applied& applied) {
-  session.out << "style " << like.name() << ", of " << NumberText(like.seconds(), 2)
-              << " s: nearest to " << like.nearest() << ", at " << NumberText(like.distance(), 2)
+  session.out << "style " << like.name();
+  if (like.seconds() > 0) session.out << ", of " << NumberText(like.seconds(), 2) << " s";
+  session.out << ": nearest to " << like.nearest() << ", at " << NumberText(like.distance(), 2)
               << " of the mean distance between styles";
   if (like.distance() > kFar) {
     session.out << ": unlike all styles that the weights know, so a weak mixture of them";
@@ -61,14 +74,8 @@ void ReportText(Session& session, const v1::LikeReply& like, const client::Appli
   }
 }
 
-int Like(Session& session, const LikeArguments& arguments) {
-  auto clip = ReadFile(arguments.clip, kMaxClipBytes);
-  if (!clip.ok()) return session.Usage("like: --clip " + clip.status().message());
-  v1::Like request;
-  request.set_name(arguments.name.empty() ? NameOf(arguments.clip) : arguments.name);
-  request.set_clip(std::move(clip.value()));
-  request.set_file(std::filesystem::path(arguments.clip).filename());
-  request.set_rig(arguments.rig);
+// Sends the request, whose example is there, and reports.
+int Make(Session& session, const Arguments& arguments, v1::Like request) {
   if (arguments.transition_ms) {
     request.set_transition_ms(static_cast<float>(*arguments.transition_ms));
   }
@@ -81,24 +88,98 @@ int Like(Session& session, const LikeArguments& arguments) {
   return kExitOk;
 }
 
-}  // namespace
+int Like(Session& session, const Arguments& arguments) {
+  auto clip = ReadFile(arguments.clip, kMaxClipBytes);
+  if (!clip.ok()) return session.Usage("like: --clip " + clip.status().message());
+  v1::Like request;
+  request.set_name(arguments.name.empty() ? NameOf(arguments.clip) : arguments.name);
+  request.set_clip(std::move(clip.value()));
+  request.set_file(std::filesystem::path(arguments.clip).filename());
+  request.set_rig(arguments.rig);
+  return Make(session, arguments, std::move(request));
+}
+
+int Learn(Session& session, const Arguments& arguments) {
+  for (int left_s = arguments.countdown_s; left_s > 0; --left_s) {
+    session.err << left_s << "... " << std::flush;
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+  session.err << "now, for " << NumberText(arguments.seconds, 1) << " s\n" << std::flush;
+  v1::Like request;
+  request.set_name(arguments.name);
+  request.set_learn_s(static_cast<float>(arguments.seconds));
+  return Make(session, arguments, std::move(request));
+}
+
+int Vary(Session& session, const Arguments& arguments) {
+  v1::Like request;
+  request.set_name(arguments.name.empty() ? arguments.style + "-" + std::to_string(arguments.seed)
+                                          : arguments.name);
+  v1::Variation& vary = *request.mutable_vary();
+  vary.set_style(arguments.style);
+  vary.set_seed(arguments.seed);
+  vary.set_amount(static_cast<float>(arguments.amount));
+  session.styles.push_back(arguments.style);
+  return Make(session, arguments, std::move(request));
+}
+
+void AddCommon(Session& session, CLI::App* command, Arguments& arguments, const char* name) {
+  session.AddPerformer(command, true);
+  command->add_option("--name", arguments.name, name);
+  command->add_option("--transition", arguments.transition_ms, "fade, ms")
+      ->check(Number(0.0, 60000.0));
+}
 
 void DeclareLike(Session& session) {
-  const auto arguments = std::make_shared<LikeArguments>();
+  const auto arguments = std::make_shared<Arguments>();
   CLI::App* like =
       session.AddOnline("like", "make a style of an example clip; a performer moves in it at once",
                         [&session, arguments] { return Like(session, *arguments); });
-  session.AddPerformer(like, true);
+  AddCommon(session, like, *arguments,
+            "of the style, for all clients; an earlier one of this name that was made is replaced "
+            "(default: the file's name)");
   like->add_option("--clip", arguments->clip, "the example: a BVH file of 0.3 to 60 s")->required();
-  like->add_option("--name", arguments->name,
-                   "of the style, for all clients; an earlier example of this name is replaced "
-                   "(default: the file's name)");
   like->add_option("--rig", arguments->rig, "the example's rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();
-  like->add_option("--transition", arguments->transition_ms, "fade, ms")
-      ->check(Number(0.0, 60000.0));
   like->add_flag("--unworn", arguments->unworn,
                  "only make the style; nobody moves in it until set");
+}
+
+void DeclareLearn(Session& session) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* learn = session.AddOnline(
+      "learn", "make a style of what a performer does from now on; they move in it at once",
+      [&session, arguments] { return Learn(session, *arguments); });
+  AddCommon(session, learn, *arguments, "of the style, for all clients");
+  learn->get_option("--name")->required();
+  learn->add_option("--seconds", arguments->seconds, "how long the performer shows it")
+      ->check(Number(1.0, 60.0))
+      ->capture_default_str();
+  learn->add_option("--countdown", arguments->countdown_s, "seconds before that")
+      ->check(CLI::Range(0, 60))
+      ->capture_default_str();
+}
+
+void DeclareVary(Session& session) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* vary =
+      session.AddOnline("vary", "make a variation of a style; a performer moves in it at once",
+                        [&session, arguments] { return Vary(session, *arguments); });
+  AddCommon(session, vary, *arguments, "of the variation, for all clients (default: STYLE-SEED)");
+  vary->add_option("--style", arguments->style, "as shown by list")->required();
+  vary->add_option("--seed", arguments->seed, "the same number is the same variation")
+      ->capture_default_str();
+  vary->add_option("--amount", arguments->amount, "of the variation")
+      ->check(Number(0.0, 1.5))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void DeclareMakingCommands(Session& session) {
+  DeclareLike(session);
+  DeclareLearn(session);
+  DeclareVary(session);
 }
 
 }  // namespace styled::stylectl
