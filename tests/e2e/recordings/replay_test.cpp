@@ -3,6 +3,7 @@
 #include <map>
 
 #include "tests/e2e/recordings/fixture.h"
+#include "tests/unit/net/stgcn_causal/random_weights.h"
 
 namespace styled::support {
 namespace {
@@ -27,10 +28,10 @@ using Streams = std::map<std::string, std::vector<v1::Frame>>;
 
 class ReplayTest : public RecordingsTest {
  protected:
-  // Records four rigs at once, one of them with faults, with a style that changes in the middle.
-  // Returns what subscribers received.
-  Streams Record() {
-    const Daemon daemon({"record.file=" + take_, "style.initial=style2"}, kSources);
+  // Records four rigs at once, one of them with faults, with a style that changes in the middle,
+  // and then by `request`, if it has a command. Returns what subscribers received.
+  Streams Record(const v1::Request& request = {}, const std::string& weights = "") {
+    const Daemon daemon({"record.file=" + take_, "style.initial=style2"}, kSources, {}, weights);
     const Subscriber subscriber(daemon.publish, {"styled/", "body/"});
     ControlClient control(daemon.control);
     EXPECT_EQ(control.CounterSoon("publish.subscriptions", 2), 2U);
@@ -53,6 +54,10 @@ class ReplayTest : public RecordingsTest {
     }
     EXPECT_TRUE(subscriber.WaitForFrames(60, kStyled));
     EXPECT_EQ(control.SetStyle(kId, "style3", 1, 100).code(), v1::CODE_OK);
+    if (request.command_case() != v1::Request::COMMAND_NOT_SET) {
+      const v1::Reply reply = control.Ask(request);
+      EXPECT_EQ(reply.code(), v1::CODE_OK) << reply.reason();
+    }
     for (std::size_t i = 0; i < rigs.size(); ++i) {
       EXPECT_EQ(sims[i]->Wait(60).value_or(-1), 0) << ReadText(folder_ / (rigs[i] + ".txt"));
     }
@@ -68,7 +73,8 @@ class ReplayTest : public RecordingsTest {
           .push_back(frame);
     }
     weights_ = folder_ / "weights.safetensors";
-    std::filesystem::copy_file(daemon.folder / "weights.safetensors", weights_);
+    std::filesystem::copy_file(weights.empty() ? daemon.folder / "weights.safetensors" : weights,
+                               weights_);
     return streams;
   }
 
@@ -98,6 +104,29 @@ class ReplayTest : public RecordingsTest {
  private:
   int runs_ = 0;
 };
+
+// The recording has the style as numbers: the clip is not needed.
+TEST_F(ReplayTest, AStyleOfAnExampleComesOutAsItDid) {
+  const std::string weights = folder_ / "causal", clip = folder_ / "walk.bvh";
+  const std::vector<std::byte> bytes = stgcn_causal::RandomWeights(4, 16, 1).Bytes();
+  WriteText(weights, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  Child sim({StylesimBinary(), "--write", clip, "--seconds", "2"}, folder_ / "sim.txt");
+  ASSERT_EQ(sim.Wait(60).value_or(-1), 0);
+  v1::Request request;
+  request.set_performer("*");
+  request.mutable_like()->set_name("mine");
+  request.mutable_like()->set_clip(ReadText(clip));
+  const Streams live = Record(request, weights);
+  ASSERT_EQ(Styled({"--replay", take_, "--replay-to", folder_ / "again.styrec", "--weights",
+                    weights_, "--set", "style.initial=style2"}),
+            0)
+      << said_;
+  const Streams again = Read(folder_ / "again.styrec");
+  const std::string stream = "suit.sim rig";
+  ASSERT_TRUE(again.contains(stream) && live.contains(stream)) << again.begin()->first;
+  ExpectSame(Digests(again.at(stream)), Digests(live.at(stream)), stream);
+  EXPECT_EQ(live.at(stream).back().styles(0).style(), "mine");
+}
 
 TEST_F(ReplayTest, SeveralRigsComeOutAsTheyDidAndTheSameAtEveryRun) {
   const Streams live = Record();
