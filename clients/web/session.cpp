@@ -21,7 +21,7 @@ namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 using nlohmann::json;
 
-constexpr std::size_t kMaxRequestBytes = 64 << 10;  // the same as the daemon's control socket
+constexpr std::size_t kMaxRequestBytes = 8 << 20;  // as the daemon's, of a Like with its clip
 constexpr int kMaxRequests = 16;                    // of one browser, without reply
 constexpr std::size_t kMaxNotices = 64;             // without key, queued
 constexpr auto kAwait = asio::as_tuple(asio::use_awaitable);

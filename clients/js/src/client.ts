@@ -16,6 +16,7 @@ import {
   RequestSchema,
   type Applied,
   type CalibrateReply,
+  type LikeReply,
   type ListReply,
   type Reply,
   type StatusReply,
@@ -107,6 +108,19 @@ export interface CalibrateOptions {
   sensors?: keyof typeof SENSORS;
   /** Discard the calibration instead. */
   clear?: boolean;
+}
+
+/** An example of a style. */
+export interface LikeOptions {
+  /** Of the style: 1 to 32 of A-Z a-z 0-9 _ -. An earlier example of this name is replaced. */
+  name: string;
+  /** The bytes of a BVH file. */
+  clip: Uint8Array;
+  /** Its name, for messages. */
+  file?: string;
+  /** The dialect of its skeleton; by default found out. */
+  rig?: string;
+  transitionMs?: number;
 }
 
 const POSES = { t: Calibrate_Pose.T, n: Calibrate_Pose.N };
@@ -280,6 +294,14 @@ export class StyledClient {
     const { pose = 't', sensors = 'full', clear = false } = options;
     const value = { pose: wordOf(POSES, pose, 'pose'), sensors: wordOf(SENSORS, sensors, 'sensors'), clear };
     return (await this.ask({ performer, command: { case: 'calibrate', value } })).calibrate!;
+  }
+  /**
+   * Makes a style of an example clip, for all clients; the performer (SOURCE.NAME, "*", or "": nobody yet)
+   * moves in it. The reply says how far the example lies from the styles that the weights know.
+   */
+  async like(performer: string, example: LikeOptions): Promise<LikeReply> {
+    if (performer !== '') checkPerformers(performer);
+    return (await this.ask({ performer, command: { case: 'like', value: example } })).like!;
   }
   /** Fires the cues with that name in the daemon's configuration. */
   cue(name: string): Promise<Applied[]> {

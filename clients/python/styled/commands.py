@@ -1,7 +1,9 @@
 """The requests to a daemon, independent of the socket: arguments are converted to requests of
 control.proto, and replies to results."""
 
+import os
 import random
+import re
 from typing import Any, Dict, Mapping, Optional
 
 from google.protobuf.message import DecodeError
@@ -11,6 +13,8 @@ from styled.inbox import is_performer_id
 from styled.v1 import control_pb2, frame_pb2, look_pb2
 
 EVERYONE = '*'
+
+MAX_CLIP_BYTES = 8 * 1024 * 1024 - 4096  # a request with it has at most 8 MiB
 
 PARTS = {name[len('BODY_PART_'):].lower().replace('_', '-'): number
          for name, number in frame_pb2.BodyPart.items()}
@@ -79,6 +83,24 @@ def _calibrate_request(performer: str, pose: str, sensors: str,
     return request
 
 
+def _like_request(performer: Optional[str], clip: str, name: Optional[str], rig: str,
+                  transition_ms: Optional[float]) -> control_pb2.Request:
+    request = control_pb2.Request() if performer is None else _change(performer)
+    file = os.path.basename(clip)
+    like = request.like
+    like.name = name or re.sub('[^A-Za-z0-9_-]', '-', os.path.splitext(file)[0])[:32]
+    like.file = file
+    like.rig = rig
+    with open(clip, 'rb') as opened:
+        like.clip = opened.read()
+    if len(like.clip) > MAX_CLIP_BYTES:
+        raise ValueError(f'like: {clip} has {len(like.clip)} bytes, expected at most '
+                         f'{MAX_CLIP_BYTES}')
+    if transition_ms is not None:
+        like.transition_ms = transition_ms
+    return request
+
+
 class Commands:
     """The calls that styled.Control and styled.aio.Control share. Each class defines `_do(request,
     result)`: in the first, a call returns its result; in the second, a coroutine of it."""
@@ -132,6 +154,16 @@ class Commands:
         """Calibrates: the performer stands in this pose (t or n) at this moment."""
         return self._do(_calibrate_request(performer, pose, sensors, clear),
                         lambda reply: reply.calibrate)
+
+    def like(self, performer: Optional[str], clip: str, name: Optional[str] = None,
+             rig: str = 'auto',
+             transition_ms: Optional[float] = None) -> control_pb2.LikeReply:
+        """Makes a style of an example, the BVH file `clip`, for all clients; the performer (None:
+        nobody yet) moves in it. `name`: by default the file's. The result has `nearest` and
+        `distance`: how far the example lies from the styles that the weights know; above 1 it is
+        unlike all of them."""
+        return self._do(_like_request(performer, clip, name, rig, transition_ms),
+                        lambda reply: reply.like)
 
     def cue(self, name: str) -> Dict[str, int]:
         """Fires the cues with that name in the daemon's configuration."""

@@ -110,6 +110,7 @@ class ClientTest(unittest.TestCase):
                                (lambda: control.set('*', strength=9), 'OUT_OF_RANGE'),
                                (lambda: control.preset('*', 'none'), 'UNKNOWN_PRESET'),
                                (lambda: control.cue('none'), 'UNKNOWN_CUE'),
+                               (lambda: control.like('*', __file__, 'mine'), 'NO_EXAMPLES'),
                                (lambda: control.reset('rig.nobody'), 'UNKNOWN_PERFORMER'),
                                (lambda: control.calibrate('rig.nobody'), 'UNKNOWN_PERFORMER')):
                 with self.assertRaises(styled.Refused) as refused:
