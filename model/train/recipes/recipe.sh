@@ -11,10 +11,17 @@
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../.." && pwd)
 name=$(basename "$0" .sh)
-recipe_folders=${recipe_folders:-}  # of clips, beside those of Bandai-Namco
+recipe_sets=${recipe_sets-bandai-1 bandai-2-train bandai-2-val}  # of Bandai-Namco
+recipe_folders=${recipe_folders:-}                                # of other clips
 weights=$root/model/weights
 manifests=$weights/manifests
 
+# All folders of clips: "a, b, c".
+recipe_all() {
+  local all=(${recipe_sets} ${recipe_folders})
+  local IFS=,
+  echo "${all[*]}" | sed 's/,/, /g'
+}
 recipe_usage() {
   cat <<USAGE
 usage: model/train/recipes/$name.sh [--dry-run] [--smoke] ${recipe_needs:-}RUNS
@@ -22,7 +29,7 @@ usage: model/train/recipes/$name.sh [--dry-run] [--smoke] ${recipe_needs:-}RUNS
   --dry-run  print the commands
   --smoke    two iterations of each run, on and before a few clips of each kind: shows that the
              commands work, and nothing else
-STYLED_DATA  the folder of the unpacked clips: bandai-1, bandai-2-train, bandai-2-val${recipe_folders:+, }${recipe_folders// /, }
+STYLED_DATA  the folder of the unpacked clips: $(recipe_all)
 STYLED_BIN   the folder of styletrain, styleeval and stylebaseline; default build/release/bin
 USAGE
 }
@@ -56,7 +63,7 @@ bin=${STYLED_BIN:-$root/build/release/bin}
 if [ "$dry_run" = no ]; then
   [ -n "$data" ] || recipe_refuse "STYLED_DATA is not set; expected the folder of the unpacked clips"
   # shellcheck disable=SC2086
-  for folder in bandai-1 bandai-2-train bandai-2-val $recipe_folders; do
+  for folder in $recipe_sets $recipe_folders; do
     [ -d "$data/$folder" ] || recipe_refuse "STYLED_DATA: $data has no folder $folder; unpack the archives"
   done
   for program in styletrain styleeval stylebaseline; do
@@ -68,7 +75,8 @@ fi
 # fewest of which the judges' share is one.
 recipe_few_clips() {
   local folder file kind last='' count=0
-  for folder in bandai-1 bandai-2-train bandai-2-val; do
+  mkdir -p "$2"
+  for folder in $recipe_sets; do
     mkdir -p "$2/$folder"
     for file in "$1/$folder"/*.bvh; do
       kind=${file%_*}
