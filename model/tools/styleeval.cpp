@@ -16,6 +16,7 @@
 #include "model/train/judge/judge_codes.h"
 #include "model/train/judge/judge_details.h"
 #include "model/train/judge/judge_evidence.h"
+#include "model/train/judge/judge_live_restyler.h"
 #include "model/train/judge/judge_mixed.h"
 #include "model/train/judge/judge_pictures.h"
 #include "model/train/judge/judge_provenance.h"
@@ -86,6 +87,15 @@ std::vector<Styled> StyleBy(const judge::AnyStyler& styler, const judge::Data& d
                             const stylist::Options& options) {
   std::vector<Styled> styled;
   if (styler.frames) {
+    if (styler.frames->network->space() != nullptr) {
+      const judge::LiveRestyler restyler(*styler.frames, options);
+      const auto by = [&](judge::CodeFrom from) { return judge::TargetsOf(data, from); };
+      styled.push_back({"noise", "styled by noise, as live", "noise",
+                        judge::Restyle(data, restyler, by(judge::CodeFrom::kNoise))});
+      styled.push_back(
+          {"examples", "styled by example clips without a label, as live", "examples",
+           judge::Restyle(data, restyler, judge::Unlabelled(by(judge::CodeFrom::kReference)))});
+    }
     styled.push_back({"styled", "styled (detail-preserving, as live)", "styled",
                       judge::Style(data, *styler.frames, options, false)});
     return styled;
@@ -221,10 +231,11 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   judge::PrintGlossary();
   const Status results = WriteResults(session, outputs);
   if (!results.ok() || !arguments.write_evidence) return results;
-  return judge::WriteEvidence(
-      judge::EvidenceOf(data.manifest, data.train, judge::kJudgeRate_hz,
-                        evaluator.Measure("", outputs.styled.front().clips)),
-      arguments.weights);
+  // By the styles of the weights' list.
+  const Styled& of_lists = styler.frames ? outputs.styled.back() : outputs.styled.front();
+  return judge::WriteEvidence(judge::EvidenceOf(data.manifest, data.train, judge::kJudgeRate_hz,
+                                                evaluator.Measure("", of_lists.clips)),
+                              arguments.weights);
 }
 
 }  // namespace

@@ -25,18 +25,7 @@ bool ClipRestyler::Has(int style) const {
 }
 
 net::StyleCode ClipRestyler::CodeOf(const Target& target) const {
-  net::StyleRequest request;
-  const int style = style_of_[static_cast<std::size_t>(target.style)];
-  for (const std::span<const body::Pose> reference : target.references) {
-    request.sources.push_back({.style = target.labelled ? style : -1,
-                               .seed = {},
-                               .reference = reference,
-                               .weight = 1.0F / static_cast<float>(target.references.size())});
-  }
-  if (request.sources.empty()) {
-    request.sources.push_back({.style = style, .seed = target.noise, .reference = {}, .weight = 1});
-  }
-  return network_->MakeCode(request);
+  return network_->MakeCode(RequestOf(target, style_of_));
 }
 
 Poses ClipRestyler::RestyleBy(std::span<const body::Pose> clip, const net::StyleCode& code) const {

@@ -1,5 +1,7 @@
 #include "model/train/judge/judge_restyler.h"
 
+#include <utility>
+
 #include "model/base/hash.h"
 #include "model/clip/clip.h"
 
@@ -9,6 +11,30 @@ namespace {
 constexpr std::size_t kReferenceFrames = 64;  // of an example, where there are enough
 
 }  // namespace
+
+net::StyleRequest RequestOf(const Target& target, std::span<const int> style_of) {
+  net::StyleRequest request;
+  const int style = style_of[static_cast<std::size_t>(target.style)];
+  for (const std::span<const body::Pose> reference : target.references) {
+    request.sources.push_back({.style = target.labelled ? style : -1,
+                               .seed = {},
+                               .reference = reference,
+                               .weight = 1.0F / static_cast<float>(target.references.size())});
+  }
+  if (request.sources.empty()) {
+    request.sources.push_back({.style = style, .seed = target.noise, .reference = {}, .weight = 1});
+  }
+  return request;
+}
+
+std::function<Target(int input, int style)> Unlabelled(
+    std::function<Target(int input, int style)> targets) {
+  return [targets = std::move(targets)](int input, int style) {
+    Target target = targets(input, style);
+    target.labelled = false;
+    return target;
+  };
+}
 
 std::vector<Transferred> Restyle(const Data& data, const Restyler& restyler,
                                  const std::function<Target(int input, int style)>& target) {

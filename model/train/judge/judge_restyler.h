@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "model/net/style_space.h"
 #include "model/train/judge/judge_data.h"
 #include "model/train/judge/judge_stream.h"
 
@@ -21,8 +22,11 @@ struct Target {
   std::optional<std::uint64_t> noise = {};
 };
 
-// A network that restyles whole clips, which a stylist, frame by frame, cannot run. The judges see
-// it through this alone.
+// What a target asks of a network's space of styles. `style_of`: manifest style to network style.
+net::StyleRequest RequestOf(const Target& target, std::span<const int> style_of);
+
+// A network that restyles whole clips, which a stylist, frame by frame, cannot run, or that takes
+// styles that are not of its list. The judges see it through this alone.
 class Restyler {
  public:
   virtual ~Restyler() = default;
@@ -46,5 +50,8 @@ std::vector<Transferred> Restyle(const Data& data, const Restyler& restyler,
 enum class CodeFrom { kMean, kNoise, kReference };
 std::function<Target(int input, int style)> TargetsOf(const Data& data, CodeFrom from,
                                                       std::uint64_t seed = 1);
+// The same, but the network is not told the references' style.
+std::function<Target(int input, int style)> Unlabelled(
+    std::function<Target(int input, int style)> targets);
 
 }  // namespace styled::judge

@@ -4,7 +4,13 @@
 
 #include <set>
 
+#include "model/feet/legs.h"
+#include "model/net/load.h"
+#include "model/synthetic/performer.h"
 #include "model/train/judge/judge_clip_restyler.h"
+#include "model/train/judge/judge_live_restyler.h"
+#include "model/train/judge/judge_stream.h"
+#include "tests/unit/net/stgcn_causal/random_weights.h"
 
 namespace styled::judge {
 namespace {
@@ -88,6 +94,47 @@ TEST(ClipRestyler, AsksForMeanNoiseOrExamplesOfTheNetworksOwnStyle) {
             (net::StyleCode{1, 0, 0.5F, 70, 1, 0, 0.5F, 80}));
   EXPECT_EQ(restyler.CodeOf({.style = 2, .references = {first}, .labelled = false}),
             (net::StyleCode{-1, 0, 1, 70}));
+}
+
+TEST(LiveRestyler, GivesATargetAsTheStylistWouldPublishItsStyle) {
+  const auto network = net::Parse(stgcn_causal::RandomWeights(3, 16, 1).Bytes(), "random");
+  ASSERT_TRUE(network.ok()) << network.status().message();
+  const Styler styler{network.value(),
+                      std::make_shared<const rig::Binding>(feet::HumanoidBinding()),
+                      {kAbsent, 2, kAbsent},
+                      0};
+  const LiveRestyler restyler(styler, {});
+  EXPECT_TRUE(restyler.Has(1));
+  EXPECT_FALSE(restyler.Has(0) || restyler.Has(2));
+  synthetic::Performer performer({.script = {{synthetic::Motion::kWalk, 5}}});
+  Poses walk(240), example(80);
+  for (std::size_t i = 0; i < walk.size(); ++i) {
+    performer.Pose(static_cast<double>(i) / kStreamRate_hz, walk[i]);
+  }
+  for (std::size_t i = 0; i < example.size(); ++i) {
+    performer.Pose(static_cast<double>(i) / kJudgeRate_hz, example[i]);
+  }
+  const auto same = [](const Poses& a, const Poses& b) {
+    bool same = a.size() == b.size();
+    for (std::size_t i = 0; same && i < a.size(); ++i) {
+      for (std::size_t j = 0; j < a[i].rotations.size(); ++j) {
+        same = same && a[i].rotations[j].coeffs() == b[i].rotations[j].coeffs();
+      }
+    }
+    return same;
+  };
+  // The network's style 2, by its number and as the mean of the manifest's style 1.
+  const Switch named{.frame = 0, .settings = OneStyle(2, false)};
+  const Poses expected =
+      StyleStream(network.value(), styler.binding, {}, {&named, 1}, walk, kStreamRate_hz);
+  EXPECT_TRUE(same(restyler.Restyle(walk, {.style = 1}), expected));
+  // An example is another style, and its label counts.
+  Target target{.style = 1, .references = {example}};
+  const Poses told = restyler.Restyle(walk, target);
+  EXPECT_FALSE(same(told, expected));
+  const auto untold = Unlabelled([&](int, int) { return target; })(0, 1);
+  EXPECT_FALSE(untold.labelled);
+  EXPECT_FALSE(same(restyler.Restyle(walk, untold), told));
 }
 
 TEST(Targets, AreExamplesOfTheStyleAndNoiseOfItsOwn) {

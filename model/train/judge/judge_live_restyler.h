@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "model/train/judge/judge_restyler.h"
+
+namespace styled::judge {
+
+// A live network that knows a space of styles, by what Stylist makes of it at 120 Hz: a target's
+// code is added to it as one more style, as the daemon does for an example. Pinned by
+// tests/unit/judge/judge_restyler_test.cpp.
+class LiveRestyler final : public Restyler {
+ public:
+  // `styler`: its network has a space.
+  LiveRestyler(const Styler& styler, const stylist::Options& options);
+
+  double rate_hz() const override { return kStreamRate_hz; }
+  bool Has(int style) const override;
+  Poses Restyle(std::span<const body::Pose> clip, const Target& target) const override;
+
+ private:
+  const Styler& styler_;
+  stylist::Options options_;
+};
+
+}  // namespace styled::judge
