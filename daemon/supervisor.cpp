@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "daemon/pipeline/keeping.h"
+#include "daemon/pipeline/library.h"
 #include "daemon/pipeline/like.h"
 #include "daemon/runtime/journal.h"
 #include "daemon/runtime/realtime.h"
@@ -70,6 +71,7 @@ Status Supervisor::Start() {
   auto made = pipeline::MakeRuntimeConfig(config_, nullptr, weights_crc_);
   if (!made.ok()) return made.status();
   runtime_config_ = made.value();
+  for (const auto& complaint : runtime_config_->complaints) spdlog::warn("{}", complaint);
   Status status = OpenSources();
   if (status.ok()) status = OpenGate();
   if (status.ok()) status = OpenSockets();
@@ -329,6 +331,21 @@ void Supervisor::Reload() {
   notifier_.Ready(status.ok() ? "reloaded" : "reload refused: " + refused_);
 }
 
+// Writes the style that was added last into the library, if there is one.
+std::shared_ptr<const pipeline::RuntimeConfig> Supervisor::Keep(
+    const std::shared_ptr<const pipeline::RuntimeConfig>& config, const v1::LikeReply& like,
+    const std::string& source) {
+  if (config->style.library.empty()) return config;
+  const Status kept = pipeline::KeepStyle(*config, like, source);
+  if (!kept.ok()) {
+    spdlog::error("style.library: {}; the style will not survive a restart", kept.message());
+    return config;
+  }
+  auto known = std::make_shared<pipeline::RuntimeConfig>(*config);
+  known->kept.insert(like.name());
+  return known;
+}
+
 // Makes the styles that clients show examples of, off the real-time thread.
 void Supervisor::MakeStyles() {
   std::unique_ptr<pipeline::Exchange> exchange;
@@ -340,7 +357,7 @@ void Supervisor::MakeStyles() {
       spdlog::info(
           "style {} made of an example; nearest to {}, at {:.2f} of the distance of styles",
           like.name(), like.nearest(), like.distance());
-      runtime_config_ = made;
+      runtime_config_ = Keep(made, like, exchange->request.like().file());
     }
     pipeline::Reload reload{std::move(made), std::move(exchange)};
     while (!mailboxes_.reloads.Push(std::move(reload))) {  // emptied between frames
@@ -362,6 +379,7 @@ Status Supervisor::TakeOver() {
   mailboxes_.wake_pipeline.Signal();
   WarnOfRestartKeys(fresh.value());
   runtime_config_ = made.value();
+  for (const auto& complaint : runtime_config_->complaints) spdlog::warn("{}", complaint);
   weights_crc_ = crc;
   config_.log = fresh.value().log;
   config_.presets = fresh.value().presets;

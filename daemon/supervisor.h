@@ -59,6 +59,9 @@ class Supervisor {
   void Stop();
   void Reload();
   void MakeStyles();
+  static std::shared_ptr<const pipeline::RuntimeConfig> Keep(
+      const std::shared_ptr<const pipeline::RuntimeConfig>& config, const v1::LikeReply& like,
+      const std::string& source);
   Status TakeOver();
   void LogEvents();
   void LogTrouble();

@@ -106,6 +106,7 @@ struct Performers {
 
 struct Style {
   std::string initial;  // a preset or a style; "" = bypass
+  std::string library;  // a folder (pipeline/library.h); "" = none
   v1::Look look;        // what else differs from InitialLook(); no mix
 };
 

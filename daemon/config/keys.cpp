@@ -144,7 +144,9 @@ void AddLookKeys(Field look, std::vector<Key<T>>& keys) {
 
 // `initial` names what a mix or a preset would.
 Section StyleSection() {
-  Section section{"style", {Text<Config>("initial", STYLED_FIELD(style.initial))}};
+  Section section{"style",
+                  {Text<Config>("initial", STYLED_FIELD(style.initial)),
+                   Text<Config>("library", STYLED_FIELD(style.library))}};
   AddLookKeys(STYLED_FIELD(style.look), section.keys);
   std::erase_if(section.keys,
                 [](const Key<Config>& key) { return key.name == "mix" || key.name == "preset"; });

@@ -1,7 +1,10 @@
 #include "daemon/pipeline/runtime_config.h"
 
+#include <array>
+#include <cstdio>
 #include <utility>
 
+#include "daemon/pipeline/library.h"
 #include "daemon/pipeline/profile.h"
 #include "model/net/safetensors.h"
 #include "model/net/shipped_weights.h"
@@ -39,6 +42,12 @@ Status CheckStyles(const config::Config& config, const net::Styles& styles) {
   return Status::Error("style.initial: \"" + config.style.initial + "\" is no preset, and " + why);
 }
 
+std::string HashText(std::uint32_t crc) {
+  std::array<char, 24> text{};
+  std::snprintf(text.data(), text.size(), "crc32c:%08x", crc);
+  return text.data();
+}
+
 // Returns the running output if nothing about it changed, so that performers need not restart.
 std::shared_ptr<const RetargetOutput> KeepUnchanged(std::shared_ptr<const RetargetOutput> fresh,
                                                     const RuntimeConfig* running) {
@@ -72,6 +81,11 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
     made->network = std::move(network.value());
     made->own_styles = static_cast<int>(made->network->model().styles.size());
   }
+  made->weights_hash = HashText(fresh_crc);
+  made->style = config.style;
+  made->presets = config.presets;
+  if (running != nullptr && made->network == running->network) made->kept = running->kept;
+  ReadLibrary(*made);
   const Status status = CheckStyles(config, made->network->model().styles);
   if (!status.ok()) return status;
   if (running != nullptr) {
@@ -86,13 +100,11 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
   }
   made->weights_name = path.value().filename().string();
   made->performers = config.performers;
-  made->style = config.style;
   for (const auto& cue : config.cues) {
     auto checked = MakeCue(cue, config.presets, made->network->model().styles);
     if (!checked.ok()) return checked.status();
     made->cues.push_back(std::move(checked.value()));
   }
-  made->presets = config.presets;
   made->stylist = config.model.stylist;
   weights_crc = fresh_crc;
   return std::shared_ptr<const RuntimeConfig>(std::move(made));

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,11 @@ namespace styled::pipeline {
 // supervisor makes it; it is immutable and shared with the pipeline thread.
 struct RuntimeConfig {
   std::shared_ptr<const net::Stylizer> network;
-  int own_styles = 0;        // of the weights file; those behind it were added (like.h)
-  std::string weights_name;  // file name, for status
+  int own_styles = 0;          // of the weights file; those behind it were added (like.h)
+  std::string weights_name;    // file name, for status
+  std::string weights_hash;    // of its bytes
+  std::set<std::string> kept;  // the styles behind own_styles that the library has (library.h)
+  std::vector<std::string> complaints;  // what the library has and cannot be used, for the log
   config::Performers performers;
   config::Style style;
   std::vector<config::Preset> presets;

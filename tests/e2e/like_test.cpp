@@ -2,9 +2,11 @@
 // jumps.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <thread>
@@ -250,6 +252,72 @@ TEST_F(LikeTest, AClipMayBeLargerThanOtherRequestsButNotMuch) {
   other.set_performer(std::string(70'000, 'x'));
   other.mutable_panic();
   EXPECT_EQ(control_.Ask(other).code(), v1::CODE_TOO_LARGE);
+}
+
+std::vector<std::string> StylesOf(const Daemon& daemon) {
+  ControlClient control(daemon.control);
+  v1::Request request;
+  request.mutable_list();
+  const v1::Reply reply = control.Ask(request);
+  std::vector<std::string> names;
+  for (const auto& style : reply.list().styles()) names.push_back(style.name());
+  return names;
+}
+
+TEST(LikeLibrary, StylesSurviveARestartAndGoWithTheirFiles) {
+  const TemporaryFolder folder;
+  const std::string library = folder / "styles", weights = CausalWeights(folder / "w");
+  Daemon daemon({"style.library=" + library}, "", {}, weights);
+  v1::Request request;
+  request.mutable_like()->set_clip(WalkBvh(30, 2));
+  v1::Reply first;
+  for (const char* const name : {"one", "two"}) {
+    request.mutable_like()->set_name(name);
+    request.mutable_like()->set_file("walk.bvh");
+    first = ControlClient(daemon.control).Ask(request);
+    ASSERT_EQ(first.code(), v1::CODE_OK) << first.reason();
+  }
+  const std::string text = ReadText(library + "/two.json");
+  EXPECT_THAT(text, HasSubstr("\"licence\": \"CC0-1.0\""));
+  EXPECT_THAT(text, HasSubstr("\"source\": \"walk.bvh\""));
+  // What is no style, or of other weights, is left out with the reason; the daemon starts.
+  std::string other = text;
+  other.replace(other.find("crc32c:"), 15, "crc32c:00000000");
+  WriteText(library + "/other.json", other);
+  WriteText(library + "/broken.json", "{");
+  WriteText(library + "/renamed.json", text);
+  ASSERT_EQ(daemon.Stop(), 0);
+  daemon.Start();
+  EXPECT_THAT(StylesOf(daemon),
+              testing::ElementsAre("neutral", "style1", "style2", "style3", "one", "two"));
+  EXPECT_THAT(daemon.Log(), HasSubstr("other.json: was made with other weights, crc32c:00000000"));
+  EXPECT_THAT(daemon.Log(), HasSubstr("broken.json: expected a JSON object"));
+  EXPECT_THAT(daemon.Log(), HasSubstr("renamed.json: holds the style \"two\""));
+  // The same numbers as before the restart.
+  request.mutable_like()->set_name("two");
+  const v1::Reply again = ControlClient(daemon.control).Ask(request);
+  EXPECT_EQ(again.like().distance(), first.like().distance());
+
+  std::filesystem::remove(library + "/one.json");
+  ASSERT_EQ(kill(daemon.child->pid(), SIGHUP), 0);
+  ControlClient control(daemon.control);
+  ASSERT_EQ(control.CounterSoon("config.reloads", 1), 1U) << daemon.Log();
+  EXPECT_THAT(StylesOf(daemon),
+              testing::ElementsAre("neutral", "style1", "style2", "style3", "two"));
+}
+
+TEST(LikeLibrary, AFolderThatCannotBeWrittenIsSaidAndTheStyleWorks) {
+  const TemporaryFolder folder;
+  const std::string weights = CausalWeights(folder / "w");
+  WriteText(folder / "file", "");
+  const Daemon daemon({"style.library=" + (folder / "file/styles")}, "", {}, weights);
+  v1::Request request;
+  request.mutable_like()->set_name("mine");
+  request.mutable_like()->set_clip(WalkBvh(30, 2));
+  ControlClient control(daemon.control);
+  EXPECT_EQ(control.Ask(request).code(), v1::CODE_OK);
+  EXPECT_THAT(StylesOf(daemon), testing::Contains("mine"));
+  EXPECT_THAT(daemon.Log(), HasSubstr("the style will not survive a restart"));
 }
 
 TEST(LikeWithoutExamples, WeightsThatKnowTheirListAloneAreNamed) {
