@@ -4,7 +4,8 @@
 
 // The constants that decide how a styled stream looks: value, unit, what a larger value trades for
 // what, and the figure that picked it. The figures are from styleeval on the validation clips of
-// set 2 with the weights named, unless said otherwise. "Jerk" is the output's over the input's;
+// set 2 with the weights named, unless said otherwise (v0 and v1 came before v2: the same network,
+// narrower; no longer in the tree). "Jerk" is the output's over the input's;
 // "another rig" means the clips of Xia et al. (model/weights/README.md, RESULTS.md). "No
 // measurement on record" means that nobody varied the constant and noted the effect.
 namespace styled::stylist::tuning {

@@ -9,7 +9,8 @@
 
 namespace styled::train::style_erd {
 
-// The flags of styletrain that only Style-ERD has; the defaults are those that v0 was trained with.
+// The flags of styletrain that only Style-ERD has; the defaults are those of the first
+// weights (v0, no longer in the tree).
 // Figures behind them are in model/weights/RESULTS.md ("Table 1" and the sections after it).
 struct Config {
   // Weights to start from (a .safetensors file); empty: random ones. Styles are matched by name.
