@@ -200,7 +200,7 @@ TEST(ThreatsTest, AMessageBeyondItsLimitCutsOffWhoSentItAndNobodyElse) {
   Subscriber other(daemon.publish, {"body/", std::string(900, 'x')});
   ControlClient huge(daemon.control);
   huge.SetPatience(1);
-  EXPECT_EQ(huge.AskRaw({std::string((1 << 20) + 100, 'x')}).reason(), "no reply");
+  EXPECT_EQ(huge.AskRaw({std::string((9 << 20) + 100, 'x')}).reason(), "no reply");
   EXPECT_EQ(control.AskRaw({std::string(1 << 19, 'x')}).code(), v1::CODE_TOO_LARGE);
   Paced(60, 120, [&](int i) {
     if (i % 20 == 0) link.Send(rig.Body());
