@@ -43,7 +43,7 @@ void ExpectWellWithin(const Figures& figures) {
 }
 
 TEST(TrialTest, ShippedWeightsPassWithRoomToSpare) {
-  for (const std::string name : {"v2"}) {
+  for (const std::string name : {"v2", "open"}) {
     const auto network = net::Load(std::string(STYLED_SHIPPED "/") + name + ".safetensors");
     ASSERT_TRUE(network.ok()) << network.status().message();
     Figures figures;
