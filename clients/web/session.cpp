@@ -22,8 +22,9 @@ namespace websocket = boost::beast::websocket;
 using nlohmann::json;
 
 constexpr std::size_t kMaxRequestBytes = 8 << 20;  // as the daemon's, of a Like with its clip
-constexpr int kMaxRequests = 16;                    // of one browser, without reply
-constexpr std::size_t kMaxNotices = 64;             // without key, queued
+constexpr std::size_t kMaxTextBytes = 64 << 10;    // of a message as text
+constexpr int kMaxRequests = 16;                   // of one browser, without reply
+constexpr std::size_t kMaxNotices = 64;            // without key, queued
 constexpr auto kAwait = asio::as_tuple(asio::use_awaitable);
 
 class Session : public Browser, public std::enable_shared_from_this<Session> {
@@ -66,7 +67,7 @@ asio::awaitable<void> Session::Run(beast::http::request<beast::http::empty_body>
   beast::flat_buffer buffer;
   for (;;) {
     const auto [error, size] = co_await socket_.async_read(buffer, kAwait);
-    if (error) break;
+    if (error || (socket_.got_text() && buffer.size() > kMaxTextBytes)) break;
     Read({static_cast<const char*>(buffer.data().data()), buffer.size()}, socket_.got_text());
     buffer.consume(buffer.size());
   }
