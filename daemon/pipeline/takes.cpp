@@ -42,7 +42,7 @@ bool Takes::Begin(std::unique_ptr<Exchange>& exchange, const Roster& roster, std
   }
   const auto rate_hz = static_cast<double>(roster.config().network->model().rate_hz);
   Take take{.exchange = std::move(exchange),
-            .performer = profile,
+            .performer = profile->id,
             .step_ns = 1e9 / rate_hz,
             .wanted = static_cast<std::size_t>(
                 std::lround(static_cast<double>(request.like().learn_s()) * rate_hz)),
@@ -55,7 +55,7 @@ bool Takes::Begin(std::unique_ptr<Exchange>& exchange, const Roster& roster, std
 
 void Takes::OnFrame(const Performer& performer) noexcept {
   for (Take& take : takes_) {
-    if (take.performer != &performer.profile || performer.input() == nullptr) continue;
+    if (take.performer != performer.profile.id || performer.input() == nullptr) continue;
     take.due_ns = performer.admission.last_frame_ns() + kPatience_ns;
     Sample(*performer.input(), performer.elapsed_ns(), take);
   }

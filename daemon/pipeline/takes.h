@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "daemon/pipeline/mailboxes.h"
@@ -28,10 +29,10 @@ class Takes {
  private:
   struct Take {
     std::unique_ptr<Exchange> exchange;
-    const Profile* performer;
-    double step_ns;       // of the network
-    std::size_t wanted;   // poses
-    std::int64_t due_ns;  // of the clock: without a frame until then it is broken off
+    std::string performer;  // its id
+    double step_ns;         // of the network
+    std::size_t wanted;     // poses
+    std::int64_t due_ns;    // of the clock: without a frame until then it is broken off
     std::int64_t began_ns = 0, last_ns = 0;  // elapsed time of the session
     body::Pose last;
     bool started = false, broken = false;

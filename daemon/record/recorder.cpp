@@ -89,7 +89,8 @@ void Recorder::OnArrival(const source::Arrival& arrival) noexcept {
 }
 
 void Recorder::OnRequest(std::int64_t now_ns, const v1::Request& request, const v1::Reply& reply) {
-  if (!Changes(request) || reply.code() != v1::CODE_OK || Paused()) return;
+  const bool done = reply.code() == v1::CODE_OK || reply.has_like();  // the style is made
+  if (!Changes(request) || !done || Paused()) return;
   recording::Command command;
   *command.mutable_request() = request;
   *command.mutable_applied() = reply.applied();

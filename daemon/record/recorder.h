@@ -39,7 +39,7 @@ class Recorder {
 
   // Pipeline thread, or before it starts.
   STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept;
-  // A request that was answered; recorded only if it succeeded and changes something. Allocates.
+  // A request that was answered; recorded only if it changed something. Allocates.
   void OnRequest(std::int64_t now_ns, const v1::Request& request, const v1::Reply& reply);
   void OnNote(std::int64_t now_ns, std::string_view text) noexcept;
 

@@ -2,11 +2,10 @@
 
 // The constants of the feet stage: value, unit, what a larger value trades for what, and the figure
 // that picked it. The figures are from styleeval over 240 clips (40 neutral ones of set 2, six
-// styles) unless said otherwise (model/weights/RESULTS.md, "The feet stage"); v1 came before v2 and is
-// no longer in the tree. A clip is "to blame"
-// on the stage if its output accelerates harder than 1.5 times the input's p99.9 while the pose
-// without the stage does not. "No measurement on record" means that nobody varied the constant and
-// noted the effect.
+// styles) unless said otherwise (model/weights/RESULTS.md, "The feet stage"); v1 came before v2 and
+// is no longer in the tree. A clip is "to blame" on the stage if its output accelerates harder
+// than 1.5 times the input's p99.9 while the pose without the stage does not. "No measurement on
+// record" means that nobody varied the constant and noted the effect.
 namespace styled::feet::tuning {
 
 // Contacts (contacts.h)

@@ -6,8 +6,8 @@ namespace styled::stylectl {
 
 // Each function declares commands with their options and actions. The values parsed from the
 // command line live as long as the session.
-void DeclareShowCommands(Session& session);   // list, status
-void DeclareStyleCommands(Session& session);  // set, clear, preset, cue, pin, unpin, panic, reset
+void DeclareShowCommands(Session& session);    // list, status
+void DeclareStyleCommands(Session& session);   // set, clear, preset, cue, pin, unpin, panic, reset
 void DeclareMakingCommands(Session& session);  // like, learn, vary
 void DeclareCalibrate(Session& session);
 void DeclareDoctor(Session& session);
