@@ -21,6 +21,12 @@ void AddFlags(CLI::App& app, Config& config) {
       ->capture_default_str();
   app.add_option("--varied", config.varied, "Share of targets of a strength from 0 to 1.5, not 1")
       ->capture_default_str();
+  app.add_option("--single", config.single,
+                 "Share of targets that are a single example or noise, not their style's mean")
+      ->capture_default_str();
+  app.add_option("--single-codes", config.single_codes,
+                 "Examples and noises of each style that those are drawn from")
+      ->capture_default_str();
   app.add_option("--precision", config.precision)
       ->check(CLI::IsMember({"auto", "fp32", "bf16"}))
       ->capture_default_str();

@@ -15,7 +15,9 @@ Status Check(const Config& config) {
   if (config.init.empty()) {
     return Status::Error("--init is needed, the weights of family st-gcn to learn from");
   }
-  for (const auto& [flag, value] : {std::pair{"--hop", config.hop}, {"--batch", config.batch}}) {
+  for (const auto& [flag, value] : {std::pair{"--hop", config.hop},
+                                   {"--batch", config.batch},
+                                   {"--single-codes", config.single_codes}}) {
     if (value < 1) return refuse(flag, value, "1 or more");
   }
   if (config.start_windows < 0) {
@@ -23,7 +25,8 @@ Status Check(const Config& config) {
   }
   const std::pair<const char*, double> shares[] = {
       {"--neutral", config.neutral}, {"--unpaired", config.unpaired},
-      {"--varied", config.varied},   {"--beta1", config.beta1},
+      {"--varied", config.varied},   {"--single", config.single},
+      {"--beta1", config.beta1},
       {"--beta2", config.beta2},     {"--decay-to", config.decay_to},
       {"--ema", config.ema},         {"--w-first", config.w_first}};
   for (const auto& [flag, value] : shares) {

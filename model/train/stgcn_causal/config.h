@@ -20,6 +20,10 @@ struct Config {
   // Share of the targets whose strength is drawn from 0 to the most that is allowed live, 1.5; that
   // of the others is 1.
   double varied = 0.2;
+  // Share of the targets that are single examples or noises of their style instead of its mean; and
+  // how many of each style these are drawn from.
+  double single = 0.5;
+  int single_codes = 128;
 
   // The order of work.
   std::string precision = "auto";  // of activations: "fp32", "bf16", or bf16 where it is fast

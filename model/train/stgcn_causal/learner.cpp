@@ -20,10 +20,11 @@ void RestoreFlat(const Tensor& from, Parameters& to) {
 }  // namespace
 
 Teacher::Teacher(const st_gcn::Generator& generator, const Tensor& codes,
-                 const torch::Device& device)
+                 const Tensor& singles, const torch::Device& device)
     : graph_(device, torch::kFloat32),
       generator_(generator.shape, device),
-      codes_(codes.to(device)) {
+      codes_(codes.to(device)),
+      singles_(singles.to(device)) {
   const torch::NoGradGuard no_grad;
   generator_.parameters.RequireGradient(false);
   generator_.parameters.flat().copy_(generator.parameters.flat());
@@ -84,16 +85,18 @@ void Learner::Start() {
 }
 
 // Seeded by the iteration, so that a resumed run draws the same.
-Tensor Learner::Strengths() const {
+std::vector<Learner::Target> Learner::DrawTargets() const {
   std::mt19937_64 random(seed_ * 1000003 + static_cast<uint64_t>(iteration_));
   const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-  std::vector<float> strengths;
+  std::vector<Target> targets;
   for (int i = 0; i < config_.batch; ++i) {
     const bool varied = uniform() < config_.varied;
     const double drawn = net::kMaxStrength * uniform();
-    strengths.push_back(varied ? static_cast<float>(drawn) : 1.0F);
+    const bool single = uniform() < config_.single;
+    const auto which = static_cast<int64_t>(uniform() * config_.single_codes);
+    targets.push_back({varied ? static_cast<float>(drawn) : 1.0F, single ? which : -1});
   }
-  return torch::tensor(strengths).unsqueeze(1);
+  return targets;
 }
 
 Learner::Batch Learner::NextBatch() {
@@ -108,10 +111,16 @@ Learner::Batch Learner::NextBatch() {
   const auto code_of = [this](const std::vector<int64_t>& style) {
     return teacher_.CodeOf(torch::tensor(style, torch::kInt64).to(device_));
   };
-  const Tensor neutral = teacher_.codes().narrow(0, 0, 1);
-  const Tensor wanted = neutral + Strengths().to(device_) * (code_of(target) - neutral);
+  const Tensor neutral = teacher_.codes()[0];
+  const std::vector<Target> drawn = DrawTargets();
+  std::vector<Tensor> wanted;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    const Tensor code = drawn[i].single < 0 ? teacher_.codes()[target[i]]
+                                            : teacher_.singles()[target[i]][drawn[i].single];
+    wanted.push_back(neutral + drawn[i].strength * (code - neutral));
+  }
   return {.source = store_.Read(windows).to(device_),
-          .code = torch::cat({code_of(domain), wanted})};
+          .code = torch::cat({code_of(domain), torch::stack(wanted)})};
 }
 
 void Learner::Step(double progress) {
@@ -147,6 +156,7 @@ void Learner::Save(Checkpoint& checkpoint) const {
   t["average"] = average_.parameters.flat();
   t["teacher"] = teacher_.generator().parameters.flat();
   t["codes.mean"] = teacher_.codes();
+  t["codes.single"] = teacher_.singles();
   SaveAdam("student", adam_, checkpoint);
   t["iteration"] = torch::tensor({iteration_}, torch::kInt64);
   checkpoint.strings["sampler"] = sampler_.Save();
@@ -157,8 +167,9 @@ Status Learner::Restore(const Checkpoint& checkpoint) {
   try {
     const auto& t = checkpoint.tensors;
     if (!torch::equal(t.at("teacher"), teacher_.generator().parameters.flat().cpu()) ||
-        !torch::equal(t.at("codes.mean"), teacher_.codes().cpu())) {
-      return Status::Error("was made with other weights of --init");
+        !torch::equal(t.at("codes.mean"), teacher_.codes().cpu()) ||
+        !torch::equal(t.at("codes.single"), teacher_.singles().cpu())) {
+      return Status::Error("was made with other weights of --init, or other --single-codes");
     }
     RestoreFlat(t.at("student"), student_.parameters);
     RestoreFlat(t.at("average"), average_.parameters);

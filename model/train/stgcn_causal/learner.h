@@ -19,9 +19,10 @@ namespace styled::train::st_gcn_causal {
 // The network of whole clips that is learned from. Its outputs are float32, without gradients.
 class Teacher {
  public:
-  // `codes` [n, code]: the mean code of each style.
+  // `codes` [n, code]: the mean code of each style; `singles` [n, m, code]: of its examples and
+  // noises.
   Teacher(const st_gcn::Generator& generator, const torch::Tensor& codes,
-          const torch::Device& device);
+          const torch::Tensor& singles, const torch::Device& device);
 
   // What it makes of whole windows [B, 64, 21, 7] in the codes [n B, code], codes of all windows
   // one after the other.
@@ -30,11 +31,12 @@ class Teacher {
 
   const st_gcn::Generator& generator() const { return generator_; }
   const torch::Tensor& codes() const { return codes_; }
+  const torch::Tensor& singles() const { return singles_; }
 
  private:
   const st_gcn::Graph graph_;
   st_gcn::Generator generator_;
-  torch::Tensor codes_;
+  torch::Tensor codes_, singles_;
 };
 
 // The mean size of a difference of two outputs [B, T, 21, 7]; the first frames, kFirst of them,
@@ -76,7 +78,12 @@ class Learner {
     torch::Tensor code;    // [2B, code]: of the sources' own styles, then of the targets
   };
   Batch NextBatch();
-  torch::Tensor Strengths() const;  // [B, 1]
+  // What is drawn for a target beside its style.
+  struct Target {
+    float strength = 1;
+    int64_t single = -1;  // of Teacher::singles, or -1: the style's mean
+  };
+  std::vector<Target> DrawTargets() const;  // [B]
 
   const Config& config_;
   const uint64_t seed_;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "model/net/load.h"
 #include "model/net/stgcn/network.h"
 #include "model/net/weights_file.h"
 #include "model/train/checkpoint.h"
@@ -14,6 +15,7 @@
 #include "model/train/stgcn/read_generator.h"
 #include "model/train/stgcn_causal/learner.h"
 #include "model/train/stgcn_causal/monitor.h"
+#include "model/train/stgcn_causal/single_codes.h"
 
 namespace styled::train::st_gcn_causal {
 namespace {
@@ -26,6 +28,7 @@ struct Inputs {
   st_gcn::LoadedGenerator teacher;
   TrainingData data;
   std::vector<int64_t> styles;  // of each style of the manifest, the teacher's
+  torch::Tensor singles;        // of the teacher's styles (single_codes.h)
 };
 
 class CausalRecipe : public Recipe {
@@ -34,7 +37,8 @@ class CausalRecipe : public Recipe {
       : run_(run),
         config_(config),
         inputs_(std::move(inputs)),
-        teacher_(*inputs_.teacher.generator, inputs_.teacher.codes, DeviceOf(run_)),
+        teacher_(*inputs_.teacher.generator, inputs_.teacher.codes, inputs_.singles,
+                 DeviceOf(run_)),
         kinematics_(inputs_.teacher.statistics, DeviceOf(run_)),
         train_(inputs_.data.train, inputs_.teacher.statistics, inputs_.teacher.parameters,
                config_.hop),
@@ -163,6 +167,10 @@ Result<Inputs> ReadInputs(const RunConfig& run, const Config& config) {
     return Status::Error("--init " + config.init.string() + ": " + styles.status().message());
   }
   inputs.styles = std::move(styles.value());
+  const auto whole = net::LoadAny(config.init);
+  if (!whole.ok()) return Status::Error("--init " + whole.status().message());
+  inputs.singles = SingleCodes(*whole.value().clips, inputs.data.train, inputs.styles,
+                               config.single_codes, run.seed);
   return inputs;
 }
 
