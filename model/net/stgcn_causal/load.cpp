@@ -76,10 +76,8 @@ class BlockReader {
   }
 
   DecoderBlock TakeDecoder(const std::string& name, int level, int in, int out, int spacing) {
-    DecoderBlock block{layers_.TakeDecoder(name, level, in, out), {}, {}, {}, {}, {}, {}};
+    DecoderBlock block{layers_.TakeDecoder(name, level, in, out), 0, 0, {}, {}, {}, {}};
     const int nodes = block.graph1.in_nodes(), wide = block.graph2.out_nodes();
-    block.adain1 = TakeAdaIn(name + ".adain1", in);
-    block.adain2 = TakeAdaIn(name + ".adain2", out);
     block.norm1 = TakePast(name + ".adain1", in, Equal(nodes), kDecodings);
     block.norm2 = TakePast(name + ".adain2", out, block.cluster_sizes, kDecodings);
     block.time1 = TakeTime(name + ".tconv1", out, 1, spacing, nodes, kDecodings);
@@ -106,12 +104,6 @@ class BlockReader {
     return {weight, bias, scale, spacing, nodes, copies, layout_};
   }
 
-  stgcn::Linear TakeAdaIn(const std::string& name, int channels) {
-    stgcn::Linear adain = layers_.TakeLinear(name, 2 * channels, kCode, 0);
-    for (int c = 0; c < channels; ++c) adain.bias.data()[c] += 1;  // 1 + γ
-    return adain;
-  }
-
   LayerReader& layers_;
   Layout& layout_;
 };
@@ -132,7 +124,6 @@ class ScratchSizes {
   void TakeFrom(Layout& layout, Scratch& scratch) const {
     scratch.affine = layout.Take(2 * channels_);
     scratch.sums = layout.Take(2 * channels_);
-    scratch.adain = layout.Take(kDecodings * 2 * channels_);
     scratch.activated = layout.Take(activated_);
     scratch.between = layout.Take(between_);
     scratch.skip = layout.Take(skip_);
@@ -210,14 +201,20 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   w.decoder[0] = blocks.TakeDecoder("g.dec1", 1, 4 * width, 2 * width, spacing[2]);
   w.decoder[1] = blocks.TakeDecoder("g.dec2", 0, 2 * width, width, spacing[3]);
   w.out = layers.TakeLinear("g.out", kChannels, width, 0);
+  w.points = std::make_unique<const PointSpace>(layers, width);
+  for (std::size_t i = 0; i < w.decoder.size(); ++i) {
+    w.decoder[i].adain1 = w.points->norm(2 * i);
+    w.decoder[i].adain2 = w.points->norm(2 * i + 1);
+  }
   const int domains = network->style_count();
   w.space = std::make_unique<const stgcn::CodeSpace>(layers, network->features_, standard, width,
                                                      domains);
-  for (int domain = 0; domain < domains; ++domain) {
-    network->codes_.push_back(w.space->mean_code(domain));
-  }
   tensors.Finish();
   if (!faults.none()) return faults.status();
+  for (int domain = 0; domain < domains; ++domain) {
+    const stgcn::Code& code = w.space->mean_code(domain);
+    network->points_.push_back(w.points->PointOf({code.begin(), code.end()}));
+  }
 
   ScratchSizes sizes;
   for (const EncoderBlock& block : w.encoder) sizes.Add(block);
@@ -228,7 +225,7 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
     return static_cast<std::size_t>(kNodes[static_cast<std::size_t>(level)]);
   };
   s.standardized = layout.Take(kFeatureCount);
-  s.codes = layout.Take(std::size_t{kDecodings} * kCode);
+  s.points = layout.Take(kDecodings * w.points->size());
   s.in = layout.Take(kNode(0) * wide);
   s.encoded = {layout.Take(kNode(1) * 2 * wide), layout.Take(kNode(2) * 4 * wide)};
   s.decoded = {layout.Take(kDecodings * kNode(1) * 2 * wide),

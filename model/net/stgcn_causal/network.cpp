@@ -12,7 +12,6 @@ using net::RowKernels;
 using net::RowTerm;
 using net::StyleWeight;
 using stgcn::kChannels;
-using stgcn::kCode;
 using stgcn::kFeatureCount;
 using stgcn::kNodes;
 
@@ -91,20 +90,18 @@ void RunEncoder(const Frame& frame, const EncoderBlock& block, const float* x, f
   block.time2.Run(kernels, frame.memory, frame.number, 1, y, y);
 }
 
-// For the first `count` decodings, x: [count, V', in], or one for all of them; codes: [count, 64];
-// y: [count, V, out].
+// For the first `count` decodings, x: [count, V', in], or one for all of them; points: [count,
+// size]; y: [count, V, out].
 void RunDecoder(const Frame& frame, const DecoderBlock& block, const float* x, bool one_for_all,
-                const float* codes, int count, float* y) noexcept {
+                const float* points, std::size_t size, int count, float* y) noexcept {
   const RowKernels& kernels = frame.kernels;
   const int nodes = block.graph1.in_nodes(), wide = block.graph2.out_nodes();
   const std::size_t from = one_for_all ? 0 : Size(nodes, block.in), to = Size(nodes, block.out);
   float* const activated = frame.At(frame.scratch.activated);
   float* const graph = frame.At(frame.scratch.graph);
-  float* const adain = frame.At(frame.scratch.adain);
-  Apply(frame, block.adain1, codes, count, adain);
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const float* const by = adain + at * Size(2, block.in);
+    const float* const by = points + at * size + block.adain1;
     Normalize(frame, block.norm1, by, by + block.in, x + at * from, i, nodes, block.in,
               activated + at * Size(nodes, block.in));
   }
@@ -113,10 +110,9 @@ void RunDecoder(const Frame& frame, const DecoderBlock& block, const float* x, b
                    graph);
   float* const between = frame.At(frame.scratch.between);
   block.time1.Run(kernels, frame.memory, frame.number, count, nullptr, between);
-  Apply(frame, block.adain2, codes, count, adain);
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const float* const by = adain + at * Size(2, block.out);
+    const float* const by = points + at * size + block.adain2;
     Normalize(frame, block.norm2, by, by + block.out, between + at * to, i, nodes, block.out,
               activated + at * to);
   }
@@ -151,15 +147,18 @@ class Requested {
 
   // Whether any weight is above 0.
   bool any() const noexcept { return any_; }
-  // c_0 + Σ α_s (c_s - c_0)
-  void WriteCode(const std::vector<stgcn::Code>& codes, float* code) const noexcept {
-    const float* const neutral = codes[0].data();
-    std::copy_n(neutral, kCode, code);
+  // p_0 + Σ α_s (p_s - p_0)
+  void WritePoint(const std::vector<std::shared_ptr<const Point>>& points,
+                  float* point) const noexcept {
+    const Point& neutral = *points[0];
+    std::copy(neutral.begin(), neutral.end(), point);
     for (int i = 0; i < count_; ++i) {
       const StyleWeight& entry = entries_[static_cast<std::size_t>(i)];
-      const float* const style = codes[static_cast<std::size_t>(entry.style)].data();
+      const float* const style = points[static_cast<std::size_t>(entry.style)]->data();
       const float weight = scale_ * entry.weight;
-      for (int k = 0; k < kCode; ++k) code[k] += weight * (style[k] - neutral[k]);
+      for (std::size_t k = 0; k < neutral.size(); ++k) {
+        point[k] += weight * (style[k] - neutral[k]);
+      }
     }
   }
 
@@ -183,12 +182,12 @@ class Requested {
   float scale_ = 1;
 };
 
-// From rows of `columns` floats to features' units.
-void ToFeatures(const float* rows, int columns, const float* mean, const float* deviation,
-                stgcn::Features& out) noexcept {
+// From rows of `columns` floats, and a bias, to features' units.
+void ToFeatures(const float* rows, int columns, const float* bias, const float* mean,
+                const float* deviation, stgcn::Features& out) noexcept {
   for (std::size_t i = 0; i < kFeatureCount; ++i) {
     const float* const row = rows + i / kChannels * static_cast<std::size_t>(columns);
-    out[i] = row[i % kChannels] * deviation[i] + mean[i];
+    out[i] = (row[i % kChannels] + bias[i]) * deviation[i] + mean[i];
   }
   // Constant in every pose; the network's output there is noise.
   out[kChannels * body::kHips] = out[kChannels * body::kHips + 2] = 0;
@@ -202,14 +201,16 @@ int Network::width() const { return weights_->width; }
 
 const stgcn::CodeSpace& Network::space() const { return *weights_->space; }
 
+const PointSpace& Network::points() const { return *weights_->points; }
+
 std::shared_ptr<const Network> Network::With(int number, net::StyleInfo style,
-                                             const stgcn::Code& code) const {
+                                             const net::StyleCode& code) const {
   assert(number >= space().domain_count() && number <= style_count());
   const auto at = static_cast<std::size_t>(number);
   const std::shared_ptr<Network> with(new Network(*this));
-  with->codes_.resize(std::max(codes_.size(), at + 1));
-  with->codes_[at] = code;
-  with->model_.styles.resize(with->codes_.size());
+  with->points_.resize(std::max(points_.size(), at + 1));
+  with->points_[at] = points().PointOf(code);
+  with->model_.styles.resize(with->points_.size());
   with->model_.styles[at] = std::move(style);
   return with;
 }
@@ -266,12 +267,13 @@ void Network::Step(const stgcn::Features& features, int input_style,
   RunEncoder(frame, w.encoder[0], frame.At(s.in), frame.At(s.encoded[0]));
   RunEncoder(frame, w.encoder[1], frame.At(s.encoded[0]), frame.At(s.encoded[1]));
 
-  // 2. The codes, and whether the second decoder goes on alone.
+  // 2. The points, and whether the second decoder goes on alone.
   const int own = input_style > 0 && input_style < style_count() ? input_style : 0;
   const Requested requested(active, style_count());
-  float* const codes = frame.At(s.codes);
-  std::copy_n(codes_[static_cast<std::size_t>(own)].data(), kCode, codes);
-  requested.WriteCode(codes_, codes + kCode);
+  const std::size_t size = w.points->size();
+  float* const points = frame.At(s.points);
+  std::copy_n(points_[static_cast<std::size_t>(own)]->data(), size, points);
+  requested.WritePoint(points_, points + size);
   const bool differs = own != 0 || requested.any();
   if (differs) {
     if (state.alone == 0) w.ForDecoder([&](const auto& layer) { layer.Follow(frame.memory); });
@@ -280,20 +282,21 @@ void Network::Step(const stgcn::Features& features, int input_style,
   const int count = state.alone > 0 ? kDecodings : 1;
   if (!differs && state.alone > 0) --state.alone;
 
-  // 3. y = out(dec2(dec1(h, code), code)), for both codes at once.
-  RunDecoder(frame, w.decoder[0], frame.At(s.encoded[1]), true, codes, count,
+  // 3. y = out(dec2(dec1(h, point), point)), for both points at once.
+  RunDecoder(frame, w.decoder[0], frame.At(s.encoded[1]), true, points, size, count,
              frame.At(s.decoded[0]));
-  RunDecoder(frame, w.decoder[1], frame.At(s.decoded[0]), false, codes, count,
+  RunDecoder(frame, w.decoder[1], frame.At(s.decoded[0]), false, points, size, count,
              frame.At(s.decoded[1]));
   float* const rows = frame.At(s.out);
   const int columns = w.out.weight.columns();
   Apply(frame, w.out, frame.At(s.decoded[1]), count * kNodes[0], rows);
-  ToFeatures(rows, columns, w.mean.data(), w.deviation.data(), out.reconstruction);
+  const float* const bias = points + w.points->bias();
+  ToFeatures(rows, columns, bias, w.mean.data(), w.deviation.data(), out.reconstruction);
   if (count == 1) {
     out.styled = out.reconstruction;
   } else {
-    ToFeatures(rows + Size(kNodes[0], columns), columns, w.mean.data(), w.deviation.data(),
-               out.styled);
+    ToFeatures(rows + Size(kNodes[0], columns), columns, bias + size, w.mean.data(),
+               w.deviation.data(), out.styled);
   }
   ++state.frame;
 }

@@ -12,6 +12,7 @@
 #include "model/net/kernels/rows.h"
 #include "model/net/stgcn/code_space.h"
 #include "model/net/stgcn/features.h"
+#include "model/net/stgcn_causal/points.h"
 #include "model/net/stylizer.h"
 
 namespace styled::net {
@@ -66,13 +67,14 @@ class Network {
   int width() const;
   int style_count() const { return static_cast<int>(model_.styles.size()); }
 
-  // What a style is to this network, by the styles of the file.
+  // What a style is to this network, by the styles of the file; and to its decoder.
   const stgcn::CodeSpace& space() const;
-  // The same network with `code` as the style `number`: one more, style_count(), or another one in
+  const PointSpace& points() const;
+  // The same network with `code`, of a size that PointSpace has, as the style `number`: one more, style_count(), or another one in
   // place of a style that With has added. The layers are shared: a state of the one is a state of
   // the other. Allocates.
   std::shared_ptr<const Network> With(int number, net::StyleInfo style,
-                                      const stgcn::Code& code) const;
+                                      const net::StyleCode& code) const;
   // The same network with the style `number`, one that With has added, as retired.
   std::shared_ptr<const Network> Retired(int number) const;
   bool SharesStates(const Network& other) const { return weights_ == other.weights_; }
@@ -95,7 +97,7 @@ class Network {
   Network() = default;
   net::Model model_;
   stgcn::FeatureParameters features_;
-  std::vector<stgcn::Code> codes_;  // of model_.styles
+  std::vector<std::shared_ptr<const Point>> points_;  // of model_.styles
   std::shared_ptr<const Weights> weights_;
 };
 

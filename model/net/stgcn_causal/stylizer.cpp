@@ -30,7 +30,7 @@ class CausalStylizer final : public net::Stylizer {
 
   std::shared_ptr<const net::Stylizer> With(int number, const net::StyleInfo& style,
                                             const net::StyleCode& code) const override {
-    return std::make_shared<CausalStylizer>(network_->With(number, style, stgcn::ToCode(code)));
+    return std::make_shared<CausalStylizer>(network_->With(number, style, code));
   }
 
   std::shared_ptr<const net::Stylizer> Retired(int number) const override {

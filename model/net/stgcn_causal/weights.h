@@ -10,6 +10,7 @@
 #include "model/net/stgcn/network.h"
 #include "model/net/stgcn_causal/network.h"
 #include "model/net/stgcn_causal/past.h"
+#include "model/net/stgcn_causal/points.h"
 
 // The weights in memory, in the order and layout in which the kernels read them. Included only by
 // load.cpp and network.cpp.
@@ -23,9 +24,10 @@ struct EncoderBlock : stgcn::EncoderNodes {
   PastConv time1, time2;
 };
 
-// An ST-AdaIN-ResBlk, from V' nodes to V; of a code, an AdaIN's scale and shift: [1 + γ; β].
+// An ST-AdaIN-ResBlk, from V' nodes to V. `adain1`, `adain2`: where a style's scale and shift,
+// [1 + γ; β], are in its point (points.h).
 struct DecoderBlock : stgcn::DecoderNodes {
-  stgcn::Linear adain1, adain2;
+  std::size_t adain1 = 0, adain2 = 0;
   PastNorm norm1, norm2;
   PastConv time1, time2;
 };
@@ -34,12 +36,12 @@ struct DecoderBlock : stgcn::DecoderNodes {
 // decodings, the first dimension is theirs.
 struct Scratch {
   std::size_t standardized;              // [21, 7]
-  std::size_t codes;                     // [kDecodings, 64]
+  std::size_t points;                    // [kDecodings, PointSpace::size()]
   std::size_t in;                        // [21, w]
   std::array<std::size_t, 2> encoded;    // [10, 2w], [5, 4w]
   std::array<std::size_t, 2> decoded;    // [10, 2w], [21, w], each for all decodings
   std::size_t out;                       // [21, 7 padded]
-  std::size_t affine, adain, sums;       // scale and shift of a normalization; of a code
+  std::size_t affine, sums;              // scale and shift of a normalization
   std::size_t activated, between, skip;  // of the block that runs
   std::size_t graph;                     // of the graph convolution that runs
 };
@@ -54,6 +56,7 @@ struct Network::Weights {
   std::array<EncoderBlock, 2> encoder;
   std::array<DecoderBlock, 2> decoder;
   std::unique_ptr<const stgcn::CodeSpace> space;
+  std::unique_ptr<const PointSpace> points;
   Scratch scratch;
   std::size_t state_size = 0;  // floats of State::memory
 
