@@ -21,4 +21,15 @@ int FindStyle(const Styles& styles, std::string_view name) {
   return -1;
 }
 
+int VaryingStyle(const Styles& styles, int style) {
+  const StyleInfo& wanted = styles[static_cast<std::size_t>(style)];
+  if (wanted.varies) return style;
+  const auto same = [&wanted](const StyleInfo& other) {
+    return other.varies && !other.retired && !wanted.original.empty() &&
+           other.original == wanted.original;
+  };
+  const auto found = std::find_if(styles.begin(), styles.end(), same);
+  return found == styles.end() ? -1 : static_cast<int>(found - styles.begin());
+}
+
 }  // namespace styled::net

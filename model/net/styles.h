@@ -22,6 +22,10 @@ inline constexpr float kWeakBelow = 0.8F;
 struct StyleInfo {
   std::string name;
   std::vector<std::string> aliases;
+  // Of several networks (several.h): the one that it belongs to, and its name there. ""
+  // where there is one network.
+  std::string model, original;
+  bool varies = false;  // its network has variations of it
   // The strength of its evidence; 0: not measured. The share of windows in which a judge takes the
   // styled validation clips for the style, and how much of it was recorded for training.
   float recognized = 0, recorded_s = 0;
@@ -44,6 +48,10 @@ using Styles = std::vector<StyleInfo>;
 
 // The number of a style by name or alias, case-insensitive; -1 if there is none.
 int FindStyle(const Styles& styles, std::string_view name);
+
+// The style itself if it varies, or the style of the same name in a network that has variations; -1
+// if there is none.
+int VaryingStyle(const Styles& styles, int style);
 
 // A style in effect and its weight; style -1: an unused entry.
 struct StyleWeight {

@@ -211,6 +211,9 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
                                                      domains);
   tensors.Finish();
   if (!faults.none()) return faults.status();
+  for (std::size_t s = 1; s < network->model_.styles.size(); ++s) {
+    network->model_.styles[s].varies = true;
+  }
   for (int domain = 0; domain < domains; ++domain) {
     const stgcn::Code& code = w.space->mean_code(domain);
     network->points_.push_back(w.points->PointOf({code.begin(), code.end()}));

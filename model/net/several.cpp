@@ -1,0 +1,366 @@
+#include "model/net/several.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include "model/base/smooth.h"
+
+namespace styled::net {
+namespace {
+
+constexpr std::size_t kTogether = 16;  // jobs that the networks get at a time
+
+// Where a style of the list is: in which network, and its number there.
+struct Place {
+  std::size_t network = 0;
+  int number = 0;
+};
+
+// One network's part of a stream.
+struct Part {
+  std::unique_ptr<Stream> stream;
+  int awake = 0;  // steps that it still goes on; 0: it does not work
+  int steps = 0;  // since it began to work, at most kWakeSteps
+  Prediction out;
+};
+
+class Parts final : public Stream {
+ public:
+  std::span<const std::byte> memory() const noexcept override {
+    const auto working = std::find_if(parts.begin(), parts.end(),
+                                      [](const Part& part) { return part.awake > 0; });
+    return (working == parts.end() ? parts.front() : *working).stream->memory();
+  }
+
+  std::vector<Part> parts;
+  bool fresh = true;  // no step since the start
+};
+
+// The styles by the numbers of the network that has a space.
+class Space final : public StyleSpace {
+ public:
+  Space(const StyleSpace& inner, std::size_t network, const std::vector<Place>& places,
+        const std::vector<std::vector<int>>& same)
+      : inner_(inner), network_(network), places_(places), same_(same) {}
+
+  int least_frames() const noexcept override { return inner_.least_frames(); }
+  bool IsCode(const StyleCode& code) const override { return inner_.IsCode(code); }
+  StyleCode MakeCode(const StyleRequest& request) const override {
+    StyleRequest theirs = request;
+    for (StyleSource& source : theirs.sources) {
+      if (source.style >= 0) source.style = same_[static_cast<std::size_t>(source.style)][network_];
+    }
+    return inner_.MakeCode(theirs);
+  }
+  StyleCode Difference(const StyleCode& code, const StyleCode& from) const override {
+    return inner_.Difference(code, from);
+  }
+  StyleCode Limited(const StyleCode& code) const override { return inner_.Limited(code); }
+  NearestStyle Nearest(const StyleCode& code) const override {
+    NearestStyle nearest = inner_.Nearest(code);
+    if (nearest.style == 0) return nearest;
+    const auto found = std::find_if(places_.begin(), places_.end(), [&](const Place& place) {
+      return place.network == network_ && place.number == nearest.style;
+    });
+    nearest.style = static_cast<int>(found - places_.begin());
+    return nearest;
+  }
+
+ private:
+  const StyleSpace& inner_;
+  std::size_t network_;
+  std::vector<Place> places_;           // of the networks' own styles
+  std::vector<std::vector<int>> same_;  // of each of them, the style of that name by network
+};
+
+// What one job asks of one network.
+struct Share {
+  std::array<StyleWeight, kMaxActive> styles;
+  std::size_t count = 0;
+  float weight = 0;  // of its styles, neutral not counted
+
+  void Add(int style, float of) noexcept {
+    if (count == styles.size()) return;
+    styles[count++] = {style, of};
+    if (style > 0) weight += of;
+  }
+};
+
+class Several final : public Stylizer {
+ public:
+  explicit Several(std::vector<NamedNetwork> networks) : networks_(std::move(networks)) {
+    stay_awake_ = static_cast<int>(kStayAwake_s * networks_.front().network->model().rate_hz);
+    ListStyles();
+    FindSame();
+    for (std::size_t n = 0; n < networks_.size() && !space_; ++n) {
+      const StyleSpace* const inner = networks_[n].network->space();
+      if (inner == nullptr) continue;
+      examples_ = n;
+      space_ = std::make_shared<const Space>(*inner, n, places_, same_);
+    }
+  }
+
+  const Model& model() const noexcept override { return model_; }
+  const StyleSpace* space() const noexcept override { return space_.get(); }
+
+  std::shared_ptr<const Stylizer> With(int number, const StyleInfo& style,
+                                       const StyleCode& code) const override {
+    if (!space_) return nullptr;
+    const auto at = static_cast<std::size_t>(number);
+    assert(at <= places_.size());
+    std::shared_ptr<Several> with(new Several(*this));
+    auto& network = with->networks_[examples_].network;
+    const bool more = at == places_.size();
+    const int theirs = more ? static_cast<int>(network->model().styles.size())
+                            : places_[at].number;
+    network = network->With(theirs, style, code);
+    if (more) {
+      with->places_.push_back({examples_, theirs});
+      with->same_.emplace_back(networks_.size(), 0);
+      with->same_.back()[examples_] = theirs;
+      with->model_.styles.emplace_back();
+    }
+    with->model_.styles[at] = network->model().styles[static_cast<std::size_t>(theirs)];
+    with->model_.styles[at].model = networks_[examples_].name;
+    return with;
+  }
+
+  std::shared_ptr<const Stylizer> Retired(int number) const override {
+    if (!space_) return nullptr;
+    const auto at = static_cast<std::size_t>(number);
+    assert(at < places_.size() && places_[at].network == examples_);
+    std::shared_ptr<Several> without(new Several(*this));
+    auto& network = without->networks_[examples_].network;
+    network = network->Retired(places_[at].number);
+    without->model_.styles[at].retired = true;
+    return without;
+  }
+
+  bool SharesStreams(const Stylizer& other) const noexcept override {
+    const auto* const several = dynamic_cast<const Several*>(&other);
+    if (several == nullptr || several->networks_.size() != networks_.size()) return false;
+    for (std::size_t n = 0; n < networks_.size(); ++n) {
+      if (!networks_[n].network->SharesStreams(*several->networks_[n].network)) return false;
+    }
+    return true;
+  }
+
+  std::unique_ptr<Stream> MakeStream() const override {
+    auto stream = std::make_unique<Parts>();
+    for (const NamedNetwork& named : networks_) {
+      stream->parts.emplace_back().stream = named.network->MakeStream();
+    }
+    return stream;
+  }
+
+  void Start(Stream& stream) const noexcept override {
+    auto& own = static_cast<Parts&>(stream);
+    for (Part& part : own.parts) part.awake = part.steps = 0;
+    own.fresh = true;
+  }
+
+  void Step(std::span<const StepJob> jobs) const noexcept override {
+    while (!jobs.empty()) {
+      const std::size_t count = std::min(jobs.size(), kTogether);
+      StepSome(jobs.first(count));
+      jobs = jobs.subspan(count);
+    }
+  }
+
+ private:
+  Several(const Several& other)  // Stylizers are not copied from outside
+      : Stylizer(),
+        networks_(other.networks_),
+        model_(other.model_),
+        places_(other.places_),
+        same_(other.same_),
+        examples_(other.examples_),
+        space_(other.space_),
+        stay_awake_(other.stay_awake_) {}
+
+  // All styles of the networks under names that are each there once.
+  void ListStyles() {
+    model_ = networks_.front().network->model();
+    for (std::size_t n = 0; n < networks_.size(); ++n) {
+      const Model& own = networks_[n].network->model();
+      if (n > 0) {
+        model_.family += " + " + own.family;
+        if (own.licence != model_.licence) model_.licence += "; " + own.licence;
+      }
+      for (std::size_t s = n == 0 ? 0 : 1; s < own.styles.size(); ++s) {
+        StyleInfo style = own.styles[s];
+        style.model = networks_[n].name;
+        style.original = style.name;
+        if (n > 0) Rename(networks_[n].name, style);
+        if (n == 0) {
+          model_.styles[s] = style;
+        } else {
+          model_.styles.push_back(style);
+        }
+        places_.push_back({n, static_cast<int>(s)});
+      }
+    }
+  }
+
+  void Rename(const std::string& network, StyleInfo& style) const {
+    const auto taken = [this](const std::string& name) {
+      return FindStyle(model_.styles, name) >= 0;
+    };
+    if (taken(style.name)) style.name = network + "-" + style.name;
+    std::erase_if(style.aliases, taken);
+  }
+
+  void FindSame() {
+    for (std::size_t s = 0; s < places_.size(); ++s) {
+      std::vector<int>& same = same_.emplace_back(networks_.size(), 0);
+      for (std::size_t n = 0; n < networks_.size(); ++n) {
+        const bool own = places_[s].network == n;
+        same[n] = own ? places_[s].number
+                      : std::max(0, FindStyle(networks_[n].network->model().styles,
+                                              model_.styles[s].original));
+      }
+    }
+  }
+
+  // The parts of a job.
+  void Divide(const StepJob& job, std::span<Share> shares) const noexcept {
+    const std::size_t home =
+        job.input_style > 0 && static_cast<std::size_t>(job.input_style) < places_.size()
+            ? places_[static_cast<std::size_t>(job.input_style)].network
+            : 0;
+    for (const StyleWeight& style : job.styles) {
+      if (style.style < 0 || static_cast<std::size_t>(style.style) >= places_.size()) continue;
+      const float weight = style.weight > 0 ? std::min(style.weight, kMaxStrength) : 0.0F;
+      const Place place =
+          style.style == 0 ? Place{home, 0} : places_[static_cast<std::size_t>(style.style)];
+      shares[place.network].Add(place.number, weight);
+    }
+  }
+
+  // Which networks work in this step.
+  void Wake(const StepJob& job, std::span<const Share> shares, Parts& stream) const noexcept {
+    const bool any = std::any_of(shares.begin(), shares.end(),
+                                 [](const Share& share) { return share.weight > 0; });
+    for (std::size_t n = 0; n < networks_.size(); ++n) {
+      Part& part = stream.parts[n];
+      const bool wanted = shares[n].weight > 0 || (!any && n == Home(job.input_style));
+      if (part.awake == 0 && wanted) {
+        networks_[n].network->Start(*part.stream);
+        part.steps = stream.fresh ? kWakeSteps : 0;
+      }
+      part.awake = wanted ? stay_awake_ : std::max(0, part.awake - 1);
+      if (part.awake > 0) part.steps = std::min(part.steps + 1, kWakeSteps);
+    }
+    stream.fresh = false;
+  }
+
+  std::size_t Home(int input_style) const noexcept {
+    const auto at = static_cast<std::size_t>(input_style);
+    return input_style > 0 && at < places_.size() ? places_[at].network : 0;
+  }
+
+  void StepSome(std::span<const StepJob> jobs) const noexcept {
+    std::array<std::array<Share, kMaxNetworks>, kTogether> shares{};
+    for (std::size_t j = 0; j < jobs.size(); ++j) {
+      const auto own = std::span(shares[j]).first(networks_.size());
+      Divide(jobs[j], own);
+      Wake(jobs[j], own, static_cast<Parts&>(*jobs[j].stream));
+    }
+    for (std::size_t n = 0; n < networks_.size(); ++n) {
+      std::array<StepJob, kTogether> theirs;
+      std::size_t count = 0;
+      for (std::size_t j = 0; j < jobs.size(); ++j) {
+        Part& part = static_cast<Parts&>(*jobs[j].stream).parts[n];
+        if (part.awake == 0) continue;
+        const Share& share = shares[j][n];
+        const auto input = static_cast<std::size_t>(std::max(0, jobs[j].input_style));
+        theirs[count++] = {jobs[j].pose, input < same_.size() ? same_[input][n] : 0,
+                           std::span(share.styles).first(share.count), part.stream.get(),
+                           &part.out};
+      }
+      if (count > 0) networks_[n].network->Step(std::span(theirs).first(count));
+    }
+    for (std::size_t j = 0; j < jobs.size(); ++j) {
+      Join(static_cast<const Parts&>(*jobs[j].stream), shares[j], Home(jobs[j].input_style),
+           *jobs[j].out);
+    }
+  }
+
+  // The changes of all networks that have a style in force.
+  void Join(const Parts& stream, std::span<const Share> shares, std::size_t home,
+            Prediction& out) const noexcept {
+    std::size_t first = home, count = 0;
+    for (std::size_t n = 0; n < networks_.size(); ++n) {
+      if (shares[n].weight <= 0) continue;
+      if (count++ == 0 || shares[n].weight > shares[first].weight) first = n;
+    }
+    out = stream.parts[first].out;
+    if (count <= 1 && stream.parts[first].steps == kWakeSteps) return;
+    std::array<body::Vec3, body::kJointCount> change;
+    change.fill(body::Vec3::Zero());
+    float rise_m = 0;
+    for (std::size_t n = 0; n < networks_.size(); ++n) {
+      const Part& part = stream.parts[n];
+      if (shares[n].weight <= 0 && n != first) continue;
+      const float shown =
+          SmoothStep(static_cast<float>(part.steps) / static_cast<float>(kWakeSteps));
+      const Decoded &from = part.out.reconstruction, &to = part.out.styled;
+      for (std::size_t joint = 0; joint < change.size(); ++joint) {
+        change[joint] +=
+            shown * body::Log(from.rotations[joint].conjugate() * to.rotations[joint]);
+      }
+      rise_m += shown * (to.hips_height_m - from.hips_height_m);
+      // What is not finite anywhere must show.
+      if (n == first) continue;
+      for (std::size_t i = 0; i < out.styled.velocities_m_s.size(); ++i) {
+        out.styled.velocities_m_s[i] += to.velocities_m_s[i];
+        out.reconstruction.velocities_m_s[i] += from.velocities_m_s[i];
+      }
+    }
+    for (std::size_t joint = 0; joint < change.size(); ++joint) {
+      out.styled.rotations[joint] =
+          (out.reconstruction.rotations[joint] * body::Exp(change[joint])).normalized();
+    }
+    out.styled.hips_height_m = out.reconstruction.hips_height_m + rise_m;
+  }
+
+  std::vector<NamedNetwork> networks_;
+  Model model_;
+  std::vector<Place> places_;           // of model_.styles
+  std::vector<std::vector<int>> same_;  // of each style, the networks' styles of that name
+  std::size_t examples_ = 0;            // the network that has the space
+  std::shared_ptr<const Space> space_;
+  int stay_awake_ = 0;
+};
+
+}  // namespace
+
+Result<std::shared_ptr<const Stylizer>> Combine(std::vector<NamedNetwork> networks) {
+  assert(!networks.empty());
+  if (networks.size() == 1) return networks.front().network;
+  if (networks.size() > kMaxNetworks) {
+    return Status::Error("found " + std::to_string(networks.size()) +
+                         " networks, expected at most " + std::to_string(kMaxNetworks));
+  }
+  const NamedNetwork& first = networks.front();
+  for (std::size_t n = 1; n < networks.size(); ++n) {
+    const float rate_hz = networks[n].network->model().rate_hz;
+    const float expected_hz = first.network->model().rate_hz;
+    if (rate_hz != expected_hz) {
+      return Status::Error(networks[n].name + ": works at " + std::to_string(rate_hz) +
+                           " Hz, expected that of " + first.name + ", " +
+                           std::to_string(expected_hz) + " Hz");
+    }
+    for (std::size_t other = 0; other < n; ++other) {
+      if (networks[other].name != networks[n].name) continue;
+      return Status::Error("two networks have the name " + networks[n].name +
+                           "; expected another one of each");
+    }
+  }
+  return std::shared_ptr<const Stylizer>(std::make_shared<Several>(std::move(networks)));
+}
+
+}  // namespace styled::net
