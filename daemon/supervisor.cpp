@@ -20,13 +20,13 @@
 #include "daemon/pipeline/keeping.h"
 #include "daemon/pipeline/library.h"
 #include "daemon/pipeline/like.h"
+#include "daemon/pipeline/networks.h"
 #include "daemon/runtime/journal.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/open.h"
 #include "model/base/descriptor.h"
 #include "model/base/random_id.h"
 #include "model/base/read_file.h"
-#include "model/net/shipped_weights.h"
 #include "proto/rigs/types.h"
 
 namespace styled {
@@ -173,7 +173,14 @@ void Supervisor::StartRecording() {
     about.config += "# " + set.place + ": " + set.key + " = " + set.value + "\n";
   }
   about.state = ReadText(StateFile(config_), pipeline::kMaxStateBytes);
-  about.weights = net::FindWeights(config_.model.weights).value();
+  const auto files = pipeline::FindWeightsFiles(config_.model);
+  if (files.ok()) {
+    const auto label = pipeline::LabelOf(files.value());
+    if (label.ok()) {
+      about.weights = label.value().names;
+      about.weights_hash = label.value().hashes;
+    }
+  }
   auto recorder = record::Recorder::Start(config_, source_endpoints_, about);
   if (!recorder.ok()) {
     counters_.Add(runtime::Counter::kRecordFailures);

@@ -91,6 +91,9 @@ struct Security {
 
 struct Model {
   std::string weights;  // "" = the shipped weights
+  // Of a second network, that makes styles of examples; "" = the shipped one beside the shipped
+  // weights, none beside others. "none": none.
+  std::string examples;
   stylist::Options stylist;
 };
 

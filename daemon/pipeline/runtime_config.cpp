@@ -1,15 +1,10 @@
 #include "daemon/pipeline/runtime_config.h"
 
-#include <array>
-#include <cstdio>
 #include <utility>
 
 #include "daemon/pipeline/library.h"
+#include "daemon/pipeline/networks.h"
 #include "daemon/pipeline/profile.h"
-#include "model/net/safetensors.h"
-#include "model/net/shipped_weights.h"
-#include "model/trial/trial.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::pipeline {
 namespace {
@@ -42,12 +37,6 @@ Status CheckStyles(const config::Config& config, const net::Styles& styles) {
   return Status::Error("style.initial: \"" + config.style.initial + "\" is no preset, and " + why);
 }
 
-std::string HashText(std::uint32_t crc) {
-  std::array<char, 24> text{};
-  std::snprintf(text.data(), text.size(), "crc32c:%08x", crc);
-  return text.data();
-}
-
 // Returns the running output if nothing about it changed, so that performers need not restart.
 std::shared_ptr<const RetargetOutput> KeepUnchanged(std::shared_ptr<const RetargetOutput> fresh,
                                                     const RuntimeConfig* running) {
@@ -66,22 +55,18 @@ std::shared_ptr<const RetargetOutput> KeepUnchanged(std::shared_ptr<const Retarg
 Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Config& config,
                                                                const RuntimeConfig* running,
                                                                std::uint32_t& weights_crc) {
-  const auto path = net::FindWeights(config.model.weights);
-  if (!path.ok()) return path.status();
-  const auto bytes = net::ReadFile(path.value());
-  if (!bytes.ok()) return bytes.status();
+  const auto networks = ReadNetworks(config.model, running == nullptr ? 0 : weights_crc);
+  if (!networks.ok()) return networks.status();
   auto made = std::make_shared<RuntimeConfig>();
-  const std::uint32_t fresh_crc = native::Crc32c(bytes.value());
-  if (running != nullptr && fresh_crc == weights_crc) {
+  if (networks.value().network == nullptr && running != nullptr) {
     made->network = running->network;
     made->own_styles = running->own_styles;
+    made->weights_hash = running->weights_hash;
   } else {
-    auto network = trial::Parse(bytes.value(), path.value().string());
-    if (!network.ok()) return network.status();
-    made->network = std::move(network.value());
-    made->own_styles = static_cast<int>(made->network->model().styles.size());
+    made->network = networks.value().network;
+    made->own_styles = networks.value().own_styles;
+    made->weights_hash = networks.value().examples_hash;
   }
-  made->weights_hash = HashText(fresh_crc);
   made->style = config.style;
   made->presets = config.presets;
   if (running != nullptr && made->network == running->network) made->kept = running->kept;
@@ -98,7 +83,7 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
     if (!read.ok()) return read.status();
     made->outputs.push_back(KeepUnchanged(std::move(read.value()), running));
   }
-  made->weights_name = path.value().filename().string();
+  made->weights_name = networks.value().names;
   made->performers = config.performers;
   for (const auto& cue : config.cues) {
     auto checked = MakeCue(cue, config.presets, made->network->model().styles);
@@ -106,7 +91,7 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
     made->cues.push_back(std::move(checked.value()));
   }
   made->stylist = config.model.stylist;
-  weights_crc = fresh_crc;
+  weights_crc = networks.value().crc;
   return std::shared_ptr<const RuntimeConfig>(std::move(made));
 }
 

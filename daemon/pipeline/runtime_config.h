@@ -21,8 +21,8 @@ namespace styled::pipeline {
 struct RuntimeConfig {
   std::shared_ptr<const net::Stylizer> network;
   int own_styles = 0;          // of the weights file; those behind it were added (like.h)
-  std::string weights_name;    // file name, for status
-  std::string weights_hash;    // of its bytes
+  std::string weights_name;    // file names, for status
+  std::string weights_hash;    // of the file whose network makes styles of examples
   std::set<std::string> kept;  // the styles behind own_styles that the library has (library.h)
   std::vector<std::string> complaints;  // what the library has and cannot be used, for the log
   config::Performers performers;

@@ -59,10 +59,8 @@ Result<std::unique_ptr<Recorder>> Recorder::Start(const config::Config& config,
   recording::FileHeader header = recording::BeginningNow("styled", STYLED_VERSION);
   header.set_config(about.config);
   header.set_state(about.state);
-  const auto hash = recording::HashOfFile(about.weights);
-  if (!hash.ok()) return hash.status();
-  header.set_weights(about.weights.filename().string());
-  header.set_weights_hash(hash.value());
+  header.set_weights(about.weights);
+  header.set_weights_hash(about.weights_hash);
   const auto file = FileAt(config.record.file, header.created_unix_ns() / runtime::kSecond_ns);
   std::error_code error;
   if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), error);

@@ -21,7 +21,7 @@ namespace styled::record {
 // What the header of a recording contains about the daemon that made it.
 struct About {
   std::string config;  // text of the configuration file and of the overrides
-  std::filesystem::path weights;
+  std::string weights, weights_hash;  // names and hashes of the weights files
   std::string state;  // text of the state file
 };
 

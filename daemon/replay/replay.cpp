@@ -12,6 +12,7 @@
 #include "daemon/config/sources.h"
 #include "daemon/pipeline/keeping.h"
 #include "daemon/pipeline/like.h"
+#include "daemon/pipeline/networks.h"
 #include "daemon/pipeline/runtime_config.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/host_port.h"
@@ -21,7 +22,6 @@
 #include "daemon/source/outbox.h"
 #include "daemon/source/rigs/make.h"
 #include "model/base/text.h"
-#include "model/net/shipped_weights.h"
 #include "proto/recording/writer.h"
 #include "proto/rigs/native/stream_reader.h"
 #include "proto/rigs/types.h"
@@ -351,9 +351,10 @@ Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config
   std::uint32_t crc = 0;
   auto runtime_config = pipeline::MakeRuntimeConfig(config, nullptr, crc);
   if (!runtime_config.ok()) return runtime_config.status();
-  const auto weights = net::FindWeights(config.model.weights);
-  const auto hash = recording::HashOfFile(weights.value());
-  if (!hash.ok()) return hash.status();
+  const auto weights = pipeline::FindWeightsFiles(config.model);
+  if (!weights.ok()) return weights.status();
+  const auto label = pipeline::LabelOf(weights.value());
+  if (!label.ok()) return label.status();
   Options options;
   auto profiles = pipeline::ParseProfiles(reader.header().state(), reader.name() + ": its state");
   if (!profiles.ok()) return profiles.status();
@@ -364,8 +365,8 @@ Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config
   recording::FileHeader header = reader.header();
   header.set_program("styled --replay");
   header.set_version(STYLED_VERSION);
-  header.set_weights(weights.value().filename().string());
-  header.set_weights_hash(hash.value());
+  header.set_weights(label.value().names);
+  header.set_weights_hash(label.value().hashes);
   auto writer = recording::FileWriter::Create(file, header);
   if (!writer.ok()) return writer.status();
 
@@ -393,9 +394,9 @@ Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config
   std::string said = reader.name() + ": seconds=" + NumberText(seconds, 3) +
                      " messages=" + std::to_string(messages) + Counts(counters);
   const std::string& recorded = reader.header().weights_hash();
-  if (!recorded.empty() && recorded != hash.value()) {
+  if (!recorded.empty() && recorded != header.weights_hash()) {
     said += "\nrecorded with other weights: " + reader.header().weights() + ", " + recorded +
-            "; these are " + header.weights() + ", " + hash.value();
+            "; these are " + header.weights() + ", " + header.weights_hash();
   }
   return said;
 }

@@ -12,6 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExtension = ".safetensors";
+constexpr const char* kDefault = "v2.safetensors";
 
 // Where shipped weights may be: of an installation, in the source tree of a build, of the system.
 std::vector<fs::path> Folders() {
@@ -36,7 +37,7 @@ Result<fs::path> FindWeights(const fs::path& given) {
   }
   std::vector<fs::path> candidates;
   if (wanted.empty()) {
-    wanted = "v2.safetensors";
+    wanted = kDefault;
   } else {
     candidates.push_back(wanted);
   }
@@ -53,6 +54,14 @@ Result<fs::path> FindWeights(const fs::path& given) {
   }
   return Status::Error("no weights file: looked for " + looked +
                        "; expected a .safetensors file (option --weights or STYLED_WEIGHTS)");
+}
+
+bool IsShippedDefault(const fs::path& file) {
+  const std::vector<fs::path> folders = Folders();
+  return std::any_of(folders.begin(), folders.end(), [&file](const fs::path& folder) {
+    std::error_code error;
+    return fs::equivalent(folder / kDefault, file, error) && !error;
+  });
 }
 
 std::vector<fs::path> OtherShippedWeights(const fs::path& file) {

@@ -13,6 +13,9 @@ namespace styled::net {
 // tests/e2e/tools_test.cpp.
 Result<std::filesystem::path> FindWeights(const std::filesystem::path& given);
 
+// Whether `file`, as FindWeights found it, is the shipped file of FindWeights("").
+bool IsShippedDefault(const std::filesystem::path& file);
+
 // The other weights in the folder of `file`, by name; none where `file` is not a shipped one.
 std::vector<std::filesystem::path> OtherShippedWeights(const std::filesystem::path& file);
 

@@ -1,0 +1,91 @@
+#include "daemon/pipeline/networks.h"
+
+#include <array>
+#include <cstdio>
+#include <span>
+#include <utility>
+
+#include "model/net/safetensors.h"
+#include "model/net/several.h"
+#include "model/net/shipped_weights.h"
+#include "model/trial/trial.h"
+#include "proto/recording/reader.h"
+#include "proto/rigs/native/datagram.h"
+
+namespace styled::pipeline {
+namespace {
+
+constexpr const char* kNone = "none";
+constexpr const char* kShippedExamples = "graph";
+
+std::string HashText(std::uint32_t crc) {
+  std::array<char, 24> text{};
+  std::snprintf(text.data(), text.size(), "crc32c:%08x", crc);
+  return text.data();
+}
+
+}  // namespace
+
+Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model& model) {
+  std::vector<std::filesystem::path> files;
+  const auto main = net::FindWeights(model.weights);
+  if (!main.ok()) return main.status();
+  files.push_back(main.value());
+  if (model.examples == kNone) return files;
+  // Beside other weights only by name: theirs may be another licence.
+  if (model.examples.empty() && !net::IsShippedDefault(main.value())) return files;
+  const auto examples =
+      net::FindWeights(model.examples.empty() ? kShippedExamples : model.examples);
+  if (!examples.ok()) return Status::Error("model.examples: " + examples.status().message());
+  files.push_back(examples.value());
+  return files;
+}
+
+Result<WeightsLabel> LabelOf(const std::vector<std::filesystem::path>& files) {
+  WeightsLabel label;
+  for (const std::filesystem::path& file : files) {
+    const auto hash = recording::HashOfFile(file);
+    if (!hash.ok()) return hash.status();
+    label.names += (label.names.empty() ? "" : "+") + file.filename().string();
+    label.hashes += (label.hashes.empty() ? "" : "+") + hash.value();
+  }
+  return label;
+}
+
+Result<Networks> ReadNetworks(const config::Model& model, std::uint32_t running_crc) {
+  const auto files = FindWeightsFiles(model);
+  if (!files.ok()) return files.status();
+  Networks networks;
+  std::vector<std::vector<std::byte>> contents;
+  std::vector<std::uint32_t> crcs;
+  for (const std::filesystem::path& file : files.value()) {
+    auto bytes = net::ReadFile(file);
+    if (!bytes.ok()) return bytes.status();
+    crcs.push_back(native::Crc32c(bytes.value()));
+    contents.push_back(std::move(bytes.value()));
+    networks.names += (networks.names.empty() ? "" : "+") + file.filename().string();
+  }
+  networks.crc = crcs.size() == 1 ? crcs.front() : native::Crc32c(std::as_bytes(std::span(crcs)));
+  if (networks.crc == running_crc) return networks;
+  std::vector<net::NamedNetwork> named;
+  for (std::size_t i = 0; i < contents.size(); ++i) {
+    auto network = trial::Parse(contents[i], files.value()[i].string());
+    if (!network.ok()) return network.status();
+    if (i > 0 && network.value()->space() == nullptr) {
+      return Status::Error("model.examples: " + files.value()[i].string() + ": family \"" +
+                           network.value()->model().family +
+                           "\" takes no examples; expected weights that have a style encoder");
+    }
+    named.push_back({files.value()[i].stem().string(), std::move(network.value())});
+  }
+  // As several.h: the first that has a space.
+  const bool first = named.front().network->space() != nullptr;
+  networks.examples_hash = HashText(first ? crcs.front() : crcs.back());
+  auto network = net::Combine(std::move(named));
+  if (!network.ok()) return Status::Error("model.examples: " + network.status().message());
+  networks.network = std::move(network.value());
+  networks.own_styles = static_cast<int>(networks.network->model().styles.size());
+  return networks;
+}
+
+}  // namespace styled::pipeline

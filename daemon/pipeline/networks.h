@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "model/base/status.h"
+#include "model/net/stylizer.h"
+
+namespace styled::pipeline {
+
+// The weights files that a configuration names: the main one, then that of examples, if there is
+// one. Errors list the places searched.
+Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model& model);
+
+// Their file names and their hashes, as recordings name them: "v2.safetensors+graph.safetensors".
+struct WeightsLabel {
+  std::string names, hashes;
+};
+Result<WeightsLabel> LabelOf(const std::vector<std::filesystem::path>& files);
+
+// Their networks as one (model/net/several).
+struct Networks {
+  std::shared_ptr<const net::Stylizer> network;
+  int own_styles = 0;         // of the files
+  std::string names;          // as in WeightsLabel
+  std::string examples_hash;  // CRC-32C of the file whose network makes styles of examples
+  std::uint32_t crc = 0;      // of all bytes
+};
+
+// Reads and tries them (model/trial). Where all bytes have the CRC-32C `running_crc`, nothing is
+// tried again: `network` is null then, and what is known by it is not set. Blocks and allocates; start-up and reload only.
+// Errors name the file.
+Result<Networks> ReadNetworks(const config::Model& model, std::uint32_t running_crc);
+
+}  // namespace styled::pipeline
