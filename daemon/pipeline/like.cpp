@@ -89,12 +89,11 @@ bool Usable(const net::StyleCode& code, const net::StyleSpace& space) {
 
 Refusal ReadCode(const v1::Like& like, const net::StyleSpace& space, net::StyleCode& code) {
   code.assign(like.code().begin(), like.code().end());
-  net::StyleRequest neutral;
-  neutral.sources = {{.style = 0}};
-  const std::size_t size = space.MakeCode(neutral).size();
-  if (code.size() != size) {
-    return Malformed("code: found " + std::to_string(code.size()) + " numbers, expected " +
-                     std::to_string(size));
+  if (!space.IsCode(code)) {
+    return Malformed("code: found " + std::to_string(code.size()) +
+                     " numbers, expected as many as these weights' codes have, " +
+                     std::to_string(space.MakeCode({.sources = {{.style = 0}}}).size()) +
+                     " or, of an example, more");
   }
   if (!Usable(code, space)) return Malformed("code: expected finite numbers, not huge ones");
   code = space.Limited(code);

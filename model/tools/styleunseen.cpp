@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "model/feet/legs.h"
 #include "model/tools/command_line.h"
 #include "model/train/blas.h"
 #include "model/train/judge/judge_provenance.h"
@@ -81,7 +82,10 @@ Status Run(const Arguments& arguments) {
   if (!manifest.ok()) return manifest.status();
   const auto network = trial::LoadAny(arguments.weights);
   if (!network.ok()) return network.status();
-  if (!network.value().clips) return Status::Error(arguments.weights + ": takes no examples");
+  const net::AnyStylizer& any = network.value();
+  if (!any.clips && any.frames->space() == nullptr) {
+    return Status::Error(arguments.weights + ": takes no examples");
+  }
   const net::Styles& known = network.value().model().styles;
   const auto chosen = Choose(arguments, manifest.value(), known);
   if (!chosen.ok()) return chosen.status();
@@ -90,7 +94,14 @@ Status Run(const Arguments& arguments) {
   const judge::Poses& normal = walks.value()[0];
   if (normal.empty()) return Status::Error(arguments.manifest + ": no neutral walk");
 
-  const judge::ClipRestyler restyler(network.value().clips, {}, {}, {});
+  std::optional<judge::ClipRestyler> clips;
+  if (any.clips) clips.emplace(any.clips, std::vector<int>{}, stylist::Options{}, judge::ClipForm{});
+  const judge::Styler styler{any.frames, std::make_shared<const rig::Binding>(feet::HumanoidBinding()),
+                             {}, 0};
+  std::optional<judge::LiveRestyler> live;
+  if (any.frames) live.emplace(styler, stylist::Options{});
+  const judge::ByCode by_code =
+      clips ? judge::ByCodeOf(*clips) : judge::ByCodeOf(*live, *any.frames->space());
   std::printf("%-16s %7s%11s %8s%11s  %s\n", "", "cosine", "expression", "offset's", "expression",
               "nearest style, distance");
   nlohmann::json json;
@@ -99,7 +110,7 @@ Status Run(const Arguments& arguments) {
     const judge::Poses& example = walks.value()[style];
     if (example.empty()) continue;
     const std::string& name = manifest.value().styles[style].name;
-    const judge::UnseenFigures of = judge::MeasureUnseen(restyler, normal, normal, example);
+    const judge::UnseenFigures of = judge::MeasureUnseen(by_code, normal, normal, example);
     const std::string& nearest = known[static_cast<std::size_t>(of.nearest.style)].name;
     std::printf("%-16s%s %s  %s %.2f\n", name.c_str(), Cells(of.network).c_str(),
                 Cells(of.offset).c_str(), nearest.c_str(),

@@ -199,6 +199,10 @@ Network::~Network() = default;
 
 int Network::width() const { return weights_->width; }
 
+std::span<const float> Network::inverse_deviation() const {
+  return {weights_->inverse_deviation.data(), kFeatureCount};
+}
+
 const stgcn::CodeSpace& Network::space() const { return *weights_->space; }
 
 const PointSpace& Network::points() const { return *weights_->points; }

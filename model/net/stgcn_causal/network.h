@@ -64,6 +64,8 @@ class Network {
   // The styles: those of the file, and those of With after them.
   const net::Model& model() const { return model_; }
   const stgcn::FeatureParameters& features() const { return features_; }
+  // 1 / deviation of each feature.
+  std::span<const float> inverse_deviation() const;
   int width() const;
   int style_count() const { return static_cast<int>(model_.styles.size()); }
 

@@ -2,6 +2,7 @@
 
 #include "model/net/stgcn/features.h"
 #include "model/net/stgcn_causal/network.h"
+#include "model/net/stgcn_causal/space.h"
 
 namespace styled::stgcn_causal {
 namespace {
@@ -22,19 +23,22 @@ class CausalStream final : public net::Stream {
 
 class CausalStylizer final : public net::Stylizer {
  public:
-  explicit CausalStylizer(std::shared_ptr<const Network> network) : network_(std::move(network)) {}
+  explicit CausalStylizer(std::shared_ptr<const Network> network)
+      : CausalStylizer(network, std::make_shared<const ExampleSpace>(network)) {}
+  CausalStylizer(std::shared_ptr<const Network> network, std::shared_ptr<const ExampleSpace> space)
+      : network_(std::move(network)), space_(std::move(space)) {}
 
   const net::Model& model() const noexcept override { return network_->model(); }
 
-  const net::StyleSpace* space() const noexcept override { return &network_->space(); }
+  const net::StyleSpace* space() const noexcept override { return space_.get(); }
 
   std::shared_ptr<const net::Stylizer> With(int number, const net::StyleInfo& style,
                                             const net::StyleCode& code) const override {
-    return std::make_shared<CausalStylizer>(network_->With(number, style, code));
+    return std::make_shared<CausalStylizer>(network_->With(number, style, code), space_);
   }
 
   std::shared_ptr<const net::Stylizer> Retired(int number) const override {
-    return std::make_shared<CausalStylizer>(network_->Retired(number));
+    return std::make_shared<CausalStylizer>(network_->Retired(number), space_);
   }
 
   bool SharesStreams(const net::Stylizer& other) const noexcept override {
@@ -65,6 +69,7 @@ class CausalStylizer final : public net::Stylizer {
 
  private:
   std::shared_ptr<const Network> network_;
+  std::shared_ptr<const ExampleSpace> space_;  // of the weights' own styles
 };
 
 }  // namespace

@@ -14,10 +14,13 @@ bool LiveRestyler::Has(int style) const {
 }
 
 Poses LiveRestyler::Restyle(std::span<const body::Pose> clip, const Target& target) const {
-  const net::StyleRequest request = RequestOf(target, styler_.style_of);
+  return RestyleBy(clip,
+                   styler_.network->space()->MakeCode(RequestOf(target, styler_.style_of)));
+}
+
+Poses LiveRestyler::RestyleBy(std::span<const body::Pose> clip, const net::StyleCode& code) const {
   const auto number = static_cast<int>(styler_.network->model().styles.size());
-  const auto network = styler_.network->With(number, {.name = "target"},
-                                             styler_.network->space()->MakeCode(request));
+  const auto network = styler_.network->With(number, {.name = "target"}, code);
   Switch all{.frame = 0, .settings = OneStyle(number, false)};
   all.settings.root = styler_.root;
   return StyleStream(network, styler_.binding, options_, {&all, 1}, clip, rate_hz());

@@ -19,6 +19,8 @@ class LiveRestyler final : public Restyler {
   double rate_hz() const override { return kStreamRate_hz; }
   bool Has(int style) const override;
   Poses Restyle(std::span<const body::Pose> clip, const Target& target) const override;
+  // The same by a code of the network's space.
+  Poses RestyleBy(std::span<const body::Pose> clip, const net::StyleCode& code) const;
 
  private:
   const Styler& styler_;

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "model/body/heading.h"
+#include "model/clip/clip.h"
 #include "model/train/judge/judge_mixed.h"
 #include "model/train/judge/judge_variety.h"
 
@@ -50,19 +51,34 @@ ConstantOffset OffsetBetween(std::span<const body::Pose> from, std::span<const b
   return offset;
 }
 
-UnseenFigures MeasureUnseen(const ClipRestyler& restyler, const Poses& source, const Poses& normal,
+ByCode ByCodeOf(const ClipRestyler& restyler) {
+  return {restyler.network(), [&restyler](const Poses& clip, const net::StyleCode& code) {
+            return RestyleRecorded(restyler, clip, code);
+          }};
+}
+
+ByCode ByCodeOf(const LiveRestyler& restyler, const net::StyleSpace& space) {
+  return {space, [&restyler](const Poses& clip, const net::StyleCode& code) {
+            Poses out = Thin(restyler.RestyleBy(
+                clip::ResamplePoses(clip, kJudgeRate_hz, kStreamRate_hz), code));
+            out.resize(clip.size(), out.empty() ? body::Pose() : out.back());
+            return out;
+          }};
+}
+
+UnseenFigures MeasureUnseen(const ByCode& network, const Poses& source, const Poses& normal,
                             const Poses& example) {
   net::StyleRequest request;
   request.sources.push_back({.style = -1, .seed = {}, .reference = example, .weight = 1});
-  const net::StyleCode code = restyler.network().MakeCode(request);
+  const net::StyleCode code = network.space.MakeCode(request);
   const ConstantOffset offset = OffsetBetween(normal, example);
   Poses by_offset;
   for (const body::Pose& pose : source) by_offset.push_back(offset.Apply(pose));
   const Eigen::VectorXd wanted = MeanPose(example) - MeanPose(normal);
   const Eigen::VectorXd before = MeanPose(source);
-  return {MeasureExpression(MeanPose(RestyleRecorded(restyler, source, code)) - before, wanted),
+  return {MeasureExpression(MeanPose(network.restyle(source, code)) - before, wanted),
           MeasureExpression(MeanPose(by_offset) - before, wanted),
-          restyler.network().Nearest(code)};
+          network.space.Nearest(code)};
 }
 
 }  // namespace styled::judge

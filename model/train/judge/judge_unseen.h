@@ -1,8 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "model/train/judge/judge_clip_restyler.h"
+#include "model/train/judge/judge_live_restyler.h"
 #include "model/train/judge/judge_metrics.h"
 
 namespace styled::judge {
@@ -14,7 +16,16 @@ struct UnseenFigures {
   Expression network, offset;  // offset: a constant rotation per joint, from the same two clips
   net::NearestStyle nearest;   // to the example's code
 };
-UnseenFigures MeasureUnseen(const ClipRestyler& restyler, const Poses& source, const Poses& normal,
+// What a network makes of a clip in the style of a code, and its styles; both at kJudgeRate_hz.
+struct ByCode {
+  const net::StyleSpace& space;
+  std::function<Poses(const Poses& clip, const net::StyleCode& code)> restyle;
+};
+ByCode ByCodeOf(const ClipRestyler& restyler);
+// By LiveRestyler, as live.
+ByCode ByCodeOf(const LiveRestyler& restyler, const net::StyleSpace& space);
+
+UnseenFigures MeasureUnseen(const ByCode& network, const Poses& source, const Poses& normal,
                             const Poses& example);
 
 // The constant rotation per joint between the mean rotations of two clips, without headings.

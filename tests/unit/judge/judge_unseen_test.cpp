@@ -82,7 +82,8 @@ struct UnseenTest : testing::Test {
   }
   UnseenFigures Measured(float share) const {
     const auto network = std::make_shared<ArmNetwork>(ArmHabits{.share = share});
-    return MeasureUnseen(ClipRestyler(network, {}, {}, {}), source, normal, example);
+    const ClipRestyler restyler(network, {}, {}, {});
+    return MeasureUnseen(ByCodeOf(restyler), source, normal, example);
   }
 };
 
@@ -128,7 +129,8 @@ class Asked final : public ArmNetwork {
 
 TEST_F(UnseenTest, TheNetworkSeesTheWholeExampleAndNoLabel) {
   const auto network = std::make_shared<Asked>();
-  MeasureUnseen(ClipRestyler(network, {}, {}, {}), source, normal, example);
+  const ClipRestyler restyler(network, {}, {}, {});
+  MeasureUnseen(ByCodeOf(restyler), source, normal, example);
   ASSERT_EQ(network->requests.size(), 1U);
   ASSERT_EQ(network->requests[0].sources.size(), 1U);
   const net::StyleSource& asked = network->requests[0].sources[0];

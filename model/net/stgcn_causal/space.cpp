@@ -1,0 +1,85 @@
+#include "model/net/stgcn_causal/space.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace styled::stgcn_causal {
+namespace {
+
+using net::StyleCode;
+using stgcn::Features;
+using stgcn::kCode;
+using stgcn::kFeatureCount;
+
+// The first frames of a stream are not the network's best: it does not know the example's own
+// statistics yet. Of a shorter example a half is left out.
+constexpr std::size_t kFirst = 32;
+
+StyleCode Head(const StyleCode& code) { return {code.begin(), code.begin() + kCode}; }
+
+}  // namespace
+
+int ExampleSpace::least_frames() const noexcept { return network_->space().least_frames(); }
+
+bool ExampleSpace::IsCode(const StyleCode& code) const {
+  return network_->points().IsSize(code.size());
+}
+
+StyleCode ExampleSpace::MakeCode(const net::StyleRequest& request) const {
+  StyleCode code = network_->space().MakeCode(request);
+  Features bias{};
+  bool any = false;
+  for (const net::StyleSource& source : request.sources) {
+    if (source.reference.empty()) continue;
+    any = true;
+    net::StyleSource alone = source;
+    alone.weight = 1;
+    const Features own =
+        BiasOf(source.reference, network_->space().MakeCode({.sources = {alone}}));
+    for (std::size_t i = 0; i < bias.size(); ++i) {
+      bias[i] += request.strength * source.weight * own[i];
+    }
+  }
+  if (any) code.insert(code.end(), bias.begin(), bias.end());
+  return code;
+}
+
+Features ExampleSpace::BiasOf(std::span<const body::Pose> example, const StyleCode& code) const {
+  const int number = network_->style_count();
+  const auto with = network_->With(number, {.name = "example"}, code);
+  const net::StyleWeight active[] = {{number, 1.0F}};
+  const std::size_t skip = std::min(kFirst, example.size() / 2);
+  std::array<double, kFeatureCount> sum{};
+  State state = with->MakeState();
+  stgcn::HeadingState heading;
+  Features features;
+  Output out;
+  for (std::size_t i = 0; i < example.size(); ++i) {
+    stgcn::ComputeFeatures(example[i], with->features(), heading, features);
+    with->Step(features, 0, active, state, out);
+    if (i < skip) continue;
+    for (std::size_t k = 0; k < kFeatureCount; ++k) {
+      sum[k] += static_cast<double>(features[k]) - static_cast<double>(out.styled[k]);
+    }
+  }
+  Features bias;
+  const auto n = static_cast<double>(example.size() - skip);
+  for (std::size_t k = 0; k < kFeatureCount; ++k) {
+    bias[k] = static_cast<float>(sum[k] / n) * network_->inverse_deviation()[k];
+  }
+  return bias;
+}
+
+net::NearestStyle ExampleSpace::Nearest(const StyleCode& code) const {
+  return network_->space().Nearest(Head(code));
+}
+
+StyleCode ExampleSpace::Limited(const StyleCode& code) const {
+  StyleCode limited = network_->space().Limited(Head(code));
+  for (std::size_t i = kCode; i < code.size(); ++i) {
+    limited.push_back(std::clamp(code[i], -kMaxStandardized, kMaxStandardized));
+  }
+  return limited;
+}
+
+}  // namespace styled::stgcn_causal

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "model/net/stgcn_causal/network.h"
+#include "model/net/style_space.h"
+
+namespace styled::stgcn_causal {
+
+// The styles of examples for a network of live streams: the code as CodeSpace reads it, and, of an
+// example, the bias of the output that is left between the example and what the network makes of
+// it in that code. The encoder's code moves the network among the styles that it was trained on;
+// the bias takes it the rest of the way to the example's own posture. Codes are of the sizes of
+// PointSpace. Pinned by tests/unit/net/stgcn_causal/space_test.cpp.
+class ExampleSpace final : public net::StyleSpace {
+ public:
+  explicit ExampleSpace(std::shared_ptr<const Network> network) : network_(std::move(network)) {}
+
+  int least_frames() const noexcept override;
+  bool IsCode(const net::StyleCode& code) const override;
+  net::StyleCode MakeCode(const net::StyleRequest& request) const override;
+  net::NearestStyle Nearest(const net::StyleCode& code) const override;
+  net::StyleCode Limited(const net::StyleCode& code) const override;
+
+ private:
+  stgcn::Features BiasOf(std::span<const body::Pose> example, const net::StyleCode& code) const;
+
+  std::shared_ptr<const Network> network_;
+};
+
+}  // namespace styled::stgcn_causal
