@@ -1,5 +1,8 @@
 #include "model/net/stgcn_causal/stylizer.h"
 
+#include <algorithm>
+
+#include "model/body/heading.h"
 #include "model/net/stgcn/features.h"
 #include "model/net/stgcn_causal/network.h"
 #include "model/net/stgcn_causal/space.h"
@@ -20,6 +23,32 @@ class CausalStream final : public net::Stream {
   stgcn::Features features;  // of the current step
   Output output;
 };
+
+// The share of the styles in 0 .. 1: 0 where nothing is styled.
+float Shown(const net::StepJob& job) noexcept {
+  float sum = 0;
+  for (const net::StyleWeight& style : job.styles) {
+    if ((style.style > 0 || job.input_style > 0) && style.weight > 0) sum += style.weight;
+  }
+  return std::min(sum, 1.0F);
+}
+
+// The change of style is measured from a pose between the reconstruction and the input, kTowardInput
+// of the way: from the reconstruction, all of the performer's detail is kept, and with it what the
+// network would have taken away of their own style; from the input, none is.
+void MeasureFromBetween(const net::StepJob& job) noexcept {
+  const float share = kTowardInput * Shown(job);
+  if (share <= 0) return;
+  const net::Decoded& reconstruction = job.out->reconstruction;
+  net::Decoded& styled = job.out->styled;
+  for (std::size_t joint = 0; joint < styled.rotations.size(); ++joint) {
+    const body::Quat& from = reconstruction.rotations[joint];
+    body::Quat input = job.pose->rotations[joint];
+    if (joint == body::kHips) input = body::Yaw(-job.out->heading_rad) * input;
+    const body::Quat between = from.slerp(share, input);
+    styled.rotations[joint] = from * (between.conjugate() * styled.rotations[joint]);
+  }
+}
 
 class CausalStylizer final : public net::Stylizer {
  public:
@@ -64,6 +93,7 @@ class CausalStylizer final : public net::Stylizer {
       network_->Step(stream.features, job.input_style, job.styles, stream.state, stream.output);
       stgcn::ToDecoded(stream.output.reconstruction, job.out->reconstruction);
       stgcn::ToDecoded(stream.output.styled, job.out->styled);
+      MeasureFromBetween(job);
     }
   }
 

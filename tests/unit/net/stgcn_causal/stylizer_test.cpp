@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "model/body/heading.h"
 #include "model/net/load.h"
 #include "model/synthetic/performer.h"
 #include "model/trial/trial.h"
@@ -75,6 +76,14 @@ TEST_F(CausalStylizer, PosesGoThroughTheFeaturesAndComeBackAsLocalRotations) {
     const float heading_rad = stgcn::ComputeFeatures(pose, network->features(), heading, features);
     network->Step(features, 1, active, state, out);
     EXPECT_EQ(found.heading_rad, heading_rad);
+    // The change is measured from between reconstruction and input: back to the network's own pose.
+    for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+      const body::Quat& from = found.reconstruction.rotations[joint];
+      body::Quat input = pose.rotations[joint];
+      if (joint == body::kHips) input = body::Yaw(-heading_rad) * input;
+      body::Quat& styled = found.styled.rotations[joint];
+      styled = from.slerp(kTowardInput, input) * (from.conjugate() * styled);
+    }
     for (const auto& [decoded, expected] :
          {std::pair(&found.reconstruction, &out.reconstruction), {&found.styled, &out.styled}}) {
       EXPECT_EQ(decoded->hips_height_m, (*expected)[stgcn::kChannels * body::kHips + 1]);
@@ -91,6 +100,26 @@ TEST_F(CausalStylizer, PosesGoThroughTheFeaturesAndComeBackAsLocalRotations) {
       for (const float velocity : decoded->velocities_m_s) EXPECT_EQ(velocity, 0);
     }
   }
+}
+
+// A style that fades in begins at the reconstruction, and its own pose is weighted with it.
+TEST_F(CausalStylizer, WhatIsMeasuredFromTheInputFadesWithTheStyle) {
+  const std::vector<body::Pose> poses = Walk(30);
+  const auto weak = stylizer->MakeStream(), none = stylizer->MakeStream();
+  float off = 0;
+  for (const body::Pose& pose : poses) {
+    Prediction faint, bare;
+    const std::vector<StyleWeight> active{{2, 1e-4F}};
+    const net::StepJob job{&pose, 0, active, weak.get(), &faint};
+    stylizer->Step({&job, 1});
+    const net::StepJob other{&pose, 0, {}, none.get(), &bare};
+    stylizer->Step({&other, 1});
+    EXPECT_TRUE(Same(bare.styled, bare.reconstruction));
+    for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+      off = std::max(off, faint.styled.rotations[joint].angularDistance(bare.styled.rotations[joint]));
+    }
+  }
+  EXPECT_LT(off, 2e-3F);
 }
 
 // The example's code comes from the same networks as the offline family's; its bias follows.
