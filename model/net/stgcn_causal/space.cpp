@@ -50,13 +50,14 @@ Features ExampleSpace::BiasOf(std::span<const body::Pose> example, const StyleCo
   const net::StyleWeight active[] = {{number, 1.0F}};
   const std::size_t skip = std::min(kFirst, example.size() / 2);
   std::array<double, kFeatureCount> sum{};
-  State state = with->MakeState();
+  State state = with->MakeState(), again = with->MakeState();
   stgcn::HeadingState heading;
   Features features;
-  Output out;
+  Output neutral, out;
   for (std::size_t i = 0; i < example.size(); ++i) {
     stgcn::ComputeFeatures(example[i], with->features(), heading, features);
-    with->Step(features, 0, active, state, out);
+    with->Step(features, 0, {}, state, neutral);
+    with->Step(neutral.reconstruction, 0, active, again, out);
     if (i < skip) continue;
     for (std::size_t k = 0; k < kFeatureCount; ++k) {
       sum[k] += static_cast<double>(features[k]) - static_cast<double>(out.styled[k]);
