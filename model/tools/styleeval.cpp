@@ -89,12 +89,18 @@ std::vector<Styled> StyleBy(const judge::AnyStyler& styler, const judge::Data& d
   if (styler.frames) {
     if (styler.frames->network->space() != nullptr) {
       const judge::LiveRestyler restyler(*styler.frames, options);
+      const judge::LiveRestyler any(*styler.frames, options, true);
       const auto by = [&](judge::CodeFrom from) { return judge::TargetsOf(data, from); };
       styled.push_back({"noise", "styled by noise, as live", "noise",
                         judge::Restyle(data, restyler, by(judge::CodeFrom::kNoise))});
       styled.push_back(
           {"examples", "styled by example clips without a label, as live", "examples",
-           judge::Restyle(data, restyler, judge::Unlabelled(by(judge::CodeFrom::kReference)))});
+           judge::Restyle(data, any, judge::Unlabelled(by(judge::CodeFrom::kReference)))});
+      styled.push_back({"examples_neutral",
+                        "styled by example clips beside neutral ones, as live", "ex. neutral",
+                        judge::Restyle(data, any,
+                                       judge::WithNeutral(data, judge::Unlabelled(by(
+                                                                    judge::CodeFrom::kReference))))});
     }
     styled.push_back({"styled", "styled (detail-preserving, as live)", "styled",
                       judge::Style(data, *styler.frames, options, false)});

@@ -4,18 +4,24 @@
 
 namespace styled::judge {
 
-LiveRestyler::LiveRestyler(const Styler& styler, const stylist::Options& options)
-    : styler_(styler), options_(options) {
+LiveRestyler::LiveRestyler(const Styler& styler, const stylist::Options& options, bool any_style)
+    : styler_(styler), options_(options), any_style_(any_style) {
   assert(styler_.network->space() != nullptr);
 }
 
 bool LiveRestyler::Has(int style) const {
-  return styler_.style_of[static_cast<std::size_t>(style)] != kAbsent;
+  return any_style_ || styler_.style_of[static_cast<std::size_t>(style)] != kAbsent;
 }
 
 Poses LiveRestyler::Restyle(std::span<const body::Pose> clip, const Target& target) const {
-  return RestyleBy(clip,
-                   styler_.network->space()->MakeCode(RequestOf(target, styler_.style_of)));
+  const net::StyleSpace& space = *styler_.network->space();
+  net::StyleCode code = space.MakeCode(RequestOf(target, styler_.style_of));
+  if (!target.neutral.empty()) {
+    net::StyleRequest neutral;
+    neutral.sources.push_back({.style = -1, .seed = {}, .reference = target.neutral, .weight = 1});
+    code = space.Difference(code, space.MakeCode(neutral));
+  }
+  return RestyleBy(clip, code);
 }
 
 Poses LiveRestyler::RestyleBy(std::span<const body::Pose> clip, const net::StyleCode& code) const {

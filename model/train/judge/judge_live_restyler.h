@@ -13,8 +13,9 @@ namespace styled::judge {
 // tests/unit/judge/judge_restyler_test.cpp.
 class LiveRestyler final : public Restyler {
  public:
-  // `styler`: its network has a space.
-  LiveRestyler(const Styler& styler, const stylist::Options& options);
+  // `styler`: its network has a space. `any_style`: targets have an example in every style, so that
+  // the network need not know it.
+  LiveRestyler(const Styler& styler, const stylist::Options& options, bool any_style = false);
 
   double rate_hz() const override { return kStreamRate_hz; }
   bool Has(int style) const override;
@@ -25,6 +26,7 @@ class LiveRestyler final : public Restyler {
  private:
   const Styler& styler_;
   stylist::Options options_;
+  bool any_style_;
 };
 
 }  // namespace styled::judge

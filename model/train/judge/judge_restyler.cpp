@@ -36,6 +36,23 @@ std::function<Target(int input, int style)> Unlabelled(
   };
 }
 
+std::function<Target(int input, int style)> WithNeutral(
+    const Data& data, std::function<Target(int input, int style)> targets) {
+  return [&data, targets = std::move(targets)](int input, int style) {
+    Target target = targets(input, style);
+    if (target.references.empty()) return target;
+    int content = -1;
+    for (const train::TrainingClip& clip : data.validation) {
+      if (clip.poses.data() == target.references[0].data()) content = clip.content;
+    }
+    for (const train::TrainingClip& clip : data.validation) {
+      const bool fits = clip.style == 0 && clip.content == content;
+      if (fits && clip.poses.size() > target.neutral.size()) target.neutral = clip.poses;
+    }
+    return target;
+  };
+}
+
 std::vector<Transferred> Restyle(const Data& data, const Restyler& restyler,
                                  const std::function<Target(int input, int style)>& target) {
   std::vector<Transferred> out;

@@ -19,6 +19,8 @@ struct Target {
   int style = 0;
   std::vector<std::span<const body::Pose>> references = {};
   bool labelled = true;  // whether the network is told the references' style
+  // A neutral clip of the references' performer, if there is one: what they differ by counts alone.
+  std::span<const body::Pose> neutral = {};
   std::optional<std::uint64_t> noise = {};
 };
 
@@ -53,5 +55,8 @@ std::function<Target(int input, int style)> TargetsOf(const Data& data, CodeFrom
 // The same, but the network is not told the references' style.
 std::function<Target(int input, int style)> Unlabelled(
     std::function<Target(int input, int style)> targets);
+// The same with the longest neutral clip of `data.validation` of the example's content.
+std::function<Target(int input, int style)> WithNeutral(
+    const Data& data, std::function<Target(int input, int style)> targets);
 
 }  // namespace styled::judge
