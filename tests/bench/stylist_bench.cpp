@@ -4,18 +4,37 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 #include <vector>
 
+#include "model/net/load.h"
+#include "model/net/several.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/stylist.h"
 #include "model/synthetic/performer.h"
 #include "tests/bench/plain_step.h"
 #include "tests/bench/step_run.h"
+#include "tests/unit/net/stgcn_causal/random_weights.h"
 
 namespace styled {
 namespace {
 
 constexpr double kRate_hz = 120;
+
+// The networks: Style-ERD in the paper's shape and as shipped, the causal graph network as shipped,
+// and the last two as one, as the daemon has them.
+enum Network { kPaper, kWide, kGraph, kBoth };
+std::shared_ptr<const net::Stylizer> MakeNetwork(int network) {
+  const auto graph = [] {
+    return net::Parse(stgcn_causal::RandomWeights(7, 32, 1).Bytes(), "graph").value();
+  };
+  const auto wide = [] { return erd::RandomStylizer(16, 1, erd::kWide); };
+  if (network == kPaper) return erd::RandomStylizer(16, 1, erd::kPaper);
+  if (network == kWide) return wide();
+  if (network == kGraph) return graph();
+  return net::Combine({{"v2", wide()}, {"graph", graph()}}).value();
+}
 
 struct Stream {
   rig::Skeleton skeleton = synthetic::MakeSkeleton({});
@@ -23,8 +42,7 @@ struct Stream {
   std::shared_ptr<const rig::Binding> binding;
   std::shared_ptr<const net::Stylizer> network;
 
-  explicit Stream(bool wide)
-      : network(erd::RandomStylizer(16, 1, wide ? erd::kWide : erd::kPaper)) {
+  explicit Stream(int which) : network(MakeNetwork(which)) {
     auto bound = rig::BindDialect(skeleton, "auto");
     binding = std::make_shared<const rig::Binding>(std::move(bound.value()));
     synthetic::Performer performer(synthetic::Options{});
@@ -40,9 +58,9 @@ struct Stream {
 };
 
 // `state.range(0)`: number of styles in the mix; `state.range(1)`: whether feet are held;
-// `state.range(2)`: whether the network is wide.
+// `state.range(2)`: the network.
 void WholeStylist(benchmark::State& state) {
-  const Stream stream(state.range(2) != 0);
+  const Stream stream(static_cast<int>(state.range(2)));
   stylist::Options options;
   options.feet = state.range(1) != 0;
   stylist::Stylist stylist(stream.network, stream.binding, options);
@@ -63,7 +81,7 @@ void WholeStylist(benchmark::State& state) {
   }
 }
 BENCHMARK(WholeStylist)
-    ->ArgNames({"styles", "feet", "wide"})
+    ->ArgNames({"styles", "feet", "network"})
     ->Args({0, 0, 0})
     ->Args({1, 0, 0})
     ->Args({1, 1, 0})
@@ -72,6 +90,81 @@ BENCHMARK(WholeStylist)
     ->Args({1, 0, 1})
     ->Args({1, 1, 1})
     ->Args({4, 1, 1})
+    ->Args({0, 1, kGraph})
+    ->Args({1, 1, kGraph})
+    ->Args({1, 1, kBoth})
+    ->Unit(benchmark::kMicrosecond);
+
+// 64 performers in one style each, whose states together are larger than the caches: a frame each,
+// `state.range(1)` at a time. Reported per frame; and how many such performers one core has time
+// for at 120 Hz.
+void Crowd(benchmark::State& state) {
+  const Stream stream(static_cast<int>(state.range(0)));
+  const auto together = static_cast<std::size_t>(state.range(1));
+  constexpr std::size_t kPerformers = 64;
+  std::vector<stylist::Stylist> stylists;
+  std::vector<stylist::Output> outs;
+  std::vector<stylist::Stylist::Job> jobs(kPerformers);
+  for (std::size_t i = 0; i < kPerformers; ++i) {
+    stylists.emplace_back(stream.network, stream.binding, stylist::Options{});
+    outs.emplace_back(stream.skeleton);
+    stylist::Settings settings;
+    settings.mix[0] = {static_cast<int>(i % 6) + 1, 1.0F};
+    settings.transition_s = 0;
+    stylists.back().Set(settings);
+  }
+  std::size_t frame = 0;
+  for (auto _ : state) {
+    const auto time_ns = static_cast<std::int64_t>(1e9 * static_cast<double>(frame) / kRate_hz);
+    for (std::size_t i = 0; i < kPerformers; ++i) {
+      jobs[i] = {&stylists[i], time_ns + 1, &stream.frames[(frame + 17 * i) % stream.frames.size()],
+                 &outs[i]};
+    }
+    for (std::size_t i = 0; i < kPerformers; i += together) {
+      stylist::Stylist::ProcessTogether(std::span(jobs).subspan(i, together));
+    }
+    ++frame;
+  }
+  const auto frames = static_cast<double>(state.iterations() * kPerformers);
+  state.counters["us_per_frame"] = benchmark::Counter(
+      frames / 1e6, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["performers_per_core"] =
+      benchmark::Counter(frames / kRate_hz, benchmark::Counter::kIsRate);
+}
+BENCHMARK(Crowd)
+    ->ArgNames({"network", "together"})
+    ->Args({kWide, 1})
+    ->Args({kWide, 8})
+    ->Args({kGraph, 1})
+    ->Args({kGraph, 8})
+    ->Unit(benchmark::kMillisecond);
+
+// One performer, with the time between frames slept away, as live: caches are cold.
+void Paced(benchmark::State& state) {
+  const Stream stream(static_cast<int>(state.range(0)));
+  stylist::Stylist stylist(stream.network, stream.binding, {});
+  stylist::Settings settings;
+  settings.mix[0] = {1, 1.0F};
+  settings.transition_s = 0;
+  stylist.Set(settings);
+  stylist::Output out(stream.skeleton);
+  std::int64_t frame = 0;
+  for (auto _ : state) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(1 / kRate_hz));
+    const auto time_ns = static_cast<std::int64_t>(1e9 * static_cast<double>(frame) / kRate_hz);
+    const auto begun = std::chrono::steady_clock::now();
+    stylist.Process(time_ns + 1, stream.frames[frame % stream.frames.size()], out);
+    state.SetIterationTime(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
+    ++frame;
+  }
+}
+BENCHMARK(Paced)
+    ->ArgName("network")
+    ->Arg(kWide)
+    ->Arg(kGraph)
+    ->UseManualTime()
+    ->Iterations(360)
     ->Unit(benchmark::kMicrosecond);
 
 // The unit: one step of the network, one style, in plain Eigen.

@@ -31,11 +31,12 @@ struct Options {
   double seconds = 4, rate_hz = 120;
   std::vector<std::string> only;
   std::string weights = STYLED_SOURCE_DIR "/model/weights/v2.safetensors", style = "elderly", json;
+  std::string like;  // a clip
 };
 
 struct Variant {
   std::string name, wait;
-  bool echo = false, prewarm = false;
+  bool echo = false, prewarm = false, like = false;
 };
 
 // Over all rounds of one variant.
@@ -47,6 +48,7 @@ struct Result {
   double rss_mb = 0;                        // at the end of the last round
   std::map<std::string, double> stages_us;  // summed over rounds
   int stage_rounds = 0;
+  std::vector<double> like_ms;  // from the request to the reply
 };
 
 constexpr double kPeriod_us = 1e6 / 120;
@@ -111,6 +113,41 @@ class EchoChild {
  private:
   pid_t pid_;
   int in_;
+};
+
+// Makes a style of an example every second, whose first frame is the one after the reply.
+class Examples {
+ public:
+  Examples(const std::string& control, const std::string& clip, std::vector<double>& took_ms)
+      : took_ms_(took_ms), thread_([this, control, clip] { Run(control, clip); }) {}
+  ~Examples() {
+    stop_ = true;
+    thread_.join();
+  }
+  Examples(const Examples&) = delete;
+  Examples& operator=(const Examples&) = delete;
+
+ private:
+  void Run(const std::string& control, const std::string& clip) {
+    support::ControlClient client(control);
+    v1::Request request;
+    std::ifstream file(clip, std::ios::binary);
+    request.mutable_like()->mutable_clip()->assign(std::istreambuf_iterator<char>(file), {});
+    request.mutable_like()->set_name("example");
+    while (!stop_) {
+      const std::int64_t begun_ns = Now_ns();
+      const v1::Reply reply = client.Ask(request);
+      if (reply.code() != v1::CODE_OK) {
+        std::cerr << "like: " << reply.reason() << "\n";
+        std::exit(1);
+      }
+      took_ms_.push_back(static_cast<double>(Now_ns() - begun_ns) * 1e-6);
+      support::Sleep(1);
+    }
+  }
+  std::vector<double>& took_ms_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
 };
 
 // Receives on a separate thread, as a renderer does.
@@ -248,6 +285,10 @@ void Round(const Options& options, const Variant& variant, Result& result) {
                           "realtime.priority=" + std::to_string(options.priority),
                           "performers.max_performers=1024", "style.initial=" + options.style},
                          "", {}, options.weights);
+  std::unique_ptr<Examples> examples;
+  if (variant.like) {
+    examples = std::make_unique<Examples>(daemon.control, options.like, result.like_ms);
+  }
   Measure(options, daemon.udp, daemon.publish, false, daemon.child->pid(), daemon.control, result);
 }
 
@@ -266,6 +307,9 @@ int Main(const Options& options) {
                                 {"styled, hybrid, prewarm", "hybrid", false, true},
                                 {"echo, busy", "busy", true, false},
                                 {"styled, busy", "busy", false, false}};
+  if (!options.like.empty()) {
+    variants.insert(variants.begin() + 2, {"styled, block, like", "block", false, false, true});
+  }
   if (!options.only.empty()) {
     std::erase_if(variants, [&options](const Variant& variant) {
       return std::ranges::find(options.only, variant.name) == options.only.end();
@@ -322,6 +366,16 @@ int Main(const Options& options) {
     }
   }
   for (const Variant& variant : variants) {
+    std::vector<double>& took_ms = results[variant.name].like_ms;
+    if (took_ms.empty()) continue;
+    std::sort(took_ms.begin(), took_ms.end());
+    std::printf("%-24s %zu styles of examples, ms from request to reply: p50 %.1f, p99 %.1f\n",
+                variant.name.c_str(), took_ms.size(), Quantile(took_ms, 0.5),
+                Quantile(took_ms, 0.99));
+    json[variant.name]["like_ms"] = {{"p50", Quantile(took_ms, 0.5)},
+                                     {"p99", Quantile(took_ms, 0.99)}};
+  }
+  for (const Variant& variant : variants) {
     const Result& result = results[variant.name];
     if (result.stage_rounds == 0) continue;
     std::printf("%-24s us of the pipeline per frame:", variant.name.c_str());
@@ -354,6 +408,9 @@ int main(int argc, char** argv) {
   app.add_option("--only", options.only, "variants by name, e.g. \"styled, block\"; empty: all");
   app.add_option("--weights", options.weights, "weights file");
   app.add_option("--style", options.style, "in force");
+  app.add_option("--like", options.like,
+                 "a BVH clip: one more variant, in which a style is made of it every second")
+      ->check(CLI::ExistingFile);
   app.add_option("--json", options.json, "write the figures there, too");
   CLI11_PARSE(app, argc, argv);
   return styled::bench::Main(options);
