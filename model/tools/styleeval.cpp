@@ -104,6 +104,8 @@ std::vector<Styled> StyleBy(const judge::AnyStyler& styler, const judge::Data& d
     }
     styled.push_back({"styled", "styled (detail-preserving, as live)", "styled",
                       judge::Style(data, *styler.frames, options, false)});
+    // Of styles that the network does not know there are examples alone.
+    std::erase_if(styled, [](const Styled& one) { return one.clips.empty(); });
     return styled;
   }
   const auto by = [&](judge::CodeFrom from) {
