@@ -279,7 +279,7 @@ class Several final : public Stylizer {
         const auto input = static_cast<std::size_t>(std::max(0, jobs[j].input_style));
         theirs[count++] = {jobs[j].pose, input < same_.size() ? same_[input][n] : 0,
                            std::span(share.styles).first(share.count), part.stream.get(),
-                           &part.out};
+                           &part.out, jobs[j].variations};
       }
       if (count > 0) networks_[n].network->Step(std::span(theirs).first(count));
     }

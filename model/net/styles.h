@@ -14,6 +14,9 @@ inline constexpr int kMaxActive = 8;  // styles in effect: a mix and the one it 
 // of a strength, a style's weight, a mix's sum of weights
 inline constexpr float kMaxStrength = 1.5F;
 inline constexpr float kMaxTransition_s = 60.0F;  // of a style change
+// Of a style, numbered from 1, where the network has variations; 0 is the style itself.
+inline constexpr int kVariations = 99;
+inline constexpr float kMaxDrift_s = 600.0F;  // from one variation to the next
 
 // A style whose output is recognized in a smaller share of windows is weak: who chooses it must be
 // told. v2's styles have either 0.8 and more, or 0.7 and less.
@@ -25,7 +28,7 @@ struct StyleInfo {
   // Of several networks (several.h): the one that it belongs to, and its name there. ""
   // where there is one network.
   std::string model, original;
-  bool varies = false;  // its network has variations of it
+  bool varies = false;  // its network has the variations 1 .. kVariations of it
   // The strength of its evidence; 0: not measured. The share of windows in which a judge takes the
   // styled validation clips for the style, and how much of it was recorded for training.
   float recognized = 0, recorded_s = 0;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -59,6 +60,12 @@ class Stream {
   Stream& operator=(const Stream&) = default;
 };
 
+// A variation of the styles in effect, 1 .. kVariations, and its weight.
+struct VariationWeight {
+  std::uint16_t variation = 0;
+  float weight = 0;
+};
+
 // One stream's step. Owns nothing; `stream` must come from the same Stylizer.
 struct StepJob {
   const body::Pose* pose = nullptr;     // canonical, finite, unit rotations
@@ -66,6 +73,8 @@ struct StepJob {
   std::span<const StyleWeight> styles;  // the requested styles; see Stylizer::Step
   Stream* stream = nullptr;
   Prediction* out = nullptr;
+  // The requested styles are shown in these variations; none: the styles themselves.
+  std::span<const VariationWeight> variations = {};
 };
 
 // A network with its weights. Immutable; shared by all performers and threads.
@@ -101,6 +110,10 @@ class Stylizer {
   // 0; the weights of a style given twice are added. Weights are clamped to [0, kMaxStrength]; NaN
   // counts as 0. Ignored: styles that the network lacks, and styles after the first kMaxActive. No
   // input leaves a non-finite state behind. Noexcept, no allocation, no lock.
+  // Where the network has variations (StyleInfo::varies), each style s is shown as
+  // s + Σ weight (variation of s - s). Their weights are clamped as those of styles, and scaled
+  // down where they sum to more than kMaxStrength; ignored are numbers outside 1 .. kVariations and
+  // those after the first kVariations. Other networks ignore all of them.
   STYLED_REALTIME virtual void Step(std::span<const StepJob> jobs) const noexcept = 0;
 
  protected:

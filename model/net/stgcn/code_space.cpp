@@ -40,6 +40,20 @@ Code CodeSpace::MapNoise(const Noise& noise, int domain) const {
   return mapping_.out.Apply(hidden).array().tanh();
 }
 
+Eigen::MatrixXf CodeSpace::MapNoises(const Eigen::MatrixXf& noises, int domain) const {
+  assert(domain >= 0 && domain < domain_count());
+  const auto layer = [](const Dense& dense, const Eigen::MatrixXf& x) -> Eigen::MatrixXf {
+    return (dense.weight * x).colwise() + dense.bias;
+  };
+  const auto relu = [](const Eigen::MatrixXf& x) -> Eigen::MatrixXf { return x.cwiseMax(0.0F); };
+  const Dense& label = mapping_.label;
+  Eigen::MatrixXf both(mapping_.noise.bias.size() + label.bias.size(), noises.cols());
+  both << relu(layer(mapping_.noise, noises)),
+      relu(label.weight.col(domain) + label.bias).replicate(1, noises.cols());
+  const Eigen::MatrixXf hidden = relu(layer(mapping_.second, relu(layer(mapping_.first, both))));
+  return layer(mapping_.out, hidden).array().tanh();
+}
+
 net::StyleCode CodeSpace::MakeCode(const net::StyleRequest& request) const {
   std::vector<WeightedCode> codes;
   codes.reserve(request.sources.size());

@@ -28,6 +28,8 @@ class CodeSpace final : public net::StyleSpace {
   Code EncodeStyle(std::span<const Features> clip, int domain, Scratch& scratch) const;
   // The mapping network: a code of `domain`.
   Code MapNoise(const Noise& noise, int domain) const;
+  // The same for many, a column each; but for rounding.
+  Eigen::MatrixXf MapNoises(const Eigen::MatrixXf& noises, int domain) const;
 
   int least_frames() const noexcept override { return kLeastFrames; }
   net::StyleCode MakeCode(const net::StyleRequest& request) const override;

@@ -217,7 +217,9 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   for (int domain = 0; domain < domains; ++domain) {
     const stgcn::Code& code = w.space->mean_code(domain);
     network->points_.push_back(w.points->PointOf({code.begin(), code.end()}));
+    network->domains_.push_back(domain);
   }
+  w.variations = std::make_unique<const Variations>(*w.space, *w.points);
 
   ScratchSizes sizes;
   for (const EncoderBlock& block : w.encoder) sizes.Add(block);

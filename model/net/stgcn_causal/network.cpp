@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "model/net/stgcn/codes.h"
 #include "model/net/stgcn_causal/weights.h"
 
 namespace styled::stgcn_causal {
@@ -11,6 +12,7 @@ namespace {
 using net::RowKernels;
 using net::RowTerm;
 using net::StyleWeight;
+using net::VariationWeight;
 using stgcn::kChannels;
 using stgcn::kFeatureCount;
 using stgcn::kNodes;
@@ -162,10 +164,36 @@ class Requested {
     }
   }
 
+  // += Σ_s α_s Σ_k β_k (variation k of s - s)
+  void Vary(const std::vector<int>& domains, const Variations& variations,
+            std::span<const VariationWeight> weights, float* point) const noexcept {
+    weights = weights.first(std::min<std::size_t>(weights.size(), net::kVariations));
+    float sum = 0;
+    for (const VariationWeight& weight : weights) sum += Share(weight);
+    const float scale = sum > net::kMaxStrength ? net::kMaxStrength / sum : 1.0F;
+    for (int i = 0; i < count_; ++i) {
+      const StyleWeight& entry = entries_[static_cast<std::size_t>(i)];
+      const int domain = domains[static_cast<std::size_t>(entry.style)];
+      for (const VariationWeight& weight : weights) {
+        const float share = scale_ * entry.weight * scale * Share(weight);
+        if (share == 0) continue;
+        const float* const way = variations.Of(domain, weight.variation);
+        for (std::size_t k = 0; k < variations.size(); ++k) point[k] += share * way[k];
+      }
+    }
+  }
+
  private:
+  // 0 also for NaN.
+  static float Clamped(float weight) noexcept {
+    return weight > 0 ? std::min(weight, net::kMaxStrength) : 0.0F;
+  }
+  static float Share(const VariationWeight& weight) noexcept {
+    const bool known = weight.variation >= 1 && weight.variation <= net::kVariations;
+    return known ? Clamped(weight.weight) : 0.0F;
+  }
   void Add(const StyleWeight& style) noexcept {
-    // Also for NaN.
-    const float clamped = style.weight > 0 ? std::min(style.weight, net::kMaxStrength) : 0.0F;
+    const float clamped = Clamped(style.weight);
     for (int i = 0; i < count_; ++i) {
       StyleWeight& known = entries_[static_cast<std::size_t>(i)];
       if (known.style != style.style) continue;
@@ -214,6 +242,9 @@ std::shared_ptr<const Network> Network::With(int number, net::StyleInfo style,
   const std::shared_ptr<Network> with(new Network(*this));
   with->points_.resize(std::max(points_.size(), at + 1));
   with->points_[at] = points().PointOf(code);
+  with->domains_.resize(with->points_.size());
+  with->domains_[at] = stgcn::Nearest(space(), Eigen::Map<const stgcn::Code>(code.data())).style;
+  style.varies = true;
   with->model_.styles.resize(with->points_.size());
   with->model_.styles[at] = std::move(style);
   return with;
@@ -252,7 +283,8 @@ void Network::Start(State& state) const noexcept {
 }
 
 void Network::Step(const stgcn::Features& features, int input_style,
-                   std::span<const StyleWeight> active, State& state, Output& out) const noexcept {
+                   std::span<const StyleWeight> active, State& state, Output& out,
+                   std::span<const VariationWeight> variations) const noexcept {
   const Weights& w = *weights_;
   assert(state.memory.size() >= w.state_size);
   const double keep = 1 - 1.0 / w.memory;
@@ -278,6 +310,7 @@ void Network::Step(const stgcn::Features& features, int input_style,
   float* const points = frame.At(s.points);
   std::copy_n(points_[static_cast<std::size_t>(own)]->data(), size, points);
   requested.WritePoint(points_, points + size);
+  requested.Vary(domains_, *w.variations, variations, points + size);
   const bool differs = own != 0 || requested.any();
   if (differs) {
     if (state.alone == 0) w.ForDecoder([&](const auto& layer) { layer.Follow(frame.memory); });

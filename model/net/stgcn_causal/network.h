@@ -72,9 +72,10 @@ class Network {
   // What a style is to this network, by the styles of the file; and to its decoder.
   const stgcn::CodeSpace& space() const;
   const PointSpace& points() const;
-  // The same network with `code`, of a size that PointSpace has, as the style `number`: one more, style_count(), or another one in
-  // place of a style that With has added. The layers are shared: a state of the one is a state of
-  // the other. Allocates.
+  // The same network with `code`, of a size that PointSpace has, as the style `number`: one more,
+  // style_count(), or another one in place of a style that With has added. Its variations are those
+  // of the nearest domain. The layers are shared: a state of the one is a state of the other.
+  // Allocates.
   std::shared_ptr<const Network> With(int number, net::StyleInfo style,
                                       const net::StyleCode& code) const;
   // The same network with the style `number`, one that With has added, as retired.
@@ -86,12 +87,12 @@ class Network {
   // Returns a state of MakeState to its beginning. Noexcept, no allocation.
   STYLED_REALTIME void Start(State& state) const noexcept;
 
-  // Advances `state` by one frame and writes `out`. `input_style` and `active`: as in
+  // Advances `state` by one frame and writes `out`. `input_style`, `active` and `variations`: as in
   // net::StepJob and Stylizer::Step. Features that are not a number count as the mean, so no input
   // leaves a non-finite state behind. Noexcept, no allocation, no lock.
   STYLED_REALTIME void Step(const stgcn::Features& features, int input_style,
-                            std::span<const net::StyleWeight> active, State& state,
-                            Output& out) const noexcept;
+                            std::span<const net::StyleWeight> active, State& state, Output& out,
+                            std::span<const net::VariationWeight> variations = {}) const noexcept;
 
  private:
   Network(const Network&) = default;
@@ -99,7 +100,9 @@ class Network {
   Network() = default;
   net::Model model_;
   stgcn::FeatureParameters features_;
-  std::vector<std::shared_ptr<const Point>> points_;  // of model_.styles
+  // Of model_.styles: its point, and the domain whose variations it has.
+  std::vector<std::shared_ptr<const Point>> points_;
+  std::vector<int> domains_;
   std::shared_ptr<const Weights> weights_;
 };
 

@@ -45,4 +45,13 @@ std::shared_ptr<const Point> PointSpace::PointOf(const net::StyleCode& code) con
   return point;
 }
 
+Eigen::MatrixXf PointSpace::Directions(const Eigen::MatrixXf& codes) const {
+  Eigen::MatrixXf directions(bias_, codes.cols());
+  for (std::size_t i = 0; i < kNorms; ++i) {
+    const auto place = static_cast<Eigen::Index>(places_[i]);
+    directions.middleRows(place, adain_[i].weight.rows()).noalias() = adain_[i].weight * codes;
+  }
+  return directions;
+}
+
 }  // namespace styled::stgcn_causal

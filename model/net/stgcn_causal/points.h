@@ -40,6 +40,8 @@ class PointSpace {
   bool IsSize(std::size_t numbers) const;
   // `code` of one of these sizes.
   std::shared_ptr<const Point> PointOf(const net::StyleCode& code) const;
+  // What differences of codes, a column each, are to scales and shifts: [bias(), columns].
+  Eigen::MatrixXf Directions(const Eigen::MatrixXf& codes) const;
 
  private:
   std::array<stgcn::Dense, kNorms> adain_;

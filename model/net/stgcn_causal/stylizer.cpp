@@ -90,7 +90,8 @@ class CausalStylizer final : public net::Stylizer {
       auto& stream = static_cast<CausalStream&>(*job.stream);
       job.out->heading_rad =
           stgcn::ComputeFeatures(*job.pose, network_->features(), stream.heading, stream.features);
-      network_->Step(stream.features, job.input_style, job.styles, stream.state, stream.output);
+      network_->Step(stream.features, job.input_style, job.styles, stream.state, stream.output,
+                     job.variations);
       stgcn::ToDecoded(stream.output.reconstruction, job.out->reconstruction);
       stgcn::ToDecoded(stream.output.styled, job.out->styled);
       MeasureFromBetween(job);

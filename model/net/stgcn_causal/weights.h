@@ -11,6 +11,7 @@
 #include "model/net/stgcn_causal/network.h"
 #include "model/net/stgcn_causal/past.h"
 #include "model/net/stgcn_causal/points.h"
+#include "model/net/stgcn_causal/variations.h"
 
 // The weights in memory, in the order and layout in which the kernels read them. Included only by
 // load.cpp and network.cpp.
@@ -57,6 +58,7 @@ struct Network::Weights {
   std::array<DecoderBlock, 2> decoder;
   std::unique_ptr<const stgcn::CodeSpace> space;
   std::unique_ptr<const PointSpace> points;
+  std::unique_ptr<const Variations> variations;
   Scratch scratch;
   std::size_t state_size = 0;  // floats of State::memory
 

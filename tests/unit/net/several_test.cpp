@@ -16,6 +16,7 @@ using testing::HasSubstr;
 struct Asked {
   int starts = 0, steps = 0;
   int input_style = -1;
+  std::vector<int> variations;
 };
 
 struct FakeStream final : Stream {
@@ -86,6 +87,8 @@ class Fake final : public Stylizer {
       EXPECT_GE(static_cast<FakeStream&>(*job.stream).since_start++, 0) << "not started";
       ++asked_->steps;
       asked_->input_style = job.input_style;
+      asked_->variations.clear();
+      for (const VariationWeight& one : job.variations) asked_->variations.push_back(one.variation);
       float turn = 0;
       for (const StyleWeight& style : job.styles) {
         turn += style.weight * turns_[static_cast<std::size_t>(style.style)];
@@ -146,6 +149,11 @@ class SeveralTest : public testing::Test {
     const StepJob job{&pose, input_style, styles, stream.get(), &out};
     network.Step({&job, 1});
     return out;
+  }
+  void StepVaried(std::vector<StyleWeight> styles, std::vector<VariationWeight> variations) {
+    Prediction out;
+    const StepJob job{&pose, 0, styles, stream.get(), &out, variations};
+    both->Step({&job, 1});
   }
   static body::Vec3 Turn(const Prediction& out) {
     return body::Log(out.reconstruction.rotations[body::kHead].conjugate() *
@@ -292,6 +300,14 @@ TEST_F(SeveralTest, StylesOfExamplesBelongToTheNetworkThatTakesThem) {
   EXPECT_NEAR(Turn(StepOn(*other, {{5, 1.0F}}, 0)).y(), 0.1F, 1e-5);
   EXPECT_TRUE(other->Retired(5)->model().styles[5].retired);
   EXPECT_EQ(both->model().styles.size(), 5U);
+}
+
+TEST_F(SeveralTest, VariationsReachEachNetwork) {
+  StepVaried({{1, 0.5F}, {3, 0.5F}}, {{7, 0.5F}, {8, 0.25F}});
+  EXPECT_THAT(asked_first->variations, ElementsAre(7, 8));
+  EXPECT_THAT(asked_second->variations, ElementsAre(7, 8));
+  StepVaried({{3, 1}}, {});
+  EXPECT_THAT(asked_second->variations, ElementsAre());
 }
 
 }  // namespace

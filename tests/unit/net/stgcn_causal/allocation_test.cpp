@@ -14,11 +14,12 @@ TEST(CausalAllocations, NoneInStartAndStep) {
   ASSERT_TRUE(stylizer.ok()) << stylizer.status().message();
   const std::vector<net::StyleWeight> mix{{1, 0.3F}, {2, 0.3F}, {3, 0.2F}, {4, 0.1F}};
   const std::vector<net::StyleWeight> other{{5, 1.0F}, {2, 0.0F}};
+  const std::vector<net::VariationWeight> variations{{7, 0.5F}, {99, 0.9F}};
   const body::Pose pose;
   const auto stream = stylizer.value()->MakeStream();
   net::Prediction out;
   const auto step = [&](int input_style, std::span<const net::StyleWeight> styles) {
-    const net::StepJob job{&pose, input_style, styles, stream.get(), &out};
+    const net::StepJob job{&pose, input_style, styles, stream.get(), &out, variations};
     stylizer.value()->Step({&job, 1});
   };
   const support::CountNew count;
