@@ -35,7 +35,8 @@ void Mixer::Aim(const Settings& settings) noexcept {
   presence_.target = 0;
   absolute_.target = settings.absolute ? 1 : 0;
   stride_.target = settings.root == Root::kStride ? 1 : 0;
-  const bool nothing = empty();  // no style in effect: parts need no fade
+  const bool nothing = empty();  // no style in effect: parts and variation need no fade
+  variation_.Aim(settings, nothing || !running_);
   for (std::size_t part = 0; part < parts_.size(); ++part) {
     Fade& fade = parts_[part];
     fade.target = (settings.parts >> part & 1U) != 0 ? 1 : 0;
@@ -78,6 +79,7 @@ void Mixer::Advance(double dt_s) noexcept {
       if (!fading_ && slot.weight.target == 0) slot = Slot{};
     }
   }
+  variation_.Advance(dt_s);
   if (!fading_) input_style_ = next_input_style_;
   count_ = 0;
   for (const Slot& slot : slots_) {

@@ -5,12 +5,13 @@
 
 #include "model/base/realtime.h"
 #include "model/stylist/settings.h"
+#include "model/stylist/variation.h"
 
 namespace styled::stylist {
 
-// The style weights in effect, faded from their values at the last change to the requested ones.
-// Time is source time. Fixed size, no allocation; one thread at a time. Pinned by
-// tests/unit/stylist/mixer_test.cpp.
+// The style weights in effect, and the styles' variation, faded from their values at the last
+// change to the requested ones. Time is source time. Fixed size, no allocation; one thread at a
+// time. Pinned by tests/unit/stylist/mixer_test.cpp.
 class Mixer {
  public:
   // Begins a fade to `settings` at the next Advance, from the weights then in effect. If more than
@@ -22,7 +23,9 @@ class Mixer {
   STYLED_REALTIME void Advance(double dt_s) noexcept;
 
   std::span<const net::StyleWeight> in_force() const { return {active_.data(), count_}; }
-  bool fading() const { return fading_; }
+  // The variations in which these styles are shown.
+  std::span<const net::VariationWeight> variations() const { return variation_.in_force(); }
+  bool fading() const { return fading_ || variation_.fading(); }
   // No style is in effect and none is fading in.
   bool empty() const { return count_ == 0 && (input_style_ == 0 || presence_.value == 0); }
   // The style that the performer is assumed to move in. A new one is used at once; neutral only
@@ -61,6 +64,7 @@ class Mixer {
   Fade presence_, absolute_, stride_;
   std::array<Fade, body::kPartCount> parts_ = AllParts();
   bool whole_ = true;
+  Variation variation_;
   double elapsed_s_ = 0;
   float duration_s_ = 0;
   bool fading_ = false, running_ = false;

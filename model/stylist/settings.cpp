@@ -34,6 +34,11 @@ SettingsError Validate(const Settings& settings, int style_count) noexcept {
   }
   if (!IsIn(settings.transition_s, 0, net::kMaxTransition_s)) return SettingsError::kTransition;
   if ((settings.parts & body::kAllParts) == 0) return SettingsError::kNoParts;
+  if (settings.variation < 0 || settings.variation > net::kVariations) {
+    return SettingsError::kVariation;
+  }
+  if (!IsIn(settings.vary_amount, 0, net::kMaxStrength)) return SettingsError::kVaryAmount;
+  if (!IsIn(settings.drift_s, 0, net::kMaxDrift_s)) return SettingsError::kDrift;
   return SettingsError::kNone;
 }
 

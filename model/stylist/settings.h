@@ -30,6 +30,13 @@ struct Settings {
   body::Parts parts = body::kAllParts;  // other parts stay as captured; not empty
   Root root = Root::kFollow;            // back to kFollow: from the place reached so far
   int input_style = 0;  // style of the captured motion, which is removed; 0: neutral
+  // The variation in which styles are shown that have any (net::StyleInfo::varies): 0, the style
+  // itself, to net::kVariations. And how far it is from the style: 0 .. net::kMaxStrength.
+  int variation = 0;
+  float vary_amount = 1;
+  // 0 .. net::kMaxDrift_s; the time in which it wanders to the next one, 0: it stays. Times below
+  // tuning::kFastestDrift_s count as that.
+  float drift_s = 0;
 };
 
 // The first rule that settings break; NaN breaks every numeric rule.
@@ -44,6 +51,9 @@ enum class SettingsError {
   kTransition,  // outside 0 .. net::kMaxTransition_s
   kNoParts,     // nothing would be styled
   kUnknownInputStyle,  // an index that the network does not have
+  kVariation,          // outside 0 .. net::kVariations
+  kVaryAmount,         // outside 0 .. net::kMaxStrength
+  kDrift,              // outside 0 .. net::kMaxDrift_s
 };
 
 // `style_count`: the network's number of styles, neutral included.

@@ -50,6 +50,9 @@ inline constexpr float kSwitchAcceleration_mps2 = 40.0F;
 inline constexpr float kSwitchHold_s = 0.5F;
 // Time after the end of its fade at which a switch is over, s. No measurement on record.
 inline constexpr float kSwitchTail_s = 0.6F;
+// The shortest time in which a style's variation wanders to the next, s: the whole body changes. No
+// measurement on record.
+inline constexpr float kFastestDrift_s = 0.5F;
 // How far the body extends beyond joints without a child (hands, toes, crown), m. The length of a
 // hand; no measurement on record.
 inline constexpr float kEndReach_m = 0.1F;

@@ -43,6 +43,23 @@ TEST(SettingsTest, EachBrokenRuleIsNamed) {
   settings = Style(1);
   settings.parts = 0;
   EXPECT_EQ(Error(settings), SettingsError::kNoParts);
+  for (const int variation : {-1, 100}) {
+    settings = Style(1);
+    settings.variation = variation;
+    EXPECT_EQ(Error(settings), SettingsError::kVariation);
+  }
+  for (const float bad : {kNaN, -0.1F, 601.0F}) {
+    settings = Style(1);
+    settings.vary_amount = bad;
+    EXPECT_EQ(Error(settings), SettingsError::kVaryAmount);
+    settings = Style(1);
+    settings.drift_s = bad;
+    EXPECT_EQ(Error(settings), SettingsError::kDrift);
+  }
+  settings.drift_s = 600;
+  settings.vary_amount = 1.5F;
+  settings.variation = 99;
+  EXPECT_EQ(Error(settings), SettingsError::kNone);
 }
 
 TEST(SettingsTest, NeutralIsATargetOfStyledInputAlone) {
