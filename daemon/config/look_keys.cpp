@@ -11,10 +11,8 @@ namespace {
 
 Status ReadNumber(const LookNumber& number, const toml::node& node, v1::Look& look) {
   const auto value = node.value<double>();
-  if (!node.is_number() || !value || !(*value >= static_cast<double>(number.low)) ||
-      !(*value <= static_cast<double>(number.high))) {
-    return Expected("a number from " + NumberText(number.low) + " to " + NumberText(number.high),
-                    node);
+  if (!node.is_number() || !value || !IsIn(number, *value)) {
+    return Expected((number.whole ? "" : "a number from ") + styled::Expected(number), node);
   }
   (look.*number.set)(static_cast<float>(*value));
   return Status::Ok();

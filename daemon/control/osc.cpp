@@ -97,7 +97,7 @@ struct FieldReader {
 
 std::string ExpectedOf(const LookField& field) {
   if (const auto* const number = std::get_if<LookNumber>(&field.kind)) {
-    return "a number from " + NumberText(number->low) + " to " + NumberText(number->high);
+    return (number->whole ? "" : "a number from ") + Expected(*number);
   }
   if (std::holds_alternative<LookFlag>(field.kind)) return "1 or 0";
   if (const auto* const choice = std::get_if<LookChoice>(&field.kind)) return ChoiceWords(*choice);

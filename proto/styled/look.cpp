@@ -1,6 +1,7 @@
 #include "proto/styled/look.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "model/base/text.h"
 
@@ -23,6 +24,20 @@ const LookField* FindLookField(std::string_view name) noexcept {
         return !name.empty() && (field.name == name || field.word == name || field.former == name);
       });
   return found == kLookFields.end() ? nullptr : found;
+}
+
+bool AsksForVariations(const v1::Look& look) {
+  return (look.vary() > 0 || look.vary_each() || look.drift_s() > 0) && look.vary_amount() > 0;
+}
+
+bool IsIn(const LookNumber& number, double value) {
+  return value >= static_cast<double>(number.low) && value <= static_cast<double>(number.high) &&
+         (!number.whole || value == std::floor(value));
+}
+
+std::string Expected(const LookNumber& number) {
+  return (number.whole ? "a whole number from " : "") + NumberText(number.low) + " to " +
+         NumberText(number.high);
 }
 
 std::optional<int> FindChoice(const LookChoice& choice, std::string_view word) {
@@ -103,9 +118,8 @@ std::string CheckLook(const v1::Look& change) {
     const auto* const number = std::get_if<LookNumber>(&field.kind);
     if (number == nullptr || !(change.*number->has)()) continue;
     const float value = (change.*number->get)();
-    if (value >= number->low && value <= number->high) continue;  // false for NaN, too
-    return std::string(field.name) + " is " + NumberText(value) + ", expected " +
-           NumberText(number->low) + " to " + NumberText(number->high);
+    if (IsIn(*number, static_cast<double>(value))) continue;
+    return std::string(field.name) + " is " + NumberText(value) + ", expected " + Expected(*number);
   }
   if (change.mix_size() > net::kMaxMix) {
     return "mix has " + std::to_string(change.mix_size()) + " styles, expected at most " +

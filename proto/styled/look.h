@@ -23,6 +23,7 @@ struct LookNumber {
   float (v1::Look::*get)() const;
   void (v1::Look::*set)(float);
   float low, high, initial;  // in the unit of the name's suffix; the range is inclusive
+  bool whole = false;        // whole numbers alone
 };
 struct LookFlag {  // initially false
   bool (v1::Look::*has)() const;
@@ -76,7 +77,25 @@ inline constexpr auto kLookFields = std::to_array<LookField>({
      LookChoice{&v1::Look::has_root, [](const v1::Look& look) { return int{look.root()}; },
                 [](v1::Look& look, int root) { look.set_root(static_cast<v1::Root>(root)); },
                 kRootWords}},
+    {"vary", "vary", "", "the variation of the style: 1 to 99; 0: the style itself",
+     LookNumber{&v1::Look::has_vary, &v1::Look::vary, &v1::Look::set_vary, 0, net::kVariations, 0,
+                true}},
+    {"vary_each", "vary_each", "", "every performer has a variation of their own",
+     LookFlag{&v1::Look::has_vary_each, &v1::Look::vary_each, &v1::Look::set_vary_each}},
+    {"vary_amount", "amount", "", "of the variation: 0 (the style itself) to 1.5",
+     LookNumber{&v1::Look::has_vary_amount, &v1::Look::vary_amount, &v1::Look::set_vary_amount, 0,
+                net::kMaxStrength, 1}},
+    {"drift_s", "drift", "", "the variation wanders: seconds to the next; 0: it stays",
+     LookNumber{&v1::Look::has_drift_s, &v1::Look::drift_s, &v1::Look::set_drift_s, 0,
+                net::kMaxDrift_s, 0}},
 });
+
+// Whether a look asks for variations of its styles.
+bool AsksForVariations(const v1::Look& look);
+
+// Whether the field can have this value; false for NaN. And what it expects, e.g. "0 to 1.5".
+bool IsIn(const LookNumber& number, double value);
+std::string Expected(const LookNumber& number);
 
 // The field with this name, word or former name, or null.
 const LookField* FindLookField(std::string_view name) noexcept;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <optional>
 #include <vector>
@@ -36,20 +37,65 @@ std::string Names(const LookField& field) {
   return names;
 }
 
+// A preset is a command of its own, and vary_each a word of --vary.
+bool IsOption(const LookField& field) {
+  return field.name != "preset" && field.name != "vary_each";
+}
+
+// "ms" of transition_ms; "" of a field without a unit.
+std::string_view UnitOf(const LookField& field) {
+  for (const std::string_view suffix : {"_ms", "_s"}) {
+    if (field.name.ends_with(suffix)) return suffix.substr(1);
+  }
+  return {};
+}
+
+// Takes the unit off a number that is given with it: 5s.
+CLI::Validator WithoutUnit(std::string_view unit) {
+  return CLI::Validator(
+      [unit](std::string& text) {
+        const bool has = text.size() > unit.size() && text.ends_with(unit);
+        if (has) text.resize(text.size() - unit.size());
+        return std::string();
+      },
+      "");
+}
+
 struct OptionAdder {
   CLI::App& command;
   v1::Look& change;
   std::string names, help;
+  std::string_view unit;
 
   void operator()(const LookNumber& number) const {
+    if (number.whole) return AddVary(number);
+    CLI::Option* const option =
+        command
+            .add_option_function<double>(
+                names,
+                [this_change = &change, set = number.set](double value) {
+                  (this_change->*set)(static_cast<float>(value));
+                },
+                help)
+            ->check(Number(static_cast<double>(number.low), static_cast<double>(number.high)));
+    if (!unit.empty()) option->transform(WithoutUnit(unit));
+  }
+  // A number is the same variation for everyone; `each`, a variation for each.
+  void AddVary(const LookNumber& number) const {
     command
-        .add_option_function<double>(
+        .add_option_function<std::string>(
             names,
-            [this_change = &change, set = number.set](double value) {
-              (this_change->*set)(static_cast<float>(value));
+            [this_change = &change](const std::string& text) {
+              const bool each = text == "each";
+              this_change->set_vary(each ? 0 : std::stof(text));
+              this_change->set_vary_each(each);
             },
-            help)
-        ->check(Number(static_cast<double>(number.low), static_cast<double>(number.high)));
+            help + "; each: everyone another")
+        ->check([most = static_cast<std::uint64_t>(number.high)](const std::string& text) {
+          if (text == "each" || Whole(0, most)(text).empty()) return std::string();
+          return "'" + text + "': expected a whole number from 0 to " + std::to_string(most) +
+                 ", or each";
+        });
   }
   void operator()(const LookFlag& flag) const {
     command.add_flag_callback(
@@ -163,15 +209,16 @@ void Append(const LookField& field, const std::string& value, std::string& text)
   std::replace(word.begin(), word.end(), '_', ' ');
   if (field.name != "mix") text += word + " ";
   text += value;
-  if (field.name.ends_with("_ms")) text += " ms";
+  if (!UnitOf(field).empty()) text.append(" ").append(UnitOf(field));
 }
 
 }  // namespace
 
 void AddLookOptions(CLI::App& command, v1::Look& change) {
   for (const LookField& field : kLookFields) {
-    if (field.name == "preset") continue;
-    std::visit(OptionAdder{command, change, Names(field), std::string(field.help)}, field.kind);
+    if (!IsOption(field)) continue;
+    std::visit(OptionAdder{command, change, Names(field), std::string(field.help), UnitOf(field)},
+               field.kind);
   }
   command
       .add_flag_callback(
@@ -183,7 +230,7 @@ void AddLookOptions(CLI::App& command, v1::Look& change) {
 std::string LookOptionNames() {
   std::string names = "--style";
   for (const LookField& field : kLookFields) {
-    if (field.name == "preset") continue;
+    if (!IsOption(field)) continue;
     const std::string all = Names(field);
     names.append(", ").append(all, 0, all.find(','));
   }

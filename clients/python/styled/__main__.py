@@ -50,6 +50,8 @@ def parse():
     change.add_argument('--style', help='this one alone')
     change.add_argument('--mix', action='append', metavar='STYLE=WEIGHT', help='several of them')
     for name in LOOK_FIELDS:
+        if name == 'vary_each':
+            continue  # a word of --vary
         change.add_argument(*look_options(name), dest=name,
                             help=LOOK_HELP.get(name), **look_kind(name))
     command('clear', 'fade to bypass', run_clear, 'optional')
@@ -155,29 +157,49 @@ FORMER_OPTIONS = {'parts': ['--only'], 'input_style': ['--from']}
 
 def look_options(field):
     """'--input-style' and '--from' of input_style; without the unit of transition_ms."""
-    option = '--' + field.removesuffix('_ms').replace('_', '-')
+    word = 'amount' if field == 'vary_amount' else field.removesuffix('_ms').removesuffix('_s')
+    option = '--' + word.replace('_', '-')
     return [option] + FORMER_OPTIONS.get(field, [])
 
 
 LOOK_HELP = {'strength': '0 to 1.5', 'transition_ms': 'fade of this and later changes',
              'absolute': "the network's pose as it is", 'parts': 'e.g. head,left-arm; the others as captured',
              'input_style': 'what the performer moves in already',
-             'root': "where on the floor: as captured, or at the style's speed"}
+             'root': "where on the floor: as captured, or at the style's speed",
+             'vary': 'the variation of the style: 1 to 99; 0: the style itself; each: everyone another',
+             'vary_amount': 'of the variation: 0 (the style itself) to 1.5',
+             'drift_s': 'the variation wanders: seconds to the next; 0: it stays'}
+
+
+def in_unit(unit):
+    def number(text):  # 5 or 5s; argparse names this function in its message
+        return float(text.removesuffix(unit))
+    return number
+
+
+def variation(text):
+    return text if text == 'each' else int(text)
 
 
 def look_kind(field):
     kind = look_pb2.Look.DESCRIPTOR.fields_by_name[field]
     if kind.type == kind.TYPE_BOOL:
         return {'action': argparse.BooleanOptionalAction}
+    if field == 'vary':
+        return {'type': variation, 'metavar': '0..99|each'}
     if kind.type == kind.TYPE_FLOAT:
-        return {'type': float, 'metavar': 'MS' if field.endswith('_ms') else 'X'}
+        unit = next((unit for unit in ('ms', 's') if field.endswith('_' + unit)), '')
+        return {'type': in_unit(unit), 'metavar': unit.upper() or 'X'}
     if kind.type == kind.TYPE_ENUM and field == 'root':
         return {'choices': list(ROOTS)}
     return {'metavar': 'PART,...' if field == 'parts' else 'NAME'}
 
 
 def run_set(a):
-    fields = {name: getattr(a, name) for name in LOOK_FIELDS}
+    fields = {name: getattr(a, name, None) for name in LOOK_FIELDS}
+    if fields['vary'] is not None:
+        fields['vary_each'] = fields['vary'] == 'each'
+        fields['vary'] = 0 if fields['vary_each'] else fields['vary']
     if all(v is None for v in (a.style, a.mix, *fields.values())):
         raise ValueError('set: nothing to change, expected --style, --mix, --strength, ...')
     if fields['parts'] is not None:

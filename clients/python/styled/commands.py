@@ -119,7 +119,9 @@ class Commands:
         `fields` are those of styled.v1.look_pb2.Look: strength, transition_ms, absolute, preset,
         `parts` (of the body that are styled, e.g. ['head', 'left-arm'] or ['all']), `input_style`
         (the style that the performer already moves in), `root` ('follow', or 'stride': the way
-        over the floor at the style's speed)."""
+        over the floor at the style's speed), `vary` (the variation of the style, 1 to 99; 0: the
+        style itself), vary_each (every performer another), vary_amount, drift_s (the variation
+        wanders, so many seconds to the next; 0: it stays)."""
         return self._do(_set_request(performer, style, mix, fields), _applied)
 
     def clear(self, performer: str = EVERYONE) -> Dict[str, int]:

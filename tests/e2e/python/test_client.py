@@ -149,6 +149,17 @@ class ClientTest(unittest.TestCase):
         code, out, err = run('set', 'rig.sim', '--style', 'olf', env=environment)
         self.assertEqual(code, 1)
         self.assertIn("olf", err)
+        self.assertEqual(run('clear', 'rig.sim', env=environment)[0], 0)
+        code, out, err = run('set', 'rig.sim', '--vary', '100', env=environment)
+        self.assertEqual(code, 1)
+        self.assertIn('whole number from 0 to 99', err)
+        for vary, shown in (('each', (0, True, 0.5, 5)), ('7', (7, False, 0.5, 5)), ('0', (0, False, 0.5, 5))):
+            self.assertEqual(run('set', 'rig.sim', '--vary', vary, '--amount', '0.5', '--drift', '5s',
+                                 env=environment)[0], 0)
+            with styled.Control(self.daemon.control) as control:
+                look = next(p.look for p in control.status().stats.performers if p.performer == 'rig.sim')
+            self.assertEqual((look.vary, look.vary_each, look.vary_amount, look.drift_s), shown)
+        self.assertEqual(run('set', 'rig.sim', '--drift', '0', env=environment)[0], 0)
         self.assertEqual(run('set', 'rig.sim', '--style', 'old', '--strength', '0.5', env=environment)[0], 0)
         self.daemon.simulate()
         code, out, err = run('tail', '--seconds', '3', env=environment)
@@ -209,6 +220,8 @@ class WithoutADaemonTest(unittest.TestCase):
         for arguments, code, text in (
                 (['set', 'rig.a'], 2, 'nothing to change'),
                 (['set', 'anna', '--style', 'old'], 2, 'SOURCE.NAME'),
+                (['set', 'rig.a', '--vary', 'all'], 2, "invalid variation value: 'all'"),
+                (['set', 'rig.a', '--drift', '5m'], 2, "invalid number value: '5m'"),
                 (['set', 'rig.a', '--mix', 'old'], 2, 'STYLE=WEIGHT'),
                 (['tail', '--publisher', 'nonsense'], 2, 'expected e.g. tcp://'),
                 (['list', '--control', 'ipc:///tmp/styled-nobody', '--timeout', '0.1'], 3, 'no daemon answers'),

@@ -236,6 +236,41 @@ TEST_F(StylectlTest, SetSendsWhatWasGivenAndNothingElse) {
   EXPECT_EQ(last_.set().parts_size(), 1);
 }
 
+TEST_F(StylectlTest, AVariationIsANumberOrEachAndATimeMayHaveItsUnit) {
+  for (const std::vector<std::string>& bad :
+       std::vector<std::vector<std::string>>{{"--vary", "100"},
+                                             {"--vary", "-1"},
+                                             {"--vary", "2.5"},
+                                             {"--vary", "all"},
+                                             {"--amount", "1.6"},
+                                             {"--drift", "5m"},
+                                             {"--drift", "s"},
+                                             {"--drift", "601"},
+                                             {"--transition", "5s"}}) {
+    EXPECT_EQ(Run({"set", "rig.anna", bad[0], bad[1]}), kExitUsage) << bad[0] << " " << bad[1];
+  }
+  EXPECT_TRUE(last_.set().mix().empty() && !last_.set().has_vary()) << "nothing was sent";
+  EXPECT_EQ(Run({"set", "rig.anna", "--vary", "all"}), kExitUsage);
+  EXPECT_TRUE(Complains("'all': expected a whole number from 0 to 99, or each")) << err_.str();
+
+  EXPECT_EQ(Run({"set", "rig.anna", "--style", "elderly", "--vary", "7", "--amount", "0.8",
+                 "--drift", "5s", "--transition", "500ms"}),
+            kExitOk);
+  EXPECT_EQ(last_.set().vary(), 7);
+  EXPECT_TRUE(last_.set().has_vary_each() && !last_.set().vary_each()) << "for everyone the same";
+  EXPECT_FLOAT_EQ(last_.set().vary_amount(), 0.8F);
+  EXPECT_EQ(last_.set().drift_s(), 5);
+  EXPECT_EQ(last_.set().transition_ms(), 500);
+  EXPECT_TRUE(Says("vary 7, vary each off, amount 0.8, drift 5 s")) << out_.str();
+  EXPECT_EQ(Run({"set", "rig.anna", "--drift", "0"}), kExitOk);
+  EXPECT_TRUE(last_.set().has_drift_s());
+  EXPECT_FALSE(last_.set().has_vary());
+  EXPECT_EQ(Run({"set", "*", "--vary", "each"}), kExitOk);
+  EXPECT_TRUE(last_.set().vary_each());
+  EXPECT_EQ(last_.set().vary(), 0);
+  EXPECT_TRUE(last_.set().has_vary());
+}
+
 TEST_F(StylectlTest, EveryOtherCommandSendsItself) {
   EXPECT_EQ(Run({"clear"}), kExitOk);
   EXPECT_TRUE(last_.set().clear());

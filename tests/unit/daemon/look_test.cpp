@@ -34,6 +34,10 @@ v1::Look Changed() {
   look.set_input_style("tired");
   look.set_preset("scene");
   look.set_root(v1::ROOT_STRIDE);
+  look.set_vary(7);
+  look.set_vary_each(true);
+  look.set_vary_amount(0.5F);
+  look.set_drift_s(5);
   return look;
 }
 
@@ -126,8 +130,37 @@ TEST(LookTest, WhatIsOutOfRangeIsNamed) {
   change.set_root(static_cast<v1::Root>(-1));
   EXPECT_EQ(CheckLook(change), "root is -1, expected follow or stride");
   change.Clear();
+  for (const float bad : {-1.0F, 100.0F, 2.5F, std::numeric_limits<float>::quiet_NaN()}) {
+    change.set_vary(bad);
+    EXPECT_THAT(CheckLook(change), HasSubstr(", expected a whole number from 0 to 99")) << bad;
+  }
+  change.set_vary(99);
+  EXPECT_EQ(CheckLook(change), "");
+  change.set_vary_amount(1.6F);
+  EXPECT_EQ(CheckLook(change), "vary_amount is 1.6, expected 0 to 1.5");
+  change.set_vary_amount(1.5F);
+  change.set_drift_s(601);
+  EXPECT_EQ(CheckLook(change), "drift_s is 601, expected 0 to 600");
+  change.set_drift_s(-1);
+  EXPECT_EQ(CheckLook(change), "drift_s is -1, expected 0 to 600");
+  change.Clear();
   for (int i = 0; i < 5; ++i) change.add_mix();
   EXPECT_EQ(CheckLook(change), "mix has 5 styles, expected at most 4");
+}
+
+TEST(LookTest, ALookAsksForVariationsByNumberByIdOrByDrift) {
+  EXPECT_FALSE(AsksForVariations(InitialLook()));
+  v1::Look look = InitialLook();
+  look.set_vary(1);
+  EXPECT_TRUE(AsksForVariations(look));
+  look.set_vary_amount(0);
+  EXPECT_FALSE(AsksForVariations(look)) << "the style itself";
+  look = InitialLook();
+  look.set_vary_each(true);
+  EXPECT_TRUE(AsksForVariations(look));
+  look = InitialLook();
+  look.set_drift_s(5);
+  EXPECT_TRUE(AsksForVariations(look));
 }
 
 // What a client of version 0.1 sent as `Set`: mix old 0.5, strength 0.8, 500 ms, absolute, only
@@ -141,6 +174,10 @@ TEST(LookTest, TheBytesOfEarlierClientsMeanTheSame) {
   v1::Look expected = Changed();
   expected.clear_preset();
   expected.clear_root();
+  expected.clear_vary();
+  expected.clear_vary_each();
+  expected.clear_vary_amount();
+  expected.clear_drift_s();
   EXPECT_TRUE(Equal(look, expected));
   ASSERT_TRUE(look.ParseFromString("\x28\x01"s));
   EXPECT_TRUE(look.clear());

@@ -65,6 +65,10 @@ TEST_F(OscTest, EveryAddressIsTheRequestOfItsName) {
   }
   EXPECT_TRUE(Read("/styled/rig.a/absolute", "i", 1).value().set().absolute());
   EXPECT_EQ(Read("/styled/rig.a/root", "s", "stride").value().set().root(), v1::ROOT_STRIDE);
+  EXPECT_EQ(Read("/styled/rig.a/vary", "i", 7).value().set().vary(), 7);
+  EXPECT_TRUE(Read("/styled/rig.a/vary_each", "i", 1).value().set().vary_each());
+  EXPECT_EQ(Read("/styled/rig.a/amount", "f", 0.5).value().set().vary_amount(), 0.5F);
+  EXPECT_EQ(Read("/styled/rig.a/drift", "f", 5.0).value().set().drift_s(), 5);
   EXPECT_TRUE(Read("/styled/rig.a/pin", "i", 1).value().pin().pinned());
   EXPECT_FALSE(Read("/styled/rig.a/pin", "f", 0.0).value().pin().pinned());
   EXPECT_TRUE(Read("/styled/rig.a/clear").value().set().clear());
@@ -97,6 +101,8 @@ TEST_F(OscTest, WhatIsNotUnderstoodIsSaid) {
   EXPECT_EQ(why(Read("/styled/rig.a/strength", "s", "high")),
             "/styled/rig.a/strength: expected a number from 0 to 1.5");
   EXPECT_THAT(why(Read("/styled/rig.a/strength", "ff", 1.0, 2.0)), HasSubstr("expected a number"));
+  EXPECT_THAT(why(Read("/styled/rig.a/vary", "s", "each")),
+              HasSubstr("expected a whole number from 0 to 99"));
   EXPECT_THAT(why(Read("/styled/rig.a/style")), HasSubstr("expected a style and"));
   EXPECT_THAT(why(Read("/styled/rig.a/mix", "sfs", "a", 1.0, "b")), HasSubstr("in turn"));
   EXPECT_THAT(why(Read("/styled/rig.a/mix")), HasSubstr("in turn"));

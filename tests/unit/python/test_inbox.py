@@ -169,6 +169,9 @@ class RequestTest(unittest.TestCase):
         self.assertFalse(request.set.HasField('root'))
         self.assertEqual(_set_request('*', None, None, {'root': 'stride'}).set.root, 1)
         self.assertFalse(request.set.HasField('transition_ms') or request.set.HasField('input_style'))
+        varied = _set_request('*', None, None, {'vary': 7, 'vary_amount': 0.5, 'drift_s': 5}).set
+        self.assertEqual((varied.vary, varied.vary_amount, varied.drift_s), (7, 0.5, 5))
+        self.assertFalse(varied.HasField('vary_each'))
         former = _set_request('*', None, None, {'only': ['head'], 'own_style': 'old'}).set
         self.assertEqual((list(former.parts), former.input_style), ([1], 'old'))
 
