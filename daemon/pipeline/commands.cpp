@@ -156,6 +156,10 @@ void Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
       Refuse(reply, v1::CODE_OUT_OF_RANGE, profile.id + ": " + Explain(error));
       return false;
     }
+    if (std::string why = WithoutVariations(look, styles); !why.empty()) {
+      Refuse(reply, v1::CODE_NO_EXAMPLES, profile.id + ": " + why);
+      return false;
+    }
     changed.emplace_back(&profile, std::move(look));
     return true;
   };

@@ -37,7 +37,9 @@ Status MakeChange(const config::Cue& cue, const std::vector<config::Preset>& pre
   std::vector<std::string> unknown;
   const auto error =
       stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
-  return error == stylist::SettingsError::kNone ? Status::Ok() : Status::Error(Explain(error));
+  if (error != stylist::SettingsError::kNone) return Status::Error(Explain(error));
+  why = WithoutVariations(look, styles);
+  return why.empty() ? Status::Ok() : Status::Error(why);
 }
 
 }  // namespace

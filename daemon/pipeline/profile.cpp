@@ -1,6 +1,7 @@
 #include "daemon/pipeline/profile.h"
 
 #include <algorithm>
+#include <array>
 
 #include "model/base/hash.h"
 #include "model/base/text.h"
@@ -21,33 +22,86 @@ bool ProperName(const net::Styles& styles, std::string& style, std::string& why)
   return false;
 }
 
+// The style itself, or the one of its name that has variations; -1 if none has. Neutral is what
+// others are added to.
+int VariedStyle(const net::Styles& styles, int style) {
+  return style == 0 ? 0 : net::VaryingStyle(styles, style);
+}
+
+// 0, or 1 .. net::kVariations.
+int VariationOf(const v1::Look& look, std::string_view performer) {
+  const auto given = static_cast<int>(look.vary());
+  if (!look.vary_each()) return given;
+  const auto own = static_cast<int>(HashOf(performer) % net::kVariations);
+  return (given + own) % net::kVariations + 1;
+}
+
+// The mix of a Settings in the making: what was asked for, and what is shown instead.
+class Mix {
+ public:
+  explicit Mix(stylist::Settings& settings) : mix_(settings.mix) {}
+
+  void Add(int asked, int shown, float weight) {
+    for (std::size_t i = 0; i < used_; ++i) {
+      // The same style by two names is one; asked for twice, it is an error (Validate).
+      if (mix_[i].style != shown || asked_[i] == asked) continue;
+      mix_[i].weight += weight;
+      return;
+    }
+    if (used_ == mix_.size()) return;
+    asked_[used_] = asked;
+    mix_[used_++] = {shown, weight};
+  }
+
+ private:
+  std::array<net::StyleWeight, net::kMaxMix>& mix_;
+  std::array<int, net::kMaxMix> asked_{};
+  std::size_t used_ = 0;
+};
+
 }  // namespace
 
 stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
-                          std::vector<std::string>& unknown) {
+                          std::vector<std::string>& unknown, std::string_view performer) {
   stylist::Settings settings;
   settings.strength = look.strength();
   settings.transition_s = look.transition_ms() * 1e-3F;
   settings.absolute = look.absolute();
   settings.parts = PartsOf(look);
   settings.root = look.root() == v1::ROOT_STRIDE ? stylist::Root::kStride : stylist::Root::kFollow;
+  settings.variation = VariationOf(look, performer);
+  settings.vary_amount = look.vary_amount();
+  settings.drift_s = look.drift_s();
   if (!look.input_style().empty()) {
     const int input = net::FindStyle(styles, look.input_style());
     if (input < 0) unknown.push_back(look.input_style());
     settings.input_style = std::max(0, input);
   }
-  std::size_t used = 0;
+  Mix mix(settings);
   for (const auto& entry : look.mix()) {
     const int index = net::FindStyle(styles, entry.style());
     // Neutral as a target requires an input style to remove, which other weights may lack.
     if (index == 0 && settings.input_style == 0 && !look.input_style().empty()) continue;
     if (index < 0) {
       unknown.push_back(entry.style());
-    } else if (used < settings.mix.size()) {
-      settings.mix[used++] = {index, entry.weight()};
+      continue;
     }
+    const int varied = AsksForVariations(look) ? VariedStyle(styles, index) : index;
+    mix.Add(index, varied < 0 ? index : varied, entry.weight());
   }
   return settings;
+}
+
+std::string WithoutVariations(const v1::Look& look, const net::Styles& styles) {
+  if (!AsksForVariations(look)) return "";
+  for (const auto& entry : look.mix()) {
+    const int index = net::FindStyle(styles, entry.style());
+    if (index < 0 || VariedStyle(styles, index) >= 0) continue;
+    return "\"" + entry.style() +
+           "\" has no variations; expected vary 0, vary_each false and drift_s 0, or weights that "
+           "have a style encoder";
+  }
+  return "";
 }
 
 bool ProperNames(const net::Styles& styles, v1::Look& change, std::string& why) {
@@ -82,8 +136,8 @@ bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
   std::vector<std::string> unknown;
   const auto error =
       stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
-  if (error != stylist::SettingsError::kNone) why = Explain(error);
-  return error == stylist::SettingsError::kNone;
+  why = error != stylist::SettingsError::kNone ? Explain(error) : WithoutVariations(look, styles);
+  return why.empty();
 }
 
 std::vector<v1::Request> AsRequests(const Profile& profile) {
@@ -120,6 +174,12 @@ std::string Explain(stylist::SettingsError error) {
       return "no part of the body is styled; use clear";
     case SettingsError::kUnknownInputStyle:
       return "unknown input style";
+    case SettingsError::kVariation:
+      return "vary is not a whole number within 0 to 99";
+    case SettingsError::kVaryAmount:
+      return "vary_amount is not within 0 to 1.5";
+    case SettingsError::kDrift:
+      return "drift_s is not within 0 to 600";
   }
   return "";
 }

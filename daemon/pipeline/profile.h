@@ -44,9 +44,15 @@ struct Profile {
 };
 
 // Resolves a look into a network's style numbers. Unknown styles are left out and listed in
-// `unknown`. Allocates; not for the hot path.
+// `unknown`. In a look that asks for variations, a style without any is replaced by the style of
+// that name of a network that has them, where there is one. `performer`: an id, which decides its
+// own variation (v1::Look.vary_each). Allocates; not for the hot path.
 stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
-                          std::vector<std::string>& unknown);
+                          std::vector<std::string>& unknown, std::string_view performer = {});
+
+// Why the look cannot be shown in the variations that it asks for: the first style of its mix for
+// which no network has any. "" if it can.
+std::string WithoutVariations(const v1::Look& look, const net::Styles& styles);
 
 // The preset of that name, or null.
 const config::Preset* FindPreset(std::string_view name, const std::vector<config::Preset>& presets);

@@ -42,7 +42,7 @@ void Performer::UseBinding(const RuntimeConfig& config) {
 }
 
 std::vector<std::string> Performer::ApplyLook(const RuntimeConfig& config) {
-  if (styling_) return styling_->ApplyLook(profile.look, config);
+  if (styling_) return styling_->ApplyLook(profile, config);
   std::vector<std::string> unknown;
   (void)Resolve(profile.look, config.network->model().styles, unknown);
   return unknown;

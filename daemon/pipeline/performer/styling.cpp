@@ -18,10 +18,10 @@ Styling::Styling(const BoundBody& body, const RuntimeConfig& config, runtime::Co
       in_(body.binding->skeleton()),
       out_(body.binding->skeleton()) {}
 
-std::vector<std::string> Styling::ApplyLook(const v1::Look& look, const RuntimeConfig& config) {
+std::vector<std::string> Styling::ApplyLook(const Profile& profile, const RuntimeConfig& config) {
   std::vector<std::string> unknown;
   const net::Styles& styles = config.network->model().styles;
-  const auto settings = Resolve(look, styles, unknown);
+  const auto settings = Resolve(profile.look, styles, unknown, profile.id);
   const auto error = stylist::Validate(settings, static_cast<int>(styles.size()));
   if (error == stylist::SettingsError::kNone) stylist_.Set(settings);
   return unknown;

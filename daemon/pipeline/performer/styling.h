@@ -16,6 +16,8 @@
 
 namespace styled::pipeline {
 
+struct Profile;
+
 // The stylist of a performer on one body, its input and its last output. Replaced when the body
 // changes. Pipeline thread; construction, Rebuild and ApplyLook allocate.
 class Styling {
@@ -23,9 +25,9 @@ class Styling {
   // `counters` must outlive it.
   Styling(const BoundBody& body, const RuntimeConfig& config, runtime::Counters& counters);
 
-  // Applies a look from the next frame on, as far as the network has its styles; returns the names
-  // of those that it lacks.
-  std::vector<std::string> ApplyLook(const v1::Look& look, const RuntimeConfig& config);
+  // Applies the look of a profile from the next frame on, as far as the network has its styles;
+  // returns the names of those that it lacks.
+  std::vector<std::string> ApplyLook(const Profile& profile, const RuntimeConfig& config);
   // After new weights or options: makes a new stylist, without look and output.
   void Rebuild(const BoundBody& body, const RuntimeConfig& config);
   // After a network that shares streams with the last one: goes on with it.
