@@ -142,6 +142,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   undo.mutable_set()->set_absolute(false);
   undo.mutable_set()->add_parts(v1::BODY_PART_ALL);
   undo.mutable_set()->set_input_style("");
+  undo.mutable_set()->set_vary(0);
+  undo.mutable_set()->set_vary_each(false);
+  undo.mutable_set()->set_vary_amount(1);
+  undo.mutable_set()->set_drift_s(0);
   Require(daemon.Ask(undo).code() == v1::CODE_OK);
   return 0;
 }

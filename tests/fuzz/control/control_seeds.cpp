@@ -32,6 +32,12 @@ int main(int argc, char** argv) {
       r.mutable_set()->add_parts(styled::v1::BODY_PART_ALL);
       r.mutable_set()->set_input_style("style3");
     });
+    add(performer, [](Request& r) {
+      r.mutable_set()->set_vary(7);
+      r.mutable_set()->set_vary_each(true);
+      r.mutable_set()->set_vary_amount(0.5F);
+      r.mutable_set()->set_drift_s(5);
+    });
     add(performer, [](Request& r) { r.mutable_set()->set_clear(true); });
     add(performer, [](Request& r) { r.mutable_preset()->set_name("both"); });
     add(performer, [](Request& r) { r.mutable_pin()->set_pinned(true); });
