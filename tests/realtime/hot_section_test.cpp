@@ -2,12 +2,14 @@
 // allocation, lock, log or exception. And that the hook would see them.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <limits>
 #include <sstream>
 
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 #include "tests/unit/net/erd/random_weights.h"
+#include "tests/unit/net/stgcn_causal/random_weights.h"
 
 namespace styled::support {
 namespace {
@@ -75,6 +77,46 @@ Report Play(const std::string& provoke) {
 TEST(HotSectionTest, NothingIsAllocatedLockedLoggedOrThrownBetweenReceiveAndSend) {
   const Report report = Play("");
   ASSERT_GT(report.counts.at("sections"), 1000U) << report.text;
+  for (const char* const kind : {"malloc", "free", "lock", "write", "throw"}) {
+    EXPECT_EQ(report.counts.at(kind), 0U) << kind << "\n" << report.text;
+  }
+}
+
+// Three seconds of performers whose styles vary: by number, each their own, and wandering.
+Report PlayVaried() {
+  TemporaryFolder folder;
+  const std::string file = folder / "report.txt";
+  const std::vector<std::byte> bytes = stgcn_causal::RandomWeights(5, 16, 1).Bytes();
+  std::ofstream(folder / "causal.safetensors", std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  Daemon daemon({}, "", {{"LD_PRELOAD", STYLED_HOOK}, {"STYLED_HOOK_REPORT", file}},
+                folder / "causal.safetensors");
+  Subscriber subscriber(daemon.publish, {""});
+  ControlClient control(daemon.control);
+  const UdpLink link(daemon.udp);
+  std::vector<Rig> rigs;
+  for (int i = 0; i < 4; ++i) rigs.emplace_back("p" + std::to_string(i), 10 + i);
+  for (auto& rig : rigs) link.Send(rig.Body());
+  EXPECT_TRUE(subscriber.WaitForBody());
+  EXPECT_EQ(control.SetStyle("*", "style2", 1, 50).code(), v1::CODE_OK);
+  Paced(360, 120, [&](int i) {
+    v1::Request request;
+    request.set_performer("*");
+    request.mutable_set()->set_vary(static_cast<float>(i % 100));
+    request.mutable_set()->set_vary_each(i % 60 == 30);
+    request.mutable_set()->set_drift_s(i % 90 < 45 ? 0.5F : 0.0F);
+    if (i % 15 == 10) EXPECT_EQ(control.Ask(request).code(), v1::CODE_OK);
+    for (auto& rig : rigs) link.Send(rig.Frame());
+  });
+  Sleep(0.3);
+  EXPECT_EQ(daemon.Stop(), 0) << daemon.Log();
+  return ReadReport(file);
+}
+
+TEST(HotSectionTest, NorWhileStylesVary) {
+  const Report report = PlayVaried();
+  ASSERT_GT(report.counts.at("sections"), 300U) << report.text;
   for (const char* const kind : {"malloc", "free", "lock", "write", "throw"}) {
     EXPECT_EQ(report.counts.at(kind), 0U) << kind << "\n" << report.text;
   }
