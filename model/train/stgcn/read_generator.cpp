@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "model/net/stgcn/code_space.h"
 #include "model/net/stgcn/network.h"
@@ -10,11 +11,9 @@
 #include "model/train/stgcn/weights.h"
 
 namespace styled::train::st_gcn {
-namespace {
 
 using torch::Tensor;
 
-// A tensor of a file that the runtime could read, so it is there and as large as expected.
 void CopyFloats(const net::SafetensorsView& view, const std::string& name, const Tensor& to) {
   const net::TensorView& tensor = view.tensors.at(name);
   const Tensor floats = torch::empty(tensor.shape);
@@ -23,7 +22,12 @@ void CopyFloats(const net::SafetensorsView& view, const std::string& name, const
   to.copy_(floats);
 }
 
-}  // namespace
+void CopyStatistics(const net::SafetensorsView& view, Statistics& statistics) {
+  for (const auto& [name, to] : {std::pair{"features.mean", &statistics.mean},
+                                 std::pair{"features.deviation", &statistics.deviation}}) {
+    CopyFloats(view, name, torch::from_blob(to->data(), {body::kJointCount, stgcn::kChannels}));
+  }
+}
 
 Result<LoadedGenerator> ReadGenerator(const std::filesystem::path& file) {
   const Result<std::vector<std::byte>> bytes = net::ReadFile(file);
@@ -51,11 +55,7 @@ Result<LoadedGenerator> ReadGenerator(const std::filesystem::path& file) {
     }
     loaded.model = network.value()->model();
     loaded.parameters = network.value()->features();
-    const auto features = [&view](const std::string& name, stgcn::Features& to) {
-      CopyFloats(view, name, torch::from_blob(to.data(), {body::kJointCount, stgcn::kChannels}));
-    };
-    features("features.mean", loaded.statistics.mean);
-    features("features.deviation", loaded.statistics.deviation);
+    CopyStatistics(view, loaded.statistics);
     loaded.codes = torch::empty({shape.domains, shape.code});
     CopyFloats(view, "codes.mean", loaded.codes);
     for (const auto& [name, tensor] : view.tensors) {

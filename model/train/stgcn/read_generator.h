@@ -4,14 +4,21 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "model/base/status.h"
+#include "model/net/safetensors.h"
 #include "model/net/stylizer.h"
 #include "model/train/safetensors_write.h"
 #include "model/train/stgcn/networks.h"
 #include "model/train/stgcn/windows.h"
 
 namespace styled::train::st_gcn {
+
+// Copies a tensor of a file that the runtime could read, so it is there and as large as expected;
+// throws where it is not of float32. CopyStatistics: `features.mean` and `features.deviation`.
+void CopyFloats(const net::SafetensorsView& view, const std::string& name, const torch::Tensor& to);
+void CopyStatistics(const net::SafetensorsView& view, Statistics& statistics);
 
 // The generator of a weights file, on the CPU and without gradients, and what is needed to run it
 // on clips. Errors name file, key or tensor: all that the runtime refuses, and files of other

@@ -82,16 +82,20 @@ AdainBlock::AdainBlock(Parameters& parameters, const std::string& name, int leve
       tconv2_(parameters, name + ".tconv2", out),
       skip_(Add(parameters, name + ".skip.weight", {out, in})) {}
 
-Tensor AdainBlock::operator()(const Graph& graph, const Tensor& x, const Tensor& code) const {
+Tensor AdainBlock::operator()(const Graph& graph, const Tensor& x, const Tensor& code,
+                              const Additions& additions) const {
   const auto coarse = static_cast<std::size_t>(level_), fine = coarse - 1;
-  const auto norm = [&](const PastNorm& of, const st_gcn::Linear& adain, const Tensor& y,
-                        const Tensor& share) {
-    const std::vector<Tensor> style = adain(code).chunk(2, 1);
+  const auto norm = [&](const PastNorm& of, const st_gcn::Linear& adain, const Tensor& more,
+                        const Tensor& y, const Tensor& share) {
+    Tensor both = adain(code);
+    if (more.defined()) both = both + more;
+    const std::vector<Tensor> style = both.chunk(2, 1);
     return of(graph.past, y, 1.0 + style[0], style[1], share);
   };
-  Tensor y = gconv1_(graph.spatial, norm(norm1_, adain1_, x, graph.equal[coarse]));
+  Tensor y = gconv1_(graph.spatial, norm(norm1_, adain1_, additions.first, x, graph.equal[coarse]));
   y = OverThePast(tconv1_, torch::relu(y), spacing_);
-  y = gconv2_.Mixed(graph.unpooled[fine], norm(norm2_, adain2_, y, graph.clusters[fine])) +
+  y = gconv2_.Mixed(graph.unpooled[fine],
+                    norm(norm2_, adain2_, additions.second, y, graph.clusters[fine])) +
       gconv2_.NodeBias(graph.spatial).to(x.scalar_type());
   y = OverThePast(tconv2_, torch::relu(y), spacing_, kShare);
   return y + Mix(graph.spatial.unpool[fine], Product(x, kShare * skip_));

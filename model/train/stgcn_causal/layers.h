@@ -53,6 +53,12 @@ class ResBlock {
   torch::Tensor skip_;  // [out, in]
 };
 
+// What a style adds to the scale and shift [γ, β] of a decoding block's norms, on top of what they
+// are by its code: [1 or B, 2C] each. Undefined: nothing.
+struct Additions {
+  torch::Tensor first, second;
+};
+
 // The decoding block: from `level` to the next finer one. Copies of a node are made as late as
 // possible: what works on each node alone is done once per cluster.
 class AdainBlock {
@@ -60,8 +66,8 @@ class AdainBlock {
   AdainBlock() = default;
   AdainBlock(Parameters& parameters, const std::string& name, int level, int64_t in, int64_t out,
              int64_t code, int64_t spacing);
-  torch::Tensor operator()(const Graph& graph, const torch::Tensor& x,
-                           const torch::Tensor& code) const;
+  torch::Tensor operator()(const Graph& graph, const torch::Tensor& x, const torch::Tensor& code,
+                           const Additions& additions = {}) const;
   std::array<PastNorm*, 2> norms() { return {&norm1_, &norm2_}; }
 
  private:

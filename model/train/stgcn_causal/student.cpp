@@ -38,8 +38,21 @@ Tensor Student::Encode(const Graph& graph, const Tensor& x) const {
 }
 
 Tensor Student::Decode(const Graph& graph, const Tensor& content, const Tensor& code) const {
-  const Tensor y = dec2_(graph, dec1_(graph, content, code), code);
-  return out_(y.to(torch::kFloat32)) * mask_;
+  return Decode(graph, content, FullStyle{.code = code, .bias = {}, .additions = {}});
+}
+
+Tensor Student::Decode(const Graph& graph, const Tensor& content, const FullStyle& style) const {
+  const int64_t w = shape.width;
+  std::array<Additions, 2> more;
+  if (style.additions.defined()) {
+    const std::vector<Tensor> parts =
+        style.additions.split_with_sizes({8 * w, 4 * w, 4 * w, 2 * w}, 1);
+    more = {Additions{parts[0], parts[1]}, Additions{parts[2], parts[3]}};
+  }
+  const Tensor y = dec2_(graph, dec1_(graph, content, style.code, more[0]), style.code, more[1]);
+  Tensor out = out_(y.to(torch::kFloat32));
+  if (style.bias.defined()) out = out + style.bias.unsqueeze(1);
+  return out * mask_;
 }
 
 std::vector<PastNorm*> Student::norms() {

@@ -18,6 +18,16 @@ inline constexpr std::array<int64_t, 4> kSpacing{2, 4, 2, 1};
 // Standardized features are limited to this in both signs, live as well.
 inline constexpr double kInputLimit = 4;
 
+// A style in full form (model/net/stgcn_causal/FORMAT.md), for one or for each sample of a batch.
+// Undefined: 0.
+struct FullStyle {
+  torch::Tensor code;       // [1 or B, code]
+  torch::Tensor bias;       // [1 or B, 21, 7]: of the standardized output
+  torch::Tensor additions;  // [1 or B, AdditionsOf(width)]: of dec1.adain1 [γ, β], dec1.adain2,
+                            // dec2.adain1, dec2.adain2
+};
+constexpr int64_t AdditionsOf(int64_t width) { return 2 * (4 + 2 + 2 + 1) * width; }
+
 // The generator of the network of whole clips for a stream of frames (layers.h). One thread.
 class Student {
  public:
@@ -33,6 +43,8 @@ class Student {
   // Standardized features in float32; the hips' constant x and z are 0.
   torch::Tensor Decode(const Graph& graph, const torch::Tensor& content,
                        const torch::Tensor& code) const;
+  torch::Tensor Decode(const Graph& graph, const torch::Tensor& content,
+                       const FullStyle& style) const;
 
   std::vector<PastNorm*> norms();
 
