@@ -1,0 +1,49 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include <vector>
+
+#include "model/train/stgcn/kinematics.h"
+
+namespace styled::train::st_gcn_causal {
+
+// What is published of a performer's window whose style changes, differentiable: the change is
+// applied to the performer's own pose, in · (rec⁻¹ · sty) per joint in local rotations, and the
+// difference of both heights of the hips (model/net/stylizer.h). What follows it live (the
+// low-pass, limits, feet) is left out. Windows are standardized, [B, T, 21, 7] in float32. Pinned
+// by tests/unit/train/stgcn_causal/published_form_test.cpp.
+class PublishedForm {
+ public:
+  explicit PublishedForm(const st_gcn::Statistics& statistics);
+
+  // What of a window does not depend on the style.
+  struct Basis {
+    torch::Tensor rotations;  // [B, T, 21, 4]: in · rec⁻¹, local
+    torch::Tensor hips_m;     // [B, T]: height, in - rec
+
+    Basis Select(const torch::Tensor& samples) const;
+  };
+  Basis BasisOf(const torch::Tensor& window, const torch::Tensor& reconstruction) const;
+
+  // The published window: rotations on the hemisphere of the mean, positions that follow from them.
+  torch::Tensor operator()(const Basis& basis, const torch::Tensor& styled) const;
+
+  const st_gcn::Kinematics& kinematics() const { return kinematics_; }
+
+ private:
+  torch::Tensor LocalRotations(const torch::Tensor& raw) const;
+  torch::Tensor GlobalRotations(const torch::Tensor& local) const;
+
+  st_gcn::Kinematics kinematics_;
+  torch::Tensor parents_;  // [21]; the hips' is 0
+  // Of each depth of the skeleton below the hips: its joints, and the places of their parents among
+  // the joints of the depth before it.
+  struct Depth {
+    torch::Tensor joints, parents;
+  };
+  std::vector<Depth> depths_;
+  torch::Tensor order_;  // [21]: a joint's place among those of all depths
+};
+
+}  // namespace styled::train::st_gcn_causal

@@ -1,0 +1,102 @@
+#include "model/train/stgcn_causal/published_form.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "model/body/pose.h"
+#include "model/net/stgcn/features.h"
+
+namespace styled::train::st_gcn_causal {
+namespace {
+
+using body::kJointCount;
+using stgcn::Features;
+using stgcn::kChannels;
+using torch::Tensor;
+
+class PublishedFormTest : public testing::Test {
+ protected:
+  PublishedFormTest() {
+    for (int i = 0; i < stgcn::kFeatureCount; ++i) {
+      const int channel = i % kChannels;
+      statistics_.mean[static_cast<std::size_t>(i)] = channel == 6 ? 0.9F : 0.1F;
+      statistics_.deviation[static_cast<std::size_t>(i)] = channel < 3 ? 0.5F : 0.2F;
+    }
+  }
+
+  body::Pose RandomPose(float size) {
+    std::normal_distribution<float> normal;
+    body::Pose pose;
+    pose.hips_position_m = body::Vec3(0, 1 + 0.1F * normal(random_), 0);
+    for (auto& q : pose.rotations) {
+      q = body::Exp(size * body::Vec3(normal(random_), normal(random_), normal(random_)));
+    }
+    return pose;
+  }
+
+  // With heading 0, as a window of one frame; rotations on the hemisphere of the mean.
+  Tensor Standardized(const body::Pose& pose) const {
+    body::WorldPose world;
+    body::ForwardKinematics(pose, world);
+    Tensor out = torch::empty({1, 1, kJointCount, kChannels});
+    float* at = out.data_ptr<float>();
+    for (int joint = 0; joint < kJointCount; ++joint) {
+      const auto j = static_cast<std::size_t>(joint);
+      Features::value_type raw[kChannels];
+      const body::Vec3 position =
+          world.positions_m[j] - body::Vec3(pose.hips_position_m.x(), 0, pose.hips_position_m.z());
+      Eigen::Vector4f q = world.rotations[j].coeffs();
+      const Eigen::Map<const Eigen::Vector4f> mean(statistics_.mean.data() + kChannels * j + 3);
+      if (q.dot(mean) < 0) q = -q;
+      std::copy_n(position.data(), 3, raw);
+      std::copy_n(q.data(), 4, raw + 3);
+      for (std::size_t c = 0; c < kChannels; ++c, ++at) {
+        const std::size_t i = kChannels * j + c;
+        *at = (raw[c] - statistics_.mean[i]) / statistics_.deviation[i];
+      }
+    }
+    return out;
+  }
+
+  std::mt19937 random_{3};
+  st_gcn::Statistics statistics_;
+};
+
+TEST_F(PublishedFormTest, IsTheChangeOnThePerformersOwnPose) {
+  const PublishedForm form(statistics_);
+  for (int round = 0; round < 5; ++round) {
+    const body::Pose in = RandomPose(0.5F), rec = RandomPose(0.5F), sty = RandomPose(0.5F);
+    body::Pose expected;
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      expected.rotations[j] = in.rotations[j] * rec.rotations[j].conjugate() * sty.rotations[j];
+    }
+    expected.hips_position_m.y() =
+        in.hips_position_m.y() - rec.hips_position_m.y() + sty.hips_position_m.y();
+    const auto basis = form.BasisOf(Standardized(in), Standardized(rec));
+    const Tensor published = form(basis, Standardized(sty));
+    EXPECT_LT((published - Standardized(expected)).abs().max().item<double>(), 1e-4);
+  }
+}
+
+TEST_F(PublishedFormTest, WithoutAChangeItIsThePerformersPose) {
+  const PublishedForm form(statistics_);
+  const Tensor in = Standardized(RandomPose(0.6F)), rec = Standardized(RandomPose(0.6F));
+  EXPECT_LT((form(form.BasisOf(in, rec), rec) - in).abs().max().item<double>(), 1e-4);
+  const Tensor other = Standardized(RandomPose(0.6F));  // the control
+  EXPECT_GT((form(form.BasisOf(in, rec), other) - in).abs().max().item<double>(), 0.1);
+}
+
+TEST_F(PublishedFormTest, HasAGradient) {
+  const PublishedForm form(statistics_);
+  const auto basis = form.BasisOf(Standardized(RandomPose(0.5F)), Standardized(RandomPose(0.5F)));
+  Tensor sty = Standardized(RandomPose(0.5F)).requires_grad_(true);
+  form(basis, sty).narrow(-1, 0, 3).square().sum().backward();
+  EXPECT_TRUE(torch::isfinite(sty.grad()).all().item<bool>());
+  EXPECT_GT(sty.grad().narrow(-1, 3, 4).abs().max().item<double>(), 1e-3);
+  EXPECT_EQ(sty.grad().select(-2, 5).narrow(-1, 0, 3).abs().max().item<double>(), 0)
+      << "positions follow from rotations";
+}
+
+}  // namespace
+}  // namespace styled::train::st_gcn_causal
