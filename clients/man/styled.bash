@@ -131,4 +131,4 @@ _styled_complete() {
 }
 
 complete -F _styled_complete styled stylectl stylemon stylesim stylerec stylevmc styleweb stylize \
-  styletrain styleeval styleunseen
+  styletrain styleeval styleunseen stylerefine
