@@ -9,6 +9,7 @@
 
 #include "model/feet/legs.h"
 #include "model/tools/command_line.h"
+#include "model/tools/styleunseen_live.h"
 #include "model/train/blas.h"
 #include "model/train/judge/judge_provenance.h"
 #include "model/train/judge/judge_text.h"
@@ -20,6 +21,7 @@ namespace {
 
 struct Arguments {
   std::string weights, manifest, data, json;
+  std::string library, source, judges;  // for live networks
   std::vector<std::string> styles;
 };
 
@@ -86,6 +88,11 @@ Status Run(const Arguments& arguments) {
   if (!any.clips && any.frames->space() == nullptr) {
     return Status::Error(arguments.weights + ": takes no examples");
   }
+  const bool further = !(arguments.library + arguments.source + arguments.judges).empty();
+  if (further && any.clips) {
+    return Status::Error(arguments.weights +
+                         ": --library, --source and --judges are for weights that run live");
+  }
   const net::Styles& known = network.value().model().styles;
   const auto chosen = Choose(arguments, manifest.value(), known);
   if (!chosen.ok()) return chosen.status();
@@ -95,13 +102,24 @@ Status Run(const Arguments& arguments) {
   if (normal.empty()) return Status::Error(arguments.manifest + ": no neutral walk");
 
   std::optional<judge::ClipRestyler> clips;
-  if (any.clips) clips.emplace(any.clips, std::vector<int>{}, stylist::Options{}, judge::ClipForm{});
-  const judge::Styler styler{any.frames, std::make_shared<const rig::Binding>(feet::HumanoidBinding()),
-                             {}, 0};
+  if (any.clips)
+    clips.emplace(any.clips, std::vector<int>{}, stylist::Options{}, judge::ClipForm{});
+  const judge::Styler styler{
+      any.frames, std::make_shared<const rig::Binding>(feet::HumanoidBinding()), {}, 0};
   std::optional<judge::LiveRestyler> live;
   if (any.frames) live.emplace(styler, stylist::Options{});
   const judge::ByCode by_code =
       clips ? judge::ByCodeOf(*clips) : judge::ByCodeOf(*live, *any.frames->space());
+  if (further) {
+    return MeasureLive({.manifest = manifest.value(),
+                        .walks = walks.value(),
+                        .styles = chosen.value(),
+                        .network = by_code,
+                        .library = arguments.library,
+                        .source = arguments.source,
+                        .judges = arguments.judges,
+                        .json = arguments.json});
+  }
   std::printf("%-16s %7s%11s %8s%11s  %s\n", "", "cosine", "expression", "offset's", "expression",
               "nearest style, distance");
   nlohmann::json json;
@@ -142,6 +160,13 @@ int main(int argc, char** argv) {
   app.add_option("--styles", arguments.styles,
                  "Styles to measure; else all that the weights do not know")
       ->delimiter(',');
+  app.add_option("--library", arguments.library,
+                 "Folder of style files NAME.json, used where one has a style's name (live)");
+  app.add_option("--source", arguments.source,
+                 "What is restyled, without a style (BVH); else the neutral walk (live)");
+  app.add_option("--judges", arguments.judges,
+                 "Train judges on the data set, keep them in this folder, and say how much of the "
+                 "output they recognize (live)");
   app.add_option("--json", arguments.json, "Write the figures to this file, too");
   if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
   const styled::Status status = styled::Run(arguments);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "model/body/heading.h"
+#include "model/train/judge/judge_unseen_live.h"
 #include "tests/unit/judge/arm_network.h"
 #include "tests/unit/train/walker.h"
 
@@ -114,6 +115,34 @@ TEST_F(UnseenTest, TheShiftIsThatFromTheSourceWhereverTheSourceBegins) {
   const UnseenFigures figures = Measured(1);
   EXPECT_NEAR(figures.network.fraction, 0, 1e-3);
   EXPECT_GT(figures.offset.fraction, 0.8);
+}
+
+// The example's arm swings, too.
+TEST_F(UnseenTest, MovementIsMeasuredBesideTheMeanPoseAndWithoutTheBeginning) {
+  for (std::size_t i = 0; i < example.size(); ++i) {
+    example[i].rotations[body::kLeftUpperArm] =
+        Arm(kExample_rad + 0.5F * std::sin(0.4F * static_cast<float>(i)));
+  }
+  const ArmNetwork network({});
+  const auto measured = [&](Poses output) {
+    for (std::size_t i = 0; i < kSettling; ++i) {
+      output[i].rotations[body::kLeftUpperArm] = Arm(-1.5F);
+    }
+    const ByCode by_code{network, [&](const Poses&, const net::StyleCode&) { return output; }};
+    return MeasureLiveUnseen(by_code, {}, normal, normal, example, nullptr, 1);
+  };
+  const LiveUnseenFigures same = measured(example);
+  EXPECT_NEAR(same.network.fraction, 1, 0.1);
+  EXPECT_GT(same.network.cosine, 0.95);
+  EXPECT_LT(same.movement, 0.2);
+  EXPECT_GT(same.jerk, 1) << "of the arm's swing";
+  const LiveUnseenFigures none = measured(normal);
+  EXPECT_NEAR(none.network.fraction, 0, 1e-3);
+  EXPECT_NEAR(none.movement, 1, 1e-3);
+  EXPECT_NEAR(none.jerk, 1, 1e-3);
+  EXPECT_NEAR(none.offset.fraction, 1, 0.1);
+  EXPECT_NEAR(none.offset_movement, 1, 0.2) << "a constant offset moves no joint more";
+  EXPECT_EQ(none.recognized, 0) << "without judges";
 }
 
 // Notes how it was asked for a code.

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/base/status.h"
+#include "model/clip/manifest.h"
+#include "model/train/judge/judge_unseen.h"
+
+namespace styled {
+
+// What styleunseen measures of a live network that has a space of styles.
+struct UnseenLive {
+  const clip::Manifest& manifest;
+  std::vector<judge::Poses> walks;  // by style of the manifest
+  std::vector<std::size_t> styles;  // to measure
+  judge::ByCode network;
+  std::string library;  // folder of style files; empty: examples
+  std::string source;   // a BVH file to restyle; empty: the neutral walk
+  std::string judges;   // folder of cached judges; empty: none
+  std::string json;     // file for the figures; empty: none
+};
+Status MeasureLive(const UnseenLive& of);
+
+}  // namespace styled
