@@ -32,8 +32,8 @@ struct Networks {
 };
 
 // Reads and tries them (model/trial). Where all bytes have the CRC-32C `running_crc`, nothing is
-// tried again: `network` is null then, and what is known by it is not set. Blocks and allocates; start-up and reload only.
-// Errors name the file.
+// tried again: `network` is null then, and what is known by it is not set. Blocks and allocates;
+// start-up and reload only. Errors name the file.
 Result<Networks> ReadNetworks(const config::Model& model, std::uint32_t running_crc);
 
 }  // namespace styled::pipeline

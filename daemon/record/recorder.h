@@ -20,9 +20,9 @@ namespace styled::record {
 
 // What the header of a recording contains about the daemon that made it.
 struct About {
-  std::string config;  // text of the configuration file and of the overrides
+  std::string config;                 // text of the configuration file and of the overrides
   std::string weights, weights_hash;  // names and hashes of the weights files
-  std::string state;  // text of the state file
+  std::string state;                  // text of the state file
 };
 
 // Records what the daemon receives and which commands it executes, as configured in [record], in

@@ -30,8 +30,8 @@ struct Part {
 class Parts final : public Stream {
  public:
   std::span<const std::byte> memory() const noexcept override {
-    const auto working = std::find_if(parts.begin(), parts.end(),
-                                      [](const Part& part) { return part.awake > 0; });
+    const auto working =
+        std::find_if(parts.begin(), parts.end(), [](const Part& part) { return part.awake > 0; });
     return (working == parts.end() ? parts.front() : *working).stream->memory();
   }
 
@@ -114,8 +114,7 @@ class Several final : public Stylizer {
     std::shared_ptr<Several> with(new Several(*this));
     auto& network = with->networks_[examples_].network;
     const bool more = at == places_.size();
-    const int theirs = more ? static_cast<int>(network->model().styles.size())
-                            : places_[at].number;
+    const int theirs = more ? static_cast<int>(network->model().styles.size()) : places_[at].number;
     network = network->With(theirs, style, code);
     if (more) {
       with->places_.push_back({examples_, theirs});
@@ -277,9 +276,12 @@ class Several final : public Stylizer {
         if (part.awake == 0) continue;
         const Share& share = shares[j][n];
         const auto input = static_cast<std::size_t>(std::max(0, jobs[j].input_style));
-        theirs[count++] = {jobs[j].pose, input < same_.size() ? same_[input][n] : 0,
-                           std::span(share.styles).first(share.count), part.stream.get(),
-                           &part.out, jobs[j].variations};
+        theirs[count++] = {jobs[j].pose,
+                           input < same_.size() ? same_[input][n] : 0,
+                           std::span(share.styles).first(share.count),
+                           part.stream.get(),
+                           &part.out,
+                           jobs[j].variations};
       }
       if (count > 0) networks_[n].network->Step(std::span(theirs).first(count));
     }
@@ -309,8 +311,7 @@ class Several final : public Stylizer {
           SmoothStep(static_cast<float>(part.steps) / static_cast<float>(kWakeSteps));
       const Decoded &from = part.out.reconstruction, &to = part.out.styled;
       for (std::size_t joint = 0; joint < change.size(); ++joint) {
-        change[joint] +=
-            shown * body::Log(from.rotations[joint].conjugate() * to.rotations[joint]);
+        change[joint] += shown * body::Log(from.rotations[joint].conjugate() * to.rotations[joint]);
       }
       rise_m += shown * (to.hips_height_m - from.hips_height_m);
       // What is not finite anywhere must show.

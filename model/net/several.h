@@ -15,13 +15,13 @@
 // already gets the network's own in front: "graph-elderly"; net::StyleInfo says which network a
 // style belongs to, and its name there.
 //
-// Step. A network works where one of its styles is in force, and for kStayAwake_s beyond that. While
-// no style is, the first one works alone, as its reconstruction says whether the pose is known.
-// Each network's change, from its reconstruction to its styled pose, counts as a rotation vector of
-// each joint, and the sum is applied to the reconstruction of the network with the largest share.
-// Weights fade, so that changes fade from one network to the other. A network that begins to work
-// in the middle of a stream knows no past; its change grows over kWakeSteps. Where one network has
-// all styles in force, the prediction is that network's alone, bit for bit.
+// Step. A network works where one of its styles is in force, and for kStayAwake_s beyond that.
+// While no style is, the first one works alone, as its reconstruction says whether the pose is
+// known. Each network's change, from its reconstruction to its styled pose, counts as a rotation
+// vector of each joint, and the sum is applied to the reconstruction of the network with the
+// largest share. Weights fade, so that changes fade from one network to the other. A network that
+// begins to work in the middle of a stream knows no past; its change grows over kWakeSteps. Where
+// one network has all styles in force, the prediction is that network's alone, bit for bit.
 //
 // An input style, which is to be removed, is each network's own style of that name; neutral where
 // it has none. Pinned by tests/unit/net/several_test.cpp.

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -52,20 +50,12 @@ class StyleSpace {
   virtual int least_frames() const noexcept = 0;
 
   // Whether `code` has as many numbers as a code of this network may have.
-  virtual bool IsCode(const StyleCode& code) const {
-    return code.size() == MakeCode({.sources = {{.style = 0}}}).size();
-  }
+  virtual bool IsCode(const StyleCode& code) const;
   // Styles must be within those of the weights file; weights, amount and strength finite.
   virtual StyleCode MakeCode(const StyleRequest& request) const = 0;
   // The neutral style plus what tells `code` from `from`: of an example of a style, and of one of
   // the same performer without it, the style alone. Limited. Both codes of this network.
-  virtual StyleCode Difference(const StyleCode& code, const StyleCode& from) const {
-    StyleCode difference = MakeCode({.sources = {{.style = 0}}});
-    difference.resize(std::max({difference.size(), code.size(), from.size()}));
-    for (std::size_t i = 0; i < code.size(); ++i) difference[i] += code[i];
-    for (std::size_t i = 0; i < from.size(); ++i) difference[i] -= from[i];
-    return Limited(difference);
-  }
+  virtual StyleCode Difference(const StyleCode& code, const StyleCode& from) const;
   virtual NearestStyle Nearest(const StyleCode& code) const = 0;
   // The code, or one nearer to what the network knows where this lies so far from it that the body
   // would be torn apart. MakeCode's sources are limited already.

@@ -96,11 +96,12 @@ std::vector<Styled> StyleBy(const judge::AnyStyler& styler, const judge::Data& d
       styled.push_back(
           {"examples", "styled by example clips without a label, as live", "examples",
            judge::Restyle(data, any, judge::Unlabelled(by(judge::CodeFrom::kReference)))});
-      styled.push_back({"examples_neutral",
-                        "styled by example clips beside neutral ones, as live", "ex. neutral",
-                        judge::Restyle(data, any,
-                                       judge::WithNeutral(data, judge::Unlabelled(by(
-                                                                    judge::CodeFrom::kReference))))});
+      styled.push_back(
+          {"examples_neutral", "styled by example clips beside neutral ones, as live",
+           "ex. neutral",
+           judge::Restyle(
+               data, any,
+               judge::WithNeutral(data, judge::Unlabelled(by(judge::CodeFrom::kReference))))});
     }
     styled.push_back({"styled", "styled (detail-preserving, as live)", "styled",
                       judge::Style(data, *styler.frames, options, false)});

@@ -23,6 +23,7 @@ struct Arguments {
   std::string weights, manifest, data, json;
   std::string library, source, judges;  // for live networks
   std::vector<std::string> styles;
+  bool neutral = false;
 };
 
 using Clips = std::vector<train::TrainingClip>;
@@ -88,10 +89,12 @@ Status Run(const Arguments& arguments) {
   if (!any.clips && any.frames->space() == nullptr) {
     return Status::Error(arguments.weights + ": takes no examples");
   }
-  const bool further = !(arguments.library + arguments.source + arguments.judges).empty();
+  const bool further =
+      !(arguments.library + arguments.source + arguments.judges).empty() || arguments.neutral;
   if (further && any.clips) {
-    return Status::Error(arguments.weights +
-                         ": --library, --source and --judges are for weights that run live");
+    return Status::Error(
+        arguments.weights +
+        ": --library, --source, --judges and --neutral are for weights that run live");
   }
   const net::Styles& known = network.value().model().styles;
   const auto chosen = Choose(arguments, manifest.value(), known);
@@ -118,7 +121,8 @@ Status Run(const Arguments& arguments) {
                         .library = arguments.library,
                         .source = arguments.source,
                         .judges = arguments.judges,
-                        .json = arguments.json});
+                        .json = arguments.json,
+                        .neutral = arguments.neutral});
   }
   std::printf("%-16s %7s%11s %8s%11s  %s\n", "", "cosine", "expression", "offset's", "expression",
               "nearest style, distance");
@@ -167,6 +171,9 @@ int main(int argc, char** argv) {
   app.add_option("--judges", arguments.judges,
                  "Train judges on the data set, keep them in this folder, and say how much of the "
                  "output they recognize (live)");
+  app.add_flag(
+      "--neutral", arguments.neutral,
+      "Examples are shown beside the neutral walk: only what they differ by counts (live)");
   app.add_option("--json", arguments.json, "Write the figures to this file, too");
   if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
   const styled::Status status = styled::Run(arguments);

@@ -39,8 +39,11 @@ Result<net::StyleCode> StyleOf(const UnseenLive& of, std::size_t style) {
     return read.value().code;
   }
   net::StyleRequest request;
-  request.sources = {{.style = -1, .seed = {}, .reference = of.walks[style]}};
-  return of.network.space.MakeCode(request);
+  request.sources = {{.style = -1, .seed = {}, .reference = of.walks[style], .weight = 1}};
+  const net::StyleCode code = of.network.space.MakeCode(request);
+  if (!of.neutral) return code;
+  request.sources[0].reference = of.walks[0];
+  return of.network.space.Difference(code, of.network.space.MakeCode(request));
 }
 
 // Of the split "judge", or of all clips where there is none.

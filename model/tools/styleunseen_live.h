@@ -15,10 +15,11 @@ struct UnseenLive {
   std::vector<judge::Poses> walks;  // by style of the manifest
   std::vector<std::size_t> styles;  // to measure
   judge::ByCode network;
-  std::string library;  // folder of style files; empty: examples
-  std::string source;   // a BVH file to restyle; empty: the neutral walk
-  std::string judges;   // folder of cached judges; empty: none
-  std::string json;     // file for the figures; empty: none
+  std::string library;   // folder of style files; empty: examples
+  std::string source;    // a BVH file to restyle; empty: the neutral walk
+  std::string judges;    // folder of cached judges; empty: none
+  std::string json;      // file for the figures; empty: none
+  bool neutral = false;  // examples are read beside the neutral walk: what they differ by
 };
 Status MeasureLive(const UnseenLive& of);
 

@@ -126,8 +126,8 @@ void Crowd(benchmark::State& state) {
     ++frame;
   }
   const auto frames = static_cast<double>(state.iterations() * kPerformers);
-  state.counters["us_per_frame"] = benchmark::Counter(
-      frames / 1e6, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["us_per_frame"] =
+      benchmark::Counter(frames / 1e6, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
   state.counters["performers_per_core"] =
       benchmark::Counter(frames / kRate_hz, benchmark::Counter::kIsRate);
 }

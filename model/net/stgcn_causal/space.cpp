@@ -34,8 +34,7 @@ StyleCode ExampleSpace::MakeCode(const net::StyleRequest& request) const {
     any = true;
     net::StyleSource alone = source;
     alone.weight = 1;
-    const Features own =
-        BiasOf(source.reference, network_->space().MakeCode({.sources = {alone}}));
+    const Features own = BiasOf(source.reference, network_->space().MakeCode({.sources = {alone}}));
     for (std::size_t i = 0; i < bias.size(); ++i) {
       bias[i] += request.strength * source.weight * own[i];
     }

@@ -10,12 +10,12 @@ namespace styled::stgcn_causal {
 
 // The styles of examples for a network of live streams: the code as CodeSpace reads it, and, of an
 // example, a bias of the output. The code moves the network among the styles that it was trained
-// on; the bias takes it the rest of the way to the example's own posture: it is what is left between
-// the example's mean pose and that of the example made neutral and then styled again. (Styled as it
-// is, the example would keep some of its style in the content, which a neutral performer has not.)
-// Mean over nine styles never seen, walks: cosine with the example's own change 0.60, expression
-// 0.57; without the bias 0.47, 0.35; with Difference to a neutral clip 0.83, 0.85. Codes are of the
-// sizes of PointSpace. Pinned by tests/unit/net/stgcn_causal/space_test.cpp.
+// on; the bias takes it the rest of the way to the example's own posture: it is what is left
+// between the example's mean pose and that of the example made neutral and then styled again.
+// (Styled as it is, the example would keep some of its style in the content, which a neutral
+// performer has not.) Mean over nine styles never seen, walks: cosine with the example's own change
+// 0.60, expression 0.57; without the bias 0.47, 0.35; with Difference to a neutral clip 0.83, 0.85.
+// Codes are of the sizes of PointSpace. Pinned by tests/unit/net/stgcn_causal/space_test.cpp.
 class ExampleSpace final : public net::StyleSpace {
  public:
   explicit ExampleSpace(std::shared_ptr<const Network> network) : network_(std::move(network)) {}

@@ -33,9 +33,9 @@ float Shown(const net::StepJob& job) noexcept {
   return std::min(sum, 1.0F);
 }
 
-// The change of style is measured from a pose between the reconstruction and the input, kTowardInput
-// of the way: from the reconstruction, all of the performer's detail is kept, and with it what the
-// network would have taken away of their own style; from the input, none is.
+// The change of style is measured from a pose between the reconstruction and the input,
+// kTowardInput of the way: from the reconstruction, all of the performer's detail is kept, and with
+// it what the network would have taken away of their own style; from the input, none is.
 void MeasureFromBetween(const net::StepJob& job) noexcept {
   const float share = kTowardInput * Shown(job);
   if (share <= 0) return;

@@ -59,8 +59,8 @@ ByCode ByCodeOf(const ClipRestyler& restyler) {
 
 ByCode ByCodeOf(const LiveRestyler& restyler, const net::StyleSpace& space) {
   return {space, [&restyler](const Poses& clip, const net::StyleCode& code) {
-            Poses out = Thin(restyler.RestyleBy(
-                clip::ResamplePoses(clip, kJudgeRate_hz, kStreamRate_hz), code));
+            Poses out = Thin(
+                restyler.RestyleBy(clip::ResamplePoses(clip, kJudgeRate_hz, kStreamRate_hz), code));
             out.resize(clip.size(), out.empty() ? body::Pose() : out.back());
             return out;
           }};
@@ -77,8 +77,7 @@ UnseenFigures MeasureUnseen(const ByCode& network, const Poses& source, const Po
   const Eigen::VectorXd wanted = MeanPose(example) - MeanPose(normal);
   const Eigen::VectorXd before = MeanPose(source);
   return {MeasureExpression(MeanPose(network.restyle(source, code)) - before, wanted),
-          MeasureExpression(MeanPose(by_offset) - before, wanted),
-          network.space.Nearest(code)};
+          MeasureExpression(MeanPose(by_offset) - before, wanted), network.space.Nearest(code)};
 }
 
 }  // namespace styled::judge

@@ -16,19 +16,19 @@ Status Check(const Config& config) {
     return Status::Error("--init is needed, the weights of family st-gcn to learn from");
   }
   for (const auto& [flag, value] : {std::pair{"--hop", config.hop},
-                                   {"--batch", config.batch},
-                                   {"--single-codes", config.single_codes}}) {
+                                    {"--batch", config.batch},
+                                    {"--single-codes", config.single_codes}}) {
     if (value < 1) return refuse(flag, value, "1 or more");
   }
   if (config.start_windows < 0) {
     return refuse("--start-windows", config.start_windows, "0 or more");
   }
   const std::pair<const char*, double> shares[] = {
-      {"--neutral", config.neutral}, {"--unpaired", config.unpaired},
-      {"--varied", config.varied},   {"--single", config.single},
-      {"--beta1", config.beta1},
-      {"--beta2", config.beta2},     {"--decay-to", config.decay_to},
-      {"--ema", config.ema},         {"--w-first", config.w_first}};
+      {"--neutral", config.neutral},   {"--unpaired", config.unpaired},
+      {"--varied", config.varied},     {"--single", config.single},
+      {"--beta1", config.beta1},       {"--beta2", config.beta2},
+      {"--decay-to", config.decay_to}, {"--ema", config.ema},
+      {"--w-first", config.w_first}};
   for (const auto& [flag, value] : shares) {
     if (!(value >= 0 && value <= 1)) return refuse(flag, value, "a number from 0 to 1");
   }

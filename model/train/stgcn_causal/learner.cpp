@@ -19,8 +19,8 @@ void RestoreFlat(const Tensor& from, Parameters& to) {
 
 }  // namespace
 
-Teacher::Teacher(const st_gcn::Generator& generator, const Tensor& codes,
-                 const Tensor& singles, const torch::Device& device)
+Teacher::Teacher(const st_gcn::Generator& generator, const Tensor& codes, const Tensor& singles,
+                 const torch::Device& device)
     : graph_(device, torch::kFloat32),
       generator_(generator.shape, device),
       codes_(codes.to(device)),

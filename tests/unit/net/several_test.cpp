@@ -172,9 +172,9 @@ class SeveralTest : public testing::Test {
 constexpr int kOld = 1, kPirate = 3, kGraphOld = 4;
 
 TEST_F(SeveralTest, NetworksThatCannotWorkTogetherAreRefused) {
-  const auto fast = std::make_shared<Fake>(std::vector<std::string>{"neutral"},
-                                           std::vector<float>{0}, body::Vec3::UnitX(), 0.0F,
-                                           asked_first, 60.0F);
+  const auto fast =
+      std::make_shared<Fake>(std::vector<std::string>{"neutral"}, std::vector<float>{0},
+                             body::Vec3::UnitX(), 0.0F, asked_first, 60.0F);
   const auto rates = Combine({{"v2", first}, {"fast", fast}});
   ASSERT_FALSE(rates.ok());
   EXPECT_THAT(rates.status().message(), HasSubstr("fast: works at 60"));
@@ -186,9 +186,7 @@ TEST_F(SeveralTest, NetworksThatCannotWorkTogetherAreRefused) {
   EXPECT_THAT(Combine(many).status().message(), HasSubstr("found 5 networks, expected at most 4"));
 }
 
-TEST_F(SeveralTest, OneNetworkIsItself) {
-  EXPECT_EQ(Combine({{"v2", first}}).value(), first);
-}
+TEST_F(SeveralTest, OneNetworkIsItself) { EXPECT_EQ(Combine({{"v2", first}}).value(), first); }
 
 TEST_F(SeveralTest, EachStyleIsListedOnceUnderANameOfItsOwn) {
   std::vector<std::string> names, models;

@@ -70,7 +70,8 @@ TEST_F(Points, ACodeHasOneOfThreeSizes) {
 // The same style said in the three ways moves alike, and is the file's own.
 TEST_F(Points, ZerosAddNothing) {
   const std::vector<Features> own = Walk(*network, 2, 1);
-  for (const std::size_t size : {std::size_t{64}, std::size_t{211}, network->points().full_size()}) {
+  for (const std::size_t size :
+       {std::size_t{64}, std::size_t{211}, network->points().full_size()}) {
     StyleCode code = Mean(2);
     code.resize(size);
     const auto with = network->With(3, {.name = "mine"}, code);

@@ -44,7 +44,8 @@ class Space : public testing::Test {
       with.Step(neutral.reconstruction, 0, active, again, out);
       if (i < 32) continue;
       for (std::size_t k = 0; k < sum.size(); ++k) {
-        sum[k] += (number == 0 ? features[k] : out.styled[k]) / static_cast<float>(poses.size() - 32);
+        sum[k] +=
+            (number == 0 ? features[k] : out.styled[k]) / static_cast<float>(poses.size() - 32);
       }
     }
     return sum;

@@ -116,7 +116,8 @@ TEST_F(CausalStylizer, WhatIsMeasuredFromTheInputFadesWithTheStyle) {
     stylizer->Step({&other, 1});
     EXPECT_TRUE(Same(bare.styled, bare.reconstruction));
     for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
-      off = std::max(off, faint.styled.rotations[joint].angularDistance(bare.styled.rotations[joint]));
+      off = std::max(off,
+                     faint.styled.rotations[joint].angularDistance(bare.styled.rotations[joint]));
     }
   }
   EXPECT_LT(off, 2e-3F);
