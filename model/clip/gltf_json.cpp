@@ -1,0 +1,182 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <utility>
+
+#include "model/clip/gltf_nodes.h"
+
+namespace styled::clip::gltf {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kOnlyTwo =
+    ", expected glTF 2.0: export it anew, or convert it (Blender reads and writes glTF)";
+// The number of JSON values that are kept. An avatar of 2000 nodes has 40 000.
+constexpr std::size_t kMaxValues = 1 << 20;
+
+// Builds only the used parts of a JSON text, in one pass: meshes, accessors, materials and
+// animations are most of a file. The library's own filter, json::parse with a callback, is too
+// slow: it searches the whole list again after every object in it.
+class Wanted final : public json::json_sax_t {
+ public:
+  Wanted(json& root, bool with_motion) : root_(root), with_motion_(with_motion) {}
+
+  // Which limit was exceeded, as an error message; empty if none.
+  const std::string& refused() const { return refused_; }
+
+  bool null() override { return Add(nullptr); }
+  bool boolean(bool value) override { return Add(value); }
+  bool number_integer(number_integer_t value) override { return Add(value); }
+  bool number_unsigned(number_unsigned_t value) override { return Add(value); }
+  bool number_float(number_float_t value, const string_t&) override { return Add(value); }
+  bool string(string_t& value) override { return Add(std::move(value)); }
+  bool binary(binary_t&) override { return false; }  // never in JSON text
+  bool start_object(std::size_t) override { return Open(json::value_t::object); }
+  bool start_array(std::size_t) override { return Open(json::value_t::array); }
+  bool end_object() override { return Close(); }
+  bool end_array() override { return Close(); }
+  bool key(string_t& name) override {
+    if (skipped_ > 0) return true;
+    skip_next_ = !IsWanted(name);
+    if (!skip_next_) member_ = &(*open_.back())[std::move(name)];
+    return true;
+  }
+  bool parse_error(std::size_t, const std::string&, const json::exception&) override {
+    return false;
+  }
+
+ private:
+  static constexpr std::size_t kMaxDepth = 64;  // far more than any avatar's
+
+  template <std::size_t size>
+  static bool IsOneOf(const std::string& name, const std::array<std::string_view, size>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  }
+
+  // Whether the value of this key of the innermost open object is used.
+  bool IsWanted(const std::string& name) {
+    constexpr std::array<std::string_view, 6> kTop{"asset", "buffers", "images",
+                                                   "nodes", "skins",   "extensions"};
+    constexpr std::array<std::string_view, 9> kOfEntries{"uri",      "name",   "children",
+                                                         "joints",   "matrix", "translation",
+                                                         "rotation", "scale",  "version"};
+    constexpr std::array<std::string_view, 3> kVrm{"VRMC_vrm", "VRM", "VRMC_vrm_animation"};
+    constexpr std::array<std::string_view, 3> kTopOfMotion{"accessors", "bufferViews",
+                                                           "animations"};
+    constexpr std::array<std::string_view, 17> kOfMotion{
+        "bufferView", "byteOffset", "componentType", "normalized", "count",    "type",
+        "sparse",     "buffer",     "byteLength",    "byteStride", "channels", "samplers",
+        "sampler",    "target",     "node",          "path",       "input"};
+    constexpr std::array<std::string_view, 2> kOfSamplers{"output", "interpolation"};
+    if (open_.size() == 1) {
+      of_extensions_ = name == "extensions";
+      return IsOneOf(name, kTop) || (with_motion_ && IsOneOf(name, kTopOfMotion));
+    }
+    if (!of_extensions_) {
+      return IsOneOf(name, kOfEntries) ||
+             (with_motion_ && (IsOneOf(name, kOfMotion) || IsOneOf(name, kOfSamplers)));
+    }
+    if (open_.size() == 2) return IsOneOf(name, kVrm);
+    return open_.size() > 3 || name == "humanoid";
+  }
+
+  // The place of a value that begins now; null if the value is skipped, or is one too many.
+  json* Place() {
+    if (skipped_ > 0) return nullptr;
+    if (std::exchange(skip_next_, false)) return nullptr;
+    if (++values_ > kMaxValues) {
+      refused_ = "found more than " + std::to_string(kMaxValues) +
+                 " values in its nodes, skins, buffers, images and humanoid, expected an avatar's";
+      return nullptr;
+    }
+    if (open_.empty()) return &root_;
+    if (open_.back()->is_object()) return member_;
+    open_.back()->push_back(nullptr);
+    return &open_.back()->back();
+  }
+
+  template <typename T>
+  bool Add(T&& value) {
+    if (json* const place = Place()) *place = std::forward<T>(value);
+    return refused_.empty();
+  }
+  bool Open(json::value_t kind) {
+    if (open_.size() + skipped_ >= kMaxDepth) return false;
+    json* const place = Place();
+    if (place == nullptr) {
+      ++skipped_;
+      return refused_.empty();
+    }
+    *place = kind;
+    open_.push_back(place);
+    return true;
+  }
+  bool Close() {
+    if (skipped_ > 0) {
+      --skipped_;
+    } else {
+      open_.pop_back();
+    }
+    return true;
+  }
+
+  json& root_;
+  bool with_motion_;
+  std::vector<json*> open_;     // the kept values that are still open, outermost first
+  json* member_ = nullptr;      // the value of the last key
+  std::size_t skipped_ = 0;     // depth within a value that is skipped
+  bool skip_next_ = false;      // skip the last key's value
+  bool of_extensions_ = false;  // the last key of the root was "extensions"
+  std::size_t values_ = 0;      // the number of kept values
+  std::string refused_;
+};
+
+Status CheckVersion(const json& file) {
+  const json& version = Member(Member(file, "asset"), "version");
+  if (!version.is_string()) {
+    return Broken("it says no asset.version");
+  }
+  const auto& text = version.get_ref<const std::string&>();
+  if (text.starts_with("2.")) return Status::Ok();
+  return WrongVersion(Shown(text.substr(0, 16)));
+}
+
+}  // namespace
+
+// Text from a file, made printable for an error message.
+std::string Shown(std::string_view text) {
+  std::string shown(text);
+  std::replace_if(
+      shown.begin(), shown.end(), [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+  return shown;
+}
+
+Status Broken(const std::string& found) {
+  return Status::Error("is no glTF 2.0: " + found + ", expected an avatar's .vrm, .glb or .gltf");
+}
+
+Status WrongVersion(const std::string& version) {
+  return Status::Error("is glTF " + version + kOnlyTwo);
+}
+
+std::uint32_t Word(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  static_assert(std::endian::native == std::endian::little);
+  return value;
+}
+
+Result<json> ParseJson(const std::string& text, bool with_motion) {
+  json file;
+  Wanted wanted(file, with_motion);
+  if (!json::sax_parse(text, &wanted) || !file.is_object()) {
+    return wanted.refused().empty() ? Broken("found JSON that cannot be read")
+                                    : Status::Error(wanted.refused());
+  }
+  const Status status = CheckVersion(file);
+  return status.ok() ? Result<json>(std::move(file)) : Result<json>(status);
+}
+
+}  // namespace styled::clip::gltf

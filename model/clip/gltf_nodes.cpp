@@ -1,0 +1,342 @@
+#include "model/clip/gltf_nodes.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "model/rig/dialects.h"
+
+namespace styled::clip::gltf {
+namespace {
+
+using body::kHumanoid;
+using body::kJointCount;
+using nlohmann::json;
+using rig::Quat;
+using rig::Vec3;
+
+constexpr float kEven = 0.01F;  // scales whose axes differ by less count as uniform
+constexpr std::size_t kMaxNodes = 1 << 16;
+
+Status RefuseNode(int node, const std::string& what) {
+  return Status::Error("node " + std::to_string(node) + " " + what + ", expected a tree of bones");
+}
+
+Result<Transform> LocalOf(const Node& node) {
+  Eigen::Affine3d affine = Eigen::Affine3d::Identity();
+  const auto has = [](const std::vector<double>& values, std::size_t size) {
+    return values.size() == size;
+  };
+  if (has(node.matrix, 16)) {
+    affine.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
+  } else {
+    if (has(node.translation, 3)) {
+      affine.translate(Eigen::Map<const Eigen::Vector3d>(node.translation.data()));
+    }
+    if (has(node.rotation, 4)) {
+      affine.rotate(Eigen::Map<const Eigen::Quaterniond>(node.rotation.data()).normalized());
+    }
+    if (has(node.scale, 3)) {
+      affine.scale(Eigen::Map<const Eigen::Vector3d>(node.scale.data()));
+    }
+  }
+  // Only rotation and uniform scale can be bound: the columns must be equally long and not
+  // mirrored.
+  const Eigen::Matrix3d linear = affine.linear();
+  const Eigen::Vector3d lengths = linear.colwise().norm();
+  const double size = lengths.mean();
+  if (!affine.matrix().allFinite() || !(size > 1e-9) || !(linear.determinant() > 0)) {
+    return Status::Error("has a transform that is no turn and scale");
+  }
+  if ((lengths.array() - size).abs().maxCoeff() > kEven * size) {
+    return Status::Error("is stretched unevenly");
+  }
+  Transform local;
+  local.translation = affine.translation().cast<float>();
+  local.rotation = Quat(Eigen::Matrix3f((linear / size).cast<float>())).normalized();
+  local.scale = static_cast<float>(size);
+  return local;
+}
+
+std::optional<int> ToIndex(const json& value) {
+  if (!value.is_number_integer()) return std::nullopt;
+  const auto number = value.get<std::int64_t>();
+  if (number < 0 || number > std::numeric_limits<int>::max()) return std::nullopt;
+  return static_cast<int>(number);
+}
+
+// The indices in a list; other values are skipped.
+std::vector<int> Indices(const json& list) {
+  std::vector<int> indices;
+  if (!list.is_array()) return indices;
+  for (const json& entry : list) {
+    if (const auto index = ToIndex(entry)) indices.push_back(*index);
+  }
+  return indices;
+}
+
+std::vector<double> Numbers(const json& list) {
+  std::vector<double> numbers;
+  if (!list.is_array() || list.size() > 16) return numbers;
+  for (const json& entry : list) {
+    if (!entry.is_number()) return {};
+    numbers.push_back(entry.get<double>());
+  }
+  return numbers;
+}
+
+struct Humanoid {
+  bool found = false;
+  std::set<int> bones;  // all of VRM's bones, fingers included
+  JointMap joint;       // node per canonical joint
+};
+
+// Reads VRM's table of bones: an object of objects in 1.0, a list in 0.x, with the same bone names.
+Humanoid ReadVrm(const Model& model) {
+  Humanoid humanoid;
+  humanoid.joint.fill(-1);
+  const auto add = [&](const std::string& bone, const json& value) {
+    const auto node = IndexOf(value, "node");
+    if (!node || *node >= static_cast<int>(model.nodes.size())) return;
+    humanoid.found = true;
+    humanoid.bones.insert(*node);
+    for (std::size_t c = 0; c < kHumanoid.size(); ++c) {
+      if (kHumanoid[c].name == bone) humanoid.joint[c] = *node;
+    }
+  };
+  const json bones = Member(model.vrm, "humanBones");
+  for (const auto& [key, entry] : bones.items()) {
+    const json bone = Member(entry, "bone");
+    if (bones.is_object()) add(key, entry);
+    if (bones.is_array() && bone.is_string()) add(bone.get<std::string>(), entry);
+  }
+  return humanoid;
+}
+
+std::string NameOf(const Model& model, int node) {
+  const std::string& name = model.nodes[static_cast<std::size_t>(node)].name;
+  return name.empty() ? "node_" + std::to_string(node) : name;
+}
+
+// Maps the skins' joints by their names; every node if the file has no skin.
+Result<Humanoid> ReadNames(const Model& model, const rig::JointNames& given) {
+  Humanoid humanoid;
+  for (const auto& skin : model.skins) {
+    for (const int joint : skin) {
+      if (joint < static_cast<int>(model.nodes.size())) humanoid.bones.insert(joint);
+    }
+  }
+  if (humanoid.bones.empty()) {
+    for (std::size_t node = 0; node < model.nodes.size(); ++node) {
+      humanoid.bones.insert(static_cast<int>(node));
+    }
+  }
+  const std::vector<int> nodes(humanoid.bones.begin(), humanoid.bones.end());
+  rig::Skeleton named;
+  for (const int node : nodes) named.names.push_back(NameOf(model, node));
+  const auto map = rig::MapJoints(named, given);
+  if (!map.ok()) return map.status();
+  humanoid.joint = map.value();
+  for (int& joint : humanoid.joint) {
+    if (joint >= 0) joint = nodes[static_cast<std::size_t>(joint)];
+  }
+  humanoid.found = humanoid.joint[body::kHips] >= 0;
+  return humanoid;
+}
+
+// The bones below the hips with all nodes between them, parents first, children in file order.
+std::vector<int> Gather(const Model& model, const Nodes& nodes, int hips,
+                        const std::set<int>& bones) {
+  const std::vector<bool> below = nodes.Below(hips);
+  std::set<int> wanted;
+  for (const int bone : bones) {
+    if (!below[static_cast<std::size_t>(bone)]) continue;
+    // Add the node and its ancestors up to the hips, or to one that was added before.
+    int node = bone;
+    while (node != hips && wanted.insert(node).second) node = nodes.parent(node);
+  }
+  std::vector<int> order;
+  std::vector<int> open{hips};
+  while (!open.empty()) {
+    const int node = open.back();
+    open.pop_back();
+    order.push_back(node);
+    const auto& children = model.nodes[static_cast<std::size_t>(node)].children;
+    for (auto child = children.rbegin(); child != children.rend(); ++child) {
+      if (wanted.contains(*child)) open.push_back(*child);
+    }
+  }
+  return order;
+}
+
+GltfSkeleton Build(const Model& model, const Nodes& nodes, const Humanoid& humanoid,
+                   const std::vector<int>& order) {
+  GltfSkeleton built;
+  const int hips = order.front();
+  const Transform above = nodes.parent(hips) < 0 ? Transform() : nodes.World(nodes.parent(hips));
+  built.above_translation_m = above.translation;
+  built.above_rotation = above.rotation;
+  built.above_scale = above.scale;
+
+  std::vector<int> index(model.nodes.size(), -1);
+  std::vector<Transform> worlds;
+  std::set<std::string> names;
+  for (const int node : order) {
+    const auto joint = static_cast<int>(worlds.size());
+    index[static_cast<std::size_t>(node)] = joint;
+    const int parent = joint == 0 ? -1 : index[static_cast<std::size_t>(nodes.parent(node))];
+    const Transform over = joint == 0 ? above : worlds[static_cast<std::size_t>(parent)];
+    worlds.push_back(over * nodes.local(node));
+    std::string name = NameOf(model, node);
+    if (!names.insert(name).second) {
+      name.append("_").append(std::to_string(node));
+      names.insert(name);
+    }
+    built.skeleton.names.push_back(std::move(name));
+    built.skeleton.parents.push_back(parent);
+    built.skeleton.offsets.emplace_back(
+        joint == 0 ? worlds.back().translation : Vec3(over.scale * nodes.local(node).translation));
+  }
+  built.stance = rig::RigPose(built.skeleton);
+  for (std::size_t joint = 0; joint < order.size(); ++joint) {
+    built.stance.rotations[joint] =
+        joint == 0 ? worlds[0].rotation : nodes.local(order[joint]).rotation;
+  }
+  for (std::size_t c = 0; c < kJointCount; ++c) {
+    const int node = humanoid.joint[c];
+    built.source_joint[c] = node < 0 ? -1 : index[static_cast<std::size_t>(node)];
+  }
+  return built;
+}
+
+}  // namespace
+
+Result<Nodes> Nodes::Make(const Model& model) {
+  Nodes nodes;
+  const auto count = static_cast<int>(model.nodes.size());
+  nodes.parents_.assign(model.nodes.size(), -1);
+  for (int node = 0; node < count; ++node) {
+    for (const int child : model.nodes[static_cast<std::size_t>(node)].children) {
+      if (child < 0 || child >= count) return RefuseNode(node, "has a child that does not exist");
+      int& parent = nodes.parents_[static_cast<std::size_t>(child)];
+      if (parent >= 0) return RefuseNode(child, "hangs from two nodes");
+      parent = node;
+    }
+  }
+  if (const int node = nodes.PutInOrder(model); node >= 0) {
+    return RefuseNode(node, "is its own ancestor");
+  }
+  for (int node = 0; node < count; ++node) {
+    auto local = LocalOf(model.nodes[static_cast<std::size_t>(node)]);
+    if (!local.ok()) return RefuseNode(node, local.status().message());
+    nodes.locals_.push_back(local.value());
+  }
+  return nodes;
+}
+
+Transform Nodes::World(int node) const {
+  Transform world;
+  for (; node >= 0; node = parent(node)) world = local(node) * world;
+  return world;
+}
+
+std::vector<bool> Nodes::Below(int above) const {
+  std::vector<bool> below(parents_.size(), false);
+  for (const int node : order_) {
+    below[static_cast<std::size_t>(node)] =
+        node == above || (parent(node) >= 0 && below[static_cast<std::size_t>(parent(node))]);
+  }
+  return below;
+}
+
+// Orders nodes with parents before children. Returns the first node that no root reaches (it is
+// on a cycle), -1 if there is none.
+int Nodes::PutInOrder(const Model& model) {
+  std::vector<bool> placed(parents_.size(), false);
+  for (std::size_t node = 0; node < parents_.size(); ++node) {
+    if (parents_[node] < 0) order_.push_back(static_cast<int>(node));
+  }
+  for (std::size_t next = 0; next < order_.size(); ++next) {
+    const auto node = static_cast<std::size_t>(order_[next]);
+    placed[node] = true;
+    const auto& children = model.nodes[node].children;
+    order_.insert(order_.end(), children.begin(), children.end());
+  }
+  const auto lost = std::find(placed.begin(), placed.end(), false);
+  return lost == placed.end() ? -1 : static_cast<int>(lost - placed.begin());
+}
+
+// The value of an object's key; null if there is none.
+const json& Member(const json& object, const char* key) {
+  static const json kNull;
+  if (!object.is_object()) return kNull;
+  const auto found = object.find(key);
+  return found == object.end() ? kNull : *found;
+}
+
+std::optional<int> IndexOf(const json& object, const char* key) {
+  return ToIndex(Member(object, key));
+}
+
+Result<Bones> FindBones(const Model& model, const Nodes& nodes, const rig::JointNames& given) {
+  Humanoid humanoid = ReadVrm(model);
+  const bool vrm = humanoid.found && given.empty();
+  if (!vrm) {
+    auto named = ReadNames(model, given);
+    if (!named.ok()) return named.status();
+    humanoid = named.value();
+  }
+  const int hips = humanoid.joint[body::kHips];
+  if (hips < 0) {
+    return Status::Error(vrm ? "found a VRM humanoid without hips"
+                             : "found no bone named like hips, expected a humanoid");
+  }
+  auto order = Gather(model, nodes, hips, humanoid.bones);
+  // Too many bones: drop fingers and the like, keep the mapped ones.
+  if (order.size() > rig::kMaxSourceJoints) {
+    std::set<int> mapped(humanoid.joint.begin(), humanoid.joint.end());
+    mapped.erase(-1);
+    order = Gather(model, nodes, hips, mapped);
+  }
+  if (order.size() > rig::kMaxSourceJoints) {
+    return Status::Error("found " + std::to_string(order.size()) + " bones, expected at most " +
+                         std::to_string(rig::kMaxSourceJoints));
+  }
+  Bones bones{order, Build(model, nodes, humanoid, order)};
+  bones.skeleton.t_pose = vrm;
+  return bones;
+}
+
+Result<Model> ReadModel(const json& file) {
+  Model model;
+  const json& nodes = Member(file, "nodes");
+  if (nodes.is_array() && nodes.size() > kMaxNodes) {
+    return Status::Error("found " + std::to_string(nodes.size()) + " nodes, expected at most " +
+                         std::to_string(kMaxNodes));
+  }
+  for (std::size_t i = 0; nodes.is_array() && i < nodes.size(); ++i) {
+    const json& name = Member(nodes[i], "name");
+    model.nodes.push_back(
+        {name.is_string() ? name.get<std::string>() : "", Indices(Member(nodes[i], "children")),
+         Numbers(Member(nodes[i], "translation")), Numbers(Member(nodes[i], "rotation")),
+         Numbers(Member(nodes[i], "scale")), Numbers(Member(nodes[i], "matrix"))});
+  }
+  const json& skins = Member(file, "skins");
+  for (std::size_t i = 0; skins.is_array() && i < skins.size(); ++i) {
+    model.skins.push_back(Indices(Member(skins[i], "joints")));
+  }
+  const json& extensions = Member(file, "extensions");
+  const json& one = Member(Member(extensions, "VRMC_vrm"), "humanoid");
+  const json& moving = Member(Member(extensions, "VRMC_vrm_animation"), "humanoid");
+  const json& zero = Member(Member(extensions, "VRM"), "humanoid");
+  if (Member(one, "humanBones").is_object()) {
+    model.vrm = one;
+  } else if (Member(moving, "humanBones").is_object()) {
+    model.vrm = moving;
+  } else if (Member(zero, "humanBones").is_array()) {
+    model.vrm = zero;
+  }
+  return model;
+}
+
+}  // namespace styled::clip::gltf

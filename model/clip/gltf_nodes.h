@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/base/status.h"
+#include "model/clip/gltf_read.h"
+
+// What the readers of glTF share: the used parts of the JSON, the nodes, the humanoid among them.
+// Included only by gltf_*.cpp. Errors do not name the file. Allocates; any thread. Pinned by
+// tests/unit/clip/gltf_read_test.cpp, gltf_clip_test.cpp.
+namespace styled::clip::gltf {
+
+using JointMap = std::array<int, body::kJointCount>;
+
+// The parts of a file that are used. A list is empty if the file has none, or if it is not a list
+// of numbers.
+struct Node {
+  std::string name;
+  std::vector<int> children;
+  std::vector<double> translation, rotation, scale, matrix;
+};
+struct Model {
+  std::vector<Node> nodes;
+  std::vector<std::vector<int>> skins;  // their joints
+  nlohmann::json vrm;  // the humanoid of the VRM 1.0, VRM 0.x or VRMC_vrm_animation extension
+};
+
+struct Transform {
+  rig::Vec3 translation = rig::Vec3::Zero();
+  rig::Quat rotation = rig::Quat::Identity();
+  float scale = 1;
+
+  Transform operator*(const Transform& below) const {
+    return {translation + scale * (rotation * below.translation),
+            (rotation * below.rotation).normalized(), scale * below.scale};
+  }
+};
+
+// The nodes of a file as a forest, with their transforms.
+class Nodes {
+ public:
+  static Result<Nodes> Make(const Model& model);
+
+  int parent(int node) const { return parents_[static_cast<std::size_t>(node)]; }
+  const Transform& local(int node) const { return locals_[static_cast<std::size_t>(node)]; }
+  Transform World(int node) const;
+  // Per node: whether it is `above` or a descendant of it.
+  std::vector<bool> Below(int above) const;
+
+ private:
+  int PutInOrder(const Model& model);
+
+  std::vector<int> parents_;
+  std::vector<int> order_;
+  std::vector<Transform> locals_;
+};
+
+// The nodes that make the skeleton of the file's humanoid, hips first, and the skeleton.
+struct Bones {
+  std::vector<int> nodes;  // per joint
+  GltfSkeleton skeleton;
+};
+Result<Bones> FindBones(const Model& model, const Nodes& nodes, const rig::JointNames& given);
+
+// The value of an object's key; null if there is none.
+const nlohmann::json& Member(const nlohmann::json& object, const char* key);
+// A number of the list of an object's key; empty if it is no index.
+std::optional<int> IndexOf(const nlohmann::json& object, const char* key);
+
+// The used parts of the JSON, `with_motion` also accessors and animations. Refuses text that is not
+// JSON, is nested too deep, has too many values, or another version than glTF 2.
+Result<nlohmann::json> ParseJson(const std::string& text, bool with_motion);
+Result<Model> ReadModel(const nlohmann::json& file);
+
+// A JSON text is at most as long.
+inline constexpr std::size_t kMaxJson = std::size_t{64} << 20;
+inline constexpr const char* kTooMuchJson = "found more than 64 MiB of JSON, expected less";
+// Binary files (glTF 2.0, 4.4): a header, then chunks, each with a header.
+inline constexpr std::size_t kHeader = 12, kChunk = 8;
+inline constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+std::uint32_t Word(std::string_view bytes, std::size_t at);
+
+// Text from a file, made printable for an error message.
+std::string Shown(std::string_view text);
+Status Broken(const std::string& found);  // "is no glTF 2.0: " ...
+Status WrongVersion(const std::string& version);
+
+}  // namespace styled::clip::gltf
