@@ -1,0 +1,450 @@
+#include "model/clip/gltf_clip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "model/base/text.h"
+#include "model/clip/gltf_nodes.h"
+#include "model/rig/calibration.h"
+#include "model/rig/dialects.h"
+
+namespace styled::clip {
+namespace {
+
+using gltf::IndexOf;
+using gltf::Member;
+using gltf::Transform;
+using nlohmann::json;
+using rig::Quat;
+using rig::Vec3;
+
+constexpr double kLongest_s = 60, kLatest_s = 86400;
+constexpr std::size_t kMaxAbove = 64;  // nodes above the hips
+constexpr double kSlowest_hz = 10, kFastest_hz = 240;
+constexpr float kMaxValue = 1e6F;  // of a translation, m
+
+// The two chunks of a file: its text and its data.
+struct Chunks {
+  std::string text;
+  std::string_view data;
+};
+
+Result<Chunks> Split(std::string_view bytes) {
+  using gltf::kBinaryChunk, gltf::kChunk, gltf::kHeader, gltf::kJsonChunk, gltf::Word;
+  if (bytes.size() < kHeader + kChunk) return Status::Error("it ends early");
+  if (const auto version = Word(bytes, 4); version != 2) {
+    return gltf::WrongVersion(std::to_string(version) + " in binary form");
+  }
+  if (Word(bytes, kHeader + 4) != kJsonChunk) return Status::Error("its first chunk is no JSON");
+  const std::size_t text = Word(bytes, kHeader), begin = kHeader + kChunk;
+  if (text > bytes.size() - begin) return Status::Error("it ends early");
+  if (text > gltf::kMaxJson) return Status::Error(gltf::kTooMuchJson);
+  Chunks chunks{std::string(bytes.substr(begin, text)), {}};
+  const std::string_view rest = bytes.substr(begin + text);
+  if (rest.size() < kChunk || Word(rest, 4) != kBinaryChunk) return chunks;
+  const std::size_t size = Word(rest, 0);
+  if (size > rest.size() - kChunk) return Status::Error("it ends early");
+  chunks.data = rest.substr(kChunk, size);
+  return chunks;
+}
+
+// The accessors of a file, read as floats.
+class Accessors {
+ public:
+  Accessors(const json& file, std::string_view data)
+      : file_(file), data_(data), left_(2 * data.size()) {}
+
+  // All values of an accessor of `type` ("SCALAR", "VEC3", "VEC4"), one after the other.
+  Result<std::vector<float>> Read(int index, const std::string& type) const {
+    const json& accessor = At("accessors", index);
+    const auto refuse = [index](const std::string& what) {
+      return Status::Error("accessor " + std::to_string(index) + ": " + what);
+    };
+    if (!accessor.is_object()) return refuse("there is none");
+    if (!Member(accessor, "sparse").is_null()) {
+      return refuse("found a sparse one, expected a dense one");
+    }
+    const json& found = Member(accessor, "type");
+    if (!found.is_string() || found.get_ref<const std::string&>() != type) {
+      return refuse("expected type " + type);
+    }
+    const auto component = IndexOf(accessor, "componentType"), count = IndexOf(accessor, "count");
+    const std::size_t size = component ? SizeOf(*component) : 0;
+    const bool normalized = Member(accessor, "normalized") == true;
+    if (size == 0 || (size < 4 && !normalized)) {
+      return refuse("expected floats, or normalized integers of 8 or 16 bits");
+    }
+    if (!count || *count == 0) return refuse("expected a count of 1 or more");
+    const std::size_t width = type == "SCALAR" ? 1 : type == "VEC3" ? 3 : 4;
+    const auto view = View(accessor, width * size, static_cast<std::size_t>(*count));
+    if (!view.ok()) return refuse(view.status().message());
+    // Channels may share an accessor, and a file that says so often enough would fill the memory.
+    const std::size_t all = width * static_cast<std::size_t>(*count);
+    if (all > left_) return refuse("found more values in its channels than the file can hold");
+    left_ -= all;
+    std::vector<float> values;
+    values.reserve(width * static_cast<std::size_t>(*count));
+    for (std::size_t row = 0; row < static_cast<std::size_t>(*count); ++row) {
+      for (std::size_t i = 0; i < width; ++i) {
+        const char* const at = view.value().begin + row * view.value().stride + i * size;
+        values.push_back(ValueAt(at, *component));
+        if (std::isfinite(values.back()) && std::abs(values.back()) < kMaxValue) continue;
+        return refuse("found " + NumberText(values.back()) + ", expected finite numbers below " +
+                      NumberText(kMaxValue));
+      }
+    }
+    return values;
+  }
+
+ private:
+  struct Rows {
+    const char* begin = nullptr;
+    std::size_t stride = 0;
+  };
+
+  const json& At(const char* list, int index) const {
+    static const json kNull;
+    const json& entries = Member(file_, list);
+    if (!entries.is_array() || static_cast<std::size_t>(index) >= entries.size()) return kNull;
+    return entries[static_cast<std::size_t>(index)];
+  }
+  static std::size_t SizeOf(int component) {
+    switch (component) {
+      case 5120:  // byte
+      case 5121:  // unsigned byte
+        return 1;
+      case 5122:  // short
+      case 5123:  // unsigned short
+        return 2;
+      case 5126:  // float
+        return 4;
+      default:
+        return 0;
+    }
+  }
+  template <typename T>
+  static T Load(const char* at) {
+    T value;
+    std::memcpy(&value, at, sizeof value);
+    return value;
+  }
+  // glTF 2.0, 3.11: f = max(c / 127, -1) and so on.
+  static float ValueAt(const char* at, int component) {
+    switch (component) {
+      case 5120:
+        return std::max(static_cast<float>(Load<std::int8_t>(at)) / 127, -1.0F);
+      case 5121:
+        return static_cast<float>(Load<std::uint8_t>(at)) / 255;
+      case 5122:
+        return std::max(static_cast<float>(Load<std::int16_t>(at)) / 32767, -1.0F);
+      case 5123:
+        return static_cast<float>(Load<std::uint16_t>(at)) / 65535;
+      default:
+        return Load<float>(at);
+    }
+  }
+  // Where the rows of an accessor lie; `size` bytes each.
+  Result<Rows> View(const json& accessor, std::size_t size, std::size_t count) const {
+    const auto number = IndexOf(accessor, "bufferView");
+    const json& view = number ? At("bufferViews", *number) : At("bufferViews", 1 << 30);
+    if (!view.is_object()) return Status::Error("expected a bufferView");
+    const int buffer = IndexOf(view, "buffer").value_or(0);
+    if (buffer != 0 || Member(At("buffers", buffer), "uri").is_string()) {
+      return Status::Error(
+          "found its data in another file, or in the text; expected it in this "
+          "file's binary chunk");
+    }
+    const auto number_of = [](const json& object, const char* key, std::size_t otherwise) {
+      const auto value = IndexOf(object, key);
+      return value ? static_cast<std::size_t>(*value) : otherwise;
+    };
+    const std::size_t view_begin = number_of(view, "byteOffset", 0);
+    const std::size_t view_size = number_of(view, "byteLength", 0);
+    const std::size_t begin = number_of(accessor, "byteOffset", 0);
+    const std::size_t stride = number_of(view, "byteStride", size);
+    // All below 2^31, so that nothing overflows but the product, which count is checked for.
+    const bool inside = view_begin + view_size <= data_.size() && stride >= size &&
+                        begin + size <= view_size &&
+                        count - 1 <= (view_size - begin - size) / stride;
+    if (!inside) return Status::Error("expected its data within the file");
+    return Rows{data_.data() + view_begin + begin, stride};
+  }
+
+  const json& file_;
+  std::string_view data_;
+  mutable std::size_t left_;  // values that may be read
+};
+
+// The keys of one channel.
+struct Track {
+  enum class Way { kLinear, kStep, kCubic };
+  std::size_t width = 4;  // of a value: 3 or 4
+  Way way = Way::kLinear;
+  std::vector<float> times_s, values;  // cubic: in-tangent, value, out-tangent per key
+
+  const float* Value(std::size_t key) const {
+    return values.data() + width * (way == Way::kCubic ? 3 * key + 1 : key);
+  }
+};
+
+struct NodeTracks {
+  Track rotation, translation;  // without times: none
+};
+
+// The value at a time, of a rotation not normalized (glTF 2.0, appendix C).
+Eigen::Vector4f ValueOf(const Track& track, double time_s) {
+  Eigen::Vector4f value = Eigen::Vector4f::Zero();
+  const auto read = [&](const float* from) {
+    Eigen::Vector4f read = Eigen::Vector4f::Zero();
+    for (std::size_t i = 0; i < track.width; ++i) read[static_cast<Eigen::Index>(i)] = from[i];
+    return read;
+  };
+  const auto& times = track.times_s;
+  const auto next = static_cast<std::size_t>(
+      std::upper_bound(times.begin(), times.end(), static_cast<float>(time_s)) - times.begin());
+  if (next == 0) return read(track.Value(0));
+  if (next == times.size() || track.way == Track::Way::kStep) return read(track.Value(next - 1));
+  const float step_s = times[next] - times[next - 1];
+  const float t = (static_cast<float>(time_s) - times[next - 1]) / step_s;
+  const Eigen::Vector4f a = read(track.Value(next - 1)), b = read(track.Value(next));
+  if (track.way == Track::Way::kLinear) {
+    if (track.width == 3) return a + t * (b - a);
+    return Quat(a).normalized().slerp(t, Quat(b).normalized()).coeffs();
+  }
+  const Eigen::Vector4f out = step_s * read(track.Value(next - 1) + track.width);
+  const Eigen::Vector4f in = step_s * read(track.Value(next) - track.width);
+  const float t2 = t * t, t3 = t2 * t;
+  value =
+      (2 * t3 - 3 * t2 + 1) * a + (t3 - 2 * t2 + t) * out + (3 * t2 - 2 * t3) * b + (t3 - t2) * in;
+  return value;
+}
+
+Status CheckTimes(const Track& track) {
+  for (std::size_t i = 0; i < track.times_s.size(); ++i) {
+    const bool rises = i == 0 ? track.times_s[0] >= 0 : track.times_s[i] > track.times_s[i - 1];
+    if (!rises) return Status::Error("found times that do not rise");
+  }
+  const double length_s = static_cast<double>(track.times_s.back() - track.times_s.front());
+  if (!(length_s <= kLongest_s)) {
+    return Status::Error("found " + NumberText(length_s, 2) + " s, expected at most " +
+                         NumberText(kLongest_s));
+  }
+  return Status::Ok();
+}
+
+Result<Track> ReadTrack(const json& sampler, std::size_t width, const Accessors& accessors) {
+  Track track;
+  track.width = width;
+  const json& way = Member(sampler, "interpolation");
+  if (way == "STEP") track.way = Track::Way::kStep;
+  if (way == "CUBICSPLINE") track.way = Track::Way::kCubic;
+  const auto input = IndexOf(sampler, "input"), output = IndexOf(sampler, "output");
+  if (!input || !output) return Status::Error("found a sampler without input or output");
+  auto times = accessors.Read(*input, "SCALAR");
+  if (!times.ok()) return times.status();
+  auto values = accessors.Read(*output, width == 3 ? "VEC3" : "VEC4");
+  if (!values.ok()) return values.status();
+  track.times_s = std::move(times.value());
+  track.values = std::move(values.value());
+  if (const Status status = CheckTimes(track); !status.ok()) return status;
+  const std::size_t per_key = width * (track.way == Track::Way::kCubic ? 3 : 1);
+  if (track.values.size() != per_key * track.times_s.size()) {
+    return Status::Error("found " + std::to_string(track.times_s.size()) + " times for " +
+                         std::to_string(track.values.size() / per_key) + " values");
+  }
+  return track;
+}
+
+// The channels of an animation, per node.
+Result<std::vector<NodeTracks>> ReadTracks(const json& animation, std::size_t nodes,
+                                           const Accessors& accessors) {
+  std::vector<NodeTracks> tracks(nodes);
+  const json &channels = Member(animation, "channels"), &samplers = Member(animation, "samplers");
+  if (!channels.is_array() || !samplers.is_array()) return tracks;
+  for (const json& channel : channels) {
+    const json& target = Member(channel, "target");
+    const auto node = IndexOf(target, "node"), sampler = IndexOf(channel, "sampler");
+    const bool turns = Member(target, "path") == "rotation";
+    if (!node || (!turns && Member(target, "path") != "translation")) continue;
+    if (static_cast<std::size_t>(*node) >= nodes || !sampler ||
+        static_cast<std::size_t>(*sampler) >= samplers.size()) {
+      return Status::Error("found a channel whose node or sampler does not exist");
+    }
+    auto track = ReadTrack(samplers[static_cast<std::size_t>(*sampler)], turns ? 4 : 3, accessors);
+    if (!track.ok()) return track.status();
+    NodeTracks& own = tracks[static_cast<std::size_t>(*node)];
+    (turns ? own.rotation : own.translation) = std::move(track.value());
+  }
+  return tracks;
+}
+
+// An animation as a clip of the bones.
+class Sampler {
+ public:
+  Sampler(const gltf::Nodes& nodes, const gltf::Bones& bones, const std::vector<NodeTracks>& tracks)
+      : nodes_(nodes), bones_(bones), tracks_(tracks) {
+    for (int node = nodes.parent(bones.nodes[0]); node >= 0; node = nodes.parent(node)) {
+      above_.push_back(node);
+    }
+    std::reverse(above_.begin(), above_.end());
+  }
+
+  // Whether it turns a bone.
+  bool Moves() const {
+    return std::any_of(bones_.nodes.begin(), bones_.nodes.end(), [this](int node) {
+      return !tracks_[static_cast<std::size_t>(node)].rotation.times_s.empty();
+    });
+  }
+  Status Check() const {
+    if (above_.size() > kMaxAbove) {
+      return Status::Error("found " + std::to_string(above_.size()) +
+                           " nodes above the hips, expected at most " + std::to_string(kMaxAbove));
+    }
+    const Grid grid = MakeGrid();
+    const double length_s = grid.end_s - grid.begin_s;
+    if (length_s <= kLongest_s) return Status::Ok();
+    return Status::Error("found " + NumberText(length_s, 2) + " s, expected at most " +
+                         NumberText(kLongest_s));
+  }
+  Clip Sample() const {
+    Clip clip;
+    clip.skeleton = bones_.skeleton.skeleton;
+    const Grid grid = MakeGrid();
+    clip.rate_hz = grid.rate_hz;
+    const auto frames =
+        static_cast<std::size_t>(std::floor((grid.end_s - grid.begin_s) * grid.rate_hz + 1e-3)) + 1;
+    clip.frames.reserve(frames);
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      clip.frames.push_back(PoseAt(grid.begin_s + static_cast<double>(frame) / grid.rate_hz));
+      if (frame > 0) KeepSigns(clip.frames[frame - 1], clip.frames[frame]);
+    }
+    return clip;
+  }
+
+ private:
+  struct Grid {
+    double begin_s = kLatest_s, end_s = 0, rate_hz = kSlowest_hz;
+  };
+  Grid MakeGrid() const {
+    Grid grid;
+    const auto look = [&grid](const Track& track) {
+      if (track.times_s.empty()) return;
+      const double first = static_cast<double>(track.times_s.front());
+      const double last = static_cast<double>(track.times_s.back());
+      grid.begin_s = std::min(grid.begin_s, first);
+      grid.end_s = std::max(grid.end_s, last);
+      if (last <= first) return;
+      grid.rate_hz =
+          std::max(grid.rate_hz, static_cast<double>(track.times_s.size() - 1) / (last - first));
+    };
+    for (const auto* const of : {&above_, &bones_.nodes}) {
+      for (const int node : *of) {
+        look(tracks_[static_cast<std::size_t>(node)].rotation);
+        look(tracks_[static_cast<std::size_t>(node)].translation);
+      }
+    }
+    grid.rate_hz = std::min(std::round(grid.rate_hz), kFastest_hz);
+    return grid;
+  }
+  Transform LocalAt(int node, double time_s) const {
+    Transform local = nodes_.local(node);
+    const NodeTracks& tracks = tracks_[static_cast<std::size_t>(node)];
+    if (!tracks.rotation.times_s.empty()) {
+      const Quat rotation(ValueOf(tracks.rotation, time_s));
+      if (rotation.norm() > 1e-6F) local.rotation = rotation.normalized();
+    }
+    if (!tracks.translation.times_s.empty()) {
+      local.translation = ValueOf(tracks.translation, time_s).head<3>();
+    }
+    return local;
+  }
+  rig::RigPose PoseAt(double time_s) const {
+    rig::RigPose pose(bones_.skeleton.skeleton);
+    Transform world;  // of the hips
+    for (const int node : above_) world = world * LocalAt(node, time_s);
+    std::vector<float> scales(bones_.nodes.size());
+    for (std::size_t joint = 0; joint < bones_.nodes.size(); ++joint) {
+      const int node = bones_.nodes[joint];
+      const Transform local = LocalAt(node, time_s);
+      if (joint == 0) {
+        world = world * local;
+        pose.translations[0] = world.translation;
+        pose.rotations[0] = world.rotation;
+        scales[0] = world.scale;
+        continue;
+      }
+      const int parent = bones_.skeleton.skeleton.parents[joint];
+      const float over = scales[static_cast<std::size_t>(parent)];
+      scales[joint] = over * local.scale;
+      pose.translations[joint] = over * local.translation;
+      pose.rotations[joint] = local.rotation;
+    }
+    return pose;
+  }
+  static void KeepSigns(const rig::RigPose& before, rig::RigPose& pose) {
+    for (std::size_t joint = 0; joint < pose.rotations.size(); ++joint) {
+      Quat& rotation = pose.rotations[joint];
+      if (rotation.dot(before.rotations[joint]) < 0) rotation.coeffs() = -rotation.coeffs();
+    }
+  }
+
+  const gltf::Nodes& nodes_;
+  const gltf::Bones& bones_;
+  const std::vector<NodeTracks>& tracks_;
+  std::vector<int> above_;  // nodes above the hips, outermost first
+};
+
+Result<GltfClip> Read(std::string_view bytes) {
+  const auto chunks = Split(bytes);
+  if (!chunks.ok()) return gltf::Broken(chunks.status().message());
+  const auto file = gltf::ParseJson(chunks.value().text, true);
+  if (!file.ok()) return file.status();
+  const auto model = gltf::ReadModel(file.value());
+  if (!model.ok()) return model.status();
+  const auto nodes = gltf::Nodes::Make(model.value());
+  if (!nodes.ok()) return nodes.status();
+  auto bones = gltf::FindBones(model.value(), nodes.value(), {});
+  if (!bones.ok()) return bones.status();
+  const json& animations = Member(file.value(), "animations");
+  if (!animations.is_array() || animations.empty()) {
+    return Status::Error("found no animation, expected one of the humanoid's bones");
+  }
+  const Accessors accessors(file.value(), chunks.value().data);
+  for (const json& animation : animations) {
+    const auto tracks = ReadTracks(animation, model.value().nodes.size(), accessors);
+    if (!tracks.ok()) return tracks.status();
+    const Sampler sampler(nodes.value(), bones.value(), tracks.value());
+    if (!sampler.Moves()) continue;
+    if (const Status status = sampler.Check(); !status.ok()) return status;
+    return GltfClip{sampler.Sample(), std::move(bones.value().skeleton)};
+  }
+  return Status::Error("found no animation that turns the humanoid's bones, expected one");
+}
+
+}  // namespace
+
+bool IsGltfBinary(std::string_view bytes) { return bytes.starts_with("glTF"); }
+
+Result<GltfClip> ParseGltfClip(std::string_view bytes, const std::string& name) {
+  auto clip = IsGltfBinary(bytes)
+                  ? Read(bytes)
+                  : Result<GltfClip>(Status::Error("expected glTF binary (.glb, .vrm, .vrma)"));
+  return clip.ok() ? std::move(clip) : Status::Error(name + ": " + clip.status().message());
+}
+
+Result<rig::Binding> BindGltf(const GltfClip& clip, std::string_view dialect) {
+  const GltfSkeleton& of = clip.skeleton;
+  if (dialect != "auto" && !dialect.empty() && !of.t_pose) {
+    return rig::BindDialect(of.skeleton, dialect);
+  }
+  auto bound = rig::BindStanding(of.skeleton, of.source_joint, of.stance, of.t_pose);
+  if (bound.ok() || of.t_pose) return bound;
+  auto standing = BindStanding(clip.clip);
+  return standing.ok() ? standing : bound;
+}
+
+}  // namespace styled::clip

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "model/base/status.h"
+#include "model/clip/clip.h"
+#include "model/clip/gltf_read.h"
+#include "model/rig/binding.h"
+
+namespace styled::clip {
+
+// The motion of a glTF file's humanoid, in metres and glTF's axes (+Y up). Joint 0 is the hips, in
+// world space: what moves the nodes above them is in its motion.
+struct GltfClip {
+  Clip clip;
+  GltfSkeleton skeleton;  // of the same joints; its stance is the nodes' own pose
+};
+
+// Whether bytes begin like glTF binary.
+bool IsGltfBinary(std::string_view bytes);
+
+// Reads the first animation of a glTF 2.0 binary (.glb, .vrm, or .vrma: VRMC_vrm_animation) that
+// turns a bone of its humanoid. Bones: VRM's own table, else by name, as ReadGltfSkeleton. The rate
+// is that of the densest channel, in whole Hz, 10 to 240; LINEAR, STEP and CUBICSPLINE channels are
+// sampled at it. Rotations as floats or normalized integers; scale and weights channels are
+// ignored. Refuses besides what ReadGltfSkeleton refuses: a file without its data, data outside the
+// file (also "data:" in the text), sparse or broken accessors, times that do not rise, numbers that
+// are not finite, no such animation, more than 60 s. Never throws on content. Errors: "NAME: found
+// X, expected Y". Allocates, memory bounded by a multiple of the bytes; any thread. Pinned by
+// tests/unit/clip/gltf_clip_test.cpp; tests/witness/gltf has files that three.js has written.
+Result<GltfClip> ParseGltfClip(std::string_view bytes, const std::string& name);
+
+// The binding of such a clip. A VRM's nodes stand in the T-pose by definition. Of others, with
+// "auto" the nodes' pose is the rest pose if it stands upright, else the first frame that does;
+// another dialect is rig::BindDialect's.
+Result<rig::Binding> BindGltf(const GltfClip& clip, std::string_view dialect = "auto");
+
+}  // namespace styled::clip

@@ -1,0 +1,253 @@
+#include "model/clip/gltf_clip.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "model/clip/glb_write.h"
+#include "tests/unit/body/random_pose.h"
+
+namespace styled::clip {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+// The canonical humanoid in gentle poses, in metres.
+Motion Humanoid(int frames = 31, double rate_hz = 30) {
+  body::Random random(3);
+  Motion motion;
+  motion.rate_hz = rate_hz;
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    const body::JointRow& row = body::kHumanoid[joint];
+    motion.skeleton.names.emplace_back(row.name);
+    motion.skeleton.parents.push_back(row.parent);
+    motion.skeleton.offsets.push_back(body::Offset(joint));
+  }
+  rig::RigPose pose(motion.skeleton);
+  for (int frame = 0; frame < frames; ++frame) {
+    for (rig::Quat& q : pose.rotations) q = (q * random.Turn(0.05F)).normalized();
+    pose.translations[0] += random.Vector(0.02F);
+    motion.frames.push_back(pose);
+  }
+  return motion;
+}
+
+std::string Text(const std::vector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+std::string Glb(const Motion& motion) {
+  auto bytes = FormatGlb(motion);
+  EXPECT_TRUE(bytes.ok()) << bytes.status().message();
+  return Text(bytes.value());
+}
+
+// A file taken apart, changed, and put together again.
+struct Parts {
+  json document;
+  std::string data;
+
+  explicit Parts(const std::string& glb) {
+    const std::size_t text = Word(glb, 12);
+    document = json::parse(glb.substr(20, text));
+    data = glb.substr(20 + text + 8, Word(glb, 20 + text));
+  }
+  static std::uint32_t Word(const std::string& bytes, std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + at, 4);
+    return value;
+  }
+  std::string Join() const {
+    std::string text = document.dump();
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    const auto word = [](std::size_t value) {
+      const auto word = static_cast<std::uint32_t>(value);
+      return std::string(reinterpret_cast<const char*>(&word), 4);
+    };
+    return "glTF" + word(2) + word(28 + text.size() + data.size()) + word(text.size()) + "JSON" +
+           text + word(data.size()) + std::string("BIN\0", 4) + data;
+  }
+  json& sampler(std::size_t i) { return document["animations"][0]["samplers"][i]; }
+  json& input(std::size_t i) {
+    return document["accessors"][sampler(i)["input"].get<std::size_t>()];
+  }
+  json& output(std::size_t i) {
+    return document["accessors"][sampler(i)["output"].get<std::size_t>()];
+  }
+  // Where the accessor's data lie.
+  char* At(const json& accessor) {
+    const json& view = document["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    return data.data() + view.value("byteOffset", 0) + accessor.value("byteOffset", 0);
+  }
+};
+
+void ExpectRefused(const std::string& bytes, const std::string& reason) {
+  const auto clip = ParseGltfClip(bytes, "walk.glb");
+  ASSERT_FALSE(clip.ok()) << reason;
+  EXPECT_THAT(clip.status().message(), HasSubstr(reason));
+  EXPECT_THAT(clip.status().message(), testing::StartsWith("walk.glb: "));
+}
+
+TEST(GltfClip, WhatIsNoClipIsRefusedWithTheReason) {
+  const std::string glb = Glb(Humanoid());
+  ExpectRefused("", "expected glTF binary");
+  ExpectRefused("HIERARCHY", "expected glTF binary");
+  for (std::size_t size = 4; size + 4 < glb.size(); size += 97) {
+    const auto clip = ParseGltfClip(glb.substr(0, size), "walk.glb");
+    EXPECT_FALSE(clip.ok()) << size;
+  }
+  std::string one = glb;
+  one[4] = 1;
+  ExpectRefused(one, "is glTF 1 in binary form, expected glTF 2.0");
+  const auto with = [&glb](const auto& change, const std::string& reason) {
+    Parts parts(glb);
+    change(parts);
+    ExpectRefused(parts.Join(), reason);
+  };
+  with([](Parts& p) { p.document.erase("animations"); }, "found no animation, expected one of");
+  with([](Parts& p) { p.document["animations"] = json::array(); }, "found no animation");
+  with([](Parts& p) { p.document["animations"][0]["channels"] = json::array(); },
+       "found no animation that turns the humanoid's bones");
+  with(
+      [](Parts& p) {
+        for (auto& node : p.document["nodes"]) node["name"] = "thing";
+      },
+      "found no bone named like hips, expected a humanoid");
+  with(
+      [](Parts& p) {
+        p.output(1)["sparse"] = {{"count", 1}};
+      },
+      "found a sparse one, expected a dense one");
+  with([](Parts& p) { p.document["buffers"][0]["uri"] = "walk.bin"; },
+       "found its data in another file, or in the text");
+  with(
+      [](Parts& p) {
+        for (json& view : p.document["bufferViews"]) view["buffer"] = 1;
+      },
+      "in another file");
+  with([](Parts& p) { p.data.resize(8); }, "expected its data within the file");
+  with([](Parts& p) { p.output(0)["count"] = 2'000'000'000; }, "expected its data within the file");
+  with([](Parts& p) { p.output(0)["count"] = 0; }, "expected a count of 1 or more");
+  with([](Parts& p) { p.output(0)["byteOffset"] = 2'000'000'000; }, "within the file");
+  with([](Parts& p) { p.output(0)["bufferView"] = 99; }, "expected a bufferView");
+  with([](Parts& p) { p.output(0)["componentType"] = 5125; }, "expected floats, or normalized");
+  with([](Parts& p) { p.output(0)["componentType"] = 5122; }, "expected floats, or normalized");
+  with([](Parts& p) { p.output(0)["type"] = "MAT4"; }, "expected type VEC");
+  with([](Parts& p) { p.output(0)["count"] = 7; }, "found 31 times for 7 values");
+  with([](Parts& p) { p.sampler(0)["interpolation"] = "CUBICSPLINE"; }, "found 31 times for 10");
+  with([](Parts& p) { p.sampler(0).erase("input"); }, "found a sampler without input or output");
+  with([](Parts& p) { p.sampler(0)["input"] = 999; }, "accessor 999: there is none");
+  with([](Parts& p) { p.document["animations"][0]["channels"][0]["sampler"] = 999; },
+       "found a channel whose node or sampler does not exist");
+  with([](Parts& p) { p.document["animations"][0]["channels"][0]["target"]["node"] = 999; },
+       "found a channel whose node or sampler does not exist");
+  for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), 1e9F}) {
+    with([bad](Parts& p) { std::memcpy(p.At(p.output(0)) + 8, &bad, 4); },
+         "expected finite numbers below 1000000");
+    with([bad](Parts& p) { std::memcpy(p.At(p.input(0)) + 8, &bad, 4); }, "expected finite");
+  }
+  with([](Parts& p) { std::memset(p.At(p.input(0)) + 8, 0, 4); }, "found times that do not rise");
+  with(
+      [](Parts& p) {
+        const float late = 75;
+        std::memcpy(p.At(p.input(0)) + 30 * 4, &late, 4);
+      },
+      "found 75 s, expected at most 60");
+  with(
+      [](Parts& p) {  // the same data over and over
+        json& channels = p.document["animations"][0]["channels"];
+        const json one = channels[0];
+        for (int i = 0; i < 5000; ++i) channels.push_back(one);
+      },
+      "found more values in its channels than the file can hold");
+}
+
+// The writer's own files.
+TEST(GltfClip, AMotionComesBackAsItWas) {
+  const Motion motion = Humanoid();
+  const auto clip = ParseGltfClip(Glb(motion), "walk.glb");
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  EXPECT_EQ(clip.value().clip.rate_hz, 30);
+  ASSERT_EQ(clip.value().clip.frames.size(), motion.frames.size());
+  const auto bound = BindGltf(clip.value());
+  ASSERT_TRUE(bound.ok()) << bound.status().message();
+  const auto poses = ToCanonical(clip.value().clip, bound.value());
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    for (std::size_t j = 0; j < body::kJointCount; ++j) {
+      EXPECT_LT(poses[frame].rotations[j].angularDistance(motion.frames[frame].rotations[j]), 2e-3F)
+          << frame << " " << j;
+    }
+    EXPECT_LT((poses[frame].hips_position_m - motion.frames[frame].translations[0]).norm(), 2e-3F);
+  }
+  EXPECT_TRUE(BindGltf(clip.value(), "canonical").ok());
+  EXPECT_FALSE(BindGltf(clip.value(), "octopus").ok());
+}
+
+// VRM Animation: bones by its table, whatever their names; the nodes stand in the T-pose.
+TEST(GltfClip, AVrmaIsReadByItsTable) {
+  const Motion motion = Humanoid();
+  Parts parts(Glb(motion));
+  json bones;
+  json& nodes = parts.document["nodes"];
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!nodes[i].contains("name")) continue;
+    const auto name = nodes[i]["name"].get<std::string>();
+    for (const auto& row : body::kHumanoid) {
+      if (row.name == name) bones[name] = {{"node", i}};
+    }
+    nodes[i]["name"] = "thing";
+  }
+  parts.document["extensions"]["VRMC_vrm_animation"] = {{"specVersion", "1.0"},
+                                                        {"humanoid", {{"humanBones", bones}}}};
+  const auto clip = ParseGltfClip(parts.Join(), "walk.vrma");
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  EXPECT_TRUE(clip.value().skeleton.t_pose);
+  const auto bound = BindGltf(clip.value());
+  ASSERT_TRUE(bound.ok()) << bound.status().message();
+  const auto poses = ToCanonical(clip.value().clip, bound.value());
+  for (std::size_t j = 0; j < body::kJointCount; ++j) {
+    EXPECT_LT(poses[9].rotations[j].angularDistance(motion.frames[9].rotations[j]), 1e-3F) << j;
+  }
+}
+
+// What moves the nodes above the hips moves the hips; a node's scale counts.
+TEST(GltfClip, NodesAboveTheHipsMoveThem) {
+  Parts parts(Glb(Humanoid()));
+  json& nodes = parts.document["nodes"];
+  std::size_t hips = 0;
+  while (nodes[hips].value("name", "") != "hips") ++hips;
+  nodes.push_back({{"name", "above"},
+                   {"children", {hips}},
+                   {"scale", {2, 2, 2}},
+                   {"translation", {0, 0, 1}},
+                   {"rotation", {0, 1, 0, 0}}});
+  const auto clip = ParseGltfClip(parts.Join(), "walk.glb");
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  const auto plain = ParseGltfClip(Glb(Humanoid()), "walk.glb");
+  const auto& moved = clip.value().clip.frames[5].translations[0];
+  const auto& was = plain.value().clip.frames[5].translations[0];
+  EXPECT_NEAR(moved.x(), -2 * was.x(), 1e-5);
+  EXPECT_NEAR(moved.y(), 2 * was.y(), 1e-5);
+  EXPECT_NEAR(moved.z(), 1 - 2 * was.z(), 1e-5);
+}
+
+TEST(GltfClip, StepsAreHeldAndTimesMayBeginLate) {
+  Parts parts(Glb(Humanoid(3, 10)));
+  for (std::size_t i = 0; i < parts.document["animations"][0]["samplers"].size(); ++i) {
+    parts.sampler(i)["interpolation"] = "STEP";
+  }
+  for (int key = 0; key < 3; ++key) {
+    const float time = 100.0F + static_cast<float>(key) / 10;
+    std::memcpy(parts.At(parts.input(0)) + 4 * key, &time, 4);
+  }
+  const auto clip = ParseGltfClip(parts.Join(), "walk.glb");
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  EXPECT_EQ(clip.value().clip.frames.size(), 3U);
+}
+
+}  // namespace
+}  // namespace styled::clip
