@@ -1,21 +1,17 @@
 #include "daemon/pipeline/keeping.h"
 
-#include <fcntl.h>
 #include <toml++/toml.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <sstream>
 
 #include "daemon/config/look_keys.h"
-#include "model/base/descriptor.h"
 #include "model/base/read_file.h"
 #include "model/base/toml_nesting.h"
+#include "model/base/write_file.h"
 
 namespace styled::pipeline {
 namespace {
@@ -107,16 +103,7 @@ Status WriteProfiles(const std::string& file, const std::vector<Profile>& profil
   for (const auto& profile : profiles) table.insert_or_assign(profile.id, Row(profile));
   std::ostringstream text;
   text << "# Written by styled: the settings of its performers.\n" << table << "\n";
-  const std::string bytes = text.str();
-  const std::string fresh = file + ".new";
-  const auto refuse = [&fresh] { return Status::Error(fresh + ": " + std::strerror(errno)); };
-  const Descriptor out(open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
-  if (out.get() < 0) return refuse();
-  if (write(out.get(), bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()) ||
-      fsync(out.get()) != 0 || rename(fresh.c_str(), file.c_str()) != 0) {
-    return refuse();
-  }
-  return Status::Ok();
+  return WriteFileAtomically(file, text.str());
 }
 
 Result<std::vector<Profile>> ReadProfiles(const std::string& file) {
