@@ -18,8 +18,6 @@
 #include <thread>
 
 #include "daemon/pipeline/keeping.h"
-#include "daemon/pipeline/library.h"
-#include "daemon/pipeline/like.h"
 #include "daemon/pipeline/networks.h"
 #include "daemon/runtime/journal.h"
 #include "daemon/runtime/realtime.h"
@@ -306,7 +304,7 @@ void Supervisor::Run() {
       // An idle pipeline sleeps: the signal makes it turn once before the next look.
       mailboxes_.wake_pipeline.Signal();
     }
-    MakeStyles();
+    DoStyleRequests();
     LogEvents();
     KeepProfiles();
     CheckRecording();
@@ -338,34 +336,14 @@ void Supervisor::Reload() {
   notifier_.Ready(status.ok() ? "reloaded" : "reload refused: " + refused_);
 }
 
-// Writes the style that was added last into the library, if there is one.
-std::shared_ptr<const pipeline::RuntimeConfig> Supervisor::Keep(
-    const std::shared_ptr<const pipeline::RuntimeConfig>& config, const v1::LikeReply& like,
-    const std::string& source) {
-  if (config->style.library.empty()) return config;
-  const Status kept = pipeline::KeepStyle(*config, like, source);
-  if (!kept.ok()) {
-    spdlog::error("style.library: {}; the style will not survive a restart", kept.message());
-    return config;
-  }
-  auto known = std::make_shared<pipeline::RuntimeConfig>(*config);
-  known->kept.insert(like.name());
-  return known;
-}
-
-// Makes the styles that clients show examples of, off the real-time thread.
-void Supervisor::MakeStyles() {
+// Does what requests want of styles, off the real-time thread.
+void Supervisor::DoStyleRequests() {
   std::unique_ptr<pipeline::Exchange> exchange;
   while (mailboxes_.examples.Pop(exchange) || mailboxes_.takes.Pop(exchange)) {
-    auto made = pipeline::AddStyle(*runtime_config_, *exchange->request.mutable_like(),
-                                   exchange->take, exchange->reply);
-    if (made != nullptr) {
-      const v1::LikeReply& like = exchange->reply.like();
-      spdlog::info(
-          "style {} made of an example; nearest to {}, at {:.2f} of the distance of styles",
-          like.name(), like.nearest(), like.distance());
-      runtime_config_ = Keep(made, like, exchange->request.like().file());
-    }
+    auto made = style_requests_.Do(*runtime_config_, *exchange);
+    if (!style_requests_.said().empty()) spdlog::info("{}", style_requests_.said());
+    if (!style_requests_.error().empty()) spdlog::error("{}", style_requests_.error());
+    if (made != nullptr) runtime_config_ = made;
     pipeline::Reload reload{std::move(made), std::move(exchange)};
     while (!mailboxes_.reloads.Push(std::move(reload))) {  // emptied between frames
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -13,6 +13,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/pipeline_thread.h"
 #include "daemon/pipeline/runtime_config.h"
+#include "daemon/pipeline/style_requests.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
@@ -58,10 +59,7 @@ class Supervisor {
   Status WriteReadyFile() const;
   void Stop();
   void Reload();
-  void MakeStyles();
-  static std::shared_ptr<const pipeline::RuntimeConfig> Keep(
-      const std::shared_ptr<const pipeline::RuntimeConfig>& config, const v1::LikeReply& like,
-      const std::string& source);
+  void DoStyleRequests();
   Status TakeOver();
   void LogEvents();
   void LogTrouble();
@@ -82,6 +80,7 @@ class Supervisor {
   void* context_;
   std::uint64_t epoch_;
   std::shared_ptr<const pipeline::RuntimeConfig> runtime_config_;
+  pipeline::StyleRequests style_requests_;
   std::uint32_t weights_crc_ = 0;
   std::string publish_endpoint_, osc_endpoint_, control_endpoint_;
   std::vector<std::string> source_endpoints_;

@@ -218,6 +218,46 @@ CallStatus Control::Like(std::string_view performer, const v1::Like& like, v1::L
   return status;
 }
 
+CallStatus Control::ExportStyle(std::string_view name, v1::StyleFile* out) {
+  v1::Request request;
+  request.mutable_export_style()->set_name(std::string(name));
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && out != nullptr) out->Swap(reply.mutable_style_file());
+  return status;
+}
+
+CallStatus Control::ImportStyle(const v1::ImportStyle& file, v1::LikeReply* out) {
+  v1::Request request;
+  *request.mutable_import_style() = file;
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && out != nullptr) out->Swap(reply.mutable_like());
+  return status;
+}
+
+CallStatus Control::RenameStyle(std::string_view name, std::string_view to, Applied* applied) {
+  v1::Request request;
+  request.mutable_rename_style()->set_name(std::string(name));
+  request.mutable_rename_style()->set_to(std::string(to));
+  return Change(request, "", applied);
+}
+
+CallStatus Control::RemoveStyle(std::string_view name, Applied* applied) {
+  v1::Request request;
+  request.mutable_remove_style()->set_name(std::string(name));
+  return Change(request, "", applied);
+}
+
+CallStatus Control::Preview(std::string_view style, v1::PreviewReply* out) {
+  v1::Request request;
+  request.mutable_preview()->set_style(std::string(style));
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && out != nullptr) out->Swap(reply.mutable_preview());
+  return status;
+}
+
 CallStatus Control::Cue(std::string_view name, Applied* applied) {
   v1::Request request;
   request.mutable_cue()->set_name(std::string(name));
@@ -262,6 +302,8 @@ std::string CodeName(v1::Code code) {
       return "UNKNOWN_CUE";
     case v1::CODE_NO_EXAMPLES:
       return "NO_EXAMPLES";
+    case v1::CODE_NOT_KEPT:
+      return "NOT_KEPT";
     default:
       return "CODE_" + std::to_string(static_cast<int>(code));
   }

@@ -89,6 +89,13 @@ class Control {
   // Makes a style of an example, for all clients; with `performer` "" nobody moves in it yet.
   CallStatus Like(std::string_view performer, const v1::Like& like, v1::LikeReply* out = nullptr,
                   Applied* applied = nullptr);
+  // Of styles that Like or an import has made.
+  CallStatus ExportStyle(std::string_view name, v1::StyleFile* out);
+  CallStatus ImportStyle(const v1::ImportStyle& file, v1::LikeReply* out = nullptr);
+  CallStatus RenameStyle(std::string_view name, std::string_view to, Applied* applied = nullptr);
+  CallStatus RemoveStyle(std::string_view name, Applied* applied = nullptr);
+  // A small moving figure of any style.
+  CallStatus Preview(std::string_view style, v1::PreviewReply* out);
   // `name`: a cue of the daemon's configuration.
   CallStatus Cue(std::string_view name, Applied* applied = nullptr);
   CallStatus Panic(Applied* applied = nullptr);  // all performers to bypass

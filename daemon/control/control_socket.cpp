@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 
+#include "daemon/pipeline/style_requests.h"
 #include "daemon/security/ipc.h"
 
 namespace styled::control {
@@ -97,7 +98,9 @@ void ControlSocket::Handle() {
     counters_.Add(Counter::kControlMalformed);
     return Refuse(envelope, v1::CODE_MALFORMED, "not a styled.v1.Request");
   }
-  const std::string why = TooLarge(payload.size(), exchange->request.has_like());
+  const v1::Request& request = exchange->request;
+  const std::string why =
+      TooLarge(payload.size(), request.has_like() || request.has_import_style());
   if (!why.empty()) return refuse_size(why);
   if (Pass(exchange)) return;
   Send(exchange->envelope, exchange->reply);
@@ -147,7 +150,7 @@ bool ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
   if (in_flight_ == kMaxInFlight) {
     return Busy(*exchange, "too many requests are waiting; try again");
   }
-  if (exchange->request.has_like() && exchange->request.like().learn_s() == 0) {
+  if (pipeline::IsStyleRequest(exchange->request)) {
     if (!mailboxes_.examples.Push(std::move(exchange))) {
       return Busy(*exchange, "too many examples are waiting; try again");
     }

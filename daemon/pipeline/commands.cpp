@@ -53,19 +53,38 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
     case v1::Request::kStatus:
       return false;
     case v1::Request::kCalibrate:  // handled by the pipeline
-    case v1::Request::kLike:       // by the supervisor
+    case v1::Request::kLike:       // these by the supervisor
+    case v1::Request::kPreview:
+    case v1::Request::kExportStyle:
+    case v1::Request::kImportStyle:
+    case v1::Request::kRenameStyle:
+    case v1::Request::kRemoveStyle:
     case v1::Request::COMMAND_NOT_SET:
       break;
   }
   Refuse(reply, v1::CODE_UNKNOWN_COMMAND,
          "no command that this daemon knows; expected list, set, pin, preset, panic, reset, cue, "
-         "calibrate or status");
+         "calibrate, like, preview, export_style, import_style, rename_style, remove_style or "
+         "status");
   return true;
 }
 
+void Commands::FollowStyles(const v1::Request& request, v1::Reply& reply) {
+  const bool renamed = request.has_rename_style();
+  if (!renamed && !request.has_remove_style()) return;
+  const std::string& name = renamed ? request.rename_style().name() : request.remove_style().name();
+  const std::string to = renamed ? request.rename_style().to() : "";
+  const auto follow = [&](Profile& profile) {
+    if (!ReplaceStyle(name, to, profile.look)) return;
+    changed_ = true;
+    if (profile.id != roster_.to_come.id) Applied(profile, reply);
+  };
+  for (const auto& [id, profile] : roster_.profiles) follow(*profile);
+  follow(roster_.to_come);
+}
+
 void Commands::Show(const v1::Request& like, v1::Reply& reply) {
-  reply.set_id(like.id());
-  if (like.performer().empty()) return;
+  if (!like.has_like() || like.like().measure() || like.performer().empty()) return;
   v1::Look change;
   auto& mix = *change.add_mix();
   mix.set_style(like.like().name());
@@ -116,6 +135,15 @@ void Commands::List(v1::Reply& reply) const {
     info.set_recognized(styles[i].recognized);
     info.set_recorded_s(styles[i].recorded_s);
     info.set_weak(net::IsWeak(styles[i]));
+    info.set_model(styles[i].model);
+    info.set_varies(styles[i].varies);
+    const bool own = static_cast<int>(i) < roster_.config().own_styles;
+    const auto found = roster_.config().made.find(styles[i].name);
+    if (own || found == roster_.config().made.end()) continue;
+    info.set_made(true);
+    info.set_source(found->second->source);
+    info.set_nearest(found->second->nearest);
+    info.set_distance(found->second->distance);
   }
   for (const Cue& cue : roster_.config().cues) {
     auto& info = *list.add_cues();

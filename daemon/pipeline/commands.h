@@ -19,7 +19,11 @@ class Commands {
   // answers.
   bool Apply(const v1::Request& request, v1::Reply& reply);
   // The rest of a Like whose style the supervisor has made: the performers whom it names wear it.
-  void Show(const v1::Request& like, v1::Reply& reply);
+  // Nothing for other requests.
+  void Show(const v1::Request& request, v1::Reply& reply);
+  // The part of RenameStyle and RemoveStyle that is the looks': of performers, live or not, and of
+  // those to come. Call before the configuration is taken over. Nothing for other requests.
+  void FollowStyles(const v1::Request& request, v1::Reply& reply);
   // Fires the cues that the performer's timecode passed since its last frame; they take effect with
   // the current frame. Returns true if there was one; `said` then names them for the log.
   bool Pass(Performer& performer, const Timecode& timecode, std::string& said);

@@ -1,54 +1,27 @@
 #include "daemon/pipeline/library.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
-#include <fstream>
-#include <nlohmann/json.hpp>
+#include <cstring>
+#include <filesystem>
+#include <utility>
 #include <vector>
 
-#include "daemon/pipeline/like.h"
+#include "daemon/pipeline/placing.h"
+#include "daemon/pipeline/style_file.h"
 #include "model/base/read_file.h"
+#include "model/base/write_file.h"
 
 namespace styled::pipeline {
 namespace {
 
-using nlohmann::json;
+constexpr const char* kStyle = ".json";
+constexpr const char* kExample = ".bvh";
+constexpr std::size_t kMaxExampleBytes = std::size_t{64} << 20U;
 
-constexpr const char* kFormat = "styled style 1";
-constexpr std::size_t kMaxFileBytes = 64UL * 1024;
-
-// What a style file asks for, as a Like has it.
-Result<v1::Like> ReadStyle(const std::filesystem::path& file, const RuntimeConfig& config) {
-  const auto error = [&file](const std::string& what) {
-    return Status::Error(file.string() + ": " + what);
-  };
-  const auto text = ReadFile(file, kMaxFileBytes);
-  if (!text.ok()) return text.status();
-  const json style = json::parse(text.value(), nullptr, false);
-  const auto is_text = [&style](const char* key) {
-    return style.contains(key) && style[key].is_string();
-  };
-  if (!style.is_object() || !is_text("format") || style["format"] != kFormat) {
-    return error("expected a JSON object with \"format\": \"" + std::string(kFormat) + "\"");
-  }
-  if (!is_text("weights") || style["weights"] != config.weights_hash) {
-    return error("was made with other weights, " +
-                 (is_text("weights") ? style["weights"].get<std::string>() : "unnamed") +
-                 "; expected " + config.weights_hash);
-  }
-  const auto code = style.find("code");
-  const bool numbers =
-      code != style.end() && code->is_array() &&
-      std::all_of(code->begin(), code->end(), [](const json& x) { return x.is_number(); });
-  if (!is_text("name") || !numbers) return error("expected \"name\", and \"code\" with numbers");
-  if (style["name"] != file.stem().string()) {
-    return error("holds the style \"" + style["name"].get<std::string>() +
-                 "\"; expected the file's name");
-  }
-  v1::Like like;
-  like.set_name(style["name"].get<std::string>());
-  for (const json& number : *code) like.add_code(number.get<float>());
-  return like;
+std::string FileOf(const RuntimeConfig& config, const std::string& name, const char* extension) {
+  return std::filesystem::path(config.style.library) / (name + extension);
 }
 
 // The style files of a folder, by name.
@@ -58,7 +31,7 @@ std::vector<std::filesystem::path> FilesOf(RuntimeConfig& config) {
   const std::filesystem::path folder = config.style.library;
   if (!std::filesystem::exists(folder, error)) return files;  // made by the first style
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (entry.path().extension() == ".json") files.push_back(entry.path());
+    if (entry.path().extension() == kStyle) files.push_back(entry.path());
   }
   if (error)
     config.complaints.push_back("style.library: " + folder.string() + ": " + error.message());
@@ -66,63 +39,107 @@ std::vector<std::filesystem::path> FilesOf(RuntimeConfig& config) {
   return files;
 }
 
-}  // namespace
-
-Status KeepStyle(const RuntimeConfig& config, const v1::LikeReply& like,
-                 const std::string& source) {
-  const std::filesystem::path folder = config.style.library;
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  const std::filesystem::path file = folder / (like.name() + ".json");
-  std::filesystem::path fresh = file;
-  fresh += ".new";
-  json style{{"format", kFormat},
-             {"name", like.name()},
-             {"weights", config.weights_hash},
-             {"licence", config.network->model().licence},
-             {"source", source},
-             {"seconds", like.seconds()},
-             {"nearest", like.nearest()},
-             {"distance", like.distance()},
-             {"code", std::vector<float>(like.code().begin(), like.code().end())}};
-  std::ofstream out(fresh);
-  out << style.dump(1, ' ', false, json::error_handler_t::replace) << "\n";
-  out.close();
-  if (out && std::rename(fresh.c_str(), file.c_str()) == 0) return Status::Ok();
-  std::filesystem::remove(fresh, error);
-  return Status::Error(file.string() + " cannot be written");
+// Takes the style of a file over, unless it is there already as it is in the file.
+Status Take(const std::filesystem::path& file, RuntimeConfig& config) {
+  const auto text = ReadFile(file, kMaxStyleFileBytes);
+  if (!text.ok()) return text.status();
+  auto style = ParseStyleFile(text.value(), file, config);
+  if (!style.ok()) return style.status();
+  const std::string name = style.value().name;
+  if (name != file.stem().string()) {
+    return Status::Error(file.string() + ": holds the style \"" + name +
+                         "\"; expected the file's name");
+  }
+  const auto known = config.made.find(name);
+  const bool same = known != config.made.end() && known->second->file == text.value();
+  const Refusal refusal = same ? Refusal() : PutStyle(std::move(style.value()), config);
+  if (!refusal.ok()) return Status::Error(file.string() + ": " + refusal.reason);
+  config.kept.insert(name);
+  return Status::Ok();
 }
+
+Status Removed(const std::string& file) {
+  if (std::remove(file.c_str()) == 0 || errno == ENOENT) return Status::Ok();
+  return Status::Error(file + ": cannot be removed: " + std::strerror(errno));
+}
+
+// Whether the kept example of a name is that of the style.
+bool HasExample(const RuntimeConfig& config, const std::string& name, const MadeStyle& style) {
+  const auto text = ReadFile(FileOf(config, name, kExample), kMaxExampleBytes);
+  return text.ok() && !style.example.empty() && HashOf(text.value()) == style.example;
+}
+
+// Writes NAME.json, and notes in config.made what it holds.
+Status WriteStyle(const std::string& name, RuntimeConfig& config) {
+  std::error_code error;  // the write says what is wrong
+  std::filesystem::create_directories(config.style.library, error);
+  MadeStyle style = *config.made.at(name);
+  style.file = FormatStyleFile(style, config);
+  const Status written = WriteFileAtomically(FileOf(config, name, kStyle), style.file);
+  if (!written.ok()) return written;
+  config.made[name] = std::make_shared<const MadeStyle>(std::move(style));
+  config.kept.insert(name);
+  return Status::Ok();
+}
+
+}  // namespace
 
 void ReadLibrary(RuntimeConfig& config) {
   if (config.style.library.empty()) return;
   const std::vector<std::filesystem::path> files = FilesOf(config);
-  const auto in_folder = [&files](const std::string& name) {
-    return std::any_of(files.begin(), files.end(),
-                       [&name](const auto& file) { return file.stem() == name; });
+  const auto gone = [&files](const std::string& name) {
+    return std::none_of(files.begin(), files.end(),
+                        [&name](const auto& file) { return file.stem() == name; });
   };
-  for (const std::string& name : config.kept) {
+  for (const std::string& name : std::exchange(config.kept, {})) {
     const int number = net::FindStyle(config.network->model().styles, name);
-    if (in_folder(name) || number < config.own_styles) continue;
-    config.network = config.network->Retired(number);
+    if (!gone(name)) {
+      config.kept.insert(name);
+    } else if (number >= config.own_styles) {
+      config.network = config.network->Retired(number);
+      config.made.erase(name);
+    }
   }
-  config.kept.clear();
   for (const std::filesystem::path& file : files) {
-    auto like = ReadStyle(file, config);
-    if (!like.ok()) {
-      config.complaints.push_back("style.library: " + like.status().message());
-      continue;
-    }
-    const std::string name = like.value().name();
-    config.kept.insert(name);
-    if (net::FindStyle(config.network->model().styles, name) >= config.own_styles) continue;
-    v1::Reply reply;
-    const auto with = AddStyle(config, like.value(), {}, reply);
-    if (with != nullptr) {
-      config.network = with->network;
-    } else {
-      config.complaints.push_back("style.library: " + file.string() + ": " + reply.reason());
-    }
+    const Status taken = Take(file, config);
+    if (!taken.ok()) config.complaints.push_back("style.library: " + taken.message());
   }
+}
+
+Status KeepStyle(const std::string& name, const std::string& example, RuntimeConfig& config) {
+  if (config.style.library.empty()) return Status::Ok();
+  if (const Status written = WriteStyle(name, config); !written.ok()) return written;
+  // A style that was replaced may have had its name in other letters.
+  for (const std::string& other : std::vector(config.kept.begin(), config.kept.end())) {
+    if (config.made.contains(other)) continue;
+    (void)KeepRemoved(other, config);
+  }
+  if (!example.empty()) return WriteFileAtomically(FileOf(config, name, kExample), example);
+  if (HasExample(config, name, *config.made.at(name))) return Status::Ok();
+  return Removed(FileOf(config, name, kExample));
+}
+
+Status KeepRenamed(const std::string& name, const std::string& to, RuntimeConfig& config) {
+  if (config.style.library.empty()) return Status::Ok();
+  if (const Status written = WriteStyle(to, config); !written.ok()) return written;
+  const std::string before = FileOf(config, name, kExample), after = FileOf(config, to, kExample);
+  const bool moved = std::rename(before.c_str(), after.c_str()) == 0;
+  if (!moved) (void)Removed(after);  // of a style that is no more
+  const Status removed = Removed(FileOf(config, name, kStyle));
+  if (!removed.ok()) {
+    (void)Removed(FileOf(config, to, kStyle));
+    if (moved) (void)std::rename(after.c_str(), before.c_str());
+    return removed;
+  }
+  config.kept.erase(name);
+  return Status::Ok();
+}
+
+Status KeepRemoved(const std::string& name, RuntimeConfig& config) {
+  if (!config.kept.contains(name)) return Status::Ok();
+  if (const Status removed = Removed(FileOf(config, name, kStyle)); !removed.ok()) return removed;
+  config.kept.erase(name);
+  return Removed(FileOf(config, name, kExample));
 }
 
 }  // namespace styled::pipeline

@@ -1,24 +1,30 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "daemon/pipeline/runtime_config.h"
 #include "model/base/status.h"
-#include "proto/styled/v1/control.pb.h"
 
-// The folder [style] library: a file NAME.json for each style that was made of an example, so that
-// it survives a restart. A code means something to the weights that it was made with alone; their
-// hash is in the file. Start-up, reload and after a Like; blocks; allocates; not the pipeline's
-// thread. Pinned by tests/e2e/like_test.cpp.
+// The folder [style] library: a file NAME.json (style_file.h) for each style that was made, so that
+// it survives a restart, and NAME.bvh, its example as the canonical humanoid in metres, so that it
+// can be refined later. A style of a code or of a variation has no example. Each file is replaced
+// atomically; NAME.bvh belongs to NAME.json if the latter has its hash. Blocks; allocates; not the
+// pipeline's thread. Errors name the file and the system's reason. Without a library nothing is
+// done. Pinned by tests/e2e/style_library_test.cpp.
 namespace styled::pipeline {
 
-// Keeps the style `like` of `config`, atomically. Errors name the file.
-Status KeepStyle(const RuntimeConfig& config, const v1::LikeReply& like, const std::string& source);
-
-// Makes the styles of `config` those of its folder: adds what is new there, in the order of names,
-// and retires what came from there and is gone. What cannot be used is left out, with a line in
-// config.complaints that names the file and what was expected.
+// Makes the styles of `config` those of its folder: adds what is new or another there, in the order
+// of names, and retires what came from there and is gone. What cannot be used is left out, with a
+// line in config.complaints that names the file and what was expected. Start-up and reload.
 void ReadLibrary(RuntimeConfig& config);
+
+// Keeps the style `name` of config.made. `example`: the text of its NAME.bvh; "": one that is there
+// stays if it is the style's.
+Status KeepStyle(const std::string& name, const std::string& example, RuntimeConfig& config);
+// Keeps the style `to` of config.made, which was called `name`. After an error the folder is as it
+// was.
+Status KeepRenamed(const std::string& name, const std::string& to, RuntimeConfig& config);
+// Removes the files of a style.
+Status KeepRemoved(const std::string& name, RuntimeConfig& config);
 
 }  // namespace styled::pipeline

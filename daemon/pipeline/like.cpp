@@ -1,77 +1,70 @@
 #include "daemon/pipeline/like.h"
 
-#include <algorithm>
-#include <cmath>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "daemon/config/config.h"
+#include "daemon/pipeline/placing.h"
 #include "model/base/text.h"
 #include "model/clip/clip.h"
+#include "model/clip/gltf_clip.h"
 #include "model/rig/dialects.h"
 
 namespace styled::pipeline {
 namespace {
 
-// An error with its code.
-struct Refusal {
-  v1::Code code = v1::CODE_OK;
-  std::string reason;
+constexpr std::size_t kMaxSource = 200;  // bytes of a source's name that are kept
+
+// A clip in one of the formats, as canonical poses at its own rate.
+struct Poses {
+  std::vector<body::Pose> poses;
+  double rate_hz = 0;
 };
 
-Refusal Malformed(std::string reason) { return {v1::CODE_MALFORMED, std::move(reason)}; }
+Result<Poses> ReadGltf(const v1::Like& like, const std::string& name, const std::string& rig) {
+  const auto clip = clip::ParseGltfClip(like.clip(), name);
+  if (!clip.ok()) return clip.status();
+  const auto bound = clip::BindGltf(clip.value(), rig);
+  if (!bound.ok()) return Status::Error(name + ": " + bound.status().message());
+  return Poses{clip::ToCanonical(clip.value().clip, bound.value()), clip.value().clip.rate_hz};
+}
 
-// Where the style goes among those of the network.
-struct Place {
-  int number = -1;
-  int replaced = -1;  // the style that had the name, or -1
-};
+Result<Poses> ReadBvh(const v1::Like& like, const std::string& name, const std::string& rig) {
+  const auto clip = clip::ParseBvh(like.clip(), name);
+  if (!clip.ok()) return clip.status();
+  const auto bound = rig::BindDialect(clip.value().skeleton, rig);
+  if (!bound.ok()) return Status::Error(name + ": " + bound.status().message());
+  return Poses{clip::ToCanonical(clip.value(), bound.value()), clip.value().rate_hz};
+}
 
-Refusal FindPlace(const RuntimeConfig& running, const std::string& name, Place& place) {
-  if (!config::IsName(name) || name.size() > net::kMaxStyleName) {
-    return Malformed("name \"" + Printable(name, 80) + "\": expected 1 to " +
-                     std::to_string(net::kMaxStyleName) + " of A-Z a-z 0-9 _ -");
-  }
-  for (const auto& preset : running.presets) {
-    if (preset.name == name) return Malformed("name \"" + name + "\": a preset has it");
-  }
-  const net::Styles& styles = running.network->model().styles;
-  const int own = running.own_styles;
-  place.replaced = net::FindStyle(styles, name);
-  if (place.replaced >= 0 && place.replaced < own) {
-    return Malformed("name \"" + name + "\": a style of the weights has it, \"" +
-                     styles[static_cast<std::size_t>(place.replaced)].name + "\"");
-  }
-  place.number = static_cast<int>(styles.size());
-  if (place.number < net::kMaxStyles) return {};
-  for (int number = own; number < place.number; ++number) {
-    if (!styles[static_cast<std::size_t>(number)].retired) continue;
-    place.number = number;
-    return {};
-  }
-  return {v1::CODE_BUSY, "there are " + std::to_string(net::kMaxStyles) +
-                             " styles already, the most that there can be"};
+// What a clip is that is neither; "" unknown.
+std::string_view OtherFormat(std::string_view bytes) {
+  if (bytes.starts_with("Kaydara FBX")) return "FBX";
+  if (bytes.starts_with("{")) return "glTF as text";
+  if (bytes.starts_with("PK")) return "a ZIP archive";
+  return "";
 }
 
 // The clip's poses at the network's rate.
 Refusal ReadClip(const v1::Like& like, const net::Model& model, const net::StyleSpace& space,
                  std::vector<body::Pose>& poses, float& seconds) {
-  const std::string name = like.file().empty() ? "the clip" : Printable(like.file(), 200);
-  const auto clip = clip::ParseBvh(like.clip(), name);
-  if (!clip.ok()) return Malformed(clip.status().message());
-  const auto bound =
-      rig::BindDialect(clip.value().skeleton, like.rig().empty() ? "auto" : like.rig());
-  if (!bound.ok()) return Malformed(name + ": " + bound.status().message());
-  const double rate_hz = static_cast<double>(model.rate_hz);
-  const double length_s =
-      static_cast<double>(clip.value().frames.size() - 1) / clip.value().rate_hz;
+  const std::string name = like.file().empty() ? "the clip" : Printable(like.file(), kMaxSource);
+  const std::string rig = like.rig().empty() ? "auto" : like.rig();
+  if (const std::string_view other = OtherFormat(like.clip()); !other.empty()) {
+    return Malformed(name + ": found " + std::string(other) +
+                     ", expected BVH, glTF binary (.glb) or VRMA");
+  }
+  const auto read =
+      clip::IsGltfBinary(like.clip()) ? ReadGltf(like, name, rig) : ReadBvh(like, name, rig);
+  if (!read.ok()) return Malformed(read.status().message());
+  const auto& [own, own_hz] = read.value();
+  const double length_s = static_cast<double>(own.size() - 1) / own_hz;
   if (length_s > kLongestExample_s) {
     return Malformed(name + ": found " + NumberText(static_cast<float>(length_s), 2) +
                      " s, expected at most " + NumberText(static_cast<float>(kLongestExample_s)));
   }
-  poses = clip::ResamplePoses(clip::ToCanonical(clip.value(), bound.value()), clip.value().rate_hz,
-                              rate_hz);
+  poses = clip::ResamplePoses(own, own_hz, static_cast<double>(model.rate_hz));
   if (static_cast<int>(poses.size()) < space.least_frames()) {
     return Malformed(name + ": found " + std::to_string(poses.size()) + " frames at " +
                      NumberText(model.rate_hz) + " Hz, expected at least " +
@@ -81,23 +74,8 @@ Refusal ReadClip(const v1::Like& like, const net::Model& model, const net::Style
   return {};
 }
 
-// The distance of a code of huge numbers overflows, and it could not be limited.
-bool Usable(const net::StyleCode& code, const net::StyleSpace& space) {
-  return std::all_of(code.begin(), code.end(), [](float x) { return std::isfinite(x); }) &&
-         std::isfinite(space.Nearest(code).distance);
-}
-
-Refusal ReadCode(const v1::Like& like, const net::StyleSpace& space, net::StyleCode& code) {
-  code.assign(like.code().begin(), like.code().end());
-  if (!space.IsCode(code)) {
-    return Malformed("code: found " + std::to_string(code.size()) +
-                     " numbers, expected as many as these weights' codes have, " +
-                     std::to_string(space.MakeCode({.sources = {{.style = 0}}}).size()) +
-                     " or, of an example, more");
-  }
-  if (!Usable(code, space)) return Malformed("code: expected finite numbers, not huge ones");
-  code = space.Limited(code);
-  return {};
+net::StyleCode CodeOf(const google::protobuf::RepeatedField<float>& numbers) {
+  return {numbers.begin(), numbers.end()};
 }
 
 Refusal CheckExample(const v1::Like& like, const net::Stylizer& network) {
@@ -117,7 +95,11 @@ Refusal CheckExample(const v1::Like& like, const net::Stylizer& network) {
     return Malformed("learn_s: found " + NumberText(learn_s) + ", expected " +
                      NumberText(kShortestTake_s) + " to " + NumberText(kLongestExample_s) + " s");
   }
-  return {};
+  if (like.neutral_code_size() == 0) return {};
+  if (like.has_vary()) {
+    return Malformed("neutral_code: found it with vary, expected it with clip, code or learn_s");
+  }
+  return CheckCode(*network.space(), CodeOf(like.neutral_code()), "neutral_code");
 }
 
 Refusal FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
@@ -137,70 +119,96 @@ Refusal FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
     return {v1::CODE_OUT_OF_RANGE, "vary: amount: found " + NumberText(request.amount) +
                                        ", expected 0 to " + NumberText(net::kMaxStrength)};
   }
-  request.sources = {{.style = style, .seed = vary.seed()}};
+  // The same style of the network that has variations; every network has neutral.
+  const int varying = style == 0 ? 0 : net::VaryingStyle(styles, style);
+  if (varying < 0) {
+    return {v1::CODE_NO_EXAMPLES, "vary: \"" + styles[static_cast<std::size_t>(style)].name +
+                                      "\": its network has no variations"};
+  }
+  request.sources = {{.style = varying, .seed = vary.seed()}};
   return {};
 }
 
+// The code, and what it is made of: poses for `example`, seconds in `style`.
 Refusal MakeCode(const v1::Like& like, const RuntimeConfig& running,
-                 std::span<const body::Pose> take, net::StyleCode& code, float& seconds) {
+                 std::span<const body::Pose> take, MadeStyle& style,
+                 std::vector<body::Pose>& example) {
   const net::Model& model = running.network->model();
   const net::StyleSpace& space = *running.network->space();
-  if (like.code_size() > 0) return ReadCode(like, space, code);
   net::StyleRequest request;
-  std::vector<body::Pose> poses(take.begin(), take.end());
   Refusal refusal;
-  if (like.has_vary()) {
+  example.assign(take.begin(), take.end());
+  if (like.code_size() > 0) {
+    style.code = CodeOf(like.code());
+  } else if (like.has_vary()) {
     refusal = FindVariation(like.vary(), running, request);
+    style.source = like.vary().style() + ", variation " + std::to_string(like.vary().seed());
   } else {
-    if (take.empty()) refusal = ReadClip(like, model, space, poses, seconds);
-    request.sources = {{.style = -1, .seed = {}, .reference = poses}};
+    if (take.empty()) refusal = ReadClip(like, model, space, example, style.seconds);
+    request.sources = {{.style = -1, .seed = {}, .reference = example}};
   }
-  if (refusal.code != v1::CODE_OK) return refusal;
-  if (!take.empty()) seconds = like.learn_s();
-  code = space.MakeCode(request);
-  if (Usable(code, space)) return {};
-  return Malformed("the network finds no style in the example: its code is not finite");
+  if (!refusal.ok()) return refusal;
+  if (!take.empty()) style.seconds = like.learn_s();
+  const char* const what = like.code_size() > 0 ? "code" : "the example's code";
+  if (like.code_size() == 0) style.code = space.MakeCode(request);
+  refusal = CheckCode(space, style.code, what);
+  if (!refusal.ok() || like.neutral_code_size() == 0) return refusal;
+  style.code = space.Difference(style.code, CodeOf(like.neutral_code()));
+  return CheckCode(space, style.code, "the difference to neutral_code");
 }
 
-bool Accept(const Refusal& refusal, v1::Reply& reply) {
-  if (refusal.code == v1::CODE_OK) return true;
-  reply.set_code(refusal.code);
-  reply.set_reason("like: " + refusal.reason);
-  return false;
+// The style's code and distance as it would be.
+void Measure(const RuntimeConfig& running, MadeStyle& style) {
+  const net::StyleSpace& space = *running.network->space();
+  style.code = space.Limited(style.code);
+  const net::NearestStyle nearest = space.Nearest(style.code);
+  style.nearest = running.network->model().styles[static_cast<std::size_t>(nearest.style)].name;
+  style.distance = nearest.distance;
 }
 
 }  // namespace
 
-bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& reply) {
-  Place place;
-  return Accept(FindPlace(running, like.name(), place), reply) &&
-         Accept(CheckExample(like, *running.network), reply);
+void Say(const MadeStyle& style, v1::LikeReply& said) {
+  said.set_name(style.name);
+  said.set_nearest(style.nearest);
+  said.set_distance(style.distance);
+  said.set_seconds(style.seconds);
+  *said.mutable_code() = {style.code.begin(), style.code.end()};
 }
 
-std::shared_ptr<const RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& like,
-                                              std::span<const body::Pose> take, v1::Reply& reply) {
+bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& reply) {
   Place place;
-  net::StyleCode code;
-  float seconds = 0;
-  const bool made_code = CheckLike(running, like, reply) &&
-                         Accept(FindPlace(running, like.name(), place), reply) &&
-                         Accept(MakeCode(like, running, take, code, seconds), reply);
-  if (!made_code) return nullptr;
-  const net::StyleSpace& space = *running.network->space();
-  auto made = std::make_shared<RuntimeConfig>(running);
-  if (place.replaced >= 0) made->network = made->network->Retired(place.replaced);
-  made->network = made->network->With(place.number, {.name = like.name()}, code);
-  const net::NearestStyle nearest = space.Nearest(code);
-  v1::LikeReply& said = *reply.mutable_like();
-  said.set_name(like.name());
-  said.set_nearest(running.network->model().styles[static_cast<std::size_t>(nearest.style)].name);
-  said.set_distance(nearest.distance);
-  said.set_seconds(seconds);
-  said.mutable_code()->Add(code.begin(), code.end());
+  return (like.measure() || FindPlace(running, like.name(), place).Accept("like", reply)) &&
+         CheckExample(like, *running.network).Accept("like", reply);
+}
+
+std::shared_ptr<RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& like,
+                                        std::span<const body::Pose> take, v1::Reply& reply,
+                                        std::vector<body::Pose>* example) {
+  MadeStyle style;
+  style.name = like.name();
+  style.source = Printable(like.file(), kMaxSource);
+  style.licence = running.network->model().licence;
+  std::vector<body::Pose> poses;
+  if (!CheckLike(running, like, reply) ||
+      !MakeCode(like, running, take, style, poses).Accept("like", reply)) {
+    return nullptr;
+  }
+  std::shared_ptr<RuntimeConfig> made;
+  if (like.measure()) {
+    Measure(running, style);
+    Say(style, *reply.mutable_like());
+  } else {
+    made = std::make_shared<RuntimeConfig>(running);
+    if (!PutStyle(std::move(style), *made).Accept("like", reply)) return nullptr;
+    Say(*made->made.at(like.name()), *reply.mutable_like());
+  }
   like.clear_clip();
   like.clear_learn_s();
   like.clear_vary();
-  *like.mutable_code() = said.code();
+  like.clear_neutral_code();
+  *like.mutable_code() = reply.like().code();
+  if (example != nullptr) *example = std::move(poses);
   return made;
 }
 

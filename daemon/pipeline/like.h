@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "daemon/pipeline/runtime_config.h"
 #include "model/body/pose.h"
@@ -16,13 +17,18 @@ inline constexpr float kShortestTake_s = 1;
 // take one. Else fills code and reason of `reply`. Any thread.
 bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& reply);
 
+// What a reply says of a style.
+void Say(const MadeStyle& style, v1::LikeReply& said);
+
 // Does the part of a Like that is not the pipeline's: reads the clip, finds the style's code, and
-// makes a configuration whose network has the style; null after an error. Fills code, reason and
-// result of `reply`. `take`: what a performer showed for Like.learn_s, at the network's rate. In
-// `like` the example is then replaced by the code, so that a recording holds the style and not the
-// example. Blocks (10 s of clip: a tenth of a second); allocates; any thread, but not the
+// makes a configuration whose network has the style; null after an error, and for Like.measure.
+// Fills code, reason and result of `reply`. `take`: what a performer showed for Like.learn_s, at
+// the network's rate. In `like` the example is then replaced by the code, so that a recording holds
+// the style and not the example. `example`, if given: the example's poses at the network's rate;
+// empty without one. Blocks (10 s of clip: a tenth of a second); allocates; any thread, but not the
 // pipeline's. Pinned by tests/e2e/like_test.cpp.
-std::shared_ptr<const RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& like,
-                                              std::span<const body::Pose> take, v1::Reply& reply);
+std::shared_ptr<RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& like,
+                                        std::span<const body::Pose> take, v1::Reply& reply,
+                                        std::vector<body::Pose>* example = nullptr);
 
 }  // namespace styled::pipeline

@@ -43,10 +43,10 @@ struct Reload {
 struct Mailboxes {
   runtime::Ring<std::unique_ptr<Exchange>, 64> commands;  // control -> pipeline
   runtime::Ring<std::unique_ptr<Exchange>, 64> replies;   // pipeline -> control
-  runtime::Ring<std::unique_ptr<Exchange>, 4> examples;   // control -> supervisor: Like
-  runtime::Ring<std::unique_ptr<Exchange>, 4> takes;      // pipeline -> supervisor
-  runtime::Ring<Reload, 4> reloads;                       // supervisor -> pipeline
-  runtime::Ring<Event, 256> events;                       // pipeline -> supervisor
+  runtime::Ring<std::unique_ptr<Exchange>, 4> examples;  // control -> supervisor (style_requests.h)
+  runtime::Ring<std::unique_ptr<Exchange>, 4> takes;     // pipeline -> supervisor
+  runtime::Ring<Reload, 4> reloads;                      // supervisor -> pipeline
+  runtime::Ring<Event, 256> events;                      // pipeline -> supervisor
   runtime::Ring<std::unique_ptr<std::vector<Profile>>, 4>
       profiles;  // pipeline -> supervisor: to keep
   runtime::Wakeup wake_pipeline, wake_control, wake_supervisor;

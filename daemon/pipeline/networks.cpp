@@ -1,15 +1,14 @@
 #include "daemon/pipeline/networks.h"
 
-#include <array>
-#include <cstdio>
 #include <span>
 #include <utility>
 
+#include "daemon/pipeline/placing.h"
 #include "model/net/safetensors.h"
 #include "model/net/several.h"
 #include "model/net/shipped_weights.h"
 #include "model/trial/trial.h"
-#include "proto/recording/reader.h"
+#include "proto/recording/writer.h"
 #include "proto/rigs/native/datagram.h"
 
 namespace styled::pipeline {
@@ -17,12 +16,6 @@ namespace {
 
 constexpr const char* kNone = "none";
 constexpr const char* kShippedExamples = "graph";
-
-std::string HashText(std::uint32_t crc) {
-  std::array<char, 24> text{};
-  std::snprintf(text.data(), text.size(), "crc32c:%08x", crc);
-  return text.data();
-}
 
 }  // namespace
 

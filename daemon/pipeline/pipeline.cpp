@@ -117,12 +117,12 @@ void Pipeline::Answer(Exchange& exchange) {
 int Pipeline::DoReloads() {
   Reload reload;
   if (!to_.mailboxes.reloads.Pop(reload)) return 0;
+  const bool done = reload.exchange != nullptr && reload.exchange->reply.code() == v1::CODE_OK;
+  // Looks name styles as the new configuration does before it resolves them.
+  if (done) commands_.FollowStyles(reload.exchange->request, reload.exchange->reply);
   if (reload.config != nullptr) TakeOver(std::move(reload.config), reload.exchange == nullptr);
-  if (reload.exchange != nullptr) {
-    Exchange& exchange = *reload.exchange;
-    if (exchange.reply.code() == v1::CODE_OK) commands_.Show(exchange.request, exchange.reply);
-    Return(std::move(reload.exchange));
-  }
+  if (done) commands_.Show(reload.exchange->request, reload.exchange->reply);
+  if (reload.exchange != nullptr) Return(std::move(reload.exchange));
   return 1;
 }
 

@@ -18,7 +18,16 @@ bool ProperName(const net::Styles& styles, std::string& style, std::string& why)
     return true;
   }
   why = "no style \"" + Printable(style, 80) + "\"; expected one of";
-  for (std::size_t i = 1; i < styles.size(); ++i) why += (i == 1 ? " " : ", ") + styles[i].name;
+  constexpr std::size_t kListed = 40;
+  std::size_t listed = 0, more = 0;
+  for (std::size_t i = 1; i < styles.size(); ++i) {
+    if (styles[i].retired || listed == kListed) {
+      more += static_cast<std::size_t>(!styles[i].retired);
+      continue;
+    }
+    why += (++listed == 1 ? " " : ", ") + styles[i].name;
+  }
+  if (more > 0) why += " and " + std::to_string(more) + " more";
   return false;
 }
 
@@ -138,6 +147,19 @@ bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
       stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
   why = error != stylist::SettingsError::kNone ? Explain(error) : WithoutVariations(look, styles);
   return why.empty();
+}
+
+bool ReplaceStyle(const std::string& name, const std::string& to, v1::Look& look) {
+  bool named = look.input_style() == name;
+  if (named) look.set_input_style(to);
+  auto& mix = *look.mutable_mix();
+  for (int i = mix.size() - 1; i >= 0; --i) {
+    if (mix[i].style() != name) continue;
+    named = true;
+    to.empty() ? mix.DeleteSubrange(i, 1) : mix[i].set_style(to);
+  }
+  if (named && to.empty()) look.clear_preset();
+  return named;
 }
 
 std::vector<v1::Request> AsRequests(const Profile& profile) {

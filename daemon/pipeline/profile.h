@@ -67,6 +67,11 @@ bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
 // spelling. Returns false with the reason in `why` if the network has no such style.
 bool ProperNames(const net::Styles& styles, v1::Look& change, std::string& why);
 
+// Replaces a style by its name in a look's mix and input_style; `to` "": takes it out, and a look
+// without another style goes to bypass. A preset that the look was of is none then. Returns whether
+// the look named it.
+bool ReplaceStyle(const std::string& name, const std::string& to, v1::Look& look);
+
 // The control requests that restore these settings: a set, and a pin for a pinned performer. A
 // preset's name and a calibration are left out, because requests cannot restore them.
 std::vector<v1::Request> AsRequests(const Profile& profile);

@@ -69,7 +69,11 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
   }
   made->style = config.style;
   made->presets = config.presets;
-  if (running != nullptr && made->network == running->network) made->kept = running->kept;
+  if (running != nullptr && made->network == running->network) {
+    made->made = running->made;
+    made->last_place = running->last_place;
+    made->kept = running->kept;
+  }
   ReadLibrary(*made);
   const Status status = CheckStyles(config, made->network->model().styles);
   if (!status.ok()) return status;
@@ -84,6 +88,7 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
     made->outputs.push_back(KeepUnchanged(std::move(read.value()), running));
   }
   made->weights_name = networks.value().names;
+  made->weights_crc = networks.value().crc;
   made->performers = config.performers;
   for (const auto& cue : config.cues) {
     auto checked = MakeCue(cue, config.presets, made->network->model().styles);

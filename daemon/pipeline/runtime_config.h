@@ -8,6 +8,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/pipeline/cues.h"
+#include "daemon/pipeline/made_style.h"
 #include "daemon/pipeline/retarget_output.h"
 #include "model/base/status.h"
 #include "model/net/stylizer.h"
@@ -20,10 +21,13 @@ namespace styled::pipeline {
 // supervisor makes it; it is immutable and shared with the pipeline thread.
 struct RuntimeConfig {
   std::shared_ptr<const net::Stylizer> network;
-  int own_styles = 0;          // of the weights file; those behind it were added (like.h)
-  std::string weights_name;    // file names, for status
-  std::string weights_hash;    // of the file whose network makes styles of examples
-  std::set<std::string> kept;  // the styles behind own_styles that the library has (library.h)
+  int own_styles = 0;             // of the weights files; those behind it were added (placing.h)
+  int last_place = 0;             // of a style that was added
+  MadeStyles made;                // the latter, by name, but those that are retired
+  std::string weights_name;       // file names, for status
+  std::uint32_t weights_crc = 0;  // of all their bytes
+  std::string weights_hash;       // of the file whose network makes styles of examples
+  std::set<std::string> kept;     // of `made`, those that the library has (library.h)
   std::vector<std::string> complaints;  // what the library has and cannot be used, for the log
   config::Performers performers;
   config::Style style;

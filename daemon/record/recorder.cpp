@@ -26,7 +26,8 @@ std::vector<recording::Origin> OriginsOf(const config::Config& config,
 }
 
 bool Changes(const v1::Request& request) {
-  return !request.has_list() && !request.has_status() &&
+  return !request.has_list() && !request.has_status() && !request.has_preview() &&
+         !request.has_export_style() && !request.like().measure() &&
          request.command_case() != v1::Request::COMMAND_NOT_SET;
 }
 

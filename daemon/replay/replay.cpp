@@ -11,9 +11,9 @@
 
 #include "daemon/config/sources.h"
 #include "daemon/pipeline/keeping.h"
-#include "daemon/pipeline/like.h"
 #include "daemon/pipeline/networks.h"
 #include "daemon/pipeline/runtime_config.h"
+#include "daemon/pipeline/style_requests.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/host_port.h"
 #include "daemon/source/cut_reader.h"
@@ -184,15 +184,23 @@ class Recorded final : public source::Transport {
 // Sources may share a name, but not both name and type.
 std::string KeyOf(const std::string& name, const std::string& type) { return name + " " + type; }
 
+// A replay reads the library's styles and leaves its files alone.
+std::shared_ptr<const pipeline::RuntimeConfig> WithoutLibrary(
+    const pipeline::RuntimeConfig& config) {
+  auto without = std::make_shared<pipeline::RuntimeConfig>(config);
+  without->style.library.clear();
+  return without;
+}
+
 class Player {
  public:
   Player(const config::Config& config,
-         std::shared_ptr<const pipeline::RuntimeConfig> runtime_config, const Options& options,
-         const std::map<std::string, std::string>& senders, runtime::Counters& counters,
-         const Sink& sink)
+         const std::shared_ptr<const pipeline::RuntimeConfig>& runtime_config,
+         const Options& options, const std::map<std::string, std::string>& senders,
+         runtime::Counters& counters, const Sink& sink)
       : commands_(options.commands),
         collector_(clock_, options.subscription, sink),
-        runtime_config_(std::move(runtime_config)) {
+        runtime_config_(WithoutLibrary(*runtime_config)) {
     std::vector<std::string> names;
     std::vector<std::unique_ptr<source::Transport>> transports;
     for (std::size_t i = 0; i < config.sources.size(); ++i) {
@@ -228,8 +236,9 @@ class Player {
     } else if (record.has_command() && commands_) {
       auto exchange = std::make_unique<pipeline::Exchange>();
       exchange->request = record.command().request();
-      if (exchange->request.has_like()) {
-        MakeStyle(std::move(exchange));
+      // A recorded take has become a code.
+      if (pipeline::IsStyleRequest(exchange->request)) {
+        DoStyleRequest(std::move(exchange));
       } else {
         (void)mailboxes_.commands.Push(std::move(exchange));
       }
@@ -241,10 +250,9 @@ class Player {
   void Finish() { PassTimeUntil(clock_.now_ns + runtime::kSecond_ns / 5); }
 
  private:
-  // What the supervisor does live; the recording holds the style's code.
-  void MakeStyle(std::unique_ptr<pipeline::Exchange> exchange) {
-    auto made = pipeline::AddStyle(*runtime_config_, *exchange->request.mutable_like(), {},
-                                   exchange->reply);
+  // What the supervisor does live.
+  void DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange) {
+    auto made = style_requests_.Do(*runtime_config_, *exchange);
     if (made != nullptr) runtime_config_ = made;
     (void)mailboxes_.reloads.Push({std::move(made), std::move(exchange)});
   }
@@ -275,6 +283,7 @@ class Player {
   Collector collector_;
   pipeline::Mailboxes mailboxes_;
   std::shared_ptr<const pipeline::RuntimeConfig> runtime_config_;
+  pipeline::StyleRequests style_requests_;
   std::map<std::string, Recorded*> sources_;
   std::unique_ptr<pipeline::Pipeline> pipeline_;
 };

@@ -7,7 +7,8 @@
 namespace styled::net {
 
 // The limits of what a user may request of a network, whatever its family: defined here only.
-inline constexpr int kMaxStyles = 32;             // of a network, neutral included
+inline constexpr int kMaxStyles = 32;             // of a weights file, neutral included
+inline constexpr int kMaxAdded = 1024;            // more, that With adds (stylizer.h)
 inline constexpr std::size_t kMaxStyleName = 32;  // bytes of the name of a style that is added
 inline constexpr int kMaxMix = 4;                 // styles that a user may mix
 inline constexpr int kMaxActive = 8;  // styles in effect: a mix and the one it fades from

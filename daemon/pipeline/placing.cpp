@@ -1,0 +1,189 @@
+#include "daemon/pipeline/placing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <span>
+#include <utility>
+
+#include "daemon/pipeline/profile.h"
+#include "model/base/text.h"
+#include "proto/rigs/native/datagram.h"
+
+namespace styled::pipeline {
+namespace {
+
+constexpr std::size_t kShownName = 80;   // most bytes of a name that a reason quotes
+constexpr std::size_t kListedMade = 16;  // most names
+// Places of retired styles beyond net::kMaxAdded, in which they fade out.
+constexpr int kSpare = 64;
+
+bool Names(const v1::Look& look, const net::Styles& styles, int number) {
+  const auto is = [&](const std::string& name) {
+    return !name.empty() && net::FindStyle(styles, name) == number;
+  };
+  return is(look.input_style()) ||
+         std::any_of(look.mix().begin(), look.mix().end(),
+                     [&is](const v1::StyleWeight& entry) { return is(entry.style()); });
+}
+
+// Refuses a style that the configuration file names: the daemon would not start with the file
+// again.
+Refusal CheckUnnamed(const RuntimeConfig& config, int number, const std::string& name) {
+  const net::Styles& styles = config.network->model().styles;
+  std::string where;
+  for (const config::Preset& preset : config.presets) {
+    if (Names(preset.look, styles, number)) where = "preset " + preset.name;
+  }
+  for (const Cue& cue : config.cues) {
+    if (Names(cue.request.set(), styles, number)) where = "cue " + cue.name;
+  }
+  if (Names(config.style.look, styles, number)) where = "style.input_style";
+  if (FindPreset(config.style.initial, config.presets) == nullptr &&
+      !config.style.initial.empty() && net::FindStyle(styles, config.style.initial) == number) {
+    where = "style.initial";
+  }
+  if (where.empty()) return {};
+  return Malformed("\"" + name + "\": " + where +
+                   " of the configuration names it; change the configuration first");
+}
+
+}  // namespace
+
+Refusal FindPlace(const RuntimeConfig& config, const std::string& name, Place& place) {
+  if (!config::IsName(name) || name.size() > net::kMaxStyleName) {
+    return Malformed("name \"" + Printable(name, kShownName) + "\": expected 1 to " +
+                     std::to_string(net::kMaxStyleName) + " of A-Z a-z 0-9 _ -");
+  }
+  if (FindPreset(name, config.presets) != nullptr) {
+    return Malformed("name \"" + name + "\": a preset has it");
+  }
+  const net::Styles& styles = config.network->model().styles;
+  const int own = config.own_styles;
+  place.replaced = net::FindStyle(styles, name);
+  if (place.replaced >= 0 && place.replaced < own) {
+    return Malformed("name \"" + name + "\": a style of the weights has it, \"" +
+                     styles[static_cast<std::size_t>(place.replaced)].name + "\"");
+  }
+  const std::size_t others = config.made.size() - (place.replaced < 0 ? 0 : 1);
+  if (others >= static_cast<std::size_t>(net::kMaxAdded)) {
+    return {v1::CODE_BUSY, "there are " + std::to_string(net::kMaxAdded) +
+                               " made styles already, the most that there can be"};
+  }
+  const int count = static_cast<int>(styles.size());
+  place.number = count;
+  if (count < own + net::kMaxAdded + kSpare) return {};
+  // The retired one that was placed longest ago: it has faded out.
+  place.number = std::max(config.last_place, own);
+  do {
+    place.number = place.number + 1 < count ? place.number + 1 : own;
+  } while (!styles[static_cast<std::size_t>(place.number)].retired);
+  return {};
+}
+
+Refusal FindMade(const RuntimeConfig& config, const std::string& name,
+                 std::shared_ptr<const MadeStyle>& style) {
+  const net::Styles& styles = config.network->model().styles;
+  const int number = net::FindStyle(styles, name);
+  if (number >= 0) {
+    const std::string& proper = styles[static_cast<std::size_t>(number)].name;
+    const auto found = config.made.find(proper);
+    if (number < config.own_styles || found == config.made.end()) {
+      return Malformed("\"" + proper + "\": is a style of the weights, expected one that was made");
+    }
+    style = found->second;
+    return {};
+  }
+  std::string reason = "no style \"" + Printable(name, kShownName) + "\"; those that were made are";
+  std::size_t listed = 0;
+  for (const auto& [made, unused] : config.made) {
+    if (++listed > kListedMade) break;
+    reason += " " + made;
+  }
+  if (config.made.size() > kListedMade) {
+    reason += " and " + std::to_string(config.made.size() - kListedMade) + " more";
+  }
+  return {v1::CODE_UNKNOWN_STYLE,
+          config.made.empty() ? reason.substr(0, reason.find(';')) + "; none was made" : reason};
+}
+
+Refusal CheckCode(const net::StyleSpace& space, const net::StyleCode& code,
+                  const std::string& what) {
+  if (!space.IsCode(code)) {
+    return Malformed(what + ": found " + std::to_string(code.size()) +
+                     " numbers, expected as many as these weights' codes have, " +
+                     std::to_string(space.MakeCode({.sources = {{.style = 0}}}).size()) +
+                     " or, of an example, more");
+  }
+  // The distance of a code of huge numbers overflows, and it could not be limited.
+  const bool usable =
+      std::all_of(code.begin(), code.end(), [](float x) { return std::isfinite(x); }) &&
+      std::isfinite(space.Nearest(code).distance);
+  return usable ? Refusal() : Malformed(what + ": expected finite numbers, not huge ones");
+}
+
+Refusal PutStyle(MadeStyle style, RuntimeConfig& config) {
+  const net::StyleSpace* const space = config.network->space();
+  if (space == nullptr) {
+    return {v1::CODE_NO_EXAMPLES, "the weights of family \"" + config.network->model().family +
+                                      "\" have no style encoder; expected weights that have one"};
+  }
+  Place place;
+  if (auto refusal = FindPlace(config, style.name, place); !refusal.ok()) return refusal;
+  if (auto refusal = CheckCode(*space, style.code, "code"); !refusal.ok()) return refusal;
+  style.code = space->Limited(style.code);
+  const net::NearestStyle nearest = space->Nearest(style.code);
+  style.nearest = config.network->model().styles[static_cast<std::size_t>(nearest.style)].name;
+  style.distance = nearest.distance;
+  if (place.replaced >= 0) {
+    config.made.erase(
+        config.network->model().styles[static_cast<std::size_t>(place.replaced)].name);
+    config.network = config.network->Retired(place.replaced);
+  }
+  config.network = config.network->With(place.number, {.name = style.name}, style.code);
+  config.last_place = place.number;
+  const std::string name = style.name;
+  config.made[name] = std::make_shared<const MadeStyle>(std::move(style));
+  return {};
+}
+
+Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config) {
+  const int number = net::FindStyle(config.network->model().styles, style.name);
+  if (to == style.name) return Malformed("name \"" + to + "\": is its name already");
+  Place place;
+  if (auto refusal = FindPlace(config, to, place);
+      !refusal.ok() && refusal.code != v1::CODE_BUSY) {  // no room is needed
+    return refusal;
+  }
+  if (place.replaced >= 0 && place.replaced != number) {
+    return Malformed("name \"" + to + "\": another style that was made has it");
+  }
+  if (auto refusal = CheckUnnamed(config, number, style.name); !refusal.ok()) return refusal;
+  MadeStyle renamed = style;
+  renamed.name = to;
+  config.network = config.network->With(number, {.name = to}, style.code);
+  config.made.erase(style.name);
+  config.made[to] = std::make_shared<const MadeStyle>(std::move(renamed));
+  return {};
+}
+
+Refusal RemoveStyle(const MadeStyle& style, RuntimeConfig& config) {
+  const int number = net::FindStyle(config.network->model().styles, style.name);
+  if (auto refusal = CheckUnnamed(config, number, style.name); !refusal.ok()) return refusal;
+  config.network = config.network->Retired(number);
+  config.made.erase(style.name);
+  return {};
+}
+
+std::string HashText(std::uint32_t crc) {
+  std::array<char, 24> text{};
+  std::snprintf(text.data(), text.size(), "crc32c:%08x", crc);
+  return text.data();
+}
+
+std::string HashOf(const std::string& bytes) {
+  return HashText(native::Crc32c(std::as_bytes(std::span(bytes.data(), bytes.size()))));
+}
+
+}  // namespace styled::pipeline

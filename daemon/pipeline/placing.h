@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "daemon/pipeline/made_style.h"
+#include "daemon/pipeline/refusal.h"
+#include "daemon/pipeline/runtime_config.h"
+
+// Styles that are made while the daemon runs, among those of a configuration's network. Any thread;
+// allocates; not the pipeline's thread. Pinned by tests/e2e/style_library_test.cpp.
+namespace styled::pipeline {
+
+// Where a style goes among those of the network.
+struct Place {
+  int number = -1;
+  int replaced = -1;  // the style that had the name, or -1
+};
+
+// Refuses a name that is malformed, a preset's or one of the weights' styles; and any if there are
+// net::kMaxAdded already.
+Refusal FindPlace(const RuntimeConfig& config, const std::string& name, Place& place);
+
+// The style that has this name, in any case, among those that were made.
+Refusal FindMade(const RuntimeConfig& config, const std::string& name,
+                 std::shared_ptr<const MadeStyle>& style);
+
+// Puts the style into the configuration, in place of one of its name that was made: who moves in
+// that fades over. Fills nearest and distance. Refused, with the configuration as it was: as
+// FindPlace, weights without a space of styles, and a code that does not fit them.
+Refusal PutStyle(MadeStyle style, RuntimeConfig& config);
+
+// Gives a made style another name; who moves in it goes on. Refuses as FindPlace, a name that is
+// taken, and a style that the configuration's presets, cues or [style] name.
+Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config);
+
+// Takes a made style out; who moves in it fades. Refuses a style that the configuration names.
+Refusal RemoveStyle(const MadeStyle& style, RuntimeConfig& config);
+
+// The code, as far as the weights can be asked for it. Refuses one of another size, and numbers
+// that are not finite or huge.
+Refusal CheckCode(const net::StyleSpace& space, const net::StyleCode& code,
+                  const std::string& what);
+
+// "crc32c:" and eight digits.
+std::string HashText(std::uint32_t crc);
+std::string HashOf(const std::string& bytes);
+
+}  // namespace styled::pipeline

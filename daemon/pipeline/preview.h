@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "daemon/pipeline/runtime_config.h"
+#include "proto/styled/v1/control.pb.h"
+
+namespace styled::pipeline {
+
+// Small moving figures of styles (v1::PreviewReply): two strides of the built-in performer's
+// walk in a style. They loop: the first frames fade over from those behind the last. Each is
+// computed once, in some 30 ms, and kept until its style is another or the weights are. The
+// supervisor's thread; allocates. Pinned by tests/e2e/style_library_test.cpp.
+class Previews {
+ public:
+  // Answers for a style by its name or alias. CODE_UNKNOWN_STYLE: there is none.
+  void Make(const RuntimeConfig& config, const std::string& style, v1::Reply& reply);
+
+ private:
+  struct Kept {
+    std::uint32_t weights_crc = 0;
+    std::shared_ptr<const MadeStyle> style;  // null: of the weights
+    v1::PreviewReply preview;
+  };
+  std::map<std::string, Kept> kept_;  // by the style's name
+};
+
+}  // namespace styled::pipeline

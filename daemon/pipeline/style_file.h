@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "daemon/pipeline/runtime_config.h"
+#include "model/base/status.h"
+
+// The file of a style that was made of an example, as the library keeps it and clients exchange it:
+// a JSON object with "format": "styled style 1", "name", "weights" (their hash: the code means
+// something to them alone), "licence" (theirs), "source", "seconds", "nearest", "distance",
+// "example" (hash of the kept example, library.h) and "code". Other keys are kept. Any thread;
+// allocates. Pinned by tests/e2e/style_library_test.cpp.
+namespace styled::pipeline {
+
+inline constexpr std::size_t kMaxStyleFileBytes = std::size_t{1} << 20U;
+
+// Reads a style of `config`'s weights. Errors begin with `file`, and name what was expected.
+// Whether the code fits the network is not looked at.
+Result<MadeStyle> ParseStyleFile(const std::string& text, const std::string& file,
+                                 const RuntimeConfig& config);
+// The text of the style's file.
+std::string FormatStyleFile(const MadeStyle& style, const RuntimeConfig& config);
+
+}  // namespace styled::pipeline

@@ -1,0 +1,177 @@
+#include "daemon/pipeline/style_requests.h"
+
+#include <utility>
+#include <vector>
+
+#include "daemon/pipeline/library.h"
+#include "daemon/pipeline/like.h"
+#include "daemon/pipeline/placing.h"
+#include "daemon/pipeline/style_file.h"
+#include "model/base/text.h"
+#include "model/clip/clip.h"
+#include "model/synthetic/performer.h"
+
+namespace styled::pipeline {
+namespace {
+
+// Poses as the text of a BVH file, of the canonical humanoid in metres.
+std::string AsBvh(const std::vector<body::Pose>& poses, double rate_hz) {
+  if (poses.empty()) return "";
+  clip::Clip clip;
+  clip.skeleton = synthetic::MakeSkeleton({});
+  clip.rate_hz = rate_hz;
+  clip.frames.reserve(poses.size());
+  for (const body::Pose& pose : poses) {
+    rig::RigPose& frame = clip.frames.emplace_back(clip.skeleton);
+    frame.translations[body::kHips] = pose.hips_position_m;
+    frame.rotations.assign(pose.rotations.begin(), pose.rotations.end());
+  }
+  return clip::FormatBvh(clip);
+}
+
+Refusal NotKept(const Status& status) {
+  return {v1::CODE_NOT_KEPT, "style.library: " + status.message() + "; nothing was changed"};
+}
+
+void Export(const RuntimeConfig& running, const v1::ExportStyle& wanted, v1::Reply& reply) {
+  std::shared_ptr<const MadeStyle> style;
+  if (!FindMade(running, wanted.name(), style).Accept("export", reply)) return;
+  reply.mutable_style_file()->set_name(style->name);
+  reply.mutable_style_file()->set_file(FormatStyleFile(*style, running));
+}
+
+}  // namespace
+
+bool IsStyleRequest(const v1::Request& request) {
+  switch (request.command_case()) {
+    case v1::Request::kLike:
+      return request.like().learn_s() == 0;
+    case v1::Request::kPreview:
+    case v1::Request::kExportStyle:
+    case v1::Request::kImportStyle:
+    case v1::Request::kRenameStyle:
+    case v1::Request::kRemoveStyle:
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::shared_ptr<const RuntimeConfig> StyleRequests::Do(const RuntimeConfig& running,
+                                                       Exchange& exchange) {
+  said_.clear();
+  error_.clear();
+  exchange.reply.set_id(exchange.request.id());
+  switch (exchange.request.command_case()) {
+    case v1::Request::kLike:
+      return Make(running, exchange);
+    case v1::Request::kImportStyle:
+      return Import(running, exchange);
+    case v1::Request::kRenameStyle:
+      return Rename(running, exchange);
+    case v1::Request::kRemoveStyle:
+      return Remove(running, exchange);
+    case v1::Request::kExportStyle:
+      Export(running, exchange.request.export_style(), exchange.reply);
+      return nullptr;
+    default:
+      previews_.Make(running, exchange.request.preview().style(), exchange.reply);
+      return nullptr;
+  }
+}
+
+std::shared_ptr<const RuntimeConfig> StyleRequests::Make(const RuntimeConfig& running,
+                                                         Exchange& exchange) {
+  v1::Like& like = *exchange.request.mutable_like();
+  if (like.learn_s() != 0 && like.file().empty()) like.set_file(exchange.request.performer());
+  std::vector<body::Pose> example;
+  const auto made = AddStyle(running, like, exchange.take, exchange.reply, &example);
+  if (made == nullptr) return nullptr;
+  const v1::LikeReply& reply = exchange.reply.like();
+  said_ = "style " + reply.name() + " made of an example; nearest to " + reply.nearest() + ", at " +
+          NumberText(reply.distance(), 2) + " of the distance of styles";
+  if (made->style.library.empty()) return made;
+  const std::string text = AsBvh(example, static_cast<double>(made->network->model().rate_hz));
+  MadeStyle style = *made->made.at(reply.name());
+  if (!text.empty()) style.example = HashOf(text);
+  made->made[reply.name()] = std::make_shared<const MadeStyle>(std::move(style));
+  const Status kept = KeepStyle(reply.name(), text, *made);
+  if (!kept.ok()) {
+    error_ = "style.library: " + kept.message() + "; the style will not survive a restart";
+  }
+  return made;
+}
+
+std::shared_ptr<const RuntimeConfig> StyleRequests::Import(const RuntimeConfig& running,
+                                                           Exchange& exchange) {
+  constexpr const char* kCommand = "import";
+  v1::Reply& reply = exchange.reply;
+  const v1::ImportStyle& wanted = exchange.request.import_style();
+  auto read = ParseStyleFile(wanted.file(), "the file", running);
+  if (!read.ok()) {
+    (void)Malformed(read.status().message()).Accept(kCommand, reply);
+    return nullptr;
+  }
+  MadeStyle& style = read.value();
+  if (!wanted.name().empty()) style.name = wanted.name();
+  const std::string name = style.name;
+  Place place;
+  if (!FindPlace(running, name, place).Accept(kCommand, reply)) return nullptr;
+  if (place.replaced >= 0 && !wanted.replace()) {
+    (void)Malformed("name \"" + name +
+                    "\": a style that was made has it; expected another name, or replace")
+        .Accept(kCommand, reply);
+    return nullptr;
+  }
+  auto made = std::make_shared<RuntimeConfig>(running);
+  if (!PutStyle(std::move(style), *made).Accept(kCommand, reply)) return nullptr;
+  if (const Status kept = KeepStyle(name, "", *made); !kept.ok()) {
+    (void)NotKept(kept).Accept(kCommand, reply);
+    return nullptr;
+  }
+  Say(*made->made.at(name), *reply.mutable_like());
+  said_ = "style " + name + " imported";
+  return made;
+}
+
+std::shared_ptr<const RuntimeConfig> StyleRequests::Rename(const RuntimeConfig& running,
+                                                           Exchange& exchange) {
+  constexpr const char* kCommand = "rename";
+  v1::Reply& reply = exchange.reply;
+  v1::RenameStyle& wanted = *exchange.request.mutable_rename_style();
+  std::shared_ptr<const MadeStyle> style;
+  auto made = std::make_shared<RuntimeConfig>(running);
+  if (!FindMade(running, wanted.name(), style).Accept(kCommand, reply) ||
+      !RenameStyle(*style, wanted.to(), *made).Accept(kCommand, reply)) {
+    return nullptr;
+  }
+  if (const Status kept = KeepRenamed(style->name, wanted.to(), *made); !kept.ok()) {
+    (void)NotKept(kept).Accept(kCommand, reply);
+    return nullptr;
+  }
+  wanted.set_name(style->name);  // as looks have it
+  said_ = "style " + style->name + " is called " + wanted.to() + " now";
+  return made;
+}
+
+std::shared_ptr<const RuntimeConfig> StyleRequests::Remove(const RuntimeConfig& running,
+                                                           Exchange& exchange) {
+  constexpr const char* kCommand = "remove";
+  v1::Reply& reply = exchange.reply;
+  v1::RemoveStyle& wanted = *exchange.request.mutable_remove_style();
+  std::shared_ptr<const MadeStyle> style;
+  auto made = std::make_shared<RuntimeConfig>(running);
+  if (!FindMade(running, wanted.name(), style).Accept(kCommand, reply) ||
+      !RemoveStyle(*style, *made).Accept(kCommand, reply)) {
+    return nullptr;
+  }
+  if (const Status kept = KeepRemoved(style->name, *made); !kept.ok()) {
+    (void)NotKept(kept).Accept(kCommand, reply);
+    return nullptr;
+  }
+  wanted.set_name(style->name);
+  said_ = "style " + style->name + " removed";
+  return made;
+}
+
+}  // namespace styled::pipeline

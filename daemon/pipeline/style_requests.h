@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+
+#include "daemon/pipeline/mailboxes.h"
+#include "daemon/pipeline/preview.h"
+#include "daemon/pipeline/runtime_config.h"
+
+// The requests whose work is not the pipeline's: to make, exchange, rename, remove and show styles.
+namespace styled::pipeline {
+
+// Whether the request goes to the supervisor first. Like.learn_s does not: the pipeline passes it
+// on once the performer has shown the style.
+bool IsStyleRequest(const v1::Request& request);
+
+// Does these requests, in the order in which they come, on the supervisor's thread: reads clips,
+// writes the library, computes. Blocks; allocates. Pinned by tests/e2e/style_library_test.cpp.
+class StyleRequests {
+ public:
+  // Fills the exchange's reply. Returns the configuration to take over before it is answered, or
+  // null: an error, or nothing changes.
+  std::shared_ptr<const RuntimeConfig> Do(const RuntimeConfig& running, Exchange& exchange);
+  // What the last Do() did, for the log; "" if there is nothing to say. A library that could not
+  // be written for a Like is an error that its reply does not have.
+  const std::string& said() const { return said_; }
+  const std::string& error() const { return error_; }
+
+ private:
+  std::shared_ptr<const RuntimeConfig> Make(const RuntimeConfig& running, Exchange& exchange);
+  std::shared_ptr<const RuntimeConfig> Import(const RuntimeConfig& running, Exchange& exchange);
+  std::shared_ptr<const RuntimeConfig> Rename(const RuntimeConfig& running, Exchange& exchange);
+  std::shared_ptr<const RuntimeConfig> Remove(const RuntimeConfig& running, Exchange& exchange);
+
+  Previews previews_;
+  std::string said_, error_;
+};
+
+}  // namespace styled::pipeline

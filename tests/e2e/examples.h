@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/support/daemon.h"
+
+// Weights that take examples, and examples.
+namespace styled::support {
+
+// Writes random weights of the causal network with the styles "neutral", "style1" ... "style3"
+// (aliases "s1" ...). Returns `file`.
+std::string CausalWeights(const std::string& file);
+// The synthetic performer's walk as the text of a BVH file.
+std::string WalkBvh(double rate_hz, double seconds);
+// The names of the daemon's styles, as it lists them.
+std::vector<std::string> StylesOf(const Daemon& daemon);
+
+}  // namespace styled::support
