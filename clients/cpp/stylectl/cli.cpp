@@ -13,6 +13,7 @@ int Run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err
   DeclareShowCommands(session);
   DeclareStyleCommands(session);
   DeclareMakingCommands(session);
+  DeclareStyles(session);
   DeclareCalibrate(session);
   DeclareDoctor(session);
   DeclareKeyCommands(session);

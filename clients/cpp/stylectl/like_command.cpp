@@ -24,10 +24,11 @@ struct Arguments {
   std::string name;
   std::optional<double> transition_ms;
   // like
-  std::string clip, rig = "auto";
+  std::string clip, rig = "auto", neutral_clip;
   bool unworn = false;
   // learn
   double seconds = 8;
+  std::optional<double> neutral_s;
   int countdown_s = 3;
   // vary
   std::string style;
@@ -88,24 +89,57 @@ int Make(Session& session, const Arguments& arguments, v1::Like request) {
   return kExitOk;
 }
 
-int Like(Session& session, const Arguments& arguments) {
-  auto clip = ReadFile(arguments.clip, kMaxClipBytes);
-  if (!clip.ok()) return session.Usage("like: --clip " + clip.status().message());
-  v1::Like request;
-  request.set_name(arguments.name.empty() ? NameOf(arguments.clip) : arguments.name);
-  request.set_clip(std::move(clip.value()));
-  request.set_file(std::filesystem::path(arguments.clip).filename());
-  request.set_rig(arguments.rig);
-  return Make(session, arguments, std::move(request));
+// Has the code of a neutral example measured, and writes it into the request.
+int MeasureNeutral(Session& session, v1::Like neutral, v1::Like& request) {
+  neutral.set_measure(true);
+  v1::LikeReply reply;
+  const client::CallStatus status = session.control().Like(session.performer, neutral, &reply);
+  if (!status.ok()) return session.Fail(status);
+  *request.mutable_neutral_code() = reply.code();
+  return kExitOk;
 }
 
-int Learn(Session& session, const Arguments& arguments) {
-  for (int left_s = arguments.countdown_s; left_s > 0; --left_s) {
+// Reads the example of a request. `option` is named in errors.
+int ReadExample(Session& session, const std::string& file, const char* option, v1::Like& request) {
+  auto clip = ReadFile(file, kMaxClipBytes);
+  if (!clip.ok()) return session.Usage("like: " + std::string(option) + clip.status().message());
+  request.set_clip(std::move(clip.value()));
+  request.set_file(std::filesystem::path(file).filename());
+  return kExitOk;
+}
+
+int Like(Session& session, const Arguments& arguments) {
+  v1::Like request, neutral;
+  request.set_name(arguments.name.empty() ? NameOf(arguments.clip) : arguments.name);
+  request.set_rig(arguments.rig);
+  neutral.set_rig(arguments.rig);
+  int code = ReadExample(session, arguments.clip, "--clip ", request);
+  if (code == kExitOk && !arguments.neutral_clip.empty()) {
+    code = ReadExample(session, arguments.neutral_clip, "--neutral ", neutral);
+    if (code == kExitOk) code = MeasureNeutral(session, std::move(neutral), request);
+  }
+  return code == kExitOk ? Make(session, arguments, std::move(request)) : code;
+}
+
+void CountDown(Session& session, int countdown_s, double seconds, const char* what) {
+  session.err << what;
+  for (int left_s = countdown_s; left_s > 0; --left_s) {
     session.err << left_s << "... " << std::flush;
     std::this_thread::sleep_for(std::chrono::seconds(1));
   }
-  session.err << "now, for " << NumberText(arguments.seconds, 1) << " s\n" << std::flush;
-  v1::Like request;
+  session.err << "now, for " << NumberText(seconds, 1) << " s\n" << std::flush;
+}
+
+int Learn(Session& session, const Arguments& arguments) {
+  v1::Like request, neutral;
+  if (arguments.neutral_s) {
+    CountDown(session, arguments.countdown_s, *arguments.neutral_s, "as usual: ");
+    neutral.set_learn_s(static_cast<float>(*arguments.neutral_s));
+    const int code = MeasureNeutral(session, std::move(neutral), request);
+    if (code != kExitOk) return code;
+  }
+  CountDown(session, arguments.countdown_s, arguments.seconds,
+            arguments.neutral_s ? "in the style: " : "");
   request.set_name(arguments.name);
   request.set_learn_s(static_cast<float>(arguments.seconds));
   return Make(session, arguments, std::move(request));
@@ -138,7 +172,11 @@ void DeclareLike(Session& session) {
   AddCommon(session, like, *arguments,
             "of the style, for all clients; an earlier one of this name that was made is replaced "
             "(default: the file's name)");
-  like->add_option("--clip", arguments->clip, "the example: a BVH file of 0.3 to 60 s")->required();
+  like->add_option("--clip", arguments->clip, "the example: BVH, glTF binary or VRMA, 0.3 to 60 s")
+      ->required();
+  like->add_option(
+      "--neutral", arguments->neutral_clip,
+      "a clip of the same performer moving as usual; only what differs from it counts");
   like->add_option("--rig", arguments->rig, "the example's rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();
   like->add_flag("--unworn", arguments->unworn,
@@ -155,7 +193,12 @@ void DeclareLearn(Session& session) {
   learn->add_option("--seconds", arguments->seconds, "how long the performer shows it")
       ->check(Number(1.0, 60.0))
       ->capture_default_str();
-  learn->add_option("--countdown", arguments->countdown_s, "seconds before that")
+  learn
+      ->add_option("--neutral", arguments->neutral_s,
+                   "so many seconds of the performer moving as usual first; only what differs "
+                   "from them counts")
+      ->check(Number(1.0, 60.0));
+  learn->add_option("--countdown", arguments->countdown_s, "seconds before each")
       ->check(CLI::Range(0, 60))
       ->capture_default_str();
 }

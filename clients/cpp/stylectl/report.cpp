@@ -115,6 +115,19 @@ std::string ListText(const v1::ListReply& list) {
   return out;
 }
 
+std::string StylesText(const v1::ListReply& list) {
+  std::vector<std::vector<std::string>> rows{{"STYLE", "OF", "NEAREST", "DISTANCE"}};
+  for (const auto& style : list.styles()) {
+    if (!style.made()) {
+      rows.push_back({style.name(), style.model().empty() ? "the weights" : style.model(), "", ""});
+      continue;
+    }
+    rows.push_back({style.name(), style.source().empty() ? "an example" : style.source(),
+                    style.nearest(), Fixed(static_cast<double>(style.distance()), 2)});
+  }
+  return Table(rows);
+}
+
 std::string StatusText(const v1::StatusReply& status, bool all_counters) {
   const v1::Stats& stats = status.stats();
   int live = 0;
@@ -207,6 +220,13 @@ json ListJson(const v1::ListReply& list) {
     entry["recognized"] = style.recognized() > 0 ? json(Rounded(style.recognized(), 3)) : json();
     entry["recorded_s"] = style.recorded_s() > 0 ? json(Rounded(style.recorded_s(), 1)) : json();
     entry["weak"] = style.weak();
+    entry["model"] = style.model();
+    entry["varies"] = style.varies();
+    entry["made"] = style.made();
+    if (!style.made()) continue;
+    entry["source"] = style.source();
+    entry["nearest"] = style.nearest();
+    entry["distance"] = Rounded(style.distance(), 3);
   }
   for (const auto& preset : list.presets()) {
     presets.push_back({{"name", preset.name()}, {"mix", MixJson(preset.mix())}});

@@ -79,7 +79,7 @@ int Session::Run(std::vector<std::string> arguments) {
     if (error.get_exit_code() == 0) return app.exit(error, out, err), kExitOk;
     return Unexpected(error.what());
   }
-  if (!run_) return Usage("a command is required; expected one of " + Join(Commands()));
+  if (!run_) return Usage("a command is required; expected one of " + Join(Commands(app)));
   const CLI::App* command = app.get_subcommands().front();
   if (folder_given &&
       std::find(with_key_folder.begin(), with_key_folder.end(), command) == with_key_folder.end()) {
@@ -100,9 +100,9 @@ int Session::Connect() {
   return kExitOk;
 }
 
-std::vector<std::string> Session::Commands() const {
+std::vector<std::string> Session::Commands(const CLI::App& of) {
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  for (const CLI::App* command : of.get_subcommands({})) names.push_back(command->get_name());
   return names;
 }
 
@@ -120,15 +120,19 @@ int Session::Unexpected(const std::string& reason) {
   if (!chosen.empty()) add(*chosen.front());
   for (const std::string& word : app.remaining(true)) {
     const bool option = word.starts_with("--");
-    if (!option && (word.starts_with("-") || !chosen.empty())) continue;
+    const bool within = !chosen.empty() && chosen.front()->get_subcommands().empty();
+    const std::vector<std::string> commands = chosen.empty() ? Commands(app)
+                                              : within       ? Commands(*chosen.front())
+                                                             : std::vector<std::string>();
+    if (!option && (word.starts_with("-") || commands.empty())) continue;
     const std::string name = word.substr(0, word.find('='));
-    const std::string near = Nearest(name, option ? known : Commands());
+    const std::string near = Nearest(name, option ? known : commands);
     std::string text = "'" + name + "' is no " + (option ? "option" : "command");
-    if (option && !chosen.empty()) text += " of " + chosen.front()->get_name();
+    if (!chosen.empty()) text += " of " + chosen.front()->get_name();
     if (!near.empty()) {
       text += "; did you mean '" + near + "'?";
     } else if (!option) {
-      text += "; expected one of " + Join(Commands());
+      text += "; expected one of " + Join(commands);
     }
     return Usage(text);
   }

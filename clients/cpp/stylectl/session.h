@@ -63,7 +63,7 @@ class Session {
     std::string expected;
   };
 
-  std::vector<std::string> Commands() const;
+  static std::vector<std::string> Commands(const CLI::App& of);
   int Unexpected(const std::string& reason);
   std::string NoteUnseen();
   Hint Explain(const client::CallStatus& status);

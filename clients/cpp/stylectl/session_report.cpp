@@ -120,7 +120,11 @@ void Session::ExplainStyle(Hint& hint) {
     if (std::any_of(known.begin(), known.end(), same)) continue;
     if (hint.suggestion.empty()) hint.suggestion = Nearest(wanted, known);
   }
+  constexpr std::size_t kListed = 40;
+  const std::size_t more = names.size() - std::min(names.size(), kListed);
+  names.resize(names.size() - more);
   hint.expected = "styles: " + Join(names);
+  if (more > 0) hint.expected += " and " + std::to_string(more) + " more: stylectl list";
 }
 
 void Session::ExplainPerformer(Hint& hint) {

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -81,6 +83,15 @@ v1::Reply Answer(const v1::Request& request) {
   }
   if (request.has_preset() && request.preset().name() != "scene") {
     return Refusal(v1::CODE_UNKNOWN_PRESET, "preset: unknown preset");
+  }
+  if (request.has_like() || request.has_import_style()) {
+    reply.mutable_like()->set_name("mine");
+    reply.mutable_like()->add_code(0.5F);
+    reply.mutable_like()->set_nearest("old");
+  }
+  if (request.has_export_style()) {
+    reply.mutable_style_file()->set_name(request.export_style().name());
+    reply.mutable_style_file()->set_file("{}");
   }
   auto& applied = *reply.add_applied();
   applied.set_performer(request.performer());
@@ -287,6 +298,50 @@ TEST_F(StylectlTest, EveryOtherCommandSendsItself) {
   EXPECT_TRUE(last_.has_panic());
   EXPECT_EQ(Run({"reset", "*"}), kExitOk);
   EXPECT_TRUE(last_.has_reset());
+}
+
+TEST_F(StylectlTest, StylesThatWereMadeGoOutAndComeIn) {
+  const support::TemporaryFolder folder;
+  EXPECT_EQ(Run({"styles", "export", "mine", folder / "none" + "/mine.json"}), kExitUsage);
+  EXPECT_TRUE(Complains("mine.json: cannot be written: No such file or directory")) << err_.str();
+  EXPECT_EQ(Run({"styles", "import", folder / "mine.json"}), kExitUsage);
+  EXPECT_TRUE(Complains("styles import: ")) << err_.str();
+  EXPECT_EQ(Run({"styles", "exprot", "mine"}), kExitUsage);
+  EXPECT_TRUE(Complains("'exprot' is no command of styles; did you mean 'export'?")) << err_.str();
+  EXPECT_EQ(Run({"styles", "rename", "mine"}), kExitUsage);
+
+  EXPECT_EQ(Run({"styles", "export", "mine", folder / "mine.json"}), kExitOk);
+  EXPECT_EQ(last_.export_style().name(), "mine");
+  std::ifstream in(folder / "mine.json");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "{}");
+  EXPECT_EQ(Run({"styles", "export", "mine", "-"}), kExitOk);
+  EXPECT_EQ(out_.str(), "{}");
+  EXPECT_EQ(Run({"styles", "import", folder / "mine.json", "--name", "other", "--replace"}),
+            kExitOk);
+  EXPECT_EQ(last_.import_style().file(), "{}");
+  EXPECT_EQ(last_.import_style().name(), "other");
+  EXPECT_TRUE(last_.import_style().replace());
+  EXPECT_EQ(Run({"styles", "rename", "mine", "yours"}), kExitOk);
+  EXPECT_EQ(last_.rename_style().to(), "yours");
+  EXPECT_EQ(Run({"styles", "remove", "mine"}), kExitOk);
+  EXPECT_EQ(last_.remove_style().name(), "mine");
+  EXPECT_EQ(Run({"styles"}), kExitOk);
+  EXPECT_TRUE(Says("STYLE    OF")) << out_.str();
+  EXPECT_EQ(Run({"--json", "styles", "list"}), kExitOk);
+  EXPECT_EQ(nlohmann::json::parse(out_.str())["styles"][1]["made"], false);
+}
+
+TEST_F(StylectlTest, ANeutralClipIsMeasuredFirst) {
+  const support::TemporaryFolder folder;
+  std::ofstream(folder / "mine.bvh") << "a";
+  std::ofstream(folder / "usual.bvh") << "b";
+  EXPECT_EQ(
+      Run({"like", "rig.anna", "--clip", folder / "mine.bvh", "--neutral", folder / "usual.bvh"}),
+      kExitOk);
+  EXPECT_EQ(last_.like().clip(), "a");
+  EXPECT_FALSE(last_.like().measure());
+  ASSERT_EQ(last_.like().neutral_code_size(), 1);
+  EXPECT_EQ(last_.like().neutral_code(0), 0.5F);
 }
 
 TEST_F(StylectlTest, AMisspeltStyleIsRefusedWithTheNearestName) {
