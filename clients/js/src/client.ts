@@ -18,8 +18,10 @@ import {
   type CalibrateReply,
   type LikeReply,
   type ListReply,
+  type PreviewReply,
   type Reply,
   type StatusReply,
+  type StyleFile,
 } from './gen/proto/styled/v1/control_pb.js';
 import { FrameSchema, type Frame } from './gen/proto/styled/v1/frame_pb.js';
 import { type LookSchema } from './gen/proto/styled/v1/look_pb.js';
@@ -110,16 +112,27 @@ export interface CalibrateOptions {
   clear?: boolean;
 }
 
-/** An example of a style. */
+/** An example of a style: one of clip, learnS, code and vary. */
 export interface LikeOptions {
-  /** Of the style: 1 to 32 of A-Z a-z 0-9 _ -. An earlier example of this name is replaced. */
-  name: string;
-  /** The bytes of a BVH file. */
-  clip: Uint8Array;
-  /** Its name, for messages. */
+  /** Of the style: 1 to 32 of A-Z a-z 0-9 _ -. An earlier example of this name is replaced. With
+   * `measure` it may be left out. */
+  name?: string;
+  /** The bytes of a BVH, glTF binary or VRMA file. */
+  clip?: Uint8Array;
+  /** Its name, for messages and lists. */
   file?: string;
   /** The dialect of its skeleton; by default found out. */
   rig?: string;
+  /** What the performer does from now on, for so many seconds, 1 to 60. */
+  learnS?: number;
+  /** The numbers that an earlier reply gave. */
+  code?: number[];
+  /** A variation of one of the weights' styles. */
+  vary?: { style: string; seed: bigint; amount?: number };
+  /** The code of a neutral example of the same performer: only what differs from it counts. */
+  neutralCode?: number[];
+  /** Makes no style: the reply has code, nearest and distance. */
+  measure?: boolean;
   transitionMs?: number;
 }
 
@@ -296,12 +309,35 @@ export class StyledClient {
     return (await this.ask({ performer, command: { case: 'calibrate', value } })).calibrate!;
   }
   /**
-   * Makes a style of an example clip, for all clients; the performer (SOURCE.NAME, "*", or "": nobody yet)
+   * Makes a style of an example, for all clients; the performer (SOURCE.NAME, "*", or "": nobody yet)
    * moves in it. The reply says how far the example lies from the styles that the weights know.
    */
   async like(performer: string, example: LikeOptions): Promise<LikeReply> {
     if (performer !== '') checkPerformers(performer);
     return (await this.ask({ performer, command: { case: 'like', value: example } })).like!;
+  }
+  /** The file of a style that was made of an example. */
+  async exportStyle(name: string): Promise<StyleFile> {
+    return (await this.ask({ command: { case: 'exportStyle', value: { name } } })).styleFile!;
+  }
+  /**
+   * Adds the style of such a file, for all clients. `name`: by default the file's own; `replace`: in place of
+   * one of this name that was made.
+   */
+  async importStyle(file: Uint8Array, options: { name?: string; replace?: boolean } = {}): Promise<LikeReply> {
+    return (await this.ask({ command: { case: 'importStyle', value: { file, ...options } } })).like!;
+  }
+  /** Renames a style that was made. Who moves in it goes on; the result names them. */
+  async renameStyle(name: string, to: string): Promise<Applied[]> {
+    return (await this.ask({ command: { case: 'renameStyle', value: { name, to } } })).applied;
+  }
+  /** Removes a style that was made. Who moves in it, and is named in the result, fades to bypass. */
+  async removeStyle(name: string): Promise<Applied[]> {
+    return (await this.ask({ command: { case: 'removeStyle', value: { name } } })).applied;
+  }
+  /** A small moving figure of any style: two strides that loop. */
+  async preview(style: string): Promise<PreviewReply> {
+    return (await this.ask({ command: { case: 'preview', value: { style } } })).preview!;
   }
   /** Fires the cues with that name in the daemon's configuration. */
   cue(name: string): Promise<Applied[]> {
@@ -326,9 +362,13 @@ export class StyledClient {
         reject(new NoAnswerError('not connected to the gateway', false));
         return;
       }
+      // The reply to a take comes after it.
+      const command = request.command;
+      const taken_s = command?.case === 'like' ? (command.value.learnS ?? 0) : 0;
+      const timeout_ms = this.timeout_ms + 1000 * taken_s;
       const timer = setTimeout(() => {
-        this.settle(id)?.reject(new NoAnswerError(`no answer within ${this.timeout_ms} ms`));
-      }, this.timeout_ms);
+        this.settle(id)?.reject(new NoAnswerError(`no answer within ${timeout_ms} ms`));
+      }, timeout_ms);
       this.pending.set(id, { resolve, reject, timer });
     });
   }

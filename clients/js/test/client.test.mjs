@@ -175,6 +175,37 @@ test('cues and calibration', () =>
     await assert.rejects(client.cue('act ten'), (error) => error.code === Code.UNKNOWN_CUE);
   }));
 
+test('styles: examples, their files, previews; a take may last', () =>
+  together(async (gateway, client) => {
+    const asked = [];
+    gateway.answer = (request) => {
+      asked.push(request.command);
+      switch (request.command.case) {
+        case 'like':
+        case 'importStyle':
+          return { code: Code.OK, like: { name: 'mine', code: [1, 2] } };
+        case 'exportStyle':
+          return { code: Code.OK, styleFile: { name: 'mine', file: new TextEncoder().encode('{}') } };
+        case 'preview':
+          return { code: Code.OK, preview: { rateHz: 15, joints: 21, positionsMm: [1, -2, 3] } };
+        default:
+          return { code: Code.OK, applied: [{ performer: 'rig.a', firstSequence: 7n }] };
+      }
+    };
+    await opened(client);
+    const usual = await client.like('rig.a', { learnS: 2, measure: true });
+    await client.like('rig.a', { name: 'mine', clip: new Uint8Array([103]), file: 'a.vrma', neutralCode: usual.code });
+    assert.deepEqual(asked[1].value.neutralCode, [1, 2]);
+    const { file } = await client.exportStyle('mine');
+    assert.equal((await client.importStyle(file, { replace: true })).name, 'mine');
+    assert.deepEqual([asked[3].value.name, asked[3].value.replace], ['', true]);
+    assert.equal((await client.renameStyle('mine', 'yours'))[0].firstSequence, 7n);
+    assert.equal((await client.removeStyle('yours'))[0].performer, 'rig.a');
+    assert.deepEqual((await client.preview('old')).positionsMm, [1, -2, 3]);
+    assert.deepEqual(asked.map((command) => command.case),
+      ['like', 'like', 'exportStyle', 'importStyle', 'renameStyle', 'removeStyle', 'preview']);
+  }));
+
 test('what cannot be a name is said at once, and not sent', () =>
   together(async (gateway, client) => {
     await opened(client);

@@ -147,7 +147,8 @@ class Control(Commands):
     async def call(self, request: control_pb2.Request) -> control_pb2.Reply:
         """Sends any request; its id is overwritten."""
         async with self._turn:
-            end = time.monotonic() + self._timeout
+            # The reply to a take comes after it.
+            end = time.monotonic() + self._timeout + request.like.learn_s
             message = [b'', self._conversation.encode(request)]
             try:
                 await self._socket.send_multipart(message, zmq.NOBLOCK)

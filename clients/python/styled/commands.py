@@ -4,7 +4,7 @@ control.proto, and replies to results."""
 import os
 import random
 import re
-from typing import Any, Dict, Mapping, Optional
+from typing import Any, Dict, Mapping, Optional, Sequence
 
 from google.protobuf.message import DecodeError
 
@@ -83,22 +83,32 @@ def _calibrate_request(performer: str, pose: str, sensors: str,
     return request
 
 
-def _like_request(performer: Optional[str], clip: str, name: Optional[str], rig: str,
-                  transition_ms: Optional[float]) -> control_pb2.Request:
+def _read_file(command: str, file: str) -> bytes:
+    with open(file, 'rb') as opened:
+        content = opened.read(MAX_CLIP_BYTES + 1)
+    if len(content) > MAX_CLIP_BYTES:
+        raise ValueError(f'{command}: {file} has more than {MAX_CLIP_BYTES} bytes')
+    return content
+
+
+def _like_request(performer: Optional[str], name: str, transition_ms: Optional[float] = None,
+                  neutral_code: Sequence[float] = ()) -> control_pb2.Request:
     request = control_pb2.Request() if performer is None else _change(performer)
-    file = os.path.basename(clip)
-    like = request.like
-    like.name = name or re.sub('[^A-Za-z0-9_-]', '-', os.path.splitext(file)[0])[:32]
-    like.file = file
-    like.rig = rig
-    with open(clip, 'rb') as opened:
-        like.clip = opened.read()
-    if len(like.clip) > MAX_CLIP_BYTES:
-        raise ValueError(f'like: {clip} has {len(like.clip)} bytes, expected at most '
-                         f'{MAX_CLIP_BYTES}')
+    request.like.name = name
+    request.like.neutral_code.extend(neutral_code)
     if transition_ms is not None:
-        like.transition_ms = transition_ms
+        request.like.transition_ms = transition_ms
     return request
+
+
+def _fill_clip(like: control_pb2.Like, clip: str, rig: str) -> None:
+    like.file = os.path.basename(clip)
+    like.rig = rig
+    like.clip = _read_file('like', clip)
+
+
+def _like_reply(reply: control_pb2.Reply) -> control_pb2.LikeReply:
+    return reply.like
 
 
 class Commands:
@@ -158,14 +168,77 @@ class Commands:
                         lambda reply: reply.calibrate)
 
     def like(self, performer: Optional[str], clip: str, name: Optional[str] = None,
-             rig: str = 'auto',
-             transition_ms: Optional[float] = None) -> control_pb2.LikeReply:
-        """Makes a style of an example, the BVH file `clip`, for all clients; the performer (None:
-        nobody yet) moves in it. `name`: by default the file's. The result has `nearest` and
-        `distance`: how far the example lies from the styles that the weights know; above 1 it is
-        unlike all of them."""
-        return self._do(_like_request(performer, clip, name, rig, transition_ms),
-                        lambda reply: reply.like)
+             rig: str = 'auto', transition_ms: Optional[float] = None,
+             neutral_code: Sequence[float] = ()) -> control_pb2.LikeReply:
+        """Makes a style of an example, the file `clip` (BVH, glTF binary, VRMA), for all clients;
+        the performer (None: nobody yet) moves in it. `name`: by default the file's. The result has
+        `nearest` and `distance`: how far the example lies from the styles that the weights know;
+        above 1 it is unlike all of them. `neutral_code`: the code that `measure` or
+        `measure_take` gave for a neutral example of the same performer; only what differs from it
+        counts then."""
+        stem = os.path.splitext(os.path.basename(clip))[0]
+        request = _like_request(performer, name or re.sub('[^A-Za-z0-9_-]', '-', stem)[:32],
+                                transition_ms, neutral_code)
+        _fill_clip(request.like, clip, rig)
+        return self._do(request, _like_reply)
+
+    def measure(self, clip: str, rig: str = 'auto') -> control_pb2.LikeReply:
+        """What `like` would find in a clip, its `code` among it; makes no style."""
+        request = _like_request(None, '')
+        _fill_clip(request.like, clip, rig)
+        request.like.measure = True
+        return self._do(request, _like_reply)
+
+    def learn(self, performer: str, seconds: float, name: str,
+              transition_ms: Optional[float] = None,
+              neutral_code: Sequence[float] = ()) -> control_pb2.LikeReply:
+        """As `like`, of what the performer does from now on, for so many seconds (1 to 60)."""
+        request = _like_request(performer, name, transition_ms, neutral_code)
+        request.like.learn_s = seconds
+        return self._do(request, _like_reply)
+
+    def measure_take(self, performer: str, seconds: float) -> control_pb2.LikeReply:
+        """As `measure`, of what the performer does from now on."""
+        request = _like_request(performer, '')
+        request.like.learn_s = seconds
+        request.like.measure = True
+        return self._do(request, _like_reply)
+
+    def export_style(self, name: str) -> bytes:
+        """The file of a style that was made of an example."""
+        request = control_pb2.Request()
+        request.export_style.name = name
+        return self._do(request, lambda reply: reply.style_file.file)
+
+    def import_style(self, file: str, name: str = '',
+                     replace: bool = False) -> control_pb2.LikeReply:
+        """Adds the style of such a file, for all clients. `name`: by default the file's own.
+        `replace`: in place of one of this name that was made; who moves in it fades over."""
+        request = control_pb2.Request()
+        request.import_style.file = _read_file('import_style', file)
+        request.import_style.name = name
+        request.import_style.replace = replace
+        return self._do(request, _like_reply)
+
+    def rename_style(self, name: str, to: str) -> Dict[str, int]:
+        """Renames a style that was made. Who moves in it goes on; the result names them."""
+        request = control_pb2.Request()
+        request.rename_style.name = name
+        request.rename_style.to = to
+        return self._do(request, _applied)
+
+    def remove_style(self, name: str) -> Dict[str, int]:
+        """Removes a style that was made. Who moves in it, and is named in the result, fades to
+        bypass."""
+        request = control_pb2.Request()
+        request.remove_style.name = name
+        return self._do(request, _applied)
+
+    def preview(self, style: str) -> control_pb2.PreviewReply:
+        """A small moving figure of any style: two strides that loop."""
+        request = control_pb2.Request()
+        request.preview.style = style
+        return self._do(request, lambda reply: reply.preview)
 
     def cue(self, name: str) -> Dict[str, int]:
         """Fires the cues with that name in the daemon's configuration."""

@@ -78,7 +78,8 @@ class Control(Commands):
 
     def call(self, request: control_pb2.Request) -> control_pb2.Reply:
         """Sends any request; its id is overwritten."""
-        end = time.monotonic() + self._timeout
+        # The reply to a take comes after it.
+        end = time.monotonic() + self._timeout + request.like.learn_s
         # The envelope of a REQ socket, which every ROUTER accepts.
         message = [b'', self._conversation.encode(request)]
         try:

@@ -111,12 +111,27 @@ class ClientTest(unittest.TestCase):
                                (lambda: control.preset('*', 'none'), 'UNKNOWN_PRESET'),
                                (lambda: control.cue('none'), 'UNKNOWN_CUE'),
                                (lambda: control.like('*', __file__, 'mine'), 'NO_EXAMPLES'),
+                               (lambda: control.measure(__file__), 'NO_EXAMPLES'),
+                               (lambda: control.learn('rig.anna', 2, 'mine'), 'NO_EXAMPLES'),
+                               (lambda: control.measure_take('rig.anna', 2), 'NO_EXAMPLES'),
+                               (lambda: control.export_style('mine'), 'UNKNOWN_STYLE'),
+                               (lambda: control.import_style(__file__), 'MALFORMED'),
+                               (lambda: control.rename_style('old', 'new'), 'MALFORMED'),
+                               (lambda: control.remove_style('mine'), 'UNKNOWN_STYLE'),
+                               (lambda: control.preview('mine'), 'UNKNOWN_STYLE'),
                                (lambda: control.reset('rig.nobody'), 'UNKNOWN_PERFORMER'),
                                (lambda: control.calibrate('rig.nobody'), 'UNKNOWN_PERFORMER')):
                 with self.assertRaises(styled.Refused) as refused:
                     call()
                 self.assertEqual(refused.exception.code, code)
                 self.assertTrue(str(refused.exception))
+
+    def test_a_preview_is_a_moving_figure(self):
+        with styled.Control(self.daemon.control) as control:
+            preview = control.preview('old')
+            self.assertEqual(preview.joints, 21)
+            frames = len(preview.positions_mm) // (3 * preview.joints)
+            self.assertAlmostEqual(frames / preview.rate_hz, 2.2, delta=0.3)
 
     def test_asyncio_has_the_same(self):
         async def go():
