@@ -131,18 +131,28 @@ bool Reset(Arguments&, v1::Request& request) {
   return true;
 }
 
+// No clip: a sender has no key, and a path would open files of this machine to it.
+bool Learn(Arguments& arguments, v1::Request& request) {
+  float seconds = 8;
+  if (!Text(arguments, *request.mutable_like()->mutable_name())) return false;
+  if (!arguments.AtEnd() && !Number(arguments, seconds)) return false;
+  request.mutable_like()->set_learn_s(seconds);
+  return seconds != 0;
+}
+
 struct Row {
   std::string_view word;
   bool (*read)(Arguments&, v1::Request&);
   std::string_view expected;
 };
 // What a performer has beside the fields of a look; a preset's own request fades, too.
-constexpr std::array<Row, 5> kOfPerformers{{
+constexpr std::array<Row, 6> kOfPerformers{{
     {"style", Style, "a style and, if wanted, strength and transition in ms"},
     {"preset", Preset, "a preset and, if wanted, transition in ms"},
     {"pin", Pin, "1 or 0"},
     {"clear", Clear, "nothing"},
     {"reset", Reset, "nothing"},
+    {"learn", Learn, "a name for the style and, if wanted, 1 to 60 seconds"},
 }};
 
 // The value of a button: TouchOSC sends 1 when it is pressed and 0 when it is released. Only a
@@ -208,7 +218,7 @@ Result<v1::Request> ReadOsc(const Message& message) {
   }
   std::string words = "style";
   for (const LookField& field : kLookFields) words.append(", ").append(field.word);
-  words += ", pin, clear, reset";
+  words += ", pin, clear, reset, learn";
   return refuse("/styled/PERFORMER/ and one of " + words + "; or /styled/cue, /styled/panic");
 }
 

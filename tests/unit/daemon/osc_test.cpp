@@ -73,6 +73,12 @@ TEST_F(OscTest, EveryAddressIsTheRequestOfItsName) {
   EXPECT_FALSE(Read("/styled/rig.a/pin", "f", 0.0).value().pin().pinned());
   EXPECT_TRUE(Read("/styled/rig.a/clear").value().set().clear());
   EXPECT_TRUE(Read("/styled/rig.a/reset").value().has_reset());
+  const auto learn = Read("/styled/rig.a/learn", "si", "pirate", 5).value();
+  EXPECT_EQ(learn.like().name(), "pirate");
+  EXPECT_EQ(learn.like().learn_s(), 5);
+  EXPECT_EQ(Read("/styled/rig.a/learn", "s", "pirate").value().like().learn_s(), 8);
+  EXPECT_FALSE(Read("/styled/rig.a/learn").ok());
+  EXPECT_FALSE(Read("/styled/rig.a/learn", "sf", "pirate", 0.0).ok());
   EXPECT_EQ(Read("/styled/cue", "s", "entrance").value().cue().name(), "entrance");
   EXPECT_EQ(Read("/styled/cue/entrance").value().cue().name(), "entrance");
   EXPECT_EQ(Read("/styled/cue/entrance", "f", 1.0).value().cue().name(), "entrance");
