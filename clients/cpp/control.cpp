@@ -12,6 +12,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::int64_t kMaxReplyBytes = 16 << 20;
+constexpr milliseconds kGlance(100);  // between two looks whether a call is to end early
 
 // Reads the last part of a waiting message: the payload, with or without the empty delimiter before
 // it.
@@ -104,8 +105,15 @@ CallStatus Control::Call(v1::Request& request, v1::Reply* reply) {
     for (;;) {
       const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
       if (left <= milliseconds(0)) return impl.NoAnswer();
+      if (impl.options.stop.stop_requested()) {
+        impl.Open();
+        return {CallStatus::Kind::kNoAnswer, v1::CODE_OK, "the program ends"};
+      }
       zmq::pollitem_t item{impl.socket.handle(), 0, ZMQ_POLLIN, 0};
-      if (zmq::poll(&item, 1, left) == 0) return impl.NoAnswer();
+      if (zmq::poll(&item, 1, impl.options.stop.stop_possible() ? std::min(left, kGlance) : left) ==
+          0) {
+        continue;
+      }
       if (!ReadLastPart(impl.socket, part)) continue;
       if (!reply->ParseFromArray(part.data(), static_cast<int>(part.size()))) {
         return {CallStatus::Kind::kGarbled, v1::CODE_OK,

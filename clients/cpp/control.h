@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -54,6 +55,7 @@ struct ControlOptions {
   // Per call, >= 1 ms. Without a reply, a call takes up to 500 ms more to find out why.
   std::chrono::milliseconds timeout{2000};
   std::optional<Curve> curve;  // for a daemon that requires keys
+  std::stop_token stop;        // ends a call early, without an answer
 };
 
 // Queries and controls a running daemon. proto/styled/v1/control.proto defines each field, its

@@ -1,5 +1,6 @@
 #include "clients/web/asker.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace styled::web {
@@ -8,42 +9,76 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMaxWaiting = 64;
+constexpr std::size_t kMaxLanes = 5;  // as many takes at once as the daemon has, and the others
 constexpr std::chrono::milliseconds kTimeout(2000);
 
 }  // namespace
 
-Asker::Asker(std::unique_ptr<client::Control> control)
-    : control_(std::move(control)), thread_([this](const std::stop_token& stop) { Loop(stop); }) {}
+bool IsLong(const v1::Request& request) {
+  return request.has_like() || request.has_preview() || request.has_export_style() ||
+         request.has_import_style();
+}
 
-Asker::~Asker() = default;
+Asker::~Asker() { ending_.request_stop(); }
 
 Result<std::unique_ptr<Asker>> Asker::Start(const std::string& endpoint,
                                             const std::optional<client::Curve>& curve) {
-  auto control =
-      client::Control::Connect({.endpoint = endpoint, .timeout = kTimeout, .curve = curve});
+  std::unique_ptr<Asker> asker(new Asker);
+  asker->options_ = {.endpoint = endpoint,
+                     .timeout = kTimeout,
+                     .curve = curve,
+                     .stop = asker->ending_.get_token()};
+  const Status status = asker->AddLane();
+  if (!status.ok()) return status;
+  return asker;
+}
+
+Status Asker::AddLane() {
+  auto control = client::Control::Connect(options_);
   if (!control.ok()) return control.status();
-  return std::unique_ptr<Asker>(new Asker(std::move(control.value())));
+  auto lane = std::make_unique<Lane>();
+  lane->control = std::move(control.value());
+  lane->thread =
+      std::jthread([this, lane = lane.get()](const std::stop_token& stop) { Loop(stop, *lane); });
+  lanes_.push_back(std::move(lane));
+  return Status::Ok();
+}
+
+// Of the lanes for long requests the one with the fewest; null if none can be connected.
+Asker::Lane* Asker::LaneFor(const v1::Request& request) {
+  if (!IsLong(request)) return lanes_.front().get();
+  const auto load = [](const auto& lane) {
+    return lane->waiting.size() + static_cast<std::size_t>(lane->busy);
+  };
+  const auto least =
+      std::min_element(lanes_.begin() + 1, lanes_.end(),
+                       [&load](const auto& a, const auto& b) { return load(a) < load(b); });
+  if (least != lanes_.end() && (load(*least) == 0 || lanes_.size() == kMaxLanes)) {
+    return least->get();
+  }
+  return AddLane().ok() ? lanes_.back().get() : nullptr;
 }
 
 bool Asker::Ask(v1::Request request, Done done) {
-  {
-    const std::scoped_lock lock(mutex_);
-    if (waiting_.size() >= kMaxWaiting) return false;
-    waiting_.push_back({std::move(request), std::move(done), Clock::now()});
-  }
-  wake_.notify_one();
+  const std::scoped_lock lock(mutex_);
+  Lane* const lane = LaneFor(request);
+  if (lane == nullptr || lane->waiting.size() >= kMaxWaiting) return false;
+  lane->waiting.push_back({std::move(request), std::move(done), Clock::now()});
+  lane->wake.notify_one();
   return true;
 }
 
-void Asker::Loop(const std::stop_token& stop) {
+void Asker::Loop(const std::stop_token& stop, Lane& lane) {
   for (;;) {
     Waiting next;
     {
       std::unique_lock lock(mutex_);
-      if (!wake_.wait(lock, stop, [this] { return !waiting_.empty(); })) return;
+      lane.busy = false;
+      if (!lane.wake.wait(lock, stop, [&lane] { return !lane.waiting.empty(); })) return;
       if (stop.stop_requested()) return;
-      next = std::move(waiting_.front());
-      waiting_.pop_front();
+      next = std::move(lane.waiting.front());
+      lane.waiting.pop_front();
+      lane.busy = true;
     }
     v1::Reply reply;
     const std::uint64_t id = next.request.id();
@@ -52,7 +87,7 @@ void Asker::Loop(const std::stop_token& stop) {
       status = {client::CallStatus::Kind::kNoAnswer, v1::CODE_OK,
                 "the daemon has not answered earlier requests"};
     } else {
-      status = control_->Call(next.request, &reply);
+      status = lane.control->Call(next.request, &reply);
     }
     reply.set_id(id);  // restore the caller's id
     next.done(std::move(status), std::move(reply));

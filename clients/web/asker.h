@@ -9,18 +9,24 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "clients/cpp/control.h"
 
 namespace styled::web {
 
-// Runs the daemon's control socket on its own thread, so that a daemon that does not answer never
-// delays frames. Requests are sent one after another. Any thread may call Ask; the destructor waits
-// for the request in flight, at most its timeout.
+// Whether the daemon may take long for it: an example, a preview, a style file.
+bool IsLong(const v1::Request& request);
+
+// Runs the daemon's control socket on threads of its own, so that a daemon that does not answer
+// never delays frames. Requests are sent one after another, except long ones (IsLong): up to four
+// of those wait for their replies beside the others, so that a take of a minute does not delay
+// Panic. Any thread may call Ask; the destructor waits for the requests in flight, at most their
+// timeout without the length of a take.
 class Asker {
  public:
-  // The outcome of a request. If `status` is ok or refused, `reply` is the daemon's. Called on the
-  // asker's thread.
+  // The outcome of a request. If `status` is ok or refused, `reply` is the daemon's. Called on a
+  // thread of the asker.
   using Done = std::function<void(client::CallStatus status, v1::Reply reply)>;
 
   // Refuses an endpoint that ZeroMQ cannot parse, and invalid keys.
@@ -40,14 +46,23 @@ class Asker {
     Done done;
     std::chrono::steady_clock::time_point since;
   };
-  explicit Asker(std::unique_ptr<client::Control> control);
-  void Loop(const std::stop_token& stop);
+  // A control socket and its thread. A second one is connected when two long requests meet.
+  struct Lane {
+    std::unique_ptr<client::Control> control;
+    std::condition_variable_any wake;
+    std::deque<Waiting> waiting;
+    bool busy = false;
+    std::jthread thread;  // last: it ends before the rest
+  };
+  Asker() = default;
+  Status AddLane();
+  Lane* LaneFor(const v1::Request& request);
+  void Loop(const std::stop_token& stop, Lane& lane);
 
-  std::unique_ptr<client::Control> control_;
+  client::ControlOptions options_;
+  std::stop_source ending_;
   std::mutex mutex_;
-  std::condition_variable_any wake_;
-  std::deque<Waiting> waiting_;
-  std::jthread thread_;
+  std::vector<std::unique_ptr<Lane>> lanes_;  // the first one for all but long requests
 };
 
 }  // namespace styled::web
