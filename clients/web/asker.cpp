@@ -10,7 +10,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMaxWaiting = 64;
 constexpr std::size_t kMaxLanes = 5;  // as many takes at once as the daemon has, and the others
-constexpr std::chrono::milliseconds kTimeout(2000);
+constexpr std::chrono::milliseconds kTimeout(2000), kLongTimeout(10000);
 
 }  // namespace
 
@@ -34,7 +34,9 @@ Result<std::unique_ptr<Asker>> Asker::Start(const std::string& endpoint,
 }
 
 Status Asker::AddLane() {
-  auto control = client::Control::Connect(options_);
+  client::ControlOptions options = options_;
+  if (!lanes_.empty()) options.timeout = kLongTimeout;
+  auto control = client::Control::Connect(options);
   if (!control.ok()) return control.status();
   auto lane = std::make_unique<Lane>();
   lane->control = std::move(control.value());

@@ -31,6 +31,7 @@ import { Link, type LinkState } from './link.js';
 import { checkPerformer, checkPerformers, frameTopic, parseTopic, type Stream } from './topics.js';
 
 const MAX_BODIES = 64; // per performer
+const LONG: ReadonlySet<string | undefined> = new Set(['like', 'preview', 'exportStyle', 'importStyle']);
 const UNKNOWN_MS = 2000; // the daemon answers a subscription with bodies at once
 
 /** The daemon's state, as the gateway reports it. */
@@ -70,8 +71,10 @@ export interface ClientOptions {
   /** The address of styleweb: "http://127.0.0.1:7080", or its WebSocket "ws://127.0.0.1:7080/ws". */
   url: string;
   token?: string;
-  /** Time limit of one control request. */
+  /** Time limit of one control request; default 3000. */
   timeout_ms?: number;
+  /** The same for what the daemon works on: examples, previews, style files; default 12000. */
+  long_ms?: number;
 }
 
 type Mode = 'everyFrame' | 'latest';
@@ -190,6 +193,7 @@ export class StyledClient {
   private readonly pending = new Map<bigint, Pending>();
   private readonly awaited = new Map<string, ReturnType<typeof setTimeout>>(); // performers
   private readonly timeout_ms: number;
+  private readonly long_ms: number;
   private nextId = 1n;
   private linkState_: LinkState = { kind: 'connecting', reason: '' };
   private daemonState_: DaemonState = { up: false, reason: 'not connected yet' };
@@ -197,6 +201,7 @@ export class StyledClient {
 
   constructor(options: ClientOptions) {
     this.timeout_ms = options.timeout_ms ?? 3000;
+    this.long_ms = options.long_ms ?? 12000;
     this.link = new Link(socketUrl(options), {
       state: (state) => this.onLink(state),
       text: (text) => this.onNotice(text),
@@ -363,9 +368,9 @@ export class StyledClient {
         return;
       }
       // The reply to a take comes after it.
-      const command = request.command;
-      const taken_s = command?.case === 'like' ? (command.value.learnS ?? 0) : 0;
-      const timeout_ms = this.timeout_ms + 1000 * taken_s;
+      const { command } = request;
+      const taken_ms = command?.case === 'like' ? 1000 * (command.value.learnS ?? 0) : 0;
+      const timeout_ms = (LONG.has(command?.case) ? this.long_ms : this.timeout_ms) + taken_ms;
       const timer = setTimeout(() => {
         this.settle(id)?.reject(new NoAnswerError(`no answer within ${timeout_ms} ms`));
       }, timeout_ms);

@@ -206,6 +206,15 @@ test('styles: examples, their files, previews; a take may last', () =>
       ['like', 'like', 'exportStyle', 'importStyle', 'renameStyle', 'removeStyle', 'preview']);
   }));
 
+test('the reply to a take is waited for as long as the take is', () =>
+  together(async (gateway, client) => {
+    await opened(client);
+    gateway.answer = () => undefined;
+    const begun = performance.now();
+    await assert.rejects(client.like('rig.a', { name: 'x', learnS: 1 }), /no answer within 1200 ms/);
+    assert.ok(performance.now() - begun > 1100);
+  }, { long_ms: 200 }));
+
 test('what cannot be a name is said at once, and not sent', () =>
   together(async (gateway, client) => {
     await opened(client);
