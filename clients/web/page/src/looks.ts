@@ -1,0 +1,26 @@
+// Looks of performers: what leads back to one, and what is remembered of several.
+import type { Look, SetInit } from 'styled-client';
+
+// What a look says, as text; fades are not part of it.
+function textOf(look: Look): string {
+  const { mix, strength, absolute, parts, inputStyle, root, vary, varyEach, varyAmount, driftS } = look;
+  return JSON.stringify([mix.map(({ style, weight }) => [style, weight]), strength, absolute, [...parts].sort(), inputStyle,
+                         root, vary, varyEach, varyAmount, driftS]);
+}
+
+export function sameLook(a: Look, b: Look): boolean {
+  return textOf(a) === textOf(b);
+}
+
+/** The change that leads to `look` from any other. A preset is set by name if there still is one. */
+export function changeTo(look: Look, presets: readonly string[], transitionMs: number): SetInit {
+  const { strength, absolute, parts, inputStyle, root, vary, varyEach, varyAmount, driftS } = look;
+  const mix = look.mix.map(({ style, weight }) => ({ style, weight }));
+  const whole: SetInit = { strength, absolute, parts: [...parts], inputStyle, root, vary, varyEach, varyAmount, driftS, transitionMs };
+  // Only what the daemon reported is sent: an older one refuses fields that it does not know.
+  for (const [name, value] of Object.entries(whole)) {
+    if (value === undefined) delete (whole as Record<string, unknown>)[name];
+  }
+  if (look.preset && presets.includes(look.preset)) return { ...whole, preset: look.preset };
+  return mix.length === 0 ? { ...whole, clear: true } : { ...whole, mix };
+}

@@ -1,0 +1,49 @@
+// Names of styles that examples make.
+
+const LONGEST = 32;
+const ALLOWED = /^[A-Za-z0-9_-]{1,32}$/;
+
+/** What is taken: styles that were made may be replaced, the others may not. */
+export interface Taken {
+  made: ReadonlySet<string>;
+  fixed: ReadonlySet<string>; // styles of the weights, their aliases, presets
+}
+
+const same = (names: ReadonlySet<string>, name: string) =>
+  [...names].some((other) => other.toLowerCase() === name.toLowerCase());
+
+/** A free name after a file's, without its folder and extension. */
+export function proposedName(file: string, taken: Taken): string {
+  const stem = file.split(/[\\/]/).pop()!.replace(/\.[^.]*$/, '');
+  const plain = stem.normalize('NFKD').replace(/[\u0300-\u036f]/g, '')
+    .replace(/[^A-Za-z0-9_-]+/g, '-').replace(/^-+|-+$/g, '').slice(0, LONGEST) || 'style';
+  const free = (name: string) => !same(taken.made, name) && !same(taken.fixed, name);
+  for (let number = 1; ; ++number) {
+    const tail = number === 1 ? '' : `-${number}`;
+    const name = plain.slice(0, LONGEST - tail.length) + tail;
+    if (free(name)) return name;
+  }
+}
+
+/** Why a new style cannot have this name, in a sentence; '' if it can. */
+export function nameFault(name: string, taken: Taken): string {
+  if (name === '') return 'The style needs a name.';
+  if (name.length > LONGEST) return `A name has at most ${LONGEST} letters; this one has ${name.length}.`;
+  if (!ALLOWED.test(name)) return 'A name has only letters A-Z a-z, digits, _ and -.';
+  return same(taken.fixed, name) ? `${name} is a name of the weights or of a preset already.` : '';
+}
+
+/** The style that one of this name would replace; '' if there is none. */
+export function replacedBy(name: string, taken: Taken): string {
+  return taken.made.has(name) ? name : '';
+}
+
+export type Kind = 'avatar' | 'example' | 'style' | 'other';
+
+/** What a dropped file is for, by its name. */
+export function kindOf(file: string): Kind {
+  const extension = /\.([^.]*)$/.exec(file)?.[1]?.toLowerCase() ?? '';
+  if (extension === 'vrm') return 'avatar';
+  if (['bvh', 'glb', 'vrma'].includes(extension)) return 'example';
+  return extension === 'json' ? 'style' : 'other';
+}

@@ -1,0 +1,66 @@
+// The steps that can be taken back. Knows neither page nor daemon.
+
+const MOST = 50;
+const GESTURE_MS = 1500;
+
+export interface Step {
+  /** What was done, for messages. */
+  what: string;
+  /** Takes it back; rejects if that fails. */
+  back(): Promise<void>;
+}
+
+interface Entry extends Step {
+  gesture: string;
+  at_ms: number;
+}
+
+export class UndoStack {
+  private readonly entries: Entry[] = [];
+  private busy = false;
+
+  constructor(private readonly now_ms: () => number = () => performance.now()) {}
+
+  get size(): number {
+    return this.entries.length;
+  }
+  get last(): Step | undefined {
+    return this.entries.at(-1);
+  }
+
+  /**
+   * Adds a step. Steps of one gesture (a knob that is dragged) that follow each other closely are one,
+   * and lead back to where the first of them began. The oldest of more than fifty is dropped.
+   */
+  push(step: Step, gesture = ''): void {
+    const last = this.entries.at(-1);
+    const at_ms = this.now_ms();
+    if (gesture && last?.gesture === gesture && at_ms - last.at_ms < GESTURE_MS) {
+      last.at_ms = at_ms;
+      last.what = step.what;
+      return;
+    }
+    this.entries.push({ what: step.what, back: () => step.back(), gesture, at_ms });
+    if (this.entries.length > MOST) this.entries.shift();
+  }
+
+  /**
+   * Takes the last step back; resolves to it, or to undefined if there is none or another is being taken
+   * back. A step that fails is kept, so that it can be tried again, unless `lost` says that it never can.
+   */
+  async undo(lost: (error: unknown) => boolean = () => false): Promise<Step | undefined> {
+    if (this.busy) return undefined;
+    const entry = this.entries.pop();
+    if (!entry) return undefined;
+    this.busy = true;
+    try {
+      await entry.back();
+      return entry;
+    } catch (error) {
+      if (!lost(error)) this.entries.push(entry);
+      throw error;
+    } finally {
+      this.busy = false;
+    }
+  }
+}
