@@ -4,11 +4,11 @@ import { bvhText } from './bvh.js';
 import { h, setText } from './dom.js';
 import { Film } from './film.js';
 import { Recorder, type Ended } from './recorder.js';
+import { saveFile } from './save.js';
 import { causesInWords, causesOf, filledIn, gridOf, posesOn, type Grid, type Take } from './take.js';
 import type { Stage } from './stage.js';
 
 const AT_ONCE_MS = 40; // of writing, then the event loop runs
-const KEPT_MS = 60000; // long enough for any browser to begin saving
 
 type What = 'styled' | 'input' | 'video';
 
@@ -19,12 +19,6 @@ function obstacle(app: App): string {
   const entry = app.entry();
   if (!entry) return 'Nobody is here yet.';
   return entry.live ? '' : `${app.selected} is silent.`;
-}
-
-function save(blob: Blob, name: string): void {
-  const url = URL.createObjectURL(blob);
-  h('a', { href: url, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(url), KEPT_MS);
 }
 
 async function written(pieces: Iterable<string>): Promise<Blob> {
@@ -84,10 +78,10 @@ class Result {
   async save(what: What): Promise<string> {
     const { take, grid } = this;
     const name = this.name(what);
-    if (what === 'video') save(this.film!, name);
+    if (what === 'video') saveFile(this.film!, name);
     else {
       const [index, track] = what === 'input' ? [0, take.source] as const : [1, take.styled] as const;
-      save(await written(bvhText(take.body, grid.rate_hz, grid.frames, posesOn(grid, index, track))), name);
+      saveFile(await written(bvhText(take.body, grid.rate_hz, grid.frames, posesOn(grid, index, track))), name);
     }
     return name;
   }

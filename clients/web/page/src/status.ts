@@ -74,7 +74,13 @@ export function topBar(app: App, stage: Stage, help: () => void): HTMLElement {
     known = status.epoch;
     setText(about, `styled ${status.version} · ${status.weights.split('/').pop()}`);
   };
+  const undo = h('button', { className: 'quiet undo', 'aria-label': 'Undo', onclick: () => void app.undoLast() },
+    h('b', {}, '↶'), h('span', {}, 'Undo'));
+  const panic = h('button', { className: 'panic', onclick: () => void app.panic(), title: 'Everyone to bypass (Esc)' }, 'Panic', h('kbd', {}, 'Esc'));
   app.watch(() => {
+    undo.disabled = app.watchOnly || app.undo.size === 0;
+    undo.title = app.undo.last ? `Undo: ${app.undo.last.what} (Ctrl+Z)` : 'Nothing to undo (Ctrl+Z)';
+    panic.disabled = app.watchOnly;
     const now = trouble(app);
     setText(state, now.kind === 'ok' ? `live · ${app.live().length} performing` : now.title.toLowerCase());
     if (app.client.daemonState.up && app.stats && app.stats.epoch !== known) {
@@ -87,5 +93,5 @@ export function topBar(app: App, stage: Stage, help: () => void): HTMLElement {
     h('h1', {}, h('img', { src: '/icon.svg', alt: '' }), 'Styled'), light, about,
     h('span', { className: 'space' }), fps,
     h('button', { className: 'quiet', onclick: help, title: 'Keys (?)' }, '?'),
-    h('button', { className: 'panic', onclick: () => void app.panic(), title: 'Everyone to bypass (Esc)' }, 'Panic', h('kbd', {}, 'Esc')));
+    undo, panic);
 }
