@@ -1,0 +1,140 @@
+// What is done with styles that examples make; each step can be taken back.
+import { Code, RefusedError, type LikeReply, type Look } from 'styled-client';
+
+import type { App } from './app.js';
+import { saveFile } from './save.js';
+
+export const MOST_BYTES = 8 * 1024 * 1024 - 4096; // of a request, for its clip
+
+// The style was made, but the performer could not be shown in it.
+const NOT_SHOWN = [Code.PINNED, Code.UNKNOWN_PERFORMER, Code.NOT_READY];
+
+/** What came of an example, for the panel. */
+export interface Outcome {
+  text: string;
+  bad: boolean;
+}
+
+const size = (bytes: number) =>
+  bytes < 1e5 ? `${(bytes / 1024).toFixed(1)} KiB` : `${(bytes / 1024 / 1024).toFixed(1)} MiB`;
+
+/** Why a file cannot be sent, or ''. */
+export function fileFault(file: { name: string; size: number }): string {
+  if (file.size === 0) return `${file.name} is empty.`;
+  return file.size > MOST_BYTES ? `${file.name} has ${size(file.size)}, expected at most ${size(MOST_BYTES)}.` : '';
+}
+
+/** What the reply says of the example. */
+export function outcomeOf(reply: LikeReply, from: string, wearer: string): Outcome {
+  const seconds = reply.seconds > 0 ? ` (${reply.seconds.toFixed(1)} s)` : '';
+  const worn = wearer ? '' : ' Nobody wears it yet.';
+  const near = reply.nearest ? ` Nearest: ${reply.nearest}, distance ${reply.distance.toFixed(2)}.` : '';
+  const far = reply.distance > 1;
+  const warning = far ? ' The network knows nothing like it: expect a weak mixture of the styles that it resembles.' : '';
+  return { text: `${reply.name} is made from ${from}${seconds}.${worn}${near}${warning}`, bad: far };
+}
+
+export class Examples {
+  constructor(private readonly app: App) {}
+
+  /** What leads back from a style of this name that is about to be made: the one before, or none. */
+  async former(name: string): Promise<() => Promise<void>> {
+    const { client } = this.app;
+    if (!this.app.taken().made.has(name)) {
+      return async () => {
+        // A daemon that cannot remove a style keeps it in its list.
+        await client.removeStyle(name).catch((error: unknown) => {
+          if (!(error instanceof RefusedError && error.code === Code.UNKNOWN_COMMAND)) throw error;
+        });
+      };
+    }
+    const { file } = await client.exportStyle(name);
+    return async () => {
+      await client.importStyle(file, { name, replace: true });
+    };
+  }
+
+  /** Remembers how to take back a style that was made. */
+  made(name: string, looks: Map<string, Look>, back: () => Promise<void>): void {
+    this.app.undo.push({
+      what: name,
+      back: async () => {
+        await this.app.restore(looks);
+        await back();
+      },
+    });
+  }
+
+  async like(name: string, clip: Uint8Array, file: string): Promise<Outcome> {
+    const { app } = this;
+    const target = app.target, looks = app.looks(target);
+    const back = await this.former(name);
+    try {
+      const reply = await app.client.like(target, { name, clip, file, transitionMs: app.transition_ms });
+      this.made(name, looks, back);
+      return outcomeOf(reply, file, target);
+    } catch (error) {
+      if (!(error instanceof RefusedError && NOT_SHOWN.includes(error.code))) throw error;
+      this.made(name, looks, back);
+      return { text: `${name} is made from ${file}, but nobody wears it: ${error.message}`, bad: true };
+    } finally {
+      await app.refresh();
+    }
+  }
+
+  /** Adds the style of a file of the library. */
+  async add(name: string, file: Uint8Array): Promise<Outcome> {
+    const { app } = this;
+    const back = await this.former(name);
+    try {
+      const replace = app.taken().made.has(name);
+      const reply = await app.client.importStyle(file, { name, replace });
+      this.made(name, new Map(), back);
+      return outcomeOf(reply, 'its file', ' ');
+    } finally {
+      await app.refresh();
+    }
+  }
+
+  /** Saves the style's file. */
+  save(name: string): Promise<void> {
+    return this.attempt(`${name}.json is saved`, async () => {
+      const { file } = await this.app.client.exportStyle(name);
+      saveFile(new Blob([new Uint8Array(file)], { type: 'application/json' }), `${name}.json`);
+    });
+  }
+
+  rename(name: string, to: string): Promise<void> {
+    return this.attempt(`${name} is now ${to}`, async () => {
+      await this.app.client.renameStyle(name, to);
+      this.app.undo.push({ what: `${name} renamed to ${to}`, back: () => this.app.client.renameStyle(to, name) });
+    });
+  }
+
+  /** Its file is kept here, so that it can be brought back. */
+  remove(name: string): Promise<void> {
+    return this.attempt(`${name} is removed; Undo brings it back`, async () => {
+      const { app } = this;
+      const { file } = await app.client.exportStyle(name);
+      const looks = new Map([...app.looks('*')].filter(([, look]) => look.mix.some(({ style }) => style === name)));
+      await app.client.removeStyle(name);
+      app.undo.push({
+        what: `${name} removed`,
+        back: async () => {
+          await app.client.importStyle(file, { name });
+          await app.restore(looks);
+        },
+      });
+    });
+  }
+
+  private async attempt(what: string, action: () => Promise<void>): Promise<void> {
+    try {
+      await action();
+      this.app.onMessage(what, false);
+    } catch (error) {
+      this.app.report(error, what);
+    }
+    await this.app.refresh();
+  }
+}
