@@ -2,86 +2,10 @@
 import { BodyPart, Root } from 'styled-client';
 
 import { paced, type App } from './app.js';
-import { clamp, h, setText, svg } from './dom.js';
-
-export const STYLE_KEYS = '1234567890';
-
-function section(title: string, ...children: (Node | undefined)[]): HTMLElement {
-  return h('section', {}, h('h2', {}, title), ...children.filter((c) => c !== undefined));
-}
-
-function styleGrid(app: App, inForce: () => Map<string, number>): HTMLElement {
-  const grid = h('div', { className: 'styles' });
-  let shown = '';
-  const buttons = new Map<string, { button: HTMLButtonElement; fill: HTMLElement }>();
-  app.watch(() => {
-    const names = app.styles();
-    if (names.join() !== shown) {
-      shown = names.join();
-      buttons.clear();
-      grid.replaceChildren(...names.map((name, i) => {
-        const fill = h('i', {});
-        const key = STYLE_KEYS[i % 10]!;
-        const hint = i < 10 ? key : `⇧${key}`;
-        const weakness = app.weakness(name);
-        const title = `${name} (${i < 10 ? '' : 'Shift+'}${key})`;
-        const button = h('button', {
-          'data-style': name, title: weakness ? `${title}, ${weakness}` : title,
-          onclick: () => void app.setStyle(name),
-        }, fill, h('span', {}, name), weakness ? h('small', {}, 'weak') : undefined,
-           i < 20 ? h('kbd', {}, hint) : undefined);
-        buttons.set(name, { button, fill });
-        return button;
-      }));
-    }
-    const set = new Set(app.entry()?.look?.mix.filter(({ weight }) => weight > 0).map(({ style }) => style));
-    for (const [name, { button }] of buttons) {
-      button.setAttribute('aria-pressed', String(set.has(name)));
-    }
-  });
-  const draw = () => {
-    const weights = inForce();
-    for (const [name, { fill }] of buttons) {
-      const width = `${(100 * clamp(weights.get(name) ?? 0, 0, 1)).toFixed(0)}%`;
-      if (fill.style.width !== width) fill.style.width = width;
-    }
-  };
-  setInterval(draw, 100);
-  return grid;
-}
-
-interface Slider {
-  element: HTMLElement;
-  show(value: number): void;
-}
-
-function slider(name: string, range: { min: number; max: number; step: number }, words: (v: number) => string,
-                input: (value: number) => void): Slider {
-  const value = h('output', {});
-  const knob = h('input', { type: 'range', ...range, 'aria-label': name, name: name.toLowerCase() });
-  let held_ms = -Infinity;
-  const paint = () => {
-    setText(value, words(Number(knob.value)));
-    const part = (Number(knob.value) - range.min) / (range.max - range.min);
-    knob.style.setProperty('--part', `${(100 * part).toFixed(1)}%`);
-  };
-  knob.addEventListener('input', () => {
-    held_ms = performance.now();
-    paint();
-    input(Number(knob.value));
-  });
-  paint();
-  return {
-    element: h('label', { className: 'slider' }, h('span', {}, name), value, knob),
-    show(next) {
-      // The daemon's value is up to a second old: while a knob is in use, the knob's own value is
-      // shown.
-      if (performance.now() - held_ms < 1500 || Math.abs(Number(knob.value) - next) < range.step / 2) return;
-      knob.value = String(next);
-      paint();
-    },
-  };
-}
+import type { Cards } from './cards.js';
+import { clamp, h, svg } from './dom.js';
+import { variation } from './variation.js';
+import { section, slider } from './widgets.js';
 
 /** Mixes two styles: horizontally their proportion, vertically the strength. */
 function mixPad(app: App): HTMLElement {
@@ -101,7 +25,7 @@ function mixPad(app: App): HTMLElement {
     if (a.value === b.value) return app.onMessage('the two styles of the mix are the same', true);
     const mix = [{ style: a.value, weight: 1 - x }, { style: b.value, weight: x }];
     await app.set({ mix: mix.filter(({ weight }) => weight > 0.001), strength: 1.5 * y },
-      `${a.value} ${Math.round(100 * (1 - x))}%, ${b.value} ${Math.round(100 * x)}%`);
+      `${a.value} ${Math.round(100 * (1 - x))}%, ${b.value} ${Math.round(100 * x)}%`, 'mix');
   });
   const move = (nextX: number, nextY: number) => {
     x = clamp(nextX, 0, 1);
@@ -215,10 +139,10 @@ function rootSwitch(app: App): HTMLElement {
   return box;
 }
 
-export function controls(app: App, inForce: () => Map<string, number>): HTMLElement {
+export function controls(app: App, cards: Cards): HTMLElement {
   const percent = (value: number) => `${Math.round(100 * value)} %`;
   const strength = slider('Strength', { min: 0, max: 1.5, step: 0.01 }, percent,
-    paced((value: number) => app.set({ strength: value }, `strength ${percent(value)}`)));
+    paced((value: number) => app.set({ strength: value }, `strength ${percent(value)}`, 'strength')));
   const transition = slider('Transition', { min: 0, max: 5000, step: 50 }, (ms) => `${(ms / 1000).toFixed(2)} s`,
     (ms) => (app.transition_ms = ms));
   transition.show(app.transition_ms);
@@ -257,12 +181,19 @@ export function controls(app: App, inForce: () => Map<string, number>): HTMLElem
       chip.setAttribute('aria-pressed', String(chip.getAttribute('data-preset') === entry?.look?.preset));
     }
   });
-  return h('aside', { className: 'panel right' },
-    section('Style', who, styleGrid(app, inForce)),
-    h('section', {}, strength.element, transition.element, rootSwitch(app),
+  const style = section('Style', who, cards.element);
+  style.classList.add('stylebox');
+  style.firstElementChild!.append(cards.toggle);
+  const two = h('div', { className: 'two' }, section('Mix', mixPad(app)), section('Body', bodyParts(app)));
+  const watching = h('p', { className: 'hint watching' }, 'For watching only: this gateway refuses changes.');
+  const controls = h('fieldset', { className: 'whole' }, style,
+    h('section', {}, h('div', { className: 'twin' }, strength.element, transition.element), rootSwitch(app),
       h('div', { className: 'row' }, bypass, pin, reset)),
-    presetSection,
-    h('div', { className: 'two' },
-      section('Mix', mixPad(app)),
-      section('Body', bodyParts(app))));
+    variation(app), presetSection, two);
+  app.watch(() => {
+    watching.hidden = !app.watchOnly;
+    style.style.minHeight = `${126 + cards.least}px`;
+    controls.disabled = two.inert = app.watchOnly;
+  });
+  return h('aside', { className: 'panel right' }, watching, controls);
 }

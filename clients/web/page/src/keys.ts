@@ -1,6 +1,6 @@
 // Keyboard control.
 import type { App } from './app.js';
-import { STYLE_KEYS } from './controls.js';
+import { STYLE_KEYS } from './cards.js';
 import { h } from './dom.js';
 import type { RecordPanel } from './record.js';
 import type { Looks } from './roster.js';
@@ -10,7 +10,11 @@ const HELP: [string, string][] = [
   ['1 … 9, 0', 'set a style; with Shift the next ten'],
   ['B', 'bypass'],
   ['Esc', 'panic: everyone back to the bare source'],
+  ['Ctrl+Z, U', 'undo: the look before, and a style that was removed'],
   ['[ ]', 'strength down, up'],
+  ['N', 'another variation of the style'],
+  ['L', 'learn a style from the selected performer'],
+  ['/', 'find a style'],
   ['↑ ↓', 'select a performer'],
   ['R', 'record the selected one; again: stop and save'],
   ['E', 'set the selected one, or everyone'],
@@ -21,6 +25,9 @@ const HELP: [string, string][] = [
   ['F', 'camera home'],
   ['?', 'this list'],
 ];
+
+// Fields that take letters and digits.
+const TEXT = new Set(['text', 'search', 'number']);
 
 // Keys that a focused, closed select element handles; letters and digits belong to the page.
 const LIST_KEYS = new Set(['ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight', 'Home', 'End', 'PageUp', 'PageDown', 'Enter', ' ']);
@@ -42,7 +49,7 @@ function letGo(): void {
 }
 
 export function keys(
-  app: App, stage: Stage, looks: Looks, record: RecordPanel,
+  app: App, stage: Stage, looks: Looks, record: RecordPanel, cancelLesson: () => boolean,
 ): { help: HTMLElement; toggleHelp: () => void } {
   const help = h('div', { className: 'help', hidden: true, onclick: () => toggleHelp() },
     h('dl', {}, ...HELP.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)])));
@@ -51,10 +58,12 @@ export function keys(
     const look = app.entry()?.look;
     if (!look) return;
     const next = Math.min(1.5, Math.max(0, Math.round(((look.strength ?? 1) + step) * 10) / 10));
-    look.strength = next; // until the daemon reports it
+    void app.set({ strength: next }, `strength ${Math.round(100 * next)} %`, 'strength');
+    app.entry()!.look = { ...look, strength: next }; // until the daemon reports it
     app.changed();
-    void app.set({ strength: next }, `strength ${Math.round(100 * next)} %`);
   };
+  // As a click, if there is such a button now.
+  const press = (button: string) => document.querySelector<HTMLElement>(button)?.click();
   const plain: Record<string, () => void> = {
     b: () => void app.clear(),
     '[': () => stronger(-0.1),
@@ -66,6 +75,10 @@ export function keys(
       app.changed();
     },
     r: () => record.toggle(),
+    u: () => void app.undoLast(),
+    n: () => press('[data-vary=dice]'),
+    l: () => press('[data-example=learn]'),
+    '/': () => document.querySelector<HTMLElement>('.find:not([hidden]) .filter')?.focus(),
     v: () => looks.toggle('overlay'),
     t: () => looks.toggle('trails'),
     c: () => looks.toggle('contacts'),
@@ -80,14 +93,25 @@ export function keys(
   };
   letGo();
   addEventListener('keydown', (event) => {
+    const at = event.target;
+    const typing = at instanceof HTMLInputElement && TEXT.has(at.type);
+    if ((event.ctrlKey || event.metaKey) && !event.shiftKey && !event.altKey && event.key.toLowerCase() === 'z' && !typing) {
+      event.preventDefault();
+      if (!event.repeat) void app.undoLast();
+      return;
+    }
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === 'Escape') {
       if (event.target instanceof HTMLSelectElement && isOpen(event.target)) return; // it closes the list
       if (!help.hidden) toggleHelp();
-      else void app.panic();
+      else if (typing && at.type === 'search' && at.value !== '') return; // it is emptied
+      else {
+        cancelLesson();
+        void app.panic();
+      }
       return;
     }
-    const at = event.target;
+    if (typing) return;
     if (at instanceof HTMLSelectElement && (isOpen(at) || LIST_KEYS.has(event.key))) return;
     if (at instanceof HTMLInputElement && event.key.startsWith('Arrow')) return;
     const digit = /^Digit(\d)$/.exec(event.code);

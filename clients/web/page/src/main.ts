@@ -3,9 +3,13 @@ import './style.css';
 import { StyledClient } from 'styled-client';
 
 import { App } from './app.js';
+import { Cards } from './cards.js';
 import { controls } from './controls.js';
 import { h } from './dom.js';
+import { examplePanel } from './example_panel.js';
+import { Examples } from './examples.js';
 import { keys } from './keys.js';
+import { StyleMenu } from './menu.js';
 import { plots } from './plots.js';
 import { recordPanel } from './record.js';
 import { roster } from './roster.js';
@@ -27,16 +31,21 @@ const client = new StyledClient({ url: location.origin, ...(known ? { token: kno
 const app = new App(client);
 const stage = new Stage(client);
 const record = recordPanel(app, stage);
-const left = roster(app, stage, record.element);
-const { help, toggleHelp } = keys(app, stage, left.looks, record);
+const examples = new Examples(app);
+const example = examplePanel(app, examples);
+const menu = new StyleMenu(app, examples);
+const left = roster(app, stage, record.element, example);
+const { help, toggleHelp } = keys(app, stage, left.looks, record, example.cancel);
 const chosen = () => stage.performers.get(app.selected);
+const cards = new Cards(app, () => chosen()?.weights ?? new Map<string, number>(), menu);
 
 document.getElementById('app')!.append(
   topBar(app, stage, toggleHelp),
   left.element,
-  h('main', {}, stage.element, banner(app), record.badge, toast(app)),
-  controls(app, () => chosen()?.weights ?? new Map<string, number>()),
+  h('main', {}, stage.element, banner(app), record.badge, example.lesson, toast(app)),
+  controls(app, cards),
   plots(app, () => chosen()?.missed ?? 0),
+  menu.element,
   help,
 );
 stage.onSelect = (name) => app.select(name);
@@ -52,4 +61,4 @@ app.watch(() => {
 app.changed();
 
 // For tests and for the browser's console.
-Object.assign(window, { styled: { app, client, stage, recorder: record.recorder } });
+Object.assign(window, { styled: { app, client, stage, cards, recorder: record.recorder } });

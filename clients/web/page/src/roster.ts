@@ -2,6 +2,7 @@
 import type { App } from './app.js';
 import { Avatar } from './avatar.js';
 import { h, setText } from './dom.js';
+import { kindOf } from './names.js';
 import type { Stage } from './stage.js';
 
 function list(app: App): HTMLElement {
@@ -69,7 +70,7 @@ function looks(stage: Stage): Looks {
   };
 }
 
-function wardrobe(app: App, stage: Stage): HTMLElement {
+function wardrobe(app: App, stage: Stage, take: (files: File[]) => boolean): HTMLElement {
   const file = h('input', { type: 'file', accept: '.vrm', hidden: true });
   const label = h('span', {});
   const zone = h('button', { className: 'drop', onclick: () => file.click() }, label);
@@ -108,8 +109,12 @@ function wardrobe(app: App, stage: Stage): HTMLElement {
   addEventListener('drop', (event) => {
     event.preventDefault();
     hover(false);
-    const dropped = event.dataTransfer?.files[0];
-    if (dropped) void wear(dropped);
+    const dropped = [...(event.dataTransfer?.files ?? [])];
+    const avatar = dropped.find(({ name }) => kindOf(name) === 'avatar');
+    if (avatar) void wear(avatar);
+    else if (dropped[0] && !take(dropped)) {
+      app.onMessage(`${dropped[0].name}: expected .vrm, an avatar; .bvh, .glb or .vrma, an example of a style; or the .json of a style`, true);
+    }
   });
   app.watch(() => {
     const name = stage.performers.get(app.selected)?.avatar?.name;
@@ -120,10 +125,13 @@ function wardrobe(app: App, stage: Stage): HTMLElement {
   return h('section', {}, h('h2', {}, 'Avatar'), h('div', { className: 'wardrobe' }, zone, off, file));
 }
 
-export function roster(app: App, stage: Stage, record: HTMLElement): { element: HTMLElement; looks: Looks } {
+/** `examples`: its panel, and who takes the files that are dropped and no avatar. */
+export function roster(
+  app: App, stage: Stage, record: HTMLElement, examples: { element: HTMLElement; take(files: File[]): boolean },
+): { element: HTMLElement; looks: Looks } {
   const view = looks(stage);
   return {
-    element: h('aside', { className: 'panel left' }, list(app), record, view.element, wardrobe(app, stage)),
+    element: h('aside', { className: 'panel left' }, list(app), examples.element, record, view.element, wardrobe(app, stage, examples.take)),
     looks: view,
   };
 }

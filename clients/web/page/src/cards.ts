@@ -1,0 +1,233 @@
+// The styles as cards: name, key, weight in force, a small moving figure; a menu on those that were made.
+import type { StyleInfo } from 'styled-client';
+
+import type { App } from './app.js';
+import { clamp, h, setText } from './dom.js';
+import { Figures } from './figures.js';
+import type { StyleMenu } from './menu.js';
+import { Previews } from './previews.js';
+
+export const STYLE_KEYS = '1234567890';
+const FILTER_FROM = 16; // styles; fewer are found at a glance
+const WIDTH = 84, HEIGHT = 66; // of a figure, in pixels of the page
+const KEPT = 'styled.figures'; // whether figures are shown, in this browser
+
+interface Card {
+  name: string;
+  info: string; // what it was built of
+  box: HTMLElement;
+  pick: HTMLButtonElement;
+  fill: HTMLElement;
+  figure: HTMLElement;
+  canvas: HTMLCanvasElement | undefined;
+}
+
+const textOf = (info: StyleInfo, place: number) =>
+  JSON.stringify([info.name, info.weak, info.recognized, info.model, info.made, info.source, info.nearest, info.distance, info.varies, place < 20 ? place : 20]);
+
+function titleOf(app: App, info: StyleInfo, key: string): string {
+  const parts = [key ? `${info.name} (${key})` : info.name];
+  const weakness = app.weakness(info.name);
+  if (weakness) parts.push(weakness);
+  if (info.model) parts.push(`network ${info.model}`);
+  if (info.source) parts.push(`from ${info.source}`);
+  if (info.made && info.nearest) parts.push(`nearest ${info.nearest}, distance ${info.distance.toFixed(2)}`);
+  return parts.join(', ');
+}
+
+export class Cards {
+  readonly element: HTMLElement;
+  /** Shows or hides the figures. */
+  readonly toggle: HTMLElement;
+  readonly figures = new Figures({ near: '#e8d2b4', far: '#8a7454', ground: '#2f3947' });
+  readonly previews: Previews;
+  private readonly grid = h('div', { className: 'styles', role: 'group', 'aria-label': 'Styles' });
+  private readonly filter = h('input', {
+    type: 'search', className: 'filter', placeholder: 'Find a style', 'aria-label': 'Find a style', spellcheck: false, autocomplete: 'off',
+  });
+  private readonly count = h('span', { className: 'hint', role: 'status' });
+  private readonly cards = new Map<string, Card>();
+  private readonly inView = new Set<string>();
+  private readonly watcher: IntersectionObserver;
+  private moving = localStorage.getItem(KEPT) !== 'off';
+  private order = '';
+  private lit = new Set<string>(); // cards whose fill is not empty
+
+  constructor(private readonly app: App, private readonly inForce: () => Map<string, number>, private readonly menu: StyleMenu) {
+    this.previews = new Previews((style) => app.client.preview(style));
+    this.previews.onFilm = (style) => this.paintFigure(style);
+    this.previews.onRefused = () => {
+      this.paintKind();
+      app.changed();
+    };
+    this.watcher = new IntersectionObserver((entries) => this.seen(entries), { root: this.grid, rootMargin: '40px' });
+    const toggle = this.toggle = h('button', {
+      className: 'quiet small', title: 'Shows or hides the figures', onclick: () => {
+        this.moving = !this.moving;
+        localStorage.setItem(KEPT, this.moving ? 'on' : 'off');
+        toggle.setAttribute('aria-pressed', String(this.moving));
+        this.paintKind();
+        app.changed();
+      },
+    }, 'Figures');
+    toggle.setAttribute('aria-pressed', String(this.moving));
+    this.filter.addEventListener('input', () => this.sift());
+    this.element = h('div', { className: 'cards' },
+      h('div', { className: 'find' }, this.filter, this.count), this.grid);
+    let version = '';
+    app.watch(() => {
+      if (app.version !== version) {
+        version = app.version;
+        this.previews.forgive();
+        this.paintKind();
+      }
+      this.paint();
+    });
+    setInterval(() => this.paintFills(), 100);
+    this.paintKind();
+  }
+
+  /** Pixels that the cards want at least, whatever else is to be seen. */
+  get least(): number {
+    const rows = Math.ceil(this.cards.size / 3);
+    return this.figured ? 101 * Math.min(rows, 2) : 37 * Math.min(rows, 5);
+  }
+  private get figured(): boolean {
+    return this.moving && !this.previews.refused;
+  }
+
+  // With or without figures.
+  private paintKind(): void {
+    this.grid.classList.toggle('plain', !this.figured);
+    this.toggle.hidden = this.previews.refused;
+    for (const name of this.cards.keys()) this.paintFigure(name);
+    this.wish();
+  }
+
+  private paint(): void {
+    const { app } = this;
+    const infos = (app.list?.styles ?? []).filter(({ neutral }) => !neutral);
+    const order = infos.map(({ name }) => name).join();
+    for (const [name, card] of this.cards) {
+      if (!app.info(name)) this.drop(name, card);
+    }
+    infos.forEach((info, place) => this.cardOf(info, place));
+    if (order !== this.order) {
+      this.order = order;
+      this.arrange(infos.map(({ name }) => name));
+    }
+    this.previews.know(new Map(infos.map((info) => [info.name, `${app.version} ${textOf(info, 20)}`])));
+    const set = new Set(app.entry()?.look?.mix.filter(({ weight }) => weight > 0).map(({ style }) => style));
+    for (const [name, { pick }] of this.cards) {
+      const pressed = String(set.has(name));
+      if (pick.getAttribute('aria-pressed') !== pressed) pick.setAttribute('aria-pressed', pressed);
+    }
+    for (const name of this.inView) this.paintFigure(name);
+    this.wish();
+  }
+
+  private drop(name: string, card: Card): void {
+    this.watcher.unobserve(card.box);
+    this.figures.hide(name);
+    this.inView.delete(name);
+    card.box.remove();
+    this.cards.delete(name);
+    this.order = '';
+  }
+
+  // Places the cards in order without moving those that are in their place: the focus stays.
+  private arrange(names: string[]): void {
+    let next = this.grid.firstElementChild;
+    for (const name of names) {
+      const { box } = this.cards.get(name)!;
+      if (box === next) next = next.nextElementSibling;
+      else this.grid.insertBefore(box, next);
+    }
+    this.sift();
+  }
+
+  private cardOf(info: StyleInfo, place: number): void {
+    const text = textOf(info, place);
+    const known = this.cards.get(info.name);
+    if (known?.info === text) return;
+    if (known) this.drop(info.name, known);
+    const { app } = this;
+    const key = place >= 20 ? '' : (place < 10 ? '' : 'Shift+') + STYLE_KEYS[place % 10]!;
+    const fill = h('i', {}), figure = h('span', { className: 'figure', 'aria-hidden': 'true' });
+    const weakness = app.weakness(info.name);
+    const pick = h('button', {
+      'data-style': info.name, title: titleOf(app, info, key), onclick: () => void app.setStyle(info.name),
+    }, fill, figure, h('span', { className: 'name' }, info.name), weakness ? h('small', {}, 'weak') : undefined,
+       key ? h('kbd', {}, key.replace('Shift+', '⇧')) : undefined);
+    const box = h('div', { className: info.made ? 'card made' : 'card', 'data-card': info.name }, pick);
+    if (info.made) {
+      const more = h('button', {
+        className: 'more', 'aria-haspopup': 'menu', 'aria-expanded': 'false', 'aria-label': `${info.name}: rename, export, remove`,
+        title: 'Rename, export, remove', onclick: () => this.menu.open(info.name, more),
+      }, '⋯');
+      box.append(more);
+    }
+    this.cards.set(info.name, { name: info.name, info: text, box, pick, fill, figure, canvas: undefined });
+    this.watcher.observe(box);
+    this.order = '';
+  }
+
+  // Shows the cards that match what is sought, in name, alias, network or origin.
+  private sift(): void {
+    const sought = this.filter.value.trim().toLowerCase();
+    let matches = 0;
+    for (const [name, { box }] of this.cards) {
+      const info = this.app.info(name);
+      const text = info ? [name, ...info.aliases, info.model, info.source].join(' ').toLowerCase() : '';
+      box.hidden = !text.includes(sought);
+      if (!box.hidden) ++matches;
+    }
+    this.filter.parentElement!.hidden = this.cards.size < FILTER_FROM && sought === '';
+    setText(this.count, sought ? (matches === 0 ? 'none' : `${matches} of ${this.cards.size}`) : '');
+  }
+
+  private seen(entries: IntersectionObserverEntry[]): void {
+    for (const { target, isIntersecting } of entries) {
+      const name = target.getAttribute('data-card')!;
+      if (!this.cards.has(name)) continue;
+      if (isIntersecting) this.inView.add(name);
+      else this.inView.delete(name);
+      this.paintFigure(name);
+    }
+    this.wish();
+  }
+
+  private wish(): void {
+    this.previews.want(this.figured ? [...this.cards.keys()].filter((name) => this.inView.has(name)) : []);
+  }
+
+  // Only a card in view has a canvas.
+  private paintFigure(name: string): void {
+    const card = this.cards.get(name);
+    if (!card) return;
+    const film = this.figured && this.inView.has(name) ? this.previews.film(name) : undefined;
+    if (!film) {
+      this.figures.hide(name);
+      card.canvas?.remove();
+      card.canvas = undefined;
+      return;
+    }
+    if (!card.canvas) {
+      const dense = Math.min(devicePixelRatio, 2);
+      card.canvas = h('canvas', { width: Math.round(WIDTH * dense), height: Math.round(HEIGHT * dense) });
+      card.figure.append(card.canvas);
+    }
+    this.figures.show(name, card.canvas, film);
+  }
+
+  private paintFills(): void {
+    const weights = this.inForce();
+    const lit = new Set([...weights].filter(([, weight]) => weight > 0).map(([name]) => name));
+    for (const name of new Set([...lit, ...this.lit])) {
+      const fill = this.cards.get(name)?.fill;
+      const width = `${(100 * clamp(weights.get(name) ?? 0, 0, 1)).toFixed(0)}%`;
+      if (fill && fill.style.width !== width) fill.style.width = width;
+    }
+    this.lit = lit;
+  }
+}

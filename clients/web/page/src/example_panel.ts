@@ -1,0 +1,278 @@
+// "By example": a style from a dropped file, or from what the performer does.
+import { NoAnswerError, RefusedError } from 'styled-client';
+
+import type { App } from './app.js';
+import { h, setText } from './dom.js';
+import { fileFault, outcomeOf, type Examples, type Outcome } from './examples.js';
+import { Course, type Phase } from './learn.js';
+import { kindOf, nameFault, proposedName, replacedBy } from './names.js';
+
+const TICK_MS = 50;
+
+// The learning of a style, while it lasts.
+interface Lesson {
+  course: Course;
+  performer: string;
+  name: string;
+  cancelled: boolean;
+}
+
+/** Over the stage: the countdown and the take, large enough for who performs. */
+function bigScreen(cancel: () => void): { element: HTMLElement; show(phase: Phase | undefined, lesson?: Lesson): void } {
+  const title = h('b', { role: 'status' }), number = h('strong', { 'aria-live': 'assertive' });
+  const bar = h('progress', { max: 1, value: 0, 'aria-label': 'How much of the take is over' });
+  const stop = h('button', { onclick: cancel }, 'Cancel');
+  const element = h('div', { className: 'lesson', hidden: true, role: 'group', 'aria-label': 'Learning from the performer' },
+    title, number, bar, stop);
+  return {
+    element,
+    show(phase, lesson) {
+      const on = phase !== undefined && phase.kind !== 'over' && lesson !== undefined;
+      if (on && element.hidden) {
+        element.hidden = false;
+        stop.focus();
+      }
+      element.hidden = !on;
+      if (!on) return;
+      const neutral = phase.what === 'neutral';
+      element.dataset.phase = phase.kind;
+      element.dataset.what = phase.what;
+      setText(title, phase.kind === 'wait' ? 'Thank you' : neutral ? `${lesson.performer}, move as you always do`
+        : `${lesson.performer}, act out ${lesson.name}`);
+      setText(number, phase.kind === 'count' ? String(phase.left) : phase.kind === 'take' ? (neutral ? 'Neutral' : 'Go') : 'Making the style …');
+      bar.value = phase.kind === 'take' ? phase.part : phase.kind === 'wait' ? 1 : 0;
+    },
+  };
+}
+
+interface Form {
+  element: HTMLFormElement;
+  open(kind: Ask): void;
+  close(): void;
+}
+
+type Ask =
+  | { kind: 'file'; file: File; name: string }
+  | { kind: 'style'; file: File; name: string }
+  | { kind: 'learn' };
+
+// Asks for the name, and for what else there is to say.
+function nameForm(app: App, done: (name: string, ask: Ask, seconds: number, neutral: boolean) => void): Form {
+  const about = h('p', { className: 'hint' });
+  const name = h('input', { type: 'text', name: 'style', maxLength: 40, spellcheck: false, autocomplete: 'off', 'aria-label': 'Name of the style' });
+  const seconds = h('input', { type: 'number', name: 'seconds', min: '1', max: '60', step: '1', value: '8', 'aria-label': 'Seconds of the take' });
+  const neutral = h('input', { type: 'checkbox', name: 'neutral' });
+  const learning = h('div', { className: 'learning' },
+    h('label', {}, seconds, ' seconds'),
+    h('label', { title: 'First the performer moves as always; then only the difference counts' }, neutral, ' neutral take first'));
+  const remark = h('p', { className: 'hint', role: 'status' });
+  const go = h('button', { type: 'submit', className: 'go' }, 'Make');
+  let ask: Ask | undefined;
+  const check = (): string => {
+    const taken = app.taken(), fault = nameFault(name.value.trim(), taken);
+    const replaced = replacedBy(name.value.trim(), taken);
+    setText(remark, fault || (replaced ? `Replaces ${replaced}. Undo brings it back.` : ''));
+    remark.classList.toggle('bad', fault !== '');
+    return fault;
+  };
+  const close = () => {
+    element.hidden = true;
+    ask = undefined;
+  };
+  name.addEventListener('input', check);
+  const element = h('form', {
+    className: 'ask', hidden: true, noValidate: true,
+    onsubmit: (event: Event) => {
+      event.preventDefault();
+      if (!ask) return;
+      if (check()) return name.focus();
+      const length = Number(seconds.value);
+      if (ask.kind === 'learn' && !(length >= 1 && length <= 60)) {
+        setText(remark, 'A take has 1 to 60 seconds.');
+        remark.classList.add('bad');
+        return seconds.focus();
+      }
+      const asked = ask;
+      close();
+      done(name.value.trim(), asked, length, neutral.checked);
+    },
+    onkeydown: (event: KeyboardEvent) => {
+      if (event.key !== 'Escape') return;
+      event.stopPropagation(); // no panic: it closes what is open
+      close();
+    },
+  }, about, h('label', { className: 'named' }, 'Name', name), learning, remark,
+     h('div', { className: 'row' }, go, h('button', { type: 'button', onclick: close }, 'Cancel')));
+  return {
+    element,
+    close,
+    open(next) {
+      ask = next;
+      learning.hidden = next.kind !== 'learn';
+      setText(go, next.kind === 'learn' ? 'Start' : next.kind === 'style' ? 'Import' : 'Make');
+      setText(about, next.kind === 'learn' ? `${app.selected} acts the style out, after a countdown.` : next.file.name);
+      name.value = next.kind === 'learn' ? proposedName('style', app.taken()) : next.name;
+      element.hidden = false;
+      check();
+      element.scrollIntoView({ block: 'nearest' });
+      name.focus();
+      name.select();
+    },
+  };
+}
+
+export interface ExamplePanel {
+  element: HTMLElement;
+  /** Shown over the stage during a take. */
+  lesson: HTMLElement;
+  /** Takes a dropped file; false if it is for somebody else. */
+  take(files: File[]): boolean;
+  /** Cancels a take that is on; false if none is. */
+  cancel(): boolean;
+}
+
+export function examplePanel(app: App, examples: Examples): ExamplePanel {
+  let lesson: Lesson | undefined;
+  let busy = false;
+  const result = h('p', { className: 'result', role: 'status' });
+  const say = ({ text, bad }: Outcome) => {
+    setText(result, text);
+    result.classList.toggle('bad', bad);
+    result.hidden = text === '';
+  };
+  say({ text: '', bad: false });
+  const fail = (error: unknown) => {
+    if (!(error instanceof RefusedError || error instanceof NoAnswerError)) throw error;
+    const open = error instanceof NoAnswerError && error.sent ? '; the style may still come' : '';
+    say({ text: `${error.message}${open}`, bad: true });
+  };
+
+  const cancel = (): boolean => {
+    if (!lesson || lesson.cancelled) return false;
+    lesson.cancelled = true;
+    lesson.course.stop();
+    screen.show(undefined);
+    learn.focus();
+    say({ text: `${lesson.name}: cancelled`, bad: false });
+    paint();
+    return true;
+  };
+  const screen = bigScreen(() => cancel());
+
+  // Waits for the countdown; false if it is cancelled.
+  const counted = async (running: Lesson): Promise<boolean> => {
+    while (!running.cancelled && !running.course.due(performance.now())) {
+      await new Promise((resolve) => setTimeout(resolve, TICK_MS));
+    }
+    running.course.go(performance.now());
+    return !running.cancelled;
+  };
+  const learnFrom = async (name: string, seconds: number, neutral: boolean) => {
+    const performer = app.selected, looks = app.looks(performer);
+    const running: Lesson = { course: new Course(seconds, neutral, performance.now()), performer, name, cancelled: false };
+    lesson = running;
+    say({ text: '', bad: false });
+    const timer = setInterval(() => screen.show(running.cancelled ? undefined : running.course.at(performance.now()), running), TICK_MS);
+    try {
+      const back = await examples.former(name);
+      let neutralCode: number[] = [];
+      if (neutral) {
+        if (!(await counted(running))) return;
+        neutralCode = (await app.client.like(performer, { measure: true, learnS: seconds })).code;
+        running.course.done(performance.now());
+      }
+      if (!(await counted(running))) return;
+      const reply = await app.client.like(performer, { name, learnS: seconds, neutralCode, transitionMs: app.transition_ms });
+      if (running.cancelled) { // too late for the daemon: it is taken back
+        await app.fetchLooks();
+        await app.restore(looks);
+        return await back();
+      }
+      examples.made(name, looks, back);
+      say(outcomeOf(reply, performer, performer));
+    } catch (error) {
+      if (!running.cancelled) fail(error);
+    } finally {
+      clearInterval(timer);
+      running.course.stop();
+      screen.show(undefined);
+      lesson = undefined;
+      await app.refresh();
+    }
+  };
+
+  const form = nameForm(app, (name, ask, seconds, neutral) => {
+    if (ask.kind === 'learn') void learnFrom(name, seconds, neutral);
+    else void send(name, ask.file, ask.kind);
+    zone.focus();
+  });
+  const send = async (name: string, file: File, kind: 'file' | 'style') => {
+    busy = true;
+    say({ text: `${file.name}: reading …`, bad: false });
+    paint();
+    try {
+      const bytes = new Uint8Array(await file.arrayBuffer());
+      say(await (kind === 'file' ? examples.like(name, bytes, file.name) : examples.add(name, bytes)));
+    } catch (error) {
+      fail(error);
+    }
+    busy = false;
+    paint();
+  };
+  const readStyle = async (file: File) => {
+    let name = '';
+    try {
+      const { name: own } = JSON.parse(await file.text()) as { name?: unknown };
+      if (typeof own === 'string') name = own;
+    } catch {
+      // the daemon says what is wrong with it
+    }
+    const taken = app.taken();
+    if (name === '' || (nameFault(name, taken) === '' && !taken.made.has(name))) return send(name, file, 'style');
+    form.open({ kind: 'style', file, name });
+  };
+  const take = (files: File[]): boolean => {
+    const wanted = files.filter(({ name }) => ['example', 'style'].includes(kindOf(name)));
+    const [first] = wanted;
+    if (!first) return false;
+    if (app.watchOnly) {
+      app.onMessage('this gateway is for watching only', true);
+      return true;
+    }
+    for (const file of wanted) {
+      const fault = fileFault(file);
+      if (fault) say({ text: fault, bad: true });
+      else if (kindOf(file.name) === 'style') void readStyle(file);
+      else if (file === first) form.open({ kind: 'file', file, name: proposedName(file.name, app.taken()) });
+    }
+    return true;
+  };
+
+  const chosen = h('input', { type: 'file', accept: '.bvh,.glb,.vrma,.json', hidden: true });
+  chosen.addEventListener('change', () => {
+    const [file] = chosen.files ?? [];
+    if (file && !take([file])) app.onMessage(`${file.name}: expected .bvh, .glb or .vrma, or the .json of a style`, true);
+    chosen.value = '';
+  });
+  const zone = h('button', { className: 'drop', 'data-example': 'file', onclick: () => chosen.click() }, 'Drop a clip, or choose …');
+  const learn = h('button', { className: 'drop learn', 'data-example': 'learn', onclick: () => form.open({ kind: 'learn' }) }, 'Learn from performer …');
+  const element = h('section', { className: 'examples' },
+    h('h2', { title: 'A style of an example: .bvh, .glb, .vrma, or the .json of an exported style' }, 'Style by example'), zone, learn, chosen, form.element, result);
+  const obstacle = () => {
+    if (!app.client.daemonState.up) return 'The daemon is away.';
+    if (lesson) return lesson.cancelled ? 'The cancelled take ends first.' : 'A take is on.';
+    if (!app.entry()) return 'Nobody is here to learn from.';
+    return app.entry()!.live ? '' : `${app.selected} is silent.`;
+  };
+  const paint = () => {
+    element.hidden = app.watchOnly;
+    const reason = obstacle();
+    learn.disabled = reason !== '';
+    learn.title = reason || `${app.selected} acts out a style for some seconds`;
+    zone.disabled = busy || !app.client.daemonState.up;
+    zone.title = 'Like this: .bvh, .glb or .vrma of somebody who moves so; .json: an exported style';
+  };
+  app.watch(paint);
+  paint();
+  return { element, lesson: screen.element, take, cancel };
+}
