@@ -2,80 +2,22 @@
 //   STYLED_BIN=build/release/bin CHROMIUM=/usr/bin/chromium node --test page.test.mjs
 // SCREENSHOTS: a folder for screenshots.
 import assert from 'node:assert/strict';
-import { spawn } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import os from 'node:os';
-import path from 'node:path';
+import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
-import { chromium } from 'playwright-core';
 
 import { makeAvatar } from './avatar.mjs';
 import { readBvh, worldPositions } from './bvh.mjs';
+import { drop, endAll, launch, start, startAll, startDaemon, startWeb, takePicture, until } from './house.mjs';
 
-const bin = process.env.STYLED_BIN;
-const folder = mkdtempSync(path.join(os.tmpdir(), 'styled-page-'));
-const file = (name) => path.join(folder, name);
-const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
-const children = new Set();
 let browser, page, address, daemon, web;
 const errors = [], downloads = [];
 
-async function until(condition, what, seconds = 60) {
-  for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(50)) {
-    if (await condition()) return;
-  }
-  throw new Error(`waited in vain for ${what}`);
-}
-
-function start(program, ...options) {
-  const child = spawn(path.join(bin, program), options, { stdio: ['ignore', 'ignore', 'inherit'] });
-  children.add(child);
-  child.ended = new Promise((resolve) => child.once('exit', resolve));
-  return child;
-}
-
-async function startDaemon() {
-  rmSync(file('ready.json'), { force: true });
-  daemon = start('styled', '--config', file('styled.toml'), '--ready-file', file('ready.json'),
-    '--set', 'log.level=warn', '--set', 'realtime.lock_memory=false');
-  await until(() => existsSync(file('ready.json')), 'the daemon');
-}
-
-async function startWeb(listen) {
-  rmSync(file('web.json'), { force: true });
-  web = start('styleweb', '--listen', listen, '--publish', `ipc://${file('publish')}`,
-    '--control', `ipc://${file('control')}`, '--ready-file', file('web.json'));
-  await until(() => existsSync(file('web.json')), 'styleweb');
-  address = JSON.parse(readFileSync(file('web.json'), 'utf8')).listen;
-}
-
-// A restart uses the port of the first start, so that the simulator finds the daemon again.
-async function startAll() {
-  const config = (udp) => writeFileSync(file('styled.toml'), `[[source]]
-name = "rig"
-type = "udp"
-listen = "${udp}"
-[publish]
-address = "ipc://${file('publish')}"
-[control]
-address = "ipc://${file('control')}"
-[presets]
-half_elderly = { elderly = 0.5 }
-`);
-  config('127.0.0.1:0');
-  await startDaemon();
-  const udp = JSON.parse(readFileSync(file('ready.json'), 'utf8')).sources[0].listen;
-  config(udp);
-  start('stylesim', '--to', `udp://${udp}`, '--rate', '120');
-  await startWeb('127.0.0.1:0');
-}
-
 before(async () => {
-  await startAll();
-  browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM,
-    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
-  });
+  let udp;
+  ({ daemon, udp } = await startAll('[presets]\nhalf_elderly = { elderly = 0.5 }\n'));
+  start('stylesim', '--to', `udp://${udp}`, '--rate', '120');
+  ({ web, address } = await startWeb('127.0.0.1:0'));
+  browser = await launch();
   page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
   page.setDefaultTimeout(60000);
   page.on('download', (download) => downloads.push(download));
@@ -89,11 +31,7 @@ before(async () => {
   await page.goto(address);
 });
 
-after(async () => {
-  await browser?.close();
-  for (const child of children) child.kill('SIGKILL');
-  rmSync(folder, { recursive: true, force: true });
-});
+after(() => endAll(browser));
 
 // For the first performer: joints in metres and the frame's sequence, input and styled.
 const poses = () =>
@@ -126,9 +64,7 @@ const status = () =>
   });
 
 const stagePicture = () => page.locator('.stage canvas').screenshot();
-async function picture(name) {
-  if (process.env.SCREENSHOTS) await page.screenshot({ path: path.join(process.env.SCREENSHOTS, `${name}.png`) });
-}
+const picture = (name) => takePicture(page, name);
 
 test('two bodies move', async () => {
   await until(async () => (await poses())?.after, 'two bodies');
@@ -196,25 +132,19 @@ test('mix pad, body parts, preset and keys reach the daemon', async () => {
 });
 
 test('a VRM avatar is worn and moves; a file that is none is said so', async () => {
-  const drop = (name, bytes) =>
-    page.evaluate(([name, base64]) => {
-      const transfer = new DataTransfer();
-      transfer.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
-      dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, cancelable: true, bubbles: true }));
-    }, [name, bytes.toString('base64')]);
-  await drop('broken.vrm', Buffer.from('no avatar'));
+  await drop(page, ['broken.vrm', Buffer.from('no avatar')]);
   const said = (words) => until(async () => words.test(await page.locator('.toast').innerText()), words);
   await said(/^broken\.vrm is no VRM file: .*; expected a VRM 0\.x or 1\.0 avatar/);
   const whole = makeAvatar();
-  await drop('half.vrm', whole.subarray(0, whole.length / 2));
+  await drop(page, ['half.vrm', whole.subarray(0, whole.length / 2)]);
   await said(/^half\.vrm is not whole: it has \d+ of \d+ bytes; expected/);
   // The length is correct, but a box refers to more vertices than the file contains.
-  await drop('torn.vrm', Buffer.from(whole.toString('latin1').replace('"count":8,', '"count":9,'), 'latin1'));
+  await drop(page, ['torn.vrm', Buffer.from(whole.toString('latin1').replace('"count":8,', '"count":9,'), 'latin1')]);
   await said(/^torn\.vrm .*; expected a VRM .*\(.+\)$/);
-  await drop('torn picture.vrm', makeAvatar(Buffer.from('no picture')));
+  await drop(page, ['torn picture.vrm', makeAvatar(Buffer.from('no picture'))]);
   await said(/wears torn picture\.vrm; one of its textures could not be loaded/);
   await page.getByTitle('Take it off').click();
-  await drop('boxes.vrm', whole);
+  await drop(page, ['boxes.vrm', whole]);
   const hand = () =>
     page.evaluate(() => {
       const [performer] = globalThis.styled.stage.performers.values();
@@ -401,7 +331,7 @@ test('a daemon that dies ends the recording; what was got is saved', async () =>
   assert.match(await page.locator('button.record').getAttribute('title'), /daemon is away/);
   await page.keyboard.press('r');
   await until(async () => /nothing to record/.test(await page.locator('.toast').innerText()), 'the reason');
-  await startDaemon();
+  daemon = await startDaemon();
   await until(() => page.locator('button.record').isEnabled(), 'the button again');
 });
 
@@ -409,7 +339,7 @@ test('a daemon that dies is missed, and found again', async () => {
   daemon.kill('SIGKILL');
   await until(async () => /daemon is away/i.test(await page.locator('.banner').innerText()), 'the banner');
   await picture('away');
-  await startDaemon();
+  daemon = await startDaemon();
   await until(async () => !(await page.locator('.banner').isVisible()), 'the banner to go');
   const first = await poses();
   await until(async () => farthest((await poses()).after.joints, first.after.joints) > 0.05, 'motion');
@@ -420,7 +350,7 @@ test('a gateway that dies is missed, and found again', async () => {
   web.kill('SIGKILL');
   await web.ended;
   await until(async () => /gateway is away/i.test(await page.locator('.banner').innerText()), 'the banner');
-  await startWeb(listen);
+  ({ web } = await startWeb(listen));
   await until(async () => !(await page.locator('.banner').isVisible()), 'the banner to go');
   const first = await poses();
   await until(async () => farthest((await poses()).after.joints, first.after.joints) > 0.05, 'motion');
