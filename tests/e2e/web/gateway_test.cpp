@@ -253,6 +253,12 @@ TEST(GatewayTest, WatchOnlyLetsNobodyChangeAnything) {
   v1::Request panic;
   panic.mutable_panic();
   EXPECT_EQ(AskThrough(link, panic).code(), v1::CODE_UNAUTHORIZED);
+  v1::Request remove;
+  remove.mutable_remove_style()->set_name("pirate");
+  EXPECT_EQ(AskThrough(link, remove).code(), v1::CODE_UNAUTHORIZED);
+  v1::Request preview;
+  preview.mutable_preview()->set_style("style1");
+  EXPECT_NE(AskThrough(link, preview).code(), v1::CODE_UNAUTHORIZED);
   EXPECT_EQ(AskThrough(link, v1::Request()).code(), v1::CODE_UNAUTHORIZED);
   ControlClient control(daemon.control);
   EXPECT_EQ(control.Status().stats().performers_size(), 0);

@@ -1,6 +1,7 @@
 #!/bin/sh
-# run.sh CHROMIUM: runs the page's test. Its driver is fetched from npm once, into the current
-# folder; if that fails, the test is skipped (77).
+# run.sh TEST CHROMIUM CAUSAL_WEIGHTS: runs a test of the page. Its driver is fetched from npm once,
+# into the current folder; if that fails, the test is skipped (77). CAUSAL_WEIGHTS: the program that
+# writes weights with a style encoder.
 [ -f "$STYLED_BIN/../web/index.html" ] || {
   echo "skipped, the page was not built"
   exit 77
@@ -10,4 +11,5 @@
   rm -rf node_modules
   exit 77
 }
-CHROMIUM=$1 exec node --test page.test.mjs
+"$3" causal.safetensors || exit 1
+CAUSAL_WEIGHTS=$PWD/causal.safetensors CHROMIUM=$2 exec node --test "$1"

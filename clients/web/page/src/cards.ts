@@ -130,6 +130,9 @@ export class Cards {
     this.watcher.unobserve(card.box);
     this.figures.hide(name);
     this.inView.delete(name);
+    if (card.box.contains(document.activeElement)) {
+      (card.box.nextElementSibling ?? card.box.previousElementSibling)?.querySelector('button')?.focus();
+    }
     card.box.remove();
     this.cards.delete(name);
     this.order = '';
@@ -150,7 +153,6 @@ export class Cards {
     const text = textOf(info, place);
     const known = this.cards.get(info.name);
     if (known?.info === text) return;
-    if (known) this.drop(info.name, known);
     const { app } = this;
     const key = place >= 20 ? '' : (place < 10 ? '' : 'Shift+') + STYLE_KEYS[place % 10]!;
     const fill = h('i', {}), figure = h('span', { className: 'figure', 'aria-hidden': 'true' });
@@ -166,6 +168,11 @@ export class Cards {
         title: 'Rename, export, remove', onclick: () => this.menu.open(info.name, more),
       }, '⋯');
       box.append(more);
+    }
+    if (known) { // in its place, and with its focus
+      known.box.before(box);
+      if (known.box.contains(document.activeElement)) pick.focus();
+      this.drop(info.name, known);
     }
     this.cards.set(info.name, { name: info.name, info: text, box, pick, fill, figure, canvas: undefined });
     this.watcher.observe(box);
