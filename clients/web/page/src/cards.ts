@@ -1,5 +1,5 @@
 // The styles as cards: name, key, weight in force, a small moving figure; a menu on those that were made.
-import type { StyleInfo } from 'styled-client';
+import type { ListReply, StyleInfo } from 'styled-client';
 
 import type { App } from './app.js';
 import { clamp, h, setText } from './dom.js';
@@ -8,7 +8,7 @@ import type { StyleMenu } from './menu.js';
 import { Previews } from './previews.js';
 
 export const STYLE_KEYS = '1234567890';
-const FILTER_FROM = 16; // styles; fewer are found at a glance
+const FILTER_FROM = 24; // styles; fewer are found at a glance
 const WIDTH = 84, HEIGHT = 66; // of a figure, in pixels of the page
 const KEPT = 'styled.figures'; // whether figures are shown, in this browser
 
@@ -51,6 +51,8 @@ export class Cards {
   private readonly watcher: IntersectionObserver;
   private moving = localStorage.getItem(KEPT) !== 'off';
   private order = '';
+  private listed: ListReply | undefined; // what is shown
+  private version = '';
   private lit = new Set<string>(); // cards whose fill is not empty
 
   constructor(private readonly app: App, private readonly inForce: () => Map<string, number>, private readonly menu: StyleMenu) {
@@ -74,10 +76,8 @@ export class Cards {
     this.filter.addEventListener('input', () => this.sift());
     this.element = h('div', { className: 'cards' },
       h('div', { className: 'find' }, this.filter, this.count), this.grid);
-    let version = '';
     app.watch(() => {
-      if (app.version !== version) {
-        version = app.version;
+      if (app.version !== this.version) {
         this.previews.forgive();
         this.paintKind();
       }
@@ -90,7 +90,7 @@ export class Cards {
   /** Pixels that the cards want at least, whatever else is to be seen. */
   get least(): number {
     const rows = Math.ceil(this.cards.size / 3);
-    return this.figured ? 101 * Math.min(rows, 2) : 37 * Math.min(rows, 5);
+    return this.figured ? 84 * Math.min(rows, 2) : 37 * Math.min(rows, 5);
   }
   private get figured(): boolean {
     return this.moving && !this.previews.refused;
@@ -106,6 +106,20 @@ export class Cards {
 
   private paint(): void {
     const { app } = this;
+    if (app.list !== this.listed || app.version !== this.version) {
+      this.listed = app.list;
+      this.version = app.version;
+      this.paintList();
+    }
+    const set = new Set(app.entry()?.look?.mix.filter(({ weight }) => weight > 0).map(({ style }) => style));
+    for (const [name, { pick }] of this.cards) {
+      const pressed = String(set.has(name));
+      if (pick.getAttribute('aria-pressed') !== pressed) pick.setAttribute('aria-pressed', pressed);
+    }
+  }
+
+  private paintList(): void {
+    const { app } = this;
     const infos = (app.list?.styles ?? []).filter(({ neutral }) => !neutral);
     const order = infos.map(({ name }) => name).join();
     for (const [name, card] of this.cards) {
@@ -117,11 +131,6 @@ export class Cards {
       this.arrange(infos.map(({ name }) => name));
     }
     this.previews.know(new Map(infos.map((info) => [info.name, `${app.version} ${textOf(info, 20)}`])));
-    const set = new Set(app.entry()?.look?.mix.filter(({ weight }) => weight > 0).map(({ style }) => style));
-    for (const [name, { pick }] of this.cards) {
-      const pressed = String(set.has(name));
-      if (pick.getAttribute('aria-pressed') !== pressed) pick.setAttribute('aria-pressed', pressed);
-    }
     for (const name of this.inView) this.paintFigure(name);
     this.wish();
   }

@@ -192,7 +192,7 @@ export function controls(app: App, cards: Cards): HTMLElement {
     variation(app), presetSection, two);
   app.watch(() => {
     watching.hidden = !app.watchOnly;
-    style.style.minHeight = `${126 + cards.least}px`;
+    style.style.minHeight = `${100 + cards.least}px`;
     controls.disabled = two.inert = app.watchOnly;
   });
   return h('aside', { className: 'panel right' }, watching, controls);
