@@ -368,9 +368,9 @@ export class StyledClient {
         return;
       }
       // The reply to a take comes after it.
-      const { command } = request;
-      const taken_ms = command?.case === 'like' ? 1000 * (command.value.learnS ?? 0) : 0;
-      const timeout_ms = (LONG.has(command?.case) ? this.long_ms : this.timeout_ms) + taken_ms;
+      const command = request.command;
+      const taken_s = command?.case === 'like' ? (command.value.learnS ?? 0) : 0;
+      const timeout_ms = (LONG.has(command?.case) ? this.long_ms : this.timeout_ms) + 1000 * taken_s;
       const timer = setTimeout(() => {
         this.settle(id)?.reject(new NoAnswerError(`no answer within ${timeout_ms} ms`));
       }, timeout_ms);

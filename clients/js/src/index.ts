@@ -1,5 +1,5 @@
 export { StyledClient } from './client.js';
-export type { CalibrateOptions, ClientEvents, ClientOptions, DaemonState, SetInit, Update } from './client.js';
+export type { CalibrateOptions, ClientEvents, ClientOptions, DaemonState, LikeOptions, SetInit, Update } from './client.js';
 export { NoAnswerError, RefusedError } from './errors.js';
 export { checkBody, checkFrame, makeTransforms, worldTransforms } from './kinematics.js';
 export type { Transforms } from './kinematics.js';

@@ -107,7 +107,7 @@ export class Examples {
   rename(name: string, to: string): Promise<void> {
     return this.attempt(`${name} is now ${to}`, async () => {
       await this.app.client.renameStyle(name, to);
-      this.app.undo.push({ what: `${name} renamed to ${to}`, back: () => this.app.client.renameStyle(to, name) });
+      this.app.undo.push({ what: `${name} renamed to ${to}`, back: async () => void (await this.app.client.renameStyle(to, name)) });
     });
   }
 
