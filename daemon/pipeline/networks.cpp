@@ -29,6 +29,7 @@ Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model&
   if (model.examples.empty() && !net::IsShippedDefault(main.value())) return files;
   const auto examples =
       net::FindWeights(model.examples.empty() ? kShippedExamples : model.examples);
+  if (!examples.ok() && model.examples.empty()) return files;  // not installed
   if (!examples.ok()) return Status::Error("model.examples: " + examples.status().message());
   files.push_back(examples.value());
   return files;
