@@ -128,6 +128,9 @@ test('control: replies, refusals, silence', () =>
     assert.equal(requests[0].command.value.strength, 0); // 0 is present, not absent
     assert.equal(requests[0].command.value.transitionMs, undefined);
     assert.deepEqual(requests[0].command.value.parts, [1, 3]);
+    await client.set('*', { vary: 7, varyEach: false, varyAmount: 0.5, driftS: 5 });
+    const { vary, varyEach, varyAmount, driftS } = requests.pop().command.value;
+    assert.deepEqual([vary, varyEach, varyAmount, driftS], [7, false, 0.5, 5]);
     await client.setStyle('*', 'elderly', 0.5);
     assert.equal(requests[1].command.value.mix[0].style, 'elderly');
     await client.preset('*', 'calm', 100);
