@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "model/net/stgcn/features.h"
+#include "model/net/stgcn_causal/stylizer.h"
 
 namespace styled::train::st_gcn_causal {
 namespace {
@@ -18,6 +19,14 @@ Tensor Multiply(const Tensor& a, const Tensor& b) {  // x, y, z, w
   const Tensor u = a.narrow(-1, 0, 3), s = a.narrow(-1, 3, 1);
   const Tensor v = b.narrow(-1, 0, 3), t = b.narrow(-1, 3, 1);
   return torch::cat({s * v + t * u + torch::cross(u, v, -1), s * t - (u * v).sum(-1, true)}, -1);
+}
+
+// The pose that a change of style is measured from; half-way, the normalized mean is the slerp.
+static_assert(stgcn_causal::kTowardInput == 0.5F);
+Tensor HalfWay(const Tensor& a, const Tensor& b) {
+  const Tensor nearer = torch::where((a * b).sum(-1, true) < 0, -b, b);
+  return torch::nn::functional::normalize(
+      a + nearer, torch::nn::functional::NormalizeFuncOptions().dim(-1).eps(1e-6));
 }
 
 Tensor Conjugate(const Tensor& q) { return q * torch::tensor({-1.0F, -1.0F, -1.0F, 1.0F}); }
@@ -83,7 +92,8 @@ PublishedForm::Basis PublishedForm::BasisOf(const Tensor& window,
   const auto height = [](const Tensor& raw) {
     return raw.select(-2, body::kHips).select(-1, kHeight);
   };
-  return {Multiply(LocalRotations(in), Conjugate(LocalRotations(rec))), height(in) - height(rec)};
+  const Tensor own = LocalRotations(in);
+  return {Multiply(own, Conjugate(HalfWay(LocalRotations(rec), own))), height(in) - height(rec)};
 }
 
 Tensor PublishedForm::operator()(const Basis& basis, const Tensor& styled) const {

@@ -9,17 +9,18 @@
 namespace styled::train::st_gcn_causal {
 
 // What is published of a performer's window whose style changes, differentiable: the change is
-// applied to the performer's own pose, in · (rec⁻¹ · sty) per joint in local rotations, and the
-// difference of both heights of the hips (model/net/stylizer.h). What follows it live (the
-// low-pass, limits, feet) is left out. Windows are standardized, [B, T, 21, 7] in float32. Pinned
-// by tests/unit/train/stgcn_causal/published_form_test.cpp.
+// applied to the performer's own pose, in · (between⁻¹ · sty) per joint in local rotations, where
+// `between` is half-way from the reconstruction to the input (model/net/stgcn_causal/stylizer.h),
+// and the difference of both heights of the hips. What follows it live (the low-pass, limits, feet)
+// is left out. Windows are standardized, [B, T, 21, 7] in float32. Pinned by
+// tests/unit/train/stgcn_causal/published_form_test.cpp.
 class PublishedForm {
  public:
   explicit PublishedForm(const st_gcn::Statistics& statistics);
 
   // What of a window does not depend on the style.
   struct Basis {
-    torch::Tensor rotations;  // [B, T, 21, 4]: in · rec⁻¹, local
+    torch::Tensor rotations;  // [B, T, 21, 4]: in · between⁻¹, local
     torch::Tensor hips_m;     // [B, T]: height, in - rec
 
     Basis Select(const torch::Tensor& samples) const;
