@@ -66,7 +66,7 @@ Status Removed(const std::string& file) {
 // Whether the kept example of a name is that of the style.
 bool HasExample(const RuntimeConfig& config, const std::string& name, const MadeStyle& style) {
   const auto text = ReadFile(FileOf(config, name, kExample), kMaxExampleBytes);
-  return text.ok() && !style.example.empty() && HashOf(text.value()) == style.example;
+  return text.ok() && !style.example.empty() && HashOfExample(text.value()) == style.example;
 }
 
 // Writes NAME.json, and notes in config.made what it holds.

@@ -182,7 +182,7 @@ std::string HashText(std::uint32_t crc) {
   return text.data();
 }
 
-std::string HashOf(const std::string& bytes) {
+std::string HashOfExample(const std::string& bytes) {
   return HashText(native::Crc32c(std::as_bytes(std::span(bytes.data(), bytes.size()))));
 }
 

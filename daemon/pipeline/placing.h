@@ -45,6 +45,6 @@ Refusal CheckCode(const net::StyleSpace& space, const net::StyleCode& code,
 
 // "crc32c:" and eight digits.
 std::string HashText(std::uint32_t crc);
-std::string HashOf(const std::string& bytes);
+std::string HashOfExample(const std::string& bytes);
 
 }  // namespace styled::pipeline

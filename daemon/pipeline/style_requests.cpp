@@ -93,7 +93,7 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Make(const RuntimeConfig& ru
   if (made->style.library.empty()) return made;
   const std::string text = AsBvh(example, static_cast<double>(made->network->model().rate_hz));
   MadeStyle style = *made->made.at(reply.name());
-  if (!text.empty()) style.example = HashOf(text);
+  if (!text.empty()) style.example = HashOfExample(text);
   made->made[reply.name()] = std::make_shared<const MadeStyle>(std::move(style));
   const Status kept = KeepStyle(reply.name(), text, *made);
   if (!kept.ok()) {
