@@ -106,6 +106,7 @@ test('strength 0 makes both bodies one again', async () => {
 test('mix pad, body parts, preset and keys reach the daemon', async () => {
   await page.getByLabel('first style of the mix').selectOption('elderly');
   await page.getByLabel('second style of the mix').selectOption('youthful');
+  await page.locator('.pad').scrollIntoViewIfNeeded();
   const pad = await page.locator('.pad').boundingBox();
   await page.mouse.click(pad.x + 0.25 * pad.width, pad.y + 0.5 * pad.height);
   await until(async () => {
