@@ -31,11 +31,12 @@ Refusal FindMade(const RuntimeConfig& config, const std::string& name,
 // FindPlace, weights without a space of styles, and a code that does not fit them.
 Refusal PutStyle(MadeStyle style, RuntimeConfig& config);
 
-// Gives a made style another name; who moves in it goes on. Refuses as FindPlace, a name that is
-// taken, and a style that the configuration's presets, cues or [style] name.
+// Gives a made style another name; performers that show it go on. Refuses as FindPlace, a name that
+// is taken, and a style that the configuration's presets, cues or [style] name.
 Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config);
 
-// Takes a made style out; who moves in it fades. Refuses a style that the configuration names.
+// Takes a made style out; performers that show it fade. Refuses a style that the configuration
+// names.
 Refusal RemoveStyle(const MadeStyle& style, RuntimeConfig& config);
 
 // The code, as far as the weights can be asked for it. Refuses one of another size, and numbers

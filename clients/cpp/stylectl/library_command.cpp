@@ -127,13 +127,14 @@ void DeclareStyles(Session& session) {
   in->add_option("FILE", arguments->file, "as export or the library has it")->required();
   in->add_option("--name", arguments->name, "of the style (default: the file's)");
   in->add_flag("--replace", arguments->replace,
-               "in place of one of this name that was made; who moves in it fades over");
+               "in place of one of this name that was made; performers that show it fade over");
   CLI::App* rename = add("rename", "give a style that was made another name",
                          [](Session& s, const LibraryArguments& a) { return RenameStyle(s, a); });
   add_name(rename);
   rename->add_option("TO", arguments->to, "the new name")->required();
-  CLI::App* remove = add("remove", "remove a style that was made; who moves in it fades to bypass",
-                         [](Session& s, const LibraryArguments& a) { return RemoveStyle(s, a); });
+  CLI::App* remove =
+      add("remove", "remove a style that was made; performers that show it fade to bypass",
+          [](Session& s, const LibraryArguments& a) { return RemoveStyle(s, a); });
   add_name(remove);
 }
 

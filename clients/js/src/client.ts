@@ -332,11 +332,11 @@ export class StyledClient {
   async importStyle(file: Uint8Array, options: { name?: string; replace?: boolean } = {}): Promise<LikeReply> {
     return (await this.ask({ command: { case: 'importStyle', value: { file, ...options } } })).like!;
   }
-  /** Renames a style that was made. Who moves in it goes on; the result names them. */
+  /** Renames a style that was made. Performers that show it go on; the result names them. */
   async renameStyle(name: string, to: string): Promise<Applied[]> {
     return (await this.ask({ command: { case: 'renameStyle', value: { name, to } } })).applied;
   }
-  /** Removes a style that was made. Who moves in it, and is named in the result, fades to bypass. */
+  /** Removes a style that was made. Performers that show it, named in the result, fade to bypass. */
   async removeStyle(name: string): Promise<Applied[]> {
     return (await this.ask({ command: { case: 'removeStyle', value: { name } } })).applied;
   }

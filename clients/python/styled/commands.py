@@ -213,7 +213,7 @@ class Commands:
     def import_style(self, file: str, name: str = '',
                      replace: bool = False) -> control_pb2.LikeReply:
         """Adds the style of such a file, for all clients. `name`: by default the file's own.
-        `replace`: in place of one of this name that was made; who moves in it fades over."""
+        `replace`: in place of one of this name that was made; performers that show it fade over."""
         request = control_pb2.Request()
         request.import_style.file = _read_file('import_style', file)
         request.import_style.name = name
@@ -221,14 +221,14 @@ class Commands:
         return self._do(request, _like_reply)
 
     def rename_style(self, name: str, to: str) -> Dict[str, int]:
-        """Renames a style that was made. Who moves in it goes on; the result names them."""
+        """Renames a style that was made. Performers that show it go on; the result names them."""
         request = control_pb2.Request()
         request.rename_style.name = name
         request.rename_style.to = to
         return self._do(request, _applied)
 
     def remove_style(self, name: str) -> Dict[str, int]:
-        """Removes a style that was made. Who moves in it, and is named in the result, fades to
+        """Removes a style that was made. Performers that show it, named in the result, fade to
         bypass."""
         request = control_pb2.Request()
         request.remove_style.name = name

@@ -270,7 +270,7 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
     learn.disabled = reason !== '';
     learn.title = reason || `${app.selected} acts out a style for some seconds`;
     zone.disabled = busy || !app.client.daemonState.up;
-    zone.title = 'Like this: .bvh, .glb or .vrma of somebody who moves so; .json: an exported style';
+    zone.title = 'Like this: .bvh, .glb or .vrma of such a motion; .json: an exported style';
   };
   app.watch(paint);
   paint();
