@@ -299,11 +299,8 @@ test('what was made is renamed, exported, removed, brought back, and imported', 
   await until(async () => /Replaces admiral/.test(await form().innerText()), 'the question');
   await form().locator('button[type=submit]').click();
   await until(async () => !(await form().isVisible()), 'the answer');
-  // Again where the reply to the import comes late and is shown over it.
-  await until(async () => {
-    await drop(page, ['torn.json', saved.subarray(0, 60)]);
-    return page.locator('.result.bad').isVisible();
-  }, 'the refusal');
+  await drop(page, ['torn.json', saved.subarray(0, 60)]);
+  await until(() => page.locator('.result.bad').isVisible(), 'the refusal');
 });
 
 test('the cards move, few times a second and only in view', async () => {

@@ -206,7 +206,13 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
     else void send(name, ask.file, ask.kind);
     zone.focus();
   });
-  const send = async (name: string, file: File, kind: 'file' | 'style') => {
+  // One after the other, so that the answer that stays is that to the last file.
+  let sent: Promise<void> = Promise.resolve();
+  const send = (name: string, file: File, kind: 'file' | 'style'): Promise<void> => {
+    sent = sent.catch(() => undefined).then(() => sendNow(name, file, kind));
+    return sent;
+  };
+  const sendNow = async (name: string, file: File, kind: 'file' | 'style') => {
     busy = true;
     say({ text: `${file.name}: reading …`, bad: false });
     paint();
