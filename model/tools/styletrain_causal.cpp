@@ -27,6 +27,11 @@ void AddFlags(CLI::App& app, Config& config) {
   app.add_option("--single-codes", config.single_codes,
                  "Examples and noises of each style that those are drawn from")
       ->capture_default_str();
+  app.add_option("--lead", config.lead_s,
+                 "Seconds that the target's change of style is later, as the low-pass is late")
+      ->capture_default_str();
+  app.add_option("--gain", config.gain, "How many times as large as the teacher's that change is")
+      ->capture_default_str();
   app.add_option("--precision", config.precision)
       ->check(CLI::IsMember({"auto", "fp32", "bf16"}))
       ->capture_default_str();
@@ -44,6 +49,9 @@ void AddFlags(CLI::App& app, Config& config) {
       ->capture_default_str();
   app.add_option("--w-first", config.w_first,
                  "Of the first 8 frames of a window, beside 1 of the others")
+      ->capture_default_str();
+  app.add_option("--w-smooth", config.w_smooth,
+                 "Of the squared second difference of the change of style")
       ->capture_default_str();
 }
 

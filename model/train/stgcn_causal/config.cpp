@@ -32,8 +32,15 @@ Status Check(const Config& config) {
   for (const auto& [flag, value] : shares) {
     if (!(value >= 0 && value <= 1)) return refuse(flag, value, "a number from 0 to 1");
   }
+  constexpr double kMostLead_s = 0.5;  // the student sees nothing of what comes
+  if (!(config.lead_s >= 0 && config.lead_s <= kMostLead_s)) {
+    return refuse("--lead", config.lead_s, "seconds from 0 to 0.5");
+  }
   const std::pair<const char*, double> not_negative[] = {
-      {"--generator-rate", config.generator_rate}, {"--w-velocity", config.w_velocity}};
+      {"--generator-rate", config.generator_rate},
+      {"--w-velocity", config.w_velocity},
+      {"--w-smooth", config.w_smooth},
+      {"--gain", config.gain}};
   for (const auto& [flag, value] : not_negative) {
     if (!(value >= 0 && std::isfinite(value))) return refuse(flag, value, "a number, 0 or more");
   }

@@ -25,6 +25,12 @@ struct Config {
   double single = 0.5;
   int single_codes = 128;
 
+  // What the targets are of the teacher's change of style: so much later, because the stylist's
+  // low-pass publishes late, and so many times as large, because a student of a mean and a low-pass
+  // both make less of it.
+  double lead_s = 0;
+  double gain = 1;
+
   // The order of work.
   std::string precision = "auto";  // of activations: "fp32", "bf16", or bf16 where it is fast
   int batch = 8;
@@ -40,6 +46,7 @@ struct Config {
   // from frame to frame; and of a window's first 8 frames, beside 1 of the others.
   double w_velocity = 3;
   double w_first = 0.5;
+  double w_smooth = 0;  // of the squared second difference of the student's change of style
 };
 
 // Refuses values outside their ranges, and a run without --init. Errors name the flag.

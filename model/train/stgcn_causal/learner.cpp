@@ -1,6 +1,7 @@
 #include "model/train/stgcn_causal/learner.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <utility>
 
@@ -47,13 +48,15 @@ Tensor WeightedL1(const Tensor& difference, double first) {
 
 Learner::Learner(const Config& config, uint64_t seed, const st_gcn::WindowStore& store,
                  std::vector<int64_t> styles, int contents, const Teacher& teacher,
-                 const torch::Device& device)
+                 const PublishedForm& form, double rate_hz, const torch::Device& device)
     : config_(config),
       seed_(seed),
       device_(device),
       store_(store),
       styles_(std::move(styles)),
       teacher_(teacher),
+      form_(form),
+      lead_frames_(config.lead_s * rate_hz),
       graph_(device, st_gcn::TypeOf(config.precision, device), kWindowFrames),
       exact_graph_(device, torch::kFloat32, kWindowFrames),
       sampler_(store, {.domains = static_cast<int>(styles_.size()),
@@ -123,13 +126,31 @@ Learner::Batch Learner::NextBatch() {
           .code = torch::cat({code_of(domain), torch::stack(wanted)})};
 }
 
+Tensor Learner::Wanted(const Batch& batch) const {
+  const Tensor made = teacher_(batch.source, batch.code);
+  if (lead_frames_ == 0 && config_.gain == 1) return made;
+  const torch::NoGradGuard no_grad;
+  const std::vector<Tensor> both = made.to(torch::kCPU).chunk(2, 0);
+  return torch::cat({both[0], form_.Later(both[0], both[1], lead_frames_, config_.gain)})
+      .to(device_);
+}
+
 void Learner::Step(double progress) {
   const Batch batch = NextBatch();
-  const Tensor wanted = teacher_(batch.source, batch.code);
+  // The last frames of a window have no later change.
+  const auto known = kWindowFrames - static_cast<int64_t>(std::ceil(lead_frames_));
+  const Tensor wanted = Wanted(batch);
   // The content is encoded once for both codes.
   const Tensor content = student_.Encode(graph_, batch.source);
-  const Tensor off = student_.Decode(graph_, torch::cat({content, content}), batch.code) - wanted;
+  const Tensor made = student_.Decode(graph_, torch::cat({content, content}), batch.code);
+  const Tensor off = (made - wanted).narrow(1, 0, known);
   Tensor loss = torch::zeros({}, off.options().requires_grad(false));
+  if (config_.w_smooth > 0) {
+    const std::vector<Tensor> two = made.chunk(2, 0);
+    const Tensor smooth = (two[1] - two[0]).diff(2, 1).square().mean();
+    loss = loss + config_.w_smooth * smooth;
+    means_.Add("smooth", smooth);
+  }
   const std::vector<Tensor> both = off.chunk(2, 0);
   for (const auto& [name, part] : {std::pair{"reconstruction", both[0]}, {"styled", both[1]}}) {
     const Tensor distance = WeightedL1(part, config_.w_first);

@@ -12,6 +12,7 @@
 #include "model/train/stgcn/learner.h"
 #include "model/train/stgcn/windows.h"
 #include "model/train/stgcn_causal/config.h"
+#include "model/train/stgcn_causal/published_form.h"
 #include "model/train/stgcn_causal/student.h"
 
 namespace styled::train::st_gcn_causal {
@@ -49,10 +50,10 @@ torch::Tensor WeightedL1(const torch::Tensor& difference, double first);
 // Knows nothing of files, logs and clocks. References must outlive it. One thread.
 class Learner {
  public:
-  // `styles`: of each style of `store`, the teacher's.
+  // `styles`: of each style of `store`, the teacher's. `rate_hz`: of the windows.
   Learner(const Config& config, uint64_t seed, const st_gcn::WindowStore& store,
           std::vector<int64_t> styles, int contents, const Teacher& teacher,
-          const torch::Device& device);
+          const PublishedForm& form, double rate_hz, const torch::Device& device);
 
   // The teacher's weights, and the start of the statistics by `start_windows` windows.
   void Start();
@@ -78,6 +79,7 @@ class Learner {
     torch::Tensor code;    // [2B, code]: of the sources' own styles, then of the targets
   };
   Batch NextBatch();
+  torch::Tensor Wanted(const Batch& batch) const;  // of each code of the batch
   // What is drawn for a target beside its style.
   struct Target {
     float strength = 1;
@@ -91,6 +93,8 @@ class Learner {
   const st_gcn::WindowStore& store_;
   const std::vector<int64_t> styles_;
   const Teacher& teacher_;
+  const PublishedForm& form_;
+  const double lead_frames_;
   const Graph graph_, exact_graph_;
   st_gcn::Sampler sampler_;
   Student student_, average_;

@@ -1,6 +1,7 @@
 #include "model/train/stgcn_causal/published_form.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "model/net/stgcn/features.h"
 #include "model/net/stgcn_causal/stylizer.h"
@@ -27,6 +28,26 @@ Tensor HalfWay(const Tensor& a, const Tensor& b) {
   const Tensor nearer = torch::where((a * b).sum(-1, true) < 0, -b, b);
   return torch::nn::functional::normalize(
       a + nearer, torch::nn::functional::NormalizeFuncOptions().dim(-1).eps(1e-6));
+}
+
+// What lies `frames` later in [B, T, ...], between two frames by both; the last frame stays.
+Tensor AtLater(const Tensor& sequence, double frames) {
+  const int64_t last = sequence.size(1) - 1;
+  const auto whole = static_cast<int64_t>(std::floor(frames));
+  const auto from = [&](int64_t lead) {
+    const Tensor at = (torch::arange(last + 1) + lead).clamp_max(last);
+    return sequence.index_select(1, at);
+  };
+  return torch::lerp(from(whole), from(whole + 1), frames - static_cast<double>(whole));
+}
+
+// Rotations near the identity, their angle times `gain`.
+Tensor Power(const Tensor& q, double gain) {
+  const Tensor shortest = torch::where(q.narrow(-1, 3, 1) < 0, -q, q);
+  const Tensor axis = shortest.narrow(-1, 0, 3);
+  const Tensor sine = axis.norm(2, -1, true).clamp_min(1e-9);
+  const Tensor half = gain * torch::atan2(sine, shortest.narrow(-1, 3, 1));
+  return torch::cat({axis / sine * half.sin(), half.cos()}, -1);
 }
 
 Tensor Conjugate(const Tensor& q) { return q * torch::tensor({-1.0F, -1.0F, -1.0F, 1.0F}); }
@@ -85,6 +106,27 @@ Tensor PublishedForm::GlobalRotations(const Tensor& local) const {
   return torch::cat(depths, -2).index_select(-2, order_);
 }
 
+Tensor PublishedForm::OnHemisphere(const Tensor& global) const {
+  const Tensor middle = kinematics_.mean().narrow(-1, kPositionChannels, kRotationChannels);
+  const Tensor negative = (global * middle).sum(-1, true) < 0;
+  return global * torch::where(negative, -1.0, 1.0).to(torch::kFloat32);
+}
+
+Tensor PublishedForm::Later(const Tensor& reconstruction, const Tensor& styled, double frames,
+                            double gain) const {
+  const Tensor rec = reconstruction * kinematics_.deviation() + kinematics_.mean();
+  const Tensor sty = styled * kinematics_.deviation() + kinematics_.mean();
+  const Tensor own = LocalRotations(rec);
+  const Tensor change = Multiply(Conjugate(own), LocalRotations(sty));
+  const Tensor shortest = torch::where(change.narrow(-1, 3, 1) < 0, -change, change);
+  const Tensor later = torch::nn::functional::normalize(
+      AtLater(shortest, frames), torch::nn::functional::NormalizeFuncOptions().dim(-1).eps(1e-6));
+  const Tensor rotations = OnHemisphere(GlobalRotations(Multiply(own, Power(later, gain))));
+  const Tensor positions = rec.narrow(-1, 0, kPositionChannels) +
+                           gain * AtLater((sty - rec).narrow(-1, 0, kPositionChannels), frames);
+  return (torch::cat({positions, rotations}, -1) - kinematics_.mean()) / kinematics_.deviation();
+}
+
 PublishedForm::Basis PublishedForm::BasisOf(const Tensor& window,
                                             const Tensor& reconstruction) const {
   const Tensor in = window * kinematics_.deviation() + kinematics_.mean();
@@ -99,13 +141,11 @@ PublishedForm::Basis PublishedForm::BasisOf(const Tensor& window,
 Tensor PublishedForm::operator()(const Basis& basis, const Tensor& styled) const {
   const Tensor raw = styled * kinematics_.deviation() + kinematics_.mean();
   const Tensor q = GlobalRotations(Multiply(basis.rotations, LocalRotations(raw)));
-  const Tensor middle = kinematics_.mean().narrow(-1, kPositionChannels, kRotationChannels);
-  const Tensor sign = torch::where((q * middle).sum(-1, true) < 0, -1.0, 1.0).to(torch::kFloat32);
   // Only the hips' height is read of these positions.
   const Tensor height_m = basis.hips_m + raw.select(-2, body::kHips).select(-1, kHeight);
   const Tensor positions =
       height_m.unsqueeze(-1).unsqueeze(-1).expand({-1, -1, kJointCount, kPositionChannels});
-  const Tensor pose = torch::cat({positions, q * sign}, -1);
+  const Tensor pose = torch::cat({positions, OnHemisphere(q)}, -1);
   return kinematics_.Published((pose - kinematics_.mean()) / kinematics_.deviation());
 }
 

@@ -30,11 +30,20 @@ class PublishedForm {
   // The published window: rotations on the hemisphere of the mean, positions that follow from them.
   torch::Tensor operator()(const Basis& basis, const torch::Tensor& styled) const;
 
+  // What the teacher's change of style is `frames` later, `gain` times as large, on what it makes
+  // of the window in its own style: the target of a student whose change is published late, by a
+  // low-pass. `frames` need not be whole; the last ones of the window have no later change and keep
+  // the last. Positions and the hips' height follow in the features themselves.
+  torch::Tensor Later(const torch::Tensor& reconstruction, const torch::Tensor& styled,
+                      double frames, double gain) const;
+
   const st_gcn::Kinematics& kinematics() const { return kinematics_; }
 
  private:
   torch::Tensor LocalRotations(const torch::Tensor& raw) const;
   torch::Tensor GlobalRotations(const torch::Tensor& local) const;
+  // Unit rotations relative to the heading, on the hemisphere of the mean, in the features' form.
+  torch::Tensor OnHemisphere(const torch::Tensor& global) const;
 
   st_gcn::Kinematics kinematics_;
   torch::Tensor parents_;  // [21]; the hips' is 0

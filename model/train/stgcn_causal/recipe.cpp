@@ -15,6 +15,7 @@
 #include "model/train/stgcn/read_generator.h"
 #include "model/train/stgcn_causal/learner.h"
 #include "model/train/stgcn_causal/monitor.h"
+#include "model/train/stgcn_causal/published_form.h"
 #include "model/train/stgcn_causal/single_codes.h"
 
 namespace styled::train::st_gcn_causal {
@@ -44,7 +45,9 @@ class CausalRecipe : public Recipe {
                config_.hop),
         validation_(inputs_.data.validation, inputs_.teacher.statistics, inputs_.teacher.parameters,
                     kMonitorHop),
-        learner_(config_, run_.seed, train_, inputs_.styles, contents(), teacher_, DeviceOf(run_)),
+        form_(inputs_.teacher.statistics),
+        learner_(config_, run_.seed, train_, inputs_.styles, contents(), teacher_, form_,
+                 inputs_.teacher.parameters.rate_hz, DeviceOf(run_)),
         windows_(train_, validation_, inputs_.data.manifest.styles, contents(), kinematics_,
                  DeviceOf(run_)),
         monitor_(windows_, kinematics_, inputs_.styles, teacher_) {}
@@ -81,6 +84,7 @@ class CausalRecipe : public Recipe {
   const Teacher teacher_;
   const st_gcn::Kinematics kinematics_;
   const st_gcn::WindowStore train_, validation_;
+  const PublishedForm form_;
   Learner learner_;
   const st_gcn::Monitor windows_;
   const st_gcn_causal::Monitor monitor_;

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
+#include <vector>
 
 #include "model/body/pose.h"
 #include "model/net/stgcn/features.h"
@@ -97,6 +99,50 @@ TEST_F(PublishedFormTest, HasAGradient) {
   EXPECT_GT(sty.grad().narrow(-1, 3, 4).abs().max().item<double>(), 1e-3);
   EXPECT_EQ(sty.grad().select(-2, 5).narrow(-1, 0, 3).abs().max().item<double>(), 0)
       << "positions follow from rotations";
+}
+
+// Against a loop over frames and joints with Eigen.
+TEST_F(PublishedFormTest, TheLaterChangeIsTheTeachersOfThen) {
+  const PublishedForm form(statistics_);
+  std::vector<Tensor> rec, sty, expected;
+  std::vector<body::Pose> recs, stys;
+  constexpr int kFrames = 6;
+  for (int t = 0; t < kFrames; ++t) {
+    recs.push_back(RandomPose(0.4F));
+    stys.push_back(recs.back());
+    for (auto& q : stys.back().rotations) {
+      q = q * body::Exp(body::Vec3(0.1F, 0.2F * static_cast<float>(t), -0.1F));
+    }
+    rec.push_back(Standardized(recs.back()));
+    sty.push_back(Standardized(stys.back()));
+  }
+  constexpr float kGain = 1.5F;
+  for (int t = 0; t < kFrames; ++t) {
+    const auto now = static_cast<std::size_t>(t);
+    const auto then = static_cast<std::size_t>(std::min(t + 2, kFrames - 1));
+    body::Pose pose = recs[now];
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const body::Quat change = recs[then].rotations[j].conjugate() * stys[then].rotations[j];
+      pose.rotations[j] = pose.rotations[j] * body::Exp(kGain * body::Log(change));
+    }
+    expected.push_back(Standardized(pose));
+  }
+  const Tensor later = form.Later(torch::cat(rec, 1), torch::cat(sty, 1), 2, kGain);
+  const auto rotations = [](const Tensor& window) {
+    return window.narrow(-1, stgcn::kPositionChannels, stgcn::kRotationChannels);
+  };
+  EXPECT_LT((rotations(later) - rotations(torch::cat(expected, 1))).abs().max().item<double>(),
+            1e-4);
+  const Tensor same = form.Later(torch::cat(rec, 1), torch::cat(sty, 1), 0, 1);
+  EXPECT_LT((same - torch::cat(sty, 1)).abs().max().item<double>(), 1e-4);
+  // Between two frames: both by halves. The positions are linear in the frames.
+  const Tensor one = form.Later(torch::cat(rec, 1), torch::cat(sty, 1), 1, 1);
+  const Tensor half = form.Later(torch::cat(rec, 1), torch::cat(sty, 1), 0.5, 1);
+  const auto positions = [](const Tensor& window) {
+    return window.narrow(-1, 0, stgcn::kPositionChannels);
+  };
+  EXPECT_LT((positions(half) - 0.5 * (positions(same) + positions(one))).abs().max().item<double>(),
+            1e-5);
 }
 
 }  // namespace
