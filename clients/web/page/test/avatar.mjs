@@ -1,5 +1,6 @@
 // Generates a VRM 1.0 avatar of boxes: one box per humanoid bone, 1.2 m tall. `picture`: bytes of a
-// PNG for its texture.
+// PNG for its texture. `presets`, `customs`: names of its expressions. `details`: it has an index
+// finger, eyes, which bones turn, and a jaw.
 const BONES = [
   ['hips', -1, 0, 0.7, 0], ['spine', 0, 0, 0.1, 0], ['chest', 1, 0, 0.12, 0], ['neck', 2, 0, 0.14, 0],
   ['head', 3, 0, 0.06, 0],
@@ -9,7 +10,15 @@ const BONES = [
   ['rightUpperLeg', 0, -0.08, -0.04, 0], ['rightLowerLeg', 14, 0, -0.3, 0], ['rightFoot', 15, 0, -0.3, 0],
 ];
 
-export function makeAvatar(picture) {
+const RANGES = Object.fromEntries(['HorizontalInner', 'HorizontalOuter', 'VerticalDown', 'VerticalUp'].map((way) =>
+  [`rangeMap${way}`, { inputMaxValue: 90, outputScale: 10 }]));
+const DETAILS = [
+  ['leftIndexProximal', 7, 0.08, 0, 0], ['leftIndexIntermediate', 17, 0.03, 0, 0],
+  ['leftEye', 4, 0.03, 0.05, 0.05], ['rightEye', 4, -0.03, 0.05, 0.05], ['jaw', 4, 0, -0.02, 0.03],
+];
+
+export function makeAvatar(picture, { presets = [], customs = [], details = false } = {}) {
+  const bones = details ? [...BONES, ...DETAILS] : BONES;
   const corners = [];
   for (const x of [-1, 1]) for (const y of [-1, 1]) for (const z of [-1, 1]) corners.push(0.045 * x, 0.045 * y, 0.045 * z);
   const faces = [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3];
@@ -17,8 +26,8 @@ export function makeAvatar(picture) {
   const indices = Buffer.from(new Uint16Array(faces).buffer);
   const texels = picture ?? Buffer.alloc(0);
   const binary = Buffer.concat([positions, indices, texels]);
-  const nodes = BONES.map(([name, , x, y, z], i) => {
-    const children = BONES.flatMap(([, parent], child) => (parent === i ? [child] : []));
+  const nodes = bones.map(([name, , x, y, z], i) => {
+    const children = bones.flatMap(([, parent], child) => (parent === i ? [child] : []));
     return { name, translation: [x, y, z], mesh: 0, ...(children.length > 0 ? { children } : {}) };
   });
   const json = {
@@ -45,7 +54,9 @@ export function makeAvatar(picture) {
       VRMC_vrm: {
         specVersion: '1.0',
         meta: { name: 'Boxes', authors: ['the test'], licenseUrl: 'https://vrm.dev/licenses/1.0/' },
-        humanoid: { humanBones: Object.fromEntries(BONES.map(([name], node) => [name, { node }])) },
+        humanoid: { humanBones: Object.fromEntries(bones.map(([name], node) => [name, { node }])) },
+        expressions: { preset: Object.fromEntries(presets.map((name) => [name, {}])), custom: Object.fromEntries(customs.map((name) => [name, {}])) },
+        ...(details ? { lookAt: { type: 'bone', ...RANGES } } : {}),
       },
     },
   };
