@@ -15,6 +15,7 @@ import zmq.asyncio
 
 from styled import control as blocking
 from styled import subscriber as listening
+from styled.closing import Closer
 from styled.commands import Commands, Conversation
 from styled.curve import Curve
 from styled.inbox import Counters, Inbox, Kind, Newest, Stream, Update, Wanted
@@ -29,9 +30,12 @@ class Subscriber:
                  statistics: bool = False, queue_messages: int = 1000,
                  curve: Optional[Curve] = None):
         self._inbox = Inbox(performer, streams, statistics)
-        self._context = zmq.asyncio.Context()
-        self._socket = self._context.socket(zmq.SUB)
-        self._links = listening.Links(self._context, self._socket)
+        context = zmq.asyncio.Context()
+        self._close = Closer(self, context)
+        self._socket = context.socket(zmq.SUB)
+        self._close.sockets.append(self._socket)
+        self._links = listening.Links(context, self._socket)
+        self._close.sockets.append(self._links.socket)
         try:
             listening.open_socket(self._socket, self._inbox, endpoints, queue_messages, curve)
         except BaseException:
@@ -39,9 +43,7 @@ class Subscriber:
             raise
 
     def close(self) -> None:
-        self._links.close()
-        self._socket.close(0)
-        self._context.term()
+        self._close()
 
     async def __aenter__(self) -> 'Subscriber':
         return self
@@ -125,15 +127,15 @@ class Control(Commands):
         self._conversation = Conversation()
         self._turn = asyncio.Lock()
         self._context = zmq.asyncio.Context()
+        self._close = Closer(self, self._context)
         try:
-            self._socket = blocking.open_socket(self._context, endpoint, curve)
+            self._open()
         except ValueError:
-            self._context.term()
+            self.close()
             raise
 
     def close(self) -> None:
-        self._socket.close(0)
-        self._context.term()
+        self._close()
 
     async def __aenter__(self) -> 'Control':
         return self
@@ -160,8 +162,12 @@ class Control(Commands):
             except zmq.Again:
                 pass
             self._socket.close(0)
-            self._socket = blocking.open_socket(self._context, self._endpoint, self._curve)
+            self._open()
             raise blocking.no_answer(self._endpoint, self._timeout)
+
+    def _open(self) -> None:
+        self._socket = blocking.open_socket(self._context, self._endpoint, self._curve)
+        self._close.sockets[:] = [self._socket]
 
 
 async def _is_readable(socket: zmq.asyncio.Socket, seconds: Optional[float]) -> bool:

@@ -5,6 +5,7 @@ from typing import Optional
 
 import zmq
 
+from styled.closing import Closer
 from styled.commands import Commands, Conversation
 from styled.curve import Curve
 from styled.errors import NoAnswer
@@ -57,15 +58,15 @@ class Control(Commands):
         self._endpoint, self._timeout, self._curve = endpoint, check_timeout(timeout), curve
         self._conversation = Conversation()
         self._context = zmq.Context()
+        self._close = Closer(self, self._context)
         try:
-            self._socket = open_socket(self._context, endpoint, curve)
+            self._open()
         except ValueError:
-            self._context.term()
+            self.close()
             raise
 
     def close(self) -> None:
-        self._socket.close(0)
-        self._context.term()
+        self._close()
 
     def __enter__(self) -> 'Control':
         return self
@@ -93,5 +94,9 @@ class Control(Commands):
             pass
         # A new socket discards replies that were still on their way to the old one.
         self._socket.close(0)
-        self._socket = open_socket(self._context, self._endpoint, self._curve)
+        self._open()
         raise no_answer(self._endpoint, self._timeout)
+
+    def _open(self) -> None:
+        self._socket = open_socket(self._context, self._endpoint, self._curve)
+        self._close.sockets[:] = [self._socket]

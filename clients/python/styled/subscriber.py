@@ -6,6 +6,7 @@ from typing import Iterable, Iterator, List, Optional, Union
 
 import zmq
 
+from styled.closing import Closer
 from styled.curve import Curve
 from styled.inbox import Counters, Inbox, Kind, Newest, Stream, Update, Wanted
 
@@ -60,6 +61,10 @@ class Links:
         self._monitor.connect(address)
         self._links = 0
 
+    @property
+    def socket(self) -> zmq.Socket:
+        return self._monitor
+
     def count(self) -> int:
         while self._monitor.poll(0):
             event = int.from_bytes(self._monitor.recv_multipart()[0][:2], 'little')
@@ -67,9 +72,6 @@ class Links:
             step = 1 if event == zmq.EVENT_HANDSHAKE_SUCCEEDED else -1
             self._links = max(0, self._links + step)
         return self._links
-
-    def close(self) -> None:
-        self._monitor.close(0)
 
 
 class Subscriber:
@@ -93,9 +95,12 @@ class Subscriber:
                  statistics: bool = False, queue_messages: int = 1000,
                  curve: Optional[Curve] = None):
         self._inbox = Inbox(performer, streams, statistics)
-        self._context = zmq.Context()
-        self._socket = self._context.socket(zmq.SUB)
-        self._links = Links(self._context, self._socket)
+        context = zmq.Context()
+        self._close = Closer(self, context)
+        self._socket = context.socket(zmq.SUB)
+        self._close.sockets.append(self._socket)
+        self._links = Links(context, self._socket)
+        self._close.sockets.append(self._links.socket)
         try:
             open_socket(self._socket, self._inbox, endpoints, queue_messages, curve)
         except BaseException:
@@ -103,9 +108,7 @@ class Subscriber:
             raise
 
     def close(self) -> None:
-        self._links.close()
-        self._socket.close(0)
-        self._context.term()
+        self._close()
 
     def __enter__(self) -> 'Subscriber':
         return self

@@ -213,6 +213,31 @@ class WithoutADaemonTest(unittest.TestCase):
             self.assertIsNone(subscriber.receive(0.05))
             self.assertEqual(subscriber.connected(), 0)
 
+    def test_a_client_that_is_dropped_unclosed_ends(self):
+        nobody = "'ipc:///tmp/styled-nobody'"
+        for made in (f'styled.Subscriber({nobody})', f'styled.Control({nobody}, timeout=0.1)',
+                     f'styled.aio.Subscriber({nobody})', f'styled.aio.Control({nobody})'):
+            for dropped in ('def use():\n    client = {0}\nuse()', '[{0} for _ in range(3)]',
+                            'client = {0}\nclient = {0}', 'cycle = [{0}]\ncycle.append(cycle)\ndel cycle',
+                            'client = {0}\nclient.close()\nclient.close()\ndel client',
+                            'import threading\nthreading.Thread(target=lambda: {0}).start()'):
+                program = ('import gc, styled, styled.aio\n' + dropped.format(made) +
+                           '\ngc.collect()\nprint("ended")')
+                done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True,
+                                      timeout=PATIENCE_S)
+                self.assertEqual((done.stdout, done.stderr), ('ended\n', ''), program)
+
+    def test_a_client_that_is_dropped_is_no_longer_connected(self):
+        with zmq.Context() as context, context.socket(zmq.XPUB) as publisher:
+            publisher.linger = 0
+            publisher.rcvtimeo = 1000 * PATIENCE_S
+            port = publisher.bind_to_random_port('tcp://127.0.0.1')
+            subscriber = styled.Subscriber(f'tcp://127.0.0.1:{port}')
+            wait_for(lambda: subscriber.connected() == 1, 'the handshake')
+            self.assertEqual(publisher.recv(), b'\1body/')
+            del subscriber
+            self.assertEqual(publisher.recv(), b'\0body/')
+
     def test_something_else_answers(self):
         with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
             router.linger = 0

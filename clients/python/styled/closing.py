@@ -1,0 +1,27 @@
+"""Closes sockets in the order in which ZeroMQ can end, also when nobody calls close()."""
+
+import weakref
+from typing import List
+
+import zmq
+
+
+def _end(context: zmq.Context, sockets: List[zmq.Socket]) -> None:
+    for socket in sockets:
+        socket.close(0)
+    context.term()
+
+
+class Closer:
+    """Owns a context and the sockets in `sockets`, which may be exchanged. Calling it closes them, once.
+    When `owner` is dropped, they are closed, too: a context that is collected before a socket of its
+    own waits for that socket for ever. The end of the process closes nothing, since another thread may
+    still read."""
+
+    def __init__(self, owner: object, context: zmq.Context):
+        self.sockets: List[zmq.Socket] = []
+        self._end = weakref.finalize(owner, _end, context, self.sockets)
+        self._end.atexit = False
+
+    def __call__(self) -> None:
+        self._end()
