@@ -14,10 +14,9 @@ with styled.Control(control) as daemon:
         print('style not set:', error, file=sys.stderr)
 
 frames = 0
-with styled.Subscriber(publisher, streams=[styled.CANONICAL]) as subscriber:
+with styled.Subscriber(publisher, streams='canonical') as subscriber:
     for update in subscriber.frames(timeout=5):
-        head = update.world()[list(update.body.names).index('head')]
-        x, y, z = head.position
+        x, y, z = update.world()['head'].position
         print(f'{update.frame.performer} {x:.2f} {y:.2f} {z:.2f} m')
         frames += 1
         if frames == int(enough):  # 0: never

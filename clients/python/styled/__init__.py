@@ -1,10 +1,10 @@
 """Styled performers in Python: subscribe to a styled daemon's frames, and steer it.
 
     import styled
-    with styled.Subscriber() as subscriber, styled.Control() as control:
+    with styled.Subscriber(streams='canonical') as subscriber, styled.Control() as control:
         control.set('*', style='old', strength=0.8)
         for update in subscriber.frames():
-            head = update.world()[list(update.body.names).index('head')]
+            x, y, z = update.world()['head'].position
 
 styled.aio has the same for asyncio. The messages themselves are in styled.v1 (frame_pb2, body_pb2,
 control_pb2, look_pb2, stats_pb2), as proto/styled/v1 documents them.
@@ -28,12 +28,12 @@ from styled.control import DEFAULT_CONTROL, Control
 from styled.curve import Curve
 from styled.errors import Error, Garbled, NoAnswer, Refused
 from styled.inbox import Counters, Kind, Stream, Update, is_performer_id
-from styled.kinematics import Transform, world_arrays, world_transforms
+from styled.kinematics import Transform, World, world_arrays, world_transforms
 from styled.subscriber import DEFAULT_PUBLISHER, Subscriber
 
 RIG, CANONICAL, SOURCE = Stream.RIG, Stream.CANONICAL, Stream.SOURCE
 
 __all__ = ['CANONICAL', 'DEFAULT_CONTROL', 'DEFAULT_PUBLISHER', 'EVERYONE', 'RIG', 'SOURCE',
            'Control', 'Counters', 'Curve', 'Error', 'Garbled', 'Kind', 'NoAnswer', 'Refused',
-           'Stream', 'Subscriber', 'Transform', 'Update', 'is_performer_id', 'world_arrays',
+           'Stream', 'Subscriber', 'Transform', 'Update', 'World', 'is_performer_id', 'world_arrays',
            'world_transforms']

@@ -26,7 +26,8 @@ class Subscriber:
     """Like styled.Subscriber, with the same arguments; for one event loop."""
 
     def __init__(self, endpoints: Union[str, Iterable[str]] = listening.DEFAULT_PUBLISHER, *,
-                 performer: str = '', streams: Iterable[Wanted] = (Stream.RIG,),
+                 performer: str = '',
+                 streams: Union[Wanted, Iterable[Wanted]] = (Stream.RIG,),
                  statistics: bool = False, queue_messages: int = 1000,
                  curve: Optional[Curve] = None):
         self._inbox = Inbox(performer, streams, statistics)

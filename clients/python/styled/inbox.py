@@ -85,8 +85,8 @@ class Update:
     new_epoch: bool = False               # the daemon restarted since the previous frame of this stream
     statistics: Optional[stats_pb2.Stats] = None
 
-    def world(self) -> List[kinematics.Transform]:
-        """The world transforms of the frame's joints, in the order of body.names."""
+    def world(self) -> kinematics.World:
+        """Where the frame's joints are: world['head'].position, or the whole as world.positions."""
         if self.frame is None or self.body is None:
             raise ValueError('world() of an update without a frame, or whose body is not here yet')
         return kinematics.world_transforms(self.body, self.frame)
@@ -134,7 +134,8 @@ class Inbox:
     """Converts messages to updates. Has no socket; `topics()` and `new_topics` list what its owner must
     subscribe to."""
 
-    def __init__(self, performer: str = '', streams: Iterable[Wanted] = (Stream.RIG,),
+    def __init__(self, performer: str = '',
+                 streams: Union[Wanted, Iterable[Wanted]] = (Stream.RIG,),
                  statistics: bool = False):
         if performer and not is_performer_id(performer):
             raise ValueError(f"performer '{performer}' is not SOURCE.NAME "
@@ -143,6 +144,8 @@ class Inbox:
         self.new_topics: List[str] = []  # the owner must subscribe to these and clear the list
         self.lag_s = 0.0                 # of the last frame, compared with its usual transit
         self._performer = performer
+        if isinstance(streams, (Stream, str)):
+            streams = (streams,)
         self._streams = tuple(_check_wanted(stream) for stream in streams)
         self._statistics = statistics
         self._bodies: Dict[str, List[body_pb2.Body]] = {}

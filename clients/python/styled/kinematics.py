@@ -6,8 +6,15 @@ humanoid has metres, right-handed axes, +Y up, +Z forward, +X the body's left. Q
 (x, y, z, w).
 """
 
+import difflib
 import math
-from typing import List, NamedTuple, Tuple
+from collections.abc import Sequence as AbstractSequence
+from typing import Any, Iterator, List, NamedTuple, Sequence, Tuple, Union
+
+try:
+    import numpy
+except ImportError:
+    numpy = None  # type: ignore[assignment]
 
 from styled.v1 import body_pb2, frame_pb2
 
@@ -21,6 +28,58 @@ class Transform(NamedTuple):
     """The transform of a joint in its skeleton's world."""
     position: Vector
     rotation: Quaternion  # world from joint, unit length
+
+
+class World(AbstractSequence):
+    """The joints of a skeleton in its world: a sequence of Transform in the order of `names`, and by
+    name: world['head'], `'jaw' in world`, world.get('jaw'). Of several joints of one name the first
+    counts. How many joints a body has, and beyond the first 21 of the canonical humanoid which, is the
+    body's affair: ask by name.
+
+    names      of the joints
+    positions  J x 3, in the body's unit; an array where numpy is installed, else a list
+    rotations  J x 4 (x, y, z, w), world from joint, unit length; the same
+    """
+
+    def __init__(self, names: Sequence[str], transforms: Sequence[Transform]):
+        self.names: Tuple[str, ...] = tuple(names)
+        self._transforms = transforms
+
+    @property
+    def positions(self) -> Any:
+        return _array([t.position for t in self._transforms])
+
+    @property
+    def rotations(self) -> Any:
+        return _array([t.rotation for t in self._transforms])
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The transform of the joint of this name, or `default`."""
+        return self._transforms[self.names.index(name)] if name in self.names else default
+
+    def __getitem__(self, joint: Union[str, int, slice]) -> Any:
+        if not isinstance(joint, str):
+            return self._transforms[joint]
+        if joint not in self.names:
+            near = difflib.get_close_matches(joint, self.names, 3, 0.4) or self.names
+            raise KeyError(f"no joint '{joint}'; there is {', '.join(near)}")
+        return self._transforms[self.names.index(joint)]
+
+    def __contains__(self, joint: object) -> bool:
+        return joint in (self.names if isinstance(joint, str) else self._transforms)
+
+    def __iter__(self) -> Iterator[Transform]:
+        return iter(self._transforms)
+
+    def __len__(self) -> int:
+        return len(self._transforms)
+
+    def __repr__(self) -> str:
+        return f'World({len(self)} joints: {", ".join(self.names[:3])} ...)'
+
+
+def _array(rows: List[Any]) -> Any:
+    return rows if numpy is None else numpy.array(rows)
 
 
 def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
@@ -71,9 +130,9 @@ def check_frame(frame: frame_pb2.Frame, body: body_pb2.Body) -> str:
     return ''
 
 
-def world_transforms(body: body_pb2.Body, frame: frame_pb2.Frame) -> List[Transform]:
-    """Forward kinematics: the world transform of each joint of `body`, in its order, in `frame`. Raises
-    ValueError if they do not belong together."""
+def world_transforms(body: body_pb2.Body, frame: frame_pb2.Frame) -> World:
+    """Forward kinematics: the world transform of each joint of `body`, in its order and by name, in
+    `frame`. Raises ValueError if they do not belong together."""
     wrong = check_frame(frame, body)
     if wrong:
         raise ValueError(wrong)
@@ -90,11 +149,10 @@ def world_transforms(body: body_pb2.Body, frame: frame_pb2.Frame) -> List[Transf
         dx, dy, dz = rotate(rotation, tuple(offsets[3 * joint:3 * joint + 3]))
         world.append(Transform((position[0] + dx, position[1] + dy, position[2] + dz),
                                multiply(rotation, local)))
-    return world
+    return World(body.names, world)
 
 
-def world_arrays(body: body_pb2.Body, frame: frame_pb2.Frame):
-    """The same as two numpy arrays: J x 3 positions, J x 4 rotations. Needs numpy."""
-    import numpy
+def world_arrays(body: body_pb2.Body, frame: frame_pb2.Frame) -> Tuple[Any, Any]:
+    """World.positions and World.rotations."""
     world = world_transforms(body, frame)
-    return (numpy.array([t.position for t in world]), numpy.array([t.rotation for t in world]))
+    return world.positions, world.rotations

@@ -81,8 +81,8 @@ class Subscriber:
 
     endpoints       of publishers, one or several (the ids of their performers must differ)
     performer       SOURCE.NAME; '' = all, including those that appear later
-    streams         what to subscribe to: styled.RIG, CANONICAL, SOURCE, or the name of an
-                    [[output]] of the daemon; empty: bodies and statistics only
+    streams         one or several of 'rig', 'canonical', 'source' (styled.RIG, CANONICAL, SOURCE),
+                    or the name of an [[output]] of the daemon; empty: bodies and statistics only
     statistics      also subscribe to the daemon's counters, once per second
     queue_messages  queue of this process; when it is full, the newest are dropped
     curve           styled.Curve, for daemons that require keys
@@ -91,7 +91,8 @@ class Subscriber:
     """
 
     def __init__(self, endpoints: Union[str, Iterable[str]] = DEFAULT_PUBLISHER, *,
-                 performer: str = '', streams: Iterable[Wanted] = (Stream.RIG,),
+                 performer: str = '',
+                 streams: Union[Wanted, Iterable[Wanted]] = (Stream.RIG,),
                  statistics: bool = False, queue_messages: int = 1000,
                  curve: Optional[Curve] = None):
         self._inbox = Inbox(performer, streams, statistics)

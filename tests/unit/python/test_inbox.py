@@ -2,6 +2,7 @@
 import math
 import random
 import unittest
+import unittest.mock
 
 import styled
 from styled import kinematics
@@ -45,6 +46,9 @@ class InboxTest(unittest.TestCase):
         self.assertEqual(Inbox('rig.a', ['rig', Stream.CANONICAL, Stream.SOURCE, 'hero'], True).topics(),
                          ['stats/', 'body/rig.a/', RIG, 'styled/rig.a/canonical/', 'source/rig.a/',
                           'styled/rig.a/hero/'])
+        for one in ('canonical', Stream.CANONICAL):
+            self.assertEqual(Inbox('rig.a', one).topics(), ['body/rig.a/', 'styled/rig.a/canonical/'])
+        self.assertEqual(Inbox('rig.a', 'hero').topics(), ['body/rig.a/', 'styled/rig.a/hero/'])
         everyone = Inbox()
         self.assertEqual(everyone.topics(), ['body/'])
         everyone.accept(message('body/rig.a/', make_body()))
@@ -59,6 +63,9 @@ class InboxTest(unittest.TestCase):
         for bad in (Stream.AVATAR, '', 'a/b', 3):
             with self.assertRaisesRegex(ValueError, 'expected styled.RIG', msg=bad):
                 Inbox(streams=[bad])
+        for bad in (Stream.AVATAR, '', 'rig,canonical'):
+            with self.assertRaisesRegex(ValueError, 'expected styled.RIG', msg=bad):
+                Inbox(streams=bad)
 
     def test_avatars_are_told_apart_by_their_outputs_names(self):
         for name in ('hero', 'villain'):
@@ -151,6 +158,30 @@ class KinematicsTest(unittest.TestCase):
             for got, wanted in zip(transform.position, position):
                 self.assertAlmostEqual(got, wanted, 6)
         self.assertAlmostEqual(world[2].rotation[0], half, 6)
+
+    def test_joints_have_names(self):
+        body = make_body()
+        body.names[3] = 'head'  # a second one of this name
+        world = kinematics.world_transforms(body, make_frame(1))
+        self.assertEqual(world.names, ('hips', 'chest', 'head', 'head'))
+        self.assertEqual((world['head'], world[-1].position), (world[2], (5, 2, 3)))
+        self.assertEqual((world.get('chest'), world.get('jaw'), world.get('jaw', 0)), (world[1], None, 0))
+        self.assertEqual([name in world for name in ('hips', 'jaw')], [True, False])
+        self.assertEqual((len(world), list(world)[1], world[1] in world), (4, world[1], True))
+        with self.assertRaisesRegex(KeyError, "no joint 'Head'; there is head"):
+            world['Head']
+        with self.assertRaises(IndexError):
+            world[4]
+
+    def test_the_whole_is_numpys_where_numpy_is(self):
+        world = kinematics.world_transforms(make_body(), make_frame(1))
+        rows = [list(t.position) for t in world], [list(t.rotation) for t in world]
+        if kinematics.numpy is not None:
+            self.assertEqual((world.positions.shape, world.rotations.shape), ((4, 3), (4, 4)))
+            self.assertEqual((world.positions.tolist(), world.rotations.tolist()), rows)
+        with unittest.mock.patch.object(kinematics, 'numpy', None):
+            self.assertEqual(world.positions, [t.position for t in world])
+            self.assertEqual(world.rotations, [t.rotation for t in world])
 
     def test_rotations_are_normalized(self):
         world = kinematics.world_transforms(make_body(), make_frame(1, rotations=[0, 0, 0, 2] * 4))
