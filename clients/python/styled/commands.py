@@ -4,7 +4,7 @@ control.proto, and replies to results."""
 import os
 import random
 import re
-from typing import Any, Dict, Mapping, Optional, Sequence
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence
 
 from google.protobuf.message import DecodeError
 
@@ -114,6 +114,9 @@ def _like_reply(reply: control_pb2.Reply) -> control_pb2.LikeReply:
 class Commands:
     """The calls that styled.Control and styled.aio.Control share. Each class defines `_do(request,
     result)`: in the first, a call returns its result; in the second, a coroutine of it."""
+
+    def _do(self, request: control_pb2.Request, result: Callable[[control_pb2.Reply], Any]) -> Any:
+        raise NotImplementedError
 
     def list(self) -> control_pb2.ListReply:
         """Styles and presets."""

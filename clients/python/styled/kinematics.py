@@ -8,8 +8,7 @@ humanoid has metres, right-handed axes, +Y up, +Z forward, +X the body's left. Q
 
 import difflib
 import math
-from collections.abc import Sequence as AbstractSequence
-from typing import Any, Iterator, List, NamedTuple, Sequence, Tuple, Union
+from typing import Any, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union, overload
 
 try:
     import numpy
@@ -30,7 +29,7 @@ class Transform(NamedTuple):
     rotation: Quaternion  # world from joint, unit length
 
 
-class World(AbstractSequence):
+class World(Sequence[Transform]):
     """The joints of a skeleton in its world: a sequence of Transform in the order of `names`, and by
     name: world['head'], `'jaw' in world`, world.get('jaw'). Of several joints of one name the first
     counts. How many joints a body has, and beyond the first 21 of the canonical humanoid which, is the
@@ -53,11 +52,17 @@ class World(AbstractSequence):
     def rotations(self) -> Any:
         return _array([t.rotation for t in self._transforms])
 
-    def get(self, name: str, default: Any = None) -> Any:
+    def get(self, name: str, default: Optional[Transform] = None) -> Optional[Transform]:
         """The transform of the joint of this name, or `default`."""
         return self._transforms[self.names.index(name)] if name in self.names else default
 
-    def __getitem__(self, joint: Union[str, int, slice]) -> Any:
+    @overload
+    def __getitem__(self, joint: Union[str, int]) -> Transform: ...
+
+    @overload
+    def __getitem__(self, joint: slice) -> Sequence[Transform]: ...
+
+    def __getitem__(self, joint):
         if not isinstance(joint, str):
             return self._transforms[joint]
         if joint not in self.names:

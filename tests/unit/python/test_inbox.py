@@ -165,7 +165,8 @@ class KinematicsTest(unittest.TestCase):
         world = kinematics.world_transforms(body, make_frame(1))
         self.assertEqual(world.names, ('hips', 'chest', 'head', 'head'))
         self.assertEqual((world['head'], world[-1].position), (world[2], (5, 2, 3)))
-        self.assertEqual((world.get('chest'), world.get('jaw'), world.get('jaw', 0)), (world[1], None, 0))
+        self.assertEqual((world.get('chest'), world.get('jaw'), world.get('jaw', world[0])),
+                         (world[1], None, world[0]))
         self.assertEqual([name in world for name in ('hips', 'jaw')], [True, False])
         self.assertEqual((len(world), list(world)[1], world[1] in world), (4, world[1], True))
         with self.assertRaisesRegex(KeyError, "no joint 'Head'; there is head"):
