@@ -55,6 +55,32 @@ def parse():
         change.add_argument(*look_options(name), dest=name,
                             help=LOOK_HELP.get(name), **look_kind(name))
     command('clear', 'fade to bypass', run_clear, 'optional')
+    for name, text, run in (
+            ('like', 'make a style of an example clip; the performer moves in it at once', run_like),
+            ('learn', 'make a style of what the performer does from now on; they move in it at once',
+             run_learn)):
+        make = command(name, text, run, 'required')
+        make.add_argument('--name', required=name == 'learn',
+                          help='of the style, for all clients' +
+                               ("; default: the file's name" if name == 'like' else ''))
+        make.add_argument('--transition', type=in_unit('ms'), metavar='MS', help='fade')
+        if name == 'like':
+            make.add_argument('--clip', required=True, metavar='FILE',
+                              help='the example: BVH, glTF binary or VRMA, 0.3 to 60 s')
+            make.add_argument('--neutral', metavar='FILE',
+                              help='a clip of the same performer moving as usual; only what differs '
+                                   'from it counts')
+            make.add_argument('--rig', default='auto', help="the example's rig dialect; default: auto")
+            make.add_argument('--unworn', action='store_true',
+                              help='only make the style; nobody moves in it until set')
+        else:
+            make.add_argument('--seconds', type=take_seconds, default=8, metavar='S',
+                              help='how long the performer shows it, 1 to 60; default: 8')
+            make.add_argument('--neutral', type=take_seconds, metavar='S',
+                              help='so many seconds of the performer moving as usual first; only what '
+                                   'differs from them counts')
+            make.add_argument('--countdown', type=int, default=3, metavar='S',
+                              help='seconds before each; default: 3')
     cue = command('cue', 'fire the cues of that name', run_cue, None)
     cue.add_argument('name', metavar='NAME')
     command('panic', 'everyone to bypass, pinned or not', run_panic, None)
@@ -209,6 +235,50 @@ def run_set(a):
         return say(daemon.set(a.performer, style=a.style, mix=mix, **fields), 'set')
 
 
+def take_seconds(text):
+    seconds = in_unit('s')(text)
+    if not 1 <= seconds <= 60:
+        raise argparse.ArgumentTypeError(f'{text}, expected 1 to 60 s')
+    return seconds
+
+
+def say_style(reply, performer):
+    of = f', of {reply.seconds:.2f} s' if reply.seconds > 0 else ''
+    far = ': unlike all styles that the weights know, so a weak mixture of them' if reply.distance > 1 else ''
+    print(f'style {reply.name}{of}: nearest to {reply.nearest}, at {reply.distance:.2f} of the mean '
+          f'distance between styles{far}')
+    if performer is not None:
+        print(f'{"everyone" if performer == styled.EVERYONE else performer}: {reply.name}')
+    return 0
+
+
+def run_like(a):
+    with control(a) as daemon:
+        code = daemon.measure(a.neutral, rig=a.rig).code if a.neutral else ()
+        performer = None if a.unworn else a.performer
+        return say_style(daemon.like(performer, a.clip, a.name, rig=a.rig, transition_ms=a.transition,
+                                     neutral_code=code), performer)
+
+
+def count_down(seconds, take_s, what):
+    print(what, end='', file=sys.stderr)
+    for left in range(seconds, 0, -1):
+        print(f'{left}... ', end='', file=sys.stderr, flush=True)
+        time.sleep(1)
+    print(f'now, for {take_s:g} s', file=sys.stderr, flush=True)
+
+
+def run_learn(a):
+    with control(a) as daemon:
+        code = ()
+        if a.neutral:
+            count_down(a.countdown, a.neutral, 'as usual: ')
+            code = daemon.measure_take(a.performer, a.neutral).code
+        count_down(a.countdown, a.seconds, 'in the style: ' if a.neutral else '')
+        return say_style(daemon.learn(a.performer, a.seconds, a.name, transition_ms=a.transition,
+                                      neutral_code=code), a.performer)
+
+
 def run_clear(a):
     with control(a) as daemon:
         return say(daemon.clear(a.performer), 'bypass')
@@ -241,6 +311,9 @@ def main():
     except (KeyboardInterrupt, BrokenPipeError):
         sys.stderr.close()  # the reader has closed the pipe
         return 0
+    except OSError as error:
+        print(f'{parser.prog}: {error.filename}: {error.strerror}', file=sys.stderr)
+        return EXIT_USAGE
 
 
 if __name__ == '__main__':

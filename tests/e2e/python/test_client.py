@@ -185,6 +185,33 @@ class ClientTest(unittest.TestCase):
         self.assertIn('rig.sim: live', run('status', env=environment)[1])
         self.assertEqual(run('panic', env=environment)[0], 0)
 
+    def test_the_command_line_makes_styles(self):
+        environment = dict(os.environ, STYLED_CONTROL=self.daemon.control)
+        clip = os.path.join(ROOT, 'tests', 'parity', 'fixtures', 'synthetic.bvh')
+        for arguments, code, text in (
+                (('like', '*', '--clip', __file__, '--name', 'mine'), 1, 'expected HIERARCHY'),
+                (('like', 'rig.anna', '--clip', clip, '--neutral', __file__), 1, 'expected HIERARCHY'),
+                (('like', 'rig.anna', '--clip', clip, '--name', 'a b'), 1, 'a b'),
+                (('learn', 'rig.anna', '--name', 'mine', '--seconds', '1', '--countdown', '0'), 1, 'rig.anna')):
+            found, out, err = run(*arguments, env=environment)
+            self.assertEqual((found, out), (code, ''), arguments)
+            self.assertIn(text, err)
+        code, out, err = run('like', '*', '--unworn', '--clip', clip, '--neutral', clip, env=environment)
+        self.assertEqual((code, err), (0, ''))
+        self.assertRegex(out, r'\Astyle synthetic, of \d+\.\d\d s: nearest to \S+, at \d+\.\d\d of the mean .*\n\Z')
+        self.daemon.simulate()
+        with styled.Control(self.daemon.control) as control:
+            wait_for(lambda: control.status().stats.performers, 'the performer')
+            code, out, err = run('like', 'rig.sim', '--clip', clip, '--name', 'mine', env=environment)
+            self.assertEqual((code, err), (0, ''))
+            self.assertRegex(out, r'\Astyle mine, .*\nrig\.sim: mine\n\Z')
+            self.assertEqual(control.status().stats.performers[0].styles[0].style, 'mine')
+            code, out, err = run('learn', 'rig.sim', '--name', 'shown', '--seconds', '1s', '--neutral', '1',
+                                 '--countdown', '1', env=environment)
+            self.assertEqual((code, err), (0, 'as usual: 1... now, for 1 s\nin the style: 1... now, for 1 s\n'))
+            self.assertRegex(out, r'\Astyle shown, of 1\.\d\d s: .*\nrig\.sim: shown\n\Z')
+            self.assertIn('shown', [style.name for style in control.list().styles])
+
 
 class AvatarTest(unittest.TestCase):
     def test_an_avatar_is_a_stream_like_the_others(self):
@@ -263,6 +290,12 @@ class WithoutADaemonTest(unittest.TestCase):
                 (['set', 'rig.a', '--vary', 'all'], 2, "invalid variation value: 'all'"),
                 (['set', 'rig.a', '--drift', '5m'], 2, "invalid number value: '5m'"),
                 (['set', 'rig.a', '--mix', 'old'], 2, 'STYLE=WEIGHT'),
+                (['like', 'rig.a', '--clip', '/nonexistent.bvh'], 2, '/nonexistent.bvh: No such file'),
+                (['like', 'rig.a', '--clip', '/'], 2, '/: Is a directory'),
+                (['like', 'rig.a'], 2, '--clip'),
+                (['learn', 'rig.a'], 2, '--name'),
+                (['learn', 'rig.a', '--name', 'x', '--seconds', '61'], 2, '61, expected 1 to 60 s'),
+                (['learn', 'rig.a', '--name', 'x', '--seconds', 'nan'], 2, 'nan, expected 1 to 60 s'),
                 (['tail', '--publisher', 'nonsense'], 2, 'expected e.g. tcp://'),
                 (['list', '--control', 'ipc:///tmp/styled-nobody', '--timeout', '0.1'], 3, 'no daemon answers'),
                 (['tail', '--publisher', 'ipc:///tmp/styled-nobody', '--seconds', '0.2'], 3, '')):
