@@ -9,13 +9,6 @@ import unittest
 from daemon import PATIENCE_S, Daemon
 
 CMAKE, CXX = os.environ['CMAKE'], os.environ['CXX']
-PROJECT = '''
-cmake_minimum_required(VERSION 3.25)
-project(outside LANGUAGES CXX)
-find_package(styled 0.1 REQUIRED)
-add_executable(outside example.cpp)
-target_link_libraries(outside PRIVATE styled::client)
-'''
 
 
 class PackageTest(unittest.TestCase):
@@ -62,14 +55,12 @@ class PackageTest(unittest.TestCase):
 
     def test_a_cmake_project_finds_it(self):
         project = os.path.join(self.folder, 'project')
-        os.mkdir(project)
-        shutil.copy(self.example, project)
-        with open(os.path.join(project, 'CMakeLists.txt'), 'w') as out:
-            out.write(PROJECT)
+        shutil.copytree(os.path.dirname(self.example), project)
+        self.assertEqual(sorted(os.listdir(project)), ['CMakeLists.txt', 'example.cpp'])
         self.run_in('project', CMAKE, '-S', '.', '-B', 'build', f'-DCMAKE_PREFIX_PATH={self.prefix}',
                     f'-DCMAKE_CXX_COMPILER={CXX}')
         self.run_in('project', CMAKE, '--build', 'build')
-        self.expect_to_see_heads(os.path.join(project, 'build', 'outside'))
+        self.expect_to_see_heads(os.path.join(project, 'build', 'example'))
 
     def test_pkg_config_finds_it(self):
         self.run_in('.', CXX, '-std=c++20', self.example, '-o', 'by-pkg-config',
