@@ -1,5 +1,6 @@
 """The examples of all clients at once, as in the README, with one live daemon: ten seconds of a rig at
 120 Hz, every frame in sequence."""
+import glob
 import os
 import re
 import shutil
@@ -31,6 +32,14 @@ class TenSecondsTest(unittest.TestCase):
         at = self.daemon.publish, self.daemon.control
         self.start('Python', sys.executable, os.path.join(ROOT, 'clients/python/examples/heads.py'), *at)
         self.start('C++', os.path.join(BIN, 'client_example'), *at)
+        client = os.path.join(ROOT, 'clients', 'unity')
+        if shutil.which('mcs') and shutil.which('mono'):
+            program = os.path.join(self.daemon.folder, 'heads.exe')
+            subprocess.run(['mcs', '-nologo', f'-out:{program}', os.path.join(client, 'Console~', 'Heads.cs'),
+                            *glob.glob(os.path.join(client, 'Runtime', '*.cs'))], check=True)
+            self.start('C#', 'mono', program, *at)
+        else:
+            print('C#: skipped, no mcs or no mono')
         gateway = None
         if shutil.which('node') and os.path.exists(os.path.join(JS, 'dist')):
             gateway = Gateway(self.daemon)

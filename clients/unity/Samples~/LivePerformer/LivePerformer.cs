@@ -1,0 +1,80 @@
+using System;
+using System.Collections.Generic;
+using UnityEngine;
+
+namespace Styled.Samples {
+
+/// <summary>Moves a humanoid avatar by a performer's canonical stream. Beside an Animator whose avatar is
+/// Humanoid; the model stands in the T-pose when this starts. Joints go by name: fingers, eyes and jaw
+/// move where both have them.</summary>
+[RequireComponent(typeof(Animator))]
+public sealed class LivePerformer : MonoBehaviour {
+  public string endpoint = Subscriber.DefaultEndpoint;
+  public string performer = "rig.anna";
+
+  sealed class Bone {
+    public Transform transform;
+    public Quaternion rest;  // avatar from bone, in the T-pose
+  }
+
+  readonly Dictionary<string, Bone> bones_ = new Dictionary<string, Bone>();
+  readonly List<Update> updates_ = new List<Update>();
+  Subscriber subscriber_;
+  Pose world_;
+  float hipsHeight_;
+
+  public void OnEnable() { subscriber_ = new Subscriber(endpoint, performer); }
+
+  public void OnDisable() {
+    if (subscriber_ != null) subscriber_.Dispose();
+    subscriber_ = null;
+  }
+
+  // After the Animator, which may play a clip on bones that no joint moves.
+  public void LateUpdate() {
+    subscriber_.Latest(updates_);
+    foreach (Update update in updates_) Apply(update);
+  }
+
+  /// <summary>Poses the avatar by a frame whose body is here.</summary>
+  public void Apply(Update update) {
+    Body body = update.Body;
+    if (bones_.Count == 0) RememberTPose();
+    world_ = Kinematics.World(body, update.Frame, world_);
+    float[] q = world_.Rotations, p = world_.Positions;
+    for (int joint = 0; joint < body.Names.Length; ++joint) {  // parents come before their children
+      Bone bone;
+      if (!bones_.TryGetValue(UnityName(body.Names[joint]), out bone)) continue;
+      int i = 4 * joint;
+      // The canonical axes are right-handed, +X left; Unity's are the mirror image.
+      var turn = new Quaternion(q[i], -q[i + 1], -q[i + 2], q[i + 3]);
+      bone.transform.rotation = transform.rotation * turn * bone.rest;
+      // As high as its own hips, over the floor where the performer is.
+      if (joint == 0) {
+        float scale = body.Offsets[1] > 0.1f ? hipsHeight_ / body.Offsets[1] : 1;
+        bone.transform.position = transform.TransformPoint(new Vector3(-p[0], p[1] * scale, p[2]));
+      }
+    }
+  }
+
+  void RememberTPose() {
+    var animator = GetComponent<Animator>();
+    foreach (HumanBodyBones which in Enum.GetValues(typeof(HumanBodyBones))) {
+      if (which == HumanBodyBones.LastBone) continue;
+      Transform found = animator.GetBoneTransform(which);
+      if (found == null) continue;
+      bones_[which.ToString()] =
+          new Bone { transform = found, rest = Quaternion.Inverse(transform.rotation) * found.rotation };
+      if (which == HumanBodyBones.Hips) hipsHeight_ = transform.InverseTransformPoint(found.position).y;
+    }
+  }
+
+  // Of a joint, which is named as VRM 1.0's bones: only thumbs are counted otherwise.
+  static string UnityName(string joint) {
+    string name = char.ToUpperInvariant(joint[0]) + joint.Substring(1);
+    if (name.EndsWith("ThumbProximal")) return name.Replace("Proximal", "Intermediate");
+    return name.Replace("ThumbMetacarpal", "ThumbProximal");
+  }
+}
+
+}  // namespace Styled.Samples
