@@ -1,7 +1,7 @@
 """Applies frames to an armature. A Plan holds what is computed once; apply() does the work of each
 frame."""
 
-from typing import Dict, List, NamedTuple, Optional
+from typing import Dict, List, NamedTuple, Optional, Set
 
 from mathutils import Matrix, Vector
 from styled import kinematics
@@ -114,6 +114,10 @@ class Plan:
             if foot in self._target.humanoid:
                 swings[self._target.humanoid[foot]] = Matrix.Identity(3)
         return swings
+
+    def moving(self) -> Set[str]:
+        """The bones that have a place of their own, not only a rotation."""
+        return {step.bone for step in self._steps if step.moves}
 
     def apply(self, frame, armature_object) -> None:
         """Poses the armature. Raises ValueError if the frame belongs to another body, KeyError if a bone

@@ -6,6 +6,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 import bpy
 import styled
 
+from .bake import MAX_FRAMES
 from .drive import Plan, Unfit
 
 RATE_HZ = 60
@@ -31,6 +32,7 @@ class _Link:
         self.plan: Optional[Plan] = None
         self.unfit = ''
         self.latest: Optional[Latest] = None
+        self.take: Optional[list] = None  # frames to bake, every one; None: not recording
         self._planned_for = None
         self._subscriber = styled.Subscriber(publisher, performer=choice[0], streams=[choice[1]],
                                              curve=curve)
@@ -39,10 +41,7 @@ class _Link:
         self._subscriber.close()
 
     def step(self, armature_object) -> None:
-        newest = None
-        for update in self._subscriber.receive_latest(0):
-            if update.kind is styled.Kind.FRAME:
-                newest = update
+        newest = self._read()
         if armature_object.mode == 'EDIT':
             self._planned_for = None  # its rest pose may have changed
             return
@@ -62,6 +61,23 @@ class _Link:
         frame = newest.frame
         self.latest = Latest(frame.epoch, frame.sequence, ', '.join(
             f'{style.style} {style.weight:.2f}' for style in frame.styles))
+
+    # The newest frame. A take keeps those before it, too, however seldom Blender comes here.
+    def _read(self):
+        newest = None
+        if self.take is None:
+            for update in self._subscriber.receive_latest(0):
+                if update.kind is styled.Kind.FRAME:
+                    newest = update
+            return newest
+        while True:
+            update = self._subscriber.receive(0)
+            if update is None:
+                return newest
+            if update.kind is styled.Kind.FRAME:
+                newest = update
+                if update.body is not None and len(self.take) < MAX_FRAMES:
+                    self.take.append(update.frame)
 
     def _replan(self, body, armature_object, key) -> None:
         self._planned_for, self.plan, self.unfit = key, None, ''

@@ -4,9 +4,11 @@ import bpy
 import styled
 from bpy.props import StringProperty
 
+from .bake import bake
 from .build import make_armature
 from .drive import Plan, Unfit
 from .live import live
+from .restyle import Failed, restyle
 
 
 class _Connected:
@@ -115,6 +117,78 @@ class STYLED_OT_release(bpy.types.Operator):
         return {'FINISHED'}
 
 
+class STYLED_OT_record(_Connected, bpy.types.Operator):
+    """Keep every frame that the active armature's performer shows from now on, until Bake"""
+    bl_idname = 'styled.record'
+    bl_label = 'Record'
+
+    @classmethod
+    def poll(cls, context):
+        link = live.link(context.object) if context.object is not None else None
+        return link is not None and link.plan is not None and link.take is None
+
+    def execute(self, context):
+        live.link(context.object).take = []
+        return {'FINISHED'}
+
+
+class STYLED_OT_bake(_Connected, bpy.types.Operator):
+    """End the take, make it an action of the active armature from the current frame on, and let the
+    armature go"""
+    bl_idname = 'styled.bake'
+    bl_label = 'Stop and Bake'
+    bl_options = {'REGISTER', 'UNDO'}
+
+    @classmethod
+    def poll(cls, context):
+        link = live.link(context.object) if context.object is not None else None
+        return link is not None and link.take is not None
+
+    def execute(self, context):
+        thing, scene = context.object, context.scene
+        link = live.link(thing)
+        frames, link.take = link.take, None
+        if link.plan is None:
+            return _fail(self, f'{thing.name}: {link.unfit or "it does not follow the performer any more"}')
+        frames = [frame for frame in frames if frame.body_hash == link.plan.body.hash]
+        if not frames:
+            return _fail(self, f'no frame of {thing.styled_live.performer} came while it was recorded')
+        fps = scene.render.fps / scene.render.fps_base
+        if thing.animation_data is not None:
+            thing.animation_data.action = None  # a take is an action of its own
+        try:
+            last = bake(link.plan, frames, thing, fps, scene.frame_current)
+        except KeyError as error:  # a bone was renamed
+            return _fail(self, error)
+        thing.styled_live.driven = False
+        scene.frame_end = max(scene.frame_end, last)
+        self.report({'INFO'}, f'{thing.animation_data.action.name}: frames {scene.frame_current} to {last}')
+        return {'FINISHED'}
+
+
+class STYLED_OT_restyle(bpy.types.Operator):
+    """Make a copy of the active armature's action that moves in the style"""
+    bl_idname = 'styled.restyle'
+    bl_label = 'Restyle Action'
+    bl_options = {'REGISTER', 'UNDO'}
+
+    @classmethod
+    def poll(cls, context):
+        thing = context.object
+        return (thing is not None and thing.type == 'ARMATURE' and thing.mode != 'EDIT' and
+                not thing.styled_live.driven and thing.animation_data is not None and
+                thing.animation_data.action is not None)
+
+    def execute(self, context):
+        chosen = context.scene.styled_live
+        try:
+            restyle(context.scene, context.object, chosen.action_style,
+                    chosen.action_strength, bpy.path.abspath(chosen.stylize))
+        except (Failed, Unfit, ValueError) as error:
+            return _fail(self, f'{context.object.name}: {error}')
+        return {'FINISHED'}
+
+
 class STYLED_OT_style(_Connected, bpy.types.Operator):
     """Move in this style"""
     bl_idname = 'styled.style'
@@ -147,7 +221,8 @@ class STYLED_OT_panic(_Connected, bpy.types.Operator):
 
 
 _CLASSES = (STYLED_OT_connect, STYLED_OT_disconnect, STYLED_OT_make_armature, STYLED_OT_drive,
-            STYLED_OT_release, STYLED_OT_style, STYLED_OT_clear, STYLED_OT_panic)
+            STYLED_OT_release, STYLED_OT_record, STYLED_OT_bake,
+            STYLED_OT_restyle, STYLED_OT_style, STYLED_OT_clear, STYLED_OT_panic)
 
 
 def register():

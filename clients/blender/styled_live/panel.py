@@ -15,6 +15,13 @@ class STYLED_PT_live(bpy.types.Panel):
     def draw(self, context):
         chosen = context.scene.styled_live
         column = self.layout.column()
+        if bpy.ops.styled.restyle.poll():
+            box = column.box()
+            box.label(text=context.object.animation_data.action.name, icon='ACTION')
+            box.prop(chosen, 'action_style')
+            box.prop(chosen, 'action_strength', slider=True)
+            box.prop(chosen, 'stylize')
+            box.operator('styled.restyle')
         if not live.active:
             column.prop(chosen, 'publisher')
             column.prop(chosen, 'control')
@@ -56,6 +63,11 @@ class STYLED_PT_live(bpy.types.Panel):
         else:
             box.label(text=f'{len(link.plan.joints)} bones, frame {link.latest.sequence}')
             box.label(text=link.latest.styles or 'as captured')
+        if link is not None and link.take is not None:
+            box.label(text=f'recording, {len(link.take)} frames', icon='REC')
+            box.operator('styled.bake')
+        else:
+            box.operator('styled.record', icon='REC')
         box.operator('styled.release')
 
 

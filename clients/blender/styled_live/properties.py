@@ -15,6 +15,10 @@ def _streams(self, _context, _text):
     return live.streams(self.performer)
 
 
+def _styles(_self, _context, _text):
+    return live.styles
+
+
 def _strength_changed(self, _context):
     if live.active:
         live.set_strength_soon(self.performer or styled.EVERYONE, self.strength)
@@ -34,6 +38,14 @@ class StyledLiveConnection(bpy.types.PropertyGroup):
     strength: FloatProperty(name='Strength', default=1, min=0, max=1.5, soft_max=1,
                             update=_strength_changed,
                             description='0: as captured, 1: the style as it is')
+
+
+    action_style: StringProperty(name='Style', default='old', search=_styles,
+                                 description='Of Restyle Action: as `stylize --list` names it')
+    action_strength: FloatProperty(name='Strength', default=1, min=0, max=1.5, soft_max=1,
+                                   description='Of Restyle Action')
+    stylize: StringProperty(name='Program', default='stylize', subtype='FILE_PATH',
+                            description='Of Restyle Action: stylize, a path unless it is installed')
 
 
 class StyledLiveDriven(bpy.types.PropertyGroup):

@@ -269,6 +269,124 @@ class AddonTest(unittest.TestCase):
         self.assertEqual(thing.pose.bones['hips'].matrix_basis, pose)
         self.assertIsNone(live.link(thing))
 
+    def test_a_take_is_baked_to_keyframes(self):
+        self.connect(script=DANCE)
+        self.assertFalse(bpy.ops.styled.record.poll())
+        thing = self.make_humanoid(roll=lambda joint: 0.7 * joint)
+        self.drive(thing)
+        mine = self.listen()
+        self.tick_until(lambda: self.shown(thing) > 0, 'a frame')
+        self.assertFalse(bpy.ops.styled.bake.poll())
+        self.assertEqual(bpy.ops.styled.record(), {'FINISHED'})
+        link = live.link(thing)
+        self.tick_until(lambda: len(link.take) > 200, 'a take of 200 frames')
+        taken = [frame.sequence for frame in link.take]
+        self.assertEqual(taken, list(range(taken[0], taken[0] + len(taken))), 'every frame is in it')
+        scene = bpy.context.scene
+        scene.frame_current, scene.render.fps, scene.frame_end = 10, 24, 12
+        self.assertEqual(bpy.ops.styled.bake(), {'FINISHED'})
+        self.assertFalse(thing.styled_live.driven)
+        last = 10 + int((len(taken) - 1) / 120 * 24 + 1e-3)
+        self.assertEqual(tuple(thing.animation_data.action.frame_range), (10, last))
+        self.assertEqual(scene.frame_end, last)
+        frames = {}
+        while len(frames) < len(taken):
+            update = next(mine.frames(timeout=PATIENCE_S))
+            if update.frame.sequence >= taken[0]:
+                frames[update.frame.sequence - taken[0]] = update
+        worst_m, heads = 0.0, set()
+        for at in range(10, last + 1):
+            scene.frame_set(at)
+            update = frames[round((at - 10) * 5)]  # 120 Hz to 24
+            for name, joint in zip(update.body.names, update.world()):
+                head = thing.matrix_world @ thing.pose.bones[mixamo(name)].head
+                worst_m = max(worst_m, (head - in_blender(joint.position)).length)
+            heads.add(round(thing.pose.bones[mixamo('leftHand')].head.x, 4))
+        print(f'baked: {worst_m * 1000:.4f} mm at worst, {len(heads)} places of the hand')
+        self.assertLess(worst_m, TOLERANCE_M)
+        self.assertGreater(len(heads), 20, 'the performer stood still: nothing was tested')
+        for curve in thing.animation_data.action.fcurves:  # no turn the long way round
+            values = [key.co[1] for key in curve.keyframe_points]
+            self.assertEqual(len(values), last - 9)
+            if curve.data_path.endswith('rotation_quaternion'):
+                self.assertLess(max(abs(a - b) for a, b in zip(values, values[1:])), 0.9)
+
+    def test_a_take_without_a_frame_is_refused(self):
+        self.connect()
+        bpy.ops.styled.make_armature()
+        thing = bpy.context.object
+        self.tick_until(lambda: self.shown(thing) > 0, 'a frame')
+        bpy.ops.styled.record()
+        live.link(thing).take.clear()
+        with self.assertRaisesRegex(RuntimeError, 'no frame of rig.sim came'):
+            bpy.ops.styled.bake()
+        self.assertIsNone(live.link(thing).take)
+        self.assertTrue(thing.styled_live.driven)
+
+    def bake_a_walk(self, **other):
+        """A humanoid with an action of a walk; released."""
+        self.connect(script='walk:20')
+        thing = self.make_humanoid(**other)
+        self.drive(thing)
+        self.tick_until(lambda: self.shown(thing) > 0, 'a frame')
+        bpy.ops.styled.record()
+        self.tick_until(lambda: len(live.link(thing).take) > 400, 'a take of 400 frames')
+        bpy.context.scene.frame_current, bpy.context.scene.render.fps = 5, 30
+        self.assertEqual(bpy.ops.styled.bake(), {'FINISHED'})
+        return thing
+
+    def places(self, thing):
+        """Each bone's place at each frame of the action."""
+        first, last = (int(x) for x in thing.animation_data.action.frame_range)
+        seen = []
+        for at in range(first, last + 1):
+            bpy.context.scene.frame_set(at)
+            seen.append([bone.head.copy() for bone in thing.pose.bones])
+        return seen
+
+    def test_an_action_is_restyled(self):
+        for other in (dict(roll=lambda joint: 0.7 * joint), dict(name=lambda joint: joint, scale=0.01)):
+            with self.subTest(other):
+                thing = self.bake_a_walk(**other)
+                size = thing.data.bones[0].head_local.z
+                before, action = self.places(thing), thing.animation_data.action
+                thing.pose.bones[3].keyframe_insert('scale', frame=7)
+                self.chosen.stylize = os.path.join(BIN, 'stylize')
+                worst = {}
+                for style, strength in (('elderly', 0.0), ('elderly', 1.0)):
+                    thing.animation_data.action = action
+                    self.chosen.action_style, self.chosen.action_strength = style, strength
+                    self.assertEqual(bpy.ops.styled.restyle(), {'FINISHED'})
+                    made = thing.animation_data.action
+                    self.assertEqual(tuple(made.frame_range), tuple(action.frame_range))
+                    self.assertIn(style, made.name)
+                    self.assertEqual(sum(c.data_path.endswith('scale') for c in made.fcurves), 3, 'other keys stay')
+                    after = self.places(thing)
+                    worst[strength] = max((a - b).length for row, then in zip(before, after)
+                                          for a, b in zip(row, then)) / size
+                print(f'restyled: {worst} of the hips\' height')
+                self.assertLess(worst[0.0], 0.002, 'without strength it is the same motion')
+                self.assertGreater(worst[1.0], 0.05)
+                self.assertTrue(action.use_fake_user)
+                live.disconnect()
+                self.setUp()
+
+    def test_what_cannot_be_restyled_is_said(self):
+        thing = self.bake_a_walk()
+        action = thing.animation_data.action
+        self.chosen.stylize = '/nonexistent/stylize'
+        with self.assertRaisesRegex(RuntimeError, "cannot run '/nonexistent/stylize'"):
+            bpy.ops.styled.restyle()
+        self.chosen.stylize, self.chosen.action_style = os.path.join(BIN, 'stylize'), 'olf'
+        with self.assertRaisesRegex(RuntimeError, 'olf'):
+            bpy.ops.styled.restyle()
+        self.assertEqual(thing.animation_data.action, action)
+        thing.data.bones[mixamo('hips')].name = 'middle'
+        with self.assertRaisesRegex(RuntimeError, 'no humanoid'):
+            bpy.ops.styled.restyle()
+        thing.animation_data.action = None
+        self.assertFalse(bpy.ops.styled.restyle.poll())
+
     def test_styles_and_strength_reach_the_daemon(self):
         self.connect()
         self.assertIn('elderly', live.styles)
@@ -309,7 +427,7 @@ class AddonTest(unittest.TestCase):
         bpy.ops.styled.style(style='elderly')
         self.tick_until(lambda: 'elderly' in live.link(bpy.context.object).latest.styles, 'the style')
         text = Drawn().text
-        for expected in ('styled.disconnect', 'styled.make_armature', 'styled.panic', "text='elderly'",
+        for expected in ('styled.disconnect', 'styled.record', 'styled.make_armature', 'styled.panic', "text='elderly'",
                          'strength', '21 bones, frame', "text='elderly "):
             self.assertIn(expected, text)
         self.assertNotIn('ERROR', text)
