@@ -15,7 +15,8 @@ if blender is None:
     sys.exit(SKIPPED)
 with tempfile.TemporaryDirectory(prefix='styled-blender-') as folder:
     # Debian's Blender takes the first python3 of PATH for its own, and wants Debian's packages.
-    environment = dict(os.environ, PATH='/usr/bin:' + os.environ['PATH'], BLENDER_USER_CONFIG=os.path.join(folder, 'config'),
+    environment = dict(os.environ, PATH='/usr/bin:' + os.environ['PATH'],
+                       BLENDER_USER_CONFIG=os.path.join(folder, 'config'),
                        BLENDER_USER_SCRIPTS=os.path.join(folder, 'scripts'),
                        BLENDER_USER_DATAFILES=os.path.join(folder, 'datafiles'))
     done = subprocess.run([blender, '--background', '--factory-startup', '--python-exit-code', '1',
