@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "model/base/realtime.h"
+
+// The 52 facial expressions of Apple's ARKit, which phones measure, and what they are on avatars
+// that only have VRM's presets. Pure functions; any thread; nothing here allocates or throws.
+// Pinned by tests/unit/arkit.
+namespace styled::arkit {
+
+inline constexpr std::size_t kShapes = 52;
+
+// In the order in which Live Link Face sends them; ARKit's own spelling.
+inline constexpr std::array<std::string_view, kShapes> kNames{
+    "eyeBlinkLeft",      "eyeLookDownLeft",    "eyeLookInLeft",
+    "eyeLookOutLeft",    "eyeLookUpLeft",      "eyeSquintLeft",
+    "eyeWideLeft",       "eyeBlinkRight",      "eyeLookDownRight",
+    "eyeLookInRight",    "eyeLookOutRight",    "eyeLookUpRight",
+    "eyeSquintRight",    "eyeWideRight",       "jawForward",
+    "jawLeft",           "jawRight",           "jawOpen",
+    "mouthClose",        "mouthFunnel",        "mouthPucker",
+    "mouthLeft",         "mouthRight",         "mouthSmileLeft",
+    "mouthSmileRight",   "mouthFrownLeft",     "mouthFrownRight",
+    "mouthDimpleLeft",   "mouthDimpleRight",   "mouthStretchLeft",
+    "mouthStretchRight", "mouthRollLower",     "mouthRollUpper",
+    "mouthShrugLower",   "mouthShrugUpper",    "mouthPressLeft",
+    "mouthPressRight",   "mouthLowerDownLeft", "mouthLowerDownRight",
+    "mouthUpperUpLeft",  "mouthUpperUpRight",  "browDownLeft",
+    "browDownRight",     "browInnerUp",        "browOuterUpLeft",
+    "browOuterUpRight",  "cheekPuff",          "cheekSquintLeft",
+    "cheekSquintRight",  "noseSneerLeft",      "noseSneerRight",
+    "tongueOut"};
+
+// The index of a shape's name: in any case, with Left and Right at the end or _L and _R. Nothing
+// for other names.
+STYLED_REALTIME std::optional<std::size_t> Find(std::string_view name) noexcept;
+
+// VRM 0's presets of a face, by the names that VMC sends. An avatar without the 52 shows these.
+inline constexpr std::array<std::string_view, 11> kPresets{
+    "Blink_L", "Blink_R", "A", "I", "U", "E", "O", "Joy", "Angry", "Sorrow", "Fun"};
+
+// What the 52 weights, 0 .. 1 each, are as presets. Vowels come from the opening of the jaw and the
+// shape of the lips; a preset's parts are not sent beside it, so nothing adds up twice. Our own
+// mapping: no standard has one.
+STYLED_REALTIME void ToPresets(std::span<const float, kShapes> shapes,
+                               std::span<float, kPresets.size()> presets) noexcept;
+
+}  // namespace styled::arkit
