@@ -14,8 +14,8 @@ styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev libboost1.81
   nlohmann-json3-dev libsimdjson-dev libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev
   libusb-1.0-0-dev scdoc)
 styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev libbenchmark-dev
-  clang-format-16 clang-tidy-16 xz-utils procps liblo-dev liblo-tools liboscpack-dev lz4 zstd python3
-  python3-zmq python3-protobuf python3-numpy python3-setuptools python3-wheel python3-venv mono-mcs
+  clang-format-16 clang-tidy-16 xz-utils procps liblo-dev liblo-tools liboscpack-dev lz4 zstd zlib1g-dev
+  python3 python3-zmq python3-protobuf python3-numpy python3-setuptools python3-wheel python3-venv mono-mcs
   mono-runtime libumockdev-dev umockdev chromium libfaketime)
 styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file)
 styled_packages_effects=(clang-22)  # Debian 12 has it among its security updates

@@ -42,10 +42,13 @@ struct Source {
   float rate_hz = 100;          // of frames assembled from trackers that have no common clock
   float delay_s = 0;  // time by which frames are delayed so that bursts leave evenly; 0 = none
   int receive_buffer_bytes = 4 << 20;
-  int max_connections = 64;      // tcp
-  std::string usb_id = {};       // "1209:7690"; "" = any SlimeVR receiver (type usb requires an id)
-  std::string serial = {};       // serial number of the one USB device to open; "" = all
-  int sender_limit_hz = 100000;  // most datagrams a second of one address; 0 = no limit
+  int max_connections = 64;  // tcp
+  std::string usb_id = {};   // "1209:7690"; "" = any SlimeVR receiver (type usb requires an id)
+  std::string serial = {};   // serial number of the one USB device to open; "" = all
+  // A performer, SOURCE.NAME, whose face this source is; "" = the source has performers of its own.
+  std::string merge_into = {};
+  std::string expressions = "arkit";  // names of a phone's: "arkit", or "vrm" for VRM's presets
+  int sender_limit_hz = 100000;       // most datagrams a second of one address; 0 = no limit
   friend bool operator==(const Source&, const Source&) = default;
 };
 

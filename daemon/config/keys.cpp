@@ -327,6 +327,8 @@ const std::vector<Key<Source>>& SourceKeys() {
       Text<S>("performer", STYLED_FIELD(performer)),
       OneOf<S>("up", {"auto", "y", "z"}, STYLED_FIELD(up)),
       Text<S>("server", STYLED_FIELD(server)),
+      Text<S>("merge_into", STYLED_FIELD(merge_into)),
+      OneOf<S>("expressions", {"arkit", "vrm"}, STYLED_FIELD(expressions)),
       Flag<S>("multicast", STYLED_FIELD(multicast)),
       Text<S>("group", STYLED_FIELD(group)),
       Text<S>("interface", STYLED_FIELD(interface)),

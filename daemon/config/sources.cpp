@@ -34,6 +34,29 @@ Status CheckServer(const Source& source) {
   return server.ok() ? ParseGroup(source.group).status() : server.status();
 }
 
+// `merge_into` of source `i`: a performer of another source that has performers.
+Status CheckMerge(const std::vector<Source>& sources, std::size_t i, const rigs::RigType& rig) {
+  const std::string& into = sources[i].merge_into;
+  if (into.empty()) {
+    if (!rig.face_only) return Status::Ok();
+    return Status::Error("merge_into: missing; a source of type \"" + sources[i].type +
+                         "\" is the face of a performer, SOURCE.NAME, e.g. \"stage.anna\"");
+  }
+  if (!rig.has_face) {
+    return Status::Error("merge_into: a source of type \"" + sources[i].type +
+                         "\" has no face; expected one of " + rigs::FaceTypes());
+  }
+  const std::size_t dot = into.find('.');
+  const bool named = dot != std::string::npos && IsName(into.substr(dot + 1));
+  const auto is_source = [&](const Source& source) {
+    return named && source.merge_into.empty() && source.name == into.substr(0, dot);
+  };
+  if (std::ranges::any_of(sources, is_source)) return Status::Ok();
+  return Status::Error("merge_into: \"" + Shown(into) +
+                       "\"; expected a performer of another source, SOURCE.NAME, whose source has "
+                       "no merge_into");
+}
+
 }  // namespace
 
 Status CheckTrackers(const std::vector<Tracker>& trackers) {
@@ -61,14 +84,14 @@ Status CheckTrackers(const std::vector<Tracker>& trackers) {
   return Status::Ok();
 }
 
-Result<sockaddr_in> ParseServer(const std::string& text) {
+Result<sockaddr_in> ParseServer(const std::string& text, std::uint16_t default_port) {
   const auto refuse = [&text] {
     return Status::Error("server: \"" + text +
                          "\"; expected an IPv4 address, or one and a port, e.g. "
                          "\"192.168.1.10:1510\"");
   };
   std::string host = text;
-  std::uint16_t port = natnet::kCommandPort;
+  std::uint16_t port = default_port;
   if (text.find(':') != std::string::npos) {
     const auto parsed = runtime::ParseHostPort(text);
     if (!parsed.ok() || parsed.value().port == 0) return refuse();
@@ -112,7 +135,11 @@ Status CheckSources(const std::vector<Source>& sources) {
       if (!status.ok()) return status;
       continue;
     }
-    if (type.rig->asks_server) {
+    if (const Status status = CheckMerge(sources, i, *type.rig); !status.ok()) {
+      return Status::Error(place + status.message());
+    }
+    // A phone is asked only where it is named.
+    if (type.rig->asks_server || (type.rig->face_only && !sources[i].server.empty())) {
       const Status status = CheckServer(sources[i]);
       if (!status.ok()) return Status::Error(place + status.message());
     }

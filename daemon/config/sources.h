@@ -2,11 +2,13 @@
 
 #include <netinet/in.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "daemon/config/config.h"
 #include "model/base/status.h"
+#include "proto/rigs/natnet/packet.h"
 
 namespace styled::config {
 
@@ -20,9 +22,10 @@ Status CheckSources(const std::vector<Source>& sources);
 // tests/unit/slimevr/tracker_rig_test.cpp.
 Status CheckTrackers(const std::vector<Tracker>& trackers);
 
-// Parses `source.server`, an IPv4 HOST[:PORT], into network byte order. The default port is
-// NatNet's command port. Errors begin with "server: ".
-Result<sockaddr_in> ParseServer(const std::string& text);
+// Parses `source.server`, an IPv4 HOST[:PORT], into network byte order. Errors begin with
+// "server: ".
+Result<sockaddr_in> ParseServer(const std::string& text,
+                                std::uint16_t default_port = natnet::kCommandPort);
 // Parses `source.group`, an IPv4 multicast address. Errors begin with "group: ".
 Result<in_addr> ParseGroup(const std::string& text);
 

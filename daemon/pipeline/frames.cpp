@@ -20,6 +20,7 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   receive_ns_ = to_.clock.Now_ns();
   wall_ns_ = to_.clock.Wall_ns();
   to_.counters.Add(Counter::kSourceReceived, frames.size());
+  if (FaceLayer* const layer = layers_.Of(source)) return AcceptFaces(*layer, source, frames);
   const std::int64_t elsewhere_ns = stages_.Elsewhere_ns();
   // 1 Examine all frames, to find each performer's newest one.
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -42,6 +43,15 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   const std::int64_t batch_ns = to_.clock.Now_ns() - receive_ns_;
   // kTake gets the part of the batch's time that no other stage accounts for.
   stages_.Add(Stages::kTake, batch_ns - (stages_.Elsewhere_ns() - elsewhere_ns));
+}
+
+void Pipeline::AcceptFaces(FaceLayer& layer, int source,
+                           std::span<const source::SourceFrame> frames) noexcept {
+  for (const source::SourceFrame& frame : frames) {
+    if (!frame.is_body && !layer.Take(frame, receive_ns_)) {
+      to_.counters.AddOf(source, Counter::kPipelineReordered);
+    }
+  }
 }
 
 void Pipeline::NoteNewest(int index) noexcept {
@@ -97,6 +107,7 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
   context.wall_ns = wall_ns_;
   context.source_sequence = item.frame->sequence;
   context.extra_flags = late ? v1::FLAG_LATE : v1::FLAG_NONE;
+  context.face = layers_.FaceOf(performer.profile.id, item.frame->face, receive_ns_);
   const auto accepted = performer.Accept(*item.frame, context);
   if (accepted != Performer::Accepted::kOk) {
     const Counter why = accepted == Performer::Accepted::kWrongSize

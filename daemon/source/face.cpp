@@ -60,7 +60,70 @@ void Write(const Face::Expression& expression, Writer& out) noexcept {
   }
 }
 
+// Reads a varint; returns false where the bytes end in it, or it is larger than a length can be.
+bool ReadVarint(std::span<const std::byte> bytes, std::size_t& at, std::size_t& value) noexcept {
+  value = 0;
+  for (unsigned shift = 0; at < bytes.size() && shift < 28; shift += 7) {
+    const auto byte = std::to_integer<std::size_t>(bytes[at++]);
+    value |= (byte & 0x7FU) << shift;
+    if (byte < 0x80U) return true;
+  }
+  return false;
+}
+
+// The fields of an encoded face, one after the other.
+class FieldReader {
+ public:
+  explicit FieldReader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
+  // Returns false at the end, and at what is not a field with a length.
+  bool Next() noexcept {
+    begin = at_;
+    if (at_ == bytes_.size() || !ReadVarint(bytes_, at_, tag) || !ReadVarint(bytes_, at_, size)) {
+      return false;
+    }
+    content = at_;
+    if ((tag & 7U) != 2 || size > bytes_.size() - at_) return false;
+    at_ += size;
+    return true;
+  }
+  std::size_t tag = 0, begin = 0, content = 0, size = 0;
+
+ private:
+  std::span<const std::byte> bytes_;
+  std::size_t at_ = 0;
+};
+
 }  // namespace
+
+std::span<const std::byte> PassedOn(std::span<const std::byte> face) noexcept {
+  FieldReader fields(face);
+  while (fields.Next()) {
+    if (fields.tag == kThruTag) return face.subspan(fields.begin);
+  }
+  return {};
+}
+
+void ScaleFace(std::span<std::byte> face, float by) noexcept {
+  FieldReader fields(face);
+  while (fields.Next() && fields.tag == kExpressionsTag) {
+    const auto expression = face.subspan(fields.content, fields.size);
+    std::size_t at = 0, key = 0, name = 0;
+    while (at < expression.size() && ReadVarint(expression, at, key)) {
+      if (key == kName) {
+        if (!ReadVarint(expression, at, name) || name > expression.size() - at) return;
+        at += name;
+      } else if (key == kValue && expression.size() - at >= sizeof(float)) {
+        float value = 0;
+        std::memcpy(&value, &expression[at], sizeof value);
+        value *= by;
+        std::memcpy(&expression[at], &value, sizeof value);
+        at += sizeof value;
+      } else {
+        return;
+      }
+    }
+  }
+}
 
 std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept {
   Writer out(to);

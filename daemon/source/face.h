@@ -25,4 +25,10 @@ struct Face {
 // by tests/unit/daemon/performer_stream_test.cpp.
 STYLED_REALTIME std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept;
 
+// The part of an encoded face that holds the messages that are passed on: they follow the
+// expressions (frame.proto). Empty where the bytes are not such fields.
+STYLED_REALTIME std::span<const std::byte> PassedOn(std::span<const std::byte> face) noexcept;
+// Multiplies the values of an encoded face's expressions; stops at bytes that are not such fields.
+STYLED_REALTIME void ScaleFace(std::span<std::byte> face, float by) noexcept;
+
 }  // namespace styled::source

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 // Which rigs there are, one row each: what daemon, simulator and clients have to know of a rig
@@ -21,6 +22,8 @@ struct RigType {
   std::string_view datagrams = "", stream = "", usb = "";
   // Where a source listens when the configuration gives no address, numeric; "" = it must.
   std::string_view listen = "";
+  // A face for the performer of another source, without a body; has_face: may be merged so.
+  bool face_only = false, has_face = false;
   // A server that is asked and answers, instead of a sender that finds us.
   bool asks_server = false;
   // Usual ports at the receiver, for the doctor; 0: none.
@@ -33,6 +36,18 @@ struct RigType {
 
 // clang-format off
 #define STYLED_RIGS(RIG)                                                                      \
+  RIG(IFacialMocap, .word = "ifacialmocap", .name = "iFacialMocap",                           \
+      .datagrams = "ifacialmocap", .listen = "0.0.0.0:49983", .face_only = true,              \
+      .has_face = true, .ports = {49983},                                                     \
+      .in_the_sender =                                                                        \
+          "The phone starts when it is asked: set `server` of the source to the phone's "     \
+          "address, and open the app.")                                                       \
+  RIG(LiveLinkFace, .word = "livelinkface", .name = "Live Link Face",                         \
+      .datagrams = "livelinkface", .listen = "0.0.0.0:11111", .face_only = true,              \
+      .has_face = true, .ports = {11111},                                                     \
+      .in_the_sender =                                                                        \
+          "In the app: Settings, Live Link: add a target with this machine's address and "    \
+          "port, capture mode Live Link (ARKit).")                                            \
   RIG(Mocopi, .word = "mocopi", .name = "Sony mocopi", .datagrams = "mocopi",                 \
       .listen = "0.0.0.0:12351", .ports = {12351}, .dialect = "mocopi",                       \
       .in_the_sender =                                                                        \
@@ -59,6 +74,7 @@ struct RigType {
           "Trackers look for their server by broadcast: they must be in this machine's "      \
           "network, and no SlimeVR server may run here.")                                     \
   RIG(Vmc, .word = "vmc", .name = "VMC", .datagrams = "vmc", .listen = "0.0.0.0:39540",       \
+      .has_face = true,                                                                       \
       .ports = {39540, 39539}, .dialect = "vmc",                                              \
       .in_the_sender =                                                                        \
           "In the sending app switch the VMC (OSC) sender on and set address and port.")
@@ -114,6 +130,15 @@ constexpr auto MakeTypes() {
 }  // namespace detail
 
 inline constexpr auto kSourceTypes = detail::MakeTypes();
+
+// The types whose face may be merged into a performer, "ifacialmocap, livelinkface, vmc".
+inline std::string FaceTypes() {
+  std::string types;
+  for (const RigType& rig : kRigs) {
+    if (rig.has_face) types.append(types.empty() ? "" : ", ").append(rig.datagrams);
+  }
+  return types;
+}
 
 // The type of that name, or null.
 constexpr const SourceType* FindSourceType(std::string_view name) noexcept {

@@ -7,6 +7,8 @@
 #include <variant>
 
 #include "clients/cpp/doctor/address.h"
+#include "proto/rigs/ifacialmocap/ifacialmocap.h"
+#include "proto/rigs/livelinkface/live_link_face.h"
 #include "proto/rigs/mocopi/mocopi.h"
 #include "proto/rigs/mvn/mvn.h"
 #include "proto/rigs/mvn/stream.h"
@@ -210,6 +212,22 @@ std::optional<Sniffed> SniffSlimeVr(Bytes bytes, slimevr::Datagram& datagram) {
   return Sniffed{Format::kSlimeVr, Verdict::kTalk, "state of trackers"};
 }
 
+// Each has a mark of its own: a version and two texts with their lengths; names of expressions.
+std::optional<Sniffed> SniffFace(Bytes bytes) {
+  live_link_face::Frame phone;
+  const auto result = live_link_face::Decode(bytes, phone);
+  if (result == live_link_face::DecodeResult::kOk) {
+    return Sniffed{Format::kLiveLinkFace, phone.has_face ? Verdict::kPose : Verdict::kTalk,
+                   phone.has_face ? "facial expressions" : "\"no face is seen\""};
+  }
+  ifacialmocap::Frame text;
+  if (AsText(bytes).find('|') != std::string_view::npos &&
+      ifacialmocap::Decode(bytes, text) == ifacialmocap::DecodeResult::kOk && text.known > 0) {
+    return Sniffed{Format::kIFacialMocap, Verdict::kPose, "facial expressions"};
+  }
+  return {};
+}
+
 bool HasMarks(Bytes bytes, std::size_t at, std::initializer_list<unsigned> marks) {
   if (bytes.size() < at + marks.size()) return false;
   return std::equal(marks.begin(), marks.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at),
@@ -295,6 +313,7 @@ Sniffed Sniffer::Sniff(Bytes datagram) {
   if (text.starts_with('{') || rokoko::IsLz4Frame(datagram)) {
     if (auto found = SniffRokoko(datagram)) return *found;
   }
+  if (auto found = SniffFace(datagram)) return *found;
   if (auto found = SniffNatNet(datagram)) return *found;
   if (auto found = SniffSlimeVr(datagram, scratch_->slimevr)) return *found;
   return SniffForeign(datagram);

@@ -74,8 +74,9 @@ Performer::Accepted Performer::Accept(const source::SourceFrame& frame,
   header_.source_sequence = context.source_sequence;
   header_.has_timecode = frame.has_timecode;
   header_.timecode = frame.timecode;
-  face_.assign(frame.face.begin(), frame.face.end());
+  face_.assign(context.face.begin(), context.face.end());
   context_ = context;
+  context_.face = {};
   return Accepted::kOk;
 }
 

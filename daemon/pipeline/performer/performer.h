@@ -57,6 +57,7 @@ class Performer {
     std::int64_t receive_ns = 0, publish_ns = 0, wall_ns = 0;
     std::uint64_t source_sequence = 0;
     std::uint32_t extra_flags = 0;
+    std::span<const std::byte> face{};  // what is passed on beside the pose; valid during the call
   };
   STYLED_REALTIME Accepted Accept(const source::SourceFrame& frame,
                                   const FrameContext& context) noexcept;

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "daemon/runtime/clock.h"
 #include "daemon/source/face.h"
+#include "daemon/source/face_stream.h"
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/vmc_body.h"
 #include "model/base/text.h"
@@ -42,7 +44,10 @@ float Distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
 // One sending application at one address.
 class Sender {
  public:
-  Sender(std::uint64_t peer, std::string performer) : peer_(peer), stream_(std::move(performer)) {
+  // `face_only`: for a source that is merged into a performer; bones are not used.
+  Sender(std::uint64_t peer, std::string performer, bool face_only)
+      : peer_(peer), stream_(std::move(performer)) {
+    if (face_only) faces_.emplace();
     face_.expressions.reserve(vmc::Frame::kMaxBlends);
     face_.thru.reserve(vmc::Frame::kMaxThrus);
   }
@@ -72,6 +77,7 @@ class Sender {
 
  private:
   void Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out);
+  void UseFace(const vmc::Frame& frame, Outbox& out);
   void Remember(const vmc::Frame& frame);
   BoneSet Wanted(const vmc::Frame& frame);
   void SetBody(BoneSet bones, Outbox& out);
@@ -85,6 +91,8 @@ class Sender {
   vmc::Assembler assembler_;
   vmc::Assembler::Counts reported_;
   PerformerStream stream_;
+  std::optional<FaceStream> faces_;  // instead of stream_
+  std::uint64_t face_number_ = 0;
   const BoneSet canonical_ = CanonicalBones(), required_ = RequiredBones();
   BoneSet bones_ = 0;          // the body's bones
   BoneSet before_ = 0;         // the last frame's bones
@@ -99,7 +107,16 @@ class Sender {
   std::int64_t source_from_arrival_ns_ = 0;  // offset from a time of arrival to source time
 };
 
+void Sender::UseFace(const vmc::Frame& frame, Outbox& out) {
+  if (frame.restarted) {
+    faces_->Restart();
+    face_number_ = 0;
+  }
+  if (frame.blend_count > 0) faces_->Send(*Look(frame), face_number_++, Time_ns(frame), out);
+}
+
 void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
+  if (faces_) return UseFace(frame, out);
   if (frame.restarted) {
     stream_.Restart();
     bones_ = before_ = 0;  // the avatar may have changed
@@ -214,14 +231,14 @@ void Sender::Report(Outbox& out) {
   report(reported_.incomplete, counts.incomplete, Counter::kSourceIncomplete);
 }
 
-// Whether the datagram contains a bone.
-bool HasBone(std::span<const std::byte> datagram) {
+// Whether the datagram contains a bone, or an expression.
+template <typename What>
+bool Has(std::span<const std::byte> datagram) {
   vmc::osc::Reader reader(datagram);
   vmc::osc::Message bytes;
   vmc::Message message;
   while (reader.Next(bytes) == vmc::osc::Reader::Step::kMessage) {
-    if (Decode(bytes, message) == vmc::DecodeResult::kOk &&
-        std::holds_alternative<vmc::Bone>(message)) {
+    if (Decode(bytes, message) == vmc::DecodeResult::kOk && std::holds_alternative<What>(message)) {
       return true;
     }
   }
@@ -231,7 +248,8 @@ bool HasBone(std::span<const std::byte> datagram) {
 class Vmc final : public Translator {
  public:
   explicit Vmc(const config::Source& config)
-      : performer_(config.performer.empty() ? config.name : config.performer) {}
+      : performer_(config.performer.empty() ? config.name : config.performer),
+        face_only_(!config.merge_into.empty()) {}
 
   void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
             Outbox& out) override {
@@ -241,7 +259,8 @@ class Vmc final : public Translator {
     if (vmc::osc::Check(datagram) != vmc::osc::Result::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
-    if (!HasBone(datagram)) return out.Refuse(Counter::kSourceIgnored);
+    const bool useful = face_only_ ? Has<vmc::Blend>(datagram) : Has<vmc::Bone>(datagram);
+    if (!useful) return out.Refuse(Counter::kSourceIgnored);
     Sender* sender = Add(peer, now_ns, out);
     if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
     sender->Take(datagram, now_ns, out);
@@ -265,10 +284,11 @@ class Vmc final : public Translator {
       return now_ns - sender->seen_ns() > 10 * runtime::kSecond_ns;
     });
     if (senders_.size() >= kMaxSenders) return nullptr;
-    return senders_.emplace_back(std::make_unique<Sender>(peer.id, performer_)).get();
+    return senders_.emplace_back(std::make_unique<Sender>(peer.id, performer_, face_only_)).get();
   }
 
   std::string performer_;
+  bool face_only_;
   std::vector<std::unique_ptr<Sender>> senders_;
 };
 

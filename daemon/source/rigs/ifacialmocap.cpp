@@ -1,0 +1,74 @@
+#include "daemon/source/rigs/ifacialmocap.h"
+
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include "daemon/config/sources.h"
+#include "daemon/runtime/clock.h"
+#include "daemon/source/face_stream.h"
+#include "proto/rigs/ifacialmocap/ifacialmocap.h"
+
+namespace styled::source {
+namespace {
+
+using runtime::Counter;
+
+constexpr std::int64_t kTakeOver_ns = 2 * runtime::kSecond_ns;
+// Between two start texts; readers of the app's text use 2 to 10 s.
+constexpr std::int64_t kAsk_ns = 2 * runtime::kSecond_ns;
+
+class IFacialMocap final : public Translator {
+ public:
+  explicit IFacialMocap(const config::Source& config) : face_(config.expressions == "vrm") {
+    if (config.server.empty()) return;
+    const auto server = config::ParseServer(config.server, ifacialmocap::kPort);
+    if (!server.ok()) return;  // the configuration was checked
+    phone_.emplace();
+    std::memcpy(&phone_->address, &server.value(), sizeof(sockaddr_in));
+    phone_->address_size = sizeof(sockaddr_in);
+    ask_ns_ = 0;
+  }
+
+  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+            Outbox& out) override {
+    const auto result = ifacialmocap::Decode(datagram, frame_);
+    if (result != ifacialmocap::DecodeResult::kOk) return out.Refuse(Counter::kSourceMalformed);
+    if (peer.id != peer_) {
+      if (peer_ != 0 && now_ns - seen_ns_ < kTakeOver_ns) {
+        return out.Refuse(Counter::kPipelineSecondSender);
+      }
+      peer_ = peer.id;
+      stream_.Restart();
+    }
+    seen_ns_ = now_ns;
+    if (phone_) ask_ns_ = now_ns + kAsk_ns;
+    if (frame_.known == 0) return out.Refuse(Counter::kSourceIncomplete);
+    stream_.Send(face_.Of(frame_.shapes), number_++, static_cast<std::uint64_t>(now_ns), out);
+  }
+
+  void Tick(std::int64_t now_ns, Outbox& out) override {
+    if (!phone_ || now_ns < ask_ns_) return;
+    ask_ns_ = now_ns + kAsk_ns;
+    out.Reply(*phone_, std::as_bytes(std::span(ifacialmocap::kStart)));
+  }
+  std::int64_t NextDeadline_ns() const override { return ask_ns_; }
+
+ private:
+  std::optional<Peer> phone_;
+  std::int64_t ask_ns_ = kNever;
+  std::uint64_t peer_ = 0;
+  std::int64_t seen_ns_ = 0;
+  std::uint64_t number_ = 0;
+  ifacialmocap::Frame frame_;
+  FaceStream stream_;
+  ShapeFace face_;
+};
+
+}  // namespace
+
+std::unique_ptr<Translator> MakeIFacialMocap(const config::Source& config) {
+  return std::make_unique<IFacialMocap>(config);
+}
+
+}  // namespace styled::source

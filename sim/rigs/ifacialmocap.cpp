@@ -1,0 +1,58 @@
+#include "sim/rigs/ifacialmocap.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "proto/rigs/ifacialmocap/ifacialmocap.h"
+#include "sim/rigs/synthetic_face.h"
+
+namespace styled::rigs {
+namespace {
+
+class IFacialMocap final : public Rig {
+ public:
+  explicit IFacialMocap(const Options& options)
+      : old_(Has(options, "v1")), state_(Has(options, "state")) {}
+
+  void Encode(const Frame& frame, const Send& send) override {
+    if (!started_) return;
+    ifacialmocap::Frame out;
+    out.shapes = SyntheticFace(frame.time_s);
+    out.head = {-3, 12, 1, 0, 0, -0.5F};
+    std::array<char, ifacialmocap::kMaxSize> text;
+    std::string whole = state_ ? "trackingStatus&1|" : "";
+    whole.append(text.data(), ifacialmocap::Encode(out, version_, text));
+    send(std::as_bytes(std::span(whole)));
+  }
+  void Restart() override { started_ = false; }
+  void Receive(std::span<const std::byte> datagram, const Send& /*send*/) override {
+    const std::string_view text(reinterpret_cast<const char*>(datagram.data()), datagram.size());
+    constexpr std::string_view kNewer = "|sendDataVersion=v2";
+    const std::string_view first =
+        ifacialmocap::kStart.substr(0, ifacialmocap::kStart.size() - kNewer.size());
+    if (!text.starts_with(first)) return;
+    started_ = true;
+    version_ = text.ends_with(kNewer) && !old_ ? 2 : 1;
+  }
+  std::string default_address() const override { return "udp://127.0.0.1:49983"; }
+  bool is_server() const override { return true; }
+
+ private:
+  static bool Has(const Options& options, std::string_view quirk) {
+    return std::ranges::find(options.quirks, quirk) != options.quirks.end();
+  }
+  bool old_, state_;
+  bool started_ = false;
+  int version_ = 1;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Rig>> MakeIFacialMocap(const Options& options) {
+  const Status status = CheckOptions("ifacialmocap", options, 1, {"v1", "state"});
+  if (!status.ok()) return status;
+  return std::unique_ptr<Rig>(std::make_unique<IFacialMocap>(options));
+}
+
+}  // namespace styled::rigs

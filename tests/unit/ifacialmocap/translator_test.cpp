@@ -1,0 +1,105 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "daemon/source/rigs/ifacialmocap.h"
+#include "sim/rigs/ifacialmocap.h"
+#include "tests/support/translation.h"
+#include "tests/unit/ifacialmocap/texts.h"
+
+namespace styled::source {
+namespace {
+
+using runtime::Counter;
+using support::Said;
+using support::Translated;
+
+config::Source Config(std::string server = "") {
+  config::Source config;
+  config.name = "phone";
+  config.type = "ifacialmocap";
+  config.merge_into = "stage.anna";
+  config.server = std::move(server);
+  return config;
+}
+
+std::span<const std::byte> Bytes(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+float Value(const Translated::Item& item, std::string_view name) {
+  for (const auto& one : item.frame.expressions()) {
+    if (one.name() == name) return one.value();
+  }
+  return NAN;
+}
+
+TEST(IFacialMocapTranslator, WhatIsNoFaceIsCounted) {
+  Translated translation(MakeIFacialMocap(Config()));
+  EXPECT_TRUE(Said(translation, {}).empty());
+  EXPECT_TRUE(Said(translation, Bytes("=head#1,2,3,4,5,6|")).empty());
+  EXPECT_EQ(translation.Count(Counter::kSourceMalformed), 1U);
+  EXPECT_EQ(translation.Count(Counter::kSourceIncomplete), 1U);
+}
+
+TEST(IFacialMocapTranslator, AFaceHasNumbersOfItsOwn) {
+  Translated translation(MakeIFacialMocap(Config()));
+  const auto first = Said(translation, Bytes(ifacialmocap::testing::kVersion1));
+  const auto second = Said(translation, Bytes(ifacialmocap::testing::kVersion2));
+  ASSERT_EQ(first.size(), 1U);
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_FLOAT_EQ(Value(first[0], "jawOpen"), 0.12F);
+  EXPECT_EQ(Value(second[0], "jawOpen"), 0) << "-3 percent";
+  EXPECT_EQ(first[0].session, second[0].session);
+  EXPECT_GT(second[0].sequence, first[0].sequence);
+}
+
+TEST(IFacialMocapTranslator, AnotherPhoneWaitsUntilTheFirstIsSilent) {
+  Translated translation(MakeIFacialMocap(Config()));
+  const auto face = Bytes(ifacialmocap::testing::kVersion2);
+  EXPECT_EQ(Said(translation, face, 1).size(), 1U);
+  EXPECT_TRUE(Said(translation, face, 2).empty());
+  EXPECT_EQ(translation.Count(Counter::kPipelineSecondSender), 1U);
+  translation.now_ns += 3'000'000'000;
+  EXPECT_EQ(Said(translation, face, 2).size(), 1U);
+}
+
+TEST(IFacialMocapTranslator, AsksThePhoneEveryTwoSecondsWhileNothingComes) {
+  EXPECT_EQ(MakeIFacialMocap(Config())->NextDeadline_ns(), Translator::kNever);
+  Translated translation(MakeIFacialMocap(Config("192.168.1.20")));
+  EXPECT_LE(translation.translator().NextDeadline_ns(), translation.now_ns);
+  translation.Tick();
+  EXPECT_EQ(translation.translator().NextDeadline_ns(), translation.now_ns + 2'000'000'000);
+  translation.now_ns += 1'000'000'000;
+  (void)Said(translation, Bytes(ifacialmocap::testing::kVersion2));
+  EXPECT_EQ(translation.translator().NextDeadline_ns(), translation.now_ns + 2'000'000'000);
+}
+
+TEST(IFacialMocapTranslator, DoesNotAllocate) {
+  const auto translator = MakeIFacialMocap(Config());
+  const auto face = Bytes(ifacialmocap::testing::kVersion1);
+  (void)support::Allocations(*translator, face, 1);
+  EXPECT_EQ(support::Allocations(*translator, face, 2), 0);
+}
+
+TEST(IFacialMocapStandIn, SendsOnlyWhenAskedAndWhatWasAsked) {
+  for (const auto& [quirks, mark] :
+       {std::pair{std::vector<std::string>{}, '&'}, {{"v1", "state"}, '-'}}) {
+    auto rig = rigs::MakeIFacialMocap({.quirks = quirks});
+    ASSERT_TRUE(rig.ok());
+    Translated translation(MakeIFacialMocap(Config()));
+    std::string text;
+    const auto take = [&](std::span<const std::byte> datagram) {
+      text.assign(reinterpret_cast<const char*>(datagram.data()), datagram.size());
+      EXPECT_EQ(Said(translation, datagram).size(), 1U) << text;
+    };
+    rigs::Frame frame;
+    frame.time_s = 0.2;
+    rig.value()->Encode(frame, take);
+    EXPECT_TRUE(text.empty());
+    rig.value()->Receive(Bytes(ifacialmocap::kStart), take);
+    rig.value()->Encode(frame, take);
+    EXPECT_NE(text.find(std::string("jawOpen") + mark), std::string::npos) << text;
+  }
+}
+
+}  // namespace
+}  // namespace styled::source
