@@ -361,6 +361,31 @@ TEST_F(ConfigTest, WhatNatNetIsToAskIsJudgedWithoutAskingIt) {
               HasSubstr("source.0.group: \"10.0.0.2\"; expected an IPv4 multicast address"));
 }
 
+TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
+  const std::string rig =
+      "[[source]]\nname = \"stage\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n";
+  const auto phone = [&rig](const std::string& keys) {
+    return rig + "[[source]]\nname = \"phone\"\n" + keys;
+  };
+  const std::string face = "type = \"livelinkface\"\n";
+  EXPECT_EQ(Complaint(phone(face + "merge_into = \"stage.anna\"\nexpressions = \"vrm\"\n")), "");
+  EXPECT_THAT(Complaint(phone(face)), HasSubstr("source.1.merge_into: missing; a source of type"));
+  for (const auto* const into : {"anna", "stage.", "stage.a b", "phone.anna", "nobody.anna"}) {
+    EXPECT_THAT(Complaint(phone(face + "merge_into = \"" + into + "\"\n")),
+                HasSubstr("expected a performer of another source, SOURCE.NAME"))
+        << into;
+  }
+  EXPECT_THAT(Complaint(phone("type = \"mvn\"\nmerge_into = \"stage.anna\"\n")),
+              HasSubstr("has no face; expected one of ifacialmocap, livelinkface, vmc"));
+  EXPECT_THAT(Complaint(phone(face + "merge_into = \"stage.anna\"\nexpressions = \"fbx\"\n")),
+              HasSubstr("source.expressions: expected one of"));
+  const std::string asked = "type = \"ifacialmocap\"\nmerge_into = \"stage.anna\"\n";
+  EXPECT_EQ(Complaint(phone(asked + "server = \"192.168.1.20\"\n")), "");
+  EXPECT_EQ(Complaint(phone(asked)), "");
+  EXPECT_THAT(Complaint(phone(asked + "server = \"phone\"\n")),
+              HasSubstr("source.1.server: \"phone\"; expected an IPv4 address"));
+}
+
 TEST_F(ConfigTest, AnInterfaceThatIsNotThereIsWarnedOf) {
   Config config;
   config.sources.resize(4);

@@ -1,0 +1,110 @@
+#include "daemon/pipeline/layers.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "daemon/source/face.h"
+#include "proto/styled/v1/frame.pb.h"
+
+namespace styled::pipeline {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+Bytes Encoded(const std::map<std::string, float>& weights, const std::string& thru = "") {
+  source::Face face;
+  for (const auto& [name, weight] : weights) face.expressions.push_back({name, weight});
+  if (!thru.empty()) face.thru.push_back(std::as_bytes(std::span(thru)));
+  Bytes bytes(4096);
+  bytes.resize(EncodeFace(face, bytes));
+  return bytes;
+}
+
+v1::SourceFrame Parsed(std::span<const std::byte> face) {
+  v1::SourceFrame frame;
+  EXPECT_TRUE(frame.ParseFromArray(face.data(), static_cast<int>(face.size())));
+  return frame;
+}
+
+source::SourceFrame Frame(const Bytes& face, std::uint64_t sequence, std::uint64_t session = 1) {
+  source::SourceFrame frame;
+  frame.session = session;
+  frame.sequence = sequence;
+  frame.face = face;
+  return frame;
+}
+
+constexpr std::int64_t kMs = 1'000'000;
+
+TEST(FaceLayer, WithoutAFaceThePerformersOwnIsShown) {
+  FaceLayer layer;
+  const Bytes own = Encoded({{"Joy", 1.0F}});
+  EXPECT_EQ(layer.Over(own, 5).data(), own.data());
+}
+
+TEST(FaceLayer, AnOlderFrameIsRefused) {
+  FaceLayer layer;
+  const Bytes face = Encoded({{"jawOpen", 0.5F}});
+  EXPECT_TRUE(layer.Take(Frame(face, 5), 0));
+  EXPECT_FALSE(layer.Take(Frame(face, 5), 0));
+  EXPECT_FALSE(layer.Take(Frame(face, 4), 0));
+  EXPECT_TRUE(layer.Take(Frame(face, 0, 3), 0)) << "another session";
+}
+
+TEST(FaceLayer, ItsExpressionsReplaceTheOwnOnesAndMessagesArePassedOn) {
+  FaceLayer layer;
+  const Bytes face = Encoded({{"jawOpen", 0.5F}}), own = Encoded({{"Joy", 1.0F}}, "/VMC/Thru/a");
+  ASSERT_TRUE(layer.Take(Frame(face, 1), 0));
+  const auto shown = Parsed(layer.Over(own, 100 * kMs));
+  ASSERT_EQ(shown.expressions_size(), 1);
+  EXPECT_EQ(shown.expressions(0).name(), "jawOpen");
+  EXPECT_EQ(shown.expressions(0).value(), 0.5F);
+  ASSERT_EQ(shown.thru_size(), 1);
+  EXPECT_EQ(shown.thru(0), "/VMC/Thru/a");
+}
+
+TEST(FaceLayer, ASilentOneIsHeldFadesAndGivesTheOwnFaceBack) {
+  FaceLayer layer;
+  const Bytes face = Encoded({{"a", 0.8F}, {"b", 0.0F}}), own = Encoded({{"Joy", 1.0F}});
+  ASSERT_TRUE(layer.Take(Frame(face, 1), 0));
+  const auto at = [&](std::int64_t ms) {
+    return Parsed(layer.Over(own, ms * kMs)).expressions(0).value();
+  };
+  EXPECT_FLOAT_EQ(at(500), 0.8F);
+  EXPECT_FLOAT_EQ(at(750), 0.4F);
+  EXPECT_FLOAT_EQ(at(1000), 0);
+  EXPECT_FLOAT_EQ(at(1999), 0);
+  EXPECT_EQ(Parsed(layer.Over(own, 2001 * kMs)).expressions(0).name(), "Joy");
+  ASSERT_TRUE(layer.Take(Frame(face, 2), 5000 * kMs));
+  EXPECT_FLOAT_EQ(at(5001), 0.8F);
+}
+
+// What is no face comes from a performer's own protocol; nothing of it may be read beyond its end.
+TEST(FaceLayer, BytesThatAreNoFaceAreKeptOut) {
+  FaceLayer layer;
+  Bytes broken = Encoded({{"jawOpen", 0.5F}}, "/VMC/Thru/a");
+  for (std::size_t size = 0; size < broken.size(); ++size) {
+    const Bytes cut(broken.begin(), broken.begin() + static_cast<std::ptrdiff_t>(size));
+    (void)layer.Take(Frame(cut, size + 1), 0);
+    (void)layer.Over(cut, 700 * kMs);
+  }
+  Bytes absurd(40, std::byte{0xFF});
+  (void)layer.Take(Frame(absurd, 1000), 0);
+  (void)layer.Over(absurd, 700 * kMs);
+}
+
+TEST(Layers, AFaceGoesToItsPerformerAlone) {
+  Layers layers;
+  layers.Set({"", "stage.anna", "stage.anna"});
+  EXPECT_EQ(layers.Of(0), nullptr);
+  EXPECT_EQ(layers.Of(7), nullptr);
+  ASSERT_NE(layers.Of(2), nullptr);
+  const Bytes face = Encoded({{"jawOpen", 0.5F}}), own = Encoded({{"Joy", 1.0F}});
+  ASSERT_TRUE(layers.Of(2)->Take(Frame(face, 1), 0));
+  EXPECT_EQ(Parsed(layers.FaceOf("stage.bob", own, 0)).expressions(0).name(), "Joy");
+  EXPECT_EQ(Parsed(layers.FaceOf("stage.anna", own, 0)).expressions(0).name(), "jawOpen");
+}
+
+}  // namespace
+}  // namespace styled::pipeline
