@@ -1,4 +1,4 @@
-// MapJointNames: the naming conventions of the field, as tables of aliases.
+// MapJointNames and MapTailNames: the naming conventions of the field, as tables of aliases.
 #include <algorithm>
 #include <cctype>
 #include <map>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/rig/dialects.h"
+#include "model/rig/tail.h"
 
 namespace styled::rig {
 namespace {
@@ -73,6 +74,45 @@ const std::vector<Alias>& JointWiseLeftAliases() {
   };
   return kAliases;
 }
+
+// One way to name the three joints of a finger, from the hand outwards.
+struct FingerAlias {
+  std::array<std::string_view, kFingerJoints> names;
+  bool first_two;  // both must exist: numbers and abbreviations mean other things elsewhere
+};
+// Thumb, index, middle, ring, little: the words for it, and names that no word makes.
+struct FingerNames {
+  std::vector<std::string_view> words;
+  std::vector<FingerAlias> others;
+};
+const std::array<FingerNames, kFingersPerHand>& Fingers() {
+  static const std::array<FingerNames, kFingersPerHand> kFingers = {{
+      {{"thumb", "handthumb"},
+       {{{"firstmc", "firstpp", "firstdp"}, true}, {{"finger0", "finger01", "finger02"}, true}}},
+      {{"index", "handindex", "findex", "indexfinger"},
+       {{{"secondpp", "secondmp", "seconddp"}, true}, {{"finger1", "finger11", "finger12"}, true}}},
+      {{"middle", "handmiddle", "fmiddle", "middlefinger", "mid"},
+       {{{"thirdpp", "thirdmp", "thirddp"}, true}, {{"finger2", "finger21", "finger22"}, true}}},
+      {{"ring", "handring", "fring", "ringfinger"},
+       {{{"fourthpp", "fourthmp", "fourthdp"}, true}, {{"finger3", "finger31", "finger32"}, true}}},
+      {{"little", "handlittle", "littlefinger", "pinky", "handpinky", "fpinky", "pinkyfinger"},
+       {{{"fifthpp", "fifthmp", "fifthdp"}, true}, {{"finger4", "finger41", "finger42"}, true}}},
+  }};
+  return kFingers;
+}
+constexpr FingerAlias kThumbEndings[] = {
+    {{"metacarpal", "proximal", "distal"}, false},    // VRM 1.0
+    {{"proximal", "intermediate", "distal"}, false},  // Unity, VRM 0.x
+    {{"proximal", "medial", "distal"}, false},        // Rokoko
+    {{"1", "2", "3"}, true},
+    {{"01", "02", "03"}, true},
+};
+constexpr FingerAlias kFingerEndings[] = {
+    {{"proximal", "intermediate", "distal"}, false},
+    {{"proximal", "medial", "distal"}, false},
+    {{"1", "2", "3"}, true},
+    {{"01", "02", "03"}, true},
+};
 
 bool IsSeparator(char c) { return c == '_' || c == ' ' || c == '-' || c == '.'; }
 
@@ -152,7 +192,56 @@ class NameTable {
   std::map<std::string, int> joints_;
 };
 
+using Finger = std::array<int, kFingerJoints>;
+
+// The joints of one finger by the way of naming that finds most of them.
+Finger FindFinger(const NameTable& table, int finger, bool left) {
+  Finger best{-1, -1, -1};
+  std::ptrdiff_t most = 0;
+  const auto look = [&](std::string_view word, const FingerAlias& alias) {
+    Finger found;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      found[i] = table.FindSided(std::string(word).append(alias.names[i]), left);
+    }
+    const auto count = std::count_if(found.begin(), found.end(), [](int j) { return j >= 0; });
+    if (count <= most || (alias.first_two && (found[0] < 0 || found[1] < 0))) return;
+    best = found;
+    most = count;
+  };
+  const FingerNames& names = Fingers()[static_cast<std::size_t>(finger)];
+  for (const std::string_view word : names.words) {
+    if (finger == 0) {
+      for (const FingerAlias& alias : kThumbEndings) look(word, alias);
+    } else {
+      for (const FingerAlias& alias : kFingerEndings) look(word, alias);
+    }
+  }
+  for (const FingerAlias& alias : names.others) look("", alias);
+  return best;
+}
+
 }  // namespace
+
+TailMap MapTailNames(const Skeleton& skeleton) {
+  const NameTable table(skeleton);
+  TailMap map = NoTail();
+  for (const bool left : {true, false}) {
+    int joint = left ? kTailLeftThumb : kTailRightThumb;
+    for (int finger = 0; finger < kFingersPerHand; ++finger) {
+      for (const int found : FindFinger(table, finger, left)) {
+        map[static_cast<std::size_t>(joint++)] = found;
+      }
+    }
+    int& eye = map[left ? kTailLeftEye : kTailRightEye];
+    for (const std::string_view name : {"eye", "eyeball", "faceeye", "eyesmplhf"}) {
+      if (eye < 0) eye = table.FindSided(name, left);
+    }
+  }
+  for (const std::string_view name : {"jaw", "jawroot", "lowerjaw"}) {
+    if (map[kTailJaw] < 0) map[kTailJaw] = table.FindCentre(name);
+  }
+  return map;
+}
 
 std::array<int, kJointCount> MapJointNames(const Skeleton& skeleton) {
   const NameTable table(skeleton);
