@@ -50,14 +50,21 @@ v1::Body RigBody(const std::string& performer, const rig::Binding& binding, bool
   return body;
 }
 
-v1::Body CanonicalBody(const std::string& performer) {
+v1::Body CanonicalBody(const std::string& performer, const rig::Tail& tail) {
   v1::Body body;
   body.set_performer(performer);
-  for (const auto& row : body::kHumanoid) {
-    body.add_names(std::string(row.name));
-    body.add_parents(row.parent);
-    for (const float value : {row.x_m, row.y_m, row.z_m}) body.add_offsets(value);
+  const auto add = [&body](std::string_view name, int parent, const rig::Vec3& offset_m) {
+    body.add_names(std::string(name));
+    body.add_parents(parent);
+    for (const float value : std::span(offset_m.data(), 3)) body.add_offsets(value);
     for (const float value : {0.0F, 0.0F, 0.0F, 1.0F}) body.add_rest(value);
+  };
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    const body::JointRow& row = body::kHumanoid[static_cast<std::size_t>(joint)];
+    add(row.name, row.parent, body::Offset(joint));
+  }
+  for (const rig::Tail::Joint& joint : tail.joints()) {
+    add(rig::kTailNames[static_cast<std::size_t>(joint.joint)], joint.parent, joint.offset_m);
   }
   body.set_metres_per_unit(1);
   body.set_dialect("canonical");

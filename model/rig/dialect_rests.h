@@ -64,4 +64,13 @@ inline constexpr RestTable kRokokoRest = {{
     {0, kHalf, -kHalf, 0},      // rightToes
 }};
 
+// Thumbs stand away from the hand there: the first joint, and the two after it.
+struct ThumbRest {
+  RestRow first, others;
+};
+inline constexpr ThumbRest kRokokoLeftThumb{{0.561F, -0.701F, 0.430F, 0.092F},
+                                            {0.653F, -0.653F, 0.271F, 0.271F}};
+inline constexpr ThumbRest kRokokoRightThumb{{0.561F, 0.701F, -0.430F, 0.092F},
+                                             {0.653F, 0.653F, -0.271F, 0.271F}};
+
 }  // namespace styled::rig

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/rig/dialect_rests.h"
+#include "model/rig/tail.h"
 
 namespace styled::rig {
 namespace {
@@ -161,6 +162,28 @@ std::vector<Quat> ConstantRest(const Skeleton& skeleton, const JointMap& map,
   return rest;
 }
 
+// Turns the thumbs, and what hangs from them, which ConstantRest gave the hands' rotation.
+void RestThumbs(const Skeleton& skeleton, std::vector<Quat>& rest) {
+  const TailMap tail = MapTailNames(skeleton);
+  for (const auto& [begin, thumb] : {std::pair{kTailLeftThumb, kRokokoLeftThumb},
+                                     std::pair{kTailRightThumb, kRokokoRightThumb}}) {
+    std::vector<bool> turned(rest.size(), false);
+    for (int i = 0; i < kFingerJoints; ++i) {
+      const int joint = tail[static_cast<std::size_t>(begin + i)];
+      if (joint < 0) continue;
+      const RestRow& row = i == 0 ? thumb.first : thumb.others;
+      rest[joint] = Quat(row.w, row.x, row.y, row.z).normalized();
+      turned[joint] = true;
+    }
+    for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
+      const int parent = skeleton.parents[joint];
+      if (turned[joint] || !turned[parent]) continue;
+      rest[joint] = rest[parent];
+      turned[joint] = true;
+    }
+  }
+}
+
 // The zero pose stands with its legs spread by 20 degrees each. Closing them at the hip joints
 // gives the standing pose that RestBySwing expects.
 std::vector<Quat> CmuRest(const Skeleton& skeleton, const JointMap& map,
@@ -189,6 +212,7 @@ Candidate Try(const Skeleton& skeleton, const JointMap& map, Rest dialect) {
   }
   if (dialect == Rest::kRokoko && !candidate.judged.fault.empty()) {
     candidate.rest = ConstantRest(skeleton, map, kRokokoRest);
+    RestThumbs(skeleton, candidate.rest);
     candidate.judged = JudgeTPose(skeleton, map, candidate.rest);
   }
   if (dialect == Rest::kBandaiNamco) {

@@ -24,7 +24,9 @@ Outputs::~Outputs() {
 void Outputs::Bind(const BoundBody& body, const v1::Body& given, const RuntimeConfig& config) {
   const v1::Body rig =
       publish::RigBody(id_, *body.binding, body.left_handed, given.metres_per_unit(), body.dialect);
-  const v1::Body canonical = publish::CanonicalBody(id_);
+  tail_ = rig::Tail::Make(*body.binding, rig::MapTailNames(body.binding->skeleton()));
+  canonical_.assign(body::kJointCount + tail_.size(), rig::Quat::Identity());
+  const v1::Body canonical = publish::CanonicalBody(id_, tail_);
   rig_bytes_ = rig.SerializeAsString();
   canonical_bytes_ = canonical.SerializeAsString();
   ready_ = {};
@@ -53,6 +55,8 @@ void Outputs::Adopt(const RuntimeConfig& config) {
 
 bool Outputs::Retarget(std::int64_t elapsed_ns, const stylist::Output& out) noexcept {
   bool failed = false;
+  std::copy(out.canonical.rotations.begin(), out.canonical.rotations.end(), canonical_.begin());
+  tail_.Read(out.rig.rotations, std::span(canonical_).subspan(body::kJointCount));
   for (const auto& stream : streams_) {
     stream->Process(elapsed_ns, out);
     failed = failed || stream->failed();
@@ -79,7 +83,7 @@ void Outputs::Serialize(const publish::FrameHeader& header, std::uint32_t flags,
     fill(message, flags | own);
     if (i == kRig) message.SetPose(styling.rig_root(), out.rig.rotations);
     if (i == kSource) message.SetPose(out.source.translations.front(), out.source.rotations);
-    if (i == kCanonical) message.SetPose(out.canonical.hips_position_m, out.canonical.rotations);
+    if (i == kCanonical) message.SetPose(out.canonical.hips_position_m, canonical_);
     ready_[i] = message.Serialize(face);
   }
   for (const auto& stream : streams_) {

@@ -18,15 +18,16 @@
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/histogram.h"
 #include "model/base/realtime.h"
+#include "model/rig/tail.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/stats.pb.h"
 
 namespace styled::pipeline {
 
 // The published output of one performer: a topic each for the rig's skeleton, the canonical
-// humanoid, the source and the bodies, and one for each RetargetOutput. A topic is serialized only
-// while a client subscribes. Also measures the latency from receive to send. Pipeline thread; Bind,
-// SendBodies and Describe allocate.
+// humanoid (with the rig's fingers, eyes and jaw behind it), the source and the bodies, and one for
+// each RetargetOutput. A topic is serialized only while a client subscribes. Also measures the
+// latency from receive to send. Pipeline thread; Bind, SendBodies and Describe allocate.
 class Outputs {
  public:
   // `id`: the performer's; `subscriptions` and `counters` must outlive it.
@@ -44,8 +45,8 @@ class Outputs {
   // on.
   void Adopt(const RuntimeConfig& config);
 
-  // Retargets a styled frame. Returns true if a retarget output fell back to the performer's own
-  // motion.
+  // Retargets a styled frame, and reads its fingers, eyes and jaw; call it while `out` is in the
+  // binding's axes. Returns true if a retarget output fell back to the performer's own motion.
   STYLED_REALTIME bool Retarget(std::int64_t elapsed_ns, const stylist::Output& out) noexcept;
   // Serializes a frame for the subscribed topics. `face`: as received, at most kMaxFace bytes.
   STYLED_REALTIME void Serialize(const publish::FrameHeader& header, std::uint32_t flags,
@@ -77,6 +78,9 @@ class Outputs {
   // These depend on the bound body; empty before.
   std::shared_ptr<const net::Stylizer> network_;  // the messages refer to its style names
   std::string rig_bytes_, canonical_bytes_;       // v1.Body messages
+  rig::Tail tail_;
+  std::vector<rig::Quat>
+      canonical_;  // the last frame's rotations, the tail's behind the humanoid's
   std::array<std::optional<publish::FrameMessage>, kFrameTopics> messages_;
   std::vector<std::unique_ptr<RetargetStream>> streams_;
   std::array<std::span<const std::byte>, kFrameTopics> ready_;  // empty: not subscribed

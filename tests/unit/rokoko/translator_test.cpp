@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 
+#include "daemon/pipeline/body_binding.h"
 #include "daemon/source/rigs/rokoko.h"
 #include "model/rig/dialect_rests.h"
 #include "proto/rigs/rokoko/rokoko.h"
@@ -142,6 +143,24 @@ TEST(RokokoTranslator, GivesThePosesOfTheStandInWhateverTheQuirk) {
     }
     const bool gloves = quirks.size() == 2 || (quirks.size() == 1 && quirks[0] == "gloves");
     EXPECT_EQ(bodies[0].names_size(), gloves ? 63 : 23);
+  }
+}
+
+// Fingers included: the plug-ins' T-pose has the thumbs turned away from the hand.
+TEST(RokokoTranslator, TheTPoseIsThatOfThePlugIns) {
+  Translated translation(MakeRokoko(Config()));
+  const auto said = Said(translation, Sent({"anna"}, 1, {"gloves"}));
+  const v1::Body& body = said.front().body;
+  ASSERT_EQ(body.names_size(), rokoko::kJoints);
+  const auto skeleton = pipeline::ReadSkeleton(body);
+  ASSERT_TRUE(skeleton.ok());
+  const auto bound = rig::BindDialect(skeleton.value(), body.dialect());
+  ASSERT_TRUE(bound.ok()) << bound.status().message();
+  for (std::size_t j = 0; j < rokoko::kJoints; ++j) {
+    const auto& t = rokoko::kJointTable[j].t_pose;
+    const rig::Quat expected = rig::Mirrored(rig::Quat(t[3], t[0], t[1], t[2])).normalized();
+    EXPECT_LT(expected.angularDistance(bound.value().spec().rest_rotations[j]), 2e-3F)
+        << rokoko::kJointTable[j].name;
   }
 }
 
