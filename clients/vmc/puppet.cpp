@@ -9,7 +9,8 @@ namespace styled::stylevmc {
 Status Puppet::Bind(const v1::Body& body) {
   std::vector<vmc::Bone> bones;
   for (int joint = 0; joint < body.names_size(); ++joint) {
-    const int bone = vmc::FindBone(body.names(joint), false);
+    // The names are VRM 1.0's: leftThumbProximal is Unity's ThumbIntermediate.
+    const int bone = vmc::FindBone(body.names(joint), true);
     if (bone < 0 || (joint == 0 && bone != vmc::kHips)) {
       return Status::Error("body of " + body.performer() + ": joint " + std::to_string(joint) +
                            " is '" + body.names(joint) + "', expected " +

@@ -18,9 +18,10 @@ enum class Carrier {
 
 // Converts frames on the canonical humanoid to the bones of VMC. Our axes (right-handed, +Y up, +Z
 // forward, +X the body's left) are mirrored in x = 0 to become Unity's, in which +X is the body's
-// right. Joints get the names of HumanBodyBones. Rotations stay relative to the parent and the
-// T-pose, since both humanoids rest in the T-pose with identity rotations. Each bone is sent with
-// its offset: receivers that write positions into the avatar (EVMC4U) would collapse it if the
+// right. Joints, with the fingers, eyes and jaw that the performer has, get the names of
+// HumanBodyBones; bones that the body lacks are not sent. Rotations stay relative to the parent and
+// the T-pose, since both humanoids rest in the T-pose with identity rotations. Each bone is sent
+// with its offset: receivers that write positions into the avatar (EVMC4U) would collapse it if the
 // offsets were zero.
 //
 // One thread. Pinned by tests/unit/vmc_out/puppet_test.cpp.

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "model/rig/tail.h"
 #include "proto/rigs/vmc/bones.h"
 #include "tests/unit/body/random_pose.h"
 #include "tests/unit/clients/fake_daemon.h"
@@ -87,6 +88,43 @@ TEST(Puppet, RaisesTheLeftArmOfAUnityAvatar) {
   EXPECT_LT(shoulder.x(), 0);
   EXPECT_NEAR((elbow - shoulder - Vec3(0, 0.27F, 0)).norm(), 0, 1e-5F);
   EXPECT_EQ(packed.bones[body::kLeftUpperArm].name, "LeftUpperArm");
+}
+
+// The canonical body's fingers are VRM 1.0's, Unity names the thumb's otherwise; the second of
+// three is missing, as from a glove of two joints.
+TEST(Puppet, SendsFingersEyesAndJawThatTheBodyHasByUnitysNames) {
+  v1::Body body = Canonical();
+  std::vector<std::string> expected;
+  for (int t = 0; t < rig::kTailCount; ++t) {
+    if (t % rig::kFingerJoints == 2 && t < rig::kTailLeftEye) continue;
+    body.add_names(std::string(rig::kTailNames[static_cast<std::size_t>(t)]));
+    body.add_parents(rig::TailAnchor(t));
+    for (int axis = 0; axis < 3; ++axis) body.add_offsets(0.01F * static_cast<float>(t + axis));
+  }
+  v1::Frame frame = client::HumanoidFrame(Canonical(), {}, 1);
+  const Quat turn(Eigen::AngleAxisf(0.5F, Vec3(1, 2, 3).normalized()));
+  for (int j = body::kJointCount; j < body.names_size(); ++j) {
+    for (const float value : std::span(turn.coeffs().data(), 4)) frame.add_rotations(value);
+  }
+  Puppet puppet(Carrier::kHips);
+  ASSERT_TRUE(puppet.Bind(body).ok());
+  const auto packed = puppet.Pose(frame, 0);
+  ASSERT_EQ(packed.bones.size(), 21U + 20 + 3);
+  vmc::BoneSet sent = 0;
+  for (const vmc::Bone& bone : packed.bones) {
+    const int index = vmc::FindBone(bone.name, false);
+    EXPECT_FALSE(vmc::Has(sent, index)) << bone.name << " twice";
+    sent |= vmc::Bit(index);
+  }
+  EXPECT_EQ(packed.bones[21].name, "LeftThumbProximal");
+  EXPECT_EQ(packed.bones[22].name, "LeftThumbIntermediate");
+  EXPECT_EQ(packed.bones[23].name, "LeftIndexProximal");
+  EXPECT_EQ(packed.bones[43].name, "Jaw");
+  EXPECT_FALSE(vmc::Has(sent, vmc::FindBone("LeftThumbDistal", false)));
+  EXPECT_FALSE(vmc::Has(sent, vmc::FindBone("UpperChest", false)));
+  const auto& jaw = packed.bones[43].transform;
+  EXPECT_NEAR((Position(jaw) - Vec3(-0.32F, 0.33F, 0.34F)).norm(), 0, 1e-6F);
+  EXPECT_NEAR(Rotation(jaw).dot(Quat(turn.w(), turn.x(), -turn.y(), -turn.z())), 1, 1e-6F);
 }
 
 TEST(Puppet, CarriesByTheRootOverTheFloorOnly) {
