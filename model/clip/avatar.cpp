@@ -37,6 +37,7 @@ Result<rig::Binding> TakeGltf(const std::string& file, const rig::JointNames& gi
   avatar.above_translation = gltf.above_translation_m;
   avatar.above_rotation = gltf.above_rotation;
   avatar.above_scale = gltf.above_scale;
+  avatar.tail = gltf.tail;
   auto binding = rig::BindStanding(gltf.skeleton, gltf.source_joint, gltf.stance, gltf.t_pose);
   if (!binding.ok()) return Status::Error(file + ": " + binding.status().message());
   return binding;
@@ -56,6 +57,7 @@ Result<rig::Binding> TakeBvh(const std::string& file, const std::string& dialect
   auto read = ParseBvh(text.value(), file);
   if (!read.ok()) return read.status();
   const Clip& clip = read.value();
+  avatar.tail = rig::MapTailNames(clip.skeleton);
   auto binding = rig::BindDialect(clip.skeleton, dialect, &avatar.dialect, given);
   if (binding.ok()) return binding;
   // No dialect fits: bind the first frame as a standing pose instead.

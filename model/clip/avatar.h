@@ -6,6 +6,7 @@
 #include "model/base/status.h"
 #include "model/rig/binding.h"
 #include "model/rig/dialects.h"
+#include "model/rig/tail.h"
 
 namespace styled::clip {
 
@@ -14,9 +15,10 @@ namespace styled::clip {
 struct AvatarSkeleton {
   // glTF: metres, +Y up; BVH: the file's units and axes
   std::shared_ptr<const rig::Binding> binding;
-  rig::RigPose rest;          // its T-pose
-  std::string dialect;        // "vrm", "gltf", "standing", or the BVH's
-  float metres_per_unit = 0;  // of RootInFile and the file's offsets; 0: unknown
+  rig::RigPose rest;                  // its T-pose
+  rig::TailMap tail = rig::NoTail();  // its fingers, eyes and jaw
+  std::string dialect;                // "vrm", "gltf", "standing", or the BVH's
+  float metres_per_unit = 0;          // of RootInFile and the file's offsets; 0: unknown
   // The transform of joint 0's parent in the file: world = translation + scale * (rotation * file).
   rig::Vec3 above_translation = rig::Vec3::Zero();
   rig::Quat above_rotation = rig::Quat::Identity();

@@ -87,9 +87,19 @@ std::vector<double> Numbers(const json& list) {
 
 struct Humanoid {
   bool found = false;
-  std::set<int> bones;  // all of VRM's bones, fingers included
-  JointMap joint;       // node per canonical joint
+  std::set<int> bones;                // all of VRM's bones, fingers included
+  JointMap joint;                     // node per canonical joint
+  rig::TailMap tail = rig::NoTail();  // node per joint of the tail
 };
+
+// VRM 0.x counts the thumb's bones as Unity does, from the knuckle on.
+std::string NameIn1(const std::string& bone) {
+  for (const std::string thumb : {"leftThumb", "rightThumb"}) {
+    if (bone == thumb + "Proximal") return thumb + "Metacarpal";
+    if (bone == thumb + "Intermediate") return thumb + "Proximal";
+  }
+  return bone;
+}
 
 // Reads VRM's table of bones: an object of objects in 1.0, a list in 0.x, with the same bone names.
 Humanoid ReadVrm(const Model& model) {
@@ -103,12 +113,15 @@ Humanoid ReadVrm(const Model& model) {
     for (std::size_t c = 0; c < kHumanoid.size(); ++c) {
       if (kHumanoid[c].name == bone) humanoid.joint[c] = *node;
     }
+    for (std::size_t t = 0; t < rig::kTailNames.size(); ++t) {
+      if (rig::kTailNames[t] == bone) humanoid.tail[t] = *node;
+    }
   };
   const json bones = Member(model.vrm, "humanBones");
   for (const auto& [key, entry] : bones.items()) {
     const json bone = Member(entry, "bone");
     if (bones.is_object()) add(key, entry);
-    if (bones.is_array() && bone.is_string()) add(bone.get<std::string>(), entry);
+    if (bones.is_array() && bone.is_string()) add(NameIn1(bone.get<std::string>()), entry);
   }
   return humanoid;
 }
@@ -137,9 +150,12 @@ Result<Humanoid> ReadNames(const Model& model, const rig::JointNames& given) {
   const auto map = rig::MapJoints(named, given);
   if (!map.ok()) return map.status();
   humanoid.joint = map.value();
-  for (int& joint : humanoid.joint) {
+  humanoid.tail = rig::MapTailNames(named);
+  const auto to_node = [&nodes](int& joint) {
     if (joint >= 0) joint = nodes[static_cast<std::size_t>(joint)];
-  }
+  };
+  std::for_each(humanoid.joint.begin(), humanoid.joint.end(), to_node);
+  std::for_each(humanoid.tail.begin(), humanoid.tail.end(), to_node);
   humanoid.found = humanoid.joint[body::kHips] >= 0;
   return humanoid;
 }
@@ -205,6 +221,10 @@ GltfSkeleton Build(const Model& model, const Nodes& nodes, const Humanoid& human
   for (std::size_t c = 0; c < kJointCount; ++c) {
     const int node = humanoid.joint[c];
     built.source_joint[c] = node < 0 ? -1 : index[static_cast<std::size_t>(node)];
+  }
+  for (std::size_t t = 0; t < built.tail.size(); ++t) {
+    const int node = humanoid.tail[t];
+    built.tail[t] = node < 0 ? -1 : index[static_cast<std::size_t>(node)];
   }
   return built;
 }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "model/clip/glb_write.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 #include "tests/unit/net/erd/random_weights.h"
@@ -29,9 +30,34 @@ Report ReadReport(const std::string& file) {
   return report;
 }
 
+// The rig's body with a finger of two joints.
+v1::Body WithFinger(const Rig& rig) {
+  v1::Body body = rig.MakeBody();
+  for (const char* const name : {"leftIndexProximal", "leftIndexIntermediate"}) {
+    body.add_parents(body.names_size() == body::kJointCount ? body::kLeftHand : body::kJointCount);
+    body.add_names(name);
+    for (const float value : {0.03F, 0.0F, 0.0F}) body.add_offsets(value);
+  }
+  return body;
+}
+
+// Writes it as an avatar.
+void WriteAvatar(const v1::Body& body, const std::string& file) {
+  clip::Motion motion;
+  motion.skeleton.names.assign(body.names().begin(), body.names().end());
+  motion.skeleton.parents.assign(body.parents().begin(), body.parents().end());
+  for (int i = 0; i < body.offsets_size(); i += 3) {
+    motion.skeleton.offsets.emplace_back(body.offsets(i), body.offsets(i + 1), body.offsets(i + 2));
+  }
+  motion.frames = {rig::RigPose(motion.skeleton)};
+  const Status written = clip::WriteGlb(motion, file);
+  ASSERT_TRUE(written.ok()) << written.message();
+}
+
 // A second of all that frames can meet: styles that change, joints that break, frames lost,
 // doubled, late and damaged, timecode that comes and goes, weights that make no pose of some of
-// them, several performers, all topics subscribed, all of it recorded.
+// them, several performers with a finger each, an avatar, all topics subscribed, all of it
+// recorded.
 Report Play(const std::string& provoke) {
   TemporaryFolder folder;
   const std::string file = folder / "report.txt";
@@ -39,15 +65,20 @@ Report Play(const std::string& provoke) {
                                                  {"STYLED_HOOK_REPORT", file}};
   if (!provoke.empty()) environment["STYLED_HOOK_PROVOKE"] = provoke;
   WriteWeights(folder / "sleeping.safetensors", erd::SleepingWeights(5, 1));
-  Daemon daemon({"record.file=" + folder / "take.styrec"}, "", environment,
-                folder / "sleeping.safetensors");
+  const v1::Body fingered = WithFinger(Rig("p0"));
+  WriteAvatar(fingered, folder / "avatar.glb");
+  Daemon daemon({"record.file=" + folder / "take.styrec"},
+                "[[output]]\nname = \"hero\"\navatar = \"" + folder / "avatar.glb" + "\"\n",
+                environment, folder / "sleeping.safetensors");
   Subscriber subscriber(daemon.publish, {""});
   ControlClient control(daemon.control);
   const UdpLink link(daemon.udp);
   const TcpLink tcp(daemon.tcp);
   std::vector<Rig> rigs;
   for (int i = 0; i < 4; ++i) rigs.emplace_back("p" + std::to_string(i), 10 + i);
-  for (auto& rig : rigs) link.Send(rig.Body());
+  for (auto& rig : rigs) {
+    link.Send(rig.Datagram(native::Kind::kBody, WithFinger(rig).SerializeAsString()));
+  }
   Rig over_tcp("t");
   tcp.Send(over_tcp.Body());
   EXPECT_TRUE(subscriber.WaitForBody());
@@ -56,6 +87,7 @@ Report Play(const std::string& provoke) {
     tcp.Send(over_tcp.Frame());
     for (std::size_t r = 0; r < rigs.size(); ++r) {
       Bytes bytes = rigs[r].Frame([&](v1::SourceFrame& frame) {
+        for (int k = 0; k < 8; ++k) frame.add_rotations(k % 4 == 3 ? 0.8F : k % 4 == 2 ? 0.6F : 0);
         if (i % 3 == 0) frame.mutable_timecode()->set_frames(7);
         if (i % 17 == 5) frame.set_rotations(12, std::numeric_limits<float>::quiet_NaN());
         if (i % 71 == 70) frame.add_rotations(1);
@@ -70,6 +102,13 @@ Report Play(const std::string& provoke) {
   Sleep(0.3);
   EXPECT_GT(control.Counter("record.written"), 100U);
   EXPECT_GE(control.Counter("stylist.failed"), 4U);
+  for (const char* const topic : {"styled/rig.p0/canonical/", "styled/rig.p0/hero/"}) {
+    const auto frames = subscriber.Frames(topic);
+    EXPECT_FALSE(frames.empty()) << topic;
+    if (!frames.empty()) {
+      EXPECT_EQ(frames.back().rotations_size(), 4 * fingered.names_size()) << topic;
+    }
+  }
   EXPECT_EQ(daemon.Stop(), 0) << daemon.Log();
   return ReadReport(file);
 }

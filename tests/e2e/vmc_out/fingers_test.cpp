@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "model/body/pose.h"
+#include "model/clip/glb_write.h"
+#include "model/rig/tail.h"
 #include "proto/rigs/vmc/bones.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
@@ -205,6 +207,99 @@ TEST(VmcFingers, KeepTheirPoseAgainstTheStyledWrist) {
   EXPECT_LT(worst.tail_deg, 0.5F);
   EXPECT_GT(worst.arm_deg, 2.0F) << "the body is styled";
   std::cout << worst.compared << " frames, fingers " << worst.tail_deg << ", body " << worst.arm_deg
+            << " degrees at most\n";
+}
+
+// An avatar half as tall again, in centimetres, with Mixamo's names: thumb, index and little finger
+// of the left hand, an eye, and a ring finger of two joints on the right one.
+clip::Motion MakeAvatar() {
+  clip::Motion motion;
+  motion.metres_per_unit = 0.01F;
+  const auto add = [&motion](const std::string& name, int parent, const Vec3& offset_m) {
+    motion.skeleton.names.push_back(name);
+    motion.skeleton.parents.push_back(parent);
+    motion.skeleton.offsets.push_back(150 * offset_m);
+    return motion.skeleton.joint_count() - 1;
+  };
+  for (int c = 0; c < body::kJointCount; ++c) {
+    const auto& row = body::kHumanoid[static_cast<std::size_t>(c)];
+    add(std::string(row.name), row.parent, body::Offset(c));
+  }
+  for (const std::string finger : {"LeftHandThumb", "LeftHandIndex", "LeftHandPinky"}) {
+    int parent = body::kLeftHand;
+    for (const char* const number : {"1", "2", "3", "4"}) {
+      parent = add(finger + number, parent, {0.03F, 0, 0.02F});
+    }
+  }
+  add("LeftEye", body::kHead, {0.03F, 0.05F, 0.08F});
+  const int ring = add("RightHandRing1", body::kRightHand, {-0.08F, 0, 0});
+  add("RightHandRing2", ring, {-0.03F, 0, 0});
+  motion.times_s = {0};
+  motion.frames = {rig::RigPose(motion.skeleton)};
+  return motion;
+}
+
+// The avatar's frames, through a style: its fingers are as sent, against its own wrist; the joints
+// that the performer lacks rest.
+TEST(VmcFingers, DriveThoseOfAnAvatarThatHasThem) {
+  TemporaryFolder folder;
+  const std::string file = folder / "avatar.glb";
+  const clip::Motion avatar = MakeAvatar();
+  ASSERT_TRUE(clip::WriteGlb(avatar, file).ok());
+  Daemon daemon({},
+                "[[source]]\nname = \"app\"\ntype = \"vmc\"\nlisten = \"127.0.0.1:0\"\n"
+                "[[output]]\nname = \"hero\"\navatar = \"" +
+                    file + "\"\n");
+  const std::string topic = "styled/app.app/hero/";
+  Subscriber subscriber(daemon.publish, {"body/", topic});
+  Sender sender(daemon.listens.at(2));
+  for (int i = 0; i < 2400 && subscriber.Frames(topic).size() < 10; ++i) {
+    sender.Send(i);
+    Sleep(1.0 / kRate_hz);
+  }
+  ControlClient control(daemon.control);
+  ASSERT_EQ(control.SetStyle("app.app", "style1", 1, 0).code(), v1::CODE_OK);
+  Paced(kFrames, kRate_hz, [&](int i) { sender.Send(10000 + i); });
+  const auto bodies = subscriber.Bodies();
+  const auto body = std::find_if(bodies.begin(), bodies.end(),
+                                 [](const v1::Body& b) { return b.output() == v1::OUTPUT_AVATAR; });
+  ASSERT_NE(body, bodies.end());
+  ASSERT_EQ(body->names_size(), avatar.skeleton.joint_count());
+  // By the avatar's joint: the bone that drives it, or -1.
+  std::vector<int> bones(static_cast<std::size_t>(body->names_size()), -1);
+  rig::Skeleton skeleton;  // the file's joints have another order
+  skeleton.names.assign(body->names().begin(), body->names().end());
+  const rig::TailMap map = rig::MapTailNames(skeleton);
+  int mapped = 0;
+  for (std::size_t t = 0; t < map.size(); ++t) {
+    if (map[t] < 0) continue;
+    bones[static_cast<std::size_t>(map[t])] = vmc::FindBone(rig::kTailNames[t], true);
+    ++mapped;
+  }
+  ASSERT_EQ(mapped, 3 * 3 + 1 + 2);
+  float fingers_deg = 0, others_deg = 0, body_deg = 0;
+  int compared = 0;
+  for (const v1::Frame& frame : subscriber.Frames(topic)) {
+    if (frame.expressions_size() == 0 || frame.expressions(0).value() < 10000 + kFrames / 2)
+      continue;
+    ++compared;
+    const int i = static_cast<int>(std::lround(frame.expressions(0).value()));
+    for (int j = 0; j < body->names_size(); ++j) {
+      const float* const q = frame.rotations().data() + 4 * j;
+      const Quat got(q[3], q[0], -q[1], -q[2]);  // in Unity's axes
+      int bone = bones[static_cast<std::size_t>(j)];
+      const bool driven = bone >= 0;
+      if (!driven) bone = vmc::FindBone(body->names(j), true);  // the humanoid's, or an end
+      float& most = driven ? fingers_deg : bone >= 0 ? body_deg : others_deg;
+      const Quat expected = bone < 0 ? Quat::Identity() : Turn(bone, i);
+      most = std::max(most, kDegrees * got.angularDistance(expected));
+    }
+  }
+  EXPECT_GT(compared, kFrames / 4);
+  EXPECT_LT(fingers_deg, 0.5F);
+  EXPECT_LT(others_deg, 0.1F) << "ends of fingers";
+  EXPECT_GT(body_deg, 2.0F) << "the body is styled";
+  std::cout << compared << " frames, fingers " << fingers_deg << ", body " << body_deg
             << " degrees at most\n";
 }
 

@@ -92,6 +92,8 @@ json Vrm(bool one) {
     add(std::string(kHumanoid[static_cast<std::size_t>(c)].name), c + 1);
   }
   add("leftIndexProximal", 1 + body::kJointCount);
+  // The same bone of the thumb by the names of 1.0 and 0.x.
+  add(one ? "leftThumbMetacarpal" : "leftThumbProximal", 2 + body::kJointCount);
   avatar["extensionsUsed"] = {one ? "VRMC_vrm" : "VRM"};
   avatar["extensions"] =
       one ? json{{"VRMC_vrm", {{"specVersion", "1.0"}, {"humanoid", {{"humanBones", object}}}}}}
@@ -159,8 +161,17 @@ TEST_F(GltfReadTest, AVrmByItsOwnTableOfBones) {
     const auto read = Read(Vrm(one).dump());
     ASSERT_TRUE(read.ok()) << read.status().message();
     EXPECT_TRUE(read.value().t_pose);
-    EXPECT_EQ(read.value().skeleton.joint_count(), body::kJointCount + 1) << "one finger is a bone";
+    EXPECT_EQ(read.value().skeleton.joint_count(), body::kJointCount + 2) << "hat and camera not";
     ExpectHumanoid(read.value());
+    // Fingers by that table too, whatever they are called.
+    const auto binding = rig::BindStanding(read.value().skeleton, read.value().source_joint,
+                                           read.value().stance, read.value().t_pose);
+    const rig::Tail tail = rig::Tail::Make(binding.value(), read.value().tail);
+    ASSERT_EQ(tail.size(), 2U);
+    EXPECT_EQ(rig::kTailNames[static_cast<std::size_t>(tail.joints()[0].joint)],
+              "leftThumbMetacarpal");
+    EXPECT_EQ(rig::kTailNames[static_cast<std::size_t>(tail.joints()[1].joint)],
+              "leftIndexProximal");
   }
 }
 
