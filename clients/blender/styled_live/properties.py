@@ -34,7 +34,8 @@ class StyledLiveConnection(bpy.types.PropertyGroup):
     stream: StringProperty(
         name='Output', default='rig', search=_streams,
         description='rig: styled, on the performer\'s own skeleton. canonical: styled, on the '
-                    '21-joint humanoid. source: as captured. Or the name of an [[output]]')
+                    'humanoid of 21 joints and the rig\'s fingers. source: as captured. Or the name '
+                    'of an [[output]]')
     strength: FloatProperty(name='Strength', default=1, min=0, max=1.5, soft_max=1,
                             update=_strength_changed,
                             description='0: as captured, 1: the style as it is')
