@@ -47,7 +47,7 @@ struct Source {
   std::string serial = {};   // serial number of the one USB device to open; "" = all
   // A performer, SOURCE.NAME, whose face this source is; "" = the source has performers of its own.
   std::string merge_into = {};
-  std::string expressions = "arkit";  // names of a phone's: "arkit", or "vrm" for VRM's presets
+  std::string expressions = "arkit";  // names that are sent: "arkit", or "vrm" for VRM's presets
   int sender_limit_hz = 100000;       // most datagrams a second of one address; 0 = no limit
   friend bool operator==(const Source&, const Source&) = default;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "proto/rigs/rokoko/rokoko.h"
+#include "sim/rigs/synthetic_face.h"
 
 namespace styled::rigs {
 namespace {
@@ -34,6 +35,7 @@ class Rokoko final : public Rig {
       : options_(options),
         lz4_(Has("lz4")),
         gloves_(Has("gloves")),
+        face_(Has("face")),
         text_(rokoko::kMaxTextSize),
         packed_(kMaxDatagramSize) {
     frame_.fps = static_cast<float>(options.rate_hz);
@@ -47,7 +49,11 @@ class Rokoko final : public Rig {
 
   void Encode(const Frame& frame, const Send& send) override {
     frame_.time_s = frame.time_s;
-    for (std::size_t k = 0; k < frame.poses.size(); ++k) Place(frame.poses[k], frame_.actors[k]);
+    for (std::size_t k = 0; k < frame.poses.size(); ++k) {
+      Place(frame.poses[k], frame_.actors[k]);
+      frame_.actors[k].has_face = face_;
+      if (face_) frame_.actors[k].face = SyntheticFace(frame.time_s);
+    }
     std::span<const std::byte> datagram =
         std::as_bytes(std::span(text_).first(rokoko::EncodeText(frame_, text_)));
     if (lz4_) datagram = std::span(packed_).first(packer_.Pack(datagram, packed_));
@@ -98,7 +104,7 @@ class Rokoko final : public Rig {
   }
 
   Options options_;
-  bool lz4_, gloves_;
+  bool lz4_, gloves_, face_;
   rokoko::Frame frame_;
   std::vector<char> text_;
   std::vector<std::byte> packed_;
@@ -111,8 +117,9 @@ Result<std::unique_ptr<Rig>> MakeRokoko(const Options& options) {
   const auto has = [&options](std::string_view quirk) {
     return std::find(options.quirks.begin(), options.quirks.end(), quirk) != options.quirks.end();
   };
-  const int most = has("gloves") && !has("lz4") ? 5 : rokoko::kMaxActors;
-  const Status status = CheckOptions("rokoko", options, most, {"lz4", "gloves"});
+  const int with_gloves = has("face") ? 4 : 5;  // that fit into a datagram
+  const int most = has("gloves") && !has("lz4") ? with_gloves : rokoko::kMaxActors;
+  const Status status = CheckOptions("rokoko", options, most, {"lz4", "gloves", "face"});
   if (!status.ok()) return status;
   return std::unique_ptr<Rig>(std::make_unique<Rokoko>(options));
 }

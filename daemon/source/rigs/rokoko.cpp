@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/runtime/clock.h"
+#include "daemon/source/face_stream.h"
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/world_pose.h"
 #include "proto/rigs/rokoko/rokoko.h"
@@ -42,8 +43,13 @@ Joints Usable(const rokoko::Actor& actor) noexcept {
 class Actor {
  public:
   // `occurrence`: index among the actors of this name in one frame.
-  Actor(std::uint64_t peer, std::string_view name, int occurrence, std::string performer)
-      : peer_(peer), name_(name), occurrence_(occurrence), stream_(std::move(performer)) {}
+  Actor(std::uint64_t peer, std::string_view name, int occurrence, std::string performer,
+        bool presets)
+      : peer_(peer),
+        name_(name),
+        occurrence_(occurrence),
+        stream_(std::move(performer)),
+        face_(presets) {}
 
   bool Is(std::uint64_t peer, std::string_view name, int occurrence) const {
     return peer_ == peer && occurrence_ == occurrence && name_ == name;
@@ -114,6 +120,7 @@ class Actor {
     body.skeleton.offsets.resize(joint_of_.size());
     OffsetsFromWorld(body.skeleton.parents, positions, world_, body.skeleton.offsets);
     stream_.SetBody(body, out);
+    stream_.ReserveFace();
     pose_ = rig::RigPose(body.skeleton);
   }
 
@@ -136,6 +143,7 @@ class Actor {
     PerformerStream::FrameInfo info;
     info.source_time_ns = static_cast<std::uint64_t>(std::llround(time_s * 1e9));
     info.now_ns = now_ns;
+    if (actor.has_face) info.face = &face_.Of(actor.face);
     stream_.Send(pose_, info, out);
   }
 
@@ -144,6 +152,7 @@ class Actor {
   int occurrence_;
   std::int64_t seen_ns_ = 0;
   PerformerStream stream_;
+  ShapeFace face_;
   bool any_ = false;
   double time_s_ = 0;
   int behind_ = 0;  // consecutive frames that were older than the newest
@@ -157,7 +166,8 @@ class Actor {
 class Rokoko final : public Translator {
  public:
   explicit Rokoko(const config::Source& config)
-      : unnamed_(config.performer.empty() ? config.name : config.performer) {}
+      : unnamed_(config.performer.empty() ? config.name : config.performer),
+        presets_(config.expressions == "vrm") {}
 
   void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
             Outbox& out) override {
@@ -195,7 +205,8 @@ class Rokoko final : public Translator {
       });
     }
     if (actors_.size() >= kMaxActors) return nullptr;
-    actors_.push_back(std::make_unique<Actor>(peer.id, name, occurrence, FreeName(name, peer.id)));
+    actors_.push_back(
+        std::make_unique<Actor>(peer.id, name, occurrence, FreeName(name, peer.id), presets_));
     return actors_.back().get();
   }
 
@@ -214,6 +225,7 @@ class Rokoko final : public Translator {
   }
 
   std::string unnamed_;
+  bool presets_;
   std::vector<std::unique_ptr<Actor>> actors_;
   rokoko::Decoder decoder_;
   rokoko::Frame frame_;

@@ -15,6 +15,7 @@ namespace styled::source {
 // Body        The joints of the first frame that has a hip, in metres, made right-handed (mirrored
 //             through x = 0), +Y up, dialect "rokoko". Made anew when joints are added (gloves) or
 //             the actor's hip height changes. A joint that a later frame lacks is not tracked.
+// Face        Of an actor with a face: ARKit's 52 expressions, or VRM's presets (`expressions`).
 // Time        The frame's timestamp in seconds.
 // Session     A new one where an actor's time falls back by 1 s, or stays back for five frames.
 // Refused     source.malformed; source.incomplete for an actor without a hip before it has a body;

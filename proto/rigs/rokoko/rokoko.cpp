@@ -15,6 +15,7 @@ using Type = JsonReader::Type;
 using Value = JsonReader::Value;
 
 constexpr double kMaxTime_s = 1e10;
+constexpr float kPercent = 100;  // Studio's weights of expressions
 
 // Reads the members of a frame. Each function reads the given value and returns false if reading
 // must stop; the reason is the reader's error, or `fault_`.
@@ -127,11 +128,13 @@ class FrameReader {
     actor.name_size = 0;
     actor.hip_height_m = actor.total_height_m = 0;
     actor.has.reset();
+    actor.has_face = false;
     joint_hint_ = 0;
     return Members(value, [&](std::string_view key, Value& member) {
       if (key == "name") return json_.String(member, actor.name_bytes, actor.name_size);
       if (key == "hipHeight") return ReadFloat(member, actor.hip_height_m);  // layout 2
       if (key == "dimensions") return ReadDimensions(member, actor);
+      if (key == "face") return ReadFace(member, actor);
       if (key == "body") {
         actor.has.reset();
         return Members(member, [&](std::string_view name, Value& joint) {
@@ -147,6 +150,21 @@ class FrameReader {
       if (key == "hipHeight") return ReadFloat(value, actor.hip_height_m);
       if (key == "totalHeight") return ReadFloat(value, actor.total_height_m);
       return json_.Skip(value);
+    });
+  }
+
+  bool ReadFace(Value& face, Actor& actor) noexcept {
+    actor.face.fill(0);
+    actor.has_face = false;
+    if (!JsonReader::Is(face, Type::object)) return json_.Skip(face);
+    return Members(face, [&](std::string_view key, Value& value) {
+      const auto shape = arkit::Find(key);
+      if (!shape || !JsonReader::Is(value, Type::number)) return json_.Skip(value);
+      float percent = 0;
+      if (!ReadFloat(value, percent)) return false;
+      actor.face[*shape] = percent / kPercent;
+      actor.has_face = true;
+      return true;
     });
   }
 
@@ -247,8 +265,9 @@ void WriteActor(const Actor& actor, TextWriter& out) noexcept {
   out.Quoted(actor.name());
   out << ",\"color\":[255,255,255],\"meta\":{\"hasGloves\":" << word(left || right)
       << ",\"hasLeftGlove\":" << word(left) << ",\"hasRightGlove\":" << word(right)
-      << ",\"hasBody\":true,\"hasFace\":false},\"dimensions\":{\"totalHeight\":"
-      << actor.total_height_m << ",\"hipHeight\":" << actor.hip_height_m << "},\"body\":{";
+      << ",\"hasBody\":true,\"hasFace\":" << word(actor.has_face)
+      << "},\"dimensions\":{\"totalHeight\":" << actor.total_height_m
+      << ",\"hipHeight\":" << actor.hip_height_m << "},\"body\":{";
   std::string_view separator = "\"";
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!actor.has[j]) continue;
@@ -258,7 +277,11 @@ void WriteActor(const Actor& actor, TextWriter& out) noexcept {
         << ",\"y\":" << r[1] << ",\"z\":" << r[2] << ",\"w\":" << r[3] << "}}";
     separator = ",\"";
   }
-  out << "},\"face\":{\"faceId\":\"\"}}";
+  out << "},\"face\":{\"faceId\":\"\"";
+  for (std::size_t i = 0; actor.has_face && i < arkit::kShapes; ++i) {
+    out << ",\"" << arkit::kNames[i] << "\":" << kPercent * actor.face[i];
+  }
+  out << "}}";
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "model/base/realtime.h"
+#include "proto/rigs/arkit/shapes.h"
 #include "proto/rigs/rokoko/joints.h"
 #include "proto/rigs/rokoko/lz4.h"
 
@@ -34,6 +35,8 @@ struct Actor {
   float hip_height_m = 0, total_height_m = 0;  // 0: not sent
   std::bitset<kJoints> has;                    // the joints that are present
   std::array<JointPose, kJoints> joints;       // only those in `has` are valid
+  bool has_face = false;                       // any of ARKit's expressions was sent
+  std::array<float, arkit::kShapes> face{};    // 0 .. 1 as a rule; as received, not checked
 
   std::string_view name() const { return {name_bytes.data(), name_size}; }
   void set_name(std::string_view name) noexcept;

@@ -53,7 +53,10 @@ TEST(Rokoko, Layout3IsReadAsItIsWritten) {
   ASSERT_TRUE(actor.has[arm]);
   EXPECT_EQ(actor.joints[arm].position_m, (std::array<float, 3>{1, 2, 3}));
   EXPECT_EQ(actor.joints[arm].rotation, (std::array<float, 4>{-0.5F, -0.5F, 0.5F, -0.5F}));
+  EXPECT_TRUE(actor.has_face);
+  EXPECT_EQ(actor.face[*arkit::Find("jawOpen")], 0.125F);
   EXPECT_EQ(frame.actors[1].name(), "gloves");
+  EXPECT_FALSE(frame.actors[1].has_face);
   EXPECT_TRUE(frame.actors[1].has[kJoints - 1]);
   EXPECT_EQ(frame.actors[1].joints[kJoints - 1].position_m, (std::array<float, 3>{7, 8, 9}));
 }
@@ -82,6 +85,26 @@ TEST(Rokoko, AnEarlierFrameLeavesNothingBehind) {
   EXPECT_TRUE(frame.actors[0].name().empty());
   EXPECT_TRUE(frame.actors[0].has.none());
   EXPECT_EQ(frame.actors[0].hip_height_m, 0);
+  EXPECT_FALSE(frame.actors[0].has_face);
+}
+
+// Expressions that nobody knows, and those that are no numbers, take nothing else with them.
+TEST(Rokoko, AFaceIsReadAsFarAsItIsOne) {
+  const auto read = [](const std::string& face, Frame& frame) {
+    return Decoder().DecodeText(
+        testing::WithScene(R"("timestamp":1,"actors":[{"face":)" + face + "}]"), frame);
+  };
+  Frame frame;
+  ASSERT_EQ(read(R"({"jawOpen":"wide","smile":3,"mouthSmileLeft":100,"tongueOut":null})", frame),
+            DecodeResult::kOk);
+  EXPECT_TRUE(frame.actors[0].has_face);
+  EXPECT_EQ(frame.actors[0].face[*arkit::Find("mouthSmileLeft")], 1);
+  EXPECT_EQ(frame.actors[0].face[*arkit::Find("jawOpen")], 0);
+  for (const auto* const none : {"{}", "[1]", "\"no\"", R"({"faceId":"f"})"}) {
+    ASSERT_EQ(read(none, frame), DecodeResult::kOk) << none;
+    EXPECT_FALSE(frame.actors[0].has_face) << none;
+  }
+  EXPECT_EQ(read(R"({"jawOpen":1e300})", frame), DecodeResult::kBadValue);
 }
 
 TEST(Rokoko, TheNinthActorIsLeftOut) {

@@ -284,6 +284,21 @@ TEST(RokokoTranslator, FromTheSecondFrameOnNothingIsAllocated) {
   }
 }
 
+TEST(RokokoTranslator, AnActorsFaceGoesWithThePose) {
+  Translated plain(MakeRokoko(Config()));
+  EXPECT_EQ(Said(plain, Sent({"anna"}, 0.2)).back().frame.expressions_size(), 0);
+  const Bytes bytes = Sent({"anna"}, 0.1, {"face"});  // in the middle of a blink
+  Translated arkit(MakeRokoko(Config()));
+  const auto said = Said(arkit, bytes).back().frame;
+  ASSERT_EQ(said.expressions_size(), 52);
+  EXPECT_EQ(said.expressions(0).name(), "eyeBlinkLeft");
+  EXPECT_NEAR(said.expressions(0).value(), 1, 0.01);
+  config::Source vrm = Config();
+  vrm.expressions = "vrm";
+  Translated presets(MakeRokoko(vrm));
+  EXPECT_EQ(Said(presets, bytes).back().frame.expressions(0).name(), "Blink_L");
+}
+
 }  // namespace
 }  // namespace styled::source
 
