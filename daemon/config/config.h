@@ -26,6 +26,13 @@ struct Tracker {
   friend bool operator==(const Tracker&, const Tracker&) = default;
 };
 
+// The One Euro filter on a source's poses (pipeline/performer/smoothing.h).
+struct Smoothing {
+  float rest_hz = 0;       // cutoff at rest, Hz; 0: no filter
+  float per_speed = 0.7F;  // how much the cutoff grows, Hz per rad/s of a joint
+  friend bool operator==(const Smoothing&, const Smoothing&) = default;
+};
+
 struct Source {
   std::string name = "rig";    // [A-Za-z0-9_-]{1,32}; performers are called NAME.PERFORMER
   std::string type = "udp";    // rigs::kSourceTypes (proto/rigs/types.h)
@@ -45,6 +52,7 @@ struct Source {
   int max_connections = 64;  // tcp
   std::string usb_id = {};   // "1209:7690"; "" = any SlimeVR receiver (type usb requires an id)
   std::string serial = {};   // serial number of the one USB device to open; "" = all
+  Smoothing smoothing = {};
   // A performer, SOURCE.NAME, whose face this source is; "" = the source has performers of its own.
   std::string merge_into = {};
   std::string expressions = "arkit";  // names that are sent: "arkit", or "vrm" for VRM's presets

@@ -337,6 +337,8 @@ const std::vector<Key<Source>>& SourceKeys() {
       Key<S>{"trackers", ReadTrackers},
       Key<S>{"joints", [](const toml::node& node, S& out) { return ReadJoints(node, out.joints); }},
       Float<S>("delay_ms", 0, 1000, kMs, STYLED_FIELD(delay_s)),
+      Float<S>("smooth_hz", 0, 60, 1, STYLED_FIELD(smoothing.rest_hz)),
+      Float<S>("smooth_per_speed", 0, 100, 1, STYLED_FIELD(smoothing.per_speed)),
       Integer<S>("receive_buffer_bytes", 4096, kGiB, STYLED_FIELD(receive_buffer_bytes)),
       Integer<S>("max_connections", 1, 1024, STYLED_FIELD(max_connections)),
       Integer<S>("sender_limit_hz", 0, 100000000, STYLED_FIELD(sender_limit_hz)),

@@ -79,8 +79,12 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
   if (!status.ok()) return status;
   if (running != nullptr) {
     made->joints = running->joints;  // sources change only at a restart
+    made->smoothing = running->smoothing;
   } else {
-    for (const auto& source : config.sources) made->joints.push_back(source.joints);
+    for (const auto& source : config.sources) {
+      made->joints.push_back(source.joints);
+      made->smoothing.push_back(source.smoothing);
+    }
   }
   for (const auto& output : config.outputs) {
     auto read = ReadRetargetOutput(output);

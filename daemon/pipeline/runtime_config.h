@@ -34,7 +34,8 @@ struct RuntimeConfig {
   std::vector<config::Preset> presets;
   std::vector<Cue> cues;
   stylist::Options stylist;
-  std::vector<rig::JointNames> joints;  // joint names set by hand, per source
+  std::vector<rig::JointNames> joints;       // joint names set by hand, per source
+  std::vector<config::Smoothing> smoothing;  // per source
   std::vector<std::shared_ptr<const RetargetOutput>> outputs;  // as the [[output]] tables
 };
 

@@ -38,6 +38,11 @@ v1::Code Performer::Calibrate(const v1::Calibrate& request, const RuntimeConfig&
 void Performer::UseBinding(const RuntimeConfig& config) {
   styling_.emplace(binding_.body(), config, counters_);
   outputs.Bind(binding_.body(), binding_.given(), config);
+  const auto index = static_cast<std::size_t>(source);
+  const auto& skeleton = binding_.body().binding->skeleton();
+  smoothing_ = PoseSmoothing(
+      index < config.smoothing.size() ? config.smoothing[index] : config::Smoothing(),
+      static_cast<std::size_t>(skeleton.joint_count()), binding_.given().metres_per_unit());
   (void)ApplyLook(config);
 }
 
@@ -62,6 +67,7 @@ void Performer::Adopt(const RuntimeConfig& config) {
 
 void Performer::Restart() noexcept {
   if (styling_) styling_->Restart();
+  smoothing_.Reset();
   facing_.Reset();
 }
 
@@ -69,6 +75,7 @@ Performer::Accepted Performer::Accept(const source::SourceFrame& frame,
                                       const FrameContext& context) noexcept {
   if (!binding_.Receive(frame, context.receive_ns)) return Accepted::kWrongSize;
   if (!styling_) return Accepted::kUncalibrated;
+  smoothing_.Apply(binding_.received(), context.elapsed_ns);
   styling_->SetInput(binding_.received());
   header_.source_time_ns = frame.source_time_ns;
   header_.source_sequence = context.source_sequence;

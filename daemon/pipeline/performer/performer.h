@@ -9,6 +9,7 @@
 #include "daemon/pipeline/performer/admission.h"
 #include "daemon/pipeline/performer/binding.h"
 #include "daemon/pipeline/performer/outputs.h"
+#include "daemon/pipeline/performer/smoothing.h"
 #include "daemon/pipeline/performer/styling.h"
 #include "daemon/pipeline/profile.h"
 #include "daemon/pipeline/runtime_config.h"
@@ -105,9 +106,10 @@ class Performer {
 
   runtime::Counters& counters_;
   PerformerBinding binding_;
-  std::optional<Styling> styling_;               // empty until a body is bound
-  FrameContext context_;                         // of the accepted frame
-  publish::FrameHeader header_;                  // its source's part
+  std::optional<Styling> styling_;  // empty until a body is bound
+  FrameContext context_;            // of the accepted frame
+  publish::FrameHeader header_;     // its source's part
+  PoseSmoothing smoothing_;
   std::vector<std::byte> face_;                  // what is passed on beside the pose
   std::optional<std::int64_t> measure_from_ns_;  // of what is serialized; nothing: a repetition
   Facing facing_;

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "model/base/realtime.h"
+#include "model/rig/skeleton.h"
+
+namespace styled::pipeline {
+
+// The One Euro filter (Casiez, Roussel, Vogel, CHI 2012, doi 10.1145/2207676.2208639) on a rig's
+// poses: a low-pass whose cutoff grows with the speed, so that a body at rest does not jitter and a
+// fast one is not late. Each joint's local rotation is filtered by its angular speed, the root's
+// position by its speed. One per performer, pipeline thread; only the constructor allocates. Pinned
+// by tests/unit/daemon/smoothing_test.cpp.
+class PoseSmoothing {
+ public:
+  PoseSmoothing() = default;  // leaves poses as they are
+  PoseSmoothing(const config::Smoothing& options, std::size_t joints, float metres_per_unit);
+
+  bool active() const noexcept { return options_.rest_hz > 0; }
+  // The next pose is taken as it is.
+  STYLED_REALTIME void Reset() noexcept { any_ = false; }
+  // Filters the pose at a time of the session. What is not finite stays, and leaves the joint's
+  // filter as it was. After a gap of more than kGap_ns, or a step back, the filter begins anew.
+  static constexpr std::int64_t kGap_ns = 500'000'000;
+  STYLED_REALTIME void Apply(rig::RigPose& pose, std::int64_t time_ns) noexcept;
+
+ private:
+  struct Joint {
+    rig::Quat rotation = rig::Quat::Identity();  // as filtered
+    rig::Vec3 speed = rig::Vec3::Zero();         // rad/s, as filtered
+    bool known = false;
+  };
+  STYLED_REALTIME void Turn(Joint& joint, rig::Quat& rotation, float step_s) const noexcept;
+  STYLED_REALTIME void Move(rig::Vec3& position, float step_s) noexcept;
+
+  config::Smoothing options_;
+  float metres_per_unit_ = 1;
+  bool any_ = false;
+  std::int64_t time_ns_ = 0;
+  std::vector<Joint> joints_;
+  rig::Vec3 position_ = rig::Vec3::Zero(), velocity_ = rig::Vec3::Zero();  // body units
+  bool has_position_ = false;
+};
+
+}  // namespace styled::pipeline
