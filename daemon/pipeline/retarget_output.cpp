@@ -38,7 +38,6 @@ Result<std::shared_ptr<const RetargetOutput>> ReadRetargetOutput(const config::O
   avatar->name = output.name;
   avatar->performers = output.performers;
   avatar->skeleton = std::move(skeleton.value());
-  avatar->tail = rig::Tail::Make(*avatar->skeleton.binding, avatar->skeleton.tail).map();
   avatar->body = MakeBody(avatar->skeleton, avatar->name);
   return std::shared_ptr<const RetargetOutput>(std::move(avatar));
 }

@@ -17,8 +17,7 @@ struct RetargetOutput {
   std::string name;
   std::vector<std::string> performers;  // ids; empty = all
   clip::AvatarSkeleton skeleton;
-  rig::TailMap tail;  // the avatar's fingers, eyes and jaw that can be driven
-  v1::Body body;      // without a performer's name; in the axes and units of the file
+  v1::Body body;  // without a performer's name; in the axes and units of the file
 
   bool IsFor(std::string_view performer) const;
 };

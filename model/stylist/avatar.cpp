@@ -1,15 +1,23 @@
 #include "model/stylist/avatar.h"
 
+#include <cassert>
 #include <utility>
 
 #include "model/stylist/grounding.h"
 #include "model/stylist/guard.h"
 
 namespace styled::stylist {
+namespace {
+
+rig::TailMap TailOf(const rig::Binding& binding, const rig::TailMap& map) {
+  return rig::Tail::Make(binding, map).map();
+}
+
+}  // namespace
 
 Avatar::Avatar(std::shared_ptr<const rig::Binding> performer,
                std::shared_ptr<const rig::Binding> avatar, const rig::RigPose& rest,
-               const Options& options)
+               const Options& options, const rig::TailMap& tail)
     : performer_(std::move(performer)),
       avatar_(std::move(avatar)),
       ground_(options.ground),
@@ -18,7 +26,14 @@ Avatar::Avatar(std::shared_ptr<const rig::Binding> performer,
       feet_(*performer_, *avatar_, options.feet_options),
       performed_(performer_->skeleton()),
       last_(rest),
-      pose_(rest) {}
+      pose_(rest) {
+  const auto theirs = TailOf(*performer_, rig::MapTailNames(performer_->skeleton()));
+  const auto own = TailOf(*avatar_, tail);
+  performer_tail_ = rig::Tail::Make(*performer_, rig::Both(theirs, own));
+  avatar_tail_ = rig::Tail::Make(*avatar_, rig::Both(own, theirs));
+  assert(performer_tail_.size() == avatar_tail_.size());
+  tail_.assign(performer_tail_.size(), rig::Quat::Identity());
+}
 
 void Avatar::Reset() noexcept {
   started_ = false;
@@ -27,6 +42,13 @@ void Avatar::Reset() noexcept {
 }
 
 bool Avatar::Process(std::int64_t time_ns, const Output& styled) noexcept {
+  const bool sound = ProcessBody(time_ns, styled);
+  performer_tail_.Read(styled.rig.rotations, tail_);
+  avatar_tail_.Write(tail_, pose_.rotations);
+  return sound;
+}
+
+bool Avatar::ProcessBody(std::int64_t time_ns, const Output& styled) noexcept {
   if ((styled.flags & kNewSession) != 0) Reset();
   const float dt_s = started_ ? static_cast<float>(time_ns - last_ns_) * 1e-9F : 0.0F;
   last_ns_ = time_ns;

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "model/base/critically_damped.h"
 #include "model/base/realtime.h"
 #include "model/feet/feet.h"
 #include "model/rig/binding.h"
+#include "model/rig/tail.h"
 #include "model/stylist/stylist.h"
 
 namespace styled::stylist {
@@ -15,16 +17,20 @@ namespace styled::stylist {
 // from the performer's. Rotations are transferred joint by joint; the path over the floor is scaled
 // by the hips' height. Then the feet are corrected: the avatar's lowest foot is as high as the
 // performer's, and where a performer's foot is planted the avatar's stands still, with or without a
-// style. Memory is sized at construction; Process does not allocate. One thread at a time. Pinned
-// by tests/unit/stylist/avatar_test.cpp.
+// style. Fingers, eyes and jaw that both have follow the performer's. Memory is sized at
+// construction; Process does not allocate. One thread at a time. Pinned by
+// tests/unit/stylist/avatar_test.cpp.
 class Avatar {
  public:
   // `performer`: the binding of the stylist whose outputs are processed. `rest`: a pose of the
-  // avatar's skeleton with unit rotations, used for joints without a source.
+  // avatar's skeleton with unit rotations, used for joints without a source. `tail`: the avatar's
+  // fingers, eyes and jaw; the performer's are found by their names.
   Avatar(std::shared_ptr<const rig::Binding> performer, std::shared_ptr<const rig::Binding> avatar,
-         const rig::RigPose& rest, const Options& options);
+         const rig::RigPose& rest, const Options& options,
+         const rig::TailMap& tail = rig::NoTail());
 
-  // Processes one frame, after the stylist's Process. `time_ns` must increase from call to call;
+  // Processes one frame, after the stylist's Process; `styled.rig` must be in the binding's axes.
+  // `time_ns` must increase from call to call;
   // frames may be skipped. Returns false if the result would not be a sound pose
   // (model/stylist/guard.h): pose() is then the performer's own motion, and contacts and locks
   // start anew.
@@ -35,12 +41,17 @@ class Avatar {
   STYLED_REALTIME void Reset() noexcept;
 
  private:
+  // The pose without fingers, eyes and jaw.
+  STYLED_REALTIME bool ProcessBody(std::int64_t time_ns, const Output& styled) noexcept;
+
   std::shared_ptr<const rig::Binding> performer_, avatar_;
   bool ground_, hold_;
   float ground_tau_s_;
   feet::Feet feet_;
   CriticallyDamped shift_m_;
-  rig::RigPose performed_;  // the performer's own pose, unit rotations
+  rig::Tail performer_tail_, avatar_tail_;  // of what both have
+  std::vector<rig::Quat> tail_;             // the last frame's
+  rig::RigPose performed_;                  // the performer's own pose, unit rotations
   rig::RigPose last_, pose_;
   std::int64_t last_ns_ = 0;
   bool started_ = false;

@@ -116,7 +116,9 @@ class Wardrobe {
   Wardrobe(const styled::clip::AvatarSkeleton* avatar,
            const std::shared_ptr<const styled::rig::Binding>& performer,
            const styled::stylist::Options& options) {
-    if (avatar != nullptr) worn_.emplace(performer, avatar->binding, avatar->rest, options);
+    if (avatar != nullptr) {
+      worn_.emplace(performer, avatar->binding, avatar->rest, options, avatar->tail);
+    }
   }
   // Returns false if the frame is the performer's own, because the styled pose was not sound.
   bool Process(std::int64_t time_ns, const styled::stylist::Output& out) {

@@ -38,8 +38,8 @@ void Outputs::Bind(const BoundBody& body, const v1::Body& given, const RuntimeCo
   streams_.clear();
   for (const auto& output : config.outputs) {
     if (!output->IsFor(id_)) continue;
-    streams_.push_back(std::make_unique<RetargetStream>(output, body, tail_.map(), id_, epoch_,
-                                                        config, subscriptions_));
+    streams_.push_back(
+        std::make_unique<RetargetStream>(output, body, id_, epoch_, config, subscriptions_));
   }
   network_ = config.network;  // the messages no longer refer to the last network's styles
 }

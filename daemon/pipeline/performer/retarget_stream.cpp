@@ -1,24 +1,20 @@
 #include "daemon/pipeline/performer/retarget_stream.h"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
 
 namespace styled::pipeline {
 
 RetargetStream::RetargetStream(std::shared_ptr<const RetargetOutput> output, const BoundBody& body,
-                               const rig::TailMap& tail, const std::string& id, std::uint64_t epoch,
+                               const std::string& id, std::uint64_t epoch,
                                const RuntimeConfig& config, publish::Subscriptions& subscriptions)
     : output_(std::move(output)),
-      avatar_(body.binding, output_->skeleton.binding, output_->skeleton.rest, config.stylist),
-      performer_tail_(rig::Tail::Make(*body.binding, rig::Both(tail, output_->tail))),
-      avatar_tail_(rig::Tail::Make(*output_->skeleton.binding, rig::Both(output_->tail, tail))),
-      tail_(performer_tail_.size(), rig::Quat::Identity()),
+      avatar_(body.binding, output_->skeleton.binding, output_->skeleton.rest, config.stylist,
+              output_->skeleton.tail),
       rotations_(output_->skeleton.rest.rotations),
       message_(id, epoch, output_->body, body.binding->skeleton().joint_count(),
                config.network->model().styles),
       subscriptions_(subscriptions) {
-  assert(performer_tail_.size() == avatar_tail_.size());
   v1::Body message = output_->body;
   message.set_performer(id);
   body_bytes_ = message.SerializeAsString();
@@ -39,8 +35,6 @@ void RetargetStream::Process(std::int64_t elapsed_ns, const stylist::Output& out
   const auto& skeleton = output_->skeleton;
   root_ = skeleton.RootInFile(skeleton.binding->RootPosition(avatar_.pose()));
   std::copy(avatar_.pose().rotations.begin(), avatar_.pose().rotations.end(), rotations_.begin());
-  performer_tail_.Read(out.rig.rotations, tail_);
-  avatar_tail_.Write(tail_, rotations_);
   rotations_.front() = skeleton.RootInFile(rotations_.front());
 }
 

@@ -11,21 +11,18 @@
 #include "daemon/publish/frame_message.h"
 #include "daemon/publish/subscriptions.h"
 #include "model/base/realtime.h"
-#include "model/rig/tail.h"
 #include "model/stylist/avatar.h"
 
 namespace styled::pipeline {
 
-// One performer's motion on the skeleton of one RetargetOutput, and its topic. Fingers, eyes and
-// jaw that both have follow the performer's; the avatar's others rest. Pipeline thread;
+// One performer's motion on the skeleton of one RetargetOutput, and its topic. Pipeline thread;
 // construction allocates.
 class RetargetStream {
  public:
   // `subscriptions` must outlive it; the topic is registered during its lifetime.
-  // `tail`: the fingers, eyes and jaw of the performer's body.
   RetargetStream(std::shared_ptr<const RetargetOutput> output, const BoundBody& body,
-                 const rig::TailMap& tail, const std::string& id, std::uint64_t epoch,
-                 const RuntimeConfig& config, publish::Subscriptions& subscriptions);
+                 const std::string& id, std::uint64_t epoch, const RuntimeConfig& config,
+                 publish::Subscriptions& subscriptions);
   ~RetargetStream();
   RetargetStream(const RetargetStream&) = delete;
   RetargetStream& operator=(const RetargetStream&) = delete;
@@ -59,9 +56,7 @@ class RetargetStream {
  private:
   std::shared_ptr<const RetargetOutput> output_;
   stylist::Avatar avatar_;
-  rig::Tail performer_tail_, avatar_tail_;  // of what both have
-  std::vector<rig::Quat> tail_;             // the last frame's
-  bool has_frame_ = false;                  // root_ and rotations_ hold one
+  bool has_frame_ = false;  // root_ and rotations_ hold one
   bool failed_ = false;
   rig::Vec3 root_ = rig::Vec3::Zero();
   std::vector<rig::Quat> rotations_;

@@ -129,6 +129,47 @@ TEST_F(AvatarTest, AnotherBodyOfTheSameProportionsTakesTheMotionAsItIs) {
   }
 }
 
+// The performer has an index finger of two joints; the avatar has them in other axes, and a jaw.
+TEST_F(AvatarTest, FingersThatBothHaveFollowAndOthersRest) {
+  const auto with = [](rig::BindingSpec spec, const std::string& name, int parent) {
+    const Quat turned(Eigen::AngleAxisf(1, Vec3(1, 2, 3).normalized()));
+    spec.skeleton.names.push_back(name);
+    spec.skeleton.parents.push_back(parent);
+    spec.skeleton.offsets.emplace_back(3, 0, 0);
+    spec.rest_rotations.push_back(spec.canonical_from_source.x() == 0 ? Quat::Identity() : turned);
+    return spec;
+  };
+  rig::BindingSpec performer = humanoid->spec(), avatar = stilts->spec();
+  performer = with(performer, "LeftHandIndex1", body::kLeftHand);
+  performer = with(performer, "LeftHandIndex2", body::kJointCount);
+  avatar = with(avatar, "finger", body::kLeftHand);
+  avatar = with(avatar, "fingertip", body::kJointCount);
+  avatar = with(avatar, "jaw", body::kHead);
+  const auto from = std::make_shared<const rig::Binding>(rig::Binding::Make(performer).value());
+  const auto to = std::make_shared<const rig::Binding>(rig::Binding::Make(avatar).value());
+  rig::TailMap tail = rig::NoTail();
+  constexpr int kIndex = rig::kTailLeftThumb + rig::kFingerJoints;
+  tail[kIndex] = body::kJointCount;
+  tail[kIndex + 1] = body::kJointCount + 1;
+  tail[rig::kTailJaw] = body::kJointCount + 2;
+  const rig::RigPose rest(to->skeleton());
+  Avatar worn(from, to, rest, {}, tail);
+  Output out(from->skeleton());
+  const Output walking = At(0.5, true);
+  out.canonical = walking.canonical;
+  out.canonical_input = walking.canonical_input;
+  const Quat bent(Eigen::AngleAxisf(0.7F, Vec3::UnitZ()));
+  out.rig.rotations[body::kJointCount] = bent;
+  out.rig.rotations[body::kJointCount + 1] = bent;
+  ASSERT_TRUE(worn.Process(0, out));
+  std::vector<Quat> read(3, Quat::Identity());
+  rig::Tail::Make(*to, tail).Read(worn.pose().rotations, read);
+  EXPECT_LT(body::Angle_rad(read[0], bent), 2e-3F);
+  EXPECT_LT(body::Angle_rad(read[1], bent), 2e-3F);
+  EXPECT_EQ(worn.pose().rotations[body::kJointCount + 2].coeffs(),
+            rest.rotations[body::kJointCount + 2].coeffs());
+}
+
 TEST_F(AvatarTest, ANewSessionIsWhereverThePerformerIs) {
   Avatar avatar(humanoid, humanoid, rig::RigPose(humanoid->skeleton()), {});
   for (int i = 0; i < 60; ++i) avatar.Process(i * 8'333'333LL, At(i / 120.0, false));
