@@ -26,6 +26,23 @@ _BACKS = (('lowerback', 'spine'), ('lowerback', 'upperback'), ('l5', 't12'), ('a
           ('spine', 'spine2'), ('spine01', 'spine02'), ('spine1', 'spine2'), ('chest', 'chest2'),
           ('spine', 'upperchest'), ('spine', 'thorax'))
 
+# Fingers: words for them, and names that no word makes. Three joints each, from the hand outwards.
+_FINGERS = {
+    'Thumb': (('thumb', 'handthumb'),
+              (('firstmc', 'firstpp', 'firstdp'), ('finger0', 'finger01', 'finger02'))),
+    'Index': (('index', 'handindex', 'findex', 'indexfinger'),
+              (('secondpp', 'secondmp', 'seconddp'), ('finger1', 'finger11', 'finger12'))),
+    'Middle': (('middle', 'handmiddle', 'fmiddle', 'middlefinger', 'mid'),
+               (('thirdpp', 'thirdmp', 'thirddp'), ('finger2', 'finger21', 'finger22'))),
+    'Ring': (('ring', 'handring', 'fring', 'ringfinger'),
+             (('fourthpp', 'fourthmp', 'fourthdp'), ('finger3', 'finger31', 'finger32'))),
+    'Little': (('little', 'handlittle', 'littlefinger', 'pinky', 'handpinky', 'fpinky', 'pinkyfinger'),
+               (('fifthpp', 'fifthmp', 'fifthdp'), ('finger4', 'finger41', 'finger42')))}
+_PHALANGES = ('Proximal', 'Intermediate', 'Distal')
+_THUMB = ('Metacarpal', 'Proximal', 'Distal')
+_NAMED = (('proximal', 'intermediate', 'distal'), ('proximal', 'medial', 'distal'))
+_NUMBERED = (('1', '2', '3'), ('01', '02', '03'))
+
 
 def _folded(names: List[str]) -> Dict[str, str]:
     """Maps names without exporters' prefixes, separators and case to the names."""
@@ -67,9 +84,27 @@ def _back(names: _Names) -> Tuple[Optional[str], Optional[str]]:
     return names.centre('spine'), names.centre('chest', 'upperchest', 'thorax')
 
 
+def _finger(names: _Names, side: str, finger: str) -> Dict[str, Optional[str]]:
+    """The joints of one finger by the way of naming that finds most of them. Numbers and abbreviations
+    mean other things elsewhere: of those the first two joints must exist."""
+    words, others = _FINGERS[finger]
+    named = _NAMED if finger != 'Thumb' else (('metacarpal', 'proximal', 'distal'),) + _NAMED
+    ways = [(tuple(word + ending for ending in endings), endings in _NUMBERED)
+            for word in words for endings in named + _NUMBERED]
+    best: List[Optional[str]] = [None] * 3
+    for way, strict in ways + [(other, True) for other in others]:
+        found = [names.sided(side, name) for name in way]
+        if strict and None in found[:2]:
+            continue
+        if found.count(None) < best.count(None):
+            best = found
+    joints = _THUMB if finger == 'Thumb' else _PHALANGES
+    return {side + finger + joint: name for joint, name in zip(joints, best)}
+
+
 def map_names(names: List[str]) -> Dict[str, str]:
-    """Maps each canonical joint (leftUpperArm) to its name in this skeleton; joints that are not found
-    are missing."""
+    """Maps each canonical joint (leftUpperArm), and fingers, eyes and jaw by VRM 1.0's names, to its name
+    in this skeleton; joints that are not found are missing."""
     table = _Names(names)
     found = {joint: table.centre(*aliases) for joint, aliases in _CENTRE.items()}
     if found['hips'] is None and table.centre('torso1') is not None:  # mocopi
@@ -79,4 +114,9 @@ def map_names(names: List[str]) -> Dict[str, str]:
     for joint, aliases in (_SIDED_BY_JOINT if by_joint else _SIDED).items():
         for side in ('left', 'right'):
             found[side + joint] = table.sided(side, *aliases)
+    for side in ('left', 'right'):
+        for finger in _FINGERS:
+            found.update(_finger(table, side, finger))
+        found[side + 'Eye'] = table.sided(side, 'eye', 'eyeball', 'faceeye', 'eyesmplhf')
+    found['jaw'] = table.centre('jaw', 'jawroot', 'lowerjaw')
     return {joint: name for joint, name in found.items() if name is not None}

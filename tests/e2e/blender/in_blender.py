@@ -517,6 +517,22 @@ class NamesTest(unittest.TestCase):
                              centre.split())
             self.assertFalse(set(found.values()) & set(beyond))
 
+    def test_fingers_eyes_and_jaw(self):
+        for names, expected in (
+                (['mixamorig:LeftHandThumb1', 'mixamorig:LeftHandThumb2', 'mixamorig:LeftEye'],
+                 ['leftThumbMetacarpal', 'leftThumbProximal', 'leftEye']),
+                (['leftThumbMetacarpal', 'leftThumbProximal', 'jaw'],
+                 ['leftThumbMetacarpal', 'leftThumbProximal', 'jaw']),
+                (['RightThumbProximal', 'RightThumbIntermediate', 'RightThumbDistal'],
+                 ['rightThumbMetacarpal', 'rightThumbProximal', 'rightThumbDistal']),
+                (['f_pinky.01.R', 'f_pinky.02.R'],
+                 ['rightLittleProximal', 'rightLittleIntermediate']),
+                (['LeftSecondPP', 'LeftSecondMP', 'LeftSecondDP'],
+                 ['leftIndexProximal', 'leftIndexIntermediate', 'leftIndexDistal']),
+                (['LeftFingerBase', 'LeftHandIndex1', 'LThumb'], [])):  # one stiff joint
+            self.assertEqual(humanoid.map_names(['Hips'] + names),
+                             dict(zip(expected, names), hips='Hips'))
+
 
 if __name__ == '__main__':
     result = unittest.main(argv=['in_blender'], exit=False, verbosity=2).result
