@@ -36,7 +36,8 @@ ROWS = {
     "proto/ipc": "model/base",
     "proto/keys": "model/base",
     "proto/recording": "model/base proto/styled proto/rigs/native",
-    "proto/rigs": "model/base",
+    "proto/arkit": "model/base",
+    "proto/rigs": "model/base proto/arkit",
     "proto/styled": "model/base model/body",
     # The daemon: a folder includes only folders further down.
     "daemon": "daemon model proto",

@@ -9,7 +9,7 @@
 #include "daemon/source/face.h"
 #include "daemon/source/outbox.h"
 #include "model/base/realtime.h"
-#include "proto/rigs/arkit/shapes.h"
+#include "proto/arkit/shapes.h"
 
 namespace styled::source {
 

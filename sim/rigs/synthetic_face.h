@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "proto/rigs/arkit/shapes.h"
+#include "proto/arkit/shapes.h"
 
 namespace styled::rigs {
 

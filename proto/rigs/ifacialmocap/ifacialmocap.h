@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "model/base/realtime.h"
-#include "proto/rigs/arkit/shapes.h"
+#include "proto/arkit/shapes.h"
 
 // The text of the apps iFacialMocap and Facemotion3d, in versions 1 ("jawOpen-12") and 2
 // ("jawOpen&12"): parts that end with '|', expressions in percent, and "=head#", "rightEye#",

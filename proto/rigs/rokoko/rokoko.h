@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "model/base/realtime.h"
-#include "proto/rigs/arkit/shapes.h"
+#include "proto/arkit/shapes.h"
 #include "proto/rigs/rokoko/joints.h"
 #include "proto/rigs/rokoko/lz4.h"
 

@@ -1,4 +1,4 @@
-#include "proto/rigs/arkit/shapes.h"
+#include "proto/arkit/shapes.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "proto/rigs/arkit/shapes.h"
+#include "proto/arkit/shapes.h"
 #include "tests/unit/livelinkface/decode_cases.h"
 
 namespace styled::live_link_face {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "daemon/source/rigs/live_link_face.h"
-#include "proto/rigs/arkit/shapes.h"
+#include "proto/arkit/shapes.h"
 #include "sim/rigs/live_link_face.h"
 #include "tests/support/translation.h"
 #include "tests/unit/livelinkface/decode_cases.h"
