@@ -18,6 +18,8 @@ export interface View {
   overlay: boolean;
   trails: boolean;
   contacts: boolean;
+  /** The styled body only, without floor. */
+  alone: boolean;
 }
 
 interface Role {
@@ -116,18 +118,20 @@ export class PerformerOnStage {
     const move = this.settled ? 1 - Math.exp(-dt_s / MOVE_S) : 1;
     this.settled = true;
     this.group.position.lerp(this.spot, move);
-    this.apart += ((view.overlay ? 0 : selected ? APART_M : CLOSE_M) - this.apart) * move;
+    if (view.alone) this.apart = 0;
+    else this.apart += ((view.overlay ? 0 : selected ? APART_M : CLOSE_M) - this.apart) * move;
     const reach = view.overlay ? RADIUS_M : Math.min(RADIUS_M, 0.93 * this.apart);
     before.floor.group.position.x = -this.apart;
     after.floor.group.position.x = this.apart;
     before.floor.disc.visible = this.apart > 0.05;
+    before.floor.group.visible = after.floor.disc.visible = !view.alone;
     after.figure?.group && (after.figure.group.visible = !this.avatar?.ready);
     before.figure?.setLook(view.overlay
       ? { color: BEFORE, emissive: 0x0a0d12, opacity: 0.45 } : { color: BEFORE });
     for (const role of [before, after]) {
       role.floor.glow = selected ? 1 : 0;
       role.floor.reach = reach;
-      role.floor.show(view.trails, view.contacts && !(view.overlay && role === before));
+      role.floor.show(view.trails && !view.alone, view.contacts && !view.alone && !(view.overlay && role === before));
       if (role.figure) {
         const { hips, left, right } = role.figure;
         role.floor.draw(this.anchor, hips, left, right, dt_s);

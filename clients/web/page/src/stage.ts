@@ -25,6 +25,8 @@ const BACKGROUND = 0x0c0f13;
 const SEEN_MS = 3000; // after a longer time between two frames, the page was hidden
 const HOME = new Vector3(0, 1.5, 5.05);
 const TARGET = new Vector3(0, 0.83, 0);
+const TARGET_ALONE = new Vector3(0, 0.93, 0); // from the soles to raised hands
+const HOME_ALONE = new Vector3(0, 1.1, 3.9);
 
 // Whether rendering is done in software, where every pixel is expensive.
 function isSoftware(renderer: WebGLRenderer): boolean {
@@ -57,7 +59,7 @@ interface Labels {
 export class Stage {
   readonly element = h('div', { className: 'stage' });
   readonly performers = new Map<string, PerformerOnStage>();
-  readonly view: View = { overlay: false, trails: true, contacts: true };
+  readonly view: View = { overlay: false, trails: true, contacts: true, alone: false };
   selected = '';
   /** Frames drawn in the last second. */
   fps = 0;
@@ -78,23 +80,30 @@ export class Stage {
   private second_ms = 0;
   private inSecond = 0;
 
-  constructor(private readonly client: StyledClient) {
+  private readonly alone: boolean;
+
+  /** `alone`: one performer without floor, labels and background; the page is seen behind it. */
+  constructor(private readonly client: StyledClient, { alone = false } = {}) {
+    this.alone = this.view.alone = alone;
     const wanted = new URLSearchParams(location.search).get('quality');
-    let renderer = new WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
+    let renderer = new WebGLRenderer({ antialias: true, alpha: alone, powerPreference: 'high-performance' });
     if (wanted !== 'high' && (wanted === 'low' || isSoftware(renderer))) {
       renderer.dispose();
       const canvas = h('canvas');
       // Opaque, so that nothing behind it needs to be drawn.
-      const context = canvas.getContext('webgl2', { alpha: false, antialias: false });
-      renderer = new WebGLRenderer(context ? { canvas, context } : {});
+      const context = canvas.getContext('webgl2', { alpha: alone, antialias: alone });
+      renderer = new WebGLRenderer(context ? { canvas, context, alpha: alone } : { alpha: alone });
       renderer.setPixelRatio(1);
       this.detail = COARSE;
     } else {
       renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     }
     this.renderer = renderer;
-    this.scene.background = this.detail === FINE ? backdrop() : new Color(BACKGROUND);
-    this.scene.fog = new Fog(BACKGROUND, 8, 19);
+    if (alone) renderer.setClearColor(BACKGROUND, 0);
+    else {
+      this.scene.background = this.detail === FINE ? backdrop() : new Color(BACKGROUND);
+      this.scene.fog = new Fog(BACKGROUND, 8, 19);
+    }
     this.scene.add(new HemisphereLight(0xcfdcf0, 0x20242c, 1.25));
     const key = new DirectionalLight(0xfff1de, 2.3);
     key.position.set(2.5, 5, 4);
@@ -111,7 +120,7 @@ export class Stage {
     renderer.domElement.setAttribute('aria-label', 'Stage: drag to look around, wheel to come closer');
     this.element.append(renderer.domElement, this.labelLayer);
     new ResizeObserver(() => this.resize()).observe(this.element);
-    renderer.domElement.addEventListener('click', (event) => this.pick(event));
+    if (!alone) renderer.domElement.addEventListener('click', (event) => this.pick(event));
     renderer.setAnimationLoop((now) => this.draw(now));
   }
 
@@ -120,8 +129,8 @@ export class Stage {
   }
 
   home(): void {
-    this.camera.position.copy(HOME);
-    this.orbit.target.copy(TARGET);
+    this.camera.position.copy(this.alone ? HOME_ALONE : HOME);
+    this.orbit.target.copy(this.alone ? TARGET_ALONE : TARGET);
     this.orbit.update();
   }
 
@@ -182,7 +191,9 @@ export class Stage {
     this.renderer.setSize(clientWidth, clientHeight);
     this.camera.aspect = clientWidth / clientHeight;
     // Two floors side by side must fit into a picture of any width.
-    this.camera.fov = clamp(34 * Math.max(1, 1.5 / this.camera.aspect), 30, 60);
+    // One body alone needs little more than half of its height.
+    const wide = this.alone ? 0.6 : 1.5;
+    this.camera.fov = clamp(34 * Math.max(1, wide / this.camera.aspect), 30, 60);
     this.camera.updateProjectionMatrix();
   }
 
@@ -221,7 +232,7 @@ export class Stage {
     }
     this.orbit.update();
     this.renderer.render(this.scene, this.camera);
-    this.drawLabels();
+    if (!this.alone) this.drawLabels();
     ++this.pictures;
     ++this.inSecond;
     const since_ms = now_ms - this.second_ms;
