@@ -1,6 +1,6 @@
 // One performer on the stage: before (as captured) and after (styled), each on its patch of floor.
 import { Group, Vector3 } from 'three';
-import { Output, type Body, type StyledClient, type Update } from 'styled-client';
+import { Output, type Body, type Stream, type StyledClient, type Update } from 'styled-client';
 
 import type { Avatar } from './avatar.js';
 import { Figure, type Detail } from './figure.js';
@@ -22,11 +22,14 @@ export interface View {
   alone: boolean;
 }
 
+/** A pose on its body: live, or of a take. */
+export type Shown = Pick<Update, 'frame' | 'body'> & Partial<Pick<Update, 'missed' | 'newEpoch'>>;
+
 interface Role {
   stream: 'source' | 'rig';
   floor: Floor;
   figure: Figure | undefined;
-  update: Update | undefined;
+  update: Shown | undefined;
 }
 
 export class PerformerOnStage {
@@ -86,10 +89,10 @@ export class PerformerOnStage {
     }
   }
 
-  /** Applies the newest poses, if there are new ones. */
-  take(): void {
+  /** Applies the newest poses, if there are new ones; `of`: where they are, if not at the client. */
+  take(of: (stream: Stream) => Shown | undefined = (stream) => this.client.latest(this.name, stream)): void {
     for (const role of [this.roles.before, this.roles.after]) {
-      const update = this.client.latest(this.name, role.stream);
+      const update = of(role.stream);
       if (!update?.body) continue;
       if (role.figure?.skeleton.body !== update.body) this.rebuild(role, update.body);
       role.figure!.setPose(update.frame);
@@ -97,14 +100,21 @@ export class PerformerOnStage {
       if (update.newEpoch) role.floor.restart();
       role.floor.step(role.figure!.left, role.figure!.right, update.frame.contacts);
       if (role === this.roles.after) {
-        this.missed += update.missed;
+        this.missed += update.missed ?? 0;
         this.weights = new Map(update.frame.styles.map(({ style, weight }) => [style, weight]));
       }
     }
     if (this.avatar) {
-      const update = this.client.latest(this.name, 'canonical');
+      const update = of('canonical');
       if (update?.body?.output === Output.CANONICAL) this.avatar.setPose(update.body, update.frame);
     }
+  }
+
+  /** The next pose has nothing to do with the last one. */
+  rewind(): void {
+    this.settled = this.anchored = false;
+    for (const { floor } of [this.roles.before, this.roles.after]) floor.restart();
+    this.avatar?.rewind();
   }
 
   draw(view: View, selected: boolean, dt_s: number): void {

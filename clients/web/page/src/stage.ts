@@ -14,11 +14,11 @@ import {
   WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import type { StyledClient } from 'styled-client';
+import type { Stream, StyledClient } from 'styled-client';
 
 import { clamp, h, setText } from './dom.js';
 import { COARSE, COARSEST, FINE, type Detail } from './figure.js';
-import { PerformerOnStage, type View } from './performer.js';
+import { PerformerOnStage, type Shown, type View } from './performer.js';
 import { Sharpness } from './sharpness.js';
 
 const BACKGROUND = 0x0c0f13;
@@ -51,6 +51,12 @@ function backdrop(): CanvasTexture {
   return texture;
 }
 
+/** A film that is being drawn; `end` gives the stage back to what is live. */
+export interface Filming {
+  draw(of: (stream: Stream) => Shown | undefined, dt_s: number): void;
+  end(): void;
+}
+
 interface Labels {
   before: HTMLElement;
   after: HTMLElement;
@@ -76,6 +82,8 @@ export class Stage {
   private readonly orbit: OrbitControls;
   private readonly labels = new Map<string, Labels>();
   private readonly labelLayer = h('div', { className: 'labels' });
+  private filming: PerformerOnStage | undefined; // it stays until its film ends
+  private names: string[] = [];
   private last_ms = 0;
   private second_ms = 0;
   private inSecond = 0;
@@ -124,6 +132,45 @@ export class Stage {
     renderer.setAnimationLoop((now) => this.draw(now));
   }
 
+  /** Instead of what is live, one performer's poses are drawn, from where the camera stands. */
+  beginFilm(name: string, width: number, height: number): Filming | undefined {
+    const performer = this.performers.get(name);
+    if (!performer || this.filming) return undefined;
+    this.filming = performer;
+    const { renderer } = this;
+    renderer.setAnimationLoop(null);
+    this.orbit.enabled = false;
+    this.element.classList.add('filming');
+    const ratio = renderer.getPixelRatio(), spot = performer.spot.clone();
+    renderer.setPixelRatio(1);
+    renderer.setSize(width, height, false);
+    this.look(width / height);
+    this.labelLayer.hidden = true;
+    performer.spot.set(0, 0, 0);
+    performer.rewind();
+    return {
+      draw: (of, dt_s) => {
+        for (const other of this.performers.values()) other.group.visible = other === performer;
+        performer.take(of);
+        performer.draw(this.view, true, dt_s);
+        renderer.render(this.scene, this.camera);
+      },
+      end: () => {
+        this.filming = undefined;
+        this.orbit.enabled = true;
+        this.element.classList.remove('filming');
+        performer.spot.copy(spot);
+        performer.rewind();
+        for (const other of this.performers.values()) other.group.visible = true;
+        this.labelLayer.hidden = false;
+        renderer.setPixelRatio(ratio);
+        this.resize();
+        this.setPerformers(this.names);
+        renderer.setAnimationLoop((now) => this.draw(now));
+      },
+    };
+  }
+
   get canvas(): HTMLCanvasElement {
     return this.renderer.domElement;
   }
@@ -147,8 +194,9 @@ export class Stage {
 
   /** Sets the performers, in order; others are removed. */
   setPerformers(names: string[]): void {
+    this.names = names;
     for (const [name, performer] of this.performers) {
-      if (names.includes(name)) continue;
+      if (names.includes(name) || performer === this.filming) continue;
       performer.dispose();
       this.performers.delete(name);
       const labels = this.labels.get(name)!;
@@ -187,11 +235,14 @@ export class Stage {
 
   private resize(): void {
     const { clientWidth, clientHeight } = this.element;
-    if (clientWidth === 0 || clientHeight === 0) return;
-    this.renderer.setSize(clientWidth, clientHeight);
-    this.camera.aspect = clientWidth / clientHeight;
-    // Two floors side by side must fit into a picture of any width.
-    // One body alone needs little more than half of its height.
+    if (clientWidth === 0 || clientHeight === 0 || this.filming) return;
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.look(clientWidth / clientHeight);
+  }
+
+  private look(aspect: number): void {
+    this.camera.aspect = aspect;
+    // Two floors side by side must fit into a picture of any width; one body alone is narrow.
     const wide = this.alone ? 0.6 : 1.5;
     this.camera.fov = clamp(34 * Math.max(1, wide / this.camera.aspect), 30, 60);
     this.camera.updateProjectionMatrix();
