@@ -6,25 +6,20 @@ import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, readdirSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
-import { drop, endAll, file, launch, pause, start, startAll, startWeb, takePicture, until } from './house.mjs';
+import { drawSeldom, drop, endAll, file, launch, patience, pause, start, startAll, startWeb, takePicture, until } from './house.mjs';
 
 let browser, page, udp, sim, clip;
 const errors = [], downloads = [];
 
 async function open(address, options = {}) {
   const opened = await browser.newPage({ viewport: { width: 1280, height: 720 }, ...options });
-  opened.setDefaultTimeout(60000);
+  opened.setDefaultTimeout(60000 * patience);
   opened.on('download', (download) => downloads.push(download));
   opened.on('pageerror', (error) => errors.push(error.message));
   opened.on('console', (message) => {
     if (message.type() === 'error' && !/Failed to load/.test(message.text())) errors.push(message.text());
   });
-  // The stage is not what is tested here: it is drawn seldom, unless a test wants otherwise.
-  await opened.addInitScript(() => {
-    globalThis.pace_ms = 400;
-    globalThis.requestAnimationFrame = (call) => setTimeout(() => call(performance.now()), globalThis.pace_ms);
-    globalThis.cancelAnimationFrame = (id) => clearTimeout(id);
-  });
+  await drawSeldom(opened); // the stage is not what is tested here, unless a test wants otherwise
   await opened.goto(address);
   await until(() => opened.evaluate(() => globalThis.styled.app.list !== undefined), 'the styles');
   return opened;

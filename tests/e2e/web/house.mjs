@@ -9,10 +9,12 @@ export const bin = process.env.STYLED_BIN;
 const folder = mkdtempSync(path.join(os.tmpdir(), 'styled-page-'));
 export const file = (name) => path.join(folder, name);
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+/** Factor of all waits: for a machine that is busy with something else. */
+export const patience = Number(process.env.PATIENCE ?? 1);
 const children = new Set();
 
 export async function until(condition, what, seconds = 60) {
-  for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(50)) {
+  for (const end = Date.now() + 1000 * seconds * patience; Date.now() < end; await pause(50)) {
     if (await condition()) return;
   }
   throw new Error(`waited in vain for ${what}`);
@@ -63,11 +65,19 @@ ${sections}`);
   return { daemon, udp };
 }
 
-export const launch = () =>
+export const launch = (args = []) =>
   chromium.launch({
     executablePath: process.env.CHROMIUM,
-    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+    args: [...args, '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
   });
+
+/** Before a page is opened: its stage is drawn seldom, every pace_ms of the page. */
+export const drawSeldom = (page, pace_ms = 400) =>
+  page.addInitScript((pace_ms) => {
+    globalThis.pace_ms = pace_ms;
+    globalThis.requestAnimationFrame = (call) => setTimeout(() => call(performance.now()), globalThis.pace_ms);
+    globalThis.cancelAnimationFrame = (id) => clearTimeout(id);
+  }, pace_ms);
 
 /** Drops files on the page: pairs of name and bytes. */
 export const drop = (page, ...files) =>

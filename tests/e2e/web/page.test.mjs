@@ -7,7 +7,7 @@ import { after, before, test } from 'node:test';
 
 import { makeAvatar } from './avatar.mjs';
 import { readBvh, worldPositions } from './bvh.mjs';
-import { drop, endAll, launch, start, startAll, startDaemon, startWeb, takePicture, until } from './house.mjs';
+import { drop, endAll, launch, patience, start, startAll, startDaemon, startWeb, takePicture, until } from './house.mjs';
 
 let browser, page, address, daemon, web;
 const errors = [], downloads = [];
@@ -19,7 +19,7 @@ before(async () => {
   ({ web, address } = await startWeb('127.0.0.1:0'));
   browser = await launch();
   page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
-  page.setDefaultTimeout(60000);
+  page.setDefaultTimeout(60000 * patience);
   page.on('download', (download) => downloads.push(download));
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('console', (message) => {
@@ -267,7 +267,7 @@ test('a list that was chosen from leaves the keys to the page; its own arrows st
   await until(async () => (await list.inputValue()) === 'styled input', 'the arrow to choose');
   assert.ok(await focused(), 'the arrows may go on');
   await list.click();
-  await list.selectOption('video');
+  await list.selectOption('styled');
   assert.ok(!(await focused()), 'the choice is made');
   await page.keyboard.press('r');
   await until(recording, 'R to record');
@@ -276,46 +276,57 @@ test('a list that was chosen from leaves the keys to the page; its own arrows st
   await saved(1);
 });
 
-test('the stage as video', async () => {
+test('a video is drawn from what was recorded: 1080p, 60 pictures a second, as long as the take', async () => {
   await page.getByLabel('What is saved').selectOption('video');
   await page.locator('button.record').click();
-  const pictures = await page.evaluate(() => globalThis.styled.stage.pictures);
-  await until(() => page.evaluate((n) => globalThis.styled.stage.pictures > n + 20, pictures), 'pictures');
+  await until(async () => (await recorded()) > 40, 'frames');
   await page.locator('button.record').click();
-  await until(() => downloads.length === 1, 'the video');
-  const [video] = downloads.splice(0);
-  assert.match(video.suggestedFilename(), /-video-[\d-]+\.webm$/);
-  const base64 = readFileSync(await video.path()).toString('base64');
-  // A browser plays it to its end without a black frame. On a blank page, since the page's own
-  // policy permits only its own content.
+  await until(async () => /Cancel · \d+ %/.test(await page.locator('button.record').innerText()), 'the drawing to begin');
+  await picture('rendering');
+  await until(() => downloads.length === 1, 'the video', 240);
+  const [file] = downloads.splice(0);
+  assert.match(file.suggestedFilename(), /-video-[\d-]+\.(webm|mp4)$/);
+  const words = await page.locator('.recording .hint').innerText();
+  const [, pictures] = /video of (\d+) pictures at 60 Hz/.exec(words) ?? assert.fail(words);
+  const take_s = Number(/, ([\d.]+) s, \d+ frames/.exec(words)[1]);
+  assert.ok(Math.abs(pictures / 60 - take_s) < 0.02, words);
+  const base64 = readFileSync(await file.path()).toString('base64');
+  // On a blank page, since the page's own policy permits only its own content.
   const blank = await browser.newPage();
-  const played = await blank.evaluate(async (base64) => {
+  const seen = await blank.evaluate(async ([base64, places]) => {
     const video = document.createElement('video');
     video.muted = true;
-    video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]));
-    const bright = () => {
-      const canvas = new OffscreenCanvas(video.videoWidth, video.videoHeight);
-      canvas.getContext('2d').drawImage(video, 0, 0);
-      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-      return data.filter((value, i) => i % 4 < 3 && value > 100).length;
-    };
     const came = (event) =>
       new Promise((resolve, reject) => {
-        video.addEventListener(event, resolve);
-        video.addEventListener('error', () => reject(new Error('no video')));
+        video.addEventListener(event, resolve, { once: true });
+        video.addEventListener('error', () => reject(new Error('no video')), { once: true });
       });
-    const shown = [];
-    const look = () => {
-      shown.push(bright());
-      video.requestVideoFrameCallback(look);
-    };
-    video.requestVideoFrameCallback(look);
-    video.play();
-    await came('ended');
-    return { width: video.videoWidth, shown };
-  }, base64);
+    video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]));
+    await came('loadeddata');
+    const drawing = new OffscreenCanvas(video.videoWidth, video.videoHeight).getContext('2d', { willReadFrequently: true });
+    const looks = [];
+    for (const place of places) {
+      const sought = came('seeked');
+      video.currentTime = place * video.duration;
+      await sought;
+      drawing.drawImage(video, 0, 0);
+      const { data } = drawing.getImageData(0, 0, video.videoWidth, video.videoHeight);
+      let bright = 0, sum = 0;
+      for (let i = 0; i < data.length; i += 4) {
+        bright += data[i] > 100;
+        sum = (sum * 31 + data[i]) % 1000003;
+      }
+      looks.push({ bright, sum });
+    }
+    return { width: video.videoWidth, height: video.videoHeight, duration_s: video.duration, looks };
+  }, [base64, [0.02, 0.3, 0.6, 0.9]]);
   await blank.close();
-  assert.ok(played.width > 200 && played.shown.length > 3 && Math.min(...played.shown) > 200, JSON.stringify(played));
+  assert.deepEqual([seen.width, seen.height], [1920, 1080]);
+  assert.ok(Math.abs(seen.duration_s - pictures / 60) < 0.02, `${seen.duration_s} s for ${pictures} pictures`);
+  assert.ok(seen.looks.every(({ bright }) => bright > 2000), JSON.stringify(seen));
+  assert.equal(new Set(seen.looks.map(({ sum }) => sum)).size, 4, 'the body moves');
+  const shown = await page.evaluate(() => globalThis.styled.stage.pictures);
+  await until(() => page.evaluate((n) => globalThis.styled.stage.pictures > n + 3, shown), 'the stage to be live again');
   await page.getByLabel('What is saved').selectOption('styled');
 });
 

@@ -6,10 +6,13 @@
   echo "skipped, the page was not built"
   exit 77
 }
-[ -d node_modules/playwright-core ] && [ -d node_modules/three ] || npm ci --no-audit --no-fund >npm.log 2>&1 || {
-  echo "skipped, npm cannot fetch its packages: $(tail -n 1 npm.log)"
-  rm -rf node_modules
-  exit 77
-}
+if ! cmp -s package-lock.json node_modules/.installed; then
+  npm ci --no-audit --no-fund >npm.log 2>&1 || {
+    echo "skipped, npm cannot fetch its packages: $(tail -n 1 npm.log)"
+    rm -rf node_modules
+    exit 77
+  }
+  cp package-lock.json node_modules/.installed
+fi
 "$3" causal.safetensors || exit 1
 CAUSAL_WEIGHTS=$PWD/causal.safetensors CHROMIUM=$2 exec node --test "$1"

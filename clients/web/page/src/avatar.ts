@@ -57,6 +57,11 @@ export class Avatar {
     this.group.visible = true;
   }
 
+  /** The next pose has nothing to do with the last one: hair and cloth hang at rest. */
+  rewind(): void {
+    this.vrm.springBoneManager?.reset();
+  }
+
   draw(dt_s: number): void {
     this.vrm.update(Math.min(dt_s, 0.1));
   }

@@ -55,10 +55,12 @@ function mixPad(app: App): HTMLElement {
   let shown = '';
   app.watch(() => {
     const names = app.styles();
-    if (names.join() === shown) return;
-    shown = names.join();
+    const words = new Map(names.map((name) => [name, app.weakness(name) ? `${name} (weak)` : name]));
+    const now = [...words.values()].join();
+    if (now === shown) return;
+    shown = now;
     const chosen = [a.value, b.value];
-    for (const select of [a, b]) select.replaceChildren(...names.map((name) => h('option', {}, name)));
+    for (const select of [a, b]) select.replaceChildren(...names.map((name) => h('option', { value: name, title: app.weakness(name) ?? '' }, words.get(name))));
     a.value = names.includes(chosen[0]!) ? chosen[0]! : names[0] ?? '';
     b.value = names.includes(chosen[1]!) ? chosen[1]! : names[1] ?? '';
   });

@@ -1,6 +1,7 @@
 // Keyboard control.
 import type { App } from './app.js';
 import { STYLE_KEYS } from './cards.js';
+import { dialog, inDialog, type Dialog } from './dialog.js';
 import { h } from './dom.js';
 import type { RecordPanel } from './record.js';
 import type { Looks } from './roster.js';
@@ -50,10 +51,9 @@ function letGo(): void {
 
 export function keys(
   app: App, stage: Stage, looks: Looks, record: RecordPanel, cancelLesson: () => boolean,
-): { help: HTMLElement; toggleHelp: () => void } {
-  const help = h('div', { className: 'help', hidden: true, onclick: () => toggleHelp() },
+): Dialog {
+  const help = dialog('Keys', 'help',
     h('dl', {}, ...HELP.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)])));
-  const toggleHelp = () => (help.hidden = !help.hidden);
   const stronger = (step: number) => {
     const look = app.entry()?.look;
     if (!look) return;
@@ -89,11 +89,15 @@ export function keys(
     s: () => stage.turn(0, -0.1),
     q: () => stage.turn(0, 0, 0.9),
     z: () => stage.turn(0, 0, 1.1),
-    '?': toggleHelp,
+    '?': help.show,
   };
   letGo();
   addEventListener('keydown', (event) => {
     const at = event.target;
+    if (inDialog()) {
+      if (event.key === '?' && help.element.open) help.element.close();
+      return;
+    }
     const typing = at instanceof HTMLInputElement && TEXT.has(at.type);
     if ((event.ctrlKey || event.metaKey) && !event.shiftKey && !event.altKey && event.key.toLowerCase() === 'z' && !typing) {
       event.preventDefault();
@@ -103,8 +107,7 @@ export function keys(
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === 'Escape') {
       if (event.target instanceof HTMLSelectElement && isOpen(event.target)) return; // it closes the list
-      if (!help.hidden) toggleHelp();
-      else if (typing && at.type === 'search' && at.value !== '') return; // it is emptied
+      if (typing && at.type === 'search' && at.value !== '') return; // it is emptied
       else {
         cancelLesson();
         void app.panic();
@@ -126,5 +129,5 @@ export function keys(
     if (event.key.toLowerCase() === 'r' && event.repeat) return; // key repeat would start and stop it
     action();
   });
-  return { help, toggleHelp };
+  return help;
 }

@@ -9,10 +9,13 @@ import { h } from './dom.js';
 import { examplePanel } from './example_panel.js';
 import { Examples } from './examples.js';
 import { keys } from './keys.js';
+import { aloneOf, type Alone } from './links.js';
 import { StyleMenu } from './menu.js';
 import { plots } from './plots.js';
 import { recordPanel } from './record.js';
 import { roster } from './roster.js';
+import { share } from './share.js';
+import { solo } from './solo.js';
 import { Stage } from './stage.js';
 import { banner, toast, topBar } from './status.js';
 
@@ -26,39 +29,55 @@ function token(): string | undefined {
   return sessionStorage.getItem('token') ?? undefined;
 }
 
+// The page with all its panels.
+function whole(client: StyledClient, known: string | undefined): object {
+  const app = new App(client);
+  const stage = new Stage(client);
+  const record = recordPanel(app, stage);
+  const examples = new Examples(app);
+  const example = examplePanel(app, examples);
+  const menu = new StyleMenu(app, examples);
+  const links = share(app, stage, known);
+  const left = roster(app, stage, record.element, example, links.show);
+  const help = keys(app, stage, left.looks, record, example.cancel);
+  const chosen = () => stage.performers.get(app.selected);
+  const cards = new Cards(app, () => chosen()?.weights ?? new Map<string, number>(), menu);
+
+  document.getElementById('app')!.append(
+    topBar(app, stage, help.toggle),
+    left.element,
+    h('main', {}, stage.element, banner(app), record.badge, example.lesson, toast(app)),
+    controls(app, cards),
+    plots(app, () => chosen()?.missed ?? 0),
+    menu.element,
+    help.element,
+    links.element,
+  );
+  stage.onSelect = (name) => app.select(name);
+  let shown = '';
+  app.watch(() => {
+    const names = app.performers().map(({ performer }) => performer);
+    const now = `${names.join()}|${app.selected}`;
+    if (now === shown) return;
+    shown = now;
+    stage.selected = app.selected;
+    stage.setPerformers(names);
+    left.dress(names);
+  });
+  app.changed();
+  return { app, client, stage, cards, recorder: record.recorder };
+}
+
+// One performer alone, for OBS.
+function alone(client: StyledClient, wish: Alone): object {
+  const { element, stage } = solo(client, wish);
+  document.getElementById('app')!.append(element);
+  return { client, stage };
+}
+
 const known = token();
 const client = new StyledClient({ url: location.origin, ...(known ? { token: known } : {}) });
-const app = new App(client);
-const stage = new Stage(client);
-const record = recordPanel(app, stage);
-const examples = new Examples(app);
-const example = examplePanel(app, examples);
-const menu = new StyleMenu(app, examples);
-const left = roster(app, stage, record.element, example);
-const { help, toggleHelp } = keys(app, stage, left.looks, record, example.cancel);
-const chosen = () => stage.performers.get(app.selected);
-const cards = new Cards(app, () => chosen()?.weights ?? new Map<string, number>(), menu);
-
-document.getElementById('app')!.append(
-  topBar(app, stage, toggleHelp),
-  left.element,
-  h('main', {}, stage.element, banner(app), record.badge, example.lesson, toast(app)),
-  controls(app, cards),
-  plots(app, () => chosen()?.missed ?? 0),
-  menu.element,
-  help,
-);
-stage.onSelect = (name) => app.select(name);
-let shown = '';
-app.watch(() => {
-  const names = app.performers().map(({ performer }) => performer);
-  const now = `${names.join()}|${app.selected}`;
-  if (now === shown) return;
-  shown = now;
-  stage.selected = app.selected;
-  stage.setPerformers(names);
-});
-app.changed();
+const wish = aloneOf(location.search, (text) => CSS.supports('color', text));
 
 // For tests and for the browser's console.
-Object.assign(window, { styled: { app, client, stage, cards, recorder: record.recorder } });
+Object.assign(window, { styled: wish ? alone(client, wish) : whole(client, known) });

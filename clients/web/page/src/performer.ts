@@ -1,6 +1,6 @@
 // One performer on the stage: before (as captured) and after (styled), each on its patch of floor.
 import { Group, Vector3 } from 'three';
-import { Output, type Body, type StyledClient, type Update } from 'styled-client';
+import { Output, type Body, type Stream, type StyledClient, type Update } from 'styled-client';
 
 import type { Avatar } from './avatar.js';
 import { Figure, type Detail } from './figure.js';
@@ -18,13 +18,18 @@ export interface View {
   overlay: boolean;
   trails: boolean;
   contacts: boolean;
+  /** The styled body only, without floor. */
+  alone: boolean;
 }
+
+/** A pose on its body: live, or of a take. */
+export type Shown = Pick<Update, 'frame' | 'body'> & Partial<Pick<Update, 'missed' | 'newEpoch'>>;
 
 interface Role {
   stream: 'source' | 'rig';
   floor: Floor;
   figure: Figure | undefined;
-  update: Update | undefined;
+  update: Shown | undefined;
 }
 
 export class PerformerOnStage {
@@ -84,10 +89,10 @@ export class PerformerOnStage {
     }
   }
 
-  /** Applies the newest poses, if there are new ones. */
-  take(): void {
+  /** Applies the newest poses, if there are new ones; `of`: where they are, if not at the client. */
+  take(of: (stream: Stream) => Shown | undefined = (stream) => this.client.latest(this.name, stream)): void {
     for (const role of [this.roles.before, this.roles.after]) {
-      const update = this.client.latest(this.name, role.stream);
+      const update = of(role.stream);
       if (!update?.body) continue;
       if (role.figure?.skeleton.body !== update.body) this.rebuild(role, update.body);
       role.figure!.setPose(update.frame);
@@ -95,14 +100,21 @@ export class PerformerOnStage {
       if (update.newEpoch) role.floor.restart();
       role.floor.step(role.figure!.left, role.figure!.right, update.frame.contacts);
       if (role === this.roles.after) {
-        this.missed += update.missed;
+        this.missed += update.missed ?? 0;
         this.weights = new Map(update.frame.styles.map(({ style, weight }) => [style, weight]));
       }
     }
     if (this.avatar) {
-      const update = this.client.latest(this.name, 'canonical');
+      const update = of('canonical');
       if (update?.body?.output === Output.CANONICAL) this.avatar.setPose(update.body, update.frame);
     }
+  }
+
+  /** The next pose has nothing to do with the last one. */
+  rewind(): void {
+    this.settled = this.anchored = false;
+    for (const { floor } of [this.roles.before, this.roles.after]) floor.restart();
+    this.avatar?.rewind();
   }
 
   draw(view: View, selected: boolean, dt_s: number): void {
@@ -116,18 +128,20 @@ export class PerformerOnStage {
     const move = this.settled ? 1 - Math.exp(-dt_s / MOVE_S) : 1;
     this.settled = true;
     this.group.position.lerp(this.spot, move);
-    this.apart += ((view.overlay ? 0 : selected ? APART_M : CLOSE_M) - this.apart) * move;
+    if (view.alone) this.apart = 0;
+    else this.apart += ((view.overlay ? 0 : selected ? APART_M : CLOSE_M) - this.apart) * move;
     const reach = view.overlay ? RADIUS_M : Math.min(RADIUS_M, 0.93 * this.apart);
     before.floor.group.position.x = -this.apart;
     after.floor.group.position.x = this.apart;
     before.floor.disc.visible = this.apart > 0.05;
+    before.floor.group.visible = after.floor.disc.visible = !view.alone;
     after.figure?.group && (after.figure.group.visible = !this.avatar?.ready);
     before.figure?.setLook(view.overlay
       ? { color: BEFORE, emissive: 0x0a0d12, opacity: 0.45 } : { color: BEFORE });
     for (const role of [before, after]) {
       role.floor.glow = selected ? 1 : 0;
       role.floor.reach = reach;
-      role.floor.show(view.trails, view.contacts && !(view.overlay && role === before));
+      role.floor.show(view.trails && !view.alone, view.contacts && !view.alone && !(view.overlay && role === before));
       if (role.figure) {
         const { hips, left, right } = role.figure;
         role.floor.draw(this.anchor, hips, left, right, dt_s);

@@ -33,7 +33,7 @@ class Plot {
       })) : undefined;
     this.element = h('figure', { className: 'plot', title: lines.map(({ label }) => label).join(', ') },
       h('figcaption', {}, h('span', {}, title), legend, this.now), box);
-    const axis = { stroke: '#66758a', font: '10px system-ui', ticks: { show: false } };
+    const axis = { stroke: '#8a97ab', font: '10px system-ui', ticks: { show: false } };
     this.plot = new uPlot({
       width: 300, height: 78, cursor: { show: false }, legend: { show: false }, padding: [6, 4, 8, 0],
       scales: { x: { time: false, range: (_u, _min, max) => [max - SECONDS, max] },
@@ -78,7 +78,7 @@ class Plot {
 
 export function plots(app: App, missed: () => number): HTMLElement {
   const latency = new Plot('Latency', [
-    { label: 'max', color: '#5d6b80' },
+    { label: 'max', color: '#8a97ab' },
     { label: 'p99', color: '#7fb4ff' },
     { label: 'p50', color: '#ffb35c' },
   ], ([, p99, p50]) => `${p50!.toFixed(0)} / ${p99!.toFixed(0)} µs`, 100,

@@ -5,12 +5,19 @@ import { h, setText } from './dom.js';
 import { Film } from './film.js';
 import { Recorder, type Ended } from './recorder.js';
 import { saveFile } from './save.js';
+import type { Video } from './render.js';
+import { Replay } from './replay.js';
 import { causesInWords, causesOf, filledIn, gridOf, posesOn, type Grid, type Take } from './take.js';
 import type { Stage } from './stage.js';
 
 const AT_ONCE_MS = 40; // of writing, then the event loop runs
+const WIDTH = 1920, HEIGHT = 1080, PICTURES_HZ = 60; // of a video
+const LONGEST_S = 600; // the file is made in memory
 
 type What = 'styled' | 'input' | 'video';
+
+/** Videos are made of the recorded poses; without WebCodecs, as on pages without TLS, the stage is filmed. */
+const RENDERS = 'VideoEncoder' in globalThis;
 
 /** Why recording is not possible, or ''. */
 function obstacle(app: App): string {
@@ -43,23 +50,48 @@ function stamp(time: Date): string {
     `-${two(time.getHours())}${two(time.getMinutes())}${two(time.getSeconds())}`;
 }
 
-/** A take that has ended; it can be saved repeatedly. */
+/** A take that has ended; it can be saved repeatedly. `film`: the stage as it was seen, if it was filmed. */
 class Result {
   readonly filled: number[];
+  private video: Video | undefined;
 
   constructor(readonly take: Take, readonly grid: Grid, readonly film: Blob | undefined) {
     this.filled = [0, 1].map((track) => filledIn(grid, track));
   }
 
   has(what: What): boolean {
-    return what !== 'video' || this.film !== undefined;
+    return what !== 'video' || RENDERS || this.film !== undefined;
+  }
+  get rendered(): boolean {
+    return !RENDERS || this.video !== undefined;
+  }
+
+  /** False: `progress` said false. */
+  async render(stage: Stage, progress: (share: number) => boolean): Promise<boolean> {
+    const replay = Replay.of(this.take);
+    const filming = replay && stage.beginFilm(this.take.performer, WIDTH, HEIGHT);
+    if (!filming) throw new Error(`${this.take.performer} is no longer on the stage`);
+    try {
+      const { render } = await import('./render.js');
+      const pictures = Math.max(1, Math.round(Math.min(LONGEST_S, replay.duration_s) * PICTURES_HZ));
+      this.video = await render(stage.canvas, PICTURES_HZ, pictures, (i) =>
+        filming.draw((stream) => replay.at(stream, i / PICTURES_HZ), i === 0 ? 0.001 : 1 / PICTURES_HZ), progress);
+    } finally {
+      filming.end();
+    }
+    return this.video !== undefined;
   }
 
   words(): string {
-    const { frames, rate_hz } = this.grid;
+    const { frames, rate_hz, step } = this.grid;
     const [source, styled] = this.filled as [number, number];
     const parts = [this.take.performer, `${(frames / rate_hz).toFixed(2)} s`,
                    `${frames} frames at ${Number(rate_hz.toFixed(3))} Hz`];
+    if (Math.abs(step - 1) > 1e-9) parts.push(`the rig's own rate was ${(rate_hz * step).toFixed(2)} Hz`);
+    if (this.video) {
+      const { pictures } = this.video;
+      parts.push(`video of ${pictures} pictures at ${PICTURES_HZ} Hz` + (pictures / PICTURES_HZ >= LONGEST_S ? ', its first 10 minutes' : ''));
+    }
     const filled = Math.max(source, styled);
     if (filled > 0) {
       const why = source > styled ? causesOf(this.grid, 0, this.take.source) : causesOf(this.grid, 1, this.take.styled);
@@ -70,7 +102,7 @@ class Result {
 
   name(what: What): string {
     const whose = `${this.take.performer.replace(/[^\w.-]/g, '_')}-${what}-${stamp(this.take.begun)}`;
-    if (what === 'video') return `${whose}.${Film.extension}`;
+    if (what === 'video') return `${whose}${RENDERS ? (this.video ? `.${this.video.extension}` : '') : `.${Film.extension}`}`;
     const filled = this.filled[what === 'input' ? 0 : 1]!;
     return `${whose}${filled > 0 ? `-${filled}filled` : ''}.bvh`;
   }
@@ -78,7 +110,7 @@ class Result {
   async save(what: What): Promise<string> {
     const { take, grid } = this;
     const name = this.name(what);
-    if (what === 'video') saveFile(this.film!, name);
+    if (what === 'video') saveFile(this.video?.blob ?? this.film!, name);
     else {
       const [index, track] = what === 'input' ? [0, take.source] as const : [1, take.styled] as const;
       saveFile(await written(bvhText(take.body, grid.rate_hz, grid.frames, posesOn(grid, index, track))), name);
@@ -111,16 +143,37 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
   const choice = h('select', { 'aria-label': 'What is saved' },
     h('option', { value: 'styled' }, 'Styled motion, BVH'),
     h('option', { value: 'styled input' }, 'Styled and input, 2 BVH'),
-    h('option', { value: 'video', disabled: !Film.extension,
-                  title: Film.extension ? '' : 'This browser cannot record a picture' }, 'Video of the stage'));
+    h('option', { value: 'video', disabled: !RENDERS && !Film.extension,
+                  title: RENDERS || Film.extension ? '' : 'This browser cannot record a picture' },
+      RENDERS ? 'Video, 1080p60' : 'Video of the stage, as drawn'));
   const line = h('p', { className: 'hint' });
   const chips = h('div', { className: 'chips' });
   const badge = h('div', { className: 'badge', hidden: true }, h('i', {}), h('span', {}));
 
+  let rendering: { share: number; cancelled: boolean } | undefined;
+  // False: it was cancelled.
+  const rendered = async (of: Result): Promise<boolean> => {
+    const now = rendering = { share: 0, cancelled: false };
+    paint();
+    try {
+      return await of.render(stage, (share) => {
+        now.share = share;
+        paint();
+        return !now.cancelled;
+      });
+    } finally {
+      rendering = undefined;
+      paint();
+    }
+  };
   const saveAll = async (what: What[], of: Result) => {
     try {
       const names: string[] = [];
-      for (const one of what) names.push(await of.save(one));
+      for (const one of what) {
+        if (one === 'video' && !of.rendered && !(await rendered(of))) continue;
+        names.push(await of.save(one));
+      }
+      paintChips();
       return names.join(' and ');
     } catch (error) {
       app.onMessage(`cannot save: ${(error as Error).message}`, true);
@@ -132,8 +185,8 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
       .filter((what) => result?.has(what)).map((what) =>
         h('button', {
           'data-save': what, title: `Save ${result!.name(what)}`,
-          onclick: () => void saveAll([what], result!),
-        }, what === 'video' ? `Video .${Film.extension}` : `${what[0]!.toUpperCase()}${what.slice(1)} .bvh`)));
+          onclick: () => void (rendering || saveAll([what], result!)),
+        }, what === 'video' ? `Video ${/\.\w+$/.exec(result!.name(what))?.[0] ?? '1080p60'}` : `${what[0]!.toUpperCase()}${what.slice(1)} .bvh`)));
   };
 
   const ended = async ({ take, reason }: Ended) => {
@@ -152,18 +205,21 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     }
     const words = result.words();
     setText(line, `${why}${words}.`);
-    const names = await saveAll(wanted.filter((what) => result!.has(what)), result);
-    if (names) app.onMessage(`${why}Saved ${names}: ${words}.`, reason !== '');
+    const saving = result;
+    const names = await saveAll(wanted.filter((what) => saving.has(what)), saving);
+    setText(line, `${why}${saving.words()}.`);
+    if (names) app.onMessage(`${why}Saved ${names}: ${saving.words()}.`, reason !== '');
   };
   recorder.onEnd = (how) => void ended(how);
 
   const toggle = () => {
+    if (rendering) return void (rendering.cancelled = true);
     if (recorder.recording) return recorder.stop();
     const reason = obstacle(app);
     if (reason) return app.onMessage(`nothing to record: ${reason}`, true);
     result = undefined;
     paintChips();
-    if (choice.value === 'video') {
+    if (choice.value === 'video' && !RENDERS) {
       try {
         film = new Film(stage.canvas, (why) => recorder.stop(why));
       } catch (error) {
@@ -171,23 +227,27 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
       }
       stage.steady = true;
     }
-    recorder.start(app.selected);
+    recorder.start(app.selected, stage.performers.get(app.selected)?.avatar !== undefined);
     app.onMessage(`recording ${app.selected}`, false);
     paint();
   };
 
   const paint = () => {
     const on = recorder.recording;
-    const reason = on ? '' : obstacle(app);
+    const reason = on || rendering ? '' : obstacle(app);
     button.disabled = reason !== '';
-    button.title = on ? 'Stop and save (R)' : reason || `Record ${app.selected} (R)`;
+    button.title = rendering ? 'Cancel the video (R)' : on ? 'Stop and save (R)' : reason || `Record ${app.selected} (R)`;
     button.setAttribute('aria-pressed', String(on));
-    choice.disabled = on;
-    badge.hidden = !on;
+    choice.disabled = on || rendering !== undefined;
+    badge.hidden = !on && !rendering;
     const time = clock(recorder.elapsed_s);
-    setText(label, on ? `Stop · ${time}` : 'Record');
+    const done = rendering && `${Math.floor(100 * rendering.share)} %`;
+    setText(label, done ? `Cancel · ${done}` : on ? `Stop · ${time}` : 'Record');
     document.title = on ? `● ${time} Styled` : 'Styled';
-    if (on) {
+    if (done) {
+      setText(badge.lastElementChild!, `video · ${done}`);
+      setText(line, 'The video is drawn from what was recorded; the stage shows it, the daemon goes on.');
+    } else if (on) {
       const missed = recorder.missed;
       setText(badge.lastElementChild!, `${recorder.performer} · ${time}`);
       setText(line, `${recorder.frames} frames${missed > 0 ? `, ${missed} did not reach this page` : ''}`);
@@ -199,7 +259,7 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
   app.watch(paint);
   setInterval(() => recorder.recording && paint(), 100);
   addEventListener('beforeunload', (event) => {
-    if (recorder.recording) event.preventDefault();
+    if (recorder.recording || rendering) event.preventDefault();
   });
   paint();
   return {

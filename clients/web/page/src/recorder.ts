@@ -1,4 +1,5 @@
-// Records one performer: every received frame of the input and of the styled motion.
+// Records one performer: every received frame of the input and of the styled motion, and where an avatar
+// is worn of the canonical humanoid.
 import type { Body, StyledClient, Stats, Update } from 'styled-client';
 
 import { Track, type Take } from './take.js';
@@ -55,13 +56,14 @@ export class Recorder {
     return this.take?.styled.missed ?? 0;
   }
 
-  start(performer: string): void {
+  start(performer: string, canonical = false): void {
     if (this.recording) return;
     this.performer = performer;
     this.take = undefined;
     this.epoch = undefined;
     this.silent = 0;
     this.ends = [this.client.subscribe(performer, 'source'), this.client.subscribe(performer, 'rig')];
+    if (canonical) this.ends.push(this.client.subscribe(performer, 'canonical'));
   }
 
   /** `reason`: why, if the user did not request it. */
@@ -84,17 +86,25 @@ export class Recorder {
 
   private onFrame(update: Update): void {
     const { performer, stream, frame, body } = update;
-    if (performer !== this.performer || stream === 'canonical') return;
+    if (performer !== this.performer) return;
+    if (stream === 'canonical') return this.onCanonical(update);
     if (this.take && frame.epoch !== this.epoch) return this.end('the daemon was restarted');
     if (this.take && frame.bodyHash !== this.take.body.hash) return this.end(`${performer} has another skeleton now`);
     if (!body) return; // it has not arrived yet
     this.take ??= this.begin(update, body);
     const track = stream === 'source' ? this.take.source : this.take.styled;
     track.add(frame);
-    const { source, styled } = this.take;
-    if (track.length >= this.limits.poses || source.bytes + styled.bytes >= this.limits.bytes) {
+    const { source, styled, canonical } = this.take;
+    if (track.length >= this.limits.poses || source.bytes + styled.bytes + (canonical?.track.bytes ?? 0) >= this.limits.bytes) {
       this.end(`${track.length} frames are all that a recording here may have; stylerec records without end`);
     }
+  }
+
+  // Before the first frame of the rig there is no take, and of another body no more is recorded.
+  private onCanonical({ frame, body }: Update): void {
+    if (!this.take || !body || frame.epoch !== this.epoch) return;
+    this.take.canonical ??= { body, track: new Track(body.names.length) };
+    if (frame.bodyHash === this.take.canonical.body.hash) this.take.canonical.track.add(frame);
   }
 
   private onStats(stats: Stats): void {

@@ -2,6 +2,7 @@
 import type { App } from './app.js';
 import { Avatar } from './avatar.js';
 import { h, setText } from './dom.js';
+import { keep, keptFile, lastWorn, noteWorn } from './kept.js';
 import { kindOf } from './names.js';
 import type { Stage } from './stage.js';
 
@@ -70,28 +71,57 @@ function looks(stage: Stage): Looks {
   };
 }
 
-function wardrobe(app: App, stage: Stage, take: (files: File[]) => boolean): HTMLElement {
+interface Wardrobe {
+  element: HTMLElement;
+  /** Gives new performers what they wore last. */
+  dress(names: string[]): void;
+}
+
+function wardrobe(app: App, stage: Stage, take: (files: File[]) => boolean, share: () => void): Wardrobe {
   const file = h('input', { type: 'file', accept: '.vrm', hidden: true });
   const label = h('span', {});
   const zone = h('button', { className: 'drop', onclick: () => file.click() }, label);
-  const off = h('button', { className: 'off', title: 'Take it off' }, '×');
+  const off = h('button', { className: 'off', title: 'Take it off', 'aria-label': 'Take the avatar off' }, '×');
+  const link = h('button', { className: 'links', onclick: share, title: 'Links for OBS and for a phone' }, 'OBS, phone …');
+  const put = async (name: string, chosen: File) => {
+    const wearer = stage.performers.get(name);
+    const avatar = await Avatar.load(chosen);
+    wearer?.setAvatar(avatar);
+    return avatar.lostPictures;
+  };
   const wear = async (chosen: File) => {
-    const wearer = stage.performers.get(app.selected);
-    if (!wearer) return app.onMessage('nobody is here to wear it', true);
+    const name = app.selected;
+    if (!stage.performers.has(name)) return app.onMessage('nobody is here to wear it', true);
     app.onMessage(`loading ${chosen.name} …`, false);
     try {
-      const avatar = await Avatar.load(chosen);
-      wearer.setAvatar(avatar);
-      const lost = avatar.lostPictures;
-      app.onMessage(`${wearer.name} wears ${chosen.name}` + (lost === 0 ? '' : lost === 1
-        ? '; one of its textures could not be loaded' : `; ${lost} of its textures could not be loaded`), lost > 0);
+      const lost = await put(name, chosen);
+      const kept = await keep(chosen).then(() => true, () => false);
+      noteWorn(name, kept ? chosen.name : '');
+      app.onMessage(`${name} wears ${chosen.name}` + (lost === 0 ? '' : lost === 1
+        ? '; one of its textures could not be loaded' : `; ${lost} of its textures could not be loaded`) +
+        (kept ? '' : '; this browser does not keep it'), lost > 0 || !kept);
     } catch (error) {
       app.onMessage((error as Error).message, true);
     }
     app.changed();
   };
+  const dressed = new Set<string>();
+  const dress = (names: string[]) => {
+    for (const name of dressed) if (!names.includes(name)) dressed.delete(name); // may come back
+    for (const name of names) {
+      if (dressed.has(name)) continue;
+      dressed.add(name);
+      const worn = lastWorn(name);
+      if (!worn) continue;
+      void keptFile(worn).then(async (kept) => {
+        if (kept && !stage.performers.get(name)?.avatar) await put(name, kept);
+        app.changed();
+      }).catch(() => noteWorn(name, '')); // no longer kept, or no longer an avatar
+    }
+  };
   off.addEventListener('click', () => {
     stage.performers.get(app.selected)?.setAvatar(undefined);
+    noteWorn(app.selected, '');
     app.changed();
   });
   file.addEventListener('change', () => {
@@ -122,16 +152,21 @@ function wardrobe(app: App, stage: Stage, take: (files: File[]) => boolean): HTM
     zone.classList.toggle('worn', name !== undefined);
     off.hidden = name === undefined;
   });
-  return h('section', {}, h('h2', {}, 'Avatar'), h('div', { className: 'wardrobe' }, zone, off, file));
+  return {
+    element: h('section', {}, h('h2', {}, 'Avatar'), h('div', { className: 'wardrobe' }, zone, off, file), link),
+    dress,
+  };
 }
 
-/** `examples`: its panel, and who takes the files that are dropped and no avatar. */
+/** `examples`: its panel, and who takes the files that are dropped and no avatar. `share`: shows the links. */
 export function roster(
-  app: App, stage: Stage, record: HTMLElement, examples: { element: HTMLElement; take(files: File[]): boolean },
-): { element: HTMLElement; looks: Looks } {
+  app: App, stage: Stage, record: HTMLElement, examples: { element: HTMLElement; take(files: File[]): boolean }, share: () => void,
+): { element: HTMLElement; looks: Looks; dress(names: string[]): void } {
   const view = looks(stage);
+  const clothes = wardrobe(app, stage, examples.take, share);
   return {
-    element: h('aside', { className: 'panel left' }, list(app), examples.element, record, view.element, wardrobe(app, stage, examples.take)),
+    element: h('aside', { className: 'panel left' }, list(app), examples.element, record, view.element, clothes.element),
     looks: view,
+    dress: clothes.dress,
   };
 }

@@ -14,17 +14,19 @@ import {
   WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import type { StyledClient } from 'styled-client';
+import type { Stream, StyledClient } from 'styled-client';
 
 import { clamp, h, setText } from './dom.js';
 import { COARSE, COARSEST, FINE, type Detail } from './figure.js';
-import { PerformerOnStage, type View } from './performer.js';
+import { PerformerOnStage, type Shown, type View } from './performer.js';
 import { Sharpness } from './sharpness.js';
 
 const BACKGROUND = 0x0c0f13;
 const SEEN_MS = 3000; // after a longer time between two frames, the page was hidden
 const HOME = new Vector3(0, 1.5, 5.05);
 const TARGET = new Vector3(0, 0.83, 0);
+const TARGET_ALONE = new Vector3(0, 0.93, 0); // from the soles to raised hands
+const HOME_ALONE = new Vector3(0, 1.1, 3.9);
 
 // Whether rendering is done in software, where every pixel is expensive.
 function isSoftware(renderer: WebGLRenderer): boolean {
@@ -49,6 +51,12 @@ function backdrop(): CanvasTexture {
   return texture;
 }
 
+/** A film that is being drawn; `end` gives the stage back to what is live. */
+export interface Filming {
+  draw(of: (stream: Stream) => Shown | undefined, dt_s: number): void;
+  end(): void;
+}
+
 interface Labels {
   before: HTMLElement;
   after: HTMLElement;
@@ -57,7 +65,7 @@ interface Labels {
 export class Stage {
   readonly element = h('div', { className: 'stage' });
   readonly performers = new Map<string, PerformerOnStage>();
-  readonly view: View = { overlay: false, trails: true, contacts: true };
+  readonly view: View = { overlay: false, trails: true, contacts: true, alone: false };
   selected = '';
   /** Frames drawn in the last second. */
   fps = 0;
@@ -74,27 +82,36 @@ export class Stage {
   private readonly orbit: OrbitControls;
   private readonly labels = new Map<string, Labels>();
   private readonly labelLayer = h('div', { className: 'labels' });
+  private filming: PerformerOnStage | undefined; // it stays until its film ends
+  private names: string[] = [];
   private last_ms = 0;
   private second_ms = 0;
   private inSecond = 0;
 
-  constructor(private readonly client: StyledClient) {
+  private readonly alone: boolean;
+
+  /** `alone`: one performer without floor, labels and background; the page is seen behind it. */
+  constructor(private readonly client: StyledClient, { alone = false } = {}) {
+    this.alone = this.view.alone = alone;
     const wanted = new URLSearchParams(location.search).get('quality');
-    let renderer = new WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
+    let renderer = new WebGLRenderer({ antialias: true, alpha: alone, powerPreference: 'high-performance' });
     if (wanted !== 'high' && (wanted === 'low' || isSoftware(renderer))) {
       renderer.dispose();
       const canvas = h('canvas');
       // Opaque, so that nothing behind it needs to be drawn.
-      const context = canvas.getContext('webgl2', { alpha: false, antialias: false });
-      renderer = new WebGLRenderer(context ? { canvas, context } : {});
+      const context = canvas.getContext('webgl2', { alpha: alone, antialias: alone });
+      renderer = new WebGLRenderer(context ? { canvas, context, alpha: alone } : { alpha: alone });
       renderer.setPixelRatio(1);
       this.detail = COARSE;
     } else {
       renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     }
     this.renderer = renderer;
-    this.scene.background = this.detail === FINE ? backdrop() : new Color(BACKGROUND);
-    this.scene.fog = new Fog(BACKGROUND, 8, 19);
+    if (alone) renderer.setClearColor(BACKGROUND, 0);
+    else {
+      this.scene.background = this.detail === FINE ? backdrop() : new Color(BACKGROUND);
+      this.scene.fog = new Fog(BACKGROUND, 8, 19);
+    }
     this.scene.add(new HemisphereLight(0xcfdcf0, 0x20242c, 1.25));
     const key = new DirectionalLight(0xfff1de, 2.3);
     key.position.set(2.5, 5, 4);
@@ -111,8 +128,47 @@ export class Stage {
     renderer.domElement.setAttribute('aria-label', 'Stage: drag to look around, wheel to come closer');
     this.element.append(renderer.domElement, this.labelLayer);
     new ResizeObserver(() => this.resize()).observe(this.element);
-    renderer.domElement.addEventListener('click', (event) => this.pick(event));
+    if (!alone) renderer.domElement.addEventListener('click', (event) => this.pick(event));
     renderer.setAnimationLoop((now) => this.draw(now));
+  }
+
+  /** Instead of what is live, one performer's poses are drawn, from where the camera stands. */
+  beginFilm(name: string, width: number, height: number): Filming | undefined {
+    const performer = this.performers.get(name);
+    if (!performer || this.filming) return undefined;
+    this.filming = performer;
+    const { renderer } = this;
+    renderer.setAnimationLoop(null);
+    this.orbit.enabled = false;
+    this.element.classList.add('filming');
+    const ratio = renderer.getPixelRatio(), spot = performer.spot.clone();
+    renderer.setPixelRatio(1);
+    renderer.setSize(width, height, false);
+    this.look(width / height);
+    this.labelLayer.hidden = true;
+    performer.spot.set(0, 0, 0);
+    performer.rewind();
+    return {
+      draw: (of, dt_s) => {
+        for (const other of this.performers.values()) other.group.visible = other === performer;
+        performer.take(of);
+        performer.draw(this.view, true, dt_s);
+        renderer.render(this.scene, this.camera);
+      },
+      end: () => {
+        this.filming = undefined;
+        this.orbit.enabled = true;
+        this.element.classList.remove('filming');
+        performer.spot.copy(spot);
+        performer.rewind();
+        for (const other of this.performers.values()) other.group.visible = true;
+        this.labelLayer.hidden = false;
+        renderer.setPixelRatio(ratio);
+        this.resize();
+        this.setPerformers(this.names);
+        renderer.setAnimationLoop((now) => this.draw(now));
+      },
+    };
   }
 
   get canvas(): HTMLCanvasElement {
@@ -120,8 +176,8 @@ export class Stage {
   }
 
   home(): void {
-    this.camera.position.copy(HOME);
-    this.orbit.target.copy(TARGET);
+    this.camera.position.copy(this.alone ? HOME_ALONE : HOME);
+    this.orbit.target.copy(this.alone ? TARGET_ALONE : TARGET);
     this.orbit.update();
   }
 
@@ -138,8 +194,9 @@ export class Stage {
 
   /** Sets the performers, in order; others are removed. */
   setPerformers(names: string[]): void {
+    this.names = names;
     for (const [name, performer] of this.performers) {
-      if (names.includes(name)) continue;
+      if (names.includes(name) || performer === this.filming) continue;
       performer.dispose();
       this.performers.delete(name);
       const labels = this.labels.get(name)!;
@@ -178,11 +235,16 @@ export class Stage {
 
   private resize(): void {
     const { clientWidth, clientHeight } = this.element;
-    if (clientWidth === 0 || clientHeight === 0) return;
-    this.renderer.setSize(clientWidth, clientHeight);
-    this.camera.aspect = clientWidth / clientHeight;
-    // Two floors side by side must fit into a picture of any width.
-    this.camera.fov = clamp(34 * Math.max(1, 1.5 / this.camera.aspect), 30, 60);
+    if (clientWidth === 0 || clientHeight === 0 || this.filming) return;
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.look(clientWidth / clientHeight);
+  }
+
+  private look(aspect: number): void {
+    this.camera.aspect = aspect;
+    // Two floors side by side must fit into a picture of any width; one body alone is narrow.
+    const wide = this.alone ? 0.6 : 1.5;
+    this.camera.fov = clamp(34 * Math.max(1, wide / this.camera.aspect), 30, 60);
     this.camera.updateProjectionMatrix();
   }
 
@@ -221,7 +283,7 @@ export class Stage {
     }
     this.orbit.update();
     this.renderer.render(this.scene, this.camera);
-    this.drawLabels();
+    if (!this.alone) this.drawLabels();
     ++this.pictures;
     ++this.inSecond;
     const since_ms = now_ms - this.second_ms;

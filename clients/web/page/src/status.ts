@@ -1,13 +1,23 @@
 // The top bar, messages, and the current problem.
+import type { Stats } from 'styled-client';
+
 import type { App } from './app.js';
 import { h, setText } from './dom.js';
+import { findings } from './findings.js';
 import type { Stage } from './stage.js';
 
 const MESSAGE_MS = 4000;
 const READ_MS = 60; // reading time per letter
 
-/** The current problem, or '' if there is none. `kind`: selects the colour of the light. */
-function trouble(app: App): { kind: 'ok' | 'wait' | 'bad'; title: string; text: string } {
+interface Trouble {
+  kind: 'ok' | 'wait' | 'bad'; // selects the colour of the light
+  title: string;
+  text: string;
+  sources?: boolean; // what is known of the sources helps
+}
+
+/** The current problem; no title if there is none. */
+function trouble(app: App): Trouble {
   const { linkState: link, daemonState: daemon } = app.client;
   if (link.kind === 'refused') {
     const text = link.status === 401
@@ -23,23 +33,36 @@ function trouble(app: App): { kind: 'ok' | 'wait' | 'bad'; title: string; text: 
   }
   if (app.performers().length === 0) {
     return { kind: 'wait', title: 'The stage is empty',
-             text: 'The daemon runs, but no rig sends. Point one at it, or start stylesim.' };
+             text: 'The daemon runs, but no rig sends. Point one at it, or start stylesim.', sources: true };
   }
   if (app.live().length === 0) {
-    return { kind: 'wait', title: 'The rig is silent', text: 'No frames come. stylectl doctor says why.' };
+    return { kind: 'wait', title: 'The rig is silent', text: 'No frames come. stylectl doctor says more.', sources: true };
   }
   return { kind: 'ok', title: '', text: '' };
 }
 
 export function banner(app: App): HTMLElement {
-  const title = h('b', {}), text = h('span', {});
-  const box = h('div', { className: 'banner', role: 'status' }, title, text);
+  const title = h('b', {}), text = h('span', {}), list = h('ul', {});
+  const box = h('div', { className: 'banner', role: 'status' }, title, text, list);
+  let stats: Stats | undefined, found: string[] = [];
+  app.client.on('stats', (now) => {
+    found = app.live().length === 0 ? findings(now, stats) : [];
+    stats = now;
+    update();
+  });
   const update = () => {
     const now = trouble(app);
     box.hidden = now.kind === 'ok';
     box.dataset.kind = now.kind;
     setText(title, now.title);
     setText(text, now.text);
+    const lines = now.sources ? found : [];
+    list.hidden = lines.length === 0;
+    // A screen reader is told what is new, not the same once a second.
+    const words = (line: string) => line.replace(/\d+ datagrams/, '');
+    if (lines.map(words).join() !== [...list.children].map((line) => words(line.textContent!)).join()) {
+      list.replaceChildren(...lines.map((line) => h('li', {}, line)));
+    }
     document.body.dataset.state = now.kind;
   };
   app.watch(update);
@@ -92,6 +115,6 @@ export function topBar(app: App, stage: Stage, help: () => void): HTMLElement {
   return h('header', {},
     h('h1', {}, h('img', { src: '/icon.svg', alt: '' }), 'Styled'), light, about,
     h('span', { className: 'space' }), fps,
-    h('button', { className: 'quiet', onclick: help, title: 'Keys (?)' }, '?'),
+    h('button', { className: 'quiet keys', onclick: help, title: 'Keys (?)', 'aria-label': 'Keys', 'aria-haspopup': 'dialog' }, '?'),
     undo, panic);
 }

@@ -1,11 +1,19 @@
-// The contents of a recording: poses as received, and the uniform time grid that a BVH file needs.
+// The contents of a recording: poses as received, and the uniform time grid that a BVH file and a video
+// need.
 import type { Body, Frame } from 'styled-client';
 
 const PIECE = 256; // poses per array
-const MOMENT = 4; // numbers per pose that describe its time
+const MOMENT = 5; // numbers per pose that describe its time, and its contacts
 const DISAGREE_S = 0.5; // if two clocks differ by more over one step, the rig's clock restarted
 const FORGET = 0.9; // fraction of a pose's timing error that is carried over to the next one
 const SAME_RATE = 4e-4;
+// Rates of rigs and cameras; one that is measured as near to one of them means it.
+const USUAL_HZ = [24, 25, 30, 48, 50, 60, 72, 75, 80, 90, 100, 120, 144, 150, 180, 200, 240];
+const NEAR_RATE = 0.02;
+const AT = 1e-6; // of a grid step: as good as on it
+
+/** A face's values by name. */
+export type Face = { name: string; value: number }[];
 
 /** The poses of one stream, in order. A pose: 3 of the root, then 4 (x, y, z, w) per joint. */
 export class Track {
@@ -15,15 +23,18 @@ export class Track {
   missed = 0;
   private readonly poses: Float32Array[] = [];
   // MOMENT numbers each: sequence, the rig's time (s), the daemon's time (s), the rig's own
-  // sequence
+  // sequence, bits of contacts
   private readonly moments: Float64Array[] = [];
+  private readonly faceNames: string[] = [];
+  private readonly faces: (Float32Array | undefined)[] = []; // by faceNames, as many as were known then
+  private faceBytes = 0;
 
   constructor(joints: number) {
     this.width = 3 + 4 * joints;
   }
 
   get bytes(): number {
-    return this.poses.length * PIECE * (4 * this.width + 8 * MOMENT);
+    return this.poses.length * PIECE * (4 * this.width + 8 * MOMENT) + this.faceBytes;
   }
 
   /** False if it is not newer than the last one. */
@@ -44,9 +55,22 @@ export class Track {
     pose.set(frame.rotations, at * this.width + 3);
     const seconds = (ns: bigint) => Number(ns / 1000n) / 1e6;
     this.moments.at(-1)!.set(
-      [sequence, seconds(frame.sourceTimeNs), seconds(frame.receiveTimeNs), Number(frame.sourceSequence)], MOMENT * at);
+      [sequence, seconds(frame.sourceTimeNs), seconds(frame.receiveTimeNs), Number(frame.sourceSequence), frame.contacts], MOMENT * at);
     ++this.length;
+    this.addFace(frame.expressions);
     return true;
+  }
+
+  private addFace(face: Face): void {
+    if (face.length === 0) return void this.faces.push(undefined);
+    for (const { name } of face) if (!this.faceNames.includes(name)) this.faceNames.push(name);
+    const values = new Float32Array(this.faceNames.length);
+    for (const { name, value } of face) values[this.faceNames.indexOf(name)] = value;
+    this.faces.push(values);
+    this.faceBytes += values.byteLength;
+  }
+  face(i: number): Face {
+    return [...(this.faces[i] ?? [])].map((value, at) => ({ name: this.faceNames[at]!, value }));
   }
 
   pose(i: number): Float32Array {
@@ -64,6 +88,9 @@ export class Track {
   sourceSequence(i: number): number {
     return this.moment(i, 3);
   }
+  contacts(i: number): number {
+    return this.moment(i, 4);
+  }
   private moment(i: number, which: number): number {
     return this.moments[Math.floor(i / PIECE)]![MOMENT * (i % PIECE) + which]!;
   }
@@ -76,13 +103,19 @@ export interface Take {
   begun: Date;
   source: Track;
   styled: Track;
+  /** The styled motion of the canonical humanoid, where an avatar was worn. */
+  canonical?: { body: Body; track: Track };
 }
 
-/** The index of each pose of the tracks on a grid of 1/rate_hz, and the range that all tracks cover. */
+/**
+ * The index of each pose of the tracks in the rig's steps, and the range that all tracks cover, in frames of
+ * 1/rate_hz. `step`: of a frame in the rig's steps; 1, unless the rig keeps its nominal rate only nearly.
+ */
 export interface Grid {
   rate_hz: number;
   first: number;
   frames: number;
+  step: number;
   /** By track, by pose. */
   slots: number[][];
 }
@@ -112,16 +145,16 @@ function step_s(a: Moment, b: Moment): number {
   return rig > 0 && Math.abs(rig - daemon) < DISAGREE_S ? rig : Math.max(0, daemon);
 }
 
-// The nominal rate: "120" for 119.998. An integer or an NTSC rate, if over all `steps` the
-// difference is less than half a step; otherwise the rate is kept, so that the file's time is
-// correct to its end.
-function rateMeant(rate_hz: number, steps: number): number {
-  const ntsc_hz = (Math.round(rate_hz * 1.001) * 1000) / 1001;
-  for (const meant_hz of [Math.round(rate_hz), ntsc_hz]) {
+// The nominal rate: "120" for 119.998, as poses come, and for 119.2 as well, then with `step` other
+// than 1, so that the file's time is correct to its end. `steps`: how many were measured.
+function rateMeant(rate_hz: number, steps: number): { rate_hz: number; step: number } {
+  const ntsc = (near_hz: number) => (near_hz * 1000) / 1001;
+  for (const meant_hz of [Math.round(rate_hz), ntsc(Math.round(rate_hz * 1.001))]) {
     const apart = Math.abs(rate_hz / meant_hz - 1);
-    if (meant_hz >= 1 && apart < SAME_RATE && apart * steps < 0.5) return meant_hz;
+    if (meant_hz >= 1 && apart < SAME_RATE && apart * steps < 0.5) return { rate_hz: meant_hz, step: 1 };
   }
-  return rate_hz;
+  const usual_hz = USUAL_HZ.find((usual) => Math.abs(rate_hz / usual - 1) < NEAR_RATE);
+  return usual_hz ? { rate_hz: usual_hz, step: rate_hz / usual_hz } : { rate_hz, step: 1 };
 }
 
 /**
@@ -151,13 +184,19 @@ export function gridOf(tracks: Track[]): Grid | undefined {
     Array.from({ length: track.length }, (_, i) => slotOf.get(track.sequence(i))!));
   const first = Math.max(...slots.map((of) => of[0]!));
   const last = Math.min(...slots.map((of) => of.at(-1)!));
-  return { rate_hz: rateMeant(slot / whole_s, slot), first, frames: Math.max(0, last - first + 1), slots };
+  const { rate_hz, step } = rateMeant(slot / whole_s, slot);
+  return { rate_hz, first, frames: Math.max(0, Math.floor((last - first) / step + AT) + 1), step, slots };
 }
 
-/** The number of grid steps without a pose of the track. */
+// The rig's first step behind the frames.
+function endOf({ first, frames, step }: Grid): number {
+  return frames === 0 ? first : first + Math.floor((frames - 1) * step + AT) + 1;
+}
+
+/** The number of the rig's steps without a pose of the track. */
 export function filledIn(grid: Grid, track: number): number {
-  const { first, frames } = grid;
-  return frames - grid.slots[track]!.filter((slot) => slot >= first && slot < first + frames).length;
+  const { first } = grid, end = endOf(grid);
+  return end - first - grid.slots[track]!.filter((slot) => slot >= first && slot < end).length;
 }
 
 /** The number of steps without a pose, by cause. */
@@ -182,7 +221,7 @@ export function causesOf(grid: Grid, index: number, track: Track): Causes {
   const usual = each[Math.floor(each.length / 2)] ?? 0;
   const causes: Causes = { unreached: 0, unpublished: 0, unnumbered: 0 };
   for (const { slots: [from, to], published, numbered } of steps) {
-    const free = Math.min(to, grid.first + grid.frames) - Math.max(from, grid.first - 1) - 1;
+    const free = Math.min(to, endOf(grid)) - Math.max(from, grid.first - 1) - 1;
     if (free <= 0) continue;
     const unreached = Math.min(free, published - 1);
     const gone = usual > 0 ? Math.max(0, Math.round(numbered / usual) - published) : 0;
@@ -224,17 +263,32 @@ function between(a: Float32Array, b: Float32Array, share: number): Float64Array 
   return pose;
 }
 
-/** One pose per grid step: as received, or interpolated between its neighbors. */
-export function* posesOn(grid: Grid, index: number, track: Track): Generator<Float32Array | Float64Array> {
-  const slots = grid.slots[index]!;
-  let after = 0;
-  for (let slot = grid.first; slot < grid.first + grid.frames; ++slot) {
-    while (slots[after]! < slot) ++after;
-    const next = slots[after]!;
-    if (next === slot) yield track.pose(after);
-    else {
-      const before = slots[after - 1]!;
-      yield between(track.pose(after - 1), track.pose(after), (slot - before) / (next - before));
-    }
+/** Reads a track at places that grow, in the rig's steps within the range of its grid. */
+export class TrackReader {
+  private after = 0;
+
+  constructor(private readonly track: Track, private readonly slots: number[]) {}
+
+  /** The pose: as received, or interpolated between its neighbors. */
+  at(place: number): Float32Array | Float64Array {
+    this.seek(place);
+    const next = this.slots[this.after]!;
+    if (next - place <= AT || this.after === 0) return this.track.pose(this.after);
+    const before = this.slots[this.after - 1]!;
+    return between(this.track.pose(this.after - 1), this.track.pose(this.after), (place - before) / (next - before));
   }
+  /** The last pose that was received up to there. */
+  index(place: number): number {
+    this.seek(place);
+    return this.slots[this.after]! - place <= AT ? this.after : Math.max(0, this.after - 1);
+  }
+  private seek(place: number): void {
+    while (this.slots[this.after]! < place - AT && this.after + 1 < this.slots.length) ++this.after;
+  }
+}
+
+/** One pose per frame: as received, or interpolated between its neighbors. */
+export function* posesOn(grid: Grid, index: number, track: Track): Generator<Float32Array | Float64Array> {
+  const reader = new TrackReader(track, grid.slots[index]!);
+  for (let frame = 0; frame < grid.frames; ++frame) yield reader.at(grid.first + frame * grid.step);
 }

@@ -49,6 +49,24 @@ test('records both streams until it is stopped, and counts what did not arrive',
     await until(() => !gateway.topics.has('styled/rig.a/rig/'), 'the end of the subscription');
   }));
 
+test('of an avatar that is worn the humanoid is recorded, too', () =>
+  together(async ({ gateway, recorder, send, ended }) => {
+    recorder.stop();
+    recorder.start('rig.a', true);
+    await until(() => gateway.topics.has('styled/rig.a/canonical/'), 'the subscription');
+    gateway.publish('body/rig.a/', body({ hash: 9n, output: 2 }));
+    send(1, 2);
+    await until(() => recorder.frames === 2, 'frames');
+    for (const [sequence, bodyHash] of [[2, 9n], [3, 9n], [4, 10n]]) {
+      gateway.publish('styled/rig.a/canonical/', frame(sequence, { bodyHash, output: 2 }));
+    }
+    send(3, 4);
+    await until(() => recorder.frames === 4, 'more frames');
+    recorder.stop();
+    const { take } = await ended();
+    assert.equal(take.canonical.track.length, 2); // one was of another body
+  }));
+
 test('a picture that is drawn meanwhile takes no frame away', () =>
   together(async ({ client, recorder, send }) => {
     client.subscribeLatest('rig.a');

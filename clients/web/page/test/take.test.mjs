@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
-import { Track, causesInWords, causesOf, filledIn, gridOf, posesOn } from './dist/take.js';
+import { Track, TrackReader, causesInWords, causesOf, filledIn, gridOf, posesOn } from './dist/take.js';
 import { makeBody, makeFrame, randomOf, turn } from './support.mjs';
 
 const body = makeBody();
@@ -63,7 +63,7 @@ test('why there is no pose: by the numbers of the daemon and of the rig, and by 
   assert.equal(filledIn(grid, 0), 10);
   assert.match(causesInWords(causes), /^5 did not reach this page; 2 never left the daemon: lost on the way .* too late; 3 where/);
   // Gaps outside the file are not counted.
-  const early = { ...grid, frames: 60 };
+  const early = { ...grid, frames: 60 }; // of the rig's steps: step is 1
   assert.deepEqual(causesOf(early, 0, track), { unreached: 0, unpublished: 2, unnumbered: 0 });
 });
 
@@ -101,8 +101,42 @@ test('rates: one of NTSC, and one that is nearly but not quite a whole one', () 
   const rateOf = (count, rate_hz) => gridOf([trackOf(range(count).map((i) => [i, i / rate_hz]))]).rate_hz;
   assert.ok(Math.abs(rateOf(3000, 30000 / 1001) - 30000 / 1001) < 1e-9);
   assert.equal(rateOf(1000, 60.001), 60); // less than half a frame
-  const long_hz = rateOf(200000, 119.99); // 17 frames
-  assert.ok(Math.abs(200000 / long_hz - 200000 / 119.99) < 0.01);
+  assert.ok(Math.abs(rateOf(1000, 110.3) - 110.3) < 1e-3, 'no usual rate is near');
+});
+
+test('a rig that keeps its rate only nearly has a file of the nominal one, and true to its end', () => {
+  for (const [rate_hz, meant_hz] of [[119.99, 120], [119.2, 120], [59.4, 60], [60.9, 60], [29.9, 30]]) {
+    const count = 20 * 60 * 10;
+    const track = trackOf(range(count).map((i) => [i, i / rate_hz]));
+    const grid = gridOf([track]);
+    assert.equal(grid.rate_hz, meant_hz);
+    const whole_s = (count - 1) / rate_hz;
+    assert.ok(Math.abs((grid.frames - 1) / meant_hz - whole_s) < 1 / meant_hz, `${grid.frames} frames for ${whole_s} s`);
+    assert.equal(filledIn(grid, 0), 0);
+    spread(grid, track).forEach((x, i) => assert.ok(Math.abs(x - i / meant_hz) < 1e-3 * whole_s / 60 + 1e-4, `${x} in frame ${i}`));
+  }
+});
+
+test('what was lost of such a rig is counted in its own frames', () => {
+  const gone = new Set([30, 31, 32]);
+  const track = trackOf(range(600).filter((i) => !gone.has(i)).map((i) => [i, i / 59.5]));
+  const grid = gridOf([track]);
+  assert.deepEqual([grid.rate_hz, filledIn(grid, 0)], [60, 3]);
+  assert.deepEqual(causesOf(grid, 0, track), { unreached: 3, unpublished: 0, unnumbered: 0 });
+});
+
+test('a face and contacts stay with their pose', () => {
+  const track = new Track(body.names.length);
+  const face = (...values) => values.map(([name, value]) => ({ name, value }));
+  track.add(makeFrame(body, 1, { contacts: 1, expressions: face(['Joy', 0.5]) }));
+  track.add(makeFrame(body, 2, { contacts: 2 }));
+  track.add(makeFrame(body, 5, { contacts: 3, expressions: face(['A', 0.25], ['Joy', 1]) }));
+  assert.deepEqual([0, 1, 2].map((i) => track.contacts(i)), [1, 2, 3]);
+  assert.deepEqual(track.face(0), face(['Joy', 0.5]));
+  assert.deepEqual(track.face(1), []);
+  assert.deepEqual(track.face(2), face(['Joy', 1], ['A', 0.25]));
+  const reader = new TrackReader(track, [0, 1, 4]);
+  assert.deepEqual([0, 0.5, 1, 2, 3.9, 4].map((place) => reader.index(place)), [0, 0, 1, 1, 1, 2]);
 });
 
 test('where the clock of the rig stands still or begins anew, that of the daemon counts', () => {

@@ -1,0 +1,51 @@
+// What the daemon's statistics say about a rig that is silent: what `stylectl doctor` looks at first.
+// Pure; pinned by test/findings.test.mjs.
+import type { Stats } from 'styled-client';
+
+const MOST = 3; // sources, and reasons of one
+
+// What a refused datagram is counted as, in words.
+const REASONS: [RegExp, string][] = [
+  [/bad_magic|bad_version|bad_kind|malformed|too_short|length_mismatch|bad_reserved/, 'they are not what this type of source understands: does the rig send another format, or to another port?'],
+  [/bad_checksum/, 'they are damaged on the way, or no longer as the sender made them'],
+  [/before_body/, 'no skeleton has come yet: restart the sending, or let it send the skeleton, too'],
+  [/uncalibrated/, 'the performer is not calibrated: stylectl calibrate'],
+  [/bodies_refused/, 'the skeleton is refused: stylectl status names the reason'],
+  [/wrong_size|wrong_body/, 'they belong to another skeleton than the one sent before'],
+  [/far_ahead|old_time|duplicate|reordered/, "their numbers or times are not those of the frames before: does a second sender send?"],
+  [/second_sender|takeovers_refused/, 'a second sender uses the same name: only the first is heard'],
+  [/tcp_refused|tcp_silent|tcp_broken|tcp_cut_short/, 'the connection does not hold'],
+  [/incomplete/, 'parts of the frames are missing: does the network lose datagrams?'],
+  [/rate_limited|table_full/, 'more comes than is taken: too many performers or frames'],
+];
+
+function reasonsOf(now: Stats, before: Stats): string[] {
+  const had = new Map(before.counters.map(({ name, value }) => [name, value]));
+  const grown = now.counters
+    .map(({ name, value }) => ({ name, by: Number(value - (had.get(name) ?? 0n)) }))
+    .filter(({ by }) => by > 0).sort((a, b) => b.by - a.by);
+  const found = grown.flatMap(({ name }) => REASONS.filter(([pattern]) => pattern.test(name)).map(([, words]) => `${words} (${name})`));
+  return found.slice(0, 1);
+}
+
+/**
+ * Sentences about the sources while no performer is live, the most helpful first. `before`: statistics of
+ * about a second earlier, of the same daemon; without them only totals are judged.
+ */
+export function findings(now: Stats, before: Stats | undefined): string[] {
+  if (now.sources.length === 0) return ['No source is configured: the daemon needs a [[source]], which tells where the rig sends.'];
+  const old = before?.epoch === now.epoch ? before : undefined;
+  const had = new Map(old?.sources.map(({ name, received }) => [name, received]));
+  const sentences = now.sources.map(({ name, type, listen, received }) => {
+    const place = `${name} (${type}${listen ? `, ${listen}` : ''})`;
+    const since = had.get(name);
+    const fresh = since === undefined ? 0 : Number(received - since);
+    if (received === 0n) return { rank: 2, text: `${place}: nothing has ever arrived. Does the rig send to this machine and this port, and does a firewall let it in?` };
+    if (fresh === 0) return { rank: 1, text: `${place}: ${received} datagrams came, none of them now. Is the rig's application still sending?` };
+    const why = old ? reasonsOf(now, old) : [];
+    return { rank: 0, text: `${place}: ${fresh} datagrams came in the last second, but no pose: ${why[0] ?? `stylectl doctor ${name} looks into them`}.` };
+  });
+  sentences.sort((a, b) => a.rank - b.rank);
+  const more = sentences.length - MOST;
+  return [...sentences.slice(0, MOST).map(({ text }) => text), ...(more > 0 ? [`${more} more ${more === 1 ? 'source' : 'sources'}: stylectl status.`] : [])];
+}

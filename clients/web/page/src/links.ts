@@ -1,0 +1,42 @@
+// Addresses of this page: what is asked of it after '?', and the link for OBS.
+// Pure; pinned by test/links.test.mjs.
+
+/** One performer alone, as OBS shows it. */
+export interface Alone {
+  performer: string; // '': the first one that is live
+  avatar: string; // name of a .vrm that this browser keeps; '': none
+  background: string; // a CSS colour
+}
+
+/** undefined: the whole page is asked for. `isColor`: whether a browser knows that colour. */
+export function aloneOf(search: string, isColor: (text: string) => boolean): Alone | undefined {
+  const asked = new URLSearchParams(search);
+  if (asked.get('view') !== 'avatar') return undefined;
+  const text = asked.get('bg') ?? 'transparent';
+  // '#' begins a fragment, so a colour is written without it.
+  const background = [text, `#${text}`].find(isColor) ?? 'transparent';
+  return { performer: asked.get('performer') ?? '', avatar: asked.get('avatar') ?? '', background };
+}
+
+/** `page`: the address of this page; a `token` goes after '#', which browsers send to no server. */
+export function obsLink(page: string, { performer, avatar, background }: Alone, token?: string): string {
+  const url = new URL('/', page);
+  url.searchParams.set('view', 'avatar');
+  url.searchParams.set('performer', performer);
+  if (avatar) url.searchParams.set('avatar', avatar);
+  url.searchParams.set('bg', background);
+  if (token) url.hash = new URLSearchParams({ token }).toString();
+  return url.href;
+}
+
+/** The whole page, as another device opens it. */
+export function pageLink(page: string, token?: string): string {
+  const url = new URL('/', page);
+  if (token) url.hash = new URLSearchParams({ token }).toString();
+  return url.href;
+}
+
+/** Whether only this machine reaches that address. */
+export function isOwnMachine(page: string): boolean {
+  return /^(localhost|.*\.localhost|127(\.\d+){3}|\[::1\])$/.test(new URL(page).hostname);
+}

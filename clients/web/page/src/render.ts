@@ -1,0 +1,52 @@
+// Encodes pictures that are drawn one after the other, as fast as the machine can, as a video file:
+// MP4 (H.264) where the browser encodes that, else WebM (VP9 or VP8), with its duration.
+import { BufferTarget, CanvasSource, Mp4OutputFormat, Output, WebMOutputFormat, getFirstEncodableVideoCodec } from 'mediabunny';
+
+const BITS_PER_S = 14e6;
+const AT_ONCE_MS = 40; // of drawing, then the event loop runs
+const KEY_S = 2;
+
+/** A file, its extension, and how many pictures it has. */
+export interface Video {
+  blob: Blob;
+  extension: 'mp4' | 'webm';
+  pictures: number;
+}
+
+/**
+ * `draw`: draws picture i on the canvas, which has its final size. `progress`: is told the share that is
+ * done; false from it ends the work, and undefined is returned. Rejects where the browser encodes no video of
+ * that size.
+ */
+export async function render(
+  canvas: HTMLCanvasElement, rate_hz: number, pictures: number, draw: (i: number) => void, progress: (share: number) => boolean,
+): Promise<Video | undefined> {
+  const size = { width: canvas.width, height: canvas.height, bitrate: BITS_PER_S };
+  const h264 = await getFirstEncodableVideoCodec(['avc'], size);
+  const codec = h264 ?? await getFirstEncodableVideoCodec(['vp9', 'vp8'], size);
+  if (!codec) throw new Error(`this browser encodes no video of ${size.width} x ${size.height}`);
+  const target = new BufferTarget();
+  const output = new Output({ target, format: h264 ? new Mp4OutputFormat({ fastStart: 'in-memory' }) : new WebMOutputFormat() });
+  const source = new CanvasSource(canvas, { codec, bitrate: BITS_PER_S, keyFrameInterval: KEY_S });
+  output.addVideoTrack(source, { frameRate: rate_hz });
+  await output.start();
+  try {
+    let begun_ms = performance.now();
+    for (let i = 0; i < pictures; ++i) {
+      draw(i);
+      await source.add(i / rate_hz, 1 / rate_hz);
+      if (performance.now() - begun_ms < AT_ONCE_MS) continue;
+      if (!progress(i / pictures)) {
+        await output.cancel();
+        return undefined;
+      }
+      await new Promise((resolve) => setTimeout(resolve));
+      begun_ms = performance.now();
+    }
+    await output.finalize();
+  } catch (error) {
+    await output.cancel().catch(() => undefined);
+    throw error;
+  }
+  return { blob: new Blob([target.buffer!], { type: h264 ? 'video/mp4' : 'video/webm' }), extension: h264 ? 'mp4' : 'webm', pictures };
+}

@@ -1,0 +1,40 @@
+// What the page says of a rig that is silent.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { create } from '@bufbuild/protobuf';
+import { StatsSchema } from 'styled-client';
+
+import { findings } from './dist/findings.js';
+
+const stats = (sources, counters = {}, epoch = 1n) =>
+  create(StatsSchema, {
+    epoch, sources: Object.entries(sources).map(([name, received]) => ({ name, type: 'vmc', listen: 'udp://0.0.0.0:39539', received: BigInt(received) })),
+    counters: Object.entries(counters).map(([name, value]) => ({ name, value: BigInt(value) })),
+  });
+
+test('no source, and sources that nothing reaches', () => {
+  assert.match(findings(stats({}), undefined)[0], /^No source is configured/);
+  const [only] = findings(stats({ stage: 0 }), undefined);
+  assert.match(only, /^stage \(vmc, udp:\/\/0\.0\.0\.0:39539\): nothing has ever arrived\..*firewall/);
+});
+
+test('datagrams that are no poses, with what they are counted as', () => {
+  const before = stats({ stage: 100 }, { 'source.malformed': 100, 'source.received': 100 });
+  const found = findings(stats({ stage: 160 }, { 'source.malformed': 160, 'source.received': 160 }), before);
+  assert.deepEqual(found.length, 1);
+  assert.match(found[0], /: 60 datagrams came in the last second, but no pose: they are not what .* \(source\.malformed\)\.$/);
+  // Counted as nothing in particular.
+  assert.match(findings(stats({ stage: 160 }), stats({ stage: 100 }))[0], /but no pose: stylectl doctor stage looks into them\.$/);
+});
+
+test('a rig that stopped; statistics of another daemon are not compared', () => {
+  assert.match(findings(stats({ stage: 160 }), stats({ stage: 160 }))[0], /160 datagrams came, none of them now/);
+  assert.match(findings(stats({ stage: 160 }, {}, 2n), stats({ stage: 100 }))[0], /160 datagrams came, none of them now/);
+});
+
+test('of many sources those that speak come first', () => {
+  const names = { a: 0, b: 5, c: 0, d: 9, e: 0 };
+  const found = findings(stats({ ...names, d: 12 }), stats(names));
+  assert.deepEqual(found.map((text) => text.split(' ')[0]), ['d', 'b', 'a', '2']);
+  assert.match(found.at(-1), /^2 more sources/);
+});

@@ -1,0 +1,205 @@
+// The page as OBS, a phone and a screen reader meet it: one real browser, in front of the real gateway
+// with a token; the rig is one of VMC, whose face is sent from here.
+//   STYLED_BIN=build/release/bin CHROMIUM=/usr/bin/chromium node --test views.test.mjs
+// SCREENSHOTS: a folder for screenshots. PATIENCE: factor of all waits.
+import assert from 'node:assert/strict';
+import { createSocket } from 'node:dgram';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { after, before, test } from 'node:test';
+
+import { makeAvatar } from './avatar.mjs';
+import { drawSeldom, drop, endAll, file, launch, patience, start, startAll, startWeb, takePicture, until } from './house.mjs';
+
+const TOKEN = 'a-token-of-this-test';
+let browser, page, address, vmc, rig, link;
+const errors = [];
+
+before(async () => {
+  await startAll('[[source]]\nname = "face"\ntype = "vmc"\nlisten = "127.0.0.1:0"\nperformer = "mia"\n');
+  vmc = JSON.parse(readFileSync(file('ready.json'), 'utf8')).sources[1].listen.replace(/^\w+:\/\//, '');
+  rig = await relay();
+  start('stylesim', '--as', 'vmc', '--to', `udp://${rig.address}`, '--rate', '30', '--script', 'walk:5,turn-left:1');
+  writeFileSync(file('token'), TOKEN, { mode: 0o600 });
+  const { address: far } = await startWeb('0.0.0.0:0', '--token-file', file('token'));
+  address = `http://far.test:${far.split(':').at(-1)}`; // as from another machine: no loopback name, no TLS
+  browser = await launch(['--host-resolver-rules=MAP far.test 127.0.0.1']);
+  page = await browser.newPage({ viewport: { width: 390, height: 844 }, hasTouch: true });
+  page.setDefaultTimeout(60000 * patience);
+  page.on('pageerror', (error) => errors.push(error.message));
+  page.on('console', (message) => {
+    // A page that is left while it connects says so.
+    if (message.type() === 'error' && !/WebSocket is closed before/.test(message.text())) errors.push(message.text());
+  });
+  await drawSeldom(page, 1000);
+  await page.goto(`${address}/#token=${TOKEN}`);
+  await until(() => page.evaluate(() => globalThis.styled.app.live().length === 1 && globalThis.styled.app.list), 'a performer');
+});
+
+after(() => endAll(browser));
+
+// The rig's datagrams pass through here, so that its face comes from the same sender.
+function relay() {
+  const socket = createSocket('udp4');
+  const [host, port] = vmc.split(':');
+  socket.on('message', (bytes) => socket.send(bytes, Number(port), host));
+  socket.unref();
+  return new Promise((resolve) => socket.bind(0, '127.0.0.1', () => resolve({
+    address: `127.0.0.1:${socket.address().port}`, send: (bytes) => socket.send(bytes, Number(port), host),
+  })));
+}
+
+// A face as VMC's OSC messages.
+function sendFace(values) {
+  const text = (words) => Buffer.from(words + '\0'.repeat(4 - (words.length % 4)));
+  const number = (value) => {
+    const bytes = Buffer.alloc(4);
+    bytes.writeFloatBE(value);
+    return bytes;
+  };
+  for (const [name, value] of Object.entries(values)) {
+    rig.send(Buffer.concat([text('/VMC/Ext/Blend/Val'), text(',sf'), text(name), number(value)]));
+  }
+  rig.send(Buffer.concat([text('/VMC/Ext/Blend/Apply'), text(',')]));
+}
+
+// Of the picture: how many pixels are opaque, how many are seen through, and the corner's RGBA.
+async function pixels() {
+  const png = await page.screenshot({ omitBackground: true });
+  const found = await page.evaluate(async (base64) => {
+    const image = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]));
+    const drawing = new OffscreenCanvas(image.width, image.height).getContext('2d');
+    drawing.drawImage(image, 0, 0);
+    const { data } = drawing.getImageData(0, 0, image.width, image.height);
+    let opaque = 0, clear = 0;
+    for (let i = 3; i < data.length; i += 4) {
+      opaque += data[i] === 255;
+      clear += data[i] === 0;
+    }
+    return { opaque, clear, all: data.length / 4, corner: [...data.slice(0, 4)] };
+  }, png.toString('base64'));
+  return { ...found, png };
+}
+const wornAlone = () => page.evaluate(() => [...globalThis.styled.stage.performers.values()][0]?.avatar?.ready === true);
+
+// Violations of WCAG 2.2, A and AA, as axe-core finds them.
+const axe = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
+async function violations(within = 'body') {
+  if (!(await page.evaluate(() => 'axe' in globalThis))) await page.evaluate(axe);
+  return page.evaluate(async (within) => {
+    const { violations } = await globalThis.axe.run(within, {
+      runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'], resultTypes: ['violations'] });
+    return violations.flatMap(({ id, nodes }) => nodes.map(({ target, failureSummary }) => `${id}: ${target}: ${failureSummary}`));
+  }, within);
+}
+
+test('on a phone Panic stays in sight, and everything is large enough for a finger', async () => {
+  const small = await page.evaluate(() =>
+    [...document.querySelectorAll('button, select, input, [role=button]')]
+      .map((element) => (element.type === 'checkbox' ? element.closest('label') : element))
+      .filter((element) => element.checkVisibility())
+      .map((element) => [element.textContent || element.getAttribute('aria-label') || element.name, element.getBoundingClientRect()])
+      .filter(([, { width, height }]) => width < 43.5 || height < 43.5)
+      .map(([name, { width, height }]) => `${name}: ${width} x ${height}`));
+  await takePicture(page, 'phone');
+  assert.deepEqual(small, []);
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+  await page.evaluate(() => scrollTo(0, document.documentElement.scrollHeight));
+  const { y, height } = await page.locator('.panic').boundingBox();
+  assert.ok(y >= 0 && y + height <= 60, `Panic is at ${y}`);
+  await takePicture(page, 'phone below');
+  await page.locator('.panic').click();
+  await until(async () => /back to the bare source/.test(await page.locator('.toast').textContent()), 'panic');
+});
+
+test('no violation of WCAG A or AA; the help is a dialog', async () => {
+  assert.deepEqual(await violations(), [], 'phone');
+  await page.evaluate(() => document.querySelector('.state').insertAdjacentHTML('beforeend', '<img src="/icon.svg" class="unnamed">'));
+  assert.match((await violations()).join(), /^image-alt: \.unnamed: /, 'it would be found');
+  await page.evaluate(() => document.querySelector('.unnamed').remove());
+  await page.setViewportSize({ width: 1280, height: 720 });
+  assert.deepEqual(await violations(), [], 'desk');
+  const focused = () => page.evaluate(() => document.querySelector('dialog[open]')?.contains(document.activeElement));
+  await page.getByRole('button', { name: 'Keys' }).click();
+  assert.ok(await focused());
+  for (let i = 0; i < 3; ++i) {
+    await page.keyboard.press('Tab');
+    assert.notEqual(await page.evaluate(() => document.querySelector('#app main').contains(document.activeElement)), true);
+  }
+  assert.deepEqual(await violations('dialog[open]'), [], 'help');
+  await takePicture(page, 'help');
+  const said = await page.locator('.toast').textContent();
+  await page.keyboard.press('b'); // the page's keys are not for a dialog
+  await page.keyboard.press('Escape');
+  assert.equal(await focused(), undefined, 'closed');
+  assert.equal(await page.locator('.toast').textContent(), said, 'neither bypass nor panic');
+  assert.equal(await page.evaluate(() => document.activeElement.getAttribute('aria-label')), 'Keys');
+  await page.getByRole('button', { name: 'Drop a .vrm here' }).focus();
+  await page.keyboard.press('?');
+  assert.ok(await focused());
+  await page.keyboard.press('?');
+  assert.equal(await focused(), undefined);
+});
+
+test('the page links to OBS: avatar, performer, token; a phone gets a code', async () => {
+  await drop(page, ['Mia v2.vrm', makeAvatar(undefined, { presets: ['happy', 'blink', 'blinkLeft', 'blinkRight'], details: true })]);
+  await until(async () => /wears Mia v2\.vrm$/.test(await page.locator('.toast').textContent()), 'the avatar to be worn');
+  assert.ok(!page.url().includes(TOKEN), 'the token is not left in the address');
+  await page.locator('button.links').click();
+  await page.locator('[data-copy=obs]').click();
+  await until(async () => (await page.locator('.copied .hint').first().innerText()) === 'Copied.', 'the copy');
+  link = await page.locator('[data-link=obs]').inputValue();
+  assert.equal(link, `${address}/?view=avatar&performer=face.mia&avatar=Mia+v2.vrm&bg=transparent#token=${TOKEN}`);
+  assert.equal(await page.locator('[data-link=page]').inputValue(), `${address}/#token=${TOKEN}`);
+  assert.ok((await page.locator('.qr').boundingBox()).width > 200);
+  assert.match(await page.locator('.share').innerText(), /who has one may do here what you may/);
+  assert.deepEqual(await violations('dialog[open]'), [], 'links');
+  await takePicture(page, 'share');
+  await page.keyboard.press('Escape');
+  assert.ok(!(await page.locator('.share').isVisible()));
+});
+
+test('OBS sees the avatar alone, through a transparent page, with its face', async () => {
+  await page.setViewportSize({ width: 480, height: 270 });
+  await page.goto('about:blank');
+  await page.goto(link);
+  await until(wornAlone, 'the avatar');
+  let seen;
+  await until(async () => (seen = await pixels()).opaque > 0, 'a picture');
+  const { opaque, clear, all, corner, png } = seen;
+  if (process.env.SCREENSHOTS) writeFileSync(`${process.env.SCREENSHOTS}/obs.png`, png);
+  assert.deepEqual(corner, [0, 0, 0, 0]);
+  assert.ok(opaque > 0.01 * all && opaque < 0.3 * all, `${opaque} of ${all} are the avatar`);
+  assert.ok(clear > 0.6 * all, `${clear} of ${all} are seen through`);
+  const face = () =>
+    page.evaluate(() => Object.fromEntries([...globalThis.styled.stage.performers.values()][0].avatar.face));
+  await until(async () => {
+    sendFace({ Joy: 0.75, Blink_L: 1 });
+    return (await face()).happy === 0.75;
+  }, 'the face');
+  assert.deepEqual(await face(), { happy: 0.75, blinkLeft: 1 });
+  assert.ok(!(await page.locator('.note').isVisible()), 'no words on air');
+});
+
+test('an avatar that OBS does not have is asked for, and kept under the name of the link', async () => {
+  await page.goto(link.replace('Mia+v2', 'other').replace('transparent', '00ff00'));
+  const shown = () => page.evaluate(() => [...globalThis.styled.stage.performers.values()][0]?.roles.after.figure !== undefined);
+  await until(shown, 'a body');
+  await page.mouse.move(20, 20);
+  await page.mouse.move(40, 20);
+  assert.match(await page.locator('.note').innerText(), /^other\.vrm is not kept in this browser: click/);
+  await page.evaluate(() => document.querySelector('input[type=file]').addEventListener('click', () => (globalThis.asked = true)));
+  await page.mouse.click(300, 180);
+  await until(() => page.evaluate(() => globalThis.asked), 'the choice of a file');
+  await page.locator('input[type=file]').setInputFiles({ name: 'mine.vrm', mimeType: 'model/gltf-binary', buffer: makeAvatar() });
+  await until(wornAlone, 'the avatar');
+  await page.reload();
+  await until(wornAlone, 'the avatar again');
+  assert.deepEqual((await pixels()).corner, [0, 255, 0, 255]);
+});
+
+test('the page gives the performer the avatar again', async () => {
+  await page.goto(address); // the token is this tab's
+  await until(() => page.evaluate(() => globalThis.styled.stage.performers.get('face.mia')?.avatar?.name === 'Mia v2.vrm'), 'the avatar');
+});
+
+test('nothing went wrong within', () => assert.deepEqual(errors, []));
