@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <vector>
 
 #include "model/base/status.h"
 #include "model/rig/binding.h"
@@ -15,7 +16,8 @@ struct GltfSkeleton {
   rig::RigPose stance;     // the file's pose: glTF's axes (+Y up), joint 0 in world space
   // Joint per canonical joint: as given, else by VRM's own table, else by name; -1: missing.
   std::array<int, body::kJointCount> source_joint;
-  bool t_pose = false;  // a VRM, whose stance is the T-pose by definition
+  std::vector<int> nodes;  // per joint, of the file
+  bool t_pose = false;     // a VRM, whose stance is the T-pose by definition
   // The world transform of joint 0's parent: world = translation + scale * (rotation * node).
   rig::Vec3 above_translation_m = rig::Vec3::Zero();
   rig::Quat above_rotation = rig::Quat::Identity();
