@@ -33,6 +33,7 @@ Result<rig::Binding> TakeGltf(const std::string& file, const rig::JointNames& gi
   if (!read.ok()) return read.status();
   const GltfSkeleton& gltf = read.value();
   avatar.dialect = gltf.t_pose ? "vrm" : "gltf";
+  avatar.nodes = gltf.nodes;
   avatar.metres_per_unit = gltf.above_scale;
   avatar.above_translation = gltf.above_translation_m;
   avatar.above_rotation = gltf.above_rotation;

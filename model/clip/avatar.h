@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "model/base/status.h"
 #include "model/rig/binding.h"
@@ -18,6 +19,7 @@ struct AvatarSkeleton {
   rig::RigPose rest;                  // its T-pose
   rig::TailMap tail = rig::NoTail();  // its fingers, eyes and jaw
   std::string dialect;                // "vrm", "gltf", "standing", or the BVH's
+  std::vector<int> nodes;             // glTF: the file's node of each joint; BVH: none
   float metres_per_unit = 0;          // of RootInFile and the file's offsets; 0: unknown
   // The transform of joint 0's parent in the file: world = translation + scale * (rotation * file).
   rig::Vec3 above_translation = rig::Vec3::Zero();

@@ -10,6 +10,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <utility>
 
 #include "model/base/text.h"
 
@@ -365,28 +366,7 @@ class Document {
     json_["accessors"] = std::move(buffer_.accessors);
     // Joint names may not be valid UTF-8: invalid bytes are replaced.
     std::string text = json_.dump(-1, ' ', false, json::error_handler_t::replace);
-    while (text.size() % 4 != 0) text += ' ';
-    const auto& binary = buffer_.bytes();
-    const std::uint64_t size = 12 + 8 + text.size() + 8 + binary.size();
-    if (size > kMaxSize) return Status::Error("found more than 4 GiB, expected less");
-    std::vector<std::byte> glb;
-    glb.reserve(size);
-    const auto put = [&glb](std::uint64_t value) {
-      for (int shift = 0; shift < 32; shift += 8) {
-        glb.push_back(static_cast<std::byte>(value >> shift & 0xFFU));
-      }
-    };
-    put(0x46546C67);  // "glTF"
-    put(2);
-    put(size);
-    put(text.size());
-    put(0x4E4F534A);  // "JSON"
-    const auto bytes = std::as_bytes(std::span(text));
-    glb.insert(glb.end(), bytes.begin(), bytes.end());
-    put(binary.size());
-    put(0x004E4942);  // "BIN"
-    glb.insert(glb.end(), binary.begin(), binary.end());
-    return glb;
+    return JoinGlb(std::move(text), buffer_.bytes());
   }
 
   const Motion& motion_;
@@ -405,21 +385,48 @@ Result<std::vector<std::byte>> FormatGlb(const Motion& motion) {
   return Document(motion).Make();
 }
 
-Status WriteGlb(const Motion& motion, const std::filesystem::path& file) {
-  const auto bytes = FormatGlb(motion);
-  if (!bytes.ok()) return Status::Error(file.string() + ": " + bytes.status().message());
+Result<std::vector<std::byte>> JoinGlb(std::string text, std::span<const std::byte> binary) {
+  while (text.size() % 4 != 0) text += ' ';
+  const std::uint64_t size = 12 + 8 + text.size() + 8 + binary.size();
+  if (size > kMaxSize) return Status::Error("found more than 4 GiB, expected less");
+  std::vector<std::byte> glb;
+  glb.reserve(size);
+  const auto put = [&glb](std::uint64_t value) {
+    for (int shift = 0; shift < 32; shift += 8) {
+      glb.push_back(static_cast<std::byte>(value >> shift & 0xFFU));
+    }
+  };
+  put(0x46546C67);  // "glTF"
+  put(2);
+  put(size);
+  put(text.size());
+  put(0x4E4F534A);  // "JSON"
+  const auto bytes = std::as_bytes(std::span(text));
+  glb.insert(glb.end(), bytes.begin(), bytes.end());
+  put(binary.size());
+  put(0x004E4942);  // "BIN"
+  glb.insert(glb.end(), binary.begin(), binary.end());
+  return glb;
+}
+
+Status WriteBytes(std::span<const std::byte> value, const std::filesystem::path& file) {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"),
                                                          &std::fclose);
   if (!stream) {
     return Status::Error(file.string() + ": cannot be opened for writing, expected a file");
   }
-  const auto& value = bytes.value();
   const bool written = std::fwrite(value.data(), 1, value.size(), stream.get()) == value.size();
   if (std::fclose(stream.release()) != 0 || !written) {
     return Status::Error(file.string() + ": found no room for " + std::to_string(value.size()) +
                          " bytes, expected the whole motion to fit");
   }
   return Status::Ok();
+}
+
+Status WriteGlb(const Motion& motion, const std::filesystem::path& file) {
+  const auto bytes = FormatGlb(motion);
+  if (!bytes.ok()) return Status::Error(file.string() + ": " + bytes.status().message());
+  return WriteBytes(bytes.value(), file);
 }
 
 }  // namespace styled::clip

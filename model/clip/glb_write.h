@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "model/base/status.h"
@@ -26,5 +28,10 @@ Result<std::vector<std::byte>> FormatGlb(const Motion& motion);
 
 // Writes FormatGlb's bytes to a file. Errors name the file.
 Status WriteGlb(const Motion& motion, const std::filesystem::path& file);
+
+// The binary form of glTF (4.4) of a JSON text and a buffer; and the writing of such bytes. Errors:
+// more than 4 GiB; a file that cannot be written, which is named.
+Result<std::vector<std::byte>> JoinGlb(std::string text, std::span<const std::byte> binary);
+Status WriteBytes(std::span<const std::byte> bytes, const std::filesystem::path& file);
 
 }  // namespace styled::clip

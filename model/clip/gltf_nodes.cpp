@@ -323,6 +323,7 @@ Result<Bones> FindBones(const Model& model, const Nodes& nodes, const rig::Joint
                          std::to_string(rig::kMaxSourceJoints));
   }
   Bones bones{order, Build(model, nodes, humanoid, order)};
+  bones.skeleton.nodes = bones.nodes;
   bones.skeleton.t_pose = vrm;
   return bones;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <vector>
 
 #include "model/base/status.h"
 #include "model/rig/binding.h"
@@ -17,6 +18,7 @@ struct GltfSkeleton {
   // Joint per canonical joint: as given, else by VRM's own table, else by name; -1: missing.
   std::array<int, body::kJointCount> source_joint;
   rig::TailMap tail = rig::NoTail();  // fingers, eyes and jaw, by the same
+  std::vector<int> nodes;             // per joint, of the file
   bool t_pose = false;                // a VRM, whose stance is the T-pose by definition
   // The world transform of joint 0's parent: world = translation + scale * (rotation * node).
   rig::Vec3 above_translation_m = rig::Vec3::Zero();

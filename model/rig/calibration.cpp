@@ -154,7 +154,7 @@ Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, 
 }
 
 Result<Binding> BindStanding(const Skeleton& skeleton, const JointMap& source_joint,
-                             const RigPose& standing, bool t_pose) {
+                             const RigPose& standing, bool t_pose, float* worst_deg) {
   if (Status status = RequireMapped(source_joint, "avatar"); !status.ok()) return status;
   const Stand stand = Look(skeleton, source_joint, standing);
   const auto axes = FindAxes(stand);
@@ -170,6 +170,7 @@ Result<Binding> BindStanding(const Skeleton& skeleton, const JointMap& source_jo
   if (!(bones.front().degrees <= kTolerance_deg)) {
     return Refuse("avatar", bones.front(), t_pose ? "a T-pose" : "standing upright");
   }
+  if (worst_deg != nullptr) *worst_deg = bones.front().degrees;
   BindingSpec spec{skeleton, source_joint, {}, *axes};
   if (t_pose) {
     std::vector<Vec3> positions;

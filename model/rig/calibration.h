@@ -40,10 +40,11 @@ Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, 
 // upright, soles flat on the floor, in the T-pose (`t_pose`) or with its arms anywhere, in which
 // case RestBySwing finds the T-pose. Finds the axes as Calibrate does. Refuses what Binding::Make
 // refuses, a back or a leg more than 30 degrees off, in a T-pose also an arm, and left-handed axes.
+// `worst_deg`, if given, is how far the worst of these is off, where the binding is made.
 // Allocates; any thread.
 Result<Binding> BindStanding(const Skeleton& skeleton,
                              const std::array<int, body::kJointCount>& source_joint,
-                             const RigPose& standing, bool t_pose);
+                             const RigPose& standing, bool t_pose, float* worst_deg = nullptr);
 
 // Whether the skeleton has the joints that Calibrate needs; the error names the missing ones.
 Status CanCalibrate(const Skeleton& skeleton, const JointNames& given = {});

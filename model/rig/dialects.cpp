@@ -43,6 +43,8 @@ constexpr Dialect kDialects[] = {
     {"rokoko", Rest::kRokoko},
     {"axis", Rest::kIdentity},
     {"mocopi", Rest::kIdentity},
+    {"poser", Rest::kIdentity},
+    {"character-creator", Rest::kIdentity},
 };
 
 // The name of the first dialect with this rest pose: "canonical" for all with kIdentity.
@@ -231,16 +233,36 @@ bool HasNames(const Skeleton& skeleton, std::initializer_list<std::string_view> 
   return true;
 }
 
-Rest Recognize(const Skeleton& skeleton) {
-  if (HasNames(skeleton, {"Hips", "Chest", "Shoulder_L", "UpperArm_L", "LowerLeg_R", "Toes_R"})) {
-    return Rest::kBandaiNamco;
-  }
-  if (HasNames(skeleton, {"LHipJoint", "RHipJoint", "LowerBack"})) return Rest::kCmu;
-  if (HasNames(skeleton, {"hip", "leftUpLeg", "leftLowerArm", "rightToe"})) return Rest::kRokoko;
-  return Rest::kIdentity;
+const Dialect* FindDialect(std::string_view name) {
+  const auto* const row =
+      std::find_if(std::begin(kDialects), std::end(kDialects),
+                   [name](const Dialect& dialect) { return dialect.name == name; });
+  return row == std::end(kDialects) ? nullptr : row;
 }
 
+// Joint names that only one dialect has.
+struct Signature {
+  std::string_view dialect;
+  std::initializer_list<std::string_view> names;
+};
+const Signature kSignatures[] = {
+    {"bandai-namco", {"Hips", "Chest", "Shoulder_L", "UpperArm_L", "LowerLeg_R", "Toes_R"}},
+    {"cmu", {"LHipJoint", "RHipJoint", "LowerBack"}},
+    {"rokoko", {"hip", "leftUpLeg", "leftLowerArm", "rightToe"}},
+    {"poser", {"hip", "abdomen", "chest", "lShldr", "rForeArm", "lShin"}},
+    {"character-creator", {"CC_Base_Hip", "CC_Base_Waist", "CC_Base_L_Upperarm"}},
+};
+
 }  // namespace
+
+bool IsDialect(std::string_view name) { return name == "auto" || FindDialect(name) != nullptr; }
+
+std::string_view DialectOfNames(const Skeleton& skeleton) {
+  for (const Signature& signature : kSignatures) {
+    if (HasNames(skeleton, signature.names)) return signature.dialect;
+  }
+  return "";
+}
 
 Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, std::string* used,
                             const JointNames& given) {
@@ -253,15 +275,10 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
       return Binding::Make({skeleton, {}, {}, Quat::Identity()});
     }
   }
-  Rest rest = Rest::kIdentity;
-  bool known = dialect == "auto";
-  if (known) rest = Recognize(skeleton);
-  for (const Dialect& row : kDialects) {
-    if (row.name != dialect) continue;
-    rest = row.rest;
-    known = true;
-  }
-  if (!known) {
+  const std::string_view name = dialect == "auto" ? DialectOfNames(skeleton) : dialect;
+  const Dialect* const row = FindDialect(name);
+  Rest rest = row != nullptr ? row->rest : Rest::kIdentity;
+  if (!IsDialect(dialect)) {
     return Status::Error("rig: found dialect " + std::string(dialect) + ", expected one of " +
                          KnownDialects());
   }
@@ -282,7 +299,9 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
                          "config, or name another dialect of " +
                          KnownDialects());
   }
-  if (used != nullptr) *used = dialect == "auto" ? NameOf(rest) : dialect;
+  // A known name whose rest pose was another is named by what was taken.
+  const bool as_named = row != nullptr && row->rest == rest;
+  if (used != nullptr) *used = as_named ? name : NameOf(rest);
   return Binding::Make(
       {skeleton, map, std::move(candidate.rest), candidate.judged.canonical_from_source});
 }

@@ -29,15 +29,23 @@ Result<std::array<int, body::kJointCount>> MapJoints(const Skeleton& skeleton,
 // recognized by joint names. Dialects: "bandai-namco" (rest rotations are constants, found by
 // swinging a standing frame); "cmu" (its zero pose, legs spread by 20 degrees, is swung); "rokoko"
 // (constants, unless its zero pose is a T-pose already); "canonical", "vrm" and others whose zero
-// pose is a T-pose with identity rotations. Rest poses are never guessed from a clip.
+// pose is a T-pose with identity rotations. Rest poses are never guessed from a clip here
+// (clip::BindClip does that).
 //
 // The resulting rest pose must be a T-pose: arms sideways, legs down, head up, each within 25
 // degrees, and toes in front. Up, left and forward become the source axes nearest to it. Errors
 // name the joints that could not be mapped and the known dialects.
 //
 // `used`, if given, is set to the dialect in use: `dialect`, or what "auto" found, where
-// "canonical" stands for all with identity rotations. Pinned by tests/unit/rig/dialects_test.cpp.
+// "canonical" stands for all with identity rotations that DialectOfNames does not know. Pinned by
+// tests/unit/rig/dialects_test.cpp.
 Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect = "auto",
                             std::string* used = nullptr, const JointNames& given = {});
+
+// Whether BindDialect knows it; "auto" is one.
+bool IsDialect(std::string_view name);
+// The dialect that has these joint names to itself ("poser", "character-creator", "cmu", ...); ""
+// where names do not tell.
+std::string_view DialectOfNames(const Skeleton& skeleton);
 
 }  // namespace styled::rig

@@ -29,20 +29,21 @@ constexpr SpineAlias kSpines[] = {
     {"l5", "t12"},               // Xsens; L3 and T8 are composed
     {"ab", "chest"},             // Motive
     {"abdomen", "chest"},
-    {"torso2", "torso4"},    // mocopi, of torso_1 to torso_7
-    {"spine", "chest"},      // VRM, Rokoko, Bandai-Namco
-    {"spine", "spine1"},     // Mixamo, HIK, LaFAN1, Axis, Biped
-    {"spine", "spine2"},     // Axis without Spine1
-    {"spine01", "spine02"},  // Character Creator
-    {"spine", "spine001"},   // numbered by Blender
-    {"spine1", "spine2"},    // SMPL
-    {"chest", "chest2"},     // Xsens MVN's BVH files; Chest3 and Chest4 are composed
+    {"torso2", "torso4"},            // mocopi, of torso_1 to torso_7
+    {"spine", "chest"},              // VRM, Rokoko, Bandai-Namco
+    {"spine", "spine1"},             // Mixamo, HIK, LaFAN1, Axis, Biped
+    {"spine", "spine2"},             // Axis without Spine1
+    {"spine01", "spine02"},          // Character Creator
+    {"spine", "spine001"},           // numbered by Blender
+    {"spine1", "spine2"},            // SMPL
+    {"chest", "chest2"},             // Xsens MVN's BVH files; Chest3 and Chest4 are composed
+    {"abdomenlower", "chestlower"},  // Daz Genesis; their uppers are composed
 };
 
 const std::vector<Alias>& CentreAliases() {
   static const std::vector<Alias> kAliases = {
       {body::kHips, {"hips", "hip", "pelvis"}},
-      {body::kNeck, {"neck", "neck1", "neck01", "lowerneck", "necktwist01"}},
+      {body::kNeck, {"neck", "neck1", "neck01", "lowerneck", "necktwist01", "necklower"}},
       {body::kHead, {"head", "face"}},  // a face where nothing is called head
   };
   return kAliases;
@@ -52,10 +53,10 @@ const std::vector<Alias>& CentreAliases() {
 const std::vector<Alias>& LeftAliases() {
   static const std::vector<Alias> kAliases = {
       {body::kLeftShoulder, {"shoulder", "clavicle", "collar"}},
-      {body::kLeftUpperArm, {"upperarm", "arm", "uarm", "uparm", "humerus", "shldr"}},
-      {body::kLeftLowerArm, {"lowerarm", "forearm", "farm", "lowarm", "radius"}},
+      {body::kLeftUpperArm, {"upperarm", "arm", "uarm", "uparm", "humerus", "shldr", "shldrbend"}},
+      {body::kLeftLowerArm, {"lowerarm", "forearm", "farm", "lowarm", "radius", "forearmbend"}},
       {body::kLeftHand, {"hand", "wrist"}},
-      {body::kLeftUpperLeg, {"upperleg", "upleg", "thigh", "femur"}},
+      {body::kLeftUpperLeg, {"upperleg", "upleg", "thigh", "femur", "thighbend"}},
       {body::kLeftLowerLeg, {"lowerleg", "lowleg", "leg", "shin", "calf", "tibia"}},
       {body::kLeftFoot, {"foot"}},
       {body::kLeftToes, {"toes", "toe", "toebase", "toe0", "ball"}},

@@ -1,96 +1,55 @@
-// stylize: restyles a BVH clip with the stylist that the daemon runs.
+// stylize: restyles BVH clips with the stylist that the daemon runs.
 
 #include "model/tools/stylize.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <functional>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "model/base/text.h"
 #include "model/clip/avatar.h"
+#include "model/clip/avatar_write.h"
+#include "model/clip/bind_clip.h"
 #include "model/clip/clip.h"
 #include "model/clip/write.h"
 #include "model/net/load.h"
 #include "model/net/shipped_weights.h"
-#include "model/rig/dialects.h"
-#include "model/stylist/avatar.h"
-#include "model/stylist/clip_stylist.h"
-#include "model/stylist/stylist.h"
 #include "model/tools/command_line.h"
-#include "model/trial/trial.h"
+#include "model/tools/stylize_files.h"
+#include "model/tools/stylize_preview.h"
+#include "model/tools/stylize_report.h"
+#include "model/tools/stylize_restyle.h"
 
 namespace {
 
+namespace stylize = styled::stylize;
 using styled::Result;
 using styled::Status;
-using styled::stylize::Arguments;
+using stylize::Arguments;
+using stylize::Outcome;
 
-constexpr int kSomeFailed = 3;      // written, but some frames are not styled
-constexpr double kSlowest_hz = 30;  // slower clips get frames in between; the network's own rate
+constexpr int kSomeFailed = 3;  // written, but some frames are not styled
 
-int Fail(const Status& status) {
+int Fail(const Status& status, int code = 1) {
   std::fprintf(stderr, "stylize: %s\n", status.message().c_str());
-  return 1;
+  return code;
 }
 
-// Adds the style that `text` names to the mix. Neutral adds no entry unless the input style is
-// another.
-Status AddStyle(const styled::net::Styles& styles, const std::string& text, const char* option,
-                styled::stylist::Settings& settings) {
-  const auto found = styled::stylize::FindWeighted(styles, text, option);
-  if (!found.ok()) return found.status();
-  if (found.value().style == 0 && settings.input_style == 0) return Status::Ok();
-  for (styled::net::StyleWeight& entry : settings.mix) {
-    if (entry.style < 0) {
-      entry = {found.value().style, found.value().weight.value_or(1.0F)};
-      return Status::Ok();
-    }
+// Prints the styles of the weights, and on standard error which other weights there are.
+int List(const Arguments& arguments) {
+  auto network = stylize::LoadNetwork(arguments);
+  if (!network.ok()) return Fail(network.status());
+  std::printf("%s\n", stylize::StyleNames(network.value().model().styles).c_str());
+  const auto file = styled::net::FindWeights(arguments.weights);
+  for (const auto& other : styled::net::OtherShippedWeights(file.value())) {
+    std::fprintf(stderr, "other weights: --weights %s\n", other.stem().c_str());
   }
-  return Status::Error(std::string(option) + ": more than " + std::to_string(styled::net::kMaxMix) +
-                       " styles");
-}
-
-Result<styled::stylist::Settings> ParseSettings(const Arguments& arguments,
-                                                const styled::net::Styles& styles) {
-  styled::stylist::Settings settings;
-  settings.strength = arguments.strength;
-  settings.transition_s = 0;
-  settings.absolute = arguments.absolute;
-  if (arguments.root == "stride") settings.root = styled::stylist::Root::kStride;
-  const auto parts = styled::stylize::FindParts(arguments);
-  if (!parts.ok()) return parts.status();
-  settings.parts = parts.value();
-  const auto input_style = styled::stylize::FindInputStyle(arguments, styles);
-  if (!input_style.ok()) return input_style.status();
-  settings.input_style = input_style.value();
-  if (!arguments.style.empty()) {
-    const Status status = AddStyle(styles, arguments.style, "--style", settings);
-    if (!status.ok()) return status;
-  }
-  for (const std::string& entry : arguments.mix) {
-    const Status status = AddStyle(styles, entry, "--mix", settings);
-    if (!status.ok()) return status;
-  }
-  const Status known = styled::stylize::CheckGait(arguments, styles, settings);
-  if (!known.ok()) return known;
-  const auto error = styled::stylist::Validate(settings, static_cast<int>(styles.size()));
-  if (error == styled::stylist::SettingsError::kSum) {
-    float sum = 0;
-    for (const styled::net::StyleWeight& entry : settings.mix) {
-      if (entry.style >= 0) sum += entry.weight;
-    }
-    return styled::stylize::TooMuch(arguments, sum * std::max(1.0F, settings.strength));
-  }
-  if (error != styled::stylist::SettingsError::kNone) {
-    return Status::Error(styled::stylize::Explain(error));
-  }
-  return settings;
+  return 0;
 }
 
 // Binds and unbinds every frame: shows what the canonical humanoid alone does to a clip.
@@ -104,310 +63,317 @@ void BindOnly(const styled::rig::Binding& binding, styled::clip::Clip& clip) {
   }
 }
 
-Result<styled::net::AnyStylizer> LoadNetwork(const Arguments& arguments) {
-  auto weights = styled::net::FindWeights(arguments.weights);
-  if (!weights.ok()) return weights.status();
-  return styled::trial::LoadAny(weights.value());
-}
+// One output: an input in a style.
+struct Job {
+  const stylize::Input* input;
+  std::size_t style;  // index of the run's styles
+  std::string out, preview;
+};
 
-// The skeleton that the styled motion is written to: the clip's own, or an avatar's.
-class Wardrobe {
+// A clip as it is read, with its binding.
+struct Source {
+  styled::clip::Clip clip;
+  std::shared_ptr<const styled::rig::Binding> binding;
+  std::string dialect, rest;
+};
+
+class Run {
  public:
-  Wardrobe(const styled::clip::AvatarSkeleton* avatar,
-           const std::shared_ptr<const styled::rig::Binding>& performer,
-           const styled::stylist::Options& options) {
-    if (avatar != nullptr) {
-      worn_.emplace(performer, avatar->binding, avatar->rest, options, avatar->tail);
+  explicit Run(const Arguments& arguments) : arguments_(arguments), guard_(arguments.overwrite) {}
+
+  int All() {
+    if (const Status planned = Plan(); !planned.ok()) return Fail(planned, styled::kBadArguments);
+    if (const Status prepared = Prepare(); !prepared.ok()) return Fail(prepared);
+    stylize::ProgressLine progress(!arguments_.quiet, jobs_.size());
+    progress_ = &progress;
+    std::size_t written = 0;
+    bool some_own = false;
+    for (const stylize::Input& input : inputs_) {
+      if (input.error.empty()) continue;
+      Outcome outcome;
+      outcome.in = input.file;
+      outcome.error = input.error;
+      Tell(outcome);
     }
-  }
-  // Returns false if the frame is the performer's own, because the styled pose was not sound.
-  bool Process(std::int64_t time_ns, const styled::stylist::Output& out) {
-    const bool styled = (out.flags & styled::stylist::kFailed) == 0;
-    return (!worn_ || worn_->Process(time_ns, out)) && styled;
-  }
-  const styled::rig::RigPose& Pose(const styled::stylist::Output& out) const {
-    return worn_ ? worn_->pose() : out.rig;
+    for (const Job& job : jobs_) {
+      const Outcome outcome = Do(job);
+      Tell(outcome);
+      if (outcome.error.empty()) ++written;
+      some_own |= outcome.own > 0;
+    }
+    progress_ = nullptr;
+    const std::size_t wanted = jobs_.size() + broken_;
+    if (wanted > 1 && written < wanted) {
+      progress.Clear();
+      std::fprintf(stderr, "stylize: %zu of %zu outputs are written\n", written, wanted);
+    }
+    if (written < wanted) return 1;
+    return some_own ? kSomeFailed : 0;
   }
 
  private:
-  std::optional<styled::stylist::Avatar> worn_;
+  // Which outputs there will be. Nothing is read yet.
+  Status Plan() {
+    std::vector<std::string> named = arguments_.files;
+    std::string out = arguments_.out;
+    if (out.empty()) {
+      out = named.back();
+      named.pop_back();
+    }
+    inputs_ = stylize::FindInputs(named, arguments_.recursive);
+    styles_ = arguments_.styles;
+    if (styles_.empty()) styles_.emplace_back();
+    std::map<std::string, std::string> outputs;  // and whose they are
+    for (const stylize::Input& input : inputs_) {
+      if (!input.error.empty()) {
+        ++broken_;
+        continue;
+      }
+      for (std::size_t style = 0; style < styles_.size(); ++style) {
+        Arguments one = arguments_;
+        one.style = styles_[style];
+        const stylize::Words words{input.name, input.dir, stylize::StyleWord(one)};
+        Job job{&input, style, "", ""};
+        for (const auto& [pattern, filled] :
+             {std::pair<const std::string*, std::string*>{&out, &job.out},
+              {&arguments_.preview, &job.preview}}) {
+          if (pattern->empty()) continue;
+          auto text = stylize::FillPattern(*pattern, words);
+          if (!text.ok()) return text.status();
+          *filled = text.value();
+          const std::string same = std::filesystem::path(text.value()).lexically_normal().string();
+          const std::string whose = input.file + (one.style.empty() ? "" : " (" + one.style + ")");
+          const auto [other, fresh] = outputs.emplace(same, whose);
+          if (fresh) continue;
+          return Status::Error(text.value() + ": found twice, for " + other->second + " and " +
+                               whose +
+                               ", expected an output for each; {name}, {dir} and {style} in the "
+                               "output's name tell them apart, e.g. --out "
+                               "'out/{dir}/{name}-{style}.bvh'");
+        }
+        jobs_.push_back(std::move(job));
+      }
+    }
+    to_stdout_ = out == stylize::kStandard;
+    return Status::Ok();
+  }
+
+  // What all outputs need: avatar, weights, styles.
+  Status Prepare() {
+    auto joints = stylize::ParseJoints(arguments_);
+    if (!joints.ok()) return joints.status();
+    joints_ = std::move(joints.value());
+    for (const stylize::Input& input : inputs_) guard_.Reads(input.file, "the input");
+    if (!arguments_.avatar.empty()) {
+      auto read = styled::clip::ReadAvatar(arguments_.avatar, "auto", {});
+      if (!read.ok()) return Status::Error("--avatar " + read.status().message());
+      avatar_ = std::move(read.value());
+      guard_.Reads(arguments_.avatar, "the avatar");
+      why_not_kept_ = styled::clip::WhyNotKept(arguments_.avatar, *avatar_);
+    }
+#ifdef STYLED_PREVIEW
+    if (const Status can = stylize::CanPreview(arguments_.preview); !can.ok()) return can;
+#endif
+    for (const std::string& text : arguments_.like) {
+      guard_.Reads(text, "the example");
+      guard_.Reads(text.substr(0, text.rfind('=')), "the example");
+    }
+    if (arguments_.bind_only) return Status::Ok();
+    auto network = stylize::LoadNetwork(arguments_);
+    if (!network.ok()) return network.status();
+    if (const auto weights = styled::net::FindWeights(arguments_.weights); weights.ok()) {
+      guard_.Reads(weights.value(), "the weights");
+    }
+    for (const std::string& style : styles_) {
+      Arguments one = arguments_;
+      one.style = style;
+      auto restyler = stylize::Restyler::Make(one, network.value());
+      if (!restyler.ok()) return restyler.status();
+      restylers_.push_back(std::move(restyler.value()));
+    }
+    return Status::Ok();
+  }
+
+  Result<Source> Read(const stylize::Input& input) const {
+    const bool standard = input.file == stylize::kStandard;
+    std::string text;
+    if (standard) {
+      auto read = stylize::ReadStandardInput();
+      if (!read.ok()) return read.status();
+      text = std::move(read.value());
+    }
+    auto clip = standard ? styled::clip::ParseBvh(text, "standard input")
+                         : styled::clip::ReadBvh(input.file);
+    if (!clip.ok()) return clip.status();
+    auto bound =
+        styled::clip::BindClip(clip.value(), arguments_.rig,
+                               styled::clip::ParseRestPose(arguments_.rest).value(), joints_);
+    if (!bound.ok()) return Status::Error(input.file + ": " + bound.status().message());
+    return Source{std::move(clip.value()),
+                  std::make_shared<const styled::rig::Binding>(std::move(bound.value().binding)),
+                  bound.value().dialect, bound.value().rest};
+  }
+
+  // The job's input, read once for all of its styles.
+  const Result<Source>& SourceOf(const Job& job) {
+    if (source_of_ != job.input) {
+      source_.emplace(Read(*job.input));
+      source_of_ = job.input;
+    }
+    return *source_;
+  }
+
+  Outcome Do(const Job& job) {
+    Outcome outcome;
+    outcome.in = job.input->file;
+    outcome.out = job.out;
+    outcome.style = styles_[job.style];
+    progress_->Next(job.input->name + " " + outcome.style);
+    for (const std::string* const file : {&job.out, &job.preview}) {
+      if (file->empty() || *file == stylize::kStandard) continue;
+      if (const Status free = guard_.Check(*file); !free.ok()) {
+        outcome.error = free.message();
+        return outcome;
+      }
+    }
+    const auto& source = SourceOf(job);
+    if (!source.ok()) {
+      outcome.error = source.status().message();
+      return outcome;
+    }
+    const Status done = Make(job, source.value(), outcome);
+    if (!done.ok()) outcome.error = done.message();
+    return outcome;
+  }
+
+  Status Make(const Job& job, const Source& source, Outcome& outcome) {
+    styled::clip::Clip clip = source.clip;
+    outcome.frames = clip.frames.size();
+    outcome.rate_hz = clip.rate_hz;
+    outcome.dialect = source.dialect;
+    outcome.rest = source.rest;
+    stylize::Styled styled;
+    if (arguments_.bind_only) {
+      BindOnly(*source.binding, clip);
+    } else {
+      auto result = restylers_[job.style].Run(
+          job.input->file, source.binding, avatar_ ? &*avatar_ : nullptr,
+          [this](double share) { progress_->Show(share); }, clip);
+      if (!result.ok()) return result.status();
+      styled = std::move(result.value());
+      outcome.styled = true;
+      outcome.own = styled.failed;
+      outcome.planted = styled.planted;
+      outcome.out_of_domain = styled.out_of_domain;
+      outcome.slide_cm_s = styled.slide_cm_s;
+      outcome.input_slide_cm_s = styled.input_slide_cm_s;
+    }
+    if (avatar_) {
+      clip.skeleton = avatar_->binding->skeleton();
+      clip.channels.clear();
+      clip.end_sites.clear();
+    }
+    if (arguments_.cadence) {
+      progress_->Clear();
+      stylize::TakeTimes(job.out, styled.times_s, clip);
+    }
+    return Write(job, source, std::move(clip), outcome);
+  }
+
+  Status Write(const Job& job, const Source& source, styled::clip::Clip clip, Outcome& outcome) {
+    const auto& written_on = avatar_ ? *avatar_->binding : *source.binding;
+    styled::clip::Motion motion;
+    static_cast<styled::clip::Clip&>(motion) = std::move(clip);
+    motion.name = job.input->name;
+    if (!outcome.style.empty()) motion.name += " " + outcome.style;
+    motion.rest = written_on.spec().rest_rotations;
+    motion.canonical_from_source = written_on.spec().canonical_from_source;
+    // A BVH does not state its unit: scale the body to the humanoid's height.
+    const bool in_metres = avatar_ && avatar_->metres_per_unit > 0;
+    motion.metres_per_unit = in_metres ? 1 : written_on.scale();
+    const bool standard = job.out == stylize::kStandard;
+    const std::string format = arguments_.format.empty() ? "bvh" : arguments_.format;
+    const std::string kind =
+        standard ? "." + format : std::string(styled::clip::FindFormat(job.out).value()->extension);
+    const bool keep = avatar_ && kind == ".glb" && why_not_kept_.empty();
+    if (avatar_ && kind == ".glb" && !keep) {
+      outcome.note = "bones alone, without meshes: " + why_not_kept_;
+    }
+    const auto write = [&](const std::string& file) {
+      return keep ? styled::clip::WriteAvatarGlb(arguments_.avatar, *avatar_, motion, file)
+                  : styled::clip::Write(file, motion);
+    };
+    if (const Status written =
+            standard ? stylize::WriteToStandardOutput(kind, write) : guard_.Write(job.out, write);
+        !written.ok()) {
+      return written;
+    }
+    return Preview(job, source, written_on, motion, outcome);
+  }
+
+  Status Preview(const Job& job, const Source& source, const styled::rig::Binding& written_on,
+                 const styled::clip::Clip& clip, Outcome& outcome) {
+    if (job.preview.empty()) return Status::Ok();
+#ifdef STYLED_PREVIEW
+    stylize::Shown shown{styled::clip::ToCanonical(source.clip, *source.binding),
+                         styled::clip::ToCanonical(clip, written_on), clip.rate_hz,
+                         outcome.style.empty() ? "output" : outcome.style};
+    Status made = guard_.Write(job.preview, [&shown](const std::string& file) {
+      return stylize::WritePreview(shown, file);
+    });
+    if (made.ok()) outcome.preview = job.preview;
+    return made;
+#else
+    return Status::Error("--preview: found a build without pictures");
+#endif
+  }
+
+  // Says what came of an output.
+  void Tell(const Outcome& outcome) {
+    progress_->Clear();
+    if (!outcome.error.empty()) {
+      std::fprintf(stderr, "stylize: %s\n", outcome.error.c_str());
+    } else if (outcome.own > 0) {
+      std::fprintf(stderr,
+                   "stylize: %s: %zu of %zu frames are the performer's own: expected a finite pose "
+                   "with unit rotations from the network, found none\n",
+                   outcome.out.c_str(), outcome.own, outcome.frames);
+    }
+    if (arguments_.json) {
+      std::printf("%s\n", stylize::JsonLine(outcome).c_str());
+    } else if (outcome.error.empty() && !arguments_.quiet) {
+      std::fprintf(to_stdout_ ? stderr : stdout, "%s\n", stylize::SummaryLine(outcome).c_str());
+    }
+    std::fflush(stdout);
+  }
+
+  const Arguments& arguments_;
+  stylize::Guard guard_;
+  std::vector<stylize::Input> inputs_;
+  std::vector<std::string> styles_;  // "" where none is named
+  std::vector<Job> jobs_;
+  std::size_t broken_ = 0;  // inputs with an error
+  bool to_stdout_ = false;
+  styled::rig::JointNames joints_;
+  std::optional<styled::clip::AvatarSkeleton> avatar_;
+  std::string why_not_kept_;  // why the avatar's meshes are not in a .glb; "": they are
+  std::vector<stylize::Restyler> restylers_;  // per style
+  const stylize::Input* source_of_ = nullptr;
+  std::optional<Result<Source>> source_;
+  stylize::ProgressLine* progress_ = nullptr;
 };
-
-// A clip's frames as they are styled. A live stream does not show the motion between two distant
-// frames; a clip allows a smooth curve, so a slow one has `steps` - 1 frames in between.
-struct Frames {
-  explicit Frames(const styled::clip::Clip& the_clip)
-      : clip(the_clip),
-        steps(static_cast<std::size_t>(std::ceil(kSlowest_hz / clip.rate_hz - 1e-6))),
-        rate_hz(clip.rate_hz * static_cast<double>(steps)),
-        count((clip.frames.size() - 1) * steps + 1),
-        between(steps > 1 ? styled::clip::Resample(clip, rate_hz) : styled::clip::Clip()) {}
-  bool Given(std::size_t i) const { return i % steps == 0; }
-  const styled::rig::RigPose& At(std::size_t i) const {
-    return Given(i) ? clip.frames[i / steps] : between.frames[i];
-  }
-  std::int64_t Time_ns(std::size_t i) const {
-    return static_cast<std::int64_t>(static_cast<double>(i) / rate_hz * 1e9);
-  }
-
-  const styled::clip::Clip& clip;
-  std::size_t steps;
-  double rate_hz;
-  std::size_t count;
-  styled::clip::Clip between;
-};
-
-// Puts what the arguments blend in place of the styles of `settings`, as one more style of the
-// network.
-Status AddBlend(const Arguments& arguments, styled::stylist::Settings& settings,
-                std::shared_ptr<const styled::net::Stylizer>& stylizer) {
-  if (arguments.root != "follow" || arguments.cadence) {
-    return Status::Error(
-        std::string(arguments.cadence ? "--cadence" : "--root stride") +
-        ": how fast an example or a variation goes is not known; expected --style and --mix alone");
-  }
-  auto blend = styled::stylize::MakeBlend(arguments, stylizer->model(), *stylizer->space(),
-                                          settings.input_style);
-  if (!blend.ok()) return blend.status();
-  const auto number = static_cast<int>(stylizer->model().styles.size());
-  stylizer = stylizer->With(number, {.name = "blend"}, blend.value().code);
-  settings.mix = {};
-  settings.mix[0] = {number, 1};
-  settings.strength = 1;  // the code has it
-  return Status::Ok();
-}
-
-// Writes the next frame's styled pose.
-using StyleNext = std::function<void(std::size_t i, styled::stylist::Output& out)>;
-
-// The styling of `frames` as the arguments and the network's kind ask for.
-Result<StyleNext> MakeStyling(const Arguments& arguments, const styled::net::AnyStylizer& network,
-                              std::shared_ptr<const styled::rig::Binding> binding,
-                              const styled::stylist::Options& options, const Frames& frames) {
-  if (network.clips) {
-    const Status length = styled::stylize::CheckLength(frames.clip, arguments.in,
-                                                       network.clips->model(), *network.clips);
-    if (!length.ok()) return length;
-    auto style = styled::stylize::ParseClipStyle(arguments, *network.clips);
-    if (!style.ok()) return style.status();
-    auto stylist = std::make_shared<styled::stylist::ClipStylist>(
-        network.clips, std::move(style.value()), std::move(binding), options,
-        styled::stylist::ClipFrames{
-            frames.count, frames.rate_hz,
-            [&frames](std::size_t i) -> const styled::rig::RigPose& { return frames.At(i); }});
-    return StyleNext([stylist](std::size_t, styled::stylist::Output& out) { stylist->Next(out); });
-  }
-  const styled::net::Model& model = network.model();
-  const Status refused = styled::stylize::RefuseClipArguments(arguments, *network.frames);
-  if (!refused.ok()) return refused;
-  auto settings = ParseSettings(arguments, model.styles);
-  if (!settings.ok()) return settings.status();
-  auto stylizer = network.frames;
-  if (!arguments.like.empty() || arguments.vary) {
-    const auto added = AddBlend(arguments, settings.value(), stylizer);
-    if (!added.ok()) return added;
-  }
-  auto stylist =
-      std::make_shared<styled::stylist::Stylist>(std::move(stylizer), std::move(binding), options);
-  stylist->Set(settings.value());
-  return StyleNext([stylist, &frames](std::size_t i, styled::stylist::Output& out) {
-    stylist->Process(frames.Time_ns(i), frames.At(i), out);
-  });
-}
-
-// What came of a clip's frames.
-struct Styled {
-  std::size_t failed = 0;       // how many could not be styled and are the performer's own
-  std::vector<double> times_s;  // of each frame, where time passes at the style's cadence
-};
-
-Result<Styled> Restyle(const Arguments& arguments,
-                       const std::shared_ptr<const styled::rig::Binding>& binding,
-                       const styled::clip::AvatarSkeleton* avatar, styled::clip::Clip& clip) {
-  auto network = LoadNetwork(arguments);
-  if (!network.ok()) return network.status();
-  styled::stylist::Options options;
-  options.bypass = !arguments.no_bypass;
-  options.feet = arguments.feet;
-  options.own_cadence = arguments.cadence;
-  const Frames frames(clip);
-  const auto style_next = MakeStyling(arguments, network.value(), binding, options, frames);
-  if (!style_next.ok()) return style_next.status();
-  Wardrobe wardrobe(avatar, binding, options);
-  styled::stylist::Output out(clip.skeleton);
-  Styled result;
-  double time_s = 0;
-  for (std::size_t i = 0; i < frames.count; ++i) {
-    style_next.value()(i, out);
-    const bool styled = wardrobe.Process(frames.Time_ns(i), out);
-    if (i > 0) time_s += 1 / (frames.rate_hz * static_cast<double>(out.cadence));
-    if (!frames.Given(i)) continue;
-    if (!styled) ++result.failed;
-    result.times_s.push_back(time_s);
-    clip.frames[i / frames.steps] = wardrobe.Pose(out);  // nothing reads the input's any more
-  }
-  return result;
-}
-
-// `binding`: that of the skeleton that is written.
-Status Write(const Arguments& arguments, const styled::rig::Binding& binding, bool in_metres,
-             styled::clip::Clip clip) {
-  styled::clip::Motion motion;
-  static_cast<styled::clip::Clip&>(motion) = std::move(clip);
-  motion.rest = binding.spec().rest_rotations;
-  motion.canonical_from_source = binding.spec().canonical_from_source;
-  // A BVH does not state its unit: scale the body to the humanoid's height.
-  motion.metres_per_unit = in_metres ? 1 : binding.scale();
-  return styled::clip::Write(arguments.out, motion);
-}
-
-// Prints the styles of the weights, and on standard error which other weights there are.
-int List(const Arguments& arguments) {
-  auto network = LoadNetwork(arguments);
-  if (!network.ok()) return Fail(network.status());
-  std::printf("%s\n", styled::stylize::StyleNames(network.value().model().styles).c_str());
-  const auto file = styled::net::FindWeights(arguments.weights);
-  for (const auto& other : styled::net::OtherShippedWeights(file.value())) {
-    std::fprintf(stderr, "other weights: --weights %s\n", other.stem().c_str());
-  }
-  return 0;
-}
-
-int Run(const Arguments& arguments) {
-  if (arguments.list) return List(arguments);
-  auto clip = styled::clip::ReadBvh(arguments.in);
-  if (!clip.ok()) return Fail(clip.status());
-  auto bound = styled::rig::BindDialect(clip.value().skeleton, arguments.rig);
-  if (!bound.ok()) return Fail(Status::Error(arguments.in + ": " + bound.status().message()));
-  const auto binding = std::make_shared<const styled::rig::Binding>(std::move(bound.value()));
-  std::optional<styled::clip::AvatarSkeleton> avatar;
-  if (!arguments.avatar.empty()) {
-    auto read = styled::clip::ReadAvatar(arguments.avatar, "auto", {});
-    if (!read.ok()) return Fail(Status::Error("--avatar " + read.status().message()));
-    avatar = std::move(read.value());
-  }
-  const auto* const onto = avatar ? &*avatar : nullptr;
-  const std::size_t frames = clip.value().frames.size();
-  Styled done;
-  if (arguments.bind_only) {
-    BindOnly(*binding, clip.value());
-  } else {
-    auto result = Restyle(arguments, binding, onto, clip.value());
-    if (!result.ok()) return Fail(result.status());
-    done = std::move(result.value());
-  }
-  const bool in_metres = avatar && avatar->metres_per_unit > 0;
-  const auto& written_on = avatar ? *avatar->binding : *binding;
-  if (avatar) {
-    clip.value().skeleton = written_on.skeleton();
-    clip.value().channels.clear();
-    clip.value().end_sites.clear();
-  }
-  if (arguments.cadence) styled::stylize::TakeTimes(arguments.out, done.times_s, clip.value());
-  const Status written = Write(arguments, written_on, in_metres, std::move(clip.value()));
-  if (!written.ok()) return Fail(written);
-  if (done.failed == 0) return 0;
-  std::fprintf(
-      stderr,
-      "stylize: %s: %zu of %zu frames are the performer's own: expected a finite pose with "
-      "unit rotations from the network, found none\n",
-      arguments.out.c_str(), done.failed, frames);
-  return kSomeFailed;
-}
 
 }  // namespace
-
-namespace styled::stylize {
-
-std::string StyleNames(const net::Styles& styles) {
-  std::string names;
-  for (const net::StyleInfo& style : styles) names += (names.empty() ? "" : ", ") + style.name;
-  return names;
-}
-
-Result<float> ParseWeight(const std::string& number, const char* option, const std::string& text) {
-  char* end = nullptr;
-  const float weight = std::strtof(number.c_str(), &end);
-  if (!number.empty() && *end == '\0' && weight >= 0 && weight <= net::kMaxStrength) return weight;
-  return Status::Error(std::string(option) + ": '" + text +
-                       "': expected behind '=' a weight from 0 to " +
-                       NumberText(net::kMaxStrength));
-}
-
-std::string WeightsText(const Arguments& arguments) {
-  std::string named;
-  const auto add = [&named](const char* option, const std::string& text) {
-    named += (named.empty() ? "" : ", ") + std::string(option) + " " + text;
-  };
-  if (!arguments.style.empty()) add("--style", arguments.style);
-  for (const std::string& text : arguments.mix) add("--mix", text);
-  for (const std::string& text : arguments.like) add("--like", text);
-  if (arguments.strength != 1) add("--strength", NumberText(arguments.strength));
-  return named;
-}
-
-Status TooMuch(const Arguments& arguments, float sum) {
-  return Status::Error(WeightsText(arguments) + ": the weights times the strength sum to " +
-                       NumberText(sum, 3) + ", expected at most " + NumberText(net::kMaxStrength));
-}
-
-Result<Weighted> FindWeighted(const net::Styles& styles, const std::string& text,
-                              const char* option) {
-  const std::size_t equals = text.find('=');
-  const std::string name = text.substr(0, equals);
-  std::optional<float> weight;
-  if (equals != std::string::npos) {
-    const auto parsed = ParseWeight(text.substr(equals + 1), option, text);
-    if (!parsed.ok()) return parsed.status();
-    weight = parsed.value();
-  }
-  const int style = net::FindStyle(styles, name);
-  if (style >= 0) return Weighted{style, weight};
-  return Status::Error(std::string(option) + ": unknown style '" + name + "'; expected one of " +
-                       StyleNames(styles));
-}
-
-Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles) {
-  if (arguments.input_style.empty()) return 0;
-  const int style = net::FindStyle(styles, arguments.input_style);
-  if (style >= 0) return style;
-  return Status::Error("--input-style: unknown style '" + arguments.input_style +
-                       "'; expected one of " + StyleNames(styles));
-}
-
-Result<body::Parts> FindParts(const Arguments& arguments) {
-  const auto parts = body::FindParts(arguments.parts);
-  if (parts) return *parts;
-  return Status::Error("--parts " + arguments.parts + ": expected, separated by commas, some of " +
-                       std::string(body::kPartWords));
-}
-
-const char* Explain(stylist::SettingsError error) {
-  using Error = stylist::SettingsError;
-  switch (error) {
-    case Error::kDuplicateStyle:
-      return "a style is named twice";
-    case Error::kStrength:
-      return "--strength is outside 0 to 1.5";
-    default:
-      return "the style settings are not valid";
-  }
-}
-
-}  // namespace styled::stylize
 
 int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App app(
-      "Restyles a BVH clip, on its own skeleton or on an avatar's: same rate and, but for "
+      "Restyles BVH clips, on their own skeletons or on an avatar's: same rate and, but for "
       "--cadence, same frame count.",
       "stylize");
-  styled::stylize::AddOptions(app, arguments);
+  stylize::AddOptions(app, arguments);
   if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
-  const Status together = styled::stylize::CheckTogether(app, arguments);
-  if (!together.ok()) {
-    Fail(together);
-    return styled::kBadArguments;
-  }
-  return Run(arguments);
+  const Status together = stylize::CheckTogether(app, arguments);
+  if (!together.ok()) return Fail(together, styled::kBadArguments);
+  return arguments.list ? List(arguments) : Run(arguments).All();
 }

@@ -12,6 +12,7 @@
 #include "model/clip/clip.h"
 #include "model/net/clip_stylizer.h"
 #include "model/net/styles.h"
+#include "model/rig/dialects.h"
 #include "model/stylist/clip_stylist.h"
 #include "model/stylist/settings.h"
 
@@ -19,7 +20,8 @@
 namespace styled::stylize {
 
 struct Arguments {
-  std::string style;
+  std::vector<std::string> styles;  // each is styled by itself
+  std::string style;                // the one of these that is due; "": none
   float strength = 1.0F;
   std::vector<std::string> mix;
   std::vector<std::string> like;      // clips that are examples of the style
@@ -31,7 +33,13 @@ struct Arguments {
   std::string input_style;            // the style that the performer moves in
   bool cadence = false;               // warp time, so that steps come as often as the style's
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
-  std::string weights, rig = "auto", avatar, in, out;
+  std::string weights, rig = "auto", rest = "auto", avatar;
+  std::vector<std::string> files;  // inputs; without `out` an input and an output
+  std::string out;                 // pattern, or kStandard
+  std::string format;              // of standard output: an extension without its dot
+  std::string preview;             // pattern
+  bool recursive = false, overwrite = false, json = false, quiet = false;
+  std::vector<std::string> joints;  // CANONICAL=NAME
 };
 
 struct Window {
@@ -47,6 +55,8 @@ void AddOptions(CLI::App& app, Arguments& arguments);
 // What the parser does not check: arguments that are missing or say nothing alone.
 Status CheckTogether(const CLI::App& app, const Arguments& arguments);
 
+// The joints that --joints names.
+Result<rig::JointNames> ParseJoints(const Arguments& arguments);
 // "a, b, c"
 std::string StyleNames(const net::Styles& styles);
 // Parses the A of "S=A", a number from 0 to net::kMaxStrength; `option` and `text`, the whole
@@ -67,6 +77,9 @@ Status TooMuch(const Arguments& arguments, float sum);
 Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles);
 Result<body::Parts> FindParts(const Arguments& arguments);
 const char* Explain(stylist::SettingsError error);
+
+// The output's name, or what fills {style} in it: the style's, else the others' that it is made of.
+std::string StyleWord(const Arguments& arguments);
 
 // stylize_gait.cpp: whether the weights know what --root stride and --cadence need, of neutral and
 // of each style that `settings` names; the error names the option and the style.

@@ -10,9 +10,9 @@
 #include <span>
 
 #include "model/base/text.h"
+#include "model/clip/bind_clip.h"
 #include "model/clip/clip.h"
 #include "model/net/load.h"
-#include "model/rig/dialects.h"
 #include "model/tools/stylize.h"
 
 namespace styled::stylize {
@@ -48,13 +48,13 @@ Result<Example> ReadExample(const std::string& text, const std::string& rig,
   const std::string& file = example.value().file;
   const auto clip = clip::ReadBvh(file);
   if (!clip.ok()) return error(clip.status().message());
-  const auto bound = rig::BindDialect(clip.value().skeleton, rig);
+  const auto bound = clip::BindClip(clip.value(), rig);
   if (!bound.ok()) return error(file + ": " + bound.status().message());
   const Status length = CheckLength(clip.value(), file, model, space);
   if (!length.ok()) return error(length.message());
   example.value().poses =
-      clip::ResamplePoses(clip::ToCanonical(clip.value(), bound.value()), clip.value().rate_hz,
-                          static_cast<double>(model.rate_hz));
+      clip::ResamplePoses(clip::ToCanonical(clip.value(), bound.value().binding),
+                          clip.value().rate_hz, static_cast<double>(model.rate_hz));
   return example;
 }
 

@@ -1,10 +1,14 @@
 // The options of stylize, and which of them exclude each other.
+#include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 
+#include "model/clip/bind_clip.h"
 #include "model/clip/write.h"
 #include "model/tools/number.h"
 #include "model/tools/stylize.h"
+#include "model/tools/stylize_files.h"
 
 namespace styled::stylize {
 namespace {
@@ -12,7 +16,13 @@ namespace {
 constexpr double kMaxAmount = 3;  // of a variation: beyond, codes are nothing like trained ones
 
 void AddStyleOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("-s,--style", arguments.style, "target style, STYLE or STYLE=WEIGHT");
+  app.add_option(
+         "-s,--style", arguments.styles,
+         "target style, STYLE or STYLE=WEIGHT; several, each into a file of its own: again, or "
+         "with commas")
+      ->take_all()
+      ->allow_extra_args(false)
+      ->delimiter(',');
   app.add_option("-a,--strength", arguments.strength, "0 to 1.5; 0 gives the input back")
       ->capture_default_str();
   app.add_option("-m,--mix", arguments.mix, "a further style, STYLE=WEIGHT; at most 4 in all")
@@ -69,12 +79,43 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
                  "weights: a file, or the name of shipped ones, like st-gcn (default: v2)");
   app.add_option("--rig", arguments.rig, "rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();
+  app.add_option(
+         "--rest", arguments.rest,
+         "the upright pose that tells the T-pose, where the clip's zero pose is none: zero, "
+         "the zero pose with its arms anywhere; standing, the straightest frame; the time of "
+         "a frame in seconds; auto, what fits")
+      ->check([](const std::string& text) { return clip::ParseRestPose(text).status().message(); })
+      ->capture_default_str();
+  app.add_option("--joints", arguments.joints,
+                 "joints whose names are not understood, CANONICAL=NAME, e.g. leftUpperArm=Arm_01")
+      ->take_all()
+      ->allow_extra_args(false);
   app.add_option("--avatar", arguments.avatar,
                  "put the motion onto this skeleton: .vrm, .glb, .gltf or .bvh");
   app.add_flag("--list", arguments.list, "print the styles of the weights");
-  app.add_option("in", arguments.in, "input BVH");
-  app.add_option("out", arguments.out, "output file: " + clip::FormatNames())
-      ->check([](const std::string& file) { return clip::FindFormat(file).status().message(); });
+  app.add_option(
+      "files", arguments.files,
+      "input BVH and output file (" + clip::FormatNames() +
+          "); with --out only inputs: files, folders of them, or - for the standard input");
+}
+
+void AddOutputOptions(CLI::App& app, Arguments& arguments) {
+  app.add_option("-o,--out", arguments.out,
+                 "the outputs of all inputs and styles, e.g. 'out/{name}-{style}.bvh'; {dir} is "
+                 "where the input lies below its folder; - is the standard output. The extension "
+                 "decides the format: " +
+                     clip::FormatNames());
+  app.add_option("--format", arguments.format, "the format of the standard output")
+      ->check(CLI::IsMember({"bvh", "glb"}));
+#ifdef STYLED_PREVIEW
+  app.add_option("--preview", arguments.preview,
+                 "also a picture of input and output, .png, or a film of both, .mp4 (needs "
+                 "ffmpeg); a pattern as --out");
+#endif
+  app.add_flag("-r,--recursive", arguments.recursive, "folders with the folders in them");
+  app.add_flag("--overwrite", arguments.overwrite, "replace outputs that exist; never an input");
+  app.add_flag("--json", arguments.json, "a line of JSON for each output, instead of the summary");
+  app.add_flag("-q,--quiet", arguments.quiet, "no summary and no progress");
 }
 
 // What says something about styling or weights, and so nothing with --bind-only. Not CLI11's
@@ -90,28 +131,94 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   AddStyleOptions(app, arguments);
   AddStageOptions(app, arguments);
   AddFileOptions(app, arguments);
+  AddOutputOptions(app, arguments);
 }
 
-Status CheckTogether(const CLI::App& app, const Arguments& arguments) {
-  if (!arguments.list && (arguments.in.empty() || arguments.out.empty())) {
+std::string StyleWord(const Arguments& arguments) {
+  const auto stem = [](const std::string& text) {
+    return std::filesystem::path(text.substr(0, text.find('='))).stem().string();
+  };
+  std::string word = arguments.style.substr(0, arguments.style.find('='));
+  const bool alone = word.empty();
+  for (const std::string& text : arguments.mix) {
+    if (alone) word += (word.empty() ? "" : "-") + text.substr(0, text.find('='));
+  }
+  for (const std::string& text : arguments.like) {
+    if (alone) word += (word.empty() ? "" : "-") + stem(text);
+  }
+  return word.empty() ? "input" : word;
+}
+
+Result<rig::JointNames> ParseJoints(const Arguments& arguments) {
+  rig::JointNames joints;
+  for (const std::string& text : arguments.joints) {
+    const std::size_t equals = text.find('=');
+    if (equals == 0 || equals == std::string::npos) {
+      return Status::Error("--joints: '" + text + "': expected CANONICAL=NAME");
+    }
+    joints.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return joints;
+}
+
+namespace {
+
+// Which files are inputs and which outputs, as far as the command line alone tells.
+Status CheckFiles(const Arguments& arguments) {
+  const std::size_t count = arguments.files.size();
+  if (count == 0 || (arguments.out.empty() && count == 1)) {
     return Status::Error("expected an input and an output file; see --help");
+  }
+  if (arguments.out.empty() && count > 2) {
+    return Status::Error(
+        "found " + std::to_string(count) +
+        " files, expected an input and an output, or --out and a pattern for all outputs, e.g. "
+        "--out 'out/{name}-{style}.bvh'");
+  }
+  const std::string& out = arguments.out.empty() ? arguments.files.back() : arguments.out;
+  if (out != kStandard) {
+    if (!arguments.format.empty()) {
+      return Status::Error("--format " + arguments.format +
+                           ": expected the standard output (-); a file's extension decides");
+    }
+    if (Status known = clip::FindFormat(out).status(); !known.ok()) return known;
+  } else if (arguments.json) {
+    return Status::Error("--json excludes the standard output, which has the clip");
+  }
+  if (std::count(arguments.files.begin(), arguments.files.end(), kStandard) >
+      (arguments.out.empty() && out == kStandard ? 2 : 1)) {
+    return Status::Error("-: found the standard input twice");
+  }
+  if (arguments.preview.empty()) return Status::Ok();
+  const std::string kind = std::filesystem::path(arguments.preview).extension();
+  if (kind == ".png" || kind == ".mp4") return Status::Ok();
+  return Status::Error("--preview " + arguments.preview + ": expected .png or .mp4");
+}
+
+}  // namespace
+
+Status CheckTogether(const CLI::App& app, const Arguments& arguments) {
+  if (arguments.list) return Status::Ok();
+  if (Status files = CheckFiles(arguments); !files.ok()) return files;
+  if (std::count(arguments.styles.begin(), arguments.styles.end(), "") > 0) {
+    return Status::Error("--style: found nothing, expected a style; --list names them");
   }
   for (const char* const option : kNotWithBindOnly) {
     if (arguments.bind_only && app.count(option) > 0) {
       return Status::Error(std::string("--bind-only excludes ") + option);
     }
   }
-  const bool without = arguments.style.empty() && arguments.mix.empty() && arguments.like.empty();
-  if (!arguments.list && !arguments.input_style.empty() && without && !arguments.no_bypass) {
+  const bool without = arguments.styles.empty() && arguments.mix.empty() && arguments.like.empty();
+  if (!arguments.input_style.empty() && without && !arguments.no_bypass) {
     return Status::Error(
         "--input-style: expected --style, --mix or --like, found none: give "
         "--style neutral to remove " +
         arguments.input_style);
   }
-  if (!arguments.list && arguments.root != "follow" && without) {
+  if (arguments.root != "follow" && without) {
     return Status::Error("--root stride: expected a style, whose speed it takes: --style or --mix");
   }
-  if (!arguments.list && arguments.cadence && without) {
+  if (arguments.cadence && without) {
     return Status::Error("--cadence: expected a style, whose steps it takes: --style or --mix");
   }
   return Status::Ok();

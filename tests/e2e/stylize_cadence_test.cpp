@@ -33,7 +33,7 @@ class StylizeCadence : public ToolsTest {
   void Write() { ASSERT_TRUE(offset::Write(weights_, model_, offset::TestOffsets()).ok()); }
   // The clip styled with these arguments.
   clip::Clip Stylize(std::vector<std::string> arguments, const std::string& in) {
-    arguments.insert(arguments.begin(), {STYLIZE_BINARY, "--weights", weights_});
+    arguments.insert(arguments.begin(), {STYLIZE_BINARY, "--weights", weights_, "--overwrite"});
     arguments.insert(arguments.end(), {in, out_});
     EXPECT_EQ(Run(arguments), 0) << said_;
     return clip::ReadBvh(out_).value();

@@ -28,12 +28,12 @@ TEST_F(ToolsTest, StylesimSaysOnceThatNobodyListens) {
 
 TEST_F(ToolsTest, StylizeTakesItsFilesBehindAMix) {
   const std::string in = Walk(), out = folder_ / "out.bvh";
-  ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "elderly=0.5", "--mix", "active=0.3", "--mix",
-                 "youthful=0.1", in, out}),
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "elderly=0.5", "--mix", "active=0.3",
+                 "--mix", "youthful=0.1", in, out}),
             0)
       << said_;
   const std::string mixed = ReadText(out);
-  ASSERT_EQ(Run({STYLIZE_BINARY, in, out, "--style", "elderly=0.5"}), 0) << said_;
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", in, out, "--style", "elderly=0.5"}), 0) << said_;
   EXPECT_NE(mixed, "");
   EXPECT_NE(ReadText(out), mixed);
 }
@@ -41,21 +41,27 @@ TEST_F(ToolsTest, StylizeTakesItsFilesBehindAMix) {
 // Styling to neutral needs an input style to remove; without one, neutral requests nothing.
 TEST_F(ToolsTest, StylizeTakesAStyleAway) {
   const std::string in = Walk(), out = folder_ / "out.bvh";
-  ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "neutral", in, out}), 0) << said_;
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "neutral", in, out}), 0) << said_;
   const std::string untouched = ReadText(out);
-  ASSERT_EQ(Run({STYLIZE_BINARY, "--input-style", "elderly", "--style", "neutral", in, out}), 0)
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--input-style", "elderly", "--style", "neutral",
+                 in, out}),
+            0)
       << said_;
   EXPECT_NE(ReadText(out), untouched);
-  EXPECT_EQ(Run({STYLIZE_BINARY, "--from", "elderly", in, out}), 2) << "nothing to put on";
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--from", "elderly", in, out}), 2)
+      << "nothing to put on";
   EXPECT_NE(said_.find("give --style neutral to remove elderly"), std::string::npos) << said_;
-  EXPECT_EQ(Run({STYLIZE_BINARY, "--from", "zombie", "--style", "neutral", in, out}), 1);
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--from", "zombie", "--style", "neutral", in, out}),
+            1);
   EXPECT_NE(said_.find("--input-style: unknown style 'zombie'"), std::string::npos) << said_;
 }
 
 TEST_F(ToolsTest, StylizeTakesTheBodyAlongAtTheSpeedOfTheStyle) {
   const std::string in = Walk("30", "4"), out = folder_ / "out.bvh";
   const auto way = [&](const std::string& root) {
-    EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", "--root", root, in, out}), 0) << said_;
+    EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "elderly", "--root", root, in, out}),
+              0)
+        << said_;
     const clip::Clip styled = clip::ReadBvh(out).value();
     const rig::Vec3 way =
         styled.frames.back().translations[0] - styled.frames.front().translations[0];
@@ -63,9 +69,10 @@ TEST_F(ToolsTest, StylizeTakesTheBodyAlongAtTheSpeedOfTheStyle) {
   };
   const float followed = way("follow");
   EXPECT_LT(way("stride"), 0.9F * followed) << "the elderly walk slower";
-  EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", "--root", "home", in, out}), 2);
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "elderly", "--root", "home", in, out}),
+            2);
   EXPECT_NE(said_.find("follow,stride"), std::string::npos) << said_;
-  EXPECT_EQ(Run({STYLIZE_BINARY, "--root", "stride", in, out}), 2);
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--root", "stride", in, out}), 2);
   EXPECT_NE(said_.find("--root stride: expected a style"), std::string::npos) << said_;
 }
 
@@ -75,7 +82,7 @@ TEST_F(ToolsTest, StylizeMakesOfASlowClipWhatItMakesOfAFastOne) {
   std::vector<clip::Clip> styled;
   for (const std::string rate_hz : {"30", "10"}) {
     const std::string in = Walk(rate_hz, "5"), out = folder_ / "out.bvh";
-    ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, out}), 0) << said_;
+    ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "elderly", in, out}), 0) << said_;
     styled.push_back(clip::ReadBvh(out).value());
   }
   ASSERT_GE(styled[0].frames.size(), 3 * (styled[1].frames.size() - 1) + 1);
@@ -97,7 +104,9 @@ TEST_F(ToolsTest, StylizeRefusesWildWeightsAndWritesNothing) {
     erd::WeightsFile wild = erd::RandomWeights(5, 1);
     for (float& value : wild.tensor(tensor).values) value *= 1e30F;
     WriteWeights(weights, wild);
-    EXPECT_EQ(Run({STYLIZE_BINARY, "--weights", weights, "--style", "style2", in, out}), 1);
+    EXPECT_EQ(
+        Run({STYLIZE_BINARY, "--overwrite", "--weights", weights, "--style", "style2", in, out}),
+        1);
     EXPECT_NE(said_.find(weights + ": the trial run"), std::string::npos) << said_;
     EXPECT_NE(said_.find("expected a rotation of length 1, found nan"), std::string::npos) << said_;
     EXPECT_FALSE(std::filesystem::exists(out)) << tensor;
@@ -114,7 +123,8 @@ TEST_F(ToolsTest, StylizeSaysHowManyFramesItCouldNotStyleAndWritesNoNonsense) {
   for (std::size_t i = 10; i < 20; ++i) clip.frames[i].translations[0].y() *= up;
   ASSERT_TRUE(clip::WriteBvh(clip, in).ok());
   WriteWeights(weights, erd::SleepingWeights(5, 1));
-  EXPECT_EQ(Run({STYLIZE_BINARY, "--weights", weights, "--style", "style2", in, out}), 3);
+  EXPECT_EQ(
+      Run({STYLIZE_BINARY, "--overwrite", "--weights", weights, "--style", "style2", in, out}), 3);
   EXPECT_NE(said_.find("out.bvh: 10 of " + std::to_string(clip.frames.size()) +
                        " frames are the performer's own"),
             std::string::npos)
@@ -140,7 +150,9 @@ TEST_F(ToolsTest, StylizeSaysHowManyFramesItCouldNotStyleAndWritesNoNonsense) {
 TEST_F(ToolsTest, StylizeRunsAConstantOffset) {
   const std::string in = Walk(), out = folder_ / "out.bvh", weights = folder_ / "offset";
   offset::WriteTestWeights(weights);
-  ASSERT_EQ(Run({STYLIZE_BINARY, "--weights", weights, "--style", "stooped", in, out}), 0) << said_;
+  ASSERT_EQ(
+      Run({STYLIZE_BINARY, "--overwrite", "--weights", weights, "--style", "stooped", in, out}), 0)
+      << said_;
   const clip::Clip given = clip::ReadBvh(in).value(), styled = clip::ReadBvh(out).value();
   ASSERT_EQ(styled.frames.size(), given.frames.size());
   for (std::size_t i = 0; i < given.frames.size(); ++i) {
@@ -149,7 +161,8 @@ TEST_F(ToolsTest, StylizeRunsAConstantOffset) {
                 offset::kBent_rad, 1e-2)
         << i;
   }
-  EXPECT_EQ(Run({STYLIZE_BINARY, "--weights", weights, "--style", "elderly", in, out}), 1);
+  EXPECT_EQ(
+      Run({STYLIZE_BINARY, "--overwrite", "--weights", weights, "--style", "elderly", in, out}), 1);
   EXPECT_NE(said_.find("unknown style 'elderly'; expected one of neutral, bent, raised"),
             std::string::npos)
       << said_;

@@ -26,6 +26,10 @@ class Canvas {
   void Text(float x, float y, std::string_view text, int scale, Color color);
 
   Status WritePng(const std::filesystem::path& file) const;
+  // Row by row from the top, red, green, blue.
+  const std::vector<std::uint8_t>& pixels() const { return pixels_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
 
  private:
   void Blend(int x, int y, float share, Color color);

@@ -5,13 +5,14 @@
 #include <iostream>
 
 #include "model/body/heading.h"
+#include "model/clip/bind_clip.h"
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
-#include "model/rig/dialects.h"
 #include "model/synthetic/performer.h"
 #include "model/tools/command_line.h"
 #include "model/tools/number.h"
 #include "model/tools/strips/canvas.h"
+#include "model/tools/strips/figure.h"
 #include "model/train/judge/judge_stream.h"
 #include "model/trial/trial.h"
 
@@ -25,9 +26,9 @@ using judge::Poses;
 using styled::Result;
 using styled::Status;
 using styled::strips::Canvas;
-using styled::strips::Color;
+using styled::strips::kFloor;
+using styled::strips::kTrunk;
 
-constexpr Color kLeft{36, 106, 190}, kRight{205, 70, 50}, kTrunk{60, 60, 60}, kFloor{200, 200, 200};
 constexpr int kColumn_px = 96, kRow_px = 190, kMargin_px = 14, kLabel_px = 20;
 constexpr float kScale_px = 92;  // per metre
 constexpr int kBlendFrames = 40;
@@ -59,9 +60,9 @@ Result<Poses> LoadInput(const Arguments& arguments) {
   }
   auto source = clip::ReadBvh(arguments.input);
   if (!source.ok()) return source.status();
-  auto binding = styled::rig::BindDialect(source.value().skeleton);
+  auto binding = clip::BindClip(source.value());
   if (!binding.ok()) return Status::Error(arguments.input + ": " + binding.status().message());
-  poses = clip::ResamplePoses(clip::ToCanonical(source.value(), binding.value()),
+  poses = clip::ResamplePoses(clip::ToCanonical(source.value(), binding.value().binding),
                               source.value().rate_hz, rate);
   if (arguments.after_s > 0) {
     judge::Chain chain = judge::ChainClips({&poses, 1}, rate, arguments.after_s, kBlendFrames);
@@ -69,39 +70,6 @@ Result<Poses> LoadInput(const Arguments& arguments) {
     poses = std::move(chain.poses);
   }
   return poses;
-}
-
-// One figure seen from its right side (or from the front), with its hips at `centre_px`.
-void DrawFigure(const body::Pose& pose, float heading_rad, float floor_m, bool front,
-                float centre_px, float floor_px, Canvas& canvas) {
-  body::WorldPose world;
-  body::ForwardKinematics(pose, world);
-  const body::Quat heading_from_world = body::Yaw(-heading_rad);
-  const auto place = [&](int joint) {
-    const body::Vec3 p = heading_from_world * (world.positions_m[joint] - pose.hips_position_m);
-    return std::pair{centre_px + kScale_px * (front ? p.x() : p.z()),
-                     floor_px - kScale_px * (world.positions_m[joint].y() - floor_m)};
-  };
-  const auto side = [](int joint) {
-    if ((joint >= body::kLeftShoulder && joint <= body::kLeftHand) ||
-        (joint >= body::kLeftUpperLeg && joint <= body::kLeftToes)) {
-      return 0;
-    }
-    return body::MirrorJoint(joint) == joint ? 1 : 2;
-  };
-  for (const int layer : {0, 1, 2}) {  // the far side first
-    for (int joint = 1; joint < body::kJointCount; ++joint) {
-      if (side(joint) != layer) continue;
-      const auto [x0, y0] = place(body::kHumanoid[joint].parent);
-      const auto [x1, y1] = place(joint);
-      canvas.Line(x0, y0, x1, y1, 3.5F, layer == 0 ? kLeft : layer == 1 ? kTrunk : kRight);
-    }
-  }
-  const body::Quat head = heading_from_world * world.rotations[body::kHead];
-  const body::Vec3 crown = head * body::Vec3(0, 0.12F, 0.02F);
-  const auto [x, y] = place(body::kHead);
-  canvas.Line(x, y, x + kScale_px * (front ? crown.x() : crown.z()), y - kScale_px * crown.y(), 13,
-              kTrunk);
 }
 
 Status Run(const Arguments& arguments) {
@@ -153,8 +121,11 @@ Status Run(const Arguments& arguments) {
       const std::size_t frame = first + static_cast<std::size_t>(i) * step;
       // All rows share the input's heading, so that they can be compared.
       body::ForwardKinematics(poses[frame], world);
-      DrawFigure(rows[row].second[frame], body::Heading_rad(world), floor_m, arguments.front,
-                 kMargin_px + (static_cast<float>(i) + 0.5F) * kColumn_px, floor_px, canvas);
+      styled::strips::Place place{kMargin_px + (static_cast<float>(i) + 0.5F) * kColumn_px,
+                                  floor_px, kScale_px, body::Heading_rad(world),
+                                  arguments.front ? 0.0F : styled::strips::kFromTheRight_rad};
+      place.floor_m = floor_m;
+      styled::strips::DrawFigure(rows[row].second[frame], place, canvas);
     }
   }
   return canvas.WritePng(arguments.out);

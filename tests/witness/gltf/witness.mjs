@@ -1,6 +1,6 @@
 // What stylerec exports, read by programs that are not ours: the Khronos glTF validator and three.js's
 // loaders. Each joint must be where expected.json, made from the recorded poses by the project's forward
-// kinematics, has it.  node witness.mjs FOLDER (walk.glb, walk30.glb, walk.bvh, expected.json)
+// kinematics, has it.  node witness.mjs FOLDER (walk.glb, walk30.glb, worn.glb, walk.bvh, expected.json)
 import fs from 'node:fs';
 import path from 'node:path';
 import validator from 'gltf-validator';
@@ -74,6 +74,25 @@ for (const name of ['walk.glb', 'walk30.glb']) {
   mesh.applyBoneTransform(0, corner).applyMatrix4(mesh.matrixWorld);
   const last = expected.metres.at(-1)[0];
   check(corner.distanceTo(new THREE.Vector3(...last)) < 1e-4, `${name}: the mesh is where the hips are`);
+}
+
+// An avatar with a motion that stylize added: the same figure, so the same places.
+{
+  const bytes = read('worn.glb');
+  const report = await validator.validateBytes(new Uint8Array(bytes));
+  const { numErrors, numWarnings, numInfos, numHints, messages } = report.issues;
+  check(numErrors + numWarnings + numInfos + numHints === 0,
+        `worn.glb: the validator has nothing to say ${JSON.stringify(messages)}`);
+  const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
+  const gltf = await new Promise((done, fail) => new GLTFLoader().parse(buffer, '', done, fail));
+  check(gltf.animations.length === 2 && gltf.animations[0].name === 'walk',
+        'worn.glb: the motion is the first of two animations');
+  const most_m = worst(gltf.scene, gltf.animations[0], (joint) => gltf.scene.getObjectByName(joint),
+                       expected.metres);
+  check(most_m < 0.02, `worn.glb: joints are within ${most_m} m`);
+  let mesh;
+  gltf.scene.traverse((object) => { if (object.isSkinnedMesh) mesh = object; });
+  check(mesh?.skeleton.bones.length === expected.names.length, 'worn.glb: the mesh and its skin are there');
 }
 
 const bvh = new BVHLoader().parse(read('walk.bvh').toString());

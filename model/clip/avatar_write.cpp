@@ -1,0 +1,230 @@
+#include "model/clip/avatar_write.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "model/clip/glb_write.h"
+#include "model/clip/gltf_nodes.h"
+#include "model/clip/read_file.h"
+
+namespace styled::clip {
+namespace {
+
+using json = nlohmann::ordered_json;
+using rig::Quat;
+using rig::Vec3;
+
+constexpr const char* kExpected = ", expected an avatar's .vrm or .glb";
+constexpr int kFloat = 5126;
+
+// A .glb in its two parts.
+struct Glb {
+  json document;
+  std::string binary;
+};
+
+Result<Glb> ReadGlb(const std::filesystem::path& file) {
+  using gltf::kBinaryChunk, gltf::kChunk, gltf::kHeader, gltf::kJsonChunk, gltf::Word;
+  const auto opened = InputFile::Open(file, kExpected);
+  if (!opened.ok()) return opened.status();
+  const auto read = opened.value().Read(0, opened.value().size());
+  if (!read.ok()) return read.status();
+  const std::string_view bytes = read.value();
+  const auto refuse = [&file](const std::string& what) {
+    return Status::Error(file.string() + ": " + what + kExpected + " with its data inside");
+  };
+  if (!bytes.starts_with("glTF") || bytes.size() < kHeader + kChunk ||
+      Word(bytes, kHeader + 4) != kJsonChunk) {
+    return refuse("is no glTF binary");
+  }
+  const std::size_t length = Word(bytes, kHeader), begin = kHeader + kChunk;
+  if (length > bytes.size() - begin || length > gltf::kMaxJson) return refuse("ends early");
+  Glb glb{json::parse(bytes.substr(begin, length), nullptr, false), {}};
+  if (!glb.document.is_object()) return refuse("has no JSON object");
+  const std::string_view rest = bytes.substr(begin + length);
+  if (rest.size() >= kChunk && Word(rest, 4) == kBinaryChunk) {
+    const std::size_t size = Word(rest, 0);
+    if (size > rest.size() - kChunk) return refuse("ends early");
+    glb.binary = rest.substr(kChunk, size);
+  }
+  for (const char* const list : {"buffers", "images"}) {
+    const auto entries = glb.document.find(list);
+    if (entries == glb.document.end() || !entries->is_array()) continue;
+    for (const json& entry : *entries) {
+      const auto uri = entry.is_object() ? entry.find("uri") : entry.end();
+      if (!entry.is_object() || uri == entry.end()) continue;
+      if (!uri->is_string() || !uri->get_ref<const std::string&>().starts_with("data:")) {
+        return refuse(std::string("has ") + list + " in other files");
+      }
+    }
+  }
+  return glb;
+}
+
+template <typename T>
+json Numbers(const T& vector) {
+  return std::vector<float>(vector.data(), vector.data() + vector.size());
+}
+
+class Document {
+ public:
+  Document(Glb glb, const AvatarSkeleton& avatar, const Motion& motion)
+      : glb_(std::move(glb)), avatar_(avatar), motion_(motion) {}
+
+  Result<std::vector<std::byte>> Make() {
+    json& document = glb_.document;
+    for (const char* const list : {"buffers", "bufferViews", "accessors", "animations"}) {
+      if (!document.contains(list)) document[list] = json::array();
+      if (!document[list].is_array()) return Broken(list);
+    }
+    if (const Status own = FindBuffer(); !own.ok()) return own;
+    if (const Status nodes = PrepareNodes(); !nodes.ok()) return nodes;
+    Animate();
+    document["buffers"][0]["byteLength"] = glb_.binary.size();
+    return JoinGlb(document.dump(-1, ' ', false, json::error_handler_t::replace),
+                   std::as_bytes(std::span(glb_.binary)));
+  }
+
+ private:
+  static Status Broken(const std::string& what) {
+    return Status::Error("found broken " + what + kExpected);
+  }
+
+  // The buffer of the binary chunk is the first, and has no uri.
+  Status FindBuffer() {
+    json& buffers = glb_.document["buffers"];
+    if (buffers.empty()) buffers.push_back(json{{"byteLength", 0}});
+    if (!buffers[0].is_object() || buffers[0].contains("uri")) {
+      return Status::Error("found its data as text, expected it in the binary part");
+    }
+    while (glb_.binary.size() % 4 != 0) glb_.binary += '\0';
+    return Status::Ok();
+  }
+
+  Status PrepareNodes() {
+    json& nodes = glb_.document["nodes"];
+    for (std::size_t joint = 0; joint < avatar_.nodes.size(); ++joint) {
+      const auto node = static_cast<std::size_t>(avatar_.nodes[joint]);
+      if (!nodes.is_array() || node >= nodes.size() || !nodes[node].is_object()) {
+        return Broken("nodes");
+      }
+      json& own = nodes[node];
+      if (!own.contains("matrix")) continue;
+      const json matrix = own["matrix"];
+      if (!matrix.is_array() || matrix.size() != 16) return Broken("matrix");
+      Eigen::Matrix4f values;
+      for (int i = 0; i < 16; ++i) {
+        if (!matrix[static_cast<std::size_t>(i)].is_number()) return Broken("matrix");
+        values.data()[i] = matrix[static_cast<std::size_t>(i)].get<float>();
+      }
+      const float scale = values.topLeftCorner<3, 1>().norm();
+      if (!(scale > 0)) return Broken("matrix");
+      own.erase("matrix");
+      own["translation"] = Numbers(Vec3(values.topRightCorner<3, 1>()));
+      const Quat turn(Eigen::Matrix3f(values.topLeftCorner<3, 3>() / scale));
+      own["rotation"] = Numbers(turn.normalized().coeffs());
+      own["scale"] = {scale, scale, scale};
+    }
+    return Status::Ok();
+  }
+
+  // Appends an accessor of these numbers, `width` of them per element.
+  std::size_t Add(const std::vector<float>& values, const char* type, std::size_t width) {
+    json& views = glb_.document["bufferViews"];
+    json& accessors = glb_.document["accessors"];
+    const std::size_t size = values.size() * sizeof(float);
+    views.push_back(json{{"buffer", 0}, {"byteOffset", glb_.binary.size()}, {"byteLength", size}});
+    const std::size_t at = glb_.binary.size();
+    glb_.binary.resize(at + size);
+    std::memcpy(glb_.binary.data() + at, values.data(), size);
+    json accessor{{"bufferView", views.size() - 1},
+                  {"componentType", kFloat},
+                  {"count", values.size() / width},
+                  {"type", type}};
+    if (width == 1) {
+      accessor["min"] = {values.front()};
+      accessor["max"] = {values.back()};
+    }
+    accessors.push_back(std::move(accessor));
+    return accessors.size() - 1;
+  }
+
+  void Animate() {
+    std::vector<float> times_s;
+    for (std::size_t i = 0; i < motion_.frames.size(); ++i) {
+      times_s.push_back(static_cast<float>(static_cast<double>(i) / motion_.rate_hz));
+    }
+    const std::size_t input = Add(times_s, "SCALAR", 1);
+    json channels = json::array(), samplers = json::array();
+    const auto add = [&](std::size_t joint, const char* path, std::size_t output) {
+      channels.push_back(json{{"sampler", samplers.size()},
+                              {"target", {{"node", avatar_.nodes[joint]}, {"path", path}}}});
+      samplers.push_back(json{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+    };
+    for (std::size_t joint = 0; joint < avatar_.nodes.size(); ++joint) {
+      add(joint, "rotation", Add(Rotations(joint), "VEC4", 4));
+    }
+    std::vector<float> way;
+    for (const rig::RigPose& frame : motion_.frames) {
+      const Vec3 place = avatar_.RootInFile(frame.translations[0]);
+      way.insert(way.end(), place.data(), place.data() + 3);
+    }
+    add(0, "translation", Add(way, "VEC3", 3));
+    json& animations = glb_.document["animations"];
+    animations.insert(animations.begin(), json{{"name", motion_.name},
+                                               {"channels", std::move(channels)},
+                                               {"samplers", std::move(samplers)}});
+  }
+
+  std::vector<float> Rotations(std::size_t joint) const {
+    std::vector<float> values;
+    Quat last = Quat::Identity();
+    for (const rig::RigPose& frame : motion_.frames) {
+      Quat q = frame.rotations[joint].normalized();
+      if (joint == 0) q = avatar_.RootInFile(q);
+      if (q.dot(last) < 0) q.coeffs() = -q.coeffs();  // the shorter way between two frames
+      values.insert(values.end(), q.coeffs().data(), q.coeffs().data() + 4);
+      last = q;
+    }
+    return values;
+  }
+
+  Glb glb_;
+  const AvatarSkeleton& avatar_;
+  const Motion& motion_;
+};
+
+}  // namespace
+
+std::string WhyNotKept(const std::filesystem::path& avatar_file, const AvatarSkeleton& avatar) {
+  if (avatar.nodes.empty()) return avatar_file.string() + ": has no meshes";
+  return ReadGlb(avatar_file).status().message();
+}
+
+Status WriteAvatarGlb(const std::filesystem::path& avatar_file, const AvatarSkeleton& avatar,
+                      const Motion& motion, const std::filesystem::path& file) {
+  auto glb = ReadGlb(avatar_file);
+  if (!glb.ok()) return glb.status();
+  const auto joints = avatar.nodes.size();
+  const bool fits =
+      joints > 0 && !motion.frames.empty() && motion.rate_hz > 0 && std::isfinite(motion.rate_hz) &&
+      motion.skeleton.names.size() == joints &&
+      std::all_of(motion.frames.begin(), motion.frames.end(), [joints](const rig::RigPose& frame) {
+        return frame.rotations.size() == joints && frame.translations.size() == joints;
+      });
+  if (!fits) return Status::Error(file.string() + ": found no motion of the avatar's skeleton");
+  const auto bytes = Document(std::move(glb.value()), avatar, motion).Make();
+  if (!bytes.ok()) {
+    return Status::Error(avatar_file.string() + ": " + bytes.status().message());
+  }
+  return WriteBytes(bytes.value(), file);
+}
+
+}  // namespace styled::clip

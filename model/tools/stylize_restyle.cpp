@@ -1,0 +1,324 @@
+// The styling of one clip: which network runs how, and what came of its frames.
+#include "model/tools/stylize_restyle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <utility>
+
+#include "model/base/text.h"
+#include "model/body/pose.h"
+#include "model/net/shipped_weights.h"
+#include "model/stylist/avatar.h"
+#include "model/stylist/clip_stylist.h"
+#include "model/stylist/stylist.h"
+#include "model/trial/trial.h"
+
+namespace styled::stylize {
+namespace {
+
+constexpr double kSlowest_hz = 30;  // slower clips get frames in between; the network's own rate
+
+// Adds the style that `text` names to the mix. Neutral adds no entry unless the input style is
+// another.
+Status AddStyle(const net::Styles& styles, const std::string& text, const char* option,
+                stylist::Settings& settings) {
+  const auto found = FindWeighted(styles, text, option);
+  if (!found.ok()) return found.status();
+  if (found.value().style == 0 && settings.input_style == 0) return Status::Ok();
+  for (net::StyleWeight& entry : settings.mix) {
+    if (entry.style < 0) {
+      entry = {found.value().style, found.value().weight.value_or(1.0F)};
+      return Status::Ok();
+    }
+  }
+  return Status::Error(std::string(option) + ": more than " + std::to_string(net::kMaxMix) +
+                       " styles");
+}
+
+Result<stylist::Settings> ParseSettings(const Arguments& arguments, const net::Styles& styles) {
+  stylist::Settings settings;
+  settings.strength = arguments.strength;
+  settings.transition_s = 0;
+  settings.absolute = arguments.absolute;
+  if (arguments.root == "stride") settings.root = stylist::Root::kStride;
+  const auto parts = FindParts(arguments);
+  if (!parts.ok()) return parts.status();
+  settings.parts = parts.value();
+  const auto input_style = FindInputStyle(arguments, styles);
+  if (!input_style.ok()) return input_style.status();
+  settings.input_style = input_style.value();
+  if (!arguments.style.empty()) {
+    const Status status = AddStyle(styles, arguments.style, "--style", settings);
+    if (!status.ok()) return status;
+  }
+  for (const std::string& entry : arguments.mix) {
+    const Status status = AddStyle(styles, entry, "--mix", settings);
+    if (!status.ok()) return status;
+  }
+  const Status known = CheckGait(arguments, styles, settings);
+  if (!known.ok()) return known;
+  const auto error = stylist::Validate(settings, static_cast<int>(styles.size()));
+  if (error == stylist::SettingsError::kSum) {
+    float sum = 0;
+    for (const net::StyleWeight& entry : settings.mix) {
+      if (entry.style >= 0) sum += entry.weight;
+    }
+    return TooMuch(arguments, sum * std::max(1.0F, settings.strength));
+  }
+  if (error != stylist::SettingsError::kNone) {
+    return Status::Error(Explain(error));
+  }
+  return settings;
+}
+
+// The skeleton that the styled motion is written to: the clip's own, or an avatar's.
+class Wardrobe {
+ public:
+  Wardrobe(const clip::AvatarSkeleton* avatar, const std::shared_ptr<const rig::Binding>& performer,
+           const stylist::Options& options) {
+    if (avatar != nullptr) worn_.emplace(performer, avatar->binding, avatar->rest, options, avatar->tail);
+  }
+  // Returns false if the frame is the performer's own, because the styled pose was not sound.
+  bool Process(std::int64_t time_ns, const stylist::Output& out) {
+    const bool styled = (out.flags & stylist::kFailed) == 0;
+    return (!worn_ || worn_->Process(time_ns, out)) && styled;
+  }
+  const rig::RigPose& Pose(const stylist::Output& out) const {
+    return worn_ ? worn_->pose() : out.rig;
+  }
+
+ private:
+  std::optional<stylist::Avatar> worn_;
+};
+
+// A clip's frames as they are styled. A live stream does not show the motion between two distant
+// frames; a clip allows a smooth curve, so a slow one has `steps` - 1 frames in between.
+struct Frames {
+  explicit Frames(const clip::Clip& the_clip)
+      : clip(the_clip),
+        steps(static_cast<std::size_t>(std::ceil(kSlowest_hz / clip.rate_hz - 1e-6))),
+        rate_hz(clip.rate_hz * static_cast<double>(steps)),
+        count((clip.frames.size() - 1) * steps + 1),
+        between(steps > 1 ? clip::Resample(clip, rate_hz) : clip::Clip()) {}
+  bool Given(std::size_t i) const { return i % steps == 0; }
+  const rig::RigPose& At(std::size_t i) const {
+    return Given(i) ? clip.frames[i / steps] : between.frames[i];
+  }
+  std::int64_t Time_ns(std::size_t i) const {
+    return static_cast<std::int64_t>(static_cast<double>(i) / rate_hz * 1e9);
+  }
+
+  const clip::Clip& clip;
+  std::size_t steps;
+  double rate_hz;
+  std::size_t count;
+  clip::Clip between;
+};
+
+// Puts what the arguments blend in place of the styles of `settings`, as one more style of the
+// network.
+Status AddBlend(const Arguments& arguments, stylist::Settings& settings,
+                std::shared_ptr<const net::Stylizer>& stylizer) {
+  if (arguments.root != "follow" || arguments.cadence) {
+    return Status::Error(
+        std::string(arguments.cadence ? "--cadence" : "--root stride") +
+        ": how fast an example or a variation goes is not known; expected --style and --mix alone");
+  }
+  auto blend = MakeBlend(arguments, stylizer->model(), *stylizer->space(), settings.input_style);
+  if (!blend.ok()) return blend.status();
+  const auto number = static_cast<int>(stylizer->model().styles.size());
+  stylizer = stylizer->With(number, {.name = "blend"}, blend.value().code);
+  settings.mix = {};
+  settings.mix[0] = {number, 1};
+  settings.strength = 1;  // the code has it
+  return Status::Ok();
+}
+
+// Writes the next frame's styled pose.
+using StyleNext = std::function<void(std::size_t i, stylist::Output& out)>;
+
+// How planted feet slide: the smaller way of ankle and toes from frame to frame, over the floor.
+class Slide {
+ public:
+  void Add(const body::Pose& pose, std::uint32_t contacts, double dt_s) {
+    body::ForwardKinematics(pose, world_);
+    for (int side = 0; side < 2; ++side) {
+      const std::uint32_t bit = 1U << static_cast<unsigned>(side);
+      const std::size_t foot = side == 0 ? body::kLeftFoot : body::kRightFoot;
+      const std::size_t toes = side == 0 ? body::kLeftToes : body::kRightToes;
+      if ((contacts & before_ & bit) != 0) {
+        way_m_ += std::min(Way_m(foot), Way_m(toes));
+        time_s_ += dt_s;
+      }
+    }
+    before_ = contacts;
+    last_ = world_;
+  }
+  double Cm_s() const { return time_s_ > 0 ? 100 * way_m_ / time_s_ : 0; }
+
+ private:
+  double Way_m(std::size_t joint) const {
+    const body::Vec3 way = world_.positions_m[joint] - last_.positions_m[joint];
+    return std::hypot(static_cast<double>(way.x()), static_cast<double>(way.z()));
+  }
+  body::WorldPose world_, last_;
+  std::uint32_t before_ = 0;
+  double way_m_ = 0, time_s_ = 0;
+};
+
+}  // namespace
+
+Result<net::AnyStylizer> LoadNetwork(const Arguments& arguments) {
+  auto weights = net::FindWeights(arguments.weights);
+  if (!weights.ok()) return weights.status();
+  return trial::LoadAny(weights.value());
+}
+
+Result<Restyler> Restyler::Make(const Arguments& arguments, const net::AnyStylizer& network) {
+  Restyler restyler;
+  restyler.network_ = network;
+  restyler.options_.bypass = !arguments.no_bypass;
+  restyler.options_.feet = arguments.feet;
+  restyler.options_.own_cadence = arguments.cadence;
+  if (network.clips) {
+    auto style = ParseClipStyle(arguments, *network.clips);
+    if (!style.ok()) return style.status();
+    restyler.clip_style_ = std::move(style.value());
+    return restyler;
+  }
+  const Status refused = RefuseClipArguments(arguments, *network.frames);
+  if (!refused.ok()) return refused;
+  auto settings = ParseSettings(arguments, network.model().styles);
+  if (!settings.ok()) return settings.status();
+  if (!arguments.like.empty() || arguments.vary) {
+    const auto added = AddBlend(arguments, settings.value(), restyler.network_.frames);
+    if (!added.ok()) return added;
+  }
+  restyler.settings_ = settings.value();
+  return restyler;
+}
+
+Result<Styled> Restyler::Run(const std::string& file,
+                             const std::shared_ptr<const rig::Binding>& binding,
+                             const clip::AvatarSkeleton* avatar, const Progress& progress,
+                             clip::Clip& clip) const {
+  const Frames frames(clip);
+  StyleNext style_next;
+  if (network_.clips) {
+    const Status length = CheckLength(clip, file, network_.clips->model(), *network_.clips);
+    if (!length.ok()) return length;
+    auto stylist = std::make_shared<stylist::ClipStylist>(
+        network_.clips, clip_style_, binding, options_,
+        stylist::ClipFrames{
+            frames.count, frames.rate_hz,
+            [&frames](std::size_t i) -> const rig::RigPose& { return frames.At(i); }});
+    style_next = [stylist](std::size_t, stylist::Output& out) { stylist->Next(out); };
+  } else {
+    auto stylist = std::make_shared<stylist::Stylist>(network_.frames, binding, options_);
+    stylist->Set(settings_);
+    style_next = [stylist, &frames](std::size_t i, stylist::Output& out) {
+      stylist->Process(frames.Time_ns(i), frames.At(i), out);
+    };
+  }
+  Wardrobe wardrobe(avatar, binding, options_);
+  stylist::Output out(clip.skeleton);
+  Styled result;
+  Slide slide, input_slide;
+  double time_s = 0;
+  for (std::size_t i = 0; i < frames.count; ++i) {
+    style_next(i, out);
+    const bool styled = wardrobe.Process(frames.Time_ns(i), out);
+    if (i > 0) time_s += 1 / (frames.rate_hz * static_cast<double>(out.cadence));
+    slide.Add(out.canonical, out.contacts, 1 / frames.rate_hz);
+    input_slide.Add(out.canonical_input, out.contacts, 1 / frames.rate_hz);
+    if (!frames.Given(i)) continue;
+    if (!styled) ++result.failed;
+    if (out.contacts != 0) ++result.planted;
+    if ((out.flags & stylist::kOutOfDomain) != 0) ++result.out_of_domain;
+    result.times_s.push_back(time_s);
+    clip.frames[i / frames.steps] = wardrobe.Pose(out);  // nothing reads the input's any more
+    if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(frames.count));
+  }
+  result.slide_cm_s = slide.Cm_s();
+  result.input_slide_cm_s = input_slide.Cm_s();
+  return result;
+}
+
+std::string StyleNames(const net::Styles& styles) {
+  std::string names;
+  for (const net::StyleInfo& style : styles) names += (names.empty() ? "" : ", ") + style.name;
+  return names;
+}
+
+Result<float> ParseWeight(const std::string& number, const char* option, const std::string& text) {
+  char* end = nullptr;
+  const float weight = std::strtof(number.c_str(), &end);
+  if (!number.empty() && *end == '\0' && weight >= 0 && weight <= net::kMaxStrength) return weight;
+  return Status::Error(std::string(option) + ": '" + text +
+                       "': expected behind '=' a weight from 0 to " +
+                       NumberText(net::kMaxStrength));
+}
+
+std::string WeightsText(const Arguments& arguments) {
+  std::string named;
+  const auto add = [&named](const char* option, const std::string& text) {
+    named += (named.empty() ? "" : ", ") + std::string(option) + " " + text;
+  };
+  if (!arguments.style.empty()) add("--style", arguments.style);
+  for (const std::string& text : arguments.mix) add("--mix", text);
+  for (const std::string& text : arguments.like) add("--like", text);
+  if (arguments.strength != 1) add("--strength", NumberText(arguments.strength));
+  return named;
+}
+
+Status TooMuch(const Arguments& arguments, float sum) {
+  return Status::Error(WeightsText(arguments) + ": the weights times the strength sum to " +
+                       NumberText(sum, 3) + ", expected at most " + NumberText(net::kMaxStrength));
+}
+
+Result<Weighted> FindWeighted(const net::Styles& styles, const std::string& text,
+                              const char* option) {
+  const std::size_t equals = text.find('=');
+  const std::string name = text.substr(0, equals);
+  std::optional<float> weight;
+  if (equals != std::string::npos) {
+    const auto parsed = ParseWeight(text.substr(equals + 1), option, text);
+    if (!parsed.ok()) return parsed.status();
+    weight = parsed.value();
+  }
+  const int style = net::FindStyle(styles, name);
+  if (style >= 0) return Weighted{style, weight};
+  return Status::Error(std::string(option) + ": unknown style '" + name + "'; expected one of " +
+                       StyleNames(styles));
+}
+
+Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles) {
+  if (arguments.input_style.empty()) return 0;
+  const int style = net::FindStyle(styles, arguments.input_style);
+  if (style >= 0) return style;
+  return Status::Error("--input-style: unknown style '" + arguments.input_style +
+                       "'; expected one of " + StyleNames(styles));
+}
+
+Result<body::Parts> FindParts(const Arguments& arguments) {
+  const auto parts = body::FindParts(arguments.parts);
+  if (parts) return *parts;
+  return Status::Error("--parts " + arguments.parts + ": expected, separated by commas, some of " +
+                       std::string(body::kPartWords));
+}
+
+const char* Explain(stylist::SettingsError error) {
+  using Error = stylist::SettingsError;
+  switch (error) {
+    case Error::kDuplicateStyle:
+      return "a style is named twice";
+    case Error::kStrength:
+      return "--strength is outside 0 to 1.5";
+    default:
+      return "the style settings are not valid";
+  }
+}
+
+}  // namespace styled::stylize

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/base/status.h"
+#include "model/clip/avatar.h"
+#include "model/clip/clip.h"
+#include "model/net/load.h"
+#include "model/rig/binding.h"
+#include "model/stylist/clip_stylist.h"
+#include "model/stylist/settings.h"
+#include "model/stylist/stylist.h"
+#include "model/tools/stylize.h"
+
+namespace styled::stylize {
+
+// What came of a clip's frames.
+struct Styled {
+  std::size_t failed = 0;         // could not be styled and are the performer's own
+  std::size_t planted = 0;        // the performer has a foot planted
+  std::size_t out_of_domain = 0;  // unlike what the network was trained on
+  // How fast planted feet move on the humanoid, on average, styled and in the input.
+  double slide_cm_s = 0, input_slide_cm_s = 0;
+  std::vector<double> times_s;  // of each frame, where time passes at the style's cadence
+};
+
+// The weights that the arguments name, after their trial.
+Result<net::AnyStylizer> LoadNetwork(const Arguments& arguments);
+
+// Called with the share of a clip that is done.
+using Progress = std::function<void(double)>;
+
+// The styling that the arguments and the network's kind ask for, for any number of clips.
+class Restyler {
+ public:
+  // `arguments` name one style. Reads the examples. Errors name the option.
+  static Result<Restyler> Make(const Arguments& arguments, const net::AnyStylizer& network);
+
+  // Styles `clip` in place. With `avatar` its frames are then the avatar's, while the skeleton is
+  // the performer's still. `file`, for errors, is the clip's. `progress` may be empty.
+  Result<Styled> Run(const std::string& file, const std::shared_ptr<const rig::Binding>& binding,
+                     const clip::AvatarSkeleton* avatar, const Progress& progress,
+                     clip::Clip& clip) const;
+
+ private:
+  Restyler() = default;
+  net::AnyStylizer network_;
+  stylist::Options options_;
+  stylist::Settings settings_;     // of a network that styles frame by frame
+  stylist::ClipStyle clip_style_;  // of one that needs whole clips
+};
+
+}  // namespace styled::stylize
