@@ -26,6 +26,9 @@ _BACKS = (('lowerback', 'spine'), ('lowerback', 'upperback'), ('l5', 't12'), ('a
           ('spine', 'spine2'), ('spine01', 'spine02'), ('spine1', 'spine2'), ('chest', 'chest2'),
           ('spine', 'upperchest'), ('spine', 'thorax'))
 
+# The canonical joints, without fingers, eyes and jaw.
+BODY = frozenset((*_CENTRE, 'spine', 'chest', *(side + joint for side in ('left', 'right')
+                                                for joint in _SIDED)))
 # Fingers: words for them, and names that no word makes. Three joints each, from the hand outwards.
 _FINGERS = {
     'Thumb': (('thumb', 'handthumb'),

@@ -12,6 +12,7 @@ from styled.v1 import body_pb2, frame_pb2
 from . import bvh, skeleton
 from .bake import bake
 from .drive import Plan, Unfit
+from .humanoid import BODY
 
 _TIMEOUT_S = 600
 
@@ -28,7 +29,8 @@ class _Humanoid:
         self._axes = skeleton.axes_of(rest)
         if self._axes is None or 'hips' not in rest.humanoid:
             raise Unfit('no humanoid: hips, head or legs are missing, or have other names')
-        bones = {bone: joint for joint, bone in rest.humanoid.items()}
+        # Fingers, eyes and jaw keep their own keyframes.
+        bones = {bone: joint for joint, bone in rest.humanoid.items() if joint in BODY}
         self.names = [bone.name for bone in armature.bones if bone.name in bones]  # parents first
         self._rest = {name: armature.bones[name].matrix_local.to_3x3().normalized() for name in self.names}
         # Some armatures have their origin at the hips: by the rule of drive.Plan.
