@@ -78,7 +78,8 @@ class Wardrobe {
  public:
   Wardrobe(const clip::AvatarSkeleton* avatar, const std::shared_ptr<const rig::Binding>& performer,
            const stylist::Options& options) {
-    if (avatar != nullptr) worn_.emplace(performer, avatar->binding, avatar->rest, options, avatar->tail);
+    if (avatar != nullptr)
+      worn_.emplace(performer, avatar->binding, avatar->rest, options, avatar->tail);
   }
   // Returns false if the frame is the performer's own, because the styled pose was not sound.
   bool Process(std::int64_t time_ns, const stylist::Output& out) {
