@@ -7,6 +7,7 @@
 #include "daemon/config/address.h"
 #include "daemon/config/shown.h"
 #include "daemon/runtime/host_port.h"
+#include "model/base/text.h"
 #include "model/body/find_joint.h"
 #include "proto/rigs/natnet/packet.h"
 #include "proto/rigs/slimevr/tracker_id.h"
@@ -33,6 +34,28 @@ Status CheckServer(const Source& source) {
   const auto server = ParseServer(source.server);
   return server.ok() ? ParseGroup(source.group).status() : server.status();
 }
+
+// `server` of a phone that is asked: a daemon that asks itself would never hear of the phone.
+Status CheckPhone(const Source& source, const rigs::RigType& rig) {
+  const auto phone = ParseServer(source.server, rig.ports[0]);
+  if (!phone.ok()) {
+    return Status::Error("server: \"" + Shown(source.server) +
+                         "\"; expected the phone's IPv4 address, or it and a port, e.g. "
+                         "\"192.168.1.20\"");
+  }
+  const auto own = runtime::ParseHostPort(source.listen);
+  in_addr listens{};
+  if (own.ok() && own.value().port == ntohs(phone.value().sin_port) &&
+      inet_pton(AF_INET, own.value().host.c_str(), &listens) == 1 &&
+      listens.s_addr == phone.value().sin_addr.s_addr) {
+    return Status::Error("server: \"" + Shown(source.server) +
+                         "\" is where the source itself listens; expected the phone's address");
+  }
+  return Status::Ok();
+}
+
+// Below this a body would hardly follow its performer.
+constexpr float kLeastSmooth_hz = 0.1F;
 
 // `merge_into` of source `i`: a performer of another source that has performers.
 Status CheckMerge(const std::vector<Source>& sources, std::size_t i, const rigs::RigType& rig) {
@@ -138,9 +161,16 @@ Status CheckSources(const std::vector<Source>& sources) {
     if (const Status status = CheckMerge(sources, i, *type.rig); !status.ok()) {
       return Status::Error(place + status.message());
     }
-    // A phone is asked only where it is named.
-    if (type.rig->asks_server || (type.rig->face_only && !sources[i].server.empty())) {
+    if (const float hz = sources[i].smoothing.rest_hz; hz > 0 && hz < kLeastSmooth_hz) {
+      return Status::Error(place + "smooth_hz: found " + NumberText(hz) +
+                           ", expected 0, or 0.1 to 60 Hz");
+    }
+    if (type.rig->asks_server) {
       const Status status = CheckServer(sources[i]);
+      if (!status.ok()) return Status::Error(place + status.message());
+    }
+    if (type.rig->face_only && !sources[i].server.empty()) {
+      const Status status = CheckPhone(sources[i], *type.rig);
       if (!status.ok()) return Status::Error(place + status.message());
     }
     const auto address = runtime::ParseHostPort(sources[i].listen);

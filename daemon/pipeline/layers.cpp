@@ -38,6 +38,11 @@ std::span<const std::byte> FaceLayer::Over(std::span<const std::byte> own,
   return shown_;
 }
 
+int FaceLayer::Change(std::int64_t now_ns) noexcept {
+  const bool shown = any_ && now_ns - taken_ns_ <= kHold_ns + kFade_ns;
+  return std::exchange(told_, shown) == shown ? 0 : shown ? 1 : -1;
+}
+
 void Layers::Set(std::vector<std::string> merge_into) {
   into_ = std::move(merge_into);
   layers_.clear();

@@ -29,9 +29,11 @@ class FaceLayer {
   // until the next call. `own` itself where the layer has no face.
   STYLED_REALTIME std::span<const std::byte> Over(std::span<const std::byte> own,
                                                   std::int64_t now_ns) noexcept;
+  // Whether it came, 1, or fell silent, -1, since the last call; 0: neither.
+  STYLED_REALTIME int Change(std::int64_t now_ns) noexcept;
 
  private:
-  bool any_ = false;
+  bool any_ = false, told_ = false;
   std::uint64_t session_ = 0, sequence_ = 0;
   std::int64_t taken_ns_ = 0;
   std::vector<std::byte> face_, shown_;
@@ -52,6 +54,8 @@ class Layers {
   STYLED_REALTIME std::span<const std::byte> FaceOf(std::string_view performer,
                                                     std::span<const std::byte> own,
                                                     std::int64_t now_ns) noexcept;
+  const std::string& Into(std::size_t source) const { return into_[source]; }
+  std::size_t size() const { return layers_.size(); }
 
  private:
   std::vector<std::string> into_;

@@ -20,7 +20,15 @@ namespace styled::pipeline {
 // machine. Bounded, no allocation; pipeline thread. Pinned by tests/unit/daemon/log_limit_test.cpp.
 class LogLimit {
  public:
-  enum class Kind : std::uint8_t { kBodyRefused, kBodyBound, kForgotten, kCue, kFacing, kCount };
+  enum class Kind : std::uint8_t {
+    kBodyRefused,
+    kBodyBound,
+    kForgotten,
+    kCue,
+    kFacing,
+    kFace,
+    kCount
+  };
 
   // Whether the line may pass. If it may, `held_back` receives how many lines of this kind and
   // subject were held back since the last one. `sender`: the machine that caused the line; all

@@ -95,6 +95,7 @@ class Pipeline final : public Worker, public source::Receiver {
   void AdoptBody(Performer& performer, const source::SourceFrame& body, bool fresh);
   STYLED_REALTIME bool PassOver(Performer& performer, int index, bool full,
                                 std::int64_t lateness_ns) const noexcept;
+  int LogFaces(std::int64_t now_ns);
   void Stale(Performer& performer, std::int64_t now_ns);
   void Answer(Exchange& exchange);
 

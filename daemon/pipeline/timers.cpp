@@ -78,6 +78,7 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
       ++work;
     }
   }
+  work += LogFaces(now_ns);
   if (now_ns >= stats_.due_ns()) {
     stats_.Publish();
     roster_.Age(now_ns);
@@ -86,6 +87,23 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
     ++work;
   }
   return work;
+}
+
+// A phone that is switched off is seen nowhere else.
+int Pipeline::LogFaces(std::int64_t now_ns) {
+  int changes = 0;
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    FaceLayer* const layer = layers_.Of(static_cast<int>(i));
+    const int change = layer == nullptr ? 0 : layer->Change(now_ns);
+    if (change == 0) continue;
+    ++changes;
+    const std::string& source = roster_.source_names()[i];
+    log_.LogOf(LogLimit::Kind::kFace, {}, layers_.Into(i),
+               change > 0 ? Event::Level::kInfo : Event::Level::kWarning,
+               change > 0 ? "source " + source + " is the face"
+                          : "source " + source + " is silent: the face has faded");
+  }
+  return changes;
 }
 
 void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {

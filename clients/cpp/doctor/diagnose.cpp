@@ -120,7 +120,9 @@ void Examination::Source(const SourceFacts& source) {
   const Evidence evidence = EvidenceOf(source);
   if (!Arrival(source, evidence)) return;
   if (!Content(source, evidence)) return;
-  if (source.in_daemon) Frames(source, evidence);
+  // A face is merged into a performer of another source, whose frames are judged there.
+  const bool is_face = Row(source.wanted.format).face_only || !source.wanted.merge_into.empty();
+  if (source.in_daemon && !is_face) Frames(source, evidence);
 }
 
 // Reports a source of which the daemon receives nothing, whatever the previous steps found. Not if
@@ -149,6 +151,7 @@ void Examination::Silent() {
 
 // Reports formats that arrive although no source uses them.
 void Examination::Unclaimed() {
+  if (facts_.one_source) return;
   const bool assumed = std::ranges::all_of(facts_.sources, [](const SourceFacts& source) {
     return source.wanted.origin == Wanted::Origin::kAssumed;
   });

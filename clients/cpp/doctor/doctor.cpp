@@ -125,6 +125,7 @@ class Examiner {
       for (const Wanted& wanted : AssumedSources()) AddSource(wanted);
     }
     if (options_.source.empty()) return Status::Ok();
+    facts_.one_source = true;
     std::string known;
     for (const auto& source : facts_.sources) known += " " + source.wanted.name;
     std::erase_if(facts_.sources, [this](const SourceFacts& source) {

@@ -52,6 +52,7 @@ struct Facts {
   DaemonFacts daemon;
   bool from_file = false;  // --config was given
   std::vector<SourceFacts> sources;
+  bool one_source = false;  // of --source: there may be others
   std::vector<Interface> interfaces;
   std::vector<Flow> heard;  // on this program's sockets
   std::vector<Flow> seen;   // captured at the interfaces; see `capture`

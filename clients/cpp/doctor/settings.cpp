@@ -15,6 +15,7 @@ std::string TextOf(const toml::table& table, std::string_view key, std::string_v
 Wanted ReadSource(const toml::table& table) {
   Wanted out = MakeWanted(Wanted::Origin::kConfig, TextOf(table, "name", "rig"),
                           TextOf(table, "type", "udp"), TextOf(table, "listen", ""));
+  out.merge_into = TextOf(table, "merge_into", "");
   out.server = TextOf(table, "server", "");
   out.group = TextOf(table, "group", out.group);
   out.interface = TextOf(table, "interface", "");

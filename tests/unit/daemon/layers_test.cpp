@@ -80,6 +80,18 @@ TEST(FaceLayer, ASilentOneIsHeldFadesAndGivesTheOwnFaceBack) {
   EXPECT_FLOAT_EQ(at(5001), 0.8F);
 }
 
+TEST(FaceLayer, ComingAndFallingSilentAreToldOnce) {
+  FaceLayer layer;
+  EXPECT_EQ(layer.Change(0), 0);
+  ASSERT_TRUE(layer.Take(Frame(Encoded({{"a", 0.8F}}), 1), 0));
+  EXPECT_EQ(layer.Change(10 * kMs), 1);
+  EXPECT_EQ(layer.Change(900 * kMs), 0);
+  EXPECT_EQ(layer.Change(1001 * kMs), -1);
+  EXPECT_EQ(layer.Change(5000 * kMs), 0);
+  ASSERT_TRUE(layer.Take(Frame(Encoded({{"a", 0.8F}}), 2), 6000 * kMs));
+  EXPECT_EQ(layer.Change(6001 * kMs), 1);
+}
+
 // What is no face comes from a performer's own protocol; nothing of it may be read beyond its end.
 TEST(FaceLayer, BytesThatAreNoFaceAreKeptOut) {
   FaceLayer layer;

@@ -153,6 +153,12 @@ TEST_F(ContentTest, AFewFramesThatLackAPartAreEnough) {
   EXPECT_NE(machine_.First().change.find("only a part of the body"), std::string::npos);
 }
 
+// The frames are those of the performer that it is merged into.
+TEST_F(ContentTest, AFaceNeedsNoPerformerOfItsOwnSource) {
+  EXPECT_EQ(CodesOfCounter("livelinkface", "nothing.at_all"), "");
+  EXPECT_EQ(CodesOfCounter("ifacialmocap", "source.incomplete"), "");
+}
+
 TEST_F(ContentTest, WithoutAReasonTheLogIsPointedTo) {
   EXPECT_EQ(CodesOfCounter("mvn", "nothing.at_all"), "problem no_frames suit");
   EXPECT_EQ(CodesOfCounter("slimevr", "nothing.at_all"), "problem needs_reset suit");
