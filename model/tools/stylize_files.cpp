@@ -30,8 +30,10 @@ bool IsClip(const fs::path& file) {
   return extension == ".bvh" && !file.filename().string().starts_with(".");
 }
 
+// `locked`: folders inside that may not be read.
 template <typename Iterator>
-std::string Gather(const fs::path& folder, std::vector<fs::path>& found) {
+std::string Gather(const fs::path& folder, std::vector<fs::path>& found,
+                   std::vector<fs::path>& locked) {
   std::error_code error;
   Iterator entry(folder, error);
   while (!error && entry != Iterator()) {
@@ -40,6 +42,9 @@ std::string Gather(const fs::path& folder, std::vector<fs::path>& found) {
     if constexpr (std::is_same_v<Iterator, fs::recursive_directory_iterator>) {
       if (folder_itself && entry->path().filename().string().starts_with(".")) {
         entry.disable_recursion_pending();
+      } else if (folder_itself && access(entry->path().c_str(), R_OK | X_OK) != 0) {
+        entry.disable_recursion_pending();
+        locked.push_back(entry->path());
       }
     }
     if (!folder_itself && IsClip(entry->path())) found.push_back(entry->path());
@@ -49,9 +54,13 @@ std::string Gather(const fs::path& folder, std::vector<fs::path>& found) {
 }
 
 void FindInFolder(const std::string& folder, bool recursive, std::vector<Input>& inputs) {
-  std::vector<fs::path> found;
-  const std::string wrong = recursive ? Gather<fs::recursive_directory_iterator>(folder, found)
-                                      : Gather<fs::directory_iterator>(folder, found);
+  std::vector<fs::path> found, locked;
+  const std::string wrong = recursive
+                                ? Gather<fs::recursive_directory_iterator>(folder, found, locked)
+                                : Gather<fs::directory_iterator>(folder, found, locked);
+  for (const fs::path& inner : locked) {
+    inputs.push_back({inner.string(), "", "", inner.string() + ": cannot be read: no permission"});
+  }
   if (!wrong.empty()) {
     inputs.push_back({folder, "", "", folder + ": cannot be read: " + wrong});
   } else if (found.empty()) {

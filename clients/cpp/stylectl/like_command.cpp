@@ -103,6 +103,10 @@ int MeasureNeutral(Session& session, v1::Like neutral, v1::Like& request) {
 int ReadExample(Session& session, const std::string& file, const char* option, v1::Like& request) {
   auto clip = ReadFile(file, kMaxClipBytes);
   if (!clip.ok()) return session.Usage("like: " + std::string(option) + clip.status().message());
+  if (clip.value().empty()) {
+    return session.Usage("like: " + std::string(option) + file +
+                         ": is empty, expected a clip (BVH, GLB or VRMA)");
+  }
   request.set_clip(std::move(clip.value()));
   request.set_file(std::filesystem::path(file).filename());
   return kExitOk;

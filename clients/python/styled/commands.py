@@ -62,7 +62,7 @@ def _set_request(performer: str, style: Optional[str], mix: Optional[Mapping[str
         if name != 'parts':
             setattr(look, name, value)
             continue
-        for part in value:
+        for part in [value] if isinstance(value, str) else value:
             if part not in PARTS:
                 raise ValueError(f"parts: '{part}', expected some of {', '.join(PARTS)}")
             look.parts.append(PARTS[part])
@@ -130,7 +130,7 @@ class Commands:
             mix: Optional[Mapping[str, float]] = None, **fields: Any) -> Dict[str, int]:
         """Changes the given settings and keeps the rest. `style` sets a mix of that style only.
         `fields` are those of styled.v1.look_pb2.Look: strength, transition_ms, absolute, preset,
-        `parts` (of the body that are styled, e.g. ['head', 'left-arm'] or ['all']), `input_style`
+        `parts` (of the body that are styled, e.g. 'head', ['head', 'left-arm'] or 'all'), `input_style`
         (the style that the performer already moves in), `root` ('follow', or 'stride': the way
         over the floor at the style's speed), `vary` (the variation of the style, 1 to 99; 0: the
         style itself), vary_each (every performer another), vary_amount, drift_s (the variation
