@@ -161,8 +161,10 @@ int Vary(Session& session, const Arguments& arguments) {
   return Make(session, arguments, std::move(request));
 }
 
-void AddCommon(Session& session, CLI::App* command, Arguments& arguments, const char* name) {
-  session.AddPerformer(command, true);
+// `everyone`: whether '*' is a performer here; one alone can be learned from.
+void AddCommon(Session& session, CLI::App* command, Arguments& arguments, const char* name,
+               bool everyone) {
+  session.AddPerformer(command, true, everyone);
   command->add_option("--name", arguments.name, name);
   command->add_option("--transition", arguments.transition_ms, "fade, ms")
       ->check(Number(0.0, 60000.0));
@@ -175,7 +177,8 @@ void DeclareLike(Session& session) {
                         [&session, arguments] { return Like(session, *arguments); });
   AddCommon(session, like, *arguments,
             "of the style, for all clients; an earlier one of this name that was made is replaced "
-            "(default: the file's name)");
+            "(default: the file's name)",
+            true);
   like->add_option("--clip", arguments->clip, "the example: BVH, glTF binary or VRMA, 0.3 to 60 s")
       ->required();
   like->add_option(
@@ -192,7 +195,7 @@ void DeclareLearn(Session& session) {
   CLI::App* learn = session.AddOnline(
       "learn", "make a style of what a performer does from now on; they move in it at once",
       [&session, arguments] { return Learn(session, *arguments); });
-  AddCommon(session, learn, *arguments, "of the style, for all clients");
+  AddCommon(session, learn, *arguments, "of the style, for all clients", false);
   learn->get_option("--name")->required();
   learn->add_option("--seconds", arguments->seconds, "how long the performer shows it")
       ->check(Number(1.0, 60.0))
@@ -212,7 +215,8 @@ void DeclareVary(Session& session) {
   CLI::App* vary =
       session.AddOnline("vary", "make a variation of a style; a performer moves in it at once",
                         [&session, arguments] { return Vary(session, *arguments); });
-  AddCommon(session, vary, *arguments, "of the variation, for all clients (default: STYLE-SEED)");
+  AddCommon(session, vary, *arguments, "of the variation, for all clients (default: STYLE-SEED)",
+            true);
   vary->add_option("--style", arguments->style, "as shown by list")->required();
   vary->add_option("--seed", arguments->seed, "the same number is the same variation")
       ->capture_default_str();

@@ -203,7 +203,7 @@ const Face* Sender::Look(const vmc::Frame& frame) {
   for (std::size_t i = 0; i < frame.blend_count; ++i) {
     const auto& blend = frame.blends[i];
     if (std::isfinite(blend.value) && IsUtf8(blend.name())) {
-      face_.expressions.push_back({blend.name(), std::clamp(blend.value, 0.0F, 1.0F)});
+      face_.expressions.push_back({blend.name(), blend.value});
     }
   }
   for (std::size_t i = 0; i < frame.thru_count; ++i) face_.thru.push_back(frame.thrus[i].bytes());
