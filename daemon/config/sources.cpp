@@ -88,7 +88,8 @@ Status CheckTrackers(const std::vector<Tracker>& trackers) {
   for (const auto& [id_text, part_text] : trackers) {
     const auto id = slimevr::ParseTrackerId(id_text);
     const int part = body::FindJoint(part_text);
-    const std::string place = "trackers: \"" + id_text + "\" = \"" + part_text + "\": ";
+    std::string place = "trackers: \"";
+    place.append(id_text).append("\" = \"").append(part_text).append("\": ");
     if (!id) {
       return Status::Error(place +
                            "expected a tracker's address of 12 hexadecimal digits, or its "

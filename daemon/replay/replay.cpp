@@ -337,8 +337,8 @@ Result<config::Config> ConfigOf(const recording::Reader& reader,
 }
 
 Status Replay(recording::Reader& reader, const config::Config& config,
-              std::shared_ptr<const pipeline::RuntimeConfig> runtime_config, const Options& options,
-              runtime::Counters& counters, const Sink& sink) {
+              const std::shared_ptr<const pipeline::RuntimeConfig>& runtime_config,
+              const Options& options, runtime::Counters& counters, const Sink& sink) {
   reader.Rewind();
   const auto senders = FirstSenders(reader, config.sources.size());
   if (senders.empty()) {
@@ -346,7 +346,7 @@ Status Replay(recording::Reader& reader, const config::Config& config,
                          ": found nothing that arrived from a rig, expected a recording of the "
                          "daemon ([record]) or of stylerec receive");
   }
-  Player player(config, std::move(runtime_config), options, senders, counters, sink);
+  Player player(config, runtime_config, options, senders, counters, sink);
   reader.Rewind();
   recording::Record record;
   while (reader.Next(record)) {

@@ -39,8 +39,8 @@ Result<config::Config> ConfigOf(const recording::Reader& reader,
 // what happened to the frames. Allocates; one thread. Errors: nothing arrived, or something arrived
 // from a source that is not in the configuration.
 Status Replay(recording::Reader& reader, const config::Config& config,
-              std::shared_ptr<const pipeline::RuntimeConfig> runtime_config, const Options& options,
-              runtime::Counters& counters, const Sink& sink);
+              const std::shared_ptr<const pipeline::RuntimeConfig>& runtime_config,
+              const Options& options, runtime::Counters& counters, const Sink& sink);
 
 // Whether a counter describes the frames, and not the machine or the daemon's peers.
 bool IsOfTheMotion(runtime::Counter counter);

@@ -80,7 +80,8 @@ class Examiner {
 
   Status AskDaemon() {
     DaemonFacts& daemon = facts_.daemon;
-    auto control = client::Control::Connect({daemon.endpoint, options_.timeout, options_.curve});
+    auto control =
+        client::Control::Connect({daemon.endpoint, options_.timeout, options_.curve, {}});
     if (!control.ok()) return control.status();
     control_ = std::move(control.value());
     const auto place = TcpOf(daemon.endpoint);
