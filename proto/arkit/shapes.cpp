@@ -14,10 +14,11 @@ bool Same(std::string_view a, std::string_view b) noexcept {
                     [](char x, char y) { return Lower(x) == Lower(y); });
 }
 
-// Whether `name` is `stem` and then _L or _R, as iFacialMocap writes a side.
-bool IsSide(std::string_view name, std::string_view stem, char side) noexcept {
-  return name.size() == stem.size() + 2 && name[stem.size()] == '_' && Lower(name.back()) == side &&
-         Same(name.substr(0, stem.size()), stem);
+// Whether `name` is a sided one with _L or _R, as iFacialMocap writes it.
+bool IsShort(std::string_view name, const Sided& sided) noexcept {
+  return sided.side != 0 && name.size() == sided.stem.size() + 2 &&
+         name[sided.stem.size()] == '_' && Lower(name.back()) == Lower(sided.side) &&
+         Same(name.substr(0, sided.stem.size()), sided.stem);
 }
 
 constexpr std::size_t Index(std::string_view name) {
@@ -26,18 +27,17 @@ constexpr std::size_t Index(std::string_view name) {
 
 }  // namespace
 
+Sided SideOf(std::string_view name) noexcept {
+  const bool direction = name.starts_with("jaw") || name == "mouthLeft" || name == "mouthRight";
+  if (direction) return {name};
+  if (name.ends_with(kLeft)) return {name.substr(0, name.size() - kLeft.size()), 'L'};
+  if (name.ends_with(kRight)) return {name.substr(0, name.size() - kRight.size()), 'R'};
+  return {name};
+}
+
 std::optional<std::size_t> Find(std::string_view name) noexcept {
   for (std::size_t i = 0; i < kShapes; ++i) {
-    const std::string_view known = kNames[i];
-    if (Same(name, known)) return i;
-    const bool left = known.ends_with(kLeft), right = known.ends_with(kRight);
-    // mouthLeft and mouthRight are directions, not sides.
-    if ((!left && !right) || known == "mouthLeft" || known == "mouthRight" || known == "jawLeft" ||
-        known == "jawRight") {
-      continue;
-    }
-    const std::size_t side = left ? kLeft.size() : kRight.size();
-    if (IsSide(name, known.substr(0, known.size() - side), left ? 'l' : 'r')) return i;
+    if (Same(name, kNames[i]) || IsShort(name, SideOf(kNames[i]))) return i;
   }
   return std::nullopt;
 }

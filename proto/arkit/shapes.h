@@ -36,6 +36,14 @@ inline constexpr std::array<std::string_view, kShapes> kNames{
     "cheekSquintRight",  "noseSneerLeft",      "noseSneerRight",
     "tongueOut"};
 
+// A shape's name without its side, and 'L' or 'R'; 0 for a shape of both sides. mouthLeft and
+// jawLeft are directions, not sides.
+struct Sided {
+  std::string_view stem;
+  char side = 0;
+};
+STYLED_REALTIME Sided SideOf(std::string_view name) noexcept;
+
 // The index of a shape's name: in any case, with Left and Right at the end or _L and _R. Nothing
 // for other names.
 STYLED_REALTIME std::optional<std::size_t> Find(std::string_view name) noexcept;

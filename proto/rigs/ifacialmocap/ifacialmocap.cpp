@@ -38,7 +38,7 @@ std::span<float> PlaceOf(std::string_view name, Frame& frame) noexcept {
   return {};
 }
 
-// Reads one part; returns false for a number that is none. `known` is set where the part is.
+// Reads one part; returns false where its value is not a number. Sets `known` for a known part.
 bool ReadPart(std::string_view part, Frame& frame, bool& known) noexcept {
   if (const std::size_t mark = part.find('#'); mark != std::string_view::npos) {
     const std::span<float> place = PlaceOf(part.substr(0, mark), frame);
@@ -99,18 +99,9 @@ std::size_t Encode(const Frame& frame, int version, std::span<char> to) noexcept
     if (fits) size += static_cast<std::size_t>(added);
   };
   for (std::size_t i = 0; i < arkit::kShapes; ++i) {
-    std::string_view name = arkit::kNames[i];
-    const char* side = "";
-    const bool direction =
-        name == "mouthLeft" || name == "mouthRight" || name == "jawLeft" || name == "jawRight";
-    if (!direction && name.ends_with("Left")) {
-      side = "_L";
-      name.remove_suffix(4);
-    } else if (!direction && name.ends_with("Right")) {
-      side = "_R";
-      name.remove_suffix(5);
-    }
-    write("%.*s%s%c%ld|", static_cast<int>(name.size()), name.data(), side,
+    const auto [stem, side] = arkit::SideOf(arkit::kNames[i]);
+    const std::string_view end = side == 0 ? "" : side == 'L' ? "_L" : "_R";
+    write("%.*s%s%c%ld|", static_cast<int>(stem.size()), stem.data(), end.data(),
           version == 1 ? '-' : '&', std::lround(kPercent * frame.shapes[i]));
   }
   const auto& h = frame.head;

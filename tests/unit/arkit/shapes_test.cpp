@@ -37,6 +37,12 @@ TEST(ArkitShapes, EachNameIsFoundInAnyCaseAndWithItsSideShort) {
   EXPECT_EQ(Find("eyeBlink_L"), Find("eyeBlinkLeft"));
   EXPECT_EQ(Find("mouthSmile_R"), Find("mouthSmileRight"));
   EXPECT_NE(Find("mouthLeft"), Find("mouthRight"));
+  EXPECT_EQ(SideOf("eyeBlinkLeft").stem, "eyeBlink");
+  EXPECT_EQ(SideOf("mouthSmileRight").side, 'R');
+  EXPECT_EQ(SideOf("jawOpen").stem, "jawOpen");
+  for (const auto* const direction : {"mouthLeft", "mouthRight", "jawLeft", "jawRight"}) {
+    EXPECT_EQ(SideOf(direction).side, 0) << direction;
+  }
 }
 
 TEST(ArkitShapes, APresetIsNotShownBesideItsParts) {

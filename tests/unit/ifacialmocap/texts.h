@@ -12,7 +12,7 @@ inline constexpr const char* kVersion1 =
     "mouthSmile_R-0|eyeLookDown_L-17|jawOpen-12|mouthLeft-1|browDown_R-5|"
     "=head#-21.488958,-6.038993,-6.6019735,-0.030653415,-0.10287084,-0.6584072|"
     "rightEye#6.0297494,2.4403017,0.25649446|leftEye#6.034903,-1.6660284,-0.17520553|";
-// Of a newer app: a state first, names with whole words, and one that nobody knows.
+// Of a newer app: a state first, sides as whole words, and an unknown name.
 inline constexpr const char* kVersion2 =
     "trackingStatus-1|mouthSmileRight&3|eyeLookDown_L&17|jawOpen&-3|FM_Tongue&40|"
     "=head#1,2,3,0.1,0.2,0.3|rightEye#0,0,0|leftEye#1,-1,0|";
