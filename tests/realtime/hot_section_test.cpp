@@ -2,6 +2,7 @@
 // allocation, lock, log or exception. And that the hook would see them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -9,6 +10,7 @@
 #include "model/clip/glb_write.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
+#include "tests/unit/livelinkface/decode_cases.h"
 #include "tests/unit/net/erd/random_weights.h"
 #include "tests/unit/net/stgcn_causal/random_weights.h"
 
@@ -56,8 +58,8 @@ void WriteAvatar(const v1::Body& body, const std::string& file) {
 
 // A second of all that frames can meet: styles that change, joints that break, frames lost,
 // doubled, late and damaged, timecode that comes and goes, weights that make no pose of some of
-// them, several performers with a finger each, an avatar, all topics subscribed, all of it
-// recorded.
+// them, several performers with a finger each, a phone for the face of one, a filter against
+// jitter, an avatar, all topics subscribed, all of it recorded.
 Report Play(const std::string& provoke) {
   TemporaryFolder folder;
   const std::string file = folder / "report.txt";
@@ -67,13 +69,17 @@ Report Play(const std::string& provoke) {
   WriteWeights(folder / "sleeping.safetensors", erd::SleepingWeights(5, 1));
   const v1::Body fingered = WithFinger(Rig("p0"));
   WriteAvatar(fingered, folder / "avatar.glb");
-  Daemon daemon({"record.file=" + folder / "take.styrec"},
-                "[[output]]\nname = \"hero\"\navatar = \"" + folder / "avatar.glb" + "\"\n",
+  Daemon daemon({"record.file=" + folder / "take.styrec", "source.1.smooth_hz=3"},
+                "[[source]]\nname = \"phone\"\ntype = \"livelinkface\"\n"
+                "listen = \"127.0.0.1:0\"\nmerge_into = \"rig.p0\"\n"
+                "[[output]]\nname = \"hero\"\navatar = \"" +
+                    folder / "avatar.glb" + "\"\n",
                 environment, folder / "sleeping.safetensors");
   Subscriber subscriber(daemon.publish, {""});
   ControlClient control(daemon.control);
   const UdpLink link(daemon.udp);
   const TcpLink tcp(daemon.tcp);
+  const UdpLink phone(daemon.listens.at(2));
   std::vector<Rig> rigs;
   for (int i = 0; i < 4; ++i) rigs.emplace_back("p" + std::to_string(i), 10 + i);
   for (auto& rig : rigs) {
@@ -85,6 +91,7 @@ Report Play(const std::string& provoke) {
   Paced(provoke.empty() ? 360 : 30, 120, [&](int i) {
     if (i % 60 == 10) (void)control.SetStyle("*", i % 120 == 10 ? "style1" : "style3", 0.9F, 150);
     tcp.Send(over_tcp.Frame());
+    if (i < 200) phone.Send(live_link_face::testing::Written(live_link_face::testing::Smile(i)));
     for (std::size_t r = 0; r < rigs.size(); ++r) {
       Bytes bytes = rigs[r].Frame([&](v1::SourceFrame& frame) {
         for (int k = 0; k < 8; ++k) frame.add_rotations(k % 4 == 3 ? 0.8F : k % 4 == 2 ? 0.6F : 0);
@@ -107,6 +114,10 @@ Report Play(const std::string& provoke) {
     EXPECT_FALSE(frames.empty()) << topic;
     if (!frames.empty()) {
       EXPECT_EQ(frames.back().rotations_size(), 4 * fingered.names_size()) << topic;
+      const bool smiled = std::any_of(frames.begin(), frames.end(), [](const v1::Frame& frame) {
+        return frame.expressions_size() > 0;
+      });
+      EXPECT_TRUE(smiled) << topic;
     }
   }
   EXPECT_EQ(daemon.Stop(), 0) << daemon.Log();
