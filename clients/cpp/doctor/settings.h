@@ -24,7 +24,7 @@ struct Wanted {
   bool network = true;  // false: USB, or an unreadable `listen`
   Endpoint listen;
   std::string merge_into;  // a performer, whose face this source is; "": none, or not known
-  // OptiTrack, and phones that are asked.
+  // OptiTrack only.
   std::string server, group = "239.255.42.99", interface;
   bool multicast = true;
 };

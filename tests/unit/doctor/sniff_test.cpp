@@ -14,6 +14,8 @@
 #include "proto/rigs/native/datagram.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
+#include "tests/unit/ifacialmocap/texts.h"
+#include "tests/unit/livelinkface/decode_cases.h"
 #include "tests/unit/mocopi/decode_cases.h"
 #include "tests/unit/mvn/packets.h"
 #include "tests/unit/natnet/decode_cases.h"
@@ -216,6 +218,16 @@ TEST_F(SniffTest, Rokoko) {
           {"packed and changed", broken, Format::kRokoko, Verdict::kDamaged, "bad lz4"}});
 }
 
+TEST_F(SniffTest, FacesOfPhones) {
+  using live_link_face::testing::ByHand;
+  const Bytes smile = live_link_face::testing::Written(live_link_face::testing::Smile());
+  const Bytes text = ToBytes(ifacialmocap::testing::kVersion1);
+  Expect(
+      {{"Live Link Face", smile, Format::kLiveLinkFace, Verdict::kPose, "facial expressions"},
+       {"without a face", ByHand(), Format::kLiveLinkFace, Verdict::kTalk, "\"no face is seen\""},
+       {"iFacialMocap", text, Format::kIFacialMocap, Verdict::kPose, "facial expressions"}});
+}
+
 TEST_F(SniffTest, SlimeVr) {
   using namespace slimevr::testing;
   Expect({{"handshake", kHandshake, Format::kSlimeVr, Verdict::kTalk, "trackers seeking a server"},
@@ -265,7 +277,9 @@ TEST_F(SniffTest, EveryBeginningOfEveryFormatIsLookedAtInVain) {
       NatNet(natnet::MessageId::kFrameOfData, natnet::testing::FullFrame({3, 0})),
       ServerInfo(3, 0),
       ToBytes(rokoko::testing::kLayout3),
-      slimevr::testing::kBundle};
+      slimevr::testing::kBundle,
+      live_link_face::testing::Written(live_link_face::testing::Smile()),
+      ToBytes(ifacialmocap::testing::kVersion2)};
   Sniffer sniffer;
   for (const Bytes& whole : wholes) {
     const Format format = Sniffer().Sniff(whole).format;
