@@ -164,6 +164,11 @@ TEST_F(CausalRun, FlagsThatCannotWorkAreRefused) {
   EXPECT_THAT(refused([](RunFlags& f) { f.generator_rate = std::nan(""); }),
               HasSubstr("--generator-rate: found nan"));
   EXPECT_THAT(refused([](RunFlags& f) { f.w_velocity = -3; }), HasSubstr("--w-velocity: found -3"));
+  EXPECT_THAT(refused([](RunFlags& f) { f.lead_s = 0.6; }), HasSubstr("--lead: found 0.6"));
+  EXPECT_THAT(refused([](RunFlags& f) { f.lead_s = std::nan(""); }),
+              HasSubstr("--lead: found nan"));
+  EXPECT_THAT(refused([](RunFlags& f) { f.gain = -1; }), HasSubstr("--gain: found -1"));
+  EXPECT_THAT(refused([](RunFlags& f) { f.w_smooth = -1; }), HasSubstr("--w-smooth: found -1"));
   EXPECT_THAT(refused([](RunFlags& f) { f.iterations = 0; }),
               HasSubstr("give --minutes or --iterations"));
 }
@@ -314,6 +319,31 @@ TEST_F(CausalRun, LearnsWhatTheTeacherDoes) {
     EXPECT_LT(monitor.at(figure).back(), 0.85 * monitor.at(figure).front()) << figure;
   }
   EXPECT_TRUE(monitor.contains("jerk_ratio_student"));
+}
+
+// The same seed and batches: a target that is later and larger gives another loss and another
+// student, and the weight of smoothness makes the change smoother.
+TEST_F(CausalRun, TheTargetMayBeLaterAndLargerAndTheChangeSmooth) {
+  const auto run = [this](const std::string& out, auto change) {
+    RunFlags flags = Flags(out);
+    flags.iterations = 40;
+    flags.log_every = 20;
+    flags.generator_rate = 2e-3;
+    change(flags);
+    Check(Train(flags));
+    return Columns(out + "/log.csv");
+  };
+  const auto plain = run("plain", [](RunFlags& f) { f.w_smooth = 1e-9; });
+  const auto late = run("late", [](RunFlags& f) {
+    f.lead_s = 0.08;
+    f.gain = 3;
+    f.w_smooth = 1e-9;
+  });
+  EXPECT_GT(late.at("styled").front(), plain.at("styled").front());
+  EXPECT_FALSE(
+      torch::equal(Read("plain").tensors.at("student"), Read("late").tensors.at("student")));
+  const auto smooth = run("smooth", [](RunFlags& f) { f.w_smooth = 100; });
+  EXPECT_LT(smooth.at("smooth").back(), 0.8 * plain.at("smooth").back());
 }
 
 }  // namespace
