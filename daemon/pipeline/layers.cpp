@@ -1,7 +1,6 @@
 #include "daemon/pipeline/layers.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "daemon/source/face.h"

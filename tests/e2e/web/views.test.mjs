@@ -151,7 +151,7 @@ test('the page links to OBS: avatar, performer, token; a phone gets a code', asy
   assert.equal(link, `${address}/?view=avatar&performer=face.mia&avatar=Mia+v2.vrm&bg=transparent#token=${TOKEN}`);
   assert.equal(await page.locator('[data-link=page]').inputValue(), `${address}/#token=${TOKEN}`);
   assert.ok((await page.locator('.qr').boundingBox()).width > 200);
-  assert.match(await page.locator('.share').innerText(), /who has one may do here what you may/);
+  assert.match(await page.locator('.share').innerText(), /whoever has a link may do here all that you may/);
   assert.deepEqual(await violations('dialog[open]'), [], 'links');
   await takePicture(page, 'share');
   await page.keyboard.press('Escape');

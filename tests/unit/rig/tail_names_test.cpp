@@ -112,7 +112,7 @@ TEST(TailNames, OfEveryNamingHabitMapToVrmsBones) {
   }
 }
 
-// Names that look like a finger's and are none: one stiff joint, ends, the body.
+// Names that resemble a finger's: one stiff joint, ends of bones, the body's joints.
 TEST(TailNames, ThatMeanSomethingElseMapToNothing) {
   Skeleton skeleton;
   skeleton.names = {"Hips",     "LeftHand",        "LeftFingerBase", "LeftHandIndex1", "LThumb",

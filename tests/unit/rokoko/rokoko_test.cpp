@@ -88,7 +88,7 @@ TEST(Rokoko, AnEarlierFrameLeavesNothingBehind) {
   EXPECT_FALSE(frame.actors[0].has_face);
 }
 
-// Expressions that nobody knows, and those that are no numbers, take nothing else with them.
+// An unknown expression, or one whose value is not a number, leaves the others as they are.
 TEST(Rokoko, AFaceIsReadAsFarAsItIsOne) {
   const auto read = [](const std::string& face, Frame& frame) {
     return Decoder().DecodeText(

@@ -46,7 +46,7 @@ export function share(app: App, stage: Stage, token: string | undefined): Dialog
   const obs = copied('OBS link', 'obs'), phone = copied('page link', 'page');
   const who = h('p', {}), kept = h('p', {}), code = h('div', { className: 'code' });
   const risk = h('p', { className: 'warn', hidden: !token },
-    'These links contain the token: who has one may do here what you may. Do not show them on air; ' +
+    'These links contain the token: whoever has a link may do here all that you may. Do not show it on air; ' +
     'OBS writes them into its scene file. For viewers run a second styleweb with --watch-only and a token of its own.');
   const far = isOwnMachine(page)
     ? h('p', {}, `This page is at ${location.host}, which no phone can reach. Start styleweb with --listen 0.0.0.0:7080 ` +

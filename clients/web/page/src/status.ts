@@ -16,7 +16,7 @@ interface Trouble {
   sources?: boolean; // what is known of the sources helps
 }
 
-/** The current problem; no title if there is none. */
+/** The current problem. The title is empty while all is well. */
 function trouble(app: App): Trouble {
   const { linkState: link, daemonState: daemon } = app.client;
   if (link.kind === 'refused') {
