@@ -87,7 +87,7 @@ class Run {
     stylize::ProgressLine progress(!arguments_.quiet, jobs_.size());
     progress_ = &progress;
     std::size_t written = 0;
-    bool some_own = false;
+    bool some_own = false, failed = broken_ > 0;
     for (const stylize::Input& input : inputs_) {
       if (input.error.empty()) continue;
       Outcome outcome;
@@ -98,7 +98,8 @@ class Run {
     for (const Job& job : jobs_) {
       const Outcome outcome = Do(job);
       Tell(outcome);
-      if (outcome.error.empty()) ++written;
+      if (outcome.written) ++written;
+      failed |= !outcome.error.empty();
       some_own |= outcome.own > 0;
     }
     progress_ = nullptr;
@@ -107,7 +108,7 @@ class Run {
       progress.Clear();
       std::fprintf(stderr, "stylize: %zu of %zu outputs are written\n", written, wanted);
     }
-    if (written < wanted) return 1;
+    if (failed) return 1;
     return some_own ? kSomeFailed : 0;
   }
 
@@ -122,6 +123,16 @@ class Run {
     }
     inputs_ = stylize::FindInputs(named, arguments_.recursive);
     styles_ = arguments_.styles;
+    for (std::size_t i = 0; i < styles_.size(); ++i) {
+      const auto name = [this](std::size_t at) {
+        return styles_[at].substr(0, styles_[at].find('='));
+      };
+      for (std::size_t k = 0; k < i; ++k) {
+        if (name(k) == name(i)) {
+          return Status::Error("--style: " + name(i) + " is named twice, expected each style once");
+        }
+      }
+    }
     if (styles_.empty()) styles_.emplace_back();
     std::map<std::string, std::string> outputs;  // and whose they are
     for (const stylize::Input& input : inputs_) {
@@ -140,8 +151,8 @@ class Run {
           if (pattern->empty()) continue;
           auto text = stylize::FillPattern(*pattern, words);
           if (!text.ok()) return text.status();
-          *filled = text.value();
           const std::string same = std::filesystem::path(text.value()).lexically_normal().string();
+          *filled = same;
           const std::string whose = input.file + (one.style.empty() ? "" : " (" + one.style + ")");
           const auto [other, fresh] = outputs.emplace(same, whose);
           if (fresh) continue;
@@ -208,7 +219,10 @@ class Run {
     auto bound =
         styled::clip::BindClip(clip.value(), arguments_.rig,
                                styled::clip::ParseRestPose(arguments_.rest).value(), joints_);
-    if (!bound.ok()) return Status::Error(input.file + ": " + bound.status().message());
+    if (!bound.ok()) {
+      return Status::Error((standard ? "standard input" : input.file) + ": " +
+                           bound.status().message() + " (by hand: --joints CANONICAL=NAME)");
+    }
     return Source{std::move(clip.value()),
                   std::make_shared<const styled::rig::Binding>(std::move(bound.value().binding)),
                   bound.value().dialect, bound.value().rest};
@@ -248,7 +262,7 @@ class Run {
 
   Status Make(const Job& job, const Source& source, Outcome& outcome) {
     styled::clip::Clip clip = source.clip;
-    outcome.frames = clip.frames.size();
+    outcome.frames = outcome.input_frames = clip.frames.size();
     outcome.rate_hz = clip.rate_hz;
     outcome.dialect = source.dialect;
     outcome.rest = source.rest;
@@ -275,7 +289,8 @@ class Run {
     }
     if (arguments_.cadence) {
       progress_->Clear();
-      stylize::TakeTimes(job.out, styled.times_s, clip);
+      stylize::TakeTimes(job.out, styled.times_s, !arguments_.quiet, clip);
+      outcome.frames = clip.frames.size();
     }
     return Write(job, source, std::move(clip), outcome);
   }
@@ -308,6 +323,7 @@ class Run {
         !written.ok()) {
       return written;
     }
+    outcome.written = true;
     return Preview(job, source, written_on, motion, outcome);
   }
 
@@ -337,7 +353,7 @@ class Run {
       std::fprintf(stderr,
                    "stylize: %s: %zu of %zu frames are the performer's own: expected a finite pose "
                    "with unit rotations from the network, found none\n",
-                   outcome.out.c_str(), outcome.own, outcome.frames);
+                   outcome.out.c_str(), outcome.own, outcome.input_frames);
     }
     if (arguments_.json) {
       std::printf("%s\n", stylize::JsonLine(outcome).c_str());

@@ -87,7 +87,8 @@ Status CheckGait(const Arguments& arguments, const net::Styles& styles,
                  const stylist::Settings& settings);
 // Puts the frames of a styled clip at `times_s` (clip::Retime), and says on standard error how long
 // it was and is; `file` is the output's name.
-void TakeTimes(const std::string& file, std::span<const double> times_s, clip::Clip& clip);
+void TakeTimes(const std::string& file, std::span<const double> times_s, bool say,
+               clip::Clip& clip);
 
 // What the arguments ask of a network that needs whole clips.
 Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,

@@ -204,7 +204,9 @@ Result<Blend> MakeBlend(const Arguments& arguments, const net::Model& model,
   }
   const auto weight = CheckWeights(arguments, request.sources);
   if (!weight.ok()) return weight.status();
-  for (const Example& example : examples) PrintNearest(example, model.styles, space);
+  for (const Example& example : examples) {
+    if (!arguments.quiet) PrintNearest(example, model.styles, space);
+  }
   return Blend{space.MakeCode(request), weight.value()};
 }
 

@@ -143,7 +143,13 @@ Status Guard::Check(const std::string& file) const {
       return Status::Error(file + ": is an output of this run already (by a link)");
     }
   }
-  if (fs::is_directory(file) || (fs::exists(file) && !fs::is_regular_file(file))) {
+  // A link to nothing is written through. One that leads back to itself has no status at all.
+  std::error_code error;
+  const fs::file_type type = fs::status(file, error).type();
+  if (type == fs::file_type::none) {
+    return Status::Error(file + ": cannot be looked at: " + error.message());
+  }
+  if (type != fs::file_type::not_found && type != fs::file_type::regular) {
     return Status::Error(file + ": is no ordinary file, expected one to write");
   }
   if (overwrite_) return Status::Ok();

@@ -71,12 +71,14 @@ Status CheckGait(const Arguments& arguments, const net::Styles& styles,
   return CheckStyle(kCadenceNeeds, styles[static_cast<std::size_t>(settings.input_style)]);
 }
 
-void TakeTimes(const std::string& file, std::span<const double> times_s, clip::Clip& clip) {
+void TakeTimes(const std::string& file, std::span<const double> times_s, bool say,
+               clip::Clip& clip) {
   const auto length_s = [&clip] {
     return static_cast<double>(clip.frames.size() - 1) / clip.rate_hz;
   };
   const double before_s = length_s();
   clip = clip::Retime(clip, times_s);
+  if (!say) return;
   std::fprintf(stderr, "stylize: %s: %.2f s of motion, %.2f s at the style's cadence\n",
                file.c_str(), before_s, length_s());
 }

@@ -81,13 +81,15 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option(
          "--rest", arguments.rest,
-         "the upright pose that tells the T-pose, where the clip's zero pose is none: zero, "
-         "the zero pose with its arms anywhere; standing, the straightest frame; the time of "
-         "a frame in seconds; auto, what fits")
+         "the upright pose that the T-pose is taken from, where the clip's zero pose is not one: "
+         "zero, "
+         "the zero pose with its arms anywhere; standing, each limb from the frame in which it "
+         "is straightest; the time of a frame in seconds; auto, what fits")
       ->check([](const std::string& text) { return clip::ParseRestPose(text).status().message(); })
       ->capture_default_str();
   app.add_option("--joints", arguments.joints,
-                 "joints whose names are not understood, CANONICAL=NAME, e.g. leftUpperArm=Arm_01")
+                 "joints of the inputs whose names are not understood, CANONICAL=NAME, e.g. "
+                 "leftUpperArm=Arm_01")
       ->take_all()
       ->allow_extra_args(false);
   app.add_option("--avatar", arguments.avatar,
@@ -96,7 +98,8 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
   app.add_option(
       "files", arguments.files,
       "input BVH and output file (" + clip::FormatNames() +
-          "); with --out only inputs: files, folders of them, or - for the standard input");
+          "), either of them - for the standard stream; with --out only inputs: files, folders of "
+          "them, or -");
 }
 
 void AddOutputOptions(CLI::App& app, Arguments& arguments) {

@@ -25,12 +25,12 @@ std::string SummaryLine(const Outcome& outcome) {
                      " frames at " + NumberText(outcome.rate_hz, 3) + " Hz, " + outcome.dialect;
   if (!outcome.rest.empty()) line += " (T-pose from its " + outcome.rest + ")";
   if (outcome.styled) {
-    line += ", feet planted " + Percent(outcome.planted, outcome.frames);
+    line += ", feet planted " + Percent(outcome.planted, outcome.input_frames);
     if (outcome.planted > 0) {
       line += ", sliding " + NumberText(outcome.slide_cm_s, 1) + " cm/s (input " +
               NumberText(outcome.input_slide_cm_s, 1) + ")";
     }
-    line += ", out of domain " + Percent(outcome.out_of_domain, outcome.frames);
+    line += ", out of domain " + Percent(outcome.out_of_domain, outcome.input_frames);
   }
   if (outcome.own > 0) line += ", not styled " + std::to_string(outcome.own);
   if (!outcome.preview.empty()) line += "; " + outcome.preview;
@@ -40,7 +40,7 @@ std::string SummaryLine(const Outcome& outcome) {
 
 std::string JsonLine(const Outcome& outcome) {
   using nlohmann::json;
-  json line{{"in", outcome.in}, {"out", outcome.out}, {"written", outcome.error.empty()}};
+  json line{{"in", outcome.in}, {"out", outcome.out}, {"written", outcome.written}};
   if (!outcome.style.empty()) line["style"] = outcome.style;
   if (!outcome.error.empty()) line["error"] = outcome.error;
   if (outcome.frames > 0) {
@@ -51,12 +51,12 @@ std::string JsonLine(const Outcome& outcome) {
   }
   if (!outcome.rest.empty()) line["rest"] = outcome.rest;
   if (outcome.styled) {
-    line["feet"] = {{"planted_share", Share(outcome.planted, outcome.frames)}};
+    line["feet"] = {{"planted_share", Share(outcome.planted, outcome.input_frames)}};
     if (outcome.planted > 0) {
       line["feet"]["slide_cm_s"] = outcome.slide_cm_s;
       line["feet"]["input_slide_cm_s"] = outcome.input_slide_cm_s;
     }
-    line["out_of_domain_share"] = Share(outcome.out_of_domain, outcome.frames);
+    line["out_of_domain_share"] = Share(outcome.out_of_domain, outcome.input_frames);
     line["own_frames"] = outcome.own;
   }
   if (!outcome.preview.empty()) line["preview"] = outcome.preview;

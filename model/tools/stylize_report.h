@@ -10,11 +10,14 @@ namespace styled::stylize {
 // One output, written or not.
 struct Outcome {
   std::string in, out, style;
-  std::string error;          // why it is not written; "": it is
+  std::string error;          // what went wrong; "": nothing
+  bool written = false;       // the output; an error may be that of its preview
   std::string dialect, rest;  // of the input's skeleton; rest as clip::BoundClip has it
   std::string preview;        // the file; "": none
   std::string note;           // what the reader should know of the output; "": nothing
-  std::size_t frames = 0, planted = 0, out_of_domain = 0, own = 0;  // own: could not be styled
+  std::size_t frames = 0;     // of the output
+  // Of the input's frames; own: could not be styled.
+  std::size_t input_frames = 0, planted = 0, out_of_domain = 0, own = 0;
   double rate_hz = 0, slide_cm_s = 0, input_slide_cm_s = 0;
   bool styled = false;  // the network ran: what follows from it is known
 };

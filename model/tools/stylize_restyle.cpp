@@ -140,7 +140,8 @@ Status AddBlend(const Arguments& arguments, stylist::Settings& settings,
 // Writes the next frame's styled pose.
 using StyleNext = std::function<void(std::size_t i, stylist::Output& out)>;
 
-// How planted feet slide: the smaller way of ankle and toes from frame to frame, over the floor.
+// How planted feet slide, by the stylist's own contacts (the judges' skate has others): the smaller
+// way of ankle and toes from frame to frame, over the floor.
 class Slide {
  public:
   void Add(const body::Pose& pose, std::uint32_t contacts, double dt_s) {
@@ -232,7 +233,7 @@ Result<Styled> Restyler::Run(const std::string& file,
     style_next(i, out);
     const bool styled = wardrobe.Process(frames.Time_ns(i), out);
     if (i > 0) time_s += 1 / (frames.rate_hz * static_cast<double>(out.cadence));
-    slide.Add(out.canonical, out.contacts, 1 / frames.rate_hz);
+    slide.Add(out.canonical, out.contacts, 1 / (frames.rate_hz * static_cast<double>(out.cadence)));
     input_slide.Add(out.canonical_input, out.contacts, 1 / frames.rate_hz);
     if (!frames.Given(i)) continue;
     if (!styled) ++result.failed;

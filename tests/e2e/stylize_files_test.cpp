@@ -186,6 +186,15 @@ TEST_F(StylizeFiles, ALinkToAnotherFileKeepsItsPlace) {
   fs::create_directory(folder_ / "folder.bvh");
   EXPECT_EQ(Stylize("--overwrite -s bent " + in_ + "/a.bvh " + (folder_ / "folder.bvh")), 1);
   EXPECT_THAT(said_, HasSubstr("is no ordinary file"));
+  fs::create_symlink("loop.bvh", folder_ / "loop.bvh");
+  EXPECT_EQ(Stylize("--overwrite -s bent " + in_ + "/a.bvh " + (folder_ / "loop.bvh")), 1);
+  EXPECT_THAT(said_, HasSubstr("loop.bvh: cannot be looked at"));
+}
+
+TEST_F(StylizeFiles, AStyleIsNamedOnce) {
+  EXPECT_EQ(Stylize("-s bent=0.5,bent=1 -o '" + made_ + "/{name}-{style}.bvh' " + in_ + "/a.bvh"),
+            2);
+  EXPECT_THAT(said_, HasSubstr("--style: bent is named twice"));
 }
 
 TEST_F(StylizeFiles, StandardStreamsAreFilesToo) {
