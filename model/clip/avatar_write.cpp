@@ -31,7 +31,6 @@ struct Glb {
 };
 
 Result<Glb> ReadGlb(const std::filesystem::path& file) {
-  using gltf::kBinaryChunk, gltf::kChunk, gltf::kHeader, gltf::kJsonChunk, gltf::Word;
   const auto opened = InputFile::Open(file, kExpected);
   if (!opened.ok()) return opened.status();
   const auto read = opened.value().Read(0, opened.value().size());
@@ -40,20 +39,11 @@ Result<Glb> ReadGlb(const std::filesystem::path& file) {
   const auto refuse = [&file](const std::string& what) {
     return Status::Error(file.string() + ": " + what + kExpected + " with its data inside");
   };
-  if (!bytes.starts_with("glTF") || bytes.size() < kHeader + kChunk ||
-      Word(bytes, kHeader + 4) != kJsonChunk) {
-    return refuse("is no glTF binary");
-  }
-  const std::size_t length = Word(bytes, kHeader), begin = kHeader + kChunk;
-  if (length > bytes.size() - begin || length > gltf::kMaxJson) return refuse("ends early");
-  Glb glb{json::parse(bytes.substr(begin, length), nullptr, false), {}};
+  if (!bytes.starts_with("glTF")) return refuse("is no glTF binary");
+  const auto chunks = gltf::SplitGlb(bytes);
+  if (!chunks.ok()) return refuse(chunks.status().message());
+  Glb glb{json::parse(chunks.value().text, nullptr, false), std::string(chunks.value().data)};
   if (!glb.document.is_object()) return refuse("has no JSON object");
-  const std::string_view rest = bytes.substr(begin + length);
-  if (rest.size() >= kChunk && Word(rest, 4) == kBinaryChunk) {
-    const std::size_t size = Word(rest, 0);
-    if (size > rest.size() - kChunk) return refuse("ends early");
-    glb.binary = rest.substr(kChunk, size);
-  }
   for (const char* const list : {"buffers", "images"}) {
     const auto entries = glb.document.find(list);
     if (entries == glb.document.end() || !entries->is_array()) continue;
@@ -64,6 +54,12 @@ Result<Glb> ReadGlb(const std::filesystem::path& file) {
         return refuse(std::string("has ") + list + " in other files");
       }
     }
+  }
+  // The buffer of the binary chunk is the first, and has no uri.
+  const auto buffers = glb.document.find("buffers");
+  if (buffers != glb.document.end() && buffers->is_array() && !buffers->empty() &&
+      (!buffers->front().is_object() || buffers->front().contains("uri"))) {
+    return refuse("has its data as text, not in its binary part");
   }
   return glb;
 }
@@ -84,7 +80,8 @@ class Document {
       if (!document.contains(list)) document[list] = json::array();
       if (!document[list].is_array()) return Broken(list);
     }
-    if (const Status own = FindBuffer(); !own.ok()) return own;
+    if (document["buffers"].empty()) document["buffers"].push_back(json{{"byteLength", 0}});
+    while (glb_.binary.size() % 4 != 0) glb_.binary += '\0';
     if (const Status nodes = PrepareNodes(); !nodes.ok()) return nodes;
     Animate();
     document["buffers"][0]["byteLength"] = glb_.binary.size();
@@ -95,17 +92,6 @@ class Document {
  private:
   static Status Broken(const std::string& what) {
     return Status::Error("found broken " + what + kExpected);
-  }
-
-  // The buffer of the binary chunk is the first, and has no uri.
-  Status FindBuffer() {
-    json& buffers = glb_.document["buffers"];
-    if (buffers.empty()) buffers.push_back(json{{"byteLength", 0}});
-    if (!buffers[0].is_object() || buffers[0].contains("uri")) {
-      return Status::Error("found its data as text, expected it in the binary part");
-    }
-    while (glb_.binary.size() % 4 != 0) glb_.binary += '\0';
-    return Status::Ok();
   }
 
   Status PrepareNodes() {

@@ -21,9 +21,10 @@ using rig::RigPose;
 using rig::Vec3;
 using JointMap = std::array<int, body::kJointCount>;
 
-constexpr double kLookEvery_s = 0.1;  // who stands at all stands for longer
-constexpr float kZeroBonus_deg =
-    5;  // a zero pose is made to be straight, a frame only happens to be
+// Who stands at all stands for longer. A zero pose is made to be straight, a frame only happens to
+// be. A skeleton with fingers has some 60 joints. No measurement on record picked these.
+constexpr double kLookEvery_s = 0.1;
+constexpr float kZeroBonus_deg = 5;
 constexpr std::size_t kNamesShown = 60;
 
 // World transforms of one pose, in source units and axes.
@@ -167,7 +168,9 @@ class Straightest {
   }
 
   // Swings the bone from `from` to `to` down by the shortest arc, as rig::RestBySwing would;
-  // returns how far it was off. A bone too far off is left for BindStanding to refuse.
+  // returns how far it was off. A bone too far off is left for BindStanding to refuse: the limit is
+  // wider than its own, because in a clip that only walks a calf is bent where it is straightest.
+  // Of 22 such clips of Character Creator six are bent by 34 to 49 degrees.
   float Straighten(int from, int to, RigPose& pose) const {
     constexpr float kMost_deg = 50;
     const World now(clip_.skeleton, pose);

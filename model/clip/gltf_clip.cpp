@@ -27,31 +27,6 @@ constexpr std::size_t kMaxAbove = 64;  // nodes above the hips
 constexpr double kSlowest_hz = 10, kFastest_hz = 240;
 constexpr float kMaxValue = 1e6F;  // of a translation, m
 
-// The two chunks of a file: its text and its data.
-struct Chunks {
-  std::string text;
-  std::string_view data;
-};
-
-Result<Chunks> Split(std::string_view bytes) {
-  using gltf::kBinaryChunk, gltf::kChunk, gltf::kHeader, gltf::kJsonChunk, gltf::Word;
-  if (bytes.size() < kHeader + kChunk) return Status::Error("it ends early");
-  if (const auto version = Word(bytes, 4); version != 2) {
-    return gltf::WrongVersion(std::to_string(version) + " in binary form");
-  }
-  if (Word(bytes, kHeader + 4) != kJsonChunk) return Status::Error("its first chunk is no JSON");
-  const std::size_t text = Word(bytes, kHeader), begin = kHeader + kChunk;
-  if (text > bytes.size() - begin) return Status::Error("it ends early");
-  if (text > gltf::kMaxJson) return Status::Error(gltf::kTooMuchJson);
-  Chunks chunks{std::string(bytes.substr(begin, text)), {}};
-  const std::string_view rest = bytes.substr(begin + text);
-  if (rest.size() < kChunk || Word(rest, 4) != kBinaryChunk) return chunks;
-  const std::size_t size = Word(rest, 0);
-  if (size > rest.size() - kChunk) return Status::Error("it ends early");
-  chunks.data = rest.substr(kChunk, size);
-  return chunks;
-}
-
 // The accessors of a file, read as floats.
 class Accessors {
  public:
@@ -399,9 +374,9 @@ class Sampler {
 };
 
 Result<GltfClip> Read(std::string_view bytes) {
-  const auto chunks = Split(bytes);
+  const auto chunks = gltf::SplitGlb(bytes);
   if (!chunks.ok()) return gltf::Broken(chunks.status().message());
-  const auto file = gltf::ParseJson(chunks.value().text, true);
+  const auto file = gltf::ParseJson(std::string(chunks.value().text), true);
   if (!file.ok()) return file.status();
   const auto model = gltf::ReadModel(file.value());
   if (!model.ok()) return model.status();

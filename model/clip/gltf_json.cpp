@@ -168,6 +168,24 @@ std::uint32_t Word(std::string_view bytes, std::size_t at) {
   return value;
 }
 
+Result<Chunks> SplitGlb(std::string_view bytes) {
+  if (bytes.size() < kHeader + kChunk) return Status::Error("it ends early");
+  if (const auto version = Word(bytes, 4); version != 2) {
+    return WrongVersion(std::to_string(version) + " in binary form");
+  }
+  if (Word(bytes, kHeader + 4) != kJsonChunk) return Status::Error("its first chunk is no JSON");
+  const std::size_t text = Word(bytes, kHeader), begin = kHeader + kChunk;
+  if (text > bytes.size() - begin) return Status::Error("it ends early");
+  if (text > kMaxJson) return Status::Error(kTooMuchJson);
+  Chunks chunks{bytes.substr(begin, text), {}};
+  const std::string_view rest = bytes.substr(begin + text);
+  if (rest.size() < kChunk || Word(rest, 4) != kBinaryChunk) return chunks;
+  const std::size_t size = Word(rest, 0);
+  if (size > rest.size() - kChunk) return Status::Error("it ends early");
+  chunks.data = rest.substr(kChunk, size);
+  return chunks;
+}
+
 Result<json> ParseJson(const std::string& text, bool with_motion) {
   json file;
   Wanted wanted(file, with_motion);

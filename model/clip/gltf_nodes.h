@@ -91,5 +91,10 @@ std::uint32_t Word(std::string_view bytes, std::size_t at);
 std::string Shown(std::string_view text);
 Status Broken(const std::string& found);  // "is no glTF 2.0: " ...
 Status WrongVersion(const std::string& version);
+// The two chunks of a .glb file (glTF 2.0, 4.4): its text and its data. Errors do not name a file.
+struct Chunks {
+  std::string_view text, data;
+};
+Result<Chunks> SplitGlb(std::string_view bytes);
 
 }  // namespace styled::clip::gltf

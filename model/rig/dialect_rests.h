@@ -64,7 +64,8 @@ inline constexpr RestTable kRokokoRest = {{
     {0, kHalf, -kHalf, 0},      // rightToes
 }};
 
-// Thumbs stand away from the hand there: the first joint, and the two after it.
+// Thumbs stand away from the hand there: the first joint, and the two after it. From Rokoko's
+// plug-ins, as proto/rigs/rokoko/joints.cpp has them, mirrored.
 struct ThumbRest {
   RestRow first, others;
 };

@@ -72,7 +72,7 @@ Status RequireMapped(const JointMap& map, std::string_view dialect) {
   if (missing.empty()) return Status::Ok();
   return Status::Error("rig: dialect " + std::string(dialect) + ": found no joint named like" +
                        missing + ", expected the names of one of " + KnownDialects() +
-                       "; name the joints in the config otherwise");
+                       "; name the joints by hand otherwise");
 }
 
 // World positions of all joints, the hips' ancestors included, if their world rotations are `rest`.

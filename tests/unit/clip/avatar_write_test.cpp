@@ -32,8 +32,9 @@ json DocumentOf(const std::string& bytes) {
 
 class AvatarWrite : public testing::Test {
  protected:
-  // An avatar with a mesh (that of FormatGlb), a material, an image's worth of extras, and its
-  // nodes below one that scales, turns and moves them; every second node has a matrix.
+  // An avatar with a mesh (that of FormatGlb), extras, and its nodes below one that scales, turns
+  // and moves them. The spine has a matrix, which doubles what is below it; the bones there are
+  // half as long.
   void SetUp() override {
     Motion still;
     still.skeleton = rig::HumanoidSkeleton();
@@ -52,7 +53,14 @@ class AvatarWrite : public testing::Test {
     const auto at = spine["translation"];
     spine.erase("translation");
     spine.erase("rotation");
-    spine["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, at[0], at[1], at[2], 1};
+    spine["matrix"] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, at[0], at[1], at[2], 1};
+    std::vector<int> below = spine["children"];
+    while (!below.empty()) {
+      json& node = document["nodes"][static_cast<std::size_t>(below.back())];
+      below.pop_back();
+      for (auto& value : node["translation"]) value = value.get<float>() / 2;
+      for (const int child : node.value("children", std::vector<int>())) below.push_back(child);
+    }
     document["extras"] = {{"made_by", "an artist"}};
     std::uint32_t length = 0;
     std::memcpy(&length, glb.data() + 12, 4);

@@ -153,6 +153,7 @@ TEST(BindClip, TakesTheFrameThatIsNamed) {
   const auto bound = BindClip(clip, "auto", ParseRestPose("1").value());
   ASSERT_TRUE(bound.ok()) << bound.status().message();
   EXPECT_EQ(bound.value().rest, "frame at 1 s");
+  EXPECT_LT(WorstLimb_deg(clip, Performed("stand:60", {}), ParseRestPose("1").value()), 10);
 }
 
 }  // namespace

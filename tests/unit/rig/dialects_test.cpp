@@ -27,6 +27,25 @@ TEST(DialectsRefuse, ADialectTheyDoNotKnowAndNameThoseTheyDo) {
   EXPECT_THAT(refusal, HasSubstr("bandai-namco"));
 }
 
+TEST(Dialects, SomeAreToldByTheirNamesAlone) {
+  const auto named = [](std::initializer_list<std::string> names) {
+    Skeleton skeleton;
+    skeleton.names = names;
+    return std::string(DialectOfNames(skeleton));
+  };
+  EXPECT_EQ(named({"CC_Base_Hip", "CC_Base_Pelvis", "CC_Base_Waist", "CC_Base_Spine01",
+                   "CC_Base_Head", "CC_Base_L_Upperarm", "CC_Base_L_Thigh"}),
+            "character-creator");
+  EXPECT_EQ(named({"hip", "abdomen", "chest", "lCollar", "lShldr", "lForeArm", "lThigh", "lShin",
+                   "rForeArm"}),
+            "poser");
+  EXPECT_EQ(named({"hips", "spine", "chest", "leftUpperArm"}), "");
+  for (const auto* const known : {"auto", "poser", "character-creator", "cmu"}) {
+    EXPECT_TRUE(IsDialect(known)) << known;
+  }
+  EXPECT_FALSE(IsDialect("klingon"));
+}
+
 TEST(DialectsRefuse, JointsThatCannotBeMappedByName) {
   Skeleton skeleton = HumanoidSkeleton();
   skeleton.names[body::kLeftLowerLeg] = "wheel";
