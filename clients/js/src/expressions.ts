@@ -1,6 +1,6 @@
 // A frame's facial expressions, by whatever names the rig gave them, as the expressions that an avatar
 // has. Names: VRM 1.0's presets, VRM 0's (Joy, Blink_L, A), ARKit's 52 (eyeBlinkLeft), and the
-// avatar's own; upper and lower case are the same. Pure; pinned by the page's test/expressions.test.mjs.
+// avatar's own; upper and lower case are the same. Pure; pinned by test/expressions.test.mjs.
 
 /** A value of 0 to 1 by name. */
 export interface Named {
@@ -14,8 +14,8 @@ const OF_VRM0: Record<string, string> = {
   blink_l: 'blinkleft', blink_r: 'blinkright',
 };
 
-// What an avatar without ARKit's expressions shows of them: a preset, and whose mean it is. Vowels and
-// moods are exaggerated at rest by trackers, hence the thresholds.
+// What an avatar without ARKit's expressions shows of them. A preset, the ARKit names whose mean it is,
+// and the value up to which it stays 0. Trackers exaggerate moods at rest, hence those values.
 const OF_ARKIT: [string, string[], number][] = [
   ['blinkleft', ['eyeblinkleft'], 0],
   ['blinkright', ['eyeblinkright'], 0],

@@ -23,7 +23,10 @@ export type Pose = Pick<Frame, 'rootPosition' | 'rotations' | 'expressions'>;
 export class VrmPoser {
   private readonly turn: number; // VRM 0 looks along -Z
   private readonly own: string[];
-  private body: Body | undefined; // of the last pose
+  private body: Body | undefined; // of the last pose; by its joints:
+  private bones: (Object3D | null)[] = [];
+  private rotations: Quaternion[] = []; // from the nearest joint above that the avatar has
+  private eyes = false; // the body turns the avatar's eyes
   private moving = new Set<string>();
 
   /**
@@ -39,19 +42,19 @@ export class VrmPoser {
     vrm.update(0); // looks straight ahead once, which would undo the first pose's eyes
   }
 
-  /** `body` and `frame` are of an Update of the canonical stream: they belong together, and are checked. */
+  /**
+   * `body` and `frame` are of an Update of the canonical stream. They must belong together; the client has
+   * checked them. This call does not.
+   */
   pose(body: Body, frame: Pose): void {
     const { humanoid } = this.vrm;
-    if (body !== this.body) humanoid.resetNormalizedPose(); // the other one may have had fingers
-    this.body = body;
-    const rotations: Quaternion[] = []; // from the nearest joint above that the avatar has
-    const bones = body.names.map((name) => humanoid.getNormalizedBoneNode(name as VRMHumanBoneName));
+    if (body !== this.body) this.take(body);
+    const { bones, rotations } = this;
     bones.forEach((bone, joint) => {
-      const rotation = new Quaternion().fromArray(frame.rotations, 4 * joint).normalize();
+      const rotation = rotations[joint]!.fromArray(frame.rotations, 4 * joint).normalize();
       if (this.turn < 0) rotation.set(-rotation.x, rotation.y, -rotation.z, rotation.w);
       const parent = body.parents[joint]!;
       if (parent >= 0 && !bones[parent]) rotation.premultiply(rotations[parent]!);
-      rotations.push(rotation);
       bone?.quaternion.copy(rotation);
     });
     const hips = humanoid.getNormalizedBoneNode('hips');
@@ -62,7 +65,7 @@ export class VrmPoser {
       this.floor.position.x = x;
       this.floor.position.z = z;
     }
-    this.setFace(frame, bones.some((bone, joint) => bone && /^(left|right)Eye$/.test(body.names[joint]!)));
+    this.setFace(frame);
   }
 
   /** The avatar's expressions that the last pose set, by the avatar's names for them; none is 0. */
@@ -70,8 +73,17 @@ export class VrmPoser {
     return new Map([...this.moving].map((name) => [name, this.vrm.expressionManager?.getValue(name) ?? 0]));
   }
 
-  // `eyes`: the pose turns them.
-  private setFace(frame: Pose, eyes: boolean): void {
+  private take(body: Body): void {
+    const { humanoid } = this.vrm;
+    humanoid.resetNormalizedPose(); // the other one may have had fingers
+    this.body = body;
+    this.bones = body.names.map((name) => humanoid.getNormalizedBoneNode(name as VRMHumanBoneName));
+    this.rotations = body.names.map(() => new Quaternion());
+    this.eyes = this.bones.some((bone, joint) => bone && /^(left|right)Eye$/.test(body.names[joint]!));
+  }
+
+  private setFace(frame: Pose): void {
+    const { eyes } = this;
     const { expressionManager: manager, lookAt } = this.vrm;
     const byBones = lookAt && !eyes && lookAt.applier instanceof VRMLookAtBoneApplier;
     const values = expressionsOf(frame.expressions, byBones ? [...this.own, ...LOOKS] : this.own, eyes);

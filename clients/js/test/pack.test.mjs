@@ -10,7 +10,7 @@ import { fileURLToPath } from 'node:url';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const library = path.join(here, '..');
-const modules = createRequire(import.meta.url).resolve('ws').replace(/ws[/\\].*$/, '');
+const modules = path.dirname(path.dirname(createRequire(import.meta.url).resolve('ws/package.json')));
 const npm = (folder, ...args) =>
   execFileSync('npm', [...args, '--offline', '--no-audit', '--no-fund', '--loglevel=error', `--cache=${folder}/.cache`],
     { cwd: folder, encoding: 'utf8', stdio: 'pipe' });
@@ -62,13 +62,16 @@ test('has a three-vrm helper, and types for both', () => {
       const poser = new VrmPoser(vrm);
       client.on('frame', ({ body, frame }: Update) => body && poser.pose(body, frame));
     }`;
-  const config = { compilerOptions: { target: 'ES2022', module: 'ES2022', moduleResolution: 'Bundler', strict: true, noEmit: true, skipLibCheck: true,
-    lib: ['ES2022', 'DOM'], types: [] }, files: ['use.ts'] };
-  writeFileSync(path.join(folder, 'tsconfig.json'), JSON.stringify(config));
   const check = (text) => {
     writeFileSync(path.join(folder, 'use.ts'), text);
     return node(folder, path.join(modules, 'typescript/bin/tsc'), '-p', '.');
   };
-  assert.equal(check(program), '');
-  assert.throws(() => check(program.replace('pose(body, frame)', 'pose(frame, body)')), (error) => /TS2345/.test(error.stdout));
+  // As a bundler finds modules, and as Node does.
+  for (const [module, moduleResolution] of [['ES2022', 'Bundler'], ['NodeNext', 'NodeNext']]) {
+    const config = { compilerOptions: { target: 'ES2022', module, moduleResolution, strict: true, noEmit: true, skipLibCheck: true,
+      lib: ['ES2022', 'DOM'], types: [] }, files: ['use.ts'] };
+    writeFileSync(path.join(folder, 'tsconfig.json'), JSON.stringify(config));
+    assert.equal(check(program), '', module);
+    assert.throws(() => check(program.replace('pose(body, frame)', 'pose(frame, body)')), (error) => /TS2345/.test(error.stdout), module);
+  }
 });

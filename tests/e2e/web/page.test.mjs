@@ -293,7 +293,7 @@ test('a video is drawn from what was recorded: 1080p, 60 pictures a second, as l
   const base64 = readFileSync(await file.path()).toString('base64');
   // On a blank page, since the page's own policy permits only its own content.
   const blank = await browser.newPage();
-  const seen = await blank.evaluate(async ([base64, places]) => {
+  const seen = await blank.evaluate(async ([base64, pictures]) => {
     const video = document.createElement('video');
     video.muted = true;
     const came = (event) =>
@@ -305,26 +305,27 @@ test('a video is drawn from what was recorded: 1080p, 60 pictures a second, as l
     await came('loadeddata');
     const drawing = new OffscreenCanvas(video.videoWidth, video.videoHeight).getContext('2d', { willReadFrequently: true });
     const looks = [];
-    for (const place of places) {
+    for (let picture = 0; picture < pictures; ++picture) {
       const sought = came('seeked');
-      video.currentTime = place * video.duration;
+      video.currentTime = (picture + 0.5) / 60;
       await sought;
       drawing.drawImage(video, 0, 0);
       const { data } = drawing.getImageData(0, 0, video.videoWidth, video.videoHeight);
       let bright = 0, sum = 0;
       for (let i = 0; i < data.length; i += 4) {
         bright += data[i] > 100;
-        sum = (sum * 31 + data[i]) % 1000003;
+        sum = (Math.imul(sum, 31) + data[i]) | 0;
       }
       looks.push({ bright, sum });
     }
     return { width: video.videoWidth, height: video.videoHeight, duration_s: video.duration, looks };
-  }, [base64, [0.02, 0.3, 0.6, 0.9]]);
+  }, [base64, Number(pictures)]);
   await blank.close();
   assert.deepEqual([seen.width, seen.height], [1920, 1080]);
   assert.ok(Math.abs(seen.duration_s - pictures / 60) < 0.02, `${seen.duration_s} s for ${pictures} pictures`);
-  assert.ok(seen.looks.every(({ bright }) => bright > 2000), JSON.stringify(seen));
-  assert.equal(new Set(seen.looks.map(({ sum }) => sum)).size, 4, 'the body moves');
+  // No picture is black, and none is missing or another's copy, since the body moves in each.
+  assert.ok(seen.looks.length > 15 && seen.looks.every(({ bright }) => bright > 2000), JSON.stringify(seen));
+  assert.equal(new Set(seen.looks.map(({ sum }) => sum)).size, Number(pictures), 'the body moves');
   const shown = await page.evaluate(() => globalThis.styled.stage.pictures);
   await until(() => page.evaluate((n) => globalThis.styled.stage.pictures > n + 3, shown), 'the stage to be live again');
   await page.getByLabel('What is saved').selectOption('styled');

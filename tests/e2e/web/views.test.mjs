@@ -151,7 +151,7 @@ test('the page links to OBS: avatar, performer, token; a phone gets a code', asy
   assert.equal(link, `${address}/?view=avatar&performer=face.mia&avatar=Mia+v2.vrm&bg=transparent#token=${TOKEN}`);
   assert.equal(await page.locator('[data-link=page]').inputValue(), `${address}/#token=${TOKEN}`);
   assert.ok((await page.locator('.qr').boundingBox()).width > 200);
-  assert.match(await page.locator('.share').innerText(), /whoever has a link may do here all that you may/);
+  assert.match(await page.locator('.share').innerText(), /Anyone who has one can do here whatever you can\./);
   assert.deepEqual(await violations('dialog[open]'), [], 'links');
   await takePicture(page, 'share');
   await page.keyboard.press('Escape');
@@ -200,6 +200,57 @@ test('an avatar that OBS does not have is asked for, and kept under the name of 
 test('the page gives the performer the avatar again', async () => {
   await page.goto(address); // the token is this tab's
   await until(() => page.evaluate(() => globalThis.styled.stage.performers.get('face.mia')?.avatar?.name === 'Mia v2.vrm'), 'the avatar');
+});
+
+test('without WebCodecs the stage is filmed, and its video plays to the end without a black frame', async () => {
+  await page.goto('about:blank');
+  const stage = await browser.newPage({ viewport: { width: 1280, height: 720 } }); // drawn as a browser draws
+  stage.setDefaultTimeout(60000 * patience);
+  stage.on('pageerror', (error) => errors.push(error.message));
+  await stage.goto(`${address}/#token=${TOKEN}`);
+  assert.ok(!(await stage.evaluate(() => 'VideoEncoder' in globalThis)), 'a page without TLS');
+  const list = stage.getByLabel('What is saved');
+  await list.selectOption('video');
+  assert.equal(await list.locator('option:checked').textContent(), 'Video of the stage, as drawn');
+  await until(() => stage.evaluate(() => [...globalThis.styled.stage.performers.values()][0]?.roles.after.figure !== undefined), 'a body');
+  const download = stage.waitForEvent('download');
+  await stage.locator('button.record').click();
+  const pictures = await stage.evaluate(() => globalThis.styled.stage.pictures);
+  await until(() => stage.evaluate((n) => globalThis.styled.stage.pictures > n + 20, pictures), 'pictures');
+  await stage.locator('button.record').click();
+  const file = await download;
+  assert.match(file.suggestedFilename(), /-video-[\d-]+\.webm$/);
+  const base64 = readFileSync(await file.path()).toString('base64');
+  await stage.close();
+  // On a blank page, since the page's own policy permits only its own content.
+  const blank = await browser.newPage();
+  const played = await blank.evaluate(async (base64) => {
+    const video = document.createElement('video');
+    video.muted = true;
+    video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]));
+    const bright = () => {
+      const canvas = new OffscreenCanvas(video.videoWidth, video.videoHeight);
+      canvas.getContext('2d').drawImage(video, 0, 0);
+      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+      return data.filter((value, i) => i % 4 < 3 && value > 100).length;
+    };
+    const came = (event) =>
+      new Promise((resolve, reject) => {
+        video.addEventListener(event, resolve);
+        video.addEventListener('error', () => reject(new Error('no video')));
+      });
+    const shown = [];
+    const look = () => {
+      shown.push(bright());
+      video.requestVideoFrameCallback(look);
+    };
+    video.requestVideoFrameCallback(look);
+    video.play();
+    await came('ended');
+    return { width: video.videoWidth, shown };
+  }, base64);
+  await blank.close();
+  assert.ok(played.width > 200 && played.shown.length > 3 && Math.min(...played.shown) > 200, JSON.stringify(played));
 });
 
 test('nothing went wrong within', () => assert.deepEqual(errors, []));

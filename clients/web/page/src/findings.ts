@@ -2,7 +2,8 @@
 // Pure; pinned by test/findings.test.mjs.
 import type { Stats } from 'styled-client';
 
-const MOST = 3; // sources, and reasons of one
+const MOST = 3; // sources
+const OF_SOURCES = /^(source|pipeline)\./; // counters that datagrams of sources move
 
 // What a refused datagram is counted as, in words.
 const REASONS: [RegExp, string][] = [
@@ -19,13 +20,17 @@ const REASONS: [RegExp, string][] = [
   [/rate_limited|table_full/, 'more comes than is taken: too many performers or frames'],
 ];
 
-function reasonsOf(now: Stats, before: Stats): string[] {
+// Counters are of the whole daemon, so this holds for a source only while no other one sends.
+function reasonOf(now: Stats, before: Stats): string | undefined {
   const had = new Map(before.counters.map(({ name, value }) => [name, value]));
-  const grown = now.counters
+  const grown = now.counters.filter(({ name }) => OF_SOURCES.test(name))
     .map(({ name, value }) => ({ name, by: Number(value - (had.get(name) ?? 0n)) }))
     .filter(({ by }) => by > 0).sort((a, b) => b.by - a.by);
-  const found = grown.flatMap(({ name }) => REASONS.filter(([pattern]) => pattern.test(name)).map(([, words]) => `${words} (${name})`));
-  return found.slice(0, 1);
+  for (const { name } of grown) {
+    const found = REASONS.find(([pattern]) => pattern.test(name));
+    if (found) return `${found[1]} (${name})`;
+  }
+  return undefined;
 }
 
 /**
@@ -36,14 +41,16 @@ export function findings(now: Stats, before: Stats | undefined): string[] {
   if (now.sources.length === 0) return ['No source is configured: the daemon needs a [[source]], which tells where the rig sends.'];
   const old = before?.epoch === now.epoch ? before : undefined;
   const had = new Map(old?.sources.map(({ name, received }) => [name, received]));
-  const sentences = now.sources.map(({ name, type, listen, received }) => {
+  const freshOf = ({ name, received }: { name: string; received: bigint }) => Number(received - (had.get(name) ?? received));
+  const only = now.sources.filter((source) => freshOf(source) > 0).length === 1;
+  const sentences = now.sources.map((source) => {
+    const { name, type, listen, received } = source;
     const place = `${name} (${type}${listen ? `, ${listen}` : ''})`;
-    const since = had.get(name);
-    const fresh = since === undefined ? 0 : Number(received - since);
+    const fresh = freshOf(source);
     if (received === 0n) return { rank: 2, text: `${place}: nothing has ever arrived. Does the rig send to this machine and this port, and does a firewall let it in?` };
     if (fresh === 0) return { rank: 1, text: `${place}: ${received} datagrams came, none of them now. Is the rig's application still sending?` };
-    const why = old ? reasonsOf(now, old) : [];
-    return { rank: 0, text: `${place}: ${fresh} datagrams came in the last second, but no pose: ${why[0] ?? `stylectl doctor ${name} looks into them`}.` };
+    const why = old && only ? reasonOf(now, old) : undefined;
+    return { rank: 0, text: `${place}: ${fresh} datagrams came in the last second, but no pose: ${why ?? `stylectl doctor ${name} looks into them`}.` };
   });
   sentences.sort((a, b) => a.rank - b.rank);
   const more = sentences.length - MOST;

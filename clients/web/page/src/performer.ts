@@ -68,14 +68,21 @@ export class PerformerOnStage {
 
   /** Replaces the styled body's cones by an avatar, which the canonical stream drives. */
   setAvatar(avatar: Avatar | undefined): void {
-    this.avatar?.group.removeFromParent();
-    this.avatar?.dispose();
-    this.endCanonical?.();
-    this.endCanonical = undefined;
+    this.takeOff()?.dispose();
     this.avatar = avatar;
     if (!avatar) return;
     this.roles.after.floor.world.add(avatar.group);
     this.endCanonical = this.client.subscribeLatest(this.name, 'canonical');
+  }
+
+  /** Takes the avatar off without disposing it, so that another performer can wear it. */
+  takeOff(): Avatar | undefined {
+    const { avatar } = this;
+    avatar?.group.removeFromParent();
+    this.endCanonical?.();
+    this.endCanonical = undefined;
+    this.avatar = undefined;
+    return avatar;
   }
 
   /** Sets the level of detail. */

@@ -4,13 +4,12 @@ import { bvhText } from './bvh.js';
 import { h, setText } from './dom.js';
 import { Film } from './film.js';
 import { Recorder, type Ended } from './recorder.js';
-import { saveFile } from './save.js';
+import { AT_ONCE_MS, saveFile } from './save.js';
 import type { Video } from './render.js';
 import { Replay } from './replay.js';
 import { causesInWords, causesOf, filledIn, gridOf, posesOn, type Grid, type Take } from './take.js';
 import type { Stage } from './stage.js';
 
-const AT_ONCE_MS = 40; // of writing, then the event loop runs
 const WIDTH = 1920, HEIGHT = 1080, PICTURES_HZ = 60; // of a video
 const LONGEST_S = 600; // the file is made in memory
 
@@ -68,7 +67,7 @@ class Result {
 
   /** False: `progress` said false. */
   async render(stage: Stage, progress: (share: number) => boolean): Promise<boolean> {
-    const replay = Replay.of(this.take);
+    const replay = Replay.of(this.take, this.grid);
     const filming = replay && stage.beginFilm(this.take.performer, WIDTH, HEIGHT);
     if (!filming) throw new Error(`${this.take.performer} is no longer on the stage`);
     try {

@@ -2,8 +2,9 @@
 // MP4 (H.264) where the browser encodes that, else WebM (VP9 or VP8), with its duration.
 import { BufferTarget, CanvasSource, Mp4OutputFormat, Output, WebMOutputFormat, getFirstEncodableVideoCodec } from 'mediabunny';
 
+import { AT_ONCE_MS } from './save.js';
+
 const BITS_PER_S = 14e6;
-const AT_ONCE_MS = 40; // of drawing, then the event loop runs
 const KEY_S = 2;
 
 /** A file, its extension, and how many pictures it has. */

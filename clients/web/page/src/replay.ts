@@ -25,11 +25,11 @@ export class Replay {
     if (canonical && grid.slots[2]) add('canonical', canonical.body, canonical.track, grid.slots[2]);
   }
 
-  /** undefined: the take is too short. */
-  static of(take: Take): Replay | undefined {
+  /** undefined: the take is too short. `shared`: the grid of the input and the styled motion. */
+  static of(take: Take, shared = gridOf([take.source, take.styled])): Replay | undefined {
     const { source, styled, canonical } = take;
     const whole = canonical && gridOf([source, styled, canonical.track]);
-    const grid = whole && whole.frames > 1 ? whole : gridOf([source, styled]);
+    const grid = whole && whole.frames > 1 ? whole : shared;
     return grid && grid.frames > 1 ? new Replay(take, grid) : undefined;
   }
 

@@ -1,5 +1,8 @@
 import { h } from './dom.js';
 
+/** Of work on a file, then the event loop runs. */
+export const AT_ONCE_MS = 40;
+
 const KEPT_MS = 60000; // long enough for any browser to begin saving
 
 /** Hands a file to the browser to be saved. */

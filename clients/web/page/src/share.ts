@@ -42,13 +42,13 @@ function copied(label: string, name: string): { element: HTMLElement; show(link:
 }
 
 export function share(app: App, stage: Stage, token: string | undefined): Dialog {
-  const page = location.href;
+  const page = location.href, own = isOwnMachine(page);
   const obs = copied('OBS link', 'obs'), phone = copied('page link', 'page');
   const who = h('p', {}), kept = h('p', {}), code = h('div', { className: 'code' });
   const risk = h('p', { className: 'warn', hidden: !token },
-    'These links contain the token: whoever has a link may do here all that you may. Do not show it on air; ' +
+    'These links contain the token. Anyone who has one can do here whatever you can. Do not show it on air; ' +
     'OBS writes them into its scene file. For viewers run a second styleweb with --watch-only and a token of its own.');
-  const far = isOwnMachine(page)
+  const far = own
     ? h('p', {}, `This page is at ${location.host}, which no phone can reach. Start styleweb with --listen 0.0.0.0:7080 ` +
         "--token-file FILE, and open the page by this machine's name or address.")
     : h('div', {}, h('p', {}, 'Scan it with a phone in the same network:'), code, phone.element);
@@ -63,7 +63,7 @@ export function share(app: App, stage: Stage, token: string | undefined): Dialog
     setText(kept, avatar ? `OBS keeps avatars apart from this browser: if it shows a plain body, choose Interact there, click into the picture and give it ${avatar} once.`
       : 'Drop a .vrm on the page first, and the link names it.');
     obs.show(obsLink(page, { performer, avatar, background: 'transparent' }, token));
-    if (code.isConnected || !isOwnMachine(page)) {
+    if (!own) {
       const link = pageLink(page, token);
       phone.show(link);
       code.replaceChildren(codeOf(link));

@@ -33,6 +33,7 @@ export function solo(client: StyledClient, wish: Alone): { element: HTMLElement;
   };
   const show = (name: string) => {
     if (name === stage.selected) return;
+    stage.performers.get(stage.selected)?.takeOff(); // the performer goes, the avatar stays
     stage.selected = name;
     stage.setPerformers(name ? [name] : []);
     stage.performers.get(name)?.setAvatar(avatar);

@@ -88,11 +88,9 @@ export class Stage {
   private second_ms = 0;
   private inSecond = 0;
 
-  private readonly alone: boolean;
-
   /** `alone`: one performer without floor, labels and background; the page is seen behind it. */
   constructor(private readonly client: StyledClient, { alone = false } = {}) {
-    this.alone = this.view.alone = alone;
+    this.view.alone = alone;
     const wanted = new URLSearchParams(location.search).get('quality');
     let renderer = new WebGLRenderer({ antialias: true, alpha: alone, powerPreference: 'high-performance' });
     if (wanted !== 'high' && (wanted === 'low' || isSoftware(renderer))) {
@@ -176,8 +174,8 @@ export class Stage {
   }
 
   home(): void {
-    this.camera.position.copy(this.alone ? HOME_ALONE : HOME);
-    this.orbit.target.copy(this.alone ? TARGET_ALONE : TARGET);
+    this.camera.position.copy(this.view.alone ? HOME_ALONE : HOME);
+    this.orbit.target.copy(this.view.alone ? TARGET_ALONE : TARGET);
     this.orbit.update();
   }
 
@@ -243,7 +241,7 @@ export class Stage {
   private look(aspect: number): void {
     this.camera.aspect = aspect;
     // Two floors side by side must fit into a picture of any width; one body alone is narrow.
-    const wide = this.alone ? 0.6 : 1.5;
+    const wide = this.view.alone ? 0.6 : 1.5;
     this.camera.fov = clamp(34 * Math.max(1, wide / this.camera.aspect), 30, 60);
     this.camera.updateProjectionMatrix();
   }
@@ -283,7 +281,7 @@ export class Stage {
     }
     this.orbit.update();
     this.renderer.render(this.scene, this.camera);
-    if (!this.alone) this.drawLabels();
+    if (!this.view.alone) this.drawLabels();
     ++this.pictures;
     ++this.inSecond;
     const since_ms = now_ms - this.second_ms;

@@ -5,6 +5,8 @@ import { Output } from 'styled-client';
 
 import { makeAvatar } from './avatar.mjs';
 import { Avatar } from './dist/avatar.js';
+import { FINE } from './dist/figure.js';
+import { PerformerOnStage } from './dist/performer.js';
 import { makeBody, makeFrame, turn } from './support.mjs';
 
 const PRESETS = ['happy', 'aa', 'blink', 'blinkLeft', 'blinkRight'];
@@ -82,4 +84,21 @@ test('an avatar without a face is no error', async () => {
   avatar.setPose(body, frameOf(body, {}, { expressions: [{ name: 'Joy', value: 1 }, { name: 'jawOpen', value: 1 }] }));
   avatar.draw(0.01);
   assert.equal(avatar.face.size, 0);
+});
+
+test('an avatar that is taken off outlives its performer; one that is worn does not', async () => {
+  const avatar = await load();
+  let disposed = 0;
+  avatar.group.traverse(({ geometry }) => geometry?.addEventListener('dispose', () => ++disposed));
+  const client = { subscribeLatest: () => () => {} };
+  const [first, second] = ['rig.a', 'rig.b'].map((name) => new PerformerOnStage(name, client, FINE));
+  first.setAvatar(avatar);
+  assert.equal(first.takeOff(), avatar);
+  assert.equal(first.avatar, undefined);
+  first.dispose();
+  assert.equal(disposed, 0);
+  second.setAvatar(avatar);
+  assert.equal(second.avatar, avatar);
+  second.dispose();
+  assert.ok(disposed > 0);
 });

@@ -27,6 +27,23 @@ test('datagrams that are no poses, with what they are counted as', () => {
   assert.match(findings(stats({ stage: 160 }), stats({ stage: 100 }))[0], /but no pose: stylectl doctor stage looks into them\.$/);
 });
 
+test('a message of control that is refused is no reason why a source has no pose', () => {
+  const before = stats({ stage: 100 }, { 'control.malformed': 5 });
+  const found = findings(stats({ stage: 160 }, { 'control.malformed': 95 }), before);
+  assert.deepEqual(found, [
+    'stage (vmc, udp://0.0.0.0:39539): 60 datagrams came in the last second, but no pose: stylectl doctor stage looks into them.']);
+});
+
+test('while two sources talk, counters of the whole daemon say nothing of either; of one that talks they do', () => {
+  const before = stats({ a: 100, b: 100 }, { 'source.malformed': 100 });
+  const both = findings(stats({ a: 160, b: 130 }, { 'source.malformed': 160 }), before);
+  assert.equal(both.length, 2);
+  both.forEach((text) => assert.match(text, /^([ab]) .* datagrams came in the last second, but no pose: stylectl doctor \1 looks into them\.$/));
+  const [one, other] = findings(stats({ a: 160, b: 100 }, { 'source.malformed': 160 }), before);
+  assert.match(one, /^a .*but no pose: they are not what .* \(source\.malformed\)\.$/);
+  assert.match(other, /^b .*none of them now/);
+});
+
 test('a rig that stopped; statistics of another daemon are not compared', () => {
   assert.match(findings(stats({ stage: 160 }), stats({ stage: 160 }))[0], /160 datagrams came, none of them now/);
   assert.match(findings(stats({ stage: 160 }, {}, 2n), stats({ stage: 100 }))[0], /160 datagrams came, none of them now/);

@@ -117,6 +117,15 @@ test('a rig that keeps its rate only nearly has a file of the nominal one, and t
   }
 });
 
+test('a long take of such a rig is true to its end, too', () => {
+  const count = 200000, rate_hz = 119.99; // 17 frames fewer than at the nominal rate
+  const grid = gridOf([trackOf(range(count).map((i) => [i, i / rate_hz]))]);
+  assert.equal(grid.rate_hz, 120);
+  assert.ok(Math.abs((grid.frames - 1) / 120 - (count - 1) / rate_hz) < 1 / 120, `${grid.frames} frames for ${count / rate_hz} s`);
+  assert.ok(Math.abs(grid.step * grid.rate_hz - rate_hz) < 1e-6, `${grid.step * grid.rate_hz} Hz`);
+  assert.equal(filledIn(grid, 0), 0);
+});
+
 test('what was lost of such a rig is counted in its own frames', () => {
   const gone = new Set([30, 31, 32]);
   const track = trackOf(range(600).filter((i) => !gone.has(i)).map((i) => [i, i / 59.5]));

@@ -1,8 +1,7 @@
 // What an avatar shows of the expressions that a rig sends.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-
-import { expressionsOf } from './dist/expressions.js';
+import { expressionsOf } from 'styled-client';
 
 const VRM1 = ['happy', 'angry', 'sad', 'relaxed', 'surprised', 'aa', 'ih', 'ou', 'ee', 'oh', 'blink', 'blinkLeft',
   'blinkRight', 'lookUp', 'lookDown', 'lookLeft', 'lookRight', 'neutral'];
