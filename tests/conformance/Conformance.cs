@@ -24,6 +24,7 @@ static class Conformance {
     tests.Add(new KeyValuePair<string, Action>("gaps, repetitions and restarts are counted", Gaps));
     tests.Add(new KeyValuePair<string, Action>("avatars are told apart by their outputs' names", Avatars));
     tests.Add(new KeyValuePair<string, Action>("Unity's sample turns each bone as the mirrored joint", Sample));
+    tests.Add(new KeyValuePair<string, Action>("no class has the name of one of Unity's", Names));
     tests.Add(new KeyValuePair<string, Action>("a comparison that must fail does", NegativeControl));
     int failed = 0;
     foreach (var test in tests) {
@@ -50,7 +51,7 @@ static class Conformance {
     Same(golden["body_fields"], Fields(body), "body");
     Check(Kinematics.Check(body) == "", "a good body is refused: " + Kinematics.Check(body));
     Check(golden["frames"].List.Count > 0, "no frame");
-    Styled.Pose pose = null;
+    WorldPose pose = null;
     foreach (Json entry in golden["frames"].List) {
       Frame frame = Frame.Parse(Bytes(entry["frame"].Text));
       Same(entry["fields"], Fields(frame), "frame");
@@ -60,7 +61,7 @@ static class Conformance {
     }
   }
 
-  static void Compare(Json entry, Styled.Pose pose) {
+  static void Compare(Json entry, WorldPose pose) {
     List<Json> positions = entry["positions"].List, rotations = entry["rotations"].List;
     Check(3 * positions.Count == pose.Positions.Length, "another number of joints");
     double scale = 1;
@@ -233,6 +234,21 @@ static class Conformance {
     Vector3 hips = sample.transform.InverseTransformPoint(animator.Bones[HumanBodyBones.Hips].position);
     float[] root = frame.RootPosition;
     Check(Math.Abs(hips.x + root[0]) + Math.Abs(hips.y - root[1] * 0.5 / body.Offsets[1]) + Math.Abs(hips.z - root[2]) < 1e-5, "hips");
+    // Of another body, whose joint at that place has no bone.
+    Body other = Body.Parse(Bytes(golden["body"].Text));
+    other.Names[other.IndexOf("leftHand")] = "nobody";
+    UnityEngine.Quaternion kept = animator.Bones[HumanBodyBones.LeftHand].localRotation = any();
+    sample.Apply(new Update { Frame = frame, Body = other });
+    Check(animator.Bones[HumanBodyBones.LeftHand].localRotation.Equals(kept), "a joint of the body before moved the hand");
+  }
+
+  // Such a name would be ambiguous in every script that uses both namespaces.
+  static void Names() {
+    Type[] ours = typeof(Subscriber).Assembly.GetExportedTypes();
+    Check(ours.Length > 10, "no classes");
+    foreach (Type type in ours) {
+      Check(typeof(MonoBehaviour).Assembly.GetType("UnityEngine." + type.Name) == null, type.FullName);
+    }
   }
 
   static void NegativeControl() {
@@ -258,6 +274,12 @@ static class Conformance {
     foreach (StyleWeight s in f.Styles) {
       styles.Add(new Dictionary<string, object> { { "style", s.Style }, { "weight", s.Weight } });
     }
+    var expressions = new List<object>();
+    foreach (Expression e in f.Expressions) {
+      expressions.Add(new Dictionary<string, object> { { "name", e.Name }, { "value", e.Value } });
+    }
+    var thru = new List<object>();
+    foreach (byte[] data in f.Thru) thru.Add(Convert.ToBase64String(data));
     Timecode t = f.Timecode;
     return new Dictionary<string, object> {
       { "performer", f.Performer }, { "epoch", f.Epoch.ToString() }, { "sequence", f.Sequence.ToString() },
@@ -266,6 +288,7 @@ static class Conformance {
       { "body_hash", f.BodyHash.ToString() }, { "output", (int)f.Output }, { "held_joints", f.HeldJoints },
       { "root_position", f.RootPosition }, { "rotations", f.Rotations },
       { "contacts", f.Contacts }, { "flags", (uint)f.Flags }, { "styles", styles },
+      { "expressions", expressions }, { "thru", thru },
       { "source_sequence", f.SourceSequence.ToString() },
       { "timecode", t == null ? null : new Dictionary<string, object> {
           { "hours", t.Hours }, { "minutes", t.Minutes }, { "seconds", t.Seconds }, { "frames", t.Frames },

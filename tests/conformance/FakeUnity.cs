@@ -27,6 +27,9 @@ public struct Quaternion {
   }
 }
 
+// Nothing uses it: it is here for the test of names that both have.
+public struct Pose {}
+
 public sealed class Transform {
   public Transform parent;
   public Vector3 localPosition;

@@ -1,9 +1,12 @@
 // The C++ client reads the goldens to the same numbers (README.md).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
 
 #include "clients/cpp/transforms.h"
 
@@ -34,6 +37,22 @@ json List(const Repeated& values) {
   return list;
 }
 
+std::string Base64(std::string_view bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (; !bytes.empty(); bytes.remove_prefix(std::min<std::size_t>(3, bytes.size()))) {
+    unsigned three = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      three = three << 8 | (i < bytes.size() ? static_cast<unsigned char>(bytes[i]) : 0U);
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      text += i <= bytes.size() ? kDigits[three >> (18 - 6 * i) & 63] : '=';
+    }
+  }
+  return text;
+}
+
 json Fields(const v1::Body& body) {
   return {{"performer", body.performer()},
           {"names", List(body.names())},
@@ -48,10 +67,14 @@ json Fields(const v1::Body& body) {
 }
 
 json Fields(const v1::Frame& frame) {
-  json styles = json::array(), timecode;
+  json styles = json::array(), expressions = json::array(), thru = json::array(), timecode;
   for (const auto& style : frame.styles()) {
     styles.push_back({{"style", style.style()}, {"weight", style.weight()}});
   }
+  for (const auto& expression : frame.expressions()) {
+    expressions.push_back({{"name", expression.name()}, {"value", expression.value()}});
+  }
+  for (const std::string& bytes : frame.thru()) thru.push_back(Base64(bytes));
   if (frame.has_timecode()) {
     const v1::Timecode& code = frame.timecode();
     timecode = {{"hours", code.hours()},     {"minutes", code.minutes()},
@@ -62,6 +85,8 @@ json Fields(const v1::Frame& frame) {
           {"epoch", std::to_string(frame.epoch())},
           {"sequence", std::to_string(frame.sequence())},
           {"source_time_ns", std::to_string(frame.source_time_ns())},
+          {"receive_time_ns", std::to_string(frame.receive_time_ns())},
+          {"publish_time_ns", std::to_string(frame.publish_time_ns())},
           {"wall_time_ns", std::to_string(frame.wall_time_ns())},
           {"body_hash", std::to_string(frame.body_hash())},
           {"output", static_cast<int>(frame.output())},
@@ -70,7 +95,9 @@ json Fields(const v1::Frame& frame) {
           {"flags", frame.flags()},
           {"styles", styles},
           {"timecode", timecode},
-          {"source_sequence", std::to_string(frame.source_sequence())}};
+          {"source_sequence", std::to_string(frame.source_sequence())},
+          {"expressions", expressions},
+          {"thru", thru}};
 }
 
 float Largest(const json& positions) {

@@ -2,6 +2,7 @@
 """Makes the goldens: bodies and frames as the real daemon publishes them, and some by hand, with what
 wire.py reads from them. `make.py` writes them anew (STYLED_BIN: the programs); `make.py --check` reads
 the bytes that are here again and compares the numbers."""
+import base64
 import json
 import os
 import sys
@@ -10,9 +11,11 @@ import wire
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.join(HERE, '..', '..')
-FIELDS = ('performer', 'epoch', 'sequence', 'source_time_ns', 'wall_time_ns', 'body_hash', 'output',
-          'held_joints', 'contacts', 'flags', 'styles', 'timecode', 'source_sequence')
-BIG = ('epoch', 'body_hash', 'hash', 'sequence', 'source_time_ns', 'wall_time_ns', 'source_sequence')
+FIELDS = ('performer', 'epoch', 'sequence', 'source_time_ns', 'receive_time_ns', 'publish_time_ns',
+          'wall_time_ns', 'body_hash', 'output', 'held_joints', 'contacts', 'flags', 'styles', 'timecode',
+          'source_sequence', 'expressions', 'thru')
+BIG = ('epoch', 'body_hash', 'hash', 'sequence', 'source_time_ns', 'receive_time_ns', 'publish_time_ns',
+       'wall_time_ns', 'source_sequence')
 
 
 def rounded(numbers):
@@ -20,8 +23,14 @@ def rounded(numbers):
 
 
 def plain(message, names):
-    """As JSON has it: 64-bit numbers as text, since JSON's are doubles in many a language."""
-    return {name: str(message[name]) if name in BIG else message[name] for name in names}
+    """As JSON has it: 64-bit numbers as text, since JSON's are doubles in many a language; bytes in
+    base64."""
+    def value(name):
+        if name == 'thru':
+            return [base64.b64encode(data).decode() for data in message[name]]
+        return str(message[name]) if name in BIG else message[name]
+
+    return {name: value(name) for name in names}
 
 
 def case(body_bytes, frames_bytes):
@@ -82,21 +91,25 @@ def hand_frame(**changes):
              'source_time_ns': 18446744073709551615,
              'timecode': {'hours': 23, 'minutes': 59, 'seconds': 58, 'frames': 28, 'rate': 29.97,
                           'drop_frame': 1},
+             'receive_time_ns': 9223372036854775809, 'publish_time_ns': 9223372036854775810,
              'wall_time_ns': 1700000000123456789, 'body_hash': 0xFEDCBA9876543210, 'output': 1,
              'root_position': [-12.5, 88, 1000.125],
              'rotations': [0, 1, 0, 0, 0.5, 0.5, 0.5, -0.5, 0.2, -0.3, 0.1, 0.9, 0, 0, 2, 2],
              'held_joints': [1, 300], 'contacts': 3, 'flags': 0x98,
              'styles': [{'style': 'elderly', 'weight': 0.25}, {'style': 'not-confident', 'weight': 1.5}],
-             'source_sequence': 41}
+             'source_sequence': 41,
+             'expressions': [{'name': 'Joy', 'value': 0.75}, {'name': 'jaw_öffnen', 'value': 0.1}],
+             'thru': [b'/VMC/x\0\0,i\0\0\xff\0\x80\1', b'']}
     return wire.write({**frame, **changes}, wire.FRAME)
 
 
 def hand():
     """Quaternions of any length and either sign; every field; one of a later version."""
     later = b'\xa2\x3f\x03new' + b'\xa8\x3f\x07'
-    return case(hand_body(), [hand_frame(), hand_frame() + later,
-                              hand_frame(timecode=None, styles=[], held_joints=[], contacts=None,
-                                         flags=None, rotations=[0, 0, 0, -1e-3] * 4)])
+    body = hand_body(rest=[0, 0, 0, 1, 0.6, 0, 0, 0.8, 0, 1, 0, 0, 0.5, 0.5, -0.5, 0.5], output_name='Anna')
+    return case(body, [hand_frame(), hand_frame() + later,
+                       hand_frame(timecode=None, styles=[], held_joints=[], contacts=None, flags=None,
+                                  expressions=[], thru=[], rotations=[0, 0, 0, -1e-3] * 4)])
 
 
 def refused():

@@ -1,4 +1,5 @@
 """The Python client reads the goldens to the same numbers (README.md)."""
+import base64
 import json
 import os
 import unittest
@@ -17,6 +18,8 @@ def golden(name):
 
 def plain(value):
     """A field as the goldens have it."""
+    if isinstance(value, bytes):
+        return base64.b64encode(value).decode()
     if hasattr(value, 'ListFields'):
         return {f.name: plain(getattr(value, f.name)) for f in value.DESCRIPTOR.fields}
     return [plain(v) for v in value] if hasattr(value, '__len__') and not isinstance(value, str) else value

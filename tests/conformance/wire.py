@@ -6,8 +6,9 @@ import struct
 import numpy
 
 # Of proto/styled/v1: number to name and kind. v: varint, s: signed varint, q: fixed64, t: text,
-# f: floats, u: unsigned numbers, m: a message.
+# f: floats, u: unsigned numbers, b: bytes, m: a message.
 STYLE = {1: ('style', 't'), 2: ('weight', 'f')}
+EXPRESSION = {1: ('name', 't'), 2: ('value', 'f')}
 TIMECODE = {1: ('hours', 'v'), 2: ('minutes', 'v'), 3: ('seconds', 'v'), 4: ('frames', 'v'),
             5: ('rate', 'f'), 6: ('drop_frame', 'v')}
 BODY = {1: ('performer', 't'), 2: ('names', 'T'), 3: ('parents', 'S'), 4: ('offsets', 'F'),
@@ -17,7 +18,8 @@ FRAME = {1: ('performer', 't'), 2: ('epoch', 'q'), 3: ('sequence', 'v'), 4: ('so
          5: ('timecode', TIMECODE), 6: ('receive_time_ns', 'v'), 7: ('publish_time_ns', 'v'),
          8: ('wall_time_ns', 'v'), 9: ('body_hash', 'q'), 10: ('output', 'v'),
          11: ('root_position', 'F'), 12: ('rotations', 'F'), 13: ('held_joints', 'V'),
-         14: ('contacts', 'v'), 15: ('flags', 'v'), 16: ('styles', [STYLE]), 17: ('source_sequence', 'v')}
+         14: ('contacts', 'v'), 15: ('flags', 'v'), 16: ('styles', [STYLE]), 17: ('source_sequence', 'v'),
+         18: ('expressions', [EXPRESSION]), 19: ('thru', 'B')}
 
 
 def varint(data, at):
@@ -71,6 +73,8 @@ def read(data, fields):
             message[name] = value.decode()
         elif kind == 'T':
             message[name].append(value.decode())
+        elif kind == 'B':
+            message[name].append(bytes(value))
         elif kind == 'f':
             message[name] = struct.unpack('<f', value)[0]
         elif kind == 'F':
@@ -112,6 +116,8 @@ def write(message, fields):
             out += tagged(field, 2, value.encode())
         elif kind == 'T':
             out += b''.join(tagged(field, 2, text.encode()) for text in value)
+        elif kind == 'B':
+            out += b''.join(tagged(field, 2, data) for data in value)
         elif kind == 'f':
             out += tagged(field, 5, struct.pack('<f', value))
         elif kind == 'F':

@@ -4,7 +4,7 @@ using System;
 namespace Styled {
 
 /// <summary>World transforms of J joints (world from joint), in the body's units and axes.</summary>
-public sealed class Pose {
+public sealed class WorldPose {
   public float[] Positions;  // 3*J: x, y, z
   public float[] Rotations;  // 4*J: x, y, z, w; unit length
 }
@@ -48,10 +48,10 @@ public static class Kinematics {
 
   /// <summary>Forward kinematics of a frame that passed Check with this body. `into` is reused where its
   /// arrays fit.</summary>
-  public static Pose World(Body body, Frame frame, Pose into = null) {
+  public static WorldPose World(Body body, Frame frame, WorldPose into = null) {
     int joints = body.Names.Length;
     if (into == null || into.Positions == null || into.Positions.Length != 3 * joints) {
-      into = new Pose { Positions = new float[3 * joints], Rotations = new float[4 * joints] };
+      into = new WorldPose { Positions = new float[3 * joints], Rotations = new float[4 * joints] };
     }
     float[] p = into.Positions, r = into.Rotations, q = frame.Rotations, o = body.Offsets;
     for (int joint = 0; joint < joints; ++joint) {

@@ -92,6 +92,7 @@ public sealed class Frame {
   public FrameFlags Flags;
   public StyleWeight[] Styles = new StyleWeight[0];
   public Expression[] Expressions = new Expression[0];
+  public byte[][] Thru = new byte[0][];  // VMC: whole OSC messages for the renderer of the avatar
 
   /// <summary>Reads the bytes of a Frame. Throws FormatException.</summary>
   public static Frame Parse(byte[] bytes) {
@@ -101,6 +102,7 @@ public sealed class Frame {
     var held = new List<uint>();
     var styles = new List<StyleWeight>();
     var expressions = new List<Expression>();
+    var thru = new List<byte[]>();
     var reader = new WireReader(bytes);
     while (reader.Next()) {
       switch (reader.Field) {
@@ -126,6 +128,7 @@ public sealed class Frame {
         case 18:
           expressions.Add(Named(reader.Message(), (name, value) => new Expression { Name = name, Value = value }));
           break;
+        case 19: thru.Add(reader.Bytes()); break;
         default: reader.Skip(); break;
       }
     }
@@ -134,6 +137,7 @@ public sealed class Frame {
     frame.HeldJoints = held.ToArray();
     frame.Styles = styles.ToArray();
     frame.Expressions = expressions.ToArray();
+    frame.Thru = thru.ToArray();
     return frame;
   }
 

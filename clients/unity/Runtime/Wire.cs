@@ -70,6 +70,13 @@ sealed class WireReader {
     }
   }
 
+  public byte[] Bytes() {
+    Expect(BytesType);
+    var value = new byte[Length()];
+    Array.Copy(bytes_, Take(value.Length), value, 0, value.Length);
+    return value;
+  }
+
   public WireReader Message() {
     Expect(BytesType);
     int length = Length(), begin = Take(length);

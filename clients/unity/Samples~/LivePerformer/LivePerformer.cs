@@ -20,7 +20,9 @@ public sealed class LivePerformer : MonoBehaviour {
   readonly Dictionary<string, Bone> bones_ = new Dictionary<string, Bone>();
   readonly List<Update> updates_ = new List<Update>();
   Subscriber subscriber_;
-  Pose world_;
+  WorldPose world_;
+  Body body_;           // whose joints boneOfJoint_ has; null before the first frame
+  Bone[] boneOfJoint_;  // null where the avatar has no such bone
   float hipsHeight_;
 
   public void OnEnable() { subscriber_ = new Subscriber(endpoint, performer); }
@@ -40,11 +42,12 @@ public sealed class LivePerformer : MonoBehaviour {
   public void Apply(Update update) {
     Body body = update.Body;
     if (bones_.Count == 0) RememberTPose();
+    if (body != body_) FindBones(body);
     world_ = Kinematics.World(body, update.Frame, world_);
     float[] q = world_.Rotations, p = world_.Positions;
     for (int joint = 0; joint < body.Names.Length; ++joint) {  // parents come before their children
-      Bone bone;
-      if (!bones_.TryGetValue(UnityName(body.Names[joint]), out bone)) continue;
+      Bone bone = boneOfJoint_[joint];
+      if (bone == null) continue;
       int i = 4 * joint;
       // The canonical axes are right-handed, +X left; Unity's are the mirror image.
       var turn = new Quaternion(q[i], -q[i + 1], -q[i + 2], q[i + 3]);
@@ -54,6 +57,14 @@ public sealed class LivePerformer : MonoBehaviour {
         float scale = body.Offsets[1] > 0.1f ? hipsHeight_ / body.Offsets[1] : 1;
         bone.transform.position = transform.TransformPoint(new Vector3(-p[0], p[1] * scale, p[2]));
       }
+    }
+  }
+
+  void FindBones(Body body) {
+    body_ = body;
+    boneOfJoint_ = new Bone[body.Names.Length];
+    for (int joint = 0; joint < boneOfJoint_.Length; ++joint) {
+      bones_.TryGetValue(UnityName(body.Names[joint]), out boneOfJoint_[joint]);
     }
   }
 
