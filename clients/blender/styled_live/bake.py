@@ -1,4 +1,5 @@
-"""Makes keyframes of what a performer did: a new action for an armature, a key per frame of the scene."""
+"""Makes keyframes of what a performer did: a new action for an armature, a key per frame of the
+scene."""
 
 from typing import List
 
@@ -10,8 +11,8 @@ MAX_FRAMES = 100_000  # of a take: 14 minutes at 120 Hz
 
 
 def _times_s(frames) -> List[float]:
-    """When each frame was, from the first on. Where the rig's clock begins anew, time goes on by one step
-    of 1/60 s."""
+    """When each frame was, from the first on. Where the rig's clock begins anew, time goes on by
+    one step of 1/60 s."""
     times, before = [0.0], frames[0].source_time_ns
     for frame in frames[1:]:
         step_ns = frame.source_time_ns - before
@@ -26,13 +27,15 @@ def _keys(times_s: List[float], fps: float) -> int:
 
 
 def bake(plan: Plan, frames, armature_object, fps: float, start: int) -> int:
-    """Gives the armature keys in its action, a new one where it has none, which begin at the scene's frame `start`: at each of its frames
-    the pose of the performer's frame that is nearest in time. Bones that follow a joint get quaternions.
-    `frames`: at least one, of the plan's body. Returns the scene's frame of the last key."""
+    """Gives the armature keys in its action, a new one where it has none. The keys begin at the
+    scene's frame `start`; at each frame from there on the armature has the pose of the performer's
+    frame that is nearest in time. Bones that follow a joint get quaternions. `frames`: at least
+    one, of the plan's body. Returns the scene's frame of the last key. Raises KeyError, before it
+    changes anything, if a bone no longer exists."""
+    bones = plan.bones(armature_object)
     animation = armature_object.animation_data_create()
     if animation.action is None:
         animation.action = bpy.data.actions.new(f'{armature_object.name} {frames[0].performer}')
-    bones = [armature_object.pose.bones[name] for name in plan.joints]
     moving = plan.moving()
     for bone in bones:
         bone.rotation_mode = 'QUATERNION'
@@ -47,7 +50,8 @@ def bake(plan: Plan, frames, armature_object, fps: float, start: int) -> int:
         for bone in bones:
             turn = bone.rotation_quaternion.copy()
             if bone.name in before:
-                turn.make_compatible(before[bone.name])  # no turn the long way round between two keys
+                # No turn the long way round between two keys.
+                turn.make_compatible(before[bone.name])
                 bone.rotation_quaternion = turn
             before[bone.name] = turn
             bone.keyframe_insert('rotation_quaternion', frame=start + key, group=bone.name)

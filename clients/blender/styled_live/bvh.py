@@ -21,9 +21,11 @@ class Clip(NamedTuple):
 
 def write(path: str, clip: Clip) -> None:
     lines = ['HIERARCHY']
+    order: List[int] = []  # of the joints in the file: depth first
 
     def write_joint(index: int, indent: str) -> None:
         joint = clip.joints[index]
+        order.append(index)
         lines.append(f'{indent}{"JOINT" if index else "ROOT"} {joint.name}')
         lines.append(indent + '{')
         lines.append(f'{indent}  OFFSET ' + ' '.join(f'{x:.9g}' for x in joint.offset))
@@ -37,15 +39,6 @@ def write(path: str, clip: Clip) -> None:
         lines.append(indent + '}')
 
     write_joint(0, '')
-    order = []  # of the file: depth first
-
-    def visit(index: int) -> None:
-        order.append(index)
-        for child, other in enumerate(clip.joints):
-            if other.parent == index:
-                visit(child)
-
-    visit(0)
     lines += ['MOTION', f'Frames: {len(clip.positions)}', f'Frame Time: {clip.frame_s:.9g}']
     for position, rotations in zip(clip.positions, clip.rotations):
         numbers = list(position)
@@ -65,6 +58,7 @@ def read(path: str) -> Clip:
     channels: List[List[str]] = []
     above: List[int] = []
     at, ended = -1, False
+    frames = None
     try:
         for word in words:
             if word in ('ROOT', 'JOINT'):
@@ -90,9 +84,11 @@ def read(path: str) -> Clip:
                 next(words), next(words)  # Frame Time:
                 frame_s = float(next(words))
                 numbers = [float(number) for number in words]
-        return _motion(joints, channels, frames, frame_s, numbers)
-    except (StopIteration, IndexError, UnboundLocalError) as error:
+    except (StopIteration, IndexError) as error:
         raise ValueError(f'{path}: no BVH file') from error
+    if not joints or frames is None:
+        raise ValueError(f'{path}: no BVH file')
+    return _motion(joints, channels, frames, frame_s, numbers)
 
 
 def _motion(joints, channels, frames, frame_s, numbers) -> Clip:

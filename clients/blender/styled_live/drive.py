@@ -70,10 +70,7 @@ class Plan:
         target = skeleton.hips_height(self._target, axes_target)
         if source is None or target is None:
             return skeleton.metres_per_unit(self.body, self._source, axes_source), Vector()
-        # Some armatures have their origin at the hips.
-        low = skeleton.lowest(self._target, axes_target)
-        floor = low if low < -0.25 * target else 0.0
-        return target / source, axes_target[1] * floor
+        return target / source, axes_target[1] * skeleton.floor(self._target, axes_target)
 
     def _plan(self, armature) -> List[_Step]:
         swings = self._swings()
@@ -114,6 +111,13 @@ class Plan:
             if foot in self._target.humanoid:
                 swings[self._target.humanoid[foot]] = Matrix.Identity(3)
         return swings
+
+    def bones(self, armature_object) -> list:
+        """The armature's pose bones that follow a joint. Raises KeyError if one of the plan's bones no
+        longer exists."""
+        pose_bones = armature_object.pose.bones
+        found = {step.bone: pose_bones[step.bone] for step in self._steps}
+        return [found[name] for name in self.joints]
 
     def moving(self) -> Set[str]:
         """The bones that have a place of their own, not only a rotation."""

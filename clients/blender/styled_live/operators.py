@@ -117,7 +117,7 @@ class STYLED_OT_release(bpy.types.Operator):
         return {'FINISHED'}
 
 
-class STYLED_OT_record(_Connected, bpy.types.Operator):
+class STYLED_OT_record(bpy.types.Operator):
     """Keep every frame that the active armature's performer shows from now on, until Bake"""
     bl_idname = 'styled.record'
     bl_label = 'Record'
@@ -132,7 +132,7 @@ class STYLED_OT_record(_Connected, bpy.types.Operator):
         return {'FINISHED'}
 
 
-class STYLED_OT_bake(_Connected, bpy.types.Operator):
+class STYLED_OT_bake(bpy.types.Operator):
     """End the take, make it an action of the active armature from the current frame on, and let the
     armature go"""
     bl_idname = 'styled.bake'
@@ -154,11 +154,12 @@ class STYLED_OT_bake(_Connected, bpy.types.Operator):
         if not frames:
             return _fail(self, f'no frame of {thing.styled_live.performer} came while it was recorded')
         fps = scene.render.fps / scene.render.fps_base
-        if thing.animation_data is not None:
-            thing.animation_data.action = None  # a take is an action of its own
+        animation = thing.animation_data_create()
+        before, animation.action = animation.action, None  # a take is an action of its own
         try:
             last = bake(link.plan, frames, thing, fps, scene.frame_current)
         except KeyError as error:  # a bone was renamed
+            animation.action = before
             return _fail(self, error)
         thing.styled_live.driven = False
         scene.frame_end = max(scene.frame_end, last)

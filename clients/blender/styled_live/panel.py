@@ -2,6 +2,7 @@
 
 import bpy
 
+from .bake import MAX_FRAMES
 from .live import live
 
 
@@ -64,7 +65,8 @@ class STYLED_PT_live(bpy.types.Panel):
             box.label(text=f'{len(link.plan.joints)} bones, frame {link.latest.sequence}')
             box.label(text=link.latest.styles or 'as captured')
         if link is not None and link.take is not None:
-            box.label(text=f'recording, {len(link.take)} frames', icon='REC')
+            full = ' (full)' if len(link.take) >= MAX_FRAMES else ''
+            box.label(text=f'recording, {len(link.take)} frames{full}', icon='REC')
             box.operator('styled.bake')
         else:
             box.operator('styled.record', icon='REC')

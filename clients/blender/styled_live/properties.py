@@ -40,7 +40,6 @@ class StyledLiveConnection(bpy.types.PropertyGroup):
                             update=_strength_changed,
                             description='0: as captured, 1: the style as it is')
 
-
     action_style: StringProperty(name='Style', default='old', search=_styles,
                                  description='Of Restyle Action: as `stylize --list` names it')
     action_strength: FloatProperty(name='Strength', default=1, min=0, max=1.5, soft_max=1,

@@ -33,9 +33,7 @@ class _Humanoid:
         bones = {bone: joint for joint, bone in rest.humanoid.items() if joint in BODY}
         self.names = [bone.name for bone in armature.bones if bone.name in bones]  # parents first
         self._rest = {name: armature.bones[name].matrix_local.to_3x3().normalized() for name in self.names}
-        # Some armatures have their origin at the hips: by the rule of drive.Plan.
-        low, height = skeleton.lowest(rest, self._axes), skeleton.hips_height(rest, self._axes)
-        self._lift = Vector((0, -low if height and low < -0.25 * height else 0, 0))
+        self._lift = Vector((0, -skeleton.floor(rest, self._axes), 0))
         self.joints = []
         for name in self.names:
             above = armature.bones[name].parent

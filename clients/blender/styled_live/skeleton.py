@@ -103,5 +103,9 @@ def metres_per_unit(body, rest: Rest, axes: Optional[Matrix]) -> float:
     return 1.0 if height is None else _HIPS_ABOVE_TOES_M / height
 
 
-def lowest(rest: Rest, axes: Matrix) -> float:
-    return min(axes[1].dot(place) for place in rest.positions.values())
+def floor(rest: Rest, axes: Matrix) -> float:
+    """The height of the floor, in own units: 0, but for skeletons whose origin is at the hips the
+    lowest joint."""
+    height = hips_height(rest, axes)
+    low = min(axes[1].dot(place) for place in rest.positions.values())
+    return low if height is not None and low < -0.25 * height else 0.0

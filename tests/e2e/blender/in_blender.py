@@ -323,6 +323,35 @@ class AddonTest(unittest.TestCase):
         self.assertIsNone(live.link(thing).take)
         self.assertTrue(thing.styled_live.driven)
 
+    def test_a_take_whose_bone_was_renamed_leaves_the_action_as_it_is(self):
+        self.connect()
+        thing = self.make_humanoid()
+        action = thing.animation_data_create().action = bpy.data.actions.new('mine')
+        self.drive(thing)
+        self.tick_until(lambda: self.shown(thing) > 0, 'a frame')
+        bpy.ops.styled.record()
+        self.tick_until(lambda: len(live.link(thing).take) > 10, 'a take')
+        thing.data.bones[mixamo('head')].name = 'skull'
+        with self.assertRaisesRegex(RuntimeError, mixamo('head')):
+            bpy.ops.styled.bake()
+        self.assertEqual(thing.animation_data.action, action)
+        self.assertEqual(list(bpy.data.actions), [action])
+        self.assertEqual(len(action.fcurves), 0)
+
+    def test_a_full_take_says_so(self):
+        self.connect()
+        bpy.ops.styled.make_armature()
+        thing = bpy.context.object
+        self.tick_until(lambda: self.shown(thing) > 0, 'a frame')
+        with unittest.mock.patch('styled_live.live.MAX_FRAMES', 30), \
+                unittest.mock.patch('styled_live.panel.MAX_FRAMES', 30):
+            bpy.ops.styled.record()
+            self.assertNotIn('(full)', self.drawn())
+            shown = self.shown(thing)
+            self.tick_until(lambda: self.shown(thing) > shown + 60, 'more frames than a take has')
+            self.assertEqual(len(live.link(thing).take), 30)
+            self.assertIn('recording, 30 frames (full)', self.drawn())
+
     def bake_a_walk(self, **other):
         """A humanoid with an action of a walk; released."""
         self.connect(script='walk:20')
@@ -408,32 +437,33 @@ class AddonTest(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, 'olf'):
             bpy.ops.styled.style(style='olf')
 
-    def test_the_panel_offers_what_there_is(self):
+    def drawn(self):
+        """All calls that draw the panel, as text."""
         panel = bpy.types.STYLED_PT_live
 
         class Drawn:
             bl_rna = panel.bl_rna
             _draw_styles, _draw_driven = panel._draw_styles, panel._draw_driven
+            layout = unittest.mock.MagicMock()
 
-            def __init__(self):
-                self.layout = unittest.mock.MagicMock()
-                panel.draw(self, bpy.context)
-                self.text = str(self.layout.mock_calls)
+        panel.draw(Drawn(), bpy.context)
+        return str(Drawn.layout.mock_calls)
 
-        self.assertIn('styled.connect', Drawn().text)
+    def test_the_panel_offers_what_there_is(self):
+        self.assertIn('styled.connect', self.drawn())
         self.connect()
         bpy.ops.styled.make_armature()
         self.tick_until(lambda: self.shown(bpy.context.object) > 0, 'a frame')
         bpy.ops.styled.style(style='elderly')
         self.tick_until(lambda: 'elderly' in live.link(bpy.context.object).latest.styles, 'the style')
-        text = Drawn().text
+        text = self.drawn()
         for expected in ('styled.disconnect', 'styled.record', 'styled.make_armature', 'styled.panic', "text='elderly'",
                          'strength', '21 bones, frame', "text='elderly "):
             self.assertIn(expected, text)
         self.assertNotIn('ERROR', text)
         self.daemon.stop()
         self.tick_until(lambda: not live.reached, 'the loss')
-        self.assertIn('nobody publishes at ipc://', Drawn().text)
+        self.assertIn('nobody publishes at ipc://', self.drawn())
 
     def test_what_is_wrong_is_said(self):
         self.chosen.publisher = 'nonsense'
