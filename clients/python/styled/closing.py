@@ -14,8 +14,8 @@ def _end(context: zmq.Context, sockets: List[zmq.Socket]) -> None:
 
 class Closer:
     """Owns a context and the sockets in `sockets`, which may be exchanged. Calling it closes them, once.
-    When `owner` is dropped, they are closed, too: a context that is collected before a socket of its
-    own waits for that socket for ever. The end of the process closes nothing, since another thread may
+    When `owner` is dropped, they are closed, too. If the garbage collector ended the context before its
+    sockets, it would wait forever. The end of the process closes nothing, since another thread may
     still read."""
 
     def __init__(self, owner: object, context: zmq.Context):

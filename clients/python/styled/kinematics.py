@@ -7,13 +7,9 @@ humanoid has metres, right-handed axes, +Y up, +Z forward, +X the body's left. Q
 """
 
 import difflib
+import functools
 import math
 from typing import Any, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union, overload
-
-try:
-    import numpy
-except ImportError:
-    numpy = None  # type: ignore[assignment]
 
 from styled.v1 import body_pb2, frame_pb2
 
@@ -83,7 +79,18 @@ class World(Sequence[Transform]):
         return f'World({len(self)} joints: {", ".join(self.names[:3])} ...)'
 
 
+# Imported late: it takes longer than all the rest, and most programs need no arrays.
+@functools.lru_cache(maxsize=None)
+def _numpy() -> Any:
+    try:
+        import numpy
+    except ImportError:
+        return None
+    return numpy
+
+
 def _array(rows: List[Any]) -> Any:
+    numpy = _numpy()
     return rows if numpy is None else numpy.array(rows)
 
 
