@@ -14,6 +14,19 @@ const OF_VRM0: Record<string, string> = {
   blink_l: 'blinkleft', blink_r: 'blinkright',
 };
 
+// VRM 1.0's presets.
+const PRESETS = [
+  'happy', 'angry', 'sad', 'relaxed', 'surprised', 'neutral', 'aa', 'ih', 'ou', 'ee', 'oh', 'blink', 'blinkLeft', 'blinkRight',
+  'lookUp', 'lookDown', 'lookLeft', 'lookRight',
+];
+
+/** VRM 1.0's preset that a name means, of VRM 0 or 1.0 and in any case; undefined if it means none. */
+export function presetOf(name: string): string | undefined {
+  const low = name.toLowerCase();
+  const meant = OF_VRM0[low] ?? low;
+  return PRESETS.find((preset) => preset.toLowerCase() === meant);
+}
+
 // What an avatar without ARKit's expressions shows of them. A preset, the ARKit names whose mean it is,
 // and the value up to which it stays 0. Trackers exaggerate moods at rest, hence those values.
 const OF_ARKIT: [string, string[], number][] = [

@@ -1,7 +1,7 @@
 export { StyledClient } from './client.js';
 export type { CalibrateOptions, ClientEvents, ClientOptions, DaemonState, LikeOptions, SetInit, Update } from './client.js';
 export { NoAnswerError, RefusedError } from './errors.js';
-export { expressionsOf } from './expressions.js';
+export { expressionsOf, presetOf } from './expressions.js';
 export type { Named } from './expressions.js';
 export { checkBody, checkFrame, makeTransforms, worldTransforms } from './kinematics.js';
 export type { Transforms } from './kinematics.js';

@@ -1,7 +1,7 @@
 // What an avatar shows of the expressions that a rig sends.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { expressionsOf } from 'styled-client';
+import { expressionsOf, presetOf } from 'styled-client';
 
 const VRM1 = ['happy', 'angry', 'sad', 'relaxed', 'surprised', 'aa', 'ih', 'ou', 'ee', 'oh', 'blink', 'blinkLeft',
   'blinkRight', 'lookUp', 'lookDown', 'lookLeft', 'lookRight', 'neutral'];
@@ -51,4 +51,9 @@ test('never a preset and its parts at once', () => {
 
 test('eyes that bones turn are not turned by expressions, too', () => {
   assert.deepEqual(shown({ lookLeft: 1, eyeLookUpLeft: 1, eyeLookUpRight: 1, joy: 1 }, VRM1, true), { happy: 1 });
+});
+
+test('the preset that a name means', () => {
+  assert.deepEqual(['Joy', 'BLINK_L', 'blinkRight', 'A', 'neutral', 'eyeBlinkLeft', ''].map(presetOf),
+    ['happy', 'blinkLeft', 'blinkRight', 'aa', 'neutral', undefined, undefined]);
 });
