@@ -226,7 +226,7 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
       }
       stage.steady = true;
     }
-    recorder.start(app.selected, stage.performers.get(app.selected)?.avatar !== undefined);
+    recorder.start(app.selected);
     app.onMessage(`recording ${app.selected}`, false);
     paint();
   };

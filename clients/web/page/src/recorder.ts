@@ -1,5 +1,5 @@
-// Records one performer: every received frame of the input and of the styled motion, and where an avatar
-// is worn of the canonical humanoid.
+// Records one performer: every received frame of the input and of the styled motion, on the rig's skeleton and
+// on the canonical humanoid.
 import type { Body, StyledClient, Stats, Update } from 'styled-client';
 
 import { Track, type Take } from './take.js';
@@ -7,7 +7,7 @@ import { Track, type Take } from './take.js';
 /** Limits of a take: half an hour at 120 Hz for a skeleton of usual size. */
 export interface Limits {
   poses: number; // per stream
-  bytes: number; // for both
+  bytes: number; // for all
 }
 const LIMITS: Limits = { poses: 30 * 60 * 120, bytes: 384 << 20 };
 const SILENT_STATS = 3; // statistics messages, one per second: a short pause of the rig is tolerated
@@ -56,14 +56,13 @@ export class Recorder {
     return this.take?.styled.missed ?? 0;
   }
 
-  start(performer: string, canonical = false): void {
+  start(performer: string): void {
     if (this.recording) return;
     this.performer = performer;
     this.take = undefined;
     this.epoch = undefined;
     this.silent = 0;
-    this.ends = [this.client.subscribe(performer, 'source'), this.client.subscribe(performer, 'rig')];
-    if (canonical) this.ends.push(this.client.subscribe(performer, 'canonical'));
+    this.ends = (['source', 'rig', 'canonical'] as const).map((stream) => this.client.subscribe(performer, stream));
   }
 
   /** `reason`: why, if the user did not request it. */

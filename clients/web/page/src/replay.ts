@@ -2,7 +2,7 @@
 import { create } from '@bufbuild/protobuf';
 import { FrameSchema, type Body, type Frame, type Stream } from 'styled-client';
 
-import { TrackReader, gridOf, type Grid, type Take, type Track } from './take.js';
+import { TrackReader, filledIn, gridOf, type Grid, type Take, type Track } from './take.js';
 
 interface Played {
   body: Body;
@@ -13,9 +13,14 @@ interface Played {
 export class Replay {
   /** Seconds of the take. */
   readonly duration_s: number;
+  readonly rate_hz: number;
+  /** Of the take, at that rate. */
+  readonly frames: number;
   private readonly streams = new Map<Stream, Played>();
 
   private constructor(readonly take: Take, private readonly grid: Grid) {
+    this.frames = grid.frames;
+    this.rate_hz = grid.rate_hz;
     this.duration_s = grid.frames / grid.rate_hz;
     const { source, styled, canonical } = take;
     const add = (stream: Stream, body: Body, track: Track, slots: number[]) =>
@@ -31,6 +36,17 @@ export class Replay {
     const whole = canonical && gridOf([source, styled, canonical.track]);
     const grid = whole && whole.frames > 1 ? whole : shared;
     return grid && grid.frames > 1 ? new Replay(take, grid) : undefined;
+  }
+
+  /** The styled motion of the canonical humanoid, if it was recorded. */
+  get canonical(): { body: Body; faceNames: readonly string[] } | undefined {
+    const played = this.streams.get('canonical');
+    return played && { body: played.body, faceNames: played.track.faceNames };
+  }
+
+  /** Frames of a stream that did not come. */
+  filled(stream: 'source' | 'rig' | 'canonical'): number {
+    return filledIn(this.grid, ['source', 'rig', 'canonical'].indexOf(stream));
   }
 
   /** The frame at a time from the take's start, in seconds; times must not go back. */

@@ -5,6 +5,19 @@ export const AT_ONCE_MS = 40;
 
 const KEPT_MS = 60000; // long enough for any browser to begin saving
 
+/** To be awaited often during long work: now and then the event loop runs, so that the page goes on. */
+export function breather(): () => Promise<void> | undefined {
+  let begun_ms = performance.now();
+  return () => {
+    // A hidden page gets timers only once per second, and need not stay responsive.
+    if (globalThis.document?.hidden || performance.now() - begun_ms < AT_ONCE_MS) return undefined;
+    return new Promise((resolve) => setTimeout(() => {
+      begun_ms = performance.now();
+      resolve();
+    }));
+  };
+}
+
 /** Hands a file to the browser to be saved. */
 export function saveFile(blob: Blob, name: string): void {
   const url = URL.createObjectURL(blob);

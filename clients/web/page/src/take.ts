@@ -25,7 +25,8 @@ export class Track {
   // MOMENT numbers each: sequence, the rig's time (s), the daemon's time (s), the rig's own
   // sequence, bits of contacts
   private readonly moments: Float64Array[] = [];
-  private readonly faceNames: string[] = [];
+  /** Of all expressions that came. */
+  readonly faceNames: string[] = [];
   private readonly faces: (Float32Array | undefined)[] = []; // by faceNames, as many as were known then
   private faceBytes = 0;
 
@@ -103,7 +104,7 @@ export interface Take {
   begun: Date;
   source: Track;
   styled: Track;
-  /** The styled motion of the canonical humanoid, where an avatar was worn. */
+  /** The styled motion of the canonical humanoid. */
   canonical?: { body: Body; track: Track };
 }
 
