@@ -1,10 +1,11 @@
 // A VRM avatar from a file, which shows a styled body and a face as the client library poses it.
-import { Group, LoadingManager, Vector3, type Object3D } from 'three';
+import { Group, LoadingManager, Vector3, type Mesh, type Object3D } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { VRMLoaderPlugin, VRMUtils, type VRM, type VRMHumanBoneName } from '@pixiv/three-vrm';
 import type { Body, Frame } from 'styled-client';
-import { VrmPoser } from 'styled-client/three-vrm';
+import { VrmPoser, type Pose } from 'styled-client/three-vrm';
 
+import type { Nodes } from './avatar_glb.js';
 import { unreadable, vrmFault } from './vrm_file.js';
 
 const MAX_BYTES = 256 << 20;
@@ -14,10 +15,13 @@ export class Avatar {
   /** A pose has arrived, so the avatar may be shown. */
   ready = false;
   private readonly poser: VrmPoser;
+  private shown: { body: Body; frame: Pose } | undefined;
 
   private constructor(
-    readonly name: string,
+    /** As it was loaded. */
+    readonly file: File,
     private readonly vrm: VRM,
+    private readonly nodes: ReadonlyMap<Object3D, number>,
     /** Textures of the file that could not be loaded; their surfaces are drawn without them. */
     readonly lostPictures: number,
   ) {
@@ -26,6 +30,10 @@ export class Avatar {
     this.poser = new VrmPoser(vrm, this.group);
     this.group.add(vrm.scene);
     this.group.visible = false;
+  }
+
+  get name(): string {
+    return this.file.name;
   }
 
   /** The error states what is wrong with the file. */
@@ -40,21 +48,56 @@ export class Avatar {
     const loader = new GLTFLoader(manager);
     loader.register((parser) => new VRMLoaderPlugin(parser));
     let vrm: VRM | undefined;
+    const nodes = new Map<Object3D, number>();
     try {
       const gltf = await loader.parseAsync(bytes, '');
       vrm = gltf.userData.vrm as VRM | undefined;
+      // parser.associations is of no use: nodes that share a mesh share their entry there.
+      const objects = (await gltf.parser.getDependencies('node')) as Object3D[];
+      objects.forEach((object, node) => nodes.set(object, node));
       if (vrm) VRMUtils.removeUnnecessaryVertices(gltf.scene);
     } catch (error) {
       throw new Error(unreadable(file.name, error));
     }
     if (!vrm) throw new Error(unreadable(file.name, 'no VRM came of it'));
-    return new Avatar(file.name, vrm, lost.size);
+    return new Avatar(file, vrm, nodes, lost.size);
   }
 
   setPose(body: Body, frame: Frame): void {
     this.poser.pose(body, frame);
+    this.shown = { body, frame };
     this.ready = true;
     this.group.visible = true;
+  }
+
+  /** What moves by poses, with its node in the file; hair and cloth, which springs move, is not among it. */
+  posed(): Nodes {
+    const { humanoid, nodeConstraintManager } = this.vrm;
+    const node = (object: Object3D) => this.nodes.get(object);
+    const bones = new Map<number, Object3D>(), faces = new Map<number, number[]>();
+    const turned = [...Object.keys(humanoid.humanBones).map((name) => humanoid.getRawBoneNode(name as VRMHumanBoneName)),
+                    ...[...(nodeConstraintManager?.constraints ?? [])].map(({ destination }) => destination)];
+    for (const bone of turned) {
+      const at = bone ? node(bone) : undefined;
+      if (bone && at !== undefined) bones.set(at, bone);
+    }
+    this.vrm.scene.traverse((object) => {
+      const { morphTargetInfluences } = object as Mesh;
+      // A mesh of several primitives is a group in three, which has the node.
+      const at = node(object) ?? (object.parent ? node(object.parent) : undefined);
+      if (morphTargetInfluences && morphTargetInfluences.length > 0 && at !== undefined) faces.set(at, morphTargetInfluences);
+    });
+    return { bones, faces, hips: humanoid.getRawBoneNode('hips')! };
+  }
+
+  /** Sets a pose for who reads what `posed` names, until `resume`; springs stay where they are. */
+  pose(body: Body, frame: Pose): void {
+    this.poser.pose(body, frame);
+    this.vrm.update(0);
+  }
+  /** Back to the pose of setPose. */
+  resume(): void {
+    if (this.shown) this.pose(this.shown.body, this.shown.frame);
   }
 
   /** The next pose has nothing to do with the last one: hair and cloth hang at rest. */

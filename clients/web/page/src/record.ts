@@ -1,19 +1,23 @@
 // The record button: its text, and the files that it saves.
 import type { App } from './app.js';
+import type { Avatar } from './avatar.js';
+import { avatarGlb } from './avatar_glb.js';
 import { bvhText } from './bvh.js';
 import { h, setText } from './dom.js';
 import { Film } from './film.js';
 import { Recorder, type Ended } from './recorder.js';
-import { AT_ONCE_MS, saveFile } from './save.js';
+import { breather, saveFile } from './save.js';
 import type { Video } from './render.js';
 import { Replay } from './replay.js';
 import { causesInWords, causesOf, filledIn, gridOf, posesOn, type Grid, type Take } from './take.js';
 import type { Stage } from './stage.js';
+import { vrmaOf } from './vrma.js';
 
 const WIDTH = 1920, HEIGHT = 1080, PICTURES_HZ = 60; // of a video
 const LONGEST_S = 600; // the file is made in memory
 
-type What = 'styled' | 'input' | 'video';
+const KINDS = ['styled', 'input', 'vrma', 'avatar', 'video'] as const;
+type What = (typeof KINDS)[number];
 
 /** Videos are made of the recorded poses; without WebCodecs, as on pages without TLS, the stage is filmed. */
 const RENDERS = 'VideoEncoder' in globalThis;
@@ -29,13 +33,10 @@ function obstacle(app: App): string {
 
 async function written(pieces: Iterable<string>): Promise<Blob> {
   const parts: string[] = [];
-  let begun_ms = performance.now();
+  const breathe = breather();
   for (const piece of pieces) {
     parts.push(piece);
-    // A hidden page gets timers only once per second, and need not stay responsive: do not yield.
-    if (document.hidden || performance.now() - begun_ms < AT_ONCE_MS) continue;
-    await new Promise((resolve) => setTimeout(resolve));
-    begun_ms = performance.now();
+    await breathe();
   }
   return new Blob(parts, { type: 'text/plain' });
 }
@@ -49,16 +50,23 @@ function stamp(time: Date): string {
     `-${two(time.getHours())}${two(time.getMinutes())}${two(time.getSeconds())}`;
 }
 
-/** A take that has ended; it can be saved repeatedly. `film`: the stage as it was seen, if it was filmed. */
+/**
+ * A take that has ended; it can be saved repeatedly. `film`: the stage as it was seen, if it was filmed. `avatar`:
+ * what was worn.
+ */
 class Result {
   readonly filled: number[];
+  private readonly humanoid: boolean; // it has the canonical humanoid
   private video: Video | undefined;
 
-  constructor(readonly take: Take, readonly grid: Grid, readonly film: Blob | undefined) {
+  constructor(readonly take: Take, readonly grid: Grid, readonly film: Blob | undefined, readonly avatar: Avatar | undefined) {
     this.filled = [0, 1].map((track) => filledIn(grid, track));
+    this.humanoid = Replay.of(take, grid)?.canonical !== undefined;
   }
 
   has(what: What): boolean {
+    if (what === 'vrma') return this.humanoid;
+    if (what === 'avatar') return this.humanoid && this.avatar !== undefined;
     return what !== 'video' || RENDERS || this.film !== undefined;
   }
   get rendered(): boolean {
@@ -102,14 +110,17 @@ class Result {
   name(what: What): string {
     const whose = `${this.take.performer.replace(/[^\w.-]/g, '_')}-${what}-${stamp(this.take.begun)}`;
     if (what === 'video') return `${whose}${RENDERS ? (this.video ? `.${this.video.extension}` : '') : `.${Film.extension}`}`;
-    const filled = this.filled[what === 'input' ? 0 : 1]!;
-    return `${whose}${filled > 0 ? `-${filled}filled` : ''}.bvh`;
+    const [track, extension] = ({ styled: ['rig', 'bvh'], input: ['source', 'bvh'], vrma: ['canonical', 'vrma'], avatar: ['canonical', 'glb'] } as const)[what];
+    const filled = track === 'canonical' ? Replay.of(this.take, this.grid)!.filled(track) : this.filled[track === 'source' ? 0 : 1]!;
+    return `${whose}${filled > 0 ? `-${filled}filled` : ''}.${extension}`;
   }
 
   async save(what: What): Promise<string> {
     const { take, grid } = this;
     const name = this.name(what);
     if (what === 'video') saveFile(this.video?.blob ?? this.film!, name);
+    else if (what === 'vrma') saveFile(await vrmaOf(Replay.of(take, grid)!), name);
+    else if (what === 'avatar') saveFile(await avatarGlb(Replay.of(take, grid)!, this.avatar!), name);
     else {
       const [index, track] = what === 'input' ? [0, take.source] as const : [1, take.styled] as const;
       saveFile(await written(bvhText(take.body, grid.rate_hz, grid.frames, posesOn(grid, index, track))), name);
@@ -118,9 +129,15 @@ class Result {
   }
 }
 
-function resultOf(take: Take | undefined, film: Blob | undefined): Result | undefined {
+function resultOf(take: Take | undefined, film: Blob | undefined, avatar: Avatar | undefined): Result | undefined {
   const grid = take && gridOf([take.source, take.styled]);
-  return grid && grid.frames > 1 ? new Result(take, grid, film) : undefined;
+  return grid && grid.frames > 1 ? new Result(take, grid, film, avatar) : undefined;
+}
+
+/** What a button that saves it again says. */
+function chipWords(what: What, name: string): string {
+  const extension = /\.\w+$/.exec(name)?.[0] ?? '1080p60';
+  return what === 'vrma' ? extension : `${what[0]!.toUpperCase()}${what.slice(1)} ${extension}`;
 }
 
 export interface RecordPanel {
@@ -139,9 +156,12 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
   const label = h('span', {});
   const button = h('button', { className: 'record', onclick: () => toggle() },
     h('i', {}), label, h('kbd', {}, 'R'));
+  const worn = h('option', { value: 'avatar' }, 'Avatar that moves, glTF');
   const choice = h('select', { 'aria-label': 'What is saved' },
     h('option', { value: 'styled' }, 'Styled motion, BVH'),
     h('option', { value: 'styled input' }, 'Styled and input, 2 BVH'),
+    h('option', { value: 'vrma' }, 'VRM animation, VRMA'),
+    worn,
     h('option', { value: 'video', disabled: !RENDERS && !Film.extension,
                   title: RENDERS || Film.extension ? '' : 'This browser cannot record a picture' },
       RENDERS ? 'Video, 1080p60' : 'Video of the stage, as drawn'));
@@ -180,12 +200,11 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     }
   };
   const paintChips = () => {
-    chips.replaceChildren(...(['styled', 'input', 'video'] as const)
-      .filter((what) => result?.has(what)).map((what) =>
+    chips.replaceChildren(...KINDS.filter((what) => result?.has(what)).map((what) =>
         h('button', {
           'data-save': what, title: `Save ${result!.name(what)}`,
           onclick: () => void (rendering || saveAll([what], result!)),
-        }, what === 'video' ? `Video ${/\.\w+$/.exec(result!.name(what))?.[0] ?? '1080p60'}` : `${what[0]!.toUpperCase()}${what.slice(1)} .bvh`)));
+        }, chipWords(what, result!.name(what)))));
   };
 
   const ended = async ({ take, reason }: Ended) => {
@@ -194,7 +213,7 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     film = undefined;
     stage.steady = false;
     const filmed = await ending?.end();
-    result = resultOf(take, filmed);
+    result = resultOf(take, filmed, stage.performers.get(take?.performer ?? '')?.avatar);
     paint();
     paintChips();
     const why = reason ? `Recording ended: ${reason}. ` : '';
@@ -207,7 +226,12 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     const saving = result;
     const names = await saveAll(wanted.filter((what) => saving.has(what)), saving);
     setText(line, `${why}${saving.words()}.`);
+    const lacking = wanted.find((what) => !saving.has(what));
     if (names) app.onMessage(`${why}Saved ${names}: ${saving.words()}.`, reason !== '');
+    else if (lacking) {
+      app.onMessage(`${why}${saving.has('vrma') ? `${saving.take.performer} wears no avatar` : 'No frame of the canonical humanoid came'}: ` +
+        'nothing is saved yet; the buttons below save what there is.', true);
+    }
   };
   recorder.onEnd = (how) => void ended(how);
 
@@ -238,6 +262,8 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     button.title = rendering ? 'Cancel the video (R)' : on ? 'Stop and save (R)' : reason || `Record ${app.selected} (R)`;
     button.setAttribute('aria-pressed', String(on));
     choice.disabled = on || rendering !== undefined;
+    worn.disabled = stage.performers.get(app.selected)?.avatar === undefined;
+    worn.title = worn.disabled ? `${app.selected || 'Nobody'} wears no avatar` : '';
     badge.hidden = !on && !rendering;
     const time = clock(recorder.elapsed_s);
     const done = rendering && `${Math.floor(100 * rendering.share)} %`;
