@@ -4,7 +4,6 @@ import {
   NoAnswerError,
   RefusedError,
   type ListReply,
-  type Look,
   type PerformerStats,
   type SetInit,
   type Stats,
@@ -12,9 +11,9 @@ import {
   type StyledClient,
 } from 'styled-client';
 
-import { changeTo, sameLook } from './looks.js';
+import { changeTo, sameLook, sameSetting, settingsOf, type Setting } from './looks.js';
 import type { Taken } from './names.js';
-import { UndoStack } from './undo.js';
+import { UndoStack, type Step } from './undo.js';
 
 const LIST_MS = 10000; // others may make and remove styles
 const SETTLED_MS = 250; // after the last step of a gesture
@@ -30,6 +29,11 @@ interface Manner {
   name?: string;
 }
 
+/** What a change has led to, once that is known. */
+interface Made {
+  left?: Map<string, Setting>;
+}
+
 export class App {
   list: ListReply | undefined;
   stats: Stats | undefined;
@@ -38,10 +42,12 @@ export class App {
   transition_ms = 100;
   readonly undo = new UndoStack();
   private settling = 0;
+  private gesture: Made = {}; // the last one
   private reloads = '';
   private readonly missed = new Set<string>();
   private readonly listeners = new Set<() => void>();
-  onMessage: (text: string, bad: boolean) => void = () => {};
+  /** `step`: what the message offers to take back. */
+  onMessage: (text: string, bad: boolean, step?: Step) => void = () => {};
 
   constructor(readonly client: StyledClient) {
     client.on('stats', (stats) => {
@@ -161,26 +167,48 @@ export class App {
     this.changed();
   }
 
-  /** What these performers look like; `target` is one or "*". */
-  looks(target: string): Map<string, Look> {
-    return new Map(this.performers().flatMap(({ performer, look }) =>
-      look && (target === '*' || target === performer) ? [[performer, look] as const] : []));
+  /** How these performers are set; `target` is one or "*". */
+  looks(target: string): Map<string, Setting> {
+    return new Map([...settingsOf(this.stats)].filter(([performer]) => target === '*' || target === performer));
   }
 
-  /** Leads performers back to these looks. Tries all of them; rejects with the first error. */
-  async restore(looks: Map<string, Look>): Promise<void> {
+  /**
+   * Leads performers back to these settings, and does nothing else to them. Who is set otherwise than in `left`
+   * was changed by somebody else meanwhile, and is let be; their names are returned. Tries all of them; rejects
+   * with the first error.
+   */
+  async restore(settings: Map<string, Setting>, left?: Map<string, Setting>): Promise<string[]> {
     const presets = (this.list?.presets ?? []).map(({ name }) => name);
+    const others: string[] = [];
     let failure: unknown;
-    for (const [performer, look] of looks) {
+    for (const [performer, setting] of settings) {
       const now = this.looks(performer).get(performer);
-      if (now && sameLook(now, look)) continue;
+      const expected = left?.get(performer);
+      if (now && sameSetting(now, setting)) continue;
+      if (now && expected && !sameSetting(now, expected)) {
+        others.push(performer);
+        continue;
+      }
       try {
-        await this.client.set(performer, changeTo(look, presets, this.transition_ms));
+        await this.lead(performer, now, setting, presets);
       } catch (error) {
         failure ??= error;
       }
     }
     if (failure) throw failure;
+    return others;
+  }
+
+  private async lead(performer: string, now: Setting | undefined, to: Setting, presets: string[]): Promise<void> {
+    let pinned = now?.pinned ?? false;
+    try {
+      if (now && sameLook(now.look, to.look)) return;
+      if (pinned) await this.client.pin(performer, false); // else the daemon refuses the look
+      pinned = false;
+      await this.client.set(performer, changeTo(to.look, presets, this.transition_ms));
+    } finally {
+      if (pinned !== to.pinned) await this.client.pin(performer, to.pinned);
+    }
   }
 
   async undoLast(): Promise<void> {
@@ -188,7 +216,7 @@ export class App {
     try {
       await this.fetchLooks();
       const step = await this.undo.undo((error) => error instanceof RefusedError && !TRY_AGAIN.includes(error.code));
-      if (step) this.onMessage(`undone: ${step.what}`, false);
+      if (step) this.onMessage(`undone: ${step.what}${step.remark && `; ${step.remark}`}`, step.remark !== '');
     } catch (error) {
       this.report(error, 'undo');
     }
@@ -223,7 +251,22 @@ export class App {
     return this.run('everyone is back to the bare source', () => this.client.panic(), { forAll: true, look: true, name: 'panic' });
   }
   pin(pinned: boolean): Promise<void> {
-    return this.run(pinned ? 'pinned' : 'unpinned', () => this.client.pin(this.target, pinned));
+    return this.run(pinned ? 'pinned' : 'unpinned', () => this.client.pin(this.target, pinned), { look: true });
+  }
+  /** The style in which the selected performer moves already; '': none. */
+  setOwnStyle(style: string): Promise<void> {
+    const performer = this.selected;
+    return this.run(style ? `${performer} moves as ${style} already` : `${performer} moves as they are`, () =>
+      this.client.set(performer, { inputStyle: style, transitionMs: this.transition_ms }), { forAll: true, look: true, name: 'own style' });
+  }
+  /** Fires the cues of that name; false if that failed. */
+  async cue(name: string): Promise<boolean> {
+    let fired = false;
+    await this.run(`cue ${name}`, async () => {
+      await this.client.cue(name);
+      fired = true;
+    }, { forAll: true, look: true });
+    return fired;
   }
   reset(): Promise<void> {
     return this.run('recurrent state cleared', () => this.client.reset(this.target));
@@ -231,23 +274,40 @@ export class App {
 
   private async run(what: string, action: () => Promise<unknown>, manner: Manner = {}): Promise<void> {
     if (!manner.forAll && !this.target) return this.onMessage('nobody is here yet', true);
-    const before = this.looks(manner.forAll ? '*' : this.target);
+    const target = manner.forAll ? '*' : this.target;
+    let before = this.looks(target);
+    // What others did in the last second is in no statistics yet. The daemon answers in order.
+    const asked = manner.look && !manner.gesture ? this.client.status().catch(() => undefined) : undefined;
     try {
       await action();
       this.onMessage(what, false);
     } catch (error) {
       return this.report(error, what);
     }
-    const step = { what: manner.name ?? what, back: () => this.restore(before) };
+    const { stats } = (await asked) ?? {};
+    if (stats) before = new Map([...settingsOf(stats)].filter(([performer]) => before.has(performer)));
+    const made: Made = {};
+    const step: Step = { what: manner.name ?? what, back: async () => {
+      const others = await this.restore(before, made.left);
+      return others.length > 0 ? `${others.join(', ')}: changed by someone else since, and left so` : '';
+    } };
+    const settle = async (made: Made) => {
+      await this.fetchLooks().catch(() => {});
+      made.left = this.looks(target);
+    };
     if (manner.gesture) {
-      this.undo.push(step, manner.gesture);
+      if (!this.undo.push(step, manner.gesture)) this.gesture = made;
+      this.onMessage(what, false, step);
       clearTimeout(this.settling);
-      this.settling = window.setTimeout(() => void this.fetchLooks().catch(() => {}), SETTLED_MS);
+      this.settling = window.setTimeout(() => void settle(this.gesture), SETTLED_MS);
       return this.changed();
     }
-    await this.fetchLooks().catch(() => {});
-    const changed = [...before].some(([performer, look]) => !sameLook(look, this.looks(performer).get(performer) ?? look));
-    if (manner.look && changed) this.undo.push(step);
+    await settle(made);
+    const changed = [...before].some(([performer, setting]) => !sameSetting(setting, made.left?.get(performer) ?? setting));
+    if (manner.look && changed) {
+      this.undo.push(step);
+      this.onMessage(what, false, step);
+    }
     this.changed();
   }
 

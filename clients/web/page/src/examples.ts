@@ -1,7 +1,8 @@
 // What is done with styles that examples make; each step can be taken back.
-import { Code, RefusedError, type LikeReply, type Look } from 'styled-client';
+import { Code, RefusedError, type LikeReply } from 'styled-client';
 
 import type { App } from './app.js';
+import type { Setting } from './looks.js';
 import { saveFile } from './save.js';
 
 export const MOST_BYTES = 8 * 1024 * 1024 - 4096; // of a request, for its clip
@@ -55,7 +56,7 @@ export class Examples {
   }
 
   /** Remembers how to take back a style that was made. */
-  made(name: string, looks: Map<string, Look>, back: () => Promise<void>): void {
+  made(name: string, looks: Map<string, Setting>, back: () => Promise<void>): void {
     this.app.undo.push({
       what: name,
       back: async () => {
@@ -116,7 +117,7 @@ export class Examples {
     return this.attempt(`${name} is removed; Undo brings it back`, async () => {
       const { app } = this;
       const { file } = await app.client.exportStyle(name);
-      const looks = new Map([...app.looks('*')].filter(([, look]) => look.mix.some(({ style }) => style === name)));
+      const looks = new Map([...app.looks('*')].filter(([, { look }]) => look.mix.some(({ style }) => style === name)));
       await app.client.removeStyle(name);
       app.undo.push({
         what: `${name} removed`,

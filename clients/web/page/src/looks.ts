@@ -1,5 +1,16 @@
 // Looks of performers: what leads back to one, and what is remembered of several.
-import type { Look, SetInit } from 'styled-client';
+import type { Look, SetInit, Stats } from 'styled-client';
+
+/** How a performer is set: a style, and whether it is pinned. */
+export interface Setting {
+  look: Look;
+  pinned: boolean;
+}
+
+/** By performer. */
+export function settingsOf(stats: Stats | undefined): Map<string, Setting> {
+  return new Map((stats?.performers ?? []).flatMap(({ performer, look, pinned }) => (look ? [[performer, { look, pinned }] as const] : [])));
+}
 
 // What a look says, as text; fades are not part of it.
 function textOf(look: Look): string {
@@ -10,6 +21,11 @@ function textOf(look: Look): string {
 
 export function sameLook(a: Look, b: Look): boolean {
   return textOf(a) === textOf(b);
+}
+
+/** The same, pinned or not alike. */
+export function sameSetting(a: Setting, b: Setting): boolean {
+  return a.pinned === b.pinned && sameLook(a.look, b.look);
 }
 
 /** The change that leads to `look` from any other. A preset is set by name if there still is one. */

@@ -7,6 +7,7 @@ import { findings } from './findings.js';
 import type { Stage } from './stage.js';
 
 const MESSAGE_MS = 4000;
+const UNDO_MS = 10000;
 const READ_MS = 60; // reading time per letter
 
 interface Trouble {
@@ -70,15 +71,24 @@ export function banner(app: App): HTMLElement {
   return box;
 }
 
+/** The last message. A step that it offers to take back is offered for ten seconds. */
 export function toast(app: App): HTMLElement {
-  const box = h('div', { className: 'toast', role: 'log' });
+  const words = h('span', { role: 'log' });
+  const undo = h('button', { className: 'small', 'data-toast': 'undo', hidden: true, title: 'Ctrl+Z', onclick: () => void app.undoLast() }, 'Undo');
+  const box = h('div', { className: 'toast' }, words, undo);
   let timer = 0;
-  app.onMessage = (text, bad) => {
-    setText(box, text);
+  const hide = () => {
+    box.classList.remove('shown');
+    undo.hidden = true;
+  };
+  app.onMessage = (text, bad, step) => {
+    setText(words, text);
     box.classList.toggle('bad', bad);
     box.classList.add('shown');
+    undo.hidden = step === undefined;
+    undo.setAttribute('aria-label', `Undo: ${step?.what}`);
     clearTimeout(timer);
-    timer = window.setTimeout(() => box.classList.remove('shown'), Math.max(MESSAGE_MS, READ_MS * text.length));
+    timer = window.setTimeout(hide, step ? UNDO_MS : Math.max(MESSAGE_MS, READ_MS * text.length));
   };
   app.client.on('complaint', (text, unknown) => {
     // A performer that the daemon lists is not misspelt, only silent; the list shows that already.

@@ -6,8 +6,8 @@ const GESTURE_MS = 1500;
 export interface Step {
   /** What was done, for messages. */
   what: string;
-  /** Takes it back; rejects if that fails. */
-  back(): Promise<void>;
+  /** Takes it back; resolves to what is to be said of it besides; rejects if that fails. */
+  back(): Promise<string | void>;
 }
 
 interface Entry extends Step {
@@ -30,32 +30,33 @@ export class UndoStack {
 
   /**
    * Adds a step. Steps of one gesture (a knob that is dragged) that follow each other closely are one,
-   * and lead back to where the first of them began. The oldest of more than fifty is dropped.
+   * and lead back to where the first of them began: then true is returned, and this `back` is never called. The
+   * oldest of more than fifty is dropped.
    */
-  push(step: Step, gesture = ''): void {
+  push(step: Step, gesture = ''): boolean {
     const last = this.entries.at(-1);
     const at_ms = this.now_ms();
     if (gesture && last?.gesture === gesture && at_ms - last.at_ms < GESTURE_MS) {
       last.at_ms = at_ms;
       last.what = step.what;
-      return;
+      return true;
     }
     this.entries.push({ what: step.what, back: () => step.back(), gesture, at_ms });
     if (this.entries.length > MOST) this.entries.shift();
+    return false;
   }
 
   /**
-   * Takes the last step back; resolves to it, or to undefined if there is none or another is being taken
-   * back. A step that fails is kept, so that it can be tried again, unless `lost` says that it never can.
+   * Takes the last step back; resolves to its name and what `back` says, or to undefined if there is none or
+   * another is being taken back. A step that fails is kept, so that it can be tried again, unless `lost` says that it never can.
    */
-  async undo(lost: (error: unknown) => boolean = () => false): Promise<Step | undefined> {
+  async undo(lost: (error: unknown) => boolean = () => false): Promise<{ what: string; remark: string } | undefined> {
     if (this.busy) return undefined;
     const entry = this.entries.pop();
     if (!entry) return undefined;
     this.busy = true;
     try {
-      await entry.back();
-      return entry;
+      return { what: entry.what, remark: (await entry.back()) ?? '' };
     } catch (error) {
       if (!lost(error)) this.entries.push(entry);
       throw error;
