@@ -1,6 +1,7 @@
 // Keyboard control.
 import type { App } from './app.js';
 import { STYLE_KEYS } from './cards.js';
+import type { CuePanel } from './cues.js';
 import { dialog, inDialog, type Dialog } from './dialog.js';
 import { h } from './dom.js';
 import type { RecordPanel } from './record.js';
@@ -13,6 +14,7 @@ const HELP: [string, string][] = [
   ['Esc', 'panic: everyone back to the bare source'],
   ['Ctrl+Z, U', 'undo: the look before, and a style that was removed'],
   ['[ ]', 'strength down, up'],
+  ['G', 'GO: the next cue'],
   ['N', 'another variation of the style'],
   ['L', 'learn a style from the selected performer'],
   ['/', 'find a style'],
@@ -50,7 +52,7 @@ function letGo(): void {
 }
 
 export function keys(
-  app: App, stage: Stage, looks: Looks, record: RecordPanel, cancelLesson: () => boolean,
+  app: App, stage: Stage, looks: Looks, record: RecordPanel, cues: CuePanel, cancelLesson: () => boolean,
 ): Dialog {
   const help = dialog('Keys', 'help',
     h('dl', {}, ...HELP.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)])));
@@ -74,6 +76,7 @@ export function keys(
       app.everyone = !app.everyone;
       app.changed();
     },
+    g: () => cues.go(),
     r: () => record.toggle(),
     u: () => void app.undoLast(),
     n: () => press('[data-vary=dice]'),
@@ -126,7 +129,7 @@ export function keys(
     const action = plain[event.key.toLowerCase()];
     if (!action) return;
     event.preventDefault();
-    if (event.key.toLowerCase() === 'r' && event.repeat) return; // key repeat would start and stop it
+    if (/^[rg]$/i.test(event.key) && event.repeat) return; // key repeat would start and stop it, or run through the cues
     action();
   });
   return help;

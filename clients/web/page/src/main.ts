@@ -5,6 +5,7 @@ import { StyledClient } from 'styled-client';
 import { App } from './app.js';
 import { Cards } from './cards.js';
 import { controls } from './controls.js';
+import { cuePanel } from './cues.js';
 import { h } from './dom.js';
 import { examplePanel } from './example_panel.js';
 import { Examples } from './examples.js';
@@ -39,7 +40,8 @@ function whole(client: StyledClient, known: string | undefined): object {
   const menu = new StyleMenu(app, examples);
   const links = share(app, stage, known);
   const left = roster(app, stage, record.element, example, links.show);
-  const help = keys(app, stage, left.looks, record, example.cancel);
+  const cues = cuePanel(app);
+  const help = keys(app, stage, left.looks, record, cues, example.cancel);
   const chosen = () => stage.performers.get(app.selected);
   const cards = new Cards(app, () => chosen()?.weights ?? new Map<string, number>(), menu);
 
@@ -47,7 +49,7 @@ function whole(client: StyledClient, known: string | undefined): object {
     topBar(app, stage, help.toggle),
     left.element,
     h('main', {}, stage.element, banner(app), record.badge, example.lesson, toast(app)),
-    controls(app, cards),
+    controls(app, cards, cues.element),
     plots(app, () => chosen()?.missed ?? 0),
     menu.element,
     help.element,
