@@ -1,4 +1,6 @@
 // The left-hand side: the performers, their views and their avatars.
+import type { PerformerStats } from 'styled-client';
+
 import type { App } from './app.js';
 import { Avatar } from './avatar.js';
 import { h, setText } from './dom.js';
@@ -8,7 +10,7 @@ import type { Stage } from './stage.js';
 
 function list(app: App): HTMLElement {
   const box = h('div', { className: 'roster', role: 'listbox', 'aria-label': 'Performers' });
-  const rows = new Map<string, { row: HTMLElement; rate: HTMLElement; words: HTMLElement }>();
+  const rows = new Map<string, { row: HTMLElement; rate: HTMLElement; words: HTMLElement; more: HTMLElement }>();
   const empty = h('p', { className: 'hint' }, 'Nobody is here yet. Point a rig at the daemon, or start stylesim.');
   app.watch(() => {
     const performers = app.performers();
@@ -16,24 +18,58 @@ function list(app: App): HTMLElement {
     if (names.join() !== [...rows.keys()].join()) {
       rows.clear();
       for (const name of names) {
-        const rate = h('span', { className: 'rate' }), words = h('span', { className: 'words' });
+        const rate = h('span', { className: 'rate' }), words = h('span', { className: 'words' }), more = h('span', { className: 'words more' });
         const row = h('button', { role: 'option', 'data-performer': name, onclick: () => app.select(name) },
-          h('i', {}), h('b', {}, name), rate, words);
-        rows.set(name, { row, rate, words });
+          h('i', {}), h('b', {}, name), rate, words, more);
+        rows.set(name, { row, rate, words, more });
       }
       box.replaceChildren(...[...rows.values()].map(({ row }) => row));
     }
     empty.hidden = names.length > 0;
     for (const entry of performers) {
-      const { row, rate, words } = rows.get(entry.performer)!;
+      const { row, rate, words, more } = rows.get(entry.performer)!;
       row.setAttribute('aria-selected', String(entry.performer === app.selected));
       row.classList.toggle('live', entry.live);
       setText(rate, entry.live ? `${entry.rateHz.toFixed(0)} Hz` : 'silent');
       const set = (entry.look?.mix ?? []).filter(({ weight }) => weight > 0).map(({ style }) => style).join(' + ');
       setText(words, (entry.look?.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : ''));
+      layers(more, entry);
     }
   });
-  return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty);
+  return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty, ownStyle(app));
+}
+
+// What other sources give a performer, such as a phone the face, and the own style.
+function layers(line: HTMLElement, { layers, look }: PerformerStats): void {
+  const parts = [...(look?.inputStyle ? [{ text: `moves as: ${look.inputStyle}`, live: true }] : []),
+    ...layers.map(({ source, part, live }) => ({ text: `${part}: ${source}${live ? '' : ', silent'}`, live }))];
+  line.hidden = parts.length === 0;
+  const now = JSON.stringify(parts);
+  if (line.dataset.shown === now) return;
+  line.dataset.shown = now;
+  line.replaceChildren(...parts.map(({ text, live }) => h('span', { className: live ? 'live' : 'silent' }, text)));
+}
+
+/** The style in which the selected performer moves already, and which is taken away first. */
+function ownStyle(app: App): HTMLElement {
+  const choice = h('select', { name: 'own', 'aria-label': 'Own style' });
+  choice.addEventListener('change', () => void app.setOwnStyle(choice.value));
+  const box = h('label', { className: 'own', title: 'The style in which the performer moves already: it is taken away before another is put on' },
+    h('span', {}, 'Own style'), choice);
+  let shown = '';
+  app.watch(() => {
+    const entry = app.entry();
+    box.hidden = !entry?.look || app.list === undefined || app.watchOnly;
+    const own = entry?.look?.inputStyle ?? '';
+    // One that these weights do not have stays in the list, so that it is seen.
+    const names = [...new Set([...app.styles(), ...(own ? [own] : [])])];
+    if (names.join() !== shown) {
+      shown = names.join();
+      choice.replaceChildren(h('option', { value: '' }, 'none'), ...names.map((name) => h('option', { value: name }, name)));
+    }
+    if (document.activeElement !== choice) choice.value = own;
+  });
+  return box;
 }
 
 export interface Looks {
