@@ -20,6 +20,17 @@ const REASONS: [RegExp, string][] = [
   [/rate_limited|table_full/, 'more comes than is taken: too many performers or frames'],
 ];
 
+const PHONES = ['livelinkface', 'ifacialmocap']; // a face, without a body
+// Why nothing comes, by type of source; else by who sends to us.
+const SILENT: Record<string, string> = {
+  ifacialmocap: 'the daemon asks the phone, which has never answered. Is its app open and in front, and does server of this source name its address?',
+  natnet: "the daemon asks Motive, which has never answered. Does server of this source name Motive's machine, and is streaming on there?",
+  livelinkface: 'nothing has ever arrived. Does the app on the phone name this machine and this port (Settings, Live Link), and does a firewall let it in?',
+  usb: 'nothing has ever arrived. Is the device plugged in and switched on?',
+  'slimevr-usb': 'nothing has ever arrived. Is the receiver plugged in, and are the trackers switched on?',
+};
+const UNHEARD = 'nothing has ever arrived. Does the rig send to this machine and this port, and does a firewall let it in?';
+
 // Counters are of the whole daemon, so this holds for a source only while no other one sends.
 function reasonOf(now: Stats, before: Stats): string | undefined {
   const had = new Map(before.counters.map(({ name, value }) => [name, value]));
@@ -43,13 +54,16 @@ export function findings(now: Stats, before: Stats | undefined): string[] {
   const had = new Map(old?.sources.map(({ name, received }) => [name, received]));
   const freshOf = ({ name, received }: { name: string; received: bigint }) => Number(received - (had.get(name) ?? received));
   const only = now.sources.filter((source) => freshOf(source) > 0).length === 1;
+  const layers = new Map(now.performers.flatMap(({ layers }) => layers.map(({ source, part }) => [source, part] as const)));
   const sentences = now.sources.map((source) => {
     const { name, type, listen, received } = source;
+    const part = layers.get(name) ?? (PHONES.includes(type) ? 'face' : '');
     const place = `${name} (${type}${listen ? `, ${listen}` : ''})`;
     const fresh = freshOf(source);
-    if (received === 0n) return { rank: 2, text: `${place}: nothing has ever arrived. Does the rig send to this machine and this port, and does a firewall let it in?` };
-    if (fresh === 0) return { rank: 1, text: `${place}: ${received} datagrams came, none of them now. Is the rig's application still sending?` };
+    if (received === 0n) return { rank: 2, text: `${place}: ${SILENT[type] ?? UNHEARD}` };
+    if (fresh === 0) return { rank: 1, text: `${place}: ${received} datagrams came, none of them now. Is ${PHONES.includes(type) ? 'the app on the phone open and in front' : "the rig's application still sending"}?` };
     const why = old && only ? reasonOf(now, old) : undefined;
+    if (part && !why) return { rank: 3, text: `${place}: ${fresh} datagrams came in the last second: ${part === 'face' ? 'a face, which waits' : `${part}, which wait`} for the body of whom merge_into names.` };
     return { rank: 0, text: `${place}: ${fresh} datagrams came in the last second, but no pose: ${why ?? `stylectl doctor ${name} looks into them`}.` };
   });
   sentences.sort((a, b) => a.rank - b.rank);

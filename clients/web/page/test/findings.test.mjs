@@ -18,6 +18,29 @@ test('no source, and sources that nothing reaches', () => {
   assert.match(only, /^stage \(vmc, udp:\/\/0\.0\.0\.0:39539\): nothing has ever arrived\..*firewall/);
 });
 
+test('phones, sources that ask a server, and devices are told what they lack', () => {
+  const one = (type, received = 0, fields = {}) => create(StatsSchema, {
+    epoch: 1n, sources: [{ name: 'it', type, listen: '', received: BigInt(received) }], ...fields });
+  const silent = (type) => findings(one(type), undefined)[0];
+  assert.match(silent('livelinkface'), /^it \(livelinkface\): nothing has ever arrived\. Does the app on the phone name this machine/);
+  assert.match(silent('ifacialmocap'), /asks the phone, which has never answered\..*server of this source/);
+  assert.match(silent('natnet'), /asks Motive, which has never answered\..*server of this source/);
+  assert.match(silent('slimevr-usb'), /plugged in/);
+  for (const type of ['ifacialmocap', 'natnet', 'usb', 'slimevr-usb']) assert.doesNotMatch(silent(type), /send to this machine/);
+  assert.match(findings(one('livelinkface', 60), one('livelinkface', 60))[0], /60 datagrams came, none of them now\. Is the app on the phone open/);
+});
+
+test('a phone that sends is no reason for silence: its face waits for a body', () => {
+  const of = (phone, stage, layers = []) => create(StatsSchema, { epoch: 1n, performers: [{ performer: 'stage.anna', layers }], sources: [
+    { name: 'phone', type: 'livelinkface', received: BigInt(phone) }, { name: 'glove', type: 'vmc', received: BigInt(phone) },
+    { name: 'stage', type: 'mvn', received: BigInt(stage) }] });
+  const layers = [{ source: 'glove', part: 'fingers', live: true }];
+  const found = findings(of(160, 5, layers), of(100, 5, layers));
+  assert.deepEqual(found.map((text) => text.split(' ')[0]), ['stage', 'phone', 'glove']);
+  assert.match(found[1], /60 datagrams came in the last second: a face, which waits for the body/);
+  assert.match(found[2], /: fingers, which waits? for the body/);
+});
+
 test('datagrams that are no poses, with what they are counted as', () => {
   const before = stats({ stage: 100 }, { 'source.malformed': 100, 'source.received': 100 });
   const found = findings(stats({ stage: 160 }, { 'source.malformed': 160, 'source.received': 160 }), before);
