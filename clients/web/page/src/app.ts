@@ -216,7 +216,7 @@ export class App {
     try {
       await this.fetchLooks();
       const step = await this.undo.undo((error) => error instanceof RefusedError && !TRY_AGAIN.includes(error.code));
-      if (step) this.onMessage(`undone: ${step.what}${step.remark && `; ${step.remark}`}`, step.remark !== '');
+      if (step) this.onMessage(step.remark ? `undo of ${step.what}: ${step.remark}` : `undone: ${step.what}`, step.remark !== '');
     } catch (error) {
       this.report(error, 'undo');
     }
@@ -289,7 +289,7 @@ export class App {
     const made: Made = {};
     const step: Step = { what: manner.name ?? what, back: async () => {
       const others = await this.restore(before, made.left);
-      return others.length > 0 ? `${others.join(', ')}: changed by someone else since, and left so` : '';
+      return others.length > 0 ? `${others.join(', ')} ${others.length > 1 ? 'were' : 'was'} changed by someone else since, and left so` : '';
     } };
     const settle = async (made: Made) => {
       await this.fetchLooks().catch(() => {});

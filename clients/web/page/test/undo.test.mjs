@@ -81,3 +81,10 @@ test('gestures of two knobs, and of one after a pause, are two', () => {
   change(4, 'strength');
   assert.equal(stack.size, 4);
 });
+
+test('what is to be said of a step that was taken back is told; steps that became part of another are', async () => {
+  const { stack } = make();
+  const left = { what: 'it', back: async () => 'rig.a: changed by someone else' };
+  assert.deepEqual([stack.push(left, 'strength'), stack.push(left, 'strength'), stack.push(left)], [false, true, false]);
+  assert.deepEqual(await stack.undo(), { what: 'it', remark: 'rig.a: changed by someone else' });
+});
