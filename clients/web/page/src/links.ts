@@ -6,6 +6,7 @@ export interface Alone {
   performer: string; // '': the first one that is live
   avatar: string; // name of a .vrm that this browser keeps; '': none
   background: string; // a CSS colour
+  props?: boolean; // its props are shown, too
 }
 
 /** undefined: the whole page is asked for. `isColor`: whether a browser knows that colour. */
@@ -15,16 +16,18 @@ export function aloneOf(search: string, isColor: (text: string) => boolean): Alo
   const text = asked.get('bg') ?? 'transparent';
   // '#' begins a fragment, so a colour is written without it.
   const background = [text, `#${text}`].find(isColor) ?? 'transparent';
-  return { performer: asked.get('performer') ?? '', avatar: asked.get('avatar') ?? '', background };
+  return { performer: asked.get('performer') ?? '', avatar: asked.get('avatar') ?? '', background,
+           ...(asked.get('props') === '1' ? { props: true } : {}) };
 }
 
 /** `page`: the address of this page; a `token` goes after '#', which browsers send to no server. */
-export function obsLink(page: string, { performer, avatar, background }: Alone, token?: string): string {
+export function obsLink(page: string, { performer, avatar, background, props }: Alone, token?: string): string {
   const url = new URL('/', page);
   url.searchParams.set('view', 'avatar');
   url.searchParams.set('performer', performer);
   if (avatar) url.searchParams.set('avatar', avatar);
   url.searchParams.set('bg', background);
+  if (props) url.searchParams.set('props', '1');
   if (token) url.hash = new URLSearchParams({ token }).toString();
   return url.href;
 }

@@ -5,6 +5,7 @@ import { Output, type Body, type Stream, type StyledClient, type Update } from '
 import type { Avatar } from './avatar.js';
 import { Figure, type Detail } from './figure.js';
 import { Floor, RADIUS_M } from './floor.js';
+import { Props } from './props.js';
 import { skeletonOf } from './skeleton.js';
 
 export const BEFORE = 0x8b9cb3;
@@ -20,6 +21,8 @@ export interface View {
   contacts: boolean;
   /** The styled body only, without floor. */
   alone: boolean;
+  /** What the rig tracks beside the body. */
+  props: boolean;
 }
 
 /** A pose on its body: live, or of a take. */
@@ -29,6 +32,7 @@ interface Role {
   stream: 'source' | 'rig';
   floor: Floor;
   figure: Figure | undefined;
+  props: Props;
   update: Shown | undefined;
 }
 
@@ -53,15 +57,19 @@ export class PerformerOnStage {
     private detail: Detail,
   ) {
     this.roles = {
-      before: { stream: 'source', floor: new Floor(BEFORE), figure: undefined, update: undefined },
-      after: { stream: 'rig', floor: new Floor(AFTER), figure: undefined, update: undefined },
+      before: { stream: 'source', floor: new Floor(BEFORE), figure: undefined, props: new Props(), update: undefined },
+      after: { stream: 'rig', floor: new Floor(AFTER), figure: undefined, props: new Props(), update: undefined },
     };
-    for (const role of [this.roles.before, this.roles.after]) this.group.add(role.floor.group);
+    for (const role of [this.roles.before, this.roles.after]) {
+      role.floor.world.add(role.props.group);
+      this.group.add(role.floor.group);
+    }
     this.end = [client.subscribeLatest(name, 'source'), client.subscribeLatest(name, 'rig')];
   }
 
   dispose(): void {
     for (const end of this.end) end();
+    for (const { props } of [this.roles.before, this.roles.after]) props.dispose();
     this.setAvatar(undefined);
     this.group.removeFromParent();
   }
@@ -103,6 +111,7 @@ export class PerformerOnStage {
       if (!update?.body) continue;
       if (role.figure?.skeleton.body !== update.body) this.rebuild(role, update.body);
       role.figure!.setPose(update.frame);
+      role.props.show(update.frame, role.figure!.skeleton);
       role.update = update;
       if (update.newEpoch) role.floor.restart();
       role.floor.step(role.figure!.left, role.figure!.right, update.frame.contacts);
@@ -148,6 +157,7 @@ export class PerformerOnStage {
     for (const role of [before, after]) {
       role.floor.glow = selected ? 1 : 0;
       role.floor.reach = reach;
+      role.props.group.visible = view.props && !(view.overlay && role === before);
       role.floor.show(view.trails && !view.alone, view.contacts && !view.alone && !(view.overlay && role === before));
       if (role.figure) {
         const { hips, left, right } = role.figure;

@@ -11,7 +11,7 @@ import { Stage } from './stage.js';
 const SAID_MS = 5000;
 
 export function solo(client: StyledClient, wish: Alone): { element: HTMLElement; stage: Stage } {
-  const stage = new Stage(client, { alone: true });
+  const stage = new Stage(client, { alone: true, props: wish.props ?? false });
   const note = h('p', { className: 'note', role: 'status', hidden: true });
   const file = h('input', { type: 'file', accept: '.vrm', hidden: true });
   let fault = '', timer = 0;

@@ -65,7 +65,7 @@ interface Labels {
 export class Stage {
   readonly element = h('div', { className: 'stage' });
   readonly performers = new Map<string, PerformerOnStage>();
-  readonly view: View = { overlay: false, trails: true, contacts: true, alone: false };
+  readonly view: View = { overlay: false, trails: true, contacts: true, alone: false, props: true };
   selected = '';
   /** Frames drawn in the last second. */
   fps = 0;
@@ -88,9 +88,13 @@ export class Stage {
   private second_ms = 0;
   private inSecond = 0;
 
-  /** `alone`: one performer without floor, labels and background; the page is seen behind it. */
-  constructor(private readonly client: StyledClient, { alone = false } = {}) {
+  /**
+   * `alone`: one performer without floor, labels and background; the page is seen behind it. `props`: what the rig
+   * tracks beside the body is shown.
+   */
+  constructor(private readonly client: StyledClient, { alone = false, props = true } = {}) {
     this.view.alone = alone;
+    this.view.props = props;
     const wanted = new URLSearchParams(location.search).get('quality');
     let renderer = new WebGLRenderer({ antialias: true, alpha: alone, powerPreference: 'high-performance' });
     if (wanted !== 'high' && (wanted === 'low' || isSoftware(renderer))) {

@@ -19,6 +19,10 @@ test('a link is read as it was written, whatever the names', () => {
   const wish = { performer: 'rig.a', avatar: 'Mia & Söhne #2+.vrm', background: 'transparent' };
   const link = obsLink('http://host:7080/?view=x&q=1#token=old', wish, 'se-cret');
   assert.deepEqual(aloneOf(new URL(link).search, isColor), wish);
+  for (const [text, shown] of [['1', true], ['0', undefined], ['', undefined]]) {
+    assert.equal(aloneOf(`?view=avatar&props=${text}`, isColor).props, shown);
+  }
+  assert.deepEqual(aloneOf(new URL(obsLink('http://host/', { ...wish, props: true })).search, isColor), { ...wish, props: true });
   assert.equal(new URL(link).hash, '#token=se-cret');
   assert.equal(new URL(obsLink('http://host:7080/', wish)).hash, '');
   assert.equal(pageLink('http://host:7080/?view=x', 't'), 'http://host:7080/#token=t');
