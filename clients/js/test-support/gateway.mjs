@@ -1,18 +1,29 @@
 // A fake styleweb: sends what a test specifies, and stores what it receives.
+import { existsSync, readFileSync } from 'node:fs';
 import http from 'node:http';
+import path from 'node:path';
 import { WebSocketServer } from 'ws';
 import { create, fromBinary, toBinary } from '@bufbuild/protobuf';
 import { BodySchema, FrameSchema, Output, ReplySchema, RequestSchema } from 'styled-client';
+
+const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 
 export class Gateway {
   topics = new Set();
   heard = []; // texts
   token = '';
+  page = ''; // folder of files that it serves
   answer = () => undefined; // Request -> Reply's fields, or a notice, or nothing
 
   static async start(port = 0) {
     const gateway = new Gateway();
     gateway.http = http.createServer((request, response) => {
+      const { pathname } = new URL(request.url, 'http://x');
+      const file = path.join(gateway.page, pathname === '/' ? 'index.html' : pathname);
+      if (gateway.page && existsSync(file)) {
+        response.writeHead(200, { 'Content-Type': TYPES[path.extname(file)] ?? 'application/octet-stream' });
+        return response.end(readFileSync(file));
+      }
       response.writeHead(gateway.allows(request) ? 426 : 401);
       response.end('the token is missing or wrong\n');
     });
@@ -34,7 +45,11 @@ export class Gateway {
     return new URL(request.url, 'http://x').searchParams.get('token') === (this.token || null);
   }
 
+  onSubscribe() {}
+  onJoin() {}
+
   #join(client) {
+    this.onJoin();
     client.on('message', (data, binary) => {
       if (binary) {
         const request = fromBinary(RequestSchema, new Uint8Array(data));
@@ -48,7 +63,10 @@ export class Gateway {
       }
       this.heard.push(String(data));
       const message = JSON.parse(String(data));
-      for (const topic of message.subscribe ?? []) this.topics.add(topic);
+      for (const topic of message.subscribe ?? []) {
+        this.topics.add(topic);
+        this.onSubscribe(topic);
+      }
       for (const topic of message.unsubscribe ?? []) this.topics.delete(topic);
     });
   }

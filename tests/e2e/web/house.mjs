@@ -89,6 +89,17 @@ export const drop = (page, ...files) =>
     dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, cancelable: true, bubbles: true }));
   }, files.map(([name, bytes]) => [name, bytes.toString('base64')]));
 
+// Violations of WCAG 2.2, A and AA, as axe-core finds them.
+const axe = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
+export async function axeOf(page) {
+  if (!(await page.evaluate(() => 'axe' in globalThis))) await page.evaluate(axe);
+  return (within = 'body') => page.evaluate(async (within) => {
+    const { violations } = await globalThis.axe.run(within, {
+      runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'], resultTypes: ['violations'] });
+    return violations.flatMap(({ id, nodes }) => nodes.map(({ target, failureSummary }) => `${id}: ${target}: ${failureSummary}`));
+  }, within);
+}
+
 export async function takePicture(page, name) {
   if (process.env.SCREENSHOTS) await page.screenshot({ path: path.join(process.env.SCREENSHOTS, `${name}.png`) });
 }

@@ -8,10 +8,11 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
 import { makeAvatar } from './avatar.mjs';
-import { drawSeldom, drop, endAll, file, launch, patience, start, startAll, startWeb, takePicture, until } from './house.mjs';
+import { axeOf, drawSeldom, drop, endAll, file, launch, patience, start, startAll, startWeb, takePicture, until } from './house.mjs';
 
 const TOKEN = 'a-token-of-this-test';
 let browser, page, address, vmc, rig, link;
+const violations = async (within) => (await axeOf(page))(within);
 const errors = [];
 
 before(async () => {
@@ -80,17 +81,6 @@ async function pixels() {
   return { ...found, png };
 }
 const wornAlone = () => page.evaluate(() => [...globalThis.styled.stage.performers.values()][0]?.avatar?.ready === true);
-
-// Violations of WCAG 2.2, A and AA, as axe-core finds them.
-const axe = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
-async function violations(within = 'body') {
-  if (!(await page.evaluate(() => 'axe' in globalThis))) await page.evaluate(axe);
-  return page.evaluate(async (within) => {
-    const { violations } = await globalThis.axe.run(within, {
-      runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'], resultTypes: ['violations'] });
-    return violations.flatMap(({ id, nodes }) => nodes.map(({ target, failureSummary }) => `${id}: ${target}: ${failureSummary}`));
-  }, within);
-}
 
 test('on a phone Panic stays in sight, and everything is large enough for a finger', async () => {
   const small = await page.evaluate(() =>

@@ -1,12 +1,12 @@
 // The objects that a rig tracks, such as a sword or a chair: each a small labelled cross of axes.
-import { BufferGeometry, CanvasTexture, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, SRGBColorSpace, Sprite, SpriteMaterial } from 'three';
+import { BufferGeometry, CanvasTexture, Float32BufferAttribute, Group, LineBasicMaterial, LinearFilter, LineSegments, SRGBColorSpace, Sprite, SpriteMaterial } from 'three';
 import type { Frame } from 'styled-client';
 
 import { h } from './dom.js';
 import type { Skeleton } from './skeleton.js';
 
 const LENGTH_M = 0.16; // of an axis, half of it on the other side
-const LABEL_M = 0.07; // height of the letters' line
+const LABEL_M = 0.1; // height of the letters' line
 const LETTERS = 24; // of a name
 const PIXELS = 48; // height of a label's picture
 const COLORS = [[1, 0.42, 0.37], [0.44, 0.84, 0.66], [0.5, 0.7, 1]]; // of x, y, z
@@ -41,6 +41,8 @@ function labelOf(name: string): Sprite {
   context.fillText(words, 8, PIXELS / 2);
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
+  map.minFilter = LinearFilter; // smaller copies of letters are hard to read
+  map.generateMipmaps = false;
   const label = new Sprite(new SpriteMaterial({ map, depthTest: false, fog: false }));
   label.scale.set((LABEL_M * canvas.width) / PIXELS, LABEL_M, 1);
   label.center.set(0, 0);

@@ -10,7 +10,7 @@ import type { Stage } from './stage.js';
 
 function list(app: App): HTMLElement {
   const box = h('div', { className: 'roster', role: 'listbox', 'aria-label': 'Performers' });
-  const rows = new Map<string, { row: HTMLElement; rate: HTMLElement; words: HTMLElement; more: HTMLElement }>();
+  const rows = new Map<string, { row: HTMLElement; rate: HTMLElement; words: HTMLElement; parts: HTMLElement }>();
   const empty = h('p', { className: 'hint' }, 'Nobody is here yet. Point a rig at the daemon, or start stylesim.');
   app.watch(() => {
     const performers = app.performers();
@@ -18,22 +18,22 @@ function list(app: App): HTMLElement {
     if (names.join() !== [...rows.keys()].join()) {
       rows.clear();
       for (const name of names) {
-        const rate = h('span', { className: 'rate' }), words = h('span', { className: 'words' }), more = h('span', { className: 'words more' });
+        const rate = h('span', { className: 'rate' }), words = h('span', { className: 'words' }), parts = h('span', { className: 'words layers' });
         const row = h('button', { role: 'option', 'data-performer': name, onclick: () => app.select(name) },
-          h('i', {}), h('b', {}, name), rate, words, more);
-        rows.set(name, { row, rate, words, more });
+          h('i', {}), h('b', {}, name), rate, words, parts);
+        rows.set(name, { row, rate, words, parts });
       }
       box.replaceChildren(...[...rows.values()].map(({ row }) => row));
     }
     empty.hidden = names.length > 0;
     for (const entry of performers) {
-      const { row, rate, words, more } = rows.get(entry.performer)!;
+      const { row, rate, words, parts } = rows.get(entry.performer)!;
       row.setAttribute('aria-selected', String(entry.performer === app.selected));
       row.classList.toggle('live', entry.live);
       setText(rate, entry.live ? `${entry.rateHz.toFixed(0)} Hz` : 'silent');
       const set = (entry.look?.mix ?? []).filter(({ weight }) => weight > 0).map(({ style }) => style).join(' + ');
       setText(words, (entry.look?.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : ''));
-      layers(more, entry);
+      layers(parts, entry);
     }
   });
   return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty, ownStyle(app));
@@ -41,13 +41,13 @@ function list(app: App): HTMLElement {
 
 // What other sources give a performer, such as a phone the face, and the own style.
 function layers(line: HTMLElement, { layers, look }: PerformerStats): void {
-  const parts = [...(look?.inputStyle ? [{ text: `moves as: ${look.inputStyle}`, live: true }] : []),
+  const given = [...(look?.inputStyle ? [{ text: `moves as: ${look.inputStyle}`, live: true }] : []),
     ...layers.map(({ source, part, live }) => ({ text: `${part}: ${source}${live ? '' : ', silent'}`, live }))];
-  line.hidden = parts.length === 0;
-  const now = JSON.stringify(parts);
+  line.hidden = given.length === 0;
+  const now = JSON.stringify(given);
   if (line.dataset.shown === now) return;
   line.dataset.shown = now;
-  line.replaceChildren(...parts.map(({ text, live }) => h('span', { className: live ? 'live' : 'silent' }, text)));
+  line.replaceChildren(...given.map(({ text, live }) => h('span', { className: live ? 'live' : 'silent' }, text)));
 }
 
 /** The style in which the selected performer moves already, and which is taken away first. */

@@ -1,0 +1,226 @@
+// The page in a real browser, in front of a fake daemon, which says what the real one says seldom: someone else
+// changes a look at the same time, layers, props, a source that is silent.
+//   STYLED_BIN=build/release/bin CHROMIUM=/usr/bin/chromium node --test fake.test.mjs
+// SCREENSHOTS: a folder for screenshots. PATIENCE: factor of all waits.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { after, before, test } from 'node:test';
+
+import { makeAvatar } from './avatar.mjs';
+import { axeOf, bin, drawSeldom, drop, endAll, launch, patience, takePicture, until } from './house.mjs';
+
+const { Daemon } = await import(`${bin}/../npm/js/test-support/daemon.mjs`);
+let browser, page, daemon;
+const errors = [], downloads = [];
+
+before(async () => {
+  daemon = await Daemon.start(['rig.anna', 'rig.ben'], `${bin}/../web`);
+  daemon.list.cues = [['entrance', '01:00:00:00'], ['storm', ''], ['calm', '']].map(([name, at]) => ({ name, at, performer: '*' }));
+  daemon.cues.set('entrance', { mix: [{ style: 'elderly', weight: 1 }] }).set('storm', { mix: [{ style: 'angry', weight: 1 }], strength: 1.5 });
+  browser = await launch();
+  page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
+  page.setDefaultTimeout(60000 * patience);
+  page.on('download', (download) => downloads.push(download));
+  page.on('pageerror', (error) => errors.push(error.message));
+  page.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
+  await drawSeldom(page);
+  await page.goto(daemon.gateway.url);
+  await until(() => page.evaluate(() => globalThis.styled.app.live().length === 2 && globalThis.styled.app.list), 'two performers');
+});
+
+after(async () => {
+  await endAll(browser);
+  await daemon?.stop();
+});
+
+const toast = () => page.locator('.toast').innerText();
+const offered = () => page.locator('[data-toast=undo]');
+const said = (words) => until(async () => words.test(await toast()), words);
+const looks = () => Object.fromEntries([...daemon.looks].map(([performer, { mix, strength, parts, inputStyle }]) =>
+  [performer, { mix: mix.map(({ style, weight }) => `${style} ${weight}`).join(), strength, parts: parts.join(), inputStyle, pinned: daemon.pinned.has(performer) }]));
+const click = (what) => page.locator(what).click();
+
+test('after Panic the message offers Undo: each look comes back, also of who is pinned, and nothing else', async () => {
+  daemon.set('rig.anna', { mix: [{ style: 'elderly', weight: 0.75 }, { style: 'angry', weight: 0.25 }], strength: 0.5, parts: [1, 3], inputStyle: 'active' });
+  daemon.set('rig.ben', { mix: [{ style: 'youthful', weight: 1 }], strength: 1.25 });
+  daemon.pinned.add('rig.ben');
+  daemon.tell();
+  const before = looks();
+  await until(() => page.evaluate(() => globalThis.styled.app.performers().some(({ pinned }) => pinned)), 'the looks');
+  await page.keyboard.press('Escape');
+  await until(() => [...daemon.looks.values()].every(({ mix }) => mix.length === 0), 'panic');
+  await until(() => offered().isVisible(), 'the offer');
+  await takePicture(page, 'undo');
+  await offered().click();
+  await said(/^undone: panic/);
+  assert.deepEqual(looks(), before);
+  assert.ok(!(await offered().isVisible()), 'it is done once');
+  daemon.pinned.clear();
+});
+
+test('Ctrl+Z takes a style back; the offer ends after ten seconds', async () => {
+  const before = looks();
+  await click('[data-style=angry]');
+  await until(() => looks()['rig.anna'].mix === 'angry 1', 'the style');
+  await until(() => offered().isVisible(), 'the offer');
+  const begun = Date.now();
+  await page.keyboard.press('Control+z');
+  await until(() => looks()['rig.anna'].mix === before['rig.anna'].mix, 'the look before');
+  assert.deepEqual(looks(), before);
+  await click('[data-style=youthful]');
+  await until(() => offered().isVisible(), 'the offer again');
+  await until(async () => !(await offered().isVisible()), 'its end', 30);
+  assert.ok(Date.now() - begun > 9000, 'it is there long enough');
+  await page.keyboard.press('Control+z');
+  await until(() => looks()['rig.anna'].mix === before['rig.anna'].mix, 'the look before, still');
+});
+
+test('who was changed by someone else meanwhile is left so, and that is said; others come back', async () => {
+  const before = looks();
+  await page.keyboard.press('Escape');
+  await until(() => offered().isVisible(), 'the offer');
+  daemon.set('rig.ben', { mix: [{ style: 'active', weight: 1 }] });
+  await offered().click();
+  await said(/^undo of panic: rig\.ben was changed by someone else since, and left so/);
+  assert.deepEqual(looks()['rig.anna'], before['rig.anna']);
+  assert.equal(looks()['rig.ben'].mix, 'active 1');
+});
+
+test('a change of someone else just before ours is part of what comes back', async () => {
+  daemon.set('rig.anna', { mix: [{ style: 'youthful', weight: 0.5 }] }); // no statistics tell of it
+  await click('[data-style=angry]');
+  await until(() => offered().isVisible(), 'the offer');
+  await page.keyboard.press('Control+z');
+  await until(() => looks()['rig.anna'].mix === 'youthful 0.5', 'what the other has set');
+});
+
+test('a slider that is dragged is one step, and may be changed again by us', async () => {
+  const knob = page.locator('input[name=strength]');
+  const { strength } = looks()['rig.anna'];
+  for (const value of ['0.9', '1.1', '1.3']) await knob.fill(value);
+  await until(() => looks()['rig.anna'].strength === Math.fround(1.3), 'the strength');
+  await page.waitForTimeout(600); // the page has learned what came of it
+  await page.keyboard.press('Control+z');
+  await until(() => looks()['rig.anna'].strength === strength, 'the strength before');
+});
+
+test('cues: GO, the next, Back, by key and by name; the one in force is marked', async () => {
+  const current = () => page.locator('.cues [aria-current=step]').evaluateAll((rows) => rows.map((row) => row.dataset.cue).join());
+  assert.equal(await page.locator('[data-cue-back]').isDisabled(), true);
+  await click('[data-cue-go]');
+  await until(async () => (await current()) === 'entrance', 'the first cue');
+  assert.equal(looks()['rig.anna'].mix, 'elderly 1');
+  await page.keyboard.press('g');
+  await until(async () => (await current()) === 'storm', 'the second');
+  assert.deepEqual([looks()['rig.ben'].mix, looks()['rig.ben'].strength], ['angry 1', 1.5]);
+  await takePicture(page, 'cues');
+  await click('[data-cue-back]');
+  await until(async () => (await current()) === 'entrance', 'the first again');
+  await click('[data-cue=calm]'); // the daemon does not have it any more
+  await said(/no cue "calm"/);
+  assert.equal(await current(), 'entrance');
+  await page.keyboard.press('Control+z');
+  await until(() => looks()['rig.ben'].mix === 'angry 1', 'the look before the cue');
+  daemon.list.cues = [];
+  await page.evaluate(() => globalThis.styled.app.fetchList());
+  await until(async () => !(await page.locator('.cues').isVisible()), 'no cues, no panel');
+});
+
+test('the own style is of the selected performer alone, and is seen', async () => {
+  daemon.list.cues = [{ name: 'entrance', at: '', performer: '*' }];
+  await click('[data-performer="rig.ben"]');
+  await click('[data-who=true]'); // everyone, which does not count here
+  await page.locator('select[name=own]').selectOption('youthful');
+  await until(() => looks()['rig.ben'].inputStyle === 'youthful', 'the own style');
+  assert.equal(looks()['rig.anna'].inputStyle, 'active');
+  await until(async () => /moves as: youthful/.test(await page.locator('[data-performer="rig.ben"]').innerText()), 'the row');
+  await page.locator('select[name=own]').selectOption('');
+  await until(() => looks()['rig.ben'].inputStyle === '', 'none');
+  await click('[data-who=false]');
+  await click('[data-performer="rig.anna"]');
+});
+
+test('what other sources give a performer is in the row, and which of them is silent', async () => {
+  daemon.layers.set('rig.anna', [{ source: 'phone', part: 'face', live: true }, { source: 'gloves', part: 'fingers', live: false }]);
+  daemon.tell();
+  const parts = page.locator('[data-performer="rig.anna"] .layers span');
+  await until(async () => (await parts.count()) === 3, 'the layers');
+  assert.deepEqual(await parts.allInnerTexts(), ['moves as: active', 'face: phone', 'fingers: gloves, silent']);
+  assert.deepEqual(await parts.evaluateAll((all) => all.map(({ className }) => className)), ['live', 'live', 'silent']);
+  const row = await page.locator('[data-performer="rig.anna"]').boundingBox(), line = await parts.last().boundingBox();
+  assert.ok(line.x > row.x && line.x + line.width < row.x + row.width && line.y + line.height < row.y + row.height, 'they are within the row');
+});
+
+const placeOf = (prop) => page.evaluate((prop) => [...globalThis.styled.stage.performers.values()].find(({ name }) => name === 'rig.anna').roles.after.props.place(prop), prop);
+
+test('props stand on the stage, and go', async () => {
+  daemon.fields = (i) => ({ props: [{ name: 'sword', position: [0.5, 1.2, 0.9 * (i / 20) + 0.2], rotation: [0, 0, 0.38, 0.92] }, { name: 'Stuhl №2', position: [-0.6, 0.45, 0.9 * (i / 20)], rotation: [0, 0, 0, 1] }] });
+  await until(async () => (await placeOf('sword'))?.[1] > 1.19, 'the sword');
+  const sizes = [[1280, 720], [1920, 1080], [390, 844]];
+  for (const [width, height] of sizes) {
+    await page.setViewportSize({ width, height });
+    await page.waitForTimeout(1500);
+    await takePicture(page, `fake ${width}x${height}`);
+    assert.deepEqual(await (await axeOf(page))(), [], `${width} x ${height}`);
+  }
+  await page.setViewportSize({ width: 1280, height: 720 });
+  daemon.fields = (i) => ({ props: [{ name: 'Stuhl №2', position: [-0.6, 0.45, 0.9 * (i / 20)], rotation: [0, 0, 0, 1] }] });
+  await until(async () => (await placeOf('sword')) === undefined, 'the sword to go');
+});
+
+// The description in a file of glTF.
+const description = (bytes) => JSON.parse(bytes.subarray(20, 20 + bytes.readUInt32LE(12)).toString());
+
+test('a take is saved as VRMA, and as glTF of the avatar that is worn', async () => {
+  daemon.fields = () => ({ expressions: [{ name: 'Joy', value: 0.5 }, { name: 'jawOpen', value: 0.25 }] });
+  const list = page.getByLabel('What is saved');
+  assert.equal(await list.locator('option[value=avatar]').isDisabled(), true, 'nobody wears an avatar');
+  await drop(page, ['boxes.vrm', makeAvatar(undefined, { details: true })]);
+  await until(() => page.evaluate(() => globalThis.styled.stage.performers.get('rig.anna').avatar?.ready), 'the avatar');
+  await list.selectOption('vrma');
+  await click('button.record');
+  await until(() => page.evaluate(() => globalThis.styled.recorder.frames > 30), 'frames');
+  await click('button.record');
+  await until(() => downloads.length === 1, 'the animation');
+  await click('[data-save=avatar]');
+  await until(() => downloads.length === 2, 'the avatar');
+  await takePicture(page, 'saved');
+  const [vrma, avatar] = await Promise.all(downloads.splice(0).map(async (download) => [download.suggestedFilename(), description(readFileSync(await download.path()))]));
+  assert.match(vrma[0], /^rig\.anna-vrma-[\d-]+(filled)?\.vrma$/);
+  const { humanoid, expressions, lookAt } = vrma[1].extensions.VRMC_vrm_animation;
+  assert.equal(Object.keys(humanoid.humanBones).length, 21);
+  assert.deepEqual([Object.keys(expressions.preset), Object.keys(expressions.custom)], [['happy'], ['jawOpen']]);
+  assert.ok(lookAt);
+  assert.match(avatar[0], /^rig\.anna-avatar-[\d-]+(filled)?\.glb$/);
+  assert.ok(avatar[1].extensions.VRMC_vrm);
+  assert.equal(avatar[1].animations[0].name, 'rig.anna');
+  const { count, max } = avatar[1].accessors[avatar[1].animations[0].samplers[0].input];
+  assert.ok(count > 20 && Math.abs(max[0] - (count - 1) / 20) < 0.01, `${count} frames, ${max[0]} s`);
+});
+
+test('OBS sees props only where its link asks for them', async () => {
+  daemon.fields = (i) => ({ props: [{ name: 'sword', position: [0.5, 1.2, 0.9 * (i / 20)], rotation: [0, 0, 0, 1] }] });
+  const shown = () => page.evaluate(() => [...globalThis.styled.stage.performers.values()][0]?.roles.after.props.group.visible);
+  for (const [query, wanted] of [['', false], ['&props=1', true], ['&props=0', false]]) {
+    await page.goto(`${daemon.gateway.url}/?view=avatar&performer=rig.anna&bg=00ff00${query}`);
+    await until(async () => (await placeOf('sword')) !== undefined && (await shown()) === wanted, `props: ${query || 'none'}`);
+    await page.waitForTimeout(1000);
+    await takePicture(page, `obs${query.replace(/\W/g, '')}`);
+  }
+});
+
+test('a rig that is silent: what its phone and a source that asks a server lack', async () => {
+  daemon.live = false;
+  daemon.fields = () => ({});
+  daemon.sources = [{ name: 'stage', type: 'natnet', listen: 'udp://0.0.0.0:1511', received: 0n },
+    { name: 'phone', type: 'ifacialmocap', listen: 'udp://0.0.0.0:49983', received: 0n }];
+  await page.goto(daemon.gateway.url);
+  const lines = page.locator('.banner li');
+  await until(async () => (await lines.count()) === 2, 'the findings');
+  const [stage, phone] = await lines.allInnerTexts();
+  assert.match(stage, /^stage \(natnet, .*asks Motive, which has never answered/);
+  assert.match(phone, /^phone \(ifacialmocap, .*asks the phone, which has never answered/);
+  await takePicture(page, 'silent');
+});
+
+test('nothing went wrong within', () => assert.deepEqual(errors, []));
