@@ -52,7 +52,7 @@ TEST_F(ToolsTest, StylizeTakesAStyleAway) {
       << "nothing to put on";
   EXPECT_NE(said_.find("give --style neutral to remove elderly"), std::string::npos) << said_;
   EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--from", "zombie", "--style", "neutral", in, out}),
-            1);
+            2);
   EXPECT_NE(said_.find("--input-style: unknown style 'zombie'"), std::string::npos) << said_;
 }
 
@@ -433,7 +433,7 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
   EXPECT_EQ(Run({STYLESIM_BINARY, "--bvh", folder_ / "none.bvh"}), 1);
   EXPECT_NE(said_.find("none.bvh"), std::string::npos) << said_;
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "tcp://127.0.0.1:1"}), 1) << "no program listens there";
-  EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "zombie", in, out}), 1);
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "zombie", in, out}), 2);
   EXPECT_NE(said_.find("unknown style 'zombie'"), std::string::npos) << said_;
   WriteText(in, "HIERARCHY\n");
   EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, out}), 1);
