@@ -278,6 +278,18 @@ TEST_F(StylizeClips, AnExampleOfAStyleIsCalledThat) {
   EXPECT_NE(said_.find(" of the mean distance between styles"), std::string::npos) << said_;
 }
 
+TEST_F(StylizeClips, AnExampleIsReadOnceForAllStyles) {
+  const std::string in = Walk("30", "4"), example = Walk("60", "3");
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--weights", weights_, "--style", "style1,style2",
+                 "--like", example, "--out", folder_ / "{style}.bvh", in}),
+            0)
+      << said_;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "style2.bvh"));
+  const std::size_t first = said_.find("nearest to ");
+  ASSERT_NE(first, std::string::npos) << said_;
+  EXPECT_EQ(said_.find("nearest to ", first + 1), std::string::npos) << said_;
+}
+
 TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   const std::string in = Walk("30", "3");
   const auto refuses = [&](const std::vector<std::string>& arguments, const std::string& reason) {
