@@ -75,11 +75,10 @@ Status Supervisor::Start() {
   if (status.ok()) status = OpenSockets();
   if (!status.ok()) return status;
   StartRecording();
-  std::vector<std::string> names, types, layers;
+  std::vector<std::string> names, types;
   for (const auto& source : config_.sources) {
     names.push_back(source.name);
     types.push_back(source.type);
-    layers.push_back(source.merge_into);
   }
   pipeline_ = std::make_unique<pipeline::Pipeline>(
       pipeline::Dependencies{clock_, counters_, *publisher_, mailboxes_, recorder_.get(),
@@ -88,7 +87,7 @@ Status Supervisor::Start() {
       std::move(names), std::move(transports_), runtime_config_, epoch_,
       config_.publish.max_subscriptions);
   pipeline_->SetSourceTypes(std::move(types));
-  pipeline_->SetLayers(std::move(layers));
+  pipeline_->SetLayers(config_.sources);
   RestoreProfiles();
   if (config_.realtime.lock_memory) {
     for (const auto& refused : runtime::LockMemory()) spdlog::warn("{}", refused);

@@ -317,4 +317,13 @@ std::string CodeName(v1::Code code) {
   }
 }
 
+std::string LayersText(const v1::PerformerStats& performer) {
+  std::string out;
+  for (const auto& layer : performer.layers()) {
+    out.append(out.empty() ? "" : ", ").append(layer.part()).append(": ").append(layer.source());
+    out += layer.live() ? " (live)" : " (silent)";
+  }
+  return out;
+}
+
 }  // namespace styled::client

@@ -158,6 +158,15 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
     text.Sample(Number(p.shown().left_leg()), labels + "\"left-leg\"");
     text.Sample(Number(p.shown().right_leg()), labels + "\"right-leg\"");
   }
+  text.Family("styled_performer_layer_live", "gauge",
+              "1 while a source that is merged into a performer gives its part");
+  for (const auto& p : stats.performers()) {
+    for (const auto& layer : p.layers()) {
+      text.Sample(layer.live() ? "1" : "0", "performer=" + Quoted(p.performer()) +
+                                                ",source=" + Quoted(layer.source()) +
+                                                ",part=" + Quoted(layer.part()));
+    }
+  }
   text.Family("styled_stage_seconds", "gauge", "time of a stage per frame, over the last second");
   for (const auto& stage : stats.stages()) {
     text.Sample(Number(stage.mean_us() * 1e-6), "stage=" + Quoted(stage.name()) + ",of=\"mean\"");

@@ -33,6 +33,10 @@ struct Smoothing {
   friend bool operator==(const Smoothing&, const Smoothing&) = default;
 };
 
+// The words of Source::parts; "fingers": those of both hands.
+inline constexpr std::array<std::string_view, 4> kMergedParts{"face", "fingers", "leftFingers",
+                                                              "rightFingers"};
+
 struct Source {
   std::string name = "rig";    // [A-Za-z0-9_-]{1,32}; performers are called NAME.PERFORMER
   std::string type = "udp";    // rigs::kSourceTypes (proto/rigs/types.h)
@@ -53,11 +57,17 @@ struct Source {
   std::string usb_id = {};   // "1209:7690"; "" = any SlimeVR receiver (type usb requires an id)
   std::string serial = {};   // serial number of the one USB device to open; "" = all
   Smoothing smoothing = {};
-  // A performer, SOURCE.NAME, whose face this source is; "" = the source has performers of its own.
+  // A performer, SOURCE.NAME, to whom this source gives the parts; "" = the source has performers
+  // of its own.
   std::string merge_into = {};
+  // Of kMergedParts; empty: the face.
+  std::vector<std::string> parts = {};
   std::string expressions = "arkit";  // names that are sent: "arkit", or "vrm" for VRM's presets
   int sender_limit_hz = 100000;       // most datagrams a second of one address; 0 = no limit
   friend bool operator==(const Source&, const Source&) = default;
+
+  // Whether `part`, "face", "leftFingers" or "rightFingers", is merged; false without merge_into.
+  bool Merges(std::string_view part) const;
 };
 
 // A further skeleton onto which the styled motion is retargeted and published.

@@ -295,6 +295,24 @@ Status ReadPerformers(const toml::node& node, Output& output) {
   return Status::Ok();
 }
 
+Status ReadParts(const toml::node& node, Source& source) {
+  std::string expected = "a list of";
+  for (const std::string_view part : kMergedParts) {
+    expected.append(part == kMergedParts.front() ? " \"" : ", \"").append(part).append("\"");
+  }
+  const toml::array* list = node.as_array();
+  if (list == nullptr || list->empty()) return Expected(expected, node);
+  source.parts.clear();
+  for (const auto& part : *list) {
+    const auto word = part.value<std::string>();
+    if (!word || std::ranges::find(kMergedParts, *word) == kMergedParts.end()) {
+      return Expected(expected, part);
+    }
+    source.parts.push_back(*word);
+  }
+  return Status::Ok();
+}
+
 // Levenshtein distance; one row of the matrix suffices, with the diagonal neighbour saved.
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -328,6 +346,7 @@ const std::vector<Key<Source>>& SourceKeys() {
       OneOf<S>("up", {"auto", "y", "z"}, STYLED_FIELD(up)),
       Text<S>("server", STYLED_FIELD(server)),
       Text<S>("merge_into", STYLED_FIELD(merge_into)),
+      Key<S>{"parts", ReadParts},
       OneOf<S>("expressions", {"arkit", "vrm"}, STYLED_FIELD(expressions)),
       Flag<S>("multicast", STYLED_FIELD(multicast)),
       Text<S>("group", STYLED_FIELD(group)),

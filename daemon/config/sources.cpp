@@ -54,6 +54,19 @@ Status CheckPhone(const Source& source, const rigs::RigType& rig) {
   return Status::Ok();
 }
 
+// Keys that would have no effect. A key with its default value is not known to be set.
+Status CheckMeaning(const Source& source, const rigs::RigType& rig) {
+  const auto refuse = [&source](const char* key, const std::string& types) {
+    return Status::Error(std::string(key) + ": a source of type \"" + source.type +
+                         "\" does not use it; only types " + types + " do");
+  };
+  if (!source.server.empty() && !rig.takes_server) return refuse("server", rigs::ServerTypes());
+  if (source.expressions != Source().expressions && !rig.takes_expressions) {
+    return refuse("expressions", rigs::ExpressionTypes());
+  }
+  return Status::Ok();
+}
+
 // Below this a body would hardly follow its performer.
 constexpr float kLeastSmooth_hz = 0.1F;
 
@@ -61,13 +74,26 @@ constexpr float kLeastSmooth_hz = 0.1F;
 Status CheckMerge(const std::vector<Source>& sources, std::size_t i, const rigs::RigType& rig) {
   const std::string& into = sources[i].merge_into;
   if (into.empty()) {
+    if (!sources[i].parts.empty()) {
+      return Status::Error(
+          "parts: only for a source with merge_into, the performer that gets them");
+    }
     if (!rig.face_only) return Status::Ok();
     return Status::Error("merge_into: missing; a source of type \"" + sources[i].type +
                          "\" is the face of a performer, SOURCE.NAME, e.g. \"stage.anna\"");
   }
-  if (!rig.has_face) {
-    return Status::Error("merge_into: a source of type \"" + sources[i].type +
-                         "\" has no face; expected one of " + rigs::FaceTypes());
+  if (sources[i].Merges("face") && !rig.has_face) {
+    return Status::Error(sources[i].parts.empty()
+                             ? "parts: missing; a source of type \"" + sources[i].type +
+                                   "\" has no face" +
+                                   (rig.has_fingers ? ", expected [\"fingers\"]" : "")
+                             : "parts: \"face\": a source of type \"" + sources[i].type +
+                                   "\" has none; expected one of " + rigs::FaceTypes());
+  }
+  const bool fingers = sources[i].Merges("leftFingers") || sources[i].Merges("rightFingers");
+  if (fingers && !rig.has_fingers) {
+    return Status::Error("parts: \"fingers\": a source of type \"" + sources[i].type +
+                         "\" has none; expected one of " + rigs::FingerTypes());
   }
   const std::size_t dot = into.find('.');
   const bool named = dot != std::string::npos && IsName(into.substr(dot + 1));
@@ -81,6 +107,14 @@ Status CheckMerge(const std::vector<Source>& sources, std::size_t i, const rigs:
 }
 
 }  // namespace
+
+bool Source::Merges(std::string_view part) const {
+  if (merge_into.empty()) return false;
+  if (parts.empty()) return part == "face";
+  return std::ranges::any_of(parts, [part](const std::string& word) {
+    return word == part || (word == "fingers" && part.ends_with("Fingers"));
+  });
+}
 
 Status CheckTrackers(const std::vector<Tracker>& trackers) {
   std::vector<slimevr::TrackerId> ids;
@@ -154,10 +188,12 @@ Status CheckSources(const std::vector<Source>& sources) {
       return Status::Error(place + status.message());
     }
     const rigs::SourceType& type = *rigs::FindSourceType(sources[i].type);
+    if (const Status status = CheckMeaning(sources[i], *type.rig); !status.ok()) {
+      return Status::Error(place + status.message());
+    }
     if (type.usb) {
       Status status = CheckUsb(sources[i], place);
       if (!status.ok()) return status;
-      continue;
     }
     if (const Status status = CheckMerge(sources, i, *type.rig); !status.ok()) {
       return Status::Error(place + status.message());
@@ -166,6 +202,7 @@ Status CheckSources(const std::vector<Source>& sources) {
       return Status::Error(place + "smooth_hz: found " + NumberText(hz) +
                            ", expected 0, or 0.1 to 60 Hz");
     }
+    if (type.usb) continue;
     if (type.rig->asks_server) {
       const Status status = CheckServer(sources[i]);
       if (!status.ok()) return Status::Error(place + status.message());

@@ -20,7 +20,7 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   receive_ns_ = to_.clock.Now_ns();
   wall_ns_ = to_.clock.Wall_ns();
   to_.counters.Add(Counter::kSourceReceived, frames.size());
-  if (FaceLayer* const layer = layers_.Of(source)) return AcceptFaces(*layer, source, frames);
+  if (Layer* const layer = layers_.Of(source)) return AcceptLayer(*layer, source, frames, hot);
   const std::int64_t elsewhere_ns = stages_.Elsewhere_ns();
   // 1 Examine all frames, to find each performer's newest one.
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -45,13 +45,30 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   stages_.Add(Stages::kTake, batch_ns - (stages_.Elsewhere_ns() - elsewhere_ns));
 }
 
-void Pipeline::AcceptFaces(FaceLayer& layer, int source,
-                           std::span<const source::SourceFrame> frames) noexcept {
+void Pipeline::AcceptLayer(Layer& layer, int source, std::span<const source::SourceFrame> frames,
+                           runtime::HotSection& hot) {
   for (const source::SourceFrame& frame : frames) {
-    if (!frame.is_body && !layer.Take(frame, receive_ns_)) {
-      to_.counters.AddOf(source, Counter::kPipelineReordered);
+    if (frame.is_body) {
+      hot.Leave();
+      if (layer.fingers) AcceptLayerBody(*layer.fingers, source, frame);
+      continue;
     }
+    hot.Enter();
+    const Counter why = layer.Take(frame, receive_ns_);
+    if (why != MergedPart::kTaken) to_.counters.AddOf(source, why);
   }
+  hot.Leave();
+}
+
+// A source without fingers says so once a body, not with every frame.
+void Pipeline::AcceptLayerBody(FingerLayer& fingers, int source, const source::SourceFrame& body) {
+  std::string why;
+  const FingerLayer::Body became = fingers.Accept(body, receive_ns_, why);
+  if (became != FingerLayer::Body::kRefused) return;
+  to_.counters.AddOf(source, Counter::kPipelineBodiesRefused);
+  log_.LogOf(LogLimit::Kind::kBodyRefused, body.machine,
+             roster_.source_names()[static_cast<std::size_t>(source)], Event::Level::kWarning,
+             "gives no fingers: " + why);
 }
 
 void Pipeline::NoteNewest(int index) noexcept {
@@ -271,6 +288,7 @@ void Pipeline::AcceptBody(int source, const source::SourceFrame& body) {
     to_.counters.AddOf(source, Counter::kPipelinePerformersRefused);
     return;
   }
+  if (fresh) performer->SetFingers(layers_.FingersOf(performer->profile.id));
   const std::uint64_t lost = performer->admission.session.lost();
   const auto arrival = performer->admission.session.Admit(body.machine, body.session, body.sequence,
                                                           receive_ns_, rules_);

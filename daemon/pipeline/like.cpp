@@ -178,7 +178,8 @@ void Say(const MadeStyle& style, v1::LikeReply& said) {
 
 bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& reply) {
   Place place;
-  return (like.measure() || FindPlace(running, like.name(), place).Accept("like", reply)) &&
+  return (like.measure() || (CheckNewName(like.name()).Accept("like", reply) &&
+                             FindPlace(running, like.name(), place).Accept("like", reply))) &&
          CheckExample(like, *running.network).Accept("like", reply);
 }
 

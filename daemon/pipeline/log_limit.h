@@ -27,6 +27,7 @@ class LogLimit {
     kCue,
     kFacing,
     kFace,
+    kFingers,
     kCount
   };
 

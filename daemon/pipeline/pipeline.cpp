@@ -22,7 +22,7 @@ Pipeline::Pipeline(const Dependencies& dependencies, std::vector<std::string> so
       subscriptions_(max_subscriptions, to_.counters),
       roster_(std::move(source_names), std::move(config), epoch, subscriptions_, to_.counters),
       commands_(roster_),
-      stats_(to_, roster_, transports_, stages_, subscriptions_),
+      stats_(to_, roster_, layers_, transports_, stages_, subscriptions_),
       log_(to_.clock, to_.counters, to_.mailboxes) {
   rules_ = {Nanoseconds(roster_.config().performers.takeover_s),
             Nanoseconds(roster_.config().performers.clock_back_s)};

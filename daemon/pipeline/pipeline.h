@@ -42,9 +42,8 @@ class Pipeline final : public Worker, public source::Receiver {
            std::shared_ptr<const RuntimeConfig> config, std::uint64_t epoch, int max_subscriptions);
   // The settings of the last run. Call before the first DoWork.
   void Restore(std::vector<Profile> profiles) { roster_.Restore(std::move(profiles)); }
-  // Of each source the performer that it is merged into (config::Source::merge_into), or "". Call
-  // before the first DoWork.
-  void SetLayers(std::vector<std::string> merge_into) { layers_.Set(std::move(merge_into)); }
+  // The configured sources, of which some are merged into performers. Call before the first DoWork.
+  void SetLayers(const std::vector<config::Source>& sources) { layers_.Set(sources); }
   // The configured types, for status. Call before the first DoWork.
   void SetSourceTypes(std::vector<std::string> types) { stats_.SetSourceTypes(std::move(types)); }
   // Call after the last cycle. Returns the settings if a change of them found the mailbox full,
@@ -80,8 +79,9 @@ class Pipeline final : public Worker, public source::Receiver {
   void Prepare(Performer& performer, std::int64_t now_ns);
 
   STYLED_REALTIME void NoteNewest(int index) noexcept;
-  STYLED_REALTIME void AcceptFaces(FaceLayer& layer, int source,
-                                   std::span<const source::SourceFrame> frames) noexcept;
+  void AcceptLayer(Layer& layer, int source, std::span<const source::SourceFrame> frames,
+                   runtime::HotSection& hot);
+  void AcceptLayerBody(FingerLayer& fingers, int source, const source::SourceFrame& body);
   void AcceptBody(int source, const source::SourceFrame& body);
   void AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
   void StyleAccepted(runtime::HotSection& hot);
@@ -95,17 +95,17 @@ class Pipeline final : public Worker, public source::Receiver {
   void AdoptBody(Performer& performer, const source::SourceFrame& body, bool fresh);
   STYLED_REALTIME bool PassOver(Performer& performer, int index, bool full,
                                 std::int64_t lateness_ns) const noexcept;
-  int LogFaces(std::int64_t now_ns);
+  int LogLayers(std::int64_t now_ns);
   void Stale(Performer& performer, std::int64_t now_ns);
   void Answer(Exchange& exchange);
 
   Dependencies to_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
   publish::Subscriptions subscriptions_;
+  Layers layers_;
   Roster roster_;
   Commands commands_;
   Takes takes_;
-  Layers layers_;
   SessionRules rules_;
   std::int64_t receive_ns_ = 0, wall_ns_ = 0;  // of the current batch, or the last
   std::array<Item, source::kBatch> items_;

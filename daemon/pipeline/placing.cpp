@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "daemon/pipeline/profile.h"
@@ -26,6 +28,20 @@ bool Names(const v1::Look& look, const net::Styles& styles, int number) {
   return is(look.input_style()) ||
          std::any_of(look.mix().begin(), look.mix().end(),
                      [&is](const v1::StyleWeight& entry) { return is(entry.style()); });
+}
+
+// Words that stand for something else where a style is named, or beside it: all styles or
+// performers, the state without a style, commands of stylectl and of OSC.
+constexpr std::array<std::string_view, 15> kReserved{"all",   "bypass", "clear", "cue",   "each",
+                                                     "error", "learn",  "like",  "none",  "panic",
+                                                     "pin",   "preset", "reset", "unpin", "vary"};
+
+bool IsReserved(std::string_view name) {
+  return std::ranges::any_of(kReserved, [name](std::string_view word) {
+    return std::ranges::equal(name, word, [](char a, char b) {
+      return std::tolower(static_cast<unsigned char>(a)) == b;
+    });
+  });
 }
 
 // Refuses a style that the configuration file names: the daemon would not start with the file
@@ -50,6 +66,19 @@ Refusal CheckUnnamed(const RuntimeConfig& config, int number, const std::string&
 }
 
 }  // namespace
+
+Refusal CheckNewName(const std::string& name) {
+  if (name.starts_with('-')) {
+    return Malformed("name \"" + Printable(name, kShownName) +
+                     "\": begins with - as an option does; expected a letter, a digit or _ first");
+  }
+  if (IsReserved(name)) {
+    return Malformed(
+        "name \"" + name +
+        "\": is a word of stylectl and OSC with another meaning; expected another name");
+  }
+  return {};
+}
 
 Refusal FindPlace(const RuntimeConfig& config, const std::string& name, Place& place) {
   if (!config::IsName(name) || name.size() > net::kMaxStyleName) {
@@ -151,6 +180,7 @@ Refusal PutStyle(MadeStyle style, RuntimeConfig& config) {
 Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config) {
   const int number = net::FindStyle(config.network->model().styles, style.name);
   if (to == style.name) return Malformed("name \"" + to + "\": is its name already");
+  if (auto refusal = CheckNewName(to); !refusal.ok()) return refusal;
   Place place;
   if (auto refusal = FindPlace(config, to, place);
       !refusal.ok() && refusal.code != v1::CODE_BUSY) {  // no room is needed

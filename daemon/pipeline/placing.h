@@ -18,6 +18,10 @@ struct Place {
   int replaced = -1;  // the style that had the name, or -1
 };
 
+// Refuses a name that a style of an earlier version may have, and a new one may not: one that looks
+// like an option, and words of stylectl and OSC ("panic", "bypass"), in any case.
+Refusal CheckNewName(const std::string& name);
+
 // Refuses a name that is malformed, a preset's or one of the weights' styles; and any if there are
 // net::kMaxAdded already.
 Refusal FindPlace(const RuntimeConfig& config, const std::string& name, Place& place);
@@ -31,8 +35,9 @@ Refusal FindMade(const RuntimeConfig& config, const std::string& name,
 // FindPlace, weights without a space of styles, and a code that does not fit them.
 Refusal PutStyle(MadeStyle style, RuntimeConfig& config);
 
-// Gives a made style another name; performers that show it go on. Refuses as FindPlace, a name that
-// is taken, and a style that the configuration's presets, cues or [style] name.
+// Gives a made style another name; performers that show it go on. Refuses as FindPlace and
+// CheckNewName, a name that is taken, and a style that the configuration's presets, cues or [style]
+// name.
 Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config);
 
 // Takes a made style out; performers that show it fade. Refuses a style that the configuration

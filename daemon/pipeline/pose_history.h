@@ -10,7 +10,8 @@
 namespace styled::pipeline {
 
 // The performer's last pose and some poses of the last third of a second, which show whether the
-// performer stood still. Input of a calibration. Sized once; pipeline thread.
+// performer stood still. Input of a calibration. Sized once; pipeline thread. A pose may have more
+// joints than the skeleton; those behind are left out.
 class PoseHistory {
  public:
   explicit PoseHistory(const rig::Skeleton& skeleton) : pose_(skeleton) { kept_.fill(pose_); }
@@ -52,8 +53,8 @@ class PoseHistory {
   static constexpr std::int64_t kNever = -1'000'000'000'000;
 
   static void Copy(const rig::RigPose& from, rig::RigPose& to) noexcept {
-    std::copy(from.translations.begin(), from.translations.end(), to.translations.begin());
-    std::copy(from.rotations.begin(), from.rotations.end(), to.rotations.begin());
+    std::copy_n(from.translations.begin(), to.translations.size(), to.translations.begin());
+    std::copy_n(from.rotations.begin(), to.rotations.size(), to.rotations.begin());
   }
 
   rig::RigPose pose_;

@@ -23,10 +23,11 @@ void FillFormerFields(v1::PerformerStats& row) {
 
 }  // namespace
 
-Stats::Stats(const Dependencies& dependencies, const Roster& roster, const Transports& transports,
-             Stages& stages, publish::Subscriptions& subscriptions)
+Stats::Stats(const Dependencies& dependencies, const Roster& roster, const Layers& layers,
+             const Transports& transports, Stages& stages, publish::Subscriptions& subscriptions)
     : to_(dependencies),
       roster_(roster),
+      layers_(layers),
       transports_(transports),
       stages_(stages),
       started_ns_(to_.clock.Now_ns()),
@@ -77,6 +78,7 @@ void Stats::Fill(v1::Stats& stats) const {
     *row.mutable_look() = profile->look;
     FillFormerFields(row);
     if (const Performer* live = roster_.LiveOf(*profile)) live->Describe(row);
+    layers_.Describe(to_.clock.Now_ns(), row);
   }
   for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *stats.add_sources());
   stages_.Describe(stats);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/pipeline/dependencies.h"
+#include "daemon/pipeline/layers.h"
 #include "daemon/pipeline/roster.h"
 #include "daemon/pipeline/stages.h"
 #include "daemon/publish/subscriptions.h"
@@ -23,8 +24,8 @@ class Stats {
   using Transports = std::vector<std::unique_ptr<source::Transport>>;
 
   // All arguments must outlive it.
-  Stats(const Dependencies& dependencies, const Roster& roster, const Transports& transports,
-        Stages& stages, publish::Subscriptions& subscriptions);
+  Stats(const Dependencies& dependencies, const Roster& roster, const Layers& layers,
+        const Transports& transports, Stages& stages, publish::Subscriptions& subscriptions);
   Stats(const Stats&) = delete;  // its topic is registered
   Stats& operator=(const Stats&) = delete;
 
@@ -44,6 +45,7 @@ class Stats {
 
   Dependencies to_;
   const Roster& roster_;
+  const Layers& layers_;
   const Transports& transports_;
   Stages& stages_;
   std::vector<std::string> source_types_;

@@ -116,7 +116,10 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Import(const RuntimeConfig& 
   if (!wanted.name().empty()) style.name = wanted.name();
   const std::string name = style.name;
   Place place;
-  if (!FindPlace(running, name, place).Accept(kCommand, reply)) return nullptr;
+  if (!CheckNewName(name).Accept(kCommand, reply) ||
+      !FindPlace(running, name, place).Accept(kCommand, reply)) {
+    return nullptr;
+  }
   if (place.replaced >= 0 && !wanted.replace()) {
     (void)Malformed("name \"" + name +
                     "\": a style that was made has it; expected another name, or replace")

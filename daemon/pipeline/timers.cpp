@@ -78,7 +78,7 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
       ++work;
     }
   }
-  work += LogFaces(now_ns);
+  work += LogLayers(now_ns);
   if (now_ns >= stats_.due_ns()) {
     stats_.Publish();
     roster_.Age(now_ns);
@@ -89,19 +89,28 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
   return work;
 }
 
-// A phone that is switched off is seen nowhere else.
-int Pipeline::LogFaces(std::int64_t now_ns) {
+// A phone or a glove that is switched off is seen nowhere else.
+int Pipeline::LogLayers(std::int64_t now_ns) {
   int changes = 0;
-  for (std::size_t i = 0; i < layers_.size(); ++i) {
-    FaceLayer* const layer = layers_.Of(static_cast<int>(i));
-    const int change = layer == nullptr ? 0 : layer->Change(now_ns);
-    if (change == 0) continue;
+  const auto log = [&](const Layer& layer, MergedPart& part, LogLimit::Kind kind, const char* comes,
+                       const char* goes) {
+    const int change = part.Change(now_ns);
+    if (change == 0) return;
     ++changes;
-    const std::string& source = roster_.source_names()[i];
-    log_.LogOf(LogLimit::Kind::kFace, {}, layers_.Into(i),
-               change > 0 ? Event::Level::kInfo : Event::Level::kWarning,
-               change > 0 ? "source " + source + " is the face"
-                          : "source " + source + " is silent: the face has faded");
+    log_.LogOf(kind, {}, layer.into, change > 0 ? Event::Level::kInfo : Event::Level::kWarning,
+               "source " + layer.source + (change > 0 ? comes : goes));
+  };
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    Layer* const layer = layers_.Of(static_cast<int>(i));
+    if (layer == nullptr) continue;
+    if (layer->face) {
+      log(*layer, *layer->face, LogLimit::Kind::kFace, " is the face",
+          " is silent: the face has faded");
+    }
+    if (layer->fingers) {
+      log(*layer, *layer->fingers, LogLimit::Kind::kFingers, " gives the fingers",
+          " is silent: the fingers have turned back");
+    }
   }
   return changes;
 }

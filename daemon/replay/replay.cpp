@@ -201,7 +201,7 @@ class Player {
       : commands_(options.commands),
         collector_(clock_, options.subscription, sink),
         runtime_config_(WithoutLibrary(*runtime_config)) {
-    std::vector<std::string> names, layers;
+    std::vector<std::string> names;
     std::vector<std::unique_ptr<source::Transport>> transports;
     for (std::size_t i = 0; i < config.sources.size(); ++i) {
       const auto& source = config.sources[i];
@@ -212,7 +212,6 @@ class Player {
                                                  clock_, counters);
       sources_[key] = recorded.get();
       names.push_back(source.name);
-      layers.push_back(source.merge_into);
       transports.push_back(std::move(recorded));
       if (source.delay_s > 0) {
         transports.back() =
@@ -222,7 +221,7 @@ class Player {
     pipeline_ = std::make_unique<pipeline::Pipeline>(
         pipeline::Dependencies{clock_, counters, collector_, mailboxes_, nullptr, false, false},
         std::move(names), std::move(transports), runtime_config_, 1, kSubscriptions);
-    pipeline_->SetLayers(std::move(layers));
+    pipeline_->SetLayers(config.sources);
     pipeline_->Restore(options.profiles);
   }
 

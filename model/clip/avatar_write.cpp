@@ -189,15 +189,23 @@ class Document {
 
 }  // namespace
 
-std::string WhyNotKept(const std::filesystem::path& avatar_file, const AvatarSkeleton& avatar) {
-  if (avatar.nodes.empty()) return avatar_file.string() + ": has no meshes";
-  return ReadGlb(avatar_file).status().message();
-}
+struct AvatarFile::Content {
+  Glb glb;
+};
 
-Status WriteAvatarGlb(const std::filesystem::path& avatar_file, const AvatarSkeleton& avatar,
-                      const Motion& motion, const std::filesystem::path& file) {
+Result<AvatarFile> AvatarFile::Read(const std::filesystem::path& avatar_file,
+                                    const AvatarSkeleton& avatar) {
+  if (avatar.nodes.empty()) return Status::Error(avatar_file.string() + ": has no meshes");
   auto glb = ReadGlb(avatar_file);
   if (!glb.ok()) return glb.status();
+  AvatarFile read;
+  read.name_ = avatar_file.string();
+  read.content_ = std::make_shared<const Content>(Content{std::move(glb.value())});
+  return read;
+}
+
+Status AvatarFile::Write(const AvatarSkeleton& avatar, const Motion& motion,
+                         const std::filesystem::path& file) const {
   const auto joints = avatar.nodes.size();
   const bool fits =
       joints > 0 && !motion.frames.empty() && motion.rate_hz > 0 && std::isfinite(motion.rate_hz) &&
@@ -206,10 +214,8 @@ Status WriteAvatarGlb(const std::filesystem::path& avatar_file, const AvatarSkel
         return frame.rotations.size() == joints && frame.translations.size() == joints;
       });
   if (!fits) return Status::Error(file.string() + ": found no motion of the avatar's skeleton");
-  const auto bytes = Document(std::move(glb.value()), avatar, motion).Make();
-  if (!bytes.ok()) {
-    return Status::Error(avatar_file.string() + ": " + bytes.status().message());
-  }
+  const auto bytes = Document(content_->glb, avatar, motion).Make();
+  if (!bytes.ok()) return Status::Error(name_ + ": " + bytes.status().message());
   return WriteBytes(bytes.value(), file);
 }
 

@@ -6,9 +6,6 @@
 namespace styled::rig {
 namespace {
 
-// The joint before it in its finger; -1 for a finger's first joint, eyes and jaw.
-int Before(int joint) { return joint < kTailLeftEye && joint % kFingerJoints > 0 ? joint - 1 : -1; }
-
 // The joints from `joint` up to `above`, both left out, parents first; nothing if `above` is not
 // above it.
 std::optional<std::vector<int>> PathBelow(const Skeleton& skeleton, int above, int joint) {
@@ -69,8 +66,11 @@ TailMap Both(const TailMap& map, const TailMap& other) {
 }
 
 Tail Tail::Make(const Binding& binding, const TailMap& map) {
+  return Make(binding.spec(), binding.scale(), map);
+}
+
+Tail Tail::Make(const BindingSpec& spec, float scale, const TailMap& map) {
   Tail tail;
-  const BindingSpec& spec = binding.spec();
   const Skeleton& skeleton = spec.skeleton;
   std::array<int, kTailCount> place{};  // in joints_
   for (int t = 0; t < kTailCount; ++t) {
@@ -78,8 +78,9 @@ Tail Tail::Make(const Binding& binding, const TailMap& map) {
     if (source <= 0 || source >= skeleton.joint_count()) continue;
     const auto* const end = spec.source_joint.end();
     if (std::find(spec.source_joint.begin(), end, source) != end) continue;
-    int before = Before(t);
-    while (before >= 0 && tail.map_[static_cast<std::size_t>(before)] < 0) before = Before(before);
+    int before = TailBefore(t);
+    while (before >= 0 && tail.map_[static_cast<std::size_t>(before)] < 0)
+      before = TailBefore(before);
     const int above = before >= 0 ? tail.map_[static_cast<std::size_t>(before)]
                                   : spec.source_joint[static_cast<std::size_t>(TailAnchor(t))];
     if (above < 0) continue;
@@ -101,7 +102,7 @@ Tail Tail::Make(const Binding& binding, const TailMap& map) {
     tail.joints_.push_back(
         {t,
          before < 0 ? TailAnchor(t) : body::kJointCount + place[static_cast<std::size_t>(before)],
-         binding.scale() * (spec.canonical_from_source * offset)});
+         scale * (spec.canonical_from_source * offset)});
     Link link;
     link.joint = source;
     link.first = tail.between_.size();
@@ -134,12 +135,13 @@ void Tail::Read(std::span<const Quat> pose, std::span<Quat> tail) const noexcept
 }
 
 void Tail::Write(std::span<const Quat> tail, std::span<Quat> pose) const noexcept {
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    const Link& link = links_[i];
-    const Quat turn = link.before * tail[i] * link.after;
-    pose[static_cast<std::size_t>(link.joint)] =
-        (Between(link, pose).conjugate() * turn).normalized();
-  }
+  for (std::size_t i = 0; i < links_.size(); ++i) Write(i, tail[i], pose);
+}
+
+void Tail::Write(std::size_t place, const Quat& turn, std::span<Quat> pose) const noexcept {
+  const Link& link = links_[place];
+  pose[static_cast<std::size_t>(link.joint)] =
+      (Between(link, pose).conjugate() * (link.before * turn * link.after)).normalized();
 }
 
 }  // namespace styled::rig

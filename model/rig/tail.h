@@ -26,6 +26,11 @@ enum TailJoint : int {
 // VRM 1.0's names: leftThumbMetacarpal, leftThumbProximal, leftThumbDistal, leftIndexProximal, ...
 extern const std::array<std::string_view, kTailCount> kTailNames;
 
+// The joint before it in its finger; -1 for a finger's first joint, eyes and jaw.
+constexpr int TailBefore(int joint) {
+  return joint < kTailLeftEye && joint % kFingerJoints > 0 ? joint - 1 : -1;
+}
+
 // The canonical joint that a tail joint hangs from: a hand or the head.
 constexpr int TailAnchor(int joint) {
   if (joint >= kTailLeftEye) return body::kHead;
@@ -67,6 +72,9 @@ class Tail {
   // The tail of `binding`'s skeleton by `map`. Leaves out a joint that is not below the joint it
   // hangs from, or that the humanoid has. Allocates.
   static Tail Make(const Binding& binding, const TailMap& map);
+  // The same by a BindingSpec that need not be whole: a hand, and what hangs from it. `scale`:
+  // metres per unit of its skeleton.
+  static Tail Make(const BindingSpec& spec, float scale, const TailMap& map);
 
   const std::vector<Joint>& joints() const { return joints_; }
   std::size_t size() const { return joints_.size(); }
@@ -79,6 +87,9 @@ class Tail {
   // Turns the tail's joints of `pose`, local rotations of the skeleton's joints, as `tail` says.
   // Joints between a tail joint and its parent stay as they are.
   STYLED_REALTIME void Write(std::span<const Quat> tail, std::span<Quat> pose) const noexcept;
+  // The same for the joint at a place of joints() alone.
+  STYLED_REALTIME void Write(std::size_t place, const Quat& turn,
+                             std::span<Quat> pose) const noexcept;
 
  private:
   // The rotation in the skeleton's axes is before * tail * after.

@@ -83,7 +83,10 @@ class Run {
 
   int All() {
     if (const Status planned = Plan(); !planned.ok()) return Fail(planned, styled::kBadArguments);
-    if (const Status prepared = Prepare(); !prepared.ok()) return Fail(prepared);
+    if (const Status asked = CheckArguments(); !asked.ok())
+      return Fail(asked, styled::kBadArguments);
+    if (const Status prepared = ReadFiles(); !prepared.ok()) return Fail(prepared);
+    if (const Status made = MakeRestylers(); !made.ok()) return Fail(made, styled::kBadArguments);
     stylize::ProgressLine progress(!arguments_.quiet, jobs_.size());
     progress_ = &progress;
     std::size_t written = 0;
@@ -169,18 +172,28 @@ class Run {
     return Status::Ok();
   }
 
-  // What all outputs need: avatar, weights, styles.
-  Status Prepare() {
+  // What the command line alone says.
+  Status CheckArguments() {
     auto joints = stylize::ParseJoints(arguments_);
     if (!joints.ok()) return joints.status();
     joints_ = std::move(joints.value());
+    return stylize::CheckExampleWeights(arguments_);
+  }
+
+  // What all outputs need, each file once: avatar, weights, examples.
+  Status ReadFiles() {
     for (const stylize::Input& input : inputs_) guard_.Reads(input.file, "the input");
     if (!arguments_.avatar.empty()) {
       auto read = styled::clip::ReadAvatar(arguments_.avatar, "auto", {});
       if (!read.ok()) return Status::Error("--avatar " + read.status().message());
       avatar_ = std::move(read.value());
       guard_.Reads(arguments_.avatar, "the avatar");
-      why_not_kept_ = styled::clip::WhyNotKept(arguments_.avatar, *avatar_);
+      auto meshes = styled::clip::AvatarFile::Read(arguments_.avatar, *avatar_);
+      if (meshes.ok()) {
+        meshes_ = std::move(meshes.value());
+      } else {
+        why_not_kept_ = meshes.status().message();
+      }
     }
 #ifdef STYLED_PREVIEW
     if (const Status can = stylize::CanPreview(arguments_.preview); !can.ok()) return can;
@@ -195,12 +208,25 @@ class Run {
     if (const auto weights = styled::net::FindWeights(arguments_.weights); weights.ok()) {
       guard_.Reads(weights.value(), "the weights");
     }
+    network_ = std::move(network.value());
+    auto examples = stylize::ReadExamples(arguments_, network_.model(), stylize::SpaceOf(network_));
+    if (!examples.ok()) return examples.status();
+    examples_ = std::move(examples.value());
+    return Status::Ok();
+  }
+
+  // What the command line asks of these weights, for each style.
+  Status MakeRestylers() {
+    if (arguments_.bind_only) return Status::Ok();
     for (const std::string& style : styles_) {
       Arguments one = arguments_;
       one.style = style;
-      auto restyler = stylize::Restyler::Make(one, network.value());
+      auto restyler = stylize::Restyler::Make(one, examples_, network_);
       if (!restyler.ok()) return restyler.status();
       restylers_.push_back(std::move(restyler.value()));
+    }
+    if (!examples_.empty() && !arguments_.quiet) {
+      stylize::PrintNearest(examples_, network_.model().styles, *stylize::SpaceOf(network_));
     }
     return Status::Ok();
   }
@@ -310,13 +336,12 @@ class Run {
     const std::string format = arguments_.format.empty() ? "bvh" : arguments_.format;
     const std::string kind =
         standard ? "." + format : std::string(styled::clip::FindFormat(job.out).value()->extension);
-    const bool keep = avatar_ && kind == ".glb" && why_not_kept_.empty();
+    const bool keep = meshes_ && kind == ".glb";
     if (avatar_ && kind == ".glb" && !keep) {
       outcome.note = "bones alone, without meshes: " + why_not_kept_;
     }
     const auto write = [&](const std::string& file) {
-      return keep ? styled::clip::WriteAvatarGlb(arguments_.avatar, *avatar_, motion, file)
-                  : styled::clip::Write(file, motion);
+      return keep ? meshes_->Write(*avatar_, motion, file) : styled::clip::Write(file, motion);
     };
     if (const Status written =
             standard ? stylize::WriteToStandardOutput(kind, write) : guard_.Write(job.out, write);
@@ -372,7 +397,10 @@ class Run {
   bool to_stdout_ = false;
   styled::rig::JointNames joints_;
   std::optional<styled::clip::AvatarSkeleton> avatar_;
+  std::optional<styled::clip::AvatarFile> meshes_;
   std::string why_not_kept_;  // why the avatar's meshes are not in a .glb; "": they are
+  styled::net::AnyStylizer network_;
+  stylize::Examples examples_;
   std::vector<stylize::Restyler> restylers_;  // per style
   const stylize::Input* source_of_ = nullptr;
   std::optional<Result<Source>> source_;

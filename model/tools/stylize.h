@@ -9,6 +9,7 @@
 
 #include "model/base/status.h"
 #include "model/body/parts.h"
+#include "model/body/pose.h"
 #include "model/clip/clip.h"
 #include "model/net/clip_stylizer.h"
 #include "model/net/styles.h"
@@ -90,17 +91,32 @@ Status CheckGait(const Arguments& arguments, const net::Styles& styles,
 void TakeTimes(const std::string& file, std::span<const double> times_s, bool say,
                clip::Clip& clip);
 
+// An example of a style, as --like names it.
+struct Example {
+  std::string file;
+  std::optional<float> weight;
+  std::vector<body::Pose> poses;  // at the network's rate
+};
+using Examples = std::vector<Example>;
+// Reads the examples that --like names; none for a network without a space of styles. Errors name
+// the file. Weights that are no numbers are refused by CheckExampleWeights.
+Result<Examples> ReadExamples(const Arguments& arguments, const net::Model& model,
+                              const net::StyleSpace* space);
+Status CheckExampleWeights(const Arguments& arguments);
+// Says on standard error how far each is from the styles that the network knows.
+void PrintNearest(const Examples& examples, const net::Styles& styles,
+                  const net::StyleSpace& space);
+
 // What the arguments ask of a network that needs whole clips.
-Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
+Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments, const Examples& examples,
                                           const net::ClipStylizer& network);
-// What --style, --mix, --like and --vary make together, and the weight of all of it. Reads the
-// examples, and prints how far each is from the styles that the network knows.
+// What --style, --mix, --like and --vary make together, and the weight of all of it.
 struct Blend {
   net::StyleCode code;
   float weight = 1;
 };
-Result<Blend> MakeBlend(const Arguments& arguments, const net::Model& model,
-                        const net::StyleSpace& space, int input_style);
+Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
+                        const net::Model& model, const net::StyleSpace& space, int input_style);
 // Whether a clip has the frames that the network needs; the error names its file.
 Status CheckLength(const clip::Clip& clip, const std::string& file, const net::Model& model,
                    const net::StyleSpace& space);

@@ -18,13 +18,6 @@
 namespace styled::stylize {
 namespace {
 
-// An example of a style, as --like names it.
-struct Example {
-  std::string file;
-  std::optional<float> weight;
-  std::vector<body::Pose> poses;  // at the network's rate
-};
-
 // Parses "CLIP=A" or "CLIP". A file that exists may have an equals sign in its name.
 Result<Example> ParseExample(const std::string& text) {
   const std::size_t equals = text.rfind('=');
@@ -59,7 +52,7 @@ Result<Example> ReadExample(const std::string& text, const std::string& rig,
 }
 
 // Says how near an example is to what the network was trained on.
-void PrintNearest(const Example& example, const net::Styles& styles, const net::StyleSpace& space) {
+void SayNearest(const Example& example, const net::Styles& styles, const net::StyleSpace& space) {
   constexpr float kFar = 1;  // as far as styles are from each other
   net::StyleRequest alone;
   alone.sources.push_back({-1, {}, example.poses, 1});
@@ -146,7 +139,32 @@ Status CheckLength(const clip::Clip& clip, const std::string& file, const net::M
                        NumberText(rate_hz) + " Hz, expected at least " + std::to_string(least));
 }
 
-Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
+Status CheckExampleWeights(const Arguments& arguments) {
+  for (const std::string& text : arguments.like) {
+    const auto example = ParseExample(text);
+    if (!example.ok()) return example.status();
+  }
+  return Status::Ok();
+}
+
+Result<Examples> ReadExamples(const Arguments& arguments, const net::Model& model,
+                              const net::StyleSpace* space) {
+  Examples examples;
+  if (space == nullptr) return examples;
+  for (const std::string& text : arguments.like) {
+    auto example = ReadExample(text, arguments.rig, model, *space);
+    if (!example.ok()) return example.status();
+    examples.push_back(std::move(example.value()));
+  }
+  return examples;
+}
+
+void PrintNearest(const Examples& examples, const net::Styles& styles,
+                  const net::StyleSpace& space) {
+  for (const Example& example : examples) SayNearest(example, styles, space);
+}
+
+Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments, const Examples& examples,
                                           const net::ClipStylizer& network) {
   const net::Styles& styles = network.model().styles;
   if (arguments.root != "follow") {
@@ -171,27 +189,21 @@ Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments,
     if (arguments.window == window.word) style.extent = window.extent;
   }
 
-  auto blend = MakeBlend(arguments, network.model(), network, style.input_style);
+  auto blend = MakeBlend(arguments, examples, network.model(), network, style.input_style);
   if (!blend.ok()) return blend.status();
   style.weight = blend.value().weight;
   style.code = std::move(blend.value().code);
   return style;
 }
 
-Result<Blend> MakeBlend(const Arguments& arguments, const net::Model& model,
-                        const net::StyleSpace& space, int input_style) {
+Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
+                        const net::Model& model, const net::StyleSpace& space, int input_style) {
   net::StyleRequest request;
   request.strength = arguments.strength;
   request.amount = arguments.amount;
   std::vector<Ingredient> ingredients;
   const Status named = AddNamed(arguments, model.styles, ingredients);
   if (!named.ok()) return named;
-  std::vector<Example> examples;
-  for (const std::string& text : arguments.like) {
-    auto example = ReadExample(text, arguments.rig, model, space);
-    if (!example.ok()) return example.status();
-    examples.push_back(std::move(example.value()));
-  }
   for (const Example& example : examples) {
     ingredients.push_back({{-1, {}, example.poses, 1}, example.weight});
   }
@@ -204,9 +216,6 @@ Result<Blend> MakeBlend(const Arguments& arguments, const net::Model& model,
   }
   const auto weight = CheckWeights(arguments, request.sources);
   if (!weight.ok()) return weight.status();
-  for (const Example& example : examples) {
-    if (!arguments.quiet) PrintNearest(example, model.styles, space);
-  }
   return Blend{space.MakeCode(request), weight.value()};
 }
 

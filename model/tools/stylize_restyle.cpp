@@ -120,14 +120,15 @@ struct Frames {
 
 // Puts what the arguments blend in place of the styles of `settings`, as one more style of the
 // network.
-Status AddBlend(const Arguments& arguments, stylist::Settings& settings,
+Status AddBlend(const Arguments& arguments, const Examples& examples, stylist::Settings& settings,
                 std::shared_ptr<const net::Stylizer>& stylizer) {
   if (arguments.root != "follow" || arguments.cadence) {
     return Status::Error(
         std::string(arguments.cadence ? "--cadence" : "--root stride") +
         ": how fast an example or a variation goes is not known; expected --style and --mix alone");
   }
-  auto blend = MakeBlend(arguments, stylizer->model(), *stylizer->space(), settings.input_style);
+  auto blend =
+      MakeBlend(arguments, examples, stylizer->model(), *stylizer->space(), settings.input_style);
   if (!blend.ok()) return blend.status();
   const auto number = static_cast<int>(stylizer->model().styles.size());
   stylizer = stylizer->With(number, {.name = "blend"}, blend.value().code);
@@ -178,14 +179,20 @@ Result<net::AnyStylizer> LoadNetwork(const Arguments& arguments) {
   return trial::LoadAny(weights.value());
 }
 
-Result<Restyler> Restyler::Make(const Arguments& arguments, const net::AnyStylizer& network) {
+const net::StyleSpace* SpaceOf(const net::AnyStylizer& network) {
+  if (network.clips) return network.clips.get();
+  return network.frames->space();
+}
+
+Result<Restyler> Restyler::Make(const Arguments& arguments, const Examples& examples,
+                                const net::AnyStylizer& network) {
   Restyler restyler;
   restyler.network_ = network;
   restyler.options_.bypass = !arguments.no_bypass;
   restyler.options_.feet = arguments.feet;
   restyler.options_.own_cadence = arguments.cadence;
   if (network.clips) {
-    auto style = ParseClipStyle(arguments, *network.clips);
+    auto style = ParseClipStyle(arguments, examples, *network.clips);
     if (!style.ok()) return style.status();
     restyler.clip_style_ = std::move(style.value());
     return restyler;
@@ -195,7 +202,7 @@ Result<Restyler> Restyler::Make(const Arguments& arguments, const net::AnyStyliz
   auto settings = ParseSettings(arguments, network.model().styles);
   if (!settings.ok()) return settings.status();
   if (!arguments.like.empty() || arguments.vary) {
-    const auto added = AddBlend(arguments, settings.value(), restyler.network_.frames);
+    const auto added = AddBlend(arguments, examples, settings.value(), restyler.network_.frames);
     if (!added.ok()) return added;
   }
   restyler.settings_ = settings.value();

@@ -30,6 +30,8 @@ struct Styled {
 
 // The weights that the arguments name, after their trial.
 Result<net::AnyStylizer> LoadNetwork(const Arguments& arguments);
+// Its space of styles; null: none.
+const net::StyleSpace* SpaceOf(const net::AnyStylizer& network);
 
 // Called with the share of a clip that is done.
 using Progress = std::function<void(double)>;
@@ -37,8 +39,10 @@ using Progress = std::function<void(double)>;
 // The styling that the arguments and the network's kind ask for, for any number of clips.
 class Restyler {
  public:
-  // `arguments` name one style. Reads the examples. Errors name the option.
-  static Result<Restyler> Make(const Arguments& arguments, const net::AnyStylizer& network);
+  // `arguments` name one style; `examples` are those of --like. Reads no file. Errors name the
+  // option.
+  static Result<Restyler> Make(const Arguments& arguments, const Examples& examples,
+                               const net::AnyStylizer& network);
 
   // Styles `clip` in place. With `avatar` its frames are then the avatar's, while the skeleton is
   // the performer's still. `file`, for errors, is the clip's. `progress` may be empty.

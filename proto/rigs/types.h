@@ -22,8 +22,13 @@ struct RigType {
   std::string_view datagrams = "", stream = "", usb = "";
   // Where a source listens when the configuration gives no address, numeric; "" = it must.
   std::string_view listen = "";
-  // A face for the performer of another source, without a body; has_face: may be merged so.
-  bool face_only = false, has_face = false;
+  // A face for the performer of another source, without a body.
+  bool face_only = false;
+  // Whether it has them to be merged into the performer of another source (source.parts).
+  bool has_face = false, has_fingers = false;
+  // Whether source.server means something: whom we ask for data; source.expressions: the names that
+  // its expressions get.
+  bool takes_server = false, takes_expressions = false;
   // A server that is asked and answers, instead of a sender that finds us.
   bool asks_server = false;
   // Usual ports at the receiver, for the doctor; 0: none.
@@ -38,13 +43,13 @@ struct RigType {
 #define STYLED_RIGS(RIG)                                                                      \
   RIG(IFacialMocap, .word = "ifacialmocap", .name = "iFacialMocap",                           \
       .datagrams = "ifacialmocap", .listen = "0.0.0.0:49983", .face_only = true,              \
-      .has_face = true, .ports = {49983},                                                     \
+      .has_face = true, .takes_server = true, .takes_expressions = true, .ports = {49983},    \
       .in_the_sender =                                                                        \
           "The phone starts when it is asked: set `server` of the source to the phone's "     \
           "address, and open the app.")                                                       \
   RIG(LiveLinkFace, .word = "livelinkface", .name = "Live Link Face",                         \
       .datagrams = "livelinkface", .listen = "0.0.0.0:11111", .face_only = true,              \
-      .has_face = true, .ports = {11111},                                                     \
+      .has_face = true, .takes_expressions = true, .ports = {11111},                                                     \
       .in_the_sender =                                                                        \
           "In the app: Settings, Live Link: add a target with this machine's address and "    \
           "port, capture mode Live Link (ARKit).")                                            \
@@ -54,17 +59,21 @@ struct RigType {
           "In the mocopi app: Settings, PC connection: address and port, format mocopi "      \
           "(UDP); then press Send.")                                                          \
   RIG(Mvn, .word = "mvn", .name = "Xsens MVN", .datagrams = "mvn", .stream = "mvn-tcp",       \
-      .listen = "0.0.0.0:9763", .ports = {9763},                                                \
+      .listen = "0.0.0.0:9763", .has_fingers = true, .ports = {9763},                         \
       .in_the_sender =                                                                        \
           "In MVN: Options, Network Streamer: add a target with address and port, protocol "  \
           "UDP, and tick Position + Orientation (Quaternion).")                               \
   RIG(NatNet, .word = "natnet", .name = "OptiTrack NatNet", .datagrams = "natnet",            \
-      .listen = "0.0.0.0:0", .asks_server = true, .ports = {1511}, .dialect = "motive",       \
+      .listen = "0.0.0.0:0", .has_fingers = true, .takes_server = true, .asks_server = true,  \
+      .ports = {1511},                                                                        \
+      .dialect = "motive",                                                                    \
       .in_the_sender =                                                                        \
           "In Motive: Streaming: Broadcast Frame Data on, Skeletons on, Local Interface not " \
           "loopback.")                                                                        \
   RIG(Rokoko, .word = "rokoko", .name = "Rokoko Studio", .datagrams = "rokoko",               \
-      .listen = "0.0.0.0:14043", .ports = {14043}, .dialect = "rokoko",                       \
+      .listen = "0.0.0.0:14043", .has_face = true, .has_fingers = true,                       \
+      .takes_expressions = true, .ports = {14043},                                            \
+      .dialect = "rokoko",                                                                    \
       .in_the_sender =                                                                        \
           "In Rokoko Studio: Livestream, Custom: forward IP and port, data format JSON v3.")  \
   RIG(SlimeVr, .word = "slimevr", .name = "SlimeVR", .datagrams = "slimevr",                  \
@@ -74,7 +83,7 @@ struct RigType {
           "Trackers look for their server by broadcast: they must be in this machine's "      \
           "network, and no SlimeVR server may run here.")                                     \
   RIG(Vmc, .word = "vmc", .name = "VMC", .datagrams = "vmc", .listen = "0.0.0.0:39540",       \
-      .has_face = true,                                                                       \
+      .has_face = true, .has_fingers = true,                                                  \
       .ports = {39540, 39539}, .dialect = "vmc",                                              \
       .in_the_sender =                                                                        \
           "In the sending app switch the VMC (OSC) sender on and set address and port.")
@@ -87,6 +96,8 @@ inline constexpr RigType kNative{
     .datagrams = "udp",
     .stream = "tcp",
     .usb = "usb",
+    .has_face = true,
+    .has_fingers = true,
     .ports = {7000},
     .in_the_sender = "Look at the sender's address and port (stylesim: --to udp://HOST:PORT)."};
 
@@ -131,14 +142,22 @@ constexpr auto MakeTypes() {
 
 inline constexpr auto kSourceTypes = detail::MakeTypes();
 
-// The types whose face may be merged into a performer, "ifacialmocap, livelinkface, vmc".
-inline std::string FaceTypes() {
+namespace detail {
+inline std::string TypesWith(bool RigType::*what) {
   std::string types;
-  for (const RigType& rig : kRigs) {
-    if (rig.has_face) types.append(types.empty() ? "" : ", ").append(rig.datagrams);
+  for (const SourceType& type : kSourceTypes) {
+    if (type.rig->*what) types.append(types.empty() ? "" : ", ").append(type.name);
   }
   return types;
 }
+}  // namespace detail
+
+// The types whose face, or whose fingers, may be merged into a performer, "udp, tcp, usb, ...".
+inline std::string FaceTypes() { return detail::TypesWith(&RigType::has_face); }
+inline std::string FingerTypes() { return detail::TypesWith(&RigType::has_fingers); }
+// Those that source.server and source.expressions are for.
+inline std::string ServerTypes() { return detail::TypesWith(&RigType::takes_server); }
+inline std::string ExpressionTypes() { return detail::TypesWith(&RigType::takes_expressions); }
 
 // The type of that name, or null.
 constexpr const SourceType* FindSourceType(std::string_view name) noexcept {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "proto/rigs/vmc/bones.h"
@@ -40,6 +41,7 @@ std::string Vrm1Name(std::string_view unity) {
 // A bone of the avatar: the joint that moves it, and its offset from its parent.
 struct AvatarBone {
   std::string name;
+  int bone = 0;    // vmc::BoneIndex
   int joint = -1;  // of the canonical humanoid; -1: at rest
   Vec3 offset = Vec3::Zero();
 };
@@ -52,6 +54,7 @@ std::vector<AvatarBone> MakeAvatar(bool full, bool vrm1) {
   for (int bone = 0; bone < vmc::kBoneCount; ++bone) {
     const vmc::BoneRow& row = vmc::kBones[static_cast<std::size_t>(bone)];
     AvatarBone made;
+    made.bone = bone;
     made.name = vrm1 ? Vrm1Name(row.name) : std::string(row.name);
     for (int j = 0; j < body::kJointCount; ++j) {
       if (vmc::FindBone(body::kHumanoid[static_cast<std::size_t>(j)].name, false) == bone) {
@@ -71,6 +74,20 @@ std::vector<AvatarBone> MakeAvatar(bool full, bool vrm1) {
   return bones;
 }
 
+bool OfHand(int bone) {
+  return vmc::Has(vmc::kFingers, bone) || bone == vmc::kLeftHand || bone == vmc::kRightHand;
+}
+
+// A finger bone of the quirk "hands": thumbs rest, the others bend towards the palm, which looks
+// down in the T-pose.
+Quat Bent(int bone, double time_s) {
+  const bool left = bone < vmc::kRightThumbProximal;
+  const int first = left ? vmc::kLeftThumbProximal : vmc::kRightThumbProximal;
+  if (bone - first < 3) return Quat::Identity();
+  const auto bend_rad = static_cast<float>(HandsBend_rad(time_s));
+  return Quat(Eigen::AngleAxisf(left ? -bend_rad : bend_rad, Vec3::UnitZ()));
+}
+
 class Vmc final : public Rig {
  public:
   explicit Vmc(const Options& options)
@@ -80,7 +97,10 @@ class Vmc final : public Rig {
         moving_root_(Has(options, "moving-root")),
         zero_offsets_(Has(options, "zero-offsets")),
         has_time_(!Has(options, "no-t")),
-        avatar_(MakeAvatar(Has(options, "full"), Has(options, "vrm1"))) {}
+        hands_(Has(options, "hands")),
+        avatar_(MakeAvatar(Has(options, "full") || hands_, Has(options, "vrm1"))) {
+    if (hands_) std::erase_if(avatar_, [](const AvatarBone& bone) { return !OfHand(bone.bone); });
+  }
 
   void Encode(const Frame& frame, const Send& send) override {
     Pose(frame);
@@ -115,7 +135,7 @@ class Vmc final : public Rig {
     send(std::span(buffer_).first(writer.size()));
   }
 
-  bool time_first_, nested_, single_, moving_root_, zero_offsets_, has_time_;
+  bool time_first_, nested_, single_, moving_root_, zero_offsets_, has_time_, hands_;
   std::vector<AvatarBone> avatar_;
   std::array<std::byte, 16384> buffer_;
   // The current frame.
@@ -136,9 +156,16 @@ void Vmc::Pose(const Frame& frame) {
   }
   root_.transform = Place(root_position, root_rotation);
   bones_.clear();
+  body::WorldPose world;
+  if (hands_) body::ForwardKinematics(pose, world);
   for (const AvatarBone& bone : avatar_) {
     Quat rotation = Quat::Identity();
     if (bone.joint >= 0) rotation = ToUnity(pose.rotations[static_cast<std::size_t>(bone.joint)]);
+    if (hands_ && bone.joint >= 0) {
+      rotation = ToUnity(world.rotations[static_cast<std::size_t>(bone.joint)]);
+    } else if (hands_) {
+      rotation = ToUnity(Bent(bone.bone, frame.time_s));
+    }
     if (!rotation.coeffs().allFinite()) continue;
     Vec3 position = zero_offsets_ ? Vec3(Vec3::Zero()) : ToUnity(bone.offset);
     if (bone.joint == body::kHips) {
@@ -214,10 +241,15 @@ void Vmc::PutRootOfMixedReality(vmc::osc::Writer& writer) const {
 
 }  // namespace
 
+double HandsBend_rad(double time_s) {
+  constexpr double kMost_rad = 1.0, kPeriod_s = 2;
+  return 0.5 * kMost_rad * (1 - std::cos(2 * std::numbers::pi * time_s / kPeriod_s));
+}
+
 Result<std::unique_ptr<Rig>> MakeVmc(const Options& options) {
-  const Status status = CheckOptions(
-      "vmc", options, 1,
-      {"t-first", "nested", "single", "full", "vrm1", "moving-root", "zero-offsets", "no-t"});
+  const Status status = CheckOptions("vmc", options, 1,
+                                     {"t-first", "nested", "single", "full", "vrm1", "moving-root",
+                                      "zero-offsets", "no-t", "hands"});
   if (!status.ok()) return status;
   return std::unique_ptr<Rig>(std::make_unique<Vmc>(options));
 }

@@ -121,6 +121,10 @@ TEST_F(LikeTest, WhatCannotBeAnExampleIsRefusedWithTheReason) {
           "like: expected one of clip, code, learn_s and vary, found 0 of them");
   refuses(Like("rig.a", "", walk), v1::CODE_MALFORMED,
           "like: name \"\": expected 1 to 32 of A-Z a-z 0-9 _ -");
+  refuses(Like("rig.a", "--clip", walk), v1::CODE_MALFORMED,
+          "like: name \"--clip\": begins with - as an option does");
+  refuses(Like("rig.a", "bypass", walk), v1::CODE_MALFORMED,
+          "like: name \"bypass\": is a word of stylectl and OSC with another meaning");
   refuses(Like("rig.a", "S2", walk), v1::CODE_MALFORMED,
           "like: name \"S2\": a style of the weights has it, \"style2\"");
   refuses(Like("rig.a", "mild", walk), v1::CODE_MALFORMED, "like: name \"mild\": a preset has it");

@@ -108,6 +108,9 @@ TEST_F(StyleRequestTest, WhatCannotBeDoneIsRefusedWithTheReason) {
   }
   Refuses(Rename("mine", ""), v1::CODE_MALFORMED, "rename: name \"\": expected 1 to 32 of");
   Refuses(Rename("mine", "a/b"), v1::CODE_MALFORMED, "name \"a/b\": expected 1 to 32 of");
+  Refuses(Rename("mine", "-x"), v1::CODE_MALFORMED, "name \"-x\": begins with - as an option does");
+  Refuses(Rename("mine", "Panic"), v1::CODE_MALFORMED,
+          "name \"Panic\": is a word of stylectl and OSC with another meaning");
   Refuses(Rename("mine", "mine"), v1::CODE_MALFORMED, "name \"mine\": is its name already");
   Refuses(Rename("mine", "TWO"), v1::CODE_MALFORMED, "another style that was made has it");
   Refuses(Rename("mine", "mild"), v1::CODE_MALFORMED, "name \"mild\": a preset has it");

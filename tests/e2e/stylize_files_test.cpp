@@ -78,9 +78,9 @@ TEST_F(StylizeFiles, WrongCommandLinesEndWithTwoAndWriteNothing) {
     EXPECT_THAT(said_, HasSubstr(why)) << words;
     EXPECT_EQ(out_, "");
   }
-  EXPECT_EQ(Stylize("-s bent,zombie -o '" + made_ + "/{name}-{style}.bvh' " + in_), 1);
+  EXPECT_EQ(Stylize("-s bent,zombie -o '" + made_ + "/{name}-{style}.bvh' " + in_), 2);
   EXPECT_THAT(said_, HasSubstr("unknown style 'zombie'"));
-  EXPECT_EQ(Stylize("--joints leftHand " + a + " " + made_ + ".bvh"), 1);
+  EXPECT_EQ(Stylize("--joints leftHand " + a + " " + made_ + ".bvh"), 2);
   EXPECT_THAT(said_, HasSubstr("--joints: 'leftHand': expected CANONICAL=NAME"));
   EXPECT_FALSE(Exists("made")) << "before anything is written";
 }

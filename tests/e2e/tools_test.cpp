@@ -52,7 +52,7 @@ TEST_F(ToolsTest, StylizeTakesAStyleAway) {
       << "nothing to put on";
   EXPECT_NE(said_.find("give --style neutral to remove elderly"), std::string::npos) << said_;
   EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--from", "zombie", "--style", "neutral", in, out}),
-            1);
+            2);
   EXPECT_NE(said_.find("--input-style: unknown style 'zombie'"), std::string::npos) << said_;
 }
 
@@ -278,6 +278,18 @@ TEST_F(StylizeClips, AnExampleOfAStyleIsCalledThat) {
   EXPECT_NE(said_.find(" of the mean distance between styles"), std::string::npos) << said_;
 }
 
+TEST_F(StylizeClips, AnExampleIsReadOnceForAllStyles) {
+  const std::string in = Walk("30", "4"), example = Walk("60", "3");
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--weights", weights_, "--style", "style1,style2",
+                 "--like", example, "--out", folder_ / "{style}.bvh", in}),
+            0)
+      << said_;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "style2.bvh"));
+  const std::size_t first = said_.find("nearest to ");
+  ASSERT_NE(first, std::string::npos) << said_;
+  EXPECT_EQ(said_.find("nearest to ", first + 1), std::string::npos) << said_;
+}
+
 TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   const std::string in = Walk("30", "3");
   const auto refuses = [&](const std::vector<std::string>& arguments, const std::string& reason) {
@@ -433,7 +445,7 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
   EXPECT_EQ(Run({STYLESIM_BINARY, "--bvh", folder_ / "none.bvh"}), 1);
   EXPECT_NE(said_.find("none.bvh"), std::string::npos) << said_;
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "tcp://127.0.0.1:1"}), 1) << "no program listens there";
-  EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "zombie", in, out}), 1);
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "zombie", in, out}), 2);
   EXPECT_NE(said_.find("unknown style 'zombie'"), std::string::npos) << said_;
   WriteText(in, "HIERARCHY\n");
   EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, out}), 1);

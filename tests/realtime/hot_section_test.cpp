@@ -58,8 +58,9 @@ void WriteAvatar(const v1::Body& body, const std::string& file) {
 
 // A second of all that frames can meet: styles that change, joints that break, frames lost,
 // doubled, late and damaged, timecode that comes and goes, weights that make no pose of some of
-// them, several performers with a finger each, a phone for the face of one, a filter against
-// jitter, an avatar, all topics subscribed, all of it recorded.
+// them, several performers with a finger each, a phone for the face of one and gloves, which come
+// and go, for the fingers of another, a filter against jitter, an avatar, all topics subscribed,
+// all of it recorded.
 Report Play(const std::string& provoke) {
   TemporaryFolder folder;
   const std::string file = folder / "report.txt";
@@ -72,6 +73,8 @@ Report Play(const std::string& provoke) {
   Daemon daemon({"record.file=" + folder / "take.styrec", "source.1.smooth_hz=3"},
                 "[[source]]\nname = \"phone\"\ntype = \"livelinkface\"\n"
                 "listen = \"127.0.0.1:0\"\nmerge_into = \"rig.p0\"\n"
+                "[[source]]\nname = \"gloves\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n"
+                "merge_into = \"rig.p1\"\nparts = [\"fingers\", \"face\"]\nsmooth_hz = 3\n"
                 "[[output]]\nname = \"hero\"\navatar = \"" +
                     folder / "avatar.glb" + "\"\n",
                 environment, folder / "sleeping.safetensors");
@@ -79,7 +82,9 @@ Report Play(const std::string& provoke) {
   ControlClient control(daemon.control);
   const UdpLink link(daemon.udp);
   const TcpLink tcp(daemon.tcp);
-  const UdpLink phone(daemon.listens.at(2));
+  const UdpLink phone(daemon.listens.at(2)), gloves_link(daemon.listens.at(3));
+  Rig gloves("g", 77);
+  gloves_link.Send(gloves.Datagram(native::Kind::kBody, WithFinger(gloves).SerializeAsString()));
   std::vector<Rig> rigs;
   for (int i = 0; i < 4; ++i) rigs.emplace_back("p" + std::to_string(i), 10 + i);
   for (auto& rig : rigs) {
@@ -92,6 +97,13 @@ Report Play(const std::string& provoke) {
     if (i % 60 == 10) (void)control.SetStyle("*", i % 120 == 10 ? "style1" : "style3", 0.9F, 150);
     tcp.Send(over_tcp.Frame());
     if (i < 200) phone.Send(live_link_face::testing::Written(live_link_face::testing::Smile(i)));
+    if (i < 120 || i > 300) {
+      gloves_link.Send(gloves.Frame([&](v1::SourceFrame& frame) {
+        for (int k = 0; k < 8; ++k) frame.add_rotations(k % 4 == 3 ? 0.6F : k % 4 == 2 ? 0.8F : 0);
+        if (i % 17 == 5) frame.set_rotations(4 * 21, std::numeric_limits<float>::quiet_NaN());
+        frame.add_expressions()->set_name("jawOpen");
+      }));
+    }
     for (std::size_t r = 0; r < rigs.size(); ++r) {
       Bytes bytes = rigs[r].Frame([&](v1::SourceFrame& frame) {
         for (int k = 0; k < 8; ++k) frame.add_rotations(k % 4 == 3 ? 0.8F : k % 4 == 2 ? 0.6F : 0);

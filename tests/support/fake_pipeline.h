@@ -47,15 +47,14 @@ class FakePublisher final : public publish::Publisher {
   std::deque<publish::SubscriptionEvent> events;
 };
 
-// A pipeline with one source named "rig"; the test delivers its datagrams.
+// A pipeline whose first source is named "rig"; the test delivers its datagrams.
 class FakePipeline {
  public:
   FakePipeline(std::shared_ptr<const pipeline::RuntimeConfig> config,
-               const std::string& subscription)
+               const std::string& subscription, std::vector<std::string> sources = {"rig"})
       : pipeline_(std::make_unique<pipeline::Pipeline>(
-            pipeline::Dependencies{clock, counters, publisher, mailboxes},
-            std::vector<std::string>{"rig"}, std::vector<std::unique_ptr<source::Transport>>(),
-            std::move(config), 77, 100)) {
+            pipeline::Dependencies{clock, counters, publisher, mailboxes}, std::move(sources),
+            std::vector<std::unique_ptr<source::Transport>>(), std::move(config), 77, 100)) {
     publisher.events.push_back({true, subscription});
     Work();
   }

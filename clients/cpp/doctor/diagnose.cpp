@@ -120,9 +120,10 @@ void Examination::Source(const SourceFacts& source) {
   const Evidence evidence = EvidenceOf(source);
   if (!Arrival(source, evidence)) return;
   if (!Content(source, evidence)) return;
-  // A face is merged into a performer of another source, whose frames are judged there.
-  const bool is_face = Row(source.wanted.format).face_only || !source.wanted.merge_into.empty();
-  if (source.in_daemon && !is_face) Frames(source, evidence);
+  // A face, or fingers, are merged into a performer of another source, whose frames are judged
+  // there.
+  const bool is_part = Row(source.wanted.format).face_only || !source.wanted.merge_into.empty();
+  if (source.in_daemon && !is_part) Frames(source, evidence);
 }
 
 // Reports a source of which the daemon receives nothing, whatever the previous steps found. Not if
@@ -143,7 +144,7 @@ void Examination::Silent() {
            "Nothing arrives for " + Label(source) + place + ".",
            "The daemon received nothing of it in " + Seconds(facts_.seconds) + ".",
            source.wanted.network
-               ? InTheSender(source.wanted.format, source.wanted.stream)
+               ? InTheSender(source.wanted)
                : "See that the device is plugged in and switched on; the daemon's "
                  "log says what it waits for.");
   }
@@ -190,7 +191,8 @@ void Examination::Losses() {
            std::string(counter) + " grew while we listened.", change);
   };
   KernelDrops();
-  warn("pipeline.lost", "lost_on_the_way", "datagrams were lost between the rig and the daemon.",
+  warn("pipeline.lost", "lost_on_the_way",
+       "datagrams were lost between the rig and the daemon" + Losers() + ".",
        "Use a cable, or a wireless network of its own; look at switches and at the sender's load.");
   warn("pipeline.backlog_dropped", "too_slow", "frames came too late and were passed over.",
        "The machine does not keep up: end other programs, set realtime.priority = 20.");
@@ -208,10 +210,47 @@ void Examination::Losses() {
   const bool said = std::ranges::any_of(findings_, [](const Finding& f) {
     return f.code == "second_sender" || f.code == "performer_refused";
   });
-  if (said) return;
+  if (said || TwoPhones()) return;
   warn("pipeline.second_sender", "second_sender",
        "datagrams were refused: two senders send the same performer.",
        "Stop one of them, or give it another performer's name.");
+}
+
+// Of whom datagrams were lost, ", of rig.anna and rig.ben"; "" if no performer is known.
+std::string Examination::Losers() const {
+  std::string names;
+  const auto& before = facts_.daemon.before.stats().performers();
+  for (const auto& now : facts_.daemon.after.stats().performers()) {
+    const auto then = std::ranges::find(before, now.performer(), &v1::PerformerStats::performer);
+    if (then == before.end() || now.lost() <= then->lost()) continue;
+    names.append(names.empty() ? ", of " : " and ").append(now.performer());
+  }
+  return names;
+}
+
+// Two senders for a source that is merged into a performer, e.g. two phones on one port: the first
+// one's face is shown, and no name of a performer tells them apart.
+bool Examination::TwoPhones() {
+  if (facts_.Grown("pipeline.second_sender") == 0) return false;
+  const SourceFacts* found = nullptr;
+  for (const SourceFacts& source : facts_.sources) {
+    const bool merged = Row(source.wanted.format).face_only || !source.wanted.merge_into.empty();
+    if (!merged || source.received.value_or(0) == 0) continue;
+    const bool several = EvidenceOf(source).Senders().find(',') != std::string::npos;
+    if (several || GrownOf(source, "pipeline.second_sender") > 0) found = &source;
+  }
+  if (found == nullptr) return false;
+  const Wanted& wanted = found->wanted;
+  const std::string hosts = EvidenceOf(*found).Senders();
+  const std::string whose = wanted.merge_into.empty() ? "one performer" : wanted.merge_into;
+  Report(Severity::kWarning, Step::kFrames, found, "second_sender",
+         "Two senders send to " + Label(*found) + " at " + PlaceOf(wanted) +
+             ": only the first is shown on " + whose + ".",
+         hosts.empty() ? "pipeline.second_sender grew while we listened."
+                       : "Datagrams came from " + hosts + ".",
+         "Give each a source of its own: another [[source]] with its own port in listen, and with "
+         "merge_into its own performer; let the second one send there. Or stop it.");
+  return true;
 }
 
 // The kernel's socket table names the source that lost datagrams; the daemon's counter only gives a
@@ -284,6 +323,30 @@ Examination::Evidence Examination::EvidenceOf(const SourceFacts& source) const {
   }
   out.arrived = source.received ? *source.received : out.tally.Count();
   return out;
+}
+
+std::uint64_t Examination::GrownOf(const SourceFacts& source, const std::string& counter) const {
+  std::uint64_t all = 0;  // datagrams of all sources, whether examined or not
+  const auto& before = facts_.daemon.before.sources();
+  const auto& after = facts_.daemon.after.sources();
+  for (int i = 0; i < std::min(before.size(), after.size()); ++i) {
+    all += after[i].received() - before[i].received();
+  }
+  std::uint64_t examined = 0;
+  for (const SourceFacts& one : facts_.sources) examined += one.received.value_or(0);
+  const std::uint64_t others = std::max(all, examined) - source.received.value_or(0);
+  const std::uint64_t grown = facts_.Grown(counter);
+  return grown > others ? grown - others : 0;
+}
+
+std::string Examination::InTheSender(const Wanted& wanted) {
+  if (wanted.format == Format::kIFacialMocap && !wanted.server.empty()) {
+    return "The daemon asks the phone at " + wanted.server +
+           " (`server` of the source) to send: see that this is the phone's address, that the "
+           "phone "
+           "is in this machine's network, and that the app is open.";
+  }
+  return doctor::InTheSender(wanted.format, wanted.stream);
 }
 
 std::vector<const Flow*> Examination::Flows() const {

@@ -180,7 +180,7 @@ void Examination::Nothing(const SourceFacts& source) {
   }
   const std::string to = IsWildcard(wanted.listen.host) ? OwnAddresses() : wanted.listen.host;
   change += "The sender must send to " + to + ", port " + std::to_string(wanted.listen.port) +
-            (wanted.stream ? " (TCP). " : " (UDP). ") + InTheSender(wanted.format, wanted.stream);
+            (wanted.stream ? " (TCP). " : " (UDP). ") + InTheSender(wanted);
   if (!facts_.firewall.empty() && !IsLoopback(wanted.listen.host)) {
     change += " The firewall could not be looked at (" + facts_.firewall +
               "): sudo nft list ruleset shows it; with sudo, doctor looks itself and sees what "

@@ -40,8 +40,7 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
     Report(Severity::kProblem, Step::kFormat, &source, "unknown_format",
            "What arrives for " + Label(source) + " at " + PlaceOf(wanted) + " is not " + name +
                ", nor another format that is known here.",
-           why,
-           "Look what the sender is set to send. " + InTheSender(wanted.format, wanted.stream));
+           why, "Look what the sender is set to send. " + InTheSender(wanted));
     return false;
   }
   Report(Severity::kProblem, Step::kFormat, &source, "wrong_format",
@@ -86,7 +85,7 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
            version ? "unusable_version" : "unusable_mode",
            name + " arrives for " + Label(source) + ", but in a " + (version ? "version" : "mode") +
                " that the daemon cannot use.",
-           "It sends: " + kinds + ".", InTheSender(format, source.wanted.stream));
+           "It sends: " + kinds + ".", InTheSender(source.wanted));
     return false;
   }
   // A tracker that searches for a server sends nothing else until it has found one.
@@ -98,7 +97,7 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
       format == Format::kSlimeVr
           ? "The trackers do not send rotations: look at their sensors, and whether another server "
             "answers them."
-          : InTheSender(format, source.wanted.stream));
+          : InTheSender(source.wanted));
   return false;
 }
 
@@ -114,9 +113,9 @@ void Examination::NoSkeleton(const SourceFacts& source, const std::string& why) 
 bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& evidence) {
   const std::string name(Row(source.wanted.format).name);
   const bool native = source.wanted.format == Format::kNative;
-  const auto grown = [this](std::initializer_list<const char*> names) {
+  const auto grown = [&](std::initializer_list<const char*> names) {
     std::uint64_t sum = 0;
-    for (const char* counter : names) sum += facts_.Grown(counter);
+    for (const char* counter : names) sum += GrownOf(source, counter);
     return sum;
   };
   const std::uint64_t foreign = grown({"source.bad_magic"});
@@ -127,7 +126,7 @@ bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& e
              "source.bad_reserved", "source.bad_kind", "source.no_session"}) +
       (native ? malformed : 0);
   const std::uint64_t half = (evidence.arrived + 1) / 2;
-  const std::string counted = " (the daemon's count of all sources)";
+  const std::string counted = " (the daemon's count, less what other sources may explain)";
   const std::string see = " With sudo, doctor sees the datagrams themselves and names the format.";
   if (foreign >= half || (!native && malformed >= half)) {
     const std::uint64_t not_ours = native ? foreign : malformed;
@@ -197,7 +196,7 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
        "Let the rig send poses, and all its streams to one port."},
   }};
   for (const Cause& cause : kCauses) {
-    const std::uint64_t count = facts_.Grown(cause.counter);
+    const std::uint64_t count = GrownOf(source, cause.counter);
     if (2 * count < evidence.arrived || count == 0) continue;
     const std::string why = std::string(cause.counter) + " grew by " + std::to_string(count) +
                             " while " + std::to_string(evidence.arrived) + " datagrams arrived.";
@@ -205,12 +204,22 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
     return Report(Severity::kProblem, cause.step, &source, cause.code,
                   Label(source) + ": no frames, because " + cause.what + ".", why, cause.change);
   }
+  std::string maybe;  // counters that grew, of this source or another
+  for (const Cause& cause : kCauses) {
+    const std::string counter = cause.counter;
+    if (counter == "pipeline.bodies_refused" || counter == "source.incomplete") continue;
+    if (2 * facts_.Grown(counter) < evidence.arrived || facts_.Grown(counter) == 0) continue;
+    maybe += (maybe.empty() ? "" : ", ") + counter;
+  }
   // These counters grow more slowly than datagrams arrive: once per second, or once per frame of
   // several datagrams.
   for (const Cause& cause : kCauses) {
     const std::string counter = cause.counter;
     if (counter != "pipeline.bodies_refused" && counter != "source.incomplete") continue;
-    if (facts_.Grown(counter) == 0) continue;
+    if (GrownOf(source, counter) == 0) {
+      if (facts_.Grown(counter) > 0) maybe += (maybe.empty() ? "" : ", ") + counter;
+      continue;
+    }
     return Report(Severity::kProblem, cause.step, &source, cause.code,
                   Label(source) + ": no frames, because " + cause.what + ".", counter + " grew.",
                   cause.change);
@@ -220,7 +229,10 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
       Severity::kProblem, Step::kFrames, &source, trackers ? "needs_reset" : "no_frames",
       Label(source) + " receives " + std::string(Row(source.wanted.format).name) +
           ", but no performer comes of it.",
-      std::to_string(evidence.arrived) + " datagrams arrived in " + Seconds(facts_.seconds) + ".",
+      std::to_string(evidence.arrived) + " datagrams arrived in " + Seconds(facts_.seconds) + "." +
+          (maybe.empty()
+               ? ""
+               : " Counters that grew, of this source or of another that receives: " + maybe + "."),
       trackers ? "Say in the source's trackers where each is worn, and give a full reset in the "
                  "T-pose; the daemon's log names what is missing."
                : "The daemon's log names what it waits for; restart the sender.");

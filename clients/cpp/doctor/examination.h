@@ -28,6 +28,8 @@ class Examination {
   void Silent();
   void Losses();
   void KernelDrops();
+  std::string Losers() const;
+  bool TwoPhones();
   void Unclaimed();
   void Listeners();
   void Report(Severity severity, Step step, const SourceFacts* source, std::string code,
@@ -62,6 +64,11 @@ class Examination {
 
   // Queries on the facts.
   Evidence EvidenceOf(const SourceFacts& source) const;
+  // How much of a counter's growth must be the source's. The daemon counts all sources together:
+  // what the datagrams of the others may explain is not laid to this one.
+  std::uint64_t GrownOf(const SourceFacts& source, const std::string& counter) const;
+  // What to look for in the source's sender.
+  static std::string InTheSender(const Wanted& wanted);
   // Those in `heard`, and those in `seen` that have no counterpart in `heard`.
   std::vector<const Flow*> Flows() const;
   static bool Reaches(const Flow& flow, const Wanted& wanted);

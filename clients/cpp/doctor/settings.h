@@ -23,7 +23,8 @@ struct Wanted {
   bool stream = false;
   bool network = true;  // false: USB, or an unreadable `listen`
   Endpoint listen;
-  std::string merge_into;  // a performer, whose face this source is; "": none, or not known
+  std::string
+      merge_into;  // a performer, to whom this source gives face or fingers; "": none, or not known
   // OptiTrack only.
   std::string server, group = "239.255.42.99", interface;
   bool multicast = true;

@@ -18,7 +18,7 @@ constexpr std::size_t kMaxStyleFileBytes = std::size_t{1} << 20U;  // as the dae
 
 struct LibraryArguments {
   std::string name, to, file;
-  bool replace = false;
+  bool replace = false, overwrite = false;
   std::function<int()> run;  // the chosen subcommand
 };
 
@@ -42,11 +42,20 @@ int ListMade(Session& session) {
 
 int ExportStyle(Session& session, const LibraryArguments& arguments) {
   session.styles.push_back(arguments.name);
+  const auto taken = [&](const std::string& file) {
+    return file != "-" && !arguments.overwrite && std::filesystem::exists(file);
+  };
+  const auto refuse = [&session](const std::string& file) {
+    return session.Usage("styles export: " + file +
+                         ": exists, expected a new file; --overwrite replaces it");
+  };
+  if (!arguments.file.empty() && taken(arguments.file)) return refuse(arguments.file);
   v1::StyleFile style;
   if (const auto status = session.control().ExportStyle(arguments.name, &style); !status.ok()) {
     return session.Fail(status);
   }
   const std::string file = arguments.file.empty() ? style.name() + ".json" : arguments.file;
+  if (taken(file)) return refuse(file);
   if (file == "-") {
     session.out << style.file();
     return kExitOk;
@@ -122,6 +131,7 @@ void DeclareStyles(Session& session) {
                       [](Session& s, const LibraryArguments& a) { return ExportStyle(s, a); });
   add_name(out);
   out->add_option("FILE", arguments->file, "to write; - for standard output (default: NAME.json)");
+  out->add_flag("--overwrite", arguments->overwrite, "replace a file that exists");
   CLI::App* in = add("import", "add the style of a file, for all clients",
                      [](Session& s, const LibraryArguments& a) { return ImportStyle(s, a); });
   in->add_option("FILE", arguments->file, "as export or the library has it")->required();

@@ -43,10 +43,13 @@ std::string NameOf(const std::string& file) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte >= 0x80 || (std::isalnum(byte) == 0 && c != '_' && c != '-')) c = '-';
   }
+  name.erase(0, name.find_first_not_of('-'));  // it would look like an option
+  if (name.empty()) name = "style";
   return name.substr(0, kMaxNameBytes);
 }
 
-void ReportJson(Session& session, const v1::LikeReply& like, const client::Applied& applied) {
+void ReportJson(Session& session, const v1::LikeReply& like, const client::Applied& applied,
+                const std::string& note) {
   nlohmann::json object{{"ok", true},
                         {"style", like.name()},
                         {"nearest", like.nearest()},
@@ -57,6 +60,7 @@ void ReportJson(Session& session, const v1::LikeReply& like, const client::Appli
     object["applied"].push_back(
         {{"performer", one.performer()}, {"first_sequence", one.first_sequence()}});
   }
+  if (!note.empty()) object["note"] = note;
   session.out << object.dump() << "\n";
 }
 
@@ -85,7 +89,9 @@ int Make(Session& session, const Arguments& arguments, v1::Like request) {
   const client::CallStatus status =
       session.control().Like(arguments.unworn ? "" : session.performer, request, &reply, &applied);
   if (!status.ok()) return session.Fail(status);
-  session.json ? ReportJson(session, reply, applied) : ReportText(session, reply, applied);
+  const std::string note = arguments.unworn ? "" : session.NoteUnseen();
+  session.json ? ReportJson(session, reply, applied, note) : ReportText(session, reply, applied);
+  if (!session.json && !note.empty()) session.err << "note: " << note << "\n";
   return kExitOk;
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "clients/cpp/control.h"
 #include "clients/cpp/stylectl/look_options.h"
 
 namespace styled::stylectl {
@@ -87,6 +88,14 @@ std::string RecordedText(const v1::StyleInfo& style) {
                                  : Fixed(style.recorded_s() / 60, 1) + " min";
 }
 
+json LayersJson(const v1::PerformerStats& performer) {
+  json out = json::array();
+  for (const auto& layer : performer.layers()) {
+    out.push_back({{"source", layer.source()}, {"part", layer.part()}, {"live", layer.live()}});
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string ListText(const v1::ListReply& list) {
@@ -141,7 +150,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
     std::vector<std::vector<std::string>> rows{{"PERFORMER", "STATE", "HZ", "P50 us", "P99 us",
                                                 "MAX us", "PUBLISHED", "LOST", "STRENGTH", "STYLE",
                                                 ""}};
-    std::string warnings;
+    std::string warnings, merged;
     for (const auto& performer : stats.performers()) {
       std::string notes;
       if (performer.pinned()) notes += "pinned";
@@ -155,6 +164,9 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
       if (!performer.warning().empty()) {
         warnings += performer.performer() + ": " + performer.warning() + "\n";
       }
+      if (const std::string layers = client::LayersText(performer); !layers.empty()) {
+        merged += performer.performer() + " gets " + layers + "\n";
+      }
       rows.push_back({performer.performer(),
                       performer.live() ? "live"
                       : refused        ? "refused"
@@ -166,7 +178,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                       notes});
     }
     std::sort(rows.begin() + 1, rows.end());  // by performer
-    out += Table(rows) + warnings;
+    out += Table(rows) + merged + warnings;
   }
   for (const auto& source : status.sources()) {
     if (source.received() > 0) continue;
@@ -272,7 +284,8 @@ json StatusJson(const v1::StatusReply& status) {
              {"warning", performer.warning()},
              {"pinned", performer.pinned()},
              {"joints", performer.joints()},
-             {"dialect", performer.dialect()}};
+             {"dialect", performer.dialect()},
+             {"layers", LayersJson(performer)}};
     row.update(LookJson(performer.look()));
     performers.push_back(std::move(row));
   }

@@ -40,6 +40,8 @@ class Session {
               const std::string& what);
   int Fail(const client::CallStatus& status);
   int Usage(const std::string& text);
+  // What is to be said of a performer that was named and has not been seen; "" for nothing.
+  std::string NoteUnseen();
 
   std::ostream& out;
   std::ostream& err;
@@ -65,7 +67,6 @@ class Session {
 
   static std::vector<std::string> Commands(const CLI::App& of);
   int Unexpected(const std::string& reason);
-  std::string NoteUnseen();
   Hint Explain(const client::CallStatus& status);
   void ExplainStyle(Hint& hint);
   void ExplainPerformer(Hint& hint);

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "clients/cpp/control.h"
 #include "clients/cpp/key_options.h"
 #include "clients/cpp/reach.h"
 #include "proto/styled/look.h"
@@ -47,6 +48,7 @@ std::string SetText(const v1::PerformerStats& stats) {
   }
   const body::Parts parts = PartsOf(look);
   if (parts != 0 && parts != body::kAllParts) out += " only " + body::PartsText(parts);
+  if (const std::string layers = client::LayersText(stats); !layers.empty()) out += "  " + layers;
   return stats.pinned() ? "pinned " + out : out;
 }
 

@@ -1,6 +1,7 @@
 """The requests to a daemon, independent of the socket: arguments are converted to requests of
 control.proto, and replies to results."""
 
+import math
 import os
 import random
 import re
@@ -45,7 +46,12 @@ def _set_request(performer: str, style: Optional[str], mix: Optional[Mapping[str
     look = request.set
     look.SetInParent()
     if style is not None:
+        if not isinstance(style, str):
+            raise TypeError(f'set: style is {style!r}, expected the name of one')
         mix = {style: 1.0}
+    if mix is not None and not isinstance(mix, Mapping):
+        raise TypeError(f"set: mix is {mix!r}, expected weights by style, e.g. "
+                        "{'elderly': 0.5, 'active': 0.5}")
     for name, weight in (mix or {}).items():
         look.mix.add(style=name, weight=weight)
     for given, value in fields.items():
@@ -105,6 +111,13 @@ def _fill_clip(like: control_pb2.Like, clip: str, rig: str) -> None:
     like.file = os.path.basename(clip)
     like.rig = rig
     like.clip = _read_file('like', clip)
+
+
+def _take_seconds(seconds: float) -> float:
+    # The reply is waited for as long; the daemon refuses 0 and what is beyond its range.
+    if not math.isfinite(seconds) or seconds < 0:
+        raise ValueError(f'seconds is {seconds}, expected 1 to 60')
+    return seconds
 
 
 def _like_reply(reply: control_pb2.Reply) -> control_pb2.LikeReply:
@@ -180,8 +193,8 @@ class Commands:
         `measure_take` gave for a neutral example of the same performer; only what differs from it
         counts then."""
         stem = os.path.splitext(os.path.basename(clip))[0]
-        request = _like_request(performer, name or re.sub('[^A-Za-z0-9_-]', '-', stem)[:32],
-                                transition_ms, neutral_code)
+        plain = re.sub('[^A-Za-z0-9_-]', '-', stem).lstrip('-') or 'style'
+        request = _like_request(performer, name or plain[:32], transition_ms, neutral_code)
         _fill_clip(request.like, clip, rig)
         return self._do(request, _like_reply)
 
@@ -197,13 +210,13 @@ class Commands:
               neutral_code: Sequence[float] = ()) -> control_pb2.LikeReply:
         """As `like`, of what the performer does from now on, for so many seconds (1 to 60)."""
         request = _like_request(performer, name, transition_ms, neutral_code)
-        request.like.learn_s = seconds
+        request.like.learn_s = _take_seconds(seconds)
         return self._do(request, _like_reply)
 
     def measure_take(self, performer: str, seconds: float) -> control_pb2.LikeReply:
         """As `measure`, of what the performer does from now on."""
         request = _like_request(performer, '')
-        request.like.learn_s = seconds
+        request.like.learn_s = _take_seconds(seconds)
         request.like.measure = True
         return self._do(request, _like_reply)
 

@@ -30,9 +30,18 @@ class Curve:
     public_key: Optional[Key] = None
     secret_key: Optional[Key] = None
 
-    def apply(self, socket: zmq.Socket) -> None:
+    def __post_init__(self) -> None:
+        for name in ('server_key', 'public_key', 'secret_key'):
+            key = getattr(self, name)
+            if key is None and name != 'server_key':
+                continue
+            if not isinstance(key, (str, bytes, bytearray)):
+                raise TypeError(f'curve: {name} is {key!r}, expected 40 characters of Z85 or 32 bytes')
+            _check(f'curve: {name}', key)
         if (self.public_key is None) != (self.secret_key is None):
             raise ValueError('curve: one key of the own pair is missing, expected both or none')
+
+    def apply(self, socket: zmq.Socket) -> None:
         public, secret = self.public_key, self.secret_key
         if public is None:
             public, secret = zmq.curve_keypair()

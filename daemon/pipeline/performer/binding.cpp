@@ -1,5 +1,6 @@
 #include "daemon/pipeline/performer/binding.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -32,7 +33,7 @@ Status PerformerBinding::Accept(const source::SourceFrame& frame, const Profile&
     return status;
   }
   history_ = std::make_unique<PoseHistory>(skeleton.value());
-  received_ = rig::RigPose(skeleton.value());
+  if (wait) received_ = rig::RigPose(skeleton.value());
   crc_ = frame.body_crc;
   if (!wait) return status;
   return Status::Error(status.message() +
@@ -45,6 +46,11 @@ Status PerformerBinding::Bind(const Profile& profile, const rig::JointNames& nam
   auto bound = BindBody(given_, profile.rest, names);
   if (!bound.ok()) return bound.status();
   bound_ = std::move(bound.value());
+  if (fingers_.any()) {
+    bound_->binding =
+        std::make_shared<const rig::Binding>(rig::WithFingers(*bound_->binding, fingers_));
+  }
+  received_ = rig::RigPose(bound_->binding->skeleton());
   return Status::Ok();
 }
 
@@ -99,8 +105,9 @@ v1::Code PerformerBinding::Calibrate(const v1::Calibrate& request, Profile& prof
 }
 
 bool PerformerBinding::Receive(const source::SourceFrame& frame, std::int64_t receive_ns) noexcept {
-  const auto joints = static_cast<int>(received_.rotations.size());
+  const int joints = given_.names_size();
   if (!source::CopyPose(frame, joints, received_)) return false;
+  std::fill(received_.rotations.begin() + joints, received_.rotations.end(), rig::Quat::Identity());
   history_->Add(received_, receive_ns);
   return true;
 }

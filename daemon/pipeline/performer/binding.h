@@ -11,6 +11,7 @@
 #include "model/base/realtime.h"
 #include "model/base/status.h"
 #include "model/rig/dialects.h"
+#include "model/rig/hands.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/control.pb.h"
 
@@ -21,6 +22,9 @@ namespace styled::pipeline {
 // allocates. Pinned by tests/unit/daemon/pipeline_test.cpp and tests/e2e/calibrate_test.cpp.
 class PerformerBinding {
  public:
+  // Finger joints that the bound body has even where the rig's body lacks them (rig::WithFingers).
+  // Call before the first body.
+  void WantFingers(const rig::TailSet& fingers) { fingers_ = fingers; }
   // Takes over a new body and binds it. After an error nothing changes, except if no body was bound
   // and at least the joints are recognized: then the performer waits() for a calibration. `names`:
   // the source's joint names set by hand.
@@ -40,7 +44,8 @@ class PerformerBinding {
 
   // Copies and remembers a frame's pose. Returns false if its joint count differs from the body's.
   STYLED_REALTIME bool Receive(const source::SourceFrame& frame, std::int64_t receive_ns) noexcept;
-  // The last pose as received; may be swapped with another pose of the same skeleton.
+  // The last pose as received, the T-pose's rotations for joints that the rig lacks; may be swapped
+  // with another pose of the bound skeleton.
   rig::RigPose& received() noexcept { return received_; }
 
  private:
@@ -51,6 +56,7 @@ class PerformerBinding {
   std::unique_ptr<PoseHistory> history_;  // of given_'s skeleton
   rig::RigPose received_;
   std::optional<BoundBody> bound_;
+  rig::TailSet fingers_;
   std::uint32_t crc_ = 0;
 };
 

@@ -22,6 +22,11 @@ const rig::JointNames& Performer::Names(const RuntimeConfig& config) const {
   return index < config.joints.size() ? config.joints[index] : kNone;
 }
 
+void Performer::SetFingers(std::vector<FingerLayer*> layers) {
+  finger_layers_ = std::move(layers);
+  binding_.WantFingers(JointsOf(finger_layers_));
+}
+
 Status Performer::AcceptBody(const source::SourceFrame& body, const RuntimeConfig& config) {
   Status status = binding_.Accept(body, profile, Names(config));
   if (status.ok()) UseBinding(config);
@@ -43,6 +48,7 @@ void Performer::UseBinding(const RuntimeConfig& config) {
   smoothing_ = PoseSmoothing(
       index < config.smoothing.size() ? config.smoothing[index] : config::Smoothing(),
       static_cast<std::size_t>(skeleton.joint_count()), binding_.given().metres_per_unit());
+  fingers_ = Fingers(finger_layers_, *binding_.body().binding);
   (void)ApplyLook(config);
 }
 
@@ -77,6 +83,7 @@ Performer::Accepted Performer::Accept(const source::SourceFrame& frame,
   if (!styling_) return Accepted::kUncalibrated;
   smoothing_.Apply(binding_.received(), context.elapsed_ns);
   styling_->SetInput(binding_.received());
+  fingers_.Apply(context.elapsed_ns, styling_->in());
   header_.source_time_ns = frame.source_time_ns;
   header_.source_sequence = context.source_sequence;
   header_.has_timecode = frame.has_timecode;

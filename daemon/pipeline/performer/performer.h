@@ -8,6 +8,7 @@
 #include "daemon/pipeline/facing.h"
 #include "daemon/pipeline/performer/admission.h"
 #include "daemon/pipeline/performer/binding.h"
+#include "daemon/pipeline/performer/fingers.h"
 #include "daemon/pipeline/performer/outputs.h"
 #include "daemon/pipeline/performer/smoothing.h"
 #include "daemon/pipeline/performer/styling.h"
@@ -30,6 +31,9 @@ class Performer {
             std::int64_t now_ns, publish::Subscriptions& subscriptions,
             runtime::Counters& counters);
 
+  // The fingers that sources merge into the performer; they must outlive it. Call before the first
+  // body.
+  void SetFingers(std::vector<FingerLayer*> layers);
   // Binds a new body and makes the stylist for it. Allocates. After an error the last body stays;
   // if there is none and at least its joints are recognized, the performer waits for a calibration.
   Status AcceptBody(const source::SourceFrame& body, const RuntimeConfig& config);
@@ -110,6 +114,8 @@ class Performer {
   FrameContext context_;            // of the accepted frame
   publish::FrameHeader header_;     // its source's part
   PoseSmoothing smoothing_;
+  std::vector<FingerLayer*> finger_layers_;
+  Fingers fingers_;
   std::vector<std::byte> face_;                  // what is passed on beside the pose
   std::optional<std::int64_t> measure_from_ns_;  // of what is serialized; nothing: a repetition
   Facing facing_;

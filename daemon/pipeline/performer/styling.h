@@ -53,6 +53,7 @@ class Styling {
   void Describe(v1::PerformerStats& stats) const;
 
   const rig::RigPose& in() const { return in_; }
+  rig::RigPose& in() { return in_; }  // in the binding's axes, until the job runs
   const stylist::Output& out() const { return out_; }
   bool has_output() const { return has_output_; }
   const rig::Vec3& rig_root() const { return rig_root_; }  // of out().rig, in the rig's units

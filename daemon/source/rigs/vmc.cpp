@@ -41,13 +41,17 @@ float Distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return (ToVec3(a) - ToVec3(b)).norm();
 }
 
+// What of a source is merged into a performer: neither, for a source with performers of its own.
+struct Merged {
+  bool face = false, fingers = false;
+};
+
 // One sending application at one address.
 class Sender {
  public:
-  // `face_only`: for a source that is merged into a performer; bones are not used.
-  Sender(std::uint64_t peer, std::string performer, bool face_only)
-      : peer_(peer), stream_(std::move(performer)) {
-    if (face_only) faces_.emplace();
+  Sender(std::uint64_t peer, std::string performer, const Merged& merged)
+      : peer_(peer), merged_(merged), stream_(std::move(performer)) {
+    if (merged_.face) faces_.emplace();
     face_.expressions.reserve(vmc::Frame::kMaxBlends);
     face_.thru.reserve(vmc::Frame::kMaxThrus);
   }
@@ -78,6 +82,7 @@ class Sender {
  private:
   void Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out);
   void UseFace(const vmc::Frame& frame, Outbox& out);
+  void UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out);
   void Remember(const vmc::Frame& frame);
   BoneSet Wanted(const vmc::Frame& frame);
   void SetBody(BoneSet bones, Outbox& out);
@@ -87,11 +92,12 @@ class Sender {
   void Report(Outbox& out);
 
   std::uint64_t peer_;
+  Merged merged_;
   std::int64_t seen_ns_ = 0;
   vmc::Assembler assembler_;
   vmc::Assembler::Counts reported_;
   PerformerStream stream_;
-  std::optional<FaceStream> faces_;  // instead of stream_
+  std::optional<FaceStream> faces_;  // if the face is merged
   std::uint64_t face_number_ = 0;
   const BoneSet canonical_ = CanonicalBones(), required_ = RequiredBones();
   BoneSet bones_ = 0;          // the body's bones
@@ -116,7 +122,11 @@ void Sender::UseFace(const vmc::Frame& frame, Outbox& out) {
 }
 
 void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
-  if (faces_) return UseFace(frame, out);
+  if (faces_) UseFace(frame, out);
+  if (!faces_ || merged_.fingers) UseBones(frame, now_ns, out);
+}
+
+void Sender::UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
   if (frame.restarted) {
     stream_.Restart();
     bones_ = before_ = 0;  // the avatar may have changed
@@ -131,7 +141,7 @@ void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
   PerformerStream::FrameInfo info;
   info.source_time_ns = Time_ns(frame);
   info.now_ns = now_ns;
-  info.face = Look(frame);
+  if (!merged_.fingers) info.face = Look(frame);
   stream_.Send(pose_, info, out);
 }
 
@@ -149,7 +159,8 @@ void Sender::Remember(const vmc::Frame& frame) {
     }
     positions_[at] = position;
   }
-  moved_frames_ = moved && steady ? moved_frames_ + 1 : 0;
+  // Of hands alone the places may be those in the room; lengths do not matter for fingers.
+  moved_frames_ = moved && steady && !merged_.fingers ? moved_frames_ + 1 : 0;
   hips_position_ = ToVec3(positions_[vmc::kHips]);
   if (!frame.has_root) return;
   const Vec3 position = ToVec3(frame.root.position);
@@ -159,8 +170,15 @@ void Sender::Remember(const vmc::Frame& frame) {
 }
 
 // The bones that the body should have; 0 while that is unknown, because the first frame may be the
-// end of one. A bone that disappeared leaves the body only if no skeleton needs it.
+// end of one. A bone that disappeared leaves the body only if no skeleton needs it. Fingers need no
+// more than hands, which the sender may leave out, and a root.
 BoneSet Sender::Wanted(const vmc::Frame& frame) {
+  if (merged_.fingers) {
+    if (bones_ == 0 && frame.bones != before_) return 0;
+    constexpr BoneSet kNeeded =
+        vmc::Bit(vmc::kHips) | vmc::Bit(vmc::kLeftHand) | vmc::Bit(vmc::kRightHand);
+    return bones_ | frame.bones | kNeeded;
+  }
   if (bones_ == 0) {
     const bool whole = (required_ & ~frame.bones) == 0 || frame.bones == before_;
     return whole && vmc::Has(frame.bones, vmc::kHips) ? frame.bones : 0;
@@ -249,7 +267,8 @@ class Vmc final : public Translator {
  public:
   explicit Vmc(const config::Source& config)
       : performer_(config.performer.empty() ? config.name : config.performer),
-        face_only_(!config.merge_into.empty()) {}
+        merged_{config.Merges("face"),
+                config.Merges("leftFingers") || config.Merges("rightFingers")} {}
 
   void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
             Outbox& out) override {
@@ -259,7 +278,9 @@ class Vmc final : public Translator {
     if (vmc::osc::Check(datagram) != vmc::osc::Result::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
-    const bool useful = face_only_ ? Has<vmc::Blend>(datagram) : Has<vmc::Bone>(datagram);
+    const bool bones = merged_.fingers || !merged_.face;
+    const bool useful =
+        (bones && Has<vmc::Bone>(datagram)) || (merged_.face && Has<vmc::Blend>(datagram));
     if (!useful) return out.Refuse(Counter::kSourceIgnored);
     Sender* sender = Add(peer, now_ns, out);
     if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
@@ -284,11 +305,11 @@ class Vmc final : public Translator {
       return now_ns - sender->seen_ns() > 10 * runtime::kSecond_ns;
     });
     if (senders_.size() >= kMaxSenders) return nullptr;
-    return senders_.emplace_back(std::make_unique<Sender>(peer.id, performer_, face_only_)).get();
+    return senders_.emplace_back(std::make_unique<Sender>(peer.id, performer_, merged_)).get();
   }
 
   std::string performer_;
-  bool face_only_;
+  Merged merged_;
   std::vector<std::unique_ptr<Sender>> senders_;
 };
 

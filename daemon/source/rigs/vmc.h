@@ -21,7 +21,9 @@ namespace styled::source {
 // Pose        From Unity's left-handed axes, mirrored through x = 0; root and hips are composed.
 // Time        The sender's T in seconds; where there is none, the time of arrival goes on from it.
 // Face        Expressions (256 blend shapes with UTF-8 names) and up to 8 messages under /VMC/Thru.
-//             With `merge_into` only the face is used, and the sender needs no bones.
+// Merged      With `merge_into`, a face needs no bones, and fingers need no bones but a hand's. The
+//             rotation of the hand itself does not matter: senders of hands alone give it in the
+//             model's space, not against the parent. No bone leaves such a body.
 // Session     A new one where the assembler sees the sender restart (proto/rigs/vmc/assembler.h).
 // Refused     source.malformed; source.ignored; source.incomplete; pipeline.duplicate and
 //             pipeline.reordered; pipeline.second_sender for a ninth sender while eight are live.

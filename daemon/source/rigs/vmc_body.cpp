@@ -4,26 +4,13 @@
 #include <cmath>
 
 #include "model/body/pose.h"
+#include "model/rig/hands.h"
 #include "proto/rigs/types.h"
 
 namespace styled::source {
 namespace {
 
 using rig::Vec3;
-
-// A finger of a hand of the canonical humanoid's size, palm down: where it begins in the left
-// hand's frame, and the lengths of its two inner bones.
-struct Finger {
-  float x_m, y_m, z_m;
-  float lengths_m[2];
-};
-constexpr std::array<Finger, 5> kFingers{{
-    {0.025F, -0.01F, 0.025F, {0.035F, 0.03F}},
-    {0.09F, 0, 0.025F, {0.035F, 0.025F}},
-    {0.092F, 0, 0.004F, {0.04F, 0.027F}},
-    {0.086F, 0, -0.016F, {0.037F, 0.026F}},
-    {0.078F, 0, -0.034F, {0.029F, 0.019F}},
-}};
 
 // Positions of the bones in the canonical humanoid's T-pose.
 std::array<Vec3, vmc::kBoneCount> CanonicalPositions() {
@@ -38,17 +25,12 @@ std::array<Vec3, vmc::kBoneCount> CanonicalPositions() {
   at[vmc::kLeftEye] = at[vmc::kHead] + Vec3(0.03F, 0.06F, 0.08F);
   at[vmc::kRightEye] = at[vmc::kHead] + Vec3(-0.03F, 0.06F, 0.08F);
   at[vmc::kJaw] = at[vmc::kHead] + Vec3(0, 0.01F, 0.03F);
-  std::size_t bone = vmc::kLeftThumbProximal;
-  for (const float side : {1.0F, -1.0F}) {
-    const Vec3 hand = at[side > 0 ? vmc::kLeftHand : vmc::kRightHand];
-    for (const Finger& finger : kFingers) {
-      const Vec3 along = &finger == kFingers.data() ? Vec3(0.74F, 0, 0.67F) : Vec3::UnitX();
-      Vec3 place(finger.x_m, finger.y_m, finger.z_m);
-      for (const float length_m : {finger.lengths_m[0], finger.lengths_m[1], 0.0F}) {
-        at[bone++] = hand + Vec3(side * place.x(), place.y(), place.z());
-        place += length_m * along;
-      }
-    }
+  for (int t = 0; t < rig::kTailLeftEye; ++t) {  // in the order of Unity's fingers
+    const int before = rig::TailBefore(t);
+    const int parent = before >= 0 ? vmc::kLeftThumbProximal + before
+                                   : (t < rig::kTailRightThumb ? vmc::kLeftHand : vmc::kRightHand);
+    at[static_cast<std::size_t>(vmc::kLeftThumbProximal + t)] =
+        at[static_cast<std::size_t>(parent)] + rig::FingerOffset_m(t);
   }
   return at;
 }

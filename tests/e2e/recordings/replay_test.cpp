@@ -1,7 +1,9 @@
 // `styled --replay`: a recording of several rigs, including those whose output depends on the
 // daemon's clock, through the daemon with the recorded times as its clock.
+#include <cmath>
 #include <map>
 
+#include "model/body/humanoid.h"
 #include "tests/e2e/recordings/fixture.h"
 #include "tests/unit/net/stgcn_causal/random_weights.h"
 
@@ -163,6 +165,64 @@ TEST_F(ReplayTest, SeveralRigsComeOutAsTheyDidAndTheSameAtEveryRun) {
   const auto& last = found.at("rig.sim rig").back();
   ASSERT_EQ(last.styles_size(), 1) << "the command is in it";
   EXPECT_EQ(last.styles(0).style(), "style3");
+}
+
+// Gloves that fall silent: held and fading fingers are counted on the performer's clock.
+TEST_F(ReplayTest, FingersOfGlovesComeOutAsTheyDid) {
+  const std::string topic = "styled/rig.a/canonical/";
+  std::vector<v1::Frame> live;
+  {
+    Daemon daemon({"record.file=" + take_},
+                  "[[source]]\nname = \"gloves\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n"
+                  "merge_into = \"rig.a\"\nparts = [\"fingers\"]\n");
+    Subscriber subscriber(daemon.publish, {"body/", topic});
+    const UdpLink link(daemon.udp), gloves(daemon.listens.at(2));
+    Rig rig("a"), glove("g", 11);
+    v1::Body hand;
+    for (const char* const name : {"leftHand", "leftIndexProximal", "leftIndexIntermediate"}) {
+      hand.add_parents(hand.names_size() - 1);
+      hand.add_names(name);
+      for (const float value : {0.05F, 0.0F, 0.0F}) hand.add_offsets(value);
+    }
+    hand.set_performer("g");
+    link.Send(rig.Body());
+    gloves.Send(glove.Datagram(native::Kind::kBody, hand.SerializeAsString()));
+    ASSERT_TRUE(subscriber.WaitForBody());
+    Paced(240, 120, [&](int i) {
+      const float half_rad = 0.01F * static_cast<float>(i);
+      if (i < 80) {
+        gloves.Send(glove.Frame([&](v1::SourceFrame& frame) {
+          frame.clear_rotations();
+          for (int joint = 0; joint < 3; ++joint) {
+            for (const float value : {0.0F, 0.0F, std::sin(half_rad), std::cos(half_rad)}) {
+              frame.add_rotations(value);
+            }
+          }
+        }));
+      }
+      link.Send(rig.Frame());
+    });
+    ASSERT_TRUE(subscriber.WaitForFrames(240, topic)) << daemon.Log();
+    live = subscriber.Frames(topic);
+    weights_ = folder_ / "weights.safetensors";
+    std::filesystem::copy_file(daemon.folder / "weights.safetensors", weights_);
+    Sleep(0.2);
+  }
+  ASSERT_EQ(
+      Styled({"--replay", take_, "--replay-to", folder_ / "again.styrec", "--weights", weights_}),
+      0)
+      << said_;
+  const Streams again = Read(folder_ / "again.styrec");
+  ASSERT_TRUE(again.contains("rig.a canonical"));
+  ExpectSame(Digests(again.at("rig.a canonical")), Digests(live), topic);
+  // The negative control: fingers that moved, were held, and went back.
+  const auto finger = [](const v1::Frame& frame) {
+    return frame.rotations(4 * (body::kJointCount + 3) + 2);  // leftIndexProximal, z
+  };
+  ASSERT_EQ(live.at(79).rotations_size(), 4 * (body::kJointCount + 30));
+  EXPECT_GT(std::abs(finger(live.at(79))), 0.3F);
+  EXPECT_EQ(finger(live.at(135)), finger(live.at(100))) << "held";
+  EXPECT_LT(std::abs(finger(live.at(239))), 1e-6F);
 }
 
 TEST_F(ReplayTest, SaysWhatIsWrong) {

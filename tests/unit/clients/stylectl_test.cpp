@@ -62,6 +62,9 @@ v1::Reply Answer(const v1::Request& request) {
     anna.set_sequence(77);
     anna.set_live(true);
     anna.set_rate_hz(120);
+    auto& layer = *anna.add_layers();
+    layer.set_source("gloves");
+    layer.set_part("fingers");
     auto& zed = *stats.add_performers();
     zed.set_performer("cam.zed");
     zed.set_refused(12);
@@ -342,6 +345,57 @@ TEST_F(StylectlTest, ANeutralClipIsMeasuredFirst) {
   EXPECT_FALSE(last_.like().measure());
   ASSERT_EQ(last_.like().neutral_code_size(), 1);
   EXPECT_EQ(last_.like().neutral_code(0), 0.5F);
+}
+
+TEST_F(StylectlTest, WhatSourcesGiveAPerformerIsShown) {
+  EXPECT_EQ(Run({"status"}), kExitOk);
+  EXPECT_TRUE(Says("rig.anna gets fingers: gloves (silent)\n")) << out_.str();
+  EXPECT_EQ(Run({"--json", "status"}), kExitOk);
+  const auto layers = nlohmann::json::parse(out_.str())["performers"][0]["layers"];
+  ASSERT_EQ(layers.size(), 1U);
+  EXPECT_EQ(layers[0]["source"], "gloves");
+  EXPECT_EQ(layers[0]["live"], false);
+}
+
+TEST_F(StylectlTest, AnExportReplacesNoFileUnlessItIsTold) {
+  const support::TemporaryFolder folder;
+  const std::string file = folder / "mine.json";
+  std::ofstream(file) << "kept";
+  EXPECT_EQ(Run({"styles", "export", "mine", file}), kExitUsage);
+  EXPECT_TRUE(Complains("mine.json: exists, expected a new file; --overwrite")) << err_.str();
+  const auto content = [&file] {
+    std::ifstream in(file);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  EXPECT_EQ(content(), "kept");
+  EXPECT_EQ(Run({"styles", "export", "mine", file, "--overwrite"}), kExitOk);
+  EXPECT_EQ(content(), "{}");
+}
+
+TEST_F(StylectlTest, ANameMadeOfAFileLooksLikeNoOption) {
+  const support::TemporaryFolder folder;
+  for (const auto& [file, name] : {std::pair{"-old walk.bvh", "old-walk"}, {"--.bvh", "style"}}) {
+    std::ofstream(folder / file) << "a";
+    EXPECT_EQ(Run({"like", "rig.anna", "--clip", folder / file}), kExitOk);
+    EXPECT_EQ(last_.like().name(), name);
+  }
+}
+
+TEST_F(StylectlTest, AStyleForAPerformerWhoIsNotThereIsNoted) {
+  const support::TemporaryFolder folder;
+  std::ofstream(folder / "mine.bvh") << "a";
+  EXPECT_EQ(Run({"like", "rig.ana", "--clip", folder / "mine.bvh"}), kExitOk);
+  EXPECT_TRUE(Complains("note: rig.ana has not been seen yet")) << err_.str();
+  EXPECT_TRUE(Complains("did you mean rig.anna?")) << err_.str();
+  EXPECT_EQ(Run({"--json", "vary", "rig.ana", "--style", "old"}), kExitOk);
+  EXPECT_TRUE(Says("\"note\":\"rig.ana has not been seen yet")) << out_.str();
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"rig.anna"}, {"*"}, {"rig.ana", "--unworn"}}) {
+    std::vector<std::string> arguments{"like", "--clip", folder / "mine.bvh"};
+    arguments.insert(arguments.begin() + 1, more.begin(), more.end());
+    EXPECT_EQ(Run(arguments), kExitOk);
+    EXPECT_FALSE(Complains("not been seen")) << err_.str();
+  }
 }
 
 TEST_F(StylectlTest, AMisspeltStyleIsRefusedWithTheNearestName) {

@@ -376,7 +376,8 @@ TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
         << into;
   }
   EXPECT_THAT(Complaint(phone("type = \"mvn\"\nmerge_into = \"stage.anna\"\n")),
-              HasSubstr("has no face; expected one of ifacialmocap, livelinkface, vmc"));
+              HasSubstr("source.1.parts: missing; a source of type \"mvn\" has no face, expected "
+                        "[\"fingers\"]"));
   EXPECT_THAT(Complaint(phone(face + "merge_into = \"stage.anna\"\nexpressions = \"fbx\"\n")),
               HasSubstr("source.expressions: expected one of"));
   const std::string asked = "type = \"ifacialmocap\"\nmerge_into = \"stage.anna\"\n";
@@ -387,6 +388,48 @@ TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
   EXPECT_THAT(Complaint(phone(asked + "listen = \"127.0.0.1:49983\"\nserver = \"127.0.0.1\"\n")),
               HasSubstr("is where the source itself listens"));
   EXPECT_THAT(Complaint(rig + "smooth_hz = 0.01\n"), HasSubstr("expected 0, or 0.1 to 60 Hz"));
+}
+
+TEST_F(ConfigTest, AKeyThatATypeDoesNotUseIsRefused) {
+  const auto source = [](const std::string& type, const std::string& key) {
+    return "[[source]]\nname = \"a\"\ntype = \"" + type + "\"\nlisten = \"127.0.0.1:0\"\n" + key +
+           "\n";
+  };
+  EXPECT_THAT(Complaint(source("udp", "server = \"192.168.1.20\"")),
+              HasSubstr("source.0.server: a source of type \"udp\" does not use it; only types "
+                        "ifacialmocap, natnet do"));
+  EXPECT_THAT(
+      Complaint(source("vmc", "expressions = \"vrm\"")),
+      HasSubstr("source.0.expressions: a source of type \"vmc\" does not use it; only types "
+                "ifacialmocap, livelinkface, rokoko do"));
+  EXPECT_EQ(Complaint(source("rokoko", "expressions = \"vrm\"")), "");
+}
+
+TEST_F(ConfigTest, PartsAreOfATypeThatHasThem) {
+  const std::string rig =
+      "[[source]]\nname = \"stage\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n";
+  const auto gloves = [&rig](const std::string& type, const std::string& parts) {
+    return rig + "[[source]]\nname = \"gloves\"\nmerge_into = \"stage.anna\"\ntype = \"" + type +
+           "\"\nparts = " + parts + "\n";
+  };
+  for (const auto* const type : {"vmc", "rokoko"}) {
+    EXPECT_EQ(Complaint(gloves(type, "[\"fingers\", \"face\"]")), "") << type;
+  }
+  EXPECT_EQ(Complaint(gloves("mvn", "[\"leftFingers\"]")), "");
+  EXPECT_EQ(Complaint(gloves("usb", "[\"fingers\"]\nusb_id = \"1209:7690\"")), "");
+  EXPECT_THAT(
+      Complaint(gloves("mvn", "[\"fingers\", \"face\"]")),
+      HasSubstr("source.1.parts: \"face\": a source of type \"mvn\" has none; expected one of "
+                "udp, tcp, usb, ifacialmocap, livelinkface, rokoko, vmc"));
+  EXPECT_THAT(Complaint(gloves("livelinkface", "[\"fingers\"]")),
+              HasSubstr("source.1.parts: \"fingers\": a source of type \"livelinkface\" has none"));
+  for (const auto* const parts : {"[\"toes\"]", "[]", "\"fingers\"", "[3]"}) {
+    EXPECT_THAT(Complaint(gloves("vmc", parts)),
+                HasSubstr("a list of \"face\", \"fingers\", \"leftFingers\", \"rightFingers\""))
+        << parts;
+  }
+  EXPECT_THAT(Complaint(rig + "parts = [\"fingers\"]\n"),
+              HasSubstr("source.0.parts: only for a source with merge_into"));
 }
 
 TEST_F(ConfigTest, AnInterfaceThatIsNotThereIsWarnedOf) {

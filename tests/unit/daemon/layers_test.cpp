@@ -37,6 +37,10 @@ source::SourceFrame Frame(const Bytes& face, std::uint64_t sequence, std::uint64
 
 constexpr std::int64_t kMs = 1'000'000;
 
+bool Takes(FaceLayer& layer, const source::SourceFrame& frame, std::int64_t now_ns) {
+  return layer.Take(frame, now_ns) == MergedPart::kTaken;
+}
+
 TEST(FaceLayer, WithoutAFaceThePerformersOwnIsShown) {
   FaceLayer layer;
   const Bytes own = Encoded({{"Joy", 1.0F}});
@@ -46,16 +50,16 @@ TEST(FaceLayer, WithoutAFaceThePerformersOwnIsShown) {
 TEST(FaceLayer, AnOlderFrameIsRefused) {
   FaceLayer layer;
   const Bytes face = Encoded({{"jawOpen", 0.5F}});
-  EXPECT_TRUE(layer.Take(Frame(face, 5), 0));
-  EXPECT_FALSE(layer.Take(Frame(face, 5), 0));
-  EXPECT_FALSE(layer.Take(Frame(face, 4), 0));
-  EXPECT_TRUE(layer.Take(Frame(face, 0, 3), 0)) << "another session";
+  EXPECT_TRUE(Takes(layer, Frame(face, 5), 0));
+  EXPECT_FALSE(Takes(layer, Frame(face, 5), 0));
+  EXPECT_FALSE(Takes(layer, Frame(face, 4), 0));
+  EXPECT_TRUE(Takes(layer, Frame(face, 0, 3), 0)) << "another session";
 }
 
 TEST(FaceLayer, ItsExpressionsReplaceTheOwnOnesAndMessagesArePassedOn) {
   FaceLayer layer;
   const Bytes face = Encoded({{"jawOpen", 0.5F}}), own = Encoded({{"Joy", 1.0F}}, "/VMC/Thru/a");
-  ASSERT_TRUE(layer.Take(Frame(face, 1), 0));
+  ASSERT_TRUE(Takes(layer, Frame(face, 1), 0));
   const auto shown = Parsed(layer.Over(own, 100 * kMs));
   ASSERT_EQ(shown.expressions_size(), 1);
   EXPECT_EQ(shown.expressions(0).name(), "jawOpen");
@@ -67,7 +71,7 @@ TEST(FaceLayer, ItsExpressionsReplaceTheOwnOnesAndMessagesArePassedOn) {
 TEST(FaceLayer, ASilentOneIsHeldFadesAndGivesTheOwnFaceBack) {
   FaceLayer layer;
   const Bytes face = Encoded({{"a", 0.8F}, {"b", 0.0F}}), own = Encoded({{"Joy", 1.0F}});
-  ASSERT_TRUE(layer.Take(Frame(face, 1), 0));
+  ASSERT_TRUE(Takes(layer, Frame(face, 1), 0));
   const auto at = [&](std::int64_t ms) {
     return Parsed(layer.Over(own, ms * kMs)).expressions(0).value();
   };
@@ -76,20 +80,32 @@ TEST(FaceLayer, ASilentOneIsHeldFadesAndGivesTheOwnFaceBack) {
   EXPECT_FLOAT_EQ(at(1000), 0);
   EXPECT_FLOAT_EQ(at(1999), 0);
   EXPECT_EQ(Parsed(layer.Over(own, 2001 * kMs)).expressions(0).name(), "Joy");
-  ASSERT_TRUE(layer.Take(Frame(face, 2), 5000 * kMs));
+  ASSERT_TRUE(Takes(layer, Frame(face, 2), 5000 * kMs));
   EXPECT_FLOAT_EQ(at(5001), 0.8F);
 }
 
 TEST(FaceLayer, ComingAndFallingSilentAreToldOnce) {
   FaceLayer layer;
   EXPECT_EQ(layer.Change(0), 0);
-  ASSERT_TRUE(layer.Take(Frame(Encoded({{"a", 0.8F}}), 1), 0));
+  ASSERT_TRUE(Takes(layer, Frame(Encoded({{"a", 0.8F}}), 1), 0));
   EXPECT_EQ(layer.Change(10 * kMs), 1);
   EXPECT_EQ(layer.Change(900 * kMs), 0);
   EXPECT_EQ(layer.Change(1001 * kMs), -1);
   EXPECT_EQ(layer.Change(5000 * kMs), 0);
-  ASSERT_TRUE(layer.Take(Frame(Encoded({{"a", 0.8F}}), 2), 6000 * kMs));
+  ASSERT_TRUE(Takes(layer, Frame(Encoded({{"a", 0.8F}}), 2), 6000 * kMs));
   EXPECT_EQ(layer.Change(6001 * kMs), 1);
+}
+
+// A counter that jumps must not keep a face out for good, as a second phone must not show up in it.
+TEST(FaceLayer, AFrameFromTheFutureAndASecondPhoneChangeNothing) {
+  FaceLayer layer;
+  const Bytes face = Encoded({{"jawOpen", 0.5F}}), other = Encoded({{"jawOpen", 0.9F}});
+  ASSERT_TRUE(Takes(layer, Frame(face, 1), 0));
+  EXPECT_EQ(layer.Take(Frame(other, 1ULL << 60U), 10 * kMs), runtime::Counter::kPipelineFarAhead);
+  EXPECT_EQ(layer.Take(Frame(other, 1, 8), 10 * kMs), runtime::Counter::kPipelineSecondSender);
+  EXPECT_TRUE(Takes(layer, Frame(face, 2), 20 * kMs));
+  EXPECT_EQ(Parsed(layer.Over({}, 20 * kMs)).expressions(0).value(), 0.5F);
+  EXPECT_TRUE(Takes(layer, Frame(other, 1, 8), 600 * kMs)) << "the first is silent";
 }
 
 // What is no face comes from a performer's own protocol; nothing of it may be read beyond its end.
@@ -108,12 +124,15 @@ TEST(FaceLayer, BytesThatAreNoFaceAreKeptOut) {
 
 TEST(Layers, AFaceGoesToItsPerformerAlone) {
   Layers layers;
-  layers.Set({"", "stage.anna", "stage.anna"});
+  config::Source stage, phone;
+  phone.merge_into = "stage.anna";
+  layers.Set({stage, phone, phone});
   EXPECT_EQ(layers.Of(0), nullptr);
   EXPECT_EQ(layers.Of(7), nullptr);
   ASSERT_NE(layers.Of(2), nullptr);
   const Bytes face = Encoded({{"jawOpen", 0.5F}}), own = Encoded({{"Joy", 1.0F}});
-  ASSERT_TRUE(layers.Of(2)->Take(Frame(face, 1), 0));
+  ASSERT_EQ(layers.Of(2)->Take(Frame(face, 1), 0), MergedPart::kTaken);
+  EXPECT_TRUE(layers.FingersOf("stage.anna").empty());
   EXPECT_EQ(Parsed(layers.FaceOf("stage.bob", own, 0)).expressions(0).name(), "Joy");
   EXPECT_EQ(Parsed(layers.FaceOf("stage.anna", own, 0)).expressions(0).name(), "jawOpen");
 }

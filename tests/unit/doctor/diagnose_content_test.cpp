@@ -142,6 +142,59 @@ TEST_F(ContentTest, WhatTheDaemonDoesNotMakeFramesOfIsNamedByItsReason) {
   }
 }
 
+// The daemon counts all sources together.
+TEST_F(ContentTest, WhatAnotherSourceMayHaveCausedIsNotLaidToThisOne) {
+  for (const char* const counter : {"pipeline.before_body", "source.bad_magic"}) {
+    machine_ = Machine();
+    machine_.InDaemon("udp", "127.0.0.1:9763", 100);
+    machine_.InDaemon("udp", "127.0.0.1:9764", 300, "loud");
+    machine_.LivePerformer("loud.ben");
+    machine_.Grow("publish.subscriptions", 1);
+    machine_.Grow(counter, 100);
+    EXPECT_EQ(machine_.Codes(), "problem no_frames suit") << counter;
+  }
+  machine_ = Machine();
+  machine_.InDaemon("udp", "127.0.0.1:9763", 100);
+  machine_.InDaemon("udp", "127.0.0.1:9764", 300, "loud");
+  machine_.LivePerformer("loud.ben");
+  machine_.Grow("publish.subscriptions", 1);
+  machine_.Grow("pipeline.before_body", 100);
+  EXPECT_NE(machine_.First().why.find("of this source or of another that receives: "
+                                      "pipeline.before_body"),
+            std::string::npos)
+      << machine_.First().why;
+  machine_.facts.sources[1].received = 20;
+  EXPECT_EQ(machine_.Codes(), "problem no_skeleton suit") << "80 at least are this one's";
+  EXPECT_NE(machine_.First().why.find("grew by 80 while 100"), std::string::npos);
+}
+
+TEST_F(ContentTest, TwoPhonesOnOnePortAreToldToTakeTwoSources) {
+  SourceFacts& phone = machine_.InDaemon("livelinkface", "0.0.0.0:11111", 360, "phone");
+  phone.wanted.merge_into = "stage.anna";
+  machine_.InDaemon("udp", "127.0.0.1:7000", 360, "stage");
+  machine_.LivePerformer("stage.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  machine_.Grow("pipeline.second_sender", 180);
+  const auto smile = What(Format::kLiveLinkFace, Verdict::kPose, "facial expressions");
+  machine_.facts.seen = {FlowTo("192.0.2.1:11111", smile), FlowTo("192.0.2.1:11111", smile)};
+  machine_.facts.seen.back().from.host = "192.0.2.10";
+  EXPECT_EQ(machine_.Codes(), "warning second_sender phone");
+  const Finding finding = machine_.First();
+  EXPECT_NE(finding.what.find("only the first is shown on stage.anna"), std::string::npos);
+  EXPECT_NE(finding.why.find("192.0.2.9, 192.0.2.10"), std::string::npos) << finding.why;
+  EXPECT_NE(finding.change.find("own port in listen"), std::string::npos);
+}
+
+TEST_F(ContentTest, ThePhoneThatIsAskedAlreadyIsNotToBeSetAgain) {
+  SourceFacts& phone = machine_.InDaemon("ifacialmocap", "0.0.0.0:49983", 0, "phone");
+  phone.wanted.merge_into = "stage.anna";
+  EXPECT_NE(machine_.First().change.find("set `server`"), std::string::npos);
+  phone.wanted.server = "192.0.2.20";
+  EXPECT_EQ(machine_.First().change.find("set `server`"), std::string::npos);
+  EXPECT_NE(machine_.First().change.find("asks the phone at 192.0.2.20"), std::string::npos)
+      << machine_.First().change;
+}
+
 // Once a second, beside many frames.
 TEST_F(ContentTest, AFewRefusedSkeletonsAreEnough) {
   EXPECT_EQ(CodesOfCounter("udp", "pipeline.bodies_refused", 3), "problem skeleton_refused suit");
@@ -151,6 +204,20 @@ TEST_F(ContentTest, AFewRefusedSkeletonsAreEnough) {
 TEST_F(ContentTest, AFewFramesThatLackAPartAreEnough) {
   EXPECT_EQ(CodesOfCounter("mvn", "source.incomplete", 20), "problem incomplete suit");
   EXPECT_NE(machine_.First().change.find("only a part of the body"), std::string::npos);
+}
+
+TEST_F(ContentTest, WhoLostDatagramsIsNamed) {
+  machine_.InDaemon("udp", "127.0.0.1:7000", 100, "rig");
+  machine_.LivePerformer("rig.anna");
+  machine_.LivePerformer("rig.ben");
+  machine_.Grow("publish.subscriptions", 1);
+  *machine_.facts.daemon.before.mutable_stats()->mutable_performers() =
+      machine_.facts.daemon.after.stats().performers();
+  machine_.facts.daemon.after.mutable_stats()->mutable_performers(1)->set_lost(7);
+  machine_.Grow("pipeline.lost", 7);
+  EXPECT_EQ(machine_.Codes(), "warning lost_on_the_way");
+  EXPECT_EQ(machine_.First().what,
+            "7 datagrams were lost between the rig and the daemon, of rig.ben.");
 }
 
 // The frames are those of the performer that it is merged into.

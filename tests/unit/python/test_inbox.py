@@ -6,7 +6,7 @@ import unittest.mock
 
 import styled
 from styled import kinematics
-from styled.commands import _set_request
+from styled.commands import Commands, _set_request
 from styled.inbox import Inbox, Kind, Newest, Stream
 from styled.v1 import body_pb2, frame_pb2, stats_pb2
 
@@ -222,6 +222,37 @@ class RequestTest(unittest.TestCase):
                 styled.Subscriber(curve=styled.Curve(bad))
         with self.assertRaisesRegex(ValueError, 'pair'):
             styled.Control(curve=styled.Curve(b'x' * 32, b'x' * 32))
+
+
+class ArgumentsTest(unittest.TestCase):
+    """What is refused before anything is sent."""
+
+    class Nobody(Commands):
+        def _do(self, request, result):
+            raise AssertionError('sent')
+
+    def test_seconds_that_are_none(self):
+        for seconds in (math.nan, math.inf, -math.inf, -1):
+            with self.assertRaisesRegex(ValueError, 'expected 1 to 60'):
+                self.Nobody().learn('rig.a', seconds, 'x')
+            with self.assertRaisesRegex(ValueError, 'expected 1 to 60'):
+                self.Nobody().measure_take('rig.a', seconds)
+
+    def test_a_mix_is_weights_by_style(self):
+        for mix in ('x', ['x'], 3):
+            with self.assertRaisesRegex(TypeError, 'expected weights by style'):
+                self.Nobody().set('rig.a', mix=mix)
+        with self.assertRaisesRegex(TypeError, 'expected the name of one'):
+            self.Nobody().set('rig.a', style=['x'])
+
+    def test_keys_are_looked_at_at_once(self):
+        with self.assertRaisesRegex(ValueError, 'server_key: 1 bytes, expected 40 characters'):
+            styled.Curve('x')
+        for key in (None, 7):
+            with self.assertRaisesRegex(TypeError, 'curve: server_key'):
+                styled.Curve(key)
+        with self.assertRaisesRegex(ValueError, 'expected both or none'):
+            styled.Curve(32 * b'x', public_key=32 * b'y')
 
 
 if __name__ == '__main__':

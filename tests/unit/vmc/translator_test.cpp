@@ -109,6 +109,61 @@ auto Near(const std::vector<float>& values) {
   return ::testing::Pointwise(::testing::FloatNear(1e-5F), values);
 }
 
+// A sender of hands alone has no hips, and gives the hand's rotation in the room; its bones may be
+// anywhere.
+TEST(VmcTranslator, OfASourceOfFingersHandsAreEnough) {
+  config::Source config = Config("gloves");
+  config.merge_into = "stage.anna";
+  config.parts = {"fingers"};
+  Translated translated(MakeVmc(config));
+  const float half = std::sqrt(0.5F);
+  std::vector<Translated::Item> said;
+  for (int i = 0; i < 30; ++i) {
+    const float x = 0.02F * static_cast<float>(i / 15);  // the hand moves, and stays there
+    const std::vector<Bytes> messages{
+        TimeMessage(1 + 0.1F * static_cast<float>(i)),
+        BoneMessage("LeftHand", {0.5F + x, 1.2F, 0, 0, half, 0, half}),
+        BoneMessage("LeftIndexProximal", {-0.09F, 0, 0, 0, 0, half, half}),
+        BoneMessage("LeftIndexIntermediate", {-0.03F, 0, 0, 0, 0, 0, 1}), BlendMessage("Joy", 1)};
+    for (auto& item : SaidWithSilence(translated, Bundle(messages))) said.push_back(item);
+  }
+  translated.items = said;
+  const auto bodies = translated.Bodies();
+  const auto frames = translated.Frames();
+  ASSERT_FALSE(bodies.empty());
+  ASSERT_GT(frames.size(), 20U);
+  const v1::Body& body = bodies.front();
+  for (const char* const name : {"Hips", "LeftHand", "RightHand", "LeftIndexProximal"}) {
+    EXPECT_GE(JointOf(body, name), 0) << name;
+  }
+  for (const v1::Body& other : bodies) {
+    EXPECT_EQ(other.SerializeAsString(), body.SerializeAsString()) << "one body, wherever it is";
+  }
+  EXPECT_THAT(Rotation(body, frames.back(), "LeftIndexProximal"), Near({0, 0, -half, half}));
+  EXPECT_EQ(frames.back().expressions_size(), 0) << "the face is not merged";
+}
+
+TEST(VmcTranslator, OfASourceOfFaceAndFingersBothComeByThemselves) {
+  config::Source config = Config("gloves");
+  config.merge_into = "stage.anna";
+  config.parts = {"face", "fingers"};
+  Translated translated(MakeVmc(config));
+  int faces = 0, poses = 0;
+  for (int i = 0; i < 10; ++i) {
+    const Bytes datagram = Bundle({TimeMessage(1 + 0.1F * static_cast<float>(i)),
+                                   BoneMessage("RightIndexProximal", {0.09F, 0, 0, 0, 0, 0, 1}),
+                                   BlendMessage("Joy", 1)});
+    for (const auto& item : SaidWithSilence(translated, datagram)) {
+      if (!item.is_frame) continue;
+      faces += item.frame.expressions_size() > 0 ? 1 : 0;
+      poses += item.frame.rotations_size() > 0 ? 1 : 0;
+      EXPECT_FALSE(item.frame.expressions_size() > 0 && item.frame.rotations_size() > 0);
+    }
+  }
+  EXPECT_GT(faces, 5);
+  EXPECT_GT(poses, 5);
+}
+
 // Six hundred instants in one datagram: a cycle of the pipeline must not be made of them.
 TEST(VmcTranslator, ADatagramMakesAFewFramesAtMost) {
   Translated translated(MakeVmc(Config()));

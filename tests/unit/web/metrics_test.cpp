@@ -25,6 +25,10 @@ v1::Stats Example() {
     performer.set_latency_p50_us(42);
     performer.set_live(true);
     if (name == std::string("rig.a")) performer.mutable_shown()->set_right_arm(0.25F);
+    v1::LayerStats& layer = *performer.add_layers();
+    layer.set_source("gloves");
+    layer.set_part("fingers");
+    layer.set_live(name == std::string("rig.b"));
     performer.mutable_look()->add_mix()->set_style("odd\"style\\");
   }
   return stats;
@@ -64,6 +68,9 @@ TEST(MetricsTest, EveryLineIsWhatPrometheusReads) {
   EXPECT_EQ(values["styled_performer_latency_seconds{performer=\"rig.a\",of=\"p50\"}"].substr(0, 3),
             "4.2");
   EXPECT_EQ(values["styled_performer_shown_ratio{performer=\"rig.a\",limb=\"right-arm\"}"], "0.25");
+  const std::string layer = "styled_performer_layer_live{performer=\"rig.";
+  EXPECT_EQ(values[layer + "a\",source=\"gloves\",part=\"fingers\"}"], "0");
+  EXPECT_EQ(values[layer + "b\",source=\"gloves\",part=\"fingers\"}"], "1");
   EXPECT_EQ(text.str().find("shown_ratio{performer=\"rig.b\""), std::string::npos)
       << "nothing is styled there";
 }

@@ -2,6 +2,8 @@
 
 const LONGEST = 32;
 const ALLOWED = /^[A-Za-z0-9_-]{1,32}$/;
+/** Words of stylectl and OSC with another meaning (daemon/pipeline/placing.cpp). */
+const RESERVED = ['all', 'bypass', 'clear', 'cue', 'each', 'error', 'learn', 'like', 'none', 'panic', 'pin', 'preset', 'reset', 'unpin', 'vary'];
 
 /** What is taken: styles that were made may be replaced, the others may not. */
 export interface Taken {
@@ -17,7 +19,7 @@ export function proposedName(file: string, taken: Taken): string {
   const stem = file.split(/[\\/]/).pop()!.replace(/\.[^.]*$/, '');
   const plain = stem.normalize('NFKD').replace(/[\u0300-\u036f]/g, '')
     .replace(/[^A-Za-z0-9_-]+/g, '-').replace(/^-+|-+$/g, '').slice(0, LONGEST) || 'style';
-  const free = (name: string) => !same(taken.made, name) && !same(taken.fixed, name);
+  const free = (name: string) => !same(taken.made, name) && !same(taken.fixed, name) && !RESERVED.includes(name.toLowerCase());
   for (let number = 1; ; ++number) {
     const tail = number === 1 ? '' : `-${number}`;
     const name = plain.slice(0, LONGEST - tail.length) + tail;
@@ -30,6 +32,8 @@ export function nameFault(name: string, taken: Taken): string {
   if (name === '') return 'The style needs a name.';
   if (name.length > LONGEST) return `A name has at most ${LONGEST} letters; this one has ${name.length}.`;
   if (!ALLOWED.test(name)) return 'A name has only letters A-Z a-z, digits, _ and -.';
+  if (name.startsWith('-')) return 'A name does not begin with -.';
+  if (RESERVED.includes(name.toLowerCase())) return `${name} is a word of stylectl with another meaning.`;
   return same(taken.fixed, name) ? `${name} is a name of the weights or of a preset already.` : '';
 }
 

@@ -8,7 +8,7 @@ const taken = { made: new Set(['pirate']), fixed: new Set(['elderly', 'old', 'ca
 test('what cannot be a name, each for its reason', () => {
   for (const [name, fault] of [
     ['', /needs a name/], ['a'.repeat(33), /at most 32 letters; this one has 33/], ['käpt', /only letters/], ['two words', /only letters/],
-    ['a/b', /only letters/], ['elderly', /elderly is a name of the weights/], ['Elderly', /of the weights/], ['OLD', /of the weights/], ['calm', /preset/],
+    ['a/b', /only letters/], ['elderly', /elderly is a name of the weights/], ['Elderly', /of the weights/], ['OLD', /of the weights/], ['calm', /preset/], ['-x', /begin with -/], ['Panic', /another meaning/],
   ]) assert.match(nameFault(name, taken), fault, name);
 });
 
@@ -23,7 +23,7 @@ test('a name is proposed after the file', () => {
   for (const [file, name] of [
     ['captain.bvh', 'captain'], ['Old Man (2).final.glb', 'Old-Man-2-final'], ['C:\\clips\\walk.vrma', 'walk'], ['clips/walk.vrma', 'walk'],
     ['Käpt’n.bvh', 'Kapt-n'], ['海賊.bvh', 'style'], ['', 'style'], ['.bvh', 'style'], [`${'x'.repeat(60)}.bvh`, 'x'.repeat(32)],
-    ['pirate.bvh', 'pirate-2'], ['elderly.bvh', 'elderly-2'], ['OLD.bvh', 'OLD-2'],
+    ['pirate.bvh', 'pirate-2'], ['elderly.bvh', 'elderly-2'], ['OLD.bvh', 'OLD-2'], ['-x.bvh', 'x'], ['bypass.bvh', 'bypass-2'],
   ]) {
     assert.equal(proposedName(file, taken), name, file);
     assert.equal(nameFault(proposedName(file, taken), taken), '', file);
