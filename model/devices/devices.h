@@ -15,7 +15,7 @@ namespace styled::devices {
 // per body part. Rotations are those of rig::Trackers, with one heading for all; here positions are
 // added. Fixed memory, no allocation; one thread at a time. Pinned by
 // tests/unit/devices/devices_test.cpp; what it is good for is measured by
-// tests/e2e/rigs/devices_clip_test.cpp.
+// tests/unit/devices/clip_test.cpp.
 //
 //   hips       stand where their device is; without one, where the head's device has them
 //   spine      leans so that the head is where its device is, if neither spine nor chest has one

@@ -9,6 +9,12 @@ namespace {
 
 constexpr float kTiny = 1e-4F;
 
+const std::array<Limb, kLimbs> kRows{
+    {{body::kLeftUpperArm, body::kLeftLowerArm, body::kLeftHand, {1, 0, 0}, {0, -1, 0}},
+     {body::kRightUpperArm, body::kRightLowerArm, body::kRightHand, {-1, 0, 0}, {0, 1, 0}},
+     {body::kLeftUpperLeg, body::kLeftLowerLeg, body::kLeftFoot, {0, -1, 0}, {1, 0, 0}},
+     {body::kRightUpperLeg, body::kRightLowerLeg, body::kRightFoot, {0, -1, 0}, {1, 0, 0}}}};
+
 // `v` without its component along the unit vector `axis`, as a unit vector; `otherwise` if nothing
 // is left.
 Vec3 Across(const Vec3& v, const Vec3& axis, const Vec3& otherwise) noexcept {
@@ -27,21 +33,7 @@ Quat FromAxes(const Vec3& a0, const Vec3& b0, const Vec3& a1, const Vec3& b1) no
 
 }  // namespace
 
-const Limb& LimbOf(int index) noexcept {
-  static const std::array<Limb, kLimbs> kRows{
-      {{body::kLeftUpperArm, body::kLeftLowerArm, body::kLeftHand, {1, 0, 0}, {0, -1, 0}},
-       {body::kRightUpperArm, body::kRightLowerArm, body::kRightHand, {-1, 0, 0}, {0, 1, 0}},
-       {body::kLeftUpperLeg, body::kLeftLowerLeg, body::kLeftFoot, {0, -1, 0}, {1, 0, 0}},
-       {body::kRightUpperLeg, body::kRightLowerLeg, body::kRightFoot, {0, -1, 0}, {1, 0, 0}}}};
-  return kRows[static_cast<std::size_t>(index)];
-}
-
-int LimbOfEnd(int joint) noexcept {
-  for (int index = 0; index < kLimbs; ++index) {
-    if (LimbOf(index).end == joint) return index;
-  }
-  return -1;
-}
+const Limb& LimbOf(int index) noexcept { return kRows[static_cast<std::size_t>(index)]; }
 
 LimbTurns Bend(const Limb& limb, const Vec3& root_m, const Vec3& target_m,
                const Vec3& pole) noexcept {

@@ -17,8 +17,6 @@ struct Limb {
 // 0 .. 3: left arm, right arm, left leg, right leg.
 inline constexpr int kLimbs = 4;
 STYLED_REALTIME const Limb& LimbOf(int index) noexcept;
-// The index of the limb whose end that joint is, or -1.
-STYLED_REALTIME int LimbOfEnd(int joint) noexcept;
 
 // Turns upper and lower joint so that the end reaches `target_m`, with the middle joint towards
 // `pole` (any length) from the line between the ends. Two-bone IK (model/feet/two_bone_ik.h) of a

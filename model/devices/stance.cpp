@@ -143,6 +143,11 @@ Stance FindStance(std::span<const Seen> devices) {
   const Seen* const right = Find(devices, body::kRightHand);
   stance.faced_by = "nothing: +Z is taken for ahead";
   for (const Pair& pair : kPairs) {
+    if (pair.left != body::kLeftHand && head != nullptr && head->has_rotation) {
+      stance.heading = HeadingOf(head->rotation);
+      stance.faced_by = "the head";
+      break;
+    }
     const Seen* const a = Find(devices, pair.left);
     const Seen* const b = Find(devices, pair.right);
     if (a == nullptr || b == nullptr) continue;
@@ -151,10 +156,6 @@ Stance FindStance(std::span<const Seen> devices) {
     stance.heading = HeadingOfLeft(apart);
     stance.faced_by = pair.name;
     break;
-  }
-  if (stance.faced_by.starts_with("nothing") && head != nullptr && head->has_rotation) {
-    stance.heading = HeadingOf(head->rotation);
-    stance.faced_by = "the head";
   }
 
   body::WorldPose rest;

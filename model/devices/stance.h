@@ -40,10 +40,10 @@ struct Stance {
   std::string_view faced_by;   // what the heading is from, for messages
   std::string_view scaled_by;  // what the scale is from
 };
-// The heading: from the widest pair of a left and a right device (hands, elbows, feet, knees, in
-// this order), else from the head's rotation, else 0. The scale: from the head's height, else the
-// distance of the hands, else the hips' height, else 1. The place: between the hands, else the
-// feet, else below the hips, else below the head.
+// The heading: from the hands, which are far apart, else from the head's rotation, else from the
+// elbows, the feet or the knees, where each centimetre costs degrees, else 0. The scale: from the
+// head's height, else the distance of the hands, else the hips' height, else 1. The place: between
+// the hands, else the feet, else below the hips, else below the head.
 Stance FindStance(std::span<const Seen> devices);
 
 }  // namespace styled::devices

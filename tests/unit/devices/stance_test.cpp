@@ -121,6 +121,7 @@ TEST(FindStance, UsesWhatIsThere) {
   EXPECT_EQ(of({body::kHips, body::kLeftFoot, body::kRightFoot}).faced_by, "the feet");
   EXPECT_EQ(of({body::kHips, body::kLeftFoot, body::kRightFoot}).scaled_by, "the hips' height");
   EXPECT_NEAR(of({body::kLeftFoot, body::kRightFoot}).heading * kDegrees, 40.1F, 0.5F);
+  EXPECT_EQ(of({body::kHead, body::kLeftFoot, body::kRightFoot}).faced_by, "the head");
   EXPECT_NEAR(of({body::kHead}).heading * kDegrees, 40.1F, 0.5F) << "by the display";
   EXPECT_NEAR(of({body::kHead}).scale, 0.9F, 0.01F) << "the eyes are above the joint";
   EXPECT_NEAR(of({body::kLeftHand, body::kRightHand}).scale, 0.9F, 0.01F);
