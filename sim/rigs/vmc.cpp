@@ -7,6 +7,8 @@
 
 #include "proto/rigs/vmc/bones.h"
 #include "proto/rigs/vmc/vmc.h"
+#include "sim/rigs/vmc_trackers.h"
+#include "sim/rigs/worn_devices.h"
 
 namespace styled::rigs {
 namespace {
@@ -215,9 +217,10 @@ void Vmc::PutRootOfMixedReality(vmc::osc::Writer& writer) const {
 }  // namespace
 
 Result<std::unique_ptr<Rig>> MakeVmc(const Options& options) {
-  const Status status = CheckOptions(
-      "vmc", options, 1,
-      {"t-first", "nested", "single", "full", "vrm1", "moving-root", "zero-offsets", "no-t"});
+  if (HasQuirk(options, "trackers")) return MakeVmcTrackers(options);
+  const Status status = CheckOptions("vmc", options, 1,
+                                     {"t-first", "nested", "single", "full", "vrm1", "moving-root",
+                                      "zero-offsets", "no-t", "trackers"});
   if (!status.ok()) return status;
   return std::unique_ptr<Rig>(std::make_unique<Vmc>(options));
 }

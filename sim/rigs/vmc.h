@@ -18,6 +18,7 @@ namespace styled::rigs {
 //   "moving-root"   the avatar is carried and turned by its root, not by its hips
 //   "zero-offsets"  all positions but the hips' and root's are zero
 //   "no-t"          no T at all
+//   "trackers"      devices instead of bones, with other quirks: vmc_trackers.h
 Result<std::unique_ptr<Rig>> MakeVmc(const Options& options);
 
 }  // namespace styled::rigs

@@ -22,6 +22,9 @@ namespace styled::source {
 // Time        The sender's T in seconds; where there is none, the time of arrival goes on from it.
 // Face        Expressions (256 blend shapes with UTF-8 names) and up to 8 messages under /VMC/Thru.
 //             With `merge_into` only the face is used, and the sender needs no bones.
+// Devices     A sender of devices (Hmd, Con, Tra) and no bones, an assistant, is a performer, too:
+//             vmc_devices.h, device_rig.h. `trackers` gives each serial its part. One such sender
+//             per port.
 // Session     A new one where the assembler sees the sender restart (proto/rigs/vmc/assembler.h).
 // Refused     source.malformed; source.ignored; source.incomplete; pipeline.duplicate and
 //             pipeline.reordered; pipeline.second_sender for a ninth sender while eight are live.
