@@ -21,6 +21,7 @@ ROWS = {
     "model/synthetic": STAGES,
     "model/clip": STAGES,
     "model/feet": STAGES,
+    "model/devices": STAGES + " model/feet",
     "model/net": STAGES + " model/net",
     "model/net/kernels": "model/base",
     "model/stylist": STAGES + " model/feet model/net",
@@ -48,7 +49,7 @@ ROWS = {
                        " model",
     "daemon/record": "daemon/source daemon/config daemon/runtime proto model/base",
     "daemon/publish": "daemon/security daemon/config daemon/runtime proto/styled model/net " + STAGES,
-    "daemon/source": "daemon/config daemon/runtime proto " + STAGES,
+    "daemon/source": "daemon/config daemon/runtime proto model/devices " + STAGES,
     "daemon/security": "daemon/config daemon/runtime proto/keys proto/ipc model/base",
     "daemon/config": "daemon/runtime proto/rigs proto/styled " + STAGES + " model/net model/stylist",
     "daemon/runtime": "model/base proto/ipc proto/rigs/native",
@@ -59,6 +60,7 @@ ROWS = {
 }
 # Single headers beyond a row, each with its reason.
 ALSO = {
+    ("proto/rigs/vrchat", "proto/rigs/vmc/osc.h"): "both formats are OSC",
     ("clients/rec", "sim/player"): "a recording is played by what plays clips",
     ("proto/styled", "model/net/styles.h"): "the limits of what may be asked of a network, once",
     ("clients", "model/tools/number.h"): "an option's number, for all command lines",
@@ -102,12 +104,12 @@ def broken_rule(file, header):
         if BUILT_ON.get(family_of(file)) == family:
             return ""
         return "" if file == "model/net/load.cpp" else FAMILY_RULE
+    if any(within(file, a) and within(header, b) for a, b in ALSO):
+        return ""
     if row == row_of(header.rpartition("/")[0]):
         same_rig = row != "proto/rigs" or header.split("/")[2] == file.split("/")[2]
         return "" if same_rig else RIG_RULE
     if any(within(header, to) for to in ROWS[row].split()):
-        return ""
-    if any(within(file, a) and within(header, b) for a, b in ALSO):
         return ""
     return f"{row} may include {ROWS[row] or 'only itself'}"
 

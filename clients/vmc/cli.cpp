@@ -21,7 +21,8 @@ struct Arguments {
   Options options;
   client::KeyOptions keys;
   std::vector<std::string> to;
-  std::string root = "hips";
+  std::string root = "hips", as = "vmc", trackers = "hip,feet";
+  double user_height_m = 0;
   double statistics_s = 10, seconds = 0;
 };
 
@@ -55,6 +56,18 @@ void Declare(CLI::App& app, Arguments& a) {
                  "origin) or root (it moves over the floor)")
       ->check(CLI::IsMember({"hips", "root"}))
       ->capture_default_str();
+  app.add_option("--as", a.as,
+                 "what to send: vmc, or vrchat: OSC trackers for VRChat, whose usual port is 9000")
+      ->check(CLI::IsMember({"vmc", "vrchat"}))
+      ->capture_default_str();
+  app.add_option("--trackers", a.trackers,
+                 "with --as vrchat: hip, feet, knees, chest, elbows, separated by commas, or all")
+      ->capture_default_str();
+  app.add_option("--user-height", a.user_height_m,
+                 "with --as vrchat: height in metres of the person whose avatar it is, to which "
+                 "the performer is scaled; 0: unscaled")
+      ->check(CLI::Range(0.0, 3.0))
+      ->capture_default_str();
   app.add_option("--statistics", a.statistics_s, "seconds between two lines of statistics; 0: none")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
@@ -64,12 +77,13 @@ void Declare(CLI::App& app, Arguments& a) {
       "Examples:\n"
       "  stylevmc --to 127.0.0.1:39539\n"
       "  stylevmc --to 192.168.1.20:39539 --to [fd00::5]:39540 --performer stage.anna\n"
+      "  stylevmc --to 127.0.0.1:9000 --as vrchat --user-height 1.7\n"
       "  stylevmc --to stage.anna=127.0.0.1:39539 --to stage.ben=127.0.0.1:39540 --rate 60");
 }
 
 // CLI11's range checks accept NaN.
 bool AnyNan(const Arguments& a) {
-  return std::isnan(a.options.rate_hz + a.statistics_s + a.seconds);
+  return std::isnan(a.options.rate_hz + a.statistics_s + a.seconds + a.user_height_m);
 }
 
 std::string Targets(const Channel& channel) {
@@ -213,6 +227,9 @@ int Run(std::vector<std::string> arguments, const std::atomic<bool>& stop, std::
   }
   if (a.root == "root") a.options.carrier = Carrier::kRoot;
   if (AnyNan(a)) return fail("a value is nan; expected a number", kExitUsage);
+  const auto trackers = ParseTrackerSet(a.trackers);
+  if (!trackers.ok()) return fail(trackers.status().message(), kExitUsage);
+  if (a.as == "vrchat") a.options.vrchat = {trackers.value(), a.user_height_m};
   for (const std::string& text : a.to) {
     auto target = ParseTarget(text);
     if (!target.ok()) return fail(target.status().message(), kExitUsage);

@@ -53,10 +53,12 @@ Status Forwarder::OpenTargets(const Options& options) {
                            .targets = {},
                            .counts = {},
                            .puppet = Puppet(options.carrier),
+                           .vrchat = {},
                            .cap = RateCap(options.rate_hz),
                            .timeline = {},
                            .body = nullptr});
       channel = channels_.end() - 1;
+      if (options.vrchat) channel->vrchat.emplace(*options.vrchat);
     }
     channel->targets.push_back(std::move(target.value()));
   }
@@ -86,7 +88,8 @@ void Forwarder::Forward(const client::Update& update, Channel& channel, std::int
     return;
   }
   if (channel.body != update.body) {
-    const Status status = channel.puppet.Bind(*update.body);
+    const Status status =
+        channel.vrchat ? channel.vrchat->Bind(*update.body) : channel.puppet.Bind(*update.body);
     channel.body = update.body;
     channel.usable = status.ok();
     if (!status.ok()) counts.last_error = status.message();
@@ -96,20 +99,28 @@ void Forwarder::Forward(const client::Update& update, Channel& channel, std::int
     ++counts.thinned;
     return;
   }
-  const float time_s = channel.timeline.Seconds(update.frame.source_time_ns(), now_ns);
-  Send(channel.puppet.Pose(update.frame, time_s), channel);
+  if (channel.vrchat) {
+    Send(channel.vrchat->Pack(update.frame, now_ns), channel);
+  } else {
+    const float time_s = channel.timeline.Seconds(update.frame.source_time_ns(), now_ns);
+    Send(channel.puppet.Pose(update.frame, time_s), channel);
+  }
   ++counts.frames;
 }
 
 void Forwarder::Send(const vmc::Packed& packed, Channel& channel) {
   vmc::Packer packer(packed);
   while (const std::size_t size = packer.Next(buffer_)) {
-    for (const auto& target : channel.targets) {
-      const std::string error = target->Send(std::span(buffer_).first(size));
-      if (error.empty()) continue;
-      ++channel.counts.failed;
-      channel.counts.last_error = "sending to " + target->text() + ": " + error;
-    }
+    Send(std::span(buffer_).first(size), channel);
+  }
+}
+
+void Forwarder::Send(std::span<const std::byte> datagram, Channel& channel) {
+  for (const auto& target : channel.targets) {
+    const std::string error = target->Send(datagram);
+    if (error.empty()) continue;
+    ++channel.counts.failed;
+    channel.counts.last_error = "sending to " + target->text() + ": " + error;
   }
 }
 

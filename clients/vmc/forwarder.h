@@ -12,6 +12,7 @@
 #include "clients/vmc/pace.h"
 #include "clients/vmc/puppet.h"
 #include "clients/vmc/target.h"
+#include "clients/vmc/vrchat_feed.h"
 
 namespace styled::stylevmc {
 
@@ -22,6 +23,7 @@ struct Options {
   std::vector<TargetSpec> targets;     // at least one
   double rate_hz = 120;                // maximum, per performer
   Carrier carrier = Carrier::kHips;
+  std::optional<VrChatFeed::Options> vrchat;  // OSC trackers for VRChat instead of VMC
   // For targets without a named performer: the current one is replaced by another after this time
   // without frames.
   std::chrono::nanoseconds patience = std::chrono::seconds(5);
@@ -45,6 +47,7 @@ struct Channel {
   Counts counts;
 
   Puppet puppet;
+  std::optional<VrChatFeed> vrchat;  // used instead of `puppet`
   RateCap cap;
   Timeline timeline;
   std::shared_ptr<const v1::Body> body;  // the body that `puppet` is bound to
@@ -72,6 +75,7 @@ class Forwarder {
   Status OpenTargets(const Options& options);
   void Forward(const client::Update& update, Channel& channel, std::int64_t now_ns);
   void Send(const vmc::Packed& packed, Channel& channel);
+  static void Send(std::span<const std::byte> datagram, Channel& channel);
 
   std::unique_ptr<client::Subscriber> subscriber_;
   std::chrono::nanoseconds patience_{};

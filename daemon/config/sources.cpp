@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
+#include <array>
 
 #include "daemon/config/address.h"
 #include "daemon/config/shown.h"
@@ -106,6 +107,26 @@ Status CheckMerge(const std::vector<Source>& sources, std::size_t i, const rigs:
                        "no merge_into");
 }
 
+// The prefix of errors of a row of `trackers`.
+std::string Place(const Tracker& row) {
+  return "trackers: \"" + Shown(row.id) + "\" = \"" + Shown(row.part) + "\": ";
+}
+
+// What all rows must have; adds the row's part to `parts`.
+Status CheckRow(const Tracker& row, bool twice, std::vector<int>& parts) {
+  const int part = body::FindJoint(row.part);
+  if (part < 0) {
+    return Status::Error(Place(row) +
+                         "expected a joint, e.g. \"hips\", \"chest\", \"leftUpperLeg\"");
+  }
+  if (twice) return Status::Error(Place(row) + "given twice");
+  if (std::ranges::find(parts, part) != parts.end()) {
+    return Status::Error(Place(row) + "another tracker is on that part");
+  }
+  parts.push_back(part);
+  return Status::Ok();
+}
+
 }  // namespace
 
 bool Source::Merges(std::string_view part) const {
@@ -119,25 +140,53 @@ bool Source::Merges(std::string_view part) const {
 Status CheckTrackers(const std::vector<Tracker>& trackers) {
   std::vector<slimevr::TrackerId> ids;
   std::vector<int> parts;
-  for (const auto& [id_text, part_text] : trackers) {
-    const auto id = slimevr::ParseTrackerId(id_text);
-    const int part = body::FindJoint(part_text);
-    std::string place = "trackers: \"";
-    place.append(id_text).append("\" = \"").append(part_text).append("\": ");
+  for (const Tracker& row : trackers) {
+    const auto id = slimevr::ParseTrackerId(row.id);
     if (!id) {
-      return Status::Error(place +
+      return Status::Error(Place(row) +
                            "expected a tracker's address of 12 hexadecimal digits, or its "
                            "IPv4 address, and /N for its sensor N");
     }
-    if (part < 0) {
-      return Status::Error(place + "expected a joint, e.g. \"hips\", \"chest\", \"leftUpperLeg\"");
-    }
-    if (std::ranges::find(ids, *id) != ids.end()) return Status::Error(place + "given twice");
-    if (std::ranges::find(parts, part) != parts.end()) {
-      return Status::Error(place + "another tracker is on that part");
+    if (const Status status = CheckRow(row, std::ranges::find(ids, *id) != ids.end(), parts);
+        !status.ok()) {
+      return status;
     }
     ids.push_back(*id);
-    parts.push_back(part);
+  }
+  return Status::Ok();
+}
+
+Status CheckDevices(const std::vector<Tracker>& trackers, const rigs::RigType& rig) {
+  constexpr std::array<std::string_view, 12> kOfVrChat{"1",
+                                                       "2",
+                                                       "3",
+                                                       "4",
+                                                       "5",
+                                                       "6",
+                                                       "7",
+                                                       "8",
+                                                       "head",
+                                                       "vrsystem/head",
+                                                       "vrsystem/leftwrist",
+                                                       "vrsystem/rightwrist"};
+  constexpr std::size_t kLongest = 64;
+  const bool serials = rig.word == rigs::kVmc.word;
+  std::vector<std::string_view> names;
+  std::vector<int> parts;
+  for (const Tracker& row : trackers) {
+    if (serials && (row.id.empty() || row.id.size() > kLongest || !IsUtf8(row.id))) {
+      return Status::Error(Place(row) + "expected a device's serial of 1 to 64 bytes");
+    }
+    if (!serials && std::ranges::find(kOfVrChat, row.id) == kOfVrChat.end()) {
+      return Status::Error(Place(row) +
+                           "expected a tracker, 1 to 8 or head, or vrsystem/head, "
+                           "vrsystem/leftwrist, vrsystem/rightwrist");
+    }
+    if (const Status status = CheckRow(row, std::ranges::find(names, row.id) != names.end(), parts);
+        !status.ok()) {
+      return status;
+    }
+    names.push_back(row.id);
   }
   return Status::Ok();
 }
@@ -184,10 +233,13 @@ Status CheckSources(const std::vector<Source>& sources) {
       return Status::Error(place + "performer: \"" + Shown(sources[i].performer) +
                            "\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
     }
-    if (const Status status = CheckTrackers(sources[i].trackers); !status.ok()) {
+    const rigs::SourceType& type = *rigs::FindSourceType(sources[i].type);
+    const bool named = type.rig->word == rigs::kVmc.word || type.rig->word == rigs::kVrChat.word;
+    if (const Status status = named ? CheckDevices(sources[i].trackers, *type.rig)
+                                    : CheckTrackers(sources[i].trackers);
+        !status.ok()) {
       return Status::Error(place + status.message());
     }
-    const rigs::SourceType& type = *rigs::FindSourceType(sources[i].type);
     if (const Status status = CheckMeaning(sources[i], *type.rig); !status.ok()) {
       return Status::Error(place + status.message());
     }

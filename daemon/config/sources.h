@@ -9,6 +9,7 @@
 #include "daemon/config/config.h"
 #include "model/base/status.h"
 #include "proto/rigs/natnet/packet.h"
+#include "proto/rigs/types.h"
 
 namespace styled::config {
 
@@ -21,6 +22,10 @@ Status CheckSources(const std::vector<Source>& sources);
 // repeats an id or a part. Errors begin with "trackers: ". Pinned by
 // tests/unit/slimevr/tracker_rig_test.cpp.
 Status CheckTrackers(const std::vector<Tracker>& trackers);
+// The same for rigs whose devices have names: VMC's serials, 1 to 64 bytes of UTF-8, and the names
+// of a source of type "vrchat" (daemon/source/rigs/vrchat.h). Pinned by
+// tests/unit/vrchat/translator_test.cpp.
+Status CheckDevices(const std::vector<Tracker>& trackers, const rigs::RigType& rig);
 
 // Parses `source.server`, an IPv4 HOST[:PORT], into network byte order. Errors begin with
 // "server: ".

@@ -125,19 +125,32 @@ void Trackers::Calibrate(int part, float heading) noexcept {
   tracker.calibrated = true;
 }
 
-Trackers::Outcome Trackers::ResetFull(std::int64_t now_ns) noexcept {
+template <typename HeadingOfPart>
+Trackers::Outcome Trackers::ResetEach(std::int64_t now_ns,
+                                      const HeadingOfPart& heading_of) noexcept {
   Outcome outcome;
   for (int part = 0; part < kJointCount; ++part) {
     Tracker& tracker = trackers_[part];
     tracker.calibrated = false;
     if (!IsLive(tracker, now_ns)) continue;
     tracker.at_reset = tracker.newest().rotation;
-    Calibrate(part, HeadingOfSensor(part, tracker.at_reset) - tracker.facing);
+    Calibrate(part, heading_of(part));
     outcome.done |= Bit(part);
   }
   local_.fill(Quat::Identity());
   stands_ = -1;
   return outcome;
+}
+
+Trackers::Outcome Trackers::ResetFull(std::int64_t now_ns) noexcept {
+  return ResetEach(now_ns, [this](int part) {
+    const Tracker& tracker = trackers_[part];
+    return HeadingOfSensor(part, tracker.at_reset) - tracker.facing;
+  });
+}
+
+Trackers::Outcome Trackers::ResetFull(std::int64_t now_ns, float heading) noexcept {
+  return ResetEach(now_ns, [heading](int) { return heading; });
 }
 
 Trackers::Outcome Trackers::ResetYaw(std::int64_t now_ns) noexcept {

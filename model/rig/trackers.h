@@ -52,6 +52,9 @@ class Trackers {
   // Call while the performer stands in `stance`. Calibrates every part with a live tracker, forgets
   // the calibration of all others, and places the performer above the origin.
   STYLED_REALTIME Outcome ResetFull(std::int64_t now_ns) noexcept;
+  // The same for sensors that share one world, in which the performer faces `heading` (about +Y,
+  // from +Z to the left, radians). How each sensor points does not matter then.
+  STYLED_REALTIME Outcome ResetFull(std::int64_t now_ns, float heading) noexcept;
   // Call while the performer stands upright and looks along +Z. Corrects the headings of all
   // calibrated parts, nothing else.
   STYLED_REALTIME Outcome ResetYaw(std::int64_t now_ns) noexcept;
@@ -73,6 +76,12 @@ class Trackers {
   // covers its distance within 5 to 8 %; running covers less, because no foot shows the flight
   // phase.
   STYLED_REALTIME bool Solve(std::int64_t now_ns, body::Pose& pose) noexcept;
+
+  // Where a part's rotation in the last pose comes from.
+  enum class Source : std::uint8_t { kNone, kLive, kStale };
+  Source source(int part) const noexcept { return sources_[part]; }
+  // The parts' rotations of the last pose, in the performer's world; stale parts as they are held.
+  const std::array<Quat, body::kJointCount>& world() const noexcept { return world_; }
 
   // The direction in which a sensor points in a full reset if it is mounted as usual: a heading
   // about the vertical, from the performer's +Z to the left, radians. It is the heading of the
@@ -98,9 +107,6 @@ class Trackers {
 
     const Sample& newest() const { return samples[(taken - 1) % kSamples]; }
   };
-  // Where a part's rotation in this pose comes from.
-  enum class Source : std::uint8_t { kNone, kLive, kStale };
-
   // The longest extrapolation. Beyond it, a rotation that stops is the better guess.
   static constexpr std::int64_t kReach_ns = 5'000'000;
 
@@ -108,6 +114,8 @@ class Trackers {
   bool IsLevel(int part) const noexcept;
   float HeadingOfSensor(int part, const Quat& world_from_sensor) const noexcept;
   bool IsLive(const Tracker& tracker, std::int64_t now_ns) const noexcept;
+  template <typename HeadingOfPart>
+  Outcome ResetEach(std::int64_t now_ns, const HeadingOfPart& heading_of) noexcept;
   Quat RestOf(int part) const noexcept;
   void Calibrate(int part, float heading) noexcept;
   bool RestBeforeReset(std::int64_t now_ns, body::Pose& pose) const noexcept;

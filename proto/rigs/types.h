@@ -86,7 +86,11 @@ struct RigType {
       .has_face = true, .has_fingers = true,                                                  \
       .ports = {39540, 39539}, .dialect = "vmc",                                              \
       .in_the_sender =                                                                        \
-          "In the sending app switch the VMC (OSC) sender on and set address and port.")
+          "In the sending app switch the VMC (OSC) sender on and set address and port.")          \
+  RIG(VrChat, .word = "vrchat", .name = "VRChat OSC trackers", .datagrams = "vrchat",         \
+      .listen = "0.0.0.0:9000", .ports = {9000, 9001}, .dialect = "canonical",                \
+      .in_the_sender =                                                                        \
+          "In the sending app switch OSC trackers for VRChat on and set address and port 9000.")
 // clang-format on
 
 // Our own protocol (proto/styled/v1/WIRE.md), which needs no translator.

@@ -8,6 +8,8 @@
 
 #include "proto/rigs/vmc/bones.h"
 #include "proto/rigs/vmc/vmc.h"
+#include "sim/rigs/vmc_trackers.h"
+#include "sim/rigs/worn_devices.h"
 
 namespace styled::rigs {
 namespace {
@@ -247,9 +249,10 @@ double HandsBend_rad(double time_s) {
 }
 
 Result<std::unique_ptr<Rig>> MakeVmc(const Options& options) {
+  if (HasQuirk(options, "trackers")) return MakeVmcTrackers(options);
   const Status status = CheckOptions("vmc", options, 1,
                                      {"t-first", "nested", "single", "full", "vrm1", "moving-root",
-                                      "zero-offsets", "no-t", "hands"});
+                                      "zero-offsets", "no-t", "hands", "trackers"});
   if (!status.ok()) return status;
   return std::unique_ptr<Rig>(std::make_unique<Vmc>(options));
 }

@@ -19,12 +19,12 @@ namespace styled::rigs {
 //   "zero-offsets"  all positions but the hips' and root's are zero
 //   "no-t"          no T at all
 //   "hands"         hands and fingers alone, as an assistant that tracks hands: the hands'
-//   rotations
-//                   are those in the room, and all fingers but the thumbs close and open, each
-//                   joint by HandsBend_rad
+//                   rotations are those in the room, and all fingers but the thumbs close and open,
+//                   each joint by HandsBend_rad
+//   "trackers"      devices instead of bones, with other quirks: vmc_trackers.h
+Result<std::unique_ptr<Rig>> MakeVmc(const Options& options);
+
 // By how much each finger joint of the quirk "hands" is bent, radians.
 double HandsBend_rad(double time_s);
-
-Result<std::unique_ptr<Rig>> MakeVmc(const Options& options);
 
 }  // namespace styled::rigs

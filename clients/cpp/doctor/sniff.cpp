@@ -18,8 +18,10 @@
 #include "proto/rigs/natnet/frame.h"
 #include "proto/rigs/rokoko/rokoko.h"
 #include "proto/rigs/slimevr/udp.h"
+#include "proto/rigs/vmc/device.h"
 #include "proto/rigs/vmc/osc.h"
 #include "proto/rigs/vmc/vmc.h"
+#include "proto/rigs/vrchat/vrchat.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
 
@@ -140,10 +142,19 @@ Sniffed SniffMocopi(Bytes bytes, mocopi::Datagram& datagram) {
   return {Format::kMocopi, Verdict::kSkeleton, "skeleton (skdf)"};
 }
 
-// The contents of a VMC datagram; the most useful message determines the verdict.
-class VmcContent {
+constexpr std::string_view kVrChatAddress = "/tracking/";
+
+// The contents of an OSC datagram of VMC or for VRChat; the most useful message determines the
+// verdict.
+class OscContent {
  public:
   void Add(const vmc::osc::Message& message) {
+    if (message.address.starts_with(kVrChatAddress)) {
+      vrchat_ = true;
+      vrchat::Message content;
+      trackers_ |= vrchat::Decode(message, content) == vrchat::DecodeResult::kOk;
+      return;
+    }
     if (!message.address.starts_with("/VMC/")) {
       if (foreign_.empty()) foreign_ = message.address;
       return;
@@ -151,7 +162,8 @@ class VmcContent {
     vmc_ = true;
     vmc::Message content;
     if (vmc::Decode(message, content) != vmc::DecodeResult::kOk) {
-      devices_ |= message.address.ends_with("/Pos");
+      vmc::Device device;
+      devices_ |= vmc::Decode(message, device) == vmc::DecodeResult::kOk;
       return;
     }
     bones_ |= std::holds_alternative<vmc::Bone>(content);
@@ -160,17 +172,20 @@ class VmcContent {
     unloaded_ |= available != nullptr && available->loaded == 0;
   }
   Sniffed Summary() const {
+    if (trackers_) return {Format::kVrChat, Verdict::kPose, "trackers"};
+    if (vrchat_) return {Format::kVrChat, Verdict::kTalk, "tracking without trackers"};
     if (!vmc_) {
       return {Format::kUnknown, Verdict::kForeign, "OSC, but no VMC: " + Printable(foreign_, 40)};
     }
     if (bones_) return {Format::kVmc, Verdict::kPose, "bones"};
     if (unloaded_) return {Format::kVmc, Verdict::kUseless, "\"no avatar is loaded\""};
     if (face_) return {Format::kVmc, Verdict::kTalk, "facial expressions"};
-    if (devices_) return {Format::kVmc, Verdict::kTalk, "positions of devices"};
+    if (devices_) return {Format::kVmc, Verdict::kPose, "devices"};
     return {Format::kVmc, Verdict::kTalk, "time and state"};
   }
 
  private:
+  bool vrchat_ = false, trackers_ = false;
   bool vmc_ = false, bones_ = false, face_ = false, devices_ = false, unloaded_ = false;
   std::string_view foreign_;
 };
@@ -178,10 +193,11 @@ class VmcContent {
 Sniffed SniffOsc(Bytes bytes) {
   if (const auto result = vmc::osc::Check(bytes); result != vmc::osc::Result::kOk) {
     const bool vmc = AsText(bytes).find("/VMC/") != std::string_view::npos;
-    return vmc ? Sniffed{Format::kVmc, Verdict::kDamaged, Words(vmc::osc::Name(result))}
-               : Sniffed{Format::kUnknown, Verdict::kForeign, "damaged OSC"};
+    const bool vrchat = AsText(bytes).find(kVrChatAddress) != std::string_view::npos;
+    if (!vmc && !vrchat) return {Format::kUnknown, Verdict::kForeign, "damaged OSC"};
+    return {vmc ? Format::kVmc : Format::kVrChat, Verdict::kDamaged, Words(vmc::osc::Name(result))};
   }
-  VmcContent content;
+  OscContent content;
   vmc::osc::Reader reader(bytes);
   vmc::osc::Message message;
   while (reader.Next(message) == vmc::osc::Reader::Step::kMessage) content.Add(message);
@@ -326,6 +342,9 @@ Sniffed Sniffer::SniffStart(Bytes start) {
   if (text.starts_with("MXTP")) return cut(Format::kMvn);
   if (IsMocopi(text)) return cut(Format::kMocopi);
   if (IsOsc(text) && text.find("/VMC/") != std::string_view::npos) return cut(Format::kVmc);
+  if (IsOsc(text) && text.find(kVrChatAddress) != std::string_view::npos) {
+    return cut(Format::kVrChat);
+  }
   const bool scene = text.starts_with('{') && text.find("\"scene\"") != std::string_view::npos;
   if (scene || rokoko::IsLz4Frame(start)) return cut(Format::kRokoko);
   return {Format::kUnknown, Verdict::kForeign, "large datagrams"};

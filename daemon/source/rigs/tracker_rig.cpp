@@ -1,19 +1,13 @@
 #include "daemon/source/rigs/tracker_rig.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "daemon/config/sources.h"
-#include "daemon/runtime/clock.h"
 #include "model/body/find_joint.h"
-#include "proto/rigs/types.h"
 
 namespace styled::source {
 namespace {
-
-// If a tick comes later than this, the frames in between are left out.
-constexpr std::int64_t kCatchUp_ns = runtime::kSecond_ns / 10;
 
 // SlimeVR's TrackerPosition.kt: the positions that a tracker can report. 1 is the head; 0 is
 // unused, and the positions beyond are fingers.
@@ -52,28 +46,9 @@ std::string PartNames(std::uint32_t bits) {
   return names;
 }
 
-rig::RigBody CanonicalBody() {
-  rig::RigBody made;
-  for (int j = 0; j < body::kJointCount; ++j) {
-    made.skeleton.names.push_back(PartName(j));
-    made.skeleton.parents.push_back(body::kHumanoid[static_cast<std::size_t>(j)].parent);
-    made.skeleton.offsets.push_back(body::Offset(j));
-  }
-  made.rest.assign(body::kJointCount, rig::Quat::Identity());
-  made.metres_per_unit = 1;
-  made.dialect = rigs::kSlimeVr.dialect;
-  return made;
-}
-
 }  // namespace
 
-TrackerRig::TrackerRig(const config::Source& config)
-    : trackers_(options_),
-      stream_(config.performer.empty() ? config.name : config.performer),
-      body_(CanonicalBody()),
-      pose_(body_.skeleton),
-      period_ns_(std::llround(static_cast<double>(runtime::kSecond_ns) /
-                              static_cast<double>(config.rate_hz))) {
+TrackerRig::TrackerRig(const config::Source& config) : trackers_(options_), stream_(config) {
   const Status status = config::CheckTrackers(config.trackers);
   if (!status.ok()) note_ = status.message() + "; it is left out";
   for (const auto& [id_text, part_text] : config.trackers) {
@@ -157,40 +132,16 @@ void TrackerRig::Take(body::Joint part, const slimevr::Orientation& orientation,
   const rig::Quat y_up_from_z_up(kHalfRoot, -kHalfRoot, 0, 0);
   const auto& q = orientation.rotation;
   trackers_.Take(part, now_ns, (y_up_from_z_up * rig::Quat(q[3], q[0], q[1], q[2])).normalized());
-  if (next_frame_ns_ == Translator::kNever) next_frame_ns_ = now_ns;
+  stream_.Wake(now_ns);
 }
 
 void TrackerRig::Tick(std::int64_t now_ns, Outbox& out) {
   if (!note_.empty()) {
     out.Note([this] { return std::exchange(note_, {}); });
   }
-  if (next_frame_ns_ > now_ns) return;
-  std::uint64_t lost = 0;
-  if (now_ns - next_frame_ns_ > kCatchUp_ns) {
-    lost = static_cast<std::uint64_t>((now_ns - next_frame_ns_) / period_ns_);
-    next_frame_ns_ += static_cast<std::int64_t>(lost) * period_ns_;
-  }
-  while (next_frame_ns_ <= now_ns) {
-    if (!trackers_.Solve(next_frame_ns_, solved_)) {
-      next_frame_ns_ = Translator::kNever;  // until a tracker is heard again
-      return;
-    }
-    SendFrame(next_frame_ns_ - options_.delay_ns, now_ns, lost, out);
-    lost = 0;
-    next_frame_ns_ += period_ns_;
-  }
-}
-
-void TrackerRig::SendFrame(std::int64_t time_ns, std::int64_t now_ns, std::uint64_t lost,
-                           Outbox& out) {
-  if (!stream_.has_body()) stream_.SetBody(body_, out);
-  pose_.translations.front() = solved_.hips_position_m;
-  std::ranges::copy(solved_.rotations, pose_.rotations.begin());
-  PerformerStream::FrameInfo info;
-  info.source_time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(time_ns, 0));
-  info.now_ns = now_ns;
-  info.lost = lost;
-  stream_.Send(pose_, info, out);
+  stream_.Tick(now_ns, options_.delay_ns, out, [this](std::int64_t time_ns, body::Pose& pose) {
+    return trackers_.Solve(time_ns, pose);
+  });
 }
 
 Status TrackerRig::Calibrate(Calibration what, std::int64_t now_ns) {

@@ -7,7 +7,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/source/note_limit.h"
-#include "daemon/source/performer_stream.h"
+#include "daemon/source/rigs/solved_stream.h"
 #include "daemon/source/translator.h"
 #include "model/base/status.h"
 #include "model/rig/trackers.h"
@@ -38,7 +38,7 @@ class TrackerRig {
   STYLED_REALTIME void Take(body::Joint part, const slimevr::Orientation& orientation,
                             std::int64_t now_ns) noexcept;
   void Tick(std::int64_t now_ns, Outbox& out);
-  std::int64_t NextDeadline_ns() const { return next_frame_ns_; }
+  std::int64_t NextDeadline_ns() const { return stream_.NextDeadline_ns(); }
 
   // The result is logged with the next Tick, including the trackers left out. Errors: nothing could
   // be calibrated.
@@ -54,7 +54,6 @@ class TrackerRig {
 
   int FreePart(int position) const;
   void SayPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out);
-  void SendFrame(std::int64_t time_ns, std::int64_t now_ns, std::uint64_t lost, Outbox& out);
 
   std::vector<Known> assigned_;  // by the configuration
   std::vector<Known> known_;     // trackers that are not configured; oldest first
@@ -63,12 +62,7 @@ class TrackerRig {
   bool told_to_calibrate_ = false;
   rig::Trackers::Options options_;
   rig::Trackers trackers_;
-  PerformerStream stream_;
-  rig::RigBody body_;
-  rig::RigPose pose_;
-  body::Pose solved_;
-  std::int64_t period_ns_;
-  std::int64_t next_frame_ns_ = Translator::kNever;
+  SolvedStream stream_;
 };
 
 }  // namespace styled::source

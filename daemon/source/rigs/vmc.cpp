@@ -12,6 +12,7 @@
 #include "daemon/source/face_stream.h"
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/vmc_body.h"
+#include "daemon/source/rigs/vmc_devices.h"
 #include "model/base/text.h"
 #include "proto/rigs/vmc/assembler.h"
 
@@ -268,7 +269,8 @@ class Vmc final : public Translator {
   explicit Vmc(const config::Source& config)
       : performer_(config.performer.empty() ? config.name : config.performer),
         merged_{config.Merges("face"),
-                config.Merges("leftFingers") || config.Merges("rightFingers")} {}
+                config.Merges("leftFingers") || config.Merges("rightFingers")},
+        devices_(config) {}
 
   void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
             Outbox& out) override {
@@ -281,20 +283,32 @@ class Vmc final : public Translator {
     const bool bones = merged_.fingers || !merged_.face;
     const bool useful =
         (bones && Has<vmc::Bone>(datagram)) || (merged_.face && Has<vmc::Blend>(datagram));
-    if (!useful) return out.Refuse(Counter::kSourceIgnored);
+    if (!useful) {
+      const bool alone = !merged_.face && !merged_.fingers;
+      const bool devices = devices_.IsSender(peer.id) || VmcDevices::HasDevice(datagram);
+      if (devices && alone) return devices_.Take(datagram, peer.id, now_ns, out);
+      return out.Refuse(Counter::kSourceIgnored);
+    }
     Sender* sender = Add(peer, now_ns, out);
     if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
+    devices_.Forget(peer.id);
     sender->Take(datagram, now_ns, out);
   }
 
   void Tick(std::int64_t now_ns, Outbox& out) override {
     for (const auto& sender : senders_) sender->Tick(now_ns, out);
+    devices_.rig().Tick(now_ns, out);
   }
 
   std::int64_t NextDeadline_ns() const override {
-    std::int64_t next_ns = kNever;
+    std::int64_t next_ns = devices_.rig().NextDeadline_ns();
     for (const auto& sender : senders_) next_ns = std::min(next_ns, sender->deadline_ns());
     return next_ns;
+  }
+
+  bool has_sensors() const override { return devices_.rig().speaks(); }
+  Status Calibrate(Calibration what, std::int64_t now_ns) override {
+    return devices_.rig().Calibrate(what, now_ns);
   }
 
  private:
@@ -310,6 +324,7 @@ class Vmc final : public Translator {
 
   std::string performer_;
   Merged merged_;
+  VmcDevices devices_;
   std::vector<std::unique_ptr<Sender>> senders_;
 };
 

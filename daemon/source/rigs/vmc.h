@@ -24,6 +24,9 @@ namespace styled::source {
 // Merged      With `merge_into`, a face needs no bones, and fingers need no bones but a hand's. The
 //             rotation of the hand itself does not matter: senders of hands alone give it in the
 //             model's space, not against the parent. No bone leaves such a body.
+// Devices     A sender of devices (Hmd, Con, Tra) and no bones, an assistant, is a performer, too:
+//             vmc_devices.h, device_rig.h. `trackers` gives each serial its part. One such sender
+//             per port.
 // Session     A new one where the assembler sees the sender restart (proto/rigs/vmc/assembler.h).
 // Refused     source.malformed; source.ignored; source.incomplete; pipeline.duplicate and
 //             pipeline.reordered; pipeline.second_sender for a ninth sender while eight are live.

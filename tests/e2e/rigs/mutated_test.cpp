@@ -231,7 +231,8 @@ TEST_P(MutatedTest, TenThousandDamagedDatagramsAreCountedAndDisturbNobodyElse) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryRig, MutatedTest,
-                         testing::Values("mocopi", "mvn", "natnet", "rokoko", "slimevr", "vmc"),
+                         testing::Values("mocopi", "mvn", "natnet", "rokoko", "slimevr", "vmc",
+                                         "vrchat"),
                          [](const auto& info) { return info.param; });
 
 using CapturedTest = MutatedTest;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "proto/rigs/vmc/assembler.h"
+#include "proto/rigs/vmc/device.h"
 #include "proto/rigs/vmc/packer.h"
 
 namespace {
@@ -41,6 +42,22 @@ void CheckMessage(const osc::Message& raw) {
   Require(again.index() == message.index());
 }
 
+// The same for devices.
+void CheckDevice(const osc::Message& raw) {
+  vmc::Device device;
+  if (Decode(raw, device) != vmc::DecodeResult::kOk) return;
+  std::vector<std::byte> buffer(raw.bytes.size() + 64);
+  osc::Writer writer(buffer);
+  Put(device, writer);
+  Require(writer.ok());
+  osc::Reader reader({buffer.data(), writer.size()});
+  osc::Message again_raw;
+  Require(reader.Next(again_raw) == osc::Reader::Step::kMessage);
+  vmc::Device again;
+  Require(Decode(again_raw, again) == vmc::DecodeResult::kOk);
+  Require(again.kind == device.kind && again.serial == device.serial);
+}
+
 void CheckDatagram(Span bytes) {
   osc::Reader reader(bytes);
   osc::Message message;
@@ -48,6 +65,7 @@ void CheckDatagram(Span bytes) {
     Require(message.bytes.data() >= bytes.data());
     Require(message.bytes.data() + message.bytes.size() <= bytes.data() + bytes.size());
     CheckMessage(message);
+    CheckDevice(message);
   }
   Require(reader.result() == osc::Check(bytes));
   if (reader.result() != osc::Result::kOk) return;

@@ -50,6 +50,10 @@ int main(int argc, char** argv) {
     Append(sequence, 5, c.bytes);
   }
   seeds.push_back(sequence);
+  for (const char* kind : {"Hmd", "Con", "Tra"}) {
+    seeds.push_back(S("/VMC/Ext/" + std::string(kind) + "/Pos") + S(",sfffffff") + S("LHR-1") +
+                    Floats({0, 1, 2, 0, 0, 0, 1}));
+  }
   int index = 0;
   for (const Bytes& seed : seeds) {
     std::ofstream file(folder / std::to_string(index++), std::ios::binary);

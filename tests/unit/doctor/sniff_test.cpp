@@ -166,11 +166,20 @@ TEST_F(SniffTest, Vmc) {
           {"time", TimeMessage(1), Format::kVmc, Verdict::kTalk, "time and state"},
           {"a face", Bundle({BlendMessage("Joy", 1), ApplyMessage()}), Format::kVmc, Verdict::kTalk,
            "facial expressions"},
-          {"devices", device, Format::kVmc, Verdict::kTalk, "positions of devices"},
+          {"devices", device, Format::kVmc, Verdict::kPose, "devices"},
           {"no avatar", Bundle({unloaded, TimeMessage(1)}), Format::kVmc, Verdict::kUseless,
            "\"no avatar is loaded\""},
           {"cut", Cut(Bundle({BoneMessage("Hips")}), 4), Format::kVmc, Verdict::kDamaged,
            "bad element"}});
+}
+
+TEST_F(SniffTest, VrChat) {
+  using namespace vmc::testing;
+  const auto tracker = S("/tracking/trackers/1/position") + S(",fff") + Floats({0, 1, 0});
+  const auto eyes = S("/tracking/eye/EyesClosedAmount") + S(",f") + F(1);
+  Expect({{"trackers", Bundle({tracker, tracker}), Format::kVrChat, Verdict::kPose, "trackers"},
+          {"eyes", eyes, Format::kVrChat, Verdict::kTalk, "tracking without trackers"},
+          {"cut", Cut(Bundle({tracker}), 4), Format::kVrChat, Verdict::kDamaged, "bad element"}});
 }
 
 TEST_F(SniffTest, NatNet) {

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <string_view>
+#include <vector>
+
+#include "sim/rigs/rig.h"
+
+namespace styled::rigs {
+
+// Devices worn by a simulated performer: what VMC's assistants and VRChat's senders measure.
+// Quirks:
+//   hips, head, leftFoot, ...  only the devices on these joints; none named: all that the rig has
+//   mounted                    turned anyhow on their parts, and up to 3 cm off the joints (by
+//   seed) t-pose                     for the first second of a session the performer stands in a
+//   T-pose,
+//                              in which a calibration may be asked for
+//   vanish                     the last device is gone in every third second
+//   shuffled                   in another order in each frame
+class WornDevices {
+ public:
+  struct Place {
+    int index;  // the rig's own
+    body::Joint joint;
+    bool before_eyes = false;  // a display: above and before the head's joint
+  };
+  struct Reading {
+    int index;
+    body::Joint joint;
+    body::Vec3 position_m;  // Unity's axes
+    body::Quat rotation;
+  };
+
+  WornDevices(const Options& options, const std::vector<Place>& places);
+
+  // The devices of this frame. One on a joint that is not tracked is left out.
+  const std::vector<Reading>& Read(const Frame& frame);
+
+ private:
+  struct Worn {
+    Place place;
+    body::Quat part_from_device = body::Quat::Identity();
+    body::Vec3 offset_m = body::Vec3::Zero();  // in the part's frame
+  };
+
+  std::vector<Worn> worn_;
+  std::vector<Reading> readings_;
+  std::mt19937_64 random_;
+  bool t_pose_, vanish_, shuffled_;
+};
+
+// Whether the options have that quirk.
+bool HasQuirk(const Options& options, std::string_view quirk);
+
+}  // namespace styled::rigs
