@@ -60,6 +60,9 @@ class Examination {
   bool Group(const SourceFacts& source);
   bool GroupElsewhere(const SourceFacts& source, const std::string& group);
 
+  // diagnose_qtm.cpp
+  void Qtm(const SourceFacts& source);
+
   // Queries on the facts.
   Evidence EvidenceOf(const SourceFacts& source) const;
   // Those in `heard`, and those in `seen` that have no counterpart in `heard`.

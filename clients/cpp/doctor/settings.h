@@ -21,8 +21,8 @@ struct Wanted {
   std::string name, type;
   Format format = Format::kUnknown;  // derived from `type`
   bool stream = false;
-  bool network = true;  // false: USB, or an unreadable `listen`
-  Endpoint listen;
+  bool network = true;     // false: USB, or an unreadable `listen`
+  Endpoint listen;         // the server's, for a rig whose server we connect to
   std::string merge_into;  // a performer, whose face this source is; "": none, or not known
   // OptiTrack only.
   std::string server, group = "239.255.42.99", interface;
