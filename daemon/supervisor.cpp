@@ -105,14 +105,16 @@ Status Supervisor::Start() {
 Status Supervisor::OpenSources() {
   for (std::size_t i = 0; i < config_.sources.size(); ++i) {
     const auto& source = config_.sources[i];
+    const rigs::SourceType& type = *rigs::FindSourceType(source.type);
     auto transport = source::Open(source, static_cast<int>(i), clock_, counters_);
     if (!transport.ok()) {
-      const bool usb = rigs::FindSourceType(source.type)->usb;
+      const bool usb = type.usb;
       return Status::Error("source." + std::to_string(i) + (usb ? ": " : ".listen: ") +
                            transport.status().message());
     }
     source_endpoints_.push_back(transport.value()->endpoint());
-    spdlog::info("source {} listens on {} {}", source.name, source.type, source_endpoints_.back());
+    spdlog::info("source {} {} {} {}", source.name, type.connects() ? "connects to" : "listens on",
+                 source.type, source_endpoints_.back());
     transports_.push_back(std::move(transport.value()));
   }
   return Status::Ok();

@@ -21,6 +21,7 @@
 #include "sim/player/player.h"
 #include "sim/player/stream.h"
 #include "sim/rigs/rig_stream.h"
+#include "sim/rigs/stream_server.h"
 
 namespace {
 
@@ -131,16 +132,22 @@ std::string PerformerName(const Arguments& a, int k) {
   return a.performers == 1 ? a.performer : a.performer + "-" + std::to_string(k + 1);
 }
 
+Status CheckStreamFaults(const faults::Spec& spec) {
+  if (spec.probability[static_cast<std::size_t>(faults::Fault::kTruncate)] <= 0) {
+    return Status::Ok();
+  }
+  return Status::Error(
+      "--faults truncate: expected a udp:// address (a record cut short would "
+      "tear the TCP stream)");
+}
+
 Status Check(const Arguments& a, const faults::Spec& spec) {
   const std::string longest = PerformerName(a, a.performers - 1);
   if (!player::IsPerformerName(longest)) {
     return Status::Error("--performer '" + longest + "': expected 1 to 32 of A-Za-z0-9_-");
   }
-  const auto truncate = static_cast<std::size_t>(faults::Fault::kTruncate);
-  if (player::IsStream(a.to) && spec.probability[truncate] > 0) {
-    return Status::Error(
-        "--faults truncate: expected a udp:// address (a record cut short would "
-        "tear the TCP stream)");
+  if (player::IsStream(a.to)) {
+    if (Status status = CheckStreamFaults(spec); !status.ok()) return status;
   }
   if (!a.write.empty() && (!a.clips.empty() || a.seconds <= 0)) {
     return Status::Error("--write: expected --seconds above 0 and no --bvh");
@@ -207,11 +214,12 @@ Result<std::unique_ptr<rigs::Rig>> MakeRig(const Arguments& a) {
   return rigs::Make(a.as, options);
 }
 
-int Play(const Arguments& a, const std::string& to, bool listen, Senders senders) {
-  if (const Status address = player::CheckAddress(to, listen ? 0 : 1); !address.ok()) {
+// `server`: the rig, if it is one, which listens.
+int Play(const Arguments& a, const std::string& to, rigs::Rig* server, Senders senders) {
+  if (const Status address = player::CheckAddress(to, server != nullptr ? 0 : 1); !address.ok()) {
     return RefuseArguments(address);
   }
-  auto link = listen ? player::Listen(to) : player::Connect(to, a.start_wait_ms);
+  auto link = server != nullptr ? rigs::Listen(*server, to) : player::Connect(to, a.start_wait_ms);
   if (!link.ok()) return Fail(link.status());
   player::SteadyClock clock;
   const auto on_refused = [&to] {
@@ -235,12 +243,15 @@ int RunRig(const Arguments& a, Motions motions, const faults::Spec& spec) {
   auto rig = MakeRig(a);
   if (!rig.ok()) return RefuseArguments(rig.status());
   const std::string to = a.to.empty() ? rig.value()->default_address() : a.to;
-  const bool listen = rig.value()->is_server();
+  rigs::Rig* const server = rig.value()->is_server() ? rig.value().get() : nullptr;
+  if (server != nullptr && player::IsStream(to)) {
+    if (const Status status = CheckStreamFaults(spec); !status.ok()) return RefuseArguments(status);
+  }
   auto stream = rigs::RigStream::Make(std::move(rig.value()), std::move(motions), a.rate_hz, spec);
   if (!stream.ok()) return Fail(stream.status());
   Senders senders;
   senders.push_back(std::move(stream.value()));
-  return Play(a, to, listen, std::move(senders));
+  return Play(a, to, server, std::move(senders));
 }
 
 int Run(const Arguments& a) {
@@ -258,7 +269,7 @@ int Run(const Arguments& a) {
   if (!motions.ok()) return Fail(motions.status());
   if (a.as != "native") return RunRig(a, std::move(motions.value()), spec.value());
   const std::string to = a.to.empty() ? "udp://127.0.0.1:7000" : a.to;
-  return Play(a, to, false, MakeNative(a, std::move(motions.value()), spec.value()));
+  return Play(a, to, nullptr, MakeNative(a, std::move(motions.value()), spec.value()));
 }
 
 }  // namespace

@@ -107,8 +107,9 @@ def broken_rule(file, header):
     if any(within(file, a) and within(header, b) for a, b in ALSO):
         return ""
     if row == row_of(header.rpartition("/")[0]):
-        same_rig = row != "proto/rigs" or header.split("/")[2] == file.split("/")[2]
-        return "" if same_rig else RIG_RULE
+        parts = header.split("/")  # what lies beside the rigs' folders is for all of them
+        shared = row != "proto/rigs" or len(parts) == 3
+        return "" if shared or parts[2] == file.split("/")[2] else RIG_RULE
     if any(within(header, to) for to in ROWS[row].split()):
         return ""
     return f"{row} may include {ROWS[row] or 'only itself'}"

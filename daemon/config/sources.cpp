@@ -10,7 +10,6 @@
 #include "daemon/runtime/host_port.h"
 #include "model/base/text.h"
 #include "model/body/find_joint.h"
-#include "proto/rigs/natnet/packet.h"
 #include "proto/rigs/slimevr/tracker_id.h"
 #include "proto/rigs/types.h"
 
@@ -31,8 +30,8 @@ Status CheckUsb(const Source& source, const std::string& place) {
   return id.ok() ? Status::Ok() : Status::Error(place + "usb_id: " + id.status().message());
 }
 
-Status CheckServer(const Source& source) {
-  const auto server = ParseServer(source.server);
+Status CheckServer(const Source& source, const rigs::RigType& rig) {
+  const auto server = ParseServer(source.server, rig.server_port);
   return server.ok() ? ParseGroup(source.group).status() : server.status();
 }
 
@@ -192,10 +191,11 @@ Status CheckDevices(const std::vector<Tracker>& trackers, const rigs::RigType& r
 }
 
 Result<sockaddr_in> ParseServer(const std::string& text, std::uint16_t default_port) {
-  const auto refuse = [&text] {
+  const auto refuse = [&text, default_port] {
     return Status::Error("server: \"" + text +
                          "\"; expected an IPv4 address, or one and a port, e.g. "
-                         "\"192.168.1.10:1510\"");
+                         "\"192.168.1.10:" +
+                         std::to_string(default_port) + "\"");
   };
   std::string host = text;
   std::uint16_t port = default_port;
@@ -256,7 +256,7 @@ Status CheckSources(const std::vector<Source>& sources) {
     }
     if (type.usb) continue;
     if (type.rig->asks_server) {
-      const Status status = CheckServer(sources[i]);
+      const Status status = CheckServer(sources[i], *type.rig);
       if (!status.ok()) return Status::Error(place + status.message());
     }
     if (type.rig->face_only && !sources[i].server.empty()) {

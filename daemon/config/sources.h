@@ -8,7 +8,6 @@
 
 #include "daemon/config/config.h"
 #include "model/base/status.h"
-#include "proto/rigs/natnet/packet.h"
 #include "proto/rigs/types.h"
 
 namespace styled::config {
@@ -29,8 +28,7 @@ Status CheckDevices(const std::vector<Tracker>& trackers, const rigs::RigType& r
 
 // Parses `source.server`, an IPv4 HOST[:PORT], into network byte order. Errors begin with
 // "server: ".
-Result<sockaddr_in> ParseServer(const std::string& text,
-                                std::uint16_t default_port = natnet::kCommandPort);
+Result<sockaddr_in> ParseServer(const std::string& text, std::uint16_t default_port);
 // Parses `source.group`, an IPv4 multicast address. Errors begin with "group: ".
 Result<in_addr> ParseGroup(const std::string& text);
 

@@ -78,9 +78,16 @@ source::Peer ParsePeer(const std::string& text) {
 // configuration gives by host name.
 std::unique_ptr<source::Translator> MakeTranslator(config::Source config,
                                                    const std::string& sender) {
-  const bool named = !config::ParseServer(config.server).ok();
-  if (rigs::FindSourceType(config.type)->rig->asks_server && named) config.server = sender;
+  const rigs::RigType& rig = *rigs::FindSourceType(config.type)->rig;
+  const bool named = !config::ParseServer(config.server, rig.server_port).ok();
+  if (rig.asks_server && named) config.server = sender;
   return source::MakeTranslator(config);
+}
+
+// Whether arrivals are pieces of a stream. Those of a server that we connected to are records.
+bool IsStream(const std::string& type) {
+  const rigs::SourceType& known = *rigs::FindSourceType(type);
+  return (known.stream && !known.connects()) || type == rigs::kNative.usb;
 }
 
 // One source whose recorded arrivals replace its socket or device. TCP streams, and the data of USB
@@ -90,7 +97,7 @@ class Recorded final : public source::Transport {
   Recorded(const config::Source& config, int source, const std::string& sender,
            runtime::Clock& clock, runtime::Counters& counters)
       : clock_(clock),
-        stream_(rigs::FindSourceType(config.type)->stream || config.type == rigs::kNative.usb),
+        stream_(IsStream(config.type)),
         translator_(MakeTranslator(config, sender)),
         decoder_(source, counters),
         outbox_(source, counters) {}

@@ -5,19 +5,24 @@
 #include <span>
 
 #include "model/base/realtime.h"
+#include "proto/rigs/cut.h"
 #include "proto/rigs/mvn/stream.h"
 
 namespace styled::source {
 
 // Cuts a rig's TCP stream into its datagrams, as native::StreamReader does for the native protocol.
 // The rig's protocol determines where each datagram ends. Works in the caller's buffer, which must
-// hold two of the largest datagrams and outlive the reader. Allocates nothing; one thread at a
-// time.
+// hold more than the largest datagram (two of them, for few moves) and outlive the reader.
+// Allocates nothing; one thread at a time.
 class CutReader {
  public:
-  using Result = mvn::Cut;
+  using Result = rigs::Cut;
+  // The size of the datagram at the front of the received bytes; written on kRecord only.
+  using Cutter = Result (*)(std::span<const std::byte> received,
+                            std::size_t& size) noexcept STYLED_REALTIME;
 
-  explicit CutReader(std::span<std::byte> buffer) noexcept : buffer_(buffer) {}
+  explicit CutReader(std::span<std::byte> buffer, Cutter cut = mvn::CutRecord) noexcept
+      : buffer_(buffer), cut_(cut) {}
 
   // Where to receive next. Moves an incomplete datagram to the front of the buffer, which
   // invalidates the records handed out before.
@@ -36,7 +41,7 @@ class CutReader {
   STYLED_REALTIME Result Next(std::span<const std::byte>& record) noexcept {
     const auto waiting = buffer_.subspan(begin_, end_ - begin_);
     std::size_t size = 0;
-    const Result result = mvn::CutRecord(waiting, size);
+    const Result result = cut_(waiting, size);
     if (result != Result::kRecord) return result;
     record = waiting.first(size);
     begin_ += size;
@@ -44,9 +49,14 @@ class CutReader {
   }
   // Bytes received that belong to no whole datagram yet.
   std::size_t Pending() const noexcept { return end_ - begin_; }
+  std::span<const std::byte> PendingBytes() const noexcept {
+    return buffer_.subspan(begin_, end_ - begin_);
+  }
+  void Clear() noexcept { begin_ = end_ = 0; }
 
  private:
   std::span<std::byte> buffer_;
+  Cutter cut_;
   std::size_t begin_ = 0, end_ = 0;
 };
 

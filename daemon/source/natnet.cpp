@@ -168,7 +168,7 @@ class NatNetTransport final : public Transport {
 Result<std::unique_ptr<Transport>> MakeNatNetTransport(const config::Source& config, int source,
                                                        runtime::Clock& clock,
                                                        runtime::Counters& counters) {
-  const auto server = config::ParseServer(config.server);
+  const auto server = config::ParseServer(config.server, natnet::kCommandPort);
   if (!server.ok()) return server.status();
   const auto group = config::ParseGroup(config.group);
   if (!group.ok()) return group.status();

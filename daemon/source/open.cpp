@@ -4,6 +4,7 @@
 #include "daemon/source/natnet.h"
 #include "daemon/source/rigs/make.h"
 #include "daemon/source/tcp.h"
+#include "daemon/source/tcp_client.h"
 #include "daemon/source/udp.h"
 #include "daemon/source/usb/usb.h"
 #include "proto/rigs/types.h"
@@ -13,9 +14,12 @@ namespace styled::source {
 Result<std::unique_ptr<Transport>> Open(const config::Source& config, int source,
                                         runtime::Clock& clock, runtime::Counters& counters) {
   const rigs::SourceType& type = *rigs::FindSourceType(config.type);
-  const auto make = type.usb ? MakeUsb : type.stream ? MakeTcp : MakeUdp;
+  const auto make = type.usb          ? MakeUsb
+                    : type.connects() ? MakeTcpClient
+                    : type.stream     ? MakeTcp
+                                      : MakeUdp;
   // NatNet's client opens a second socket, where its server tells it to.
-  auto opened = type.rig->asks_server
+  auto opened = type.rig->asks_server && !type.connects()
                     ? MakeNatNetTransport(config, source, clock, counters)
                     : make(config, source, clock, counters, MakeTranslator(config));
   if (!opened.ok() || config.delay_s <= 0) return opened;

@@ -74,7 +74,7 @@ class Transport {
   }
   // A descriptor that is readable when DoWork may find something.
   virtual int fd() const = 0;
-  // The bound address, "HOST:PORT" with the actual port.
+  // The bound address, "HOST:PORT" with the actual port; the server's, if we connect to one.
   virtual const std::string& endpoint() const = 0;
   // Number of datagrams and records that arrived, including refused ones.
   virtual std::uint64_t received() const = 0;

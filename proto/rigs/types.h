@@ -29,8 +29,10 @@ struct RigType {
   // Whether source.server means something: whom we ask for data; source.expressions: the names that
   // its expressions get.
   bool takes_server = false, takes_expressions = false;
-  // A server that is asked and answers, instead of a sender that finds us.
+  // A server that is asked and answers, instead of a sender that finds us, and its usual port. With
+  // `stream` the transport connects to it.
   bool asks_server = false;
+  std::uint16_t server_port = 0;
   // Usual ports at the receiver, for the doctor; 0: none.
   std::array<std::uint16_t, 2> ports{};
   // What its skeleton is called in model/rig/dialects.h; "" = the sender says.
@@ -65,11 +67,17 @@ struct RigType {
           "UDP, and tick Position + Orientation (Quaternion).")                               \
   RIG(NatNet, .word = "natnet", .name = "OptiTrack NatNet", .datagrams = "natnet",            \
       .listen = "0.0.0.0:0", .has_fingers = true, .takes_server = true, .asks_server = true,  \
-      .ports = {1511},                                                                        \
+      .server_port = 1510, .ports = {1511},                                                   \
       .dialect = "motive",                                                                    \
       .in_the_sender =                                                                        \
           "In Motive: Streaming: Broadcast Frame Data on, Skeletons on, Local Interface not " \
           "loopback.")                                                                        \
+  RIG(Qtm, .word = "qtm", .name = "Qualisys QTM", .stream = "qtm", .listen = "0.0.0.0:0",       \
+      .has_fingers = true, .takes_server = true, .asks_server = true, .server_port = 22223,   \
+      .in_the_sender =                                                                        \
+          "In QTM: the skeletons of the project switched on and solved in real time, a "      \
+          "measurement running (or Play with real-time output), and in Project Options, "     \
+          "Real-Time Output, the base port 22222.")                                           \
   RIG(Rokoko, .word = "rokoko", .name = "Rokoko Studio", .datagrams = "rokoko",               \
       .listen = "0.0.0.0:14043", .has_face = true, .has_fingers = true,                       \
       .takes_expressions = true, .ports = {14043},                                            \
@@ -120,6 +128,9 @@ struct SourceType {
   std::string_view usual_address;  // where nothing is said; "" = must be said
   bool usb = false;                // no address at all
   const RigType* rig = &kNative;
+
+  // We connect to the rig's server; else we listen.
+  constexpr bool connects() const noexcept { return stream && rig->asks_server; }
 };
 
 namespace detail {

@@ -39,6 +39,16 @@ struct Options {
   std::vector<std::string> quirks;
 };
 
+// What a server over TCP keeps for one of its clients, until the client leaves. One thread.
+class Session {
+ public:
+  virtual ~Session() = default;
+  // The client's bytes, cut anywhere. Answers go to that client. False: it is disconnected.
+  virtual bool Receive(std::span<const std::byte> bytes, const Send& send) = 0;
+  // Sends on what Encode sends to all clients, as far as this client has asked for it.
+  virtual void Forward(std::span<const std::byte> bytes, const Send& send) = 0;
+};
+
 // Simulates the sending software of a rig: encodes poses of the canonical humanoid in the rig's
 // protocol, with the habits of the real software. May allocate. One thread.
 class Rig {
@@ -60,6 +70,11 @@ class Rig {
   // clients that connect, the address on which it listens.
   virtual std::string default_address() const = 0;
   virtual bool is_server() const { return false; }
+  // For a server over TCP: a client has connected, and `send` goes to it. `others` are connected
+  // already. Null: it is disconnected. (sim/rigs/stream_server.h calls this.)
+  virtual std::unique_ptr<Session> Accept(std::size_t /*others*/, const Send& /*send*/) {
+    return nullptr;
+  }
 };
 
 // The words of all rigs, "native, mocopi, ...".

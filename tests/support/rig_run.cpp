@@ -9,6 +9,7 @@
 #include "sim/player/performer_motion.h"
 #include "sim/player/stream.h"
 #include "sim/rigs/rig_stream.h"
+#include "sim/rigs/stream_server.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 
@@ -90,7 +91,9 @@ Playing Play(const RigRun& run) {
   EXPECT_TRUE(rig.ok()) << rig.status().message();
   if (!rig.ok()) return playing;
   if (rig.value()->is_server()) {
-    auto listening = player::Listen("udp://127.0.0.1:0", &playing.server);
+    const bool tcp = player::IsStream(rig.value()->default_address());
+    auto listening = rigs::Listen(*rig.value(), tcp ? "tcp://127.0.0.1:0" : "udp://127.0.0.1:0",
+                                  &playing.server);
     EXPECT_TRUE(listening.ok()) << listening.status().message();
     playing.link = std::move(listening.value());
   }

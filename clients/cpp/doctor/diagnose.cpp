@@ -116,6 +116,7 @@ void Examination::Daemon() {
 void Examination::Source(const SourceFacts& source) {
   if (!source.wanted.network || (facts_.daemon.remote && !source.in_daemon)) return;
   if (source.wanted.format == Format::kNatNet) return NatNet(source);
+  if (source.wanted.format == Format::kQtm) return Qtm(source);
   if (!Port(source)) return;
   const Evidence evidence = EvidenceOf(source);
   if (!Arrival(source, evidence)) return;

@@ -24,7 +24,7 @@ bool Examination::Port(const SourceFacts& source) {
   };
   const std::string& host = wanted.listen.host;
   const bool here = IsWildcard(host) || FindInterface(facts_.interfaces, host) != nullptr ||
-                    IsLoopback(host) || facts_.daemon.remote;
+                    IsLoopback(host) || facts_.daemon.remote || Row(wanted.format).asks_server;
   if (!here) {
     return fail("address_not_here",
                 Label(source) + " listens on " + host + ", which is no address of this machine.",

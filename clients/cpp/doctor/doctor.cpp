@@ -39,6 +39,7 @@ class Examiner {
     if (!status.ok()) return status;
     probe_.emplace(facts_.interfaces);
     CallNatNetServers();
+    CallQtmServers();
     OpenPorts();
     OpenCapture();
     // Read the status again, since the NatNet calls and opening the ports took time.
@@ -190,13 +191,26 @@ class Examiner {
     for (const auto& [group, port] : groups) (void)probe_->Join(group, port);
   }
 
+  // They are asked while we listen.
+  void CallQtmServers() {
+    for (SourceFacts& source : facts_.sources) {
+      if (source.wanted.format != Format::kQtm || facts_.daemon.remote) continue;
+      auto call = MakeQtmCall(source.wanted.listen, source.qtm.emplace());
+      if (call.ok()) {
+        probe_->Add(std::move(call.value()));
+      } else {
+        source.qtm->error = call.status().message();
+      }
+    }
+  }
+
   // Opens the sources' own ports and the usual ports of all formats.
   void OpenPorts() {
     if (facts_.daemon.remote) return;
     std::set<std::pair<bool, std::uint16_t>> opened;
     for (SourceFacts& source : facts_.sources) {
       const Wanted& wanted = source.wanted;
-      if (!wanted.network || wanted.listen.port == 0 || wanted.format == Format::kNatNet) continue;
+      if (!wanted.network || wanted.listen.port == 0 || Row(wanted.format).asks_server) continue;
       const bool v6 = wanted.listen.host.find(':') != std::string::npos;
       if (opened.emplace(wanted.stream, wanted.listen.port).second) {
         source.port = probe_->Open(wanted.stream, wanted.listen.port, v6);
@@ -208,7 +222,7 @@ class Examiner {
     for (int f = 0; f < static_cast<int>(Format::kCount); ++f) {
       const auto format = static_cast<Format>(f);
       for (const std::uint16_t port : Row(format).ports) {
-        if (port == 0 || format == Format::kNatNet) continue;
+        if (port == 0 || Row(format).asks_server) continue;
         if (opened.emplace(false, port).second) (void)probe_->Open(false, port, false);
       }
     }

@@ -62,6 +62,9 @@ class Examination {
   bool Group(const SourceFacts& source);
   bool GroupElsewhere(const SourceFacts& source, const std::string& group);
 
+  // diagnose_qtm.cpp
+  void Qtm(const SourceFacts& source);
+
   // Queries on the facts.
   Evidence EvidenceOf(const SourceFacts& source) const;
   // How much of a counter's growth must be the source's. The daemon counts all sources together:

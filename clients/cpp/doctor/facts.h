@@ -10,6 +10,7 @@
 #include "clients/cpp/doctor/interfaces.h"
 #include "clients/cpp/doctor/natnet_call.h"
 #include "clients/cpp/doctor/probe.h"
+#include "clients/cpp/doctor/qtm_call.h"
 #include "clients/cpp/doctor/settings.h"
 #include "clients/cpp/doctor/sockets.h"
 #include "clients/cpp/doctor/traffic.h"
@@ -43,6 +44,7 @@ struct SourceFacts {
   std::uint64_t drops = 0;                // of `holders`, during listening
   Firewall::Judgement firewall;
   std::optional<NatNetAnswers> natnet;
+  std::optional<QtmAnswers> qtm;
   std::vector<GroupState> groups;
   std::string group_interface;  // on which the daemon joins the group; "" = no route
 };

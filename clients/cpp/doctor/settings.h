@@ -22,9 +22,9 @@ struct Wanted {
   Format format = Format::kUnknown;  // derived from `type`
   bool stream = false;
   bool network = true;  // false: USB, or an unreadable `listen`
-  Endpoint listen;
-  std::string
-      merge_into;  // a performer, to whom this source gives face or fingers; "": none, or not known
+  Endpoint listen;      // the server's, for a rig whose server we connect to
+  // A performer, to whom this source gives face or fingers; "": none, or not known.
+  std::string merge_into;
   // OptiTrack only.
   std::string server, group = "239.255.42.99", interface;
   bool multicast = true;

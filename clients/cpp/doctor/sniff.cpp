@@ -16,6 +16,7 @@
 #include "proto/rigs/native/header.h"
 #include "proto/rigs/natnet/dialogue.h"
 #include "proto/rigs/natnet/frame.h"
+#include "proto/rigs/qtm/frame.h"
 #include "proto/rigs/rokoko/rokoko.h"
 #include "proto/rigs/slimevr/udp.h"
 #include "proto/rigs/vmc/device.h"
@@ -244,6 +245,32 @@ std::optional<Sniffed> SniffFace(Bytes bytes) {
   return {};
 }
 
+// What a QTM server sends. Only its greeting, and data packets whose components add up, are marked
+// well enough.
+std::optional<Sniffed> SniffQtm(Bytes bytes, qtm::Frame& frame) {
+  qtm::Packet packet;
+  if (qtm::DecodePacket(bytes, packet) != qtm::DecodeResult::kOk) return {};
+  const auto say = [](Verdict verdict, std::string kind) {
+    return Sniffed{Format::kQtm, verdict, std::move(kind)};
+  };
+  const std::string_view text = qtm::TextOf(packet.payload);
+  if (packet.type == qtm::PacketType::kCommand && text.starts_with("QTM RT Interface")) {
+    return say(Verdict::kTalk, "server's greeting");
+  }
+  if (packet.type == qtm::PacketType::kXml && text.find("<QTM_") != text.npos) {
+    return say(Verdict::kSkeleton, "parameters");
+  }
+  if (packet.type != qtm::PacketType::kData ||
+      qtm::DecodeFrame(packet.payload, frame) != qtm::DecodeResult::kOk) {
+    return {};
+  }
+  const auto skeletons = std::span(frame.skeletons).first(frame.skeleton_count);
+  const bool seen =
+      std::ranges::any_of(skeletons, [](const auto& s) { return s.segment_count > 0; });
+  return seen ? say(Verdict::kPose, "skeletons")
+              : say(Verdict::kUseless, "frames without a skeleton");
+}
+
 bool HasMarks(Bytes bytes, std::size_t at, std::initializer_list<unsigned> marks) {
   if (bytes.size() < at + marks.size()) return false;
   return std::equal(marks.begin(), marks.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at),
@@ -290,6 +317,7 @@ struct Sniffer::Scratch {
   slimevr::Datagram slimevr;
   natnet::Frame natnet_frame;
   natnet::Model natnet_model;
+  qtm::Frame qtm_frame;
   rokoko::Decoder rokoko;
   rokoko::Frame rokoko_frame;
 };
@@ -330,6 +358,7 @@ Sniffed Sniffer::Sniff(Bytes datagram) {
     if (auto found = SniffRokoko(datagram)) return *found;
   }
   if (auto found = SniffFace(datagram)) return *found;
+  if (auto found = SniffQtm(datagram, scratch_->qtm_frame)) return *found;
   if (auto found = SniffNatNet(datagram)) return *found;
   if (auto found = SniffSlimeVr(datagram, scratch_->slimevr)) return *found;
   return SniffForeign(datagram);
@@ -423,6 +452,11 @@ std::size_t RecordSize(Bytes received) {
       case mvn::Cut::kBroken:
         return received.size();
     }
+  }
+  constexpr std::string_view kQtmGreeting = "QTM RT Interface";
+  if (text.substr(std::min(text.size(), qtm::kHeaderSize)).starts_with(kQtmGreeting)) {
+    const rigs::Cut cut = qtm::CutPacket(received, size);
+    return cut == rigs::Cut::kRecord ? size : cut == rigs::Cut::kNeedMore ? 0 : received.size();
   }
   if (!text.starts_with("STYD")) return received.size();
   if (received.size() < native::kHeaderSize) return 0;

@@ -8,6 +8,7 @@
 
 #include "clients/cpp/control.h"
 #include "clients/cpp/stylectl/look_options.h"
+#include "proto/rigs/types.h"
 
 namespace styled::stylectl {
 namespace {
@@ -182,7 +183,12 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
   }
   for (const auto& source : status.sources()) {
     if (source.received() > 0) continue;
-    out += source.name() + (source.type() == "usb" ? ": waiting for " : ": listening at ") +
+    const rigs::SourceType* const type = rigs::FindSourceType(source.type());
+    const bool connects = type != nullptr && type->connects();
+    out += source.name() +
+           (source.type() == "usb" ? ": waiting for "
+            : connects             ? ": asking "
+                                   : ": listening at ") +
            source.listen() + " (" + source.type() + "), nothing received yet\n";
   }
   std::vector<std::vector<std::string>> delays{

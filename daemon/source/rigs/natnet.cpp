@@ -288,7 +288,7 @@ void NatNet::Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out) {
 }
 
 std::unique_ptr<Translator> MakeNatNet(const config::Source& config) {
-  const auto server = config::ParseServer(config.server);
+  const auto server = config::ParseServer(config.server, natnet::kCommandPort);
   const auto group = config::ParseGroup(config.group);
   return std::make_unique<NatNet>(config, server.ok() ? server.value() : sockaddr_in{},
                                   group.ok() ? group.value() : in_addr{});

@@ -4,15 +4,12 @@
 #include <span>
 
 #include "model/base/realtime.h"
+#include "proto/rigs/cut.h"
 
 namespace styled::mvn {
 
 // Over TCP, MXTP datagrams follow one another, delimited by the payload sizes in their headers.
-enum class [[nodiscard]] Cut {
-  kRecord,    // `size` bytes at the front are one datagram
-  kNeedMore,  // the datagram is not complete yet
-  kBroken     // not a header: nothing after this point can be trusted
-};
+using rigs::Cut;
 
 // Examines the front of the received bytes; writes `size` on kRecord only. Old senders leave the
 // payload size 0 in types 01 and 02; it is then computed from the number of items.

@@ -161,6 +161,29 @@ TEST_F(DoctorTest, ANatNetServerThatDoesNotAnswerARunningDaemonIsNamed) {
   EXPECT_THAT(told.Of("natnet_no_answer", "what"), HasSubstr(server));
 }
 
+TEST_F(DoctorTest, AQtmThatCannotBeReachedIsNamedWithWhatToDo) {
+  const std::string server = Local(FreePort());
+  const Daemon daemon({},
+                      "[[source]]\nname = \"suit\"\ntype = \"qtm\"\nserver = \"" + server + "\"\n");
+  const Report report = Doctor({"--endpoint", daemon.control, "--source", "suit"});
+  EXPECT_THAT(report.problems, ElementsAre("qtm_no_connection"));
+  EXPECT_THAT(report.Of("qtm_no_connection", "what"), HasSubstr("cannot be reached at " + server));
+  EXPECT_THAT(report.Of("qtm_no_connection", "why"), HasSubstr("Connection refused"));
+  const Report file = Doctor({"--config", Config("qtm", "", "server = \"" + server + "\"")});
+  EXPECT_THAT(file.problems, ElementsAre("no_daemon", "qtm_no_connection"));
+}
+
+TEST_F(DoctorTest, AQtmThatStreamsIsFollowedToItsFrames) {
+  const std::string server = Local(FreePort());
+  Play("qtm", "tcp://" + server);
+  const Report report = Doctor({"--config", Config("qtm", "", "server = \"" + server + "\"")});
+  EXPECT_THAT(report.problems, ElementsAre("no_daemon")) << report.text;
+  const std::string full = Local(FreePort());
+  Play("qtm", "tcp://" + full, {"--quirk", "full"});
+  const Report refused = Doctor({"--config", Config("qtm", "", "server = \"" + full + "\"")});
+  EXPECT_THAT(refused.problems, ElementsAre("no_daemon", "qtm_full")) << refused.text;
+}
+
 TEST_F(DoctorTest, WhereFramesGoThroughAllIsWell) {
   const Daemon daemon;
   const Streaming rig(daemon.udp, kRate_hz, Performer(true));

@@ -129,7 +129,8 @@ std::string DoctorTest::Config(const std::string& type, const std::string& liste
 
 void DoctorTest::Play(const std::string& as, const std::string& to,
                       const std::vector<std::string>& arguments) {
-  std::vector<std::string> all{STYLESIM_BINARY, "--as", as, "--to", "udp://" + to};
+  std::vector<std::string> all{STYLESIM_BINARY, "--as", as, "--to",
+                               to.find("://") == to.npos ? "udp://" + to : to};
   all.insert(all.end(), arguments.begin(), arguments.end());
   players_.push_back(std::make_unique<Child>(all, folder_ / "stylesim.txt"));
 }

@@ -361,6 +361,15 @@ TEST_F(ConfigTest, WhatNatNetIsToAskIsJudgedWithoutAskingIt) {
               HasSubstr("source.0.group: \"10.0.0.2\"; expected an IPv4 multicast address"));
 }
 
+TEST_F(ConfigTest, WhatQtmIsToAskIsJudgedWithoutAskingIt) {
+  const std::string source = "[[source]]\nname = \"o\"\ntype = \"qtm\"\n";
+  EXPECT_EQ(Complaint(source + "server = \"192.168.1.10\"\n"), "");
+  EXPECT_EQ(Complaint(source + "server = \"192.168.1.10:22225\"\n"), "");
+  EXPECT_THAT(Complaint(source),
+              HasSubstr("source.0.server: \"\"; expected an IPv4 address, or one and a port, e.g. "
+                        "\"192.168.1.10:22223\""));
+}
+
 TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
   const std::string rig =
       "[[source]]\nname = \"stage\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n";

@@ -19,6 +19,7 @@
 #include "tests/unit/mocopi/decode_cases.h"
 #include "tests/unit/mvn/packets.h"
 #include "tests/unit/natnet/decode_cases.h"
+#include "tests/unit/qtm/decode_cases.h"
 #include "tests/unit/rokoko/lz4_frames.h"
 #include "tests/unit/rokoko/texts.h"
 #include "tests/unit/slimevr/decode_cases.h"
@@ -203,6 +204,23 @@ TEST_F(SniffTest, NatNet) {
 }
 
 // With the server's word every frame that cannot be read is one that was damaged.
+TEST_F(SniffTest, QtmTalksFirst) {
+  using namespace qtm::testing;
+  const Bytes greeting = Command("QTM RT Interface connected");
+  Expect({{"greeting", greeting, Format::kQtm, Verdict::kTalk, "server's greeting"},
+          {"skeletons", Data(1, 1, TwoSkeletons()), Format::kQtm, Verdict::kPose, "skeletons"},
+          {"markers", Data(1, 1, OtherComponent()), Format::kQtm, Verdict::kUseless,
+           "frames without a skeleton"},
+          {"parameters", Xml(kFlatXml), Format::kQtm, Verdict::kSkeleton, "parameters"},
+          {"another text", Command("220 ftp"), Format::kUnknown, Verdict::kForeign,
+           "bytes 10 00 00 00"}});
+  EXPECT_EQ(RecordSize(greeting), greeting.size());
+  Bytes two = greeting;
+  two.insert(two.end(), 5, std::byte{1});
+  EXPECT_EQ(RecordSize(two), greeting.size());
+  EXPECT_EQ(RecordSize(std::span(greeting).first(30)), 0U);
+}
+
 TEST_F(SniffTest, NatNetOfAKnownVersionCanBeDamaged) {
   Sniffer sniffer;
   ASSERT_EQ(sniffer.Sniff(ServerInfo(3, 0)).format, Format::kNatNet);

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/source/performer_stream.h"
+#include "daemon/source/rigs/qtm_skeleton.h"
+#include "daemon/source/tcp_client.h"
+#include "proto/rigs/qtm/frame.h"
+#include "proto/rigs/qtm/parameters.h"
+
+namespace styled::source {
+
+// Qualisys Track Manager, QTM RT 1.19 to 1.25 ("qtm"; bytes: proto/rigs/qtm).
+//
+// Transport   TCP, a dialogue with `server` (port 22223; daemon/source/tcp_client.h). After the
+//             greeting the newest version that the server accepts, then General, 3D and Skeleton of
+//             its parameters, then all frames of Skeleton and Timecode. Each question has 5 s; an
+//             error is logged with the server's words. Nothing is asked that changes QTM.
+// Performer   Each skeleton that QTM knows, up to 16: its name there; NAME-2, ... where a name is
+//             taken. A skeleton that QTM does not see sends no frames.
+// Body        The skeleton's segments in millimetres, made +Y up by QTM's AxisUpwards (`up` of the
+//             source overrides it); the rest pose is QTM's T-pose.
+// Time        The cameras' timestamp; SMPTE timecode, or IRIG's time of day. A gap in the frame
+//             numbers counts as lost frames.
+// Session     A new one when a measurement or a file begins (events 1, 3, 8), or where timestamps
+//             fall back; skeletons are read anew then, and when a frame has unknown ones.
+// Refused     source.malformed; source.ignored for packets that were not asked for;
+//             pipeline.duplicate, pipeline.before_body and pipeline.bodies_refused.
+// Pinned by tests/unit/qtm/translator_test.cpp.
+class Qtm final : public ServerTranslator {
+ public:
+  explicit Qtm(const config::Source& config);
+
+  void Take(std::span<const std::byte> record, const Peer& peer, std::int64_t now_ns,
+            Outbox& out) override;
+  void Tick(std::int64_t now_ns, Outbox& out) override;
+  std::int64_t NextDeadline_ns() const override { return next_ns_; }
+
+  CutReader::Cutter cutter() const override { return qtm::CutPacket; }
+  std::size_t max_record() const override { return qtm::kMaxPacketSize; }
+  std::string WhyBroken(std::span<const std::byte> received) const override {
+    return qtm::WhyBroken(received);
+  }
+  void Connected(std::int64_t now_ns) override;
+  bool ready() const override { return stage_ == Stage::kStreaming; }
+  std::string TakeFault() override { return std::exchange(fault_, {}); }
+
+ private:
+  // What is being waited for. The stages after kVersion ask a question each.
+  enum class Stage { kGreeting, kVersion, kGeneral, kSpace, kSkeletons, kStreaming };
+  // What is due at next_ns_: an answer, the stage's question again, or the one for skeletons.
+  enum class Next { kNothing, kAnswer, kStage, kSkeletons };
+  struct Performer {
+    explicit Performer(std::string name) : stream(std::move(name)) {}
+    PerformerStream stream;
+    QtmSkeleton skeleton;
+    rig::RigPose pose;
+  };
+
+  void TakeText(std::string_view text, std::int64_t now_ns, Outbox& out);
+  void TakeError(std::string_view text, std::int64_t now_ns, Outbox& out);
+  void TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out);
+  void TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out);
+  void TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
+  void TakeVersion(std::string_view answer, std::int64_t now_ns, Outbox& out);
+  void TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, Outbox& out);
+  void Adopt(const qtm::SkeletonDescription& description,
+             std::vector<std::unique_ptr<Performer>>& performers, Outbox& out);
+
+  void Enter(Stage stage, std::int64_t now_ns, Outbox& out);
+  void Ask(std::string command, std::int64_t now_ns, Outbox& out);
+  void AskForSkeletons(std::int64_t now_ns, Outbox& out);
+  void StartStream(std::int64_t now_ns, Outbox& out);
+  void AwaitSkeletons(std::int64_t now_ns) noexcept;
+  void Await(Next next, std::int64_t at_ns = kNever) noexcept {
+    next_ = next;
+    next_ns_ = at_ns;
+  }
+  void BeginSession(std::int64_t now_ns, Outbox& out);
+  bool ReadTimecode() noexcept;
+  // Logs a line, but the same text only once.
+  void Say(const std::string& text, Outbox& out);
+  std::string Server() const { return "server " + config_.server; }
+
+  config::Source config_;
+  Peer server_;
+  Stage stage_ = Stage::kGreeting;
+  int minor_ = qtm::kNewestMinor;  // of the version asked for
+  bool timecode_wanted_ = true;
+  std::string asked_, fault_;  // the last command; why the connection is to be closed
+  Next next_ = Next::kNothing;
+  std::int64_t next_ns_ = kNever;
+
+  std::optional<double> frequency_hz_;
+  qtm::Axis up_ = qtm::Axis::kZ;
+  // In the order of the XML; null: one that was refused.
+  std::vector<std::unique_ptr<Performer>> performers_;
+  std::int64_t asked_skeletons_ns_ = 0;
+  bool any_frame_ = false;
+  std::int64_t last_us_ = 0;
+  std::uint32_t last_number_ = 0;
+  Timecode timecode_;
+  std::vector<std::string> said_;
+  std::unique_ptr<qtm::Frame> frame_ = std::make_unique<qtm::Frame>();
+};
+
+}  // namespace styled::source

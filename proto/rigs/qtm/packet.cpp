@@ -1,0 +1,134 @@
+#include "proto/rigs/qtm/packet.h"
+
+#include <algorithm>
+
+#include "proto/rigs/qtm/cursor.h"
+
+namespace styled::qtm {
+namespace {
+
+struct Header {
+  std::uint32_t size = 0;
+  PacketType type = PacketType::kError;
+};
+
+Header GetHeader(std::span<const std::byte> bytes) noexcept {
+  Reader reader(bytes);
+  Header header;
+  header.size = reader.Get<std::uint32_t>();
+  header.type = reader.Get<PacketType>();
+  return header;
+}
+
+bool IsKnown(PacketType type) noexcept { return type <= PacketType::kQtmFile; }
+
+// The sizes that a packet of this type may have.
+std::size_t Smallest(PacketType type) noexcept {
+  return kHeaderSize + (type == PacketType::kData ? 16U : type == PacketType::kEvent ? 1U : 0U);
+}
+std::size_t Largest(PacketType type) noexcept {
+  switch (type) {
+    case PacketType::kError:
+    case PacketType::kCommand:
+      return kMaxTextSize;
+    case PacketType::kNoMoreData:
+      return kHeaderSize;
+    case PacketType::kEvent:
+      return kHeaderSize + 1;
+    default:
+      return kMaxPacketSize;
+  }
+}
+
+}  // namespace
+
+std::string_view Name(DecodeResult result) noexcept {
+  switch (result) {
+    case DecodeResult::kOk:
+      return "ok";
+    case DecodeResult::kTooShort:
+      return "too_short";
+    case DecodeResult::kSizeMismatch:
+      return "size_mismatch";
+    case DecodeResult::kTooLarge:
+      return "too_large";
+    case DecodeResult::kBadType:
+      return "bad_type";
+    case DecodeResult::kTruncated:
+      return "truncated";
+    case DecodeResult::kBadCount:
+      return "bad_count";
+    case DecodeResult::kBadTime:
+      return "bad_time";
+    case DecodeResult::kCount:
+      break;
+  }
+  return "unknown";
+}
+
+DecodeResult DecodePacket(std::span<const std::byte> bytes, Packet& packet) noexcept {
+  if (bytes.size() < kHeaderSize) return DecodeResult::kTooShort;
+  const Header header = GetHeader(bytes);
+  if (header.size != bytes.size()) return DecodeResult::kSizeMismatch;
+  if (!IsKnown(header.type)) return DecodeResult::kBadType;
+  if (header.size > Largest(header.type)) return DecodeResult::kTooLarge;
+  if (header.size < Smallest(header.type)) return DecodeResult::kTruncated;
+  packet.type = header.type;
+  packet.payload = bytes.subspan(kHeaderSize);
+  return DecodeResult::kOk;
+}
+
+rigs::Cut CutPacket(std::span<const std::byte> received, std::size_t& size) noexcept {
+  if (received.size() < kHeaderSize) return rigs::Cut::kNeedMore;
+  const Header header = GetHeader(received);
+  if (!IsKnown(header.type) || header.size < Smallest(header.type) ||
+      header.size > Largest(header.type)) {
+    return rigs::Cut::kBroken;
+  }
+  if (received.size() < header.size) return rigs::Cut::kNeedMore;
+  size = header.size;
+  return rigs::Cut::kRecord;
+}
+
+std::string WhyBroken(std::span<const std::byte> received) {
+  const Header header = GetHeader(received);
+  if (!IsKnown(header.type)) {
+    return "a packet of type " + std::to_string(static_cast<std::uint32_t>(header.type)) +
+           ", expected 0 to 8 of QTM RT, little-endian (port " + std::to_string(kPort) + ")";
+  }
+  return "a packet of type " + std::to_string(static_cast<std::uint32_t>(header.type)) + " with " +
+         std::to_string(header.size) + " bytes, expected " + std::to_string(Smallest(header.type)) +
+         " to " + std::to_string(Largest(header.type));
+}
+
+std::string_view TextOf(std::span<const std::byte> payload) noexcept {
+  const auto end = std::find(payload.begin(), payload.end(), std::byte{0});
+  return {reinterpret_cast<const char*>(payload.data()),
+          static_cast<std::size_t>(end - payload.begin())};
+}
+
+std::string ToString(std::string_view text) {
+  std::string line(text.substr(0, 200));
+  std::ranges::replace_if(
+      line, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return line;
+}
+
+std::size_t EncodeText(PacketType type, std::string_view text, std::span<std::byte> out) noexcept {
+  Writer writer(type, out);
+  writer.PutBytes(std::as_bytes(std::span(text)));
+  writer.Put('\0');
+  return writer.Finish();
+}
+
+std::size_t EncodeEvent(Event event, std::span<std::byte> out) noexcept {
+  Writer writer(PacketType::kEvent, out);
+  writer.Put(event);
+  return writer.Finish();
+}
+
+std::size_t EncodeNoMoreData(std::span<std::byte> out) noexcept {
+  return Writer(PacketType::kNoMoreData, out).Finish();
+}
+
+}  // namespace styled::qtm

@@ -1,0 +1,305 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/source/rigs/make.h"
+#include "daemon/source/rigs/qtm.h"
+#include "sim/rigs/qtm.h"
+#include "sim/rigs/qtm_skeleton.h"
+#include "tests/support/translation.h"
+#include "tests/unit/natnet/performer.h"
+#include "tests/unit/qtm/decode_cases.h"
+
+namespace styled::source {
+namespace {
+
+using namespace qtm::testing;
+using runtime::Counter;
+using support::Translated;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+config::Source Config() {
+  config::Source config;
+  config.name = "suit";
+  config.type = "qtm";
+  config.server = "192.0.2.7";
+  return config;
+}
+
+class QtmTranslatorTest : public testing::Test {
+ protected:
+  QtmTranslatorTest() : translated_(std::make_unique<Qtm>(Config())) {}
+
+  Qtm& translator() { return dynamic_cast<Qtm&>(translated_.translator()); }
+  std::string Fault() { return translator().TakeFault(); }
+  void Take(const Bytes& packet) { translated_.Take(packet); }
+  void Wait(double seconds) {
+    translated_.now_ns += static_cast<std::int64_t>(seconds * 1e9);
+    translated_.Tick();
+  }
+  static Bytes Described(const std::vector<std::string>& names, bool flat = false) {
+    qtm::Parameters parameters;
+    parameters.skeletons.emplace();
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      parameters.skeletons->push_back(rigs::DescribeQtmSkeleton(
+          names[k], static_cast<std::uint32_t>(100 * (k + 1)), true, flat));
+    }
+    return Xml(qtm::WriteParameters(parameters, flat ? 20 : 25));
+  }
+  // Up to the stream.
+  void Connect(const Bytes& skeletons) {
+    translator().Connected(translated_.now_ns);
+    Take(Command("QTM RT Interface connected"));
+    Take(Command("Version set to 1.25"));
+    Take(Xml("<Q><General><Frequency>120</Frequency></General></Q>"));
+    Take(Xml("<Q><The_3D><AxisUpwards>+Z</AxisUpwards></The_3D></Q>"));
+    Take(skeletons);
+    ASSERT_TRUE(translator().ready());
+    translated_.items.clear();
+  }
+  Bytes FrameAt(std::int64_t time_us, std::uint32_t number, const std::vector<body::Pose>& poses,
+                bool timecode = false) {
+    qtm::Frame& frame = *frame_;
+    frame.timestamp_us = time_us;
+    frame.number = number;
+    frame.has_skeletons = true;
+    frame.has_timecode = timecode;
+    frame.timecode = qtm::PackSmpte({10, 20, 30, 12});
+    frame.skeleton_count = poses.size();
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      rigs::PlaceQtmSkeleton(poses[k], static_cast<std::uint32_t>(100 * (k + 1)), true,
+                             frame.skeletons[k]);
+    }
+    Bytes packet(qtm::kMaxPacketSize);
+    packet.resize(qtm::EncodeFrame(frame, packet));
+    return packet;
+  }
+
+  Translated translated_;
+  std::unique_ptr<qtm::Frame> frame_ = std::make_unique<qtm::Frame>();
+};
+
+TEST_F(QtmTranslatorTest, ASkeletonsPosesAreThePerformers) {
+  for (const bool flat : {false, true}) {
+    translated_.now_ns += 2 * kSecond_ns;
+    Connect(Described({"Anna"}, flat));
+    for (std::uint32_t i = 0; i < 5; ++i) {
+      const body::Pose pose = natnet::testing::BentPose(0.1F * static_cast<float>(i));
+      Take(FrameAt(flat * 1'000'000 + 10'000 * i, i + 1, {pose}));
+      const auto frames = translated_.Frames();
+      ASSERT_EQ(frames.size(), i + 1U);
+      ASSERT_EQ(translated_.Bodies().size(), 1U);
+      const v1::Body body = translated_.Bodies()[0];
+      EXPECT_EQ(body.performer(), "Anna");
+      EXPECT_EQ(body.names(7), "LeftArm");
+      const auto got = support::CanonicalPose(body, frames.back());
+      ASSERT_TRUE(got);
+      const auto distance = support::Between(*got, pose);
+      EXPECT_LT(distance.joint_deg, 0.05F);
+      EXPECT_LT(distance.hips_m, 0.001F);
+    }
+  }
+  EXPECT_EQ(translated_.Frames().back().source_time_ns(), 1'040'000'000U);
+}
+
+TEST_F(QtmTranslatorTest, SeveralSkeletonsAreSeveralPerformersWithValidNames) {
+  Connect(Described({"Anna", "Ben & co", "Anna"}));
+  const body::Pose pose;
+  Take(FrameAt(0, 1, {pose, pose, pose}));
+  std::vector<std::string> names;
+  for (const auto& body : translated_.Bodies()) names.push_back(body.performer());
+  EXPECT_THAT(names, ElementsAre("Anna", "Ben___co", "Anna-2"));
+}
+
+TEST_F(QtmTranslatorTest, OneThatIsNotSeenSendsNothingTheOthersDo) {
+  Connect(Described({"a", "b"}));
+  const body::Pose pose;
+  (void)FrameAt(0, 1, {pose, pose});
+  frame_->skeletons[0].segment_count = 0;
+  Bytes packet(qtm::kMaxPacketSize);
+  packet.resize(qtm::EncodeFrame(*frame_, packet));
+  Take(packet);
+  ASSERT_EQ(translated_.Frames().size(), 1U);
+  EXPECT_EQ(translated_.Bodies()[0].performer(), "b");
+  EXPECT_EQ(translated_.Count(Counter::kPipelineBeforeBody), 0U);
+}
+
+TEST_F(QtmTranslatorTest, NamesWhatTheServerSaysAndReadsOldOnes) {
+  translator().Connected(translated_.now_ns);
+  Take(Command("QTM RT Interface connected."));
+  for (int minor = 25; minor > 20; --minor) Take(Error("Version NOT supported"));
+  EXPECT_EQ(Fault(), "");
+  Take(Command("Version set to 1.20"));
+  Take(Error("Parse error"));
+  Take(Error("Measurement busy"));
+  Take(Described({"a"}, true));
+  EXPECT_TRUE(translator().ready());
+  EXPECT_THAT(
+      translated_.notes,
+      ElementsAre("server 192.0.2.7 answers \"GetParameters General\" with \"Parse error\"",
+                  "server 192.0.2.7 answers \"GetParameters 3D\" with \"Measurement busy\"; "
+                  "+Z is taken to be up",
+                  "server 192.0.2.7: QTM RT 1.20, +Z up, skeletons: a"));
+}
+
+TEST_F(QtmTranslatorTest, GivesUpAServerThatIsTooOldOrFullOrAnother) {
+  translator().Connected(translated_.now_ns);
+  Take(Error("Connection refused. Max number of clients reached."));
+  EXPECT_EQ(Fault(), "refuses: \"Connection refused. Max number of clients reached.\"");
+  EXPECT_EQ(Fault(), "") << "forgotten";
+  translator().Connected(translated_.now_ns);
+  Take(Command("220 ftp"));
+  EXPECT_EQ(Fault(), "greets with \"220 ftp\", expected \"QTM RT Interface connected\"");
+  translator().Connected(translated_.now_ns);
+  Take(Command("QTM RT Interface connected"));
+  for (int minor = 25; minor >= 19; --minor) {
+    EXPECT_EQ(Fault(), "");
+    Take(Command("Version NOT supported"));
+  }
+  EXPECT_EQ(Fault(),
+            "speaks none of QTM RT 1.25 to 1.19 (skeletons need QTM 2019 or later); it answered "
+            "\"Version NOT supported\"");
+}
+
+TEST_F(QtmTranslatorTest, GivesUpAServerThatDoesNotAnswer) {
+  translator().Connected(translated_.now_ns);
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns);
+  Wait(4.9);
+  EXPECT_EQ(Fault(), "");
+  Wait(0.2);
+  EXPECT_EQ(Fault(), "did not greet within 5 s: is it QTM's port 22223?");
+  translator().Connected(translated_.now_ns);
+  Take(Command("QTM RT Interface connected"));
+  Wait(5);
+  EXPECT_EQ(Fault(), "did not answer \"Version 1.25\" within 5 s");
+}
+
+TEST_F(QtmTranslatorTest, WaitsForMeasurementsAndSkeletonsWithoutEnd) {
+  Connect(Described({}));
+  EXPECT_THAT(translated_.notes.at(0), HasSubstr("has no skeleton: in QTM add one"));
+  Take(Pack(4));
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns)
+      << "asks again whether there is one";
+  Wait(5);
+  Take(Described({"a"}));
+  EXPECT_EQ(translator().NextDeadline_ns(), Translator::kNever);
+  Wait(3600);
+  EXPECT_EQ(Fault(), "");
+  Take(FrameAt(0, 1, {body::Pose()}));
+  EXPECT_EQ(translated_.Frames().size(), 1U);
+}
+
+TEST_F(QtmTranslatorTest, ParametersThatCannotBeUsedEndTheConnection) {
+  translator().Connected(translated_.now_ns);
+  Take(Command("QTM RT Interface connected"));
+  Take(Command("Version set to 1.25"));
+  Take(Xml("<Q><General>"));
+  EXPECT_THAT(Fault(), HasSubstr("sent parameters that cannot be used: not XML: byte "));
+  EXPECT_EQ(translated_.Count(Counter::kSourceMalformed), 1U);
+}
+
+TEST_F(QtmTranslatorTest, ARefusedSkeletonIsNamedAndTheOthersPlay) {
+  qtm::Parameters parameters;
+  parameters.skeletons.emplace();
+  parameters.skeletons->push_back({"bad", false, {{"Hips", 1}, {"Hips", 2, 0}}});
+  parameters.skeletons->push_back(rigs::DescribeQtmSkeleton("good", 200, true, false));
+  const std::string xml = qtm::WriteParameters(parameters, 25);
+  Connect(Xml(xml));
+  EXPECT_THAT(translated_.notes.at(0),
+              "server 192.0.2.7: skeleton bad: segment Hips: its name, or its ID 2, is another's");
+  Take(FrameAt(0, 1, {body::Pose(), body::Pose()}));
+  ASSERT_EQ(translated_.Frames().size(), 1U);
+  EXPECT_EQ(translated_.Bodies()[0].performer(), "good");
+  EXPECT_EQ(translated_.Count(Counter::kPipelineBodiesRefused), 1U);
+  EXPECT_EQ(translated_.Count(Counter::kPipelineBeforeBody), 1U);
+}
+
+TEST_F(QtmTranslatorTest, AMeasurementThatBeginsIsANewSession) {
+  Connect(Described({"a"}));
+  Take(FrameAt(50'000, 5, {body::Pose()}));
+  Take(FrameAt(60'000, 6, {body::Pose()}));
+  const std::uint64_t first = translated_.items.back().session;
+  EXPECT_EQ(translated_.items.back().sequence, translated_.items[1].sequence + 1);
+  Take(FrameAt(10'000, 1, {body::Pose()}));  // timestamps fall back
+  const std::uint64_t second = translated_.items.back().session;
+  EXPECT_EQ(second, first + 2);
+  Take(Described({"a"}));
+  for (const unsigned event : {1U, 3U, 8U}) {
+    const std::uint64_t before = translated_.items.back().session;
+    Take(EventOf(event));
+    Take(Described({"a"}));
+    Take(FrameAt(90'000, 2, {body::Pose()}));
+    EXPECT_EQ(translated_.items.back().session, before + 2) << event;
+  }
+  for (const unsigned event : {2U, 4U, 9U, 11U, 200U}) {
+    const std::uint64_t before = translated_.items.back().session;
+    Take(EventOf(event));
+    Take(FrameAt(90'000 + event, 3, {body::Pose()}));
+    EXPECT_EQ(translated_.items.back().session, before) << event;
+  }
+  EXPECT_EQ(Fault(), "");
+  Take(EventOf(12));
+  EXPECT_EQ(Fault(), "QTM shuts down");
+}
+
+TEST_F(QtmTranslatorTest, FramesLostAndRepeatedAreTold) {
+  Connect(Described({"a"}));
+  Take(FrameAt(0, 1, {body::Pose()}));
+  const std::uint64_t first = translated_.items.back().sequence;
+  Take(FrameAt(40'000, 5, {body::Pose()}));
+  EXPECT_EQ(translated_.items.back().sequence, first + 4);
+  Take(FrameAt(40'000, 5, {body::Pose()}));
+  EXPECT_EQ(translated_.Count(Counter::kPipelineDuplicate), 1U);
+  EXPECT_EQ(translated_.Frames().size(), 2U);
+}
+
+TEST_F(QtmTranslatorTest, AnUnknownSkeletonMakesItReadThemAnew) {
+  Connect(Described({"a"}));
+  translated_.now_ns += 2 * kSecond_ns;
+  Take(FrameAt(0, 1, {body::Pose(), body::Pose()}));
+  EXPECT_EQ(translated_.Count(Counter::kPipelineBeforeBody), 1U);
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns) << "asked";
+  Take(Described({"a", "b"}));
+  translated_.items.clear();
+  Take(FrameAt(10'000, 2, {body::Pose(), body::Pose()}));
+  EXPECT_EQ(translated_.Frames().size(), 2U);
+}
+
+TEST_F(QtmTranslatorTest, TimecodeIsCarried) {
+  Connect(Described({"a"}));
+  Take(FrameAt(0, 1, {body::Pose()}, true));
+  const auto frame = translated_.Frames().back();
+  EXPECT_EQ(frame.timecode().hours(), 10U);
+  EXPECT_EQ(frame.timecode().minutes(), 20U);
+  EXPECT_EQ(frame.timecode().seconds(), 30U);
+  EXPECT_EQ(frame.timecode().frames(), 12U);
+}
+
+TEST_F(QtmTranslatorTest, DamageIsCountedAndDisturbsNothing) {
+  Connect(Described({"a"}));
+  for (const DecodeCase& c : DecodeCases()) {
+    if (c.expected != qtm::DecodeResult::kOk) Take(c.packet);
+  }
+  EXPECT_EQ(translated_.Count(Counter::kSourceMalformed), 9U);
+  EXPECT_THAT(translated_.items, IsEmpty());
+  Take(Pack(5, Any{20}));
+  Take(Xml("<Q/>"));
+  EXPECT_EQ(Fault(), "");
+  Take(FrameAt(0, 1, {body::Pose()}));
+  EXPECT_EQ(translated_.Frames().size(), 1U);
+}
+
+TEST_F(QtmTranslatorTest, DoesNotAllocateForFrames) {
+  Connect(Described({"a", "b"}));
+  for (std::uint32_t i = 1; i < 10; ++i) {
+    Take(FrameAt(10'000 * i, i, {body::Pose(), body::Pose()}, true));
+  }
+  const Bytes next = FrameAt(200'000, 20, {body::Pose(), body::Pose()}, true);
+  EXPECT_EQ(support::Allocations(translated_.translator(), next, translated_.now_ns), 0);
+}
+
+}  // namespace
+}  // namespace styled::source
