@@ -29,7 +29,8 @@ while IFS= read -r line; do
     "@OPTIONS "*)
       words=${line#@OPTIONS }
       { options options "$program"; echo "@"; echo; options options "$program" ${words%@}; } |
-        awk 'BEGIN { RS = "" } $0 == "@" { more = 1; next } !more { said[$0]; next } !($0 in said) { print $0 "\n" }'
+        awk 'BEGIN { RS = "" } $0 == "@" { more = 1; group = ""; next } /^\*[A-Z][a-z]+\*$/ { group = $0 "\n\n"; next }
+             !more { said[$0]; next } !($0 in said) { print group $0 "\n"; group = "" }'
       ;;
     "@FILE "*)
       file=${line#@FILE }

@@ -1,5 +1,5 @@
 # Converts a program's --help (CLI11's format) to scdoc: its options, positionals and commands, each
-# name with its text below. Variable `want`: "options", "more" (the same without --help), or
+# name with its text below; groups of options with their names. Variable `want`: "options", "more" (the same without --help), or
 # "commands" (only their names).
 function escape(text) {
   gsub(/\\/, "\\\\", text)
@@ -39,7 +39,9 @@ END {
     if (line ~ /^[A-Z][a-z]*:$/) {
       flush()
       section = line
-      known = line ~ /^(Options|Positionals|Subcommands):$/
+      group = line ~ /^(Start|Data|Network|Losses|Schedule|Machine|Output):$/
+      known = group || line ~ /^(Options|Positionals|Subcommands):$/
+      if (group && want != "commands") print "*" substr(line, 1, length(line) - 1) "*\n"
     } else if (line !~ /^  /) {
       flush()
       if (line != "") known = 0

@@ -28,7 +28,7 @@ _styled_help() {
 
 # All options and commands of a help text.
 _styled_options() {
-  awk '/^(Options|Subcommands):/{on=1; next} /^[^ ]/{on=0}
+  awk '/^(Options|Subcommands|Start|Data|Network|Losses|Schedule|Machine|Output):/{on=1; next} /^[^ ]/{on=0}
        on && /^  [^ ]/{sub(/\{false\}/, "", $1); gsub(/\{false\},?/, ",", $1)
                        n = split($1, names, ","); for (i = 1; i <= n; ++i) if (names[i] != "") print names[i]}'
 }

@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestPattern = 1000;
+constexpr int kMostMistakes = 20;  // [[clips]] that are reported at once
 
 // A label in file names and the name that it stands for.
 struct Label {
@@ -31,7 +32,7 @@ struct Values {
 // One [[clips]] table.
 struct Rule {
   std::string pattern, style, content, rig = "auto", split = "train";
-  double judge_share = 0;
+  double judge_share = 0, validation_share = 0;
   double from = 0, to = 1, repeat_s = 0, skip_s = 0;
   bool floor_at_feet = false, still = true;
   std::vector<std::string> except;  // patterns of files to leave out
@@ -122,9 +123,9 @@ class Loader {
       return Status::Error(file_.string() + ":" + std::to_string(error.source().begin.line) +
                            ": found " + std::string(error.description()) + ", expected TOML");
     }
-    if (!Head(root) || !Styles(root) || !Contents(root) || !Still(root) || !Clips(root)) {
-      return Status::Error(error_);
-    }
+    // Each part names its first mistake. [still] and [[clips]] refer to the parts before them.
+    const bool head = Head(root), styles = Styles(root), contents = Contents(root);
+    if (!(head && styles && contents && Still(root)) || !Clips(root)) return Status::Error(error_);
     std::sort(manifest_.entries.begin(), manifest_.entries.end(),
               [](const ManifestEntry& a, const ManifestEntry& b) {
                 return std::tie(a.file, a.from) < std::tie(b.file, b.from);
@@ -143,8 +144,9 @@ class Loader {
  private:
   bool Fail(const toml::node& at, const std::string& key, const std::string& found,
             const std::string& expected) {
-    error_ = file_.string() + ":" + std::to_string(at.source().begin.line) + ": " + key +
-             ": found " + found + ", expected " + expected;
+    error_ += (error_.empty() ? "" : "\n") + file_.string() + ":" +
+              std::to_string(at.source().begin.line) + ": " + key + ": found " + found +
+              ", expected " + expected;
     return false;
   }
   bool OnlyKeys(const toml::table& table, std::initializer_list<std::string_view> known) {
@@ -314,16 +316,19 @@ class Loader {
   bool Clips(const toml::table& root) {
     const toml::array* clips = Tables(root, "clips");
     if (clips == nullptr) return false;
+    int wrong = 0;
     for (const toml::node& node : *clips) {
       Rule rule;
-      if (!ReadRule(*node.as_table(), rule) || !Collect(node, rule)) return false;
+      if (ReadRule(*node.as_table(), rule) && Collect(node, rule)) continue;
+      if (++wrong == kMostMistakes) break;
     }
-    return true;
+    return wrong == 0;
   }
 
   bool ReadRule(const toml::table& table, Rule& rule) {
-    if (!OnlyKeys(table, {"pattern", "style", "content", "rig", "split", "judge_share", "time",
-                          "repeat_s", "skip_s", "floor", "still", "except"}) ||
+    if (!OnlyKeys(table,
+                  {"pattern", "style", "content", "rig", "split", "judge_share", "validation_share",
+                   "time", "repeat_s", "skip_s", "floor", "still", "except"}) ||
         !String(table, "pattern", true, rule.pattern) ||
         !String(table, "style", false, rule.style) ||
         !String(table, "content", false, rule.content) || !String(table, "rig", false, rule.rig) ||
@@ -362,18 +367,31 @@ class Loader {
     if (rule.split != "train" && rule.split != "judge" && rule.split != "validation") {
       return Fail(table, "split", "\"" + rule.split + "\"", "train, judge or validation");
     }
-    if (const toml::node* node = table.get("judge_share")) {
-      const auto share = node->value<double>();
-      if (!share || !(*share >= 0 && *share < 1)) {
-        return Fail(*node, "judge_share", share ? std::to_string(*share) : "something else",
-                    "a number from 0 to below 1");
-      }
-      if (rule.split != "train") {
-        return Fail(*node, "judge_share", "it with split \"" + rule.split + "\"",
-                    "it with split \"train\" only");
-      }
-      rule.judge_share = *share;
+    if (!Share(table, "judge_share", rule.split, rule.judge_share) ||
+        !Share(table, "validation_share", rule.split, rule.validation_share)) {
+      return false;
     }
+    return rule.judge_share + rule.validation_share < 1 ||
+           Fail(table, "judge_share", "it and validation_share with a sum of 1 or more",
+                "a part that is left for training");
+  }
+
+  // The share of a rule's clips that goes to another split. Leaves `out` unchanged if the key is
+  // missing.
+  bool Share(const toml::table& table, std::string_view key, const std::string& split,
+             double& out) {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return true;
+    const auto share = node->value<double>();
+    if (!share || !(*share >= 0 && *share < 1)) {
+      return Fail(*node, std::string(key), share ? std::to_string(*share) : "something else",
+                  "a number from 0 to below 1");
+    }
+    if (split != "train") {
+      return Fail(*node, std::string(key), "it with split \"" + split + "\"",
+                  "it with split \"train\" only");
+    }
+    out = *share;
     return true;
   }
 
@@ -441,14 +459,14 @@ class Loader {
       return Fail(at, "pattern", "no file for \"" + rule.pattern + "\" in " + data_.string(),
                   "at least one");
     }
-    SetAside(first, rule.judge_share);
+    SetAside(first, rule);
     return true;
   }
 
-  // Assigns the last takes of every (style, content) cell to the judge; at least one clip stays in
-  // each.
-  void SetAside(std::size_t first, double share) {
-    if (share <= 0) return;
+  // Assigns the last takes of every (style, content) cell to the validation, those before them to
+  // the judge; at least one clip stays in each.
+  void SetAside(std::size_t first, const Rule& rule) {
+    if (rule.judge_share <= 0 && rule.validation_share <= 0) return;
     std::map<std::tuple<std::string, std::string>, std::vector<ManifestEntry*>> cells;
     for (std::size_t i = first; i < manifest_.entries.size(); ++i) {
       ManifestEntry& entry = manifest_.entries[i];
@@ -459,10 +477,13 @@ class Loader {
         return std::tie(a->take, a->file) < std::tie(b->take, b->file);
       });
       const auto count = static_cast<double>(entries.size());
-      const auto aside =
-          std::min(static_cast<std::size_t>(std::lround(share * count)), entries.size() - 1);
-      for (std::size_t i = entries.size() - aside; i < entries.size(); ++i) {
-        entries[i]->split = "judge";
+      std::size_t left = entries.size();
+      for (const auto& [split, share] :
+           {std::pair{"validation", rule.validation_share}, {"judge", rule.judge_share}}) {
+        const auto wanted = static_cast<std::size_t>(std::lround(share * count));
+        for (const std::size_t end = left - std::min(wanted, left - 1); left > end; --left) {
+          entries[left - 1]->split = split;
+        }
       }
     }
   }

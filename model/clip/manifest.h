@@ -44,10 +44,10 @@ struct ManifestEntry {
 //   content = "stand"
 //   speed_mps = 0.15
 // Paths are relative to the data folder given at load time. {content} and {style} match any of
-// their labels, the longest first; {take} matches digits; * anything but "/". Files that match no
-// label are left out. Errors: two patterns that select overlapping parts of one file, an unknown
-// key. judge_share is rounded per cell, and at least one clip of each cell is kept. Pinned by
-// tests/unit/clip/manifest_test.cpp.
+// their labels, the longest first; {take} digits; * anything but "/". Files without a label are
+// left out. validation_share, beside judge_share: the takes that go to "validation", the very last;
+// both are rounded per cell, and one clip of it stays. Errors: an unknown key, patterns that select
+// overlapping parts of a file. Pinned by tests/unit/clip/manifest_test.cpp.
 struct ManifestStyle {
   std::string name;
   std::vector<std::string> labels, aliases;
@@ -63,9 +63,9 @@ struct Manifest {
   double still_speed_mps = 0;
 };
 
-// Loads a manifest and finds its files. Errors name the file, the key, what was found and what was
-// expected. A pattern that matches no file is an error that names the pattern and the folder.
-// Blocks; allocates; any thread.
+// Loads a manifest and finds its files. Errors, a line each, name file, line, key, what was found
+// and what was expected: the first of each part and of each [[clips]]. A pattern without files is
+// one, too. Blocks; allocates; any thread.
 Result<Manifest> LoadManifest(const std::filesystem::path& file,
                               const std::filesystem::path& data_folder);
 

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <iterator>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,15 +15,20 @@
 #include "model/tools/number.h"
 #include "model/tools/train_family.h"
 #include "model/train/blas.h"
+#include "model/train/check.h"
 #include "model/train/erd/recipe.h"
 #include "model/train/judge/judge_speeds.h"
 #include "model/train/judge/judge_validation.h"
+#include "model/train/measure.h"
 #include "model/train/stgcn/recipe.h"
 #include "model/train/stgcn_causal/recipe.h"
+#include "model/train/stop.h"
 #include "model/train/trainer.h"
 
 namespace styled::train {
 namespace {
+
+constexpr int kStopped = 3;  // exit status: a signal ended the session, and the run can be resumed
 
 // The first is the default.
 constexpr Family kFamilies[] = {
@@ -69,37 +75,50 @@ struct Flags {
   std::vector<std::string> export_paths;
   std::string speeds;  // weights that get the speeds of the manifest's styles; nothing is trained
   std::string judges;  // folder of cached judges; empty: the run is not judged
+  bool check = false;  // nothing is trained
 };
 
 void AddRunFlags(CLI::App& app, Flags& flags) {
   RunConfig& run = flags.run;
-  app.add_option("--manifest", run.manifest, "Dataset manifest")->capture_default_str();
-  app.add_option("--data", run.data, "Folder of the unpacked data (default $STYLED_DATA)")
+  app.option_defaults()->group("Data");
+  app.add_option("--manifest", run.manifest, "Dataset manifest (TOML): styles, contents, clips")
       ->capture_default_str();
-  app.add_option("--out", run.out, "Folder of the run");
+  app.add_option("--data", run.data,
+                 "Folder of the unpacked data, which the manifest's paths start from (default "
+                 "$STYLED_DATA)")
+      ->capture_default_str();
+  app.option_defaults()->group("Schedule");
   app.add_option("--minutes", run.minutes, "Length of the run in wall time, all resumes");
   app.add_option("--iterations", run.iterations, "Length of the run in iterations");
   app.add_option("--stop-at", run.stop_at, "End this session at an iteration; resume later");
   app.add_option("--seed", run.seed, "Of every random number of the run")
       ->check(Whole(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
-  app.add_flag("--resume", run.resume, "Continue the run in --out; give the same flags");
-  app.add_option("--device", run.device)
+  app.option_defaults()->group("Machine");
+  app.add_option("--device", run.device, "Where it computes; auto: a CUDA device if there is one")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
-  app.add_option("--threads", run.threads)->capture_default_str();
-  app.add_option("--checkpoint-minutes", run.checkpoint_minutes)->capture_default_str();
-  app.add_option("--log-every", run.log_every)->capture_default_str();
-  app.add_option("--monitor-every", run.monitor_every)->capture_default_str();
+  app.add_option("--threads", run.threads, "CPU threads of libtorch")->capture_default_str();
+  app.option_defaults()->group("Output");
+  app.add_option("--out", run.out, "Folder of the run; made where there is none");
+  app.add_flag("--resume", run.resume, "Continue the run in --out; give the same flags");
+  app.add_option("--checkpoint-minutes", run.checkpoint_minutes,
+                 "Between two checkpoints: what a crash may cost. Ctrl-C and SIGTERM cost nothing")
+      ->capture_default_str();
+  app.add_option("--log-every", run.log_every, "Iterations between two rows of log.csv")
+      ->capture_default_str();
+  app.add_option("--monitor-every", run.monitor_every, "Iterations between two rows of monitor.csv")
+      ->capture_default_str();
 }
 
 void AddValidationFlags(CLI::App& app, Flags& flags) {
   RunConfig& run = flags.run;
+  app.option_defaults()->group("Output");
   auto* validation = app.add_option(
       "--validate", flags.judges,
       "Judge the run while it learns (validation.csv, curve.svg, best.safetensors); the judges are "
       "kept in this folder");
-  app.add_option("--validate-minutes", run.validate_minutes, "Between two validations")
+  app.add_option("--validate-minutes", run.validate_minutes, "Minutes between two validations")
       ->capture_default_str();
   app.add_option("--patience", run.patience,
                  "End after so many validations without a better score; 0: never")
@@ -122,13 +141,41 @@ void AddFlags(CLI::App& app, Flags& flags) {
                      "FILE: measure how fast each style of --manifest walks and runs, and how many "
                      "steps a minute it takes, write it into these weights for `root = "
                      "\"stride\"` and `stylize --cadence`, and end");
+  app.add_flag("--check", flags.check,
+               "Only check: say what is wrong with flags, manifest and clips, what the run will "
+               "take (clips, windows, iterations a minute, memory), and end; writes nothing")
+      ->excludes("--export")
+      ->excludes(speeds);
   AddRunFlags(app, flags);
   // The default manifest would replace the speeds of styles that it shares with the right one.
   speeds->needs("--manifest")->excludes("--out")->excludes("--export");
   AddValidationFlags(app, flags);
 }
 
-Status Run(const Flags& flags, const FamilyFlags& family) {
+// Says what the run has and what is wrong with it.
+Status CheckAndSay(const RunConfig& run, const Needs& needs) {
+  const Plan plan = CheckBeforeTraining(run, needs);
+  std::cout << PlanText(plan, needs) << std::flush;
+  for (const std::string& sentence : plan.doubtful) std::cerr << "note: " << sentence << '\n';
+  if (plan.wrong.empty()) return Status::Ok();
+  std::string all;
+  for (const std::string& sentence : plan.wrong) all += (all.empty() ? "" : "\n") + sentence;
+  return Status::Error(all);
+}
+
+// --check: no folder is made, nothing is kept.
+Status CheckOnly(RunConfig run, bool validated, FamilyFlags& family) {
+  std::error_code error;
+  run.out = std::filesystem::absolute(run.out, error).lexically_normal();
+  while (!std::filesystem::exists(run.out, error) && run.out.has_relative_path()) {
+    run.out = run.out.parent_path();
+  }
+  family.ShortenStart();
+  const auto recipe = family.MakeRecipe(run);
+  return recipe.ok() ? MeasureOnly(run, validated, *recipe.value()) : recipe.status();
+}
+
+Status Run(const Flags& flags, FamilyFlags& family) {
   if (!flags.speeds.empty()) {
     return judge::MeasureAndWriteSpeeds(flags.run.manifest, flags.run.data, flags.speeds);
   }
@@ -138,6 +185,11 @@ Status Run(const Flags& flags, const FamilyFlags& family) {
       return row == nullptr ? nullptr : row->export_weights;
     });
   }
+  Needs needs = family.WhatIsNeeded();
+  needs.judges = flags.judges;
+  const Status checked = CheckAndSay(flags.run, needs);
+  if (!checked.ok()) return checked;
+  if (flags.check) return CheckOnly(flags.run, !flags.judges.empty(), family);
   const auto train = [&](const Validate& validate) {
     const auto recipe = family.MakeRecipe(flags.run);
     return recipe.ok() ? Train(flags.run, *recipe.value(), validate) : recipe.status();
@@ -177,8 +229,11 @@ int Main(int argc, char** argv) {
     return refuse("--data is needed, the folder of the unpacked data, or STYLED_DATA");
   }
   const Status status = Run(flags, *family_flags);
-  if (status.ok()) return 0;
-  std::cerr << "styletrain: " << status.message() << '\n';
+  if (status.ok()) return StopSignal() == 0 ? 0 : kStopped;
+  std::istringstream sentences(status.message());
+  for (std::string sentence; std::getline(sentences, sentence);) {
+    std::cerr << "styletrain: " << sentence << '\n';
+  }
   return 1;
 }
 

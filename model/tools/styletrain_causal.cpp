@@ -7,11 +7,17 @@ namespace {
 
 using st_gcn_causal::Config;
 
-void AddFlags(CLI::App& app, Config& config) {
+// The teacher, windows and what they are taught.
+void AddDataFlags(CLI::App& app, Config& config) {
+  app.option_defaults()->group("Start");
   app.add_option("--init", config.init, "Weights of family st-gcn to learn from");
-  app.add_option("--hop", config.hop, "Frames between the starts of windows")
+  app.add_option("--start-windows", config.start_windows,
+                 "Windows that the start of the statistics is measured on; 0: mean 0, square 1")
       ->capture_default_str();
-  app.add_option("--mirror", config.mirror, "Half of the windows are mirror images")
+  app.option_defaults()->group("Data");
+  app.add_option("--hop", config.hop, "Frames between the starts of two windows of a clip")
+      ->capture_default_str();
+  app.add_option("--mirror", config.mirror, "1: half of the windows are mirror images")
       ->capture_default_str();
   app.add_option("--neutral", config.neutral,
                  "Share of the sources that is neutral, beyond those by chance")
@@ -32,18 +38,29 @@ void AddFlags(CLI::App& app, Config& config) {
       ->capture_default_str();
   app.add_option("--gain", config.gain, "How many times as large as the teacher's that change is")
       ->capture_default_str();
-  app.add_option("--precision", config.precision)
+  app.option_defaults()->group("Network");
+  app.add_option("--precision", config.precision, "Of activations; auto: bf16 where it is fast")
       ->check(CLI::IsMember({"auto", "fp32", "bf16"}))
       ->capture_default_str();
-  app.add_option("--batch", config.batch)->capture_default_str();
-  app.add_option("--start-windows", config.start_windows,
-                 "Windows that the start of the statistics is measured on; 0: mean 0, square 1")
+}
+
+void AddLearningFlags(CLI::App& app, Config& config) {
+  app.option_defaults()->group("Schedule");
+  app.add_option("--batch", config.batch, "Windows in a batch")->capture_default_str();
+  app.add_option("--generator-rate", config.generator_rate, "Learning rate at the start (Adam)")
       ->capture_default_str();
-  app.add_option("--generator-rate", config.generator_rate)->capture_default_str();
-  app.add_option("--beta1", config.beta1)->capture_default_str();
-  app.add_option("--beta2", config.beta2)->capture_default_str();
-  app.add_option("--decay-to", config.decay_to)->capture_default_str();
-  app.add_option("--ema", config.ema)->capture_default_str();
+  app.add_option("--beta1", config.beta1, "Adam's decay of the mean gradient, per iteration")
+      ->capture_default_str();
+  app.add_option("--beta2", config.beta2, "Adam's decay of the squared gradient, per iteration")
+      ->capture_default_str();
+  app.add_option("--decay-to", config.decay_to,
+                 "Share of the learning rate that is left at the end; it falls quadratically")
+      ->capture_default_str();
+  app.add_option("--ema", config.ema,
+                 "Share of the running mean of the weights, which is exported, that an iteration "
+                 "keeps; 0: the weights of the moment")
+      ->capture_default_str();
+  app.option_defaults()->group("Losses");
   app.add_option("--w-velocity", config.w_velocity,
                  "Of differences from frame to frame, beside 1 of the features")
       ->capture_default_str();
@@ -57,7 +74,10 @@ void AddFlags(CLI::App& app, Config& config) {
 
 class StGcnCausalFlags : public FamilyFlags {
  public:
-  explicit StGcnCausalFlags(CLI::App& app) { AddFlags(app, config_); }
+  explicit StGcnCausalFlags(CLI::App& app) {
+    AddDataFlags(app, config_);
+    AddLearningFlags(app, config_);
+  }
 
   Status Resolve(const CLI::App& app) override {
     // Neither an export nor a measurement of speeds learns from anything.
@@ -68,6 +88,14 @@ class StGcnCausalFlags : public FamilyFlags {
   Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const override {
     return st_gcn_causal::MakeRecipe(run, config_);
   }
+
+  Needs WhatIsNeeded() const override {
+    Needs needs = NeedsOfGraphs();
+    if (!config_.init.empty()) needs.files.emplace_back("--init", config_.init);
+    return needs;
+  }
+
+  void ShortenStart() override { config_.start_windows = std::min(config_.start_windows, 32); }
 
  private:
   Config config_;

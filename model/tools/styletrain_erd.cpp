@@ -1,7 +1,9 @@
 // The flags of styletrain for Style-ERD.
+#include <algorithm>
 #include <utility>
 
 #include "model/tools/train_family.h"
+#include "model/train/erd/lessons.h"
 #include "model/train/erd/recipe.h"
 
 namespace styled::train {
@@ -11,9 +13,8 @@ using style_erd::Config;
 
 // The start of a run, and its teachers.
 void AddStartFlags(CLI::App& app, Config& config) {
+  app.option_defaults()->group("Start");
   app.add_option("--init", config.init, "Weights to start from; styles are matched by name");
-  app.add_option("--wide", config.wide, "1: a network of twice the paper's widths")
-      ->capture_default_str();
   app.add_option("--teacher", config.teachers,
                  "Weights whose changes of style are imitated, as FILE or "
                  "FILE:STYLE[/CONTENT][*GAIN],...; repeatable, later ones win");
@@ -30,26 +31,35 @@ void AddStartFlags(CLI::App& app, Config& config) {
   app.add_option("--idle-as", config.idle_as,
                  "Content whose mean change of style is the target there")
       ->capture_default_str();
-  app.add_option("--critic-first", config.critic_first,
-                 "Iterations in which only the critic learns (with --init)")
-      ->capture_default_str();
 }
 
 // Windows and their perturbations.
 void AddDataFlags(CLI::App& app, Config& config) {
-  app.add_option("--rate", config.rate_hz, "The network's rate, Hz")->capture_default_str();
-  app.add_option("--heading-tau", config.heading_tau_s, "Heading filter, s")->capture_default_str();
-  app.add_option("--window", config.window, "Frames that are judged")->capture_default_str();
-  app.add_option("--per-style", config.per_style, "Windows per style in a batch")
+  app.option_defaults()->group("Data");
+  app.add_option("--rate", config.rate_hz, "The network's rate, Hz; clips are resampled to it")
       ->capture_default_str();
-  app.add_option("--carry", config.carry, "Share of windows that start with carried states")
+  app.add_option("--heading-tau", config.heading_tau_s, "Time constant of the heading filter, s")
       ->capture_default_str();
-  app.add_option("--session-start", config.session_start)->capture_default_str();
+  app.add_option("--window", config.window, "Length of a window, frames; at least 4")
+      ->capture_default_str();
+  app.add_option("--per-style", config.per_style,
+                 "Windows in a batch: so many of each style, and so many neutral ones for it")
+      ->capture_default_str();
+  app.add_option("--carry", config.carry,
+                 "Share of windows that start from the states at the end of the one before")
+      ->capture_default_str();
+  app.add_option("--session-start", config.session_start,
+                 "Share of the others that begin as a new session, without a past")
+      ->capture_default_str();
   app.add_option("--unpaired", config.unpaired,
                  "Share of neutral windows of any content, recorded in their target style or not")
       ->capture_default_str();
-  app.add_option("--offset", config.offset)->capture_default_str();
-  app.add_option("--noise", config.noise)->capture_default_str();
+  app.add_option("--offset", config.offset,
+                 "Constant disturbance of a window's features, in deviations of each")
+      ->capture_default_str();
+  app.add_option("--noise", config.noise,
+                 "Disturbance of each frame's features, in deviations of each")
+      ->capture_default_str();
   app.add_option("--miscalibrated", config.miscalibrated,
                  "Share of windows with wrong rest poses and a wrong floor")
       ->capture_default_str();
@@ -57,46 +67,89 @@ void AddDataFlags(CLI::App& app, Config& config) {
 
 // Learning rates and schedules.
 void AddOptimizerFlags(CLI::App& app, Config& config) {
-  app.add_option("--generator-rate", config.generator_rate)->capture_default_str();
-  app.add_option("--critic-rate", config.critic_rate)->capture_default_str();
-  app.add_option("--beta1", config.beta1)->capture_default_str();
-  app.add_option("--beta2", config.beta2)->capture_default_str();
-  app.add_option("--decay-from", config.decay_from)->capture_default_str();
-  app.add_option("--decay-to", config.decay_to)->capture_default_str();
-  app.add_option("--ema", config.ema)->capture_default_str();
+  app.option_defaults()->group("Schedule");
+  app.add_option("--generator-rate", config.generator_rate,
+                 "Learning rate of the generator at the start (Adam)")
+      ->capture_default_str();
+  app.add_option("--critic-rate", config.critic_rate, "The same of the critics")
+      ->capture_default_str();
+  app.add_option("--beta1", config.beta1, "Adam's decay of the mean gradient, per iteration")
+      ->capture_default_str();
+  app.add_option("--beta2", config.beta2, "Adam's decay of the squared gradient, per iteration")
+      ->capture_default_str();
+  app.add_option("--decay-from", config.decay_from,
+                 "Share of the run from which the learning rates fall")
+      ->capture_default_str();
+  app.add_option("--decay-to", config.decay_to, "Share of them that is left at the end")
+      ->capture_default_str();
+  app.add_option("--ema", config.ema,
+                 "Share of the running mean of the weights, which is exported, that an iteration "
+                 "keeps")
+      ->capture_default_str();
   app.add_option("--penalty-every", config.penalty_every,
                  "Gradient penalty every so many iterations, as much stronger")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--classifier-iterations", config.classifier_iterations)->capture_default_str();
+  app.add_option("--critic-first", config.critic_first,
+                 "Iterations in which only the critic learns (with --init)")
+      ->capture_default_str();
+  app.add_option("--classifier-iterations", config.classifier_iterations,
+                 "Iterations of the classifier of contents, before the first of the run")
+      ->capture_default_str();
 }
 
 // Weights of the losses.
 void AddLossFlags(CLI::App& app, Config& config) {
-  app.add_option("--w-rotation", config.w_rotation)->capture_default_str();
-  app.add_option("--w-position", config.w_position)->capture_default_str();
-  app.add_option("--w-velocity", config.w_velocity)->capture_default_str();
-  app.add_option("--w-height", config.w_height)->capture_default_str();
-  app.add_option("--w-adversarial", config.w_adversarial)->capture_default_str();
-  app.add_option("--w-movement", config.w_movement, "A critic of the movement alone")
+  app.option_defaults()->group("Losses");
+  app.add_option("--w-rotation", config.w_rotation,
+                 "Weight of the reconstruction's rotations: eq. 2, summed over joints and frames")
       ->capture_default_str();
-  app.add_option("--w-legs", config.w_legs, "A critic of the legs alone")->capture_default_str();
-  app.add_option("--w-perceptual", config.w_perceptual)->capture_default_str();
-  app.add_option("--w-penalty", config.w_penalty)->capture_default_str();
-  app.add_option("--w-moments", config.w_moments)->capture_default_str();
-  app.add_option("--w-teacher", config.w_teacher)->capture_default_str();
+  app.add_option("--w-position", config.w_position,
+                 "Of the positions that follow: mean squared distance, m2 (eq. 3)")
+      ->capture_default_str();
+  app.add_option("--w-velocity", config.w_velocity,
+                 "Of the head of velocities: mean square, standardized")
+      ->capture_default_str();
+  app.add_option("--w-height", config.w_height,
+                 "Of the head of the hips' height: mean square, standardized")
+      ->capture_default_str();
+  app.add_option("--w-adversarial", config.w_adversarial,
+                 "Of the critic of style and content; 0: no critic")
+      ->capture_default_str();
+  app.add_option("--w-movement", config.w_movement, "Of a critic of the movement alone")
+      ->capture_default_str();
+  app.add_option("--w-legs", config.w_legs, "Of a critic of the legs alone")->capture_default_str();
+  app.add_option("--w-perceptual", config.w_perceptual,
+                 "Of the classifier's features, which keep the content")
+      ->capture_default_str();
+  app.add_option("--w-penalty", config.w_penalty, "Of the critic's gradient penalty (eq. 6)")
+      ->capture_default_str();
+  app.add_option("--w-moments", config.w_moments,
+                 "Of the distance of each style's mean effect from that in the clips, m2")
+      ->capture_default_str();
+  app.add_option("--w-teacher", config.w_teacher,
+                 "Of the rotations of what a teacher does, as in eq. 2")
+      ->capture_default_str();
   app.add_option("--w-teacher-position", config.w_teacher_position,
-                 "Of the positions that follow from what a teacher does")
+                 "Of the positions that follow from it, m2")
       ->capture_default_str();
-  app.add_option("--w-teacher-velocity", config.w_teacher_velocity, "Of their velocities")
+  app.add_option("--w-teacher-velocity", config.w_teacher_velocity, "Of their velocities, (m/s)2")
       ->capture_default_str();
-  app.add_option("--w-smooth", config.w_smooth)->capture_default_str();
-  app.add_option("--smooth-from", config.smooth_from)->capture_default_str();
-  app.add_option("--smooth-full", config.smooth_full)->capture_default_str();
+  app.add_option("--w-smooth", config.w_smooth,
+                 "Of the second difference of the change of style: less jerk, less expression")
+      ->capture_default_str();
+  app.add_option("--smooth-from", config.smooth_from,
+                 "Share of the run from which --w-smooth is raised from 0")
+      ->capture_default_str();
+  app.add_option("--smooth-full", config.smooth_full, "Share of the run from which it is full")
+      ->capture_default_str();
 }
 
-// Parts of the paper that an ablation leaves out.
-void AddAblationFlags(CLI::App& app, Config& config) {
+// The shape of the network, and parts of the paper that an ablation leaves out.
+void AddNetworkFlags(CLI::App& app, Config& config) {
+  app.option_defaults()->group("Network");
+  app.add_option("--wide", config.wide, "1: a network of twice the paper's widths")
+      ->capture_default_str();
   app.add_option("--attention", config.attention, "0: a plain multi-class discriminator (ablation)")
       ->capture_default_str();
   app.add_option("--learned-states", config.learned_states,
@@ -105,11 +158,13 @@ void AddAblationFlags(CLI::App& app, Config& config) {
   app.add_option("--judge-published", config.judge_published,
                  "1: judges see the detail-preserving output, 0: the absolute one")
       ->capture_default_str();
-  app.add_option("--judge-root", config.judge_root, "Judged velocities include the hips' path")
+  app.add_option("--judge-root", config.judge_root,
+                 "1: judged velocities include the hips' path, 0: not")
       ->capture_default_str();
 }
 
 CLI::App* AddAddStyle(CLI::App& app, Config& config) {
+  app.option_defaults()->group("Options");
   CLI::App* add =
       app.add_subcommand("add-style", "Teach trained weights more styles")->fallthrough();
   add->footer(
@@ -135,7 +190,7 @@ class StyleErdFlags : public FamilyFlags {
     AddDataFlags(app, config_);
     AddOptimizerFlags(app, config_);
     AddLossFlags(app, config_);
-    AddAblationFlags(app, config_);
+    AddNetworkFlags(app, config_);
     add_style_ = AddAddStyle(app, config_);
   }
 
@@ -164,6 +219,24 @@ class StyleErdFlags : public FamilyFlags {
 
   Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const override {
     return style_erd::MakeRecipe(run, config_);
+  }
+
+  Needs WhatIsNeeded() const override {
+    Needs needs;
+    needs.rate_hz = config_.rate_hz;
+    needs.train_frames = needs.window_frames = config_.window + 1;
+    // Only a critic compares windows of a content.
+    needs.paired = config_.w_adversarial > 0;
+    if (!config_.init.empty()) needs.files.emplace_back("--init", config_.init);
+    for (const std::string& text : config_.teachers) {
+      const auto teacher = style_erd::ParseTeacher(text);
+      if (teacher.ok()) needs.files.emplace_back("--teacher", teacher.value().weights);
+    }
+    return needs;
+  }
+
+  void ShortenStart() override {
+    config_.classifier_iterations = std::min(config_.classifier_iterations, 20);
   }
 
  private:

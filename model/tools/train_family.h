@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "model/base/status.h"
+#include "model/train/check.h"
 #include "model/train/recipe.h"
 #include "model/train/trainer.h"
 
@@ -21,7 +22,15 @@ class FamilyFlags {
   // checks which flags exclude each other. Errors name the flag.
   virtual Status Resolve(const CLI::App& app) = 0;
   virtual Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const = 0;
+  // What the flags ask of clips and files; `judges` is left for the caller to set.
+  virtual Needs WhatIsNeeded() const = 0;
+  // For a run of which nothing is kept: a shorter start before the first iteration.
+  virtual void ShortenStart() {}
 };
+
+// What windows of st-gcn and st-gcn-causal ask of clips: 64 frames at 30 Hz, half of which may be
+// repeated. styletrain_stgcn.cpp
+Needs NeedsOfGraphs();
 
 struct Family {
   std::string_view name;  // of --family, of checkpoints and of weights files

@@ -12,6 +12,8 @@
 #include "model/train/checkpoint.h"
 #include "model/train/curve.h"
 #include "model/train/dataset.h"
+#include "model/train/measure.h"
+#include "model/train/stop.h"
 
 namespace styled::train {
 namespace {
@@ -60,6 +62,7 @@ class Session {
   Status Restore();
   bool Over(double progress) const;
   Status AfterStep(double progress);  // whatever is due
+  Status SaveAndSay();                // after a signal
   Status Log(double progress);
   void LogMonitor();
   Status Save();
@@ -77,6 +80,7 @@ class Session {
   bool out_of_patience_ = false;
   double elapsed_before_s_ = 0;  // of earlier sessions
   int since_log_ = 0;            // iterations
+  PaceMeter pace_;
   Clock::time_point started_ = Clock::now();
   Clock::time_point last_log_, last_save_, last_validation_;
 };
@@ -195,6 +199,11 @@ Status Session::Begin() {
 
 Status Session::AfterStep(double progress) {
   ++since_log_;
+  if (pace_.AfterIteration(Clock::now())) {
+    std::cout << "measured: "
+              << PaceText(run_, validate_ != nullptr, pace_.per_minute(), PeakMemory_mb())
+              << std::endl;
+  }
   if (recipe_.iteration() % run_.log_every == 0) {
     const Status logged = Log(progress);
     if (!logged.ok()) return logged;
@@ -208,13 +217,24 @@ Status Session::AfterStep(double progress) {
   return validate ? ValidateNow() : Status::Ok();
 }
 
+Status Session::SaveAndSay() {
+  const Status saved = Save();
+  if (!saved.ok()) return saved;
+  std::cout << "stopped by a signal at iteration " << recipe_.iteration() << "; "
+            << (run_.out / "checkpoint.pt").string()
+            << " is written. To go on: the same flags and --resume" << std::endl;
+  return Status::Ok();
+}
+
 Status Session::Run() {
   const Status begun = Begin();
   if (!begun.ok()) return begun;
+  const StopOnSignal stop;  // before, there is nothing to save
   for (double progress = Progress(); !Over(progress); progress = Progress()) {
     recipe_.Step(progress);
     const Status status = AfterStep(progress);
     if (!status.ok()) return status;
+    if (StopSignal() != 0) return SaveAndSay();
     if (out_of_patience_) {
       std::cout << "no better score in " << run_.patience << " validations: the run ends"
                 << std::endl;

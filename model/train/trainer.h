@@ -50,8 +50,8 @@ Result<std::unique_ptr<Recipe>> MakeChecked(
 // weights.safetensors (both replaced atomically, at every checkpoint), log.csv, monitor.csv; with
 // `validate` also validation.csv and its picture curve.svg, and best.safetensors, the weights of
 // the best score so far. Prints progress to stdout. A resumed run continues bit for bit where the
-// checkpoint was made. Errors name the file or the iteration. Blocks for the length of the run; one
-// thread. Pinned by tests/unit/train/trainer_test.cpp and run_test.cpp.
+// checkpoint was made. SIGINT and SIGTERM end a session after its step, saved (stop.h). Errors name
+// file or iteration. Blocks; one thread. Pinned by tests/unit/train/trainer_test.cpp, run_test.cpp.
 Status Train(const RunConfig& run, Recipe& recipe, const Validate& validate = nullptr);
 
 // A family's Recipe::ExportWeights without a run.

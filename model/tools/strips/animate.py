@@ -3,17 +3,22 @@
 
     model/tools/strips/animate.py OUT.svg [--bin build/release/bin] [--styles youthful,elderly,...]
 
-The synthetic performer of stylesim walks; stylize restyles its BVH with the shipped weights; the
-figures are drawn from the side, on a treadmill, as an animated SVG that repeats one gait cycle.
-Needs no package beyond Python's own.
+The synthetic performer of stylesim walks; stylize restyles its BVH with the shipped weights, frame after
+frame as the daemon does; the figures are drawn from the side, on a treadmill, as an animated SVG that
+repeats one gait cycle. The licence of the weights is written into it. Needs no package beyond Python's
+own.
 """
 import argparse
+import html
+import json
 import math
 import os
+import struct
 import subprocess
 import sys
 import tempfile
 
+WEIGHTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'weights', 'v2.safetensors')
 RATE_HZ = 60
 DRAWN_HZ = 20
 SETTLED_S = 4.0            # the style is fully there
@@ -26,12 +31,13 @@ LIMBS = {                  # drawn from back to front
              ['leftUpperArm', 'leftLowerArm', 'leftHand']],
     'trunk': [['hips', 'spine', 'chest', 'neck'], ['leftUpperArm', 'neck', 'rightUpperArm'],
               ['leftUpperLeg', 'hips', 'rightUpperLeg']],
-    'head': [['head', 'crown']],
+    'head': [['chin', 'crown']],
     'right': [['rightUpperLeg', 'rightLowerLeg', 'rightFoot', 'rightToes'],
               ['rightUpperArm', 'rightLowerArm', 'rightHand']],
 }
+HEAD_CM = {'chin': 5, 'crown': 11}  # middles of its round ends, above the joint
 COLORS = {'right': '#cd4632', 'trunk': '#808080', 'left': '#246abe', 'head': '#808080'}
-WIDTHS = {'right': 30, 'trunk': 34, 'left': 30, 'head': 74}
+WIDTHS = {'right': 30, 'trunk': 34, 'left': 30, 'head': 60}
 
 
 class Bvh:
@@ -62,7 +68,7 @@ class Bvh:
         self.frames = [[float(value) for value in line.split()] for line in lines[2:]]
 
     def positions(self, frame):
-        """{joint: (x, y, z)}; crown is 18 cm above the head."""
+        """{joint: (x, y, z)}; and the places of HEAD_CM."""
         values = iter(self.frames[frame])
         rotations, places, named = [], [], {}
         for name, parent, offset, channels in self.joints:
@@ -82,7 +88,8 @@ class Bvh:
             if name:
                 named[name] = step
             if name == 'head':
-                named['crown'] = [a + b for a, b in zip(step, rotate(turn, [0, 18, 0]))]
+                for place, above_cm in HEAD_CM.items():
+                    named[place] = [a + b for a, b in zip(step, rotate(turn, [0, above_cm, 0]))]
         return named
 
 
@@ -148,10 +155,20 @@ def outline(frame, chains, left):
     return ''.join(moves)
 
 
-def svg(figures, seconds):
+def licence_of(weights):
+    """What the weights' metadata says of it."""
+    with open(weights, 'rb') as file:
+        length, = struct.unpack('<Q', file.read(8))
+        metadata = json.loads(file.read(length))['__metadata__']
+    return json.loads(metadata['styled'])['licence']
+
+
+def svg(figures, seconds, licence):
     width = COLUMN * len(figures)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {HEIGHT}" width="{width // 4}" '
            f'height="{HEIGHT // 4}" fill="none" stroke-linecap="round" stroke-linejoin="round">',
+           f'<title>One walk: {html.escape(", ".join(label for label, _ in figures))}</title>',
+           f'<desc>Made with Styled. Licence, that of the weights: {html.escape(licence)}</desc>',
            f'<path d="M0,{FLOOR + 16}H{width}" stroke="#b0b0b0" stroke-width="6"/>']
     for column, (label, frames) in enumerate(figures):
         left = COLUMN * column + COLUMN // 2
@@ -169,6 +186,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n', maxsplit=1)[0])
     parser.add_argument('out')
     parser.add_argument('--bin', default='build/release/bin', help='folder of stylesim and stylize')
+    parser.add_argument('--weights', default=WEIGHTS, help='of stylize; default: v2.safetensors')
     parser.add_argument('--styles', default='youthful,active,elderly,angry', help='comma-separated')
     arguments = parser.parse_args()
 
@@ -186,14 +204,16 @@ def main():
             '--write', walk)
         names = ['input'] + arguments.styles.split(',')
         for name in names[1:]:
-            run('stylize', '--style', name, walk, os.path.join(folder, name + '.bvh'))
+            run('stylize', '--weights', arguments.weights, '--style', name, walk, os.path.join(folder, name + '.bvh'))
         clips = []
         for name in names:
             bvh = Bvh(os.path.join(folder, name + '.bvh'))
             clips.append([bvh.positions(frame) for frame in range(len(bvh.frames))])
     start = round(SETTLED_S * RATE_HZ)
     count = gait_cycle(clips, start)
-    picture = svg([(name, flattened(clip, start, count)) for name, clip in zip(names, clips)], count / RATE_HZ)
+    labels = ['as captured'] + names[1:]
+    picture = svg([(label, flattened(clip, start, count)) for label, clip in zip(labels, clips)], count / RATE_HZ,
+                  licence_of(arguments.weights))
     with open(arguments.out, 'w', encoding='utf-8') as out:
         out.write(picture)
     print(f'{arguments.out}: {len(picture)} bytes, one cycle is {count / RATE_HZ:.2f} s')

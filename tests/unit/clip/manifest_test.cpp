@@ -88,6 +88,10 @@ TEST_F(ManifestTest, NamesFileLineKeyAndWhatIsWrong) {
       {kHead + Rule("judge_share = -0.1\n"), "judge_share: found -0.1"},
       {kHead + Rule("judge_share = \"all\"\n"), "judge_share: found something else"},
       {kHead + Rule("split = \"judge\"\njudge_share = 0.2\n"), "expected it with split \"train\""},
+      {kHead + Rule("validation_share = 1\n"), "validation_share: found 1.0"},
+      {kHead + Rule("split = \"judge\"\nvalidation_share = 0.2\n"),
+       "expected it with split \"train\""},
+      {kHead + Rule("judge_share = 0.5\nvalidation_share = 0.5\n"), "with a sum of 1 or more"},
       {kHead + Rule("") + Rule(""), "under two patterns, expected each part of a clip once"},
       {kHead + Rule("time = [0.0, 0.6]\n") + Rule("time = [0.5, 1.0]\n"), "under two patterns"},
       {kHead + Rule("time = [0.5, 0.5]\n"), "time: found something else, expected [from, to]"},
@@ -233,6 +237,32 @@ TEST_F(ManifestTest, SetsTheLastTakesOfEveryCellAsideForTheJudge) {
   EXPECT_THAT(judged, testing::ElementsAre("walk_normal_10.bvh", "walk_normal_8.bvh",
                                            "walk_normal_9.bvh", "walk_old_4.bvh"))
       << "by number, not by spelling; a cell of one clip keeps it";
+}
+
+TEST_F(ManifestTest, SetsTheVeryLastTakesAsideForTheValidation) {
+  for (int take = 1; take <= 6; ++take) Touch("d/walk_normal_" + std::to_string(take) + ".bvh");
+  Touch("d/walk_old_1.bvh");
+  Touch("d/walk_old_2.bvh");
+  const Result<Manifest> manifest =
+      Load(kHead + Rule("judge_share = 0.33\nvalidation_share = 0.33\n"));
+  ASSERT_TRUE(manifest.ok()) << manifest.status().message();
+  std::vector<std::string> splits;
+  for (const ManifestEntry& entry : manifest.value().entries) splits.push_back(entry.split);
+  EXPECT_THAT(splits, testing::ElementsAre("train", "train", "judge", "judge", "validation",
+                                           "validation", "train", "validation"));
+}
+
+TEST_F(ManifestTest, EveryPartSaysWhatIsWrongWithIt) {
+  const std::string head =
+      "name = \"test\"\nneutral = \"neutral\"\nstyles = []\ncontents = [{name = 1}]\n";
+  EXPECT_THAT(Refusal(head + Rule("")),
+              testing::AllOf(HasSubstr("licence: found nothing"), HasSubstr("\n"),
+                             HasSubstr("styles: found"), HasSubstr("name: found something else"),
+                             testing::Not(HasSubstr("pattern"))))
+      << "[[clips]] refer to styles and contents";
+  EXPECT_THAT(
+      Refusal(kHead + Rule("time = 1\n") + Rule("split = \"x\"\n")),
+      testing::AllOf(HasSubstr("manifest.toml:11: time:"), HasSubstr("split: found \"x\"")));
 }
 
 }  // namespace

@@ -31,8 +31,12 @@ def section(text, name):
     return re.findall(r'(?m)^  (\S+)', found[1]) if found else []
 
 
+# Of options; styletrain has more than one.
+GROUPS = ('Options', 'Start', 'Data', 'Network', 'Losses', 'Schedule', 'Machine', 'Output')
+
+
 def options(text):
-    return [name for head in section(text, 'Options')
+    return [name for group in GROUPS for head in section(text, group)
             for name in head.replace('{false}', '').split(',')]
 
 

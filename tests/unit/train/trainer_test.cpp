@@ -7,12 +7,17 @@
 #include <torch/torch.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <thread>
 
 #include "model/train/checkpoint.h"
+#include "model/train/measure.h"
+#include "model/train/stop.h"
 
 namespace styled::train {
 namespace {
@@ -27,7 +32,9 @@ class FakeRecipe : public Recipe {
   void Step(double progress) override {
     last_progress = progress;
     value *= 0.5;
+    std::this_thread::sleep_for(pause);
     if (++steps == infinite_at) value = std::numeric_limits<double>::infinity();
+    if (steps == raise_at) std::raise(SIGTERM);
     if (steps == throw_at) throw std::runtime_error("out of memory\nat 0x1");
   }
   int64_t iteration() const override { return steps; }
@@ -59,7 +66,8 @@ class FakeRecipe : public Recipe {
   Status start = Status::Ok();
   double value = 1024;
   double last_progress = -1;
-  int64_t steps = 0, infinite_at = -1, throw_at = -1;
+  int64_t steps = 0, infinite_at = -1, throw_at = -1, raise_at = -1;
+  std::chrono::milliseconds pause{0};  // in each step
   int starts = 0;
   std::vector<int> counts;
 };
@@ -127,6 +135,41 @@ TEST_F(TrainerTest, AStoppedRunGoesOnFromItsCheckpoint) {
   EXPECT_EQ(second.starts, 0);
   EXPECT_EQ(second.steps, 10);
   EXPECT_EQ(second.value, 1);
+}
+
+TEST_F(TrainerTest, ASignalEndsASessionWithACheckpointAndNothingIsLost) {
+  FakeRecipe first;
+  first.raise_at = 3;  // no checkpoint would be due for minutes
+  testing::internal::CaptureStdout();
+  ASSERT_TRUE(Train(run_, first).ok());
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              testing::HasSubstr("stopped by a signal at iteration 3; " +
+                                 (run_.out / "checkpoint.pt").string() + " is written"));
+  EXPECT_EQ(StopSignal(), SIGTERM);
+  EXPECT_EQ(first.steps, 3);
+  EXPECT_EQ(Text("weights.safetensors"), "128");
+  run_.resume = true;
+  FakeRecipe second;
+  ASSERT_TRUE(Train(run_, second).ok());
+  EXPECT_EQ(StopSignal(), 0);
+  EXPECT_EQ(second.steps, 10);
+  EXPECT_EQ(second.value, 1);
+}
+
+TEST_F(TrainerTest, MeasuringWritesNothing) {
+  FakeRecipe recipe;
+  recipe.pause = std::chrono::milliseconds(100);
+  testing::internal::CaptureStdout();
+  ASSERT_TRUE(MeasureOnly(run_, false, recipe).ok());
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              testing::MatchesRegex("measured: [0-9]+ iterations a minute, [0-9]+ MB of memory; 10 "
+                                    "iterations take some .* minutes\n"));
+  EXPECT_EQ(recipe.starts, 1);
+  EXPECT_GE(recipe.steps, PaceMeter::kSkipped + PaceMeter::kFewest);
+  EXPECT_FALSE(std::filesystem::exists(run_.out));
+  FakeRecipe refused;
+  refused.start = Status::Error("no start");
+  EXPECT_EQ(MeasureOnly(run_, false, refused).message(), "no start");
 }
 
 TEST_F(TrainerTest, ACheckpointOfAnotherFamilyIsRefusedAndAnOldOneIsOfStyleErd) {

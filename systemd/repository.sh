@@ -1,0 +1,97 @@
+#!/usr/bin/env bash
+# Makes a signed apt repository of .deb files: a folder that any web server can serve, or file: can read.
+#   systemd/repository.sh [--key ID] [--url URL] DEBS [FOLDER]
+#     DEBS      the folder of the packages
+#     FOLDER    the repository; default build/apt. It is replaced when the new one is complete
+#     --key ID  the key of your gpg keyring that signs (fingerprint, key id or address). Default: a key of
+#               its own, made at the first call and kept, without a passphrase, in FOLDER-key
+#     --url URL where clients will find FOLDER, for styled.sources; default: the folder itself (file:)
+# In FOLDER then: dists/ and pool/, the public key styled.asc, and styled.sources, which has the key in it and
+# is all that a client needs. daemon/OPERATING.md says how to serve it and how to install from it.
+# apt: apt-utils gnupg
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+usage() { sed -n '3,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+fail() { echo "repository.sh: $*" >&2; exit 1; }
+gpg() { command gpg --batch --quiet --no-auto-check-trustdb "$@"; }
+
+key=
+url=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --key | --url) [ -n "${2:-}" ] || usage; declare "${1#--}=$2"; shift 2 ;;
+    -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -*) usage ;;
+    *) break ;;
+  esac
+done
+[ $# -ge 1 ] && [ $# -le 2 ] || usage
+for program in apt-ftparchive gpg; do
+  [ -n "$(type -P $program)" ] || fail "$program is missing: apt-get install apt-utils gnupg"
+done
+compgen -G "$1/*.deb" >/dev/null || fail "$1: expected .deb files, found none; systemd/packages.sh builds them"
+debs=$(realpath "$1")
+folder=$(realpath -m "${2:-$root/build/apt}")
+url=${url:-file:${folder// /%20}}
+# Of a folder that is no repository nothing is replaced.
+[ ! -e "$folder" ] || [ -e "$folder/dists" ] || [ -z "$(ls -A "$folder" 2>/dev/null || echo file)" ] ||
+  fail "$folder: exists and is no apt repository; name another folder"
+
+mkdir -p "$(dirname "$folder")"
+new=$(mktemp -d "$folder.new-XXXXXX")
+chmod 755 "$new"  # apt reads it as its own user
+own_home=no
+cleanup() {
+  [ $own_home = no ] || gpgconf --kill all || true  # the agent of a keyring that nobody else uses
+  rm -rf "$new"
+}
+trap cleanup EXIT
+
+if [ -z "$key" ]; then
+  export GNUPGHOME=$folder-key
+  own_home=yes
+  mkdir -p -m 700 "$GNUPGHOME"
+  gpg --list-secret-keys | grep -q . ||
+    gpg --passphrase '' --quick-generate-key "Styled packages of $(hostname)" ed25519 sign never ||
+    fail "$GNUPGHOME: gpg could not make a key"
+  key=$(gpg --with-colons --list-secret-keys | awk -F: '$1 == "fpr" { print $10; exit }')
+fi
+gpg --list-secret-keys "$key" >/dev/null 2>&1 ||
+  fail "--key $key: expected a secret key of ${GNUPGHOME:-$HOME/.gnupg}; gpg --list-secret-keys lists them"
+
+mkdir -p "$new/pool/main" "$new/dists/bookworm/main"
+cp "$debs"/*.deb "$new/pool/main"
+cd "$new"
+architectures=$(for deb in pool/main/*.deb; do dpkg-deb -f "$deb" Architecture; done | sort -u | grep -vx all || true)
+architectures=${architectures:-$(dpkg --print-architecture)}
+for architecture in $architectures; do
+  packages=dists/bookworm/main/binary-$architecture/Packages
+  mkdir "$(dirname "$packages")"
+  apt-ftparchive --arch "$architecture" packages pool/main >"$packages"
+  gzip -9nk "$packages"
+done
+# Written outside of the folder that it lists.
+release=$(apt-ftparchive -o APT::FTPArchive::Release::Origin=Styled -o APT::FTPArchive::Release::Label=Styled \
+  -o APT::FTPArchive::Release::Suite=bookworm -o APT::FTPArchive::Release::Codename=bookworm \
+  -o APT::FTPArchive::Release::Components=main \
+  -o "APT::FTPArchive::Release::Architectures=${architectures//$'\n'/ }" \
+  -o APT::FTPArchive::Release::MD5=no -o APT::FTPArchive::Release::SHA1=no release dists/bookworm)
+echo "$release" >dists/bookworm/Release
+sign() { gpg --yes --local-user "$key" --digest-algo SHA512 "$@" dists/bookworm/Release; }
+sign --clearsign --output dists/bookworm/InRelease
+sign --armor --detach-sign --output dists/bookworm/Release.gpg
+gpg --armor --export "$key" >styled.asc
+{
+  printf '%s\n' 'Types: deb' "URIs: $url" 'Suites: bookworm' 'Components: main' \
+    "Architectures: ${architectures//$'\n'/ }" 'Signed-By:'
+  sed 's/^$/./;s/^/ /' styled.asc
+} >styled.sources
+chmod -R u=rwX,go=rX .
+
+cd /
+if [ -e "$folder" ]; then mv -T "$folder" "$new.old"; fi
+mv -T "$new" "$folder"
+rm -rf "$new.old"
+fingerprint=$(gpg --with-colons --list-secret-keys "$key" | awk -F: '$1 == "fpr" { print $10; exit }')
+echo "$folder: $(ls "$folder/pool/main" | wc -l) packages, signed by $fingerprint"
+echo "a client copies $folder/styled.sources to /etc/apt/sources.list.d"
