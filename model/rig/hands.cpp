@@ -41,7 +41,8 @@ Vec3 NearestAxis(const Vec3& direction) {
 
 // The directions that the hands show, in source axes; not of unit length.
 struct Directions {
-  Vec3 left = Vec3::Zero(), forward = Vec3::Zero();
+  std::array<Vec3, 2> left{Vec3::Zero(), Vec3::Zero()};  // as each hand shows it
+  Vec3 forward = Vec3::Zero();
 };
 Directions Look(const Tail& tail) {
   Directions look;
@@ -51,7 +52,11 @@ Directions Look(const Tail& tail) {
     const bool thumb = joint.joint % kHandTail < kFingerJoints;
     if (joint.parent >= body::kJointCount || thumb) continue;
     if (std::exchange(hand, joint.parent) != joint.parent) index_side = joint.offset_m;
-    look.left += joint.parent == body::kLeftHand ? joint.offset_m : Vec3(-joint.offset_m);
+    if (joint.parent == body::kLeftHand) {
+      look.left[0] += joint.offset_m;
+    } else {
+      look.left[1] -= joint.offset_m;
+    }
     look.forward += index_side - joint.offset_m;
   }
   return look;
@@ -124,11 +129,13 @@ Result<BindingSpec> BindHands(const Skeleton& skeleton, const std::vector<Quat>&
         "leftIndexIntermediate, leftIndexDistal");
   }
   const Directions look = Look(tail);
-  const Vec3 left = NearestAxis(look.left);
+  const Vec3 left = NearestAxis(look.left[0] + look.left[1]);
   if (left.isZero()) return spec;
   Vec3 forward = NearestAxis(look.forward);
   if (forward.isZero()) forward = left.cross(Vec3::UnitY());
-  if (left.dot(forward) != 0 || forward.isZero()) {
+  const bool agree = std::ranges::all_of(
+      look.left, [&](const Vec3& one) { return one.isZero() || NearestAxis(one) == left; });
+  if (!agree || left.dot(forward) != 0 || forward.isZero()) {
     return Status::Error(
         "body: rest: the hands do not lie flat as in a T-pose; expected fingers that point "
         "sideways, and the index finger in front of the little one");
