@@ -1,5 +1,6 @@
 // Reads clips as examples of styles are read, and says how far the joints are from expected.json:
-// `gltf_read_back FOLDER FILE...`. Files that three.js and the web page have written are among them.
+// `gltf_read_back FOLDER FILE...`. Files that three.js and the web page have written are among
+// them.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
