@@ -3,6 +3,18 @@
 #include <cmath>
 
 namespace styled::client {
+namespace {
+
+bool IsPosition(const float* p) noexcept {
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+bool IsRotation(const float* q) noexcept {
+  const float square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  return std::isfinite(square) && square >= 1e-12F;
+}
+
+}  // namespace
 
 BodyError Validate(const v1::Body& body) noexcept {
   const int joints = body.names_size();
@@ -27,13 +39,17 @@ FrameError Validate(const v1::Frame& frame, const v1::Body& body) noexcept {
   if (frame.root_position_size() != 3 || frame.rotations_size() != 4 * joints) {
     return FrameError::kSizes;
   }
-  for (const float value : frame.root_position()) {
-    if (!std::isfinite(value)) return FrameError::kNumbers;
+  for (const v1::Prop& prop : frame.props()) {
+    if (prop.position_size() != 3 || prop.rotation_size() != 4) return FrameError::kSizes;
   }
+  if (!IsPosition(frame.root_position().data())) return FrameError::kNumbers;
   for (int joint = 0; joint < joints; ++joint) {
-    const float* q = frame.rotations().data() + 4 * joint;
-    const float square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (!std::isfinite(square) || square < 1e-12F) return FrameError::kNumbers;
+    if (!IsRotation(frame.rotations().data() + 4 * joint)) return FrameError::kNumbers;
+  }
+  for (const v1::Prop& prop : frame.props()) {
+    if (!IsPosition(prop.position().data()) || !IsRotation(prop.rotation().data())) {
+      return FrameError::kNumbers;
+    }
   }
   return FrameError::kNone;
 }

@@ -29,8 +29,9 @@ enum class BodyError {
 enum class FrameError {
   kNone,
   kOtherBody,  // the frame's hash or output differs from the body's
-  kSizes,      // length of rotations is not 4*J, or of root_position not 3
-  kNumbers,    // not finite, or a rotation of zero length
+  // Length of rotations is not 4*J, of root_position not 3, or of a prop's pose not 3 and 4.
+  kSizes,
+  kNumbers,  // not finite, or a rotation of zero length
 };
 
 // Checks a body once, so that WorldTransforms may rely on it. Any thread; allocates nothing.

@@ -278,6 +278,10 @@ static class Conformance {
     foreach (Expression e in f.Expressions) {
       expressions.Add(new Dictionary<string, object> { { "name", e.Name }, { "value", e.Value } });
     }
+    var props = new List<object>();
+    foreach (Prop p in f.Props) {
+      props.Add(new Dictionary<string, object> { { "name", p.Name }, { "position", p.Position }, { "rotation", p.Rotation } });
+    }
     var thru = new List<object>();
     foreach (byte[] data in f.Thru) thru.Add(Convert.ToBase64String(data));
     Timecode t = f.Timecode;
@@ -288,7 +292,7 @@ static class Conformance {
       { "body_hash", f.BodyHash.ToString() }, { "output", (int)f.Output }, { "held_joints", f.HeldJoints },
       { "root_position", f.RootPosition }, { "rotations", f.Rotations },
       { "contacts", f.Contacts }, { "flags", (uint)f.Flags }, { "styles", styles },
-      { "expressions", expressions }, { "thru", thru },
+      { "expressions", expressions }, { "thru", thru }, { "props", props },
       { "source_sequence", f.SourceSequence.ToString() },
       { "timecode", t == null ? null : new Dictionary<string, object> {
           { "hours", t.Hours }, { "minutes", t.Minutes }, { "seconds", t.Seconds }, { "frames", t.Frames },

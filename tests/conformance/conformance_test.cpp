@@ -67,12 +67,18 @@ json Fields(const v1::Body& body) {
 }
 
 json Fields(const v1::Frame& frame) {
-  json styles = json::array(), expressions = json::array(), thru = json::array(), timecode;
+  json styles = json::array(), expressions = json::array(), thru = json::array(),
+       props = json::array(), timecode;
   for (const auto& style : frame.styles()) {
     styles.push_back({{"style", style.style()}, {"weight", style.weight()}});
   }
   for (const auto& expression : frame.expressions()) {
     expressions.push_back({{"name", expression.name()}, {"value", expression.value()}});
+  }
+  for (const auto& prop : frame.props()) {
+    props.push_back({{"name", prop.name()},
+                     {"position", List(prop.position())},
+                     {"rotation", List(prop.rotation())}});
   }
   for (const std::string& bytes : frame.thru()) thru.push_back(Base64(bytes));
   if (frame.has_timecode()) {
@@ -97,7 +103,8 @@ json Fields(const v1::Frame& frame) {
           {"timecode", timecode},
           {"source_sequence", std::to_string(frame.source_sequence())},
           {"expressions", expressions},
-          {"thru", thru}};
+          {"thru", thru},
+          {"props", props}};
 }
 
 float Largest(const json& positions) {

@@ -13,7 +13,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.join(HERE, '..', '..')
 FIELDS = ('performer', 'epoch', 'sequence', 'source_time_ns', 'receive_time_ns', 'publish_time_ns',
           'wall_time_ns', 'body_hash', 'output', 'held_joints', 'contacts', 'flags', 'styles', 'timecode',
-          'source_sequence', 'expressions', 'thru')
+          'source_sequence', 'expressions', 'thru', 'props')
 BIG = ('epoch', 'body_hash', 'hash', 'sequence', 'source_time_ns', 'receive_time_ns', 'publish_time_ns',
        'wall_time_ns', 'source_sequence')
 
@@ -86,6 +86,10 @@ def hand_body(**changes):
     return wire.write({**body, **changes}, wire.BODY)
 
 
+def hand_prop(**changes):
+    return {'name': 'sword', 'position': [-60.5, 120, 30.25], 'rotation': [0.1, -0.7, 0.7, -0.1], **changes}
+
+
 def hand_frame(**changes):
     frame = {'performer': 'rig.anna', 'epoch': 0xFFFFFFFFFFFFFFF1, 'sequence': 9007199254740993,
              'source_time_ns': 18446744073709551615,
@@ -99,7 +103,8 @@ def hand_frame(**changes):
              'styles': [{'style': 'elderly', 'weight': 0.25}, {'style': 'not-confident', 'weight': 1.5}],
              'source_sequence': 41,
              'expressions': [{'name': 'Joy', 'value': 0.75}, {'name': 'jaw_öffnen', 'value': 0.1}],
-             'thru': [b'/VMC/x\0\0,i\0\0\xff\0\x80\1', b'']}
+             'thru': [b'/VMC/x\0\0,i\0\0\xff\0\x80\1', b''],
+             'props': [hand_prop(), hand_prop(name='stühle', position=[1e-3, 0, -7e4])]}
     return wire.write({**frame, **changes}, wire.FRAME)
 
 
@@ -109,7 +114,7 @@ def hand():
     body = hand_body(rest=[0, 0, 0, 1, 0.6, 0, 0, 0.8, 0, 1, 0, 0, 0.5, 0.5, -0.5, 0.5], output_name='Anna')
     return case(body, [hand_frame(), hand_frame() + later,
                        hand_frame(timecode=None, styles=[], held_joints=[], contacts=None, flags=None,
-                                  expressions=[], thru=[], rotations=[0, 0, 0, -1e-3] * 4)])
+                                  expressions=[], thru=[], props=[], rotations=[0, 0, 0, -1e-3] * 4)])
 
 
 def refused():
@@ -141,6 +146,10 @@ def refused():
         'a rotation is not a number': hand_frame(rotations=four * 3 + [0, 0, nan, 1]),
         'a rotation is infinite': hand_frame(rotations=four * 3 + [0, 0, inf, 1]),
         'a rotation of no length': hand_frame(rotations=four * 3 + [0, 0, 0, 0]),
+        'a prop of two numbers': hand_frame(props=[hand_prop(position=[1, 2])]),
+        'a prop without a rotation': hand_frame(props=[hand_prop(rotation=[])]),
+        'a prop is not a number': hand_frame(props=[hand_prop(), hand_prop(position=[0, nan, 0])]),
+        'a prop of no rotation': hand_frame(props=[hand_prop(rotation=[0, 0, 0, 0])]),
         'cut short': hand_frame()[:-1],
         'a length beyond the end': hand_frame() + b'\x0a\x7f',
         'a wire type that is none': hand_frame() + b'\x0f',

@@ -9,6 +9,7 @@ import numpy
 # f: floats, u: unsigned numbers, b: bytes, m: a message.
 STYLE = {1: ('style', 't'), 2: ('weight', 'f')}
 EXPRESSION = {1: ('name', 't'), 2: ('value', 'f')}
+PROP = {1: ('name', 't'), 2: ('position', 'F'), 3: ('rotation', 'F')}
 TIMECODE = {1: ('hours', 'v'), 2: ('minutes', 'v'), 3: ('seconds', 'v'), 4: ('frames', 'v'),
             5: ('rate', 'f'), 6: ('drop_frame', 'v')}
 BODY = {1: ('performer', 't'), 2: ('names', 'T'), 3: ('parents', 'S'), 4: ('offsets', 'F'),
@@ -19,7 +20,8 @@ FRAME = {1: ('performer', 't'), 2: ('epoch', 'q'), 3: ('sequence', 'v'), 4: ('so
          8: ('wall_time_ns', 'v'), 9: ('body_hash', 'q'), 10: ('output', 'v'),
          11: ('root_position', 'F'), 12: ('rotations', 'F'), 13: ('held_joints', 'V'),
          14: ('contacts', 'v'), 15: ('flags', 'v'), 16: ('styles', [STYLE]), 17: ('source_sequence', 'v'),
-         18: ('expressions', [EXPRESSION]), 19: ('thru', 'B')}
+         18: ('expressions', [EXPRESSION]), 19: ('thru', 'B'),
+         20: ('props', [PROP])}
 
 
 def varint(data, at):

@@ -33,11 +33,19 @@ export function checkFrame(body: Body, frame: Frame): string {
   }
   if (!frame.rootPosition.every(Number.isFinite)) return 'its root is not finite';
   for (let joint = 0; joint < joints; ++joint) {
-    let square = 0;
-    for (let i = 4 * joint; i < 4 * joint + 4; ++i) square += frame.rotations[i]! ** 2;
-    if (!(square >= 1e-12 && square < Infinity)) return `rotation ${joint} is no rotation`;
+    if (!isRotation(frame.rotations, 4 * joint)) return `rotation ${joint} is no rotation`;
+  }
+  for (const { name, position, rotation } of frame.props) {
+    const whole = position.length === 3 && rotation.length === 4;
+    if (!whole || !position.every(Number.isFinite) || !isRotation(rotation, 0)) return `prop "${name}" has no pose`;
   }
   return '';
+}
+
+function isRotation(q: ArrayLike<number>, at: number): boolean {
+  let square = 0;
+  for (let i = at; i < at + 4; ++i) square += q[i]! ** 2;
+  return square >= 1e-12 && square < Infinity;
 }
 
 /** World transforms of joints (world from joint), in body units and axes. */

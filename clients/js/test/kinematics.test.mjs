@@ -80,6 +80,11 @@ test('bodies and frames that do not fit are refused, each for its reason', () =>
   assert.match(wrong({ rootPosition: [0, 0] }), /3 joints/);
   assert.match(wrong({ rootPosition: [0, Infinity, 0] }), /finite/);
   assert.match(wrong({ rotations: [0, 0, 0, 1, NaN, 0, 0, 1, 0, 0, 0, 1] }), /rotation 1/);
+  const sword = { name: 'sword', position: [1, 2, 3], rotation: [0, 0, 0, 1] };
+  assert.equal(wrong({ props: [sword, { ...sword, name: 'cup' }] }), '');
+  assert.match(wrong({ props: [sword, { ...sword, position: [1, 2] }] }), /prop "sword" has no pose/);
+  assert.match(wrong({ props: [{ ...sword, position: [1, NaN, 2] }] }), /prop/);
+  assert.match(wrong({ props: [{ ...sword, rotation: [0, 0, 0, 0] }] }), /prop/);
 });
 
 test('topics', () => {

@@ -134,12 +134,18 @@ def check_frame(frame: frame_pb2.Frame, body: body_pb2.Body) -> str:
         return f'root_position or rotations are not those of {len(body.names)} joints'
     if not all(map(math.isfinite, frame.root_position)):
         return 'root_position is not finite'
-    q = frame.rotations
-    for i in range(0, len(q), 4):
-        square = q[i]**2 + q[i + 1]**2 + q[i + 2]**2 + q[i + 3]**2
-        if not 1e-12 <= square < math.inf:
+    for i in range(0, len(frame.rotations), 4):
+        if not _is_rotation(frame.rotations, i):
             return f'rotation of joint {i // 4} is zero or not finite'
+    for prop in frame.props:
+        if (len(prop.position), len(prop.rotation)) != (3, 4) or \
+                not all(map(math.isfinite, prop.position)) or not _is_rotation(prop.rotation, 0):
+            return f'position or rotation of prop "{prop.name}" is not 3 and 4 finite numbers'
     return ''
+
+
+def _is_rotation(q: Sequence[float], i: int) -> bool:
+    return 1e-12 <= q[i]**2 + q[i + 1]**2 + q[i + 2]**2 + q[i + 3]**2 < math.inf
 
 
 def world_transforms(body: body_pb2.Body, frame: frame_pb2.Frame) -> World:

@@ -37,13 +37,21 @@ public static class Kinematics {
     }
     if (!AllFinite(frame.RootPosition)) return "the root position is not finite";
     for (int i = 0; i < frame.Rotations.Length; i += 4) {
-      double square = 0;
-      for (int k = i; k < i + 4; ++k) square += (double)frame.Rotations[k] * frame.Rotations[k];
-      if (!(square >= 1e-12 && square < double.PositiveInfinity)) {
-        return "the rotation of joint " + i / 4 + " is zero or not finite";
+      if (!IsRotation(frame.Rotations, i)) return "the rotation of joint " + i / 4 + " is zero or not finite";
+    }
+    foreach (Prop prop in frame.Props) {
+      if (prop.Position.Length != 3 || prop.Rotation.Length != 4 || !AllFinite(prop.Position) ||
+          !IsRotation(prop.Rotation, 0)) {
+        return "position or rotation of prop \"" + prop.Name + "\" is not 3 and 4 finite numbers";
       }
     }
     return "";
+  }
+
+  static bool IsRotation(float[] q, int at) {
+    double square = 0;
+    for (int k = at; k < at + 4; ++k) square += (double)q[k] * q[k];
+    return square >= 1e-12 && square < double.PositiveInfinity;
   }
 
   /// <summary>Forward kinematics of a frame that passed Check with this body. `into` is reused where its

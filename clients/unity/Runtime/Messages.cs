@@ -33,6 +33,14 @@ public struct Expression {
   public float Value;
 }
 
+/// <summary>A rigid object that the rig tracks, such as a sword, where it is in this frame's world: in the
+/// body's units and axes.</summary>
+public struct Prop {
+  public string Name;
+  public float[] Position;  // 3: x, y, z
+  public float[] Rotation;  // 4: x, y, z, w; world from prop
+}
+
 /// <summary>A skeleton, to which the rotations of a frame belong.</summary>
 public sealed class Body {
   public string Performer = "", Dialect = "", OutputName = "";
@@ -93,6 +101,7 @@ public sealed class Frame {
   public StyleWeight[] Styles = new StyleWeight[0];
   public Expression[] Expressions = new Expression[0];
   public byte[][] Thru = new byte[0][];  // VMC: whole OSC messages for the renderer of the avatar
+  public Prop[] Props = new Prop[0];
 
   /// <summary>Reads the bytes of a Frame. Throws FormatException.</summary>
   public static Frame Parse(byte[] bytes) {
@@ -103,6 +112,7 @@ public sealed class Frame {
     var styles = new List<StyleWeight>();
     var expressions = new List<Expression>();
     var thru = new List<byte[]>();
+    var props = new List<Prop>();
     var reader = new WireReader(bytes);
     while (reader.Next()) {
       switch (reader.Field) {
@@ -129,6 +139,7 @@ public sealed class Frame {
           expressions.Add(Named(reader.Message(), (name, value) => new Expression { Name = name, Value = value }));
           break;
         case 19: thru.Add(reader.Bytes()); break;
+        case 20: props.Add(ParseProp(reader.Message())); break;
         default: reader.Skip(); break;
       }
     }
@@ -138,6 +149,7 @@ public sealed class Frame {
     frame.Styles = styles.ToArray();
     frame.Expressions = expressions.ToArray();
     frame.Thru = thru.ToArray();
+    frame.Props = props.ToArray();
     return frame;
   }
 
@@ -151,6 +163,19 @@ public sealed class Frame {
       else reader.Skip();
     }
     return make(name, value);
+  }
+
+  static Prop ParseProp(WireReader reader) {
+    string name = "";
+    var position = new List<float>(3);
+    var rotation = new List<float>(4);
+    while (reader.Next()) {
+      if (reader.Field == 1) name = reader.Text();
+      else if (reader.Field == 2) reader.Floats(position);
+      else if (reader.Field == 3) reader.Floats(rotation);
+      else reader.Skip();
+    }
+    return new Prop { Name = name, Position = position.ToArray(), Rotation = rotation.ToArray() };
   }
 
   // Of several, as protobuf has it, the later ones' fields count.
