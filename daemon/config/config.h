@@ -12,6 +12,7 @@
 
 #include "model/base/status.h"
 #include "model/rig/dialects.h"
+#include "model/rig/grip.h"
 #include "model/stylist/settings.h"
 #include "proto/styled/v1/look.pb.h"
 
@@ -32,6 +33,9 @@ struct Smoothing {
   float per_speed = 0.7F;  // how much the cutoff grows, Hz per rad/s of a joint
   friend bool operator==(const Smoothing&, const Smoothing&) = default;
 };
+
+// The hand that holds a prop of a source, by the prop's name.
+using PropHands = std::map<std::string, rig::Hand, std::less<>>;
 
 struct Source {
   std::string name = "rig";    // [A-Za-z0-9_-]{1,32}; performers are called NAME.PERFORMER
@@ -56,6 +60,7 @@ struct Source {
   // A performer, SOURCE.NAME, whose face this source is; "" = the source has performers of its own.
   std::string merge_into = {};
   std::string expressions = "arkit";  // names that are sent: "arkit", or "vrm" for VRM's presets
+  PropHands props = {};               // those that are not named: rig::Hand::kAuto
   int sender_limit_hz = 100000;       // most datagrams a second of one address; 0 = no limit
   friend bool operator==(const Source&, const Source&) = default;
 };

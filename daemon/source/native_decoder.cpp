@@ -1,5 +1,7 @@
 #include "daemon/source/native_decoder.h"
 
+#include <algorithm>
+
 #include "daemon/config/config.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/face.h"
@@ -7,6 +9,7 @@
 #include "model/base/text.h"
 #include "proto/rigs/native/datagram.h"
 #include "proto/styled/face.h"
+#include "proto/styled/props.h"
 
 namespace styled::source {
 namespace {
@@ -57,7 +60,7 @@ bool IsExpression(std::span<const std::byte> bytes) noexcept {
   return true;
 }
 
-constexpr std::uint32_t kExpressions = 18, kThru = 19;
+constexpr std::uint32_t kExpressions = 18, kThru = 19, kPropsField = 20;
 
 // Extends `run` by a field's bytes, or starts it anew at `begin` if it does not end there.
 void Extend(const std::byte* begin, const std::byte* end, std::span<const std::byte>& run) {
@@ -112,8 +115,10 @@ FrameResult ReadSourceFrame(std::span<const std::byte> payload, SourceFrame& fra
     if (wire == kBytes && (field == kExpressions || field == kThru)) {
       Extend(begin, reader.at(), frame.face);
     }
+    if (wire == kBytes && field == kPropsField) Extend(begin, reader.at(), frame.props);
   }
   if (frame.face.size() > kMaxFace) frame.face = {};
+  frame.props = frame.props.first(std::min(frame.props.size(), kMaxPropBytes));
   return config::IsName(frame.performer) ? FrameResult::kOk : FrameResult::kBadName;
 }
 
