@@ -19,6 +19,7 @@
 #include "sim/player/link.h"
 #include "sim/player/performer_motion.h"
 #include "sim/player/player.h"
+#include "sim/player/props.h"
 #include "sim/player/stream.h"
 #include "sim/rigs/rig_stream.h"
 #include "sim/rigs/stream_server.h"
@@ -49,6 +50,7 @@ struct Arguments {
   std::filesystem::path write;
   std::string timecode;
   std::optional<double> timecode_s = {};
+  std::vector<std::string> props = {};
 };
 
 std::atomic<bool> stop_requested{false};
@@ -110,6 +112,15 @@ void AddOptions(CLI::App& app, Arguments& a) {
         if (!good) return "'" + text + "': expected HH:MM:SS";
         a.timecode_s = (hours * 60 + minutes) * 60 + seconds;
         return std::string();
+      });
+  app.add_option("--prop", a.props,
+                 "an object that the rig tracks (native, natnet, mvn, rokoko): NAME=right_hand or "
+                 "NAME=left_hand, held by the first performer, or NAME=X,Y,Z, standing there "
+                 "(metres; left, up, forward); may be given several times")
+      ->allow_extra_args(false)
+      ->check([](const std::string& text) {
+        const auto prop = player::ParseProp(text);
+        return prop.ok() ? std::string() : prop.status().message();
       });
   app.add_option("--start-wait-ms", a.start_wait_ms, "how long to wait for a TCP listener")
       ->check(styled::Number(0.0, 600000.0))
@@ -194,6 +205,12 @@ Result<Motions> MakeMotions(const Arguments& a, const std::vector<synthetic::Scr
   return motions;
 }
 
+std::vector<player::PropSpec> Props(const Arguments& a) {
+  std::vector<player::PropSpec> props;
+  for (const std::string& text : a.props) props.push_back(player::ParseProp(text).value());
+  return props;
+}
+
 using Senders = std::vector<std::unique_ptr<player::Sender>>;
 
 // Native datagrams: one sender per performer.
@@ -201,7 +218,8 @@ Senders MakeNative(const Arguments& a, Motions motions, const faults::Spec& spec
   Senders senders;
   for (int k = 0; k < a.performers; ++k) {
     senders.push_back(std::make_unique<player::Stream>(
-        player::StreamOptions{PerformerName(a, k), a.rate_hz, styled::RandomId, a.timecode_s},
+        player::StreamOptions{PerformerName(a, k), a.rate_hz, styled::RandomId, a.timecode_s,
+                              Props(a)},
         std::move(motions[static_cast<std::size_t>(k)]),
         faults::Faults(spec, static_cast<std::uint64_t>(k))));
   }
@@ -209,7 +227,7 @@ Senders MakeNative(const Arguments& a, Motions motions, const faults::Spec& spec
 }
 
 Result<std::unique_ptr<rigs::Rig>> MakeRig(const Arguments& a) {
-  rigs::Options options{{}, a.rate_hz, a.seed, a.quirks};
+  rigs::Options options{{}, a.rate_hz, a.seed, a.quirks, Props(a)};
   for (int k = 0; k < a.performers; ++k) options.performers.push_back(PerformerName(a, k));
   return rigs::Make(a.as, options);
 }
@@ -247,7 +265,8 @@ int RunRig(const Arguments& a, Motions motions, const faults::Spec& spec) {
   if (server != nullptr && player::IsStream(to)) {
     if (const Status status = CheckStreamFaults(spec); !status.ok()) return RefuseArguments(status);
   }
-  auto stream = rigs::RigStream::Make(std::move(rig.value()), std::move(motions), a.rate_hz, spec);
+  auto stream =
+      rigs::RigStream::Make(std::move(rig.value()), std::move(motions), a.rate_hz, spec, Props(a));
   if (!stream.ok()) return Fail(stream.status());
   Senders senders;
   senders.push_back(std::move(stream.value()));

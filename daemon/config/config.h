@@ -12,6 +12,7 @@
 
 #include "model/base/status.h"
 #include "model/rig/dialects.h"
+#include "model/rig/grip.h"
 #include "model/stylist/settings.h"
 #include "proto/styled/v1/look.pb.h"
 
@@ -36,6 +37,8 @@ struct Smoothing {
 // The words of Source::parts; "fingers": those of both hands.
 inline constexpr std::array<std::string_view, 4> kMergedParts{"face", "fingers", "leftFingers",
                                                               "rightFingers"};
+// The hand that holds a prop of a source, by the prop's name.
+using PropHands = std::map<std::string, rig::Hand, std::less<>>;
 
 struct Source {
   std::string name = "rig";    // [A-Za-z0-9_-]{1,32}; performers are called NAME.PERFORMER
@@ -63,6 +66,7 @@ struct Source {
   // Of kMergedParts; empty: the face.
   std::vector<std::string> parts = {};
   std::string expressions = "arkit";  // names that are sent: "arkit", or "vrm" for VRM's presets
+  PropHands props = {};               // those that are not named: rig::Hand::kAuto
   int sender_limit_hz = 100000;       // most datagrams a second of one address; 0 = no limit
   friend bool operator==(const Source&, const Source&) = default;
 

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "daemon/config/look_keys.h"
+#include "daemon/config/table_keys.h"
 #include "model/base/text.h"
 #include "proto/rigs/types.h"
 
@@ -246,73 +247,6 @@ std::vector<std::string_view> SourceTypeNames() {
   return names;
 }
 
-Status ReadTrackers(const toml::node& node, Source& source) {
-  const std::string expected =
-      "a table of trackers and body parts, e.g. { \"A1B2C3D4E5F6\" = \"chest\" }";
-  const toml::table* table = node.as_table();
-  if (table == nullptr) return Expected(expected, node);
-  source.trackers.clear();
-  for (const auto& [id, part] : *table) {
-    if (!part.is_string()) return Expected(expected, part);
-    source.trackers.push_back({std::string(id.str()), *part.value<std::string>()});
-  }
-  return Status::Ok();
-}
-
-Status ReadJoints(const toml::node& node, rig::JointNames& out) {
-  const std::string expected =
-      "a table of the humanoid's joints and the rig's, e.g. { leftUpperArm = \"L_Arm\" }";
-  const toml::table* table = node.as_table();
-  if (table == nullptr) return Expected(expected, node);
-  out.clear();
-  for (const auto& [joint, name] : *table) {
-    const auto& rows = body::kHumanoid;
-    const bool known = std::any_of(rows.begin(), rows.end(),
-                                   [&](const body::JointRow& r) { return r.name == joint.str(); });
-    if (!known) {
-      std::vector<std::string_view> names;
-      names.reserve(rows.size());
-      for (const auto& row : rows) names.push_back(row.name);
-      return Status::Error("\"" + Printable(joint.str(), kLongestName) +
-                           "\" is no joint of the canonical humanoid" +
-                           Nearest(joint.str(), names));
-    }
-    if (!name.is_string()) return Expected(expected, name);
-    out.emplace_back(joint.str(), *name.value<std::string>());
-  }
-  return Status::Ok();
-}
-
-Status ReadPerformers(const toml::node& node, Output& output) {
-  const std::string expected = "a list of performers, e.g. [\"rig.anna\"]";
-  const toml::array* list = node.as_array();
-  if (list == nullptr) return Expected(expected, node);
-  output.performers.clear();
-  for (const auto& performer : *list) {
-    if (!performer.is_string()) return Expected(expected, performer);
-    output.performers.push_back(*performer.value<std::string>());
-  }
-  return Status::Ok();
-}
-
-Status ReadParts(const toml::node& node, Source& source) {
-  std::string expected = "a list of";
-  for (const std::string_view part : kMergedParts) {
-    expected.append(part == kMergedParts.front() ? " \"" : ", \"").append(part).append("\"");
-  }
-  const toml::array* list = node.as_array();
-  if (list == nullptr || list->empty()) return Expected(expected, node);
-  source.parts.clear();
-  for (const auto& part : *list) {
-    const auto word = part.value<std::string>();
-    if (!word || std::ranges::find(kMergedParts, *word) == kMergedParts.end()) {
-      return Expected(expected, part);
-    }
-    source.parts.push_back(*word);
-  }
-  return Status::Ok();
-}
-
 // Levenshtein distance; one row of the matrix suffices, with the diagonal neighbour saved.
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -355,6 +289,7 @@ const std::vector<Key<Source>>& SourceKeys() {
       Float<S>("rate_hz", 10, 1000, 1, STYLED_FIELD(rate_hz)),
       Key<S>{"trackers", ReadTrackers},
       Key<S>{"joints", [](const toml::node& node, S& out) { return ReadJoints(node, out.joints); }},
+      Key<S>{"props", ReadProps},
       Float<S>("delay_ms", 0, 1000, kMs, STYLED_FIELD(delay_s)),
       Float<S>("smooth_hz", 0, 60, 1, STYLED_FIELD(smoothing.rest_hz)),
       Float<S>("smooth_per_speed", 0, 100, 1, STYLED_FIELD(smoothing.per_speed)),

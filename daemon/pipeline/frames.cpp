@@ -151,6 +151,8 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   for (std::size_t i = 0; i < batch.size(); ++i) jobs[i] = batch[i]->Style();
   stylist::Stylist::ProcessTogether(std::span(jobs).first(batch.size()));
   const std::int64_t styled_ns = to_.clock.Now_ns();
+  for (Performer* const performer : batch) performer->Attach();
+  for (Performer* const performer : batch) ShareProps(*performer);
   for (Performer* const performer : batch) performer->Finish(styled_ns);
   if (!takes_.empty()) {
     for (const Performer* const performer : batch) takes_.OnFrame(*performer);
@@ -166,6 +168,16 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   stages_.Add(Stages::kStyle, styled_ns - begin_ns);
   stages_.Add(Stages::kSerialize, serialized_ns - styled_ns);
   stages_.Add(Stages::kSend, sent_ns - serialized_ns);
+}
+
+// A prop of the scene that one performer holds is not in the frames of the others: it would be
+// there twice. It comes and goes where it is let go, and there it is in the same place for all.
+void Pipeline::ShareProps(Performer& performer) noexcept {
+  if (!performer.shares_props()) return;
+  for (const auto& other : roster_.performers) {
+    const bool together = other.get() != &performer && other->source == performer.source;
+    if (together && other->admission.live()) performer.LeavePropsTo(*other);
+  }
 }
 
 // The next frame is expected one period of the sender's clock later, if that period is plausible.

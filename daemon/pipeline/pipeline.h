@@ -85,6 +85,7 @@ class Pipeline final : public Worker, public source::Receiver {
   void AcceptBody(int source, const source::SourceFrame& body);
   void AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
   void StyleAccepted(runtime::HotSection& hot);
+  STYLED_REALTIME void ShareProps(Performer& performer) noexcept;
   STYLED_REALTIME void AwaitNext(Performer& performer, std::int64_t before_ns) noexcept;
   void PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot);
   // Whether the frame's session, sequence and body are valid for the performer; counts the refusal

@@ -80,10 +80,12 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
   if (running != nullptr) {
     made->joints = running->joints;  // sources change only at a restart
     made->smoothing = running->smoothing;
+    made->props = running->props;
   } else {
     for (const auto& source : config.sources) {
       made->joints.push_back(source.joints);
       made->smoothing.push_back(source.smoothing);
+      made->props.push_back(source.props);
     }
   }
   for (const auto& output : config.outputs) {

@@ -36,6 +36,7 @@ struct RuntimeConfig {
   stylist::Options stylist;
   std::vector<rig::JointNames> joints;       // joint names set by hand, per source
   std::vector<config::Smoothing> smoothing;  // per source
+  std::vector<config::PropHands> props;      // per source
   std::vector<std::shared_ptr<const RetargetOutput>> outputs;  // as the [[output]] tables
 };
 

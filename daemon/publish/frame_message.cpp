@@ -25,7 +25,7 @@ FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, co
     style->set_weight(1);
   }
   constexpr std::size_t kScalars = 256;  // 17 fields, including the timecode
-  buffer_.resize(frame_.ByteSizeLong() + kScalars + kMaxFace);
+  buffer_.resize(frame_.ByteSizeLong() + kScalars + kMaxFace + kMaxPropBytes);
   frame_.clear_held_joints();
   frame_.clear_styles();
 }
@@ -79,13 +79,17 @@ void FrameMessage::SetPose(const rig::Vec3& root_position,
               4 * sizeof(float) * rotations.size());
 }
 
-std::span<const std::byte> FrameMessage::Serialize(std::span<const std::byte> face) noexcept {
+std::span<const std::byte> FrameMessage::Serialize(std::span<const std::byte> face,
+                                                   std::span<const std::byte> props) noexcept {
   const std::size_t size = frame_.ByteSizeLong();
-  if (size + face.size() > buffer_.size()) return {};  // impossible: sized for the largest frame
+  const std::size_t whole = size + face.size() + props.size();
+  if (whole > buffer_.size()) return {};  // impossible: sized for the largest frame
   auto* const begin = reinterpret_cast<std::uint8_t*>(buffer_.data());
   frame_.SerializeWithCachedSizesToArray(begin);
-  std::copy(face.begin(), face.end(), buffer_.begin() + static_cast<std::ptrdiff_t>(size));
-  return {buffer_.data(), size + face.size()};
+  const auto behind =
+      std::copy(face.begin(), face.end(), buffer_.begin() + static_cast<std::ptrdiff_t>(size));
+  std::copy(props.begin(), props.end(), behind);
+  return {buffer_.data(), whole};
 }
 
 }  // namespace styled::publish

@@ -12,6 +12,7 @@
 #include "model/net/styles.h"
 #include "model/rig/skeleton.h"
 #include "proto/styled/face.h"
+#include "proto/styled/props.h"
 #include "proto/styled/timecode.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
@@ -46,8 +47,10 @@ class FrameMessage {
   STYLED_REALTIME void SetPose(const rig::Vec3& root_position,
                                std::span<const rig::Quat> rotations) noexcept;
   // Serializes the frame, followed by `face`: fields 18 and 19 as received (source::SourceFrame),
-  // at most kMaxFace bytes. Valid until the next call.
-  STYLED_REALTIME std::span<const std::byte> Serialize(std::span<const std::byte> face) noexcept;
+  // at most kMaxFace bytes; and `props`: field 20, at most kMaxPropBytes. Valid until the next
+  // call.
+  STYLED_REALTIME std::span<const std::byte> Serialize(std::span<const std::byte> face,
+                                                       std::span<const std::byte> props) noexcept;
 
  private:
   v1::Frame frame_;

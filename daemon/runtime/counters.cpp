@@ -74,6 +74,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kPipelineEventsDropped, "pipeline.events_dropped", true},
     {Counter::kPipelineEventsHeldBack, "pipeline.events_held_back"},
     {Counter::kPipelineBackwards, "pipeline.backwards"},
+    {Counter::kPipelinePropsLeftOut, "pipeline.props_left_out", true},
     {Counter::kStylistConcealed, "stylist.concealed"},
     {Counter::kStylistHeld, "stylist.held"},
     {Counter::kStylistOutOfDomain, "stylist.out_of_domain"},

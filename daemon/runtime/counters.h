@@ -80,6 +80,7 @@ enum class Counter : std::uint8_t {
   kPipelineEventsDropped,   // log messages dropped because their ring was full
   kPipelineEventsHeldBack,  // log messages held back by the limit per kind and performer
   kPipelineBackwards,       // frames published with FLAG_BACKWARDS
+  kPipelinePropsLeftOut,    // props of frames that were not passed on: proto/styled/v1/WIRE.md
   kStylistConcealed,  // published frames with this flag; so are the others up to kStylistFailed
   kStylistHeld,
   kStylistOutOfDomain,

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "daemon/source/wire.h"
+
 namespace styled::source {
 namespace {
 
@@ -11,40 +13,8 @@ namespace {
 constexpr std::uint32_t kExpressionsTag = 18U << 3U | 2U, kThruTag = 19U << 3U | 2U;
 constexpr std::uint32_t kName = 1U << 3U | 2U, kValue = 2U << 3U | 5U;
 
-std::size_t VarintSize(std::size_t value) noexcept {
-  std::size_t size = 1;
-  for (; value >= 0x80U; value >>= 7U) ++size;
-  return size;
-}
-
-// Writes until something does not fit, then nothing more.
-class Writer {
- public:
-  explicit Writer(std::span<std::byte> to) noexcept : to_(to) {}
-  bool fits() const noexcept { return fits_; }
-  std::size_t size() const noexcept { return size_; }
-
-  void Varint(std::size_t value) noexcept {
-    for (; value >= 0x80U; value >>= 7U) Byte(static_cast<std::byte>(value | 0x80U));
-    Byte(static_cast<std::byte>(value));
-  }
-  void Bytes(std::span<const std::byte> bytes) noexcept {
-    fits_ = fits_ && bytes.size() <= to_.size() - size_;
-    if (!fits_ || bytes.empty()) return;
-    std::memcpy(&to_[size_], bytes.data(), bytes.size());
-    size_ += bytes.size();
-  }
-
- private:
-  void Byte(std::byte byte) noexcept { Bytes({&byte, 1}); }
-
-  std::span<std::byte> to_;
-  std::size_t size_ = 0;
-  bool fits_ = true;
-};
-
 // proto3 omits fields with default values: an empty name, and a weight whose bits are all 0.
-void Write(const Face::Expression& expression, Writer& out) noexcept {
+void Write(const Face::Expression& expression, WireWriter& out) noexcept {
   const std::size_t name = expression.name.size();
   const bool has_value = std::bit_cast<std::uint32_t>(expression.value) != 0;
   out.Varint(kExpressionsTag);
@@ -126,7 +96,7 @@ void ScaleFace(std::span<std::byte> face, float by) noexcept {
 }
 
 std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept {
-  Writer out(to);
+  WireWriter out(to);
   for (const auto& expression : face.expressions) Write(expression, out);
   for (const auto bytes : face.thru) {
     out.Varint(kThruTag);

@@ -1,91 +1,25 @@
 #include "daemon/source/native_decoder.h"
 
-#include <cstring>
+#include <algorithm>
 
 #include "daemon/config/config.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/face.h"
+#include "daemon/source/wire.h"
 #include "model/base/text.h"
 #include "proto/rigs/native/datagram.h"
 #include "proto/styled/face.h"
+#include "proto/styled/props.h"
 
 namespace styled::source {
 namespace {
-
-// Protobuf's wire types.
-enum Wire : std::uint32_t { kVarint = 0, kFixed64 = 1, kBytes = 2, kFixed32 = 5 };
-
-// A cursor over protobuf's encoding. Every method returns false at the first malformed byte.
-class Reader {
- public:
-  explicit Reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
-  bool AtEnd() const noexcept { return bytes_.empty(); }
-  const std::byte* at() const noexcept { return bytes_.data(); }
-
-  bool Varint(std::uint64_t& value) noexcept {
-    value = 0;
-    for (unsigned shift = 0; shift < 64; shift += 7) {
-      if (bytes_.empty()) return false;
-      const auto byte = std::to_integer<std::uint64_t>(bytes_.front());
-      bytes_ = bytes_.subspan(1);
-      value |= (byte & 0x7FU) << shift;
-      if (byte < 0x80U) return true;
-    }
-    return false;
-  }
-
-  bool Tag(std::uint32_t& field, std::uint32_t& wire) noexcept {
-    std::uint64_t tag = 0;
-    if (!Varint(tag) || tag > 0xFFFFFFFFU) return false;
-    field = static_cast<std::uint32_t>(tag >> 3U);
-    wire = static_cast<std::uint32_t>(tag & 7U);
-    return field != 0;
-  }
-
-  bool Bytes(std::span<const std::byte>& value) noexcept {
-    std::uint64_t length = 0;
-    if (!Varint(length) || length > bytes_.size()) return false;
-    value = bytes_.first(static_cast<std::size_t>(length));
-    bytes_ = bytes_.subspan(static_cast<std::size_t>(length));
-    return true;
-  }
-
-  template <typename T>
-  bool Fixed(T& value) noexcept {
-    if (bytes_.size() < sizeof value) return false;
-    std::memcpy(&value, bytes_.data(), sizeof value);
-    bytes_ = bytes_.subspan(sizeof value);
-    return true;
-  }
-
-  bool Skip(std::uint32_t wire) noexcept {
-    std::uint64_t number = 0;
-    std::uint32_t word = 0;
-    std::span<const std::byte> bytes;
-    switch (wire) {
-      case kVarint:
-        return Varint(number);
-      case kFixed64:
-        return Fixed(number);
-      case kBytes:
-        return Bytes(bytes);
-      case kFixed32:
-        return Fixed(word);
-      default:
-        return false;  // groups: retired from proto3
-    }
-  }
-
- private:
-  std::span<const std::byte> bytes_;
-};
 
 std::string_view AsText(std::span<const std::byte> bytes) noexcept {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 bool ReadTimecode(std::span<const std::byte> bytes, Timecode& timecode) noexcept {
-  Reader reader(bytes);
+  WireReader reader(bytes);
   while (!reader.AtEnd()) {
     std::uint32_t field = 0;
     std::uint32_t wire = 0;
@@ -109,7 +43,7 @@ bool ReadTimecode(std::span<const std::byte> bytes, Timecode& timecode) noexcept
 
 // Expressions are passed on to subscribers unparsed, so they must be valid for protobuf's readers.
 bool IsExpression(std::span<const std::byte> bytes) noexcept {
-  Reader reader(bytes);
+  WireReader reader(bytes);
   while (!reader.AtEnd()) {
     std::uint32_t field = 0, wire = 0;
     std::span<const std::byte> name;
@@ -126,7 +60,7 @@ bool IsExpression(std::span<const std::byte> bytes) noexcept {
   return true;
 }
 
-constexpr std::uint32_t kExpressions = 18, kThru = 19;
+constexpr std::uint32_t kExpressions = 18, kThru = 19, kPropsField = 20;
 
 // Extends `run` by a field's bytes, or starts it anew at `begin` if it does not end there.
 void Extend(const std::byte* begin, const std::byte* end, std::span<const std::byte>& run) {
@@ -136,7 +70,7 @@ void Extend(const std::byte* begin, const std::byte* end, std::span<const std::b
 }
 
 // Reads one field of a SourceFrame, whose tag has been read.
-bool ReadField(Reader& reader, std::uint32_t field, std::uint32_t wire,
+bool ReadField(WireReader& reader, std::uint32_t field, std::uint32_t wire,
                SourceFrame& frame) noexcept {
   std::span<const std::byte> bytes;
   if (wire == kBytes) {
@@ -170,7 +104,7 @@ bool ReadField(Reader& reader, std::uint32_t field, std::uint32_t wire,
 
 FrameResult ReadSourceFrame(std::span<const std::byte> payload, SourceFrame& frame) noexcept {
   frame = SourceFrame();
-  Reader reader(payload);
+  WireReader reader(payload);
   while (!reader.AtEnd()) {
     std::uint32_t field = 0;
     std::uint32_t wire = 0;
@@ -181,13 +115,15 @@ FrameResult ReadSourceFrame(std::span<const std::byte> payload, SourceFrame& fra
     if (wire == kBytes && (field == kExpressions || field == kThru)) {
       Extend(begin, reader.at(), frame.face);
     }
+    if (wire == kBytes && field == kPropsField) Extend(begin, reader.at(), frame.props);
   }
   if (frame.face.size() > kMaxFace) frame.face = {};
+  frame.props = frame.props.first(std::min(frame.props.size(), kMaxPropBytes));
   return config::IsName(frame.performer) ? FrameResult::kOk : FrameResult::kBadName;
 }
 
 std::string_view ReadPerformer(std::span<const std::byte> payload) noexcept {
-  Reader reader(payload);
+  WireReader reader(payload);
   while (!reader.AtEnd()) {
     std::uint32_t field = 0;
     std::uint32_t wire = 0;

@@ -41,7 +41,8 @@ enum class [[nodiscard]] FrameResult : std::uint8_t {
 
 // Parses a serialized v1::SourceFrame without protobuf objects, which would allocate for a frame's
 // timecode and grow with a hostile frame. Floats must be packed (proto3's default; one run per
-// field). Expressions and thru must form one run (the last one counts). Unknown fields are skipped;
+// field). Expressions and thru must form one run (the last one counts), and so must props, whose
+// content is not checked. Unknown fields are skipped;
 // the last one of a repeated scalar counts. Fills in everything but machine, session and sequence.
 // `frame` is unspecified unless kOk, and its views point into `payload`. Pure; any thread. Pinned
 // against protobuf by tests/unit/daemon/native_decoder_test.cpp.

@@ -92,6 +92,8 @@ void PerformerStream::Send(const rig::RigPose& pose, const FrameInfo& info, Outb
   if (info.face != nullptr) {
     frame.face = std::span<const std::byte>(face_).first(EncodeFace(*info.face, face_));
   }
+  frame.props = std::span<const std::byte>(props_).first(EncodeProps(info.props, props_));
+  frame.scene_props = info.scene_props;
   out.Put(frame);
 }
 

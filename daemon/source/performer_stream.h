@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "daemon/source/face.h"
 #include "daemon/source/outbox.h"
+#include "daemon/source/props.h"
 #include "daemon/source/source_frame.h"
 #include "model/rig/skeleton.h"
 #include "proto/styled/face.h"
@@ -40,6 +42,8 @@ class PerformerStream {
     std::uint64_t lost = 0;              // frames lost before this one, by the rig's own count
     const Timecode* timecode = nullptr;  // null: the same as in the last frame
     const Face* face = nullptr;          // null, or larger than the reserved room: no face
+    std::span<const Prop> props = {};    // encoded as far as they fit into kMaxPropBytes
+    bool scene_props = false;            // as in SourceFrame
   };
   // Sends a pose of the body: local rotations, NaN for a joint that is not tracked. `pose` must
   // have the body's joint count. Does nothing before a body is set.
@@ -60,6 +64,7 @@ class PerformerStream {
   Timecode timecode_;
   bool has_timecode_ = false;
   std::vector<std::byte> face_;
+  std::array<std::byte, kMaxPropBytes> props_;
 };
 
 // Makes a performer's name from the rig's name for it: every character other than A-Za-z0-9_-

@@ -38,6 +38,11 @@ struct SourceFrame {
   // Expressions and passed-on messages: fields 18 and 19 of v1::SourceFrame including their tags,
   // which mean the same in v1::Frame. At most kMaxFace bytes (proto/styled/face.h).
   std::span<const std::byte> face;
+  // Objects that the rig tracks: field 20 of v1::SourceFrame including its tags, unchecked
+  // (ReadProps of props.h). At most kMaxPropBytes. `scene_props`: they belong to all performers of
+  // the source, not to this one alone.
+  std::span<const std::byte> props;
+  bool scene_props = false;
 
   // For a body: the object that a translator made, or else the serialized message as it arrived.
   // The latter is parsed only after the body is admitted, so that a refused sender costs no

@@ -4,6 +4,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "model/rig/dialects.h"
 
 namespace styled::player {
 
@@ -59,6 +62,11 @@ void Stream::MakeBody() {
   }
   body_.set_metres_per_unit(rig.metres_per_unit);
   body_.set_dialect(rig.dialect);
+  binding_.reset();
+  if (!options_.props.empty()) {
+    auto bound = rig::BindDialect(rig.skeleton, rig.dialect);
+    if (bound.ok()) binding_ = std::move(bound.value());
+  }
   const std::string bytes = body_.SerializeAsString();
   body_crc_ = native::Crc32c(std::as_bytes(std::span(bytes)));
 }
@@ -75,6 +83,7 @@ void Stream::MakeFrame(Fault fault) {
   for (const rig::Quat& rotation : pose_.rotations) {
     for (const float value : rotation.coeffs()) frame_.add_rotations(value);
   }
+  AddProps();
   frame_.set_body_crc(body_crc_);
   Occlude(fault);
   if (fault == Fault::kNan) SpoilJoint();
@@ -92,6 +101,23 @@ void Stream::AddTimecode() {
   timecode.set_seconds(static_cast<std::uint32_t>(seconds % 60));
   timecode.set_frames(static_cast<std::uint32_t>(frames % kRate));
   timecode.set_rate(kRate);
+}
+
+void Stream::AddProps() {
+  if (!binding_) return;
+  const rig::Wrists wrists(*binding_);
+  const rig::WristPair pair = wrists.Read(pose_.translations[0], pose_.rotations);
+  for (const PropSpec& spec : options_.props) {
+    const auto placed = PlaceOf(spec, pair);
+    if (!placed) continue;
+    rig::Vec3 position;
+    rig::Quat rotation;
+    rig::FromCanonical(*binding_, *placed, position, rotation);
+    v1::Prop& prop = *frame_.add_props();
+    prop.set_name(spec.name);
+    for (const float value : position) prop.add_position(value);
+    for (const float value : rotation.coeffs()) prop.add_rotation(value);
+  }
 }
 
 // Replaces one joint's rotation by an invalid one.

@@ -7,11 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "model/rig/binding.h"
 #include "proto/rigs/native/datagram.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
 #include "sim/faults/faults.h"
 #include "sim/player/motion.h"
+#include "sim/player/props.h"
 #include "sim/player/sender.h"
 
 namespace styled::player {
@@ -24,6 +26,7 @@ struct StreamOptions {
   std::function<std::uint64_t()> new_session;
   // SMPTE timecode of each session's first frame, in seconds, counted at 30 frames per second.
   std::optional<double> timecode_s = {};
+  std::vector<PropSpec> props = {};
 };
 
 // One performer as datagrams of the native protocol, with faults. The Body is sent first and then
@@ -56,6 +59,7 @@ class Stream final : public Sender {
   void MakeBody();
   void MakeFrame(faults::Fault fault);
   void AddTimecode();
+  void AddProps();
   void SpoilJoint();
   void Occlude(faults::Fault fault);
   void Hold(std::uint64_t due_tick, std::size_t size);
@@ -69,6 +73,7 @@ class Stream final : public Sender {
   std::unique_ptr<Motion> motion_;
   faults::Faults faults_;
   v1::Body body_;
+  std::optional<rig::Binding> binding_;  // where there are props, and the skeleton is known
   v1::SourceFrame frame_;
   rig::RigPose pose_;
   std::vector<std::byte> buffer_;

@@ -24,11 +24,16 @@ Result<std::unique_ptr<Rig>> Make(const std::string& type, const Options& option
 }
 
 Status CheckOptions(const std::string& type, const Options& options, int max_performers,
-                    std::initializer_list<std::string_view> quirks) {
+                    std::initializer_list<std::string_view> quirks, std::size_t max_props) {
   if (max_performers > 0 && options.performers.size() > static_cast<std::size_t>(max_performers)) {
     return Status::Error(type + ": " + std::to_string(options.performers.size()) +
                          " performers, expected at most " + std::to_string(max_performers) +
                          " on one port");
+  }
+  if (options.props.size() > max_props) {
+    return Status::Error(
+        type + ": " + std::to_string(options.props.size()) + " props, expected " +
+        (max_props == 0 ? "none: this rig has none" : "at most " + std::to_string(max_props)));
   }
   for (const auto& quirk : options.quirks) {
     if (std::find(quirks.begin(), quirks.end(), quirk) != quirks.end()) continue;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "proto/rigs/mvn/mvn.h"
 
@@ -63,9 +65,11 @@ class Mvn final : public Rig {
       header.time_ms = static_cast<std::uint32_t>(std::llround(frame.time_s * 1000));
       header.character = static_cast<std::uint8_t>(k);
       if (old_) header.body_segments = 0;
+      const auto props = k == 0 ? frame.props : std::span<const std::optional<rig::Placed>>();
+      header.props = static_cast<std::uint8_t>(props.size());
       if (frame.index % second == 0) SendBody(header, options_.performers[k], send);
       if (timecode_) SendTimecode(header, send);
-      SendPose(header, frame.poses[k], send);
+      SendPose(header, frame.poses[k], props, send);
     }
   }
 
@@ -90,10 +94,11 @@ class Mvn final : public Rig {
     std::array<Vec3, mvn::kBodySegments> positions;
     std::array<Quat, mvn::kBodySegments> rotations;
     Place(body::Pose(), positions, rotations);
-    std::array<mvn::Scale::Row, mvn::kBodySegments> rows;
-    for (std::size_t s = 0; s < rows.size(); ++s) {
-      rows[s] = {mvn::kSegments[s].name, ToMvn(positions[s])};
+    std::vector<mvn::Scale::Row> rows;
+    for (std::size_t s = 0; s < positions.size(); ++s) {
+      rows.push_back({mvn::kSegments[s].name, ToMvn(positions[s])});
     }
+    for (std::size_t k = 0; k < header.props; ++k) rows.push_back({options_.props[k].name, {}});
     bare.last = false;
     SendFirst(mvn::EncodeScale(bare, rows, buffer_), send);
   }
@@ -104,15 +109,21 @@ class Mvn final : public Rig {
     SendFirst(mvn::EncodeTimecode(header, timecode, buffer_), send);
   }
 
-  void SendPose(mvn::Header header, const body::Pose& pose, const Send& send) {
+  void SendPose(mvn::Header header, const body::Pose& pose,
+                std::span<const std::optional<rig::Placed>> props, const Send& send) {
     std::array<Vec3, mvn::kBodySegments> positions;
     std::array<Quat, mvn::kBodySegments> rotations;
     Place(pose, positions, rotations);
-    std::array<mvn::Segment, mvn::kBodySegments> segments;
-    for (std::size_t s = 0; s < segments.size(); ++s) {
-      const auto id = static_cast<std::uint32_t>(s + 1);
-      segments[s] = euler_ ? AsOfType01(id, positions[s], rotations[s])
-                           : mvn::Segment{id, ToMvn(positions[s]), ToMvn(rotations[s])};
+    std::vector<mvn::Segment> segments;
+    const auto add = [&](const Vec3& position, const Quat& rotation) {
+      const auto id = static_cast<std::uint32_t>(segments.size() + 1);
+      segments.push_back(euler_ ? AsOfType01(id, position, rotation)
+                                : mvn::Segment{id, ToMvn(position), ToMvn(rotation)});
+    };
+    for (std::size_t s = 0; s < positions.size(); ++s) add(positions[s], rotations[s]);
+    for (const auto& prop : props) {
+      const rig::Placed placed = prop.value_or(rig::Placed());
+      add(placed.position_m, placed.rotation);
     }
     if (euler_) header.type = mvn::Type::kEuler;
     std::span<const mvn::Segment> rest(segments);
@@ -134,7 +145,8 @@ class Mvn final : public Rig {
 }  // namespace
 
 Result<std::unique_ptr<Rig>> MakeMvn(const Options& options) {
-  const Status status = CheckOptions("mvn", options, 255, {"euler", "split", "old", "timecode"});
+  const Status status =
+      CheckOptions("mvn", options, 255, {"euler", "split", "old", "timecode"}, mvn::kMaxProps);
   if (!status.ok()) return status;
   return std::unique_ptr<Rig>(std::make_unique<Mvn>(options));
 }

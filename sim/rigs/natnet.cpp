@@ -109,6 +109,14 @@ class NatNet final : public Rig {
     for (std::size_t k = 0; k < frame.poses.size(); ++k) {
       Place(frame.poses[k], static_cast<std::int32_t>(k + 1), out.skeletons[k]);
     }
+    out.rigid_bodies_read = frame.props.size();
+    for (std::size_t k = 0; k < frame.props.size(); ++k) {
+      const rig::Placed placed = frame.props[k].value_or(rig::Placed());
+      const Vec3& position = placed.position_m;
+      out.rigid_bodies[k] = {RigidBodyId(k), ToArray(z_up_ ? ZFromY(position) : position),
+                             ToArray(z_up_ ? ZFromY(placed.rotation) : placed.rotation),
+                             frame.props[k].has_value()};
+    }
     const auto bytes = std::span(buffer_).first(natnet::EncodeFrame(out, version_, buffer_));
     group_ != nullptr ? group_->Send(bytes) : send(bytes);
   }
@@ -146,6 +154,11 @@ class NatNet final : public Rig {
     return std::ranges::find(options_.quirks, quirk) != options_.quirks.end();
   }
 
+  static std::int32_t RigidBodyId(std::size_t prop) {
+    constexpr std::int32_t kFirst = 101;
+    return kFirst + static_cast<std::int32_t>(prop);
+  }
+
   natnet::ServerInfo Info() const {
     natnet::ServerInfo info;
     info.name = "Motive";
@@ -158,6 +171,10 @@ class NatNet final : public Rig {
   }
 
   void MakeModel() {
+    model_->rigid_bodies_read = options_.props.size();
+    for (std::size_t k = 0; k < options_.props.size(); ++k) {
+      model_->rigid_bodies[k] = {options_.props[k].name, RigidBodyId(k), -1};
+    }
     model_->skeleton_count = options_.performers.size();
     names_.reserve(options_.performers.size() * kBones.size());
     for (std::size_t k = 0; k < options_.performers.size(); ++k) {
@@ -230,7 +247,8 @@ Result<std::unique_ptr<Rig>> MakeNatNet(const Options& options) {
     std::erase(others.quirks, quirk);
   }
   const Status status = CheckOptions("natnet", others, static_cast<int>(natnet::kMaxSkeletons),
-                                     {"2.9", "4.1", "4.2", "local", "z-up", "prefix", kMulticast});
+                                     {"2.9", "4.1", "4.2", "local", "z-up", "prefix", kMulticast},
+                                     natnet::kMaxRigidBodies);
   if (!status.ok()) return status;
   return std::unique_ptr<Rig>(std::make_unique<NatNet>(options, std::move(group)));
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 
 #include "model/base/status.h"
 #include "model/body/pose.h"
+#include "sim/player/props.h"
 
 namespace styled::rigs {
 
@@ -25,6 +27,8 @@ struct Frame {
   // The same without untracked joints, for sensors that do not depend on the parent's; empty:
   // unknown.
   std::span<const body::Pose> whole = {};
+  // Where each of Options::props is, in its order and in canonical axes; empty: not tracked.
+  std::span<const std::optional<rig::Placed>> props = {};
 };
 
 // Sends a datagram; calls keep the order. The bytes are valid during the call.
@@ -37,6 +41,7 @@ struct Options {
   // Quirks by name, e.g. "t-first", "tcp", "lz4", "4.1". Each rig's header lists those it has;
   // Make() refuses others.
   std::vector<std::string> quirks;
+  std::vector<player::PropSpec> props = {};
 };
 
 // What a server over TCP keeps for one of its clients, until the client leaves. One thread.
@@ -83,9 +88,9 @@ std::string Words();
 // Errors name the type and list the known ones. "native" has none (sim/player).
 Result<std::unique_ptr<Rig>> Make(const std::string& type, const Options& options);
 
-// For implementations of Rig: refuses quirks not in `quirks` and more performers than
-// `max_performers` (0: unlimited).
+// For implementations of Rig: refuses quirks not in `quirks`, more performers than `max_performers`
+// (0: unlimited), and more props than `max_props`.
 Status CheckOptions(const std::string& type, const Options& options, int max_performers,
-                    std::initializer_list<std::string_view> quirks);
+                    std::initializer_list<std::string_view> quirks, std::size_t max_props = 0);
 
 }  // namespace styled::rigs

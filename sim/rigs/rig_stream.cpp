@@ -13,9 +13,10 @@ using player::Motion;
 
 Result<std::unique_ptr<RigStream>> RigStream::Make(
     std::unique_ptr<Rig> rig, std::vector<std::unique_ptr<player::Motion>> motions, double rate_hz,
-    const faults::Spec& spec) {
+    const faults::Spec& spec, std::vector<player::PropSpec> props) {
   std::unique_ptr<RigStream> stream(
       new RigStream(std::move(rig), std::move(motions), rate_hz, spec));
+  stream->props_ = std::move(props);
   for (std::size_t k = 0; k < stream->motions_.size(); ++k) {
     if (Status status = stream->Bind(k); !status.ok()) return status;
   }
@@ -133,8 +134,12 @@ Status RigStream::Flush(player::Link& link) { return SendHeld(link, true); }
 
 Status RigStream::SendFrame(Fault fault, player::Link& link) {
   Datagrams datagrams;
+  std::vector<std::optional<rig::Placed>> props;
+  for (const auto& prop : props_) {
+    props.push_back(player::PlaceOf(prop, rig::WristsOf(whole_.front())));
+  }
   const double true_s = static_cast<double>(frame_index_) / rate_hz_;
-  rig_->Encode({frame_index_, true_s + faults_.ClockError_s(true_s, fault), poses_, whole_},
+  rig_->Encode({frame_index_, true_s + faults_.ClockError_s(true_s, fault), poses_, whole_, props},
                [&datagrams](std::span<const std::byte> bytes) {
                  datagrams.emplace_back(bytes.begin(), bytes.end());
                });

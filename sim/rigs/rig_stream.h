@@ -15,10 +15,11 @@ namespace styled::rigs {
 // one of them. One thread. Pinned by tests/unit/sim/rig_stream_test.cpp.
 class RigStream final : public player::Sender {
  public:
-  // `motions`: one per performer of the rig. Errors: a skeleton that cannot be bound.
+  // `motions`: one per performer of the rig. `props`: as the rig's options have them. Errors: a
+  // skeleton that cannot be bound.
   static Result<std::unique_ptr<RigStream>> Make(
       std::unique_ptr<Rig> rig, std::vector<std::unique_ptr<player::Motion>> motions,
-      double rate_hz, const faults::Spec& spec);
+      double rate_hz, const faults::Spec& spec, std::vector<player::PropSpec> props = {});
 
   // The end of any motion ends the stream; a new body starts a new session.
   Step Tick(player::Link& link) override;
@@ -56,6 +57,7 @@ class RigStream final : public player::Sender {
   std::vector<std::unique_ptr<player::Motion>> motions_;
   std::vector<std::unique_ptr<rig::Binding>> bindings_;
   std::vector<body::Pose> poses_, whole_;  // whole_: without the occlusions
+  std::vector<player::PropSpec> props_;
   rig::RigPose source_;
   double rate_hz_;
   faults::Faults faults_;

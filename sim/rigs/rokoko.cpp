@@ -54,6 +54,10 @@ class Rokoko final : public Rig {
       frame_.actors[k].has_face = face_;
       if (face_) frame_.actors[k].face = SyntheticFace(frame.time_s);
     }
+    frame_.prop_count = 0;
+    for (std::size_t k = 0; k < frame.props.size(); ++k) {
+      if (frame.props[k]) PutProp(options_.props[k].name, *frame.props[k]);
+    }
     std::span<const std::byte> datagram =
         std::as_bytes(std::span(text_).first(rokoko::EncodeText(frame_, text_)));
     if (lz4_) datagram = std::span(packed_).first(packer_.Pack(datagram, packed_));
@@ -75,6 +79,14 @@ class Rokoko final : public Rig {
     actor.joints[joint] = {{-position.x(), position.y(), position.z()},
                            {q.x(), q.y(), q.z(), q.w()}};
     actor.has.set(joint, position.allFinite() && q.coeffs().allFinite());
+  }
+
+  void PutProp(const std::string& name, const rig::Placed& placed) {
+    rokoko::Prop& prop = frame_.props[static_cast<std::size_t>(frame_.prop_count++)];
+    prop.set_name(name);
+    const Vec3& p = placed.position_m;
+    const Quat& q = placed.rotation;
+    prop.pose = {{-p.x(), p.y(), p.z()}, {q.x(), -q.y(), -q.z(), q.w()}};
   }
 
   void Place(const body::Pose& pose, rokoko::Actor& actor) const {
@@ -119,7 +131,8 @@ Result<std::unique_ptr<Rig>> MakeRokoko(const Options& options) {
   };
   const int with_gloves = has("face") ? 4 : 5;  // that fit into a datagram
   const int most = has("gloves") && !has("lz4") ? with_gloves : rokoko::kMaxActors;
-  const Status status = CheckOptions("rokoko", options, most, {"lz4", "gloves", "face"});
+  const Status status =
+      CheckOptions("rokoko", options, most, {"lz4", "gloves", "face"}, rokoko::kMaxProps);
   if (!status.ok()) return status;
   return std::unique_ptr<Rig>(std::make_unique<Rokoko>(options));
 }

@@ -43,6 +43,19 @@ v1::Body WithFinger(const Rig& rig) {
   return body;
 }
 
+// A sword beside the right hand, which some frames lack, and at times one that has no pose.
+void AddProps(int i, v1::SourceFrame& frame) {
+  const auto add = [&frame](const std::string& name, float x, float y, float w) {
+    v1::Prop& prop = *frame.add_props();
+    prop.set_name(name);
+    for (const float value : {x, y, 0.0F}) prop.add_position(value);
+    for (const float value : {0.0F, 0.0F, 0.0F, w}) prop.add_rotation(value);
+  };
+  if (i % 50 < 40) add("sword", -0.3F, 0.75F, 1);
+  if (i % 31 == 5) add("lost", 1, 1, 0);
+  add("a chair with a name that no small string holds", 5, 0, 1);
+}
+
 // Writes it as an avatar.
 void WriteAvatar(const v1::Body& body, const std::string& file) {
   clip::Motion motion;
@@ -59,8 +72,8 @@ void WriteAvatar(const v1::Body& body, const std::string& file) {
 // A second of all that frames can meet: styles that change, joints that break, frames lost,
 // doubled, late and damaged, timecode that comes and goes, weights that make no pose of some of
 // them, several performers with a finger each, a phone for the face of one and gloves, which come
-// and go, for the fingers of another, a filter against jitter, an avatar, all topics subscribed,
-// all of it recorded.
+// and go, for the fingers of another, a filter against jitter, props that come and go, are held and
+// are wrong, an avatar, all topics subscribed, all of it recorded.
 Report Play(const std::string& provoke) {
   TemporaryFolder folder;
   const std::string file = folder / "report.txt";
@@ -107,6 +120,7 @@ Report Play(const std::string& provoke) {
     for (std::size_t r = 0; r < rigs.size(); ++r) {
       Bytes bytes = rigs[r].Frame([&](v1::SourceFrame& frame) {
         for (int k = 0; k < 8; ++k) frame.add_rotations(k % 4 == 3 ? 0.8F : k % 4 == 2 ? 0.6F : 0);
+        AddProps(i, frame);
         if (i % 3 == 0) frame.mutable_timecode()->set_frames(7);
         if (i % 17 == 5) frame.set_rotations(12, std::numeric_limits<float>::quiet_NaN());
         if (i % 71 == 70) frame.add_rotations(1);
@@ -121,6 +135,7 @@ Report Play(const std::string& provoke) {
   Sleep(0.3);
   EXPECT_GT(control.Counter("record.written"), 100U);
   EXPECT_GE(control.Counter("stylist.failed"), 4U);
+  EXPECT_GE(control.Counter("pipeline.props_left_out"), 1U);
   for (const char* const topic : {"styled/rig.p0/canonical/", "styled/rig.p0/hero/"}) {
     const auto frames = subscriber.Frames(topic);
     EXPECT_FALSE(frames.empty()) << topic;
@@ -130,6 +145,10 @@ Report Play(const std::string& provoke) {
         return frame.expressions_size() > 0;
       });
       EXPECT_TRUE(smiled) << topic;
+      const bool armed = std::any_of(frames.begin(), frames.end(), [](const v1::Frame& frame) {
+        return frame.props_size() == 2;
+      });
+      EXPECT_TRUE(armed) << topic;
     }
   }
   EXPECT_EQ(daemon.Stop(), 0) << daemon.Log();

@@ -27,6 +27,10 @@ inline v1::SourceFrame AsMessage(const source::SourceFrame& frame) {
     message.MergeFromString(
         std::string(reinterpret_cast<const char*>(frame.face.data()), frame.face.size()));
   }
+  if (!frame.props.empty()) {
+    message.MergeFromString(
+        std::string(reinterpret_cast<const char*>(frame.props.data()), frame.props.size()));
+  }
   message.set_performer(std::string(frame.performer));
   message.set_source_time_ns(frame.source_time_ns);
   message.set_body_crc(frame.body_crc);

@@ -30,6 +30,7 @@ void Outputs::Bind(const BoundBody& body, const v1::Body& given, const RuntimeCo
   rig_bytes_ = rig.SerializeAsString();
   canonical_bytes_ = canonical.SerializeAsString();
   ready_ = {};
+  for (EncodedProps& encoded : props_) encoded.Clear();
   const int joints = body.binding->skeleton().joint_count();
   const auto& styles = config.network->model().styles;
   messages_[kRig].emplace(id_, epoch_, rig, joints, styles);
@@ -53,12 +54,19 @@ void Outputs::Adopt(const RuntimeConfig& config) {
   network_ = config.network;
 }
 
-bool Outputs::Retarget(std::int64_t elapsed_ns, const stylist::Output& out) noexcept {
+bool Outputs::Retarget(std::int64_t elapsed_ns, const stylist::Output& out,
+                       const CarriedProps& props) noexcept {
   bool failed = false;
+  for (EncodedProps& encoded : props_) encoded.Clear();
+  if (!props.empty()) {
+    props.OnRig(out, props_[kRig]);
+    props.OnCanonical(out, props_[kCanonical]);
+    props.OnSource(out, props_[kSource]);
+  }
   std::copy(out.canonical.rotations.begin(), out.canonical.rotations.end(), canonical_.begin());
   tail_.Read(out.rig.rotations, std::span(canonical_).subspan(body::kJointCount));
   for (const auto& stream : streams_) {
-    stream->Process(elapsed_ns, out);
+    stream->Process(elapsed_ns, out, props);
     failed = failed || stream->failed();
   }
   return failed;
@@ -84,7 +92,7 @@ void Outputs::Serialize(const publish::FrameHeader& header, std::uint32_t flags,
     if (i == kRig) message.SetPose(styling.rig_root(), out.rig.rotations);
     if (i == kSource) message.SetPose(out.source.translations.front(), out.source.rotations);
     if (i == kCanonical) message.SetPose(out.canonical.hips_position_m, canonical_);
-    ready_[i] = message.Serialize(face);
+    ready_[i] = message.Serialize(face, props_[i].bytes());
   }
   for (const auto& stream : streams_) {
     const std::uint32_t own = stream->failed() ? v1::FLAG_FAILED : 0;

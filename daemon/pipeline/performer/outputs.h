@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "daemon/pipeline/body_binding.h"
+#include "daemon/pipeline/performer/carried_props.h"
 #include "daemon/pipeline/performer/retarget_stream.h"
 #include "daemon/pipeline/performer/styling.h"
 #include "daemon/pipeline/runtime_config.h"
@@ -45,9 +46,11 @@ class Outputs {
   // on.
   void Adopt(const RuntimeConfig& config);
 
-  // Retargets a styled frame, and reads its fingers, eyes and jaw; call it while `out` is in the
-  // binding's axes. Returns true if a retarget output fell back to the performer's own motion.
-  STYLED_REALTIME bool Retarget(std::int64_t elapsed_ns, const stylist::Output& out) noexcept;
+  // Retargets a styled frame, reads its fingers, eyes and jaw, and places its props; call it while
+  // `out` is in the binding's axes. Returns true if a retarget output fell back to the performer's
+  // own motion.
+  STYLED_REALTIME bool Retarget(std::int64_t elapsed_ns, const stylist::Output& out,
+                                const CarriedProps& props) noexcept;
   // Serializes a frame for the subscribed topics. `face`: as received, at most kMaxFace bytes.
   STYLED_REALTIME void Serialize(const publish::FrameHeader& header, std::uint32_t flags,
                                  const Styling& styling, std::span<const std::byte> face) noexcept;
@@ -81,6 +84,7 @@ class Outputs {
   rig::Tail tail_;
   std::vector<rig::Quat>
       canonical_;  // the last frame's rotations, the tail's behind the humanoid's
+  std::array<EncodedProps, kFrameTopics> props_;  // the last frame's
   std::array<std::optional<publish::FrameMessage>, kFrameTopics> messages_;
   std::vector<std::unique_ptr<RetargetStream>> streams_;
   std::array<std::span<const std::byte>, kFrameTopics> ready_;  // empty: not subscribed

@@ -45,6 +45,8 @@ void Performer::UseBinding(const RuntimeConfig& config) {
   outputs.Bind(binding_.body(), binding_.given(), config);
   const auto index = static_cast<std::size_t>(source);
   const auto& skeleton = binding_.body().binding->skeleton();
+  static const config::PropHands kAuto;
+  props_.emplace(binding_.body(), index < config.props.size() ? config.props[index] : kAuto);
   smoothing_ = PoseSmoothing(
       index < config.smoothing.size() ? config.smoothing[index] : config::Smoothing(),
       static_cast<std::size_t>(skeleton.joint_count()), binding_.given().metres_per_unit());
@@ -81,6 +83,10 @@ Performer::Accepted Performer::Accept(const source::SourceFrame& frame,
                                       const FrameContext& context) noexcept {
   if (!binding_.Receive(frame, context.receive_ns)) return Accepted::kWrongSize;
   if (!styling_) return Accepted::kUncalibrated;
+  if (const std::size_t left_out = props_->Take(frame.props, frame.scene_props); left_out > 0) {
+    counters_.AddOf(source, runtime::Counter::kPipelinePropsLeftOut, left_out);
+  }
+  if (smoothing_.active()) props_->TakeUnfiltered(binding_.received());
   smoothing_.Apply(binding_.received(), context.elapsed_ns);
   styling_->SetInput(binding_.received());
   fingers_.Apply(context.elapsed_ns, styling_->in());
@@ -96,11 +102,15 @@ Performer::Accepted Performer::Accept(const source::SourceFrame& frame,
 
 stylist::Stylist::Job Performer::Style() noexcept { return styling_->MakeJob(context_.elapsed_ns); }
 
+void Performer::LeavePropsTo(const Performer& other) noexcept {
+  if (other.shares_props()) props_->LeaveTo(*other.props_);
+}
+
 void Performer::Finish(std::int64_t publish_ns) noexcept {
   context_.publish_ns = publish_ns;
   // Retargeting needs canonical axes, so it comes before the poses are transformed to the rig's
   // axes.
-  const bool failed = outputs.Retarget(context_.elapsed_ns, styling_->out());
+  const bool failed = outputs.Retarget(context_.elapsed_ns, styling_->out(), *props_);
   styling_->Finish(failed ? stylist::kFailed : 0U);
   WatchFacing();
   Serialize(styling_->out().flags | context_.extra_flags, context_);

@@ -8,6 +8,7 @@
 #include "daemon/pipeline/facing.h"
 #include "daemon/pipeline/performer/admission.h"
 #include "daemon/pipeline/performer/binding.h"
+#include "daemon/pipeline/performer/carried_props.h"
 #include "daemon/pipeline/performer/fingers.h"
 #include "daemon/pipeline/performer/outputs.h"
 #include "daemon/pipeline/performer/smoothing.h"
@@ -41,6 +42,8 @@ class Performer {
   v1::Code Calibrate(const v1::Calibrate& request, const RuntimeConfig& config, std::int64_t now_ns,
                      v1::Reply& reply);
   const PerformerBinding& binding() const { return binding_; }
+  // The last frame has props that belong to all performers of the source.
+  bool shares_props() const { return props_ && props_->of_the_scene() && !props_->empty(); }
 
   // ApplyLook applies the profile's settings from the next frame on. Rebuild makes a new stylist
   // after weights or options changed. Both allocate. Adopt goes on with a network that only has
@@ -52,10 +55,11 @@ class Performer {
   // Resets the recurrent state; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept;
 
-  // Processes one frame in three steps, so that several performers are styled together: Accept
-  // copies it, Stylist::ProcessTogether runs the jobs of Style(), Finish serializes it for the
-  // subscribed topics. A frame whose joint count differs from the body's is refused. While the
-  // performer waits for a calibration its pose is only remembered. `elapsed_ns` is the session's.
+  // Processes one frame in steps, so that several performers are styled together: Accept copies it,
+  // Stylist::ProcessTogether runs the jobs of Style(), Attach finds the props in the performer's
+  // hands, Finish serializes it for the subscribed topics. A frame whose joint count differs from
+  // the body's is refused. While the performer waits for a calibration its pose is only remembered.
+  // `elapsed_ns` is the session's.
   enum class Accepted : std::uint8_t { kOk, kWrongSize, kUncalibrated };
   struct FrameContext {
     std::int64_t elapsed_ns = 0;
@@ -67,6 +71,9 @@ class Performer {
   STYLED_REALTIME Accepted Accept(const source::SourceFrame& frame,
                                   const FrameContext& context) noexcept;
   STYLED_REALTIME stylist::Stylist::Job Style() noexcept;
+  STYLED_REALTIME void Attach() noexcept { props_->Attach(styling_->out()); }
+  // Leaves out the props of the scene that another performer of the same source holds.
+  STYLED_REALTIME void LeavePropsTo(const Performer& other) noexcept;
   STYLED_REALTIME void Finish(std::int64_t publish_ns) noexcept;
   // Brings the next frame's data into the caches. Changes nothing.
   STYLED_REALTIME void Prewarm() noexcept;
@@ -110,9 +117,10 @@ class Performer {
 
   runtime::Counters& counters_;
   PerformerBinding binding_;
-  std::optional<Styling> styling_;  // empty until a body is bound
-  FrameContext context_;            // of the accepted frame
-  publish::FrameHeader header_;     // its source's part
+  std::optional<Styling> styling_;     // empty until a body is bound
+  std::optional<CarriedProps> props_;  // as styling_
+  FrameContext context_;               // of the accepted frame
+  publish::FrameHeader header_;        // its source's part
   PoseSmoothing smoothing_;
   std::vector<FingerLayer*> finger_layers_;
   Fingers fingers_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/pipeline/body_binding.h"
+#include "daemon/pipeline/performer/carried_props.h"
 #include "daemon/pipeline/runtime_config.h"
 #include "daemon/publish/frame_message.h"
 #include "daemon/publish/subscriptions.h"
@@ -30,9 +31,10 @@ class RetargetStream {
   // As FrameMessage::UseStyles.
   void UseStyles(const net::Styles& styles) noexcept { message_.UseStyles(styles); }
 
-  // Retargets a frame, but only while a client subscribes; the first frame after a pause starts
-  // anew. `elapsed_ns` is the session's.
-  STYLED_REALTIME void Process(std::int64_t elapsed_ns, const stylist::Output& out) noexcept;
+  // Retargets a frame and its props, but only while a client subscribes; the first frame after a
+  // pause starts anew. `elapsed_ns` is the session's.
+  STYLED_REALTIME void Process(std::int64_t elapsed_ns, const stylist::Output& out,
+                               const CarriedProps& props) noexcept;
   // The styled pose was invalid, so the frame is the performer's own motion.
   bool failed() const { return failed_; }
 
@@ -44,7 +46,7 @@ class RetargetStream {
     if (topic.wanted == 0 || !has_frame_) return;
     fill(message_);
     message_.SetPose(root_, rotations_);
-    ready_ = message_.Serialize(face);
+    ready_ = message_.Serialize(face, props_.bytes());
   }
   // The serialized frame that is not sent yet, or empty.
   std::span<const std::byte> ready() const { return ready_; }
@@ -54,12 +56,16 @@ class RetargetStream {
   publish::Topic topic;
 
  private:
+  STYLED_REALTIME void PlaceProps(const rig::Vec3& root, const CarriedProps& props) noexcept;
+
   std::shared_ptr<const RetargetOutput> output_;
   stylist::Avatar avatar_;
   bool has_frame_ = false;  // root_ and rotations_ hold one
   bool failed_ = false;
   rig::Vec3 root_ = rig::Vec3::Zero();
   std::vector<rig::Quat> rotations_;
+  rig::Wrists wrists_;
+  EncodedProps props_;
   publish::FrameMessage message_;
   publish::Subscriptions& subscriptions_;
   std::string body_bytes_;

@@ -6,6 +6,7 @@
 #include "daemon/runtime/clock.h"
 #include "daemon/source/note_limit.h"
 #include "daemon/source/performer_stream.h"
+#include "daemon/source/props.h"
 #include "daemon/source/rigs/world_pose.h"
 #include "proto/rigs/mvn/mvn.h"
 
@@ -80,6 +81,11 @@ class Character {
   void SayIncomplete(std::int64_t now_ns, Outbox& out);
   void MakeBody(const mvn::Header& header, const std::string& up, Outbox& out);
   void Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
+  // Props are between the body and the fingers.
+  std::size_t SegmentOf(std::size_t joint) const noexcept {
+    return joint + (joint < mvn::kBodySegments ? 0 : static_cast<std::size_t>(props_));
+  }
+  void NameProps(const mvn::Scale& scale, Outbox& out);
 
   std::uint64_t peer_;
   std::uint8_t id_;
@@ -98,7 +104,8 @@ class Character {
   std::array<rig::Quat, mvn::kMaxSegments> rotations_;
   int gathered_ = 0, wanted_ = 0, next_part_ = 0;
   mvn::Type gathered_type_ = mvn::Type::kEuler;
-  std::vector<int> segment_of_joint_;
+  int props_ = 0;  // that the last sample has
+  std::array<std::string, mvn::kMaxProps> prop_names_{"Prop1", "Prop2", "Prop3", "Prop4"};
   std::vector<rig::Quat> joint_rotations_;
   rig::RigBody body_;
   rig::RigPose pose_;
@@ -113,6 +120,7 @@ void Character::TakeScale(const mvn::Scale& scale, Outbox& out) {
     scale_m_[s] = {p[0], p[1], p[2]};
   }
   has_scale_ = true;
+  NameProps(scale, out);
   if (!stream_ || !stream_->has_body()) return;
   // The T-pose arrived after the body was made: a changed body, if it differs.
   mvn::Header header;
@@ -120,6 +128,23 @@ void Character::TakeScale(const mvn::Scale& scale, Outbox& out) {
   header.finger_segments =
       body_.skeleton.joint_count() > mvn::kBodySegments ? 2 * kHandSegments : 0;
   MakeBody(header, y_up_ ? "y" : "z", out);
+}
+
+// The rows of type 13 are in the order of a sample's segments.
+void Character::NameProps(const mvn::Scale& scale, Outbox& out) {
+  constexpr int kHands = 2 * kHandSegments;
+  const int others = scale.count - mvn::kBodySegments;
+  const int props = others >= kHands ? others - kHands : others;
+  for (int i = 0; i < mvn::kMaxProps; ++i) {
+    const auto row = static_cast<std::size_t>(mvn::kBodySegments + i);
+    const std::string usual = "Prop" + std::to_string(i + 1);  // too short to allocate
+    const bool named = i < props && !scale.segments[row].name.empty();
+    const std::string_view name = named ? scale.segments[row].name : std::string_view(usual);
+    std::string& kept = prop_names_[static_cast<std::size_t>(i)];
+    if (kept == name) continue;
+    out.LeaveHotSection();
+    kept = name;
+  }
 }
 
 Character::Order Character::Sort(const mvn::Header& header, std::int64_t now_ns, Outbox& out) {
@@ -196,11 +221,6 @@ void Character::MakeBody(const mvn::Header& header, const std::string& up, Outbo
   body_.skeleton = MakeSkeleton(fingers);
   body_.metres_per_unit = euler ? 0.01F : 1.0F;
   const auto joints = static_cast<std::size_t>(body_.skeleton.joint_count());
-  segment_of_joint_.resize(joints);
-  for (std::size_t j = 0; j < joints; ++j) {
-    segment_of_joint_[j] =
-        static_cast<int>(j) + (j < mvn::kBodySegments ? 0 : static_cast<int>(header.props));
-  }
   joint_rotations_.resize(joints, rig::Quat::Identity());
   pose_ = rig::RigPose(body_.skeleton);
   if (!euler) {
@@ -209,7 +229,7 @@ void Character::MakeBody(const mvn::Header& header, const std::string& up, Outbo
   }
   std::vector<rig::Vec3> positions(joints);
   for (std::size_t j = 0; j < joints; ++j) {
-    const auto s = static_cast<std::size_t>(segment_of_joint_[j]);
+    const std::size_t s = SegmentOf(j);
     positions[j] = positions_[s];
     joint_rotations_[j] = rotations_[s];
   }
@@ -233,6 +253,7 @@ void Character::TakePose(const mvn::Header& header, const mvn::Pose& pose, const
   if (header.type == mvn::Type::kEuler && type_ == mvn::Type::kQuaternion) return;
   if (Sort(header, now_ns, out) == Order::kOld || !Gather(header, pose, now_ns, out)) return;
   sent_ = true;
+  props_ = header.props;
   if (!stream_) {
     if ((called_.empty() || !has_scale_) && now_ns - since_ns_ < kPatience_ns) return;
     out.LeaveHotSection();
@@ -248,7 +269,7 @@ void Character::TakePose(const mvn::Header& header, const mvn::Pose& pose, const
 
 void Character::Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out) {
   for (std::size_t j = 0; j < joint_rotations_.size(); ++j) {
-    joint_rotations_[j] = rotations_[static_cast<std::size_t>(segment_of_joint_[j])];
+    joint_rotations_[j] = rotations_[SegmentOf(j)];
   }
   LocalFromWorld(body_.skeleton.parents, joint_rotations_, pose_);
   pose_.translations.front() = positions_.front();
@@ -256,6 +277,12 @@ void Character::Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out
   info.source_time_ns = std::uint64_t{header.time_ms} * 1'000'000;
   info.now_ns = now_ns;
   info.timecode = has_timecode_ ? &timecode_ : nullptr;
+  PropList props;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(std::min(props_, mvn::kMaxProps)); ++i) {
+    const std::size_t s = mvn::kBodySegments + i;
+    props.Add({prop_names_[i], positions_[s], rotations_[s]});
+  }
+  info.props = props.all();
   stream_->Send(pose_, info, out);
 }
 

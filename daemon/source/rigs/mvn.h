@@ -16,7 +16,9 @@ namespace styled::source {
 //             source's name; NAME-2, ... where a name is taken.
 // Body        23 segments, with gloves 63, in the stream's own axes and units: type 02 in metres,
 //             +Z or +Y up (`up`), type 01 in centimetres, +Y up. The skeleton is that of type 13,
-//             or of the first pose where none comes within 1.5 s. Props are left out.
+//             or of the first pose where none comes within 1.5 s.
+// Props       Of the character, up to four: the segments behind the body's, in the same axes and
+//             units; their names are those of type 13, or Prop1, Prop2, ...
 // Pose        Type 02, or type 01 where no 02 comes.
 // Time        The sender's milliseconds; SMPTE timecode from type 25 (rate 1000).
 // Session     A new one where the sample counter falls back by 240 or more.

@@ -151,6 +151,11 @@ void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
     Say("server " + config_.server + " streams no skeleton: enable them in its streaming settings",
         out);
   }
+  prop_names_.clear();
+  for (std::size_t b = 0; b < model_->rigid_bodies_read; ++b) {
+    const natnet::RigidBodyDescription& body = model_->rigid_bodies[b];
+    if (body.parent <= 0) prop_names_.emplace_back(body.id, body.name);
+  }
   model_whole_ = model_->complete && model_->skeletons_left_out == 0;
   std::vector<std::unique_ptr<Performer>> performers;
   for (std::size_t s = 0; s < model_->skeleton_count; ++s) {
@@ -259,12 +264,32 @@ void NatNet::WatchConvention(Outbox& out) {
       out);
 }
 
+// A body of a skeleton has the skeleton's id in its upper 16 bits. What is not tracked has the pose
+// of an earlier frame.
+void NatNet::TakeProps(Outbox& out) noexcept {
+  props_.count = props_.left_out = 0;
+  for (std::size_t b = 0; b < frame_->rigid_bodies_read; ++b) {
+    const natnet::Bone& body = frame_->rigid_bodies[b];
+    const auto named = std::ranges::find_if(
+        prop_names_, [&body](const auto& known) { return known.first == body.id; });
+    if (!body.tracked || body.id != body.description_id() || named == prop_names_.end()) continue;
+    Prop prop;
+    prop.name = named->second;
+    ConvertRigidBody(body, convention_.convention(), prop.position, prop.rotation);
+    props_.Add(prop);
+  }
+  for (std::size_t k = 0; k < props_.left_out; ++k) out.Refuse(Counter::kPipelinePropsLeftOut);
+}
+
 void NatNet::Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out) {
   WatchConvention(out);
+  TakeProps(out);
   PerformerStream::FrameInfo info;
   info.source_time_ns = static_cast<std::uint64_t>(std::llround(frame_->timestamp_s * 1e9));
   info.now_ns = now_ns;
   info.lost = lost;
+  info.props = props_.all();
+  info.scene_props = true;
   const std::uint32_t code = frame_->timecode;
   if (code != 0) {
     timecode_ = {code >> 24U, code >> 16U & 0xFFU, code >> 8U & 0xFFU, code & 0xFFU, 0, false};

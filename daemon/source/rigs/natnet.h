@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/config/config.h"
 #include "daemon/source/performer_stream.h"
+#include "daemon/source/props.h"
 #include "daemon/source/rigs/natnet_skeleton.h"
 #include "daemon/source/translator.h"
 #include "proto/rigs/natnet/dialogue.h"
@@ -28,13 +30,15 @@ namespace styled::source {
 // Body        The skeleton's bones in metres, made +Y up, dialect "motive". Whether bones are
 //             global or local and which axis is up is found in the frames (natnet_skeleton.h),
 //             unless `coordinates` and `up` say so.
+// Props       Rigid bodies that are tracked and belong to no skeleton, by their names in the model,
+//             for every performer.
 // Time        The frame's timestamp in seconds; SMPTE timecode where the server has one. A gap in
 //             the frame numbers beyond the server's usual step counts as lost frames.
 // Session     A new one where frame numbers fall back by 16 or more, or the convention changes.
 // Refused     source.ignored for packets from elsewhere than the server, or before it answered;
 //             source.malformed; source.bad_version; source.incomplete until the convention is
 //             known; pipeline.duplicate, pipeline.reordered, pipeline.before_body and
-//             pipeline.bodies_refused.
+//             pipeline.bodies_refused; pipeline.props_left_out beyond 16 props.
 // Pinned by tests/unit/natnet/translator_test.cpp.
 class NatNet final : public Translator {
  public:
@@ -75,6 +79,7 @@ class NatNet final : public Translator {
   Order Sort(std::uint64_t& lost, Outbox& out);
   void Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out);
   Performer* Find(std::int32_t skeleton) noexcept;
+  STYLED_REALTIME void TakeProps(Outbox& out) noexcept;
   bool Adopt(const natnet::SkeletonDescription& description,
              std::vector<std::unique_ptr<Performer>>& performers, Outbox& out);
   void WatchConvention(Outbox& out);
@@ -97,6 +102,9 @@ class NatNet final : public Translator {
   int bad_frames_ = 0;  // in a row
 
   std::vector<std::unique_ptr<Performer>> performers_;
+  // Rigid bodies that are parts of nothing, of the server's model; and the last frame's.
+  std::vector<std::pair<std::int32_t, std::string>> prop_names_;
+  PropList props_;
   NatNetConventionFinder convention_;
   bool flags_ = false;  // a bone was marked as tracked, so the marks are meaningful
   bool any_frame_ = false;

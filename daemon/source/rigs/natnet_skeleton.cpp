@@ -19,6 +19,7 @@ constexpr int kPatience = 10;  // frames
 std::int32_t Masked(std::int32_t id) { return id & 0xFFFF; }
 
 Vec3 YFromZ(const Vec3& v) { return {v.x(), v.z(), -v.y()}; }
+Quat YFromZ(const Quat& q) { return {q.w(), q.x(), q.z(), -q.y()}; }
 Vec3 ZFromY(const Vec3& v) { return {v.x(), -v.z(), v.y()}; }
 
 Vec3 PositionOf(const natnet::Bone& bone) {
@@ -154,10 +155,7 @@ void NatNetSkeleton::Convert(const natnet::Skeleton& bones, NatNetConvention con
   for (std::size_t j = 0; j < ids_.size(); ++j) {
     const natnet::Bone* bone = Find(bones, j, flags);
     world_[j] = bone != nullptr ? RotationOf(*bone).normalized() : Nan();
-    if (convention.z_up) {
-      const Quat q = world_[j];
-      world_[j] = {q.w(), q.x(), q.z(), -q.y()};
-    }
+    if (convention.z_up) world_[j] = YFromZ(world_[j]);
     if (j == 0 && bone != nullptr) {
       const Vec3 place = PositionOf(*bone);
       pose.translations.front() = convention.z_up ? YFromZ(place) : place;
@@ -168,6 +166,12 @@ void NatNetSkeleton::Convert(const natnet::Skeleton& bones, NatNetConvention con
   } else {
     LocalFromWorld(body_.skeleton.parents, world_, pose);
   }
+}
+
+void ConvertRigidBody(const natnet::Bone& body, NatNetConvention convention, Vec3& position,
+                      Quat& rotation) noexcept {
+  position = convention.z_up ? YFromZ(PositionOf(body)) : PositionOf(body);
+  rotation = convention.z_up ? YFromZ(RotationOf(body)) : RotationOf(body);
 }
 
 void NatNetSkeleton::AddMisfits(const natnet::Skeleton& bones, bool flags,

@@ -55,6 +55,10 @@ class NatNetSkeleton {
   std::vector<rig::Quat> world_;  // workspace of Convert()
 };
 
+// The pose of a rigid body, which is always global: +Y up, metres.
+STYLED_REALTIME void ConvertRigidBody(const natnet::Bone& body, NatNetConvention convention,
+                                      rig::Vec3& position, rig::Quat& rotation) noexcept;
+
 // Detects the convention from what fits the skeletons' bone lengths, in every frame, because an
 // operator may change it on the server at any time.
 class NatNetConventionFinder {

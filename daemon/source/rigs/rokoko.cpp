@@ -9,6 +9,7 @@
 #include "daemon/runtime/clock.h"
 #include "daemon/source/face_stream.h"
 #include "daemon/source/performer_stream.h"
+#include "daemon/source/props.h"
 #include "daemon/source/rigs/world_pose.h"
 #include "proto/rigs/rokoko/rokoko.h"
 #include "proto/rigs/types.h"
@@ -58,7 +59,8 @@ class Actor {
   std::int64_t seen_ns() const { return seen_ns_; }
   const std::string& performer() const { return stream_.performer(); }
 
-  void Take(const rokoko::Actor& actor, double time_s, std::int64_t now_ns, Outbox& out) {
+  void Take(const rokoko::Actor& actor, const PropList& props, double time_s, std::int64_t now_ns,
+            Outbox& out) {
     seen_ns_ = now_ns;
     const Joints usable = Usable(actor);
     if (!stream_.has_body() && !usable[kHip]) return out.Refuse(Counter::kSourceIncomplete);
@@ -68,7 +70,7 @@ class Actor {
     if (usable[kHip] && ((adds && !lacks) || actor.hip_height_m != hip_height_m_)) {
       MakeBody(actor, usable, out);
     }
-    Send(actor, usable, time_s, now_ns, out);
+    Send(actor, usable, props, time_s, now_ns, out);
   }
 
  private:
@@ -135,8 +137,8 @@ class Actor {
     }
   }
 
-  void Send(const rokoko::Actor& actor, const Joints& usable, double time_s, std::int64_t now_ns,
-            Outbox& out) {
+  void Send(const rokoko::Actor& actor, const Joints& usable, const PropList& props, double time_s,
+            std::int64_t now_ns, Outbox& out) {
     TakeRotations(actor, usable);
     LocalFromWorld(stream_.body().skeleton.parents, world_, pose_);
     if (actor.has[kHip]) pose_.translations.front() = Mirrored(actor.joints[kHip].position_m);
@@ -144,6 +146,8 @@ class Actor {
     info.source_time_ns = static_cast<std::uint64_t>(std::llround(time_s * 1e9));
     info.now_ns = now_ns;
     if (actor.has_face) info.face = &face_.Of(actor.face);
+    info.props = props.all();
+    info.scene_props = true;
     stream_.Send(pose_, info, out);
   }
 
@@ -177,17 +181,28 @@ class Rokoko final : public Translator {
     for (int k = 0; k < frame_.actors_left_out; ++k) {
       out.Refuse(Counter::kPipelinePerformersRefused);
     }
+    TakeProps(out);
     for (int k = 0; k < frame_.actor_count; ++k) {
       Actor* actor = Find(k, peer, now_ns, out);
       if (actor == nullptr) {
         out.Refuse(Counter::kPipelinePerformersRefused);
       } else {
-        actor->Take(frame_.actors[static_cast<std::size_t>(k)], frame_.time_s, now_ns, out);
+        actor->Take(frame_.actors[static_cast<std::size_t>(k)], props_, frame_.time_s, now_ns, out);
       }
     }
   }
 
  private:
+  // The scene's props, made right-handed.
+  void TakeProps(Outbox& out) noexcept {
+    for (int k = 0; k < frame_.props_left_out; ++k) out.Refuse(Counter::kPipelinePropsLeftOut);
+    props_.count = 0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(frame_.prop_count); ++k) {
+      const rokoko::Prop& prop = frame_.props[k];
+      props_.Add({prop.name(), Mirrored(prop.pose.position_m), Mirrored(prop.pose.rotation)});
+    }
+  }
+
   // The actor to which the frame's actor `k` belongs. Null if there are kMaxActors and none of them
   // was silent for 10 s.
   Actor* Find(int k, const Peer& peer, std::int64_t now_ns, Outbox& out) {
@@ -229,6 +244,7 @@ class Rokoko final : public Translator {
   std::vector<std::unique_ptr<Actor>> actors_;
   rokoko::Decoder decoder_;
   rokoko::Frame frame_;
+  PropList props_;  // names view frame_
 };
 
 }  // namespace

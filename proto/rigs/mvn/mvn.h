@@ -17,8 +17,9 @@ namespace styled::mvn {
 inline constexpr std::size_t kHeaderSize = 24;
 inline constexpr std::size_t kMaxDatagramSize = 65507;
 inline constexpr int kBodySegments = 23;
-// Body, up to four props, twenty segments of each hand.
-inline constexpr int kMaxSegments = kBodySegments + 4 + 40;
+inline constexpr int kMaxProps = 4;
+// Body, props, twenty segments of each hand.
+inline constexpr int kMaxSegments = kBodySegments + kMaxProps + 40;
 
 enum class Type : std::uint8_t {
   kEuler = 1,       // poses: global, centimetres, +Y up, degrees

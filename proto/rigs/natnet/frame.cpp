@@ -81,8 +81,12 @@ void GetSections(Reader& reader, Version version, Frame& frame) noexcept {
     r.Skip(r.GetCount(12) * 12);
   });
   GetSection(reader, version, 12, false, [](Reader& r) { r.Skip(12); });  // unlabelled markers
-  frame.rigid_body_count = GetSection(reader, version, BodySize(version), false,
-                                      [version](Reader& r) { GetBody(r, version); });
+  frame.rigid_body_count = GetSection(reader, version, BodySize(version), false, [&](Reader& r) {
+    const Bone body = GetBody(r, version);
+    if (frame.rigid_bodies_read < kMaxRigidBodies) {
+      frame.rigid_bodies[frame.rigid_bodies_read++] = body;
+    }
+  });
   GetSection(reader, version, 8, true, [&](Reader& r) { GetSkeleton(r, version, frame); });
   if (version >= kSized) {
     GetSection(reader, version, 12, false, [](Reader& r) {  // assets
@@ -103,7 +107,7 @@ void GetSections(Reader& reader, Version version, Frame& frame) noexcept {
 DecodeResult DecodeFrame(std::span<const std::byte> payload, Version version,
                          Frame& frame) noexcept {
   if (version < kOldest) return DecodeResult::kOldVersion;
-  frame.skeleton_count = frame.skeletons_left_out = 0;
+  frame.skeleton_count = frame.skeletons_left_out = frame.rigid_bodies_read = 0;
   Reader reader(payload);
   frame.number = reader.Get<std::int32_t>();
   GetSections(reader, version, frame);
@@ -140,6 +144,15 @@ void PutEmptySection(Version version, Writer& writer) noexcept {
   if (version >= kSized) writer.Put<std::int32_t>(0);
 }
 
+void PutRigidBodies(const Frame& frame, Version version, Writer& writer) noexcept {
+  writer.Put(static_cast<std::int32_t>(frame.rigid_bodies_read));
+  const std::size_t mark = version >= kSized ? writer.Mark() : 0;
+  for (std::size_t b = 0; b < frame.rigid_bodies_read; ++b) {
+    PutBody(frame.rigid_bodies[b], version, writer);
+  }
+  if (version >= kSized) writer.SetSize(mark);
+}
+
 void PutSkeletons(const Frame& frame, Version version, Writer& writer) noexcept {
   writer.Put(static_cast<std::int32_t>(frame.skeleton_count));
   const std::size_t mark = version >= kSized ? writer.Mark() : 0;
@@ -159,7 +172,8 @@ void PutSkeletons(const Frame& frame, Version version, Writer& writer) noexcept 
 std::size_t EncodeFrame(const Frame& frame, Version version, std::span<std::byte> out) noexcept {
   Writer writer(out);
   writer.Put(frame.number);
-  for (int i = 0; i < 3; ++i) PutEmptySection(version, writer);  // marker sets to rigid bodies
+  for (int i = 0; i < 2; ++i) PutEmptySection(version, writer);  // marker sets, other markers
+  PutRigidBodies(frame, version, writer);
   PutSkeletons(frame, version, writer);
   if (version >= kSized) PutEmptySection(version, writer);    // assets
   PutEmptySection(version, writer);                           // labelled markers

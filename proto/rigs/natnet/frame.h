@@ -24,10 +24,14 @@ struct Skeleton {
   std::array<Bone, kMaxBones> bones;
 };
 
-// FRAMEOFDATA. Markers, rigid bodies, assets, force plates and devices are checked and skipped.
+// FRAMEOFDATA. Markers, assets, force plates and devices are checked and skipped.
 struct Frame {
   std::int32_t number = 0;
+  // Rigid bodies: in the packet, and those that were read, relative to the volume's origin. Of
+  // bitstreams after 4.2 none is read.
   std::size_t rigid_body_count = 0;
+  std::size_t rigid_bodies_read = 0;
+  std::array<Bone, kMaxRigidBodies> rigid_bodies;
   std::size_t skeleton_count = 0;
   std::size_t skeletons_left_out = 0;
   std::array<Skeleton, kMaxSkeletons> skeletons;
@@ -49,7 +53,8 @@ inline constexpr std::uint16_t kBitstreamChanged = 8;
 STYLED_REALTIME DecodeResult DecodeFrame(std::span<const std::byte> payload, Version version,
                                          Frame& frame) noexcept;
 
-// Encodes the frame with its skeletons; all other sections are empty. Returns 0 if it does not fit.
+// Encodes the frame with its skeletons and rigid_bodies_read bodies; all other sections are empty.
+// Returns 0 if it does not fit.
 STYLED_REALTIME std::size_t EncodeFrame(const Frame& frame, Version version,
                                         std::span<std::byte> out) noexcept;
 

@@ -39,6 +39,13 @@ BoneDescription GetBone(Reader& reader, Version version) noexcept {
   return bone;
 }
 
+void GetRigidBody(Reader& reader, Version version, Model& model) noexcept {
+  const BoneDescription body = GetBone(reader, version);
+  ++model.rigid_body_count;
+  if (!reader.ok() || model.rigid_bodies_read == kMaxRigidBodies) return;
+  model.rigid_bodies[model.rigid_bodies_read++] = {body.name, body.id, body.parent};
+}
+
 void GetSkeleton(Reader& reader, Version version, Model& model) noexcept {
   const std::string_view name = reader.GetText();
   const auto id = reader.Get<std::int32_t>();
@@ -81,8 +88,7 @@ bool GetDataSet(std::int32_t kind, Reader& reader, Version version, Model& model
       SkipMarkerSet(reader);
       return true;
     case kRigidBody:
-      GetBone(reader, version);
-      ++model.rigid_body_count;
+      GetRigidBody(reader, version, model);
       return true;
     case kSkeleton:
       GetSkeleton(reader, version, model);
@@ -104,12 +110,22 @@ bool GetDataSet(std::int32_t kind, Reader& reader, Version version, Model& model
   }
 }
 
+void PutBone(const BoneDescription& bone, Version version, Writer& writer) noexcept {
+  writer.PutText(bone.name);
+  writer.Put(bone.id);
+  writer.Put(bone.parent);
+  writer.Put(bone.offset_m);
+  if (version >= Version{4, 2}) writer.Put(std::array<float, 4>{0, 0, 0, 1});
+  if (version.major >= 3) writer.Put<std::int32_t>(0);  // markers
+}
+
 }  // namespace
 
 DecodeResult DecodeModel(std::span<const std::byte> payload, Version version,
                          Model& model) noexcept {
   if (version < kOldest) return DecodeResult::kOldVersion;
-  model.rigid_body_count = model.skeleton_count = model.skeletons_left_out = 0;
+  model.rigid_body_count = model.rigid_bodies_read = 0;
+  model.skeleton_count = model.skeletons_left_out = 0;
   model.complete = true;
   Reader reader(payload);
   for (std::size_t n = reader.GetCount(5); n > 0 && reader.ok(); --n) {
@@ -126,7 +142,7 @@ DecodeResult DecodeModel(std::span<const std::byte> payload, Version version,
       GetSkeleton(part, version, model);
       reader.Join(part, IsKnown(version));
     } else if (kind == kRigidBody) {
-      ++model.rigid_body_count;
+      GetRigidBody(part, version, model);  // what is wrong with it ends with its size
     }
   }
   return reader.result();
@@ -134,7 +150,14 @@ DecodeResult DecodeModel(std::span<const std::byte> payload, Version version,
 
 std::size_t EncodeModel(const Model& model, Version version, std::span<std::byte> out) noexcept {
   Writer writer(out);
-  writer.Put(static_cast<std::int32_t>(model.skeleton_count));
+  writer.Put(static_cast<std::int32_t>(model.rigid_bodies_read + model.skeleton_count));
+  for (std::size_t b = 0; b < model.rigid_bodies_read; ++b) {
+    const RigidBodyDescription& body = model.rigid_bodies[b];
+    writer.Put<std::int32_t>(kRigidBody);
+    const std::size_t mark = version >= kSized ? writer.Mark() : 0;
+    PutBone({body.name, body.id, body.parent, {}}, version, writer);
+    if (version >= kSized) writer.SetSize(mark);
+  }
   for (std::size_t s = 0; s < model.skeleton_count; ++s) {
     const SkeletonDescription& skeleton = model.skeletons[s];
     writer.Put<std::int32_t>(kSkeleton);
@@ -143,13 +166,7 @@ std::size_t EncodeModel(const Model& model, Version version, std::span<std::byte
     writer.Put(skeleton.id);
     writer.Put(static_cast<std::int32_t>(skeleton.bone_count));
     for (std::size_t b = 0; b < skeleton.bone_count; ++b) {
-      const BoneDescription& bone = skeleton.bones[b];
-      writer.PutText(bone.name);
-      writer.Put(bone.id);
-      writer.Put(bone.parent);
-      writer.Put(bone.offset_m);
-      if (version >= Version{4, 2}) writer.Put(std::array<float, 4>{0, 0, 0, 1});
-      if (version.major >= 3) writer.Put<std::int32_t>(0);  // markers
+      PutBone(skeleton.bones[b], version, writer);
     }
     if (version >= kSized) writer.SetSize(mark);
   }

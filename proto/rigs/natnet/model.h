@@ -10,6 +10,8 @@ namespace styled::natnet {
 
 inline constexpr std::size_t kMaxSkeletons = 16;  // per model and frame; further ones are left out
 inline constexpr std::size_t kMaxBones = 64;      // a skeleton with more is left out
+inline constexpr std::size_t kMaxRigidBodies =
+    64;  // per model and frame; further ones are not read
 
 // One bone of a skeleton at rest, as Motive describes it.
 struct BoneDescription {
@@ -25,9 +27,17 @@ struct SkeletonDescription {
   std::array<BoneDescription, kMaxBones> bones;
 };
 
-// MODELDEF: the tracked objects. Only skeletons are read, the others are counted or skipped.
+struct RigidBodyDescription {
+  std::string_view name;
+  std::int32_t id = 0;
+  std::int32_t parent = -1;  // above 0: it is a part of something
+};
+
+// MODELDEF: the tracked objects. Skeletons and rigid bodies are read, the others skipped.
 struct Model {
-  std::size_t rigid_body_count = 0;
+  std::size_t rigid_body_count = 0;   // in the packet
+  std::size_t rigid_bodies_read = 0;  // of them, in rigid_bodies
+  std::array<RigidBodyDescription, kMaxRigidBodies> rigid_bodies;
   std::size_t skeleton_count = 0;
   std::size_t skeletons_left_out = 0;
   // False: before 4.1, a data set of an unknown kind hides everything after it.
@@ -40,7 +50,8 @@ struct Model {
 STYLED_REALTIME DecodeResult DecodeModel(std::span<const std::byte> payload, Version version,
                                          Model& model) noexcept;
 
-// Encodes the skeletons only. Returns 0 if they do not fit.
+// Encodes the skeletons and rigid_bodies_read bodies, without markers. Returns 0 if they do not
+// fit.
 STYLED_REALTIME std::size_t EncodeModel(const Model& model, Version version,
                                         std::span<std::byte> out) noexcept;
 

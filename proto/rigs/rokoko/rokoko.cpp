@@ -54,6 +54,7 @@ class FrameReader {
     frame_.time_s = 0;
     has_time_ = has_actors_ = false;
     frame_.actor_count = frame_.actors_left_out = 0;
+    frame_.prop_count = frame_.props_left_out = 0;
   }
 
   // Calls `read(key, value)` per member; skips members that are null.
@@ -77,6 +78,7 @@ class FrameReader {
   bool ReadSceneMember(std::string_view key, Value& value) noexcept {
     if (key == "timestamp") return ReadTime(value);
     if (key == "actors") return ReadActors(value);
+    if (key == "props") return ReadProps(value);
     return json_.Skip(value);
   }
 
@@ -145,6 +147,39 @@ class FrameReader {
     });
   }
 
+  bool ReadProps(Value& props) noexcept {
+    frame_.prop_count = frame_.props_left_out = 0;
+    if (!JsonReader::Is(props, Type::array)) return json_.Skip(props);
+    return json_.Elements(props, [this](Value& value) {
+      if (frame_.prop_count == kMaxProps || !JsonReader::Is(value, Type::object)) {
+        ++frame_.props_left_out;
+        return json_.Skip(value);
+      }
+      bool whole = false;
+      if (!ReadProp(value, frame_.props[static_cast<std::size_t>(frame_.prop_count)], whole)) {
+        return false;
+      }
+      ++(whole ? frame_.prop_count : frame_.props_left_out);
+      return true;
+    });
+  }
+
+  bool ReadProp(Value& value, Prop& prop, bool& whole) noexcept {
+    prop.name_size = 0;
+    bool has_position = false, has_rotation = false;
+    const bool good = Members(value, [&](std::string_view key, Value& member) {
+      if (key == "name" && JsonReader::Is(member, Type::string)) {
+        return json_.String(member, prop.name_bytes, prop.name_size);
+      }
+      if (!JsonReader::Is(member, Type::object)) return json_.Skip(member);
+      if (key == "position") return ReadAny(member, prop.pose.position_m, "xyz", has_position);
+      if (key == "rotation") return ReadAny(member, prop.pose.rotation, "xyzw", has_rotation);
+      return json_.Skip(member);
+    });
+    whole = has_position && has_rotation;
+    return good;
+  }
+
   bool ReadDimensions(Value& dimensions, Actor& actor) noexcept {
     return Members(dimensions, [&](std::string_view key, Value& value) {
       if (key == "hipHeight") return ReadFloat(value, actor.hip_height_m);
@@ -184,19 +219,41 @@ class FrameReader {
     return good;
   }
 
-  // Reads an object of numbers, each under one letter. Sets `all` if none is missing.
-  template <std::size_t kCount>
-  bool ReadNumbers(Value& object, std::array<float, kCount>& values, std::string_view letters,
-                   bool& all) noexcept {
+  // Reads an object of numbers, each under one letter, by `read`. Sets `all` if none is missing.
+  template <std::size_t kCount, typename Read>
+  bool ReadLetters(Value& object, std::array<float, kCount>& values, std::string_view letters,
+                   bool& all, const Read& read) noexcept {
     std::bitset<kCount> found;
     const bool good = Members(object, [&](std::string_view key, Value& value) {
       const std::size_t at = key.size() == 1 ? letters.find(key) : std::string_view::npos;
       if (at == std::string_view::npos) return json_.Skip(value);
       found.set(at);
-      return ReadFloat(value, values[at]);
+      return read(value, values[at]);
     });
     all = found.all();
     return good;
+  }
+
+  template <std::size_t kCount>
+  bool ReadNumbers(Value& object, std::array<float, kCount>& values, std::string_view letters,
+                   bool& all) noexcept {
+    return ReadLetters(object, values, letters, all,
+                       [this](Value& value, float& out) { return ReadFloat(value, out); });
+  }
+
+  // The same, but what is no float reads as NaN.
+  template <std::size_t kCount>
+  bool ReadAny(Value& object, std::array<float, kCount>& values, std::string_view letters,
+               bool& all) noexcept {
+    return ReadLetters(object, values, letters, all, [this](Value& value, float& out) {
+      out = std::numeric_limits<float>::quiet_NaN();
+      double number = 0;
+      if (!JsonReader::Is(value, Type::number)) return json_.Skip(value);
+      if (!json_.Number(value, number)) return false;
+      const bool fits = std::abs(number) <= double{std::numeric_limits<float>::max()};
+      if (fits) out = static_cast<float>(number);
+      return true;
+    });
   }
 
   JsonReader& json_;
@@ -254,6 +311,13 @@ class TextWriter {
   bool good_ = true;
 };
 
+void WritePose(const JointPose& pose, TextWriter& out) noexcept {
+  const auto& [p, r] = pose;
+  out << "\"position\":{\"x\":" << p[0] << ",\"y\":" << p[1] << ",\"z\":" << p[2]
+      << "},\"rotation\":{\"x\":" << r[0] << ",\"y\":" << r[1] << ",\"z\":" << r[2]
+      << ",\"w\":" << r[3] << "}";
+}
+
 void WriteActor(const Actor& actor, TextWriter& out) noexcept {
   bool left = true, right = true;
   for (std::size_t k = 0; k < kFingerJoints; ++k) {
@@ -271,10 +335,9 @@ void WriteActor(const Actor& actor, TextWriter& out) noexcept {
   std::string_view separator = "\"";
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!actor.has[j]) continue;
-    const auto& [p, r] = actor.joints[j];
-    out << separator << kJointTable[j].name << "\":{\"position\":{\"x\":" << p[0]
-        << ",\"y\":" << p[1] << ",\"z\":" << p[2] << "},\"rotation\":{\"x\":" << r[0]
-        << ",\"y\":" << r[1] << ",\"z\":" << r[2] << ",\"w\":" << r[3] << "}}";
+    out << separator << kJointTable[j].name << "\":{";
+    WritePose(actor.joints[j], out);
+    out << "}";
     separator = ",\"";
   }
   out << "},\"face\":{\"faceId\":\"\"";
@@ -286,7 +349,7 @@ void WriteActor(const Actor& actor, TextWriter& out) noexcept {
 
 }  // namespace
 
-void Actor::set_name(std::string_view name) noexcept {
+void Named::set_name(std::string_view name) noexcept {
   name_size = std::min(name.size(), kMaxNameSize);
   // Do not cut within a character.
   while (name_size < name.size() && name_size > 0 &&
@@ -357,7 +420,15 @@ std::size_t EncodeText(const Frame& frame, std::span<char> out) noexcept {
     if (k > 0) writer << ",";
     WriteActor(frame.actors[k], writer);
   }
-  writer << "],\"props\":[]}}";
+  writer << "],\"props\":[";
+  for (std::size_t k = 0; k < static_cast<std::size_t>(frame.prop_count); ++k) {
+    writer << (k > 0 ? ",{\"name\":" : "{\"name\":");
+    writer.Quoted(frame.props[k].name());
+    writer << ",\"color\":[255,255,255],\"type\":0,";
+    WritePose(frame.props[k].pose, writer);
+    writer << "}";
+  }
+  writer << "]}}";
   return writer.size();
 }
 

@@ -15,11 +15,12 @@
 
 // Rokoko Studio's custom streaming: a datagram is one frame of all actors as JSON, plain or in an
 // LZ4 frame. Layouts 3 (everything in `scene`, joints in `body`) and 2 and 2.5 (everything at the
-// top, joints in the actor). Follows Rokoko's plug-ins for Blender, Unity and Unreal; faces, props,
-// characters and newtons are skipped. Pinned by tests/unit/rokoko, fuzzed by tests/fuzz/rokoko.
+// top, joints in the actor). Follows Rokoko's plug-ins for Blender, Unity and Unreal; characters
+// and newtons are skipped. Pinned by tests/unit/rokoko, fuzzed by tests/fuzz/rokoko.
 namespace styled::rokoko {
 
 inline constexpr int kMaxActors = 8;
+inline constexpr int kMaxProps = 16;
 inline constexpr std::size_t kMaxNameSize = 64;                    // bytes of UTF-8
 inline constexpr std::size_t kMaxTextSize = std::size_t{1} << 20;  // of JSON, unpacked
 
@@ -29,17 +30,25 @@ struct JointPose {
   std::array<float, 4> rotation{0, 0, 0, 1};
 };
 
-struct Actor {
+struct Named {
   std::array<char, kMaxNameSize> name_bytes{};
-  std::size_t name_size = 0;                   // cut at a whole character
+  std::size_t name_size = 0;  // cut at a whole character
+
+  std::string_view name() const { return {name_bytes.data(), name_size}; }
+  void set_name(std::string_view name) noexcept;
+};
+
+struct Actor : Named {
   float hip_height_m = 0, total_height_m = 0;  // 0: not sent
   std::bitset<kJoints> has;                    // the joints that are present
   std::array<JointPose, kJoints> joints;       // only those in `has` are valid
   bool has_face = false;                       // any of ARKit's expressions was sent
   std::array<float, arkit::kShapes> face{};    // 0 .. 1 as a rule; as received, not checked
+};
 
-  std::string_view name() const { return {name_bytes.data(), name_size}; }
-  void set_name(std::string_view name) noexcept;
+// A tracked object of the scene. A number that is no float is NaN.
+struct Prop : Named {
+  JointPose pose;
 };
 
 struct Frame {
@@ -49,6 +58,9 @@ struct Frame {
   int actor_count = 0;
   int actors_left_out = 0;  // number of actors beyond kMaxActors
   std::array<Actor, kMaxActors> actors;
+  int prop_count = 0;
+  int props_left_out = 0;  // number of props beyond kMaxProps or without a pose
+  std::array<Prop, kMaxProps> props;
 };
 
 enum class [[nodiscard]] DecodeResult : std::uint8_t {
@@ -68,7 +80,8 @@ std::string_view Name(DecodeResult result) noexcept;
 
 class JsonReader;
 
-// Decodes frames. A joint is present if its position and rotation have all their numbers. A member
+// Decodes frames. A joint is present if its position and rotation have all their numbers. What is
+// wrong with a prop alone makes no frame wrong. A member
 // that is null counts as absent; of members of the same name the last one counts. JsonReader reads
 // the text, with its limits. Of several errors in a frame any one may be the result. `frame` is
 // unspecified unless kOk. One thread; the constructor allocates (15 MB), the other functions do

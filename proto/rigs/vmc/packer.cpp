@@ -16,6 +16,9 @@ constexpr std::size_t Padded(std::size_t size) noexcept { return (size + 4) & ~s
 std::size_t Size(const Blend& blend) noexcept {
   return kSizeField + 20 + 4 + Padded(blend.name.size()) + 4;
 }
+std::size_t Size(const Tracker& tracker) noexcept {
+  return kSizeField + 20 + 12 + Padded(tracker.serial.size()) + 28;
+}
 std::size_t Size(const Thru& thru) noexcept { return kSizeField + thru.bytes.size(); }
 
 // Writes what fits into `room` bytes and removes it from the front of `list`.
@@ -52,12 +55,15 @@ std::size_t Packer::NextBones(std::span<std::byte> out) noexcept {
 }
 
 std::size_t Packer::NextRest(std::span<std::byte> out) noexcept {
-  finished_ = TotalSize(frame_.blends) + TotalSize(frame_.thrus) + kEnd <= kRoom;
+  finished_ =
+      TotalSize(frame_.blends) + TotalSize(frame_.thrus) + TotalSize(frame_.trackers) + kEnd <=
+      kRoom;
   osc::Writer writer(out);
   writer.BeginBundle();
   std::size_t room = finished_ ? kRoom - kEnd : kRoom;
   PutWhatFits(frame_.thrus, room, writer);
   PutWhatFits(frame_.blends, room, writer);
+  PutWhatFits(frame_.trackers, room, writer);
   if (finished_) {
     Put(BlendApply(), writer);
     Put(frame_.available, writer);

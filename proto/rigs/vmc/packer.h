@@ -13,6 +13,7 @@ struct Packed {
   std::span<const Bone> bones;  // names of HumanBodyBones
   std::span<const Blend> blends;
   std::span<const Thru> thrus;
+  std::span<const Tracker> trackers;
   Available available;
   float time_s = 0;
 };
@@ -31,8 +32,8 @@ class Packer {
   explicit Packer(const Packed& frame) noexcept : frame_(frame) {}
 
   // Writes the next datagram to the front of `out`, which must hold kMaxPacketSize bytes, and
-  // returns its size; 0 when there are no more. Blends and Thrus too large for a datagram are left
-  // out.
+  // returns its size; 0 when there are no more. Blends, Thrus and Trackers too large for a
+  // datagram are left out.
   STYLED_REALTIME std::size_t Next(std::span<std::byte> out) noexcept;
 
  private:

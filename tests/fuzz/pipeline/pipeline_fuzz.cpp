@@ -41,6 +41,14 @@ void RequireSane(const v1::Frame& frame) {
     for (int k = 0; k < 4; ++k) length2 += std::pow(frame.rotations(i + k), 2);
     REQUIRE(std::abs(length2 - 1) < 2e-3);
   }
+  REQUIRE(frame.props_size() <= 16);
+  for (const v1::Prop& prop : frame.props()) {
+    REQUIRE(prop.position_size() == 3 && prop.rotation_size() == 4 && !prop.name().empty());
+    double length2 = 0;
+    for (const float value : prop.position()) REQUIRE(std::isfinite(value));
+    for (const float value : prop.rotation()) length2 += std::pow(value, 2);
+    REQUIRE(std::abs(length2 - 1) < 2e-3);
+  }
 }
 
 std::shared_ptr<const pipeline::RuntimeConfig> MakeConfig() {
@@ -284,9 +292,18 @@ class Others {
           frame.mutable_timecode()->set_hours(static_cast<std::uint32_t>(script_.Word()));
           frame.mutable_timecode()->set_rate(script_.Strange());
           frame.add_expressions()->set_value(script_.Strange());
+          AddProp(frame);
           break;
       }
     });
+  }
+  void AddProp(v1::SourceFrame& frame) {
+    for (std::size_t k = script_.Below(19); k > 0; --k) {
+      v1::Prop& prop = *frame.add_props();
+      prop.set_name(std::string(script_.Below(70), 'p') + std::to_string(k));
+      for (int i = 0; i < 3; ++i) prop.add_position(script_.Strange());
+      for (int i = 0; i < 4; ++i) prop.add_rotation(script_.Strange());
+    }
   }
   void Send(std::size_t who, const Bytes& bytes, Stage& stage) {
     waiting_.push_back(bytes);

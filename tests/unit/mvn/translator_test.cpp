@@ -61,6 +61,58 @@ config::Source Config() {
   return config;
 }
 
+// Behind the body's 23 segments, before the fingers' forty.
+TEST(MvnTranslator, PropsAreNamedByTypeThirteenOrCounted) {
+  for (const bool named : {true, false}) {
+    Translated got(MakeMvn(Config()));
+    Sender sender;
+    std::vector<mvn::Segment> segments(sender.segments.begin(), sender.segments.end());
+    for (int i = 0; i < 42; ++i) {
+      const auto id = static_cast<std::uint32_t>(24 + i);
+      const bool prop = i < 2;
+      segments.push_back({id,
+                          {prop ? 1.0F + static_cast<float>(i) : 0.0F, 2, 3},
+                          {0, prop ? 0.6F : 0.0F, 0, prop ? 0.8F : 1.0F}});
+    }
+    sender.header.props = 2;
+    sender.header.finger_segments = 40;
+    Bytes out(4000);
+    std::vector<mvn::Scale::Row> rows;
+    for (const auto& row : mvn::kSegments) rows.push_back({row.name, {0, 0, 1}});
+    if (named) {
+      rows.push_back({"Sword", {}});
+      rows.push_back({"", {}});
+    }
+    for (int i = 0; i < 40; ++i) rows.push_back({"finger", {}});
+    got.Take(sender.Name("Anna"));
+    got.Take(sender.Datagram(mvn::EncodeScale(sender.header, rows, out), out));
+    for (int k = 0; k < 2; ++k) {
+      ++sender.header.sample;
+      sender.header.time_ms += 10;
+      got.Take(sender.Datagram(mvn::EncodePose(sender.header, segments, out), out));
+    }
+    ASSERT_EQ(got.Frames().size(), 2U);
+    const v1::SourceFrame frame = got.Frames()[1];
+    ASSERT_EQ(frame.props_size(), 2);
+    EXPECT_EQ(frame.props(0).name(), named ? "Sword" : "Prop1");
+    EXPECT_EQ(frame.props(1).name(), "Prop2");
+    EXPECT_EQ(frame.props(1).position(0), 2);
+    EXPECT_EQ(frame.props(1).rotation(1), 0.6F);
+    EXPECT_EQ(frame.rotations_size(), 4 * 63) << "and the fingers are behind them";
+    EXPECT_EQ(frame.rotations(4 * 24 + 3), 1) << "a finger, not a prop";
+    // One prop less: the fingers move up.
+    segments.erase(segments.begin() + 23);
+    sender.header.props = 1;
+    ++sender.header.sample;
+    sender.header.time_ms += 10;
+    got.Take(sender.Datagram(mvn::EncodePose(sender.header, segments, out), out));
+    ASSERT_EQ(got.Frames().size(), 3U);
+    EXPECT_EQ(got.Frames()[2].props_size(), 1);
+    EXPECT_EQ(got.Frames()[2].rotations(4 * 24 + 3), 1);
+    EXPECT_EQ(got.Bodies().size(), 1U) << "the body is the same";
+  }
+}
+
 TEST(MvnTranslator, CountsWhatItCannotReadAndWhatItHasNoUseFor) {
   Translated got(MakeMvn(Config()));
   got.Take(Bytes(10));

@@ -97,6 +97,10 @@ TEST_F(Capture, HoldsAModelWithoutSkeletons) {
             DecodeResult::kOk);
   EXPECT_TRUE(model.complete);
   EXPECT_EQ(model.rigid_body_count, 1U);
+  ASSERT_EQ(model.rigid_bodies_read, 1U);
+  EXPECT_EQ(model.rigid_bodies[0].name, "RaceQuad");
+  EXPECT_EQ(model.rigid_bodies[0].id, 2);
+  EXPECT_EQ(model.rigid_bodies[0].parent, -1);
   EXPECT_EQ(model.skeleton_count, 0U);
 }
 
@@ -106,6 +110,15 @@ TEST_F(Capture, HoldsAFrame) {
             DecodeResult::kOk);
   EXPECT_EQ(frame.number, 162734);
   EXPECT_EQ(frame.rigid_body_count, 1U);
+  ASSERT_EQ(frame.rigid_bodies_read, 1U);
+  const Bone& quad = frame.rigid_bodies[0];
+  EXPECT_EQ(quad.id, 2);
+  EXPECT_TRUE(quad.tracked);
+  const std::array<float, 7> pose{0.1744466F, 1.4471314F, -0.7343040F, -0.0545942F,
+                                  0.5099482F, 0.0437036F, -0.8573577F};
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_NEAR(i < 3 ? quad.position_m[i] : quad.rotation[i - 3], pose[i], 1e-6F) << i;
+  }
   EXPECT_EQ(frame.skeleton_count, 0U);
   EXPECT_EQ(frame.timecode, 0U);
   EXPECT_NEAR(frame.timestamp_s, 1356.1166666666666, 1e-9);

@@ -54,6 +54,10 @@ TEST(Frame, GivesItsSkeletonsAndTimesWhateverStandsAroundThem) {
     ASSERT_EQ(DecodeFrame(FullFrame(v), v, frame), DecodeResult::kOk);
     EXPECT_EQ(frame.number, 162734);
     EXPECT_EQ(frame.rigid_body_count, 3U);
+    ASSERT_EQ(frame.rigid_bodies_read, 3U);
+    ExpectBone(frame.rigid_bodies[0], 1, 1, 1, true);
+    ExpectBone(frame.rigid_bodies[1], 2, 2, 1, false);
+    ExpectBone(frame.rigid_bodies[2], 3, 3, 1, true);
     ASSERT_EQ(frame.skeleton_count, 2U);
     EXPECT_EQ(frame.skeletons_left_out, 0U);
     EXPECT_EQ(frame.skeletons[0].id, 7);

@@ -28,6 +28,10 @@ TEST(Model, GivesItsSkeletonsWhateverStandsBetweenThem) {
     ASSERT_EQ(DecodeModel(payload, v, model), DecodeResult::kOk);
     EXPECT_TRUE(model.complete);
     EXPECT_EQ(model.rigid_body_count, 1U);
+    ASSERT_EQ(model.rigid_bodies_read, 1U);
+    EXPECT_EQ(model.rigid_bodies[0].name, "Prop");
+    EXPECT_EQ(model.rigid_bodies[0].id, 1);
+    EXPECT_EQ(model.rigid_bodies[0].parent, -1);
     ASSERT_EQ(model.skeleton_count, 2U);
     EXPECT_EQ(model.skeletons[0].name, "Anna");
     EXPECT_EQ(model.skeletons[0].id, 7);

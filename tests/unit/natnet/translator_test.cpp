@@ -135,6 +135,8 @@ class Fixture : public ::testing::Test, public Translated {
   Bytes Model(const std::vector<std::string>& names) const {
     static natnet::Model model;
     model.skeleton_count = names.size();
+    model.rigid_bodies_read = rigid_names_.size();
+    std::copy(rigid_names_.begin(), rigid_names_.end(), model.rigid_bodies.begin());
     for (std::size_t k = 0; k < names.size(); ++k) {
       Describe(names[k], static_cast<std::int32_t>(k + 1), streaming_, model.skeletons[k]);
     }
@@ -150,6 +152,8 @@ class Fixture : public ::testing::Test, public Translated {
     frame.params = params_;
     frame.timecode = timecode_;
     frame.skeleton_count = static_cast<std::size_t>(skeletons);
+    frame.rigid_bodies_read = rigid_bodies_.size();
+    std::copy(rigid_bodies_.begin(), rigid_bodies_.end(), frame.rigid_bodies.begin());
     for (int k = 0; k < skeletons; ++k) {
       Place(BentPose(0.1F * static_cast<float>(k)), k + 1, streaming_,
             frame.skeletons[static_cast<std::size_t>(k)]);
@@ -174,6 +178,8 @@ class Fixture : public ::testing::Test, public Translated {
   std::optional<NatNet> translator_;
   natnet::Version version_{3, 0};
   Streaming streaming_;
+  std::vector<natnet::RigidBodyDescription> rigid_names_;
+  std::vector<natnet::Bone> rigid_bodies_;
   int number_ = 1000;
   double time_s_ = 50;
   std::uint16_t params_ = 0;
@@ -184,6 +190,54 @@ class Fixture : public ::testing::Test, public Translated {
 using NatNetDialogue = Fixture;
 using NatNetFrames = Fixture;
 using Ids = std::vector<MessageId>;
+
+// In a volume that is +Z up, too.
+TEST_F(NatNetFrames, HaveTheRigidBodiesThatAreTrackedAndBelongToNoSkeleton) {
+  rigid_names_ = {{"sword", 101, -1}, {"chair", 102, 0}, {"bone", 103, 2}, {"lost", 104, -1}};
+  const auto body = [](std::int32_t id, bool tracked = true) {
+    return natnet::Bone{id, {1, 2, 3}, {0.5F, 0.1F, -0.7F, 0.5F}, tracked};
+  };
+  rigid_bodies_ = {body(101), body(102), body(103), body(104, false), body(1 << 16 | 3), body(999)};
+  for (const bool z_up : {false, true}) {
+    Make([z_up](config::Source& config) { config.up = z_up ? "z" : "y"; });
+    streaming_ = {false, z_up, z_up};
+    Begin({"Anna", "Bert"});
+    Take(Frame(2));
+    Take(Frame(2));
+    EXPECT_EQ(allocations_, 0);
+    const auto frames = Frames();
+    ASSERT_EQ(frames.size(), 4U);
+    for (const v1::SourceFrame& frame : frames) {
+      ASSERT_EQ(frame.props_size(), 2);
+      EXPECT_EQ(frame.props(0).name(), "sword");
+      EXPECT_EQ(frame.props(1).name(), "chair");
+      const std::vector<float> p(frame.props(0).position().begin(),
+                                 frame.props(0).position().end());
+      const std::vector<float> q(frame.props(0).rotation().begin(),
+                                 frame.props(0).rotation().end());
+      EXPECT_EQ(p, (z_up ? std::vector<float>{1, 3, -2} : std::vector<float>{1, 2, 3}));
+      EXPECT_EQ(q, (z_up ? std::vector<float>{0.5F, -0.7F, -0.1F, 0.5F}
+                         : std::vector<float>{0.5F, 0.1F, -0.7F, 0.5F}));
+    }
+  }
+  rigid_bodies_.clear();
+  Take(Frame(1));
+  EXPECT_EQ(Frames().back().props_size(), 0) << "gone";
+}
+
+TEST_F(NatNetFrames, HaveSixteenPropsAtMost) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 20; ++i) names.push_back("p" + std::to_string(i));
+  for (int i = 0; i < 20; ++i) {
+    rigid_names_.push_back({names[static_cast<std::size_t>(i)], 101 + i, -1});
+    rigid_bodies_.push_back({101 + i, {0, 0, 0}, {0, 0, 0, 1}, true});
+  }
+  Begin();
+  Take(Frame());
+  ASSERT_EQ(Frames().size(), 1U);
+  EXPECT_EQ(Frames()[0].props_size(), 16);
+  EXPECT_EQ(counters_.Get(Counter::kPipelinePropsLeftOut), 4U);
+}
 
 TEST_F(NatNetDialogue, AsksWhoIsThereOnceASecondInBothShapesWhileNobodyAnswers) {
   Tick();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -59,6 +60,60 @@ TEST(Rokoko, Layout3IsReadAsItIsWritten) {
   EXPECT_FALSE(frame.actors[1].has_face);
   EXPECT_TRUE(frame.actors[1].has[kJoints - 1]);
   EXPECT_EQ(frame.actors[1].joints[kJoints - 1].position_m, (std::array<float, 3>{7, 8, 9}));
+}
+
+TEST(Rokoko, PropsAreReadInBothLayoutsAndWrongOnesMakeNoFrameWrong) {
+  const std::string pose =
+      R"("position":{"x":1,"y":2,"z":3},"rotation":{"x":0.5,"y":-0.5,"z":0.5,"w":0.25})";
+  const auto with = [](const std::string& props) {
+    return testing::WithScene(R"("timestamp":1,"actors":[],"props":)" + props);
+  };
+  Frame frame;
+  Decoder decoder;
+  for (const std::string& text :
+       {with("[{\"name\":\"cup\",\"color\":[1,2,3],\"type\":2," + pose + "}]"),
+        R"({"version":2,"timestamp":1,"actors":[],"props":[{"name":"cup",)" + pose + "}]}"}) {
+    ASSERT_EQ(decoder.DecodeText(text, frame), DecodeResult::kOk) << text;
+    ASSERT_EQ(frame.prop_count, 1);
+    EXPECT_EQ(frame.props_left_out, 0);
+    EXPECT_EQ(frame.props[0].name(), "cup");
+    EXPECT_EQ(frame.props[0].pose.position_m, (std::array<float, 3>{1, 2, 3}));
+    EXPECT_EQ(frame.props[0].pose.rotation, (std::array<float, 4>{0.5F, -0.5F, 0.5F, 0.25F}));
+  }
+  const std::string good = "{\"name\":\"cup\"," + pose + "}";
+  for (const std::string& bad :
+       {std::string("{}"), std::string("7"), std::string("[]"), std::string("null"),
+        std::string(R"({"name":7,"position":{"x":1},"rotation":[]})"),
+        std::string(R"({"name":"a","position":null,"rotation":{"x":0,"y":0,"z":0,"w":1}})")}) {
+    ASSERT_EQ(decoder.DecodeText(with("[" + bad + "," + good + "]"), frame), DecodeResult::kOk)
+        << bad;
+    EXPECT_EQ(frame.prop_count, 1) << bad;
+    EXPECT_EQ(frame.props_left_out, 1) << bad;
+  }
+  for (const char* const number : {"1e300", "\"one\"", "true", "null"}) {
+    std::string odd = good;
+    odd.replace(odd.find(":1,"), 3, std::string(":") + number + ",");
+    ASSERT_EQ(decoder.DecodeText(with("[" + odd + "]"), frame), DecodeResult::kOk) << number;
+    const bool absent = std::string(number) == "null";
+    ASSERT_EQ(frame.prop_count, absent ? 0 : 1) << number;
+    if (!absent) {
+      EXPECT_TRUE(std::isnan(frame.props[0].pose.position_m[0])) << number;
+    }
+  }
+  ASSERT_EQ(decoder.DecodeText(with("\"none\""), frame), DecodeResult::kOk);
+  EXPECT_EQ(frame.prop_count, 0);
+  std::string many = good;
+  for (int i = 0; i < 18; ++i) many += "," + good;
+  ASSERT_EQ(decoder.DecodeText(with("[" + many + "]"), frame), DecodeResult::kOk);
+  EXPECT_EQ(frame.prop_count, kMaxProps);
+  EXPECT_EQ(frame.props_left_out, 3);
+  // What we write reads back.
+  std::string text(kMaxTextSize, '\0');
+  text.resize(EncodeText(frame, text));
+  Frame again;
+  ASSERT_EQ(decoder.DecodeText(text, again), DecodeResult::kOk);
+  ASSERT_EQ(again.prop_count, kMaxProps);
+  EXPECT_EQ(again.props[15].pose.rotation, frame.props[15].pose.rotation);
 }
 
 TEST(Rokoko, Layout2IsReadAsItIsWritten) {

@@ -56,6 +56,37 @@ Bytes Changed(const Bytes& bytes, const std::function<void(rokoko::Frame&)>& cha
   return {written.begin(), written.end()};
 }
 
+TEST(RokokoTranslator, TheScenesPropsComeWithEveryActorMirrored) {
+  Translated translation(MakeRokoko(Config()));
+  const Bytes bytes = Changed(Sent({"Anna", "Bert"}, 1), [](rokoko::Frame& frame) {
+    frame.prop_count = 1;
+    frame.props[0].set_name("sword");
+    frame.props[0].pose = {{1, 2, 3}, {0.5F, 0.1F, -0.7F, 0.5F}};
+  });
+  int frames = 0;
+  for (const auto& item : Said(translation, bytes)) {
+    if (!item.is_frame) continue;
+    ++frames;
+    ASSERT_EQ(item.frame.props_size(), 1);
+    const v1::Prop& prop = item.frame.props(0);
+    EXPECT_EQ(prop.name(), "sword");
+    EXPECT_EQ(prop.position(0), -1);
+    EXPECT_EQ(prop.position(1), 2);
+    EXPECT_EQ(prop.position(2), 3);
+    EXPECT_EQ(prop.rotation(0), 0.5F);
+    EXPECT_EQ(prop.rotation(1), -0.1F);
+    EXPECT_EQ(prop.rotation(2), 0.7F);
+    EXPECT_EQ(prop.rotation(3), 0.5F);
+  }
+  EXPECT_EQ(frames, 2);
+  // One without a pose is counted once, whoever performs.
+  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  text.replace(text.find("\"props\":[") + 9, 0, "{},");
+  text[text.find("\"timestamp\":1") + 12] = '2';
+  EXPECT_FALSE(Said(translation, std::as_bytes(std::span(text))).empty());
+  EXPECT_EQ(translation.Count(Counter::kPipelinePropsLeftOut), 1U);
+}
+
 TEST(RokokoTranslator, RefusesWhatIsNotRokoko) {
   Translated translation(MakeRokoko(Config()));
   for (const auto& c : rokoko::testing::DecodeCases()) {

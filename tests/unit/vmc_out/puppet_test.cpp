@@ -151,6 +151,36 @@ TEST(Puppet, SaysThatTrackingIsLostOnAStaleFrameAlone) {
   EXPECT_EQ(puppet.Pose(frame, 0).available.loaded, 1);
 }
 
+// liblo reads the tracker's message: its serial and the mirrored pose.
+TEST(Puppet, SendsPropsAsTrackersOfTheirNames) {
+  v1::Frame frame = client::HumanoidFrame(Canonical(), {}, 1);
+  const auto add = [&frame](const std::string& name) {
+    v1::Prop& prop = *frame.add_props();
+    prop.set_name(name);
+    for (const float value : {1.0F, 2.0F, 3.0F}) prop.add_position(value);
+    for (const float value : {0.5F, 0.1F, -0.7F, 0.5F}) prop.add_rotation(value);
+  };
+  for (int i = 0; i < 16; ++i) add("sword" + std::string(static_cast<std::size_t>(i), 'x'));
+  Puppet puppet(Carrier::kHips);
+  ASSERT_TRUE(puppet.Bind(Canonical()).ok());
+  const auto packed = puppet.Pose(frame, 0);
+  ASSERT_EQ(packed.trackers.size(), 16U);
+  EXPECT_EQ(packed.trackers[0].transform, (vmc::Transform{{-1, 2, 3}, {0.5F, -0.1F, 0.7F, 0.5F}}));
+  vmc::Packer packer(packed);
+  std::vector<std::byte> buffer(vmc::Packer::kMaxPacketSize);
+  std::string all;
+  while (const std::size_t size = packer.Next(buffer)) {
+    all.append(reinterpret_cast<const char*>(buffer.data()), size);
+  }
+  std::size_t found = 0;
+  const std::string address("/VMC/Ext/Tra/Pos\0\0\0\0,sfffffff\0\0\0sword", 37);
+  for (std::size_t at = all.find(address); at != std::string::npos;
+       at = all.find(address, at + 1)) {
+    ++found;
+  }
+  EXPECT_EQ(found, 16U) << "all of them, in as many datagrams as they need";
+}
+
 TEST(Puppet, RefusesABodyThatVmcCannotNameAndKeepsTheOldOne) {
   Puppet puppet(Carrier::kHips);
   ASSERT_TRUE(puppet.Bind(Canonical()).ok());
