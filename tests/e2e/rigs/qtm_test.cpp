@@ -58,10 +58,10 @@ TEST(QtmRigTest, ASkeletonThatIsNotSeenSendsNothingAndComesBack) {
 }
 
 TEST(QtmRigTest, FaultsAreCountedAndTheRestComesThrough) {
-  const RigResult result = StreamAsRig(
-      {.type = "qtm",
-       .frames = 300,
-       .faults = "loss=0.03,duplicate=0.02,nan=0.02,occlude=0.005,seed=3"});
+  const RigResult result =
+      StreamAsRig({.type = "qtm",
+                   .frames = 300,
+                   .faults = "loss=0.03,duplicate=0.02,nan=0.02,occlude=0.005,seed=3"});
   EXPECT_GT(result.Counter("pipeline.lost"), 0U);
   EXPECT_GT(result.Counter("pipeline.duplicate"), 0U);
   EXPECT_GT(result.Counter("stylist.held"), 0U);
