@@ -133,8 +133,10 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"mvn-tcp", 60, 23, "Pelvis", "", 0, {"euler"}, "mvn"},
         Case{"mocopi", 50, 27, "root", "suit.suit"}, Case{"mocopi", 60, 27, "root", "suit.suit"},
         Case{"natnet", 120, 21, "Hip", "", 24}, Case{"natnet", 240, 21, "Hip", "", 48},
-        Case{"rokoko", 100, 23, "hip", ""}, Case{"rokoko", 100, 23, "hip", "", 0, {"lz4"}},
-        Case{"udp", 120, 21, "Hips", ""}, Case{"tcp", 120, 21, "Hips", ""}),
+        Case{"qtm", 120, 24, "Hips", "", 30},
+        Case{"qtm", 240, 24, "Hips", "", 60, {"flat", "split"}}, Case{"rokoko", 100, 23, "hip", ""},
+        Case{"rokoko", 100, 23, "hip", "", 0, {"lz4"}}, Case{"udp", 120, 21, "Hips", ""},
+        Case{"tcp", 120, 21, "Hips", ""}),
     [](const auto& test) { return test.param.Name(); });
 
 // A SlimeVR frame is the pose at an instant of the daemon's clock, between two frames of the clip.
