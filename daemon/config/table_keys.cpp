@@ -83,7 +83,7 @@ Status ReadParts(const toml::node& node, Source& source) {
     expected.append(part == kMergedParts.front() ? " \"" : ", \"").append(part).append("\"");
   }
   const toml::array* list = node.as_array();
-  if (list == nullptr || list->empty()) return Expected(expected, node);
+  if (list == nullptr) return Expected(expected, node);
   source.parts.clear();
   for (const auto& part : *list) {
     const auto word = part.value<std::string>();

@@ -406,7 +406,7 @@ TEST_F(ConfigTest, AKeyThatATypeDoesNotUseIsRefused) {
   };
   EXPECT_THAT(Complaint(source("udp", "server = \"192.168.1.20\"")),
               HasSubstr("source.0.server: a source of type \"udp\" does not use it; only types "
-                        "ifacialmocap, natnet do"));
+                        "ifacialmocap, natnet, qtm do"));
   EXPECT_THAT(
       Complaint(source("vmc", "expressions = \"vrm\"")),
       HasSubstr("source.0.expressions: a source of type \"vmc\" does not use it; only types "
@@ -432,7 +432,7 @@ TEST_F(ConfigTest, PartsAreOfATypeThatHasThem) {
                 "udp, tcp, usb, ifacialmocap, livelinkface, rokoko, vmc"));
   EXPECT_THAT(Complaint(gloves("livelinkface", "[\"fingers\"]")),
               HasSubstr("source.1.parts: \"fingers\": a source of type \"livelinkface\" has none"));
-  for (const auto* const parts : {"[\"toes\"]", "[]", "\"fingers\"", "[3]"}) {
+  for (const auto* const parts : {"[\"toes\"]", "\"fingers\"", "[3]"}) {
     EXPECT_THAT(Complaint(gloves("vmc", parts)),
                 HasSubstr("a list of \"face\", \"fingers\", \"leftFingers\", \"rightFingers\""))
         << parts;

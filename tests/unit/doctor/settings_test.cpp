@@ -99,7 +99,7 @@ TEST_F(SettingsTest, TypesListenWhereTheDaemonHasThem) {
     if (type.usual_address.empty()) continue;
     EXPECT_EQ(ToString(wanted.listen), type.usual_address);
   }
-  EXPECT_EQ(known, 11);
+  EXPECT_EQ(known, 13);
   std::vector<config::Source> assumed;
   for (const auto& wanted : AssumedSources()) {
     assumed.push_back({wanted.name, wanted.type, ToString(wanted.listen)});

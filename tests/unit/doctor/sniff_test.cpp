@@ -102,10 +102,10 @@ TEST_F(SniffTest, WhatNobodyTakesIsForeignAndDescribed) {
           foreign("text", ToBytes("hello world, it is me"), "text: hello world, it "),
           foreign("JSON", ToBytes(R"({"a":1})"), "JSON, but not Rokoko's"),
           foreign("half of JSON", ToBytes(R"({"a")"), "JSON, but not Rokoko's"),
-          foreign("VRChat's OSC",
-                  vmc::testing::S("/tracking/trackers/1/position") + vmc::testing::S(",fff") +
+          foreign("a mixer's OSC",
+                  vmc::testing::S("/ch/01/mix/fader") + vmc::testing::S(",fff") +
                       vmc::testing::Floats({1, 2, 3}),
-                  "OSC, but no VMC: /tracking/trackers/1/position"),
+                  "OSC, but no VMC: /ch/01/mix/fader"),
           foreign("half of OSC", ToBytes("/foo"), "damaged OSC"),
           foreign("Axis Studio", noitom, "Noitom Axis Studio (binary BVH), which is not taken"),
           foreign("a name server's question", dns, "bytes 1A 2B 01 00"),
