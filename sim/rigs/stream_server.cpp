@@ -1,5 +1,7 @@
 #include "sim/rigs/stream_server.h"
 
+#include <fcntl.h>
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <list>
@@ -27,6 +29,8 @@ class StreamServer final : public player::Link {
     if (error) return Status::Error(error.message() + ", expected a numeric address");
     const tcp::endpoint at(address, static_cast<std::uint16_t>(std::stoi(url.substr(colon + 1))));
     acceptor_.open(at.protocol(), error);
+    // A process that is started meanwhile would keep the port.
+    if (!error) (void)::fcntl(acceptor_.native_handle(), F_SETFD, FD_CLOEXEC);
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
     if (!error) acceptor_.bind(at, error);
     if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
@@ -74,6 +78,7 @@ class StreamServer final : public player::Link {
       error_code error;
       tcp::socket socket = acceptor_.accept(error);
       if (error) return;
+      (void)::fcntl(socket.native_handle(), F_SETFD, FD_CLOEXEC);
       socket.set_option(tcp::no_delay(true), error);
       socket.non_blocking(true, error);
       Client& client = clients_.emplace_back(std::move(socket));

@@ -13,8 +13,8 @@ namespace styled::rigs {
 // Quirks:
 //   hips, head, leftFoot, ...  only the devices on these joints; none named: all that the rig has
 //   mounted                    turned anyhow on their parts, but on the head, and up to 3 cm off
-//   the joints (by seed) t-pose                     for the first second of a session the performer
-//   stands in a T-pose,
+//                              the joints (by seed)
+//   t-pose                     for the first second of a session the performer stands in a T-pose,
 //                              in which a calibration may be asked for
 //   vanish                     the last device is gone in every third second
 //   shuffled                   in another order in each frame

@@ -110,21 +110,21 @@ TEST_F(StylizeCadence, StandingKeepsItsTime) {
 TEST_F(StylizeCadence, IsRefusedWithoutAStyleAndWithoutCadences) {
   const std::string in = Walk();
   EXPECT_THAT(Refusal(2, {}, in), HasSubstr("--cadence: expected a style, whose steps it takes"));
-  EXPECT_THAT(Refusal(1, {"--style", "raised"}, in),
+  EXPECT_THAT(Refusal(2, {"--style", "raised"}, in),
               HasSubstr("--cadence: the weights have no cadence of 'raised', expected weights with "
                         "cadences (styletrain --write-speeds)"));
-  EXPECT_THAT(Refusal(1, {"--style", "bent=0.5", "--mix", "raised=0.5"}, in),
+  EXPECT_THAT(Refusal(2, {"--style", "bent=0.5", "--mix", "raised=0.5"}, in),
               HasSubstr("no cadence of 'raised'"));
-  EXPECT_THAT(Refusal(1, {"--input-style", "raised", "--style", "bent"}, in),
+  EXPECT_THAT(Refusal(2, {"--input-style", "raised", "--style", "bent"}, in),
               HasSubstr("no cadence of 'raised'"));
   model_.styles[0].run_mps = 0;
   Write();
-  EXPECT_THAT(Refusal(1, {"--style", "bent"}, in),
+  EXPECT_THAT(Refusal(2, {"--style", "bent"}, in),
               HasSubstr("--cadence: the weights have no speed of 'neutral', expected weights with "
                         "speeds"));
   model_.styles[0].walk_spm = 0;
   Write();
-  EXPECT_THAT(Refusal(1, {"--style", "bent"}, in),
+  EXPECT_THAT(Refusal(2, {"--style", "bent"}, in),
               HasSubstr("--cadence: the weights have no cadence of 'neutral'"));
   EXPECT_FALSE(std::filesystem::exists(out_)) << "nothing is written";
 }

@@ -162,7 +162,7 @@ TEST_F(ToolsTest, StylizeRunsAConstantOffset) {
         << i;
   }
   EXPECT_EQ(
-      Run({STYLIZE_BINARY, "--overwrite", "--weights", weights, "--style", "elderly", in, out}), 1);
+      Run({STYLIZE_BINARY, "--overwrite", "--weights", weights, "--style", "elderly", in, out}), 2);
   EXPECT_NE(said_.find("unknown style 'elderly'; expected one of neutral, bent, raised"),
             std::string::npos)
       << said_;

@@ -56,7 +56,8 @@ struct Stage {
       ++index;
     });
   }
-  // World rotations of the parts within 2 degrees, the hips within 3 cm.
+  // World rotations of the parts within 2 degrees, the hips within 5 cm: the size is told by the
+  // head's device, which is worn some centimetres off the joint.
   void ExpectFollowed(const std::vector<int>& parts) {
     synthetic::Options options;
     options.script = synthetic::ParseScript("walk:2,wave-left:2").value();
@@ -76,7 +77,7 @@ struct Stage {
         EXPECT_LT(57.29578F * expected.rotations[j].angularDistance(found.rotations[j]), 2)
             << body::kHumanoid[j].name << " at " << time_s;
       }
-      EXPECT_LT((got.hips_position_m - pose.hips_position_m).norm(), 0.03F);
+      EXPECT_LT((got.hips_position_m - pose.hips_position_m).norm(), 0.05F);
     }
   }
 
@@ -98,12 +99,16 @@ TEST(VrChatRigTest, TrackersMountedAnyhowAreFollowedOnceTheyAreCalibrated) {
                         body::kLeftUpperLeg, body::kRightUpperArm});
   EXPECT_EQ(control.Counter("source.malformed"), 0U);
   EXPECT_EQ(stage.daemon.Stop(), 0);
-  EXPECT_NE(stage.daemon.Log().find("calibrated \"1\" on hips"), std::string::npos)
-      << stage.daemon.Log();
+  EXPECT_NE(stage.daemon.Log().find("\"1\" on hips"), std::string::npos) << stage.daemon.Log();
 }
 
 TEST(VrChatRigTest, ATrackerThatVanishesIsHeldAndTheOthersGoOn) {
-  Stage stage("vrchat", std::move(rigs::MakeVrChat({{"sim"}, kRate_hz, 1, {"vanish"}}).value()));
+  // The head's vanishes; without one on the chest the spine leans by it.
+  Stage stage(
+      "vrchat",
+      std::move(rigs::MakeVrChat(
+                    {{"sim"}, kRate_hz, 1, {"hips", "leftFoot", "rightFoot", "head", "vanish"}})
+                    .value()));
   stage.Hold({}, 0.5);
   ControlClient control(stage.daemon.control);
   ASSERT_EQ(Calibrate(control).code(), v1::CODE_OK);
