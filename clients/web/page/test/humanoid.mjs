@@ -1,17 +1,11 @@
 // The canonical humanoid (model/body/humanoid.h) with fingers, eyes and jaw, and takes of it.
 import { Output } from 'styled-client';
 
+import { HUMANOID } from '../../../js/test-support/humanoid.mjs';
 import { Replay } from './dist/replay.js';
 import { Track } from './dist/take.js';
 import { makeBody, makeFrame, turn } from './support.mjs';
 
-const JOINTS = [
-  ['hips', -1, 0, 0.98, 0], ['spine', 0, 0, 0.13, 0], ['chest', 1, 0, 0.11, 0], ['neck', 2, 0, 0.19, 0], ['head', 3, 0, 0.08, 0.01],
-  ['leftShoulder', 2, 0.05, 0.15, 0], ['leftUpperArm', 5, 0.1, 0, 0], ['leftLowerArm', 6, 0.27, 0, 0], ['leftHand', 7, 0.25, 0, 0],
-  ['rightShoulder', 2, -0.05, 0.15, 0], ['rightUpperArm', 9, -0.1, 0, 0], ['rightLowerArm', 10, -0.27, 0, 0], ['rightHand', 11, -0.25, 0, 0],
-  ['leftUpperLeg', 0, 0.09, -0.05, 0], ['leftLowerLeg', 13, 0, -0.42, 0], ['leftFoot', 14, 0, -0.42, 0], ['leftToes', 15, 0, -0.07, 0.13],
-  ['rightUpperLeg', 0, -0.09, -0.05, 0], ['rightLowerLeg', 17, 0, -0.42, 0], ['rightFoot', 18, 0, -0.42, 0], ['rightToes', 19, 0, -0.07, 0.13],
-];
 const TAIL = [
   ['leftThumbMetacarpal', 8, 0.03, 0, 0.02], ['leftThumbProximal', 21, 0.03, 0, 0.02],
   ['leftIndexProximal', 8, 0.08, 0, 0.02], ['leftIndexIntermediate', 23, 0.03, 0, 0],
@@ -19,7 +13,7 @@ const TAIL = [
 ];
 
 export function humanoid({ tail = true } = {}) {
-  const joints = tail ? [...JOINTS, ...TAIL] : JOINTS;
+  const joints = tail ? [...HUMANOID, ...TAIL] : HUMANOID;
   return makeBody({
     names: joints.map(([name]) => name), parents: joints.map(([, parent]) => parent),
     offsets: joints.flatMap(([, , ...offset]) => offset), output: Output.CANONICAL, hash: 8n,
