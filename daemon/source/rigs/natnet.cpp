@@ -7,6 +7,7 @@
 
 #include "daemon/config/sources.h"
 #include "daemon/runtime/clock.h"
+#include "daemon/source/rigs/named_performers.h"
 
 namespace styled::source {
 namespace {
@@ -174,20 +175,7 @@ bool NatNet::Adopt(const natnet::SkeletonDescription& description,
     Say(skeleton.status().message(), out);
     return false;
   }
-  const auto called = [](const std::string& name) {
-    return [&name](const auto& performer) {
-      return performer != nullptr && performer->stream.performer() == name;
-    };
-  };
-  std::string name = MakeName(description.name);
-  const std::string stem = name.substr(0, 29);
-  for (int i = 2; std::ranges::any_of(performers, called(name)); ++i) {
-    name = stem + "-" + std::to_string(i);
-  }
-  const auto known = std::ranges::find_if(performers_, called(name));
-  performers.push_back(known != performers_.end() ? std::move(*known)
-                                                  : std::make_unique<Performer>(name));
-  Performer& performer = *performers.back();
+  Performer& performer = AdoptNamed(description.name, performers_, performers);
   performer.id = description.id;
   performer.skeleton = std::move(skeleton.value());
   performer.stream.SetBody(performer.skeleton.body(), out);
