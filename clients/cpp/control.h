@@ -116,8 +116,8 @@ class Control {
 // "UNKNOWN_STYLE" for CODE_UNKNOWN_STYLE; "CODE_<number>" for a code of a newer daemon.
 std::string CodeName(v1::Code code);
 
-// What sources give a performer whom they are merged into: "face: phone (live), fingers: gloves
-// (silent)"; "" for nothing.
+// The parts that other sources give to the performer: "face: phone (live), fingers: gloves
+// (silent)"; "": none.
 std::string LayersText(const v1::PerformerStats& performer);
 
 }  // namespace styled::client

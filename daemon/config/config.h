@@ -60,7 +60,7 @@ struct Source {
   std::string usb_id = {};   // "1209:7690"; "" = any SlimeVR receiver (type usb requires an id)
   std::string serial = {};   // serial number of the one USB device to open; "" = all
   Smoothing smoothing = {};
-  // A performer, SOURCE.NAME, to whom this source gives the parts; "" = the source has performers
+  // The performer, SOURCE.NAME, that gets the parts of this source; "" = the source has performers
   // of its own.
   std::string merge_into = {};
   // Of kMergedParts; empty: the face.

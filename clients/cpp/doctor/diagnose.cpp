@@ -217,7 +217,7 @@ void Examination::Losses() {
        "Stop one of them, or give it another performer's name.");
 }
 
-// Of whom datagrams were lost, ", of rig.anna and rig.ben"; "" if no performer is known.
+// The performers whose datagrams were lost, ", of rig.anna and rig.ben"; "": none is known.
 std::string Examination::Losers() const {
   std::string names;
   const auto& before = facts_.daemon.before.stats().performers();

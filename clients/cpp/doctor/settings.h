@@ -23,7 +23,7 @@ struct Wanted {
   bool stream = false;
   bool network = true;  // false: USB, or an unreadable `listen`
   Endpoint listen;      // the server's, for a rig whose server we connect to
-  // A performer, to whom this source gives face or fingers; "": none, or not known.
+  // The performer that gets face or fingers of this source; "": none, or not known.
   std::string merge_into;
   // OptiTrack only.
   std::string server, group = "239.255.42.99", interface;

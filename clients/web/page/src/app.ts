@@ -173,9 +173,9 @@ export class App {
   }
 
   /**
-   * Leads performers back to these settings, and does nothing else to them. Who is set otherwise than in `left`
-   * was changed by somebody else meanwhile, and is let be; their names are returned. Tries all of them; rejects
-   * with the first error.
+   * Gives performers these settings again, and changes nothing else of them. A performer whose settings differ from
+   * those in `left` was changed by another user meanwhile: they stay as they are, and their name is returned. Tries
+   * all performers; rejects with the first error.
    */
   async restore(settings: Map<string, Setting>, left?: Map<string, Setting>): Promise<string[]> {
     const presets = (this.list?.presets ?? []).map(({ name }) => name);

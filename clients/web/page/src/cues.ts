@@ -8,7 +8,7 @@ import { section } from './widgets.js';
 /** Cues in the order of the configuration; those of one name are fired together. */
 export interface Cue {
   name: string;
-  /** For whom, and at which timecode. */
+  /** The performers that the cue changes, and its timecode. */
   words: string;
 }
 
@@ -22,7 +22,7 @@ export function cuesOf(list: readonly CueInfo[]): Cue[] {
   return [...byName].map(([name, words]) => ({ name, words: words.join(', ') }));
 }
 
-/** The name that GO (step 1) or Back (-1) fires; undefined if there is none. `current`: '' before the first. */
+/** The name of the cue that GO (step 1) or Back (-1) fires; undefined at the ends of the list. `current`: the last one fired, '' for none. */
 export function cueBeside(cues: readonly Cue[], current: string, step: 1 | -1): string | undefined {
   return cues[cues.findIndex(({ name }) => name === current) + step]?.name;
 }

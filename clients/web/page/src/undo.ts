@@ -47,8 +47,9 @@ export class UndoStack {
   }
 
   /**
-   * Takes the last step back; resolves to its name and what `back` says, or to undefined if there is none or
-   * another is being taken back. A step that fails is kept, so that it can be tried again, unless `lost` says that it never can.
+   * Takes the last step back. Resolves to the step's name and to what `back` says; to undefined where there is no
+   * step, or where another one is being taken back. A step that fails is kept for another try, unless `lost` says
+   * that no try can succeed.
    */
   async undo(lost: (error: unknown) => boolean = () => false): Promise<{ what: string; remark: string } | undefined> {
     if (this.busy) return undefined;
