@@ -56,12 +56,20 @@ struct Stage {
       ++index;
     });
   }
-  // World rotations of the parts within 2 degrees, the hips within 5 cm: the size is told by the
-  // head's device, which is worn some centimetres off the joint.
+  // The performer's size, of the canonical one, that the calibration found: the head's device is
+  // worn some centimetres off the joint. The whole stage is scaled by it.
+  float Size() {
+    const std::string log = daemon.Log();
+    const std::size_t end = log.find(" of the canonical size");
+    return end == std::string::npos ? 0 : std::stof(log.substr(end - 4, 4));
+  }
+  // World rotations of the parts within 2 degrees, the hips within 3 cm.
   void ExpectFollowed(const std::vector<int>& parts) {
     synthetic::Options options;
     options.script = synthetic::ParseScript("walk:2,wave-left:2").value();
     synthetic::Performer performer(options);
+    const float size = Size();
+    ASSERT_NEAR(size, 1, 0.03);
     for (double time_s = 0.3; time_s < 4; time_s += 1.2) {
       body::Pose pose;
       performer.Pose(time_s, pose);
@@ -77,7 +85,7 @@ struct Stage {
         EXPECT_LT(57.29578F * expected.rotations[j].angularDistance(found.rotations[j]), 2)
             << body::kHumanoid[j].name << " at " << time_s;
       }
-      EXPECT_LT((got.hips_position_m - pose.hips_position_m).norm(), 0.05F);
+      EXPECT_LT((got.hips_position_m - pose.hips_position_m / size).norm(), 0.03F);
     }
   }
 
