@@ -22,7 +22,7 @@ using rig::Quat;
 using rig::Vec3;
 
 constexpr const char* kExpected = ", expected an avatar's .vrm or .glb";
-constexpr int kFloat = 5126;
+constexpr int kFloat32 = 5126;
 
 // A .glb in its two parts.
 struct Glb {
@@ -65,13 +65,13 @@ Result<Glb> ReadGlb(const std::filesystem::path& file) {
 }
 
 template <typename T>
-json Numbers(const T& vector) {
+json Listed(const T& vector) {
   return std::vector<float>(vector.data(), vector.data() + vector.size());
 }
 
-class Document {
+class AvatarDocument {
  public:
-  Document(Glb glb, const AvatarSkeleton& avatar, const Motion& motion)
+  AvatarDocument(Glb glb, const AvatarSkeleton& avatar, const Motion& motion)
       : glb_(std::move(glb)), avatar_(avatar), motion_(motion) {}
 
   Result<std::vector<std::byte>> Make() {
@@ -113,9 +113,9 @@ class Document {
       const float scale = values.topLeftCorner<3, 1>().norm();
       if (!(scale > 0)) return Broken("matrix");
       own.erase("matrix");
-      own["translation"] = Numbers(Vec3(values.topRightCorner<3, 1>()));
+      own["translation"] = Listed(Vec3(values.topRightCorner<3, 1>()));
       const Quat turn(Eigen::Matrix3f(values.topLeftCorner<3, 3>() / scale));
-      own["rotation"] = Numbers(turn.normalized().coeffs());
+      own["rotation"] = Listed(turn.normalized().coeffs());
       own["scale"] = {scale, scale, scale};
     }
     return Status::Ok();
@@ -131,7 +131,7 @@ class Document {
     glb_.binary.resize(at + size);
     std::memcpy(glb_.binary.data() + at, values.data(), size);
     json accessor{{"bufferView", views.size() - 1},
-                  {"componentType", kFloat},
+                  {"componentType", kFloat32},
                   {"count", values.size() / width},
                   {"type", type}};
     if (width == 1) {
@@ -214,7 +214,7 @@ Status AvatarFile::Write(const AvatarSkeleton& avatar, const Motion& motion,
         return frame.rotations.size() == joints && frame.translations.size() == joints;
       });
   if (!fits) return Status::Error(file.string() + ": found no motion of the avatar's skeleton");
-  const auto bytes = Document(content_->glb, avatar, motion).Make();
+  const auto bytes = AvatarDocument(content_->glb, avatar, motion).Make();
   if (!bytes.ok()) return Status::Error(name_ + ": " + bytes.status().message());
   return WriteBytes(bytes.value(), file);
 }

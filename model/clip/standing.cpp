@@ -8,7 +8,7 @@
 namespace styled::clip {
 namespace {
 
-constexpr double kLookEvery_s = 0.1;  // who stands at all stands for longer
+constexpr double kStandsFor_s = 0.1;  // who stands at all stands for longer
 
 }  // namespace
 
@@ -18,7 +18,7 @@ Result<rig::Binding> BindStanding(const Clip& clip) {
   const auto bind = [&](std::size_t frame) {
     return rig::BindStanding(clip.skeleton, joints.value(), clip.frames[frame], false);
   };
-  const auto stride = static_cast<std::size_t>(std::ceil(clip.rate_hz * kLookEvery_s));
+  const auto stride = static_cast<std::size_t>(std::ceil(clip.rate_hz * kStandsFor_s));
   for (std::size_t frame = 0; frame < clip.frames.size(); frame += stride) {
     Result<rig::Binding> bound = bind(frame);
     if (bound.ok()) return bound;

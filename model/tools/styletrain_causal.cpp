@@ -5,10 +5,8 @@
 namespace styled::train {
 namespace {
 
-using st_gcn_causal::Config;
-
 // The teacher, windows and what they are taught.
-void AddDataFlags(CLI::App& app, Config& config) {
+void AddDataFlags(CLI::App& app, st_gcn_causal::Config& config) {
   app.option_defaults()->group("Start");
   app.add_option("--init", config.init, "Weights of family st-gcn to learn from");
   app.add_option("--start-windows", config.start_windows,
@@ -44,7 +42,7 @@ void AddDataFlags(CLI::App& app, Config& config) {
       ->capture_default_str();
 }
 
-void AddLearningFlags(CLI::App& app, Config& config) {
+void AddLearningFlags(CLI::App& app, st_gcn_causal::Config& config) {
   app.option_defaults()->group("Schedule");
   app.add_option("--batch", config.batch, "Windows in a batch")->capture_default_str();
   app.add_option("--generator-rate", config.generator_rate, "Learning rate at the start (Adam)")
@@ -98,7 +96,7 @@ class StGcnCausalFlags : public FamilyFlags {
   void ShortenStart() override { config_.start_windows = std::min(config_.start_windows, 32); }
 
  private:
-  Config config_;
+  st_gcn_causal::Config config_;
 };
 
 }  // namespace

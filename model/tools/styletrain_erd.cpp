@@ -9,10 +9,8 @@
 namespace styled::train {
 namespace {
 
-using style_erd::Config;
-
 // The start of a run, and its teachers.
-void AddStartFlags(CLI::App& app, Config& config) {
+void AddStartFlags(CLI::App& app, style_erd::Config& config) {
   app.option_defaults()->group("Start");
   app.add_option("--init", config.init, "Weights to start from; styles are matched by name");
   app.add_option("--teacher", config.teachers,
@@ -34,7 +32,7 @@ void AddStartFlags(CLI::App& app, Config& config) {
 }
 
 // Windows and their perturbations.
-void AddDataFlags(CLI::App& app, Config& config) {
+void AddDataFlags(CLI::App& app, style_erd::Config& config) {
   app.option_defaults()->group("Data");
   app.add_option("--rate", config.rate_hz, "The network's rate, Hz; clips are resampled to it")
       ->capture_default_str();
@@ -66,7 +64,7 @@ void AddDataFlags(CLI::App& app, Config& config) {
 }
 
 // Learning rates and schedules.
-void AddOptimizerFlags(CLI::App& app, Config& config) {
+void AddOptimizerFlags(CLI::App& app, style_erd::Config& config) {
   app.option_defaults()->group("Schedule");
   app.add_option("--generator-rate", config.generator_rate,
                  "Learning rate of the generator at the start (Adam)")
@@ -99,7 +97,7 @@ void AddOptimizerFlags(CLI::App& app, Config& config) {
 }
 
 // Weights of the losses.
-void AddLossFlags(CLI::App& app, Config& config) {
+void AddLossFlags(CLI::App& app, style_erd::Config& config) {
   app.option_defaults()->group("Losses");
   app.add_option("--w-rotation", config.w_rotation,
                  "Weight of the reconstruction's rotations: eq. 2, summed over joints and frames")
@@ -146,7 +144,7 @@ void AddLossFlags(CLI::App& app, Config& config) {
 }
 
 // The shape of the network, and parts of the paper that an ablation leaves out.
-void AddNetworkFlags(CLI::App& app, Config& config) {
+void AddNetworkFlags(CLI::App& app, style_erd::Config& config) {
   app.option_defaults()->group("Network");
   app.add_option("--wide", config.wide, "1: a network of twice the paper's widths")
       ->capture_default_str();
@@ -163,7 +161,7 @@ void AddNetworkFlags(CLI::App& app, Config& config) {
       ->capture_default_str();
 }
 
-CLI::App* AddAddStyle(CLI::App& app, Config& config) {
+CLI::App* AddAddStyle(CLI::App& app, style_erd::Config& config) {
   app.option_defaults()->group("Options");
   CLI::App* add =
       app.add_subcommand("add-style", "Teach trained weights more styles")->fallthrough();
@@ -240,7 +238,7 @@ class StyleErdFlags : public FamilyFlags {
   }
 
  private:
-  Config config_;
+  style_erd::Config config_;
   CLI::App* add_style_ = nullptr;
 };
 

@@ -5,10 +5,8 @@
 namespace styled::train {
 namespace {
 
-using st_gcn::Config;
-
 // Windows and networks.
-void AddDataFlags(CLI::App& app, Config& config) {
+void AddDataFlags(CLI::App& app, st_gcn::Config& config) {
   app.option_defaults()->group("Data");
   app.add_option("--heading-tau", config.heading_tau_s, "Time constant of the heading filter, s")
       ->capture_default_str();
@@ -39,7 +37,7 @@ void AddDataFlags(CLI::App& app, Config& config) {
 }
 
 // Order of work and learning rates.
-void AddOptimizerFlags(CLI::App& app, Config& config) {
+void AddOptimizerFlags(CLI::App& app, st_gcn::Config& config) {
   app.option_defaults()->group("Schedule");
   app.add_option("--batch", config.batch, "Windows in a batch")->capture_default_str();
   app.add_option("--warm-up", config.warm_up, "Iterations of identity alone")
@@ -79,7 +77,7 @@ void AddOptimizerFlags(CLI::App& app, Config& config) {
       ->capture_default_str();
 }
 
-void AddLossFlags(CLI::App& app, Config& config) {
+void AddLossFlags(CLI::App& app, st_gcn::Config& config) {
   app.option_defaults()->group("Losses");
   app.add_option("--w-adversarial", config.w_adversarial, "Weight of the critic")
       ->capture_default_str();
@@ -143,7 +141,7 @@ class StGcnFlags : public FamilyFlags {
   Needs WhatIsNeeded() const override { return NeedsOfGraphs(); }
 
  private:
-  Config config_;
+  st_gcn::Config config_;
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ using body::Vec3;
 
 constexpr double kDegrees = 57.29578;
 
-Bytes Copy(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
+Bytes Sent(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
 
 // One sending application, with its own clock.
 class App {
@@ -31,7 +31,7 @@ class App {
     frame.index = static_cast<std::uint64_t>(count_);
     frame.time_s = static_cast<double>(count_++) / 120;
     frame.poses = {&pose, 1};
-    rig_->Encode(frame, [this](auto datagram) { link_.Send(Copy(datagram)); });
+    rig_->Encode(frame, [this](auto datagram) { link_.Send(Sent(datagram)); });
   }
   double time_s() const { return static_cast<double>(count_ - 1) / 120; }
 

@@ -108,7 +108,7 @@ void ExpectNoGap(const Subscriber& subscriber, const std::string& who) {
   }
 }
 
-const std::vector<std::string> kTopics{"body/", "styled/rig.a/rig/"};
+const std::vector<std::string> kRigTopics{"body/", "styled/rig.a/rig/"};
 
 TEST(SecurityTest, WhoHasAKeyGetsFramesAndNobodyElseDoes) {
   Guarded guarded;
@@ -116,10 +116,10 @@ TEST(SecurityTest, WhoHasAKeyGetsFramesAndNobodyElseDoes) {
   const CurveKeys stranger = guarded.NewClient("stranger");
   CurveKeys misled = anna;
   misled.server_key = stranger.public_key;
-  Subscriber with_key(guarded.publish, kTopics, anna);
-  Subscriber without(guarded.publish, kTopics);
-  Subscriber unknown(guarded.publish, kTopics, stranger);
-  Subscriber elsewhere(guarded.publish, kTopics, misled);
+  Subscriber with_key(guarded.publish, kRigTopics, anna);
+  Subscriber without(guarded.publish, kRigTopics);
+  Subscriber unknown(guarded.publish, kRigTopics, stranger);
+  Subscriber elsewhere(guarded.publish, kRigTopics, misled);
   ControlClient no_key(guarded.control);
   no_key.SetPatience(0.3);
   const UdpLink link(guarded.daemon.udp);
@@ -162,8 +162,8 @@ TEST(SecurityTest, AllowAndRevokeAreInForceWithoutARestart) {
   Guarded guarded;
   const CurveKeys anna = guarded.Allow("anna", "subscriber");
   const CurveKeys bob = guarded.NewClient("bob");
-  Subscriber annas(guarded.publish, kTopics, anna);
-  Subscriber bobs(guarded.publish, kTopics, bob);
+  Subscriber annas(guarded.publish, kRigTopics, anna);
+  Subscriber bobs(guarded.publish, kRigTopics, bob);
   const UdpLink link(guarded.daemon.udp);
   Rig rig("a");
   link.Send(rig.Body());
@@ -318,7 +318,7 @@ TEST(SecurityTest, EightPerformersReachEightSubscribersWithoutALoss) {
 TEST(SecurityTest, GarbageAndHalfOpenConnectionsHarmNobody) {
   Guarded guarded;
   const CurveKeys anna = guarded.Allow("anna", "subscriber");
-  Subscriber annas(guarded.publish, kTopics, anna);
+  Subscriber annas(guarded.publish, kRigTopics, anna);
   const UdpLink link(guarded.daemon.udp);
   Rig rig("a");
   link.Send(rig.Body());
@@ -374,7 +374,7 @@ TEST(SecurityTest, ALocalAddressNeedsNoKeysAndAWordOpensAnother) {
                  "publish.address=tcp://0.0.0.0:0"});
   EXPECT_EQ(daemon.server_key, "");
   EXPECT_FALSE(std::filesystem::exists(keys / "keys")) << "nobody is asked for one";
-  Subscriber subscriber(Here(daemon.publish), kTopics);
+  Subscriber subscriber(Here(daemon.publish), kRigTopics);
   ControlClient control(daemon.control);
   const UdpLink link(daemon.udp);
   Rig rig("a");
@@ -393,7 +393,7 @@ TEST(SecurityTest, ASecondDaemonDoesNotTakeALivePath) {
   const TemporaryFolder folder;
   const std::string publish = IpcOf(folder, "p"), control = IpcOf(folder, "c");
   Daemon daemon({"publish.address=" + publish, "control.address=" + control});
-  Subscriber subscriber(publish, kTopics);
+  Subscriber subscriber(publish, kRigTopics);
   const UdpLink link(daemon.udp);
   Rig rig("a");
   link.Send(rig.Body());

@@ -20,16 +20,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+using Blob = std::vector<std::uint8_t>;
 
 struct Options {
   std::optional<long> runs;  // mutations of each seed
   std::optional<double> seconds;
   unsigned seed = 1;
-  std::vector<Bytes> seeds;
+  std::vector<Blob> seeds;
 };
 
-Bytes Read(const std::filesystem::path& file) {
+Blob Read(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) {
     std::fprintf(stderr, "%s: cannot be opened\n", file.c_str());
@@ -38,7 +38,7 @@ Bytes Read(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-void AddSeeds(const std::string& place, std::vector<Bytes>& seeds) {
+void AddSeeds(const std::string& place, std::vector<Blob>& seeds) {
   if (!std::filesystem::is_directory(place)) return seeds.push_back(Read(place));
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(place)) {
@@ -66,7 +66,7 @@ Options Parse(int argc, char** argv) {
 }
 
 // One small change, of the kinds that most often break length fields, counts and signs.
-void Mutate(Bytes& bytes, std::mt19937& random) {
+void Mutate(Blob& bytes, std::mt19937& random) {
   const auto below = [&random](std::size_t n) { return static_cast<std::size_t>(random()) % n; };
   constexpr std::uint8_t kTelling[] = {0x00, 0x01, 0x7f, 0x80, 0xff, '0', '9', '-', '"', '{'};
   if (bytes.empty()) bytes.push_back(static_cast<std::uint8_t>(random()));
@@ -97,7 +97,7 @@ void Mutate(Bytes& bytes, std::mt19937& random) {
       break;
     default: {  // repeat a piece
       const std::size_t length = std::min(bytes.size() - at, 1 + below(32));
-      const Bytes piece(place, place + static_cast<std::ptrdiff_t>(length));
+      const Blob piece(place, place + static_cast<std::ptrdiff_t>(length));
       bytes.insert(place, piece.begin(), piece.end());
       break;
     }
@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
                  argv[0]);
     return 2;
   }
-  for (const Bytes& seed : options.seeds) LLVMFuzzerTestOneInput(seed.data(), seed.size());
+  for (const Blob& seed : options.seeds) LLVMFuzzerTestOneInput(seed.data(), seed.size());
 
   // In rounds over all seeds, so that a run that is cut short has used each seed.
   using Clock = std::chrono::steady_clock;
@@ -125,8 +125,8 @@ int main(int argc, char** argv) {
   std::mt19937 random(options.seed);
   long inputs = static_cast<long>(options.seeds.size());
   for (long run = 0; run < runs && Clock::now() < end; ++run) {
-    for (const Bytes& seed : options.seeds) {
-      Bytes bytes = seed;
+    for (const Blob& seed : options.seeds) {
+      Blob bytes = seed;
       for (unsigned changes = 1 + random() % 4; changes > 0; --changes) Mutate(bytes, random);
       LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
       ++inputs;

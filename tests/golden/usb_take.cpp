@@ -22,7 +22,7 @@ namespace {
 
 using support::FakeDevice;
 
-constexpr double kRate_hz = 60;
+constexpr double kTakeRate_hz = 60;
 
 class UsbLink final : public player::Link {
  public:
@@ -65,18 +65,18 @@ int Take(const std::string& kind, double seconds) {
   support::ControlClient control("tcp://127.0.0.1:27002");
   const auto script = synthetic::ParseScript(kScript).value();
   UsbLink link(device);
-  player::Stream stream({"sim", kRate_hz, [] { return std::uint64_t{1}; }},
+  player::Stream stream({"sim", kTakeRate_hz, [] { return std::uint64_t{1}; }},
                         std::make_unique<player::PerformerMotion>(
-                            synthetic::Vary(1, 0, script), synthetic::Proportions(), kRate_hz),
+                            synthetic::Vary(1, 0, script), synthetic::Proportions(), kTakeRate_hz),
                         faults::Faults({}));
   synthetic::Performer performer(synthetic::Vary(1, 0, script));
-  support::Paced(static_cast<int>(seconds * kRate_hz), kRate_hz, [&](int i) {
-    if (i == static_cast<int>((seconds - 1) * kRate_hz)) {
+  support::Paced(static_cast<int>(seconds * kTakeRate_hz), kTakeRate_hz, [&](int i) {
+    if (i == static_cast<int>((seconds - 1) * kTakeRate_hz)) {
       (void)control.SetStyle("*", "elderly", 1, 200);
     }
     if (vendor) return (void)stream.Tick(link);
     body::Pose pose;
-    performer.Pose(i / kRate_hz, pose);
+    performer.Pose(i / kTakeRate_hz, pose);
     for (const auto& report : trackers.Next(pose)) device.Send(report);
   });
   support::Sleep(0.1);

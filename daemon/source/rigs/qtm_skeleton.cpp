@@ -41,7 +41,7 @@ Quat YUpFrom(qtm::Axis up) {
                                  Vec3(-Vec3::UnitX()), Vec3(-Vec3::UnitY()), Vec3(-Vec3::UnitZ())};
   // Upside down there is no shortest way; this one is about x.
   if (up == qtm::Axis::kMinusY) return {0, 1, 0, 0};
-  return Quat::FromTwoVectors(axes[static_cast<std::size_t>(up)], Vec3::UnitY()).normalized();
+  return body::ShortestTurn(axes[static_cast<std::size_t>(up)], Vec3::UnitY()).normalized();
 }
 
 Result<QtmSkeleton> QtmSkeleton::Make(const qtm::SkeletonDescription& description, qtm::Axis up) {

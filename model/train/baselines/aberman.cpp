@@ -19,7 +19,7 @@ constexpr double kSlope = 0.2;  // of the leaky ReLU
 constexpr double kContent = 10, kAdversarial = 1, kTriplet = 0.3, kPenalty = 1;
 constexpr double kMargin = 1;  // of the triplet loss
 constexpr int kPenaltyEvery = 4;
-constexpr double kRate = 4e-4, kCriticRate = 2e-4;
+constexpr double kMapRate = 4e-4, kCriticRate = 2e-4;
 
 nn::Conv1d Conv(long in, long out, long kernel, long stride) {
   return nn::Conv1d(nn::Conv1dOptions(in, out, kernel)
@@ -185,12 +185,12 @@ class Training {
       : nets_(nets),
         batch_size_(batch),
         batches_(std::move(batches)),
-        generator_adam_(Made(nets), Options(kRate)),
+        generator_adam_(Made(nets), Options(kMapRate)),
         critic_adam_(nets.critic->parameters(), Options(kCriticRate)) {}
 
   void Step(double progress) {
     const double decay = 1 - 0.8 * progress * progress;  // as st-gcn's: to a fifth
-    SetRate(generator_adam_, kRate * decay);
+    SetRate(generator_adam_, kMapRate * decay);
     SetRate(critic_adam_, kCriticRate * decay);
     const Batch batch = batches_.Next(batch_size_);
     const Tensor content = nets_.generator->Encode(batch.source);

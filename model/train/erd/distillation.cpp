@@ -12,7 +12,7 @@ namespace {
 using torch::Tensor;
 
 // Windows before a mean is a target of idle windows: fewer are noise.
-constexpr int kFewestWindows = 4;
+constexpr int kFewestIdle = 4;
 
 // As many identity rotations as `rotations` has.
 Tensor Identity(const Tensor& rotations) {
@@ -181,7 +181,7 @@ void Distillation::ReplaceIdle(const Batch& batch, Teacher& teacher, Target& tar
   target.change =
       torch::where(idle.view({1, -1, 1, 1}), ExpQuaternion(turned).unsqueeze(0), target.change);
   target.rise_m = torch::where(idle.view({1, -1}), risen.unsqueeze(0), target.rise_m);
-  const Tensor idle_gain = torch::where(known < kFewestWindows, torch::zeros_like(gain),
+  const Tensor idle_gain = torch::where(known < kFewestIdle, torch::zeros_like(gain),
                                         teacher.gain.select(1, setup_.idle_content));
   gain = torch::where(idle, idle_gain, gain);
 }

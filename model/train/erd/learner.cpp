@@ -11,8 +11,6 @@ namespace {
 
 using torch::Tensor;
 
-constexpr int64_t kJudgedFeatures = erd::kPositionFeatures + erd::kVelocityFeatures;
-constexpr int64_t kContentFeatures = erd::kRotationFeatures + kJudgedFeatures;
 // Windows that a style's effect in a content must be measured in: fewer are noise.
 constexpr int kFewestWindows = 4;
 

@@ -8,6 +8,7 @@
 
 #include "model/base/status.h"
 #include "model/clip/manifest.h"
+#include "model/net/erd/features.h"
 #include "model/train/adam.h"
 #include "model/train/checkpoint.h"
 #include "model/train/dataset.h"
@@ -22,6 +23,10 @@
 #include "model/train/sampler.h"
 
 namespace styled::train::style_erd {
+
+// What critics see, and what the classifier of contents sees: the first of a frame's features.
+inline constexpr int64_t kJudgedFeatures = erd::kPositionFeatures + erd::kVelocityFeatures;
+inline constexpr int64_t kContentFeatures = erd::kRotationFeatures + kJudgedFeatures;
 
 // Sums of losses, kept on the device so that the log is the only place that waits for it.
 class Tally {

@@ -10,8 +10,6 @@ namespace {
 
 using torch::Tensor;
 
-constexpr int64_t kContentFeatures =
-    erd::kRotationFeatures + erd::kPositionFeatures + erd::kVelocityFeatures;
 // Added to the run's seed, so that these windows are not those of the first iterations.
 constexpr uint64_t kClassifierSeed = 1000003, kNearestSeed = 2000003;
 // The classifier's learning rate, which falls linearly to a tenth over its iterations.

@@ -7,9 +7,6 @@ namespace {
 
 using torch::Tensor;
 
-constexpr int64_t kJudgedFeatures = erd::kPositionFeatures + erd::kVelocityFeatures;
-constexpr int64_t kContentFeatures = erd::kRotationFeatures + kJudgedFeatures;
-
 }  // namespace
 
 // What the critic sees: standardized positions and velocities, [T, B, 126].

@@ -20,7 +20,6 @@ constexpr float kInPlace_mps = 0.5F;    // hips slower than this: a gesture, not
 constexpr float kGesture_mps = 1.0F;    // a hand that is never faster makes no gesture
 constexpr float kAhead_m = 0.3F;        // a foot so far before the hips is not lifted for a step
 constexpr float kKick_m = 0.4F;
-constexpr float kDegrees = 57.29578F;
 constexpr float kSwing = 3;           // in a walk or run the hands are less faster than the hips
 constexpr double kApart_s = 0.4;      // an act is the fastest or highest within so much
 constexpr float kStretched_m = 0.3F;  // a hand nearer to its shoulder points nowhere

@@ -11,7 +11,6 @@
 namespace styled::judge {
 namespace {
 
-constexpr int kStride = 8;             // frames between judged windows
 constexpr std::size_t kExample = 64;   // frames of an example, at least
 constexpr std::size_t kLongest = 150;  // frames of an input: 5 s
 constexpr std::size_t kExamples = 10;  // of one style and content, at most

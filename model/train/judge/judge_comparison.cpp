@@ -8,7 +8,6 @@
 namespace styled::judge {
 namespace {
 
-constexpr int kStride = 8;  // frames between judged windows
 constexpr std::uint64_t kSeed = 1;
 
 // Every judge of a set, in the order of the table.

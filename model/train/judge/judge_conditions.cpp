@@ -17,11 +17,11 @@ namespace styled::judge {
 namespace {
 
 // Means over styles.
-struct Row {
+struct ConditionRow {
   double sra = 0, cra = 0, expression = 0, cosine = 0, jerk = 0;
 };
 
-Row Summary(const Figures& figures) {
+ConditionRow Summary(const Figures& figures) {
   Mean expression;
   Mean cosine;
   Mean jerk;
@@ -34,7 +34,7 @@ Row Summary(const Figures& figures) {
   return {figures.sra.value, figures.cra.value, expression.value(), cosine.value(), jerk.value()};
 }
 
-nlohmann::json ToJson(const Row& row) {
+nlohmann::json RowToJson(const ConditionRow& row) {
   return {{"sra", row.sra},
           {"cra", row.cra},
           {"expression", row.expression},
@@ -102,8 +102,10 @@ nlohmann::json JudgePerturbed(const Data& data, const Styler& styler, const Eval
     }
     const double known =
         evaluator.Measure("", RealPerturbed(data, styler, perturbation, real)).sra.value;
-    const Row detail = Summary(evaluator.Measure("", Style(spoilt, styler, options, false)));
-    const Row absolute = Summary(evaluator.Measure("", Style(spoilt, styler, options, true)));
+    const ConditionRow detail =
+        Summary(evaluator.Measure("", Style(spoilt, styler, options, false)));
+    const ConditionRow absolute =
+        Summary(evaluator.Measure("", Style(spoilt, styler, options, true)));
     std::printf("  %-42.*s %.3f   %.3f  %5.2f  %5.2f  %5.2f   %.3f  %5.2f  %5.2f  %5.2f\n",
                 static_cast<int>(text.size()), text.data(), known, detail.sra, detail.expression,
                 detail.cosine, detail.jerk, absolute.sra, absolute.expression, absolute.cosine,
@@ -142,11 +144,11 @@ nlohmann::json JudgeRates(const Data& data, const Styler& styler, const Evaluato
                                some.inputs[i], std::move(output)});
       }
     }
-    Row row = Summary(evaluator.Measure("", transferred));
+    ConditionRow row = Summary(evaluator.Measure("", transferred));
     row.jerk = jerk_out.value() / std::max(1e-9, jerk_in.value());
     std::printf("  %6.2f Hz  %.3f  %.3f  %5.2f  %5.2f  %5.2f\n", rate_hz, row.sra, row.cra,
                 row.expression, row.cosine, row.jerk);
-    json.push_back(ToJson(row));
+    json.push_back(RowToJson(row));
     json.back()["rate_hz"] = rate_hz;
   }
   return json;

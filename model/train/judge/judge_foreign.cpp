@@ -10,7 +10,6 @@
 namespace styled::judge {
 namespace {
 
-constexpr float kDegrees = 57.29578F;
 constexpr double kStand_s = 2, kStay_s = 4;
 
 body::Quat Bend(float degrees) {

@@ -13,6 +13,9 @@ namespace styled::judge {
 // feature vectors. Poses are canonical, metres, y up, at a constant rate. Nothing here needs
 // libtorch; everything allocates. Pinned by tests/unit/judge/judge_metrics_test.cpp.
 
+inline constexpr int kStride = 8;             // frames between judged windows
+inline constexpr float kDegrees = 57.29578F;  // in a radian
+
 // The shift of a mean pose by the style, compared with the real one: `fraction` is its component
 // along the real shift, in lengths of the real shift; `cosine` is that of the angle between them. 1
 // and 1 are perfect. Both are 0 if either shift is zero.

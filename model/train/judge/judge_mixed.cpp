@@ -12,7 +12,6 @@ namespace {
 
 constexpr int kBlend = 15;                // frames: half a second
 constexpr std::size_t kLongestAct = 128;  // frames: each act comes twice in 30 s
-constexpr int kStride = 8;                // frames between judged windows
 
 // The contents in the order of the acts.
 std::vector<int> ActsOf(const clip::Manifest& manifest) {

@@ -12,14 +12,13 @@
 namespace styled::judge {
 namespace {
 
-constexpr int kStride = 8;         // frames between judged windows
 constexpr int kSparseStride = 24;  // for splits with plenty of clips
 constexpr int kFmdDimensions = 32;
 constexpr std::uint64_t kSeed = 1;
 // least share of windows mistaken for another style that is printed
 constexpr double kWorthSaying = 0.05;
 
-nlohmann::json ToJson(const Share& share) {
+nlohmann::json ShareToJson(const Share& share) {
   return {{"value", Value(Measured(share))},
           {"low", share.low},
           {"high", share.high},
@@ -308,16 +307,16 @@ std::string Evaluator::CellName(int cell) const {
 
 nlohmann::json Evaluator::ToJson(const Figures& figures) const {
   const auto with_worst = [this](const Share& share) {
-    nlohmann::json json = judge::ToJson(share);
+    nlohmann::json json = ShareToJson(share);
     json["worst_cell"] = CellName(share.worst_cell);
     return json;
   };
   nlohmann::json json = {{"title", figures.name},
                          {"sra", with_worst(figures.sra)},
-                         {"sra_first_windows", judge::ToJson(figures.sra_first)},
+                         {"sra_first_windows", ShareToJson(figures.sra_first)},
                          {"cra", with_worst(figures.cra)},
                          {"cra_of_inputs", with_worst(figures.cra_input)},
-                         {"sra_with_unknown", judge::ToJson(figures.sra_with_unknown)},
+                         {"sra_with_unknown", ShareToJson(figures.sra_with_unknown)},
                          {"unknown_to_style_judge", nlohmann::json::array()}};
   for (const int cell : figures.unknown) json["unknown_to_style_judge"].push_back(CellName(cell));
   for (int style = 1; style < styles_; ++style) {
@@ -364,12 +363,12 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
 }
 
 nlohmann::json Evaluator::RealToJson() const {
-  nlohmann::json json = {{"style", judge::ToJson(real_style_)},
-                         {"content", judge::ToJson(real_content_)}};
+  nlohmann::json json = {{"style", ShareToJson(real_style_)},
+                         {"content", ShareToJson(real_content_)}};
   for (int style = 0; style < styles_; ++style) {
     json["styles"][manifest_.styles[style].name] = {
-        {"style", judge::ToJson(MacroShare(Of(real_styles_, style, contents_), kSeed))},
-        {"content", judge::ToJson(MacroShare(Of(real_contents_, style, contents_), kSeed))}};
+        {"style", ShareToJson(MacroShare(Of(real_styles_, style, contents_), kSeed))},
+        {"content", ShareToJson(MacroShare(Of(real_contents_, style, contents_), kSeed))}};
   }
   return json;
 }

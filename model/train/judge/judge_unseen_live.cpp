@@ -8,7 +8,7 @@
 namespace styled::judge {
 namespace {
 
-constexpr int kStride = 4;  // frames between windows that are judged
+constexpr int kLiveStride = 4;  // frames between windows that are judged
 
 Poses WithoutBeginning(const Poses& poses) {
   const std::size_t first = std::min(kSettling, poses.size() - 1);
@@ -28,7 +28,7 @@ Stance StanceOf(const Poses& poses) {
 double Recognized(const Judges* judges, const Poses& poses, int style) {
   if (judges == nullptr) return 0;
   const Verdicts verdicts =
-      judges->Judge(MakeSequence(poses, style, 0, false, judges->parameters()), kStride);
+      judges->Judge(MakeSequence(poses, style, 0, false, judges->parameters()), kLiveStride);
   const auto hits = std::count(verdicts.style.begin(), verdicts.style.end(), style);
   return verdicts.style.empty()
              ? 0

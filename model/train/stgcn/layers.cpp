@@ -8,8 +8,6 @@ namespace {
 using stgcn::kLabelCount;
 using torch::Tensor;
 
-constexpr double kSlope = 0.2;  // of LeakyReLU
-
 // He et al. 2015: the variance of uniform numbers in ±bound is 2 / inputs.
 double HeBound(int64_t inputs) { return std::sqrt(6.0 / static_cast<double>(inputs)); }
 

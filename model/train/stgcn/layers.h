@@ -18,6 +18,7 @@ namespace styled::train::st_gcn {
 
 // Of the sum of a block's two paths; both are linear at their ends, where it costs nothing.
 inline constexpr double kShare = M_SQRT1_2;
+inline constexpr double kSlope = 0.2;  // of LeakyReLU
 
 // m [R, V] applied to the nodes of x [B, T, V, C]: [B, T, R, C].
 torch::Tensor Mix(const torch::Tensor& m, const torch::Tensor& x);

@@ -13,11 +13,11 @@ namespace {
 
 using torch::Tensor;
 
-constexpr double kCmPerM = 100;
-constexpr double kTiny = 1e-12;  // m²; keeps a cosine without a change at 0
-constexpr int kPerContent = 5;   // neutral windows that are watched
-constexpr int kPerCell = 24;     // windows that judges learn from and shifts are measured in
-constexpr double kRidge = 1e-2;  // of correlations of standardized statistics
+constexpr double kInCm = 100;       // a metre
+constexpr double kTiny_m2 = 1e-12;  // m²; keeps a cosine without a change at 0
+constexpr int kPerContent = 5;      // neutral windows that are watched
+constexpr int kPerCell = 24;        // windows that judges learn from and shifts are measured in
+constexpr double kRidge = 1e-2;     // of correlations of standardized statistics
 constexpr uint64_t kNoiseSeed = 77;
 
 // Windows of clips, spread over a cell's clips: at most `most` of each style and content.
@@ -155,7 +155,7 @@ void Monitor::AddStyle(int64_t style, const Tensor& outputs, Kind& kind) const {
   const double along = torch::dot(change, real).item<double>();
   const double length = real.norm().item<double>();
   kind.expression += along / (length * length);
-  kind.cosine += along / (length * change.norm().item<double>() + kTiny);
+  kind.cosine += along / (length * change.norm().item<double>() + kTiny_m2);
 }
 
 // `outputs`: of each style but neutral.
@@ -225,9 +225,9 @@ MonitorReport Monitor::Evaluate(const Networks& networks, const Graph& graph) co
           .item<double>();
   MonitorReport report;
   std::ostringstream text;
-  report.figures = {{"identity_cm", kCmPerM * identity_m},
-                    {"apart_cm", kCmPerM * apart_m / static_cast<double>(styles - 1)}};
-  text << "identity " << kCmPerM * identity_m << " cm, apart " << report.figures[1].second << " cm";
+  report.figures = {{"identity_cm", kInCm * identity_m},
+                    {"apart_cm", kInCm * apart_m / static_cast<double>(styles - 1)}};
+  text << "identity " << kInCm * identity_m << " cm, apart " << report.figures[1].second << " cm";
   report.summary = text.str();
   Judge("noise", by_noise, report);
   Judge("reference", by_reference, report);

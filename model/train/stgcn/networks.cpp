@@ -11,7 +11,6 @@ using stgcn::kChannels;
 using torch::Tensor;
 
 constexpr int64_t kJoints = body::kJointCount;
-constexpr double kSlope = 0.2;    // of LeakyReLU
 constexpr int64_t kHidden = 256;  // of the mapping network
 
 Tensor InNodeBias(Parameters& parameters, const std::string& name, const Shape& shape) {

@@ -11,8 +11,8 @@ namespace {
 
 using torch::Tensor;
 
-constexpr float kSlope = 0.2F;
-constexpr float kEpsilon = 1e-5F;  // of the variance of values of about 1
+constexpr float kLeak = 0.2F;
+constexpr float kVarianceEpsilon = 1e-5F;  // of the variance of values of about 1
 
 // Numbers in memory: float, or the upper half of one. Written so that the compiler vectorizes.
 inline float Load(float value) { return value; }
@@ -31,7 +31,7 @@ constexpr int kLanes = 8;
 using Lanes = std::array<float, kLanes>;
 
 // The LeakyReLU's slope at `a`, without a branch: signs are as good as random.
-inline float Slope(float a) { return 0.5F * (1 + kSlope) + std::copysign(0.5F * (1 - kSlope), a); }
+inline float Slope(float a) { return 0.5F * (1 + kLeak) + std::copysign(0.5F * (1 - kLeak), a); }
 
 // One sample's frames and nodes of kLanes channels: `rows` rows, `stride` numbers apart.
 struct Rows {
@@ -59,7 +59,8 @@ void Moments(Rows of, const T* x, Lanes& mean, Lanes& inverse) {
     const Lanes v = LoadRow(x + row * of.stride);
     for (int i = 0; i < kLanes; ++i) square[i] += (v[i] - mean[i]) * (v[i] - mean[i]);
   }
-  for (int i = 0; i < kLanes; ++i) inverse[i] = 1.0F / std::sqrt(square[i] * share + kEpsilon);
+  for (int i = 0; i < kLanes; ++i)
+    inverse[i] = 1.0F / std::sqrt(square[i] * share + kVarianceEpsilon);
 }
 
 template <typename T>
@@ -78,7 +79,7 @@ void Forward(Rows of, const T* x, const float* scale, const float* shift, float*
     T* out = y + row * of.stride;
     for (int i = 0; i < kLanes; ++i) {
       const float a = gain[i] * v[i] + offset[i];
-      Store(std::max(a, kSlope * a), out[i]);
+      Store(std::max(a, kLeak * a), out[i]);
     }
   }
 }
@@ -204,8 +205,8 @@ Tensor NormalizedLeakyByParts(const Tensor& x, const Tensor& scale, const Tensor
   const Tensor centred = flat - flat.mean(1, true);
   const Tensor variance = centred.square().mean(1, true);
   const Tensor y =
-      centred * ((variance + kEpsilon).rsqrt() * scale.unsqueeze(1)) + shift.unsqueeze(1);
-  return at::leaky_relu(y, kSlope).to(x.scalar_type()).view(x.sizes());
+      centred * ((variance + kVarianceEpsilon).rsqrt() * scale.unsqueeze(1)) + shift.unsqueeze(1);
+  return at::leaky_relu(y, kLeak).to(x.scalar_type()).view(x.sizes());
 }
 
 }  // namespace styled::train::st_gcn

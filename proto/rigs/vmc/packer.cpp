@@ -6,18 +6,18 @@
 namespace styled::vmc {
 namespace {
 
-constexpr std::size_t kBundle = 16, kSizeField = 4;
+constexpr std::size_t kBundleHead = 16, kSizeField = 4;
 // Blend/Apply, OK and T, each with its size field.
 constexpr std::size_t kEnd = kSizeField + 28 + kSizeField + 36 + kSizeField + 20;
-constexpr std::size_t kRoom = Packer::kMaxPacketSize - kBundle;
+constexpr std::size_t kRoom = Packer::kMaxPacketSize - kBundleHead;
 
-constexpr std::size_t Padded(std::size_t size) noexcept { return (size + 4) & ~std::size_t{3}; }
+constexpr std::size_t PaddedText(std::size_t size) noexcept { return (size + 4) & ~std::size_t{3}; }
 
 std::size_t Size(const Blend& blend) noexcept {
-  return kSizeField + 20 + 4 + Padded(blend.name.size()) + 4;
+  return kSizeField + 20 + 4 + PaddedText(blend.name.size()) + 4;
 }
 std::size_t Size(const Tracker& tracker) noexcept {
-  return kSizeField + 20 + 12 + Padded(tracker.serial.size()) + 28;
+  return kSizeField + 20 + 12 + PaddedText(tracker.serial.size()) + 28;
 }
 std::size_t Size(const Thru& thru) noexcept { return kSizeField + thru.bytes.size(); }
 

@@ -18,25 +18,25 @@ namespace {
 using ::testing::HasSubstr;
 
 // Frames sent before the dialogue is over: the stand-in answers once a frame.
-constexpr int kHandshake = 15;
+constexpr int kQtmHandshake = 15;
 
 TEST(QtmRigTest, PosesAreTheMotionInBothFormsAndHoweverTheyAreCut) {
   const RigResult result = StreamAsRig({.type = "qtm"});
-  ExpectTheSameMotion(result, kHandshake);
+  ExpectTheSameMotion(result, kQtmHandshake);
   ASSERT_FALSE(result.bodies.empty());
   ASSERT_EQ(result.bodies[0].names_size(), 24) << "the rig's own skeleton is published, too";
   EXPECT_EQ(result.bodies[0].names(9), "LeftForeArmRoll");
   EXPECT_THAT(result.log, HasSubstr("QTM RT 1.25, 60 Hz, +Z up, skeletons: sim"));
   const RigResult old = StreamAsRig({.type = "qtm", .quirks = {"flat", "split"}});
-  ExpectTheSameMotion(old, 2 * kHandshake);
+  ExpectTheSameMotion(old, 2 * kQtmHandshake);
   EXPECT_THAT(old.log, HasSubstr("QTM RT 1.20, "));
-  ExpectTheSameMotion(StreamAsRig({.type = "qtm", .quirks = {"y-up"}}), kHandshake);
+  ExpectTheSameMotion(StreamAsRig({.type = "qtm", .quirks = {"y-up"}}), kQtmHandshake);
 }
 
 TEST(QtmRigTest, SeveralSkeletonsAreSeveralPerformers) {
   const RigResult result =
       StreamAsRig({.type = "qtm", .performers = {"anna", "ben", "cleo"}, .frames = 60});
-  ExpectTheSameMotion(result, kHandshake);
+  ExpectTheSameMotion(result, kQtmHandshake);
   EXPECT_EQ(result.Counter("pipeline.performers"), 3U);
 }
 
@@ -150,18 +150,18 @@ std::string Source(const Server& server) {
   return "[[source]]\nname = \"suit\"\ntype = \"qtm\"\n" + server.keys();
 }
 
-constexpr char kTopic[] = "styled/suit.sim/canonical/";
+constexpr char kQtmTopic[] = "styled/suit.sim/canonical/";
 
 TEST(QtmServerTest, ThatGoesAndComesBackGoesOn) {
   Server server;
   Daemon daemon({}, Source(server));
-  Subscriber subscriber(daemon.publish, {kTopic});
-  ASSERT_TRUE(subscriber.WaitForFrames(30, kTopic)) << daemon.Log();
+  Subscriber subscriber(daemon.publish, {kQtmTopic});
+  ASSERT_TRUE(subscriber.WaitForFrames(30, kQtmTopic)) << daemon.Log();
   server.Stop();
   Sleep(0.3);
-  const std::size_t before = subscriber.Count(kTopic);
+  const std::size_t before = subscriber.Count(kQtmTopic);
   server.Start();
-  ASSERT_TRUE(subscriber.WaitForFrames(before + 30, kTopic)) << daemon.Log();
+  ASSERT_TRUE(subscriber.WaitForFrames(before + 30, kQtmTopic)) << daemon.Log();
   ControlClient control(daemon.control);
   EXPECT_EQ(control.Counter("source.tcp_accepted"), 2U);
   EXPECT_EQ(daemon.Stop(), 0);
@@ -182,12 +182,12 @@ TEST(QtmServerTest, TenThousandDamagedPacketsDisturbNobodyElse) {
   Server server;
   Daemon daemon({}, Source(server));
   ControlClient control(daemon.control);
-  Subscriber subscriber(daemon.publish, {"body/rig.a/", "styled/rig.a/", kTopic});
+  Subscriber subscriber(daemon.publish, {"body/rig.a/", "styled/rig.a/", kQtmTopic});
   const UdpLink other(daemon.udp);
   styled::support::Rig undisturbed("a");
   other.Send(undisturbed.Body());
   ASSERT_TRUE(subscriber.WaitForBody());
-  ASSERT_TRUE(subscriber.WaitForFrames(10, kTopic)) << daemon.Log();
+  ASSERT_TRUE(subscriber.WaitForFrames(10, kQtmTopic)) << daemon.Log();
   server.damage = 200;
   std::uint64_t frames = 0;
   for (const std::uint64_t end = server.sent + 10000; server.sent < end; ++frames) {
@@ -199,8 +199,8 @@ TEST(QtmServerTest, TenThousandDamagedPacketsDisturbNobodyElse) {
   EXPECT_GT(control.Counter("source.tcp_broken"), 1U);
   EXPECT_EQ(control.Performer("rig.a").received(), frames);
   EXPECT_EQ(control.Performer("rig.a").lost(), 0U);
-  const std::size_t before = subscriber.Count(kTopic);
-  ASSERT_TRUE(subscriber.WaitForFrames(before + 30, kTopic)) << "it recovers: " << daemon.Log();
+  const std::size_t before = subscriber.Count(kQtmTopic);
+  ASSERT_TRUE(subscriber.WaitForFrames(before + 30, kQtmTopic)) << "it recovers: " << daemon.Log();
   EXPECT_EQ(daemon.Stop(), 0) << daemon.Log();
 }
 

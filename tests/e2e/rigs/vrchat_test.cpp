@@ -16,8 +16,8 @@
 namespace styled::support {
 namespace {
 
-constexpr double kRate_hz = 100;
-constexpr char kTopic[] = "styled/suit.suit/canonical/";
+constexpr double kVrChatRate_hz = 100;
+constexpr char kVrChatTopic[] = "styled/suit.suit/canonical/";
 
 v1::Reply Calibrate(ControlClient& control) {
   v1::Request request;
@@ -38,8 +38,8 @@ body::Pose PoseOf(const v1::Frame& frame) {
   return pose;
 }
 
-struct Stage {
-  Stage(const std::string& type, std::unique_ptr<rigs::Rig> made)
+struct VrChatStage {
+  VrChatStage(const std::string& type, std::unique_ptr<rigs::Rig> made)
       : daemon({},
                "[[source]]\nname = \"suit\"\ntype = \"" + type + "\"\nlisten = \"127.0.0.1:0\"\n"),
         rig(std::move(made)),
@@ -48,8 +48,8 @@ struct Stage {
     EXPECT_TRUE(subscriber.WaitFor([&] { return subscriber.LastStats().has_value(); }, 10));
   }
   void Hold(const body::Pose& pose, double seconds) {
-    Paced(static_cast<int>(seconds * kRate_hz), kRate_hz, [&](int) {
-      rig->Encode({index, static_cast<double>(index) / kRate_hz, {&pose, 1}},
+    Paced(static_cast<int>(seconds * kVrChatRate_hz), kVrChatRate_hz, [&](int) {
+      rig->Encode({index, static_cast<double>(index) / kVrChatRate_hz, {&pose, 1}},
                   [this](std::span<const std::byte> bytes) {
                     link.Send(Bytes(bytes.begin(), bytes.end()));
                   });
@@ -74,7 +74,7 @@ struct Stage {
       body::Pose pose;
       performer.Pose(time_s, pose);
       Hold(pose, 0.5);
-      const auto frames = subscriber.Frames(kTopic);
+      const auto frames = subscriber.Frames(kVrChatTopic);
       ASSERT_FALSE(frames.empty());
       const body::Pose got = PoseOf(frames.back());
       body::WorldPose found, expected;
@@ -97,8 +97,9 @@ struct Stage {
 };
 
 TEST(VrChatRigTest, TrackersMountedAnyhowAreFollowedOnceTheyAreCalibrated) {
-  Stage stage("vrchat",
-              std::move(rigs::MakeVrChat({{"sim"}, kRate_hz, 1, {"mounted", "shuffled"}}).value()));
+  VrChatStage stage(
+      "vrchat",
+      std::move(rigs::MakeVrChat({{"sim"}, kVrChatRate_hz, 1, {"mounted", "shuffled"}}).value()));
   stage.Hold({}, 0.5);
   ControlClient control(stage.daemon.control);
   const v1::Reply reply = Calibrate(control);
@@ -112,24 +113,25 @@ TEST(VrChatRigTest, TrackersMountedAnyhowAreFollowedOnceTheyAreCalibrated) {
 
 TEST(VrChatRigTest, ATrackerThatVanishesIsHeldAndTheOthersGoOn) {
   // The head's vanishes; without one on the chest the spine leans by it.
-  Stage stage(
+  VrChatStage stage(
       "vrchat",
-      std::move(rigs::MakeVrChat(
-                    {{"sim"}, kRate_hz, 1, {"hips", "leftFoot", "rightFoot", "head", "vanish"}})
-                    .value()));
+      std::move(
+          rigs::MakeVrChat(
+              {{"sim"}, kVrChatRate_hz, 1, {"hips", "leftFoot", "rightFoot", "head", "vanish"}})
+              .value()));
   stage.Hold({}, 0.5);
   ControlClient control(stage.daemon.control);
   ASSERT_EQ(Calibrate(control).code(), v1::CODE_OK);
   stage.Hold({}, 2.4);
   EXPECT_GT(control.Counter("stylist.held"), 0U);
-  const auto frames = stage.subscriber.Frames(kTopic);
+  const auto frames = stage.subscriber.Frames(kVrChatTopic);
   ASSERT_GT(frames.size(), 200U);
   for (const float value : frames.back().rotations()) EXPECT_TRUE(std::isfinite(value));
 }
 
 TEST(VmcTrackersRigTest, DevicesWithoutRolesAreGuessedInTheTPoseAndFollowed) {
-  Stage stage("vmc",
-              std::move(rigs::MakeVmcTrackers({{"sim"}, kRate_hz, 1, {"trackers"}}).value()));
+  VrChatStage stage(
+      "vmc", std::move(rigs::MakeVmcTrackers({{"sim"}, kVrChatRate_hz, 1, {"trackers"}}).value()));
   stage.Hold({}, 1);
   ControlClient control(stage.daemon.control);
   const v1::Reply reply = Calibrate(control);

@@ -18,6 +18,7 @@
 #include "proto/rigs/vmc/bones.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
+#include "tests/support/units.h"
 
 namespace styled::support {
 namespace {
@@ -25,7 +26,6 @@ namespace {
 using body::Quat;
 using body::Vec3;
 
-constexpr float kDegrees = 57.29578F;
 constexpr int kFrames = 240, kRate_hz = 120;
 
 // The tail: what hands and head have.

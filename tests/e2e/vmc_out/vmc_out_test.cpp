@@ -13,6 +13,7 @@
 #include "model/body/pose.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
+#include "tests/support/units.h"
 #include "tests/unit/vmc_out/ear.h"
 
 namespace styled::support {
@@ -22,7 +23,6 @@ using stylevmc::Ear;
 
 constexpr const char* kStyled = "styled/rig.a/canonical/";
 constexpr const char* kAvatar = "styled/avatar.avatar/canonical/";
-constexpr float kDegrees = 57.29578F;
 
 class Stylevmc {
  public:

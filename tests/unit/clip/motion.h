@@ -22,7 +22,7 @@ inline rig::RigPose At(double t_s) {
   return pose;
 }
 
-inline Clip Motion(double rate_hz, int frames) {
+inline Clip Waving(double rate_hz, int frames) {
   Clip clip;
   clip.skeleton.names = {"root", "joint"};
   clip.skeleton.parents = {-1, 0};

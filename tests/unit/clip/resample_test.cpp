@@ -14,14 +14,14 @@ using rig::Quat;
 using rig::Vec3;
 
 TEST(Resample, OfNoFramesOrOneGivesNoneOrOne) {
-  EXPECT_TRUE(Resample(Motion(30, 0), 120).frames.empty());
-  ASSERT_EQ(Resample(Motion(30, 1), 120).frames.size(), 1U);
+  EXPECT_TRUE(Resample(Waving(30, 0), 120).frames.empty());
+  ASSERT_EQ(Resample(Waving(30, 1), 120).frames.size(), 1U);
   EXPECT_TRUE(ResamplePoses({}, 30, 120).empty());
   EXPECT_EQ(ResamplePoses(std::vector<body::Pose>(1), 30, 120).size(), 1U);
 }
 
 TEST(Resample, OfTwoFramesIsTheLineBetweenThem) {
-  const Clip two = Motion(30, 2);
+  const Clip two = Waving(30, 2);
   const Clip fine = Resample(two, 60);
   ASSERT_EQ(fine.frames.size(), 3U);
   const Vec3 middle = 0.5F * (two.frames[0].translations[0] + two.frames[1].translations[0]);
@@ -29,7 +29,7 @@ TEST(Resample, OfTwoFramesIsTheLineBetweenThem) {
 }
 
 TEST(Resample, KeepsTheDurationAtAnyRate) {
-  const Clip clip = Motion(30, 91);  // 3 s
+  const Clip clip = Waving(30, 91);  // 3 s
   for (double rate_hz : {24.0, 25.0, 29.97, 30.0, 48.0, 60.0, 90.0, 100.0, 119.88, 120.0, 240.0}) {
     const Clip out = Resample(clip, rate_hz);
     EXPECT_EQ(out.rate_hz, rate_hz);
@@ -42,7 +42,7 @@ TEST(Resample, KeepsTheDurationAtAnyRate) {
 }
 
 TEST(Resample, KeepsTheOriginalFramesWhereTheTimesCoincide) {
-  const Clip clip = Motion(30, 50);
+  const Clip clip = Waving(30, 50);
   for (int times : {1, 2, 4}) {
     const Clip out = Resample(clip, 30.0 * times);
     for (std::size_t frame = 0; frame < clip.frames.size(); ++frame) {
@@ -62,7 +62,7 @@ TEST(Resample, KeepsTheOriginalFramesWhereTheTimesCoincide) {
 }
 
 TEST(Resample, ComesCloseToTheMotionBetweenTheFrames) {
-  const Clip out = Resample(Motion(30, 91), 120);
+  const Clip out = Resample(Waving(30, 91), 120);
   for (std::size_t frame = 20; frame + 20 < out.frames.size(); ++frame) {  // ends are stiffer
     const rig::RigPose truth = At(static_cast<double>(frame) / 120);
     EXPECT_LT((out.frames[frame].translations[0] - truth.translations[0]).norm(), 0.01);  // cm
@@ -73,7 +73,7 @@ TEST(Resample, ComesCloseToTheMotionBetweenTheFrames) {
 }
 
 TEST(Resample, LeavesTranslationsThatNeverChangeExactlyAsTheyAre) {
-  for (const rig::RigPose& pose : Resample(Motion(30, 20), 97).frames) {
+  for (const rig::RigPose& pose : Resample(Waving(30, 20), 97).frames) {
     EXPECT_EQ(pose.translations[1], Vec3(0.1F, 17.3F, 0.7F));
   }
 }
@@ -92,7 +92,7 @@ double LargestVelocityStep(const std::vector<Quat>& rotations) {
 }
 
 TEST(Resample, IsSmoothWhereSlerpHasKinks) {
-  const Clip clip = Motion(30, 91);
+  const Clip clip = Waving(30, 91);
   std::vector<Quat> truth, spline, slerp;
   const Clip out = Resample(clip, 120);
   for (std::size_t frame = 0; frame < out.frames.size(); ++frame) {
@@ -108,7 +108,7 @@ TEST(Resample, IsSmoothWhereSlerpHasKinks) {
 }
 
 TEST(Resample, DoesNotMindSignsThatFlipBetweenFrames) {
-  Clip clip = Motion(30, 60), flipped = clip;
+  Clip clip = Waving(30, 60), flipped = clip;
   for (std::size_t frame = 0; frame < clip.frames.size(); frame += 3) {
     for (Quat& q : flipped.frames[frame].rotations) q.coeffs() *= -1;
   }

@@ -32,12 +32,12 @@ double Apart(const rig::RigPose& a, const rig::RigPose& b) {
 }
 
 TEST(Retime, OfNoFramesOrOneGivesNoneOrOne) {
-  EXPECT_TRUE(Retime(Motion(kRate_hz, 0), {}).frames.empty());
-  EXPECT_EQ(Retime(Motion(kRate_hz, 1), Constant(1, 1)).frames.size(), 1U);
+  EXPECT_TRUE(Retime(Waving(kRate_hz, 0), {}).frames.empty());
+  EXPECT_EQ(Retime(Waving(kRate_hz, 1), Constant(1, 1)).frames.size(), 1U);
 }
 
 TEST(Retime, ARateOfOneIsTheClip) {
-  const Clip clip = Motion(kRate_hz, 200);
+  const Clip clip = Waving(kRate_hz, 200);
   const Clip out = Retime(clip, Constant(200, 1));
   ASSERT_EQ(out.frames.size(), clip.frames.size());
   for (std::size_t i = 0; i < clip.frames.size(); ++i) {
@@ -50,7 +50,7 @@ TEST(Retime, ARateOfOneIsTheClip) {
 }
 
 TEST(Retime, AConstantRateShortensOrLengthensAndShowsTheMotionAtItsTimes) {
-  const Clip clip = Motion(kRate_hz, 101);
+  const Clip clip = Waving(kRate_hz, 101);
   for (const auto& [rate, frames] : {std::pair(1.25, 81U), std::pair(0.8, 126U)}) {
     const Clip out = Retime(clip, Constant(101, rate));
     ASSERT_EQ(out.frames.size(), frames);
@@ -63,7 +63,7 @@ TEST(Retime, AConstantRateShortensOrLengthensAndShowsTheMotionAtItsTimes) {
 }
 
 TEST(Retime, BothEndsAreKeptWhereverTheyFall) {
-  const Clip clip = Motion(kRate_hz, 77);
+  const Clip clip = Waving(kRate_hz, 77);
   for (const double rate : {0.5, 0.83, 0.99, 1.003, 1.1, 1.237, 1.9, 1e3}) {
     const Clip out = Retime(clip, Constant(77, rate));
     ASSERT_EQ(out.frames.size(), std::max<std::size_t>(1, std::lround(76 / rate)) + 1) << rate;
@@ -77,7 +77,7 @@ TEST(Retime, BothEndsAreKeptWhereverTheyFall) {
 // as far apart as before.
 TEST(Retime, TimeRisesAndPartsAtTheirOwnRateKeepTheirLength) {
   constexpr std::size_t kFrames = 301;
-  Clip clip = Motion(kRate_hz, kFrames);
+  Clip clip = Waving(kRate_hz, kFrames);
   const auto rate = [](std::size_t i) {
     const double time_s = static_cast<double>(i) / kRate_hz;
     return time_s < 3 || time_s > 7

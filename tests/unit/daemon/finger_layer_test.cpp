@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "tests/support/units.h"
 #include "tests/unit/body/random_pose.h"
 #include "tests/unit/daemon/glove.h"
 
@@ -14,14 +15,14 @@ namespace {
 using runtime::Counter;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kMs = 1'000'000;
-constexpr int kIndex = rig::kTailLeftThumb + 3;
+using support::kMs;
+constexpr int kLeftIndex = rig::kTailLeftThumb + 3;
 constexpr int kRightIndex = rig::kTailRightThumb + 3;
-const rig::TailSet kBoth = rig::FingersOf(body::kLeftHand) | rig::FingersOf(body::kRightHand);
+const rig::TailSet kBothHands = rig::FingersOf(body::kLeftHand) | rig::FingersOf(body::kRightHand);
 
 class FingerLayerTest : public testing::Test {
  protected:
-  FingerLayer Layer(const rig::TailSet& wanted = kBoth) { return FingerLayer(wanted, {}, {}); }
+  FingerLayer Layer(const rig::TailSet& wanted = kBothHands) { return FingerLayer(wanted, {}, {}); }
   std::string Accept(FingerLayer& layer, const source::SourceFrame& body) {
     std::string why;
     became_ = layer.Accept(body, now_ns_, why);
@@ -54,7 +55,7 @@ TEST_F(FingerLayerTest, WithoutAFrameThePerformersOwnStay) {
   EXPECT_EQ(became_, FingerLayer::Body::kBound);
   layer.Advance(10 * kMs);
   rig::Quat own = Bent(20);
-  EXPECT_FALSE(layer.Over(kIndex, own));
+  EXPECT_FALSE(layer.Over(kLeftIndex, own));
   EXPECT_EQ(own.coeffs(), Bent(20).coeffs());
   EXPECT_FALSE(layer.Live(now_ns_));
 }
@@ -64,7 +65,7 @@ TEST_F(FingerLayerTest, FingersAreThoseAgainstTheSourcesOwnHand) {
   Glove glove;
   ASSERT_EQ(Accept(layer, glove.Body()), "");
   body::Random random(3);
-  glove.Of(kIndex) = Bent(30);
+  glove.Of(kLeftIndex) = Bent(30);
   glove.Of(kRightIndex) = Bent(-40);
   for (int i = 0; i < 100; ++i) {  // wherever the hands are
     glove.turns[0] = random.Turn(3);
@@ -73,9 +74,9 @@ TEST_F(FingerLayerTest, FingersAreThoseAgainstTheSourcesOwnHand) {
     glove.root = random.Vector(1e6F);
     Play(layer, glove, 10);
   }
-  EXPECT_NEAR(Degrees(layer, kIndex), 30, 0.01);
+  EXPECT_NEAR(Degrees(layer, kLeftIndex), 30, 0.01);
   EXPECT_NEAR(Degrees(layer, kRightIndex), 40, 0.01);
-  EXPECT_NEAR(Degrees(layer, kIndex + 1), 0, 0.01) << "against the joint before it";
+  EXPECT_NEAR(Degrees(layer, kLeftIndex + 1), 0, 0.01) << "against the joint before it";
   EXPECT_TRUE(layer.Live(now_ns_));
 }
 
@@ -110,13 +111,13 @@ TEST_F(FingerLayerTest, ComeHoldAndGoWithoutAJump) {
   FingerLayer layer = Layer();
   Glove glove;
   ASSERT_EQ(Accept(layer, glove.Body()), "");
-  glove.Of(kIndex) = Bent(80);
+  glove.Of(kLeftIndex) = Bent(80);
   double last = 0, fastest = 0;
   const auto step = [&](bool sends) {
     now_ns_ += 10 * kMs;
     if (sends) EXPECT_EQ(layer.Take(glove.Frame(), now_ns_), MergedPart::kTaken);
     layer.Advance(10 * kMs);
-    const double degrees = Degrees(layer, kIndex);
+    const double degrees = Degrees(layer, kLeftIndex);
     fastest = std::max(fastest, std::abs(degrees - std::exchange(last, degrees)));
     return degrees;
   };
@@ -128,7 +129,7 @@ TEST_F(FingerLayerTest, ComeHoldAndGoWithoutAJump) {
   for (int i = 0; i < 26; ++i) (void)step(false);
   EXPECT_NEAR(last, 0, 0.01);
   rig::Quat own = Bent(20);
-  EXPECT_FALSE(layer.Over(kIndex, own));
+  EXPECT_FALSE(layer.Over(kLeftIndex, own));
   for (int i = 0; i < 20; ++i) (void)step(true);  // and back, from where it is
   for (int i = 0; i < 60; ++i) (void)step(true);
   EXPECT_NEAR(last, 80, 0.01);
@@ -150,14 +151,14 @@ TEST_F(FingerLayerTest, AHandThatIsNotTrackedGoesAlone) {
   FingerLayer layer = Layer();
   Glove glove;
   ASSERT_EQ(Accept(layer, glove.Body()), "");
-  glove.Of(kIndex) = glove.Of(kRightIndex) = Bent(60);
+  glove.Of(kLeftIndex) = glove.Of(kRightIndex) = Bent(60);
   Play(layer, glove, 600);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (int t = 0; t < rig::kTailRightThumb; ++t) glove.Of(t) = rig::Quat(nan, nan, nan, nan);
   Play(layer, glove, 400);
-  EXPECT_NEAR(Degrees(layer, kIndex), 60, 0.01) << "held";
+  EXPECT_NEAR(Degrees(layer, kLeftIndex), 60, 0.01) << "held";
   Play(layer, glove, 800);
-  EXPECT_NEAR(Degrees(layer, kIndex), 0, 0.01) << "gone";
+  EXPECT_NEAR(Degrees(layer, kLeftIndex), 0, 0.01) << "gone";
   EXPECT_NEAR(Degrees(layer, kRightIndex), 60, 0.01);
 }
 
@@ -165,7 +166,7 @@ TEST_F(FingerLayerTest, AbsurdValuesAreNotShown) {
   FingerLayer layer = Layer();
   Glove glove;
   ASSERT_EQ(Accept(layer, glove.Body()), "");
-  glove.Of(kIndex) = Bent(60);
+  glove.Of(kLeftIndex) = Bent(60);
   Play(layer, glove, 600);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
@@ -178,7 +179,7 @@ TEST_F(FingerLayerTest, AbsurdValuesAreNotShown) {
       (void)layer.Over(t, turn);
       ASSERT_NEAR(turn.norm(), 1, 1e-3) << bad;
     }
-    EXPECT_NEAR(Degrees(layer, kIndex), 60, 0.1) << bad;
+    EXPECT_NEAR(Degrees(layer, kLeftIndex), 60, 0.1) << bad;
   }
   // Clocks that jump, and a sequence from the future.
   glove.turns.assign(glove.turns.size(), rig::Quat::Identity());
@@ -192,16 +193,16 @@ TEST_F(FingerLayerTest, AbsurdValuesAreNotShown) {
   Play(layer, glove, 20);
   layer.Advance(std::numeric_limits<std::int64_t>::min());
   layer.Advance(std::numeric_limits<std::int64_t>::max());
-  EXPECT_GE(Degrees(layer, kIndex), 0);
+  EXPECT_GE(Degrees(layer, kLeftIndex), 0);
 }
 
 TEST_F(FingerLayerTest, OnlyWantedJointsAreTaken) {
   FingerLayer layer = Layer(rig::FingersOf(body::kRightHand));
   Glove glove;
   ASSERT_EQ(Accept(layer, glove.Body()), "");
-  glove.Of(kIndex) = glove.Of(kRightIndex) = Bent(60);
+  glove.Of(kLeftIndex) = glove.Of(kRightIndex) = Bent(60);
   Play(layer, glove, 600);
-  EXPECT_EQ(Degrees(layer, kIndex), 0);
+  EXPECT_EQ(Degrees(layer, kLeftIndex), 0);
   EXPECT_NEAR(Degrees(layer, kRightIndex), 60, 0.01);
 }
 
@@ -233,12 +234,12 @@ TEST_F(FingerLayerTest, ASecondSenderWaitsUntilTheFirstIsSilent) {
   second.session = 99;
   other.performer = "other";
   ASSERT_EQ(Accept(layer, first.Body()), "");
-  first.Of(kIndex) = Bent(60);
+  first.Of(kLeftIndex) = Bent(60);
   Play(layer, first, 600);
   EXPECT_EQ(layer.Take(second.Frame(), now_ns_), Counter::kPipelineSecondSender);
   EXPECT_EQ(layer.Take(other.Frame(), now_ns_), Counter::kPipelineSecondSender);
   EXPECT_EQ(Accept(layer, other.Body()), "");
-  EXPECT_NEAR(Degrees(layer, kIndex), 60, 0.01);
+  EXPECT_NEAR(Degrees(layer, kLeftIndex), 60, 0.01);
   now_ns_ += 501 * kMs;
   ASSERT_EQ(Accept(layer, other.Body()), "");
   EXPECT_EQ(layer.Take(other.Frame(), now_ns_), MergedPart::kTaken);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "tests/support/fake_pipeline.h"
+#include "tests/support/units.h"
 #include "tests/unit/daemon/glove.h"
 #include "tests/unit/net/erd/random_weights.h"
 #include "tests/unit/rig/rigs.h"
@@ -17,7 +18,7 @@ namespace {
 using runtime::Counter;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kMs = 1'000'000;
+using support::kMs;
 constexpr int kIndex = rig::kTailLeftThumb + 3;
 const rig::TailSet kLeft = rig::FingersOf(body::kLeftHand);
 const rig::TailSet kBoth = kLeft | rig::FingersOf(body::kRightHand);

@@ -19,7 +19,7 @@ using support::Bytes;
 using support::Rig;
 
 constexpr source::Machine kHere{0x0A}, kElsewhere{0x0B};
-constexpr std::uint64_t kMs = 1'000'000;
+constexpr std::uint64_t kMs_u = 1'000'000;
 
 std::shared_ptr<RuntimeConfig> MakeConfig() {
   static const std::shared_ptr<const net::Stylizer> network = erd::RandomStylizer(5, 1);
@@ -69,7 +69,7 @@ TEST_F(HostileSenderTest, AClockThatStepsCostsTheOthersNothing) {
     std::uint64_t time_ns = 1;
     for (int i = 0; i < 40; ++i) {
       VictimSends();
-      time_ns += step_s * 1000 * kMs;
+      time_ns += step_s * 1000 * kMs_u;
       Deliver({FrameAt(evil, time_ns)}, kElsewhere);
     }
     EXPECT_EQ(Left("rig." + evil.performer), 40U) << "it is styled all the same";
@@ -83,7 +83,7 @@ TEST_F(HostileSenderTest, ABatchOfSteppingClocksIsNoMoreWorkThanItsFrames) {
   Rig evil("evil", 9);
   Deliver({evil.Body()});
   std::vector<Bytes> batch;
-  for (std::uint64_t i = 1; i <= 12; ++i) batch.push_back(FrameAt(evil, i * 1'000'000 * kMs));
+  for (std::uint64_t i = 1; i <= 12; ++i) batch.push_back(FrameAt(evil, i * 1'000'000 * kMs_u));
   Deliver(batch);
   EXPECT_LE(most_steps, 12U);
 }
@@ -135,7 +135,7 @@ TEST_F(HostileSenderTest, AnHonestGapIsStillBridged) {
   rig.period_ns = 1'000'000'000 / 240;
   Deliver({rig.Body()});
   for (int i = 0; i < 100; ++i) Deliver({rig.Frame()});
-  rig.time_ns += 240 * kMs;
+  rig.time_ns += 240 * kMs_u;
   Deliver({rig.Frame()});
   EXPECT_GE(most_steps, 55U);
   EXPECT_EQ(stage.publisher.frames.back().flags() & v1::FLAG_CONCEALED, v1::FLAG_CONCEALED);
@@ -172,7 +172,7 @@ TEST_F(HostileSenderTest, AStolenSessionIdFromAnotherMachineChangesNothing) {
     VictimSends();
     Rig thief("victim", victim.session + (i % 2 == 0 ? 0 : kSessionStep));
     thief.sequence = victim.sequence + static_cast<std::uint64_t>(i);
-    thief.time_ns = victim.time_ns + 1000 * kMs;
+    thief.time_ns = victim.time_ns + 1000 * kMs_u;
     Deliver({thief.Body(), thief.Frame()}, kElsewhere);
   }
   EXPECT_EQ(Left("rig.victim"), 201U);
@@ -233,14 +233,14 @@ TEST_F(HostileSenderTest, TheRateIsTheRigsAtOnce) {
       EXPECT_GT(stage.StatsOf("rig." + rig.performer).rate_hz(), 0);
       stage.Pass(20'000);
       EXPECT_EQ(stage.StatsOf("rig." + rig.performer).rate_hz(), 0);
-      rig.time_ns += 20'000 * kMs;
+      rig.time_ns += 20'000 * kMs_u;
     }
   }
 }
 
 TEST_F(HostileSenderTest, ARigOf3HzIsNotFlaggedAsIfItLostFrames) {
   Rig slow("slow", 3);
-  slow.period_ns = 333 * kMs;
+  slow.period_ns = 333 * kMs_u;
   Deliver({slow.Body()});
   for (int i = 0; i < 30; ++i) {
     stage.Pass(333);
@@ -332,7 +332,7 @@ TEST_F(HostileSenderTest, AChangingBodyDoesNotFillTheLog) {
     v1::Body body = rig.MakeBody();
     body.set_offsets(3, 0.001F * static_cast<float>(i % 2));
     Deliver({rig.Datagram(native::Kind::kBody, body.SerializeAsString())});
-    stage.clock.now_ns += static_cast<std::int64_t>(kMs);
+    stage.clock.now_ns += static_cast<std::int64_t>(kMs_u);
   }
   EXPECT_LE(stage.Lines().size(), 3U);
   EXPECT_GE(stage.Count(Counter::kPipelineEventsHeldBack), 400U);

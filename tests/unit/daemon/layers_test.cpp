@@ -6,6 +6,7 @@
 
 #include "daemon/source/face.h"
 #include "proto/styled/v1/frame.pb.h"
+#include "tests/support/units.h"
 
 namespace styled::pipeline {
 namespace {
@@ -35,7 +36,7 @@ source::SourceFrame Frame(const Bytes& face, std::uint64_t sequence, std::uint64
   return frame;
 }
 
-constexpr std::int64_t kMs = 1'000'000;
+using support::kMs;
 
 bool Takes(FaceLayer& layer, const source::SourceFrame& frame, std::int64_t now_ns) {
   return layer.Take(frame, now_ns) == MergedPart::kTaken;

@@ -11,14 +11,14 @@ namespace {
 
 using Kind = LogLimit::Kind;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr source::Machine kHere{1}, kElsewhere{2};
+constexpr source::Machine kTalker{1}, kOther{2};
 
 TEST(LogLimitTest, ALineThatRepeatsIsSaidLessAndLessOftenWithACount) {
   LogLimit limit;
   std::vector<int> said_s;
   std::uint64_t held_back = 0, all_held_back = 0;
   for (int s = 0; s < 300; ++s) {
-    if (!limit.Admit(Kind::kBodyRefused, kHere, "rig.a", 100 * kSecond_ns + s * kSecond_ns,
+    if (!limit.Admit(Kind::kBodyRefused, kTalker, "rig.a", 100 * kSecond_ns + s * kSecond_ns,
                      held_back)) {
       continue;
     }
@@ -36,9 +36,9 @@ TEST(LogLimitTest, EveryPerformerAndKindIsToldOf) {
   for (int s = 0; s < 10; ++s) {
     for (int k = 0; k < 12; ++k) {
       const std::string id = "rig.p" + std::to_string(k);
-      const source::Machine kHere{static_cast<std::uint64_t>(k) + 1};
+      const source::Machine kTalker{static_cast<std::uint64_t>(k) + 1};
       for (const Kind kind : {Kind::kBodyRefused, Kind::kBodyBound}) {
-        said[id] += limit.Admit(kind, kHere, id, s * kSecond_ns, held_back) ? 1 : 0;
+        said[id] += limit.Admit(kind, kTalker, id, s * kSecond_ns, held_back) ? 1 : 0;
       }
     }
   }
@@ -51,8 +51,8 @@ TEST(LogLimitTest, InventedNamesDoNotFillTheLog) {
   int lines = 0;
   std::uint64_t held_back = 0;
   for (int i = 0; i < 10'000; ++i) {  // a thousand a second
-    lines += limit.Admit(Kind::kBodyBound, kHere, "rig." + std::to_string(i), i * kSecond_ns / 1000,
-                         held_back)
+    lines += limit.Admit(Kind::kBodyBound, kTalker, "rig." + std::to_string(i),
+                         i * kSecond_ns / 1000, held_back)
                  ? 1
                  : 0;
   }
@@ -64,19 +64,19 @@ TEST(LogLimitTest, InventedNamesHideNobodyOfAnotherMachine) {
   LogLimit limit;
   std::uint64_t held_back = 0;
   for (int i = 0; i < 3000; ++i) {  // a thousand a second
-    (void)limit.Admit(Kind::kBodyRefused, kHere, "rig." + std::to_string(i), i * kSecond_ns / 1000,
-                      held_back);
+    (void)limit.Admit(Kind::kBodyRefused, kTalker, "rig." + std::to_string(i),
+                      i * kSecond_ns / 1000, held_back);
   }
-  EXPECT_TRUE(limit.Admit(Kind::kBodyRefused, kElsewhere, "rig.anna", 3 * kSecond_ns, held_back));
+  EXPECT_TRUE(limit.Admit(Kind::kBodyRefused, kOther, "rig.anna", 3 * kSecond_ns, held_back));
 }
 
 TEST(LogLimitTest, WhoWasQuietBeginsAnew) {
   LogLimit limit;
   std::uint64_t held_back = 0;
   for (int s = 0; s < 100; ++s)
-    (void)limit.Admit(Kind::kCue, kHere, "a", s * kSecond_ns, held_back);
-  EXPECT_TRUE(limit.Admit(Kind::kCue, kHere, "a", 400 * kSecond_ns, held_back));
-  EXPECT_TRUE(limit.Admit(Kind::kCue, kHere, "a", 401 * kSecond_ns, held_back));
+    (void)limit.Admit(Kind::kCue, kTalker, "a", s * kSecond_ns, held_back);
+  EXPECT_TRUE(limit.Admit(Kind::kCue, kTalker, "a", 400 * kSecond_ns, held_back));
+  EXPECT_TRUE(limit.Admit(Kind::kCue, kTalker, "a", 401 * kSecond_ns, held_back));
 }
 
 }  // namespace

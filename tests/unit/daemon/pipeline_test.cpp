@@ -8,13 +8,14 @@
 #include "tests/support/fake_pipeline.h"
 #include "tests/support/native_frames.h"
 #include "tests/support/rig.h"
+#include "tests/support/units.h"
 #include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::pipeline {
 namespace {
 
 using runtime::Counter;
-constexpr std::int64_t kMs = 1'000'000;
+using support::kMs;
 
 // The pipeline with a clock that the test moves, no sockets and no sleep.
 class PipelineTest : public testing::Test {

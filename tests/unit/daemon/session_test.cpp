@@ -3,66 +3,67 @@
 #include <gtest/gtest.h>
 
 #include "daemon/runtime/schedule.h"
+#include "tests/support/units.h"
 
 namespace styled::pipeline {
 namespace {
 
 using Arrival = Session::Arrival;
 using Time = Session::Time;
-constexpr std::int64_t kMs = 1'000'000;
+using support::kMs;
 const SessionRules kRules;
-const source::Machine kHere{1}, kElsewhere{2};
+const source::Machine kSender{1}, kStranger{2};
 
 TEST(SessionTest, FirstDatagramStartsASessionAndCountsNothingLost) {
   Session session;
-  EXPECT_EQ(session.Admit(kHere, 1, 500, 0, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kSender, 1, 500, 0, kRules), Arrival::kNewSession);
   EXPECT_EQ(session.lost(), 0U);
 }
 
 TEST(SessionTest, SequenceTellsDuplicatesReorderedAndLostApart) {
   Session session;
-  EXPECT_EQ(session.Admit(kHere, 1, 10, 0, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(kHere, 1, 10, 1, kRules), Arrival::kDuplicate);
-  EXPECT_EQ(session.Admit(kHere, 1, 13, 2, kRules), Arrival::kNext);
+  EXPECT_EQ(session.Admit(kSender, 1, 10, 0, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kSender, 1, 10, 1, kRules), Arrival::kDuplicate);
+  EXPECT_EQ(session.Admit(kSender, 1, 13, 2, kRules), Arrival::kNext);
   EXPECT_EQ(session.lost(), 2U);
-  EXPECT_EQ(session.Admit(kHere, 1, 12, 3, kRules), Arrival::kReordered);
-  EXPECT_EQ(session.Admit(kHere, 1, 12, 4, kRules), Arrival::kDuplicate);
-  EXPECT_EQ(session.Admit(kHere, 1, 10, 5, kRules), Arrival::kDuplicate);
-  EXPECT_EQ(session.Admit(kHere, 1, 9, 5, kRules), Arrival::kReordered);
-  EXPECT_EQ(session.Admit(kHere, 1, 200, 6, kRules), Arrival::kNext);
-  EXPECT_EQ(session.Admit(kHere, 1, 13, 7, kRules), Arrival::kReordered) << "too old to tell";
-  EXPECT_EQ(session.Admit(kHere, 1, 0, 9, kRules), Arrival::kReordered);
+  EXPECT_EQ(session.Admit(kSender, 1, 12, 3, kRules), Arrival::kReordered);
+  EXPECT_EQ(session.Admit(kSender, 1, 12, 4, kRules), Arrival::kDuplicate);
+  EXPECT_EQ(session.Admit(kSender, 1, 10, 5, kRules), Arrival::kDuplicate);
+  EXPECT_EQ(session.Admit(kSender, 1, 9, 5, kRules), Arrival::kReordered);
+  EXPECT_EQ(session.Admit(kSender, 1, 200, 6, kRules), Arrival::kNext);
+  EXPECT_EQ(session.Admit(kSender, 1, 13, 7, kRules), Arrival::kReordered) << "too old to tell";
+  EXPECT_EQ(session.Admit(kSender, 1, 0, 9, kRules), Arrival::kReordered);
 }
 
 TEST(SessionTest, ASecondSenderWaitsForTheFirstToBeSilent) {
   Session session;
-  EXPECT_EQ(session.Admit(kHere, 1, 0, 0, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(kHere, 4, 0, 99 * kMs, kRules), Arrival::kSecondSender);
-  EXPECT_EQ(session.Admit(kHere, 1, 1, 99 * kMs, kRules), Arrival::kNext);
-  EXPECT_EQ(session.Admit(kHere, 4, 1, 198 * kMs, kRules), Arrival::kSecondSender);
-  EXPECT_EQ(session.Admit(kHere, 4, 2, 199 * kMs, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(kHere, 1, 2, 200 * kMs, kRules), Arrival::kSecondSender)
+  EXPECT_EQ(session.Admit(kSender, 1, 0, 0, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kSender, 4, 0, 99 * kMs, kRules), Arrival::kSecondSender);
+  EXPECT_EQ(session.Admit(kSender, 1, 1, 99 * kMs, kRules), Arrival::kNext);
+  EXPECT_EQ(session.Admit(kSender, 4, 1, 198 * kMs, kRules), Arrival::kSecondSender);
+  EXPECT_EQ(session.Admit(kSender, 4, 2, 199 * kMs, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kSender, 1, 2, 200 * kMs, kRules), Arrival::kSecondSender)
       << "roles changed";
   EXPECT_EQ(session.lost(), 0U);
 }
 
 TEST(SessionTest, TheSameSenderBeginsAnewAtOnce) {
   Session session;
-  EXPECT_EQ(session.Admit(kHere, 7, 0, 0, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(kHere, 7 + kSessionStep, 0, 1 * kMs, kRules), Arrival::kNewSession);
-  EXPECT_EQ(session.Admit(kHere, 7, 1, 2 * kMs, kRules), Arrival::kSecondSender)
+  EXPECT_EQ(session.Admit(kSender, 7, 0, 0, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kSender, 7 + kSessionStep, 0, 1 * kMs, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kSender, 7, 1, 2 * kMs, kRules), Arrival::kSecondSender)
       << "that one is over";
 }
 
 TEST(SessionTest, ASequenceFromTheFutureChangesNothingWhileThePerformerSends) {
   Session session;
   std::int64_t now_ns = 0;
-  EXPECT_EQ(session.Admit(kHere, 1, 0, now_ns, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kSender, 1, 0, now_ns, kRules), Arrival::kNewSession);
   for (std::uint64_t i = 1; i < 200; ++i) {
     now_ns += 8 * kMs;
-    EXPECT_EQ(session.Admit(kHere, 1, i, now_ns, kRules), Arrival::kNext);
-    EXPECT_EQ(session.Admit(kHere, 1, 1'000'000'000 + i, now_ns, kRules), Arrival::kFarAhead);
-    EXPECT_EQ(session.Admit(kHere, 1, ~0ULL, now_ns, kRules), Arrival::kFarAhead);
+    EXPECT_EQ(session.Admit(kSender, 1, i, now_ns, kRules), Arrival::kNext);
+    EXPECT_EQ(session.Admit(kSender, 1, 1'000'000'000 + i, now_ns, kRules), Arrival::kFarAhead);
+    EXPECT_EQ(session.Admit(kSender, 1, ~0ULL, now_ns, kRules), Arrival::kFarAhead);
   }
   EXPECT_EQ(session.lost(), 0U);
   EXPECT_EQ(session.last_arrival_ns(), now_ns);
@@ -71,8 +72,8 @@ TEST(SessionTest, ASequenceFromTheFutureChangesNothingWhileThePerformerSends) {
 TEST(SessionTest, WhoCountsFromElsewhereIsTakenAfterASilenceAndAFewInARow) {
   for (const std::uint64_t start : {0ULL, 50ULL, 1'000'000'000ULL}) {
     Session session;
-    (void)session.Admit(kHere, 1, 0, 0, kRules);
-    for (std::uint64_t i = 1; i < 500; ++i) (void)session.Admit(kHere, 1, i, 0, kRules);
+    (void)session.Admit(kSender, 1, 0, 0, kRules);
+    for (std::uint64_t i = 1; i < 500; ++i) (void)session.Admit(kSender, 1, i, 0, kRules);
     // The sender goes on from `start` under the same session id, 8 ms apart.
     int refused = 0;
     std::int64_t now_ns = 0;
@@ -80,33 +81,34 @@ TEST(SessionTest, WhoCountsFromElsewhereIsTakenAfterASilenceAndAFewInARow) {
     while (refused < 100) {
       now_ns += 8 * kMs;
       arrival =
-          session.Admit(kHere, 1, start + static_cast<std::uint64_t>(refused), now_ns, kRules);
+          session.Admit(kSender, 1, start + static_cast<std::uint64_t>(refused), now_ns, kRules);
       if (arrival == Arrival::kRecounted) break;
       ++refused;
     }
     EXPECT_EQ(arrival, Arrival::kRecounted) << start;
     EXPECT_EQ(refused, 12) << "100 ms of silence, and more than a few in a row";
-    EXPECT_EQ(session.Admit(kHere, 1, start + 13, now_ns + 8 * kMs, kRules), Arrival::kNext);
+    EXPECT_EQ(session.Admit(kSender, 1, start + 13, now_ns + 8 * kMs, kRules), Arrival::kNext);
     EXPECT_EQ(session.lost(), 0U);
   }
 }
 
 TEST(SessionTest, ALateEchoAfterASilenceIsNoNewCount) {
   Session session;
-  for (std::uint64_t i = 0; i < 100; ++i) (void)session.Admit(kHere, 1, i, 0, kRules);
+  for (std::uint64_t i = 0; i < 100; ++i) (void)session.Admit(kSender, 1, i, 0, kRules);
   for (int i = 0; i < 50; ++i) {
-    EXPECT_EQ(session.Admit(kHere, 1, 99, 200 * kMs, kRules), Arrival::kDuplicate);
-    EXPECT_EQ(session.Admit(kHere, 1, 1ULL << 60U, 200 * kMs, kRules), Arrival::kFarAhead);
+    EXPECT_EQ(session.Admit(kSender, 1, 99, 200 * kMs, kRules), Arrival::kDuplicate);
+    EXPECT_EQ(session.Admit(kSender, 1, 1ULL << 60U, 200 * kMs, kRules), Arrival::kFarAhead);
   }
-  EXPECT_EQ(session.Admit(kHere, 1, 100, 200 * kMs, kRules), Arrival::kNext);
+  EXPECT_EQ(session.Admit(kSender, 1, 100, 200 * kMs, kRules), Arrival::kNext);
 }
 
 TEST(SessionTest, WhatWasLostInASilenceMayBeMuchButNotMoreThanWasEverSent) {
   Session session;
-  (void)session.Admit(kHere, 1, 0, 0, kRules);
-  EXPECT_EQ(session.Admit(kHere, 1, 7200, 60'000 * kMs, kRules), Arrival::kNext);
+  (void)session.Admit(kSender, 1, 0, 0, kRules);
+  EXPECT_EQ(session.Admit(kSender, 1, 7200, 60'000 * kMs, kRules), Arrival::kNext);
   EXPECT_EQ(session.lost(), 7199U);
-  EXPECT_EQ(session.Admit(kHere, 1, 7200 + 999'999'999, 120'000 * kMs, kRules), Arrival::kFarAhead);
+  EXPECT_EQ(session.Admit(kSender, 1, 7200 + 999'999'999, 120'000 * kMs, kRules),
+            Arrival::kFarAhead);
   EXPECT_EQ(session.lost(), 7199U);
 }
 
@@ -116,7 +118,7 @@ TEST(SessionTest, LostIsNeverMoreThanTheRateMakesOfTheTime) {
   std::int64_t now_ns = 0;
   for (std::uint64_t i = 0; i < 600; ++i) {
     now_ns += 16 * kMs;
-    EXPECT_NE(session.Admit(kHere, 1, i * 1000, now_ns, kRules), Arrival::kFarAhead);
+    EXPECT_NE(session.Admit(kSender, 1, i * 1000, now_ns, kRules), Arrival::kFarAhead);
   }
   EXPECT_LE(session.lost(), Session::kFarAhead + 4 * 600 + 100) << "of 600,000 claimed";
 }
@@ -125,30 +127,28 @@ TEST(SessionTest, ASlowSenderIsNotTakenOverBetweenTwoOfItsDatagrams) {
   Session session;
   std::int64_t now_ns = 0;
   for (std::uint64_t i = 0; i < 30; ++i) {
-    EXPECT_NE(session.Admit(kHere, 1, i, now_ns, kRules), Arrival::kSecondSender);
+    EXPECT_NE(session.Admit(kSender, 1, i, now_ns, kRules), Arrival::kSecondSender);
     if (i > 2) {
-      EXPECT_EQ(session.Admit(kElsewhere, 9, i, now_ns + 300 * kMs, kRules),
-                Arrival::kSecondSender);
+      EXPECT_EQ(session.Admit(kStranger, 9, i, now_ns + 300 * kMs, kRules), Arrival::kSecondSender);
     }
     now_ns += 333 * kMs;
   }
-  EXPECT_EQ(session.Admit(kElsewhere, 9, 99, now_ns + 1000 * kMs, kRules), Arrival::kNewSession);
+  EXPECT_EQ(session.Admit(kStranger, 9, 99, now_ns + 1000 * kMs, kRules), Arrival::kNewSession);
 }
 
 TEST(SessionTest, AKnownSessionIdFromAnotherMachineIsAnotherSender) {
   Session session;
-  (void)session.Admit(kHere, 1, 0, 0, kRules);
-  EXPECT_EQ(session.Admit(kElsewhere, 1, 1, 8 * kMs, kRules), Arrival::kSecondSender);
-  EXPECT_EQ(session.Admit(kElsewhere, 1 + kSessionStep, 0, 8 * kMs, kRules),
-            Arrival::kSecondSender);
-  EXPECT_EQ(session.Admit(kHere, 1, 1, 99 * kMs, kRules), Arrival::kNext);
-  EXPECT_EQ(session.Admit(kElsewhere, 1, 2, 199 * kMs, kRules), Arrival::kNewSession)
+  (void)session.Admit(kSender, 1, 0, 0, kRules);
+  EXPECT_EQ(session.Admit(kStranger, 1, 1, 8 * kMs, kRules), Arrival::kSecondSender);
+  EXPECT_EQ(session.Admit(kStranger, 1 + kSessionStep, 0, 8 * kMs, kRules), Arrival::kSecondSender);
+  EXPECT_EQ(session.Admit(kSender, 1, 1, 99 * kMs, kRules), Arrival::kNext);
+  EXPECT_EQ(session.Admit(kStranger, 1, 2, 199 * kMs, kRules), Arrival::kNewSession)
       << "the first one was silent";
 }
 
 TEST(SessionTest, TimeNeverOverflows) {
   Session session;
-  (void)session.Admit(kHere, 1, 0, 0, kRules);
+  (void)session.Admit(kSender, 1, 0, 0, kRules);
   std::uint64_t time_ns = 0;
   int jumps = 0;
   for (int i = 0; i < 3'000'000; ++i) {
@@ -161,7 +161,7 @@ TEST(SessionTest, TimeNeverOverflows) {
 
 TEST(SessionTest, SourceTimeMustGrowAndAJumpStartsAnew) {
   Session session;
-  (void)session.Admit(kHere, 1, 0, 0, kRules);
+  (void)session.Admit(kSender, 1, 0, 0, kRules);
   EXPECT_EQ(session.AdmitTime(5'000 * kMs, kRules), Time::kNext);
   EXPECT_EQ(session.elapsed_ns(), 0);
   EXPECT_EQ(session.AdmitTime(5'008 * kMs, kRules), Time::kNext);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/devices/limb.h"
+#include "tests/support/units.h"
 #include "tests/unit/devices/mounted.h"
 
 namespace styled::devices {
@@ -13,7 +14,7 @@ namespace {
 using testing::kMs;
 using testing::Worn;
 
-constexpr float kDegrees = 57.29578F;
+using support::kDegrees;
 const std::vector<int> kSix{body::kHead, body::kLeftHand, body::kRightHand,
                             body::kHips, body::kLeftFoot, body::kRightFoot};
 

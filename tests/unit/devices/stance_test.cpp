@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "tests/support/units.h"
 #include "tests/unit/devices/mounted.h"
 
 namespace styled::devices {
@@ -12,7 +13,7 @@ namespace {
 
 using testing::Worn;
 
-constexpr float kDegrees = 57.29578F;
+using support::kDegrees;
 const std::vector<int> kAll{body::kHead,         body::kHips,         body::kChest,
                             body::kLeftHand,     body::kRightHand,    body::kLeftFoot,
                             body::kRightFoot,    body::kLeftUpperArm, body::kRightUpperArm,

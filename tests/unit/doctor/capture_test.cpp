@@ -20,7 +20,7 @@ using slimevr::testing::Hex;
 using slimevr::testing::Join;
 
 // Headers written by hand from RFC 791, 768 and 8200: from 192.0.2.9:50000 to 192.0.2.1:9763.
-const Bytes kUdp = Hex("C3 50 26 23 00 0C 00 00");  // 4 bytes of payload
+const Bytes kUdpHeader = Hex("C3 50 26 23 00 0C 00 00");  // 4 bytes of payload
 const Bytes kPayload = Hex("4D 58 54 50");
 Bytes IPv4(std::string_view length, std::string_view fragment, std::string_view protocol = "11") {
   return Join({Hex("45 00"), Hex(length), Hex("12 34"), Hex(fragment), Hex("40"), Hex(protocol),
@@ -31,18 +31,18 @@ Bytes IPv6(std::string_view next) {
                Hex("FD 00 00 00 00 00 00 00 00 00 00 00 00 00 00 09"),
                Hex("FD 00 00 00 00 00 00 00 00 00 00 00 00 00 00 01")});
 }
-const Bytes kWhole = Join({IPv4("00 20", "00 00"), kUdp, kPayload});
+const Bytes kWhole = Join({IPv4("00 20", "00 00"), kUdpHeader, kPayload});
 
 TEST(CaptureTest, WhatIsNoUdpIsPassedOver) {
   const std::vector<std::pair<std::string, Bytes>> cases{
       {"nothing", {}},
       {"ARP", Hex("00 01 08 00 06 04 00 01 AA BB CC DD EE FF C0 00 02 09 00 00 00 00 00 00")},
-      {"TCP", Join({IPv4("00 20", "00 00", "06"), kUdp, kPayload})},
-      {"TCP over IPv6", Join({IPv6("06"), kUdp, kPayload})},
-      {"a later fragment", Join({IPv4("00 20", "00 B9"), kUdp, kPayload})},
+      {"TCP", Join({IPv4("00 20", "00 00", "06"), kUdpHeader, kPayload})},
+      {"TCP over IPv6", Join({IPv6("06"), kUdpHeader, kPayload})},
+      {"a later fragment", Join({IPv4("00 20", "00 B9"), kUdpHeader, kPayload})},
       {"a header cut", Bytes(kWhole.begin(), kWhole.begin() + 19)},
       {"UDP's header cut", Bytes(kWhole.begin(), kWhole.begin() + 27)},
-      {"a total length below the header's", Join({IPv4("00 13", "00 00"), kUdp, kPayload})},
+      {"a total length below the header's", Join({IPv4("00 13", "00 00"), kUdpHeader, kPayload})},
       {"a header length of 4 words", Join({Hex("44"), Bytes(kWhole.begin() + 1, kWhole.end())})},
       {"a header length past the end", Join({Hex("4F"), Bytes(kWhole.begin() + 1, kWhole.end())})},
       {"a UDP length of 7", Join({IPv4("00 20", "00 00"), Hex("C3 50 26 23 00 07 00 00")})},
@@ -57,7 +57,7 @@ TEST(CaptureTest, APacketHasBothEndsAndItsPayload) {
   EXPECT_EQ(ToString(packet->to), "192.0.2.1:9763");
   EXPECT_FALSE(packet->cut);
   EXPECT_EQ(Bytes(packet->payload.begin(), packet->payload.end()), kPayload);
-  const Bytes six = Join({IPv6("11"), kUdp, kPayload});
+  const Bytes six = Join({IPv6("11"), kUdpHeader, kPayload});
   const auto packet6 = ParsePacket(six);
   ASSERT_TRUE(packet6);
   EXPECT_EQ(ToString(packet6->from), "[fd00::9]:50000");

@@ -121,7 +121,7 @@ TEST(CalibrationTest, RefusesAPerformerWhoIsNowhere) {
 
 TEST(CalibrationTest, ARigOfAnyAxesAnyRestAndEitherHandMatchesAfterOneTOrNPose) {
   Random random(7);
-  const Quat z_up = Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitZ());
+  const Quat z_up = body::ShortestTurn(Vec3::UnitY(), Vec3::UnitZ());
   for (const StandingPose pose : {StandingPose::kT, StandingPose::kN}) {
     for (const bool left_handed : {false, true}) {
       for (const Quat& axes : {Quat::Identity(), z_up, Quat(Eigen::AngleAxisf(0.6F, Vec3::UnitY())),

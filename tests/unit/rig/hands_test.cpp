@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kIndex = kTailLeftThumb + 3;
+constexpr int kLeftIndex = kTailLeftThumb + 3;
 const TailSet kBoth = FingersOf(body::kLeftHand) | FingersOf(body::kRightHand);
 
 Binding Bound(const BindingSpec& spec) {
@@ -70,9 +70,10 @@ TEST(Hands, TheFingersThatABodyHasStay) {
   EXPECT_EQ(std::ranges::count(names, "leftRingProximal"), 0);
   const Tail tail = Tail::Make(after, MapTailNames(after.skeleton()));
   EXPECT_EQ(tail.size(), 14U);
-  EXPECT_EQ(tail.map()[kIndex], kJointCount) << "the body's own";
+  EXPECT_EQ(tail.map()[kLeftIndex], kJointCount) << "the body's own";
   for (const Tail::Joint& joint : tail.joints()) {
-    if (joint.joint == kIndex + 1) EXPECT_EQ(joint.parent, kJointCount + 3) << "thumb, then index";
+    if (joint.joint == kLeftIndex + 1)
+      EXPECT_EQ(joint.parent, kJointCount + 3) << "thumb, then index";
   }
   // Nothing is missing: nothing changes.
   EXPECT_EQ(WithFingers(after, FingersOf(body::kLeftHand)).skeleton(), after.skeleton());

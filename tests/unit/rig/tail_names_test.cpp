@@ -9,7 +9,7 @@
 namespace styled::rig {
 namespace {
 
-struct Naming {
+struct TailNaming {
   std::string rig;
   // The left hand's, @ for the side: three of the thumb and so on, "" where the rig has none.
   std::vector<std::string> fingers;
@@ -37,7 +37,7 @@ std::vector<std::string> WithThumb(const std::vector<std::string>& thumb,
   return others;
 }
 
-std::vector<Naming> Namings() {
+std::vector<TailNaming> TailNamings() {
   const std::vector<std::string> five = {"Thumb", "Index", "Middle", "Ring", "Pinky"};
   const std::vector<std::string> little = {"Index", "Middle", "Ring", "Little"};
   const std::vector<std::string> vrm = {"Proximal", "Intermediate", "Distal"};
@@ -85,7 +85,7 @@ std::vector<Naming> Namings() {
 }
 
 TEST(TailNames, OfEveryNamingHabitMapToVrmsBones) {
-  for (Naming naming : Namings()) {
+  for (TailNaming naming : TailNamings()) {
     ASSERT_EQ(naming.fingers.size(), static_cast<std::size_t>(kHandTail)) << naming.rig;
     const bool no_tips = naming.rig == "gloves without tips";
     Skeleton skeleton;

@@ -45,7 +45,7 @@ class FakeRig final : public Rig {
   std::vector<Seen>& seen_;
 };
 
-struct Played {
+struct PlayedRig {
   std::vector<FakeRig::Seen> seen;
   std::vector<std::vector<std::uint64_t>> sent;  // frames' indices, tick by tick
   faults::Counts counts{};
@@ -53,9 +53,9 @@ struct Played {
   std::uint64_t fault(Fault f) const { return counts[static_cast<std::size_t>(f)]; }
 };
 
-Played Play(int ticks, std::string_view spec) {
+PlayedRig Play(int ticks, std::string_view spec) {
   constexpr double kRate_hz = 50;
-  Played played;
+  PlayedRig played;
   const auto script = synthetic::ParseScript("walk:3").value();
   std::vector<std::unique_ptr<player::Motion>> motions;
   for (std::uint64_t k = 0; k < 2; ++k) {
@@ -78,7 +78,7 @@ Played Play(int ticks, std::string_view spec) {
 }
 
 TEST(RigStream, SendsABurstAtOnceAndInOrder) {
-  const Played played = Play(1000, "burst=0.03,burst-frames=4");
+  const PlayedRig played = Play(1000, "burst=0.03,burst-frames=4");
   std::uint64_t next = 0, bursts = 0;
   for (const auto& indices : played.sent) {
     for (const std::uint64_t index : indices) EXPECT_EQ(index, next++);
@@ -92,19 +92,19 @@ TEST(RigStream, SendsABurstAtOnceAndInOrder) {
 }
 
 TEST(RigStream, ClockDriftsAndStepsInTheRigsTime) {
-  const Played exact = Play(500, "loss=0.1"), drifting = Play(500, "drift-ppm=-300");
+  const PlayedRig exact = Play(500, "loss=0.1"), drifting = Play(500, "drift-ppm=-300");
   for (std::size_t i = 0; i < 500; ++i) {
     EXPECT_EQ(exact.seen[i].time_s, static_cast<double>(i) / 50);
     EXPECT_NEAR(drifting.seen[i].time_s, static_cast<double>(i) / 50 * 0.9997, 1e-9);
   }
-  const Played stepping = Play(500, "step=0.02,step-s=7");
+  const PlayedRig stepping = Play(500, "step=0.02,step-s=7");
   EXPECT_GT(stepping.fault(Fault::kStep), 0U);
   EXPECT_NEAR(stepping.seen[499].time_s,
               499.0 / 50 + 7 * static_cast<double>(stepping.fault(Fault::kStep)), 1e-9);
 }
 
 TEST(RigStream, OccludesOneJointOfOnePerformerForItsFrames) {
-  const Played played = Play(3000, "occlude=0.001,occlude-frames=15,seed=6");
+  const PlayedRig played = Play(3000, "occlude=0.001,occlude-frames=15,seed=6");
   std::uint64_t joint_frames = 0;
   for (const auto& seen : played.seen) {
     for (const auto& joints : seen.unseen) {
@@ -118,7 +118,7 @@ TEST(RigStream, OccludesOneJointOfOnePerformerForItsFrames) {
 }
 
 TEST(RigStream, NanOccludesForOneFrame) {
-  const Played played = Play(1000, "nan=0.1");
+  const PlayedRig played = Play(1000, "nan=0.1");
   std::uint64_t joint_frames = 0;
   for (const auto& seen : played.seen) {
     for (const auto& joints : seen.unseen) joint_frames += joints.size();

@@ -16,7 +16,7 @@ using testing::Bytes;
 using ::testing::ElementsAre;
 using ::testing::FloatNear;
 
-constexpr float kHalfRoot = 0.70710678F;
+constexpr float kSqrtHalf = 0.70710678F;
 
 Record DecodeOne(const Bytes& bytes) {
   Report report;
@@ -26,7 +26,7 @@ Record DecodeOne(const Bytes& bytes) {
 }
 
 template <typename T>
-T DecodeAs(const Bytes& bytes) {
+T RecordAs(const Bytes& bytes) {
   const Record record = DecodeOne(bytes);
   EXPECT_EQ(record.tracker, 3);
   const T* body = std::get_if<T>(&record.body);
@@ -91,7 +91,7 @@ TEST(Report, PassesOverTypesToComeAndCountsThem) {
 }
 
 TEST(Record, OfInfoIsReadAsTheFirmwareWritesIt) {
-  const auto info = DecodeAs<Info>(testing::kInfoRecord);
+  const auto info = RecordAs<Info>(testing::kInfoRecord);
   EXPECT_EQ(info.battery.percent, 87);
   EXPECT_NEAR(info.battery.volts, 3.95F, 1e-5F);
   EXPECT_FLOAT_EQ(info.battery.temperature_c, 31);
@@ -110,32 +110,32 @@ TEST(Record, OfInfoIsReadAsTheFirmwareWritesIt) {
 TEST(Record, TellsAnEmptyBatteryFromNone) {
   Bytes bytes = testing::kInfoRecord;
   bytes[2] = std::byte{128};
-  EXPECT_EQ(DecodeAs<Info>(bytes).battery.percent, 0);
+  EXPECT_EQ(RecordAs<Info>(bytes).battery.percent, 0);
   bytes[2] = std::byte{0};
   bytes[4] = std::byte{0};
-  EXPECT_EQ(DecodeAs<Info>(bytes).battery.percent, -1);
-  EXPECT_TRUE(std::isnan(DecodeAs<Info>(bytes).battery.temperature_c));
+  EXPECT_EQ(RecordAs<Info>(bytes).battery.percent, -1);
+  EXPECT_TRUE(std::isnan(RecordAs<Info>(bytes).battery.temperature_c));
 }
 
 TEST(Record, OfMotionIsReadAsTheFirmwareWritesIt) {
-  const auto motion = DecodeAs<Motion>(testing::kMotionRecord);
+  const auto motion = RecordAs<Motion>(testing::kMotionRecord);
   EXPECT_TRUE(motion.orientation.usable);
   EXPECT_THAT(motion.orientation.rotation,
-              ElementsAre(0, 0, FloatNear(kHalfRoot, 1e-6F), FloatNear(kHalfRoot, 1e-6F)));
+              ElementsAre(0, 0, FloatNear(kSqrtHalf, 1e-6F), FloatNear(kSqrtHalf, 1e-6F)));
   EXPECT_THAT(motion.acceleration_mps2, ElementsAre(0, 0, FloatNear(9.80665F, 1.0F / 128)));
 }
 
 TEST(Record, OfMotionAndBatteryIsReadAsTheFirmwareWritesIt) {
-  const auto record = DecodeAs<MotionAndBattery>(testing::kMotionAndBatteryRecord);
+  const auto record = RecordAs<MotionAndBattery>(testing::kMotionAndBatteryRecord);
   EXPECT_EQ(record.battery.percent, 87);
   EXPECT_NEAR(record.battery.volts, 3.95F, 1e-5F);
-  EXPECT_LT(Degrees(record.motion.orientation.rotation, {0, 0, kHalfRoot, kHalfRoot}), 0.01F);
+  EXPECT_LT(Degrees(record.motion.orientation.rotation, {0, 0, kSqrtHalf, kSqrtHalf}), 0.01F);
   EXPECT_THAT(record.motion.acceleration_mps2, ElementsAre(-1, 0.5F, FloatNear(9.8F, 0.01F)));
   EXPECT_EQ(record.signal, 60);
 }
 
 TEST(Record, OfStatusRuntimeAndButtonAreReadAsTheFirmwareWritesThem) {
-  const auto status = DecodeAs<Status>(testing::kStatusRecord);
+  const auto status = RecordAs<Status>(testing::kStatusRecord);
   EXPECT_EQ(status.server_status, 1);
   EXPECT_EQ(status.raw_status, 7);
   EXPECT_EQ(status.received, 100);
@@ -143,11 +143,11 @@ TEST(Record, OfStatusRuntimeAndButtonAreReadAsTheFirmwareWritesThem) {
   EXPECT_EQ(status.windows_hit, 99);
   EXPECT_EQ(status.windows_missed, 1);
   EXPECT_EQ(status.signal, 60);
-  EXPECT_EQ(DecodeAs<Runtime>(testing::kRuntimeRecord).remaining_us, 3'600'000'000);
-  const auto button = DecodeAs<Button>(testing::kButtonRecord);
+  EXPECT_EQ(RecordAs<Runtime>(testing::kRuntimeRecord).remaining_us, 3'600'000'000);
+  const auto button = RecordAs<Button>(testing::kButtonRecord);
   EXPECT_EQ(button.button, 1);
   EXPECT_EQ(button.sleep_ms, 10'000);
-  const auto both = DecodeAs<MotionAndButton>(testing::kMotionAndButtonRecord);
+  const auto both = RecordAs<MotionAndButton>(testing::kMotionAndButtonRecord);
   EXPECT_EQ(both.button.button, 2);
   EXPECT_EQ(both.button.sleep_ms, 65'535);
   EXPECT_EQ(both.button.signal, 60);
@@ -156,11 +156,11 @@ TEST(Record, OfStatusRuntimeAndButtonAreReadAsTheFirmwareWritesThem) {
 
 TEST(Record, OfAnUnknownRuntimeIsMinusOne) {
   const Bytes bytes = testing::Hex("05 03 FF FF FF FF FF FF FF FF 00 00 00 00 00 00");
-  EXPECT_EQ(DecodeAs<Runtime>(bytes).remaining_us, -1);
+  EXPECT_EQ(RecordAs<Runtime>(bytes).remaining_us, -1);
 }
 
 TEST(Record, OfTheMagnetometerIsReadAsTheFirmwareWritesIt) {
-  const auto record = DecodeAs<MotionAndMagnetometer>(testing::kMagnetometerRecord);
+  const auto record = RecordAs<MotionAndMagnetometer>(testing::kMagnetometerRecord);
   EXPECT_THAT(record.orientation.rotation, ElementsAre(0, 0, 0, 1));
   EXPECT_THAT(record.magnetometer_gauss, ElementsAre(0.5F, 0, -0.5F));
 }
@@ -174,7 +174,7 @@ TEST(Record, OfARegistrationHasTheAddressOfTheServersOwnTest) {
 }
 
 TEST(Record, OfARotationOfZerosIsIdentityAndNotUsable) {
-  const auto motion = DecodeAs<Motion>(testing::Join({testing::Hex("01 03"), Bytes(14)}));
+  const auto motion = RecordAs<Motion>(testing::Join({testing::Hex("01 03"), Bytes(14)}));
   EXPECT_FALSE(motion.orientation.usable);
   EXPECT_THAT(motion.orientation.rotation, ElementsAre(0, 0, 0, 1));
 }
@@ -215,12 +215,12 @@ TEST(Record, SaturatesWhatIsBeyondItsFields) {
 TEST(PackedRotation, HasTheWorkedValues) {
   EXPECT_EQ(Pack({0, 0, 0, 1}), 0x80100200U);
   EXPECT_EQ(Pack({0, 0, 0, -1}), 0x80100200U);
-  EXPECT_EQ(Pack({0, 0, kHalfRoot, kHalfRoot}), 0xC0100200U);
-  EXPECT_EQ(Pack({kHalfRoot, 0, 0, kHalfRoot}), 0x80100300U);
-  EXPECT_EQ(Pack({0, -kHalfRoot, 0, kHalfRoot}), 0x80080200U);
-  EXPECT_EQ(Pack({0, kHalfRoot, 0, -kHalfRoot}), 0x80080200U);  // the shorter way round
+  EXPECT_EQ(Pack({0, 0, kSqrtHalf, kSqrtHalf}), 0xC0100200U);
+  EXPECT_EQ(Pack({kSqrtHalf, 0, 0, kSqrtHalf}), 0x80100300U);
+  EXPECT_EQ(Pack({0, -kSqrtHalf, 0, kSqrtHalf}), 0x80080200U);
+  EXPECT_EQ(Pack({0, kSqrtHalf, 0, -kSqrtHalf}), 0x80080200U);  // the shorter way round
   EXPECT_LT(Degrees(Unpack(0x80100200U), {0, 0, 0, 1}), 0.01F);
-  EXPECT_LT(Degrees(Unpack(0xC0100200U), {0, 0, kHalfRoot, kHalfRoot}), 0.01F);
+  EXPECT_LT(Degrees(Unpack(0xC0100200U), {0, 0, kSqrtHalf, kSqrtHalf}), 0.01F);
 }
 
 // 0 in all three is -1, -1, -1: beyond any rotation that is sent, and still one.

@@ -10,6 +10,7 @@
 #include "proto/styled/v1/body.pb.h"
 #include "tests/support/count_new.h"
 #include "tests/support/native_frames.h"
+#include "tests/support/units.h"
 
 namespace styled::source {
 namespace {
@@ -22,7 +23,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kMs = 1'000'000;
+using support::kMs;
 
 config::Source Config(std::vector<config::Tracker> trackers = {}) {
   config::Source config;
@@ -33,8 +34,8 @@ config::Source Config(std::vector<config::Tracker> trackers = {}) {
 }
 
 // A TrackerRig with what it says.
-struct Bench final : Receiver {
-  explicit Bench(const config::Source& config) : rig(config) {}
+struct RigBench final : Receiver {
+  explicit RigBench(const config::Source& config) : rig(config) {}
 
   void Tick(std::int64_t at_ns) {
     outbox.Open(*this, -1);
@@ -111,7 +112,7 @@ TEST(TrackerTable, IsCheckedRowByRow) {
 }
 
 TEST(TrackerRig, SaysWhatIsWrongInItsTableAndUsesTheRest) {
-  Bench bench(Config({{"A848FAC01D42", "hips"}, {"A848FAC01D43", "knee"}}));
+  RigBench bench(Config({{"A848FAC01D42", "hips"}, {"A848FAC01D43", "knee"}}));
   bench.Tick(0);
   ASSERT_EQ(bench.notes.size(), 1U);
   EXPECT_THAT(bench.notes[0], HasSubstr("knee"));
@@ -120,7 +121,7 @@ TEST(TrackerRig, SaysWhatIsWrongInItsTableAndUsesTheRest) {
 }
 
 TEST(TrackerRig, NamesEachTrackerOnce) {
-  Bench bench(Config({{"A848FAC01D42", "hips"}}));
+  RigBench bench(Config({{"A848FAC01D42", "hips"}}));
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(bench.PartOf("A848FAC01D42"), body::kHips);
     EXPECT_EQ(bench.PartOf("A848FAC01D43/1"), TrackerRig::kUnassigned);
@@ -130,7 +131,7 @@ TEST(TrackerRig, NamesEachTrackerOnce) {
 }
 
 TEST(TrackerRig, LetsTheTableGoBeforeWhatATrackerSaysOfItself) {
-  Bench bench(Config({{"A848FAC01D42", "head"}, {"A848FAC01D43", "leftFoot"}}));
+  RigBench bench(Config({{"A848FAC01D42", "head"}, {"A848FAC01D43", "leftFoot"}}));
   EXPECT_EQ(bench.PartOf("A848FAC01D42", 6), body::kHead);
   EXPECT_EQ(bench.PartOf("A848FAC01D44", 6), body::kHips);
   EXPECT_EQ(bench.PartOf("A848FAC01D45", 6), TrackerRig::kUnassigned) << "hips are taken";
@@ -151,16 +152,16 @@ TEST(TrackerRig, KnowsSlimeVrsPositions) {
       {14, body::kRightLowerArm}, {15, body::kLeftUpperArm}, {16, body::kRightUpperArm},
       {17, body::kLeftHand},      {18, body::kRightHand},    {19, body::kLeftShoulder},
       {20, body::kRightShoulder}};
-  Bench bench(Config());
+  RigBench bench(Config());
   for (const auto& [position, joint] : positions) {
     EXPECT_EQ(bench.PartOf("A848FAC01D42/" + std::to_string(position), position), joint);
   }
-  Bench chest(Config());
+  RigBench chest(Config());
   EXPECT_EQ(chest.PartOf("A848FAC01D42", 3), body::kChest);
 }
 
 TEST(TrackerRig, StandsInTheRestPoseUntilItIsCalibrated) {
-  Bench bench(Config());
+  RigBench bench(Config());
   EXPECT_EQ(bench.rig.NextDeadline_ns(), Translator::kNever);
   EXPECT_FALSE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   for (std::int64_t ms = 0; ms < 100; ++ms) {
@@ -178,7 +179,7 @@ TEST(TrackerRig, SendsTheCanonicalBodyInMetresAtItsRate) {
   config::Source config = Config();
   config.rate_hz = 50;
   config.performer = "anna";
-  Bench bench(config);
+  RigBench bench(config);
   bench.rig.Take(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   for (std::int64_t ms = 0; ms < 1000; ++ms) {
@@ -201,7 +202,7 @@ TEST(TrackerRig, SendsTheCanonicalBodyInMetresAtItsRate) {
 
 // 90 degrees to the left, in sensors' axes (+Z up) and in ours (+Y up).
 TEST(TrackerRig, TurnsTheSensorsWorldUpright) {
-  Bench bench(Config());
+  RigBench bench(Config());
   bench.rig.Take(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   bench.rig.Take(body::kHips, Upright(1.5707963F), kMs);
@@ -214,13 +215,13 @@ TEST(TrackerRig, TurnsTheSensorsWorldUpright) {
 }
 
 TEST(TrackerRig, TakesNothingThatIsNotUsable) {
-  Bench bench(Config());
+  RigBench bench(Config());
   bench.rig.Take(body::kHips, {{0, 0, 0, 1}, false}, 0);
   EXPECT_FALSE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
 }
 
 TEST(TrackerRig, BeginsASessionWithEveryReset) {
-  Bench bench(Config());
+  RigBench bench(Config());
   bench.rig.Take(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   bench.Tick(0);
@@ -234,7 +235,7 @@ TEST(TrackerRig, BeginsASessionWithEveryReset) {
 }
 
 TEST(TrackerRig, SaysWhatAResetLeft) {
-  Bench bench(Config());
+  RigBench bench(Config());
   bench.rig.Take(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   bench.rig.Take(body::kHead, Upright(), kMs);
@@ -247,7 +248,7 @@ TEST(TrackerRig, SaysWhatAResetLeft) {
 }
 
 TEST(TrackerRig, FallsSilentWithItsTrackersAndComesBack) {
-  Bench bench(Config());
+  RigBench bench(Config());
   bench.rig.Take(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   for (std::int64_t ms = 0; ms <= 1000; ms += 10) bench.Tick(ms * kMs);
@@ -259,7 +260,7 @@ TEST(TrackerRig, FallsSilentWithItsTrackersAndComesBack) {
 }
 
 TEST(TrackerRig, ThatWasHeldUpLeavesFramesOutAndSaysHowMany) {
-  Bench bench(Config());
+  RigBench bench(Config());
   bench.rig.Take(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   bench.Tick(0);
@@ -272,7 +273,7 @@ TEST(TrackerRig, ThatWasHeldUpLeavesFramesOutAndSaysHowMany) {
 }
 
 TEST(TrackerRig, DoesNotAllocateFromTheSecondFrameOn) {
-  Bench bench(Config());
+  RigBench bench(Config());
   bench.frames.reserve(64);
   bench.rig.Take(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());

@@ -14,6 +14,7 @@
 #include "proto/styled/v1/frame.pb.h"
 #include "sim/rigs/slimevr.h"
 #include "tests/support/native_frames.h"
+#include "tests/support/units.h"
 #include "tests/unit/slimevr/decode_cases.h"
 
 namespace styled::source {
@@ -24,7 +25,7 @@ using slimevr::testing::Bytes;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kMs = 1'000'000;
+using support::kMs;
 constexpr std::int64_t kSecond = 1000 * kMs;
 
 int BindAny(sockaddr_in& address) {

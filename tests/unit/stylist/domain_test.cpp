@@ -5,7 +5,7 @@
 namespace styled::stylist {
 namespace {
 
-constexpr float kDt_s = 1.0F / 120;
+constexpr float kStep_s = 1.0F / 120;
 
 body::Quat Tilted(float rad) { return body::Quat(Eigen::AngleAxisf(rad, body::Vec3::UnitX())); }
 
@@ -15,7 +15,7 @@ struct DomainTest : testing::Test {
 
   void Feed(float reconstruction_rad, float tilt_rad, int frames) {
     for (int i = 0; i < frames; ++i) {
-      domain.Follow(reconstruction_rad, Tilted(tilt_rad), kDt_s, !started, options);
+      domain.Follow(reconstruction_rad, Tilted(tilt_rad), kStep_s, !started, options);
       started = true;
     }
   }

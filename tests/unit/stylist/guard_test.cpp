@@ -11,12 +11,13 @@
 #include "model/stylist/avatar.h"
 #include "model/stylist/grounding.h"
 #include "model/stylist/stylist.h"
+#include "tests/support/units.h"
 #include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::stylist {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+using support::kNaN;
 constexpr float kLow_m = 0.97F, kHigh_m = 1.3F;
 static_assert(kLow_m < erd::kAwake_m && erd::kAwake_m < kHigh_m);
 

@@ -4,10 +4,12 @@
 
 #include <limits>
 
+#include "tests/support/units.h"
+
 namespace styled::stylist {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+using support::kNaN;
 
 rig::Skeleton TwoJoints() {
   return {{"root", "child"}, {-1, 0}, {rig::Vec3(0, 1, 0), rig::Vec3(0, 0.5F, 0)}};

@@ -14,14 +14,14 @@ namespace {
 
 constexpr float kKnown_m = 0.04F, kUnknown_m = 0.4F;
 
-PerLimb All(float value) {
+PerLimb AllLimbs(float value) {
   PerLimb all;
   all.fill(value);
   return all;
 }
 
 PerLimb Only(Limb limb, float error_m) {
-  PerLimb errors_m = All(kKnown_m);
+  PerLimb errors_m = AllLimbs(kKnown_m);
   errors_m[static_cast<std::size_t>(limb)] = error_m;
   return errors_m;
 }
@@ -40,21 +40,21 @@ struct LimbGateTest : testing::Test {
 };
 
 TEST_F(LimbGateTest, KnownLimbsShowAllOfTheStyle) {
-  Feed(All(kKnown_m), 0.1F);
-  EXPECT_EQ(gate.weights(), All(1));
+  Feed(AllLimbs(kKnown_m), 0.1F);
+  EXPECT_EQ(gate.weights(), AllLimbs(1));
   EXPECT_FALSE(gate.reduces());
 }
 
 TEST_F(LimbGateTest, AnUnknownLimbKeepsItsOwnMotionAndReturnsSlowly) {
-  Feed(All(kKnown_m), 0.1F);
-  Feed(All(kUnknown_m), 4 * tuning::kGateClose_s);
+  Feed(AllLimbs(kKnown_m), 0.1F);
+  Feed(AllLimbs(kUnknown_m), 4 * tuning::kGateClose_s);
   EXPECT_LT(left_arm(), 0.1F);
   EXPECT_TRUE(gate.reduces());
-  Feed(All(kUnknown_m), 2);
+  Feed(AllLimbs(kUnknown_m), 2);
   EXPECT_NEAR(left_arm(), 0, 1e-4F);
-  Feed(All(kKnown_m), 4 * tuning::kGateClose_s);
+  Feed(AllLimbs(kKnown_m), 4 * tuning::kGateClose_s);
   EXPECT_LT(left_arm(), 0.4F) << "it left faster";
-  Feed(All(kKnown_m), 12 * tuning::kGateOpen_s);
+  Feed(AllLimbs(kKnown_m), 12 * tuning::kGateOpen_s);
   EXPECT_NEAR(left_arm(), 1, 1e-3F);
 }
 
@@ -98,11 +98,11 @@ TEST_F(LimbGateTest, AFlutteringErrorDoesNotMakeTheStyleFlutter) {
   const float middle_m = 0.5F * (tuning::kGateArmBegin_m + tuning::kGateArmEnd_m);
   // Well within the band, because what is usual is learnt meanwhile.
   const float half_band_m = 0.2F * tuning::kGateBand_m;
-  Feed(All(middle_m + half_band_m), 3);
+  Feed(AllLimbs(middle_m + half_band_m), 3);
   LimbGate steady = gate;
   for (int i = 0; i < 240; ++i) {
-    Feed(All(middle_m + (i % 2 == 0 ? -half_band_m : half_band_m)), 1.01F / 120);
-    steady.Follow(All(middle_m + half_band_m), 1.0F / 120, false);
+    Feed(AllLimbs(middle_m + (i % 2 == 0 ? -half_band_m : half_band_m)), 1.01F / 120);
+    steady.Follow(AllLimbs(middle_m + half_band_m), 1.0F / 120, false);
     ASSERT_NEAR(left_arm(), steady.weight(Limb::kLeftArm), 1e-4F) << i;
   }
 }
@@ -123,43 +123,43 @@ TEST_F(LimbGateTest, ItsSpeedIsBoundedAtEveryRateAndTheSameAtAll) {
       before = left_arm();
     };
     const auto frames = [&](float seconds) { return static_cast<int>(seconds * rate_hz); };
-    for (int i = 0; i < frames(0.5F); ++i) step(All(kKnown_m));
-    for (int i = 0; i < frames(0.1F); ++i) step(All(kUnknown_m));
+    for (int i = 0; i < frames(0.5F); ++i) step(AllLimbs(kKnown_m));
+    for (int i = 0; i < frames(0.1F); ++i) step(AllLimbs(kUnknown_m));
     EXPECT_NEAR(before, 3 * std::exp(-2.0F), 0.35F) << "about two time constants later";
-    for (int i = 0; i < frames(1); ++i) step(All(kKnown_m));
-    for (int i = 0; i < frames(1); ++i) step(All(i % 3 == 0 ? kUnknown_m : kKnown_m));
+    for (int i = 0; i < frames(1); ++i) step(AllLimbs(kKnown_m));
+    for (int i = 0; i < frames(1); ++i) step(AllLimbs(i % 3 == 0 ? kUnknown_m : kKnown_m));
     EXPECT_LE(fastest, most_per_s);
   }
 }
 
 TEST_F(LimbGateTest, AShortBurstDoesNotFallOnWhenItIsOver) {
-  Feed(All(kKnown_m), 0.1F);
-  Feed(All(kUnknown_m), tuning::kGateClose_s);
+  Feed(AllLimbs(kKnown_m), 0.1F);
+  Feed(AllLimbs(kUnknown_m), tuning::kGateClose_s);
   const float at_the_end = left_arm();
-  Feed(All(kKnown_m), 3 * tuning::kGateClose_s);
+  Feed(AllLimbs(kKnown_m), 3 * tuning::kGateClose_s);
   EXPECT_GT(left_arm(), 0.6F * at_the_end);
   const float least = left_arm();
-  Feed(All(kKnown_m), 0.1F);
+  Feed(AllLimbs(kKnown_m), 0.1F);
   EXPECT_GT(left_arm(), least);
 }
 
 TEST_F(LimbGateTest, OnlyThePastCounts) {
-  Feed(All(kKnown_m), 0.5F);
+  Feed(AllLimbs(kKnown_m), 0.5F);
   LimbGate other = gate;
   EXPECT_EQ(other.weights(), gate.weights());
-  other.Follow(All(kUnknown_m), 1.0F / 120, false);
-  gate.Follow(All(kKnown_m), 1.0F / 120, false);
+  other.Follow(AllLimbs(kUnknown_m), 1.0F / 120, false);
+  gate.Follow(AllLimbs(kKnown_m), 1.0F / 120, false);
   EXPECT_LT(other.weight(Limb::kLeftArm), gate.weight(Limb::kLeftArm))
       << "the frame at which it becomes unknown, not one later";
 }
 
 TEST_F(LimbGateTest, AnErrorThatIsNotANumberIsAnUnknownLimbAndIsForgotten) {
-  Feed(All(kKnown_m), 0.1F);
+  Feed(AllLimbs(kKnown_m), 0.1F);
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    Feed(All(bad), 1);
+    Feed(AllLimbs(bad), 1);
     EXPECT_NEAR(left_arm(), 0, 1e-3F);
-    Feed(All(kKnown_m), 12 * tuning::kGateOpen_s);
+    Feed(AllLimbs(kKnown_m), 12 * tuning::kGateOpen_s);
     EXPECT_NEAR(left_arm(), 1, 1e-3F);
   }
 }
@@ -192,14 +192,14 @@ TEST_F(LimbGateTest, PunchesDoNotBecomeUsual) {
 }
 
 TEST_F(LimbGateTest, ResetForgets) {
-  Feed(All(kUnknown_m), 1);
+  Feed(AllLimbs(kUnknown_m), 1);
   gate.Reset();
-  EXPECT_EQ(gate.weights(), All(1));
+  EXPECT_EQ(gate.weights(), AllLimbs(1));
 }
 
 TEST(LimbErrors, AreEachLimbsOwn) {
   const body::Pose input;
-  EXPECT_EQ(LimbErrors_m(input.rotations, input.rotations), All(0));
+  EXPECT_EQ(LimbErrors_m(input.rotations, input.rotations), AllLimbs(0));
 
   body::Pose found = input;  // the left forearm straight up: the hand is 0.25 m away on two axes
   found.rotations[body::kLeftLowerArm] =
@@ -215,14 +215,14 @@ TEST(LimbErrors, AreEachLimbsOwn) {
   errors_m = LimbErrors_m(input.rotations, found.rotations);
   EXPECT_GT(errors_m[static_cast<std::size_t>(Limb::kTrunk)], 0.1F);
   errors_m[static_cast<std::size_t>(Limb::kTrunk)] = 0;
-  EXPECT_EQ(errors_m, All(0));
+  EXPECT_EQ(errors_m, AllLimbs(0));
 }
 
 TEST(LimbErrors, TheHeelOfAFootCountsButNotItsToes) {
   const body::Pose input;
   body::Pose found = input;
   found.rotations[body::kRightFoot] = body::Quat(Eigen::AngleAxisf(1, body::Vec3::UnitX()));
-  EXPECT_EQ(LimbErrors_m(input.rotations, found.rotations), All(0));
+  EXPECT_EQ(LimbErrors_m(input.rotations, found.rotations), AllLimbs(0));
   found.rotations[body::kRightUpperLeg] = body::Quat(Eigen::AngleAxisf(1, body::Vec3::UnitX()));
   EXPECT_GT(LimbErrors_m(input.rotations, found.rotations)[4], 0.4F);
 }

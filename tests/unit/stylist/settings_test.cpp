@@ -6,11 +6,13 @@
 #include <limits>
 #include <vector>
 
+#include "tests/support/units.h"
+
 namespace styled::stylist {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr int kStyles = 5;
+using support::kNaN;
+constexpr int kStyleCount = 5;
 
 Settings Style(int style, float weight = 1, float transition_s = 0) {
   Settings settings;
@@ -19,12 +21,12 @@ Settings Style(int style, float weight = 1, float transition_s = 0) {
   return settings;
 }
 
-SettingsError Error(const Settings& settings) { return Validate(settings, kStyles); }
+SettingsError Error(const Settings& settings) { return Validate(settings, kStyleCount); }
 
 TEST(SettingsTest, EachBrokenRuleIsNamed) {
   EXPECT_EQ(Error(Style(1)), SettingsError::kNone);
   EXPECT_EQ(Error(Style(0)), SettingsError::kNeutralStyle);
-  EXPECT_EQ(Error(Style(kStyles)), SettingsError::kUnknownStyle);
+  EXPECT_EQ(Error(Style(kStyleCount)), SettingsError::kUnknownStyle);
   EXPECT_EQ(Error(Style(1, kNaN)), SettingsError::kWeight);
   EXPECT_EQ(Error(Style(1, -0.1F)), SettingsError::kWeight);
   EXPECT_EQ(Error(Style(1, 1.6F)), SettingsError::kWeight);
@@ -66,7 +68,7 @@ TEST(SettingsTest, NeutralIsATargetOfStyledInputAlone) {
   Settings settings = Style(0);
   settings.input_style = 3;
   EXPECT_EQ(Error(settings), SettingsError::kNone);
-  for (const int style : {-1, kStyles}) {
+  for (const int style : {-1, kStyleCount}) {
     settings.input_style = style;
     EXPECT_EQ(Error(settings), SettingsError::kUnknownInputStyle);
   }

@@ -10,12 +10,13 @@
 
 #include "model/body/heading.h"
 #include "model/rig/dialects.h"
+#include "tests/support/units.h"
 #include "tests/unit/net/erd/random_weights.h"
 
 namespace styled::stylist {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+using support::kNaN;
 
 rig::Skeleton CanonicalSkeleton() {
   rig::Skeleton skeleton;

@@ -11,7 +11,7 @@
 namespace styled::train::style_erd {
 namespace {
 
-constexpr int kFrames = 25;
+constexpr int kClipFrames = 25;
 constexpr float kBend_rad = 0.3F, kRise_m = 0.02F;
 
 // Style k bends the left elbow by k times kBend_rad more than the input has, and the hips rise by k
@@ -107,9 +107,10 @@ TEST_F(AClipTeacher, ChangesTheInputIntoItsOwnOutput) {
   const Result<ClipTeacher> teacher = Make();
   ASSERT_TRUE(teacher.ok()) << teacher.status().message();
   // Neutral to bent, bent to neutral, neutral to a style that is not taught.
-  const ClipTeacher::Changes changes = teacher.value().Of(
-      {WindowOf(0), WindowOf(2), WindowOf(0)}, {.input = {0, 2, 0}, .target = {2, 0, 1}}, kFrames);
-  for (int t = 0; t < kFrames; ++t) {
+  const ClipTeacher::Changes changes =
+      teacher.value().Of({WindowOf(0), WindowOf(2), WindowOf(0)},
+                         {.input = {0, 2, 0}, .target = {2, 0, 1}}, kClipFrames);
+  for (int t = 0; t < kClipFrames; ++t) {
     for (int joint = 0; joint < body::kJointCount; ++joint) {
       const float bend = joint == body::kLeftLowerArm ? kBend_rad : 0.0F;
       EXPECT_NEAR((Turn(changes, t, 0, joint) - body::Vec3(0, bend, 0)).norm(), 0, 1e-3) << joint;
@@ -131,7 +132,7 @@ TEST_F(AClipTeacher, TeachesItsChangeOfStyleWhereItCannotReconstruct) {
   ASSERT_TRUE(teacher.ok());
   EXPECT_EQ(teacher.value().share_by_change(), 1);
   const ClipTeacher::Changes changes =
-      teacher.value().Of({WindowOf(0)}, {.input = {0}, .target = {2}}, kFrames);
+      teacher.value().Of({WindowOf(0)}, {.input = {0}, .target = {2}}, kClipFrames);
   EXPECT_NEAR((Turn(changes, 0, 0, body::kHead) - body::Vec3(-0.3F, 0, 0)).norm(), 0, 1e-3);
   EXPECT_NEAR(changes.rise_m[0][0].item<float>(), kRise_m * 1.1F - 1, 1e-4);
 }
@@ -142,7 +143,7 @@ TEST_F(AClipTeacher, AMirroredWindowHasTheMirroredChange) {
   Sampler::Window mirrored = WindowOf(0);
   mirrored.mirrored = true;
   const ClipTeacher::Changes changes =
-      teacher.value().Of({mirrored}, {.input = {0}, .target = {2}}, kFrames);
+      teacher.value().Of({mirrored}, {.input = {0}, .target = {2}}, kClipFrames);
   EXPECT_NEAR((Turn(changes, 3, 0, body::kRightLowerArm) - body::Vec3(0, -kBend_rad, 0)).norm(), 0,
               1e-3);
   EXPECT_NEAR(Turn(changes, 3, 0, body::kLeftLowerArm).norm(), 0, 1e-3);
@@ -155,12 +156,13 @@ TEST_F(AClipTeacher, WhatIsTaughtMayBeAheadOfTheInput) {
   ASSERT_TRUE(teacher.ok());
   const ClipTeacher::Roles roles{.input = {0}, .target = {2}};
   Sampler::Window late = WindowOf(0);
-  late.start = 60 - kFrames;
+  late.start = 60 - kClipFrames;
   for (const double lead : {0.0, 1.5, 2.0}) {
     const float rise =
-        teacher.value().Of({WindowOf(0)}, roles, kFrames, lead).rise_m[0][0].item<float>();
+        teacher.value().Of({WindowOf(0)}, roles, kClipFrames, lead).rise_m[0][0].item<float>();
     EXPECT_NEAR(rise, kRise_m * (1 + 0.01F * (10 + static_cast<float>(lead))), 1e-5) << lead;
-    const float end = teacher.value().Of({late}, roles, kFrames, lead).rise_m[-1][0].item<float>();
+    const float end =
+        teacher.value().Of({late}, roles, kClipFrames, lead).rise_m[-1][0].item<float>();
     EXPECT_NEAR(end, kRise_m * (1 + 0.01F * 59), 1e-5) << lead;
   }
 }

@@ -19,7 +19,7 @@ using testing::Bytes;
 using testing::OkMessage;
 using testing::RootMessage;
 using testing::TimeMessage;
-using Datagrams = std::vector<Bytes>;
+using Packets = std::vector<Bytes>;
 
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kPeriod_ns = 16 * kMs;
@@ -33,47 +33,47 @@ Bytes Number(const std::string& name, int frame) {
 float TimeOf(int frame) { return 10 + 0.016F * static_cast<float>(frame); }
 
 // SlimeVR: one bundle, T first.
-Datagrams TimeFirst(int frame) {
+Packets TimeFirst(int frame) {
   std::vector<Bytes> messages{TimeMessage(TimeOf(frame)), OkMessage(), RootMessage()};
   for (const auto& name : kNames) messages.push_back(Number(name, frame));
   return {Bundle(messages)};
 }
 // VirtualMotionCapture: bones, expressions, and the rest of the bones in a bundle within the last.
-Datagrams TimeLast(int frame) {
+Packets TimeLast(int frame) {
   std::vector<Bytes> bones[3];
   for (std::size_t i = 0; i < kNames.size(); ++i) bones[i / 3].push_back(Number(kNames[i], frame));
   return {Bundle(bones[0]), Bundle(bones[1]), Bundle({BlendMessage("Joy", 0.5F), ApplyMessage()}),
           Bundle({RootMessage(static_cast<float>(frame)), Bundle(bones[2]), OkMessage(),
                   TimeMessage(TimeOf(frame))})};
 }
-Datagrams SinglesTimeLast(int frame) {
-  Datagrams datagrams{RootMessage(static_cast<float>(frame))};
+Packets SinglesTimeLast(int frame) {
+  Packets datagrams{RootMessage(static_cast<float>(frame))};
   for (const auto& name : kNames) datagrams.push_back(Number(name, frame));
   datagrams.push_back(TimeMessage(TimeOf(frame)));
   return datagrams;
 }
-Datagrams SinglesTimeFirst(int frame) {
-  Datagrams datagrams{TimeMessage(TimeOf(frame)), RootMessage(static_cast<float>(frame))};
+Packets SinglesTimeFirst(int frame) {
+  Packets datagrams{TimeMessage(TimeOf(frame)), RootMessage(static_cast<float>(frame))};
   for (const auto& name : kNames) datagrams.push_back(Number(name, frame));
   return datagrams;
 }
 // OK first, T in the middle, Apply last.
-Datagrams SinglesOkFirst(int frame) {
-  Datagrams datagrams{OkMessage(), RootMessage(static_cast<float>(frame)),
-                      TimeMessage(TimeOf(frame))};
+Packets SinglesOkFirst(int frame) {
+  Packets datagrams{OkMessage(), RootMessage(static_cast<float>(frame)),
+                    TimeMessage(TimeOf(frame))};
   for (const auto& name : kNames) datagrams.push_back(Number(name, frame));
   datagrams.push_back(BlendMessage("A", 1));
   datagrams.push_back(ApplyMessage());
   return datagrams;
 }
-Datagrams SinglesWithoutTime(int frame) {
-  Datagrams datagrams{RootMessage(static_cast<float>(frame))};
+Packets SinglesWithoutTime(int frame) {
+  Packets datagrams{RootMessage(static_cast<float>(frame))};
   for (const auto& name : kNames) datagrams.push_back(Number(name, frame));
   return datagrams;
 }
 struct Habit {
   std::string name;
-  Datagrams (*send)(int);
+  Packets (*send)(int);
 };
 const std::vector<Habit> kHabits{{"T first in one bundle", TimeFirst},
                                  {"T last of several datagrams", TimeLast},
@@ -94,7 +94,7 @@ class Feed {
     while (result == osc::Result::kOk && assembler->Next()) frames.push_back(assembler->frame());
     return frames;
   }
-  std::vector<Frame> operator()(const Datagrams& datagrams, std::int64_t now_ns) {
+  std::vector<Frame> operator()(const Packets& datagrams, std::int64_t now_ns) {
     std::vector<Frame> frames;
     for (const Bytes& datagram : datagrams) {
       for (const Frame& frame : (*this)(datagram, now_ns)) frames.push_back(frame);
@@ -194,7 +194,7 @@ TEST(Assembler, GivesAFrameWithItsLastDatagramFromTheSecondOn) {
     for (int i = 1; i < 5; ++i) {
       std::vector<Frame> before = feed.Until(i * kPeriod_ns);
       EXPECT_EQ(before.size(), i == 1 ? 1U : 0U) << habit.name;
-      const Datagrams datagrams = habit.send(i);
+      const Packets datagrams = habit.send(i);
       for (std::size_t d = 0; d < datagrams.size(); ++d) {
         EXPECT_EQ(feed(datagrams[d], i * kPeriod_ns).size(), d + 1 == datagrams.size() ? 1U : 0U)
             << habit.name << ", datagram " << d;
@@ -227,7 +227,7 @@ TEST(Assembler, FindsInStepWhereverItBegins) {
       Feed feed;
       std::vector<Frame> frames;
       for (int i = 0; i < 8; ++i) {
-        Datagrams datagrams = habit.send(i);
+        Packets datagrams = habit.send(i);
         if (i == 0) datagrams.erase(datagrams.begin(), datagrams.begin() + first);
         for (auto& frame : feed(datagrams, i * kPeriod_ns)) frames.push_back(frame);
       }
@@ -247,7 +247,7 @@ TEST(Assembler, FindsInStepAgainAfterALostDatagram) {
       Feed feed;
       std::vector<Frame> frames;
       for (int i = 0; i < 8; ++i) {
-        Datagrams datagrams = habit.send(i);
+        Packets datagrams = habit.send(i);
         if (i == 3) datagrams.erase(datagrams.begin() + static_cast<std::ptrdiff_t>(lost));
         for (auto& frame : feed(datagrams, i * kPeriod_ns)) frames.push_back(frame);
       }
@@ -273,7 +273,7 @@ TEST(Assembler, GivesNoFrameTwiceForDatagramsThatCameTwice) {
       Feed feed;
       std::vector<Frame> frames;
       for (int i = 0; i < 8; ++i) {
-        Datagrams datagrams = habit.send(i);
+        Packets datagrams = habit.send(i);
         if (i == 3)
           datagrams.insert(datagrams.begin() + static_cast<std::ptrdiff_t>(twice),
                            datagrams[twice]);
@@ -296,7 +296,7 @@ TEST(Assembler, LearnsAnotherEndWhereTheOldOneNoLongerComes) {
     std::size_t early = 0;
     for (int i = 0; i < 10; ++i) {
       feed.Until(i * kPeriod_ns);
-      Datagrams datagrams = habit.send(i);
+      Packets datagrams = habit.send(i);
       if (i >= 4) datagrams.pop_back();
       const auto frames = feed(datagrams, i * kPeriod_ns);
       for (const Frame& frame : frames) EXPECT_EQ(NumberOf(frame), i) << habit.name;

@@ -6,10 +6,12 @@
 #include <random>
 #include <vector>
 
+#include "tests/support/units.h"
+
 namespace styled::stylevmc {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+using support::kSecond_ns;
 
 // Source times of the frames taken of `count` at `rate_hz`, arriving on time.
 std::vector<std::uint64_t> Taken(RateCap& cap, double rate_hz, int count) {

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "proto/rigs/vrchat/vrchat.h"
+#include "tests/support/units.h"
 #include "tests/unit/body/random_pose.h"
 #include "tests/unit/clients/fake_daemon.h"
 #include "tests/unit/vmc/witness.h"
@@ -17,9 +18,9 @@ using body::Quat;
 using body::Vec3;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+using support::kSecond_ns;
 
-v1::Body Canonical() { return client::HumanoidBody("rig.a", v1::OUTPUT_CANONICAL, 5); }
+v1::Body Puppet() { return client::HumanoidBody("rig.a", v1::OUTPUT_CANONICAL, 5); }
 
 struct Read {
   std::map<int, Vec3> positions;
@@ -49,7 +50,7 @@ Read ReadBack(std::span<const std::byte> datagram) {
 
 VrChatFeed Feed(const std::string& trackers, double user_height_m = 0) {
   VrChatFeed feed({ParseTrackerSet(trackers).value(), user_height_m});
-  EXPECT_TRUE(feed.Bind(Canonical()).ok());
+  EXPECT_TRUE(feed.Bind(Puppet()).ok());
   return feed;
 }
 
@@ -60,7 +61,7 @@ TEST(VrChatFeed, SendsPlacesAndTurnsOfTheTrackersAskedFor) {
     const body::Pose pose = random.AnyPose();
     body::WorldPose world;
     body::ForwardKinematics(pose, world);
-    const Read read = ReadBack(feed.Pack(client::HumanoidFrame(Canonical(), pose, 1), i));
+    const Read read = ReadBack(feed.Pack(client::HumanoidFrame(Puppet(), pose, 1), i));
     ASSERT_EQ(read.positions.size(), 9U);
     const std::pair<int, int> turned[] = {{body::kHips, body::kHips},
                                           {body::kLeftFoot, body::kLeftFoot},
@@ -84,7 +85,7 @@ TEST(VrChatFeed, SendsPlacesAndTurnsOfTheTrackersAskedFor) {
 
 TEST(VrChatFeed, SendsHipsAndFeetAndScalesToTheUser) {
   VrChatFeed feed = Feed("hip,feet", 1.71 / 2);
-  const Read read = ReadBack(feed.Pack(client::HumanoidFrame(Canonical(), {}, 1), 0));
+  const Read read = ReadBack(feed.Pack(client::HumanoidFrame(Puppet(), {}, 1), 0));
   EXPECT_EQ(read.positions.size(), 4U);
   EXPECT_NEAR(read.positions.at(1).y(), 0.49F, 1e-4F);
   EXPECT_NEAR(read.positions.at(2).x(), 0.045F, 1e-4F) << "2 is the left foot";
@@ -97,13 +98,13 @@ TEST(VrChatFeed, SendsTheHeadsHeadingOnceAndAtEachReset) {
   pose.rotations[body::kHead] = Quat(Eigen::AngleAxisf(0.4F, Vec3::UnitX()));
   VrChatFeed feed = Feed("hip");
   const auto heading = [&](std::int64_t now_ns, std::uint32_t flags = 0) {
-    auto frame = client::HumanoidFrame(Canonical(), pose, 1);
+    auto frame = client::HumanoidFrame(Puppet(), pose, 1);
     frame.set_flags(flags);
     const Read read = ReadBack(feed.Pack(frame, now_ns));
     EXPECT_TRUE(read.positions.contains(0)) << "its place with every frame";
     return read.euler.contains(0);
   };
-  const Read first = ReadBack(feed.Pack(client::HumanoidFrame(Canonical(), pose, 1), 0));
+  const Read first = ReadBack(feed.Pack(client::HumanoidFrame(Puppet(), pose, 1), 0));
   EXPECT_EQ(first.euler.at(0)[0], 0);
   EXPECT_NEAR(first.euler.at(0)[1], -90, 0.01F);
   EXPECT_EQ(first.euler.at(0)[2], 0);
@@ -111,13 +112,13 @@ TEST(VrChatFeed, SendsTheHeadsHeadingOnceAndAtEachReset) {
   EXPECT_TRUE(heading(kSecond_ns / 30, v1::FLAG_NEW_SESSION));
   EXPECT_FALSE(heading(kSecond_ns / 20));
   EXPECT_TRUE(heading(2 * kSecond_ns)) << "after a pause";
-  EXPECT_TRUE(feed.Bind(Canonical()).ok());
+  EXPECT_TRUE(feed.Bind(Puppet()).ok());
   EXPECT_TRUE(heading(2 * kSecond_ns + 1)) << "another performer";
 }
 
 TEST(VrChatFeed, IsReadByOthers) {
   VrChatFeed feed = Feed("all");
-  const auto datagram = feed.Pack(client::HumanoidFrame(Canonical(), {}, 1), 0);
+  const auto datagram = feed.Pack(client::HumanoidFrame(Puppet(), {}, 1), 0);
   const auto liblo = vmc::testing::ReadLiblo(datagram);
   ASSERT_TRUE(liblo.taken);
   ASSERT_EQ(liblo.messages.size(), 18U);
@@ -127,7 +128,7 @@ TEST(VrChatFeed, IsReadByOthers) {
 
 TEST(VrChatFeed, RefusesABodyThatIsNotTheHumanoid) {
   VrChatFeed feed({ParseTrackerSet("all").value(), 0});
-  v1::Body other = Canonical();
+  v1::Body other = Puppet();
   other.set_names(3, "tail");
   EXPECT_THAT(feed.Bind(other).message(), HasSubstr("joint 3 is not 'neck'"));
 }

@@ -10,7 +10,7 @@
 namespace styled::source {
 namespace {
 
-constexpr std::int64_t kFrame_ns = 10'000'000;
+constexpr std::int64_t kSent_ns = 10'000'000;
 
 // The worst over a motion: rotations in the world of the parts with trackers, degrees; places of
 // hips, feet and head, cm.
@@ -30,7 +30,7 @@ Worst PlayThrough(const std::string& trackers, double user_height_m,
   const auto show = [&](const body::Pose& pose, int frames) {
     for (int i = 0; i < frames; ++i) {
       in.Take(feed.Pack(client::HumanoidFrame(body, pose, 1), in.now_ns));
-      in.now_ns += kFrame_ns;
+      in.now_ns += kSent_ns;
       in.Tick();
     }
   };
