@@ -13,7 +13,7 @@ namespace styled::clip {
 namespace {
 
 // The T-pose as local rotations.
-rig::RigPose RestPose(const rig::Binding& binding) {
+rig::RigPose RestOf(const rig::Binding& binding) {
   const rig::Skeleton& skeleton = binding.skeleton();
   const auto& worlds = binding.spec().rest_rotations;
   rig::RigPose pose(skeleton);
@@ -82,7 +82,7 @@ Result<AvatarSkeleton> ReadAvatar(const std::string& file, const std::string& di
       extension == ".bvh" ? TakeBvh(file, dialect, given, avatar) : TakeGltf(file, given, avatar);
   if (!binding.ok()) return binding.status();
   avatar.binding = std::make_shared<const rig::Binding>(std::move(binding.value()));
-  avatar.rest = RestPose(*avatar.binding);
+  avatar.rest = RestOf(*avatar.binding);
   return avatar;
 }
 

@@ -17,7 +17,7 @@
 namespace styled::clip {
 namespace {
 
-using json = nlohmann::ordered_json;
+using nlohmann::ordered_json;
 using rig::Quat;
 using rig::Vec3;
 
@@ -26,7 +26,7 @@ constexpr int kFloat32 = 5126;
 
 // A .glb in its two parts.
 struct Glb {
-  json document;
+  ordered_json document;
   std::string binary;
 };
 
@@ -42,12 +42,13 @@ Result<Glb> ReadGlb(const std::filesystem::path& file) {
   if (!bytes.starts_with("glTF")) return refuse("is no glTF binary");
   const auto chunks = gltf::SplitGlb(bytes);
   if (!chunks.ok()) return refuse(chunks.status().message());
-  Glb glb{json::parse(chunks.value().text, nullptr, false), std::string(chunks.value().data)};
+  Glb glb{ordered_json::parse(chunks.value().text, nullptr, false),
+          std::string(chunks.value().data)};
   if (!glb.document.is_object()) return refuse("has no JSON object");
   for (const char* const list : {"buffers", "images"}) {
     const auto entries = glb.document.find(list);
     if (entries == glb.document.end() || !entries->is_array()) continue;
-    for (const json& entry : *entries) {
+    for (const ordered_json& entry : *entries) {
       const auto uri = entry.is_object() ? entry.find("uri") : entry.end();
       if (!entry.is_object() || uri == entry.end()) continue;
       if (!uri->is_string() || !uri->get_ref<const std::string&>().starts_with("data:")) {
@@ -65,7 +66,7 @@ Result<Glb> ReadGlb(const std::filesystem::path& file) {
 }
 
 template <typename T>
-json Listed(const T& vector) {
+ordered_json Listed(const T& vector) {
   return std::vector<float>(vector.data(), vector.data() + vector.size());
 }
 
@@ -75,17 +76,17 @@ class AvatarDocument {
       : glb_(std::move(glb)), avatar_(avatar), motion_(motion) {}
 
   Result<std::vector<std::byte>> Make() {
-    json& document = glb_.document;
+    ordered_json& document = glb_.document;
     for (const char* const list : {"buffers", "bufferViews", "accessors", "animations"}) {
-      if (!document.contains(list)) document[list] = json::array();
+      if (!document.contains(list)) document[list] = ordered_json::array();
       if (!document[list].is_array()) return Broken(list);
     }
-    if (document["buffers"].empty()) document["buffers"].push_back(json{{"byteLength", 0}});
+    if (document["buffers"].empty()) document["buffers"].push_back(ordered_json{{"byteLength", 0}});
     while (glb_.binary.size() % 4 != 0) glb_.binary += '\0';
     if (const Status nodes = PrepareNodes(); !nodes.ok()) return nodes;
     Animate();
     document["buffers"][0]["byteLength"] = glb_.binary.size();
-    return JoinGlb(document.dump(-1, ' ', false, json::error_handler_t::replace),
+    return JoinGlb(document.dump(-1, ' ', false, ordered_json::error_handler_t::replace),
                    std::as_bytes(std::span(glb_.binary)));
   }
 
@@ -95,15 +96,15 @@ class AvatarDocument {
   }
 
   Status PrepareNodes() {
-    json& nodes = glb_.document["nodes"];
+    ordered_json& nodes = glb_.document["nodes"];
     for (std::size_t joint = 0; joint < avatar_.nodes.size(); ++joint) {
       const auto node = static_cast<std::size_t>(avatar_.nodes[joint]);
       if (!nodes.is_array() || node >= nodes.size() || !nodes[node].is_object()) {
         return Broken("nodes");
       }
-      json& own = nodes[node];
+      ordered_json& own = nodes[node];
       if (!own.contains("matrix")) continue;
-      const json matrix = own["matrix"];
+      const ordered_json matrix = own["matrix"];
       if (!matrix.is_array() || matrix.size() != 16) return Broken("matrix");
       Eigen::Matrix4f values;
       for (int i = 0; i < 16; ++i) {
@@ -123,17 +124,18 @@ class AvatarDocument {
 
   // Appends an accessor of these numbers, `width` of them per element.
   std::size_t Add(const std::vector<float>& values, const char* type, std::size_t width) {
-    json& views = glb_.document["bufferViews"];
-    json& accessors = glb_.document["accessors"];
+    ordered_json& views = glb_.document["bufferViews"];
+    ordered_json& accessors = glb_.document["accessors"];
     const std::size_t size = values.size() * sizeof(float);
-    views.push_back(json{{"buffer", 0}, {"byteOffset", glb_.binary.size()}, {"byteLength", size}});
+    views.push_back(
+        ordered_json{{"buffer", 0}, {"byteOffset", glb_.binary.size()}, {"byteLength", size}});
     const std::size_t at = glb_.binary.size();
     glb_.binary.resize(at + size);
     std::memcpy(glb_.binary.data() + at, values.data(), size);
-    json accessor{{"bufferView", views.size() - 1},
-                  {"componentType", kFloat32},
-                  {"count", values.size() / width},
-                  {"type", type}};
+    ordered_json accessor{{"bufferView", views.size() - 1},
+                          {"componentType", kFloat32},
+                          {"count", values.size() / width},
+                          {"type", type}};
     if (width == 1) {
       accessor["min"] = {values.front()};
       accessor["max"] = {values.back()};
@@ -148,11 +150,13 @@ class AvatarDocument {
       times_s.push_back(static_cast<float>(static_cast<double>(i) / motion_.rate_hz));
     }
     const std::size_t input = Add(times_s, "SCALAR", 1);
-    json channels = json::array(), samplers = json::array();
+    ordered_json channels = ordered_json::array(), samplers = ordered_json::array();
     const auto add = [&](std::size_t joint, const char* path, std::size_t output) {
-      channels.push_back(json{{"sampler", samplers.size()},
-                              {"target", {{"node", avatar_.nodes[joint]}, {"path", path}}}});
-      samplers.push_back(json{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+      channels.push_back(
+          ordered_json{{"sampler", samplers.size()},
+                       {"target", {{"node", avatar_.nodes[joint]}, {"path", path}}}});
+      samplers.push_back(
+          ordered_json{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
     };
     for (std::size_t joint = 0; joint < avatar_.nodes.size(); ++joint) {
       add(joint, "rotation", Add(Rotations(joint), "VEC4", 4));
@@ -163,10 +167,10 @@ class AvatarDocument {
       way.insert(way.end(), place.data(), place.data() + 3);
     }
     add(0, "translation", Add(way, "VEC3", 3));
-    json& animations = glb_.document["animations"];
-    animations.insert(animations.begin(), json{{"name", motion_.name},
-                                               {"channels", std::move(channels)},
-                                               {"samplers", std::move(samplers)}});
+    ordered_json& animations = glb_.document["animations"];
+    animations.insert(animations.begin(), ordered_json{{"name", motion_.name},
+                                                       {"channels", std::move(channels)},
+                                                       {"samplers", std::move(samplers)}});
   }
 
   std::vector<float> Rotations(std::size_t joint) const {
