@@ -159,4 +159,9 @@ void Pipeline::OnNote(int source, const std::string& text) {
            roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
+void Pipeline::OnNews(int source, const std::string& text) {
+  log_.Log(Event::Level::kInfo,
+           roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
+}
+
 }  // namespace styled::pipeline

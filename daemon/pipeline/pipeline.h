@@ -61,6 +61,7 @@ class Pipeline final : public Worker, public source::Receiver {
     if (to_.recorder != nullptr) to_.recorder->OnArrival(arrival);
   }
   void OnNote(int source, const std::string& text) override;
+  void OnNews(int source, const std::string& text) override;
 
  private:
   // One frame or body of a batch.

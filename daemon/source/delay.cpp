@@ -90,6 +90,7 @@ class Delayed final : public Transport, private Receiver {
   };
 
   void OnNote(int source, const std::string& text) override { to_->OnNote(source, text); }
+  void OnNews(int source, const std::string& text) override { to_->OnNews(source, text); }
   STYLED_REALTIME void OnArrival(const Arrival& arrival) noexcept override {
     to_->OnArrival(arrival);
   }

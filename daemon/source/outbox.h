@@ -42,6 +42,12 @@ class Outbox {
     LeaveHotSection();
     receiver_->OnNote(source_, text());
   }
+  // The same of what needs nobody's attention (Receiver::OnNews).
+  template <typename MakeText>
+  void News(const MakeText& text) {
+    LeaveHotSection();
+    receiver_->OnNews(source_, text());
+  }
   // Sends a reply to a rig; dropped if it cannot be sent at once.
   STYLED_REALTIME void Reply(const Peer& peer, std::span<const std::byte> datagram) noexcept;
   // Call before work that may allocate, such as a new body. The hot section is entered again with

@@ -188,7 +188,7 @@ class TcpClient final : public Transport {
     if (complaint_.empty()) return 0;
     complaint_.clear();
     if (const auto times = again_notes_.Take(now_ns)) {
-      receiver.OnNote(source_, "server " + endpoint_ + ": connected again" + Times(times));
+      receiver.OnNews(source_, "server " + endpoint_ + ": connected again" + Times(times));
     }
     return 0;
   }

@@ -37,8 +37,10 @@ class Receiver {
   // All arriving bytes, once, before OnFrames delivers the frames made from them. This is what a
   // recording keeps.
   STYLED_REALTIME virtual void OnArrival(const Arrival& /*arrival*/) noexcept {}
-  // A line for the log. The caller limits how often the same fact is reported.
+  // A line for the log, a warning. The caller limits how often the same fact is reported.
   virtual void OnNote(int /*source*/, const std::string& /*text*/) {}
+  // The same of what needs nobody's attention: a rig is calibrated, a server is back.
+  virtual void OnNews(int source, const std::string& text) { OnNote(source, text); }
 };
 
 // The calibrations of a rig whose sensors do not know how they are mounted on the body.

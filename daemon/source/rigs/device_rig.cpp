@@ -127,7 +127,7 @@ void DeviceRig::Take(const Device& device, const Measured& measured, std::uint64
 
 void DeviceRig::Tick(std::int64_t now_ns, Outbox& out) {
   if (!note_.empty()) {
-    out.Note([this] { return std::exchange(note_, {}); });
+    out.News([this] { return std::exchange(note_, {}); });
   }
   stream_.Tick(now_ns, options_.delay_ns, out, [this](std::int64_t time_ns, body::Pose& pose) {
     if (calibrated_) return devices_.Solve(time_ns, pose);
