@@ -33,7 +33,7 @@ Sampler::Options SamplerOptions(const Config& config, uint64_t seed,
           .seed = seed};
 }
 
-GeneratorShape WithStyles(GeneratorShape shape, const clip::Manifest& manifest) {
+GeneratorShape ShapeWithStyles(GeneratorShape shape, const clip::Manifest& manifest) {
   shape.styles = StyleCount(manifest);
   return shape;
 }
@@ -110,7 +110,7 @@ Learner::Learner(const Config& config, uint64_t seed, const LearnerData& data,
       moments_(MeasureEffects(clips_, StyleCount(manifest_), ContentCount(manifest_), config.window,
                               kFewestWindows, data.parameters),
                device),
-      generator_(WithStyles(data.shape, manifest_), mean_, deviation_),
+      generator_(ShapeWithStyles(data.shape, manifest_), mean_, deviation_),
       average_(generator_.shape, mean_, deviation_),
       critic_(kJudgedFeatures, StyleCount(manifest_), ContentCount(manifest_), config.window,
               config.attention),

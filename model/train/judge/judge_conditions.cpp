@@ -112,8 +112,8 @@ nlohmann::json JudgePerturbed(const Data& data, const Styler& styler, const Eval
                 absolute.jerk);
     json[std::string(key)] = {{"text", text},
                               {"real_sra", known},
-                              {"detail_preserving", ToJson(detail)},
-                              {"absolute", ToJson(absolute)}};
+                              {"detail_preserving", RowToJson(detail)},
+                              {"absolute", RowToJson(absolute)}};
   }
   return json;
 }
