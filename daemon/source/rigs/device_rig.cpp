@@ -37,7 +37,7 @@ bool IsSane(const DeviceRig::Measured& measured) {
 }  // namespace
 
 DeviceRig::DeviceRig(const config::Source& config)
-    : assigned_(config.trackers), devices_(options_), stream_(config), heading_(kNan) {
+    : assigned_(config.trackers), devices_(options_), stream_(config) {
   known_.reserve(kMaxDevices);
 }
 
@@ -84,6 +84,9 @@ DeviceRig::Known* DeviceRig::Find(const Device& device, std::uint64_t peer, std:
   known.peer = peer;
   known.part = part;
   known.fixed = part != Seen::kUnknown;
+  for (Known& other : known_) {  // what was guessed to be there gives way
+    if (!other.fixed && other.part == part) other.part = Seen::kUnknown;
+  }
   known.last = {body::Vec3::Constant(kNan), body::Quat(kNan, kNan, kNan, kNan)};
   Introduce(known, now_ns, out);
   return &known;
@@ -102,7 +105,9 @@ void DeviceRig::Introduce(Known& known, std::int64_t now_ns, Outbox& out) {
 
 void DeviceRig::Take(const Device& device, const Measured& measured, std::uint64_t peer,
                      std::int64_t now_ns, Outbox& out) {
-  if (device.name.empty() || device.name.size() > 64 || !IsUtf8(device.name) || !IsSane(measured)) {
+  const bool nothing = !measured.position_m.allFinite() && !measured.rotation.coeffs().allFinite();
+  if (device.name.empty() || device.name.size() > 64 || !IsUtf8(device.name) || nothing ||
+      !IsSane(measured)) {
     return out.Refuse(Counter::kSourceMalformed);
   }
   Known* const known = Find(device, peer, now_ns, out);
@@ -125,6 +130,13 @@ void DeviceRig::Take(const Device& device, const Measured& measured, std::uint64
   stream_.Wake(now_ns);
 }
 
+void DeviceRig::NoteHeading(float heading, std::uint64_t peer, std::int64_t now_ns,
+                            Outbox& out) noexcept {
+  const bool fresh = noted_.heard_ns != 0 && now_ns - noted_.heard_ns <= kSilent_ns;
+  if (fresh && noted_.peer != peer) return out.Refuse(Counter::kPipelineSecondSender);
+  noted_ = {heading, peer, now_ns};
+}
+
 void DeviceRig::Tick(std::int64_t now_ns, Outbox& out) {
   if (!note_.empty()) {
     out.News([this] { return std::exchange(note_, {}); });
@@ -137,21 +149,25 @@ void DeviceRig::Tick(std::int64_t now_ns, Outbox& out) {
   });
 }
 
-// The live devices, and whose they are.
+bool DeviceRig::IsTurned(const Known& known, std::int64_t now_ns) const {
+  return known.rotation_ns != 0 && now_ns - known.rotation_ns <= options_.stale_ns;
+}
+
+// The live devices, and whose they are. Changes none.
 std::vector<Seen> DeviceRig::See(std::int64_t now_ns, std::vector<Known*>& who) {
   std::vector<Seen> seen;
   for (Known& known : known_) {
     if (known.place_ns == 0 || now_ns - known.place_ns > options_.stale_ns) continue;
-    if (!known.fixed) known.part = Seen::kUnknown;
     Seen device{.position_m = known.last.position_m,
                 .is_head = known.is_head,
                 .at_joint = known.at_joint,
-                .part = known.part};
-    if (known.rotation_ns != 0 && now_ns - known.rotation_ns <= options_.stale_ns) {
+                .part = known.fixed ? known.part : Seen::kUnknown};
+    if (IsTurned(known, now_ns)) {
       device.rotation = known.last.rotation;
       device.has_rotation = true;
-    } else if (known.part == body::kHead && std::isfinite(heading_)) {
-      device.rotation = body::Quat(Eigen::AngleAxisf(heading_, body::Vec3::UnitY()));
+    } else if (device.part == body::kHead && noted_.heard_ns != 0 && noted_.peer == known.peer &&
+               now_ns - noted_.heard_ns <= kSilent_ns) {
+      device.rotation = body::Quat(Eigen::AngleAxisf(noted_.heading, body::Vec3::UnitY()));
       device.has_rotation = true;
     }
     seen.push_back(device);
@@ -182,21 +198,31 @@ Status DeviceRig::Calibrate(Calibration what, std::int64_t now_ns) {
   const auto add = [](std::string& list, const std::string& text) {
     list.append(list.empty() ? "" : ", ").append(text);
   };
+  bool any_turned = false;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    Known& known = *who[i];
-    known.part = seen[i].part;
-    if (known.part == Seen::kUnknown) {
-      add(left, '"' + Printable(known.name, 64) + '"');
+    const std::string name = '"' + Printable(who[i]->name, 64) + '"';
+    if (seen[i].part == Seen::kUnknown) {
+      add(left, name);
       continue;
     }
-    add(seen[i].guessed ? guessed : worn,
-        '"' + Printable(known.name, 64) + "\" on " + std::string(PartName(known.part)));
-    const bool turned = known.rotation_ns != 0 && now_ns - known.rotation_ns <= options_.stale_ns;
-    devices_.Take(body::Joint(known.part), now_ns, known.last.position_m,
-                  turned ? known.last.rotation : body::Quat(kNan, kNan, kNan, kNan));
+    add(seen[i].guessed ? guessed : worn, name + " on " + std::string(PartName(seen[i].part)));
+    any_turned = any_turned || IsTurned(*who[i], now_ns);
   }
   if (worn.empty() && guessed.empty()) {
     return Status::Error("no device is where a T-pose has one: " + left);
+  }
+  if (!any_turned) return Status::Error("no device that is worn says how it is turned");
+  // Nothing has changed so far. Guesses of the last calibration end, those of silent devices, too.
+  for (Known& known : known_) {
+    if (!known.fixed) known.part = Seen::kUnknown;
+  }
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    Known& known = *who[i];
+    known.part = seen[i].part;
+    if (known.part == Seen::kUnknown) continue;
+    devices_.Take(
+        body::Joint(known.part), now_ns, known.last.position_m,
+        IsTurned(known, now_ns) ? known.last.rotation : body::Quat(kNan, kNan, kNan, kNan));
   }
   calibrated_ = devices_.Reset(now_ns, stance).done != 0;
   if (!calibrated_) return Status::Error("no device that is worn says how it is turned");

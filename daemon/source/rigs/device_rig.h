@@ -9,6 +9,7 @@
 #include "daemon/source/note_limit.h"
 #include "daemon/source/rigs/solved_stream.h"
 #include "daemon/source/translator.h"
+#include "model/base/realtime.h"
 #include "model/base/status.h"
 #include "model/devices/devices.h"
 
@@ -43,14 +44,16 @@ class DeviceRig {
 
   explicit DeviceRig(const config::Source& config);
 
-  // Takes what a device measured. Refuses values that are not finite or beyond 1 km
-  // (source.malformed), a device that another sender sends (pipeline.second_sender), and new ones
+  // Takes what a device measured. Refuses values that are not finite or beyond 1 km, and what
+  // measures nothing (source.malformed), a device that another sender sends (pipeline.second_sender), and new ones
   // while kMaxDevices are live (source.table_full).
   void Take(const Device& device, const Measured& measured, std::uint64_t peer, std::int64_t now_ns,
             Outbox& out);
   // A heading that the sender gives for the performer in the T-pose, radians; for devices whose
-  // places do not show it.
-  void NoteHeading(float heading) noexcept { heading_ = heading; }
+  // places do not show it. Counts for kSilent_ns. Refuses another sender's meanwhile
+  // (pipeline.second_sender).
+  STYLED_REALTIME void NoteHeading(float heading, std::uint64_t peer, std::int64_t now_ns,
+                                   Outbox& out) noexcept;
   // The sender started again: a new session, with the calibration as it is.
   void Restart() { stream_.Restart(devices_.scale()); }
 
@@ -61,7 +64,7 @@ class DeviceRig {
 
   // Only kFull. The result is logged with the next Tick, with the parts of the devices and what
   // heading and size are from. Errors: nothing could be calibrated, or no size that a performer
-  // has.
+  // has; the last calibration stays in force then.
   Status Calibrate(Calibration what, std::int64_t now_ns);
 
  private:
@@ -79,6 +82,7 @@ class DeviceRig {
   int PartOf(const Device& device) const;
   void Introduce(Known& known, std::int64_t now_ns, Outbox& out);
   std::vector<devices::Seen> See(std::int64_t now_ns, std::vector<Known*>& who);
+  bool IsTurned(const Known& known, std::int64_t now_ns) const;
 
   std::vector<config::Tracker> assigned_;
   std::vector<Known> known_;  // reserved
@@ -87,7 +91,11 @@ class DeviceRig {
   SolvedStream stream_;
   bool calibrated_ = false;
   std::int64_t heard_ns_ = 0;  // the last device
-  float heading_;              // as noted; NaN: none
+  struct {
+    float heading = 0;  // as noted
+    std::uint64_t peer = 0;
+    std::int64_t heard_ns = 0;  // 0: none
+  } noted_;
   NoteLimit strangers_{static_cast<int>(kMaxDevices)};
   std::string note_;  // for the log
 };

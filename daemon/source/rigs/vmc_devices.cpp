@@ -1,6 +1,7 @@
 #include "daemon/source/rigs/vmc_devices.h"
 
 #include <cmath>
+#include <limits>
 
 #include "proto/rigs/vmc/device.h"
 
@@ -21,11 +22,16 @@ void ForEach(std::span<const std::byte> datagram, const Use& use) {
   while (reader.Next(message) == vmc::osc::Reader::Step::kMessage) use(message);
 }
 
-// From Unity's axes, mirrored in x = 0.
+// From Unity's axes, mirrored in x = 0. These devices measure both: a NaN, which would mean "not
+// measured", becomes infinity, which the rig refuses.
 DeviceRig::Measured FromUnity(const vmc::Transform& transform) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const auto& p = transform.position;
   const auto& q = transform.rotation;
-  return {{-p[0], p[1], p[2]}, {q[3], q[0], -q[1], -q[2]}};
+  DeviceRig::Measured measured{{-p[0], p[1], p[2]}, {q[3], q[0], -q[1], -q[2]}};
+  if (!measured.position_m.allFinite()) measured.position_m.setConstant(kInfinity);
+  if (!measured.rotation.coeffs().allFinite()) measured.rotation.coeffs().setConstant(kInfinity);
+  return measured;
 }
 
 }  // namespace

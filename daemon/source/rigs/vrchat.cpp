@@ -99,7 +99,7 @@ class VrChat final : public Translator {
     }
     const float yaw = tracker.values[1];
     if (!(std::abs(yaw) <= kMostDegrees)) return out.Refuse(Counter::kSourceMalformed);
-    rig_.NoteHeading(-kRadians * yaw);
+    rig_.NoteHeading(-kRadians * yaw, peer, now_ns, out);
   }
 
   DeviceRig rig_;

@@ -183,6 +183,16 @@ TEST(VrChatTranslator, ADeviceBelongsToOneSender) {
   EXPECT_EQ(out.Count(Counter::kPipelineSecondSender), 1U);
 }
 
+TEST(VrChatTranslator, AHeadingBelongsToOneSender) {
+  support::Translated out(MakeVrChat(Config("vrchat")));
+  out.Take(TrackerMessage("head", "rotation", {0, 20, 0}), 1);
+  out.Take(TrackerMessage("head", "rotation", {0, 90, 0}), 2);
+  EXPECT_EQ(out.Count(Counter::kPipelineSecondSender), 1U);
+  out.now_ns += DeviceRig::kSilent_ns + 1;
+  out.Take(TrackerMessage("head", "rotation", {0, 90, 0}), 2);
+  EXPECT_EQ(out.Count(Counter::kPipelineSecondSender), 1U);
+}
+
 TEST(VmcDevices, WithPartsByTheConfigurationAreFollowed) {
   std::vector<config::Tracker> table;
   const std::vector<int> parts{body::kHips,         body::kChest,         body::kLeftFoot,
@@ -216,10 +226,62 @@ TEST(VmcDevices, WithoutPartsAreGuessedAndTheLogSaysSo) {
   ExpectFollowed(stage, {body::kHips, body::kLeftFoot, body::kRightFoot, body::kLeftHand});
 }
 
+TEST(VmcDevices, KeepTheirCalibrationWhereAnotherIsRefused) {
+  Stage stage = Vmc({});
+  stage.Play({}, 80);
+  ASSERT_TRUE(stage.Calibrate().ok());
+  body::Pose sunk;
+  sunk.hips_position_m.y() = -1;
+  stage.Play(sunk, 30);
+  EXPECT_THAT(stage.Calibrate().message(), HasSubstr("expected 0.2 to 5"));
+  ExpectFollowed(stage, {body::kHips, body::kLeftFoot, body::kRightFoot, body::kLeftHand});
+}
+
+// A device of VMC: `kind` is Hmd, Con or Tra.
+Bytes DeviceMessage(const std::string& kind, const std::string& serial, const body::Vec3& at_m) {
+  return vmc::testing::S("/VMC/Ext/" + kind + "/Pos") + vmc::testing::S(",sfffffff") +
+         vmc::testing::S(serial) + vmc::testing::Floats({at_m.x(), at_m.y(), at_m.z(), 0, 0, 0, 1});
+}
+
+TEST(VmcDevices, ADeviceThatIsWornThereEndsTheGuessOfAnother) {
+  support::Translated out(MakeVmc(Config("vmc")));
+  const auto play = [&out](bool with_display, int frames) {
+    for (int i = 0; i < frames; ++i) {
+      out.Take(DeviceMessage("Tra", "top", {0, 1.6F, 0}));
+      out.Take(DeviceMessage("Tra", "belt", {0, 0.95F, 0}));
+      if (with_display) out.Take(DeviceMessage("Hmd", "display", {0.3F, 1.6F, 0}));
+      out.now_ns += kFrame_ns;
+      out.Tick();
+    }
+  };
+  play(false, 80);
+  ASSERT_TRUE(out.translator().Calibrate(Calibration::kFull, out.now_ns).ok());
+  play(false, 10);
+  ASSERT_THAT(out.notes.back(), HasSubstr("\"top\" on head"));
+  play(true, 100);
+  const auto frames = out.Frames();
+  const auto pose = [&](std::size_t back) {
+    return support::CanonicalPose(out.Bodies().back(), frames[frames.size() - back]).value();
+  };
+  EXPECT_LT(support::Between(pose(1), pose(2)).joint_deg, 0.01F) << "two devices on one head";
+}
+
+TEST(VmcDevices, WithoutAnyNumberAreMalformed) {
+  support::Translated out(MakeVmc(Config("vmc")));
+  const float nan = std::nanf("");
+  for (int i = 0; i < 100; ++i) {
+    out.Take(vmc::testing::S("/VMC/Ext/Tra/Pos") + vmc::testing::S(",sfffffff") +
+             vmc::testing::S("x") + vmc::testing::Floats({nan, nan, nan, nan, nan, nan, nan}));
+    out.now_ns += kFrame_ns;
+    out.Tick();
+  }
+  EXPECT_GT(out.Count(Counter::kSourceMalformed), 0U);
+  EXPECT_TRUE(out.items.empty());
+}
+
 TEST(VmcDevices, OfASenderThatSendsBonesAreItsOwnAffair) {
   support::Translated out(MakeVmc(Config("vmc")));
-  const auto device = vmc::testing::S("/VMC/Ext/Hmd/Pos") + vmc::testing::S(",sfffffff") +
-                      vmc::testing::S("hmd") + vmc::testing::Floats({0, 1.5F, 0, 0, 0, 0, 1});
+  const auto device = DeviceMessage("Hmd", "hmd", {0, 1.5F, 0});
   for (int i = 0; i < 100; ++i) {
     out.Take(device);
     out.Take(vmc::testing::BoneMessage("Hips", {0, 1, 0, 0, 0, 0, 1}));
@@ -232,9 +294,7 @@ TEST(VmcDevices, OfASenderThatSendsBonesAreItsOwnAffair) {
 TEST(VmcDevices, OfASecondAssistantAreRefused) {
   Stage stage = Vmc({});
   stage.Play({}, 80);
-  const auto device = vmc::testing::S("/VMC/Ext/Tra/Pos") + vmc::testing::S(",sfffffff") +
-                      vmc::testing::S("x") + vmc::testing::Floats({0, 1.5F, 0, 0, 0, 0, 1});
-  stage.out.Take(device, 2);
+  stage.out.Take(DeviceMessage("Tra", "x", {0, 1.5F, 0}), 2);
   EXPECT_EQ(stage.out.Count(Counter::kPipelineSecondSender), 1U);
 }
 
