@@ -229,10 +229,11 @@ const Face* Sender::Look(const vmc::Frame& frame) {
   return &face_;
 }
 
-// The frame's source time. For a frame without a time, the time of arrival continues the sender's
-// clock.
+// The frame's source time. For a frame without a time, or with one of more than 31 years, the time
+// of arrival continues the sender's clock.
 std::uint64_t Sender::Time_ns(const vmc::Frame& frame) {
-  if (frame.has_time) {
+  constexpr float kMost_s = 1e9F;
+  if (frame.has_time && std::abs(frame.time_s) <= kMost_s) {
     source_from_arrival_ns_ = std::llround(double{frame.time_s} * 1e9) - frame.received_ns;
   }
   return static_cast<std::uint64_t>(frame.received_ns + source_from_arrival_ns_);
