@@ -61,7 +61,8 @@ FingerLayer::FingerLayer(const rig::TailSet& wanted, rig::JointNames names,
 
 FingerLayer::Body FingerLayer::Accept(const source::SourceFrame& frame, std::int64_t now_ns,
                                       std::string& why) {
-  if (Admit(frame, now_ns) != kTaken) return Body::kSame;
+  why_ = Admit(frame, now_ns);
+  if (why_ != kTaken) return Body::kNotNext;
   admission_.session_has_body = true;
   if (crc_ == frame.body_crc) return Body::kSame;
   if (!admission_.MayChangeBody(now_ns)) {

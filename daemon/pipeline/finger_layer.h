@@ -32,11 +32,13 @@ class FingerLayer : public MergedPart {
   const rig::TailSet& wanted() const { return wanted_; }
 
   // What became of a body.
-  enum class Body : std::uint8_t { kSame, kBound, kRefused };
+  enum class Body : std::uint8_t { kSame, kBound, kRefused, kNotNext };
   // Takes over the body that the source's poses belong to: a whole one, or hands alone. Refused:
   // what cannot be bound, or has no wanted finger; `why` gets the reason once for each such body,
-  // and the fingers fall silent. `now_ns`: monotonic.
+  // and the fingers fall silent. Not next: an old body, or another sender's; why() tells.
+  // `now_ns`: monotonic.
   Body Accept(const source::SourceFrame& body, std::int64_t now_ns, std::string& why);
+  runtime::Counter why() const { return why_; }  // what the last body counts as that was not next
   // Takes a frame over; kTaken, or what it is refused as. A joint that is not tracked, not finite
   // or of no length keeps its last rotation, and counts as silent.
   STYLED_REALTIME runtime::Counter Take(const source::SourceFrame& frame,
@@ -69,6 +71,7 @@ class FingerLayer : public MergedPart {
   Status Bind(const v1::Body& body);
   STYLED_REALTIME static void HoldBadJoints(Bound& bound) noexcept;
 
+  runtime::Counter why_ = kTaken;
   rig::TailSet wanted_;
   rig::JointNames names_;
   config::Smoothing options_;

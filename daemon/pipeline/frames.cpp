@@ -64,6 +64,7 @@ void Pipeline::AcceptLayer(Layer& layer, int source, std::span<const source::Sou
 void Pipeline::AcceptLayerBody(FingerLayer& fingers, int source, const source::SourceFrame& body) {
   std::string why;
   const FingerLayer::Body became = fingers.Accept(body, receive_ns_, why);
+  if (became == FingerLayer::Body::kNotNext) return to_.counters.AddOf(source, fingers.why());
   if (became != FingerLayer::Body::kRefused) return;
   to_.counters.AddOf(source, Counter::kPipelineBodiesRefused);
   log_.LogOf(LogLimit::Kind::kBodyRefused, body.machine,
@@ -346,8 +347,13 @@ void Pipeline::AdoptBody(Performer& performer, const source::SourceFrame& body, 
       return;
     }
     if (!fresh) to_.counters.Add(Counter::kPipelineBodyChanges);
-    log_.LogOf(LogLimit::Kind::kBodyBound, body.machine, performer.profile.id, Event::Level::kInfo,
-               "body bound");
+    const std::string hands = performer.HandsWithoutPlace();
+    log_.LogOf(LogLimit::Kind::kBodyBound, body.machine, performer.profile.id,
+               hands.empty() ? Event::Level::kInfo : Event::Level::kWarning,
+               hands.empty() ? "body bound"
+                             : "body bound; the merged fingers of the " + hands +
+                                   " hand are not shown: the body lacks the hand, or has no room "
+                                   "for more joints");
     performer.outputs.SendBodies(to_.publisher);
     performer.next_body_ns = receive_ns_ + kSecond_ns;
   }

@@ -64,12 +64,11 @@ void CarriedProps::Attach(const stylist::Output& out) noexcept {
 }
 
 void CarriedProps::LeaveTo(const CarriedProps& other) noexcept {
-  for (std::size_t i = 0; i < frame_.count; ++i) {
-    if (carried_[i].grip.held() > 0) continue;
-    for (std::size_t k = 0; k < other.frame_.count; ++k) {
-      const bool holds =
-          other.carried_[k].grip.held() > 0 && other.frame_.props[k].name == frame_.props[i].name;
-      carried_[i].elsewhere = carried_[i].elsewhere || holds;
+  for (std::size_t k = 0; k < other.frame_.count; ++k) {
+    if (!(other.carried_[k].grip.held() > 0)) continue;
+    for (std::size_t i = 0; i < frame_.count; ++i) {
+      const bool same = other.frame_.props[k].name == frame_.props[i].name;
+      if (same && !(carried_[i].grip.held() > 0)) carried_[i].elsewhere = true;
     }
   }
 }

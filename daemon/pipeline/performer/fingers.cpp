@@ -22,6 +22,21 @@ Fingers::Fingers(std::vector<FingerLayer*> layers, const rig::Binding& binding)
   read_ = shown_ = own_;
 }
 
+std::string Fingers::HandsWithoutPlace() const {
+  rig::TailSet placed;
+  for (const rig::Tail::Joint& joint : tail_.joints())
+    placed.set(static_cast<std::size_t>(joint.joint));
+  const rig::TailSet wanted = JointsOf(layers_);
+  std::string hands;
+  for (const auto& [hand, name] :
+       {std::pair{body::kLeftHand, "left"}, {body::kRightHand, "right"}}) {
+    const rig::TailSet fingers = rig::FingersOf(hand);
+    if ((wanted & fingers).none() || (placed & fingers).any()) continue;
+    hands += (hands.empty() ? "" : " and ") + std::string(name);
+  }
+  return hands;
+}
+
 void Fingers::Apply(std::int64_t elapsed_ns, rig::RigPose& pose) noexcept {
   if (layers_.empty()) return;
   const std::int64_t step_ns = elapsed_ns - std::exchange(elapsed_ns_, elapsed_ns);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "daemon/pipeline/finger_layer.h"
@@ -24,6 +25,10 @@ class Fingers {
   // `pose`: of the binding's skeleton, in its axes. `elapsed_ns`: of the performer's session.
   // Joints that no layer shows stay bit for bit.
   STYLED_REALTIME void Apply(std::int64_t elapsed_ns, rig::RigPose& pose) noexcept;
+
+  // The hands of which layers give fingers and the skeleton has no place for any: "left", "right",
+  // "left and right"; "" for none.
+  std::string HandsWithoutPlace() const;
 
  private:
   std::vector<FingerLayer*> layers_;

@@ -59,9 +59,9 @@ bool Outputs::Retarget(std::int64_t elapsed_ns, const stylist::Output& out,
   bool failed = false;
   for (EncodedProps& encoded : props_) encoded.Clear();
   if (!props.empty()) {
-    props.OnRig(out, props_[kRig]);
-    props.OnCanonical(out, props_[kCanonical]);
-    props.OnSource(out, props_[kSource]);
+    if (topics_[kRig].wanted != 0) props.OnRig(out, props_[kRig]);
+    if (topics_[kCanonical].wanted != 0) props.OnCanonical(out, props_[kCanonical]);
+    if (topics_[kSource].wanted != 0) props.OnSource(out, props_[kSource]);
   }
   std::copy(out.canonical.rotations.begin(), out.canonical.rotations.end(), canonical_.begin());
   tail_.Read(out.rig.rotations, std::span(canonical_).subspan(body::kJointCount));

@@ -89,6 +89,9 @@ class Performer {
   }
   std::int64_t elapsed_ns() const noexcept { return context_.elapsed_ns; }
 
+  // As Fingers::HandsWithoutPlace, of the bound body.
+  std::string HandsWithoutPlace() const { return fingers_.HandsWithoutPlace(); }
+
   // Warning() describes what looks wrong with the rig; "" for nothing. FacingChanged() returns true
   // once after each change of the facing warning.
   std::string Warning() const;

@@ -206,6 +206,17 @@ TEST_F(FingerLayerTest, OnlyWantedJointsAreTaken) {
   EXPECT_NEAR(Degrees(layer, kRightIndex), 60, 0.01);
 }
 
+TEST_F(FingerLayerTest, ABodyOfASecondSenderChangesNothingAndSaysWhy) {
+  FingerLayer layer = Layer();
+  Glove glove, second;
+  second.session = 6;
+  second.crc = 78;
+  ASSERT_EQ(Accept(layer, glove.Body()), "");
+  EXPECT_EQ(Accept(layer, second.Body()), "");
+  EXPECT_EQ(became_, FingerLayer::Body::kNotNext);
+  EXPECT_EQ(layer.why(), Counter::kPipelineSecondSender);
+}
+
 TEST_F(FingerLayerTest, ABodyWithoutFingersIsRefusedOnceASession) {
   FingerLayer layer = Layer();
   Glove bare{rig::TailSet()};

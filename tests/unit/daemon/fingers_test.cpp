@@ -46,6 +46,16 @@ std::size_t JointOf(const rig::Binding& binding, int tail_joint) {
 }
 double Degrees(const rig::Quat& a, const rig::Quat& b) { return 57.29578 * body::Angle_rad(a, b); }
 
+TEST(Fingers, SayWhichHandHasNoPlaceForThem) {
+  Given given(50);
+  FingerLayer* const layer = &given.layer;
+  EXPECT_EQ(Fingers({layer}, Humanoid()).HandsWithoutPlace(), "");
+  const rig::Binding bare = rig::Binding::Make(rig::HumanoidSpec()).value();
+  EXPECT_EQ(Fingers({layer}, bare).HandsWithoutPlace(), "left and right");
+  EXPECT_EQ(Fingers({layer}, rig::WithFingers(bare, kLeft)).HandsWithoutPlace(), "right");
+  EXPECT_EQ(Fingers({}, bare).HandsWithoutPlace(), "") << "nobody gives any";
+}
+
 TEST(Fingers, ReplaceThePerformersOwnAndLeaveTheRestBitForBit) {
   const rig::Binding binding = Humanoid();
   Given given(50, kLeft);
