@@ -39,6 +39,7 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
     }
   }
   StyleAccepted(hot);
+  SendBundles();
   for (const auto& performer : roster_.performers) performer->newest_in_batch = -1;
   const std::int64_t batch_ns = to_.clock.Now_ns() - receive_ns_;
   // kTake gets the part of the batch's time that no other stage accounts for.
@@ -162,13 +163,21 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   const std::int64_t serialized_ns = to_.clock.Now_ns();
   std::int64_t sent_ns = serialized_ns;
   for (Performer* const performer : batch) {
-    performer->Send(to_.publisher, sent_ns);
+    performer->Send(to_.publisher, bundles_, sent_ns);
     sent_ns = to_.clock.Now_ns();
   }
   stages_.AddFrames(batch.size());
   stages_.Add(Stages::kStyle, styled_ns - begin_ns);
   stages_.Add(Stages::kSerialize, serialized_ns - styled_ns);
   stages_.Add(Stages::kSend, sent_ns - serialized_ns);
+}
+
+// One message a cycle, for who shows the whole stage.
+void Pipeline::SendBundles() noexcept {
+  if (std::ranges::all_of(bundles_, &publish::Bundle::empty)) return;
+  const std::int64_t begin_ns = to_.clock.Now_ns();
+  for (publish::Bundle& bundle : bundles_) bundle.Send(to_.publisher);
+  stages_.Add(Stages::kSend, to_.clock.Now_ns() - begin_ns);
 }
 
 // A prop of the scene that one performer holds is not in the frames of the others: it would be

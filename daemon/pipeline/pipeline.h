@@ -15,6 +15,7 @@
 #include "daemon/pipeline/stats.h"
 #include "daemon/pipeline/takes.h"
 #include "daemon/pipeline/worker.h"
+#include "daemon/publish/bundle.h"
 #include "daemon/publish/subscriptions.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/source_frame.h"
@@ -86,6 +87,7 @@ class Pipeline final : public Worker, public source::Receiver {
   void AcceptBody(int source, const source::SourceFrame& body);
   void AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
   void StyleAccepted(runtime::HotSection& hot);
+  void SendBundles() noexcept;
   STYLED_REALTIME void ShareProps(Performer& performer) noexcept;
   STYLED_REALTIME void AwaitNext(Performer& performer, std::int64_t before_ns) noexcept;
   void PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot);
@@ -104,6 +106,10 @@ class Pipeline final : public Worker, public source::Receiver {
   Dependencies to_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
   publish::Subscriptions subscriptions_;
+  std::array<publish::Bundle, publish::Subscriptions::kBundleCount> bundles_{
+      publish::Bundle(subscriptions_.bundle(publish::Subscriptions::kRigBundle)),
+      publish::Bundle(subscriptions_.bundle(publish::Subscriptions::kCanonicalBundle)),
+      publish::Bundle(subscriptions_.bundle(publish::Subscriptions::kSourceBundle))};
   Layers layers_;
   Roster roster_;
   Commands commands_;

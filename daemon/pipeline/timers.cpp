@@ -122,7 +122,8 @@ void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {
   context.publish_ns = now_ns;
   context.wall_ns = to_.clock.Wall_ns();
   if (!performer.Repeat(context)) return;
-  performer.Send(to_.publisher, now_ns);
+  performer.Send(to_.publisher, bundles_, now_ns);
+  SendBundles();
   to_.counters.Add(Counter::kPipelineStale);
 }
 

@@ -10,18 +10,23 @@ namespace {
 constexpr std::size_t kLongest = 96;
 
 bool CanMatch(std::string_view prefix) {
-  constexpr std::array<std::string_view, 4> kRoots{"styled/", "source/", "body/", "stats/"};
+  constexpr std::array<std::string_view, 5> kRoots{"styled/", "source/", "body/", "frames/",
+                                                   "stats/"};
   return prefix.size() <= kLongest &&
          std::any_of(kRoots.begin(), kRoots.end(), [prefix](std::string_view root) {
            return root.starts_with(prefix) || prefix.starts_with(root);
          });
 }
 
+bool AsksFor(std::string_view prefix, const Topic& topic) {
+  return prefix.size() >= topic.least_prefix && topic.name.starts_with(prefix);
+}
+
 }  // namespace
 
 void Subscriptions::Register(Topic& topic) {
   topic.wanted = 0;
-  for (const auto& prefix : active_) topic.wanted += topic.name.starts_with(prefix);
+  for (const auto& prefix : active_) topic.wanted += AsksFor(prefix, topic);
   topics_.push_back(&topic);
 }
 
@@ -35,7 +40,7 @@ void Subscriptions::Subscribe(std::string_view prefix) {
     return;
   }
   for (Topic* topic : topics_) {
-    if (!topic->name.starts_with(prefix)) continue;
+    if (!AsksFor(prefix, *topic)) continue;
     topic->wanted += known ? 0 : 1;
     topic->asked = true;
   }
@@ -45,7 +50,7 @@ void Subscriptions::Subscribe(std::string_view prefix) {
 
 void Subscriptions::Unsubscribe(std::string_view prefix) {
   if (active_.erase(std::string(prefix)) == 0) return;
-  for (Topic* topic : topics_) topic->wanted -= topic->name.starts_with(prefix);
+  for (Topic* topic : topics_) topic->wanted -= AsksFor(prefix, *topic);
   counters_.Set(runtime::Counter::kPublishSubscriptions, active_.size());
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <unordered_set>
@@ -17,6 +19,8 @@ struct Topic {
   std::string name;  // ends in "/"
   int wanted = 0;
   bool asked = false;
+  // A shorter prefix does not ask for it: who subscribes to everything does not mean it.
+  std::size_t least_prefix = 0;
 };
 
 // The active subscriptions, matched as ZeroMQ does: a subscription is a prefix. Bounded: at most
@@ -26,11 +30,20 @@ struct Topic {
 class Subscriptions {
  public:
   Subscriptions(int max_subscriptions, runtime::Counters& counters)
-      : max_(static_cast<std::size_t>(max_subscriptions)), counters_(counters) {}
+      : max_(static_cast<std::size_t>(max_subscriptions)), counters_(counters) {
+    for (Topic& topic : bundles_) Register(topic);
+  }
+  Subscriptions(const Subscriptions&) = delete;
+  Subscriptions& operator=(const Subscriptions&) = delete;
 
   // The topic must outlive its registration; its counts are set at once.
   void Register(Topic& topic);
   void Unregister(Topic& topic);
+
+  // The bundles' topics, which exist whoever performs; only a prefix that begins with "frames/"
+  // asks for them.
+  enum BundleIndex : std::uint8_t { kRigBundle, kCanonicalBundle, kSourceBundle, kBundleCount };
+  const Topic& bundle(std::size_t index) const { return bundles_[index]; }
 
   // With XPUB_VERBOSE, libzmq reports every subscription, but only the last unsubscription of a
   // topic.
@@ -42,6 +55,11 @@ class Subscriptions {
   runtime::Counters& counters_;
   std::unordered_set<std::string> active_;
   std::vector<Topic*> topics_;
+  static constexpr std::size_t kBundlePrefix = std::string_view("frames/").size();
+  std::array<Topic, kBundleCount> bundles_{
+      Topic{.name = "frames/rig/", .least_prefix = kBundlePrefix},
+      Topic{.name = "frames/canonical/", .least_prefix = kBundlePrefix},
+      Topic{.name = "frames/source/", .least_prefix = kBundlePrefix}};
 };
 
 }  // namespace styled::publish

@@ -30,6 +30,9 @@ class FakePublisher final : public publish::Publisher {
       ++bodies;
     } else if (topic == "stats/") {
       ++stats;
+    } else if (topic.starts_with("frames/")) {
+      bundles.emplace_back(topic, v1::Frames())
+          .second.ParseFromArray(payload.data(), static_cast<int>(payload.size()));
     } else {
       frames.emplace_back().ParseFromArray(payload.data(), static_cast<int>(payload.size()));
     }
@@ -43,6 +46,7 @@ class FakePublisher final : public publish::Publisher {
   int fd() const override { return -1; }
 
   std::vector<v1::Frame> frames;
+  std::vector<std::pair<std::string, v1::Frames>> bundles;  // by topic
   int bodies = 0, stats = 0;
   std::deque<publish::SubscriptionEvent> events;
 };

@@ -59,9 +59,9 @@ bool Outputs::Retarget(std::int64_t elapsed_ns, const stylist::Output& out,
   bool failed = false;
   for (EncodedProps& encoded : props_) encoded.Clear();
   if (!props.empty()) {
-    if (topics_[kRig].wanted != 0) props.OnRig(out, props_[kRig]);
-    if (topics_[kCanonical].wanted != 0) props.OnCanonical(out, props_[kCanonical]);
-    if (topics_[kSource].wanted != 0) props.OnSource(out, props_[kSource]);
+    if (Wanted(kRig)) props.OnRig(out, props_[kRig]);
+    if (Wanted(kCanonical)) props.OnCanonical(out, props_[kCanonical]);
+    if (Wanted(kSource)) props.OnSource(out, props_[kSource]);
   }
   std::copy(out.canonical.rotations.begin(), out.canonical.rotations.end(), canonical_.begin());
   tail_.Read(out.rig.rotations, std::span(canonical_).subspan(body::kJointCount));
@@ -84,7 +84,7 @@ void Outputs::Serialize(const publish::FrameHeader& header, std::uint32_t flags,
   };
   ready_ = {};
   for (std::size_t i = 0; i < ready_.size(); ++i) {
-    if (topics_[i].wanted == 0) continue;
+    if (!Wanted(i)) continue;
     publish::FrameMessage& message = *messages_[i];
     // Without held joints, the output equals the source bit for bit.
     const std::uint32_t own = i == kSource && !out.held.any() ? v1::FLAG_BYPASS : 0;
@@ -102,10 +102,11 @@ void Outputs::Serialize(const publish::FrameHeader& header, std::uint32_t flags,
   }
 }
 
-void Outputs::Send(publish::Publisher& publisher, std::int64_t now_ns,
-                   std::optional<std::int64_t> measure_from_ns) {
+void Outputs::Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles,
+                   std::int64_t now_ns, std::optional<std::int64_t> measure_from_ns) {
   for (std::size_t i = 0; i < ready_.size(); ++i) {
-    if (!ready_[i].empty()) publisher.Send(topics_[i].name, ready_[i]);
+    if (!ready_[i].empty() && topics_[i].wanted != 0) publisher.Send(topics_[i].name, ready_[i]);
+    bundles[i].Add(ready_[i], publisher);
   }
   ready_ = {};
   for (const auto& stream : streams_) {

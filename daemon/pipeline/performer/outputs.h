@@ -13,6 +13,7 @@
 #include "daemon/pipeline/performer/retarget_stream.h"
 #include "daemon/pipeline/performer/styling.h"
 #include "daemon/pipeline/runtime_config.h"
+#include "daemon/publish/bundle.h"
 #include "daemon/publish/frame_message.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/publish/subscriptions.h"
@@ -27,8 +28,9 @@ namespace styled::pipeline {
 
 // The published output of one performer: a topic each for the rig's skeleton, the canonical
 // humanoid (with the rig's fingers, eyes and jaw behind it), the source and the bodies, and one for
-// each RetargetOutput. A topic is serialized only while a client subscribes. Also measures the
-// latency from receive to send. Pipeline thread; Bind, SendBodies and Describe allocate.
+// each RetargetOutput; and its part of the bundles. A topic is serialized only while a client
+// subscribes to it or to its bundle. Also measures the latency from receive to send. Pipeline
+// thread; Bind, SendBodies and Describe allocate.
 class Outputs {
  public:
   // `id`: the performer's; `subscriptions` and `counters` must outlive it.
@@ -54,9 +56,9 @@ class Outputs {
   // Serializes a frame for the subscribed topics. `face`: as received, at most kMaxFace bytes.
   STYLED_REALTIME void Serialize(const publish::FrameHeader& header, std::uint32_t flags,
                                  const Styling& styling, std::span<const std::byte> face) noexcept;
-  // Sends what Serialize prepared. `measure_from_ns`: when the frame was received, for the latency;
-  // empty for a repetition, which is not measured.
-  void Send(publish::Publisher& publisher, std::int64_t now_ns,
+  // Sends what Serialize prepared, and adds it to the bundles. `measure_from_ns`: when the frame
+  // was received, for the latency; empty for a repetition, which is not measured.
+  void Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles, std::int64_t now_ns,
             std::optional<std::int64_t> measure_from_ns);
   std::int64_t last_send_ns() const { return last_send_ns_; }
 
@@ -72,6 +74,13 @@ class Outputs {
  private:
   enum TopicIndex : std::uint8_t { kRig, kCanonical, kSource, kBody, kTopicCount };
   static constexpr std::size_t kFrameTopics = 3;
+  static_assert(kRig == int{publish::Subscriptions::kRigBundle} &&
+                kCanonical == int{publish::Subscriptions::kCanonicalBundle} &&
+                kSource == int{publish::Subscriptions::kSourceBundle});
+  // Whether somebody reads it.
+  bool Wanted(std::size_t topic) const noexcept {
+    return topics_[topic].wanted != 0 || subscriptions_.bundle(topic).wanted != 0;
+  }
 
   std::string id_;
   std::uint64_t epoch_;

@@ -148,8 +148,9 @@ void Performer::Serialize(std::uint32_t flags, const FrameContext& context) noex
   outputs.Serialize(header_, flags, *styling_, face_);
 }
 
-void Performer::Send(publish::Publisher& publisher, std::int64_t now_ns) {
-  outputs.Send(publisher, now_ns, measure_from_ns_);
+void Performer::Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles,
+                     std::int64_t now_ns) {
+  outputs.Send(publisher, bundles, now_ns, measure_from_ns_);
 }
 
 std::string Performer::Warning() const {

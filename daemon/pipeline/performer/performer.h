@@ -79,9 +79,9 @@ class Performer {
   STYLED_REALTIME void Prewarm() noexcept;
   // Serializes the last pose again, flagged stale. Returns false if there is none.
   STYLED_REALTIME bool Repeat(FrameContext context) noexcept;
-  // Sends what Finish or Repeat serialized, and measures the latency of a frame from its receive_ns
-  // to now.
-  void Send(publish::Publisher& publisher, std::int64_t now_ns);
+  // Sends what Finish or Repeat serialized, adds it to the bundles, and measures the latency of a
+  // frame from its receive_ns to now.
+  void Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles, std::int64_t now_ns);
 
   // The performer's last pose as captured, and its time in the session; null before the first.
   const body::Pose* input() const noexcept {

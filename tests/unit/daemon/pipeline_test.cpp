@@ -218,6 +218,49 @@ TEST_F(PipelineTest, ACrowdInOneBatchIsStyledAsEachAlone) {
   EXPECT_TRUE(together == alone);
 }
 
+// Twelve performers who send at once: more than are styled together.
+TEST_F(PipelineTest, ABundleHasTheFramesOfACycleAsEachTopicHasThem) {
+  publisher_.events.push_back({true, "styled/"});
+  publisher_.events.push_back({true, "frames/canonical/"});
+  std::vector<support::Rig> rigs;
+  for (int i = 0; i < 12; ++i) rigs.emplace_back("p" + std::to_string(i), 7 + i);
+  std::vector<support::Bytes> datagrams;
+  for (auto& rig : rigs) datagrams.push_back(rig.Body());
+  Deliver(datagrams);
+  for (int cycle = 1; cycle <= 3; ++cycle) {
+    datagrams.clear();
+    for (auto& rig : rigs) datagrams.push_back(rig.Frame());
+    publisher_.frames.clear();
+    publisher_.bundles.clear();
+    Deliver(datagrams);
+    ASSERT_EQ(publisher_.bundles.size(), 1U);
+    EXPECT_EQ(publisher_.bundles[0].first, "frames/canonical/");
+    std::vector<std::string> bundled, alone;
+    for (const auto& frame : publisher_.bundles[0].second.frames()) {
+      bundled.push_back(frame.SerializeAsString());
+    }
+    for (const auto& frame : publisher_.frames) {
+      if (frame.output() == v1::OUTPUT_CANONICAL) alone.push_back(frame.SerializeAsString());
+    }
+    EXPECT_EQ(bundled.size(), rigs.size());
+    EXPECT_EQ(bundled, alone);
+  }
+  clock_.now_ns += 20'000 * kMs;
+  publisher_.bundles.clear();
+  Work();
+  EXPECT_FALSE(publisher_.bundles.empty()) << "the stale frames are in bundles, too";
+}
+
+TEST_F(PipelineTest, FramesForABundleAloneAreNotSentTwice) {
+  publisher_.events.clear();
+  publisher_.events.push_back({true, "frames/rig/"});
+  Deliver({rig_.Body()});
+  Deliver({rig_.Frame()});
+  EXPECT_TRUE(frames().empty());
+  ASSERT_EQ(publisher_.bundles.size(), 1U);
+  EXPECT_EQ(publisher_.bundles[0].second.frames_size(), 1);
+}
+
 TEST_F(PipelineTest, WhatIsColdIsWarmedShortlyBeforeAFrameIsDue) {
   Deliver({rig_.Body(), rig_.Frame()});
   clock_.now_ns += static_cast<std::int64_t>(rig_.period_ns);

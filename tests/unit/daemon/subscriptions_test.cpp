@@ -29,6 +29,24 @@ TEST(SubscriptionsTest, APrefixWantsEveryTopicItBegins) {
   EXPECT_EQ(counters.Get(Counter::kPublishSubscriptions), 1U);
 }
 
+TEST(SubscriptionsTest, OnlyWhoNamesBundlesAsksForThem) {
+  runtime::Counters counters;
+  Subscriptions subscriptions(10, counters);
+  const Topic& rig = subscriptions.bundle(Subscriptions::kRigBundle);
+  const Topic& source = subscriptions.bundle(Subscriptions::kSourceBundle);
+  subscriptions.Subscribe("");
+  subscriptions.Subscribe("f");
+  EXPECT_EQ(rig.wanted, 0);
+  subscriptions.Subscribe("frames/");
+  subscriptions.Subscribe("frames/rig/");
+  EXPECT_EQ(rig.wanted, 2);
+  EXPECT_EQ(source.wanted, 1);
+  subscriptions.Unsubscribe("");
+  subscriptions.Unsubscribe("frames/");
+  EXPECT_EQ(rig.wanted, 1);
+  EXPECT_EQ(source.wanted, 0);
+}
+
 TEST(SubscriptionsTest, ARepeatedOneAsksAgainButCountsOnce) {
   runtime::Counters counters;
   Subscriptions subscriptions(10, counters);
