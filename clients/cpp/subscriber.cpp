@@ -32,13 +32,13 @@ constexpr std::string_view kStatisticsTopic = "stats/";
 
 struct StreamTopic {
   Stream stream;
-  std::string_view prefix, suffix;
+  std::string_view prefix, suffix, bundle;
   v1::Output output;
 };
 constexpr std::array<StreamTopic, 3> kStreamTopics{{
-    {Stream::kStyledRig, "styled/", "/rig/", v1::OUTPUT_RIG},
-    {Stream::kStyledCanonical, "styled/", "/canonical/", v1::OUTPUT_CANONICAL},
-    {Stream::kSource, "source/", "/", v1::OUTPUT_RIG},
+    {Stream::kStyledRig, "styled/", "/rig/", "frames/rig/", v1::OUTPUT_RIG},
+    {Stream::kStyledCanonical, "styled/", "/canonical/", "frames/canonical/", v1::OUTPUT_CANONICAL},
+    {Stream::kSource, "source/", "/", "frames/source/", v1::OUTPUT_RIG},
 }};
 
 std::string Topic(const StreamTopic& row, std::string_view performer) {
@@ -129,10 +129,16 @@ struct Subscriber::Impl {
   zmq::context_t context{1};
   zmq::socket_t socket, monitor;
   zmq::message_t topic, payload;
+  // The bundle that was read last, the first of its frames that was not accepted yet, and its
+  // stream; null while the message is none.
+  v1::Frames frames;
+  int next_frame = 0;
+  const StreamTopic* bundle = nullptr;
   int links = 0;
   SubscriberCounters counters;
   std::map<std::string, StreamState, std::less<>> streams;  // by topic
   std::map<std::string, std::vector<std::shared_ptr<const v1::Body>>, std::less<>> bodies;
+  std::string bundled_topic;  // of a frame of a bundle: where it would be alone
   std::map<std::string, std::size_t, std::less<>> newest;  // ReceiveLatest: topic to index in `out`
   std::string last_topic;                                  // of the last accepted frame
   std::int64_t lag_ns = 0;                                 // of the last accepted frame
@@ -141,10 +147,13 @@ struct Subscriber::Impl {
 
   void Open();
   void SubscribeTo(std::string_view performer);
-  bool ReadMessage();  // into topic and payload; false if nothing is waiting
+  // Into topic and payload, or the next frame of a bundle; false if nothing is waiting.
+  bool ReadMessage();
   bool Wait(Clock::time_point deadline);
   bool Accept(Update& out);
   bool AcceptFrame(const Origin& origin, std::string_view name, Update& out);
+  bool AcceptBundled(Update& out);
+  bool AcceptParsed(const Origin& origin, std::string_view name, Update& out);
   bool AcceptBody(std::string_view performer, Update& out);
   void FindBody(const Origin& origin, StreamState& state, const v1::Frame& frame);
 };
@@ -176,6 +185,11 @@ void Subscriber::Impl::Open() {
   if (options.performer.empty()) {
     // Finds the performers; then each one's own topics.
     socket.set(zmq::sockopt::subscribe, kBodyTopic);
+    for (const StreamTopic& row : kStreamTopics) {
+      if (options.bundled && std::ranges::count(options.streams, row.stream) > 0) {
+        socket.set(zmq::sockopt::subscribe, row.bundle);
+      }
+    }
   } else {
     SubscribeTo(options.performer);
   }
@@ -191,8 +205,7 @@ void Subscriber::Impl::SubscribeTo(std::string_view performer) {
     socket.set(zmq::sockopt::subscribe, std::string(kBodyTopic).append(performer).append("/"));
   }
   for (const StreamTopic& row : kStreamTopics) {
-    if (std::find(options.streams.begin(), options.streams.end(), row.stream) !=
-        options.streams.end()) {
+    if (!options.bundled && std::ranges::count(options.streams, row.stream) > 0) {
       socket.set(zmq::sockopt::subscribe, Topic(row, performer));
     }
   }
@@ -213,6 +226,7 @@ bool Subscriber::Impl::Wait(Clock::time_point deadline) {
 }
 
 bool Subscriber::Impl::ReadMessage() {
+  if (bundle != nullptr && next_frame < frames.frames_size()) return true;
   try {
     for (;;) {
       if (!socket.recv(topic, zmq::recv_flags::dontwait)) return false;
@@ -222,8 +236,20 @@ bool Subscriber::Impl::ReadMessage() {
         if (!socket.recv(part, zmq::recv_flags::none)) break;
         ++parts;
       }
-      if (parts == 2) return true;
-      ++counters.malformed;
+      if (parts != 2) {
+        ++counters.malformed;
+        continue;
+      }
+      const std::string_view name(static_cast<const char*>(topic.data()), topic.size());
+      const auto row = std::ranges::find(kStreamTopics, name, &StreamTopic::bundle);
+      bundle = row == kStreamTopics.end() ? nullptr : &*row;
+      if (bundle == nullptr) return true;
+      next_frame = 0;
+      if (!frames.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
+        ++counters.malformed;
+        frames.Clear();
+      }
+      if (frames.frames_size() > 0) return true;
     }
   } catch (const zmq::error_t&) {
     return false;
@@ -231,6 +257,7 @@ bool Subscriber::Impl::ReadMessage() {
 }
 
 bool Subscriber::Impl::Accept(Update& out) {
+  if (bundle != nullptr) return AcceptBundled(out);
   const std::string_view name(static_cast<const char*>(topic.data()), topic.size());
   if (name == kStatisticsTopic) {
     if (!out.statistics.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
@@ -291,12 +318,29 @@ void Subscriber::Impl::FindBody(const Origin& origin, StreamState& state, const 
 }
 
 bool Subscriber::Impl::AcceptFrame(const Origin& origin, std::string_view name, Update& out) {
-  v1::Frame& frame = out.frame;
-  if (!frame.ParseFromArray(payload.data(), static_cast<int>(payload.size())) ||
+  const v1::Frame& frame = out.frame;
+  if (!out.frame.ParseFromArray(payload.data(), static_cast<int>(payload.size())) ||
       frame.performer() != origin.performer || frame.output() != origin.output) {
     ++counters.malformed;
     return false;
   }
+  return AcceptParsed(origin, name, out);
+}
+
+// As the frame would be accepted on its own topic.
+bool Subscriber::Impl::AcceptBundled(Update& out) {
+  const v1::Frame& frame = out.frame;
+  out.frame.Swap(frames.mutable_frames(next_frame++));
+  if (!IsPerformerId(frame.performer()) || frame.output() != bundle->output) {
+    ++counters.malformed;
+    return false;
+  }
+  bundled_topic.assign(bundle->prefix).append(frame.performer()).append(bundle->suffix);
+  return AcceptParsed({frame.performer(), {}, bundle->stream, bundle->output}, bundled_topic, out);
+}
+
+bool Subscriber::Impl::AcceptParsed(const Origin& origin, std::string_view name, Update& out) {
+  const v1::Frame& frame = out.frame;
   auto found = streams.find(name);
   if (found == streams.end()) {
     if (streams.size() >= (3 + options.avatars.size()) * kMaxPerformers) return false;
@@ -350,6 +394,10 @@ Result<std::unique_ptr<Subscriber>> Subscriber::Connect(const SubscriberOptions&
   if (!options.performer.empty() && !IsPerformerId(options.performer)) {
     return Status::Error("subscriber: performer '" + options.performer +
                          "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each)");
+  }
+  if (options.bundled && !options.performer.empty()) {
+    return Status::Error("subscriber: `bundled` with performer '" + options.performer +
+                         "'; expected all performers, or no bundles");
   }
   for (const std::string& avatar : options.avatars) {
     if (IsName(avatar) && avatar != "rig" && avatar != "canonical") continue;

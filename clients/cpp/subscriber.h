@@ -34,6 +34,10 @@ struct SubscriberOptions {
   // The [[output]]s to listen to, by name ([A-Za-z0-9_-]{1,32}). Each is one more stream, of kind
   // kAvatar; kAvatar must not appear in `streams`.
   std::vector<std::string> avatars;
+  // Frames of all performers in one message per cycle of the daemon (WIRE.md, "frames/"): for who
+  // shows many at once. `performer` must be "". Avatars' frames come as ever. Needs a daemon that
+  // has these topics; an older one sends nothing.
+  bool bundled = false;
   bool statistics = false;    // Stats, once per second
   int queue_messages = 1000;  // queue of this process; when it is full, the newest are dropped; > 0
   std::optional<Curve> curve;  // for daemons that require keys; the same for all endpoints
@@ -81,8 +85,8 @@ struct SubscriberCounters {
 class Subscriber {
  public:
   // Refuses: no endpoint, an endpoint that ZeroMQ cannot parse, a performer that is not
-  // SOURCE.NAME, an invalid avatar name, kAvatar in `streams`, queue_messages < 1, and invalid
-  // keys. It is no error if no daemon listens there yet.
+  // SOURCE.NAME, an invalid avatar name, kAvatar in `streams`, `bundled` with a performer,
+  // queue_messages < 1, and invalid keys. It is no error if no daemon listens there yet.
   static Result<std::unique_ptr<Subscriber>> Connect(const SubscriberOptions& options);
   ~Subscriber();
   Subscriber(const Subscriber&) = delete;

@@ -67,6 +67,10 @@ TEST(SubscriberOptionsTest, RefusesEachBadOption) {
   options = {};
   options.queue_messages = 0;
   EXPECT_FALSE(Subscriber::Connect(options).ok());
+  options.performer = "rig.a";
+  options.bundled = true;
+  EXPECT_FALSE(Subscriber::Connect(options).ok()) << "bundles are of all performers";
+  options = {};
   for (const char* avatar : {"", "rig", "canonical", "a/b", "a.b"}) {
     options = {};
     options.avatars = {avatar};
@@ -186,6 +190,40 @@ TEST_F(SubscriberTest, AllPerformersAreFoundThroughTheirBodies) {
   EXPECT_EQ(frames[0].frame.performer(), "rig.a");
   EXPECT_EQ(frames[1].frame.performer(), "rig.ab");
   EXPECT_EQ(subscriber->performers(), (std::vector<std::string>{"rig.a", "rig.ab"}));
+}
+
+TEST_F(SubscriberTest, BundledFramesComeAsEachWouldAlone) {
+  auto subscriber = Listen(daemon_, {.bundled = true});
+  ASSERT_TRUE(daemon_.WaitForSubscription("frames/rig/"));
+  ASSERT_TRUE(daemon_.WaitForSubscription("body/"));
+  const v1::Body other = HumanoidBody("rig.b", v1::OUTPUT_RIG, 11);
+  daemon_.AddBody(rig_);
+  daemon_.AddBody(other);
+  v1::Frames bundle;
+  *bundle.add_frames() = HumanoidFrame(rig_, body::Pose(), 1);
+  *bundle.add_frames() = HumanoidFrame(other, body::Pose(), 7);
+  *bundle.add_frames() = HumanoidFrame(rig_, body::Pose(), 3);
+  *bundle.add_frames() = HumanoidFrame(rig_, body::Pose(), 3);  // again
+  bundle.add_frames()->set_performer("nobody's");
+  daemon_.Publish("frames/rig/", bundle.SerializeAsString());
+  daemon_.Publish("frames/rig/", "\x0a\x7fx");
+  daemon_.Publish("frames/rig/", "");
+  daemon_.Publish("frames/rig/", bundle.SerializeAsString());
+  const auto frames = Frames(*subscriber, 3);
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[0].frame.performer(), "rig.a");
+  EXPECT_EQ(frames[1].frame.performer(), "rig.b");
+  EXPECT_EQ(frames[2].missed, 1U);
+  for (const Update& update : frames) {
+    EXPECT_EQ(update.stream, Stream::kStyledRig);
+    ASSERT_NE(update.body, nullptr);
+    EXPECT_EQ(update.body->performer(), update.frame.performer());
+  }
+  Update none;
+  EXPECT_FALSE(subscriber->Receive(100ms, none)) << "the second bundle is old";
+  EXPECT_EQ(subscriber->counters().malformed, 3U);
+  EXPECT_EQ(subscriber->counters().repeated_frames, 5U);
+  EXPECT_FALSE(daemon_.Subscribed("styled/rig.a/rig/"));
 }
 
 TEST_F(SubscriberTest, LatestWinsKeepsTheNewestOfEachStreamAndEveryBody) {
