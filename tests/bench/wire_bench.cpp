@@ -36,7 +36,7 @@ struct Options {
 
 struct Variant {
   std::string name, wait;
-  bool echo = false, prewarm = false, like = false;
+  bool echo = false, prewarm = false, like = false, bundle = false;
 };
 
 // Over all rounds of one variant.
@@ -153,13 +153,15 @@ class Examples {
 // Receives on a separate thread, as a renderer does.
 class Listener {
  public:
-  Listener(const std::string& endpoint, int performers, bool echo) : echo_(echo) {
+  Listener(const std::string& endpoint, int performers, bool echo, bool bundle)
+      : echo_(echo), bundle_(bundle) {
     context_ = zmq_ctx_new();
     socket_ = zmq_socket(context_, ZMQ_SUB);
     const int wait_ms = 50, room = 10000;
     zmq_setsockopt(socket_, ZMQ_RCVTIMEO, &wait_ms, sizeof wait_ms);
     zmq_setsockopt(socket_, ZMQ_RCVHWM, &room, sizeof room);
-    for (int i = 0; i < performers; ++i) {
+    if (bundle) zmq_setsockopt(socket_, ZMQ_SUBSCRIBE, "frames/rig/", 11);
+    for (int i = 0; i < performers && !bundle; ++i) {
       const std::string topic = "styled/rig.p" + std::to_string(i) + "/rig/";
       zmq_setsockopt(socket_, ZMQ_SUBSCRIBE, topic.data(), topic.size());
     }
@@ -186,36 +188,44 @@ class Listener {
  private:
   void Run() {
     char topic[256];
-    std::array<char, 65536> payload;
+    std::vector<char> payload(1 << 20);
     v1::Frame frame;
+    v1::Frames frames;
+    const auto note = [this](std::uint64_t sent_ns, std::int64_t now_ns) {
+      const auto sent = static_cast<std::int64_t>(sent_ns);
+      if (sent < from_ns || sent >= to_ns) return;
+      latency_us.push_back(static_cast<double>(now_ns - sent) * 1e-3);
+    };
     while (!stop_) {
       if (zmq_recv(socket_, topic, sizeof topic, 0) < 0) continue;
       const int size = zmq_recv(socket_, payload.data(), payload.size(), 0);
       const std::int64_t now_ns = Now_ns();
-      std::uint64_t sent_ns = 0;
       if (echo_) {
+        std::uint64_t sent_ns = 0;
         std::memcpy(&sent_ns, payload.data(), sizeof sent_ns);
+        note(sent_ns, now_ns);
+      } else if (bundle_) {
+        frames.ParseFromArray(payload.data(), size);
+        for (const auto& each : frames.frames()) note(each.source_time_ns(), now_ns);
       } else {
         frame.ParseFromArray(payload.data(), size);
-        sent_ns = frame.source_time_ns();
+        note(frame.source_time_ns(), now_ns);
       }
-      const auto sent = static_cast<std::int64_t>(sent_ns);
-      if (sent < from_ns || sent >= to_ns) continue;
-      latency_us.push_back(static_cast<double>(now_ns - sent) * 1e-3);
     }
   }
-  bool echo_;
+  bool echo_, bundle_;
   void *context_, *socket_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
 
 // Measures one round against the process at these addresses.
-void Measure(const Options& options, const std::string& udp, const std::string& publish, bool echo,
-             pid_t pid, const std::string& control, Result& result) {
+void Measure(const Options& options, const Variant& variant, const std::string& udp,
+             const std::string& publish, pid_t pid, const std::string& control, Result& result) {
   std::vector<std::unique_ptr<Listener>> listeners;
   for (int i = 0; i < options.subscribers; ++i) {
-    listeners.push_back(std::make_unique<Listener>(publish, options.performers, echo));
+    listeners.push_back(
+        std::make_unique<Listener>(publish, options.performers, variant.echo, variant.bundle));
   }
   std::vector<support::Rig> rigs;
   std::vector<std::unique_ptr<support::UdpLink>> links;
@@ -276,7 +286,7 @@ void Measure(const Options& options, const std::string& udp, const std::string& 
 void Round(const Options& options, const Variant& variant, Result& result) {
   if (variant.echo) {
     EchoChild echo(variant.wait, options.daemon_cpu, options.priority);
-    Measure(options, echo.udp, echo.publish, true, echo.pid(), "", result);
+    Measure(options, variant, echo.udp, echo.publish, echo.pid(), "", result);
     return;
   }
   support::Daemon daemon({"realtime.wait=" + variant.wait,
@@ -289,7 +299,8 @@ void Round(const Options& options, const Variant& variant, Result& result) {
   if (variant.like) {
     examples = std::make_unique<Examples>(daemon.control, options.like, result.like_ms);
   }
-  Measure(options, daemon.udp, daemon.publish, false, daemon.child->pid(), daemon.control, result);
+  Measure(options, variant, daemon.udp, daemon.publish, daemon.child->pid(), daemon.control,
+          result);
 }
 
 double Quantile(const std::vector<double>& sorted, double share) {
@@ -302,6 +313,7 @@ int Main(const Options& options) {
   std::vector<Variant> variants{{"echo, block", "block", true, false},
                                 {"styled, block", "block", false, false},
                                 {"styled, block, prewarm", "block", false, true},
+                                {"styled, block, bundle", "block", false, false, false, true},
                                 {"echo, hybrid", "hybrid", true, false},
                                 {"styled, hybrid", "hybrid", false, false},
                                 {"styled, hybrid, prewarm", "hybrid", false, true},
