@@ -134,7 +134,11 @@ function shapeOf(skeleton: Skeleton, detail: Detail): BufferGeometry {
   const ahead = new Vector3(0, 0, 1);
   const up = new Vector3(0, 1, 0);
   const children = body.names.map(() => 0);
-  body.parents.forEach((parent) => parent >= 0 && ++children[parent]!);
+  // Eyes, jaw and hair hang from a head that is drawn all the same.
+  body.parents.forEach((parent, joint) => {
+    const onHead = parent >= 0 && joints[parent]!.part === 'head' && joints[joint]!.part === 'beyond';
+    if (parent >= 0 && !onHead) ++children[parent]!;
+  });
   for (let joint = 0; joint < body.names.length; ++joint) {
     const { part } = joints[joint]!;
     const parent = body.parents[joint]!;
