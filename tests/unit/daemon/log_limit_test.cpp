@@ -10,7 +10,7 @@ namespace styled::pipeline {
 namespace {
 
 using Kind = LogLimit::Kind;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kLogSecond_ns = 1'000'000'000;
 constexpr source::Machine kTalker{1}, kOther{2};
 
 TEST(LogLimitTest, ALineThatRepeatsIsSaidLessAndLessOftenWithACount) {
@@ -18,7 +18,7 @@ TEST(LogLimitTest, ALineThatRepeatsIsSaidLessAndLessOftenWithACount) {
   std::vector<int> said_s;
   std::uint64_t held_back = 0, all_held_back = 0;
   for (int s = 0; s < 300; ++s) {
-    if (!limit.Admit(Kind::kBodyRefused, kTalker, "rig.a", 100 * kSecond_ns + s * kSecond_ns,
+    if (!limit.Admit(Kind::kBodyRefused, kTalker, "rig.a", 100 * kLogSecond_ns + s * kLogSecond_ns,
                      held_back)) {
       continue;
     }
@@ -38,7 +38,7 @@ TEST(LogLimitTest, EveryPerformerAndKindIsToldOf) {
       const std::string id = "rig.p" + std::to_string(k);
       const source::Machine kTalker{static_cast<std::uint64_t>(k) + 1};
       for (const Kind kind : {Kind::kBodyRefused, Kind::kBodyBound}) {
-        said[id] += limit.Admit(kind, kTalker, id, s * kSecond_ns, held_back) ? 1 : 0;
+        said[id] += limit.Admit(kind, kTalker, id, s * kLogSecond_ns, held_back) ? 1 : 0;
       }
     }
   }
@@ -52,7 +52,7 @@ TEST(LogLimitTest, InventedNamesDoNotFillTheLog) {
   std::uint64_t held_back = 0;
   for (int i = 0; i < 10'000; ++i) {  // a thousand a second
     lines += limit.Admit(Kind::kBodyBound, kTalker, "rig." + std::to_string(i),
-                         i * kSecond_ns / 1000, held_back)
+                         i * kLogSecond_ns / 1000, held_back)
                  ? 1
                  : 0;
   }
@@ -65,18 +65,18 @@ TEST(LogLimitTest, InventedNamesHideNobodyOfAnotherMachine) {
   std::uint64_t held_back = 0;
   for (int i = 0; i < 3000; ++i) {  // a thousand a second
     (void)limit.Admit(Kind::kBodyRefused, kTalker, "rig." + std::to_string(i),
-                      i * kSecond_ns / 1000, held_back);
+                      i * kLogSecond_ns / 1000, held_back);
   }
-  EXPECT_TRUE(limit.Admit(Kind::kBodyRefused, kOther, "rig.anna", 3 * kSecond_ns, held_back));
+  EXPECT_TRUE(limit.Admit(Kind::kBodyRefused, kOther, "rig.anna", 3 * kLogSecond_ns, held_back));
 }
 
 TEST(LogLimitTest, WhoWasQuietBeginsAnew) {
   LogLimit limit;
   std::uint64_t held_back = 0;
   for (int s = 0; s < 100; ++s)
-    (void)limit.Admit(Kind::kCue, kTalker, "a", s * kSecond_ns, held_back);
-  EXPECT_TRUE(limit.Admit(Kind::kCue, kTalker, "a", 400 * kSecond_ns, held_back));
-  EXPECT_TRUE(limit.Admit(Kind::kCue, kTalker, "a", 401 * kSecond_ns, held_back));
+    (void)limit.Admit(Kind::kCue, kTalker, "a", s * kLogSecond_ns, held_back);
+  EXPECT_TRUE(limit.Admit(Kind::kCue, kTalker, "a", 400 * kLogSecond_ns, held_back));
+  EXPECT_TRUE(limit.Admit(Kind::kCue, kTalker, "a", 401 * kLogSecond_ns, held_back));
 }
 
 }  // namespace

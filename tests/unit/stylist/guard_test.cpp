@@ -27,7 +27,7 @@ void ExpectPose(std::span<const body::Vec3> translations, std::span<const body::
   for (const body::Quat& rotation : rotations) ASSERT_NEAR(rotation.norm(), 1, 1e-3) << what;
 }
 
-float Apart_rad(const body::Pose& a, const body::Pose& b) {
+float GuardApart_rad(const body::Pose& a, const body::Pose& b) {
   float most = 0;
   for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
     most = std::max(most, body::Log(a.rotations[joint].conjugate() * b.rotations[joint]).norm());
@@ -129,7 +129,7 @@ TEST_F(GuardTest, ABadStepSpoilsNoLaterOneAndTheStyleIsFadedInAgain) {
     Feed(stylist, frame, PoseAt(frame));
     ASSERT_FALSE(out.flags & (kFailed | kBypass)) << frame;
   }
-  const float styled_rad = Apart_rad(out.canonical, out.canonical_input);
+  const float styled_rad = GuardApart_rad(out.canonical, out.canonical_input);
   EXPECT_GT(styled_rad, 0.02F);
   int failed = 0;
   for (; frame < 160; ++frame) {
@@ -143,11 +143,11 @@ TEST_F(GuardTest, ABadStepSpoilsNoLaterOneAndTheStyleIsFadedInAgain) {
   for (const int end = frame + 120; frame < end; ++frame) {
     Feed(stylist, frame, PoseAt(frame));
     EXPECT_FALSE(out.flags & kFailed) << frame;
-    EXPECT_LT(Apart_rad(before, out.canonical), 0.1F) << "no pop, frame " << frame;
+    EXPECT_LT(GuardApart_rad(before, out.canonical), 0.1F) << "no pop, frame " << frame;
     before = out.canonical;
   }
   EXPECT_FALSE(out.flags & kBypass);
-  EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 0.5F * styled_rad);
+  EXPECT_GT(GuardApart_rad(out.canonical, out.canonical_input), 0.5F * styled_rad);
 }
 
 // The result is the same together with others and alone.

@@ -59,19 +59,19 @@ struct PosturesTest : testing::Test {
   Tensor PostureOf(int clip) const { return store->FramesOf(clip).mean(0); }
 };
 
-double Largest(const Tensor& a, const Tensor& b) { return (a - b).abs().max().item<double>(); }
+double LargestApart(const Tensor& a, const Tensor& b) { return (a - b).abs().max().item<double>(); }
 
 TEST_F(PosturesTest, AnOutputIsWantedWhereItsReferenceStands) {
   // All clips are the same walk, so that a walk by clip 4 should stand exactly as clip 4 does.
   for (const int reference : {3, 4}) {
     Tensor shift;
     ASSERT_TRUE(postures->Wanted(From(0, 0, 0, reference, 1), shift));
-    EXPECT_LT(Largest(PostureOf(0) + shift, PostureOf(reference)), 1e-4);
+    EXPECT_LT(LargestApart(PostureOf(0) + shift, PostureOf(reference)), 1e-4);
   }
   Tensor less, more;
   ASSERT_TRUE(postures->Wanted(From(0, 0, 0, 3, 1), less));
   ASSERT_TRUE(postures->Wanted(From(0, 0, 0, 4, 1), more));
-  EXPECT_GT(Largest(less, more), 0.1) << "the two references differ";
+  EXPECT_GT(LargestApart(less, more), 0.1) << "the two references differ";
 }
 
 TEST_F(PosturesTest, AMirroredReferenceIsWantedMirrored) {
@@ -86,7 +86,7 @@ TEST_F(PosturesTest, AMirroredReferenceIsWantedMirrored) {
   stgcn::MirrorFeatures(features, features);
   const Tensor image =
       torch::from_blob(features.data(), {body::kJointCount, stgcn::kChannels}).clone();
-  EXPECT_LT(Largest(mirrored - shift, image - own), 1e-4);
+  EXPECT_LT(LargestApart(mirrored - shift, image - own), 1e-4);
 }
 
 TEST_F(PosturesTest, NothingIsWantedWhereThereIsNoTelling) {
@@ -101,7 +101,7 @@ TEST_F(PosturesTest, DrawnPosturesAreBetweenAndBeyondThoseOfClips) {
   double least = 1e9, most = -1e9;
   for (int i = 0; i < 200; ++i) {
     const Tensor shift = postures->Draw(random);
-    EXPECT_EQ(Largest(shift, postures->Draw(again)), 0) << "deterministic";
+    EXPECT_EQ(LargestApart(shift, postures->Draw(again)), 0) << "deterministic";
     const double along = ((shift * way).sum() / way.square().sum()).item<double>();
     least = std::min(least, along);
     most = std::max(most, along);

@@ -48,7 +48,7 @@ struct Data {
   std::optional<WindowStore> store;
 };
 
-double Largest(const Tensor& a, const Tensor& b) { return (a - b).abs().max().item<double>(); }
+double LargestError(const Tensor& a, const Tensor& b) { return (a - b).abs().max().item<double>(); }
 
 TEST(StatisticsTest, AreThoseOfClipsAndTheirMirrorImages) {
   std::vector<TrainingClip> clips = Clips();
@@ -91,8 +91,8 @@ TEST(WindowStoreTest, AMirroredWindowIsOneOfTheMirroredClip) {
   const Tensor mirrored = data.store->Read({{0, 8, true}});
   for (body::Pose& pose : data.clips[0].poses) body::Mirror(pose, pose);
   const WindowStore images(data.clips, data.statistics, data.parameters, 8);
-  EXPECT_LT(Largest(mirrored, images.Read({{0, 8, false}})), 1e-4);
-  EXPECT_GT(Largest(mirrored, data.store->Read({{0, 8, false}})), 0.1)
+  EXPECT_LT(LargestError(mirrored, images.Read({{0, 8, false}})), 1e-4);
+  EXPECT_GT(LargestError(mirrored, data.store->Read({{0, 8, false}})), 0.1)
       << "the walker is not symmetric";
 }
 
@@ -200,7 +200,7 @@ TEST(KinematicsTest, WhatIsPublishedOfRealMotionIsThatMotion) {
   const Data data;
   const Kinematics kinematics(data.statistics, torch::kCPU);
   const Tensor window = data.store->Read({{0, 8, false}, {6, 16, true}});
-  EXPECT_LT(Largest(kinematics.Published(window), window), 1e-3);
+  EXPECT_LT(LargestError(kinematics.Published(window), window), 1e-3);
 }
 
 TEST(KinematicsTest, WrongPositionsAreReplacedAndRotationsMadeUnit) {
@@ -212,7 +212,7 @@ TEST(KinematicsTest, WrongPositionsAreReplacedAndRotationsMadeUnit) {
   raw.narrow(-2, 1, 20).narrow(-1, 0, 3).add_(0.3);  // all but the hips
   raw.select(-2, 0).select(-1, 0).add_(0.2);         // the hips' x, which is nothing
   const Tensor wrong = (raw - kinematics.mean()) / kinematics.deviation();
-  EXPECT_LT(Largest(kinematics.Published(wrong), window), 2e-3);
+  EXPECT_LT(LargestError(kinematics.Published(wrong), window), 2e-3);
 }
 
 TEST(KinematicsTest, GradientsReachRotationsAndHipsHeightAlone) {
