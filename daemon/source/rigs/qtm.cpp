@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 
@@ -23,15 +22,6 @@ constexpr std::int64_t kAnswer_ns = 5 * kSecond_ns;  // QTM answers within milli
 constexpr std::int64_t kAgain_ns = 5 * kSecond_ns;   // questions that an operator has to make good
 constexpr std::int64_t kReread_ns = kSecond_ns;      // at most, where frames have unknown skeletons
 constexpr std::size_t kMaxSaid = 64;
-constexpr std::string_view kGreeting = "QTM RT Interface connected";
-
-bool StartsWithFolded(std::string_view text, std::string_view start) {
-  return text.size() >= start.size() &&
-         std::equal(start.begin(), start.end(), text.begin(), [](char a, char b) {
-           return std::tolower(static_cast<unsigned char>(a)) ==
-                  std::tolower(static_cast<unsigned char>(b));
-         });
-}
 
 }  // namespace
 
@@ -142,14 +132,14 @@ void Qtm::Say(const std::string& text, Outbox& out) {
 
 void Qtm::TakeText(std::string_view text, std::int64_t now_ns, Outbox& out) {
   out.LeaveHotSection();
-  if (StartsWithFolded(text, kGreeting)) {
+  if (qtm::IsGreeting(text)) {
     minor_ = qtm::kNewestMinor;
     timecode_wanted_ = true;
     return Enter(Stage::kVersion, now_ns, out);
   }
   if (stage_ == Stage::kGreeting) {
-    fault_ =
-        "greets with \"" + qtm::ToString(text) + "\", expected \"" + std::string(kGreeting) + "\"";
+    fault_ = "greets with \"" + qtm::ToString(text) + "\", expected \"" +
+             std::string(qtm::kGreeting) + "\"";
     return;
   }
   if (stage_ == Stage::kVersion) return TakeVersion(text, now_ns, out);
@@ -157,7 +147,7 @@ void Qtm::TakeText(std::string_view text, std::int64_t now_ns, Outbox& out) {
 }
 
 void Qtm::TakeVersion(std::string_view answer, std::int64_t now_ns, Outbox& out) {
-  if (StartsWithFolded(answer, "Version set to")) return Enter(Stage::kGeneral, now_ns, out);
+  if (qtm::TakesVersion(answer)) return Enter(Stage::kGeneral, now_ns, out);
   if (minor_ > qtm::kOldestMinor) {
     --minor_;
     return Enter(Stage::kVersion, now_ns, out);

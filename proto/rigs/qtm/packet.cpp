@@ -40,6 +40,15 @@ std::size_t Largest(PacketType type) noexcept {
   }
 }
 
+// ASCII alone: no locale decides what QTM says.
+char Lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+bool StartsWithFolded(std::string_view text, std::string_view start) noexcept {
+  return text.size() >= start.size() &&
+         std::equal(start.begin(), start.end(), text.begin(),
+                    [](char a, char b) { return Lower(a) == Lower(b); });
+}
+
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
@@ -112,6 +121,12 @@ std::string ToString(std::string_view text) {
   std::ranges::replace_if(
       line, [](char c) { return c < ' ' || c > '~'; }, '?');
   return line;
+}
+
+bool IsGreeting(std::string_view text) noexcept { return StartsWithFolded(text, kGreeting); }
+
+bool TakesVersion(std::string_view text) noexcept {
+  return StartsWithFolded(text, "Version set to");
 }
 
 std::size_t EncodeText(PacketType type, std::string_view text, std::span<std::byte> out) noexcept {

@@ -89,6 +89,12 @@ STYLED_REALTIME std::string_view TextOf(std::span<const std::byte> payload) noex
 // The same on one line, other characters than printable ASCII as '?', cut to 200, for messages.
 std::string ToString(std::string_view text);
 
+// Of a server's text, in any case of letters: whether it greets a client, whether it takes the
+// version that it was asked for.
+STYLED_REALTIME bool IsGreeting(std::string_view text) noexcept;
+STYLED_REALTIME bool TakesVersion(std::string_view text) noexcept;
+inline constexpr std::string_view kGreeting = "QTM RT Interface connected";
+
 // Each writes a packet to the front of `out` and returns its size; 0 if it does not fit. The
 // content of `out` is unspecified then.
 STYLED_REALTIME std::size_t EncodeText(PacketType type, std::string_view text,

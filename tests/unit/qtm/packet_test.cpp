@@ -95,5 +95,16 @@ TEST(QtmText, IsShownOnOneShortLine) {
   EXPECT_EQ(ToString(std::string(1000, 'x')).size(), 200U);
 }
 
+TEST(QtmText, OfAServerIsKnownInAnyCaseOfLetters) {
+  EXPECT_TRUE(IsGreeting("QTM RT Interface connected"));
+  EXPECT_TRUE(IsGreeting("qtm rt INTERFACE connected."));
+  EXPECT_FALSE(IsGreeting("QTM RT Interface"));
+  EXPECT_FALSE(IsGreeting("220 ftp"));
+  EXPECT_FALSE(IsGreeting(""));
+  EXPECT_TRUE(TakesVersion("Version set to 1.25"));
+  EXPECT_TRUE(TakesVersion("version SET to 1.19"));
+  EXPECT_FALSE(TakesVersion("Version NOT supported"));
+}
+
 }  // namespace
 }  // namespace styled::qtm
