@@ -25,6 +25,10 @@ inline constexpr std::size_t kHeaderSize = 8;
 inline constexpr std::size_t kMaxPacketSize = (2U << 20U) - (64U << 10U);
 inline constexpr std::size_t kMaxTextSize = 4096;  // of a command's or an error's packet
 
+// Of a frame and of the XML: further skeletons are left out, and a skeleton with more segments is
+// refused.
+inline constexpr std::size_t kMaxSkeletons = 16, kMaxSegments = 128;
+
 // One packet: u32 size of all of it, u32 type, payload.
 enum class PacketType : std::uint32_t {
   kError = 0,    // text

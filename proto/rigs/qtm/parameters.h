@@ -27,8 +27,9 @@ struct SegmentDescription {
 };
 struct SkeletonDescription {
   std::string name;
-  bool global = false;  // before 1.21: every segment in the capture volume
-  std::vector<SegmentDescription> segments;
+  bool global = false;                       // before 1.21: every segment in the capture volume
+  std::vector<SegmentDescription> segments;  // the first kMaxSegments of those found
+  std::size_t segments_left_out = 0;         // found beyond them, not read
 };
 
 enum class Axis : std::uint8_t { kX, kY, kZ, kMinusX, kMinusY, kMinusZ };

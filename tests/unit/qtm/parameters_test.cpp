@@ -62,6 +62,30 @@ TEST(QtmParameters, ThatWouldTakeTheMemoryAreRefusedBeforeTheyAreParsed) {
   EXPECT_NE(Refusal("<!DOCTYPE a [<!ENTITY b \"c\">]><a>&b;"), "");
 }
 
+// To look for each parent among all of them would take the square of their number.
+TEST(QtmParameters, OfASkeletonWithTooManySegmentsAreTheFirstAndHowManyFollow) {
+  std::string flat = "<Segment Name=\"s0\" ID=\"0\"/>";
+  for (int i = 1; i < 70'000; ++i) {
+    flat +=
+        "<Segment ID=\"" + std::to_string(i) + "\" Parent_ID=\"" + std::to_string(i - 1) + "\"/>";
+  }
+  std::string nested = "<Segments><Segment Name=\"root\">";
+  for (int i = 0; i < 200; ++i) nested += "<Segment><Segment/></Segment>";
+  nested += "</Segment></Segments>";
+  const auto read =
+      ReadParameters("<QTM><Skeletons><Skeleton Name=\"a\">" + flat +
+                     "</Skeleton><Skeleton Name=\"b\">" + nested + "</Skeleton></Skeletons></QTM>");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ASSERT_EQ(read.value().skeletons->size(), 2U);
+  const SkeletonDescription& a = read.value().skeletons->at(0);
+  EXPECT_EQ(a.segments.size(), kMaxSegments);
+  EXPECT_EQ(a.segments.back().parent, static_cast<int>(kMaxSegments) - 2);
+  EXPECT_EQ(a.segments_left_out, 70'000 - kMaxSegments);
+  const SkeletonDescription& b = read.value().skeletons->at(1);
+  EXPECT_EQ(b.segments.size(), kMaxSegments);
+  EXPECT_EQ(b.segments_left_out, 401 - kMaxSegments);
+}
+
 TEST(QtmParameters, OfTheNestedFormHaveEveryValue) {
   const auto read = ReadParameters(kNestedXml);
   ASSERT_TRUE(read.ok()) << read.status().message();
