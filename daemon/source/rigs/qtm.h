@@ -43,7 +43,7 @@ class Qtm final : public ServerTranslator {
   std::int64_t NextDeadline_ns() const override { return next_ns_; }
 
   CutReader::Cutter cutter() const override { return qtm::CutPacket; }
-  std::size_t max_record() const override { return qtm::kMaxPacketSize; }
+  std::size_t max_record() const override { return qtm::kMaxXmlSize; }
   std::string WhyBroken(std::span<const std::byte> received) const override {
     return qtm::WhyBroken(received);
   }

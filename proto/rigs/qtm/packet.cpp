@@ -35,6 +35,8 @@ std::size_t Largest(PacketType type) noexcept {
       return kHeaderSize;
     case PacketType::kEvent:
       return kHeaderSize + 1;
+    case PacketType::kXml:
+      return kMaxXmlSize;
     default:
       return kMaxPacketSize;
   }
@@ -105,9 +107,10 @@ std::string WhyBroken(std::span<const std::byte> received) {
     return "a packet of type " + std::to_string(static_cast<std::uint32_t>(header.type)) +
            ", expected 0 to 8 of QTM RT, little-endian (port " + std::to_string(kPort) + ")";
   }
-  return "a packet of type " + std::to_string(static_cast<std::uint32_t>(header.type)) + " with " +
-         std::to_string(header.size) + " bytes, expected " + std::to_string(Smallest(header.type)) +
-         " to " + std::to_string(Largest(header.type));
+  const std::string what = header.type == PacketType::kXml ? " (parameters)" : "";
+  return "a packet of type " + std::to_string(static_cast<std::uint32_t>(header.type)) + what +
+         " with " + std::to_string(header.size) + " bytes, expected " +
+         std::to_string(Smallest(header.type)) + " to " + std::to_string(Largest(header.type));
 }
 
 std::string_view TextOf(std::span<const std::byte> payload) noexcept {

@@ -20,9 +20,13 @@ namespace styled::qtm {
 
 inline constexpr std::uint16_t kPort = 22223;  // little-endian; 22224 is big-endian
 inline constexpr std::size_t kHeaderSize = 8;
-// Of a packet with its header. XML is the largest: sixteen skeletons with fingers have 1.9 MB. A
-// packet must fit into a record of a recording (proto/recording/block.h, 2 MiB).
+// Of a packet with its header; what a record of a recording holds (proto/recording/block.h, 2 MiB)
+// with room for what it says of the packet.
 inline constexpr std::size_t kMaxPacketSize = (2U << 20U) - (64U << 10U);
+// Of XML, the largest packet. A skeleton with fingers has 120 KB of it, and QTM lists all that it
+// knows, also those that are left out here: this is enough for 68. The bound of what a receiver
+// keeps for a connection; what exceeds kMaxPacketSize is not recorded.
+inline constexpr std::size_t kMaxXmlSize = 8U << 20U;
 inline constexpr std::size_t kMaxTextSize = 4096;  // of a command's or an error's packet
 
 // Of a frame and of the XML: further skeletons are left out, and a skeleton with more segments is

@@ -138,7 +138,12 @@ Status ReadRoot(const xml_node& root, Parameters& out) {
   if (!skeletons) return Status::Ok();
   out.skeletons.emplace();
   for (const xml_node& node : skeletons.children("Skeleton")) {
-    Status status = SkeletonReader(out.skeletons->emplace_back()).Read(node);
+    SkeletonDescription& skeleton = out.skeletons->emplace_back();
+    if (out.skeletons->size() > kMaxSkeletons) {
+      skeleton.name = node.attribute("Name").value();
+      continue;
+    }
+    Status status = SkeletonReader(skeleton).Read(node);
     if (!status.ok()) return status;
   }
   return Status::Ok();

@@ -49,7 +49,7 @@ TEST(QtmParameters, AreRefusedWithWhatWasExpected) {
 TEST(QtmParameters, ThatWouldTakeTheMemoryAreRefusedBeforeTheyAreParsed) {
   std::string nested = "<QTM><Skeletons><Skeleton Name=\"a\"><Segments>";
   for (int i = 0; i < 1'000'000; ++i) nested += "<Segment>";
-  EXPECT_EQ(Refusal(nested), "XML with more than 100000 elements");
+  EXPECT_EQ(Refusal(nested), "XML with more than 200000 elements");
   // Fewer, well-formed: of a depth that no skeleton has.
   std::string deep = "<QTM><Skeletons><Skeleton Name=\"a\"><Segments>", end;
   for (int i = 0; i < 50'000; ++i) {
@@ -84,6 +84,20 @@ TEST(QtmParameters, OfASkeletonWithTooManySegmentsAreTheFirstAndHowManyFollow) {
   const SkeletonDescription& b = read.value().skeletons->at(1);
   EXPECT_EQ(b.segments.size(), kMaxSegments);
   EXPECT_EQ(b.segments_left_out, 401 - kMaxSegments);
+}
+
+TEST(QtmParameters, OfSkeletonsThatAreLeftOutAreTheirNames) {
+  Parameters written;
+  written.skeletons.emplace();
+  for (int k = 0; k < 20; ++k) {
+    written.skeletons->push_back({"s" + std::to_string(k), false, {{"Hips", 1}}});
+  }
+  const auto read = ReadParameters(WriteParameters(written, 25));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ASSERT_EQ(read.value().skeletons->size(), 20U);
+  EXPECT_EQ(read.value().skeletons->at(15).segments.size(), 1U);
+  EXPECT_EQ(read.value().skeletons->at(16).segments.size(), 0U);
+  EXPECT_EQ(read.value().skeletons->at(19).name, "s19");
 }
 
 TEST(QtmParameters, OfTheNestedFormHaveEveryValue) {

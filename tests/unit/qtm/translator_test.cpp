@@ -114,6 +114,35 @@ TEST_F(QtmTranslatorTest, SeveralSkeletonsAreSeveralPerformersWithValidNames) {
   EXPECT_THAT(names, ElementsAre("Anna", "Ben___co", "Anna-2"));
 }
 
+// Their XML alone is larger than any other packet may be.
+TEST_F(QtmTranslatorTest, OfTwentySkeletonsWithFingersSixteenPlay) {
+  qtm::Parameters parameters;
+  parameters.skeletons.emplace();
+  for (std::uint32_t k = 0; k < 20; ++k) {
+    auto& skeleton = parameters.skeletons->emplace_back(
+        rigs::DescribeQtmSkeleton("s" + std::to_string(k), 1000 * (k + 1), true, false));
+    for (std::uint32_t s = 0; s < 100; ++s) {
+      skeleton.segments.push_back(
+          {std::string(200, 'f') + std::to_string(s), 1000 * (k + 1) + 100 + s, 0});
+    }
+  }
+  const Bytes xml = Xml(qtm::WriteParameters(parameters, 25));
+  ASSERT_GT(xml.size(), qtm::kMaxPacketSize);
+  std::size_t size = 0;
+  ASSERT_EQ(qtm::CutPacket(xml, size), rigs::Cut::kRecord);
+  EXPECT_GE(translator().max_record(), size);
+  Connect(xml);
+  EXPECT_EQ(translated_.notes.at(0), "server 192.0.2.7 has 20 skeletons, the first 16 are taken");
+  Bytes skeletons;
+  for (std::uint32_t k = 0; k < 20; ++k) {
+    Part{Join(U32{1}, SegmentOf(1000 * (k + 1), 0, 0, 1, 0, 0, 0, 1))}.AppendTo(skeletons);
+  }
+  Take(Data(0, 1, ComponentOf(18, U32{20}, Part{skeletons})));
+  EXPECT_EQ(translated_.Frames().size(), 16U);
+  EXPECT_EQ(translated_.Count(Counter::kPipelineBeforeBody), 0U);
+  EXPECT_EQ(translator().NextDeadline_ns(), Translator::kNever) << "nothing is asked anew";
+}
+
 TEST_F(QtmTranslatorTest, OneThatIsNotSeenSendsNothingTheOthersDo) {
   Connect(Described({"a", "b"}));
   const body::Pose pose;
