@@ -186,6 +186,9 @@ void Qtm::TakeError(std::string_view text, std::int64_t now_ns, Outbox& out) {
 }
 
 void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
+  // The answer to a question for parameters; what was not asked for is not read.
+  const bool asked = next_ == Next::kAnswer && stage_ >= Stage::kGeneral;
+  if (!asked) return out.Refuse(Counter::kSourceIgnored);
   out.LeaveHotSection();
   const auto read = qtm::ReadParameters(xml);
   if (!read.ok()) {

@@ -221,6 +221,23 @@ TEST_F(QtmTranslatorTest, WaitsForMeasurementsAndSkeletonsWithoutEnd) {
   EXPECT_EQ(translated_.Frames().size(), 1U);
 }
 
+TEST_F(QtmTranslatorTest, ParametersThatNobodyAskedForAnswerNothing) {
+  translator().Connected(translated_.now_ns);
+  Take(Xml("<Q><The_3D><AxisUpwards>+X</AxisUpwards></The_3D></Q>"));
+  Take(Command("QTM RT Interface connected"));
+  Wait(1);
+  Take(Xml("<Q><General>"));
+  EXPECT_EQ(translated_.Count(Counter::kSourceIgnored), 2U);
+  EXPECT_EQ(Fault(), "") << "not read";
+  Wait(4);
+  EXPECT_EQ(Fault(), "did not answer \"Version 1.25\" within 5 s");
+  Connect(Described({"a"}));
+  EXPECT_THAT(translated_.notes.back(), HasSubstr("+Z up, skeletons: a"));
+  Take(Described({}));
+  Take(FrameAt(0, 1, {body::Pose()}));
+  EXPECT_EQ(translated_.Frames().size(), 1U) << "a goes on";
+}
+
 TEST_F(QtmTranslatorTest, ParametersThatCannotBeUsedEndTheConnection) {
   translator().Connected(translated_.now_ns);
   Take(Command("QTM RT Interface connected"));
