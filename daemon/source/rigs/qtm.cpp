@@ -21,7 +21,6 @@ using runtime::kSecond_ns;
 constexpr std::int64_t kAnswer_ns = 5 * kSecond_ns;  // QTM answers within milliseconds
 constexpr std::int64_t kAgain_ns = 5 * kSecond_ns;   // questions that an operator has to make good
 constexpr std::int64_t kReread_ns = kSecond_ns;      // at most, where frames have unknown skeletons
-constexpr std::size_t kMaxSaid = 64;
 
 }  // namespace
 
@@ -36,6 +35,7 @@ void Qtm::Connected(std::int64_t now_ns) {
   stage_ = Stage::kGreeting;
   asked_.clear();
   fault_.clear();
+  said_.Forget(now_ns);
   Await(Next::kAnswer, now_ns + kAnswer_ns);
 }
 
@@ -124,10 +124,8 @@ void Qtm::AwaitSkeletons(std::int64_t now_ns) noexcept {
 }
 
 void Qtm::Say(const std::string& text, Outbox& out) {
-  if (said_.size() >= kMaxSaid || std::ranges::find(said_, text) != said_.end()) return;
   out.LeaveHotSection();
-  said_.push_back(text);
-  out.Note([&text] { return text; });
+  if (said_.Add(text)) out.Note([&text] { return text; });
 }
 
 void Qtm::TakeText(std::string_view text, std::int64_t now_ns, Outbox& out) {

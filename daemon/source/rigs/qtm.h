@@ -10,6 +10,7 @@
 #include "daemon/config/config.h"
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/qtm_skeleton.h"
+#include "daemon/source/said_lines.h"
 #include "daemon/source/tcp_client.h"
 #include "proto/rigs/qtm/frame.h"
 #include "proto/rigs/qtm/parameters.h"
@@ -84,7 +85,7 @@ class Qtm final : public ServerTranslator {
   }
   void BeginSession(std::int64_t now_ns, Outbox& out);
   bool ReadTimecode() noexcept;
-  // Logs a line, but the same text only once.
+  // Logs a line, but the same text only once while the server is there.
   void Say(const std::string& text, Outbox& out);
   std::string Server() const { return "server " + config_.server; }
 
@@ -106,7 +107,7 @@ class Qtm final : public ServerTranslator {
   std::int64_t last_us_ = 0;
   std::uint32_t last_number_ = 0;
   Timecode timecode_;
-  std::vector<std::string> said_;
+  SaidLines said_;
   std::unique_ptr<qtm::Frame> frame_ = std::make_unique<qtm::Frame>();
 };
 

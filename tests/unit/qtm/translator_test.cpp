@@ -174,6 +174,23 @@ TEST_F(QtmTranslatorTest, NamesWhatTheServerSaysAndReadsOldOnes) {
                   "server 192.0.2.7: QTM RT 1.20, +Z up, skeletons: a"));
 }
 
+// Each connection is told anew, but of a server that comes and goes once a minute.
+TEST_F(QtmTranslatorTest, ComplaintsOfAnotherConnectionAreSaidAgain) {
+  Connect(Described({}));
+  ASSERT_EQ(translated_.notes.size(), 2U);
+  Connect(Described({}));
+  EXPECT_EQ(translated_.notes.size(), 2U) << "at once";
+  Wait(61);
+  Connect(Described({}));
+  ASSERT_EQ(translated_.notes.size(), 4U);
+  EXPECT_EQ(translated_.notes[2], translated_.notes[0]);
+  for (int i = 0; i < 100; ++i) Take(Error("Error " + std::to_string(i)));
+  EXPECT_EQ(translated_.notes.size(), 66U);
+  Wait(61);
+  Connect(Described({"new"}));
+  EXPECT_THAT(translated_.notes.back(), HasSubstr("skeletons: new"));
+}
+
 TEST_F(QtmTranslatorTest, GivesUpAServerThatIsTooOldOrFullOrAnother) {
   translator().Connected(translated_.now_ns);
   Take(Error("Connection refused. Max number of clients reached."));
