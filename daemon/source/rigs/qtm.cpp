@@ -21,10 +21,12 @@ using runtime::kSecond_ns;
 constexpr std::int64_t kAnswer_ns = 5 * kSecond_ns;  // QTM answers within milliseconds
 constexpr std::int64_t kAgain_ns = 5 * kSecond_ns;   // questions that an operator has to make good
 constexpr std::int64_t kReread_ns = kSecond_ns;      // at most, where frames have unknown skeletons
+constexpr std::size_t kMaxQuestion = 64;             // bytes; the longest has 41
 
 }  // namespace
 
 Qtm::Qtm(const config::Source& config) : config_(config) {
+  asked_.reserve(kMaxQuestion);
   const auto server = config::ParseServer(config.server, qtm::kPort);
   if (!server.ok()) return;  // a recording's; the configuration of a live source was checked
   std::memcpy(&server_.address, &server.value(), sizeof server.value());
@@ -84,6 +86,7 @@ void Qtm::Enter(Stage stage, std::int64_t now_ns, Outbox& out) {
     case Stage::kGreeting:
       return;
     case Stage::kVersion:
+      out.LeaveHotSection();
       return Ask("Version 1." + std::to_string(minor_), now_ns, out);
     case Stage::kGeneral:
       return Ask("GetParameters General", now_ns, out);
@@ -96,9 +99,9 @@ void Qtm::Enter(Stage stage, std::int64_t now_ns, Outbox& out) {
   }
 }
 
-void Qtm::Ask(std::string command, std::int64_t now_ns, Outbox& out) {
+void Qtm::Ask(std::string_view command, std::int64_t now_ns, Outbox& out) {
   out.LeaveHotSection();
-  asked_ = std::move(command);
+  asked_ = command;  // has room for every question, so that none that frames cause allocates
   Await(Next::kAnswer, now_ns + kAnswer_ns);
   std::array<std::byte, 128> buffer;
   out.Reply(server_,

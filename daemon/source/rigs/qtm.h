@@ -75,7 +75,7 @@ class Qtm final : public ServerTranslator {
              std::vector<std::unique_ptr<Performer>>& performers, Outbox& out);
 
   void Enter(Stage stage, std::int64_t now_ns, Outbox& out);
-  void Ask(std::string command, std::int64_t now_ns, Outbox& out);
+  void Ask(std::string_view command, std::int64_t now_ns, Outbox& out);
   void AskForSkeletons(std::int64_t now_ns, Outbox& out);
   void StartStream(std::int64_t now_ns, Outbox& out);
   void AwaitSkeletons(std::int64_t now_ns) noexcept;

@@ -364,5 +364,19 @@ TEST_F(QtmTranslatorTest, DoesNotAllocateForFrames) {
   EXPECT_EQ(support::Allocations(translated_.translator(), next, translated_.now_ns), 0);
 }
 
+// What frames and events make it ask, too.
+TEST_F(QtmTranslatorTest, DoesNotAllocateToReadSkeletonsAnew) {
+  Connect(Described({"a", "b"}));
+  Take(FrameAt(10'000, 1, {body::Pose(), body::Pose()}));
+  translated_.now_ns += 2 * kSecond_ns;
+  const Bytes unknown = FrameAt(20'000, 2, {body::Pose(), body::Pose(), body::Pose()});
+  EXPECT_EQ(support::Allocations(translated_.translator(), unknown, translated_.now_ns), 0);
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns) << "asked";
+  Take(Described({"a", "b"}));
+  translated_.now_ns += 10 * kSecond_ns;
+  EXPECT_EQ(support::Allocations(translated_.translator(), EventOf(3), translated_.now_ns), 0);
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns) << "asked";
+}
+
 }  // namespace
 }  // namespace styled::source
