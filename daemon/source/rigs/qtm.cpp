@@ -20,8 +20,9 @@ using runtime::kSecond_ns;
 
 constexpr std::int64_t kAnswer_ns = 5 * kSecond_ns;  // QTM answers within milliseconds
 constexpr std::int64_t kAgain_ns = 5 * kSecond_ns;   // questions that an operator has to make good
-constexpr std::int64_t kReread_ns = kSecond_ns;      // at most, where frames have unknown skeletons
-constexpr std::size_t kMaxQuestion = 64;             // bytes; the longest has 41
+// Pauses between reading skeletons anew: twice as long after each that changed nothing.
+constexpr std::int64_t kFirstPause_ns = kSecond_ns, kLongestPause_ns = 60 * kSecond_ns;
+constexpr std::size_t kMaxQuestion = 64;  // bytes; the longest has 41
 
 }  // namespace
 
@@ -38,7 +39,9 @@ void Qtm::Connected(std::int64_t now_ns) {
   asked_.clear();
   fault_.clear();
   said_.Forget(now_ns);
-  Await(Next::kAnswer, now_ns + kAnswer_ns);
+  answer_ns_ = now_ns + kAnswer_ns;
+  again_ns_ = reread_ns_ = kNever;
+  reread_pause_ns_ = kFirstPause_ns;
 }
 
 void Qtm::Take(std::span<const std::byte> record, const Peer& /*peer*/, std::int64_t now_ns,
@@ -66,12 +69,13 @@ void Qtm::Take(std::span<const std::byte> record, const Peer& /*peer*/, std::int
 }
 
 void Qtm::Tick(std::int64_t now_ns, Outbox& out) {
-  if (now_ns < next_ns_) return;
-  const Next due = next_;
-  Await(Next::kNothing);
-  if (due == Next::kStage) return Enter(stage_, now_ns, out);
-  if (due == Next::kSkeletons) return AskForSkeletons(now_ns, out);
-  if (due == Next::kNothing) return;
+  if (now_ns >= again_ns_) {
+    again_ns_ = kNever;
+    Enter(stage_, now_ns, out);
+  }
+  if (now_ns >= reread_ns_) AskForSkeletons(now_ns, out);
+  if (now_ns < answer_ns_) return;
+  answer_ns_ = kNever;
   out.LeaveHotSection();
   const std::string seconds = std::to_string(kAnswer_ns / kSecond_ns) + " s";
   fault_ = asked_.empty() ? "did not greet within " + seconds + ": is it QTM's port " +
@@ -102,28 +106,44 @@ void Qtm::Enter(Stage stage, std::int64_t now_ns, Outbox& out) {
 void Qtm::Ask(std::string_view command, std::int64_t now_ns, Outbox& out) {
   out.LeaveHotSection();
   asked_ = command;  // has room for every question, so that none that frames cause allocates
-  Await(Next::kAnswer, now_ns + kAnswer_ns);
+  answer_ns_ = now_ns + kAnswer_ns;
+  Send(command, out);
+}
+
+void Qtm::Send(std::string_view command, Outbox& out) noexcept {
   std::array<std::byte, 128> buffer;
   out.Reply(server_,
-            std::span(buffer).first(qtm::EncodeText(PacketType::kCommand, asked_, buffer)));
+            std::span(buffer).first(qtm::EncodeText(PacketType::kCommand, command, buffer)));
 }
 
 void Qtm::AskForSkeletons(std::int64_t now_ns, Outbox& out) {
+  reread_ns_ = kNever;
+  // Nobody wanted them as soon as they might have been read.
+  if (now_ns - asked_skeletons_ns_ >= 2 * reread_pause_ns_) reread_pause_ns_ = kFirstPause_ns;
   asked_skeletons_ns_ = now_ns;
   Ask("GetParameters Skeleton", now_ns, out);
 }
 
-// There is no answer but frames, which come when a measurement runs, or an error.
-void Qtm::StartStream(std::int64_t now_ns, Outbox& out) {
-  Ask(timecode_wanted_ ? "StreamFrames AllFrames Skeleton Timecode"
-                       : "StreamFrames AllFrames Skeleton",
-      now_ns, out);
-  AwaitSkeletons(now_ns);
+void Qtm::WantSkeletons(std::int64_t now_ns) noexcept {
+  if (stage_ != Stage::kStreaming || IsAsking()) return;  // what was asked will be answered
+  reread_ns_ = std::min(reread_ns_, std::max(now_ns, asked_skeletons_ns_ + reread_pause_ns_));
 }
 
-// Somebody may add one.
-void Qtm::AwaitSkeletons(std::int64_t now_ns) noexcept {
-  performers_.empty() ? Await(Next::kSkeletons, now_ns + kAgain_ns) : Await(Next::kNothing);
+void Qtm::EndReread(bool changed, std::int64_t now_ns) noexcept {
+  reread_pause_ns_ = changed ? kFirstPause_ns : std::min(2 * reread_pause_ns_, kLongestPause_ns);
+  // Somebody may add one.
+  if (performers_.empty()) reread_ns_ = now_ns + kAgain_ns;
+}
+
+std::string_view Qtm::StreamCommand() const noexcept {
+  return timecode_wanted_ ? "StreamFrames AllFrames Skeleton Timecode"
+                          : "StreamFrames AllFrames Skeleton";
+}
+
+// There is no answer but frames, which come when a measurement runs, or an error.
+void Qtm::StartStream(std::int64_t now_ns, Outbox& out) {
+  Send(StreamCommand(), out);
+  if (performers_.empty() && !IsAsking()) reread_ns_ = now_ns + kAgain_ns;
 }
 
 void Qtm::Say(const std::string& text, Outbox& out) {
@@ -173,23 +193,36 @@ void Qtm::TakeError(std::string_view text, std::int64_t now_ns, Outbox& out) {
     case Stage::kSpace:
       Say(Server() + " answers \"" + asked_ + "\" with " + words + "; +Z is taken to be up", out);
       return Enter(Stage::kSkeletons, now_ns, out);
-    case Stage::kStreaming:
-      if (timecode_wanted_ && asked_.starts_with("StreamFrames")) {
-        timecode_wanted_ = false;
-        return StartStream(now_ns, out);
-      }
-      break;
     case Stage::kSkeletons:
-      break;
+      Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
+      answer_ns_ = kNever;
+      again_ns_ = now_ns + kAgain_ns;
+      return;
+    case Stage::kStreaming:
+      return IsAsking() ? RefuseReread(words, now_ns, out) : RefuseStream(words, now_ns, out);
   }
+}
+
+void Qtm::RefuseReread(const std::string& words, std::int64_t now_ns, Outbox& out) {
   Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
-  Await(asked_.starts_with("StreamFrames") ? Next::kStage : Next::kSkeletons, now_ns + kAgain_ns);
+  answer_ns_ = kNever;
+  EndReread(false, now_ns);
+  WantSkeletons(now_ns + kAgain_ns);
+}
+
+void Qtm::RefuseStream(const std::string& words, std::int64_t now_ns, Outbox& out) {
+  if (!timecode_wanted_) {
+    Say(Server() + " answers \"" + std::string(StreamCommand()) + "\" with " + words, out);
+    again_ns_ = now_ns + kAgain_ns;
+    return;
+  }
+  timecode_wanted_ = false;
+  StartStream(now_ns, out);
 }
 
 void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
   // The answer to a question for parameters; what was not asked for is not read.
-  const bool asked = next_ == Next::kAnswer && stage_ >= Stage::kGeneral;
-  if (!asked) return out.Refuse(Counter::kSourceIgnored);
+  if (!IsAsking() || stage_ < Stage::kGeneral) return out.Refuse(Counter::kSourceIgnored);
   out.LeaveHotSection();
   const auto read = qtm::ReadParameters(xml);
   if (!read.ok()) {
@@ -197,7 +230,7 @@ void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
     fault_ = "sent parameters that cannot be used: " + read.status().message();
     return;
   }
-  Await(Next::kNothing);
+  answer_ns_ = kNever;
   const qtm::Parameters& parameters = read.value();
   if (parameters.frequency_hz) frequency_hz_ = parameters.frequency_hz;
   if (parameters.up) up_ = *parameters.up;
@@ -211,14 +244,13 @@ void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
       TakeSkeletons(parameters.skeletons.value_or(std::vector<qtm::SkeletonDescription>()), out);
       return Enter(Stage::kStreaming, now_ns, out);
     case Stage::kStreaming:
-      if (parameters.skeletons) TakeSkeletons(*parameters.skeletons, out);
-      return AwaitSkeletons(now_ns);
-    default:
-      return out.Refuse(Counter::kSourceIgnored);
+      return EndReread(parameters.skeletons && TakeSkeletons(*parameters.skeletons, out), now_ns);
+    default:  // asks nothing that XML answers
+      return;
   }
 }
 
-void Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, Outbox& out) {
+bool Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, Outbox& out) {
   if (skeletons.empty()) {
     Say(Server() + " has no skeleton: in QTM add one, and switch its solver on for real time", out);
   } else if (skeletons.size() > qtm::kMaxSkeletons) {
@@ -227,12 +259,13 @@ void Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, 
         out);
   }
   std::vector<std::unique_ptr<Performer>> performers;
-  for (const auto& skeleton :
-       std::span(skeletons).first(std::min(skeletons.size(), qtm::kMaxSkeletons))) {
-    Adopt(skeleton, performers, out);
+  const std::size_t count = std::min(skeletons.size(), qtm::kMaxSkeletons);
+  bool changed = count != performers_.size();
+  for (const auto& skeleton : std::span(skeletons).first(count)) {
+    changed = Adopt(skeleton, performers, out) || changed;
   }
   performers_ = std::move(performers);
-  if (stage_ != Stage::kSkeletons) return;
+  if (stage_ != Stage::kSkeletons) return changed;
   std::string names;
   for (const auto& skeleton : skeletons) {
     names.append(names.empty() ? "skeletons: " : ", ").append(skeleton.name);
@@ -242,22 +275,25 @@ void Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, 
           std::string(qtm::Name(up_)) + " up, " +
           (names.empty() ? "no skeletons" : qtm::ToString(names)),
       out);
+  return changed;
 }
 
 // Reuses the performer of this skeleton's name, or makes one.
-void Qtm::Adopt(const qtm::SkeletonDescription& description,
+bool Qtm::Adopt(const qtm::SkeletonDescription& description,
                 std::vector<std::unique_ptr<Performer>>& performers, Outbox& out) {
   auto skeleton = QtmSkeleton::Make(description, up_);
   if (!skeleton.ok()) {
     Say(Server() + ": " + skeleton.status().message(), out);
     out.Refuse(Counter::kPipelineBodiesRefused);
     performers.push_back(nullptr);  // frames count it
-    return;
+    return false;
   }
   Performer& performer = AdoptNamed(description.name, performers_, performers);
+  if (performer.stream.has_body() && performer.skeleton == skeleton.value()) return false;
   performer.skeleton = std::move(skeleton.value());
   performer.stream.SetBody(performer.skeleton.body(), out);
   performer.pose = rig::RigPose(performer.skeleton.body().skeleton);
+  return true;
 }
 
 void Qtm::TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
@@ -265,7 +301,7 @@ void Qtm::TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
     case qtm::Event::kConnected:
     case qtm::Event::kCaptureStarted:
     case qtm::Event::kRtFromFileStarted:
-      return BeginSession(now_ns, out);
+      return BeginSession(now_ns);
     case qtm::Event::kShuttingDown:
       out.LeaveHotSection();
       fault_ = "QTM shuts down";
@@ -276,14 +312,14 @@ void Qtm::TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
 }
 
 // What begins may have other skeletons.
-void Qtm::BeginSession(std::int64_t now_ns, Outbox& out) {
+void Qtm::BeginSession(std::int64_t now_ns) noexcept {
   if (any_frame_) {
     for (auto& performer : performers_) {
       if (performer != nullptr) performer->stream.Restart();
     }
   }
   any_frame_ = false;
-  if (stage_ == Stage::kStreaming) AskForSkeletons(now_ns, out);
+  WantSkeletons(now_ns);
 }
 
 bool Qtm::ReadTimecode() noexcept {
@@ -307,7 +343,7 @@ void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Out
     return out.Refuse(Counter::kPipelineDuplicate);
   }
   if (any_frame_ && frame_->timestamp_us < last_us_) {
-    BeginSession(now_ns, out);
+    BeginSession(now_ns);
   } else if (any_frame_ && frame_->number > last_number_) {
     info.lost = frame_->number - last_number_ - 1;
   }
@@ -330,9 +366,7 @@ void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Out
     }
     performer->stream.Send(performer->pose, info, out);
   }
-  if (unknown && next_ != Next::kAnswer && now_ns - asked_skeletons_ns_ >= kReread_ns) {
-    AskForSkeletons(now_ns, out);
-  }
+  if (unknown) WantSkeletons(now_ns);
 }
 
 std::unique_ptr<Translator> MakeQtm(const config::Source& config) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -30,7 +31,8 @@ namespace styled::source {
 // Time        The cameras' timestamp; SMPTE timecode, or IRIG's time of day. A gap in the frame
 //             numbers counts as lost frames.
 // Session     A new one when a measurement or a file begins (events 1, 3, 8), or where timestamps
-//             fall back; skeletons are read anew then, and when a frame has unknown ones.
+//             fall back. Skeletons are read anew then, and when a frame has unknown ones: at most
+//             once a second, and ever less often, down to once a minute, while nothing changes.
 // Refused     source.malformed; source.ignored for packets that were not asked for;
 //             pipeline.duplicate, pipeline.before_body and pipeline.bodies_refused.
 // Pinned by tests/unit/qtm/translator_test.cpp.
@@ -41,7 +43,9 @@ class Qtm final : public ServerTranslator {
   void Take(std::span<const std::byte> record, const Peer& peer, std::int64_t now_ns,
             Outbox& out) override;
   void Tick(std::int64_t now_ns, Outbox& out) override;
-  std::int64_t NextDeadline_ns() const override { return next_ns_; }
+  std::int64_t NextDeadline_ns() const override {
+    return std::min({answer_ns_, again_ns_, reread_ns_});
+  }
 
   CutReader::Cutter cutter() const override { return qtm::CutPacket; }
   std::size_t max_record() const override { return qtm::kMaxXmlSize; }
@@ -55,8 +59,6 @@ class Qtm final : public ServerTranslator {
  private:
   // What is being waited for. The stages after kVersion ask a question each.
   enum class Stage { kGreeting, kVersion, kGeneral, kSpace, kSkeletons, kStreaming };
-  // What is due at next_ns_: an answer, the stage's question again, or the one for skeletons.
-  enum class Next { kNothing, kAnswer, kStage, kSkeletons };
   struct Performer {
     explicit Performer(std::string name) : stream(std::move(name)) {}
     PerformerStream stream;
@@ -66,24 +68,29 @@ class Qtm final : public ServerTranslator {
 
   void TakeText(std::string_view text, std::int64_t now_ns, Outbox& out);
   void TakeError(std::string_view text, std::int64_t now_ns, Outbox& out);
+  void RefuseReread(const std::string& words, std::int64_t now_ns, Outbox& out);
+  void RefuseStream(const std::string& words, std::int64_t now_ns, Outbox& out);
   void TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out);
   void TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out);
   void TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
   void TakeVersion(std::string_view answer, std::int64_t now_ns, Outbox& out);
-  void TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, Outbox& out);
-  void Adopt(const qtm::SkeletonDescription& description,
+  // Both return whether anything changed.
+  bool TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, Outbox& out);
+  bool Adopt(const qtm::SkeletonDescription& description,
              std::vector<std::unique_ptr<Performer>>& performers, Outbox& out);
 
   void Enter(Stage stage, std::int64_t now_ns, Outbox& out);
   void Ask(std::string_view command, std::int64_t now_ns, Outbox& out);
+  void Send(std::string_view command, Outbox& out) noexcept;
   void AskForSkeletons(std::int64_t now_ns, Outbox& out);
   void StartStream(std::int64_t now_ns, Outbox& out);
-  void AwaitSkeletons(std::int64_t now_ns) noexcept;
-  void Await(Next next, std::int64_t at_ns = kNever) noexcept {
-    next_ = next;
-    next_ns_ = at_ns;
-  }
-  void BeginSession(std::int64_t now_ns, Outbox& out);
+  std::string_view StreamCommand() const noexcept;
+  bool IsAsking() const noexcept { return answer_ns_ != kNever; }
+  // Has skeletons read anew as soon as the pause since the last time is over.
+  STYLED_REALTIME void WantSkeletons(std::int64_t now_ns) noexcept;
+  // After skeletons were read anew, or could not be.
+  void EndReread(bool changed, std::int64_t now_ns) noexcept;
+  void BeginSession(std::int64_t now_ns) noexcept;
   bool ReadTimecode() noexcept;
   // Logs a line, but the same text only once while the server is there.
   void Say(const std::string& text, Outbox& out);
@@ -94,15 +101,17 @@ class Qtm final : public ServerTranslator {
   Stage stage_ = Stage::kGreeting;
   int minor_ = qtm::kNewestMinor;  // of the version asked for
   bool timecode_wanted_ = true;
-  std::string asked_, fault_;  // the last command; why the connection is to be closed
-  Next next_ = Next::kNothing;
-  std::int64_t next_ns_ = kNever;
+  std::string asked_, fault_;        // the last question; why the connection is to be closed
+  std::int64_t answer_ns_ = kNever;  // when its answer is due; kNever: it was answered
+  std::int64_t again_ns_ = kNever;   // when the stage's question is asked again
+  std::int64_t reread_ns_ = kNever;  // when skeletons are read anew
+  // When they were last asked for, and the pause until they may be again.
+  std::int64_t asked_skeletons_ns_ = 0, reread_pause_ns_ = 0;
 
   std::optional<double> frequency_hz_;
   qtm::Axis up_ = qtm::Axis::kZ;
   // In the order of the XML; null: one that was refused.
   std::vector<std::unique_ptr<Performer>> performers_;
-  std::int64_t asked_skeletons_ns_ = 0;
   bool any_frame_ = false;
   std::int64_t last_us_ = 0;
   std::uint32_t last_number_ = 0;

@@ -60,6 +60,12 @@ class QtmTranslatorTest : public testing::Test {
     ASSERT_TRUE(translator().ready());
     translated_.items.clear();
   }
+  // Whether these parameters were asked for.
+  bool Answers(const Bytes& xml) {
+    const std::uint64_t before = translated_.Count(Counter::kSourceIgnored);
+    Take(xml);
+    return translated_.Count(Counter::kSourceIgnored) == before;
+  }
   Bytes FrameAt(std::int64_t time_us, std::uint32_t number, const std::vector<body::Pose>& poses,
                 bool timecode = false) {
     qtm::Frame& frame = *frame_;
@@ -79,6 +85,7 @@ class QtmTranslatorTest : public testing::Test {
   }
 
   Translated translated_;
+  std::int64_t time_us_ = 0;
   std::unique_ptr<qtm::Frame> frame_ = std::make_unique<qtm::Frame>();
 };
 
@@ -291,6 +298,7 @@ TEST_F(QtmTranslatorTest, AMeasurementThatBeginsIsANewSession) {
   EXPECT_EQ(second, first + 2);
   Take(Described({"a"}));
   for (const unsigned event : {1U, 3U, 8U}) {
+    translated_.now_ns += 10 * kSecond_ns;
     const std::uint64_t before = translated_.items.back().session;
     Take(EventOf(event));
     Take(Described({"a"}));
@@ -329,6 +337,46 @@ TEST_F(QtmTranslatorTest, AnUnknownSkeletonMakesItReadThemAnew) {
   translated_.items.clear();
   Take(FrameAt(10'000, 2, {body::Pose(), body::Pose()}));
   EXPECT_EQ(translated_.Frames().size(), 2U);
+}
+
+TEST_F(QtmTranslatorTest, SkeletonsAreReadAnewEverLessOftenWhileNothingChanges) {
+  Connect(Described({"a"}));
+  const auto seconds = [this](double from, double to, const std::vector<std::string>& names) {
+    std::vector<double> asked;
+    const std::int64_t begin_ns = translated_.now_ns;
+    for (int i = static_cast<int>(10 * from); i < static_cast<int>(10 * to); ++i) {
+      translated_.now_ns = begin_ns + i * kSecond_ns / 10;
+      Take(FrameAt(++time_us_, 1, {body::Pose(), body::Pose()}));
+      if (Answers(Described(names))) asked.push_back(i / 10.0);
+    }
+    return asked;
+  };
+  EXPECT_THAT(seconds(2, 300, {"a"}), ElementsAre(2, 4, 8, 16, 32, 64, 124, 184, 244));
+  EXPECT_THAT(seconds(0, 10, {"a", "c"}), ElementsAre(4.1)) << "c is known, nothing is missing";
+  translated_.now_ns += 60 * kSecond_ns;
+  EXPECT_THAT(seconds(0, 1, {"a", "c"}), IsEmpty());
+  for (int i = 0; i < 3; ++i) {
+    translated_.now_ns += 20 * kSecond_ns;
+    Take(EventOf(3));
+    EXPECT_TRUE(Answers(Described({"a", "c"}))) << "at once, of measurements in succession";
+  }
+}
+
+TEST_F(QtmTranslatorTest, AFloodOfEventsAsksOnce) {
+  Connect(Described({"a"}));
+  translated_.now_ns += 2 * kSecond_ns;
+  int asked = 0;
+  for (int i = 0; i < 7281; ++i) {
+    Take(EventOf(3));
+    asked += Answers(Described({"a"})) ? 1 : 0;
+  }
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 2 * kSecond_ns) << "the next";
+  Wait(2);
+  Take(EventOf(3));
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns)
+      << "asked already: its answer is awaited";
+  EXPECT_EQ(Fault(), "");
 }
 
 TEST_F(QtmTranslatorTest, TimecodeIsCarried) {
