@@ -40,7 +40,8 @@ void Qtm::Connected(std::int64_t now_ns) {
   fault_.clear();
   said_.Forget(now_ns);
   answer_ns_ = now_ns + kAnswer_ns;
-  again_ns_ = reread_ns_ = kNever;
+  again_ns_ = reread_ns_ = silence_ns_ = kNever;
+  no_measurement_ = silence_said_ = false;
   reread_pause_ns_ = kFirstPause_ns;
 }
 
@@ -54,6 +55,7 @@ void Qtm::Take(std::span<const std::byte> record, const Peer& /*peer*/, std::int
     case PacketType::kData:
       return TakeFrame(packet.payload, now_ns, out);
     case PacketType::kNoMoreData:  // the stream goes on with the next measurement
+      no_measurement_ = true;
       return;
     case PacketType::kCommand:
       return TakeText(qtm::TextOf(packet.payload), now_ns, out);
@@ -74,6 +76,7 @@ void Qtm::Tick(std::int64_t now_ns, Outbox& out) {
     Enter(stage_, now_ns, out);
   }
   if (now_ns >= reread_ns_) AskForSkeletons(now_ns, out);
+  if (now_ns >= silence_ns_) SayThatNoFrameCame(out);
   if (now_ns < answer_ns_) return;
   answer_ns_ = kNever;
   out.LeaveHotSection();
@@ -124,9 +127,12 @@ void Qtm::AskForSkeletons(std::int64_t now_ns, Outbox& out) {
   Ask("GetParameters Skeleton", now_ns, out);
 }
 
+// Not while an error might be the answer to StreamFrames: nothing in it says what it answers.
 void Qtm::WantSkeletons(std::int64_t now_ns) noexcept {
   if (stage_ != Stage::kStreaming || IsAsking()) return;  // what was asked will be answered
-  reread_ns_ = std::min(reread_ns_, std::max(now_ns, asked_skeletons_ns_ + reread_pause_ns_));
+  const std::int64_t stream_ns = stream_confirmed_ ? now_ns : stream_ns_ + kAnswer_ns;
+  reread_ns_ =
+      std::min(reread_ns_, std::max({now_ns, asked_skeletons_ns_ + reread_pause_ns_, stream_ns}));
 }
 
 void Qtm::EndReread(bool changed, std::int64_t now_ns) noexcept {
@@ -143,7 +149,34 @@ std::string_view Qtm::StreamCommand() const noexcept {
 // There is no answer but frames, which come when a measurement runs, or an error.
 void Qtm::StartStream(std::int64_t now_ns, Outbox& out) {
   Send(StreamCommand(), out);
+  stream_ns_ = now_ns;
+  stream_confirmed_ = false;
+  silence_ns_ = silence_said_ ? kNever : now_ns + kAnswer_ns;
+  if (reread_ns_ != kNever) reread_ns_ = std::max(reread_ns_, now_ns + kAnswer_ns);
   if (performers_.empty() && !IsAsking()) reread_ns_ = now_ns + kAgain_ns;
+}
+
+void Qtm::ConfirmStream(std::int64_t now_ns) noexcept {
+  if (stream_confirmed_) return;
+  stream_confirmed_ = true;
+  no_measurement_ = false;
+  silence_ns_ = kNever;
+  if (reread_ns_ == kNever) return;
+  reread_ns_ = kNever;  // waited for this
+  WantSkeletons(now_ns);
+}
+
+void Qtm::SayThatNoFrameCame(Outbox& out) {
+  silence_ns_ = kNever;
+  silence_said_ = true;
+  out.LeaveHotSection();
+  const std::string seconds = std::to_string(kAnswer_ns / kSecond_ns);
+  const std::string text =
+      Server() + (no_measurement_ ? " runs no measurement: frames come when one begins"
+                                  : " sent no frame within " + seconds +
+                                        " s: frames come when a measurement runs in QTM, or a file "
+                                        "plays in real time");
+  if (said_.Add(text)) out.News([&text] { return text; });
 }
 
 void Qtm::Say(const std::string& text, Outbox& out) {
@@ -211,6 +244,8 @@ void Qtm::RefuseReread(const std::string& words, std::int64_t now_ns, Outbox& ou
 }
 
 void Qtm::RefuseStream(const std::string& words, std::int64_t now_ns, Outbox& out) {
+  if (stream_confirmed_) return Say(Server() + " complains: " + words, out);
+  silence_ns_ = kNever;
   if (!timecode_wanted_) {
     Say(Server() + " answers \"" + std::string(StreamCommand()) + "\" with " + words, out);
     again_ns_ = now_ns + kAgain_ns;
@@ -335,6 +370,7 @@ void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Out
   if (qtm::DecodeFrame(payload, *frame_) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
+  if (stage_ == Stage::kStreaming) ConfirmStream(now_ns);
   if (stage_ != Stage::kStreaming || !frame_->has_skeletons) {
     return out.Refuse(Counter::kSourceIgnored);
   }

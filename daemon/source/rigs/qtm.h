@@ -22,8 +22,10 @@ namespace styled::source {
 //
 // Transport   TCP, a dialogue with `server` (port 22223; daemon/source/tcp_client.h). After the
 //             greeting the newest version that the server accepts, then General, 3D and Skeleton of
-//             its parameters, then all frames of Skeleton and Timecode. Each question has 5 s; an
-//             error is logged with the server's words. Nothing is asked that changes QTM.
+//             its parameters, then all frames of Skeleton and Timecode; of Skeleton alone, if the
+//             server objects. Each question has 5 s; an error is logged with the server's words,
+//             and once in a connection that no frame came within 5 s, which is no error: QTM may
+//             be between measurements. Nothing is asked that changes QTM.
 // Performer   Each skeleton that QTM knows, up to 16: its name there; NAME-2, ... where a name is
 //             taken. A skeleton that QTM does not see sends no frames.
 // Body        The skeleton's segments in millimetres, made +Y up by QTM's AxisUpwards (`up` of the
@@ -44,7 +46,7 @@ class Qtm final : public ServerTranslator {
             Outbox& out) override;
   void Tick(std::int64_t now_ns, Outbox& out) override;
   std::int64_t NextDeadline_ns() const override {
-    return std::min({answer_ns_, again_ns_, reread_ns_});
+    return std::min({answer_ns_, again_ns_, reread_ns_, silence_ns_});
   }
 
   CutReader::Cutter cutter() const override { return qtm::CutPacket; }
@@ -85,6 +87,8 @@ class Qtm final : public ServerTranslator {
   void AskForSkeletons(std::int64_t now_ns, Outbox& out);
   void StartStream(std::int64_t now_ns, Outbox& out);
   std::string_view StreamCommand() const noexcept;
+  void ConfirmStream(std::int64_t now_ns) noexcept;
+  void SayThatNoFrameCame(Outbox& out);
   bool IsAsking() const noexcept { return answer_ns_ != kNever; }
   // Has skeletons read anew as soon as the pause since the last time is over.
   STYLED_REALTIME void WantSkeletons(std::int64_t now_ns) noexcept;
@@ -101,10 +105,11 @@ class Qtm final : public ServerTranslator {
   Stage stage_ = Stage::kGreeting;
   int minor_ = qtm::kNewestMinor;  // of the version asked for
   bool timecode_wanted_ = true;
-  std::string asked_, fault_;        // the last question; why the connection is to be closed
-  std::int64_t answer_ns_ = kNever;  // when its answer is due; kNever: it was answered
-  std::int64_t again_ns_ = kNever;   // when the stage's question is asked again
-  std::int64_t reread_ns_ = kNever;  // when skeletons are read anew
+  std::string asked_, fault_;         // the last question; why the connection is to be closed
+  std::int64_t answer_ns_ = kNever;   // when its answer is due; kNever: it was answered
+  std::int64_t again_ns_ = kNever;    // when the stage's question is asked again
+  std::int64_t reread_ns_ = kNever;   // when skeletons are read anew
+  std::int64_t silence_ns_ = kNever;  // when it is said that no frame came
   // When they were last asked for, and the pause until they may be again.
   std::int64_t asked_skeletons_ns_ = 0, reread_pause_ns_ = 0;
 
@@ -112,6 +117,12 @@ class Qtm final : public ServerTranslator {
   qtm::Axis up_ = qtm::Axis::kZ;
   // In the order of the XML; null: one that was refused.
   std::vector<std::unique_ptr<Performer>> performers_;
+  // Of the last StreamFrames: when it was sent, and whether a frame came since. An error before
+  // that is its answer.
+  std::int64_t stream_ns_ = 0;
+  bool stream_confirmed_ = false;
+  bool no_measurement_ = false,
+       silence_said_ = false;  // QTM says that; we said that no frame comes
   bool any_frame_ = false;
   std::int64_t last_us_ = 0;
   std::uint32_t last_number_ = 0;

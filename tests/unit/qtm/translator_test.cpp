@@ -187,6 +187,7 @@ TEST_F(QtmTranslatorTest, ComplaintsOfAnotherConnectionAreSaidAgain) {
   ASSERT_EQ(translated_.notes.size(), 2U);
   Connect(Described({}));
   EXPECT_EQ(translated_.notes.size(), 2U) << "at once";
+  Take(Data(1, 1, ComponentOf(18, U32{0})));  // it streams
   Wait(61);
   Connect(Described({}));
   ASSERT_EQ(translated_.notes.size(), 4U);
@@ -243,6 +244,56 @@ TEST_F(QtmTranslatorTest, WaitsForMeasurementsAndSkeletonsWithoutEnd) {
   EXPECT_EQ(Fault(), "");
   Take(FrameAt(0, 1, {body::Pose()}));
   EXPECT_EQ(translated_.Frames().size(), 1U);
+}
+
+// A measurement begins between the question for the stream and its answer.
+TEST_F(QtmTranslatorTest, AnErrorBeforeTheFirstFrameIsTheStreams) {
+  const std::string answers = "server 192.0.2.7 answers ";
+  Connect(Described({"a"}));
+  translated_.notes.clear();
+  translated_.now_ns += kSecond_ns;
+  Take(EventOf(3));
+  EXPECT_FALSE(Answers(Described({"b"}))) << "not asked: two answers could not be told apart";
+  Take(Error("Parse error"));
+  EXPECT_THAT(translated_.notes, IsEmpty()) << "it is asked without Timecode";
+  Take(Error("No"));
+  EXPECT_THAT(translated_.notes,
+              ElementsAre(answers + "\"StreamFrames AllFrames Skeleton\" with \"No\""));
+  Wait(5);  // asked again
+  Take(FrameAt(0, 1, {body::Pose()}));
+  EXPECT_EQ(translated_.Frames().size(), 1U);
+  EXPECT_TRUE(Answers(Described({"a"}))) << "what the event called for";
+  Take(Error("Busy"));
+  EXPECT_EQ(translated_.notes.back(), "server 192.0.2.7 complains: \"Busy\"");
+  translated_.now_ns += 10 * kSecond_ns;
+  Take(EventOf(3));
+  Take(Error("Busy"));
+  EXPECT_EQ(translated_.notes.back(), answers + "\"GetParameters Skeleton\" with \"Busy\"");
+  Wait(5);
+  EXPECT_TRUE(Answers(Described({"a"}))) << "asked again";
+}
+
+TEST_F(QtmTranslatorTest, SaysOnceThatNoFrameCameAndReadsSkeletonsAnyway) {
+  for (const bool no_measurement : {false, true}) {
+    translated_.now_ns += 100 * kSecond_ns;
+    Connect(Described({"a"}));
+    translated_.notes.clear();
+    if (no_measurement) Take(Pack(4));
+    Take(EventOf(1));
+    Wait(4.9);
+    EXPECT_THAT(translated_.notes, IsEmpty());
+    Wait(0.2);
+    ASSERT_EQ(translated_.notes.size(), 1U);
+    EXPECT_THAT(translated_.notes[0],
+                HasSubstr(no_measurement ? "runs no measurement: frames come when"
+                                         : "sent no frame within 5 s: frames come when"));
+    EXPECT_TRUE(Answers(Described({"a"})));
+    Wait(3600);
+    EXPECT_EQ(translated_.notes.size(), 1U);
+    EXPECT_EQ(Fault(), "");
+    Take(FrameAt(0, 1, {body::Pose()}));
+    EXPECT_EQ(translated_.Frames().size(), 1U);
+  }
 }
 
 TEST_F(QtmTranslatorTest, ParametersThatNobodyAskedForAnswerNothing) {
@@ -364,6 +415,7 @@ TEST_F(QtmTranslatorTest, SkeletonsAreReadAnewEverLessOftenWhileNothingChanges) 
 
 TEST_F(QtmTranslatorTest, AFloodOfEventsAsksOnce) {
   Connect(Described({"a"}));
+  Take(FrameAt(0, 1, {body::Pose()}));
   translated_.now_ns += 2 * kSecond_ns;
   int asked = 0;
   for (int i = 0; i < 7281; ++i) {
