@@ -22,6 +22,7 @@ constexpr std::int64_t kAnswer_ns = 5 * kSecond_ns;  // QTM answers within milli
 constexpr std::int64_t kAgain_ns = 5 * kSecond_ns;   // questions that an operator has to make good
 // Pauses between reading skeletons anew: twice as long after each that changed nothing.
 constexpr std::int64_t kFirstPause_ns = kSecond_ns, kLongestPause_ns = 60 * kSecond_ns;
+constexpr std::string_view kAllParameters = "GetParameters General 3D Skeleton";
 constexpr std::size_t kMaxQuestion = 64;  // bytes; the longest has 41
 
 }  // namespace
@@ -39,9 +40,11 @@ void Qtm::Connected(std::int64_t now_ns) {
   asked_.clear();
   fault_.clear();
   said_.Forget(now_ns);
+  frequency_hz_.reset();
+  up_ = qtm::Axis::kZ;
   answer_ns_ = now_ns + kAnswer_ns;
   again_ns_ = reread_ns_ = silence_ns_ = kNever;
-  no_measurement_ = silence_said_ = false;
+  no_measurement_ = silence_said_ = only_skeletons_ = false;
   reread_pause_ns_ = kFirstPause_ns;
 }
 
@@ -124,7 +127,8 @@ void Qtm::AskForSkeletons(std::int64_t now_ns, Outbox& out) {
   // Nobody wanted them as soon as they might have been read.
   if (now_ns - asked_skeletons_ns_ >= 2 * reread_pause_ns_) reread_pause_ns_ = kFirstPause_ns;
   asked_skeletons_ns_ = now_ns;
-  Ask("GetParameters Skeleton", now_ns, out);
+  const bool all = stage_ == Stage::kStreaming && !only_skeletons_;
+  Ask(all ? kAllParameters : "GetParameters Skeleton", now_ns, out);
 }
 
 // Not while an error might be the answer to StreamFrames: nothing in it says what it answers.
@@ -237,8 +241,13 @@ void Qtm::TakeError(std::string_view text, std::int64_t now_ns, Outbox& out) {
 }
 
 void Qtm::RefuseReread(const std::string& words, std::int64_t now_ns, Outbox& out) {
-  Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
   answer_ns_ = kNever;
+  // Perhaps it lacks one of the others: skeletons matter most.
+  if (asked_ == kAllParameters) {
+    only_skeletons_ = true;
+    return AskForSkeletons(now_ns, out);
+  }
+  Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
   EndReread(false, now_ns);
   WantSkeletons(now_ns + kAgain_ns);
 }
@@ -267,25 +276,34 @@ void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
   }
   answer_ns_ = kNever;
   const qtm::Parameters& parameters = read.value();
-  if (parameters.frequency_hz) frequency_hz_ = parameters.frequency_hz;
-  if (parameters.up) up_ = *parameters.up;
-  if (config_.up != "auto") up_ = config_.up == "y" ? qtm::Axis::kY : qtm::Axis::kZ;
+  bool changed = TakeVolume(parameters);
   switch (stage_) {
     case Stage::kGeneral:
       return Enter(Stage::kSpace, now_ns, out);
     case Stage::kSpace:
       return Enter(Stage::kSkeletons, now_ns, out);
     case Stage::kSkeletons:
-      TakeSkeletons(parameters.skeletons.value_or(std::vector<qtm::SkeletonDescription>()), out);
+      TakeSkeletons(parameters.skeletons.value_or(std::vector<qtm::SkeletonDescription>()), true,
+                    out);
       return Enter(Stage::kStreaming, now_ns, out);
     case Stage::kStreaming:
-      return EndReread(parameters.skeletons && TakeSkeletons(*parameters.skeletons, out), now_ns);
+      if (parameters.skeletons) changed = TakeSkeletons(*parameters.skeletons, changed, out);
+      return EndReread(changed, now_ns);
     default:  // asks nothing that XML answers
       return;
   }
 }
 
-bool Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, Outbox& out) {
+bool Qtm::TakeVolume(const qtm::Parameters& parameters) {
+  const auto before = std::pair(frequency_hz_, up_);
+  if (parameters.frequency_hz) frequency_hz_ = parameters.frequency_hz;
+  if (parameters.up) up_ = *parameters.up;
+  if (config_.up != "auto") up_ = config_.up == "y" ? qtm::Axis::kY : qtm::Axis::kZ;
+  return std::pair(frequency_hz_, up_) != before;
+}
+
+bool Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, bool changed,
+                        Outbox& out) {
   if (skeletons.empty()) {
     Say(Server() + " has no skeleton: in QTM add one, and switch its solver on for real time", out);
   } else if (skeletons.size() > qtm::kMaxSkeletons) {
@@ -295,12 +313,12 @@ bool Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, 
   }
   std::vector<std::unique_ptr<Performer>> performers;
   const std::size_t count = std::min(skeletons.size(), qtm::kMaxSkeletons);
-  bool changed = count != performers_.size();
+  changed = changed || count != performers_.size();
   for (const auto& skeleton : std::span(skeletons).first(count)) {
     changed = Adopt(skeleton, performers, out) || changed;
   }
   performers_ = std::move(performers);
-  if (stage_ != Stage::kSkeletons) return changed;
+  if (!changed) return false;
   std::string names;
   for (const auto& skeleton : skeletons) {
     names.append(names.empty() ? "skeletons: " : ", ").append(skeleton.name);
@@ -310,7 +328,7 @@ bool Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, 
           std::string(qtm::Name(up_)) + " up, " +
           (names.empty() ? "no skeletons" : qtm::ToString(names)),
       out);
-  return changed;
+  return true;
 }
 
 // Reuses the performer of this skeleton's name, or makes one.
@@ -354,6 +372,7 @@ void Qtm::BeginSession(std::int64_t now_ns) noexcept {
     }
   }
   any_frame_ = false;
+  only_skeletons_ = false;
   WantSkeletons(now_ns);
 }
 

@@ -33,8 +33,9 @@ namespace styled::source {
 // Time        The cameras' timestamp; SMPTE timecode, or IRIG's time of day. A gap in the frame
 //             numbers counts as lost frames.
 // Session     A new one when a measurement or a file begins (events 1, 3, 8), or where timestamps
-//             fall back. Skeletons are read anew then, and when a frame has unknown ones: at most
-//             once a second, and ever less often, down to once a minute, while nothing changes.
+//             fall back. General, 3D and Skeleton are read anew then, and when a frame has unknown
+//             skeletons: at most once a second, and ever less often, down to once a minute, while
+//             nothing changes.
 // Refused     source.malformed; source.ignored for packets that were not asked for;
 //             pipeline.duplicate, pipeline.before_body and pipeline.bodies_refused.
 // Pinned by tests/unit/qtm/translator_test.cpp.
@@ -76,8 +77,11 @@ class Qtm final : public ServerTranslator {
   void TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out);
   void TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
   void TakeVersion(std::string_view answer, std::int64_t now_ns, Outbox& out);
-  // Both return whether anything changed.
-  bool TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, Outbox& out);
+  // These return whether anything changed; for TakeSkeletons, or had `changed` before. It logs what
+  // there is then.
+  bool TakeVolume(const qtm::Parameters& parameters);
+  bool TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, bool changed,
+                     Outbox& out);
   bool Adopt(const qtm::SkeletonDescription& description,
              std::vector<std::unique_ptr<Performer>>& performers, Outbox& out);
 
@@ -105,7 +109,9 @@ class Qtm final : public ServerTranslator {
   Stage stage_ = Stage::kGreeting;
   int minor_ = qtm::kNewestMinor;  // of the version asked for
   bool timecode_wanted_ = true;
-  std::string asked_, fault_;         // the last question; why the connection is to be closed
+  bool only_skeletons_ =
+      false;                   // are read anew: the server objected to more since the session began
+  std::string asked_, fault_;  // the last question; why the connection is to be closed
   std::int64_t answer_ns_ = kNever;   // when its answer is due; kNever: it was answered
   std::int64_t again_ns_ = kNever;    // when the stage's question is asked again
   std::int64_t reread_ns_ = kNever;   // when skeletons are read anew

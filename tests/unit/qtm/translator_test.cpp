@@ -268,6 +268,8 @@ TEST_F(QtmTranslatorTest, AnErrorBeforeTheFirstFrameIsTheStreams) {
   translated_.now_ns += 10 * kSecond_ns;
   Take(EventOf(3));
   Take(Error("Busy"));
+  EXPECT_EQ(translated_.notes.back(), "server 192.0.2.7 complains: \"Busy\"") << "asks for less";
+  Take(Error("Busy"));
   EXPECT_EQ(translated_.notes.back(), answers + "\"GetParameters Skeleton\" with \"Busy\"");
   Wait(5);
   EXPECT_TRUE(Answers(Described({"a"}))) << "asked again";
@@ -365,6 +367,40 @@ TEST_F(QtmTranslatorTest, AMeasurementThatBeginsIsANewSession) {
   EXPECT_EQ(Fault(), "");
   Take(EventOf(12));
   EXPECT_EQ(Fault(), "QTM shuts down");
+}
+
+// A file may have been captured at another rate, and in a volume whose other axis is up.
+TEST_F(QtmTranslatorTest, AFileThatBeginsHasItsOwnRateAndUpwardAxis) {
+  Connect(Described({"a"}));
+  Take(FrameAt(0, 1, {body::Pose()}));
+  translated_.now_ns += 10 * kSecond_ns;
+  Take(EventOf(8));
+  qtm::Parameters parameters;
+  parameters.frequency_hz = 240;
+  parameters.up = qtm::Axis::kY;
+  parameters.skeletons = {rigs::DescribeQtmSkeleton("a", 100, false, false)};
+  EXPECT_TRUE(Answers(Xml(qtm::WriteParameters(parameters, 25))));
+  EXPECT_THAT(translated_.notes.back(), HasSubstr("240 Hz, +Y up, skeletons: a"));
+  frame_->timestamp_us = 20'000;
+  rigs::PlaceQtmSkeleton(body::Pose(), 100, false, frame_->skeletons[0]);
+  Bytes packet(qtm::kMaxPacketSize);
+  packet.resize(qtm::EncodeFrame(*frame_, packet));
+  translated_.items.clear();
+  Take(packet);
+  ASSERT_EQ(translated_.Frames().size(), 1U);
+  const auto pose = support::CanonicalPose(translated_.Bodies().back(), translated_.Frames()[0]);
+  ASSERT_TRUE(pose);
+  const auto distance = support::Between(*pose, body::Pose());
+  EXPECT_LT(distance.joint_deg, 0.05F);
+  EXPECT_LT(distance.hips_m, 0.001F);
+  // Another connection may be to another QTM.
+  translator().Connected(translated_.now_ns);
+  Take(Command("QTM RT Interface connected"));
+  Take(Command("Version set to 1.25"));
+  Take(Error("none"));
+  Take(Error("none"));
+  Take(Described({"a"}));
+  EXPECT_THAT(translated_.notes.back(), HasSubstr("QTM RT 1.25, +Z up, skeletons: a"));
 }
 
 TEST_F(QtmTranslatorTest, FramesLostAndRepeatedAreTold) {
