@@ -37,6 +37,8 @@ Qtm::Qtm(const config::Source& config) : config_(config) {
 
 void Qtm::Connected(std::int64_t now_ns) {
   stage_ = Stage::kGreeting;
+  minor_ = qtm::kNewestMinor;
+  timecode_wanted_ = true;
   asked_.clear();
   fault_.clear();
   said_.Forget(now_ns);
@@ -191,8 +193,7 @@ void Qtm::Say(const std::string& text, Outbox& out) {
 void Qtm::TakeText(std::string_view text, std::int64_t now_ns, Outbox& out) {
   out.LeaveHotSection();
   if (qtm::IsGreeting(text)) {
-    minor_ = qtm::kNewestMinor;
-    timecode_wanted_ = true;
+    Connected(now_ns);  // a recording says in no other way that the connection is another one
     return Enter(Stage::kVersion, now_ns, out);
   }
   if (stage_ == Stage::kGreeting) {

@@ -218,6 +218,19 @@ TEST_F(QtmTranslatorTest, GivesUpAServerThatIsTooOldOrFullOrAnother) {
             "\"Version NOT supported\"");
 }
 
+// As in a recording of two connections.
+TEST_F(QtmTranslatorTest, AGreetingBeginsTheDialogueAnewAndNothingOfTheOldIsAsked) {
+  Connect(Described({}));
+  Take(Error("Parse error"));
+  Take(Error("Parse error"));  // StreamFrames would be sent again, and skeletons be asked for
+  Take(Command("QTM RT Interface connected"));
+  EXPECT_FALSE(translator().ready());
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns);
+  Wait(5);
+  EXPECT_EQ(Fault(), "did not answer \"Version 1.25\" within 5 s");
+  EXPECT_EQ(translator().NextDeadline_ns(), Translator::kNever);
+}
+
 TEST_F(QtmTranslatorTest, GivesUpAServerThatDoesNotAnswer) {
   translator().Connected(translated_.now_ns);
   EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns);
