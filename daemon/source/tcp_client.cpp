@@ -224,7 +224,7 @@ class TcpClient final : public Transport {
   std::unique_ptr<ServerTranslator> translator_;
   Outbox outbox_;
   std::size_t capacity_;
-  std::unique_ptr<std::byte[]> buffer_;  // untouched pages cost nothing
+  std::unique_ptr<std::byte[]> buffer_;  // untouched pages cost nothing, unless memory is locked
   CutReader reader_;
   std::string endpoint_, complaint_;
   State state_ = State::kWaiting;

@@ -85,7 +85,9 @@ void RecordingThread::Stop() {
 }
 
 bool RecordingThread::Push(std::initializer_list<std::span<const std::byte>> parts) noexcept {
-  if (ring_.Push(parts)) return true;
+  std::size_t size = 0;
+  for (const auto part : parts) size += part.size();
+  if (size <= kMaxRecordSize && ring_.Push(parts)) return true;
   dropped_.fetch_add(1, std::memory_order_relaxed);
   return false;
 }

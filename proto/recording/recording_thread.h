@@ -48,7 +48,8 @@ class RecordingThread {
   // Writes all pushed entries and ends the thread. Push nothing afterwards.
   void Stop();
 
-  // Each Push returns false and increments dropped() if the ring is full. Times are those of
+  // Each Push returns false and increments dropped() if the ring is full, or if what is pushed is
+  // larger than a record may be (kMaxRecordSize, block.h). Times are those of
   // MonotonicNow_ns(). `peer` may be null; `source` is an index into the origins; a topic is cut to
   // 64 KiB.
   STYLED_REALTIME bool PushArrival(std::int64_t time_ns, int source, const sockaddr* peer,

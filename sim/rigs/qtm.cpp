@@ -108,7 +108,7 @@ struct Server {
 
 class Client final : public Session {
  public:
-  explicit Client(Server& server) : server_(server), buffer_(qtm::kMaxPacketSize) {}
+  explicit Client(Server& server) : server_(server), buffer_(qtm::kMaxXmlSize) {}
 
   bool Receive(std::span<const std::byte> bytes, const Send& send) override {
     waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());

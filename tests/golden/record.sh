@@ -26,6 +26,7 @@ record() {  # NAME TYPE AS RATE SECONDS PERFORMERS QUIRKS FAULTS
     natnet) to=udp://127.0.0.1:27003 keys='server = "127.0.0.1:27003"'
       [[ $7 != *2.9* ]] || keys+=$'\nmulticast = false'
       [[ $7 != *z-up* ]] || keys+=$'\nup = "z"' ;;
+    qtm) to=tcp://127.0.0.1:27003 keys='server = "127.0.0.1:27003"' ;;
   esac
   [ "$7" = - ] || IFS=, read -ra quirks <<<"--quirk,$7"
   [ "$faults" != - ] || faults=

@@ -121,7 +121,7 @@ class QtmCall final : public Listener {
   }
 
   void TakeText(std::string_view text) {
-    if (text.starts_with("QTM RT Interface connected")) {
+    if (qtm::IsGreeting(text)) {
       answers_.greeted = true;
       return Ask("Version 1." + std::to_string(asked_minor_));
     }
@@ -129,7 +129,7 @@ class QtmCall final : public Listener {
       if (answers_.said.empty()) answers_.said = Printable(text, 80);
       return;
     }
-    if (text.starts_with("Version set to")) {
+    if (qtm::TakesVersion(text)) {
       answers_.minor = asked_minor_;
       return Ask("GetParameters Skeleton");
     }

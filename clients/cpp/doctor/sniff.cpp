@@ -254,7 +254,7 @@ std::optional<Sniffed> SniffQtm(Bytes bytes, qtm::Frame& frame) {
     return Sniffed{Format::kQtm, verdict, std::move(kind)};
   };
   const std::string_view text = qtm::TextOf(packet.payload);
-  if (packet.type == qtm::PacketType::kCommand && text.starts_with("QTM RT Interface")) {
+  if (packet.type == qtm::PacketType::kCommand && qtm::IsGreeting(text)) {
     return say(Verdict::kTalk, "server's greeting");
   }
   if (packet.type == qtm::PacketType::kXml && text.find("<QTM_") != text.npos) {

@@ -24,7 +24,6 @@ constexpr std::int64_t kSilence_ns = 2 * kSecond_ns;  // silence after which CON
 constexpr std::int32_t kOvertaken = 16;
 constexpr int kBadFrames = 10;         // consecutive: the bitstream may have changed
 constexpr std::uint32_t kSteady = 30;  // equal steps that are the server's rate, not losses
-constexpr std::size_t kMaxSaid = 64;
 constexpr std::string_view kClientName = "styled";
 constexpr natnet::Version kClientVersion{3, 0};
 
@@ -56,6 +55,10 @@ void NatNet::Take(std::span<const std::byte> datagram, const Peer& peer, std::in
   natnet::Packet packet;
   if (natnet::DecodePacket(datagram, packet) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
+  }
+  if (now_ns - heard_ns_ >= kSilence_ns) {  // it is back
+    out.LeaveHotSection();
+    said_.Forget(now_ns);
   }
   heard_ns_ = now_ns;
   switch (packet.id) {
@@ -102,10 +105,8 @@ void NatNet::SendCommand(MessageId id, Outbox& out) {
 }
 
 void NatNet::Say(std::string text, Outbox& out) {
-  if (said_.size() >= kMaxSaid || std::ranges::find(said_, text) != said_.end()) return;
   out.LeaveHotSection();
-  said_.push_back(text);
-  out.Note([&text] { return std::move(text); });
+  if (said_.Add(text)) out.Note([&text] { return std::move(text); });
 }
 
 void NatNet::TakeServerInfo(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {

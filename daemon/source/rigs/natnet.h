@@ -13,6 +13,7 @@
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/props.h"
 #include "daemon/source/rigs/natnet_skeleton.h"
+#include "daemon/source/said_lines.h"
 #include "daemon/source/translator.h"
 #include "proto/rigs/natnet/dialogue.h"
 #include "proto/rigs/natnet/frame.h"
@@ -87,7 +88,7 @@ class NatNet final : public Translator {
   void AskWho(Outbox& out);
   void AskForModel(std::int64_t now_ns, Outbox& out);
   void SendCommand(natnet::MessageId id, Outbox& out);
-  // Logs a line, but the same text only once.
+  // Logs a line, but the same text only once while the server is there.
   void Say(std::string text, Outbox& out);
 
   config::Source config_;
@@ -112,7 +113,7 @@ class NatNet final : public Translator {
   // Steps between frame numbers: a server may send only every n-th frame.
   std::uint32_t stride_ = 0, last_step_ = 0, steady_ = 0;
   Timecode timecode_;
-  std::vector<std::string> said_;
+  SaidLines said_;
   std::unique_ptr<natnet::Frame> frame_ = std::make_unique<natnet::Frame>();
   std::unique_ptr<natnet::Model> model_ = std::make_unique<natnet::Model>();
 };

@@ -1,13 +1,10 @@
 #include "daemon/source/rigs/qtm.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 
 #include "daemon/config/sources.h"
-#include "daemon/runtime/clock.h"
 #include "daemon/source/rigs/named_performers.h"
 #include "model/base/text.h"
 
@@ -17,36 +14,17 @@ namespace {
 using qtm::DecodeResult;
 using qtm::PacketType;
 using runtime::Counter;
-using runtime::kSecond_ns;
 
-constexpr std::int64_t kAnswer_ns = 5 * kSecond_ns;  // QTM answers within milliseconds
-constexpr std::int64_t kAgain_ns = 5 * kSecond_ns;   // questions that an operator has to make good
-constexpr std::int64_t kReread_ns = kSecond_ns;      // at most, where frames have unknown skeletons
-constexpr std::size_t kMaxSaid = 64;
-constexpr std::string_view kGreeting = "QTM RT Interface connected";
-
-bool StartsWithFolded(std::string_view text, std::string_view start) {
-  return text.size() >= start.size() &&
-         std::equal(start.begin(), start.end(), text.begin(), [](char a, char b) {
-           return std::tolower(static_cast<unsigned char>(a)) ==
-                  std::tolower(static_cast<unsigned char>(b));
-         });
-}
+constexpr std::size_t kMaxQuestion = 64;  // bytes of a question; the longest has 41
 
 }  // namespace
 
 Qtm::Qtm(const config::Source& config) : config_(config) {
+  asked_.reserve(kMaxQuestion);
   const auto server = config::ParseServer(config.server, qtm::kPort);
   if (!server.ok()) return;  // a recording's; the configuration of a live source was checked
   std::memcpy(&server_.address, &server.value(), sizeof server.value());
   server_.address_size = sizeof server.value();
-}
-
-void Qtm::Connected(std::int64_t now_ns) {
-  stage_ = Stage::kGreeting;
-  asked_.clear();
-  fault_.clear();
-  Await(Next::kAnswer, now_ns + kAnswer_ns);
 }
 
 void Qtm::Take(std::span<const std::byte> record, const Peer& /*peer*/, std::int64_t now_ns,
@@ -59,6 +37,7 @@ void Qtm::Take(std::span<const std::byte> record, const Peer& /*peer*/, std::int
     case PacketType::kData:
       return TakeFrame(packet.payload, now_ns, out);
     case PacketType::kNoMoreData:  // the stream goes on with the next measurement
+      no_measurement_ = true;
       return;
     case PacketType::kCommand:
       return TakeText(qtm::TextOf(packet.payload), now_ns, out);
@@ -73,129 +52,9 @@ void Qtm::Take(std::span<const std::byte> record, const Peer& /*peer*/, std::int
   }
 }
 
-void Qtm::Tick(std::int64_t now_ns, Outbox& out) {
-  if (now_ns < next_ns_) return;
-  const Next due = next_;
-  Await(Next::kNothing);
-  if (due == Next::kStage) return Enter(stage_, now_ns, out);
-  if (due == Next::kSkeletons) return AskForSkeletons(now_ns, out);
-  if (due == Next::kNothing) return;
-  out.LeaveHotSection();
-  const std::string seconds = std::to_string(kAnswer_ns / kSecond_ns) + " s";
-  fault_ = asked_.empty() ? "did not greet within " + seconds + ": is it QTM's port " +
-                                std::to_string(qtm::kPort) + "?"
-                          : "did not answer \"" + asked_ + "\" within " + seconds;
-}
-
-// Asks the stage's question.
-void Qtm::Enter(Stage stage, std::int64_t now_ns, Outbox& out) {
-  stage_ = stage;
-  switch (stage) {
-    case Stage::kGreeting:
-      return;
-    case Stage::kVersion:
-      return Ask("Version 1." + std::to_string(minor_), now_ns, out);
-    case Stage::kGeneral:
-      return Ask("GetParameters General", now_ns, out);
-    case Stage::kSpace:
-      return Ask("GetParameters 3D", now_ns, out);
-    case Stage::kSkeletons:
-      return AskForSkeletons(now_ns, out);
-    case Stage::kStreaming:
-      return StartStream(now_ns, out);
-  }
-}
-
-void Qtm::Ask(std::string command, std::int64_t now_ns, Outbox& out) {
-  out.LeaveHotSection();
-  asked_ = std::move(command);
-  Await(Next::kAnswer, now_ns + kAnswer_ns);
-  std::array<std::byte, 128> buffer;
-  out.Reply(server_,
-            std::span(buffer).first(qtm::EncodeText(PacketType::kCommand, asked_, buffer)));
-}
-
-void Qtm::AskForSkeletons(std::int64_t now_ns, Outbox& out) {
-  asked_skeletons_ns_ = now_ns;
-  Ask("GetParameters Skeleton", now_ns, out);
-}
-
-// There is no answer but frames, which come when a measurement runs, or an error.
-void Qtm::StartStream(std::int64_t now_ns, Outbox& out) {
-  Ask(timecode_wanted_ ? "StreamFrames AllFrames Skeleton Timecode"
-                       : "StreamFrames AllFrames Skeleton",
-      now_ns, out);
-  AwaitSkeletons(now_ns);
-}
-
-// Somebody may add one.
-void Qtm::AwaitSkeletons(std::int64_t now_ns) noexcept {
-  performers_.empty() ? Await(Next::kSkeletons, now_ns + kAgain_ns) : Await(Next::kNothing);
-}
-
-void Qtm::Say(const std::string& text, Outbox& out) {
-  if (said_.size() >= kMaxSaid || std::ranges::find(said_, text) != said_.end()) return;
-  out.LeaveHotSection();
-  said_.push_back(text);
-  out.Note([&text] { return text; });
-}
-
-void Qtm::TakeText(std::string_view text, std::int64_t now_ns, Outbox& out) {
-  out.LeaveHotSection();
-  if (StartsWithFolded(text, kGreeting)) {
-    minor_ = qtm::kNewestMinor;
-    timecode_wanted_ = true;
-    return Enter(Stage::kVersion, now_ns, out);
-  }
-  if (stage_ == Stage::kGreeting) {
-    fault_ =
-        "greets with \"" + qtm::ToString(text) + "\", expected \"" + std::string(kGreeting) + "\"";
-    return;
-  }
-  if (stage_ == Stage::kVersion) return TakeVersion(text, now_ns, out);
-  out.Refuse(Counter::kSourceIgnored);
-}
-
-void Qtm::TakeVersion(std::string_view answer, std::int64_t now_ns, Outbox& out) {
-  if (StartsWithFolded(answer, "Version set to")) return Enter(Stage::kGeneral, now_ns, out);
-  if (minor_ > qtm::kOldestMinor) {
-    --minor_;
-    return Enter(Stage::kVersion, now_ns, out);
-  }
-  fault_ = "speaks none of QTM RT 1." + std::to_string(qtm::kNewestMinor) + " to 1." +
-           std::to_string(qtm::kOldestMinor) +
-           " (skeletons need QTM 2019 or later); it answered \"" + qtm::ToString(answer) + "\"";
-}
-
-void Qtm::TakeError(std::string_view text, std::int64_t now_ns, Outbox& out) {
-  out.LeaveHotSection();
-  const std::string words = '"' + qtm::ToString(text) + '"';
-  switch (stage_) {
-    case Stage::kGreeting:
-      fault_ = "refuses: " + words;
-      return;
-    case Stage::kVersion:
-      return TakeVersion(text, now_ns, out);
-    case Stage::kGeneral:
-      Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
-      return Enter(Stage::kSpace, now_ns, out);
-    case Stage::kSpace:
-      Say(Server() + " answers \"" + asked_ + "\" with " + words + "; +Z is taken to be up", out);
-      return Enter(Stage::kSkeletons, now_ns, out);
-    case Stage::kStreaming:
-      if (timecode_wanted_ && asked_.starts_with("StreamFrames")) {
-        timecode_wanted_ = false;
-        return StartStream(now_ns, out);
-      }
-      break;
-    case Stage::kSkeletons:
-      break;
-  }
-  Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
-  Await(asked_.starts_with("StreamFrames") ? Next::kStage : Next::kSkeletons, now_ns + kAgain_ns);
-}
-
 void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
+  // The answer to a question for parameters; what was not asked for is not read.
+  if (!IsAsking() || stage_ < Stage::kGeneral) return out.Refuse(Counter::kSourceIgnored);
   out.LeaveHotSection();
   const auto read = qtm::ReadParameters(xml);
   if (!read.ok()) {
@@ -203,28 +62,36 @@ void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
     fault_ = "sent parameters that cannot be used: " + read.status().message();
     return;
   }
-  Await(Next::kNothing);
+  answer_ns_ = kNever;
   const qtm::Parameters& parameters = read.value();
-  if (parameters.frequency_hz) frequency_hz_ = parameters.frequency_hz;
-  if (parameters.up) up_ = *parameters.up;
-  if (config_.up != "auto") up_ = config_.up == "y" ? qtm::Axis::kY : qtm::Axis::kZ;
+  bool changed = TakeVolume(parameters);
   switch (stage_) {
     case Stage::kGeneral:
       return Enter(Stage::kSpace, now_ns, out);
     case Stage::kSpace:
       return Enter(Stage::kSkeletons, now_ns, out);
     case Stage::kSkeletons:
-      TakeSkeletons(parameters.skeletons.value_or(std::vector<qtm::SkeletonDescription>()), out);
+      TakeSkeletons(parameters.skeletons.value_or(std::vector<qtm::SkeletonDescription>()), true,
+                    out);
       return Enter(Stage::kStreaming, now_ns, out);
     case Stage::kStreaming:
-      if (parameters.skeletons) TakeSkeletons(*parameters.skeletons, out);
-      return AwaitSkeletons(now_ns);
-    default:
-      return out.Refuse(Counter::kSourceIgnored);
+      if (parameters.skeletons) changed = TakeSkeletons(*parameters.skeletons, changed, out);
+      return EndReread(changed, now_ns);
+    default:  // asks nothing that XML answers
+      return;
   }
 }
 
-void Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, Outbox& out) {
+bool Qtm::TakeVolume(const qtm::Parameters& parameters) {
+  const auto before = std::pair(frequency_hz_, up_);
+  if (parameters.frequency_hz) frequency_hz_ = parameters.frequency_hz;
+  if (parameters.up) up_ = *parameters.up;
+  if (config_.up != "auto") up_ = config_.up == "y" ? qtm::Axis::kY : qtm::Axis::kZ;
+  return std::pair(frequency_hz_, up_) != before;
+}
+
+bool Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, bool changed,
+                        Outbox& out) {
   if (skeletons.empty()) {
     Say(Server() + " has no skeleton: in QTM add one, and switch its solver on for real time", out);
   } else if (skeletons.size() > qtm::kMaxSkeletons) {
@@ -233,12 +100,13 @@ void Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, 
         out);
   }
   std::vector<std::unique_ptr<Performer>> performers;
-  for (const auto& skeleton :
-       std::span(skeletons).first(std::min(skeletons.size(), qtm::kMaxSkeletons))) {
-    Adopt(skeleton, performers, out);
+  const std::size_t count = std::min(skeletons.size(), qtm::kMaxSkeletons);
+  changed = changed || count != performers_.size();
+  for (const auto& skeleton : std::span(skeletons).first(count)) {
+    changed = Adopt(skeleton, performers, out) || changed;
   }
   performers_ = std::move(performers);
-  if (stage_ != Stage::kSkeletons) return;
+  if (!changed) return false;
   std::string names;
   for (const auto& skeleton : skeletons) {
     names.append(names.empty() ? "skeletons: " : ", ").append(skeleton.name);
@@ -248,22 +116,25 @@ void Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, 
           std::string(qtm::Name(up_)) + " up, " +
           (names.empty() ? "no skeletons" : qtm::ToString(names)),
       out);
+  return true;
 }
 
 // Reuses the performer of this skeleton's name, or makes one.
-void Qtm::Adopt(const qtm::SkeletonDescription& description,
+bool Qtm::Adopt(const qtm::SkeletonDescription& description,
                 std::vector<std::unique_ptr<Performer>>& performers, Outbox& out) {
   auto skeleton = QtmSkeleton::Make(description, up_);
   if (!skeleton.ok()) {
     Say(Server() + ": " + skeleton.status().message(), out);
     out.Refuse(Counter::kPipelineBodiesRefused);
     performers.push_back(nullptr);  // frames count it
-    return;
+    return false;
   }
   Performer& performer = AdoptNamed(description.name, performers_, performers);
+  if (performer.stream.has_body() && performer.skeleton == skeleton.value()) return false;
   performer.skeleton = std::move(skeleton.value());
   performer.stream.SetBody(performer.skeleton.body(), out);
   performer.pose = rig::RigPose(performer.skeleton.body().skeleton);
+  return true;
 }
 
 void Qtm::TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
@@ -271,7 +142,7 @@ void Qtm::TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
     case qtm::Event::kConnected:
     case qtm::Event::kCaptureStarted:
     case qtm::Event::kRtFromFileStarted:
-      return BeginSession(now_ns, out);
+      return BeginSession(now_ns);
     case qtm::Event::kShuttingDown:
       out.LeaveHotSection();
       fault_ = "QTM shuts down";
@@ -282,14 +153,15 @@ void Qtm::TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
 }
 
 // What begins may have other skeletons.
-void Qtm::BeginSession(std::int64_t now_ns, Outbox& out) {
+void Qtm::BeginSession(std::int64_t now_ns) noexcept {
   if (any_frame_) {
     for (auto& performer : performers_) {
       if (performer != nullptr) performer->stream.Restart();
     }
   }
   any_frame_ = false;
-  if (stage_ == Stage::kStreaming) AskForSkeletons(now_ns, out);
+  only_skeletons_ = false;
+  WantSkeletons(now_ns);
 }
 
 bool Qtm::ReadTimecode() noexcept {
@@ -305,6 +177,7 @@ void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Out
   if (qtm::DecodeFrame(payload, *frame_) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
+  if (stage_ == Stage::kStreaming) ConfirmStream(now_ns);
   if (stage_ != Stage::kStreaming || !frame_->has_skeletons) {
     return out.Refuse(Counter::kSourceIgnored);
   }
@@ -313,7 +186,7 @@ void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Out
     return out.Refuse(Counter::kPipelineDuplicate);
   }
   if (any_frame_ && frame_->timestamp_us < last_us_) {
-    BeginSession(now_ns, out);
+    BeginSession(now_ns);
   } else if (any_frame_ && frame_->number > last_number_) {
     info.lost = frame_->number - last_number_ - 1;
   }
@@ -336,9 +209,7 @@ void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Out
     }
     performer->stream.Send(performer->pose, info, out);
   }
-  if (unknown && next_ != Next::kAnswer && now_ns - asked_skeletons_ns_ >= kReread_ns) {
-    AskForSkeletons(now_ns, out);
-  }
+  if (unknown) WantSkeletons(now_ns);
 }
 
 std::unique_ptr<Translator> MakeQtm(const config::Source& config) {

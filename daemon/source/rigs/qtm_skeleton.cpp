@@ -50,8 +50,9 @@ Result<QtmSkeleton> QtmSkeleton::Make(const qtm::SkeletonDescription& descriptio
   };
   const auto& segments = description.segments;
   if (segments.empty()) return refuse("found no segments, expected one root at least");
-  if (segments.size() > qtm::kMaxSegments) {
-    return refuse("found " + std::to_string(segments.size()) + " segments, expected at most " +
+  if (const std::size_t found = segments.size() + description.segments_left_out;
+      found > qtm::kMaxSegments) {
+    return refuse("found " + std::to_string(found) + " segments, expected at most " +
                   std::to_string(qtm::kMaxSegments));
   }
   QtmSkeleton made;

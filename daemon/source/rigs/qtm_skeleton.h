@@ -32,6 +32,10 @@ class QtmSkeleton {
   STYLED_REALTIME bool Convert(const qtm::SkeletonPose& segments,
                                rig::RigPose& pose) const noexcept;
 
+  friend bool operator==(const QtmSkeleton& a, const QtmSkeleton& b) {
+    return a.ids_ == b.ids_ && a.body_ == b.body_;  // body_ depends on y_up_
+  }
+
  private:
   const qtm::Segment* Find(const qtm::SkeletonPose& segments, std::size_t joint) const noexcept;
 

@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <string_view>
 
+#include "proto/rigs/cursor.h"
 #include "proto/rigs/natnet/packet.h"
 
-// For the codec only: reading and writing little-endian bytes.
-static_assert(std::endian::native == std::endian::little);
-
+// For the codec only: what NatNet adds to the cursors that codecs share.
 namespace styled::natnet {
 
 // From this version on, sections and data sets state their sizes, and a frame has assets and PTP
@@ -23,39 +20,11 @@ inline constexpr Version kSized{4, 1};
 // delimit are read.
 constexpr bool IsKnown(Version version) noexcept { return version < Version{4, 3}; }
 
-// Reads from the front. Keeps the first error; after it all values are zero or empty.
-class Reader {
+class Reader : public rigs::ByteReader<DecodeResult> {
  public:
-  explicit Reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
+  using ByteReader::ByteReader;
 
-  bool ok() const noexcept { return result_ == DecodeResult::kOk; }
-  DecodeResult result() const noexcept { return result_; }
-  std::size_t left() const noexcept { return bytes_.size(); }
-
-  void Fail(DecodeResult why) noexcept {
-    if (ok()) result_ = why;
-    bytes_ = {};
-  }
-
-  std::span<const std::byte> Take(std::size_t size) noexcept {
-    if (size > bytes_.size()) {
-      Fail(DecodeResult::kTruncated);
-      return {};
-    }
-    const auto taken = bytes_.first(size);
-    bytes_ = bytes_.subspan(size);
-    return taken;
-  }
   void Skip(std::size_t size) noexcept { Take(size); }
-
-  // Reads a number or an array of floats.
-  template <typename T>
-  T Get() noexcept {
-    T value{};
-    const auto taken = Take(sizeof(T));
-    if (!taken.empty()) std::memcpy(&value, taken.data(), sizeof(T));
-    return value;
-  }
 
   // Reads a text and its terminating NUL.
   std::string_view GetText() noexcept {
@@ -85,31 +54,16 @@ class Reader {
     if (!part.ok()) return Fail(part.result());
     if (exact && part.left() > 0) Fail(DecodeResult::kSizeMismatch);
   }
-
- private:
-  std::span<const std::byte> bytes_;
-  DecodeResult result_ = DecodeResult::kOk;
 };
 
-// Writes a packet from the front of `out`. After the first value that does not fit nothing more is
-// written.
-class Writer {
+// Writes a packet.
+class Writer : public rigs::ByteWriter {
  public:
   explicit Writer(std::span<std::byte> out) noexcept
-      : out_(out.first(std::min(out.size(), kMaxPacketSize))) {
+      : ByteWriter(out.first(std::min(out.size(), kMaxPacketSize))) {
     Put<std::uint32_t>(0);  // the header
   }
 
-  void PutBytes(std::span<const std::byte> bytes) noexcept {
-    full_ = full_ || bytes.size() > out_.size() - size_;
-    if (full_ || bytes.empty()) return;
-    std::memcpy(&out_[size_], bytes.data(), bytes.size());
-    size_ += bytes.size();
-  }
-  template <typename T>
-  void Put(const T& value) noexcept {
-    PutBytes(std::as_bytes(std::span(&value, 1)));
-  }
   void PutText(std::string_view text) noexcept {
     PutBytes(std::as_bytes(std::span(text)));
     Put('\0');
@@ -121,27 +75,19 @@ class Writer {
   // For a size that is known later: Mark, then the content, then SetSize of the mark.
   std::size_t Mark() noexcept {
     Put<std::int32_t>(0);
-    return size_;
+    return At();
   }
   void SetSize(std::size_t mark) noexcept {
-    if (full_) return;
-    const auto covered = static_cast<std::int32_t>(size_ - mark);
-    std::memcpy(&out_[mark - sizeof covered], &covered, sizeof covered);
+    const auto covered = static_cast<std::int32_t>(At() - mark);
+    SetAt(mark - sizeof covered, covered);
   }
 
   // Writes the header and returns the packet's size; 0 if it did not fit.
   std::size_t Finish(MessageId id) noexcept {
-    if (full_) return 0;
-    const std::array<std::uint16_t, 2> header{static_cast<std::uint16_t>(id),
-                                              static_cast<std::uint16_t>(size_ - kHeaderSize)};
-    std::memcpy(out_.data(), header.data(), kHeaderSize);
-    return size_;
+    SetAt(0, std::array<std::uint16_t, 2>{static_cast<std::uint16_t>(id),
+                                          static_cast<std::uint16_t>(At() - kHeaderSize)});
+    return Written();
   }
-
- private:
-  std::span<std::byte> out_;
-  std::size_t size_ = 0;
-  bool full_ = false;
 };
 
 }  // namespace styled::natnet

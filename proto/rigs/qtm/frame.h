@@ -9,8 +9,6 @@
 
 namespace styled::qtm {
 
-inline constexpr std::size_t kMaxSkeletons = 16;  // of a frame; further ones are left out
-inline constexpr std::size_t kMaxSegments = 128;  // a skeleton with more is left out
 // QTM has no limit; a stand-in's skeletons have 21 markers each.
 inline constexpr std::size_t kMaxMarkers = 512;
 

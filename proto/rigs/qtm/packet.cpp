@@ -35,9 +35,20 @@ std::size_t Largest(PacketType type) noexcept {
       return kHeaderSize;
     case PacketType::kEvent:
       return kHeaderSize + 1;
+    case PacketType::kXml:
+      return kMaxXmlSize;
     default:
       return kMaxPacketSize;
   }
+}
+
+// ASCII alone: no locale decides what QTM says.
+char Lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+bool StartsWithFolded(std::string_view text, std::string_view start) noexcept {
+  return text.size() >= start.size() &&
+         std::equal(start.begin(), start.end(), text.begin(),
+                    [](char a, char b) { return Lower(a) == Lower(b); });
 }
 
 }  // namespace
@@ -96,9 +107,10 @@ std::string WhyBroken(std::span<const std::byte> received) {
     return "a packet of type " + std::to_string(static_cast<std::uint32_t>(header.type)) +
            ", expected 0 to 8 of QTM RT, little-endian (port " + std::to_string(kPort) + ")";
   }
-  return "a packet of type " + std::to_string(static_cast<std::uint32_t>(header.type)) + " with " +
-         std::to_string(header.size) + " bytes, expected " + std::to_string(Smallest(header.type)) +
-         " to " + std::to_string(Largest(header.type));
+  const std::string what = header.type == PacketType::kXml ? " (parameters)" : "";
+  return "a packet of type " + std::to_string(static_cast<std::uint32_t>(header.type)) + what +
+         " with " + std::to_string(header.size) + " bytes, expected " +
+         std::to_string(Smallest(header.type)) + " to " + std::to_string(Largest(header.type));
 }
 
 std::string_view TextOf(std::span<const std::byte> payload) noexcept {
@@ -112,6 +124,12 @@ std::string ToString(std::string_view text) {
   std::ranges::replace_if(
       line, [](char c) { return c < ' ' || c > '~'; }, '?');
   return line;
+}
+
+bool IsGreeting(std::string_view text) noexcept { return StartsWithFolded(text, kGreeting); }
+
+bool TakesVersion(std::string_view text) noexcept {
+  return StartsWithFolded(text, "Version set to");
 }
 
 std::size_t EncodeText(PacketType type, std::string_view text, std::span<std::byte> out) noexcept {

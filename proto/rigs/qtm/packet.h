@@ -20,10 +20,18 @@ namespace styled::qtm {
 
 inline constexpr std::uint16_t kPort = 22223;  // little-endian; 22224 is big-endian
 inline constexpr std::size_t kHeaderSize = 8;
-// Of a packet with its header. XML is the largest: sixteen skeletons with fingers have 1.9 MB. A
-// packet must fit into a record of a recording (proto/recording/block.h, 2 MiB).
+// Of a packet with its header; what a record of a recording holds (proto/recording/block.h, 2 MiB)
+// with room for what it says of the packet.
 inline constexpr std::size_t kMaxPacketSize = (2U << 20U) - (64U << 10U);
+// Of XML, the largest packet. A skeleton with fingers has 120 KB of it, and QTM lists all that it
+// knows, also those that are left out here: this is enough for 68. The bound of what a receiver
+// keeps for a connection; what exceeds kMaxPacketSize is not recorded.
+inline constexpr std::size_t kMaxXmlSize = 8U << 20U;
 inline constexpr std::size_t kMaxTextSize = 4096;  // of a command's or an error's packet
+
+// Of a frame and of the XML: further skeletons are left out, and a skeleton with more segments is
+// refused.
+inline constexpr std::size_t kMaxSkeletons = 16, kMaxSegments = 128;
 
 // One packet: u32 size of all of it, u32 type, payload.
 enum class PacketType : std::uint32_t {
@@ -88,6 +96,12 @@ std::string WhyBroken(std::span<const std::byte> received);
 STYLED_REALTIME std::string_view TextOf(std::span<const std::byte> payload) noexcept;
 // The same on one line, other characters than printable ASCII as '?', cut to 200, for messages.
 std::string ToString(std::string_view text);
+
+// Of a server's text, in any case of letters: whether it greets a client, whether it takes the
+// version that it was asked for.
+STYLED_REALTIME bool IsGreeting(std::string_view text) noexcept;
+STYLED_REALTIME bool TakesVersion(std::string_view text) noexcept;
+inline constexpr std::string_view kGreeting = "QTM RT Interface connected";
 
 // Each writes a packet to the front of `out` and returns its size; 0 if it does not fit. The
 // content of `out` is unspecified then.

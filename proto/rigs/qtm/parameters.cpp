@@ -67,6 +67,12 @@ class SkeletonReader {
   Status ReadSegments(const xml_node& holder, int parent, int depth) {
     if (depth > kMaxDepth) return Refuse("segments deeper than " + std::to_string(kMaxDepth));
     for (const xml_node& node : holder.children("Segment")) {
+      // Only counted: to look for a parent among any number takes the square of that number.
+      if (out_.segments.size() == kMaxSegments) {
+        ++out_.segments_left_out;
+        if (Status status = ReadNested(node, parent, depth); !status.ok()) return status;
+        continue;
+      }
       SegmentDescription segment;
       segment.name = node.attribute("Name").value();
       segment.parent = parent;
@@ -83,10 +89,12 @@ class SkeletonReader {
       }
       const auto index = static_cast<int>(out_.segments.size());
       out_.segments.push_back(std::move(segment));
-      if (out_.global) continue;
-      if (Status status = ReadSegments(node, index, depth + 1); !status.ok()) return status;
+      if (Status status = ReadNested(node, index, depth); !status.ok()) return status;
     }
     return Status::Ok();
+  }
+  Status ReadNested(const xml_node& segment, int index, int depth) {
+    return out_.global ? Status::Ok() : ReadSegments(segment, index, depth + 1);
   }
 
   Status FindParent(const xml_node& node, const std::string& where, SegmentDescription& segment) {
@@ -130,7 +138,12 @@ Status ReadRoot(const xml_node& root, Parameters& out) {
   if (!skeletons) return Status::Ok();
   out.skeletons.emplace();
   for (const xml_node& node : skeletons.children("Skeleton")) {
-    Status status = SkeletonReader(out.skeletons->emplace_back()).Read(node);
+    SkeletonDescription& skeleton = out.skeletons->emplace_back();
+    if (out.skeletons->size() > kMaxSkeletons) {
+      skeleton.name = node.attribute("Name").value();
+      continue;
+    }
+    Status status = SkeletonReader(skeleton).Read(node);
     if (!status.ok()) return status;
   }
   return Status::Ok();

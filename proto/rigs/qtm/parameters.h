@@ -13,7 +13,8 @@
 namespace styled::qtm {
 
 // Refused beyond: an honest XML has some forty elements for each segment, at most about 30 deep.
-inline constexpr std::size_t kMaxElements = 100'000;
+// Room for as many skeletons as kMaxXmlSize has.
+inline constexpr std::size_t kMaxElements = 200'000;
 inline constexpr int kMaxDepth = 128;
 
 // A segment of a skeleton in its T-pose.
@@ -27,24 +28,26 @@ struct SegmentDescription {
 };
 struct SkeletonDescription {
   std::string name;
-  bool global = false;  // before 1.21: every segment in the capture volume
-  std::vector<SegmentDescription> segments;
+  bool global = false;                       // before 1.21: every segment in the capture volume
+  std::vector<SegmentDescription> segments;  // the first kMaxSegments of those found
+  std::size_t segments_left_out = 0;         // found beyond them, not read
 };
 
 enum class Axis : std::uint8_t { kX, kY, kZ, kMinusX, kMinusY, kMinusZ };
 
 // What an XML of GetParameters says; what it does not mention is empty.
 struct Parameters {
-  std::optional<double> frequency_hz;                         // General
-  std::optional<Axis> up;                                     // 3D: AxisUpwards
-  std::optional<std::vector<SkeletonDescription>> skeletons;  // Skeleton, in the order of frames
-  std::vector<std::string> labels;                            // 3D: written, never read
+  std::optional<double> frequency_hz;  // General
+  std::optional<Axis> up;              // 3D: AxisUpwards
+  // Skeleton, in the order of frames. Of those beyond kMaxSkeletons only the name is read.
+  std::optional<std::vector<SkeletonDescription>> skeletons;
+  std::vector<std::string> labels;  // 3D: written, never read
 };
 
 // Reads any of these parameters, found by their elements' names; T-poses are DefaultTransform's,
 // else Transform's, else the segment's own. Errors say where and what was expected: text that is
 // not XML, more than kMaxElements or kMaxDepth, a number that is none, a segment whose Parent_ID is
-// none of the segments before it. Allocates at most about 100 times the text. Pinned by
+// none of the segments before it. Allocates at most about 30 times the text. Pinned by
 // tests/unit/qtm/parameters_test.cpp.
 Result<Parameters> ReadParameters(std::string_view xml);
 

@@ -52,6 +52,7 @@ void CheckParameters(std::string_view xml) {
   if (!read.ok()) return Require(!read.status().message().empty());
   if (!read.value().skeletons) return;
   for (const SkeletonDescription& skeleton : *read.value().skeletons) {
+    Require(skeleton.segments.size() <= kMaxSegments);
     for (std::size_t s = 0; s < skeleton.segments.size(); ++s) {
       const SegmentDescription& segment = skeleton.segments[s];
       Require(segment.parent < static_cast<int>(s));

@@ -208,6 +208,8 @@ TEST_F(SniffTest, QtmTalksFirst) {
   using namespace qtm::testing;
   const Bytes greeting = Command("QTM RT Interface connected");
   Expect({{"greeting", greeting, Format::kQtm, Verdict::kTalk, "server's greeting"},
+          {"greeting in other letters", Command("qtm rt interface CONNECTED."), Format::kQtm,
+           Verdict::kTalk, "server's greeting"},
           {"skeletons", Data(1, 1, TwoSkeletons()), Format::kQtm, Verdict::kPose, "skeletons"},
           {"markers", Data(1, 1, OtherComponent()), Format::kQtm, Verdict::kUseless,
            "frames without a skeleton"},

@@ -393,6 +393,15 @@ TEST_F(NatNetDialogue, TellsOfAServerWithoutSkeletons) {
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0],
             "server 127.0.0.1 streams no skeleton: enable them in its streaming settings");
+  Pass(3);
+  Begin({});
+  EXPECT_EQ(notes.size(), 2U) << "again, when it is back";
+  Pass(3);
+  Begin({});
+  EXPECT_EQ(notes.size(), 2U) << "once a minute";
+  Pass(60);
+  Begin({});
+  EXPECT_EQ(notes.size(), 3U);
 }
 
 TEST_F(NatNetDialogue, HearsNobodyButTheServer) {

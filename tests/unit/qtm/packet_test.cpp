@@ -22,7 +22,8 @@ TEST(QtmPacket, IsRefusedForEachReason) {
   EXPECT_EQ(Decoded(Join(U32{0}, U32{1})), DecodeResult::kSizeMismatch);
   EXPECT_EQ(Decoded(Pack(9, Any{4})), DecodeResult::kBadType);
   EXPECT_EQ(Decoded(Pack(1, Any{kMaxTextSize})), DecodeResult::kTooLarge);
-  EXPECT_EQ(Decoded(Pack(2, Any{kMaxPacketSize})), DecodeResult::kTooLarge);
+  EXPECT_EQ(Decoded(Pack(3, Any{kMaxPacketSize})), DecodeResult::kTooLarge);
+  EXPECT_EQ(Decoded(Pack(2, Any{kMaxXmlSize})), DecodeResult::kTooLarge);
   EXPECT_EQ(Decoded(Pack(4, Any{1})), DecodeResult::kTooLarge);
   EXPECT_EQ(Decoded(Pack(3, Any{15})), DecodeResult::kTruncated);
   EXPECT_EQ(Decoded(Pack(6)), DecodeResult::kTruncated);
@@ -87,12 +88,26 @@ TEST(QtmStream, IsBrokenByItsHeaderAloneBeforeThePayloadHasCome) {
   // The big-endian port's greeting.
   EXPECT_EQ(broken(0x23000000, 0x01000000),
             "a packet of type 16777216, expected 0 to 8 of QTM RT, little-endian (port 22223)");
-  EXPECT_EQ(broken(kMaxPacketSize, 2), "");
+  EXPECT_EQ(broken(kMaxPacketSize, 3), "");
+  EXPECT_EQ(broken(kMaxXmlSize, 2), "");
+  EXPECT_EQ(broken(kMaxXmlSize + 1, 2),
+            "a packet of type 2 (parameters) with 8388609 bytes, expected 8 to 8388608");
 }
 
 TEST(QtmText, IsShownOnOneShortLine) {
   EXPECT_EQ(ToString("a\nb\x01\xC3\xA9"), "a?b???");
   EXPECT_EQ(ToString(std::string(1000, 'x')).size(), 200U);
+}
+
+TEST(QtmText, OfAServerIsKnownInAnyCaseOfLetters) {
+  EXPECT_TRUE(IsGreeting("QTM RT Interface connected"));
+  EXPECT_TRUE(IsGreeting("qtm rt INTERFACE connected."));
+  EXPECT_FALSE(IsGreeting("QTM RT Interface"));
+  EXPECT_FALSE(IsGreeting("220 ftp"));
+  EXPECT_FALSE(IsGreeting(""));
+  EXPECT_TRUE(TakesVersion("Version set to 1.25"));
+  EXPECT_TRUE(TakesVersion("version SET to 1.19"));
+  EXPECT_FALSE(TakesVersion("Version NOT supported"));
 }
 
 }  // namespace

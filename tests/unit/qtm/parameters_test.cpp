@@ -49,7 +49,7 @@ TEST(QtmParameters, AreRefusedWithWhatWasExpected) {
 TEST(QtmParameters, ThatWouldTakeTheMemoryAreRefusedBeforeTheyAreParsed) {
   std::string nested = "<QTM><Skeletons><Skeleton Name=\"a\"><Segments>";
   for (int i = 0; i < 1'000'000; ++i) nested += "<Segment>";
-  EXPECT_EQ(Refusal(nested), "XML with more than 100000 elements");
+  EXPECT_EQ(Refusal(nested), "XML with more than 200000 elements");
   // Fewer, well-formed: of a depth that no skeleton has.
   std::string deep = "<QTM><Skeletons><Skeleton Name=\"a\"><Segments>", end;
   for (int i = 0; i < 50'000; ++i) {
@@ -60,6 +60,44 @@ TEST(QtmParameters, ThatWouldTakeTheMemoryAreRefusedBeforeTheyAreParsed) {
             "skeleton a: segments deeper than 128");
   // Entities are not expanded.
   EXPECT_NE(Refusal("<!DOCTYPE a [<!ENTITY b \"c\">]><a>&b;"), "");
+}
+
+// To look for each parent among all of them would take the square of their number.
+TEST(QtmParameters, OfASkeletonWithTooManySegmentsAreTheFirstAndHowManyFollow) {
+  std::string flat = "<Segment Name=\"s0\" ID=\"0\"/>";
+  for (int i = 1; i < 70'000; ++i) {
+    flat +=
+        "<Segment ID=\"" + std::to_string(i) + "\" Parent_ID=\"" + std::to_string(i - 1) + "\"/>";
+  }
+  std::string nested = "<Segments><Segment Name=\"root\">";
+  for (int i = 0; i < 200; ++i) nested += "<Segment><Segment/></Segment>";
+  nested += "</Segment></Segments>";
+  const auto read =
+      ReadParameters("<QTM><Skeletons><Skeleton Name=\"a\">" + flat +
+                     "</Skeleton><Skeleton Name=\"b\">" + nested + "</Skeleton></Skeletons></QTM>");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ASSERT_EQ(read.value().skeletons->size(), 2U);
+  const SkeletonDescription& a = read.value().skeletons->at(0);
+  EXPECT_EQ(a.segments.size(), kMaxSegments);
+  EXPECT_EQ(a.segments.back().parent, static_cast<int>(kMaxSegments) - 2);
+  EXPECT_EQ(a.segments_left_out, 70'000 - kMaxSegments);
+  const SkeletonDescription& b = read.value().skeletons->at(1);
+  EXPECT_EQ(b.segments.size(), kMaxSegments);
+  EXPECT_EQ(b.segments_left_out, 401 - kMaxSegments);
+}
+
+TEST(QtmParameters, OfSkeletonsThatAreLeftOutAreTheirNames) {
+  Parameters written;
+  written.skeletons.emplace();
+  for (int k = 0; k < 20; ++k) {
+    written.skeletons->push_back({"s" + std::to_string(k), false, {{"Hips", 1}}});
+  }
+  const auto read = ReadParameters(WriteParameters(written, 25));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ASSERT_EQ(read.value().skeletons->size(), 20U);
+  EXPECT_EQ(read.value().skeletons->at(15).segments.size(), 1U);
+  EXPECT_EQ(read.value().skeletons->at(16).segments.size(), 0U);
+  EXPECT_EQ(read.value().skeletons->at(19).name, "s19");
 }
 
 TEST(QtmParameters, OfTheNestedFormHaveEveryValue) {

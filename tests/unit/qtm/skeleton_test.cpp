@@ -32,6 +32,9 @@ TEST(QtmSkeleton, IsRefusedWithWhatWasExpected) {
     many.segments.push_back({"s" + std::to_string(s), s, 0});
   }
   EXPECT_EQ(Refusal(many), "skeleton a: found 129 segments, expected at most 128");
+  many.segments.pop_back();
+  many.segments_left_out = 7;
+  EXPECT_EQ(Refusal(many), "skeleton a: found 135 segments, expected at most 128");
 }
 
 TEST(QtmSkeleton, EveryAxisBecomesYUp) {

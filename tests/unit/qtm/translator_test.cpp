@@ -60,6 +60,12 @@ class QtmTranslatorTest : public testing::Test {
     ASSERT_TRUE(translator().ready());
     translated_.items.clear();
   }
+  // Whether these parameters were asked for.
+  bool Answers(const Bytes& xml) {
+    const std::uint64_t before = translated_.Count(Counter::kSourceIgnored);
+    Take(xml);
+    return translated_.Count(Counter::kSourceIgnored) == before;
+  }
   Bytes FrameAt(std::int64_t time_us, std::uint32_t number, const std::vector<body::Pose>& poses,
                 bool timecode = false) {
     qtm::Frame& frame = *frame_;
@@ -79,6 +85,7 @@ class QtmTranslatorTest : public testing::Test {
   }
 
   Translated translated_;
+  std::int64_t time_us_ = 0;
   std::unique_ptr<qtm::Frame> frame_ = std::make_unique<qtm::Frame>();
 };
 
@@ -114,6 +121,35 @@ TEST_F(QtmTranslatorTest, SeveralSkeletonsAreSeveralPerformersWithValidNames) {
   EXPECT_THAT(names, ElementsAre("Anna", "Ben___co", "Anna-2"));
 }
 
+// Their XML alone is larger than any other packet may be.
+TEST_F(QtmTranslatorTest, OfTwentySkeletonsWithFingersSixteenPlay) {
+  qtm::Parameters parameters;
+  parameters.skeletons.emplace();
+  for (std::uint32_t k = 0; k < 20; ++k) {
+    auto& skeleton = parameters.skeletons->emplace_back(
+        rigs::DescribeQtmSkeleton("s" + std::to_string(k), 1000 * (k + 1), true, false));
+    for (std::uint32_t s = 0; s < 100; ++s) {
+      skeleton.segments.push_back(
+          {std::string(200, 'f') + std::to_string(s), 1000 * (k + 1) + 100 + s, 0});
+    }
+  }
+  const Bytes xml = Xml(qtm::WriteParameters(parameters, 25));
+  ASSERT_GT(xml.size(), qtm::kMaxPacketSize);
+  std::size_t size = 0;
+  ASSERT_EQ(qtm::CutPacket(xml, size), rigs::Cut::kRecord);
+  EXPECT_GE(translator().max_record(), size);
+  Connect(xml);
+  EXPECT_EQ(translated_.notes.at(0), "server 192.0.2.7 has 20 skeletons, the first 16 are taken");
+  Bytes skeletons;
+  for (std::uint32_t k = 0; k < 20; ++k) {
+    Part{Join(U32{1}, SegmentOf(1000 * (k + 1), 0, 0, 1, 0, 0, 0, 1))}.AppendTo(skeletons);
+  }
+  Take(Data(0, 1, ComponentOf(18, U32{20}, Part{skeletons})));
+  EXPECT_EQ(translated_.Frames().size(), 16U);
+  EXPECT_EQ(translated_.Count(Counter::kPipelineBeforeBody), 0U);
+  EXPECT_EQ(translator().NextDeadline_ns(), Translator::kNever) << "nothing is asked anew";
+}
+
 TEST_F(QtmTranslatorTest, OneThatIsNotSeenSendsNothingTheOthersDo) {
   Connect(Described({"a", "b"}));
   const body::Pose pose;
@@ -145,6 +181,24 @@ TEST_F(QtmTranslatorTest, NamesWhatTheServerSaysAndReadsOldOnes) {
                   "server 192.0.2.7: QTM RT 1.20, +Z up, skeletons: a"));
 }
 
+// Each connection is told anew, but of a server that comes and goes once a minute.
+TEST_F(QtmTranslatorTest, ComplaintsOfAnotherConnectionAreSaidAgain) {
+  Connect(Described({}));
+  ASSERT_EQ(translated_.notes.size(), 2U);
+  Connect(Described({}));
+  EXPECT_EQ(translated_.notes.size(), 2U) << "at once";
+  Take(Data(1, 1, ComponentOf(18, U32{0})));  // it streams
+  Wait(61);
+  Connect(Described({}));
+  ASSERT_EQ(translated_.notes.size(), 4U);
+  EXPECT_EQ(translated_.notes[2], translated_.notes[0]);
+  for (int i = 0; i < 100; ++i) Take(Error("Error " + std::to_string(i)));
+  EXPECT_EQ(translated_.notes.size(), 66U);
+  Wait(61);
+  Connect(Described({"new"}));
+  EXPECT_THAT(translated_.notes.back(), HasSubstr("skeletons: new"));
+}
+
 TEST_F(QtmTranslatorTest, GivesUpAServerThatIsTooOldOrFullOrAnother) {
   translator().Connected(translated_.now_ns);
   Take(Error("Connection refused. Max number of clients reached."));
@@ -162,6 +216,19 @@ TEST_F(QtmTranslatorTest, GivesUpAServerThatIsTooOldOrFullOrAnother) {
   EXPECT_EQ(Fault(),
             "speaks none of QTM RT 1.25 to 1.19 (skeletons need QTM 2019 or later); it answered "
             "\"Version NOT supported\"");
+}
+
+// As in a recording of two connections.
+TEST_F(QtmTranslatorTest, AGreetingBeginsTheDialogueAnewAndNothingOfTheOldIsAsked) {
+  Connect(Described({}));
+  Take(Error("Parse error"));
+  Take(Error("Parse error"));  // StreamFrames would be sent again, and skeletons be asked for
+  Take(Command("QTM RT Interface connected"));
+  EXPECT_FALSE(translator().ready());
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns);
+  Wait(5);
+  EXPECT_EQ(Fault(), "did not answer \"Version 1.25\" within 5 s");
+  EXPECT_EQ(translator().NextDeadline_ns(), Translator::kNever);
 }
 
 TEST_F(QtmTranslatorTest, GivesUpAServerThatDoesNotAnswer) {
@@ -190,6 +257,75 @@ TEST_F(QtmTranslatorTest, WaitsForMeasurementsAndSkeletonsWithoutEnd) {
   EXPECT_EQ(Fault(), "");
   Take(FrameAt(0, 1, {body::Pose()}));
   EXPECT_EQ(translated_.Frames().size(), 1U);
+}
+
+// A measurement begins between the question for the stream and its answer.
+TEST_F(QtmTranslatorTest, AnErrorBeforeTheFirstFrameIsTheStreams) {
+  const std::string answers = "server 192.0.2.7 answers ";
+  Connect(Described({"a"}));
+  translated_.notes.clear();
+  translated_.now_ns += kSecond_ns;
+  Take(EventOf(3));
+  EXPECT_FALSE(Answers(Described({"b"}))) << "not asked: two answers could not be told apart";
+  Take(Error("Parse error"));
+  EXPECT_THAT(translated_.notes, IsEmpty()) << "it is asked without Timecode";
+  Take(Error("No"));
+  EXPECT_THAT(translated_.notes,
+              ElementsAre(answers + "\"StreamFrames AllFrames Skeleton\" with \"No\""));
+  Wait(5);  // asked again
+  Take(FrameAt(0, 1, {body::Pose()}));
+  EXPECT_EQ(translated_.Frames().size(), 1U);
+  EXPECT_TRUE(Answers(Described({"a"}))) << "what the event called for";
+  Take(Error("Busy"));
+  EXPECT_EQ(translated_.notes.back(), "server 192.0.2.7 complains: \"Busy\"");
+  translated_.now_ns += 10 * kSecond_ns;
+  Take(EventOf(3));
+  Take(Error("Busy"));
+  EXPECT_EQ(translated_.notes.back(), "server 192.0.2.7 complains: \"Busy\"") << "asks for less";
+  Take(Error("Busy"));
+  EXPECT_EQ(translated_.notes.back(), answers + "\"GetParameters Skeleton\" with \"Busy\"");
+  Wait(5);
+  EXPECT_TRUE(Answers(Described({"a"}))) << "asked again";
+}
+
+TEST_F(QtmTranslatorTest, SaysOnceThatNoFrameCameAndReadsSkeletonsAnyway) {
+  for (const bool no_measurement : {false, true}) {
+    translated_.now_ns += 100 * kSecond_ns;
+    Connect(Described({"a"}));
+    translated_.notes.clear();
+    if (no_measurement) Take(Pack(4));
+    Take(EventOf(1));
+    Wait(4.9);
+    EXPECT_THAT(translated_.notes, IsEmpty());
+    Wait(0.2);
+    ASSERT_EQ(translated_.notes.size(), 1U);
+    EXPECT_THAT(translated_.notes[0],
+                HasSubstr(no_measurement ? "runs no measurement: frames come when"
+                                         : "sent no frame within 5 s: frames come when"));
+    EXPECT_TRUE(Answers(Described({"a"})));
+    Wait(3600);
+    EXPECT_EQ(translated_.notes.size(), 1U);
+    EXPECT_EQ(Fault(), "");
+    Take(FrameAt(0, 1, {body::Pose()}));
+    EXPECT_EQ(translated_.Frames().size(), 1U);
+  }
+}
+
+TEST_F(QtmTranslatorTest, ParametersThatNobodyAskedForAnswerNothing) {
+  translator().Connected(translated_.now_ns);
+  Take(Xml("<Q><The_3D><AxisUpwards>+X</AxisUpwards></The_3D></Q>"));
+  Take(Command("QTM RT Interface connected"));
+  Wait(1);
+  Take(Xml("<Q><General>"));
+  EXPECT_EQ(translated_.Count(Counter::kSourceIgnored), 2U);
+  EXPECT_EQ(Fault(), "") << "not read";
+  Wait(4);
+  EXPECT_EQ(Fault(), "did not answer \"Version 1.25\" within 5 s");
+  Connect(Described({"a"}));
+  EXPECT_THAT(translated_.notes.back(), HasSubstr("+Z up, skeletons: a"));
+  Take(Described({}));
+  Take(FrameAt(0, 1, {body::Pose()}));
+  EXPECT_EQ(translated_.Frames().size(), 1U) << "a goes on";
 }
 
 TEST_F(QtmTranslatorTest, ParametersThatCannotBeUsedEndTheConnection) {
@@ -228,6 +364,7 @@ TEST_F(QtmTranslatorTest, AMeasurementThatBeginsIsANewSession) {
   EXPECT_EQ(second, first + 2);
   Take(Described({"a"}));
   for (const unsigned event : {1U, 3U, 8U}) {
+    translated_.now_ns += 10 * kSecond_ns;
     const std::uint64_t before = translated_.items.back().session;
     Take(EventOf(event));
     Take(Described({"a"}));
@@ -243,6 +380,40 @@ TEST_F(QtmTranslatorTest, AMeasurementThatBeginsIsANewSession) {
   EXPECT_EQ(Fault(), "");
   Take(EventOf(12));
   EXPECT_EQ(Fault(), "QTM shuts down");
+}
+
+// A file may have been captured at another rate, and in a volume whose other axis is up.
+TEST_F(QtmTranslatorTest, AFileThatBeginsHasItsOwnRateAndUpwardAxis) {
+  Connect(Described({"a"}));
+  Take(FrameAt(0, 1, {body::Pose()}));
+  translated_.now_ns += 10 * kSecond_ns;
+  Take(EventOf(8));
+  qtm::Parameters parameters;
+  parameters.frequency_hz = 240;
+  parameters.up = qtm::Axis::kY;
+  parameters.skeletons = {rigs::DescribeQtmSkeleton("a", 100, false, false)};
+  EXPECT_TRUE(Answers(Xml(qtm::WriteParameters(parameters, 25))));
+  EXPECT_THAT(translated_.notes.back(), HasSubstr("240 Hz, +Y up, skeletons: a"));
+  frame_->timestamp_us = 20'000;
+  rigs::PlaceQtmSkeleton(body::Pose(), 100, false, frame_->skeletons[0]);
+  Bytes packet(qtm::kMaxPacketSize);
+  packet.resize(qtm::EncodeFrame(*frame_, packet));
+  translated_.items.clear();
+  Take(packet);
+  ASSERT_EQ(translated_.Frames().size(), 1U);
+  const auto pose = support::CanonicalPose(translated_.Bodies().back(), translated_.Frames()[0]);
+  ASSERT_TRUE(pose);
+  const auto distance = support::Between(*pose, body::Pose());
+  EXPECT_LT(distance.joint_deg, 0.05F);
+  EXPECT_LT(distance.hips_m, 0.001F);
+  // Another connection may be to another QTM.
+  translator().Connected(translated_.now_ns);
+  Take(Command("QTM RT Interface connected"));
+  Take(Command("Version set to 1.25"));
+  Take(Error("none"));
+  Take(Error("none"));
+  Take(Described({"a"}));
+  EXPECT_THAT(translated_.notes.back(), HasSubstr("QTM RT 1.25, +Z up, skeletons: a"));
 }
 
 TEST_F(QtmTranslatorTest, FramesLostAndRepeatedAreTold) {
@@ -266,6 +437,47 @@ TEST_F(QtmTranslatorTest, AnUnknownSkeletonMakesItReadThemAnew) {
   translated_.items.clear();
   Take(FrameAt(10'000, 2, {body::Pose(), body::Pose()}));
   EXPECT_EQ(translated_.Frames().size(), 2U);
+}
+
+TEST_F(QtmTranslatorTest, SkeletonsAreReadAnewEverLessOftenWhileNothingChanges) {
+  Connect(Described({"a"}));
+  const auto seconds = [this](double from, double to, const std::vector<std::string>& names) {
+    std::vector<double> asked;
+    const std::int64_t begin_ns = translated_.now_ns;
+    for (int i = static_cast<int>(10 * from); i < static_cast<int>(10 * to); ++i) {
+      translated_.now_ns = begin_ns + i * kSecond_ns / 10;
+      Take(FrameAt(++time_us_, 1, {body::Pose(), body::Pose()}));
+      if (Answers(Described(names))) asked.push_back(i / 10.0);
+    }
+    return asked;
+  };
+  EXPECT_THAT(seconds(2, 300, {"a"}), ElementsAre(2, 4, 8, 16, 32, 64, 124, 184, 244));
+  EXPECT_THAT(seconds(0, 10, {"a", "c"}), ElementsAre(4.1)) << "c is known, nothing is missing";
+  translated_.now_ns += 60 * kSecond_ns;
+  EXPECT_THAT(seconds(0, 1, {"a", "c"}), IsEmpty());
+  for (int i = 0; i < 3; ++i) {
+    translated_.now_ns += 20 * kSecond_ns;
+    Take(EventOf(3));
+    EXPECT_TRUE(Answers(Described({"a", "c"}))) << "at once, of measurements in succession";
+  }
+}
+
+TEST_F(QtmTranslatorTest, AFloodOfEventsAsksOnce) {
+  Connect(Described({"a"}));
+  Take(FrameAt(0, 1, {body::Pose()}));
+  translated_.now_ns += 2 * kSecond_ns;
+  int asked = 0;
+  for (int i = 0; i < 7281; ++i) {
+    Take(EventOf(3));
+    asked += Answers(Described({"a"})) ? 1 : 0;
+  }
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 2 * kSecond_ns) << "the next";
+  Wait(2);
+  Take(EventOf(3));
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns)
+      << "asked already: its answer is awaited";
+  EXPECT_EQ(Fault(), "");
 }
 
 TEST_F(QtmTranslatorTest, TimecodeIsCarried) {
@@ -299,6 +511,20 @@ TEST_F(QtmTranslatorTest, DoesNotAllocateForFrames) {
   }
   const Bytes next = FrameAt(200'000, 20, {body::Pose(), body::Pose()}, true);
   EXPECT_EQ(support::Allocations(translated_.translator(), next, translated_.now_ns), 0);
+}
+
+// What frames and events make it ask, too.
+TEST_F(QtmTranslatorTest, DoesNotAllocateToReadSkeletonsAnew) {
+  Connect(Described({"a", "b"}));
+  Take(FrameAt(10'000, 1, {body::Pose(), body::Pose()}));
+  translated_.now_ns += 2 * kSecond_ns;
+  const Bytes unknown = FrameAt(20'000, 2, {body::Pose(), body::Pose(), body::Pose()});
+  EXPECT_EQ(support::Allocations(translated_.translator(), unknown, translated_.now_ns), 0);
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns) << "asked";
+  Take(Described({"a", "b"}));
+  translated_.now_ns += 10 * kSecond_ns;
+  EXPECT_EQ(support::Allocations(translated_.translator(), EventOf(3), translated_.now_ns), 0);
+  EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns) << "asked";
 }
 
 }  // namespace

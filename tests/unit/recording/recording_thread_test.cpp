@@ -111,6 +111,16 @@ TEST_F(RecordingThreadTest, AFullRingDropsCountsAndGoesOn) {
   EXPECT_EQ(ReadAll().size(), kCount - dropped);
 }
 
+TEST_F(RecordingThreadTest, WhatNoRecordCanHoldIsCountedAndTakesNoRoom) {
+  {
+    const auto thread = Start(8U << 20U);
+    EXPECT_FALSE(thread->PushNote(1, std::string(kMaxRecordSize, 'x')));
+    EXPECT_EQ(thread->dropped(), 1U);
+    EXPECT_TRUE(thread->PushNote(2, std::string(kMaxRecordSize - 100, 'x')));
+  }
+  EXPECT_EQ(ReadAll().size(), 1U);
+}
+
 TEST_F(RecordingThreadTest, AddressesAreWrittenAsText) {
   const sockaddr_in v4 = V4("192.168.1.20", 9763);
   EXPECT_EQ(AddressText(reinterpret_cast<const sockaddr*>(&v4), sizeof v4), "192.168.1.20:9763");
