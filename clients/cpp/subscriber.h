@@ -34,6 +34,8 @@ struct SubscriberOptions {
   // The [[output]]s to listen to, by name ([A-Za-z0-9_-]{1,32}). Each is one more stream, of kind
   // kAvatar; kAvatar must not appear in `streams`.
   std::vector<std::string> avatars;
+  bool every_avatar = false;  // also every [[output]] whose body comes, named in `avatars` or not
+  bool keep_bytes = false;    // Update::bytes, for programs that pass messages on
   bool statistics = false;    // Stats, once per second
   int queue_messages = 1000;  // queue of this process; when it is full, the newest are dropped; > 0
   std::optional<Curve> curve;  // for daemons that require keys; the same for all endpoints
@@ -56,6 +58,7 @@ struct Update {
   std::uint64_t missed = 0;   // frames of this stream lost in transit directly before this one
   std::uint64_t skipped = 0;  // ReceiveLatest only: older frames that this one superseded
   bool new_epoch = false;     // the daemon restarted since the previous frame of this stream
+  std::string bytes;          // the payload as received; only with SubscriberOptions::keep_bytes
   v1::Stats statistics;
 };
 
