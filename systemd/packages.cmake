@@ -54,8 +54,8 @@ The weights are licensed CC BY-NC 4.0: not for commercial use."
 package(tools styled-tools video "control, monitor and simulate a styled daemon"
 "stylectl controls a styled daemon and finds out why nothing arrives, stylemon
 shows its performers in a terminal, stylerec records, plays back and exports,
-stylevmc forwards to applications that speak VMC, stylesim stands in for a rig,
-stylize restyles BVH files."
+stylevmc forwards to applications that speak VMC, stylenats to NATS servers,
+stylesim stands in for a rig, stylize restyles BVH files."
   RECOMMENDS "styled (= ${PROJECT_VERSION})")
 package(web styled-web video "gateway and viewer of a styled daemon for browsers"
 "styleweb shows what a styled daemon does in browsers and lets them control it,

@@ -24,7 +24,7 @@ if [ -n "${DEBEMAIL:-}" ]; then
 fi
 cmake -S "$root" --preset release -B "$build" -DCMAKE_INSTALL_PREFIX=/usr \
   -DSTYLED_TRAIN=OFF -DSTYLED_TESTS=OFF "$@" >"$build-cmake.log" 2>&1 || { tail -n 40 "$build-cmake.log" >&2; exit 1; }
-targets=(styled stylectl stylemon stylesim stylerec stylevmc styleweb stylize styled_client styled_python styled_blender styled_man)
+targets=(styled stylectl stylemon stylesim stylerec stylevmc stylenats styleweb stylize styled_client styled_python styled_blender styled_man)
 [ -n "$(command -v npm)" ] && targets+=(styleweb_page)
 cmake --build "$build" --target "${targets[@]}"
 rm -f "$build"/*.deb

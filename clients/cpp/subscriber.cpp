@@ -54,6 +54,10 @@ bool IsName(std::string_view text) {
   return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), fits);
 }
 
+bool IsAvatar(std::string_view name) {
+  return IsName(name) && name != "rig" && name != "canonical";
+}
+
 // The id between prefix and suffix, or "" if `topic` has another form.
 std::string_view PerformerOf(std::string_view topic, std::string_view prefix,
                              std::string_view suffix) {
@@ -147,6 +151,7 @@ struct Subscriber::Impl {
 
   void Open();
   void SubscribeTo(std::string_view performer);
+  void SubscribeToAvatar(std::string_view performer, std::string_view avatar);
   // Into topic and payload, or the next frame of a bundle; false if nothing is waiting.
   bool ReadMessage();
   bool Wait(Clock::time_point deadline);
@@ -209,10 +214,13 @@ void Subscriber::Impl::SubscribeTo(std::string_view performer) {
       socket.set(zmq::sockopt::subscribe, Topic(row, performer));
     }
   }
-  for (const std::string& avatar : options.avatars) {
-    socket.set(zmq::sockopt::subscribe,
-               std::string("styled/").append(performer).append("/" + avatar + "/"));
-  }
+  for (const std::string& avatar : options.avatars) SubscribeToAvatar(performer, avatar);
+}
+
+void Subscriber::Impl::SubscribeToAvatar(std::string_view performer, std::string_view avatar) {
+  std::string name("styled/");
+  name.append(performer).append("/").append(avatar).append("/");
+  socket.set(zmq::sockopt::subscribe, name);
 }
 
 bool Subscriber::Impl::Wait(Clock::time_point deadline) {
@@ -259,6 +267,9 @@ bool Subscriber::Impl::ReadMessage() {
 bool Subscriber::Impl::Accept(Update& out) {
   if (bundle != nullptr) return AcceptBundled(out);
   const std::string_view name(static_cast<const char*>(topic.data()), topic.size());
+  if (options.keep_bytes) {
+    out.bytes.assign(static_cast<const char*>(payload.data()), payload.size());
+  }
   if (name == kStatisticsTopic) {
     if (!out.statistics.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
       ++counters.malformed;
@@ -289,13 +300,18 @@ bool Subscriber::Impl::AcceptBody(std::string_view performer, Update& out) {
     known = bodies.emplace(std::string(performer), 0).first;
     if (options.performer.empty()) SubscribeTo(performer);
   }
+  bool new_avatar = IsAvatar(body.output_name()) && options.every_avatar &&
+                    std::find(options.avatars.begin(), options.avatars.end(), body.output_name()) ==
+                        options.avatars.end();
   for (const auto& other : known->second) {
+    if (other->output_name() == body.output_name()) new_avatar = false;
     if (other->hash() == body.hash() && other->output() == body.output() &&
         other->output_name() == body.output_name()) {
       ++counters.replayed_bodies;
       return false;
     }
   }
+  if (new_avatar) SubscribeToAvatar(performer, body.output_name());
   if (known->second.size() >= kMaxBodies) known->second.erase(known->second.begin());
   known->second.push_back(std::make_shared<const v1::Body>(body));
   ++counters.bodies;
@@ -331,6 +347,7 @@ bool Subscriber::Impl::AcceptFrame(const Origin& origin, std::string_view name, 
 bool Subscriber::Impl::AcceptBundled(Update& out) {
   const v1::Frame& frame = out.frame;
   out.frame.Swap(frames.mutable_frames(next_frame++));
+  if (options.keep_bytes) out.bytes = frame.SerializeAsString();
   if (!IsPerformerId(frame.performer()) || frame.output() != bundle->output) {
     ++counters.malformed;
     return false;
@@ -400,7 +417,7 @@ Result<std::unique_ptr<Subscriber>> Subscriber::Connect(const SubscriberOptions&
                          "'; expected all performers, or no bundles");
   }
   for (const std::string& avatar : options.avatars) {
-    if (IsName(avatar) && avatar != "rig" && avatar != "canonical") continue;
+    if (IsAvatar(avatar)) continue;
     return Status::Error("subscriber: avatar '" + avatar +
                          "' is not the name of an [[output]] ([A-Za-z0-9_-]{1,32}, not rig, not "
                          "canonical)");

@@ -34,6 +34,8 @@ struct SubscriberOptions {
   // The [[output]]s to listen to, by name ([A-Za-z0-9_-]{1,32}). Each is one more stream, of kind
   // kAvatar; kAvatar must not appear in `streams`.
   std::vector<std::string> avatars;
+  bool every_avatar = false;  // also every [[output]] whose body comes, named in `avatars` or not
+  bool keep_bytes = false;    // Update::bytes, for programs that pass messages on
   // Frames of all performers in one message per cycle of the daemon (WIRE.md, "frames/"): for who
   // shows many at once. `performer` must be "". Avatars' frames come as ever. Needs a daemon that
   // has these topics; an older one sends nothing.
@@ -60,6 +62,7 @@ struct Update {
   std::uint64_t missed = 0;   // frames of this stream lost in transit directly before this one
   std::uint64_t skipped = 0;  // ReceiveLatest only: older frames that this one superseded
   bool new_epoch = false;     // the daemon restarted since the previous frame of this stream
+  std::string bytes;  // the payload as received, of a bundle the frame alone; only with keep_bytes
   v1::Stats statistics;
 };
 

@@ -130,5 +130,5 @@ _styled_complete() {
   fi
 }
 
-complete -F _styled_complete styled stylectl stylemon stylesim stylerec stylevmc styleweb stylize \
-  styletrain styleeval styleunseen stylerefine
+complete -F _styled_complete styled stylectl stylemon stylesim stylerec stylevmc stylenats styleweb \
+  stylize styletrain styleeval styleunseen stylerefine

@@ -6,7 +6,8 @@ import unittest
 
 from test_operating import ROOT, counters, read
 
-PROGRAMS = ('styled', 'stylectl', 'stylemon', 'stylesim', 'stylerec', 'stylevmc', 'styleweb', 'stylize')
+PROGRAMS = ('styled', 'stylectl', 'stylemon', 'stylesim', 'stylerec', 'stylevmc', 'stylenats', 'styleweb',
+            'stylize')
 GROUPS = ('source', 'usb', 'pipeline', 'stylist', 'publish', 'control', 'security', 'config', 'state', 'record')
 CODE = re.compile(r'`([^`\n]+)`')
 BLOCK = re.compile(r'^```sh\n(.*?)^```', re.MULTILINE | re.DOTALL)

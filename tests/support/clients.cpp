@@ -82,6 +82,15 @@ std::vector<v1::Frame> Subscriber::Frames(const std::string& prefix) const {
   return frames;
 }
 
+std::vector<Message> Subscriber::Messages(const std::string& prefix) const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<Message> found;
+  for (const Message& message : messages_) {
+    if (message.topic.starts_with(prefix)) found.push_back(message);
+  }
+  return found;
+}
+
 std::size_t Subscriber::Count(const std::string& prefix) const {
   const std::lock_guard lock(mutex_);
   return static_cast<std::size_t>(

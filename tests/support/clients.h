@@ -38,7 +38,8 @@ class Subscriber {
 
   // Frames and bodies received so far, on topics that begin with `prefix`.
   std::vector<v1::Frame> Frames(const std::string& prefix = "") const;
-  std::size_t Count(const std::string& prefix) const;  // of messages
+  std::vector<Message> Messages(const std::string& prefix) const;  // as they came
+  std::size_t Count(const std::string& prefix) const;              // of messages
   std::vector<v1::Body> Bodies() const;
   std::optional<v1::Stats> LastStats() const;
   // Waits until `done` returns true; false after `seconds`.

@@ -324,6 +324,29 @@ TEST_F(SubscriberTest, TellsAvatarsApartByTheNamesOfTheirOutputs) {
   EXPECT_EQ(frames[1].avatar, "villain");
 }
 
+TEST_F(SubscriberTest, FindsEveryAvatarByItsBodyAndKeepsTheBytes) {
+  SubscriberOptions options;
+  options.streams.clear();
+  options.every_avatar = true;
+  options.keep_bytes = true;
+  auto subscriber = Listen(daemon_, options);
+  v1::Body body = HumanoidBody("rig.a", v1::OUTPUT_AVATAR, 12);
+  body.set_output_name("hero");
+  ASSERT_TRUE(daemon_.WaitForSubscription("body/"));
+  daemon_.AddBody(body);
+  Update update;
+  ASSERT_TRUE(subscriber->Receive(2s, update));
+  ASSERT_EQ(update.kind, Update::Kind::kBody);
+  EXPECT_EQ(update.bytes, body.SerializeAsString());
+  ASSERT_TRUE(daemon_.WaitForSubscription("styled/rig.a/hero/"));
+  EXPECT_FALSE(daemon_.Subscribed(std::string(kRigTopic)));
+  const std::string bytes = HumanoidFrame(body, {}, 1).SerializeAsString();
+  daemon_.Publish("styled/rig.a/hero/", HumanoidFrame(body, {}, 1));
+  ASSERT_TRUE(subscriber->Receive(2s, update));
+  EXPECT_EQ(update.avatar, "hero");
+  EXPECT_EQ(update.bytes, bytes);
+}
+
 std::string Error(const Curve& curve) {
   SubscriberOptions options;
   options.curve = curve;

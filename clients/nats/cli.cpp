@@ -1,0 +1,157 @@
+#include "clients/nats/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "clients/cpp/key_options.h"
+#include "clients/nats/bridge.h"
+#include "clients/nats/report.h"
+#include "proto/keys/key_folder.h"
+
+namespace styled::stylenats {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kFlush(1000);  // at the end
+
+struct Arguments {
+  Options options;
+  client::KeyOptions keys;
+  std::string login;
+  double stats_every_s = 10, seconds = 0;
+};
+
+void Declare(CLI::App& app, Arguments& a) {
+  app.set_version_flag("--version", "stylenats " STYLED_VERSION);
+  app.add_option("--site", a.options.site,
+                 "name of this daemon's place, the first token behind styled. in all subjects; one "
+                 "stylenats for each")
+      ->required();
+  app.add_option("--nats", a.options.link.servers,
+                 "a broker, nats://HOST:PORT or tls://HOST:PORT: a leaf server that no viewer "
+                 "uses; again for more, the first that answers is used")
+      ->envname("STYLED_NATS")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  app.add_option("--nats-login", a.login,
+                 "file whose first line is the user, its second the password; refused where others "
+                 "can read it");
+  app.add_option("--nats-creds", a.options.link.credentials,
+                 "credentials file of nsc (JWT and seed), instead of --nats-login");
+  app.add_option("--nats-ca", a.options.link.ca,
+                 "certificates, PEM, of which one has signed a tls:// broker's; default: the "
+                 "system's");
+  app.add_option("--domain", a.options.domain,
+                 "JetStream domain of the bucket 'styled', where it is not the account's own");
+  app.add_option("--publish", a.options.publisher, "the daemon's publisher")
+      ->envname("STYLED_PUBLISHER")
+      ->capture_default_str();
+  app.add_option("--control", a.options.control, "the daemon's control socket")
+      ->envname("STYLED_CONTROL")
+      ->capture_default_str();
+  client::Declare(app, a.keys);
+  app.add_option("--stats-every", a.stats_every_s,
+                 "seconds between two lines of counters, printed where they changed; 0: none")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--seconds", a.seconds, "end by itself; 0: never")->check(CLI::Range(0.0, 1e9));
+  app.footer(
+      "Exit codes: 0 stopped, 1 the broker refuses the login, 2 usage.\n"
+      "Examples:\n"
+      "  stylenats --site stage\n"
+      "  stylenats --site stage --nats nats://127.0.0.1:4223 --nats-login "
+      "/etc/styled/nats.login");
+}
+
+// The user and the password of a file, which nobody else may read.
+Status ReadLogin(const std::string& file, LinkOptions& link) {
+  const auto text = keys::ReadTokenFile(file);
+  if (!text.ok()) return Status::Error("--nats-login " + text.status().message());
+  std::istringstream lines(text.value());
+  for (std::string* const line : {&link.user, &link.password}) {
+    std::getline(lines, *line);
+    if (!line->empty() && line->back() == '\r') line->pop_back();
+    if (line->empty()) {
+      return Status::Error("--nats-login " + file + ": expected two lines, a user and a password");
+    }
+  }
+  return Status::Ok();
+}
+
+Status Complete(Arguments& a) {
+  if (std::isnan(a.stats_every_s + a.seconds)) {
+    return Status::Error("a value is nan; expected a number");
+  }
+  LinkOptions& link = a.options.link;
+  if (!a.login.empty() && !link.credentials.empty()) {
+    return Status::Error("--nats-login and --nats-creds: expected one of them");
+  }
+  if (!a.login.empty()) {
+    if (const Status status = ReadLogin(a.login, link); !status.ok()) return status;
+  }
+  if (!link.credentials.empty() && !std::ifstream(link.credentials)) {
+    return Status::Error("--nats-creds " + link.credentials + ": cannot be read");
+  }
+  auto curve = client::ReadKeys(a.keys);
+  if (!curve.ok()) return curve.status();
+  a.options.curve = std::move(curve.value());
+  link.name = "stylenats " + a.options.site;
+  return Status::Ok();
+}
+
+Clock::duration Seconds(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+int Pass(const Arguments& a, Bridge& bridge, const std::atomic<bool>& stop, std::ostream& out,
+         std::ostream& err) {
+  Report report(a.options, out, err);
+  report.PrintStart();
+  const auto begin = Clock::now();
+  auto next = begin + Seconds(a.stats_every_s);
+  bool closed = false;
+  while (!stop && !closed && (a.seconds == 0 || Clock::now() < begin + Seconds(a.seconds))) {
+    bridge.Step(milliseconds(50));
+    closed = report.PrintNews(bridge);
+    if (a.stats_every_s == 0 || Clock::now() < next) continue;
+    report.PrintCounters(bridge, bridge.queue());
+    next = Clock::now() + Seconds(a.stats_every_s);
+  }
+  bridge.Stop(kFlush);
+  if (a.stats_every_s > 0) report.PrintCounters(bridge, bridge.queue());
+  return closed ? kExitFailed : kExitOk;
+}
+
+}  // namespace
+
+int Run(std::vector<std::string> arguments, const std::atomic<bool>& stop, std::ostream& out,
+        std::ostream& err) {
+  Arguments a;
+  CLI::App app{"stylenats: styled performers by NATS to many places, and commands back",
+               "stylenats"};
+  Declare(app, a);
+  const auto fail = [&err](const std::string& text) {
+    err << "stylenats: " << text << "\n  see stylenats --help\n";
+    return kExitUsage;
+  };
+  std::reverse(arguments.begin(), arguments.end());  // what CLI11 takes
+  try {
+    app.parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error, out, err), kExitOk;
+    return fail(error.what());
+  }
+  if (const Status status = Complete(a); !status.ok()) return fail(status.message());
+  auto bridge = Bridge::Open(a.options);
+  if (!bridge.ok()) return fail(bridge.status().message());
+  return Pass(a, *bridge.value(), stop, out, err);
+}
+
+}  // namespace styled::stylenats

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace styled::stylenats {
+
+// A frame on its way to the broker.
+struct QueuedFrame {
+  std::string subject;
+  std::string payload;  // the daemon's bytes
+  std::uint64_t epoch = 0, sequence = 0;
+};
+
+// Between the thread that reads ZeroMQ and the one that publishes, which may stand still for
+// seconds. It has a slot for each performer and stream. A slot holds at most one frame, the newest:
+// a frame that still waits when the next one comes is replaced at its place and counted.
+//
+// Bounded whatever the daemon's names do: by slots and by bytes. When all slots are taken, a slot
+// that was not used for `idle` is given to the new stream; if there is none, the frame is refused
+// and counted.
+//
+// Any thread. Allocates. Pinned by tests/unit/nats/frame_queue_test.cpp.
+class FrameQueue {
+ public:
+  using Clock = std::chrono::steady_clock;
+  struct Limits {
+    // 256 performers with four streams each; a daemon has 64 at most by default.
+    std::size_t slots = 1024;
+    // Of all waiting frames. 16 performers with four streams of 3 kB need 192 kB.
+    std::size_t bytes = std::size_t{64} << 20U;
+    std::chrono::nanoseconds idle = std::chrono::seconds(10);
+  };
+  enum class Pushed { kQueued, kReplaced, kRefused };
+  struct Counts {
+    std::uint64_t pushed = 0;    // all calls of Push
+    std::uint64_t replaced = 0;  // frames that a newer one replaced before they were sent
+    std::uint64_t refused = 0;   // frames for which there was no slot or no room
+  };
+
+  explicit FrameQueue(std::string site) : FrameQueue(std::move(site), Limits()) {}
+  FrameQueue(std::string site, const Limits& limits) : site_(std::move(site)), limits_(limits) {}
+
+  Pushed Push(std::string_view performer, std::string_view stream, std::string_view payload,
+              std::uint64_t epoch, std::uint64_t sequence, Clock::time_point now = Clock::now());
+
+  // Waits for a frame and removes the one that has waited longest. False when `stop` is requested
+  // and nothing waits, or after `timeout`.
+  bool Take(QueuedFrame& out, const std::stop_token& stop, std::chrono::milliseconds timeout);
+
+  std::size_t waiting() const;
+  Counts counts() const;
+  // The subjects of which frames were replaced, most first, with the number since their slot was
+  // made.
+  std::vector<std::pair<std::string, std::uint64_t>> replaced() const;
+
+ private:
+  struct Slot {
+    QueuedFrame frame;
+    bool waits = false;
+    std::uint64_t replaced = 0;
+    Clock::time_point used;
+  };
+  using Key = std::pair<std::string, std::string>;  // performer, stream
+  Slot* Find(std::string_view performer, std::string_view stream, Clock::time_point now);
+
+  const std::string site_;
+  const Limits limits_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::map<Key, Slot, std::less<>> slots_;  // its nodes do not move
+  std::deque<Slot*> order_;                 // those that wait
+  std::size_t bytes_ = 0;                   // of those that wait
+  Counts counts_;
+};
+
+// Picks the frames of the audience tier: of each performer's canonical frames, as they come, the
+// first and then every fourth; of a rig of 120 Hz that is 30 Hz. It counts frames, not time and not
+// sequence numbers. One thread. Bounded: beyond kMaxPerformers all counts begin anew.
+class AudienceTier {
+ public:
+  static constexpr std::uint32_t kStep = 4;
+  static constexpr std::size_t kMaxPerformers = 1024;
+  bool Takes(const std::string& performer);
+
+ private:
+  std::unordered_map<std::string, std::uint32_t> counts_;
+};
+
+}  // namespace styled::stylenats

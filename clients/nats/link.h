@@ -1,0 +1,75 @@
+#pragma once
+
+#include <nats/nats.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/base/status.h"
+
+namespace styled::stylenats {
+
+inline constexpr const char* kDefaultServer = "nats://127.0.0.1:4222";
+
+struct LinkOptions {
+  std::vector<std::string> servers = {kDefaultServer};  // nats://HOST:PORT or tls://HOST:PORT
+  std::string name;                                     // shown by the broker's monitoring
+  std::string user, password;                           // "": none
+  std::string credentials;  // file with JWT and seed, as nsc writes it; "": none
+  std::string ca;           // file with certificates (PEM) that a tls:// broker's must be signed by
+};
+
+// What happened to the connection.
+struct LinkEvent {
+  enum class Kind {
+    kAbsent,        // no broker answers; said once, at the start
+    kConnected,     // for the first time; text: the address
+    kDisconnected,  // text: why
+    kReconnected,   // text: the address
+    kClosed,        // the broker refuses us, and libnats gives up; text: why
+    kError,         // the broker complains, for example of a permission; text: what it says
+  };
+  Kind kind = Kind::kAbsent;
+  std::string text;
+};
+
+// The connection to the broker, one per process. It connects in the background, and again for ever.
+// A broker that answers no ping within 2 s, or that reads nothing for 1 s, counts as gone. Nothing
+// is kept for it meanwhile (but one message that meets the moment of the loss). Brokers that the
+// broker tells of are ignored: frames go to the leaf servers that were named, and to no other.
+class Link {
+ public:
+  // Errors name the option: an address that is none, a file that cannot be read. It is no error if
+  // no broker listens there.
+  static Result<std::unique_ptr<Link>> Open(const LinkOptions& options);
+  ~Link();  // closes; what is not flushed is lost
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  natsConnection* get() const { return connection_; }
+  // Any thread. Publish alone does not tell: it returns NATS_OK while libnats connects again.
+  bool connected() const {
+    return natsConnection_Status(connection_) == NATS_CONN_STATUS_CONNECTED;
+  }
+  // Counts the connections, the first one is 1; 0: none so far. Any thread.
+  std::uint64_t generation() const;
+  // The events since the last call, at most 64; errors of the same text are one. Any thread.
+  std::vector<LinkEvent> Events();
+  // Waits until the broker has read everything. False: not within `timeout`.
+  bool Flush(std::chrono::milliseconds timeout);
+
+ private:
+  struct State;
+  explicit Link(std::shared_ptr<State> state) : state_(std::move(state)) {}
+  std::shared_ptr<State> state_;
+  natsConnection* connection_ = nullptr;
+};
+
+// Checks the text of a broker's address; the error says what was expected.
+Status CheckServer(const std::string& server);
+
+}  // namespace styled::stylenats

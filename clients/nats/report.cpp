@@ -1,0 +1,113 @@
+#include "clients/nats/report.h"
+
+#include <algorithm>
+
+#include "clients/cpp/key_options.h"
+#include "clients/nats/subject.h"
+
+namespace styled::stylenats {
+namespace {
+
+constexpr std::size_t kShownStreams = 3;  // of those with replaced frames, the worst
+
+}  // namespace
+
+Report::Report(const Options& options, std::ostream& out, std::ostream& err)
+    : options_(options),
+      out_(out),
+      err_(err),
+      lookout_(options.publisher, client::Peer::kPublisher, options.curve) {}
+
+std::string Report::Brokers() const {
+  std::string text;
+  for (const std::string& server : options_.link.servers) {
+    text += (text.empty() ? "" : ", ") + server;
+  }
+  return text;
+}
+
+void Report::PrintStart() {
+  err_ << "stylenats: " << options_.publisher << " -> " << Brokers() << ", frames at styled."
+       << Escape(options_.site) << ".>, commands at " << ControlSubject(options_.site) << std::endl;
+}
+
+bool Report::PrintBroker(const LinkEvent& event) {
+  using Kind = LinkEvent::Kind;
+  err_ << "stylenats: ";
+  switch (event.kind) {
+    case Kind::kAbsent:
+      err_ << "no broker answers at " << Brokers() << "; it goes on trying";
+      break;
+    case Kind::kConnected:
+      err_ << "connected to " << event.text;
+      break;
+    case Kind::kDisconnected:
+      err_ << "lost the broker: " << event.text << "; frames are dropped until it is back";
+      break;
+    case Kind::kReconnected:
+      err_ << "connected again, to " << event.text << "; all bodies are written anew";
+      break;
+    case Kind::kError:
+      err_ << "the broker says: " << event.text;
+      break;
+    case Kind::kClosed:
+      err_ << "the broker at " << Brokers() << " refuses the connection: " << event.text
+           << "; expected a login that it knows (--nats-login FILE, --nats-creds FILE)";
+      break;
+  }
+  err_ << std::endl;
+  return event.kind == Kind::kClosed;
+}
+
+// Whether the daemon is there: said when it changes, with the reason where there is one.
+void Report::PrintDaemon(Bridge& bridge) {
+  if (bridge.connected() > 0) {
+    lookout_.Rest();
+    why_.clear();
+    if (!daemon_) err_ << "stylenats: subscribed to " << options_.publisher << std::endl;
+    daemon_ = true;
+    return;
+  }
+  if (daemon_) err_ << "stylenats: the daemon is gone; it goes on trying" << std::endl;
+  daemon_ = false;
+  const client::Reach& reach = lookout_.Look();
+  if (reach.text.empty() || reach.text == why_) return;
+  why_ = reach.text;
+  const std::string advice = client::Advice(reach.obstacle, client::Peer::kPublisher);
+  err_ << "stylenats: no daemon answers at " << options_.publisher << ": " << why_
+       << (advice.empty() ? "" : "; " + advice) << std::endl;
+}
+
+bool Report::PrintNews(Bridge& bridge) {
+  bool closed = false;
+  for (const LinkEvent& event : bridge.link().Events()) closed = PrintBroker(event) || closed;
+  const std::string error = bridge.store().TakeError();
+  if (!error.empty()) err_ << "stylenats: KV: " << error << std::endl;
+  for (const std::string& name : bridge.TakeRefusedOutputs()) {
+    err_ << "stylenats: the [[output]] " << name
+         << " is not passed on: the audience tier has its name" << std::endl;
+  }
+  PrintDaemon(bridge);
+  return closed;
+}
+
+void Report::PrintCounters(const Bridge& bridge, const FrameQueue& queue) {
+  const Totals t = bridge.totals();
+  if (t == shown_) return;
+  shown_ = t;
+  out_ << "stylenats: " << t.sent << " sent, " << t.audience << " of the audience tier, "
+       << t.replaced << " replaced, " << t.disconnected << " dropped without a broker, "
+       << t.too_large << " too large, " << t.failed << " failed, " << t.refused
+       << " without a slot, " << t.missed << " missed, " << t.malformed << " malformed; "
+       << t.stalled << " slow calls, longest " << t.longest_call_us / 1000 << " ms; KV "
+       << t.written << " written, " << t.unwritten << " failed, " << t.unkept << " refused; "
+       << t.requests << " commands, " << t.unanswered << " without an answer, " << t.unsent_replies
+       << " answers lost";
+  const auto rows = queue.replaced();
+  for (std::size_t i = 0; i < std::min(rows.size(), kShownStreams); ++i) {
+    out_ << (i == 0 ? "; replaced most: " : ", ") << rows[i].first << " " << rows[i].second;
+  }
+  out_ << std::endl;
+}
+
+}  // namespace styled::stylenats
