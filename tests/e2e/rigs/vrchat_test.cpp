@@ -59,8 +59,13 @@ struct VrChatStage {
   // The performer's size, of the canonical one, that the calibration found: the head's device is
   // worn some centimetres off the joint. The whole stage is scaled by it.
   float Size() {
-    const std::string log = daemon.Log();
-    const std::size_t end = log.find(" of the canonical size");
+    std::string log;
+    std::size_t end = std::string::npos;
+    for (int wait = 0; wait < 300 && end == std::string::npos; ++wait) {  // the reply comes first
+      Sleep(0.01);
+      log = daemon.Log();
+      end = log.find(" of the canonical size");
+    }
     return end == std::string::npos ? 0 : std::stof(log.substr(end - 4, 4));
   }
   // World rotations of the parts within 2 degrees, the hips within 3 cm.
