@@ -67,6 +67,7 @@ TEST(SubscriberOptionsTest, RefusesEachBadOption) {
   options = {};
   options.queue_messages = 0;
   EXPECT_FALSE(Subscriber::Connect(options).ok());
+  options = {};
   options.performer = "rig.a";
   options.bundled = true;
   EXPECT_FALSE(Subscriber::Connect(options).ok()) << "bundles are of all performers";
