@@ -45,8 +45,8 @@ class DeviceRig {
   explicit DeviceRig(const config::Source& config);
 
   // Takes what a device measured. Refuses values that are not finite or beyond 1 km, and what
-  // measures nothing (source.malformed), a device that another sender sends (pipeline.second_sender), and new ones
-  // while kMaxDevices are live (source.table_full).
+  // measures nothing (source.malformed), a device that another sender sends
+  // (pipeline.second_sender), and new ones while kMaxDevices are live (source.table_full).
   void Take(const Device& device, const Measured& measured, std::uint64_t peer, std::int64_t now_ns,
             Outbox& out);
   // A heading that the sender gives for the performer in the T-pose, radians; for devices whose
