@@ -25,7 +25,7 @@ Result<std::unique_ptr<Commands>> Commands::Start(Link& link, const std::string&
                                                   const std::string& control,
                                                   const std::optional<client::Curve>& curve) {
   std::unique_ptr<Commands> commands(new Commands(link));
-  auto asker = web::Asker::Start(control, curve);
+  auto asker = client::Asker::Start(control, curve);
   if (!asker.ok()) return asker.status();
   commands->asker_ = std::move(asker.value());
   commands->subject_ = ControlSubject(site);

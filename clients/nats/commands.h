@@ -7,9 +7,9 @@
 #include <string>
 #include <thread>
 
+#include "clients/cpp/asker.h"
 #include "clients/cpp/curve.h"
 #include "clients/nats/link.h"
-#include "clients/web/asker.h"
 #include "model/base/status.h"
 
 namespace styled::stylenats {
@@ -52,7 +52,7 @@ class Commands {
   std::string subject_;
   Counts counts_;
   natsSubscription* subscription_ = nullptr;
-  std::unique_ptr<web::Asker> asker_;
+  std::unique_ptr<client::Asker> asker_;
   std::jthread thread_;  // last: it ends before the rest
 };
 

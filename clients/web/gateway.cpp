@@ -65,7 +65,7 @@ Status Gateway::Prepare() {
   }
   const auto curve = client::ReadKeys(options.keys);
   if (!curve.ok()) return curve.status();
-  auto asking = Asker::Start(options.control, curve.value());
+  auto asking = client::Asker::Start(options.control, curve.value());
   if (!asking.ok()) return Status::Error("--control: " + asking.status().message());
   asker = std::move(asking.value());
   auto listening = Upstream::Connect(io, options.publish, curve.value(),

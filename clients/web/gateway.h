@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "clients/cpp/asker.h"
 #include "clients/cpp/control.h"
 #include "clients/cpp/key_options.h"
 #include "clients/cpp/reach.h"
 #include "clients/cpp/subscriber.h"
 #include "clients/web/access.h"
-#include "clients/web/asker.h"
 #include "clients/web/crowd.h"
 #include "clients/web/hub.h"
 #include "clients/web/metrics.h"
@@ -56,7 +56,7 @@ class Gateway {
   Counters counters;
   std::unique_ptr<Upstream> upstream;
   std::unique_ptr<Hub> hub;
-  std::unique_ptr<Asker> asker;
+  std::unique_ptr<client::Asker> asker;
   std::shared_ptr<Crowd> crowd = std::make_shared<Crowd>();  // may outlive the gateway
 
   Gauges gauges() const;

@@ -1,9 +1,9 @@
-#include "clients/web/asker.h"
+#include "clients/cpp/asker.h"
 
 #include <algorithm>
 #include <utility>
 
-namespace styled::web {
+namespace styled::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -22,7 +22,7 @@ bool IsLong(const v1::Request& request) {
 Asker::~Asker() { ending_.request_stop(); }
 
 Result<std::unique_ptr<Asker>> Asker::Start(const std::string& endpoint,
-                                            const std::optional<client::Curve>& curve) {
+                                            const std::optional<Curve>& curve) {
   std::unique_ptr<Asker> asker(new Asker);
   asker->options_ = {.endpoint = endpoint,
                      .timeout = kTimeout,
@@ -34,9 +34,9 @@ Result<std::unique_ptr<Asker>> Asker::Start(const std::string& endpoint,
 }
 
 Status Asker::AddLane() {
-  client::ControlOptions options = options_;
+  ControlOptions options = options_;
   if (!lanes_.empty()) options.timeout = kLongTimeout;
-  auto control = client::Control::Connect(options);
+  auto control = Control::Connect(options);
   if (!control.ok()) return control.status();
   auto lane = std::make_unique<Lane>();
   lane->control = std::move(control.value());
@@ -84,9 +84,9 @@ void Asker::Loop(const std::stop_token& stop, Lane& lane) {
     }
     v1::Reply reply;
     const std::uint64_t id = next.request.id();
-    client::CallStatus status;
+    CallStatus status;
     if (Clock::now() - next.since > kTimeout) {
-      status = {client::CallStatus::Kind::kNoAnswer, v1::CODE_OK,
+      status = {CallStatus::Kind::kNoAnswer, v1::CODE_OK,
                 "the daemon has not answered earlier requests"};
     } else {
       status = lane.control->Call(next.request, &reply);
@@ -96,4 +96,4 @@ void Asker::Loop(const std::stop_token& stop, Lane& lane) {
   }
 }
 
-}  // namespace styled::web
+}  // namespace styled::client

@@ -1,4 +1,4 @@
-#include "clients/web/asker.h"
+#include "clients/cpp/asker.h"
 
 #include <gtest/gtest.h>
 
@@ -6,15 +6,15 @@
 
 #include "tests/unit/clients/fake_daemon.h"
 
-namespace styled::web {
+namespace styled::client {
 namespace {
 
 using namespace std::chrono_literals;
-using Kind = client::CallStatus::Kind;
+using Kind = CallStatus::Kind;
 
 // Answers everything but examples: a reply with another number is none.
-client::FakeDaemon DaemonWithoutExamples() {
-  return client::FakeDaemon([](const v1::Request& request) {
+FakeDaemon DaemonWithoutExamples() {
+  return FakeDaemon([](const v1::Request& request) {
     v1::Reply reply;
     if (request.has_like()) reply.set_id(1);
     return reply;
@@ -41,33 +41,32 @@ TEST(AskerTest, WhatIsLong) {
 }
 
 TEST(AskerTest, PanicDoesNotWaitForTakes) {
-  client::FakeDaemon daemon = DaemonWithoutExamples();
+  FakeDaemon daemon = DaemonWithoutExamples();
   auto asker = Asker::Start(daemon.control());
   ASSERT_TRUE(asker.ok());
   for (int i = 0; i < 6; ++i) {
-    ASSERT_TRUE(asker.value()->Ask(TakeOf(60), [](const client::CallStatus&, const v1::Reply&) {}));
+    ASSERT_TRUE(asker.value()->Ask(TakeOf(60), [](const CallStatus&, const v1::Reply&) {}));
   }
   v1::Request panic;
   panic.set_id(8);
   panic.mutable_panic();
   std::promise<std::pair<Kind, std::uint64_t>> answered;
-  ASSERT_TRUE(
-      asker.value()->Ask(panic, [&](const client::CallStatus& status, const v1::Reply& reply) {
-        answered.set_value({status.kind(), reply.id()});
-      }));
+  ASSERT_TRUE(asker.value()->Ask(panic, [&](const CallStatus& status, const v1::Reply& reply) {
+    answered.set_value({status.kind(), reply.id()});
+  }));
   auto answer = answered.get_future();
   ASSERT_EQ(answer.wait_for(1500ms), std::future_status::ready);
   EXPECT_EQ(answer.get(), std::make_pair(Kind::kOk, std::uint64_t{8}));
 }
 
 TEST(AskerTest, TheEndDoesNotWaitForATake) {
-  client::FakeDaemon daemon = DaemonWithoutExamples();
+  FakeDaemon daemon = DaemonWithoutExamples();
   std::promise<Kind> ended;
   auto asker = Asker::Start(daemon.control());
   ASSERT_TRUE(asker.ok());
-  ASSERT_TRUE(asker.value()->Ask(
-      TakeOf(60),
-      [&](const client::CallStatus& status, const v1::Reply&) { ended.set_value(status.kind()); }));
+  ASSERT_TRUE(asker.value()->Ask(TakeOf(60), [&](const CallStatus& status, const v1::Reply&) {
+    ended.set_value(status.kind());
+  }));
   std::this_thread::sleep_for(200ms);  // it is on its way, not waiting
   const auto begun = std::chrono::steady_clock::now();
   asker.value().reset();
@@ -76,4 +75,4 @@ TEST(AskerTest, TheEndDoesNotWaitForATake) {
 }
 
 }  // namespace
-}  // namespace styled::web
+}  // namespace styled::client

@@ -13,7 +13,7 @@
 
 #include "clients/cpp/control.h"
 
-namespace styled::web {
+namespace styled::client {
 
 // Whether the daemon may take long for it: an example, a preview, a style file.
 bool IsLong(const v1::Request& request);
@@ -27,11 +27,11 @@ class Asker {
  public:
   // The outcome of a request. If `status` is ok or refused, `reply` is the daemon's. Called on a
   // thread of the asker.
-  using Done = std::function<void(client::CallStatus status, v1::Reply reply)>;
+  using Done = std::function<void(CallStatus status, v1::Reply reply)>;
 
   // Refuses an endpoint that ZeroMQ cannot parse, and invalid keys.
   static Result<std::unique_ptr<Asker>> Start(const std::string& endpoint,
-                                              const std::optional<client::Curve>& curve = {});
+                                              const std::optional<Curve>& curve = {});
   ~Asker();
   Asker(const Asker&) = delete;
   Asker& operator=(const Asker&) = delete;
@@ -48,7 +48,7 @@ class Asker {
   };
   // A control socket and its thread. A second one is connected when two long requests meet.
   struct Lane {
-    std::unique_ptr<client::Control> control;
+    std::unique_ptr<Control> control;
     std::condition_variable_any wake;
     std::deque<Waiting> waiting;
     bool busy = false;
@@ -59,10 +59,10 @@ class Asker {
   Lane* LaneFor(const v1::Request& request);
   void Loop(const std::stop_token& stop, Lane& lane);
 
-  client::ControlOptions options_;
+  ControlOptions options_;
   std::stop_source ending_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Lane>> lanes_;  // the first one for all but long requests
 };
 
-}  // namespace styled::web
+}  // namespace styled::client
