@@ -14,15 +14,7 @@ namespace {
 constexpr const char* kFrames = "styled.hall.rig=2Ea.canonical";
 constexpr const char* kTopic = "styled/rig.a/canonical/";
 
-class NatsFailureTest : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!HasNatsServer()) GTEST_SKIP() << "skipped, no nats-server (Debian: nats-server)";
-    servers_.StartHub();
-    servers_.StartLeaf();
-  }
-  NatsServers servers_;
-};
+using NatsFailureTest = OnNatsServers;
 
 // Of the daemon's subscriber: frames that never came.
 std::uint64_t Lost(const std::vector<v1::Frame>& frames) {

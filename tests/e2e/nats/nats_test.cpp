@@ -15,15 +15,7 @@ constexpr const char* kCanonical = "styled.hall.rig=2Ea.canonical";
 constexpr const char* kAudience = "styled.hall.rig=2Ea.canonical30";
 constexpr const char* kRigFrames = "styled.hall.rig=2Ea.rig";
 
-class NatsTest : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!HasNatsServer()) GTEST_SKIP() << "skipped, no nats-server (Debian: nats-server)";
-    servers_.StartHub();
-    servers_.StartLeaf();
-  }
-  NatsServers servers_;
-};
+using NatsTest = OnNatsServers;
 
 // By sequence, what the daemon sent on a ZeroMQ topic.
 std::map<std::uint64_t, std::string> Sent(const Subscriber& subscriber, const std::string& topic) {

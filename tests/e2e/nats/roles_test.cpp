@@ -7,15 +7,7 @@
 namespace styled::support {
 namespace {
 
-class NatsRolesTest : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!HasNatsServer()) GTEST_SKIP() << "skipped, no nats-server (Debian: nats-server)";
-    servers_.StartHub();
-    servers_.StartLeaf();
-  }
-  NatsServers servers_;
-};
+using NatsRolesTest = OnNatsServers;
 
 TEST_F(NatsRolesTest, AViewerSeesAndReadsButNeitherForgesNorCommands) {
   Daemon daemon;

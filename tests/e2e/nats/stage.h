@@ -1,5 +1,6 @@
 #pragma once
 
+#include <gtest/gtest.h>
 #include <nats/nats.h>
 
 #include <chrono>
@@ -20,7 +21,7 @@ namespace styled::support {
 
 // Whether Debian's nats-server is installed; without it the tests are skipped.
 bool HasNatsServer();
-// A port that nobody listens on now.
+// Finds a port on which nobody listens at this moment.
 std::string FreePort();
 
 // The shipped servers (systemd/nats) on free ports of loopback, with passwords of the test.
@@ -38,6 +39,17 @@ class NatsServers {
   TemporaryFolder folder_;
 };
 
+// A test with both servers; skipped where nats-server is not installed.
+class OnNatsServers : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!HasNatsServer()) GTEST_SKIP() << "skipped, no nats-server (Debian: nats-server)";
+    servers_.StartHub();
+    servers_.StartLeaf();
+  }
+  NatsServers servers_;
+};
+
 // stylenats as a child, at the leaf server, for the site "hall".
 class Stylenats {
  public:
@@ -45,7 +57,7 @@ class Stylenats {
             const std::vector<std::string>& more = {"--domain", "hub"});
   std::string Log() const { return ReadText(folder_ / "stderr.txt"); }
   std::string Counters() const;  // the last line of them
-  // The number before `words` in that line; -1: there is none.
+  // The number before `words` in that line; -1 if the line does not have them.
   long Count(const std::string& words) const;
   bool WaitForLog(const std::string& text, double seconds = 10) const;
 
