@@ -165,8 +165,7 @@ std::vector<Seen> DeviceRig::See(std::int64_t now_ns, std::vector<Known*>& who) 
     if (IsTurned(known, now_ns)) {
       device.rotation = known.last.rotation;
       device.has_rotation = true;
-    } else if (device.part == body::kHead && noted_.heard_ns != 0 && noted_.peer == known.peer &&
-               now_ns - noted_.heard_ns <= kSilent_ns) {
+    } else if (device.part == body::kHead && noted_.heard_ns != 0 && noted_.peer == known.peer) {
       device.rotation = body::Quat(Eigen::AngleAxisf(noted_.heading, body::Vec3::UnitY()));
       device.has_rotation = true;
     }

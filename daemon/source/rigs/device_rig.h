@@ -50,8 +50,8 @@ class DeviceRig {
   void Take(const Device& device, const Measured& measured, std::uint64_t peer, std::int64_t now_ns,
             Outbox& out);
   // A heading that the sender gives for the performer in the T-pose, radians; for devices whose
-  // places do not show it. Counts for kSilent_ns. Refuses another sender's meanwhile
-  // (pipeline.second_sender).
+  // places do not show it. It stays, for the head's device of the same sender, since some say it
+  // once. For kSilent_ns another sender's is refused (pipeline.second_sender).
   STYLED_REALTIME void NoteHeading(float heading, std::uint64_t peer, std::int64_t now_ns,
                                    Outbox& out) noexcept;
   // The sender started again: a new session, with the calibration as it is.

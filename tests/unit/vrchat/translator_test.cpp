@@ -193,6 +193,22 @@ TEST(VrChatTranslator, AHeadingBelongsToOneSender) {
   EXPECT_EQ(out.Count(Counter::kPipelineSecondSender), 1U);
 }
 
+TEST(VrChatTranslator, AHeadingThatIsSentOnceStays) {
+  support::Translated out(MakeVrChat(Config("vrchat")));
+  out.Take(TrackerMessage("head", "rotation", {0, 90, 0}), 1);
+  for (int i = 0; i < 300; ++i) {
+    out.Take(TrackerMessage("head", "position", {0, 1.55F, 0}), 1);
+    out.Take(TrackerMessage("1", "position", {0, 0.95F, 0}), 1);
+    out.Take(TrackerMessage("1", "rotation", {0, 0, 0}), 1);
+    out.now_ns += kFrame_ns;
+    out.Tick();
+  }
+  ASSERT_TRUE(out.translator().Calibrate(Calibration::kFull, out.now_ns).ok());
+  out.now_ns += kFrame_ns;
+  out.Tick();
+  EXPECT_THAT(out.notes.back(), HasSubstr("90 degrees by the head"));
+}
+
 TEST(VmcDevices, WithPartsByTheConfigurationAreFollowed) {
   std::vector<config::Tracker> table;
   const std::vector<int> parts{body::kHips,         body::kChest,         body::kLeftFoot,
