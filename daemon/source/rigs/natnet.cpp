@@ -49,6 +49,7 @@ NatNet::NatNet(const config::Source& config, const sockaddr_in& server, in_addr 
 void NatNet::Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
                   Outbox& out) {
   if (!SameHost(peer, server_)) {
+    out.LeaveHotSection();  // the line is composed before it is known that it was said
     Say("ignoring packets that do not come from server " + config_.server, out);
     return out.Refuse(Counter::kSourceIgnored);
   }
