@@ -12,8 +12,6 @@ using std::chrono::milliseconds;
 
 // Messages that one Step passes on at most, so that its caller gets its turn.
 constexpr int kMaxBurst = 1000;
-// Output names are bounded by the daemon; so is what we remember of them.
-constexpr std::size_t kMaxRefusedOutputs = 64;
 
 std::string_view StreamName(const client::Update& update) {
   switch (update.stream) {
@@ -106,9 +104,7 @@ void Bridge::Pass(const client::Update& update) {
   const v1::Frame& frame = update.frame;
   const std::string_view stream = StreamName(update);
   if (stream == kAudienceStream) {
-    if (refused_outputs_.size() < kMaxRefusedOutputs) {
-      refused_news_ = refused_outputs_.emplace(stream).second || refused_news_;
-    }
+    output_refused_ = true;
     return;
   }
   queue_.Push(frame.performer(), stream, update.bytes, frame.epoch(), frame.sequence());
@@ -168,9 +164,6 @@ Totals Bridge::totals() const {
   return t;
 }
 
-std::vector<std::string> Bridge::TakeRefusedOutputs() {
-  if (!std::exchange(refused_news_, false)) return {};
-  return {refused_outputs_.begin(), refused_outputs_.end()};
-}
+bool Bridge::TakeRefusedOutput() { return output_refused_ && !std::exchange(refusal_taken_, true); }
 
 }  // namespace styled::stylenats

@@ -64,8 +64,9 @@ class Bridge {
   FrameQueue& queue() { return queue_; }
   StateStore& store() { return *store_; }
   int connected() { return subscriber_->connected(); }  // daemons: 0 or 1
-  // Names of [[output]]s that are not passed on, since the audience tier has their name.
-  std::vector<std::string> TakeRefusedOutputs();
+  // True once, after frames of an [[output]] came that has the audience tier's name: it is not
+  // passed on.
+  bool TakeRefusedOutput();
 
  private:
   explicit Bridge(std::string site) : site_(std::move(site)), queue_(site_) {}
@@ -78,8 +79,7 @@ class Bridge {
   AudienceTier tier_;
   std::uint64_t audience_ = 0;
   std::set<std::string> performers_;  // those in the bucket
-  std::set<std::string> refused_outputs_;
-  bool refused_news_ = false;
+  bool output_refused_ = false, refusal_taken_ = false;
   client::Update update_;
   std::unique_ptr<client::Subscriber> subscriber_;
   std::unique_ptr<Link> link_;  // the rest uses it, and ends before it

@@ -83,8 +83,8 @@ bool Report::PrintNews(Bridge& bridge) {
   for (const LinkEvent& event : bridge.link().Events()) closed = PrintBroker(event) || closed;
   const std::string error = bridge.store().TakeError();
   if (!error.empty()) err_ << "stylenats: KV: " << error << std::endl;
-  for (const std::string& name : bridge.TakeRefusedOutputs()) {
-    err_ << "stylenats: the [[output]] " << name
+  if (bridge.TakeRefusedOutput()) {
+    err_ << "stylenats: the [[output]] " << kAudienceStream
          << " is not passed on: the audience tier has its name" << std::endl;
   }
   PrintDaemon(bridge);
