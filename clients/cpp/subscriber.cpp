@@ -134,7 +134,7 @@ struct Subscriber::Impl {
   zmq::socket_t socket, monitor;
   zmq::message_t topic, payload;
   // The bundle that was read last, the first of its frames that was not accepted yet, and its
-  // stream; null while the message is none.
+  // stream. Null: the last message was not a bundle.
   v1::Frames frames;
   int next_frame = 0;
   const StreamTopic* bundle = nullptr;

@@ -27,8 +27,8 @@ struct QueuedFrame {
 // a frame that still waits when the next one comes is replaced at its place and counted.
 //
 // Bounded whatever the daemon's names do: by slots and by bytes. When all slots are taken, a slot
-// that was not used for `idle` is given to the new stream; if there is none, the frame is refused
-// and counted.
+// that was not used for `idle` is given to the new stream; while all are in use, the frame is
+// refused and counted.
 //
 // Any thread. Allocates. Pinned by tests/unit/nats/frame_queue_test.cpp.
 class FrameQueue {

@@ -43,8 +43,8 @@ struct LinkEvent {
 // broker tells of are ignored: frames go to the leaf servers that were named, and to no other.
 class Link {
  public:
-  // Errors name the option: an address that is none, a file that cannot be read. It is no error if
-  // no broker listens there.
+  // Errors name the option: an address that cannot be parsed, a file that cannot be read. A broker
+  // that does not answer is not an error.
   static Result<std::unique_ptr<Link>> Open(const LinkOptions& options);
   ~Link();  // closes; what is not flushed is lost
   Link(const Link&) = delete;

@@ -18,8 +18,8 @@
 namespace styled::stylenats {
 
 // Writes what a late joiner needs into the KV bucket `styled`: bodies, and performers with their
-// style. The bucket is made if there is none, in memory; it is tried again until that succeeds (a
-// cluster that starts has no leader at first), after every reconnection, and when the bucket is
+// style. A bucket that does not exist is created, in memory; it is tried again until that succeeds
+// (a cluster that starts has no leader at first), after every reconnection, and when the bucket is
 // gone or lacks values (looked at every 2 s). All values are written anew then.
 //
 // A thread of its own: each write waits for the broker's answer, up to a second where it does not
