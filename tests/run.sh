@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs, builds and passes every test. Options:
-#   --full       every header alone, clang-tidy, Clang 22's check of the hot path, and the tests under
-#                ASan+UBSan and TSan, too
+#   --full       clang-tidy, Clang 22's check of the hot path, and the tests under ASan+UBSan and
+#                TSan, too
 #   --no-torch   do not install libtorch; trainer and live parity tests are then left out (where
 #                libtorch is already there they run)
 # Data from $STYLED_DATA (default ../shared/data beside the checkout) is used where it exists; tests
@@ -80,7 +80,6 @@ step "tests" run_ctest release -j2
 step "lint" tests/lint.sh
 step "clang-tidy of what changed" tests/lint.sh --changed
 if [ "$full" = yes ]; then
-  step "headers" tests/lint.sh --headers
   step "clang-tidy" tests/lint.sh --tidy
   step "install clang 22" styled_install effects
   step "function effects" sh -c 'tests/source_commands.sh && tests/realtime/effects.py clang++-22 build/sources'
