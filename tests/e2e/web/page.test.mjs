@@ -170,8 +170,8 @@ const listen = () =>
     const heard = { source: [], rig: [] };
     globalThis.heard = heard;
     globalThis.styled.client.on('frame', ({ stream, frame, body }) => {
-      if (globalThis.heard !== heard || !body) return;
-      heard[stream]?.push({ rig_s: Number(frame.sourceTimeNs) / 1e9, root: frame.rootPosition, rotations: frame.rotations });
+      if (globalThis.heard !== heard || !body || !heard[stream]) return; // the canonical one has another body
+      heard[stream].push({ rig_s: Number(frame.sourceTimeNs) / 1e9, root: frame.rootPosition, rotations: frame.rotations });
       heard.body = { names: body.names, parents: body.parents, offsets: body.offsets };
     });
   });
@@ -289,7 +289,8 @@ test('a video is drawn from what was recorded: 1080p, 60 pictures a second, as l
   const words = await page.locator('.recording .hint').innerText();
   const [, pictures] = /video of (\d+) pictures at 60 Hz/.exec(words) ?? assert.fail(words);
   const take_s = Number(/, ([\d.]+) s, \d+ frames/.exec(words)[1]);
-  assert.ok(Math.abs(pictures / 60 - take_s) < 0.02, words);
+  // The video has what both streams cover: one of them may begin or end a few frames later.
+  assert.ok(pictures / 60 > take_s - 0.05 && pictures / 60 < take_s + 0.02, words);
   const base64 = readFileSync(await file.path()).toString('base64');
   // On a blank page, since the page's own policy permits only its own content.
   const blank = await browser.newPage();
