@@ -205,7 +205,7 @@ test('OBS sees props only where its link asks for them', async () => {
   for (const [query, wanted] of [['', false], ['&props=1', true], ['&props=0', false]]) {
     await page.goto(`${daemon.gateway.url}/?view=avatar&performer=rig.anna&bg=00ff00${query}`);
     await until(async () => (await placeOf('sword')) !== undefined && (await shown()) === wanted, `props: ${query || 'none'}`);
-    await page.waitForTimeout(1000);
+    await page.waitForTimeout(3000);
     await takePicture(page, `obs${query.replace(/\W/g, '')}`);
   }
 });
