@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 
 namespace styled {
@@ -37,6 +38,8 @@ class CriticallyDamped {
   }
   STYLED_REALTIME void Reset() noexcept { *this = CriticallyDamped(); }
   float value() const { return value_; }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(value_, velocity_, started_); }
 
  private:
   float value_ = 0, velocity_ = 0;

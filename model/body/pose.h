@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <array>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/humanoid.h"
 
@@ -18,6 +19,8 @@ struct Pose {
   std::array<Quat, kJointCount> rotations;
 
   Pose() { rotations.fill(Quat::Identity()); }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(hips_position_m, rotations); }
 };
 
 // The same pose in world space.

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "model/base/checkpoint.h"
 #include "model/base/critically_damped.h"
 #include "model/base/realtime.h"
 #include "model/feet/floor.h"
@@ -19,6 +20,7 @@ class Contacts {
  public:
   struct Foot {
     float heel = 0, toes = 0;  // toes: 0 if the skeleton has none
+    STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(heel, toes); }
   };
 
   // `placed`: the transforms of the input's legs.joints() in canonical space. The first frame after
@@ -33,12 +35,15 @@ class Contacts {
   float floor_m() const { return floor_.height_m(); }
   // Bit 0 left, bit 1 right: set if the heel's or the toes' weight is above 0.5.
   std::uint32_t bits() const;
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(parts_, feet_, floor_, started_); }
 
  private:
   struct Part {
     Vec3 last_m = Vec3::Zero();
     Vec3 velocity_mps = Vec3::Zero();
     CriticallyDamped weight;
+    STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(last_m, velocity_mps, weight); }
   };
   float Speed(Part& part, const Vec3& position_m, float dt_s) noexcept;
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/feet/contacts.h"
 #include "model/feet/legs.h"
@@ -44,6 +45,11 @@ class Feet {
   STYLED_REALTIME void Reset() noexcept;
 
   const Contacts& contacts() const { return contacts_; }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    c(contacts_, state_, level_m_, drop_m_, last_across_);
+    c.Within(level_frames_, 0, 2);
+  }
 
  private:
   struct Leg {
@@ -61,6 +67,12 @@ class Feet {
     float carries = 0;              // 0 .. 1: the foot is planted, and held
     float rise_m = 0;               // of the hips, for the leg to keep its styled length
     float beyond_m = 0;             // how far the hips are above the leg's reach
+
+    STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+      c.Within(frames, 0, 2);
+      c(last_in_toes_m, last_in_heel_m, last_toes_m, last_heel_m, offset_m, centre_m, lift_toes,
+        lift_heel, moved);
+    }
   };
   // The performer's own foot, with heel and toes at the heights that the output's have above a
   // floor.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 
 namespace styled::feet {
@@ -16,6 +17,8 @@ class Floor {
   STYLED_REALTIME float Follow(float lowest_m, float speed_mps, float dt_s) noexcept;
   STYLED_REALTIME void Reset() noexcept { *this = Floor(); }
   float height_m() const { return height_m_; }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(height_m_, started_); }
 
  private:
   float height_m_ = 0;

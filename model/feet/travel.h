@@ -1,5 +1,7 @@
 #pragma once
 
+#include "model/base/checkpoint.h"
+#include "model/base/realtime.h"
 #include "model/body/pose.h"
 
 namespace styled::feet {
@@ -12,6 +14,9 @@ struct Travel {
   // or less where the performer hardly moves.
   float longer = 0;
   body::Vec3 along = body::Vec3::Zero();
+
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(moved_m, longer, along); }
 };
 
 }  // namespace styled::feet

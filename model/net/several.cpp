@@ -161,6 +161,19 @@ class Several final : public Stylizer {
     own.fresh = true;
   }
 
+  // The streams of networks that do not work are started before they do.
+  void Carry(Stream& stream, Checkpoint& c) const noexcept override {
+    auto& own = static_cast<Parts&>(stream);
+    c(own.fresh);
+    c.Same(networks_.size());
+    for (std::size_t n = 0; n < networks_.size(); ++n) {
+      Part& part = own.parts[n];
+      c.Within(part.awake, 0, stay_awake_);
+      c.Within(part.steps, 0, kWakeSteps);
+      if (part.awake > 0) networks_[n].network->Carry(*part.stream, c);
+    }
+  }
+
   void Step(std::span<const StepJob> jobs) const noexcept override {
     while (!jobs.empty()) {
       const std::size_t count = std::min(jobs.size(), kTogether);

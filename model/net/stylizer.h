@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
 #include "model/net/style_space.h"
@@ -104,6 +105,10 @@ class Stylizer {
   // Returns a stream to its initial state. Noexcept, no allocation, no lock.
   STYLED_REALTIME virtual void Start(Stream& stream) const noexcept = 0;
 
+  // Hands over what a stream's next steps depend on (model/base/checkpoint.h), between a stream of
+  // this network and one of the same weights. Families that cannot refuse. Noexcept, no allocation.
+  STYLED_REALTIME virtual void Carry(Stream& stream, Checkpoint& c) const noexcept;
+
   // Advances each job's stream by one period of model().rate_hz and writes its prediction; one call
   // for all performers that share the network. A stream's result does not depend on the other jobs,
   // bit for bit. No stream and no output may appear twice. `styles` may contain style 0 and weight
@@ -125,5 +130,6 @@ inline std::shared_ptr<const Stylizer> Stylizer::With(int /*number*/, const Styl
   return nullptr;
 }
 inline std::shared_ptr<const Stylizer> Stylizer::Retired(int /*number*/) const { return nullptr; }
+inline void Stylizer::Carry(Stream& /*stream*/, Checkpoint& c) const noexcept { c.Refuse(); }
 
 }  // namespace styled::net

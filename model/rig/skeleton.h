@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "model/base/checkpoint.h"
+#include "model/base/realtime.h"
 #include "model/body/pose.h"
 
 namespace styled::rig {
@@ -32,6 +34,9 @@ struct RigPose {
   explicit RigPose(const Skeleton& skeleton)
       : translations(skeleton.offsets), rotations(skeleton.offsets.size(), Quat::Identity()) {}
   RigPose() = default;
+
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(translations, rotations); }
 };
 
 // Reflection through the plane x = 0: turns left-handed axes into right-handed ones and back.

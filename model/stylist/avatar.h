@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "model/base/checkpoint.h"
 #include "model/base/critically_damped.h"
 #include "model/base/realtime.h"
 #include "model/feet/feet.h"
@@ -39,6 +40,12 @@ class Avatar {
   const rig::RigPose& pose() const { return pose_; }
   // Forgets contacts and locks: the next frame counts as the first.
   STYLED_REALTIME void Reset() noexcept;
+  // See model/base/checkpoint.h; between avatars of the same two skeletons and options.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    c(feet_, shift_m_, tail_, last_, pose_);
+    c.Time(last_ns_);
+    c(started_);
+  }
 
  private:
   // The pose without fingers, eyes and jaw.

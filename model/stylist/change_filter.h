@@ -1,5 +1,6 @@
 #pragma once
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/stylist/low_pass.h"
 #include "model/stylist/mixer.h"
@@ -45,6 +46,11 @@ class ChangeFilter {
   STYLED_REALTIME void Clear() noexcept;
   // Ends a switch in progress, for an instant change of style.
   STYLED_REALTIME void EndSwitch() noexcept { switching_ = 0; }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    c(low_pass_, applied_, fade_from_, fade_, started_, first_, age_s_, reconstruction_rad_,
+      switching_, switch_delay_s_, delay_s_);
+  }
 
  private:
   float UsualDelay_s(float dt_s, float reconstruction_rad, const Mixer& mixer,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "model/base/checkpoint.h"
 #include "model/base/critically_damped.h"
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
@@ -27,6 +28,8 @@ class Domain {
   bool reduces() const { return reconstruction_ < 1.0F || upright_ < 1.0F; }
   // Whether most of the style is withheld: FLAG_OUT_OF_DOMAIN.
   bool outside() const { return reconstruction_ < 0.5F || upright_ < 0.5F; }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(fade_, reconstruction_, upright_); }
 
  private:
   CriticallyDamped fade_;

@@ -3,6 +3,7 @@
 #include <bitset>
 #include <cstdint>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/rig/skeleton.h"
 #include "model/stylist/settings.h"
@@ -33,8 +34,17 @@ class InputGuard {
 
   const rig::RigPose& clean() const { return clean_; }
   STYLED_REALTIME void Reset() noexcept { has_last_ = false; }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    c(clean_, last_, last_clean_, candidate_);
+    c.Within(candidate_frames_, 0, kMostFrames);
+    c(since_last_s_, has_last_);
+  }
 
  private:
+  // Of candidate_frames_, which are accepted after Options::jump_accept_frames, at most 1000.
+  static constexpr int kMostFrames = 1000;
+
   rig::RigPose clean_;       // this frame, unit rotations
   rig::RigPose last_;        // the last accepted source pose as received
   rig::RigPose last_clean_;  // the same with unit rotations

@@ -19,6 +19,26 @@ void Interleaver::Restart() noexcept {
   allowance_ = allowance;
 }
 
+void Interleaver::Carry(Checkpoint& c) noexcept {
+  c(history_s_);
+  c.Within(history_count_, 0, tuning::kRateHistory);
+  c.Within(history_next_, 0, tuning::kRateHistory - 1);
+  c.Within(disagreements_, 0, tuning::kRateHistory);
+  c(frame_period_s_);
+  c.Within(interleaved_, 0, tuning::kMaxInterleaved);
+  c(tick_period_s_);
+  c.Time(origin_ns_);
+  c.Time(last_ns_);
+  c.Time(now_ns_);
+  c.Time(next_tick_);
+  c(started_);
+  c.Within(allowance_, 0, kMaxStepsPerFrame);
+  c.Within(ran_, 0, kMaxStepsPerFrame);
+  const bool ordered = std::all_of(history_s_.begin(), history_s_.end(),
+                                   [](double dt_s) { return std::isfinite(dt_s); });
+  if (!ordered || next_tick_ < 0 || !(tick_period_s_ >= 0)) c.Refuse();
+}
+
 void Interleaver::Measure(double dt_s) noexcept {
   history_s_[static_cast<std::size_t>(history_next_)] = dt_s;
   history_next_ = (history_next_ + 1) % tuning::kRateHistory;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/net/stylizer.h"
 #include "model/stylist/stylist.h"
@@ -39,6 +40,8 @@ class Interleaver {
   int interleaved() const { return interleaved_; }
   // Median time between the last frames, s; 0 before the second frame.
   double frame_period_s() const { return frame_period_s_; }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept;
 
  private:
   STYLED_REALTIME void Measure(double dt_s) noexcept;

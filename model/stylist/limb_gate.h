@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/parts.h"
 #include "model/body/pose.h"
@@ -69,6 +70,8 @@ class LimbGate {
   const PerLimb& weights() const { return weights_; }
   // Whether some limb's style is withheld.
   bool reduces() const;
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(usual_m_, held_m_, led_, weights_); }
 
  private:
   PerLimb Unusual(const PerLimb& errors_m, float dt_s) noexcept;

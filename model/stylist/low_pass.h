@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/humanoid.h"
 
@@ -29,6 +30,8 @@ class LowPass {
 
   const StyleDelta& value() const { return value_; }
   const StyleDelta& first() const { return first_; }  // less delayed, less smooth
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(first_, value_, rate_); }
 
  private:
   StyleDelta first_ = StyleDelta::Zero();  // output of the real pole

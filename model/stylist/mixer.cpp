@@ -24,6 +24,22 @@ Mixer::Slot& Mixer::SlotFor(int style) noexcept {
   return *best;
 }
 
+void Mixer::Carry(Checkpoint& c, int style_count) noexcept {
+  for (Slot& slot : slots_) {
+    c.Within(slot.style, -1, style_count - 1);
+    c(slot.weight);
+  }
+  for (net::StyleWeight& style : active_) {
+    c.Within(style.style, -1, style_count - 1);
+    c(style.weight);
+  }
+  c.Within(count_, 0, active_.size());
+  c.Within(input_style_, 0, style_count - 1);
+  c.Within(next_input_style_, 0, style_count - 1);
+  c(presence_, absolute_, stride_, parts_, whole_, variation_, elapsed_s_, duration_s_, fading_,
+    running_);
+}
+
 void Mixer::Aim(const Settings& settings) noexcept {
   for (Slot& slot : slots_) {
     slot.weight.start = slot.weight.value;

@@ -3,6 +3,7 @@
 #include <array>
 #include <span>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/stylist/settings.h"
 #include "model/stylist/variation.h"
@@ -41,10 +42,13 @@ class Mixer {
   // it.
   float share(body::Part part) const { return parts_[static_cast<std::size_t>(part)].value; }
   bool whole() const { return whole_; }
+  // See model/base/checkpoint.h. `style_count`: the network's.
+  STYLED_REALTIME void Carry(Checkpoint& c, int style_count) noexcept;
 
  private:
   struct Fade {
     float start = 0, target = 0, value = 0;
+    STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(start, target, value); }
   };
   struct Slot {
     int style = -1;

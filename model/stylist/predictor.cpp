@@ -40,6 +40,19 @@ void Predictor::RestartStates() noexcept {
   limb_errors_m_ = {};
 }
 
+void Predictor::Carry(Checkpoint& c) noexcept {
+  c(interleaver_, stepped_);
+  for (std::size_t state = 0; state < streams_.size(); ++state) {
+    if (c.reads()) network_->Start(*streams_[state]);
+    if (!stepped_.test(state)) continue;
+    network_->Carry(*streams_[state], c);
+    c(deltas_[state]);
+  }
+  c(last_styled_, last_heading_rad_, last_input_, has_last_input_, unsound_);
+  c.Within(steps_, 0, kMaxStepsPerFrame);
+  c(reconstruction_rad_, limb_errors_m_);
+}
+
 bool Predictor::Begin(std::int64_t time_ns) noexcept {
   steps_ = 0;
   unsound_ = false;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
 #include "model/net/stylizer.h"
@@ -64,6 +65,9 @@ class Predictor {
 
   // Brings the streams that the next frame reads into the caches.
   void Prefetch() const noexcept;
+
+  // See model/base/checkpoint.h. States that have not stepped are as Restart leaves them.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept;
 
   const net::Stylizer* network() const { return network_.get(); }
   bool any() const { return stepped_.any(); }  // a state has stepped since the last restart

@@ -42,6 +42,16 @@ SettingsError Validate(const Settings& settings, int style_count) noexcept {
   return SettingsError::kNone;
 }
 
+void Settings::Carry(Checkpoint& c, int style_count) noexcept {
+  for (net::StyleWeight& style : mix) c(style.style, style.weight);
+  c(strength, transition_s, absolute, parts);
+  bool strides = root == Root::kStride;
+  c(strides);
+  root = strides ? Root::kStride : Root::kFollow;
+  c(input_style, variation, vary_amount, drift_s);
+  if (c.reads() && c.ok() && Validate(*this, style_count) != SettingsError::kNone) c.Refuse();
+}
+
 OptionsError Options::Validate() const noexcept {
   if (!IsIn(change_tau_s, 0, 1)) return OptionsError::kChangeTau;
   if (!IsIn(gap_reset_s, 0.01F, 10)) return OptionsError::kGapReset;

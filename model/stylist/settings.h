@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "model/base/checkpoint.h"
+#include "model/base/realtime.h"
 #include "model/body/parts.h"
 #include "model/feet/options.h"
 #include "model/net/styles.h"
@@ -37,6 +39,9 @@ struct Settings {
   // 0 .. net::kMaxDrift_s; the time in which it wanders to the next one, 0: it stays. Times below
   // tuning::kFastestDrift_s count as that.
   float drift_s = 0;
+
+  // See model/base/checkpoint.h. Refuses what does not pass Validate.
+  STYLED_REALTIME void Carry(Checkpoint& c, int style_count) noexcept;
 };
 
 // The first rule that settings break; NaN breaks every numeric rule.

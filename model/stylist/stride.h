@@ -1,5 +1,6 @@
 #pragma once
 
+#include "model/base/checkpoint.h"
 #include "model/base/critically_damped.h"
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
@@ -52,6 +53,11 @@ class Stride {
 
   // The performer is in another place: styled and own hips agree again.
   STYLED_REALTIME void Reset() noexcept { *this = Stride(); }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    c(gained_m_, last_m_, step_m_, velocity_mps_, seen_, placed_, log_factor_, log_cadence_,
+      factor_, cadence_, travel_);
+  }
 
  private:
   enum class Step { kNone, kTaken };

@@ -135,6 +135,17 @@ void Stylist::Reset() noexcept {
   impl_->fresh_session = true;
 }
 
+void Stylist::Carry(Checkpoint& c) noexcept {
+  Impl& s = *impl_;
+  const auto styles = static_cast<int>(s.predictor.network()->model().styles.size());
+  s.settings.Carry(c, styles);
+  s.mixer.Carry(c, styles);
+  c(s.input_guard, s.predictor, s.filter, s.domain, s.gate, s.stride, s.shift_m, s.rig_shift,
+    s.feet, s.rig_feet, s.feet_style);
+  c.Time(s.last_ns);
+  c(s.dt_s, s.last_gap_s, s.started, s.fresh_session, s.failed);
+}
+
 // Processes several performers' frames at once, so that step 2 runs for all of them together.
 template <std::size_t kMost>
 void Stylist::ProcessSome(std::span<const Job> jobs) noexcept {

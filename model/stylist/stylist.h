@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/feet/travel.h"
 #include "model/net/stylizer.h"
@@ -84,6 +85,12 @@ class Stylist {
   // Clears recurrent state, held values, filters and what Root::kStride has gained; keeps the
   // settings and the style weights in effect.
   STYLED_REALTIME void Reset() noexcept;
+
+  // Hands over the whole state (model/base/checkpoint.h), settings included, to a stylist of the
+  // same network, skeleton and options. Refuses the streams of another network's families, sizes
+  // and styles; other weights of the same shape are for the caller to tell. After a refused reading
+  // the stylist must be made anew.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept;
 
   // Styles one frame. `time_ns` is source time and must be greater than the last frame's (the
   // caller drops other frames). `in` has the skeleton's joint count; a joint with non-finite values

@@ -18,6 +18,20 @@ float Share(double elapsed_s, float duration_s) {
 
 }  // namespace
 
+void Variation::Carry(Checkpoint& c) noexcept {
+  c(from_, point_);
+  c.Within(variation_, 0, net::kVariations);
+  c(drift_s_, phase_, elapsed_s_, duration_s_, amount_, amount_from_, amount_to_, amount_elapsed_s_,
+    amount_duration_s_);
+  for (net::VariationWeight& variation : active_) {
+    c.Within(variation.variation, 0, net::kVariations);
+    c(variation.weight);
+  }
+  c.Within(count_, 0, active_.size());
+  // A knot's number is a whole number of the phase.
+  if (!(phase_ >= 0 && phase_ < kMostKnots)) c.Refuse();
+}
+
 void Variation::Aim(const Settings& settings, bool at_once) noexcept {
   const float duration_s = at_once ? 0 : settings.transition_s;
   // The first knots are the variation itself, so that setting out is no jump; stopping is one.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/net/stylizer.h"
 #include "model/stylist/settings.h"
@@ -32,9 +33,12 @@ class Variation {
     return elapsed_s_ < static_cast<double>(duration_s_) ||
            amount_elapsed_s_ < static_cast<double>(amount_duration_s_);
   }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept;
 
  private:
   using Point = std::array<float, net::kVariations + 1>;  // by number; [0] is not used
+  static constexpr double kMostKnots = 1e15;  // beyond it a double has no share of a knot
   void AddKnots(float share) noexcept;
   int Knot(std::int64_t number) const noexcept;
 

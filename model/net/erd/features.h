@@ -3,6 +3,7 @@
 #include <array>
 #include <span>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
 
@@ -42,6 +43,9 @@ struct FeatureState {
   std::array<body::Vec3, body::kJointCount> positions_m;  // world, one period ago
 
   FeatureState() { positions_m.fill(body::Vec3::Zero()); }
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    c(started, heading_cos, heading_sin, positions_m);
+  }
 };
 
 // Computes the features of `pose` and advances `state` by one network period. The first frame after

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/base/status.h"
 #include "model/net/erd/features.h"
@@ -32,6 +33,13 @@ inline constexpr float kMaxStandardized = 4.0F;
 template <Shape kShape>
 struct BranchStateOf {
   alignas(64) std::array<Eigen::Matrix<float, kShape.latent, 1>, kNeutralLayers> h, c;
+
+  // Of its first `layers`.
+  STYLED_REALTIME void Carry(Checkpoint& to, int layers) noexcept {
+    for (std::size_t layer = 0; layer < static_cast<std::size_t>(layers); ++layer) {
+      to(h[layer], c[layer]);
+    }
+  }
 };
 
 // The recurrent state of one performer: the neutral branch r_0 and the live style branches. Value
@@ -41,6 +49,15 @@ struct StateOf {
   BranchStateOf<kShape> neutral;
   std::array<BranchStateOf<kShape>, kMaxBranches> branch;
   std::array<int, kMaxBranches> style;  // style of branch[i]; -1: the branch is not live
+
+  // `style_count`: the network's, neutral included.
+  STYLED_REALTIME void Carry(Checkpoint& to, int style_count) noexcept {
+    neutral.Carry(to, kNeutralLayers);
+    for (std::size_t slot = 0; slot < branch.size(); ++slot) {
+      to.Within(style[slot], -1, style_count - 1);
+      if (style[slot] >= 0) branch[slot].Carry(to, kStyleLayers);
+    }
+  }
 };
 
 // One performer's step in a batch; the members are the arguments of ShapedNetwork::Step.

@@ -45,6 +45,12 @@ class ErdStylizer final : public net::Stylizer {
     memory.features = FeatureState();
   }
 
+  void Carry(net::Stream& stream, Checkpoint& c) const noexcept override {
+    auto& memory = static_cast<ErdStream<kShape>&>(stream).frames;
+    memory.network.Carry(c, network_->style_count());
+    c(memory.features);
+  }
+
   void Step(std::span<const net::StepJob> jobs) const noexcept override {
     std::array<StepJobOf<kShape>, kTogether> steps;
     for (; !jobs.empty(); jobs = jobs.subspan(std::min(jobs.size(), kTogether))) {

@@ -33,6 +33,7 @@ class OffsetStylizer final : public net::Stylizer {
   const net::Model& model() const noexcept override { return model_; }
   std::unique_ptr<net::Stream> MakeStream() const override { return std::make_unique<NoMemory>(); }
   void Start(net::Stream&) const noexcept override {}
+  void Carry(net::Stream&, Checkpoint&) const noexcept override {}
 
   void Step(std::span<const net::StepJob> jobs) const noexcept override {
     for (const net::StepJob& job : jobs) StepOne(job);

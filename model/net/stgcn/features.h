@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
 #include "model/net/stylizer.h"
@@ -36,6 +37,8 @@ struct FeatureParameters {
 struct HeadingState {
   bool started = false;
   float cosine = 1.0F, sine = 0.0F;  // the filtered heading's direction
+
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(started, cosine, sine); }
 };
 
 // Computes the features of `pose` and advances `state` by one period. The first frame's heading is

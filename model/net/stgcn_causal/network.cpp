@@ -282,6 +282,14 @@ void Network::Start(State& state) const noexcept {
   state.alone = 0;
 }
 
+// Without what a step writes before it reads it: the scratch is at the memory's end.
+void Network::Carry(State& state, Checkpoint& c) const noexcept {
+  const Weights& w = *weights_;
+  std::span<float> kept(state.memory.data(), w.scratch.standardized);
+  c(kept, state.frame, state.count);
+  c.Within(state.alone, 0, kMemoriesAlone * w.memory);
+}
+
 void Network::Step(const stgcn::Features& features, int input_style,
                    std::span<const StyleWeight> active, State& state, Output& out,
                    std::span<const VariationWeight> variations) const noexcept {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/base/status.h"
 #include "model/net/kernels/rows.h"
@@ -86,6 +87,8 @@ class Network {
   State MakeState() const;
   // Returns a state of MakeState to its beginning. Noexcept, no allocation.
   STYLED_REALTIME void Start(State& state) const noexcept;
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(State& state, Checkpoint& c) const noexcept;
 
   // Advances `state` by one frame and writes `out`. `input_style`, `active` and `variations`: as in
   // net::StepJob and Stylizer::Step. Features that are not a number count as the mean, so no input

@@ -85,6 +85,12 @@ class CausalStylizer final : public net::Stylizer {
     own.heading = stgcn::HeadingState();
   }
 
+  void Carry(net::Stream& stream, Checkpoint& c) const noexcept override {
+    auto& own = static_cast<CausalStream&>(stream);
+    network_->Carry(own.state, c);
+    c(own.heading);
+  }
+
   void Step(std::span<const net::StepJob> jobs) const noexcept override {
     for (const net::StepJob& job : jobs) {
       auto& stream = static_cast<CausalStream&>(*job.stream);
