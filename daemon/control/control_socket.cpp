@@ -100,14 +100,15 @@ void ControlSocket::Handle() {
   }
   const v1::Request& request = exchange->request;
   const std::string why =
-      TooLarge(payload.size(), request.has_like() || request.has_import_style());
+      TooLarge(payload.size(), request.has_like() || request.has_import_style() ||
+                                   request.has_restore_checkpoint());
   if (!why.empty()) return refuse_size(why);
   if (Pass(exchange)) return;
   Send(exchange->envelope, exchange->reply);
 }
 
-std::string ControlSocket::TooLarge(std::size_t bytes, bool like) {
-  const std::size_t most = like ? kMaxLikeBytes : kMaxRequestBytes;
+std::string ControlSocket::TooLarge(std::size_t bytes, bool has_file) {
+  const std::size_t most = has_file ? kMaxFileRequestBytes : kMaxRequestBytes;
   if (bytes <= most) return "";
   return "request of " + std::to_string(bytes) + " bytes, expected at most " + std::to_string(most);
 }
@@ -207,9 +208,9 @@ Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
   if (socket.get() == nullptr) return Status::Error("control: " + std::string(zmq_strerror(errno)));
   socket.Set(ZMQ_LINGER, 100);
   socket.Set(ZMQ_HANDSHAKE_IVL, 1000);
-  // Larger than kMaxLikeBytes, so that a request that is slightly too large gets an answer. libzmq
-  // cuts the connection of a larger one.
-  socket.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxLikeBytes + (1U << 20U)));
+  // Larger than kMaxFileRequestBytes, so that a request that is slightly too large gets an answer.
+  // libzmq cuts the connection of a larger one.
+  socket.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxFileRequestBytes + (1U << 20U)));
   socket.Set(ZMQ_RCVHWM, 64);
   socket.Set(ZMQ_SNDHWM, 64);
   socket.Set(ZMQ_TCP_KEEPALIVE, 1);

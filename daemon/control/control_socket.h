@@ -18,7 +18,8 @@
 namespace styled::control {
 
 inline constexpr std::size_t kMaxRequestBytes = 64 * 1024;
-inline constexpr std::size_t kMaxLikeBytes = 8 * 1024 * 1024;  // of a Like, which has a clip
+// Of a request that has a clip, a style or a checkpoint.
+inline constexpr std::size_t kMaxFileRequestBytes = 8 * 1024 * 1024;
 
 // The control socket, on its own thread. It parses requests, passes them to the pipeline between
 // frames, and sends the pipeline's replies back. Malformed, oversized and unauthorized requests are
@@ -44,7 +45,7 @@ class ControlSocket {
   // The reason why the sender of the last message is not (or no longer) authorized; "" when it is.
   std::string Unauthorized();
   // The reason why a request of `bytes` is too large; "" when it is not.
-  static std::string TooLarge(std::size_t bytes, bool like);
+  static std::string TooLarge(std::size_t bytes, bool has_file);
   void HandleOsc();
   // Passes the exchange to the pipeline. With too many in flight it sets the reply instead, moves
   // nothing and returns false.

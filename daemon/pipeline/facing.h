@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
 
@@ -47,6 +48,10 @@ class Facing {
   STYLED_REALTIME void Reset() noexcept { *this = Facing(); }
 
   bool backwards() const { return backwards_; }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    c(last_m_, ahead_m_, back_m_, started_, backwards_);
+  }
 
  private:
   static constexpr float kSlow_mps = 0.3F, kFast_mps = 6.0F;

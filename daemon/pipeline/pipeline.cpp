@@ -1,6 +1,7 @@
 #include "daemon/pipeline/pipeline.h"
 
 #include "daemon/pipeline/calibration.h"
+#include "daemon/pipeline/checkpoints.h"
 
 namespace styled::pipeline {
 namespace {
@@ -107,6 +108,19 @@ void Pipeline::Answer(Exchange& exchange) {
         Calibrate(exchange.request, transports_, roster_, to_.clock.Now_ns(), exchange.reply);
     if (performer == nullptr) return;
     performer->outputs.SendBodies(to_.publisher);
+    commands_.MarkChanged();
+    return;
+  }
+  if (exchange.request.has_take_checkpoint()) {
+    return TakeCheckpoint(exchange.request, roster_, to_.clock.Now_ns(), to_.clock.Wall_ns(),
+                          exchange.reply);
+  }
+  if (exchange.request.has_restore_checkpoint()) {
+    Performer* const performer =
+        RestoreCheckpoint(exchange.request, roster_, layers_, to_.clock.Now_ns(), exchange.reply);
+    if (performer == nullptr) return;
+    performer->outputs.SendBodies(to_.publisher);
+    log_.Log(Event::Level::kInfo, performer->profile.id + ": restored from a checkpoint");
     commands_.MarkChanged();
     return;
   }

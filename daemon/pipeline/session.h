@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "daemon/source/transport.h"
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 
 namespace styled::pipeline {
@@ -76,6 +77,16 @@ class Session {
   std::uint64_t lost() const { return lost_; }
   // Arrival of the last datagram that was kNext, kNewSession or kRecounted.
   std::int64_t last_arrival_ns() const { return last_arrival_ns_; }
+
+  // See model/base/checkpoint.h. To the reader the last datagram has arrived at `now_ns`: the
+  // clocks of two daemons have nothing to do with each other.
+  STYLED_REALTIME void Carry(Checkpoint& c, std::int64_t now_ns) noexcept {
+    c(live_, timed_, machine_, session_, newest_, seen_, stray_);
+    c.Within(strays_, 0, kConsistent);
+    c(first_time_ns_, last_time_ns_, lost_, losable_);
+    for (std::int64_t& interval_ns : intervals_ns_) c.Time(interval_ns);
+    if (c.reads()) last_arrival_ns_ = now_ns;
+  }
 
  private:
   STYLED_REALTIME void Start(const source::Machine& machine, std::uint64_t session,

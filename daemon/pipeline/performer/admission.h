@@ -7,6 +7,7 @@
 #include "daemon/pipeline/session.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/schedule.h"
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "proto/styled/v1/stats.pb.h"
 
@@ -28,6 +29,17 @@ class Admission {
   STYLED_REALTIME void StartSession() noexcept {
     session_has_body = false;
     schedule = runtime::Schedule();
+  }
+
+  // See model/base/checkpoint.h. Lateness is measured anew, and the performer is live with the next
+  // frame.
+  STYLED_REALTIME void Carry(Checkpoint& c, std::int64_t now_ns) noexcept {
+    session.Carry(c, now_ns);
+    c(session_has_body, sends_frames);
+    if (!c.reads()) return;
+    schedule = runtime::Schedule();
+    anticipation = Anticipation();
+    live_ = false;
   }
 
   // Whether one more change of the body is allowed now: kBodyChanges at once, then one per

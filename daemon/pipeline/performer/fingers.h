@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/pipeline/finger_layer.h"
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/rig/binding.h"
 #include "model/rig/hands.h"
@@ -25,6 +26,12 @@ class Fingers {
   // `pose`: of the binding's skeleton, in its axes. `elapsed_ns`: of the performer's session.
   // Joints that no layer shows stay bit for bit.
   STYLED_REALTIME void Apply(std::int64_t elapsed_ns, rig::RigPose& pose) noexcept;
+
+  // See model/base/checkpoint.h. The layers are not in it.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    c(own_, shown_);
+    c.Time(elapsed_ns_);
+  }
 
   // The hands of which layers give fingers and the skeleton has no place for any: "left", "right",
   // "left and right"; "" for none.

@@ -19,6 +19,7 @@
 #include "daemon/publish/subscriptions.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/histogram.h"
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/rig/tail.h"
 #include "proto/styled/v1/body.pb.h"
@@ -61,6 +62,11 @@ class Outputs {
   void Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles, std::int64_t now_ns,
             std::optional<std::int64_t> measure_from_ns);
   std::int64_t last_send_ns() const { return last_send_ns_; }
+
+  // The retargeting of all streams; see model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    for (const auto& stream : streams_) stream->Carry(c);
+  }
 
   // Whether a new subscriber waits for the bodies; SendBodies serves all of them.
   bool Asked() const;

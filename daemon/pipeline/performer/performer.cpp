@@ -79,6 +79,17 @@ void Performer::Restart() noexcept {
   facing_.Reset();
 }
 
+void Performer::Carry(Checkpoint& c, std::int64_t now_ns) noexcept {
+  admission.Carry(c, now_ns);
+  bool has_timecode = timecode.has_value();
+  std::int64_t label = timecode.value_or(0);
+  c(has_timecode);
+  c.Time(label);
+  if (c.reads()) timecode = has_timecode ? std::optional(label) : std::nullopt;
+  c(smoothing_, fingers_, *styling_, outputs, facing_, backwards_, backwards_logged_);
+  c.Time(faced_ns_);
+}
+
 Performer::Accepted Performer::Accept(const source::SourceFrame& frame,
                                       const FrameContext& context) noexcept {
   if (!binding_.Receive(frame, context.receive_ns)) return Accepted::kWrongSize;

@@ -16,6 +16,7 @@
 #include "daemon/pipeline/profile.h"
 #include "daemon/pipeline/runtime_config.h"
 #include "daemon/source/source_frame.h"
+#include "model/base/checkpoint.h"
 #include "model/stylist/stylist.h"
 #include "proto/styled/v1/control.pb.h"
 #include "proto/styled/v1/stats.pb.h"
@@ -54,6 +55,11 @@ class Performer {
 
   // Resets the recurrent state; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept;
+
+  // Hands over everything that the next frames depend on but body and profile, between two
+  // performers with the same ones (model/base/checkpoint.h, and checkpoint.proto for what is not in
+  // it). The performer must be bound. `now_ns`: of the daemon's monotonic clock.
+  STYLED_REALTIME void Carry(Checkpoint& c, std::int64_t now_ns) noexcept;
 
   // Processes one frame in steps, so that several performers are styled together: Accept copies it,
   // Stylist::ProcessTogether runs the jobs of Style(), Attach finds the props in the performer's

@@ -11,6 +11,7 @@
 #include "daemon/pipeline/runtime_config.h"
 #include "daemon/publish/frame_message.h"
 #include "daemon/publish/subscriptions.h"
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/stylist/avatar.h"
 
@@ -35,6 +36,8 @@ class RetargetStream {
   // pause starts anew. `elapsed_ns` is the session's.
   STYLED_REALTIME void Process(std::int64_t elapsed_ns, const stylist::Output& out,
                                const CarriedProps& props) noexcept;
+  // See model/base/checkpoint.h. The last frame is not in it.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(has_frame_, avatar_); }
   // The styled pose was invalid, so the frame is the performer's own motion.
   bool failed() const { return failed_; }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/rig/skeleton.h"
 
@@ -22,6 +23,11 @@ class PoseSmoothing {
   bool active() const noexcept { return options_.rest_hz > 0; }
   // The next pose is taken as it is.
   STYLED_REALTIME void Reset() noexcept { any_ = false; }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    c(any_, joints_, position_, velocity_, has_position_);
+    c.Time(time_ns_);
+  }
   // Filters the pose at a time of the session. What is not finite stays, and leaves the joint's
   // filter as it was. After a gap of more than kGap_ns, or a step back, the filter begins anew.
   static constexpr std::int64_t kGap_ns = 500'000'000;
@@ -32,6 +38,7 @@ class PoseSmoothing {
     rig::Quat rotation = rig::Quat::Identity();  // as filtered
     rig::Vec3 speed = rig::Vec3::Zero();         // rad/s, as filtered
     bool known = false;
+    STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(rotation, speed, known); }
   };
   STYLED_REALTIME void Turn(Joint& joint, rig::Quat& rotation, float step_s) const noexcept;
   STYLED_REALTIME void Move(rig::Vec3& position, float step_s) noexcept;

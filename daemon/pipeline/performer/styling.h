@@ -9,6 +9,7 @@
 #include "daemon/pipeline/facing.h"
 #include "daemon/pipeline/runtime_config.h"
 #include "daemon/runtime/counters.h"
+#include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/stylist/stylist.h"
 #include "proto/styled/look.h"
@@ -34,6 +35,9 @@ class Styling {
   void Adopt(const RuntimeConfig& config);
   // Resets the recurrent state; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept { stylist_.Reset(); }
+
+  // See model/base/checkpoint.h; the last output is not in it.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { stylist_.Carry(c); }
 
   // Swaps the next pose in, and mirrors it if the binding is that of the mirrored skeleton.
   STYLED_REALTIME void SetInput(rig::RigPose& received) noexcept;
