@@ -266,6 +266,23 @@ CallStatus Control::Preview(std::string_view style, v1::PreviewReply* out) {
   return status;
 }
 
+CallStatus Control::TakeCheckpoint(std::string_view performer, v1::Checkpoint* out) {
+  v1::Request request;
+  request.set_performer(std::string(performer));
+  request.mutable_take_checkpoint();
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && out != nullptr) out->Swap(reply.mutable_checkpoint());
+  return status;
+}
+
+CallStatus Control::RestoreCheckpoint(std::string_view performer, const v1::Checkpoint& checkpoint,
+                                      Applied* applied) {
+  v1::Request request;
+  *request.mutable_restore_checkpoint()->mutable_checkpoint() = checkpoint;
+  return Change(request, performer, applied);
+}
+
 CallStatus Control::Cue(std::string_view name, Applied* applied) {
   v1::Request request;
   request.mutable_cue()->set_name(std::string(name));

@@ -98,6 +98,11 @@ class Control {
   CallStatus RemoveStyle(std::string_view name, Applied* applied = nullptr);
   // A small moving figure of any style.
   CallStatus Preview(std::string_view style, v1::PreviewReply* out);
+  // A performer's state, for this daemon or another one (checkpoint.proto). With `performer` ""
+  // they are restored under their own name.
+  CallStatus TakeCheckpoint(std::string_view performer, v1::Checkpoint* out);
+  CallStatus RestoreCheckpoint(std::string_view performer, const v1::Checkpoint& checkpoint,
+                               Applied* applied = nullptr);
   // `name`: a cue of the daemon's configuration.
   CallStatus Cue(std::string_view name, Applied* applied = nullptr);
   CallStatus Panic(Applied* applied = nullptr);  // all performers to bypass

@@ -14,6 +14,7 @@ int Run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err
   DeclareStyleCommands(session);
   DeclareMakingCommands(session);
   DeclareStyles(session);
+  DeclareCheckpoints(session);
   DeclareCalibrate(session);
   DeclareDoctor(session);
   DeclareKeyCommands(session);

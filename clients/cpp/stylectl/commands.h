@@ -10,6 +10,7 @@ void DeclareShowCommands(Session& session);    // list, status
 void DeclareStyleCommands(Session& session);   // set, clear, preset, cue, pin, unpin, panic, reset
 void DeclareMakingCommands(Session& session);  // like, learn, vary
 void DeclareStyles(Session& session);
+void DeclareCheckpoints(Session& session);  // checkpoint
 void DeclareCalibrate(Session& session);
 void DeclareDoctor(Session& session);
 void DeclareKeyCommands(Session& session);  // keygen, allow, revoke, keys

@@ -250,6 +250,22 @@ class Commands:
         request.remove_style.name = name
         return self._do(request, _applied)
 
+    def take_checkpoint(self, performer: str) -> bytes:
+        """The performer's whole state after the last frame, as a file of stylectl checkpoint."""
+        request = _change(performer)
+        request.take_checkpoint.SetInParent()
+        return self._do(request, lambda reply: reply.checkpoint.SerializeToString())
+
+    def restore_checkpoint(self, checkpoint: bytes, performer: str = '') -> Dict[str, int]:
+        """Lets a performer go on from such a state, here or on another daemon of the same weights.
+        `performer`: by default the one that the checkpoint names."""
+        request = _change(performer) if performer else control_pb2.Request()
+        try:
+            request.restore_checkpoint.checkpoint.ParseFromString(checkpoint)
+        except DecodeError as error:
+            raise ValueError('restore_checkpoint: expected bytes of take_checkpoint') from error
+        return self._do(request, _applied)
+
     def preview(self, style: str) -> control_pb2.PreviewReply:
         """A small moving figure of any style: two strides that loop."""
         request = control_pb2.Request()

@@ -99,8 +99,12 @@ class ClientTest(unittest.TestCase):
             with self.assertRaises(styled.Refused) as refused:
                 control.set('rig.sim', style='old')
             self.assertEqual(refused.exception.code, 'PINNED')
+            state = control.take_checkpoint('rig.sim')
             control.panic()
             self.assertFalse(control.status().stats.performers[0].styles)
+            self.assertEqual(list(control.restore_checkpoint(state)), ['rig.sim'])
+            with self.assertRaises(ValueError):
+                control.restore_checkpoint(b'no checkpoint')
             control.pin('rig.sim', False)
             control.reset('rig.sim')
 
@@ -119,6 +123,8 @@ class ClientTest(unittest.TestCase):
                                (lambda: control.rename_style('old', 'new'), 'MALFORMED'),
                                (lambda: control.remove_style('mine'), 'UNKNOWN_STYLE'),
                                (lambda: control.preview('mine'), 'UNKNOWN_STYLE'),
+                               (lambda: control.take_checkpoint('rig.nobody'), 'UNKNOWN_PERFORMER'),
+                               (lambda: control.restore_checkpoint(b'', 'rig.nobody'), 'MALFORMED'),
                                (lambda: control.reset('rig.nobody'), 'UNKNOWN_PERFORMER'),
                                (lambda: control.calibrate('rig.nobody'), 'UNKNOWN_PERFORMER')):
                 with self.assertRaises(styled.Refused) as refused:
