@@ -28,9 +28,9 @@ class Subscriber:
     def __init__(self, endpoints: Union[str, Iterable[str]] = listening.DEFAULT_PUBLISHER, *,
                  performer: str = '',
                  streams: Union[Wanted, Iterable[Wanted]] = (Stream.RIG,),
-                 statistics: bool = False, queue_messages: int = 1000,
+                 statistics: bool = False, bundled: bool = False, queue_messages: int = 1000,
                  curve: Optional[Curve] = None):
-        self._inbox = Inbox(performer, streams, statistics)
+        self._inbox = Inbox(performer, streams, statistics, bundled)
         context = zmq.asyncio.Context()
         self._close = Closer(self, context)
         self._socket = context.socket(zmq.SUB)
@@ -102,6 +102,9 @@ class Subscriber:
 
     async def _read(self) -> Optional[Update]:
         while True:
+            update = self._inbox.next()
+            if update is not None:
+                return update
             try:
                 parts = await self._socket.recv_multipart(zmq.NOBLOCK)
             except zmq.Again:

@@ -1,11 +1,12 @@
 """Processes a subscriber's messages, independent of the sockets: topics, the bodies of frames, and gaps
 (proto/styled/v1/WIRE.md)."""
 
+import collections
 import dataclasses
 import time
 import enum
 import re
-from typing import Dict, Iterable, List, Optional, Tuple, Union
+from typing import Deque, Dict, Iterable, List, Optional, Tuple, Union
 
 from google.protobuf.message import DecodeError
 
@@ -38,6 +39,9 @@ _OUTPUTS = {Stream.RIG: body_pb2.OUTPUT_RIG, Stream.CANONICAL: body_pb2.OUTPUT_C
             Stream.SOURCE: body_pb2.OUTPUT_RIG, Stream.AVATAR: body_pb2.OUTPUT_AVATAR}
 
 
+_BUNDLES = ('rig', 'canonical', 'source')
+
+
 def _topic(wanted: Wanted, performer: str) -> str:
     if wanted is Stream.SOURCE:
         return f'source/{performer}/'
@@ -47,7 +51,7 @@ def _topic(wanted: Wanted, performer: str) -> str:
 def _check_wanted(wanted: Wanted) -> Wanted:
     if isinstance(wanted, Stream) and wanted is not Stream.AVATAR:
         return wanted
-    if wanted in ('rig', 'canonical', 'source'):
+    if wanted in _BUNDLES:
         return Stream(wanted)
     if not isinstance(wanted, str) or not _NAME.fullmatch(wanted):
         raise ValueError(f"stream '{wanted}', expected styled.RIG, CANONICAL or SOURCE, or the name "
@@ -136,7 +140,9 @@ class Inbox:
 
     def __init__(self, performer: str = '',
                  streams: Union[Wanted, Iterable[Wanted]] = (Stream.RIG,),
-                 statistics: bool = False):
+                 statistics: bool = False, bundled: bool = False):
+        if bundled and performer:
+            raise ValueError(f"bundled with performer '{performer}', expected '' (all)")
         if performer and not is_performer_id(performer):
             raise ValueError(f"performer '{performer}' is not SOURCE.NAME "
                              '([A-Za-z0-9_-]{1,32} each)')
@@ -148,12 +154,17 @@ class Inbox:
             streams = (streams,)
         self._streams = tuple(_check_wanted(stream) for stream in streams)
         self._statistics = statistics
+        self._bundled = bundled
+        self._waiting: Deque[Tuple[Stream, frame_pb2.Frame]] = collections.deque()  # of a bundle
         self._bodies: Dict[str, List[body_pb2.Body]] = {}
         self._states: Dict[str, _State] = {}
 
     def topics(self) -> List[str]:
         topics = ['stats/'] if self._statistics else []
         if not self._performer:
+            if self._bundled:
+                topics += [f'frames/{stream.value}/' for stream in self._streams
+                           if isinstance(stream, Stream)]
             return topics + ['body/']  # finds the performers; then each one's own topics
         return topics + [f'body/{self._performer}/'] + self._frame_topics(self._performer)
 
@@ -161,7 +172,8 @@ class Inbox:
         return sorted(self._bodies)
 
     def accept(self, parts: List[bytes]) -> Optional[Update]:
-        """The update for a message, or None if the message is dropped."""
+        """The update for a message, or None if the message is dropped. Of a bundle the first; next()
+        gives the others."""
         if len(parts) == 2:
             try:
                 return self._accept(parts[0].decode('ascii'), parts[1])
@@ -170,8 +182,21 @@ class Inbox:
         self.counters.malformed += 1
         return None
 
+    def next(self) -> Optional[Update]:
+        """The next frame of the last bundle, or None."""
+        while self._waiting:
+            stream, frame = self._waiting.popleft()
+            if not is_performer_id(frame.performer):
+                self.counters.malformed += 1
+                continue
+            update = self._accept_frame(stream, '', _topic(stream, frame.performer), frame.performer, frame)
+            if update is not None:
+                return update
+        return None
+
     def _frame_topics(self, performer: str) -> List[str]:
-        return [_topic(stream, performer) for stream in self._streams]
+        return [_topic(stream, performer) for stream in self._streams
+                if not (self._bundled and isinstance(stream, Stream))]
 
     def _accept(self, topic: str, payload: bytes) -> Optional[Update]:
         words = topic.split('/')
@@ -179,9 +204,13 @@ class Inbox:
             return Update(Kind.STATISTICS, statistics=_parse(stats_pb2.Stats, payload))
         if len(words) == 3 and words[0] == 'body':
             return self._accept_body(words[1], payload)
+        if len(words) == 3 and words[0] == 'frames' and words[1] in _BUNDLES and words[2] == '':
+            bundle = _parse(frame_pb2.Frames, payload)
+            self._waiting.extend((Stream(words[1]), frame) for frame in bundle.frames)
+            return self.next()
         stream, name = _stream_of(words)
         if stream is not None and words[-1] == '':
-            return self._accept_frame(stream, name, topic, words[1], payload)
+            return self._accept_frame(stream, name, topic, words[1], _parse(frame_pb2.Frame, payload))
         self.counters.malformed += 1
         return None
 
@@ -206,8 +235,7 @@ class Inbox:
         return Update(Kind.BODY, body=body)
 
     def _accept_frame(self, stream: Stream, name: str, topic: str, performer: str,
-                      payload: bytes) -> Optional[Update]:
-        frame = _parse(frame_pb2.Frame, payload)
+                      frame: frame_pb2.Frame) -> Optional[Update]:
         if frame.performer != performer or frame.output != _OUTPUTS[stream]:
             self.counters.malformed += 1
             return None

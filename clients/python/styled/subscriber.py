@@ -84,6 +84,8 @@ class Subscriber:
     streams         one or several of 'rig', 'canonical', 'source' (styled.RIG, CANONICAL, SOURCE),
                     or the name of an [[output]] of the daemon; empty: bodies and statistics only
     statistics      also subscribe to the daemon's counters, once per second
+    bundled         all performers' frames of a cycle of the daemon in one message: for whoever shows
+                    tens of performers and more; without `performer`
     queue_messages  queue of this process; when it is full, the newest are dropped
     curve           styled.Curve, for daemons that require keys
 
@@ -93,9 +95,9 @@ class Subscriber:
     def __init__(self, endpoints: Union[str, Iterable[str]] = DEFAULT_PUBLISHER, *,
                  performer: str = '',
                  streams: Union[Wanted, Iterable[Wanted]] = (Stream.RIG,),
-                 statistics: bool = False, queue_messages: int = 1000,
+                 statistics: bool = False, bundled: bool = False, queue_messages: int = 1000,
                  curve: Optional[Curve] = None):
-        self._inbox = Inbox(performer, streams, statistics)
+        self._inbox = Inbox(performer, streams, statistics, bundled)
         context = zmq.Context()
         self._close = Closer(self, context)
         self._socket = context.socket(zmq.SUB)
@@ -178,6 +180,9 @@ class Subscriber:
     # The next of the updates that have already arrived.
     def _read(self) -> Optional[Update]:
         while True:
+            update = self._inbox.next()
+            if update is not None:
+                return update
             try:
                 parts = self._socket.recv_multipart(zmq.NOBLOCK)
             except zmq.Again:

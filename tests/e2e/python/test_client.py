@@ -29,7 +29,14 @@ class ClientTest(unittest.TestCase):
         self.addCleanup(self.daemon.close)
 
     def test_every_frame_comes_in_its_order_with_its_body_and_style(self):
-        with styled.Subscriber(self.daemon.publish, streams=STREAMS, statistics=True) as subscriber, \
+        self.check_every_frame(bundled=False)
+
+    def test_every_frame_comes_in_bundles_too(self):
+        self.check_every_frame(bundled=True)
+
+    def check_every_frame(self, bundled):
+        with styled.Subscriber(self.daemon.publish, streams=STREAMS, statistics=True,
+                               bundled=bundled) as subscriber, \
                 styled.Control(self.daemon.control) as control:
             control.set('rig.sim', style='elderly', transition_ms=0)
             self.daemon.simulate()

@@ -54,6 +54,33 @@ class InboxTest(unittest.TestCase):
         everyone.accept(message('body/rig.a/', make_body()))
         self.assertEqual(everyone.new_topics, [RIG])
 
+    def test_a_bundle_is_its_frames_one_after_the_other(self):
+        inbox = Inbox(streams=['rig', 'hero'], bundled=True)
+        self.assertEqual(inbox.topics(), ['frames/rig/', 'body/'])
+        for performer in ('rig.a', 'rig.b'):
+            inbox.accept(message(f'body/{performer}/', make_body(performer)))
+        self.assertEqual(inbox.new_topics, ['styled/rig.a/hero/', 'styled/rig.b/hero/'])
+        a, b = (make_body(performer) for performer in ('rig.a', 'rig.b'))
+        bad, strange = make_frame(3, a), make_frame(1, a)
+        bad.rotations.append(1)
+        strange.performer = 'a/b'
+        frames = [make_frame(1, a), make_frame(1, b), make_frame(1, a), bad, strange, make_frame(4, a)]
+        update = inbox.accept(message('frames/rig/', frame_pb2.Frames(frames=frames)))
+        seen = []
+        while update is not None:
+            seen.append((update.frame.performer, update.frame.sequence, update.missed, update.stream,
+                         update.body.performer))
+            update = inbox.next()
+        self.assertEqual(seen, [('rig.a', 1, 0, Stream.RIG, 'rig.a'), ('rig.b', 1, 0, Stream.RIG, 'rig.b'),
+                                ('rig.a', 4, 2, Stream.RIG, 'rig.a')])
+        self.assertEqual((inbox.counters.malformed, inbox.counters.repeated_frames), (2, 1))
+        for topic in ('frames/hero/', 'frames/rig/x', 'frames/'):
+            self.assertIsNone(inbox.accept(message(topic, frame_pb2.Frames(frames=frames))))
+        self.assertIsNone(inbox.accept([b'frames/rig/', b'\xff']))
+        self.assertEqual(inbox.counters.malformed, 6)
+        with self.assertRaisesRegex(ValueError, "performer 'rig.a', expected ''"):
+            Inbox('rig.a', bundled=True)
+
     def test_refuses_a_performer_that_is_none(self):
         for bad in ('rig', 'rig.', '.a', 'a.b.c', 'a b.c', 'rig.a/', '*', 'a.' + 33 * 'x', 'rig.a\n'):
             with self.assertRaisesRegex(ValueError, 'SOURCE.NAME', msg=bad):
