@@ -38,6 +38,7 @@ ROWS = {
     "proto/keys": "model/base",
     "proto/recording": "model/base proto/styled proto/rigs/native",
     "proto/arkit": "model/base",
+    "proto/ptp": "model/base",
     "proto/rigs": "model/base proto/arkit",
     "proto/styled": "model/base model/body",
     # The daemon: a folder includes only folders further down.
@@ -52,7 +53,7 @@ ROWS = {
     "daemon/source": "daemon/config daemon/runtime proto model/devices " + STAGES,
     "daemon/security": "daemon/config daemon/runtime proto/keys proto/ipc model/base",
     "daemon/config": "daemon/runtime proto/rigs proto/styled " + STAGES + " model/net model/stylist",
-    "daemon/runtime": "model/base proto/ipc proto/rigs/native",
+    "daemon/runtime": "model/base proto/ipc proto/ptp proto/rigs/native",
     # Who sends and who listens: neither the daemon nor a network.
     "clients": "clients proto model/clip " + STAGES,
     "sim": "sim proto model/clip model/synthetic " + STAGES,
