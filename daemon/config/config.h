@@ -162,6 +162,11 @@ struct Osc {
   friend bool operator==(const Osc&, const Osc&) = default;
 };
 
+struct Time {
+  std::string ptp4l;  // its management socket; "" = where it usually is
+  friend bool operator==(const Time&, const Time&) = default;
+};
+
 struct State {
   std::string dir;  // "" = settings are not kept
 };
@@ -197,6 +202,7 @@ struct Config {
   std::vector<Preset> presets;
   std::vector<Cue> cues;
   Osc osc;
+  Time time;
   State state;
   Record record;
   Log log;

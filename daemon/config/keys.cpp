@@ -224,6 +224,7 @@ std::vector<Section> MakeSections() {
       {"osc",
        {Text<C>("listen", STYLED_FIELD(osc.listen)),
         Flag<C>("allow_unauthenticated_remote", STYLED_FIELD(osc.allow_unauthenticated_remote))}},
+      {"time", {Text<C>("ptp4l", STYLED_FIELD(time.ptp4l))}},
       {"state", {Text<C>("dir", STYLED_FIELD(state.dir))}},
       {"record",
        {Text<C>("file", STYLED_FIELD(record.file)),
