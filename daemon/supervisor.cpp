@@ -75,6 +75,7 @@ Status Supervisor::Start() {
   if (status.ok()) status = OpenSockets();
   if (!status.ok()) return status;
   StartRecording();
+  clock_watch_.Update(clock_.Now_ns());
   std::vector<std::string> names, types;
   for (const auto& source : config_.sources) {
     names.push_back(source.name);
@@ -83,7 +84,7 @@ Status Supervisor::Start() {
   pipeline_ = std::make_unique<pipeline::Pipeline>(
       pipeline::Dependencies{clock_, counters_, *publisher_, mailboxes_, recorder_.get(),
                              config_.realtime.prewarm || config_.realtime.wait == "hybrid",
-                             config_.realtime.prewarm},
+                             config_.realtime.prewarm, &clock_watch_},
       std::move(names), std::move(transports_), runtime_config_, epoch_,
       config_.publish.max_subscriptions);
   pipeline_->SetSourceTypes(std::move(types));
@@ -387,6 +388,7 @@ void Supervisor::WarnOfRestartKeys(const config::Config& fresh) const {
   if (!(fresh.control == config_.control)) warn("control");
   if (!(fresh.security == config_.security)) warn("security");
   if (!(fresh.osc == config_.osc)) warn("osc");
+  if (!(fresh.time == config_.time)) warn("time");
   if (!(fresh.realtime == config_.realtime)) warn("realtime");
   if (fresh.state.dir != config_.state.dir) warn("state");
   if (!(fresh.record == config_.record)) warn("record");

@@ -17,6 +17,7 @@
 #include "daemon/publish/publisher.h"
 #include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
+#include "daemon/runtime/clock_watch.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/notify.h"
 #include "daemon/security/gatekeeper.h"
@@ -72,6 +73,8 @@ class Supervisor {
   config::Config config_;
   Origin origin_;
   runtime::SystemClock clock_;
+  // The pipeline's thread has it as soon as it runs.
+  runtime::ClockWatch clock_watch_{config_.time.ptp4l};
   runtime::Counters counters_;
   runtime::Notifier notifier_ = runtime::Notifier::FromEnvironment();
   runtime::Watchdog watchdog_;

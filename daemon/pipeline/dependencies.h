@@ -4,6 +4,7 @@
 #include "daemon/publish/publisher.h"
 #include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
+#include "daemon/runtime/clock_watch.h"
 #include "daemon/runtime/counters.h"
 
 namespace styled::pipeline {
@@ -14,9 +15,10 @@ struct Dependencies {
   runtime::Counters& counters;
   publish::Publisher& publisher;
   Mailboxes& mailboxes;
-  record::Recorder* recorder = nullptr;  // null: nothing is recorded
-  bool anticipate = true;                // predicts each frame and wakes shortly before
-  bool prewarm = true;                   // and then brings its data into the caches
+  record::Recorder* recorder = nullptr;        // null: nothing is recorded
+  bool anticipate = true;                      // predicts each frame and wakes shortly before
+  bool prewarm = true;                         // and then brings its data into the caches
+  runtime::ClockWatch* clock_watch = nullptr;  // null: statistics say nothing of the clock
 };
 
 }  // namespace styled::pipeline

@@ -53,6 +53,30 @@ void Stats::DescribeSource(std::size_t index, v1::SourceInfo& info) const {
   info.set_missed(smoothing.missed);
 }
 
+void Stats::DescribeClock(v1::ClockState& clock) const {
+  const runtime::ClockDiscipline& discipline = to_.clock_watch->discipline();
+  clock.set_locked(discipline.locked);
+  clock.set_max_error_s(discipline.max_error_s);
+  if (!discipline.ptp) {
+    clock.set_source(discipline.locked ? v1::ClockState::SOURCE_NTP : v1::ClockState::SOURCE_NONE);
+    return;
+  }
+  const runtime::PtpClock& heard = *discipline.ptp;
+  clock.set_source(v1::ClockState::SOURCE_PTP);
+  v1::PtpState& ptp = *clock.mutable_ptp();
+  ptp.set_port_state(ptp::Text(heard.port));
+  ptp.set_domain(heard.domain);
+  ptp.set_leader(ptp::Text(heard.parent.leader));
+  ptp.set_leader_priority1(heard.parent.priority1);
+  ptp.set_leader_priority2(heard.parent.priority2);
+  ptp.set_leader_clock_class(heard.parent.clock_class);
+  ptp.set_leader_accuracy(heard.parent.accuracy);
+  ptp.set_leader_time_source(heard.properties.time_source);
+  ptp.set_offset_s(heard.current.offset_s);
+  ptp.set_mean_path_delay_s(heard.current.mean_path_delay_s);
+  ptp.set_steps_removed(heard.current.steps_removed);
+}
+
 void Stats::Fill(v1::StatusReply& status) const {
   status.set_version(STYLED_VERSION);
   status.set_epoch(roster_.epoch());
@@ -82,6 +106,9 @@ void Stats::Fill(v1::Stats& stats) const {
   }
   for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *stats.add_sources());
   stages_.Describe(stats);
+  if (to_.clock_watch != nullptr && to_.clock_watch->discipline().known) {
+    DescribeClock(*stats.mutable_clock());
+  }
 }
 
 void Stats::Publish() {
@@ -89,6 +116,7 @@ void Stats::Publish() {
   due_ns_ = std::max(due_ns_ + kSecond_ns, now_ns + kSecond_ns / 2);
   for (const auto& performer : roster_.performers) performer->Sample();
   stages_.Sample();
+  if (to_.clock_watch != nullptr) to_.clock_watch->Update(now_ns);
   to_.counters.Set(Counter::kPipelineLongestCycleUs,
                    static_cast<std::uint64_t>(longest_cycle_ns_ / 1000));
   longest_cycle_ns_ = 0;

@@ -41,6 +41,7 @@ class Stats {
 
  private:
   void Fill(v1::Stats& stats) const;
+  void DescribeClock(v1::ClockState& clock) const;
   void DescribeSource(std::size_t index, v1::SourceInfo& info) const;
 
   Dependencies to_;

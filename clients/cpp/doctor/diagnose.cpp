@@ -56,6 +56,7 @@ std::vector<Finding> Examination::Run() {
   Silent();
   Unclaimed();
   Performers();
+  Clock();
   Losses();
   Listeners();
   std::ranges::stable_sort(findings_, {}, &Finding::severity);

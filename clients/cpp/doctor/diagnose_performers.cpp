@@ -44,6 +44,21 @@ const Reason& ReasonOf(std::string_view counter) {
 
 }  // namespace
 
+// Frames come out without it; it is needed where machines must agree about the time.
+void Examination::Clock() {
+  if (!facts_.daemon_answers() || !facts_.daemon.after.stats().has_clock()) return;
+  const v1::ClockState& clock = facts_.daemon.after.stats().clock();
+  if (clock.locked()) return;
+  const bool ptp = clock.source() == v1::ClockState::SOURCE_PTP;
+  Report(Severity::kNote, Step::kDaemon, nullptr, "clock_free",
+         ptp ? "The daemon's clock does not follow PTP, although ptp4l answers there."
+             : "The daemon's clock is not synchronized.",
+         "The wall times of frames drift away from those of other machines; their order and the "
+         "styling do not depend on it.",
+         ptp ? "Run phc2sys: it sets the system's clock by ptp4l's."
+             : "Where machines must agree about the time: run chrony, or ptp4l and phc2sys.");
+}
+
 void Examination::Performers() {
   if (!facts_.daemon_answers()) return;
   const auto& before = facts_.daemon.before.stats().performers();

@@ -52,6 +52,7 @@ class Examination {
   void NoSkeleton(const SourceFacts& source, const std::string& why);
 
   // diagnose_performers.cpp
+  void Clock();
   void Performers();
   bool RefusesPerformers(const SourceFacts& source) const;  // if so, Performers() reports it
 

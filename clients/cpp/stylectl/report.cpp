@@ -138,6 +138,49 @@ std::string StylesText(const v1::ListReply& list) {
   return Table(rows);
 }
 
+std::string ClockText(const v1::ClockState& clock) {
+  const double error_s = clock.max_error_s();
+  const std::string within = "within " + (error_s < 1e-3 ? Fixed(1e6 * error_s, 0) + " us"
+                                                         : Fixed(1e3 * error_s, 1) + " ms");
+  switch (clock.source()) {
+    case v1::ClockState::SOURCE_PTP: {
+      const v1::PtpState& ptp = clock.ptp();
+      return "clock: PTP domain " + std::to_string(ptp.domain()) + ", leader " + ptp.leader() +
+             ", port " + ptp.port_state() + ", offset " + Fixed(1e9 * ptp.offset_s(), 0) +
+             " ns, path " + Fixed(1e9 * ptp.mean_path_delay_s(), 0) + " ns" +
+             (clock.locked() ? ", " + within
+                             : "; the system's clock does not follow it (phc2sys is not running)") +
+             "\n";
+    }
+    case v1::ClockState::SOURCE_NTP:
+      return "clock: synchronized, " + within + "\n";
+    default:
+      return "clock: not synchronized: the frames' wall times drift (run chrony, or ptp4l and "
+             "phc2sys)\n";
+  }
+}
+
+json ClockJson(const v1::ClockState& clock) {
+  json out{{"source", clock.source() == v1::ClockState::SOURCE_PTP   ? "ptp"
+                      : clock.source() == v1::ClockState::SOURCE_NTP ? "ntp"
+                                                                     : "none"},
+           {"locked", clock.locked()},
+           {"max_error_s", clock.max_error_s()}};
+  if (!clock.has_ptp()) return out;
+  const v1::PtpState& ptp = clock.ptp();
+  out["ptp"] = {{"domain", ptp.domain()},
+                {"leader", ptp.leader()},
+                {"port_state", ptp.port_state()},
+                {"offset_s", ptp.offset_s()},
+                {"mean_path_delay_s", ptp.mean_path_delay_s()},
+                {"steps_removed", ptp.steps_removed()},
+                {"leader_priorities", {ptp.leader_priority1(), ptp.leader_priority2()}},
+                {"leader_clock_class", ptp.leader_clock_class()},
+                {"leader_accuracy", ptp.leader_accuracy()},
+                {"leader_time_source", ptp.leader_time_source()}};
+  return out;
+}
+
 std::string StatusText(const v1::StatusReply& status, bool all_counters) {
   const v1::Stats& stats = status.stats();
   int live = 0;
@@ -147,6 +190,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                     std::to_string(stats.performers_size()) + " performer" +
                     (stats.performers_size() == 1 ? "" : "s") + ", " + std::to_string(live) +
                     " live\n";
+  if (stats.has_clock()) out += ClockText(stats.clock());
   if (stats.performers_size() > 0) {
     std::vector<std::vector<std::string>> rows{{"PERFORMER", "STATE", "HZ", "P50 us", "P99 us",
                                                 "MAX us", "PUBLISHED", "LOST", "STRENGTH", "STYLE",
@@ -295,15 +339,17 @@ json StatusJson(const v1::StatusReply& status) {
     row.update(LookJson(performer.look()));
     performers.push_back(std::move(row));
   }
-  return {{"version", status.version()},
-          {"epoch", Hex(status.epoch())},
-          {"uptime_s", status.uptime_s()},
-          {"weights", status.weights()},
-          {"wall_time_ns", stats.wall_time_ns()},
-          {"sources", sources},
-          {"performers", performers},
-          {"stages", stages},
-          {"counters", counters}};
+  json out{{"version", status.version()},
+           {"epoch", Hex(status.epoch())},
+           {"uptime_s", status.uptime_s()},
+           {"weights", status.weights()},
+           {"wall_time_ns", stats.wall_time_ns()},
+           {"sources", sources},
+           {"performers", performers},
+           {"stages", stages},
+           {"counters", counters}};
+  if (stats.has_clock()) out["clock"] = ClockJson(stats.clock());
+  return out;
 }
 
 json AppliedJson(const std::vector<v1::Applied>& applied) {
