@@ -34,7 +34,8 @@ C
 done
 ask() { pmc -u -b 0 -d 127 -s "$folder/follower" -i "$folder/pmc" "GET $1" 2>/dev/null | awk -v name="$2" '$1 == name { print $2 }'; }
 for _ in {1..40}; do
-  [ "$(ask CURRENT_DATA_SET stepsRemoved)" != 1 ] || break
+  # The path's delay is measured last.
+  [[ $(ask CURRENT_DATA_SET stepsRemoved) != 1 || $(ask CURRENT_DATA_SET meanPathDelay) == 0.0 ]] || break
   sleep 0.5
 done
 said=$("$1" "$folder/follower") || { echo "FAILED: nothing found out"; cat "$folder"/*.log; exit 1; }
