@@ -9,6 +9,7 @@
 
 #include "model/base/text.h"
 #include "model/body/pose.h"
+#include "model/feet/tuning.h"
 #include "model/net/shipped_weights.h"
 #include "model/stylist/avatar.h"
 #include "model/stylist/clip_stylist.h"
@@ -141,34 +142,50 @@ Status AddBlend(const Arguments& arguments, const Examples& examples, stylist::S
 // Writes the next frame's styled pose.
 using StyleNext = std::function<void(std::size_t i, stylist::Output& out)>;
 
-// How planted feet slide, by the stylist's own contacts (the judges' skate has others): the smaller
-// way of ankle and toes from frame to frame, over the floor.
+// How planted feet slide over the floor, styled and in the input: from frame to frame the smaller
+// way of ankle and toes. A foot counts by the stylist's own contacts (the judges' skate has others)
+// and only while the performer's own is slower than what is surely planted: the contacts are
+// smooth, and hold on to a foot that lifts off for some 50 ms, in which it reaches the speed of a
+// swing.
 class Slide {
  public:
-  void Add(const body::Pose& pose, std::uint32_t contacts, double dt_s) {
-    body::ForwardKinematics(pose, world_);
+  void Add(const stylist::Output& out, double input_dt_s, double dt_s) {
+    body::ForwardKinematics(out.canonical_input, input_.world);
+    body::ForwardKinematics(out.canonical, styled_.world);
     for (int side = 0; side < 2; ++side) {
       const std::uint32_t bit = 1U << static_cast<unsigned>(side);
-      const std::size_t foot = side == 0 ? body::kLeftFoot : body::kRightFoot;
-      const std::size_t toes = side == 0 ? body::kLeftToes : body::kRightToes;
-      if ((contacts & before_ & bit) != 0) {
-        way_m_ += std::min(Way_m(foot), Way_m(toes));
-        time_s_ += dt_s;
-      }
+      if ((out.contacts & before_ & bit) == 0) continue;
+      const double way_m = input_.Way_m(side);
+      if (way_m > kPlanted_mps * input_dt_s) continue;
+      input_.way_m += way_m;
+      input_.time_s += input_dt_s;
+      styled_.way_m += styled_.Way_m(side);
+      styled_.time_s += dt_s;
     }
-    before_ = contacts;
-    last_ = world_;
+    before_ = out.contacts;
+    input_.last = input_.world;
+    styled_.last = styled_.world;
   }
-  double Cm_s() const { return time_s_ > 0 ? 100 * way_m_ / time_s_ : 0; }
+  double Cm_s() const { return styled_.Cm_s(); }
+  double Input_cm_s() const { return input_.Cm_s(); }
 
  private:
-  double Way_m(std::size_t joint) const {
-    const body::Vec3 way = world_.positions_m[joint] - last_.positions_m[joint];
-    return std::hypot(static_cast<double>(way.x()), static_cast<double>(way.z()));
-  }
-  body::WorldPose world_, last_;
+  static constexpr double kPlanted_mps = feet::tuning::kContactSlow_mps;
+  struct Feet {
+    double Way_m(int side) const {
+      return std::min(Way_m(side == 0 ? body::kLeftFoot : body::kRightFoot),
+                      Way_m(side == 0 ? body::kLeftToes : body::kRightToes));
+    }
+    double Way_m(body::Joint joint) const {
+      const body::Vec3 way = world.positions_m[joint] - last.positions_m[joint];
+      return std::hypot(static_cast<double>(way.x()), static_cast<double>(way.z()));
+    }
+    double Cm_s() const { return time_s > 0 ? 100 * way_m / time_s : 0; }
+    body::WorldPose world, last;
+    double way_m = 0, time_s = 0;
+  };
+  Feet input_, styled_;
   std::uint32_t before_ = 0;
-  double way_m_ = 0, time_s_ = 0;
 };
 
 }  // namespace
@@ -234,14 +251,14 @@ Result<Styled> Restyler::Run(const std::string& file,
   Wardrobe wardrobe(avatar, binding, options_);
   stylist::Output out(clip.skeleton);
   Styled result;
-  Slide slide, input_slide;
+  Slide slide;
   double time_s = 0;
   for (std::size_t i = 0; i < frames.count; ++i) {
     style_next(i, out);
     const bool styled = wardrobe.Process(frames.Time_ns(i), out);
-    if (i > 0) time_s += 1 / (frames.rate_hz * static_cast<double>(out.cadence));
-    slide.Add(out.canonical, out.contacts, 1 / (frames.rate_hz * static_cast<double>(out.cadence)));
-    input_slide.Add(out.canonical_input, out.contacts, 1 / frames.rate_hz);
+    const double dt_s = 1 / (frames.rate_hz * static_cast<double>(out.cadence));
+    if (i > 0) time_s += dt_s;
+    slide.Add(out, 1 / frames.rate_hz, dt_s);
     if (!frames.Given(i)) continue;
     if (!styled) ++result.failed;
     if (out.contacts != 0) ++result.planted;
@@ -251,7 +268,7 @@ Result<Styled> Restyler::Run(const std::string& file,
     if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(frames.count));
   }
   result.slide_cm_s = slide.Cm_s();
-  result.input_slide_cm_s = input_slide.Cm_s();
+  result.input_slide_cm_s = slide.Input_cm_s();
   return result;
 }
 

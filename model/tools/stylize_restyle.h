@@ -23,7 +23,8 @@ struct Styled {
   std::size_t failed = 0;         // could not be styled and are the performer's own
   std::size_t planted = 0;        // the performer has a foot planted
   std::size_t out_of_domain = 0;  // unlike what the network was trained on
-  // How fast planted feet move on the humanoid, on average, styled and in the input.
+  // How fast feet that stand in the input move over the floor on the humanoid, on average, styled
+  // and in the input.
   double slide_cm_s = 0, input_slide_cm_s = 0;
   std::vector<double> times_s;  // of each frame, where time passes at the style's cadence
 };
