@@ -9,9 +9,11 @@
 #include <zmq.h>
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -218,6 +220,14 @@ void Supervisor::RestoreProfiles() {
     spdlog::error("state.dir: {} cannot be made a folder; settings will not survive a restart",
                   config_.state.dir);
     return;
+  }
+  // The system is asked by a file that is gone at once: rights, mounts and limits need no guess.
+  std::string probe = config_.state.dir + "/.styled-XXXXXX";
+  if (const Descriptor made(mkstemp(probe.data())); made.get() >= 0) {
+    std::filesystem::remove(probe, error);
+  } else {
+    spdlog::error("state.dir: {}: cannot be written: {}; settings will not survive a restart",
+                  config_.state.dir, std::strerror(errno));
   }
   auto kept = pipeline::ReadProfiles(file);
   if (!kept.ok()) {

@@ -47,6 +47,12 @@ TEST(ProcessTest, StopsCleanlyOnSigtermAndOnSigint) {
   }
 }
 
+// In /proc nobody makes a file, root neither.
+TEST(ProcessTest, AStateFolderThatCannotBeWrittenIsToldAtTheStart) {
+  const Daemon daemon({"state.dir=/proc"});
+  EXPECT_TRUE(LogSays(daemon, "state.dir: /proc: cannot be written: ")) << daemon.Log();
+}
+
 TEST(ProcessTest, SighupTakesOverAGoodConfigurationAndFramesGoOn) {
   Daemon daemon({}, "[presets]\nmild = { s1 = 0.3 }\n");
   Subscriber subscriber(daemon.publish, {"body/", "styled/rig.a/rig/"});
