@@ -1,11 +1,16 @@
 #include "daemon/pipeline/checkpoints.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
+#include "model/base/checkpoint_bytes.h"
 #include "model/base/text.h"
+#include "proto/rigs/native/datagram.h"
 #include "proto/styled/look.h"
 
 namespace styled::pipeline {
@@ -13,6 +18,14 @@ namespace {
 
 constexpr std::uint32_t kCheckpointVersion = 1;
 constexpr std::size_t kQuoted = 80;  // bytes of a name that a reason quotes
+// Far beyond any show: at 120 Hz it is reached after a thousand million years. Above it, counting
+// on would wrap around, and subscribers would drop every frame as an old one.
+constexpr std::uint64_t kMostSequence = std::uint64_t{1} << 62U;
+
+// Ends the state, so that a damaged file is not taken for a motion.
+std::array<std::byte, 4> Checksum(std::span<const std::byte> state) {
+  return std::bit_cast<std::array<std::byte, 4>>(native::Crc32c(state));
+}
 
 void Deny(v1::Code code, std::string reason, v1::Reply& reply) {
   reply.set_code(code);
@@ -45,12 +58,9 @@ v1::Checkpoint StateOf(Performer& performer, const RuntimeConfig& config, std::i
   *checkpoint.mutable_body() = performer.binding().given();
   checkpoint.set_body_crc(performer.binding().crc());
   checkpoint.set_sequence(profile.next_sequence);
-  Checkpoint count;
-  performer.Carry(count, now_ns);
-  std::string& state = *checkpoint.mutable_state();
-  state.resize(count.size());
-  Checkpoint writer = Checkpoint::Into(std::as_writable_bytes(std::span(state)));
-  performer.Carry(writer, now_ns);
+  auto state = CheckpointBytes([&](Checkpoint& c) { performer.Carry(c, now_ns); });
+  std::ranges::copy(Checksum(state), std::back_inserter(state));
+  checkpoint.set_state(state.data(), state.size());
   return checkpoint;
 }
 
@@ -81,7 +91,21 @@ std::string WhatDiffers(const v1::Checkpoint& checkpoint, const RuntimeConfig& c
   return "";
 }
 
-// The settings that the checkpoint gives, put into a profile; the reason if they are none.
+// Why the checkpoint is not whole, or "".
+std::string WhatIsBroken(const v1::Checkpoint& checkpoint) {
+  if (checkpoint.sequence() == 0 || checkpoint.sequence() > kMostSequence) {
+    return "its sequence is " + std::to_string(checkpoint.sequence()) + ", expected 1 to 2^62";
+  }
+  const auto state = std::as_bytes(std::span(checkpoint.state()));
+  constexpr std::size_t kSum = sizeof(decltype(Checksum({})));
+  if (state.size() < kSum ||
+      !std::ranges::equal(Checksum(state.first(state.size() - kSum)), state.last(kSum))) {
+    return "its state is damaged: the checksum at its end is another";
+  }
+  return "";
+}
+
+// Puts the checkpoint's settings into a profile. Returns what is wrong with them, or "".
 std::string ReadSettings(const v1::Checkpoint& checkpoint, const RuntimeConfig& config,
                          Profile& profile) {
   v1::Look look = InitialLook();
@@ -126,12 +150,13 @@ Status GiveState(const v1::Checkpoint& checkpoint, const RuntimeConfig& config, 
   body.body = std::make_shared<const v1::Body>(checkpoint.body());
   body.body_crc = checkpoint.body_crc();
   if (Status status = performer.AcceptBody(body, config); !status.ok()) return status;
-  Checkpoint reader = Checkpoint::From(std::as_bytes(std::span(checkpoint.state())));
+  auto state = std::as_bytes(std::span(checkpoint.state()));
+  Checkpoint reader = Checkpoint::From(state.first(state.size() - Checksum({}).size()));
   performer.Carry(reader, now_ns);
   if (reader.complete()) return Status::Ok();
   return Status::Error(
-      "its state is not as expected: it is damaged, or was made with another [stylist] or with "
-      "fingers of other sources");
+      "its state is not as expected: it was made with another [stylist], or with fingers of other "
+      "sources");
 }
 
 }  // namespace
@@ -180,6 +205,9 @@ Performer* RestoreCheckpoint(const v1::Request& request, Roster& roster, Layers&
   if (const std::string why = WhatDiffers(checkpoint, config); !why.empty()) {
     return refuse(v1::CODE_MALFORMED, "checkpoint: " + why);
   }
+  if (const std::string why = WhatIsBroken(checkpoint); !why.empty()) {
+    return refuse(v1::CODE_MALFORMED, "checkpoint: " + why);
+  }
   Profile settings;
   if (const std::string why = ReadSettings(checkpoint, config, settings); !why.empty()) {
     return refuse(v1::CODE_MALFORMED, "checkpoint: " + why);
@@ -195,7 +223,8 @@ Performer* RestoreCheckpoint(const v1::Request& request, Roster& roster, Layers&
   }
   if (fresh) performer->SetFingers(layers.FingersOf(id));
   Profile& profile = performer->profile;
-  // The state is read into the performer itself: what is not as expected must leave no trace.
+  // The state is read into the performer itself: what is not as expected must leave no trace. A
+  // performer who waits for a calibration comes again with their next body.
   std::optional<v1::Checkpoint> before;
   if (!fresh && performer->binding().bound()) before = StateOf(*performer, config, now_ns);
   const auto exchange = [&profile](Profile& other) {

@@ -16,8 +16,8 @@ namespace styled::pipeline {
 void TakeCheckpoint(const v1::Request& request, Roster& roster, std::int64_t now_ns,
                     std::int64_t wall_ns, v1::Reply& reply);
 
-// Returns the performer who has the state from now on; null, with everything as it was, if the
-// request was refused.
+// Returns the performer that has the state from now on. Returns null if the request was refused;
+// everything is then as it was.
 Performer* RestoreCheckpoint(const v1::Request& request, Roster& roster, Layers& layers,
                              std::int64_t now_ns, v1::Reply& reply);
 

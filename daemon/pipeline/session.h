@@ -84,11 +84,14 @@ class Session {
     c(live_, timed_, machine_, session_, newest_, seen_, stray_);
     c.Within(strays_, 0, kConsistent);
     c(first_time_ns_, last_time_ns_, lost_, losable_);
+    if (last_time_ns_ - first_time_ns_ > kLongest_ns) c.Refuse();  // a step back is huge, too
     for (std::int64_t& interval_ns : intervals_ns_) c.Time(interval_ns);
     if (c.reads()) last_arrival_ns_ = now_ns;
   }
 
  private:
+  static constexpr std::uint64_t kLongest_ns = std::uint64_t{1} << 61U;  // 73 years
+
   STYLED_REALTIME void Start(const source::Machine& machine, std::uint64_t session,
                              std::uint64_t sequence, std::int64_t now_ns) noexcept;
   // Silence after which another sender is admitted: `takeover_ns`, or, for a sender on another

@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <limits>
 
+#include "model/base/checkpoint_bytes.h"
+
 namespace styled {
 namespace {
 
@@ -43,13 +45,7 @@ Everything Filled() {
 }
 
 std::vector<std::byte> Written(Everything of) {
-  Checkpoint count;
-  of.Carry(count);
-  std::vector<std::byte> bytes(count.size());
-  Checkpoint c = Checkpoint::Into(bytes);
-  of.Carry(c);
-  EXPECT_TRUE(c.complete());
-  return bytes;
+  return CheckpointBytes([&of](Checkpoint& c) { of.Carry(c); });
 }
 
 TEST(Checkpoint, EveryValueComesBack) {
@@ -82,6 +78,19 @@ TEST(Checkpoint, TheBytesAreTheValuesInOrderWithoutPadding) {
   EXPECT_TRUE(c.complete());
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     EXPECT_EQ(std::to_integer<std::size_t>(bytes[i]), i == 0 ? 1 : i) << i;
+  }
+}
+
+TEST(Checkpoint, IsCompleteWhereTheRoomIsThatWhichWasCounted) {
+  Everything of = Filled();
+  for (const std::size_t more : {0U, 1U}) {
+    std::vector<std::byte> room(Written(of).size() + more);
+    Checkpoint c = Checkpoint::Into(room);
+    of.Carry(c);
+    EXPECT_EQ(c.complete(), more == 0);
+    c = Checkpoint::Into(std::span(room).first(room.size() - more - 1));
+    of.Carry(c);
+    EXPECT_FALSE(c.ok());
   }
 }
 

@@ -1,12 +1,14 @@
-// A performer who is taken out of one daemon and put into another goes on there bit for bit; what
-// cannot be restored leaves everything as it was.
+// A checkpoint of one daemon's performer is restored by another daemon: the motion goes on there,
+// bit for bit. What cannot be restored leaves everything as it was.
 #include "daemon/pipeline/checkpoints.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -84,6 +86,13 @@ struct Stage {
   std::shared_ptr<const net::Stylizer> network;
   std::int64_t clock_ns = 0;
 };
+
+// Gives the checkpoint this state, with a checksum that is right.
+void Seal(v1::Checkpoint& checkpoint, std::string state) {
+  const std::uint32_t crc = native::Crc32c(std::as_bytes(std::span(state)));
+  for (int bit = 0; bit < 32; bit += 8) state.push_back(static_cast<char>(crc >> bit & 0xffU));
+  checkpoint.set_state(std::move(state));
+}
 
 struct CheckpointsTest : testing::Test {
   CheckpointsTest() {
@@ -230,6 +239,10 @@ TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
          for (int i = 0; i < 4; ++i) c.mutable_rest()->add_canonical_from_source(1e30F);
        }},
       {"joint", [](v1::Checkpoint& c) { c.mutable_body()->Clear(); }},
+      {"sequence", [](v1::Checkpoint& c) { c.set_sequence(0); }},
+      {"sequence", [](v1::Checkpoint& c) { c.set_sequence(~std::uint64_t{0}); }},
+      {"damaged", [](v1::Checkpoint& c) { c.mutable_state()->at(c.state().size() / 2) ^= 1; }},
+      {"[stylist]", [](v1::Checkpoint& c) { Seal(c, c.state().substr(0, c.state().size() - 5)); }},
       {"state", [](v1::Checkpoint& c) { c.clear_state(); }},
       {"state", [](v1::Checkpoint& c) { c.mutable_state()->pop_back(); }},
       {"state", [](v1::Checkpoint& c) { c.mutable_state()->push_back('x'); }},
@@ -246,6 +259,44 @@ TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
   }
   EXPECT_EQ(second->Take("rig.new").code(), v1::CODE_UNKNOWN_PERFORMER);
   both(50, 160);
+}
+
+// Who can make a checksum can make any state: it is refused, or the performer is styled in bounds,
+// and is well again after a reset.
+TEST_F(CheckpointsTest, SpoiltStatesDoNoHarm) {
+  const auto show = Show(80);
+  const auto first = Start();
+  for (int i = 0; i < 60; ++i) first->Deliver(show[static_cast<std::size_t>(i)]);
+  const v1::Checkpoint good = first->Take().checkpoint();
+  const std::string state = good.state().substr(0, good.state().size() - 4);
+  std::mt19937 random(1);
+  int refused = 0;
+  constexpr int kTries = 200;
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    std::string spoilt = state;
+    // The session's numbers come first, the network's floats are most of the rest.
+    const std::size_t reach = attempt % 2 == 0 ? 200 : spoilt.size();
+    for (int i = 0; i < 6; ++i) spoilt[random() % reach] = static_cast<char>(random());
+    v1::Checkpoint checkpoint = good;
+    Seal(checkpoint, spoilt);
+    const auto other = Start();
+    if (other->Restore(checkpoint).code() != v1::CODE_OK) {
+      ++refused;
+      continue;
+    }
+    v1::Request reset;
+    reset.set_performer("rig.a");
+    reset.mutable_reset();
+    for (int i = 60; i < 80; ++i) {
+      if (i == 70) ASSERT_EQ(other->pipeline.Ask(reset).code(), v1::CODE_OK);
+      other->Deliver(show[static_cast<std::size_t>(i)]);
+    }
+    for (const v1::Frame& frame : other->pipeline.publisher.frames) {
+      for (const float number : frame.rotations()) ASSERT_TRUE(std::isfinite(number)) << attempt;
+    }
+  }
+  EXPECT_GT(refused, kTries / 10);
+  EXPECT_LT(refused, kTries);
 }
 
 TEST_F(CheckpointsTest, NamesThatAreNone) {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 
+#include "model/base/checkpoint_bytes.h"
 #include "model/feet/legs.h"
 #include "model/net/load.h"
 #include "model/net/several.h"
@@ -25,13 +26,7 @@ namespace {
 constexpr int kShowFrames = 420;
 
 std::vector<std::byte> Bytes(auto& of) {
-  Checkpoint count;
-  of.Carry(count);
-  std::vector<std::byte> bytes(count.size());
-  Checkpoint c = Checkpoint::Into(bytes);
-  of.Carry(c);
-  EXPECT_TRUE(c.complete());
-  return bytes;
+  return CheckpointBytes([&of](Checkpoint& c) { of.Carry(c); });
 }
 
 bool Read(auto& into, std::span<const std::byte> bytes) {
