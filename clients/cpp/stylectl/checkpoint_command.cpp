@@ -18,7 +18,6 @@ constexpr std::size_t kMaxBytes = std::size_t{8} << 20U;  // as the daemon reads
 struct CheckpointArguments {
   std::string performer, file;
   bool overwrite = false;
-  std::function<int()> run;  // the chosen subcommand
 };
 
 int Take(Session& session, const CheckpointArguments& arguments) {
@@ -77,24 +76,18 @@ void DeclareCheckpoints(Session& session) {
   const auto arguments = std::make_shared<CheckpointArguments>();
   CLI::App* checkpoint =
       session.AddOnline("checkpoint", "a performer's whole state: take it to a file, restore it",
-                        [arguments] { return arguments->run(); });
+                        [&session] { return session.RunPart(); });
   checkpoint->require_subcommand(1);
-  const auto add = [&](const char* name, const char* text, auto run) {
-    CLI::App* command = checkpoint->add_subcommand(name, text);
-    command->fallthrough();
-    command->callback([&session, arguments, run] {
-      arguments->run = [&session, arguments, run] { return run(session, *arguments); };
-    });
-    return command;
-  };
-  CLI::App* take = add("take", "write the state of a performer to a file; they go on undisturbed",
-                       [](Session& s, const CheckpointArguments& a) { return Take(s, a); });
+  CLI::App* take = session.AddPart(
+      checkpoint, "take", "write the state of a performer to a file; they go on undisturbed",
+      [&session, arguments] { return Take(session, *arguments); });
   take->add_option("PERFORMER", arguments->performer, "SOURCE.NAME")->required();
   take->add_option("FILE", arguments->file, "to write")->required();
   take->add_flag("--overwrite", arguments->overwrite, "replace a file that exists");
   CLI::App* restore =
-      add("restore", "let a performer go on from the state of a file, here or on another daemon",
-          [](Session& s, const CheckpointArguments& a) { return Restore(s, a); });
+      session.AddPart(checkpoint, "restore",
+                      "let a performer go on from the state of a file, here or on another daemon",
+                      [&session, arguments] { return Restore(session, *arguments); });
   restore->add_option("FILE", arguments->file, "of take")->required();
   restore->add_option("PERFORMER", arguments->performer, "SOURCE.NAME (default: the file's)");
 }

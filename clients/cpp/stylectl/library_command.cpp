@@ -19,7 +19,6 @@ constexpr std::size_t kMaxStyleFileBytes = std::size_t{1} << 20U;  // as the dae
 struct LibraryArguments {
   std::string name, to, file;
   bool replace = false, overwrite = false;
-  std::function<int()> run;  // the chosen subcommand
 };
 
 int ReportDone(Session& session, const std::string& text, nlohmann::json object) {
@@ -111,15 +110,11 @@ void DeclareStyles(Session& session) {
   const auto arguments = std::make_shared<LibraryArguments>();
   CLI::App* styles = session.AddOnline(
       "styles", "the styles: list; export, import, rename, remove those made",
-      [&session, arguments] { return arguments->run ? arguments->run() : ListMade(session); });
+      [&session] { return session.has_part() ? session.RunPart() : ListMade(session); });
   styles->require_subcommand(0, 1);
   const auto add = [&](const char* name, const char* text, auto run) {
-    CLI::App* command = styles->add_subcommand(name, text);
-    command->fallthrough();
-    command->callback([&session, arguments, run] {
-      arguments->run = [&session, arguments, run] { return run(session, *arguments); };
-    });
-    return command;
+    return session.AddPart(styles, name, text,
+                           [&session, arguments, run] { return run(session, *arguments); });
   };
   const auto add_name = [arguments](CLI::App* command) {
     command->add_option("NAME", arguments->name, "of a style that was made, as shown by list")

@@ -51,6 +51,14 @@ CLI::App* Session::AddOnline(const std::string& name, const std::string& text,
   });
 }
 
+CLI::App* Session::AddPart(CLI::App* of, const std::string& name, const std::string& text,
+                           std::function<int()> run) {
+  CLI::App* command = of->add_subcommand(name, text);
+  command->fallthrough();
+  command->callback([this, run = std::move(run)] { part_ = run; });
+  return command;
+}
+
 void Session::AddPerformer(CLI::App* command, bool required, bool everyone) {
   command
       ->add_option("PERFORMER", performer,

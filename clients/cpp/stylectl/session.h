@@ -24,6 +24,12 @@ class Session {
   CLI::App* Add(const std::string& name, const std::string& text, std::function<int()> run);
   // The same for a command that needs the daemon: `run` is called after Connect() succeeded.
   CLI::App* AddOnline(const std::string& name, const std::string& text, std::function<int()> run);
+  // Declares a command of a command, as `styles export`. `run` is called by RunPart(), for which
+  // has_part() tells whether one was chosen.
+  CLI::App* AddPart(CLI::App* of, const std::string& name, const std::string& text,
+                    std::function<int()> run);
+  bool has_part() const { return part_ != nullptr; }
+  int RunPart() { return part_(); }
   // Declares the argument PERFORMER of a command. `everyone`: '*' is accepted, too.
   void AddPerformer(CLI::App* command, bool required, bool everyone = true);
 
@@ -73,7 +79,7 @@ class Session {
 
   client::KeyOptions keys_;
   double timeout_s_ = 2.0;
-  std::function<int()> run_;  // the chosen command
+  std::function<int()> run_, part_;  // the chosen command, and its part
   std::unique_ptr<client::Control> control_;
 };
 
