@@ -63,7 +63,8 @@ function sendFace(values) {
   rig.send(Buffer.concat([text('/VMC/Ext/Blend/Apply'), text(',')]));
 }
 
-// Of the picture: how many pixels are opaque, how many are seen through, and the corner's RGBA.
+// Of the picture: how many pixels are opaque, how many are seen through, the corner's RGBA, and the share of the
+// height that has opaque ones.
 async function pixels() {
   const png = await page.screenshot({ omitBackground: true });
   const found = await page.evaluate(async (base64) => {
@@ -71,12 +72,16 @@ async function pixels() {
     const drawing = new OffscreenCanvas(image.width, image.height).getContext('2d');
     drawing.drawImage(image, 0, 0);
     const { data } = drawing.getImageData(0, 0, image.width, image.height);
-    let opaque = 0, clear = 0;
+    let opaque = 0, clear = 0, top = image.height, bottom = 0;
     for (let i = 3; i < data.length; i += 4) {
       opaque += data[i] === 255;
       clear += data[i] === 0;
+      if (data[i] !== 255) continue;
+      const row = Math.floor(i / 4 / image.width);
+      top = Math.min(top, row);
+      bottom = Math.max(bottom, row);
     }
-    return { opaque, clear, all: data.length / 4, corner: [...data.slice(0, 4)] };
+    return { opaque, clear, all: data.length / 4, corner: [...data.slice(0, 4)], tall: (bottom - top) / image.height };
   }, png.toString('base64'));
   return { ...found, png };
 }
@@ -155,9 +160,11 @@ test('OBS sees the avatar alone, through a transparent page, with its face', asy
   await until(wornAlone, 'the avatar');
   let seen;
   await until(async () => (seen = await pixels()).opaque > 0, 'a picture');
-  const { opaque, clear, all, corner, png } = seen;
+  const { opaque, clear, all, corner, png, tall } = seen;
   if (process.env.SCREENSHOTS) writeFileSync(`${process.env.SCREENSHOTS}/obs.png`, png);
   assert.deepEqual(corner, [0, 0, 0, 0]);
+  // This avatar's boxes are small: what tells it from a speck is its height.
+  assert.ok(tall > 0.4 && tall < 0.9, `the avatar is ${tall} of the picture's height`);
   assert.ok(opaque > 0.005 * all && opaque < 0.3 * all, `${opaque} of ${all} are the avatar`);
   assert.ok(clear > 0.6 * all, `${clear} of ${all} are seen through`);
   const face = () =>
