@@ -380,6 +380,8 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
 
 void Stylist::Impl::Finish(Output& out) noexcept {
   out.reconstruction_rad = predictor.reconstruction_rad();
+  out.turned_rad =
+      failed ? 0 : filter.applied().leftCols<kJointCount>().colwise().norm().sum() / kJointCount;
   out.limb_errors_m = predictor.limb_errors_m();
   out.limb_weights = gate.weights();
   out.steps = predictor.steps();

@@ -54,6 +54,9 @@ struct Output {
   int in_force_count = 0;
   int steps = 0;                 // network steps of this frame, at most kMaxStepsPerFrame
   float reconstruction_rad = 0;  // rms joint angle between reconstruction and input, without toes
+  // By how much the style turns a joint of the canonical body against its parent, mean of all
+  // joints, rad; before planted feet are held. 0 in bypass.
+  float turned_rad = 0;
   // Per limb: the reconstruction's distance from the input, m, and the share of the style that the
   // limb shows for it, 0 .. 1 (limb_gate.h).
   PerLimb limb_errors_m{}, limb_weights{1, 1, 1, 1, 1};

@@ -307,6 +307,9 @@ class Run {
       outcome.out_of_domain = styled.out_of_domain;
       outcome.slide_cm_s = styled.slide_cm_s;
       outcome.input_slide_cm_s = styled.input_slide_cm_s;
+      outcome.turned_deg = styled.turned_deg;
+      outcome.hardly = styled.hardly;
+      outcome.shown = styled.shown;
     }
     if (avatar_) {
       clip.skeleton = avatar_->binding->skeleton();

@@ -18,6 +18,18 @@ std::string Percent(std::size_t part, std::size_t whole) {
   return NumberText(100 * Share(part, whole), 1) + " %";
 }
 
+// The limbs that show less of the style than the eye misses, "left-arm 24 %, trunk 61 %"; "": none.
+std::string HeldBack(const Outcome& outcome) {
+  constexpr double kMissed = 0.9;
+  std::string text;
+  for (std::size_t limb = 0; limb < outcome.shown.size(); ++limb) {
+    if (outcome.shown[limb] >= kMissed) continue;
+    text += (text.empty() ? "" : ", ") + std::string(stylist::kLimbNames[limb]) + " " +
+            NumberText(100 * outcome.shown[limb], 0) + " %";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string SummaryLine(const Outcome& outcome) {
@@ -31,6 +43,13 @@ std::string SummaryLine(const Outcome& outcome) {
               NumberText(outcome.input_slide_cm_s, 1) + ")";
     }
     line += ", out of domain " + Percent(outcome.out_of_domain, outcome.input_frames);
+    line += ", joints turned by " + NumberText(outcome.turned_deg, 1) + " degrees";
+    const std::string held_back = HeldBack(outcome);
+    if (outcome.hardly) {
+      line += ": hardly styled, the weights leave what is done here as it is";
+    } else if (!held_back.empty()) {
+      line += ", of the style are shown " + held_back;
+    }
   }
   if (outcome.own > 0) line += ", not styled " + std::to_string(outcome.own);
   if (!outcome.preview.empty()) line += "; " + outcome.preview;
@@ -57,6 +76,11 @@ std::string JsonLine(const Outcome& outcome) {
       line["feet"]["input_slide_cm_s"] = outcome.input_slide_cm_s;
     }
     line["out_of_domain_share"] = Share(outcome.out_of_domain, outcome.input_frames);
+    line["turned_deg"] = outcome.turned_deg;
+    line["hardly_styled"] = outcome.hardly;
+    for (std::size_t limb = 0; limb < outcome.shown.size(); ++limb) {
+      line["shown_share"][stylist::kLimbNames[limb]] = outcome.shown[limb];
+    }
     line["own_frames"] = outcome.own;
   }
   if (!outcome.preview.empty()) line["preview"] = outcome.preview;

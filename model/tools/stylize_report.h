@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdio>
 #include <string>
+
+#include "model/stylist/limb_gate.h"
 
 // What stylize tells of its outputs: a line for people or of JSON each, and progress.
 namespace styled::stylize {
@@ -19,13 +22,17 @@ struct Outcome {
   // Of the input's frames; own: could not be styled.
   std::size_t input_frames = 0, planted = 0, out_of_domain = 0, own = 0;
   double rate_hz = 0, slide_cm_s = 0, input_slide_cm_s = 0;
+  double turned_deg = 0;  // as stylize::Styled has them
+  std::array<double, stylist::kLimbCount> shown{};
+  bool hardly = false;
   bool styled = false;  // the network ran: what follows from it is known
 };
 
 // "in.bvh -> out.bvh: 171 frames at 60 Hz, cmu, feet planted 71 %, sliding 0.4 cm/s, ..."
 std::string SummaryLine(const Outcome& outcome);
 // An object: in, out, style, written, error, frames, rate_hz, seconds, dialect, rest, feet
-// {planted_share, slide_cm_s, input_slide_cm_s}, out_of_domain_share, own_frames, preview, note.
+// {planted_share, slide_cm_s, input_slide_cm_s}, out_of_domain_share, turned_deg, shown_share {left-arm, ...},
+// own_frames, preview, note.
 // What is not known is absent. Bytes that are no UTF-8 are replaced.
 std::string JsonLine(const Outcome& outcome);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <numbers>
 #include <utility>
 
 #include "model/base/text.h"
@@ -19,6 +20,12 @@
 namespace styled::stylize {
 namespace {
 
+// A style that turns joints by less is not to be seen, degrees. The shipped weights leave acts that
+// no style was recorded in as they are: of 90 clips in elderly, 38 (jumps, acrobatics, punches) are
+// turned by at most 0.42, the others by 0.87 at least, and what the weights know by 5.5 to 11.6.
+constexpr double kHardly_deg = 0.5;
+// Styles times strength from which one expects to see something.
+constexpr float kMuch = 0.5F;
 constexpr double kSlowest_hz = 30;  // slower clips get frames in between; the network's own rate
 
 // Adds the style that `text` names to the mix. Neutral adds no entry unless the input style is
@@ -188,6 +195,28 @@ class Slide {
   std::uint32_t before_ = 0;
 };
 
+// How much of the style the frames show.
+class Effect {
+ public:
+  void Add(const stylist::Output& out) {
+    turned_rad_ += static_cast<double>(out.turned_rad);
+    for (std::size_t limb = 0; limb < shown_.size(); ++limb) {
+      shown_[limb] += static_cast<double>(out.limb_weights[limb]);
+    }
+    ++frames_;
+  }
+  double Turned_deg() const { return turned_rad_ / frames_ * 180 / std::numbers::pi; }
+  std::array<double, stylist::kLimbCount> Shown() const {
+    auto mean = shown_;
+    for (double& share : mean) share /= frames_;
+    return mean;
+  }
+
+ private:
+  double turned_rad_ = 0, frames_ = 0;
+  std::array<double, stylist::kLimbCount> shown_{};
+};
+
 }  // namespace
 
 Result<net::AnyStylizer> LoadNetwork(const Arguments& arguments) {
@@ -226,6 +255,17 @@ Result<Restyler> Restyler::Make(const Arguments& arguments, const Examples& exam
   return restyler;
 }
 
+bool Restyler::WantsMuch() const {
+  if (network_.clips) {
+    return clip_style_.weight >= kMuch && clip_style_.parts == body::kAllParts;
+  }
+  float sum = 0;
+  for (const net::StyleWeight& entry : settings_.mix) {
+    if (entry.style > 0) sum += entry.weight;  // not neutral
+  }
+  return sum * settings_.strength >= kMuch && settings_.parts == body::kAllParts;
+}
+
 Result<Styled> Restyler::Run(const std::string& file,
                              const std::shared_ptr<const rig::Binding>& binding,
                              const clip::AvatarSkeleton* avatar, const Progress& progress,
@@ -252,6 +292,7 @@ Result<Styled> Restyler::Run(const std::string& file,
   stylist::Output out(clip.skeleton);
   Styled result;
   Slide slide;
+  Effect effect;
   double time_s = 0;
   for (std::size_t i = 0; i < frames.count; ++i) {
     style_next(i, out);
@@ -260,6 +301,7 @@ Result<Styled> Restyler::Run(const std::string& file,
     if (i > 0) time_s += dt_s;
     slide.Add(out, 1 / frames.rate_hz, dt_s);
     if (!frames.Given(i)) continue;
+    effect.Add(out);
     if (!styled) ++result.failed;
     if (out.contacts != 0) ++result.planted;
     if ((out.flags & stylist::kOutOfDomain) != 0) ++result.out_of_domain;
@@ -269,6 +311,9 @@ Result<Styled> Restyler::Run(const std::string& file,
   }
   result.slide_cm_s = slide.Cm_s();
   result.input_slide_cm_s = slide.Input_cm_s();
+  result.turned_deg = effect.Turned_deg();
+  result.hardly = WantsMuch() && result.turned_deg < kHardly_deg;
+  result.shown = effect.Shown();
   return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -26,6 +27,13 @@ struct Styled {
   // How fast feet that stand in the input move over the floor on the humanoid, on average, styled
   // and in the input.
   double slide_cm_s = 0, input_slide_cm_s = 0;
+  // By how much the style turns a joint, mean of all frames (stylist::Output).
+  double turned_deg = 0;
+  // Much of a style was asked for, and nearly nothing came of it.
+  bool hardly = false;
+  // By stylist::Limb: the mean share of the style that it shows. The rest is held back, because the
+  // network does not know what the limb does.
+  std::array<double, stylist::kLimbCount> shown{};
   std::vector<double> times_s;  // of each frame, where time passes at the style's cadence
 };
 
@@ -53,6 +61,8 @@ class Restyler {
 
  private:
   Restyler() = default;
+  bool WantsMuch() const;
+
   net::AnyStylizer network_;
   stylist::Options options_;
   stylist::Settings settings_;     // of a network that styles frame by frame

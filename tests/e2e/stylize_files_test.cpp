@@ -108,6 +108,22 @@ TEST_F(StylizeFiles, AFolderInSeveralStylesIsOneCommand) {
   EXPECT_EQ(out_, "") << "quiet";
 }
 
+TEST_F(StylizeFiles, HowMuchOfTheStyleIsShownIsTold) {
+  const std::string files = in_ + "/a.bvh " + made_ + ".bvh";
+  ASSERT_EQ(Stylize("-s bent " + files), 0) << said_;
+  EXPECT_THAT(out_, HasSubstr("joints turned by 0.8 degrees"));  // 0.3 rad of one joint in 21
+  EXPECT_THAT(out_, Not(HasSubstr("hardly")));
+  ASSERT_EQ(Stylize("-s bent --strength 0.5 --overwrite " + files), 0) << said_;
+  EXPECT_THAT(out_, HasSubstr("joints turned by 0.4 degrees: hardly styled"));
+  ASSERT_EQ(Stylize("-s bent --strength 0.1 --overwrite " + files), 0) << said_;
+  EXPECT_THAT(out_, Not(HasSubstr("hardly"))) << "not much was asked for";
+  ASSERT_EQ(Stylize("--json -s bent --overwrite " + files), 0) << said_;
+  const json line = Lines()[0];
+  EXPECT_NEAR(line["turned_deg"].get<double>(), 0.82, 0.05);
+  EXPECT_EQ(line["hardly_styled"], false);
+  EXPECT_NEAR(line["shown_share"]["trunk"].get<double>(), 1, 1e-3);
+}
+
 TEST_F(StylizeFiles, ABadFileDoesNotStopTheOthers) {
   WriteText(in_ + "/aa.bvh", "HIERARCHY\n");
   EXPECT_EQ(

@@ -1,6 +1,7 @@
 #include "daemon/pipeline/performer/styling.h"
 
 #include <array>
+#include <numbers>
 #include <utility>
 
 #include "daemon/pipeline/profile.h"
@@ -57,6 +58,7 @@ void Styling::Finish(std::uint32_t extra_flags) noexcept {
   for (std::size_t limb = 0; limb < shown_.sum.size(); ++limb) {
     shown_.sum[limb] += out_.limb_weights[limb];
   }
+  shown_.turned_rad += out_.turned_rad;
   ++shown_.poses;
 }
 
@@ -73,6 +75,8 @@ void Styling::Describe(v1::PerformerStats& stats) const {
   shown.set_trunk(mean(stylist::Limb::kTrunk));
   shown.set_left_leg(mean(stylist::Limb::kLeftLeg));
   shown.set_right_leg(mean(stylist::Limb::kRightLeg));
+  stats.set_turned_deg(shown_last_.turned_rad / static_cast<float>(shown_last_.poses) * 180 /
+                       std::numbers::pi_v<float>);
 }
 
 void Styling::CountFlags(std::uint32_t flags) noexcept {

@@ -53,7 +53,7 @@ class Styling {
 
   // Ends the second of which Describe tells.
   void Sample() noexcept;
-  // Fills `shown`, unless no pose of that second was styled.
+  // Fills `shown` and `turned_deg`, unless no pose of that second was styled.
   void Describe(v1::PerformerStats& stats) const;
 
   const rig::RigPose& in() const { return in_; }
@@ -66,6 +66,7 @@ class Styling {
   // A sum over poses, by limb, and their number.
   struct Shown {
     stylist::PerLimb sum{};
+    float turned_rad = 0;
     int poses = 0;
   };
   void CountFlags(std::uint32_t flags) noexcept;
