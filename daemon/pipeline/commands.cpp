@@ -164,6 +164,8 @@ void Commands::Applied(const Profile& profile, v1::Reply& reply) const {
   auto& applied = *reply.add_applied();
   applied.set_performer(profile.id);
   applied.set_first_sequence(profile.next_sequence);
+  applied.set_absent(roster_.LiveOf(profile) == nullptr);
+  applied.set_no_strength(profile.look.strength() == 0 && !profile.look.mix().empty());
 }
 
 void Commands::ChangeLooks(const std::string& performer, const v1::Look& change, v1::Reply& reply) {

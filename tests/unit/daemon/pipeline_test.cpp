@@ -177,6 +177,47 @@ TEST_F(PipelineTest, TheReplyNamesTheFirstSequenceUnderTheChange) {
   EXPECT_EQ(frames()[2].styles(0).style(), "style1");
 }
 
+TEST_F(PipelineTest, TheReplyTellsWhoIsAbsentAndWhoseStyleHasNoStrength) {
+  Deliver({rig_.Body(), rig_.Frame()});
+  v1::Request request;
+  request.mutable_set()->add_mix()->set_style("S1");
+  request.mutable_set()->mutable_mix(0)->set_weight(1);
+  const auto ask = [&](const std::string& performer, float strength) {
+    request.set_performer(performer);
+    request.mutable_set()->set_strength(strength);
+    const v1::Reply reply = Ask(request);
+    EXPECT_EQ(reply.applied_size(), 1) << reply.reason();
+    return reply.applied(0);
+  };
+  EXPECT_FALSE(ask("rig.a", 1).absent());
+  EXPECT_FALSE(ask("rig.a", 1).no_strength());
+  EXPECT_TRUE(ask("rig.a", 0).no_strength());
+  EXPECT_TRUE(ask("rig.an", 1).absent());
+  EXPECT_FALSE(ask("rig.an", 1).no_strength());
+}
+
+TEST_F(PipelineTest, StatusTellsHowMuchOfTheStyleIsShown) {
+  Deliver({rig_.Body(), rig_.Frame()});
+  v1::Request status;
+  status.mutable_status();
+  const auto row = [&] {
+    Pass(1000);
+    return Ask(status).status().stats().performers(0);
+  };
+  EXPECT_FALSE(row().has_turned_deg()) << "nothing is styled";
+  v1::Request request;
+  request.set_performer("rig.a");
+  request.mutable_set()->add_mix()->set_style("S1");
+  request.mutable_set()->mutable_mix(0)->set_weight(1);
+  ASSERT_EQ(Ask(request).code(), v1::CODE_OK);
+  for (int i = 0; i < 60; ++i) Deliver({rig_.Frame()});
+  const v1::PerformerStats styled = row();
+  ASSERT_TRUE(styled.has_turned_deg());
+  EXPECT_GT(styled.turned_deg(), 0);
+  EXPECT_LT(styled.turned_deg(), 180);
+  EXPECT_LE(styled.shown().trunk(), 1);
+}
+
 // Styled together or one by one: the same frames. One performer has two frames in each batch.
 TEST_F(PipelineTest, ACrowdInOneBatchIsStyledAsEachAlone) {
   const auto run = [this](bool together) {
