@@ -55,10 +55,13 @@ void Performer::UseBinding(const RuntimeConfig& config) {
 }
 
 std::vector<std::string> Performer::ApplyLook(const RuntimeConfig& config) {
-  if (styling_) return styling_->ApplyLook(profile, config);
-  std::vector<std::string> unknown;
-  (void)Resolve(profile.look, config.network->model().styles, unknown);
-  return unknown;
+  unknown_styles_.clear();
+  if (styling_) {
+    unknown_styles_ = styling_->ApplyLook(profile, config);
+  } else {
+    (void)Resolve(profile.look, config.network->model().styles, unknown_styles_);
+  }
+  return unknown_styles_;
 }
 
 void Performer::Rebuild(const RuntimeConfig& config) {
@@ -196,6 +199,10 @@ void Performer::Describe(v1::PerformerStats& stats) const {
   admission.Describe(stats);
   outputs.Describe(stats);
   stats.set_warning(Warning());
+  if (stats.warning().empty() && !unknown_styles_.empty()) {
+    stats.set_warning("no style \"" + unknown_styles_.front() +
+                      "\" is here any more, and it has no effect: choose another");
+  }
   if (styling_) styling_->Describe(stats);
   if (!binding_.bound()) return;
   stats.set_joints(static_cast<std::uint32_t>(binding_.body().binding->skeleton().joint_count()));

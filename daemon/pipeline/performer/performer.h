@@ -138,6 +138,7 @@ class Performer {
   Facing facing_;
   std::int64_t faced_ns_ = 0;  // source time of the last frame in facing_
   bool backwards_ = false, backwards_logged_ = false;
+  std::vector<std::string> unknown_styles_;  // as ApplyLook returned them last
 };
 
 }  // namespace styled::pipeline
