@@ -158,6 +158,12 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
     text.Sample(Number(p.shown().left_leg()), labels + "\"left-leg\"");
     text.Sample(Number(p.shown().right_leg()), labels + "\"right-leg\"");
   }
+  text.Family("styled_performer_turned_degrees", "gauge",
+              "by how much the style turned a joint, mean over the last second");
+  for (const auto& p : stats.performers()) {
+    if (!p.has_turned_deg()) continue;
+    text.Sample(Number(p.turned_deg()), "performer=" + Quoted(p.performer()));
+  }
   text.Family("styled_performer_layer_live", "gauge",
               "1 while a source that is merged into a performer gives its part");
   for (const auto& p : stats.performers()) {
@@ -181,6 +187,19 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
   }
 }
 
+void WriteClock(const v1::ClockState& clock, Text& text) {
+  text.One("styled_clock_locked", "gauge",
+           "1 while NTP or PTP disciplines the clock of the frames' wall times",
+           clock.locked() ? "1" : "0");
+  text.One("styled_clock_max_error_seconds", "gauge", "the kernel's bound of that clock's error",
+           Number(clock.max_error_s()));
+  if (!clock.has_ptp()) return;
+  text.One("styled_ptp_offset_seconds", "gauge", "from the PTP leader, as ptp4l measured it",
+           Number(clock.ptp().offset_s()));
+  text.One("styled_ptp_path_delay_seconds", "gauge", "mean way to the PTP leader",
+           Number(clock.ptp().mean_path_delay_s()));
+}
+
 }  // namespace
 
 string PrometheusText(const Counters& counters, const Gauges& gauges, const v1::Stats* daemon) {
@@ -189,6 +208,7 @@ string PrometheusText(const Counters& counters, const Gauges& gauges, const v1::
   if (daemon != nullptr) {
     WriteCounters(*daemon, text);
     WritePerformers(*daemon, text);
+    if (daemon->has_clock()) WriteClock(daemon->clock(), text);
   }
   return text.Take();
 }

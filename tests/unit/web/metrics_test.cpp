@@ -31,6 +31,11 @@ v1::Stats Example() {
     layer.set_live(name == std::string("rig.b"));
     performer.mutable_look()->add_mix()->set_style("odd\"style\\");
   }
+  stats.mutable_performers(0)->set_turned_deg(8.25F);
+  v1::ClockState& clock = *stats.mutable_clock();
+  clock.set_locked(true);
+  clock.set_max_error_s(0.25);
+  clock.mutable_ptp()->set_offset_s(-0.5);
   return stats;
 }
 
@@ -68,6 +73,10 @@ TEST(MetricsTest, EveryLineIsWhatPrometheusReads) {
   EXPECT_EQ(values["styled_performer_latency_seconds{performer=\"rig.a\",of=\"p50\"}"].substr(0, 3),
             "4.2");
   EXPECT_EQ(values["styled_performer_shown_ratio{performer=\"rig.a\",limb=\"right-arm\"}"], "0.25");
+  EXPECT_EQ(values["styled_performer_turned_degrees{performer=\"rig.a\"}"], "8.25");
+  EXPECT_EQ(values["styled_clock_locked"], "1");
+  EXPECT_EQ(values["styled_clock_max_error_seconds"], "0.25");
+  EXPECT_EQ(values["styled_ptp_offset_seconds"], "-0.5");
   const std::string layer = "styled_performer_layer_live{performer=\"rig.";
   EXPECT_EQ(values[layer + "a\",source=\"gloves\",part=\"fingers\"}"], "0");
   EXPECT_EQ(values[layer + "b\",source=\"gloves\",part=\"fingers\"}"], "1");
