@@ -143,6 +143,7 @@ class UdpLink final : public Link {
 
 class ServerLink final : public Link {
  public:
+  explicit ServerLink(Audience audience) : newest_(audience == Audience::kNewest) {}
   Status Open(const Address& address, std::string* bound) {
     error_code error;
     const auto host = asio::ip::make_address(address.host, error);
@@ -160,8 +161,8 @@ class ServerLink final : public Link {
 
   Status Send(std::span<const std::byte> datagram) override {
     const auto now = std::chrono::steady_clock::now();
-    std::erase_if(clients_, [now](const auto& client) {
-      return now - client.second > std::chrono::seconds(5);
+    std::erase_if(clients_, [&](const auto& client) {
+      return !newest_ && now - client.second > std::chrono::seconds(5);
     });
     for (const auto& [client, heard] : clients_) {
       error_code ignored;  // a client that has left is no reason to stop
@@ -172,7 +173,9 @@ class ServerLink final : public Link {
 
   std::size_t Receive(std::span<std::byte> datagram) override {
     const std::size_t size = ReceiveFrom(socket_, datagram, sender_);
-    if (size > 0) clients_[sender_] = std::chrono::steady_clock::now();
+    if (size == 0) return size;
+    if (newest_) clients_.clear();
+    clients_[sender_] = std::chrono::steady_clock::now();
     return size;
   }
 
@@ -183,6 +186,7 @@ class ServerLink final : public Link {
   }
 
  private:
+  bool newest_;
   asio::io_context context_;
   asio::ip::udp::socket socket_{context_};
   asio::ip::udp::endpoint sender_;
@@ -246,11 +250,12 @@ Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_
   return link;
 }
 
-Result<std::unique_ptr<Link>> Listen(const std::string& url, std::string* bound) {
+Result<std::unique_ptr<Link>> Listen(const std::string& url, std::string* bound,
+                                     Audience audience) {
   const Result<Address> address = ParseAddress(url, 0);
   if (!address.ok()) return address.status();
   if (IsStream(url)) return Status::Error(url + ": expected udp://HOST:PORT");
-  auto server = std::make_unique<ServerLink>();
+  auto server = std::make_unique<ServerLink>(audience);
   const Status status = server->Open(address.value(), bound);
   if (!status.ok()) return Status::Error(url + ": " + status.message());
   return std::unique_ptr<Link>(std::move(server));

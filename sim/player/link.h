@@ -30,9 +30,14 @@ class Link {
 // the reason.
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms);
 
-// A server's socket, bound to "udp://HOST:PORT" (port 0: any free port). Send() sends to every peer
-// heard from within the last 5 s. `bound`, if not null, receives the actual address.
-Result<std::unique_ptr<Link>> Listen(const std::string& url, std::string* bound = nullptr);
+// Whom a server sends to: every peer heard from within the last 5 s, or the one heard from last,
+// for as long as it takes.
+enum class Audience : std::uint8_t { kAllWhoSpeak, kNewest };
+
+// A server's socket, bound to "udp://HOST:PORT" (port 0: any free port). Send() sends to the
+// audience. `bound`, if not null, receives the actual address.
+Result<std::unique_ptr<Link>> Listen(const std::string& url, std::string* bound = nullptr,
+                                     Audience audience = Audience::kAllWhoSpeak);
 
 // Checks the address for Connect(). With `lowest_port` 0, port 0 is valid, as for Listen().
 Status CheckAddress(const std::string& url, int lowest_port = 1);

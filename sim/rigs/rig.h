@@ -13,6 +13,7 @@
 
 #include "model/base/status.h"
 #include "model/body/pose.h"
+#include "sim/player/link.h"
 #include "sim/player/props.h"
 
 namespace styled::rigs {
@@ -75,6 +76,8 @@ class Rig {
   // clients that connect, the address on which it listens.
   virtual std::string default_address() const = 0;
   virtual bool is_server() const { return false; }
+  // Of such a server over UDP.
+  virtual player::Audience audience() const { return player::Audience::kAllWhoSpeak; }
   // For a server over TCP: a client has connected, and `send` goes to it. `others` are connected
   // already. Null: it is disconnected. (sim/rigs/stream_server.h calls this.)
   virtual std::unique_ptr<Session> Accept(std::size_t /*others*/, const Send& /*send*/) {

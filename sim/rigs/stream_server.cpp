@@ -126,7 +126,7 @@ Result<std::unique_ptr<player::Link>> Listen(Rig& server, const std::string& url
   if (stream != player::IsStream(server.default_address())) {
     return Status::Error(url + ": expected " + (stream ? "udp" : "tcp") + "://HOST:PORT");
   }
-  if (!stream) return player::Listen(url, bound);
+  if (!stream) return player::Listen(url, bound, server.audience());
   auto link = std::make_unique<StreamServer>(server);
   const Status status = link->Open(url, bound);
   if (!status.ok()) return Status::Error(url + ": " + status.message());

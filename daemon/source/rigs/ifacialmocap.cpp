@@ -17,6 +17,9 @@ using runtime::Counter;
 constexpr std::int64_t kTakeOver_ns = 2 * runtime::kSecond_ns;
 // Between two start texts; readers of the app's text use 2 to 10 s.
 constexpr std::int64_t kAsk_ns = 2 * runtime::kSecond_ns;
+// Silence after which the first one is sent again: long for Wi-Fi, and short enough that a face is
+// still held (MergedPart::kHold_ns) when an app that had stopped goes on.
+constexpr std::int64_t kSilence_ns = 300'000'000;
 
 class IFacialMocap final : public Translator {
  public:
@@ -42,7 +45,7 @@ class IFacialMocap final : public Translator {
       stream_.Restart();
     }
     seen_ns_ = now_ns;
-    if (phone_) ask_ns_ = now_ns + kAsk_ns;
+    if (phone_) ask_ns_ = now_ns + kSilence_ns;
     if (frame_.known == 0) return out.Refuse(Counter::kSourceIncomplete);
     stream_.Send(face_.Of(frame_.shapes), number_++, static_cast<std::uint64_t>(now_ns), out);
   }

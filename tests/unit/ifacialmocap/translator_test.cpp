@@ -62,7 +62,7 @@ TEST(IFacialMocapTranslator, AnotherPhoneWaitsUntilTheFirstIsSilent) {
   EXPECT_EQ(Said(translation, face, 2).size(), 1U);
 }
 
-TEST(IFacialMocapTranslator, AsksThePhoneEveryTwoSecondsWhileNothingComes) {
+TEST(IFacialMocapTranslator, AsksThePhoneWhileNothingComes) {
   EXPECT_EQ(MakeIFacialMocap(Config())->NextDeadline_ns(), Translator::kNever);
   Translated translation(MakeIFacialMocap(Config("192.168.1.20")));
   EXPECT_LE(translation.translator().NextDeadline_ns(), translation.now_ns);
@@ -70,6 +70,10 @@ TEST(IFacialMocapTranslator, AsksThePhoneEveryTwoSecondsWhileNothingComes) {
   EXPECT_EQ(translation.translator().NextDeadline_ns(), translation.now_ns + 2'000'000'000);
   translation.now_ns += 1'000'000'000;
   (void)Said(translation, Bytes(ifacialmocap::testing::kVersion2));
+  EXPECT_EQ(translation.translator().NextDeadline_ns(), translation.now_ns + 300'000'000)
+      << "a phone that stopped is asked before its face is gone";
+  translation.now_ns += 300'000'000;
+  translation.Tick();
   EXPECT_EQ(translation.translator().NextDeadline_ns(), translation.now_ns + 2'000'000'000);
 }
 

@@ -70,5 +70,25 @@ TEST(Link, ADeadUdpPortIsNoticedAndEveryDatagramLeavesAllTheSame) {
   EXPECT_EQ(link.value()->refused(), 50U);
 }
 
+TEST(Link, AServerOfTheNewestSendsToThatOneAlone) {
+  for (const Audience audience : {Audience::kAllWhoSpeak, Audience::kNewest}) {
+    std::string bound;
+    auto server = Listen("udp://127.0.0.1:0", &bound, audience);
+    ASSERT_TRUE(server.ok());
+    const std::array<std::byte, 5> datagram{};
+    std::array<std::byte, 64> got{};
+    std::array<std::unique_ptr<Link>, 2> clients;
+    for (auto& client : clients) {
+      client = std::move(Connect(bound, 0).value());
+      ASSERT_TRUE(client->Send(datagram).ok());
+      while (server.value()->Receive(got) == 0) std::this_thread::yield();
+    }
+    ASSERT_TRUE(server.value()->Send(datagram).ok());
+    while (clients[1]->Receive(got) == 0) std::this_thread::yield();
+    // Loopback keeps the order: what was sent to the first client is there by now.
+    EXPECT_EQ(clients[0]->Receive(got) > 0, audience == Audience::kAllWhoSpeak);
+  }
+}
+
 }  // namespace
 }  // namespace styled::player
