@@ -143,7 +143,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
                      "\"stride\"` and `stylize --cadence`, and end");
   app.add_flag("--check", flags.check,
                "Only check: say what is wrong with flags, manifest and clips, what the run will "
-               "take (clips, windows, iterations a minute, memory), and end; writes nothing")
+               "take (clips, windows, iterations a minute, memory), and end; leaves nothing")
       ->excludes("--export")
       ->excludes(speeds);
   AddRunFlags(app, flags);
@@ -190,11 +190,15 @@ Status Run(const Flags& flags, FamilyFlags& family) {
   const Status checked = CheckAndSay(flags.run, needs);
   if (!checked.ok()) return checked;
   if (flags.check) return CheckOnly(flags.run, !flags.judges.empty(), family);
+  const auto say = [](const std::string& what) { std::cout << what << std::endl; };
   const auto train = [&](const Validate& validate) {
+    say("reading the clips for training; the speed is told after the first iterations");
     const auto recipe = family.MakeRecipe(flags.run);
     return recipe.ok() ? Train(flags.run, *recipe.value(), validate) : recipe.status();
   };
   if (flags.judges.empty()) return train(nullptr);
+  say("training the judges, unless they are in " + flags.judges +
+      " from an earlier run on these clips; they say how long");
   const auto judge = judge::Validator::Make(flags.run.manifest, flags.run.data, flags.judges);
   if (!judge.ok()) return judge.status();
   return train([&judge](const auto& weights) { return judge.value().Measure(weights); });

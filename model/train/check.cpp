@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -26,7 +27,10 @@ std::string WhyNotWritable(const fs::path& folder) {
   fs::path there = fs::absolute(folder, error).lexically_normal();
   while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
   if (!fs::is_directory(there, error)) return there.string() + " is no folder";
-  if (::access(there.c_str(), W_OK | X_OK) != 0) return there.string() + " cannot be written";
+  // For root everything is writable, and not everywhere can a file be made (/proc): try it.
+  std::string probe = (there / ".styletrain-XXXXXX").string();
+  if (::mkdtemp(probe.data()) == nullptr) return there.string() + " cannot be written";
+  fs::remove(probe, error);
   return "";
 }
 

@@ -43,7 +43,8 @@ struct Plan {
   std::vector<StylePlan> styles;  // as in the manifest, neutral first; empty if it cannot be read
 };
 
-// Reads the manifest and all of its clips. Writes nothing: folders that do not exist are not made.
+// Reads the manifest and all of its clips. Leaves nothing: folders that do not exist are not made;
+// whether they could be is tried with a temporary one.
 // Blocks for as long as the clips take to read; one thread. Pinned by
 // tests/unit/train/check_test.cpp.
 Plan CheckBeforeTraining(const RunConfig& run, const Needs& needs);

@@ -181,5 +181,14 @@ TEST_F(CheckTest, AFolderThatCannotBeWrittenIsNamed) {
   EXPECT_THAT(Checked().wrong, ElementsAre(HasSubstr("/closed cannot be written")));
 }
 
+TEST_F(CheckTest, WhereNoFolderCanBeMadeIsToldToRoot) {
+  WriteAll(5);
+  run_.out = "/proc/run";
+  EXPECT_THAT(Checked().wrong, ElementsAre(HasSubstr("--out /proc/run: /proc cannot be written")));
+  run_.out = folder_ / "new" / "run";
+  EXPECT_THAT(Checked().wrong, IsEmpty());
+  EXPECT_FALSE(fs::exists(folder_ / "new"));
+}
+
 }  // namespace
 }  // namespace styled::train
