@@ -39,7 +39,7 @@ vmc::Packed Puppet::Pose(const v1::Frame& frame, float time_s) {
   packed.bones = bones_;
   blends_.clear();
   thrus_.clear();
-  trackers_.clear();
+  devices_.clear();
   for (const auto& expression : frame.expressions()) {
     blends_.push_back({expression.name(), expression.value()});
   }
@@ -50,10 +50,12 @@ vmc::Packed Puppet::Pose(const v1::Frame& frame, float time_s) {
   for (const auto& prop : frame.props()) {
     const auto& p = prop.position();
     const auto& q = prop.rotation();
-    trackers_.push_back({prop.name(), {{-p[0], p[1], p[2]}, {q[0], -q[1], -q[2], q[3]}}});
+    devices_.push_back({vmc::Device::Kind::kTracker,
+                        prop.name(),
+                        {{-p[0], p[1], p[2]}, {q[0], -q[1], -q[2], q[3]}}});
   }
   packed.thrus = thrus_;
-  packed.trackers = trackers_;
+  packed.devices = devices_;
   packed.available.tracking = (frame.flags() & v1::FLAG_STALE) == 0 ? 1 : 0;
   packed.time_s = time_s;
   return packed;

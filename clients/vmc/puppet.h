@@ -36,7 +36,7 @@ class Puppet {
 
   // `frame` must fit the bound body (client::Validate). The result refers to memory of this object
   // and of `frame`, and is valid until the next call. The frame's expressions become Blends, its
-  // props Trackers in the same world; its pass-through messages (thru) are sent unchanged.
+  // props trackers (Device) in the same world; its pass-through messages (thru) are sent unchanged.
   vmc::Packed Pose(const v1::Frame& frame, float time_s);
 
  private:
@@ -44,7 +44,7 @@ class Puppet {
   std::vector<vmc::Bone> bones_;  // in the body's order; names from the codec's table
   std::vector<vmc::Blend> blends_;
   std::vector<vmc::Thru> thrus_;
-  std::vector<vmc::Tracker> trackers_;
+  std::vector<vmc::Device> devices_;
 };
 
 }  // namespace styled::stylevmc

@@ -5,8 +5,9 @@
 
 #include "proto/rigs/vmc/vmc.h"
 
-// VMC's tracking devices: what an assistant sends instead of bones. Space and rules as in vmc.h.
-// Pinned by tests/unit/vmc/device_test.cpp, fuzzed by tests/fuzz/vmc.
+// VMC's tracking devices: what an assistant sends instead of bones, and the form in which props
+// leave. Space and rules as in vmc.h. Pinned by tests/unit/vmc/device_test.cpp, fuzzed by
+// tests/fuzz/vmc.
 namespace styled::vmc {
 
 // /VMC/Ext/{Hmd,Con,Tra}/Pos: a head-mounted display, a controller, a tracker. Only the serial
@@ -15,7 +16,7 @@ namespace styled::vmc {
 struct Device {
   enum class Kind : std::uint8_t { kHmd, kController, kTracker };
   Kind kind = Kind::kTracker;
-  std::string_view serial;  // points into the bytes that were read
+  std::string_view serial;  // points into the bytes that were read, or the sender's
   Transform transform;      // in the world
 };
 

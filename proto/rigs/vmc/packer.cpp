@@ -16,8 +16,8 @@ constexpr std::size_t PaddedText(std::size_t size) noexcept { return (size + 4) 
 std::size_t Size(const Blend& blend) noexcept {
   return kSizeField + 20 + 4 + PaddedText(blend.name.size()) + 4;
 }
-std::size_t Size(const Tracker& tracker) noexcept {
-  return kSizeField + 20 + 12 + PaddedText(tracker.serial.size()) + 28;
+std::size_t Size(const Device& device) noexcept {
+  return kSizeField + 20 + 12 + PaddedText(device.serial.size()) + 28;
 }
 std::size_t Size(const Thru& thru) noexcept { return kSizeField + thru.bytes.size(); }
 
@@ -56,14 +56,14 @@ std::size_t Packer::NextBones(std::span<std::byte> out) noexcept {
 
 std::size_t Packer::NextRest(std::span<std::byte> out) noexcept {
   finished_ =
-      TotalSize(frame_.blends) + TotalSize(frame_.thrus) + TotalSize(frame_.trackers) + kEnd <=
+      TotalSize(frame_.blends) + TotalSize(frame_.thrus) + TotalSize(frame_.devices) + kEnd <=
       kRoom;
   osc::Writer writer(out);
   writer.BeginBundle();
   std::size_t room = finished_ ? kRoom - kEnd : kRoom;
   PutWhatFits(frame_.thrus, room, writer);
   PutWhatFits(frame_.blends, room, writer);
-  PutWhatFits(frame_.trackers, room, writer);
+  PutWhatFits(frame_.devices, room, writer);
   if (finished_) {
     Put(BlendApply(), writer);
     Put(frame_.available, writer);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <span>
 
+#include "proto/rigs/vmc/device.h"
 #include "proto/rigs/vmc/vmc.h"
 
 namespace styled::vmc {
@@ -13,7 +14,7 @@ struct Packed {
   std::span<const Bone> bones;  // names of HumanBodyBones
   std::span<const Blend> blends;
   std::span<const Thru> thrus;
-  std::span<const Tracker> trackers;
+  std::span<const Device> devices;
   Available available;
   float time_s = 0;
 };
@@ -32,7 +33,7 @@ class Packer {
   explicit Packer(const Packed& frame) noexcept : frame_(frame) {}
 
   // Writes the next datagram to the front of `out`, which must hold kMaxPacketSize bytes, and
-  // returns its size; 0 when there are no more. Blends, Thrus and Trackers too large for a
+  // returns its size; 0 when there are no more. Blends, Thrus and Devices too large for a
   // datagram are left out.
   STYLED_REALTIME std::size_t Next(std::span<std::byte> out) noexcept;
 

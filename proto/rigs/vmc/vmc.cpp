@@ -5,8 +5,7 @@ namespace {
 
 constexpr std::string_view kAvailable = "/VMC/Ext/OK", kRoot = "/VMC/Ext/Root/Pos",
                            kBone = "/VMC/Ext/Bone/Pos", kBlend = "/VMC/Ext/Blend/Val",
-                           kApply = "/VMC/Ext/Blend/Apply", kTracker = "/VMC/Ext/Tra/Pos",
-                           kThru = "/VMC/Thru/";
+                           kApply = "/VMC/Ext/Blend/Apply", kThru = "/VMC/Thru/";
 
 // Reads arguments one by one. The first one that is missing or of a wrong type determines the
 // result.
@@ -141,13 +140,6 @@ void Put(const Blend& message, osc::Writer& writer) noexcept {
 
 void Put(const BlendApply& /*message*/, osc::Writer& writer) noexcept {
   writer.BeginMessage(kApply, "");
-  writer.EndMessage();
-}
-
-void Put(const Tracker& message, osc::Writer& writer) noexcept {
-  writer.BeginMessage(kTracker, "sfffffff");
-  writer.Text(message.serial);
-  PutPlace(message.transform, writer);
   writer.EndMessage();
 }
 

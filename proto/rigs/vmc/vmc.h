@@ -51,12 +51,6 @@ struct Blend {
 };
 // /VMC/Ext/Blend/Apply: the set of Blends is complete.
 struct BlendApply {};
-// /VMC/Ext/Tra/Pos: a tracked object in the world, by its serial. Written only: as a message of a
-// performer it says nothing about the body.
-struct Tracker {
-  std::string_view serial;
-  Transform transform;
-};
 // /VMC/Thru/<any>/<any>: a message from an assistant to the marionette, passed on unchanged.
 struct Thru {
   std::span<const std::byte> bytes;  // the whole message
@@ -85,7 +79,6 @@ STYLED_REALTIME void Put(const Root& message, osc::Writer& writer) noexcept;
 STYLED_REALTIME void Put(const Bone& message, osc::Writer& writer) noexcept;
 STYLED_REALTIME void Put(const Blend& message, osc::Writer& writer) noexcept;
 STYLED_REALTIME void Put(const BlendApply& message, osc::Writer& writer) noexcept;
-STYLED_REALTIME void Put(const Tracker& message, osc::Writer& writer) noexcept;
 STYLED_REALTIME void Put(const Thru& message, osc::Writer& writer) noexcept;
 
 }  // namespace styled::vmc

@@ -164,8 +164,9 @@ TEST(Puppet, SendsPropsAsTrackersOfTheirNames) {
   Puppet puppet(Carrier::kHips);
   ASSERT_TRUE(puppet.Bind(Canonical()).ok());
   const auto packed = puppet.Pose(frame, 0);
-  ASSERT_EQ(packed.trackers.size(), 16U);
-  EXPECT_EQ(packed.trackers[0].transform, (vmc::Transform{{-1, 2, 3}, {0.5F, -0.1F, 0.7F, 0.5F}}));
+  ASSERT_EQ(packed.devices.size(), 16U);
+  EXPECT_EQ(packed.devices[0].kind, vmc::Device::Kind::kTracker);
+  EXPECT_EQ(packed.devices[0].transform, (vmc::Transform{{-1, 2, 3}, {0.5F, -0.1F, 0.7F, 0.5F}}));
   vmc::Packer packer(packed);
   std::vector<std::byte> buffer(vmc::Packer::kMaxPacketSize);
   std::string all;
