@@ -7,132 +7,21 @@
 
 #include <bit>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <sstream>
 
 #include "sim/player/performer_motion.h"
 #include "sim/rigs/rig_stream.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 #include "tests/unit/vmc/witness.h"
-#include "tests/unit/vmc_out/ear.h"
+#include "tests/witness/osc/reader.h"
 
 namespace styled::support {
 namespace {
-
-using Lines = std::vector<std::string>;
-using stylevmc::Ear;
 
 constexpr float kDegrees = 57.29578F;
 constexpr double kRate_hz = 20;  // a busy machine's readers keep up
 constexpr int kFrames = 40;
 constexpr const char* kScript = "walk:2,wave-left:2";
-constexpr const char* kProbe = "/ready";
-
-bool IsHere(const std::string& program) {
-  return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
-}
-bool HasOscMin() {
-  return IsHere("node") && std::filesystem::exists(OSC_MIN_FOLDER "/node_modules/osc-min");
-}
-
-// The first that differs, not both lists.
-void ExpectTheSame(const Lines& read, const Lines& sent) {
-  EXPECT_EQ(read.size(), sent.size());
-  for (std::size_t i = 0; i < std::min(read.size(), sent.size()); ++i) {
-    ASSERT_EQ(read[i], sent[i]) << "message " << i;
-  }
-}
-
-Lines Split(const std::string& text) {
-  std::istringstream stream(text);
-  Lines lines;
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
-// "ADDRESS ,TYPES VALUE ..." with floats as bits, to oscdump's "ADDRESS TYPES VALUE ...".
-std::string AsOscdump(const std::string& line) {
-  std::istringstream words(line);
-  std::string address, types, word;
-  words >> address >> types;
-  std::string out = address;
-  if (types.size() > 1) out += " " + types.substr(1);
-  for (std::size_t i = 1; words >> word; ++i) {
-    if (types.at(i) == 's') word = "\"" + word + "\"";
-    if (types.at(i) == 'f') {
-      char text[64];
-      const auto bits = static_cast<std::uint32_t>(std::stoul(word, nullptr, 16));
-      std::snprintf(text, sizeof text, "%f", std::bit_cast<float>(bits));
-      word = text;
-    }
-    out += " " + word;
-  }
-  return out;
-}
-
-// Another's program that prints what comes to a port.
-class Reader {
- public:
-  // "oscdump" or "osc-min".
-  explicit Reader(const std::string& program)
-      : oscdump_(program == "oscdump"), port_(Ear().port()) {
-    const std::string command = oscdump_
-                                    ? "oscdump -L " + port_
-                                    : "cd '" OSC_MIN_FOLDER "' && exec node vmc.mjs read " + port_;
-    child_ = std::make_unique<Child>(
-        Lines{"/bin/sh", "-c", (oscdump_ ? "exec " : "") + command + " > '" + file() + "'"},
-        folder_ / "stderr.txt");
-    // Listens once it has printed a message.
-    const UdpLink link(address());
-    Bytes probe(12, std::byte{0});
-    std::memcpy(probe.data(), kProbe, 6);
-    probe[8] = std::byte{','};
-    for (int i = 0; i < 400 && ReadText(file()).empty(); ++i) {
-      link.Send(probe);
-      Sleep(0.05);
-    }
-    EXPECT_FALSE(ReadText(file()).empty()) << ReadText(folder_ / "stderr.txt");
-  }
-
-  std::string address() const { return "127.0.0.1:" + port_; }
-  std::string file() const { return folder_ / "out.txt"; }
-
-  // What it printed, as soon as that is `count` messages and no more come.
-  Lines WaitFor(std::size_t count) const {
-    Lines lines;
-    for (int i = 0; i < 200; ++i) {
-      Sleep(0.05);
-      const Lines now = Read();
-      if (now.size() >= count && now.size() == lines.size()) return now;
-      lines = now;
-    }
-    return lines;
-  }
-  // The same lines as this reader prints them.
-  Lines Expect(const Lines& sent) const {
-    Lines lines;
-    for (const std::string& line : sent) lines.push_back(oscdump_ ? AsOscdump(line) : line);
-    return lines;
-  }
-
- private:
-  Lines Read() const {
-    Lines lines;
-    for (std::string& line : Split(ReadText(file()))) {
-      if (oscdump_) line.erase(0, line.find(' ') + 1);  // the time tag
-      while (line.ends_with(' ')) line.pop_back();
-      if (!line.starts_with(kProbe)) lines.push_back(std::move(line));
-    }
-    return lines;
-  }
-
-  bool oscdump_;
-  std::string port_;
-  TemporaryFolder folder_;
-  std::unique_ptr<Child> child_;
-};
 
 struct Sent {
   Lines messages;
@@ -208,10 +97,7 @@ int ExpectHips(const Lines& read, const Lines& known) {
 class OscReaderTest : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    if (GetParam() == "oscdump" && !IsHere("oscdump")) {
-      GTEST_SKIP() << "skipped, no oscdump (Debian: liblo-tools)";
-    }
-    if (GetParam() == "osc-min" && !HasOscMin()) GTEST_SKIP() << "skipped, no osc-min (npm)";
+    if (const std::string why = Missing(GetParam()); !why.empty()) GTEST_SKIP() << why;
   }
 };
 
@@ -342,7 +228,7 @@ TEST(OscSenderTest, WhatOscsendfileWritesHasTheSamePoses) {
   TemporaryFolder folder;
   std::string text;
   for (const std::string& line : Split(ReadText(reader.file()))) {
-    if (line.find(kProbe) == std::string::npos) text += line + "\n";
+    if (line.find(Reader::kProbe) == std::string::npos) text += line + "\n";
   }
   WriteText(folder / "dump.txt", text);
   ExpectThePoses(sent, [&](const std::string& port) {
