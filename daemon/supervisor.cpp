@@ -116,7 +116,10 @@ Status Supervisor::OpenSources() {
                            transport.status().message());
     }
     source_endpoints_.push_back(transport.value()->endpoint());
-    spdlog::info("source {} {} {} {}", source.name, type.connects() ? "connects to" : "listens on",
+    spdlog::info("source {} {} {} {}", source.name,
+                 type.connects()         ? "connects to"
+                 : type.rig->asks_server ? "asks"
+                                         : "listens on",
                  source.type, source_endpoints_.back());
     transports_.push_back(std::move(transport.value()));
   }

@@ -83,6 +83,9 @@ class NatNetTransport final : public Transport {
         counters_(counters),
         translator_(config, server, group),
         outbox_(source, counters) {
+    sockaddr_storage address{};
+    std::memcpy(&address, &server, sizeof server);
+    endpoint_ = runtime::AddressText(address, sizeof server);
     Watch(command_.fd());
   }
 
@@ -103,7 +106,8 @@ class NatNetTransport final : public Transport {
   }
   // One epoll instance holds both sockets; the pipeline polls that instance.
   int fd() const override { return epoll_.get(); }
-  const std::string& endpoint() const override { return command_.endpoint(); }
+  // The server's address: our own ports are of the kernel's choice.
+  const std::string& endpoint() const override { return endpoint_; }
   std::uint64_t received() const override {
     return command_.received() + earlier_ + (data_ ? data_->received() : 0);
   }
@@ -149,6 +153,7 @@ class NatNetTransport final : public Transport {
   }
 
   UdpSocket command_;
+  std::string endpoint_;
   Descriptor epoll_;
   Interface interface_;
   int receive_buffer_bytes_, sender_limit_hz_, source_;

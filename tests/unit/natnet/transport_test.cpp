@@ -88,6 +88,7 @@ class Session {
     config::Source config = Config();
     config.server = BoundAddress(server_.get());
     config.interface = interface;
+    server = config.server;
     auto made = MakeNatNetTransport(config, 3, clock, counters);
     if (!made.ok()) {
       ADD_FAILURE() << made.status().message();
@@ -139,6 +140,7 @@ class Session {
   HandClock clock;
   runtime::Counters counters;
   Pipeline pipeline;
+  std::string server;
   std::unique_ptr<Transport> transport;
 
  private:
@@ -146,6 +148,17 @@ class Session {
   sockaddr_storage client_{};
   std::unique_ptr<rigs::Rig> rig_;
 };
+
+// stylectl's status prints it as "asking HOST:PORT".
+TEST(NatNetTransport, IsKnownByTheServerThatItAsks) {
+  HandClock clock;
+  runtime::Counters counters;
+  const auto made = MakeNatNetTransport(Config(), 0, clock, counters);
+  ASSERT_TRUE(made.ok());
+  EXPECT_EQ(made.value()->endpoint(), "127.0.0.1:1510") << "the usual port";
+  const Session session({}, "");
+  EXPECT_EQ(session.transport->endpoint(), session.server);
+}
 
 TEST(NatNetTransport, AsksAtOnceAndThenOnceASecond) {
   Session session({}, "");
