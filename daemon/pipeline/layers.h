@@ -67,6 +67,10 @@ class Layers {
                                                     std::int64_t now_ns) noexcept;
   // The fingers of this performer, in the order of the configuration. Valid as long as this object.
   std::vector<FingerLayer*> FingersOf(std::string_view performer);
+  // The performer that a source is merged into; "": none, the source has performers of its own.
+  std::string Into(std::size_t source) const {
+    return source < layers_.size() && layers_[source] ? layers_[source]->into : "";
+  }
   // Fills `layers` of the row.
   void Describe(std::int64_t now_ns, v1::PerformerStats& row) const;
   std::size_t size() const { return layers_.size(); }

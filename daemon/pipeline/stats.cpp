@@ -51,6 +51,7 @@ void Stats::DescribeSource(std::size_t index, v1::SourceInfo& info) const {
   info.set_arrived_ms(smoothing.arrived_ms);
   info.set_left_ms(smoothing.left_ms);
   info.set_missed(smoothing.missed);
+  info.set_merge_into(layers_.Into(index));
 }
 
 void Stats::DescribeClock(v1::ClockState& clock) const {

@@ -141,7 +141,8 @@ void Examination::Silent() {
              (f.source == source.wanted.name || f.source.starts_with(source.wanted.name + "/"));
     });
     if (other || said) continue;
-    const std::string place = source.wanted.network ? " at " + PlaceOf(source.wanted) : "";
+    const std::string at = Row(source.wanted.format).asks_server ? " from " : " at ";
+    const std::string place = source.wanted.network ? at + PlaceOf(source.wanted) : "";
     Report(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
            "Nothing arrives for " + Label(source) + place + ".",
            "The daemon received nothing of it in " + Seconds(facts_.seconds) + ".",
@@ -180,8 +181,19 @@ void Examination::Unclaimed() {
            std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ": " +
                flow->tally.Kinds(format) + ".",
            "Add to styled.toml and restart the daemon:  [[source]] name = \"rig\"  type = \"" +
-               std::string(TypeFor(format, flow->stream)) + "\"  " + place);
+               std::string(TypeFor(format, flow->stream)) + "\"  " + place + MergeInto(format));
   }
+}
+
+// What a source of that format needs besides, because it has no body: the performer who gets the
+// face.
+std::string Examination::MergeInto(Format format) const {
+  if (!Row(format).face_only) return "";
+  const auto& performers = facts_.daemon.after.stats().performers();
+  const auto live = std::ranges::find_if(performers, &v1::PerformerStats::live);
+  const bool known = live != performers.end();
+  return "  merge_into = \"" + (known ? live->performer() : "SOURCE.NAME") +
+         (known ? "\"" : "\" (the performer who gets the face)");
 }
 
 void Examination::Losses() {

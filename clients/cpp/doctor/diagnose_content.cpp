@@ -48,6 +48,7 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
              Label(source) + " is of type \"" + wanted.type + "\" (" + name + ").",
          why,
          "Set type = \"" + std::string(TypeFor(found, wanted.stream)) + "\" for " + wanted.name +
+             (Row(found).face_only ? " with" + MergeInto(found) : "") +
              " and restart the daemon, or switch the sender to " + name + ".");
   return false;
 }
@@ -225,6 +226,7 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
                   cause.change);
   }
   const bool trackers = source.wanted.format == Format::kSlimeVr;
+  const bool parts = source.wanted.format == Format::kVmc && source.wanted.merge_into.empty();
   Report(
       Severity::kProblem, Step::kFrames, &source, trackers ? "needs_reset" : "no_frames",
       Label(source) + " receives " + std::string(Row(source.wanted.format).name) +
@@ -235,6 +237,9 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
                : " Counters that grew, of this source or of another that receives: " + maybe + "."),
       trackers ? "Say in the source's trackers where each is worn, and give a full reset in the "
                  "T-pose; the daemon's log names what is missing."
+       : parts ? "If it sends hands or a face alone: name in the source the performer whose they are, "
+                 "merge_into = \"SOURCE.NAME\", and restart the daemon. Else restart the sender: the "
+                 "daemon's log names what it waits for."
                : "The daemon's log names what it waits for; restart the sender.");
 }
 

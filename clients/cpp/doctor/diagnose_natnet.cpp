@@ -33,7 +33,8 @@ void Examination::NatNet(const SourceFacts& source) {
   }
 }
 
-// The daemon does not report which server it asks; only its configuration file names it.
+// The daemon reports which server it asks, but not by which interface it expects the frames; only
+// its configuration file names that.
 void Examination::Unasked(const SourceFacts& source) {
   if (!source.in_daemon || !source.received) return;
   const std::string ask =
@@ -41,13 +42,14 @@ void Examination::Unasked(const SourceFacts& source) {
       "itself. ";
   if (*source.received > 0) {
     return Report(Severity::kProblem, Step::kFrames, &source, "no_frames",
-                  Label(source) + ": the NatNet server answers, but no performer comes of it.",
+                  Label(source) + ": the NatNet server at " + ToString(source.wanted.listen) +
+                      " answers, but no performer comes of it.",
                   std::to_string(*source.received) + " datagrams came from it.",
                   ask + std::string(Row(Format::kNatNet).in_the_sender));
   }
   Report(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
-         "Nothing arrives for " + Label(source) +
-             " from its NatNet server: it does not answer the daemon.",
+         "Nothing arrives for " + Label(source) + " from its NatNet server at " +
+             ToString(source.wanted.listen) + ": it does not answer the daemon.",
          "The daemon received nothing in " + Seconds(facts_.seconds) + ".",
          ask + "See that server = names the machine that Motive runs on. " +
              std::string(Row(Format::kNatNet).in_the_sender));

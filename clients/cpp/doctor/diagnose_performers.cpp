@@ -51,7 +51,7 @@ void Examination::Clock() {
   if (clock.locked()) return;
   const bool ptp = clock.source() == v1::ClockState::SOURCE_PTP;
   Report(Severity::kNote, Step::kDaemon, nullptr, "clock_free",
-         ptp ? "The daemon's clock does not follow PTP, although ptp4l answers there."
+         ptp ? "The daemon's clock is not synchronized, although ptp4l answers there."
              : "The daemon's clock is not synchronized.",
          "The wall times of frames drift away from those of other machines; their order and the "
          "styling do not depend on it.",

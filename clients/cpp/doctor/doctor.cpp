@@ -110,8 +110,10 @@ class Examiner {
   // else those of a daemon without configuration. Sources of --listen are added.
   Status ChooseSources() {
     for (const auto& info : facts_.daemon.after.sources()) {
-      AddSource(MakeWanted(Wanted::Origin::kDaemon, info.name(), info.type(), info.listen()))
-          .in_daemon = true;
+      SourceFacts& source =
+          AddSource(MakeWanted(Wanted::Origin::kDaemon, info.name(), info.type(), info.listen()));
+      source.in_daemon = true;
+      source.wanted.merge_into = info.merge_into();
     }
     for (const Wanted& wanted : configured_) AddConfigured(wanted);
     for (const auto& text : options_.listen) {
@@ -164,7 +166,7 @@ class Examiner {
     bool called = false;
     for (SourceFacts& source : facts_.sources) {
       if (source.wanted.format != Format::kNatNet || facts_.daemon.remote) continue;
-      // Only the file names the server.
+      // Only the file says by which interface, and whether by a group.
       if (source.in_daemon && source.wanted.server.empty()) continue;
       auto call = MakeNatNetCall(source.wanted.server, source.natnet.emplace());
       if (call.ok()) {
@@ -246,6 +248,7 @@ class Examiner {
                      const std::vector<BoundSocket>& after) {
     for (SourceFacts& source : facts_.sources) {
       const Wanted& wanted = source.wanted;
+      if (Row(wanted.format).asks_server) continue;  // its address is not on this machine
       for (const BoundSocket& socket : after) {
         if (socket.stream != wanted.stream || socket.local.port != wanted.listen.port) continue;
         if (socket.pid == getpid()) continue;

@@ -29,6 +29,7 @@ class Examination {
   void Losses();
   void KernelDrops();
   std::string Losers() const;
+  std::string MergeInto(Format format) const;
   bool TwoPhones();
   void Unclaimed();
   void Listeners();

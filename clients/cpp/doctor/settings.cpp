@@ -17,8 +17,9 @@ Wanted ReadSource(const toml::table& table) {
                           TextOf(table, "type", "udp"), TextOf(table, "listen", ""));
   out.merge_into = TextOf(table, "merge_into", "");
   out.server = TextOf(table, "server", "");
-  // Where we connect, which is all that matters of such a source.
-  if (const auto* type = rigs::FindSourceType(out.type); type != nullptr && type->connects()) {
+  // The server that is asked, which is all that matters of such a source.
+  if (const auto* type = rigs::FindSourceType(out.type);
+      type != nullptr && type->rig->asks_server) {
     const bool has_port = out.server.find(':') != std::string::npos;
     out.listen = ParseEndpoint(has_port ? out.server
                                         : out.server + ":" + std::to_string(type->rig->server_port))

@@ -92,8 +92,9 @@ std::string SourcesText(const Facts& facts) {
     std::string holder = source.in_daemon ? "styled" : "nobody";
     if (!source.in_daemon && !source.holders.empty()) holder = source.holders.front().program;
     if (holder.empty()) holder = "another user";
+    const std::string asks = doctor::Row(wanted.format).asks_server ? "asks " : "";
     rows.push_back({wanted.name, wanted.type,
-                    wanted.network ? PlaceOf(wanted.listen, wanted.stream) : "-", holder,
+                    wanted.network ? asks + PlaceOf(wanted.listen, wanted.stream) : "-", holder,
                     source.received ? std::to_string(*source.received) : "-"});
   }
   return Table(rows);

@@ -150,7 +150,7 @@ TEST_F(DoctorTest, ANatNetServerThatDoesNotAnswerARunningDaemonIsNamed) {
   const Daemon daemon({}, source + "server = \"" + server + "\"\n");
   const Report alone = Doctor({"--endpoint", daemon.control, "--source", "suit"});
   EXPECT_THAT(alone.problems, ElementsAre("nothing_arrives"));
-  EXPECT_THAT(alone.Of("nothing_arrives", "what"), HasSubstr("NatNet server"));
+  EXPECT_THAT(alone.Of("nothing_arrives", "what"), HasSubstr("NatNet server at " + server));
   const Report all = Doctor({"--endpoint", daemon.control});
   EXPECT_THAT(all.text, HasSubstr("Nothing arrives for suit"));
   const std::string config = Config("natnet", "0.0.0.0:0", "server = \"" + server + "\"");

@@ -185,6 +185,26 @@ TEST_F(ContentTest, TwoPhonesOnOnePortAreToldToTakeTwoSources) {
   EXPECT_NE(finding.change.find("own port in listen"), std::string::npos);
 }
 
+TEST_F(ContentTest, TheCureForAFaceNamesWhoGetsIt) {
+  machine_.InDaemon("udp", "127.0.0.1:7000", 360, "stage");
+  machine_.LivePerformer("stage.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  const auto smile = What(Format::kLiveLinkFace, Verdict::kPose, "facial expressions");
+  machine_.facts.seen = {FlowTo("192.0.2.1:11111", smile)};
+  EXPECT_EQ(machine_.Codes(), "note no_source");
+  EXPECT_NE(machine_.First().change.find("merge_into = \"stage.anna\""), std::string::npos)
+      << machine_.First().change;
+}
+
+TEST_F(ContentTest, WhoSendsNoBodyIsToldToNameThePerformer) {
+  SourceFacts& gloves = machine_.InDaemon("vmc", "0.0.0.0:39540", 100, "gloves");
+  EXPECT_EQ(machine_.Codes(), "problem no_frames gloves");
+  EXPECT_NE(machine_.First().change.find("merge_into = \"SOURCE.NAME\""), std::string::npos)
+      << machine_.First().change;
+  gloves.wanted.merge_into = "stage.anna";
+  EXPECT_EQ(machine_.Codes(), "");
+}
+
 TEST_F(ContentTest, ThePhoneThatIsAskedAlreadyIsNotToBeSetAgain) {
   SourceFacts& phone = machine_.InDaemon("ifacialmocap", "0.0.0.0:49983", 0, "phone");
   phone.wanted.merge_into = "stage.anna";

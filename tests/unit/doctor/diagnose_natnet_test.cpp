@@ -114,12 +114,13 @@ TEST_F(NatNetDiagnoseTest, ADaemonThatMakesNoFramesOfItIsSaid) {
   EXPECT_EQ(machine_.Codes(), "");
 }
 
-// As without --config: the daemon does not say which server it asks.
-TEST_F(NatNetDiagnoseTest, ASilentServerOfADaemonIsSaidThoughItsAddressIsNotKnown) {
+// As without --config: the daemon does not say which interface it expects the frames by.
+TEST_F(NatNetDiagnoseTest, ASilentServerOfADaemonIsNamedThoughItIsNotAsked) {
   machine_.facts = Machine().facts;
-  machine_.InDaemon("natnet", "0.0.0.0:41000", 0);
+  machine_.InDaemon("natnet", "192.0.2.7:1510", 0);
   EXPECT_EQ(machine_.Codes(), "problem nothing_arrives suit");
-  EXPECT_NE(machine_.First().what.find("from its NatNet server"), std::string::npos);
+  EXPECT_NE(machine_.First().what.find("from its NatNet server at 192.0.2.7:1510"),
+            std::string::npos);
   EXPECT_NE(machine_.First().change.find("--config"), std::string::npos);
   source().received = 40;
   EXPECT_EQ(machine_.Codes(), "problem no_frames suit");

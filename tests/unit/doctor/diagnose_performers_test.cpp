@@ -43,6 +43,18 @@ TEST_F(PerformersTest, WhoIsRefusedBesideALiveOneIsAProblemWithItsReason) {
   EXPECT_NE(found[0].what.find("far ahead"), std::string::npos);
 }
 
+TEST_F(PerformersTest, AClockThatNothingDisciplinesIsANote) {
+  EXPECT_TRUE(Of("clock_free").empty()) << "a daemon that says nothing of it";
+  v1::ClockState& clock = *machine.facts.daemon.after.mutable_stats()->mutable_clock();
+  ASSERT_EQ(Of("clock_free").size(), 1U);
+  EXPECT_EQ(Of("clock_free")[0].severity, Severity::kNote);
+  EXPECT_NE(Of("clock_free")[0].change.find("chrony"), std::string::npos);
+  clock.set_source(v1::ClockState::SOURCE_PTP);
+  EXPECT_NE(Of("clock_free")[0].change.find("phc2sys"), std::string::npos);
+  clock.set_locked(true);
+  EXPECT_TRUE(Of("clock_free").empty());
+}
+
 TEST_F(PerformersTest, WhoLosesMoreThanHalfIsWarnedOf) {
   Add("suit.a", 300, 60).set_refused_as("pipeline.reordered");
   const auto found = Of("performer_refused");

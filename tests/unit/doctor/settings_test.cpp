@@ -68,7 +68,7 @@ type = "slimevr-usb"
   EXPECT_EQ(sources[1].server, "192.0.2.7");
   EXPECT_EQ(sources[1].interface, "eth1");
   EXPECT_FALSE(sources[1].multicast);
-  EXPECT_EQ(sources[1].listen.port, 0);
+  EXPECT_EQ(ToString(sources[1].listen), "192.0.2.7:1510") << "its server, at the usual port";
   EXPECT_TRUE(sources[2].stream);
   EXPECT_EQ(sources[2].format, Format::kMvn);
   EXPECT_EQ(ToString(sources[2].listen), "[::]:9800");
