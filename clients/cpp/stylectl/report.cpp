@@ -1,6 +1,7 @@
 #include "clients/cpp/stylectl/report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -97,6 +98,48 @@ json LayersJson(const v1::PerformerStats& performer) {
   return out;
 }
 
+// The limbs in the order of LimbShares, as people read them.
+std::array<std::pair<const char*, float>, 5> Limbs(const v1::LimbShares& shown) {
+  return {{{"left arm", shown.left_arm()},
+           {"right arm", shown.right_arm()},
+           {"trunk", shown.trunk()},
+           {"left leg", shown.left_leg()},
+           {"right leg", shown.right_leg()}}};
+}
+
+// What is held back of the style that the performer has, a line; "": nothing that one would miss.
+std::string HeldBackText(const v1::PerformerStats& performer) {
+  constexpr float kHardly_deg = 0.5F;  // less is not to be seen; stylize has the figures
+  constexpr float kMuch = 0.5F;        // styles times strength from which one expects to see some
+  constexpr float kMissed = 0.9F;
+  const v1::Look& look = performer.look();
+  float wanted = 0;
+  for (const auto& entry : look.mix()) wanted += entry.weight();
+  if (!performer.live() || !performer.has_turned_deg()) return "";
+  const bool much = wanted * look.strength() >= kMuch && look.parts().empty();
+  if (much && performer.turned_deg() < kHardly_deg) {
+    return performer.performer() +
+           " is hardly styled now: the weights leave what they do as it is\n";
+  }
+  std::string limbs;
+  for (const auto& [name, share] : Limbs(performer.shown())) {
+    if (share >= kMissed) continue;
+    limbs += (limbs.empty() ? "" : ", ") + std::string(name) + " " +
+             Fixed(100 * static_cast<double>(share), 0) + " %";
+  }
+  return limbs.empty() ? "" : performer.performer() + " shows of the style: " + limbs + "\n";
+}
+
+json ShownJson(const v1::LimbShares& shown) {
+  json out = json::object();
+  for (const auto& [name, share] : Limbs(shown)) {
+    std::string key = name;
+    std::replace(key.begin(), key.end(), ' ', '_');
+    out[key] = Rounded(static_cast<double>(share), 3);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string ListText(const v1::ListReply& list) {
@@ -149,7 +192,7 @@ std::string ClockText(const v1::ClockState& clock) {
              ", port " + ptp.port_state() + ", offset " + Fixed(1e9 * ptp.offset_s(), 0) +
              " ns, path " + Fixed(1e9 * ptp.mean_path_delay_s(), 0) + " ns" +
              (clock.locked() ? ", " + within
-                             : "; the system's clock does not follow it (phc2sys is not running)") +
+                             : "; the system's clock is not synchronized with it (run phc2sys)") +
              "\n";
     }
     case v1::ClockState::SOURCE_NTP:
@@ -194,8 +237,8 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
   if (stats.performers_size() > 0) {
     std::vector<std::vector<std::string>> rows{{"PERFORMER", "STATE", "HZ", "P50 us", "P99 us",
                                                 "MAX us", "PUBLISHED", "LOST", "STRENGTH", "STYLE",
-                                                ""}};
-    std::string warnings, merged;
+                                                "TURNS deg", ""}};
+    std::string warnings, merged, held_back;
     for (const auto& performer : stats.performers()) {
       std::string notes;
       if (performer.pinned()) notes += "pinned";
@@ -212,6 +255,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
       if (const std::string layers = client::LayersText(performer); !layers.empty()) {
         merged += performer.performer() + " gets " + layers + "\n";
       }
+      held_back += HeldBackText(performer);
       rows.push_back({performer.performer(),
                       performer.live() ? "live"
                       : refused        ? "refused"
@@ -220,18 +264,19 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                       Fixed(performer.latency_p99_us(), 0), Fixed(performer.latency_max_us(), 0),
                       std::to_string(performer.published()), std::to_string(performer.lost()),
                       Fixed(performer.look().strength(), 2), MixText(performer.look().mix()),
+                      performer.has_turned_deg() ? Fixed(performer.turned_deg(), 1) : "-",
                       notes});
     }
     std::sort(rows.begin() + 1, rows.end());  // by performer
-    out += Table(rows) + merged + warnings;
+    out += Table(rows) + merged + held_back + warnings;
   }
   for (const auto& source : status.sources()) {
     if (source.received() > 0) continue;
     const rigs::SourceType* const type = rigs::FindSourceType(source.type());
-    const bool connects = type != nullptr && type->connects();
+    const bool asks = type != nullptr && type->rig->asks_server;
     out += source.name() +
            (source.type() == "usb" ? ": waiting for "
-            : connects             ? ": asking "
+            : asks                 ? ": asking "
                                    : ": listening at ") +
            source.listen() + " (" + source.type() + "), nothing received yet\n";
   }
@@ -265,8 +310,10 @@ std::string AppliedText(const std::vector<v1::Applied>& applied, const std::stri
   std::vector<std::vector<std::string>> rows;
   rows.reserve(applied.size());
   for (const auto& entry : applied) {
-    rows.push_back(
-        {entry.performer(), what, "from frame " + std::to_string(entry.first_sequence())});
+    std::string from = entry.absent() ? "when they come: nobody performs under this name"
+                                      : "from frame " + std::to_string(entry.first_sequence());
+    if (entry.no_strength()) from += ", not to be seen: the strength is 0";
+    rows.push_back({entry.performer(), what, from});
   }
   return Table(rows);
 }
@@ -336,6 +383,10 @@ json StatusJson(const v1::StatusReply& status) {
              {"joints", performer.joints()},
              {"dialect", performer.dialect()},
              {"layers", LayersJson(performer)}};
+    if (performer.has_turned_deg()) {  // while a pose is styled
+      row["turned_deg"] = Rounded(static_cast<double>(performer.turned_deg()), 2);
+      row["shown"] = ShownJson(performer.shown());
+    }
     row.update(LookJson(performer.look()));
     performers.push_back(std::move(row));
   }
@@ -355,7 +406,10 @@ json StatusJson(const v1::StatusReply& status) {
 json AppliedJson(const std::vector<v1::Applied>& applied) {
   json out = json::array();
   for (const auto& entry : applied) {
-    out.push_back({{"performer", entry.performer()}, {"first_sequence", entry.first_sequence()}});
+    out.push_back({{"performer", entry.performer()},
+                   {"first_sequence", entry.first_sequence()},
+                   {"absent", entry.absent()},
+                   {"no_strength", entry.no_strength()}});
   }
   return out;
 }

@@ -24,6 +24,20 @@ v1::Reply Refusal(v1::Code code, const std::string& reason) {
   return reply;
 }
 
+v1::ClockState Clock() {
+  v1::ClockState clock;
+  clock.set_source(v1::ClockState::SOURCE_PTP);
+  clock.set_locked(true);
+  clock.set_max_error_s(0.000012);
+  auto& ptp = *clock.mutable_ptp();
+  ptp.set_port_state("SLAVE");
+  ptp.set_domain(127);
+  ptp.set_leader("001122.fffe.334455");
+  ptp.set_offset_s(-178e-9);
+  ptp.set_mean_path_delay_s(2456e-9);
+  return clock;
+}
+
 // Knows "old" (alias "elderly") and "proud", preset "scene", performer rig.anna.
 v1::Reply Answer(const v1::Request& request) {
   v1::Reply reply;
@@ -48,8 +62,8 @@ v1::Reply Answer(const v1::Request& request) {
     reply.mutable_status()->set_version("1.2.3");
     for (const auto& [name, type, listen, received] :
          {std::tuple{"rig", "udp", "0.0.0.0:7000", 12},
-          std::tuple{"vmc", "vmc", "0.0.0.0:39539", 0},
-          std::tuple{"dongle", "usb", "1209:7690", 0}}) {
+          std::tuple{"vmc", "vmc", "0.0.0.0:39539", 0}, std::tuple{"dongle", "usb", "1209:7690", 0},
+          std::tuple{"cameras", "natnet", "192.0.2.7:1510", 0}}) {
       auto& source = *reply.mutable_status()->add_sources();
       source.set_name(name);
       source.set_type(type);
@@ -70,6 +84,7 @@ v1::Reply Answer(const v1::Request& request) {
     zed.set_refused(12);
     zed.set_refused_as("pipeline.far_ahead");
     zed.set_warning("the toes point backwards");
+    *stats.mutable_clock() = Clock();
     auto& counter = *stats.add_counters();
     counter.set_name("source.bad_crc");
     counter.set_value(3);
@@ -182,10 +197,12 @@ TEST_F(StylectlTest, StatusKnowsTheSourcesThatNothingCameTo) {
   EXPECT_EQ(Run({"status"}), kExitOk);
   EXPECT_TRUE(Says("vmc: listening at 0.0.0.0:39539 (vmc), nothing received yet\n")) << out_.str();
   EXPECT_TRUE(Says("dongle: waiting for 1209:7690 (usb), nothing received yet\n")) << out_.str();
+  EXPECT_TRUE(Says("cameras: asking 192.0.2.7:1510 (natnet), nothing received yet\n"))
+      << out_.str();
   EXPECT_FALSE(Says("rig: ")) << out_.str();
   EXPECT_EQ(Run({"status", "--json"}), kExitOk);
   const auto sources = nlohmann::json::parse(out_.str())["sources"];
-  ASSERT_EQ(sources.size(), 3U);
+  ASSERT_EQ(sources.size(), 4U);
   EXPECT_EQ(sources[0]["received"], 12);
   EXPECT_EQ(sources[1]["received"], 0);
   EXPECT_EQ(sources[1]["listen"], "0.0.0.0:39539");
@@ -345,6 +362,78 @@ TEST_F(StylectlTest, ANeutralClipIsMeasuredFirst) {
   EXPECT_FALSE(last_.like().measure());
   ASSERT_EQ(last_.like().neutral_code_size(), 1);
   EXPECT_EQ(last_.like().neutral_code(0), 0.5F);
+}
+
+TEST_F(StylectlTest, HowTheClockIsDisciplinedIsShown) {
+  EXPECT_EQ(Run({"status"}), kExitOk);
+  EXPECT_TRUE(
+      Says("clock: PTP domain 127, leader 001122.fffe.334455, port SLAVE, offset -178 ns, "
+           "path 2456 ns, within 12 us\n"))
+      << out_.str();
+  EXPECT_EQ(Run({"--json", "status"}), kExitOk);
+  const auto clock = nlohmann::json::parse(out_.str())["clock"];
+  EXPECT_EQ(clock["source"], "ptp");
+  EXPECT_EQ(clock["locked"], true);
+  EXPECT_EQ(clock["ptp"]["domain"], 127);
+  v1::StatusReply status;
+  const auto shows = [&status](const std::string& text) {
+    return StatusText(status, false).find(text) != std::string::npos;
+  };
+  EXPECT_FALSE(shows("clock:")) << "an older daemon says nothing of it";
+  v1::ClockState& free = *status.mutable_stats()->mutable_clock();
+  EXPECT_TRUE(shows("clock: not synchronized: the frames' wall times drift"));
+  free = Clock();
+  free.set_locked(false);
+  EXPECT_TRUE(shows("path 2456 ns; the system's clock is not synchronized with it (run phc2sys)"));
+  free.Clear();
+  free.set_source(v1::ClockState::SOURCE_NTP);
+  free.set_locked(true);
+  free.set_max_error_s(0.0032);
+  EXPECT_TRUE(shows("clock: synchronized, within 3.2 ms\n"));
+}
+
+TEST_F(StylectlTest, WhatIsHeldBackOfAStyleIsShown) {
+  v1::StatusReply status;
+  v1::PerformerStats& anna = *status.mutable_stats()->add_performers();
+  anna.set_performer("rig.anna");
+  anna.set_live(true);
+  anna.mutable_look()->set_strength(1);
+  anna.mutable_look()->add_mix()->set_style("old");
+  anna.mutable_look()->mutable_mix(0)->set_weight(1);
+  const auto shows = [&status](const std::string& text) {
+    return StatusText(status, false).find(text) != std::string::npos;
+  };
+  EXPECT_FALSE(shows("hardly")) << "nothing is known";
+  anna.set_turned_deg(8.26F);
+  for (const auto set : {&v1::LimbShares::set_left_arm, &v1::LimbShares::set_right_arm,
+                         &v1::LimbShares::set_trunk, &v1::LimbShares::set_left_leg,
+                         &v1::LimbShares::set_right_leg}) {
+    (anna.mutable_shown()->*set)(1);
+  }
+  EXPECT_TRUE(shows("8.3"));
+  EXPECT_FALSE(shows("shows of the style"));
+  anna.mutable_shown()->set_left_arm(0.24F);
+  anna.mutable_shown()->set_trunk(0.6F);
+  EXPECT_TRUE(shows("rig.anna shows of the style: left arm 24 %, trunk 60 %\n"));
+  EXPECT_EQ(StatusJson(status)["performers"][0]["shown"]["left_arm"], 0.24);
+  anna.set_turned_deg(0.1F);
+  EXPECT_TRUE(shows("rig.anna is hardly styled now: the weights leave what they do as it is\n"));
+  anna.mutable_look()->set_strength(0.1F);
+  EXPECT_FALSE(shows("hardly")) << "not much was asked for";
+}
+
+TEST_F(StylectlTest, WhoIsAbsentAndAStyleWithoutStrengthAreTold) {
+  v1::Applied applied;
+  applied.set_performer("rig.an");
+  applied.set_first_sequence(598);
+  applied.set_absent(true);
+  EXPECT_EQ(AppliedText({applied}, "set"),
+            "rig.an  set  when they come: nobody performs under this name\n");
+  applied.set_absent(false);
+  applied.set_no_strength(true);
+  EXPECT_EQ(AppliedText({applied}, "set"),
+            "rig.an  set  from frame 598, not to be seen: the strength is 0\n");
+  EXPECT_EQ(AppliedJson({applied})[0]["no_strength"], true);
 }
 
 TEST_F(StylectlTest, WhatSourcesGiveAPerformerIsShown) {
