@@ -31,9 +31,9 @@ struct Outcome {
 // "in.bvh -> out.bvh: 171 frames at 60 Hz, cmu, feet planted 71 %, sliding 0.4 cm/s, ..."
 std::string SummaryLine(const Outcome& outcome);
 // An object: in, out, style, written, error, frames, rate_hz, seconds, dialect, rest, feet
-// {planted_share, slide_cm_s, input_slide_cm_s}, out_of_domain_share, turned_deg, shown_share {left-arm, ...},
-// own_frames, preview, note.
-// What is not known is absent. Bytes that are no UTF-8 are replaced.
+// {planted_share, slide_cm_s, input_slide_cm_s}, out_of_domain_share, turned_deg, shown_share
+// {left-arm, ...}, own_frames, preview, note. What is not known is absent. Bytes that are no UTF-8
+// are replaced.
 std::string JsonLine(const Outcome& outcome);
 
 // The line at the bottom of a terminal that says how far a run is; nothing elsewhere.

@@ -39,8 +39,9 @@ std::string PaceText(const RunConfig& run, bool validated, double per_minute, lo
          << NumberText(static_cast<double>(run.iterations) / per_minute, 1) << " minutes";
   }
   if (validated) {
-    text << "; the first validation is after " << NumberText(run.validate_minutes)
-         << " minutes; before the run judges are trained, once for these clips, with their own time";
+    text
+        << "; the first validation is after " << NumberText(run.validate_minutes)
+        << " minutes; before the run judges are trained, once for these clips, with their own time";
   }
   return text.str();
 }

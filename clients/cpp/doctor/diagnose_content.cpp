@@ -237,10 +237,11 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
                : " Counters that grew, of this source or of another that receives: " + maybe + "."),
       trackers ? "Say in the source's trackers where each is worn, and give a full reset in the "
                  "T-pose; the daemon's log names what is missing."
-       : parts ? "If it sends hands or a face alone: name in the source the performer whose they are, "
-                 "merge_into = \"SOURCE.NAME\", and restart the daemon. Else restart the sender: the "
-                 "daemon's log names what it waits for."
-               : "The daemon's log names what it waits for; restart the sender.");
+      : parts
+          ? "If it sends hands or a face alone: name in the source the performer whose they are, "
+            "merge_into = \"SOURCE.NAME\", and restart the daemon. Else restart the sender: the "
+            "daemon's log names what it waits for."
+          : "The daemon's log names what it waits for; restart the sender.");
 }
 
 }  // namespace styled::doctor

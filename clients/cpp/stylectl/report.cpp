@@ -264,8 +264,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                       Fixed(performer.latency_p99_us(), 0), Fixed(performer.latency_max_us(), 0),
                       std::to_string(performer.published()), std::to_string(performer.lost()),
                       Fixed(performer.look().strength(), 2), MixText(performer.look().mix()),
-                      performer.has_turned_deg() ? Fixed(performer.turned_deg(), 1) : "-",
-                      notes});
+                      performer.has_turned_deg() ? Fixed(performer.turned_deg(), 1) : "-", notes});
     }
     std::sort(rows.begin() + 1, rows.end());  // by performer
     out += Table(rows) + merged + held_back + warnings;

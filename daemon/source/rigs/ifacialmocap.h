@@ -11,7 +11,8 @@ namespace styled::source {
 // for the performer of `merge_into`.
 //
 // Transport   UDP, port 49983. With `server`, the phone's address, the start text is sent to it
-//             after 0.3 s of silence and then every 2 s; without, another program must start the phone.
+//             after 0.3 s of silence and then every 2 s; without, another program must start the
+//             phone.
 // Performer   None. One phone at a time: another address takes over when the first was silent for
 //             2 s.
 // Face        ARKit's 52 expressions, or VRM's presets (`expressions`), 0 .. 1. Rotations of head

@@ -405,9 +405,9 @@ TEST_F(StylectlTest, WhatIsHeldBackOfAStyleIsShown) {
   };
   EXPECT_FALSE(shows("hardly")) << "nothing is known";
   anna.set_turned_deg(8.26F);
-  for (const auto set : {&v1::LimbShares::set_left_arm, &v1::LimbShares::set_right_arm,
-                         &v1::LimbShares::set_trunk, &v1::LimbShares::set_left_leg,
-                         &v1::LimbShares::set_right_leg}) {
+  for (const auto set :
+       {&v1::LimbShares::set_left_arm, &v1::LimbShares::set_right_arm, &v1::LimbShares::set_trunk,
+        &v1::LimbShares::set_left_leg, &v1::LimbShares::set_right_leg}) {
     (anna.mutable_shown()->*set)(1);
   }
   EXPECT_TRUE(shows("8.3"));
