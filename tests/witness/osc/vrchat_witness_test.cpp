@@ -18,7 +18,7 @@ using body::Quat;
 using body::Vec3;
 
 constexpr std::size_t kBundles = 30;
-constexpr float kDegrees = 57.29578F;
+constexpr float kDegreesPerRadian = 57.29578F;
 // oscdump prints six decimals of a metre or a degree. Near a pitch of 90 degrees a float's angle is
 // good to a few hundredths.
 constexpr float kNear_m = 1e-4F, kNear_deg = 0.1F;
@@ -79,7 +79,7 @@ body::WorldPose WorldOf(const v1::Frame& frame) {
 // Unity mirrors x. Its angles are a turn about z, then x, then y, on fixed axes.
 Vec3 FromUnity(const Vec3& p) { return {-p.x(), p.y(), p.z()}; }
 Quat RotationOf(const Vec3& euler_deg) {
-  const Vec3 angles = euler_deg / kDegrees;
+  const Vec3 angles = euler_deg / kDegreesPerRadian;
   const Quat q = Eigen::AngleAxisf(angles.y(), Vec3::UnitY()) *
                  Eigen::AngleAxisf(angles.x(), Vec3::UnitX()) *
                  Eigen::AngleAxisf(angles.z(), Vec3::UnitZ());
@@ -102,8 +102,8 @@ float Distance(const std::vector<Message>& read, const body::WorldPose& world, f
       const Vec3 ahead = expected * Vec3::UnitZ();
       expected = Eigen::AngleAxisf(std::atan2(ahead.x(), ahead.z()), Vec3::UnitY());
     }
-    worst = std::max(worst,
-                     kDegrees * RotationOf(message.values).angularDistance(expected) / kNear_deg);
+    worst = std::max(worst, kDegreesPerRadian *
+                                RotationOf(message.values).angularDistance(expected) / kNear_deg);
   }
   return worst;
 }
