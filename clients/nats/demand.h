@@ -1,0 +1,41 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <string_view>
+
+namespace styled::stylenats {
+
+// What the programs of this machine have subscribed to, and which NATS subjects that takes: no
+// frame comes over the network that nobody here reads. One thread; allocates. Pinned by
+// tests/unit/nats/demand_test.cpp.
+class Demand {
+ public:
+  // More topics than that are asked for as one: all frames of the site.
+  static constexpr std::size_t kMostSubjects = 256;
+
+  explicit Demand(std::string site) : site_(std::move(site)) {}
+
+  // A topic as ZeroMQ's subscriptions have them: the beginning of those that are wanted
+  // (proto/styled/v1/WIRE.md). False: it was known, or unknown, already.
+  bool Add(std::string_view topic) { return topics_.emplace(topic).second; }
+  bool Remove(std::string_view topic) { return topics_.erase(std::string(topic)) > 0; }
+
+  // None covers another, so that no message comes twice. Streams that are not passed on to NATS
+  // (source/, frames/) need none.
+  std::set<std::string> Subjects() const;
+  // Whether a message of that topic is wanted.
+  bool Wants(std::string_view topic) const;
+
+ private:
+  std::string site_;
+  std::set<std::string> topics_;
+};
+
+// "styled/PERFORMER/STREAM/" of "styled.SITE.PERFORMER.STREAM"; empty for other subjects, for names
+// that a daemon does not have, and for the audience tier.
+std::string TopicOf(std::string_view subject);
+// "body/PERFORMER/" of the key "SITE.body.PERFORMER.STREAM"; empty for other keys.
+std::string BodyTopicOf(std::string_view key);
+
+}  // namespace styled::stylenats
