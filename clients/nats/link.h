@@ -20,7 +20,9 @@ struct LinkOptions {
   std::string name;                                     // shown by the broker's monitoring
   std::string user, password;                           // "": none
   std::string credentials;  // file with JWT and seed, as nsc writes it; "": none
-  std::string ca;           // file with certificates (PEM) that a tls:// broker's must be signed by
+  // Callbacks of all subscriptions come on one thread of the process, not on one for each.
+  bool shared_thread = false;
+  std::string ca;  // file with certificates (PEM) that a tls:// broker's must be signed by
 };
 
 // What happened to the connection.
