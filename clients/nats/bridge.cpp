@@ -37,6 +37,12 @@ std::string StreamName(const v1::Body& body) {
 
 }  // namespace
 
+Status CheckSite(const std::string& site) {
+  if (!site.empty() && site.size() <= kMaxSite) return Status::Ok();
+  return Status::Error("--site '" + site + "': expected 1 to " + std::to_string(kMaxSite) +
+                       " bytes, found " + std::to_string(site.size()));
+}
+
 v1::PerformerStats Lasting(const v1::PerformerStats& performer) {
   v1::PerformerStats lasting = performer;
   lasting.clear_sequence();
@@ -50,15 +56,12 @@ v1::PerformerStats Lasting(const v1::PerformerStats& performer) {
   lasting.clear_refused();
   lasting.clear_refused_as();
   lasting.clear_shown();
+  lasting.clear_turned_deg();
   return lasting;
 }
 
 Result<std::unique_ptr<Bridge>> Bridge::Open(const Options& options) {
-  if (options.site.empty() || options.site.size() > kMaxSite) {
-    return Status::Error("--site '" + options.site + "': expected 1 to " +
-                         std::to_string(kMaxSite) + " bytes, found " +
-                         std::to_string(options.site.size()));
-  }
+  if (const Status status = CheckSite(options.site); !status.ok()) return status;
   std::unique_ptr<Bridge> bridge(new Bridge(options.site));
   client::SubscriberOptions subscription;
   subscription.endpoints = {options.publisher};

@@ -29,6 +29,7 @@ struct Options {
   LinkOptions link;
 };
 inline constexpr std::size_t kMaxSite = 64;
+Status CheckSite(const std::string& site);
 
 // Totals since Open, a copy.
 struct Totals {

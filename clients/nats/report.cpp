@@ -12,51 +12,42 @@ constexpr std::size_t kShownStreams = 3;  // of those with replaced frames, the 
 
 }  // namespace
 
+std::string BrokersText(const LinkOptions& link) {
+  std::string text;
+  for (const std::string& server : link.servers) text += (text.empty() ? "" : ", ") + server;
+  return text;
+}
+
+std::string EventText(const LinkEvent& event, const std::string& brokers, const std::string& lost,
+                      const std::string& again) {
+  using Kind = LinkEvent::Kind;
+  switch (event.kind) {
+    case Kind::kAbsent:
+      return "no broker answers at " + brokers + "; it goes on trying";
+    case Kind::kConnected:
+      return "connected to " + event.text;
+    case Kind::kDisconnected:
+      return "lost the broker: " + event.text + lost;
+    case Kind::kReconnected:
+      return "connected again, to " + event.text + again;
+    case Kind::kError:
+      return "the broker says: " + event.text;
+    default:
+      return "the broker at " + brokers + " refuses the connection: " + event.text +
+             "; expected a login that it knows (--nats-login FILE, --nats-creds FILE)";
+  }
+}
+
 Report::Report(const Options& options, std::ostream& out, std::ostream& err)
     : options_(options),
       out_(out),
       err_(err),
       lookout_(options.publisher, client::Peer::kPublisher, options.curve) {}
 
-std::string Report::Brokers() const {
-  std::string text;
-  for (const std::string& server : options_.link.servers) {
-    text += (text.empty() ? "" : ", ") + server;
-  }
-  return text;
-}
-
 void Report::PrintStart() {
-  err_ << "stylenats: " << options_.publisher << " -> " << Brokers() << ", frames at styled."
-       << Escape(options_.site) << ".>, commands at " << ControlSubject(options_.site) << std::endl;
-}
-
-bool Report::PrintBroker(const LinkEvent& event) {
-  using Kind = LinkEvent::Kind;
-  err_ << "stylenats: ";
-  switch (event.kind) {
-    case Kind::kAbsent:
-      err_ << "no broker answers at " << Brokers() << "; it goes on trying";
-      break;
-    case Kind::kConnected:
-      err_ << "connected to " << event.text;
-      break;
-    case Kind::kDisconnected:
-      err_ << "lost the broker: " << event.text << "; frames are dropped until it is back";
-      break;
-    case Kind::kReconnected:
-      err_ << "connected again, to " << event.text << "; all bodies are written anew";
-      break;
-    case Kind::kError:
-      err_ << "the broker says: " << event.text;
-      break;
-    case Kind::kClosed:
-      err_ << "the broker at " << Brokers() << " refuses the connection: " << event.text
-           << "; expected a login that it knows (--nats-login FILE, --nats-creds FILE)";
-      break;
-  }
-  err_ << std::endl;
-  return event.kind == Kind::kClosed;
+  err_ << "stylenats: " << options_.publisher << " -> " << BrokersText(options_.link)
+       << ", frames at styled." << Escape(options_.site) << ".>, commands at "
+       << ControlSubject(options_.site) << std::endl;
 }
 
 // Whether the daemon is there: said when it changes, with the reason where there is one.
@@ -80,7 +71,13 @@ void Report::PrintDaemon(Bridge& bridge) {
 
 bool Report::PrintNews(Bridge& bridge) {
   bool closed = false;
-  for (const LinkEvent& event : bridge.link().Events()) closed = PrintBroker(event) || closed;
+  for (const LinkEvent& event : bridge.link().Events()) {
+    err_ << "stylenats: "
+         << EventText(event, BrokersText(options_.link), "; frames are dropped until it is back",
+                      "; all bodies are written anew")
+         << std::endl;
+    closed = closed || event.kind == LinkEvent::Kind::kClosed;
+  }
   const std::string error = bridge.store().TakeError();
   if (!error.empty()) err_ << "stylenats: KV: " << error << std::endl;
   if (bridge.TakeRefusedOutput()) {

@@ -8,6 +8,13 @@
 
 namespace styled::stylenats {
 
+// What happened to the connection to the broker, for people. `brokers`: their addresses; `lost` and
+// `again`: what that means, "; ..." or "".
+std::string EventText(const LinkEvent& event, const std::string& brokers, const std::string& lost,
+                      const std::string& again);
+// "nats://A:4222, nats://B:4222"
+std::string BrokersText(const LinkOptions& link);
+
 // Prints what happens to the connections, and the counters when they changed. One thread.
 class Report {
  public:
@@ -20,8 +27,6 @@ class Report {
 
  private:
   void PrintDaemon(Bridge& bridge);
-  bool PrintBroker(const LinkEvent& event);
-  std::string Brokers() const;
 
   const Options& options_;
   std::ostream& out_;

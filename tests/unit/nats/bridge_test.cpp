@@ -39,6 +39,7 @@ TEST(NatsBridge, KeepsOfAPerformerWhatLasts) {
   later.set_refused(1);
   later.set_refused_as("pipeline.duplicate");
   later.mutable_shown()->set_trunk(1);
+  later.set_turned_deg(8);
   EXPECT_EQ(Lasting(later).SerializeAsString(), first.SerializeAsString());
   later.mutable_look()->set_strength(1);
   EXPECT_NE(Lasting(later).SerializeAsString(), first.SerializeAsString());
