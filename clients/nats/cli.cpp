@@ -10,6 +10,7 @@
 
 #include "clients/cpp/key_options.h"
 #include "clients/nats/bridge.h"
+#include "clients/nats/relay.h"
 #include "clients/nats/report.h"
 #include "proto/keys/key_folder.h"
 
@@ -25,6 +26,7 @@ struct Arguments {
   Options options;
   client::KeyOptions keys;
   std::string login;
+  bool join = false;
   double stats_every_s = 10, seconds = 0;
 };
 
@@ -34,6 +36,9 @@ void Declare(CLI::App& app, Arguments& a) {
                  "name of this daemon's place, the first token behind styled. in all subjects; one "
                  "stylenats for each")
       ->required();
+  app.add_flag("--join", a.join,
+               "the other end: publish on this machine, at --publish and --control, what NATS "
+               "brings of the site, for programs that read a daemon");
   app.add_option("--nats", a.options.link.servers,
                  "a broker, nats://HOST:PORT or tls://HOST:PORT: a leaf server that no viewer "
                  "uses; again for more, the first that answers is used")
@@ -50,10 +55,12 @@ void Declare(CLI::App& app, Arguments& a) {
                  "system's");
   app.add_option("--domain", a.options.domain,
                  "JetStream domain of the bucket 'styled', where it is not the account's own");
-  app.add_option("--publish", a.options.publisher, "the daemon's publisher")
+  app.add_option("--publish", a.options.publisher,
+                 "the daemon's publisher; with --join where to listen, of this machine alone")
       ->envname("STYLED_PUBLISHER")
       ->capture_default_str();
-  app.add_option("--control", a.options.control, "the daemon's control socket")
+  app.add_option("--control", a.options.control,
+                 "the daemon's control socket; with --join where to listen")
       ->envname("STYLED_CONTROL")
       ->capture_default_str();
   client::Declare(app, a.keys);
@@ -66,6 +73,7 @@ void Declare(CLI::App& app, Arguments& a) {
       "Exit codes: 0 stopped, 1 the broker refuses the login, 2 usage.\n"
       "Examples:\n"
       "  stylenats --site stage\n"
+      "  stylenats --site stage --join --nats nats://hub.example:4222   # then: stylemon\n"
       "  stylenats --site stage --nats nats://127.0.0.1:4223 --nats-login "
       "/etc/styled/nats.login");
 }
@@ -102,12 +110,20 @@ Status Complete(Arguments& a) {
   auto curve = client::ReadKeys(a.keys);
   if (!curve.ok()) return curve.status();
   a.options.curve = std::move(curve.value());
-  link.name = "stylenats " + a.options.site;
+  if (a.join && a.options.curve) {
+    return Status::Error("--join reads no daemon: expected no --key and no --server-key");
+  }
+  link.name = std::string(a.join ? "stylenats --join " : "stylenats ") + a.options.site;
+  link.shared_thread = a.join;
   return Status::Ok();
 }
 
 Clock::duration Seconds(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+bool Over(const Arguments& a, Clock::time_point begin) {
+  return a.seconds > 0 && Clock::now() >= begin + Seconds(a.seconds);
 }
 
 int Pass(const Arguments& a, Bridge& bridge, const std::atomic<bool>& stop, std::ostream& out,
@@ -117,7 +133,7 @@ int Pass(const Arguments& a, Bridge& bridge, const std::atomic<bool>& stop, std:
   const auto begin = Clock::now();
   auto next = begin + Seconds(a.stats_every_s);
   bool closed = false;
-  while (!stop && !closed && (a.seconds == 0 || Clock::now() < begin + Seconds(a.seconds))) {
+  while (!stop && !closed && !Over(a, begin)) {
     bridge.Step(milliseconds(50));
     closed = report.PrintNews(bridge);
     if (a.stats_every_s == 0 || Clock::now() < next) continue;
@@ -126,6 +142,52 @@ int Pass(const Arguments& a, Bridge& bridge, const std::atomic<bool>& stop, std:
   }
   bridge.Stop(kFlush);
   if (a.stats_every_s > 0) report.PrintCounters(bridge, bridge.queue());
+  return closed ? kExitFailed : kExitOk;
+}
+
+// Prints what changed. True: the broker refuses us for good.
+bool PrintNews(const Arguments& a, Relay& relay, std::ostream& err) {
+  bool closed = false;
+  for (const LinkEvent& event : relay.link().Events()) {
+    err << "stylenats: "
+        << EventText(event, BrokersText(a.options.link), "; nothing comes until it is back", "")
+        << std::endl;
+    closed = closed || event.kind == LinkEvent::Kind::kClosed;
+  }
+  const std::string error = relay.TakeError();
+  if (!error.empty()) err << "stylenats: KV: " << error << std::endl;
+  return closed;
+}
+
+void PrintCounters(const RelayTotals& t, std::size_t subjects, std::ostream& out) {
+  out << "stylenats: " << t.passed << " passed of " << subjects << " subjects, " << t.replaced
+      << " replaced, " << t.odd << " not understood; " << t.requests << " commands, "
+      << t.unanswered << " without an answer" << std::endl;
+}
+
+int Join(const Arguments& a, const std::atomic<bool>& stop, std::ostream& out, std::ostream& err) {
+  const Options& o = a.options;
+  auto opened = Relay::Open({o.publisher, o.control, o.site, o.domain, o.link});
+  if (!opened.ok())
+    return err << "stylenats: " << opened.status().message() << std::endl, kExitUsage;
+  Relay& relay = *opened.value();
+  err << "stylenats: " << BrokersText(o.link) << ", site " << o.site << " -> " << o.publisher
+      << ", commands from " << o.control << std::endl;
+  const auto begin = Clock::now();
+  auto next = begin + Seconds(a.stats_every_s);
+  RelayTotals shown;
+  const auto print = [&] {
+    const RelayTotals now = relay.totals();
+    if (std::exchange(shown, now) != now) PrintCounters(now, relay.subjects(), out);
+    next = Clock::now() + Seconds(a.stats_every_s);
+  };
+  bool closed = false;
+  while (!stop && !closed && !Over(a, begin)) {
+    relay.Step(milliseconds(50));
+    closed = PrintNews(a, relay, err);
+    if (a.stats_every_s > 0 && Clock::now() >= next) print();
+  }
+  if (a.stats_every_s > 0) print();
   return closed ? kExitFailed : kExitOk;
 }
 
@@ -149,6 +211,7 @@ int Run(std::vector<std::string> arguments, const std::atomic<bool>& stop, std::
     return fail(error.what());
   }
   if (const Status status = Complete(a); !status.ok()) return fail(status.message());
+  if (a.join) return Join(a, stop, out, err);
   auto bridge = Bridge::Open(a.options);
   if (!bridge.ok()) return fail(bridge.status().message());
   return Pass(a, *bridge.value(), stop, out, err);

@@ -97,13 +97,15 @@ std::string NatsServers::Log() const {
   return ReadText(folder_ / "hub.log") + ReadText(folder_ / "leaf.log");
 }
 
-Stylenats::Stylenats(const Daemon& daemon, const std::string& port,
-                     const std::vector<std::string>& more) {
-  WriteText(folder_ / "login", "bridge\nbridgeword\n");
+Stylenats::Stylenats(const std::string& user, const std::string& port, const std::string& publish,
+                     const std::string& control, const std::vector<std::string>& more,
+                     const std::string& site) {
+  WriteText(folder_ / "login", user + "\n" + user + "word\n");
   chmod((folder_ / "login").c_str(), 0600);
-  std::string command = "exec '" STYLENATS_BINARY "' --site hall --stats-every 0.2 --nats-login '" +
-                        (folder_ / "login") + "' --nats nats://127.0.0.1:" + port + " --publish " +
-                        daemon.publish + " --control " + daemon.control;
+  std::string command = "exec '" STYLENATS_BINARY "' --site " + site +
+                        " --stats-every 0.2 --nats-login '" + (folder_ / "login") +
+                        "' --nats nats://127.0.0.1:" + port + " --publish " + publish +
+                        " --control " + control;
   for (const std::string& word : more) command += " " + word;
   child = std::make_unique<Child>(
       std::vector<std::string>{"/bin/sh", "-c", command + " > '" + (folder_ / "out.txt") + "'"},

@@ -54,7 +54,12 @@ class OnNatsServers : public testing::Test {
 class Stylenats {
  public:
   Stylenats(const Daemon& daemon, const std::string& port,
-            const std::vector<std::string>& more = {"--domain", "hub"});
+            const std::vector<std::string>& more = {"--domain", "hub"})
+      : Stylenats("bridge", port, daemon.publish, daemon.control, more) {}
+  // As that user; the password is the name and "word".
+  Stylenats(const std::string& user, const std::string& port, const std::string& publish,
+            const std::string& control, const std::vector<std::string>& more,
+            const std::string& site = "hall");
   std::string Log() const { return ReadText(folder_ / "stderr.txt"); }
   std::string Counters() const;  // the last line of them
   // The number before `words` in that line; -1 if the line does not have them.
