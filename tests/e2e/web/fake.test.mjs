@@ -199,6 +199,55 @@ test('a take is saved as VRMA, and as glTF of the avatar that is worn', async ()
   assert.ok(count > 20 && Math.abs(max[0] - (count - 1) / 20) < 0.01, `${count} frames, ${max[0]} s`);
 });
 
+// The styles of the shipped weights, as their cards are: those of v2 that are weak, and what an example can be called.
+const SHIPPED = 'active angry childish* elderly exhausted feminine giant happy* masculine musical* not-confident proud* sad* swagger youthful elated graceful limping rushed*'.split(' ');
+const LONG = 'the-pirate-of-the-second-act', FAIR = 'my-pirate-of-monday';
+
+test('the names of styles are seen whole, whatever the window, with and without figures', async () => {
+  const { styles } = daemon.list;
+  daemon.list.styles = [{ name: 'neutral', neutral: true },
+    ...SHIPPED.map((name) => ({ name: name.replace('*', ''), weak: name.endsWith('*'), recognized: 0.4 })),
+    ...[LONG, FAIR].map((name) => ({ name, made: true, source: 'walk.bvh' }))];
+  await page.evaluate(() => globalThis.styled.app.fetchList());
+  assert.match(await page.locator(`[data-style="${LONG}"]`).getAttribute('title'), new RegExp(`^${LONG}`));
+  for (const [width, height] of [[1280, 720], [1920, 1080], [390, 844]]) {
+    await page.setViewportSize({ width, height });
+    for (const plain of [true, false]) {
+      const wrong = await page.evaluate((plain) => {
+        document.querySelector('.styles').classList.toggle('plain', plain);
+        const within = (a, b) => a.left >= b.left - 0.5 && a.right <= b.right + 0.5 && a.top >= b.top - 0.5 && a.bottom <= b.bottom + 0.5;
+        const apart = (a, b) => a.right <= b.left + 0.5 || b.right <= a.left + 0.5 || a.bottom <= b.top + 0.5 || b.bottom <= a.top + 0.5;
+        const cards = [...document.querySelectorAll('.card')];
+        for (const card of cards) card.style.contentVisibility = 'visible'; // also those that are scrolled out
+        return cards.flatMap((card) => {
+          const name = card.querySelector('.name'), text = document.createRange();
+          text.selectNodeContents(name);
+          const words = text.getBoundingClientRect(), faults = [];
+          if (!within(words, card.getBoundingClientRect())) faults.push('cut off');
+          for (const other of card.querySelectorAll('small, kbd, .more')) {
+            const box = other.getBoundingClientRect();
+            if (box.width > 0 && !apart(words, box)) faults.push(`under ${other.textContent}`);
+          }
+          if (name.scrollWidth > name.clientWidth) faults.push('with an ellipsis');
+          return faults.map((fault) => `${name.textContent} ${fault}`);
+        });
+      }, plain);
+      await page.waitForTimeout(300);
+      await takePicture(page, `names ${plain ? 'plain ' : ''}${width}x${height}`);
+      const long = wrong.filter((text) => text.startsWith(LONG));
+      assert.deepEqual(wrong.filter((text) => !long.includes(text)), [], `${width} x ${height}, ${plain ? 'plain' : 'figures'}`);
+      assert.equal(await page.locator(`[data-style="${LONG}"] .name`).evaluate((name) => getComputedStyle(name).textOverflow), 'ellipsis');
+    }
+  }
+  await page.setViewportSize({ width: 1280, height: 720 });
+  daemon.list.styles = styles;
+  await page.evaluate(() => {
+    document.querySelector('.styles').classList.add('plain');
+    for (const card of document.querySelectorAll('.card')) card.style.contentVisibility = '';
+    return globalThis.styled.app.fetchList();
+  });
+});
+
 test('OBS sees props only where its link asks for them', async () => {
   daemon.fields = (i) => ({ props: [{ name: 'sword', position: [0.5, 1.2, 0.9 * (i / 20)], rotation: [0, 0, 0, 1] }] });
   const shown = () => page.evaluate(() => [...globalThis.styled.stage.performers.values()][0]?.roles.after.props.group.visible);

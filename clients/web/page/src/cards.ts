@@ -8,6 +8,7 @@ import type { StyleMenu } from './menu.js';
 import { Previews } from './previews.js';
 
 export const STYLE_KEYS = '1234567890';
+const LONG = 20; // letters; the name of a made style that has more is cut, and whole in its title
 const FILTER_FROM = 24; // styles; fewer are found at a glance
 const WIDTH = 84, HEIGHT = 66; // of a figure, in pixels of the page
 const KEPT = 'styled.figures'; // whether figures are shown, in this browser
@@ -168,7 +169,7 @@ export class Cards {
     const weakness = app.weakness(info.name);
     const pick = h('button', {
       'data-style': info.name, title: titleOf(app, info, key), onclick: () => void app.setStyle(info.name),
-    }, fill, figure, h('span', { className: 'name' }, info.name), weakness ? h('small', {}, 'weak') : undefined,
+    }, fill, figure, h('span', { className: info.made && info.name.length > LONG ? 'name long' : 'name' }, info.name), weakness ? h('small', {}, 'weak') : undefined,
        key ? h('kbd', {}, key.replace('Shift+', '⇧')) : undefined);
     const box = h('div', { className: info.made ? 'card made' : 'card', 'data-card': info.name }, pick);
     if (info.made) {
