@@ -105,6 +105,30 @@ test('a slider that is dragged is one step, and may be changed again by us', asy
   await until(() => looks()['rig.anna'].strength === strength, 'the strength before');
 });
 
+test('strength 0 is said beside the styles, and one click sets it to 1', async () => {
+  const words = page.locator('.unseen');
+  daemon.set('rig.anna', { clear: true, strength: 0 });
+  daemon.tell();
+  await until(() => page.evaluate(() => globalThis.styled.app.entry().look.strength === 0), 'the strength');
+  assert.ok(!(await words.isVisible()), 'no style is set');
+  await click('[data-style=angry]');
+  await until(() => words.isVisible(), 'the words');
+  assert.match(await words.innerText(), /^Strength is 0: no style is to be seen\./);
+  assert.equal(looks()['rig.anna'].strength, 0, 'it is not changed behind the back of the user');
+  for (const [width, height] of [[1280, 720], [390, 844]]) {
+    await page.setViewportSize({ width, height });
+    assert.deepEqual(await (await axeOf(page))('.stylebox'), [], `${width} x ${height}`);
+    await words.scrollIntoViewIfNeeded();
+    await takePicture(page, `strength 0 ${width}x${height}`);
+  }
+  const { width, height } = await page.locator('[data-strength]').boundingBox();
+  assert.ok(width >= 44 && height >= 44, `${width} x ${height}`);
+  await page.setViewportSize({ width: 1280, height: 720 });
+  await click('[data-strength]');
+  await until(async () => looks()['rig.anna'].strength === 1 && !(await words.isVisible()), 'the style to be seen');
+  assert.equal(looks()['rig.anna'].mix, 'angry 1');
+});
+
 test('cues: GO, the next, Back, by key and by name; the one in force is marked', async () => {
   const current = () => page.locator('.cues [aria-current=step]').evaluateAll((rows) => rows.map((row) => row.dataset.cue).join());
   assert.equal(await page.locator('[data-cue-back]').isDisabled(), true);

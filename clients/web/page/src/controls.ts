@@ -141,6 +141,17 @@ function rootSwitch(app: App): HTMLElement {
   return box;
 }
 
+/** Says that styles are set whose strength is 0, and offers to change that. */
+function unseen(app: App): HTMLElement {
+  const box = h('div', { className: 'unseen', role: 'status', hidden: true }, h('span', {}, 'Strength is 0: no style is to be seen.'),
+    h('button', { 'data-strength': '1', onclick: () => void app.set({ strength: 1 }, 'strength 100 %') }, 'Set to 100 %'));
+  app.watch(() => {
+    const shown = app.performers().filter(({ performer }) => app.everyone || performer === app.selected);
+    box.hidden = !shown.some(({ look }) => look?.strength === 0 && look.mix.some(({ weight }) => weight > 0));
+  });
+  return box;
+}
+
 export function controls(app: App, cards: Cards, cues: HTMLElement): HTMLElement {
   const percent = (value: number) => `${Math.round(100 * value)} %`;
   const strength = slider('Strength', { min: 0, max: 1.5, step: 0.01 }, percent,
@@ -183,7 +194,8 @@ export function controls(app: App, cards: Cards, cues: HTMLElement): HTMLElement
       chip.setAttribute('aria-pressed', String(chip.getAttribute('data-preset') === entry?.look?.preset));
     }
   });
-  const style = section('Style', who, cards.element);
+  const none = unseen(app);
+  const style = section('Style', who, none, cards.element);
   style.classList.add('stylebox');
   style.firstElementChild!.append(cards.toggle);
   const two = h('div', { className: 'two' }, section('Mix', mixPad(app)), section('Body', bodyParts(app)));
@@ -194,7 +206,7 @@ export function controls(app: App, cards: Cards, cues: HTMLElement): HTMLElement
     variation(app), cues, presetSection, two);
   app.watch(() => {
     watching.hidden = !app.watchOnly;
-    style.style.minHeight = `${100 + cards.least}px`;
+    style.style.minHeight = `${100 + none.offsetHeight + cards.least}px`;
     controls.disabled = two.inert = app.watchOnly;
   });
   return h('aside', { className: 'panel right' }, watching, controls);
