@@ -283,6 +283,38 @@ test('OBS sees props only where its link asks for them', async () => {
   }
 });
 
+test('OBS is told what its link asks for in vain, until the first frame and never afterwards', async () => {
+  const note = page.locator('.note');
+  const view = (query) => page.goto(`${daemon.gateway.url}/?view=avatar&${query}`);
+  const reads = (words) => until(async () => (await note.isVisible()) && words.test(await note.innerText()), words, 20);
+  await page.mouse.move(0, 0);
+  await view('performer=rig.ann&bg=00ff00');
+  await reads(/^no performer rig\.ann here; here are: rig\.anna, rig\.ben$/);
+  await takePicture(page, 'obs mistyped');
+  assert.deepEqual(await (await axeOf(page))(), []);
+  daemon.live = false;
+  await reads(/^no performer rig\.ann here; nobody is$/);
+  await view('performer=rig.anna');
+  await reads(/^rig\.anna is silent\.$/);
+  daemon.live = true;
+  await until(async () => !(await note.isVisible()), 'the words to go');
+  daemon.live = false;
+  daemon.tell();
+  await page.waitForTimeout(4000);
+  assert.ok(!(await note.isVisible()), 'a show is not disturbed');
+  daemon.live = true;
+  await view('performer=rig.anna&avatar=Missing.vrm');
+  await reads(/^avatar Missing\.vrm is not on this browser: click to choose it, or drop it here$/);
+  await takePicture(page, 'obs without its avatar');
+  await until(async () => !(await note.isVisible()), 'the words to go', 30);
+  await page.waitForTimeout(2000);
+  assert.ok(!(await note.isVisible()), 'they do not come again');
+  await view('performer=rig.anna');
+  let said = false;
+  for (let i = 0; i < 30; ++i, await page.waitForTimeout(100)) said ||= await note.isVisible();
+  assert.ok(!said, 'nothing is amiss');
+});
+
 test('a rig that is silent: what its phone and a source that asks a server lack', async () => {
   daemon.live = false;
   daemon.fields = () => ({});

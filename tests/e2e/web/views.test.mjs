@@ -183,7 +183,7 @@ test('an avatar that OBS does not have is asked for, and kept under the name of 
   await until(shown, 'a body');
   await page.mouse.move(20, 20);
   await page.mouse.move(40, 20);
-  assert.match(await page.locator('.note').innerText(), /^other\.vrm is not kept in this browser: click/);
+  assert.match(await page.locator('.note').innerText(), /^avatar other\.vrm is not on this browser: click/);
   await page.evaluate(() => document.querySelector('input[type=file]').addEventListener('click', () => (globalThis.asked = true)));
   await page.mouse.click(300, 180);
   await until(() => page.evaluate(() => globalThis.asked), 'the choice of a file');

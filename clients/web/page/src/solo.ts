@@ -1,6 +1,7 @@
 // One performer alone, for OBS: no panels, no floor, nothing but the avatar, or the styled body
-// without one. What is amiss is said only while a pointer moves, so that it is not on air.
-import type { StyledClient } from 'styled-client';
+// without one. What is amiss is said until the first frame was seen; from then on only while a pointer moves,
+// so that it is not on air.
+import type { PerformerStats, StyledClient } from 'styled-client';
 
 import { Avatar } from './avatar.js';
 import { h, setText } from './dom.js';
@@ -9,28 +10,53 @@ import type { Alone } from './links.js';
 import { Stage } from './stage.js';
 
 const SAID_MS = 5000;
+const QUIET_MS = 1500; // after the start, which takes some time
+const READ_MS = 10000; // from the first frame on, for who lacks an avatar; a body is seen then
+const LISTED = 6; // names
 
 export function solo(client: StyledClient, wish: Alone): { element: HTMLElement; stage: Stage } {
   const stage = new Stage(client, { alone: true, props: wish.props ?? false });
   const note = h('p', { className: 'note', role: 'status', hidden: true });
   const file = h('input', { type: 'file', accept: '.vrm', hidden: true });
   let fault = '', timer = 0;
+  let seeking = wish.avatar !== ''; // whether it is here is not known yet
+  let here: PerformerStats[] | undefined; // as the daemon told last
   let avatar: Avatar | undefined;
 
-  const words = () => {
+  const amiss = () => {
     const { linkState: link, daemonState: daemon } = client;
     if (link.kind === 'refused') return link.reason;
     if (link.kind !== 'open') return `styleweb at ${location.host} does not answer.`;
     if (!daemon.up) return daemon.reason || 'The daemon does not answer.';
+    return absent() || fault;
+  };
+  const absent = () => {
+    const entry = here?.find(({ performer }) => performer === stage.selected);
+    if (!here || entry?.live) return '';
+    if (entry) return `${stage.selected} is silent.`;
     if (!stage.selected) return 'Nobody performs.';
-    return fault || (avatar ? '' : 'Click to choose a .vrm, or drop one.');
+    const names = here.filter(({ live }) => live).map(({ performer }) => performer).sort();
+    const listed = names.slice(0, LISTED).join(', ') + (names.length > LISTED ? ` and ${names.length - LISTED} more` : '');
+    return `no performer ${stage.selected} here; ${listed ? `here are: ${listed}` : 'nobody is'}`;
   };
   const say = () => {
-    setText(note, words());
+    setText(note, amiss() || (avatar ? '' : 'Click to choose a .vrm, or drop one.'));
     note.hidden = note.textContent === '';
     clearTimeout(timer);
     timer = window.setTimeout(() => (note.hidden = true), SAID_MS);
   };
+  // Until the first frame: without a pointer, too. Never again afterwards.
+  let first_ms: number | undefined;
+  const opened_ms = performance.now();
+  const watching = window.setInterval(() => {
+    const now_ms = performance.now();
+    if (!first_ms && client.arrived(stage.selected) > 0) first_ms = now_ms;
+    const over = first_ms !== undefined && ((!fault && !seeking) || avatar !== undefined || now_ms - first_ms > READ_MS);
+    if (over) clearInterval(watching);
+    if (now_ms - opened_ms < QUIET_MS) return;
+    setText(note, over ? '' : first_ms ? fault : amiss());
+    note.hidden = note.textContent === '';
+  }, 250);
   const show = (name: string) => {
     if (name === stage.selected) return;
     stage.performers.get(stage.selected)?.takeOff(); // the performer goes, the avatar stays
@@ -57,7 +83,7 @@ export function solo(client: StyledClient, wish: Alone): { element: HTMLElement;
   const find = async () => {
     const kept = await keptFile(wish.avatar).catch(() => undefined);
     if (kept) return wear(kept);
-    fault = `${wish.avatar} is not kept in this browser: click to choose it, or drop it.`;
+    fault = `avatar ${wish.avatar} is not on this browser: click to choose it, or drop it here`;
   };
 
   document.body.dataset.view = 'avatar';
@@ -68,14 +94,14 @@ export function solo(client: StyledClient, wish: Alone): { element: HTMLElement;
   document.title = `Styled: ${wish.performer || 'avatar'}`;
 
   if (wish.performer) show(wish.performer);
-  else {
-    client.on('stats', ({ performers }) => {
-      const live = performers.filter((one) => one.live).map(({ performer }) => performer).sort();
-      if (!live.includes(stage.selected) && live[0]) show(live[0]);
-    });
-    client.subscribeStats();
-  }
-  if (wish.avatar) void find();
+  client.on('stats', ({ performers }) => {
+    here = performers;
+    if (wish.performer) return;
+    const live = performers.filter((one) => one.live).map(({ performer }) => performer).sort();
+    if (!live.includes(stage.selected) && live[0]) show(live[0]);
+  });
+  client.subscribeStats();
+  if (wish.avatar) void find().finally(() => (seeking = false));
   addEventListener('pointermove', say);
   stage.canvas.addEventListener('click', () => file.click());
   file.addEventListener('change', () => file.files?.[0] && void choose(file.files[0]));
