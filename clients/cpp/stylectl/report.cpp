@@ -116,7 +116,9 @@ std::string HeldBackText(const v1::PerformerStats& performer) {
   float wanted = 0;
   for (const auto& entry : look.mix()) wanted += entry.weight();
   if (!performer.live() || !performer.has_turned_deg()) return "";
-  const bool much = wanted * look.strength() >= kMuch && look.parts().empty();
+  const bool much =
+      wanted * look.strength() >= kMuch &&
+      std::ranges::all_of(look.parts(), [](int part) { return part == v1::BODY_PART_ALL; });
   if (much && performer.turned_deg() < kHardly_deg) {
     return performer.performer() +
            " is hardly styled now: the weights leave what they do as it is\n";

@@ -398,6 +398,7 @@ TEST_F(StylectlTest, WhatIsHeldBackOfAStyleIsShown) {
   anna.set_performer("rig.anna");
   anna.set_live(true);
   anna.mutable_look()->set_strength(1);
+  anna.mutable_look()->add_parts(v1::BODY_PART_ALL);
   anna.mutable_look()->add_mix()->set_style("old");
   anna.mutable_look()->mutable_mix(0)->set_weight(1);
   const auto shows = [&status](const std::string& text) {
