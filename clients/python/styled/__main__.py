@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 import time
+import warnings
 
 import styled
 from styled.commands import LOOK_FIELDS, ROOTS
@@ -159,7 +160,8 @@ def run_status(a):
 
 def say(applied, what):
     for performer, sequence in sorted(applied.items()):
-        print(f'{performer}: {what}, from frame {sequence} on')
+        since = 'when they come' if performer in applied.absent else f'from frame {sequence} on'
+        print(f'{performer}: {what}, {since}')
     if not applied:
         print('nobody is here yet; it holds for those who come')
     return 0
@@ -296,6 +298,8 @@ def run_panic(a):
 
 def main():
     parser, arguments = parse()
+    warnings.simplefilter('always', styled.Unseen)
+    warnings.showwarning = lambda warning, *_: print(f'{parser.prog}: {warning}', file=sys.stderr)
     try:
         return arguments.run(arguments)
     except ValueError as error:

@@ -5,12 +5,13 @@ import math
 import os
 import random
 import re
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence
+from typing import Any, Callable, Mapping, Optional, Sequence
 
 from google.protobuf.message import DecodeError
 
 from styled.errors import Garbled, Refused
 from styled.inbox import is_performer_id
+from styled.unseen import Applied, line_of_caller, warn
 from styled.v1 import control_pb2, frame_pb2, look_pb2
 
 EVERYONE = '*'
@@ -131,16 +132,24 @@ class Commands:
     def _do(self, request: control_pb2.Request, result: Callable[[control_pb2.Reply], Any]) -> Any:
         raise NotImplementedError
 
+    def _ask(self, request: control_pb2.Request, result: Callable[[control_pb2.Reply], Any]) -> Any:
+        line = line_of_caller()
+
+        def take(reply: control_pb2.Reply) -> Any:
+            warn(request, reply, line)
+            return result(reply)
+        return self._do(request, take)
+
     def list(self) -> control_pb2.ListReply:
         """Styles and presets."""
-        return self._do(control_pb2.Request(list={}), lambda reply: reply.list)
+        return self._ask(control_pb2.Request(list={}), lambda reply: reply.list)
 
     def status(self) -> control_pb2.StatusReply:
         """The daemon, its performers, its counters."""
-        return self._do(control_pb2.Request(status={}), lambda reply: reply.status)
+        return self._ask(control_pb2.Request(status={}), lambda reply: reply.status)
 
     def set(self, performer: str, *, style: Optional[str] = None,
-            mix: Optional[Mapping[str, float]] = None, **fields: Any) -> Dict[str, int]:
+            mix: Optional[Mapping[str, float]] = None, **fields: Any) -> Applied:
         """Changes the given settings and keeps the rest. `style` sets a mix of that style only.
         `fields` are those of styled.v1.look_pb2.Look: strength, transition_ms, absolute, preset,
         `parts` (of the body that are styled, e.g. 'head', ['head', 'left-arm'] or 'all'), `input_style`
@@ -148,40 +157,40 @@ class Commands:
         over the floor at the style's speed), `vary` (the variation of the style, 1 to 99; 0: the
         style itself), vary_each (every performer another), vary_amount, drift_s (the variation
         wanders, so many seconds to the next; 0: it stays)."""
-        return self._do(_set_request(performer, style, mix, fields), _applied)
+        return self._ask(_set_request(performer, style, mix, fields), _applied)
 
-    def clear(self, performer: str = EVERYONE) -> Dict[str, int]:
+    def clear(self, performer: str = EVERYONE) -> Applied:
         """Fades to bypass: the performer as captured."""
         request = _change(performer)
         request.set.clear = True
-        return self._do(request, _applied)
+        return self._ask(request, _applied)
 
     def preset(self, performer: str, name: str,
-               transition_ms: Optional[float] = None) -> Dict[str, int]:
+               transition_ms: Optional[float] = None) -> Applied:
         """Applies a named mix of the daemon's configuration."""
         request = _change(performer)
         request.preset.name = name
         if transition_ms is not None:
             request.preset.transition_ms = transition_ms
-        return self._do(request, _applied)
+        return self._ask(request, _applied)
 
-    def pin(self, performer: str, pinned: bool = True) -> Dict[str, int]:
+    def pin(self, performer: str, pinned: bool = True) -> Applied:
         """A pinned performer keeps its style until it is unpinned."""
         request = _change(performer)
         request.pin.pinned = pinned
-        return self._do(request, _applied)
+        return self._ask(request, _applied)
 
-    def reset(self, performer: str) -> Dict[str, int]:
+    def reset(self, performer: str) -> Applied:
         """Clears the network's recurrent state, keeps the settings."""
         request = _change(performer)
         request.reset.SetInParent()
-        return self._do(request, _applied)
+        return self._ask(request, _applied)
 
     def calibrate(self, performer: str, pose: str = 't', sensors: str = 'full',
                   clear: bool = False) -> control_pb2.CalibrateReply:
         """Calibrates: the performer stands in this pose (t or n) at this moment."""
-        return self._do(_calibrate_request(performer, pose, sensors, clear),
-                        lambda reply: reply.calibrate)
+        return self._ask(_calibrate_request(performer, pose, sensors, clear),
+                         lambda reply: reply.calibrate)
 
     def like(self, performer: Optional[str], clip: str, name: Optional[str] = None,
              rig: str = 'auto', transition_ms: Optional[float] = None,
@@ -196,14 +205,14 @@ class Commands:
         plain = re.sub('[^A-Za-z0-9_-]', '-', stem).lstrip('-') or 'style'
         request = _like_request(performer, name or plain[:32], transition_ms, neutral_code)
         _fill_clip(request.like, clip, rig)
-        return self._do(request, _like_reply)
+        return self._ask(request, _like_reply)
 
     def measure(self, clip: str, rig: str = 'auto') -> control_pb2.LikeReply:
         """What `like` would find in a clip, its `code` among it; makes no style."""
         request = _like_request(None, '')
         _fill_clip(request.like, clip, rig)
         request.like.measure = True
-        return self._do(request, _like_reply)
+        return self._ask(request, _like_reply)
 
     def learn(self, performer: str, seconds: float, name: str,
               transition_ms: Optional[float] = None,
@@ -211,20 +220,20 @@ class Commands:
         """As `like`, of what the performer does from now on, for so many seconds (1 to 60)."""
         request = _like_request(performer, name, transition_ms, neutral_code)
         request.like.learn_s = _take_seconds(seconds)
-        return self._do(request, _like_reply)
+        return self._ask(request, _like_reply)
 
     def measure_take(self, performer: str, seconds: float) -> control_pb2.LikeReply:
         """As `measure`, of what the performer does from now on."""
         request = _like_request(performer, '')
         request.like.learn_s = _take_seconds(seconds)
         request.like.measure = True
-        return self._do(request, _like_reply)
+        return self._ask(request, _like_reply)
 
     def export_style(self, name: str) -> bytes:
         """The file of a style that was made of an example."""
         request = control_pb2.Request()
         request.export_style.name = name
-        return self._do(request, lambda reply: reply.style_file.file)
+        return self._ask(request, lambda reply: reply.style_file.file)
 
     def import_style(self, file: str, name: str = '',
                      replace: bool = False) -> control_pb2.LikeReply:
@@ -234,29 +243,29 @@ class Commands:
         request.import_style.file = _read_file('import_style', file)
         request.import_style.name = name
         request.import_style.replace = replace
-        return self._do(request, _like_reply)
+        return self._ask(request, _like_reply)
 
-    def rename_style(self, name: str, to: str) -> Dict[str, int]:
+    def rename_style(self, name: str, to: str) -> Applied:
         """Renames a style that was made. Performers that show it go on; the result names them."""
         request = control_pb2.Request()
         request.rename_style.name = name
         request.rename_style.to = to
-        return self._do(request, _applied)
+        return self._ask(request, _applied)
 
-    def remove_style(self, name: str) -> Dict[str, int]:
+    def remove_style(self, name: str) -> Applied:
         """Removes a style that was made. Performers that show it, named in the result, fade to
         bypass."""
         request = control_pb2.Request()
         request.remove_style.name = name
-        return self._do(request, _applied)
+        return self._ask(request, _applied)
 
     def take_checkpoint(self, performer: str) -> bytes:
         """The performer's whole state after the last frame, as a file of stylectl checkpoint."""
         request = _change(performer)
         request.take_checkpoint.SetInParent()
-        return self._do(request, lambda reply: reply.checkpoint.SerializeToString())
+        return self._ask(request, lambda reply: reply.checkpoint.SerializeToString())
 
-    def restore_checkpoint(self, checkpoint: bytes, performer: str = '') -> Dict[str, int]:
+    def restore_checkpoint(self, checkpoint: bytes, performer: str = '') -> Applied:
         """Lets a performer go on from such a state, here or on another daemon of the same weights.
         `performer`: by default the one that the checkpoint names."""
         request = _change(performer) if performer else control_pb2.Request()
@@ -264,25 +273,25 @@ class Commands:
             request.restore_checkpoint.checkpoint.ParseFromString(checkpoint)
         except DecodeError as error:
             raise ValueError('restore_checkpoint: expected bytes of take_checkpoint') from error
-        return self._do(request, _applied)
+        return self._ask(request, _applied)
 
     def preview(self, style: str) -> control_pb2.PreviewReply:
         """A small moving figure of any style: two strides that loop."""
         request = control_pb2.Request()
         request.preview.style = style
-        return self._do(request, lambda reply: reply.preview)
+        return self._ask(request, lambda reply: reply.preview)
 
-    def cue(self, name: str) -> Dict[str, int]:
+    def cue(self, name: str) -> Applied:
         """Fires the cues with that name in the daemon's configuration."""
         request = _change(EVERYONE)
         request.cue.name = name
-        return self._do(request, _applied)
+        return self._ask(request, _applied)
 
-    def panic(self) -> Dict[str, int]:
+    def panic(self) -> Applied:
         """Sets all performers to bypass, pinned or not."""
         request = control_pb2.Request(performer=EVERYONE)
         request.panic.SetInParent()
-        return self._do(request, _applied)
+        return self._ask(request, _applied)
 
 
 class Conversation:
@@ -312,8 +321,8 @@ class Conversation:
         return reply
 
 
-def _applied(reply: control_pb2.Reply) -> Dict[str, int]:
-    return {entry.performer: entry.first_sequence for entry in reply.applied}
+def _applied(reply: control_pb2.Reply) -> Applied:
+    return Applied(reply.applied)
 
 
 def _code_name(code: int) -> str:

@@ -49,8 +49,10 @@ def no_answer(endpoint: str, timeout: float) -> NoAnswer:
 class Control(Commands):
     """The control socket of one daemon. Each call blocks until the reply or for `timeout` seconds, and
     raises styled.Refused, NoAnswer or Garbled. `performer` is SOURCE.NAME or '*'. A change returns
-    {performer: first sequence at which it is in force}. proto/styled/v1/control.proto defines each
-    field and what is refused. One thread at a time; a context manager.
+    {performer: first sequence at which it is in force}, a styled.Applied. Of one that is not to be seen,
+    as nobody performs under that name, a call warns (styled.AbsentPerformer, NoStrength).
+    proto/styled/v1/control.proto defines each field and what is refused. One thread at a time; a
+    context manager.
     """
 
     def __init__(self, endpoint: str = DEFAULT_CONTROL, *, timeout: float = 2.0,

@@ -1,4 +1,5 @@
-"""The errors that a call may raise. Invalid arguments raise ValueError, with what was expected."""
+"""The errors that a call may raise, and its warnings. Invalid arguments raise ValueError, or TypeError
+where they are of another type, with what was expected."""
 
 
 class Error(Exception):
@@ -20,3 +21,15 @@ class Refused(Error):
     def __init__(self, code, reason):
         super().__init__(reason or code)
         self.code = code
+
+
+class Unseen(UserWarning):
+    """The base class of the warnings below: the daemon has applied a change, and it is not to be seen."""
+
+
+class AbsentPerformer(Unseen):
+    """Nobody performs under the name that the change is for: it waits until they come."""
+
+
+class NoStrength(Unseen):
+    """A style was set, but the performer's strength is 0."""

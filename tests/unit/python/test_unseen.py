@@ -1,0 +1,108 @@
+"""Changes that nobody will see: the Python client says so, on the line that asked for them."""
+import asyncio
+import inspect
+import os
+import subprocess
+import sys
+import unittest
+import warnings
+
+import styled
+import styled.aio
+from fake_daemon import FakeDaemon
+from styled.v1 import control_pb2
+
+ABSENT = "nobody performs under the name 'stage.ann': the change waits until they come"
+WEAK = 'the strength of stage.anna is 0: no style is to be seen'
+
+
+def answer(request):
+    """Of a daemon where stage.anna performs, with strength 0 and a style, and nobody else does."""
+    reply = control_pb2.Reply()
+    for name in ['stage.anna', 'stage.old'] if request.performer == '*' else [request.performer]:
+        reply.applied.add(performer=name, first_sequence=7, absent=name != 'stage.anna',
+                          no_strength=name == 'stage.anna')
+    return reply
+
+
+def here():
+    return inspect.currentframe().f_back.f_lineno
+
+
+class UnseenTest(unittest.TestCase):
+    def setUp(self):
+        self.daemon = FakeDaemon(answer)
+        self.daemon.__enter__()
+        self.addCleanup(self.daemon.__exit__)
+        caught = warnings.catch_warnings(record=True)
+        self.said = caught.__enter__()
+        self.addCleanup(caught.__exit__, None, None, None)
+        warnings.simplefilter('always')
+
+    def heard(self):
+        """What was said since the last call."""
+        said = [(w.category, str(w.message), w.filename, w.lineno) for w in self.said]
+        self.said.clear()
+        return said
+
+    def test_a_name_under_which_nobody_performs_is_told_at_the_callers_line(self):
+        with styled.Control(self.daemon.endpoint) as control:
+            for call in (lambda: control.set('stage.ann', style='old'),
+                         lambda: control.clear('stage.ann'),
+                         lambda: control.preset('stage.ann', 'calm'),
+                         lambda: control.pin('stage.ann')):
+                applied = call()
+                self.assertEqual((applied, applied.absent, applied.no_strength),
+                                 ({'stage.ann': 7}, {'stage.ann'}, frozenset()))
+                self.assertEqual(self.heard(), [(styled.AbsentPerformer, ABSENT, __file__,
+                                                 call.__code__.co_firstlineno)])
+
+    def test_a_style_without_strength_is_told(self):
+        with styled.Control(self.daemon.endpoint) as control:
+            applied, line = control.set('stage.anna', style='old'), here()
+            self.assertEqual(applied.no_strength, {'stage.anna'})
+            self.assertEqual(self.heard(), [(styled.NoStrength, WEAK, __file__, line)])
+            control.set('stage.anna', style='old', strength=0)  # as was wanted
+            control.pin('stage.anna')
+            self.assertEqual(self.heard(), [])
+
+    def test_whom_nobody_has_named_is_not_missed(self):
+        with styled.Control(self.daemon.endpoint) as control:
+            self.assertEqual(control.set('*', strength=0).absent, {'stage.old'})
+            control.panic()
+            control.restore_checkpoint(b'', 'stage.ann')
+            self.assertEqual(self.heard(), [])
+
+    def test_asyncio_tells_the_line_too_where_a_task_calls(self):
+        async def go():
+            async with styled.aio.Control(self.daemon.endpoint) as control:
+                _, line = await control.set('stage.ann', style='old'), here()
+                self.assertEqual(self.heard(), [(styled.AbsentPerformer, ABSENT, __file__, line)])
+                _, line = await asyncio.gather(control.set('stage.ann', style='old')), here()
+                self.assertEqual(self.heard(), [(styled.AbsentPerformer, ABSENT, __file__, line)])
+        asyncio.run(go())
+
+    def test_a_program_that_wants_an_error_has_one(self):
+        warnings.simplefilter('error', styled.Unseen)
+        with styled.Control(self.daemon.endpoint) as control:
+            with self.assertRaisesRegex(styled.AbsentPerformer, 'stage.ann'):
+                control.set('stage.ann', style='old')
+            self.assertEqual(len(self.daemon.requests), 1)
+
+    def test_the_command_line_says_it_plainly(self):
+        self.maxDiff = None
+        def run(*arguments):
+            done = subprocess.run([sys.executable, '-m', 'styled', *arguments, '--control',
+                                   self.daemon.endpoint], capture_output=True, text=True, timeout=60,
+                                  env=dict(os.environ))
+            return done.returncode, done.stdout, done.stderr
+        self.assertEqual(run('set', 'stage.ann', '--style', 'old'),
+                         (0, 'stage.ann: set, when they come\n', f'python3 -m styled: {ABSENT}\n'))
+        self.assertEqual(run('set', 'stage.anna', '--style', 'old'),
+                         (0, 'stage.anna: set, from frame 7 on\n', f'python3 -m styled: {WEAK}\n'))
+        self.assertEqual(run('like', 'stage.ann', '--clip', __file__, '--name', 'mine')[2],
+                         f'python3 -m styled: {ABSENT}\n')
+
+
+if __name__ == '__main__':
+    unittest.main()
