@@ -113,7 +113,7 @@ class Live:
         self.disconnect()
         self._control = styled.Control(control, timeout=_CONTROL_TIMEOUT_S, curve=curve)
         try:
-            self._listener = styled.Subscriber(publisher, streams=(), curve=curve)
+            self._listener = styled.Subscriber(publisher, streams=None, curve=curve)
         except ValueError:
             self._control.close()
             self._control = None

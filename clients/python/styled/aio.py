@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, AsyncIterator, Iterable, List, Optional, 
 import zmq
 import zmq.asyncio
 
+from styled import checks
 from styled import control as blocking
 from styled import subscriber as listening
 from styled.closing import Closer
@@ -27,7 +28,7 @@ class Subscriber:
 
     def __init__(self, endpoints: Union[str, Iterable[str]] = listening.DEFAULT_PUBLISHER, *,
                  performer: str = '',
-                 streams: Union[Wanted, Iterable[Wanted]] = (Stream.RIG,),
+                 streams: Union[Wanted, Iterable[Wanted], None] = (Stream.RIG,),
                  statistics: bool = False, bundled: bool = False, queue_messages: int = 1000,
                  curve: Optional[Curve] = None):
         self._inbox = Inbox(performer, streams, statistics, bundled)
@@ -64,7 +65,7 @@ class Subscriber:
 
     async def receive(self, timeout: Optional[float] = None) -> Optional[Update]:
         """Every-frame mode: the next update, or None if none arrives within `timeout` seconds."""
-        end = None if timeout is None else time.monotonic() + timeout
+        end = listening.end_of(timeout)
         while True:
             update = await self._read()
             if update is not None:
@@ -74,7 +75,7 @@ class Subscriber:
 
     async def receive_latest(self, timeout: Optional[float] = None) -> List[Update]:
         """Latest-wins mode, as styled.Subscriber.receive_latest."""
-        end = None if timeout is None else time.monotonic() + timeout
+        end = listening.end_of(timeout)
         newest = Newest()
         catching_up = False
         for _ in range(listening.MAX_DRAIN):
@@ -131,8 +132,9 @@ class Control(Commands):
 
     def __init__(self, endpoint: str = blocking.DEFAULT_CONTROL, *, timeout: float = 2.0,
                  curve: Optional[Curve] = None):
-        self._endpoint, self._curve = endpoint, curve
-        self._timeout = blocking.check_timeout(timeout)
+        self._endpoint = checks.endpoint(endpoint, blocking.DEFAULT_CONTROL)
+        self._timeout = checks.seconds_above_0('timeout', timeout)
+        self._curve = checks.curve(curve)
         self._conversation = Conversation()
         self._turn = asyncio.Lock()
         self._context = zmq.asyncio.Context()
@@ -180,4 +182,4 @@ class Control(Commands):
 
 
 async def _is_readable(socket: zmq.asyncio.Socket, seconds: Optional[float]) -> bool:
-    return bool(await socket.poll(None if seconds is None else 1000 * seconds))
+    return bool(await socket.poll(None if seconds is None else checks.milliseconds(seconds)))

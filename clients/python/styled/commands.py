@@ -29,10 +29,23 @@ LOOK_FIELDS = [field.name for field in look_pb2.Look.DESCRIPTOR.fields
 
 
 def _change(performer: str) -> control_pb2.Request:
+    expected = f"expected SOURCE.NAME ([A-Za-z0-9_-]{{1,32}} each), or '{EVERYONE}' for all"
+    if not isinstance(performer, str):
+        raise TypeError(f'performer is {performer!r}, {expected}')
     if performer != EVERYONE and not is_performer_id(performer):
-        raise ValueError(f"performer '{performer}' is not SOURCE.NAME ([A-Za-z0-9_-]{{1,32}} each) "
-                         f"or '{EVERYONE}'")
+        raise ValueError(f"performer '{performer}', {expected}")
     return control_pb2.Request(performer=performer)
+
+
+def _put(message: Any, field: str, value: Any, command: str) -> None:
+    """Sets a field; protobuf's own refusals name neither it nor what was found."""
+    try:
+        setattr(message, field, value)
+    except (TypeError, ValueError):
+        kind = message.DESCRIPTOR.fields_by_name[field]
+        expected = {kind.CPPTYPE_STRING: 'a name', kind.CPPTYPE_BOOL: 'True or False'}.get(
+            kind.cpp_type, 'a number')
+        raise TypeError(f'{command}: {field} is {value!r}, expected {expected}') from None
 
 
 # Spellings of version 0.1.
@@ -54,7 +67,11 @@ def _set_request(performer: str, style: Optional[str], mix: Optional[Mapping[str
         raise TypeError(f"set: mix is {mix!r}, expected weights by style, e.g. "
                         "{'elderly': 0.5, 'active': 0.5}")
     for name, weight in (mix or {}).items():
-        look.mix.add(style=name, weight=weight)
+        try:
+            look.mix.add(style=name, weight=weight)
+        except (TypeError, ValueError):
+            raise TypeError(f'set: mix has {name!r}: {weight!r}, expected the name of a style and a '
+                            'number') from None
     for given, value in fields.items():
         name = _FORMER.get(given, given)
         if name not in LOOK_FIELDS:
@@ -67,7 +84,7 @@ def _set_request(performer: str, style: Optional[str], mix: Optional[Mapping[str
             look.root = ROOTS[value]
             continue
         if name != 'parts':
-            setattr(look, name, value)
+            _put(look, name, value, 'set')
             continue
         for part in [value] if isinstance(value, str) else value:
             if part not in PARTS:
@@ -101,10 +118,10 @@ def _read_file(command: str, file: str) -> bytes:
 def _like_request(performer: Optional[str], name: str, transition_ms: Optional[float] = None,
                   neutral_code: Sequence[float] = ()) -> control_pb2.Request:
     request = control_pb2.Request() if performer is None else _change(performer)
-    request.like.name = name
+    _put(request.like, 'name', name, 'like')
     request.like.neutral_code.extend(neutral_code)
     if transition_ms is not None:
-        request.like.transition_ms = transition_ms
+        _put(request.like, 'transition_ms', transition_ms, 'like')
     return request
 
 
@@ -116,6 +133,8 @@ def _fill_clip(like: control_pb2.Like, clip: str, rig: str) -> None:
 
 def _take_seconds(seconds: float) -> float:
     # The reply is waited for as long; the daemon refuses 0 and what is beyond its range.
+    if isinstance(seconds, str) or not hasattr(seconds, '__float__'):
+        raise TypeError(f'seconds is {seconds!r}, expected 1 to 60')
     if not math.isfinite(seconds) or seconds < 0:
         raise ValueError(f'seconds is {seconds}, expected 1 to 60')
     return seconds
@@ -169,15 +188,15 @@ class Commands:
                transition_ms: Optional[float] = None) -> Applied:
         """Applies a named mix of the daemon's configuration."""
         request = _change(performer)
-        request.preset.name = name
+        _put(request.preset, 'name', name, 'preset')
         if transition_ms is not None:
-            request.preset.transition_ms = transition_ms
+            _put(request.preset, 'transition_ms', transition_ms, 'preset')
         return self._ask(request, _applied)
 
     def pin(self, performer: str, pinned: bool = True) -> Applied:
         """A pinned performer keeps its style until it is unpinned."""
         request = _change(performer)
-        request.pin.pinned = pinned
+        _put(request.pin, 'pinned', pinned, 'pin')
         return self._ask(request, _applied)
 
     def reset(self, performer: str) -> Applied:
@@ -284,7 +303,7 @@ class Commands:
     def cue(self, name: str) -> Applied:
         """Fires the cues with that name in the daemon's configuration."""
         request = _change(EVERYONE)
-        request.cue.name = name
+        _put(request.cue, 'name', name, 'cue')
         return self._ask(request, _applied)
 
     def panic(self) -> Applied:

@@ -5,6 +5,7 @@ from typing import Optional
 
 import zmq
 
+from styled import checks
 from styled.closing import Closer
 from styled.commands import Commands, Conversation
 from styled.curve import Curve
@@ -36,12 +37,6 @@ def open_socket(context: zmq.Context, endpoint: str, curve: Optional[Curve]) -> 
     return socket
 
 
-def check_timeout(timeout: float) -> float:
-    if not timeout > 0:
-        raise ValueError(f'timeout is {timeout} s, expected above 0')
-    return timeout
-
-
 def no_answer(endpoint: str, timeout: float) -> NoAnswer:
     return NoAnswer(f'no daemon answers at {endpoint} within {timeout:g} s')
 
@@ -57,7 +52,9 @@ class Control(Commands):
 
     def __init__(self, endpoint: str = DEFAULT_CONTROL, *, timeout: float = 2.0,
                  curve: Optional[Curve] = None):
-        self._endpoint, self._timeout, self._curve = endpoint, check_timeout(timeout), curve
+        self._endpoint = checks.endpoint(endpoint, DEFAULT_CONTROL)
+        self._timeout = checks.seconds_above_0('timeout', timeout)
+        self._curve = checks.curve(curve)
         self._conversation = Conversation()
         self._context = zmq.Context()
         self._close = Closer(self, self._context)
@@ -87,7 +84,7 @@ class Control(Commands):
         message = [b'', self._conversation.encode(request)]
         try:
             self._socket.send_multipart(message, zmq.NOBLOCK)
-            while self._socket.poll(max(0.0, 1000 * (end - time.monotonic()))):
+            while self._socket.poll(checks.milliseconds(end - time.monotonic())):
                 payload = self._socket.recv_multipart()[-1]
                 reply = self._conversation.decode(payload, self._endpoint)
                 if reply is not None:

@@ -2,6 +2,7 @@
 (proto/styled/v1/WIRE.md)."""
 
 import collections
+import collections.abc
 import dataclasses
 import time
 import enum
@@ -10,7 +11,7 @@ from typing import Deque, Dict, Iterable, List, Optional, Tuple, Union
 
 from google.protobuf.message import DecodeError
 
-from styled import kinematics
+from styled import checks, kinematics
 from styled.v1 import body_pb2, frame_pb2, stats_pb2
 
 _NAME = re.compile(r'[A-Za-z0-9_-]{1,32}')
@@ -40,6 +41,8 @@ _OUTPUTS = {Stream.RIG: body_pb2.OUTPUT_RIG, Stream.CANONICAL: body_pb2.OUTPUT_C
 
 
 _BUNDLES = ('rig', 'canonical', 'source')
+_STREAMS = ("'rig', 'canonical' or 'source' (styled.RIG, CANONICAL, SOURCE), or the name of an [[output]] "
+            '([A-Za-z0-9_-]{1,32})')
 
 
 def _topic(wanted: Wanted, performer: str) -> str:
@@ -51,12 +54,37 @@ def _topic(wanted: Wanted, performer: str) -> str:
 def _check_wanted(wanted: Wanted) -> Wanted:
     if isinstance(wanted, Stream) and wanted is not Stream.AVATAR:
         return wanted
-    if wanted in _BUNDLES:
-        return Stream(wanted)
     if not isinstance(wanted, str) or not _NAME.fullmatch(wanted):
-        raise ValueError(f"stream '{wanted}', expected styled.RIG, CANONICAL or SOURCE, or the name "
-                         'of an [[output]] ([A-Za-z0-9_-]{1,32})')
+        raise ValueError(f'streams has {wanted!r}, expected {_STREAMS}')
+    if wanted.lower() not in _BUNDLES:
+        return wanted
+    if wanted not in _BUNDLES:
+        raise ValueError(f"streams has '{wanted}', expected '{wanted.lower()}'")
+    return Stream(wanted)
+
+
+def _check_all_wanted(streams: Union[Wanted, Iterable[Wanted], None],
+                      statistics: bool) -> Tuple[Wanted, ...]:
+    if streams is None:
+        return ()
+    if isinstance(streams, (Stream, str)):
+        streams = (streams,)
+    if isinstance(streams, bytes) or not isinstance(streams, collections.abc.Iterable):
+        raise TypeError(f'streams is {streams!r}, expected one or several of {_STREAMS}')
+    wanted = tuple(_check_wanted(stream) for stream in streams)
+    if not wanted and not statistics:
+        raise ValueError(f'streams has none, so no frame would come; expected one or several of {_STREAMS}, '
+                         'or None: bodies only')
     return wanted
+
+
+def _check_performer(performer: str) -> str:
+    expected = "expected SOURCE.NAME ([A-Za-z0-9_-]{1,32} each), or '' for all"
+    if not isinstance(performer, str):
+        raise TypeError(f'performer is {performer!r}, {expected}')
+    if performer and not is_performer_id(performer):
+        raise ValueError(f"performer '{performer}', {expected}")
+    return performer
 
 
 def _stream_of(words: List[str]) -> Tuple[Optional[Stream], str]:
@@ -139,22 +167,17 @@ class Inbox:
     subscribe to."""
 
     def __init__(self, performer: str = '',
-                 streams: Union[Wanted, Iterable[Wanted]] = (Stream.RIG,),
+                 streams: Union[Wanted, Iterable[Wanted], None] = (Stream.RIG,),
                  statistics: bool = False, bundled: bool = False):
+        self._performer = _check_performer(performer)
+        self._statistics = checks.yes_or_no('statistics', statistics)
+        self._bundled = checks.yes_or_no('bundled', bundled)
+        self._streams = _check_all_wanted(streams, statistics)
         if bundled and performer:
             raise ValueError(f"bundled with performer '{performer}', expected '' (all)")
-        if performer and not is_performer_id(performer):
-            raise ValueError(f"performer '{performer}' is not SOURCE.NAME "
-                             '([A-Za-z0-9_-]{1,32} each)')
         self.counters = Counters()
         self.new_topics: List[str] = []  # the owner must subscribe to these and clear the list
         self.lag_s = 0.0                 # of the last frame, compared with its usual transit
-        self._performer = performer
-        if isinstance(streams, (Stream, str)):
-            streams = (streams,)
-        self._streams = tuple(_check_wanted(stream) for stream in streams)
-        self._statistics = statistics
-        self._bundled = bundled
         self._waiting: Deque[Tuple[Stream, frame_pb2.Frame]] = collections.deque()  # of a bundle
         self._bodies: Dict[str, List[body_pb2.Body]] = {}
         self._states: Dict[str, _State] = {}

@@ -6,6 +6,7 @@ from typing import Iterable, Iterator, List, Optional, Union
 
 import zmq
 
+from styled import checks
 from styled.closing import Closer
 from styled.curve import Curve
 from styled.inbox import Counters, Inbox, Kind, Newest, Stream, Update, Wanted
@@ -21,13 +22,10 @@ _monitors = itertools.count()
 def open_socket(socket: zmq.Socket, inbox: Inbox, endpoints: Union[str, Iterable[str]],
                 queue_messages: int, curve: Optional[Curve]) -> None:
     """Sets up and connects a SUB socket of pyzmq, blocking or asyncio."""
-    endpoints = [endpoints] if isinstance(endpoints, str) else list(endpoints)
-    if not endpoints:
-        raise ValueError('no endpoint given')
-    if queue_messages < 1:
-        raise ValueError(f'queue_messages is {queue_messages}, expected 1 or more')
+    endpoints = checks.endpoints(endpoints, DEFAULT_PUBLISHER)
+    curve = checks.curve(curve)
     socket.linger = 0
-    socket.rcvhwm = queue_messages
+    socket.rcvhwm = checks.messages('queue_messages', queue_messages)
     socket.maxmsgsize = MAX_MESSAGE_BYTES
     socket.reconnect_ivl = 100
     socket.reconnect_ivl_max = 1000
@@ -48,6 +46,11 @@ def open_socket(socket: zmq.Socket, inbox: Inbox, endpoints: Union[str, Iterable
 def subscribe(socket: zmq.Socket, topics: List[str]) -> None:
     for topic in topics:
         socket.setsockopt_string(zmq.SUBSCRIBE, topic)
+
+
+def end_of(timeout: Optional[float]) -> Optional[float]:
+    seconds = checks.seconds_or_none('timeout', timeout)
+    return None if seconds is None else time.monotonic() + seconds
 
 
 class Links:
@@ -82,19 +85,19 @@ class Subscriber:
     endpoints       of publishers, one or several (the ids of their performers must differ)
     performer       SOURCE.NAME; '' = all, including those that appear later
     streams         one or several of 'rig', 'canonical', 'source' (styled.RIG, CANONICAL, SOURCE),
-                    or the name of an [[output]] of the daemon; empty: bodies and statistics only
+                    or the name of an [[output]] of the daemon; None: bodies and statistics only
     statistics      also subscribe to the daemon's counters, once per second
     bundled         all performers' frames of a cycle of the daemon in one message: for whoever shows
                     tens of performers and more; without `performer`
     queue_messages  queue of this process; when it is full, the newest are dropped
     curve           styled.Curve, for daemons that require keys
 
-    Raises ValueError for an invalid argument. It is no error if no daemon listens there yet.
+    Raises ValueError for an invalid argument, TypeError for one of another type. It is no error if no daemon listens there yet.
     """
 
     def __init__(self, endpoints: Union[str, Iterable[str]] = DEFAULT_PUBLISHER, *,
                  performer: str = '',
-                 streams: Union[Wanted, Iterable[Wanted]] = (Stream.RIG,),
+                 streams: Union[Wanted, Iterable[Wanted], None] = (Stream.RIG,),
                  statistics: bool = False, bundled: bool = False, queue_messages: int = 1000,
                  curve: Optional[Curve] = None):
         self._inbox = Inbox(performer, streams, statistics, bundled)
@@ -135,7 +138,7 @@ class Subscriber:
     def receive(self, timeout: Optional[float] = None) -> Optional[Update]:
         """Every-frame mode: the next update, or None if none arrives within `timeout` seconds (None:
         wait forever; 0: only what has already arrived)."""
-        end = None if timeout is None else time.monotonic() + timeout
+        end = end_of(timeout)
         while True:
             update = self._read()
             if update is not None:
@@ -149,7 +152,7 @@ class Subscriber:
         newest statistics. A reader that draws at less than 120 Hz therefore does not lag behind. After
         the process or its network was suspended, seconds of frames are queued: as long as messages
         arrive 50 ms later than usual, this keeps reading, for at most 0.5 s."""
-        end = None if timeout is None else time.monotonic() + timeout
+        end = end_of(timeout)
         newest = Newest()
         catching_up = False
         for _ in range(MAX_DRAIN):
@@ -197,5 +200,4 @@ class Subscriber:
     def _wait(self, end: Optional[float]) -> bool:
         if end is None:
             return bool(self._socket.poll())
-        left_ms = max(0.0, 1000 * (end - time.monotonic()))
-        return bool(self._socket.poll(left_ms))
+        return bool(self._socket.poll(checks.milliseconds(end - time.monotonic())))

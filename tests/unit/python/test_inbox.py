@@ -88,11 +88,21 @@ class InboxTest(unittest.TestCase):
 
     def test_refuses_a_stream_that_is_none(self):
         for bad in (Stream.AVATAR, '', 'a/b', 3):
-            with self.assertRaisesRegex(ValueError, 'expected styled.RIG', msg=bad):
+            with self.assertRaisesRegex(ValueError, "expected 'rig', 'canonical'", msg=bad):
                 Inbox(streams=[bad])
         for bad in (Stream.AVATAR, '', 'rig,canonical'):
-            with self.assertRaisesRegex(ValueError, 'expected styled.RIG', msg=bad):
+            with self.assertRaisesRegex(ValueError, "expected 'rig', 'canonical'", msg=bad):
                 Inbox(streams=bad)
+        for bad in ('Rig', 'CANONICAL', 'Source'):
+            with self.assertRaisesRegex(ValueError, f"streams has '{bad}', expected '{bad.lower()}'"):
+                Inbox(streams=bad)
+
+    def test_no_stream_has_to_be_said(self):
+        for none in ([], (), iter(())):
+            with self.assertRaisesRegex(ValueError, 'streams has none, .* expected one or several'):
+                Inbox(streams=none)
+        self.assertEqual(Inbox(streams=None).topics(), ['body/'])
+        self.assertEqual(Inbox(streams=[], statistics=True).topics(), ['stats/', 'body/'])
 
     def test_avatars_are_told_apart_by_their_outputs_names(self):
         for name in ('hero', 'villain'):
