@@ -92,7 +92,8 @@ class Subscriber:
     queue_messages  queue of this process; when it is full, the newest are dropped
     curve           styled.Curve, for daemons that require keys
 
-    Raises ValueError for an invalid argument, TypeError for one of another type. It is no error if no daemon listens there yet.
+    Raises ValueError for an invalid argument, TypeError for one of another type. It is no error if no
+    daemon listens there yet.
     """
 
     def __init__(self, endpoints: Union[str, Iterable[str]] = DEFAULT_PUBLISHER, *,

@@ -2,11 +2,15 @@
 expected, of the blocking client and of that for asyncio."""
 import asyncio
 import math
+import os
+import subprocess
+import sys
 import unittest
 
 import styled
 import styled.aio
 
+HEADS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '../../../clients/python/examples/heads.py')
 NOBODY = 'ipc:///tmp/styled-nobody'
 
 ENDPOINTS = [(TypeError, None, 'None'), (TypeError, 7, '7'), (TypeError, b'tcp://a:1', "b'tcp://a:1'"),
@@ -89,6 +93,20 @@ class CallsTest(unittest.TestCase):
                                (lambda: control.learn('rig.a', 5, 5), 'name is 5, expected a name')):
                 with self.assertRaisesRegex(TypeError, text):
                     call()
+
+
+class ExampleTest(unittest.TestCase):
+    def test_says_what_is_wrong_in_one_line_below_its_usage(self):
+        for arguments, code, text in ((['--help'], 0, ''), (['nonsense'], 2, "endpoints 'nonsense', expected"),
+                                      ([NOBODY, 'nonsense'], 2, "endpoint 'nonsense', expected e.g. tcp"),
+                                      ([NOBODY, NOBODY, 'old', 'many'], 2, "invalid int value: 'many'"),
+                                      ([NOBODY, NOBODY, 'old', '1', 'x'], 2, 'unrecognized arguments: x')):
+            done = subprocess.run([sys.executable, HEADS, *arguments], capture_output=True, text=True,
+                                  timeout=60)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn('usage: heads.py', done.stdout + done.stderr)
+            self.assertIn(text, done.stderr)
+            self.assertNotIn('Traceback', done.stderr)
 
 
 class WaitingTest(unittest.TestCase):
