@@ -1,6 +1,8 @@
 """The Python client's wheel, in a virtual environment and a folder that know nothing of the tree."""
+import email
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -53,12 +55,31 @@ class WheelTest(unittest.TestCase):
         with zipfile.ZipFile(self.wheel) as wheel:
             names = set(wheel.namelist())
             metadata = wheel.read(next(n for n in names if n.endswith('/METADATA'))).decode()
+            tags = wheel.read(next(n for n in names if n.endswith('/WHEEL')))
         for wanted in ('styled/__main__.py', 'styled/py.typed', 'styled/v1/frame_pb2.py',
                        'styled/v1/frame_pb2.pyi'):
             self.assertIn(wanted, names)
         self.assertEqual({n.split('/')[0] for n in names if '.dist-info' not in n}, {'styled'})
-        for line in ('Requires-Dist: pyzmq', 'Requires-Dist: protobuf', 'Requires-Python: >=3.9'):
-            self.assertIn(line, metadata)
+        self.assertIn(b'Root-Is-Purelib: true', tags)
+        metadata = email.message_from_string(metadata)
+        self.assertEqual(metadata['Requires-Python'].replace(' ', ''), '>=3.9')
+        required = [re.match('[A-Za-z0-9-]+', line)[0] for line in metadata.get_all('Requires-Dist')]
+        self.assertEqual(sorted(required), ['numpy', 'protobuf', 'pyzmq'])
+        self.assertIn('Typing :: Typed', metadata.get_all('Classifier'))
+
+    def test_has_the_name_and_the_version_that_the_tree_and_its_readme_say(self):
+        with open(os.path.join(ROOT, 'CMakeLists.txt')) as text:
+            version = re.search(r'project\(styled VERSION (\S+)', text.read())[1]
+        with zipfile.ZipFile(self.wheel) as wheel:
+            metadata = email.message_from_bytes(
+                wheel.read(next(n for n in wheel.namelist() if n.endswith('/METADATA'))))
+        self.assertEqual((metadata['Name'], metadata['Version']), ('styled-mocap', version))
+        with open(os.path.join(ROOT, 'clients/python/README.md')) as text:
+            self.assertEqual(re.findall(r'pip install (?:\S+/)?(\S+\.whl)', text.read()),
+                             [os.path.basename(self.wheel)])
+        found = run(self.python, '-c', 'import importlib.metadata as m; print(m.version("styled-mocap"))',
+                    cwd=self.folder, env=self.clean)
+        self.assertEqual(found.strip(), version)
 
     def test_reads_frames_in_a_fresh_folder(self):
         with open(os.path.join(ROOT, 'tests/conformance/canonical.json')) as text:
