@@ -24,6 +24,7 @@ static class Conformance {
     tests.Add(new KeyValuePair<string, Action>("gaps, repetitions and restarts are counted", Gaps));
     tests.Add(new KeyValuePair<string, Action>("avatars are told apart by their outputs' names", Avatars));
     tests.Add(new KeyValuePair<string, Action>("Unity's sample turns each bone as the mirrored joint", Sample));
+    tests.Add(new KeyValuePair<string, Action>("Unity's sample says once what is wrong", SampleSaysWhatIsWrong));
     tests.Add(new KeyValuePair<string, Action>("no class has the name of one of Unity's", Names));
     tests.Add(new KeyValuePair<string, Action>("a comparison that must fail does", NegativeControl));
     int failed = 0;
@@ -104,13 +105,21 @@ static class Conformance {
     foreach (string bad in new[] { "rig", "rig.", ".a", "a.b.c", "a b.c", "rig.a/", "*", "rig.a\n" }) {
       Throws(() => new Inbox(bad, "rig"), "SOURCE.NAME");
     }
+    foreach (string bad in new[] { "Rig", "CANONICAL" }) {
+      Throws(() => new Inbox("", bad), "stream '" + bad + "', expected '" + bad.ToLowerInvariant() + "'");
+    }
+    Throws(() => new Subscriber("ipc:///tmp/styled-nobody", "", new string[0]).Dispose(), "streams has none");
+    foreach (string bad in new[] { null, "", "http://a:1", "inproc://a", "tcp://a", "tcp://:1", "tcp://a:0", "ws://a:1" }) {
+      Throws(() => new Subscriber(bad).Dispose(), "cannot connect to '" + bad + "', expected e.g. tcp://");
+      Throws(() => new Control(bad).Dispose(), "cannot connect to '" + bad + "', expected e.g. tcp://");
+    }
     foreach (string bad in new[] { "", "a/b", null, "rig\n" }) Throws(() => new Inbox("", bad), "expected rig, canonical");
     Throws(() => new Subscriber("nonsense").Dispose(), "expected e.g. tcp://");
     Throws(() => new Subscriber(queueMessages: 0).Dispose(), "expected 1 or more");
     Throws(() => new Subscriber(curve: new Curve { ServerKey = "short" }).Dispose(), "expected 40 of Z85");
     Throws(() => new Control(timeoutMs: 0).Dispose(), "expected 1 or more");
     using (var control = new Control("ipc:///tmp/styled-nobody", 50)) {
-      Throws(() => control.SetStyle("anna", "old"), "SOURCE.NAME");
+      foreach (string bad in new[] { "anna", "", null }) Throws(() => control.SetStyle(bad, "old"), "SOURCE.NAME");
       try {
         control.Styles();
         Check(false, "somebody answers");
@@ -189,6 +198,27 @@ static class Conformance {
   }
 
   // An avatar that stands anywhere, whose bones have any rest rotation, and fingers that the body lacks.
+  static void SampleSaysWhatIsWrong() {
+    Debug.Said.Clear();
+    foreach (string bad in new[] { "nonsense", "" }) {
+      var sample = new Styled.Samples.LivePerformer { endpoint = bad };
+      sample.OnEnable();
+      sample.LateUpdate();
+      sample.OnDisable();
+      Check(!sample.enabled && Debug.Said.Count == 1, "said " + Debug.Said.Count + " times");
+      Check(Debug.Said[0].StartsWith("error: LivePerformer: cannot connect to '" + bad + "'"), Debug.Said[0]);
+      Debug.Said.Clear();
+    }
+    var silent = new Styled.Samples.LivePerformer { endpoint = "ipc:///tmp/styled-nobody", performer = "rig.ann", warnAfterSeconds = 60 };
+    silent.OnEnable();
+    silent.LateUpdate();
+    Check(Debug.Said.Count == 0, "a warning too early");
+    silent.warnAfterSeconds = 0;
+    for (int i = 0; i < 3; ++i) silent.LateUpdate();
+    silent.OnDisable();
+    Check(Debug.Said.Count == 1 && Debug.Said[0].StartsWith("warning: LivePerformer: no frame of 'rig.ann'"), "no warning");
+  }
+
   static void Sample() {
     Json golden = Golden("canonical");
     Body body = Body.Parse(Bytes(golden["body"].Text));

@@ -59,7 +59,15 @@ public class Component {
   public T GetComponent<T>() { return (T)Others[typeof(T)]; }
 }
 
-public class MonoBehaviour : Component {}
+public class MonoBehaviour : Component {
+  public bool enabled = true;
+}
+
+public static class Debug {
+  public static readonly List<string> Said = new List<string>();
+  public static void LogError(object message, Component context) { Said.Add("error: " + message); }
+  public static void LogWarning(object message, Component context) { Said.Add("warning: " + message); }
+}
 
 public sealed class Animator : Component {
   public readonly Dictionary<HumanBodyBones, Transform> Bones = new Dictionary<HumanBodyBones, Transform>();

@@ -14,8 +14,8 @@ public sealed class RefusedException : Exception {
 /// <summary>Steers a daemon. Each call blocks until the reply, or for `timeoutMs`; it throws
 /// RefusedException, TimeoutException (no daemon answers; the change may or may not have been applied),
 /// FormatException (what answers is none) or ArgumentException. `performer` is SOURCE.NAME or "*". A
-/// change returns the first sequence under it by performer. One thread at a time, in Unity not the
-/// main one; Dispose it.</summary>
+/// change returns the first sequence under it by performer; Absent and NoStrength say of whom it is not to
+/// be seen. One thread at a time, in Unity not the main one; Dispose it.</summary>
 public sealed class Control : IDisposable {
   public const string DefaultEndpoint = "tcp://127.0.0.1:7002";
   const long MaxReplyBytes = 16 << 20;
@@ -32,15 +32,23 @@ public sealed class Control : IDisposable {
     endpoint_ = endpoint;
     timeout_ms_ = timeoutMs;
     curve_ = curve;
+    Absent = NoStrength = new string[0];
     Open();
   }
 
   public void Dispose() { socket_.Dispose(); }
 
+  /// <summary>Of the last call that the daemon answered: under these names nobody performs, and the change
+  /// waits until they come. A mistyped name is here.</summary>
+  public ICollection<string> Absent { get; private set; }
+
+  /// <summary>Of the same: these have a style set, but the strength 0, so that none is to be seen.</summary>
+  public ICollection<string> NoStrength { get; private set; }
+
   /// <summary>The names of the daemon's styles.</summary>
   public List<string> Styles() {
     var names = new List<string>();
-    WireReader list = Ask(Request("").Message(3, new byte[0])).List;
+    WireReader list = Ask(Request().Message(3, new byte[0])).List;
     while (list != null && list.Next()) {
       if (list.Field != 1) {
         list.Skip();
@@ -80,13 +88,16 @@ public sealed class Control : IDisposable {
     public string Reason = "";
     public WireReader List;
     public readonly Dictionary<string, ulong> Applied = new Dictionary<string, ulong>();
+    public readonly List<string> Absent = new List<string>(), NoStrength = new List<string>();
   }
 
+  WireWriter Request() { return new WireWriter().Number(1, ++id_); }
+
   WireWriter Request(string performer) {
-    if (performer != "" && performer != "*" && (performer == null || !Inbox.IsPerformerId(performer))) {
+    if (performer != "*" && (performer == null || !Inbox.IsPerformerId(performer))) {
       throw new ArgumentException("performer '" + performer + "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each) or '*'");
     }
-    return new WireWriter().Number(1, ++id_).Text(2, performer);
+    return Request().Text(2, performer);
   }
 
   Reply Ask(WireWriter request) {
@@ -98,6 +109,8 @@ public sealed class Control : IDisposable {
       Reply reply = Parse(parts[parts.Count - 1]);
       // A daemon that could not parse the request replies with id 0.
       if (reply.Id != id_ && (reply.Id != 0 || reply.Code == 0)) continue;
+      Absent = reply.Absent;
+      NoStrength = reply.NoStrength;
       if (reply.Code != 0) throw new RefusedException(reply.Code, reply.Reason);
       return reply;
     }
@@ -114,22 +127,26 @@ public sealed class Control : IDisposable {
       if (reader.Field == 1) reply.Id = reader.Number();
       else if (reader.Field == 2) reply.Code = (int)reader.Number();
       else if (reader.Field == 3) reply.Reason = reader.Text();
-      else if (reader.Field == 4) ParseApplied(reader.Message(), reply.Applied);
+      else if (reader.Field == 4) ParseApplied(reader.Message(), reply);
       else if (reader.Field == 5) reply.List = reader.Message();
       else reader.Skip();
     }
     return reply;
   }
 
-  static void ParseApplied(WireReader reader, Dictionary<string, ulong> into) {
+  static void ParseApplied(WireReader reader, Reply into) {
     string performer = "";
-    ulong sequence = 0;
+    ulong sequence = 0, absent = 0, noStrength = 0;
     while (reader.Next()) {
       if (reader.Field == 1) performer = reader.Text();
       else if (reader.Field == 2) sequence = reader.Number();
+      else if (reader.Field == 3) absent = reader.Number();
+      else if (reader.Field == 4) noStrength = reader.Number();
       else reader.Skip();
     }
-    into[performer] = sequence;
+    into.Applied[performer] = sequence;
+    if (absent != 0) into.Absent.Add(performer);
+    if (noStrength != 0) into.NoStrength.Add(performer);
   }
 
   void Open() {

@@ -57,9 +57,17 @@ public sealed class Inbox {
     performer_ = performer ?? "";
     streams_ = streams ?? new string[0];
     if (performer_ != "" && !IsPerformerId(performer_)) {
-      throw new ArgumentException("performer '" + performer_ + "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each)");
+      throw new ArgumentException("performer '" + performer_ + "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each), or \"\" for all");
+    }
+    if (streams_.Length == 0) {
+      throw new ArgumentException("streams has none, so no frame would come, expected rig, canonical, source, or " +
+                                  "the name of an [[output]]");
     }
     foreach (string stream in streams_) {
+      string small = stream == null ? "" : stream.ToLowerInvariant();
+      if (small != stream && (small == "rig" || small == "canonical" || small == "source")) {
+        throw new ArgumentException("stream '" + stream + "', expected '" + small + "'");
+      }
       if (stream == null || !Name.IsMatch(stream)) {
         throw new ArgumentException("stream '" + stream + "', expected rig, canonical, source, or the name of " +
                                     "an [[output]] ([A-Za-z0-9_-]{1,32})");

@@ -3,6 +3,7 @@ using System;
 using System.Collections.Generic;
 using System.Runtime.InteropServices;
 using System.Text;
+using System.Text.RegularExpressions;
 
 namespace Styled {
 
@@ -93,8 +94,9 @@ sealed class ZmqSocket : IDisposable {
 
   public void Connect(string endpoint) {
     CheckOpen();
-    if (endpoint != null && endpoint.Contains("[")) Set(Zmq.Ipv6, 1);
-    if (endpoint == null || Zmq.zmq_connect(socket_, Encoding.UTF8.GetBytes(endpoint + "\0")) != 0) {
+    bool known = endpoint != null && Regex.IsMatch(endpoint, @"\A(tcp://(\S+;)?(\[[^]\s]+\]|[^\s/:*]+):0*[1-9][0-9]{0,4}|ipc://.+)\z");
+    if (known && endpoint.Contains("[")) Set(Zmq.Ipv6, 1);
+    if (!known || Zmq.zmq_connect(socket_, Encoding.UTF8.GetBytes(endpoint + "\0")) != 0) {
       throw new ArgumentException("cannot connect to '" + endpoint + "', expected e.g. tcp://127.0.0.1:7001 or ipc://PATH");
     }
   }

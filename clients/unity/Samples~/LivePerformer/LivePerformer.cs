@@ -1,6 +1,8 @@
 using System;
 using System.Collections.Generic;
+using System.Diagnostics;
 using UnityEngine;
+using Debug = UnityEngine.Debug;
 
 namespace Styled.Samples {
 
@@ -11,6 +13,7 @@ namespace Styled.Samples {
 public sealed class LivePerformer : MonoBehaviour {
   public string endpoint = Subscriber.DefaultEndpoint;
   public string performer = "rig.anna";
+  public float warnAfterSeconds = 5;  // without a frame, once
 
   sealed class Bone {
     public Transform transform;
@@ -20,12 +23,21 @@ public sealed class LivePerformer : MonoBehaviour {
   readonly Dictionary<string, Bone> bones_ = new Dictionary<string, Bone>();
   readonly List<Update> updates_ = new List<Update>();
   Subscriber subscriber_;
+  Stopwatch silence_;  // until the first frame or the warning
   WorldPose world_;
   Body body_;           // whose joints boneOfJoint_ has; null before the first frame
   Bone[] boneOfJoint_;  // null where the avatar has no such bone
   float hipsHeight_;
 
-  public void OnEnable() { subscriber_ = new Subscriber(endpoint, performer); }
+  public void OnEnable() {
+    try {
+      subscriber_ = new Subscriber(endpoint, performer);
+    } catch (Exception error) when (error is ArgumentException || error is DllNotFoundException) {
+      Debug.LogError("LivePerformer: " + error.Message, this);  // a wrong field, or no libzmq in Assets/Plugins
+      enabled = false;
+    }
+    silence_ = Stopwatch.StartNew();
+  }
 
   public void OnDisable() {
     if (subscriber_ != null) subscriber_.Dispose();
@@ -34,7 +46,15 @@ public sealed class LivePerformer : MonoBehaviour {
 
   // After the Animator, which may play a clip on bones that no joint moves.
   public void LateUpdate() {
+    if (subscriber_ == null) return;
     subscriber_.Latest(updates_);
+    if (updates_.Count > 0) {
+      silence_ = null;
+    } else if (silence_ != null && silence_.Elapsed.TotalSeconds >= warnAfterSeconds) {
+      Debug.LogWarning("LivePerformer: no frame of '" + performer + "' from " + endpoint + " yet: does a daemon " +
+                       "publish there, and does anybody perform under this name?", this);
+      silence_ = null;
+    }
     foreach (Update update in updates_) Apply(update);
   }
 

@@ -1,0 +1,19 @@
+// Sets styles as it is told: steer CONTROL PERFORMER..., and prints what Control says of each.
+using System;
+using Styled;
+
+static class Steer {
+  static void Main(string[] arguments) {
+    using (var control = new Control(arguments[0])) {
+      for (int i = 1; i < arguments.Length; ++i) {
+        string said = string.Join(",", control.SetStyle(arguments[i], "old").Keys);
+        Console.WriteLine(said + " absent=" + string.Join(",", control.Absent) + " weak=" + string.Join(",", control.NoStrength));
+      }
+      try {
+        control.SetStyle("stage.refused", "old");
+      } catch (RefusedException error) {
+        Console.WriteLine(error.Message + " absent=" + control.Absent.Count);
+      }
+    }
+  }
+}
