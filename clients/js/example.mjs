@@ -1,10 +1,21 @@
 // Sets a style, then prints the position of each performer's head, ten times per second.
-//   node example.mjs [URL [STYLE [FRAMES]]]
 import { StyledClient, worldTransforms } from 'styled-client';
 
-const client = new StyledClient({ url: process.argv[2] ?? 'http://127.0.0.1:7080' });
-const style = process.argv[3] ?? 'elderly';
-const enough = Number(process.argv[4] ?? Infinity);
+const USAGE = 'usage: node example.mjs [URL [STYLE [FRAMES]]]';
+const [url = 'http://127.0.0.1:7080', style = 'elderly', atMost = 'Infinity', ...more] = process.argv.slice(2);
+const enough = Number(atMost);
+if (url === '--help' || url === '-h') {
+  console.log(USAGE);
+  process.exit();
+}
+let client;
+try {
+  if (!(enough > 0) || more.length) throw new TypeError(`found "${[atMost, ...more].join(' ')}", expected a number above 0`);
+  client = new StyledClient({ url });
+} catch (error) {
+  console.error(`${error.message}\n${USAGE}`);
+  process.exit(2);
+}
 
 client.on('link', (state) => {
   if (state.reason) console.error(`${client.linkState.kind}: ${state.reason}`);

@@ -65,6 +65,9 @@ export interface ClientEvents {
   /** A message that the gateway did not understand or refused. Also, once for each subscribed performer
    * for which the daemon sent no body; that performer may still appear. `unknown` is its name. */
   complaint(text: string, unknown?: string): void;
+  /** A change was applied, and is not to be seen: nobody performs under the name that it is for (it waits
+   * until they come), or the strength is 0. */
+  unseen(text: string, performer: string): void;
 }
 
 export interface ClientOptions {
@@ -198,6 +201,7 @@ export class StyledClient {
   private linkState_: LinkState = { kind: 'connecting', reason: '' };
   private daemonState_: DaemonState = { up: false, reason: 'not connected yet' };
   private watchOnly_ = false;
+  private warned = '';
 
   constructor(options: ClientOptions) {
     this.timeout_ms = options.timeout_ms ?? 3000;
@@ -319,7 +323,10 @@ export class StyledClient {
    */
   async like(performer: string, example: LikeOptions): Promise<LikeReply> {
     if (performer !== '') checkPerformers(performer);
-    return (await this.ask({ performer, command: { case: 'like', value: example } })).like!;
+    const command = { case: 'like', value: example } as const;
+    const reply = await this.ask({ performer, command });
+    this.tellUnseen(performer, command, reply.applied);
+    return reply.like!;
   }
   /** The file of a style that was made of an example. */
   async exportStyle(name: string): Promise<StyleFile> {
@@ -355,7 +362,24 @@ export class StyledClient {
 
   private async change(performer: string, command: RequestInit['command']): Promise<Applied[]> {
     checkPerformers(performer);
-    return (await this.ask({ performer, command })).applied;
+    const { applied } = await this.ask({ performer, command });
+    this.tellUnseen(performer, command, applied);
+    return applied;
+  }
+
+  // Of what was asked for by name: with "*" nobody in particular was meant, and a strength of 0 that the
+  // change itself sets is wanted.
+  private tellUnseen(performer: string, command: RequestInit['command'], applied: Applied[]): void {
+    const styles = command?.case === 'preset' || command?.case === 'cue' || command?.case === 'like' ||
+      (command?.case === 'set' && command.value.strength === undefined);
+    for (const one of applied) {
+      if (one.absent && one.performer === performer) {
+        this.tell('unseen', `nobody performs under the name ${performer}: the change waits until they come`, performer);
+      }
+      if (one.noStrength && styles) {
+        this.tell('unseen', `the strength of ${one.performer} is 0: no style is to be seen`, one.performer);
+      }
+    }
   }
 
   /** Sends any request, unchecked; the client sets its id. */
@@ -391,6 +415,19 @@ export class StyledClient {
     for (const listener of this.listeners.get(event) ?? []) {
       (listener as unknown as (...args: Parameters<ClientEvents[K]>) => void)(...args);
     }
+  }
+
+  // An event that says what is wrong: where nobody listens to it, it is a warning in the console, once
+  // until another one comes.
+  private tell<K extends 'complaint' | 'unseen'>(event: K, ...args: Parameters<ClientEvents[K]>): void {
+    if (this.listeners.get(event)?.size) this.emit(event, ...args);
+    else this.warn(args[0]);
+  }
+
+  private warn(text: string): void {
+    if (text === this.warned) return;
+    this.warned = text;
+    console.warn(`styled-client: ${text}`);
   }
 
   private topics(add: boolean, topics: string[]): void {
@@ -454,7 +491,7 @@ export class StyledClient {
   private await(performer: string): void {
     if (!this.daemonState_.up || this.bodies.has(performer) || this.awaited.has(performer)) return;
     this.awaited.set(performer, setTimeout(() => {
-      this.emit('complaint',
+      this.tell('complaint',
         `found nobody called ${performer}, expected SOURCE.NAME of who performs; frames come when there is one`, performer);
     }, UNKNOWN_MS));
   }
@@ -474,6 +511,7 @@ export class StyledClient {
       this.setDaemon({ up: false, reason: 'not connected to the gateway' });
     }
     this.emit('link', state);
+    if ('reason' in state && state.reason && !this.listeners.get('link')?.size) this.warn(state.reason);
   }
 
   private setDaemon(state: DaemonState): void {
@@ -493,7 +531,7 @@ export class StyledClient {
     }
     if (typeof notice.watchOnly === 'boolean') this.watchOnly_ = notice.watchOnly;
     if (notice.daemon) this.setDaemon(notice.daemon as DaemonState);
-    if (typeof notice.error === 'string') this.emit('complaint', notice.error);
+    if (typeof notice.error === 'string') this.tell('complaint', notice.error);
     if (typeof notice.unanswered === 'string') {
       this.settle(BigInt(notice.unanswered))?.reject(new NoAnswerError(String(notice.reason)));
     }
@@ -516,7 +554,7 @@ export class StyledClient {
     try {
       return fromBinary(schema, payload);
     } catch (error) {
-      this.emit('complaint', `${what}: ${(error as Error).message}`);
+      this.tell('complaint', `${what}: ${(error as Error).message}`);
       return undefined;
     }
   }
@@ -554,7 +592,7 @@ export class StyledClient {
   private onBody(performer: string, body: Body): void {
     const wrong = checkBody(body);
     this.unawait(performer);
-    if (wrong) return this.emit('complaint', `body of ${performer}: ${wrong}`);
+    if (wrong) return this.tell('complaint', `body of ${performer}: ${wrong}`);
     const known = this.bodies.get(performer) ?? [];
     if (known.some((other) => other.hash === body.hash && other.output === body.output)) return;
     // Keeps the bodies of all outputs, and their previous ones: frames of those may still be in
@@ -567,7 +605,7 @@ export class StyledClient {
     const frame = this.parse(FrameSchema, payload, `frame of ${state.performer}`);
     if (!frame) return undefined;
     if (frame.output !== (state.stream === 'canonical' ? Output.CANONICAL : Output.RIG)) {
-      this.emit('complaint', `frame of ${state.performer}: of another output than its topic`);
+      this.tell('complaint', `frame of ${state.performer}: of another output than its topic`);
       return undefined;
     }
     const sameEpoch = reader.started && frame.epoch === reader.epoch;
@@ -577,7 +615,7 @@ export class StyledClient {
       ?.find((known) => known.hash === frame.bodyHash && known.output === frame.output);
     const wrong = body ? checkFrame(body, frame) : '';
     if (wrong) {
-      this.emit('complaint', `frame of ${state.performer}: ${wrong}`);
+      this.tell('complaint', `frame of ${state.performer}: ${wrong}`);
       return undefined;
     }
     const step = sameEpoch ? Number(frame.sequence - reader.sequence) : reader.sinceLast;

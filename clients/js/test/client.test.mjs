@@ -1,5 +1,7 @@
 import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
 import { test } from 'node:test';
+import { fileURLToPath } from 'node:url';
 import { create, toBinary } from '@bufbuild/protobuf';
 import { Calibrate_Pose, Calibrate_Sensors, Code, NoAnswerError, Output, RefusedError, StatsSchema, StyledClient } from 'styled-client';
 
@@ -214,6 +216,73 @@ test('the reply to a take is waited for as long as the take is', () =>
     await assert.rejects(client.like('rig.a', { name: 'x', learnS: 1 }), /no answer within 1200 ms/);
     assert.ok(performance.now() - begun > 1100);
   }, { long_ms: 200 }));
+
+// What the console is warned of while `play` runs.
+async function warnings(play) {
+  const said = [], { warn } = console;
+  console.warn = (text) => said.push(text);
+  try {
+    await play(said);
+  } finally {
+    console.warn = warn;
+  }
+}
+
+test('a change that nobody will see is told: to who listens, else in the console', () =>
+  together(async (gateway, client) => {
+    await opened(client);
+    gateway.answer = ({ performer }) => ({ code: Code.OK, like: { name: 'mine' }, applied:
+      (performer === '*' ? ['rig.old', 'rig.a'] : [performer]).map((name) =>
+        ({ performer: name, firstSequence: 5n, absent: name !== 'rig.a', noStrength: name === 'rig.a' })) });
+    const absent = 'nobody performs under the name rig.ann: the change waits until they come';
+    const weak = 'the strength of rig.a is 0: no style is to be seen';
+    await warnings(async (said) => {
+      const [applied] = await client.setStyle('rig.ann', 'old');
+      assert.deepEqual([applied.absent, applied.noStrength], [true, false]);
+      await client.pin('rig.ann', true);
+      assert.deepEqual(said, [`styled-client: ${absent}`]); // once until there is another one
+      await client.set('rig.a', { mix: [{ style: 'old', weight: 1 }] });
+      assert.deepEqual(said.slice(1), [`styled-client: ${weak}`]);
+      const heard = [];
+      client.on('unseen', (...args) => heard.push(args));
+      await client.clear('rig.ann');
+      await client.like('rig.ann', { name: 'mine', learnS: 1 });
+      await client.preset('rig.a', 'calm');
+      assert.deepEqual(heard, [[absent, 'rig.ann'], [absent, 'rig.ann'], [weak, 'rig.a']]);
+      await client.setStyle('rig.a', 'old', 0); // as was wanted
+      await client.set('*', { strength: 0 }); // nobody in particular was meant
+      assert.deepEqual([heard.length, said.length], [3, 2]);
+    });
+  }));
+
+test('without listeners the console says who is not there, and what does not answer', async () => {
+  await warnings(async (said) => {
+    await together(async (gateway, client) => {
+      gateway.onJoin = () => setTimeout(() => gateway.notice({ daemon: { up: true, reason: '' } }), 0);
+      client.subscribe('rig.ann');
+      await until(() => said.length, 'the warning');
+      assert.match(said[0], /found nobody called rig\.ann/);
+    });
+    const nobody = new StyledClient({ url: 'http://127.0.0.1:9' });
+    await until(() => said.length > 1, 'the warning');
+    await new Promise((resolve) => setTimeout(resolve, 600)); // another attempt: nothing more to say
+    nobody.close();
+    assert.deepEqual(said.slice(1), ['styled-client: no reply from ws://127.0.0.1:9/ws']);
+  });
+});
+
+test('the example says what is wrong in a line above its usage', () => {
+  const example = fileURLToPath(new URL('../example.mjs', import.meta.url));
+  for (const [words, code, text] of [[['--help'], 0, ''], [['nonsense'], 2, 'found "nonsense" as address of styleweb, expected'],
+    [['http://127.0.0.1:9', 'old', 'many'], 2, 'found "many", expected a number above 0'],
+    [['http://127.0.0.1:9', 'old', '1', 'x'], 2, 'found "1 x", expected']]) {
+    const { status, stdout, stderr } = spawnSync(process.execPath, [example, ...words], { encoding: 'utf8' });
+    assert.equal(status, code, stderr);
+    assert.ok(stderr.startsWith(text), stderr);
+    assert.ok((stdout + stderr).endsWith('usage: node example.mjs [URL [STYLE [FRAMES]]]\n'), stderr);
+    assert.equal((stdout + stderr).split('\n').length, code ? 3 : 2);
+  }
+});
 
 test('what cannot be a name is said at once, and not sent', () =>
   together(async (gateway, client) => {
