@@ -18,13 +18,15 @@ bl_info = {
 try:
     import styled  # prefer an installed Python client
 except ImportError:
-    sys.path.append(os.path.join(os.path.dirname(__file__), 'modules'))
+    _modules = os.path.join(os.path.dirname(__file__), 'modules')
+    if _modules not in sys.path:
+        sys.path.append(_modules)
     try:
         import styled
-    except ModuleNotFoundError as error:
-        raise ImportError(f'{error}; Blender\'s Python needs pyzmq and protobuf: on Debian apt '
-                          'install python3-zmq python3-protobuf, else run BLENDER\'S PYTHON -m pip '
-                          'install pyzmq protobuf') from error
+    except ImportError as error:  # of protobuf's absence, the client itself says what Debian wants
+        raise ImportError(f'Blender\'s Python needs pyzmq and protobuf: on Debian apt install '
+                          f'python3-zmq python3-protobuf, else "{sys.executable}" -m pip install pyzmq '
+                          f'protobuf ({error})') from error
 
 from . import live, operators, panel, properties
 

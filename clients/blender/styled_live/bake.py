@@ -1,6 +1,7 @@
 """Makes keyframes of what a performer did: a new action for an armature, a key per frame of the
 scene."""
 
+import contextlib
 from typing import List
 
 import bpy
@@ -24,6 +25,28 @@ def _times_s(frames) -> List[float]:
 # Keys of the scene's frames at `fps`. A sum of many steps may fall short by rounding.
 def _keys(times_s: List[float], fps: float) -> int:
     return int(times_s[-1] * fps + 1e-3) + 1
+
+
+@contextlib.contextmanager
+def undone_on_failure(thing):
+    """Where what is inside fails, the armature has the action and its bones the rotation modes of before,
+    and actions that were made meanwhile are gone."""
+    animated = thing.animation_data is not None
+    action = thing.animation_data.action if animated else None
+    modes = {bone.name: bone.rotation_mode for bone in thing.pose.bones}
+    actions = list(bpy.data.actions)
+    try:
+        yield
+    except BaseException:
+        if thing.animation_data is not None:
+            thing.animation_data.action = action
+        if not animated:
+            thing.animation_data_clear()
+        for bone in thing.pose.bones:
+            bone.rotation_mode = modes.get(bone.name, bone.rotation_mode)
+        for made in [other for other in bpy.data.actions if other not in actions]:
+            bpy.data.actions.remove(made)
+        raise
 
 
 def bake(plan: Plan, frames, armature_object, fps: float, start: int) -> int:

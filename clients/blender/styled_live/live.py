@@ -1,6 +1,9 @@
 """The connection to a daemon, and the timer that applies its newest frames to the driven armatures.
 One per Blender; which performer drives which armature is stored in the objects (properties.py)."""
 
+import time
+import traceback
+import warnings
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import bpy
@@ -11,6 +14,7 @@ from .drive import Plan, Unfit
 
 RATE_HZ = 60
 _CONTROL_TIMEOUT_S = 0.5  # Blender is blocked meanwhile
+_FIRST_RETRY_S, _LONGEST_RETRY_S = 2, 60  # of a control address at which nobody answers
 STREAMS = ('rig', 'canonical', 'source')
 
 # The source of an armature's motion: performer, and one of STREAMS or the name of an [[output]].
@@ -62,6 +66,10 @@ class _Link:
         self.latest = Latest(frame.epoch, frame.sequence, ', '.join(
             f'{style.style} {style.weight:.2f}' for style in frame.styles))
 
+    def give_up(self, why: str) -> None:
+        """Until another body comes, or the armature is driven anew."""
+        self.plan, self.unfit = None, why
+
     # The newest frame. A take keeps those before it, too, however seldom Blender comes here.
     def _read(self):
         newest = None
@@ -90,6 +98,7 @@ class _Link:
 class Live:
     def __init__(self):
         self.problem = ''              # of the connection, for the panel
+        self.unseen = ''               # why the last change is not to be seen
         self.styles: List[str] = []
         self.bodies: Dict[Choice, object] = {}
         self._curve = None
@@ -98,6 +107,7 @@ class Live:
         self._control: Optional[styled.Control] = None
         self._links: Dict[str, _Link] = {}
         self._strength: Optional[Tuple[str, float]] = None  # requested, not yet sent
+        self._retry_s, self._retry_at_s = _FIRST_RETRY_S, 0.0  # until the styles are here
 
     @property
     def active(self) -> bool:
@@ -134,6 +144,8 @@ class Live:
 
     def ask_for_styles(self) -> None:
         listed = self._ask(lambda control: control.list())
+        self._retry_at_s = time.monotonic() + self._retry_s
+        self._retry_s = min(2 * self._retry_s, _LONGEST_RETRY_S)
         if listed is not None:
             self.styles = [style.name for style in listed.styles]
 
@@ -170,7 +182,9 @@ class Live:
         for update in self._listener.receive_latest(0):
             if update.kind is styled.Kind.BODY:
                 self._keep(update.body)
-        if not self.styles and self.reached:
+        if not self.styles and not self.reached:
+            self._retry_s, self._retry_at_s = _FIRST_RETRY_S, 0.0  # at once when it is there
+        elif not self.styles and time.monotonic() >= self._retry_at_s:
             self.ask_for_styles()
         if self._strength is not None:
             (performer, strength), self._strength = self._strength, None
@@ -199,7 +213,12 @@ class Live:
                     self.problem = str(error)
                     thing.styled_live.driven = False
                     continue
-            self._links[name].step(thing)
+            link = self._links[name]
+            try:
+                link.step(thing)
+            except Exception as error:  # one armature must not end the timer, and so all the others
+                traceback.print_exc()
+                link.give_up(f'{type(error).__name__}: {error}')
 
     # Returns None, with the reason in `problem`, if the daemon refuses or does not answer.
     def _ask(self, what):
@@ -207,7 +226,10 @@ class Live:
             self.problem = 'not connected'
             return None
         try:
-            answer = what(self._control)
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter('always', styled.Unseen)
+                answer = what(self._control)
+            self.unseen = str(told[0].message) if told else ''
         except (styled.Error, ValueError) as error:
             self.problem = str(error)
             return None

@@ -1,10 +1,13 @@
 """The operators behind the panel's buttons."""
 
+import traceback
+
 import bpy
 import styled
 from bpy.props import StringProperty
+from styled.inbox import Inbox
 
-from .bake import bake
+from .bake import bake, undone_on_failure
 from .build import make_armature
 from .drive import Plan, Unfit
 from .live import live
@@ -22,8 +25,32 @@ def _fail(operator, why) -> set:
     return {'CANCELLED'}
 
 
+# What nobody has thought of: the traceback goes to the console, where it can be reported from.
+def _surprised(operator, error: Exception) -> set:
+    traceback.print_exc()
+    return _fail(operator, f'{type(error).__name__}: {error}')
+
+
 def _done(operator, done: bool) -> set:
-    return {'FINISHED'} if done else _fail(operator, live.problem)
+    if not done:
+        return _fail(operator, live.problem)
+    if live.unseen:
+        operator.report({'WARNING'}, live.unseen)
+    return {'FINISHED'}
+
+
+# Why an armature would get no frame: '' if it may.
+def _wrong_choice(performer: str, stream: str) -> str:
+    if not styled.is_performer_id(performer):
+        return (f"performer '{performer}', expected SOURCE.NAME; here are: "
+                f"{', '.join(live.performers()) or 'none yet'}")
+    if performer in live.performers() and stream not in live.streams(performer):
+        return f"no output '{stream}' of {performer}; there are {', '.join(live.streams(performer))}"
+    try:
+        Inbox(performer, stream)
+    except ValueError as error:
+        return str(error)
+    return ''
 
 
 class STYLED_OT_connect(bpy.types.Operator):
@@ -88,9 +115,9 @@ class STYLED_OT_drive(_Connected, bpy.types.Operator):
 
     def execute(self, context):
         chosen = context.scene.styled_live
-        if not styled.is_performer_id(chosen.performer):
-            return _fail(self, f"performer '{chosen.performer}', expected SOURCE.NAME; here are: "
-                               f"{', '.join(live.performers()) or 'none yet'}")
+        wrong = _wrong_choice(chosen.performer, chosen.stream)
+        if wrong:
+            return _fail(self, wrong)
         body = live.body(chosen.performer, chosen.stream)
         if body is not None:  # otherwise the mapping is checked when the body arrives
             try:
@@ -98,6 +125,9 @@ class STYLED_OT_drive(_Connected, bpy.types.Operator):
             except Unfit as error:
                 return _fail(self, f'{context.object.name}: {error}')
             self.report({'INFO'}, f'{len(plan.joints)} bones of {context.object.name} follow')
+        else:
+            self.report({'WARNING'}, f'nobody performs under the name {chosen.performer} yet: '
+                                     f'{context.object.name} waits until they come')
         _drive(context.object, chosen)
         return {'FINISHED'}
 
@@ -154,13 +184,14 @@ class STYLED_OT_bake(bpy.types.Operator):
         if not frames:
             return _fail(self, f'no frame of {thing.styled_live.performer} came while it was recorded')
         fps = scene.render.fps / scene.render.fps_base
-        animation = thing.animation_data_create()
-        before, animation.action = animation.action, None  # a take is an action of its own
         try:
-            last = bake(link.plan, frames, thing, fps, scene.frame_current)
+            with undone_on_failure(thing):
+                thing.animation_data_create().action = None  # a take is an action of its own
+                last = bake(link.plan, frames, thing, fps, scene.frame_current)
         except KeyError as error:  # a bone was renamed
-            animation.action = before
             return _fail(self, error)
+        except Exception as error:  # the object is of another file, the action is locked ...
+            return _surprised(self, error)
         thing.styled_live.driven = False
         scene.frame_end = max(scene.frame_end, last)
         self.report({'INFO'}, f'{thing.animation_data.action.name}: frames {scene.frame_current} to {last}')
@@ -187,6 +218,8 @@ class STYLED_OT_restyle(bpy.types.Operator):
                     chosen.action_strength, bpy.path.abspath(chosen.stylize))
         except (Failed, Unfit, ValueError) as error:
             return _fail(self, f'{context.object.name}: {error}')
+        except Exception as error:
+            return _surprised(self, error)
         return {'FINISHED'}
 
 

@@ -10,7 +10,7 @@ from mathutils import Quaternion, Vector
 from styled.v1 import body_pb2, frame_pb2
 
 from . import bvh, skeleton
-from .bake import bake
+from .bake import MAX_FRAMES, bake, undone_on_failure
 from .drive import Plan, Unfit
 from .humanoid import BODY
 
@@ -62,29 +62,47 @@ def restyle(scene, thing, style: str, strength: float, program: str) -> None:
     is kept. Raises Failed or Unfit."""
     action, now = thing.animation_data.action, scene.frame_current
     humanoid = _Humanoid(thing.data)
-    start, end = (round(x) for x in action.frame_range)
+    start, end = _range(action)
     fps = scene.render.fps / scene.render.fps_base
     positions, rotations = [], []
-    for at in range(start, end + 1):
-        scene.frame_set(at)
-        place, turns = humanoid.pose(thing.pose.bones)
-        positions.append(place)
-        rotations.append(turns)
-    scene.frame_set(now)
+    try:
+        for at in range(start, end + 1):
+            scene.frame_set(at)
+            place, turns = humanoid.pose(thing.pose.bones)
+            positions.append(place)
+            rotations.append(turns)
+    finally:
+        scene.frame_set(now)
     with tempfile.TemporaryDirectory(prefix='styled-') as folder:
         before, after = (os.path.join(folder, name) for name in ('before.bvh', 'after.bvh'))
         bvh.write(before, bvh.Clip(humanoid.joints, 1 / fps, positions, rotations))
         _stylize(program, style, strength, before, after)
-        clip = bvh.read(after)
+        try:
+            clip = bvh.read(after)
+        except OSError as error:
+            raise Failed(f"'{program}' has written no clip; is it stylize?") from error
     body, frames = _messages(clip, style)
     plan = Plan(body, thing.data)
-    copy = action.copy()
-    action.use_fake_user = True  # nothing uses it any more, and Blender would not save it
-    copy.name = f'{action.name} {style}'
-    _forget(copy, thing, plan)
-    thing.animation_data.action = copy
-    bake(plan, frames, thing, fps, start)
-    scene.frame_set(now)
+    try:
+        with undone_on_failure(thing):
+            copy = action.copy()
+            copy.name = f'{action.name} {style}'
+            _forget(copy, thing, plan)
+            thing.animation_data.action = copy
+            bake(plan, frames, thing, fps, start)
+        action.use_fake_user = True  # nothing uses it any more, and Blender would not save it
+    finally:
+        scene.frame_set(now)
+
+
+def _range(action):
+    """The first and the last frame that have keys."""
+    if not any(len(curve.keyframe_points) for curve in action.fcurves):
+        raise Failed(f'the action {action.name} has no keyframes')
+    start, end = (round(x) for x in action.frame_range)
+    if end - start >= MAX_FRAMES:
+        raise Failed(f'the action {action.name} has {end - start + 1} frames, expected at most {MAX_FRAMES}')
+    return start, end
 
 
 def _stylize(program, style, strength, before, after) -> None:
