@@ -26,8 +26,8 @@ except ImportError as error:
 from styled.commands import EVERYONE
 from styled.control import DEFAULT_CONTROL, Control
 from styled.curve import Curve
-from styled.errors import (AbsentPerformer, Error, Garbled, NoAnswer, NoStrength, Refused,
-                           Unseen)
+from styled.errors import (AbsentOutput, AbsentPerformer, Error, Garbled, NoAnswer, NoStrength,
+                           Refused, Unseen)
 from styled.inbox import Counters, Kind, Stream, Update, is_performer_id
 from styled.kinematics import Transform, World, world_arrays, world_transforms
 from styled.subscriber import DEFAULT_PUBLISHER, Subscriber
@@ -36,6 +36,6 @@ from styled.unseen import Applied
 RIG, CANONICAL, SOURCE = Stream.RIG, Stream.CANONICAL, Stream.SOURCE
 
 __all__ = ['CANONICAL', 'DEFAULT_CONTROL', 'DEFAULT_PUBLISHER', 'EVERYONE', 'RIG', 'SOURCE',
-           'AbsentPerformer', 'Applied', 'Control', 'Counters', 'Curve', 'Error', 'Garbled', 'Kind',
-           'NoAnswer', 'NoStrength', 'Refused', 'Stream', 'Subscriber', 'Transform', 'Unseen', 'Update',
-           'World', 'is_performer_id', 'world_arrays', 'world_transforms']
+           'AbsentOutput', 'AbsentPerformer', 'Applied', 'Control', 'Counters', 'Curve', 'Error',
+           'Garbled', 'Kind', 'NoAnswer', 'NoStrength', 'Refused', 'Stream', 'Subscriber', 'Transform',
+           'Unseen', 'Update', 'World', 'is_performer_id', 'world_arrays', 'world_transforms']

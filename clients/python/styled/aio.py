@@ -118,6 +118,13 @@ class Subscriber:
                 return update
 
     async def _wait(self, end: Optional[float]) -> bool:
+        while self._inbox.doubts.pending():
+            if self._inbox.doubts.due():
+                listening.tell_doubts(self._inbox, self._links)
+            if await _is_readable(self._socket, listening.slice_s(end)):
+                return True
+            if end is not None and time.monotonic() >= end:
+                return False
         left = None if end is None else max(0.0, end - time.monotonic())
         return await _is_readable(self._socket, left)
 

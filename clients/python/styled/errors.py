@@ -24,11 +24,16 @@ class Refused(Error):
 
 
 class Unseen(UserWarning):
-    """The base class of the warnings below: the daemon has applied a change, and it is not to be seen."""
+    """The base class of the warnings below: what was asked for is accepted, and there is nothing to be
+    seen of it."""
 
 
 class AbsentPerformer(Unseen):
-    """Nobody performs under the name that the change is for: it waits until they come."""
+    """Nobody performs under the name that a change or a subscription is for: it waits until they come."""
+
+
+class AbsentOutput(Unseen):
+    """No performer has the [[output]] that is subscribed to."""
 
 
 class NoStrength(Unseen):

@@ -12,6 +12,7 @@ from typing import Deque, Dict, Iterable, List, Optional, Tuple, Union
 from google.protobuf.message import DecodeError
 
 from styled import checks, kinematics
+from styled.doubts import Doubts
 from styled.v1 import body_pb2, frame_pb2, stats_pb2
 
 _NAME = re.compile(r'[A-Za-z0-9_-]{1,32}')
@@ -180,6 +181,7 @@ class Inbox:
         self.lag_s = 0.0                 # of the last frame, compared with its usual transit
         self._waiting: Deque[Tuple[Stream, frame_pb2.Frame]] = collections.deque()  # of a bundle
         self._bodies: Dict[str, List[body_pb2.Body]] = {}
+        self.doubts = Doubts(performer, (name for name in self._streams if isinstance(name, str)))
         self._states: Dict[str, _State] = {}
 
     def topics(self) -> List[str]:
@@ -254,6 +256,7 @@ class Inbox:
             return None
         del known[:max(0, len(known) - _MAX_BODIES + 1)]
         known.append(body)
+        self.doubts.saw(body)
         self.counters.bodies += 1
         return Update(Kind.BODY, body=body)
 

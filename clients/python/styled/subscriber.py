@@ -9,7 +9,9 @@ import zmq
 from styled import checks
 from styled.closing import Closer
 from styled.curve import Curve
+from styled.doubts import LOOK_S
 from styled.inbox import Counters, Inbox, Kind, Newest, Stream, Update, Wanted
+from styled.unseen import line_of_caller, warn_at
 
 DEFAULT_PUBLISHER = 'tcp://127.0.0.1:7001'
 MAX_MESSAGE_BYTES = 1 << 20  # a body of 1024 long names fits
@@ -77,6 +79,16 @@ class Links:
         return self._links
 
 
+def slice_s(end: Optional[float]) -> float:
+    """How long to wait until the next look for what does not come."""
+    return LOOK_S if end is None else min(LOOK_S, max(0.0, end - time.monotonic()))
+
+
+def tell_doubts(inbox: Inbox, links: Links) -> None:
+    for told in inbox.doubts.look(links.count() > 0):
+        warn_at(told, line_of_caller())
+
+
 class Subscriber:
     """Subscribes to one or several daemons. Connects in the background, and reconnects by itself while
     it is being read. Frames are delivered as published, in order per stream; gaps are counted. One
@@ -93,7 +105,8 @@ class Subscriber:
     curve           styled.Curve, for daemons that require keys
 
     Raises ValueError for an invalid argument, TypeError for one of another type. It is no error if no
-    daemon listens there yet.
+    daemon listens there yet. A performer or an [[output]] that a daemon has not got is waited for; that
+    nothing comes is told once, in a warning (styled.AbsentPerformer, AbsentOutput).
     """
 
     def __init__(self, endpoints: Union[str, Iterable[str]] = DEFAULT_PUBLISHER, *,
@@ -199,6 +212,13 @@ class Subscriber:
                 return update
 
     def _wait(self, end: Optional[float]) -> bool:
+        while self._inbox.doubts.pending():
+            if self._inbox.doubts.due():
+                tell_doubts(self._inbox, self._links)
+            if self._socket.poll(checks.milliseconds(slice_s(end))):
+                return True
+            if end is not None and time.monotonic() >= end:
+                return False
         if end is None:
             return bool(self._socket.poll())
         return bool(self._socket.poll(checks.milliseconds(end - time.monotonic())))

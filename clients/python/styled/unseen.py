@@ -4,7 +4,7 @@ import sys
 import warnings
 from typing import Any, Dict, FrozenSet, Iterable, NamedTuple, Optional
 
-from styled.errors import AbsentPerformer, NoStrength
+from styled.errors import AbsentPerformer, NoStrength, Unseen
 from styled.v1 import control_pb2
 
 _STYLING = ('set', 'preset', 'like', 'import_style', 'cue')
@@ -46,14 +46,14 @@ def warn(request: control_pb2.Request, reply: control_pb2.Reply, line: Line) -> 
     command: Optional[str] = request.WhichOneof('command')
     applied = Applied(reply.applied)
     if request.performer in applied.absent and command != 'restore_checkpoint':
-        _warn(AbsentPerformer(f"nobody performs under the name '{request.performer}': the change waits "
-                              'until they come'), line)
+        warn_at(AbsentPerformer(f"nobody performs under the name '{request.performer}': the change "
+                                'waits until they come'), line)
     if applied.no_strength and command in _STYLING and not request.set.HasField('strength'):
-        _warn(NoStrength(f'the strength of {", ".join(sorted(applied.no_strength))} is 0: no style is to '
-                         'be seen'), line)
+        warn_at(NoStrength(f'the strength of {", ".join(sorted(applied.no_strength))} is 0: no style is to '
+                           'be seen'), line)
 
 
-def _warn(warning: Warning, line: Line) -> None:
+def warn_at(warning: Unseen, line: Line) -> None:
     warnings.warn_explicit(warning, type(warning), line.file, line.number,
                            line.names.get('__name__') or '<string>',
                            line.names.setdefault('__warningregistry__', {}))

@@ -4,13 +4,18 @@ import inspect
 import os
 import subprocess
 import sys
+import time
 import unittest
+import unittest.mock
 import warnings
+
+import zmq
 
 import styled
 import styled.aio
 from fake_daemon import FakeDaemon
-from styled.v1 import control_pb2
+from styled import doubts
+from styled.v1 import body_pb2, control_pb2, frame_pb2
 
 ABSENT = "nobody performs under the name 'stage.ann': the change waits until they come"
 WEAK = 'the strength of stage.anna is 0: no style is to be seen'
@@ -102,6 +107,70 @@ class UnseenTest(unittest.TestCase):
                          (0, 'stage.anna: set, from frame 7 on\n', f'python3 -m styled: {WEAK}\n'))
         self.assertEqual(run('like', 'stage.ann', '--clip', __file__, '--name', 'mine')[2],
                          f'python3 -m styled: {ABSENT}\n')
+
+
+def publish(publisher, performer, names, stream, sequence):
+    """What a daemon sends of a performer with these avatars: bodies to whoever asks, and a frame."""
+    for name in ('', *names):
+        body = body_pb2.Body(performer=performer, names=['hips'], parents=[-1], offsets=[0, 1, 0], hash=7,
+                             output=body_pb2.OUTPUT_AVATAR if name else body_pb2.OUTPUT_RIG, output_name=name)
+        publisher.send_multipart([f'body/{performer}/'.encode(), body.SerializeToString()])
+    frame = frame_pb2.Frame(performer=performer, epoch=1, sequence=sequence, body_hash=7,
+                            output=body_pb2.OUTPUT_RIG, root_position=[0, 1, 0], rotations=[0, 0, 0, 1])
+    publisher.send_multipart([f'styled/{performer}/{stream}/'.encode(), frame.SerializeToString()])
+
+
+class SilenceTest(unittest.TestCase):
+    def setUp(self):
+        context = zmq.Context()
+        self.addCleanup(context.term)
+        self.publisher = context.socket(zmq.XPUB)
+        self.addCleanup(self.publisher.close, 0)
+        self.endpoint = f'tcp://127.0.0.1:{self.publisher.bind_to_random_port("tcp://127.0.0.1")}'
+        patience = unittest.mock.patch.multiple(doubts, PATIENCE_S=0.3, LOOK_S=0.05)
+        patience.start()
+        self.addCleanup(patience.stop)
+
+    def hears(self, category, text, seconds=10, **arguments):
+        """Reads until a warning, or for so long; frames of rig.a come all the while."""
+        with warnings.catch_warnings(record=True) as said, \
+                styled.Subscriber(self.endpoint, **arguments) as subscriber:
+            warnings.simplefilter('always')
+            begun = time.monotonic()
+            for sequence in range(1, 1_000_000):
+                publish(self.publisher, 'rig.a', ['hero'], 'rig', sequence)
+                subscriber.receive(0.01)
+                if said and seconds == 10:
+                    seconds = time.monotonic() - begun + 0.5  # it is not said again
+                if time.monotonic() - begun > seconds:
+                    break
+        self.assertEqual([(w.category, str(w.message), w.filename) for w in said],
+                         [(category, text, __file__)] if category else [])
+
+    def test_a_performer_who_does_not_come_is_told_once(self):
+        self.hears(styled.AbsentPerformer, "nobody performs under the name 'rig.b' yet: frames come when they do",
+                   performer='rig.b')
+
+    def test_an_output_that_nobody_has_is_told_once_while_other_frames_come(self):
+        self.hears(styled.AbsentOutput, "no performer has an output 'heor' yet, they have canonical, hero, rig, "
+                   'source: frames come when one has', streams=['rig', 'heor'])
+
+    def test_who_and_what_is_there_is_not_missed(self):
+        self.hears(None, '', seconds=1, performer='rig.a', streams=['rig', 'hero'])
+        self.hears(None, '', seconds=1, streams='canonical')
+        self.publisher.close(0)  # without a daemon nobody is missed
+        with warnings.catch_warnings(record=True) as said, \
+                styled.Subscriber('ipc:///tmp/styled-nobody', performer='rig.b') as subscriber:
+            warnings.simplefilter('always')
+            self.assertIsNone(subscriber.receive(0.7))
+        self.assertEqual(said, [])
+
+    def test_asyncio_has_the_same(self):
+        async def go():
+            async with styled.aio.Subscriber(self.endpoint, performer='rig.b') as subscriber:
+                with self.assertWarnsRegex(styled.AbsentPerformer, "'rig.b' yet"):
+                    await subscriber.receive(3)
+        asyncio.run(go())
 
 
 if __name__ == '__main__':
