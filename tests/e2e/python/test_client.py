@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 import unittest
+import warnings
 
 import zmq
 
@@ -138,6 +139,21 @@ class ClientTest(unittest.TestCase):
                     call()
                 self.assertEqual(refused.exception.code, code)
                 self.assertTrue(str(refused.exception))
+
+    def test_what_nobody_will_see_is_told(self):
+        with styled.Control(self.daemon.control) as control, warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter('always')
+            self.assertEqual(control.set('rig.ann', style='old').absent, {'rig.ann'})
+            self.assertIs(told.pop().category, styled.AbsentPerformer)
+            self.daemon.simulate()
+            wait_for(lambda: any(p.live for p in control.status().stats.performers), 'the performer')
+            self.assertEqual(control.set('rig.sim', style='old', strength=0).no_strength, {'rig.sim'})
+            self.assertEqual(told, [])
+            control.set('rig.sim', style='elderly')
+            self.assertIs(told.pop().category, styled.NoStrength)
+            self.assertEqual(control.set('rig.sim', strength=1).no_strength, frozenset())
+            control.set('*', style='old')
+            self.assertEqual(told, [])
 
     def test_a_preview_is_a_moving_figure(self):
         with styled.Control(self.daemon.control) as control:
