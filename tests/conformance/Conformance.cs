@@ -109,7 +109,7 @@ static class Conformance {
       Throws(() => new Inbox("", bad), "stream '" + bad + "', expected '" + bad.ToLowerInvariant() + "'");
     }
     Throws(() => new Subscriber("ipc:///tmp/styled-nobody", "", new string[0]).Dispose(), "streams has none");
-    foreach (string bad in new[] { null, "", "http://a:1", "inproc://a", "tcp://a", "tcp://:1", "tcp://a:0", "ws://a:1" }) {
+    foreach (string bad in new[] { null, "", "http://a:1", "inproc://a", "tcp://a", "tcp://:1", "tcp://a:0", "tcp://a:65536", "ws://a:1" }) {
       Throws(() => new Subscriber(bad).Dispose(), "cannot connect to '" + bad + "', expected e.g. tcp://");
       Throws(() => new Control(bad).Dispose(), "cannot connect to '" + bad + "', expected e.g. tcp://");
     }

@@ -23,6 +23,7 @@ def open_socket(context: zmq.Context, endpoint: str, curve: Optional[Curve]) -> 
     socket.maxmsgsize = _MAX_REPLY_BYTES
     socket.reconnect_ivl = 50
     socket.handshake_ivl = 1000
+    socket.ipv6 = '[' in endpoint  # else such an address is never reached
     try:
         if curve is not None:
             curve.apply(socket)

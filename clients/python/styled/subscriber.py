@@ -29,6 +29,7 @@ def open_socket(socket: zmq.Socket, inbox: Inbox, endpoints: Union[str, Iterable
     socket.linger = 0
     socket.rcvhwm = checks.messages('queue_messages', queue_messages)
     socket.maxmsgsize = MAX_MESSAGE_BYTES
+    socket.ipv6 = any('[' in endpoint for endpoint in endpoints)  # else such an address is never reached
     socket.reconnect_ivl = 100
     socket.reconnect_ivl_max = 1000
     socket.handshake_ivl = 1000

@@ -1,6 +1,7 @@
 // The few calls of libzmq (4.2 or later) that the clients need.
 using System;
 using System.Collections.Generic;
+using System.Globalization;
 using System.Runtime.InteropServices;
 using System.Text;
 using System.Text.RegularExpressions;
@@ -94,11 +95,17 @@ sealed class ZmqSocket : IDisposable {
 
   public void Connect(string endpoint) {
     CheckOpen();
-    bool known = endpoint != null && Regex.IsMatch(endpoint, @"\A(tcp://(\S+;)?(\[[^]\s]+\]|[^\s/:*]+):0*[1-9][0-9]{0,4}|ipc://.+)\z");
+    bool known = endpoint != null && IsEndpoint(endpoint);
     if (known && endpoint.Contains("[")) Set(Zmq.Ipv6, 1);
     if (!known || Zmq.zmq_connect(socket_, Encoding.UTF8.GetBytes(endpoint + "\0")) != 0) {
       throw new ArgumentException("cannot connect to '" + endpoint + "', expected e.g. tcp://127.0.0.1:7001 or ipc://PATH");
     }
+  }
+
+  static bool IsEndpoint(string text) {
+    Match tcp = Regex.Match(text, @"\Atcp://(\S+;)?(\[[^]\s]+\]|[^\s/:*]+):([0-9]{1,5})\z");
+    int port = tcp.Success ? int.Parse(tcp.Groups[3].Value, CultureInfo.InvariantCulture) : 0;
+    return (port > 0 && port < 65536) || Regex.IsMatch(text, @"\Aipc://.+\z");
   }
 
   public bool Send(byte[] bytes, bool more) {

@@ -7,6 +7,8 @@ import subprocess
 import sys
 import unittest
 
+import zmq
+
 import styled
 import styled.aio
 
@@ -75,6 +77,19 @@ class ConstructorsTest(unittest.TestCase):
                          'tcp://lo;127.0.0.1:7001', NOBODY):
             styled.Control(endpoint, timeout=1e12).close()
             styled.Subscriber([endpoint], streams=('rig', 'Hero'), queue_messages=5).close()
+
+
+class Ipv6Test(unittest.TestCase):
+    def test_an_address_of_ipv6_is_reached(self):
+        with zmq.Context() as context, context.socket(zmq.XPUB) as publisher:
+            publisher.linger, publisher.ipv6 = 0, True
+            try:
+                port = publisher.bind_to_random_port('tcp://[::1]')
+            except zmq.ZMQError as error:
+                self.skipTest(f'no IPv6 here: {error}')
+            with styled.Subscriber(f'tcp://[::1]:{port}'), styled.Control(f'tcp://[::1]:{port}') as control:
+                self.assertTrue(publisher.poll(10_000))
+                self.assertTrue(control._socket.ipv6)
 
 
 class CallsTest(unittest.TestCase):
