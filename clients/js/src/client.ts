@@ -1,6 +1,7 @@
 import {
   create,
   fromBinary,
+  ScalarType,
   toBinary,
   type DescMessage,
   type MessageInitShape,
@@ -24,7 +25,7 @@ import {
   type StyleFile,
 } from './gen/proto/styled/v1/control_pb.js';
 import { FrameSchema, type Frame } from './gen/proto/styled/v1/frame_pb.js';
-import { type LookSchema } from './gen/proto/styled/v1/look_pb.js';
+import { LookSchema } from './gen/proto/styled/v1/look_pb.js';
 import { StatsSchema, type Stats } from './gen/proto/styled/v1/stats_pb.js';
 import { checkBody, checkFrame } from './kinematics.js';
 import { Link, type LinkState } from './link.js';
@@ -157,6 +158,53 @@ function wordOf<T extends Record<string, number>>(words: T, word: keyof T & stri
   return words[word];
 }
 
+const EVENTS = ['link', 'daemon', 'frame', 'body', 'stats', 'complaint', 'unseen'] satisfies (keyof ClientEvents)[];
+
+function shown(value: unknown): string {
+  return typeof value === 'string' ? JSON.stringify(value) : String(value);
+}
+
+function checkOptions(options: ClientOptions): void {
+  if (typeof options !== 'object' || options === null) {
+    throw new TypeError(`found ${shown(options)} as options, expected { url: 'http://127.0.0.1:7080' }`);
+  }
+  for (const name of ['timeout_ms', 'long_ms'] as const) {
+    const value = options[name] ?? 1;
+    if (typeof value !== 'number' || !(value > 0 && value < Infinity)) {
+      throw new TypeError(`found ${shown(value)} as ${name}, expected milliseconds above 0`);
+    }
+  }
+}
+
+function checkName(name: unknown, what: string): void {
+  if (typeof name !== 'string' || name === '') throw new TypeError(`found ${shown(name)} as ${what}, expected a name`);
+}
+
+// What TypeScript checks, for programs in JavaScript: protobuf would leave out what it does not know.
+function checkChange(change: SetInit): void {
+  if (typeof change !== 'object' || change === null) {
+    throw new TypeError(`found ${shown(change)} as change, expected { strength: 0.5 } or the like`);
+  }
+  for (const [name, value] of Object.entries(change)) {
+    if (name.startsWith('$') || value === undefined) continue;
+    const field = LookSchema.fields.find(({ localName }) => localName === name);
+    if (!field) {
+      const names = LookSchema.fields.map(({ localName }) => localName).join(', ');
+      throw new TypeError(`found "${name}" in the change, expected ${names}`);
+    }
+    const list = field.fieldKind === 'list';
+    const kind = field.fieldKind !== 'scalar' ? 'number'
+      : field.scalar === ScalarType.BOOL ? 'boolean' : field.scalar === ScalarType.STRING ? 'string' : 'number';
+    if (list ? !Array.isArray(value) : typeof value !== kind) {
+      throw new TypeError(`found ${shown(value)} as ${name}, expected a ${list ? 'list' : kind}`);
+    }
+  }
+  for (const one of change.mix ?? []) {
+    checkName(one?.style, 'style of mix');
+    if (typeof one.weight !== 'number') throw new TypeError(`found ${shown(one.weight)} as weight of ${one.style}, expected a number`);
+  }
+}
+
 export type SetInit = MessageInitShape<typeof LookSchema>;
 type RequestInit = MessageInitShape<typeof RequestSchema>;
 
@@ -204,6 +252,7 @@ export class StyledClient {
   private warned = '';
 
   constructor(options: ClientOptions) {
+    checkOptions(options);
     this.timeout_ms = options.timeout_ms ?? 3000;
     this.long_ms = options.long_ms ?? 12000;
     this.link = new Link(socketUrl(options), {
@@ -231,6 +280,9 @@ export class StyledClient {
 
   /** Returns a function that removes the listener. */
   on<K extends keyof ClientEvents>(event: K, listener: ClientEvents[K]): () => void {
+    if (!(EVENTS as string[]).includes(event)) {
+      throw new TypeError(`found ${shown(event)} as event, expected ${EVENTS.join(', ')}`);
+    }
     const set = this.listeners.get(event) ?? new Set();
     this.listeners.set(event, set);
     set.add(listener as (...args: never[]) => void);
@@ -291,7 +343,8 @@ export class StyledClient {
     return (await this.ask({ command: { case: 'status', value: {} } })).status!;
   }
   /** Changes the settings that are present in `change`. */
-  set(performer: string, change: SetInit): Promise<Applied[]> {
+  async set(performer: string, change: SetInit): Promise<Applied[]> {
+    checkChange(change);
     return this.change(performer, { case: 'set', value: change });
   }
   setStyle(performer: string, style: string, strength = 1): Promise<Applied[]> {
@@ -300,7 +353,8 @@ export class StyledClient {
   clear(performer: string): Promise<Applied[]> {
     return this.set(performer, { clear: true });
   }
-  preset(performer: string, name: string, transitionMs?: number): Promise<Applied[]> {
+  async preset(performer: string, name: string, transitionMs?: number): Promise<Applied[]> {
+    checkName(name, 'preset');
     const value = { name, ...(transitionMs === undefined ? {} : { transitionMs }) };
     return this.change(performer, { case: 'preset', value });
   }
@@ -352,7 +406,8 @@ export class StyledClient {
     return (await this.ask({ command: { case: 'preview', value: { style } } })).preview!;
   }
   /** Fires the cues with that name in the daemon's configuration. */
-  cue(name: string): Promise<Applied[]> {
+  async cue(name: string): Promise<Applied[]> {
+    checkName(name, 'cue');
     return this.change('*', { case: 'cue', value: { name } });
   }
   /** Sets all performers to bypass, pinned or not. */

@@ -271,6 +271,38 @@ test('without listeners the console says who is not there, and what does not ans
   });
 });
 
+test('what TypeScript would refuse is refused in JavaScript too, before anything is sent', () =>
+  together(async (gateway, client) => {
+    await opened(client);
+    let asked = 0;
+    gateway.answer = () => {
+      ++asked;
+      return { code: Code.OK };
+    };
+    for (const [call, text] of [
+      [() => client.set('rig.a', { strenght: 1 }), /found "strenght" in the change, expected mix, strength/],
+      [() => client.set('rig.a', { strength: 'a' }), /found "a" as strength, expected a number/],
+      [() => client.set('rig.a', { absolute: 1 }), /found 1 as absolute, expected a boolean/],
+      [() => client.set('rig.a', { preset: 1 }), /found 1 as preset, expected a string/],
+      [() => client.set('rig.a', { mix: { old: 1 } }), /as mix, expected a list/],
+      [() => client.set('rig.a', { mix: [{ style: 'old' }] }), /found undefined as weight of old, expected a number/],
+      [() => client.set('rig.a'), /found undefined as change, expected/],
+      [() => client.setStyle('rig.a'), /found undefined as style of mix, expected a name/],
+      [() => client.preset('rig.a', 3), /found 3 as preset, expected a name/],
+      [() => client.cue(), /found undefined as cue, expected a name/],
+    ]) {
+      await assert.rejects(call(), (error) => error instanceof TypeError && text.test(error.message), `${call}`);
+    }
+    assert.throws(() => client.on('freme', () => {}), /found "freme" as event, expected link, daemon, frame/);
+    await client.set('rig.a', { strength: 0.5, parts: [1], mix: [{ style: 'old', weight: 1 }], root: 1, vary: undefined });
+    await client.clear('rig.a');
+    assert.equal(asked, 2);
+    assert.throws(() => new StyledClient(), /found undefined as options, expected/);
+    for (const bad of ['a', NaN, -1, 0, Infinity]) {
+      assert.throws(() => new StyledClient({ url: gateway.url, timeout_ms: bad }), /as timeout_ms, expected milliseconds above 0/);
+    }
+  }));
+
 test('the example says what is wrong in a line above its usage', () => {
   const example = fileURLToPath(new URL('../example.mjs', import.meta.url));
   for (const [words, code, text] of [[['--help'], 0, ''], [['nonsense'], 2, 'found "nonsense" as address of styleweb, expected'],
