@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cctype>
+#include <string>
 #include <vector>
 
 #include "daemon/config/address.h"
@@ -15,13 +17,20 @@ namespace {
 
 bool IsStream(const Source& source) { return rigs::FindSourceType(source.type)->stream; }
 
+// The clients' streams have these names, and whoever writes "Rig" means one.
+bool IsAStreams(std::string name) {
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name == "rig" || name == "canonical" || name == "source";
+}
+
 Status CheckOutputs(const std::vector<Output>& outputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const Output& output = outputs[i];
     const std::string place = "output." + std::to_string(i) + ".";
-    if (!IsName(output.name) || output.name == "rig" || output.name == "canonical") {
+    if (!IsName(output.name) || IsAStreams(output.name)) {
       return Status::Error(place + "name: \"" + Shown(output.name) +
-                           "\"; expected 1 to 32 of A-Z a-z 0-9 _ -, and not rig or canonical");
+                           "\"; expected 1 to 32 of A-Z a-z 0-9 _ -, and not rig, canonical or "
+                           "source in any case");
     }
     if (output.avatar.empty()) {
       return Status::Error(place + "avatar: missing; expected a .vrm, .glb, .gltf or .bvh file");

@@ -146,8 +146,10 @@ TEST_F(ConfigTest, OutputsAndJointsAreReadAndJudged) {
   EXPECT_EQ(config.value().sources[0].joints,
             (rig::JointNames{{"leftUpperArm", "Arm_01"}, {"spine", ""}}));
   EXPECT_THAT(Complaint("[output]\nname = 'x'\n"), HasSubstr("double brackets"));
-  EXPECT_THAT(Complaint("[[output]]\nname = 'rig'\navatar = 'a.glb'\n"),
-              HasSubstr("output.0.name: \"rig\"; expected"));
+  for (const std::string name : {"rig", "Rig", "CANONICAL", "source"}) {
+    EXPECT_THAT(Complaint("[[output]]\nname = '" + name + "'\navatar = 'a.glb'\n"),
+                HasSubstr("output.0.name: \"" + name + "\"; expected"));
+  }
   EXPECT_THAT(Complaint("[[output]]\nname = 'x'\n"), HasSubstr("output.0.avatar: missing"));
   EXPECT_THAT(Complaint("[[output]]\nname = 'x'\navatar = 'a'\n[[output]]\nname = 'x'\n"
                         "avatar = 'b'\n"),
