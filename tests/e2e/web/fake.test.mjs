@@ -272,6 +272,29 @@ test('the names of styles are seen whole, whatever the window, with and without 
   });
 });
 
+test('a video has the props that were there when it was taken', async () => {
+  daemon.fields = () => ({ props: [{ name: 'sword', position: [0.5, 1.25, 0.75], rotation: [0, 0, 0, 1] }] });
+  await until(async () => (await placeOf('sword')) !== undefined, 'the sword');
+  await page.getByLabel('What is saved').selectOption('video');
+  await click('button.record');
+  await until(() => page.evaluate(() => globalThis.styled.recorder.frames > 15), 'frames');
+  await click('button.record');
+  daemon.fields = () => ({});
+  await page.evaluate(() => {
+    globalThis.filmed = [];
+    const { stage } = globalThis.styled, { roles } = stage.performers.get('rig.anna');
+    globalThis.looking = setInterval(() => document.querySelector('.filming') && globalThis.filmed.push(
+      [roles.before, roles.after].map(({ props }) => props.group.visible && props.place('sword'))), 20);
+  });
+  await until(() => downloads.length === 1, 'the video', 60);
+  const filmed = await page.evaluate(() => (clearInterval(globalThis.looking), globalThis.filmed));
+  assert.match(downloads.splice(0)[0].suggestedFilename(), /^rig\.anna-video-/);
+  assert.ok(filmed.length > 2, 'it was looked at');
+  // The first look may come before the first picture.
+  for (const places of filmed.slice(1)) assert.deepEqual(places, [[0.5, 1.25, 0.75], [0.5, 1.25, 0.75]]);
+  await page.getByLabel('What is saved').selectOption('styled');
+});
+
 test('OBS sees props only where its link asks for them', async () => {
   daemon.fields = (i) => ({ props: [{ name: 'sword', position: [0.5, 1.2, 0.9 * (i / 20)], rotation: [0, 0, 0, 1] }] });
   const shown = () => page.evaluate(() => [...globalThis.styled.stage.performers.values()][0]?.roles.after.props.group.visible);

@@ -62,7 +62,7 @@ export class Replay {
       frame: create(FrameSchema, {
         performer: this.take.performer, bodyHash: body.hash, output: body.output,
         rootPosition: pose.slice(0, 3), rotations: pose.slice(3), contacts: track.contacts(i),
-        expressions: track.face(i),
+        expressions: track.face(i), props: reader.props(place),
       }),
     };
   }

@@ -15,6 +15,14 @@ const AT = 1e-6; // of a grid step: as good as on it
 /** A face's values by name. */
 export type Face = { name: string; value: number }[];
 
+/** An object that the rig tracks beside the body, where a frame has it. */
+export interface PropPose {
+  name: string;
+  position: number[];
+  rotation: number[]; // x, y, z, w
+}
+const OF_PROP = 7; // numbers: position, rotation
+
 /** The poses of one stream, in order. A pose: 3 of the root, then 4 (x, y, z, w) per joint. */
 export class Track {
   readonly width: number;
@@ -28,14 +36,16 @@ export class Track {
   /** Of all expressions that came. */
   readonly faceNames: string[] = [];
   private readonly faces: (Float32Array | undefined)[] = []; // by faceNames, as many as were known then
-  private faceBytes = 0;
+  private besidesBytes = 0; // of faces and props
+  private readonly propNames: string[] = [];
+  private readonly props: (Float32Array | undefined)[] = []; // by propNames, as many as were known then; NaN: not there
 
   constructor(joints: number) {
     this.width = 3 + 4 * joints;
   }
 
   get bytes(): number {
-    return this.poses.length * PIECE * (4 * this.width + 8 * MOMENT) + this.faceBytes;
+    return this.poses.length * PIECE * (4 * this.width + 8 * MOMENT) + this.besidesBytes;
   }
 
   /** False if it is not newer than the last one. */
@@ -59,6 +69,7 @@ export class Track {
       [sequence, seconds(frame.sourceTimeNs), seconds(frame.receiveTimeNs), Number(frame.sourceSequence), frame.contacts], MOMENT * at);
     ++this.length;
     this.addFace(frame.expressions);
+    this.addProps(frame.props);
     return true;
   }
 
@@ -68,10 +79,28 @@ export class Track {
     const values = new Float32Array(this.faceNames.length);
     for (const { name, value } of face) values[this.faceNames.indexOf(name)] = value;
     this.faces.push(values);
-    this.faceBytes += values.byteLength;
+    this.besidesBytes += values.byteLength;
+  }
+  private addProps(props: PropPose[]): void {
+    if (props.length === 0) return void this.props.push(undefined);
+    for (const { name } of props) if (!this.propNames.includes(name)) this.propNames.push(name);
+    const values = new Float32Array(OF_PROP * this.propNames.length).fill(NaN);
+    for (const { name, position, rotation } of props) {
+      const turned = Math.hypot(...rotation) > 0 ? rotation : [0, 0, 0, 1];
+      values.set([...position, ...turned].slice(0, OF_PROP), OF_PROP * this.propNames.indexOf(name));
+    }
+    this.props.push(values);
+    this.besidesBytes += values.byteLength;
   }
   face(i: number): Face {
     return [...(this.faces[i] ?? [])].map((value, at) => ({ name: this.faceNames[at]!, value }));
+  }
+
+  /** By name: position and rotation of each prop that the frame has. */
+  propsOf(i: number): Map<string, Float32Array> {
+    const values = this.props[i] ?? new Float32Array();
+    return new Map(this.propNames.slice(0, values.length / OF_PROP)
+      .map((name, at) => [name, values.subarray(OF_PROP * at, OF_PROP * (at + 1))] as const).filter(([, pose]) => !Number.isNaN(pose[0])));
   }
 
   pose(i: number): Float32Array {
@@ -277,6 +306,19 @@ export class TrackReader {
     if (next - place <= AT || this.after === 0) return this.track.pose(this.after);
     const before = this.slots[this.after - 1]!;
     return between(this.track.pose(this.after - 1), this.track.pose(this.after), (place - before) / (next - before));
+  }
+  /** The props: as received, or interpolated like the body; one that the next frame has not stays until it. */
+  props(place: number): PropPose[] {
+    this.seek(place);
+    const next = this.slots[this.after]!;
+    const exact = next - place <= AT || this.after === 0;
+    const to = this.track.propsOf(this.after), from = exact ? to : this.track.propsOf(this.after - 1);
+    const before = exact ? next : this.slots[this.after - 1]!;
+    return [...from].map(([name, pose]) => {
+      const later = exact ? undefined : to.get(name);
+      const at = [...(later ? between(pose, later, (place - before) / (next - before)) : pose)];
+      return { name, position: at.slice(0, 3), rotation: at.slice(3) };
+    });
   }
   /** The last pose that was received up to there. */
   index(place: number): number {

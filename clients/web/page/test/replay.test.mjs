@@ -5,7 +5,7 @@ import { Output } from 'styled-client';
 
 import { Replay } from './dist/replay.js';
 import { Track } from './dist/take.js';
-import { makeBody, makeFrame } from './support.mjs';
+import { makeBody, makeFrame, turn } from './support.mjs';
 
 const body = makeBody();
 const humanoid = makeBody({ output: Output.CANONICAL, hash: 8n });
@@ -55,4 +55,22 @@ test('without a shared moment of the humanoid the body alone is played', () => {
   const replay = Replay.of(takeOf({ source: trackOf(120), styled: trackOf(120), canonical: { body: humanoid, track: trackOf(300, { from: 200, of: humanoid }) } }));
   assert.equal(replay.duration_s, 1);
   assert.equal(replay.at('canonical', 0), undefined);
+});
+
+test('props are where they were, between two frames on the way, and go with the frame that has them not', () => {
+  const tip = (i) => turn([0, 0, 1], i / 100);
+  const sword = (i) => ({ name: 'sword', position: [i / 50, 1, 0], rotation: tip(i) });
+  const props = (i) => (i < 20 ? [] : i < 60 ? [sword(i), { name: 'chair', position: [0, 0, 1], rotation: [0, 0, 0, 0] }] : [sword(i)]);
+  const tracks = [0, 1].map(() => trackOf(100, { rate_hz: 50, gone: [41], fields: (i) => ({ props: props(i) }) }));
+  const replay = Replay.of(takeOf({ source: tracks[0], styled: tracks[1] }));
+  for (const [i, names] of [[0, ''], [19, ''], [20, 'sword,chair'], [30.6, 'sword,chair'], [41, 'sword,chair'], [59.5, 'sword,chair'], [60, 'sword'], [99, 'sword']]) {
+    for (const stream of ['source', 'rig']) {
+      const found = replay.at(stream, i / 50).frame.props;
+      assert.equal(found.map(({ name }) => name).join(), names, `${stream} at frame ${i}`);
+      if (found.length === 0) continue;
+      const [{ position, rotation }] = found;
+      assert.ok(Math.abs(position[0] - i / 50) < 1e-5 && position[1] === 1, `${stream} at frame ${i}: ${position}`);
+      tip(i).forEach((value, k) => assert.ok(Math.abs(rotation[k] - value) < 1e-5, `${stream} at frame ${i}: ${rotation}`));
+    }
+  }
 });
