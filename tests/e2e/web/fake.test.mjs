@@ -295,6 +295,26 @@ test('a video has the props that were there when it was taken', async () => {
   await page.getByLabel('What is saved').selectOption('styled');
 });
 
+test('plots are grey and say that no data come, while the daemon is away or says nothing', async () => {
+  const figures = async () => (await page.locator('.plot output').allInnerTexts()).join();
+  const away = (up) => daemon.gateway.notice({ styleweb: 'fake', watchOnly: false, daemon: { up, reason: '' } });
+  const none = 'no data,no data,no data', { tell } = Object.getPrototypeOf(daemon);
+  await until(async () => (await figures()).includes('20.0 Hz'), 'figures');
+  daemon.tell = () => {};
+  away(false);
+  await until(async () => (await figures()) === none, 'no figures', 2);
+  assert.equal(await page.locator('.plot.nodata').count(), 3);
+  assert.deepEqual(await (await axeOf(page))('.plots'), []);
+  await takePicture(page, 'no data');
+  away(true);
+  daemon.tell = tell;
+  await until(async () => (await figures()).includes('20.0 Hz') && (await page.locator('.plot.nodata').count()) === 0, 'figures again');
+  daemon.tell = () => {}; // it is there, and hangs
+  await until(async () => (await figures()) === none, 'no figures');
+  daemon.tell = tell;
+  await until(async () => (await figures()).includes('20.0 Hz'), 'figures again');
+});
+
 test('OBS sees props only where its link asks for them', async () => {
   daemon.fields = (i) => ({ props: [{ name: 'sword', position: [0.5, 1.2, 0.9 * (i / 20)], rotation: [0, 0, 0, 1] }] });
   const shown = () => page.evaluate(() => [...globalThis.styled.stage.performers.values()][0]?.roles.after.props.group.visible);

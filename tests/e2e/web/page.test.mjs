@@ -354,10 +354,15 @@ test('a daemon that dies ends the recording; what was got is saved', async () =>
 });
 
 test('a daemon that dies is missed, and found again', async () => {
+  const figures = () => page.locator('.plot output').allInnerTexts();
+  await until(async () => / Hz$/.test((await figures())[1]), 'figures');
   daemon.kill('SIGKILL');
   await until(async () => /daemon is away/i.test(await page.locator('.banner').innerText()), 'the banner');
+  await until(async () => (await figures()).join() === 'no data,no data,no data', 'the plots to say so');
+  assert.equal(await page.locator('.plot.nodata').count(), 3);
   await picture('away');
   daemon = await startDaemon();
+  await until(async () => / Hz$/.test((await figures())[1]) && (await page.locator('.plot.nodata').count()) === 0, 'figures again');
   await until(async () => !(await page.locator('.banner').isVisible()), 'the banner to go');
   const first = await poses();
   await until(async () => farthest((await poses()).after.joints, first.after.joints) > 0.05, 'motion');

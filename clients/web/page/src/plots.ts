@@ -6,6 +6,7 @@ import type { App } from './app.js';
 import { h, setText } from './dom.js';
 
 const SECONDS = 120;
+const SILENT_MS = 3500; // statistics come once per second
 
 interface Line {
   label: string;
@@ -61,6 +62,14 @@ class Plot {
     const known = values.every((value) => value !== null);
     setText(this.now, known ? this.words(values as number[]) : 'away');
     this.element.classList.toggle('quiet', !known);
+    this.element.classList.remove('nodata');
+  }
+
+  /** What is shown is old: nothing comes any more. */
+  grey(): void {
+    this.beyond.hidden = true;
+    setText(this.now, 'no data');
+    this.element.classList.add('quiet', 'nodata');
   }
 
   clear(): void {
@@ -90,7 +99,7 @@ export function plots(app: App, missed: () => number): HTMLElement {
     { label: 'viewer', color: '#b48cff' },
   ], ([rig, viewer]) => `${rig} / ${viewer} per s`, 5);
   const all = [latency, rate, drops];
-  let shown = '', lost = 0, viewer = 0, at = -1;
+  let shown = '', lost = 0, viewer = 0, at = -1, came_ms = -Infinity;
   app.client.on('stats', () => {
     if (shown !== app.selected) {
       shown = app.selected;
@@ -107,6 +116,15 @@ export function plots(app: App, missed: () => number): HTMLElement {
     const fresh = at < 0;
     drops.add(time_s, [fresh ? 0 : Math.max(0, rigNow - lost), fresh ? 0 : Math.max(0, viewerNow - viewer)]);
     [lost, viewer, at] = [rigNow, viewerNow, time_s];
+    came_ms = performance.now();
   });
+  const look = () => {
+    const { linkState: link, daemonState: daemon } = app.client;
+    if (link.kind === 'open' && daemon.up && performance.now() - came_ms < SILENT_MS) return;
+    at = -1; // what was lost meanwhile is not of one second
+    for (const plot of all) plot.grey();
+  };
+  app.watch(look);
+  setInterval(look, 1000);
   return h('footer', { className: 'plots' }, ...all.map(({ element }) => element));
 }
