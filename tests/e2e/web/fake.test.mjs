@@ -10,6 +10,8 @@ import { makeAvatar } from './avatar.mjs';
 import { axeOf, bin, drawSeldom, drop, endAll, launch, patience, takePicture, until } from './house.mjs';
 
 const { Daemon } = await import(`${bin}/../npm/js/test-support/daemon.mjs`);
+const { StatsSchema } = await import(`${bin}/../npm/js/dist/index.js`);
+const { fromBinary, toBinary } = await import(`${bin}/../npm/node_modules/@bufbuild/protobuf/dist/esm/index.js`);
 let browser, page, daemon;
 const errors = [], downloads = [];
 
@@ -174,6 +176,40 @@ test('what other sources give a performer is in the row, and which of them is si
   assert.deepEqual(await parts.evaluateAll((all) => all.map(({ className }) => className)), ['live', 'live', 'silent']);
   const row = await page.locator('[data-performer="rig.anna"]').boundingBox(), line = await parts.last().boundingBox();
   assert.ok(line.x > row.x && line.x + line.width < row.x + row.width && line.y + line.height < row.y + row.height, 'they are within the row');
+});
+
+test('what is wrong with a performer is in the row: the warning, and that they are hardly styled', async () => {
+  const { gateway } = daemon, publish = gateway.publish.bind(gateway);
+  let more = {};
+  gateway.publish = (topic, bytes) => {
+    if (topic !== 'stats/') return publish(topic, bytes);
+    const stats = fromBinary(StatsSchema, bytes);
+    Object.assign(stats.performers.find(({ performer }) => performer === 'rig.anna'), more);
+    return publish(topic, toBinary(StatsSchema, stats));
+  };
+  daemon.set('rig.anna', { mix: [{ style: 'angry', weight: 1 }], strength: 1, parts: [0] });
+  const row = page.locator('[data-performer="rig.anna"]'), words = row.locator('.wrong');
+  const reads = (text) => until(async () => (await words.isVisible()) && (await words.innerText()) === text, text);
+  const warning = 'style "pirate" is gone: its file /srv/styles/pirate.json was removed';
+  more = { warning };
+  await reads(warning);
+  more = { turnedDeg: 0.1 };
+  await reads('hardly styled now');
+  more = { warning, turnedDeg: 0.1 };
+  await reads(`${warning}; hardly styled now`);
+  const [box, line] = [await row.boundingBox(), await words.boundingBox()];
+  assert.ok(line.x > box.x && line.x + line.width < box.x + box.width && line.y + line.height < box.y + box.height, 'it is within the row');
+  assert.ok(await words.evaluate((line) => line.scrollWidth <= line.clientWidth), 'and whole');
+  assert.deepEqual(await (await axeOf(page))('.roster'), []);
+  await takePicture(page, 'wrong');
+  more = { turnedDeg: 4 };
+  await until(async () => !(await words.isVisible()), 'nothing to be wrong');
+  more = { turnedDeg: 0.1 };
+  daemon.set('rig.anna', { parts: [1] });
+  await page.waitForTimeout(3500);
+  assert.ok(!(await words.isVisible()), 'of the head alone little is expected');
+  gateway.publish = publish;
+  daemon.set('rig.anna', { clear: true, parts: [0] });
 });
 
 const placeOf = (prop) => page.evaluate((prop) => [...globalThis.styled.stage.performers.values()].find(({ name }) => name === 'rig.anna').roles.after.props.place(prop), prop);

@@ -4,30 +4,40 @@ import type { PerformerStats } from 'styled-client';
 import type { App } from './app.js';
 import { Avatar } from './avatar.js';
 import { h, setText } from './dom.js';
+import { hardlyStyled } from './findings.js';
 import { keep, keptFile, lastWorn, noteWorn } from './kept.js';
 import { kindOf } from './names.js';
 import type { Stage } from './stage.js';
 
 function list(app: App): HTMLElement {
   const box = h('div', { className: 'roster', role: 'listbox', 'aria-label': 'Performers' });
-  const rows = new Map<string, { row: HTMLElement; rate: HTMLElement; words: HTMLElement; parts: HTMLElement }>();
+  const rows = new Map<string, { row: HTMLElement; rate: HTMLElement; words: HTMLElement; parts: HTMLElement; wrong: HTMLElement }>();
   const empty = h('p', { className: 'hint' }, 'Nobody is here yet. Point a rig at the daemon, or start stylesim.');
+  // In how many statistics in a row: of the first one a part may be from before the style was set.
+  const hardly = new Map<string, number>();
+  app.client.on('stats', ({ performers }) => {
+    for (const entry of performers) {
+      const now = hardlyStyled(entry, (style) => app.info(style)?.neutral ?? false);
+      hardly.set(entry.performer, now ? (hardly.get(entry.performer) ?? 0) + 1 : 0);
+    }
+    app.changed();
+  });
   app.watch(() => {
     const performers = app.performers();
     const names = performers.map(({ performer }) => performer);
     if (names.join() !== [...rows.keys()].join()) {
       rows.clear();
       for (const name of names) {
-        const rate = h('span', { className: 'rate' }), words = h('span', { className: 'words' }), parts = h('span', { className: 'words layers' });
+        const rate = h('span', { className: 'rate' }), words = h('span', { className: 'words' }), parts = h('span', { className: 'words layers' }), wrong = h('span', { className: 'words wrong' });
         const row = h('button', { role: 'option', 'data-performer': name, onclick: () => app.select(name) },
-          h('i', {}), h('b', {}, name), rate, words, parts);
-        rows.set(name, { row, rate, words, parts });
+          h('i', {}), h('b', {}, name), rate, words, parts, wrong);
+        rows.set(name, { row, rate, words, parts, wrong });
       }
       box.replaceChildren(...[...rows.values()].map(({ row }) => row));
     }
     empty.hidden = names.length > 0;
     for (const entry of performers) {
-      const { row, rate, words, parts } = rows.get(entry.performer)!;
+      const { row, rate, words, parts, wrong } = rows.get(entry.performer)!;
       row.setAttribute('aria-selected', String(entry.performer === app.selected));
       row.classList.toggle('live', entry.live);
       row.title = entry.layers.map(({ part, source, live }) => `${part}: ${source} (${live ? 'live' : 'silent'})`).join(', ');
@@ -35,6 +45,9 @@ function list(app: App): HTMLElement {
       const set = (entry.look?.mix ?? []).filter(({ weight }) => weight > 0).map(({ style }) => style).join(' + ');
       setText(words, (entry.look?.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : ''));
       layers(parts, entry);
+      const nothing = hardlyStyled(entry, (style) => app.info(style)?.neutral ?? false) && (hardly.get(entry.performer) ?? 0) >= 2;
+      setText(wrong, app.client.daemonState.up ? [entry.warning, nothing ? 'hardly styled now' : ''].filter((text) => text).join('; ') : '');
+      wrong.hidden = wrong.textContent === '';
     }
   });
   return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty, ownStyle(app));
