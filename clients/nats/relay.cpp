@@ -28,6 +28,8 @@ using std::chrono::milliseconds;
 // Streams of which a frame may wait here: 16 performers with 8 streams each, many times over.
 constexpr std::size_t kMaxStreams = 4096;
 constexpr std::size_t kMaxValues = 8192;
+// Of frames that wait, and of values: as stylenats itself has them.
+constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
 constexpr std::size_t kMaxReplies = 256;
 constexpr std::size_t kMaxPending = 64;
 constexpr std::int64_t kMaxRequestBytes = std::int64_t{8} << 20U;  // as the daemon reads
@@ -69,6 +71,7 @@ struct Relay::Inbox {
   Descriptor wake{eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
   std::map<std::string, std::string> frames;  // by subject
   std::deque<std::string> order;              // of their arrival
+  std::size_t frame_bytes = 0;
   std::deque<std::pair<std::string, std::optional<std::string>>> values;
   struct Reply {
     std::string subject, bytes;
@@ -88,13 +91,13 @@ struct Relay::Inbox {
   void AddFrame(const std::string& subject, std::string bytes) {
     const std::scoped_lock lock(mutex);
     const auto known = frames.find(subject);
+    const std::size_t freed = known == frames.end() ? 0 : known->second.size();
+    const bool full = known == frames.end() && frames.size() >= kMaxStreams;
+    if (known != frames.end() || full) ++replaced;
+    if (full || frame_bytes - freed + bytes.size() > kMaxBytes) return;
+    frame_bytes += bytes.size() - freed;
     if (known != frames.end()) {
-      ++replaced;
       known->second = std::move(bytes);
-      return;
-    }
-    if (frames.size() >= kMaxStreams) {
-      ++replaced;
       return;
     }
     frames.emplace(subject, std::move(bytes));
@@ -251,6 +254,7 @@ void Relay::TakeFrames() {
     const std::scoped_lock lock(inbox_->mutex);
     order.swap(inbox_->order);
     frames.swap(inbox_->frames);
+    inbox_->frame_bytes = 0;
   }
   for (const std::string& subject : order) {
     const std::string topic = TopicOf(subject);
@@ -270,14 +274,24 @@ void Relay::TakeValues() {
     values.swap(inbox_->values);
   }
   for (auto& [key, value] : values) {
+    const auto known = values_of_.find(key);
+    const std::size_t freed = known == values_of_.end() ? 0 : known->second.size();
     if (!value) {
+      value_bytes_ -= freed;
       values_of_.erase(key);
       continue;
     }
+    if ((known == values_of_.end() && values_of_.size() >= kMaxValues) ||
+        value_bytes_ - freed + value->size() > kMaxBytes) {
+      ++totals_.odd;
+      continue;
+    }
     const std::string topic = BodyTopicOf(key);
-    std::string& known = values_of_[key];
-    if (!topic.empty() && known != *value) Send(topic, *value);
-    known = std::move(*value);
+    if (!topic.empty() && (known == values_of_.end() || known->second != *value)) {
+      Send(topic, *value);
+    }
+    value_bytes_ += value->size() - freed;
+    values_of_[key] = std::move(*value);
   }
 }
 

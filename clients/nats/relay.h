@@ -28,9 +28,10 @@ struct RelayOptions {
 // Totals since Open, a copy.
 struct RelayTotals {
   std::uint64_t passed = 0;  // frames
-  std::uint64_t replaced =
-      0;                  // frames that a newer one took the place of, as this program was late
-  std::uint64_t odd = 0;  // messages with a subject or a value that is none of ours
+  // Frames that a newer one took the place of, or for which there was no room: this program was
+  // late.
+  std::uint64_t replaced = 0;
+  std::uint64_t odd = 0;  // messages with a subject or a value that is none of ours, or too many
   std::uint64_t requests = 0, unanswered = 0;
   bool operator==(const RelayTotals&) const = default;
 };
@@ -41,8 +42,9 @@ struct RelayTotals {
 // without rates, latencies and counts. Commands go to "styledctl.SITE" and the replies back. Not
 // there: source/ and the bundles frames/, which NATS does not carry.
 //
-// Only what somebody here reads is asked of the broker (Demand). One thread; libnats' threads and
-// that of Values hand over what comes. Pinned by tests/e2e/nats/relay_test.cpp.
+// Only what somebody here reads is asked of the broker (Demand). Memory is bounded, whatever comes.
+// One thread; libnats' threads and that of Values hand over what comes. Pinned by
+// tests/e2e/nats/relay_test.cpp.
 class Relay {
  public:
   // Errors name the option: a site, an endpoint that is not of this machine or is in use, and those
@@ -94,6 +96,7 @@ class Relay {
   Demand demand_;
   std::shared_ptr<Inbox> inbox_;
   std::map<std::string, std::string> values_of_;  // by key
+  std::size_t value_bytes_ = 0;
   std::map<std::uint64_t, Pending> pending_;
   std::uint64_t asked_ = 0;
   std::string reply_to_;  // the beginning of the subjects of replies
