@@ -4,7 +4,8 @@
 #   sim/setup.sh test           the same, and the tests
 #   sim/setup.sh train          the same, and libtorch for styletrain and styleeval
 # Without apt-get or root it only prints what is missing. It can also be sourced: it defines
-# styled_install LEVEL (there is one more: package, for systemd/packages.sh) and
+# styled_install LEVEL (there are two more: package, for systemd/packages.sh, and sites, for
+# sim/demo-sites.sh) and
 # styled_build PRESET [CMAKE OPTIONS...], which builds $styled_targets (default: everything).
 
 styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -18,6 +19,7 @@ styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev 
   python3 python3-zmq python3-protobuf python3-numpy python3-setuptools python3-wheel python3-venv mono-mcs
   mono-runtime libumockdev-dev umockdev chromium libfaketime apt-utils gnupg nats-server
   linuxptp iproute2)
+styled_packages_sites=("${styled_packages_run[@]}" nats-server)
 styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file apt-utils gnupg)
 styled_packages_effects=(clang-22)  # Debian 12 has it among its security updates
 styled_packages_train=("${styled_packages_test[@]}" libtorch-dev libopenblas0-pthread)
