@@ -12,7 +12,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::int64_t kBrokersAnswer_ms = 1000;  // for one request; longer would delay the end
-constexpr std::int64_t kLookUp_ms = 100;   // between two looks whether the program ends
+constexpr std::int64_t kLookUp_ms = 100;          // between two looks whether the program ends
 constexpr std::chrono::milliseconds kWatchAgain(500);
 
 template <auto kDestroy>

@@ -59,12 +59,12 @@ struct Thru {
 // Texts point into the bytes that were read.
 using Message = std::variant<std::monostate, Available, Time, Root, Bone, Blend, BlendApply, Thru>;
 
-enum class [[nodiscard]] DecodeResult : std::uint8_t{
-    kOk,
-    kUnknownAddress,   // not about a pose, or not VMC
-    kTooFewArguments,  // additional arguments are ignored: a later version
-    kWrongType,
-    kCount  // the number of results
+enum class [[nodiscard]] DecodeResult : std::uint8_t {
+  kOk,
+  kUnknownAddress,   // not about a pose, or not VMC
+  kTooFewArguments,  // additional arguments are ignored: a later version
+  kWrongType,
+  kCount  // the number of results
 };
 std::string_view Name(DecodeResult result) noexcept;
 
