@@ -18,6 +18,10 @@
 #include "tests/support/rig.h"
 #include "tests/unit/vmc_out/ear.h"
 
+#ifndef OSC_MIN_FOLDER
+#define OSC_MIN_FOLDER "."  // CMakeLists.txt says where npm put it
+#endif
+
 // Others' programs that print the OSC messages that come to a port: liblo's oscdump, and npm's
 // osc-min by vmc.mjs.
 namespace styled::support {
