@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "proto/styled/look.h"
 #include "tests/support/fake_pipeline.h"
 #include "tests/support/native_frames.h"
 #include "tests/support/rig.h"
@@ -216,6 +217,27 @@ TEST_F(PipelineTest, StatusTellsHowMuchOfTheStyleIsShown) {
   EXPECT_GT(styled.turned_deg(), 0);
   EXPECT_LT(styled.turned_deg(), 180);
   EXPECT_LE(styled.shown().trunk(), 1);
+}
+
+TEST_F(PipelineTest, AStyleThatIsGoneIsAWarningUntilAnotherIsChosen) {
+  Profile kept;
+  kept.id = "rig.a";
+  kept.look = InitialLook();
+  kept.look.add_mix()->set_style("mine");
+  kept.look.mutable_mix(0)->set_weight(1);
+  pipeline().Restore({kept});
+  Deliver({rig_.Body(), rig_.Frame()});
+  v1::Request request;
+  const auto warning = [&] {
+    request.mutable_status();
+    return Ask(request).status().stats().performers(0).warning();
+  };
+  EXPECT_EQ(warning(), "no style \"mine\" is here any more, and it has no effect: choose another");
+  request.set_performer("rig.a");
+  request.mutable_set()->add_mix()->set_style("S1");
+  request.mutable_set()->mutable_mix(0)->set_weight(1);
+  ASSERT_EQ(Ask(request).code(), v1::CODE_OK);
+  EXPECT_EQ(warning(), "");
 }
 
 // Styled together or one by one: the same frames. One performer has two frames in each batch.
