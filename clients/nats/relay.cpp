@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "clients/cpp/reach.h"
 #include "clients/nats/bridge.h"
 #include "clients/nats/subject.h"
 #include "model/base/descriptor.h"
@@ -45,7 +46,10 @@ std::string Bytes(natsMsg* message) {
 Status CheckLocal(const std::string& option, const std::string& endpoint) {
   const bool local = endpoint.starts_with("ipc://") || endpoint.starts_with("tcp://127.") ||
                      endpoint.starts_with("tcp://[::1]:");
-  if (local) return Status::Ok();
+  if (local) {
+    const Status valid = client::CheckEndpoint(endpoint);
+    return valid.ok() ? valid : Status::Error(option + " " + valid.message());
+  }
   return Status::Error(option + " " + endpoint +
                        ": expected tcp://127.0.0.1:PORT or ipc://PATH: there is no key for it");
 }

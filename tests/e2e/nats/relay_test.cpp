@@ -145,6 +145,9 @@ TEST_F(JoinTest, AViewersMachineIsNotOpenToOthers) {
   const Stylenats open("viewer", servers_.hub_port, "tcp://0.0.0.0:7001", control_, {"--join"});
   EXPECT_EQ(open.child->Wait(5).value_or(-1), 2);
   EXPECT_THAT(open.Log(), HasSubstr("--publish tcp://0.0.0.0:7001: expected tcp://127.0.0.1"));
+  const Stylenats odd("viewer", servers_.hub_port, "tcp://127.0.0.1:99999", control_, {"--join"});
+  EXPECT_EQ(odd.child->Wait(5).value_or(-1), 2);
+  EXPECT_THAT(odd.Log(), HasSubstr("port 99999: expected 1 to 65535"));
   const Stylenats twice("viewer", servers_.hub_port, daemon_.publish, control_, {"--join"});
   EXPECT_EQ(twice.child->Wait(5).value_or(-1), 2);
   EXPECT_THAT(twice.Log(), HasSubstr("Address already in use; does a daemon run there?"));
