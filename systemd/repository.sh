@@ -32,6 +32,7 @@ done
 compgen -G "$1/*.deb" >/dev/null || fail "$1: expected .deb files, found none; systemd/packages.sh builds them"
 debs=$(realpath "$1")
 folder=$(realpath -m "${2:-$root/build/apt}")
+case $url in *[[:space:]]*) fail "--url '$url': expected an address without spaces" ;; esac
 url=${url:-file:${folder// /%20}}
 # Of a folder that is no repository nothing is replaced.
 [ ! -e "$folder" ] || [ -e "$folder/dists" ] || [ -z "$(ls -A "$folder" 2>/dev/null || echo file)" ] ||
@@ -60,7 +61,12 @@ gpg --list-secret-keys "$key" >/dev/null 2>&1 ||
   fail "--key $key: expected a secret key of ${GNUPGHOME:-$HOME/.gnupg}; gpg --list-secret-keys lists them"
 
 mkdir -p "$new/pool/main" "$new/dists/bookworm/main"
-cp "$debs"/*.deb "$new/pool/main"
+# apt-ftparchive finds NAME_VERSION_ARCHITECTURE.deb alone, so a package gets the name that it says.
+for deb in "$debs"/*.deb; do
+  named=$(dpkg-deb --show --showformat='${Package}_${Version}_${Architecture}' "$deb" 2>/dev/null) ||
+    fail "$deb: is no package: dpkg-deb cannot read it"
+  cp "$deb" "$new/pool/main/${named//:/%3a}.deb"
+done
 cd "$new"
 architectures=$(for deb in pool/main/*.deb; do dpkg-deb -f "$deb" Architecture; done | sort -u | grep -vx all || true)
 architectures=${architectures:-$(dpkg --print-architecture)}
@@ -70,6 +76,9 @@ for architecture in $architectures; do
   apt-ftparchive --arch "$architecture" packages pool/main >"$packages"
   gzip -9nk "$packages"
 done
+count=$(cat dists/bookworm/main/*/Packages | sed -n 's/^Filename: //p' | sort -u | wc -l)
+[ "$count" = "$(ls pool/main | wc -l)" ] ||
+  fail "$debs: $(ls pool/main | wc -l) packages, of which $count could be listed; nothing was replaced"
 # Written outside of the folder that it lists.
 release=$(apt-ftparchive -o APT::FTPArchive::Release::Origin=Styled -o APT::FTPArchive::Release::Label=Styled \
   -o APT::FTPArchive::Release::Suite=bookworm -o APT::FTPArchive::Release::Codename=bookworm \
@@ -93,5 +102,5 @@ if [ -e "$folder" ]; then mv -T "$folder" "$new.old"; fi
 mv -T "$new" "$folder"
 rm -rf "$new.old"
 fingerprint=$(gpg --with-colons --list-secret-keys "$key" | awk -F: '$1 == "fpr" { print $10; exit }')
-echo "$folder: $(ls "$folder/pool/main" | wc -l) packages, signed by $fingerprint"
+echo "$folder: $count packages, signed by $fingerprint"
 echo "a client copies $folder/styled.sources to /etc/apt/sources.list.d"

@@ -170,6 +170,21 @@ class RepositoryTest(unittest.TestCase):
         self.assertEqual((0, ''), (done.returncode, done.stderr))
         self.assertIn('styled (2.0 ', apt('apt-get', 'install', '--simulate', 'styled').stdout)
 
+    def test_a_package_of_any_name_is_listed_and_one_that_is_none_is_refused(self):
+        debs = os.path.join(self.folder, 'debs')
+        os.rename(glob.glob(os.path.join(debs, 'styled_*.deb'))[0], os.path.join(debs, 'n\u00e4 me.deb'))
+        self.assertRegex(self.made(), r'/apt: 2 packages, signed by')
+        apt = self.apt()
+        self.assertEqual(0, apt.update().returncode)
+        self.assertIn('Inst styled (1.0 ', apt('apt-get', 'install', '--simulate', 'styled').stdout)
+        before = os.stat(self.file('InRelease')).st_mtime_ns
+        with open(os.path.join(debs, 'broken.deb'), 'w', encoding='utf-8') as broken:
+            broken.write('no package')
+        done = self.make()
+        self.assertEqual((1, ''), (done.returncode, done.stdout))
+        self.assertIn('broken.deb: is no package', done.stderr)
+        self.assertEqual(before, os.stat(self.file('InRelease')).st_mtime_ns)
+
     def test_a_key_of_ones_own_and_a_url(self):
         ring = os.path.join(self.folder, 'ring')
         os.mkdir(ring, 0o700)
@@ -188,7 +203,8 @@ class RepositoryTest(unittest.TestCase):
         self.made()
         before = os.stat(self.file('InRelease')).st_mtime_ns
         for options, code, reason in ((('--key', 'nobody@styled.invalid'), 1, 'expected a secret key'),
-                                      (('--key', ''), 2, 'systemd/repository.sh'), (('--quick',), 2, 'systemd/repository.sh')):
+                                      (('--key', ''), 2, 'systemd/repository.sh'),
+                                      (('--url', 'http://x y'), 1, 'without spaces'), (('--quick',), 2, 'systemd/repository.sh')):
             done = self.make(*options)
             self.assertEqual((code, ''), (done.returncode, done.stdout))
             self.assertIn(reason, done.stderr)
