@@ -23,7 +23,9 @@ function list(app: App): HTMLElement {
     app.changed();
   });
   app.watch(() => {
-    const performers = app.performers();
+    // Who was only named stands behind those who have come, who may otherwise be out of sight.
+    const came = ({ live, received }: PerformerStats) => live || received > 0n;
+    const performers = app.performers().sort((a, b) => Number(came(b)) - Number(came(a)));
     const names = performers.map(({ performer }) => performer);
     if (names.join() !== [...rows.keys()].join()) {
       rows.clear();
