@@ -71,7 +71,7 @@ Status CheckSocket(const Config& config, const std::string& name, const Socket& 
                        name + ".allow_unauthenticated_remote = true");
 }
 
-Status CheckCues(const std::vector<Cue>& cues) {
+Status CheckCues(const std::vector<Cue>& cues, const std::vector<Source>& sources) {
   for (std::size_t i = 0; i < cues.size(); ++i) {
     const std::string place = "cue." + std::to_string(i) + ".";
     if (!IsName(cues[i].name)) {
@@ -83,6 +83,12 @@ Status CheckCues(const std::vector<Cue>& cues) {
       return Status::Error(place + "performer: \"" + Shown(performer) +
                            "\"; expected SOURCE.NAME or *");
     }
+    const std::string source = performer.substr(0, performer.find('.'));
+    if (performer == "*" || std::ranges::count(sources, source, &Source::name) > 0) continue;
+    std::string names;
+    for (const Source& one : sources) names += " " + one.name;
+    return Status::Error(place + "performer: \"" + Shown(performer) +
+                         "\": no such source; the sources are" + names);
   }
   return Status::Ok();
 }
@@ -220,7 +226,7 @@ Status Validate(const Config& config) {
   if (!status.ok()) return status;
   status = CheckClashes(config);
   if (!status.ok()) return status;
-  status = CheckCues(config.cues);
+  status = CheckCues(config.cues, config.sources);
   if (!status.ok()) return status;
   if (const auto error = config.model.stylist.Validate(); error != stylist::OptionsError::kNone) {
     return Status::Error(std::string("model.") + stylist::Expectation(error));

@@ -286,25 +286,35 @@ void Commands::Panic(v1::Reply& reply) {
   changed_ = true;
 }
 
-void Commands::FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply) {
+// What became of it; a pinned performer is passed over, and `reply` does not say so.
+v1::Code Commands::FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply) {
   v1::Request request = cue.request;
   request.set_performer(performer);
   v1::Reply one;
   (void)Apply(request, one);
-  if (one.code() == v1::CODE_PINNED) return;
+  if (one.code() == v1::CODE_PINNED) return one.code();
   if (one.code() != v1::CODE_OK && reply.code() == v1::CODE_OK) {
     reply.set_code(one.code());
     reply.set_reason("cue " + cue.name + ": " + one.reason());
   }
   reply.mutable_applied()->MergeFrom(one.applied());
+  return one.code();
 }
 
 void Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
   bool found = false;
+  std::string pinned;
   for (const Cue& cue : roster_.config().cues) {
     if (cue.name != wanted.name()) continue;
     found = true;
-    FireOne(cue, cue.performer, reply);
+    if (FireOne(cue, cue.performer, reply) == v1::CODE_PINNED) {
+      pinned += (pinned.empty() ? "" : ", ") + cue.performer;
+    }
+  }
+  // A cue of whom nobody was changed did nothing: that is not a success.
+  if (!pinned.empty() && reply.code() == v1::CODE_OK && reply.applied().empty()) {
+    Refuse(reply, v1::CODE_PINNED,
+           "cue " + wanted.name() + ": " + pinned + ": pinned; unpin them first");
   }
   if (found) return;
   std::string reason = "no cue \"" + Printable(wanted.name(), kShown) + "\"; the cues are";
@@ -316,13 +326,14 @@ void Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
 bool Commands::Pass(Performer& performer, const Timecode& timecode, std::string& said) {
   const std::int64_t now = TimecodeLabel(timecode);
   const auto last = std::exchange(performer.timecode, now);
-  if (!last || *last == now) return false;
+  if (last == now) return false;
   for (const Cue& cue : roster_.config().cues) {
-    if (!cue.at || !Passes(*cue.at, *last, now)) continue;
+    if (!cue.at || !Passes(*cue.at, last, now)) continue;
     if (cue.performer != "*" && cue.performer != performer.profile.id) continue;
     v1::Reply reply;
-    FireOne(cue, performer.profile.id, reply);
+    const v1::Code code = FireOne(cue, performer.profile.id, reply);
     said += (said.empty() ? "cue " : ", cue ") + cue.name;
+    if (code == v1::CODE_PINNED) said += " (pinned, not changed)";
     if (reply.code() != v1::CODE_OK) said += " (" + reply.reason() + ")";
   }
   return !said.empty();

@@ -49,7 +49,7 @@ class Commands {
   void Panic(v1::Reply& reply);
   void Fire(const v1::Cue& wanted, v1::Reply& reply);
   // Executes the request of one cue, for one performer or "*".
-  void FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply);
+  v1::Code FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply);
   void Reset(const v1::Request& request, v1::Reply& reply);
 
   // Copies the mix of the preset that a change names into the change; false if there is no such

@@ -80,8 +80,9 @@ std::optional<Timecode> ParseTimecode(std::string_view text) {
   return timecode;
 }
 
-bool Passes(std::int64_t at, std::int64_t last, std::int64_t now) noexcept {
-  return last < at && at <= now && now - last <= kWinding;
+bool Passes(std::int64_t at, std::optional<std::int64_t> last, std::int64_t now) noexcept {
+  if (!last) return at == now;
+  return *last < at && at <= now && now - *last <= kWinding;
 }
 
 Result<Cue> MakeCue(const config::Cue& cue, const std::vector<config::Preset>& presets,

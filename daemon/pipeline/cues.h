@@ -28,8 +28,9 @@ std::string TimecodeText(std::int64_t label);
 std::optional<Timecode> ParseTimecode(std::string_view text);
 
 // Whether a performer's timecode passed `at` between two of its frames. A step of more than two
-// seconds, or backward, is winding of the tape and passes nothing.
-bool Passes(std::int64_t at, std::int64_t last, std::int64_t now) noexcept;
+// seconds, or backward, is winding of the tape and passes nothing. The first timecode that a
+// performer sends (`last` is empty) passes what it is itself: a show may begin with a cue.
+bool Passes(std::int64_t at, std::optional<std::int64_t> last, std::int64_t now) noexcept;
 
 // Errors name the place, the key and what was expected; styles and presets must exist. Start-up and
 // reload only; allocates.

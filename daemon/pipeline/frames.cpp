@@ -203,7 +203,7 @@ void Pipeline::AwaitNext(Performer& performer, std::int64_t before_ns) noexcept 
 void Pipeline::PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot) {
   const std::int64_t now = TimecodeLabel(timecode);
   const auto passed = [&](const Cue& cue) {
-    return cue.at && performer.timecode && Passes(*cue.at, *performer.timecode, now);
+    return cue.at && Passes(*cue.at, performer.timecode, now);
   };
   const auto& cues = roster_.config().cues;
   if (std::none_of(cues.begin(), cues.end(), passed)) {

@@ -75,6 +75,10 @@ stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
   stylist::Settings settings;
   settings.strength = look.strength();
   settings.transition_s = look.transition_ms() * 1e-3F;
+  // The longest one is not longer by a rounding.
+  if (look.transition_ms() == 1000 * net::kMaxTransition_s) {
+    settings.transition_s = net::kMaxTransition_s;
+  }
   settings.absolute = look.absolute();
   settings.parts = PartsOf(look);
   settings.root = look.root() == v1::ROOT_STRIDE ? stylist::Root::kStride : stylist::Root::kFollow;

@@ -22,7 +22,8 @@ std::string Cue(const std::string& name, const std::string& more) {
 
 TEST(ShowTest, ACueIsFiredByNameAndAWrongOneIsNamed) {
   Daemon daemon({}, Cue("entrance", "style = \"style2\"\nstrength = 0.5\n") +
-                        Cue("blackout", "panic = true\n"));
+                        Cue("blackout", "panic = true\n") +
+                        Cue("hers", "performer = \"rig.anna\"\nclear = true\n"));
   ControlClient control(daemon.control);
   Rig rig("anna");
   const UdpLink link(daemon.udp);
@@ -35,16 +36,26 @@ TEST(ShowTest, ACueIsFiredByNameAndAWrongOneIsNamed) {
   ASSERT_EQ(fired.applied_size(), 1);
   EXPECT_EQ(control.Performer("rig.anna").styles(0).style(), "style2");
   EXPECT_EQ(control.Performer("rig.anna").strength(), 0.5F);
+  v1::Request pin;
+  pin.set_performer("rig.anna");
+  pin.mutable_pin()->set_pinned(true);
+  ASSERT_EQ(control.Ask(pin).code(), v1::CODE_OK);
+  const auto passed_over = control.Ask(request);
+  EXPECT_EQ(passed_over.code(), v1::CODE_OK) << "of everyone: the pinned one is passed over";
+  request.mutable_cue()->set_name("hers");
+  const auto pinned = control.Ask(request);
+  EXPECT_EQ(pinned.code(), v1::CODE_PINNED);
+  EXPECT_EQ(pinned.reason(), "cue hers: rig.anna: pinned; unpin them first");
   request.mutable_cue()->set_name("blackout");
   EXPECT_EQ(control.Ask(request).code(), v1::CODE_OK);
   EXPECT_EQ(control.Performer("rig.anna").styles_size(), 0);
   request.mutable_cue()->set_name("exit");
   const auto refused = control.Ask(request);
   EXPECT_EQ(refused.code(), v1::CODE_UNKNOWN_CUE);
-  EXPECT_EQ(refused.reason(), "no cue \"exit\"; the cues are entrance blackout");
+  EXPECT_EQ(refused.reason(), "no cue \"exit\"; the cues are entrance blackout hers");
   v1::Request list;
   list.mutable_list();
-  EXPECT_EQ(control.Ask(list).list().cues_size(), 2);
+  EXPECT_EQ(control.Ask(list).list().cues_size(), 3);
 }
 
 // A lighting console: sends OSC and receives replies.

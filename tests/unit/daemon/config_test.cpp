@@ -310,6 +310,8 @@ TEST_F(ConfigTest, RulesThatSpanKeysNameTheLineToo) {
               HasSubstr(file_ + ":3: presets.x: weights sum to 1.7; expected at most 1.5"));
   EXPECT_EQ(Complaint("[[cue]]\nname = 'a b'\npanic = true\n"),
             file_ + ":2: cue.0.name: \"a b\"; expected 1 to 32 of A-Z a-z 0-9 _ -");
+  EXPECT_THAT(Complaint("[[cue]]\nname = 'a'\nperformer = 'rgi.anna'\npanic = true\n"),
+              HasSubstr("cue.0.performer: \"rgi.anna\": no such source; the sources are rig"));
   EXPECT_THAT(Complaint("\n[[output]]\nname = 'x'\n"), HasSubstr(file_ + ":2: output.0.avatar"));
   EXPECT_THAT(Complaint("[[cue]]\nname = 'a'\nparts = 'tail'\n"),
               HasSubstr(file_ + ":3: cue.parts: expected in quotes, separated by commas, some of"));

@@ -32,6 +32,8 @@ TEST(Timecode, ACueIsPassedOnceAndNotByWinding) {
   EXPECT_FALSE(Passes(100, 140, 60));
   EXPECT_TRUE(Passes(3000, 2000, 4000)) << "two seconds may be lost";
   EXPECT_FALSE(Passes(3000, 2000, 4001));
+  EXPECT_TRUE(Passes(100, std::nullopt, 100)) << "the show begins with it";
+  EXPECT_FALSE(Passes(100, std::nullopt, 101)) << "who comes late has missed it";
 }
 
 class MakeCueTest : public testing::Test {
