@@ -79,7 +79,7 @@ void Commands::FollowStyles(const v1::Request& request, v1::Reply& reply) {
   const auto follow = [&](Profile& profile) {
     if (!ReplaceStyle(name, to, profile.look)) return;
     changed_ = true;
-    if (profile.id != roster_.to_come.id) Applied(profile, reply);
+    if (profile.id != roster_.to_come.id) Applied(profile, roster_.LiveOf(profile), reply);
   };
   for (const auto& [id, profile] : roster_.profiles) follow(*profile);
   follow(roster_.to_come);
@@ -160,11 +160,11 @@ void Commands::List(v1::Reply& reply) const {
   }
 }
 
-void Commands::Applied(const Profile& profile, v1::Reply& reply) const {
+void Commands::Applied(const Profile& profile, const Performer* live, v1::Reply& reply) {
   auto& applied = *reply.add_applied();
   applied.set_performer(profile.id);
   applied.set_first_sequence(profile.next_sequence);
-  applied.set_absent(roster_.LiveOf(profile) == nullptr);
+  applied.set_absent(live == nullptr);
   applied.set_no_strength(profile.look.strength() == 0 && !profile.look.mix().empty());
 }
 
@@ -205,8 +205,9 @@ void Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
   for (auto& [profile, look] : changed) {
     profile->look = std::move(look);
     profile->configured = true;
-    if (Performer* live = roster_.LiveOf(*profile)) (void)live->ApplyLook(roster_.config());
-    if (profile != &roster_.to_come) Applied(*profile, reply);
+    Performer* const live = roster_.LiveOf(*profile);
+    if (live != nullptr) (void)live->ApplyLook(roster_.config());
+    if (profile != &roster_.to_come) Applied(*profile, live, reply);
     if (!targets.all) roster_.NoteNamed(*profile);
   }
   changed_ = true;
@@ -266,7 +267,7 @@ void Commands::Pin(const v1::Request& request, v1::Reply& reply) {
     profile->configured = true;
     if (!targets.all) roster_.NoteNamed(*profile);
     changed_ = true;
-    Applied(*profile, reply);
+    Applied(*profile, roster_.LiveOf(*profile), reply);
   }
 }
 
@@ -276,17 +277,15 @@ void Commands::Panic(v1::Reply& reply) {
     bypass.set_clear(true);
     styled::Apply(bypass, profile.look);
     profile.configured = true;
-    if (Performer* live = roster_.LiveOf(profile)) (void)live->ApplyLook(roster_.config());
+    Performer* const live = roster_.LiveOf(profile);
+    if (live != nullptr) (void)live->ApplyLook(roster_.config());
+    return live;
   };
-  for (const auto& [id, profile] : roster_.profiles) {
-    clear(*profile);
-    Applied(*profile, reply);
-  }
+  for (const auto& [id, profile] : roster_.profiles) Applied(*profile, clear(*profile), reply);
   clear(roster_.to_come);
   changed_ = true;
 }
 
-// What became of it; a pinned performer is passed over, and `reply` does not say so.
 v1::Code Commands::FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply) {
   v1::Request request = cue.request;
   request.set_performer(performer);
@@ -311,7 +310,7 @@ void Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
       pinned += (pinned.empty() ? "" : ", ") + cue.performer;
     }
   }
-  // A cue of whom nobody was changed did nothing: that is not a success.
+  // A cue that changed nobody is not a success.
   if (!pinned.empty() && reply.code() == v1::CODE_OK && reply.applied().empty()) {
     Refuse(reply, v1::CODE_PINNED,
            "cue " + wanted.name() + ": " + pinned + ": pinned; unpin them first");
@@ -350,8 +349,9 @@ void Commands::Reset(const v1::Request& request, v1::Reply& reply) {
   }
   const Targets targets = Find(request.performer(), reply);
   for (Profile* profile : targets.profiles) {
-    if (Performer* live = roster_.LiveOf(*profile)) live->Restart();
-    Applied(*profile, reply);
+    Performer* const live = roster_.LiveOf(*profile);
+    if (live != nullptr) live->Restart();
+    Applied(*profile, live, reply);
   }
 }
 

@@ -48,7 +48,8 @@ class Commands {
   void Pin(const v1::Request& request, v1::Reply& reply);
   void Panic(v1::Reply& reply);
   void Fire(const v1::Cue& wanted, v1::Reply& reply);
-  // Executes the request of one cue, for one performer or "*".
+  // Executes the request of one cue, for one performer or "*". Returns the code of that request.
+  // For a pinned performer `reply` stays as it is.
   v1::Code FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply);
   void Reset(const v1::Request& request, v1::Reply& reply);
 
@@ -57,7 +58,8 @@ class Commands {
   bool FillPreset(v1::Look& change, const std::string& what, v1::Reply& reply) const;
   // Applies a checked change to each target, all or none.
   void ChangeLooks(const std::string& performer, const v1::Look& change, v1::Reply& reply);
-  void Applied(const Profile& profile, v1::Reply& reply) const;
+  // `live`: the profile's performer, null if there is none.
+  static void Applied(const Profile& profile, const Performer* live, v1::Reply& reply);
 
   Roster& roster_;
   bool changed_ = false;
