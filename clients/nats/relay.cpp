@@ -1,6 +1,5 @@
 #include "clients/nats/relay.h"
 
-#include <fcntl.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -96,9 +95,10 @@ struct Relay::Inbox {
     const std::scoped_lock lock(mutex);
     const auto known = frames.find(subject);
     const std::size_t freed = known == frames.end() ? 0 : known->second.size();
-    const bool full = known == frames.end() && frames.size() >= kMaxStreams;
+    const bool full = (known == frames.end() && frames.size() >= kMaxStreams) ||
+                      frame_bytes - freed + bytes.size() > kMaxBytes;
     if (known != frames.end() || full) ++replaced;
-    if (full || frame_bytes - freed + bytes.size() > kMaxBytes) return;
+    if (full) return;
     frame_bytes += bytes.size() - freed;
     if (known != frames.end()) {
       known->second = std::move(bytes);
@@ -184,6 +184,8 @@ Status Relay::Bind() {
   }
   publisher_ = zmq::socket_t(context_, zmq::socket_type::xpub);
   control_ = zmq::socket_t(context_, zmq::socket_type::router);
+  // Each subscriber gets the bodies at once, also the second one of a topic.
+  publisher_.set(zmq::sockopt::xpub_verbose, true);
   const Status status = Listen(publisher_, "--publish", options_.publish);
   return status.ok() ? Listen(control_, "--control", options_.control) : status;
 }

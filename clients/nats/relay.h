@@ -31,7 +31,7 @@ struct RelayTotals {
   // Frames that a newer one took the place of, or for which there was no room: this program was
   // late.
   std::uint64_t replaced = 0;
-  std::uint64_t odd = 0;  // messages with a subject or a value that is none of ours, or too many
+  std::uint64_t odd = 0;  // messages that are not stylenats' own, and values beyond the bounds
   std::uint64_t requests = 0, unanswered = 0;
   bool operator==(const RelayTotals&) const = default;
 };
