@@ -152,4 +152,5 @@ here=$(frames_of beside-the-daemon)
 there=$(frames_of at-the-viewer)
 echo "beside the daemon: ${here:-0} frames in $seconds s"
 echo "at the viewer: ${there:-0}; $(((here - there) * 1000 / 120)) ms are missing, of which the hub was away 2000"
-[ "${there:-0}" -gt $((here / 2)) ]
+# A viewer whose frames never come again has at most half of them.
+[ "${there:-0}" -gt $((here * 3 / 5)) ]
