@@ -20,7 +20,7 @@ std::vector<std::string_view> Tokens(std::string_view text) {
   }
 }
 
-// A name as a part of a topic; empty: it is none.
+// The name in an escaped token. Empty if the token is not valid in a topic.
 std::string Name(std::string_view token) {
   std::string name = Unescape(token).value_or("");
   return name.find('/') == std::string::npos ? name : "";

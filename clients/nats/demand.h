@@ -6,8 +6,8 @@
 
 namespace styled::stylenats {
 
-// What the programs of this machine have subscribed to, and which NATS subjects that takes: no
-// frame comes over the network that nobody here reads. One thread; allocates. Pinned by
+// The topics that the programs of this machine have subscribed to, and the NATS subjects that they
+// need. Only frames that a program reads cross the network. One thread; allocates. Pinned by
 // tests/unit/nats/demand_test.cpp.
 class Demand {
  public:

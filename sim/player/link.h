@@ -30,8 +30,8 @@ class Link {
 // the reason.
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms);
 
-// Whom a server sends to: every peer heard from within the last 5 s, or the one heard from last,
-// for as long as it takes.
+// The peers that a server sends to. kAllWhoSpeak: all that sent something within the last 5 s.
+// kNewest: the one that sent something last, without end.
 enum class Audience : std::uint8_t { kAllWhoSpeak, kNewest };
 
 // A server's socket, bound to "udp://HOST:PORT" (port 0: any free port). Send() sends to the

@@ -74,7 +74,10 @@ export function findings(now: Stats, before: Stats | undefined): string[] {
 const HARDLY_DEG = 0.5; // less is not seen
 const MUCH = 0.5; // of a style
 
-/** Whether a style is set for the whole body, and turns next to nothing of it. `neutral`: whether a style is none. */
+/**
+ * Whether a style is set for the whole body, and turns its joints too little to be seen. `neutral` tells whether a
+ * style is the neutral one.
+ */
 export function hardlyStyled({ live, look, turnedDeg }: PerformerStats, neutral: (style: string) => boolean): boolean {
   if (!live || !look || turnedDeg === undefined || turnedDeg >= HARDLY_DEG) return false;
   if (!look.parts.every((part) => part === BodyPart.ALL)) return false;
