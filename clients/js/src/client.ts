@@ -1,12 +1,12 @@
 import {
   create,
   fromBinary,
-  ScalarType,
   toBinary,
   type DescMessage,
   type MessageInitShape,
 } from '@bufbuild/protobuf';
 
+import { checkChange, checkName, checkOptions, shown, type SetInit } from './checks.js';
 import { NoAnswerError, RefusedError } from './errors.js';
 import { BodySchema, Output, type Body } from './gen/proto/styled/v1/body_pb.js';
 import {
@@ -25,7 +25,6 @@ import {
   type StyleFile,
 } from './gen/proto/styled/v1/control_pb.js';
 import { FrameSchema, type Frame } from './gen/proto/styled/v1/frame_pb.js';
-import { LookSchema } from './gen/proto/styled/v1/look_pb.js';
 import { StatsSchema, type Stats } from './gen/proto/styled/v1/stats_pb.js';
 import { checkBody, checkFrame } from './kinematics.js';
 import { Link, type LinkState } from './link.js';
@@ -160,52 +159,6 @@ function wordOf<T extends Record<string, number>>(words: T, word: keyof T & stri
 
 const EVENTS = ['link', 'daemon', 'frame', 'body', 'stats', 'complaint', 'unseen'] satisfies (keyof ClientEvents)[];
 
-function shown(value: unknown): string {
-  return typeof value === 'string' ? JSON.stringify(value) : String(value);
-}
-
-function checkOptions(options: ClientOptions): void {
-  if (typeof options !== 'object' || options === null) {
-    throw new TypeError(`found ${shown(options)} as options, expected { url: 'http://127.0.0.1:7080' }`);
-  }
-  for (const name of ['timeout_ms', 'long_ms'] as const) {
-    const value = options[name] ?? 1;
-    if (typeof value !== 'number' || !(value > 0 && value < Infinity)) {
-      throw new TypeError(`found ${shown(value)} as ${name}, expected milliseconds above 0`);
-    }
-  }
-}
-
-function checkName(name: unknown, what: string): void {
-  if (typeof name !== 'string' || name === '') throw new TypeError(`found ${shown(name)} as ${what}, expected a name`);
-}
-
-// What TypeScript checks, for programs in JavaScript: protobuf would leave out what it does not know.
-function checkChange(change: SetInit): void {
-  if (typeof change !== 'object' || change === null) {
-    throw new TypeError(`found ${shown(change)} as change, expected { strength: 0.5 } or the like`);
-  }
-  for (const [name, value] of Object.entries(change)) {
-    if (name.startsWith('$') || value === undefined) continue;
-    const field = LookSchema.fields.find(({ localName }) => localName === name);
-    if (!field) {
-      const names = LookSchema.fields.map(({ localName }) => localName).join(', ');
-      throw new TypeError(`found "${name}" in the change, expected ${names}`);
-    }
-    const list = field.fieldKind === 'list';
-    const kind = field.fieldKind !== 'scalar' ? 'number'
-      : field.scalar === ScalarType.BOOL ? 'boolean' : field.scalar === ScalarType.STRING ? 'string' : 'number';
-    if (list ? !Array.isArray(value) : typeof value !== kind) {
-      throw new TypeError(`found ${shown(value)} as ${name}, expected a ${list ? 'list' : kind}`);
-    }
-  }
-  for (const one of change.mix ?? []) {
-    checkName(one?.style, 'style of mix');
-    if (typeof one.weight !== 'number') throw new TypeError(`found ${shown(one.weight)} as weight of ${one.style}, expected a number`);
-  }
-}
-
-export type SetInit = MessageInitShape<typeof LookSchema>;
 type RequestInit = MessageInitShape<typeof RequestSchema>;
 
 function socketUrl(options: ClientOptions): string {

@@ -1,5 +1,6 @@
 export { StyledClient } from './client.js';
-export type { CalibrateOptions, ClientEvents, ClientOptions, DaemonState, LikeOptions, SetInit, Update } from './client.js';
+export type { CalibrateOptions, ClientEvents, ClientOptions, DaemonState, LikeOptions, Update } from './client.js';
+export type { SetInit } from './checks.js';
 export { NoAnswerError, RefusedError } from './errors.js';
 export { expressionsOf, presetOf } from './expressions.js';
 export type { Named } from './expressions.js';
