@@ -329,6 +329,8 @@ std::string CodeName(v1::Code code) {
       return "NO_EXAMPLES";
     case v1::CODE_NOT_KEPT:
       return "NOT_KEPT";
+    case v1::CODE_STANDBY:
+      return "STANDBY";
     default:
       return "CODE_" + std::to_string(static_cast<int>(code));
   }

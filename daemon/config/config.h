@@ -162,6 +162,16 @@ struct Osc {
   friend bool operator==(const Osc&, const Osc&) = default;
 };
 
+// Two daemons that stand in for each other.
+struct Standby {
+  std::string peer;                              // the other one's `address`; "" = none
+  std::string address = "tcp://127.0.0.1:7004";  // of this one's journal
+  bool allow_unauthenticated_remote = false;
+  bool first = false;   // leads where both have just started
+  float hold_s = 0.1F;  // silence of the leader after which the standby goes on
+  friend bool operator==(const Standby&, const Standby&) = default;
+};
+
 struct Time {
   std::string ptp4l;  // its management socket; "" = where it usually is
   friend bool operator==(const Time&, const Time&) = default;
@@ -202,6 +212,7 @@ struct Config {
   std::vector<Preset> presets;
   std::vector<Cue> cues;
   Osc osc;
+  Standby standby;
   Time time;
   State state;
   Record record;

@@ -109,6 +109,30 @@ Status CheckOsc(const Osc& osc) {
                        "osc.allow_unauthenticated_remote = true");
 }
 
+// No peer turns it off; the address is then not looked at.
+Status CheckStandby(const Standby& standby) {
+  if (standby.peer.empty()) return Status::Ok();
+  Status status = CheckEndpoint(standby.address);
+  if (!status.ok()) return Status::Error("standby.address: " + status.message());
+  status = CheckEndpoint(standby.peer);
+  if (!status.ok()) return Status::Error("standby.peer: " + status.message());
+  if (standby.peer == standby.address && !standby.peer.ends_with(":0")) {
+    return Status::Error(
+        "standby.peer: " + standby.peer +
+        " is this daemon's own standby.address; expected that of the other daemon");
+  }
+  const auto open = [&](const std::string& address, const char* key) {
+    if (IsLocal(address) || standby.allow_unauthenticated_remote) return Status::Ok();
+    return Status::Error(std::string(key) + ": " + address +
+                         " is reached over a network, and the two daemons do not authenticate each "
+                         "other; expected a loopback or ipc:// address, or "
+                         "standby.allow_unauthenticated_remote = true on a network that the two "
+                         "machines have to themselves (a cable, a VLAN, WireGuard)");
+  };
+  status = open(standby.address, "standby.address");
+  return status.ok() ? open(standby.peer, "standby.peer") : status;
+}
+
 // An address at which the daemon listens.
 struct Listener {
   std::string key;       // the configuration's key
@@ -136,6 +160,7 @@ std::vector<Listener> Listeners(const Config& config) {
   }
   AddSocket("publish.address", config.publish.address, all);
   AddSocket("control.address", config.control.address, all);
+  if (!config.standby.peer.empty()) AddSocket("standby.address", config.standby.address, all);
   if (!config.osc.listen.empty()) {
     all.push_back({"osc.listen", config.osc.listen, false,
                    runtime::ParseHostPort(config.osc.listen).value()});
@@ -223,6 +248,8 @@ Status Validate(const Config& config) {
   status = CheckSocket(config, "control", config.control, "operators");
   if (!status.ok()) return status;
   status = CheckOsc(config.osc);
+  if (!status.ok()) return status;
+  status = CheckStandby(config.standby);
   if (!status.ok()) return status;
   status = CheckClashes(config);
   if (!status.ok()) return status;
