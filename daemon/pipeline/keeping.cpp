@@ -98,12 +98,16 @@ Profile FromRow(std::string_view id, const toml::table& row) {
 
 }  // namespace
 
-Status WriteProfiles(const std::string& file, const std::vector<Profile>& profiles) {
+std::string FormatProfiles(const std::vector<Profile>& profiles) {
   toml::table table;
   for (const auto& profile : profiles) table.insert_or_assign(profile.id, Row(profile));
   std::ostringstream text;
   text << "# Written by styled: the settings of its performers.\n" << table << "\n";
-  return WriteFileAtomically(file, text.str());
+  return text.str();
+}
+
+Status WriteProfiles(const std::string& file, const std::vector<Profile>& profiles) {
+  return WriteFileAtomically(file, FormatProfiles(profiles));
 }
 
 Result<std::vector<Profile>> ReadProfiles(const std::string& file) {

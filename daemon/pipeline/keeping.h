@@ -16,6 +16,8 @@ inline constexpr std::size_t kMaxStateBytes = std::size_t{64} << 20;
 // The file in [state] dir that keeps settings over a restart of the daemon: TOML, one table per
 // performer id, replaced as a whole and atomically. Supervisor thread; blocks on the disk.
 Status WriteProfiles(const std::string& file, const std::vector<Profile>& profiles);
+// The text of such a file.
+std::string FormatProfiles(const std::vector<Profile>& profiles);
 // Reads the profiles; empty if there is no such file. Errors name file, line and what is wrong. The
 // call returns whatever is in place of the file. Values that no request could have set become the
 // defaults.

@@ -25,13 +25,13 @@ std::vector<recording::Origin> OriginsOf(const config::Config& config,
   return origins;
 }
 
+}  // namespace
+
 bool Changes(const v1::Request& request) {
   return !request.has_list() && !request.has_status() && !request.has_preview() &&
-         !request.has_export_style() && !request.like().measure() &&
-         request.command_case() != v1::Request::COMMAND_NOT_SET;
+         !request.has_export_style() && !request.has_take_checkpoint() && !request.has_lead() &&
+         !request.like().measure() && request.command_case() != v1::Request::COMMAND_NOT_SET;
 }
-
-}  // namespace
 
 std::filesystem::path FileAt(const std::string& pattern, std::int64_t unix_s) {
   std::error_code error;

@@ -18,6 +18,9 @@
 
 namespace styled::record {
 
+// Whether a request changes something where it succeeds.
+bool Changes(const v1::Request& request);
+
 // What the header of a recording contains about the daemon that made it.
 struct About {
   std::string config;                 // text of the configuration file and of the overrides
