@@ -46,7 +46,9 @@ ROWS = {
     "daemon/control": "daemon/pipeline daemon/security daemon/config daemon/runtime proto model/base"
                       " model/body",
     "daemon/replay": "daemon/pipeline daemon/source daemon/config daemon/runtime proto model",
-    "daemon/pipeline": "daemon/record daemon/publish daemon/source daemon/config daemon/runtime proto"
+    "daemon/standby": "daemon/publish daemon/source daemon/config daemon/runtime proto/styled"
+                      " proto/rigs/native model/base",
+    "daemon/pipeline": "daemon/standby daemon/record daemon/publish daemon/source daemon/config daemon/runtime proto"
                        " model",
     "daemon/record": "daemon/source daemon/config daemon/runtime proto model/base",
     "daemon/publish": "daemon/security daemon/config daemon/runtime proto/styled model/net " + STAGES,

@@ -1,0 +1,65 @@
+#include "daemon/standby/roles.h"
+
+#include <algorithm>
+
+namespace styled::standby {
+
+Roles::Change Roles::Start(Change change) {
+  if (change == Change::kNone) return change;
+  silence_ns_ = 0;
+  if (change == Change::kFollow) {
+    role_ = v1::ROLE_FOLLOWING;
+    leader_ = peer_.daemon;
+    term_ = peer_.term;
+  } else {
+    role_ = v1::ROLE_LEADING;
+    term_ = std::max(term_, peer_.term) + 1;
+  }
+  return change;
+}
+
+bool Roles::WinsAtStart(const Peer& peer) const {
+  if (first_ != peer.first) return first_;
+  return daemon_ < peer.daemon;
+}
+
+Roles::Change Roles::OnPeer(const Peer& peer) {
+  const bool leads = peer.role == v1::ROLE_LEADING;
+  peer_ = peer;
+  switch (role_) {
+    case v1::ROLE_FOLLOWING:
+      if (peer.daemon == leader_ && leads) {
+        silence_ns_ = 0;
+        term_ = peer.term;
+        return Change::kNone;
+      }
+      if (leads) return Start(Change::kFollow);
+      // It says goodbye, has just started again, or follows: whom this daemon followed is gone.
+      silence_ns_ = hold_ns_;
+      return Change::kNone;
+    case v1::ROLE_LEADING: {
+      if (!leads) return Change::kNone;
+      const bool gives_way = peer.term > term_ || (peer.term == term_ && peer.daemon < daemon_);
+      return Start(gives_way ? Change::kFollow : Change::kNone);
+    }
+    default:
+      if (leads) return Start(Change::kFollow);
+      if (peer.role == v1::ROLE_LOOKING && WinsAtStart(peer)) return Start(Change::kLead);
+      return Change::kNone;
+  }
+}
+
+Roles::Change Roles::OnTime(std::int64_t now_ns, bool ready) {
+  if (!timed_) last_ns_ = now_ns;
+  timed_ = true;
+  const std::int64_t passed_ns = now_ns - last_ns_;
+  last_ns_ = now_ns;
+  silence_ns_ += std::clamp<std::int64_t>(passed_ns, 0, hold_ns_ / 4);
+  if (role_ == v1::ROLE_FOLLOWING && silence_ns_ >= hold_ns_) {
+    return Start(ready ? Change::kTakeOver : Change::kLead);
+  }
+  if (role_ == v1::ROLE_LOOKING && silence_ns_ >= kLook_ns) return Start(Change::kLead);
+  return Change::kNone;
+}
+
+}  // namespace styled::standby

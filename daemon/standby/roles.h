@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+
+#include "proto/styled/v1/journal.pb.h"
+
+namespace styled::standby {
+
+// What a daemon knows of the other one by its last message.
+struct Peer {
+  std::uint64_t daemon = 0;  // which start of it; 0: never heard
+  v1::Role role = v1::ROLE_NONE;
+  std::uint64_t term = 0;
+  bool first = false;
+};
+
+// Decides which of two daemons leads. It reads no clock and sends nothing: the caller tells it what
+// the other daemon said and how time passes. One thread.
+//
+// It fails open: a daemon that hears nothing leads. Where both lead, since neither heard the other
+// for a while, the one of the higher term stays. Pinned by tests/unit/standby/roles_test.cpp.
+class Roles {
+ public:
+  enum class Change : std::uint8_t {
+    kNone,
+    kLead,      // from nothing: it has no state of the other's
+    kTakeOver,  // it goes on with the other's state
+    kFollow,    // whatever it has is void: the other's state counts
+  };
+  // A daemon that starts listens for so long whether the other one leads. ZeroMQ connects within a
+  // few milliseconds, and tries again every 100 ms.
+  static constexpr std::int64_t kLook_ns = 1'000'000'000;
+
+  // `daemon`: random, not 0. `first`: it leads where both have just started. `hold_ns`: silence
+  // after which the standby goes on alone.
+  Roles(std::uint64_t daemon, bool first, std::int64_t hold_ns)
+      : daemon_(daemon), first_(first), hold_ns_(hold_ns) {}
+
+  // A message of the other daemon came.
+  Change OnPeer(const Peer& peer);
+  // Call at least every hold_ns / 4. `ready`: it has the leader's state. Of a longer pause only
+  // that much counts as the other's silence: it was this daemon that stood still.
+  Change OnTime(std::int64_t now_ns, bool ready);
+  // Somebody wants this daemon to lead now. Only while it follows and is ready.
+  Change OnWish() { return Start(Change::kTakeOver); }
+
+  v1::Role role() const { return role_; }
+  std::uint64_t term() const { return term_; }
+  const Peer& peer() const { return peer_; }
+  std::int64_t silence_ns() const { return silence_ns_; }
+
+ private:
+  Change Start(Change change);
+  bool WinsAtStart(const Peer& peer) const;
+
+  const std::uint64_t daemon_;
+  const bool first_;
+  const std::int64_t hold_ns_;
+  v1::Role role_ = v1::ROLE_LOOKING;
+  std::uint64_t term_ = 0;    // of the leadership that it knows
+  std::uint64_t leader_ = 0;  // whom it follows
+  Peer peer_;
+  std::int64_t last_ns_ = 0, silence_ns_ = 0;
+  bool timed_ = false;
+};
+
+}  // namespace styled::standby
