@@ -1,0 +1,24 @@
+#include "daemon/standby/held_publisher.h"
+
+namespace styled::standby {
+
+void HeldPublisher::Send(std::string_view topic, std::span<const std::byte> payload) noexcept {
+  if (!holds_) return to_.Send(topic, payload);
+  // Bodies are sent anew, and statistics are of the past.
+  if (topic.starts_with("body/") || topic == "stats/") return;
+  const std::int64_t now_ns = clock_.Now_ns();
+  while (!kept_.empty() && (kept_.size() >= kMost || now_ns - kept_.front().at_ns > kKeep_ns)) {
+    kept_.pop_front();
+  }
+  kept_.push_back({now_ns, std::string(topic), {payload.begin(), payload.end()}});
+}
+
+void HeldPublisher::Release(bool all) {
+  holds_ = false;
+  for (const Message& message : kept_) {
+    if (all) to_.Send(message.topic, message.payload);
+  }
+  kept_.clear();
+}
+
+}  // namespace styled::standby
