@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -23,6 +24,7 @@ struct Exchange {
   v1::Request request;
   v1::Reply reply;
   std::vector<body::Pose> take;  // what a performer showed of a style, for Like.learn_s
+  bool followed = false;  // nobody waits for the reply: the leader did this, and its standby does
 };
 
 // A log line of the pipeline, which does not log itself.
@@ -49,6 +51,8 @@ struct Mailboxes {
   runtime::Ring<Event, 256> events;                      // pipeline -> supervisor
   runtime::Ring<std::unique_ptr<std::vector<Profile>>, 4>
       profiles;  // pipeline -> supervisor: to keep
+  // This daemon is another one's standby: it takes no orders. Set by the pipeline.
+  std::atomic<bool> stands_by{false};
   runtime::Wakeup wake_pipeline, wake_control, wake_supervisor;
 };
 

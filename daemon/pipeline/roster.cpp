@@ -199,6 +199,15 @@ Performer* Roster::LiveOf(const Profile& profile) const {
   return nullptr;
 }
 
+void Roster::Clear(std::uint64_t epoch) {
+  performers.clear();
+  counters_.Set(runtime::Counter::kPipelinePerformers, 0);
+  profiles.clear();
+  to_come = Profile();
+  InitializeToCome();
+  epoch_ = epoch;
+}
+
 void Roster::Restore(std::vector<Profile> kept) {
   // If there are more than max_profiles(), the first ones in this order are kept.
   std::stable_sort(kept.begin(), kept.end(), [](const Profile& a, const Profile& b) {

@@ -57,6 +57,8 @@ class Roster {
   // The live performer of a profile, or null.
   Performer* LiveOf(const Profile& profile) const;
 
+  // Forgets everybody and all settings; frames have this epoch from now on.
+  void Clear(std::uint64_t epoch);
   // The saved settings of the last run ("*" among them).
   void Restore(std::vector<Profile> profiles);
   // The settings to save: configured profiles and, as "*", those for future performers.

@@ -66,6 +66,19 @@ class Session {
   // Judges a frame's source time. After kJump, time is counted from this frame.
   STYLED_REALTIME Time AdmitTime(std::uint64_t source_time_ns, const SessionRules& rules) noexcept;
 
+  // The performer's datagrams come from another place from now on, or were numbered by another
+  // program: the last one has these numbers there. The state goes on.
+  STYLED_REALTIME void GoOnAs(const source::Machine& machine, std::uint64_t session,
+                              std::uint64_t sequence, std::uint64_t source_time_ns) noexcept {
+    machine_ = machine;
+    session_ = session;
+    newest_ = stray_ = sequence;
+    seen_ = 1;
+    strays_ = 0;
+    first_time_ns_ = source_time_ns - (last_time_ns_ - first_time_ns_);
+    last_time_ns_ = source_time_ns;
+  }
+
   // Source time of the last admitted frame since the session's first frame, or since the last jump
   // of its clock.
   std::int64_t elapsed_ns() const {

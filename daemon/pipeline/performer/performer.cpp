@@ -1,6 +1,10 @@
 #include "daemon/pipeline/performer/performer.h"
 
+#include <bit>
+#include <span>
 #include <utility>
+
+#include "proto/rigs/native/datagram.h"
 
 namespace styled::pipeline {
 
@@ -142,6 +146,14 @@ void Performer::WatchFacing() noexcept {
 
 void Performer::Prewarm() noexcept {
   if (styling_) styling_->Prewarm();
+}
+
+std::uint32_t Performer::StyledCrc() const noexcept {
+  if (!styling_ || !styling_->has_output()) return 0;
+  const body::Pose& pose = styling_->out().canonical;
+  const std::uint32_t hips =
+      native::Crc32c(std::as_bytes(std::span(pose.hips_position_m.data(), 3)));
+  return native::Crc32c(std::as_bytes(std::span(pose.rotations))) ^ std::rotl(hips, 1);
 }
 
 bool Performer::Repeat(FrameContext context) noexcept {

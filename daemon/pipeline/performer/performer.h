@@ -89,6 +89,9 @@ class Performer {
   // frame from its receive_ns to now.
   void Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles, std::int64_t now_ns);
 
+  // CRC-32C of the last styled pose on the canonical body; 0 before the first.
+  STYLED_REALTIME std::uint32_t StyledCrc() const noexcept;
+
   // The performer's last pose as captured, and its time in the session; null before the first.
   const body::Pose* input() const noexcept {
     return styling_ && styling_->has_output() ? &styling_->out().canonical_input : nullptr;
