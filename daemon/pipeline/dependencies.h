@@ -6,6 +6,7 @@
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/clock_watch.h"
 #include "daemon/runtime/counters.h"
+#include "daemon/standby/standby.h"
 
 namespace styled::pipeline {
 
@@ -19,6 +20,8 @@ struct Dependencies {
   bool anticipate = true;                      // predicts each frame and wakes shortly before
   bool prewarm = true;                         // and then brings its data into the caches
   runtime::ClockWatch* clock_watch = nullptr;  // null: statistics say nothing of the clock
+  // Null: this daemon is alone. Else `clock` and `publisher` are its own.
+  standby::Standby* standby = nullptr;
 };
 
 }  // namespace styled::pipeline

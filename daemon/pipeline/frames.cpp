@@ -20,8 +20,12 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   receive_ns_ = to_.clock.Now_ns();
   wall_ns_ = to_.clock.Wall_ns();
   to_.counters.Add(Counter::kSourceReceived, frames.size());
-  if (Layer* const layer = layers_.Of(source)) return AcceptLayer(*layer, source, frames, hot);
+  if (Layer* const layer = layers_.Of(source)) {
+    AcceptLayer(*layer, source, frames, hot);
+    return JournalFrames(source, frames);
+  }
   const std::int64_t elsewhere_ns = stages_.Elsewhere_ns();
+  outcomes_.fill({});
   // 1 Examine all frames, to find each performer's newest one.
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const bool is_body = frames[i].is_body;
@@ -41,6 +45,7 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   StyleAccepted(hot);
   SendBundles();
   for (const auto& performer : roster_.performers) performer->newest_in_batch = -1;
+  JournalFrames(source, frames);
   const std::int64_t batch_ns = to_.clock.Now_ns() - receive_ns_;
   // kTake gets the part of the batch's time that no other stage accounts for.
   stages_.Add(Stages::kTake, batch_ns - (stages_.Elsewhere_ns() - elsewhere_ns));
@@ -112,11 +117,24 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
   const std::int64_t lateness_ns =
       performer.admission.schedule.Lateness_ns(performer.admission.session.elapsed_ns(), now_ns);
   AwaitNext(performer, before_ns);
-  if (PassOver(performer, index, full, lateness_ns)) {
+  const auto at = static_cast<std::size_t>(index);
+  standby::Outcome& outcome = outcomes_[at];
+  outcome.late = lateness_ns > Nanoseconds(roster_.config().performers.late_s);
+  bool passed_over = PassOver(performer, index, full, lateness_ns);
+  if (!decided_.empty()) {
+    outcome.late = decided_[at].late;
+    passed_over = decided_[at].fate == v1::FATE_PASSED_OVER;
+    // The pose of a performer who waits for a calibration is only remembered.
+    if (decided_[at].fate == v1::FATE_REFUSED && !performer.binding().waits()) return;
+    if (decided_[at].fate == v1::FATE_STYLED) {
+      performer.profile.next_sequence = decided_[at].published;
+    }
+  }
+  if (passed_over) {
+    outcome.fate = v1::FATE_PASSED_OVER;
     to_.counters.AddOf(source, Counter::kPipelineBacklogDropped);
     return;  // not a refusal: the newest frame is sent
   }
-  const bool late = lateness_ns > Nanoseconds(roster_.config().performers.late_s);
   if (item.frame->has_timecode && !roster_.config().cues.empty()) {
     PassCues(performer, item.frame->timecode, hot);
   }
@@ -125,7 +143,7 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
   context.receive_ns = receive_ns_;
   context.wall_ns = wall_ns_;
   context.source_sequence = item.frame->sequence;
-  context.extra_flags = late ? v1::FLAG_LATE : v1::FLAG_NONE;
+  context.extra_flags = outcome.late ? v1::FLAG_LATE : v1::FLAG_NONE;
   context.face = layers_.FaceOf(performer.profile.id, item.frame->face, receive_ns_);
   const auto accepted = performer.Accept(*item.frame, context);
   if (accepted != Performer::Accepted::kOk) {
@@ -136,10 +154,12 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
     performer.admission.MarkRefused(why);
     return;
   }
+  outcome.fate = v1::FATE_STYLED;
+  accepted_items_[accepted_count_] = index;
   accepted_[accepted_count_++] = &performer;
   performer.admission.MarkLive(receive_ns_);
   to_.counters.Add(Counter::kPipelineFrames);
-  if (late) to_.counters.Add(Counter::kPipelineLate);
+  if (outcome.late) to_.counters.Add(Counter::kPipelineLate);
 }
 
 // Styles and sends the accepted frames. Leaves the hot section.
@@ -165,6 +185,13 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   for (Performer* const performer : batch) {
     performer->Send(to_.publisher, bundles_, sent_ns);
     sent_ns = to_.clock.Now_ns();
+  }
+  if (to_.standby != nullptr) {
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      standby::Outcome& outcome = outcomes_[static_cast<std::size_t>(accepted_items_[i])];
+      outcome.published = batch[i]->profile.next_sequence - 1;
+      outcome.styled_crc = batch[i]->StyledCrc();
+    }
   }
   stages_.AddFrames(batch.size());
   stages_.Add(Stages::kStyle, styled_ns - begin_ns);
@@ -293,7 +320,7 @@ void Pipeline::Recount(Performer& performer) noexcept {
 bool Pipeline::PassOver(Performer& performer, int index, bool full,
                         std::int64_t lateness_ns) const noexcept {
   const std::int64_t backlog_ns = Nanoseconds(roster_.config().performers.backlog_s);
-  if (lateness_ns <= backlog_ns) return false;
+  if (lateness_ns <= backlog_ns || feeds_) return false;
   if (performer.newest_in_batch != index) return true;
   return full && receive_ns_ - performer.outputs.last_send_ns() < backlog_ns;
 }

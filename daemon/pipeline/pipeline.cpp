@@ -32,8 +32,10 @@ Pipeline::Pipeline(const Dependencies& dependencies, std::vector<std::string> so
 
 int Pipeline::DoWork() {
   const std::int64_t begin_ns = to_.clock.Now_ns();
-  int work = 0;
-  for (const auto& transport : transports_) work += transport->DoWork(*this);
+  int work = to_.standby != nullptr ? DoStandby() : 0;
+  for (const auto& transport : transports_) {
+    work += leads() ? transport->DoWork(*this) : transport->DoWork(holder_);
+  }
   // While frames may still wait in a socket, no performer counts as silent; but check at least
   // every kBusyCycles cycles.
   constexpr int kBusyCycles = 64;
@@ -53,11 +55,15 @@ int Pipeline::DoCommands() {
   int work = 0;
   while (work < kCommandsPerCycle && to_.mailboxes.commands.Pop(exchange)) {
     ++work;
+    if (RefusesOrders(*exchange) || DoesLead(*exchange)) {
+      Return(std::move(exchange));
+      continue;
+    }
     if (exchange->request.has_like()) {
       if (!takes_.Begin(exchange, roster_, to_.clock.Now_ns())) Return(std::move(exchange));
       continue;
     }
-    Answer(*exchange);
+    Answer(exchange->request, exchange->reply);
     Return(std::move(exchange));
   }
   if (commands_.PopChanged()) {
@@ -89,6 +95,7 @@ int Pipeline::DoTakes(std::int64_t now_ns) {
 
 // Sends a request with its reply back.
 void Pipeline::Return(std::unique_ptr<Exchange> exchange) {
+  JournalRequest(exchange->request, exchange->reply);
   if (to_.recorder != nullptr) {
     to_.recorder->OnRequest(to_.clock.Now_ns(), exchange->request, exchange->reply);
   }
@@ -102,30 +109,29 @@ std::unique_ptr<std::vector<Profile>> Pipeline::PopUnsaved() {
   return commands_.PopChanged() ? roster_.Snapshot() : nullptr;
 }
 
-void Pipeline::Answer(Exchange& exchange) {
-  if (exchange.request.has_calibrate()) {
+void Pipeline::Answer(const v1::Request& request, v1::Reply& reply) {
+  if (request.has_calibrate()) {
     Performer* const performer =
-        Calibrate(exchange.request, transports_, roster_, to_.clock.Now_ns(), exchange.reply);
+        Calibrate(request, transports_, roster_, to_.clock.Now_ns(), reply);
     if (performer == nullptr) return;
     performer->outputs.SendBodies(to_.publisher);
     commands_.MarkChanged();
     return;
   }
-  if (exchange.request.has_take_checkpoint()) {
-    return TakeCheckpoint(exchange.request, roster_, to_.clock.Now_ns(), to_.clock.Wall_ns(),
-                          exchange.reply);
+  if (request.has_take_checkpoint()) {
+    return TakeCheckpoint(request, roster_, to_.clock.Now_ns(), to_.clock.Wall_ns(), reply);
   }
-  if (exchange.request.has_restore_checkpoint()) {
+  if (request.has_restore_checkpoint()) {
     Performer* const performer =
-        RestoreCheckpoint(exchange.request, roster_, layers_, to_.clock.Now_ns(), exchange.reply);
+        RestoreCheckpoint(request, roster_, layers_, to_.clock.Now_ns(), reply);
     if (performer == nullptr) return;
     performer->outputs.SendBodies(to_.publisher);
     log_.Log(Event::Level::kInfo, performer->profile.id + ": restored from a checkpoint");
     commands_.MarkChanged();
     return;
   }
-  if (commands_.Apply(exchange.request, exchange.reply)) return;
-  stats_.Fill(*exchange.reply.mutable_status());
+  if (commands_.Apply(request, reply)) return;
+  stats_.Fill(*reply.mutable_status());
 }
 
 int Pipeline::DoReloads() {
@@ -136,7 +142,16 @@ int Pipeline::DoReloads() {
   if (done) commands_.FollowStyles(reload.exchange->request, reload.exchange->reply);
   if (reload.config != nullptr) TakeOver(std::move(reload.config), reload.exchange == nullptr);
   if (done) commands_.Show(reload.exchange->request, reload.exchange->reply);
-  if (reload.exchange != nullptr) Return(std::move(reload.exchange));
+  if (reload.exchange == nullptr) {
+    tells_all_ = true;  // the standby may have to complain
+    return 1;
+  }
+  if (reload.exchange->followed) {
+    if (!done) to_.standby->Failed(reload.exchange->reply.reason());
+    to_.standby->Refetch();
+    return 1;
+  }
+  Return(std::move(reload.exchange));
   return 1;
 }
 

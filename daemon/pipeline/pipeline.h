@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <memory>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "daemon/pipeline/commands.h"
@@ -20,6 +22,9 @@
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/source_frame.h"
 #include "daemon/source/transport.h"
+#include "daemon/standby/entry.h"
+#include "daemon/standby/standby.h"
+#include "proto/styled/v1/journal.pb.h"
 
 namespace styled::pipeline {
 
@@ -71,6 +76,43 @@ class Pipeline final : public Worker, public source::Receiver {
     Performer* performer = nullptr;  // null: unknown yet, or a body
   };
 
+  // Keeps what the sources send for a standby that takes over.
+  class Holder final : public source::Receiver {
+   public:
+    explicit Holder(Pipeline& to) : to_(to) {}
+    void OnFrames(int source, std::span<const source::SourceFrame> frames, bool more) override;
+    STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept override {
+      to_.OnArrival(arrival);
+    }
+    void OnNote(int source, const std::string& text) override { to_.OnNote(source, text); }
+    void OnNews(int source, const std::string& text) override { to_.OnNews(source, text); }
+
+   private:
+    Pipeline& to_;
+  };
+
+  // following.cpp: all of it with [standby] only.
+  bool leads() const { return to_.standby == nullptr || to_.standby->leads(); }
+  bool journals() const { return to_.standby != nullptr && to_.standby->wanted(); }
+  int DoStandby();
+  void OnChange(standby::Standby::Change change);
+  void GoOn();
+  void FeedBodies(bool of_all);
+  void Feed(const std::unordered_map<std::string, std::size_t>& from);
+  int SendState();
+  void JournalFrames(int source, std::span<const source::SourceFrame> frames);
+  void JournalSilence(std::int64_t now_ns);
+  void JournalRequest(const v1::Request& request, const v1::Reply& reply);
+  void Repeat(const v1::Journal& entry, std::int64_t own_ns);
+  void RepeatBeginning(const v1::Journal& entry);
+  void RepeatCheckpoint(const v1::Checkpoint& checkpoint);
+  void RepeatBatch(const v1::Batch& batch, std::int64_t own_ns);
+  void RepeatSilence(const v1::Silence& silence, std::int64_t own_ns);
+  void RepeatRequest(const v1::Request& request);
+  void Import(const std::string& style);
+  bool RefusesOrders(Exchange& exchange);
+  bool DoesLead(Exchange& exchange);
+
   int DoCommands();
   int DoReloads();
   void TakeOver(std::shared_ptr<const RuntimeConfig> config, bool reloaded);
@@ -101,7 +143,7 @@ class Pipeline final : public Worker, public source::Receiver {
                                 std::int64_t lateness_ns) const noexcept;
   int LogLayers(std::int64_t now_ns);
   void Stale(Performer& performer, std::int64_t now_ns);
-  void Answer(Exchange& exchange);
+  void Answer(const v1::Request& request, v1::Reply& reply);
 
   Dependencies to_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
@@ -120,6 +162,15 @@ class Pipeline final : public Worker, public source::Receiver {
   // Frames of the batch that will be styled together, each of another performer.
   std::array<Performer*, stylist::Stylist::kTogether> accepted_{};
   std::size_t accepted_count_ = 0;
+  std::array<int, stylist::Stylist::kTogether> accepted_items_{};  // their places in the batch
+  Holder holder_{*this};
+  std::array<standby::Outcome, source::kBatch> outcomes_;  // of the batch's frames
+  // Of the batch that a standby does again: what the leader made of each frame. Else empty.
+  std::span<const standby::Outcome> decided_;
+  bool feeds_ = false;  // what was held is handled: no frame of it is passed over
+  v1::Silence silence_;
+  bool tells_all_ = false;          // the standby gets everything anew
+  std::deque<std::string> unsent_;  // ids of performers whose checkpoints the standby waits for
   Stages stages_;
   Stats stats_;
   EventLog log_;

@@ -110,6 +110,19 @@ void Stats::Fill(v1::Stats& stats) const {
   if (to_.clock_watch != nullptr && to_.clock_watch->discipline().known) {
     DescribeClock(*stats.mutable_clock());
   }
+  if (to_.standby != nullptr) DescribeStandby(*stats.mutable_standby());
+}
+
+void Stats::DescribeStandby(v1::StandbyState& state) const {
+  standby::Standby& standby = *to_.standby;
+  standby.Describe(state);
+  if (standby.leads()) return;
+  const std::int64_t since_ns = to_.clock.Now_ns() - kSecond_ns;
+  for (const auto& performer : roster_.performers) {
+    if (!performer->admission.live()) continue;
+    const std::string& id = performer->profile.id;
+    if (standby.held().LastOf(roster_.source_names(), id) < since_ns) state.add_without_input(id);
+  }
 }
 
 void Stats::Publish() {

@@ -42,6 +42,7 @@ class Stats {
  private:
   void Fill(v1::Stats& stats) const;
   void DescribeClock(v1::ClockState& clock) const;
+  void DescribeStandby(v1::StandbyState& state) const;
   void DescribeSource(std::size_t index, v1::SourceInfo& info) const;
 
   Dependencies to_;

@@ -19,6 +19,8 @@ std::int64_t Pipeline::NextDeadline_ns() const {
   for (const auto& transport : transports_) {
     next_ns = std::min(next_ns, transport->NextDeadline_ns());
   }
+  if (to_.standby != nullptr) next_ns = std::min(next_ns, to_.standby->NextDeadline_ns());
+  if (!leads()) return next_ns;  // the leader decides who is silent
   for (const auto& performer : roster_.performers) {
     const auto& limits = roster_.config().performers;
     const std::int64_t silent_ns =
@@ -49,7 +51,8 @@ void Pipeline::Prepare(Performer& performer, std::int64_t now_ns) {
 int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
   const auto& limits = roster_.config().performers;
   int work = 0;
-  for (std::size_t i = 0; i < roster_.performers.size();) {
+  // A standby does it when the leader does.
+  for (std::size_t i = leads() ? 0 : roster_.performers.size(); i < roster_.performers.size();) {
     Performer& performer = *roster_.performers[i++];
     const std::int64_t silence_ns = now_ns - performer.admission.session.last_arrival_ns();
     if (to_.anticipate && drained) Prepare(performer, now_ns);
@@ -69,6 +72,7 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
       log_.LogOf(LogLimit::Kind::kForgotten, {}, performer.profile.id, Event::Level::kInfo,
                  "forgotten after silence");
       to_.counters.Add(Counter::kPipelineForgotten);
+      if (journals()) silence_.add_forgotten(performer.profile.id);
       roster_.Forget(performer);
       --i;
       ++work;
@@ -78,6 +82,7 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
       ++work;
     }
   }
+  JournalSilence(now_ns);
   work += LogLayers(now_ns);
   if (now_ns >= stats_.due_ns()) {
     stats_.Publish();
@@ -125,6 +130,10 @@ void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {
   performer.Send(to_.publisher, bundles_, now_ns);
   SendBundles();
   to_.counters.Add(Counter::kPipelineStale);
+  if (!journals()) return;
+  auto& stale = *silence_.add_stale();
+  stale.set_performer(performer.profile.id);
+  stale.set_first_sequence(performer.profile.next_sequence - 1);
 }
 
 }  // namespace styled::pipeline

@@ -1,0 +1,333 @@
+// What the pipeline does with [standby]: as leader it tells the other daemon what it handles, as
+// standby it does the same again, and goes on where the leader ends (daemon/standby/README.md).
+#include <algorithm>
+
+#include "daemon/pipeline/checkpoints.h"
+#include "daemon/pipeline/keeping.h"
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/style_file.h"
+#include "daemon/pipeline/style_requests.h"
+
+namespace styled::pipeline {
+namespace {
+
+using Change = standby::Standby::Change;
+
+// Bounds a turn: 64 entries of one performer's frame take about 2 ms.
+constexpr int kEntriesPerTurn = 64;
+
+}  // namespace
+
+void Pipeline::Holder::OnFrames(int source, std::span<const source::SourceFrame> frames,
+                                bool /*more*/) {
+  to_.to_.standby->held().Add(source, frames, to_.to_.clock.Now_ns());
+}
+
+int Pipeline::DoStandby() {
+  standby::Standby& standby = *to_.standby;
+  int work = 0;
+  standby::Standby::Step step;
+  while (work < kEntriesPerTurn && standby.Next(step)) {
+    ++work;
+    OnChange(step.change);
+    if (step.entry != nullptr) Repeat(*step.entry, step.own_ns);
+  }
+  // Silence is judged only after all that has come was read.
+  if (work < kEntriesPerTurn) OnChange(standby.OnTime());
+  work += SendState();
+  if (std::string line = standby.PopLine(); !line.empty()) {
+    log_.Log(Event::Level::kWarning, "standby: " + line);
+  }
+  return work;
+}
+
+void Pipeline::OnChange(Change change) {
+  if (change == Change::kNone) return;
+  standby::Standby& standby = *to_.standby;
+  to_.mailboxes.stands_by.store(!standby.leads(), std::memory_order_relaxed);
+  unsent_.clear();
+  silence_.Clear();
+  switch (change) {
+    case Change::kFollow:
+      return standby.publisher().Hold();
+    case Change::kTakeOver:
+      standby.publisher().Release(true);
+      GoOn();
+      break;
+    default:
+      standby.publisher().Release(false);
+      FeedBodies(true);
+      break;
+  }
+  standby.held().Clear();
+  for (const auto& performer : roster_.performers) {
+    performer->outputs.SendBodies(to_.publisher);
+    performer->next_body_ns = to_.clock.Now_ns() + runtime::kSecond_ns;
+  }
+}
+
+// The performers' own frames continue behind the last one that the leader handled.
+void Pipeline::GoOn() {
+  standby::Standby& standby = *to_.standby;
+  const auto& names = roster_.source_names();
+  std::unordered_map<std::string, std::size_t> from;
+  for (const auto& performer : roster_.performers) {
+    const std::string& id = performer->profile.id;
+    const auto last = standby.last.find(id);
+    if (last == standby.last.end()) continue;  // by its numbers alone
+    const auto place = standby.held().Find(names, id, last->second);
+    from[id] = place.after;
+    if (place.same == nullptr) continue;
+    const source::SourceFrame& same = place.same->frame;
+    if (same.session == last->second.session && same.machine == last->second.machine) continue;
+    performer->admission.session.GoOnAs(same.machine, same.session, same.sequence,
+                                        same.source_time_ns);
+  }
+  FeedBodies(false);
+  Feed(from);
+}
+
+// A rig that sends its body once, at the beginning, would be unknown for ever.
+void Pipeline::FeedBodies(bool of_all) {
+  for (const auto& [key, held] : to_.standby->held().bodies()) {
+    if (!of_all && roster_.Find(key.first, key.second) != nullptr) continue;
+    OnFrames(key.first, {&held->frame, 1}, false);
+  }
+}
+
+void Pipeline::Feed(const std::unordered_map<std::string, std::size_t>& from) {
+  const auto& frames = to_.standby->held().frames();
+  const auto& names = roster_.source_names();
+  std::array<source::SourceFrame, source::kBatch> batch;
+  std::size_t count = 0;
+  int source = 0;
+  const auto hand_on = [&] {
+    if (count > 0) OnFrames(source, std::span(batch).first(count), false);
+    count = 0;
+  };
+  feeds_ = true;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto& held = *frames[i];
+    const auto found = from.find(names[static_cast<std::size_t>(held.source)] + "." +
+                                 std::string(held.frame.performer));
+    if (found != from.end() && i < found->second) continue;
+    if (held.source != source || count == batch.size()) hand_on();
+    source = held.source;
+    batch[count++] = held.frame;
+  }
+  hand_on();
+  feeds_ = false;
+}
+
+// A checkpoint a turn, so that no frame waits for all of them.
+int Pipeline::SendState() {
+  standby::Standby& standby = *to_.standby;
+  const bool asked = standby.TakeAsked();
+  if (!leads()) return 0;
+  if (asked || std::exchange(tells_all_, false)) {
+    const auto kept = roster_.Snapshot();
+    v1::Beginning& beginning = *standby.NewEntry().mutable_beginning();
+    beginning.set_settings(FormatProfiles(*kept));
+    unsent_.clear();
+    for (const auto& performer : roster_.performers) {
+      unsent_.push_back(performer->profile.id);
+      beginning.add_performers(performer->profile.id);
+    }
+    const auto& styles = roster_.config().network->model().styles;
+    for (auto i = static_cast<std::size_t>(roster_.config().own_styles); i < styles.size(); ++i) {
+      const auto made = roster_.config().made.find(styles[i].name);
+      if (made == roster_.config().made.end()) continue;
+      beginning.add_styles(FormatStyleFile(*made->second, roster_.config()));
+    }
+    standby.SetEpoch(roster_.epoch());
+    standby.Send(to_.clock.Now_ns(), to_.clock.Wall_ns());
+    return 1;
+  }
+  if (unsent_.empty()) return 0;
+  v1::Request request;
+  request.set_performer(unsent_.front());
+  request.mutable_take_checkpoint();
+  v1::Reply reply;
+  Answer(request, reply);
+  v1::Checkpoint& checkpoint = *standby.NewEntry().mutable_checkpoint();
+  // Of one who is gone, or waits for a calibration, there is only the name.
+  if (reply.code() == v1::CODE_OK) checkpoint.Swap(reply.mutable_checkpoint());
+  checkpoint.set_performer(unsent_.front());
+  unsent_.pop_front();
+  standby.Send(to_.clock.Now_ns(), to_.clock.Wall_ns());
+  return 1;
+}
+
+void Pipeline::JournalFrames(int source, std::span<const source::SourceFrame> frames) {
+  if (to_.standby == nullptr || !to_.standby->leads()) return;
+  if (!to_.standby->wanted()) return to_.standby->SkipEntry();
+  v1::Batch& batch = *to_.standby->NewEntry().mutable_batch();
+  batch.set_source(static_cast<std::uint32_t>(source));
+  batch.set_name(roster_.source_names()[static_cast<std::size_t>(source)]);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    standby::Write(frames[i], outcomes_[i], *batch.add_frames());
+  }
+  to_.standby->Send(receive_ns_, wall_ns_);
+}
+
+void Pipeline::JournalSilence(std::int64_t now_ns) {
+  if (silence_.stale().empty() && silence_.forgotten().empty()) return;
+  to_.standby->NewEntry().mutable_silence()->Swap(&silence_);
+  silence_.Clear();
+  to_.standby->Send(now_ns, to_.clock.Wall_ns());
+}
+
+void Pipeline::JournalRequest(const v1::Request& request, const v1::Reply& reply) {
+  if (to_.standby == nullptr || !to_.standby->leads()) return;
+  const bool done = reply.code() == v1::CODE_OK || reply.has_like();  // the style is made
+  if (!done || !record::Changes(request)) return;
+  if (!to_.standby->wanted()) return to_.standby->SkipEntry();
+  *to_.standby->NewEntry().mutable_request() = request;
+  to_.standby->Send(to_.clock.Now_ns(), to_.clock.Wall_ns());
+}
+
+void Pipeline::Repeat(const v1::Journal& entry, std::int64_t own_ns) {
+  to_.standby->clock().Stand(own_ns, entry.wall_ns());
+  switch (entry.what_case()) {
+    case v1::Journal::kBeginning:
+      RepeatBeginning(entry);
+      break;
+    case v1::Journal::kCheckpoint:
+      RepeatCheckpoint(entry.checkpoint());
+      break;
+    case v1::Journal::kBatch:
+      RepeatBatch(entry.batch(), own_ns);
+      break;
+    case v1::Journal::kSilence:
+      RepeatSilence(entry.silence(), own_ns);
+      break;
+    case v1::Journal::kRequest:
+      RepeatRequest(entry.request());
+      break;
+    case v1::Journal::WHAT_NOT_SET:
+      break;
+  }
+  to_.standby->clock().Run();
+}
+
+void Pipeline::RepeatBeginning(const v1::Journal& entry) {
+  const v1::Beginning& beginning = entry.beginning();
+  for (const std::string& style : beginning.styles()) Import(style);
+  auto kept = ParseProfiles(beginning.settings(), "the leader's settings");
+  roster_.Clear(entry.epoch());
+  to_.standby->Begin(beginning, entry);
+  to_.standby->configured.clear();
+  if (!kept.ok()) return to_.standby->Failed(kept.status().message());
+  for (const Profile& profile : kept.value()) to_.standby->configured.insert(profile.id);
+  roster_.Restore(std::move(kept.value()));
+  commands_.MarkChanged();
+}
+
+// A style that the leader has made and this daemon has not.
+void Pipeline::Import(const std::string& style) {
+  const auto parsed = ParseStyleFile(style, "a style of the leader's", roster_.config());
+  if (!parsed.ok()) return to_.standby->Failed(parsed.status().message());
+  const auto here = roster_.config().made.find(parsed.value().name);
+  if (here != roster_.config().made.end() &&
+      FormatStyleFile(*here->second, roster_.config()) == style) {
+    return;
+  }
+  v1::Request request;
+  request.mutable_import_style()->set_file(style);
+  request.mutable_import_style()->set_replace(true);
+  RepeatRequest(request);
+}
+
+void Pipeline::RepeatCheckpoint(const v1::Checkpoint& checkpoint) {
+  const std::string& id = checkpoint.performer();
+  if (checkpoint.version() == 0) return to_.standby->Restored(id);
+  v1::Request request;
+  *request.mutable_restore_checkpoint()->mutable_checkpoint() = checkpoint;
+  v1::Reply reply;
+  Performer* const performer =
+      RestoreCheckpoint(request, roster_, layers_, to_.clock.Now_ns(), reply);
+  if (performer == nullptr) return to_.standby->Failed(reply.reason());
+  performer->profile.configured = to_.standby->configured.contains(id);
+  to_.standby->Restored(id);
+}
+
+void Pipeline::RepeatBatch(const v1::Batch& batch, std::int64_t own_ns) {
+  const auto& names = roster_.source_names();
+  const auto count = static_cast<std::size_t>(batch.frames_size());
+  if (batch.source() >= names.size() || names[batch.source()] != batch.name() ||
+      count > source::kBatch) {
+    return to_.standby->Failed("frames of source \"" + batch.name() + "\", number " +
+                               std::to_string(batch.source()) +
+                               "; expected the same [[source]] tables as the leader has");
+  }
+  std::array<source::SourceFrame, source::kBatch> frames;
+  std::array<standby::Outcome, source::kBatch> decided;
+  for (std::size_t i = 0; i < count; ++i) {
+    const v1::Handled& entry = batch.frames(static_cast<int>(i));
+    if (!standby::Read(entry, frames[i], decided[i])) return;
+    if (entry.is_body() || decided[i].fate == v1::FATE_REFUSED) continue;
+    to_.standby->last[batch.name() + "." + entry.performer()] = {
+        frames[i].machine,        frames[i].session,           frames[i].sequence,
+        frames[i].source_time_ns, standby::PoseCrc(frames[i]), own_ns};
+  }
+  decided_ = std::span(decided).first(count);
+  OnFrames(static_cast<int>(batch.source()), std::span(frames).first(count), false);
+  decided_ = {};
+  for (std::size_t i = 0; i < count; ++i) {
+    if (decided[i].fate != v1::FATE_STYLED && outcomes_[i].fate != v1::FATE_STYLED) continue;
+    if (roster_.Find(static_cast<int>(batch.source()), frames[i].performer) == nullptr) continue;
+    to_.standby->Compared(decided[i].fate == outcomes_[i].fate &&
+                          decided[i].styled_crc == outcomes_[i].styled_crc);
+  }
+}
+
+void Pipeline::RepeatSilence(const v1::Silence& silence, std::int64_t own_ns) {
+  for (const v1::Applied& stale : silence.stale()) {
+    Profile* const profile = roster_.FindProfile(stale.performer());
+    Performer* const performer = profile == nullptr ? nullptr : roster_.LiveOf(*profile);
+    if (performer == nullptr) continue;
+    profile->next_sequence = stale.first_sequence();
+    Stale(*performer, own_ns);
+  }
+  for (const std::string& id : silence.forgotten()) {
+    Profile* const profile = roster_.FindProfile(id);
+    Performer* const performer = profile == nullptr ? nullptr : roster_.LiveOf(*profile);
+    if (performer != nullptr) roster_.Forget(*performer);
+    to_.standby->last.erase(id);
+  }
+}
+
+void Pipeline::RepeatRequest(const v1::Request& request) {
+  if (IsStyleRequest(request)) {  // the supervisor does it, and the state is fetched again then
+    auto exchange = std::make_unique<Exchange>();
+    exchange->request = request;
+    exchange->followed = true;
+    // What finds it full comes with the state that is fetched after one of the others.
+    if (to_.mailboxes.takes.Push(std::move(exchange))) to_.mailboxes.wake_supervisor.Signal();
+    return;
+  }
+  v1::Reply reply;
+  Answer(request, reply);
+  if (reply.code() != v1::CODE_OK) to_.standby->Failed(reply.reason());
+}
+
+bool Pipeline::RefusesOrders(Exchange& exchange) {
+  if (leads() || !record::Changes(exchange.request)) return false;
+  standby::RefuseOrder(to_.standby->peer_address(), exchange.request, exchange.reply);
+  return true;
+}
+
+bool Pipeline::DoesLead(Exchange& exchange) {
+  if (!exchange.request.has_lead()) return false;
+  exchange.reply.set_id(exchange.request.id());
+  Change change = Change::kNone;
+  const std::string why = to_.standby == nullptr ? "" : to_.standby->Wish(change);
+  if (!why.empty()) {
+    exchange.reply.set_code(v1::CODE_NOT_READY);
+    exchange.reply.set_reason("lead: " + why);
+  }
+  OnChange(change);
+  return true;
+}
+
+}  // namespace styled::pipeline
