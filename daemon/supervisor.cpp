@@ -60,6 +60,7 @@ Supervisor::~Supervisor() {
   if (pipeline_thread_.joinable()) pipeline_thread_.join();
   if (control_thread_.joinable()) control_thread_.join();
   pipeline_.reset();
+  standby_.reset();
   publisher_.reset();
   control_.reset();
   gatekeeper_.reset();
@@ -75,6 +76,7 @@ Status Supervisor::Start() {
   Status status = OpenSources();
   if (status.ok()) status = OpenGate();
   if (status.ok()) status = OpenSockets();
+  if (status.ok()) status = OpenStandby();
   if (!status.ok()) return status;
   StartRecording();
   clock_watch_.Update(clock_.Now_ns());
@@ -84,9 +86,11 @@ Status Supervisor::Start() {
     types.push_back(source.type);
   }
   pipeline_ = std::make_unique<pipeline::Pipeline>(
-      pipeline::Dependencies{clock_, counters_, *publisher_, mailboxes_, recorder_.get(),
-                             config_.realtime.prewarm || config_.realtime.wait == "hybrid",
-                             config_.realtime.prewarm, &clock_watch_},
+      pipeline::Dependencies{
+          standby_ != nullptr ? static_cast<runtime::Clock&>(standby_->clock()) : clock_, counters_,
+          standby_ != nullptr ? standby_->publisher() : *publisher_, mailboxes_, recorder_.get(),
+          config_.realtime.prewarm || config_.realtime.wait == "hybrid", config_.realtime.prewarm,
+          &clock_watch_, standby_.get()},
       std::move(names), std::move(transports_), runtime_config_, epoch_,
       config_.publish.max_subscriptions);
   pipeline_->SetSourceTypes(std::move(types));
@@ -171,6 +175,20 @@ Status Supervisor::OpenSockets() {
   return Status::Ok();
 }
 
+Status Supervisor::OpenStandby() {
+  if (config_.standby.peer.empty()) return Status::Ok();
+  auto opened = standby::OpenZmqChannel(context_, config_.standby);
+  if (!opened.ok()) return opened.status();
+  standby_fds_ = {opened.value().publish_fd, opened.value().subscribe_fd};
+  standby_endpoint_ = opened.value().endpoint;
+  standby_ = std::make_unique<standby::Standby>(std::move(opened.value().channel), config_.standby,
+                                                epoch_, *publisher_, clock_);
+  mailboxes_.stands_by.store(true, std::memory_order_relaxed);
+  spdlog::info("stands in for {}, its own journal is at {}", config_.standby.peer,
+               standby_endpoint_);
+  return Status::Ok();
+}
+
 // A recording that cannot start is logged and does not keep the daemon from starting.
 void Supervisor::StartRecording() {
   if (config_.record.file.empty()) return;
@@ -250,6 +268,7 @@ void Supervisor::RestoreProfiles() {
 void Supervisor::StartThreads() {
   std::vector<int> fds{publisher_->fd()};
   for (const auto& transport : pipeline_->transports()) fds.push_back(transport->fd());
+  fds.insert(fds.end(), standby_fds_.begin(), standby_fds_.end());
   const std::string& wait = config_.realtime.wait;
   pipeline_loop_ =
       std::make_unique<pipeline::PipelineThread>(*pipeline_, fds, mailboxes_.wake_pipeline, clock_,
@@ -277,6 +296,7 @@ Status Supervisor::WriteReadyFile() const {
                        {"publish", publish_endpoint_},
                        {"control", control_endpoint_},
                        {"osc", osc_endpoint_},
+                       {"standby", standby_endpoint_},
                        {"weights", runtime_config_->weights_name},
                        {"epoch", epoch_}};
   for (std::size_t i = 0; i < config_.sources.size(); ++i) {
@@ -337,6 +357,7 @@ void Supervisor::Stop() {
   notifier_.Stopping();
   pipeline_loop_->Stop();
   pipeline_thread_.join();
+  if (standby_ != nullptr) standby_->Leave();
   KeepProfiles(pipeline_->PopUnsaved());
   LogEvents();
   CloseRecording();
@@ -357,10 +378,16 @@ void Supervisor::Reload() {
 void Supervisor::DoStyleRequests() {
   std::unique_ptr<pipeline::Exchange> exchange;
   while (mailboxes_.examples.Pop(exchange) || mailboxes_.takes.Pop(exchange)) {
-    auto made = style_requests_.Do(*runtime_config_, *exchange);
-    if (!style_requests_.said().empty()) spdlog::info("{}", style_requests_.said());
-    if (!style_requests_.error().empty()) spdlog::error("{}", style_requests_.error());
-    if (made != nullptr) runtime_config_ = made;
+    std::shared_ptr<const pipeline::RuntimeConfig> made;
+    if (mailboxes_.stands_by.load(std::memory_order_relaxed) && !exchange->followed &&
+        record::Changes(exchange->request)) {
+      standby::RefuseOrder(config_.standby.peer, exchange->request, exchange->reply);
+    } else {
+      made = style_requests_.Do(*runtime_config_, *exchange);
+      if (!style_requests_.said().empty()) spdlog::info("{}", style_requests_.said());
+      if (!style_requests_.error().empty()) spdlog::error("{}", style_requests_.error());
+      if (made != nullptr) runtime_config_ = made;
+    }
     pipeline::Reload reload{std::move(made), std::move(exchange)};
     while (!mailboxes_.reloads.Push(std::move(reload))) {  // emptied between frames
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -401,6 +428,7 @@ void Supervisor::WarnOfRestartKeys(const config::Config& fresh) const {
   if (!(fresh.control == config_.control)) warn("control");
   if (!(fresh.security == config_.security)) warn("security");
   if (!(fresh.osc == config_.osc)) warn("osc");
+  if (!(fresh.standby == config_.standby)) warn("standby");
   if (!(fresh.time == config_.time)) warn("time");
   if (!(fresh.realtime == config_.realtime)) warn("realtime");
   if (fresh.state.dir != config_.state.dir) warn("state");

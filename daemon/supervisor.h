@@ -21,6 +21,7 @@
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/notify.h"
 #include "daemon/security/gatekeeper.h"
+#include "daemon/standby/standby.h"
 
 namespace styled {
 
@@ -52,6 +53,7 @@ class Supervisor {
   Status OpenGate();
   security::Gatekeeper* KeeperOf(const std::string& address, bool allow_unauthenticated_remote);
   Status OpenSockets();
+  Status OpenStandby();
   void StartRecording();
   void CheckRecording();
   void CloseRecording();
@@ -85,11 +87,13 @@ class Supervisor {
   std::shared_ptr<const pipeline::RuntimeConfig> runtime_config_;
   pipeline::StyleRequests style_requests_;
   std::uint32_t weights_crc_ = 0;
-  std::string publish_endpoint_, osc_endpoint_, control_endpoint_;
+  std::vector<int> standby_fds_;
+  std::string standby_endpoint_, publish_endpoint_, osc_endpoint_, control_endpoint_;
   std::vector<std::string> source_endpoints_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
   std::unique_ptr<security::Gatekeeper> gatekeeper_;  // null: no socket requires keys
   std::unique_ptr<publish::Publisher> publisher_;
+  std::unique_ptr<standby::Standby> standby_;  // null: this daemon is alone
   std::unique_ptr<control::ControlSocket> control_;
   std::unique_ptr<record::Recorder> recorder_;  // null: nothing is recorded
   std::unique_ptr<pipeline::Pipeline> pipeline_;
