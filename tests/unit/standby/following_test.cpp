@@ -1,0 +1,385 @@
+// Two pipelines, of which one follows the other: same poses bit for bit, and nothing is lost when
+// the leader ends.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <random>
+#include <set>
+
+#include "tests/unit/net/erd/random_weights.h"
+#include "tests/unit/standby/node.h"
+
+namespace styled::support {
+namespace {
+
+constexpr std::int64_t kFrame_ns = 8'333'333;
+
+std::shared_ptr<pipeline::RuntimeConfig> MakeConfig() {
+  auto config = std::make_shared<pipeline::RuntimeConfig>();
+  config->network = erd::RandomStylizer(5, 3);
+  config->own_styles = static_cast<int>(config->network->model().styles.size());
+  config->weights_name = "random.safetensors";
+  config->weights_crc = 0x1234;
+  config->stylist.limb_gate = false;  // of random weights little is shown
+  return config;
+}
+
+class FollowingTest : public testing::Test {
+ protected:
+  FollowingTest() { Turn(1200, false); }
+
+  // Lets both work for so many ms, in steps of 1 ms.
+  void Turn(int ms, bool leader = true) {
+    for (int i = 0; i < ms; ++i) {
+      for (Node* const node : {a_.get(), b_.get()}) {
+        if (node == nullptr || (!leader && node == b_.get())) continue;
+        node->clock.now_ns += 1'000'000;
+        node->Work();
+      }
+    }
+  }
+  void StartB(bool first = false) {
+    b_ = std::make_unique<Node>(wire_, false, 9, 77'000'000'000, config_, kTopics, first);
+    wire_.a_asked = true;  // as a new subscription does
+    Turn(100);
+  }
+  // The rig's datagram to both, or to one of them.
+  void Send(const Bytes& datagram, bool to_a = true, bool to_b = true) {
+    if (to_a && a_ != nullptr) a_->rig->waiting.push_back(datagram);
+    if (to_b && b_ != nullptr) b_->rig->waiting.push_back(datagram);
+  }
+  void Frames(int count) {
+    for (int i = 0; i < count; ++i) {
+      Send(rig_.Frame());
+      Turn(8);
+    }
+  }
+  void Begin() {
+    Send(rig_.Body());
+    Turn(1);
+  }
+  static void Set(Node& node, const std::function<void(v1::Look&)>& change) {
+    v1::Request request;
+    request.set_performer("rig.a");
+    change(*request.mutable_set());
+    const v1::Reply reply = node.Ask(request);
+    EXPECT_EQ(reply.code(), v1::CODE_OK) << reply.reason();
+  }
+  static void Wear(Node& node, const std::string& style, float transition_ms) {
+    Set(node, [&](v1::Look& look) {
+      auto& mix = *look.add_mix();
+      mix.set_style(style);
+      mix.set_weight(1);
+      look.set_transition_ms(transition_ms);
+    });
+  }
+  // Frames by sequence as a subscriber of both daemons has them: of each number the first.
+  std::map<std::uint64_t, v1::Frame> Seen() {
+    std::map<std::uint64_t, v1::Frame> seen;
+    for (Node* const node : {a_.get(), b_.get()}) {
+      if (node == nullptr) continue;
+      for (const v1::Frame& frame : node->publisher.frames) seen.emplace(frame.sequence(), frame);
+    }
+    return seen;
+  }
+
+  const std::vector<std::string> kTopics{"styled/rig.a/rig/"};
+  std::shared_ptr<pipeline::RuntimeConfig> config_ = MakeConfig();
+  Wire wire_;
+  std::unique_ptr<Node> b_;
+  std::unique_ptr<Node> a_ =
+      std::make_unique<Node>(wire_, true, 5, 1'000'000'000'000, config_, kTopics);
+  Rig rig_{"a"};
+};
+
+TEST_F(FollowingTest, TheStandbyStylesEveryFrameAsTheLeaderDoesAndPublishesNone) {
+  StartB();
+  Begin();
+  Frames(60);
+  Wear(*a_, "style2", 300);
+  Frames(60);
+  const v1::StandbyState state = b_->State();
+  EXPECT_EQ(state.role(), "following");
+  EXPECT_TRUE(state.ready()) << state.why_not();
+  EXPECT_EQ(state.compared(), 120U);
+  EXPECT_EQ(state.different(), 0U);
+  EXPECT_TRUE(b_->publisher.frames.empty());
+  EXPECT_EQ(a_->publisher.frames.size(), 120U);
+}
+
+// Without the comparison of poses, a standby that styles nothing would pass.
+TEST_F(FollowingTest, AStateThatDiffersIsCounted) {
+  auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
+  other->network = erd::RandomStylizer(5, 4);
+  StartB();
+  Begin();
+  Frames(10);
+  Wear(*a_, "style2", 0);
+  Frames(10);
+  EXPECT_EQ(b_->State().different(), 0U);
+  (void)b_->mailboxes.reloads.Push({other, nullptr});
+  Frames(20);
+  EXPECT_GT(b_->State().different(), 10U);
+}
+
+TEST_F(FollowingTest, AStandbyThatStartsLateHasTheCheckpointAndStylesTheSame) {
+  Begin();
+  Frames(50);
+  Wear(*a_, "style3", 1000);
+  Frames(20);  // the fade is under way
+  StartB();
+  Frames(100);
+  const v1::StandbyState state = b_->State();
+  EXPECT_TRUE(state.ready()) << state.why_not();
+  EXPECT_EQ(state.compared(), 100U);
+  EXPECT_EQ(state.different(), 0U);
+}
+
+TEST_F(FollowingTest, WhenTheLeaderIsKilledNoFrameIsLostAndNoneIsAnother) {
+  // A third daemon, alone, gets everything: what would have been.
+  Wire nowhere;
+  nowhere.cut = true;
+  Node alone(nowhere, true, 6, 5'000'000'000, config_, kTopics);
+  for (int i = 0; i < 1200; ++i) {
+    alone.clock.now_ns += 1'000'000;
+    alone.Work();
+  }
+  const auto send = [&](const Bytes& datagram) {
+    Send(datagram);
+    alone.rig->waiting.push_back(datagram);
+    Turn(8);
+    alone.clock.now_ns += 8'000'000;
+    alone.Work();
+  };
+  StartB();
+  send(rig_.Body());
+  Wear(*a_, "style1", 0);
+  Wear(alone, "style1", 0);
+  for (int i = 0; i < 100; ++i) send(rig_.Frame());
+  auto left_behind = std::move(a_->publisher.frames);
+  a_.reset();  // kill -9
+  for (int i = 0; i < 100; ++i) send(rig_.Frame());
+  EXPECT_EQ(b_->State().role(), "leading");
+  EXPECT_EQ(b_->State().takeovers(), 1U);
+  std::map<std::uint64_t, v1::Frame> seen;
+  for (const auto& frame : left_behind) seen.emplace(frame.sequence(), frame);
+  for (const auto& frame : b_->publisher.frames) seen.emplace(frame.sequence(), frame);
+  ASSERT_EQ(alone.publisher.frames.size(), 200U);
+  ASSERT_EQ(seen.size(), 200U);
+  for (const v1::Frame& whole : alone.publisher.frames) {
+    const v1::Frame& frame = seen.at(whole.sequence());
+    EXPECT_EQ(frame.epoch(), 5U);
+    EXPECT_EQ(frame.source_time_ns(), whole.source_time_ns());
+    ASSERT_EQ(frame.rotations_size(), whole.rotations_size());
+    for (int i = 0; i < whole.rotations_size(); ++i) {
+      ASSERT_EQ(frame.rotations(i), whole.rotations(i)) << whole.sequence();
+    }
+    EXPECT_EQ(frame.styles_size(), whole.styles_size());
+  }
+}
+
+// What the leader had published last may have died in its queues.
+TEST_F(FollowingTest, TheLastFramesOfTheLeaderAreSentAgain) {
+  StartB();
+  Begin();
+  Frames(50);
+  a_.reset();
+  Turn(500);
+  ASSERT_FALSE(b_->publisher.frames.empty());
+  EXPECT_LT(b_->publisher.frames.front().sequence(), 45U);
+  EXPECT_EQ(b_->publisher.frames.back().sequence(), 51U);
+  EXPECT_EQ(b_->publisher.frames.back().flags() & v1::FLAG_STALE, v1::FLAG_STALE);
+}
+
+TEST_F(FollowingTest, FramesThatTheStandbyAloneHasHeardAreStyledAfterTheEnd) {
+  StartB();
+  Begin();
+  Frames(50);
+  a_.reset();
+  for (int i = 0; i < 6; ++i) Send(rig_.Frame());
+  Turn(200);
+  std::set<std::uint64_t> sequences;
+  for (const auto& frame : b_->publisher.frames) sequences.insert(frame.sequence());
+  for (std::uint64_t i = 51; i <= 56; ++i) EXPECT_TRUE(sequences.contains(i)) << i;
+}
+
+TEST_F(FollowingTest, AStandbyWithoutInputFollowsAllTheSameAndSaysWhomItLacks) {
+  StartB();
+  Send(rig_.Body(), true, false);
+  for (int i = 0; i < 60; ++i) {
+    Send(rig_.Frame(), true, false);
+    Turn(8);
+  }
+  const v1::StandbyState state = b_->State();
+  EXPECT_EQ(state.different(), 0U);
+  EXPECT_EQ(state.compared(), 60U);
+  ASSERT_EQ(state.without_input_size(), 1);
+  EXPECT_EQ(state.without_input(0), "rig.a");
+}
+
+TEST_F(FollowingTest, FramesThatDidNotReachTheStandbyAreInTheJournal) {
+  StartB();
+  Begin();
+  std::mt19937 random(3);
+  for (int i = 0; i < 100; ++i) {
+    Send(rig_.Frame(), true, random() % 4 != 0);
+    Turn(8);
+  }
+  EXPECT_EQ(b_->State().compared(), 100U);
+  EXPECT_EQ(b_->State().different(), 0U);
+}
+
+TEST_F(FollowingTest, AfterLostEntriesTheStateIsFetchedAgain) {
+  StartB();
+  Begin();
+  Frames(30);
+  const auto fetched = b_->State().fetched();
+  wire_.lose = 7;
+  Frames(60);
+  EXPECT_GT(b_->State().fetched(), fetched);
+  EXPECT_TRUE(b_->State().ready());
+  const auto different = b_->State().different();
+  Frames(60);
+  EXPECT_EQ(b_->State().different(), different);
+}
+
+TEST_F(FollowingTest, AStandbyTakesNoOrdersButShowsWhatItHas) {
+  StartB();
+  Begin();
+  Frames(10);
+  v1::Request set;
+  set.set_performer("rig.a");
+  set.mutable_set()->set_strength(0.5F);
+  const v1::Reply reply = b_->Ask(set);
+  EXPECT_EQ(reply.code(), v1::CODE_STANDBY);
+  EXPECT_NE(reply.reason().find("the other"), std::string::npos) << reply.reason();
+  v1::Request list;
+  list.mutable_list();
+  EXPECT_EQ(b_->Ask(list).code(), v1::CODE_OK);
+  v1::Request take;
+  take.set_performer("rig.a");
+  take.mutable_take_checkpoint();
+  EXPECT_EQ(b_->Ask(take).code(), v1::CODE_OK);
+}
+
+TEST_F(FollowingTest, LeadGivesTheLeadWithoutAGap) {
+  StartB();
+  Begin();
+  Wear(*a_, "style1", 0);
+  Frames(50);
+  v1::Request lead;
+  lead.mutable_lead();
+  ASSERT_EQ(b_->Ask(lead).code(), v1::CODE_OK);
+  Frames(50);
+  EXPECT_EQ(b_->State().role(), "leading");
+  EXPECT_EQ(a_->State().role(), "following");
+  EXPECT_TRUE(a_->State().ready()) << a_->State().why_not();
+  EXPECT_EQ(a_->State().different(), 0U);
+  EXPECT_EQ(Seen().size(), 100U);
+  ASSERT_EQ(a_->Ask(lead).code(), v1::CODE_OK);  // and back
+  Frames(50);
+  EXPECT_EQ(a_->State().role(), "leading");
+  EXPECT_EQ(Seen().size(), 150U);
+  EXPECT_EQ(a_->State().term(), 3U);
+  EXPECT_EQ(a_->publisher.frames.back().epoch(), 5U);
+}
+
+TEST_F(FollowingTest, ALeaderThatStoodStillGivesWayAndFollows) {
+  StartB();
+  Begin();
+  Frames(50);
+  auto stopped = std::move(a_);
+  Frames(50);  // the standby has taken over
+  EXPECT_EQ(b_->State().role(), "leading");
+  a_ = std::move(stopped);
+  a_->clock.now_ns += 400'000'000;
+  Frames(50);
+  EXPECT_EQ(a_->State().role(), "following");
+  EXPECT_EQ(a_->State().different(), 0U);
+  EXPECT_EQ(Seen().size(), 150U);
+}
+
+TEST_F(FollowingTest, ARestartedLeaderBecomesTheStandby) {
+  StartB();
+  Begin();
+  Frames(50);
+  a_.reset();
+  wire_.to_a.clear();
+  Turn(20);  // faster than the hold
+  a_ = std::make_unique<Node>(wire_, true, 6, 3'000'000'000, config_, kTopics);
+  wire_.b_asked = true;
+  Turn(5);
+  Frames(50);
+  EXPECT_EQ(b_->State().role(), "leading");
+  EXPECT_EQ(a_->State().role(), "following");
+  EXPECT_TRUE(a_->State().ready());
+  EXPECT_EQ(a_->State().different(), 0U);
+}
+
+TEST_F(FollowingTest, APartitionHealsAndOneLeads) {
+  StartB();
+  Begin();
+  Frames(50);
+  wire_.cut = true;
+  Frames(50);
+  EXPECT_EQ(a_->State().role(), "leading");
+  EXPECT_EQ(b_->State().role(), "leading");
+  wire_.cut = false;
+  Frames(50);
+  EXPECT_NE(a_->State().role(), b_->State().role());
+  EXPECT_EQ(b_->State().role(), "leading");
+  EXPECT_EQ(Seen().size(), 150U);
+}
+
+TEST_F(FollowingTest, WhoFallsSilentIsStaleAndForgottenAtBoth) {
+  StartB();
+  Begin();
+  Frames(20);
+  Turn(400);
+  EXPECT_EQ(a_->publisher.frames.back().flags() & v1::FLAG_STALE, v1::FLAG_STALE);
+  Frames(20);
+  EXPECT_EQ(b_->State().compared(), 40U);
+  EXPECT_EQ(b_->State().different(), 0U);
+  const auto fetched = b_->State().fetched();
+  for (int i = 0; i < 700; ++i) {
+    a_->clock.now_ns += 100'000'000;
+    b_->clock.now_ns += 100'000'000;
+    Turn(1);
+  }
+  EXPECT_EQ(b_->State().fetched(), fetched);
+  v1::Request status;
+  status.mutable_status();
+  EXPECT_EQ(b_->Ask(status).status().stats().performers_size(),
+            a_->Ask(status).status().stats().performers_size());
+}
+
+// A rig whose protocol has no numbers: each daemon counts on its own.
+TEST_F(FollowingTest, ARigThatEachDaemonNumbersOnItsOwnGoesOnWithoutALossOrANewSession) {
+  StartB();
+  Rig other("a", 1234);
+  other.sequence = 40'000;
+  other.time_ns = 900'000'000'000;
+  Send(rig_.Body(), true, false);
+  Send(other.Body(), false, true);
+  Turn(1);
+  const auto both = [&] {
+    const v1::SourceFrame pose = rig_.MakeFrame();
+    Send(rig_.Frame(), true, false);
+    Send(other.Frame([&](v1::SourceFrame& frame) {
+      *frame.mutable_rotations() = pose.rotations();
+      *frame.mutable_root_position() = pose.root_position();
+    }),
+         false, true);
+    Turn(8);
+  };
+  for (int i = 0; i < 60; ++i) both();
+  a_.reset();
+  for (int i = 0; i < 60; ++i) both();
+  EXPECT_EQ(b_->counters.Get(runtime::Counter::kPipelineSessions), 1U);
+  EXPECT_EQ(b_->counters.Get(runtime::Counter::kPipelineSecondSender), 0U);
+  EXPECT_EQ(b_->counters.Get(runtime::Counter::kPipelineFrames), 120U);
+}
+
+}  // namespace
+}  // namespace styled::support
