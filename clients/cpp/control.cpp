@@ -283,6 +283,13 @@ CallStatus Control::RestoreCheckpoint(std::string_view performer, const v1::Chec
   return Change(request, performer, applied);
 }
 
+CallStatus Control::Lead() {
+  v1::Request request;
+  request.mutable_lead();
+  v1::Reply reply;
+  return Call(request, &reply);
+}
+
 CallStatus Control::Cue(std::string_view name, Applied* applied) {
   v1::Request request;
   request.mutable_cue()->set_name(std::string(name));

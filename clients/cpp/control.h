@@ -103,6 +103,8 @@ class Control {
   CallStatus TakeCheckpoint(std::string_view performer, v1::Checkpoint* out);
   CallStatus RestoreCheckpoint(std::string_view performer, const v1::Checkpoint& checkpoint,
                                Applied* applied = nullptr);
+  // To a standby: it leads from now on.
+  CallStatus Lead();
   // `name`: a cue of the daemon's configuration.
   CallStatus Cue(std::string_view name, Applied* applied = nullptr);
   CallStatus Panic(Applied* applied = nullptr);  // all performers to bypass

@@ -72,6 +72,16 @@ int Restore(Session& session, const CheckpointArguments& arguments) {
 
 }  // namespace
 
+void DeclareLead(Session& session) {
+  session.AddOnline("lead", "let a standby lead from now on; the other daemon follows it then",
+                    [&session]() -> int {
+                      const auto status = session.control().Lead();
+                      if (!status.ok()) return session.Fail(status);
+                      session.out << (session.json ? "{\"ok\":true}" : "leads") << "\n";
+                      return kExitOk;
+                    });
+}
+
 void DeclareCheckpoints(Session& session) {
   const auto arguments = std::make_shared<CheckpointArguments>();
   CLI::App* checkpoint =

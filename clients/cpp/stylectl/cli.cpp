@@ -15,6 +15,7 @@ int Run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err
   DeclareMakingCommands(session);
   DeclareStyles(session);
   DeclareCheckpoints(session);
+  DeclareLead(session);
   DeclareCalibrate(session);
   DeclareDoctor(session);
   DeclareKeyCommands(session);

@@ -11,6 +11,7 @@ void DeclareStyleCommands(Session& session);   // set, clear, preset, cue, pin, 
 void DeclareMakingCommands(Session& session);  // like, learn, vary
 void DeclareStyles(Session& session);
 void DeclareCheckpoints(Session& session);  // checkpoint
+void DeclareLead(Session& session);
 void DeclareCalibrate(Session& session);
 void DeclareDoctor(Session& session);
 void DeclareKeyCommands(Session& session);  // keygen, allow, revoke, keys

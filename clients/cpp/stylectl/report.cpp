@@ -226,6 +226,45 @@ json ClockJson(const v1::ClockState& clock) {
   return out;
 }
 
+// Of a daemon with [standby].
+std::string StandbyText(const v1::StandbyState& standby) {
+  if (standby.role() == "leading") {
+    return "standby: this daemon leads (term " + std::to_string(standby.term()) + "); " +
+           standby.peer() +
+           (!standby.heard() ? " is not heard: nobody would go on in its place"
+                             : " is " + standby.peer_role()) +
+           "\n";
+  }
+  if (standby.role() != "following") return "standby: looks whether " + standby.peer() + " leads\n";
+  std::string out = "standby: follows " + standby.peer() + " (term " +
+                    std::to_string(standby.term()) + "); " +
+                    (standby.ready() ? "ready" : "not ready: " + standby.why_not()) + "; " +
+                    std::to_string(standby.compared()) + " frames styled as the leader did, " +
+                    std::to_string(standby.different()) + " of them came out otherwise\n";
+  for (const auto& performer : standby.without_input()) {
+    out += performer +
+           ": the leader has frames, and none of them reach this daemon: it would not "
+           "go on with them\n";
+  }
+  return out;
+}
+
+json StandbyJson(const v1::StandbyState& standby) {
+  return {{"role", standby.role()},
+          {"peer", standby.peer()},
+          {"heard", standby.heard()},
+          {"peer_role", standby.peer_role()},
+          {"term", standby.term()},
+          {"ready", standby.ready()},
+          {"why_not", standby.why_not()},
+          {"compared", standby.compared()},
+          {"different", standby.different()},
+          {"fetched", standby.fetched()},
+          {"takeovers", standby.takeovers()},
+          {"without_input", std::vector<std::string>(standby.without_input().begin(),
+                                                     standby.without_input().end())}};
+}
+
 std::string StatusText(const v1::StatusReply& status, bool all_counters) {
   const v1::Stats& stats = status.stats();
   int live = 0;
@@ -236,6 +275,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                     (stats.performers_size() == 1 ? "" : "s") + ", " + std::to_string(live) +
                     " live\n";
   if (stats.has_clock()) out += ClockText(stats.clock());
+  if (stats.has_standby()) out += StandbyText(stats.standby());
   if (stats.performers_size() > 0) {
     std::vector<std::vector<std::string>> rows{{"PERFORMER", "STATE", "HZ", "P50 us", "P99 us",
                                                 "MAX us", "PUBLISHED", "LOST", "STRENGTH", "STYLE",
@@ -401,6 +441,7 @@ json StatusJson(const v1::StatusReply& status) {
            {"stages", stages},
            {"counters", counters}};
   if (stats.has_clock()) out["clock"] = ClockJson(stats.clock());
+  if (stats.has_standby()) out["standby"] = StandbyJson(stats.standby());
   return out;
 }
 

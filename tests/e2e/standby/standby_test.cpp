@@ -1,0 +1,279 @@
+// Two daemons that stand in for each other, a rig that sends to both, and a subscriber of both:
+// what the subscriber has when one of them is killed, stopped, restarted or asked to give the lead
+// away. A third daemon that nobody touches shows what would have been. STYLED_ROUNDS: how many
+// kills.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <sstream>
+#include <thread>
+
+#include "clients/cpp/stylectl/cli.h"
+#include "clients/cpp/subscriber.h"
+#include "tests/support/daemon.h"
+#include "tests/support/rig.h"
+
+namespace styled::support {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using testing::HasSubstr;
+
+// A rig on a thread of its own, at 120 Hz.
+class Sender {
+ public:
+  explicit Sender(const std::vector<std::string>& addresses) {
+    for (const auto& address : addresses) links_.push_back(std::make_unique<UdpLink>(address));
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      Rig rig("a");
+      auto due = Clock::now();
+      for (int i = 0; !stop.stop_requested(); ++i) {
+        const Bytes body = i % 120 == 0 ? rig.Body() : Bytes();
+        const Bytes frame = rig.Frame();
+        for (const auto& link : links_) {
+          if (!body.empty()) link->Send(body);
+          link->Send(frame);
+        }
+        due += std::chrono::nanoseconds(1'000'000'000 / 120);
+        std::this_thread::sleep_until(due);
+      }
+    });
+  }
+
+ private:
+  std::vector<std::unique_ptr<UdpLink>> links_;
+  std::jthread thread_;
+};
+
+// The shipped client library, at both daemons.
+class Viewer {
+ public:
+  explicit Viewer(const std::vector<std::string>& endpoints) {
+    client::SubscriberOptions options;
+    options.endpoints = endpoints;
+    auto subscriber = client::Subscriber::Connect(options);
+    EXPECT_TRUE(subscriber.ok());
+    subscriber_ = std::move(subscriber.value());
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      client::Update update;
+      while (!stop.stop_requested()) {
+        connected_ = subscriber_->connected();
+        if (!subscriber_->Receive(std::chrono::milliseconds(20), update)) continue;
+        if (update.kind != client::Update::Kind::kFrame) continue;
+        const std::lock_guard lock(mutex_);
+        const auto now = Clock::now();
+        if (!frames_.empty()) longest_ = std::max(longest_, now - last_);
+        last_ = now;
+        missed_ += update.missed;
+        epochs_ += update.new_epoch ? 1 : 0;
+        frames_[update.frame.source_time_ns()] = update.frame;
+      }
+    });
+  }
+  std::map<std::uint64_t, v1::Frame> frames() const {
+    const std::lock_guard lock(mutex_);
+    return frames_;
+  }
+  std::size_t size() const {
+    const std::lock_guard lock(mutex_);
+    return frames_.size();
+  }
+  std::uint64_t missed() const {
+    const std::lock_guard lock(mutex_);
+    return missed_;
+  }
+  int epochs() const {
+    const std::lock_guard lock(mutex_);
+    return epochs_;
+  }
+  // Whether it has both daemons: one that was started again is found after up to 0.25 s.
+  bool HasBoth() const {
+    for (int i = 0; i < 1000 && connected_ < 2; ++i) Sleep(0.01);
+    return connected_ == 2;
+  }
+  // The longest time between two frames since the last call, ms.
+  double TakeLongest_ms() {
+    const std::lock_guard lock(mutex_);
+    return std::chrono::duration<double, std::milli>(std::exchange(longest_, {})).count();
+  }
+
+ private:
+  std::unique_ptr<client::Subscriber> subscriber_;
+  mutable std::mutex mutex_;
+  std::map<std::uint64_t, v1::Frame> frames_;
+  std::atomic<int> connected_{0};
+  std::uint64_t missed_ = 0;
+  int epochs_ = 0;
+  Clock::time_point last_;
+  Clock::duration longest_{};
+  std::jthread thread_;
+};
+
+class StandbyTest : public testing::Test {
+ protected:
+  // The addresses stay the same over restarts.
+  static std::vector<std::string> Fixed(const Daemon& daemon) {
+    return {"source.0.listen=" + daemon.udp, "publish.address=" + daemon.publish,
+            "control.address=" + daemon.control};
+  }
+  std::string Standby(int own) const {
+    const std::string name = folder_ / "journal";
+    return "[standby]\naddress = \"ipc://" + name + std::to_string(own) + "\"\npeer = \"ipc://" +
+           name + std::to_string(1 - own) + "\"\nfirst = " + (own == 0 ? "true" : "false") + "\n";
+  }
+  std::unique_ptr<Daemon> Pair(int own) const {
+    Daemon probe;  // finds free ports
+    const auto fixed = Fixed(probe);
+    probe.Stop();
+    return std::make_unique<Daemon>(fixed, Standby(own));
+  }
+  static v1::StandbyState State(const Daemon& daemon) {
+    ControlClient control(daemon.control);
+    control.SetPatience(1);
+    return control.Status().stats().standby();
+  }
+  static bool Becomes(const Daemon& daemon, const std::string& role, double seconds = 20) {
+    const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+    while (Clock::now() < end) {
+      const v1::StandbyState state = State(daemon);
+      if (state.role() == role && (state.ready() || role == "leading")) return true;
+      Sleep(0.02);
+    }
+    ADD_FAILURE() << role << ": " << State(daemon).role() << " " << State(daemon).why_not() << "\n"
+                  << daemon.Log();
+    return false;
+  }
+  // The pair: 0 leads, 1 follows.
+  void Settle() {
+    ASSERT_TRUE(Becomes(*pair_[0], "leading"));
+    ASSERT_TRUE(Becomes(*pair_[1], "following"));
+  }
+  Daemon& Leader() { return State(*pair_[0]).role() == "leading" ? *pair_[0] : *pair_[1]; }
+  Daemon& Other(const Daemon& one) { return &one == pair_[0].get() ? *pair_[1] : *pair_[0]; }
+  int Stylectl(const Daemon& daemon, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"--endpoint", daemon.control});
+    std::ostringstream out, err;
+    const int code = stylectl::Run(std::move(arguments), out, err);
+    said_ = out.str() + err.str();
+    return code;
+  }
+
+  // Every frame that the third daemon has published between the viewer's first and last one must be
+  // there, with the same pose.
+  static void ExpectWhole(const Viewer& viewer, const Viewer& whole) {
+    const auto seen = viewer.frames(), all = whole.frames();
+    ASSERT_FALSE(seen.empty());
+    int lost = 0, other = 0, compared = 0;
+    for (const auto& [time_ns, frame] : all) {
+      if (time_ns < seen.begin()->first || time_ns > seen.rbegin()->first) continue;
+      ++compared;
+      const auto found = seen.find(time_ns);
+      if (found == seen.end()) {
+        ++lost;
+        continue;
+      }
+      const auto& a = frame.rotations();
+      const auto& b = found->second.rotations();
+      other += std::equal(a.begin(), a.end(), b.begin(), b.end()) ? 0 : 1;
+    }
+    std::printf("%d frames, %d lost, %d with another pose\n", compared, lost, other);
+    EXPECT_EQ(lost, 0);
+    EXPECT_EQ(other, 0);
+    EXPECT_GT(compared, 100);
+  }
+
+  TemporaryFolder folder_;
+  std::array<std::unique_ptr<Daemon>, 2> pair_{Pair(0), nullptr};
+  std::string said_;
+};
+
+TEST_F(StandbyTest, ALeaderThatIsKilledAgainAndAgainTakesNoFrameWithIt) {
+  const char* const asked = std::getenv("STYLED_ROUNDS");
+  const int rounds = asked == nullptr ? 4 : std::atoi(asked);
+  pair_[1] = Pair(1);
+  Settle();
+  Daemon whole;
+  Viewer viewer({pair_[0]->publish, pair_[1]->publish}), witness({whole.publish});
+  Sender sender({pair_[0]->udp, pair_[1]->udp, whole.udp});
+  ASSERT_TRUE(Becomes(*pair_[1], "following"));
+  for (Daemon* const daemon : {pair_[0].get(), &whole}) {
+    ASSERT_EQ(ControlClient(daemon->control).SetStyle("*", "style2", 1, 0).code(), v1::CODE_OK);
+  }
+  while (viewer.size() < 60) Sleep(0.02);
+  for (int round = 0; round < rounds; ++round) {
+    Daemon& leader = Leader();
+    Daemon& standby = Other(leader);
+    ASSERT_TRUE(Becomes(standby, "following"));
+    ASSERT_TRUE(viewer.HasBoth());
+    (void)viewer.TakeLongest_ms();
+    const std::size_t before = viewer.size();
+    leader.child->Signal(SIGKILL);
+    leader.child->Wait(5);
+    ASSERT_TRUE(Becomes(standby, "leading"));
+    for (int i = 0; i < 500 && viewer.size() < before + 60; ++i) Sleep(0.01);
+    EXPECT_GE(viewer.size(), before + 60) << standby.Log();
+    std::printf("kill %d: %.0f ms without a frame\n", round + 1, viewer.TakeLongest_ms());
+    EXPECT_THAT(standby.Log(), HasSubstr("leads from here on"));
+    leader.Start();
+  }
+  EXPECT_EQ(viewer.epochs(), 0);
+  EXPECT_EQ(viewer.missed(), 0U);
+  ExpectWhole(viewer, witness);
+  EXPECT_EQ(viewer.frames().rbegin()->second.styles(0).style(), "style2");
+}
+
+TEST_F(StandbyTest, AGoodbyeAndAWishTakeNoFrameEither) {
+  pair_[1] = Pair(1);
+  Settle();
+  Daemon whole;
+  Viewer viewer({pair_[0]->publish, pair_[1]->publish}), witness({whole.publish});
+  Sender sender({pair_[0]->udp, pair_[1]->udp, whole.udp});
+  while (viewer.size() < 60) Sleep(0.02);
+  EXPECT_NE(Stylectl(*pair_[1], {"set", "rig.a", "--style", "style1"}), 0);
+  EXPECT_THAT(said_, HasSubstr("standby of ipc://"));
+  ASSERT_TRUE(Becomes(*pair_[1], "following"));
+  ASSERT_TRUE(viewer.HasBoth());
+  EXPECT_EQ(Stylectl(*pair_[1], {"lead"}), 0) << said_;
+  ASSERT_TRUE(Becomes(*pair_[1], "leading"));
+  ASSERT_TRUE(Becomes(*pair_[0], "following"));
+  for (const auto& daemon : {pair_[0].get(), pair_[1].get()}) {
+    EXPECT_EQ(Stylectl(*daemon, {"status"}), 0);
+    EXPECT_THAT(said_, HasSubstr("standby: "));
+  }
+  EXPECT_EQ(pair_[1]->Stop(), 0);  // SIGTERM
+  ASSERT_TRUE(Becomes(*pair_[0], "leading"));
+  const std::size_t before = viewer.size();
+  for (int i = 0; i < 500 && viewer.size() < before + 60; ++i) Sleep(0.01);
+  EXPECT_EQ(viewer.missed(), 0U);
+  EXPECT_EQ(viewer.epochs(), 0);
+  ExpectWhole(viewer, witness);
+}
+
+TEST_F(StandbyTest, ALeaderThatStandsStillIsReplacedAndComesBackAsTheStandby) {
+  pair_[1] = Pair(1);
+  Settle();
+  Viewer viewer({pair_[0]->publish, pair_[1]->publish});
+  Sender sender({pair_[0]->udp, pair_[1]->udp});
+  while (viewer.size() < 60) Sleep(0.02);
+  ASSERT_TRUE(Becomes(*pair_[1], "following"));
+  pair_[0]->child->Signal(SIGSTOP);
+  ASSERT_TRUE(Becomes(*pair_[1], "leading"));
+  Sleep(0.5);
+  pair_[0]->child->Signal(SIGCONT);
+  ASSERT_TRUE(Becomes(*pair_[0], "following"));
+  const std::size_t before = viewer.size();
+  for (int i = 0; i < 500 && viewer.size() < before + 60; ++i) Sleep(0.01);
+  EXPECT_EQ(viewer.missed(), 0U);
+  const v1::StandbyState state = State(*pair_[0]);
+  EXPECT_GT(state.compared(), 20U);
+  EXPECT_EQ(state.different(), 0U);
+}
+
+}  // namespace
+}  // namespace styled::support
