@@ -2,6 +2,7 @@
 // the native protocol (proto/styled/v1/WIRE.md) or a rig's (proto/rigs), with seeded faults. It can
 // also write the synthetic performer as BVH.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -37,7 +38,8 @@ constexpr int kFailed = 1;  // an error of a file, an address or a socket
 constexpr int kBadArguments = 2;
 
 struct Arguments {
-  std::string to, as = "native";
+  std::vector<std::string> to;
+  std::string as = "native";
   std::vector<std::string> quirks;
   std::vector<std::filesystem::path> clips;
   std::string performer = "sim";
@@ -63,7 +65,8 @@ void AddOptions(CLI::App& app, Arguments& a) {
                  "a habit of that rig; a wrong one is answered with those known");
   app.add_option("--to", a.to,
                  "where to send, udp://HOST:PORT or tcp://HOST:PORT (default: the rig's usual port "
-                 "on 127.0.0.1, 7000 for native); a rig that is a server listens there");
+                 "on 127.0.0.1, 7000 for native); a rig that is a server listens there; may be "
+                 "given several times: all get the same");
   app.add_option("--bvh", a.clips,
                  "BVH files, or folders of them, instead of the synthetic performer; several are "
                  "played one after the other, each as a new session");
@@ -157,7 +160,7 @@ Status Check(const Arguments& a, const faults::Spec& spec) {
   if (!player::IsPerformerName(longest)) {
     return Status::Error("--performer '" + longest + "': expected 1 to 32 of A-Za-z0-9_-");
   }
-  if (player::IsStream(a.to)) {
+  if (std::ranges::any_of(a.to, player::IsStream)) {
     if (Status status = CheckStreamFaults(spec); !status.ok()) return status;
   }
   if (!a.write.empty() && (!a.clips.empty() || a.seconds <= 0)) {
@@ -232,23 +235,37 @@ Result<std::unique_ptr<rigs::Rig>> MakeRig(const Arguments& a) {
   return rigs::Make(a.as, options);
 }
 
+std::string AllOf(const std::vector<std::string>& addresses) {
+  std::string text;
+  for (const std::string& address : addresses) text += (text.empty() ? "" : " or ") + address;
+  return text;
+}
+
 // `server`: the rig, if it is one, which listens.
-int Play(const Arguments& a, const std::string& to, rigs::Rig* server, Senders senders) {
-  if (const Status address = player::CheckAddress(to, server != nullptr ? 0 : 1); !address.ok()) {
-    return RefuseArguments(address);
+int Play(const Arguments& a, const std::vector<std::string>& to, rigs::Rig* server,
+         Senders senders) {
+  for (const std::string& one : to) {
+    const Status address = player::CheckAddress(one, server != nullptr ? 0 : 1);
+    if (!address.ok()) return RefuseArguments(address);
   }
-  auto link = server != nullptr ? rigs::Listen(*server, to) : player::Connect(to, a.start_wait_ms);
-  if (!link.ok()) return Fail(link.status());
+  std::vector<std::unique_ptr<player::Link>> links;
+  for (const std::string& one : to) {
+    auto link =
+        server != nullptr ? rigs::Listen(*server, one) : player::Connect(one, a.start_wait_ms);
+    if (!link.ok()) return Fail(link.status());
+    links.push_back(std::move(link.value()));
+  }
+  const auto link = links.size() == 1 ? std::move(links.front()) : player::ToAll(std::move(links));
   player::SteadyClock clock;
   const auto on_refused = [&to] {
     std::fprintf(
         stderr,
         "stylesim: no program listens at %s (Connection refused); sending goes on. Is styled "
         "running, with a source at that port?\n",
-        to.c_str());
+        AllOf(to).c_str());
   };
   player::Player player({a.rate_hz, a.seconds, on_refused}, std::move(senders));
-  const Status status = player.Run(clock, *link.value(), stop_requested);
+  const Status status = player.Run(clock, *link, stop_requested);
   std::printf("stylesim: %s\n", player::Summary(player).c_str());
   return status.ok() ? 0 : Fail(status);
 }
@@ -260,9 +277,14 @@ int RunRig(const Arguments& a, Motions motions, const faults::Spec& spec) {
   }
   auto rig = MakeRig(a);
   if (!rig.ok()) return RefuseArguments(rig.status());
-  const std::string to = a.to.empty() ? rig.value()->default_address() : a.to;
+  const auto to = a.to.empty() ? std::vector{rig.value()->default_address()} : a.to;
   rigs::Rig* const server = rig.value()->is_server() ? rig.value().get() : nullptr;
-  if (server != nullptr && player::IsStream(to)) {
+  if (server != nullptr && to.size() > 1) {
+    return RefuseArguments(Status::Error("--to: given " + std::to_string(to.size()) +
+                                         " times; expected once, since " + a.as +
+                                         " is a server: several daemons connect to it"));
+  }
+  if (server != nullptr && player::IsStream(to.front())) {
     if (const Status status = CheckStreamFaults(spec); !status.ok()) return RefuseArguments(status);
   }
   auto stream =
@@ -287,7 +309,7 @@ int Run(const Arguments& a) {
   auto motions = MakeMotions(a, script.value());
   if (!motions.ok()) return Fail(motions.status());
   if (a.as != "native") return RunRig(a, std::move(motions.value()), spec.value());
-  const std::string to = a.to.empty() ? "udp://127.0.0.1:7000" : a.to;
+  const auto to = a.to.empty() ? std::vector<std::string>{"udp://127.0.0.1:7000"} : a.to;
   return Play(a, to, nullptr, MakeNative(a, std::move(motions.value()), spec.value()));
 }
 

@@ -223,6 +223,32 @@ class TcpLink final : public Link {
   asio::ip::tcp::socket socket_{context_};
 };
 
+class AllLinks final : public Link {
+ public:
+  explicit AllLinks(std::vector<std::unique_ptr<Link>> links) : links_(std::move(links)) {}
+  Status Send(std::span<const std::byte> datagram) override {
+    Status status = Status::Ok();
+    for (const auto& link : links_) {
+      if (Status one = link->Send(datagram); !one.ok()) status = one;
+    }
+    return status;
+  }
+  std::size_t Receive(std::span<std::byte> datagram) override {
+    for (const auto& link : links_) {
+      if (const std::size_t size = link->Receive(datagram); size > 0) return size;
+    }
+    return 0;
+  }
+  std::uint64_t refused() override {
+    std::uint64_t sum = 0;
+    for (const auto& link : links_) sum += link->refused();
+    return sum;
+  }
+
+ private:
+  std::vector<std::unique_ptr<Link>> links_;
+};
+
 }  // namespace
 
 bool IsStream(const std::string& url) { return url.starts_with("tcp://"); }
@@ -230,6 +256,10 @@ bool IsStream(const std::string& url) { return url.starts_with("tcp://"); }
 Status CheckAddress(const std::string& url, int lowest_port) {
   const Result<Address> address = ParseAddress(url, lowest_port);
   return address.ok() ? Status::Ok() : address.status();
+}
+
+std::unique_ptr<Link> ToAll(std::vector<std::unique_ptr<Link>> links) {
+  return std::make_unique<AllLinks>(std::move(links));
 }
 
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms) {

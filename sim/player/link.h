@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "model/base/status.h"
 
@@ -29,6 +30,10 @@ class Link {
 // continues. TCP is retried for `start_wait_ms` if no program listens. Errors name the address and
 // the reason.
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms);
+
+// A rig that sends to several programs: each of `links`, at least one, gets every datagram. What
+// comes back is read from all of them.
+std::unique_ptr<Link> ToAll(std::vector<std::unique_ptr<Link>> links);
 
 // The peers that a server sends to. kAllWhoSpeak: all that sent something within the last 5 s.
 // kNewest: the one that sent something last, without end.
