@@ -38,6 +38,12 @@ std::string StateFile(const config::Config& config) {
   return config.state.dir.empty() ? "" : config.state.dir + "/performers.toml";
 }
 
+// Whether the two daemons of [standby] show each other their keys.
+bool AsksPeer(const config::Config& config) {
+  return !config.standby.peer.empty() && !config.standby.peer_key.empty() &&
+         !config.security.keys.empty() && !config.standby.allow_unauthenticated_remote;
+}
+
 // Returns "" when the file cannot be read.
 std::string ReadText(const std::string& file, std::size_t max_bytes) {
   auto text = ReadFile(file, max_bytes);
@@ -135,6 +141,7 @@ Status Supervisor::OpenGate() {
   const config::Publish& publish = config_.publish;
   const config::Control& control = config_.control;
   const bool asks =
+      AsksPeer(config_) ||
       config::AsksForKeys(config_, publish.address, publish.allow_unauthenticated_remote) ||
       config::AsksForKeys(config_, control.address, control.allow_unauthenticated_remote);
   if (!asks) return Status::Ok();
@@ -177,7 +184,8 @@ Status Supervisor::OpenSockets() {
 
 Status Supervisor::OpenStandby() {
   if (config_.standby.peer.empty()) return Status::Ok();
-  auto opened = standby::OpenZmqChannel(context_, config_.standby);
+  auto opened = standby::OpenZmqChannel(context_, config_.standby,
+                                        AsksPeer(config_) ? gatekeeper_.get() : nullptr);
   if (!opened.ok()) return opened.status();
   standby_fds_ = {opened.value().publish_fd, opened.value().subscribe_fd};
   standby_endpoint_ = opened.value().endpoint;

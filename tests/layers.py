@@ -46,8 +46,8 @@ ROWS = {
     "daemon/control": "daemon/pipeline daemon/security daemon/config daemon/runtime proto model/base"
                       " model/body",
     "daemon/replay": "daemon/pipeline daemon/source daemon/config daemon/runtime proto model",
-    "daemon/standby": "daemon/publish daemon/source daemon/config daemon/runtime proto/styled"
-                      " proto/rigs/native model/base",
+    "daemon/standby": "daemon/publish daemon/source daemon/security daemon/config daemon/runtime"
+                      " proto/styled proto/rigs/native model/base",
     "daemon/pipeline": "daemon/standby daemon/record daemon/publish daemon/source daemon/config daemon/runtime proto"
                        " model",
     "daemon/record": "daemon/source daemon/config daemon/runtime proto model/base",

@@ -165,6 +165,7 @@ struct Osc {
 // Two daemons that stand in for each other.
 struct Standby {
   std::string peer;                              // the other one's `address`; "" = none
+  std::string peer_key;                          // its public key, Z85; "" = none
   std::string address = "tcp://127.0.0.1:7004";  // of this one's journal
   bool allow_unauthenticated_remote = false;
   bool first = false;   // leads where both have just started

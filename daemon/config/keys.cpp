@@ -226,6 +226,7 @@ std::vector<Section> MakeSections() {
         Flag<C>("allow_unauthenticated_remote", STYLED_FIELD(osc.allow_unauthenticated_remote))}},
       {"standby",
        {Text<C>("peer", STYLED_FIELD(standby.peer)),
+        Text<C>("peer_key", STYLED_FIELD(standby.peer_key)),
         Text<C>("address", STYLED_FIELD(standby.address)),
         Flag<C>("allow_unauthenticated_remote", STYLED_FIELD(standby.allow_unauthenticated_remote)),
         Flag<C>("first", STYLED_FIELD(standby.first)),

@@ -110,27 +110,33 @@ Status CheckOsc(const Osc& osc) {
 }
 
 // No peer turns it off; the address is then not looked at.
-Status CheckStandby(const Standby& standby) {
+Status CheckStandby(const Config& config) {
+  const Standby& standby = config.standby;
   if (standby.peer.empty()) return Status::Ok();
   Status status = CheckEndpoint(standby.address);
   if (!status.ok()) return Status::Error("standby.address: " + status.message());
   status = CheckEndpoint(standby.peer);
   if (!status.ok()) return Status::Error("standby.peer: " + status.message());
   if (standby.peer == standby.address && !standby.peer.ends_with(":0")) {
-    return Status::Error(
-        "standby.peer: " + standby.peer +
-        " is this daemon's own standby.address; expected that of the other daemon");
+    return Status::Error("standby.peer: " + standby.peer +
+                         " is this daemon's own standby.address; expected that of the other one");
   }
-  const auto open = [&](const std::string& address, const char* key) {
-    if (IsLocal(address) || standby.allow_unauthenticated_remote) return Status::Ok();
-    return Status::Error(std::string(key) + ": " + address +
-                         " is reached over a network, and the two daemons do not authenticate each "
-                         "other; expected a loopback or ipc:// address, or "
-                         "standby.allow_unauthenticated_remote = true on a network that the two "
-                         "machines have to themselves (a cable, a VLAN, WireGuard)");
-  };
-  status = open(standby.address, "standby.address");
-  return status.ok() ? open(standby.peer, "standby.peer") : status;
+  constexpr std::size_t kKeyLength = 40;
+  if (!standby.peer_key.empty() && standby.peer_key.size() != kKeyLength) {
+    return Status::Error("standby.peer_key: " + std::to_string(standby.peer_key.size()) +
+                         " characters, expected the 40 of the other daemon's public key (stylectl "
+                         "keys, on its machine)");
+  }
+  const bool local = IsLocal(standby.address) && IsLocal(standby.peer);
+  const bool keys = !config.security.keys.empty() && !standby.peer_key.empty();
+  if (local || keys || standby.allow_unauthenticated_remote) return Status::Ok();
+  const bool here = !IsLocal(standby.address);
+  return Status::Error(std::string(here ? "standby.address: " : "standby.peer: ") +
+                       (here ? standby.address : standby.peer) +
+                       " is beyond this machine; expected keys (security.keys and "
+                       "standby.peer_key), a loopback or ipc:// address, or "
+                       "standby.allow_unauthenticated_remote = true on a network that the two "
+                       "machines have to themselves");
 }
 
 // An address at which the daemon listens.
@@ -249,7 +255,7 @@ Status Validate(const Config& config) {
   if (!status.ok()) return status;
   status = CheckOsc(config.osc);
   if (!status.ok()) return status;
-  status = CheckStandby(config.standby);
+  status = CheckStandby(config);
   if (!status.ok()) return status;
   status = CheckClashes(config);
   if (!status.ok()) return status;

@@ -83,7 +83,7 @@ Status Gatekeeper::Bind() {
   return Status::Ok();
 }
 
-Status Gatekeeper::Guard(runtime::ZmqSocket& socket, Door door) {
+Status Gatekeeper::Encrypt(runtime::ZmqSocket& socket, Door door) const {
   const std::string domain(Domain(door));
   const std::string& secret = pair_.secret_key;
   const bool done =
@@ -92,11 +92,31 @@ Status Gatekeeper::Guard(runtime::ZmqSocket& socket, Door door) {
       zmq_setsockopt(socket.get(), ZMQ_ZAP_DOMAIN, domain.data(), domain.size()) == 0 &&
       socket.Set(kZapEnforceDomain, 1);
   if (!done) return Status::Error(domain + ": CURVE: " + zmq_strerror(zmq_errno()));
+  return Status::Ok();
+}
+
+Status Gatekeeper::Guard(runtime::ZmqSocket& socket, Door door) {
+  if (Status status = Encrypt(socket, door); !status.ok()) return status;
   // Clients without a key, or with another server's key, fail before ZAP is asked. The monitor
   // counts them.
   zmq_socket_monitor(socket.get(), MonitorOf(door).c_str(),
                      ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL);
   return Status::Ok();
+}
+
+Status Gatekeeper::GuardPeers(runtime::ZmqSocket& socket) {
+  return Encrypt(socket, Door::kControl);
+}
+
+Status Gatekeeper::Introduce(runtime::ZmqSocket& socket, const std::string& server_key) const {
+  const auto set = [&](int option, const std::string& key) {
+    return zmq_setsockopt(socket.get(), option, key.c_str(), key.size() + 1) == 0;
+  };
+  if (set(ZMQ_CURVE_SERVERKEY, server_key) && set(ZMQ_CURVE_PUBLICKEY, pair_.public_key) &&
+      set(ZMQ_CURVE_SECRETKEY, pair_.secret_key)) {
+    return Status::Ok();
+  }
+  return Status::Error(std::string("CURVE: ") + zmq_strerror(zmq_errno()));
 }
 
 // Watch before reading the folder, so that a change in between is noticed.

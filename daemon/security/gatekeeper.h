@@ -34,6 +34,11 @@ class Gatekeeper {
 
   // Configures `socket`, which must not be bound yet, to admit only clients with a key for `door`.
   Status Guard(runtime::ZmqSocket& socket, Door door);
+  // The same for a socket of the daemons among themselves: it admits operators' keys.
+  Status GuardPeers(runtime::ZmqSocket& socket);
+  // Configures `socket`, which must not be connected yet, to show this daemon's own key to the
+  // daemon whose public key is `server_key`.
+  Status Introduce(runtime::ZmqSocket& socket, const std::string& server_key) const;
   const std::string& public_key() const { return pair_.public_key; }
   Access& access() { return access_; }
 
@@ -46,6 +51,7 @@ class Gatekeeper {
   Gatekeeper(void* context, const std::string& folder, runtime::Counters& counters,
              keys::KeyFile pair);
   Status Bind();
+  Status Encrypt(runtime::ZmqSocket& socket, Door door) const;
   void Watch();
   void Run();
   bool Answer();

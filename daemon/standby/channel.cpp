@@ -55,7 +55,8 @@ class ZmqChannel final : public Channel {
 
 }  // namespace
 
-Result<Opened> OpenZmqChannel(void* context, const config::Standby& config) {
+Result<Opened> OpenZmqChannel(void* context, const config::Standby& config,
+                              security::Gatekeeper* keeper) {
   runtime::ZmqSocket publisher(context, ZMQ_XPUB), subscriber(context, ZMQ_SUB);
   if (publisher.get() == nullptr || subscriber.get() == nullptr) {
     return Status::Error("standby: " + std::string(zmq_strerror(errno)));
@@ -66,7 +67,10 @@ Result<Opened> OpenZmqChannel(void* context, const config::Standby& config) {
   publisher.Set(ZMQ_HANDSHAKE_IVL, 1000);
   publisher.Set(ZMQ_MAXMSGSIZE, std::int64_t{1024});  // of the other's subscriptions
   Opened opened;
-  Status status = publisher.Bind(config.address, "standby.address", opened.endpoint);
+  Status status = keeper == nullptr ? Status::Ok() : keeper->GuardPeers(publisher);
+  if (status.ok() && keeper != nullptr) status = keeper->Introduce(subscriber, config.peer_key);
+  if (!status.ok()) return Status::Error("standby: " + status.message());
+  status = publisher.Bind(config.address, "standby.address", opened.endpoint);
   if (!status.ok()) return status;
   subscriber.Set(ZMQ_RCVHWM, kQueue);
   subscriber.Set(ZMQ_LINGER, 0);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "daemon/config/config.h"
+#include "daemon/security/gatekeeper.h"
 #include "model/base/status.h"
 
 namespace styled::standby {
@@ -33,6 +34,8 @@ struct Opened {
   std::string endpoint;
   int publish_fd = -1, subscribe_fd = -1;
 };
-Result<Opened> OpenZmqChannel(void* context, const config::Standby& config);
+// `keeper`: both show their keys; null: none.
+Result<Opened> OpenZmqChannel(void* context, const config::Standby& config,
+                              security::Gatekeeper* keeper = nullptr);
 
 }  // namespace styled::standby

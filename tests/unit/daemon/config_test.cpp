@@ -180,6 +180,29 @@ TEST_F(ConfigTest, OtherMachinesAreLetInOnlyByAKeyThatSaysSo) {
   }
 }
 
+TEST_F(ConfigTest, AStandbyBeyondThisMachineNeedsKeysOrAWordThatSaysSo) {
+  const std::string here = "[standby]\npeer = 'tcp://127.0.0.1:7014'\n";
+  EXPECT_EQ(Complaint(here), "");
+  EXPECT_EQ(Complaint("[standby]\naddress = 'nonsense'\n"), "") << "off: not looked at";
+  EXPECT_THAT(Complaint("[standby]\npeer = 'nonsense'\n"), HasSubstr("standby.peer: "));
+  EXPECT_THAT(Complaint(here + "address = 'tcp://127.0.0.1:7014'\n"),
+              HasSubstr("this daemon's own standby.address"));
+  EXPECT_THAT(Complaint(here + "address = 'tcp://127.0.0.1:7001'\n"),
+              HasSubstr("is taken by publish.address"));
+  EXPECT_THAT(Complaint(here + "hold_ms = 5\n"), HasSubstr("standby.hold_ms"));
+  const std::string far = "[standby]\npeer = 'tcp://10.0.0.2:7004'\n";
+  const std::string key = "peer_key = '" + std::string(40, 'k') + "'\n";
+  const std::string keys = "[security]\nkeys = '/k'\n";
+  EXPECT_THAT(Complaint(far),
+              HasSubstr("standby.peer: tcp://10.0.0.2:7004 is beyond this machine"));
+  EXPECT_THAT(Complaint(far + key), HasSubstr("security.keys"));
+  EXPECT_THAT(Complaint(keys + far), HasSubstr("standby.peer_key"));
+  EXPECT_THAT(Complaint(keys + far + "peer_key = 'short'\n"), HasSubstr("expected the 40"));
+  EXPECT_THAT(Complaint(here + "address = 'tcp://0.0.0.0:7004'\n"), HasSubstr("standby.address"));
+  EXPECT_EQ(Complaint(keys + far + key), "");
+  EXPECT_EQ(Complaint(far + "allow_unauthenticated_remote = true\n"), "");
+}
+
 TEST_F(ConfigTest, KeysLetOtherMachinesInAndALocalAddressAsksForNone) {
   const std::string keys = "[security]\nkeys = '/k'\n";
   const auto asks = [&](const std::string& text) {
