@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <random>
+#include <string>
 #include <utility>
+#include <vector>
 #include <zmq.hpp>
 
 namespace styled::client {
@@ -27,7 +29,8 @@ bool ReadLastPart(zmq::socket_t& socket, zmq::message_t& part) {
 }  // namespace
 
 struct Control::Impl {
-  ControlOptions options;
+  ControlOptions options;              // `endpoint`: the one in use
+  std::vector<std::string> endpoints;  // that one first
   zmq::context_t context{1};
   zmq::socket_t socket;
   std::uint64_t next_id = 1;
@@ -46,6 +49,12 @@ struct Control::Impl {
     }
     socket.set(zmq::sockopt::ipv6, options.endpoint.find('[') != std::string::npos);
     socket.connect(options.endpoint);
+  }
+
+  void UseNext() {
+    std::rotate(endpoints.begin(), endpoints.begin() + 1, endpoints.end());
+    options.endpoint = endpoints.front();
+    Open();
   }
 
   CallStatus NoAnswer() {
@@ -67,11 +76,15 @@ Result<std::unique_ptr<Control>> Control::Connect(const ControlOptions& options)
     return styled::Status::Error("control: timeout is " + std::to_string(options.timeout.count()) +
                                  " ms, expected 1 or more");
   }
-  if (const auto checked = CheckEndpoint(options.endpoint); !checked.ok()) {
-    return styled::Status::Error("control: " + checked.message());
-  }
   auto impl = std::make_unique<Impl>();
   impl->options = options;
+  impl->endpoints = SplitEndpoints(options.endpoint);
+  impl->options.endpoint = impl->endpoints.front();
+  for (const std::string& endpoint : impl->endpoints) {
+    if (const auto checked = CheckEndpoint(endpoint); !checked.ok()) {
+      return styled::Status::Error("control: " + checked.message());
+    }
+  }
   if (options.curve) {
     auto curve = Complete(*options.curve);
     if (!curve.ok()) return styled::Status::Error("control: " + curve.status().message());
@@ -90,6 +103,17 @@ Result<std::unique_ptr<Control>> Control::Connect(const ControlOptions& options)
 }
 
 CallStatus Control::Call(v1::Request& request, v1::Reply* reply) {
+  for (std::size_t tries = impl_->endpoints.size();; --tries) {
+    CallStatus status = CallOne(request, reply);
+    const bool other =
+        status.kind() == CallStatus::Kind::kNoAnswer ||
+        (status.kind() == CallStatus::Kind::kRefused && reply->code() == v1::CODE_STANDBY);
+    if (!other || tries <= 1 || impl_->options.stop.stop_requested()) return status;
+    impl_->UseNext();
+  }
+}
+
+CallStatus Control::CallOne(v1::Request& request, v1::Reply* reply) {
   Impl& impl = *impl_;
   const auto shown = milliseconds(static_cast<std::int64_t>(1000 * request.like().learn_s()));
   const auto deadline = Clock::now() + impl.options.timeout + shown;

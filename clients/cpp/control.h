@@ -51,6 +51,8 @@ class [[nodiscard]] CallStatus {
 using Applied = std::vector<v1::Applied>;
 
 struct ControlOptions {
+  // Of two daemons that stand in for each other both, with a comma: what one of them does not
+  // answer, or refuses as the standby, the other one is asked.
   std::string endpoint = std::string(kDefaultControl);
   // Per call, >= 1 ms. Without a reply, a call takes up to 500 ms more to find out why.
   std::chrono::milliseconds timeout{2000};
@@ -115,6 +117,7 @@ class Control {
 
  private:
   struct Impl;
+  CallStatus CallOne(v1::Request& request, v1::Reply* reply);
   explicit Control(std::unique_ptr<Impl> impl);
   CallStatus Change(v1::Request& request, std::string_view performer, Applied* applied);
   std::unique_ptr<Impl> impl_;

@@ -19,6 +19,7 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <sstream>
 #include <string_view>
 #include <utility>
 #include <zmq.hpp>
@@ -399,6 +400,14 @@ const Reach& Lookout::Look() {
 void Lookout::Rest() {
   found_ = {};
   next_ = Clock::now() + kPatience;
+}
+
+std::vector<std::string> SplitEndpoints(const std::string& endpoints) {
+  std::vector<std::string> list;
+  std::istringstream text(endpoints);
+  for (std::string one; std::getline(text, one, ',');) list.push_back(one);
+  if (list.empty()) list.emplace_back();
+  return list;
 }
 
 Status CheckEndpoint(const std::string& endpoint) {

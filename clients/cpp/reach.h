@@ -4,6 +4,7 @@
 #include <future>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "clients/cpp/curve.h"
 #include "model/base/status.h"
@@ -38,6 +39,9 @@ struct Reach {
   Obstacle obstacle = Obstacle::kNone;
   std::string text;  // for display: "no program listens there (Connection refused)"; "" for kNone
 };
+
+// The endpoints of a list with commas; at least one, which may be "".
+std::vector<std::string> SplitEndpoints(const std::string& endpoints);
 
 // Checks the text of `endpoint`; does not connect. A tcp:// endpoint needs a host and a port:
 // ZeroMQ silently reads "127.0.0.1:99999" and "127.0.0.1:22002x" as other ports. Endpoints of other

@@ -275,6 +275,10 @@ bool Subscriber::Impl::Accept(Update& out) {
       ++counters.malformed;
       return false;
     }
+    // Of two daemons that stand in for each other the leader's count.
+    if (options.endpoints.size() > 1 && out.statistics.standby().role() == "following") {
+      return false;
+    }
     out.kind = Update::Kind::kStatistics;
     return true;
   }
@@ -399,7 +403,11 @@ Subscriber::~Subscriber() = default;
 
 Result<std::unique_ptr<Subscriber>> Subscriber::Connect(const SubscriberOptions& options) {
   if (options.endpoints.empty()) return Status::Error("subscriber: no endpoint given");
-  for (const std::string& endpoint : options.endpoints) {
+  std::vector<std::string> endpoints;
+  for (const std::string& list : options.endpoints) {
+    for (std::string& endpoint : SplitEndpoints(list)) endpoints.push_back(std::move(endpoint));
+  }
+  for (const std::string& endpoint : endpoints) {
     if (const Status checked = CheckEndpoint(endpoint); !checked.ok()) {
       return Status::Error("subscriber: " + checked.message());
     }
@@ -428,6 +436,7 @@ Result<std::unique_ptr<Subscriber>> Subscriber::Connect(const SubscriberOptions&
   }
   auto impl = std::make_unique<Impl>();
   impl->options = options;
+  impl->options.endpoints = std::move(endpoints);
   if (options.curve) {
     auto curve = Complete(*options.curve);
     if (!curve.ok()) return Status::Error("subscriber: " + curve.status().message());

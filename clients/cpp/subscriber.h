@@ -27,7 +27,9 @@ enum class Stream {
 };
 
 struct SubscriberOptions {
-  // At least one. With several daemons, the ids of their performers must differ.
+  // At least one. With several daemons, the ids of their performers must differ, but for two that
+  // stand in for each other (daemon/standby/README.md): of those, each frame comes once. One entry
+  // may hold several, with commas.
   std::vector<std::string> endpoints = {std::string(kDefaultPublisher)};
   std::string performer;  // SOURCE.NAME; "" = all, including those that appear later
   std::vector<Stream> streams = {Stream::kStyledRig};  // empty: bodies and statistics only

@@ -3,9 +3,9 @@
 namespace styled::standby {
 
 void HeldPublisher::Send(std::string_view topic, std::span<const std::byte> payload) noexcept {
-  if (!holds_) return to_.Send(topic, payload);
-  // Bodies are sent anew, and statistics are of the past.
-  if (topic.starts_with("body/") || topic == "stats/") return;
+  // Its own statistics say how the standby is.
+  if (!holds_ || topic == "stats/") return to_.Send(topic, payload);
+  if (topic.starts_with("body/")) return;  // sent anew then
   const std::int64_t now_ns = clock_.Now_ns();
   while (!kept_.empty() && (kept_.size() >= kMost || now_ns - kept_.front().at_ns > kKeep_ns)) {
     kept_.pop_front();

@@ -15,7 +15,9 @@ Session::Session(std::ostream& out_stream, std::ostream& err_stream)
     : out(out_stream), err(err_stream) {
   app.require_subcommand(0, 1);  // without one, Run reports it after unexpected arguments
   app.set_version_flag("--version", "stylectl 0.1.0");
-  app.add_option("--endpoint", options.endpoint, "the daemon's control socket")
+  app.add_option(
+         "--endpoint", options.endpoint,
+         "the daemon's control socket; of two that stand in for each other both, with a comma")
       ->envname("STYLED_CONTROL")
       ->capture_default_str();
   client::Declare(app, keys_);

@@ -104,7 +104,9 @@ void RunPlain(Monitor& monitor, const Arguments& arguments, bool utf8, Clock::ti
 }
 
 void Declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("--publisher,--endpoint", arguments.monitor.publisher, "where frames come from")
+  app.add_option(
+         "--publisher,--endpoint", arguments.monitor.publisher,
+         "where frames come from; of two daemons that stand in for each other both, with a comma")
       ->envname("STYLED_PUBLISHER")
       ->capture_default_str();
   app.add_option("--control", arguments.monitor.control, "where styles are set")

@@ -108,7 +108,8 @@ Result<std::unique_ptr<Monitor>> Monitor::Start(const MonitorOptions& options) {
   impl->directory = std::move(directory.value());
   impl->steering = std::move(steering.value());
   impl->lookout =
-      std::make_unique<client::Lookout>(options.publisher, client::Peer::kPublisher, options.curve);
+      std::make_unique<client::Lookout>(options.publisher.substr(0, options.publisher.find(',')),
+                                        client::Peer::kPublisher, options.curve);
   impl->view.publisher = options.publisher;
   impl->view.control = options.control;
   impl->view.side = options.side;

@@ -176,6 +176,7 @@ class Inbox:
         self._streams = _check_all_wanted(streams, statistics)
         if bundled and performer:
             raise ValueError(f"bundled with performer '{performer}', expected '' (all)")
+        self.several = False  # daemons: of two that stand in for each other the leader's statistics count
         self.counters = Counters()
         self.new_topics: List[str] = []  # the owner must subscribe to these and clear the list
         self.lag_s = 0.0                 # of the last frame, compared with its usual transit
@@ -226,7 +227,10 @@ class Inbox:
     def _accept(self, topic: str, payload: bytes) -> Optional[Update]:
         words = topic.split('/')
         if words == ['stats', '']:
-            return Update(Kind.STATISTICS, statistics=_parse(stats_pb2.Stats, payload))
+            statistics = _parse(stats_pb2.Stats, payload)
+            if self.several and statistics.standby.role == 'following':
+                return None
+            return Update(Kind.STATISTICS, statistics=statistics)
         if len(words) == 3 and words[0] == 'body':
             return self._accept_body(words[1], payload)
         if len(words) == 3 and words[0] == 'frames' and words[1] in _BUNDLES and words[2] == '':

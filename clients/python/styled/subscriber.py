@@ -26,6 +26,7 @@ def open_socket(socket: zmq.Socket, inbox: Inbox, endpoints: Union[str, Iterable
     """Sets up and connects a SUB socket of pyzmq, blocking or asyncio."""
     endpoints = checks.endpoints(endpoints, DEFAULT_PUBLISHER)
     curve = checks.curve(curve)
+    inbox.several = len(endpoints) > 1
     socket.linger = 0
     socket.rcvhwm = checks.messages('queue_messages', queue_messages)
     socket.maxmsgsize = MAX_MESSAGE_BYTES
