@@ -123,6 +123,7 @@ void Bridge::Keep(const client::Update& update) {
 }
 
 void Bridge::KeepPerformers(const v1::Stats& statistics) {
+  if (statistics.standby().role() == "following") return;  // the leader's bridge keeps them
   std::set<std::string> gone = std::exchange(performers_, {});
   for (const v1::PerformerStats& performer : statistics.performers()) {
     if (!client::IsPerformerId(performer.performer())) continue;

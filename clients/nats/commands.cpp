@@ -85,6 +85,10 @@ void Commands::Ask(const std::string& reply_to, const char* bytes, int size) {
         if (status.kind() == Kind::kNoAnswer || status.kind() == Kind::kGarbled) {
           ++counts_.unanswered;
           reply = Refusal(reply.id(), v1::CODE_BUSY, status.reason());
+        } else if (reply.code() == v1::CODE_STANDBY ||
+                   reply.status().stats().standby().role() == "following") {
+          ++counts_.left;  // the daemon that leads has a bridge of its own, which answers
+          return;
         }
         Answer(reply_to, reply);
       });

@@ -26,6 +26,7 @@ class Commands {
   // Totals since the start; any thread.
   struct Counts {
     std::atomic<std::uint64_t> requests{0};
+    std::atomic<std::uint64_t> left{0};        // to the bridge of the daemon that leads
     std::atomic<std::uint64_t> unanswered{0};  // by the daemon, in time
     std::atomic<std::uint64_t> too_large{0};   // answers above max_payload
     std::atomic<std::uint64_t> lost{0};        // answers that could not be sent
