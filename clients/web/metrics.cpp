@@ -200,6 +200,28 @@ void WriteClock(const v1::ClockState& clock, Text& text) {
            Number(clock.ptp().mean_path_delay_s()));
 }
 
+void WriteStandby(const v1::StandbyState& standby, Text& text) {
+  text.One("styled_standby_leads", "gauge",
+           "1 while this daemon leads, 0 while it follows its peer",
+           standby.role() == "leading" ? "1" : "0");
+  text.One("styled_standby_peer_up", "gauge", "1 while the other daemon is heard",
+           standby.heard() ? "1" : "0");
+  text.One("styled_standby_term", "gauge", "number of the leadership",
+           std::to_string(standby.term()));
+  text.One("styled_standby_takeovers_total", "counter", "how often this daemon has taken over",
+           std::to_string(standby.takeovers()));
+  if (standby.role() == "leading") return;
+  text.One("styled_standby_ready", "gauge", "1 while it would go on without a jump",
+           standby.ready() ? "1" : "0");
+  text.One("styled_standby_compared_frames_total", "counter", "frames styled as the leader did",
+           std::to_string(standby.compared()));
+  text.One("styled_standby_different_frames_total", "counter",
+           "those of them that came out otherwise", std::to_string(standby.different()));
+  text.One("styled_standby_without_input_performers", "gauge",
+           "performers whom the leader has and whose frames do not reach this daemon",
+           std::to_string(standby.without_input_size()));
+}
+
 }  // namespace
 
 string PrometheusText(const Counters& counters, const Gauges& gauges, const v1::Stats* daemon) {
@@ -209,6 +231,7 @@ string PrometheusText(const Counters& counters, const Gauges& gauges, const v1::
     WriteCounters(*daemon, text);
     WritePerformers(*daemon, text);
     if (daemon->has_clock()) WriteClock(daemon->clock(), text);
+    if (daemon->has_standby()) WriteStandby(daemon->standby(), text);
   }
   return text.Take();
 }

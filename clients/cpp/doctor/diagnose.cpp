@@ -57,6 +57,7 @@ std::vector<Finding> Examination::Run() {
   Unclaimed();
   Performers();
   Clock();
+  Standby();
   Losses();
   Listeners();
   std::ranges::stable_sort(findings_, {}, &Finding::severity);

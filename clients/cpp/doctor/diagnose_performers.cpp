@@ -59,6 +59,31 @@ void Examination::Clock() {
              : "Where machines must agree about the time: run chrony, or ptp4l and phc2sys.");
 }
 
+// A pair in which nobody would go on is found out on the evening of the show, or here.
+void Examination::Standby() {
+  if (!facts_.daemon_answers() || !facts_.daemon.after.stats().has_standby()) return;
+  const v1::StandbyState& standby = facts_.daemon.after.stats().standby();
+  if (!standby.heard()) {
+    Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_alone",
+           "The other daemon, " + standby.peer() + ", is not heard.",
+           "It does not run, its [standby] address or peer is another, or a network or a key is "
+           "between them. Nobody goes on where this one ends.",
+           "Start it; stylectl status there and its log say what it hears.");
+  }
+  if (standby.role() == "following" && standby.heard() && !standby.ready()) {
+    Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_unready",
+           "This standby would not go on: " + standby.why_not() + ".",
+           "It needs the leader's weights, styles, outputs and sources.",
+           "Make the two configurations the same, and start this daemon again.");
+  }
+  for (const auto& performer : standby.without_input()) {
+    Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_without_input",
+           performer + ": their frames reach the leader, and not this standby.",
+           "The rig sends to one of the two machines alone.",
+           "Let the rig send to both, by a second target, multicast, or a repeater.");
+  }
+}
+
 void Examination::Performers() {
   if (!facts_.daemon_answers()) return;
   const auto& before = facts_.daemon.before.stats().performers();

@@ -54,6 +54,7 @@ class Examination {
 
   // diagnose_performers.cpp
   void Clock();
+  void Standby();
   void Performers();
   bool RefusesPerformers(const SourceFacts& source) const;  // if so, Performers() reports it
 

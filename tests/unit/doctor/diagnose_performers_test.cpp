@@ -55,6 +55,24 @@ TEST_F(PerformersTest, AClockThatNothingDisciplinesIsANote) {
   EXPECT_TRUE(Of("clock_free").empty());
 }
 
+TEST_F(PerformersTest, AStandbyThatWouldNotGoOnIsWarnedOf) {
+  EXPECT_TRUE(Of("standby_alone").empty()) << "a daemon without one";
+  v1::StandbyState& standby = *machine.facts.daemon.after.mutable_stats()->mutable_standby();
+  standby.set_role("leading");
+  ASSERT_EQ(Of("standby_alone").size(), 1U);
+  standby.set_heard(true);
+  EXPECT_TRUE(Of("standby_alone").empty());
+  standby.set_role("following");
+  standby.set_why_not("it is of other weights");
+  ASSERT_EQ(Of("standby_unready").size(), 1U);
+  EXPECT_NE(Of("standby_unready")[0].what.find("other weights"), std::string::npos);
+  standby.set_ready(true);
+  EXPECT_TRUE(Of("standby_unready").empty());
+  standby.add_without_input("suit.a");
+  ASSERT_EQ(Of("standby_without_input").size(), 1U);
+  EXPECT_NE(Of("standby_without_input")[0].what.find("suit.a"), std::string::npos);
+}
+
 TEST_F(PerformersTest, WhoLosesMoreThanHalfIsWarnedOf) {
   Add("suit.a", 300, 60).set_refused_as("pipeline.reordered");
   const auto found = Of("performer_refused");

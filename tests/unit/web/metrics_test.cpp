@@ -36,6 +36,11 @@ v1::Stats Example() {
   clock.set_locked(true);
   clock.set_max_error_s(0.25);
   clock.mutable_ptp()->set_offset_s(-0.5);
+  v1::StandbyState& standby = *stats.mutable_standby();
+  standby.set_role("following");
+  standby.set_ready(true);
+  standby.set_different(3);
+  standby.add_without_input("rig.b");
   return stats;
 }
 
@@ -77,6 +82,10 @@ TEST(MetricsTest, EveryLineIsWhatPrometheusReads) {
   EXPECT_EQ(values["styled_clock_locked"], "1");
   EXPECT_EQ(values["styled_clock_max_error_seconds"], "0.25");
   EXPECT_EQ(values["styled_ptp_offset_seconds"], "-0.5");
+  EXPECT_EQ(values["styled_standby_leads"], "0");
+  EXPECT_EQ(values["styled_standby_ready"], "1");
+  EXPECT_EQ(values["styled_standby_different_frames_total"], "3");
+  EXPECT_EQ(values["styled_standby_without_input_performers"], "1");
   const std::string layer = "styled_performer_layer_live{performer=\"rig.";
   EXPECT_EQ(values[layer + "a\",source=\"gloves\",part=\"fingers\"}"], "0");
   EXPECT_EQ(values[layer + "b\",source=\"gloves\",part=\"fingers\"}"], "1");
