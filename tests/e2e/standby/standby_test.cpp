@@ -6,16 +6,20 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <sstream>
 #include <thread>
 
 #include "clients/cpp/stylectl/cli.h"
 #include "clients/cpp/subscriber.h"
+#include "proto/keys/key_folder.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 
@@ -72,11 +76,17 @@ class Viewer {
         last_ = now;
         missed_ += update.missed;
         epochs_ += update.new_epoch ? 1 : 0;
-        frames_[update.frame.source_time_ns()] = update.frame;
+        frames_.push_back(update.frame);
       }
     });
   }
+  // By source time.
   std::map<std::uint64_t, v1::Frame> frames() const {
+    std::map<std::uint64_t, v1::Frame> by_time;
+    for (const v1::Frame& frame : all()) by_time[frame.source_time_ns()] = frame;
+    return by_time;
+  }
+  std::vector<v1::Frame> all() const {
     const std::lock_guard lock(mutex_);
     return frames_;
   }
@@ -106,7 +116,7 @@ class Viewer {
  private:
   std::unique_ptr<client::Subscriber> subscriber_;
   mutable std::mutex mutex_;
-  std::map<std::uint64_t, v1::Frame> frames_;
+  std::vector<v1::Frame> frames_;
   std::atomic<int> connected_{0};
   std::uint64_t missed_ = 0;
   int epochs_ = 0;
@@ -274,6 +284,107 @@ TEST_F(StandbyTest, ALeaderThatStandsStillIsReplacedAndComesBackAsTheStandby) {
   EXPECT_GT(state.compared(), 20U);
   EXPECT_EQ(state.different(), 0U);
 }
+
+// Each shows its own key, and admits the other one's alone.
+TEST_F(StandbyTest, WithKeysTheyFollowEachOtherAndAStrangerHearsNothing) {
+  const std::string folders[] = {folder_ / "keys0", folder_ / "keys1"};
+  std::array<std::string, 2> keys;
+  for (std::size_t i = 0; i < 2; ++i) {
+    bool made = false;
+    std::filesystem::create_directory(folders[i]);
+    const auto pair = keys::ServerPair(folders[i], made);
+    ASSERT_TRUE(pair.ok()) << pair.status().message();
+    keys[i] = pair.value().public_key;
+  }
+  Daemon probe[2];
+  std::array<std::string, 2> at;
+  for (std::size_t i = 0; i < 2; ++i) at[i] = probe[i].publish;
+  probe[0].Stop();
+  probe[1].Stop();
+  const auto start = [&](std::size_t own, const std::string& peer_key) {
+    return std::make_unique<Daemon>(std::vector<std::string>{},
+                                    "[security]\nkeys = \"" + folders[own] +
+                                        "\"\n[standby]\naddress = \"" + at[own] + "\"\npeer = \"" +
+                                        at[1 - own] + "\"\npeer_key = \"" + peer_key +
+                                        "\"\nfirst = " + (own == 0 ? "true" : "false") + "\n");
+  };
+  const auto leader = start(0, keys[1]), standby = start(1, keys[0]);
+  Sleep(1.5);
+  EXPECT_FALSE(State(*standby).heard()) << "nobody is allowed yet";
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Status allowed = keys::Allow(folders[i], {"peer", keys[1 - i], keys::Role::kOperator});
+    ASSERT_TRUE(allowed.ok()) << allowed.message();
+  }
+  // Both have led meanwhile: either may stay.
+  const auto follows = [](const v1::StandbyState& state) {
+    return state.role() == "following" && state.ready();
+  };
+  for (int i = 0; i < 500 && !follows(State(*leader)) && !follows(State(*standby)); ++i)
+    Sleep(0.02);
+  EXPECT_NE(follows(State(*leader)), follows(State(*standby)));
+  EXPECT_TRUE(State(*leader).heard());
+  EXPECT_TRUE(State(*standby).heard());
+  EXPECT_THAT(standby->Log() + leader->Log(), testing::Not(HasSubstr("secret")));
+}
+
+// By how much the joint that turns most turns from one frame to the next, degrees.
+std::vector<double> Steps(const std::vector<v1::Frame>& frames) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const auto& a = frames[i - 1].rotations();
+    const auto& b = frames[i].rotations();
+    double most = 0;
+    for (int j = 0; j + 3 < std::min(a.size(), b.size()); j += 4) {
+      double dot = 0;
+      for (int k = 0; k < 4; ++k) dot += static_cast<double>(a[j + k]) * b[j + k];
+      most = std::max(most, 2 * std::acos(std::min(1.0, std::abs(dot))) * 57.29577951);
+    }
+    steps.push_back(most);
+  }
+  return steps;
+}
+
+// Rigs whose translators count and time on their own in each daemon.
+class StandbyOfRigTest : public StandbyTest, public testing::WithParamInterface<const char*> {};
+
+TEST_P(StandbyOfRigTest, ItGoesOnInTheSameSessionWithoutALossOrAJump) {
+  const std::string rig = GetParam();
+  std::array<std::unique_ptr<Daemon>, 2> pair;
+  for (int own = 0; own < 2; ++own) {
+    pair[static_cast<std::size_t>(own)] = std::make_unique<Daemon>(
+        std::vector<std::string>{}, "[[source]]\nname = \"suit\"\ntype = \"" + rig +
+                                        "\"\nlisten = \"127.0.0.1:0\"\n" + Standby(own));
+  }
+  ASSERT_TRUE(Becomes(*pair[0], "leading"));
+  Viewer viewer({pair[0]->publish, pair[1]->publish});
+  const Child sender({STYLESIM_BINARY, "--as", rig, "--rate", "120", "--script", "walk:600", "--to",
+                      "udp://" + pair[0]->listens[2], "--to", "udp://" + pair[1]->listens[2]},
+                     folder_ / "stylesim.txt");
+  while (viewer.size() < 150) Sleep(0.02);
+  ASSERT_TRUE(Becomes(*pair[1], "following"));
+  ASSERT_TRUE(viewer.HasBoth());
+  const std::size_t before = viewer.size();
+  pair[0]->child->Signal(SIGKILL);
+  for (int i = 0; i < 500 && viewer.size() < before + 150; ++i) Sleep(0.01);
+  const std::vector<v1::Frame> frames = viewer.all();
+  EXPECT_GE(frames.size(), before + 150);
+  EXPECT_EQ(viewer.missed(), 0U);
+  EXPECT_EQ(viewer.epochs(), 0);
+  // From the second second on, the performer walks.
+  const auto walking = std::vector(frames.begin() + 60, frames.end());
+  for (const v1::Frame& frame : walking) {
+    ASSERT_EQ(frame.flags() & (v1::FLAG_NEW_SESSION | v1::FLAG_CONCEALED), 0U) << frame.sequence();
+  }
+  std::vector<double> steps = Steps(walking);
+  const double worst = *std::max_element(steps.begin(), steps.end());
+  std::nth_element(steps.begin(),
+                   steps.begin() + static_cast<std::ptrdiff_t>(steps.size() * 9 / 10), steps.end());
+  std::printf("%s: largest step %.2f degrees, nine tenths below %.2f\n", rig.c_str(), worst,
+              steps[steps.size() * 9 / 10]);
+  EXPECT_LT(worst, 3 * steps[steps.size() * 9 / 10] + 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, StandbyOfRigTest, testing::Values("vmc", "mvn", "rokoko", "mocopi"));
 
 }  // namespace
 }  // namespace styled::support

@@ -2,7 +2,9 @@
 // the leader ends.
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <functional>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
@@ -91,6 +93,7 @@ class FollowingTest : public testing::Test {
   std::unique_ptr<Node> a_ =
       std::make_unique<Node>(wire_, true, 5, 1'000'000'000'000, config_, kTopics);
   Rig rig_{"a"};
+  std::string last_;  // entry of the journal
 };
 
 TEST_F(FollowingTest, TheStandbyStylesEveryFrameAsTheLeaderDoesAndPublishesNone) {
@@ -352,6 +355,72 @@ TEST_F(FollowingTest, WhoFallsSilentIsStaleAndForgottenAtBoth) {
   status.mutable_status();
   EXPECT_EQ(b_->Ask(status).status().stats().performers_size(),
             a_->Ask(status).status().stats().performers_size());
+}
+
+// What the leader says decides nothing that this daemon would not accept of a rig; and it cannot
+// end it.
+TEST_F(FollowingTest, AJournalOfNonsenseHarmsNobody) {
+  StartB();
+  Begin();
+  Frames(20);
+  const auto say = [&](const std::function<void(v1::Journal&)>& change) {
+    v1::Journal entry;
+    entry.ParseFromString(last_);
+    change(entry);
+    wire_.to_b.push_back(entry.SerializeAsString());
+    Turn(1);
+  };
+  wire_.spy = [this](const std::string& message) {
+    v1::Journal entry;
+    if (entry.ParseFromString(message) && entry.has_batch()) last_ = message;
+  };
+  Frames(3);
+  wire_.spy = nullptr;
+  ASSERT_FALSE(last_.empty());
+  for (const std::int64_t time_ns :
+       {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()}) {
+    say([&](v1::Journal& e) {
+      e.set_now_ns(time_ns);
+      e.set_wall_ns(time_ns);
+    });
+  }
+  say([](v1::Journal& e) { e.mutable_batch()->set_source(4'000'000'000U); });
+  say([](v1::Journal& e) { e.mutable_batch()->mutable_frames(0)->set_machine("x"); });
+  say([](v1::Journal& e) { e.mutable_batch()->mutable_frames(0)->set_rotations("short"); });
+  say([](v1::Journal& e) { e.mutable_batch()->mutable_frames(0)->set_published(~0ULL); });
+  say([](v1::Journal& e) { e.mutable_batch()->mutable_frames(0)->set_performer("../nobody"); });
+  say([](v1::Journal& e) {
+    const v1::Handled one = e.batch().frames(0);
+    for (int i = 0; i < 1000; ++i) *e.mutable_batch()->add_frames() = one;
+  });
+  say([](v1::Journal& e) {
+    std::string rotations = e.batch().frames(0).rotations();
+    for (std::size_t i = 0; i + 4 <= rotations.size(); i += 4) {
+      const float huge = 1e30F;
+      std::memcpy(rotations.data() + i, &huge, sizeof huge);
+    }
+    e.mutable_batch()->mutable_frames(0)->set_rotations(rotations);
+  });
+  say([](v1::Journal& e) { e.mutable_checkpoint()->set_version(77); });
+  say([](v1::Journal& e) { e.mutable_beginning()->set_settings("[[[ no table"); });
+  say([](v1::Journal& e) { e.mutable_beginning()->add_styles("no style"); });
+  say([](v1::Journal& e) { e.mutable_silence()->add_stale()->set_performer("rig.nobody"); });
+  say([](v1::Journal& e) { e.mutable_request()->mutable_set()->set_strength(1e30F); });
+  say([](v1::Journal& e) { e.set_version(2); });
+  say([](v1::Journal& e) { e.set_daemon(9); });
+  wire_.to_b.emplace_back("no message at all");
+  Turn(10);
+  Frames(300);  // it asks for everything anew
+  for (int i = 0; i < 11; ++i) {
+    for (int k = 0; k < 100; ++k) Turn(10);
+  }
+  Frames(100);
+  const v1::StandbyState state = b_->State();
+  EXPECT_EQ(state.role(), "following");
+  EXPECT_TRUE(state.ready()) << state.why_not();
+  const auto different = state.different();
+  Frames(100);
+  EXPECT_EQ(b_->State().different(), different);
 }
 
 // A rig whose protocol has no numbers: each daemon counts on its own.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,7 +18,8 @@ struct Wire {
   std::deque<std::string> to_a, to_b;
   bool a_asked = false, b_asked = false;
   bool cut = false;
-  int lose = 0;  // so many messages
+  int lose = 0;                                 // so many messages
+  std::function<void(const std::string&)> spy;  // on what goes to b
 };
 
 class WireEnd final : public standby::Channel {
@@ -25,6 +27,9 @@ class WireEnd final : public standby::Channel {
   WireEnd(Wire& wire, bool is_a) : wire_(wire), is_a_(is_a) {}
   void Send(std::span<const std::byte> message) noexcept override {
     if (wire_.cut || (wire_.lose > 0 && wire_.lose-- > 0)) return;
+    if (is_a_ && wire_.spy) {
+      wire_.spy({reinterpret_cast<const char*>(message.data()), message.size()});
+    }
     (is_a_ ? wire_.to_b : wire_.to_a)
         .emplace_back(reinterpret_cast<const char*>(message.data()), message.size());
   }
