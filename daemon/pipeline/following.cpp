@@ -308,7 +308,8 @@ void Pipeline::RepeatRequest(const v1::Request& request) {
   }
   v1::Reply reply;
   Answer(request, reply);
-  if (reply.code() != v1::CODE_OK) to_.standby->Failed(reply.reason());
+  if (reply.code() != v1::CODE_OK) return to_.standby->Failed(reply.reason());
+  if (to_.recorder != nullptr) to_.recorder->OnRequest(to_.clock.Now_ns(), request, reply);
 }
 
 bool Pipeline::RefusesOrders(Exchange& exchange) {

@@ -20,12 +20,12 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   receive_ns_ = to_.clock.Now_ns();
   wall_ns_ = to_.clock.Wall_ns();
   to_.counters.Add(Counter::kSourceReceived, frames.size());
+  outcomes_.fill({});
   if (Layer* const layer = layers_.Of(source)) {
     AcceptLayer(*layer, source, frames, hot);
     return JournalFrames(source, frames);
   }
   const std::int64_t elsewhere_ns = stages_.Elsewhere_ns();
-  outcomes_.fill({});
   // 1 Examine all frames, to find each performer's newest one.
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const bool is_body = frames[i].is_body;

@@ -144,6 +144,7 @@ int Pipeline::DoReloads() {
   if (done) commands_.Show(reload.exchange->request, reload.exchange->reply);
   if (reload.exchange == nullptr) {
     tells_all_ = true;  // the standby may have to complain
+    if (!leads()) to_.standby->Refetch();
     return 1;
   }
   if (reload.exchange->followed) {

@@ -83,6 +83,12 @@ bool Standby::Next(Step& step) {
            ": both daemons must be of one version");
     return true;
   }
+  // A clock that no machine has: 146 years, in either direction.
+  constexpr std::int64_t kMost_ns = std::int64_t{1} << 62;
+  if (in_.now_ns() < 0 || in_.now_ns() > kMost_ns || in_.wall_ns() < 0) {
+    Failed(config_.peer + " says impossible times");
+    return true;
+  }
   if (in_.daemon() == daemon_) {
     Failed("standby.peer " + config_.peer + " is this daemon itself, expected the other one");
     return true;
