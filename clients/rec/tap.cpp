@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <zmq.hpp>
 
@@ -23,13 +24,16 @@ constexpr std::int64_t kMaxMessage = 1 << 20;
 // Counts the frames missing in each topic.
 class Gaps {
  public:
-  std::uint64_t Look(const std::string& topic, const std::string& payload) {
-    if (topic.starts_with("body/") || topic == "stats/" || !frame_.ParseFromString(payload)) {
+  // Nothing: the frame has been here. Two daemons that stand in for each other both send it.
+  std::optional<std::uint64_t> Look(const std::string& topic, const std::string& payload) {
+    const bool one = topic.starts_with("styled/") || topic.starts_with("source/");
+    if (!one || !frame_.ParseFromString(payload)) {
       return 0;
     }
     Last& last = last_[topic];
-    const bool follows = last.epoch == frame_.epoch() && frame_.sequence() > last.sequence;
-    const std::uint64_t missed = follows ? frame_.sequence() - last.sequence - 1 : 0;
+    const bool same = last.epoch == frame_.epoch();
+    if (same && frame_.sequence() <= last.sequence) return std::nullopt;
+    const std::uint64_t missed = same ? frame_.sequence() - last.sequence - 1 : 0;
     last = {frame_.epoch(), frame_.sequence()};
     return missed;
   }
@@ -60,7 +64,7 @@ struct Tap::Impl {
   void Wait(const recording::FileWriter& writer);
   bool Read();
   Status Drain(recording::FileWriter& writer);
-  void Count(const recording::Published& published);
+  bool Counts(const recording::Published& published);
   std::string Missing() const;
 };
 
@@ -118,14 +122,18 @@ bool Tap::Impl::Read() {
   return false;
 }
 
-void Tap::Impl::Count(const recording::Published& published) {
-  counts.missed += gaps.Look(published.topic(), published.payload());
+// Whether the message is to be kept.
+bool Tap::Impl::Counts(const recording::Published& published) {
+  const auto missed = gaps.Look(published.topic(), published.payload());
+  if (!missed) return false;
+  counts.missed += *missed;
   ++counts.messages;
-  if (published.topic() != "stats/") return;
+  if (published.topic() != "stats/") return true;
   ++counts.statistics;
-  if (options.performer.empty() || !stats.ParseFromString(published.payload())) return;
+  if (options.performer.empty() || !stats.ParseFromString(published.payload())) return true;
   there.clear();
   for (const auto& performer : stats.performers()) there.insert(performer.performer());
+  return true;
 }
 
 // Describes what should have arrived by now, as a sentence; "" if it has.
@@ -143,7 +151,7 @@ Status Tap::Impl::Drain(recording::FileWriter& writer) {
   for (int i = 0; i < kBatch && Read(); ++i) {
     const std::int64_t now_ns = MonotonicNow_ns();
     record.set_time_ns(now_ns);
-    Count(record.published());
+    if (!Counts(record.published())) continue;
     Status status = writer.Add(record, now_ns);
     if (!status.ok()) return status;
   }

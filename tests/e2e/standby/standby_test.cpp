@@ -209,12 +209,13 @@ TEST_F(StandbyTest, ALeaderThatIsKilledAgainAndAgainTakesNoFrameWithIt) {
   pair_[1] = Pair(1);
   Settle();
   Daemon whole;
-  Viewer viewer({pair_[0]->publish, pair_[1]->publish}), witness({whole.publish});
-  Sender sender({pair_[0]->udp, pair_[1]->udp, whole.udp});
-  ASSERT_TRUE(Becomes(*pair_[1], "following"));
+  // Before the first frame, so that it is the same one for both.
   for (Daemon* const daemon : {pair_[0].get(), &whole}) {
     ASSERT_EQ(ControlClient(daemon->control).SetStyle("*", "style2", 1, 0).code(), v1::CODE_OK);
   }
+  Viewer viewer({pair_[0]->publish, pair_[1]->publish}), witness({whole.publish});
+  Sender sender({pair_[0]->udp, pair_[1]->udp, whole.udp});
+  ASSERT_TRUE(Becomes(*pair_[1], "following"));
   while (viewer.size() < 60) Sleep(0.02);
   for (int round = 0; round < rounds; ++round) {
     Daemon& leader = Leader();
@@ -319,11 +320,12 @@ TEST_F(StandbyTest, WithKeysTheyFollowEachOtherAndAStrangerHearsNothing) {
   const auto follows = [](const v1::StandbyState& state) {
     return state.role() == "following" && state.ready();
   };
-  for (int i = 0; i < 500 && !follows(State(*leader)) && !follows(State(*standby)); ++i)
-    Sleep(0.02);
-  EXPECT_NE(follows(State(*leader)), follows(State(*standby)));
-  EXPECT_TRUE(State(*leader).heard());
-  EXPECT_TRUE(State(*standby).heard());
+  const auto settled = [&] {
+    const v1::StandbyState one = State(*leader), other = State(*standby);
+    return follows(one) != follows(other) && one.heard() && other.heard();
+  };
+  for (int i = 0; i < 500 && !settled(); ++i) Sleep(0.02);
+  EXPECT_TRUE(settled()) << leader->Log() << standby->Log();
   EXPECT_THAT(standby->Log() + leader->Log(), testing::Not(HasSubstr("secret")));
 }
 
@@ -349,6 +351,7 @@ class StandbyOfRigTest : public StandbyTest, public testing::WithParamInterface<
 
 TEST_P(StandbyOfRigTest, ItGoesOnInTheSameSessionWithoutALossOrAJump) {
   const std::string rig = GetParam();
+  pair_[0].reset();
   std::array<std::unique_ptr<Daemon>, 2> pair;
   for (int own = 0; own < 2; ++own) {
     pair[static_cast<std::size_t>(own)] = std::make_unique<Daemon>(

@@ -15,8 +15,6 @@
 namespace styled::support {
 namespace {
 
-constexpr std::int64_t kFrame_ns = 8'333'333;
-
 std::shared_ptr<pipeline::RuntimeConfig> MakeConfig() {
   auto config = std::make_shared<pipeline::RuntimeConfig>();
   config->network = erd::RandomStylizer(5, 3);

@@ -10,8 +10,8 @@
 namespace styled::standby {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-const std::vector<std::string> kNames{"suit", "stage"};
+constexpr std::int64_t kMilli = 1'000'000;
+const std::vector<std::string> kSources{"suit", "stage"};
 
 class HoldBackTest : public testing::Test {
  protected:
@@ -44,8 +44,8 @@ class HoldBackTest : public testing::Test {
 };
 
 TEST_F(HoldBackTest, FramesAreFoundByTheirNumbers) {
-  for (int i = 0; i < 10; ++i) Add(i * 8 * kMs, 7, 100 + static_cast<std::uint64_t>(i), 1);
-  const auto place = held.Find(kNames, "suit.a", Last(7, 104, 1, 900 * kMs));
+  for (int i = 0; i < 10; ++i) Add(i * 8 * kMilli, 7, 100 + static_cast<std::uint64_t>(i), 1);
+  const auto place = held.Find(kSources, "suit.a", Last(7, 104, 1, 900 * kMilli));
   ASSERT_NE(place.same, nullptr);
   EXPECT_EQ(place.same->frame.sequence, 104U);
   EXPECT_EQ(place.after, 5U);
@@ -53,51 +53,51 @@ TEST_F(HoldBackTest, FramesAreFoundByTheirNumbers) {
 
 TEST_F(HoldBackTest, ALastFrameThatNeverReachedTheStandbyLeavesThoseBehindIt) {
   for (const std::uint64_t sequence : {100U, 101U, 103U, 104U}) Add(0, 7, sequence, 1);
-  const auto place = held.Find(kNames, "suit.a", Last(7, 102, 1, 0));
+  const auto place = held.Find(kSources, "suit.a", Last(7, 102, 1, 0));
   EXPECT_EQ(place.same, nullptr);
   EXPECT_EQ(place.after, 2U);
-  EXPECT_EQ(held.Find(kNames, "suit.a", Last(7, 90, 1, 0)).after, 0U);
-  EXPECT_EQ(held.Find(kNames, "suit.a", Last(7, 200, 1, 0)).after, 4U);
+  EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 90, 1, 0)).after, 0U);
+  EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 200, 1, 0)).after, 4U);
 }
 
 TEST_F(HoldBackTest, WithOtherNumbersTheyAreFoundByThePose) {
   for (int i = 0; i < 10; ++i) {
-    Add(i * 8 * kMs, 9, 500 + static_cast<std::uint64_t>(i), static_cast<float>(i));
+    Add(i * 8 * kMilli, 9, 500 + static_cast<std::uint64_t>(i), static_cast<float>(i));
   }
-  const auto place = held.Find(kNames, "suit.a", Last(7, 3, 6, 0));
+  const auto place = held.Find(kSources, "suit.a", Last(7, 3, 6, 0));
   ASSERT_NE(place.same, nullptr);
   EXPECT_EQ(place.same->frame.sequence, 506U);
   EXPECT_EQ(place.after, 7U);
 }
 
 TEST_F(HoldBackTest, OfAPerformerWhoStandsStillTheNearestInTimeCounts) {
-  for (int i = 0; i < 10; ++i) Add(i * 8 * kMs, 9, 500 + static_cast<std::uint64_t>(i), 1);
-  EXPECT_EQ(held.Find(kNames, "suit.a", Last(7, 3, 1, 33 * kMs)).after, 5U);
+  for (int i = 0; i < 10; ++i) Add(i * 8 * kMilli, 9, 500 + static_cast<std::uint64_t>(i), 1);
+  EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 3, 1, 33 * kMilli)).after, 5U);
 }
 
 TEST_F(HoldBackTest, APoseThatIsNotThereIsPlacedByItsTime) {
   for (int i = 0; i < 10; ++i) {
-    Add(i * 8 * kMs, 9, 500 + static_cast<std::uint64_t>(i), static_cast<float>(i));
+    Add(i * 8 * kMilli, 9, 500 + static_cast<std::uint64_t>(i), static_cast<float>(i));
   }
-  EXPECT_EQ(held.Find(kNames, "suit.a", Last(7, 3, 77, 41 * kMs)).after, 6U);
+  EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 3, 77, 41 * kMilli)).after, 6U);
 }
 
 TEST_F(HoldBackTest, NobodyElsesFramesCount) {
   Add(0, 7, 1, 1, 0, "ab");
   Add(0, 7, 2, 1, 1, "a");
   Add(0, 7, 3, 1, 0, "a");
-  EXPECT_EQ(held.Find(kNames, "suit.a", Last(7, 3, 1, 0)).after, 3U);
-  EXPECT_EQ(held.Find(kNames, "stage.a", Last(7, 2, 1, 0)).after, 2U);
-  EXPECT_EQ(held.Find(kNames, "stage.b", Last(7, 2, 1, 0)).after, 0U);
-  EXPECT_EQ(held.LastOf(kNames, "stage.a"), 0);
-  EXPECT_EQ(held.LastOf(kNames, "stage.b"), std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 3, 1, 0)).after, 3U);
+  EXPECT_EQ(held.Find(kSources, "stage.a", Last(7, 2, 1, 0)).after, 2U);
+  EXPECT_EQ(held.Find(kSources, "stage.b", Last(7, 2, 1, 0)).after, 0U);
+  EXPECT_EQ(held.LastOf(kSources, "stage.a"), 0);
+  EXPECT_EQ(held.LastOf(kSources, "stage.b"), std::numeric_limits<std::int64_t>::min());
 }
 
 TEST_F(HoldBackTest, ItKeepsASecondAndNoMoreThanItsBound) {
-  for (int i = 0; i < 300; ++i) Add(i * 8 * kMs, 7, static_cast<std::uint64_t>(i), 1);
+  for (int i = 0; i < 300; ++i) Add(i * 8 * kMilli, 7, static_cast<std::uint64_t>(i), 1);
   EXPECT_LE(held.frames().size(), 127U);
   EXPECT_EQ(held.frames().back()->frame.sequence, 299U);
-  for (int i = 0; i < 20'000; ++i) Add(2'400 * kMs, 7, static_cast<std::uint64_t>(i), 1);
+  for (int i = 0; i < 20'000; ++i) Add(2'400 * kMilli, 7, static_cast<std::uint64_t>(i), 1);
   EXPECT_EQ(held.frames().size(), HoldBack::kMost);
 }
 
@@ -110,7 +110,7 @@ TEST_F(HoldBackTest, TheNewestBodyOfEachPerformerStays) {
     body.performer = name;
     body.sequence = static_cast<std::uint64_t>(i);
     body.body_bytes = bytes;
-    held.Add(0, {&body, 1}, i * 100 * kMs);
+    held.Add(0, {&body, 1}, i * 100 * kMilli);
   }
   EXPECT_EQ(held.bodies().size(), 1024U);
   EXPECT_EQ(held.bodies().at({0, "p3"})->frame.sequence, 1503U);
