@@ -158,8 +158,8 @@ echo "viewer of the hall: $viewer_at; its command: $(cat "$work/set.log")"
 topic=styled/hall.anna/rig/
 for what in "beside-the-daemons $publish_at" "at-the-viewer $viewer_at"; do
   read -r name from <<<"$what"
-  # shellcheck disable=SC2086  # one address a word
-  started "$name" "$bin/stylerec" record --from ${from//,/ } --topics "$topic,body/" --seconds "$seconds" "$work/$name.styrec"
+  # shellcheck disable=SC2086  # an option for each address
+  started "$name" "$bin/stylerec" record --from ${from//,/ --from } --topics "$topic,body/" --seconds "$seconds" "$work/$name.styrec"
   recorders="${recorders:-} ${pids[-1]}"
 done
 sleep $((seconds / 3))
