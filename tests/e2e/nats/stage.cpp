@@ -63,7 +63,10 @@ bool WaitUntil(const std::function<bool()>& done, double seconds) {
 }
 
 NatsServers::NatsServers()
-    : hub_port(FreePort()), leaf_port(FreePort()), hub_leaf_port(FreePort()) {
+    : hub_port(FreePort()),
+      leaf_port(FreePort()),
+      hub_leaf_port(FreePort()),
+      leaf_reaches(hub_leaf_port) {
   std::string text = ReadText(NATS_CONFIG_FOLDER "/hub.conf");
   Replace(text, "listen: 127.0.0.1:4223", "listen: 127.0.0.1:" + hub_port);
   Replace(text, "listen: 127.0.0.1:7422", "listen: 127.0.0.1:" + hub_leaf_port);
@@ -74,22 +77,29 @@ NatsServers::NatsServers()
   WriteText(folder_ / "leaf.conf", text);
 }
 
-std::unique_ptr<Child> NatsServers::Start(const std::string& name, const std::string& port) {
+void NatsServers::Edit(const std::string& name, const std::string& from, const std::string& to) {
+  std::string text = ReadText(folder_ / (name + ".conf"));
+  Replace(text, from, to);
+  WriteText(folder_ / (name + ".conf"), text);
+}
+
+std::unique_ptr<Child> NatsServers::Start(const std::string& name, const std::string& port,
+                                          std::vector<std::string> command) {
+  command.insert(command.end(), {NATS_SERVER, "-c", folder_ / (name + ".conf")});
   auto child = std::make_unique<Child>(
-      std::vector<std::string>{NATS_SERVER, "-c", folder_ / (name + ".conf")},
-      folder_ / (name + ".log"),
+      command, folder_ / (name + ".log"),
       std::map<std::string, std::string>{
           {"STYLED_NATS_BRIDGE", "bridgeword"},
           {"STYLED_NATS_LEAF", "leafword"},
           {"STYLED_NATS_OPERATOR", "operatorword"},
           {"STYLED_NATS_VIEWER", "viewerword"},
           {"STYLED_NATS_GUEST", "guestword"},
-          {"STYLED_NATS_HUB", "nats://leaf:leafword@127.0.0.1:" + hub_leaf_port}});
+          {"STYLED_NATS_HUB", leaf_scheme + "://leaf:leafword@127.0.0.1:" + leaf_reaches}});
   EXPECT_TRUE(WaitUntil([&port] { return Listens(port); }, 10)) << Log();
   return child;
 }
 
-void NatsServers::StartHub() { hub = Start("hub", hub_port); }
+void NatsServers::StartHub() { hub = Start("hub", hub_port, hub_under); }
 
 void NatsServers::StartLeaf() { leaf = Start("leaf", leaf_port); }
 
@@ -103,9 +113,9 @@ Stylenats::Stylenats(const std::string& user, const std::string& port, const std
   WriteText(folder_ / "login", user + "\n" + user + "word\n");
   chmod((folder_ / "login").c_str(), 0600);
   std::string command = "exec '" STYLENATS_BINARY "' --site " + site +
-                        " --stats-every 0.2 --nats-login '" + (folder_ / "login") +
-                        "' --nats nats://127.0.0.1:" + port + " --publish " + publish +
-                        " --control " + control;
+                        " --stats-every 0.2 --nats-login '" + (folder_ / "login") + "' --nats " +
+                        (port.find(':') == std::string::npos ? "nats://127.0.0.1:" + port : port) +
+                        " --publish " + publish + " --control " + control;
   for (const std::string& word : more) command += " " + word;
   child = std::make_unique<Child>(
       std::vector<std::string>{"/bin/sh", "-c", command + " > '" + (folder_ / "out.txt") + "'"},
@@ -137,6 +147,7 @@ NatsUser::NatsUser(const std::string& port, const std::string& user, const std::
   natsOptions_Create(&options);
   natsOptions_SetURL(options, ("nats://127.0.0.1:" + port).c_str());
   natsOptions_SetUserInfo(options, user.c_str(), (user + "word").c_str());
+  natsOptions_SetCustomInboxPrefix(options, ("_INBOX_" + user).c_str());
   natsOptions_SetMaxReconnect(options, -1);
   natsOptions_SetReconnectWait(options, 50);
   natsOptions_SetErrorHandler(
@@ -253,5 +264,24 @@ Walker::Walker(const Daemon& daemon, std::vector<std::string> performers, std::s
           std::this_thread::sleep_until(next);
         }
       }) {}
+
+std::vector<std::string> OnSmallDisk(const std::string& folder, bool full) {
+  std::vector<std::string> words{"/usr/bin/unshare", "-m"};
+  if (geteuid() != 0) words.emplace_back("-r");
+  const std::string fill = full ? "{ cat /dev/zero > \"$0/full\"; } 2>/dev/null; " : "";
+  words.insert(
+      words.end(),
+      {"/bin/sh", "-c", "mount -t tmpfs -o size=2m tmpfs \"$0\" || exit 1; " + fill + "exec \"$@\"",
+       folder});
+  return words;
+}
+
+bool CanMount() {
+  const TemporaryFolder folder;
+  std::vector<std::string> words = OnSmallDisk(folder.path(), false);
+  words.emplace_back("/bin/true");
+  Child child(words, folder / "log.txt");
+  return child.Wait(5).value_or(-1) == 0;
+}
 
 }  // namespace styled::support

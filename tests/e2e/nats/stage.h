@@ -30,12 +30,20 @@ class NatsServers {
   NatsServers();
   void StartHub();   // waits until it listens
   void StartLeaf();  // the same
+  // Replaces text of "hub" or "leaf", before it is started.
+  void Edit(const std::string& name, const std::string& from, const std::string& to);
   std::string hub_port, leaf_port, hub_leaf_port;
+  std::string leaf_reaches;  // the port of the hub that the leaf server connects to
+  std::string leaf_scheme = "nats";
+  // In front of the hub's command line, such as unshare.
+  std::vector<std::string> hub_under;
   std::unique_ptr<Child> hub, leaf;
   std::string Log() const;
+  std::string Folder() const { return folder_ / "jetstream"; }  // of the hub
 
  private:
-  std::unique_ptr<Child> Start(const std::string& name, const std::string& port);
+  std::unique_ptr<Child> Start(const std::string& name, const std::string& port,
+                               std::vector<std::string> command = {});
   TemporaryFolder folder_;
 };
 
@@ -56,7 +64,7 @@ class Stylenats {
   Stylenats(const Daemon& daemon, const std::string& port,
             const std::vector<std::string>& more = {"--domain", "hub"})
       : Stylenats("bridge", port, daemon.publish, daemon.control, more) {}
-  // As that user; the password is the name and "word".
+  // As that user; the password is the name and "word". `port`: or a broker's whole address.
   Stylenats(const std::string& user, const std::string& port, const std::string& publish,
             const std::string& control, const std::vector<std::string>& more,
             const std::string& site = "hall");
@@ -123,5 +131,10 @@ class Walker {
 };
 
 bool WaitUntil(const std::function<bool()>& done, double seconds);
+
+// What to put in front of a program so that `folder` is a small file system for it alone, and full
+// from the beginning if `full`. Where that is not permitted the program does not start (CanMount).
+std::vector<std::string> OnSmallDisk(const std::string& folder, bool full);
+bool CanMount();
 
 }  // namespace styled::support
