@@ -50,6 +50,10 @@ void Declare(CLI::App& app, Arguments& a) {
                  "can read it");
   app.add_option("--nats-creds", a.options.link.credentials,
                  "credentials file of nsc (JWT and seed), instead of --nats-login");
+  app.add_option(
+      "--nats-inbox", a.options.link.inbox,
+      "first token of the subjects of replies to this program, where the broker permits "
+      "another one; default: _INBOX_ and the user's name, or _INBOX without --nats-login");
   app.add_option("--nats-ca", a.options.link.ca,
                  "certificates, PEM, of which one has signed a tls:// broker's; default: the "
                  "system's");

@@ -37,15 +37,26 @@ std::string Address(natsConnection* connection) {
   return text;
 }
 
-// What a broker says to our login; "" if it takes it, or does not answer. The connection that tries
-// again by itself has forgotten that by the time it gives up.
-std::string Refusal(natsOptions* options) {
+// Users with an inbox prefix of their own cannot read each other's replies. A user whose name is no
+// token (of credentials, or with a dot) gets the common one.
+std::string InboxPrefix(const LinkOptions& options) {
+  if (!options.inbox.empty()) return options.inbox;
+  const bool token = std::all_of(options.user.begin(), options.user.end(), [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' ||
+           c == '-';
+  });
+  return options.user.empty() || !token ? "_INBOX" : "_INBOX_" + options.user;
+}
+
+// How a first attempt to connect goes, and why it fails. The connection that tries again by itself
+// has forgotten that by the time it gives up, and tells nothing of certificates.
+natsStatus Try(natsOptions* options, std::string& why) {
   natsConnection* connection = nullptr;
   const natsStatus status = natsConnection_Connect(&connection, options);
   natsConnection_Destroy(connection);
-  if (status != NATS_CONNECTION_AUTH_FAILED) return "";
   const char* const detail = nats_GetLastError(nullptr);
-  return detail != nullptr && *detail != '\0' ? detail : natsStatus_GetText(status);
+  why = detail != nullptr && *detail != '\0' ? detail : natsStatus_GetText(status);
+  return status;
 }
 
 }  // namespace
@@ -160,6 +171,10 @@ Result<std::unique_ptr<Link>> Link::Open(const LinkOptions& options) {
   if (!options.credentials.empty()) {
     set(natsOptions_SetUserCredentialsFromFiles(raw, options.credentials.c_str(), nullptr));
   }
+  const std::string inbox_prefix = InboxPrefix(options);
+  if (natsOptions_SetCustomInboxPrefix(raw, inbox_prefix.c_str()) != NATS_OK) {
+    return Status::Error("--nats-inbox '" + inbox_prefix + "': expected tokens of a subject");
+  }
   if (tls) set(natsOptions_SetSecure(raw, true));
   if (status != NATS_OK) {
     return Status::Error(std::string("libnats refuses an option: ") + natsStatus_GetText(status));
@@ -171,7 +186,9 @@ Result<std::unique_ptr<Link>> Link::Open(const LinkOptions& options) {
                            "; expected a file of certificates, PEM");
     }
   }
-  state->refusal = Refusal(raw);
+  std::string why;
+  const natsStatus first = Try(raw, why);
+  if (first == NATS_CONNECTION_AUTH_FAILED || first == NATS_SSL_ERROR) state->refusal = why;
   set(natsOptions_SetErrorHandler(raw, State::OnError, state.get()));
   set(natsOptions_SetDisconnectedCB(raw, State::OnDisconnected, state.get()));
   set(natsOptions_SetReconnectedCB(raw, State::OnConnected, state.get()));
@@ -179,12 +196,15 @@ Result<std::unique_ptr<Link>> Link::Open(const LinkOptions& options) {
   set(natsOptions_SetRetryOnFailedConnect(raw, true, State::OnConnected, state.get()));
   if (status != NATS_OK) return Status::Error("libnats refuses a callback");
   std::unique_ptr<Link> link(new Link(state));
+  link->inbox_prefix_ = inbox_prefix;
   state->self = state;
   status = natsConnection_Connect(&link->connection_, raw);
   if (status == NATS_OK) {
     State::OnConnected(link->connection_, state.get());
   } else if (status == NATS_NOT_YET_CONNECTED) {
-    if (state->refusal.empty()) state->Add(LinkEvent::Kind::kAbsent, "");
+    if (first != NATS_CONNECTION_AUTH_FAILED) {
+      state->Add(LinkEvent::Kind::kAbsent, first == NATS_SSL_ERROR ? why : "");
+    }
   } else {
     state->self.reset();  // no callback comes
     return Status::Error(std::string("--nats ") + options.servers.front() + ": " +
@@ -209,6 +229,14 @@ std::uint64_t Link::generation() const { return state_->generation; }
 std::vector<LinkEvent> Link::Events() {
   const std::scoped_lock lock(state_->mutex);
   return std::exchange(state_->events, {});
+}
+
+std::string Link::NewInbox() const {
+  natsInbox* inbox = nullptr;
+  if (natsInbox_Create(&inbox) != NATS_OK) return "";
+  const std::string made = inbox;
+  natsInbox_Destroy(inbox);
+  return inbox_prefix_ + made.substr(made.find('.'));  // it begins with _INBOX
 }
 
 bool Link::Flush(std::chrono::milliseconds timeout) {

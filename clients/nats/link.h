@@ -19,6 +19,7 @@ struct LinkOptions {
   std::vector<std::string> servers = {kDefaultServer};  // nats://HOST:PORT or tls://HOST:PORT
   std::string name;                                     // shown by the broker's monitoring
   std::string user, password;                           // "": none
+  std::string inbox;        // first token of the subjects of replies; "": _INBOX_USER, or _INBOX
   std::string credentials;  // file with JWT and seed, as nsc writes it; "": none
   // Callbacks of all subscriptions come on one thread of the process, not on one for each.
   bool shared_thread = false;
@@ -28,7 +29,7 @@ struct LinkOptions {
 // What happened to the connection.
 struct LinkEvent {
   enum class Kind {
-    kAbsent,        // no broker answers; said once, at the start
+    kAbsent,  // no broker answers; said once, at the start. text: what is wrong with its TLS, or ""
     kConnected,     // for the first time; text: the address
     kDisconnected,  // text: why
     kReconnected,   // text: the address
@@ -61,6 +62,8 @@ class Link {
   std::uint64_t generation() const;
   // The events since the last call, at most 64; errors of the same text are one. Any thread.
   std::vector<LinkEvent> Events();
+  // A subject of its own for replies to this program, without the last dot.
+  std::string NewInbox() const;
   // Waits until the broker has read everything. False: not within `timeout`.
   bool Flush(std::chrono::milliseconds timeout);
 
@@ -69,6 +72,7 @@ class Link {
   explicit Link(std::shared_ptr<State> state) : state_(std::move(state)) {}
   std::shared_ptr<State> state_;
   natsConnection* connection_ = nullptr;
+  std::string inbox_prefix_;
 };
 
 // Checks the text of a broker's address; the error says what was expected.

@@ -81,7 +81,7 @@ struct Relay::Inbox {
     bool nobody = false;  // the broker's own: nobody is there to answer
   };
   std::deque<Reply> replies;
-  std::uint64_t replaced = 0;
+  std::uint64_t replaced = 0, odd = 0;
 
   void Wake() const {
     const std::uint64_t one = 1;
@@ -107,6 +107,10 @@ struct Relay::Inbox {
     frames.emplace(subject, std::move(bytes));
     order.push_back(subject);
     Wake();
+  }
+  void AddOdd() {
+    const std::scoped_lock lock(mutex);
+    ++odd;
   }
   void AddValue(const std::string& key, const std::string* value) {
     const std::scoped_lock lock(mutex);
@@ -135,8 +139,11 @@ struct Relay::Subscription {
   }
   static void OnFrame(natsConnection* /*connection*/, natsSubscription* /*subscription*/,
                       natsMsg* message, void* closure) {
-    (*static_cast<std::shared_ptr<Inbox>*>(closure))
-        ->AddFrame(natsMsg_GetSubject(message), Bytes(message));
+    // A viewer can have JetStream send a value of the bucket to a frame's subject, without this.
+    const char* sequence = nullptr;
+    const bool frame = natsMsgHeader_Get(message, "Styled-Sequence", &sequence) == NATS_OK;
+    auto& inbox = **static_cast<std::shared_ptr<Inbox>*>(closure);
+    frame ? inbox.AddFrame(natsMsg_GetSubject(message), Bytes(message)) : inbox.AddOdd();
     natsMsg_Destroy(message);
   }
   static void OnReply(natsConnection* /*connection*/, natsSubscription* /*subscription*/,
@@ -164,10 +171,7 @@ Result<std::unique_ptr<Relay>> Relay::Open(const RelayOptions& options) {
   auto link = Link::Open(options.link);
   if (!link.ok()) return link.status();
   relay->link_ = std::move(link.value());
-  natsInbox* inbox = nullptr;
-  if (natsInbox_Create(&inbox) != NATS_OK) return Status::Error("libnats: out of memory");
-  relay->reply_to_ = std::string(reinterpret_cast<const char*>(inbox)) + ".";
-  natsInbox_Destroy(inbox);
+  relay->reply_to_ = relay->link_->NewInbox() + ".";
   relay->replies_ = relay->Subscribe(relay->reply_to_ + "*");
   relay->values_ = std::make_unique<Values>(
       *relay->link_, options.site, options.domain,
@@ -415,6 +419,7 @@ RelayTotals Relay::totals() const {
   RelayTotals totals = totals_;
   const std::scoped_lock lock(inbox_->mutex);
   totals.replaced = inbox_->replaced;
+  totals.odd += inbox_->odd;
   return totals;
 }
 

@@ -23,7 +23,8 @@ std::string EventText(const LinkEvent& event, const std::string& brokers, const 
   using Kind = LinkEvent::Kind;
   switch (event.kind) {
     case Kind::kAbsent:
-      return "no broker answers at " + brokers + "; it goes on trying";
+      return "no broker answers at " + brokers + (event.text.empty() ? "" : " that is trusted: ") +
+             event.text + "; it goes on trying";
     case Kind::kConnected:
       return "connected to " + event.text;
     case Kind::kDisconnected:
@@ -34,7 +35,8 @@ std::string EventText(const LinkEvent& event, const std::string& brokers, const 
       return "the broker says: " + event.text;
     default:
       return "the broker at " + brokers + " refuses the connection: " + event.text +
-             "; expected a login that it knows (--nats-login FILE, --nats-creds FILE)";
+             "; expected a login that it knows (--nats-login FILE, --nats-creds FILE) and, with "
+             "tls://, a certificate of its host (--nats-ca FILE)";
   }
 }
 

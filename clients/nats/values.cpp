@@ -1,5 +1,6 @@
 #include "clients/nats/values.h"
 
+#include <charconv>
 #include <chrono>
 #include <memory>
 #include <utility>
@@ -12,8 +13,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::int64_t kBrokersAnswer_ms = 1000;  // for one request; longer would delay the end
-constexpr std::int64_t kLookUp_ms = 100;          // between two looks whether the program ends
-constexpr std::chrono::milliseconds kWatchAgain(500);
+constexpr std::chrono::milliseconds kReadAgain(500);
 
 template <auto kDestroy>
 struct Destroyer {
@@ -23,16 +23,25 @@ struct Destroyer {
   }
 };
 using JetStream = std::unique_ptr<jsCtx, Destroyer<jsCtx_Destroy>>;
-using Bucket = std::unique_ptr<kvStore, Destroyer<kvStore_Destroy>>;
-using Watcher = std::unique_ptr<kvWatcher, Destroyer<kvWatcher_Destroy>>;
-using Entry = std::unique_ptr<kvEntry, Destroyer<kvEntry_Destroy>>;
+using StreamInfo = std::unique_ptr<jsStreamInfo, Destroyer<jsStreamInfo_Destroy>>;
+using Answers = std::unique_ptr<natsSubscription, Destroyer<natsSubscription_Destroy>>;
+using Message = std::unique_ptr<natsMsg, Destroyer<natsMsg_Destroy>>;
+
+const std::string kStream = "KV_" + std::string(kBucket);
+const std::string kKeys = "$KV." + std::string(kBucket) + ".";  // in front of the key
+
+std::string_view Header(natsMsg* message, const char* name) {
+  const char* value = nullptr;
+  return natsMsgHeader_Get(message, name, &value) == NATS_OK ? value : "";
+}
 
 }  // namespace
 
 Values::Values(Link& link, const std::string& site, std::string domain, OnValue on_value)
     : link_(link),
-      keys_(Escape(site) + ".>"),
+      filter_(kKeys + Escape(site) + ".>"),
       domain_(std::move(domain)),
+      get_((domain_.empty() ? "$JS.API" : "$JS." + domain_ + ".API") + ".DIRECT.GET." + kStream),
       on_value_(std::move(on_value)),
       thread_([this](const std::stop_token& stop) { Loop(stop); }) {}
 
@@ -43,81 +52,118 @@ std::string Values::TakeError() {
   return std::exchange(error_, {});
 }
 
-void Values::Fail(natsStatus status) {
+bool Values::Fail(natsStatus status) {
   const char* const detail = nats_GetLastError(nullptr);
   std::string what =
       "the bucket '" + std::string(kBucket) + "' cannot be read: " + natsStatus_GetText(status);
   if (detail != nullptr && *detail != '\0') what += std::string(" (") + detail + ")";
   what += "; without it frames have no bodies, and it is tried again";
   const std::scoped_lock lock(mutex_);
-  if (what == last_error_) return;
-  error_ = last_error_ = what;
+  if (what != last_error_) error_ = last_error_ = what;
+  return false;
 }
 
 void Values::Loop(const std::stop_token& stop) {
+  std::uint64_t next = 0;
   while (!stop.stop_requested()) {
-    if (link_.connected() && Watch(stop)) continue;
-    std::this_thread::sleep_for(kWatchAgain);
+    if (link_.connected() && ReadAll(next) && Follow(next, stop)) continue;
+    std::this_thread::sleep_for(kReadAgain);
   }
 }
 
-// Watches until it is time to watch anew. False: that failed.
-bool Values::Watch(const std::stop_token& stop) {
+// All values of the site; `next`: the number of the first message that is not among them.
+bool Values::ReadAll(std::uint64_t& next) {
   jsOptions options;
   jsOptions_Init(&options);
   options.Wait = kBrokersAnswer_ms;
   if (!domain_.empty()) options.Domain = domain_.c_str();
+  options.Stream.Info.SubjectsFilter = filter_.c_str();
   jsCtx* jetstream = nullptr;
   natsStatus status = natsConnection_JetStream(&jetstream, link_.get(), &options);
-  const JetStream owned_jetstream(jetstream);
-  kvStore* bucket = nullptr;
+  const JetStream owned(jetstream);
+  jsStreamInfo* raw = nullptr;
   if (status == NATS_OK) {
-    status = js_KeyValue(&bucket, jetstream, std::string(kBucket).c_str());
+    status = js_GetStreamInfo(&raw, jetstream, kStream.c_str(), &options, nullptr);
   }
-  const Bucket owned_bucket(bucket);
-  kvWatcher* watcher = nullptr;
-  if (status == NATS_OK) status = kvStore_Watch(&watcher, bucket, keys_.c_str(), nullptr);
-  const Watcher owned_watcher(watcher);
-  if (status == NATS_OK) return Read(watcher, stop);
-  Fail(status);
-  return false;
+  const StreamInfo info(raw);
+  if (status != NATS_OK) return Fail(status);
+  next = info->State.LastSeq + 1;
+  std::vector<std::string> subjects;
+  std::set<std::string> missing = known_;
+  const jsStreamStateSubjects* const listed = info->State.Subjects;
+  for (int i = 0; listed != nullptr && i < listed->Count; ++i) {
+    subjects.emplace_back(listed->List[i].Subject);
+    missing.erase(subjects.back().substr(kKeys.size()));
+  }
+  for (const std::string& key : missing) {
+    known_.erase(key);
+    on_value_(key, nullptr);
+  }
+  if (!Get(subjects)) return false;
+  const std::scoped_lock lock(mutex_);
+  last_error_.clear();
+  return true;
 }
 
-// The values that there are come first, then an entry that is null, then the changes.
-bool Values::Read(kvWatcher* watcher, const std::stop_token& stop) {
+// Asks for all at once, so that a way of 50 ms is gone twice and not for each.
+bool Values::Get(const std::vector<std::string>& subjects) {
+  const std::string inbox = link_.NewInbox();
+  natsSubscription* raw = nullptr;
+  natsStatus status = natsConnection_SubscribeSync(&raw, link_.get(), (inbox + ".*").c_str());
+  const Answers answers(raw);
+  for (std::size_t i = 0; status == NATS_OK && i < subjects.size(); ++i) {
+    status = natsConnection_PublishRequestString(link_.get(), (get_ + "." + subjects[i]).c_str(),
+                                                 (inbox + "." + std::to_string(i)).c_str(), "");
+  }
+  for (std::size_t i = 0; status == NATS_OK && i < subjects.size(); ++i) {
+    natsMsg* answer = nullptr;
+    status = natsSubscription_NextMsg(&answer, answers.get(), kBrokersAnswer_ms);
+    const Message owned(answer);
+    if (status == NATS_OK && natsMsg_IsNoResponders(answer)) status = NATS_NO_RESPONDERS;
+    if (status == NATS_OK) Take(answer);
+  }
+  return status == NATS_OK || Fail(status);
+}
+
+// Asks for changes until it is time to read all again. False: that failed.
+bool Values::Follow(std::uint64_t next, const std::stop_token& stop) {
   const std::uint64_t generation = link_.generation();
   const auto end = Clock::now() + std::chrono::seconds(kAgain_s);
-  std::set<std::string> missing = known_;
   while (!stop.stop_requested() && link_.generation() == generation && Clock::now() < end) {
-    kvEntry* entry = nullptr;
-    const natsStatus status = kvWatcher_Next(&entry, watcher, kLookUp_ms);
-    const Entry owned(entry);
-    if (status == NATS_TIMEOUT) continue;
-    if (status != NATS_OK) {
-      Fail(status);
-      return false;
-    }
-    if (entry == nullptr) {
-      for (const std::string& key : std::exchange(missing, {})) {
-        known_.erase(key);
-        on_value_(key, nullptr);
-      }
-      const std::scoped_lock lock(mutex_);
-      last_error_.clear();
-      continue;
-    }
-    const std::string key = kvEntry_Key(entry);
-    missing.erase(key);
-    if (kvEntry_Operation(entry) == kvOp_Put) {
-      known_.insert(key);
-      const std::string value(static_cast<const char*>(kvEntry_Value(entry)),
-                              static_cast<std::size_t>(kvEntry_ValueLen(entry)));
-      on_value_(key, &value);
-    } else if (known_.erase(key) > 0) {
-      on_value_(key, nullptr);
+    const std::string wanted =
+        R"({"seq":)" + std::to_string(next) + R"(,"next_by_subj":")" + filter_ + "\"}";
+    natsMsg* answer = nullptr;
+    const natsStatus status = natsConnection_RequestString(&answer, link_.get(), get_.c_str(),
+                                                           wanted.c_str(), kBrokersAnswer_ms);
+    const Message owned(answer);
+    if (status != NATS_OK) return Fail(status);
+    const std::uint64_t number = Take(answer);
+    if (number > 0) {
+      next = number + 1;
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds(kPoll_ms));
     }
   }
   return true;
+}
+
+// Hands over a value, or that it was removed. Its number; 0: there is none.
+std::uint64_t Values::Take(natsMsg* message) {
+  const std::string_view subject = Header(message, "Nats-Subject");
+  const std::string_view number = Header(message, "Nats-Sequence");
+  std::uint64_t read = 0;
+  std::from_chars(number.data(), number.data() + number.size(), read);
+  if (read == 0 || !subject.starts_with(kKeys)) return 0;
+  const std::string key(subject.substr(kKeys.size()));
+  if (Header(message, "KV-Operation").empty()) {
+    known_.insert(key);
+    const std::string value(natsMsg_GetData(message),
+                            static_cast<std::size_t>(natsMsg_GetDataLength(message)));
+    on_value_(key, &value);
+  } else if (known_.erase(key) > 0) {
+    on_value_(key, nullptr);
+  }
+  return read;
 }
 
 }  // namespace styled::stylenats
