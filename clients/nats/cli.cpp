@@ -4,15 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include "clients/cpp/key_options.h"
 #include "clients/nats/bridge.h"
 #include "clients/nats/relay.h"
 #include "clients/nats/report.h"
-#include "proto/keys/key_folder.h"
 
 namespace styled::stylenats {
 namespace {
@@ -39,24 +36,10 @@ void Declare(CLI::App& app, Arguments& a) {
   app.add_flag("--join", a.join,
                "the other end: publish on this machine, at --publish and --control, what NATS "
                "brings of the site, for programs that read a daemon");
-  app.add_option("--nats", a.options.link.servers,
-                 "a broker, nats://HOST:PORT or tls://HOST:PORT: a leaf server that no viewer "
-                 "uses; again for more, the first that answers is used")
-      ->envname("STYLED_NATS")
-      ->allow_extra_args(false)
-      ->capture_default_str();
-  app.add_option("--nats-login", a.login,
-                 "file whose first line is the user, its second the password; refused where others "
-                 "can read it");
-  app.add_option("--nats-creds", a.options.link.credentials,
-                 "credentials file of nsc (JWT and seed), instead of --nats-login");
-  app.add_option(
-      "--nats-inbox", a.options.link.inbox,
-      "first token of the subjects of replies to this program, where the broker permits "
-      "another one; default: _INBOX_ and the user's name, or _INBOX without --nats-login");
-  app.add_option("--nats-ca", a.options.link.ca,
-                 "certificates, PEM, of which one has signed a tls:// broker's; default: the "
-                 "system's");
+  stylenats::Declare(app,
+                     "a broker, nats://HOST:PORT or tls://HOST:PORT: a leaf server that no viewer "
+                     "uses; again for more, the first that answers is used",
+                     a.options.link, a.login);
   app.add_option("--domain", a.options.domain,
                  "JetStream domain of the bucket 'styled', where it is not the account's own");
   app.add_option("--publish", a.options.publisher,
@@ -82,35 +65,12 @@ void Declare(CLI::App& app, Arguments& a) {
       "/etc/styled/nats.login");
 }
 
-// The user and the password of a file, which nobody else may read.
-Status ReadLogin(const std::string& file, LinkOptions& link) {
-  const auto text = keys::ReadTokenFile(file);
-  if (!text.ok()) return Status::Error("--nats-login " + text.status().message());
-  std::istringstream lines(text.value());
-  for (std::string* const line : {&link.user, &link.password}) {
-    std::getline(lines, *line);
-    if (!line->empty() && line->back() == '\r') line->pop_back();
-    if (line->empty()) {
-      return Status::Error("--nats-login " + file + ": expected two lines, a user and a password");
-    }
-  }
-  return Status::Ok();
-}
-
 Status Complete(Arguments& a) {
   if (std::isnan(a.stats_every_s + a.seconds)) {
     return Status::Error("a value is nan; expected a number");
   }
   LinkOptions& link = a.options.link;
-  if (!a.login.empty() && !link.credentials.empty()) {
-    return Status::Error("--nats-login and --nats-creds: expected one of them");
-  }
-  if (!a.login.empty()) {
-    if (const Status status = ReadLogin(a.login, link); !status.ok()) return status;
-  }
-  if (!link.credentials.empty() && !std::ifstream(link.credentials)) {
-    return Status::Error("--nats-creds " + link.credentials + ": cannot be read");
-  }
+  if (const Status status = stylenats::Complete(a.login, link); !status.ok()) return status;
   auto curve = client::ReadKeys(a.keys);
   if (!curve.ok()) return curve.status();
   a.options.curve = std::move(curve.value());

@@ -109,28 +109,6 @@ struct Link::State {
   }
 };
 
-Status CheckServer(const std::string& server) {
-  const bool tls = server.starts_with("tls://");
-  const auto fail = [&server](const std::string& what) {
-    return Status::Error("--nats '" + server + "': " + what +
-                         "; expected nats://HOST:PORT or tls://HOST:PORT");
-  };
-  if (!tls && !server.starts_with("nats://")) return fail("neither nats:// nor tls://");
-  const std::string rest = server.substr(server.find("//") + 2);
-  if (rest.find('@') != std::string::npos) {
-    return fail("a user in the address is seen by everyone on this machine: --nats-login FILE");
-  }
-  const std::size_t colon = rest.rfind(':');
-  const std::string port = colon == std::string::npos ? "" : rest.substr(colon + 1);
-  if (colon == 0 || colon == std::string::npos) return fail("host or port is missing");
-  if (port.empty() || port.size() > 5 ||
-      !std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; }) ||
-      std::stoi(port) < 1 || std::stoi(port) > 65535) {
-    return fail("'" + port + "' is no port, 1 to 65535");
-  }
-  return Status::Ok();
-}
-
 Result<std::unique_ptr<Link>> Link::Open(const LinkOptions& options) {
   std::vector<const char*> servers;
   bool tls = false;

@@ -9,22 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "clients/nats/link_options.h"
 #include "model/base/status.h"
 
 namespace styled::stylenats {
-
-inline constexpr const char* kDefaultServer = "nats://127.0.0.1:4222";
-
-struct LinkOptions {
-  std::vector<std::string> servers = {kDefaultServer};  // nats://HOST:PORT or tls://HOST:PORT
-  std::string name;                                     // shown by the broker's monitoring
-  std::string user, password;                           // "": none
-  std::string inbox;        // first token of the subjects of replies; "": _INBOX_USER, or _INBOX
-  std::string credentials;  // file with JWT and seed, as nsc writes it; "": none
-  // Callbacks of all subscriptions come on one thread of the process, not on one for each.
-  bool shared_thread = false;
-  std::string ca;  // file with certificates (PEM) that a tls:// broker's must be signed by
-};
 
 // What happened to the connection.
 struct LinkEvent {
@@ -74,8 +62,5 @@ class Link {
   natsConnection* connection_ = nullptr;
   std::string inbox_prefix_;
 };
-
-// Checks the text of a broker's address; the error says what was expected.
-Status CheckServer(const std::string& server);
 
 }  // namespace styled::stylenats

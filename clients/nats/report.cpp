@@ -12,12 +12,6 @@ constexpr std::size_t kShownStreams = 3;  // of those with replaced frames, the 
 
 }  // namespace
 
-std::string BrokersText(const LinkOptions& link) {
-  std::string text;
-  for (const std::string& server : link.servers) text += (text.empty() ? "" : ", ") + server;
-  return text;
-}
-
 std::string EventText(const LinkEvent& event, const std::string& brokers, const std::string& lost,
                       const std::string& again) {
   using Kind = LinkEvent::Kind;

@@ -12,8 +12,6 @@ namespace styled::stylenats {
 // `again`: what that means, "; ..." or "".
 std::string EventText(const LinkEvent& event, const std::string& brokers, const std::string& lost,
                       const std::string& again);
-// "nats://A:4222, nats://B:4222"
-std::string BrokersText(const LinkOptions& link);
 
 // Prints what happens to the connections, and the counters when they changed. One thread.
 class Report {
