@@ -110,10 +110,20 @@ void Bridge::Pass(const client::Update& update) {
     output_refused_ = true;
     return;
   }
+  PassBody(update, stream);
   queue_.Push(frame.performer(), stream, update.bytes, frame.epoch(), frame.sequence());
   if (update.stream != client::Stream::kStyledCanonical || !tier_.Takes(frame.performer())) return;
   ++audience_;
   queue_.Push(frame.performer(), kAudienceStream, update.bytes, frame.epoch(), frame.sequence());
+}
+
+// A recording has to have the bodies of its frames: the bucket, in memory, may be gone by then.
+void Bridge::PassBody(const client::Update& update, std::string_view stream) {
+  if (!update.body || !beat_.IsDue(update.frame.performer(), stream, update.body->hash())) return;
+  const std::string bytes = update.body->SerializeAsString();
+  queue_.PushBody(update.frame.performer(), stream, bytes);
+  // A body that comes back after another one is not told of again (client::Update::Kind::kBody).
+  store_->Put(BodyKey(site_, update.frame.performer(), stream), bytes);
 }
 
 void Bridge::Keep(const client::Update& update) {
@@ -150,6 +160,7 @@ Totals Bridge::totals() const {
   Totals t;
   t.sent = sender.frames;
   t.audience = audience_;
+  t.bodies = sender.bodies;
   t.replaced = queue.replaced;
   t.refused = queue.refused;
   t.disconnected = sender.disconnected;

@@ -33,7 +33,7 @@ Status CheckSite(const std::string& site);
 
 // Totals since Open, a copy.
 struct Totals {
-  std::uint64_t sent = 0, audience = 0;
+  std::uint64_t sent = 0, audience = 0, bodies = 0;
   std::uint64_t replaced = 0, refused = 0, disconnected = 0, too_large = 0, failed = 0;
   std::uint64_t stalled = 0, longest_call_us = 0;
   std::uint64_t missed = 0;     // lost between daemon and this program
@@ -44,8 +44,9 @@ struct Totals {
 };
 
 // Subscribes to all streams of a daemon, and passes each frame's bytes on to NATS as they are:
-// "styled.SITE.PERFORMER.STREAM", the audience tier, bodies and performers in the KV bucket,
-// commands (README.md). The thread that calls Step reads ZeroMQ and never waits for the broker.
+// "styled.SITE.PERFORMER.STREAM", the audience tier, bodies beside their frames and in the KV
+// bucket, performers in the bucket, commands (README.md). The thread that calls Step reads ZeroMQ
+// and never waits for the broker.
 //
 // One thread. Pinned by tests/e2e/nats.
 class Bridge {
@@ -72,12 +73,14 @@ class Bridge {
  private:
   explicit Bridge(std::string site) : site_(std::move(site)), queue_(site_) {}
   void Pass(const client::Update& update);
+  void PassBody(const client::Update& update, std::string_view stream);
   void Keep(const client::Update& update);
   void KeepPerformers(const v1::Stats& statistics);
 
   std::string site_;
   FrameQueue queue_;
   AudienceTier tier_;
+  BodyBeat beat_;
   std::uint64_t audience_ = 0;
   std::set<std::string> performers_;  // those in the bucket
   bool output_refused_ = false, refusal_taken_ = false;

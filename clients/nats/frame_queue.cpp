@@ -6,9 +6,9 @@
 
 namespace styled::stylenats {
 
-FrameQueue::Slot* FrameQueue::Find(std::string_view performer, std::string_view stream,
+FrameQueue::Slot* FrameQueue::Find(std::string_view performer, std::string_view stream, bool body,
                                    Clock::time_point now) {
-  const Key key(performer, stream);
+  const Key key(performer, stream, body);
   if (const auto known = slots_.find(key); known != slots_.end()) return &known->second;
   if (slots_.size() >= limits_.slots) {
     const auto free = std::find_if(slots_.begin(), slots_.end(), [&](const auto& row) {
@@ -18,35 +18,56 @@ FrameQueue::Slot* FrameQueue::Find(std::string_view performer, std::string_view 
     slots_.erase(free);
   }
   Slot& slot = slots_[key];
-  slot.frame.subject = FrameSubject(site_, performer, stream);
+  slot.frame.subject =
+      body ? BodySubject(site_, performer, stream) : FrameSubject(site_, performer, stream);
+  slot.frame.body = body;
   return &slot;
+}
+
+FrameQueue::Slot* FrameQueue::Fill(std::string_view performer, std::string_view stream, bool body,
+                                   std::string_view payload, Clock::time_point now) {
+  ++counts_.pushed;
+  Slot* const slot = Find(performer, stream, body, now);
+  const std::size_t freed = slot != nullptr && slot->waits ? slot->frame.payload.size() : 0;
+  if (slot == nullptr || bytes_ - freed + payload.size() > limits_.bytes) {
+    ++counts_.refused;
+    return nullptr;
+  }
+  bytes_ += payload.size() - freed;
+  slot->frame.payload.assign(payload);
+  slot->used = now;
+  return slot;
+}
+
+FrameQueue::Pushed FrameQueue::Queue(Slot& slot) {
+  if (slot.waits) {
+    // A body that gives way to the next second's is no loss.
+    slot.replaced += slot.frame.body ? 0 : 1;
+    counts_.replaced += slot.frame.body ? 0 : 1;
+    return Pushed::kReplaced;
+  }
+  slot.waits = true;
+  order_.push_back(&slot);
+  wake_.notify_one();
+  return Pushed::kQueued;
 }
 
 FrameQueue::Pushed FrameQueue::Push(std::string_view performer, std::string_view stream,
                                     std::string_view payload, std::uint64_t epoch,
                                     std::uint64_t sequence, Clock::time_point now) {
   const std::scoped_lock lock(mutex_);
-  ++counts_.pushed;
-  Slot* const slot = Find(performer, stream, now);
-  const std::size_t freed = slot != nullptr && slot->waits ? slot->frame.payload.size() : 0;
-  if (slot == nullptr || bytes_ - freed + payload.size() > limits_.bytes) {
-    ++counts_.refused;
-    return Pushed::kRefused;
-  }
-  bytes_ += payload.size() - freed;
-  slot->frame.payload.assign(payload);
+  Slot* const slot = Fill(performer, stream, false, payload, now);
+  if (slot == nullptr) return Pushed::kRefused;
   slot->frame.epoch = epoch;
   slot->frame.sequence = sequence;
-  slot->used = now;
-  if (slot->waits) {
-    ++slot->replaced;
-    ++counts_.replaced;
-    return Pushed::kReplaced;
-  }
-  slot->waits = true;
-  order_.push_back(slot);
-  wake_.notify_one();
-  return Pushed::kQueued;
+  return Queue(*slot);
+}
+
+FrameQueue::Pushed FrameQueue::PushBody(std::string_view performer, std::string_view stream,
+                                        std::string_view payload, Clock::time_point now) {
+  const std::scoped_lock lock(mutex_);
+  Slot* const slot = Fill(performer, stream, true, payload, now);
+  return slot == nullptr ? Pushed::kRefused : Queue(*slot);
 }
 
 bool FrameQueue::Take(QueuedFrame& out, const std::stop_token& stop,
@@ -58,6 +79,7 @@ bool FrameQueue::Take(QueuedFrame& out, const std::stop_token& stop,
   slot.waits = false;
   bytes_ -= slot.frame.payload.size();
   out.subject = slot.frame.subject;
+  out.body = slot.frame.body;
   out.epoch = slot.frame.epoch;
   out.sequence = slot.frame.sequence;
   out.payload = std::exchange(slot.frame.payload, {});
@@ -90,6 +112,16 @@ std::vector<std::pair<std::string, std::uint64_t>> FrameQueue::replaced() const 
 bool AudienceTier::Takes(const std::string& performer) {
   if (counts_.size() >= kMaxPerformers && !counts_.contains(performer)) counts_.clear();
   return counts_[performer]++ % kStep == 0;
+}
+
+bool BodyBeat::IsDue(const std::string& performer, std::string_view stream, std::uint64_t hash,
+                     Clock::time_point now) {
+  const std::pair key(performer, std::string(stream));
+  if (last_.size() >= kMaxStreams && !last_.contains(key)) last_.clear();
+  const auto [known, added] = last_.try_emplace(key);
+  if (!added && known->second.hash == hash && now < known->second.next) return false;
+  known->second = {hash, now + kEvery};
+  return true;
 }
 
 }  // namespace styled::stylenats

@@ -9,22 +9,25 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 namespace styled::stylenats {
 
-// A frame on its way to the broker.
+// A frame, or a body, on its way to the broker.
 struct QueuedFrame {
   std::string subject;
   std::string payload;  // the daemon's bytes
-  std::uint64_t epoch = 0, sequence = 0;
+  bool body = false;
+  std::uint64_t epoch = 0, sequence = 0;  // of a frame
 };
 
 // Between the thread that reads ZeroMQ and the one that publishes, which may stand still for
-// seconds. It has a slot for each performer and stream. A slot holds at most one frame, the newest:
-// a frame that still waits when the next one comes is replaced at its place and counted.
+// seconds. It has a slot for each performer and stream, and one for the body of each. A slot holds
+// at most one message, the newest: what still waits when the next one comes is replaced at its
+// place and counted.
 //
 // Bounded whatever the daemon's names do: by slots and by bytes. When all slots are taken, a slot
 // that was not used for `idle` is given to the new stream; while all are in use, the frame is
@@ -35,7 +38,7 @@ class FrameQueue {
  public:
   using Clock = std::chrono::steady_clock;
   struct Limits {
-    // 256 performers with four streams each; a daemon has 64 at most by default.
+    // 128 performers with four streams and their bodies; a daemon has 64 at most by default.
     std::size_t slots = 1024;
     // Of all waiting frames. 16 performers with four streams of 3 kB need 192 kB.
     std::size_t bytes = std::size_t{64} << 20U;
@@ -43,7 +46,7 @@ class FrameQueue {
   };
   enum class Pushed { kQueued, kReplaced, kRefused };
   struct Counts {
-    std::uint64_t pushed = 0;    // all calls of Push
+    std::uint64_t pushed = 0;    // all calls of Push and PushBody
     std::uint64_t replaced = 0;  // frames that a newer one replaced before they were sent
     std::uint64_t refused = 0;   // frames for which there was no slot or no room
   };
@@ -53,6 +56,8 @@ class FrameQueue {
 
   Pushed Push(std::string_view performer, std::string_view stream, std::string_view payload,
               std::uint64_t epoch, std::uint64_t sequence, Clock::time_point now = Clock::now());
+  Pushed PushBody(std::string_view performer, std::string_view stream, std::string_view payload,
+                  Clock::time_point now = Clock::now());
 
   // Waits for a frame and removes the one that has waited longest. False when `stop` is requested
   // and nothing waits, or after `timeout`.
@@ -71,8 +76,12 @@ class FrameQueue {
     std::uint64_t replaced = 0;
     Clock::time_point used;
   };
-  using Key = std::pair<std::string, std::string>;  // performer, stream
-  Slot* Find(std::string_view performer, std::string_view stream, Clock::time_point now);
+  using Key = std::tuple<std::string, std::string, bool>;  // performer, stream, whether a body
+  Slot* Find(std::string_view performer, std::string_view stream, bool body, Clock::time_point now);
+  // Null: there is no room.
+  Slot* Fill(std::string_view performer, std::string_view stream, bool body,
+             std::string_view payload, Clock::time_point now);
+  Pushed Queue(Slot& slot);
 
   const std::string site_;
   const Limits limits_;
@@ -95,6 +104,26 @@ class AudienceTier {
 
  private:
   std::unordered_map<std::string, std::uint32_t> counts_;
+};
+
+// Says when the body of a stream's frames is to be sent with them: before the first frame, when it
+// changes, and once a second, as a daemon repeats it. So whoever begins anywhere has a body within
+// a second of frames. One thread. Bounded: beyond kMaxStreams all begin anew.
+class BodyBeat {
+ public:
+  using Clock = FrameQueue::Clock;
+  // A body of the canonical humanoid has 1.5 kB, a second of its frames 80 kB: 2 % more.
+  static constexpr std::chrono::seconds kEvery{1};
+  static constexpr std::size_t kMaxStreams = 1024;
+  bool IsDue(const std::string& performer, std::string_view stream, std::uint64_t hash,
+             Clock::time_point now = Clock::now());
+
+ private:
+  struct Last {
+    std::uint64_t hash = 0;
+    Clock::time_point next;
+  };
+  std::map<std::pair<std::string, std::string>, Last> last_;
 };
 
 }  // namespace styled::stylenats

@@ -89,13 +89,13 @@ void Report::PrintCounters(const Bridge& bridge, const FrameQueue& queue) {
   if (t == shown_) return;
   shown_ = t;
   out_ << "stylenats: " << t.sent << " sent, " << t.audience << " of the audience tier, "
-       << t.replaced << " replaced, " << t.disconnected << " dropped without a broker, "
-       << t.too_large << " too large, " << t.failed << " failed, " << t.refused
-       << " without a slot, " << t.missed << " missed, " << t.malformed << " malformed; "
-       << t.stalled << " slow calls, longest " << t.longest_call_us / 1000 << " ms; KV "
-       << t.written << " written, " << t.unwritten << " failed, " << t.unkept << " refused; "
-       << t.requests << " commands, " << t.unanswered << " without an answer, " << t.unsent_replies
-       << " answers lost";
+       << t.bodies << " bodies, " << t.replaced << " replaced, " << t.disconnected
+       << " dropped without a broker, " << t.too_large << " too large, " << t.failed << " failed, "
+       << t.refused << " without a slot, " << t.missed << " missed, " << t.malformed
+       << " malformed; " << t.stalled << " slow calls, longest " << t.longest_call_us / 1000
+       << " ms; KV " << t.written << " written, " << t.unwritten << " failed, " << t.unkept
+       << " refused; " << t.requests << " commands, " << t.unanswered << " without an answer, "
+       << t.unsent_replies << " answers lost";
   const auto rows = queue.replaced();
   for (std::size_t i = 0; i < std::min(rows.size(), kShownStreams); ++i) {
     out_ << (i == 0 ? "; replaced most: " : ", ") << rows[i].first << " " << rows[i].second;

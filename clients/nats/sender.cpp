@@ -42,10 +42,10 @@ void Sender::Send(const QueuedFrame& frame) {
   natsStatus status = natsMsg_Create(&raw, frame.subject.c_str(), nullptr, frame.payload.data(),
                                      static_cast<int>(frame.payload.size()));
   const std::unique_ptr<natsMsg, MessageDeleter> message(raw);
-  if (status == NATS_OK) {
+  if (status == NATS_OK && !frame.body) {
     status = natsMsgHeader_Set(raw, "Styled-Epoch", std::to_string(frame.epoch).c_str());
   }
-  if (status == NATS_OK) {
+  if (status == NATS_OK && !frame.body) {
     status = natsMsgHeader_Set(raw, "Styled-Sequence", std::to_string(frame.sequence).c_str());
   }
   const auto begin = std::chrono::steady_clock::now();
@@ -55,7 +55,7 @@ void Sender::Send(const QueuedFrame& frame) {
   const auto took_us = static_cast<std::uint64_t>(took / std::chrono::microseconds(1));
   counts_.longest_call_us = std::max<std::uint64_t>(counts_.longest_call_us, took_us);
   if (status == NATS_OK) {
-    ++counts_.frames;
+    ++(frame.body ? counts_.bodies : counts_.frames);
   } else if (status == NATS_MAX_PAYLOAD) {
     ++counts_.too_large;
   } else if (!link_.connected()) {

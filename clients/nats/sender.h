@@ -10,14 +10,16 @@
 
 namespace styled::stylenats {
 
-// Publishes the frames of a queue on a thread of its own, since natsConnection_Publish blocks while
-// the broker does not read. The headers are Styled-Epoch and Styled-Sequence, decimal numbers.
-// While there is no connection the frames are dropped and counted: none is sent late.
+// Publishes the frames and bodies of a queue on a thread of its own, since natsConnection_Publish
+// blocks while the broker does not read. The headers of a frame are Styled-Epoch and
+// Styled-Sequence, decimal numbers. While there is no connection the frames are dropped and
+// counted: none is sent late.
 class Sender {
  public:
   // Totals since the start; any thread.
   struct Counts {
     std::atomic<std::uint64_t> frames{0};        // handed to libnats
+    std::atomic<std::uint64_t> bodies{0};        // the same
     std::atomic<std::uint64_t> disconnected{0};  // dropped, no connection
     std::atomic<std::uint64_t> too_large{0};     // dropped, above the broker's max_payload
     std::atomic<std::uint64_t> failed{0};        // dropped, libnats refused

@@ -53,6 +53,11 @@ std::string FrameSubject(std::string_view site, std::string_view performer,
   return "styled." + Escape(site) + "." + Escape(performer) + "." + Escape(stream);
 }
 
+std::string BodySubject(std::string_view site, std::string_view performer,
+                        std::string_view stream) {
+  return FrameSubject(site, performer, stream) + ".body";
+}
+
 std::string ControlSubject(std::string_view site) { return "styledctl." + Escape(site); }
 
 std::string BodyKey(std::string_view site, std::string_view performer, std::string_view stream) {

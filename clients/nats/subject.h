@@ -26,6 +26,9 @@ inline constexpr std::string_view kBucket = "styled";  // of the KV store
 // name of an [[output]].
 std::string FrameSubject(std::string_view site, std::string_view performer,
                          std::string_view stream);
+// "styled.SITE.PERFORMER.STREAM.body": the Body of that stream's frames, for recordings and for
+// those who read no bucket.
+std::string BodySubject(std::string_view site, std::string_view performer, std::string_view stream);
 // "styledctl.SITE": requests. A tree of its own, so that a permission for "styled.>" does not
 // include the commands.
 std::string ControlSubject(std::string_view site);

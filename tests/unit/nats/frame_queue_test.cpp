@@ -148,5 +148,31 @@ TEST(AudienceTier, IsBounded) {
   EXPECT_TRUE(tier.Takes("rig.p0")) << "the counts began anew";
 }
 
+TEST(FrameQueue, ABodyHasAPlaceOfItsOwnBeforeItsFrame) {
+  FrameQueue queue("hall.1");
+  EXPECT_EQ(queue.PushBody("rig.a", "canonical", "body"), Pushed::kQueued);
+  EXPECT_EQ(queue.Push("rig.a", "canonical", "frame", 1, 2), Pushed::kQueued);
+  EXPECT_EQ(queue.PushBody("rig.a", "canonical", "newer"), Pushed::kReplaced);
+  EXPECT_EQ(queue.counts().replaced, 0U) << "only frames are lost";
+  const auto body = Next(queue), frame = Next(queue);
+  ASSERT_TRUE(body && frame);
+  EXPECT_EQ(body->subject, "styled.hall=2E1.rig=2Ea.canonical.body");
+  EXPECT_EQ(body->payload, "newer");
+  EXPECT_TRUE(body->body);
+  EXPECT_EQ(frame->subject, "styled.hall=2E1.rig=2Ea.canonical");
+  EXPECT_FALSE(frame->body);
+}
+
+TEST(BodyBeat, IsDueAtFirstOnChangeAndOnceASecond) {
+  BodyBeat beat;
+  EXPECT_TRUE(beat.IsDue("rig.a", "rig", 5, kStart));
+  EXPECT_FALSE(beat.IsDue("rig.a", "rig", 5, kStart + 999ms));
+  EXPECT_TRUE(beat.IsDue("rig.a", "canonical", 5, kStart + 999ms)) << "of each stream";
+  EXPECT_TRUE(beat.IsDue("rig.a", "rig", 5, kStart + 1000ms));
+  EXPECT_TRUE(beat.IsDue("rig.a", "rig", 6, kStart + 1001ms)) << "another body";
+  EXPECT_TRUE(beat.IsDue("rig.a", "rig", 5, kStart + 1002ms)) << "and back";
+  EXPECT_FALSE(beat.IsDue("rig.a", "rig", 5, kStart + 1003ms));
+}
+
 }  // namespace
 }  // namespace styled::stylenats
