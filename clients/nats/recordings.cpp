@@ -17,6 +17,13 @@ using Steady = std::chrono::steady_clock;
 constexpr std::int64_t kWaitForApi_ms = 5000;
 constexpr milliseconds kRefusalComes(3000);  // a broker's second refusal of the login
 constexpr milliseconds kLookAgain(50);
+// One request asks for no more than a quarter of hub.conf's max_pending, 8 MB: a broker closes the
+// connection of one to whom more waits. Over a way of 50 ms that is up to 40 MB/s.
+constexpr int kBatchMessages = 2000;
+constexpr std::int64_t kBatchBytes = std::int64_t{2} << 20U;
+constexpr std::int64_t kBatchWait_ns = 2'000'000'000;
+constexpr std::int64_t kIdle_ns = 30'000'000'000;  // until the broker forgets a reader that is gone
+constexpr auto kBrokerComesBack = std::chrono::seconds(10);
 constexpr double kHour_ns = 3600e9;
 constexpr std::string_view kEverybody = "styled.*.*.";
 // For which the broker looks for messages that come twice: it cannot be more than the age of the
@@ -31,10 +38,17 @@ struct Destroys {
   }
 };
 using StreamInfo = std::unique_ptr<jsStreamInfo, Destroys<jsStreamInfo_Destroy>>;
+using MetaData = std::unique_ptr<jsMsgMetaData, Destroys<jsMsgMetaData_Destroy>>;
 
 const std::string& StreamName() {
   static const std::string name(kRecordings);
   return name;
+}
+
+std::uint64_t Number(natsMsg* message, const char* header) {
+  const char* text = nullptr;
+  if (natsMsgHeader_Get(message, header, &text) != NATS_OK) return 0;
+  return std::strtoull(text, nullptr, 10);
 }
 
 }  // namespace
@@ -168,6 +182,126 @@ Status Recordings::Delete() {
   jsErrCode code{};
   const natsStatus status = js_DeleteStream(jetstream_, StreamName().c_str(), nullptr, &code);
   return status == NATS_OK ? Status::Ok() : Explain(status, code);
+}
+
+Result<std::unique_ptr<RecordingReader>> Recordings::Read(const std::string& site,
+                                                          const std::string& performer,
+                                                          std::int64_t from_ns) {
+  const auto state = Look();
+  if (!state.ok()) return state.status();
+  const std::string of =
+      "styled." + Escape(site) + (performer.empty() ? std::string(".*") : "." + Escape(performer));
+  std::unique_ptr<RecordingReader> reader(new RecordingReader(*this, from_ns));
+  for (const std::string& subject : state.value().subjects) {
+    if (!subject.starts_with(kEverybody)) continue;  // another program's
+    auto& part = reader->parts_.emplace_back();
+    part.filter = of + "." + subject.substr(kEverybody.size());
+    Status status = reader->Begin(part);
+    if (status.ok()) status = reader->Advance(part);
+    if (!status.ok()) return status;
+  }
+  return reader;
+}
+
+// From the beginning, or behind the last message that came.
+Status RecordingReader::Begin(Part& part) {
+  natsSubscription_Destroy(std::exchange(part.subscription, nullptr));
+  jsConsumerConfig config;
+  jsConsumerConfig_Init(&config);
+  config.FilterSubject = part.filter.c_str();
+  config.DeliverPolicy = part.last > 0 ? js_DeliverByStartSequence : js_DeliverByStartTime;
+  config.OptStartSeq = part.last > 0 ? part.last + 1 : 0;
+  config.OptStartTime = part.last > 0 ? 0 : std::max<std::int64_t>(from_ns_, 1);
+  config.AckPolicy = js_AckNone;
+  config.InactiveThreshold = kIdle_ns;
+  config.MemoryStorage = true;
+  jsConsumerInfo* info = nullptr;
+  jsErrCode code{};
+  natsStatus status =
+      js_AddConsumer(&info, recordings_.jetstream_, StreamName().c_str(), &config, nullptr, &code);
+  if (status != NATS_OK) return recordings_.Explain(status, code);
+  const std::string consumer = info->Name;
+  part.pending = info->NumPending;
+  jsConsumerInfo_Destroy(info);
+  jsSubOptions options;
+  jsSubOptions_Init(&options);
+  options.Stream = StreamName().c_str();
+  options.Consumer = consumer.c_str();
+  options.Config.MemoryStorage = true;
+  status = js_PullSubscribe(&part.subscription, recordings_.jetstream_, nullptr, nullptr, nullptr,
+                            &options, &code);
+  return status == NATS_OK ? Status::Ok() : recordings_.Explain(status, code);
+}
+
+RecordingReader::~RecordingReader() {
+  for (Part& part : parts_) {
+    natsMsgList_Destroy(&part.batch);
+    natsSubscription_Destroy(part.subscription);
+  }
+}
+
+// Some messages; none where none is left.
+Status RecordingReader::Fetch(Part& part) {
+  const auto end = Steady::now() + kBrokerComesBack;
+  for (;;) {
+    natsMsgList_Destroy(&part.batch);
+    part.at = 0;
+    if (part.pending == 0) return Status::Ok();
+    jsFetchRequest request;
+    jsFetchRequest_Init(&request);
+    request.Batch = static_cast<int>(std::min<std::uint64_t>(part.pending, kBatchMessages));
+    request.MaxBytes = kBatchBytes;
+    request.Expires = kBatchWait_ns;
+    const natsStatus status =
+        part.subscription == nullptr
+            ? NATS_INVALID_SUBSCRIPTION
+            : natsSubscription_FetchRequest(&part.batch, part.subscription, &request);
+    if (part.batch.Count > 0) return Status::Ok();
+    // Nothing came: the broker, or the reader that it remembers, is gone. Another one goes on.
+    Status failed = recordings_.Explain(status, {});
+    if (Steady::now() > end) return failed;
+    std::this_thread::sleep_for(kLookAgain);
+    if (!recordings_.link_->connected()) continue;
+    failed = Begin(part);
+    if (!failed.ok() && Steady::now() > end) return failed;
+  }
+}
+
+// Looks at the next message of a part.
+Status RecordingReader::Advance(Part& part) {
+  if (part.at >= part.batch.Count) {
+    const Status status = Fetch(part);
+    if (!status.ok()) return status;
+  }
+  part.sequence = 0;
+  if (part.batch.Count == 0) return Status::Ok();
+  jsMsgMetaData* raw = nullptr;
+  const natsStatus status = natsMsg_GetMetaData(&raw, part.batch.Msgs[part.at]);
+  const MetaData meta(raw);
+  if (status != NATS_OK) return recordings_.Explain(status, {});
+  part.sequence = part.last = meta->Sequence.Stream;
+  part.pending = meta->NumPending;
+  part.time_ns = meta->Timestamp;
+  return Status::Ok();
+}
+
+Result<bool> RecordingReader::Next(Recorded& out) {
+  Part* first = nullptr;
+  for (Part& part : parts_) {
+    if (part.sequence == 0) continue;
+    if (first == nullptr || part.sequence < first->sequence) first = &part;
+  }
+  if (first == nullptr) return false;
+  natsMsg* const message = first->batch.Msgs[first->at++];
+  out.subject = natsMsg_GetSubject(message);
+  out.payload.assign(natsMsg_GetData(message),
+                     static_cast<std::size_t>(natsMsg_GetDataLength(message)));
+  out.time_ns = first->time_ns;
+  out.epoch = Number(message, "Styled-Epoch");
+  out.sequence = Number(message, "Styled-Sequence");
+  const Status status = Advance(*first);
+  if (!status.ok()) return status;
+  return true;
 }
 
 }  // namespace styled::stylenats

@@ -31,7 +31,16 @@ struct RecordingState {
   std::map<std::string, std::uint64_t> recorded;  // messages by subject
 };
 
-// The recordings of a broker: makes them, looks at them, ends them. Calls wait for the
+// One recorded message.
+struct Recorded {
+  std::string subject, payload;
+  std::int64_t time_ns = 0;               // Unix time at which the broker had it
+  std::uint64_t epoch = 0, sequence = 0;  // of a frame
+};
+
+class RecordingReader;
+
+// The recordings of a broker: makes them, looks at them, ends them, reads them. Calls wait for the
 // broker, up to 5 s. Errors say what is missing: the broker, its JetStream, the recordings, room, a
 // permission. One thread. Pinned by tests/e2e/nats/recording_test.cpp.
 class Recordings {
@@ -49,14 +58,56 @@ class Recordings {
   Result<RecordingState> Look();
   // The stream and all that it holds.
   Status Delete();
+  // The frames and bodies of a site ("": of one performer too, if it is not empty) from a Unix time
+  // on. The reader must end before this object.
+  Result<std::unique_ptr<RecordingReader>> Read(const std::string& site,
+                                                const std::string& performer, std::int64_t from_ns);
 
  private:
+  friend class RecordingReader;
   Recordings() = default;
   Status Explain(natsStatus status, jsErrCode code);
 
   std::string brokers_, domain_;
   std::unique_ptr<Link> link_;
   jsCtx* jetstream_ = nullptr;
+};
+
+// Reads recorded messages in their order, without holding up the broker: it asks for some megabytes
+// at a time. A broker that is gone for less than 10 s is waited for.
+//
+// The broker's readers take one subject each, and that must be one of the stream's. So there is one
+// for each stream, and one for its bodies; what they bring is put in order here.
+class RecordingReader {
+ public:
+  ~RecordingReader();
+  RecordingReader(const RecordingReader&) = delete;
+  RecordingReader& operator=(const RecordingReader&) = delete;
+
+  // The next message; false: there is none at this time.
+  Result<bool> Next(Recorded& out);
+
+ private:
+  friend class Recordings;
+  struct Part {
+    std::string filter;
+    natsSubscription* subscription = nullptr;
+    natsMsgList batch{};
+    int at = 0;                  // the next of the batch
+    std::uint64_t sequence = 0;  // in the stream, of the next; 0: there is none
+    std::uint64_t last = 0;      // of the last that came
+    std::uint64_t pending = 0;   // behind the batch's last, so far as is known
+    std::int64_t time_ns = 0;
+  };
+  RecordingReader(Recordings& recordings, std::int64_t from_ns)
+      : recordings_(recordings), from_ns_(from_ns) {}
+  Status Begin(Part& part);
+  Status Fetch(Part& part);
+  Status Advance(Part& part);
+
+  Recordings& recordings_;
+  const std::int64_t from_ns_;
+  std::vector<Part> parts_;
 };
 
 }  // namespace styled::stylenats
