@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "clients/rec/commands.h"
+#include "clients/rec/time_text.h"
 
 namespace styled::rec {
 namespace {
@@ -26,6 +27,9 @@ class Program {
   void DeclareReceive();
   void DeclarePlay();
   void DeclareExport();
+  void DeclareJetStream();
+  void DeclareFetch();
+  void Broker(CLI::App* command);
   void AboutTheFile(CLI::App* command);
   void FileToRead(CLI::App* command);
   // `run` is called after the command line was parsed. `check`, if given, is called before it; its
@@ -191,6 +195,86 @@ void Program::DeclareExport() {
       ->check(CLI::Range(1.0, 1000.0));
 }
 
+void Program::Broker(CLI::App* command) {
+  stylenats::Declare(*command, "the server that records, nats://HOST:PORT or tls://HOST:PORT",
+                     a_.broker, a_.login);
+  command->add_option("--domain", a_.domain,
+                      "JetStream domain of the recording, where that is another server's");
+}
+
+void Program::DeclareJetStream() {
+  const auto check = [this] {
+    if (a_.action == "delete" && !a_.yes) {
+      return Status::Error("jetstream delete: the recordings of all sites go; expected --yes");
+    }
+    for (const string& stream : a_.streams) {
+      if (stream == "canonical30") {
+        return Status::Error(
+            "--streams canonical30: the audience tier is every fourth frame of canonical; expected "
+            "canonical");
+      }
+      if (!client::IsPerformerId("x." + stream)) {
+        return Status::Error("--streams '" + stream +
+                             "': expected rig, canonical or an output's name");
+      }
+    }
+    return Status::Ok();
+  };
+  CLI::App* command =
+      Add("jetstream", "record, on a NATS server's disk, what stylenats of all sites publish",
+          RunJetStream, check);
+  command
+      ->add_option(
+          "ACTION", a_.action,
+          "create: begin, or change streams and limits; status: what is recorded, of whom; "
+          "delete: end it, and delete all of it")
+      ->required()
+      ->type_name("TEXT:{create,status,delete}")
+      ->check([](const string& action) {
+        const bool known = action == "create" || action == "status" || action == "delete";
+        return known ? string() : "'" + action + "': expected create, status or delete";
+      });
+  command
+      ->add_option("--max-gb", a_.max_gb, "create: GB (10^9 bytes) on the disk; then the oldest go")
+      ->check(CLI::Range(0.001, 1e6))
+      ->capture_default_str();
+  command->add_option("--max-hours", a_.max_hours, "create: hours after which a frame goes")
+      ->check(CLI::Range(0.0001, 1e6))
+      ->capture_default_str();
+  command
+      ->add_option("--streams", a_.streams,
+                   "create: comma-separated, of rig, canonical and the names of [[output]]s")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_flag("--yes", a_.yes, "delete: all of it");
+  Broker(command);
+}
+
+void Program::DeclareFetch() {
+  const auto check = [this] {
+    for (const auto& [option, text] :
+         {std::pair{"fetch: --from ", &a_.from_time}, {"fetch: --to ", &a_.to_time}}) {
+      if (text->empty()) continue;
+      const auto time = ParseTime(*text, 0);
+      if (!time.ok()) return Status::Error(option + time.status().message());
+    }
+    return Status::Ok();
+  };
+  CLI::App* fetch =
+      Add("fetch", "copy a span of time of a site from a server's recording to a file", RunFetch,
+          check);
+  fetch->add_option("OUT", a_.file, "the new recording, e.g. walk.styrec")->required();
+  fetch->add_option("--site", a_.site, "the site, as stylenats --site has it")->required();
+  fetch->add_option("--performer", a_.performer, "SOURCE.NAME; default: everyone");
+  fetch->add_option("--from", a_.from_time,
+                    "a time: 2026-11-26T14:03:05, with Z behind it for UTC, or -15m (s, m, h, d) "
+                    "before now; default: the recording's beginning");
+  fetch->add_option("--to", a_.to_time, "a time; default: now");
+  fetch->add_option("--description", a_.description, "kept in the file");
+  Broker(fetch);
+}
+
 void Program::Declare() {
   app_.require_subcommand(0, 1);  // Run reports a missing command
   app_.set_version_flag("--version", "stylerec " STYLED_VERSION);
@@ -200,7 +284,9 @@ void Program::Declare() {
       "  stylerec record --from tcp://127.0.0.1:7001 show.styrec\n"
       "  stylerec receive --listen udp://0.0.0.0:7000 --forward 127.0.0.1:7010 rig.styrec\n"
       "  stylerec play rig.styrec --to udp://127.0.0.1:7000\n"
-      "  stylerec export show.styrec --performer rig.anna --out anna.glb");
+      "  stylerec export show.styrec --performer rig.anna --out anna.glb\n"
+      "  stylerec jetstream create --max-gb 100 --max-hours 48 --nats nats://rec.example:4225\n"
+      "  stylerec fetch --site stage --from -15m late.styrec --nats nats://rec.example:4225");
   DeclareRecord();
   DeclareReceive();
   CLI::App* info = Add("info", "what is in a recording, and whether it is whole", RunInfo);
@@ -208,6 +294,8 @@ void Program::Declare() {
   info->add_flag("--json", a_.json, "one JSON object");
   DeclarePlay();
   DeclareExport();
+  DeclareJetStream();
+  DeclareFetch();
 }
 
 int Program::Run(vector<string> arguments) {
@@ -221,7 +309,8 @@ int Program::Run(vector<string> arguments) {
   if (run_ == nullptr) return Usage("a command is required");
   const string command = app_.get_subcommands().front()->get_name();
   // CLI11's range checks accept NaN.
-  for (const double value : {a_.seconds, a_.wait_s, a_.from_s, a_.until_s, a_.rate_hz}) {
+  for (const double value :
+       {a_.seconds, a_.wait_s, a_.from_s, a_.until_s, a_.rate_hz, a_.max_gb, a_.max_hours}) {
     if (std::isnan(value)) return Usage(command + ": a value is nan; expected a number");
   }
   const Status usage = check_ ? check_() : Status::Ok();

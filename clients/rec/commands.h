@@ -10,6 +10,7 @@
 
 #include "clients/cpp/key_options.h"
 #include "clients/cpp/subscriber.h"
+#include "clients/nats/link_options.h"
 #include "model/base/status.h"
 #include "model/clip/write.h"
 #include "proto/recording/reader.h"
@@ -36,6 +37,12 @@ struct Arguments {
   std::string what = "rig";
   std::vector<std::pair<const clip::Format*, std::string>> exports;  // the files to write
   double rate_hz = 0;                                                // 0: not given
+  // jetstream, fetch
+  stylenats::LinkOptions broker;
+  std::string action, login, domain, site, from_time, to_time;
+  std::vector<std::string> streams{"rig", "canonical"};
+  double max_gb = 10, max_hours = 24;
+  bool yes = false;
 };
 
 // What a command needs beside its arguments: the stop flag and its output streams.
@@ -54,6 +61,9 @@ Status RunInfo(const Arguments& arguments, const Dependencies& to);
 Status CheckPlay(const Arguments& arguments);
 Status RunPlay(const Arguments& arguments, const Dependencies& to);
 Status RunExport(const Arguments& arguments, const Dependencies& to);
+// Where libnats was missing, these two say so.
+Status RunJetStream(const Arguments& arguments, const Dependencies& to);
+Status RunFetch(const Arguments& arguments, const Dependencies& to);
 
 Result<std::unique_ptr<recording::Reader>> OpenRecording(const Arguments& arguments);
 // Writes to `err` what is damaged; nothing if the file is intact.
