@@ -66,7 +66,8 @@ NatsServers::NatsServers()
     : hub_port(FreePort()),
       leaf_port(FreePort()),
       hub_leaf_port(FreePort()),
-      leaf_reaches(hub_leaf_port) {
+      leaf_reaches(hub_leaf_port),
+      rec_port(FreePort()) {
   std::string text = ReadText(NATS_CONFIG_FOLDER "/hub.conf");
   Replace(text, "listen: 127.0.0.1:4223", "listen: 127.0.0.1:" + hub_port);
   Replace(text, "listen: 127.0.0.1:7422", "listen: 127.0.0.1:" + hub_leaf_port);
@@ -75,6 +76,10 @@ NatsServers::NatsServers()
   text = ReadText(NATS_CONFIG_FOLDER "/leaf.conf");
   Replace(text, "listen: 127.0.0.1:4222", "listen: 127.0.0.1:" + leaf_port);
   WriteText(folder_ / "leaf.conf", text);
+  text = ReadText(NATS_CONFIG_FOLDER "/rec.conf");
+  Replace(text, "listen: 127.0.0.1:4225", "listen: 127.0.0.1:" + rec_port);
+  Replace(text, "/var/lib/nats/styled_rec", folder_ / "recording");
+  WriteText(folder_ / "rec.conf", text);
 }
 
 void NatsServers::Edit(const std::string& name, const std::string& from, const std::string& to) {
@@ -103,8 +108,11 @@ void NatsServers::StartHub() { hub = Start("hub", hub_port, hub_under); }
 
 void NatsServers::StartLeaf() { leaf = Start("leaf", leaf_port); }
 
+void NatsServers::StartRec() { rec = Start("rec", rec_port); }
+
 std::string NatsServers::Log() const {
-  return ReadText(folder_ / "hub.log") + ReadText(folder_ / "leaf.log");
+  return ReadText(folder_ / "hub.log") + ReadText(folder_ / "leaf.log") +
+         (rec ? ReadText(folder_ / "rec.log") : "");
 }
 
 Stylenats::Stylenats(const std::string& user, const std::string& port, const std::string& publish,

@@ -30,14 +30,16 @@ class NatsServers {
   NatsServers();
   void StartHub();   // waits until it listens
   void StartLeaf();  // the same
-  // Replaces text of "hub" or "leaf", before it is started.
+  void StartRec();   // the same
+  // Replaces text of "hub", "leaf" or "rec", before it is started.
   void Edit(const std::string& name, const std::string& from, const std::string& to);
   std::string hub_port, leaf_port, hub_leaf_port;
   std::string leaf_reaches;  // the port of the hub that the leaf server connects to
   std::string leaf_scheme = "nats";
   // In front of the hub's command line, such as unshare.
   std::vector<std::string> hub_under;
-  std::unique_ptr<Child> hub, leaf;
+  std::string rec_port;
+  std::unique_ptr<Child> hub, leaf, rec;
   std::string Log() const;
   std::string Folder() const { return folder_ / "jetstream"; }  // of the hub
 
@@ -47,7 +49,7 @@ class NatsServers {
   TemporaryFolder folder_;
 };
 
-// A test with both servers; skipped where nats-server is not installed.
+// A test with hub and leaf; skipped where nats-server is not installed.
 class OnNatsServers : public testing::Test {
  protected:
   void SetUp() override {
