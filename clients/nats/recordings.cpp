@@ -14,7 +14,7 @@ namespace {
 using std::chrono::milliseconds;
 using Steady = std::chrono::steady_clock;
 
-constexpr std::int64_t kWaitForApi_ms = 5000;
+constexpr std::int64_t kWaitForApi_ms = 3000;
 constexpr milliseconds kRefusalComes(3000);  // a broker's second refusal of the login
 constexpr milliseconds kLookAgain(50);
 // One request asks for no more than a quarter of hub.conf's max_pending, 8 MB: a broker closes the
@@ -24,6 +24,7 @@ constexpr std::int64_t kBatchBytes = std::int64_t{2} << 20U;
 constexpr std::int64_t kBatchWait_ns = 2'000'000'000;
 constexpr std::int64_t kIdle_ns = 30'000'000'000;  // until the broker forgets a reader that is gone
 constexpr auto kBrokerComesBack = std::chrono::seconds(10);
+constexpr const char* kFull = "; is its disk full? Make room, and start it again";
 constexpr double kHour_ns = 3600e9;
 constexpr std::string_view kEverybody = "styled.*.*.";
 // For which the broker looks for messages that come twice: it cannot be more than the age of the
@@ -96,7 +97,7 @@ Status Recordings::Explain(natsStatus status, jsErrCode code) {
     if (event.kind != LinkEvent::Kind::kError) continue;
     return Status::Error(at + event.text + "; expected the login of a user who may");
   }
-  if (!link_->connected()) return Status::Error(at + "lost the broker (" + says + ")");
+  if (!link_->connected()) return Status::Error(at + "lost the broker (" + says + ")" + kFull);
   switch (code) {
     case JSStreamNotFoundErr:
       return Status::Error(at + "there is no recording (stream " + StreamName() +
@@ -117,6 +118,9 @@ Status Recordings::Explain(natsStatus status, jsErrCode code) {
                          (domain_.empty() ? "" : " in the domain " + domain_) + " (" + says +
                          "); expected a server with jetstream {}, and --domain NAME where that "
                          "server is behind a leaf server");
+  }
+  if (status == NATS_TIMEOUT) {
+    return Status::Error(at + "its JetStream does not answer (" + says + ")" + kFull);
   }
   return Status::Error(at + says);
 }

@@ -41,7 +41,7 @@ struct Recorded {
 class RecordingReader;
 
 // The recordings of a broker: makes them, looks at them, ends them, reads them. Calls wait for the
-// broker, up to 5 s. Errors say what is missing: the broker, its JetStream, the recordings, room, a
+// broker, up to 3 s. Errors say what is missing: the broker, its JetStream, the recordings, room, a
 // permission. One thread. Pinned by tests/e2e/nats/recording_test.cpp.
 class Recordings {
  public:

@@ -285,7 +285,7 @@ void Program::Declare() {
       "  stylerec receive --listen udp://0.0.0.0:7000 --forward 127.0.0.1:7010 rig.styrec\n"
       "  stylerec play rig.styrec --to udp://127.0.0.1:7000\n"
       "  stylerec export show.styrec --performer rig.anna --out anna.glb\n"
-      "  stylerec jetstream create --max-gb 100 --max-hours 48 --nats nats://rec.example:4225\n"
+      "  stylerec jetstream create --max-gb 10 --max-hours 24 --nats nats://rec.example:4225\n"
       "  stylerec fetch --site stage --from -15m late.styrec --nats nats://rec.example:4225");
   DeclareRecord();
   DeclareReceive();
