@@ -43,14 +43,19 @@ class ZmqChannel final : public Channel {
     }
     return asked;
   }
+  // By a topic on which nothing is ever published: to subscribe to everything anew would lose the
+  // messages in between.
   void Ask() override {
-    zmq_setsockopt(subscriber_.get(), ZMQ_UNSUBSCRIBE, "", 0);
-    zmq_setsockopt(subscriber_.get(), ZMQ_SUBSCRIBE, "", 0);
+    const std::string last = "ask " + std::to_string(asked_),
+                      next = "ask " + std::to_string(++asked_);
+    zmq_setsockopt(subscriber_.get(), ZMQ_SUBSCRIBE, next.data(), next.size());
+    zmq_setsockopt(subscriber_.get(), ZMQ_UNSUBSCRIBE, last.data(), last.size());
   }
 
  private:
   runtime::ZmqSocket publisher_, subscriber_;
   zmq_msg_t message_;
+  std::uint64_t asked_ = 0;
 };
 
 }  // namespace
