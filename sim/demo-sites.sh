@@ -80,7 +80,7 @@ wait_for() { # wait_for TEXT LOG
 }
 
 # The shipped configurations, on free ports and with passwords of this run.
-for role in BRIDGE LEAF OPERATOR VIEWER GUEST; do
+for role in BRIDGE LEAF OPERATOR VIEWER RECORDER GUEST; do
   export "STYLED_NATS_$role=p$(od -An -N8 -tx8 /dev/urandom | tr -d ' ')"
 done
 next_port; hub_port=$port

@@ -96,10 +96,13 @@ std::unique_ptr<Child> NatsServers::Start(const std::string& name, const std::st
       std::map<std::string, std::string>{
           {"STYLED_NATS_BRIDGE", "bridgeword"},
           {"STYLED_NATS_LEAF", "leafword"},
+          {"STYLED_NATS_RECORDER", "recorderword"},
           {"STYLED_NATS_OPERATOR", "operatorword"},
           {"STYLED_NATS_VIEWER", "viewerword"},
           {"STYLED_NATS_GUEST", "guestword"},
-          {"STYLED_NATS_HUB", leaf_scheme + "://leaf:leafword@127.0.0.1:" + leaf_reaches}});
+          {"STYLED_NATS_HUB", name == "rec"
+                                  ? "nats://recorder:recorderword@127.0.0.1:" + hub_leaf_port
+                                  : leaf_scheme + "://leaf:leafword@127.0.0.1:" + leaf_reaches}});
   EXPECT_TRUE(WaitUntil([&port] { return Listens(port); }, 10)) << Log();
   return child;
 }
