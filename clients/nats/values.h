@@ -21,8 +21,8 @@ namespace styled::stylenats {
 class Values {
  public:
   static constexpr int kAgain_s = 10;
-  // Between two questions for what is new: 5 small ones a second. A body that changes is here before
-  // anybody sees more than 24 frames that have none.
+  // Between two questions for what is new: 5 small ones a second. A body that changes is here
+  // before anybody sees more than 24 frames that have none.
   static constexpr int kPoll_ms = 200;
   // A value, or nothing where the key was removed. Called on the thread of this object.
   using OnValue = std::function<void(const std::string& key, const std::string* value)>;

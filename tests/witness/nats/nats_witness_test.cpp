@@ -110,9 +110,8 @@ TEST_F(NatsWitness, ReadsFramesHeadersAndTheBucket) {
   EXPECT_EQ(row["operation"], "PUT");
   const std::string value = Decode(row["payload"].get<std::string>());
   const auto bodies = sent.Messages("body/rig.a/");
-  EXPECT_TRUE(std::any_of(bodies.begin(), bodies.end(), [&value](const Message& message) {
-    return message.payload == value;
-  }));
+  EXPECT_TRUE(std::any_of(bodies.begin(), bodies.end(),
+                          [&value](const Message& message) { return message.payload == value; }));
 }
 
 TEST_F(NatsWitness, ReadsTheRecordingThatStylerecBegan) {
