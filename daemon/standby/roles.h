@@ -18,7 +18,7 @@ struct Peer {
 // the other daemon said and how time passes. One thread.
 //
 // It fails open: a daemon that hears nothing leads. Where both lead, since neither heard the other
-// for a while, the one of the higher term stays. Pinned by tests/unit/standby/roles_test.cpp.
+// for a while, the one of the higher term stays. Pinned by tests/unit/standby/who_leads_test.cpp.
 class Roles {
  public:
   enum class Change : std::uint8_t {
