@@ -5,7 +5,9 @@
 import { AckPolicy, connect, DeliverPolicy } from 'nats';
 
 const [port, subject, count] = process.argv.slice(2);
-const connection = await connect({ servers: `127.0.0.1:${port}`, user: 'viewer', pass: process.env.VIEWER });
+const connection = await connect({
+  servers: `127.0.0.1:${port}`, user: 'viewer', pass: process.env.VIEWER, inboxPrefix: '_INBOX_viewer',
+});
 const stream = (await connection.request('$JS.API.STREAM.INFO.STYLED_REC')).json();
 console.log(`stream ${JSON.stringify(stream.config)}`);
 
