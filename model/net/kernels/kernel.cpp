@@ -145,31 +145,42 @@ HWY_INLINE void AffinePanels(const float* weights, int panel, int columns, const
                                               panel * kPanelRows, x, inputs, least);
 }
 
+// Some panels for all inputs, while their weights are in a near cache.
+template <int Panels>
+HWY_INLINE void AffineSome(const float* weights, int panel, int columns,
+                           std::span<const Operands> inputs, bool relu) {
+  for (; inputs.size() >= 4; inputs = inputs.subspan(4)) {
+    AffinePanels<Panels, 4>(weights, panel, columns, inputs.data(), relu);
+  }
+  if (inputs.size() >= 2) {
+    AffinePanels<Panels, 2>(weights, panel, columns, inputs.data(), relu);
+    inputs = inputs.subspan(2);
+  }
+  if (!inputs.empty()) AffinePanels<Panels, 1>(weights, panel, columns, inputs.data(), relu);
+}
+
 // Processes as many panels at a time as the registers hold, then the rest.
-template <int Inputs, int Most>
-HWY_INLINE void AffineInputs(const float* weights, int panel, int panels, int columns,
-                             const Operands* inputs, bool relu) {
+template <int Most>
+HWY_INLINE void AffinePanelwise(const float* weights, int panel, int panels, int columns,
+                                std::span<const Operands> inputs, bool relu) {
   for (; panel + Most <= panels; panel += Most) {
-    AffinePanels<Most, Inputs>(weights, panel, columns, inputs, relu);
+    AffineSome<Most>(weights, panel, columns, inputs, relu);
   }
   if constexpr (Most > 1) {
     if (panel < panels) {
-      AffineInputs<Inputs, Most - 1>(weights, panel, panels, columns, inputs, relu);
+      AffinePanelwise<Most - 1>(weights, panel, panels, columns, inputs, relu);
     }
   }
 }
 
 void Affine(const float* weights, int panels, int columns, std::span<const Operands> inputs,
             bool relu) noexcept {
-  for (; inputs.size() >= 4; inputs = inputs.subspan(4)) {
-    AffineInputs<4, kManyRegisters ? 5 : 1>(weights, 0, panels, columns, inputs.data(), relu);
-  }
-  if (inputs.size() >= 2) {
-    AffineInputs<2, kManyRegisters ? 5 : 1>(weights, 0, panels, columns, inputs.data(), relu);
-    inputs = inputs.subspan(2);
-  }
-  if (!inputs.empty()) {
-    AffineInputs<1, kManyRegisters ? 5 : 2>(weights, 0, panels, columns, inputs.data(), relu);
+  if (kManyRegisters) {
+    AffinePanelwise<5>(weights, 0, panels, columns, inputs, relu);
+  } else if (inputs.size() == 1) {
+    AffinePanelwise<2>(weights, 0, panels, columns, inputs, relu);
+  } else {
+    AffinePanelwise<1>(weights, 0, panels, columns, inputs, relu);
   }
 }
 
@@ -258,33 +269,54 @@ HWY_INLINE void Gates(const float* weights, const float* bias,
   }
 }
 
+// 16 units of some states, from the old h of all units.
 template <int Units, int Inputs>
-HWY_INLINE void LstmInputs(const float* weights, const float* bias, const LstmOperands* states) {
+HWY_INLINE void LstmSome(const float* weights, const float* bias, int first,
+                         const float (*old)[Units], const LstmOperands* states) {
   constexpr int kGate = 16 / kLanes;  // vectors of a gate's 16 units
-  // All units read the old h, so it is copied before h is overwritten.
-  alignas(64) float old[Inputs][Units];
   std::array<const float*, Inputs> h, z;
   HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) {
-    for (int u = 0; u < Units; u += kLanes) {
-      hn::Store(hn::Load(d, states[i].h + u), d, old[i] + u);
-    }
     h[i] = old[i];
     z[i] = states[i].z;
   }
-  for (int first = 0; first < Units; first += 16) {
-    V gates[Inputs][kGateVectors];
-    Gates<Units, Inputs>(weights, bias, h, z, gates);
+  V gates[Inputs][kGateVectors];
+  Gates<Units, Inputs>(weights, bias, h, z, gates);
+  HWY_UNROLL(4)
+  for (int i = 0; i < Inputs; ++i) {
     HWY_UNROLL(4)
-    for (int i = 0; i < Inputs; ++i) {
-      HWY_UNROLL(4)
-      for (int v = 0; v < kGate; ++v) {
-        const V* const gate = gates[i] + v;
-        const int unit = first + v * kLanes;
-        Unit(gate[0], gate[kGate], gate[2 * kGate], gate[3 * kGate], states[i].h + unit,
-             states[i].c + unit);
-      }
+    for (int v = 0; v < kGate; ++v) {
+      const V* const gate = gates[i] + v;
+      const int unit = first + v * kLanes;
+      Unit(gate[0], gate[kGate], gate[2 * kGate], gate[3 * kGate], states[i].h + unit,
+           states[i].c + unit);
     }
+  }
+}
+
+constexpr std::size_t kMostStates = 16;  // at a time
+
+// Units outermost: the weights of 16 units stay in the first-level cache while the states pass.
+template <int Units>
+HWY_INLINE void LstmChunk(const float* weights, const float* bias,
+                          std::span<const LstmOperands> states) {
+  // All units read the old h, so it is copied before h is overwritten.
+  alignas(64) float old[kMostStates][Units];
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    for (int u = 0; u < Units; u += kLanes) {
+      hn::Store(hn::Load(d, states[i].h + u), d, old[i] + u);
+    }
+  }
+  for (int first = 0; first < Units; first += 16) {
+    std::size_t i = 0;
+    for (; i + 4 <= states.size(); i += 4) {
+      LstmSome<Units, 4>(weights, bias, first, old + i, &states[i]);
+    }
+    if (i + 2 <= states.size()) {
+      LstmSome<Units, 2>(weights, bias, first, old + i, &states[i]);
+      i += 2;
+    }
+    if (i < states.size()) LstmSome<Units, 1>(weights, bias, first, old + i, &states[i]);
     weights += std::size_t{4} * Units * kPanelRows;
     bias += 2 * kPanelRows;
   }
@@ -293,14 +325,11 @@ HWY_INLINE void LstmInputs(const float* weights, const float* bias, const LstmOp
 template <int Units>
 void LstmStates(const float* weights, const float* bias,
                 std::span<const LstmOperands> states) noexcept {
-  for (; states.size() >= 4; states = states.subspan(4)) {
-    LstmInputs<Units, 4>(weights, bias, states.data());
+  while (!states.empty()) {
+    const std::size_t count = HWY_MIN(states.size(), kMostStates);
+    LstmChunk<Units>(weights, bias, states.first(count));
+    states = states.subspan(count);
   }
-  if (states.size() >= 2) {
-    LstmInputs<Units, 2>(weights, bias, states.data());
-    states = states.subspan(2);
-  }
-  if (!states.empty()) LstmInputs<Units, 1>(weights, bias, states.data());
 }
 
 void Lstm(int units, const float* weights, const float* bias,
