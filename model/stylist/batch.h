@@ -20,7 +20,7 @@ struct BatchEntry {
 // bit for bit. Performers that share a network share the reading of its weights. At most kMost
 // entries; instantiated for 1, so that a single performer does not pay for a batch's arrays, and
 // for kMaxBatch. No allocation. Pinned by tests/unit/stylist/stylist_test.cpp.
-inline constexpr std::size_t kMaxBatch = 8;  // Stylist::kTogether
+inline constexpr std::size_t kMaxBatch = 16;  // Stylist::kTogether
 template <std::size_t kMost>
 STYLED_REALTIME void StepTogether(std::span<const BatchEntry> entries) noexcept;
 

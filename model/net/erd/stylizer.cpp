@@ -9,7 +9,7 @@
 namespace styled::erd {
 namespace {
 
-constexpr std::size_t kTogether = 8;  // jobs at a time, the same as in Network
+constexpr std::size_t kTogether = 16;  // jobs at a time, the same as in Network
 
 template <Shape kShape>
 class ErdStream final : public net::Stream {
