@@ -269,7 +269,7 @@ TEST_F(StylistTest, TheSameStreamGivesTheSameBits) {
 // More stylists than are processed at a time, of different rates, styles, clocks and phases; one
 // with gaps, so that several ticks are due in a frame; one on other weights.
 TEST_F(StylistTest, TogetherIsBitForBitOneByOne) {
-  constexpr int kPerformers = 11;
+  constexpr int kPerformers = 19;
   const auto other = erd::RandomStylizer(5, 2);
   std::vector<Stylist> alone, together;
   std::vector<Output> out_alone, out_together;

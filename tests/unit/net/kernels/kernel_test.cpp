@@ -52,8 +52,8 @@ TEST(Kernels, EachTargetHasItsOwn) {
   RecordProperty("targets", testing::PrintToString(names));
 }
 
-// Processed as four, two and one.
-constexpr int kInputs = 7;
+// Processed as fours, two and one; an LSTM layer takes sixteen at a time.
+constexpr int kInputs = 23;
 
 // One product of `rows` x `columns` with several inputs: together, and each alone.
 void CheckAffine(int rows, int columns, bool relu, std::mt19937& random) {
