@@ -135,6 +135,7 @@ BENCHMARK(Crowd)
     ->ArgNames({"network", "together"})
     ->Args({kWide, 1})
     ->Args({kWide, 8})
+    ->Args({kWide, 16})
     ->Args({kGraph, 1})
     ->Args({kGraph, 8})
     ->Unit(benchmark::kMillisecond);
