@@ -105,6 +105,7 @@ class Roster {
   runtime::Counters& counters_;
   // Where sequences of new profiles begin: beyond those of every freed profile, so that a
   // performer's sequence never goes back.
+  std::size_t expected_ = 0;  // where Find looks first
   std::uint64_t first_sequence_ = 1;
   std::uint64_t named_ = 0;   // as Profile::named_last
   std::int64_t aged_ns_ = 0;  // end of the last full hour; 0: no hour has begun
