@@ -37,6 +37,35 @@ class NoPublisher final : public publish::Publisher {
   int fd() const override { return -1; }
 };
 
+// Each is found whatever was looked for before, since the search begins behind the last one found.
+TEST(RosterFindTest, EverybodyIsFoundInAnyOrderAndNobodyElse) {
+  auto config = std::make_shared<RuntimeConfig>();
+  config->network = erd::RandomStylizer(2, 1);
+  runtime::Counters counters;
+  publish::Subscriptions subscriptions(10, counters);
+  for (const int count : {0, 1, 2, 3, 16, 17}) {
+    Roster roster({"rig", "suit", "rig"}, config, 1, subscriptions, counters);
+    for (int i = 0; i < count; ++i) roster.Add(i % 3, "p" + std::to_string(i), 1);
+    std::mt19937 random(7);
+    for (int round = 0; round < 500; ++round) {
+      const int i = static_cast<int>(random() % 20);
+      const std::string name = "p" + std::to_string(i);
+      Performer* const found = roster.Find(i % 3, name);
+      ASSERT_EQ(found != nullptr, i < count) << name << " of " << count;
+      if (found != nullptr) {
+        EXPECT_EQ(found->name, name);
+        // Sources of one name are one.
+        EXPECT_EQ(roster.Find(i % 3 == 0 ? 2 : i % 3 == 2 ? 0 : 1, name), found);
+        EXPECT_EQ(roster.Find(i % 3 == 1 ? 0 : 1, name), nullptr);
+      }
+    }
+    while (!roster.performers.empty()) {
+      roster.Forget(*roster.performers[random() % roster.performers.size()]);
+      EXPECT_EQ(roster.Find(0, "nobody"), nullptr);
+    }
+  }
+}
+
 // Who is known to a daemon whose table has room for 8 profiles, 2 of them live.
 class RosterTest : public testing::Test {
  protected:
